@@ -1,12 +1,13 @@
 #include "batten/mesh/rotation_of_faces.h"
 
 #include <Eigen/LU>
+#include <algorithm>
 #include <cmath>
 #include <optional>
 
-#include "batten/core/chunks.h"
 #include "batten/core/dense.h"
 #include "batten/core/errors.h"
+#include "batten/mesh/rotation_batch.h"
 
 namespace batten {
 namespace {
@@ -98,13 +99,26 @@ Mat3 rotation_of_face(std::span<const int> corners, const Points& before, const 
   return rotation_part(H);
 }
 
-std::vector<Mat3> rotations_of_faces(const std::vector<std::vector<int>>& faces,
-                                     const Points& before, const Points& after) {
-  std::vector<Mat3> rotations(faces.size());
-  for_each_in_chunks<1024>(static_cast<int>(faces.size()), [&](int f) {
-    rotations[f] = rotation_of_face(faces[f], before, after);
-  });
-  return rotations;
+void rotations_of_triangles(std::span<const std::array<int, 3>> triangles,
+                            std::span<const int> which, const Points& before, const Points& after,
+                            std::span<Mat3> rotations) {
+  constexpr size_t lanes = RotationBatch::kLanes;
+  RotationBatch maps, turns;
+  for (size_t first = 0; first < which.size(); first += lanes) {
+    const size_t count = std::min(lanes, which.size() - first);
+    std::array<bool, lanes> nearly_lines{};
+    for (size_t l = 0; l < lanes; ++l) {
+      const auto H = l < count ? map_of_triangle(triangles[which[first + l]], before, after)
+                               : std::optional(Mat3(Mat3::Identity()));
+      nearly_lines[l] = !H;
+      maps.set(static_cast<int>(l), H ? *H : Mat3(Mat3::Identity()));
+    }
+    rotation_parts(maps, turns);
+    for (size_t l = 0; l < count; ++l)
+      rotations[first + l] = nearly_lines[l]
+                                 ? rotation_of_face(triangles[which[first + l]], before, after)
+                                 : turns.get(static_cast<int>(l));
+  }
 }
 
 Mat3 mean_rotation(std::span<const Mat3> rotations, std::span<const double> weights) {

@@ -137,8 +137,10 @@ void FeatureRegionDeformer::Data::take(const Points& estimate, std::span<const H
 
 void FeatureRegionDeformer::Data::turn_faces(const Points& estimate) {
   for (size_t r = 0; r < regions.size(); ++r)
-    for_each_in_chunks<256>(count_of(faces[r]), [&](int k) {
-      face_turns[r][k] = rotation_of_face(mesh.triangles()[faces[r][k]], mesh.points(), estimate);
+    in_chunks<256>(count_of(faces[r]), [&](long begin, long end) {
+      const auto n = static_cast<size_t>(end - begin);
+      rotations_of_triangles(mesh.triangles(), std::span(faces[r]).subspan(begin, n), mesh.points(),
+                             estimate, std::span(face_turns[r]).subspan(begin, n));
     });
 }
 

@@ -129,9 +129,27 @@ TEST_CASE("faces that collapse, stretch or turn inside out have a rotation") {
   const Mat3 onto =
       rotation_of_face(quad, before, after(Vec3::UnitZ() * Vec3::UnitX().transpose()));
   CHECK((onto * Vec3::UnitX() - Vec3::UnitZ()).norm() < 1e-7);
-  const auto all = rotations_of_faces({quad, {0, 1, 2}}, before, after(R));
-  CHECK((all[0] - R).norm() < 1e-13);
-  CHECK((all[1] - R).norm() < 1e-13);
+}
+
+TEST_CASE("rotations of triangles side by side are those one by one") {
+  Random random(17);
+  Points before(40, 3), after(40, 3);
+  for (int i = 0; i < 40; ++i)
+    for (int c = 0; c < 3; ++c) before(i, c) = random(), after(i, c) = random();
+  std::vector<std::array<int, 3>> triangles;
+  for (int i = 0; i + 2 < 40; ++i) triangles.push_back({i, i + 1, i + 2});
+  triangles[5] = {3, 3, 4};  // a line, a point
+  triangles[6] = {7, 7, 7};
+  std::vector<int> which;
+  for (int i = 0; i < 38; i += 2) which.push_back(i), which.push_back(37 - i);
+  for (const size_t count : {which.size(), size_t{1}, size_t{8}, size_t{0}, size_t{11}}) {
+    std::vector<Mat3> rotations(count);
+    rotations_of_triangles(triangles, std::span(which).first(count), before, after, rotations);
+    for (size_t k = 0; k < count; ++k)
+      CHECK(
+          (rotations[k] - rotation_of_face(triangles[static_cast<size_t>(which[k])], before, after))
+              .norm() < 1e-9);
+  }
 }
 
 TEST_CASE("means of rotations: outliers carry the squared one away, not the other") {

@@ -96,19 +96,21 @@ class FeatureTurns {
     triangles_.resize(problem.features.size());
     for (size_t f = 0; f < problem.features.size(); ++f)
       gather_faces(problem.features[f], known, faces, triangles_[group_[f]]);
+    for (const auto& triangles : triangles_) {
+      areas_.emplace_back();
+      for (const int t : triangles) areas_.back().push_back(mesh_.area_vector(t).norm());
+    }
     find_held(problem);
   }
 
   std::vector<std::optional<Mat3>> found(const DeformEdit& edit, const Points& positions) const {
     std::vector<std::optional<Mat3>> of_group(triangles_.size()), turns(group_.size());
     parallel_parts(count_of(triangles_), [&](int g) {
-      std::vector<Mat3> rotations;
-      std::vector<double> areas;
-      for (const int t : triangles_[g]) {
-        rotations.push_back(rotation_of_face(mesh_.triangles()[t], mesh_.points(), positions));
-        areas.push_back(mesh_.area_vector(t).norm());
-      }
-      if (!rotations.empty()) of_group[g] = mean_rotation(rotations, areas);
+      if (triangles_[g].empty()) return;
+      std::vector<Mat3> rotations(triangles_[g].size());
+      rotations_of_triangles(mesh_.triangles(), triangles_[g], mesh_.points(), positions,
+                             rotations);
+      of_group[g] = mean_rotation(rotations, areas_[g]);
     });
     for (size_t f = 0; f < group_.size(); ++f) turns[f] = of_group[group_[f]];
     for (const auto& [feature, handle] : held_)
@@ -178,6 +180,7 @@ class FeatureTurns {
   const TriangleMesh& mesh_;
   std::vector<int> group_;
   std::vector<std::vector<int>> triangles_;   // of each group
+  std::vector<std::vector<double>> areas_;    // of these
   std::vector<std::pair<size_t, int>> held_;  // features, and the handle that turns them, -1: none
 };
 
