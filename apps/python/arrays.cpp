@@ -129,6 +129,12 @@ std::vector<std::array<int, 3>> triangles_from(py::handle given, const std::stri
   return triangles;
 }
 
+std::optional<bool> truth_from(const py::object& given, const std::string& what) {
+  if (given.is_none()) return {};
+  if (given.ptr() == Py_True || given.ptr() == Py_False) return given.ptr() == Py_True;
+  throw InputError(what + ": found " + std::string(py::repr(given)) + ", expected True or False");
+}
+
 std::vector<Vec3> rows_of(const Points& points) {
   std::vector<Vec3> rows;
   for (long i = 0; i < points.rows(); ++i) rows.emplace_back(points.row(i).transpose());

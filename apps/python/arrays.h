@@ -3,6 +3,7 @@
 
 #include <array>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -19,11 +20,14 @@ namespace batten::python {
 ///     numbers     n such numbers
 ///     indices     n whole numbers from 0 to count-1, or a mask of `count` truth values
 ///     triangles   m×3 whole numbers, not below 0
+///     truth       True or False, or None: not said
 Points points_from(py::handle given, const std::string& what);
 Vec3 vector_from(py::handle given, const std::string& what);
 std::vector<double> numbers_from(py::handle given, const std::string& what);
 std::vector<int> indices_from(py::handle given, const std::string& what, int count);
 std::vector<std::array<int, 3>> triangles_from(py::handle given, const std::string& what);
+
+std::optional<bool> truth_from(const py::object& given, const std::string& what);
 
 /// Rows of a point matrix.
 std::vector<Vec3> rows_of(const Points& points);

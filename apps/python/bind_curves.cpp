@@ -40,11 +40,6 @@ std::optional<std::vector<int>> corners_from(const py::object& given, size_t poi
   return indices_from(given, "corners", static_cast<int>(points));
 }
 
-std::optional<bool> closed_from(const py::object& given) {
-  if (given.is_none()) return {};
-  return given.cast<bool>();
-}
-
 void balance(FairOptions& options, const py::object& noise, const py::object& deviation,
              const py::object& wavelength) {
   if (!noise.is_none() + !deviation.is_none() + !wavelength.is_none() > 1)
@@ -66,7 +61,7 @@ FairCurve fair(const py::object& given, const py::object& noise, const py::objec
   const std::vector<Vec3> points = rows_of(points_from(given, "points"));
   FairOptions options;
   balance(options, noise, deviation, wavelength);
-  options.closed = closed_from(closed);
+  options.closed = truth_from(closed, "closed");
   options.corners = corners_from(corners, points.size());
   options.corner_angle = corner_angle;
   options.hold_ends = hold_ends;
@@ -79,7 +74,7 @@ HermiteCurve fitted(const py::object& given, double tolerance, const py::object&
   const std::vector<Vec3> points = rows_of(points_from(given, "points"));
   FitOptions options;
   options.tolerance = tolerance;
-  options.closed = closed_from(closed);
+  options.closed = truth_from(closed, "closed");
   options.corners = corners_from(corners, points.size());
   options.corner_angle = corner_angle;
   return KernelCall()([&](const Progress&) { return fit_points(name, points, options).curve; });

@@ -40,11 +40,11 @@ std::unique_ptr<SessionObject> new_session(const py::object& source, const py::o
 /// Calls function(session) without the interpreter's lock, in this thread's turn.
 template <class Function>
 auto free_call(const SessionObject& of, bool changes, const Function& function) {
-  return KernelCall()([&](const Progress&) { return of.live->with(changes, function); });
+  return KernelCall()([&](const Progress& hook) { return of.live->with(changes, hook, function); });
 }
 
 std::shared_ptr<const Frame> frame_of(const SessionObject& of) {
-  return KernelCall()([&](const Progress&) { return of.live->frame(); });
+  return KernelCall()([&](const Progress& hook) { return of.live->frame(hook); });
 }
 
 py::array frame_view(const SessionObject& of, std::vector<float> Frame::*numbers) {
@@ -140,7 +140,7 @@ py::dict session_reactions(const SessionObject& of) {
 
 py::dict session_stress(const SessionObject& of) {
   const LiveSession::Stress stress =
-      KernelCall()([&](const Progress&) { return of.live->stress(); });
+      KernelCall()([&](const Progress& hook) { return of.live->stress(hook); });
   const MovingStress::Field& field = *stress.field;
   const auto rows = static_cast<py::ssize_t>(field.displacement.size() / 3);
   return py::dict(
@@ -180,8 +180,9 @@ void bind_session_answers(SessionClass& c) {
       .def(
           "answer",
           [](const SessionObject& of, int most_iterations, double tolerance) {
-            return KernelCall()(
-                [&](const Progress&) { return of.live->answer(most_iterations, tolerance); });
+            return KernelCall()([&](const Progress& hook) {
+              return of.live->answer(most_iterations, tolerance, hook);
+            });
           },
           "most_iterations"_a = 4, "tolerance"_a = 1e-5,
           R"(The shape at rest for a drag: to `tolerance` (of the size) or that many iterations.
@@ -190,9 +191,11 @@ One or a few pairs of triangular solves; where it has not converged the next cal
 Raises NoSolutionError past a load's limit; parameters and shape are then the last good ones.)")
       .def(
           "settle",
-          [](const SessionObject& of) {
-            return KernelCall()([&](const Progress&) { return of.live->settle(); });
+          [](const SessionObject& of, const py::object& progress) {
+            return KernelCall(progress)(
+                [&](const Progress& hook) { return of.live->settle(hook); });
           },
+          py::kw_only(), "progress"_a = py::none(),
           "The shape at rest, to rounding. Raises NoSolutionError, ConflictError.")
       .def(
           "undo",
@@ -307,8 +310,8 @@ Source: Kirchhoff-Love shells on the same elements (docs/stress.md).)")
       .def(
           "model",
           [](const SessionObject& of) {
-            return KernelCall()([&](const Progress&) {
-              return std::const_pointer_cast<ShapedModel>(of.live->model());
+            return KernelCall()([&](const Progress& hook) {
+              return std::const_pointer_cast<ShapedModel>(of.live->model(hook));
             });
           },
           "The present shape as a Model, which stays as it is.");

@@ -9,20 +9,31 @@ namespace batten::python {
 LiveSession::LiveSession(std::shared_ptr<const ShapedModel> of, const Progress& progress)
     : scene_(of->scene()), lines_(of->lines()) {
   require_surface(*of);
-  model_ = std::make_shared<const SculptModel>(sculpt_model(*of->made(), scene_, progress));
+  const Asked asked(asked_, progress);
+  model_ = std::make_shared<const SculptModel>(sculpt_model(*of->made(), scene_, handed_on()));
   progress.at("session", 0);
   session_ = std::make_unique<SculptingSession>(make_session(*model_->layout, scene_, model_->made,
-                                                             Expected::many_factors, progress,
+                                                             Expected::many_factors, handed_on(),
                                                              &start_, model_->fair.rest));
   answer_ = session_->settle();
 }
 
-Answer LiveSession::settle() {
-  return with(true, [&](SculptingSession& session) { return answer_ = session.settle(); });
+Progress LiveSession::handed_on() {
+  Progress progress;
+  progress.report = [this](std::string_view stage, double fraction) {
+    if (asked_ && asked_->report) asked_->report(stage, fraction);
+  };
+  progress.cancelled = [this] { return asked_ && asked_->cancelled && asked_->cancelled(); };
+  return progress;
 }
 
-Answer LiveSession::answer(int most_iterations, double tolerance) {
-  return with(true, [&](SculptingSession& session) {
+Answer LiveSession::settle(const Progress& progress) {
+  return with(true, progress,
+              [&](SculptingSession& session) { return answer_ = session.settle(); });
+}
+
+Answer LiveSession::answer(int most_iterations, double tolerance, const Progress& progress) {
+  return with(true, progress, [&](SculptingSession& session) {
     return answer_ = session.answer(most_iterations, tolerance);
   });
 }
@@ -45,12 +56,12 @@ std::shared_ptr<const Frame> LiveSession::drawn() {
   return shown_;
 }
 
-std::shared_ptr<const Frame> LiveSession::frame() {
-  return turns_([&] { return drawn(); });
+std::shared_ptr<const Frame> LiveSession::frame(const Progress& progress) {
+  return with(false, progress, [&](SculptingSession&) { return drawn(); });
 }
 
-std::shared_ptr<const ShapedModel> LiveSession::model() {
-  return with(false, [&](SculptingSession& session) {
+std::shared_ptr<const ShapedModel> LiveSession::model(const Progress& progress) {
+  return with(false, progress, [&](SculptingSession& session) {
     MadeShape shape = shape_of(session, scene_, start_.unloaded, answer_);
     Scene scene = scene_;
     for (const NamedValue& p : scene_.named_values())
@@ -62,11 +73,11 @@ std::shared_ptr<const ShapedModel> LiveSession::model() {
   });
 }
 
-LiveSession::Stress LiveSession::stress() {
+LiveSession::Stress LiveSession::stress(const Progress& progress) {
   if (!scene_.stress)
     throw InputError(scene_.name +
                      ": found no [stress], expected thickness, material and supports");
-  return with(false, [&](SculptingSession& session) {
+  return with(false, progress, [&](SculptingSession& session) {
     const auto shown = drawn();
     if (!stress_) stress_.emplace(scene_);
     Stress result;

@@ -97,7 +97,7 @@ Scene scene_of_arrays(const py::dict& lines, const SkinWords& words) {
              smooth = names_from(words.smooth, "smooth", names),
              crease = names_from(words.crease, "crease", names);
   const bool roles = !inner.empty() || !holes.empty();
-  const bool network = words.network.is_none() ? !roles : words.network.cast<bool>();
+  const bool network = truth_from(words.network, "network").value_or(!roles);
   if (network && roles)
     throw InputError(
         "network: found True beside inner or holes, expected one of both: in a network "
