@@ -1,7 +1,6 @@
 """Models, meshes and sessions for other packages, which are imported when they are asked for."""
 
 import os
-import tempfile
 
 
 def to_meshio(self):
@@ -55,6 +54,8 @@ def model_png(self):
     """The bytes of a picture, by which Jupyter shows a model; None without an X server."""
     if not os.environ.get("DISPLAY"):
         return None
+    import tempfile
+
     with tempfile.TemporaryDirectory(prefix="batten_") as folder:
         file = os.path.join(folder, "model.png")
         self.picture(file, width=800, height=500, contours=12)
