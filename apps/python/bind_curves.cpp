@@ -1,9 +1,12 @@
 // Curves: fair ones, fitted ones, and how fair they are.
 #include "batten/apps/python/arrays.h"
 #include "batten/apps/python/kernel_call.h"
+#include "batten/apps/python/scenes.h"
 #include "batten/fairing/curve_fit.h"
 #include "batten/fairing/fair_curve.h"
 #include "batten/fairing/fairness.h"
+#include "batten/io/files/length_units.h"
+#include "batten/io/lines/curve_files.h"
 
 namespace batten::python {
 namespace {
@@ -80,6 +83,38 @@ HermiteCurve fitted(const py::object& given, double tolerance, const py::object&
   return KernelCall()([&](const Progress&) { return fit_points(name, points, options).curve; });
 }
 
+NamedCurve named_curve(const std::string& name, const py::handle& given) {
+  NamedCurve line;
+  line.name = name;
+  if (py::isinstance<HermiteCurve>(given)) {
+    line.curve = given.cast<HermiteCurve>();
+    constexpr int pieces = 96;
+    for (int i = 0; i <= pieces; ++i)
+      line.parameters.push_back(line.curve.start() +
+                                (line.curve.end() - line.curve.start()) * i / pieces);
+  } else if (py::isinstance<FairCurve>(given)) {
+    const auto fair = given.cast<FairCurve>();
+    line.curve = fair.curve;
+    line.parameters = fair.parameters;
+  } else {
+    const std::vector<Vec3> points = rows_of(points_from(given, "line '" + name + "'"));
+    line.curve = curve_as_given(name, points);
+    line.parameters = line.curve.parameters();
+  }
+  return line;
+}
+
+py::list save_lines(const py::object& path, const py::dict& lines, const std::string& unit) {
+  const std::string file = path_from(path);
+  std::vector<NamedCurve> curves;
+  for (const auto& [name, given] : lines) curves.push_back(named_curve(py::str(name), given));
+  CurveFileOptions options;
+  options.unit_in_metres = unit_in_metres(unit);
+  const std::vector<std::string> left_out =
+      KernelCall()([&](const Progress&) { return write_curves(file, curves, options); });
+  return py::cast(left_out);
+}
+
 void bind_curve_class(py::module_& m) {
   py::class_<HermiteCurve>(m, "Curve",
                            "A C1 curve of cubics over a parameter u. It does not change.")
@@ -152,6 +187,11 @@ The balance is found by itself (cross-validation), or stated by one of `noise` (
 `deviation` (largest distance) and `wavelength`, model units. `corners`: numbers of points, or None:
 those that turn by more than `corner_angle` degrees. Raises InputError, NoSolutionError.
 Source: min Σ|X(u_i) - p_i|² + ρ∫(1-b)(ra)⁶|X_uuu|² + b(ra)⁴|X_uu|² du (docs/theory/curves.md).)");
+  m.def(
+      "write_lines", &save_lines, "path"_a, "lines"_a, py::kw_only(), "unit"_a = "mm",
+      R"(Writes {name: points n×3, Curve or FairCurve} by the file's ending: .csv .obj .curves .vtp .step .iges.
+
+Points get the curve through them, C2 between corners. Returns sentences about lines that were left out. Raises InputError, FileError.)");
   m.def("fit", &fitted, "points"_a, "tolerance"_a, py::kw_only(), "closed"_a = py::none(),
         "corners"_a = py::none(), "corner_angle"_a = 50.0, "name"_a = "curve",
         R"(The Curve of few cubics within `tolerance` (model units) of points n×3 in their order.

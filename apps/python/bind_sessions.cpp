@@ -1,4 +1,6 @@
 // Sessions: parameters in, points out.
+#include <cmath>
+
 #include "batten/apps/python/arrays.h"
 #include "batten/apps/python/live_session.h"
 #include "batten/apps/python/scenes.h"
@@ -151,6 +153,14 @@ py::dict session_stress(const SessionObject& of) {
       "displacement"_a = rows_view(stress.field, field.displacement.data(), rows, 3));
 }
 
+void require_answer(int most_iterations, double tolerance) {
+  if (most_iterations < 1)
+    throw InputError("most_iterations: found " + std::to_string(most_iterations) +
+                     ", expected 1 or more");
+  if (!(tolerance > 0 && std::isfinite(tolerance)))
+    throw InputError("tolerance: found " + number(tolerance) + ", expected a number above 0");
+}
+
 using SessionClass = py::class_<SessionObject>;
 
 void bind_session_answers(SessionClass& c) {
@@ -180,6 +190,7 @@ void bind_session_answers(SessionClass& c) {
       .def(
           "answer",
           [](const SessionObject& of, int most_iterations, double tolerance) {
+            require_answer(most_iterations, tolerance);
             return KernelCall()([&](const Progress& hook) {
               return of.live->answer(most_iterations, tolerance, hook);
             });
@@ -196,7 +207,9 @@ Raises NoSolutionError past a load's limit; parameters and shape are then the la
                 [&](const Progress& hook) { return of.live->settle(hook); });
           },
           py::kw_only(), "progress"_a = py::none(),
-          "The shape at rest, to rounding. Raises NoSolutionError, ConflictError.")
+          "The shape at rest, to rounding; `progress` is told where fairness is a part of it. "
+          "Raises "
+          "NoSolutionError, ConflictError.")
       .def(
           "undo",
           [](const SessionObject& of) {

@@ -16,6 +16,7 @@ void bind_models(py::module_& module);
 void bind_sessions(py::module_& module);
 void bind_meshes(py::module_& module);
 void bind_deformers(py::module_& module);
+void bind_edits(py::module_& module);
 void bind_sequences(py::module_& module);
 void bind_runs(py::module_& module);
 

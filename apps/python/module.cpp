@@ -34,6 +34,7 @@ PYBIND11_MODULE(_batten, m) {
   bind_sessions(m);
   bind_meshes(m);
   bind_deformers(m);
+  bind_edits(m);
   bind_sequences(m);
   bind_runs(m);
   m.def("_find_modules", &find_modules, py::arg("package"));

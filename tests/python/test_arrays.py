@@ -65,6 +65,8 @@ class Refusals(Laws):
         for value in (np.nan, np.inf, 11):
             self.refused("swell", session.set, "swell", value)
         self.refused("swell", session.add_pressure, "swell")
+        self.refused("most_iterations: found 0", session.answer, 0)
+        self.refused("tolerance: found nan", session.answer, 4, np.nan)
         self.refused("at: found", session.hold_point, "pin", at=[1, 2])
         self.refused("did you mean 'beta'", batten.skin(saddle()).with_values, {"betta": 1})
         self.refused("expected a number", batten.skin(saddle()).with_values, {"beta": "many"})

@@ -39,6 +39,18 @@ class Curves(Laws):
         self.assertLess(np.abs(curve.curvature(curve.parameters[1:-1]) - 1).max(), 0.05)
         self.assertEqual(curve.evaluate([0.0], order=1).shape, (1, 3))
 
+    def test_lines_are_written_and_read(self):
+        fair = batten.fair(noisy_circle())
+        lines = {"fair": fair, "fit": batten.fit(noisy_circle(0), 1e-5), "points": np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0.5]])}
+        self.assertEqual(batten.write_lines(self.file("lines.csv"), lines), [])
+        read = list(batten.read_lines(self.file("lines.csv")).values())
+        self.same_bits(np.ascontiguousarray(read[2]), lines["points"].astype(float))
+        self.same_bits(np.ascontiguousarray(read[0]), np.ascontiguousarray(fair.points))
+        self.assertEqual(batten.write_lines(self.file("lines.step"), lines), [])
+        self.assertGreaterEqual(len(batten.read_lines(self.file("lines.step"))), 3)
+        with self.assertRaises(batten.InputError):
+            batten.write_lines(self.file("lines.doc"), lines)
+
     def test_a_curve_is_a_line_of_a_surface(self):
         arc = batten.fit(noisy_circle(0), 1e-6)
         ends = arc.sample(2)

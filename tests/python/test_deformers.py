@@ -5,7 +5,7 @@ import os
 import subprocess
 import unittest
 
-from laws import Laws, batten, grid, np
+from laws import Laws, batten, example, grid, np, run_program
 
 
 def plate():
@@ -103,6 +103,27 @@ class Deformers(Laws):
         with open(deck, "rb") as a, open(self.file("same.bdf"), "rb") as b:
             self.assertEqual(a.read(), b.read())
         self.assertGreater(len(mesh.rims), 1)
+
+    def test_a_live_edit_is_what_the_program_makes(self):
+        scene = example("11-panel", "edit.toml")
+        deck = next(f for f in os.listdir(os.path.dirname(scene)) if f.endswith(".bdf"))
+        self.assertIn(run_program("deform", scene, "--out", self.folder), (0, 4))
+        written = next(f for f in os.listdir(self.folder) if f.endswith(".bdf"))
+        edit = batten.MeshEdit(scene)
+        edit.mesh.save_as_read(self.file("python.bdf"), edit.points)
+        with open(self.file("python.bdf"), "rb") as a, open(self.file(written), "rb") as b:
+            self.assertEqual(a.read(), b.read())
+        self.assertTrue(deck)
+        name = next(n for n in reversed(edit.parameters) if n.endswith((".x", ".y", ".z")))
+        before, number = edit.points, edit[name]
+        edit[name] = number + 1
+        edit.answer()
+        self.assertGreater(np.abs(edit.points - before).max(), 1e-3)
+        edit[name] = number
+        edit.settle()
+        self.same_bits(edit.points, before)
+        with self.assertRaises(batten.InputError):
+            edit["no such"] = 1
 
     def test_a_sequence(self):
         for k in range(3):

@@ -25,6 +25,7 @@ from ._batten import (
     FileError,
     InputError,
     Mesh,
+    MeshEdit,
     MeshError,
     Model,
     Move,
@@ -47,13 +48,14 @@ from ._batten import (
     set_threads,
     skin,
     stress,
+    write_lines,
 )
 
 __all__ = [
     "Answer", "CancelledError", "ConflictError", "Curve", "Deformer", "Error", "FairCurve", "FeatureRegions",
-    "FileError", "InputError", "Mesh", "MeshError", "Model", "Move", "NoSolutionError", "Sequence", "Session",
+    "FileError", "InputError", "Mesh", "MeshEdit", "MeshError", "Model", "Move", "NoSolutionError", "Sequence", "Session",
     "convert", "deform", "fair", "fit", "load", "measure_hole", "parse", "read_lines", "read_mesh",
-    "read_sequence", "run", "sequence", "set_threads", "skin", "stress",
+    "read_sequence", "run", "sequence", "set_threads", "skin", "stress", "write_lines",
 ]
 
 _batten._find_modules(_os.path.dirname(_os.path.abspath(__file__)))
