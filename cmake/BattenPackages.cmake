@@ -94,7 +94,7 @@ if(TARGET batten_petsc)
   set(CPACK_DEBIAN_MPI_PACKAGE_DEPENDS "batten (= ${PROJECT_VERSION}), openmpi-bin")
 endif()
 
-if(TARGET _batten)
+if(TARGET batten_python)
   batten_package(python python3-batten "finite-element kernel for continuous surfaces: Python module"
 "import batten: lines, surfaces, live sessions, deformers and readers as
 numpy arrays.")

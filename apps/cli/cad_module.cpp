@@ -12,7 +12,10 @@ const CadCalls& cad_calls() {
     if (file.empty())
       throw InputError(name + ": not found beside the program or in " BATTEN_LIBDIR
                               "/batten, expected for CAD files");
-    return *reinterpret_cast<const CadCalls* (*)()>(module_entry(file, "batten_cad"))();
+    const CadCalls& of_module =
+        *reinterpret_cast<const CadCalls* (*)()>(module_entry(file, "batten_cad"))();
+    of_module.read_in_child(reads_in_child());
+    return of_module;
   }();
   return calls;
 }

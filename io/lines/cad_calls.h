@@ -8,6 +8,7 @@
 #include "batten/io/cad/read_cad_contents.h"
 #include "batten/io/cad/step.h"
 #include "batten/io/cad/step_face.h"
+#include "batten/io/files/in_child.h"
 #include "batten/io/lines/cad_lines.h"
 #include "batten/io/lines/cad_loops.h"
 #include "batten/io/lines/curve_cad.h"
@@ -28,6 +29,8 @@ struct CadCalls {
   decltype(&batten::convert_cad) convert_cad;
   decltype(&batten::facets_of_cad) facets_of_cad;
   double (*distance)(const std::vector<StoredSurface>& faces, const Vec3& p, size_t& first);
+  /// Of a module that has settings of its own, because its program's symbols do not come first.
+  decltype(&batten::read_in_child) read_in_child;
 };
 
 /// The table of this program. A program that defines it itself, as `batten` does, leaves

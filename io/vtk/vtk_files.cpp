@@ -213,21 +213,6 @@ class LineIndex {
   std::map<std::string, int> left_;
 };
 
-/// One size for all regions, so that they share points where they share lines.
-double common_length(const std::vector<const SkinnedRegion*>& regions) {
-  double sum = 0;
-  for (const auto* region : regions) sum += facet_length(*region);
-  return sum / static_cast<double>(regions.size());
-}
-
-/// Facets along an edge: enough to look smooth, fewer on large meshes, whose elements are small.
-int facets_per_edge(const std::vector<const SkinnedRegion*>& regions) {
-  constexpr double most_facets = 400'000;
-  double triangles = 0;
-  for (const auto* region : regions) triangles += region->surface.mesh().triangle_count();
-  return std::clamp(static_cast<int>(std::sqrt(most_facets / triangles)), 1, 4);
-}
-
 }  // namespace
 
 void write_xml(vtkXMLWriter& writer, vtkDataObject* data, const fs::path& path) {
@@ -264,9 +249,9 @@ vtkSmartPointer<vtkPolyData> to_poly_data(const std::vector<const SkinnedRegion*
   PointTable table(options);
   CellTable line_cells(options), facet_cells(options);
   vtkNew<vtkCellArray> lines, facets;
-  const double length = common_length(regions);
+  const double length = common_facet_length(regions);
   const int per_edge =
-      options.facets_per_edge > 0 ? options.facets_per_edge : facets_per_edge(regions);
+      options.facets_per_edge > 0 ? options.facets_per_edge : shown_facets_per_edge(regions);
   LineIndex index(options.lines);
   std::vector<DisplayFacets> of_regions(regions.size());
   std::vector<RegionPoints> points(regions.size());
@@ -317,7 +302,7 @@ void write_vtu(const fs::path& path, const std::vector<const SkinnedRegion*>& re
   vtkNew<vtkUnstructuredGrid> grid;
   std::vector<vtkIdType> first;
   std::vector<QuadraticFacets> elements(regions.size());
-  const double length = common_length(regions);
+  const double length = common_facet_length(regions);
   std::vector<RegionPoints> points(regions.size());
   parallel_parts(count_of(regions), [&](int r) {
     elements[r] = quadratic_facets(*regions[r], length);

@@ -83,4 +83,10 @@ std::string why_no_facets(const SkinnedRegion& region);
 /// units.
 double facet_length(const SkinnedRegion& region);
 
+/// The mean of facet_length(): one size for all regions, so that they share points where they share lines.
+double common_facet_length(const std::vector<const SkinnedRegion*>& regions);
+
+/// Facets along an edge of an element: 4, or fewer so that there are at most 400,000 in all.
+int shown_facets_per_edge(const std::vector<const SkinnedRegion*>& regions);
+
 }  // namespace batten

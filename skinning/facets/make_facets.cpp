@@ -108,6 +108,19 @@ Pattern pattern(const SkinnedRegion& region, int n, double edge_length,
 
 double facet_length(const SkinnedRegion& region) { return mean_edge(region.surface).space; }
 
+double common_facet_length(const std::vector<const SkinnedRegion*>& regions) {
+  double sum = 0;
+  for (const auto* region : regions) sum += facet_length(*region);
+  return sum / static_cast<double>(regions.size());
+}
+
+int shown_facets_per_edge(const std::vector<const SkinnedRegion*>& regions) {
+  constexpr double most_facets = 400'000;
+  double triangles = 0;
+  for (const auto* region : regions) triangles += region->surface.mesh().triangle_count();
+  return std::clamp(static_cast<int>(std::sqrt(most_facets / triangles)), 1, 4);
+}
+
 QuadraticFacets quadratic_facets(const SkinnedRegion& region, double edge_length,
                                  const LineStops& asked) {
   Pattern halves = pattern(region, 2, edge_length, asked);

@@ -2,15 +2,30 @@
 
 #include <dlfcn.h>
 
+#include <vector>
+
 #include "batten/core/errors.h"
 
 namespace batten {
 namespace fs = std::filesystem;
+namespace {
+
+std::vector<fs::path>& further_folders() {
+  static std::vector<fs::path> folders;
+  return folders;
+}
+
+}  // namespace
+
+void add_module_folder(const fs::path& folder) { further_folders().push_back(folder); }
 
 fs::path module_file(const std::string& name) {
   std::error_code none;
   const fs::path program = fs::read_symlink("/proc/self/exe", none).parent_path();
-  for (const fs::path& folder : {program, program / ".." / BATTEN_LIBDIR / "batten"})
+  std::vector<fs::path> folders = further_folders();
+  folders.push_back(program);
+  folders.push_back(program / ".." / BATTEN_LIBDIR / "batten");
+  for (const fs::path& folder : folders)
     if (fs::exists(folder / name, none)) return folder / name;
   return {};
 }

@@ -1,0 +1,202 @@
+// Curves: fair ones, fitted ones, and how fair they are.
+#include "batten/apps/python/arrays.h"
+#include "batten/apps/python/kernel_call.h"
+#include "batten/apps/python/scenes.h"
+#include "batten/fairing/curve_fit.h"
+#include "batten/fairing/fair_curve.h"
+#include "batten/fairing/fairness.h"
+#include "batten/io/files/length_units.h"
+#include "batten/io/lines/curve_files.h"
+
+namespace batten::python {
+namespace {
+
+using namespace py::literals;
+
+Points evaluated(const HermiteCurve& curve, const std::vector<double>& at, int order) {
+  constexpr int most = 3;
+  if (order < 0 || order > most)
+    throw InputError("order: found " + std::to_string(order) + ", expected 0 to 3");
+  Points points(static_cast<long>(at.size()), 3);
+  for (size_t i = 0; i < at.size(); ++i)
+    points.row(static_cast<long>(i)) = curve.evaluate(at[i], order);
+  return points;
+}
+
+py::array sample(const HermiteCurve& curve, int count) {
+  if (count < 2) throw InputError("count: found " + std::to_string(count) + ", expected 2 or more");
+  std::vector<double> at;
+  for (int i = 0; i < count; ++i)
+    at.push_back(curve.start() + (curve.end() - curve.start()) * i / (count - 1));
+  return array_of(evaluated(curve, at, 0));
+}
+
+py::dict fairness_of(const HermiteCurve& curve) {
+  const Fairness f = fairness(curve);
+  return py::dict("length"_a = f.length, "bending"_a = f.bending, "variation"_a = f.variation,
+                  "largest_curvature"_a = f.largest_curvature, "largest_jump"_a = f.largest_jump,
+                  "extrema"_a = f.extrema, "inflections"_a = f.inflections);
+}
+
+std::optional<std::vector<int>> corners_from(const py::object& given, size_t points) {
+  if (given.is_none()) return {};
+  return indices_from(given, "corners", static_cast<int>(points));
+}
+
+void balance(FairOptions& options, const py::object& noise, const py::object& deviation,
+             const py::object& wavelength) {
+  if (!noise.is_none() + !deviation.is_none() + !wavelength.is_none() > 1)
+    throw InputError("noise, deviation, wavelength: found several, expected one at most");
+  const auto take = [&](const py::object& given, FairOptions::Balance how, double& value,
+                        const char* what) {
+    if (given.is_none()) return;
+    options.balance = how;
+    value = numbers_from(py::make_tuple(given), what).front();
+  };
+  take(noise, FairOptions::Balance::Noise, options.noise, "noise");
+  take(deviation, FairOptions::Balance::Deviation, options.deviation, "deviation");
+  take(wavelength, FairOptions::Balance::Wavelength, options.wavelength, "wavelength");
+}
+
+FairCurve fair(const py::object& given, const py::object& noise, const py::object& deviation,
+               const py::object& wavelength, const py::object& closed, const py::object& corners,
+               double corner_angle, bool hold_ends, bool drop_outliers, const std::string& name) {
+  const std::vector<Vec3> points = rows_of(points_from(given, "points"));
+  FairOptions options;
+  balance(options, noise, deviation, wavelength);
+  options.closed = truth_from(closed, "closed");
+  options.corners = corners_from(corners, points.size());
+  options.corner_angle = corner_angle;
+  options.hold_ends = hold_ends;
+  options.drop_outliers = drop_outliers;
+  return KernelCall()([&](const Progress&) { return fair_points(name, points, options); });
+}
+
+HermiteCurve fitted(const py::object& given, double tolerance, const py::object& closed,
+                    const py::object& corners, double corner_angle, const std::string& name) {
+  const std::vector<Vec3> points = rows_of(points_from(given, "points"));
+  FitOptions options;
+  options.tolerance = tolerance;
+  options.closed = truth_from(closed, "closed");
+  options.corners = corners_from(corners, points.size());
+  options.corner_angle = corner_angle;
+  return KernelCall()([&](const Progress&) { return fit_points(name, points, options).curve; });
+}
+
+NamedCurve named_curve(const std::string& name, const py::handle& given) {
+  NamedCurve line;
+  line.name = name;
+  if (py::isinstance<HermiteCurve>(given)) {
+    line.curve = given.cast<HermiteCurve>();
+    constexpr int pieces = 96;
+    for (int i = 0; i <= pieces; ++i)
+      line.parameters.push_back(line.curve.start() +
+                                (line.curve.end() - line.curve.start()) * i / pieces);
+  } else if (py::isinstance<FairCurve>(given)) {
+    const auto fair = given.cast<FairCurve>();
+    line.curve = fair.curve;
+    line.parameters = fair.parameters;
+  } else {
+    const std::vector<Vec3> points = rows_of(points_from(given, "line '" + name + "'"));
+    line.curve = curve_as_given(name, points);
+    line.parameters = line.curve.parameters();
+  }
+  return line;
+}
+
+py::list save_lines(const py::object& path, const py::dict& lines, const std::string& unit) {
+  const std::string file = path_from(path);
+  std::vector<NamedCurve> curves;
+  for (const auto& [name, given] : lines) curves.push_back(named_curve(py::str(name), given));
+  CurveFileOptions options;
+  options.unit_in_metres = unit_in_metres(unit);
+  const std::vector<std::string> left_out =
+      KernelCall()([&](const Progress&) { return write_curves(file, curves, options); });
+  return py::cast(left_out);
+}
+
+void bind_curve_class(py::module_& m) {
+  py::class_<HermiteCurve>(m, "Curve",
+                           "A C1 curve of cubics over a parameter u. It does not change.")
+      .def_property_readonly("start", &HermiteCurve::start, "First parameter.")
+      .def_property_readonly("end", &HermiteCurve::end, "Last parameter.")
+      .def_property_readonly("closed", &HermiteCurve::closed)
+      .def_property_readonly("length", &HermiteCurve::length, "Model units.")
+      .def_property_readonly(
+          "parameters",
+          [](const HermiteCurve& curve) {
+            return array_of(std::vector<double>(curve.parameters()));
+          },
+          "Parameters of the nodes, n float64.")
+      .def(
+          "evaluate",
+          [](const HermiteCurve& curve, const py::object& u, int order) {
+            return array_of(evaluated(curve, numbers_from(u, "u"), order));
+          },
+          "u"_a, py::kw_only(), "order"_a = 0,
+          "Positions (order 0) or derivatives of order 1 to 3 by u at n parameters, n×3.")
+      .def(
+          "curvature",
+          [](const HermiteCurve& curve, const py::object& u) {
+            std::vector<double> values;
+            for (const double at : numbers_from(u, "u")) values.push_back(curve.curvature(at));
+            return array_of(std::move(values));
+          },
+          "u"_a, "Curvature at n parameters, 1/length.")
+      .def("sample", &sample, "count"_a = 97, "Points evenly in u, count×3, model units.")
+      .def("fairness", &fairness_of,
+           R"(Measures: length, bending ∫κ²ds (1/length), variation ∫(dκ/ds)²ds (1/length³),
+largest_curvature, largest_jump (1/length), and the counts extrema and inflections.)");
+}
+
+}  // namespace
+
+void bind_curves(py::module_& m) {
+  bind_curve_class(m);
+  py::class_<FairCurve>(m, "FairCurve", "A fair curve, and what was found out about its points.")
+      .def_readonly("curve", &FairCurve::curve, "The Curve.")
+      .def_property_readonly(
+          "points",
+          [](const FairCurve& fair) { return array_of(evaluated(fair.curve, fair.parameters, 0)); },
+          "The places of the curve nearest to the given points, n×3, model units.")
+      .def_property_readonly(
+          "parameters",
+          [](const FairCurve& fair) { return array_of(std::vector<double>(fair.parameters)); },
+          "Parameters of these places, n float64.")
+      .def_property_readonly(
+          "outliers",
+          [](const FairCurve& fair) { return array_of(std::vector<int>(fair.outliers)); },
+          "Numbers of points that were passed over, int32.")
+      .def_property_readonly(
+          "deviation", [](const FairCurve& fair) { return fair.deviation.max; },
+          "Largest distance of the other points from the curve, model units.")
+      .def_property_readonly(
+          "rms", [](const FairCurve& fair) { return fair.deviation.rms; },
+          "Root mean square of these distances, model units.")
+      .def_readonly("wavelength", &FairCurve::wavelength,
+                    "The wave that keeps half of its height, model units; 0: nothing was smoothed.")
+      .def_readonly("noise", &FairCurve::noise, "Estimated noise across the line, model units.")
+      .def_readonly("settled", &FairCurve::settled, "Whether parameters stood still.");
+  m.def("fair", &fair, "points"_a, py::kw_only(), "noise"_a = py::none(),
+        "deviation"_a = py::none(), "wavelength"_a = py::none(), "closed"_a = py::none(),
+        "corners"_a = py::none(), "corner_angle"_a = 50.0, "hold_ends"_a = false,
+        "drop_outliers"_a = true, "name"_a = "curve",
+        R"(The fair curve of points n×3 in their order: springs at the points against bending.
+
+The balance is found by itself (cross-validation), or stated by one of `noise` (root mean square),
+`deviation` (largest distance) and `wavelength`, model units. `corners`: numbers of points, or None:
+those that turn by more than `corner_angle` degrees. Raises InputError, NoSolutionError.
+Source: min Σ|X(u_i) - p_i|² + ρ∫(1-b)(ra)⁶|X_uuu|² + b(ra)⁴|X_uu|² du (docs/theory/curves.md).)");
+  m.def(
+      "write_lines", &save_lines, "path"_a, "lines"_a, py::kw_only(), "unit"_a = "mm",
+      R"(Writes {name: points n×3, Curve or FairCurve} by the file's ending: .csv .obj .curves .vtp .step .iges.
+
+Points get the curve through them, C2 between corners. Returns sentences about lines that were left out. Raises InputError, FileError.)");
+  m.def("fit", &fitted, "points"_a, "tolerance"_a, py::kw_only(), "closed"_a = py::none(),
+        "corners"_a = py::none(), "corner_angle"_a = 50.0, "name"_a = "curve",
+        R"(The Curve of few cubics within `tolerance` (model units) of points n×3 in their order.
+
+Raises InputError. Source: least squares with parameters of the nearest points (docs/theory/curves.md).)");
+}
+
+}  // namespace batten::python

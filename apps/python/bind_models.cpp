@@ -1,0 +1,276 @@
+// Models: lines as arrays or scenes, and the surface that they make.
+#include "batten/apps/commands/lines/line_files.h"
+#include "batten/apps/commands/shapes/export_shape.h"
+#include "batten/apps/commands/shapes/shape_files.h"
+#include "batten/apps/python/arrays.h"
+#include "batten/apps/python/kernel_call.h"
+#include "batten/apps/python/scenes.h"
+#include "batten/apps/python/shaped_model.h"
+#include "batten/core/errors.h"
+#include "batten/fairing/curve_shapes.h"
+#include "batten/io/scene/read_scene.h"
+
+namespace batten::python {
+namespace {
+
+using ModelPtr = std::shared_ptr<const ShapedModel>;
+using namespace py::literals;
+
+ModelPtr made(const Scene& scene, const py::object& progress) {
+  return KernelCall(progress)(
+      [&](const Progress& hook) { return ShapedModel::of_scene(scene, hook); });
+}
+
+std::shared_ptr<const ShownFacets> facets_of(const ShapedModel& model) {
+  require_surface(model);
+  return KernelCall()([&](const Progress&) { return model.facets(); });
+}
+
+py::array points_of(const ShapedModel& model) {
+  const auto facets = facets_of(model);
+  return rows_view(facets, facets->points.data(),
+                   static_cast<py::ssize_t>(facets->points.size() / 3), 3);
+}
+
+py::array normals_of(const ShapedModel& model) {
+  const auto facets = facets_of(model);
+  return rows_view(facets, facets->normals.data(),
+                   static_cast<py::ssize_t>(facets->normals.size() / 3), 3);
+}
+
+py::array triangles_of(const ShapedModel& model) {
+  const auto facets = facets_of(model);
+  return rows_view(facets, facets->triangles.front().data(),
+                   static_cast<py::ssize_t>(facets->triangles.size()), 3);
+}
+
+py::array triangle_regions_of(const ShapedModel& model) {
+  const auto facets = facets_of(model);
+  return view_of(facets, facets->regions.data(), {static_cast<py::ssize_t>(facets->regions.size())},
+                 {sizeof(int)});
+}
+
+py::dict parameters_of(const ShapedModel& model) {
+  py::dict values;
+  for (const Parameter& p : model.scene().parameters()) values[py::str(p.name)] = p.value;
+  return values;
+}
+
+py::list region_names(const ShapedModel& model) {
+  py::list names;
+  for (const SkinnedRegion& region : model.shape().regions) names.append(region.name);
+  return names;
+}
+
+py::list line_names(const ShapedModel& model) {
+  py::list names;
+  for (const CharacterLine& line : model.lines()) names.append(line.name);
+  return names;
+}
+
+py::array line_points(const ShapedModel& model, const std::string& name, int count) {
+  std::vector<std::string> names;
+  for (const CharacterLine& line : model.lines()) {
+    names.push_back(line.name);
+    if (line.name != name) continue;
+    if (count < 2)
+      throw InputError("count: found " + std::to_string(count) + ", expected 2 or more");
+    Points points(count, 3);
+    const InputCurve& curve = *line.curve;
+    for (int i = 0; i < count; ++i)
+      points.row(i) =
+          curve.evaluate(curve.start() + (curve.end() - curve.start()) * i / (count - 1));
+    return array_of(std::move(points));
+  }
+  const std::string near = nearest_word(name, names);
+  throw InputError("found the line name '" + name + "', expected one of the model's" +
+                   (near.empty() ? "" : "; did you mean '" + near + "'?"));
+}
+
+py::object report_of(const ShapedModel& model) {
+  return json_object(
+      KernelCall()([&](const Progress& hook) { return to_json(model.report(hook)); }));
+}
+
+py::list missed_list(const Report& report) {
+  py::list missed;
+  for (const MissedPromise& one : report.missed) missed.append(one.what + ": " + one.detail);
+  return missed;
+}
+
+py::list missed_of(const ShapedModel& model) {
+  return missed_list(*KernelCall()([&](const Progress& hook) { return &model.report(hook); }));
+}
+
+py::list save(const ShapedModel& model, const py::object& path, const py::object& progress) {
+  require_surface(model);
+  const std::string file = path_from(path);
+  return missed_list(KernelCall(progress)([&](const Progress& hook) {
+    return export_shape(model.scene(), *model.made(), model.shape(), file, hook);
+  }));
+}
+
+PictureScene::Field field_from(const std::string& word) {
+  if (word == "none") return PictureScene::Field::None;
+  if (word == "mean") return PictureScene::Field::Mean;
+  if (word == "gauss") return PictureScene::Field::Gauss;
+  if (word == "regions") return PictureScene::Field::Regions;
+  throw InputError("field: found '" + word + "', expected none, mean, gauss or regions");
+}
+
+void picture(const ShapedModel& model, const py::object& path, int width, int height,
+             double azimuth, double elevation, const std::string& field, int contours, int zebra,
+             bool mesh, const std::string& title) {
+  require_surface(model);
+  PictureScene look;
+  look.azimuth = azimuth;
+  look.elevation = elevation;
+  look.field = field_from(field);
+  look.contours = contours;
+  look.zebra = zebra;
+  look.mesh = mesh;
+  look.title = title;
+  const std::string file = path_from(path);
+  KernelCall()([&](const Progress&) {
+    draw_picture(file, picture_of(look, *model.made(), model.shape()), {width, height});
+  });
+}
+
+std::string words_of(const ShapedModel& model) {
+  size_t triangles = 0;
+  for (const SkinnedRegion& region : model.shape().regions)
+    triangles += static_cast<size_t>(region.surface.mesh().triangle_count());
+  return "<batten.Model '" + model.scene().name +
+         "': " + std::to_string(model.shape().regions.size()) + " regions, " +
+         std::to_string(triangles) + " elements, in " + model.scene().unit + ">";
+}
+
+py::dict lines_of_file(const py::object& path, const std::string& unit, double corner_angle) {
+  const std::string file = path_from(path);
+  const auto lines = KernelCall()([&](const Progress&) {
+    std::vector<std::pair<std::string, std::vector<Vec3>>> read;
+    for (const SourceLine& line : read_source_file(file, unit, unit.empty() ? "mm" : unit))
+      read.emplace_back(line.name, sampled(line, corner_angle).points);
+    return read;
+  });
+  py::dict result;
+  for (const auto& [name, points] : lines) {
+    Points rows(static_cast<long>(points.size()), 3);
+    for (long i = 0; i < rows.rows(); ++i) rows.row(i) = points[static_cast<size_t>(i)];
+    std::string free = name;
+    for (int n = 2; result.contains(free); ++n) free = name + " " + std::to_string(n);
+    result[py::str(free)] = array_of(std::move(rows));
+  }
+  return result;
+}
+
+void bind_making(py::module_& m) {
+  m.def(
+      "skin",
+      [](const py::dict& lines, const py::object& tolerance, const py::object& edge_length,
+         const py::object& corner_angle, const py::iterable& inner, const py::iterable& holes,
+         const py::iterable& smooth, const py::iterable& crease, const py::object& network,
+         const std::string& name, const std::string& unit, const std::string& words,
+         const py::object& progress) {
+        return made(scene_of_arrays(lines, {name, unit, words, tolerance, edge_length, corner_angle,
+                                            inner, holes, smooth, crease, network}),
+                    progress);
+      },
+      "lines"_a, py::kw_only(), "tolerance"_a = py::none(), "edge_length"_a = py::none(),
+      "corner_angle"_a = py::none(), "inner"_a = py::tuple(), "holes"_a = py::tuple(),
+      "smooth"_a = py::tuple(), "crease"_a = py::tuple(), "network"_a = py::none(),
+      "name"_a = "surface", "unit"_a = "mm", "words"_a = "", "progress"_a = py::none(),
+      R"(The surface of least bending through lines: {name: points n×3, or a Curve}.
+
+The lines are one network whose regions are found, unless `inner` or `holes` name some: then the
+others bound one region. `tolerance`, `edge_length`: in model units (1e-4 and 1/20 of the size).
+`corner_angle`: degrees. `smooth`, `crease`: names of lines along which regions join so. `words`:
+text of a scene without lines and unit, for all else (docs/scenes.md). `progress(stage, fraction)`: what it
+raises stops the computation. Raises InputError, ConflictError, NoSolutionError.
+Source: Celniker, Gossard 1991: K q = F under the rows of the lines (docs/theory/domains.md).)");
+  m.def(
+      "load",
+      [](const py::object& path, const py::object& values, const py::object& progress) {
+        Scene scene = scene_of_file(path_from(path));
+        set_values(scene, values);
+        return made(scene, progress);
+      },
+      "path"_a, py::kw_only(), "values"_a = py::none(), "progress"_a = py::none(),
+      R"(The model of a scene file (.toml), or of a file of lines or CAD curves as one network.
+
+`values`: parameters {name: value} that stand for those of the scene. Raises InputError,
+"FILE:LINE:COLUMN: found …, expected …", ConflictError, NoSolutionError.)");
+  m.def(
+      "parse",
+      [](const std::string& text, const py::object& folder, const py::object& values,
+         const py::object& progress) {
+        Scene scene = parse_scene(text, std::filesystem::path(path_from(folder)) / "scene");
+        set_values(scene, values);
+        return made(scene, progress);
+      },
+      "text"_a, py::kw_only(), "folder"_a = ".", "values"_a = py::none(), "progress"_a = py::none(),
+      "The model of a scene's text; paths in it are relative to `folder`. Raises as load().");
+  m.def(
+      "read_lines", &lines_of_file, "path"_a, py::kw_only(), "unit"_a = "", "corner_angle"_a = 20.0,
+      R"(The lines of a file: {name: points n×3}. Tables of points, CAD curves, drawings, sketches.
+
+Points are as they stand in the file; curves are sampled evenly by arc length between their corners,
+which turn by more than `corner_angle` degrees. `unit`: of a file that states none.)");
+}
+
+}  // namespace
+
+void bind_models(py::module_& m) {
+  py::class_<ShapedModel, std::shared_ptr<ShapedModel>>(
+      m, "Model", "Lines and the surface that they make. It does not change.")
+      .def_property_readonly("name", [](const ShapedModel& model) { return model.scene().name; })
+      .def_property_readonly(
+          "unit", [](const ShapedModel& model) { return model.scene().unit; }, "Unit of lengths.")
+      .def_property_readonly("regions", &region_names, "Names of the regions that have a surface.")
+      .def_property_readonly("lines", &line_names, "Names of the lines.")
+      .def_property_readonly(
+          "tolerance", [](const ShapedModel& model) { return model.made()->fit_tolerance; },
+          "Largest distance of fitted lines from the given ones, model units.")
+      .def_property_readonly("parameters", &parameters_of,
+                             "Values of the scene's parameters, {name: value}.")
+      .def_property_readonly("points", &points_of,
+                             "Points of the surface's facets, n×3 float64, model units. A view.")
+      .def_property_readonly("normals", &normals_of,
+                             "Exact unit normals x_u × x_v at the points, n×3 float64. A view.")
+      .def_property_readonly("triangles", &triangles_of,
+                             "Corners of the facets, m×3 int32, counter-clockwise. A view.")
+      .def_property_readonly("triangle_regions", &triangle_regions_of,
+                             "Number of each facet's region in `regions`, m int32. A view.")
+      .def("line", &line_points, "name"_a, "count"_a = 97,
+           "Points along a line, evenly in its parameter, count×3, model units.")
+      .def_property_readonly("report", &report_of,
+                             "Everything that was measured, as in report.json (docs/scenes.md).")
+      .def_property_readonly(
+          "missed", &missed_of,
+          "The promises that the shape does not keep, in words; [] when all hold.")
+      .def(
+          "with_values",
+          [](const ShapedModel& model, const py::dict& values, const py::object& progress) {
+            const auto numbers = values_from(values);
+            return KernelCall(progress)(
+                [&](const Progress& hook) { return model.with_values(numbers, hook); });
+          },
+          "values"_a, py::kw_only(), "progress"_a = py::none(),
+          "The shape of the same lines under other values of parameters. Raises as load().")
+      .def("save", &save, "path"_a, py::kw_only(), "progress"_a = py::none(),
+           R"(Writes the surface by the file's ending; the file appears whole or not at all.
+
+.step .iges .brep .glb .stl .obj .ply .off .3mf .vtp .vtu .inp. Returns the promises that it misses, in words.
+Raises InputError for another ending, FileError where the system refuses.)")
+      .def("picture", &picture, "path"_a, py::kw_only(), "width"_a = 1600, "height"_a = 1000,
+           "azimuth"_a = -30.0, "elevation"_a = 30.0, "field"_a = "none", "contours"_a = 0,
+           "zebra"_a = 0, "mesh"_a = false, "title"_a = "",
+           R"(Draws a PNG. Needs an X server (xvfb-run); on the main thread.
+
+`width`, `height`: pixels. `azimuth`, `elevation`: degrees. `field`: none, mean, gauss, regions.
+`contours`, `zebra`: numbers of lines of equal height, of stripes of equal angle.)")
+      .def("__repr__", &words_of);
+  bind_making(m);
+}
+
+}  // namespace batten::python

@@ -1,0 +1,96 @@
+// Whole runs of scenes: what the commands of the program do, with the report as a dict.
+#include "batten/apps/commands/exchange/run_convert.h"
+#include "batten/apps/commands/meshes/run_deform.h"
+#include "batten/apps/commands/sequences/run_sequence.h"
+#include "batten/apps/commands/shapes/run_scene.h"
+#include "batten/apps/python/kernel_call.h"
+#include "batten/apps/python/scenes.h"
+#include "batten/core/errors.h"
+#include "batten/io/scene/read_scene.h"
+
+namespace batten::python {
+namespace {
+
+using namespace py::literals;
+
+py::object run_surface(const py::object& path, const py::object& out, const py::object& values,
+                       const py::object& progress) {
+  Scene scene = scene_of_file(path_from(path));
+  set_values(scene, values);
+  const std::string folder = path_from(out);
+  return json_object(KernelCall(progress)(
+      [&](const Progress& hook) { return to_json(run_scene(scene, folder, hook)); }));
+}
+
+py::object run_shell(const py::object& path, const py::object& out, const py::object& values,
+                     double accuracy, const py::object& progress) {
+  Scene scene = scene_of_file(path_from(path));
+  set_values(scene, values);
+  const std::string folder = path_from(out);
+  StressTask task;
+  task.accuracy = accuracy;
+  return json_object(KernelCall(progress)(
+      [&](const Progress& hook) { return to_json(run_stress(scene, folder, task, hook)); }));
+}
+
+py::object run_mesh(const py::object& path, const py::object& out, const py::object& values,
+                    const py::object& progress) {
+  DeformScene scene = read_deform_scene(path_from(path));
+  set_values(scene, values);
+  const std::string folder = path_from(out);
+  return json_object(KernelCall(progress)(
+      [&](const Progress& hook) { return to_json(run_deform(scene, folder, hook)); }));
+}
+
+py::object run_frames(const py::object& path, const py::object& out, const py::object& progress) {
+  const SequenceScene scene = read_sequence_scene(path_from(path));
+  const std::string folder = path_from(out);
+  return json_object(KernelCall(progress)(
+      [&](const Progress& hook) { return to_json(run_sequence(scene, folder, {}, hook)); }));
+}
+
+py::list run_conversion(const py::object& from, const py::object& to, double chord,
+                        const std::string& unit, const std::string& from_unit,
+                        const py::object& progress) {
+  ConvertTask task;
+  task.from = path_from(from);
+  task.to = path_from(to);
+  task.chord = chord;
+  task.unit = unit;
+  task.from_unit = from_unit;
+  const ConvertReport report =
+      KernelCall(progress)([&](const Progress& hook) { return run_convert(task, hook); });
+  py::list missed;
+  for (const MissedPromise& one : report.missed) missed.append(one.what + ": " + one.detail);
+  return missed;
+}
+
+}  // namespace
+
+void bind_runs(py::module_& m) {
+  m.def("run", &run_surface, "path"_a, "out"_a, py::kw_only(), "values"_a = py::none(),
+        "progress"_a = py::none(),
+        "What `batten run` does: all files that a scene asks for, into a folder. Returns the "
+        "report. Raises as load().");
+  m.def(
+      "stress", &run_shell, "path"_a, "out"_a, py::kw_only(), "values"_a = py::none(),
+      "accuracy"_a = 0.0, "progress"_a = py::none(),
+      R"(What `batten stress` does: run(), and the shape as the shell of [stress]. Returns the report.
+
+`accuracy`: share of the largest displacement that elements are halved for; 0: as they are.)");
+  m.def(
+      "deform", &run_mesh, "path"_a, "out"_a, py::kw_only(), "values"_a = py::none(),
+      "progress"_a = py::none(),
+      "What `batten deform` does: the edits of a scene, files into a folder. Returns the report.");
+  m.def("sequence", &run_frames, "path"_a, "out"_a, py::kw_only(), "progress"_a = py::none(),
+        "What `batten sequence` does: edits of a deforming mesh, files into a folder. Returns the "
+        "report.");
+  m.def(
+      "convert", &run_conversion, "source"_a, "target"_a, py::kw_only(), "chord"_a = 0.0,
+      "unit"_a = "", "from_unit"_a = "", "progress"_a = py::none(),
+      R"(What `batten convert` does: CAD files, meshes and lines into each other, by their endings.
+
+`chord`: of triangles from faces, in the target's unit; 0: 1e-3 of the size. Returns promises missed.)");
+}
+
+}  // namespace batten::python

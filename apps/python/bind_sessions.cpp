@@ -1,0 +1,357 @@
+// Sessions: parameters in, points out.
+#include <cmath>
+
+#include "batten/apps/python/arrays.h"
+#include "batten/apps/python/live_session.h"
+#include "batten/apps/python/scenes.h"
+#include "batten/core/errors.h"
+#include "batten/io/scene/read_scene.h"
+
+namespace batten::python {
+namespace {
+
+using namespace py::literals;
+
+/// What Python calls a session: the live one, and its topology as an array, made once.
+struct SessionObject {
+  std::unique_ptr<LiveSession> live;
+  py::object triangles;
+  std::shared_ptr<const DisplayPattern> pattern;  // of these
+};
+
+std::unique_ptr<SessionObject> new_session(const py::object& source, const py::object& values,
+                                           const py::object& progress) {
+  std::shared_ptr<const ShapedModel> model;
+  KernelCall call(progress);
+  if (py::isinstance<ShapedModel>(source)) {
+    model = source.cast<std::shared_ptr<ShapedModel>>();
+    const auto numbers = values_from(values);
+    if (!numbers.empty())
+      model = call([&](const Progress& hook) { return model->with_values(numbers, hook); });
+  } else {
+    Scene scene = scene_of_file(path_from(source));
+    set_values(scene, values);
+    model = call([&](const Progress& hook) { return ShapedModel::of_scene(scene, hook); });
+  }
+  auto session = std::make_unique<SessionObject>();
+  session->live =
+      call([&](const Progress& hook) { return std::make_unique<LiveSession>(model, hook); });
+  return session;
+}
+
+/// Calls function(session) without the interpreter's lock, in this thread's turn.
+template <class Function>
+auto free_call(const SessionObject& of, bool changes, const Function& function) {
+  return KernelCall()([&](const Progress& hook) { return of.live->with(changes, hook, function); });
+}
+
+std::shared_ptr<const Frame> frame_of(const SessionObject& of) {
+  return KernelCall()([&](const Progress& hook) { return of.live->frame(hook); });
+}
+
+py::array frame_view(const SessionObject& of, std::vector<float> Frame::*numbers) {
+  const auto frame = frame_of(of);
+  const std::vector<float>& data = (*frame).*numbers;
+  return rows_view(frame, data.data(), static_cast<py::ssize_t>(data.size() / 3), 3);
+}
+
+py::object session_triangles(SessionObject& of) {
+  const auto frame = frame_of(of);
+  if (of.pattern != frame->pattern) {
+    of.pattern = frame->pattern;
+    of.triangles = rows_view(of.pattern, of.pattern->facets.front().data(),
+                             static_cast<py::ssize_t>(of.pattern->facets.size()), 3);
+  }
+  return of.triangles;
+}
+
+py::dict session_parameters(const SessionObject& of) {
+  const Parameters now =
+      free_call(of, false, [](SculptingSession& session) { return session.parameters(); });
+  py::dict values;
+  for (const NamedValue& p : now.all()) values[py::str(p.name)] = now.value(p.name);
+  return values;
+}
+
+std::vector<NamedValue> range_of(const std::string& name, double value, double low, double high) {
+  NamedValue parameter;
+  parameter.name = name;
+  parameter.value = value;
+  parameter.min = low;
+  parameter.max = high;
+  return {parameter};
+}
+
+void add_pressure(const SessionObject& of, const std::string& name, double value, double low,
+                  double high, const std::vector<std::string>& regions) {
+  Load::Pressure pressure;
+  pressure.area.regions = regions;
+  free_call(of, true, [&](SculptingSession& session) {
+    session.add(Load{name, pressure}, range_of(name, value, low, high));
+  });
+}
+
+void add_force(const SessionObject& of, const std::string& name, const py::object& at,
+               const py::object& direction, double value, double low, double high) {
+  const Load load{name, Load::Point{vector_from(at, "at"), vector_from(direction, "direction")}};
+  free_call(of, true, [&](SculptingSession& session) {
+    session.add(load, range_of(name, value, low, high));
+  });
+}
+
+void hold_point(const SessionObject& of, const std::string& name, const py::object& at,
+                const py::object& goal) {
+  const Vec3 place = vector_from(at, "at");
+  const Constraint constraint{
+      name, Constraint::Point{place, goal.is_none() ? place : vector_from(goal, "goal")}};
+  free_call(of, true, [&](SculptingSession& session) { session.add(constraint); });
+}
+
+void hold_normal(const SessionObject& of, const std::string& name, const py::object& at,
+                 const py::object& normal) {
+  const Constraint constraint{
+      name, Constraint::Normal{vector_from(at, "at"), vector_from(normal, "normal")}};
+  free_call(of, true, [&](SculptingSession& session) { session.add(constraint); });
+}
+
+void move_line(const SessionObject& of, const std::string& name, const std::string& line,
+               const py::object& direction, double fade, double value, double low, double high) {
+  LineMove move{name, line};
+  if (!direction.is_none()) move.direction = vector_from(direction, "direction");
+  move.fade = fade;
+  free_call(of, true, [&](SculptingSession& session) {
+    session.add(move, range_of(name, value, low, high));
+  });
+}
+
+void drive(const SessionObject& of, const std::string& parameter, const py::dict& follows,
+           double offset) {
+  std::vector<NamedValue::Share> shares;
+  for (const auto& [name, factor] : values_from(follows)) shares.push_back({name, factor});
+  free_call(of, true, [&](SculptingSession& session) { session.drive(parameter, shares, offset); });
+}
+
+py::dict session_reactions(const SessionObject& of) {
+  const auto reactions =
+      free_call(of, false, [](SculptingSession& session) { return session.reactions(); });
+  py::dict forces;
+  for (const Reaction& one : reactions)
+    forces[py::str(one.name)] = py::make_tuple(one.force.x(), one.force.y(), one.force.z());
+  return forces;
+}
+
+py::dict session_stress(const SessionObject& of) {
+  const LiveSession::Stress stress =
+      KernelCall()([&](const Progress& hook) { return of.live->stress(hook); });
+  const MovingStress::Field& field = *stress.field;
+  const auto rows = static_cast<py::ssize_t>(field.displacement.size() / 3);
+  return py::dict(
+      "case"_a = field.of_case, "largest_von_mises"_a = stress.largest.von_mises,
+      "largest_displacement"_a = stress.largest.displacement,
+      "von_mises"_a = view_of(stress.field, field.von_mises.data(),
+                              {static_cast<py::ssize_t>(field.von_mises.size())}, {sizeof(float)}),
+      "displacement"_a = rows_view(stress.field, field.displacement.data(), rows, 3));
+}
+
+void require_answer(int most_iterations, double tolerance) {
+  if (most_iterations < 1)
+    throw InputError("most_iterations: found " + std::to_string(most_iterations) +
+                     ", expected 1 or more");
+  if (!(tolerance > 0 && std::isfinite(tolerance)))
+    throw InputError("tolerance: found " + number(tolerance) + ", expected a number above 0");
+}
+
+using SessionClass = py::class_<SessionObject>;
+
+void bind_session_answers(SessionClass& c) {
+  c.def(
+       "set",
+       [](const SessionObject& of, const std::string& name, double value) {
+         free_call(of, true, [&](SculptingSession& session) { session.set(name, value); });
+       },
+       "name"_a, "value"_a,
+       "Sets a parameter; it acts from the next answer() or settle() on. Raises InputError: "
+       "unknown, "
+       "out of range, not finite, driven by others.")
+      .def(
+          "__setitem__",
+          [](const SessionObject& of, const std::string& name, double value) {
+            free_call(of, true, [&](SculptingSession& session) { session.set(name, value); });
+          },
+          "name"_a, "value"_a)
+      .def(
+          "__getitem__",
+          [](const SessionObject& of, const std::string& name) {
+            return free_call(of, false, [&](SculptingSession& session) {
+              return session.parameters().value(name);
+            });
+          },
+          "name"_a)
+      .def(
+          "answer",
+          [](const SessionObject& of, int most_iterations, double tolerance) {
+            require_answer(most_iterations, tolerance);
+            return KernelCall()([&](const Progress& hook) {
+              return of.live->answer(most_iterations, tolerance, hook);
+            });
+          },
+          "most_iterations"_a = 4, "tolerance"_a = 1e-5,
+          R"(The shape at rest for a drag: to `tolerance` (of the size) or that many iterations.
+
+One or a few pairs of triangular solves; where it has not converged the next call goes on.
+Raises NoSolutionError past a load's limit; parameters and shape are then the last good ones.)")
+      .def(
+          "settle",
+          [](const SessionObject& of, const py::object& progress) {
+            return KernelCall(progress)(
+                [&](const Progress& hook) { return of.live->settle(hook); });
+          },
+          py::kw_only(), "progress"_a = py::none(),
+          "The shape at rest, to rounding; `progress` is told where fairness is a part of it. "
+          "Raises "
+          "NoSolutionError, ConflictError.")
+      .def(
+          "undo",
+          [](const SessionObject& of) {
+            return free_call(of, true, [](SculptingSession& session) { return session.undo(); });
+          },
+          "Takes back an edit, or a drag since the last settle(). False: nothing to undo.")
+      .def(
+          "redo",
+          [](const SessionObject& of) {
+            return free_call(of, true, [](SculptingSession& session) { return session.redo(); });
+          },
+          "Does again what undo() took back. False: nothing to redo.");
+}
+
+void bind_session_edits(SessionClass& c) {
+  constexpr double inf = std::numeric_limits<double>::infinity();
+  c.def("add_pressure", &add_pressure, "name"_a, py::kw_only(), "value"_a = 0.0, "min"_a = -inf,
+        "max"_a = inf, "regions"_a = std::vector<std::string>(),
+        "Adds a pressure along the normal, F = p ∬ N (x_u × x_v) du dv; its value is a parameter "
+        "of its name.")
+      .def("add_force", &add_force, "name"_a, py::kw_only(), "at"_a, "direction"_a, "value"_a = 0.0,
+           "min"_a = -inf, "max"_a = inf,
+           "Adds the force value · direction at the place of the surface nearest to `at`.")
+      .def("hold_point", &hold_point, "name"_a, py::kw_only(), "at"_a, "goal"_a = py::none(),
+           "Holds the place of the surface nearest to `at` at `goal` (None: `at`): the parameters "
+           "name.x, .y, "
+           ".z. Raises ConflictError where others hold it elsewhere.")
+      .def("hold_normal", &hold_normal, "name"_a, py::kw_only(), "at"_a, "normal"_a,
+           "Holds the normal at the place nearest to `at` parallel to `normal`. Raises "
+           "ConflictError.")
+      .def("move_line", &move_line, "name"_a, "line"_a, py::kw_only(), "direction"_a = py::none(),
+           "fade"_a = 0.0, "value"_a = 0.0, "min"_a = -inf, "max"_a = inf,
+           "Lets a parameter move a line by value · direction (None: along the normal), model "
+           "units; `fade`: "
+           "share of its length at either end over which the move begins.")
+      .def(
+          "add_parameter",
+          [](const SessionObject& of, const std::string& name, double value, double low,
+             double high) {
+            free_call(of, true, [&](SculptingSession& session) {
+              session.add_parameter(range_of(name, value, low, high).front());
+            });
+          },
+          "name"_a, py::kw_only(), "value"_a = 0.0, "min"_a = -inf, "max"_a = inf,
+          "Adds a parameter that others can follow: drive().")
+      .def("drive", &drive, "parameter"_a, "follows"_a, py::kw_only(), "offset"_a = 0.0,
+           "Makes a parameter follow others: offset + Σ factor · value of {name: factor}.")
+      .def(
+          "remove",
+          [](const SessionObject& of, const std::string& name) {
+            free_call(of, true, [&](SculptingSession& session) { session.remove(name); });
+          },
+          "name"_a, "Removes a load, constraint or move.")
+      .def_property_readonly(
+          "acting",
+          [](const SessionObject& of) {
+            return py::cast(
+                free_call(of, false, [](SculptingSession& session) { return session.names(); }));
+          },
+          "Names of what remove() knows.");
+}
+
+void bind_session_results(SessionClass& c) {
+  c.def_property_readonly("parameters", &session_parameters, "Present values, {name: value}.")
+      .def_property_readonly(
+          "points", [](const SessionObject& of) { return frame_view(of, &Frame::points); },
+          "Points of the present shape, n×3 float32, model units. A view, which stays as it is.")
+      .def_property_readonly(
+          "normals", [](const SessionObject& of) { return frame_view(of, &Frame::normals); },
+          "Exact unit normals at the points, n×3 float32. A view, which stays as it is.")
+      .def_property_readonly(
+          "triangles", &session_triangles,
+          "Corners of the facets, m×3 int32: the same array until the mesh changes.")
+      .def_property_readonly(
+          "dofs",
+          [](const SessionObject& of) {
+            return array_of(
+                free_call(of, false, [](SculptingSession& session) { return session.dofs(); }));
+          },
+          "The unknowns of the present shape, n×3 float64 (docs/theory/elements.md).")
+      .def_property_readonly(
+          "residual",
+          [](const SessionObject& of) {
+            return free_call(of, false,
+                             [](SculptingSession& session) { return session.residual(); });
+          },
+          "Largest residual of all constraints, over the size.")
+      .def_property_readonly(
+          "energy",
+          [](const SessionObject& of) {
+            const SurfaceEnergy energy =
+                free_call(of, false, [](SculptingSession& session) { return session.energy(); });
+            return energy.stretching + energy.bending;
+          },
+          "Elastic energy qᵀK q, on the domain scaled to size 1.")
+      .def_property_readonly(
+          "volume",
+          [](const SessionObject& of) {
+            return free_call(of, false,
+                             [](SculptingSession& session) { return session.enclosed_volume(); });
+          },
+          "⅓ ∬ x·(x_u × x_v), model units³.")
+      .def("reactions", &session_reactions,
+           "Forces with which lines and constraints hold the surface, {name: (x, y, z)}.")
+      .def("stress", &session_stress,
+           R"(Stresses of the scene's [stress] on the present shape.
+
+A dict: case (the worst one), largest_von_mises, largest_displacement, and at the points von_mises
+(n float32) and displacement (n×3 float32). Raises InputError without [stress].
+Source: Kirchhoff-Love shells on the same elements (docs/stress.md).)")
+      .def(
+          "model",
+          [](const SessionObject& of) {
+            return KernelCall()([&](const Progress& hook) {
+              return std::const_pointer_cast<ShapedModel>(of.live->model(hook));
+            });
+          },
+          "The present shape as a Model, which stays as it is.");
+}
+
+}  // namespace
+
+void bind_sessions(py::module_& m) {
+  py::class_<Answer>(m, "Answer", "How an answer was reached.")
+      .def_readonly("converged", &Answer::converged)
+      .def_readonly("iterations", &Answer::iterations, "Pairs of triangular solves.")
+      .def_readonly("change", &Answer::change, "Change of the last iteration, over the size.")
+      .def_readonly("factored", &Answer::factored, "Whether a new factor was needed.");
+  SessionClass c(m, "Session",
+                 R"(A model and all that acts on it, live. Threads take turns on one session.
+
+    session = batten.Session(model)
+    session["swell"] = 120
+    session.answer()
+    show(session.points, session.triangles))");
+  c.def(py::init(&new_session), "source"_a, py::kw_only(), "values"_a = py::none(),
+        "progress"_a = py::none(),
+        "A session of a Model, or of a scene's file. `values`: parameters {name: value}. Raises as "
+        "load().");
+  bind_session_answers(c);
+  bind_session_edits(c);
+  bind_session_results(c);
+}
+
+}  // namespace batten::python

@@ -1,0 +1,23 @@
+// What the sources of the Python module `_batten` share: one function for each group of names.
+#pragma once
+
+#include <pybind11/numpy.h>
+#include <pybind11/pybind11.h>
+#include <pybind11/stl.h>
+
+namespace batten::python {
+
+namespace py = pybind11;
+
+/// Each adds its classes and functions to the module. Errors come first: others throw them.
+void bind_errors(py::module_& module);
+void bind_curves(py::module_& module);
+void bind_models(py::module_& module);
+void bind_sessions(py::module_& module);
+void bind_meshes(py::module_& module);
+void bind_deformers(py::module_& module);
+void bind_edits(py::module_& module);
+void bind_sequences(py::module_& module);
+void bind_runs(py::module_& module);
+
+}  // namespace batten::python

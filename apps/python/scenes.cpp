@@ -1,0 +1,163 @@
+#include "batten/apps/python/scenes.h"
+
+#include <cmath>
+#include <set>
+
+#include "batten/apps/commands/exchange/file_kinds.h"
+#include "batten/apps/commands/shapes/run_scene.h"
+#include "batten/apps/python/arrays.h"
+#include "batten/core/errors.h"
+#include "batten/io/scene/read_scene.h"
+
+namespace batten::python {
+namespace {
+
+const std::string kSkin = "skin()";
+
+double number_above_0(const py::object& given, const std::string& what) {
+  const double value = PyFloat_AsDouble(given.ptr());
+  if (PyErr_Occurred())
+    PyErr_Clear();
+  else if (std::isfinite(value) && value > 0)
+    return value;
+  throw InputError(what + ": found " + std::string(py::repr(given)) +
+                   ", expected a number above 0");
+}
+
+/// The text of a scene without lines: its unit, and the words. These keep their place in messages where they
+/// begin with an empty line, as texts in triple quotes do.
+std::string text_of(const SkinWords& words) {
+  if (words.unit.find_first_of("\"\\\n") != std::string::npos)
+    throw InputError("unit: found '" + words.unit + "', expected mm, cm, m, in or ft");
+  const std::string text = "unit = \"" + words.unit + "\"";
+  return words.words.starts_with('\n') ? text + words.words : text + "\n" + words.words;
+}
+
+std::vector<std::string> names_from(const py::iterable& given, const std::string& what,
+                                    const std::set<std::string>& lines) {
+  if (py::isinstance<py::str>(given))
+    throw InputError(what + ": found one text, expected a list of names of lines");
+  std::vector<std::string> names;
+  for (const py::handle name : given) {
+    names.push_back(py::str(name));
+    if (!lines.count(names.back())) {
+      const std::string near = nearest_word(names.back(), {lines.begin(), lines.end()});
+      throw InputError(what + ": found the line name '" + names.back() +
+                       "', expected one of lines" +
+                       (near.empty() ? "" : "; did you mean '" + near + "'?"));
+    }
+  }
+  return names;
+}
+
+SceneLine line_of(const std::string& name, const py::handle& given) {
+  SceneLine line;
+  line.name = name;
+  if (py::isinstance<HermiteCurve>(given)) {
+    line.curve = curve_from_hermite(given.cast<HermiteCurve>());
+    return line;
+  }
+  line.points = rows_of(points_from(given, "line '" + name + "'"));
+  constexpr size_t fewest = 2;
+  if (line.points.size() < fewest)
+    throw InputError("line '" + name + "': found " + std::to_string(line.points.size()) +
+                     " points, expected 2 or more");
+  return line;
+}
+
+void give_roles(Scene& scene, const std::vector<std::string>& names, CharacterLine::Role role) {
+  for (SceneLine& line : scene.lines)
+    for (const std::string& name : names)
+      if (line.name == name) line.role = role;
+}
+
+void join_words(SceneNetwork& network, const std::vector<std::string>& lines, JoinWord::Kind kind) {
+  for (const std::string& line : lines) network.joins.push_back({line, kind, kSkin + ": "});
+}
+
+}  // namespace
+
+Scene scene_of_arrays(const py::dict& lines, const SkinWords& words) {
+  if (lines.empty()) throw InputError("lines: found none, expected one or more");
+  Scene scene = parse_scene(text_of(words), kSkin, false);
+  if (!scene.lines.empty())
+    throw InputError("words: found a [[line]], expected none: lines are given as arrays");
+  if (!words.name.empty()) scene.name = words.name;
+  std::set<std::string> names;
+  for (const auto& [name, given] : lines) {
+    const std::string text = py::str(name);
+    if (text.empty())
+      throw InputError("lines: found a line without a name, expected one with letters");
+    if (!names.insert(text).second)
+      throw InputError("lines: found the name '" + text + "' twice, expected different names");
+    scene.lines.push_back(line_of(text, given));
+  }
+  const auto inner = names_from(words.inner, "inner", names),
+             holes = names_from(words.holes, "holes", names),
+             smooth = names_from(words.smooth, "smooth", names),
+             crease = names_from(words.crease, "crease", names);
+  const bool roles = !inner.empty() || !holes.empty();
+  const bool network = truth_from(words.network, "network").value_or(!roles);
+  if (network && roles)
+    throw InputError(
+        "network: found True beside inner or holes, expected one of both: in a network "
+        "which lines bound a surface is found");
+  if (network && !scene.network) scene.network.emplace();
+  if (!network && (scene.network || !smooth.empty() || !crease.empty()))
+    throw InputError("smooth, crease: found without a network, expected network=True");
+  give_roles(scene, inner, CharacterLine::Role::Inner);
+  give_roles(scene, holes, CharacterLine::Role::Hole);
+  if (network) {
+    join_words(*scene.network, smooth, JoinWord::Kind::Smooth);
+    join_words(*scene.network, crease, JoinWord::Kind::Crease);
+  }
+  SkinOptions& options = scene.skin.options;
+  if (!words.tolerance.is_none()) options.tolerance = number_above_0(words.tolerance, "tolerance");
+  if (!words.edge_length.is_none())
+    options.edge_length = number_above_0(words.edge_length, "edge_length");
+  if (!words.corner_angle.is_none())
+    options.corner_angle = number_above_0(words.corner_angle, "corner_angle");
+  return scene;
+}
+
+Scene scene_of_file(const std::string& file) {
+  switch (file_kind(file)) {
+    case FileKind::Cad:
+    case FileKind::Lines:
+      return scene_of_network({file}, "mm");
+    default:
+      return read_scene(file);
+  }
+}
+
+std::vector<std::pair<std::string, double>> values_from(const py::object& given) {
+  std::vector<std::pair<std::string, double>> values;
+  if (given.is_none()) return values;
+  if (!py::isinstance<py::dict>(given))
+    throw InputError("found " + std::string(py::repr(given)) +
+                     ", expected a dict of parameters: {\"swell\": 250}");
+  for (const auto& [name, value] : given.cast<py::dict>()) {
+    const std::string text = py::str(name);
+    const double number = PyFloat_AsDouble(value.ptr());
+    if (PyErr_Occurred()) {
+      PyErr_Clear();
+      throw InputError(text + ": found " + std::string(py::repr(value)) + ", expected a number");
+    }
+    values.emplace_back(text, number);
+  }
+  return values;
+}
+
+py::object json_object(const std::string& text) {
+  return py::module_::import("json").attr("loads")(text);
+}
+
+std::string path_from(const py::object& given) {
+  try {
+    return py::str(py::module_::import("os").attr("fspath")(given));
+  } catch (const py::error_already_set&) {
+    throw InputError("found " + std::string(py::repr(given)) + ", expected the name of a file");
+  }
+}
+
+}  // namespace batten::python

@@ -1,0 +1,85 @@
+"""A glass that holds a third of a litre: lines from formulas, a session, a root, files.
+
+1. lines: foot and rim, two circles, as arrays of numpy
+2. surface: a ring between them, which bends least
+3. session: a pressure blows the glass up; its volume is asked for after each answer
+4. the pressure at which it holds 330 ml, by the secant rule
+5. files, and a picture where there is a display
+
+Usage: glass.py [OUTPUT FOLDER]
+"""
+
+import os
+import sys
+
+import numpy as np
+
+import batten
+
+FOOT, RIM, HEIGHT, WANTED = 22.0, 34.0, 110.0, 330.0  # mm, mm, mm, ml
+
+
+def circle(radius, z, count=72):
+    """Points of a circle about the z axis, count+1×3: the last one is the first one again."""
+    turn = np.linspace(0, 2 * np.pi, count + 1)
+    points = np.column_stack([radius * np.cos(turn), radius * np.sin(turn), np.full(count + 1, z)])
+    points[-1] = points[0]
+    return points
+
+
+def millilitres(session):
+    """The volume between foot and rim: ⅓ ∬ x·n over the wall and over the lid; that of the floor at z = 0 is 0."""
+    lid = HEIGHT * np.pi * RIM**2 / 3
+    return (abs(session.volume) + lid) / 1000
+
+
+def main(out):
+    os.makedirs(out, exist_ok=True)
+
+    # 1. and 2.
+    model = batten.skin({"foot": circle(FOOT, 0), "rim": circle(RIM, HEIGHT)}, network=False, name="glass")
+    assert model.missed == [], model.missed
+
+    # 3. Outwards is along the normal, or against it.
+    session = batten.Session(model)
+    outwards = 1 if (model.normals * model.points)[:, :2].sum() > 0 else -1
+    session.add_pressure("blow")
+
+    def filled(pressure):
+        session["blow"] = outwards * pressure
+        session.settle()
+        return millilitres(session)
+
+    # 4. Like a balloon the glass has a limit: a pressure past it is an exception, and half of that step is made.
+    before = filled(0.0)
+    p, f, q = 0.0, before - WANTED, 5.0
+    steps = refused = 0
+    while steps < 40:
+        steps += 1
+        try:
+            g = filled(q) - WANTED
+        except batten.NoSolutionError:
+            refused += 1
+            q = (p + q) / 2
+            continue
+        if abs(g) <= 1e-9 * WANTED:
+            break
+        p, f, q = q, g, q - g * (q - p) / (g - f)
+    glass = session.model()
+
+    # 5.
+    missed = glass.save(os.path.join(out, "glass.step"))
+    points, triangles = glass.points, glass.triangles
+    np.savez(os.path.join(out, "glass.npz"), points=points, triangles=triangles)
+    if os.environ.get("DISPLAY"):
+        glass.picture(os.path.join(out, "glass.png"), width=900, height=900, azimuth=-25, elevation=12, contours=14,
+                      title=f"{millilitres(session):.0f} ml")
+    print(f"{before:.3f} ml as its lines make it; {millilitres(session):.9f} ml at a pressure of {q:.6f}, "
+          f"{steps} steps, {refused} of them too far")
+    print(f"{len(points)} points, {len(triangles)} triangles; widest at {2 * np.hypot(*points[:, :2].T).max():.2f} mm")
+    print("files in", out)
+    return 0 if not missed and abs(millilitres(session) - WANTED) < 1e-6 else 4
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1] if len(sys.argv) > 1 else "out/31-python"))

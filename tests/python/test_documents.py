@@ -1,0 +1,31 @@
+"""What documents show works: every block of Python in them runs, each by itself."""
+
+import os
+import re
+import subprocess
+import sys
+import unittest
+
+from laws import SOURCE, Laws
+
+
+class Documents(Laws):
+    def blocks_run(self, document, least):
+        with open(os.path.join(SOURCE, document)) as text:
+            blocks = re.findall(r"^```python\n(.*?)^```", text.read(), re.MULTILINE | re.DOTALL)
+        self.assertGreaterEqual(len(blocks), least, document)
+        for block in blocks:
+            done = subprocess.run([sys.executable, "-c", block], cwd=self.folder, stdout=subprocess.DEVNULL,
+                                  stderr=subprocess.PIPE, text=True)
+            self.assertEqual(done.returncode, 0, block + done.stderr)
+
+    def test_python_md(self):
+        self.blocks_run("docs/python.md", 3)
+        self.assertTrue(os.path.exists(self.file("panel.step")))
+
+    def test_readme(self):
+        self.blocks_run("README.md", 1)
+
+
+if __name__ == "__main__":
+    unittest.main()

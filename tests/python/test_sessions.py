@@ -1,0 +1,246 @@
+"""Sessions: undo, conflicts, threads, memory, and what stops a long call."""
+
+import gc
+import os
+import signal
+import subprocess
+import sys
+import threading
+import time
+import unittest
+
+from laws import Laws, batten, example, np, resident_kb, saddle
+
+
+def session_of(edge_length=None):
+    session = batten.Session(batten.skin(saddle(), edge_length=edge_length))
+    session.add_pressure("swell", min=-500, max=500)
+    session.add_parameter("double")
+    session.add_force("push", at=[0.5, 0.5, 0.2], direction=[0, 0, 1])
+    return session
+
+
+def drag(session, seed, answers=30):
+    """Frames of a drag that the seed says."""
+    frames = []
+    for value in np.random.default_rng(seed).uniform(-20, 20, answers):
+        session["swell"] = value
+        session["push"] = value / 10
+        session.answer()
+        frames.append(session.points.copy())
+    session.settle()
+    frames.append(session.points.copy())
+    return frames
+
+
+class Sessions(Laws):
+    def test_undo_gives_the_same_bits(self):
+        session = session_of()
+        before, dofs = session.points.copy(), session.dofs
+        session["swell"] = 20
+        session.settle()
+        after = session.points.copy()
+        self.assertGreater(np.abs(after - before).max(), 1e-3)
+        self.assertTrue(session.undo())
+        self.same_bits(session.points, before)
+        self.same_bits(session.dofs, dofs)
+        self.assertEqual(session["swell"], 0)
+        self.assertTrue(session.redo())
+        self.same_bits(session.points, after)
+        self.assertEqual(session["swell"], 20)
+
+    def test_one_slider_drives_others(self):
+        session = session_of()
+        session.drive("swell", {"double": 2}, offset=1)
+        session["double"] = 5
+        self.assertEqual(session["swell"], 11)
+        with self.assertRaisesRegex(batten.InputError, "double"):
+            session["swell"] = 3
+
+    def test_constraints_in_conflict_are_named_and_change_nothing(self):
+        session = session_of()
+        session.hold_point("pin", at=[0.5, 0.5, 0.2], goal=[0.5, 0.5, 0.4])
+        before = session.points.copy()
+        with self.assertRaises(batten.ConflictError) as raised:
+            session.hold_point("nail", at=[0.5, 0, 0.2], goal=[0.5, 0, 0.5])
+        (names, amount), = raised.exception.conflicts[:1]
+        self.assertIn("nail", names)
+        self.assertGreater(abs(amount), 0.01)
+        self.same_bits(session.points, before)
+        self.assertEqual(sorted(session.acting), ["pin", "push", "swell"])
+        session.remove("pin")
+        self.assertNotIn("pin.x", session.parameters)
+
+    def test_a_held_point_is_where_it_should_be(self):
+        session = session_of()
+        session.hold_point("pin", at=[0.5, 0.5, 0.2])
+        session["pin.z"] = 0.5
+        session.settle()
+        self.assertLess(session.residual, 1e-12)
+        self.assertLess(np.linalg.norm(session.points - [0.5, 0.5, 0.5], axis=1).min(), 0.05)
+        self.assertGreater(session.reactions()["pin"][2], 0)
+
+    def test_a_load_past_its_limit(self):
+        lines = {"rim": [[np.cos(t), np.sin(t), 0] for t in np.linspace(0, 2 * np.pi, 49)]}
+        session = batten.Session(batten.skin(lines))
+        session.add_pressure("swell")
+        session["swell"] = 30
+        session.settle()
+        before = session.points.copy()
+        session["swell"] = 1e9
+        with self.assertRaises(batten.NoSolutionError):
+            session.settle()
+        self.same_bits(session.points, before)
+        self.assertEqual(session["swell"], 30)
+
+    def test_a_model_of_a_session_stays(self):
+        session = session_of()
+        model = session.model()
+        before = model.points.copy()
+        session["swell"] = 20
+        session.settle()
+        self.same_bits(model.points, before)
+        self.assertGreater(np.abs(session.model().points - before).max(), 1e-3)
+
+    def test_stress_of_the_present_shape(self):
+        session = batten.Session(example("18-lean", "scene.toml"))
+        stress = session.stress()
+        self.assertEqual(stress["von_mises"].shape, (len(session.points),))
+        self.assertEqual(stress["displacement"].shape, session.points.shape)
+        self.assertGreater(stress["largest_von_mises"], 0)
+        with self.assertRaisesRegex(batten.InputError, "stress"):
+            session_of().stress()
+
+
+class Threads(Laws):
+    def test_two_sessions_at_once_give_the_same_bits(self):
+        expected = [drag(session_of(), seed) for seed in (1, 2)]
+        sessions = [session_of(), session_of()]
+        found = [None, None]
+
+        def work(i):
+            found[i] = drag(sessions[i], i + 1)
+
+        threads = [threading.Thread(target=work, args=(i,)) for i in range(2)]
+        for thread in threads:
+            thread.start()
+        for thread in threads:
+            thread.join()
+        for a, b in zip(expected, found):
+            self.assertEqual(len(a), len(b))
+            for x, y in zip(a, b):
+                self.same_bits(x, y)
+
+    def ticks_during(self, call):
+        """How often this thread came to run between the beginning and the end of a call in another one.
+
+        Nobody is asked to hand over the interpreter's lock, so that it is only got where it is given away."""
+        events = []
+
+        def work():
+            events.append("begin")
+            call()
+            events.append("end")
+        interval = sys.getswitchinterval()
+        sys.setswitchinterval(1000)
+        try:
+            thread = threading.Thread(target=work)
+            thread.start()
+            while thread.is_alive():
+                events.append("tick")
+                time.sleep(1e-3)
+        finally:
+            sys.setswitchinterval(interval)
+        return events[events.index("begin"):events.index("end")].count("tick")
+
+    def test_python_goes_on_while_the_kernel_works(self):
+        self.assertGreater(self.ticks_during(lambda: batten.skin(saddle(), edge_length=0.02)), 2)
+        session = session_of(0.02)
+        session["swell"] = 10
+        self.assertGreater(self.ticks_during(session.settle), 0)
+        self.assertGreater(self.ticks_during(lambda: session.model().points), 0)
+
+    def test_held_locks_would_be_seen(self):
+        numbers = list(range(3_000_000, 0, -1))
+        self.assertEqual(self.ticks_during(numbers.sort), 0)
+
+    def test_a_session_is_used_by_one_thread_after_the_other(self):
+        session = session_of()
+        session["swell"] = 10
+        failed = []
+
+        def work():
+            try:
+                for _ in range(20):
+                    session.answer()
+                    self.assertTrue(np.isfinite(session.points).all())
+            except BaseException as error:  # noqa: BLE001
+                failed.append(error)
+        threads = [threading.Thread(target=work) for _ in range(4)]
+        for thread in threads:
+            thread.start()
+        for thread in threads:
+            thread.join()
+        self.assertEqual(failed, [])
+
+
+class Stopping(Laws):
+    def test_progress_is_told_and_may_stop(self):
+        stages = []
+        batten.skin(saddle(), progress=lambda stage, fraction: stages.append((stage, fraction)))
+        self.assertTrue(stages)
+        self.assertTrue(all(isinstance(stage, str) and 0 <= fraction <= 1 for stage, fraction in stages))
+
+        def stop(stage, fraction):
+            raise KeyError("enough")
+        with self.assertRaisesRegex(KeyError, "enough"):
+            batten.skin(saddle(), progress=stop)
+
+    def test_an_interrupt_stops_a_long_call(self):
+        program = """
+import batten, sys
+points = [[[i, j, 0], [i + 1, j, 0]] for i in range(40) for j in range(41)]
+points += [[[i, j, 0], [i, j + 1, 0]] for i in range(41) for j in range(40)]
+try:
+    print("begin", flush=True)
+    for _ in range(1000):
+        batten.skin({str(i): p for i, p in enumerate(points)})
+except KeyboardInterrupt:
+    print("stopped")
+    sys.exit(7)
+"""
+        running = subprocess.Popen([sys.executable, "-c", program], stdout=subprocess.PIPE, text=True)
+        self.assertEqual(running.stdout.readline(), "begin\n")
+        try:
+            running.stdout.flush()
+            threading.Event().wait(1.5)
+            running.send_signal(signal.SIGINT)
+            out, _ = running.communicate(timeout=60)
+        finally:
+            running.kill()
+        self.assertEqual((running.returncode, out), (7, "stopped\n"))
+
+
+class Memory(Laws):
+    def test_dropped_sessions_leave_nothing(self):
+        count = int(os.environ.get("BATTEN_SESSIONS", "300"))
+        model = batten.skin(saddle(), edge_length=0.4)
+
+        def use(times):
+            for _ in range(times):
+                session = batten.Session(model)
+                session.add_pressure("swell")
+                session["swell"] = 5
+                session.answer()
+                self.assertGreater(len(session.points) + len(session.triangles), 0)
+            gc.collect()
+        use(max(50, count // 4))
+        before = resident_kb()
+        use(count)
+        grown = resident_kb() - before
+        print(f"{count} sessions: resident memory grew by {grown} KB", file=sys.stderr)
+        self.assertLess(grown, 2000 + 0.5 * count)  # a leaked session has more than 100 KB
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,82 @@
+"""The stubs say what the module has: every name, every argument, in its order, by keyword only, with a default or without."""
+
+import ast
+import os
+import re
+import unittest
+
+from laws import Laws, batten
+
+
+def arguments_of(function):
+    """(name, by keyword only, has a default) of each argument of a function that was parsed."""
+    a = function.args
+    early = [None] * (len(a.args) - len(a.defaults)) + a.defaults
+    return [(x.arg, False, d is not None) for x, d in zip(a.args, early) if x.arg != "self"] + \
+        [(x.arg, True, d is not None) for x, d in zip(a.kwonlyargs, a.kw_defaults)]
+
+
+def signature_in(words):
+    """The signature in the first line of a docstring that pybind11 wrote, or None."""
+    line = (words or "").split("\n")[0].replace("inf", "9e9")
+    if not re.match(r"\w+\(.*\) -> ", line):
+        return None
+    return arguments_of(ast.parse("def " + line + ": ...").body[0])
+
+
+def members_of_module(owner, names):
+    found = {}
+    for name in names:
+        thing = getattr(owner, name)
+        if isinstance(thing, property):
+            found[name] = "property"
+        elif callable(thing):
+            found[name] = signature_in(thing.__doc__) if signature_in(thing.__doc__) is not None else []
+    return found
+
+
+def members_of_stub(body):
+    found = {}
+    for node in body:
+        if isinstance(node, ast.FunctionDef):
+            found[node.name] = "property" if node.decorator_list else arguments_of(node)
+    return found
+
+
+class Stubs(Laws):
+    def setUp(self):
+        super().setUp()
+        folder = os.path.dirname(batten.__file__)
+        self.assertTrue(os.path.exists(os.path.join(folder, "py.typed")))
+        with open(os.path.join(folder, "_batten.pyi")) as stub:
+            self.body = ast.parse(stub.read()).body
+        self.classes = {node.name: node for node in self.body if isinstance(node, ast.ClassDef)}
+
+    def test_functions(self):
+        names = [n for n in dir(batten._batten) if not n.startswith("_") and
+                 not isinstance(getattr(batten._batten, n), type)]
+        self.assertEqual(members_of_stub(self.body), members_of_module(batten._batten, names))
+
+    def test_classes(self):
+        classes = {n: c for n, c in vars(batten._batten).items() if isinstance(c, type)}
+        self.assertEqual(set(self.classes), set(classes))
+        for name, cls in classes.items():
+            if issubclass(cls, Exception):
+                self.assertEqual([base.id for base in self.classes[name].bases],
+                                 [base.__name__ for base in cls.__bases__])
+                continue
+            special = {"__getitem__", "__setitem__", "__len__"}
+            names = [n for n in vars(cls) if not n.startswith("_") or n in special]
+            if signature_in(cls.__init__.__doc__) is not None:
+                names.append("__init__")
+            self.assertEqual(members_of_stub(self.classes[name].body), members_of_module(cls, names), name)
+
+    def test_everything_public_is_in_the_package_and_has_words(self):
+        public = {n for n in dir(batten._batten) if not n.startswith("_")}
+        self.assertEqual(public, set(batten.__all__))
+        for name in public:
+            self.assertTrue(getattr(batten, name).__doc__, name)
+
+
+if __name__ == "__main__":
+    unittest.main()
