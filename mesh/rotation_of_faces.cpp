@@ -7,7 +7,6 @@
 
 #include "batten/core/dense.h"
 #include "batten/core/errors.h"
-#include "batten/mesh/rotation_batch.h"
 
 namespace batten {
 namespace {
@@ -55,10 +54,6 @@ Mat3 rotation_part(const Mat3& M) {
   return 0.5 * (X + cofactors(X) / X.col(0).dot(X.col(1).cross(X.col(2))));
 }
 
-namespace {
-
-/// H of a triangle that is not nearly a line: edges go to edges, E and F their columns, so H = F (Eᵀ
-/// E)⁻¹ Eᵀ. None for others.
 std::optional<Mat3> map_of_triangle(std::span<const int> corners, const Points& before,
                                     const Points& after) {
   if (corners.size() != 3) return std::nullopt;
@@ -72,8 +67,6 @@ std::optional<Mat3> map_of_triangle(std::span<const int> corners, const Points& 
   if (!(det > 1e-6 * trace * trace)) return std::nullopt;
   return F * (G.inverse() * E.transpose());
 }
-
-}  // namespace
 
 Mat3 rotation_of_face(std::span<const int> corners, const Points& before, const Points& after) {
   if (corners.empty()) return Mat3::Identity();
@@ -97,28 +90,6 @@ Mat3 rotation_of_face(std::span<const int> corners, const Points& before, const 
   for (long d = 0; d < lengths.size() && lengths[d] > 1e-12 * lengths[0]; ++d)
     H += (moved.transpose() * U.col(d) / lengths[d]) * V.col(d).transpose();
   return rotation_part(H);
-}
-
-void rotations_of_triangles(std::span<const std::array<int, 3>> triangles,
-                            std::span<const int> which, const Points& before, const Points& after,
-                            std::span<Mat3> rotations) {
-  constexpr size_t lanes = RotationBatch::kLanes;
-  RotationBatch maps, turns;
-  for (size_t first = 0; first < which.size(); first += lanes) {
-    const size_t count = std::min(lanes, which.size() - first);
-    std::array<bool, lanes> nearly_lines{};
-    for (size_t l = 0; l < lanes; ++l) {
-      const auto H = l < count ? map_of_triangle(triangles[which[first + l]], before, after)
-                               : std::optional(Mat3(Mat3::Identity()));
-      nearly_lines[l] = !H;
-      maps.set(static_cast<int>(l), H ? *H : Mat3(Mat3::Identity()));
-    }
-    rotation_parts(maps, turns);
-    for (size_t l = 0; l < count; ++l)
-      rotations[first + l] = nearly_lines[l]
-                                 ? rotation_of_face(triangles[which[first + l]], before, after)
-                                 : turns.get(static_cast<int>(l));
-  }
 }
 
 Mat3 mean_rotation(std::span<const Mat3> rotations, std::span<const double> weights) {

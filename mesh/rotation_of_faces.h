@@ -1,7 +1,7 @@
 // The rotation of a face between two shapes of a mesh, and means of rotations.
 #pragma once
 
-#include <array>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -32,11 +32,10 @@ Mat3 rotation_part(const Mat3& M);
 /// below 1e-12 of its longest count as none. O(corners). Source: Hu, Song, Cao, section II B.
 Mat3 rotation_of_face(std::span<const int> corners, const Points& before, const Points& after);
 
-/// The same for those of a mesh's triangles whose numbers are `which`, eight at once
-/// (mesh/rotation_batch.h); `rotations` has room for as many. 50 ns each.
-void rotations_of_triangles(std::span<const std::array<int, 3>> triangles,
-                            std::span<const int> which, const Points& before, const Points& after,
-                            std::span<Mat3> rotations);
+/// H of a triangle that is not nearly a line: edges go to edges, E and F their columns, so H = F (Eᵀ
+/// E)⁻¹ Eᵀ. None for others.
+std::optional<Mat3> map_of_triangle(std::span<const int> corners, const Points& before,
+                                    const Points& after);
 
 /// min_R Σ w_i ‖R - R_i‖² over rotations, ‖·‖ Frobenius: rotation_part(Σ w_i R_i). Weights are areas,
 /// 0 or more; no rotations: the identity. Throws InputError when there are not as many weights.

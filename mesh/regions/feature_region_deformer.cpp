@@ -10,6 +10,7 @@
 #include "batten/core/groups.h"
 #include "batten/core/rotations.h"
 #include "batten/mesh/regions/region_system.h"
+#include "batten/mesh/rotation_batch.h"
 #include "batten/mesh/rotation_of_faces.h"
 #include "batten/mesh/selection.h"
 

@@ -13,6 +13,7 @@
 #include "batten/mesh/regions/feature_region_deformer.h"
 #include "batten/mesh/regions/nonlinear_deformer.h"
 #include "batten/mesh/regions/saliency.h"
+#include "batten/mesh/rotation_batch.h"
 #include "batten/mesh/rotation_of_faces.h"
 #include "batten/mesh/selection.h"
 #include "batten/tests/catch.h"

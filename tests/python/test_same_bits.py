@@ -1,5 +1,6 @@
 """Python and the program give the same bits."""
 
+import json
 import os
 import unittest
 
@@ -50,6 +51,25 @@ class SameBits(Laws):
         self.assertTrue(decks)
         for deck in decks:
             self.assertEqual(bytes_of(self.file("program/" + deck)), bytes_of(self.file("python/" + deck)))
+
+    def reports_agree(self, python, key):
+        with open(self.file("program/report.json")) as report:
+            self.assertEqual(json.load(report)[key], python[key])
+
+    def test_stresses(self):
+        scene = example("18-lean", "scene.toml")
+        self.assertIn(run_program("stress", scene, "--out", self.file("program")), (0, 4))
+        self.reports_agree(batten.stress(scene, self.file("python")), "stress")
+
+    def test_a_sequence(self):
+        scene = example("29-forming", "forming.toml")
+        self.assertIn(run_program("sequence", scene, "--out", self.file("program")), (0, 4))
+        self.reports_agree(batten.sequence(scene, self.file("python")), "files")
+        for folder, _, files in os.walk(self.file("program")):
+            for file in files:
+                if not file.endswith((".json", ".png", ".gif")):
+                    at = os.path.join(folder, file)
+                    self.assertEqual(bytes_of(at), bytes_of(at.replace(self.file("program"), self.file("python"))))
 
     def test_lines_as_arrays_and_as_text(self):
         lines = {"a": [[0, 0, 0], [1, 0, 0.1]], "b": [[1, 0, 0.1], [1, 1, 0]], "c": [[1, 1, 0], [0, 0, 0]]}

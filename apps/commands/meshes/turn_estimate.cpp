@@ -12,6 +12,7 @@
 #include "batten/core/rotations.h"
 #include "batten/mesh/regions/dual_laplacian_deformer.h"
 #include "batten/mesh/regions/nonlinear_deformer.h"
+#include "batten/mesh/rotation_batch.h"
 #include "batten/mesh/rotation_of_faces.h"
 #include "batten/mesh/selection.h"
 
