@@ -225,3 +225,58 @@ TEST_CASE("tangents of a line are pulled, and the surface follows", "[studio]") 
   CHECK(window.messages().isEmpty());
   hand.picture("tangents");
 }
+
+TEST_CASE("what moves is left in odd moments: undo, another file, save, other shadings",
+          "[studio]") {
+  WindowCase hand;
+  MainWindow& window = *hand.window;
+  const auto door = kExamples / "05-door/scene.toml";
+  hand.open(door);
+  QAction* motion = window.action(kMotion);
+  // Undo and another command end a motion first; then it goes on, until it is told to rest.
+  window.sliders().number("swell")->setValue(60);
+  REQUIRE(window.wait());
+  const std::string before = hand.document().text;
+  motion->trigger();
+  window.sliders().slider("swell")->setValue(window.sliders().slider("swell")->maximum());
+  QTest::qWait(200);
+  window.action(kUndo)->trigger();
+  QTest::qWait(200);
+  CHECK(motion->isChecked());
+  hand.key(Qt::Key_Escape);
+  motion->trigger();
+  REQUIRE(window.wait());
+  CHECK(hand.document().text == before);
+  // Another file while it moves.
+  motion->trigger();
+  QTest::qWait(100);
+  window.open(kExamples / "11-panel/panel.bdf");
+  REQUIRE(window.wait(60));
+  CHECK(hand.document().mesh);
+  CHECK_FALSE(motion->isChecked());
+  CHECK_FALSE(motion->isEnabled());
+  CHECK(window.messages().isEmpty());
+  // Shadings that need a [stress] say so where there is none, and come with the next scene.
+  window.shading().setCurrentIndex(static_cast<int>(Shading::Modes));
+  REQUIRE(window.wait());
+  CHECK_FALSE(hand.view().words().isEmpty());
+  hand.open(door);
+  REQUIRE(window.wait(60));
+  CHECK(window.modes().count() > 2);
+  window.sliders().number("swell")->setValue(30);
+  REQUIRE(window.wait(60));
+  window.shading().setCurrentIndex(static_cast<int>(Shading::Stress));
+  REQUIRE(window.wait(60));
+  CHECK(hand.view().words().contains("N/mm²"));
+  // Saved while it moves: the text of the shape at rest.
+  const auto folder = scratch("studio_odd");
+  motion->trigger();
+  QTest::qWait(100);
+  window.post({.verb = DocumentCommand::Verb::Save, .file = folder / "door.toml"});
+  QTest::qWait(300);
+  motion->trigger();
+  REQUIRE(window.wait(60));
+  CHECK(SceneText(hand.document().text).value({"load", "swell"}, "value") == "30");
+  CHECK_FALSE(hand.document().changed);
+  CHECK(window.messages().isEmpty());
+}

@@ -254,7 +254,10 @@ bool DocumentWorker::do_command(const DocumentCommand& command) {
   script_.push_back(script_line(command));
   if (command.verb == Verb::Save || command.verb == Verb::Export || command.verb == Verb::Run)
     written_.push_back(command);
-  if (command.verb == Verb::Open || command.verb == Verb::New) answer_ms_ = 0;
+  if (command.verb == Verb::Open || command.verb == Verb::New || command.verb == Verb::Recover) {
+    answer_ms_ = 0;
+    moving_ = false;  // another document rests
+  }
   return done;
 }
 
