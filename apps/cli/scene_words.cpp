@@ -1,12 +1,9 @@
 // The words of `batten run` and `batten stress`.
 #include "batten/apps/cli/command_words.h"
 #include "batten/apps/cli/terminal.h"
-#include "batten/apps/commands/lines/run_fair.h"
-#include "batten/apps/commands/meshes/run_deform.h"
 #include "batten/apps/commands/runs/distributed.h"
+#include "batten/apps/commands/runs/run_file.h"
 #include "batten/apps/commands/runs/run_parts.h"
-#include "batten/apps/commands/sequences/run_sequence.h"
-#include "batten/apps/commands/shapes/run_scene.h"
 #include "batten/io/scene/read_scene.h"
 
 namespace batten {
@@ -33,21 +30,10 @@ int run(const SceneWords& a, const CommonWords& common) {
     return finish(report, summary(report, a.out), common);
   };
   const Progress progress = terminal_progress(common.quiet);
-  if (edits_a_sequence(a.file))
-    return done(run_sequence(read_sequence_scene(a.file), a.out, {}, progress));
-  if (edits_a_mesh(a.file)) {
-    DeformScene scene = read_deform_scene(a.file);
-    apply_settings(scene, a.settings);
-    return done(run_deform(scene, a.out, progress));
-  }
-  if (only_fairs(a.file)) {
-    FairScene scene = read_fair_scene(a.file);
-    apply_settings(scene, a.settings);
-    return done(run_fair(scene, std::filesystem::path(a.out), progress));
-  }
-  Scene scene = read_scene(a.file);
-  apply_settings(scene, a.settings);
-  return done(run_scene(scene, a.out, progress));
+  return with_scene_of(a.file, [&](auto& scene) {
+    if constexpr (requires { scene.set("", 0.0, ""); }) apply_settings(scene, a.settings);
+    return done(run_any(scene, a.out, progress));
+  });
 }
 
 int stress(const SceneWords& a, const CommonWords& common) {

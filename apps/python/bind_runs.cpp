@@ -1,8 +1,7 @@
 // Whole runs of scenes: what the commands of the program do, with the report as a dict.
+#include "batten/apps/commands/exchange/file_kinds.h"
 #include "batten/apps/commands/exchange/run_convert.h"
-#include "batten/apps/commands/meshes/run_deform.h"
-#include "batten/apps/commands/sequences/run_sequence.h"
-#include "batten/apps/commands/shapes/run_scene.h"
+#include "batten/apps/commands/runs/run_file.h"
 #include "batten/apps/python/kernel_call.h"
 #include "batten/apps/python/scenes.h"
 #include "batten/core/errors.h"
@@ -13,13 +12,28 @@ namespace {
 
 using namespace py::literals;
 
-py::object run_surface(const py::object& path, const py::object& out, const py::object& values,
-                       const py::object& progress) {
-  Scene scene = scene_of_file(path_from(path));
-  set_values(scene, values);
+/// Does everything that a scene asks for, with these values where it has parameters.
+template <class AnyScene>
+py::object report_of(AnyScene& scene, const py::object& out, const py::object& values,
+                     const py::object& progress) {
+  if constexpr (requires { scene.set("", 0.0, ""); })
+    set_values(scene, values);
+  else if (!values_from(values).empty())
+    throw InputError("values: found some, expected none: this scene has no parameters");
   const std::string folder = path_from(out);
   return json_object(KernelCall(progress)(
-      [&](const Progress& hook) { return to_json(run_scene(scene, folder, hook)); }));
+      [&](const Progress& hook) { return to_json(run_any(scene, folder, hook)); }));
+}
+
+py::object run_scene_file(const py::object& path, const py::object& out, const py::object& values,
+                          const py::object& progress) {
+  const std::string file = path_from(path);
+  const FileKind kind = file_kind(file);
+  if (kind != FileKind::Cad && kind != FileKind::Lines)
+    return with_scene_of(file,
+                         [&](auto& scene) { return report_of(scene, out, values, progress); });
+  Scene scene = scene_of_file(file);
+  return report_of(scene, out, values, progress);
 }
 
 py::object run_shell(const py::object& path, const py::object& out, const py::object& values,
@@ -36,17 +50,12 @@ py::object run_shell(const py::object& path, const py::object& out, const py::ob
 py::object run_mesh(const py::object& path, const py::object& out, const py::object& values,
                     const py::object& progress) {
   DeformScene scene = read_deform_scene(path_from(path));
-  set_values(scene, values);
-  const std::string folder = path_from(out);
-  return json_object(KernelCall(progress)(
-      [&](const Progress& hook) { return to_json(run_deform(scene, folder, hook)); }));
+  return report_of(scene, out, values, progress);
 }
 
 py::object run_frames(const py::object& path, const py::object& out, const py::object& progress) {
-  const SequenceScene scene = read_sequence_scene(path_from(path));
-  const std::string folder = path_from(out);
-  return json_object(KernelCall(progress)(
-      [&](const Progress& hook) { return to_json(run_sequence(scene, folder, {}, hook)); }));
+  SequenceScene scene = read_sequence_scene(path_from(path));
+  return report_of(scene, out, py::none(), progress);
 }
 
 py::list run_conversion(const py::object& from, const py::object& to, double chord,
@@ -68,7 +77,7 @@ py::list run_conversion(const py::object& from, const py::object& to, double cho
 }  // namespace
 
 void bind_runs(py::module_& m) {
-  m.def("run", &run_surface, "path"_a, "out"_a, py::kw_only(), "values"_a = py::none(),
+  m.def("run", &run_scene_file, "path"_a, "out"_a, py::kw_only(), "values"_a = py::none(),
         "progress"_a = py::none(),
         "What `batten run` does: all files that a scene asks for, into a folder. Returns the "
         "report. Raises as load().");

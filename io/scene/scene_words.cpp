@@ -1,6 +1,8 @@
 #include "batten/io/scene/scene_words.h"
 
 #include <algorithm>
+#include <cctype>
+#include <charconv>
 #include <cmath>
 #include <locale>
 #include <sstream>
@@ -79,12 +81,44 @@ toml::table parse_toml(const std::string& text, const std::filesystem::path& fil
   }
 }
 
-std::string toml_words(const toml::node& part) {
+namespace {
+
+/// A number with as few digits as it takes; other values as toml++ writes them.
+template <class Value>
+std::string value_words(const Value& value) {
+  if constexpr (std::is_same_v<Value, toml::value<double>>)
+    if (std::isfinite(value.get())) {
+      char digits[32];
+      return {digits, std::to_chars(digits, digits + sizeof digits, value.get()).ptr};
+    }
   std::ostringstream text;
   text.imbue(std::locale::classic());
-  text.precision(17);
-  part.visit([&](const auto& node) { text << node; });
+  text << value;
   return text.str();
+}
+
+std::string key_words(std::string_view key) {
+  const bool bare = !key.empty() && std::all_of(key.begin(), key.end(), [](unsigned char c) {
+    return std::isalnum(c) || c == '_' || c == '-';
+  });
+  return bare ? std::string(key) : value_words(toml::value<std::string>(key));
+}
+
+}  // namespace
+
+std::string toml_words(const toml::node& part) {
+  std::string words;
+  const auto add = [&](const std::string& one) { words += (words.empty() ? "" : ", ") + one; };
+  if (const toml::table* table = part.as_table()) {
+    for (const auto& [key, value] : *table) add(key_words(key.str()) + " = " + toml_words(value));
+    return words.empty() ? "{}" : "{ " + words + " }";
+  }
+  if (const toml::array* list = part.as_array()) {
+    for (const toml::node& one : *list) add(toml_words(one));
+    return "[" + words + "]";
+  }
+  part.visit([&](const auto& value) { words = value_words(value); });
+  return words;
 }
 
 }  // namespace batten

@@ -42,8 +42,8 @@ class Names {
   std::map<std::string, int> lines_;
 };
 
-/// A part of a scene as words that are the same for the same values, to the last digit; a table in
-/// braces in one line.
+/// A part of a scene in one line, as a person would write it: a table in braces, numbers with as few
+/// digits as it takes. The same for the same values, to the last digit.
 std::string toml_words(const toml::node& part);
 
 /// Keys that [skin] and [output] may have.

@@ -9,6 +9,7 @@
 #include "batten/apps/commands/documents/paint_edits.h"
 #include "batten/apps/commands/documents/run_script.h"
 #include "batten/tests/apps/cli_case.h"
+#include "batten/tests/apps/swelling_panel.h"
 
 using namespace batten;
 using namespace batten_test;
@@ -16,19 +17,7 @@ using Verb = DocumentCommand::Verb;
 
 namespace {
 
-const std::string kMovingPanel = R"(unit = "mm"
-[[line]]
-name = "rim"
-points = [[0,0,0], [400,0,0], [400,300,0], [0,300,0], [0,0,0]]
-
-[skin]
-edge_length = 40
-
-[[load]]
-name = "crown"
-type = "pressure"
-value = 3
-
+const std::string kMovingPanel = kSwelling + R"(
 [motion]
 density = 0.2
 damping = 2
@@ -164,7 +153,7 @@ TEST_CASE("a motion swings, takes sliders, and ends in the shape at rest", "[doc
 TEST_CASE("a worker lets the shape move until it is told to rest", "[document]") {
   const Case folder("document_moves");
   folder.file("s.toml", kMovingPanel);
-  DocumentWorker worker([] {});
+  DocumentWorker worker([] {}, folder / "changes.toml");
   worker.post({.verb = Verb::Open, .file = folder / "s.toml"});
   const auto wait_for = [&](const auto& done) {
     for (int i = 0; i < 2000; ++i) {
@@ -184,12 +173,28 @@ TEST_CASE("a worker lets the shape move until it is told to rest", "[document]")
     frames += news.frame ? 1 : 0;
     return frames > 8;
   }));
+  // What a hand has set is kept while it moves.
+  CHECK(contents(folder / "changes.toml").find("value = 12") != std::string::npos);
   worker.set_moving(false);
   REQUIRE(wait_for([](const auto& news) { return !news.busy && news.view && !news.moving; }));
   const std::vector<std::string> script = worker.script();
   CHECK(script.back() == "settle");
   CHECK(std::count(script.begin(), script.end(), "step 0.02") >= 8);
   CHECK(std::count(script.begin(), script.end(), "settle") == 1);
+  worker.forget_changes();
+}
+
+TEST_CASE("numbers that lists of the scene keep are written as they were", "[document]") {
+  const Case folder("document_numbers");
+  Document document = panel(folder, R"([[load]]
+name = "spot"
+type = "pressure"
+value = 0
+paint = [{ at = [55.56, 50.05, 0.1], radius = 40.31 }, { at = [300, 150, 0], radius = 35.2 }]
+)");
+  apply_all(document, paint_edits(document.text(), {"load", "spot"}, {{{300, 150, 0}, 10}}, true));
+  CHECK(document.text().value({"load", "spot"}, "paint") ==
+        "[{ at = [55.56, 50.05, 0.1], radius = 40.31 }]");
 }
 
 TEST_CASE("how a plate swings is what Navier says of it", "[document]") {

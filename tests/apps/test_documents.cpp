@@ -10,6 +10,7 @@
 #include "batten/apps/commands/shapes/run_scene.h"
 #include "batten/io/scene/read_scene.h"
 #include "batten/tests/apps/cli_case.h"
+#include "batten/tests/apps/swelling_panel.h"
 
 using namespace batten;
 using namespace batten_test;
@@ -17,20 +18,6 @@ using Verb = DocumentCommand::Verb;
 
 namespace {
 
-const std::string kSwelling = R"(# A panel that swells.
-unit = "mm"
-[[line]]
-name = "rim"
-points = [[0,0,0], [400,0,0], [400,300,0], [0,300,0], [0,0,0]]
-
-[skin]
-edge_length = 40
-
-[[load]]
-name = "crown"
-type = "pressure"
-value = 3
-)";
 const std::string kPush =
     R"({ name = "push", type = "point", at = [120, 100, 0], direction = [0, 0, 1], value = 5 })";
 
@@ -181,17 +168,19 @@ TEST_CASE("changes of a killed window are taken up from any folder", "[document]
   Document document =
       opened(folder, "unit = \"mm\"\n[[line]]\nname = \"rim\"\nfile = \"line.csv\"\n");
   document.apply(add("load", kPush));
-  folder.file("state/changes.toml", document.recovery_text(folder / "state"));
+  folder.file("a/folder/far/below/changes.toml",
+              document.recovery_text(folder / "a/folder/far/below"));
   Document again;
-  again.apply({.verb = Verb::Recover, .file = folder / "state/changes.toml"});
+  again.apply({.verb = Verb::Recover, .file = folder / "a/folder/far/below/changes.toml"});
   CHECK(again.text().text() == document.text().text());
   CHECK(again.file() == document.file());
   CHECK(again.changed());
   CHECK(apart(again.session()->dofs(), document.session()->dofs()) < 1e-9);
   Document untitled;
   untitled.apply(add("line", "{ name = \"a\", points = [[0, 0, 0], [1, 0, 0]] }"));
-  folder.file("state/changes.toml", untitled.recovery_text(folder / "state"));
-  again.apply({.verb = Verb::Recover, .file = folder / "state/changes.toml"});
+  folder.file("a/folder/far/below/changes.toml",
+              untitled.recovery_text(folder / "a/folder/far/below"));
+  again.apply({.verb = Verb::Recover, .file = folder / "a/folder/far/below/changes.toml"});
   CHECK(again.text().text() == untitled.text().text());
   CHECK(again.file().empty());
   CHECK_THROWS_AS(again.apply({.verb = Verb::Recover, .file = folder / "s.toml"}), InputError);

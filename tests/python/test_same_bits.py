@@ -71,6 +71,16 @@ class SameBits(Laws):
                     at = os.path.join(folder, file)
                     self.assertEqual(bytes_of(at), bytes_of(at.replace(self.file("program"), self.file("python"))))
 
+    def test_lines_alone_are_made_fair(self):
+        scene = example("04-fairing", "scene.toml")
+        self.assertIn(run_program("run", scene, "--out", self.file("program")), (0, 4))
+        batten.run(scene, self.file("python"))
+        written = [f for f in os.listdir(self.file("program")) if not f.endswith((".json", ".png", ".step"))]
+        self.assertTrue(written)
+        for file in written:
+            self.assertEqual(bytes_of(os.path.join(self.file("program"), file)),
+                             bytes_of(os.path.join(self.file("python"), file)))
+
     def test_lines_as_arrays_and_as_text(self):
         lines = {"a": [[0, 0, 0], [1, 0, 0.1]], "b": [[1, 0, 0.1], [1, 1, 0]], "c": [[1, 1, 0], [0, 0, 0]]}
         text = 'unit = "mm"\n[network]\n' + "".join(

@@ -172,10 +172,16 @@ void Document::settle() {
   commit_values();
 }
 
+// The text with the values that sliders have by now.
+SceneText Document::stated_values() const {
+  SceneText text = text_;
+  for (const std::string& name : slid_) text.set_parameter(name, content_->value(name));
+  return text;
+}
+
 void Document::commit_values() {
   if (slid_.empty()) return;
-  SceneText next = text_;
-  for (const std::string& name : slid_) next.set_parameter(name, content_->value(name));
+  SceneText next = stated_values();
   slid_.clear();
   if (next.text() == text_.text()) return;
   content_->restate(next, file_);

@@ -73,6 +73,7 @@ class Document {
   void slide(const std::string& parameter, double value, const Progress& progress);
   void change(SceneText next, const Progress& progress);
   void settle();
+  SceneText stated_values() const;
   void commit_values();
   void go(std::vector<std::string>& from, std::vector<std::string>& to, const Progress& progress);
   void become(SceneText text, const Progress& progress);

@@ -21,9 +21,10 @@ bool far(const std::filesystem::path& relative) {
   return std::count(relative.begin(), relative.end(), std::filesystem::path("..")) > most;
 }
 
-/// The scene with its paths, which are relative to `from`, relative to `to`.
-SceneText moved(SceneText text, const std::filesystem::path& from,
-                const std::filesystem::path& to) {
+/// The scene with its paths, which are relative to `from`, relative to `to`; absolute where they would go
+/// far up and a person may read them.
+SceneText moved(SceneText text, const std::filesystem::path& from, const std::filesystem::path& to,
+                bool for_people = true) {
   const auto move = [&](const SceneTable& table, const std::string& key) {
     const std::string value = text.value(table, key);
     if (value.size() < 2) return;
@@ -31,7 +32,7 @@ SceneText moved(SceneText text, const std::filesystem::path& from,
     if (file.is_absolute()) return;
     const std::filesystem::path full = (from / file).lexically_normal();
     const std::filesystem::path relative = full.lexically_relative(to);
-    text.set(table, key, SceneText::word((far(relative) ? full : relative).string()));
+    text.set(table, key, SceneText::word((for_people && far(relative) ? full : relative).string()));
   };
   const std::vector<SceneTable> tables = text.tables();
   move({}, "mesh");
@@ -64,7 +65,9 @@ void Document::save(const std::filesystem::path& to) {
 
 std::string Document::recovery_text(const std::filesystem::path& folder) const {
   const bool named = !file_.empty();
-  const SceneText text = named ? moved(text_, folder_of(file_), folder) : text_;
+  SceneText text = stated_values();
+  // Paths come back as they were only if they stay relative.
+  if (named) text = moved(std::move(text), folder_of(file_), folder_of(folder / "changes"), false);
   return kChangesOf + (named ? std::filesystem::absolute(file_).string() : "") + "\n" + text.text();
 }
 

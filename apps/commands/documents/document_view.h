@@ -54,6 +54,7 @@ struct StressView {
 struct DocumentView {
   std::string title;   ///< the file's name, "untitled" before the first save
   std::string folder;  ///< the name of its folder; "" before the first save
+  int opened = 0;      ///< changes where another document is opened
   std::string unit, text;
   bool changed = false, can_undo = false, can_redo = false;
   std::string problem;  ///< why there is no surface, ""

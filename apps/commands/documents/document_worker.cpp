@@ -34,7 +34,8 @@ DocumentWorker::~DocumentWorker() {
 void DocumentWorker::post(DocumentCommand command) {
   {
     const std::lock_guard lock(mutex_);
-    if (command.verb == Verb::Settle && moving_) return;  // it swings on
+    // A slider that is let go: it swings on, but is seen and kept.
+    if (command.verb == Verb::Settle && moving_) command.verb = Verb::Answer;
     if (command.verb == Verb::Slide)
       for (auto it = tasks_.rbegin(); it != tasks_.rend(); ++it) {
         if (it->question || it->frame >= 0 || it->command.verb != Verb::Slide) break;
@@ -257,6 +258,7 @@ bool DocumentWorker::do_command(const DocumentCommand& command) {
   if (command.verb == Verb::Open || command.verb == Verb::New || command.verb == Verb::Recover) {
     answer_ms_ = 0;
     moving_ = false;  // another document rests
+    ++opened_;
   }
   return done;
 }
@@ -290,13 +292,15 @@ void DocumentWorker::publish_stress() {
   if (what == Analysis::None) return;
   const auto start = Clock::now();
   std::shared_ptr<const StressView> stress = document_.stress(what);
+  if (!stress) stress = std::make_shared<const StressView>();  // none: what was there goes
   stress_s_ = seconds_since(start);
   const std::lock_guard lock(mutex_);
   stress_ = std::move(stress);
 }
 
 void DocumentWorker::publish_view() {
-  auto view = std::make_shared<const DocumentView>(view_of(document_));
+  auto view = std::make_shared<DocumentView>(view_of(document_));
+  view->opened = opened_;
   keep(*view);
   {
     const std::lock_guard lock(mutex_);

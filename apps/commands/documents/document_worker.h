@@ -60,7 +60,7 @@ class DocumentWorker {
   struct News {
     std::shared_ptr<const DocumentView> view;  ///< null: as before
     const Frame* frame = nullptr;  ///< null: as before; valid until the next take_news()
-    std::shared_ptr<const StressView> stress;  ///< null: as before
+    std::shared_ptr<const StressView> stress;  ///< null: as before; without values: none any more
     std::vector<Message> messages;
     std::vector<DocumentCommand> written;  ///< saves, exports and runs that were done
     bool busy = false;
@@ -114,6 +114,7 @@ class DocumentWorker {
   std::string stage_, kept_;
   double fraction_ = 0, answer_ms_ = 0;
   bool busy_ = false, moving_ = false;
+  int opened_ = 0;  // documents so far
   std::chrono::steady_clock::time_point next_step_;
   double stress_s_ = 0;  // that the last stresses took; of the worker's thread
   std::atomic<Analysis> analysis_ = Analysis::None;

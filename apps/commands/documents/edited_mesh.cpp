@@ -32,6 +32,12 @@ std::string words_of(const std::string& text) {
   return toml_words(root);
 }
 
+/// The unit of a handle's number: a length, but for turns and scales.
+std::string unit_of_move(const std::string& parameter, const std::string& length) {
+  if (parameter.find(".turn.") != std::string::npos) return "°";
+  return parameter.ends_with(".scale") ? "" : length;
+}
+
 bool acts(const EditRule& edit) { return !edit.handles.empty() || !edit.fixed.empty(); }
 
 /// Numbers of an edit, to see whether any changed.
@@ -351,8 +357,7 @@ void EditedMesh::Made::show_roles(MeshView& seen) const {
 void EditedMesh::look_at(DocumentView& view) const {
   view.unit = scene_.unit;
   for (const Parameter& p : scene_.parameters())
-    view.sliders.push_back({p.name, p.name.find(".turn.") != std::string::npos ? "°" : view.unit,
-                            p.value, p.min, p.max, false});
+    view.sliders.push_back({p.name, unit_of_move(p.name, view.unit), p.value, p.min, p.max, false});
   if (!made_) return;
   view.surface = true;
   view.triangles = made_->mesh().triangle_count();

@@ -183,8 +183,9 @@ std::vector<DocumentCommand> mirror_edits(const DocumentView& view, const std::s
                                           int axis) {
   const SceneText scene(view.text);
   std::vector<Vec3> points = stated_points(scene, line);
-  if (points.empty()) return {};
+  const std::vector<Vec3> before = points;
   for (Vec3& p : points) p[axis] = p[axis] == 0 ? 0 : -p[axis];
+  if (points == before) return {};  // it lies in the plane
   return {line_command(view.free_name("line"), points, line_key(scene, line))};
 }
 

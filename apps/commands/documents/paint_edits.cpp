@@ -29,9 +29,7 @@ std::vector<Stroke> strokes_of(const SceneText& scene, const SceneTable& table) 
     Dab dab;
     for (size_t k = 0; k < 3; ++k) dab.at[static_cast<long>(k)] = at->get(k)->value_or(0.0);
     dab.radius = (*stroke)["radius"].value_or(0.0);
-    toml::table words = *stroke;
-    words.is_inline(true);
-    strokes.push_back({dab, toml_words(words)});
+    strokes.push_back({dab, toml_words(*stroke)});
   }
   return strokes;
 }

@@ -22,9 +22,8 @@ std::string with_move(const std::string& list, const std::string& handle, const 
   std::string words;
   if (const toml::array* moves = root["list"].as_array())
     for (const toml::node& one : *moves) {
-      toml::table table = *one.as_table();
+      const toml::table& table = *one.as_table();
       if (table["name"].value_or(std::string()) == handle) continue;
-      table.is_inline(true);
       words += toml_words(table) + ", ";
     }
   return "[" + words + move + "]";

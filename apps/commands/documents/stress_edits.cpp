@@ -30,11 +30,6 @@ std::vector<toml::table> list_of(const SceneText& scene, const std::string& key)
   return tables;
 }
 
-std::string words_of(toml::table table) {
-  table.is_inline(true);
-  return toml_words(table);
-}
-
 DocumentCommand list_edit(const std::string& key, const std::vector<std::string>& items) {
   return {.verb = Verb::Set, .table = kStress, .key = key, .text = SceneText::list(items)};
 }
@@ -64,7 +59,7 @@ std::vector<DocumentCommand> support_edits(const SceneText& scene, const std::st
   }
   std::vector<std::string> items;
   for (const toml::table& other : list_of(scene, "supports"))
-    if (!is_of(other, line)) items.push_back(words_of(other));
+    if (!is_of(other, line)) items.push_back(toml_words(other));
   if (!in_braces(scene, "supports")) return {};
   if (!kind.empty()) items.push_back(support);
   return {list_edit("supports", items)};
@@ -74,7 +69,7 @@ std::vector<DocumentCommand> stress_load_edits(const SceneText& scene, const std
   const bool stated = scene.has(kStress) && !scene.value(kStress, "loads").empty();
   if (!scene.has(kStress) || (stated && !in_braces(scene, "loads"))) return {};
   std::vector<std::string> items;
-  for (const toml::table& other : list_of(scene, "loads")) items.push_back(words_of(other));
+  for (const toml::table& other : list_of(scene, "loads")) items.push_back(toml_words(other));
   items.push_back(load);
   return {list_edit("loads", items)};
 }

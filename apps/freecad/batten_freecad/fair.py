@@ -6,6 +6,7 @@ import FreeCAD
 import Part
 
 from batten_freecad import scene
+from batten_freecad.stateless import Stateless
 
 
 def fair_edge(vectors, deviation=0.0, closed=False):
@@ -22,7 +23,7 @@ def fair_edge(vectors, deviation=0.0, closed=False):
         return edges[0] if len(edges) == 1 else Part.Wire(Part.__sortEdges__(edges))
 
 
-class FairCurve:
+class FairCurve(Stateless):
     """Properties beside the shape: Line (an edge, taken at Points places along it), Deviation (0: found), Points."""
 
     def __init__(self, obj):
@@ -39,17 +40,6 @@ class FairCurve:
         closed = edge.isClosed()
         count = max(8, obj.Points) + (1 if closed else 0)
         obj.Shape = fair_edge(edge.discretize(count), obj.Deviation.Value, closed)
-
-    def dumps(self):
-        return None
-
-    def loads(self, state):
-        return None
-
-    __getstate__ = dumps
-
-    def __setstate__(self, state):
-        return None
 
 
 def make(document, line, name="FairCurve"):

@@ -2,6 +2,7 @@
 import FreeCAD
 
 from batten_freecad import scene
+from batten_freecad.stateless import Stateless
 
 
 def edges_of(links):
@@ -16,7 +17,7 @@ def edges_of(links):
     return edges
 
 
-class Skin:
+class Skin(Stateless):
     """Properties beside the shape:
 
     Lines       edges, in any order and direction; those that close loops get surfaces
@@ -56,17 +57,6 @@ class Skin:
         obj.Words = scene.words_of(report)
         for line in obj.Words:
             FreeCAD.Console.PrintWarning(f"{obj.Label}: {line}\n")
-
-    def dumps(self):
-        return None
-
-    def loads(self, state):
-        return None
-
-    __getstate__ = dumps  # FreeCAD 0.20 asks for these names
-
-    def __setstate__(self, state):
-        return None
 
 
 def make(document, lines, name="Skin"):

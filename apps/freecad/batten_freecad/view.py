@@ -2,9 +2,10 @@
 import FreeCADGui
 
 from batten_freecad import icons
+from batten_freecad.stateless import Stateless
 
 
-class SkinView:
+class SkinView(Stateless):
     def __init__(self, view):
         view.Proxy = self
 
@@ -13,9 +14,6 @@ class SkinView:
 
     def getIcon(self):
         return icons.path("skin")
-
-    def claimChildren(self):
-        return []
 
     def setEdit(self, view, mode=0):
         from batten_freecad import panel
@@ -29,14 +27,3 @@ class SkinView:
 
     def doubleClicked(self, view):
         return self.setEdit(view)
-
-    def dumps(self):
-        return None
-
-    def loads(self, state):
-        return None
-
-    __getstate__ = dumps
-
-    def __setstate__(self, state):
-        return None

@@ -91,6 +91,7 @@ void ShapeView::initializeGL() {
 
 // What moves is drawn fast; what stands still gets smooth edges.
 void ShapeView::redraw() {
+  renderer_->ResetCameraClippingRange();
   legend_->set_scale(actors_->scale(), scale_title().toStdString());
   if (software_) {
     renderer_->UseFXAAOff();
@@ -106,7 +107,7 @@ void ShapeView::redraw_still() {
 
 void ShapeView::take(const DocumentWorker::News& news) {
   if (news.view) {
-    const bool other = !view_ || view_->title != news.view->title;
+    const bool other = !view_ || view_->opened != news.view->opened;
     const bool was_empty = is_empty();
     view_ = news.view;
     if (other || was_empty != is_empty()) say_hint();
@@ -250,6 +251,11 @@ void ShapeView::set_words(const QString& words) {
   words_ = words;
   legend_->set_words(words.toStdString());
   redraw();
+}
+
+void ShapeView::set_paint(const std::string& kind) {
+  paint_kind_ = kind;
+  if (view_ && !painted_table().kind.empty()) choose("");  // the next stroke makes one of this kind
 }
 
 void ShapeView::set_swinging(bool on) {

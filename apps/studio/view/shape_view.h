@@ -62,7 +62,7 @@ class ShapeView : public QVTKOpenGLNativeWidget {
   void set_mesh(bool shown);
   void set_perspective(bool on);
   /// What a brush makes where no load or weight is chosen: "pressure", "alpha" or "beta".
-  void set_paint(const std::string& kind) { paint_kind_ = kind; }
+  void set_paint(const std::string& kind);
   /// Lets the natural mode swing that is shown, or stand at its largest.
   void set_swinging(bool on);
   void set_mode(int mode);

@@ -129,7 +129,6 @@ inline constexpr std::pair<const char*, const char*> kPaints[] = {
 inline constexpr const char* kModeOf = QT_TRANSLATE_NOOP("studio", "%1. %2 Hz");
 inline constexpr const char* kModeWords =
     QT_TRANSLATE_NOOP("studio", "Swings %1 times a second, drawn slower and larger");
-inline constexpr const char* kSwing = QT_TRANSLATE_NOOP("studio", "S&wing");
 inline constexpr const char* kMotion = QT_TRANSLATE_NOOP("studio", "Let it move");
 inline constexpr const char* kMotionTip = QT_TRANSLATE_NOOP(
     "studio", "The surface swings and comes to rest as [motion] says; sliders act on it (T)");

@@ -1,6 +1,7 @@
 #include "batten/apps/studio/window/chosen_panel.h"
 
 #include <QComboBox>
+#include <QEvent>
 #include <QGridLayout>
 #include <QHeaderView>
 #include <QLabel>
@@ -104,9 +105,17 @@ void ChosenPanel::add_key(const std::string& key, const std::string& value) {
   auto* list = new QComboBox;
   list->addItems(words);
   list->setCurrentText(shown(value));
+  list->installEventFilter(this);
   QObject::connect(list, QOverload<int>::of(&QComboBox::activated), this,
                    [this, list, row] { keys_->item(row, 1)->setText(list->currentText()); });
   keys_->setCellWidget(row, 1, list);
+}
+
+// The wheel goes on over a closed list and does not change it.
+bool ChosenPanel::eventFilter(QObject* list, QEvent* event) {
+  if (event->type() != QEvent::Wheel) return QWidget::eventFilter(list, event);
+  event->ignore();
+  return true;
 }
 
 void ChosenPanel::fill_words() {

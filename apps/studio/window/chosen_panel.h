@@ -31,6 +31,9 @@ class ChosenPanel : public QWidget {
   void take(std::shared_ptr<const DocumentView> view, const ModelTree::Item& item);
   QPushButton* button(const char* text) const;  ///< by its English text; null: not shown
 
+ protected:
+  bool eventFilter(QObject* list, QEvent* event) override;
+
  private:
   void fill_table();
   void add_key(const std::string& key, const std::string& value);

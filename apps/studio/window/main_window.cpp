@@ -254,10 +254,11 @@ void MainWindow::take_news() {
     view_->take(news);
   }
   if (computing) view_->set_words(text(kComputing));
-  if (news.stress) {
+  if (news.stress && shown_->has_stress) {
     stress_shown_.start();
     show_stress(*news.stress);
   }
+  if (news.view) show_missing_stress();
   look_for_tour();
   if (news.frame || !news.busy) timeline_->drawn();
   show_state(news);
@@ -290,7 +291,10 @@ void MainWindow::show_state(const DocumentWorker::News& news) {
                               counted(shown_->triangles, "element"))
                       : text(kNoSurface));
   answers_->clear();
-  if (news.answer_ms > 0) answers_->setText(text(kAnswers).arg(std::lround(1000 / news.answer_ms)));
+  if (news.moving)
+    answers_->setText(text(kMoves));
+  else if (news.answer_ms > 0)
+    answers_->setText(text(kAnswers).arg(std::lround(1000 / news.answer_ms)));
   const bool long_work = news.busy && !news.stage.empty();
   progress_->setVisible(long_work);
   stop_->setVisible(long_work);

@@ -81,6 +81,7 @@ class MainWindow : public QMainWindow {
   void look_for_tour();
   void show_stress(const StressView& stress);
   void show_modes(const StressView& stress);
+  void show_missing_stress();
   void show_problem();
   void show_state(const DocumentWorker::News& news);
   void save(bool as);

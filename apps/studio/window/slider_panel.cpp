@@ -21,6 +21,14 @@ bool same_rows(const DocumentView::Slider& a, const DocumentView::Slider& b) {
          a.driven == b.driven;
 }
 
+/// The value of a slider's step, with as many decimals as steps differ by.
+double place_of(int step, double low, double high) {
+  const double width = (high - low) / kSteps;
+  const int decimals =
+      width > 0 ? std::max(0, -static_cast<int>(std::floor(std::log10(width)))) : 0;
+  return QString::number(low + width * step, 'f', decimals).toDouble();
+}
+
 }  // namespace
 
 SliderPanel::SliderPanel(QWidget* parent, std::function<void(DocumentCommand)> post)
@@ -87,7 +95,7 @@ void SliderPanel::add_row(size_t i) {
   QObject::connect(slider, &QSlider::valueChanged, this, [this, i, name](int step) {
     if (showing_) return;
     Row& row = rows_[i];
-    const double value = row.low + (row.high - row.low) * step / kSteps;
+    const double value = place_of(step, row.low, row.high);
     post_({.verb = Verb::Slide, .key = name, .value = value});
     showing_ = true;
     row.number->setValue(value);

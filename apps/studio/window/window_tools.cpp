@@ -89,8 +89,17 @@ void MainWindow::choose_shading(Shading shading) {
   view_->set_shading(shading);
   view_->set_swinging(shading == Shading::Modes);
   modes_bar_->setVisible(shading == Shading::Modes);
-  const bool asked = what != Analysis::None;
-  view_->set_words(asked && !shown_->has_stress ? text(kNoStress) : QString());
+  view_->set_words({});
+  show_missing_stress();
+  look_for_tour();
+}
+
+// Where stresses are to be shown and the scene asks for none.
+void MainWindow::show_missing_stress() {
+  const auto shading = static_cast<Shading>(shading_->currentIndex());
+  if (shown_->has_stress || analysis_of(shading) == Analysis::None) return;
+  modes_->clear();
+  view_->set_words(text(kNoStress));
 }
 
 void MainWindow::choose_mode(int mode) {
