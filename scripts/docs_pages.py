@@ -4,7 +4,7 @@ usage: docs_pages.py FOLDER           writes the pages there
        docs_pages.py --check HTML     links and images of the site must be there
 
 Every page gets a name of its own, so that links between them are found; pictures go to one folder, with their folder in their
-name. A lesson's page ends with its scenes and programs.
+name. A lesson's page ends with its commands in Python, its scenes and programs.
 """
 import re
 import shutil
@@ -53,9 +53,27 @@ def links_of(text, file, known, folder):
     return LINK.sub(replaced, text)
 
 
+def in_python(text):
+    """The commands of a lesson as calls of the Python package; those with options that it has no word for are left out."""
+    calls = []
+    for found in re.finditer(r"\bbatten (run|deform|sequence|stress) (\S+\.toml)((?: --(?:out|set) \S+)*) *(?:#.*)?$", text, re.MULTILINE):
+        verb, scene, options = found.groups()
+        out = re.search(r"--out (\S+)", options)
+        values = re.findall(r"--set (\S+)=(\S+)", options)
+        if out and not (values and verb == "sequence"):
+            more = f", values={{{', '.join(f'{chr(34)}{name}{chr(34)}: {value}' for name, value in values)}}}" if values else ""
+            call = f'batten.{verb}("{scene}", "{out.group(1)}"{more})'
+            for name in re.findall(r"\$(\w+)", scene):  # of a loop of the shell
+                words = re.findall(rf"for {name} in ([^;]+); do", text[:found.start()])[-1].split()
+                named = call.replace(f"${name}", f"{{{name}}}").replace('("', '(f"').replace(', "', ', f"')
+                call = f"for {name} in {words}:\n    {named}"
+            calls += call.split("\n")
+    return ["## In Python", "", "```{.py}", "import batten", "", *calls, "```", ""] if calls else []
+
+
 def lesson_code(file):
-    """Scenes and programs of a lesson."""
-    parts = []
+    """The same in Python; scenes and programs of a lesson."""
+    parts = in_python(file.read_text(encoding="utf-8"))
     for source in sorted(file.parent.iterdir()):
         lines = source.read_text(encoding="utf-8").splitlines() if source.suffix in CODE else []
         if lines and len(lines) <= MOST_LINES:

@@ -1,6 +1,7 @@
 // The program's cad_calls(): OpenCASCADE comes with a module, at the first call.
 #include "batten/apps/commands/runs/module_file.h"
 #include "batten/core/errors.h"
+#include "batten/core/parallel.h"
 #include "batten/io/lines/cad_calls.h"
 
 namespace batten {
@@ -17,6 +18,7 @@ const CadCalls& cad_calls() {
     of_module.read_in_child(reads_in_child());
     return of_module;
   }();
+  calls.set_thread_count(thread_count());  // the module may have one of its own
   return calls;
 }
 

@@ -49,9 +49,8 @@ QString name_in(const QString& left) {
   std::ifstream file(left.toStdString());
   std::string line;
   std::getline(file, line);
-  const size_t slash = line.rfind('/');
-  return slash == std::string::npos ? text(kUntitled)
-                                    : QString::fromStdString(line.substr(slash + 1));
+  const size_t slash = line.find('/');
+  return slash == std::string::npos ? text(kUntitled) : QString::fromStdString(line.substr(slash));
 }
 
 }  // namespace

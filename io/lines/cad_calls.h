@@ -2,6 +2,7 @@
 // the first call. Internal.
 #pragma once
 
+#include "batten/core/parallel.h"
 #include "batten/io/cad/cad_convert.h"
 #include "batten/io/cad/continuity.h"
 #include "batten/io/cad/facets_of_cad.h"
@@ -31,6 +32,7 @@ struct CadCalls {
   double (*distance)(const std::vector<StoredSurface>& faces, const Vec3& p, size_t& first);
   /// Of a module that has settings of its own, because its program's symbols do not come first.
   decltype(&batten::read_in_child) read_in_child;
+  decltype(&batten::set_thread_count) set_thread_count;
 };
 
 /// The table of this program. A program that defines it itself, as `batten` does, leaves

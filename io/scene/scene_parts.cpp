@@ -41,6 +41,8 @@ SceneParts parts_of(const SceneText& scene) {
       parts.acting["skin hold"] = *hold;  // a session's own
   }
   parts.model = toml_words(root);
+  root.erase("skin");
+  parts.lines = toml_words(root);
   return parts;
 }
 

@@ -12,6 +12,8 @@ namespace batten {
 struct SceneParts {
   /// Lines, network and skin: two texts with the same `model` have the same model.
   std::string model;
+  /// The same without [skin].
+  std::string lines;
   /// Each load, weight, move, constraint and [[parameter]] by "KIND NAME", without its value: two
   /// texts with the same `acting` differ in values of live parameters at most.
   std::map<std::string, std::string> acting;

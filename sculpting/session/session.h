@@ -53,8 +53,9 @@ namespace batten {
 /// One thread at a time may call it; a viewer's thread takes frames through FrameExchange.
 class SculptingSession {
  public:
-  /// Makes a session on which nothing acts but the lines, and settles it. Throws InputError,
-  /// ConflictError, NoSolutionError.
+  /// Makes a session on which nothing acts but the lines, and settles it. The session keeps
+  /// `progress` and asks it in its long answers, too. Throws InputError, ConflictError,
+  /// NoSolutionError.
   SculptingSession(ModelLayout layout, const SessionOptions& options,
                    const Progress& progress = {});
   ~SculptingSession();

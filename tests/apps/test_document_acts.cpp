@@ -184,6 +184,84 @@ TEST_CASE("a worker lets the shape move until it is told to rest", "[document]")
   worker.forget_changes();
 }
 
+TEST_CASE("what one gesture of a hand makes is one step to undo", "[document]") {
+  const Case folder("document_gestures");
+  Document document = panel(folder);
+  const std::string before = document.text().text();
+  const DocumentCommand push = {
+      .verb = Verb::Add,
+      .table = {"load", ""},
+      .text =
+          R"({ name = "push 1", type = "point", at = [200, 150, 0], direction = [0, 0, 1], value = 0 })"};
+  const auto slide = [](double value) {
+    return DocumentCommand{.verb = Verb::Slide, .key = "push 1", .value = value};
+  };
+  // A push: its load comes and grows.
+  apply_all(document, {push, slide(1), {.verb = Verb::Answer}, slide(30), {.verb = Verb::Settle}});
+  const std::string pushed = document.text().text();
+  CHECK(document.text().value({"load", "push 1"}, "value") == "30");
+  document.apply({.verb = Verb::Undo});
+  CHECK(document.text().text() == before);
+  CHECK_FALSE(document.can_undo());
+  document.apply({.verb = Verb::Redo});
+  CHECK(document.text().text() == pushed);
+  // Slid later, it is another step; so it is where a step ended between.
+  apply_all(document, {slide(40), {.verb = Verb::Settle}, {.verb = Verb::Undo}});
+  CHECK(document.text().text() == pushed);
+  apply_all(document, {{.verb = Verb::Undo}, push, {.verb = Verb::Settle}});
+  const std::string at_rest = document.text().text();
+  apply_all(document, {slide(40), {.verb = Verb::Settle}, {.verb = Verb::Undo}});
+  CHECK(document.text().text() == at_rest);
+}
+
+TEST_CASE("a point that is dragged passes others, and is one step", "[document]") {
+  Document document;
+  const std::vector<Vec3> corners = {{0, 0, 0}, {200, 0, 0}, {200, 120, 0}, {0, 120, 0}};
+  for (size_t i = 0; i < 4; ++i)
+    document.apply(
+        line_command("side " + std::to_string(i + 1), {corners[i], corners[(i + 1) % 4]}));
+  document.apply(line_command("other", {{300, 0, 0}, {400, 0, 0}}));
+  const std::string before = document.text().text();
+  // Over the end of another line, which stays where it is.
+  const auto go = [&](const Vec3& to) { document.apply(move_command({200, 0, 0}, to)); };
+  go({250, 0, 0});
+  CHECK(document.session());
+  go({300, 0, 0});
+  go({220, -30, 10});
+  document.apply({.verb = Verb::Settle});
+  const auto end = [&](const char* line, size_t i) {
+    return stated_points(document.text(), line)[i];
+  };
+  CHECK(end("side 1", 1) == Vec3(220, -30, 10));
+  CHECK(end("side 2", 0) == Vec3(220, -30, 10));
+  CHECK(end("other", 0) == Vec3(300, 0, 0));
+  document.apply({.verb = Verb::Undo});
+  CHECK(document.text().text() == before);
+  // Another drag from the same place is another step.
+  go({210, 0, 0});
+  document.apply({.verb = Verb::Settle});
+  document.apply(move_command({210, 0, 0}, {230, 0, 0}));
+  document.apply({.verb = Verb::Settle});
+  document.apply({.verb = Verb::Undo});
+  CHECK(end("side 1", 1) == Vec3(210, 0, 0));
+}
+
+TEST_CASE("what [skin] asks for in vain is refused, and the surface stays", "[document]") {
+  const Case folder("document_skin_refused");
+  Document document = panel(folder);
+  const std::string before = document.text().text();
+  const Points shape = document.session()->dofs();
+  CHECK_THROWS_AS(
+      document.apply(
+          {.verb = Verb::Set, .table = {"skin", ""}, .key = "edge_length", .text = "0.001"}),
+      InputError);
+  CHECK(document.text().text() == before);
+  REQUIRE(document.session());
+  CHECK((document.session()->dofs() - shape).isZero(0));
+  document.apply({.verb = Verb::Set, .table = {"skin", ""}, .key = "edge_length", .text = "50"});
+  CHECK(document.session()->dofs().rows() != shape.rows());
+}
+
 TEST_CASE("numbers that lists of the scene keep are written as they were", "[document]") {
   const Case folder("document_numbers");
   Document document = panel(folder, R"([[load]]

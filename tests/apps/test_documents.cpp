@@ -6,6 +6,7 @@
 #include "batten/apps/commands/documents/edited_mesh.h"
 #include "batten/apps/commands/documents/edited_shape.h"
 #include "batten/apps/commands/documents/run_script.h"
+#include "batten/apps/commands/documents/stress_edits.h"
 #include "batten/apps/commands/documents/word_edits.h"
 #include "batten/apps/commands/shapes/run_scene.h"
 #include "batten/io/scene/read_scene.h"
@@ -301,6 +302,36 @@ TEST_CASE("a worker passes over slides that are old, and stops when asked", "[do
   CHECK(after->text.find("edge_length = 40") != std::string::npos);
   worker.forget_changes();
   CHECK_FALSE(fs::exists(folder / "changes.toml"));
+}
+
+TEST_CASE("supports and loads of a shell are changed and taken away one by one", "[document]") {
+  SceneText scene(kSwelling + R"([stress]
+thickness = 1
+material = "steel"
+supports = [{ line = "rim" }, { point = [0, 0, 0], kind = "pinned" }]
+loads = [{ pressure = 0.001, region = "rim" }, { point = [1, 2, 0], force = [0, 0, -3] }]
+)");
+  const auto parts = stress_parts(scene);
+  REQUIRE(parts.size() == 4);
+  const char* const kinds[] = {"clamped", "pinned", "pressure", "force"};
+  const char* const of[] = {"rim", "", "rim", ""};
+  for (size_t i = 0; i < 4; ++i) {
+    CHECK(parts[i].kind == kinds[i]);
+    CHECK(parts[i].of == of[i]);
+  }
+  const auto apply = [&](const std::vector<DocumentCommand>& edits) {
+    REQUIRE(edits.size() == 1);
+    scene.set(edits[0].table, edits[0].key, edits[0].text);
+  };
+  apply(stress_part_edits(scene, parts[3], "force", "[0, 0, -5]"));
+  apply(stress_part_edits(scene, parts[0], "kind", "\"pinned\""));
+  apply(remove_stress_part(scene, parts[1]));
+  const auto after = stress_parts(scene);
+  REQUIRE(after.size() == 3);
+  CHECK(after[0].kind == "pinned");
+  CHECK(std::count(after[2].values.begin(), after[2].values.end(),
+                   SceneText::Value("force", "[0, 0, -5]")) == 1);
+  CHECK(remove_stress_part(scene, parts[1]).empty());  // there is no second support any more
 }
 
 TEST_CASE("stresses of a document are those of batten stress", "[document]") {

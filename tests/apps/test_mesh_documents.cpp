@@ -86,6 +86,22 @@ TEST_CASE("a mesh that is edited live is what batten deform makes of its scene",
   CHECK((again.mesh()->shape() - shape).isZero(0));
 }
 
+TEST_CASE("a scene that is saved beside its mesh names it as a person does", "[document]") {
+  const Case folder("mesh_beside");
+  std::filesystem::copy_file(kPanel / "panel.bdf", folder / "panel.bdf");
+  std::filesystem::create_directories(folder / "else");
+  Document document;
+  document.apply({.verb = Verb::Open, .file = folder / "panel.bdf"});
+  document.apply({.verb = Verb::Save, .file = folder / "else/far.toml"});
+  CHECK(document.text().value({}, "mesh") == SceneText::word((folder / "panel.bdf").string()));
+  document.apply({.verb = Verb::Open, .file = folder / "panel.bdf"});
+  document.apply({.verb = Verb::Save, .file = folder / "panel.toml"});
+  CHECK(document.text().value({}, "mesh") == "\"panel.bdf\"");
+  Document again;
+  again.apply({.verb = Verb::Open, .file = folder / "panel.toml"});
+  CHECK(again.mesh());
+}
+
 TEST_CASE("numbers of an edit change the edits behind it", "[document]") {
   const Case folder("mesh_edits");
   Document document = panel();

@@ -3,7 +3,9 @@
 import os
 import subprocess
 import sys
+import types
 import unittest
+import unittest.mock
 
 from laws import Laws, batten, example, grid, np, saddle
 
@@ -64,6 +66,23 @@ assert model.save(sys.argv[1]) == []
         if done.returncode == 77:
             self.skipTest("python3-vtk9 is not there")
         self.assertEqual(done.returncode, 0)
+
+    def test_pyvista_gets_points_facets_and_normals(self):
+        # Debian has no PyVista: one that keeps what it is given stands for it.
+        class PolyData:
+            def __init__(self, points, faces):
+                self.points, self.faces, self.point_data = points, faces, {}
+
+        stand_in = types.ModuleType("pyvista")
+        stand_in.PolyData = PolyData
+        model = batten.skin(saddle())
+        with unittest.mock.patch.dict(sys.modules, {"pyvista": stand_in}):
+            surface = model.to_pyvista()
+        np.testing.assert_array_equal(surface.points, model.points)
+        facets = surface.faces.reshape(-1, 4)
+        self.assertTrue((facets[:, 0] == 3).all())
+        np.testing.assert_array_equal(facets[:, 1:], model.triangles)
+        np.testing.assert_array_equal(surface.point_data["Normals"], model.normals)
 
     def test_a_model_shows_itself(self):
         model = batten.skin(saddle())

@@ -4,6 +4,8 @@
 #include <QDoubleSpinBox>
 #include <QPushButton>
 #include <QSlider>
+#include <QTableWidget>
+#include <QTreeWidgetItemIterator>
 #include <fstream>
 #include <sstream>
 
@@ -290,6 +292,61 @@ TEST_CASE(
   CHECK(hand.document().lines.size() == 2);
   while (points("line 1") != drawn && hand.document().can_undo) hand.act(kUndo);
   CHECK(points("line 1") == drawn);
+}
+
+TEST_CASE("the surface follows a point of a line while it is dragged", "[studio]") {
+  WindowCase hand;
+  MainWindow& window = *hand.window;
+  const std::vector<Vec3> corners = {{0, 0, 0}, {200, 0, 0}, {200, 120, 0}, {0, 120, 0}};
+  for (size_t i = 0; i < 4; ++i)
+    window.post(line_command("side " + std::to_string(i + 1), {corners[i], corners[(i + 1) % 4]}));
+  REQUIRE(window.wait());
+  hand.act(kTop);
+  hand.act(kFit);
+  const std::string before = hand.document().text;
+  window.tree().choose_line("side 1");
+  const QPoint at = hand.view().pixel_of(corners[1]);
+  QTest::mousePress(&hand.view(), Qt::LeftButton, {}, at);
+  for (int i = 1; i <= 8; ++i) {
+    hand.move(at + QPoint(6 * i, -3 * i));
+    QTest::qWait(40);
+  }
+  REQUIRE(window.wait());
+  CHECK(hand.view().actors().box()[1].x() > 203);  // the hand has not let go
+  REQUIRE(hand.document().surface);
+  QTest::mouseRelease(&hand.view(), Qt::LeftButton, {}, at + QPoint(48, -24));
+  REQUIRE(window.wait());
+  const std::vector<Vec3> moved = stated_points(SceneText(hand.document().text), "side 1");
+  CHECK(moved[1].x() > 210);
+  CHECK(stated_points(SceneText(hand.document().text), "side 2")[0] == moved[1]);
+  hand.act(kUndo);
+  CHECK(hand.document().text == before);
+  CHECK(window.messages().isEmpty());
+}
+
+TEST_CASE("a key that the scene does not state yet is typed into the table", "[studio]") {
+  WindowCase hand;
+  MainWindow& window = *hand.window;
+  hand.open(kExamples / "05-door/scene.toml");
+  const SceneTable skin{"skin", ""};
+  for (QTreeWidgetItemIterator it(&window.tree()); *it; ++it)
+    if ((*it)->text(0) == "skin") window.tree().setCurrentItem(*it);
+  QTableWidget& keys = window.chosen().keys();
+  const int last = keys.rowCount() - 1;
+  REQUIRE(last > 0);
+  keys.item(last, 0)->setText("element");
+  keys.item(last, 1)->setText("z12");
+  REQUIRE(window.wait());
+  CHECK(SceneText(hand.document().text).value(skin, "element") == "\"z12\"");
+  REQUIRE(keys.rowCount() == last + 2);
+  // A word that is none is refused with those that are near.
+  keys.item(last + 1, 0)->setText("edge_lenght");
+  keys.item(last + 1, 1)->setText("20");
+  REQUIRE(window.wait());
+  REQUIRE(window.messages().size() == 1);
+  CHECK(window.messages().front().contains("edge_length"));
+  hand.act(kUndo);
+  CHECK_FALSE(hand.document().changed);
 }
 
 TEST_CASE("a distance is measured, and a plane cuts the shape open", "[studio]") {

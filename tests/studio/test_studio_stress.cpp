@@ -3,6 +3,8 @@
 #include <QComboBox>
 #include <QLabel>
 #include <QSlider>
+#include <QTableWidget>
+#include <QTreeWidgetItemIterator>
 
 #include "batten/apps/commands/documents/line_edits.h"
 #include "batten/apps/commands/documents/stress_edits.h"
@@ -55,6 +57,27 @@ TEST_CASE("a drawn surface is clamped, loaded and its stress is seen", "[studio]
   CHECK(hand.view().words().contains("N/mm²"));
   CHECK(hand.view().actors().range()[0] > 0);
   hand.picture("stress_drawn");
+  // Its support and its load stand in the model, each with its keys; Delete takes one away.
+  const auto row = [&](const char* detail) {
+    for (QTreeWidgetItemIterator it(&window.tree()); *it; ++it)
+      if ((*it)->text(1) == detail) return *it;
+    return static_cast<QTreeWidgetItem*>(nullptr);
+  };
+  REQUIRE(row("clamped"));
+  REQUIRE(row("pressure"));
+  window.tree().setCurrentItem(row("pressure"));
+  REQUIRE(window.chosen().keys().rowCount() == 3);
+  const double pressed = hand.view().actors().range()[0];
+  for (int i = 0; i < 2; ++i)
+    if (window.chosen().keys().item(i, 0)->text() == "pressure")
+      window.chosen().keys().item(i, 1)->setText("0.002");
+  REQUIRE(window.wait(60));
+  CHECK(std::abs(hand.view().actors().range()[0] / pressed - 2) < 1e-3);
+  window.tree().setCurrentItem(row("pressure"));
+  hand.act(kRemove);
+  CHECK_FALSE(row("pressure"));
+  hand.act(kUndo);
+  REQUIRE(row("pressure"));
   window.tree().choose_line("rim");
   hand.press(kPin);
   CHECK(support_of(SceneText(hand.document().text), line) == "pinned");

@@ -65,7 +65,9 @@ void Document::apply(const DocumentCommand& command, const Progress& progress) {
   const bool goes_on = command.verb == Verb::Slide || command.verb == Verb::Answer ||
                        command.verb == Verb::Step || command.verb == Verb::Settle;
   if (content_->in_motion() && !goes_on) settle();
-  if (command.verb != Verb::Slide && command.verb != Verb::Answer) dragged_.clear();
+  if (!goes_on) fresh_.clear();
+  if (command.verb != Verb::Slide && command.verb != Verb::Answer && command.verb != Verb::Move)
+    dragged_.clear();
   switch (command.verb) {
     case Verb::Open:
       return open(command.file, progress);
@@ -77,8 +79,9 @@ void Document::apply(const DocumentCommand& command, const Progress& progress) {
     case Verb::Set:
     case Verb::Erase:
     case Verb::Remove:
-    case Verb::Move:
       return edit(command, progress);
+    case Verb::Move:
+      return move(command.text, progress);
     case Verb::Slide:
       return slide(command.key, command.value, progress);
     case Verb::Answer:
@@ -130,13 +133,27 @@ void Document::start(SceneText text, const std::filesystem::path& file, const Pr
 void Document::edit(const DocumentCommand& command, const Progress& progress) {
   if (!slid_.empty()) settle();
   SceneText next = text_;
-  if (command.verb == Verb::Add) next.add(command.table.kind, command.text);
+  SceneTable added;
+  if (command.verb == Verb::Add) added = next.add(command.table.kind, command.text);
   if (command.verb == Verb::Set)
     next = with_one_shape(std::move(next), command.table, command.key, command.text);
   if (command.verb == Verb::Erase) next.erase(command.table, command.key);
   if (command.verb == Verb::Remove) next.remove(command.table);
-  if (command.verb == Verb::Move) next = with_moved_point(std::move(next), command.text);
+  const bool fresh = added.kind == "load" && next.value(added, "value") == "0";
   change(std::move(next), progress);
+  if (fresh) fresh_ = added.name;
+}
+
+// Moves from one place that follow each other are one step: each begins from the text before the first.
+void Document::move(const std::string& places, const Progress& progress) {
+  if (!slid_.empty()) settle();
+  const std::vector<Vec3> way = listed_points(places);
+  const std::string from = way.empty() ? places : point_word(way.front());
+  const bool goes_on = dragged_ == from && !undo_.empty();
+  SceneText next =
+      with_moved_point(goes_on ? SceneText(undo_.back(), file_) : SceneText(text_), places);
+  goes_on ? become(std::move(next), progress) : change(std::move(next), progress);
+  dragged_ = from;
 }
 
 void Document::slide(const std::string& parameter, double value, const Progress& progress) {
@@ -180,12 +197,15 @@ SceneText Document::stated_values() const {
 }
 
 void Document::commit_values() {
-  if (slid_.empty()) return;
+  if (slid_.empty()) return fresh_.clear();
   SceneText next = stated_values();
+  // A load that was added to be pushed: one step.
+  const bool of_last_step = slid_.size() == 1 && slid_.contains(fresh_);
   slid_.clear();
+  fresh_.clear();
   if (next.text() == text_.text()) return;
   content_->restate(next, file_);
-  undo_.push_back(text_.text());
+  if (!of_last_step) undo_.push_back(text_.text());
   redo_.clear();
   text_ = std::move(next);
 }

@@ -70,6 +70,7 @@ class Document {
   void open(const std::filesystem::path& file, const Progress& progress);
   void start(SceneText text, const std::filesystem::path& file, const Progress& progress);
   void edit(const DocumentCommand& command, const Progress& progress);
+  void move(const std::string& places, const Progress& progress);
   void slide(const std::string& parameter, double value, const Progress& progress);
   void change(SceneText next, const Progress& progress);
   void settle();
@@ -90,7 +91,8 @@ class Document {
   std::string told_;
   std::vector<std::string> undo_, redo_;  // texts
   std::set<std::string> slid_;            // parameters that moved since the last settle
-  std::string dragged_;                   // the parameter that the last step's edits were of
+  std::string dragged_;  // the parameter or point that the last step's edits were of
+  std::string fresh_;    // the load of the last step, which has no strength yet
   bool rests_ = true;
 };
 

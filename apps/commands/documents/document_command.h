@@ -20,10 +20,13 @@ namespace batten {
 ///     erase KIND NAME KEY          removes a key
 ///     remove KIND NAME             removes a table
 ///     move [[x, y, z], [x, y, z]]  a point from one place to another, of all lines that have it in
-///                                  their points, so that they stay together
+///                                  their points, so that they stay together; moves from one place
+///                                  that follow each other are one step to undo, until a `settle`
 ///     slide PARAMETER VALUE        moves a slider; the shape follows by `answer` or `settle`
 ///     answer                       a quick answer, as in a drag
-///     settle                       the shape at rest; ends a drag, which is one step to undo, or a motion
+///     settle                       the shape at rest; ends a drag, which is one step to undo, or a motion;
+///                                  a drag of a load that was added just before with value = 0 is
+///                                  one step with that
 ///     step DT                      one step of so much time of a motion ([motion] of the scene)
 ///     undo, redo
 ///     save [FILE]                  the scene

@@ -1,6 +1,7 @@
 // What a document writes.
 #include <algorithm>
 #include <fstream>
+#include <functional>
 
 #include "batten/apps/commands/documents/document.h"
 #include "batten/io/files/input_file.h"
@@ -15,6 +16,26 @@ constexpr const char* kChangesOf = "# batten-studio: changes of ";
 /// Files that a scene names, by the tables that name them.
 constexpr const char* kFileTables[] = {"line", "lines", "load", "target", "compare", "select"};
 
+/// What a path of a scene is changed by: its words without quotes; nothing: it stays.
+using PathChange = std::function<std::string(const std::filesystem::path& file)>;
+
+/// The scene with the paths that it names changed.
+SceneText with_paths(SceneText text, const PathChange& change) {
+  const auto move = [&](const SceneTable& table, const std::string& key) {
+    const std::string value = text.value(table, key);
+    if (value.size() < 2) return;
+    const std::string changed = change(value.substr(1, value.size() - 2));
+    if (!changed.empty()) text.set(table, key, SceneText::word(changed));
+  };
+  const std::vector<SceneTable> tables = text.tables();
+  move({}, "mesh");
+  if (text.has({"sequence", ""})) move({"sequence", ""}, "file");
+  for (const SceneTable& table : tables)
+    for (const char* kind : kFileTables)
+      if (table.kind == kind) move(table, "file");
+  return text;
+}
+
 /// Whether a path goes up so far that nobody would write it.
 bool far(const std::filesystem::path& relative) {
   constexpr auto most = 2;
@@ -25,22 +46,21 @@ bool far(const std::filesystem::path& relative) {
 /// far up and a person may read them.
 SceneText moved(SceneText text, const std::filesystem::path& from, const std::filesystem::path& to,
                 bool for_people = true) {
-  const auto move = [&](const SceneTable& table, const std::string& key) {
-    const std::string value = text.value(table, key);
-    if (value.size() < 2) return;
-    const std::filesystem::path file = value.substr(1, value.size() - 2);
-    if (file.is_absolute()) return;
+  return with_paths(std::move(text), [&](const std::filesystem::path& file) -> std::string {
+    if (file.is_absolute()) return {};
     const std::filesystem::path full = (from / file).lexically_normal();
     const std::filesystem::path relative = full.lexically_relative(to);
-    text.set(table, key, SceneText::word((for_people && far(relative) ? full : relative).string()));
-  };
-  const std::vector<SceneTable> tables = text.tables();
-  move({}, "mesh");
-  if (text.has({"sequence", ""})) move({"sequence", ""}, "file");
-  for (const SceneTable& table : tables)
-    for (const char* kind : kFileTables)
-      if (table.kind == kind) move(table, "file");
-  return text;
+    return (for_people && far(relative) ? full : relative).string();
+  });
+}
+
+/// The scene with paths of files in its folder, or below, as a person writes them.
+SceneText told_from(SceneText text, const std::filesystem::path& folder) {
+  return with_paths(std::move(text), [&](const std::filesystem::path& file) -> std::string {
+    const std::filesystem::path relative = file.lexically_relative(folder);
+    const bool below = file.is_absolute() && !relative.empty() && *relative.begin() != "..";
+    return below ? relative.string() : std::string();
+  });
 }
 
 std::filesystem::path folder_of(const std::filesystem::path& file) {
@@ -56,6 +76,7 @@ void Document::save(const std::filesystem::path& to) {
   SceneText text = text_;
   if (!file_.empty() && folder_of(file) != folder_of(file_))
     text = moved(std::move(text), folder_of(file_), folder_of(file));
+  if (file_.empty()) text = told_from(std::move(text), folder_of(file));
   write_whole_file(file, [&](std::ostream& out) { out << text.text(); });
   file_ = file;
   text_ = std::move(text);

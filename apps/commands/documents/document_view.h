@@ -101,13 +101,19 @@ struct DocumentView {
   };
   std::vector<Handle> handles;
 
-  /// A point load of a shape.
+  /// A place of a shape where something acts or holds.
   struct Mark {
-    std::string load;
-    Vec3 at = Vec3::Zero(),
-         along = Vec3::Zero();  ///< on the surface without loads; the way it pushes
+    enum class Kind {
+      Load,    ///< a point load; `at` is on the surface without loads, `along` the way it pushes
+      Normal,  ///< a normal that is held, the same
+      Force,   ///< a force of [stress]; `at` is near the present surface
+      Support  ///< a point support of [stress]
+    };
+    Kind kind = Kind::Load;
+    Vec3 at = Vec3::Zero(), along = Vec3::Zero();
   };
   std::vector<Mark> marks;
+  std::vector<std::string> supported_lines;  ///< of [stress], as it names them
   /// Each display point on the surface without loads, x, y, z; null until it is drawn.
   std::shared_ptr<const std::vector<float>> unloaded;
 

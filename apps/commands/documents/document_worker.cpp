@@ -3,6 +3,7 @@
 #include <fstream>
 #include <new>
 
+#include "batten/apps/commands/documents/line_edits.h"
 #include "batten/apps/commands/runs/run_parts.h"
 #include "batten/io/files/whole_file.h"
 
@@ -43,9 +44,20 @@ void DocumentWorker::post(DocumentCommand command) {
         it->command.value = command.value;
         return;
       }
+    // A point that is dragged on: what waits is the newest place.
+    if (command.verb == Verb::Move && !tasks_.empty() && is_move_from(tasks_.back(), command)) {
+      tasks_.back().command.text = std::move(command.text);
+      return;
+    }
     tasks_.push_back({std::move(command), nullptr, -1});
   }
   waiting_.notify_all();
+}
+
+bool DocumentWorker::is_move_from(const Task& task, const DocumentCommand& move) {
+  if (task.question || task.frame >= 0 || task.command.verb != Verb::Move) return false;
+  const std::vector<Vec3> a = listed_points(task.command.text), b = listed_points(move.text);
+  return !a.empty() && !b.empty() && a.front() == b.front();
 }
 
 void DocumentWorker::ask_place(const Vec3& near, std::function<void(const DocumentPlace&)> found) {
@@ -185,7 +197,6 @@ void DocumentWorker::work() {
     if (task.command.verb != Verb::Slide) {
       do_command(task.command);
       publish_frame();
-      publish_stress();
       publish_view();
       continue;
     }
@@ -194,9 +205,11 @@ void DocumentWorker::work() {
     if (another_slides(task.command.key)) continue;
     answer_until_rest();
     constexpr double keeps_up = 0.06;  // s
-    if (stress_s_ < keeps_up) publish_stress();
+    std::shared_ptr<const StressView> stress;
+    if (stress_s_ < keeps_up) stress = solved_stress();
     const double ms = 1e3 * seconds_since(start);
     const std::lock_guard lock(mutex_);
+    if (stress) stress_ = std::move(stress);
     answer_ms_ = answer_ms_ > 0 ? 0.8 * answer_ms_ + 0.2 * ms : ms;
   }
 }
@@ -287,24 +300,27 @@ void DocumentWorker::publish_frame() {
   }
 }
 
-void DocumentWorker::publish_stress() {
+// Null where none are asked for; without values where there are none: what was there goes.
+std::shared_ptr<const StressView> DocumentWorker::solved_stress() {
   const Analysis what = analysis_;
-  if (what == Analysis::None) return;
+  if (what == Analysis::None) return nullptr;
   const auto start = Clock::now();
   std::shared_ptr<const StressView> stress = document_.stress(what);
-  if (!stress) stress = std::make_shared<const StressView>();  // none: what was there goes
+  if (!stress) stress = std::make_shared<const StressView>();
   stress_s_ = seconds_since(start);
-  const std::lock_guard lock(mutex_);
-  stress_ = std::move(stress);
+  return stress;
 }
 
+// With its stresses: news have both or none.
 void DocumentWorker::publish_view() {
   auto view = std::make_shared<DocumentView>(view_of(document_));
   view->opened = opened_;
   keep(*view);
+  std::shared_ptr<const StressView> stress = solved_stress();
   {
     const std::lock_guard lock(mutex_);
     view_ = std::move(view);
+    if (stress) stress_ = std::move(stress);
   }
   wake_();
 }

@@ -21,8 +21,8 @@ namespace batten {
 ///
 /// While a slider is dragged its moves come faster than answers: of those that wait for one
 /// parameter only the newest is done, and the shape follows each (`answer`), or all that move at
-/// once. After every command
-/// there is a new view, and where the shape moved a new frame; during a drag, frames only. What was
+/// once; so with a point that is dragged. After every command there is a new view with its stresses,
+/// and where the shape moved a new frame; during a drag of sliders, frames only. What was
 /// done is recorded as a script that gives the same bits again (run_script()).
 ///
 /// All calls are from one thread, the window's. `wake` is called from the worker's thread when there
@@ -83,6 +83,7 @@ class DocumentWorker {
     std::shared_ptr<Question> question;  // instead of a command
     int frame = -1;                      // to be shown, instead of a command
   };
+  static bool is_move_from(const Task& task, const DocumentCommand& move);
   void work();
   bool next(Task& task);
   bool do_command(const DocumentCommand& command);
@@ -92,7 +93,7 @@ class DocumentWorker {
   void answer_question(const std::shared_ptr<Question>& question);
   void publish_frame();
   void publish_view();
-  void publish_stress();
+  std::shared_ptr<const StressView> solved_stress();
   void tell(const DocumentCommand& command, const std::string& text, bool refused);
   void keep(const DocumentView& view);
   Progress progress();

@@ -50,7 +50,8 @@ void EditedShape::become(const SceneText& text, const std::filesystem::path& fil
       remake(scene_, parts_, true, progress);  // as it was
       throw;
     }
-  if (!made) remake(scene, parts, !(same_model && session_), progress);
+  // What [skin] asks for in vain is refused; lines may make no surface yet.
+  if (!made) remake(scene, parts, !session_ || parts.lines != parts_.lines, progress);
   scene_ = scene;
   parts_ = parts;
   stress_.reset();
@@ -255,8 +256,8 @@ DocumentPlace EditedShape::place(const Vec3& near) const {
 void EditedShape::look_at(DocumentView& view) const {
   view.unit = scene_.unit;
   for (const NamedValue& p : scene_.named_values()) {
-    DocumentView::Slider slider{p.name, unit_of(scene_, p.name), p.value, p.min,
-                                p.max,  !p.follows.empty()};
+    const bool driven = !p.follows.empty() || !p.over_time.empty();
+    DocumentView::Slider slider{p.name, unit_of(scene_, p.name), p.value, p.min, p.max, driven};
     if (session_ && session_->parameters().has(p.name))
       slider.value = session_->parameters().value(p.name);
     view.sliders.push_back(slider);
@@ -264,18 +265,16 @@ void EditedShape::look_at(DocumentView& view) const {
   for (const CharacterLine& line : lines_)
     view.lines.push_back({line.name, points_of(*line.curve)});
   for (const SceneConstraint& pin : scene_.constraints)
-    if (session_ && session_->parameters().has(pin.name + ".x")) {
+    if (session_ && pin.type == SceneConstraint::Type::Point &&
+        session_->parameters().has(pin.name + ".x")) {
       DocumentView::Handle handle{pin.name};
-      for (int i = 0; i < 3; ++i)
-        handle.centre[i] = session_->parameters().value(pin.name + "." + "xyz"[i]);
+      handle.centre = goal_of(pin);
       handle.shift = handle.centre;
       handle.turns = false;
       handle.moves = true;
       view.handles.push_back(std::move(handle));
     }
-  for (const SceneLoad& load : scene_.loads)
-    if (load.type == SceneLoad::Type::Point)
-      view.marks.push_back({load.name, load.at, load.direction});
+  add_marks(view);
   if (!session_) return;
   const SculptingSession& session = *session_;
   const ModelLayout& layout = session.layout();
@@ -295,6 +294,35 @@ void EditedShape::look_at(DocumentView& view) const {
     view.network = network_report(*made.network, *made.found, made.model, made.fit_tolerance,
                                   scene_.network->join_tolerance);
   view.flaws = flaw_reports(made.model);
+}
+
+// Where a constraint holds the surface by now, or its direction.
+Vec3 EditedShape::goal_of(const SceneConstraint& one) const {
+  Vec3 goal = one.goal;
+  for (int i = 0; i < 3; ++i)
+    if (const std::string name = one.name + "." + "xyz"[i];
+        session_ && session_->parameters().has(name))
+      goal[i] = session_->parameters().value(name);
+  return goal;
+}
+
+// Where loads and forces act, normals are held, lines and points supported.
+void EditedShape::add_marks(DocumentView& view) const {
+  using Mark = DocumentView::Mark;
+  for (const SceneLoad& load : scene_.loads)
+    if (load.type == SceneLoad::Type::Point)
+      view.marks.push_back({Mark::Kind::Load, load.at, load.direction});
+  for (const SceneConstraint& one : scene_.constraints)
+    if (one.type == SceneConstraint::Type::Normal)
+      view.marks.push_back({Mark::Kind::Normal, one.at, goal_of(one)});
+  if (!scene_.stress) return;
+  for (const SceneStress::Load& load : scene_.stress->loads)
+    if (load.type == SceneStress::Load::Type::Point)
+      view.marks.push_back({Mark::Kind::Force, load.point, load.vector});
+  for (const SceneStress::Support& support : scene_.stress->supports) {
+    if (!support.line.text.empty()) view.supported_lines.push_back(support.line.text);
+    if (support.point) view.marks.push_back({Mark::Kind::Support, *support.point, Vec3::Zero()});
+  }
 }
 
 std::string EditedShape::rows() const {

@@ -58,6 +58,8 @@ class EditedShape : public DocumentContent {
   void remake(const Scene& scene, const SceneParts& parts, bool may_fail, const Progress& progress);
   bool go_on(const Scene& scene, const SceneParts& parts);
   void take_values(const Scene& scene);
+  void add_marks(DocumentView& view) const;
+  Vec3 goal_of(const SceneConstraint& one) const;
   std::shared_ptr<const DocumentModel> model_for(const Scene& scene, const std::string& of,
                                                  const Progress& progress);
 

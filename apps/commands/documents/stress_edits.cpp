@@ -34,6 +34,21 @@ DocumentCommand list_edit(const std::string& key, const std::vector<std::string>
   return {.verb = Verb::Set, .table = kStress, .key = key, .text = SceneText::list(items)};
 }
 
+/// The tables of a list, with one of them replaced by words, or left out where there are none.
+std::vector<DocumentCommand> with_item(const SceneText& scene, const StressPart& part,
+                                       const std::string& words) {
+  const std::vector<toml::table> tables = list_of(scene, part.list);
+  if (part.item >= static_cast<int>(tables.size())) return {};
+  std::vector<std::string> items;
+  for (const toml::table& one : tables) items.push_back(toml_words(one));
+  const auto item = items.begin() + part.item;
+  if (words.empty())
+    items.erase(item);
+  else
+    *item = words;
+  return {list_edit(part.list, items)};
+}
+
 bool is_of(const toml::table& support, const std::string& line) {
   return support["line"].value_or(std::string()) == line;
 }
@@ -72,6 +87,43 @@ std::vector<DocumentCommand> stress_load_edits(const SceneText& scene, const std
   for (const toml::table& other : list_of(scene, "loads")) items.push_back(toml_words(other));
   items.push_back(load);
   return {list_edit("loads", items)};
+}
+
+std::vector<StressPart> stress_parts(const SceneText& scene) {
+  std::vector<StressPart> parts;
+  for (const char* list : {"supports", "loads"}) {
+    int item = 0;
+    for (const toml::table& table : list_of(scene, list)) {
+      const bool support = list == std::string("supports");
+      StressPart part{list, item++, support ? "clamped" : "load", ""};
+      for (const auto& [key, node] : table) {
+        const std::string name(key.str());
+        part.values.emplace_back(name, toml_words(node));
+        if (name == "kind") part.kind = node.value_or(part.kind);
+        if (name == "line" || name == "region") part.of = node.value_or(std::string());
+        constexpr const char* acting[] = {"pressure", "force",       "moment",
+                                          "gravity",  "hydrostatic", "area_force"};
+        if (!support && std::find(std::begin(acting), std::end(acting), name) != std::end(acting))
+          part.kind = name;
+      }
+      parts.push_back(std::move(part));
+    }
+  }
+  return parts;
+}
+
+std::vector<DocumentCommand> stress_part_edits(const SceneText& scene, const StressPart& part,
+                                               const std::string& key, const std::string& value) {
+  const std::vector<toml::table> tables = list_of(scene, part.list);
+  if (part.item >= static_cast<int>(tables.size())) return {};
+  toml::table changed = tables[static_cast<size_t>(part.item)];
+  const toml::table given = parse_toml("value = " + value, {}, "a value");
+  changed.insert_or_assign(key, *given.get("value"));
+  return with_item(scene, part, toml_words(changed));
+}
+
+std::vector<DocumentCommand> remove_stress_part(const SceneText& scene, const StressPart& part) {
+  return with_item(scene, part, "");
 }
 
 }  // namespace batten

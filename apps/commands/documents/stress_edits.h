@@ -19,4 +19,18 @@ std::vector<DocumentCommand> support_edits(const SceneText& scene, const std::st
 /// What adds a load, a table of [stress] in braces. The scene has [stress].
 std::vector<DocumentCommand> stress_load_edits(const SceneText& scene, const std::string& load);
 
+/// A support or load that [stress] has in a list in braces.
+struct StressPart {
+  std::string list;                           ///< "supports" or "loads"
+  int item = 0;                               ///< in it, counted from 0
+  std::string kind;                           ///< "clamped", "pressure", "force", …
+  std::string of;                             ///< the line or region that it names; ""
+  std::vector<SceneText::Value> values = {};  ///< its keys, as TOML
+};
+std::vector<StressPart> stress_parts(const SceneText& scene);
+/// What gives a key of it another value, and what takes it away. Empty where it is not there any more.
+std::vector<DocumentCommand> stress_part_edits(const SceneText& scene, const StressPart& part,
+                                               const std::string& key, const std::string& value);
+std::vector<DocumentCommand> remove_stress_part(const SceneText& scene, const StressPart& part);
+
 }  // namespace batten

@@ -13,7 +13,8 @@
 namespace batten::studio {
 namespace {
 
-constexpr double kGrab = 10;  // pixels
+constexpr double kGrab = 10;      // pixels
+constexpr qint64 kFollows = 400;  // ms: a surface that is made faster follows the hand
 
 }  // namespace
 
@@ -70,11 +71,13 @@ int ShapeView::point_under(const QPoint& at) const {
   return best;
 }
 
-bool ShapeView::press_point(const QPoint& at) {
+bool ShapeView::press_point(const QPoint& at, bool alone) {
   if (tool_ != Tool::Select) return false;
   moved_point_ = point_under(at);
   if (moved_point_ < 0) return false;
   chosen_point_ = moved_point_;
+  alone_ = alone;
+  awaits_move_ = false;
   point_before_ = line_points_[static_cast<size_t>(moved_point_)];
   show_dots();
   redraw();
@@ -90,16 +93,28 @@ void ShapeView::drag_point(const QPoint& at) {
   actors_->set_draft(line_points_);
   hooks_.hint(text(kPointAt).arg(p.x()).arg(p.y()).arg(p.z()));
   redraw();
+  if (!follows_point()) return;
+  fitted_ = true;
+  awaits_move_ = true;
+  since_move_.start();
+  hooks_.post(move_command(point_before_, p));
 }
 
-// Lines that meet at the point stay together, but with Shift.
-void ShapeView::release_point(bool alone) {
+// Whether the surface can follow a dragged point now: it has followed the last move, and fast enough.
+bool ShapeView::follows_point() const {
+  return !alone_ && !awaits_move_ && view_->surface && move_ms_ < kFollows;
+}
+
+// Lines that meet at the point stay together, but with Shift. What came of a drag is one step.
+void ShapeView::release_point() {
   const Vec3 now = line_points_[static_cast<size_t>(std::exchange(moved_point_, -1))];
   actors_->set_draft({});
   fitted_ = true;
-  if (now == point_before_) return;
-  hooks_.post(alone ? points_edit(stated_, line_points_, line_key_)
-                    : move_command(point_before_, now));
+  if (now == point_before_ && !since_move_.isValid()) return;
+  since_move_.invalidate();
+  hooks_.post(alone_ ? points_edit(stated_, line_points_, line_key_)
+                     : move_command(point_before_, now));
+  hooks_.post({.verb = DocumentCommand::Verb::Settle});
 }
 
 // A double click on the chosen line puts a point there.

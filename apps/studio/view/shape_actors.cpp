@@ -51,6 +51,8 @@ ShapeActors::ShapeActors(vtkRenderer* renderer)
       comb_(std::make_unique<Layer>(renderer, -4, 1.2)),
       marks_(std::make_unique<Layer>(renderer, kInFront + 20, 2)),
       pins_(std::make_unique<Layer>(renderer, kInFront + 10, 1)),
+      held_(std::make_unique<Layer>(renderer, kInFront + 20, 2)),
+      supports_(std::make_unique<Layer>(renderer, -4, 7)),
       points_(vtkSmartPointer<vtkFloatArray>::New()),
       normals_(vtkSmartPointer<vtkFloatArray>::New()),
       scalars_(vtkSmartPointer<vtkFloatArray>::New()),
@@ -113,6 +115,7 @@ void ShapeActors::place_points() {
   }
   facets_->data->GetPoints()->Modified();
   lines_->data->Modified();
+  supports_->data->Modified();
 }
 
 // The mode that swings; null where none is shown.
@@ -150,6 +153,7 @@ void ShapeActors::take(const Frame& frame) {
   lines_->data->GetPoints()->Modified();
   facets_->data->Modified();
   lines_->data->Modified();
+  supports_->data->Modified();
   if (!marked_.empty()) place_marks();
 }
 
@@ -196,22 +200,29 @@ void ShapeActors::make_lines() {
   std::vector<std::vector<Vec3>> guides;
   for (size_t i = 0; on_surface && i < loose_.size(); ++i) guides.push_back(loose_[i].points);
   guides_->set_polylines(guides);
+  show_supports();
   choose(choice_);
 }
 
-void ShapeActors::choose(const std::string& name) {
-  choice_ = name;
-  vtkNew<vtkCellArray> cells;
+vtkSmartPointer<vtkCellArray> ShapeActors::cells_of_lines(
+    const std::function<bool(const std::string&)>& has) const {
+  const auto cells = vtkSmartPointer<vtkCellArray>::New();
   vtkCellArray* all = lines_->data->GetLines();
   vtkIdType count = 0;
   const vtkIdType* points = nullptr;
   for (size_t i = 0; all && i < line_names_.size(); ++i)
-    if (!name.empty() && line_names_[i] == name) {
+    if (has(line_names_[i])) {
       all->GetCellAtId(static_cast<vtkIdType>(i), count, points);
       cells->InsertNextCell(count, points);
     }
+  return cells;
+}
+
+void ShapeActors::choose(const std::string& name) {
+  choice_ = name;
   chosen_->data->SetPoints(lines_->data->GetPoints());
-  chosen_->data->SetLines(cells);
+  chosen_->data->SetLines(
+      cells_of_lines([&](const std::string& line) { return !name.empty() && line == name; }));
   chosen_->data->Modified();
   choose_facets();
   make_roles();
@@ -272,6 +283,8 @@ void ShapeActors::colour() {
   push_->set_colour(palette_.chosen);
   marks_->set_colour(palette_.draft);
   pins_->set_colour(palette_.line);
+  held_->set_colour(palette_.line);
+  supports_->set_colour(palette_.line);
   dots_->set_colour(palette_.draft);
   dot_->set_colour(palette_.chosen);
   comb_->set_colour(palette_.draft);
@@ -283,7 +296,8 @@ void ShapeActors::colour() {
 void ShapeActors::set_mesh(bool shown) { facets_->actor->GetProperty()->SetEdgeVisibility(shown); }
 
 void ShapeActors::set_cut(vtkPlane* plane) {
-  for (Layer* layer : {facets_.get(), lines_.get(), guides_.get(), chosen_.get()}) {
+  for (Layer* layer :
+       {facets_.get(), lines_.get(), guides_.get(), chosen_.get(), supports_.get()}) {
     layer->mapper->RemoveAllClippingPlanes();
     if (plane) layer->mapper->AddClippingPlane(plane);
   }

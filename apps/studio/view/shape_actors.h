@@ -3,6 +3,7 @@
 
 #include <vtkSmartPointer.h>
 
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -12,6 +13,7 @@
 #include "batten/apps/studio/view/shape_colours.h"
 #include "batten/sculpting/session/frame.h"
 
+class vtkCellArray;
 class vtkFloatArray;
 class vtkIntArray;
 class vtkPlane;
@@ -111,6 +113,10 @@ class ShapeActors {
   const std::vector<float>* swing_shape() const;
   void take_marks(const DocumentView& view);
   void place_marks();
+  void show_supports();
+  /// The drawn pieces of lines whose names are meant.
+  vtkSmartPointer<vtkCellArray> cells_of_lines(
+      const std::function<bool(const std::string&)>& has) const;
   bool mesh_is_drawn() const;
   void colour();
   struct NearLine {
@@ -123,7 +129,7 @@ class ShapeActors {
   int facet_at(double x, double y) const;
   std::string part_of(int facet) const;
   std::unique_ptr<Layer> facets_, lines_, guides_, chosen_, draft_, push_, grid_, dots_, dot_,
-      comb_, marks_, pins_;
+      comb_, marks_, pins_, held_, supports_;
   vtkSmartPointer<vtkFloatArray> points_, normals_, scalars_;
   vtkSmartPointer<vtkIntArray> facet_regions_, roles_;
   vtkRenderer* renderer_;
@@ -134,7 +140,9 @@ class ShapeActors {
   std::vector<std::string> regions_, shown_lines_;
   std::shared_ptr<const MeshView> mesh_;
   std::shared_ptr<const std::vector<float>> unloaded_;
-  std::vector<std::pair<int, Vec3>> marked_;  // display points that loads act on, and their ways
+  std::vector<std::pair<int, DocumentView::Mark>> marked_;  // by the display points where they are
+  std::vector<Vec3> pinned_;
+  std::vector<std::string> supported_;
   double size_ = 0, swing_ = 0;
   int mode_ = 0;
   std::vector<int> chosen_facets_;

@@ -96,31 +96,52 @@ void ShapeActors::set_push(const std::optional<std::pair<Vec3, Vec3>>& from_to) 
                                : std::vector<std::vector<Vec3>>{});
 }
 
-// Loads by the display points that they act on, and dots where points are held.
+// What acts and holds by the display points where it does, and dots where points are held.
 void ShapeActors::take_marks(const DocumentView& view) {
+  using Kind = DocumentView::Mark::Kind;
   marked_.clear();
   for (const auto& mark : view.marks) {
-    const int point = unloaded_ ? nearest_point(*unloaded_, mark.at) : -1;
-    if (point >= 0) marked_.emplace_back(point, mark.along);
+    const bool present = mark.kind == Kind::Force || mark.kind == Kind::Support;
+    const std::vector<float>* points = present ? &frame_points_ : unloaded_.get();
+    const int point = points ? nearest_point(*points, mark.at) : -1;
+    if (point >= 0) marked_.emplace_back(point, mark);
   }
-  std::vector<Vec3> pins;
+  pinned_.clear();
   for (const auto& handle : view.handles)
-    if (!handle.turns) pins.push_back(handle.centre);
-  pins_->set_dots(pins, false, kDot);
+    if (!handle.turns) pinned_.push_back(handle.centre);
+  supported_ = view.supported_lines;
   place_marks();
 }
 
-// Arrows that end where loads act.
+// Arrows end where loads and forces act; normals that are held stand on the surface.
 void ShapeActors::place_marks() {
-  constexpr double length = 0.07;  // of the size
-  std::vector<std::vector<Vec3>> lines;
-  for (const auto& [number, along] : marked_) {
+  using Kind = DocumentView::Mark::Kind;
+  const double length = 0.07 * size_;
+  std::vector<std::vector<Vec3>> acting, held;
+  std::vector<Vec3> pins = pinned_;
+  for (const auto& [number, mark] : marked_) {
     if (number >= points_->GetNumberOfTuples()) continue;
-    const Vec3 to = point(number);
-    for (auto& line : arrow(to - length * size_ * along.normalized(), to))
-      lines.push_back(std::move(line));
+    const Vec3 at = point(number), reach = length * mark.along.stableNormalized();
+    const bool acts = mark.kind == Kind::Load || mark.kind == Kind::Force;
+    for (auto& line : acts ? arrow(at - reach, at) : arrow(at, at + reach))
+      (acts ? acting : held).push_back(std::move(line));
+    if (!acts) pins.push_back(at);
   }
-  marks_->set_polylines(lines);
+  marks_->set_polylines(acting);
+  held_->set_polylines(held);
+  pins_->set_dots(pins, false, kDot);
+}
+
+// Lines that hold the shell, drawn wide.
+void ShapeActors::show_supports() {
+  const auto supports = [&](const std::string& line) {
+    return std::any_of(supported_.begin(), supported_.end(), [&](const std::string& name) {
+      return line == name || line.starts_with(name + ".");
+    });
+  };
+  supports_->data->SetPoints(lines_->data->GetPoints());
+  supports_->data->SetLines(cells_of_lines(supports));
+  supports_->data->Modified();
 }
 
 std::vector<int> ShapeActors::unloaded_within(const Vec3& centre, double radius) const {

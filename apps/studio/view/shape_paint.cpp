@@ -87,6 +87,7 @@ void ShapeView::take_stroke(const Stroke& stroke) {
   } else if (!stroke.erases) {
     awaited_ = view_->free_name("painted");
     hooks_.post(new_paint(awaited_, paint_kind_, stroke.dabs));
+    hooks_.post({.verb = DocumentCommand::Verb::Settle});  // a step of its own
   }
 }
 

@@ -20,6 +20,7 @@
 #include <algorithm>
 #include <cmath>
 #include <string>
+#include <utility>
 
 #include "batten/apps/studio/view/gizmo.h"
 #include "batten/apps/studio/view/legend.h"
@@ -116,6 +117,8 @@ void ShapeView::take(const DocumentWorker::News& news) {
     const bool gone = !painted_name_.empty() && !view_->table({"select", painted_name_});
     if (view_->mesh && gone && !news.busy) painted_.clear();
     if (other) clicked_.reset();
+    if (std::exchange(awaits_move_, false)) move_ms_ = since_move_.elapsed();
+    if (other) move_ms_ = 0;
   }
   if (news.frame) actors_->take(*news.frame);
   if (news.stress) actors_->take(news.stress);

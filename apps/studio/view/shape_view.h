@@ -3,6 +3,7 @@
 
 #include <QVTKOpenGLNativeWidget.h>
 #include <vtkNew.h>
+#include <QElapsedTimer>
 
 #include <functional>
 #include <memory>
@@ -55,6 +56,7 @@ class ShapeView : public QVTKOpenGLNativeWidget {
 
   void take(const DocumentWorker::News& news);
   void set_tool(Tool tool);
+  void say_hint();  ///< what can be done next
   Tool tool() const { return tool_; }
   void set_plane(DrawPlane plane);
   void set_shading(Shading shading);
@@ -156,9 +158,10 @@ class ShapeView : public QVTKOpenGLNativeWidget {
   void show_dots();
   void show_trail();
   int point_under(const QPoint& at) const;
-  bool press_point(const QPoint& at);
+  bool press_point(const QPoint& at, bool alone);
   void drag_point(const QPoint& at);
-  void release_point(bool alone);
+  void release_point();
+  bool follows_point() const;
   Vec3 on_plane(const QPoint& at, const Vec3& through) const;
   bool add_point(const QPoint& at);
   Vec3 rounded_by_hand(const Vec3& p) const;
@@ -168,7 +171,6 @@ class ShapeView : public QVTKOpenGLNativeWidget {
   void show_grid();
   QString scale_title() const;
   bool is_empty() const { return !view_ || (view_->lines.empty() && !view_->surface); }
-  void say_hint();
   void follow_section();
   void redraw();
   void redraw_still();
@@ -201,6 +203,10 @@ class ShapeView : public QVTKOpenGLNativeWidget {
   LineKey line_key_ = LineKey::None;
   int chosen_point_ = -1, moved_point_ = -1;
   Vec3 point_before_ = Vec3::Zero();  // where the moved one was
+  bool alone_ = false;                // it moves without lines that meet there
+  bool awaits_move_ = false;          // the surface has not followed yet
+  QElapsedTimer since_move_;
+  qint64 move_ms_ = 0;  // that the surface took to follow the last time
   bool combs_ = false;
   QString words_;
   std::string chosen_, awaited_;

@@ -88,8 +88,12 @@ inline constexpr const char* kDistance =
     QT_TRANSLATE_NOOP("studio", "%1 %2\nalong x %3, y %4, z %5");
 inline constexpr const char* kSection = QT_TRANSLATE_NOOP("studio", "&Section plane");
 inline constexpr const char* kPointAt = QT_TRANSLATE_NOOP(
+    "studio", "%1, %2, %3. Pressed with Shift, it leaves the lines that it meets.");
+inline constexpr const char* kNewKey = QT_TRANSLATE_NOOP("studio", "another key…");
+inline constexpr const char* kHintMoving = QT_TRANSLATE_NOOP(
     "studio",
-    "%1, %2, %3. The surface follows when you let go; with Shift lines that meet here part.");
+    "It moves: drag a slider and see it swing. Let it rest (T) to push, hold, draw or paint.");
+inline constexpr const char* kRestFirst = QT_TRANSLATE_NOOP("studio", "%1: let it rest first (T)");
 inline constexpr const char* kSinceRead = QT_TRANSLATE_NOOP("studio", "since the mesh was read");
 inline constexpr const char* kSinceOpened = QT_TRANSLATE_NOOP("studio", "since it was opened");
 inline constexpr const char* kLargest = QT_TRANSLATE_NOOP("studio", "largest: %1");

@@ -70,7 +70,9 @@ bool ShapeView::press(QMouseEvent* event) {
   pressed_ = event->pos();
   left_ = true;
   moved_ = false;
-  if (press_handle(event->pos()) || press_point(event->pos())) return true;
+  if (press_handle(event->pos()) ||
+      press_point(event->pos(), event->modifiers().testFlag(Qt::ShiftModifier)))
+    return true;
   if (tool_ == Tool::Paint || tool_ == Tool::Lasso) return press_brush(event);
   if (tool_ != Tool::Push) return false;
   const Vec3 at = display(event->pos());
@@ -149,7 +151,7 @@ bool ShapeView::release(QMouseEvent* event) {
     return true;
   }
   if (moved_point_ >= 0) {
-    release_point(event->modifiers().testFlag(Qt::ShiftModifier));
+    release_point();
     return true;
   }
   if (brushing_) {

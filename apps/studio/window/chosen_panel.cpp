@@ -8,11 +8,11 @@
 #include <QPushButton>
 #include <QTableWidget>
 #include <QVBoxLayout>
+#include <algorithm>
 
 #include "batten/apps/commands/documents/line_edits.h"
 #include "batten/apps/commands/documents/mesh_edits.h"
 #include "batten/apps/commands/documents/sequence_edits.h"
-#include "batten/apps/commands/documents/stress_edits.h"
 #include "batten/apps/commands/documents/word_edits.h"
 #include "batten/apps/studio/view/texts.h"
 #include "batten/apps/studio/window/key_words.h"
@@ -48,6 +48,9 @@ ChosenPanel::ChosenPanel(QWidget* parent, std::function<void(DocumentCommand)> p
   bold.setBold(true);
   title_->setFont(bold);
   words_->setWordWrap(true);
+  words_->setSizePolicy(QSizePolicy::Ignored,
+                        QSizePolicy::Preferred);  // long words keep no panel wide
+  title_->setSizePolicy(QSizePolicy::Ignored, QSizePolicy::Preferred);
   new QGridLayout(buttons_);
   buttons_->layout()->setContentsMargins(0, 0, 0, 0);
   keys_->setHorizontalHeaderLabels({text(kKey), text(kValue)});
@@ -59,12 +62,29 @@ ChosenPanel::ChosenPanel(QWidget* parent, std::function<void(DocumentCommand)> p
   column->addWidget(keys_, 8);
   column->addStretch(1);
   QObject::connect(keys_, &QTableWidget::cellChanged, this, [this](int row, int) {
-    if (filling_) return;
-    post_({.verb = Verb::Set,
-           .table = item_.table,
-           .key = keys_->item(row, 0)->text().toStdString(),
-           .text = as_value(keys_->item(row, 1)->text().toStdString())});
+    if (!filling_) state(row);
   });
+}
+
+// The scene states what stands in a row; of a new one when both cells are filled.
+void ChosenPanel::state(int row) {
+  const std::string key = keys_->item(row, 0)->text().trimmed().toStdString();
+  const std::string typed = keys_->item(row, 1)->text().trimmed().toStdString();
+  if (key.empty() || typed.empty() || key == text(kNewKey).toStdString()) return;
+  const std::string value = as_value(typed);
+  if (const auto part = chosen_stress()) {
+    for (DocumentCommand& edit : stress_part_edits(SceneText(view_->text), *part, key, value))
+      post_(std::move(edit));
+    return;
+  }
+  post_({.verb = Verb::Set, .table = item_.table, .key = key, .text = value});
+}
+
+std::optional<StressPart> ChosenPanel::chosen_stress() const {
+  if (item_.kind != Kind::StressPart) return std::nullopt;
+  const std::vector<StressPart> parts = stress_parts(SceneText(view_->text));
+  const auto number = static_cast<size_t>(item_.number);
+  return number < parts.size() ? std::optional(parts[number]) : std::nullopt;
 }
 
 void ChosenPanel::take(std::shared_ptr<const DocumentView> view, const ModelTree::Item& item) {
@@ -86,21 +106,31 @@ void ChosenPanel::fill_table() {
   keys_->setRowCount(0);
   const bool stated = item_.kind == Kind::Table || item_.table.kind != "";
   const DocumentView::Table* table = stated ? view_->table(item_.table) : nullptr;
-  if (table)
-    for (const auto& [key, value] : table->values) add_key(key, value);
+  const std::optional<StressPart> part = chosen_stress();
+  const std::vector<SceneText::Value> none;
+  for (const auto& [key, value] : part ? part->values : table ? table->values : none)
+    add_key(key, value);
+  if (part || table) add_key(text(kNewKey).toStdString(), "");
   keys_->setVisible(keys_->rowCount() > 0);
   filling_ = false;
 }
 
-// A key that has a few words gets a list of them.
+// A key that has a few words gets a list of them. The last one is for a hand to type another one.
 void ChosenPanel::add_key(const std::string& key, const std::string& value) {
   const int row = keys_->rowCount();
   keys_->insertRow(row);
   auto* name = new QTableWidgetItem(shown(key));
-  name->setFlags(name->flags() & ~Qt::ItemIsEditable);
+  if (key == text(kNewKey).toStdString())
+    name->setForeground(palette().brush(QPalette::Disabled, QPalette::Text));
+  else
+    name->setFlags(name->flags() & ~Qt::ItemIsEditable);
   keys_->setItem(row, 0, name);
   keys_->setItem(row, 1, new QTableWidgetItem(shown(value)));
-  const QStringList words = words_of_key(item_.table, key, value);
+  const DocumentView::Table* skin = view_->table({"skin", ""});
+  const bool faired =
+      skin && std::find(skin->values.begin(), skin->values.end(),
+                        SceneText::Value("fair", "\"variation\"")) != skin->values.end();
+  const QStringList words = words_of_key(item_.table, key, value, faired);
   if (words.isEmpty()) return;
   auto* list = new QComboBox;
   list->addItems(words);
@@ -122,8 +152,8 @@ void ChosenPanel::fill_words() {
   if (!view_->network) return;
   const NetworkReport& network = *view_->network;
   QStringList words;
-  if (item_.kind == Kind::Choice && item_.choice < static_cast<int>(network.choices.size())) {
-    const auto choice = network.choices[static_cast<size_t>(item_.choice)];
+  if (item_.kind == Kind::Choice && item_.number < static_cast<int>(network.choices.size())) {
+    const auto choice = network.choices[static_cast<size_t>(item_.number)];
     words << shown(choice.text);
     for (int i = 0; i < static_cast<int>(choice.alternatives.size()); ++i)
       add_button(kTakeInstead, [choice, i] { return choice_edits(choice, i); });
@@ -207,7 +237,8 @@ void ChosenPanel::fill_stress() {
         {.verb = Verb::Add,
          .table = {"load", ""},
          .text = "{ name = " + SceneText::word(view_->free_name("swell")) +
-                 ", type = \"pressure\", regions = [" + SceneText::word(name) + "], value = 0 }"}};
+                 ", type = \"pressure\", regions = [" + SceneText::word(name) + "], value = 0 }"},
+        {.verb = Verb::Settle}};  // a step of its own
   });
   if (!view_->has_stress) return;
   add_button(kPressOn, [this, name] {

@@ -7,6 +7,7 @@
 
 #include "batten/apps/commands/documents/document_content.h"
 #include "batten/apps/commands/documents/document_view.h"
+#include "batten/apps/commands/documents/stress_edits.h"
 #include "batten/apps/studio/window/model_tree.h"
 
 class QLabel;
@@ -30,11 +31,15 @@ class ChosenPanel : public QWidget {
 
   void take(std::shared_ptr<const DocumentView> view, const ModelTree::Item& item);
   QPushButton* button(const char* text) const;  ///< by its English text; null: not shown
+  QTableWidget& keys() { return *keys_; }
+  /// The support or load of [stress] that is chosen.
+  std::optional<StressPart> chosen_stress() const;
 
  protected:
   bool eventFilter(QObject* list, QEvent* event) override;
 
  private:
+  void state(int row);
   void fill_table();
   void add_key(const std::string& key, const std::string& value);
   void fill_words();

@@ -14,7 +14,7 @@ constexpr KeyWords kKeyWords[] = {
     {"line lines", "role", "outline hole inner"},
     {"line lines", "treatment", "auto fitted embedded"},
     {"region", "domain", "auto polygon plane sheet"},
-    {"join", "kind", "crease smooth tangent curvature"},
+    {"join", "kind", "crease smooth"},
     {"weight", "kind", "alpha beta"},
     {"skin", "domain", "auto polygon plane sheet ring"},
     {"skin", "mesher", "delaunay fan"},
@@ -29,14 +29,16 @@ constexpr KeyWords kKeyWords[] = {
 
 }  // namespace
 
-QStringList words_of_key(const SceneTable& table, const std::string& key,
-                         const std::string& value) {
+QStringList words_of_key(const SceneTable& table, const std::string& key, const std::string& value,
+                         bool faired) {
   if (value == "true" || value == "false") return {"true", "false"};
   for (const KeyWords& one : kKeyWords) {
     const QStringList kinds = QString(one.kinds).split(' ');
     if (key != one.key || !kinds.contains(QString::fromStdString(table.kind))) continue;
+    const bool more = faired && table.kind == "join";
     QStringList words;
-    for (const QString& word : QString(one.words).split(' ')) words << '"' + word + '"';
+    for (const QString& word : (one.words + QString(more ? " tangent curvature" : "")).split(' '))
+      words << '"' + word + '"';
     const QString now = QString::fromStdString(value);
     return words.contains(now) ? words : QStringList{};
   }

@@ -10,7 +10,8 @@ namespace batten::studio {
 
 /// The values, as TOML writes them, of a key that has a few: "true" and "false" where the value is one
 /// of these, the words that docs/scenes.md names else; none for all other keys. The value itself is
-/// always among them.
-QStringList words_of_key(const SceneTable& table, const std::string& key, const std::string& value);
+/// always among them. `faired`: the scene's [skin] has fair = "variation", which knows more joins.
+QStringList words_of_key(const SceneTable& table, const std::string& key, const std::string& value,
+                         bool faired);
 
 }  // namespace batten::studio

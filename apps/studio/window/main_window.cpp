@@ -116,7 +116,9 @@ QAction* MainWindow::add(QMenu* menu, const char* what, const QKeySequence& key,
 void MainWindow::make_menus() {
   QMenu* file = menuBar()->addMenu(text(kFile));
   add(file, kNew, QKeySequence::New, [this] {
-    if (may_leave()) post({.verb = Verb::New, .key = "mm"});
+    if (!may_leave()) return;
+    touring_ = false;
+    post({.verb = Verb::New, .key = "mm"});
   });
   add(file, kOpen, QKeySequence::Open, [this] { ask_open(); });
   recent_ = file->addMenu(text(kRecent));
@@ -126,7 +128,7 @@ void MainWindow::make_menus() {
   file->addSeparator();
   add(file, kExport, QKeySequence("Ctrl+E"), [this] { ask_export(); });
   add(file, kRun, {}, [this] {
-    const QString folder = QFileDialog::getExistingDirectory(this, text(kRun));
+    const QString folder = QFileDialog::getExistingDirectory(this, text(kRun), in_folder());
     if (!folder.isEmpty()) post({.verb = Verb::Run, .file = folder.toStdString()});
   });
   add(file, kSaveScript, {}, [this] { save_script(); });
@@ -186,6 +188,7 @@ void MainWindow::make_status() {
 
 void MainWindow::open(const std::filesystem::path& file) {
   note_recent(QString::fromStdString(std::filesystem::absolute(file).string()));
+  touring_ = false;
   messages_->clear();
   problem_ = nullptr;
   post({.verb = Verb::Open, .file = std::filesystem::absolute(file)});
@@ -194,6 +197,7 @@ void MainWindow::open(const std::filesystem::path& file) {
 void MainWindow::start_tour() {
   delete tour_;
   open(tour_scene().toStdString());
+  touring_ = true;
   tour_ = new Tour(view_);
 }
 
@@ -216,8 +220,10 @@ void MainWindow::take_news() {
   if (motion_->isChecked() != news.moving) {
     motion_->setChecked(news.moving);
     show_tools();
+    view_->say_hint();
   }
   for (const DocumentCommand& done : news.written) {
+    if (done.verb == Verb::Save) touring_ = false;
     const char* const what = done.verb == Verb::Save     ? kSaved
                              : done.verb == Verb::Export ? kExported
                                                          : kMade;
@@ -237,6 +243,7 @@ void MainWindow::take_news() {
                          !(stress_shown_.isValid() && stress_shown_.elapsed() < soon);
   if (news.view) {
     const bool more_handles = news.view->mesh && news.view->handles.size() > shown_->handles.size();
+    if (news.view->opened != shown_->opened) forget_hand();
     shown_ = news.view;
     if (more_handles && !action(kSelect)->isChecked()) action(kSelect)->trigger();
     show_problem();
@@ -262,6 +269,12 @@ void MainWindow::take_news() {
   look_for_tour();
   if (news.frame || !news.busy) timeline_->drawn();
   show_state(news);
+}
+
+// What a hand has set for the document before.
+void MainWindow::forget_hand() {
+  plane_->setCurrentIndex(0);
+  statusBar()->clearMessage();
 }
 
 // What keeps the lines from a surface stands there as long as it is so.

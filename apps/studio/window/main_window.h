@@ -82,6 +82,8 @@ class MainWindow : public QMainWindow {
   void show_stress(const StressView& stress);
   void show_modes(const StressView& stress);
   void show_missing_stress();
+  void forget_hand();
+  QString in_folder(const QString& name = {}) const;
   void show_problem();
   void show_state(const DocumentWorker::News& news);
   void save(bool as);
@@ -116,6 +118,7 @@ class MainWindow : public QMainWindow {
   QPointer<Tour> tour_;
   QElapsedTimer stress_shown_;
   bool busy_ = false;
+  bool touring_ = false;  // the open scene is the tour's door
   std::atomic<bool> woken_ = false;
 };
 

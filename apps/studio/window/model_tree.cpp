@@ -1,10 +1,12 @@
 #include "batten/apps/studio/window/model_tree.h"
 
 #include <QHeaderView>
+#include <QScrollBar>
 #include <QStyle>
 #include <algorithm>
 
 #include "batten/apps/commands/documents/mesh_edits.h"
+#include "batten/apps/commands/documents/stress_edits.h"
 #include "batten/apps/studio/view/texts.h"
 
 namespace batten::studio {
@@ -71,30 +73,43 @@ void ModelTree::add(QTreeWidgetItem* group, const QString& name, const QString& 
 
 void ModelTree::take(const DocumentView& view) {
   const Item before = current();
+  const bool other = opened_ != view.opened;
+  opened_ = view.opened;
   filling_ = true;
-  std::vector<bool> open;
-  for (int i = 0; i < topLevelItemCount(); ++i) open.push_back(topLevelItem(i)->isExpanded());
-  const int groups = topLevelItemCount();
+  const int scrolled = verticalScrollBar()->value();
+  for (int i = 0; i < topLevelItemCount(); ++i)
+    open_[topLevelItem(i)->text(0)] = topLevelItem(i)->isExpanded();
+  if (other) open_.clear();
   clear();
   items_.clear();
   view.mesh ? fill_mesh(view) : fill_shape(view);
   fill_tables(view);
-  if (groups != topLevelItemCount()) open.clear();  // another kind of document
-  for (int i = 0; i < topLevelItemCount(); ++i)
-    topLevelItem(i)->setExpanded(i < static_cast<int>(open.size())
-                                     ? open[static_cast<size_t>(i)]
-                                     : i + 1 < topLevelItemCount() &&
-                                           topLevelItem(i)->childCount() <= 12);
-  if (before.kind == Kind::Table) {
+  constexpr int few = 12;
+  for (int i = 0; i < topLevelItemCount(); ++i) {
+    QTreeWidgetItem* item = topLevelItem(i);
+    const bool usual = i + 1 < topLevelItemCount() && item->childCount() <= few;
+    item->setExpanded(open_.value(item->text(0), usual));
+  }
+  choose_again(other ? Item{} : before);
+  verticalScrollBar()->setValue(other ? 0 : scrolled);
+  filling_ = false;
+  // What a mesh is opened for most.
+  if (other && view.mesh && !view.timeline) choose(Kind::Parts, "");
+}
+
+// What was chosen before the tree was filled anew.
+void ModelTree::choose_again(const Item& before) {
+  if (before.kind == Kind::Table || before.kind == Kind::StressPart) {
     for (QTreeWidgetItemIterator it(this); *it; ++it) {
       const int number = (*it)->data(0, Qt::UserRole).toInt();
-      if (number >= 0 && items_[static_cast<size_t>(number)].table == before.table)
+      if (number < 0) continue;
+      const Item& item = items_[static_cast<size_t>(number)];
+      if (item.kind == before.kind && item.table == before.table && item.number == before.number)
         setCurrentItem(*it);
     }
   } else if (before.kind != Kind::None) {
     choose(before.kind, before.name);
   }
-  filling_ = false;
 }
 
 void ModelTree::fill_shape(const DocumentView& view) {
@@ -176,8 +191,10 @@ void ModelTree::fill_tables(const DocumentView& view) {
   for (const auto& table : view.tables) {
     const std::string& kind = table.name.kind;
     const bool shape = kind == "line" || (kind == "region" && !table.name.name.empty());
-    if (view.mesh ? is_of_mesh(kind) : shape || kind.find('.') != std::string::npos) continue;
-    const bool act = acting && acts(kind);
+    const bool part = kind == "stress.supports" || kind == "stress.loads";
+    if (view.mesh ? is_of_mesh(kind) : shape || (kind.find('.') != std::string::npos && !part))
+      continue;
+    const bool act = acting && (acts(kind) || part);
     const QString name =
         kind.empty() ? shown(view.title) : shown(table.name.name.empty() ? kind : table.name.name);
     add(act ? acting : scene, name,
@@ -185,6 +202,12 @@ void ModelTree::fill_tables(const DocumentView& view) {
             : shown(kind == table.name.name ? "" : kind),
         {Kind::Table, table.name.name, table.name});
   }
+  int number = 0;
+  if (acting)
+    for (const StressPart& part : stress_parts(SceneText(view.text)))
+      add(acting, shown(part.of.empty() ? part.kind : part.of),
+          shown(part.of.empty() ? "stress" : part.kind),
+          {Kind::StressPart, part.of, {"stress", ""}, number++});
   if (acting) acting->setText(1, QString::number(acting->childCount()));
   scene->setText(1, "");
 }
@@ -203,8 +226,8 @@ void ModelTree::choose(Item::Kind kind, const std::string& name) {
 
 void ModelTree::choose_line(const std::string& line) {
   const Item before = current();
-  choose(Item::Kind::Join, line);
-  if (current().name != line) choose(Item::Kind::Line, line);
+  choose(Item::Kind::Line, line);
+  if (current().kind != Kind::Line || current().name != line) choose(Kind::Join, line);
   if (current().name == before.name && current().kind == before.kind) chosen_(current());
 }
 

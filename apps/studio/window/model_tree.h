@@ -1,6 +1,7 @@
 // What the document is made of, as a tree.
 #pragma once
 
+#include <QHash>
 #include <QTreeWidget>
 #include <functional>
 #include <string>
@@ -15,10 +16,11 @@ class ModelTree : public QTreeWidget {
  public:
   /// Something in the tree.
   struct Item {
-    enum class Kind { None, Line, Region, Join, Table, Choice, Part, Parts } kind = Kind::None;
+    enum class Kind { None, Line, Region, Join, Table, Choice, StressPart, Part, Parts };
+    Kind kind = Kind::None;
     std::string name;  ///< of a line, region, join's line or part of a mesh
     SceneTable table;  ///< where the scene says it; of a line or region it may have none
-    int choice = -1;
+    int number = -1;   ///< of a close choice, or of a part of [stress] among stress_parts()
   };
   ModelTree(QWidget* parent, std::function<void(const Item&)> chosen);
 
@@ -32,11 +34,14 @@ class ModelTree : public QTreeWidget {
   void add(QTreeWidgetItem* group, const QString& name, const QString& detail, Item item,
            const QString& wrong = {});
   void choose(Item::Kind kind, const std::string& name);
+  void choose_again(const Item& before);
   void fill_shape(const DocumentView& view);
   void fill_mesh(const DocumentView& view);
   void fill_tables(const DocumentView& view);
   std::function<void(const Item&)> chosen_;
   std::vector<Item> items_;
+  QHash<QString, bool> open_;  // groups by their titles
+  int opened_ = 0;
   bool filling_ = false;
 };
 

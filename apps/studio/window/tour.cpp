@@ -1,6 +1,7 @@
 #include "batten/apps/studio/window/tour.h"
 
 #include <QCoreApplication>
+#include <QEvent>
 #include <QFile>
 #include <QHBoxLayout>
 #include <QLabel>
@@ -54,9 +55,20 @@ Tour::Tour(QWidget* view)
   column->addLayout(row);
   QObject::connect(next_, &QPushButton::clicked, this, [this] { show_step(step_ + 1); });
   QObject::connect(end, &QPushButton::clicked, this, [this] { deleteLater(); });
+  view->installEventFilter(this);
   show_step(0);
-  move(kMargin, kMargin);
   show();
+}
+
+// In the lower left corner: words of the view are in the upper one.
+void Tour::place() {
+  adjustSize();
+  move(kMargin, parentWidget()->height() - height() - kMargin);
+}
+
+bool Tour::eventFilter(QObject* view, QEvent* event) {
+  if (event->type() == QEvent::Resize) place();
+  return QFrame::eventFilter(view, event);
 }
 
 void Tour::show_step(int step) {
@@ -67,7 +79,7 @@ void Tour::show_step(int step) {
   words_->setText(text(steps[step].words));
   count_->setText(QString("%1 / %2").arg(step + 1).arg(count));
   next_->setText(text(step + 1 < count ? kTourNext : kTourDone));
-  adjustSize();
+  place();
 }
 
 void Tour::look(const Sight& sight) {

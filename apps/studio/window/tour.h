@@ -28,10 +28,14 @@ class Tour : public QFrame {
   int step() const { return step_; }
   QPushButton& next() { return *next_; }
 
+ protected:
+  bool eventFilter(QObject* view, QEvent* event) override;
+
  private:
   struct Step;
   static const Step steps[];
   void show_step(int step);
+  void place();
   QLabel* words_;
   QLabel* count_;
   QPushButton* next_;

@@ -1,5 +1,6 @@
 // The window's files: opened, saved, exported, and the guard of changes that are not saved.
 #include <QCloseEvent>
+#include <QDir>
 #include <QFile>
 #include <QFileDialog>
 #include <QFileInfo>
@@ -25,14 +26,16 @@ QString title(const char* menu) { return text(menu).remove('&'); }
 
 void MainWindow::ask_open() {
   if (!may_leave()) return;
-  const QString file = QFileDialog::getOpenFileName(this, title(kOpen), {}, text(kSceneFiles));
+  const QString file =
+      QFileDialog::getOpenFileName(this, title(kOpen), in_folder(), text(kSceneFiles));
   if (!file.isEmpty()) open(file.toStdString());
 }
 
 void MainWindow::save(bool as) {
-  if (!as && shown_->title != "untitled") return post({.verb = Verb::Save});
-  QString file =
-      QFileDialog::getSaveFileName(this, title(kSaveAs), stem() + ".toml", text(kSavedFiles));
+  // The door of the tour is everybody's: it is saved elsewhere.
+  if (!as && !touring_ && shown_->title != "untitled") return post({.verb = Verb::Save});
+  QString file = QFileDialog::getSaveFileName(this, title(kSaveAs), in_folder(stem() + ".toml"),
+                                              text(kSavedFiles));
   if (file.isEmpty()) return;
   if (!file.endsWith(".toml")) file += ".toml";
   note_recent(file);
@@ -55,8 +58,8 @@ void MainWindow::ask_export() {
     kinds = text(kMeshFiles);
     if (!shown_->timeline) kinds = text(kSameFormat).arg("." + ending) + ";;" + kinds;
   }
-  QString file =
-      QFileDialog::getSaveFileName(this, title(kExport), stem() + "-out", kinds, &filter);
+  QString file = QFileDialog::getSaveFileName(this, title(kExport), in_folder(stem() + "-out"),
+                                              kinds, &filter);
   if (file.isEmpty()) return;
   const int star = filter.indexOf("*.");
   if (!file.contains('.') && star >= 0)
@@ -66,7 +69,7 @@ void MainWindow::ask_export() {
 
 void MainWindow::save_script() {
   const QString name =
-      QFileDialog::getSaveFileName(this, title(kSaveScript), {}, text(kScriptFiles));
+      QFileDialog::getSaveFileName(this, title(kSaveScript), in_folder(), text(kScriptFiles));
   if (name.isEmpty()) return;
   QFile file(name);
   if (!file.open(QIODevice::WriteOnly)) {
@@ -82,7 +85,19 @@ void MainWindow::remove_chosen() {
   if (item.kind == ModelTree::Item::Kind::Join)
     item.table = {"line", stated_line(SceneText(shown_->text), item.name)};
   if (item.table.kind == "line" && item.table.name.empty()) return;  // of a file
+  if (const auto part = chosen_->chosen_stress()) {
+    for (DocumentCommand& edit : remove_stress_part(SceneText(shown_->text), *part))
+      post(std::move(edit));
+    return;
+  }
   if (!item.table.kind.empty()) post({.verb = Verb::Remove, .table = item.table});
+}
+
+// A name in the folder of the last scene that was opened or saved; the home folder before.
+QString MainWindow::in_folder(const QString& name) const {
+  const QString last = QSettings().value("recent").toStringList().value(0);
+  const QDir folder(touring_ || last.isEmpty() ? QDir::homePath() : QFileInfo(last).path());
+  return name.isEmpty() ? folder.path() : folder.filePath(name);
 }
 
 void MainWindow::note_recent(const QString& file) {
@@ -107,7 +122,8 @@ bool MainWindow::may_leave() {
   if (!shown_->changed) return true;
   const auto answer = QMessageBox::question(
       this, text(kProgram), text(kUnsaved).arg(QString::fromStdString(shown_->title)),
-      QMessageBox::Save | QMessageBox::Discard | QMessageBox::Cancel, QMessageBox::Save);
+      QMessageBox::Save | QMessageBox::Discard | QMessageBox::Cancel,
+      touring_ ? QMessageBox::Discard : QMessageBox::Save);
   if (answer == QMessageBox::Cancel) return false;
   if (answer == QMessageBox::Discard) return true;
   save(false);

@@ -2,7 +2,9 @@
 #include <QAction>
 #include <QActionGroup>
 #include <QComboBox>
+#include <QStatusBar>
 #include <QToolBar>
+#include <algorithm>
 
 #include "batten/apps/studio/view/texts.h"
 #include "batten/apps/studio/window/main_window.h"
@@ -125,7 +127,10 @@ void MainWindow::look_for_tour() {
   Tour::Sight sight;
   for (const auto& slider : shown_->sliders)
     if (slider.name == "swell") sight.swell = slider.value;
-  sight.pushes = static_cast<int>(shown_->marks.size());
+  using Mark = DocumentView::Mark;
+  sight.pushes = static_cast<int>(
+      std::count_if(shown_->marks.begin(), shown_->marks.end(),
+                    [](const Mark& mark) { return mark.kind == Mark::Kind::Load; }));
   sight.can_redo = shown_->can_redo;
   sight.line_chosen = tree_->current().kind == ModelTree::Item::Kind::Line;
   sight.shading = static_cast<Shading>(shading_->currentIndex());
@@ -136,6 +141,8 @@ void MainWindow::set_moving(bool on) {
   worker_->set_moving(on);
   motion_->setChecked(on);
   show_tools();
+  view_->say_hint();
+  if (on) statusBar()->showMessage(text(kHintMoving));
 }
 
 void MainWindow::show_stress(const StressView& stress) {
@@ -155,7 +162,12 @@ void MainWindow::show_stress(const StressView& stress) {
 // Shapes are pushed, held and drawn, meshes are encircled.
 void MainWindow::show_tools() {
   const bool mesh = shown_->mesh != nullptr, moves = motion_->isChecked();
-  for (const char* what : {kPush, kHold}) action(what)->setEnabled(!mesh && !moves);
+  for (const char* what : {kPush, kHold}) {
+    QAction* tool = action(what);
+    tool->setEnabled(!mesh && !moves);
+    const QString key = " (" + tool->shortcut().toString() + ")";
+    tool->setToolTip(moves ? text(kRestFirst).arg(text(what)) : text(what) + key);
+  }
   action(kDraw)->setEnabled(!mesh || shown_->timeline);
   action(kLasso)->setEnabled(mesh);
   action(kPaint)->setEnabled(shown_->surface);
