@@ -102,6 +102,20 @@ TEST_CASE("a scene that is saved beside its mesh names it as a person does", "[d
   CHECK(again.mesh());
 }
 
+TEST_CASE("numbers of a handle have the units that they are moved in", "[document]") {
+  Document document = panel();
+  act(document, {{.verb = Verb::Set,
+                  .table = {"edit.handle", "edit 1.right"},
+                  .key = "rotate",
+                  .text = "{ axis = [0, 1, 0], degrees = 5 }"}});
+  for (const auto& slider : view_of(document).sliders) {
+    INFO(slider.name);
+    const bool turns =
+        slider.name.ends_with(".degrees") || slider.name.find(".turn.") != std::string::npos;
+    CHECK(slider.unit == (turns ? "°" : slider.name.ends_with(".scale") ? "" : "mm"));
+  }
+}
+
 TEST_CASE("numbers of an edit change the edits behind it", "[document]") {
   const Case folder("mesh_edits");
   Document document = panel();

@@ -34,7 +34,7 @@ std::string words_of(const std::string& text) {
 
 /// The unit of a handle's number: a length, but for turns and scales.
 std::string unit_of_move(const std::string& parameter, const std::string& length) {
-  if (parameter.find(".turn.") != std::string::npos) return "°";
+  if (parameter.find(".turn.") != std::string::npos || parameter.ends_with(".degrees")) return "°";
   return parameter.ends_with(".scale") ? "" : length;
 }
 

@@ -52,7 +52,7 @@ ShapeActors::ShapeActors(vtkRenderer* renderer)
       marks_(std::make_unique<Layer>(renderer, kInFront + 20, 2)),
       pins_(std::make_unique<Layer>(renderer, kInFront + 10, 1)),
       held_(std::make_unique<Layer>(renderer, kInFront + 20, 2)),
-      supports_(std::make_unique<Layer>(renderer, -4, 7)),
+      supports_(std::make_unique<Layer>(renderer, -4, 5)),
       points_(vtkSmartPointer<vtkFloatArray>::New()),
       normals_(vtkSmartPointer<vtkFloatArray>::New()),
       scalars_(vtkSmartPointer<vtkFloatArray>::New()),

@@ -60,10 +60,11 @@ Tour::Tour(QWidget* view)
   show();
 }
 
-// In the lower left corner: words of the view are in the upper one.
+// In the lower right corner: words and scales of the view are on the left, its axes above.
 void Tour::place() {
   adjustSize();
-  move(kMargin, parentWidget()->height() - height() - kMargin);
+  move(parentWidget()->width() - width() - kMargin,
+       parentWidget()->height() - height() - kMargin);
 }
 
 bool Tour::eventFilter(QObject* view, QEvent* event) {
