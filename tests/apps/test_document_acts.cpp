@@ -237,6 +237,13 @@ TEST_CASE("a point that is dragged passes others, and is one step", "[document]"
   CHECK(end("other", 0) == Vec3(300, 0, 0));
   document.apply({.verb = Verb::Undo});
   CHECK(document.text().text() == before);
+  // What was slid between two moves stays.
+  go({210, 0, 0});
+  document.apply({.verb = Verb::Slide, .key = "beta", .value = 2});
+  CHECK_THROWS_AS(go({220, 0, 0}), InputError);  // there is no point any more
+  CHECK(document.text().value({"skin", ""}, "beta") == "2");
+  apply_all(document, {{.verb = Verb::Undo}, {.verb = Verb::Undo}});
+  CHECK(document.text().text() == before);
   // Another drag from the same place is another step.
   go({210, 0, 0});
   document.apply({.verb = Verb::Settle});

@@ -146,7 +146,10 @@ void Document::edit(const DocumentCommand& command, const Progress& progress) {
 
 // Moves from one place that follow each other are one step: each begins from the text before the first.
 void Document::move(const std::string& places, const Progress& progress) {
-  if (!slid_.empty()) settle();
+  if (!slid_.empty()) {
+    settle();
+    dragged_.clear();
+  }
   const std::vector<Vec3> way = listed_points(places);
   const std::string from = way.empty() ? places : point_word(way.front());
   const bool goes_on = dragged_ == from && !undo_.empty();
