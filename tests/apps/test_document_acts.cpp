@@ -253,7 +253,7 @@ TEST_CASE("a point that is dragged passes others, and is one step", "[document]"
   CHECK(end("side 1", 1) == Vec3(210, 0, 0));
 }
 
-TEST_CASE("what [skin] asks for in vain is refused, and the surface stays", "[document]") {
+TEST_CASE("a skin that is asked for in vain is refused, and the surface stays", "[document]") {
   const Case folder("document_skin_refused");
   Document document = panel(folder);
   const std::string before = document.text().text();

@@ -324,11 +324,12 @@ loads = [{ pressure = 0.001, region = "rim" }, { point = [1, 2, 0], force = [0, 
     scene.set(edits[0].table, edits[0].key, edits[0].text);
   };
   apply(stress_part_edits(scene, parts[3], "force", "[0, 0, -5]"));
-  apply(stress_part_edits(scene, parts[0], "kind", "\"pinned\""));
-  apply(remove_stress_part(scene, parts[1]));
+  apply(stress_part_edits(scene, parts[1], "kind", "\"clamped\""));
+  apply(remove_stress_part(scene, parts[0]));
   const auto after = stress_parts(scene);
   REQUIRE(after.size() == 3);
-  CHECK(after[0].kind == "pinned");
+  CHECK(after[0].kind == "clamped");
+  CHECK(after[0].of.empty());
   CHECK(std::count(after[2].values.begin(), after[2].values.end(),
                    SceneText::Value("force", "[0, 0, -5]")) == 1);
   CHECK(remove_stress_part(scene, parts[1]).empty());  // there is no second support any more
