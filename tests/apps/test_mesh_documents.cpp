@@ -92,6 +92,8 @@ TEST_CASE("a scene that is saved beside its mesh names it as a person does", "[d
   std::filesystem::create_directories(folder / "else");
   Document document;
   document.apply({.verb = Verb::Open, .file = folder / "panel.bdf"});
+  document.apply({.verb = Verb::Export, .file = folder / "first.bdf"});
+  CHECK_THROWS_AS(document.apply({.verb = Verb::Export, .file = folder / "panel.bdf"}), InputError);
   document.apply({.verb = Verb::Save, .file = folder / "else/far.toml"});
   CHECK(document.text().value({}, "mesh") == SceneText::word((folder / "panel.bdf").string()));
   document.apply({.verb = Verb::Open, .file = folder / "panel.bdf"});
@@ -100,6 +102,13 @@ TEST_CASE("a scene that is saved beside its mesh names it as a person does", "[d
   Document again;
   again.apply({.verb = Verb::Open, .file = folder / "panel.toml"});
   CHECK(again.mesh());
+  // Its mesh is not written over: the scene would move it twice.
+  const std::string deck = contents(folder / "panel.bdf");
+  std::filesystem::create_symlink("panel.bdf", folder / "linked.bdf");
+  for (const char* file : {"panel.bdf", "else/../panel.bdf", "linked.bdf"})
+    CHECK_THROWS_AS(again.apply({.verb = Verb::Export, .file = folder / file}), InputError);
+  CHECK(contents(folder / "panel.bdf") == deck);
+  again.apply({.verb = Verb::Export, .file = folder / "other.bdf"});
 }
 
 TEST_CASE("numbers of a handle have the units that they are moved in", "[document]") {

@@ -6,6 +6,7 @@
 #include <QSlider>
 #include <QTableWidget>
 #include <QTreeWidgetItemIterator>
+#include <QWheelEvent>
 #include <fstream>
 #include <sstream>
 
@@ -322,6 +323,51 @@ TEST_CASE("the surface follows a point of a line while it is dragged", "[studio]
   hand.act(kUndo);
   CHECK(hand.document().text == before);
   CHECK(window.messages().isEmpty());
+}
+
+TEST_CASE("a new scene is begun with a view of the ground, and its axes are no paper", "[studio]") {
+  WindowCase hand;
+  MainWindow& window = *hand.window;
+  hand.open(kExamples / "05-door/scene.toml");
+  hand.act(kFront);  // the ground from its edge
+  hand.act(kNew);
+  const QPoint o = hand.view().pixel_of(Vec3::Zero()), x = hand.view().pixel_of({50, 0, 0}) - o,
+               y = hand.view().pixel_of({0, 50, 0}) - o;
+  CHECK(hand.view().rect().contains(o));
+  CHECK(std::abs(x.x() * y.y() - x.y() * y.x()) > 2000);  // square pixels
+  hand.act(kDraw);
+  const QPoint axes(hand.view().width() - 70, 70);
+  for (const QPoint& by : {QPoint(0, 0), QPoint(3, 2)}) hand.click(axes + by);
+  hand.key(Qt::Key_Return);
+  CHECK(hand.document().lines.empty());
+  CHECK_FALSE(window.document().changed);
+}
+
+TEST_CASE("the wheel passes over numbers, and undo in a number is the scene's", "[studio]") {
+  WindowCase hand;
+  MainWindow& window = *hand.window;
+  hand.open(kExamples / "05-door/scene.toml");
+  QDoubleSpinBox* number = window.sliders().number("swell");
+  const double before = number->value();
+  for (QWidget* over : {static_cast<QWidget*>(number), static_cast<QWidget*>(&window.shading())}) {
+    QWheelEvent wheel(QPointF(5, 5), over->mapToGlobal(QPoint(5, 5)), {}, {0, -120}, Qt::NoButton,
+                      {}, Qt::NoScrollPhase, false);
+    QApplication::sendEvent(over, &wheel);
+  }
+  REQUIRE(window.wait());
+  CHECK(number->value() == before);
+  CHECK(window.shading().currentIndex() == 0);
+  number->setFocus();
+  number->selectAll();
+  QTest::keyClicks(number, "77");
+  QTest::keyClick(number, Qt::Key_Return);
+  REQUIRE(window.wait());
+  CHECK(SceneText(hand.document().text).value({"load", "swell"}, "value") == "77");
+  QApplication::setActiveWindow(&window);
+  QTest::keyClick(number, Qt::Key_Z, Qt::ControlModifier);
+  REQUIRE(window.wait());
+  CHECK(number->value() == before);
+  CHECK_FALSE(hand.document().changed);
 }
 
 TEST_CASE("a key that the scene does not state yet is typed into the table", "[studio]") {

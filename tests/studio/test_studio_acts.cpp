@@ -158,6 +158,28 @@ TEST_CASE("a normal is held by a click with Shift, and a force acts where it was
   hand.click(Vec3(100, 30, 0));
   hand.press(kForceHere);
   CHECK(hand.document().text.find("force = ") != std::string::npos);
+  // With another mesh the force is where it was.
+  const auto at_force = [&] {
+    const auto places = hand.view().actors().mark_points();
+    return std::any_of(places.begin(), places.end(),
+                       [](const Vec3& p) { return (p - Vec3(100, 30, p.z())).norm() < 4; });
+  };
+  CHECK(at_force());
+  window.post({.verb = DocumentCommand::Verb::Set,
+               .table = {"skin", ""},
+               .key = "edge_length",
+               .text = "9"});
+  REQUIRE(window.wait());
+  CHECK(at_force());
+  hand.act(kUndo);
+  CHECK(at_force());
+  // A click on a place that is held chooses it.
+  hand.act(kHold);
+  const size_t held = hand.document().handles.size();
+  hand.click(hand.document().handles.front().centre);
+  CHECK(hand.document().handles.size() == held);
+  CHECK(window.tree().current().name == "pin 1");
+  hand.act(kSelect);
   // Words that a key may have are a list.
   window.tree().choose_region("normal 1");
   CHECK(window.messages().isEmpty());

@@ -98,6 +98,7 @@ void Document::apply(const DocumentCommand& command, const Progress& progress) {
     case Verb::Save:
       return save(command.file);
     case Verb::Export:
+      keep_inputs(command.file);
       if (!slid_.empty()) settle();
       told_ = content_->export_shape(command.file, progress);
       return;

@@ -82,6 +82,7 @@ class Document {
                                                 const std::filesystem::path& file,
                                                 const Progress& progress) const;
   void save(const std::filesystem::path& file);
+  void keep_inputs(const std::filesystem::path& written) const;
   void recover(const std::filesystem::path& file, const Progress& progress);
 
   SceneText text_;

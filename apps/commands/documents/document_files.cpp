@@ -84,6 +84,18 @@ void Document::save(const std::filesystem::path& to) {
   content_->restate(text_, file_);
 }
 
+// What the scene reads is not written over: opened again, the scene would change the result once more.
+void Document::keep_inputs(const std::filesystem::path& written) const {
+  std::error_code none;
+  const std::filesystem::path folder = file_.empty() ? "" : folder_of(file_);
+  with_paths(text_, [&](const std::filesystem::path& file) -> std::string {
+    if (std::filesystem::equivalent(folder / file, written, none))
+      throw InputError("found " + written.string() +
+                       ", which this scene reads, expected another file to write");
+    return {};
+  });
+}
+
 std::string Document::recovery_text(const std::filesystem::path& folder) const {
   const bool named = !file_.empty();
   SceneText text = stated_values();

@@ -10,6 +10,7 @@
 #include <vtkProperty.h>
 #include <vtkRenderer.h>
 
+#include <string>
 #include <vector>
 
 #include "batten/apps/studio/view/shape_colours.h"
@@ -19,6 +20,14 @@ namespace batten::studio {
 
 /// An order in front of everything.
 inline constexpr double kInFront = -66000;
+
+/// Whether a line that is drawn is the one of a name, or a piece of it between nodes ("rim.2").
+inline bool is_piece_of(const std::string& line, const std::string& name) {
+  if (name.empty() || !line.starts_with(name)) return false;
+  const std::string rest = line.substr(name.size());
+  return rest.empty() || (rest.size() > 1 && rest[0] == '.' &&
+                          rest.find_first_not_of("0123456789", 1) == rest.npos);
+}
 
 struct Layer {
   /// `order`: what is lower is drawn in front where both are at one place. `width` of lines, pixels; 0:

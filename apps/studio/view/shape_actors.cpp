@@ -147,6 +147,7 @@ void ShapeActors::take(const Frame& frame) {
     reference_ = as_read ? mesh_->rest : frame.points;
     make_facets();
     make_lines();
+    find_marks();
   } else {
     shade();
   }
@@ -222,7 +223,7 @@ void ShapeActors::choose(const std::string& name) {
   choice_ = name;
   chosen_->data->SetPoints(lines_->data->GetPoints());
   chosen_->data->SetLines(
-      cells_of_lines([&](const std::string& line) { return !name.empty() && line == name; }));
+      cells_of_lines([&](const std::string& line) { return is_piece_of(line, name); }));
   chosen_->data->Modified();
   choose_facets();
   make_roles();

@@ -93,6 +93,8 @@ class ShapeActors {
   /// Number of the display point nearest to a place, and its position in the last frame.
   int point_near(const Vec3& p) const;
   Vec3 point(int number) const;
+  /// Where loads, forces, normals and point supports are drawn.
+  std::vector<Vec3> mark_points() const;
   bool has_surface() const { return pattern_ != nullptr; }
   std::array<Vec3, 2> box() const;
 
@@ -112,6 +114,7 @@ class ShapeActors {
   bool shows_stress() const;
   const std::vector<float>* swing_shape() const;
   void take_marks(const DocumentView& view);
+  void find_marks();
   void place_marks();
   void show_supports();
   /// The drawn pieces of lines whose names are meant.
@@ -141,6 +144,7 @@ class ShapeActors {
   std::shared_ptr<const MeshView> mesh_;
   std::shared_ptr<const std::vector<float>> unloaded_;
   std::vector<std::pair<int, DocumentView::Mark>> marked_;  // by the display points where they are
+  std::vector<DocumentView::Mark> stated_marks_;
   std::vector<Vec3> pinned_;
   std::vector<std::string> supported_;
   double size_ = 0, swing_ = 0;

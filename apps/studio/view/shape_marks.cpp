@@ -96,20 +96,25 @@ void ShapeActors::set_push(const std::optional<std::pair<Vec3, Vec3>>& from_to) 
                                : std::vector<std::vector<Vec3>>{});
 }
 
-// What acts and holds by the display points where it does, and dots where points are held.
 void ShapeActors::take_marks(const DocumentView& view) {
+  stated_marks_ = view.marks;
+  pinned_.clear();
+  for (const auto& handle : view.handles)
+    if (!handle.turns) pinned_.push_back(handle.centre);
+  supported_ = view.supported_lines;
+  find_marks();
+}
+
+// What acts and holds by the display points where it does, which are others with another mesh.
+void ShapeActors::find_marks() {
   using Kind = DocumentView::Mark::Kind;
   marked_.clear();
-  for (const auto& mark : view.marks) {
+  for (const auto& mark : stated_marks_) {
     const bool present = mark.kind == Kind::Force || mark.kind == Kind::Support;
     const std::vector<float>* points = present ? &frame_points_ : unloaded_.get();
     const int point = points ? nearest_point(*points, mark.at) : -1;
     if (point >= 0) marked_.emplace_back(point, mark);
   }
-  pinned_.clear();
-  for (const auto& handle : view.handles)
-    if (!handle.turns) pinned_.push_back(handle.centre);
-  supported_ = view.supported_lines;
   place_marks();
 }
 
@@ -132,12 +137,17 @@ void ShapeActors::place_marks() {
   pins_->set_dots(pins, false, kDot);
 }
 
+std::vector<Vec3> ShapeActors::mark_points() const {
+  std::vector<Vec3> places;
+  for (const auto& [number, mark] : marked_) places.push_back(point(number));
+  return places;
+}
+
 // Lines that hold the shell, drawn wide.
 void ShapeActors::show_supports() {
   const auto supports = [&](const std::string& line) {
-    return std::any_of(supported_.begin(), supported_.end(), [&](const std::string& name) {
-      return line == name || line.starts_with(name + ".");
-    });
+    return std::any_of(supported_.begin(), supported_.end(),
+                       [&](const std::string& name) { return is_piece_of(line, name); });
   };
   supports_->data->SetPoints(lines_->data->GetPoints());
   supports_->data->SetLines(cells_of_lines(supports));

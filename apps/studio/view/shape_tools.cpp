@@ -86,6 +86,10 @@ void ShapeView::end_push() {
 // The place of the surface is held where it is now, or its normal as it is.
 void ShapeView::pin(const QPoint& at, bool normal) {
   const Vec3 window = display(at);
+  for (const auto& handle : view_->handles)  // it is held there: the click means that place
+    if (!normal && !handle.turns &&
+        (to_window(handle.centre) - window).head<2>().norm() < kSnap * devicePixelRatioF())
+      return hooks_.chosen("", handle.name);
   const std::optional<Vec3> p = actors_->surface_at(window.x(), window.y());
   if (!p) return;
   hooks_.ask_place(*p, [this, normal](const DocumentPlace& place) {

@@ -31,6 +31,7 @@ namespace batten::studio {
 namespace {
 
 constexpr int kSamples = 4, kStillAfter = 150;  // ms
+const Vec3 kFromCorner(1, 1.6, -0.9);           // the way the eye looks at first
 constexpr int kSwingEvery = 33;                 // ms
 constexpr double kSwingStep = 0.13;             // radians of a swing
 
@@ -73,7 +74,7 @@ ShapeView::ShapeView(QWidget* parent, Hooks hooks)
   });
   cube_->SetParentRenderer(renderer_);
   cube_->On();
-  look({1, 1.6, -0.9}, Vec3::UnitZ());
+  look(kFromCorner, Vec3::UnitZ());
   setMouseTracking(true);
   setFocusPolicy(Qt::StrongFocus);
   setMinimumSize(320, 240);
@@ -107,8 +108,8 @@ void ShapeView::redraw_still() {
 }
 
 void ShapeView::take(const DocumentWorker::News& news) {
+  const bool other = news.view && (!view_ || view_->opened != news.view->opened);
   if (news.view) {
-    const bool other = !view_ || view_->opened != news.view->opened;
     const bool was_empty = is_empty();
     view_ = news.view;
     if (other || was_empty != is_empty()) say_hint();
@@ -125,6 +126,7 @@ void ShapeView::take(const DocumentWorker::News& news) {
   if (!news.view && !news.frame && !news.stress) return;
   const bool anything = !is_empty();
   if (!anything) fitted_ = false;
+  if (other && !anything) look(kFromCorner, Vec3::UnitZ());  // the ground, to draw on
   if (!fitted_ && anything && draft_.empty()) {
     fitted_ = true;
     fit();

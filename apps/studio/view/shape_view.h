@@ -115,6 +115,7 @@ class ShapeView : public QVTKOpenGLNativeWidget {
   bool press(QMouseEvent* event);
   bool move(QMouseEvent* event);
   bool release(QMouseEvent* event);
+  bool on_axes(const QPoint& at) const;
   bool press_brush(QMouseEvent* event);
   bool key(int key);
   void click(const QPoint& at, bool shift);

@@ -91,8 +91,9 @@ inline constexpr const char* kPointAt = QT_TRANSLATE_NOOP(
     "studio", "%1, %2, %3. Pressed with Shift, it leaves the lines that it meets.");
 inline constexpr const char* kNewKey = QT_TRANSLATE_NOOP("studio", "another key…");
 inline constexpr const char* kHintMoving = QT_TRANSLATE_NOOP(
-    "studio",
-    "It moves: drag a slider and see it swing. Let it rest (T) to push, hold, draw or paint.");
+    "studio", "It moves: drag a slider and see it swing. Let it rest (T) to push or hold.");
+inline constexpr const char* kHintOfFile = QT_TRANSLATE_NOOP(
+    "studio", "This line is stated by a file or a shape: it has no points to drag.");
 inline constexpr const char* kRestFirst = QT_TRANSLATE_NOOP("studio", "%1: let it rest first (T)");
 inline constexpr const char* kSinceRead = QT_TRANSLATE_NOOP("studio", "since the mesh was read");
 inline constexpr const char* kSinceOpened = QT_TRANSLATE_NOOP("studio", "since it was opened");

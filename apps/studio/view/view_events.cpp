@@ -1,5 +1,7 @@
 // What the mouse and keys do in the view.
 #include <vtkCamera.h>
+#include <vtkCameraOrientationRepresentation.h>
+#include <vtkCameraOrientationWidget.h>
 #include <vtkRenderer.h>
 
 #include <QKeyEvent>
@@ -66,7 +68,7 @@ bool ShapeView::event(QEvent* event) {
 
 bool ShapeView::press(QMouseEvent* event) {
   setFocus();
-  if (event->button() != Qt::LeftButton) return false;
+  if (event->button() != Qt::LeftButton || on_axes(event->pos())) return false;
   pressed_ = event->pos();
   left_ = true;
   moved_ = false;
@@ -79,6 +81,15 @@ bool ShapeView::press(QMouseEvent* event) {
   if (!actors_->surface_at(at.x(), at.y())) return false;
   start_push(event->pos());
   return true;
+}
+
+// Whether the hand is on the axes in the corner, which turn the view.
+bool ShapeView::on_axes(const QPoint& at) const {
+  const Vec3 p = display(at);
+  auto* axes = vtkCameraOrientationRepresentation::SafeDownCast(cube_->GetRepresentation());
+  return axes &&
+         axes->ComputeInteractionState(static_cast<int>(p.x()), static_cast<int>(p.y())) !=
+             static_cast<int>(vtkCameraOrientationRepresentation::InteractionStateType::Outside);
 }
 
 // Beside the surface a brush turns the view; a lasso begins anywhere.
@@ -192,6 +203,7 @@ void ShapeView::click(const QPoint& at, bool shift) {
   if (const auto hit = actors_->surface_at(p.x(), p.y()); hit && !view_->mesh)
     hooks_.ask_place(*hit, [this](const DocumentPlace& place) { clicked_ = place; });
   hooks_.chosen(line, region);
+  if (!line.empty() && line_points_.empty() && !view_->mesh) hooks_.hint(text(kHintOfFile));
 }
 
 bool ShapeView::key(int key) {

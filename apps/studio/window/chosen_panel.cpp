@@ -1,7 +1,6 @@
 #include "batten/apps/studio/window/chosen_panel.h"
 
 #include <QComboBox>
-#include <QEvent>
 #include <QGridLayout>
 #include <QHeaderView>
 #include <QLabel>
@@ -70,7 +69,11 @@ ChosenPanel::ChosenPanel(QWidget* parent, std::function<void(DocumentCommand)> p
 void ChosenPanel::state(int row) {
   const std::string key = keys_->item(row, 0)->text().trimmed().toStdString();
   const std::string typed = keys_->item(row, 1)->text().trimmed().toStdString();
-  if (key.empty() || typed.empty() || key == text(kNewKey).toStdString()) return;
+  if (key.empty() || key == text(kNewKey).toStdString()) return;
+  if (typed.empty()) {  // what comes next is its value
+    keys_->setCurrentCell(row, 1);
+    return keys_->editItem(keys_->item(row, 1));
+  }
   const std::string value = as_value(typed);
   if (const auto part = chosen_stress()) {
     for (DocumentCommand& edit : stress_part_edits(SceneText(view_->text), *part, key, value))
@@ -135,17 +138,10 @@ void ChosenPanel::add_key(const std::string& key, const std::string& value) {
   auto* list = new QComboBox;
   list->addItems(words);
   list->setCurrentText(shown(value));
-  list->installEventFilter(this);
+  quiet_.quieten(list);
   QObject::connect(list, QOverload<int>::of(&QComboBox::activated), this,
                    [this, list, row] { keys_->item(row, 1)->setText(list->currentText()); });
   keys_->setCellWidget(row, 1, list);
-}
-
-// The wheel goes on over a closed list and does not change it.
-bool ChosenPanel::eventFilter(QObject* list, QEvent* event) {
-  if (event->type() != QEvent::Wheel) return QWidget::eventFilter(list, event);
-  event->ignore();
-  return true;
 }
 
 void ChosenPanel::fill_words() {
@@ -223,9 +219,9 @@ void ChosenPanel::fill_stress() {
   if (item_.kind == Kind::Line || item_.kind == Kind::Join) {
     const std::string now = support_of(SceneText(view_->text), name);
     const auto support = [&](const char* what, const char* kind) {
-      if (now != kind)
-        add_button(
-            what, [this, name, kind] { return support_edits(SceneText(view_->text), name, kind); });
+      add_button(what,
+                 [this, name, kind] { return support_edits(SceneText(view_->text), name, kind); });
+      button(what)->setEnabled(now != kind);  // all stay in their places
     };
     support(kClamp, "clamped");
     support(kPin, "pinned");

@@ -9,6 +9,7 @@
 #include "batten/apps/commands/documents/document_view.h"
 #include "batten/apps/commands/documents/stress_edits.h"
 #include "batten/apps/studio/window/model_tree.h"
+#include "batten/apps/studio/window/quiet_input.h"
 
 class QLabel;
 class QPushButton;
@@ -35,9 +36,6 @@ class ChosenPanel : public QWidget {
   /// The support or load of [stress] that is chosen.
   std::optional<StressPart> chosen_stress() const;
 
- protected:
-  bool eventFilter(QObject* list, QEvent* event) override;
-
  private:
   void state(int row);
   void fill_table();
@@ -56,6 +54,7 @@ class ChosenPanel : public QWidget {
   QLabel* words_;
   QWidget* buttons_;
   QTableWidget* keys_;
+  QuietInput quiet_;
   bool filling_ = false;
 };
 

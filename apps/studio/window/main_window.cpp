@@ -66,7 +66,11 @@ MainWindow::~MainWindow() {
 void MainWindow::make_panels() {
   const auto post = [this](DocumentCommand command) { this->post(std::move(command)); };
   view_ = new ShapeView(this,
-                        {post,
+                        {[this](DocumentCommand command) {
+                           if (command.verb == Verb::Slide)
+                             sliders_->follow(command.key, command.value);
+                           this->post(std::move(command));
+                         },
                          [this](const Vec3& near, std::function<void(const DocumentPlace&)> found) {
                            worker_->ask_place(near, std::move(found));
                          },
@@ -75,6 +79,8 @@ void MainWindow::make_panels() {
                              tree_->choose_line(line);
                            else if (!region.empty())
                              tree_->choose_region(region);
+                           else
+                             tree_->choose_nothing();
                          },
                          [this](const QString& hint) { statusBar()->showMessage(hint); }});
   setCentralWidget(view_);
@@ -230,6 +236,13 @@ void MainWindow::take_news() {
     statusBar()->showMessage(
         text(what).arg(done.file.empty() ? shown(shown_->title) : shown(done.file.string())));
   }
+  // What was said of earlier steps is grey when another one is done.
+  if (news.view && news.view->text != shown_->text)
+    for (int i = 0; i < messages_->count(); ++i)
+      if (messages_->item(i) != problem_) {
+        messages_->item(i)->setIcon({});
+        messages_->item(i)->setForeground(palette().brush(QPalette::Disabled, QPalette::Text));
+      }
   for (const auto& message : news.messages) {
     auto* item = new QListWidgetItem(shown(message.text), messages_);
     item->setToolTip(QString::fromStdString(message.command));

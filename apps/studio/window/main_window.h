@@ -13,6 +13,7 @@
 #include "batten/apps/studio/view/shape_view.h"
 #include "batten/apps/studio/window/chosen_panel.h"
 #include "batten/apps/studio/window/model_tree.h"
+#include "batten/apps/studio/window/quiet_input.h"
 #include "batten/apps/studio/window/slider_panel.h"
 #include "batten/apps/studio/window/timeline_panel.h"
 #include "batten/apps/studio/window/tour.h"
@@ -116,6 +117,7 @@ class MainWindow : public QMainWindow {
   QAction *plane_bar_ = nullptr, *paint_bar_ = nullptr, *modes_bar_ = nullptr;  // their places
   QAction* motion_ = nullptr;
   QPointer<Tour> tour_;
+  QuietInput quiet_;
   QElapsedTimer stress_shown_;
   bool busy_ = false;
   bool touring_ = false;  // the open scene is the tour's door

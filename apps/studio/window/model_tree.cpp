@@ -35,6 +35,8 @@ bool is_of_mesh(const std::string& kind) {
          std::end(kinds);
 }
 
+constexpr int kWidth = 280;  // also for two buttons beside each other below
+
 QString degrees(double value) { return QString::number(value, 'g', 2) + "°"; }
 
 }  // namespace
@@ -45,7 +47,7 @@ ModelTree::ModelTree(QWidget* parent, std::function<void(const Item&)> chosen)
   setHeaderHidden(true);
   setUniformRowHeights(true);
   header()->setSectionResizeMode(0, QHeaderView::ResizeToContents);
-  setMinimumWidth(250);
+  setMinimumWidth(kWidth);
   QObject::connect(this, &QTreeWidget::currentItemChanged, this, [this](QTreeWidgetItem* item) {
     if (!filling_ && item) chosen_(current());
   });
@@ -237,6 +239,11 @@ void ModelTree::choose_region(const std::string& region) {
   if (current().name != region) choose(Item::Kind::Part, region);
   if (current().name != region) choose(Item::Kind::Table, region);
   if (current().name == before.name && current().kind == before.kind) chosen_(current());
+}
+
+void ModelTree::choose_nothing() {
+  setCurrentItem(nullptr);
+  chosen_({});
 }
 
 ModelTree::Item ModelTree::current() const {

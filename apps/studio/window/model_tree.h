@@ -27,6 +27,7 @@ class ModelTree : public QTreeWidget {
   void take(const DocumentView& view);
   void choose_line(const std::string& line);
   void choose_region(const std::string& region);  ///< or a part of a mesh, or a table
+  void choose_nothing();
   Item current() const;
 
  private:

@@ -14,7 +14,7 @@ namespace batten::studio {
 namespace {
 
 using Verb = DocumentCommand::Verb;
-constexpr int kSteps = 2000;
+constexpr int kSteps = 2000, kNumberWidth = 124;
 
 bool same_rows(const DocumentView::Slider& a, const DocumentView::Slider& b) {
   return a.name == b.name && a.unit == b.unit && a.min == b.min && a.max == b.max &&
@@ -54,6 +54,11 @@ void SliderPanel::take(const DocumentView& view) {
     if (!rows_[i].slider->isSliderDown()) show_value(rows_[i], view.sliders[i].value);
 }
 
+void SliderPanel::follow(const std::string& parameter, double value) {
+  for (Row& row : rows_)
+    if (row.of.name == parameter && !row.slider->isSliderDown()) show_value(row, value);
+}
+
 void SliderPanel::rebuild() {
   auto* content = new QWidget;
   auto* column = new QVBoxLayout(content);
@@ -79,8 +84,10 @@ void SliderPanel::add_row(size_t i) {
   number->setRange(std::max(rows_[i].of.min, -1e12), std::min(rows_[i].of.max, 1e12));
   number->setKeyboardTracking(false);
   number->setEnabled(!rows_[i].of.driven);
-  number->setMinimumWidth(100);
+  number->setFixedWidth(kNumberWidth);
+  quiet_.quieten(number);
   auto* slider = new QSlider(Qt::Horizontal);
+  jump_to_press(slider);
   slider->setRange(0, kSteps);
   slider->setEnabled(!rows_[i].of.driven);
   slider->setObjectName("slider " + label->text());

@@ -7,6 +7,7 @@
 
 #include "batten/apps/commands/documents/document_command.h"
 #include "batten/apps/commands/documents/document_view.h"
+#include "batten/apps/studio/window/quiet_input.h"
 
 class QDoubleSpinBox;
 class QFormLayout;
@@ -23,6 +24,8 @@ class SliderPanel : public QScrollArea {
   SliderPanel(QWidget* parent, std::function<void(DocumentCommand)> post);
 
   void take(const DocumentView& view);
+  /// Shows a value that something else moves in this moment; the next view has it, too.
+  void follow(const std::string& parameter, double value);
   QSlider* slider(const std::string& parameter) const;  ///< null: none of this name
   QDoubleSpinBox* number(const std::string& parameter) const;
 
@@ -39,6 +42,7 @@ class SliderPanel : public QScrollArea {
   void span(Row& row, double value);
   std::function<void(DocumentCommand)> post_;
   std::vector<Row> rows_;
+  QuietInput quiet_;
   double size_ = 0;
   bool mesh_ = false;  // of the surface
   bool showing_ = false;

@@ -71,6 +71,7 @@ void MainWindow::make_tools() {
                    [this](int index) { choose_shading(static_cast<Shading>(index)); });
   bar->addWidget(shading_);
   modes_ = new QComboBox;
+  for (QComboBox* list : {plane_, paint_, shading_, modes_}) quiet_.quieten(list);
   modes_->setMinimumContentsLength(kModeLetters);
   QObject::connect(modes_, QOverload<int>::of(&QComboBox::currentIndexChanged), this,
                    [this](int mode) { choose_mode(mode); });
