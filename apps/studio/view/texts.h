@@ -238,6 +238,8 @@ inline constexpr const char* kNoSliders = QT_TRANSLATE_NOOP(
     "studio", "Loads, weights and moves have a slider each. Push the surface to make one.");
 inline constexpr const char* kNoSlidersOfMesh = QT_TRANSLATE_NOOP(
     "studio", "The moves of handles have a slider each. Choose a part and make it a handle.");
+inline constexpr const char* kNoSlidersOfSequence = QT_TRANSLATE_NOOP(
+    "studio", "Drag the arrows of a handle: the frame that is shown becomes a keyframe.");
 inline constexpr const char* kUnsaved =
     QT_TRANSLATE_NOOP("studio", "%1 has changes that are not saved.");
 inline constexpr const char* kRecover = QT_TRANSLATE_NOOP(

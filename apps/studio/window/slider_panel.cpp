@@ -43,8 +43,11 @@ void SliderPanel::take(const DocumentView& view) {
   const bool same = view.sliders.size() == rows_.size() &&
                     std::equal(rows_.begin(), rows_.end(), view.sliders.begin(),
                                [](const Row& row, const auto& s) { return same_rows(row.of, s); });
-  if (!same || mesh_ != (view.mesh != nullptr)) {
-    mesh_ = view.mesh != nullptr;
+  const char* const none = view.timeline ? kNoSlidersOfSequence
+                           : view.mesh   ? kNoSlidersOfMesh
+                                         : kNoSliders;
+  if (!same || none_ != none) {
+    none_ = none;
     rows_.clear();
     size_ = view.size;
     for (const auto& slider : view.sliders) rows_.push_back({slider});
@@ -64,7 +67,7 @@ void SliderPanel::rebuild() {
   auto* column = new QVBoxLayout(content);
   column->setSpacing(4);
   if (rows_.empty()) {
-    auto* none = new QLabel(text(mesh_ ? kNoSlidersOfMesh : kNoSliders));
+    auto* none = new QLabel(text(none_ ? none_ : kNoSliders));
     none->setWordWrap(true);
     column->addWidget(none);
   }

@@ -43,8 +43,8 @@ class SliderPanel : public QScrollArea {
   std::function<void(DocumentCommand)> post_;
   std::vector<Row> rows_;
   QuietInput quiet_;
-  double size_ = 0;
-  bool mesh_ = false;  // of the surface
+  double size_ = 0;             // of the surface
+  const char* none_ = nullptr;  // what is said where there are no sliders
   bool showing_ = false;
 };
 
