@@ -298,10 +298,7 @@ TEST_CASE(
 TEST_CASE("the surface follows a point of a line while it is dragged", "[studio]") {
   WindowCase hand;
   MainWindow& window = *hand.window;
-  const std::vector<Vec3> corners = {{0, 0, 0}, {200, 0, 0}, {200, 120, 0}, {0, 120, 0}};
-  for (size_t i = 0; i < 4; ++i)
-    window.post(line_command("side " + std::to_string(i + 1), {corners[i], corners[(i + 1) % 4]}));
-  REQUIRE(window.wait());
+  const std::vector<Vec3> corners = hand.draw_sides();
   hand.act(kTop);
   hand.act(kFit);
   const std::string before = hand.document().text;
@@ -322,6 +319,17 @@ TEST_CASE("the surface follows a point of a line while it is dragged", "[studio]
   CHECK(stated_points(SceneText(hand.document().text), "side 2")[0] == moved[1]);
   hand.act(kUndo);
   CHECK(hand.document().text == before);
+  // A hand that lets go before the surface has followed: the next drag is followed again.
+  QTest::mousePress(&hand.view(), Qt::LeftButton, {}, at);
+  hand.move(at + QPoint(6, -6));
+  QTest::mouseRelease(&hand.view(), Qt::LeftButton, {}, at + QPoint(6, -6));
+  REQUIRE(window.wait());
+  QTest::mousePress(&hand.view(), Qt::LeftButton, {}, at + QPoint(6, -6));
+  hand.move(at + QPoint(60, -6));
+  REQUIRE(window.wait());
+  CHECK(hand.view().actors().box()[1].x() > 220);
+  QTest::mouseRelease(&hand.view(), Qt::LeftButton, {}, at + QPoint(60, -6));
+  REQUIRE(window.wait());
   CHECK(window.messages().isEmpty());
 }
 

@@ -236,10 +236,7 @@ TEST_CASE("the tour of the door goes on as its steps are done", "[studio]") {
 TEST_CASE("tangents of a line are pulled, and the surface follows", "[studio]") {
   WindowCase hand;
   MainWindow& window = *hand.window;
-  const std::vector<Vec3> corners = {{0, 0, 0}, {200, 0, 0}, {200, 120, 0}, {0, 120, 0}};
-  for (size_t i = 0; i < 4; ++i)
-    window.post(line_command("side " + std::to_string(i + 1), {corners[i], corners[(i + 1) % 4]}));
-  REQUIRE(window.wait());
+  hand.draw_sides();
   hand.act(kCorner);
   window.tree().choose_line("side 1");
   hand.press(kTangents);

@@ -10,6 +10,7 @@
 
 #include <cstdlib>
 
+#include "batten/apps/commands/documents/line_edits.h"
 #include "batten/apps/studio/window/main_window.h"
 #include "batten/tests/catch.h"
 #include "batten/tests/reference.h"
@@ -56,6 +57,15 @@ class WindowCase {
   void open(const std::filesystem::path& file) {
     window->open(file);
     REQUIRE(window->wait(300));
+  }
+  /// Straight lines "side 1", "side 2", … from each corner to the next, round a rectangle on the ground.
+  std::vector<batten::Vec3> draw_sides() {
+    const std::vector<batten::Vec3> corners = {{0, 0, 0}, {200, 0, 0}, {200, 120, 0}, {0, 120, 0}};
+    for (size_t i = 0; i < 4; ++i)
+      window->post(batten::line_command("side " + std::to_string(i + 1),
+                                        {corners[i], corners[(i + 1) % 4]}));
+    REQUIRE(window->wait());
+    return corners;
   }
   /// Triggers a menu's or a tool's action by its text.
   void act(const char* what) {

@@ -30,6 +30,13 @@ std::vector<toml::table> list_of(const SceneText& scene, const std::string& key)
   return tables;
 }
 
+/// The same, each as words.
+std::vector<std::string> words_of_list(const SceneText& scene, const std::string& key) {
+  std::vector<std::string> items;
+  for (const toml::table& table : list_of(scene, key)) items.push_back(toml_words(table));
+  return items;
+}
+
 DocumentCommand list_edit(const std::string& key, const std::vector<std::string>& items) {
   return {.verb = Verb::Set, .table = kStress, .key = key, .text = SceneText::list(items)};
 }
@@ -37,10 +44,8 @@ DocumentCommand list_edit(const std::string& key, const std::vector<std::string>
 /// The tables of a list, with one of them replaced by words, or left out where there are none.
 std::vector<DocumentCommand> with_item(const SceneText& scene, const StressPart& part,
                                        const std::string& words) {
-  const std::vector<toml::table> tables = list_of(scene, part.list);
-  if (part.item >= static_cast<int>(tables.size())) return {};
-  std::vector<std::string> items;
-  for (const toml::table& one : tables) items.push_back(toml_words(one));
+  std::vector<std::string> items = words_of_list(scene, part.list);
+  if (part.item >= static_cast<int>(items.size())) return {};
   const auto item = items.begin() + part.item;
   if (words.empty())
     items.erase(item);
@@ -83,8 +88,7 @@ std::vector<DocumentCommand> support_edits(const SceneText& scene, const std::st
 std::vector<DocumentCommand> stress_load_edits(const SceneText& scene, const std::string& load) {
   const bool stated = scene.has(kStress) && !scene.value(kStress, "loads").empty();
   if (!scene.has(kStress) || (stated && !in_braces(scene, "loads"))) return {};
-  std::vector<std::string> items;
-  for (const toml::table& other : list_of(scene, "loads")) items.push_back(toml_words(other));
+  std::vector<std::string> items = words_of_list(scene, "loads");
   items.push_back(load);
   return {list_edit("loads", items)};
 }

@@ -112,6 +112,7 @@ void ShapeView::release_point() {
   fitted_ = true;
   if (now == point_before_ && !since_move_.isValid()) return;
   since_move_.invalidate();
+  awaits_move_ = false;
   hooks_.post(alone_ ? points_edit(stated_, line_points_, line_key_)
                      : move_command(point_before_, now));
   hooks_.post({.verb = DocumentCommand::Verb::Settle});
