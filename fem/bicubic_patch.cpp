@@ -165,12 +165,6 @@ SplineAxis uniform(double low, double high, int intervals, bool periodic) {
   return SplineAxis(std::move(knots), periodic);
 }
 
-double shortest_interval(const SplineAxis& axis) {
-  double length = axis.length(0);
-  for (int k = 1; k < axis.intervals(); ++k) length = std::min(length, axis.length(k));
-  return length;
-}
-
 /// Fits round by round, each on the knots that the errors of the one before ask for.
 class PatchSearch {
  public:
@@ -222,9 +216,9 @@ class PatchSearch {
   }
 
   void fit() {
-    const double spacing = std::min(shortest_interval(u_), shortest_interval(v_)) / 4;
-    const CellSamples fitted(target_, u_, v_, {0.125, 0.375, 0.625, 0.875}, spacing);
-    const CellSamples others(target_, u_, v_, {0, 0.5}, 0.7 * spacing);
+    constexpr double step = 0.25;  // along the rim
+    const CellSamples fitted(target_, u_, v_, {0.125, 0.375, 0.625, 0.875}, step);
+    const CellSamples others(target_, u_, v_, {0, 0.5}, 0.7 * step);
     patch_ = fit_to_samples(u_, v_, fitted, goal_);
     pass_through_fixed(patch_, target_);
 

@@ -1,5 +1,8 @@
 #include "batten/fem/domain_loops.h"
 
+#include <algorithm>
+#include <numeric>
+
 #include "batten/core/errors.h"
 #include "batten/core/plane.h"
 
@@ -44,22 +47,53 @@ DomainLoops::DomainLoops(std::vector<Loop> loops, Around around)
   for (size_t a = 0; a < arcs_.size(); ++a) {
     const PlanarCubic& arc = arcs_[a];
     const BernsteinCubic v{{arc.b[0].y(), arc.b[1].y(), arc.b[2].y(), arc.b[3].y()}};
+    // In short parts, few points lie in the box of one and need its cubic.
+    constexpr int cuts = 8;
+    std::vector<double> t{0};
     const auto parts = v.monotone_parts();
-    const Box2 box = box_around(arc.b);
+    for (size_t i = 0; i + 1 < parts.size(); ++i)
+      for (int k = 1; k <= cuts; ++k)
+        t.push_back(k == cuts ? parts[i + 1] : parts[i] + (parts[i + 1] - parts[i]) * k / cuts);
     double before = arc.b[0].y();
-    for (size_t i = 0; i + 1 < parts.size(); ++i) {
-      const double after = i + 2 == parts.size() ? arc.b[3].y() : v.at(parts[i + 1]);
+    for (size_t i = 0; i + 1 < t.size(); ++i) {
+      const double after = i + 2 == t.size() ? arc.b[3].y() : v.at(t[i + 1]);
+      const Box2 box = box_around(arc.part(t[i], t[i + 1]).b);
       if (before != after)
-        monotone_.push_back({static_cast<int>(a), parts[i], parts[i + 1], before, after,
-                             box.min().x(), box.max().x()});
+        monotone_.push_back(
+            {static_cast<int>(a), t[i], t[i + 1], before, after, box.min().x(), box.max().x()});
       before = after;
     }
   }
+  sort_into_bands();
+}
+
+void DomainLoops::sort_into_bands() {
+  bands_.assign(monotone_.size() + 2, 0);
+  const auto each = [&](const auto& visit) {
+    for (size_t k = 0; k < monotone_.size(); ++k) {
+      const auto [low, high] = std::minmax(monotone_[k].v0, monotone_[k].v1);
+      for (size_t b = band(low); b <= band(high); ++b) visit(b, static_cast<int>(k));
+    }
+  };
+  each([&](size_t b, int) { ++bands_[b + 1]; });
+  std::partial_sum(bands_.begin(), bands_.end(), bands_.begin());
+  in_bands_.resize(bands_.back());
+  std::vector<size_t> next = bands_;
+  each([&](size_t b, int part) { in_bands_[next[b]++] = part; });
+}
+
+size_t DomainLoops::band(double v) const {
+  const auto count = static_cast<double>(bands_.size() - 1);
+  const double height = box_.max().y() - box_.min().y();
+  const double place = (v - box_.min().y()) / height * count;
+  return place > 0 ? static_cast<size_t>(std::min(place, count - 1)) : 0;
 }
 
 bool DomainLoops::contains(const Vec2& p) const {
   int winding = around_ == Around::Inside ? 1 : 0;
-  for (const Monotone& m : monotone_) {
+  const size_t band = this->band(p.y());
+  for (size_t k = bands_[band]; k < bands_[band + 1]; ++k) {
+    const Monotone& m = monotone_[static_cast<size_t>(in_bands_[k])];
     if ((m.v0 > p.y()) == (m.v1 > p.y()) || p.x() > m.u_high) continue;
     if (p.x() >= m.u_low) {
       const PlanarCubic& arc = arcs_[m.arc];

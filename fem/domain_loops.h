@@ -46,10 +46,15 @@ class DomainLoops {
     int arc;
     double t0, t1, v0, v1, u_low, u_high;
   };
+  void sort_into_bands();
+  size_t band(double v) const;  // never falls with v
   Around around_;
   std::vector<Loop> loops_;
   std::vector<PlanarCubic> arcs_;
   std::vector<Monotone> monotone_;
+  // The numbers of the parts that reach into each band of v: from bands_[i] to bands_[i + 1].
+  std::vector<int> in_bands_;
+  std::vector<size_t> bands_ = {0, 0};
   Box2 box_;
 };
 

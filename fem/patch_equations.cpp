@@ -106,10 +106,32 @@ class PatchEquations {
     b_.setZero();
   }
 
+  static constexpr double sample_weight = 1.0 / 16;
+
+  /// The first 16 samples of a cell that is full: products of four places each way.
+  void add_full_cell(const CellSamples::Sample* samples, int i, int j) {
+    Mat4 U = Mat4::Zero(), V = Mat4::Zero();
+    for (int k = 0; k < 4; ++k) {
+      const Vec4 Nu = u_.basis(i, samples[4 * k].s);
+      U += sample_weight * Nu * Nu.transpose();
+      Eigen::Matrix<double, 4, 3> along = Eigen::Matrix<double, 4, 3>::Zero();
+      for (int l = 0; l < 4; ++l) {
+        const Vec4 Nv = v_.basis(j, samples[l].t);
+        if (k == 0) V += Nv * Nv.transpose();
+        along += Nv * samples[4 * k + l].x.transpose();
+      }
+      for (int a = 0; a < 4; ++a) b_.middleRows<4>(4 * a) += sample_weight * Nu[a] * along;
+    }
+    for (int a = 0; a < 4; ++a)
+      for (int c = 0; c < 4; ++c) A_.block<4, 4>(4 * a, 4 * c) += U(a, c) * V;
+  }
+
   void add_samples(size_t cell, int i, int j) {
-    constexpr double sample_weight = 1.0 / 16;
     Eigen::Matrix<double, 16, 1> N;
-    for (const CellSamples::Sample& sample : samples_.of(cell)) {
+    const auto& all = samples_.of(cell);
+    if (samples_.full(cell)) add_full_cell(all.data(), i, j);
+    for (size_t k = samples_.full(cell) ? 16 : 0; k < all.size(); ++k) {
+      const CellSamples::Sample& sample = all[k];
       const Vec4 Nu = u_.basis(i, sample.s), Nv = v_.basis(j, sample.t);
       for (int a = 0; a < 4; ++a) N.segment<4>(4 * a) = Nu[a] * Nv;
       const double weight = sample_weight * sample.weight;
@@ -175,10 +197,47 @@ class PatchEquations {
   Eigen::Matrix<double, 16, 3> b_;
 };
 
+/// The cells in which places of the rim lie.
+class RimCells {
+ public:
+  struct Place {
+    size_t cell;
+    double s, t;  // in it
+    Vec2 size;    // of it
+  };
+  RimCells(const SplineAxis& u, const SplineAxis& v)
+      : u_(u), v_(v), shortest_(std::min(shortest_interval(u), shortest_interval(v))) {}
+
+  Place at(const Vec2& uv) const {
+    const double a = u_.wrapped(uv.x()), b = v_.wrapped(uv.y());
+    const int i = u_.interval(a), j = v_.interval(b);
+    return {static_cast<size_t>(i) * v_.intervals() + j,
+            (a - u_.knots()[i]) / u_.length(i),
+            (b - v_.knots()[j]) / v_.length(j),
+            {u_.length(i), v_.length(j)}};
+  }
+  /// A share of the shortest side of all cells. Faces meet along their rims: where cells are coarse, these
+  /// count more than what is inside. But not without end: where knots crowd, most of the work would
+  /// be the rim's.
+  Vec2 longest_step(const Vec2& uv, double share) const {
+    constexpr double most_crowded = 3;
+    return share * (at(uv).size / most_crowded).cwiseMax(shortest_);
+  }
+
+ private:
+  static double shortest_interval(const SplineAxis& axis) {
+    double length = axis.length(0);
+    for (int k = 1; k < axis.intervals(); ++k) length = std::min(length, axis.length(k));
+    return length;
+  }
+  const SplineAxis &u_, &v_;
+  double shortest_;
+};
+
 }  // namespace
 
 CellSamples::CellSamples(const PatchTarget& target, const SplineAxis& u, const SplineAxis& v,
-                         const std::vector<double>& places, double spacing)
+                         const std::vector<double>& places, double step)
     : cells_(static_cast<size_t>(u.intervals()) * v.intervals()),
       tangents_(cells_.size()),
       full_(cells_.size()) {
@@ -193,28 +252,9 @@ CellSamples::CellSamples(const PatchTarget& target, const SplineAxis& u, const S
       full_[cell] = cells_[cell].size() == places.size() * places.size();
     }
   });
-  add_rim(target, u, v, target.rim(spacing));
-  if (!target.tangents) return;
-  // What is moved to its fixed points afterwards turns: here the fit passes through them by itself.
-  constexpr double fixed_weight = 1e4;
-  for (const Vec2& uv : target.fixed) {
-    const double a = u.wrapped(uv.x()), b = v.wrapped(uv.y());
-    const int i = u.interval(a), j = v.interval(b);
-    cells_[static_cast<size_t>(i) * v.intervals() + j].push_back(
-        {(a - u.knots()[i]) / u.length(i), (b - v.knots()[j]) / v.length(j), target.position(uv),
-         fixed_weight});
-  }
-  for (const PatchTangent& tangent : target.tangents(spacing)) {
-    const double a = u.wrapped(tangent.uv.x()), b = v.wrapped(tangent.uv.y());
-    const int i = u.interval(a), j = v.interval(b);
-    tangents_[static_cast<size_t>(i) * v.intervals() + j].push_back(
-        {(a - u.knots()[i]) / u.length(i), (b - v.knots()[j]) / v.length(j),
-         u.length(i) * tangent.x_u, v.length(j) * tangent.x_v});
-  }
-}
-
-void CellSamples::add_rim(const PatchTarget& target, const SplineAxis& u, const SplineAxis& v,
-                          const std::vector<Vec2>& rim) {
+  const RimCells cells(u, v);
+  const PatchStep longest = [&](const Vec2& uv) { return cells.longest_step(uv, step); };
+  const std::vector<Vec2> rim = target.rim(longest);
   std::vector<Vec3> x(rim.size());
   const int parts = static_cast<int>(std::min<size_t>(rim.size(), 64));
   parallel_parts(parts, [&](int part) {
@@ -222,10 +262,20 @@ void CellSamples::add_rim(const PatchTarget& target, const SplineAxis& u, const 
     for (size_t k = from; k < to; ++k) x[k] = target.position(rim[k]);
   });
   for (size_t k = 0; k < rim.size(); ++k) {
-    const double a = u.wrapped(rim[k].x()), b = v.wrapped(rim[k].y());
-    const int i = u.interval(a), j = v.interval(b);
-    cells_[static_cast<size_t>(i) * v.intervals() + j].push_back(
-        {(a - u.knots()[i]) / u.length(i), (b - v.knots()[j]) / v.length(j), x[k]});
+    const RimCells::Place at = cells.at(rim[k]);
+    cells_[at.cell].push_back({at.s, at.t, x[k]});
+  }
+  if (!target.tangents) return;
+  // What is moved to its fixed points afterwards turns: here the fit passes through them by itself.
+  constexpr double fixed_weight = 1e4;
+  for (const Vec2& uv : target.fixed) {
+    const RimCells::Place at = cells.at(uv);
+    cells_[at.cell].push_back({at.s, at.t, target.position(uv), fixed_weight});
+  }
+  for (const PatchTangent& tangent : target.tangents(longest)) {
+    const RimCells::Place at = cells.at(tangent.uv);
+    tangents_[at.cell].push_back(
+        {at.s, at.t, at.size.x() * tangent.x_u, at.size.y() * tangent.x_v});
   }
 }
 

@@ -21,20 +21,20 @@ class CellSamples {
     Vec3 x_s, x_t;  // derivatives by s and t
   };
 
-  /// n×n in each cell, at the given places of [0, 1], points of the rim, and tangents at `spacing`.
+  /// n×n in each cell, at the given places of [0, 1], and places and tangents of the rim, nearer to each
+  /// other than `step`, of the shortest side of all cells or a third of their own cell's.
   CellSamples(const PatchTarget& target, const SplineAxis& u, const SplineAxis& v,
-              const std::vector<double>& places, double spacing);
+              const std::vector<double>& places, double step);
   const std::vector<Sample>& of(size_t cell) const { return cells_[cell]; }
   const std::vector<Tangent>& tangents(size_t cell) const { return tangents_[cell]; }
+  /// Whether all places of the cell are inside: its samples begin with these, by s, then by t.
+  bool full(size_t cell) const { return full_[cell] != 0; }
 
   /// Mean square of the second derivatives in units of the cells, by differences; of samples at
   /// four even places a quarter apart.
   double bending() const;
 
  private:
-  void add_rim(const PatchTarget& target, const SplineAxis& u, const SplineAxis& v,
-               const std::vector<Vec2>& rim);
-
   std::vector<std::vector<Sample>> cells_;
   std::vector<std::vector<Tangent>> tangents_;
   std::vector<char> full_;  // all places of the cell are inside

@@ -17,6 +17,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 #include <optional>
 
 #include "batten/core/box.h"
@@ -164,21 +165,22 @@ Box3 box_of(const TopTools_IndexedMapOfShape& edges) {
 }
 
 /// Narrower than a thousandth of its length: its area over its perimeter says so.
-bool is_sliver(const TopoDS_Face& face) {
-  GProp_GProps area, length;
-  BRepGProp::SurfaceProperties(face, area);
+bool is_sliver(const TopoDS_Face& face, double area) {
+  GProp_GProps length;
   BRepGProp::LinearProperties(face, length);
   const double half = length.Mass() / 2;
-  return half > 0 && std::abs(area.Mass()) < 1e-3 * half * half;
+  return half > 0 && std::abs(area) < 1e-3 * half * half;
 }
 
 std::vector<std::vector<Side>> sides_of(const TopTools_IndexedMapOfShape& edges,
                                         const TopoDS_Shape& shape, ContinuityReport& report) {
   std::vector<std::vector<Side>> sides(edges.Extent());
+  const std::vector<double> areas = face_areas(shape);
+  report.area = std::accumulate(areas.begin(), areas.end(), 0.0);
   for (TopExp_Explorer f(shape, TopAbs_FACE); f.More(); f.Next()) {
     const TopoDS_Face& face = TopoDS::Face(f.Current());
-    ++report.faces;
-    if (is_sliver(face)) report.slivers.push_back(report.faces);
+    if (is_sliver(face, areas[static_cast<size_t>(report.faces++)]))
+      report.slivers.push_back(report.faces);
     for (TopExp_Explorer e(face, TopAbs_EDGE); e.More(); e.Next()) {
       const TopoDS_Edge& edge = TopoDS::Edge(e.Current());
       double first, last;
@@ -191,6 +193,19 @@ std::vector<std::vector<Side>> sides_of(const TopTools_IndexedMapOfShape& edges,
 }
 
 }  // namespace
+
+std::vector<double> face_areas(const TopoDS_Shape& shape) {
+  std::vector<TopoDS_Face> faces;
+  for (TopExp_Explorer f(shape, TopAbs_FACE); f.More(); f.Next())
+    faces.push_back(TopoDS::Face(f.Current()));
+  std::vector<double> areas(faces.size());
+  parallel_parts(count_of(faces), [&](int k) {
+    GProp_GProps area;
+    BRepGProp::SurfaceProperties(faces[k], area);
+    areas[k] = area.Mass();
+  });
+  return areas;
+}
 
 ContinuityReport shape_continuity(const TopoDS_Shape& shape, double size,
                                   const ContinuityOptions& options) {
@@ -248,6 +263,7 @@ ContinuityReport measure_continuity(const std::filesystem::path& file, double mo
     report.solids = solids.Extent();
     const double unit = 1e-3 / model_unit_in_metres;  // a millimetre in model units
     report.size *= unit;
+    report.area *= unit * unit;
     for (auto& edge : report.inner) {
       edge.length *= unit;
       edge.gap *= unit;

@@ -46,6 +46,7 @@ struct ContinuityReport {
   int crowded = 0;                    ///< edges with three faces or more
   int unmeasured = 0;                 ///< edges without a direction or a curvature at some point
   double size = 0;                    ///< diagonal of the box around all edges
+  double area = 0;                    ///< of all faces
   std::vector<EdgeContinuity> inner;  ///< edges with two faces, in the file's order
   std::vector<int> slivers;           ///< faces narrower than a thousandth of their length
   std::vector<std::vector<Vec3>> rim_lines;  ///< points along the rims; ContinuityOptions::teeth

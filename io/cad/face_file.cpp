@@ -1,5 +1,7 @@
 #include "batten/io/cad/face_file.h"
 
+#include <BRep_Tool.hxx>
+#include <Geom_BSplineSurface.hxx>
 #include <TopExp_Explorer.hxx>
 #include <TopoDS.hxx>
 #include <TopoDS_Face.hxx>
@@ -14,6 +16,8 @@
 #include "batten/io/cad/continuity_shape.h"
 #include "batten/io/cad/face_measure.h"
 #include "batten/io/cad/face_samples.h"
+#include "batten/io/cad/occ_values.h"
+#include "batten/io/cad/step.h"
 #include "batten/io/cad/step_check.h"
 #include "batten/io/files/input_file.h"
 
@@ -52,26 +56,13 @@ void settle(FaceMaker& made, double tolerance) {
   }
 }
 
-/// The largest angle of the joins beside each face that miss theirs; 0: there is none.
-std::vector<double> missed_joins(const std::vector<FaceNormals>& normals,
-                                 const std::vector<StepJoin>& joins) {
-  std::vector<double> largest(normals.size(), 0.0);
-  for (const StepJoin& join : joins)
-    for (size_t k = 0; k < normals.size(); ++k)
-      if (!join.reached && std::any_of(normals[k].begin(), normals[k].end(),
-                                       [&](const auto& of) { return of.first.first == join.line; }))
-        largest[k] = std::max(largest[k], join.angle_deg);
-  return largest;
-}
-
 /// Finer fits of the faces beside joins whose angle is missed between the samples of both.
 void settle_joins(const FittedFaces& made, const StepPlan& plan, const StepFaceOptions& options) {
   constexpr int most_rounds = 3;
   for (int round = 0; round < most_rounds; ++round) {
     std::vector<FaceNormals> normals(made.size());
     parallel_parts(count_of(made), [&](int k) { normals[k] = normals_of_fit(*made[k], plan); });
-    const std::vector<double> missed =
-        missed_joins(normals, joins_between(normals, options.join_deg));
+    const std::vector<double> missed = angles_to_mend(normals, options.join_deg);
     std::vector<char> again(made.size());
     parallel_parts(count_of(made), [&](int k) {
       again[k] = missed[k] > 0 && made[k]->refine(0, missed[k]);
@@ -107,6 +98,40 @@ void find_joins(const FittedFaces& made, const StepPlan& plan, double tolerance)
          }});
   }
   find_tangent_joins(plan, sides, tolerance);
+}
+
+/// Whether a face of the file lies on the surface that was fitted to a region.
+bool lies_on(const TopoDS_Face& face, const FaceMaker& made) {
+  const auto surface = Handle(Geom_BSplineSurface)::DownCast(BRep_Tool::Surface(face));
+  if (surface.IsNull() || surface->NbUPoles() != made.poles_u() ||
+      surface->NbVPoles() != made.poles_v())
+    return false;
+  const SplineAxis &u = made.patch().u, &v = made.patch().v;
+  const Vec2 middle(u.knots()[u.knots().size() / 2], v.knots()[v.knots().size() / 2]);
+  constexpr double hair = 1e-6;
+  return (from_occ(surface->Value(middle.x(), middle.y())) - made.fitted_position(middle)).norm() <=
+         hair * made.size();
+}
+
+/// Where a region's face comes back as several or not at all: says which regions these are.
+void require_as_written(const std::vector<TopoDS_Face>& faces, const FittedFaces& made) {
+  if (faces.size() == made.size()) return;
+  std::vector<const SkinnedRegion*> other;
+  std::string names;
+  size_t next = 0;
+  for (const auto& maker : made) {
+    const size_t first = next;
+    while (next < faces.size() && lies_on(faces[next], *maker)) ++next;
+    if (next - first == 1) continue;
+    other.push_back(&maker->region());
+    names += (names.empty() ? " ('" : ", '") + maker->region().name + "'";
+  }
+  // From a face that is not known again on, none can be told.
+  if (next < faces.size()) other.clear();
+  throw UnwritableRegions("OpenCASCADE reads " + std::to_string(faces.size()) + " faces where " +
+                              std::to_string(made.size()) + " were written" +
+                              (other.empty() ? "" : names + ")"),
+                          other);
 }
 
 }  // namespace
@@ -181,7 +206,7 @@ void measure_patches(StepReport& report, const std::vector<TopoDS_Face>& faces,
     report.reached = report.reached && join.reached;
     report.max_join_deg = std::max(report.max_join_deg, join.angle_deg);
   }
-  const std::vector<double> missed = missed_joins(normals, report.joins);
+  const std::vector<double> missed = angles_to_mend(normals, options.join_deg);
   for (size_t k = 0; k < patches.size(); ++k) patches[k].join_deg = missed[k];
   for (const StepPatch& patch : patches) {
     report.reached = report.reached && patch.reached;
@@ -203,9 +228,7 @@ StepReport measured_faces(const std::filesystem::path& path, const FittedFaces& 
   std::vector<TopoDS_Face> faces;
   for (TopExp_Explorer it(shape, TopAbs_FACE); it.More(); it.Next())
     faces.push_back(TopoDS::Face(it.Current()));
-  if (faces.size() != made.size())
-    throw Error(path.string() + ": OpenCASCADE reads " + std::to_string(faces.size()) +
-                " faces where " + std::to_string(made.size()) + " were written");
+  require_as_written(faces, made);
   std::vector<int> region_of_face(faces.size());
   std::iota(region_of_face.begin(), region_of_face.end(), 0);
   StepReport report;
@@ -213,6 +236,7 @@ StepReport measured_faces(const std::filesystem::path& path, const FittedFaces& 
                   [&] { report = measured_shape(shape, region_of_face); });
   report.bytes = input_size(path);
   report.continuity = shape_continuity(shape, report.size);
+  report.area = report.continuity->area;
   report.max_deviation = 0;
   for (const StepPatch& patch : report.patches)
     report.max_deviation = std::max(*report.max_deviation, patch.deviation);

@@ -8,11 +8,19 @@
 namespace batten {
 namespace {
 
-/// Into how many pieces an arc is cut so that none is longer than the spacing.
-int pieces_of(const PlanarCubic& arc, double spacing) {
-  const double length =
-      (arc.b[1] - arc.b[0]).norm() + (arc.b[2] - arc.b[1]).norm() + (arc.b[3] - arc.b[2]).norm();
-  return 1 + static_cast<int>(length / spacing);
+/// Parameters of an arc, each in the middle of a step that is no longer than allowed where it begins.
+std::vector<double> places_along(const PlanarCubic& arc, const PatchStep& longest) {
+  Vec2 fastest = Vec2::Zero();  // |dc/dt| is nowhere larger
+  for (const size_t k : {0, 1, 2})
+    fastest = fastest.cwiseMax(3 * (arc.b[k + 1] - arc.b[k]).cwiseAbs());
+  std::vector<double> places;
+  for (double t = 0; t < 1;) {
+    const double steps = fastest.cwiseQuotient(longest(arc.at(t))).maxCoeff();
+    const double next = std::min(t + 1 / steps, 1.0);
+    places.push_back((t + next) / 2);
+    t = next;
+  }
+  return places;
 }
 
 }  // namespace
@@ -23,18 +31,24 @@ bool FaceMaker::refine(double deviation, double angle_deg) {
   constexpr int most_failures = 2;
   const bool askew = angle_deg > options_.join_deg && goal_.angle_deg < options_.join_deg &&
                      failed_angles_ < most_failures;
-  if (far) goal_.deviation *= 0.9 * options_.tolerance / deviation;
-  if (askew) goal_.angle_deg *= 0.9 * options_.join_deg / angle_deg;
   if (!far && !askew) return false;
   const PatchFit before = fit_;
-  constexpr int most_steps = 6;
-  long poles = 0;
+  // What is missed lies between the samples of the fit: its own measures are to fall in proportion.
+  if (far)
+    goal_.deviation =
+        std::min(goal_.deviation, 0.9 * options_.tolerance / deviation * before.deviation);
+  if (askew)
+    goal_.angle_deg =
+        std::min(goal_.angle_deg, 0.9 * options_.join_deg / angle_deg * before.angle_deg);
+  constexpr int most_steps = 3;
   for (int i = 0; i < most_steps; ++i) {
+    const double asked = goal_.angle_deg;
     fit(&before.patch);
-    if (!fit_.reached || fit_.patch.poles.rows() == poles) break;
-    poles = fit_.patch.poles.rows();
-    if (poles > before.patch.poles.rows()) return true;
-    // What is missed by a hair lies where the fit has no samples.
+    if (!fit_.reached) break;
+    const bool nearer = (!far || fit_.deviation < before.deviation) &&
+                        (!askew || fit_.angle_deg < before.angle_deg);
+    if (nearer && fit_.patch.poles.rows() > before.patch.poles.rows()) return true;
+    if (goal_.angle_deg > asked) break;  // out of reach
     if (far) goal_.deviation *= 0.8;
     if (askew) goal_.angle_deg *= 0.8;
   }
@@ -43,21 +57,20 @@ bool FaceMaker::refine(double deviation, double angle_deg) {
   return false;
 }
 
-std::vector<PatchTangent> FaceMaker::tangents(double spacing) const {
+std::vector<PatchTangent> FaceMaker::tangents(const PatchStep& longest) const {
   std::vector<PatchTangent> found;
   for (const FaceLoop& loop : boundary_.loops)
     for (const FaceStretch& stretch : loop) {
       if (stretch.turns.empty()) continue;
       const auto arcs = planar_arcs(stretch.image);
       for (size_t k = 0; k < arcs.size(); ++k) {
-        const int n = pieces_of(arcs[k], spacing);
-        for (int i = 0; i < n; ++i) {
-          const double t = stretch.image.parameters()[k] +
-                           (i + 0.5) / n * stretch.image.mesh().length(static_cast<int>(k));
+        for (const double s : places_along(arcs[k], longest)) {
+          const double t =
+              stretch.image.parameters()[k] + s * stretch.image.mesh().length(static_cast<int>(k));
           const auto turn = stretch.turn(t);
           if (!turn) continue;
-          const Vec2 uv = arcs[k].at((i + 0.5) / n);
-          const SurfaceJet jet = near_origin_.jet(locator_.locate(uv));
+          const Vec2 uv = arcs[k].at(s);
+          const SurfaceJet jet = near_origin_.surface().jet(near_origin_.locate(uv));
           // Where the surface comes to a point its planes turn without end.
           if (!(jet.area_vector().norm() > 1e-3 * jet.x_u.norm() * jet.x_v.norm())) continue;
           const Vec3 n_both = (jet.normal() + *turn).normalized();
@@ -72,14 +85,13 @@ std::vector<PatchTangent> FaceMaker::tangents(double spacing) const {
 PatchTarget FaceMaker::target() const {
   PatchTarget target;
   target.inside = [&](const Vec2& uv) { return boundary_.contains(uv); };
-  target.position = [&](const Vec2& uv) { return near_origin_.position(locator_.locate(uv)); };
-  target.rim = [&](double spacing) {
+  target.position = [&](const Vec2& uv) { return near_origin_.position(uv); };
+  target.rim = [&](const PatchStep& longest) {
     std::vector<Vec2> points;
     for (const FaceLoop& loop : boundary_.loops)
       for (const FaceStretch& stretch : loop)
         for (const PlanarCubic& arc : planar_arcs(stretch.image)) {
-          const int n = pieces_of(arc, spacing);
-          for (int k = 0; k < n; ++k) points.push_back(arc.at((k + 0.5) / n));
+          for (const double s : places_along(arc, longest)) points.push_back(arc.at(s));
           points.push_back(arc.b[3]);
         }
     return points;
@@ -117,7 +129,7 @@ void FaceMaker::fit(const BicubicPatch* start) {
     for_angle.in_all =
         std::min(limits.in_all, std::max({fewest, a_triangle * triangles,
                                           start ? static_cast<int>(2 * start->poles.rows()) : 0}));
-    target.tangents = [&](double spacing) { return tangents(spacing); };
+    target.tangents = [&](const PatchStep& longest) { return tangents(longest); };
     fit_ = fit_bicubic_patch(target, goal_, for_angle, start);
     if (!fit_.reached && fit_.deviation > goal_.deviation) {
       // The deviation alone tells which knots it needs: from these on the angle may be within reach.
@@ -132,6 +144,7 @@ void FaceMaker::fit(const BicubicPatch* start) {
       return;
     }
     target.tangents = nullptr;
+    goal_.angle_deg = PatchGoal{}.angle_deg;
   }
   fit_ = fit_bicubic_patch(target, {goal_.deviation}, limits, start);
 }

@@ -145,8 +145,7 @@ FaceMaker::FaceMaker(const SkinnedRegion& region, const StepFaceOptions& options
       options_(options),
       boundary_(region, common),
       middle_(middle(boundary_)),
-      near_origin_(moved_by(region.surface, -middle_)),
-      locator_(region.surface.mesh()) {
+      near_origin_(moved_by(region.surface, -middle_)) {
   for (const FaceLoop& loop : boundary_.loops)
     for (const FaceStretch& stretch : loop) box_.extend(box_of(stretch.curve));
   size_ = box_.diagonal().norm();
@@ -154,12 +153,10 @@ FaceMaker::FaceMaker(const SkinnedRegion& region, const StepFaceOptions& options
   goal_ = {0.9 * options.tolerance, 0.4 * options.join_deg};
 }
 
-Vec3 FaceMaker::position(const Vec2& uv) const {
-  return near_origin_.position(locator_.locate(uv)) + middle_;
-}
+Vec3 FaceMaker::position(const Vec2& uv) const { return near_origin_.position(uv) + middle_; }
 
 Vec3 FaceMaker::normal(const Vec2& uv) const {
-  return near_origin_.jet(locator_.locate(uv)).normal();
+  return near_origin_.surface().jet(near_origin_.locate(uv)).normal();
 }
 
 Vec3 FaceMaker::fitted_position(const Vec2& uv) const { return fit_.patch.position(uv) + middle_; }

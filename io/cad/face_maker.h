@@ -16,7 +16,7 @@
 
 #include "batten/core/box.h"
 #include "batten/fem/bicubic_patch.h"
-#include "batten/fem/triangle_locator.h"
+#include "batten/fem/surface_points.h"
 #include "batten/io/cad/cad_parts.h"
 #include "batten/io/cad/face_boundary.h"
 #include "batten/io/cad/step_face_options.h"
@@ -92,7 +92,7 @@ class FaceMaker {
 
  private:
   PatchTarget target() const;
-  std::vector<PatchTangent> tangents(double spacing) const;
+  std::vector<PatchTangent> tangents(const PatchStep& longest) const;
   void fit(const BicubicPatch* start);
   double widened(double distance);
   TopoDS_Vertex vertex(const FaceStretch& before, const FaceStretch& after);
@@ -107,8 +107,7 @@ class FaceMaker {
   const StepFaceOptions& options_;
   FaceBoundary boundary_;
   Vec3 middle_;
-  Surface near_origin_;
-  TriangleLocator locator_;
+  SurfacePoints near_origin_;
   Box3 box_;
   double size_ = 0, widest_ = 0;
   PatchGoal goal_;

@@ -173,6 +173,45 @@ Vec3 normal_of_file(const FileEdge& edge, const Geom_BSplineSurface& surface, do
   return flat ? Vec3(across.X(), across.Y(), across.Z()) : Vec3(Vec3::Zero());
 }
 
+/// Angles at a place of a join, degrees.
+struct JoinAngles {
+  double of_faces, of_surfaces;
+  /// Faces near to surfaces that meet by more can do no better.
+  bool missed(double join_deg) const { return of_faces > join_deg && of_surfaces <= join_deg; }
+};
+
+/// The faces beside a piece of a line, by their numbers.
+struct JoinSides {
+  std::array<size_t, 2> faces{};
+  std::array<const JoinNormals*, 2> normals{};  // null: that side is no fitted face
+
+  /// None where a side has no normal.
+  std::optional<JoinAngles> angles(size_t k) const {
+    const auto& [one, other] = normals;
+    const Vec3& n = other ? other->of_face[k] : one->wanted[k];
+    if (one->of_face[k].isZero() || n.isZero()) return std::nullopt;
+    return JoinAngles{angle_between_planes(one->of_face[k], n),
+                      other ? angle_between_planes(one->of_surface[k], other->of_surface[k]) : 0.0};
+  }
+  /// How far a side's face is from the common normal, degrees; 0: it is no fitted face.
+  double from_wanted(size_t side, size_t k) const {
+    const JoinNormals* normals = this->normals[side];
+    return normals ? angle_between_planes(normals->of_face[k], normals->wanted[k]) : 0;
+  }
+};
+
+std::map<LinePiece, JoinSides> sides_of(const std::vector<FaceNormals>& faces) {
+  std::map<LinePiece, JoinSides> sides;
+  for (size_t face = 0; face < faces.size(); ++face)
+    for (const auto& [piece, normals] : faces[face]) {
+      JoinSides& beside = sides[piece];
+      const size_t side = beside.normals[0] ? 1 : 0;
+      beside.faces[side] = face;
+      beside.normals[side] = &normals;
+    }
+  return sides;
+}
+
 }  // namespace
 
 FaceNormals measure_face(const TopoDS_Face& face, const FaceMaker& made, const StepPlan& plan,
@@ -233,25 +272,19 @@ FaceNormals normals_of_fit(const FaceMaker& made, const StepPlan& plan) {
 }
 
 std::vector<StepJoin> joins_between(const std::vector<FaceNormals>& faces, double join_deg) {
-  std::map<LinePiece, std::vector<const JoinNormals*>> sides;
-  for (const FaceNormals& face : faces)
-    for (const auto& [piece, normals] : face) sides[piece].push_back(&normals);
   std::map<std::string, StepJoin> joins;
-  for (const auto& [piece, beside] : sides) {
-    const JoinNormals& one = *beside[0];
-    StepJoin join{piece.first, {one.region, beside.size() > 1 ? beside[1]->region : ""}};
+  for (const auto& [piece, beside] : sides_of(faces)) {
+    const JoinNormals& one = *beside.normals[0];
+    StepJoin join{piece.first, {one.region, beside.normals[1] ? beside.normals[1]->region : ""}};
     join.reached = true;
     bool tangent = false;
     for (size_t k = 0; k < one.of_face.size(); ++k) {
-      const Vec3& other = beside.size() > 1 ? beside[1]->of_face[k] : one.wanted[k];
-      if (one.of_face[k].isZero() || other.isZero()) continue;
+      const auto angles = beside.angles(k);
+      if (!angles) continue;
       tangent = true;
-      const double angle = angle_between_planes(one.of_face[k], other);
-      const double own =
-          beside.size() > 1 ? angle_between_planes(one.of_surface[k], beside[1]->of_surface[k]) : 0;
-      join.angle_deg = std::max(join.angle_deg, angle);
-      join.surface_deg = std::max(join.surface_deg, own);
-      join.reached = join.reached && (angle <= join_deg || own > join_deg);
+      join.angle_deg = std::max(join.angle_deg, angles->of_faces);
+      join.surface_deg = std::max(join.surface_deg, angles->of_surfaces);
+      join.reached = join.reached && !angles->missed(join_deg);
     }
     if (!tangent) continue;
     StepJoin& all = joins.emplace(piece.first, join).first->second;
@@ -262,6 +295,24 @@ std::vector<StepJoin> joins_between(const std::vector<FaceNormals>& faces, doubl
   std::vector<StepJoin> found;
   for (auto& [line, join] : joins) found.push_back(join);
   return found;
+}
+
+std::vector<double> angles_to_mend(const std::vector<FaceNormals>& faces, double join_deg) {
+  std::vector<double> largest(faces.size(), 0.0);
+  for (const auto& [piece, beside] : sides_of(faces))
+    for (size_t k = 0; k < beside.normals[0]->of_face.size(); ++k) {
+      const auto angles = beside.angles(k);
+      if (!angles || !angles->missed(join_deg)) continue;
+      for (const size_t side : {0, 1}) {
+        if (!beside.normals[side]) continue;
+        const double other = beside.from_wanted(1 - side, k);
+        // As if the other side missed as much.
+        const double mine = other > join_deg ? 2 * beside.from_wanted(side, k) : angles->of_faces;
+        double& most = largest[beside.faces[side]];
+        if (mine > join_deg) most = std::max(most, mine);
+      }
+    }
+  return largest;
 }
 
 }  // namespace batten

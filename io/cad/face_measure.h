@@ -33,4 +33,9 @@ FaceNormals normals_of_fit(const FaceMaker& made, const StepPlan& plan);
 /// that from the normals that were wanted.
 std::vector<StepJoin> joins_between(const std::vector<FaceNormals>& faces, double join_deg);
 
+/// The largest angle across the joins of each face that miss `join_deg`, degrees, as far as a better face
+/// could mend it: what the other face alone is off by, farther than that from the wanted normal, does
+/// not count. 0: nothing is missed.
+std::vector<double> angles_to_mend(const std::vector<FaceNormals>& faces, double join_deg);
+
 }  // namespace batten

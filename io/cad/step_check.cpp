@@ -274,9 +274,6 @@ StepReport measured_shape(const TopoDS_Shape& shape, const std::vector<int>& reg
     report.max_tolerance =
         std::max(report.max_tolerance, BRep_Tool::Tolerance(TopoDS::Vertex(it.Current())));
   measure_shells(shape, report);
-  GProp_GProps properties;
-  BRepGProp::SurfaceProperties(shape, properties);
-  report.area = properties.Mass();
   report.valid = BRepCheck_Analyzer(shape).IsValid();
   return report;
 }
@@ -294,6 +291,9 @@ StepReport measured_file(const std::filesystem::path& path,
   if (!regions.empty()) {
     report.max_deviation = deviation(shape, regions, expected, report.size);
     report.continuity = shape_continuity(shape, report.size);
+    report.area = report.continuity->area;
+  } else {
+    for (const double area : face_areas(shape)) report.area += area;
   }
   fitted.clear();
   size_t f = 0;

@@ -16,7 +16,8 @@ namespace batten {
 /// cannot be read or holds no shape.
 TopoDS_Shape read_step(const std::filesystem::path& path);
 
-/// Measures everything in StepReport but the file's name and size and what compares with regions.
+/// Measures everything in StepReport but the file's name and size, the area, and what compares with
+/// regions.
 /// `region_of_face`: the region of each face, in the file's order; faces beyond its end are one
 /// region.
 StepReport measured_shape(const TopoDS_Shape& shape, const std::vector<int>& region_of_face);

@@ -21,7 +21,8 @@ struct StepPatch {
   /// (u, v), so the nearest points are never farther apart.
   double deviation = 0;
   bool reached = false;  ///< whether deviation ≤ tolerance
-  double join_deg = 0;   ///< the largest angle_deg of its joins that miss theirs
+  double join_deg =
+      0;  ///< the largest angle of its joins that miss theirs where it could mend that
   /// Largest distance between the face and an edge or vertex of the file. Edges whose line no other
   /// region has lie on the face within what readers take for one point (1e-7 mm). Others are the
   /// lines themselves; they are off by line_gap and the fit.

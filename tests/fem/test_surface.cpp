@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "batten/core/errors.h"
+#include "batten/fem/surface_points.h"
 #include "batten/tests/catch.h"
 #include "batten/tests/embedded_grid.h"
 #include "batten/tests/sampling.h"
@@ -105,6 +106,23 @@ TEST_CASE("a jet is the derivative of positions, by central differences") {
       CHECK(((right.x_v - left.x_v) / (2 * step) - j.x_uv).norm() < 1e-6);
       CHECK(((up.x_v - down.x_v) / (2 * step) - j.x_vv).norm() < 1e-6);
     }
+  }
+}
+
+TEST_CASE("points of a surface by its Bezier ordinates are the surface's") {
+  for (const auto kind : {TriangleElement::HCT, TriangleElement::Z12}) {
+    const Surface surface = random_surface(4, kind, 7);
+    const SurfacePoints points(surface);
+    Draws random(8);
+    for (int i = 0; i < 200; ++i) {
+      const Location where = random.location(surface.mesh());
+      CHECK((points.position(where) - surface.position(where)).norm() < 1e-14);
+      const Vec2 uv(random.between(0, 1), random.between(0, 1));
+      CHECK((points.position(uv) - surface.position(points.locate(uv))).norm() < 1e-14);
+    }
+    for (const int i : {0, 1, 2})
+      CHECK((points.position(Location{3, Vec3::Unit(i)}) - surface.position({3, Vec3::Unit(i)}))
+                .norm() < 1e-14);
   }
 }
 

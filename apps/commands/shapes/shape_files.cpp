@@ -94,13 +94,15 @@ void compare_into(Report& report, const Scene& scene,
 using Regions = std::vector<const SkinnedRegion*>;
 
 /// Writes a file by `write`, which is given a list of the numbers of all regions. Where it refuses
-/// regions of a network, each is tried alone, on a copy of the report, and those that can be written
-/// are: report.missed says what is not there.
+/// regions of a network and does not say which, each is tried alone, on a copy of the report. Those that
+/// can be written are: report.missed says what is not there.
 template <class Write>
 void write_what_can_be(Report& report, const OutputFolder& out, const std::string& file,
                        const Regions& regions, bool of_network, const Write& write) {
   std::string why;
+  std::vector<const SkinnedRegion*> unwritable;
   const auto refused = [&](const std::vector<int>& some, Report& into) {
+    unwritable.clear();
     Report next = into;
     try {
       write(some, next);
@@ -111,26 +113,34 @@ void write_what_can_be(Report& report, const OutputFolder& out, const std::strin
     } catch (const Error& e) {
       if (!of_network) throw;
       why = e.what();
+      if (const auto* some = dynamic_cast<const UnwritableRegions*>(&e))
+        unwritable = some->regions();
       return true;
     }
     into = std::move(next);
     return false;
   };
-  std::vector<int> all(regions.size()), good;
-  std::iota(all.begin(), all.end(), 0);
-  if (refused(all, report)) {
-    for (const int r : all) {
+  std::vector<int> good(regions.size());
+  std::iota(good.begin(), good.end(), 0);
+  while (!good.empty() && refused(good, report)) {
+    const std::string of_all = why;
+    const auto told = unwritable;
+    std::vector<int> rest;
+    for (const int r : good) {
       Report trial = report;
-      if (!refused({r}, trial))
-        good.push_back(r);
+      if (told.empty() ? !refused({r}, trial)
+                       : std::count(told.begin(), told.end(), regions[r]) == 0)
+        rest.push_back(r);
       else
         report.missed.push_back({file, "is without region '" + regions[r]->name + "': " + why});
     }
-    if (good.empty() || refused(good, report)) {
-      report.missed.push_back({file, "is not written: " + why});
-      std::filesystem::remove(out.file(file));  // that of a trial
-      return;
-    }
+    if (rest.size() == good.size()) rest.clear();  // none of them is to blame alone
+    if (rest.empty()) report.missed.push_back({file, "is not written: " + of_all});
+    good = std::move(rest);
+  }
+  if (good.empty()) {
+    std::filesystem::remove(out.file(file));  // that of a trial
+    return;
   }
   report.files.push_back(file);
 }

@@ -336,9 +336,9 @@ TEST_CASE("A fitted patch of few poles is a bicubic surface exactly", "[step-fac
     return Vec3(p.x() + p.y() * p.y() * p.y(), p.y() - p.x() * p.x(),
                 p.x() * p.x() * p.x() * p.y());
   };
-  const auto rim = [](double spacing) {
+  const auto rim = [](const PatchStep& longest) {
     std::vector<Vec2> points;
-    for (double t = 0; t < 2 * pi; t += spacing)
+    for (double t = 0; t < 2 * pi; t += longest(points.back()).minCoeff())
       points.push_back(0.9 * Vec2(std::cos(t), std::sin(t)));
     return points;
   };
