@@ -71,7 +71,9 @@ struct JoinEnd {
   /// Angle between the tangent planes of both sides there, degrees; 0 where the lines leave one
   /// free.
   double apart_deg = 0;
-  bool open = false;  ///< (1) does not hold at this node: apart_deg is above the limit
+  /// (1) does not hold at this node: apart_deg is above the limit. On embedded lines also where that is
+  /// the angle which the edge beside the end keeps (refine_embedded_joins()).
+  bool open = false;
   /// y of a side is free there and no neighbour sets it: (1) holds with γ = 1, δ = 0.
   bool loose = false;
   /// A side of another region, and which of its ends (0: start, 1: end) is meant.

@@ -129,7 +129,12 @@ void ModelLayout::plan_joins(const Points& shape) {
   }
   const auto plans =
       batten::plan_joins(layouts(), of_regions(shape), join_lines, frame_.most_apart_deg);
-  for (size_t i = 0; i < plans.size(); ++i) join_plans_[index[i]] = plans[i];
+  for (size_t i = 0; i < plans.size(); ++i) {
+    const JoinPlan was = std::move(join_plans_[index[i]]);
+    join_plans_[index[i]] = plans[i];
+    for (size_t e = 0; e < 2; ++e)
+      if (!was.at.empty() && was.ends[e].open) join_plans_[index[i]].ends[e] = was.ends[e];
+  }
 }
 
 void ModelLayout::give_up_join(const std::string& line, const std::string& why) {

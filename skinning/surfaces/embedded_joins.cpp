@@ -1,6 +1,7 @@
 #include "batten/skinning/surfaces/embedded_joins.h"
 
 #include <algorithm>
+#include <array>
 #include <limits>
 #include <map>
 
@@ -45,18 +46,25 @@ Points carried_over(const ModelLayout& layout, const Points& dofs, const ModelLa
 
 namespace {
 
+struct ModelRegions {
+  std::vector<SkinnedRegion> regions;
+  std::vector<const SkinnedRegion*> pointers;
+
+  explicit ModelRegions(const JoinedModel& model) {
+    for (int r = 0; r < model.layout->region_count(); ++r)
+      regions.push_back(model.layout->skinned(r, model.dofs));
+    for (const SkinnedRegion& region : regions) pointers.push_back(&region);
+  }
+};
+
 // The angle at each join that a region carries embedded; 0 at all others.
 std::vector<double> angles(const JoinedModel& model) {
-  std::vector<SkinnedRegion> regions;
-  for (int r = 0; r < model.layout->region_count(); ++r)
-    regions.push_back(model.layout->skinned(r, model.dofs));
-  std::vector<const SkinnedRegion*> pointers;
-  for (const SkinnedRegion& region : regions) pointers.push_back(&region);
+  const ModelRegions regions(model);
   const auto& plans = model.layout->join_plans();
   std::vector<double> all(plans.size(), 0.0);
   parallel_parts(count_of(plans), [&](int j) {
     if (!plans[j].given_up() && !plans[j].at.empty())
-      all[j] = measure_join(pointers, plans[j].join_line).max_inside_deg;
+      all[j] = measure_join(regions.pointers, plans[j].join_line).max_inside_deg;
   });
   return all;
 }
@@ -72,10 +80,10 @@ class Refiner {
 
   JoinedModel refined(const Progress& progress) {
     constexpr int most_rounds = 3;
-    for (int round = 0; round < most_rounds && halve(); ++round)
-      progress.go_on();
+    for (int round = 0; round < most_rounds && halve(); ++round) progress.go_on();
     while (make_creases()) {
     }
+    open_ends();
     return std::move(model_);
   }
 
@@ -114,6 +122,45 @@ class Refiner {
   bool make_creases() {
     ModelLayout fewer = *model_.layout;
     return give_up(fewer, [](size_t) { return true; }) && solve(fewer, model_.dofs);
+  }
+
+  // Where only the edge beside an end of a line keeps an angle, that end is a crease.
+  void open_ends() {
+    std::vector<JoinPlan> plans = model_.layout->join_plans();
+    bool any = false;
+    const ModelRegions regions(model_);
+    for (size_t j = 0; j < plans.size(); ++j)
+      if (now_[j] > most_deg_) any = open_end(plans[j], now_[j], regions) || any;
+    if (any)
+      model_.layout = std::make_shared<const ModelLayout>(model_.layout->frame(),
+                                                          model_.layout->regions(), plans);
+  }
+
+  // Opens as few ends as leave less than the limit between them. Whether there are any.
+  bool open_end(JoinPlan& plan, double degrees, const ModelRegions& regions) const {
+    if (plan.closed) return false;
+    constexpr double most_open = 1.0 / 3;  // of the line
+    const auto& at = plan.at;
+    const std::array<double, 2> edge{at[1] - at[0], at.back() - at[at.size() - 2]};
+    for (const auto& more :
+         {std::array{false, false}, {true, false}, {false, true}, {true, true}}) {
+      std::array<bool, 2> open{};
+      double share = 0;
+      for (size_t e = 0; e < 2; ++e) {
+        open[e] = plan.ends[e].open || more[e];
+        if (open[e]) share += edge[e];
+      }
+      if (share > most_open ||
+          !(measure_join(regions.pointers, plan.join_line, open).max_inside_deg <= most_deg_))
+        continue;
+      for (size_t e = 0; e < 2; ++e)
+        if (open[e] && !plan.ends[e].open) {
+          plan.ends[e].open = true;
+          plan.ends[e].apart_deg = degrees;
+        }
+      return more[0] || more[1];
+    }
+    return false;
   }
 
   template <class Hopeless>

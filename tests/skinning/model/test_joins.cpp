@@ -266,6 +266,24 @@ TEST_CASE("regions that double back on each other are not joined") {
   CHECK_THAT(plans[0].why_not, Catch::Matchers::Contains("planes differ by 157"));
 }
 
+namespace {
+
+/// An arch over the shared line, on the wave.
+Vec3 bow(double t) {
+  const Vec2 q(t, 0.5 * std::sin(std::numbers::pi * t));
+  return Vec3(q.x(), q.y(), wave(q));
+}
+std::shared_ptr<const InputCurve> bow_on_wave() {
+  return curve_from_formula(0, 1, [](double t, int order) -> Vec3 {
+    constexpr double d = 1e-4;
+    if (order == 0) return bow(t);
+    if (order == 1) return (bow(t + d) - bow(t - d)) / (2 * d);
+    return (bow(t + d) - 2 * bow(t) + bow(t - d)) / (d * d);
+  });
+}
+
+}  // namespace
+
 TEST_CASE("a line that one region has embedded is smooth on averages") {
   std::vector<double> before, after;
   for (const double h : {0.2, 0.1, 0.05}) {
@@ -279,20 +297,7 @@ TEST_CASE("a line that one region has embedded is smooth on averages") {
     line("s", {0, -1}, {1, -1});
     line("e", {1, -1}, {1, 0});
     // With two corners only, a region has no polygon.
-    const auto bow = [](double t) {
-      const Vec2 q(t, 0.5 * std::sin(std::numbers::pi * t));
-      return Vec3(q.x(), q.y(), wave(q));
-    };
-    p.add(given_line("bow",
-                     curve_from_formula(0, 1,
-                                        [bow](double t, int order) -> Vec3 {
-                                          constexpr double d = 1e-4;
-                                          if (order == 0) return bow(t);
-                                          if (order == 1)
-                                            return (bow(t + d) - bow(t - d)) / (2 * d);
-                                          return (bow(t + d) - 2 * bow(t) + bow(t - d)) / (d * d);
-                                        }),
-                     2, h));
+    p.add(given_line("bow", bow_on_wave(), 2, h));
     // Along the shared line, and against it.
     p.region(h == 0.1 ? std::vector<std::string>{"bow", "shared"}
                       : std::vector<std::string>{"shared", "bow"});
@@ -312,6 +317,59 @@ TEST_CASE("a line that one region has embedded is smooth on averages") {
   CHECK(after[2] < 0.5 * after[0]);
 }
 
+namespace {
+
+/// Two regions beside a line: one of two corners, which has the line embedded, and a square.
+void add_bow_and_square(Patchwork& p, const std::shared_ptr<const InputCurve>& arch) {
+  const auto line = [&](const std::string& name, Vec2 a, Vec2 b) {
+    p.add(given_line(name, over(a, b, wave), 2, 0.2));
+  };
+  line("shared", {0, 0}, {1, 0});
+  line("w", {0, 0}, {0, -1});
+  line("s", {0, -1}, {1, -1});
+  line("e", {1, -1}, {1, 0});
+  p.add(given_line("bow", arch, 2, 0.2));
+  p.region({"shared", "bow"});
+  p.region({"w", "s", "e", "shared"});
+}
+
+}  // namespace
+
+TEST_CASE("an embedded line ends as a crease where the edge beside its end alone keeps an angle") {
+  Patchwork p;
+  p.options.edge_length = 0.2;
+  add_bow_and_square(p, bow_on_wave());
+  const ModelLayout coarse = p.model({p.join_line("shared", 0, 1)});
+  const SurfaceStiffness material;
+  const Points before = coarse.least_energy(material, natural_dofs(coarse));
+  int opened = 0;
+  for (const double limit : {0.3, 0.1, 0.03, 0.01, 0.003}) {
+    CAPTURE(limit);
+    const JoinedModel made = refine_embedded_joins(
+        {std::make_shared<const ModelLayout>(coarse), before}, material, limit);
+    const JoinPlan& plan = made.layout->join_plans()[0];
+    if (plan.given_up()) continue;
+    const SkinnedRegion a = made.layout->skinned(0, made.dofs),
+                        b = made.layout->skinned(1, made.dofs);
+    const auto angle = [&](bool start, bool end) {
+      return measure_join({&a, &b}, plan.join_line, {start, end}).max_inside_deg;
+    };
+    const bool start = plan.ends[0].open, end = plan.ends[1].open;
+    // No end too few, none too many.
+    CHECK((angle(start, end) <= limit || (!start && !end && angle(true, true) > limit)));
+    if (start) CHECK(angle(false, end) > limit);
+    if (end) CHECK(angle(start, false) > limit);
+    if (!start && !end) continue;
+    ++opened;
+    CHECK(std::max(plan.ends[0].apart_deg, plan.ends[1].apart_deg) >= angle(false, false));
+    ModelLayout again = *made.layout;
+    again.plan_joins(made.dofs);
+    CHECK(again.join_plans()[0].ends[0].open == start);
+    CHECK(again.join_plans()[0].ends[1].open == end);
+  }
+  CHECK(opened > 0);
+}
+
 TEST_CASE(
     "refining the joins of one group leaves the model at least energy, and others as they were") {
   Patchwork p;
@@ -319,18 +377,9 @@ TEST_CASE(
   const auto line = [&](const std::string& name, Vec2 a, Vec2 b) {
     p.add(given_line(name, over(a, b, wave), 2, 0.2));
   };
-  // One region has the shared line embedded; two more regions are joined along runs, far away.
-  line("shared", {0, 0}, {1, 0});
-  line("w", {0, 0}, {0, -1});
-  line("s", {0, -1}, {1, -1});
-  line("e", {1, -1}, {1, 0});
-  const auto bow = [](double t) {
-    const Vec2 q(t, 0.5 * std::sin(std::numbers::pi * t));
-    return Vec3(q.x(), q.y(), wave(q));
-  };
-  p.add(given_line(
-      "bow", curve_through_points("bow", {bow(0), bow(0.2), bow(0.4), bow(0.6), bow(0.8), bow(1)}),
-      2, 0.2));
+  add_bow_and_square(
+      p, curve_through_points("bow", {bow(0), bow(0.2), bow(0.4), bow(0.6), bow(0.8), bow(1)}));
+  // Two more regions are joined along runs, far away.
   line("middle", {4, 0}, {4, 1});
   line("s1", {3, 0}, {4, 0});
   line("n1", {3, 1}, {4, 1});
@@ -338,8 +387,6 @@ TEST_CASE(
   line("s2", {4, 0}, {5, 0});
   line("n2", {4, 1}, {5, 1});
   line("e2", {5, 0}, {5, 1});
-  p.region({"shared", "bow"});
-  p.region({"w", "s", "e", "shared"});
   p.region({"s1", "middle", "n1", "w1"});
   p.region({"s2", "e2", "n2", "middle"});
   const ModelLayout coarse = p.model({p.join_line("shared", 0, 1), p.join_line("middle", 2, 3)});
