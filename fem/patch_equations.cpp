@@ -216,9 +216,9 @@ class RimCells {
             (b - v_.knots()[j]) / v_.length(j),
             {u_.length(i), v_.length(j)}};
   }
-  /// A share of the shortest side of all cells. Faces meet along their rims: where cells are coarse, these
-  /// count more than what is inside. But not without end: where knots crowd, most of the work would
-  /// be the rim's.
+  /// A share of the shortest side of all cells: faces meet along their rims, so these count for more than
+  /// what is inside where cells are coarse. No less than that share of a third of the place's own cell:
+  /// where knots crowd elsewhere, most of the work would be the rim's.
   Vec2 longest_step(const Vec2& uv, double share) const {
     constexpr double most_crowded = 3;
     return share * (at(uv).size / most_crowded).cwiseMax(shortest_);

@@ -34,12 +34,12 @@ bool FaceMaker::refine(double deviation, double angle_deg) {
   if (!far && !askew) return false;
   const PatchFit before = fit_;
   // What is missed lies between the samples of the fit: its own measures are to fall in proportion.
-  if (far)
-    goal_.deviation =
-        std::min(goal_.deviation, 0.9 * options_.tolerance / deviation * before.deviation);
-  if (askew)
-    goal_.angle_deg =
-        std::min(goal_.angle_deg, 0.9 * options_.join_deg / angle_deg * before.angle_deg);
+  constexpr double at_once = 0.02;
+  const auto tighten = [](double& goal, double wanted) {
+    goal = std::max(std::min(goal, wanted), at_once * goal);
+  };
+  if (far) tighten(goal_.deviation, 0.9 * options_.tolerance / deviation * before.deviation);
+  if (askew) tighten(goal_.angle_deg, 0.9 * options_.join_deg / angle_deg * before.angle_deg);
   constexpr int most_steps = 3;
   for (int i = 0; i < most_steps; ++i) {
     const double asked = goal_.angle_deg;
