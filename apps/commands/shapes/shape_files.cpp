@@ -113,8 +113,8 @@ void write_what_can_be(Report& report, const OutputFolder& out, const std::strin
     } catch (const Error& e) {
       if (!of_network) throw;
       why = e.what();
-      if (const auto* some = dynamic_cast<const UnwritableRegions*>(&e))
-        unwritable = some->regions();
+      if (const auto* told = dynamic_cast<const UnwritableRegions*>(&e))
+        unwritable = told->regions();
       return true;
     }
     into = std::move(next);
