@@ -17,8 +17,8 @@
 #include "batten/io/cad/face_measure.h"
 #include "batten/io/cad/face_samples.h"
 #include "batten/io/cad/occ_values.h"
-#include "batten/io/cad/step.h"
 #include "batten/io/cad/step_check.h"
+#include "batten/io/cad/unwritable_regions.h"
 #include "batten/io/files/input_file.h"
 
 namespace batten {

@@ -27,23 +27,12 @@
 #include <string>
 #include <vector>
 
-#include "batten/core/errors.h"
 #include "batten/io/cad/step_file_options.h"
 #include "batten/io/cad/step_report.h"
+#include "batten/io/cad/unwritable_regions.h"
 #include "batten/skinning/region/region.h"
 
 namespace batten {
-
-/// Regions whose faces no reader would find in the file as they are.
-class UnwritableRegions : public Error {
- public:
-  UnwritableRegions(const std::string& what, std::vector<const SkinnedRegion*> regions)
-      : Error(what), regions_(std::move(regions)) {}
-  const std::vector<const SkinnedRegion*>& regions() const { return regions_; }
-
- private:
-  std::vector<const SkinnedRegion*> regions_;
-};
 
 /// How write_step() writes a file.
 struct StepOptions {
