@@ -9,8 +9,7 @@
 namespace batten {
 
 /// The places and positions of a surface, as it was when this was made: of HCT triangles by the Bézier
-/// ordinates of their three cubics, in a fifth of the time of Surface::position() at a place that is
-/// to be located first.
+/// ordinates of their three cubics, 90 numbers a triangle, which Surface::position() makes anew at each place.
 class SurfacePoints {
  public:
   explicit SurfacePoints(Surface surface);

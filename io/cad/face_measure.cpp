@@ -10,6 +10,7 @@
 #include <TopoDS_Face.hxx>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <optional>
 

@@ -21,8 +21,7 @@ struct StepPatch {
   /// (u, v), so the nearest points are never farther apart.
   double deviation = 0;
   bool reached = false;  ///< whether deviation ≤ tolerance
-  double join_deg =
-      0;  ///< the largest angle of its joins that miss theirs where it could mend that
+  double join_deg = 0;   ///< the largest angle of its missed joins that a better face could mend
   /// Largest distance between the face and an edge or vertex of the file. Edges whose line no other
   /// region has lie on the face within what readers take for one point (1e-7 mm). Others are the
   /// lines themselves; they are off by line_gap and the fit.

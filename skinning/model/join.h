@@ -71,9 +71,10 @@ struct JoinEnd {
   /// Angle between the tangent planes of both sides there, degrees; 0 where the lines leave one
   /// free.
   double apart_deg = 0;
-  /// (1) does not hold at this node: apart_deg is above the limit. On embedded lines also where that is
-  /// the angle which the edge beside the end keeps (refine_embedded_joins()).
-  bool open = false;
+  bool open = false;  ///< (1) does not hold at this node: apart_deg is above the limit
+  /// Open although (1) is asked for there: on an embedded line the edge beside the end keeps the angle
+  /// apart_deg (refine_embedded_joins()). Stays when joins are planned anew.
+  bool creased = false;
   /// y of a side is free there and no neighbour sets it: (1) holds with γ = 1, δ = 0.
   bool loose = false;
   /// A side of another region, and which of its ends (0: start, 1: end) is meant.

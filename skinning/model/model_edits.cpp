@@ -133,7 +133,7 @@ void ModelLayout::plan_joins(const Points& shape) {
     const JoinPlan was = std::move(join_plans_[index[i]]);
     join_plans_[index[i]] = plans[i];
     for (size_t e = 0; e < 2; ++e)
-      if (!was.at.empty() && was.ends[e].open) join_plans_[index[i]].ends[e] = was.ends[e];
+      if (was.ends[e].creased) join_plans_[index[i]].ends[e] = was.ends[e];
   }
 }
 

@@ -126,6 +126,7 @@ class Refiner {
 
   // Where only the edge beside an end of a line keeps an angle, that end is a crease.
   void open_ends() {
+    if (std::none_of(now_.begin(), now_.end(), [&](double deg) { return deg > most_deg_; })) return;
     std::vector<JoinPlan> plans = model_.layout->join_plans();
     bool any = false;
     const ModelRegions regions(model_);
@@ -155,7 +156,7 @@ class Refiner {
         continue;
       for (size_t e = 0; e < 2; ++e)
         if (open[e] && !plan.ends[e].open) {
-          plan.ends[e].open = true;
+          plan.ends[e].open = plan.ends[e].creased = true;
           plan.ends[e].apart_deg = degrees;
         }
       return more[0] || more[1];

@@ -25,7 +25,7 @@ struct JoinedModel {
 /// along lines whose angle is above `most_deg`, plans joins anew from the shape, and solves for least
 /// bending, as long as the angles fall; at most three times, and no more above 20,000 triangles.
 /// Joins that stay above half a degree become creases (JoinPlan::why_not). Where a join stays above
-/// `most_deg` in the edge beside an end only, that end becomes one (JoinEnd::open): elements that a line
+/// `most_deg` in the edge beside an end only, that end becomes one (JoinEnd::creased): elements that a line
 /// cuts beside a corner of their region cannot follow both. Groups of regions in which nothing
 /// changes (groups_of()) keep their shape and plans.
 JoinedModel refine_embedded_joins(JoinedModel model, const SurfaceStiffness& material,

@@ -158,7 +158,7 @@ class ModelMaker {
         join.open[e] = end.open;
         if (!end.open) continue;
         const NetworkArc& arc = network_.arcs()[join.arc];
-        if (cut_ends_.count({s, e})) {
+        if (end.creased) {
           model_.warnings.push_back("line '" + arc.name + "' ends as a crease at " +
                                     at(network_.nodes()[arc.nodes[e]].position) +
                                     ": a region carries it embedded, and its edge there keeps an "
@@ -337,10 +337,7 @@ class ModelMaker {
       const JoinPlan& plan = of_layout[next++];
       if (plan.given_up()) given_up_[join_of(s).arc] = plans[s].why_not = plan.why_not;
       for (size_t e = 0; e < 2 && !plan.given_up(); ++e)
-        if (plan.ends[e].open && !plans[s].ends[e].open) {
-          cut_ends_.insert({s, e});
-          plans[s].ends[e] = plan.ends[e];
-        }
+        if (plan.ends[e].creased) plans[s].ends[e] = plan.ends[e];
     }
     for (ModelRegion& region : model_.regions)
       if (region.in_layout >= 0)
@@ -358,8 +355,7 @@ class ModelMaker {
   // has changed.
   std::map<int, std::pair<RegionGroup, std::vector<Points>>> solved_;
   std::vector<JoinLine> join_lines_;
-  std::vector<int> join_of_;                      // index into model_.joins of each join line
-  std::set<std::pair<size_t, size_t>> cut_ends_;  // ends of embedded join lines that became creases
+  std::vector<int> join_of_;             // index into model_.joins of each join line
   std::map<int, std::string> given_up_;  // arcs whose join line proved worse than a crease, and why
 };
 

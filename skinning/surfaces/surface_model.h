@@ -59,7 +59,8 @@ struct ModelJoin {
   Kind kind = Kind::Rim;
   bool asked = false;          ///< the user's word
   std::string why;             ///< why it is a crease although it was to be smooth, or ""
-  std::array<bool, 2> open{};  ///< a smooth join is a crease at its start, end: no tangent plane
+  /// A smooth join is a crease at its start, end: no tangent plane, or JoinEnd::creased.
+  std::array<bool, 2> open{};
   /// Angle between the normals of the first shapes, those of each region's lines alone: 0.4 of that
   /// at either end where lines fix both planes, the rest of the mean along the line; averaged over
   /// lines that go on straight.
