@@ -61,6 +61,10 @@ class RegionLayout {
   double tolerance() const { return tolerance_; }
   const std::vector<std::string>& warnings() const { return parts_.warnings; }
   const std::vector<DomainCorner>& corners() const { return parts_.corners; }
+  /// Returns the boundary loops as in SkinnedRegion::boundary.
+  const std::vector<std::vector<BoundaryPiece>>& boundary() const { return parts_.boundary; }
+  /// Returns the angle, degrees, above which the outline turns a corner.
+  double corner_angle() const { return options_.corner_angle; }
   SkinOptions::Domain domain() const { return options_.domain; }
   bool convex() const { return options_.convex; }  ///< SkinOptions::convex
   /// Returns the start of the first line.

@@ -1,0 +1,337 @@
+#include "batten/skinning/model/boundary_sweep.h"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "batten/core/dense.h"
+#include "batten/core/index.h"
+#include "batten/core/plane.h"
+#include "batten/core/words.h"
+
+namespace batten {
+namespace {
+
+constexpr double kFlat = 1e-4;         // of the size: such a boundary has nothing to sweep
+constexpr double kMismatchFloor = 1e-6;  // squared mismatch: what curves through points leave
+constexpr double kLeastWeight = 1e-3;  // of the largest weight: less is not worth its evaluation
+constexpr double kRadians = std::numbers::pi / 180;
+// Where twists fade: a lune has no other sense than that of its twist.
+constexpr double kMostTwist = 120 * kRadians, kMostTwistOfLune = 165 * kRadians;
+constexpr int kGrid = 8;         // samples of the map along each parameter
+constexpr double kBeyond = 0.1;  // how far (s, t) may leave [0, 1]
+
+std::vector<Vec3> samples_of(const std::vector<BoundarySide>& sides) {
+  constexpr int count = 16;
+  std::vector<Vec3> points;
+  for (const BoundarySide& side : sides)
+    for (int k = 0; k < count; ++k) points.push_back(side.at(k / double(count)).x);
+  return points;
+}
+
+bool is_plane(const std::vector<Vec3>& points, double tolerance) {
+  const PrincipalAxes axes = principal_axes(points);
+  return std::all_of(points.begin(), points.end(), [&](const Vec3& p) {
+    return std::abs((p - axes.mean).dot(axes.axes.col(0))) <= tolerance;
+  });
+}
+
+// The outline of a region in its direction, cut into sides where it turns by more than the angle.
+std::vector<BoundarySide> sides_of(const RegionLayout& region) {
+  struct Piece {
+    HermiteCurve curve, image;
+    Vec3 first, last;  // directions
+  };
+  std::vector<Piece> pieces;
+  for (const BoundaryPiece& of : region.boundary().front()) {
+    const auto i = static_cast<size_t>(of.index);
+    const bool run = of.kind == BoundaryPiece::Kind::Run;
+    HermiteCurve curve = run ? region.runs()[i].fitted : region.embedded()[i].fitted;
+    HermiteCurve image =
+        run ? run_image(*region.mesh(), region.runs()[i]) : region.embedded()[i].image;
+    if (curve.closed()) return {};
+    if (of.reversed) curve = curve.backwards(), image = image.backwards();
+    const Vec3 first = curve.evaluate(curve.start(), 1), last = curve.evaluate(curve.end(), 1);
+    pieces.push_back({std::move(curve), std::move(image), first, last});
+  }
+  const size_t n = pieces.size();
+  std::vector<size_t> starts;  // pieces behind a corner
+  for (size_t i = 0; i < n; ++i)
+    if (degrees_between(pieces[(i + n - 1) % n].last, pieces[i].first) > region.corner_angle())
+      starts.push_back(i);
+  std::vector<BoundarySide> sides(starts.size());
+  for (size_t k = 0; k < starts.size(); ++k) {
+    const size_t end = starts[(k + 1) % starts.size()];
+    size_t i = starts[k];
+    do {
+      sides[k].add(pieces[i].curve, pieces[i].image);
+      i = (i + 1) % n;
+    } while (i != end);
+  }
+  return sides;
+}
+
+}  // namespace
+
+std::optional<BoundarySweep> BoundarySweep::of(const RegionLayout& region) {
+  if (region.boundary().empty() || region.mesh()->period() > 0) return std::nullopt;
+  std::vector<BoundarySide> sides = sides_of(region);
+  if (sides.size() < 2 || sides.size() > 4) return std::nullopt;
+  if (is_plane(samples_of(sides), kFlat * region.size())) return std::nullopt;
+  BoundarySweep sweep(region, std::move(sides));
+  if (!sweep.weigh()) return std::nullopt;
+  return sweep;
+}
+
+BoundarySweep::BoundarySweep(const RegionLayout& region, std::vector<BoundarySide> sides)
+    : region_(&region), sides_(std::move(sides)) {
+  const int n = count_of(sides_);
+  const auto corner = [&](int k) {
+    const BoundarySide::Point p = sides_[static_cast<size_t>(k % n)].at(0);
+    return Edge{-1, false, p.x, p.uv};
+  };
+  const auto side = [&](int k, bool backwards = false) { return Edge{k % n, backwards, {}, {}}; };
+  if (n == 4) {
+    add(side(0), side(2, true), side(3, true), side(1), true);
+  } else if (n == 3) {
+    for (int k = 0; k < 3; ++k) add(side(k, true), side(k + 2), side(k + 1), corner(k), false);
+  } else {
+    add(side(0), side(1, true), corner(0), corner(1), false);
+  }
+  Vec2 low = sides_[0].at(0).uv, high = low;
+  for (const Patch& patch : patches_)
+    for (const Vec2& uv : patch.uv) low = low.cwiseMin(uv), high = high.cwiseMax(uv);
+  extent_ = (high - low).norm();
+}
+
+BoundarySide::Point BoundarySweep::point(const Edge& edge, double f) const {
+  if (edge.side < 0) return {edge.x, Vec3::Zero(), edge.uv, Vec2::Zero()};
+  BoundarySide::Point p = sides_[static_cast<size_t>(edge.side)].at(edge.backwards ? 1 - f : f);
+  if (edge.backwards) p.x_f = -p.x_f, p.uv_f = -p.uv_f;
+  return p;
+}
+
+void BoundarySweep::add(Edge bottom, Edge top, Edge left, Edge right, bool both) {
+  Patch patch{bottom, top, left, right, {}, {}, {}, {}};
+  const auto curve = [this](const Edge& edge) {
+    return [this, &edge](double f) {
+      const BoundarySide::Point p = point(edge, f);
+      return Sweep::Place{p.x, p.x_f};
+    };
+  };
+  const double most = sides_.size() == 2 ? kMostTwistOfLune : kMostTwist;
+  const auto b = curve(patch.bottom), t = curve(patch.top), l = curve(patch.left),
+             r = curve(patch.right);
+  patch.along_t.emplace(b, t, l, r, most);
+  if (both) patch.along_s.emplace(l, r, b, t, most);
+  for (int i = 0; i <= kGrid; ++i)
+    for (int j = 0; j <= kGrid; ++j) {
+      patch.at.emplace_back(i / double(kGrid), j / double(kGrid));
+      patch.uv.push_back(square(patch, patch.at.back()).uv);
+    }
+  patches_.push_back(std::move(patch));
+}
+
+// Sets the weights of all sweeps; patches without any are dropped. False where none is left.
+bool BoundarySweep::weigh() {
+  double most = 0;
+  const auto raw = [](const std::optional<Sweep>& sweep) {
+    return sweep && std::isfinite(sweep->mismatch())
+               ? 1 / (sweep->mismatch() * sweep->mismatch() + kMismatchFloor)
+               : 0;
+  };
+  for (const Patch& patch : patches_) most = std::max({most, raw(patch.along_t), raw(patch.along_s)});
+  double sum = 0;
+  const auto left = [&](const std::optional<Sweep>& sweep) {
+    const double weight = std::max(0.0, raw(sweep) - kLeastWeight * most);
+    sum += weight;
+    return weight;
+  };
+  for (Patch& patch : patches_) {
+    patch.weight_t = left(patch.along_t);
+    patch.weight_s = left(patch.along_s);
+  }
+  for (Patch& patch : patches_) {
+    patch.weight_t /= sum;
+    patch.weight_s /= sum;
+  }
+  std::erase_if(patches_, [](const Patch& p) { return !(p.weight_t + p.weight_s > 0); });
+  return !patches_.empty();
+}
+
+// The Coons patch of the images, and all that is known at its place.
+BoundarySweep::Square BoundarySweep::square(const Patch& patch, const Vec2& st) const {
+  const double s = st[0], t = st[1];
+  Square q{st, {}, {}, {point(patch.bottom, s), point(patch.top, s), point(patch.left, t),
+                        point(patch.right, t)}};
+  const auto& [bottom, top, left, right] = q.edges;
+  const Vec2 c00 = point(patch.left, 0).uv, c01 = point(patch.left, 1).uv,
+             c10 = point(patch.right, 0).uv, c11 = point(patch.right, 1).uv;
+  q.uv = (1 - t) * bottom.uv + t * top.uv + (1 - s) * left.uv + s * right.uv -
+         ((1 - s) * ((1 - t) * c00 + t * c01) + s * ((1 - t) * c10 + t * c11));
+  q.jacobian.col(0) = (1 - t) * bottom.uv_f + t * top.uv_f + right.uv - left.uv -
+                      ((1 - t) * (c10 - c00) + t * (c11 - c01));
+  q.jacobian.col(1) = top.uv - bottom.uv + (1 - s) * left.uv_f + s * right.uv_f -
+                      ((1 - s) * (c01 - c00) + s * (c11 - c10));
+  return q;
+}
+
+// The place of the square whose image is uv, or the nearest one that Newton's method finds.
+BoundarySweep::Square BoundarySweep::place(const Patch& patch, const Vec2& uv) const {
+  size_t nearest = 0;
+  for (size_t i = 1; i < patch.uv.size(); ++i)
+    if ((patch.uv[i] - uv).squaredNorm() < (patch.uv[nearest] - uv).squaredNorm()) nearest = i;
+  Vec2 st = patch.at[nearest];
+  // Where an edge is a corner the samples on it are one place: those beside it know the way.
+  const bool at_left = patch.left.side < 0 && st[0] == 0, at_right = patch.right.side < 0 && st[0] == 1;
+  if (at_left || at_right) {
+    const double in = at_left ? 1.0 / kGrid : 1 - 1.0 / kGrid;
+    double least = std::numeric_limits<double>::infinity();
+    for (int j = 0; j <= kGrid; ++j) {
+      const Vec2 beside = square(patch, {in, j / double(kGrid)}).uv;
+      const Vec2 corner = at_left ? patch.left.uv : patch.right.uv;
+      const Vec2 way = (beside - corner).normalized();
+      const double off = (uv - corner - way.dot(uv - corner) * way).norm();
+      if (off < least) least = off, st = {in, j / double(kGrid)};
+    }
+  }
+  const Vec2 low(patch.left.side < 0 ? 1e-9 : -kBeyond, -kBeyond),
+      high(patch.right.side < 0 ? 1 - 1e-9 : 1 + kBeyond, 1 + kBeyond);
+  Square here = square(patch, st);
+  for (int round = 0; round < 25; ++round) {
+    const Vec2 miss = uv - here.uv;
+    if (miss.norm() < 1e-14 * extent_) break;
+    const double det = here.jacobian.determinant();
+    if (!(std::abs(det) > 0)) break;
+    const Vec2 step = here.jacobian.inverse() * miss;
+    bool better = false;
+    for (double f = 1; f > 1e-3 && !better; f /= 2) {
+      const Vec2 next = (here.st + f * step).cwiseMax(low).cwiseMin(high);
+      Square there = square(patch, next);
+      if (!((uv - there.uv).norm() < miss.norm())) continue;
+      here = std::move(there);
+      better = true;
+    }
+    if (!better) break;
+  }
+  return here;
+}
+
+BoundarySweep::Jet BoundarySweep::jet(const Patch& patch, const Square& square) {
+  const auto as = [](const BoundarySide::Point& p) { return Sweep::Place{p.x, p.x_f}; };
+  const auto& [bottom, top, left, right] = square.edges;
+  Jet sum{Vec3::Zero(), Vec3::Zero(), Vec3::Zero()};
+  if (patch.weight_t > 0) {
+    const Jet j = patch.along_t->at(square.st[1], as(bottom), as(top), as(left), as(right));
+    sum = {patch.weight_t * j.x, patch.weight_t * j.by_u, patch.weight_t * j.by_v};
+  }
+  if (patch.weight_s > 0) {
+    const Jet j = patch.along_s->at(square.st[0], as(left), as(right), as(bottom), as(top));
+    sum.x += patch.weight_s * j.x;
+    sum.by_u += patch.weight_s * j.by_v;
+    sum.by_v += patch.weight_s * j.by_u;
+  }
+  const double weight = patch.weight_t + patch.weight_s;
+  return {sum.x / weight, sum.by_u / weight, sum.by_v / weight};
+}
+
+// The point of one sweep nearest to x, from (s, t) on.
+Vec3 BoundarySweep::projected(const Patch& patch, Vec2 st, const Vec3& x) const {
+  Jet j = jet(patch, square(patch, st));
+  for (int round = 0; round < 4; ++round) {
+    Eigen::Matrix<double, 3, 2> slopes;
+    slopes << j.by_u, j.by_v;
+    const Mat2 metric = slopes.transpose() * slopes;
+    const double det = metric.determinant();
+    if (!(det > 1e-12 * metric.trace() * metric.trace())) break;
+    const Vec2 step = metric.inverse() * (slopes.transpose() * (x - j.x));
+    st = (st + step).cwiseMax(-kBeyond).cwiseMin(1 + kBeyond);
+    if (patch.right.side < 0) st[0] = std::min(st[0], 1.0);
+    j = jet(patch, square(patch, st));
+    if ((slopes * step).norm() < 1e-10 * region_->size()) break;
+  }
+  return j.x;
+}
+
+Vec3 BoundarySweep::blended(const Vec2& uv) const {
+  std::vector<Vec2> st;
+  Vec3 mean = Vec3::Zero();
+  for (const Patch& patch : patches_) {
+    const Square at = place(patch, uv);
+    st.push_back(at.st);
+    mean += patch.weight_t * jet(patch, at).x;
+  }
+  Vec3 x = Vec3::Zero();
+  for (size_t k = 0; k < patches_.size(); ++k)
+    x += patches_[k].weight_t * projected(patches_[k], st[k], mean);
+  return x;
+}
+
+// At a corner both sides fix the tangent plane and the gradient.
+std::optional<SurfaceSlope> BoundarySweep::at_corner(const Vec2& uv) const {
+  constexpr double kThere = 1e-9;
+  for (size_t k = 0; k < sides_.size(); ++k) {
+    const BoundarySide::Point out = sides_[k].at(0);
+    if ((out.uv - uv).norm() > kThere * extent_) continue;
+    const BoundarySide::Point in = sides_[(k + sides_.size() - 1) % sides_.size()].at(1);
+    Mat2 images;
+    images << out.uv_f, in.uv_f;
+    Eigen::Matrix<double, 3, 2> slopes;
+    slopes << out.x_f, in.x_f;
+    if (!(std::abs(images.determinant()) > 1e-6 * out.uv_f.norm() * in.uv_f.norm()))
+      return std::nullopt;
+    return SurfaceSlope{out.x, slopes * images.inverse()};
+  }
+  return std::nullopt;
+}
+
+SurfaceSlope BoundarySweep::at(const Vec2& uv) const {
+  if (const auto corner = at_corner(uv)) return *corner;
+  if (patches_.size() > 1) {
+    // Beyond the boundary the surface goes on straight.
+    constexpr double kInside = 1e-9;
+    if (const Vec2 near = place(patches_.front(), uv).uv; (uv - near).norm() > kInside * extent_) {
+      SurfaceSlope s = slopes_of_blend(near);
+      s.x += s.by_uv * (uv - near);
+      return s;
+    }
+    return slopes_of_blend(uv);
+  }
+  const Patch& patch = patches_.front();
+  const Square square = place(patch, uv);
+  const Jet j = jet(patch, square);
+  Eigen::Matrix<double, 3, 2> by_st;
+  by_st << j.by_u, j.by_v;
+  SurfaceSlope s{j.x, by_st * square.jacobian.inverse()};
+  s.x += s.by_uv * (uv - square.uv);
+  return s;
+}
+
+SurfaceSlope BoundarySweep::slopes_of_blend(const Vec2& uv) const {
+    const double h = 1e-4 * extent_;
+    const auto slope = [&](const Vec2& way) -> Vec3 {
+      return (blended(uv + h * way) - blended(uv - h * way)) / (2 * h);
+    };
+    SurfaceSlope s{blended(uv), {}};
+    s.by_uv << slope(Vec2::UnitX()), slope(Vec2::UnitY());
+    return s;
+}
+
+std::optional<Points> BoundarySweep::dofs() const {
+  const ParametricMesh& mesh = *region_->mesh();
+  Points q = interpolated(mesh, [this](const Vec2& uv) { return at(uv); });
+  if (!q.allFinite()) return std::nullopt;
+  const Surface surface(region_->mesh(), region_->element(), q, region_->trim());
+  const Trim* trim = region_->trim().get();
+  for (int t = 0; t < mesh.triangle_count(); ++t) {
+    if (trim && trim->side(t) != Trim::Side::Inside) continue;
+    const Vec3 middle = surface.area_vector({t, Vec3::Constant(1.0 / 3)});
+    for (int k = 0; k < 3; ++k)
+      if (!(surface.area_vector({t, Vec3::Unit(k)}).dot(middle) > 0)) return std::nullopt;
+  }
+  return q;
+}
+
+}  // namespace batten

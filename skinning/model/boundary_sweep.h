@@ -1,0 +1,82 @@
+// The surface that the sides of a region mean: sweeps between opposite sides, blended. Internal.
+#pragma once
+
+#include <array>
+#include <optional>
+#include <vector>
+
+#include "batten/skinning/layout/region_layout.h"
+#include "batten/skinning/model/boundary_side.h"
+#include "batten/skinning/model/surface_dofs.h"
+#include "batten/skinning/model/sweep.h"
+
+namespace batten {
+
+/// Sweeps between the sides of a region with two, three or four corners, over its flat domain. Sides
+/// that go on within the corner angle are one side.
+///
+///     four sides   both pairs are swept; the results are blended
+///     three sides  one rail is a corner: three sweeps, blended
+///     two sides    both rails are corners: one sweep
+///
+/// Weights are 1 / (ρ² + 1e-6), ρ the mismatch of the pair (sweep.h): the pair whose ends are alike
+/// wins, continuously. Each sweep has its own parameters (s, t); the map from these to (u, v) is the
+/// bilinearly blended Coons patch of the sides' images, so that the surface has every boundary curve
+/// with the parameters that the curve has there. The three sweeps of a triangle move differently
+/// along nearly the same surface: their weighted mean is projected onto each, and the projections are
+/// averaged.
+class BoundarySweep {
+ public:
+  /// None where the region has another number of sides, where its boundary lies in a plane within
+  /// 1e-4 of the size, or where no pair can be swept. `region` must outlive it.
+  static std::optional<BoundarySweep> of(const RegionLayout& region);
+
+  /// Value and gradient at a place of the domain, also a little outside of the boundary.
+  SurfaceSlope at(const Vec2& uv) const;
+  /// Dofs on the region's mesh; none where the surface would turn over in the domain.
+  std::optional<Points> dofs() const;
+
+ private:
+  // An edge of the square of (s, t): a side, forwards or backwards, or a corner.
+  struct Edge {
+    int side = -1;
+    bool backwards = false;
+    Vec3 x = Vec3::Zero();
+    Vec2 uv = Vec2::Zero();
+  };
+  struct Edges {
+    BoundarySide::Point bottom, top, left, right;  // at s, s, t, t
+  };
+  // Sides laid around the square, and what is swept there.
+  struct Patch {
+    Edge bottom, top, left, right;
+    std::vector<Vec2> at, uv;  // samples of the map
+    std::optional<Sweep> along_t, along_s;
+    double weight_t = 0, weight_s = 0;
+  };
+  struct Square {
+    Vec2 st, uv;
+    Mat2 jacobian;  // of uv by (s, t)
+    Edges edges;
+  };
+  using Jet = Sweep::Jet;  // by_u: by s, by_v: by t
+
+  BoundarySweep(const RegionLayout& region, std::vector<BoundarySide> sides);
+  void add(Edge bottom, Edge top, Edge left, Edge right, bool both);
+  bool weigh();
+  BoundarySide::Point point(const Edge& edge, double f) const;
+  Square square(const Patch& patch, const Vec2& st) const;
+  Square place(const Patch& patch, const Vec2& uv) const;
+  static Jet jet(const Patch& patch, const Square& square);
+  Vec3 projected(const Patch& patch, Vec2 st, const Vec3& x) const;
+  Vec3 blended(const Vec2& uv) const;
+  SurfaceSlope slopes_of_blend(const Vec2& uv) const;
+  std::optional<SurfaceSlope> at_corner(const Vec2& uv) const;
+
+  const RegionLayout* region_;
+  std::vector<BoundarySide> sides_;
+  std::vector<Patch> patches_;
+  double extent_ = 1;  // of the domain
+};
+
+}  // namespace batten

@@ -1,0 +1,28 @@
+#include "batten/skinning/model/rest_shape.h"
+
+#include "batten/core/parallel.h"
+#include "batten/skinning/model/boundary_sweep.h"
+#include "batten/skinning/model/section_surface.h"
+
+namespace batten {
+
+Points rest_dofs(const RegionLayout& region) {
+  if (is_ring(region)) return SectionSurface(region, 0).dofs();
+  const auto sweep = BoundarySweep::of(region);
+  return sweep ? sweep->dofs().value_or(Points()) : Points();
+}
+
+Points rest_dofs(const ModelLayout& layout) {
+  if (!layout.has_rest()) return {};
+  std::vector<Points> rests(static_cast<size_t>(layout.region_count()));
+  parallel_parts(layout.region_count(), [&](int r) { rests[r] = rest_dofs(layout.region(r)); });
+  Points all;
+  for (int r = 0; r < layout.region_count(); ++r) {
+    if (rests[r].rows() == 0) continue;
+    if (all.rows() == 0) all = Points::Zero(layout.position_dofs().size(), 3);
+    for (int d = 0; d < rests[r].rows(); ++d) all.row(layout.numbers(r)(d)) = rests[r].row(d);
+  }
+  return all;
+}
+
+}  // namespace batten

@@ -1,0 +1,21 @@
+// Dofs that interpolate a given surface. Internal.
+#pragma once
+
+#include <functional>
+
+#include "batten/fem/surface.h"
+
+namespace batten {
+
+/// A place of a surface and its derivatives by u and v.
+struct SurfaceSlope {
+  Vec3 x = Vec3::Zero();
+  Eigen::Matrix<double, 3, 2> by_uv = Eigen::Matrix<double, 3, 2>::Zero();
+};
+
+/// Dofs on a mesh that interpolate a surface over (u, v): values and slopes at vertices, normal slopes
+/// in the middle of edges. O(vertices + edges) calls, on all threads.
+Points interpolated(const ParametricMesh& mesh,
+                    const std::function<SurfaceSlope(const Vec2& uv)>& surface);
+
+}  // namespace batten

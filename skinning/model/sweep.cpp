@@ -1,0 +1,105 @@
+#include "batten/skinning/model/sweep.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+namespace batten {
+namespace {
+
+constexpr int kSteps = 96;     // of the rails: a full turn is 4 degrees a step
+constexpr int kSamples = 48;   // of the sections, for twist and mismatch
+constexpr double kLeastChord = 1e-3;  // of the longest chord: below, rails meet and there is no frame
+
+Mat3 rotation(const Vec3& axis, double angle) {
+  return Eigen::AngleAxisd(angle, axis).toRotationMatrix();
+}
+
+// The smallest rotation that takes the unit vector a to b.
+Mat3 between(const Vec3& a, const Vec3& b) {
+  const Vec3 v = a.cross(b);
+  const double c = a.dot(b);
+  if (c < -1 + 1e-9) return Mat3::Identity();
+  Mat3 K;
+  K << 0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0;
+  return Mat3::Identity() + K + K * K / (1 + c);
+}
+
+// 1 up to `most`, 0 at 180 degrees, smooth in between.
+double fading(double twist, double most) {
+  const double f =
+      std::clamp((std::numbers::pi - std::abs(twist)) / (std::numbers::pi - most), 0.0, 1.0);
+  return f * f * (3 - 2 * f);
+}
+
+}  // namespace
+
+Sweep::Sweep(const Curve& c0, const Curve& c1, const Curve& r0, const Curve& r1,
+             double most_twist) {
+  double least = std::numeric_limits<double>::infinity(), most = 0;
+  for (int k = 0; k <= kSteps; ++k) {
+    const double v = static_cast<double>(k) / kSteps;
+    const Vec3 from = r0(v).x, chord = r1(v).x - from;
+    const double length = chord.norm();
+    least = std::min(least, length);
+    most = std::max(most, length);
+    if (k == 0) origin0_ = from, length0_ = length;
+    if (k == kSteps) origin1_ = from, length1_ = length;
+    chords_.push_back(length > 0 ? Vec3(chord / length) : Vec3(Vec3::UnitX()));
+    transported_.push_back(k == 0 ? Mat3(Mat3::Identity())
+                                  : Mat3(between(chords_[static_cast<size_t>(k) - 1], chords_.back()) *
+                                         transported_.back()));
+  }
+  if (!(least > kLeastChord * most)) {
+    mismatch_ = std::numeric_limits<double>::infinity();
+    return;
+  }
+  const Vec3 e = chords_.front();
+  const Mat3 back = transported_.back().transpose();
+  std::vector<Vec3> first, last;
+  double cosine = 0, sine = 0;
+  for (int k = 0; k <= kSamples; ++k) {
+    const double u = static_cast<double>(k) / kSamples;
+    first.push_back((c0(u).x - origin0_) / length0_);
+    last.push_back(back * (c1(u).x - origin1_) / length1_);
+    const Vec3 a = first.back() - first.back().dot(e) * e, b = last.back() - last.back().dot(e) * e;
+    cosine += a.dot(b);
+    sine += e.dot(a.cross(b));
+  }
+  const double turn = std::hypot(cosine, sine) > 1e-24 ? std::atan2(sine, cosine) : 0;
+  twist_ = turn * fading(turn, most_twist);
+  to_first_ = rotation(e, -twist_) * back;
+  const Mat3 untwist = rotation(e, -twist_);
+  double sum = 0;
+  for (size_t k = 0; k < first.size(); ++k) sum += (untwist * last[k] - first[k]).squaredNorm();
+  mismatch_ = std::sqrt(sum / static_cast<double>(first.size()));
+}
+
+Mat3 Sweep::transport(double v, const Vec3& e) const {
+  const auto k = static_cast<size_t>(std::clamp(std::floor(v * kSteps), 0.0, kSteps - 1.0));
+  return between(chords_[k], e) * transported_[k];
+}
+
+Sweep::Jet Sweep::at(double v, const Place& c0, const Place& c1, const Place& r0,
+                     const Place& r1) const {
+  const Vec3 chord = r1.x - r0.x, chord_v = r1.slope - r0.slope;
+  const double length = chord.norm();
+  const Vec3 e = chord / length;
+  const double length_v = e.dot(chord_v);
+  const Vec3 e_v = (chord_v - length_v * e) / length;
+  const Mat3 turn = transport(v, e) * rotation(chords_.front(), v * twist_);
+  const Vec3 a0 = (c0.x - origin0_) / length0_, a1 = to_first_ * (c1.x - origin1_) / length1_;
+  const Vec3 a0_u = c0.slope / length0_, a1_u = to_first_ * c1.slope / length1_;
+  const Vec3 local = turn * ((1 - v) * a0 + v * a1);
+  // P' = (e × e') × P, and the twist turns about e.
+  const Vec3 spin = e.cross(e_v) + twist_ * e;
+  Jet jet;
+  jet.x = r0.x + length * local;
+  jet.by_u = length * (turn * ((1 - v) * a0_u + v * a1_u));
+  jet.by_v = r0.slope + length_v * local + length * (spin.cross(local) + turn * (a1 - a0));
+  return jet;
+}
+
+}  // namespace batten
