@@ -184,7 +184,7 @@ void read_skin(const TomlTable& table, SceneSkin& skin) {
                            {{"bending", SceneSkin::Fair::Bending},
                             {"variation", SceneSkin::Fair::Variation},
                             {"loft", SceneSkin::Fair::Loft}});
-  skin.natural = !table.has("fair") || skin.fair != SceneSkin::Fair::Bending;
+  skin.rest = !table.has("fair") || skin.fair != SceneSkin::Fair::Bending;
   for (const char* key : {"strength", "largest_move"})
     if (table.has(key) && skin.fair != SceneSkin::Fair::Variation)
       table.fail(key, std::string("'") + key + "' without variation",

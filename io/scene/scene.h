@@ -47,8 +47,8 @@ struct SceneSkin {
   /// What the shape makes least: the linear bending energy, the change of its curvature, or bending
   /// across sections only.
   enum class Fair { Bending, Variation, Loft } fair = Fair::Bending;
-  /// Regions of a network are what their lines mean; not where "bending" is asked for in words.
-  bool natural = true;
+  /// Regions rest in the shape that their boundary curves mean; not where "bending" is asked for.
+  bool rest = true;
   double strength = 1;               ///< of variation: share of the way from the bending shape
   double largest_move = 0;           ///< of variation, in the scene's unit; 0: any
   std::vector<PlacedWord> sections;  ///< of a loft: lines that are sides of four-cornered regions

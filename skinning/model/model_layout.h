@@ -39,8 +39,9 @@ struct ModelFrame {
   Vec3 origin = Vec3::Zero();
   /// Tangent planes at a node that differ by more are no plane: smooth joins end as creases there.
   double most_apart_deg = 0.1;
-  /// Regions rest in what their lines mean (natural_shape.h); else they bend from nothing.
-  bool natural = true;
+  /// Regions rest in the shape that their boundary curves mean (rest_shape.h); else they bend from
+  /// nothing.
+  bool rest = true;
 };
 
 /// Regions that share lines, as one system of unknowns. A single region is a model with one region
@@ -69,7 +70,7 @@ class ModelLayout {
               std::vector<JoinPlan> join_lines);
 
   const std::string& name() const { return frame_.name; }
-  bool natural() const { return frame_.natural; }
+  bool has_rest() const { return frame_.rest; }
   double size() const { return frame_.size; }
   double tolerance() const { return frame_.tolerance; }
   /// The point relative to which dofs are best solved for.

@@ -246,7 +246,7 @@ const char* word_for(NaturalShape::Kind kind) {
 }
 
 Points natural_dofs(const ModelLayout& layout) {
-  if (!layout.natural()) return {};
+  if (!layout.has_rest()) return {};
   std::vector<Points> rests(static_cast<size_t>(layout.region_count()));
   parallel_parts(layout.region_count(), [&](int r) {
     const NaturalShape shape = natural_shape(layout.region(r));

@@ -12,7 +12,7 @@
 #include "batten/fem/triangle_locator.h"
 #include "batten/skinning/facets/facets.h"
 #include "batten/skinning/model/model_groups.h"
-#include "batten/skinning/model/natural_shape.h"
+#include "batten/skinning/model/rest_shape.h"
 
 namespace batten {
 
@@ -222,7 +222,7 @@ class Refiner {
       before.push_back(shapes[r]);
     }
     own.plan_joins(own.all_dofs(before));
-    const Points solved = own.least_energy(material_, natural_dofs(own));
+    const Points solved = own.least_energy(material_, rest_dofs(own));
     for (const auto& [mine, r] : in_model) shapes[r] = own.region_dofs(mine, solved);
     for (size_t j = 0; j < group.joins.size(); ++j)
       plans[group.joins[j]] = renumbered(own.join_plans()[j], in_model);

@@ -243,7 +243,7 @@ void RegionMaker::leave_out(int r, const std::string& why) {
 
 ModelFrame RegionMaker::frame() const {
   return {options_.name,   network_.size(), tolerance_, origin_, options_.join_tolerance_deg,
-          options_.natural};
+          options_.rest};
 }
 
 std::optional<JoinSide> RegionMaker::side_of(const ArcSide& use, int arc) const {

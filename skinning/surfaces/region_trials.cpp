@@ -9,7 +9,7 @@
 #include "batten/core/errors.h"
 #include "batten/core/index.h"
 #include "batten/core/words.h"
-#include "batten/skinning/model/natural_shape.h"
+#include "batten/skinning/model/rest_shape.h"
 #include "batten/skinning/region/quality.h"
 #include "batten/skinning/surfaces/wrong_surfaces.h"
 
@@ -116,7 +116,7 @@ RegionTrial laid_out(const RegionWish& wish, const SkinOptions& skin, bool inner
   RegionTrial trial{
       std::make_shared<const RegionLayout>(wish.name, lines, skin, wish.progress), {}, {skin, inner}, {}};
   const ModelLayout alone(frame, {trial.layout}, {});
-  trial.shape = alone.least_energy(material, natural_dofs(alone));
+  trial.shape = alone.least_energy(material, rest_dofs(alone));
   return trial;
 }
 

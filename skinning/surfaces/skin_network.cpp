@@ -11,7 +11,7 @@
 #include "batten/core/words.h"
 #include "batten/skinning/facets/facets.h"
 #include "batten/skinning/model/model_groups.h"
-#include "batten/skinning/model/natural_shape.h"
+#include "batten/skinning/model/rest_shape.h"
 #include "batten/skinning/surfaces/embedded_joins.h"
 #include "batten/skinning/surfaces/join_choice.h"
 #include "batten/skinning/surfaces/measure_model.h"
@@ -224,7 +224,7 @@ class ModelMaker {
       const ModelLayout layout(regions_.frame(), group.layouts, group.plans);
       Points all;
       try {
-        all = layout.least_energy(options_.material, natural_dofs(layout));
+        all = layout.least_energy(options_.material, rest_dofs(layout));
       } catch (const CancelledError&) {
         throw;
       } catch (const std::runtime_error& e) {

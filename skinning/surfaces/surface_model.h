@@ -41,7 +41,7 @@ struct ModelOptions {
   /// degrees.
   double join_tolerance_deg = 0.1;
   int most_join_rounds = 3;  ///< of such halving
-  bool natural = true;       ///< regions rest in what their lines mean (natural_shape.h)
+  bool rest = true;          ///< ModelFrame::rest
 };
 
 /// A line and the regions that meet along it.

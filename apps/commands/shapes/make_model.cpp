@@ -127,7 +127,7 @@ MadeModel make_model(const Scene& scene, const std::vector<CharacterLine>& lines
   if (!scene.targets.empty()) options.skin.tolerance = fit_tolerance(scene, size_of(lines));
   options.material = scene.skin.material;
   options.joins = mirrored_joins(scene, lines);
-  options.natural = scene.skin.natural;
+  options.rest = scene.skin.rest;
   options.smooth_below_deg = scene.network->smooth_below;
   options.join_tolerance_deg = scene.network->join_tolerance;
   made.model = skin_network(*made.network, *made.found, options, progress);

@@ -10,7 +10,7 @@
 #include "batten/fairing/curve_fit.h"
 #include "batten/io/files/input_file.h"
 #include "batten/skinning/model/model_projector.h"
-#include "batten/skinning/model/natural_shape.h"
+#include "batten/skinning/model/rest_shape.h"
 
 namespace batten {
 namespace {
@@ -307,9 +307,8 @@ SculptingSession make_session(const ModelLayout& layout, const Scene& scene, con
                               Expected expected, const Progress& progress, SessionStart* start,
                               RestShape rest) {
   const std::string where = scene.at({});
-  // Regions of a network that are cylinders and the like are bent from that.
-  if (!rest && made.network && natural_dofs(layout).rows() > 0)
-    rest = [](const RestTask& task) { return natural_dofs(task.layout); };
+  if (!rest && scene.skin.rest && scene.skin.hold == SceneSkin::Hold::Lines)
+    rest = [](const RestTask& task) { return rest_dofs(task.layout); };
   try {
     Maker maker(layout, scene, made, expected, progress, std::move(rest));
     SculptingSession session = maker.made();
