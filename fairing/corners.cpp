@@ -19,6 +19,7 @@ constexpr int few = 11;                // points, too few to tell noise
 constexpr double few_turn_by = 20;     // degrees, at least
 constexpr double at_end_turn_by = 60;  // where one side is a single chord
 constexpr double sharp = 75;           // always a corner
+constexpr double polygon_turn_by = 50;  // at every point: no smooth loop has so few
 constexpr double uneven_turn_by = 40;  // and more: a corner between sides of
 constexpr double uneven = 2.5;         // this ratio
 constexpr double sure = 24;            // a gain as no noise has in some hundred places
@@ -59,6 +60,10 @@ class CornerSearch {
 
   std::vector<int> run() {
     std::vector<int> found;
+    if (is_polygon()) {
+      for (int i = 0; i < row_.count(); ++i) found.push_back(i);
+      return found;
+    }
     if (row_.count() <= few) return in_points();
     // Corners are no noise: it is estimated again without them.
     constexpr int most_rounds = 4;
@@ -73,6 +78,12 @@ class CornerSearch {
       found = again;
     }
     return found;
+  }
+
+  // Whether a closed list turns so much at every point that it can only be a polygon.
+  bool is_polygon() const {
+    return row_.closed() && std::all_of(turn_.begin(), turn_.end(),
+                                        [](double turn) { return turn >= polygon_turn_by; });
   }
 
   // Whether turns of `angle` between neighbours may be noise.

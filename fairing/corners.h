@@ -20,6 +20,9 @@ namespace batten {
 /// by 60 where one side of it is a single chord. In longer lists turns that grow steadily over four
 /// points up to the last chord, to 75 degrees, are half of a nose and no corner.
 ///
+/// A closed list that turns by 50 degrees or more at every point is a polygon: all of its points are
+/// corners (a circle is given by eight points, which turn by 45, or more).
+///
 /// Where points are noisy, so that `angle` could be noise, arms of up to sixty points tell on either side:
 /// two parabolas that meet at a corner have to be nearer to the points than any one polynomial, up
 /// to the fifth degree, by more than chance would let them. The noise is estimated from third and

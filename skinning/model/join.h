@@ -11,7 +11,8 @@
 //      y_A = -γ y_B + δ X',   γ > 0.                                                       (1)
 //
 // At a corner of a region y is fixed by the two lines that meet there, and so are γ and δ; between
-// its ends log γ and δ run linearly along the line. With γ and δ known (1) is linear in the dofs
+// its ends log γ and δ are cubics along the line, those of least squares for the shapes from which
+// they are planned (JoinBow). With γ and δ known (1) is linear in the dofs
 // and the same for x, y and z: one matrix for all regions of a group, solved together, and the
 // tangent planes come out as those of least energy of both sides. (1) is imposed at the vertices
 // and at the middles of edges (w_n). Between these, y is quadratic along an edge, so that
@@ -86,10 +87,22 @@ struct JoinEnd {
   /// is not set.
   std::array<std::vector<Neighbour>, 2> set;
 };
+/// What log γ and δ have beyond the linear run between their ends, at the fraction f of a line:
+/// f (1 - f) (c[0] + c[1] (2 f - 1)).
+struct JoinBow {
+  std::array<double, 2> log_gamma{}, delta{};
+  bool is_zero() const { return *this == JoinBow{}; }
+  bool operator==(const JoinBow&) const = default;
+  static double at(const std::array<double, 2>& c, double f) {
+    return f * (1 - f) * (c[0] + c[1] * (2 * f - 1));
+  }
+};
+
 /// How (1) is imposed along one join line.
 struct JoinPlan {
   JoinLine join_line;
   std::array<JoinEnd, 2> ends;  ///< start and end; of an embedded line only whether it is open
+  JoinBow bow;  ///< of two runs
   /// For an embedded line: fractions of its parameter, and γ and δ there, linear between.
   std::vector<double> at, gamma, delta;
   bool closed = false;  ///< of an embedded line: it has no ends

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <optional>
@@ -30,7 +31,7 @@ std::vector<char> cornered(const RegionLayout& layout) {
 bool JoinPlan::constant() const {
   constexpr double same = 1e-7;  // below 1e-5 degrees
   return at.empty() && !ends[0].open && !ends[1].open &&
-         std::abs(ends[0].gamma - ends[1].gamma) < same &&
+         bow.is_zero() && std::abs(ends[0].gamma - ends[1].gamma) < same &&
          std::abs(ends[0].delta - ends[1].delta) < same;
 }
 
@@ -180,6 +181,34 @@ class Planner {
     plan.why_not = glue.wrong(end ? "at its end" : "at its start");
   }
 
+  // How γ and δ of two runs differ between their ends from the linear run, as the shapes have it.
+  void plan_bow(JoinPlan& plan) {
+    const JoinEdge a = sides_(plan.join_line.sides[0]), b = sides_(plan.join_line.sides[1]);
+    if (a.closed() || plan.ends[0].loose || plan.ends[1].loose) return;
+    constexpr double kMostApart = 45;  // degrees: such shapes say nothing about how they join
+    constexpr double kMost = 1;        // of a correction of log γ or δ
+    constexpr double kNone = 1e-6;
+    Mat2 normal = Mat2::Zero();
+    Eigen::Matrix<double, 2, 2> right = Eigen::Matrix<double, 2, 2>::Zero();
+    for (int k = 1; k + 1 < a.count(); ++k) {
+      const double f = a.fraction(k);
+      const Glue glue(a.slope(f), a.across(shape(plan.join_line.sides[0]), k),
+                      b.across(shape(plan.join_line.sides[1]), k));
+      if (!(glue.apart_deg <= kMostApart)) continue;
+      const double log_gamma = std::log(glue.gamma) - (1 - f) * std::log(plan.ends[0].gamma) -
+                               f * std::log(plan.ends[1].gamma);
+      const double delta = glue.delta - (1 - f) * plan.ends[0].delta - f * plan.ends[1].delta;
+      const Vec2 basis = f * (1 - f) * Vec2(1, 2 * f - 1);
+      normal += basis * basis.transpose();
+      right.col(0) += std::clamp(log_gamma, -kMost, kMost) * basis;
+      right.col(1) += std::clamp(delta, -kMost, kMost) * basis;
+    }
+    if (!(normal.determinant() > 1e-9 * normal.trace() * normal.trace())) return;
+    const Mat2 c = normal.inverse() * right;
+    if (c.cwiseAbs().maxCoeff() < kNone) return;
+    plan.bow = {{c(0, 0), c(1, 0)}, {c(0, 1), c(1, 1)}};
+  }
+
   // What is imposed at an end of an embedded line.
   void plan_embedded_end(JoinPlan& plan, int end) {
     const std::array<JoinSide, 2>& sides = plan.join_line.sides;
@@ -272,6 +301,8 @@ std::vector<JoinPlan> plan_joins(const std::vector<const RegionLayout*>& regions
         planner.plan_end(plan, end);
       else if (!plan.given_up() && !plan.closed)
         planner.plan_embedded_end(plan, end);
+  for (JoinPlan& plan : plans)
+    if (of_runs(plan)) planner.plan_bow(plan);
   return plans;
 }
 

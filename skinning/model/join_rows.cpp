@@ -37,7 +37,7 @@ class RunTies {
  public:
   RunTies(const JoinPlan& plan, const std::string& name, const JoinEdge& a, const JoinEdge& b,
           ConstraintSet& set)
-      : name_(name), a_(a), b_(b), set_(set) {
+      : name_(name), a_(a), b_(b), set_(set), bow_(plan.bow) {
     for (size_t e = 0; e < 2; ++e) {
       log_gamma_[e] = std::log(plan.ends[e].gamma);
       delta_[e] = plan.ends[e].delta;
@@ -72,11 +72,16 @@ class RunTies {
   }
 
  private:
-  double gamma(double f) const { return std::exp(share(log_gamma_[0], log_gamma_[1], f)); }
-  double delta(double f) const { return share(delta_[0], delta_[1], f); }
+  double gamma(double f) const {
+    return std::exp(share(log_gamma_[0], log_gamma_[1], f) + JoinBow::at(bow_.log_gamma, f));
+  }
+  double delta(double f) const {
+    return share(delta_[0], delta_[1], f) + JoinBow::at(bow_.delta, f);
+  }
   const std::string& name_;
   const JoinEdge &a_, &b_;
   ConstraintSet& set_;
+  const JoinBow& bow_;
   double log_gamma_[2], delta_[2];
 };
 
