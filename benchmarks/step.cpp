@@ -69,7 +69,7 @@ std::vector<std::unique_ptr<Model>> all_models() {
   else
     for (const char* name : {"teapot", "computer-mouse"})
       models.push_back(model_of(std::string("sketch ") + name,
-                                scene_of_network({sketches / (std::string(name) + ".json")}, "m")));
+                                scene_of_lines({sketches / (std::string(name) + ".json")}, {}, "m")));
   return models;
 }
 

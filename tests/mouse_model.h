@@ -39,11 +39,11 @@ inline Model mouse(double edge) {
   NetworkOptions network;
   network.corner_angle = corner;
   RegionOptions regions;
-  regions.words = scene.network->regions;
+  regions.words = scene.network.regions;
   ModelOptions options;
   options.name = "mouse";
   options.skin.edge_length = edge;
-  options.joins = scene.network->joins;
+  options.joins = scene.network.joins;
   return made(lines, network, regions, options);
 }
 

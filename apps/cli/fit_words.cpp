@@ -22,7 +22,7 @@ Scene scene_of(const FitWords& a) {
   scene.skin.options.edge_length = a.edge_length;
   scene.step_lines = a.step.lines;
   scene.step_ap242 = a.step.ap242;
-  if (a.meet > 0) scene.network->tolerance = a.meet;
+  if (a.meet > 0) scene.network.tolerance = a.meet;
   return scene;
 }
 

@@ -15,22 +15,19 @@ struct LineWords {
   std::string file, out, unit = "mm", screenshot, compare, show = "shaded", picture, choices;
   std::vector<std::string> files, inner, settings;
   std::vector<double> angles;
-  double edge_length = 0, tolerance = 0, meet = 0, pressure = 0;
+  double edge_length = 0, tolerance = 0, gap_tolerance = 0, pressure = 0;
   int contours = 0;
   bool network = false, exact_step = false;
   StepWords step;
 };
 
 Scene lines_scene(const LineWords& a) {
-  Scene scene = a.network ? scene_of_network({a.files.begin(), a.files.end()}, a.unit)
-                          : scene_of_lines({a.files.begin(), a.files.end()},
-                                           {a.inner.begin(), a.inner.end()}, a.unit);
+  if (a.network)
+    throw InputError("--network: found an option of older versions, expected none: what curves bound is always found");
+  Scene scene = scene_of_lines({a.files.begin(), a.files.end()}, {a.inner.begin(), a.inner.end()}, a.unit);
   scene.skin.options.edge_length = a.edge_length;
   scene.skin.options.tolerance = a.tolerance;
-  if (a.meet > 0) {
-    if (!scene.network) throw InputError("--meet is for lines of a --network");
-    scene.network->tolerance = a.meet;
-  }
+  scene.network.tolerance = a.gap_tolerance;
   scene.compare = a.compare;
   scene.step_lines = a.step.lines;
   scene.step_ap242 = a.step.ap242;
@@ -47,7 +44,6 @@ Scene lines_scene(const LineWords& a) {
 int info(LineWords a) {
   if (!a.choices.empty()) {
     a.files = {a.file};
-    a.network = true;
     std::cout << draw_choices(a.choices,
                               a.file.ends_with(".toml") ? read_scene(a.file) : lines_scene(a));
     return kDone;
@@ -90,27 +86,24 @@ Command add_skin(ProgramWords& program, CommonWords& common) {
   const auto words = std::make_shared<LineWords>();
   LineWords& a = *words;
   const Words sub =
-      program.command("skin", "From files of lines straight to a surface: STEP, VTK, report");
+      program.command("skin", "From files of curves straight to surfaces: STEP, VTK, report");
   sub.option("lines", a.files,
-             "Outline: .csv .txt .xyz .dat .obj .curves .iges .step .dxf .svg; a network: "
-             ".json too")
+             "Curves: .csv .txt .xyz .dat .obj .curves .iges .step .dxf .svg .json")
       .required();
-  const Word inner = sub.option("--inner", a.inner, "A file of inner lines").repeated();
-  const Word network = sub.flag("--network", a.network,
-                                "The lines are a network: all surfaces between them, joined");
-  network.excludes(inner);
+  sub.option("--inner", a.inner, "A file of curves that lie on a surface and bound none").repeated();
+  sub.flag("--network", a.network, "").hidden();
   sub.option("--out", a.out, "Folder for all files").required();
   add_unit(sub, a.unit);
   sub.option("--edge-length", a.edge_length, "Target length of element edges").positive();
   sub.option("--tolerance", a.tolerance, "Largest distance of fitted lines").positive();
-  sub.option("--meet", a.meet, "Distance within which lines of a network meet; found unless given")
+  sub.option("--gap-tolerance", a.gap_tolerance,
+             "Distance within which curves meet; found unless given")
       .positive();
   sub.option("--compare", a.compare, "CAD file: measure the distance from its faces");
   sub.flag("--exact-step", a.exact_step,
            "STEP to rounding, three faces a triangle, instead of one face a region");
   add_step_words(sub, a.step);
-  sub.option("--pressure", a.pressure, "Pressure along the normal, relative units")
-      .excludes(network);
+  sub.option("--pressure", a.pressure, "Pressure along the normal, relative units");
   add_common(sub, common);
   return {sub, [words, &common] {
             const auto report =
@@ -127,8 +120,7 @@ Command add_info(ProgramWords& program) {
   sub.option("file", a.file, "The file").required();
   sub.option("--picture", a.picture, "Draw its lines with their curvature, to a .png");
   sub.option("--choices", a.choices,
-             "Network: draw surfaces that could as well be others, into this folder, and say "
-             "what to write");
+             "Draw surfaces that could as well be others, into this folder, and say what to write");
   add_unit(sub, a.unit);
   return {sub, [words] { return info(*words); }};
 }
@@ -143,7 +135,7 @@ Command add_view(ProgramWords& program, CommonWords& common) {
   sub.option("--show", a.show, "What to show")
       .one_of({"shaded", "mean_curvature", "gauss_curvature", "regions"})
       .with_default();
-  sub.flag("--network", a.network, "The lines of the file are a network");
+  sub.flag("--network", a.network, "").hidden();
   sub.option("--contours", a.contours, "Number of contour lines").within(0, 1000);
   sub.option("--view", a.angles, "Azimuth and elevation, degrees").count(2);
   add_unit(sub, a.unit);

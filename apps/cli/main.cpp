@@ -32,7 +32,7 @@ const char* const kVersion = "batten " BATTEN_VERSION
 const char* const kExamples = R"(
 Examples:
   batten skin outline.csv --out result          lines to a surface: STEP, VTK, report
-  batten skin --network sketch.json --unit m --out result    a network of lines to all its surfaces
+  batten skin sketch.json --unit m --out result    curves to all surfaces between them
   batten run hood.toml --out result             everything a scene asks for
   batten run hood.toml --out result --set crown=4
   batten stress hood.toml --out result          and its stresses, without remeshing

@@ -20,6 +20,10 @@ const CLI::Validator kPositive(
 
 Word Word::required() const { return Word(option_->required()); }
 
+Word Word::hidden() const {
+  option_->group("");
+  return *this;
+}
 Word Word::repeated() const { return Word(option_->take_all()->allow_extra_args(false)); }
 
 Word Word::count(int values) const { return Word(option_->expected(values)); }

@@ -29,6 +29,7 @@ class Word {
   Word count(int values) const;
   /// The help says its default.
   Word with_default() const;
+  Word hidden() const;              ///< the help does not list it
   Word needs(Word other) const;     ///< it makes sense beside the other one only
   Word excludes(Word other) const;  ///< the two contradict each other
   Word positive() const;            ///< a finite number above 0

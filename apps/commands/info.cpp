@@ -166,7 +166,7 @@ std::string scene_text(const Scene& scene) {
   return "scene '" + scene.name + "', unit " + scene.unit + "\n" +
          lines_text(read_sources(scene.lines, scene.file, scene.unit), scene.unit,
                     scene.skin.options.corner_angle) +
-         (scene.network ? network_text(scene) : "") + parameters_text(scene.parameters());
+         (states_one_region(scene) ? "" : network_text(scene)) + parameters_text(scene.parameters());
 }
 
 std::string fairing_text(const FairScene& scene) {
@@ -271,8 +271,6 @@ LoopPanel panel_of(const CharacterLineNetwork& network, const std::string& title
 }  // namespace
 
 std::string draw_choices(const std::filesystem::path& folder, const Scene& scene) {
-  if (!scene.network)
-    throw InputError("found no [network], expected one: only networks have choices");
   require_display();
   std::vector<CharacterLine> lines = read_lines(scene);
   add_mirrored(scene, lines);

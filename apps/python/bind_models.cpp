@@ -169,21 +169,18 @@ void bind_making(py::module_& m) {
       "skin",
       [](const py::dict& lines, const py::object& tolerance, const py::object& edge_length,
          const py::object& corner_angle, const py::iterable& inner, const py::iterable& holes,
-         const py::iterable& smooth, const py::iterable& crease, const py::object& network,
-         const std::string& name, const std::string& unit, const std::string& words,
-         const py::object& progress) {
+         const py::iterable& smooth, const py::iterable& crease, const std::string& name,
+         const std::string& unit, const std::string& words, const py::object& progress) {
         return made(scene_of_arrays(lines, {name, unit, words, tolerance, edge_length, corner_angle,
-                                            inner, holes, smooth, crease, network}),
+                                            inner, holes, smooth, crease}),
                     progress);
       },
       "lines"_a, py::kw_only(), "tolerance"_a = py::none(), "edge_length"_a = py::none(),
       "corner_angle"_a = py::none(), "inner"_a = py::tuple(), "holes"_a = py::tuple(),
-      "smooth"_a = py::tuple(), "crease"_a = py::tuple(), "network"_a = py::none(),
-      "name"_a = "surface", "unit"_a = "mm", "words"_a = "", "progress"_a = py::none(),
-      R"(The surface of least bending through lines: {name: points n×3, or a Curve}.
+      "smooth"_a = py::tuple(), "crease"_a = py::tuple(), "name"_a = "surface", "unit"_a = "mm", "words"_a = "", "progress"_a = py::none(),
+      R"(The surface that curves bound: {name: points n×3, or a Curve}.
 
-The lines are one network whose regions are found, unless `inner` or `holes` name some: then the
-others bound one region. `tolerance`, `edge_length`: in model units (1e-4 and 1/20 of the size).
+What they bound is found; curves in `inner` lie on a face, those in `holes` trim one. `tolerance`, `edge_length`: in model units (1e-4 and 1/20 of the size).
 `corner_angle`: degrees. `smooth`, `crease`: names of lines along which regions join so. `words`:
 text of a scene without lines and unit, for all else (docs/scenes.md). `progress(stage, fraction)`: what it
 raises stops the computation. Raises InputError, ConflictError, NoSolutionError.
@@ -196,7 +193,7 @@ Source: Celniker, Gossard 1991: K q = F under the rows of the lines (docs/theory
         return made(scene, progress);
       },
       "path"_a, py::kw_only(), "values"_a = py::none(), "progress"_a = py::none(),
-      R"(The model of a scene file (.toml), or of a file of lines or CAD curves as one network.
+      R"(The model of a scene file (.toml), or of a file of curves.
 
 `values`: parameters {name: value} that stand for those of the scene. Raises InputError,
 "FILE:LINE:COLUMN: found …, expected …", ConflictError, NoSolutionError.)");

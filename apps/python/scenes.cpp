@@ -96,21 +96,10 @@ Scene scene_of_arrays(const py::dict& lines, const SkinWords& words) {
              holes = names_from(words.holes, "holes", names),
              smooth = names_from(words.smooth, "smooth", names),
              crease = names_from(words.crease, "crease", names);
-  const bool roles = !inner.empty() || !holes.empty();
-  const bool network = truth_from(words.network, "network").value_or(!roles);
-  if (network && roles)
-    throw InputError(
-        "network: found True beside inner or holes, expected one of both: in a network "
-        "which lines bound a surface is found");
-  if (network && !scene.network) scene.network.emplace();
-  if (!network && (scene.network || !smooth.empty() || !crease.empty()))
-    throw InputError("smooth, crease: found without a network, expected network=True");
   give_roles(scene, inner, CharacterLine::Role::Inner);
   give_roles(scene, holes, CharacterLine::Role::Hole);
-  if (network) {
-    join_words(*scene.network, smooth, JoinWord::Kind::Smooth);
-    join_words(*scene.network, crease, JoinWord::Kind::Crease);
-  }
+  join_words(scene.network, smooth, JoinWord::Kind::Smooth);
+  join_words(scene.network, crease, JoinWord::Kind::Crease);
   SkinOptions& options = scene.skin.options;
   if (!words.tolerance.is_none()) options.tolerance = number_above_0(words.tolerance, "tolerance");
   if (!words.edge_length.is_none())
@@ -124,7 +113,7 @@ Scene scene_of_file(const std::string& file) {
   switch (file_kind(file)) {
     case FileKind::Cad:
     case FileKind::Lines:
-      return scene_of_network({file}, "mm");
+      return scene_of_lines({file}, {}, "mm");
     default:
       return read_scene(file);
   }

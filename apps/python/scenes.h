@@ -15,14 +15,13 @@ struct SkinWords {
   std::string name, unit, words;
   py::object tolerance, edge_length, corner_angle;  ///< numbers above 0, or None
   py::iterable inner, holes, smooth, crease;        ///< names of lines
-  py::object network;                               ///< whether the lines are one: a bool, or None
 };
 
 /// A scene of lines by their names: points n×3, or a Curve. `words`: text of a scene, which says
 /// everything but lines and the unit. Throws InputError.
 Scene scene_of_arrays(const py::dict& lines, const SkinWords& words);
 
-/// A scene of a file: a scene's, or lines of a file as one network (scene_of_network()).
+/// A scene of a file: a scene's, or the curves of a file.
 Scene scene_of_file(const std::string& file);
 
 /// Parameters by name, from a dict or None. Throws InputError on what is no number.

@@ -75,7 +75,7 @@ std::shared_ptr<const ShapedModel> ShapedModel::with_values(
   for (const auto& [name, value] : values) {
     scene.set(name, value, "");
     const bool material = name.starts_with("alpha") || name.starts_with("beta");
-    live &= is_live(scene, name) && !(material && scene.network);
+    live &= is_live(scene, name) && !(material && made_->network);
   }
   if (!live) return of_scene(scene, progress);
   MadeShape shape = make_refined_shape(*made_, scene, progress);

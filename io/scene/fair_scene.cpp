@@ -82,7 +82,9 @@ void FairScene::set(const std::string& parameter, double value, const std::strin
 
 bool only_fairs(const std::filesystem::path& file) {
   const toml::table root = parse_toml(input_bytes(file, "a scene (.toml)"), file, "a scene");
-  return root.contains("fair") && !root.contains("skin") && !root.contains("network");
+  for (const char* key : {"skin", "region", "join", "network"})
+    if (root.contains(key)) return false;
+  return root.contains("fair");
 }
 
 FairScene parse_fair_scene(const std::string& text, const std::filesystem::path& file) {

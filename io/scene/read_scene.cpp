@@ -17,30 +17,6 @@ void refuse(const TomlTable& table, const std::string& what, const Refusals& ref
     if (table.has(key)) table.fail(key, "'" + std::string(key) + "' " + what, reason);
 }
 
-void refuse_what_does_not_fit(const TomlTable& root) {
-  constexpr const char* found = "none: which lines bound a surface is found, or said by [[region]]";
-  for (const TomlTable& t : root.tables("line", line_keys(true)))
-    refuse(t, "in a network", {{"role", found}, {"treatment", "none: the domains decide"}});
-  for (const TomlTable& t : root.tables("lines", lines_keys(true)))
-    refuse(t, "in a network",
-           {{"role", found},
-            {"inner", found},
-            {"holes", found},
-            {"treatment", "none: the domains decide"}});
-  for (const TomlTable& t : root.table("skin", skin_keys())) {
-    constexpr const char* each =
-        "none: each region of a network has the domain that suits it, or its [[region]]'s";
-    refuse(t, "in a network",
-           {{"domain", each}, {"settle", each}, {"mesher", each}, {"refine", "edge_length"}});
-    for (const char* key : {"alpha", "beta"})
-      if (t.has(key) && t.is_array(key))
-        t.fail(
-            key, "three numbers in a network",
-            "one number: its regions have no direction of u in common (a [[weight]] with along = "
-            "\"LINE\" resists along a line)");
-  }
-}
-
 std::vector<std::string> loop_of(const TomlTable& table, const std::vector<PlacedWord>& words) {
   if (words.empty())
     table.fail("loops", "a loop without lines", "names of lines: loops = [[\"a\", \"b\", \"c\"]]");
@@ -103,40 +79,33 @@ RegionWord read_region(const TomlTable& table, Names& names) {
   return word;
 }
 
-/// Reads [network], [[region]] and [[join]] into the scene, whose lines have been read before.
-/// Without [network] it changes nothing. Throws InputError: a mistake in the tables, what cannot
-/// stand beside [network], a [[region]] or [[join]] without it.
+/// Reads how surfaces are found and joined: keys of [skin], [[region]] and [[join]]. Throws
+/// InputError: a mistake in the tables, the table [network] of older scenes.
 void read_network(const TomlTable& root, Scene& scene) {
-  const auto networks =
-      root.table("network", {"tolerance", "straight_angle", "most_at_line", "smooth_below",
-                             "join_tolerance", "trembling", "symmetry"});
-  if (networks.empty()) {
-    for (const char* key : {"region", "join"})
-      if (root.has(key))
-        root.fail(key, "[[" + std::string(key) + "]] without [network]",
-                  "both: [network] makes surfaces between all lines");
-    return;
-  }
-  refuse_what_does_not_fit(root);
-  const TomlTable& table = networks.front();
+  if (root.has("network"))
+    root.fail("network", "[network]",
+              "none: every scene finds what its curves bound. Its keys are keys of [skin] now, "
+              "'tolerance' as gap_tolerance and 'smooth_below' as crease_angle");
   SceneNetwork network;
-  network.place = table.place();
-  network.tolerance = table.positive("tolerance", 0);
-  const auto angle = [&](const std::string& key, double& degrees, double most) {
-    degrees = table.has(key) ? table.number(key) : degrees;
-    if (!(degrees >= 0 && degrees <= most))
-      table.fail(key, number(degrees), "0 to " + number(most) + " degrees");
-  };
-  angle("straight_angle", network.straight_angle, 45);
-  angle("smooth_below", network.smooth_below, 180);
-  network.join_tolerance = table.positive("join_tolerance", network.join_tolerance);
-  if (table.has("trembling"))
-    network.fair_trembling = table.choice<bool>("trembling", {{"fair", true}, {"keep", false}});
-  if (table.has("symmetry"))
-    network.symmetry = table.choice<int>("symmetry", {{"x", 0}, {"y", 1}, {"z", 2}});
-  network.most_at_line = table.whole_number("most_at_line", 1, network.most_at_line);
-  if (network.most_at_line > 16)
-    table.fail("most_at_line", std::to_string(network.most_at_line), "1 to 16");
+  for (const TomlTable& table : root.table("skin", skin_keys())) {
+    network.place = table.place();
+    network.tolerance = table.positive("gap_tolerance", 0);
+    const auto angle = [&](const std::string& key, double& degrees, double most) {
+      degrees = table.has(key) ? table.number(key) : degrees;
+      if (!(degrees >= 0 && degrees <= most))
+        table.fail(key, number(degrees), "0 to " + number(most) + " degrees");
+    };
+    angle("straight_angle", network.straight_angle, 45);
+    angle("crease_angle", network.smooth_below, 180);
+    network.join_tolerance = table.positive("join_tolerance", network.join_tolerance);
+    if (table.has("trembling"))
+      network.fair_trembling = table.choice<bool>("trembling", {{"fair", true}, {"keep", false}});
+    if (table.has("symmetry"))
+      network.symmetry = table.choice<int>("symmetry", {{"x", 0}, {"y", 1}, {"z", 2}});
+    network.most_at_line = table.whole_number("most_at_line", 1, network.most_at_line);
+    if (network.most_at_line > 16)
+      table.fail("most_at_line", std::to_string(network.most_at_line), "1 to 16");
+  }
 
   Names names("region name");
   for (const TomlTable& t : root.tables(
@@ -180,11 +149,11 @@ void read_skin(const TomlTable& table, SceneSkin& skin) {
                             {{"relative", LoadUnits::Relative}, {"absolute", LoadUnits::Absolute}});
   skin.hold =
       table.choice("hold", Hold::Lines, {{"lines", Hold::Lines}, {"corners", Hold::Corners}});
-  skin.fair = table.choice("fair", SceneSkin::Fair::Bending,
-                           {{"bending", SceneSkin::Fair::Bending},
+  skin.fair = table.choice("fair", SceneSkin::Fair::Auto,
+                           {{"auto", SceneSkin::Fair::Auto},
+                            {"bending", SceneSkin::Fair::Bending},
                             {"variation", SceneSkin::Fair::Variation},
                             {"loft", SceneSkin::Fair::Loft}});
-  skin.rest = !table.has("fair") || skin.fair != SceneSkin::Fair::Bending;
   for (const char* key : {"strength", "largest_move"})
     if (table.has(key) && skin.fair != SceneSkin::Fair::Variation)
       table.fail(key, std::string("'") + key + "' without variation",

@@ -142,7 +142,13 @@ void Scene::set(const std::string& parameter, double value, const std::string& w
 }
 
 std::string SceneSkin::fair_word() const {
-  return fair == Fair::Bending ? "bending" : fair == Fair::Variation ? "variation" : "loft";
+  switch (fair) {
+    case Fair::Auto: return "auto";
+    case Fair::Bending: return "bending";
+    case Fair::Variation: return "variation";
+    case Fair::Loft: break;
+  }
+  return "loft";
 }
 
 bool Scene::is_sculpted() const {

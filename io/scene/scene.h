@@ -44,11 +44,10 @@ struct SceneSkin {
   bool isotropic_alpha = true, isotropic_beta = true;  ///< whether the scene gives one number
   LoadUnits units = LoadUnits::Relative;
   enum class Hold { Lines, Corners } hold = Hold::Lines;
-  /// What the shape makes least: the linear bending energy, the change of its curvature, or bending
-  /// across sections only.
-  enum class Fair { Bending, Variation, Loft } fair = Fair::Bending;
-  /// Regions rest in the shape that their boundary curves mean; not where "bending" is asked for.
-  bool rest = true;
+  /// The shape between the curves: what these mean (rest_shape.h), with least bending relative to it; least
+  /// bending from nothing; least change of curvature; or a loft across sections.
+  enum class Fair { Auto, Bending, Variation, Loft } fair = Fair::Auto;
+  bool has_rest() const { return fair != Fair::Bending; }
   double strength = 1;               ///< of variation: share of the way from the bending shape
   double largest_move = 0;           ///< of variation, in the scene's unit; 0: any
   std::vector<PlacedWord> sections;  ///< of a loft: lines that are sides of four-cornered regions
@@ -156,9 +155,10 @@ struct SceneSweep {
   ScenePicture picture;  ///< the sheet; each panel has look.title and the value as its title
 };
 
-/// [network], [[region]] and [[join]]: the lines are one network, and all its regions are skinned.
+/// How the surfaces between the curves of a scene are found and joined: keys of [skin], [[region]]
+/// and [[join]].
 struct SceneNetwork {
-  FilePlace place;
+  FilePlace place;  ///< of [skin]
   double tolerance = 0;  ///< distance within which lines meet, model units; 0: NetworkOptions'
   double straight_angle = NetworkOptions{}.straight_angle;    ///< degrees
   int most_at_line = RegionOptions{}.most_at_line;            ///< most regions at one line
@@ -183,8 +183,8 @@ struct Scene {
   std::filesystem::path file;  ///< empty for a scene made by a program
   std::string name = "surface", unit = "mm";
   std::vector<SceneLine> lines;
-  std::vector<FairStage> fairing;       ///< [[fair]]: how lines are faired before they are skinned
-  std::optional<SceneNetwork> network;  ///< without it, the lines bound one region
+  std::vector<FairStage> fairing;  ///< [[fair]]: how lines are faired before they are skinned
+  SceneNetwork network;
   SceneSkin skin;
   std::vector<SceneTarget> targets;
   std::vector<SceneConstraint> constraints;

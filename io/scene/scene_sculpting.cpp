@@ -245,18 +245,6 @@ void check_line(const Scene& scene, const PlacedWord& line) {
                    one_of(line.text, names));
 }
 
-/// Regions have names in a network only.
-void check_regions(const Scene& scene) {
-  const auto check = [&](const SceneArea& area) {
-    if (scene.network || area.regions.empty()) return;
-    throw InputError(scene.at(area.regions.front().place) + "found the region '" +
-                     area.regions.front().text +
-                     "', expected none: without [network] there is one region, which has no name");
-  };
-  for (const auto& load : scene.loads) check(load.area);
-  for (const auto& weight : scene.weights) check(weight.area);
-}
-
 void check_lines(const Scene& scene) {
   const auto check = [&](const PlacedWord& line) {
     if (!line.text.empty()) check_line(scene, line);
@@ -362,7 +350,6 @@ void read_sculpting(const TomlTable& root, const std::filesystem::path& folder, 
   for (const TomlTable& t : root.table("motion", {"density", "damping", "theta"}))
     scene.motion = read_motion(t);
   check_lines(scene);
-  check_regions(scene);
   check_rules(scene);
 }
 

@@ -211,6 +211,7 @@ class Finder {
     if (!ring()) islands();
     holes();
     find_inner_lines(graph_, prices_, found_.regions);
+    if (!found_.regions.empty()) place_stated(graph_, found_.regions);
     std::tie(found_.bare, found_.rims) = bare_and_rims();
     auto open =
         rim_choices(graph_, search_, found_.regions, found_.rims, settled_.nothing, prices_);

@@ -91,6 +91,7 @@ RegionGraph::RegionGraph(const CharacterLineNetwork& network, EndTangents tangen
     RegionArc arc;
     arc.name = from.name;
     arc.line = network.lines()[from.line].name;
+    arc.role = network.lines()[from.line].role;
     arc.nodes = from.nodes;
     arc.length = from.length;
     const double a = from.curve.start(), b = from.curve.end();
@@ -150,9 +151,12 @@ void RegionGraph::connect() {
 // Dangling arcs come off, from their free ends inwards.
 void RegionGraph::find_core() {
   core.assign(arcs.size(), true);
+  for (size_t a = 0; a < arcs.size(); ++a)
+    core[a] = arcs[a].role == CharacterLine::Role::Outline;
   std::vector<int> degree(nodes.size()), free_ends;
   for (size_t n = 0; n < nodes.size(); ++n) {
-    degree[n] = count_of(ends[n]);
+    degree[n] = static_cast<int>(std::count_if(ends[n].begin(), ends[n].end(),
+                                               [&](const ArcEnd& e) { return core[e.arc]; }));
     if (degree[n] == 1) free_ends.push_back(static_cast<int>(n));
   }
   while (!free_ends.empty()) {

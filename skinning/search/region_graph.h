@@ -18,6 +18,7 @@ struct RegionArc {
   static constexpr int kPieces = 16;
 
   std::string name, line;
+  CharacterLine::Role role = CharacterLine::Role::Outline;  ///< inner curves and holes bound nothing
   std::array<int, 2> nodes{};
   double length = 0;
   std::array<Vec3, kPieces + 1> points, tangents, u, v;  ///< u × v = tangent
@@ -38,8 +39,8 @@ struct RegionGraph {
   std::vector<RegionArc> arcs;
   std::vector<Vec3> nodes;
   std::vector<std::vector<ArcEnd>> ends;  ///< arc ends at each node
-  /// Arcs that lie on a cycle or between cycles: what is left when dangling arcs are taken away
-  /// again and again until none dangles.
+  /// Arcs of outlines that lie on a cycle or between cycles: what is left when dangling arcs are
+  /// taken away again and again until none dangles.
   std::vector<bool> core;
   std::vector<bool> bridge;  ///< without the arc its part would be two
   std::vector<int> part;     ///< connected part of each arc, numbered in the order of arcs

@@ -6,6 +6,7 @@
 #include <memory>
 #include <set>
 
+#include "batten/core/errors.h"
 #include "batten/core/index.h"
 #include "batten/core/words.h"
 #include "batten/skinning/domains/plain_fill.h"
@@ -132,6 +133,50 @@ void find_inner_lines(const RegionGraph& graph, const LoopPrices& prices,
       more = true;
     }
   }
+  for (NetworkRegion& region : regions) std::sort(region.inner.begin(), region.inner.end());
+}
+
+void place_stated(const RegionGraph& graph, std::vector<NetworkRegion>& regions) {
+  using Role = CharacterLine::Role;
+  std::vector<char> placed(graph.arcs.size(), 0);
+  for (const NetworkRegion& region : regions) {
+    for (const int arc : region.inner) placed[arc] = 1;
+    for (const ArcLoop& loop : region.loops)
+      for (const ArcUse& use : loop) placed[use.arc] = 1;
+  }
+  std::vector<std::unique_ptr<RoughSurface>> surfaces(regions.size());
+  const auto nearest_region = [&](const std::vector<Vec3>& points, const std::string& line) {
+    constexpr double kNear = 0.1;  // of the region's size
+    int best = -1;
+    double least = HUGE_VAL;
+    for (size_t r = 0; r < regions.size(); ++r) {
+      if (!surfaces[r]) surfaces[r] = std::make_unique<RoughSurface>(graph, regions[r].loops[0]);
+      const double d = surfaces[r]->farthest(points, kNear * surfaces[r]->diagonal());
+      if (d < least) best = static_cast<int>(r), least = d;
+    }
+    if (best < 0 && regions.size() == 1) return 0;
+    if (best < 0)
+      throw InputError("curve '" + line +
+                       "' lies on none of the surfaces between the curves, expected it on one "
+                       "(its role says so)");
+    return best;
+  };
+  std::vector<int> hole_arcs;
+  for (int a = 0; a < count_of(graph.arcs); ++a) {
+    if (placed[a]) continue;
+    if (graph.arcs[a].role == Role::Hole) hole_arcs.push_back(a);
+    if (graph.arcs[a].role == Role::Inner)
+      regions[nearest_region(points_of(graph.arcs[a]), graph.arcs[a].line)].inner.push_back(a);
+  }
+  for (ArcLoop& hole : closed_chains(graph, hole_arcs)) {
+    for (const ArcUse& use : hole) placed[use.arc] = 1;
+    const std::string& line = graph.arcs[hole.front().arc].line;
+    regions[nearest_region(graph.sampled(hole, 8), line)].loops.push_back(std::move(hole));
+  }
+  for (const int a : hole_arcs)
+    if (!placed[a])
+      throw InputError("curve '" + graph.arcs[a].line +
+                       "' is said to bound a hole, expected holes to be closed");
   for (NetworkRegion& region : regions) std::sort(region.inner.begin(), region.inner.end());
 }
 

@@ -29,6 +29,11 @@ class RoughSurface {
 void find_inner_lines(const RegionGraph& graph, const LoopPrices& prices,
                       std::vector<NetworkRegion>& regions);
 
+/// Gives arcs whose curve is stated to lie inside, or to bound a hole, to the region whose rough
+/// surface they are nearest to: within a tenth of its size. Holes are closed chains of such arcs.
+/// Throws InputError for one that lies on no region, or does not close.
+void place_stated(const RegionGraph& graph, std::vector<NetworkRegion>& regions);
+
 /// A loop by itself that lies on the rough surface of a region of another part, within a fiftieth
 /// of that region's size.
 struct Island {

@@ -6,6 +6,7 @@
 #include "batten/core/errors.h"
 #include "batten/core/index.h"
 #include "batten/core/parallel.h"
+#include "batten/core/words.h"
 #include "batten/skinning/domains/mesh_size.h"
 
 namespace batten {
@@ -102,8 +103,32 @@ RegionMaker::RegionMaker(const CharacterLineNetwork& network, const FoundRegions
 }
 
 double RegionMaker::element_edge(int region) const {
-  return std::min(edge_of(region),
-                  orientation_.sizes[region] / least_across(model_.regions.size()));
+  return std::min({edge_of(region),
+                   orientation_.sizes[region] / least_across(model_.regions.size()),
+                   edge_for_turns(region)});
+}
+
+// Along a side that turns, elements follow it all over the region: a wing is as curved in the middle
+// of its span as at its ends. At most halves the usual edge, so that small fillets do not ask for
+// more elements than the region has.
+double RegionMaker::edge_for_turns(int region) const {
+  constexpr double kDegreesPerEdge = 12;
+  constexpr double kLeastShare = 0.05;  // of the region's size: shorter arcs are details
+  constexpr double kMost = 0.5;         // of the usual edge
+  const double size = orientation_.sizes[region], usual = edge_of(region);
+  double edge = usual;
+  for (const ArcLoop& loop : model_.regions[region].plan.loops)
+    for (const ArcUse& use : loop) {
+      const NetworkArc& arc = network_.arcs()[use.arc];
+      if (arc.length < kLeastShare * size) continue;
+      constexpr int samples = 16;
+      double turn = 0;
+      for (int k = 0; k < samples; ++k)
+        turn += degrees_between(arc.curve.evaluate(arc.curve.end() * k / samples, 1),
+                                arc.curve.evaluate(arc.curve.end() * (k + 1) / samples, 1));
+      if (turn > kDegreesPerEdge) edge = std::min(edge, arc.length * kDegreesPerEdge / turn);
+    }
+  return std::max(edge, kMost * usual);
 }
 
 void RegionMaker::require_memory_for_all() const {
@@ -126,7 +151,8 @@ void RegionMaker::place_vertices() {
     double spacing = orientation_.sides[a].empty() ? edge_ : network_.size();
     for (const ArcSide& side : orientation_.sides[a]) {
       const double across = 2.0 / 3 * least_across(model_.regions.size());
-      spacing = std::min({spacing, edge_of(side.region), orientation_.sizes[side.region] / across});
+      spacing = std::min({spacing, edge_of(side.region), orientation_.sizes[side.region] / across,
+                          edge_for_turns(side.region)});
     }
     spacing = std::min(spacing, 0.5 * arc.length);
     if (const double count = arc.length / spacing; !(count <= most_triangles))
@@ -154,6 +180,7 @@ std::vector<CharacterLine> RegionMaker::lines_of(const NetworkRegion& plan) cons
   const auto add = [&](int a, CharacterLine::Role role) {
     const NetworkArc& arc = network_.arcs()[a];
     CharacterLine line{arc.name, arc.input, role};
+    line.holds = network_.lines()[arc.line].holds;
     if (role == CharacterLine::Role::Inner)
       line.curve = curve_from_hermite(arc.curve);
     else

@@ -47,7 +47,8 @@ class RegionMaker {
 
  private:
   double edge_of(int region) const;       // as stated
-  double element_edge(int region) const;  // and shorter in small regions
+  double element_edge(int region) const;  // and shorter in small and in curved regions
+  double edge_for_turns(int region) const;
   void require_memory_for_all() const;
   void place_vertices();
   std::vector<CharacterLine> lines_of(const NetworkRegion& plan) const;

@@ -5,6 +5,7 @@
 #include <exception>
 #include <limits>
 #include <optional>
+#include <utility>
 
 #include "batten/core/errors.h"
 #include "batten/core/index.h"
@@ -113,11 +114,23 @@ RegionTrial laid_out(const RegionWish& wish, const SkinOptions& skin, bool inner
                      const ModelFrame& frame, const SurfaceStiffness& material) {
   std::vector<CharacterLine> lines = wish.lines;
   if (!inner) lines.resize(lines.size() - static_cast<size_t>(wish.inner));
-  RegionTrial trial{
-      std::make_shared<const RegionLayout>(wish.name, lines, skin, wish.progress), {}, {skin, inner}, {}};
-  const ModelLayout alone(frame, {trial.layout}, {});
-  trial.shape = alone.least_energy(material, rest_dofs(alone));
-  return trial;
+  RegionLayout layout(wish.name, lines, skin, wish.progress);
+  // Its mesh suits the shape that bends least from nothing: embedded lines may ask for more.
+  constexpr int most_rounds = 4;
+  double gap = std::numeric_limits<double>::infinity();
+  for (int round = 0;; ++round) {
+    RegionTrial trial{std::make_shared<const RegionLayout>(layout), {}, {skin, inner}, {}};
+    const ModelLayout alone(frame, {trial.layout}, {});
+    trial.shape = alone.least_energy(material, rest_dofs(alone));
+    if (layout.embedded().empty() || round == most_rounds) return trial;
+    const SkinnedRegion made = layout.region(trial.shape);
+    const double before = std::exchange(gap, 0);
+    for (const EmbeddedLine& line : made.embedded)
+      gap = std::max(gap, line_gap(made.surface, line));
+    if (gap <= layout.tolerance() || !(gap < 0.9 * before) ||
+        !layout.refine(made.surface, 0.5 * layout.tolerance()))
+      return trial;
+  }
 }
 
 class Trials {

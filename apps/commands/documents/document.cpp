@@ -20,7 +20,7 @@ namespace {
 using Verb = DocumentCommand::Verb;
 
 std::string new_scene(const std::string& unit) {
-  return "unit = " + SceneText::word(unit) + "\n\n[network]\n\n[skin]\n";
+  return "unit = " + SceneText::word(unit) + "\n\n[skin]\n";
 }
 
 /// A file as a scene anywhere names it.

@@ -30,7 +30,7 @@ class EditedShape;
 /// what is missing. One thread at a time may call it.
 class Document {
  public:
-  /// An empty network in millimetres.
+  /// An empty scene in millimetres.
   Document();
   ~Document();
   Document(Document&&) noexcept;

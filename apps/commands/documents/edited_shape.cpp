@@ -292,7 +292,7 @@ void EditedShape::look_at(DocumentView& view) const {
   const MadeModel& made = model.made;
   if (made.network)
     view.network = network_report(*made.network, *made.found, made.model, made.fit_tolerance,
-                                  scene_.network->join_tolerance);
+                                  scene_.network.join_tolerance);
   view.flaws = flaw_reports(made.model);
 }
 

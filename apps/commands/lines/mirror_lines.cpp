@@ -42,8 +42,8 @@ class Twins {
 }  // namespace
 
 void add_mirrored(const Scene& scene, std::vector<CharacterLine>& lines) {
-  if (!scene.network || !scene.network->symmetry) return;
-  const int axis = *scene.network->symmetry;
+  if (!scene.network.symmetry) return;
+  const int axis = *scene.network.symmetry;
   std::vector<std::vector<Vec3>> points;
   Box3 box;
   for (const CharacterLine& line : lines) {
@@ -52,7 +52,7 @@ void add_mirrored(const Scene& scene, std::vector<CharacterLine>& lines) {
   }
   constexpr double near = 1e-3;  // of the size
   const double tolerance =
-      scene.network->tolerance > 0 ? scene.network->tolerance : near * box.diagonal().norm();
+      scene.network.tolerance > 0 ? scene.network.tolerance : near * box.diagonal().norm();
   const Placement mirror = mirrored(Vec3::Zero(), Vec3::Unit(axis));
   const size_t count = lines.size();
   for (size_t i = 0; i < count; ++i) {
@@ -60,7 +60,7 @@ void add_mirrored(const Scene& scene, std::vector<CharacterLine>& lines) {
         std::minmax_element(points[i].begin(), points[i].end(),
                             [axis](const Vec3& a, const Vec3& b) { return a[axis] < b[axis]; });
     if ((*low)[axis] < -tolerance && (*high)[axis] > tolerance)
-      throw InputError(scene.at(scene.network->place) + "line '" + lines[i].name +
+      throw InputError(scene.at(scene.network.place) + "line '" + lines[i].name +
                        "' crosses the plane of symmetry, from " + at(*low) + " to " + at(*high) +
                        "; expected lines on one side of it, which end there or lie in it");
     if ((*low)[axis] >= -tolerance && (*high)[axis] <= tolerance) continue;
@@ -72,8 +72,8 @@ void add_mirrored(const Scene& scene, std::vector<CharacterLine>& lines) {
 }
 
 std::vector<JoinWord> mirrored_joins(const Scene& scene, const std::vector<CharacterLine>& lines) {
-  const std::vector<JoinWord>& said = scene.network->joins;
-  if (!scene.network->symmetry) return said;
+  const std::vector<JoinWord>& said = scene.network.joins;
+  if (!scene.network.symmetry) return said;
   const Twins twins(lines);
   std::vector<JoinWord> words;
   for (const JoinWord& word : said)
@@ -85,15 +85,15 @@ std::vector<JoinWord> mirrored_joins(const Scene& scene, const std::vector<Chara
 
 std::vector<RegionWord> mirrored_regions(const Scene& scene,
                                          const std::vector<CharacterLine>& lines) {
-  std::vector<RegionWord> words = scene.network->regions;
-  if (!scene.network->symmetry) return words;
+  std::vector<RegionWord> words = scene.network.regions;
+  if (!scene.network.symmetry) return words;
   const Twins twins(lines);
   const auto names_of = [](const RegionWord& word) {
     std::multiset<std::string> names;
     for (const auto& loop : word.loops) names.insert(loop.begin(), loop.end());
     return names;
   };
-  for (const RegionWord& word : scene.network->regions) {
+  for (const RegionWord& word : scene.network.regions) {
     RegionWord twin = word;
     bool whole = false;  // names lines of both halves
     for (std::string& name : twin.inner) name = twins.of(name);
@@ -103,7 +103,7 @@ std::vector<RegionWord> mirrored_regions(const Scene& scene,
         name = twins.of(name);
       }
     const bool said =
-        std::any_of(scene.network->regions.begin(), scene.network->regions.end(),
+        std::any_of(scene.network.regions.begin(), scene.network.regions.end(),
                     [&](const RegionWord& other) { return names_of(other) == names_of(twin); });
     if (whole || said) continue;
     if (!twin.name.empty()) twin.name = kMirrored + twin.name;

@@ -26,7 +26,7 @@ class SceneLines {
       take(as_asked());
     } else {
       for (size_t i = 0; i < sources_.size(); ++i) add_as_given(i);
-      if (scene_.network && scene_.network->fair_trembling) fair_trembling();
+      if (scene_.network.fair_trembling) fair_trembling();
     }
     add_mirrored(scene_, result_.lines);
     for (std::string& text : texts_)
@@ -125,7 +125,7 @@ class SceneLines {
   static std::string words_of_faired(const std::vector<std::string>& names) {
     const bool one = names.size() == 1;
     return first_few(names) + (one ? " trembles and was faired" : " tremble and were faired") +
-           " (trembling = \"keep\" in [network] keeps " + (one ? "it" : "them") + " as given)";
+           " (trembling = \"keep\" in [skin] keeps " + (one ? "it" : "them") + " as given)";
   }
 
   const Scene& scene_;

@@ -17,18 +17,20 @@ std::vector<std::string> section_names(const Scene& scene) {
   return names;
 }
 
-FairShape lofted(const Scene& scene, std::shared_ptr<const ModelLayout> layout) {
-  const std::vector<std::string> sections = section_names(scene);
+FairShape lofted(const Scene& scene, const MadeModel& made,
+                 std::shared_ptr<const ModelLayout> layout) {
+  const std::vector<std::string> sections =
+      made.sections.empty() ? section_names(scene) : made.sections;
   FairShape shape;
   shape.fairing = std::make_shared<ShapeFairing>();
   shape.fairing->lofted = true;
   try {
     const double most = 2 * layout->tolerance();
-    LoftedModel made = loft_model(std::move(layout), sections, most);
-    shape.layout = std::move(made.layout);
-    shape.dofs = std::move(made.dofs);
+    LoftedModel loft = loft_model(std::move(layout), sections, most);
+    shape.layout = std::move(loft.layout);
+    shape.dofs = std::move(loft.dofs);
   } catch (const InputError& e) {
-    if (sections.empty()) throw;
+    if (scene.skin.sections.empty()) throw;
     throw InputError(scene.at(scene.skin.sections.front().place) + e.what());
   }
   shape.rest = [sections](const RestTask& task) { return loft_shape(task.layout, sections); };
@@ -101,8 +103,7 @@ FairShape varied(const Scene& scene, const MadeModel& made,
   FairShape shape;
   shape.layout = layout;
   shape.fairing = std::make_shared<ShapeFairing>();
-  const double join_tolerance =
-      scene.network ? scene.network->join_tolerance : ModelOptions{}.join_tolerance_deg;
+  const double join_tolerance = scene.network.join_tolerance;
   const VariationOptions options = variation_options(scene);
   try {
     FairedModel faired =
@@ -124,15 +125,25 @@ FairShape varied(const Scene& scene, const MadeModel& made,
 
 }  // namespace
 
-bool asks_for_shape(const Scene& scene) {
-  return scene.skin.fair != SceneSkin::Fair::Bending || !scene.targets.empty();
+namespace {
+
+bool is_loft(const Scene& scene, const MadeModel& made) {
+  return scene.skin.fair == SceneSkin::Fair::Loft ||
+         (scene.skin.fair == SceneSkin::Fair::Auto && !made.sections.empty());
+}
+
+}  // namespace
+
+bool asks_for_shape(const Scene& scene, const MadeModel& made) {
+  return is_loft(scene, made) || scene.skin.fair == SceneSkin::Fair::Variation ||
+         !scene.targets.empty();
 }
 
 FairShape fair_scene(const Scene& scene, const MadeModel& made,
                      std::shared_ptr<const ModelLayout> layout, const Points& bent,
                      const Progress& progress) {
   if (!scene.targets.empty()) return fitted(scene, std::move(layout), bent, progress);
-  if (scene.skin.fair == SceneSkin::Fair::Loft) return lofted(scene, std::move(layout));
+  if (is_loft(scene, made)) return lofted(scene, made, std::move(layout));
   return varied(scene, made, std::move(layout), bent, progress);
 }
 

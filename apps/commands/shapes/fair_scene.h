@@ -32,9 +32,9 @@ struct FairShape {
   RestShape rest;
 };
 
-/// Whether a scene asks for another shape of its lines than the one that bends least: by [skin] fair, or by
-/// a [[target]].
-bool asks_for_shape(const Scene& scene);
+/// Whether a scene asks for another shape of its lines than the one that bends least: by [skin] fair, by
+/// a [[target]], or because its curves are a row of sections.
+bool asks_for_shape(const Scene& scene, const MadeModel& made);
 
 /// The shape that fair = "variation" or "loft" asks for, or that is fitted to [[target]], from `bent`, the dofs that bend least on
 /// `layout`. The rest shape of a session is this one, and under other rows of lines, moves and

@@ -46,7 +46,7 @@ void add_mesh_lines(Scene& scene, const TriangleMesh& mesh) {
     for (const int v : feature.vertices) line.points.push_back(mesh.point(v));
     if (feature.closed) line.points.push_back(line.points.front());
     line.corners.emplace();  // they end where they have corners
-    if (!feature.rim) scene.network->joins.push_back({line.name, JoinWord::Kind::Crease, ""});
+    if (!feature.rim) scene.network.joins.push_back({line.name, JoinWord::Kind::Crease, ""});
     scene.lines.push_back(std::move(line));
   }
   if (found.lines.empty())
@@ -54,7 +54,7 @@ void add_mesh_lines(Scene& scene, const TriangleMesh& mesh) {
   for (int p = 0; p < count_of(found.patches); ++p)
     if (auto word = word_of(found.patches[p], scene.lines)) {
       word->name = "patch " + std::to_string(p + 1);
-      scene.network->regions.push_back(std::move(*word));
+      scene.network.regions.push_back(std::move(*word));
     }
 }
 
@@ -65,11 +65,11 @@ constexpr double kMeet = 1e-5;  // of the size: exact lines need no repair
 /// What each face of a CAD file encloses; a face around which a line runs twice is left to the search.
 void add_cad_regions(Scene& scene, const std::filesystem::path& file) {
   const CadFaceLoops found = cad_calls().read_cad_loops(file, unit_in_metres(scene.unit));
-  scene.network->tolerance = std::max(kMeet * found.size, 1.1 * found.gap);
+  scene.network.tolerance = std::max(kMeet * found.size, 1.1 * found.gap);
   constexpr double smooth = 0.5;  // degrees: faces that meet by more are no one surface
   for (const CadJoin& join : found.joins)
     if (join.angle_deg > smooth)
-      scene.network->joins.push_back({join.line, JoinWord::Kind::Crease, ""});
+      scene.network.joins.push_back({join.line, JoinWord::Kind::Crease, ""});
   for (const CadLoops& face : found.faces) {
     RegionWord word;
     std::set<std::string> used;
@@ -82,7 +82,7 @@ void add_cad_regions(Scene& scene, const std::filesystem::path& file) {
     word.inner = face.inner;
     word.ring = face.ring();
     word.skin.convex = face.convex;
-    scene.network->regions.push_back(std::move(word));
+    scene.network.regions.push_back(std::move(word));
   }
 }
 
@@ -94,18 +94,17 @@ Scene scene_of_target(const std::filesystem::path& target,
   Scene scene;
   if (lines.empty() && mesh) {
     scene.unit = unit;
-    scene.network.emplace();
     const TriangleMesh surface = prepare(MeshFile::read(target).shells()).mesh;
     add_mesh_lines(scene, surface);
-    scene.network->tolerance = kMeet * surface.size();
+    scene.network.tolerance = kMeet * surface.size();
   } else {
-    scene = scene_of_network(lines.empty() ? std::vector{target} : lines, unit);
+    scene = scene_of_lines(lines.empty() ? std::vector{target} : lines, {}, unit);
     if (lines.empty()) {
       scene.lines.front().creases = true;
       add_cad_regions(scene, target);
     }
   }
-  scene.network->fair_trembling = false;  // the lines are the target's own
+  scene.network.fair_trembling = false;  // the lines are the target's own
   scene.name = target.stem().string();
   scene.step = scene.name + ".step";
   scene.vtp = scene.name + ".vtp";

@@ -1,11 +1,13 @@
 #include "batten/apps/commands/shapes/make_model.h"
 
 #include <algorithm>
+#include <iterator>
 
 #include "batten/apps/commands/lines/mirror_lines.h"
 #include "batten/apps/commands/shapes/scene_target.h"
 #include "batten/core/box.h"
 #include "batten/skinning/layout/section_region.h"
+#include "batten/skinning/search/section_row.h"
 #include "batten/skinning/search/find_regions.h"
 #include "batten/skinning/surfaces/skin_network.h"
 
@@ -29,8 +31,8 @@ double size_of(const std::vector<CharacterLine>& lines) {
 }
 
 // The lines of a scene that is a stack of sections and nothing else, in their order; or none.
-std::vector<CharacterLine> only_sections(const Scene& scene,
-                                         const std::vector<CharacterLine>& lines) {
+std::vector<CharacterLine> stated_sections(const Scene& scene,
+                                           const std::vector<CharacterLine>& lines) {
   const auto& sections = scene.skin.sections;
   if (sections.size() < 2 || sections.size() != lines.size()) return {};
   std::vector<CharacterLine> in_order;
@@ -45,9 +47,8 @@ std::vector<CharacterLine> only_sections(const Scene& scene,
 
 // A region as a model.
 MadeModel one_region(const Scene& scene, const std::vector<CharacterLine>& lines,
-                     const Progress& progress) {
+                     const std::vector<CharacterLine>& sections, const Progress& progress) {
   MadeModel made;
-  const std::vector<CharacterLine> sections = only_sections(scene, lines);
   try {
     made.model.layout = std::make_shared<const ModelLayout>(
         sections.empty() ? RegionLayout(scene.name, lines, scene.skin.options, progress)
@@ -75,15 +76,15 @@ MadeModel one_region(const Scene& scene, const std::vector<CharacterLine>& lines
 CharacterLineNetwork network_of(const Scene& scene, const std::vector<CharacterLine>& lines,
                                 const Progress& progress) {
   NetworkOptions options;
-  options.tolerance = scene.network->tolerance;
+  options.tolerance = scene.network.tolerance;
   options.fit_tolerance =
       scene.targets.empty() ? scene.skin.options.tolerance : fit_tolerance(scene, size_of(lines));
   options.corner_angle = scene.skin.options.corner_angle;
-  options.straight_angle = scene.network->straight_angle;
+  options.straight_angle = scene.network.straight_angle;
   try {
     return CharacterLineNetwork(lines, options, progress);
   } catch (const InputError& e) {
-    throw InputError(scene.at(scene.network->place) + e.what());
+    throw InputError(scene.at(scene.network.place) + e.what());
   }
 }
 
@@ -91,10 +92,10 @@ FoundRegions regions_of(const Scene& scene, const CharacterLineNetwork& network,
                         const Progress& progress) {
   RegionOptions options;
   options.words = mirrored_regions(scene, network.lines());
-  options.most_at_line = scene.network->most_at_line;
+  options.most_at_line = scene.network.most_at_line;
   FoundRegions found = find_regions(network, options, progress);
   if (!found.regions.empty()) return found;
-  std::string text = scene.at(scene.network->place) + "found no loop of lines that bounds a " +
+  std::string text = scene.at(scene.network.place) + "found no loop of lines that bounds a " +
                      "surface, expected one or more (lines meet within " +
                      number(network.tolerance()) + " " + scene.unit + ")";
   int more = 0;
@@ -113,12 +114,55 @@ std::vector<std::string> MadeModel::region_names() const {
   return names;
 }
 
+bool states_one_region(const Scene& scene) {
+  using Treatment = CharacterLine::Treatment;
+  const SceneSkin& skin = scene.skin;
+  const SkinOptions& options = skin.options;
+  if (!scene.network.regions.empty() || !scene.network.joins.empty() || scene.network.symmetry)
+    return false;
+  return options.domain != SkinOptions::Domain::Auto || options.settle ||
+         options.mesher != SkinOptions::Mesher::Delaunay || options.fan_refinements >= 0 ||
+         skin.hold == SceneSkin::Hold::Corners || !skin.isotropic_alpha || !skin.isotropic_beta ||
+         skin.fair == SceneSkin::Fair::Loft ||
+         std::any_of(scene.lines.begin(), scene.lines.end(),
+                     [](const SceneLine& line) { return line.treatment != Treatment::Auto; });
+}
+
+namespace {
+
+bool bounds(const CharacterLine& line) { return line.role == CharacterLine::Role::Outline; }
+
+// Whether the outlines alone bound one region, on which all curves with another role lie.
+bool bound_one_region(const Scene& scene, const std::vector<CharacterLine>& lines,
+                      const Progress& progress) {
+  std::vector<CharacterLine> outlines;
+  std::copy_if(lines.begin(), lines.end(), std::back_inserter(outlines), bounds);
+  if (outlines.size() == lines.size()) return false;
+  if (outlines.empty()) return true;  // whose error says what is missing
+  const CharacterLineNetwork network = network_of(scene, outlines, progress);
+  const FoundRegions found = find_regions(network, {}, progress);
+  return found.regions.empty() || (found.regions.size() == 1 && found.bare.empty());
+}
+
+}  // namespace
+
 MadeModel make_model(const Scene& scene, const std::vector<CharacterLine>& lines,
                      const Progress& progress) {
-  if (!scene.network) return one_region(scene, lines, progress);
-  MadeModel made;
+  if (states_one_region(scene))
+    return one_region(scene, lines, stated_sections(scene, lines), progress);
   progress.at("network", 0);
+  const bool words = !scene.network.regions.empty() || !scene.network.joins.empty();
+  if (!words && bound_one_region(scene, lines, progress))
+    return one_region(scene, lines, {}, progress);
+  MadeModel made;
   made.network.emplace(network_of(scene, lines, progress));
+  if (!words)
+    if (const std::vector<CharacterLine> row = section_row(*made.network); !row.empty()) {
+      made = one_region(scene, lines, row, progress);
+      made.sections = {};
+      for (const CharacterLine& section : row) made.sections.push_back(section.name);
+      return made;
+    }
   progress.at("regions", 0);
   made.found.emplace(regions_of(scene, *made.network, progress));
   ModelOptions options;
@@ -127,9 +171,9 @@ MadeModel make_model(const Scene& scene, const std::vector<CharacterLine>& lines
   if (!scene.targets.empty()) options.skin.tolerance = fit_tolerance(scene, size_of(lines));
   options.material = scene.skin.material;
   options.joins = mirrored_joins(scene, lines);
-  options.rest = scene.skin.rest;
-  options.smooth_below_deg = scene.network->smooth_below;
-  options.join_tolerance_deg = scene.network->join_tolerance;
+  options.rest = scene.skin.has_rest();
+  options.smooth_below_deg = scene.network.smooth_below;
+  options.join_tolerance_deg = scene.network.join_tolerance;
   made.model = skin_network(*made.network, *made.found, options, progress);
   made.fit_tolerance = fit_tolerance(scene, made.network->size());
   return made;

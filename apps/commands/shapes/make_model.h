@@ -1,4 +1,4 @@
-// Makes the model of a scene: its lines make one region, or a network of regions.
+// Makes the model of a scene: finds what its curves bound, and skins that.
 #pragma once
 
 #include <optional>
@@ -21,18 +21,26 @@ FoundRegions regions_of(const Scene& scene, const CharacterLineNetwork& network,
 
 /// A model and what it was made from.
 struct MadeModel {
-  // Set for a scene with [network]:
+  // Set unless the scene is one region with statements about it, or a row of sections:
   std::optional<CharacterLineNetwork> network;
   std::optional<FoundRegions> found;
-  SurfaceModel model;        ///< the model; without [network] it has one region
+  /// The model. Without a network it has one region, which has no shape yet.
+  SurfaceModel model;
+  /// Names of curves that were found to be a row of sections, in their order: the shape is their loft.
+  std::vector<std::string> sections;
   double fit_tolerance = 0;  ///< tolerance of fitted and embedded lines, model units
 
   /// Names of the regions that are skinned, which the scene's loads and weights may use.
   std::vector<std::string> region_names() const;
 };
 
-/// Makes the model of the scene's lines, which does not depend on loads and constraints. Without
-/// [network] the region has no shape yet. Throws what network_of() and regions_of() throw,
+/// Whether a scene says how its only region is to be made: domain, mesher, three stiffnesses, what is
+/// held, treatments, a loft.
+bool states_one_region(const Scene& scene);
+
+/// Makes the model of the scene's curves, which does not depend on loads and constraints: one region
+/// where the scene states it, or where roles leave one outline; the loft of a row of sections; else
+/// the network of all that the curves bound. Throws what network_of() and regions_of() throw,
 /// NoSolutionError, ConflictError and CancelledError.
 MadeModel make_model(const Scene& scene, const std::vector<CharacterLine>& lines,
                      const Progress& progress = {});

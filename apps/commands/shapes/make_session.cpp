@@ -307,7 +307,7 @@ SculptingSession make_session(const ModelLayout& layout, const Scene& scene, con
                               Expected expected, const Progress& progress, SessionStart* start,
                               RestShape rest) {
   const std::string where = scene.at({});
-  if (!rest && scene.skin.rest && scene.skin.hold == SceneSkin::Hold::Lines)
+  if (!rest && scene.skin.has_rest() && scene.skin.hold == SceneSkin::Hold::Lines)
     rest = [](const RestTask& task) { return rest_dofs(task.layout); };
   try {
     Maker maker(layout, scene, made, expected, progress, std::move(rest));

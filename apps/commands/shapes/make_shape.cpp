@@ -73,7 +73,7 @@ void take_dofs(MadeShape& shape, const Points& dofs, const Scene& scene) {
 // Makes the shape fair where the scene asks for that: the whole shape, or where something acts what
 // a session bends.
 void fair(MadeShape& shape, const Scene& scene, const MadeModel& made, const Progress& progress) {
-  if (!asks_for_shape(scene) || !shape.layout) return;
+  if (!asks_for_shape(scene, made) || !shape.layout) return;
   FairShape faired = fair_scene(scene, made, shape.layout, shape.unloaded, progress);
   if (faired.rest && scene.is_sculpted()) {
     SessionStart start;
@@ -204,7 +204,7 @@ SculptModel sculpt_model(MadeModel made, const Scene& scene, const Progress& pro
   if (!made.model.layout) throw InputError(scene.at({}) + "no region could be skinned");
   SculptModel model;
   model.layout = std::make_shared<const ModelLayout>(refined_for_lines(made, scene, progress));
-  if (asks_for_shape(scene)) {
+  if (asks_for_shape(scene, made)) {
     const Points bent = bent_shape(*model.layout, scene, progress);
     model.fair = fair_scene(scene, made, model.layout, bent, progress);
   }

@@ -297,12 +297,6 @@ Scene scene_of_lines(const std::vector<std::filesystem::path>& outline,
   return scene;
 }
 
-Scene scene_of_network(const std::vector<std::filesystem::path>& files, const std::string& unit) {
-  Scene scene = scene_of_lines(files, {}, unit);
-  scene.network.emplace();
-  return scene;
-}
-
 namespace {
 
 // The shell of a shape, on smaller elements where an accuracy is asked for.

@@ -11,12 +11,10 @@
 
 namespace batten {
 
-/// A scene made of files of lines alone, for `batten skin`: files of outlines, files of inner
-/// lines.
+/// A scene made of files of curves alone, for `batten skin`. `inner`: files of curves that lie on a
+/// surface and bound none.
 Scene scene_of_lines(const std::vector<std::filesystem::path>& outline,
                      const std::vector<std::filesystem::path>& inner, const std::string& unit);
-/// A scene for `batten skin --network`: all lines of all files are one network.
-Scene scene_of_network(const std::vector<std::filesystem::path>& files, const std::string& unit);
 
 /// Makes the shape, measures it and writes all files and report.json into the folder, all of them
 /// or none. A result that misses a promise is written, too; report.missed says so. Throws

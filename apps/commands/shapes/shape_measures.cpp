@@ -130,7 +130,7 @@ void measure_arcs(Report& report, const MadeModel& made, const Scene& scene) {
 void measure_network(Report& report, const MadeModel& made, const Scene& scene) {
   measure_arcs(report, made, scene);
   report.network = network_report(*made.network, *made.found, made.model, made.fit_tolerance,
-                                  scene.network->join_tolerance);
+                                  scene.network.join_tolerance);
   report.surface.max_smooth_join_deg = made.model.max_join_deg;
   report.warnings.insert(report.warnings.end(), made.model.warnings.begin(),
                          made.model.warnings.end());

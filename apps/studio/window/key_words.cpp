@@ -20,9 +20,9 @@ constexpr KeyWords kKeyWords[] = {
     {"skin", "mesher", "delaunay fan"},
     {"skin", "units", "relative absolute"},
     {"skin", "hold", "lines corners"},
-    {"skin", "fair", "bending variation loft"},
+    {"skin", "fair", "auto bending variation loft"},
     {"skin", "element", "hct z12"},
-    {"network", "symmetry", "x y z"},
+    {"skin", "symmetry", "x y z"},
     {"feature features", "keep", "shape direction"},
     {"output", "step_form", "auto face exact"},
 };

@@ -141,12 +141,12 @@ inline MadeModel mouse(double edge_length, bool keel) {
     lines.push_back(straight("keel", {0, -52.25, 0}, {0, 52.25, 0}));
     lines.push_back(straight("beam", {26.56, 0, 0}, {-23.91, 0, 0}));
   } else {
-    words.words = scene.network->regions;
+    words.words = scene.network.regions;
   }
   CharacterLineNetwork network(lines, how);
   ModelOptions options;
   options.skin.edge_length = edge_length;
-  options.joins = scene.network->joins;
+  options.joins = scene.network.joins;
   SurfaceModel model = skin_network(network, find_regions(network, words), options);
   return {std::move(network), std::move(model)};
 }

@@ -49,7 +49,7 @@ class Mouse {
     options.corner_angle = kCorner;
     CharacterLineNetwork network(curves, options);
     RegionOptions words;
-    for (const RegionWord& word : scene_.network->regions)
+    for (const RegionWord& word : scene_.network.regions)
       if (std::none_of(word.loops.begin(), word.loops.end(), [&](const auto& loop) {
             return std::count(loop.begin(), loop.end(), without) > 0;
           }))
@@ -59,7 +59,7 @@ class Mouse {
     how.skin.edge_length = kEdge;
     how.material = scene_.skin.material;
     how.most_join_rounds = 0;
-    for (const JoinWord& word : scene_.network->joins)
+    for (const JoinWord& word : scene_.network.joins)
       if (word.line != without) how.joins.push_back(word);
     SurfaceModel model = skin_network(network, found, how);
     return {std::move(network), std::move(found), std::move(model)};

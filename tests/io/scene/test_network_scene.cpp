@@ -89,11 +89,11 @@ show = "regions"
 TEST_CASE("an empty network section is enough, with the kernel's defaults", "[scene][network]") {
   const Scene scene = parse_scene(kLine + "[network]\n", "s.toml");
   REQUIRE(scene.network);
-  CHECK(scene.network->tolerance == 0);
-  CHECK(scene.network->straight_angle == NetworkOptions{}.straight_angle);
-  CHECK(scene.network->smooth_below == ModelOptions{}.smooth_below_deg);
-  CHECK(scene.network->join_tolerance == ModelOptions{}.join_tolerance_deg);
-  CHECK(scene.network->most_at_line == RegionOptions{}.most_at_line);
+  CHECK(scene.network.tolerance == 0);
+  CHECK(scene.network.straight_angle == NetworkOptions{}.straight_angle);
+  CHECK(scene.network.smooth_below == ModelOptions{}.smooth_below_deg);
+  CHECK(scene.network.join_tolerance == ModelOptions{}.join_tolerance_deg);
+  CHECK(scene.network.most_at_line == RegionOptions{}.most_at_line);
   CHECK_FALSE(parse_scene(kLine, "s.toml").network);
 }
 
