@@ -187,7 +187,7 @@ void program(Promises& promises) {
     const pid_t child = fork();
     if (child == 0) {
       std::freopen("/dev/null", "w", stdout);
-      execl(BATTEN_PROGRAM, BATTEN_PROGRAM, "skin", "--network", csv.c_str(), "--unit", "m",
+      execl(BATTEN_PROGRAM, BATTEN_PROGRAM, "skin", csv.c_str(), "--unit", "m",
             "--out", out.c_str(), nullptr);
       _exit(127);
     }

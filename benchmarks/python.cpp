@@ -22,7 +22,7 @@ constexpr int events = 201, warm = 20;
 
 std::string scene_text(double edge_length) {
   return text(R"(unit = "m"
-[network]
+
 [skin]
 edge_length = %g
 [[line]]

@@ -67,7 +67,7 @@ points = [[16.0696902421635, 19.1511110779744, 0], [16.0696902421635, 19.1511110
 [[line]]
 name = "middle"
 arc = { centre = [0, 0, 0], radius = 25, angles = [90, 50] }
-[network]
+
 [skin]
 edge_length = EDGE
 [stress]
@@ -98,7 +98,7 @@ Case folded() {
       line("knee", "[[0, 0, 0.6], [0, 0.5, 0.6]]") + line("a", "[[0, 0, 0.6], [0.8, 0, 0.6]]") +
       line("b", "[[0, 0.5, 0.6], [0.8, 0.5, 0.6]]") +
       line("tip", "[[0.8, 0, 0.6], [0.8, 0.5, 0.6]]") +
-      "[network]\n[[region]]\nname = \"shelf\"\nloops = [[\"knee\", \"a\", \"tip\", \"b\"]]\n"
+      "\n[[region]]\nname = \"shelf\"\nloops = [[\"knee\", \"a\", \"tip\", \"b\"]]\n"
       "[skin]\nedge_length = EDGE\n[stress]\nthickness = 0.02\nyoung = 1e9\npoisson = 0.3\n"
       "supports = [{ line = \"foot\" }]\n"
       "loads = [{ area_force = [0, 0, -100], region = \"shelf\" }]\n";

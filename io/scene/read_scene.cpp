@@ -17,6 +17,20 @@ void refuse(const TomlTable& table, const std::string& what, const Refusals& ref
     if (table.has(key)) table.fail(key, "'" + std::string(key) + "' " + what, reason);
 }
 
+void refuse_what_does_not_fit(const TomlTable& root) {
+  for (const TomlTable& t : root.table("skin", skin_keys())) {
+    constexpr const char* each =
+        "none: each of several regions has the domain that suits it, or its [[region]]'s";
+    refuse(t, "beside [[region]] or [[join]]",
+           {{"domain", each}, {"settle", each}, {"mesher", each}, {"refine", "edge_length"}});
+    for (const char* key : {"alpha", "beta"})
+      if (t.has(key) && t.is_array(key))
+        t.fail(key, "three numbers beside [[region]] or [[join]]",
+               "one number: regions have no direction of u in common (a [[weight]] with along = "
+               "\"LINE\" resists along a line)");
+  }
+}
+
 std::vector<std::string> loop_of(const TomlTable& table, const std::vector<PlacedWord>& words) {
   if (words.empty())
     table.fail("loops", "a loop without lines", "names of lines: loops = [[\"a\", \"b\", \"c\"]]");
@@ -107,6 +121,7 @@ void read_network(const TomlTable& root, Scene& scene) {
       table.fail("most_at_line", std::to_string(network.most_at_line), "1 to 16");
   }
 
+  if (root.has("region") || root.has("join")) refuse_what_does_not_fit(root);
   Names names("region name");
   for (const TomlTable& t : root.tables(
            "region", {"name", "loops", "inner", "ring", "surface", "domain", "edge_length"}))

@@ -18,6 +18,7 @@
 #include "batten/skinning/domains/mesh_size.h"
 #include "batten/skinning/domains/polygon_fit.h"
 #include "batten/skinning/domains/ring.h"
+#include "batten/skinning/domains/ring_sections.h"
 #include "batten/skinning/region/flatten.h"
 #include "batten/skinning/region/quality.h"
 #include "batten/skinning/region/surface_line.h"
@@ -230,7 +231,9 @@ void embed(const JoinedLines& joined, const std::vector<Stretch>& others, const 
     grade_by_curvature(parts, task);
     cut_and_place(parts, task);
   }
-  const Surface surface = plain_surface(parts, task.options.element);
+  const bool sections = domain == Domain::Ring && task.options.sections;
+  const Surface surface = sections ? through_sections(parts, others, task.options.element)
+                                   : plain_surface(parts, task.options.element);
   const auto embed_lines = domain == Domain::Ring ? embed_on_ring : embed_on;
   embed_lines(surface, joined.holes, others, task, parts);
 }

@@ -71,6 +71,7 @@ std::vector<CharacterLine> section_lines(std::vector<CharacterLine> sections) {
 RegionLayout section_region(const std::string& name, std::vector<CharacterLine> sections,
                             SkinOptions options, const Progress& progress) {
   const std::vector<CharacterLine> lines = section_lines(std::move(sections));
+  options.sections = true;
   if (!is_closed(lines.back())) {
     options.corner_angle = std::min(options.corner_angle, 2.0);
     if (options.domain == SkinOptions::Domain::Auto) options.domain = SkinOptions::Domain::Polygon;

@@ -30,6 +30,8 @@ struct SkinOptions {
   /// Every corner turns to the left of the loop, wherever the lines alone seem to turn: so do those of a
   /// face that the region will be drawn to. Such a face may be far from any surface that the lines make.
   bool convex = false;
+  /// Inner lines of a ring are sections of it, in their order from the first rim to the last.
+  bool sections = false;
   /// The outline runs against its first line: the normal points to the other side.
   bool against_first = false;
   /// Whether a polygon's corners move, and the mesh is made anew, until the surface that the lines

@@ -229,7 +229,7 @@ class Finder {
     const ArcLoop a = regions[0].loops[0], b = regions[1].loops[0];
     if (a.size() + b.size() != graph_.arcs.size() || graph_.part[a[0].arc] == graph_.part[b[0].arc])
       return false;
-    if (!like_rims(graph_, a, b)) return false;
+    if (!like_rims(exact_, a, b)) return false;
     regions[0].loops = {a, b};
     regions[0].ring = true;
     regions[0].cost += regions[1].cost;

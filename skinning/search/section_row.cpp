@@ -118,7 +118,7 @@ std::vector<CharacterLine> section_row(const CharacterLineNetwork& network) {
   std::vector<Section> sections;
   for (const int a : arcs) sections.push_back(section_of(network.arcs()[a]));
   const std::vector<int> order = chain(sections);
-  const RegionGraph graph(network);
+  const RegionGraph graph(network, RegionGraph::EndTangents::OfCurve);
   for (size_t k = 0; k + 1 < order.size(); ++k) {
     const int a = order[k], b = order[k + 1];
     if (count > 0 ? !closed_face(graph, arcs[a], arcs[b], sections[a], sections[b])

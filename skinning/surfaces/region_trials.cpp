@@ -116,7 +116,7 @@ RegionTrial laid_out(const RegionWish& wish, const SkinOptions& skin, bool inner
   if (!inner) lines.resize(lines.size() - static_cast<size_t>(wish.inner));
   RegionLayout layout(wish.name, lines, skin, wish.progress);
   // Its mesh suits the shape that bends least from nothing: embedded lines may ask for more.
-  constexpr int most_rounds = 4;
+  constexpr int most_rounds = 8;
   double gap = std::numeric_limits<double>::infinity();
   for (int round = 0;; ++round) {
     RegionTrial trial{std::make_shared<const RegionLayout>(layout), {}, {skin, inner}, {}};
@@ -127,7 +127,7 @@ RegionTrial laid_out(const RegionWish& wish, const SkinOptions& skin, bool inner
     const double before = std::exchange(gap, 0);
     for (const EmbeddedLine& line : made.embedded)
       gap = std::max(gap, line_gap(made.surface, line));
-    if (gap <= layout.tolerance() || !(gap < 0.9 * before) ||
+    if (gap <= 0.9 * layout.tolerance() || !(gap < before) ||
         !layout.refine(made.surface, 0.5 * layout.tolerance()))
       return trial;
   }

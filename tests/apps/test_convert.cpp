@@ -130,7 +130,7 @@ TEST_CASE("meshes become GLB and 3MF in their units, with colours on the way", "
   CHECK(c.run({"convert", "t.obj", "t.3mf", "--from-unit", "in"}).code == 0);
   // The colours of faces of a CAD file are those of its triangles; two files are made of OBJ.
   c.file("two.toml",
-         "unit = \"mm\"\nname = \"two\"\n[network]\n"
+         "unit = \"mm\"\nname = \"two\"\n\n"
          "[[line]]\nname = \"a\"\npoints = [[0,0,0],[10,0,0],[10,10,0],[0,10,0],[0,0,0]]\n"
          "[[line]]\nname = \"b\"\npoints = [[0,0,0],[10,10,0]]\n[output]\nstep = \"s.step\"\n");
   REQUIRE(c.run({"run", "two.toml", "--out", "two"}).code == 0);

@@ -77,7 +77,7 @@ TEST_CASE("tangents of a straight line are moved by hand, and the line stays one
           "[document]") {
   const Case folder("document_tangents");
   folder.file("s.toml", R"(unit = "mm"
-[network]
+
 [[line]]
 name = "front"
 points = [[0, 0, 0], [90, 0, 0]]

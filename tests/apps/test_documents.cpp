@@ -241,7 +241,7 @@ TEST_CASE("a script gives the same bits each time, and says where it stopped", "
 
 TEST_CASE("words about a line's join are changed where they stand", "[document]") {
   const SceneText scene(
-      "unit = \"mm\"\n[network]\n[[join]]\nlines = [\"a\", \"b\"]\nkind = "
+      "unit = \"mm\"\n\n[[join]]\nlines = [\"a\", \"b\"]\nkind = "
       "\"crease\"\n[[join]]\nlines = [\"c\"]\nkind = \"smooth\"\n");
   const auto after = [&](const char* line, const std::optional<std::string>& kind) {
     SceneText text = scene;

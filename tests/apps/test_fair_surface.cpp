@@ -63,7 +63,7 @@ TEST_CASE("what a fair shape cannot have beside it is refused with its place", "
   c.fails(half_cylinder("fair = \"variaton\"\n"), 1, {"did you mean 'variation'"});
   for (const std::string kind : {"curvature", "tangent"})
     c.fails(
-        half_cylinder("") + "[network]\n[[join]]\nlines = [\"front\"]\nkind = \"" + kind + "\"\n",
+        half_cylinder("") + "\n[[join]]\nlines = [\"front\"]\nkind = \"" + kind + "\"\n",
         1, {"s.toml:", "\"" + kind + "\" where nothing is faired", "variation"});
 }
 

@@ -50,7 +50,7 @@ TEST_CASE("meshes that memory cannot hold are refused beforehand, with what fits
 TEST_CASE("all regions of a network together are asked for their memory") {
   const Case c("limits_network");
   const fs::path box = fs::path(BATTEN_SOURCE_DIR) / "tests/fuzz/seeds/networks/box.csv";
-  const Result r = c.run({"skin", "--network", box.string(), "--edge-length", "0.004", "--memory",
+  const Result r = c.run({"skin", box.string(), "--edge-length", "0.004", "--memory",
                           "1", "--out", "out"});
   CHECK(r.code == 1);
   CHECK(r.err.find("edge_length = 0.004 on all regions of a network of size") != std::string::npos);
@@ -94,7 +94,7 @@ TEST_CASE("the tolerance of a network is at most a tenth of its size") {
   const Case c("limits_tolerance");
   const fs::path box = fs::path(BATTEN_SOURCE_DIR) / "tests/fuzz/seeds/networks/box.csv";
   const auto run = [&](const char* meet) {
-    return c.run({"skin", "--network", box.string(), "--meet", meet, "--out", "out"});
+    return c.run({"skin", box.string(), "--gap-tolerance", meet, "--out", "out"});
   };
   const Result r = run("0.25");  // of 2.449
   CHECK(r.code == 1);
@@ -111,7 +111,7 @@ TEST_CASE("the tolerance of lines is at least 1e-9 of the size") {
       {"tolerance = 1.414e-07 is too small for a size of 141.421: expected 1.41421e-07 or more"});
   const fs::path box = fs::path(BATTEN_SOURCE_DIR) / "tests/fuzz/seeds/networks/box.csv";
   c.file("n.toml",
-         "unit = \"m\"\ntolerance = 1e-9\n[network]\n[[lines]]\nfile = \"" + box.string() + "\"\n");
+         "unit = \"m\"\ntolerance = 1e-9\n\n[[lines]]\nfile = \"" + box.string() + "\"\n");
   const Result r = c.run({"run", "n.toml", "--out", "net"});
   CHECK(r.code == 1);
   CHECK(r.err.find("tolerance = 1e-09 is too small for a size of 2.44949") != std::string::npos);
@@ -122,7 +122,7 @@ TEST_CASE("a line of a network has two million element edges at most") {
   const auto run = [&](const std::string& far) {
     c.file("t.csv",
            "x,y,z\n0,0,0\n1,0,0\n\n1,0,0\n0,1,0\n\n0,1,0\n0,0,0\n\n0,0,0\n0,0," + far + "\n");
-    return c.run({"skin", "--network", "t.csv", "--unit", "m", "--edge-length", "0.1", "--meet",
+    return c.run({"skin", "t.csv", "--unit", "m", "--edge-length", "0.1", "--gap-tolerance",
                   "0.01", "--out", "out"});
   };
   const Result far = run("3e5");
@@ -160,7 +160,7 @@ TEST_CASE("STEP files hold surfaces up to 20 km") {
   };
   const auto run = [&](double size) {
     c.file("t.csv", triangle(size));
-    return c.run({"skin", "--network", "t.csv", "--unit", "m", "--out", "out"});
+    return c.run({"skin", "t.csv", "--unit", "m", "--out", "out"});
   };
   const Result near = run(14'142), far = run(14'143);  // √2 of it
   INFO(near.err);

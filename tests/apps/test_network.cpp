@@ -34,7 +34,7 @@ std::string box() {
   return scene;
 }
 
-const std::string kNetworkHead = "unit = \"mm\"\n[network]\n";
+const std::string kNetworkHead = "unit = \"mm\"\n\n";
 const std::string kCoarse = "[skin]\nedge_length = 8\n";
 
 }  // namespace
@@ -168,7 +168,7 @@ TEST_CASE("resistance along a line acts in all regions that have it", "[cli][net
   // others have it at 50.
   const auto areas = [](const std::string& value, const std::string& top) {
     const Case c("along");
-    std::string scene = "unit = \"mm\"\n[network]\n";
+    std::string scene = "unit = \"mm\"\n\n";
     for (int i = 0; i < 3; ++i) {
       const std::string y = std::to_string(100 * i);
       scene += "[[line]]\nname = \"arch " + std::to_string(i) + "\"\narc = [[0," + y + ",0],[" +
@@ -200,7 +200,7 @@ TEST_CASE("half a model is enough where it is symmetric", "[cli][network]") {
   const Case c("symmetry");
   // A house with its ridge in the plane y = 0: half of the walls, one slope of the roof.
   const std::string head =
-      "unit = \"mm\"\n[network]\nsymmetry = \"y\"\n[output]\nstep = \"h.step\"\n";
+      "unit = \"mm\"\n[skin]\nsymmetry = \"y\"\n[output]\nstep = \"h.step\"\n";
   const auto line = [](const std::string& name, const std::string& points) {
     return "[[line]]\nname = \"" + name + "\"\npoints = [" + points + "]\n";
   };
@@ -233,7 +233,7 @@ TEST_CASE("half a model is enough where it is symmetric", "[cli][network]") {
   const Case wrong("symmetry_wrong");
   wrong.fails(head + line("a", "[0,-20,0],[0,30,0]"), 1,
               {"s.toml:2:1:", "'a' crosses the plane of symmetry", "(0, -20, 0)"});
-  wrong.fails("unit = \"mm\"\n[network]\nsymmetry = \"w\"\n" + lines, 1,
+  wrong.fails("unit = \"mm\"\n[skin]\nsymmetry = \"w\"\n" + lines, 1,
               {"s.toml:3:12:", "one of: x, y, z"});
 }
 
@@ -331,7 +331,7 @@ TEST_CASE("skin --network takes curves from files, in any order", "[cli][network
   const std::string square =
       "0,0,0\n10,0,0\n\n10,10,0\n0,10,0\n\n0,0,0\n0,10,0\n\n10,10,0\n10,0,0\n";
   c.file("square.csv", square);
-  const Result r = c.run({"skin", "square.csv", "--network", "--unit", "m", "--out", "out"});
+  const Result r = c.run({"skin", "square.csv", "--unit", "m", "--out", "out"});
   INFO(r.out << r.err);
   REQUIRE(r.code == 0);
   const auto j = report(c, "out");
@@ -339,7 +339,7 @@ TEST_CASE("skin --network takes curves from files, in any order", "[cli][network
   CHECK(j["regions"].size() == 1);
   CHECK(j["surface"]["area"].get<double>() == Approx(100.0));
   CHECK(fs::exists(c / "out/square.step"));
-  const Result twice = c.run({"skin", "square.csv", "--network", "--inner", "x.csv", "--out", "o"});
+  const Result twice = c.run({"skin", "square.csv", "--inner", "x.csv", "--out", "o"});
   CHECK(twice.code == 1);
 }
 

@@ -178,7 +178,7 @@ TEST_CASE("solids that newcomers drew line by line have the volume that they mea
     const fs::path file =
         optional_data("newcomer-scenes") / "networks" / (std::string(solid.name) + ".csv");
     const Case c("newcomer");
-    const Result ran = c.run({"skin", "--network", file.string(), "--unit", "mm", "--out", "out"});
+    const Result ran = c.run({"skin", file.string(), "--unit", "mm", "--out", "out"});
     INFO(ran.err);
     CHECK(ran.code == 0);
     const auto report = nlohmann::json::parse(contents(c / "out/report.json"));

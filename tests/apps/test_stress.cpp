@@ -234,7 +234,7 @@ TEST_CASE("a region that hangs free is named") {
       line_of("e", "[[300,0,0],[400,0,0]]") + line_of("f", "[[400,0,0],[400,100,0]]") +
       line_of("g", "[[400,100,0],[300,100,0]]") + line_of("h", "[[300,100,0],[300,0,0]]");
   std::string scene = plate(kSteel + kClamped + "pressure = 1");
-  scene.insert(scene.find("[skin]"), far + "[network]\n");
+  scene.insert(scene.find("[skin]"), far + "\n");
   c.file("s.toml", scene);
   const Result r = c.run({"stress", "s.toml", "--out", "out"});
   INFO(r.err);

@@ -83,7 +83,7 @@ class SameBits(Laws):
 
     def test_lines_as_arrays_and_as_text(self):
         lines = {"a": [[0, 0, 0], [1, 0, 0.1]], "b": [[1, 0, 0.1], [1, 1, 0]], "c": [[1, 1, 0], [0, 0, 0]]}
-        text = 'unit = "mm"\n[network]\n' + "".join(
+        text = 'unit = "mm"\n\n' + "".join(
             f'[[line]]\nname = "{name}"\npoints = {points}\n' for name, points in lines.items())
         self.same_bits(batten.skin(lines).points, batten.parse(text).points)
 

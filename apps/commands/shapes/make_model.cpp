@@ -122,7 +122,7 @@ bool states_one_region(const Scene& scene) {
     return false;
   return options.domain != SkinOptions::Domain::Auto || options.settle ||
          options.mesher != SkinOptions::Mesher::Delaunay || options.fan_refinements >= 0 ||
-         skin.hold == SceneSkin::Hold::Corners || !skin.isotropic_alpha || !skin.isotropic_beta ||
+         !skin.isotropic_alpha || !skin.isotropic_beta ||
          skin.fair == SceneSkin::Fair::Loft ||
          std::any_of(scene.lines.begin(), scene.lines.end(),
                      [](const SceneLine& line) { return line.treatment != Treatment::Auto; });
@@ -137,7 +137,7 @@ bool bound_one_region(const Scene& scene, const std::vector<CharacterLine>& line
                       const Progress& progress) {
   std::vector<CharacterLine> outlines;
   std::copy_if(lines.begin(), lines.end(), std::back_inserter(outlines), bounds);
-  if (outlines.size() == lines.size()) return false;
+  if (outlines.size() == lines.size() && scene.skin.hold == SceneSkin::Hold::Lines) return false;
   if (outlines.empty()) return true;  // whose error says what is missing
   const CharacterLineNetwork network = network_of(scene, outlines, progress);
   const FoundRegions found = find_regions(network, {}, progress);

@@ -85,7 +85,7 @@ std::string line_results(const NetworkReport& n, const std::string& unit) {
     const bool found = n.tolerance > 1.1e-3 * n.size;
     text += result_line("by hand", "within 1e-3 of their size only " + number(100 * n.usual_share) +
                                        " % of their ends " + (found ? "would meet" : "meet") +
-                                       " another line: state `tolerance` (--meet) to have another");
+                                       " another line: state gap_tolerance (--gap-tolerance) to have another");
   }
   if (const std::string repaired = repairs(n); !repaired.empty())
     text += result_line("repaired", repaired + unit);

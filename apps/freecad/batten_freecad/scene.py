@@ -65,7 +65,7 @@ def table(heading, **keys):
 
 
 def scene_of(edges, creases=(), smooth=(), pressure=0.0, pushes=(), edge_length=0.0, tolerance=0.0, join_tolerance=0.0):
-    """The text of a scene that skins a network.
+    """The text of a scene that skins what curves bound.
 
     edges        {name: Part.Edge}; names without dots
     creases, smooth   names of edges where surfaces meet at an edge, or smoothly, whatever they would do by themselves
@@ -75,14 +75,12 @@ def scene_of(edges, creases=(), smooth=(), pressure=0.0, pushes=(), edge_length=
     tolerance    distance within which lines meet, mm; 0: found from their gaps
     """
     parts = ['unit = "mm"\n']
-    network = [f"tolerance = {float(tolerance)!r}"] if tolerance > 0 else []
-    network += [f"join_tolerance = {float(join_tolerance)!r}"] if join_tolerance > 0 else []
-    parts.append("\n".join(["[network]"] + network) + "\n")
     parts += [table("line", name=text(name), spline=spline(edge)) for name, edge in edges.items()]
     for kind, names in (("crease", creases), ("smooth", smooth)):
         if names:
             parts.append(table("join", lines=json.dumps(list(names)), kind=text(kind)))
-    parts.append("[skin]\n" + (f"edge_length = {float(edge_length)!r}\n" if edge_length > 0 else ""))
+    keys = (("edge_length", edge_length), ("gap_tolerance", tolerance), ("join_tolerance", join_tolerance))
+    parts.append("[skin]\n" + "".join(f"{key} = {float(value)!r}\n" for key, value in keys if value > 0))
     if pressure:
         parts.append(table("load", name=text("pressure"), type=text("pressure"), value=repr(float(pressure))))
     for i, (place, force) in enumerate(pushes, 1):

@@ -31,12 +31,14 @@ void check_answer(const std::string& rest, const std::vector<std::string>& parts
 
 TEST_CASE("a scene with a network is read as it is written", "[scene][network]") {
   const Scene scene = parse_scene(kLine + R"(
-[network]
-tolerance = 0.5
+[skin]
+gap_tolerance = 0.5
 straight_angle = 8
 most_at_line = 3
-smooth_below = 30
+crease_angle = 30
 join_tolerance = 0.05
+edge_length = 2
+alpha = 0.1
 [[region]]
 name = "top"
 loops = [["a", "b"], ["c"]]
@@ -54,16 +56,12 @@ kind = "smooth"
 [[join]]
 lines = ["c"]
 kind = "crease"
-[skin]
-edge_length = 2
-alpha = 0.1
 [[picture]]
 file = "p.png"
 show = "regions"
 )",
                                   "s.toml");
-  REQUIRE(scene.network);
-  const SceneNetwork& n = *scene.network;
+  const SceneNetwork& n = scene.network;
   CHECK(n.tolerance == 0.5);
   CHECK(n.straight_angle == 8);
   CHECK(n.most_at_line == 3);
@@ -74,41 +72,41 @@ show = "regions"
   CHECK(n.regions[0].loops == std::vector<std::vector<std::string>>{{"a", "b"}, {"c"}});
   CHECK(n.regions[0].inner == std::vector<std::string>{"d"});
   CHECK(n.regions[0].kind == RegionWord::Kind::Surface);
-  CHECK(n.regions[0].where == "s.toml:14:9: ");
+  CHECK(n.regions[0].where == "s.toml:16:9: ");
   CHECK(n.regions[1].kind == RegionWord::Kind::Nothing);
   CHECK(n.regions[2].ring);
   REQUIRE(n.joins.size() == 3);
   CHECK(n.joins[1].line == "b");
   CHECK(n.joins[1].kind == JoinWord::Kind::Smooth);
-  CHECK(n.joins[1].where == "s.toml:24:15: ");
+  CHECK(n.joins[1].where == "s.toml:26:15: ");
   CHECK(n.joins[2].kind == JoinWord::Kind::Crease);
   CHECK(scene.pictures[0].look.field == PictureScene::Field::Regions);
   CHECK(scene.skin.options.edge_length == 2);
 }
 
-TEST_CASE("an empty network section is enough, with the kernel's defaults", "[scene][network]") {
-  const Scene scene = parse_scene(kLine + "[network]\n", "s.toml");
-  REQUIRE(scene.network);
+TEST_CASE("a scene without words has the kernel's defaults", "[scene][network]") {
+  const Scene scene = parse_scene(kLine, "s.toml");
   CHECK(scene.network.tolerance == 0);
   CHECK(scene.network.straight_angle == NetworkOptions{}.straight_angle);
   CHECK(scene.network.smooth_below == ModelOptions{}.smooth_below_deg);
   CHECK(scene.network.join_tolerance == ModelOptions{}.join_tolerance_deg);
   CHECK(scene.network.most_at_line == RegionOptions{}.most_at_line);
-  CHECK_FALSE(parse_scene(kLine, "s.toml").network);
 }
 
-TEST_CASE("what does not go with a network is refused with the reason", "[scene][network]") {
-  const std::string n = "[network]\n";
+TEST_CASE("the table of older scenes is answered with what to write", "[scene][network]") {
+  check_answer("[network]\ntolerance = 1\n", {"s.toml:5:1:", "[skin]", "gap_tolerance", "crease_angle"});
+}
+
+TEST_CASE("what does not go with several regions is refused with the reason", "[scene][network]") {
+  const std::string n = "[[join]]\nlines = [\"a\"]\nkind = \"crease\"\n";
   check_answer(n + "[skin]\ndomain = \"ring\"\n",
-               {"s.toml:7:10:", "'domain' in a network", "each"});
+               {"s.toml:9:10:", "'domain' beside [[region]] or [[join]]", "each"});
   check_answer(n + "[skin]\nrefine = 2\n", {"'refine'", "edge_length"});
-  check_answer(n + "[skin]\nalpha = [1, 0, 1]\n", {"s.toml:7:9:", "three numbers", "one number"});
-  check_answer(n + "[[line]]\nname = \"b\"\nrole = \"inner\"\npoints = [[0,0,0],[1,1,1]]\n",
-               {"s.toml:8:8:", "'role' in a network", "[[region]]"});
+  check_answer(n + "[skin]\nalpha = [1, 0, 1]\n", {"s.toml:9:9:", "three numbers", "one number"});
 }
 
 TEST_CASE("everything that acts on a surface acts on a network", "[scene][network]") {
-  const Scene scene = parse_scene(kLine + R"([network]
+  const Scene scene = parse_scene(kLine + R"(
 [skin]
 hold = "corners"
 units = "absolute"
@@ -143,9 +141,7 @@ calculix = "a.inp"
 }
 
 TEST_CASE("words about regions and joins are checked where they stand", "[scene][network]") {
-  const std::string n = "[network]\n";
-  check_answer("[[region]]\nloops = [[\"a\"]]\n", {"s.toml:5:1:", "without [network]"});
-  check_answer("[[join]]\nlines = [\"a\"]\nkind = \"smooth\"\n", {"without [network]"});
+  const std::string n = "\n";
   check_answer(n + "[[region]]\nname = \"r\"\n", {"loops"});
   check_answer(n + "[[region]]\nloops = []\n", {"s.toml:7:9:", "an empty list"});
   check_answer(n + "[[region]]\nloops = [\"a\"]\n", {"s.toml:7:10:", "list of lists of names"});
@@ -160,9 +156,9 @@ TEST_CASE("words about regions and joins are checked where they stand", "[scene]
   check_answer(n + "[[join]]\nlines = [\"a\"]\nkind = \"smoth\"\n",
                {"s.toml:8:8:", "'smoth'", "did you mean 'smooth'?"});
   check_answer(n + "[[join]]\nkind = \"smooth\"\n", {"lines"});
-  check_answer("[network]\ntolerence = 1\n", {"s.toml:6:1:", "did you mean 'tolerance'?"});
-  check_answer("[network]\ntolerance = -1\n", {"s.toml:6:13:"});
-  check_answer("[network]\nstraight_angle = 60\n", {"s.toml:6:18:", "0 to 45"});
-  check_answer("[network]\nmost_at_line = 0\n", {"s.toml:6:"});
-  check_answer("[network]\nmost_at_line = 99\n", {"1 to 16"});
+  check_answer("[skin]\ngap_tolerence = 1\n", {"s.toml:6:1:", "did you mean 'gap_tolerance'?"});
+  check_answer("[skin]\ngap_tolerance = -1\n", {"s.toml:6:17:"});
+  check_answer("[skin]\nstraight_angle = 60\n", {"s.toml:6:18:", "0 to 45"});
+  check_answer("[skin]\nmost_at_line = 0\n", {"s.toml:6:"});
+  check_answer("[skin]\nmost_at_line = 99\n", {"1 to 16"});
 }

@@ -81,8 +81,8 @@ TEST_CASE("a key is added behind the last of its table, and taken out again", "[
     CHECK(scene.text() == kScene);
   }
   SceneText scene(kScene);
-  scene.set({"network", ""}, "tolerance", "0.5");
-  CHECK(scene.text() == kScene + "\n[network]\ntolerance = 0.5\n");
+  scene.set({"motion", ""}, "density", "0.5");
+  CHECK(scene.text() == kScene + "\n[motion]\ndensity = 0.5\n");
 }
 
 TEST_CASE("a table is added behind its kind, and removed with its comment", "[scene_text]") {

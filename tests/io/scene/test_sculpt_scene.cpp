@@ -146,12 +146,6 @@ TEST_CASE("a scene is sculpted when more than lines acts on it", "[scene][sculpt
             .is_sculpted());
 }
 
-TEST_CASE("regions of a load belong to a network", "[scene][sculpt]") {
-  CHECK_THROWS_WITH(
-      scene_with(load("pressure", "regions = [\"top\"]")),
-      Catch::Matchers::Contains("'top'") && Catch::Matchers::Contains("without [network]"));
-}
-
 TEST_CASE("weights, moves, line normals and motion are read as they are written",
           "[scene][sculpt]") {
   const Scene s = scene_with(R"(

@@ -1,4 +1,4 @@
-#include "batten/skinning/model/surface_dofs.h"
+#include "batten/skinning/region/surface_dofs.h"
 
 #include "batten/core/chunks.h"
 
