@@ -114,7 +114,8 @@ BoundarySide::Point BoundarySweep::point(const Edge& edge, double f) const {
 }
 
 void BoundarySweep::add(Edge bottom, Edge top, Edge left, Edge right, bool both) {
-  Patch patch{bottom, top, left, right, {}, {}, {}, {}};
+  Patch patch;
+  patch.bottom = bottom, patch.top = top, patch.left = left, patch.right = right;
   const auto curve = [this](const Edge& edge) {
     return [this, &edge](double f) {
       const BoundarySide::Point p = point(edge, f);
@@ -126,6 +127,15 @@ void BoundarySweep::add(Edge bottom, Edge top, Edge left, Edge right, bool both)
              r = curve(patch.right);
   patch.along_t.emplace(b, t, l, r, most);
   if (both) patch.along_s.emplace(l, r, b, t, most);
+  for (const bool at_right : {false, true}) {
+    if ((at_right ? right : left).side >= 0) continue;
+    const double s = at_right ? 1 : 0, sign = at_right ? -1 : 1;
+    Fan fan{sign * b(s).slope, sign * t(s).slope, 0};
+    fan.angle = degrees_between(fan.bottom, fan.top) * kRadians;
+    constexpr double least = 1 * kRadians, widest = 150 * kRadians;
+    if (fan.angle > least && fan.angle < widest)
+      (at_right ? patch.fan_right : patch.fan_left) = fan;
+  }
   for (int i = 0; i <= kGrid; ++i)
     for (int j = 0; j <= kGrid; ++j) {
       patch.at.emplace_back(i / double(kGrid), j / double(kGrid));
@@ -164,8 +174,7 @@ bool BoundarySweep::weigh() {
 // The Coons patch of the images, and all that is known at its place.
 BoundarySweep::Square BoundarySweep::square(const Patch& patch, const Vec2& st) const {
   const double s = st[0], t = st[1];
-  Square q{st, {}, {}, {point(patch.bottom, s), point(patch.top, s), point(patch.left, t),
-                        point(patch.right, t)}};
+  Square q{st, {}, {}, edges(patch, st)};
   const auto& [bottom, top, left, right] = q.edges;
   const Vec2 c00 = point(patch.left, 0).uv, c01 = point(patch.left, 1).uv,
              c10 = point(patch.right, 0).uv, c11 = point(patch.right, 1).uv;
@@ -219,16 +228,56 @@ BoundarySweep::Square BoundarySweep::place(const Patch& patch, const Vec2& uv) c
   return here;
 }
 
-BoundarySweep::Jet BoundarySweep::jet(const Patch& patch, const Square& square) {
+double BoundarySweep::Fan::bent(double t) const {
+  const Vec3 way = (1 - t) * bottom + t * top;
+  return std::atan2(bottom.cross(way).norm(), bottom.dot(way)) / angle;
+}
+
+double BoundarySweep::Fan::stretch(double t) const {
+  return ((1 - t) * bottom + t * top).norm() / ((1 - t) * bottom.norm() + t * top.norm());
+}
+
+Vec2 BoundarySweep::bent(const Patch& patch, const Vec2& st) {
+  const double s = st[0], t = std::clamp(st[1], 0.0, 1.0);
+  Vec2 bent = st;
+  // Cubics of s with slope 1 at the corner and 0 at the other end, where they and it vanish.
+  if (patch.fan_left) {
+    bent[0] += (patch.fan_left->stretch(t) - 1) * s * (1 - s) * (1 - s);
+    bent[1] += (patch.fan_left->bent(t) - t) * (1 - s) * (1 - s);
+  }
+  if (patch.fan_right) {
+    bent[0] += (patch.fan_right->stretch(t) - 1) * s * s * (s - 1);
+    bent[1] += (patch.fan_right->bent(t) - t) * s * s;
+  }
+  return bent;
+}
+
+BoundarySweep::Edges BoundarySweep::edges(const Patch& patch, const Vec2& st) const {
+  return {point(patch.bottom, st[0]), point(patch.top, st[0]), point(patch.left, st[1]),
+          point(patch.right, st[1])};
+}
+
+BoundarySweep::Jet BoundarySweep::jet(const Patch& patch, const Square& square) const {
+  if (!patch.fan_left && !patch.fan_right) return jet(patch, square.st, square.edges);
+  const Vec2 st = bent(patch, square.st);
+  const Jet j = jet(patch, st, edges(patch, st));
+  constexpr double h = 1e-5;
+  const Vec2 by_s = (bent(patch, square.st + Vec2(h, 0)) - bent(patch, square.st - Vec2(h, 0))) / (2 * h);
+  const Vec2 t(square.st[0], std::clamp(square.st[1], h, 1 - h));
+  const Vec2 by_t = (bent(patch, t + Vec2(0, h)) - bent(patch, t - Vec2(0, h))) / (2 * h);
+  return {j.x, by_s[0] * j.by_u + by_s[1] * j.by_v, by_t[0] * j.by_u + by_t[1] * j.by_v};
+}
+
+BoundarySweep::Jet BoundarySweep::jet(const Patch& patch, const Vec2& st, const Edges& edges) {
   const auto as = [](const BoundarySide::Point& p) { return Sweep::Place{p.x, p.x_f}; };
-  const auto& [bottom, top, left, right] = square.edges;
+  const auto& [bottom, top, left, right] = edges;
   Jet sum{Vec3::Zero(), Vec3::Zero(), Vec3::Zero()};
   if (patch.weight_t > 0) {
-    const Jet j = patch.along_t->at(square.st[1], as(bottom), as(top), as(left), as(right));
+    const Jet j = patch.along_t->at(st[1], as(bottom), as(top), as(left), as(right));
     sum = {patch.weight_t * j.x, patch.weight_t * j.by_u, patch.weight_t * j.by_v};
   }
   if (patch.weight_s > 0) {
-    const Jet j = patch.along_s->at(square.st[0], as(left), as(right), as(bottom), as(top));
+    const Jet j = patch.along_s->at(st[0], as(left), as(right), as(bottom), as(top));
     sum.x += patch.weight_s * j.x;
     sum.by_u += patch.weight_s * j.by_v;
     sum.by_v += patch.weight_s * j.by_u;
@@ -239,7 +288,7 @@ BoundarySweep::Jet BoundarySweep::jet(const Patch& patch, const Square& square) 
 
 // The point of one sweep nearest to x, from (s, t) on.
 Vec3 BoundarySweep::projected(const Patch& patch, Vec2 st, const Vec3& x) const {
-  Jet j = jet(patch, square(patch, st));
+  Jet j = jet(patch, st, edges(patch, st));
   for (int round = 0; round < 4; ++round) {
     Eigen::Matrix<double, 3, 2> slopes;
     slopes << j.by_u, j.by_v;
@@ -249,7 +298,7 @@ Vec3 BoundarySweep::projected(const Patch& patch, Vec2 st, const Vec3& x) const 
     const Vec2 step = metric.inverse() * (slopes.transpose() * (x - j.x));
     st = (st + step).cwiseMax(-kBeyond).cwiseMin(1 + kBeyond);
     if (patch.right.side < 0) st[0] = std::min(st[0], 1.0);
-    j = jet(patch, square(patch, st));
+    j = jet(patch, st, edges(patch, st));
     if ((slopes * step).norm() < 1e-10 * region_->size()) break;
   }
   return j.x;
@@ -260,7 +309,7 @@ Vec3 BoundarySweep::blended(const Vec2& uv) const {
   Vec3 mean = Vec3::Zero();
   for (const Patch& patch : patches_) {
     const Square at = place(patch, uv);
-    st.push_back(at.st);
+    st.push_back(bent(patch, at.st));
     mean += patch.weight_t * jet(patch, at).x;
   }
   Vec3 x = Vec3::Zero();

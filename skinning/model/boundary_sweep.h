@@ -22,7 +22,8 @@ namespace batten {
 /// Weights are 1 / (ρ² + 1e-6), ρ the mismatch of the pair (sweep.h): the pair whose ends are alike
 /// wins, continuously. Each sweep has its own parameters (s, t); the map from these to (u, v) is the
 /// bilinearly blended Coons patch of the sides' images, so that the surface has every boundary curve
-/// with the parameters that the curve has there. The three sweeps of a triangle move differently
+/// with the parameters that the curve has there. Around a corner that is a rail the sweep's lines of
+/// equal t fan out; (s, t) are bent so that the fan is linear in (u, v), and the surface C1, there. The three sweeps of a triangle move differently
 /// along nearly the same surface: their weighted mean is projected onto each, and the projections are
 /// averaged.
 class BoundarySweep {
@@ -47,9 +48,17 @@ class BoundarySweep {
   struct Edges {
     BoundarySide::Point bottom, top, left, right;  // at s, s, t, t
   };
+  // The curves that leave a corner which is a rail: derivatives of bottom and top by s, away from it.
+  struct Fan {
+    Vec3 bottom, top;
+    double angle;
+    double bent(double t) const;     // t, for which the directions are linear
+    double stretch(double t) const;  // of lengths, for which they are
+  };
   // Sides laid around the square, and what is swept there.
   struct Patch {
     Edge bottom, top, left, right;
+    std::optional<Fan> fan_left, fan_right;
     std::vector<Vec2> at, uv;  // samples of the map
     std::optional<Sweep> along_t, along_s;
     double weight_t = 0, weight_s = 0;
@@ -67,7 +76,11 @@ class BoundarySweep {
   BoundarySide::Point point(const Edge& edge, double f) const;
   Square square(const Patch& patch, const Vec2& st) const;
   Square place(const Patch& patch, const Vec2& uv) const;
-  static Jet jet(const Patch& patch, const Square& square);
+  // Parameters of the sweeps at (s, t), and their derivatives.
+  static Vec2 bent(const Patch& patch, const Vec2& st);
+  static Jet jet(const Patch& patch, const Vec2& st, const Edges& edges);
+  Jet jet(const Patch& patch, const Square& square) const;
+  Edges edges(const Patch& patch, const Vec2& st) const;
   Vec3 projected(const Patch& patch, Vec2 st, const Vec3& x) const;
   Vec3 blended(const Vec2& uv) const;
   SurfaceSlope slopes_of_blend(const Vec2& uv) const;
