@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <map>
+#include <numbers>
 
 #include "batten/core/groups.h"
 #include "batten/core/index.h"
@@ -109,8 +110,11 @@ NetworkReport::Region describe_region(const ModelRegion& r, const ReportNames& n
     region.size = r.skinned->size;
     region.domain = word(names.model.layout->region(r.in_layout).domain());
     region.quality = r.quality;
-    region.shape = word_for(r.natural.kind);
-    region.radius = r.natural.radius;
+    region.shape = word_for(r.shape.kind);
+    region.radius = r.shape.radius;
+    region.major_radius = r.shape.major_radius;
+    region.half_angle_deg = r.shape.half_angle * 180 / std::numbers::pi;
+    region.shape_deviation = r.shape.deviation;
   }
   return region;
 }

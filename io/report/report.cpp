@@ -26,8 +26,13 @@ Json json_of(const NetworkReport::Region& r) {
   if (r.skinned) {
     json.update({{"triangles", r.triangles}, {"dofs", r.dofs}, {"size", r.size}});
     json["domain"] = r.domain;
-    if (!r.shape.empty()) json["shape"] = r.shape;
+    if (!r.shape.empty()) {
+      json["shape"] = r.shape;
+      json["shape_deviation"] = r.shape_deviation;
+    }
     if (r.radius > 0) json["radius"] = r.radius;
+    if (r.major_radius > 0) json["major_radius"] = r.major_radius;
+    if (r.half_angle_deg > 0) json["half_angle_deg"] = r.half_angle_deg;
     json.update(json_of(r.quality));
   } else {
     json["why_not"] = r.why_not;

@@ -105,11 +105,7 @@ void measure(SurfaceModel& model, const Progress& progress) {
     ModelRegion& region = model.regions[r];
     if (!region.skinned) return;
     region.quality = measure(*region.skinned);
-    const RegionLayout& layout = model.layout->region(region.in_layout);
-    region.natural = natural_shape(layout);
-    constexpr double near = 5e-4;  // of the size, as lines are recognised
-    if (off_natural(layout, region.natural, region.skinned->surface.dofs()) > near * layout.size())
-      region.natural = {};
+    region.shape = measured_shape(*region.skinned, shape_tolerance(*region.skinned, model.layout->size()));
   });
   std::vector<SkinQuality> qualities;
   std::vector<double> plain;

@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "batten/skinning/model/model_layout.h"
-#include "batten/skinning/model/natural_shape.h"
 #include "batten/skinning/region/quality.h"
 #include "batten/skinning/search/regions.h"
+#include "batten/skinning/surfaces/measured_shape.h"
 
 namespace batten {
 
@@ -98,7 +98,7 @@ struct ModelRegion {
   int in_layout = -1;   ///< index into the regions of SurfaceModel::layout, of one that is skinned
   std::string why_not;  ///< why it could not be skinned, or ""
   SkinQuality quality;
-  NaturalShape natural;   ///< what its surface is, within 5e-4 of its size
+  MeasuredShape shape;    ///< what the finished surface is, within shape_tolerance()
   double plain_area = 0;  ///< area of the plain filling of its loops; 0 when there is none
   std::vector<std::string> warnings;
 };

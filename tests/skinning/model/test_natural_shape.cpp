@@ -17,7 +17,7 @@ using namespace batten_test;
 namespace {
 
 using std::numbers::pi;
-using Kind = NaturalShape::Kind;
+using Kind = MeasuredShape::Kind;
 using Lines = std::vector<CharacterLine>;
 
 CurvePlane level(double z) { return {Vec3(0, 0, z)}; }
@@ -60,21 +60,21 @@ double off_axis(const SkinnedRegion& region, const Radius& radius) {
 TEST_CASE("two equal arcs and two straight lines are a piece of a cylinder") {
   const SurfaceModel model = model_of(quarter(2, 2));
   REQUIRE(model.skinned().size() == 1);
-  CHECK(model.regions[0].natural.kind == Kind::Cylinder);
-  CHECK(model.regions[0].natural.radius == Approx(2).epsilon(1e-3));
+  CHECK(model.regions[0].shape.kind == Kind::Cylinder);
+  CHECK(model.regions[0].shape.radius == Approx(2).epsilon(1e-3));
   CHECK(off_axis(*model.skinned()[0], [](double) { return 2; }) < 1e-3);
   // What bends least sags: the law would not hold without the shape that the lines mean.
   ModelOptions bending;
   bending.natural = false;
   const SurfaceModel bent = model_of(quarter(2, 2), {}, bending);
-  CHECK(bent.regions[0].natural.kind == Kind::Free);
+  CHECK(bent.regions[0].shape.kind == Kind::Free);
   CHECK(off_axis(*bent.skinned()[0], [](double) { return 2; }) > 0.02);
 }
 
 TEST_CASE("arcs of two radii about one axis are a piece of a cone") {
   const SurfaceModel model = model_of(quarter(2, 1));
   REQUIRE(model.skinned().size() == 1);
-  CHECK(model.regions[0].natural.kind == Kind::Cone);
+  CHECK(model.regions[0].shape.kind == Kind::Cone);
   CHECK(off_axis(*model.skinned()[0], [](double z) { return 2 - z / 3; }) < 1e-3);
 }
 
@@ -94,7 +94,7 @@ TEST_CASE("a can between two circles is a cylinder of its volume") {
   REQUIRE(model.shells.size() == 1);
   CHECK(model.shells[0].volume == Approx(pi * 400 * 40).epsilon(1e-3));
   std::multiset<Kind> kinds;
-  for (const ModelRegion& region : model.regions) kinds.insert(region.natural.kind);
+  for (const ModelRegion& region : model.regions) kinds.insert(region.shape.kind);
   CHECK(kinds == std::multiset<Kind>{Kind::Plane, Kind::Plane, Kind::Cylinder});
 }
 
@@ -112,7 +112,7 @@ TEST_CASE("arcs about an axis and equal arcs through it are pieces of a torus, s
   }
   const SurfaceModel model = model_of(lines);
   REQUIRE(model.skinned().size() == 16);
-  for (const ModelRegion& region : model.regions) CHECK(region.natural.kind == Kind::Torus);
+  for (const ModelRegion& region : model.regions) CHECK(region.shape.kind == Kind::Torus);
   for (const ModelJoin& join : model.joins) CHECK(join.kind == ModelJoin::Kind::Smooth);
   CHECK(model.max_join_deg < 0.1);
   REQUIRE(model.shells.size() == 1);
@@ -135,7 +135,7 @@ TEST_CASE("flat walls and round fillets go on smoothly and stay flat and round")
   });
   REQUIRE(model.skinned().size() == 3);
   std::multiset<Kind> kinds;
-  for (const ModelRegion& region : model.regions) kinds.insert(region.natural.kind);
+  for (const ModelRegion& region : model.regions) kinds.insert(region.shape.kind);
   CHECK(kinds == std::multiset<Kind>{Kind::Plane, Kind::Plane, Kind::Cylinder});
   int smooth = 0;
   for (const ModelJoin& join : model.joins) smooth += join.kind == ModelJoin::Kind::Smooth;
@@ -159,6 +159,6 @@ TEST_CASE("lines that mean nothing of the kind are left to bend") {
   }
   const SurfaceModel model = model_of(lines);
   REQUIRE_FALSE(model.skinned().empty());
-  for (const ModelRegion& region : model.regions) CHECK(region.natural.kind == Kind::Free);
+  for (const ModelRegion& region : model.regions) CHECK(region.shape.kind == Kind::Free);
   CHECK(natural_dofs(*model.layout).rows() == 0);
 }
