@@ -179,7 +179,8 @@ NetworkReport network_report(const CharacterLineNetwork& network, const FoundReg
                             j.why});
   for (const RegionChoice& c : found.choices) report.choices.push_back(describe_choice(c, names));
   for (const ModelShell& s : model.shells)
-    report.shells.push_back({names.regions(s.regions), s.closed, s.orientable, s.area, s.volume});
+    report.shells.push_back({names.regions(s.regions), s.closed, s.orientable, s.area, s.volume,
+                             s.orientable ? s.normals.text() : ""});
   for (const SurfaceFlaw& f : model.flaws)
     for (const int r : f.regions) report.regions[r].flaws.push_back(f.text);
   return report;

@@ -58,6 +58,7 @@ struct NetworkReport {
     std::vector<std::string> regions;
     bool closed = false, orientable = true;
     double area = 0, volume = 0;
+    std::string normals;  ///< NormalSide::text(); "" of one that is not orientable
   };
   int lines = 0, arcs = 0, nodes = 0;
   /// Share of ends that would meet within the usual tolerance (CharacterLineNetwork).

@@ -90,7 +90,8 @@ void add_network(Json& json, const NetworkReport& n) {
                 {"closed", s.closed},
                 {"orientable", s.orientable},
                 {"area", s.area},
-                {"volume", s.volume}};
+                {"volume", s.volume},
+                {"normals", s.normals}};
   });
   json["left_over"] = {{"rims", n.rims}, {"bare", n.bare}};
   json["optimal"] = n.optimal;
@@ -210,6 +211,7 @@ Json json_of(const Report::Surface& s) {
                {"singular_nodes", q.singular_nodes},
                {"iterations", s.iterations},
                {"last_change", s.last_change},
+               {"normals", s.normals},
                {"mean_normal", {s.mean_normal.x(), s.mean_normal.y(), s.mean_normal.z()}},
                {"moved", s.moved}};
   if (s.fairing)

@@ -43,10 +43,10 @@ struct Report : RunReport {
     /// Of a scene in which something acts: the largest distance of a vertex from where the lines
     /// alone put it, model units.
     double moved = 0;
-    /// Mean of the unit normals over the area: short on a surface that goes around. Then `outwards`
-    /// says whether they point away from the middle (1), towards it (-1).
-    Vec3 mean_normal = Vec3::Zero();
-    int outwards = 0;
+    /// Where the normals point, in words (NormalSide::text()); of a network what most of its shells
+    /// say, with the number of those that say so.
+    std::string normals;
+    Vec3 mean_normal = Vec3::Zero();  ///< of the unit normals over the area
     /// What fair = "variation" did.
     struct Fairing {
       double functional = 0, start_functional = 0;  ///< change of curvature, 1/length²

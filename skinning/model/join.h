@@ -163,13 +163,18 @@ void add_line_ties(const std::vector<const RegionLayout*>& regions,
 /// surface is singular.
 struct JoinQuality {
   double max_gap = 0;  ///< largest distance between the two sides, model units
-  double max_deg = 0, mean_deg = 0;
+  double max_deg = 0;
+  double mean_deg = 0;         ///< over the length of the line
   std::array<double, 2> end_deg{};  ///< angle at the start and the end of the join line
   /// Largest angle without the first edge, or the last, where that end is open.
   double max_inside_deg = 0;
   /// Median and largest jump of the normal curvature at right angles to the line, without edges at
   /// open ends, 1/length: 0 where the curvature goes on.
   double median_curvature_jump = 0, max_curvature_jump = 0;
+  /// Integral along the line of the angle between the normals (radians), positive where the edge is
+  /// convex seen from the side of the normals; model units. It means nothing where both regions lie
+  /// on one side of the line.
+  double convexity = 0;
 };
 /// Measures it at samples + 1 places of each edge, its ends among them. `open`: (1) was given up at
 /// that end.

@@ -2,6 +2,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <numbers>
 #include <set>
 
 #include <Eigen/LU>
@@ -202,10 +203,11 @@ JoinQuality measure_join(const std::vector<const SkinnedRegion*>& regions,
   if (at.back() < 1) at.push_back(1);
   JoinQuality quality;
   std::vector<double> jumps;
-  double sum = 0;
-  long count = 0;
+  double sum = 0, length = 0;
   const size_t edges = at.size() - 1;
-  for (size_t k = 0; k < edges; ++k)
+  for (size_t k = 0; k < edges; ++k) {
+    Vec3 before = Vec3::Zero();
+    double deg_before = 0, turn_before = 0;
     for (int j = 0; j <= samples; ++j) {
       const double f = share(at[k], at[k + 1], static_cast<double>(j) / samples);
       const SurfaceJet a = jet(0, f), b = jet(1, f);
@@ -227,10 +229,21 @@ JoinQuality measure_join(const std::vector<const SkinnedRegion*>& regions,
       }
       if (k == 0 && j == 0) quality.end_deg[0] = deg;
       if (k + 1 == edges && j == samples) quality.end_deg[1] = deg;
-      sum += deg;
-      ++count;
+      // Signed, seen along the line from the side of the normals: outwards of the left region.
+      const Vec3 outwards = (join_line.sides[0].left ? 1 : -1) * side[0].slope(f).cross(na);
+      const double turn = std::copysign(deg * std::numbers::pi / 180, nb.dot(outwards));
+      if (j > 0) {
+        const double ds = (a.x - before).norm();
+        length += ds;
+        sum += 0.5 * (deg_before + deg) * ds;
+        quality.convexity += 0.5 * (turn_before + turn) * ds;
+      }
+      before = a.x;
+      deg_before = deg;
+      turn_before = turn;
     }
-  quality.mean_deg = count ? sum / static_cast<double>(count) : 0;
+  }
+  quality.mean_deg = length > 0 ? sum / length : 0;
   std::erase_if(jumps, [](double jump) { return std::isnan(jump); });
   if (!jumps.empty()) {
     std::sort(jumps.begin(), jumps.end());

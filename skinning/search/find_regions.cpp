@@ -198,6 +198,9 @@ class Finder {
     if (auto closed = closed_search(search_, exact_, settled_, prices_, progress_)) {
       search_ = std::move(*closed);
       graph_ = exact_;
+    } else if (auto sharp = sharp_search(search_, exact_, settled_, prices_, progress_)) {
+      search_ = std::move(*sharp);
+      graph_ = exact_;
     }
     for (size_t i = 0; i < search_.loops.size(); ++i)
       if (search_.selected.chosen[i]) {

@@ -107,6 +107,12 @@ void add_pairs(const RegionGraph& graph, double fold_price, RegionSearch& search
       }
 }
 
+bool was_chosen(const RegionSearch& open, const LoopCandidate& loop) {
+  return std::any_of(open.loops.begin(), open.loops.end(), [&](const LoopCandidate& other) {
+    return other.loop == loop.loop && open.selected.chosen[&other - open.loops.data()];
+  });
+}
+
 constexpr double like_a_rim = 120;  // degrees, the mean inside angle
 
 // The loops that were traced in a graph, and the problem of choosing among them.
@@ -141,6 +147,14 @@ bool has_rims(const RegionSearch& search) {
   return std::any_of(left.begin(), left.end(), [](int sides) { return sides == 1; });
 }
 
+// Whether an arc that does not dangle is left without a loop.
+bool has_bare_arcs(const RegionSearch& search, const std::vector<bool>& core) {
+  const std::vector<int> left = arcs_with_a_free_side(search);
+  for (size_t a = 0; a < left.size(); ++a)
+    if (core[a] && search.problem.room[a] > 0 && left[a] == search.problem.room[a]) return true;
+  return false;
+}
+
 // Whether every arc that does not dangle has a loop, and loops for a free side that do not run like
 // rims.
 bool may_close(const RegionSearch& search, const std::vector<bool>& core) {
@@ -170,6 +184,34 @@ RegionSearch search_regions(const RegionGraph& graph, const SettledRegions& sett
   return search;
 }
 
+std::optional<RegionSearch> sharp_search(const RegionSearch& open, const RegionGraph& exact,
+                                         const SettledRegions& settled, const LoopPrices& prices,
+                                         const Progress& progress) {
+  if (settled.most_at_line != 2 || has_rims(open) || !has_bare_arcs(open, exact.core))
+    return std::nullopt;
+  RegionSearch search = make_problem(exact, settled, prices, progress);
+  // Loops that are nearly as cheap as plane ones, n - 2, are worth more; others were chosen before.
+  constexpr double near_plane = 0.5;
+  for (size_t i = 0; i < search.loops.size(); ++i) {
+    const LoopCandidate& loop = search.loops[i];
+    const auto n = static_cast<double>(loop.loop.size());
+    double& gain = search.problem.items[i].gain;
+    if (loop.cost <= n - 2 + near_plane && loop.inside_deg <= like_a_rim)
+      gain += prices.closed * n;
+    else if (!was_chosen(open, loop))
+      gain = -1;
+  }
+  // An edge of 2 degrees costs no more than one of 90; surfaces that lie on each other do.
+  constexpr double lies_on = 179.5;
+  const double most = prices.fold * square(lies_on / 90);
+  for (auto& pair : search.problem.pairs)
+    if (pair.price < most) pair.price = std::min(pair.price, prices.fold);
+  search.selected = select(search.problem);
+  progress.at("regions: choice", 1);
+  if (has_rims(search) || has_bare_arcs(search, exact.core)) return std::nullopt;
+  return search;
+}
+
 std::optional<RegionSearch> closed_search(const RegionSearch& open, const RegionGraph& exact,
                                           const SettledRegions& settled, const LoopPrices& prices,
                                           const Progress& progress) {
@@ -178,10 +220,7 @@ std::optional<RegionSearch> closed_search(const RegionSearch& open, const Region
   RegionSearch search = make_problem(exact, settled, prices, progress);
   for (size_t i = 0; i < search.loops.size(); ++i) {
     const LoopCandidate& loop = search.loops[i];
-    const bool chosen = std::any_of(open.loops.begin(), open.loops.end(), [&](const auto& other) {
-      return other.loop == loop.loop && open.selected.chosen[&other - open.loops.data()];
-    });
-    search.problem.items[i].gain += chosen || loop.inside_deg <= like_a_rim
+    search.problem.items[i].gain += was_chosen(open, loop) || loop.inside_deg <= like_a_rim
                                         ? prices.closed * static_cast<double>(loop.loop.size())
                                         : -std::abs(search.problem.items[i].gain) - 1;
   }

@@ -79,7 +79,13 @@ void measure_shell(const SurfaceModel& model, ModelShell& shell) {
     shell.closed = shell.closed && region.skinned;
     if (region.skinned) shell.area += region.quality.area;
   }
-  if (!shell.closed || !shell.orientable) return;
+  shell.normals = {};
+  if (!shell.orientable) return;
+  std::vector<const SkinnedRegion*> made;
+  for (const int r : shell.regions)
+    if (model.regions[r].skinned) made.push_back(&*model.regions[r].skinned);
+  shell.normals = normal_side(side_integrals(made), shell.closed);
+  if (!shell.closed) return;
   std::vector<double> under(shell.regions.size());
   parallel_parts(count_of(under), [&](int k) {
     under[k] = enclosed(*model.regions[shell.regions[k]].skinned, model.layout->origin());

@@ -8,6 +8,7 @@
 #include "batten/core/parallel.h"
 #include "batten/core/words.h"
 #include "batten/skinning/domains/mesh_size.h"
+#include "batten/skinning/surfaces/normal_side.h"
 
 namespace batten {
 namespace {
@@ -213,6 +214,32 @@ void RegionMaker::lay_out(const std::vector<int>& which, double from, double to)
     }
   });
   progress_.at("skinning regions", to);
+}
+
+void RegionMaker::turn_normals() {
+  std::vector<int> turned;
+  for (const OrientedSheet& sheet : orientation_.sheets) {
+    if (!sheet.orientable) continue;
+    std::vector<const SkinnedRegion*> made;
+    for (const int r : sheet.regions)
+      if (model_.regions[r].skinned) made.push_back(&*model_.regions[r].skinned);
+    const bool closed = sheet.closed && made.size() == sheet.regions.size();
+    if (made.empty() || normal_side(side_integrals(made), closed).agrees) continue;
+    for (const int r : sheet.regions) {
+      turn_over(r, model_.regions[r].plan, orientation_);
+      if (ways_[r]) ways_[r]->skin.against_first = model_.regions[r].plan.loops[0][0].reversed;
+      // It is not to stay as it was.
+      layouts_[r] = nullptr;
+      model_.regions[r].skinned.reset();
+      turned.push_back(r);
+    }
+  }
+  if (turned.empty()) return;
+  lay_out(turned, 0.4, 0.4);
+  // What could be laid out before is tried in other ways.
+  std::erase_if(turned, [&](int r) { return layouts_[r] || !ways_[r]; });
+  for (const int r : turned) ways_[r].reset();
+  if (!turned.empty()) lay_out(turned, 0.4, 0.4);
 }
 
 RegionWish RegionMaker::wish_of(size_t r) const {

@@ -28,6 +28,9 @@ class RegionMaker {
   /// why one could not be skinned; one that could be before stays as it was then. `from`, `to`:
   /// range of the progress that is reported.
   void lay_out(const std::vector<int>& which, double from, double to);
+  /// Turns over the sheets whose first shapes show that their normals point to the wrong side
+  /// (normal_side.h), and lays these out again.
+  void turn_normals();
   /// Lays out a region in another way (try_other()). Whether there was one.
   bool lay_out_otherwise(int region);
   /// Leaves a region out after all, for a reason in words.

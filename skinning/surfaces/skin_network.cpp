@@ -34,8 +34,9 @@ class ModelMaker {
     std::vector<int> all(model_.regions.size());
     std::iota(all.begin(), all.end(), 0);
     // 1. Orient: when regions_ was made.
-    // 2. Lay out and solve each region.
+    // 2. Lay out and solve each region. Their shapes say to which side normals are to point.
     regions_.lay_out(all, 0, 0.4);
+    regions_.turn_normals();
     progress_.at("joining", 0);
     // 3. Choose creases and smooth joins.
     JoinChoice choice = choose_joins(network_, regions_, options_, model_.regions);

@@ -10,6 +10,7 @@
 #include "batten/skinning/region/quality.h"
 #include "batten/skinning/search/regions.h"
 #include "batten/skinning/surfaces/measured_shape.h"
+#include "batten/skinning/surfaces/normal_side.h"
 
 namespace batten {
 
@@ -110,6 +111,7 @@ struct ModelShell {
   bool orientable = true;  ///< normals agree across every arc
   double area = 0;         ///< model units²
   double volume = 0;       ///< enclosed, model units³; 0 unless closed and orientable
+  NormalSide normals;      ///< where its normals point; of an orientable one
 };
 
 /// What a network became, in one shape, and what that shape is worth.

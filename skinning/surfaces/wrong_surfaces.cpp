@@ -214,67 +214,266 @@ Soup soup_of(const Regions& regions, const std::vector<SkinQuality>& qualities,
   return soup;
 }
 
-// Where regions meet along a line: the wedge between them.
-void look_at_joins(const Regions& regions, const std::vector<Shell>& shells, const Soup& soup,
-                   std::vector<SurfaceFlaw>& flaws) {
-  struct Meeting {
-    double length = 0, sharp = 0, least = 180;
-    Vec3 where = Vec3::Zero();
-  };
-  std::map<EdgeKey, Meeting> meetings;  // by regions
-  // Into the facet, at right angles to its edge.
-  const auto inwards = [&](size_t f, const EdgeKey& e) {
-    const Vec3 &a = soup.points[e.first], along = (soup.points[e.second] - a).normalized();
-    Vec3 d = Vec3::Zero();
-    for (const int v : soup.facets[f])
-      if (v != e.first && v != e.second) d = soup.points[v] - a;
-    return Vec3(d - d.dot(along) * along);
-  };
-  constexpr double sharp = 30;
+constexpr double kSharp = 30;  // degrees: a wedge that has to be asked for by the curves
+
+// An edge along which two regions meet, by points of the soup, and the facets beside it.
+struct MetEdge {
+  int a, b;
+  size_t f, g;
+  double length, wedge;
+};
+using Meetings = std::map<EdgeKey, std::vector<MetEdge>>;  // by regions
+
+// Into a facet, at right angles to an edge of it.
+Vec3 into(const Soup& soup, size_t f, int a, int b) {
+  const Vec3 along = (soup.points[b] - soup.points[a]).normalized();
+  Vec3 d = Vec3::Zero();
+  for (const int v : soup.facets[f])
+    if (v != a && v != b) d = soup.points[v] - soup.points[a];
+  return d - d.dot(along) * along;
+}
+
+Meetings meetings_of(const std::vector<Shell>& shells, const Soup& soup) {
+  Meetings meetings;
   const auto no_area = [&](size_t f) {
     return shells[soup.region[f]].normals[soup.facet[f]].isZero();
   };
   for (size_t i = 0; i < soup.rim.size(); ++i)
     for (size_t j = i + 1; j < soup.rim.size() && soup.rim[j].first == soup.rim[i].first; ++j) {
-      const EdgeKey& e = soup.rim[i].first;
-      const size_t f = soup.rim[i].second, g = soup.rim[j].second;
+      const auto [a, b] = soup.rim[i].first;
+      size_t f = soup.rim[i].second, g = soup.rim[j].second;
+      if (soup.region[f] > soup.region[g]) std::swap(f, g);
       const int r = soup.region[f], s = soup.region[g];
-      if (r == s || e.first == e.second || no_area(f) || no_area(g)) continue;
-      Meeting& m = meetings[std::minmax(r, s)];
-      const Vec3 &a = soup.points[e.first], &b = soup.points[e.second];
-      const double wedge = degrees_between_normals(inwards(f, e), inwards(g, e));
-      m.length += (b - a).norm();
-      if (wedge < sharp) m.sharp += (b - a).norm();
-      if (wedge >= m.least) continue;
-      m.least = wedge;
-      m.where = 0.5 * (a + b);
+      if (r == s || a == b || no_area(f) || no_area(g)) continue;
+      meetings[{r, s}].push_back(
+          {a, b, f, g, (soup.points[b] - soup.points[a]).norm(),
+           degrees_between_normals(into(soup, f, a, b), into(soup, g, a, b))});
     }
-  constexpr double enough = 0.1;  // of the way along which they meet
-  for (const auto& [pair, m] : meetings)
-    if (m.sharp > enough * m.length)
-      flaws.push_back({SurfaceFlaw::Kind::Fold,
-                       {pair.first, pair.second},
-                       m.where,
-                       180 - m.least,
-                       "region " + name_of(regions, pair.second) + " doubles back on region " +
-                           name_of(regions, pair.first) + ": they meet at " + number(m.least) +
-                           " degrees near " + at(m.where)});
+  return meetings;
 }
 
+// The wedges that curves ask for along the lines of two regions: at an end of such a line each
+// region has another curve, and both span its tangent plane.
+class AskedWedges {
+ public:
+  explicit AskedWedges(const Soup& soup) : soup_(soup) {
+    for (const auto& [e, f] : soup.rim) {
+      rim_[{soup.region[f], e.first}].push_back(e.second);
+      rim_[{soup.region[f], e.second}].push_back(e.first);
+    }
+  }
+
+  static constexpr double kUnknown = -1;
+
+  // For each edge where two regions meet: the wedge in degrees, linear between the ends of the
+  // line; kUnknown where the curves say nothing at either end.
+  std::vector<double> of(const std::vector<MetEdge>& edges) const {
+    std::map<int, std::vector<size_t>> at;  // edges at each point
+    for (size_t i = 0; i < edges.size(); ++i)
+      for (const int v : {edges[i].a, edges[i].b}) at[v].push_back(i);
+    const auto is_end = [&](int v) {
+      const std::vector<size_t>& here = at[v];
+      return here.size() != 2 || degrees_between_normals(along(edges[here[0]], v),
+                                                         -along(edges[here[1]], v)) > kCorner;
+    };
+    std::vector<double> asked(edges.size(), kUnknown);
+    std::vector<char> seen(edges.size(), 0);
+    for (const auto& [start, around] : at) {
+      if (!is_end(start)) continue;
+      for (const size_t first : around) {
+        if (seen[first]) continue;
+        std::vector<size_t> line;
+        int v = start;
+        for (size_t edge = first; !seen[edge];) {
+          line.push_back(edge);
+          seen[edge] = 1;
+          v = edges[edge].a == v ? edges[edge].b : edges[edge].a;
+          if (is_end(v)) break;
+          edge = at[v][0] == edge ? at[v][1] : at[v][0];
+        }
+        spread(edges, line, wedge_at(edges[line.front()], start), wedge_at(edges[line.back()], v),
+               asked);
+      }
+    }
+    return asked;  // closed lines without a corner stay unknown
+  }
+
+ private:
+  static constexpr double kCorner = 30;  // degrees, of a line in chords
+
+  Vec3 along(const MetEdge& edge, int from) const {
+    const int to = edge.a == from ? edge.b : edge.a;
+    return (soup_.points[to] - soup_.points[from]).normalized();
+  }
+
+  static void spread(const std::vector<MetEdge>& edges, const std::vector<size_t>& line,
+                     double first, double last, std::vector<double>& asked) {
+    if (first == kUnknown) first = last;
+    if (last == kUnknown) last = first;
+    double length = 0, before = 0;
+    for (const size_t e : line) length += edges[e].length;
+    for (const size_t e : line) {
+      asked[e] = first + (last - first) * (before + 0.5 * edges[e].length) / length;
+      before += edges[e].length;
+    }
+  }
+
+  // The wedge between the tangent planes of both regions at the end `v` of a line.
+  double wedge_at(const MetEdge& edge, int v) const {
+    const Vec3 f = other_curve(edge, edge.f, v), g = other_curve(edge, edge.g, v);
+    return f.isZero() || g.isZero() ? kUnknown : degrees_between_normals(f, g);
+  }
+
+  // At right angles to the line and into a region, in the plane of the line and the region's other
+  // curve at its end; zero where that goes on from the line, so that it fixes no plane.
+  Vec3 other_curve(const MetEdge& edge, size_t f, int v) const {
+    constexpr double least = 0.26;  // sine of 15 degrees
+    const Vec3 t = along(edge, v), inwards = into(soup_, f, edge.a, edge.b).normalized();
+    Vec3 best = Vec3::Zero();
+    const auto found = rim_.find({soup_.region[f], v});
+    if (found == rim_.end()) return best;
+    for (const int w : found->second) {
+      if (w == edge.a || w == edge.b) continue;
+      const Vec3 d = (soup_.points[w] - soup_.points[v]).normalized();
+      Vec3 side = d - d.dot(t) * t;
+      if (side.norm() < least) continue;
+      side.normalize();
+      if (side.dot(inwards) < 0) side = -side;  // at a corner that goes inwards
+      if (best.isZero() || side.dot(inwards) > best.dot(inwards)) best = side;
+    }
+    return best;
+  }
+
+  const Soup& soup_;
+  std::map<std::pair<int, int>, std::vector<int>> rim_;  // by region and point: its neighbours
+};
+
+// Where regions meet along a line: the wedge between them, against what the curves ask for.
+void look_at_joins(const Regions& regions, const Soup& soup, const Meetings& meetings,
+                   std::vector<SurfaceFlaw>& flaws) {
+  constexpr double share = 0.5;     // of what is asked for
+  constexpr double lies_on = 0.05;  // degrees: then they lie on each other
+  constexpr double enough = 0.1;    // of the way along which they meet
+  const AskedWedges wedges(soup);
+  for (const auto& [pair, edges] : meetings) {
+    if (std::none_of(edges.begin(), edges.end(),
+                     [](const MetEdge& e) { return e.wedge < kSharp; }))
+      continue;
+    const std::vector<double> asked = wedges.of(edges);
+    double length = 0, sharp = 0, least = 180, wanted = 0;
+    Vec3 where = Vec3::Zero();
+    for (size_t i = 0; i < edges.size(); ++i) {
+      const MetEdge& e = edges[i];
+      length += e.length;
+      const double limit = asked[i] == AskedWedges::kUnknown
+                               ? kSharp
+                               : std::max(lies_on, std::min(kSharp, share * asked[i]));
+      if (e.wedge >= limit) continue;
+      sharp += e.length;
+      if (e.wedge >= least) continue;
+      least = e.wedge;
+      wanted = asked[i];
+      where = 0.5 * (soup.points[e.a] + soup.points[e.b]);
+    }
+    if (sharp <= enough * length) continue;
+    std::string text = "region " + name_of(regions, pair.second) + " doubles back on region " +
+                       name_of(regions, pair.first) + ": they meet at " + number(least) +
+                       " degrees near " + at(where);
+    if (wanted > lies_on)
+      text += ", where the curves at the ends of their line ask for " + number(std::round(wanted));
+    flaws.push_back({SurfaceFlaw::Kind::Fold,
+                     {pair.first, pair.second},
+                     where,
+                     180 - least,
+                     std::move(text)});
+  }
+}
+
+// Facets lie beside the surface that they stand for, and those of two regions at a sharp edge may
+// pass through each other where the surfaces do not.
+class SharpEdges {
+ public:
+  SharpEdges(const std::vector<Shell>& shells, const Soup& soup, const Meetings& meetings)
+      : soup_(soup), sag_(soup.facets.size(), 0) {
+    for (const auto& [pair, edges] : meetings)
+      for (const MetEdge& e : edges)
+        if (e.wedge < kSharp) lines_[pair].push_back(&e);
+    if (!lines_.empty()) measure_sag(shells);
+  }
+
+  // Whether two facets cross by no more than they lie off their surfaces, near a sharp edge.
+  bool explains(const FacetCrossing& c) const {
+    const auto found = lines_.find(std::minmax(soup_.region[c.a], soup_.region[c.b]));
+    if (found == lines_.end()) return false;
+    constexpr double near = 2;  // sizes of a facet
+    const double reach = near * std::max(size_of(c.a), size_of(c.b));
+    return std::any_of(found->second.begin(), found->second.end(),
+                       [&](const MetEdge* e) {
+                         const Vec3 middle = 0.5 * (soup_.points[e->a] + soup_.points[e->b]);
+                         return (middle - c.where).norm() <= reach;
+                       }) &&
+           std::min(depth(c.a, c.b), depth(c.b, c.a)) <= sag_[c.a] + sag_[c.b];
+  }
+
+ private:
+  const Vec3& corner(int f, int k) const { return soup_.points[soup_.own[f][k]]; }
+  double size_of(int f) const {
+    return std::max({(corner(f, 0) - corner(f, 1)).norm(), (corner(f, 1) - corner(f, 2)).norm(),
+                     (corner(f, 2) - corner(f, 0)).norm()});
+  }
+
+  // How far facet a reaches through the plane of b.
+  double depth(int a, int b) const {
+    const Vec3 n = (corner(b, 1) - corner(b, 0)).cross(corner(b, 2) - corner(b, 0)).normalized();
+    double above = 0, below = 0;
+    for (int k = 0; k < 3; ++k) {
+      const double d = n.dot(corner(a, k) - corner(b, 0));
+      above = std::max(above, d);
+      below = std::max(below, -d);
+    }
+    return std::min(above, below);
+  }
+
+  // A facet of size h whose normal differs by θ from those of its neighbours is off by h θ / 8.
+  void measure_sag(const std::vector<Shell>& shells) {
+    std::map<std::pair<EdgeKey, int>, size_t> across;  // by points and region
+    for (size_t f = 0; f < soup_.own.size(); ++f)
+      for (int k = 0; k < 3; ++k) {
+        const EdgeKey e = std::minmax(soup_.own[f][k], soup_.own[f][(k + 1) % 3]);
+        const auto [it, first] = across.try_emplace({e, soup_.region[f]}, f);
+        if (first) continue;
+        const size_t g = it->second;
+        const Vec3 &m = shells[soup_.region[f]].normals[soup_.facet[f]],
+                   &n = shells[soup_.region[g]].normals[soup_.facet[g]];
+        if (m.isZero() || n.isZero()) continue;
+        const double turn = degrees_between_normals(m, n) / kDegrees;
+        for (const size_t h : {f, g})
+          sag_[h] = std::max(sag_[h], size_of(static_cast<int>(h)) * turn / 8);
+      }
+  }
+
+  const Soup& soup_;
+  std::map<EdgeKey, std::vector<const MetEdge*>> lines_;  // sharp ones, by regions
+  std::vector<double> sag_;                               // of each facet
+};
+
 void look_at_crossings(const Regions& regions, const std::vector<Shell>& shells, const Soup& soup,
-                       std::vector<SurfaceFlaw>& flaws) {
+                       const Meetings& meetings, std::vector<SurfaceFlaw>& flaws) {
   double edge = 0;
   for (const Shell& shell : shells) edge = std::max(edge, shell.edge);
   // Beside lines that both regions only nearly keep, facets may dip through each other.
   constexpr double share = 0.1;
   const auto crossings = facet_crossings(soup.points, soup.own, soup.facets, soup.region,
                                          std::max(soup.near, share * edge));
+  if (crossings.empty()) return;
+  const SharpEdges sharp(shells, soup, meetings);
   struct Crossed {
     int count = 0;
     Vec3 where = Vec3::Zero();
   };
   std::map<EdgeKey, Crossed> by_regions;
   for (const FacetCrossing& c : crossings) {
+    if (sharp.explains(c)) continue;
     Crossed& crossed = by_regions[std::minmax(soup.region[c.a], soup.region[c.b])];
     if (crossed.count++ == 0) crossed.where = c.where;
   }
@@ -313,8 +512,9 @@ std::vector<SurfaceFlaw> find_flaws(const std::vector<const SkinnedRegion*>& reg
     look_at_area(regions, r, shells[i], qualities[i].area, plain_areas[i], flaws);
   }
   const Soup soup = soup_of(regions, qualities, shells);
-  look_at_joins(regions, shells, soup, flaws);
-  look_at_crossings(regions, shells, soup, flaws);
+  const Meetings meetings = meetings_of(shells, soup);
+  look_at_joins(regions, soup, meetings, flaws);
+  look_at_crossings(regions, shells, soup, meetings, flaws);
   return flaws;
 }
 

@@ -14,14 +14,18 @@ namespace batten {
 ///   Jacobian  min_jacobian_ratio of the quality is not above 0;
 ///   Fold      inside of a region, normals of neighbouring facets differ by more than 120 degrees:
 ///             no lines ask for that. Where two regions meet along a line a crease of any angle may
-///             be wanted, that of a box as well as that of a thin rim, but not that one region lies
-///             back on the other. So the wedge between them is measured, which is 180 degrees where
-///             they go on in one plane: a wedge below 30 degrees along more than a tenth of their
-///             common line is a flaw, with the value 180 less the sharpest wedge. A knife's edge is
-///             such a flaw too;
+///             be wanted, that of a box as well as a knife's edge, but not that one region lies back
+///             on the other. So the wedge between them is measured, which is 180 degrees where they
+///             go on in one plane, and compared with the one that the curves ask for: at the ends of
+///             the line both regions have another curve, which fixes their tangent planes there;
+///             between, it is linear. A flaw is a wedge below 30 degrees and below half of what is
+///             asked for (or below 0.05 degrees), along more than a tenth of the common line. Where
+///             no curve fixes a plane (closed lines without nodes) 30 degrees count. The value is
+///             180 less the sharpest such wedge;
 ///   Crossing  facets without a common point that pass through each other or overlap in one plane
 ///             (facet_crossings.h). Near lines that regions share only within a gap, crossings
-///             within a tenth of an edge do not count;
+///             within a tenth of an edge do not count, nor beside edges below 30 degrees those that
+///             are no deeper than facets lie off their surfaces;
 ///   Area      more than twice `plain_areas`.
 ///
 /// One flaw for each kind and region or pair of regions. O(facets log facets). Throws InputError:

@@ -268,6 +268,7 @@ std::string network_summary(const Report& report, const std::filesystem::path& f
       std::any_of(n.regions.begin(), n.regions.end(), [](const auto& r) { return r.skinned; });
   if (skinned) text += result_line("joins", joins(n));
   text += shell_results(n, unit);
+  if (skinned) text += result_line("normals", "point " + s.normals);
   text += flaw_results(report);
   if (!n.bare.empty())
     text += result_line("left over",
@@ -362,16 +363,6 @@ void view_scene(const Scene& scene, const PictureScene& look, const std::filesys
 
 namespace {
 
-std::string direction_of(const Report::Surface& s) {
-  constexpr double around = 0.3, clear = 0.95;
-  if (s.mean_normal.norm() < around) return s.outwards > 0 ? "outwards" : "inwards";
-  const Vec3 n = s.mean_normal.normalized();
-  for (int i = 0; i < 3; ++i)
-    if (std::abs(n[i]) > clear)
-      return (n[i] > 0 ? "along +" : "along -") + std::string(1, "xyz"[i]);
-  return "along " + at(((n * 100).array().round() / 100 + 0.0).matrix());
-}
-
 // Lines that only trim, and how far from the surface they were drawn.
 std::string trimming_results(const Report& report, const std::string& unit) {
   std::string text;
@@ -412,7 +403,7 @@ std::string summary(const Report& report, const std::filesystem::path& folder) {
     text +=
         result_line("moved", "by up to " + number(s.moved) + unit + " from the lines' own shape");
   text += fairing_result(s, unit) + target_result(report, unit) + flaw_results(report);
-  text += result_line("normals", "point " + direction_of(s));
+  text += result_line("normals", "point " + s.normals);
   text += result_line("quality", "Jacobian " + number(q.min_jacobian_ratio) +
                                      " of its median, normal jump " +
                                      number(q.max_normal_jump_deg) + " degrees");

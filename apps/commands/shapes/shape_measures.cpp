@@ -142,28 +142,34 @@ void measure_network(Report& report, const MadeModel& made, const Scene& scene) 
         "the search for regions was cut short: others may cost less; say yours by [[region]]");
 }
 
+// What shells say of their normals, most said first, with the number of those that say so.
+std::string said_of_normals(const std::vector<ModelShell>& shells) {
+  std::vector<std::pair<std::string, int>> said;
+  for (const ModelShell& shell : shells) {
+    const std::string text =
+        shell.orientable ? shell.normals.text() : "to no side of a surface that branches or is one-sided";
+    const auto found = std::find_if(said.begin(), said.end(),
+                                    [&](const auto& other) { return other.first == text; });
+    if (found == said.end())
+      said.emplace_back(text, 1);
+    else
+      ++found->second;
+  }
+  std::stable_sort(said.begin(), said.end(),
+                   [](const auto& a, const auto& b) { return a.second > b.second; });
+  std::string all;
+  for (const auto& [text, count] : said)
+    all += (all.empty() ? "" : ", ") + text +
+           (said.size() > 1 ? " (" + counted(count, "shell") + ")" : "");
+  return all;
+}
+
 // Where normals point, and how far what acts has moved the surface.
-void measure_sides(Report::Surface& s, const MadeShape& shape) {
-  Vec3 normals = Vec3::Zero(), centre = Vec3::Zero();
-  double area = 0, flux = 0;
-  const auto visit = [&](const auto& what) {
-    for (const SkinnedRegion& region : shape.regions)
-      for (int t = 0; t < region.surface.mesh().triangle_count(); ++t) {
-        const Trim* trim = region.surface.trim().get();
-        if (trim && trim->side(t) == Trim::Side::Outside) continue;
-        const SurfaceJet jet = region.surface.jet({t, Vec3::Constant(1.0 / 3)});
-        what(jet, region.surface.mesh().shape(t).area * jet.area_vector());
-      }
-  };
-  visit([&](const SurfaceJet& jet, const Vec3& n) {
-    normals += n;
-    centre += n.norm() * jet.x;
-    area += n.norm();
-  });
-  centre /= area;
-  visit([&](const SurfaceJet& jet, const Vec3& n) { flux += n.dot(jet.x - centre); });
-  s.mean_normal = normals / area;
-  s.outwards = flux > 0 ? 1 : -1;
+void measure_sides(Report::Surface& s, const MadeModel& made, const MadeShape& shape) {
+  SideIntegrals all;
+  for (const SkinnedRegion& region : shape.regions) all.add(side_integrals({&region}));
+  s.mean_normal = all.area_vector / all.area;
+  s.normals = made.network ? said_of_normals(made.model.shells) : normal_side(all, false).text();
   if (!shape.layout || shape.unloaded.rows() != shape.dofs.rows()) return;
   const DofMap dofs(*shape.layout->mesh());
   for (int v = 0; v < shape.layout->mesh()->vertex_count(); ++v)
@@ -242,7 +248,7 @@ void measure_into(ShapeRun& run, MadeModel& made, const MadeShape& shape, const 
                            made.model.regions.front().warnings.end());
     warn_of_strain(report);
   }
-  measure_sides(s, shape);
+  measure_sides(s, made, shape);
   s.bending_energy = shape.energy.bending;
   s.max_constraint_residual = shape.max_constraint_residual;
   s.max_normal_constraint_deg = shape.max_normal_constraint_deg;
