@@ -350,6 +350,18 @@ SurfaceSlope BoundarySweep::at(const Vec2& uv) const {
   }
   const Patch& patch = patches_.front();
   const Square square = place(patch, uv);
+  constexpr double kOutside = 1e-9, kAtCorner = 1e-3;
+  if ((uv - square.uv).norm() > kOutside * extent_)
+    // Beyond a corner that is a rail, too, where (s, t) end.
+    for (const bool right : {false, true}) {
+      const Edge& edge = right ? patch.right : patch.left;
+      const double from = right ? 1 - square.st[0] : square.st[0];
+      if (edge.side >= 0 || from > kAtCorner) continue;
+      if (auto corner = at_corner(edge.uv)) {
+        corner->x += corner->by_uv * (uv - edge.uv);
+        return *corner;
+      }
+    }
   const Jet j = jet(patch, square);
   Eigen::Matrix<double, 3, 2> by_st;
   by_st << j.by_u, j.by_v;

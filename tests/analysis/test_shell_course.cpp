@@ -6,7 +6,7 @@
 
 #include "batten/analysis/models/shell_stresses.h"
 #include "batten/core/dense.h"
-#include "batten/skinning/model/natural_shape.h"
+#include "batten/skinning/model/rest_shape.h"
 #include "batten/tests/catch.h"
 #include "batten/tests/patchwork.h"
 #include "batten/tests/sampling.h"
@@ -127,7 +127,7 @@ struct Course {
   }
   Course(const Piece& piece, double size, double h, Cut cut, double middle)
       : patchwork(lines(piece, size, h, cut, middle)), layout(patchwork.model({})) {
-    shape = cut == Cut::Trimmed ? over_plane(layout.region(0), piece) : natural_dofs(layout);
+    shape = cut == Cut::Trimmed ? over_plane(layout.region(0), piece) : rest_dofs(layout);
     if (shape.rows() == 0) shape = layout.all_dofs(patchwork.first);  // a plane
   }
   // The parts of a side.

@@ -4,7 +4,7 @@
 
 #include "batten/analysis/models/shell_modes.h"
 #include "batten/core/errors.h"
-#include "batten/skinning/model/natural_shape.h"
+#include "batten/skinning/model/rest_shape.h"
 #include "batten/tests/analysis/plates.h"
 #include "batten/tests/catch.h"
 
@@ -126,7 +126,7 @@ TEST_CASE("a free ring of two halves swings as Hoppe says") {
   p.region({"low 1", "west", "high 1", "east"});
   p.region({"low 2", "west", "high 2", "east"});
   const ModelLayout layout = p.model({});
-  const Points shape = layout.least_energy({}, natural_dofs(layout));
+  const Points shape = layout.least_energy({}, rest_dofs(layout));
   const ShellModel shell(layout, shape,
                          {{{ShellMaterial::isotropic(E, 0, kDensity), t}}, {}, {}, {}},
                          ShellModel::Free::Shifted);
@@ -183,7 +183,7 @@ struct Sector {
         t(t),
         patchwork(lines(theta, L, h)),
         layout(patchwork.model({})),
-        shape(layout.least_energy({}, natural_dofs(layout))) {}
+        shape(layout.least_energy({}, rest_dofs(layout))) {}
 
   ShellModel shell() const {
     ShellDefinition d{{{ShellMaterial::isotropic(E, 0, kDensity), t}}, {}, {}, {}};

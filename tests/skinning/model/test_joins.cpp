@@ -6,7 +6,7 @@
 #include <numbers>
 
 #include "batten/skinning/model/model_groups.h"
-#include "batten/skinning/model/natural_shape.h"
+#include "batten/skinning/model/rest_shape.h"
 #include "batten/skinning/region/quality.h"
 #include "batten/skinning/surfaces/embedded_joins.h"
 #include "batten/tests/catch.h"
@@ -341,7 +341,7 @@ TEST_CASE("an embedded line ends as a crease where the edge beside its end alone
   add_bow_and_square(p, bow_on_wave());
   const ModelLayout coarse = p.model({p.join_line("shared", 0, 1)});
   const SurfaceStiffness material;
-  const Points before = coarse.least_energy(material, natural_dofs(coarse));
+  const Points before = coarse.least_energy(material, rest_dofs(coarse));
   int opened = 0;
   for (const double limit : {0.3, 0.1, 0.03, 0.01, 0.003}) {
     CAPTURE(limit);
@@ -405,11 +405,11 @@ TEST_CASE(
   CHECK(!same_task(groups[0], groups[1]));
 
   const SurfaceStiffness material;
-  const Points before = coarse.least_energy(material, natural_dofs(coarse));
+  const Points before = coarse.least_energy(material, rest_dofs(coarse));
   const JoinedModel refined =
       refine_embedded_joins({std::make_shared<const ModelLayout>(coarse), before}, material, 1e-6);
   REQUIRE(refined.layout->mesh()->triangle_count() > coarse.mesh()->triangle_count());
-  const Points whole = refined.layout->least_energy(material, natural_dofs(*refined.layout));
+  const Points whole = refined.layout->least_energy(material, rest_dofs(*refined.layout));
   CHECK((refined.dofs - whole).cwiseAbs().maxCoeff() < 1e-8);
   for (const int r : {2, 3}) {
     CHECK(refined.layout->regions()[r] == coarse.regions()[r]);

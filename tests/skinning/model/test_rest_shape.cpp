@@ -1,0 +1,299 @@
+// Shapes that boundary curves mean: sweeps and lofts are exact where one pair of sides is carried
+// along the other one, depend continuously on the curves, and stay what they are in a model.
+#include <Eigen/Geometry>
+#include <cmath>
+#include <functional>
+#include <numbers>
+#include <set>
+
+#include "batten/fairing/curve_shapes.h"
+#include "batten/fem/surface_projector.h"
+#include "batten/skinning/model/rest_shape.h"
+#include "batten/skinning/search/find_regions.h"
+#include "batten/skinning/surfaces/skin_network.h"
+#include "batten/tests/catch.h"
+#include "batten/tests/skinning/network/networks.h"
+
+using namespace batten;
+using namespace batten_test;
+
+namespace {
+
+using std::numbers::pi;
+using Kind = MeasuredShape::Kind;
+using Lines = std::vector<CharacterLine>;
+
+CurvePlane level(double z) { return {Vec3(0, 0, z)}; }
+
+CharacterLine arc(const std::string& name, double z, double radius, double from, double to) {
+  return {name, ellipse_arc(level(z), radius, radius, from, to)};
+}
+
+// A quarter between two levels with straight sides.
+Lines quarter(double low, double high, double height = 3) {
+  const auto at = [](double r, double turn, double z) {
+    return Vec3(r * std::cos(turn), r * std::sin(turn), z);
+  };
+  return {arc("low", 0, low, 0, pi / 2), arc("high", height, high, 0, pi / 2),
+          straight("first", at(low, 0, 0), at(high, 0, height)),
+          straight("last", at(low, pi / 2, 0), at(high, pi / 2, height))};
+}
+
+SurfaceModel model_of(const Lines& lines, const RegionOptions& regions = {},
+                      ModelOptions options = {}) {
+  const CharacterLineNetwork network(lines);
+  return skin_network(network, find_regions(network, regions), options);
+}
+
+// Largest | distance from the z axis - radius | over the surface.
+template <class Radius>
+double off_axis(const SkinnedRegion& region, const Radius& radius) {
+  double worst = 0;
+  const Surface& surface = region.surface;
+  for (int t = 0; t < surface.mesh().triangle_count(); ++t)
+    for (const Vec3& L : {Vec3(1, 1, 1), Vec3(4, 1, 1), Vec3(1, 4, 1), Vec3(1, 1, 4)}) {
+      const Vec3 x = surface.position({t, L / L.sum()});
+      worst = std::max(worst, std::abs(std::hypot(x.x(), x.y()) - radius(x.z())));
+    }
+  return worst;
+}
+
+}  // namespace
+
+TEST_CASE("two equal arcs and two straight lines are a piece of a cylinder") {
+  const SurfaceModel model = model_of(quarter(2, 2));
+  REQUIRE(model.skinned().size() == 1);
+  CHECK(model.regions[0].shape.kind == Kind::Cylinder);
+  CHECK(model.regions[0].shape.radius == Approx(2).epsilon(1e-3));
+  CHECK(off_axis(*model.skinned()[0], [](double) { return 2; }) < 1e-3);
+  // What bends least sags: the law would not hold without the shape that the lines mean.
+  ModelOptions bending;
+  bending.rest = false;
+  const SurfaceModel bent = model_of(quarter(2, 2), {}, bending);
+  CHECK(bent.regions[0].shape.kind == Kind::Free);
+  CHECK(off_axis(*bent.skinned()[0], [](double) { return 2; }) > 0.02);
+}
+
+TEST_CASE("arcs of two radii about one axis are a piece of a cone") {
+  const SurfaceModel model = model_of(quarter(2, 1));
+  REQUIRE(model.skinned().size() == 1);
+  CHECK(model.regions[0].shape.kind == Kind::Cone);
+  CHECK(off_axis(*model.skinned()[0], [](double z) { return 2 - z / 3; }) < 1e-3);
+}
+
+TEST_CASE("a can between two circles is a cylinder of its volume") {
+  Lines lines = {arc("low", 0, 20, 0, 2 * pi), arc("high", 40, 20, 0, 2 * pi)};
+  RegionOptions options;
+  for (const char* name : {"low", "high"}) {
+    RegionWord lid;
+    lid.loops = {{name}};
+    options.words.push_back(lid);
+  }
+  RegionWord wall;
+  wall.loops = {{"low"}, {"high"}};
+  wall.ring = true;
+  options.words.push_back(wall);
+  const SurfaceModel model = model_of(lines, options);
+  REQUIRE(model.shells.size() == 1);
+  CHECK(model.shells[0].volume == Approx(pi * 400 * 40).epsilon(1e-3));
+  std::multiset<Kind> kinds;
+  for (const ModelRegion& region : model.regions) kinds.insert(region.shape.kind);
+  CHECK(kinds == std::multiset<Kind>{Kind::Plane, Kind::Plane, Kind::Cylinder});
+}
+
+TEST_CASE("arcs about an axis and equal arcs through it are pieces of a torus, smooth all over") {
+  Lines lines;
+  constexpr double far = 100, tube = 30;
+  for (int k = 0; k < 4; ++k) {  // around the tube: outside, above, inside, below
+    const double a = k * pi / 2;
+    const CurvePlane plane = level(tube * std::sin(a));
+    const double radius = far + tube * std::cos(a);
+    lines.push_back({"rail" + std::to_string(k), ellipse_arc(plane, radius, radius, 0, 2 * pi)});
+    const Vec3 out(std::cos(a), std::sin(a), 0);
+    lines.push_back({"ring" + std::to_string(k),
+                     ellipse_arc({far * out, out, Vec3::UnitZ()}, tube, tube, 0, 2 * pi)});
+  }
+  const SurfaceModel model = model_of(lines);
+  REQUIRE(model.skinned().size() == 16);
+  for (const ModelRegion& region : model.regions) CHECK(region.shape.kind == Kind::Torus);
+  for (const ModelJoin& join : model.joins) CHECK(join.kind == ModelJoin::Kind::Smooth);
+  CHECK(model.max_join_deg < 0.1);
+  REQUIRE(model.shells.size() == 1);
+  CHECK(model.shells[0].closed);
+  CHECK(model.shells[0].volume == Approx(2 * pi * pi * far * tube * tube).epsilon(2e-3));
+}
+
+TEST_CASE("flat walls and round fillets go on smoothly and stay flat and round") {
+  const SurfaceModel model = model_of({
+      arc("round low", 0, 1, 0, pi / 2),
+      arc("round high", 4, 1, 0, pi / 2),
+      straight("a low", {1, 0, 0}, {1, -5, 0}),
+      straight("a high", {1, 0, 4}, {1, -5, 4}),
+      straight("b low", {0, 1, 0}, {-5, 1, 0}),
+      straight("b high", {0, 1, 4}, {-5, 1, 4}),
+      straight("seam a", {1, 0, 0}, {1, 0, 4}),
+      straight("seam b", {0, 1, 0}, {0, 1, 4}),
+      straight("end a", {1, -5, 0}, {1, -5, 4}),
+      straight("end b", {-5, 1, 0}, {-5, 1, 4}),
+  });
+  REQUIRE(model.skinned().size() == 3);
+  std::multiset<Kind> kinds;
+  for (const ModelRegion& region : model.regions) kinds.insert(region.shape.kind);
+  CHECK(kinds == std::multiset<Kind>{Kind::Plane, Kind::Plane, Kind::Cylinder});
+  int smooth = 0;
+  for (const ModelJoin& join : model.joins) smooth += join.kind == ModelJoin::Kind::Smooth;
+  CHECK(smooth == 2);
+  CHECK(model.area == Approx(2 * 20 + 2 * pi).epsilon(1e-4));
+}
+
+namespace {
+
+Vec3 on_sphere(double longitude, double latitude) {
+  return {std::cos(latitude) * std::cos(longitude), std::cos(latitude) * std::sin(longitude),
+          std::sin(latitude)};
+}
+
+// A curve X(t) for t from 0 to 1, by many points.
+CharacterLine sampled_line(const std::string& name, const std::function<Vec3(double)>& at) {
+  constexpr int count = 41;
+  std::vector<Vec3> points;
+  for (int k = 0; k < count; ++k) points.push_back(at(k / (count - 1.0)));
+  return {name, curve_through_points(name, points)};
+}
+
+Lines piece_of(const std::function<Vec3(double, double)>& at) {
+  return {sampled_line("south", [&](double t) { return at(t, 0); }),
+          sampled_line("east", [&](double t) { return at(1, t); }),
+          sampled_line("north", [&](double t) { return at(t, 1); }),
+          sampled_line("west", [&](double t) { return at(0, t); })};
+}
+
+// Largest |f| over the vertices and middles of the triangles of a model.
+double largest(const SurfaceModel& model, const std::function<double(const Vec3&)>& f) {
+  double worst = 0;
+  for (const SkinnedRegion* region : model.skinned()) {
+    const Surface& surface = region->surface;
+    for (int t = 0; t < surface.mesh().triangle_count(); ++t) {
+      if (surface.trim() && surface.trim()->side(t) != Trim::Side::Inside) continue;
+      for (const Vec3& L : {Vec3(1, 1, 1), Vec3(1, 0, 0), Vec3(0, 1, 0), Vec3(0, 0, 1)})
+        worst = std::max(worst, std::abs(f(surface.position({t, L / L.sum()}))));
+    }
+  }
+  return worst;
+}
+
+}  // namespace
+
+TEST_CASE("spheres come from three arcs, from two, and from strips up to the pole") {
+  const auto off = [](const Vec3& p) { return p.norm() - 1; };
+  const auto arc_of = [](const std::string& name, double l0, double b0, double l1, double b1) {
+    return CharacterLine{name, arc_through(on_sphere(l0, b0), on_sphere((l0 + l1) / 2, (b0 + b1) / 2),
+                                           on_sphere(l1, b1))};
+  };
+  SECTION("an octant") {
+    const SurfaceModel model =
+        model_of({arc_of("equator", 0, 0, pi / 2, 0), arc_of("first", 0, 0, 0, pi / 2),
+                  arc_of("last", pi / 2, 0, pi / 2, pi / 2)});
+    REQUIRE(model.skinned().size() == 1);
+    CHECK(model.area == Approx(pi / 2).epsilon(2e-4));
+    CHECK(largest(model, off) < 2e-4);
+  }
+  SECTION("lunes") {
+    for (const double angle : {0.3, pi / 2, 2.2}) {
+      const SurfaceModel model = model_of({arc_of("first", 0, -pi / 2, 0, pi / 2),
+                                           arc_of("last", angle, -pi / 2, angle, pi / 2)});
+      REQUIRE(model.skinned().size() == 1);
+      CHECK(model.area == Approx(2 * angle).epsilon(1e-3));
+      CHECK(largest(model, off) < 1e-3);
+    }
+  }
+  SECTION("strips") {
+    for (const double latitude : {0.2, 1.0, 1.3, 1.5}) {
+      const SurfaceModel model =
+          model_of({arc_of("low", 0, 0, pi / 2, 0), arc_of("high", 0, latitude, pi / 2, latitude),
+                    arc_of("first", 0, 0, 0, latitude), arc_of("last", pi / 2, 0, pi / 2, latitude)});
+      REQUIRE(model.skinned().size() == 1);
+      CHECK(largest(model, off) < 5e-4);
+    }
+  }
+}
+
+TEST_CASE("ruled surfaces, saddles and helicoids are what their sides say") {
+  SECTION("hyperbolic paraboloid") {
+    const SurfaceModel model =
+        model_of(piece_of([](double u, double v) { return Vec3(u, v, (u - 0.5) * (v - 0.5)); }));
+    CHECK(largest(model, [](const Vec3& p) { return p.z() - (p.x() - 0.5) * (p.y() - 0.5); }) < 1e-5);
+  }
+  SECTION("translation surface") {
+    const SurfaceModel model = model_of(piece_of(
+        [](double u, double v) { return Vec3(u, v, 0.4 * u * (1 - u) - 0.4 * v * (1 - v)); }));
+    CHECK(largest(model, [](const Vec3& p) {
+            return p.z() - 0.4 * (p.x() * (1 - p.x()) - p.y() * (1 - p.y()));
+          }) < 5e-4);
+  }
+  SECTION("helicoid") {
+    const SurfaceModel model = model_of(piece_of([](double u, double v) {
+      return Vec3((1 + 2 * u) * std::cos(1.5 * v), (1 + 2 * u) * std::sin(1.5 * v), 2 * v);
+    }));
+    CHECK(largest(model, [](const Vec3& p) {
+            return std::hypot(p.x(), p.y()) * (std::atan2(p.y(), p.x()) - 0.75 * p.z());
+          }) < 1e-3);
+  }
+}
+
+TEST_CASE("a rest shape has the boundary curves, whatever the unit and the place") {
+  const auto hump = [](double u, double v) {
+    return Vec3(u, 1.5 * v, std::sin(pi * u) * (0.3 + 0.2 * v * v));
+  };
+  const CharacterLineNetwork network(piece_of(hump));
+  const SurfaceModel model = skin_network(network, find_regions(network, {}), {});
+  const Points rest = rest_dofs(*model.layout);
+  REQUIRE(rest.rows() > 0);
+  CHECK(model.layout->line_constraints().max_residual(rest) < 1e-5);
+
+  const Mat3 turn = Eigen::AngleAxisd(0.7, Vec3(1, 2, -1).normalized()).toRotationMatrix();
+  const double scale = 25.4;
+  const auto place = [&](const Vec3& p) { return Vec3(scale * (turn * p) + Vec3(3, -7, 11)); };
+  const SurfaceModel moved =
+      model_of(piece_of([&](double u, double v) { return place(hump(u, v)); }));
+  CHECK(moved.area == Approx(scale * scale * model.area).epsilon(1e-6));
+}
+
+TEST_CASE("surfaces follow their curves without a jump") {
+  // The largest movement of points of the surface is at most three times that of the curve.
+  const auto canopy = [](double taller) {
+    return model_of(piece_of([taller](double u, double v) {
+      return Vec3(-std::cos(pi * u), 2 * v, (1 + taller * v) * std::sin(pi * u));
+    }));
+  };
+  for (const double taller : {0.0, 1e-9, 1e-4, 5e-4, 1e-2, 0.1}) {
+    constexpr double step = 1e-3;
+    const SurfaceModel before = canopy(taller), after = canopy(taller + step);
+    const SurfaceProjector onto(before.skinned()[0]->surface);
+    CHECK(largest(after, [&](const Vec3& p) { return onto.nearest(p).distance; }) < 3 * step);
+  }
+}
+
+TEST_CASE("sections that bulge to opposite sides pass through a straight one") {
+  // The same from both sides: a twist of 180 degrees has no sense of rotation.
+  for (const double lean : {0.0, 1e-6, -1e-6}) {
+    const SurfaceModel model = model_of(piece_of([lean](double u, double v) {
+      return Vec3(u, 1.5 * v + lean * u * (1 - u), 0.8 * u * (1 - u) * (1 - 2 * v));
+    }));
+    CHECK(largest(model, [](const Vec3& p) {
+            return p.z() - 0.8 * p.x() * (1 - p.x()) * (1 - 2 * p.y() / 1.5);
+          }) < 5e-3);
+  }
+}
+
+TEST_CASE("regions without opposite sides, and plane ones, bend least") {
+  const auto lines_through = [](const std::vector<Vec3>& corners) {
+    Lines lines;
+    for (size_t i = 0; i < corners.size(); ++i)
+      lines.push_back(straight("side" + std::to_string(i), corners[i], corners[(i + 1) % corners.size()]));
+    return lines;
+  };
+  CHECK(rest_dofs(*model_of(lines_through({{0, 0, 0}, {2, 0, 0.3}, {3, 1, 0}, {1, 2, 0.5}, {-1, 1, 0}})).layout).rows() == 0);
+  CHECK(rest_dofs(*model_of(lines_through({{0, 0, 0}, {2, 0, 0}, {2, 1, 0}, {0, 1, 0}})).layout).rows() == 0);
+  CHECK(rest_dofs(*model_of(lines_through({{0, 0, 0}, {2, 0, 0.5}, {2, 1, 0}, {0, 1, 0}})).layout).rows() > 0);
+}
