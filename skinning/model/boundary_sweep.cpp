@@ -230,7 +230,8 @@ BoundarySweep::Square BoundarySweep::place(const Patch& patch, const Vec2& uv) c
 
 double BoundarySweep::Fan::bent(double t) const {
   const Vec3 way = (1 - t) * bottom + t * top;
-  return std::atan2(bottom.cross(way).norm(), bottom.dot(way)) / angle;
+  // Beyond the sides too, so that the surface goes on smoothly there.
+  return std::atan2(bottom.cross(way).dot(bottom.cross(top).normalized()), bottom.dot(way)) / angle;
 }
 
 double BoundarySweep::Fan::stretch(double t) const {
@@ -238,7 +239,7 @@ double BoundarySweep::Fan::stretch(double t) const {
 }
 
 Vec2 BoundarySweep::bent(const Patch& patch, const Vec2& st) {
-  const double s = st[0], t = std::clamp(st[1], 0.0, 1.0);
+  const double s = st[0], t = st[1];
   Vec2 bent = st;
   // Cubics of s with slope 1 at the corner and 0 at the other end, where they and it vanish.
   if (patch.fan_left) {
@@ -263,8 +264,7 @@ BoundarySweep::Jet BoundarySweep::jet(const Patch& patch, const Square& square) 
   const Jet j = jet(patch, st, edges(patch, st));
   constexpr double h = 1e-5;
   const Vec2 by_s = (bent(patch, square.st + Vec2(h, 0)) - bent(patch, square.st - Vec2(h, 0))) / (2 * h);
-  const Vec2 t(square.st[0], std::clamp(square.st[1], h, 1 - h));
-  const Vec2 by_t = (bent(patch, t + Vec2(0, h)) - bent(patch, t - Vec2(0, h))) / (2 * h);
+  const Vec2 by_t = (bent(patch, square.st + Vec2(0, h)) - bent(patch, square.st - Vec2(0, h))) / (2 * h);
   return {j.x, by_s[0] * j.by_u + by_s[1] * j.by_v, by_t[0] * j.by_u + by_t[1] * j.by_v};
 }
 
