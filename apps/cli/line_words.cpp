@@ -22,9 +22,9 @@ struct LineWords {
 };
 
 Scene lines_scene(const LineWords& a) {
-  if (a.network)
-    throw InputError("--network: found an option of older versions, expected none: what curves bound is always found");
   Scene scene = scene_of_lines({a.files.begin(), a.files.end()}, {a.inner.begin(), a.inner.end()}, a.unit);
+  if (a.network)
+    scene.notes.push_back("--network is not needed any more, since what curves bound is always found: leave it out");
   scene.skin.options.edge_length = a.edge_length;
   scene.skin.options.tolerance = a.tolerance;
   scene.network.tolerance = a.gap_tolerance;

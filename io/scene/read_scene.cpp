@@ -93,34 +93,56 @@ RegionWord read_region(const TomlTable& table, Names& names) {
   return word;
 }
 
-/// Reads how surfaces are found and joined: keys of [skin], [[region]] and [[join]]. Throws
-/// InputError: a mistake in the tables, the table [network] of older scenes.
-void read_network(const TomlTable& root, Scene& scene) {
-  if (root.has("network"))
-    root.fail("network", "[network]",
-              "none: every scene finds what its curves bound. Its keys are keys of [skin] now, "
-              "'tolerance' as gap_tolerance and 'smooth_below' as crease_angle");
-  SceneNetwork network;
-  for (const TomlTable& table : root.table("skin", skin_keys())) {
-    network.place = table.place();
-    network.tolerance = table.positive("gap_tolerance", 0);
-    const auto angle = [&](const std::string& key, double& degrees, double most) {
-      degrees = table.has(key) ? table.number(key) : degrees;
-      if (!(degrees >= 0 && degrees <= most))
-        table.fail(key, number(degrees), "0 to " + number(most) + " degrees");
-    };
-    angle("straight_angle", network.straight_angle, 45);
-    angle("crease_angle", network.smooth_below, 180);
-    network.join_tolerance = table.positive("join_tolerance", network.join_tolerance);
-    if (table.has("trembling"))
-      network.fair_trembling = table.choice<bool>("trembling", {{"fair", true}, {"keep", false}});
-    if (table.has("symmetry"))
-      network.symmetry = table.choice<int>("symmetry", {{"x", 0}, {"y", 1}, {"z", 2}});
-    network.most_at_line = table.whole_number("most_at_line", 1, network.most_at_line);
-    if (network.most_at_line > 16)
-      table.fail("most_at_line", std::to_string(network.most_at_line), "1 to 16");
-  }
+/// The keys of one table that say how surfaces are found and joined. `tolerance`, `angle`: the keys of the gap tolerance
+/// and of the crease angle.
+void read_network_keys(const TomlTable& table, const char* tolerance, const char* crease,
+                       SceneNetwork& network) {
+  network.place = table.place();
+  network.tolerance = table.positive(tolerance, network.tolerance);
+  const auto angle = [&](const std::string& key, double& degrees, double most) {
+    degrees = table.has(key) ? table.number(key) : degrees;
+    if (!(degrees >= 0 && degrees <= most))
+      table.fail(key, number(degrees), "0 to " + number(most) + " degrees");
+  };
+  angle("straight_angle", network.straight_angle, 45);
+  angle(crease, network.smooth_below, 180);
+  network.join_tolerance = table.positive("join_tolerance", network.join_tolerance);
+  if (table.has("trembling"))
+    network.fair_trembling = table.choice<bool>("trembling", {{"fair", true}, {"keep", false}});
+  if (table.has("symmetry"))
+    network.symmetry = table.choice<int>("symmetry", {{"x", 0}, {"y", 1}, {"z", 2}});
+  network.most_at_line = table.whole_number("most_at_line", 1, network.most_at_line);
+  if (network.most_at_line > 16)
+    table.fail("most_at_line", std::to_string(network.most_at_line), "1 to 16");
+}
 
+/// What to write instead of the table [network] of older scenes.
+std::string instead_of_network(const Scene& scene, const TomlTable& table,
+                               const std::vector<std::string>& keys) {
+  std::string moved;
+  for (const std::string& key : keys) {
+    if (!table.has(key)) continue;
+    const std::string now = key == "tolerance"      ? "gap_tolerance"
+                            : key == "smooth_below" ? "crease_angle"
+                                                    : key;
+    moved += (moved.empty() ? "" : ", ") + (now == key ? "'" + key + "'" : "'" + key + "' as " + now);
+  }
+  return scene.at(table.place()) + "[network] is not needed any more, since every scene finds what its curves bound: delete it" +
+         (moved.empty() ? "" : ", and write " + moved + " in [skin]");
+}
+
+/// Reads how surfaces are found and joined: keys of [skin], [[region]] and [[join]]; the table [network] of older scenes
+/// is read, too, with a note that says what to write. Throws InputError for a mistake in the tables.
+void read_network(const TomlTable& root, Scene& scene) {
+  SceneNetwork network;
+  const std::vector<std::string> old = {"tolerance",      "straight_angle", "most_at_line", "smooth_below",
+                                        "join_tolerance", "trembling",      "symmetry"};
+  for (const TomlTable& table : root.table("network", old)) {
+    read_network_keys(table, "tolerance", "smooth_below", network);
+    scene.notes.push_back(instead_of_network(scene, table, old));
+  }
+  for (const TomlTable& table : root.table("skin", skin_keys()))
+    read_network_keys(table, "gap_tolerance", "crease_angle", network);
   if (root.has("region") || root.has("join")) refuse_what_does_not_fit(root);
   Names names("region name");
   for (const TomlTable& t : root.tables(

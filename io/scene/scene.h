@@ -182,6 +182,7 @@ struct Parameter {
 struct Scene {
   std::filesystem::path file;  ///< empty for a scene made by a program
   std::string name = "surface", unit = "mm";
+  std::vector<std::string> notes;  ///< on what was written in an older way, for the summary
   std::vector<SceneLine> lines;
   std::vector<FairStage> fairing;  ///< [[fair]]: how lines are faired before they are skinned
   SceneNetwork network;

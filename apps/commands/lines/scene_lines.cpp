@@ -22,6 +22,7 @@ class SceneLines {
         texts_(sources_.size()) {}
 
   FairedLines run() && {
+    result_.surprises = scene_.notes;
     if (!scene_.fairing.empty()) {
       take(as_asked());
     } else {
