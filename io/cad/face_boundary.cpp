@@ -191,7 +191,7 @@ std::optional<Vec3> FaceStretch::turn(double t) const {
   return (1 - s) * *turns[k] + s * *turns[k + 1];
 }
 
-FaceBoundary::FaceBoundary(const SkinnedRegion& region, const StepPlan* common)
+FaceBoundary::FaceBoundary(const SkinnedRegion& region, const StepPlan* common, Rims rims)
     : period(region.surface.mesh().period()) {
   if (region.boundary.empty() || (period > 0 && region.boundary.size() < 2))
     throw InputError("region '" + region.name + "': no boundary loops; expected an outline");
@@ -200,6 +200,7 @@ FaceBoundary::FaceBoundary(const SkinnedRegion& region, const StepPlan* common)
       throw InputError("region '" + region.name + "': a boundary loop without lines");
     loops.push_back(loop_of(region, pieces, common));
   }
+  std::vector<FaceLoop> whole = loops;
   if (period > 0) unroll(region.name);
   std::vector<DomainLoops::Loop> all;
   for (const FaceLoop& loop : loops) all.push_back(images(loop));
@@ -213,6 +214,7 @@ FaceBoundary::FaceBoundary(const SkinnedRegion& region, const StepPlan* common)
     all.insert(all.begin(), around);
   }
   domain = DomainLoops(std::move(all));
+  if (rims == Rims::Whole) loops = std::move(whole);
 }
 
 bool FaceBoundary::contains(Vec2 uv) const {
@@ -276,8 +278,12 @@ void FaceBoundary::unroll(const std::string& name) {
                    "': no straight seam from rim to rim of the ring is free of holes");
 }
 
-void cut_lines(StepPlan& plan, const std::vector<const SkinnedRegion*>& regions) {
-  for (const SkinnedRegion* region : regions) FaceBoundary(*region, &plan).add_cuts(plan);
+void cut_lines(StepPlan& plan, const std::vector<const SkinnedRegion*>& regions,
+               const std::set<const SkinnedRegion*>& whole) {
+  for (const SkinnedRegion* region : regions)
+    FaceBoundary(*region, &plan,
+                 whole.count(region) ? FaceBoundary::Rims::Whole : FaceBoundary::Rims::AtSeam)
+        .add_cuts(plan);
   for (auto& [name, line] : plan.lines) {
     // Readers make closed curves periodic, and change rational ones by that: see edge_parameter.h.
     if (line.cuts.empty() && line.sides > 1 && line.places[0] == line.places[1])

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -37,10 +38,14 @@ struct FaceBoundary {
   double seam = 0;              ///< u of a ring's seam
   DomainLoops domain;
 
+  /// Whether a ring's rims are cut, and begin, where the seam of its (u, v) meets them.
+  enum class Rims { AtSeam, Whole };
+
   /// Cuts the region's lines at corners, at the cuts of `common`, and where the seam of a ring
-  /// meets them. Throws InputError as write_step_faces() does of boundaries, and for a line without
-  /// a name when `common` is given.
-  explicit FaceBoundary(const SkinnedRegion& region, const StepPlan* common = nullptr);
+  /// meets them (Rims::AtSeam). Throws InputError as write_step_faces() does of boundaries, and for a
+  /// line without a name when `common` is given.
+  explicit FaceBoundary(const SkinnedRegion& region, const StepPlan* common = nullptr,
+                        Rims rims = Rims::AtSeam);
 
   bool contains(Vec2 uv) const;
   /// Adds to the plan where this boundary cuts lines, besides their ends.
@@ -51,7 +56,8 @@ struct FaceBoundary {
 };
 
 /// Adds to the plan where the boundaries of these regions cut lines, so that all regions cut them
-/// at the same places. Throws InputError as FaceBoundary.
-void cut_lines(StepPlan& plan, const std::vector<const SkinnedRegion*>& regions);
+/// at the same places. Rims of the regions in `whole` stay whole. Throws InputError as FaceBoundary.
+void cut_lines(StepPlan& plan, const std::vector<const SkinnedRegion*>& regions,
+               const std::set<const SkinnedRegion*>& whole = {});
 
 }  // namespace batten

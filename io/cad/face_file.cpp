@@ -1,7 +1,9 @@
 #include "batten/io/cad/face_file.h"
 
+#include <BRepCheck_Analyzer.hxx>
 #include <BRep_Tool.hxx>
 #include <Geom_BSplineSurface.hxx>
+#include <Standard_Failure.hxx>
 #include <TopExp_Explorer.hxx>
 #include <TopoDS.hxx>
 #include <TopoDS_Face.hxx>
@@ -100,8 +102,22 @@ void find_joins(const FittedFaces& made, const StepPlan& plan, double tolerance)
   find_tangent_joins(plan, sides, tolerance);
 }
 
+/// Whether a region's analytic face is one by itself: a sound boundary, and the part of the surface that the region is.
+bool is_valid_alone(FaceMaker& made) {
+  try {
+    const TopoDS_Face face = made.make(1e-9 * made.size());
+    return BRepCheck_Analyzer(face).IsValid() && has_area_of_region(face, made);
+  } catch (const Standard_Failure&) {
+    return false;
+  } catch (const Error&) {
+    return false;
+  }
+}
+
 /// Whether a face of the file lies on the surface that was fitted to a region.
 bool lies_on(const TopoDS_Face& face, const FaceMaker& made) {
+  if (made.analytic())
+    return shape_of(BRep_Tool::Surface(face)).kind == made.analytic()->surface.shape().kind;
   const auto surface = Handle(Geom_BSplineSurface)::DownCast(BRep_Tool::Surface(face));
   if (surface.IsNull() || surface->NbUPoles() != made.poles_u() ||
       surface->NbVPoles() != made.poles_v())
@@ -150,13 +166,23 @@ void check_options(const std::filesystem::path& path, const StepFaceOptions& opt
 }
 
 FittedFaces fitted_faces(const std::vector<const SkinnedRegion*>& regions, const StepPlan& plan,
-                         const StepFaceOptions& options) {
+                         const StepFaceOptions& options, const AnalyticFaces& analytic,
+                         std::vector<const SkinnedRegion*>* failed) {
   FittedFaces made(regions.size());
+  std::vector<char> bad(regions.size(), 0);
+  const bool common = plan.joined || !analytic.empty();
   parallel_parts(count_of(made), [&](int k) {
-    made[k] = std::make_unique<FaceMaker>(*regions[k], options, plan.joined ? &plan : nullptr);
+    const auto face = analytic.find(regions[k]);
+    made[k] = std::make_unique<FaceMaker>(*regions[k], options, common ? &plan : nullptr,
+                                          face == analytic.end() ? nullptr : &face->second);
+    bad[k] = made[k]->analytic() && !is_valid_alone(*made[k]);
   });
+  for (size_t k = 0; k < bad.size(); ++k)
+    if (bad[k] && failed) failed->push_back(regions[k]);
+  if (failed && !failed->empty()) return made;
   if (plan.joined) find_joins(made, plan, options.tolerance);
   parallel_parts(count_of(made), [&](int k) {
+    if (made[k]->analytic()) return;
     made[k]->fit();
     if (made.size() > 1) settle(*made[k], options.tolerance);
   });
@@ -197,6 +223,7 @@ void measure_patches(StepReport& report, const std::vector<TopoDS_Face>& faces,
     patch.region = made[k]->region().name;
     patch.poles_u = made[k]->poles_u();
     patch.poles_v = made[k]->poles_v();
+    if (made[k]->analytic()) patch.surface = word_for(made[k]->analytic()->surface.shape().kind);
     normals[k] = measure_face(faces[k], *made[k], plan, patch);
     patch.reached = patch.deviation <= options.tolerance;
   });

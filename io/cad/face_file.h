@@ -13,9 +13,11 @@ namespace batten {
 
 using FittedFaces = std::vector<std::unique_ptr<FaceMaker>>;
 
-/// Fits a face to every region, on all threads. `options` and the regions must outlive the result.
+/// Fits a face to every region that is none of `analytic`, on all threads. `options`, `analytic` and the regions must
+/// outlive the result. Regions whose analytic face alone is not valid are put into `failed`, and nothing is fitted then.
 FittedFaces fitted_faces(const std::vector<const SkinnedRegion*>& regions, const StepPlan& plan,
-                         const StepFaceOptions& options);
+                         const StepFaceOptions& options, const AnalyticFaces& analytic = {},
+                         std::vector<const SkinnedRegion*>* failed = nullptr);
 
 /// Writes a file and measures it, and again with finer fits of the faces that miss the tolerance or
 /// an angle, as long as that helps: six times at most. `written` makes all faces, writes them and returns

@@ -26,7 +26,7 @@ std::vector<double> places_along(const PlanarCubic& arc, const PatchStep& longes
 }  // namespace
 
 bool FaceMaker::refine(double deviation, double angle_deg) {
-  if (!fit_.reached || !std::isfinite(deviation)) return false;
+  if (analytic_ || !fit_.reached || !std::isfinite(deviation)) return false;
   const bool far = deviation > options_.tolerance;
   constexpr int most_failures = 2;
   const bool askew = angle_deg > options_.join_deg && goal_.angle_deg < options_.join_deg &&

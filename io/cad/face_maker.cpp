@@ -12,6 +12,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "batten/core/errors.h"
 #include "batten/core/index.h"
@@ -86,7 +87,7 @@ CubicSpline over(CubicSpline spline, double first, double last) {
 
 /// The curve S(l(t)) of a surface along a line of its parameters, within a tolerance, moved from the
 /// origin to a place.
-Handle(Geom_BSplineCurve) curve_on_surface(const Handle(Geom_BSplineSurface) & surface,
+Handle(Geom_BSplineCurve) curve_on_surface(const Handle(Geom_Surface) & surface,
                                            const Handle(Geom2d_BSplineCurve) & line,
                                            double tolerance, const gp_Pnt& place) {
   const double first = line->FirstParameter(), last = line->LastParameter();
@@ -140,12 +141,14 @@ std::vector<CadCurveItem> SharedEdges::along_lines() const {
 // ---- one region -----------------------------------------------------------------------------
 
 FaceMaker::FaceMaker(const SkinnedRegion& region, const StepFaceOptions& options,
-                     const StepPlan* common)
+                     const StepPlan* common, const AnalyticFace* analytic)
     : region_(region),
       options_(options),
-      boundary_(region, common),
+      boundary_(region, common,
+                analytic ? FaceBoundary::Rims::Whole : FaceBoundary::Rims::AtSeam),
       middle_(middle(boundary_)),
-      near_origin_(moved_by(region.surface, -middle_)) {
+      near_origin_(moved_by(region.surface, -middle_)),
+      analytic_(analytic) {
   for (const FaceLoop& loop : boundary_.loops)
     for (const FaceStretch& stretch : loop) box_.extend(box_of(stretch.curve));
   size_ = box_.diagonal().norm();
@@ -159,13 +162,30 @@ Vec3 FaceMaker::normal(const Vec2& uv) const {
   return near_origin_.surface().jet(near_origin_.locate(uv)).normal();
 }
 
-Vec3 FaceMaker::fitted_position(const Vec2& uv) const { return fit_.patch.position(uv) + middle_; }
+int FaceMaker::cells() const {
+  constexpr int of_analytic = 64;
+  return analytic_ ? of_analytic : fit_.patch.u.intervals() * fit_.patch.v.intervals();
+}
+
+Vec3 FaceMaker::fitted_position(const Vec2& uv) const {
+  if (!analytic_) return fit_.patch.position(uv) + middle_;
+  const Vec3 p = position(uv);
+  return analytic_->surface.position(analytic_->surface.parameters(p, analytic_->near));
+}
+
+Vec3 FaceMaker::fitted_normal(const Vec2& uv) const {
+  return analytic_ ? analytic_->surface.shape().normal(position(uv)) : fit_.patch.normal(uv);
+}
 
 TopoDS_Face FaceMaker::make(double coincidence, SharedEdges* shared) {
   coincidence_ = coincidence;
   shared_ = shared;
   used_.clear();
   along_lines_.clear();
+  if (analytic_) {
+    make_analytic();
+    return face_;
+  }
   const BicubicPatch& patch = fit_.patch;
   const auto [u, u_times] = knots(patch.u);
   const auto [v, v_times] = knots(patch.v);
@@ -176,7 +196,7 @@ TopoDS_Face FaceMaker::make(double coincidence, SharedEdges* shared) {
           to_occ(patch.poles.row(static_cast<long>(i) * patch.v.functions() + j).transpose());
   surface_near_origin_ =
       new Geom_BSplineSurface(poles, u, v, u_times, v_times, 3, 3, patch.u.periodic());
-  surface_ = Handle(Geom_BSplineSurface)::DownCast(
+  surface_ = Handle(Geom_Surface)::DownCast(
       surface_near_origin_->Translated(gp_Vec(gp_Pnt(), to_occ(middle_))));
   widest_ = 1e-9 * size_;
   builder_.MakeFace(face_, surface_, widest_);
@@ -202,11 +222,15 @@ double FaceMaker::widened(double distance) {
 TopoDS_Vertex FaceMaker::vertex(const FaceStretch& before, const FaceStretch& after) {
   const bool of_lines = before.shared || after.shared;
   const Vec2 first = after.first();
-  const Vec3 p =
-      of_lines ? after.curve.position(0) : from_occ(surface_->Value(first.x(), first.y()));
-  double distance = of_lines ? (p - end_of(before.curve)).norm() : 0;
-  for (const Vec2& uv : {before.last(), first})
-    distance = std::max(distance, (from_occ(surface_->Value(uv.x(), uv.y())) - p).norm());
+  const auto on_surface = [&](const Vec2& uv, const Vec3& x) {
+    return analytic_ ? analytic_->surface.position(analytic_->surface.parameters(x, analytic_->near))
+                     : from_occ(surface_->Value(uv.x(), uv.y()));
+  };
+  const Vec3 start = after.curve.position(0), end = end_of(before.curve);
+  const Vec3 p = of_lines ? start : on_surface(first, start);
+  double distance = of_lines ? (p - end).norm() : 0;
+  distance = std::max({distance, (on_surface(before.last(), end) - p).norm(),
+                       (on_surface(first, start) - p).norm()});
   TopoDS_Vertex mine;
   TopoDS_Vertex& result = shared_ ? shared_->vertex(after, false) : mine;
   if (result.IsNull()) {
@@ -235,18 +259,28 @@ TopoDS_Edge FaceMaker::edge(const FaceStretch& stretch, const TopoDS_Vertex& a,
     if (!result->IsNull() && result->Orientation() == TopAbs_REVERSED) reversed = !reversed;
   }
   const CubicSpline plane = along(stretch.image);
+  const auto image = [&](const Geom_Curve& curve, double first, double last) {
+    return analytic_ ? analytic_image(stretch, curve, first, last, reversed)
+                     : to_flat_occ(over(plane, first, last));
+  };
   if (result->IsNull()) {
-    const Handle(Geom_BSplineCurve) curve =
-        stretch.shared ? curve_of(along(stretch.curve))
-                       : curve_on_surface(surface_near_origin_, to_flat_occ(plane),
-                                          0.3 * coincidence_, to_occ(middle_));
+    Handle(Geom_BSplineCurve) curve = curve_of(along(stretch.curve));
+    if (!stretch.shared && analytic_) {
+      const Vec2 near = near_;
+      curve = curve_on_surface(surface_, image(*curve, curve->FirstParameter(), curve->LastParameter()),
+                               0.3 * coincidence_, gp_Pnt());
+      near_ = near;
+    } else if (!stretch.shared) {
+      curve = curve_on_surface(surface_near_origin_, to_flat_occ(plane), 0.3 * coincidence_,
+                               to_occ(middle_));
+    }
     builder_.MakeEdge(*result, curve, widened(0));
     finish(*result, reversed ? b : a, reversed ? a : b, curve->FirstParameter(),
            curve->LastParameter());
   }
   double first, last;
   const Handle(Geom_Curve) curve = BRep_Tool::Curve(*result, first, last);
-  const Handle(Geom2d_BSplineCurve) line = to_flat_occ(over(plane, first, last));
+  const Handle(Geom2d_BSplineCurve) line = image(*curve, first, last);
 
   double distance = 0;
   const int of_curve = static_cast<int>(stretch.curve.segment_count()) + 1;
@@ -326,6 +360,167 @@ void FaceMaker::add_ring() {
   builder_.Add(wire, seam.Oriented(TopAbs_REVERSED));
   wire.Closed(true);
   builder_.Add(face_, wire);
+}
+
+// ---- an analytic face ------------------------------------------------------------------------
+
+void FaceMaker::make_analytic() {
+  using Closing = AnalyticFace::Closing;
+  surface_ = analytic_->surface.geometry();
+  widest_ = 1e-9 * size_;
+  builder_.MakeFace(face_, surface_, widest_);
+  // A face lies to the left of its wires, seen from the side of the surface's own normal.
+  struct Rim {
+    std::vector<TopoDS_Edge> edges;
+    Vec2 start = Vec2::Zero();
+    TopoDS_Vertex vertex() const { return TopExp::FirstVertex(edges.front(), true); }
+  };
+  const auto wire_of = [&](const std::vector<TopoDS_Edge>& edges) {
+    TopoDS_Wire wire;
+    builder_.MakeWire(wire);
+    for (const TopoDS_Edge& e : edges) builder_.Add(wire, e);
+    wire.Closed(true);
+    return wire;
+  };
+  std::map<int, Rim> rims;  // by how they run around, as the surface's normal sees them
+  std::vector<TopoDS_Wire> holes;
+  for (size_t k = 0; k < boundary_.loops.size(); ++k) {
+    const int turns = analytic_->turns[k];
+    std::vector<TopoDS_Edge> edges = analytic_edges(boundary_.loops[k], turns);
+    const Vec2 start = images_.front()[0];
+    if (analytic_->flipped) {
+      std::reverse(edges.begin(), edges.end());
+      for (TopoDS_Edge& e : edges) e.Reverse();
+    }
+    if (turns == 0)
+      holes.push_back(wire_of(edges));
+    else
+      rims[analytic_->flipped ? -turns : turns] = {edges, start};
+  }
+  constexpr double whole = 2 * std::numbers::pi;
+  std::vector<TopoDS_Edge> outer;
+  const auto add = [&](const std::vector<TopoDS_Edge>& edges) { outer.insert(outer.end(), edges.begin(), edges.end()); };
+  if (analytic_->closing == Closing::Pole) {
+    const Rim& rim = rims.at(1);
+    const auto sphere = analytic_->surface.shape();
+    TopoDS_Vertex pole;
+    builder_.MakeVertex(pole, to_occ(Vec3(sphere.origin + sphere.radius * sphere.axis)), widest_);
+    const double north = std::numbers::pi / 2;
+    const TopoDS_Edge seam = analytic_seam(rim.vertex(), pole, {0, rim.start.y()}, north);
+    TopoDS_Edge point = degenerate_edge(pole, {0, north}, {whole, north});
+    add(rim.edges);
+    add({TopoDS::Edge(seam.Oriented(TopAbs_FORWARD)), TopoDS::Edge(point.Oriented(TopAbs_REVERSED)),
+         TopoDS::Edge(seam.Oriented(TopAbs_REVERSED))});
+  } else if (analytic_->closing != Closing::None) {
+    // u: along the lower rim, up the seam, back along the upper one, down the seam. v, which the tube of a torus
+    // closes in: up the rim at the larger u, and so on.
+    const bool around_u = analytic_->closing == Closing::AroundU;
+    const Rim &low = rims.at(around_u ? 1 : -1), &high = rims.at(around_u ? -1 : 1);
+    const TopoDS_Edge seam =
+        around_u ? analytic_seam(low.vertex(), high.vertex(), {0, low.start.y()}, high.start.y())
+                 : analytic_seam(low.vertex(), high.vertex(), {low.start.x(), analytic_->seam}, high.start.x());
+    const TopoDS_Edge up = TopoDS::Edge(seam.Oriented(TopAbs_FORWARD)),
+                      down = TopoDS::Edge(seam.Oriented(TopAbs_REVERSED));
+    add(low.edges);
+    add({up});
+    add(high.edges);
+    add({down});
+  }
+  if (!outer.empty()) builder_.Add(face_, wire_of(outer));
+  for (const TopoDS_Wire& wire : holes) builder_.Add(face_, wire);
+  if (analytic_->flipped) face_.Reverse();
+}
+
+Handle(Geom2d_BSplineCurve) FaceMaker::analytic_image(const FaceStretch&, const Geom_Curve& curve, double first,
+                                                      double last, bool reversed) {
+  const double tolerance = std::max(0.2 * coincidence_, 1e-11 * size_);
+  const Handle(Geom2d_BSplineCurve) image =
+      analytic_->surface.image(curve, first, last, reversed, tolerance, near_);
+  const gp_Pnt2d begin = image->Value(reversed ? last : first);
+  images_.push_back({Vec2(begin.X(), begin.Y()), near_});
+  return image;
+}
+
+// Edges of a loop of an analytic face, which begins at the seam when it runs around. A loop that passes an apex gets an
+// edge without length there.
+std::vector<TopoDS_Edge> FaceMaker::analytic_edges(FaceLoop loop, int turns) {
+  near_ = analytic_->near;
+  if (turns != 0) {
+    std::rotate(loop.begin(), loop.begin() + static_cast<long>(analytic_->seam_stretch(loop)), loop.end());
+    const double seam = analytic_->seam + (turns < 0 ? 2 * std::numbers::pi : 0);
+    (analytic_->closing == AnalyticFace::Closing::AroundV ? near_.y() : near_.x()) = seam;
+  }
+  const size_t n = loop.size();
+  std::vector<TopoDS_Vertex> vertices;
+  for (size_t k = 0; k < n; ++k) vertices.push_back(vertex(loop[(k + n - 1) % n], loop[k]));
+  std::vector<TopoDS_Edge> result;
+  std::vector<std::array<Vec2, 2>> ends;
+  const double at_apex = 1e-6 * size_;
+  for (size_t k = 0; k < n; ++k) {
+    const bool from_apex = analytic_->surface.singular(loop[k].curve.position(0), at_apex);
+    if (from_apex && turns == 0) near_ = analytic_->near;
+    images_.clear();
+    const TopoDS_Edge next = edge(loop[k], vertices[k], vertices[(k + 1) % n]);
+    ends.push_back(images_.back());
+    if (from_apex && k > 0 && std::abs(ends[k - 1][1].x() - ends[k][0].x()) > 1e-9)
+      result.push_back(degenerate_edge(vertices[k], ends[k - 1][1], ends[k][0]));
+    result.push_back(next);
+  }
+  if (turns == 0 && analytic_->surface.singular(loop[0].curve.position(0), at_apex))
+    result.push_back(degenerate_edge(vertices[0], ends.back()[1], ends.front()[0]));
+  images_ = ends;
+  return result;
+}
+
+namespace {
+
+Handle(Geom2d_BSplineCurve) straight_image(const Vec2& from, const Vec2& to, double first, double last) {
+  TColgp_Array1OfPnt2d poles(1, 2);
+  TColStd_Array1OfReal values(1, 2);
+  TColStd_Array1OfInteger times(1, 2);
+  poles(1) = {from.x(), from.y()};
+  poles(2) = {to.x(), to.y()};
+  values(1) = first;
+  values(2) = last;
+  times.Init(2);
+  return new Geom2d_BSplineCurve(poles, values, times, 1);
+}
+
+}  // namespace
+
+TopoDS_Edge FaceMaker::degenerate_edge(const TopoDS_Vertex& at, const Vec2& from, const Vec2& to) {
+  TopoDS_Edge edge;
+  builder_.MakeEdge(edge);
+  builder_.UpdateEdge(edge, straight_image(from, to, 0, 1), face_, widened(0));
+  builder_.Add(edge, at.Oriented(TopAbs_FORWARD));
+  builder_.Add(edge, at.Oriented(TopAbs_REVERSED));
+  builder_.Range(edge, face_, 0, 1);
+  builder_.Degenerated(edge, true);
+  return edge;
+}
+
+// The seam from a vertex at `from` to one where the other parameter is `to`.
+TopoDS_Edge FaceMaker::analytic_seam(const TopoDS_Vertex& a, const TopoDS_Vertex& b, const Vec2& from, double to) {
+  constexpr double whole = 2 * std::numbers::pi;
+  const bool around_u = analytic_->closing != AnalyticFace::Closing::AroundV;
+  const Handle(Geom_Curve) line = around_u ? surface_->UIso(from.x()) : surface_->VIso(from.y());
+  const double first = around_u ? from.y() : from.x(), last = to;
+  if (!(last > first)) throw Error("region '" + region_.name + "': the rims of its face are in the wrong order");
+  const double distance = std::max(line->Value(first).Distance(BRep_Tool::Pnt(a)), line->Value(last).Distance(BRep_Tool::Pnt(b)));
+  for (TopoDS_Vertex vertex : {a, b}) builder_.UpdateVertex(vertex, widened(distance));
+  const auto image = [&](double at) {
+    return around_u ? straight_image({at, first}, {at, last}, first, last)
+                    : straight_image({first, at}, {last, at}, first, last);
+  };
+  const double seam = around_u ? from.x() : from.y();
+  TopoDS_Edge edge;
+  builder_.MakeEdge(edge, line, widened(0));
+  if (around_u)
+    builder_.UpdateEdge(edge, image(seam + whole), image(seam), face_, widened(0));
+  else
+    builder_.UpdateEdge(edge, image(seam), image(seam + whole), face_, widened(0));
+  finish(edge, a, b, first, last);
+  return edge;
 }
 
 }  // namespace batten

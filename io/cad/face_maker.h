@@ -8,6 +8,7 @@
 #include <TopoDS_Vertex.hxx>
 
 #include <Eigen/Geometry>
+#include <array>
 #include <map>
 #include <set>
 #include <string>
@@ -17,6 +18,7 @@
 #include "batten/core/box.h"
 #include "batten/fem/bicubic_patch.h"
 #include "batten/fem/surface_points.h"
+#include "batten/io/cad/analytic_face.h"
 #include "batten/io/cad/cad_parts.h"
 #include "batten/io/cad/face_boundary.h"
 #include "batten/io/cad/step_face_options.h"
@@ -53,9 +55,10 @@ class SharedEdges {
 /// Fits a B-spline surface to a region and makes a face of it.
 class FaceMaker {
  public:
-  /// Keeps references to region and options. Throws InputError as FaceBoundary.
+  /// Keeps references to region and options, and to `analytic`, the analytic face that it is to be (null:
+  /// a B-spline). Throws InputError as FaceBoundary.
   FaceMaker(const SkinnedRegion& region, const StepFaceOptions& options,
-            const StepPlan* common = nullptr);
+            const StepPlan* common = nullptr, const AnalyticFace* analytic = nullptr);
 
   const SkinnedRegion& region() const { return region_; }
   const FaceBoundary& boundary() const { return boundary_; }
@@ -63,14 +66,17 @@ class FaceMaker {
   double size() const { return size_; }
   /// The largest tolerance of edges and vertices, once the face is made; model units.
   double tolerance() const { return widest_; }
-  int cells() const { return fit_.patch.u.intervals() * fit_.patch.v.intervals(); }
+  const AnalyticFace* analytic() const { return analytic_; }
+  int cells() const;
   Vec3 position(const Vec2& uv) const;
   Vec3 normal(const Vec2& uv) const;  ///< zero where the surface is singular
   /// Returns the last fit, moved to the origin; and a point of it, model units.
   const BicubicPatch& patch() const { return fit_.patch; }
   Vec3 fitted_position(const Vec2& uv) const;
-  int poles_u() const { return fit_.patch.u.functions(); }
-  int poles_v() const { return fit_.patch.v.functions(); }
+  Vec3 fitted_normal(const Vec2& uv) const;  ///< of any length and side
+  /// Counts of poles; 0 of an analytic face.
+  int poles_u() const { return analytic_ ? 0 : fit_.patch.u.functions(); }
+  int poles_v() const { return analytic_ ? 0 : fit_.patch.v.functions(); }
   double fitted_angle_deg() const { return fit_.angle_deg; }  ///< PatchFit::angle_deg
 
   /// Fits the surface, with its tangent planes where the boundary has turns; where these cannot be
@@ -102,6 +108,12 @@ class FaceMaker {
   std::vector<TopoDS_Edge> edges(const FaceLoop& loop);
   void add_wire(const FaceLoop& loop);
   void add_ring();
+  void make_analytic();
+  Handle(Geom2d_BSplineCurve) analytic_image(const FaceStretch& stretch, const Geom_Curve& curve,
+                                             double first, double last, bool reversed);
+  std::vector<TopoDS_Edge> analytic_edges(FaceLoop loop, int turns);
+  TopoDS_Edge degenerate_edge(const TopoDS_Vertex& at, const Vec2& from, const Vec2& to);
+  TopoDS_Edge analytic_seam(const TopoDS_Vertex& a, const TopoDS_Vertex& b, const Vec2& from, double to);
 
   const SkinnedRegion& region_;
   const StepFaceOptions& options_;
@@ -115,7 +127,11 @@ class FaceMaker {
   double coincidence_ = 0;
   PatchFit fit_;
   BRep_Builder builder_;
-  Handle(Geom_BSplineSurface) surface_, surface_near_origin_;  // rounding is less at the origin
+  const AnalyticFace* analytic_ = nullptr;
+  Vec2 near_ = Vec2::Zero();                 // where the next stretch of an analytic face begins
+  std::vector<std::array<Vec2, 2>> images_;  // first and last parameters of its stretches
+  Handle(Geom_Surface) surface_;
+  Handle(Geom_BSplineSurface) surface_near_origin_;  // rounding is less at the origin
   TopoDS_Face face_;
   SharedEdges* shared_ = nullptr;
   std::set<const void*> used_;  // edges that the face has

@@ -1,7 +1,9 @@
 #include "batten/io/cad/face_measure.h"
 
+#include <BRepGProp.hxx>
 #include <BRepTopAdaptor_FClass2d.hxx>
 #include <BRep_Tool.hxx>
+#include <GProp_GProps.hxx>
 #include <Geom2d_Curve.hxx>
 #include <TopExp.hxx>
 #include <TopExp_Explorer.hxx>
@@ -42,14 +44,14 @@ struct FileEdges {
 };
 
 /// Reads the edges of a face; none if one of them lacks its curve.
-std::optional<FileEdges> edges_of_face(const TopoDS_Face& face,
-                                       const Geom_BSplineSurface& surface) {
+std::optional<FileEdges> edges_of_face(const TopoDS_Face& face, const Geom_Surface& surface,
+                                       int knots) {
   FileEdges found;
   double& gap = found.gap;
   for (TopExp_Explorer it(face.Oriented(TopAbs_FORWARD), TopAbs_EDGE); it.More(); it.Next()) {
     const TopoDS_Edge& edge = TopoDS::Edge(it.Current());
     FileEdge e{};
-    e.backwards = edge.Orientation() == TopAbs_REVERSED;
+    e.backwards = edge.Orientation() != face.Orientation();
     double first, last;
     e.curve = BRep_Tool::Curve(edge, e.first, e.last);
     e.line = BRep_Tool::CurveOnSurface(edge, face, first, last);
@@ -57,7 +59,7 @@ std::optional<FileEdges> edges_of_face(const TopoDS_Face& face,
     if (BRep_Tool::Degenerated(edge)) continue;
     if (e.curve.IsNull() || e.line.IsNull()) return std::nullopt;
     e.weight = parameter_weight(*e.curve);
-    const int n = 4 * (surface.NbUKnots() + surface.NbVKnots());
+    const int n = 4 * knots;
     for (int i = 0; i <= n; ++i) {
       const double t = e.at(double(i) / n);
       const gp_Pnt2d uv = e.line->Value(t);
@@ -136,6 +138,7 @@ void measure_stretch(const FaceStretch& stretch, const FileEdge& edge, int n, co
     const Vec3 x = i < n ? stretch.curve.evaluate(t)
                          : stretch.curve.evaluate({stretch.curve.segment_count() - 1, 1.0});
     report.line_gap = std::max(report.line_gap, (made.position(uv) - x).norm());
+    if (made.analytic()) continue;
     const gp_Pnt2d of_file = edge.line->Value(edge.at(share));
     points.emplace_back(of_file.X(), of_file.Y());
   }
@@ -164,7 +167,7 @@ JoinNormals normals_along(const FaceStretch& stretch, const FaceMaker& made,
 }
 
 /// The normal of the file's face; zero where it comes to a point.
-Vec3 normal_of_file(const FileEdge& edge, const Geom_BSplineSurface& surface, double share) {
+Vec3 normal_of_file(const FileEdge& edge, const Geom_Surface& surface, double share) {
   const gp_Pnt2d uv = edge.line->Value(edge.at(share));
   gp_Pnt p;
   gp_Vec du, dv;
@@ -215,26 +218,43 @@ std::map<LinePiece, JoinSides> sides_of(const std::vector<FaceNormals>& faces) {
 
 }  // namespace
 
+bool has_area_of_region(const TopoDS_Face& face, const FaceMaker& made) {
+  GProp_GProps found;
+  BRepGProp::SurfaceProperties(face, found);
+  constexpr double share = 0.01;  // another part of the surface, or all of it, is off by far more
+  const double area = made.region().surface.area();
+  return std::abs(found.Mass() - area) <= share * area;
+}
+
 FaceNormals measure_face(const TopoDS_Face& face, const FaceMaker& made, const StepPlan& plan,
                          StepPatch& report) {
   FaceNormals normals;
-  const Handle(Geom_BSplineSurface) surface =
-      Handle(Geom_BSplineSurface)::DownCast(BRep_Tool::Surface(face));
+  const Handle(Geom_Surface) surface = BRep_Tool::Surface(face);
+  const Handle(Geom_BSplineSurface) spline = Handle(Geom_BSplineSurface)::DownCast(surface);
+  const MeasuredShape shape = shape_of(surface);
+  const bool analytic = made.analytic() != nullptr;
   report.deviation = report.edge_gap = report.edge_deviation = infinity;
-  if (surface.IsNull()) return normals;
+  if (analytic ? shape.kind != made.analytic()->surface.shape().kind || !has_area_of_region(face, made)
+               : spline.IsNull())
+    return normals;
+  constexpr int as_fine = 32;  // an analytic face has no knots
+  const int knots = analytic ? as_fine : spline->NbUKnots() + spline->NbVKnots();
   const double begin = made.boundary().seam, period = made.boundary().period;
-  const auto on_file = [&](const Vec2& uv) {
+  const auto off_file = [&](const Vec2& uv) {
+    const Vec3 p = made.position(uv);
+    if (analytic) return std::abs(shape.distance(p));
     const double u = period > 0 ? uv.x() - std::floor((uv.x() - begin) / period) * period : uv.x();
-    return from_occ(surface->Value(u, uv.y()));
+    return (from_occ(spline->Value(u, uv.y())) - p).norm();
   };
   std::vector<Vec2> points = points_of_region(made);
 
   // Boundary curves, each with the edge of the file that is nearest to it at the same share of the
   // parameter.
-  const auto found = edges_of_face(face, *surface);
+  const auto found = edges_of_face(face, *surface, knots);
   if (!found) return normals;
   const std::vector<FileEdge>& edges = found->edges;
-  for (const Vec2& uv : points_of_face(face, *surface, edges, made)) points.push_back(uv);
+  if (!analytic)
+    for (const Vec2& uv : points_of_face(face, *spline, edges, made)) points.push_back(uv);
   report.edge_deviation = 0;
   std::vector<char> used(edges.size());
   for (const FaceLoop& loop : made.boundary().loops)
@@ -245,8 +265,7 @@ FaceNormals measure_face(const TopoDS_Face& face, const FaceMaker& made, const S
         continue;
       }
       used[mine] = 1;
-      const int n = 8 * (stretch.curve.segment_count() + stretch.image.segment_count() +
-                         surface->NbUKnots() + surface->NbVKnots());
+      const int n = 8 * (stretch.curve.segment_count() + stretch.image.segment_count() + knots);
       measure_stretch(stretch, edges[mine], n, made, report, points);
       if (!stretch.turns.empty())
         normals[piece_of(plan, stretch)] =
@@ -256,9 +275,7 @@ FaceNormals measure_face(const TopoDS_Face& face, const FaceMaker& made, const S
     }
   if (std::find(used.begin(), used.end(), 0) != used.end()) report.edge_deviation = infinity;
   report.edge_gap = found->gap;
-  report.deviation = largest(points.size(), [&](size_t i) {
-    return (on_file(points[i]) - made.position(points[i])).norm();
-  });
+  report.deviation = largest(points.size(), [&](size_t i) { return off_file(points[i]); });
   return normals;
 }
 
@@ -268,7 +285,7 @@ FaceNormals normals_of_fit(const FaceMaker& made, const StepPlan& plan) {
     for (const FaceStretch& stretch : loop)
       if (!stretch.turns.empty())
         normals[piece_of(plan, stretch)] = normals_along(
-            stretch, made, [&](double, const Vec2& uv) { return made.patch().normal(uv); });
+            stretch, made, [&](double, const Vec2& uv) { return made.fitted_normal(uv); });
   return normals;
 }
 

@@ -26,6 +26,9 @@ using FaceNormals = std::map<LinePiece, JoinNormals>;
 FaceNormals measure_face(const TopoDS_Face& face, const FaceMaker& made, const StepPlan& plan,
                          StepPatch& patch);
 
+/// Whether an analytic face is as large as its region, and so the part of its surface that it should be.
+bool has_area_of_region(const TopoDS_Face& face, const FaceMaker& made);
+
 /// The same normals of the last fit, before there is a file.
 FaceNormals normals_of_fit(const FaceMaker& made, const StepPlan& plan);
 

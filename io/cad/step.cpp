@@ -91,6 +91,7 @@ class ModelFile {
     cut_at_vertices(plan_);
     if (cut_.empty()) return;
     face_options_.tolerance = options.tolerance > 0 ? options.tolerance : 1e-4 * size_;
+    face_options_.analytic = false;
     if (plan_.joined) cut_lines(plan_, cut_);
     fitted_ = fitted_faces(cut_, plan_, face_options_);
   }

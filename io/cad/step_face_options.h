@@ -11,6 +11,8 @@ struct StepFaceOptions {
   /// Largest angle between neighbouring faces where their surfaces are tangent, degrees; above 0.
   double join_deg = 0.1;
   StepFileOptions file = {};
+  /// Whether regions that are planes, cylinders, spheres, cones or tori within the tolerance are written as these.
+  bool analytic = true;
   int most_poles = 400;            ///< most poles in one direction, 16 or more
   int most_poles_in_all = 60'000;  ///< most poles of one face, 256 or more; 60,000 are about 6 MB
   /// Most poles of a face for each triangle of its surface, beyond 2,000 in all. A surface that

@@ -31,7 +31,9 @@ struct StepPatch {
   /// Distance of the file's edges from lines that regions have in common (rounding), and from the
   /// region's own rim elsewhere (the fit).
   double edge_deviation = 0;
-  int poles_u = 0, poles_v = 0;
+  int poles_u = 0, poles_v = 0;  ///< of a B-spline; 0 of an analytic face
+  /// "plane", "cylinder", "sphere", "cone", "torus" of an analytic face; "B-spline".
+  std::string surface = "B-spline";
 };
 
 /// A line along which the surfaces of two regions are tangent, and their faces in the file.

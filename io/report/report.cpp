@@ -261,6 +261,7 @@ Json json_of(const Report::Step& s, bool of_network) {
   if (s.form == "face") {
     json["tolerance"] = s.tolerance;
     json["poles"] = {s.poles_u, s.poles_v};
+    json["faces_by_kind"] = s.faces_by_kind;
   }
   json["edges"] = {{"creases", s.creases},
                    {"tangent", s.tangent},

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -85,7 +86,8 @@ struct Report : RunReport {
   struct Step {
     std::string file, form;
     int faces = 0;
-    int lines = 0;         ///< curves beside the faces
+    std::map<std::string, int> faces_by_kind;  ///< "B-spline", "cylinder", …; in the form "face"
+    int lines = 0;                             ///< curves beside the faces
     double tolerance = 0;  ///< the tolerance asked for; 0 in the exact form
     int poles_u = 0, poles_v = 0;
     std::uintmax_t bytes = 0;

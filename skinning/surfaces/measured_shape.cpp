@@ -286,6 +286,20 @@ MeasuredShape torus_of(const ShapeSamples& s) {
   return shape;
 }
 
+/// The number with the fewest decimals within `error` of a length.
+double shortest_decimal(double length, double error) {
+  if (!(error > 0)) return length;
+  const double step = std::pow(10, std::floor(std::log10(2 * error)));
+  for (const double coarse : {10 * step, 5 * step, 2 * step, step}) {
+    // Multiples of negative powers of ten are quotients: 20.3, not 203 · 0.1.
+    const double inverse = std::round(1 / coarse);
+    const double rounded = coarse < 1 && inverse > 0 ? std::round(length * inverse) / inverse
+                                                     : std::round(length / coarse) * coarse;
+    if (rounded > 0 && std::abs(rounded - length) <= error) return rounded;
+  }
+  return length;
+}
+
 double largest_distance(const MeasuredShape& s, const ShapeSamples& samples) {
   double most = 0;
   for (const Vec3& p : samples.p) {
@@ -334,6 +348,19 @@ MeasuredShape simplest_shape(const ShapeSamples& samples, double tolerance) {
   if (turn < kLeastTorusTurnDeg) return {};
   if (const MeasuredShape torus = fitted(torus_of(samples)); torus.kind != ShapeKind::Free) return torus;
   return {};
+}
+
+/// Radii are known to within the deviation: of the numbers in that interval the one with the fewest decimals is taken, as a
+/// designer states it, if the surface is within the tolerance of that primitive too. (A cone's radius is that of its end.)
+void round_radii(MeasuredShape& s, const Points& positions, double tolerance) {
+  if (s.kind == ShapeKind::Plane || s.kind == ShapeKind::Cone) return;
+  MeasuredShape rounded = s;
+  rounded.radius = shortest_decimal(s.radius, s.deviation);
+  if (s.kind == ShapeKind::Torus) rounded.major_radius = shortest_decimal(s.major_radius, s.deviation);
+  rounded.deviation = 0;
+  for (long i = 0; i < positions.rows(); ++i)
+    rounded.deviation = std::max(rounded.deviation, std::abs(rounded.distance(positions.row(i).transpose())));
+  if (rounded.deviation <= tolerance) s = rounded;
 }
 
 /// Axes point to where their largest component is positive, so that equal surfaces have equal axes; those of cones
@@ -426,6 +453,7 @@ MeasuredShape measured_shape(const Points& positions, const Points& normals, dou
   shape.major_radius *= size;
   shape.deviation *= size;
   settle_axis(shape);
+  round_radii(shape, positions, tolerance);
   return shape;
 }
 

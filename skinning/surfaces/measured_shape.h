@@ -42,7 +42,8 @@ const char* word_for(MeasuredShape::Kind kind);
 ///
 /// A primitive also has to be determined by the patch: its normals turn by at least 3 degrees (a torus: 30), and the
 /// patch is off its plane by at least 20 times of what it is off the primitive. Otherwise Kind::Free. The result does
-/// not depend on the unit, nor on a rigid motion, but for rounding. O(samples): four a triangle.
+/// not depend on the unit, nor on a rigid motion, but for rounding. Radii are known to within the deviation: they get as
+/// few decimals as that allows. O(samples): four a triangle, and the vertices.
 MeasuredShape measured_shape(const SkinnedRegion& region, double tolerance);
 
 /// Same for positions and unit normals (zero: none there), one row each.

@@ -199,10 +199,19 @@ std::string edges_of(const Report::Step& step) {
          (missed ? ", " + std::to_string(missed) + " missed" : "");
 }
 
+/// Says how many faces are planes, cylinders, …; "" where none is.
+std::string kinds_of(const Report::Step& step) {
+  std::string text;
+  for (const auto& [kind, count] : step.faces_by_kind)
+    if (kind != "B-spline")
+      text += (text.empty() ? "" : ", ") + counted(count, kind, kind == "torus" ? "tori" : kind + "s");
+  return text.empty() ? "" : " (" + text + ")";
+}
+
 /// Says what the STEP file holds.
 std::string step_result(const Report::Step& step, const std::string& unit) {
   return result_line(
-      "STEP", counted(step.faces, "face") + " in " +
+      "STEP", counted(step.faces, "face") + kinds_of(step) + " in " +
                   (step.solids ? counted(step.solids, "solid") : counted(step.shells, "shell")) +
                   ", " + (step.valid ? "valid" : "NOT valid") + ", within " +
                   number(step.max_deviation) + unit + ", edges within " + number(step.max_gap) +
@@ -413,8 +422,10 @@ std::string summary(const Report& report, const std::filesystem::path& folder) {
     text += result_line("STEP", step.form == "exact"
                                     ? std::to_string(step.faces) + " faces, " + valid + ", gap " +
                                           number(step.max_gap) + unit
-                                    : "one face of " + std::to_string(step.poles_u) + " × " +
-                                          std::to_string(step.poles_v) + " poles, " + valid +
+                                    : (kinds_of(step).empty()
+                                           ? "one face of " + std::to_string(step.poles_u) + " × " +
+                                                 std::to_string(step.poles_v) + " poles, "
+                                           : counted(step.faces, "face") + kinds_of(step) + ", ") + valid +
                                           ", within " + number(step.max_deviation) + unit +
                                           ", edges within " + number(step.max_gap) + unit +
                                           edges_of(step));

@@ -203,6 +203,7 @@ StepReport face_step(Report& report, const Scene& scene, const StepFileOptions& 
   for (const StepPatch& patch : step.patches) {
     report.step->poles_u = std::max(report.step->poles_u, patch.poles_u);
     report.step->poles_v = std::max(report.step->poles_v, patch.poles_v);
+    ++report.step->faces_by_kind[patch.surface];
   }
   return step;
 }
@@ -253,6 +254,7 @@ void write_step_into(Report& report, const Scene& scene, const MadeModel& made,
                               " off the surface: it has three a triangle");
     s.form = "exact";
     s.tolerance = s.poles_u = s.poles_v = 0;
+    s.faces_by_kind.clear();
     step = exact_step(report, scene, words, regions, out.file(scene.step));
   }
   s.faces = step.faces;

@@ -1,0 +1,384 @@
+#include "batten/io/cad/analytic_face.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "batten/core/box.h"
+#include "batten/fem/trim.h"
+
+namespace batten {
+namespace {
+
+using Closing = AnalyticFace::Closing;
+using ShapeKind = MeasuredShape::Kind;
+using std::numbers::pi;
+
+constexpr double kPoleMargin = 5 * pi / 180;   ///< of a pole from the boundary, radians
+constexpr double kSeamMargin = 2 * pi / 180;   ///< of a seam from a patch that does not close
+constexpr double kOneVertex = 1e-7;            ///< of the face's size: a seam this near to a vertex begins there
+constexpr double kShortEdge = 0.02;            ///< of a rim: a seam does not cut off less
+constexpr int kPlaces = 64;                    ///< along a stretch of the boundary
+
+/// Points of a loop, in its direction.
+std::vector<Vec3> loop_points(const FaceLoop& loop) {
+  std::vector<Vec3> points;
+  for (const FaceStretch& s : loop)
+    for (int i = 0; i < kPlaces; ++i)
+      points.push_back(s.curve.evaluate(s.curve.start() + (s.curve.end() - s.curve.start()) * i / kPlaces));
+  return points;
+}
+
+std::vector<Vec3> inner_points(const Surface& surface) {
+  std::vector<Vec3> points;
+  for (int t = 0; t < surface.mesh().triangle_count(); ++t)
+    if (!surface.trim() || surface.trim()->side(t) == Trim::Side::Inside)
+      points.push_back(surface.position({t, Vec3::Constant(1.0 / 3)}));
+  return points;
+}
+
+/// How often a closed chain of points runs around, in u and in v.
+Eigen::Vector2i turns_of(const AnalyticSurface& surface, const std::vector<Vec3>& points) {
+  const Vec2 begin = surface.parameters(points.front(), Vec2::Zero());
+  Vec2 uv = begin;
+  for (const Vec3& p : points) uv = surface.parameters(p, uv);
+  uv = surface.parameters(points.front(), uv);
+  Eigen::Vector2i turns = Eigen::Vector2i::Zero();
+  for (const int k : {0, 1})
+    if (surface.periods()[k] > 0)
+      turns[k] = static_cast<int>(std::lround((uv[k] - begin[k]) / surface.periods()[k]));
+  return turns;
+}
+
+/// ½ ∮ (x - c) × dx.
+Vec3 loop_area(const std::vector<Vec3>& points) {
+  const Vec3 c = points.front();
+  Vec3 area = Vec3::Zero();
+  for (size_t i = 0; i < points.size(); ++i)
+    area += (points[i] - c).cross(points[(i + 1) % points.size()] - c) / 2;
+  return area;
+}
+
+class AnalyticPlanner {
+ public:
+  AnalyticPlanner(const SkinnedRegion& region, const MeasuredShape& shape, StepPlan& plan)
+      : plan_(plan), shape_(shape), boundary_(region, &plan, FaceBoundary::Rims::Whole), inner_(inner_points(region.surface)) {
+    for (const FaceLoop& loop : boundary_.loops) {
+      loops_.push_back(loop_points(loop));
+      all_.insert(all_.end(), loops_.back().begin(), loops_.back().end());
+    }
+    all_.insert(all_.end(), inner_.begin(), inner_.end());
+    Box3 box;
+    for (const Vec3& p : all_) box.extend(p);
+    size_ = box.diagonal().norm();
+    middle_ = box.center();
+    int out = 0;
+    const Surface& surface = region.surface;
+    for (int t = 0; t < surface.mesh().triangle_count(); ++t) {
+      if (surface.trim() && surface.trim()->side(t) != Trim::Side::Inside) continue;
+      const Location where{t, Vec3::Constant(1.0 / 3)};
+      out += surface.area_vector(where).dot(shape.normal(surface.position(where))) > 0 ? 1 : -1;
+    }
+    flipped_ = out < 0;
+  }
+
+  std::optional<AnalyticFace> face() {
+    if (inner_.empty() || runs_along_itself()) return std::nullopt;
+    switch (shape_.kind) {
+      case ShapeKind::Plane:
+        return open_face(Vec3::UnitX());
+      case ShapeKind::Sphere: {
+        if (auto found = open_sphere()) return found;
+        for (const std::vector<Vec3>& loop : loops_) {
+          shape_.axis = loop_area(loop).normalized();
+          if (auto found = closed_face()) return found;
+        }
+        return std::nullopt;
+      }
+      default:
+        if (auto found = open_face(-mean_out())) return found;
+        return closed_face();
+    }
+  }
+
+ private:
+  // A line with the region on both sides would be two edges in one place.
+  bool runs_along_itself() const {
+    std::map<std::string, int> uses;
+    for (const FaceLoop& loop : boundary_.loops)
+      for (const FaceStretch& s : loop)
+        if (++uses[s.line + " " + std::to_string(std::min(s.line_parameter(s.curve.start()), s.line_parameter(s.curve.end())))] > 1)
+          return true;
+    return false;
+  }
+
+  Vec3 mean_out() const {
+    Vec3 sum = Vec3::Zero();
+    for (const Vec3& p : all_) {
+      const Vec3 q = p - shape_.origin;
+      sum += (q - q.dot(shape_.axis) * shape_.axis).normalized();
+    }
+    return sum;
+  }
+
+  AnalyticFace made(const Vec3& reference) const {
+    AnalyticFace face{AnalyticSurface(shape_, reference, middle_), Closing::None, 0, flipped_, Vec2::Zero(), std::vector<int>(loops_.size(), 0)};
+    return face;
+  }
+
+  /// A face none of whose loops runs around; u = 0 is opposite to its middle.
+  std::optional<AnalyticFace> open_face(const Vec3& reference) const {
+    if (!(reference.norm() > 0)) return std::nullopt;
+    AnalyticFace face = made(reference);
+    const Vec2 periods = face.surface.periods();
+    for (const std::vector<Vec3>& loop : loops_)
+      if (!turns_of(face.surface, loop).isZero()) return std::nullopt;
+    if (periods.x() <= 0) return face;
+    face.near.x() = pi;
+    double around = 0, ahead = 0;  // mean direction in v
+    for (const Vec3& p : all_) {
+      const Vec2 uv = face.surface.parameters(p, face.near);
+      if (uv.x() < kSeamMargin || uv.x() > 2 * pi - kSeamMargin) {
+        if (!face.surface.singular(p, 1e-3 * size_)) return std::nullopt;
+      }
+      around += std::sin(uv.y());
+      ahead += std::cos(uv.y());
+    }
+    if (periods.y() > 0) {
+      face.near.y() = std::atan2(around, ahead);
+      for (const Vec3& p : all_)
+        if (std::abs(face.surface.parameters(p, face.near).y() - face.near.y()) > pi - kSeamMargin)
+          return std::nullopt;
+    }
+    return face;
+  }
+
+  /// A patch of a sphere that an axis passes by: the one whose poles and seam are the farthest away.
+  std::optional<AnalyticFace> open_sphere() {
+    Vec3 middle = Vec3::Zero();
+    for (const Vec3& p : all_) middle += (p - shape_.origin).normalized();
+    if (!(middle.norm() > 1e-3 * static_cast<double>(all_.size()))) return std::nullopt;
+    middle.normalize();
+    const Vec3 e = middle.unitOrthogonal(), f = middle.cross(e);
+    constexpr int directions = 24;
+    double best = std::sin(2 * kPoleMargin);
+    Vec3 axis = Vec3::Zero();
+    for (int k = 0; k < directions; ++k) {
+      const Vec3 a = std::cos(pi * k / directions) * e + std::sin(pi * k / directions) * f;
+      double margin = 1;
+      for (const Vec3& p : all_) margin = std::min(margin, a.cross((p - shape_.origin).normalized()).norm());
+      if (margin <= best) continue;
+      best = margin;
+      axis = a;
+    }
+    if (axis.isZero()) return std::nullopt;
+    const Vec3 before = shape_.axis;
+    shape_.axis = axis;
+    auto found = open_face(-middle);
+    if (!found) shape_.axis = before;
+    return found;
+  }
+
+  /// A face with a seam. Rims are the loops that run around.
+  std::optional<AnalyticFace> closed_face() {
+    AnalyticFace face = made(shape_.axis.unitOrthogonal());
+    std::vector<size_t> rims;
+    Eigen::Vector2i sum = Eigen::Vector2i::Zero();
+    int wound = -1;
+    for (size_t k = 0; k < loops_.size(); ++k) {
+      const Eigen::Vector2i turns = turns_of(face.surface, loops_[k]);
+      if (turns.isZero()) continue;
+      if (turns.cwiseAbs().sum() != 1) return std::nullopt;
+      const int along = turns[0] != 0 ? 0 : 1;
+      if (wound >= 0 && wound != along) return std::nullopt;
+      wound = along;
+      rims.push_back(k);
+      face.turns[k] = turns[along];
+      sum += turns;
+    }
+    if (rims.size() == 2 && sum.isZero()) {
+      face.closing = wound == 0 ? Closing::AroundU : Closing::AroundV;
+      if (shape_.kind == ShapeKind::Sphere && !(pole_distance(1) > kPoleMargin && pole_distance(-1) > kPoleMargin))
+        return std::nullopt;
+    } else if (rims.size() == 1 && shape_.kind == ShapeKind::Sphere) {
+      face.closing = Closing::Pole;
+      // The surface is to the left of its loop: around the north pole, seen from outside.
+      if ((flipped_ ? -1 : 1) * face.turns[rims[0]] < 0) {
+        shape_.axis = -shape_.axis;
+        AnalyticFace turned = made(shape_.axis.unitOrthogonal());
+        turned.closing = Closing::Pole;
+        turned.turns = face.turns;
+        turned.turns[rims[0]] = -face.turns[rims[0]];
+        face = turned;
+      }
+      if (!(pole_distance(-1) > kPoleMargin)) return std::nullopt;
+      for (const Vec3& p : loops_[rims[0]])
+        if (shape_.axis.cross((p - shape_.origin).normalized()).norm() < std::sin(kPoleMargin)) return std::nullopt;
+    } else {
+      return std::nullopt;
+    }
+    return with_seam(std::move(face), rims, wound);
+  }
+
+  /// The smallest angle between a pole and the points of the face.
+  double pole_distance(int side) const {
+    double least = pi;
+    for (const Vec3& p : all_)
+      least = std::min(least, std::acos(std::clamp(side * shape_.axis.dot((p - shape_.origin).normalized()), -1.0, 1.0)));
+    return least;
+  }
+
+  struct Cut {
+    const FaceStretch* stretch;
+    double t;
+  };
+
+  /// Where a rim meets a seam: at a vertex (no cut), at one place between vertices, or not as it should.
+  bool meets(const AnalyticSurface& surface, int wound, const FaceLoop& rim, double seam, std::vector<Cut>& cuts) const {
+    const auto angle = [&](const Vec3& p) {
+      const double a = surface.parameters(p, Vec2::Zero())[wound] - seam;
+      return a - 2 * pi * std::round(a / (2 * pi));
+    };
+    const auto lever = [&](const Vec3& p) {
+      return wound == 1 ? shape_.radius : (p - shape_.origin).cross(shape_.axis).norm();
+    };
+    double length = 0;
+    int vertices = 0;
+    std::vector<Vec3> ends;
+    for (const FaceStretch& s : rim) {
+      ends.push_back(s.curve.position(0));
+      length += s.curve.length();
+      vertices += std::abs(angle(ends.back())) * lever(ends.back()) <= kOneVertex * size_;
+    }
+    if (vertices > 1) return false;
+    std::vector<Cut> found;
+    for (const FaceStretch& s : rim) {
+      const double start = s.curve.start(), end = s.curve.end();
+      const auto at = [&](double t) { return angle(s.curve.evaluate(t)); };
+      double a = start, of_a = at(a);
+      for (int i = 1; i <= kPlaces; ++i) {
+        double b = start + (end - start) * i / kPlaces, of_b = at(b);
+        const double next = b, of_next = of_b;
+        if ((of_a < 0) != (of_b < 0) && std::abs(of_a) + std::abs(of_b) < pi) {
+          for (int k = 0; k < 60; ++k) {
+            const double c = (a + b) / 2, of_c = at(c);
+            ((of_c < 0) == (of_a < 0) ? a : b) = c;
+          }
+          found.push_back({&s, (a + b) / 2});
+        }
+        a = next;
+        of_a = of_next;
+      }
+    }
+    std::erase_if(found, [&](const Cut& cut) {
+      const Vec3 p = cut.stretch->curve.evaluate(cut.t);
+      return std::any_of(ends.begin(), ends.end(),
+                         [&](const Vec3& q) { return (p - q).norm() <= 10 * kOneVertex * size_; });
+    });
+    if (vertices == 1) return found.empty();
+    if (found.size() != 1) return false;
+    const Vec3 p = found[0].stretch->curve.evaluate(found[0].t);
+    for (const Vec3& q : ends)
+      if ((p - q).norm() < kShortEdge * length) return false;
+    cuts.push_back(found[0]);
+    return true;
+  }
+
+  bool crosses(const AnalyticSurface& surface, int wound, const std::vector<Vec3>& loop, double seam) const {
+    double before = 0;
+    for (size_t i = 0; i <= loop.size(); ++i) {
+      const double a = surface.parameters(loop[i % loop.size()], Vec2::Zero())[wound] - seam;
+      const double here = a - 2 * pi * std::round(a / (2 * pi));
+      if (std::abs(here) < kSeamMargin) return true;
+      if (i > 0 && (here < 0) != (before < 0) && std::abs(here) + std::abs(before) < pi) return true;
+      before = here;
+    }
+    return false;
+  }
+
+  std::optional<AnalyticFace> with_seam(AnalyticFace face, const std::vector<size_t>& rims, int wound) {
+    std::vector<double> candidates;
+    if (wound == 1) candidates.push_back(0);
+    for (const size_t k : rims)
+      for (const FaceStretch& s : boundary_.loops[k])
+        candidates.push_back(face.surface.parameters(s.curve.position(0), Vec2::Zero())[wound]);
+    constexpr int places = 16;
+    for (int k = 0; k < places; ++k) candidates.push_back(2 * pi * k / places);
+    bool found = false;
+    std::vector<Cut> fewest;
+    for (const double seam : candidates) {
+      std::vector<Cut> cuts;
+      bool good = true;
+      for (size_t k = 0; k < loops_.size() && good; ++k)
+        good = std::count(rims.begin(), rims.end(), k) > 0
+                   ? meets(face.surface, wound, boundary_.loops[k], seam, cuts)
+                   : !crosses(face.surface, wound, loops_[k], seam);
+      if (!good || (found && cuts.size() >= fewest.size())) continue;
+      found = true;
+      fewest = cuts;
+      face.seam = seam;
+      if (wound == 1) break;
+    }
+    if (!found) return std::nullopt;
+    for (const Cut& cut : fewest) {
+      std::vector<double>& of_line = plan_.lines.at(cut.stretch->line).cuts;
+      of_line.push_back(cut.stretch->line_parameter(cut.t));
+      std::sort(of_line.begin(), of_line.end());
+    }
+    if (wound == 0) {  // u = 0 is the seam
+      const Vec3 p = face.surface.position({face.seam, 0}) - shape_.origin;
+      face.surface = AnalyticSurface(shape_, p - p.dot(shape_.axis) * shape_.axis, middle_);
+      face.seam = 0;
+      face.near = {pi, 0};
+    } else {
+      const Vec3 out = mean_out();
+      face.surface = AnalyticSurface(shape_, -out, middle_);
+      face.near = {pi, face.seam + pi};
+      for (const Vec3& p : all_)
+        if (const double u = face.surface.parameters(p, face.near).x(); u < kSeamMargin || u > 2 * pi - kSeamMargin)
+          return std::nullopt;
+    }
+    return face;
+  }
+
+  StepPlan& plan_;
+  MeasuredShape shape_;
+  FaceBoundary boundary_;
+  std::vector<Vec3> inner_, all_;
+  std::vector<std::vector<Vec3>> loops_;
+  double size_ = 0;
+  Vec3 middle_ = Vec3::Zero();
+  bool flipped_ = false;
+};
+
+}  // namespace
+
+size_t AnalyticFace::seam_stretch(const FaceLoop& loop) const {
+  const int wound = closing == Closing::AroundV ? 1 : 0;
+  size_t best = 0;
+  double nearest = 2 * pi;
+  for (size_t k = 0; k < loop.size(); ++k) {
+    const double a = surface.parameters(loop[k].curve.position(0), Vec2::Zero())[wound] - seam;
+    const double distance = std::abs(a - 2 * pi * std::round(a / (2 * pi)));
+    if (distance >= nearest) continue;
+    nearest = distance;
+    best = k;
+  }
+  return best;
+}
+
+AnalyticFaces analytic_faces(StepPlan& plan, MeasuredShapes& shapes) {
+  AnalyticFaces faces;
+  for (const SkinnedRegion* region : plan.regions) {
+    const auto shape = shapes.find(region);
+    if (shape == shapes.end()) continue;
+    if (auto face = AnalyticPlanner(*region, shape->second, plan).face())
+      faces.emplace(region, std::move(*face));
+    else
+      shapes.erase(shape);
+  }
+  return faces;
+}
+
+}  // namespace batten

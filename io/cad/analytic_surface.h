@@ -1,0 +1,51 @@
+// A plane, cylinder, sphere, cone or torus as a surface of OpenCASCADE, and curves in its parameters. Internal.
+#pragma once
+
+#include <Geom2d_BSplineCurve.hxx>
+#include <Geom_Curve.hxx>
+#include <Geom_Surface.hxx>
+
+#include <optional>
+
+#include "batten/skinning/surfaces/measured_shape.h"
+
+namespace batten {
+
+/// Parameters (u, v) are those of OpenCASCADE and of STEP: of a plane lengths along two axes; of all others u is the
+/// angle about the axis, from a reference direction, and v the height (cylinder), the latitude (sphere), the length
+/// along the straight lines (cone), or the angle around the tube, from outside (torus).
+class AnalyticSurface {
+ public:
+  /// `shape`: any primitive but MeasuredShape::Kind::Free. u = 0 in the direction of `reference` from the axis.
+  /// `middle`: a point of the surface, where a cone has v = 0.
+  AnalyticSurface(const MeasuredShape& shape, const Vec3& reference, const Vec3& middle);
+
+  const MeasuredShape& shape() const { return shape_; }
+  Handle(Geom_Surface) geometry() const { return geometry_; }
+  /// Periods in u and v; 0: none.
+  Vec2 periods() const;
+
+  /// Parameters of the nearest point, both angles within half a period of `near`. At an apex or pole u is that of `near`.
+  Vec2 parameters(const Vec3& p, const Vec2& near) const;
+  Vec3 position(const Vec2& uv) const;
+  /// Whether p is the apex of a cone, or a pole of a sphere, within `distance`.
+  bool singular(const Vec3& p, double distance) const;
+
+  /// The curve's image in the parameters over [first, last], a C1 cubic B-spline, within `tolerance` of the points nearest
+  /// to the curve (model units). It starts within half a period of `near` (ends there when `backwards`, where the curve is
+  /// followed from its end), and continues from there; `near` becomes its other end.
+  Handle(Geom2d_BSplineCurve) image(const Geom_Curve& curve, double first, double last, bool backwards, double tolerance,
+                                    Vec2& near) const;
+
+ private:
+  Vec2 slopes(const Vec3& p, const Vec3& slope) const;
+  MeasuredShape shape_;
+  Vec3 x_, y_, origin_;  // origin_: where v = 0, on the axis
+  double radius_ = 0;    // of a cone at v = 0
+  Handle(Geom_Surface) geometry_;
+};
+
+/// The primitive that a surface of OpenCASCADE is; Kind::Free for any other.
+MeasuredShape shape_of(const Handle(Geom_Surface) & surface);
+
+}  // namespace batten
