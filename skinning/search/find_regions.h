@@ -26,10 +26,10 @@ namespace batten {
 ///
 /// 4. Where that leaves rims, a closed model is looked for: with 0.6 more for each side, among the
 ///    chosen loops and those that do not run like rims (mean inside angle up to 120 degrees). So a
-///    propeller gets its skins rather than its ribs. Where the choice has no rims, but leaves arcs
-///    bare (the sharp edge of a thin wedge, whose faces turn against each other by 170 degrees and
-///    more), a closed model of nearly plane loops that takes all arcs is looked for, in which no
-///    edge costs more than one of 90 degrees.
+///    propeller gets its skins rather than its ribs. Where the choice leaves arcs bare (the sharp
+///    edge of a thin wedge, whose faces turn against each other by 170 degrees and more), a closed
+///    model that takes all arcs is looked for, of loops with the inside angles of plane ones, in
+///    which no edge costs more than one of 90 degrees.
 ///
 /// So a plane grid gets its cells and not its outline, a wire box six faces, a torus no disc in its
 /// hole. A smooth or long rim of an open shell stays open, because its inside angles are near 180

@@ -187,16 +187,18 @@ RegionSearch search_regions(const RegionGraph& graph, const SettledRegions& sett
 std::optional<RegionSearch> sharp_search(const RegionSearch& open, const RegionGraph& exact,
                                          const SettledRegions& settled, const LoopPrices& prices,
                                          const Progress& progress) {
-  if (settled.most_at_line != 2 || has_rims(open) || !has_bare_arcs(open, exact.core))
+  if (settled.most_at_line != 2 || !has_bare_arcs(open, exact.core))
     return std::nullopt;
   RegionSearch search = make_problem(exact, settled, prices, progress);
-  // Loops that are nearly as cheap as plane ones, n - 2, are worth more; others were chosen before.
-  constexpr double near_plane = 0.5;
+  // Loops with the inside angles of plane ones, (n - 2) π in all, are worth more; others were chosen
+  // before.
+  constexpr double near_plane = 0.5, most_cost = 2;
   for (size_t i = 0; i < search.loops.size(); ++i) {
     const LoopCandidate& loop = search.loops[i];
     const auto n = static_cast<double>(loop.loop.size());
     double& gain = search.problem.items[i].gain;
-    if (loop.cost <= n - 2 + near_plane && loop.inside_deg <= like_a_rim)
+    if (std::abs(loop.inside_deg * n / 180 - (n - 2)) <= near_plane &&
+        loop.cost <= n - 2 + most_cost && loop.inside_deg <= like_a_rim + 1e-6)
       gain += prices.closed * n;
     else if (!was_chosen(open, loop))
       gain = -1;

@@ -36,10 +36,10 @@ std::optional<RegionSearch> closed_search(const RegionSearch& open, const Region
                                           const SettledRegions& settled, const LoopPrices& prices,
                                           const Progress& progress);
 
-/// Searches for a closed model that takes all arcs where a choice without rims has left some bare,
-/// as the sharp edges of thin wedges: an edge of any angle costs no more than one of 90 degrees
-/// there, unless its surfaces lie on each other, and loops that were not chosen have to be nearly
-/// plane. Returns nothing where rims or bare arcs are left.
+/// Searches for a closed model that takes all arcs where the choice has left some bare, as the sharp
+/// edges of thin wedges and wings: an edge of any angle costs no more than one of 90 degrees there,
+/// unless its surfaces lie on each other, and loops that were not chosen have to have the inside
+/// angles of plane ones. Returns nothing where rims or bare arcs are left.
 std::optional<RegionSearch> sharp_search(const RegionSearch& open, const RegionGraph& exact,
                                          const SettledRegions& settled, const LoopPrices& prices,
                                          const Progress& progress);

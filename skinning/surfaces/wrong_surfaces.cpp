@@ -4,6 +4,8 @@
 #include <limits>
 #include <map>
 #include <numbers>
+#include <optional>
+#include <tuple>
 
 #include "batten/core/errors.h"
 #include "batten/core/index.h"
@@ -25,14 +27,46 @@ double degrees_between_normals(const Vec3& a, const Vec3& b) {
   return kDegrees * std::atan2(a.cross(b).norm(), a.dot(b));
 }
 
+// The edge of a facet that no other one has: from its corner `side` to the next one.
+struct RimEdge {
+  int facet, side;
+  std::array<Vec3, 3> normals;  // of the surface at its start, middle and end; zero: unknown
+};
+
 // The facets of one region, in model units.
 struct Shell {
   std::vector<Vec3> points;
   std::vector<std::array<int, 3>> facets;
-  std::vector<Vec3> normals;             // unit; zero of a facet without area
-  std::vector<std::pair<int, int>> rim;  // facet, and which of its edges: those of one facet
-  double edge = 0;                       // mean length
+  std::vector<Vec3> normals;  // unit; zero of a facet without area
+  std::vector<RimEdge> rim;
+  double edge = 0;  // mean length
 };
+
+// Normals along an edge of a facet, where both its ends are known in the facet's element.
+std::array<Vec3, 3> normals_along(const Surface& surface, const Tessellation& t, int facet,
+                                  int side) {
+  const int element = t.facet_triangle[facet];
+  const auto in_element = [&](int point) -> std::optional<Vec3> {
+    const Location& where = t.points[point];
+    if (where.triangle == element) return where.L;
+    for (int k = 0; k < 3; ++k)
+      for (int i = 0; i < 3; ++i)
+        if (where.L[k] == 1 && surface.mesh().triangles()[where.triangle][k] ==
+                                   surface.mesh().triangles()[element][i])
+          return Vec3(Vec3::Unit(i));
+    return std::nullopt;
+  };
+  const auto a = in_element(t.facets[facet][side]), b = in_element(t.facets[facet][(side + 1) % 3]);
+  std::array<Vec3, 3> normals;
+  normals.fill(Vec3::Zero());
+  if (!a || !b) return normals;
+  for (int k = 0; k < 3; ++k) {
+    const Vec3 n = surface.area_vector({element, *a + 0.5 * k * (*b - *a)});
+    const double length = n.norm();
+    if (length > 0 && std::isfinite(length)) normals[k] = n / length;
+  }
+  return normals;
+}
 
 Shell shell_of(const SkinnedRegion& region) {
   const Tessellation t = facets(region, 2).tessellation;
@@ -47,7 +81,8 @@ Shell shell_of(const SkinnedRegion& region) {
     shell.normals.push_back(n.norm() > least ? Vec3(n.normalized()) : Vec3(Vec3::Zero()));
     length += ab.norm() + ac.norm() + (ac - ab).norm();
   }
-  shell.rim = free_sides(shell.facets);
+  for (const auto& [f, i] : free_sides(shell.facets))
+    shell.rim.push_back({f, i, normals_along(region.surface, t, f, i)});
   shell.edge = length / std::max<double>(1, 3 * static_cast<double>(shell.facets.size()));
   return shell;
 }
@@ -161,7 +196,13 @@ struct Soup {
   std::vector<std::array<int, 3>> facets;       // welded
   std::vector<std::array<int, 3>> own;          // the same as they lie
   std::vector<int> region, facet;               // of each facet
-  std::vector<std::pair<EdgeKey, size_t>> rim;  // edges of one facet in their region: by points
+  struct Rim {
+    EdgeKey by;                   // points
+    size_t facet;
+    std::array<Vec3, 3> normals;  // at the first point, in the middle, at the second; or zero
+    bool operator<(const Rim& o) const { return std::tie(by, facet) < std::tie(o.by, o.facet); }
+  };
+  std::vector<Rim> rim;  // edges of one facet in their region
   double near = 0;
 };
 
@@ -176,9 +217,9 @@ Soup soup_of(const Regions& regions, const std::vector<SkinQuality>& qualities,
     if (!regions[r]) continue;
     const int base = count_of(soup.points);
     std::vector<char> on_rim(shells[r].points.size(), 0);
-    for (const auto& [f, i] : shells[r].rim) {
+    for (const auto& [f, i, normals] : shells[r].rim) {
       for (const int v : {shells[r].facets[f][i], shells[r].facets[f][(i + 1) % 3]}) on_rim[v] = 1;
-      soup.rim.push_back({{i, 0}, soup.facets.size() + static_cast<size_t>(f)});
+      soup.rim.push_back({{i, 0}, soup.facets.size() + static_cast<size_t>(f), normals});
     }
     for (size_t f = 0; f < shells[r].facets.size(); ++f) {
       auto facet = shells[r].facets[f];
@@ -206,9 +247,10 @@ Soup soup_of(const Regions& regions, const std::vector<SkinQuality>& qualities,
   soup.own = soup.facets;
   for (auto& facet : soup.facets)
     for (int& v : facet) v = number[v];
-  for (auto& [by, f] : soup.rim) {
-    const int i = by.first;
-    by = std::minmax(soup.facets[f][i], soup.facets[f][(i + 1) % 3]);
+  for (auto& [by, f, normals] : soup.rim) {
+    const int i = by.first, a = soup.facets[f][i], b = soup.facets[f][(i + 1) % 3];
+    by = std::minmax(a, b);
+    if (a > b) std::swap(normals[0], normals[2]);
   }
   std::sort(soup.rim.begin(), soup.rim.end());
   return soup;
@@ -216,21 +258,36 @@ Soup soup_of(const Regions& regions, const std::vector<SkinQuality>& qualities,
 
 constexpr double kSharp = 30;  // degrees: a wedge that has to be asked for by the curves
 
-// An edge along which two regions meet, by points of the soup, and the facets beside it.
+// An edge along which two regions meet, by points of the soup.
 struct MetEdge {
   int a, b;
-  size_t f, g;
-  double length, wedge;
+  std::array<int, 2> region;
+  // Into each region, at right angles to the edge: at a, in the middle, at b. Unit vectors.
+  std::array<std::array<Vec3, 3>, 2> into;
+  double length;
+
+  double wedge(int at = 1) const {
+    return degrees_between_normals(into[0][at], into[1][at]);  // degrees
+  }
 };
 using Meetings = std::map<EdgeKey, std::vector<MetEdge>>;  // by regions
 
-// Into a facet, at right angles to an edge of it.
-Vec3 into(const Soup& soup, size_t f, int a, int b) {
+// Into the surface of a facet, at right angles to its edge: in its tangent plane, or where that is
+// not known in the facet.
+std::array<Vec3, 3> into_surface(const Soup& soup, const Soup::Rim& rim) {
+  const auto [a, b] = rim.by;
   const Vec3 along = (soup.points[b] - soup.points[a]).normalized();
-  Vec3 d = Vec3::Zero();
-  for (const int v : soup.facets[f])
-    if (v != a && v != b) d = soup.points[v] - soup.points[a];
-  return d - d.dot(along) * along;
+  Vec3 chord = Vec3::Zero();
+  for (const int v : soup.facets[rim.facet])
+    if (v != a && v != b) chord = soup.points[v] - soup.points[a];
+  chord = (chord - chord.dot(along) * along).normalized();
+  std::array<Vec3, 3> into;
+  for (int k = 0; k < 3; ++k) {
+    const Vec3 in_plane = rim.normals[k].cross(along);
+    const double turned = in_plane.dot(chord);
+    into[k] = turned == 0 ? chord : Vec3(in_plane.normalized() * (turned < 0 ? -1 : 1));
+  }
+  return into;
 }
 
 Meetings meetings_of(const std::vector<Shell>& shells, const Soup& soup) {
@@ -239,15 +296,17 @@ Meetings meetings_of(const std::vector<Shell>& shells, const Soup& soup) {
     return shells[soup.region[f]].normals[soup.facet[f]].isZero();
   };
   for (size_t i = 0; i < soup.rim.size(); ++i)
-    for (size_t j = i + 1; j < soup.rim.size() && soup.rim[j].first == soup.rim[i].first; ++j) {
-      const auto [a, b] = soup.rim[i].first;
-      size_t f = soup.rim[i].second, g = soup.rim[j].second;
-      if (soup.region[f] > soup.region[g]) std::swap(f, g);
-      const int r = soup.region[f], s = soup.region[g];
-      if (r == s || a == b || no_area(f) || no_area(g)) continue;
-      meetings[{r, s}].push_back(
-          {a, b, f, g, (soup.points[b] - soup.points[a]).norm(),
-           degrees_between_normals(into(soup, f, a, b), into(soup, g, a, b))});
+    for (size_t j = i + 1; j < soup.rim.size() && soup.rim[j].by == soup.rim[i].by; ++j) {
+      const auto [a, b] = soup.rim[i].by;
+      const Soup::Rim *first = &soup.rim[i], *second = &soup.rim[j];
+      if (soup.region[first->facet] > soup.region[second->facet]) std::swap(first, second);
+      const int r = soup.region[first->facet], s = soup.region[second->facet];
+      if (r == s || a == b || no_area(first->facet) || no_area(second->facet)) continue;
+      meetings[{r, s}].push_back({a,
+                                  b,
+                                  {r, s},
+                                  {into_surface(soup, *first), into_surface(soup, *second)},
+                                  (soup.points[b] - soup.points[a]).norm()});
     }
   return meetings;
 }
@@ -257,16 +316,17 @@ Meetings meetings_of(const std::vector<Shell>& shells, const Soup& soup) {
 class AskedWedges {
  public:
   explicit AskedWedges(const Soup& soup) : soup_(soup) {
-    for (const auto& [e, f] : soup.rim) {
-      rim_[{soup.region[f], e.first}].push_back(e.second);
-      rim_[{soup.region[f], e.second}].push_back(e.first);
+    for (const Soup::Rim& rim : soup.rim) {
+      rim_[{soup.region[rim.facet], rim.by.first}].push_back(rim.by.second);
+      rim_[{soup.region[rim.facet], rim.by.second}].push_back(rim.by.first);
     }
   }
 
   static constexpr double kUnknown = -1;
 
   // For each edge where two regions meet: the wedge in degrees, linear between the ends of the
-  // line; kUnknown where the curves say nothing at either end.
+  // line. An end at which the curves fix no planes (a line may also end because points of the two
+  // regions differ) has the wedge of the nearest one where they do; kUnknown when there is none.
   std::vector<double> of(const std::vector<MetEdge>& edges) const {
     std::map<int, std::vector<size_t>> at;  // edges at each point
     for (size_t i = 0; i < edges.size(); ++i)
@@ -276,7 +336,21 @@ class AskedWedges {
       return here.size() != 2 || degrees_between_normals(along(edges[here[0]], v),
                                                          -along(edges[here[1]], v)) > kCorner;
     };
+    std::vector<std::pair<Vec3, double>> known;  // ends
+    for (const auto& [v, around] : at)
+      if (is_end(v))
+        for (const size_t e : around)
+          if (const double wedge = wedge_at(edges[e], v); wedge != kUnknown)
+            known.emplace_back(soup_.points[v], wedge);
     std::vector<double> asked(edges.size(), kUnknown);
+    if (known.empty()) return asked;
+    const auto asked_at = [&](size_t e, int v) {
+      if (const double wedge = wedge_at(edges[e], v); wedge != kUnknown) return wedge;
+      const auto distance = [&](const auto& end) { return (end.first - soup_.points[v]).norm(); };
+      return std::min_element(known.begin(), known.end(), [&](const auto& a, const auto& b) {
+               return distance(a) < distance(b);
+             })->second;
+    };
     std::vector<char> seen(edges.size(), 0);
     for (const auto& [start, around] : at) {
       if (!is_end(start)) continue;
@@ -291,8 +365,7 @@ class AskedWedges {
           if (is_end(v)) break;
           edge = at[v][0] == edge ? at[v][1] : at[v][0];
         }
-        spread(edges, line, wedge_at(edges[line.front()], start), wedge_at(edges[line.back()], v),
-               asked);
+        spread(edges, line, asked_at(line.front(), start), asked_at(line.back(), v), asked);
       }
     }
     return asked;  // closed lines without a corner stay unknown
@@ -308,8 +381,6 @@ class AskedWedges {
 
   static void spread(const std::vector<MetEdge>& edges, const std::vector<size_t>& line,
                      double first, double last, std::vector<double>& asked) {
-    if (first == kUnknown) first = last;
-    if (last == kUnknown) last = first;
     double length = 0, before = 0;
     for (const size_t e : line) length += edges[e].length;
     for (const size_t e : line) {
@@ -318,30 +389,24 @@ class AskedWedges {
     }
   }
 
-  // The wedge between the tangent planes of both regions at the end `v` of a line.
+  // The wedge between the tangent planes of both regions at the end `v` of a line, where both fix
+  // theirs.
   double wedge_at(const MetEdge& edge, int v) const {
-    const Vec3 f = other_curve(edge, edge.f, v), g = other_curve(edge, edge.g, v);
-    return f.isZero() || g.isZero() ? kUnknown : degrees_between_normals(f, g);
+    return fixes_plane(edge, 0, v) && fixes_plane(edge, 1, v) ? edge.wedge(v == edge.a ? 0 : 2)
+                                                              : kUnknown;
   }
 
-  // At right angles to the line and into a region, in the plane of the line and the region's other
-  // curve at its end; zero where that goes on from the line, so that it fixes no plane.
-  Vec3 other_curve(const MetEdge& edge, size_t f, int v) const {
-    constexpr double least = 0.26;  // sine of 15 degrees
-    const Vec3 t = along(edge, v), inwards = into(soup_, f, edge.a, edge.b).normalized();
-    Vec3 best = Vec3::Zero();
-    const auto found = rim_.find({soup_.region[f], v});
-    if (found == rim_.end()) return best;
-    for (const int w : found->second) {
-      if (w == edge.a || w == edge.b) continue;
-      const Vec3 d = (soup_.points[w] - soup_.points[v]).normalized();
-      Vec3 side = d - d.dot(t) * t;
-      if (side.norm() < least) continue;
-      side.normalize();
-      if (side.dot(inwards) < 0) side = -side;  // at a corner that goes inwards
-      if (best.isZero() || side.dot(inwards) > best.dot(inwards)) best = side;
-    }
-    return best;
+  // Whether a region has another curve at the end of a line, that does not go on from it.
+  bool fixes_plane(const MetEdge& edge, int side, int v) const {
+    constexpr double corner = 15;  // degrees
+    const auto found = rim_.find({edge.region[side], v});
+    if (found == rim_.end()) return false;
+    const Vec3 line = along(edge, v);
+    return std::any_of(found->second.begin(), found->second.end(), [&](int w) {
+      const double turn =
+          degrees_between_normals(soup_.points[w] - soup_.points[v], line);
+      return w != edge.a && w != edge.b && turn > corner && turn < 180 - corner;
+    });
   }
 
   const Soup& soup_;
@@ -357,7 +422,7 @@ void look_at_joins(const Regions& regions, const Soup& soup, const Meetings& mee
   const AskedWedges wedges(soup);
   for (const auto& [pair, edges] : meetings) {
     if (std::none_of(edges.begin(), edges.end(),
-                     [](const MetEdge& e) { return e.wedge < kSharp; }))
+                     [](const MetEdge& e) { return e.wedge() < kSharp; }))
       continue;
     const std::vector<double> asked = wedges.of(edges);
     double length = 0, sharp = 0, least = 180, wanted = 0;
@@ -368,10 +433,11 @@ void look_at_joins(const Regions& regions, const Soup& soup, const Meetings& mee
       const double limit = asked[i] == AskedWedges::kUnknown
                                ? kSharp
                                : std::max(lies_on, std::min(kSharp, share * asked[i]));
-      if (e.wedge >= limit) continue;
+      const double wedge = e.wedge();
+      if (wedge >= limit) continue;
       sharp += e.length;
-      if (e.wedge >= least) continue;
-      least = e.wedge;
+      if (wedge >= least) continue;
+      least = wedge;
       wanted = asked[i];
       where = 0.5 * (soup.points[e.a] + soup.points[e.b]);
     }
@@ -397,7 +463,7 @@ class SharpEdges {
       : soup_(soup), sag_(soup.facets.size(), 0) {
     for (const auto& [pair, edges] : meetings)
       for (const MetEdge& e : edges)
-        if (e.wedge < kSharp) lines_[pair].push_back(&e);
+        if (e.wedge() < kSharp) lines_[pair].push_back(&e);
     if (!lines_.empty()) measure_sag(shells);
   }
 
