@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "batten/core/errors.h"
+#include "batten/core/words.h"
 #include "batten/fairing/open_spline.h"
 
 namespace batten {
@@ -66,6 +67,33 @@ std::vector<CharacterLine> section_lines(std::vector<CharacterLine> sections) {
   sections.push_back(rail("rail 1", starts));
   sections.push_back(rail("rail 2", ends));
   return sections;
+}
+
+bool have_corners(const std::vector<CharacterLine>& sections, double corner_angle) {
+  return !sections.empty() &&
+         std::all_of(sections.begin(), sections.end(), [&](const CharacterLine& line) {
+           const InputCurve& curve = *line.curve;
+           return is_closed(line) && degrees_between(curve.evaluate(curve.start(), 1),
+                                                     curve.evaluate(curve.end(), 1)) > corner_angle;
+         });
+}
+
+std::vector<CharacterLine> corner_rails(const std::vector<CharacterLine>& sections) {
+  if (sections.size() < 2)
+    throw InputError("found " + std::to_string(sections.size()) + " section, expected two or more");
+  std::vector<Vec3> corners, noses;
+  for (const CharacterLine& line : sections) {
+    const InputCurve& curve = *line.curve;
+    corners.push_back(curve.evaluate(curve.start()));
+    constexpr int samples = 400;
+    double most = 0;
+    noses.push_back(corners.back());
+    for (int k = 1; k < samples; ++k) {
+      const Vec3 p = curve.evaluate(curve.start() + (curve.end() - curve.start()) * k / samples);
+      if (const double d = (p - corners.back()).norm(); d > most) most = d, noses.back() = p;
+    }
+  }
+  return {rail("rail 1", corners), rail("rail 2", noses)};
 }
 
 RegionLayout section_region(const std::string& name, std::vector<CharacterLine> sections,

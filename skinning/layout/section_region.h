@@ -19,6 +19,15 @@ namespace batten {
 /// at one place. O(sections).
 std::vector<CharacterLine> section_lines(std::vector<CharacterLine> sections);
 
+/// Whether closed sections have a corner where they begin and end, as airfoils at their trailing edge:
+/// all of them turn there by more than `corner_angle` degrees.
+bool have_corners(const std::vector<CharacterLine>& sections, double corner_angle);
+
+/// The rails of closed sections with a corner, in this order: "rail 1" through their corners, "rail 2"
+/// through the points that are farthest from these. With them the sections bound two surfaces in each
+/// bay. Throws InputError: fewer than two sections. O(sections).
+std::vector<CharacterLine> corner_rails(const std::vector<CharacterLine>& sections);
+
 /// The region of these lines. Of open sections it has four corners, where rails leave the first
 /// and the last section, at two degrees or more, and a polygon for its domain. `options.edge_length`
 /// 0: 1/33 of the size. For loft_shape(). Throws as section_lines() and RegionLayout.

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <string>
 
 #include "batten/core/dense.h"
 #include "batten/core/index.h"
@@ -38,11 +39,21 @@ bool is_plane(const std::vector<Vec3>& points, double tolerance) {
   });
 }
 
-// The outline of a region in its direction, cut into sides where it turns by more than the angle.
+// The name of a curve without the number that it got where it was cut: "rib" of "rib.3".
+std::string uncut(const std::string& name) {
+  const size_t dot = name.find_last_of('.');
+  const bool number = dot != std::string::npos && dot > 0 && dot + 1 < name.size() &&
+                      name.find_first_not_of("0123456789", dot + 1) == std::string::npos;
+  return number ? name.substr(0, dot) : name;
+}
+
+// The outline of a region in its direction, cut into sides where it turns by more than the angle. Where
+// that makes more than four, corners inside of one curve, as those of a polyline, do not count.
 std::vector<BoundarySide> sides_of(const RegionLayout& region) {
   struct Piece {
     HermiteCurve curve, image;
     Vec3 first, last;  // directions
+    std::string name;
   };
   std::vector<Piece> pieces;
   for (const BoundaryPiece& of : region.boundary().front()) {
@@ -54,13 +65,16 @@ std::vector<BoundarySide> sides_of(const RegionLayout& region) {
     if (curve.closed()) return {};
     if (of.reversed) curve = curve.backwards(), image = image.backwards();
     const Vec3 first = curve.evaluate(curve.start(), 1), last = curve.evaluate(curve.end(), 1);
-    pieces.push_back({std::move(curve), std::move(image), first, last});
+    pieces.push_back({std::move(curve), std::move(image), first, last,
+                      uncut(run ? region.runs()[i].line.name : region.embedded()[i].line.name)});
   }
   const size_t n = pieces.size();
   std::vector<size_t> starts;  // pieces behind a corner
   for (size_t i = 0; i < n; ++i)
     if (degrees_between(pieces[(i + n - 1) % n].last, pieces[i].first) > region.corner_angle())
       starts.push_back(i);
+  if (starts.size() > 4)
+    std::erase_if(starts, [&](size_t i) { return pieces[(i + n - 1) % n].name == pieces[i].name; });
   std::vector<BoundarySide> sides(starts.size());
   for (size_t k = 0; k < starts.size(); ++k) {
     const size_t end = starts[(k + 1) % starts.size()];

@@ -4,13 +4,17 @@
 #include <cmath>
 #include <deque>
 #include <limits>
+#include <utility>
 
 #include "batten/core/index.h"
 #include "batten/core/words.h"
-#include "batten/skinning/search/region_surfaces.h"
+#include "batten/skinning/layout/section_region.h"
 
 namespace batten {
 namespace {
+
+constexpr double kSectionCorner = 20;   // degrees, of a closed section where it begins
+constexpr double kMostSectionAside = 1;  // of the larger radius: else sections lie side by side
 
 // What is compared of two sections.
 struct Section {
@@ -79,17 +83,29 @@ std::vector<int> chain(const std::vector<Section>& sections) {
   return {row.begin(), row.end()};
 }
 
-bool closed_face(const RegionGraph& graph, int a, int b, const Section& one, const Section& two) {
-  constexpr double kApart = 0.05;  // of the radius: nearer planes are one
-  if (!like_rims(graph, {{a, false}}, {{b, false}})) return false;
-  Vec3 axis = Vec3::Zero();
+// Normal of the plane of a closed section, and the mean distance of its points from their middle.
+std::pair<Vec3, double> plane_of(const Section& section) {
+  Vec3 normal = Vec3::Zero();
   double radius = 0;
-  for (size_t i = 0; i < one.points.size(); ++i) {
-    const Vec3 p = one.points[i] - one.middle;
-    axis += p.cross(one.points[(i + 1) % one.points.size()] - one.middle);
-    radius += p.norm() / static_cast<double>(one.points.size());
+  for (size_t i = 0; i < section.points.size(); ++i) {
+    const Vec3 p = section.points[i] - section.middle;
+    normal += p.cross(section.points[(i + 1) % section.points.size()] - section.middle);
+    radius += p.norm() / static_cast<double>(section.points.size());
   }
-  return std::abs((two.middle - one.middle).dot(axis.normalized())) > kApart * radius;
+  return {normal.normalized(), radius};
+}
+
+bool closed_face(const Section& one, const Section& two) {
+  constexpr double kApart = 0.05;    // of the smaller radius: nearer planes are one
+  constexpr double kMostTurn = 60;   // degrees between the planes
+  const auto [normal, radius] = plane_of(one);
+  auto [other, other_radius] = plane_of(two);
+  if (normal.dot(other) < 0) other = -other;
+  if (degrees_between(normal, other) > kMostTurn) return false;
+  const Vec3 along = (normal + other).normalized(), apart = two.middle - one.middle;
+  const double aside = (apart - apart.dot(along) * along).norm();
+  return aside < std::max(radius, other_radius) * kMostSectionAside &&
+         std::abs(apart.dot(along)) > kApart * std::min(radius, other_radius);
 }
 
 bool open_face(const Section& one, const Section& two) {
@@ -112,17 +128,17 @@ std::vector<CharacterLine> section_row(const CharacterLineNetwork& network) {
     return network.arcs()[a].nodes[0] == network.arcs()[a].nodes[1];
   };
   const auto count = std::count_if(arcs.begin(), arcs.end(), closed);
-  if (count != 0 && (count != static_cast<long>(arcs.size()) || count < 3)) return {};
+  if (count != 0 && count != static_cast<long>(arcs.size())) return {};
+  const bool corners = have_corners(network.lines(), kSectionCorner);
+  if (count == 2 && !corners) return {};
   for (const CharacterLine& line : network.lines())
     if (line.role != CharacterLine::Role::Outline) return {};
   std::vector<Section> sections;
   for (const int a : arcs) sections.push_back(section_of(network.arcs()[a]));
   const std::vector<int> order = chain(sections);
-  const RegionGraph graph(network, RegionGraph::EndTangents::OfCurve);
   for (size_t k = 0; k + 1 < order.size(); ++k) {
     const int a = order[k], b = order[k + 1];
-    if (count > 0 ? !closed_face(graph, arcs[a], arcs[b], sections[a], sections[b])
-                  : !open_face(sections[a], sections[b]))
+    if (count > 0 ? !closed_face(sections[a], sections[b]) : !open_face(sections[a], sections[b]))
       return {};
   }
   std::vector<CharacterLine> row;

@@ -11,6 +11,7 @@ namespace batten {
 /// another one, and either
 ///
 ///     all are closed and smooth, three or more: circles of a bottle, frames of a hull, a pipe;
+///     all are closed with a corner where they begin, two or more: airfoils;
 ///     all are open, two or more: stations, ribs.
 ///
 /// The order is a chain of nearest neighbours. Each section has to face the next one: planes of

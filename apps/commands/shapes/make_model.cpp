@@ -144,27 +144,9 @@ bool bound_one_region(const Scene& scene, const std::vector<CharacterLine>& line
   return found.regions.empty() || (found.regions.size() == 1 && found.bare.empty());
 }
 
-}  // namespace
-
-MadeModel make_model(const Scene& scene, const std::vector<CharacterLine>& lines,
-                     const Progress& progress) {
-  if (states_one_region(scene))
-    return one_region(scene, lines, stated_sections(scene, lines), progress);
-  progress.at("network", 0);
-  const bool words = !scene.network.regions.empty() || !scene.network.joins.empty();
-  if (!words && bound_one_region(scene, lines, progress))
-    return one_region(scene, lines, {}, progress);
-  MadeModel made;
-  made.network.emplace(network_of(scene, lines, progress));
-  if (!words)
-    if (const std::vector<CharacterLine> row = section_row(*made.network); !row.empty()) {
-      made = one_region(scene, lines, row, progress);
-      made.sections = {};
-      for (const CharacterLine& section : row) made.sections.push_back(section.name);
-      return made;
-    }
-  progress.at("regions", 0);
-  made.found.emplace(regions_of(scene, *made.network, progress));
+// Skins what was found in the network.
+void skin(MadeModel& made, const Scene& scene, const Progress& progress) {
+  const std::vector<CharacterLine>& lines = made.network->lines();
   ModelOptions options;
   options.name = scene.name;
   options.skin = scene.skin.options;
@@ -176,6 +158,56 @@ MadeModel make_model(const Scene& scene, const std::vector<CharacterLine>& lines
   options.join_tolerance_deg = scene.network.join_tolerance;
   made.model = skin_network(*made.network, *made.found, options, progress);
   made.fit_tolerance = fit_tolerance(scene, made.network->size());
+}
+
+// The surfaces between closed sections that have a corner: two in each bay, from rails through the
+// corners and through the noses. The sections themselves bound none.
+MadeModel between_cornered(const Scene& scene, const std::vector<CharacterLine>& sections,
+                           const Progress& progress) {
+  std::vector<CharacterLine> lines = sections;
+  for (CharacterLine& rail : corner_rails(sections)) lines.push_back(std::move(rail));
+  MadeModel made;
+  made.network.emplace(network_of(scene, lines, progress));
+  RegionOptions options;
+  for (const CharacterLine& section : sections) {
+    RegionWord word;
+    word.kind = RegionWord::Kind::Nothing;
+    word.loops = {{section.name}};
+    options.words.push_back(std::move(word));
+  }
+  made.found.emplace(find_regions(*made.network, options, progress));
+  skin(made, scene, progress);
+  return made;
+}
+
+}  // namespace
+
+MadeModel make_model(const Scene& scene, const std::vector<CharacterLine>& lines,
+                     const Progress& progress) {
+  if (states_one_region(scene)) {
+    const std::vector<CharacterLine> sections = stated_sections(scene, lines);
+    if (have_corners(sections, scene.skin.options.corner_angle))
+      return between_cornered(scene, sections, progress);
+    return one_region(scene, lines, sections, progress);
+  }
+  progress.at("network", 0);
+  const bool words = !scene.network.regions.empty() || !scene.network.joins.empty();
+  if (!words && bound_one_region(scene, lines, progress))
+    return one_region(scene, lines, {}, progress);
+  MadeModel made;
+  made.network.emplace(network_of(scene, lines, progress));
+  if (!words)
+    if (const std::vector<CharacterLine> row = section_row(*made.network); !row.empty()) {
+      if (have_corners(row, scene.skin.options.corner_angle))
+        return between_cornered(scene, row, progress);
+      made = one_region(scene, lines, row, progress);
+      made.sections = {};
+      for (const CharacterLine& section : row) made.sections.push_back(section.name);
+      return made;
+    }
+  progress.at("regions", 0);
+  made.found.emplace(regions_of(scene, *made.network, progress));
+  skin(made, scene, progress);
   return made;
 }
 
