@@ -89,7 +89,7 @@ Written written(const std::vector<SkinnedRegion>& regions, const std::string& na
   StepFaceOptions options;
   options.tolerance = tolerance;
   options.analytic = analytic;
-  const auto path = scratch("step_analytic") / (name + ".step");
+  const auto path = scratch("step_analytic_" + name) / (name + ".step");
   Written w;
   w.report = write_step_faces(path, pointers, kMm, options);
   for (TopExp_Explorer it(read_step(path), TopAbs_FACE); it.More(); it.Next()) {
@@ -230,13 +230,13 @@ TEST_CASE("a quarter of a vessel is a cylinder and a sphere without a pole", "[s
   }
   const Written w = written(regions, "quarter_vessel", 3e-3);
   CHECK(w.kinds == Kinds{{"cylinder", 1}, {"sphere", 1}});
-  for (const double radius : w.radii) CHECK(radius == Approx(10).epsilon(1e-4));
+  for (const double radius : w.radii) CHECK(radius == Approx(10).epsilon(3e-4));
   CHECK(w.report.area == Approx(pi / 2 * 10 * (20 + 10)).epsilon(2e-4));
   REQUIRE(w.report.joins.size() == 1);
   CHECK(w.report.joins[0].angle_deg < 0.1);
 }
 
-TEST_CASE("bent and tapered, the can is a torus, a cone, a zone of a sphere", "[step_analytic]") {
+TEST_CASE("a bent can is a torus and a tapered one a cone", "[step_analytic]") {
   const auto closed = [](const std::string& name, const Map& map, const std::string& kind, double volume) {
     CAPTURE(name);
     std::vector<SkinnedRegion> regions = can(0.7, 3);
