@@ -264,13 +264,12 @@ TopoDS_Edge FaceMaker::edge(const FaceStretch& stretch, const TopoDS_Vertex& a,
     return analytic_ ? analytic_image(stretch, curve, first, last, reversed)
                      : to_flat_occ(over(plane, first, last));
   };
+  Handle(Geom2d_BSplineCurve) own_image;
   if (result->IsNull()) {
     Handle(Geom_BSplineCurve) curve = curve_of(along(stretch.curve));
     if (!stretch.shared && analytic_) {
-      const Vec2 near = near_;
-      curve = curve_on_surface(surface_, image(*curve, curve->FirstParameter(), curve->LastParameter()),
-                               0.3 * coincidence_, gp_Pnt());
-      near_ = near;
+      own_image = image(*curve, curve->FirstParameter(), curve->LastParameter());
+      curve = curve_on_surface(surface_, own_image, 0.3 * coincidence_, gp_Pnt());
     } else if (!stretch.shared) {
       curve = curve_on_surface(surface_near_origin_, to_flat_occ(plane), 0.3 * coincidence_,
                                to_occ(middle_));
@@ -281,7 +280,7 @@ TopoDS_Edge FaceMaker::edge(const FaceStretch& stretch, const TopoDS_Vertex& a,
   }
   double first, last;
   const Handle(Geom_Curve) curve = BRep_Tool::Curve(*result, first, last);
-  const Handle(Geom2d_BSplineCurve) line = image(*curve, first, last);
+  const Handle(Geom2d_BSplineCurve) line = own_image.IsNull() ? image(*curve, first, last) : own_image;
 
   double distance = 0;
   const int of_curve = static_cast<int>(stretch.curve.segment_count()) + 1;
@@ -434,7 +433,8 @@ void FaceMaker::make_analytic() {
 
 Handle(Geom2d_BSplineCurve) FaceMaker::analytic_image(const FaceStretch&, const Geom_Curve& curve, double first,
                                                       double last, bool reversed) {
-  const double tolerance = std::max(0.2 * coincidence_, 1e-11 * size_);
+  // Little against the tolerance, which the edge is off the surface by; finer images make large files.
+  const double tolerance = std::max(0.2 * coincidence_, 1e-3 * options_.tolerance);
   const Handle(Geom2d_BSplineCurve) image =
       analytic_->surface.image(curve, first, last, reversed, tolerance, near_);
   const gp_Pnt2d begin = image->Value(reversed ? last : first);
