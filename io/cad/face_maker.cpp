@@ -6,6 +6,7 @@
 #include <Geom2d_BSplineCurve.hxx>
 #include <GeomAdaptor_Surface.hxx>
 #include <Geom_BSplineCurve.hxx>
+#include <Geom_Line.hxx>
 #include <TopExp.hxx>
 #include <TopoDS.hxx>
 #include <TopoDS_Wire.hxx>
@@ -263,13 +264,12 @@ TopoDS_Edge FaceMaker::edge(const FaceStretch& stretch, const TopoDS_Vertex& a,
     return analytic_ ? analytic_image(stretch, curve, first, last, reversed)
                      : to_flat_occ(over(plane, first, last));
   };
+  Handle(Geom2d_BSplineCurve) own_image;
   if (result->IsNull()) {
     Handle(Geom_BSplineCurve) curve = curve_of(along(stretch.curve));
     if (!stretch.shared && analytic_) {
-      const Vec2 near = near_;
-      curve = curve_on_surface(surface_, image(*curve, curve->FirstParameter(), curve->LastParameter()),
-                               0.3 * coincidence_, gp_Pnt());
-      near_ = near;
+      own_image = image(*curve, curve->FirstParameter(), curve->LastParameter());
+      curve = curve_on_surface(surface_, own_image, 0.3 * coincidence_, gp_Pnt());
     } else if (!stretch.shared) {
       curve = curve_on_surface(surface_near_origin_, to_flat_occ(plane), 0.3 * coincidence_,
                                to_occ(middle_));
@@ -280,7 +280,7 @@ TopoDS_Edge FaceMaker::edge(const FaceStretch& stretch, const TopoDS_Vertex& a,
   }
   double first, last;
   const Handle(Geom_Curve) curve = BRep_Tool::Curve(*result, first, last);
-  const Handle(Geom2d_BSplineCurve) line = image(*curve, first, last);
+  const Handle(Geom2d_BSplineCurve) line = own_image.IsNull() ? image(*curve, first, last) : own_image;
 
   double distance = 0;
   const int of_curve = static_cast<int>(stretch.curve.segment_count()) + 1;
@@ -433,7 +433,8 @@ void FaceMaker::make_analytic() {
 
 Handle(Geom2d_BSplineCurve) FaceMaker::analytic_image(const FaceStretch&, const Geom_Curve& curve, double first,
                                                       double last, bool reversed) {
-  const double tolerance = std::max(0.2 * coincidence_, 1e-11 * size_);
+  // Little against the tolerance, which the edge is off the surface by; finer images make large files.
+  const double tolerance = std::max(0.2 * coincidence_, 1e-3 * options_.tolerance);
   const Handle(Geom2d_BSplineCurve) image =
       analytic_->surface.image(curve, first, last, reversed, tolerance, near_);
   const gp_Pnt2d begin = image->Value(reversed ? last : first);
@@ -503,18 +504,43 @@ TopoDS_Edge FaceMaker::degenerate_edge(const TopoDS_Vertex& at, const Vec2& from
 TopoDS_Edge FaceMaker::analytic_seam(const TopoDS_Vertex& a, const TopoDS_Vertex& b, const Vec2& from, double to) {
   constexpr double whole = 2 * std::numbers::pi;
   const bool around_u = analytic_->closing != AnalyticFace::Closing::AroundV;
-  const Handle(Geom_Curve) line = around_u ? surface_->UIso(from.x()) : surface_->VIso(from.y());
-  const double first = around_u ? from.y() : from.x(), last = to;
-  if (!(last > first)) throw Error("region '" + region_.name + "': the rims of its face are in the wrong order");
-  const double distance = std::max(line->Value(first).Distance(BRep_Tool::Pnt(a)), line->Value(last).Distance(BRep_Tool::Pnt(b)));
-  for (TopoDS_Vertex vertex : {a, b}) builder_.UpdateVertex(vertex, widened(distance));
+  Handle(Geom_Curve) line = around_u ? surface_->UIso(from.x()) : surface_->VIso(from.y());
+  const double low = around_u ? from.y() : from.x();
+  if (!(to > low)) throw Error("region '" + region_.name + "': the rims of its face are in the wrong order");
+  const Vec3 p = from_occ(BRep_Tool::Pnt(a)), q = from_occ(BRep_Tool::Pnt(b));
+  const Vec3 off_p = p - from_occ(line->Value(low)), off_q = q - from_occ(line->Value(to));
+  double first = low, last = to, tolerance = std::max(off_p.norm(), off_q.norm());
+  if (tolerance > coincidence_) {
+    // Through the vertices: beside them it would meet the neighbouring faces outside of the vertices' tolerance.
+    if (!Handle(Geom_Line)::DownCast(line).IsNull()) {
+      first = 0;
+      last = (q - p).norm();
+      line = new Geom_Line(to_occ(p), gp_Dir(to_occ(q - p).XYZ()));
+    } else {
+      constexpr int pieces = 64;  // of a circle's arc: to 1e-9 of the radius
+      std::vector<double> t;
+      Points x(pieces + 1, 3), slopes(pieces + 1, 3);
+      for (int k = 0; k <= pieces; ++k) {
+        const double s = double(k) / pieces;
+        t.push_back(k < pieces ? low + s * (to - low) : to);
+        gp_Pnt on_line;
+        gp_Vec slope;
+        line->D1(t.back(), on_line, slope);
+        x.row(k) = from_occ(on_line) + (1 - s) * off_p + s * off_q;
+        slopes.row(k) = from_occ(slope.XYZ()) + (off_q - off_p) / (to - low);
+      }
+      line = curve_of(cubic_splines("", HermiteCurve(t, x, slopes)).front());
+    }
+  } else {
+    tolerance = 0;
+  }
   const auto image = [&](double at) {
-    return around_u ? straight_image({at, first}, {at, last}, first, last)
-                    : straight_image({first, at}, {last, at}, first, last);
+    return around_u ? straight_image({at, low}, {at, to}, first, last)
+                    : straight_image({low, at}, {to, at}, first, last);
   };
   const double seam = around_u ? from.x() : from.y();
   TopoDS_Edge edge;
-  builder_.MakeEdge(edge, line, widened(0));
+  builder_.MakeEdge(edge, line, widened(tolerance));
   if (around_u)
     builder_.UpdateEdge(edge, image(seam + whole), image(seam), face_, widened(0));
   else

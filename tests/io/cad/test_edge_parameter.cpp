@@ -1,7 +1,6 @@
 // The parameter of shared edges: what readers of the file then find.
 #include "batten/io/cad/edge_parameter.h"
 
-#include <BOPAlgo_ArgumentAnalyzer.hxx>
 #include <BRep_Builder.hxx>
 #include <BRep_Tool.hxx>
 #include <Geom2d_BSplineCurve.hxx>
@@ -16,6 +15,7 @@
 #include "batten/io/cad/step_check.h"
 #include "batten/io/cad/step_face.h"
 #include "batten/tests/catch.h"
+#include "batten/tests/io/cad/bop_faults.h"
 #include "batten/tests/io/cad/step_models.h"
 #include "batten/tests/reference.h"
 
@@ -23,19 +23,6 @@ using namespace batten;
 using namespace batten_test;
 
 namespace {
-
-/// How many faults FreeCAD's "BOP check" finds in a file.
-int faults(const std::filesystem::path& path) {
-  BOPAlgo_ArgumentAnalyzer check;
-  check.SetShape1(read_step(path));
-  check.ArgumentTypeMode() = true;
-  check.SelfInterMode() = true;
-  check.SmallEdgeMode() = true;
-  check.ContinuityMode() = true;
-  check.CurveOnSurfaceMode() = true;
-  check.Perform();
-  return check.GetCheckResult().Extent();
-}
 
 int faults(const MadeModel& made, const std::string& name, double tolerance) {
   StepFaceOptions options;
@@ -45,7 +32,7 @@ int faults(const MadeModel& made, const std::string& name, double tolerance) {
   CHECK(report.valid);
   // Otherwise there is nothing to see.
   CHECK(report.max_gap > 1e-5);
-  return faults(path);
+  return batten_test::faults(path);
 }
 
 /// A wavy edge above a plane, of one range for the curve and its image.
