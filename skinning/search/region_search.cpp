@@ -187,8 +187,7 @@ RegionSearch search_regions(const RegionGraph& graph, const SettledRegions& sett
 std::optional<RegionSearch> sharp_search(const RegionSearch& open, const RegionGraph& exact,
                                          const SettledRegions& settled, const LoopPrices& prices,
                                          const Progress& progress) {
-  if (settled.most_at_line != 2 || !has_bare_arcs(open, exact.core))
-    return std::nullopt;
+  if (settled.most_at_line != 2 || !has_bare_arcs(open, exact.core)) return std::nullopt;
   RegionSearch search = make_problem(exact, settled, prices, progress);
   // Loops with the inside angles of plane ones, (n - 2) π in all, are worth more; others were chosen
   // before.

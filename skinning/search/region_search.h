@@ -13,7 +13,7 @@ namespace batten {
 struct SettledRegions {
   std::vector<std::vector<ArcLoop>> asked;  ///< the loops of each surface that the user asked for
   std::vector<std::vector<int>> nothing;    ///< arcs of loops that are no surface, ascending
-  int most_at_line = 2;                      ///< RegionOptions::most_at_line
+  int most_at_line = 2;                     ///< RegionOptions::most_at_line
 };
 
 /// What was traced and chosen.

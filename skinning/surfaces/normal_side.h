@@ -33,9 +33,9 @@ struct SkinnedRegion;
 /// the surface is turned over.
 struct SideIntegrals {
   double area = 0;
-  double curvature = 0;             ///< M of rule 2, model units
-  Vec3 area_vector = Vec3::Zero();  ///< ∫ n dA
-  Vec3 first = Vec3::Zero();        ///< ∫ x dA
+  double curvature = 0;                               ///< M of rule 2, model units
+  Vec3 area_vector = Vec3::Zero();                    ///< ∫ n dA
+  Vec3 first = Vec3::Zero();                          ///< ∫ x dA
   Eigen::Matrix3d moments = Eigen::Matrix3d::Zero();  ///< ∫ x nᵀ dA
 
   /// Adds a facet, counter-clockwise seen from its normal, without its curvature.
@@ -49,9 +49,9 @@ struct SideIntegrals {
 /// Where the normals of a surface point.
 struct NormalSide {
   enum class Rule { Volume, Curvature, Axis, Moment, None };
-  Rule rule = Rule::None;        ///< the first of the four that decides
-  bool agrees = true;            ///< the normals point as the rule says; otherwise to the other side
-  Vec3 mean = Vec3::Zero();      ///< mean of the unit normals over the area
+  Rule rule = Rule::None;    ///< the first of the four that decides
+  bool agrees = true;        ///< the normals point as the rule says; otherwise to the other side
+  Vec3 mean = Vec3::Zero();  ///< mean of the unit normals over the area
   /// In words: "outwards", "to the convex side", "along +z", … ("inwards" and "to the concave side"
   /// where the rule is not followed).
   std::string text() const;

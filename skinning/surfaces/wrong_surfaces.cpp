@@ -51,8 +51,8 @@ std::array<Vec3, 3> normals_along(const Surface& surface, const Tessellation& t,
     if (where.triangle == element) return where.L;
     for (int k = 0; k < 3; ++k)
       for (int i = 0; i < 3; ++i)
-        if (where.L[k] == 1 && surface.mesh().triangles()[where.triangle][k] ==
-                                   surface.mesh().triangles()[element][i])
+        if (where.L[k] == 1 &&
+            surface.mesh().triangles()[where.triangle][k] == surface.mesh().triangles()[element][i])
           return Vec3(Vec3::Unit(i));
     return std::nullopt;
   };
@@ -193,11 +193,11 @@ std::vector<int> welded(const std::vector<Vec3>& points, const std::vector<int>&
 // All facets with points on shared lines welded.
 struct Soup {
   std::vector<Vec3> points;
-  std::vector<std::array<int, 3>> facets;       // welded
-  std::vector<std::array<int, 3>> own;          // the same as they lie
-  std::vector<int> region, facet;               // of each facet
+  std::vector<std::array<int, 3>> facets;  // welded
+  std::vector<std::array<int, 3>> own;     // the same as they lie
+  std::vector<int> region, facet;          // of each facet
   struct Rim {
-    EdgeKey by;                   // points
+    EdgeKey by;  // points
     size_t facet;
     std::array<Vec3, 3> normals;  // at the first point, in the middle, at the second; or zero
     bool operator<(const Rim& o) const { return std::tie(by, facet) < std::tie(o.by, o.facet); }
@@ -333,8 +333,8 @@ class AskedWedges {
       for (const int v : {edges[i].a, edges[i].b}) at[v].push_back(i);
     const auto is_end = [&](int v) {
       const std::vector<size_t>& here = at[v];
-      return here.size() != 2 || degrees_between_normals(along(edges[here[0]], v),
-                                                         -along(edges[here[1]], v)) > kCorner;
+      return here.size() != 2 ||
+             degrees_between_normals(along(edges[here[0]], v), -along(edges[here[1]], v)) > kCorner;
     };
     std::vector<std::pair<Vec3, double>> known;  // ends
     for (const auto& [v, around] : at)
@@ -347,9 +347,10 @@ class AskedWedges {
     const auto asked_at = [&](size_t e, int v) {
       if (const double wedge = wedge_at(edges[e], v); wedge != kUnknown) return wedge;
       const auto distance = [&](const auto& end) { return (end.first - soup_.points[v]).norm(); };
-      return std::min_element(known.begin(), known.end(), [&](const auto& a, const auto& b) {
-               return distance(a) < distance(b);
-             })->second;
+      return std::min_element(
+                 known.begin(), known.end(),
+                 [&](const auto& a, const auto& b) { return distance(a) < distance(b); })
+          ->second;
     };
     std::vector<char> seen(edges.size(), 0);
     for (const auto& [start, around] : at) {
@@ -403,8 +404,7 @@ class AskedWedges {
     if (found == rim_.end()) return false;
     const Vec3 line = along(edge, v);
     return std::any_of(found->second.begin(), found->second.end(), [&](int w) {
-      const double turn =
-          degrees_between_normals(soup_.points[w] - soup_.points[v], line);
+      const double turn = degrees_between_normals(soup_.points[w] - soup_.points[v], line);
       return w != edge.a && w != edge.b && turn > corner && turn < 180 - corner;
     });
   }
@@ -447,11 +447,8 @@ void look_at_joins(const Regions& regions, const Soup& soup, const Meetings& mee
                        " degrees near " + at(where);
     if (wanted > lies_on)
       text += ", where the curves at the ends of their line ask for " + number(std::round(wanted));
-    flaws.push_back({SurfaceFlaw::Kind::Fold,
-                     {pair.first, pair.second},
-                     where,
-                     180 - least,
-                     std::move(text)});
+    flaws.push_back(
+        {SurfaceFlaw::Kind::Fold, {pair.first, pair.second}, where, 180 - least, std::move(text)});
   }
 }
 

@@ -7,9 +7,9 @@
 #include "batten/apps/commands/shapes/shape_files.h"
 #include "batten/core/errors.h"
 #include "batten/core/index.h"
-#include "batten/io/files/text.h"
 #include "batten/fairing/arc_length.h"
 #include "batten/fem/surface.h"
+#include "batten/io/files/text.h"
 #include "batten/skinning/lines/line_fit.h"
 
 namespace batten {
@@ -146,8 +146,9 @@ void measure_network(Report& report, const MadeModel& made, const Scene& scene) 
 std::string said_of_normals(const std::vector<ModelShell>& shells) {
   std::vector<std::pair<std::string, int>> said;
   for (const ModelShell& shell : shells) {
-    const std::string text =
-        shell.orientable ? shell.normals.text() : "to no side of a surface that branches or is one-sided";
+    const std::string text = shell.orientable
+                                 ? shell.normals.text()
+                                 : "to no side of a surface that branches or is one-sided";
     const auto found = std::find_if(said.begin(), said.end(),
                                     [&](const auto& other) { return other.first == text; });
     if (found == said.end())

@@ -85,7 +85,8 @@ std::vector<Lines> drawn_otherwise(const Lines& lines) {
 }
 
 // The largest and the least of (x - middle) · n, over the normals at the middle of the elements.
-void check_normals(const SurfaceModel& model, const std::function<double(const SurfaceJet&)>& value) {
+void check_normals(const SurfaceModel& model,
+                   const std::function<double(const SurfaceJet&)>& value) {
   double least = 1e9;
   for (const SkinnedRegion* region : model.skinned())
     for (int t = 0; t < region->surface.mesh().triangle_count(); ++t)
@@ -111,7 +112,8 @@ TEST_CASE("a tube's normals point away from its axis, whatever its length") {
 TEST_CASE("half cylinders, domes and canopies show their outside, up or down, however drawn") {
   for (const double sign : {1.0, -1.0}) {
     INFO("up " << sign);
-    for (const auto& shape : {half_cylinder(sign * Z), dome(0.6 * sign * Z), canopy(0.5 * sign * Z)})
+    for (const auto& shape :
+         {half_cylinder(sign * Z), dome(0.6 * sign * Z), canopy(0.5 * sign * Z)})
       for (const Lines& lines : drawn_otherwise(shape)) {
         const SurfaceModel model = model_of(lines);
         REQUIRE(model.shells.size() == 1);
@@ -132,9 +134,8 @@ TEST_CASE("creases count: an open box points outwards") {
     const SurfaceModel model = model_of(lines, open);
     REQUIRE(model.regions.size() == 5);
     CHECK(model.shells[0].normals.rule == Rule::Curvature);
-    check_normals(model, [](const SurfaceJet& jet) {
-      return jet.normal().dot(jet.x - Vec3(0.5, 0.5, 0.1));
-    });
+    check_normals(
+        model, [](const SurfaceJet& jet) { return jet.normal().dot(jet.x - Vec3(0.5, 0.5, 0.1)); });
   }
 }
 

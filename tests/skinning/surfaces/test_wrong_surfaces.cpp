@@ -60,8 +60,8 @@ SkinnedRegion shaped(const std::string& name, const std::function<Vec3(double, d
   for (int v = 0; v < mesh.vertex_count(); ++v) {
     const Vec2& p = mesh.vertices()[v];
     // Domains are rounded to 2^-30: what two of these share, they share exactly.
-    q.row(dofs.vertex(v)) =
-        formula(std::round((p.x() - low.x()) / size * 1e6) / 1e6, std::round((p.y() - low.y()) / size * 1e6) / 1e6);
+    q.row(dofs.vertex(v)) = formula(std::round((p.x() - low.x()) / size * 1e6) / 1e6,
+                                    std::round((p.y() - low.y()) / size * 1e6) / 1e6);
     q.row(dofs.vertex(v, 1)) = slope(p, Vec2::UnitX());
     q.row(dofs.vertex(v, 2)) = slope(p, Vec2::UnitY());
   }
@@ -218,8 +218,8 @@ TEST_CASE("curved surfaces at a sharp edge do not cross because of their facets"
     for (const double edge : {0.04, 0.2}) {
       INFO(degrees << " degrees, edges of " << edge);
       const SkinnedRegion lower = shaped("lower", sheet(0, false), edge);
-      CHECK(texts(flaws_of({lower, shaped("upper", sheet(std::tan(degrees * pi / 180), true),
-                                          edge)})) == "");
+      CHECK(texts(flaws_of(
+                {lower, shaped("upper", sheet(std::tan(degrees * pi / 180), true), edge)})) == "");
       // They do cross where they lie through each other by more than that.
       const auto through = [&](double u, double v) {
         return Vec3(sheet(0, true)(u, v) + Vec3(0, 0, 0.2 * u * (u - 0.5)));
