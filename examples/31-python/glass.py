@@ -37,7 +37,7 @@ def main(out):
     os.makedirs(out, exist_ok=True)
 
     # 1. and 2.
-    model = batten.skin({"foot": circle(FOOT, 0), "rim": circle(RIM, HEIGHT)}, network=False, name="glass")
+    model = batten.skin({"foot": circle(FOOT, 0), "rim": circle(RIM, HEIGHT)}, name="glass")
     assert model.missed == [], model.missed
 
     # 3. Outwards is along the normal, or against it.

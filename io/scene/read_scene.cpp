@@ -234,7 +234,8 @@ SceneTarget read_target(const TomlTable& table, const std::filesystem::path& fol
   if (table.has("unit")) target.unit = unit_word(table, "unit");
   target.cage = table.choice("cage", false, {{"catmull-clark", true}, {"none", false}});
   target.tolerance = table.positive("tolerance", 0);
-  if (skin.fair != SceneSkin::Fair::Bending || skin.hold != SceneSkin::Hold::Lines)
+  const bool faired = skin.fair == SceneSkin::Fair::Variation || skin.fair == SceneSkin::Fair::Loft;
+  if (faired || skin.hold != SceneSkin::Hold::Lines)
     table.fail("file", "a target beside [skin] fair or hold = \"corners\"",
                "one of them: the shape is that of the target within its lines");
   return target;
@@ -243,7 +244,8 @@ SceneTarget read_target(const TomlTable& table, const std::filesystem::path& fol
 // What [skin] fair makes impossible or leaves without effect.
 void refuse_what_fair_decides(const TomlTable& root, const SceneSkin& skin) {
   using Fair = SceneSkin::Fair;
-  if (skin.fair != Fair::Bending && skin.hold == SceneSkin::Hold::Corners)
+  const bool faired = skin.fair == Fair::Variation || skin.fair == Fair::Loft;
+  if (faired && skin.hold == SceneSkin::Hold::Corners)
     for (const TomlTable& t : root.table("skin", skin_keys()))
       t.fail("fair", "\"" + skin.fair_word() + "\" with hold = \"corners\"",
              "hold = \"lines\": a fair shape is that of its lines");

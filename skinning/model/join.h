@@ -12,7 +12,7 @@
 //
 // At a corner of a region y is fixed by the two lines that meet there, and so are γ and δ; between
 // its ends log γ and δ are cubics along the line, those of least squares for the shapes from which
-// they are planned (JoinBow). With γ and δ known (1) is linear in the dofs
+// they are planned, where these are nearly tangent (JoinBow). With γ and δ known (1) is linear in the dofs
 // and the same for x, y and z: one matrix for all regions of a group, solved together, and the
 // tangent planes come out as those of least energy of both sides. (1) is imposed at the vertices
 // and at the middles of edges (w_n). Between these, y is quadratic along an edge, so that

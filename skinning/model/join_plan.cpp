@@ -185,16 +185,19 @@ class Planner {
   void plan_bow(JoinPlan& plan) {
     const JoinEdge a = sides_(plan.join_line.sides[0]), b = sides_(plan.join_line.sides[1]);
     if (a.closed() || plan.ends[0].loose || plan.ends[1].loose) return;
-    constexpr double kMostApart = 45;  // degrees: such shapes say nothing about how they join
-    constexpr double kMost = 1;        // of a correction of log γ or δ
+    // Shapes that meet at larger angles say nothing about how the joined ones will run, degrees.
+    constexpr double kTangent = 2, kNotTangent = 6;
+    constexpr double kMost = 1;  // of a correction of log γ or δ
     constexpr double kNone = 1e-6;
+    double apart = 0;
     Mat2 normal = Mat2::Zero();
     Eigen::Matrix<double, 2, 2> right = Eigen::Matrix<double, 2, 2>::Zero();
     for (int k = 1; k + 1 < a.count(); ++k) {
       const double f = a.fraction(k);
       const Glue glue(a.slope(f), a.across(shape(plan.join_line.sides[0]), k),
                       b.across(shape(plan.join_line.sides[1]), k));
-      if (!(glue.apart_deg <= kMostApart)) continue;
+      apart += glue.apart_deg / (a.count() - 2);
+      if (!(glue.apart_deg <= 45)) continue;
       const double log_gamma = std::log(glue.gamma) - (1 - f) * std::log(plan.ends[0].gamma) -
                                f * std::log(plan.ends[1].gamma);
       const double delta = glue.delta - (1 - f) * plan.ends[0].delta - f * plan.ends[1].delta;
@@ -204,7 +207,8 @@ class Planner {
       right.col(1) += std::clamp(delta, -kMost, kMost) * basis;
     }
     if (!(normal.determinant() > 1e-9 * normal.trace() * normal.trace())) return;
-    const Mat2 c = normal.inverse() * right;
+    const double share = std::clamp((kNotTangent - apart) / (kNotTangent - kTangent), 0.0, 1.0);
+    const Mat2 c = share * (normal.inverse() * right);
     if (c.cwiseAbs().maxCoeff() < kNone) return;
     plan.bow = {{c(0, 0), c(1, 0)}, {c(0, 1), c(1, 1)}};
   }

@@ -9,7 +9,7 @@
 #include "batten/core/words.h"
 #include "batten/skinning/model/join.h"
 #include "batten/skinning/region/region.h"
-#include "batten/skinning/surfaces/region_maker.h"
+#include "batten/skinning/surfaces/line_side.h"
 
 namespace batten {
 namespace {

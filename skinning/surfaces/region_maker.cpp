@@ -67,18 +67,6 @@ void open_slits(const CharacterLineNetwork& network, NetworkRegion& plan) {
 
 }  // namespace
 
-std::optional<JoinSide> side_of(const SkinnedRegion& made, int region, const std::string& name) {
-  for (const auto& loop : made.boundary)
-    for (const BoundaryPiece& piece : loop) {
-      const auto i = static_cast<size_t>(piece.index);
-      const bool embedded = piece.kind == BoundaryPiece::Kind::Embedded;
-      if ((embedded ? made.embedded[i].line : made.runs[i].line).name != name) continue;
-      const bool against = embedded && made.embedded[i].against_given;
-      return JoinSide{region, embedded, piece.index, piece.reversed == against};
-    }
-  return std::nullopt;
-}
-
 RegionMaker::RegionMaker(const CharacterLineNetwork& network, const FoundRegions& found,
                          const ModelOptions& options, const Progress& progress, SurfaceModel& model)
     : network_(network), options_(options), progress_(progress), model_(model) {

@@ -6,15 +6,12 @@
 #include <string>
 #include <vector>
 
+#include "batten/skinning/surfaces/line_side.h"
 #include "batten/skinning/surfaces/orientation.h"
 #include "batten/skinning/surfaces/region_trials.h"
 #include "batten/skinning/surfaces/surface_model.h"
 
 namespace batten {
-
-/// Returns the side by which a finished region has a line of this name on its boundary, or nothing
-/// when it has none. `region`: JoinSide::region of what is returned.
-std::optional<JoinSide> side_of(const SkinnedRegion& made, int region, const std::string& name);
 
 /// Makes the layouts and first shapes of all regions of a network.
 class RegionMaker {

@@ -36,9 +36,13 @@ std::string half_cylinder(const std::string& skin) {
 TEST_CASE("a half cylinder comes back from its four lines", "[cli][fair]") {
   const Case c("fair_surface");
   const double area = std::numbers::pi * 50 * 120;
-  c.file("s.toml", half_cylinder(""));
+  c.file("s.toml", half_cylinder("fair = \"bending\"\n"));
   REQUIRE(c.run({"run", "s.toml", "--out", "out"}).code == 0);
   CHECK(report(c, "out")["surface"]["area"].get<double>() < 0.95 * area);
+  // What the curves mean, unasked.
+  c.file("s.toml", half_cylinder(""));
+  REQUIRE(c.run({"run", "s.toml", "--out", "out"}).code == 0);
+  CHECK(report(c, "out")["surface"]["area"].get<double>() == Approx(area).epsilon(1e-3));
   CHECK_FALSE(report(c, "out")["surface"].contains("fairing"));
   fs::remove_all(c / "out");
 
@@ -51,7 +55,7 @@ TEST_CASE("a half cylinder comes back from its four lines", "[cli][fair]") {
   CHECK(surface["area"].get<double>() == Approx(area).epsilon(0.003));
   CHECK(surface["fairing"]["converged"] == true);
   CHECK(surface["fairing"]["functional"] < surface["fairing"]["start_functional"]);
-  CHECK(surface["fairing"]["max_move"].get<double>() > 1);
+  CHECK(surface["fairing"]["max_move"].get<double>() > 0);
   CHECK(surface["max_line_residual"].get<double>() < 1e-10);
 }
 
@@ -86,13 +90,13 @@ TEST_CASE("loads bend a fair shape, and a live session comes back to it", "[cli]
     CHECK(still["area"].get<double>() == Approx(area).epsilon(0.003));
     CHECK(still["bending_energy"].get<double>() < 1e-3);
     const Result live = c.run({"sculpt", "s.toml", "--out", "out", "--sweep", "crown.z=50:56:3",
-                               "--sweep", "swell=-100:0:2"});
+                               "--sweep", "swell=100:0:2"});
     INFO(live.err);
     REQUIRE(live.code == 4);  // the two contact sheets, for want of a display
     const auto sweeps = batten_test::report(c, "out")["sculpting"]["sweeps"];
     // Back where it began, the surface is what `run` makes.
     CHECK(report(c, "out")["surface"]["area"].get<double>() ==
-          Approx(still["area"].get<double>()).epsilon(1e-7));
+          Approx(still["area"].get<double>()).epsilon(1e-5));
     CHECK(sweeps[0]["rows"][2]["area"].get<double>() > area);
     CHECK(sweeps[0]["rows"][2]["residual"].get<double>() < 1e-10);
     CHECK(sweeps[1]["rows"][0]["area"].get<double>() > area);

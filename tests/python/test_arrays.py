@@ -41,8 +41,6 @@ class Refusals(Laws):
         self.refused("the name '1' twice", batten.skin, {1: [[0, 0, 0], [1, 0, 0]], "1": [[0, 0, 0], [1, 1, 0]]})
         self.refused("tolerance: found -1", batten.skin, saddle(), tolerance=-1)
         self.refused("edge_length: found 'x'", batten.skin, saddle(), edge_length="x")
-        self.refused("expected one of both", batten.skin, saddle(), inner=["front"], network=True)
-        self.refused("network: found 3", batten.skin, saddle(), network=3)
         self.refused("found a [[line]]", batten.skin, saddle(), words='[[line]]\nname="x"\npoints=[[0,0,0],[1,0,0]]')
         self.refused("skin():3:", batten.skin, saddle(), words='\n[[load]]\nnaem = "x"')
         self.refused("progress: found no function", batten.skin, saddle(), progress=3)

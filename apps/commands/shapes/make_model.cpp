@@ -7,7 +7,7 @@
 #include "batten/apps/commands/shapes/scene_target.h"
 #include "batten/core/box.h"
 #include "batten/skinning/layout/section_region.h"
-#include "batten/skinning/search/section_row.h"
+#include "batten/skinning/surfaces/section_row.h"
 #include "batten/skinning/search/find_regions.h"
 #include "batten/skinning/surfaces/skin_network.h"
 
@@ -207,6 +207,9 @@ MadeModel make_model(const Scene& scene, const std::vector<CharacterLine>& lines
     }
   progress.at("regions", 0);
   made.found.emplace(regions_of(scene, *made.network, progress));
+  // A surface by itself has the name of its scene.
+  std::vector<NetworkRegion>& regions = made.found->regions;
+  if (regions.size() == 1 && !regions[0].asked) regions[0].name = scene.name;
   skin(made, scene, progress);
   return made;
 }

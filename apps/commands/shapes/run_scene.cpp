@@ -278,6 +278,8 @@ std::string network_summary(const Report& report, const std::filesystem::path& f
   if (skinned) text += result_line("joins", joins(n));
   text += shell_results(n, unit);
   if (skinned) text += result_line("normals", "point " + s.normals);
+  if (report.is_sculpted && s.moved > 0)
+    text += result_line("moved", "by up to " + number(s.moved) + unit + " from the lines' own shape");
   text += flaw_results(report);
   if (!n.bare.empty())
     text += result_line("left over",

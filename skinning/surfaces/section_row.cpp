@@ -1,4 +1,4 @@
-#include "batten/skinning/search/section_row.h"
+#include "batten/skinning/surfaces/section_row.h"
 
 #include <algorithm>
 #include <cmath>
