@@ -15,6 +15,7 @@
 #include <Geom_BSplineSurface.hxx>
 #include <Geom_BezierCurve.hxx>
 #include <Geom_Surface.hxx>
+#include <Precision.hxx>
 #include <ShapeAnalysis_Surface.hxx>
 #include <Standard_Failure.hxx>
 #include <Standard_Version.hxx>
@@ -120,15 +121,22 @@ Filling::Filling(const std::vector<std::vector<HermiteCurve>>& loops,
                  const std::vector<HermiteCurve>& inner, const FillingSettings& s)
     : data_(std::make_unique<Data>()) {
   std::vector<TopoDS_Edge> bounds, across;
-  for (const auto& loop : loops) {
-    std::vector<TopoDS_Vertex> corner;
-    for (const HermiteCurve& c : loop) corner.push_back(vertex(c.position(0)));
-    for (size_t i = 0; i < loop.size(); ++i)
-      bounds.push_back(edge(loop[i], corner[i], corner[(i + 1) % loop.size()]));
-  }
-  for (const HermiteCurve& c : inner) {
-    const TopoDS_Vertex start = vertex(c.position(0));
-    across.push_back(edge(c, start, c.closed() ? start : vertex(c.position(c.node_count() - 1))));
+  try {
+    for (const auto& loop : loops) {
+      std::vector<TopoDS_Vertex> corner;
+      for (const HermiteCurve& c : loop) corner.push_back(vertex(c.position(0)));
+      for (size_t i = 0; i < loop.size(); ++i)
+        bounds.push_back(edge(loop[i], corner[i], corner[(i + 1) % loop.size()]));
+    }
+    for (const HermiteCurve& c : inner) {
+      const Vec3 first = c.position(0), last = c.evaluate({c.segment_count() - 1, 1.0});
+      const TopoDS_Vertex start = vertex(first);
+      const bool closed = (last - first).norm() <= Precision::Confusion();
+      across.push_back(edge(c, start, closed ? start : vertex(last)));
+    }
+  } catch (const Standard_Failure& e) {
+    data_->says = std::string("no edge: ") + e.DynamicType()->Name();
+    return;
   }
   data_->fill(bounds, across, s);
 }

@@ -129,11 +129,12 @@ std::vector<Vec3> loft_points(const std::vector<std::vector<Vec3>>& sections, in
   try {
     BRepOffsetAPI_ThruSections loft(Standard_False, Standard_False, 1e-6);
     for (const auto& section : sections) {
-      Handle(TColgp_HArray1OfPnt) through =
-          new TColgp_HArray1OfPnt(1, static_cast<int>(section.size()));
-      for (size_t i = 0; i < section.size(); ++i)
+      const bool closed = section.size() > 3 && section.front() == section.back();
+      const size_t count = section.size() - (closed ? 1 : 0);
+      Handle(TColgp_HArray1OfPnt) through = new TColgp_HArray1OfPnt(1, static_cast<int>(count));
+      for (size_t i = 0; i < count; ++i)
         through->SetValue(static_cast<int>(i) + 1, point(section[i]));
-      GeomAPI_Interpolate spline(through, Standard_False, 1e-9);
+      GeomAPI_Interpolate spline(through, closed, 1e-9);
       spline.Perform();
       loft.AddWire(BRepBuilderAPI_MakeWire(BRepBuilderAPI_MakeEdge(spline.Curve())));
     }

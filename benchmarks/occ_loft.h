@@ -29,7 +29,7 @@ class StoredFace {
 };
 
 /// Points of the loft through interpolated sections, n by n on each of its faces; none where it
-/// fails.
+/// fails. Sections whose first point is repeated at the end are closed wires.
 std::vector<Vec3> loft_points(const std::vector<std::vector<Vec3>>& sections, int n);
 
 }  // namespace batten::bench

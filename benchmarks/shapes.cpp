@@ -4,6 +4,8 @@
 // First the boundary alone: the surface converges to the minimiser of its own energy, which is not
 // the formula's surface. Then inner lines on the formula's surface, and its normals along the
 // boundary: the more is said, the nearer. Beside them OpenCASCADE's filling of the same boundary.
+//
+// Last, what `batten skin` makes of the 35 shapes that people expect (expected.cpp).
 #include <cmath>
 #include <numbers>
 #include <optional>
@@ -18,6 +20,7 @@
 #include "batten/skinning/model/model_layout.h"
 #include "batten/skinning/region/quality.h"
 #include "bench.h"
+#include "expected.h"
 #include "fair_shapes.h"
 #include "occ_filling.h"
 
@@ -166,9 +169,15 @@ struct Worst {
 
 }  // namespace
 
-// With a word: only the shapes whose names hold it.
+// With a word: only the shapes whose names hold it; "expected": only the table of expected shapes.
 int main(int argc, char** argv) {
   one_thread();
+  if (argc > 1 && std::string(argv[1]) == "expected") {
+    Promises alone;
+    compare_expected(alone);
+    alone.print("shapes");
+    return 0;
+  }
   std::printf("Processor time on one thread. Lengths in units of the shapes, of size 2 to 4.\n\n");
   std::vector<AnalyticShape> shapes = analytic_shapes();
   if (argc > 1)
@@ -339,6 +348,8 @@ int main(int argc, char** argv) {
     }
     peer.print();
   }
+
+  if (argc < 2) compare_expected(promises);
 
   promises.at_most("largest distance from fitted lines over the size", worst.residual, 1e-10);
   promises.at_most("largest gap of embedded lines over the tolerance", worst.gap, 1);

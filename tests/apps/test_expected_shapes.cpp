@@ -1,0 +1,106 @@
+// `batten skin curves.csv` without any option gives the surface that people expect.
+#include <map>
+
+#include "batten/tests/apps/cli_case.h"
+#include "batten/tests/skin_command.h"
+
+using namespace batten_test;
+
+namespace {
+
+// Shapes that the command does not get right yet, and why. Each must say so, by a nonzero exit code
+// or a warning; nothing on this list may be wrong silently. Remove an entry when its shape comes
+// out right: the test prints a notice then.
+const std::map<std::string, std::string>& known_failures() {
+  static const std::map<std::string, std::string> failures = {
+      {"lune",
+       "the surface is within 1.1e-4 of the size, but at its poles it leaves the half circles by "
+       "twice the tolerance, and the STEP face leaves the surface by three times the tolerance"},
+      {"wing, span 8",
+       "the surface is within 9.3e-4 of the size, but the STEP faces leave it at the nose by ten "
+       "times the tolerance"}};
+  return failures;
+}
+
+// Without the STEP file a shape takes a third of the time; only its checks are missing then.
+enum class Step { Written, Omitted };
+
+void check_group(const std::string& group, unsigned seed, Step step) {
+  for (const ExpectedShape& shape : expected_shapes(seed)) {
+    if (shape.group != group) continue;
+    const Case c("expected");
+    c.file("curves.csv", shape.csv());
+    const SkinnedCurves result = skin_curves(c / "curves.csv", c / "out", step == Step::Written);
+    const ShapeDeviation deviation = deviation_of(result, shape);
+    INFO(shape.name << ", seed " << seed << ": exit code " << result.exit_code << ", deviation "
+                    << deviation.max << " of the size (tolerance " << shape.tolerance << "), area "
+                    << deviation.area << " and volume " << deviation.volume
+                    << " of the expected ones\n"
+                    << result.message);
+    const bool right = deviation.right && result.exit_code == 0;
+    const auto known = known_failures().find(shape.name);
+    if (known == known_failures().end()) {
+      CHECK(result.exit_code == 0);
+      CHECK(deviation.right);
+    } else if (!right) {
+      INFO("listed as not right yet: " << known->second);
+      CHECK(result.says_so());
+    } else if (step == Step::Written) {
+      WARN(shape.name << " is right: remove it from known_failures()");
+    }
+  }
+}
+
+constexpr unsigned kStandard = 0, kVaried = 1;
+
+}  // namespace
+
+TEST_CASE("expected shapes: cylinders, cones, spheres, tori", "[cli][expected]") {
+  check_group("revolved", kStandard, Step::Written);
+}
+TEST_CASE("expected shapes: tubes, wings and hulls from sections", "[cli][expected]") {
+  check_group("sections", kStandard, Step::Written);
+}
+TEST_CASE("expected shapes: saddles, ruled surfaces, canopies", "[cli][expected]") {
+  check_group("ruled", kStandard, Step::Written);
+}
+TEST_CASE("expected shapes: flat outlines with corners", "[cli][expected]") {
+  check_group("flat", kStandard, Step::Written);
+}
+TEST_CASE("expected shapes: wedges", "[cli][expected]") {
+  check_group("solids", kStandard, Step::Written);
+}
+
+TEST_CASE("expected shapes with other dimensions, points, order and position", "[cli][expected]") {
+  for (const char* group : {"revolved", "sections", "ruled", "flat", "solids"})
+    check_group(group, kVaried, Step::Omitted);
+}
+
+TEST_CASE("expected shapes: the program gives the same as its functions", "[cli][expected]") {
+  for (const ExpectedShape& shape : expected_shapes()) {
+    if (shape.name != "tube, short" && shape.name != "wedge of 16 degrees" && shape.name != "lune")
+      continue;
+    const Case c("expected_program");
+    c.file("curves.csv", shape.csv());
+    const Result program = c.run({"skin", "curves.csv", "--out", "out"});
+    const SkinnedCurves result = skin_curves(c / "curves.csv", c / "in process", true);
+    INFO(shape.name << "\n" << program.out << program.err << result.message);
+    CHECK(program.code == result.exit_code);
+    const auto j = report(c, "out");
+    CHECK(j["surface"]["area"].get<double>() == Approx(result.area).epsilon(1e-9));
+    for (const char* file : {"curves.vtp", "curves.step"}) CHECK(fs::exists(c / "out" / file));
+  }
+}
+
+TEST_CASE("expected shapes: outlines with blunt corners are not read as curves without a remark",
+          "[cli][expected]") {
+  // Turns below 50 degrees at some points could be corners or a smooth curve. Until the command
+  // takes such outlines as polygons, it must say how it read them.
+  for (const ExpectedShape& shape : ambiguous_outlines()) {
+    const Case c("expected_ambiguous");
+    c.file("curves.csv", shape.csv());
+    const SkinnedCurves result = skin_curves(c / "curves.csv", c / "out", false);
+    INFO(shape.name);
+    CHECK((deviation_of(result, shape).right || result.says_so()));
+  }
+}
