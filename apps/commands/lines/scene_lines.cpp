@@ -27,7 +27,7 @@ class SceneLines {
       take(as_asked());
     } else {
       for (size_t i = 0; i < sources_.size(); ++i) add_as_given(i);
-      if (scene_.network.fair_trembling) fair_trembling();
+      if (scene_.network.fair_trembling && only_outlines()) fair_trembling();
     }
     add_mirrored(scene_, result_.lines);
     for (std::string& text : texts_)
@@ -68,6 +68,14 @@ class SceneLines {
       result_.reports.push_back(result.report);
       texts_[i] = passed_over(result.report);
     }
+  }
+
+  // Curves with a role, or a treatment, were prepared.
+  bool only_outlines() const {
+    return std::all_of(sources_.begin(), sources_.end(), [](const SourceLine& source) {
+      return source.role == CharacterLine::Role::Outline &&
+             source.treatment == CharacterLine::Treatment::Auto;
+    });
   }
 
   // Whether the ends of the lines meet no better than a hand draws.
