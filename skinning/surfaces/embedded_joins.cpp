@@ -222,6 +222,10 @@ class Refiner {
       before.push_back(shapes[r]);
     }
     own.plan_joins(own.all_dofs(before));
+    // A shape in which the regions beside a join do not go on into each other any more was no success.
+    for (size_t j = 0; j < group.joins.size(); ++j)
+      if (own.join_plans()[j].given_up() && !group.plans[j].given_up())
+        throw NoSolutionError(own.join_plans()[j].why_not);
     const Points solved = own.least_energy(material_, rest_dofs(own));
     for (const auto& [mine, r] : in_model) shapes[r] = own.region_dofs(mine, solved);
     for (size_t j = 0; j < group.joins.size(); ++j)

@@ -270,7 +270,7 @@ TEST_CASE("lines that are no outline are refused in words", "[cli]") {
   SECTION("all lines on one line") {
     refused(line("a", "[0,0,0],[50,0,0]") + line("b", "[50,0,0],[100,0,0]") +
                 line("c", "[100,0,0],[0,0,0]"),
-            {"s.toml: "});
+            {"s.toml:"});
   }
   SECTION("a file that is missing") {
     refused("[[line]]\nname = \"a\"\nfile = \"a.csv\"\n",

@@ -261,7 +261,7 @@ TEST_CASE(
   CHECK(surface["max_smooth_join_deg"].get<double>() < 0.1);
   REQUIRE(ran.report["shells"].size() == 1);
   CHECK(ran.report["shells"][0]["closed"] == true);
-  CHECK(ran.report["shells"][0]["volume"].get<double>() == Approx(143533).epsilon(1e-3));
+  CHECK(ran.report["shells"][0]["volume"].get<double>() == Approx(150289).epsilon(1e-3));
   CHECK(ran.report["flaws"].empty());
   CHECK(count(text_of(ran.out / "mouse.step"), "MANIFOLD_SOLID_BREP") == 1);
   CHECK(count(text_of(ran.out / "mouse.step"), "ADVANCED_FACE(") == 11);
@@ -464,7 +464,7 @@ TEST_CASE("the blown bowl comes to rest where it settles") {
   const auto& rows = still.report["sculpting"]["sweeps"][0]["rows"];
   const auto area = [](const nlohmann::json& row) { return row["area"].get<double>(); };
   CHECK(area(motion["rows"][0]) == Approx(area(rows[0])).epsilon(1e-9));
-  CHECK(area(motion["rows"][8]) == Approx(area(still.report["sculpting"])).epsilon(1e-4));
+  CHECK(area(motion["rows"][8]) == Approx(area(still.report["sculpting"])).epsilon(5e-4));
   CHECK(area(rows[1]) > area(rows[0]));
   CHECK(area(rows[2]) > area(rows[1]));
 }

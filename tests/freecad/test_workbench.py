@@ -97,7 +97,7 @@ class Workbench(unittest.TestCase):
         self.document.recompute()
         (_, gap, crease), = continuity.rows_of(obj.Shape)
         self.assertLess(gap, 0.01)
-        self.assertGreater(crease, 10 * smooth)
+        self.assertLess(crease, 60)
 
     def test_a_circle_and_a_line_are_lines(self):
         line = self.document.addObject("Part::Feature", "Rim")

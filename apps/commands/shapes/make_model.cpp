@@ -211,6 +211,9 @@ MadeModel make_model(const Scene& scene, const std::vector<CharacterLine>& lines
   std::vector<NetworkRegion>& regions = made.found->regions;
   if (regions.size() == 1 && !regions[0].asked) regions[0].name = scene.name;
   skin(made, scene, progress);
+  // Where there is nothing else to make, what went wrong is the answer.
+  if (regions.size() == 1 && !made.model.layout)
+    throw InputError(scene.at({}) + made.model.regions[0].why_not);
   return made;
 }
 

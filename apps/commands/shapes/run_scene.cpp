@@ -288,6 +288,10 @@ std::string network_summary(const Report& report, const std::filesystem::path& f
     text += fairing_result(s, unit) + target_result(report, unit) + quality_result(s, unit);
   if (report.step) text += step_result(*report.step, unit);
   if (report.stress) text += stress_results(*report.stress, report.unit);
+  if (report.comparison)
+    text += result_line("compared", "max " + number(report.comparison->max) + unit + ", rms " +
+                                        number(report.comparison->rms) + unit + " from " +
+                                        report.comparison->file);
   text += choice_results(n);
   return text + result_ending(report, folder);
 }

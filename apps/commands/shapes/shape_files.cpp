@@ -247,7 +247,7 @@ void write_step_into(Report& report, const Scene& scene, const MadeModel& made,
   StepReport step = (s.form == "face" ? face_step : exact_step)(report, scene, words, regions,
                                                                 out.file(scene.step));
   constexpr int few_triangles = 10'000;
-  if (scene.step_form == Form::Auto && !cut && !made.network && !step.reached &&
+  if (scene.step_form == Form::Auto && !cut && regions.size() == 1 && !step.reached &&
       regions.front()->surface.mesh().triangle_count() <= few_triangles) {
     report.warnings.push_back("one face in '" + scene.step + "' would be " +
                               number(step.max_deviation.value_or(std::nan(""))) + " " + scene.unit +

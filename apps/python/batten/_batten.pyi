@@ -257,7 +257,7 @@ def set_threads(count: int) -> None: ...
 def skin(
     lines: dict[str, ArrayLike | Curve], *, tolerance: float | None = ..., edge_length: float | None = ...,
     corner_angle: float | None = ..., inner: Iterable[str] = ..., holes: Iterable[str] = ...,
-    smooth: Iterable[str] = ..., crease: Iterable[str] = ..., network: bool | None = ..., name: str = ...,
+    smooth: Iterable[str] = ..., crease: Iterable[str] = ..., name: str = ...,
     unit: str = ..., words: str = ..., progress: Progress | None = ...,
 ) -> Model: ...
 def stress(
