@@ -69,6 +69,9 @@ Peer filled(const SkinnedCurves& result, const ExpectedShape& shape) {
                                           FillingSettings{"", 1e-4 * shape.size() / 3, 15, 9});
     });
     const auto points = filling->done() ? filling->points(30) : std::vector<Vec3>{};
+    if (points.empty())
+      std::printf("%s: filling of face '%s' fails: %s\n", shape.name.c_str(),
+                  region.skinned->name.c_str(), filling->says().c_str());
     peer.done = peer.done && !points.empty();
     peer.measure(points, shape);
   }
