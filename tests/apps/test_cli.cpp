@@ -250,7 +250,7 @@ TEST_CASE("lines that are no outline are refused in words", "[cli]") {
   SECTION("open loop") {
     refused(line("a", "[0,0,0],[100,0,0]") + line("b", "[100,0,0],[100,100,0]") +
                 line("c", "[100,100,0],[0,100,0]"),
-            {"s.toml: found no loop of lines", "'a'", "meets nothing"});
+            {"found no loop of lines", "'a'", "meets nothing"});
   }
   SECTION("a segment without length") {
     refused(line("a", "[0,0,0],[100,0,0],[100,0,0],[100,100,0],[0,0,0]"), {"s.toml:4:10: ", "'a'"});
