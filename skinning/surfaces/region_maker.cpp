@@ -121,6 +121,7 @@ double RegionMaker::edge_for_turns(int region) const {
 }
 
 void RegionMaker::require_memory_for_all() const {
+  if (model_.regions.size() == 1) return;  // a region knows its own need better
   double triangles = 0;
   for (int r = 0; r < count_of(model_.regions); ++r)
     triangles += orientation_.plain_areas[r] / (0.433 * std::pow(element_edge(r), 2));

@@ -33,7 +33,7 @@ std::string nested(int levels) {
 TEST_CASE("meshes that memory cannot hold are refused beforehand, with what fits") {
   const Case c("limits_memory");
   c.fails(square("edge_length = 0.3"), 1,
-          {"edge_length = 0.3 on all regions of a network of size", "triangles, which need", "GB of memory, and",
+          {"edge_length = 0.3 on a region of size", "triangles, which need", "GB of memory, and",
            "are there; edge_length = ", " needs "},
           {"--memory", "0.5"});
   c.fails(square("edge_length = 0.05"), 1, {"triangles; at most 2e+06 are allowed"});
