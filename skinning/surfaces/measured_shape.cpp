@@ -21,6 +21,8 @@ constexpr double kLeastTorusTurnDeg = 30;  ///< a patch of 10 degrees with two c
 constexpr double kLeastRelief = 20;        ///< deviation from the plane over that from the primitive: radius to about 5 %
 constexpr double kMostNormalDeg = 1;       ///< root mean square angle between the normals of surface and primitive
 constexpr double kMostRadius = 1e4;        ///< of the patch's size; beyond it rounding and sag are of one order
+constexpr double kMuchNearer = 5;          ///< ratio of deviations at which a less simple primitive is preferred
+constexpr double kRounding = 1e-6;         ///< of the patch's size: below it deviations are not compared
 constexpr size_t kFitSamples = 2000;       ///< fits take every k-th sample only; deviations take all
 
 /// Samples in a unit of their own: the centroid is the origin, the root mean square distance from it 1.
@@ -339,15 +341,17 @@ MeasuredShape simplest_shape(const ShapeSamples& samples, double tolerance) {
       shape.kind = ShapeKind::Free;
     return shape;
   };
-  const MeasuredShape cylinder = fitted(cylinder_of(samples)), sphere = fitted(sphere_of(samples));
-  if (cylinder.kind != ShapeKind::Free &&
-      (sphere.kind == ShapeKind::Free || cylinder.deviation <= sphere.deviation))
-    return cylinder;
-  if (sphere.kind != ShapeKind::Free) return sphere;
-  if (const MeasuredShape cone = fitted(cone_of(samples)); cone.kind != ShapeKind::Free) return cone;
-  if (turn < kLeastTorusTurnDeg) return {};
-  if (const MeasuredShape torus = fitted(torus_of(samples)); torus.kind != ShapeKind::Free) return torus;
-  return {};
+  std::vector<MeasuredShape> shapes = {fitted(cylinder_of(samples)), fitted(sphere_of(samples))};
+  if (shapes[1].deviation < shapes[0].deviation) std::swap(shapes[0], shapes[1]);
+  shapes.push_back(fitted(cone_of(samples)));
+  if (turn >= kLeastTorusTurnDeg) shapes.push_back(fitted(torus_of(samples)));
+  std::erase_if(shapes, [](const MeasuredShape& shape) { return shape.kind == ShapeKind::Free; });
+  // A narrow band of a cone is within the tolerance of a sphere, too, but much nearer to its own cone.
+  MeasuredShape best;
+  for (const MeasuredShape& shape : shapes)
+    if (best.kind == ShapeKind::Free || (best.deviation > kRounding && kMuchNearer * shape.deviation < best.deviation))
+      best = shape;
+  return best;
 }
 
 /// Radii are known to within the deviation: of the numbers in that interval the one with the fewest decimals is taken, as a

@@ -33,7 +33,8 @@ struct MeasuredShape {
 const char* word_for(MeasuredShape::Kind kind);
 
 /// Fits primitives to sampled positions and normals inside the trim, and takes the first one, in the order plane,
-/// cylinder or sphere, cone, torus, whose largest deviation is at most `tolerance` (model units, > 0).
+/// cylinder or sphere, cone, torus, whose largest deviation is at most `tolerance` (model units, > 0); a later one if
+/// its deviation is less than a fifth.
 ///
 /// Initial values come from the normals: the axis of a cylinder is the direction with the least Σ (n·a)², that of a
 /// cone the one with the least variance of n·a, centre and radius are linear least squares of

@@ -142,6 +142,17 @@ TEST_CASE("a patch that hardly turns is a plane or nothing", "[measured_shape]")
   CHECK(measured(noisy, 2e-3).kind == Kind::Free);
 }
 
+TEST_CASE("a narrow band of a cone is no sphere, though one is within the tolerance", "[measured_shape]") {
+  const auto band = [](double s, double t) {
+    const double r = 38 - 0.3 * t;
+    return Vec3(r * std::cos(s), r * std::sin(s), t);
+  };
+  const Patch narrow = patch(band, 0, pi, 0, 2);
+  const MeasuredShape shape = measured(narrow, 0.03);
+  CHECK(shape.kind == Kind::Cone);
+  CHECK(shape.half_angle == Approx(std::atan(0.3)).epsilon(1e-4));
+}
+
 TEST_CASE("what is off a primitive by more than the tolerance is none", "[measured_shape]") {
   Patch dented = patch(on_cylinder, 0, 2, 0, 3);
   dented.x.row(300) += 0.01 * dented.n.row(300);
