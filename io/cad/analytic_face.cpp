@@ -15,18 +15,20 @@ using Closing = AnalyticFace::Closing;
 using ShapeKind = MeasuredShape::Kind;
 using std::numbers::pi;
 
-constexpr double kPoleMargin = 5 * pi / 180;   ///< of a pole from the boundary, radians
-constexpr double kSeamMargin = 2 * pi / 180;   ///< of a seam from a patch that does not close
-constexpr double kOneVertex = 1e-7;            ///< of the face's size: a seam this near to a vertex begins there
-constexpr double kShortEdge = 0.02;            ///< of a rim: a seam does not cut off less
-constexpr int kPlaces = 64;                    ///< along a stretch of the boundary
+constexpr double kPoleMargin = 5 * pi / 180;  ///< of a pole from the boundary, radians
+constexpr double kSeamMargin = 2 * pi / 180;  ///< of a seam from a patch that does not close
+constexpr double kOneVertex =
+    1e-7;  ///< of the face's size: a seam this near to a vertex begins there
+constexpr double kShortEdge = 0.02;  ///< of a rim: a seam does not cut off less
+constexpr int kPlaces = 64;          ///< along a stretch of the boundary
 
 /// Points of a loop, in its direction.
 std::vector<Vec3> loop_points(const FaceLoop& loop) {
   std::vector<Vec3> points;
   for (const FaceStretch& s : loop)
     for (int i = 0; i < kPlaces; ++i)
-      points.push_back(s.curve.evaluate(s.curve.start() + (s.curve.end() - s.curve.start()) * i / kPlaces));
+      points.push_back(
+          s.curve.evaluate(s.curve.start() + (s.curve.end() - s.curve.start()) * i / kPlaces));
   return points;
 }
 
@@ -63,7 +65,10 @@ Vec3 loop_area(const std::vector<Vec3>& points) {
 class AnalyticPlanner {
  public:
   AnalyticPlanner(const SkinnedRegion& region, const MeasuredShape& shape, StepPlan& plan)
-      : plan_(plan), shape_(shape), boundary_(region, &plan, FaceBoundary::Rims::Whole), inner_(inner_points(region.surface)) {
+      : plan_(plan),
+        shape_(shape),
+        boundary_(region, &plan, FaceBoundary::Rims::Whole),
+        inner_(inner_points(region.surface)) {
     for (const FaceLoop& loop : boundary_.loops) {
       loops_.push_back(loop_points(loop));
       all_.insert(all_.end(), loops_.back().begin(), loops_.back().end());
@@ -108,7 +113,9 @@ class AnalyticPlanner {
     std::map<std::string, int> uses;
     for (const FaceLoop& loop : boundary_.loops)
       for (const FaceStretch& s : loop)
-        if (++uses[s.line + " " + std::to_string(std::min(s.line_parameter(s.curve.start()), s.line_parameter(s.curve.end())))] > 1)
+        if (++uses[s.line + " " +
+                   std::to_string(std::min(s.line_parameter(s.curve.start()),
+                                           s.line_parameter(s.curve.end())))] > 1)
           return true;
     return false;
   }
@@ -123,7 +130,9 @@ class AnalyticPlanner {
   }
 
   AnalyticFace made(const Vec3& reference) const {
-    AnalyticFace face{AnalyticSurface(shape_, reference, middle_), Closing::None, 0, flipped_, Vec2::Zero(), std::vector<int>(loops_.size(), 0)};
+    AnalyticFace face{
+        AnalyticSurface(shape_, reference, middle_), Closing::None, 0, flipped_, Vec2::Zero(),
+        std::vector<int>(loops_.size(), 0)};
     return face;
   }
 
@@ -167,7 +176,8 @@ class AnalyticPlanner {
     for (int k = 0; k < directions; ++k) {
       const Vec3 a = std::cos(pi * k / directions) * e + std::sin(pi * k / directions) * f;
       double margin = 1;
-      for (const Vec3& p : all_) margin = std::min(margin, a.cross((p - shape_.origin).normalized()).norm());
+      for (const Vec3& p : all_)
+        margin = std::min(margin, a.cross((p - shape_.origin).normalized()).norm());
       if (margin <= best) continue;
       best = margin;
       axis = a;
@@ -199,7 +209,8 @@ class AnalyticPlanner {
     }
     if (rims.size() == 2 && sum.isZero()) {
       face.closing = wound == 0 ? Closing::AroundU : Closing::AroundV;
-      if (shape_.kind == ShapeKind::Sphere && !(pole_distance(1) > kPoleMargin && pole_distance(-1) > kPoleMargin))
+      if (shape_.kind == ShapeKind::Sphere &&
+          !(pole_distance(1) > kPoleMargin && pole_distance(-1) > kPoleMargin))
         return std::nullopt;
     } else if (rims.size() == 1 && shape_.kind == ShapeKind::Sphere) {
       face.closing = Closing::Pole;
@@ -214,7 +225,8 @@ class AnalyticPlanner {
       }
       if (!(pole_distance(-1) > kPoleMargin)) return std::nullopt;
       for (const Vec3& p : loops_[rims[0]])
-        if (shape_.axis.cross((p - shape_.origin).normalized()).norm() < std::sin(kPoleMargin)) return std::nullopt;
+        if (shape_.axis.cross((p - shape_.origin).normalized()).norm() < std::sin(kPoleMargin))
+          return std::nullopt;
     } else {
       return std::nullopt;
     }
@@ -225,7 +237,9 @@ class AnalyticPlanner {
   double pole_distance(int side) const {
     double least = pi;
     for (const Vec3& p : all_)
-      least = std::min(least, std::acos(std::clamp(side * shape_.axis.dot((p - shape_.origin).normalized()), -1.0, 1.0)));
+      least = std::min(
+          least, std::acos(std::clamp(side * shape_.axis.dot((p - shape_.origin).normalized()),
+                                      -1.0, 1.0)));
     return least;
   }
 
@@ -235,7 +249,8 @@ class AnalyticPlanner {
   };
 
   /// Where a rim meets a seam: at a vertex (no cut), at one place between vertices, or not as it should.
-  bool meets(const AnalyticSurface& surface, int wound, const FaceLoop& rim, double seam, std::vector<Cut>& cuts) const {
+  bool meets(const AnalyticSurface& surface, int wound, const FaceLoop& rim, double seam,
+             std::vector<Cut>& cuts) const {
     const auto angle = [&](const Vec3& p) {
       const double a = surface.parameters(p, Vec2::Zero())[wound] - seam;
       return a - 2 * pi * std::round(a / (2 * pi));
@@ -285,19 +300,22 @@ class AnalyticPlanner {
     return true;
   }
 
-  bool crosses(const AnalyticSurface& surface, int wound, const std::vector<Vec3>& loop, double seam) const {
+  bool crosses(const AnalyticSurface& surface, int wound, const std::vector<Vec3>& loop,
+               double seam) const {
     double before = 0;
     for (size_t i = 0; i <= loop.size(); ++i) {
       const double a = surface.parameters(loop[i % loop.size()], Vec2::Zero())[wound] - seam;
       const double here = a - 2 * pi * std::round(a / (2 * pi));
       if (std::abs(here) < kSeamMargin) return true;
-      if (i > 0 && (here < 0) != (before < 0) && std::abs(here) + std::abs(before) < pi) return true;
+      if (i > 0 && (here < 0) != (before < 0) && std::abs(here) + std::abs(before) < pi)
+        return true;
       before = here;
     }
     return false;
   }
 
-  std::optional<AnalyticFace> with_seam(AnalyticFace face, const std::vector<size_t>& rims, int wound) {
+  std::optional<AnalyticFace> with_seam(AnalyticFace face, const std::vector<size_t>& rims,
+                                        int wound) {
     std::vector<double> candidates;
     if (wound == 1) candidates.push_back(0);
     for (const size_t k : rims)
@@ -336,7 +354,8 @@ class AnalyticPlanner {
       face.surface = AnalyticSurface(shape_, -out, middle_);
       face.near = {pi, face.seam + pi};
       for (const Vec3& p : all_)
-        if (const double u = face.surface.parameters(p, face.near).x(); u < kSeamMargin || u > 2 * pi - kSeamMargin)
+        if (const double u = face.surface.parameters(p, face.near).x();
+            u < kSeamMargin || u > 2 * pi - kSeamMargin)
           return std::nullopt;
     }
     return face;

@@ -13,17 +13,18 @@ namespace batten {
 /// A region as a face on a plane, cylinder, sphere, cone or torus.
 struct AnalyticFace {
   enum class Closing {
-    None,     ///< every loop comes back to the parameters that it began with
+    None,  ///< every loop comes back to the parameters that it began with
     AroundU,  ///< two loops run once around in u, in opposite directions: the face closes at a seam of constant u
     AroundV,  ///< the same in v, around the tube of a torus
     Pole      ///< one loop runs around the north pole of a sphere, which the face holds
   };
   AnalyticSurface surface;
   Closing closing = Closing::None;
-  double seam = 0;          ///< the parameter (u, or v) of the seam
-  bool flipped = false;     ///< whether the region's normal points inwards
-  Vec2 near = Vec2::Zero(); ///< about where parameters of loops begin that run around nothing
-  std::vector<int> turns;   ///< of each loop: how often it runs around, in the direction of its region
+  double seam = 0;           ///< the parameter (u, or v) of the seam
+  bool flipped = false;      ///< whether the region's normal points inwards
+  Vec2 near = Vec2::Zero();  ///< about where parameters of loops begin that run around nothing
+  std::vector<int>
+      turns;  ///< of each loop: how often it runs around, in the direction of its region
 
   /// The place in a loop that runs around where it meets the seam: the number of the stretch that begins there.
   size_t seam_stretch(const FaceLoop& loop) const;

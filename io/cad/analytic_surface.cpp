@@ -29,8 +29,9 @@ double nearest_turn(double angle, double near) {
 }
 
 /// A C1 cubic through points with derivatives, as a B-spline with double knots.
-Handle(Geom2d_BSplineCurve) hermite_spline(const std::vector<double>& t, const std::vector<Vec2>& uv,
-                                           const std::vector<Vec2>& slopes) {
+Handle(Geom2d_BSplineCurve)
+    hermite_spline(const std::vector<double>& t, const std::vector<Vec2>& uv,
+                   const std::vector<Vec2>& slopes) {
   const int n = count_of(t);
   TColgp_Array1OfPnt2d poles(1, 2 * n);
   TColStd_Array1OfReal knots(1, n);
@@ -49,7 +50,8 @@ Handle(Geom2d_BSplineCurve) hermite_spline(const std::vector<double>& t, const s
 
 }  // namespace
 
-AnalyticSurface::AnalyticSurface(const MeasuredShape& shape, const Vec3& reference, const Vec3& middle)
+AnalyticSurface::AnalyticSurface(const MeasuredShape& shape, const Vec3& reference,
+                                 const Vec3& middle)
     : shape_(shape), origin_(shape.origin) {
   const Vec3& z = shape.axis;
   x_ = reference - reference.dot(z) * z;
@@ -106,11 +108,14 @@ Vec2 AnalyticSurface::parameters(const Vec3& p, const Vec2& near) const {
   }
 }
 
-Vec3 AnalyticSurface::position(const Vec2& uv) const { return from_occ(geometry_->Value(uv.x(), uv.y())); }
+Vec3 AnalyticSurface::position(const Vec2& uv) const {
+  return from_occ(geometry_->Value(uv.x(), uv.y()));
+}
 
 bool AnalyticSurface::singular(const Vec3& p, double distance) const {
   if (shape_.kind == ShapeKind::Cone) return (p - shape_.origin).norm() <= distance;
-  return shape_.kind == ShapeKind::Sphere && (p - shape_.origin).cross(shape_.axis).norm() <= distance;
+  return shape_.kind == ShapeKind::Sphere &&
+         (p - shape_.origin).cross(shape_.axis).norm() <= distance;
 }
 
 // The derivative of parameters() along a curve; in u 0 on the axis.
@@ -141,8 +146,9 @@ Vec2 AnalyticSurface::slopes(const Vec3& p, const Vec3& slope) const {
   }
 }
 
-Handle(Geom2d_BSplineCurve) AnalyticSurface::image(const Geom_Curve& curve, double first, double last, bool backwards,
-                                                   double tolerance, Vec2& near) const {
+Handle(Geom2d_BSplineCurve) AnalyticSurface::image(const Geom_Curve& curve, double first,
+                                                   double last, bool backwards, double tolerance,
+                                                   Vec2& near) const {
   std::vector<double> t;
   if (const auto* spline = dynamic_cast<const Geom_BSplineCurve*>(&curve)) {
     for (int k = 1; k <= spline->NbKnots(); ++k) t.push_back(spline->Knot(k));
@@ -155,7 +161,8 @@ Handle(Geom2d_BSplineCurve) AnalyticSurface::image(const Geom_Curve& curve, doub
   const int pieces_each = (fewest + count_of(t) - 2) / (count_of(t) - 1);
   std::vector<double> split;
   for (size_t i = 0; i + 1 < t.size(); ++i)
-    for (int k = 0; k < pieces_each; ++k) split.push_back(t[i] + (t[i + 1] - t[i]) * k / pieces_each);
+    for (int k = 0; k < pieces_each; ++k)
+      split.push_back(t[i] + (t[i + 1] - t[i]) * k / pieces_each);
   split.push_back(last);
   t = std::move(split);
   const auto at = [&](double parameter) { return from_occ(curve.Value(parameter)); };
@@ -194,7 +201,8 @@ Handle(Geom2d_BSplineCurve) AnalyticSurface::image(const Geom_Curve& curve, doub
       const double length = t[i + 1] - t[i];
       bool far = false;
       for (const double s : {0.25, 0.5, 0.75}) {
-        const Vec2 cubic = (1 + 2 * s) * (1 - s) * (1 - s) * uv[i] + s * s * (3 - 2 * s) * uv[i + 1] +
+        const Vec2 cubic = (1 + 2 * s) * (1 - s) * (1 - s) * uv[i] +
+                           s * s * (3 - 2 * s) * uv[i + 1] +
                            length * s * (1 - s) * ((1 - s) * d[i] - s * d[i + 1]);
         const Vec2 exact = parameters(at(t[i] + s * length), cubic);
         far = far || (position(cubic) - position(exact)).norm() > tolerance;
@@ -219,10 +227,12 @@ MeasuredShape shape_of(const Handle(Geom_Surface) & surface) {
   };
   if (const auto plane = Handle(Geom_Plane)::DownCast(surface); !plane.IsNull()) {
     take(plane->Position(), ShapeKind::Plane);
-  } else if (const auto cylinder = Handle(Geom_CylindricalSurface)::DownCast(surface); !cylinder.IsNull()) {
+  } else if (const auto cylinder = Handle(Geom_CylindricalSurface)::DownCast(surface);
+             !cylinder.IsNull()) {
     take(cylinder->Position(), ShapeKind::Cylinder);
     shape.radius = cylinder->Radius();
-  } else if (const auto sphere = Handle(Geom_SphericalSurface)::DownCast(surface); !sphere.IsNull()) {
+  } else if (const auto sphere = Handle(Geom_SphericalSurface)::DownCast(surface);
+             !sphere.IsNull()) {
     take(sphere->Position(), ShapeKind::Sphere);
     shape.radius = sphere->Radius();
   } else if (const auto cone = Handle(Geom_ConicalSurface)::DownCast(surface); !cone.IsNull()) {

@@ -34,8 +34,8 @@ class AnalyticSurface {
   /// The curve's image in the parameters over [first, last], a C1 cubic B-spline, within `tolerance` of the points nearest
   /// to the curve (model units). It starts within half a period of `near` (ends there when `backwards`, where the curve is
   /// followed from its end), and continues from there; `near` becomes its other end.
-  Handle(Geom2d_BSplineCurve) image(const Geom_Curve& curve, double first, double last, bool backwards, double tolerance,
-                                    Vec2& near) const;
+  Handle(Geom2d_BSplineCurve) image(const Geom_Curve& curve, double first, double last,
+                                    bool backwards, double tolerance, Vec2& near) const;
 
  private:
   Vec2 slopes(const Vec3& p, const Vec3& slope) const;

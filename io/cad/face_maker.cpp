@@ -88,9 +88,9 @@ CubicSpline over(CubicSpline spline, double first, double last) {
 
 /// The curve S(l(t)) of a surface along a line of its parameters, within a tolerance, moved from the
 /// origin to a place.
-Handle(Geom_BSplineCurve) curve_on_surface(const Handle(Geom_Surface) & surface,
-                                           const Handle(Geom2d_BSplineCurve) & line,
-                                           double tolerance, const gp_Pnt& place) {
+Handle(Geom_BSplineCurve)
+    curve_on_surface(const Handle(Geom_Surface) & surface, const Handle(Geom2d_BSplineCurve) & line,
+                     double tolerance, const gp_Pnt& place) {
   const double first = line->FirstParameter(), last = line->LastParameter();
   Approx_CurveOnSurface found(new Geom2dAdaptor_Curve(line), new GeomAdaptor_Surface(surface),
                               first, last, tolerance);
@@ -145,8 +145,7 @@ FaceMaker::FaceMaker(const SkinnedRegion& region, const StepFaceOptions& options
                      const StepPlan* common, const AnalyticFace* analytic)
     : region_(region),
       options_(options),
-      boundary_(region, common,
-                analytic ? FaceBoundary::Rims::Whole : FaceBoundary::Rims::AtSeam),
+      boundary_(region, common, analytic ? FaceBoundary::Rims::Whole : FaceBoundary::Rims::AtSeam),
       middle_(middle(boundary_)),
       near_origin_(moved_by(region.surface, -middle_)),
       analytic_(analytic) {
@@ -224,8 +223,9 @@ TopoDS_Vertex FaceMaker::vertex(const FaceStretch& before, const FaceStretch& af
   const bool of_lines = before.shared || after.shared;
   const Vec2 first = after.first();
   const auto on_surface = [&](const Vec2& uv, const Vec3& x) {
-    return analytic_ ? analytic_->surface.position(analytic_->surface.parameters(x, analytic_->near))
-                     : from_occ(surface_->Value(uv.x(), uv.y()));
+    return analytic_
+               ? analytic_->surface.position(analytic_->surface.parameters(x, analytic_->near))
+               : from_occ(surface_->Value(uv.x(), uv.y()));
   };
   const Vec3 start = after.curve.position(0), end = end_of(before.curve);
   const Vec3 p = of_lines ? start : on_surface(first, start);
@@ -280,7 +280,8 @@ TopoDS_Edge FaceMaker::edge(const FaceStretch& stretch, const TopoDS_Vertex& a,
   }
   double first, last;
   const Handle(Geom_Curve) curve = BRep_Tool::Curve(*result, first, last);
-  const Handle(Geom2d_BSplineCurve) line = own_image.IsNull() ? image(*curve, first, last) : own_image;
+  const Handle(Geom2d_BSplineCurve) line =
+      own_image.IsNull() ? image(*curve, first, last) : own_image;
 
   double distance = 0;
   const int of_curve = static_cast<int>(stretch.curve.segment_count()) + 1;
@@ -399,7 +400,9 @@ void FaceMaker::make_analytic() {
   }
   constexpr double whole = 2 * std::numbers::pi;
   std::vector<TopoDS_Edge> outer;
-  const auto add = [&](const std::vector<TopoDS_Edge>& edges) { outer.insert(outer.end(), edges.begin(), edges.end()); };
+  const auto add = [&](const std::vector<TopoDS_Edge>& edges) {
+    outer.insert(outer.end(), edges.begin(), edges.end());
+  };
   if (analytic_->closing == Closing::Pole) {
     const Rim& rim = rims.at(1);
     const auto sphere = analytic_->surface.shape();
@@ -418,7 +421,8 @@ void FaceMaker::make_analytic() {
     const Rim &low = rims.at(around_u ? 1 : -1), &high = rims.at(around_u ? -1 : 1);
     const TopoDS_Edge seam =
         around_u ? analytic_seam(low.vertex(), high.vertex(), {0, low.start.y()}, high.start.y())
-                 : analytic_seam(low.vertex(), high.vertex(), {low.start.x(), analytic_->seam}, high.start.x());
+                 : analytic_seam(low.vertex(), high.vertex(), {low.start.x(), analytic_->seam},
+                                 high.start.x());
     const TopoDS_Edge up = TopoDS::Edge(seam.Oriented(TopAbs_FORWARD)),
                       down = TopoDS::Edge(seam.Oriented(TopAbs_REVERSED));
     add(low.edges);
@@ -431,8 +435,8 @@ void FaceMaker::make_analytic() {
   if (analytic_->flipped) face_.Reverse();
 }
 
-Handle(Geom2d_BSplineCurve) FaceMaker::analytic_image(const FaceStretch&, const Geom_Curve& curve, double first,
-                                                      double last, bool reversed) {
+Handle(Geom2d_BSplineCurve) FaceMaker::analytic_image(const FaceStretch&, const Geom_Curve& curve,
+                                                      double first, double last, bool reversed) {
   // Little against the tolerance, which the edge is off the surface by; finer images make large files.
   const double tolerance = std::max(0.2 * coincidence_, 1e-3 * options_.tolerance);
   const Handle(Geom2d_BSplineCurve) image =
@@ -447,7 +451,8 @@ Handle(Geom2d_BSplineCurve) FaceMaker::analytic_image(const FaceStretch&, const 
 std::vector<TopoDS_Edge> FaceMaker::analytic_edges(FaceLoop loop, int turns) {
   near_ = analytic_->near;
   if (turns != 0) {
-    std::rotate(loop.begin(), loop.begin() + static_cast<long>(analytic_->seam_stretch(loop)), loop.end());
+    std::rotate(loop.begin(), loop.begin() + static_cast<long>(analytic_->seam_stretch(loop)),
+                loop.end());
     const double seam = analytic_->seam + (turns < 0 ? 2 * std::numbers::pi : 0);
     (analytic_->closing == AnalyticFace::Closing::AroundV ? near_.y() : near_.x()) = seam;
   }
@@ -475,7 +480,8 @@ std::vector<TopoDS_Edge> FaceMaker::analytic_edges(FaceLoop loop, int turns) {
 
 namespace {
 
-Handle(Geom2d_BSplineCurve) straight_image(const Vec2& from, const Vec2& to, double first, double last) {
+Handle(Geom2d_BSplineCurve)
+    straight_image(const Vec2& from, const Vec2& to, double first, double last) {
   TColgp_Array1OfPnt2d poles(1, 2);
   TColStd_Array1OfReal values(1, 2);
   TColStd_Array1OfInteger times(1, 2);
@@ -501,12 +507,14 @@ TopoDS_Edge FaceMaker::degenerate_edge(const TopoDS_Vertex& at, const Vec2& from
 }
 
 // The seam from a vertex at `from` to one where the other parameter is `to`.
-TopoDS_Edge FaceMaker::analytic_seam(const TopoDS_Vertex& a, const TopoDS_Vertex& b, const Vec2& from, double to) {
+TopoDS_Edge FaceMaker::analytic_seam(const TopoDS_Vertex& a, const TopoDS_Vertex& b,
+                                     const Vec2& from, double to) {
   constexpr double whole = 2 * std::numbers::pi;
   const bool around_u = analytic_->closing != AnalyticFace::Closing::AroundV;
   Handle(Geom_Curve) line = around_u ? surface_->UIso(from.x()) : surface_->VIso(from.y());
   const double low = around_u ? from.y() : from.x();
-  if (!(to > low)) throw Error("region '" + region_.name + "': the rims of its face are in the wrong order");
+  if (!(to > low))
+    throw Error("region '" + region_.name + "': the rims of its face are in the wrong order");
   const Vec3 p = from_occ(BRep_Tool::Pnt(a)), q = from_occ(BRep_Tool::Pnt(b));
   const Vec3 off_p = p - from_occ(line->Value(low)), off_q = q - from_occ(line->Value(to));
   double first = low, last = to, tolerance = std::max(off_p.norm(), off_q.norm());

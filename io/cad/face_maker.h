@@ -113,7 +113,8 @@ class FaceMaker {
                                              double first, double last, bool reversed);
   std::vector<TopoDS_Edge> analytic_edges(FaceLoop loop, int turns);
   TopoDS_Edge degenerate_edge(const TopoDS_Vertex& at, const Vec2& from, const Vec2& to);
-  TopoDS_Edge analytic_seam(const TopoDS_Vertex& a, const TopoDS_Vertex& b, const Vec2& from, double to);
+  TopoDS_Edge analytic_seam(const TopoDS_Vertex& a, const TopoDS_Vertex& b, const Vec2& from,
+                            double to);
 
   const SkinnedRegion& region_;
   const StepFaceOptions& options_;

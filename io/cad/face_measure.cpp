@@ -234,8 +234,9 @@ FaceNormals measure_face(const TopoDS_Face& face, const FaceMaker& made, const S
   const MeasuredShape shape = shape_of(surface);
   const bool analytic = made.analytic() != nullptr;
   report.deviation = report.edge_gap = report.edge_deviation = infinity;
-  if (analytic ? shape.kind != made.analytic()->surface.shape().kind || !has_area_of_region(face, made)
-               : spline.IsNull())
+  if (analytic
+          ? shape.kind != made.analytic()->surface.shape().kind || !has_area_of_region(face, made)
+          : spline.IsNull())
     return normals;
   constexpr int as_fine = 32;  // an analytic face has no knots
   const int knots = analytic ? as_fine : spline->NbUKnots() + spline->NbVKnots();

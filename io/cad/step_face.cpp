@@ -24,8 +24,9 @@ namespace {
 TopoDS_Shape save(const std::filesystem::path& path, const StepPlan& plan, const FittedFaces& made,
                   double coincidence, const StepFaceOptions& options, OccSettings& occ) {
   SharedEdges shared(plan);
-  const bool common = plan.joined || std::any_of(made.begin(), made.end(),
-                                                 [](const auto& maker) { return maker->analytic(); });
+  const bool common = plan.joined || std::any_of(made.begin(), made.end(), [](const auto& maker) {
+                        return maker->analytic();
+                      });
   CadPart part;
   part.name = options.file.name;
   part.shape = assembled(plan, [&](int region, TopoDS_Shell& shell) {
@@ -75,7 +76,8 @@ MeasuredShapes shapes_within(const StepPlan& plan, const StepFaceOptions& option
     // What is measured on the file lies between the samples.
     constexpr double most = 0.95;
     const double size = infinity;
-    found[k] = measured_shape(region, std::min(most * options.tolerance, shape_tolerance(region, size)));
+    found[k] =
+        measured_shape(region, std::min(most * options.tolerance, shape_tolerance(region, size)));
   });
   for (size_t k = 0; k < found.size(); ++k)
     if (found[k].kind != MeasuredShape::Kind::Free && !plan.regions[k]->boundary.empty())
@@ -106,8 +108,8 @@ std::vector<const SkinnedRegion*> failed_faces(const FittedFaces& made, const St
   std::vector<const SkinnedRegion*> failed;
   for (size_t k = 0; k < made.size(); ++k) {
     const StepPatch& patch = report.patches[k];
-    if (made[k]->analytic() && (!report.valid || !patch.reached || !std::isfinite(patch.edge_deviation) ||
-                                beside.count(patch.region)))
+    if (made[k]->analytic() && (!report.valid || !patch.reached ||
+                                !std::isfinite(patch.edge_deviation) || beside.count(patch.region)))
       failed.push_back(&made[k]->region());
   }
   return failed;
@@ -140,9 +142,9 @@ StepReport write_step_faces(const std::filesystem::path& path,
                                             reader_coincidence(model_unit_in_metres), options, occ);
             // The file read back would not tell of all that is wrong: readers repair silently.
             bool valid = false;
-            StepReport measured =
-                measured_faces(file.temporary(), made, plan, options,
-                               [&] { valid = BRepCheck_Analyzer(shape).IsValid(); });
+            StepReport measured = measured_faces(file.temporary(), made, plan, options, [&] {
+              valid = BRepCheck_Analyzer(shape).IsValid();
+            });
             measured.valid = measured.valid && valid;
             return measured;
           });

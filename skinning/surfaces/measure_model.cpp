@@ -111,7 +111,8 @@ void measure(SurfaceModel& model, const Progress& progress) {
     ModelRegion& region = model.regions[r];
     if (!region.skinned) return;
     region.quality = measure(*region.skinned);
-    region.shape = measured_shape(*region.skinned, shape_tolerance(*region.skinned, model.layout->size()));
+    region.shape =
+        measured_shape(*region.skinned, shape_tolerance(*region.skinned, model.layout->size()));
   });
   std::vector<SkinQuality> qualities;
   std::vector<double> plain;

@@ -16,19 +16,25 @@ namespace {
 
 using ShapeKind = MeasuredShape::Kind;
 
-constexpr double kLeastTurnDeg = 3;        ///< of the normals: less is a nearly flat patch, which fits any large radius
-constexpr double kLeastTorusTurnDeg = 30;  ///< a patch of 10 degrees with two curvatures is a torus to 4e-5 of its size
-constexpr double kLeastRelief = 20;        ///< deviation from the plane over that from the primitive: radius to about 5 %
-constexpr double kMostNormalDeg = 1;       ///< root mean square angle between the normals of surface and primitive
-constexpr double kMostRadius = 1e4;        ///< of the patch's size; beyond it rounding and sag are of one order
-constexpr double kMuchNearer = 5;          ///< ratio of deviations at which a less simple primitive is preferred
-constexpr double kRounding = 1e-6;         ///< of the patch's size: below it deviations are not compared
-constexpr size_t kFitSamples = 2000;       ///< fits take every k-th sample only; deviations take all
+constexpr double kLeastTurnDeg =
+    3;  ///< of the normals: less is a nearly flat patch, which fits any large radius
+constexpr double kLeastTorusTurnDeg =
+    30;  ///< a patch of 10 degrees with two curvatures is a torus to 4e-5 of its size
+constexpr double kLeastRelief =
+    20;  ///< deviation from the plane over that from the primitive: radius to about 5 %
+constexpr double kMostNormalDeg =
+    1;  ///< root mean square angle between the normals of surface and primitive
+constexpr double kMostRadius =
+    1e4;  ///< of the patch's size; beyond it rounding and sag are of one order
+constexpr double kMuchNearer =
+    5;  ///< ratio of deviations at which a less simple primitive is preferred
+constexpr double kRounding = 1e-6;    ///< of the patch's size: below it deviations are not compared
+constexpr size_t kFitSamples = 2000;  ///< fits take every k-th sample only; deviations take all
 
 /// Samples in a unit of their own: the centroid is the origin, the root mean square distance from it 1.
 struct ShapeSamples {
-  std::vector<Vec3> p, n;       // all positions; normals, zero where the surface has none
-  std::vector<size_t> fitted;   // those that have a normal, thinned out
+  std::vector<Vec3> p, n;      // all positions; normals, zero where the surface has none
+  std::vector<size_t> fitted;  // those that have a normal, thinned out
   Vec3 mean_normal = Vec3::Zero();
 
   /// Σ over the fitted samples.
@@ -59,8 +65,8 @@ std::array<Vec3, 2> across(const Vec3& axis) {
 
 /// A point against the axis of a primitive.
 struct AxisPoint {
-  Vec3 out;         // unit vector from the axis
-  double rho, h;    // distance from the axis, height along it
+  Vec3 out;       // unit vector from the axis
+  double rho, h;  // distance from the axis, height along it
 };
 AxisPoint from_axis(const MeasuredShape& s, const Vec3& p) {
   const Vec3 q = p - s.origin;
@@ -70,7 +76,9 @@ AxisPoint from_axis(const MeasuredShape& s, const Vec3& p) {
   return {rho > 0 ? Vec3(off / rho) : Vec3(s.axis.unitOrthogonal()), rho, h};
 }
 
-using Parameters = Eigen::Matrix<double, 8, 1>;  // centre, turn of the axis about across(), radius, major radius, angle
+using Parameters =
+    Eigen::Matrix<double, 8,
+                  1>;  // centre, turn of the axis about across(), radius, major radius, angle
 
 /// Signed distance of p and its derivatives.
 double distance_and_slopes(const MeasuredShape& s, const Vec3& p, Parameters& slopes) {
@@ -181,7 +189,8 @@ void minimise(MeasuredShape& s, const ShapeSamples& samples) {
 
 /// R and c of least Σ |p - R n - c|², of rows of any dimension.
 template <class Vector>
-std::pair<double, Vector> circle_from_normals(const std::vector<Vector>& p, const std::vector<Vector>& n) {
+std::pair<double, Vector> circle_from_normals(const std::vector<Vector>& p,
+                                              const std::vector<Vector>& n) {
   const double count = static_cast<double>(p.size());
   Vector mean_p = Vector::Zero(), mean_n = Vector::Zero();
   for (size_t i = 0; i < p.size(); ++i) {
@@ -252,10 +261,12 @@ MeasuredShape cone_of(const ShapeSamples& s) {
   MeasuredShape shape;
   shape.kind = ShapeKind::Cone;
   shape.axis = least_direction(normal_moments(s, s.mean_normal));
-  const Vec3 b = s.sum(Vec3(Vec3::Zero()),
-                       [](const Vec3& p, const Vec3& n) -> Vec3 { return n.dot(p) * n; });
-  shape.origin = Eigen::CompleteOrthogonalDecomposition<Mat3>(normal_moments(s, Vec3::Zero())).solve(b);
-  if (shape.origin.dot(shape.axis) > 0) shape.axis = -shape.axis;  // the centroid of the samples is 0
+  const Vec3 b =
+      s.sum(Vec3(Vec3::Zero()), [](const Vec3& p, const Vec3& n) -> Vec3 { return n.dot(p) * n; });
+  shape.origin =
+      Eigen::CompleteOrthogonalDecomposition<Mat3>(normal_moments(s, Vec3::Zero())).solve(b);
+  if (shape.origin.dot(shape.axis) > 0)
+    shape.axis = -shape.axis;  // the centroid of the samples is 0
   shape.half_angle = std::asin(std::min(std::abs(s.mean_normal.dot(shape.axis)), 1.0));
   return shape;
 }
@@ -321,7 +332,8 @@ double normal_deg(const MeasuredShape& s, const ShapeSamples& samples) {
     squares.push_back(angle * angle);
   }
   const size_t counted = squares.size() - squares.size() / 50;
-  std::nth_element(squares.begin(), squares.begin() + static_cast<long>(counted) - 1, squares.end());
+  std::nth_element(squares.begin(), squares.begin() + static_cast<long>(counted) - 1,
+                   squares.end());
   double sum = 0;
   for (size_t i = 0; i < counted; ++i) sum += squares[i];
   return std::sqrt(sum / static_cast<double>(counted)) * 180 / std::numbers::pi;
@@ -335,9 +347,11 @@ MeasuredShape simplest_shape(const ShapeSamples& samples, double tolerance) {
   if (turn < kLeastTurnDeg) return {};
   const auto fitted = [&](MeasuredShape shape) {
     minimise(shape, samples);
-    shape.deviation = sensible(shape) ? largest_distance(shape, samples) : std::numeric_limits<double>::infinity();
+    shape.deviation = sensible(shape) ? largest_distance(shape, samples)
+                                      : std::numeric_limits<double>::infinity();
     const bool determined = kLeastRelief * shape.deviation <= plane.deviation;
-    if (!(shape.deviation <= tolerance) || !determined || normal_deg(shape, samples) > kMostNormalDeg)
+    if (!(shape.deviation <= tolerance) || !determined ||
+        normal_deg(shape, samples) > kMostNormalDeg)
       shape.kind = ShapeKind::Free;
     return shape;
   };
@@ -349,7 +363,8 @@ MeasuredShape simplest_shape(const ShapeSamples& samples, double tolerance) {
   // A narrow band of a cone is within the tolerance of a sphere, too, but much nearer to its own cone.
   MeasuredShape best;
   for (const MeasuredShape& shape : shapes)
-    if (best.kind == ShapeKind::Free || (best.deviation > kRounding && kMuchNearer * shape.deviation < best.deviation))
+    if (best.kind == ShapeKind::Free ||
+        (best.deviation > kRounding && kMuchNearer * shape.deviation < best.deviation))
       best = shape;
   return best;
 }
@@ -360,10 +375,12 @@ void round_radii(MeasuredShape& s, const Points& positions, double tolerance) {
   if (s.kind == ShapeKind::Plane || s.kind == ShapeKind::Cone) return;
   MeasuredShape rounded = s;
   rounded.radius = shortest_decimal(s.radius, s.deviation);
-  if (s.kind == ShapeKind::Torus) rounded.major_radius = shortest_decimal(s.major_radius, s.deviation);
+  if (s.kind == ShapeKind::Torus)
+    rounded.major_radius = shortest_decimal(s.major_radius, s.deviation);
   rounded.deviation = 0;
   for (long i = 0; i < positions.rows(); ++i)
-    rounded.deviation = std::max(rounded.deviation, std::abs(rounded.distance(positions.row(i).transpose())));
+    rounded.deviation =
+        std::max(rounded.deviation, std::abs(rounded.distance(positions.row(i).transpose())));
   if (rounded.deviation <= tolerance) s = rounded;
 }
 
@@ -432,7 +449,8 @@ MeasuredShape measured_shape(const Points& positions, const Points& normals, dou
   constexpr long fewest = 12;
   if (count < fewest || !positions.allFinite()) return {};
   const Vec3 centroid = positions.colwise().mean().transpose();
-  const double size = std::sqrt((positions.rowwise() - centroid.transpose()).rowwise().squaredNorm().mean());
+  const double size =
+      std::sqrt((positions.rowwise() - centroid.transpose()).rowwise().squaredNorm().mean());
   if (!(size > 0)) return {};
   ShapeSamples samples;
   std::vector<size_t> with_normal;
@@ -444,8 +462,9 @@ MeasuredShape measured_shape(const Points& positions, const Points& normals, dou
   if (count_of(with_normal) < fewest) return {};
   const size_t step = (with_normal.size() + kFitSamples - 1) / kFitSamples;
   for (size_t i = 0; i < with_normal.size(); i += step) samples.fitted.push_back(with_normal[i]);
-  samples.mean_normal =
-      samples.sum(Vec3(Vec3::Zero()), [](const Vec3&, const Vec3& n) { return n; }) / samples.count();
+  samples.mean_normal = samples.sum(Vec3(Vec3::Zero()), [](const Vec3&, const Vec3& n) {
+    return n;
+  }) / samples.count();
   MeasuredShape shape = simplest_shape(samples, tolerance / size);
   if (shape.kind == ShapeKind::Free) return {};
   // The point of the axis that is next to the surface.
@@ -479,8 +498,8 @@ MeasuredShape measured_shape(const SkinnedRegion& region, double tolerance) {
     n.push_back(regular ? jet.normal() : Vec3(Vec3::Zero()));
   };
   constexpr double near = 2.0 / 3, far = 1.0 / 6;
-  const std::array<Vec3, 4> points{Vec3::Constant(1.0 / 3), Vec3(near, far, far), Vec3(far, near, far),
-                                   Vec3(far, far, near)};
+  const std::array<Vec3, 4> points{Vec3::Constant(1.0 / 3), Vec3(near, far, far),
+                                   Vec3(far, near, far), Vec3(far, far, near)};
   for (int t = 0; t < mesh.triangle_count(); ++t) {
     const auto side = trim ? trim->side(t) : Trim::Side::Inside;
     if (side == Trim::Side::Outside) continue;
@@ -492,7 +511,8 @@ MeasuredShape measured_shape(const SkinnedRegion& region, double tolerance) {
   for (int t = 0; t < mesh.triangle_count(); ++t)
     for (int k = 0; k < 3; ++k) {
       const int vertex = mesh.triangles()[static_cast<size_t>(t)][static_cast<size_t>(k)];
-      if ((trim && trim->side(t) != Trim::Side::Inside) || done[static_cast<size_t>(vertex)]) continue;
+      if ((trim && trim->side(t) != Trim::Side::Inside) || done[static_cast<size_t>(vertex)])
+        continue;
       done[static_cast<size_t>(vertex)] = 1;
       x.emplace_back(surface.dofs().row(surface.dof_map().vertex(vertex)).transpose());
       n.emplace_back(Vec3::Zero());

@@ -16,12 +16,12 @@ namespace batten {
 struct MeasuredShape {
   enum class Kind { Free, Plane, Cylinder, Sphere, Cone, Torus };
   Kind kind = Kind::Free;
-  Vec3 origin = Vec3::Zero();     ///< model units
-  Vec3 axis = Vec3::UnitZ();      ///< unit vector
-  double radius = 0;              ///< of a torus that of its tube, of a cone the surface's largest; model units
-  double major_radius = 0;        ///< of a torus; model units
-  double half_angle = 0;          ///< of a cone, radians in (0, π/2)
-  double deviation = 0;           ///< largest distance of the samples from the primitive; model units
+  Vec3 origin = Vec3::Zero();  ///< model units
+  Vec3 axis = Vec3::UnitZ();   ///< unit vector
+  double radius = 0;  ///< of a torus that of its tube, of a cone the surface's largest; model units
+  double major_radius = 0;  ///< of a torus; model units
+  double half_angle = 0;    ///< of a cone, radians in (0, π/2)
+  double deviation = 0;     ///< largest distance of the samples from the primitive; model units
 
   /// Signed distance of a point, positive on the outer side (of a plane: on the side of its axis). Model units.
   double distance(const Vec3& p) const;

@@ -204,7 +204,8 @@ std::string kinds_of(const Report::Step& step) {
   std::string text;
   for (const auto& [kind, count] : step.faces_by_kind)
     if (kind != "B-spline")
-      text += (text.empty() ? "" : ", ") + counted(count, kind, kind == "torus" ? "tori" : kind + "s");
+      text +=
+          (text.empty() ? "" : ", ") + counted(count, kind, kind == "torus" ? "tori" : kind + "s");
   return text.empty() ? "" : " (" + text + ")";
 }
 
@@ -425,16 +426,16 @@ std::string summary(const Report& report, const std::filesystem::path& folder) {
   if (report.step) {
     const auto& step = *report.step;
     const std::string valid = step.valid ? "valid" : "NOT valid";
-    text += result_line("STEP", step.form == "exact"
-                                    ? std::to_string(step.faces) + " faces, " + valid + ", gap " +
-                                          number(step.max_gap) + unit
-                                    : (kinds_of(step).empty()
-                                           ? "one face of " + std::to_string(step.poles_u) + " × " +
-                                                 std::to_string(step.poles_v) + " poles, "
-                                           : counted(step.faces, "face") + kinds_of(step) + ", ") + valid +
-                                          ", within " + number(step.max_deviation) + unit +
-                                          ", edges within " + number(step.max_gap) + unit +
-                                          edges_of(step));
+    text += result_line(
+        "STEP",
+        step.form == "exact"
+            ? std::to_string(step.faces) + " faces, " + valid + ", gap " + number(step.max_gap) +
+                  unit
+            : (kinds_of(step).empty() ? "one face of " + std::to_string(step.poles_u) + " × " +
+                                            std::to_string(step.poles_v) + " poles, "
+                                      : counted(step.faces, "face") + kinds_of(step) + ", ") +
+                  valid + ", within " + number(step.max_deviation) + unit + ", edges within " +
+                  number(step.max_gap) + unit + edges_of(step));
   }
   for (const auto& scan : report.scans)
     text += result_line("scan", std::to_string(scan.points - scan.left_out) + " of " +

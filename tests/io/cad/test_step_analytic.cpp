@@ -51,7 +51,8 @@ Surface mapped(const Surface& surface, const Map& map) {
   for (int v = 0; v < mesh.vertex_count(); ++v) {
     const Vec3 x = surface.dofs().row(at.vertex(v));
     dofs.row(at.vertex(v)) = map(x);
-    for (const int k : {1, 2}) dofs.row(at.vertex(v) + k) = along(map, x, surface.dofs().row(at.vertex(v) + k));
+    for (const int k : {1, 2})
+      dofs.row(at.vertex(v) + k) = along(map, x, surface.dofs().row(at.vertex(v) + k));
   }
   for (int t = 0; t < mesh.triangle_count(); ++t)
     for (int local = 0; local < 3; ++local) {
@@ -77,13 +78,14 @@ SkinnedRegion mapped(const SkinnedRegion& region, const Map& map, bool lines = t
 
 struct Written {
   StepReport report;
-  Kinds kinds;               // of faces that are read back
-  std::vector<double> radii;  // of cylinders, spheres, and the tubes of tori, in the order of the file
+  Kinds kinds;  // of faces that are read back
+  std::vector<double>
+      radii;  // of cylinders, spheres, and the tubes of tori, in the order of the file
   int faults = 0;
 };
 
-Written written(const std::vector<SkinnedRegion>& regions, const std::string& name, double tolerance,
-                bool analytic = true) {
+Written written(const std::vector<SkinnedRegion>& regions, const std::string& name,
+                double tolerance, bool analytic = true) {
   std::vector<const SkinnedRegion*> pointers;
   for (const SkinnedRegion& region : regions) pointers.push_back(&region);
   StepFaceOptions options;
@@ -166,9 +168,11 @@ TEST_CASE("a tube alone keeps its two rims", "[step_analytic]") {
 
 TEST_CASE("walls that face inwards are cylinders too", "[step_analytic]") {
   const MadeModel made =
-      make_model({circle_line("low", 20, 0), circle_line("high", 20, 30, 2), circle_line("hole low", 8, 0),
-                  circle_line("hole high", 8, 30, 1)},
-                 region_words({{{"low"}, {"high"}}, {{"hole low"}, {"hole high"}}, {{"low"}, {"hole low"}},
+      make_model({circle_line("low", 20, 0), circle_line("high", 20, 30, 2),
+                  circle_line("hole low", 8, 0), circle_line("hole high", 8, 30, 1)},
+                 region_words({{{"low"}, {"high"}},
+                               {{"hole low"}, {"hole high"}},
+                               {{"low"}, {"hole low"}},
                                {{"high"}, {"hole high"}}}),
                  3);
   std::vector<SkinnedRegion> regions;
@@ -179,7 +183,8 @@ TEST_CASE("walls that face inwards are cylinders too", "[step_analytic]") {
   check_solid(w, pi * (400 - 64) * 30);
 }
 
-TEST_CASE("a vessel is a cylinder and a hemisphere with its pole, smooth where they meet", "[step_analytic]") {
+TEST_CASE("a vessel is a cylinder and a hemisphere with its pole, smooth where they meet",
+          "[step_analytic]") {
   std::vector<SkinnedRegion> regions = can();
   // The lid becomes the head: equal steps of the radius are equal steps of latitude.
   regions[1] = mapped(
@@ -207,12 +212,16 @@ TEST_CASE("a quarter of a vessel is a cylinder and a sphere without a pole", "[s
   const Vec3 x = 10 * Vec3::UnitX(), y = 10 * Vec3::UnitY(), z = 10 * Vec3::UnitZ();
   const auto foot = quarter("foot", x, y);
   const MadeModel made = make_model(
-      {CharacterLine{"foot", curve_from_formula(0, pi / 2, [](double t, int order) {
-                       const Vec3 c(std::cos(t), std::sin(t), 0), s(-std::sin(t), std::cos(t), 0);
-                       return order == 0 ? Vec3(10 * c - Vec3(0, 0, 20)) : order == 1 ? Vec3(10 * s) : Vec3(-10 * c);
-                     })},
-       quarter("joint", x, y), quarter("head x", x, z), quarter("head y", y, z), straight_up("side x", 10, 0),
-       straight_up("side y", 0, 10)},
+      {CharacterLine{"foot", curve_from_formula(0, pi / 2,
+                                                [](double t, int order) {
+                                                  const Vec3 c(std::cos(t), std::sin(t), 0),
+                                                      s(-std::sin(t), std::cos(t), 0);
+                                                  return order == 0 ? Vec3(10 * c - Vec3(0, 0, 20))
+                                                         : order == 1 ? Vec3(10 * s)
+                                                                      : Vec3(-10 * c);
+                                                })},
+       quarter("joint", x, y), quarter("head x", x, z), quarter("head y", y, z),
+       straight_up("side x", 10, 0), straight_up("side y", 0, 10)},
       {}, 2);
   std::vector<SkinnedRegion> regions;
   for (const SkinnedRegion* region : made.model.skinned()) regions.push_back(*region);
@@ -237,7 +246,8 @@ TEST_CASE("a quarter of a vessel is a cylinder and a sphere without a pole", "[s
 }
 
 TEST_CASE("a bent can is a torus and a tapered one a cone", "[step_analytic]") {
-  const auto closed = [](const std::string& name, const Map& map, const std::string& kind, double volume) {
+  const auto closed = [](const std::string& name, const Map& map, const std::string& kind,
+                         double volume) {
     CAPTURE(name);
     std::vector<SkinnedRegion> regions = can(0.7, 3);
     for (SkinnedRegion& region : regions) region = mapped(region, map);
@@ -274,7 +284,8 @@ TEST_CASE("a ball of eight octants is eight faces of one sphere", "[step_analyti
   const MadeModel made = make_model(octants(), {}, 0.2);
   std::vector<SkinnedRegion> regions;
   for (const SkinnedRegion* region : made.model.skinned())
-    regions.push_back(mapped(*region, [](const Vec3& x) { return Vec3(x.normalized()); }, false));
+    regions.push_back(mapped(
+        *region, [](const Vec3& x) { return Vec3(x.normalized()); }, false));
   REQUIRE(regions.size() == 8);
   const Written w = written(regions, "ball", 3e-4);
   CHECK(w.kinds == Kinds{{"sphere", 8}});
@@ -294,7 +305,8 @@ TEST_CASE("what is no primitive stays a spline beside those that are", "[step_an
   CHECK(w.report.free_edges == 0);
 }
 
-TEST_CASE("a wall that is off its cylinder by more than the tolerance is a spline", "[step_analytic]") {
+TEST_CASE("a wall that is off its cylinder by more than the tolerance is a spline",
+          "[step_analytic]") {
   const auto bulged = [](double by) {
     std::vector<SkinnedRegion> regions = can();
     regions[2] = mapped(regions[2], [by](const Vec3& x) {

@@ -19,7 +19,8 @@ using Kind = MeasuredShape::Kind;
 struct Patch {
   Points x, n;
 };
-Patch patch(const std::function<Vec3(double, double)>& x, double s0, double s1, double t0, double t1) {
+Patch patch(const std::function<Vec3(double, double)>& x, double s0, double s1, double t0,
+            double t1) {
   constexpr int count = 24;
   constexpr double step = 1e-5;
   Patch made{Points(count * count, 3), Points(count * count, 3)};
@@ -45,7 +46,9 @@ Vec3 placed(const Vec3& x, double unit) {
   return unit * (turn * x + Vec3(30, -7, 12));
 }
 
-MeasuredShape measured(const Patch& p, double tolerance) { return measured_shape(p.x, p.n, tolerance); }
+MeasuredShape measured(const Patch& p, double tolerance) {
+  return measured_shape(p.x, p.n, tolerance);
+}
 
 Vec3 on_cylinder(double s, double t) { return {2 * std::cos(s), 2 * std::sin(s), t}; }
 Vec3 on_sphere(double s, double t) {
@@ -66,14 +69,16 @@ TEST_CASE("primitives are found with their frames, in any place and unit", "[mea
   for (const double unit : {1.0, 1e-3, 1e3}) {
     CAPTURE(unit);
     const double tolerance = 1e-4 * unit, hair = 1e-8 * unit;
-    const MeasuredShape plane =
-        measured(placed(patch([](double s, double t) { return Vec3(s, 2 * t, 0); }, 0, 1, 0, 2), unit), tolerance);
+    const MeasuredShape plane = measured(
+        placed(patch([](double s, double t) { return Vec3(s, 2 * t, 0); }, 0, 1, 0, 2), unit),
+        tolerance);
     CHECK(plane.kind == Kind::Plane);
     CHECK(plane.deviation < hair);
     CHECK(std::abs(plane.distance(placed(Vec3(5, 5, 0), unit))) < hair);
     for (const double turn : {0.1, 0.5, 2.0, 2 * pi}) {
       CAPTURE(turn);
-      const MeasuredShape cylinder = measured(placed(patch(on_cylinder, 0, turn, 0, 3), unit), tolerance);
+      const MeasuredShape cylinder =
+          measured(placed(patch(on_cylinder, 0, turn, 0, 3), unit), tolerance);
       CHECK(cylinder.kind == Kind::Cylinder);
       CHECK(cylinder.radius == Approx(2 * unit).epsilon(1e-6));
       CHECK(cylinder.deviation < hair);
@@ -81,7 +86,8 @@ TEST_CASE("primitives are found with their frames, in any place and unit", "[mea
     }
     for (const double turn : {0.1, 1.0, pi / 2}) {
       CAPTURE(turn);
-      const MeasuredShape sphere = measured(placed(patch(on_sphere, 0, turn, 0, turn - 1e-3), unit), tolerance);
+      const MeasuredShape sphere =
+          measured(placed(patch(on_sphere, 0, turn, 0, turn - 1e-3), unit), tolerance);
       CHECK(sphere.kind == Kind::Sphere);
       CHECK(sphere.radius == Approx(2 * unit).epsilon(1e-6));
       CHECK((sphere.origin - placed(Vec3::Zero(), unit)).norm() < 1e-5 * unit);
@@ -108,7 +114,8 @@ TEST_CASE("primitives are found with their frames, in any place and unit", "[mea
 }
 
 TEST_CASE("surfaces that are no primitive are none", "[measured_shape]") {
-  const auto kind = [](const std::function<Vec3(double, double)>& x, double s0, double s1, double t0, double t1) {
+  const auto kind = [](const std::function<Vec3(double, double)>& x, double s0, double s1,
+                       double t0, double t1) {
     const Patch made = patch(x, s0, s1, t0, t1);
     const double size = (made.x.colwise().maxCoeff() - made.x.colwise().minCoeff()).norm();
     return measured(made, 1e-4 * size).kind;
@@ -119,30 +126,37 @@ TEST_CASE("surfaces that are no primitive are none", "[measured_shape]") {
   CHECK(kind(ellipsoid, 0, pi / 2, 0, 1.4) == Kind::Free);
   CHECK(kind(ellipsoid, 0.5, 0.9, 0.3, 0.7) == Kind::Free);
   CHECK(kind([](double s, double t) { return Vec3(s, t, s * t); }, -1, 1, -1, 1) == Kind::Free);
-  CHECK(kind([](double s, double t) { return Vec3(s, t, 0.3 * (s * s - t * t)); }, -1, 1, -1, 1) == Kind::Free);
-  // Cylinders over an ellipse; of a wave.
-  CHECK(kind([](double s, double t) { return Vec3(2 * std::cos(s), std::sin(s), t); }, 0, 3, 0, 2) == Kind::Free);
-  CHECK(kind([](double s, double t) { return Vec3(s, t, 0.1 * std::sin(3 * s)); }, 0, 3, 0, 2) == Kind::Free);
-  // A panel with a crown: what sags by a hundredth has a curvature in every direction, and no radius that counts.
-  CHECK(kind([](double s, double t) { return Vec3(s, t, 0.02 * (1 - s * s) * (1 - t * t)); }, -1, 1, -1, 1) ==
+  CHECK(kind([](double s, double t) { return Vec3(s, t, 0.3 * (s * s - t * t)); }, -1, 1, -1, 1) ==
         Kind::Free);
+  // Cylinders over an ellipse; of a wave.
+  CHECK(kind([](double s, double t) { return Vec3(2 * std::cos(s), std::sin(s), t); }, 0, 3, 0,
+             2) == Kind::Free);
+  CHECK(kind([](double s, double t) { return Vec3(s, t, 0.1 * std::sin(3 * s)); }, 0, 3, 0, 2) ==
+        Kind::Free);
+  // A panel with a crown: what sags by a hundredth has a curvature in every direction, and no radius that counts.
+  CHECK(kind([](double s, double t) { return Vec3(s, t, 0.02 * (1 - s * s) * (1 - t * t)); }, -1, 1,
+             -1, 1) == Kind::Free);
 }
 
 TEST_CASE("a patch that hardly turns is a plane or nothing", "[measured_shape]") {
   const auto sheet = [](double turn) {
     const double r = 1 / turn;
-    return patch([r](double s, double t) { return Vec3(r * std::sin(s / r), t, r * std::cos(s / r)); }, 0, 1, 0, 1);
+    return patch(
+        [r](double s, double t) { return Vec3(r * std::sin(s / r), t, r * std::cos(s / r)); }, 0, 1,
+        0, 1);
   };
   CHECK(measured(sheet(1e-4), 1e-4).kind == Kind::Plane);
   CHECK(measured(sheet(0.03), 1e-4).kind == Kind::Free);
   CHECK(measured(sheet(0.1), 1e-4).kind == Kind::Cylinder);
   // With noise of half the tolerance its radius is known to a tenth only.
   Patch noisy = sheet(0.06);
-  for (long i = 0; i < noisy.x.rows(); ++i) noisy.x(i, 2) += 1e-3 * std::sin(7.0 * static_cast<double>(i * i));
+  for (long i = 0; i < noisy.x.rows(); ++i)
+    noisy.x(i, 2) += 1e-3 * std::sin(7.0 * static_cast<double>(i * i));
   CHECK(measured(noisy, 2e-3).kind == Kind::Free);
 }
 
-TEST_CASE("a narrow band of a cone is no sphere, though one is within the tolerance", "[measured_shape]") {
+TEST_CASE("a narrow band of a cone is no sphere, though one is within the tolerance",
+          "[measured_shape]") {
   const auto band = [](double s, double t) {
     const double r = 38 - 0.3 * t;
     return Vec3(r * std::cos(s), r * std::sin(s), t);
