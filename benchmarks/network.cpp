@@ -187,8 +187,8 @@ void program(Promises& promises) {
     const pid_t child = fork();
     if (child == 0) {
       std::freopen("/dev/null", "w", stdout);
-      execl(BATTEN_PROGRAM, BATTEN_PROGRAM, "skin", csv.c_str(), "--unit", "m",
-            "--out", out.c_str(), nullptr);
+      execl(BATTEN_PROGRAM, BATTEN_PROGRAM, "skin", csv.c_str(), "--unit", "m", "--out",
+            out.c_str(), nullptr);
       _exit(127);
     }
     wait4(child, &status, 0, &used);

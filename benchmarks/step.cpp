@@ -68,8 +68,9 @@ std::vector<std::unique_ptr<Model>> all_models() {
     std::printf("sketch-cassie is not there: no sketches (set BATTEN_TEST_DATA)\n");
   else
     for (const char* name : {"teapot", "computer-mouse"})
-      models.push_back(model_of(std::string("sketch ") + name,
-                                scene_of_lines({sketches / (std::string(name) + ".json")}, {}, "m")));
+      models.push_back(
+          model_of(std::string("sketch ") + name,
+                   scene_of_lines({sketches / (std::string(name) + ".json")}, {}, "m")));
   return models;
 }
 

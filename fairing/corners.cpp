@@ -15,16 +15,16 @@
 namespace batten {
 namespace {
 
-constexpr int few = 11;                // points, too few to tell noise
-constexpr double few_turn_by = 20;     // degrees, at least
-constexpr double at_end_turn_by = 60;  // where one side is a single chord
-constexpr double sharp = 75;           // always a corner
+constexpr int few = 11;                 // points, too few to tell noise
+constexpr double few_turn_by = 20;      // degrees, at least
+constexpr double at_end_turn_by = 60;   // where one side is a single chord
+constexpr double sharp = 75;            // always a corner
 constexpr double polygon_turn_by = 50;  // at every point: no smooth loop has so few
-constexpr double uneven_turn_by = 40;  // and more: a corner between sides of
-constexpr double uneven = 2.5;         // this ratio
-constexpr double sure = 24;            // a gain as no noise has in some hundred places
-constexpr int longest = 60;            // points of an arm
-constexpr double errors = 5;           // standard errors that are no chance
+constexpr double uneven_turn_by = 40;   // and more: a corner between sides of
+constexpr double uneven = 2.5;          // this ratio
+constexpr double sure = 24;             // a gain as no noise has in some hundred places
+constexpr int longest = 60;             // points of an arm
+constexpr double errors = 5;            // standard errors that are no chance
 
 double degrees(double radians) { return radians * 180 / std::numbers::pi; }
 

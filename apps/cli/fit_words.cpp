@@ -48,7 +48,8 @@ Command add_fit(ProgramWords& program, CommonWords& common) {
            "The mesh is a cage of polygons: fit to its Catmull-Clark limit surface");
   sub.option("--edge-length", a.edge_length, "Target length of element edges at the start")
       .positive();
-  sub.option("--gap-tolerance", a.meet, "Distance within which curves meet; found unless given").positive();
+  sub.option("--gap-tolerance", a.meet, "Distance within which curves meet; found unless given")
+      .positive();
   add_step_words(sub, a.step);
   add_common(sub, common);
   return {sub, [words, &common] {

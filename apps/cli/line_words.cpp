@@ -22,9 +22,11 @@ struct LineWords {
 };
 
 Scene lines_scene(const LineWords& a) {
-  Scene scene = scene_of_lines({a.files.begin(), a.files.end()}, {a.inner.begin(), a.inner.end()}, a.unit);
+  Scene scene =
+      scene_of_lines({a.files.begin(), a.files.end()}, {a.inner.begin(), a.inner.end()}, a.unit);
   if (a.network)
-    scene.notes.push_back("--network is not needed any more, since what curves bound is always found: leave it out");
+    scene.notes.push_back(
+        "--network is not needed any more, since what curves bound is always found: leave it out");
   scene.skin.options.edge_length = a.edge_length;
   scene.skin.options.tolerance = a.tolerance;
   scene.network.tolerance = a.gap_tolerance;
@@ -90,7 +92,8 @@ Command add_skin(ProgramWords& program, CommonWords& common) {
   sub.option("lines", a.files,
              "Curves: .csv .txt .xyz .dat .obj .curves .iges .step .dxf .svg .json")
       .required();
-  sub.option("--inner", a.inner, "A file of curves that lie on a surface and bound none").repeated();
+  sub.option("--inner", a.inner, "A file of curves that lie on a surface and bound none")
+      .repeated();
   sub.flag("--network", a.network, "").hidden();
   sub.option("--out", a.out, "Folder for all files").required();
   add_unit(sub, a.unit);

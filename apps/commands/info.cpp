@@ -166,7 +166,8 @@ std::string scene_text(const Scene& scene) {
   return "scene '" + scene.name + "', unit " + scene.unit + "\n" +
          lines_text(read_sources(scene.lines, scene.file, scene.unit), scene.unit,
                     scene.skin.options.corner_angle) +
-         (states_one_region(scene) ? "" : network_text(scene)) + parameters_text(scene.parameters());
+         (states_one_region(scene) ? "" : network_text(scene)) +
+         parameters_text(scene.parameters());
 }
 
 std::string fairing_text(const FairScene& scene) {

@@ -177,7 +177,8 @@ void bind_making(py::module_& m) {
       },
       "lines"_a, py::kw_only(), "tolerance"_a = py::none(), "edge_length"_a = py::none(),
       "corner_angle"_a = py::none(), "inner"_a = py::tuple(), "holes"_a = py::tuple(),
-      "smooth"_a = py::tuple(), "crease"_a = py::tuple(), "name"_a = "surface", "unit"_a = "mm", "words"_a = "", "progress"_a = py::none(),
+      "smooth"_a = py::tuple(), "crease"_a = py::tuple(), "name"_a = "surface", "unit"_a = "mm",
+      "words"_a = "", "progress"_a = py::none(),
       R"(The surface that curves bound: {name: points n×3, or a Curve}.
 
 What they bound is found; curves in `inner` lie on a face, those in `holes` trim one. `tolerance`, `edge_length`: in model units (1e-4 and 1/20 of the size).

@@ -25,10 +25,10 @@ struct NetworkReport {
     int triangles = 0, dofs = 0;  ///< these, size, domain and quality are set when it is skinned
     double size = 0;
     std::string domain;  ///< "polygon", "plane", "sheet", "ring"
-    std::string shape;   ///< "plane", "cylinder", … as measured (MeasuredShape), or "": none of them
+    std::string shape;  ///< "plane", "cylinder", … as measured (MeasuredShape), or "": none of them
     double radius = 0, major_radius = 0;  ///< of that; 0: it has none
     double half_angle_deg = 0;            ///< of a cone
-    double shape_deviation = 0;           ///< largest distance of the surface from that; model units
+    double shape_deviation = 0;  ///< largest distance of the surface from that; model units
     SkinQuality quality;
     double plain_area = 0;  ///< area of the plain filling of its loops; 0 without one
     std::string why_not;    ///< why it is not skinned, or ""

@@ -86,12 +86,8 @@ void add_network(Json& json, const NetworkReport& n) {
                 {"chosen", c.chosen}, {"alternatives", c.alternatives}, {"margins", c.margins}};
   });
   list("shells", n.shells, [](const NetworkReport::Shell& s) {
-    return Json{{"regions", s.regions},
-                {"closed", s.closed},
-                {"orientable", s.orientable},
-                {"area", s.area},
-                {"volume", s.volume},
-                {"normals", s.normals}};
+    return Json{{"regions", s.regions}, {"closed", s.closed}, {"orientable", s.orientable},
+                {"area", s.area},       {"volume", s.volume}, {"normals", s.normals}};
   });
   json["left_over"] = {{"rims", n.rims}, {"bare", n.bare}};
   json["optimal"] = n.optimal;

@@ -88,7 +88,7 @@ struct Report : RunReport {
     int faces = 0;
     std::map<std::string, int> faces_by_kind;  ///< "B-spline", "cylinder", …; in the form "face"
     int lines = 0;                             ///< curves beside the faces
-    double tolerance = 0;  ///< the tolerance asked for; 0 in the exact form
+    double tolerance = 0;                      ///< the tolerance asked for; 0 in the exact form
     int poles_u = 0, poles_v = 0;
     std::uintmax_t bytes = 0;
     double max_deviation = 0, max_gap = 0, max_normal_jump_deg = 0;

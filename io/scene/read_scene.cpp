@@ -125,9 +125,12 @@ std::string instead_of_network(const Scene& scene, const TomlTable& table,
     const std::string now = key == "tolerance"      ? "gap_tolerance"
                             : key == "smooth_below" ? "crease_angle"
                                                     : key;
-    moved += (moved.empty() ? "" : ", ") + (now == key ? "'" + key + "'" : "'" + key + "' as " + now);
+    moved +=
+        (moved.empty() ? "" : ", ") + (now == key ? "'" + key + "'" : "'" + key + "' as " + now);
   }
-  return scene.at(table.place()) + "[network] is not needed any more, since every scene finds what its curves bound: delete it" +
+  return scene.at(table.place()) +
+         "[network] is not needed any more, since every scene finds what its curves bound: delete "
+         "it" +
          (moved.empty() ? "" : ", and write " + moved + " in [skin]");
 }
 
@@ -135,8 +138,9 @@ std::string instead_of_network(const Scene& scene, const TomlTable& table,
 /// is read, too, with a note that says what to write. Throws InputError for a mistake in the tables.
 void read_network(const TomlTable& root, Scene& scene) {
   SceneNetwork network;
-  const std::vector<std::string> old = {"tolerance",      "straight_angle", "most_at_line", "smooth_below",
-                                        "join_tolerance", "trembling",      "symmetry"};
+  const std::vector<std::string> old = {"tolerance",    "straight_angle", "most_at_line",
+                                        "smooth_below", "join_tolerance", "trembling",
+                                        "symmetry"};
   for (const TomlTable& table : root.table("network", old)) {
     read_network_keys(table, "tolerance", "smooth_below", network);
     scene.notes.push_back(instead_of_network(scene, table, old));
@@ -234,8 +238,7 @@ SceneTarget read_target(const TomlTable& table, const std::filesystem::path& fol
   if (table.has("unit")) target.unit = unit_word(table, "unit");
   target.cage = table.choice("cage", false, {{"catmull-clark", true}, {"none", false}});
   target.tolerance = table.positive("tolerance", 0);
-  const bool faired = skin.fair == SceneSkin::Fair::Variation || skin.fair == SceneSkin::Fair::Loft;
-  if (faired || skin.hold != SceneSkin::Hold::Lines)
+  if (skin.is_faired() || skin.hold != SceneSkin::Hold::Lines)
     table.fail("file", "a target beside [skin] fair or hold = \"corners\"",
                "one of them: the shape is that of the target within its lines");
   return target;
@@ -244,8 +247,7 @@ SceneTarget read_target(const TomlTable& table, const std::filesystem::path& fol
 // What [skin] fair makes impossible or leaves without effect.
 void refuse_what_fair_decides(const TomlTable& root, const SceneSkin& skin) {
   using Fair = SceneSkin::Fair;
-  const bool faired = skin.fair == Fair::Variation || skin.fair == Fair::Loft;
-  if (faired && skin.hold == SceneSkin::Hold::Corners)
+  if (skin.is_faired() && skin.hold == SceneSkin::Hold::Corners)
     for (const TomlTable& t : root.table("skin", skin_keys()))
       t.fail("fair", "\"" + skin.fair_word() + "\" with hold = \"corners\"",
              "hold = \"lines\": a fair shape is that of its lines");

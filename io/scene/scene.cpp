@@ -143,10 +143,14 @@ void Scene::set(const std::string& parameter, double value, const std::string& w
 
 std::string SceneSkin::fair_word() const {
   switch (fair) {
-    case Fair::Auto: return "auto";
-    case Fair::Bending: return "bending";
-    case Fair::Variation: return "variation";
-    case Fair::Loft: break;
+    case Fair::Auto:
+      return "auto";
+    case Fair::Bending:
+      return "bending";
+    case Fair::Variation:
+      return "variation";
+    case Fair::Loft:
+      break;
   }
   return "loft";
 }

@@ -48,6 +48,8 @@ struct SceneSkin {
   /// bending from nothing; least change of curvature; or a loft across sections.
   enum class Fair { Auto, Bending, Variation, Loft } fair = Fair::Auto;
   bool has_rest() const { return fair != Fair::Bending; }
+  /// Whether another shape than that of least energy is asked for.
+  bool is_faired() const { return fair == Fair::Variation || fair == Fair::Loft; }
   double strength = 1;               ///< of variation: share of the way from the bending shape
   double largest_move = 0;           ///< of variation, in the scene's unit; 0: any
   std::vector<PlacedWord> sections;  ///< of a loft: lines that are sides of four-cornered regions
@@ -158,7 +160,7 @@ struct SceneSweep {
 /// How the surfaces between the curves of a scene are found and joined: keys of [skin], [[region]]
 /// and [[join]].
 struct SceneNetwork {
-  FilePlace place;  ///< of [skin]
+  FilePlace place;       ///< of [skin]
   double tolerance = 0;  ///< distance within which lines meet, model units; 0: NetworkOptions'
   double straight_angle = NetworkOptions{}.straight_angle;    ///< degrees
   int most_at_line = RegionOptions{}.most_at_line;            ///< most regions at one line

@@ -15,9 +15,10 @@ namespace batten {
 
 const std::vector<std::string>& skin_keys() {
   static const std::vector<std::string> keys = {
-      "element", "domain", "settle", "mesher", "edge_length", "refine",   "alpha",
-      "beta",    "units",  "hold",   "fair",   "sections",    "strength", "largest_move",
-      "gap_tolerance", "straight_angle", "crease_angle", "join_tolerance", "most_at_line", "trembling",
+      "element",        "domain",       "settle",         "mesher",       "edge_length",
+      "refine",         "alpha",        "beta",           "units",        "hold",
+      "fair",           "sections",     "strength",       "largest_move", "gap_tolerance",
+      "straight_angle", "crease_angle", "join_tolerance", "most_at_line", "trembling",
       "symmetry"};
   return keys;
 }

@@ -41,7 +41,8 @@ Section rim_of(const RegionParts& ring, size_t loop) {
       for (const int around : {-1, 0, 1}) {
         const double f = (mesh.period() * (k / double(kSamples) + around) - from) / span;
         if (f < 0 || f > 1) continue;
-        const double p = run.parameters.front() + f * (run.parameters.back() - run.parameters.front());
+        const double p =
+            run.parameters.front() + f * (run.parameters.back() - run.parameters.front());
         section[static_cast<size_t>(k)] = run.fitted.evaluate(p);
       }
   }
@@ -60,7 +61,9 @@ Section even_points(const Stretch& line) {
 Section matched(const Section& section, const Section& before) {
   double least = std::numeric_limits<double>::infinity();
   int phase = 0, direction = 1;
-  const auto place = [](int k) { return static_cast<size_t>((k % kSamples + kSamples) % kSamples); };
+  const auto place = [](int k) {
+    return static_cast<size_t>((k % kSamples + kSamples) % kSamples);
+  };
   for (const int d : {1, -1})
     for (int p = 0; p < kSamples; ++p) {
       double sum = 0;
@@ -71,7 +74,8 @@ Section matched(const Section& section, const Section& before) {
   // Between samples: the shift that is best to second order.
   double slope = 0, bend = 0;
   for (int k = 0; k < kSamples; ++k) {
-    const Vec3 way = 0.5 * (section[place(phase + direction * k + 1)] - section[place(phase + direction * k - 1)]);
+    const Vec3 way = 0.5 * (section[place(phase + direction * k + 1)] -
+                            section[place(phase + direction * k - 1)]);
     slope += way.dot(before[static_cast<size_t>(k)] - section[place(phase + direction * k)]);
     bend += way.squaredNorm();
   }

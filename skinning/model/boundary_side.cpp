@@ -69,6 +69,4 @@ BoundarySide::Point BoundarySide::at(double f) const {
   return point;
 }
 
-Vec3 BoundarySide::tangent(bool end) const { return at(end ? 1 : 0).x_f.normalized(); }
-
 }  // namespace batten

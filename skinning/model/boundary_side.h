@@ -23,7 +23,6 @@ class BoundarySide {
   /// The point at a fraction of the length; beyond the ends the side goes on straight.
   /// O(log segments).
   Point at(double f) const;
-  Vec3 tangent(bool end) const;  ///< unit tangent at the start or the end, in the side's direction
 
  private:
   Point on(double length) const;

@@ -15,9 +15,9 @@
 namespace batten {
 namespace {
 
-constexpr double kFlat = 1e-4;         // of the size: such a boundary has nothing to sweep
+constexpr double kFlat = 1e-4;           // of the size: such a boundary has nothing to sweep
 constexpr double kMismatchFloor = 1e-6;  // squared mismatch: what curves through points leave
-constexpr double kLeastWeight = 1e-3;  // of the largest weight: less is not worth its evaluation
+constexpr double kLeastWeight = 1e-3;    // of the largest weight: less is not worth its evaluation
 constexpr double kRadians = std::numbers::pi / 180;
 // Where twists fade: a lune has no other sense than that of its twist.
 constexpr double kMostTwist = 120 * kRadians, kMostTwistOfLune = 165 * kRadians;
@@ -166,7 +166,8 @@ bool BoundarySweep::weigh() {
                ? 1 / (sweep->mismatch() * sweep->mismatch() + kMismatchFloor)
                : 0;
   };
-  for (const Patch& patch : patches_) most = std::max({most, raw(patch.along_t), raw(patch.along_s)});
+  for (const Patch& patch : patches_)
+    most = std::max({most, raw(patch.along_t), raw(patch.along_s)});
   double sum = 0;
   const auto left = [&](const std::optional<Sweep>& sweep) {
     const double weight = std::max(0.0, raw(sweep) - kLeastWeight * most);
@@ -208,7 +209,8 @@ BoundarySweep::Square BoundarySweep::place(const Patch& patch, const Vec2& uv) c
     if ((patch.uv[i] - uv).squaredNorm() < (patch.uv[nearest] - uv).squaredNorm()) nearest = i;
   Vec2 st = patch.at[nearest];
   // Where an edge is a corner the samples on it are one place: those beside it know the way.
-  const bool at_left = patch.left.side < 0 && st[0] == 0, at_right = patch.right.side < 0 && st[0] == 1;
+  const bool at_left = patch.left.side < 0 && st[0] == 0,
+             at_right = patch.right.side < 0 && st[0] == 1;
   if (at_left || at_right) {
     const double in = at_left ? 1.0 / kGrid : 1 - 1.0 / kGrid;
     double least = std::numeric_limits<double>::infinity();
@@ -277,8 +279,10 @@ BoundarySweep::Jet BoundarySweep::jet(const Patch& patch, const Square& square) 
   const Vec2 st = bent(patch, square.st);
   const Jet j = jet(patch, st, edges(patch, st));
   constexpr double h = 1e-5;
-  const Vec2 by_s = (bent(patch, square.st + Vec2(h, 0)) - bent(patch, square.st - Vec2(h, 0))) / (2 * h);
-  const Vec2 by_t = (bent(patch, square.st + Vec2(0, h)) - bent(patch, square.st - Vec2(0, h))) / (2 * h);
+  const Vec2 by_s =
+      (bent(patch, square.st + Vec2(h, 0)) - bent(patch, square.st - Vec2(h, 0))) / (2 * h);
+  const Vec2 by_t =
+      (bent(patch, square.st + Vec2(0, h)) - bent(patch, square.st - Vec2(0, h))) / (2 * h);
   return {j.x, by_s[0] * j.by_u + by_s[1] * j.by_v, by_t[0] * j.by_u + by_t[1] * j.by_v};
 }
 
@@ -385,13 +389,13 @@ SurfaceSlope BoundarySweep::at(const Vec2& uv) const {
 }
 
 SurfaceSlope BoundarySweep::slopes_of_blend(const Vec2& uv) const {
-    const double h = 1e-4 * extent_;
-    const auto slope = [&](const Vec2& way) -> Vec3 {
-      return (blended(uv + h * way) - blended(uv - h * way)) / (2 * h);
-    };
-    SurfaceSlope s{blended(uv), {}};
-    s.by_uv << slope(Vec2::UnitX()), slope(Vec2::UnitY());
-    return s;
+  const double h = 1e-4 * extent_;
+  const auto slope = [&](const Vec2& way) -> Vec3 {
+    return (blended(uv + h * way) - blended(uv - h * way)) / (2 * h);
+  };
+  SurfaceSlope s{blended(uv), {}};
+  s.by_uv << slope(Vec2::UnitX()), slope(Vec2::UnitY());
+  return s;
 }
 
 std::optional<Points> BoundarySweep::dofs() const {

@@ -7,8 +7,8 @@
 
 #include "batten/skinning/layout/region_layout.h"
 #include "batten/skinning/model/boundary_side.h"
-#include "batten/skinning/region/surface_dofs.h"
 #include "batten/skinning/model/sweep.h"
+#include "batten/skinning/region/surface_dofs.h"
 
 namespace batten {
 

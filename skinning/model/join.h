@@ -102,7 +102,7 @@ struct JoinBow {
 struct JoinPlan {
   JoinLine join_line;
   std::array<JoinEnd, 2> ends;  ///< start and end; of an embedded line only whether it is open
-  JoinBow bow;  ///< of two runs
+  JoinBow bow;                  ///< of two runs
   /// For an embedded line: fractions of its parameter, and γ and δ there, linear between.
   std::vector<double> at, gamma, delta;
   bool closed = false;  ///< of an embedded line: it has no ends
@@ -164,7 +164,7 @@ void add_line_ties(const std::vector<const RegionLayout*>& regions,
 struct JoinQuality {
   double max_gap = 0;  ///< largest distance between the two sides, model units
   double max_deg = 0;
-  double mean_deg = 0;         ///< over the length of the line
+  double mean_deg = 0;              ///< over the length of the line
   std::array<double, 2> end_deg{};  ///< angle at the start and the end of the join line
   /// Largest angle without the first edge, or the last, where that end is open.
   double max_inside_deg = 0;

@@ -30,8 +30,8 @@ std::vector<char> cornered(const RegionLayout& layout) {
 
 bool JoinPlan::constant() const {
   constexpr double same = 1e-7;  // below 1e-5 degrees
-  return at.empty() && !ends[0].open && !ends[1].open &&
-         bow.is_zero() && std::abs(ends[0].gamma - ends[1].gamma) < same &&
+  return at.empty() && !ends[0].open && !ends[1].open && bow.is_zero() &&
+         std::abs(ends[0].gamma - ends[1].gamma) < same &&
          std::abs(ends[0].delta - ends[1].delta) < same;
 }
 

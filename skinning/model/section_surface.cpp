@@ -9,6 +9,7 @@
 #include "batten/core/plane.h"
 #include "batten/core/words.h"
 #include "batten/fairing/open_spline.h"
+#include "batten/skinning/region/surface_dofs.h"
 
 namespace batten {
 
@@ -190,50 +191,14 @@ SectionSurface::Slopes SectionSurface::slopes(const Vec2& place) const {
   return slopes;
 }
 
-double SectionSurface::twist_deg() const {
-  constexpr int samples = 32;
-  double most = 0;
-  for (int k = 0; k < samples; ++k) {
-    const double s = (k + 0.5) / samples;
-    most = std::max(most, degrees_between(slopes({s, 0}).by_s, slopes({s, 1}).by_s));
-  }
-  return most;
-}
-
 Points SectionSurface::dofs() const {
-  return dofs_of([this](const Vec2& place) { return slopes(place); });
-}
-
-Points SectionSurface::dofs_of(const std::function<Slopes(const Vec2& st)>& surface) const {
-  const ParametricMesh& mesh = *region_.mesh();
-  const DofMap map(mesh);
-  Points q(map.count(), 3);
-  // The slope along a direction of (u, v).
-  struct Gradient {
-    Vec3 x;
-    Eigen::Matrix<double, 3, 2> by_uv;
-  };
-  const auto gradient = [&](const Vec2& uv) {
+  return interpolated(*region_.mesh(), [this](const Vec2& uv) {
     const Vec2 place = inside(st(uv));
-    const Slopes s = surface(place);
+    const Slopes s = slopes(place);
     Eigen::Matrix<double, 3, 2> by_st;
     by_st << s.by_s, s.by_t;
-    return Gradient{s.x, by_st * slopes_of_map(place).inverse()};
-  };
-  for (int v = 0; v < mesh.vertex_count(); ++v) {
-    const Gradient g = gradient(mesh.vertices()[v]);
-    q.row(map.vertex(v)) = g.x;
-    q.row(map.vertex(v, 1)) = g.by_uv.col(0);
-    q.row(map.vertex(v, 2)) = g.by_uv.col(1);
-  }
-  for (int e = 0; e < mesh.edge_count(); ++e) {
-    const auto& edge = mesh.edges()[e];
-    const auto& corner = mesh.shape(edge.triangle[0]).vertex;
-    const int i = edge.local[0];
-    const Vec2 middle = (corner[(i + 1) % 3] + corner[(i + 2) % 3]) / 2;
-    q.row(map.edge(e)) = gradient(middle).by_uv * mesh.edge_normal(e);
-  }
-  return q;
+    return SurfaceSlope{s.x, by_st * slopes_of_map(place).inverse()};
+  });
 }
 
 }  // namespace batten

@@ -1,7 +1,6 @@
 // The surface that runs through sections of one region, before any line is held. Internal.
 #pragma once
 
-#include <functional>
 #include <optional>
 #include <vector>
 
@@ -27,24 +26,15 @@ class SectionSurface {
   SectionSurface(const RegionLayout& region, int side);
 
   Vec3 at(const Vec2& uv) const { return at_place(inside(st(uv)), nullptr); }
-  /// A point of the first section (of least t) or the last one.
-  Vec3 on_section(double s, bool last) const {
-    return at_place(inside({s, last ? 1 : 0}), nullptr);
-  }
-  /// The largest angle between the directions of the first and the last section at equal s, degrees.
-  /// Where it is 0 the surface of straight lines between them unfolds into a plane.
-  double twist_deg() const;
-  /// A place of the surface and its derivatives by s and t.
-  struct Slopes {
-    Vec3 x, by_s, by_t;
-  };
   /// Values and slopes at the dofs of the region's mesh. Slopes along s are differences, good to
   /// about 1e-9.
   Points dofs() const;
-  /// The same of another surface over (s, t).
-  Points dofs_of(const std::function<Slopes(const Vec2& st)>& surface) const;
 
  private:
+  // A place of the surface and its derivatives by s and t.
+  struct Slopes {
+    Vec3 x, by_s, by_t;
+  };
   // A piece of a section: its curve, its image in (u, v) over the same parameters, and where these
   // are along s.
   struct Piece {

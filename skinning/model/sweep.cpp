@@ -9,9 +9,10 @@
 namespace batten {
 namespace {
 
-constexpr int kSteps = 96;     // of the rails: a full turn is 4 degrees a step
-constexpr int kSamples = 48;   // of the sections, for twist and mismatch
-constexpr double kLeastChord = 1e-3;  // of the longest chord: below, rails meet and there is no frame
+constexpr int kSteps = 96;    // of the rails: a full turn is 4 degrees a step
+constexpr int kSamples = 48;  // of the sections, for twist and mismatch
+constexpr double kLeastChord =
+    1e-3;  // of the longest chord: below, rails meet and there is no frame
 
 Mat3 rotation(const Vec3& axis, double angle) {
   return Eigen::AngleAxisd(angle, axis).toRotationMatrix();
@@ -48,9 +49,10 @@ Sweep::Sweep(const Curve& c0, const Curve& c1, const Curve& r0, const Curve& r1,
     if (k == 0) origin0_ = from, length0_ = length;
     if (k == kSteps) origin1_ = from, length1_ = length;
     chords_.push_back(length > 0 ? Vec3(chord / length) : Vec3(Vec3::UnitX()));
-    transported_.push_back(k == 0 ? Mat3(Mat3::Identity())
-                                  : Mat3(between(chords_[static_cast<size_t>(k) - 1], chords_.back()) *
-                                         transported_.back()));
+    transported_.push_back(k == 0
+                               ? Mat3(Mat3::Identity())
+                               : Mat3(between(chords_[static_cast<size_t>(k) - 1], chords_.back()) *
+                                      transported_.back()));
   }
   if (!(least > kLeastChord * most)) {
     mismatch_ = std::numeric_limits<double>::infinity();
@@ -70,8 +72,8 @@ Sweep::Sweep(const Curve& c0, const Curve& c1, const Curve& r0, const Curve& r1,
   }
   const double turn = std::hypot(cosine, sine) > 1e-24 ? std::atan2(sine, cosine) : 0;
   twist_ = turn * fading(turn, most_twist);
-  to_first_ = rotation(e, -twist_) * back;
   const Mat3 untwist = rotation(e, -twist_);
+  to_first_ = untwist * back;
   double sum = 0;
   for (size_t k = 0; k < first.size(); ++k) sum += (untwist * last[k] - first[k]).squaredNorm();
   mismatch_ = std::sqrt(sum / static_cast<double>(first.size()));

@@ -41,7 +41,6 @@ class Sweep {
   /// Root mean square of |a1 - a0|: how much the shape of the section changes on its way, relative
   /// to the chord. Infinite where the chord vanishes, so that there is no sweep.
   double mismatch() const { return mismatch_; }
-  double twist() const { return twist_; }  ///< φ, radians
 
   /// Value and derivatives at (u, v).
   struct Jet {

@@ -151,8 +151,7 @@ void RegionGraph::connect() {
 // Dangling arcs come off, from their free ends inwards.
 void RegionGraph::find_core() {
   core.assign(arcs.size(), true);
-  for (size_t a = 0; a < arcs.size(); ++a)
-    core[a] = arcs[a].role == CharacterLine::Role::Outline;
+  for (size_t a = 0; a < arcs.size(); ++a) core[a] = arcs[a].role == CharacterLine::Role::Outline;
   std::vector<int> degree(nodes.size()), free_ends;
   for (size_t n = 0; n < nodes.size(); ++n) {
     degree[n] = static_cast<int>(std::count_if(ends[n].begin(), ends[n].end(),

@@ -18,7 +18,8 @@ struct RegionArc {
   static constexpr int kPieces = 16;
 
   std::string name, line;
-  CharacterLine::Role role = CharacterLine::Role::Outline;  ///< inner curves and holes bound nothing
+  CharacterLine::Role role =
+      CharacterLine::Role::Outline;  ///< inner curves and holes bound nothing
   std::array<int, 2> nodes{};
   double length = 0;
   std::array<Vec3, kPieces + 1> points, tangents, u, v;  ///< u × v = tangent

@@ -105,6 +105,8 @@ double RegionMaker::edge_for_turns(int region) const {
   constexpr double kLeastShare = 0.05;  // of the region's size: shorter arcs are details
   constexpr double kMost = 0.5;         // of the usual edge
   const double size = orientation_.sizes[region], usual = edge_of(region);
+  if (options_.skin.edge_length > 0 || model_.regions[region].plan.skin.edge_length > 0)
+    return usual;  // as stated
   double edge = usual;
   for (const ArcLoop& loop : model_.regions[region].plan.loops)
     for (const ArcUse& use : loop) {
@@ -285,7 +287,7 @@ void RegionMaker::leave_out(int r, const std::string& why) {
 }
 
 ModelFrame RegionMaker::frame() const {
-  return {options_.name,   network_.size(), tolerance_, origin_, options_.join_tolerance_deg,
+  return {options_.name, network_.size(), tolerance_, origin_, options_.join_tolerance_deg,
           options_.rest};
 }
 

@@ -13,7 +13,7 @@
 namespace batten {
 namespace {
 
-constexpr double kSectionCorner = 20;   // degrees, of a closed section where it begins
+constexpr double kSectionCorner = 20;    // degrees, of a closed section where it begins
 constexpr double kMostSectionAside = 1;  // of the larger radius: else sections lie side by side
 
 // What is compared of two sections.
@@ -96,8 +96,8 @@ std::pair<Vec3, double> plane_of(const Section& section) {
 }
 
 bool closed_face(const Section& one, const Section& two) {
-  constexpr double kApart = 0.05;    // of the smaller radius: nearer planes are one
-  constexpr double kMostTurn = 60;   // degrees between the planes
+  constexpr double kApart = 0.05;   // of the smaller radius: nearer planes are one
+  constexpr double kMostTurn = 60;  // degrees between the planes
   const auto [normal, radius] = plane_of(one);
   auto [other, other_radius] = plane_of(two);
   if (normal.dot(other) < 0) other = -other;
@@ -109,7 +109,7 @@ bool closed_face(const Section& one, const Section& two) {
 }
 
 bool open_face(const Section& one, const Section& two) {
-  constexpr double kMostTurn = 45;                // degrees
+  constexpr double kMostTurn = 45;                    // degrees
   constexpr double kMostShift = 0.5, kMostRatio = 5;  // of lengths
   const double a = one.direction.norm(), b = two.direction.norm();
   if (!(a > 0 && b > 0) || std::max(a, b) > kMostRatio * std::min(a, b)) return false;

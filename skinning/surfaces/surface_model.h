@@ -58,8 +58,8 @@ struct ModelJoin {
   /// Indices into SurfaceModel::regions; a region that meets itself is there twice.
   std::vector<int> regions;
   Kind kind = Kind::Rim;
-  bool asked = false;          ///< the user's word
-  std::string why;             ///< why it is a crease although it was to be smooth, or ""
+  bool asked = false;  ///< the user's word
+  std::string why;     ///< why it is a crease although it was to be smooth, or ""
   /// A smooth join is a crease at its start, end: no tangent plane, or JoinEnd::creased.
   std::array<bool, 2> open{};
   /// Angle between the normals of the first shapes, those of each region's lines alone: 0.4 of that

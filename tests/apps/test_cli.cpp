@@ -51,7 +51,7 @@ calculix = "s.inp"
   const Result r = c.run({"run", "s.toml", "--out", "a/b"});
   INFO(r.err);
   REQUIRE(r.code == 0);
-  CHECK(r.out.find("  normals     point ") != std::string::npos);
+  CHECK(r.out.find("  normals     point to the convex side\n") != std::string::npos);
   CHECK(r.out.find("  moved       by up to ") != std::string::npos);
   if (BATTEN_TEST_CGAL) CHECK(r.err.empty());  // without CGAL it warns
   for (const char* name : {"s.step", "s.vtp", "s.vtu", "s.inp", "report.json"}) {
@@ -425,7 +425,7 @@ TEST_CASE("a promise that is missed is a failure, with name and amount", "[cli]"
   const Result r = c.run({"run", "s.toml", "--out", "out"});
   INFO(r.err);
   CHECK(r.code == 4);
-  CHECK(r.err.find("min_jacobian_ratio is ") != std::string::npos);
+  CHECK(r.err.find("promise missed: regions.s.min_jacobian_ratio is ") != std::string::npos);
   CHECK(r.err.find("promised at least 0.05") != std::string::npos);
   CHECK(fs::exists(c / "out/report.json"));
 }

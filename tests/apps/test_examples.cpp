@@ -321,7 +321,7 @@ TEST_CASE("classical shapes come back from their lines") {
     const Ran ran =
         run(kExamples + "16-classics/" + name + ".toml", std::string("classic_") + name);
     REQUIRE(ran.code == kDone);
-    CHECK(ran.report["surface"]["area"].get<double>() == Approx(area).epsilon(5e-4));
+    CHECK(ran.report["surface"]["area"].get<double>() == Approx(area).epsilon(1e-4));
     CHECK(ran.report["surface"]["max_line_residual"].get<double>() < 1e-10);
   }
 }

@@ -50,8 +50,8 @@ TEST_CASE("meshes that memory cannot hold are refused beforehand, with what fits
 TEST_CASE("all regions of a network together are asked for their memory") {
   const Case c("limits_network");
   const fs::path box = fs::path(BATTEN_SOURCE_DIR) / "tests/fuzz/seeds/networks/box.csv";
-  const Result r = c.run({"skin", box.string(), "--edge-length", "0.004", "--memory",
-                          "1", "--out", "out"});
+  const Result r =
+      c.run({"skin", box.string(), "--edge-length", "0.004", "--memory", "1", "--out", "out"});
   CHECK(r.code == 1);
   CHECK(r.err.find("edge_length = 0.004 on all regions of a network of size") != std::string::npos);
   CHECK(r.err.find("GB of memory, and") != std::string::npos);
@@ -122,8 +122,8 @@ TEST_CASE("a line of a network has two million element edges at most") {
   const auto run = [&](const std::string& far) {
     c.file("t.csv",
            "x,y,z\n0,0,0\n1,0,0\n\n1,0,0\n0,1,0\n\n0,1,0\n0,0,0\n\n0,0,0\n0,0," + far + "\n");
-    return c.run({"skin", "t.csv", "--unit", "m", "--edge-length", "0.1", "--gap-tolerance",
-                  "0.01", "--out", "out"});
+    return c.run({"skin", "t.csv", "--unit", "m", "--edge-length", "0.1", "--gap-tolerance", "0.01",
+                  "--out", "out"});
   };
   const Result far = run("3e5");
   CHECK(far.code == 1);

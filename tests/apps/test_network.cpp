@@ -199,8 +199,7 @@ TEST_CASE("resistance along a line acts in all regions that have it", "[cli][net
 TEST_CASE("half a model is enough where it is symmetric", "[cli][network]") {
   const Case c("symmetry");
   // A house with its ridge in the plane y = 0: half of the walls, one slope of the roof.
-  const std::string head =
-      "unit = \"mm\"\n[skin]\nsymmetry = \"y\"\n[output]\nstep = \"h.step\"\n";
+  const std::string head = "unit = \"mm\"\n[skin]\nsymmetry = \"y\"\n[output]\nstep = \"h.step\"\n";
   const auto line = [](const std::string& name, const std::string& points) {
     return "[[line]]\nname = \"" + name + "\"\npoints = [" + points + "]\n";
   };

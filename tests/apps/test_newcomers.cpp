@@ -49,11 +49,9 @@ bool there() {
 
 TEST_CASE("what newcomers typed is made, and every promise held", "[cli][newcomers]") {
   if (!there()) return;
-  for (const char* name :
-       {"01-fender/scene.toml", "03-guitar/scene.toml",
-        "05-bottle/scene.toml", "06-chair/scene.toml", "07-deck/noholes.toml",
-        "07-deck/pieces.toml", "09-propeller/scene.toml",
-        "small/lid6.toml"}) {
+  for (const char* name : {"01-fender/scene.toml", "03-guitar/scene.toml", "05-bottle/scene.toml",
+                           "06-chair/scene.toml", "07-deck/noholes.toml", "07-deck/pieces.toml",
+                           "09-propeller/scene.toml", "small/lid6.toml"}) {
     const Newcomer n = run(name);
     INFO(name << n.ran.err);
     CHECK(n.ran.code == 0);

@@ -135,8 +135,7 @@ bool is_loft(const Scene& scene, const MadeModel& made) {
 }  // namespace
 
 bool asks_for_shape(const Scene& scene, const MadeModel& made) {
-  return is_loft(scene, made) || scene.skin.fair == SceneSkin::Fair::Variation ||
-         !scene.targets.empty();
+  return is_loft(scene, made) || scene.skin.is_faired() || !scene.targets.empty();
 }
 
 FairShape fair_scene(const Scene& scene, const MadeModel& made,

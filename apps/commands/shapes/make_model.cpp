@@ -7,8 +7,8 @@
 #include "batten/apps/commands/shapes/scene_target.h"
 #include "batten/core/box.h"
 #include "batten/skinning/layout/section_region.h"
-#include "batten/skinning/surfaces/section_row.h"
 #include "batten/skinning/search/find_regions.h"
+#include "batten/skinning/surfaces/section_row.h"
 #include "batten/skinning/surfaces/skin_network.h"
 
 namespace batten {
@@ -122,8 +122,7 @@ bool states_one_region(const Scene& scene) {
     return false;
   return options.domain != SkinOptions::Domain::Auto || options.settle ||
          options.mesher != SkinOptions::Mesher::Delaunay || options.fan_refinements >= 0 ||
-         !skin.isotropic_alpha || !skin.isotropic_beta ||
-         skin.fair == SceneSkin::Fair::Loft ||
+         !skin.isotropic_alpha || !skin.isotropic_beta || skin.fair == SceneSkin::Fair::Loft ||
          std::any_of(scene.lines.begin(), scene.lines.end(),
                      [](const SceneLine& line) { return line.treatment != Treatment::Auto; });
 }

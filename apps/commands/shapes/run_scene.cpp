@@ -83,9 +83,10 @@ std::string line_results(const NetworkReport& n, const std::string& unit) {
                                " where they meet within " + number(n.tolerance) + unit);
   if (constexpr double prepared = 0.5; n.usual_share < prepared) {
     const bool found = n.tolerance > 1.1e-3 * n.size;
-    text += result_line("by hand", "within 1e-3 of their size only " + number(100 * n.usual_share) +
-                                       " % of their ends " + (found ? "would meet" : "meet") +
-                                       " another line: state gap_tolerance (--gap-tolerance) to have another");
+    text += result_line("by hand",
+                        "within 1e-3 of their size only " + number(100 * n.usual_share) +
+                            " % of their ends " + (found ? "would meet" : "meet") +
+                            " another line: state gap_tolerance (--gap-tolerance) to have another");
   }
   if (const std::string repaired = repairs(n); !repaired.empty())
     text += result_line("repaired", repaired + unit);
@@ -280,7 +281,8 @@ std::string network_summary(const Report& report, const std::filesystem::path& f
   text += shell_results(n, unit);
   if (skinned) text += result_line("normals", "point " + s.normals);
   if (report.is_sculpted && s.moved > 0)
-    text += result_line("moved", "by up to " + number(s.moved) + unit + " from the lines' own shape");
+    text +=
+        result_line("moved", "by up to " + number(s.moved) + unit + " from the lines' own shape");
   text += flaw_results(report);
   if (!n.bare.empty())
     text += result_line("left over",

@@ -94,11 +94,13 @@ TEST_CASE("a scene without words has the kernel's defaults", "[scene][network]")
 }
 
 TEST_CASE("the table of older scenes is answered with what to write", "[scene][network]") {
-  const Scene scene = parse_scene(kLine + "[network]\ntolerance = 0.5\nsymmetry = \"x\"\n", "s.toml");
+  const Scene scene =
+      parse_scene(kLine + "[network]\ntolerance = 0.5\nsymmetry = \"x\"\n", "s.toml");
   CHECK(scene.network.tolerance == 0.5);
   CHECK(scene.network.symmetry == 0);
   REQUIRE(scene.notes.size() == 1);
-  for (const char* part : {"s.toml:5:1:", "delete it", "'tolerance' as gap_tolerance, 'symmetry' in [skin]"})
+  for (const char* part :
+       {"s.toml:5:1:", "delete it", "'tolerance' as gap_tolerance, 'symmetry' in [skin]"})
     CHECK(scene.notes[0].find(part) != std::string::npos);
 }
 

@@ -187,8 +187,9 @@ double largest(const SurfaceModel& model, const std::function<double(const Vec3&
 TEST_CASE("spheres come from three arcs, from two, and from strips up to the pole") {
   const auto off = [](const Vec3& p) { return p.norm() - 1; };
   const auto arc_of = [](const std::string& name, double l0, double b0, double l1, double b1) {
-    return CharacterLine{name, arc_through(on_sphere(l0, b0), on_sphere((l0 + l1) / 2, (b0 + b1) / 2),
-                                           on_sphere(l1, b1))};
+    return CharacterLine{
+        name,
+        arc_through(on_sphere(l0, b0), on_sphere((l0 + l1) / 2, (b0 + b1) / 2), on_sphere(l1, b1))};
   };
   SECTION("an octant") {
     const SurfaceModel model =
@@ -200,8 +201,8 @@ TEST_CASE("spheres come from three arcs, from two, and from strips up to the pol
   }
   SECTION("lunes") {
     for (const double angle : {0.3, pi / 2, 2.2}) {
-      const SurfaceModel model = model_of({arc_of("first", 0, -pi / 2, 0, pi / 2),
-                                           arc_of("last", angle, -pi / 2, angle, pi / 2)});
+      const SurfaceModel model = model_of(
+          {arc_of("first", 0, -pi / 2, 0, pi / 2), arc_of("last", angle, -pi / 2, angle, pi / 2)});
       REQUIRE(model.skinned().size() == 1);
       CHECK(model.area == Approx(2 * angle).epsilon(1e-3));
       CHECK(largest(model, off) < 1e-3);
@@ -209,9 +210,9 @@ TEST_CASE("spheres come from three arcs, from two, and from strips up to the pol
   }
   SECTION("strips") {
     for (const double latitude : {0.2, 1.0, 1.3, 1.5}) {
-      const SurfaceModel model =
-          model_of({arc_of("low", 0, 0, pi / 2, 0), arc_of("high", 0, latitude, pi / 2, latitude),
-                    arc_of("first", 0, 0, 0, latitude), arc_of("last", pi / 2, 0, pi / 2, latitude)});
+      const SurfaceModel model = model_of(
+          {arc_of("low", 0, 0, pi / 2, 0), arc_of("high", 0, latitude, pi / 2, latitude),
+           arc_of("first", 0, 0, 0, latitude), arc_of("last", pi / 2, 0, pi / 2, latitude)});
       REQUIRE(model.skinned().size() == 1);
       CHECK(largest(model, off) < 5e-4);
     }
@@ -222,7 +223,8 @@ TEST_CASE("ruled surfaces, saddles and helicoids are what their sides say") {
   SECTION("hyperbolic paraboloid") {
     const SurfaceModel model =
         model_of(piece_of([](double u, double v) { return Vec3(u, v, (u - 0.5) * (v - 0.5)); }));
-    CHECK(largest(model, [](const Vec3& p) { return p.z() - (p.x() - 0.5) * (p.y() - 0.5); }) < 1e-5);
+    CHECK(largest(model, [](const Vec3& p) { return p.z() - (p.x() - 0.5) * (p.y() - 0.5); }) <
+          1e-5);
   }
   SECTION("translation surface") {
     const SurfaceModel model = model_of(piece_of(
@@ -290,10 +292,16 @@ TEST_CASE("regions without opposite sides, and plane ones, bend least") {
   const auto lines_through = [](const std::vector<Vec3>& corners) {
     Lines lines;
     for (size_t i = 0; i < corners.size(); ++i)
-      lines.push_back(straight("side" + std::to_string(i), corners[i], corners[(i + 1) % corners.size()]));
+      lines.push_back(
+          straight("side" + std::to_string(i), corners[i], corners[(i + 1) % corners.size()]));
     return lines;
   };
-  CHECK(rest_dofs(*model_of(lines_through({{0, 0, 0}, {2, 0, 0.3}, {3, 1, 0}, {1, 2, 0.5}, {-1, 1, 0}})).layout).rows() == 0);
-  CHECK(rest_dofs(*model_of(lines_through({{0, 0, 0}, {2, 0, 0}, {2, 1, 0}, {0, 1, 0}})).layout).rows() == 0);
-  CHECK(rest_dofs(*model_of(lines_through({{0, 0, 0}, {2, 0, 0.5}, {2, 1, 0}, {0, 1, 0}})).layout).rows() > 0);
+  CHECK(rest_dofs(
+            *model_of(lines_through({{0, 0, 0}, {2, 0, 0.3}, {3, 1, 0}, {1, 2, 0.5}, {-1, 1, 0}}))
+                 .layout)
+            .rows() == 0);
+  CHECK(rest_dofs(*model_of(lines_through({{0, 0, 0}, {2, 0, 0}, {2, 1, 0}, {0, 1, 0}})).layout)
+            .rows() == 0);
+  CHECK(rest_dofs(*model_of(lines_through({{0, 0, 0}, {2, 0, 0.5}, {2, 1, 0}, {0, 1, 0}})).layout)
+            .rows() > 0);
 }
