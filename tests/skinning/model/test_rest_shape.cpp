@@ -1,6 +1,7 @@
 // Shapes that boundary curves mean: sweeps and lofts are exact where one pair of sides is carried
 // along the other one, depend continuously on the curves, and stay what they are in a model.
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <numbers>
@@ -217,6 +218,28 @@ TEST_CASE("spheres come from three arcs, from two, and from strips up to the pol
       CHECK(largest(model, off) < 5e-4);
     }
   }
+}
+
+TEST_CASE("a cylinder and a spherical head stay what they are when they are joined smoothly") {
+  // The rows of the join follow the shapes between its ends, too (JoinBow).
+  const auto meridian = [](double longitude) {
+    return arc_through(on_sphere(longitude, 0), on_sphere(longitude, pi / 4),
+                       on_sphere(longitude, pi / 2));
+  };
+  const SurfaceModel model = model_of({arc("foot", -2, 1, 0, pi / 2),
+                                       arc("seam", 0, 1, 0, pi / 2),
+                                       straight("first", {1, 0, -2}, {1, 0, 0}),
+                                       straight("last", {0, 1, -2}, {0, 1, 0}),
+                                       {"head first", meridian(0)},
+                                       {"head last", meridian(pi / 2)}});
+  REQUIRE(model.skinned().size() == 2);
+  CHECK(std::count_if(model.joins.begin(), model.joins.end(), [](const ModelJoin& join) {
+          return join.kind == ModelJoin::Kind::Smooth;
+        }) == 1);
+  CHECK(model.area == Approx(pi + pi / 2).epsilon(3e-4));
+  CHECK(largest(model, [](const Vec3& p) {
+          return p.z() < 0 ? std::hypot(p.x(), p.y()) - 1 : p.norm() - 1;
+        }) < 2e-3);
 }
 
 TEST_CASE("ruled surfaces, saddles and helicoids are what their sides say") {
