@@ -36,6 +36,8 @@ using Criteria = CGAL::Delaunay_mesh_size_criteria_2<Triangulation>;
 using Point = Triangulation::Point;
 
 constexpr long kOften = 1024;  // rounds between two questions whether to go on
+// Longest edge, of the target: meshes come out with a mean of about three quarters of it.
+constexpr double kLongest = 1.3;
 
 // Along the Z-shaped curve, so that neighbours lie near each other in memory.
 std::vector<int> spatial_order(const std::vector<Point>& points) {
@@ -156,19 +158,15 @@ void exclude(Triangulation& triangulation, Triangulation::Face_handle start) {
 // distance of √2 times the shortest edge that gave rise to it, so that this ends.
 class Refinement {
  public:
-  Refinement(Triangulation& triangulation, double longest, double least_angle,
-             const Progress& progress)
-      : triangulation_(triangulation),
-        progress_(progress),
-        largest2_(longest * longest / 3),
-        least_angle_(least_angle) {}
+  Refinement(Triangulation& triangulation, const MeshTask& task, double least_angle)
+      : triangulation_(triangulation), task_(task), least_angle_(least_angle) {}
 
   void run() {
     auto& t = triangulation_;
     for (auto f = t.finite_faces_begin(); f != t.finite_faces_end(); ++f)
       if (f->is_in_domain()) look(f);
     for (long round = 0; !queue_.empty(); ++round) {
-      if (round % kOften == 0) progress_.go_on();
+      if (round % kOften == 0) task_.progress.go_on();
       const Bad bad = queue_.top();
       queue_.pop();
       if (!is_there(bad)) continue;
@@ -200,7 +198,13 @@ class Refinement {
       product *= side2;
     }
     const double area = triangle.area(), radius2 = product / (16 * area * area);
-    if (radius2 > largest2_ || shortest2 < 4 * least_angle_ * radius2)
+    double edge = task_.edge_length;
+    if (task_.sizes) {
+      const Point centre = CGAL::centroid(triangle);
+      edge = std::min(edge, task_.sizes->at({centre.x(), centre.y()}));
+    }
+    const double largest = kLongest * edge / std::sqrt(3.0);  // of an equilateral triangle
+    if (radius2 > largest * largest || shortest2 < 4 * least_angle_ * radius2)
       queue_.push({radius2, number_++, face, {face->vertex(0), face->vertex(1), face->vertex(2)}});
   }
 
@@ -246,20 +250,19 @@ class Refinement {
   }
 
   Triangulation& triangulation_;
-  const Progress& progress_;
-  double largest2_;  // square of the radius, of an equilateral triangle
+  const MeshTask& task_;
   double least_angle_;
   std::priority_queue<Bad> queue_;
   long number_ = 0;
 };
 
 void refine_between(Triangulation& triangulation, const std::vector<Point>& hole_seeds,
-                    const MeshTask& task, double longest, double least_angle) {
+                    const MeshTask& task, double least_angle) {
   for (auto f = triangulation.all_faces_begin(); f != triangulation.all_faces_end(); ++f)
     f->set_in_domain(true);
   exclude(triangulation, triangulation.infinite_face());
   for (const Point& seed : hole_seeds) exclude(triangulation, triangulation.locate(seed));
-  Refinement(triangulation, longest, least_angle, task.progress).run();
+  Refinement(triangulation, task, least_angle).run();
 }
 
 using VertexHandle = Triangulation::Vertex_handle;
@@ -283,9 +286,9 @@ std::vector<VertexHandle> insert(const MeshTask& task, Triangulation& triangulat
 
 // Ruppert's refinement with segments that are split.
 void refine_everywhere(Triangulation& triangulation, const std::vector<Point>& hole_seeds,
-                       const MeshTask& task, double longest, double least_angle) {
-  CGAL::Delaunay_mesher_2<Triangulation, Criteria> mesher(triangulation,
-                                                          Criteria(least_angle, longest));
+                       const MeshTask& task, double least_angle) {
+  CGAL::Delaunay_mesher_2<Triangulation, Criteria> mesher(
+      triangulation, Criteria(least_angle, kLongest * task.edge_length));
   if (!hole_seeds.empty()) mesher.set_seeds(hole_seeds.begin(), hole_seeds.end());
   // Next to angles of a few degrees the refinement may never end.
   constexpr double many = 20;  // times what an even mesh of the box has
@@ -348,13 +351,11 @@ ParametricMesh delaunay_mesh(const MeshTask& task) {
   const std::vector<VertexHandle> handle = insert(task, triangulation);
   std::vector<Point> seeds;
   for (const auto& hole : task.holes) seeds.push_back(inside_of(task.points, hole));
-  // Sizes ask for the longest edge; meshes come out with a mean of about three quarters of it.
   constexpr double least_angle = 0.125;  // sin² of 20.7 degrees
-  const double longest = 1.3 * task.edge_length;
   if (task.keep_segments)
-    refine_between(triangulation, seeds, task, longest, least_angle);
+    refine_between(triangulation, seeds, task, least_angle);
   else
-    refine_everywhere(triangulation, seeds, task, longest, least_angle);
+    refine_everywhere(triangulation, seeds, task, least_angle);
   return smoothed_mesh(triangulation, handle, task);
 }
 

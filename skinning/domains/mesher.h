@@ -1,10 +1,12 @@
 // Triangle meshes of a polygonal domain, behind one interface.
 #pragma once
 
+#include <memory>
 #include <vector>
 
 #include "batten/core/progress.h"
 #include "batten/fem/parametric_mesh.h"
+#include "batten/skinning/domains/element_sizes.h"
 
 namespace batten {
 
@@ -20,6 +22,8 @@ struct MeshTask {
   /// Segments stay whole: each is one edge of the mesh. Where they are short, triangles grow from
   /// them to the target; angles are kept only where no segment is in the way.
   bool keep_segments = false;
+  /// Shorter edges than the target, where segments are kept; null: none.
+  std::shared_ptr<const ElementSizes> sizes{};
   Progress progress{};  ///< asked whether to go on, every thousand vertices
 };
 

@@ -30,6 +30,7 @@ ParametricMesh delaunay(PolygonPlan& plan) {
   MeshTask task;
   task.edge_length = rounded(plan.task.edge / plan.task.size);
   task.keep_segments = plan.given();
+  task.sizes = plan.task.options.sizes;
   task.progress = plan.task.progress;
   // Points that strips share (corners, joints, junctions) are one point.
   std::map<std::pair<long long, long long>, int> known;

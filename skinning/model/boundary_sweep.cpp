@@ -202,8 +202,8 @@ BoundarySweep::Square BoundarySweep::square(const Patch& patch, const Vec2& st) 
   return q;
 }
 
-// The place of the square whose image is uv, or the nearest one that Newton's method finds.
-BoundarySweep::Square BoundarySweep::place(const Patch& patch, const Vec2& uv) const {
+// A sample of the map near uv.
+Vec2 BoundarySweep::start(const Patch& patch, const Vec2& uv) const {
   size_t nearest = 0;
   for (size_t i = 1; i < patch.uv.size(); ++i)
     if ((patch.uv[i] - uv).squaredNorm() < (patch.uv[nearest] - uv).squaredNorm()) nearest = i;
@@ -222,9 +222,19 @@ BoundarySweep::Square BoundarySweep::place(const Patch& patch, const Vec2& uv) c
       if (off < least) least = off, st = {in, j / double(kGrid)};
     }
   }
+  return st;
+}
+
+BoundarySweep::Square BoundarySweep::place(const Patch& patch, const Vec2& uv) const {
+  return place(patch, uv, start(patch, uv));
+}
+
+// The place of the square whose image is uv, or the nearest one that Newton's method finds.
+BoundarySweep::Square BoundarySweep::place(const Patch& patch, const Vec2& uv,
+                                           const Vec2& from) const {
   const Vec2 low(patch.left.side < 0 ? 1e-9 : -kBeyond, -kBeyond),
       high(patch.right.side < 0 ? 1 - 1e-9 : 1 + kBeyond, 1 + kBeyond);
-  Square here = square(patch, st);
+  Square here = square(patch, from);
   for (int round = 0; round < 25; ++round) {
     const Vec2 miss = uv - here.uv;
     if (miss.norm() < 1e-14 * extent_) break;
@@ -322,17 +332,16 @@ Vec3 BoundarySweep::projected(const Patch& patch, Vec2 st, const Vec3& x) const 
   return j.x;
 }
 
-Vec3 BoundarySweep::blended(const Vec2& uv) const {
-  std::vector<Vec2> st;
+Vec3 BoundarySweep::blended(const Vec2& uv, std::vector<Vec2>& from) const {
   Vec3 mean = Vec3::Zero();
-  for (const Patch& patch : patches_) {
-    const Square at = place(patch, uv);
-    st.push_back(bent(patch, at.st));
-    mean += patch.weight_t * jet(patch, at).x;
+  for (size_t k = 0; k < patches_.size(); ++k) {
+    const Square at = place(patches_[k], uv, from[k]);
+    from[k] = at.st;
+    mean += patches_[k].weight_t * jet(patches_[k], at).x;
   }
   Vec3 x = Vec3::Zero();
   for (size_t k = 0; k < patches_.size(); ++k)
-    x += patches_[k].weight_t * projected(patches_[k], st[k], mean);
+    x += patches_[k].weight_t * projected(patches_[k], bent(patches_[k], from[k]), mean);
   return x;
 }
 
@@ -389,18 +398,22 @@ SurfaceSlope BoundarySweep::at(const Vec2& uv) const {
 }
 
 SurfaceSlope BoundarySweep::slopes_of_blend(const Vec2& uv) const {
+  std::vector<Vec2> here;
+  for (const Patch& patch : patches_) here.push_back(start(patch, uv));
+  SurfaceSlope s;
+  s.x = blended(uv, here);
   const double h = 1e-4 * extent_;
-  const auto slope = [&](const Vec2& way) -> Vec3 {
-    return (blended(uv + h * way) - blended(uv - h * way)) / (2 * h);
-  };
-  SurfaceSlope s{blended(uv), {}};
-  s.by_uv << slope(Vec2::UnitX()), slope(Vec2::UnitY());
+  for (const int k : {0, 1}) {
+    std::vector<Vec2> before = here, after = here;
+    const Vec2 step = h * Vec2::Unit(k);
+    s.by_uv.col(k) = (blended(uv + step, after) - blended(uv - step, before)) / (2 * h);
+  }
   return s;
 }
 
-std::optional<Points> BoundarySweep::dofs() const {
+std::optional<Points> BoundarySweep::dofs(Points* middles) const {
   const ParametricMesh& mesh = *region_->mesh();
-  Points q = interpolated(mesh, [this](const Vec2& uv) { return at(uv); });
+  Points q = interpolated(mesh, [this](const Vec2& uv) { return at(uv); }, middles);
   if (!q.allFinite()) return std::nullopt;
   const Surface surface(region_->mesh(), region_->element(), q, region_->trim());
   const Trim* trim = region_->trim().get();

@@ -35,7 +35,8 @@ class BoundarySweep {
   /// Value and gradient at a place of the domain, also a little outside of the boundary.
   SurfaceSlope at(const Vec2& uv) const;
   /// Dofs on the region's mesh; none where the surface would turn over in the domain.
-  std::optional<Points> dofs() const;
+  /// `middles` as in interpolated().
+  std::optional<Points> dofs(Points* middles = nullptr) const;
 
  private:
   // An edge of the square of (s, t): a side, forwards or backwards, or a corner.
@@ -76,13 +77,16 @@ class BoundarySweep {
   BoundarySide::Point point(const Edge& edge, double f) const;
   Square square(const Patch& patch, const Vec2& st) const;
   Square place(const Patch& patch, const Vec2& uv) const;
+  Square place(const Patch& patch, const Vec2& uv, const Vec2& from) const;
+  Vec2 start(const Patch& patch, const Vec2& uv) const;
   // Parameters of the sweeps at (s, t), and their derivatives.
   static Vec2 bent(const Patch& patch, const Vec2& st);
   static Jet jet(const Patch& patch, const Vec2& st, const Edges& edges);
   Jet jet(const Patch& patch, const Square& square) const;
   Edges edges(const Patch& patch, const Vec2& st) const;
   Vec3 projected(const Patch& patch, Vec2 st, const Vec3& x) const;
-  Vec3 blended(const Vec2& uv) const;
+  // `from`: (s, t) in each patch to begin at, and where it ended.
+  Vec3 blended(const Vec2& uv, std::vector<Vec2>& from) const;
   SurfaceSlope slopes_of_blend(const Vec2& uv) const;
   std::optional<SurfaceSlope> at_corner(const Vec2& uv) const;
 

@@ -1,9 +1,13 @@
 // Options for making a region of its lines.
 #pragma once
 
+#include <memory>
+
 #include "batten/elements/c1_triangle.h"
 
 namespace batten {
+
+class ElementSizes;  // skinning/domains/element_sizes.h
 
 /// How a region is made of its lines.
 struct SkinOptions {
@@ -43,6 +47,8 @@ struct SkinOptions {
   int fan_refinements = -1;
   /// Target length of element edges, model units. 0: 1/20 of the region's size.
   double edge_length = 0;
+  /// Shorter edges than that, on a polygon of given curves; null: none.
+  std::shared_ptr<const ElementSizes> sizes{};
 };
 
 }  // namespace batten

@@ -5,7 +5,8 @@
 namespace batten {
 
 Points interpolated(const ParametricMesh& mesh,
-                    const std::function<SurfaceSlope(const Vec2& uv)>& surface) {
+                    const std::function<SurfaceSlope(const Vec2& uv)>& surface, Points* middles) {
+  if (middles) middles->resize(mesh.edge_count(), 3);
   const DofMap map(mesh);
   Points q(map.count(), 3);
   for_each_in_chunks<16>(mesh.vertex_count(), [&](int v) {
@@ -19,7 +20,9 @@ Points interpolated(const ParametricMesh& mesh,
     const auto& corner = mesh.shape(edge.triangle[0]).vertex;
     const int i = edge.local[0];
     const Vec2 middle = (corner[(i + 1) % 3] + corner[(i + 2) % 3]) / 2;
-    q.row(map.edge(e)) = surface(middle).by_uv * mesh.edge_normal(e);
+    const SurfaceSlope s = surface(middle);
+    q.row(map.edge(e)) = s.by_uv * mesh.edge_normal(e);
+    if (middles) middles->row(e) = s.x;
   });
   return q;
 }

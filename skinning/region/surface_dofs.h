@@ -14,8 +14,10 @@ struct SurfaceSlope {
 };
 
 /// Dofs on a mesh that interpolate a surface over (u, v): values and slopes at vertices, normal slopes
-/// in the middle of edges. O(vertices + edges) calls, on all threads.
+/// in the middle of edges. `middles`, where it is not null, gets the places of the surface at these,
+/// one row an edge: they tell how well the mesh resolves it. O(vertices + edges) calls, on all threads.
 Points interpolated(const ParametricMesh& mesh,
-                    const std::function<SurfaceSlope(const Vec2& uv)>& surface);
+                    const std::function<SurfaceSlope(const Vec2& uv)>& surface,
+                    Points* middles = nullptr);
 
 }  // namespace batten

@@ -2,12 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "batten/core/errors.h"
 #include "batten/core/index.h"
 #include "batten/core/parallel.h"
 #include "batten/core/words.h"
 #include "batten/skinning/domains/mesh_size.h"
+#include "batten/skinning/model/rest_error.h"
 #include "batten/skinning/surfaces/normal_side.h"
 
 namespace batten {
@@ -89,37 +91,12 @@ RegionMaker::RegionMaker(const CharacterLineNetwork& network, const FoundRegions
   ways_.resize(model_.regions.size());
   layouts_.resize(model_.regions.size());
   first_.resize(model_.regions.size());
+  sizes_.resize(model_.regions.size());
 }
 
 double RegionMaker::element_edge(int region) const {
-  return std::min({edge_of(region),
-                   orientation_.sizes[region] / least_across(model_.regions.size()),
-                   edge_for_turns(region)});
-}
-
-// Along a side that turns, elements follow it all over the region: a wing is as curved in the middle
-// of its span as at its ends. At most halves the usual edge, so that small fillets do not ask for
-// more elements than the region has.
-double RegionMaker::edge_for_turns(int region) const {
-  constexpr double kDegreesPerEdge = 12;
-  constexpr double kLeastShare = 0.05;  // of the region's size: shorter arcs are details
-  constexpr double kMost = 0.5;         // of the usual edge
-  const double size = orientation_.sizes[region], usual = edge_of(region);
-  if (options_.skin.edge_length > 0 || model_.regions[region].plan.skin.edge_length > 0)
-    return usual;  // as stated
-  double edge = usual;
-  for (const ArcLoop& loop : model_.regions[region].plan.loops)
-    for (const ArcUse& use : loop) {
-      const NetworkArc& arc = network_.arcs()[use.arc];
-      if (arc.length < kLeastShare * size) continue;
-      constexpr int samples = 16;
-      double turn = 0;
-      for (int k = 0; k < samples; ++k)
-        turn += degrees_between(arc.curve.evaluate(arc.curve.end() * k / samples, 1),
-                                arc.curve.evaluate(arc.curve.end() * (k + 1) / samples, 1));
-      if (turn > kDegreesPerEdge) edge = std::min(edge, arc.length * kDegreesPerEdge / turn);
-    }
-  return std::max(edge, kMost * usual);
+  return std::min(edge_of(region),
+                  orientation_.sizes[region] / least_across(model_.regions.size()));
 }
 
 void RegionMaker::require_memory_for_all() const {
@@ -143,8 +120,8 @@ void RegionMaker::place_vertices() {
     double spacing = orientation_.sides[a].empty() ? edge_ : network_.size();
     for (const ArcSide& side : orientation_.sides[a]) {
       const double across = 2.0 / 3 * least_across(model_.regions.size());
-      spacing = std::min({spacing, edge_of(side.region), orientation_.sizes[side.region] / across,
-                          edge_for_turns(side.region)});
+      spacing =
+          std::min({spacing, edge_of(side.region), orientation_.sizes[side.region] / across});
     }
     spacing = std::min(spacing, 0.5 * arc.length);
     if (const double count = arc.length / spacing; !(count <= most_triangles))
@@ -165,6 +142,97 @@ void RegionMaker::place_vertices() {
     }
     given_[a] = std::move(given);
   }
+}
+
+// Meshes resolve what the sides of their regions mean: a nose is as curved in the middle of its span as at
+// the ribs, where vertices are dense. Sizes are found on layouts without a shape; at the end those that
+// changed get one.
+std::set<int> RegionMaker::resolve_rests(std::set<int> look_at) {
+  std::set<int> beside;
+  if (!options_.rest || options_.skin.edge_length > 0) return beside;
+  constexpr int most_rounds = 8, most_times = 16;  // the triangles
+  constexpr double share = 0.4;                    // of the tolerance: fitted curves take some, too
+  std::vector<std::shared_ptr<const RegionLayout>> now(model_.regions.size());
+  std::vector<int> before(now.size(), 0);  // triangles
+  std::vector<int> in_vain(now.size(), 0);
+  std::vector<double> least(now.size(), std::numeric_limits<double>::infinity());
+  for (const int r : look_at) sizes_[r].reset();
+  for (int round = 0; round < most_rounds && !look_at.empty(); ++round) {
+    const std::vector<int> which(look_at.begin(), look_at.end());
+    std::vector<std::shared_ptr<const ElementSizes>> sizes(which.size());
+    parallel_parts(count_of(which), [&](int i) {
+      const int r = which[i];
+      if (model_.regions[r].plan.skin.edge_length > 0) return;
+      const auto layout = plain_layout(r);
+      if (!layout || layout->domain() != SkinOptions::Domain::Polygon) return;
+      const int triangles = layout->mesh()->triangle_count();
+      if (round == 0) before[r] = triangles;
+      if (triangles > most_times * before[r]) return;
+      const RestError error = rest_error(*layout, share * tolerance_, sizes_[r].get());
+      // Where shorter edges do not help twice, the shape itself has a corner.
+      constexpr double helps = 0.8;
+      in_vain[r] = error.largest <= helps * least[r] ? 0 : in_vain[r] + 1;
+      if (in_vain[r] == (error.largest <= tolerance_ ? 1 : 2)) return;
+      least[r] = std::min(least[r], error.largest);
+      sizes[i] = error.sizes;
+      now[r] = layout;
+    });
+    look_at.clear();
+    for (size_t i = 0; i < which.size(); ++i) {
+      if (!sizes[i]) continue;
+      sizes_[which[i]] = sizes[i];
+      look_at.insert(which[i]);
+      const std::set<int> divided = divide_sides(*now[which[i]], *sizes[i]);
+      look_at.insert(divided.begin(), divided.end());
+      beside.insert(divided.begin(), divided.end());
+    }
+  }
+  return beside;
+}
+
+// Null where it cannot be laid out as its lines ask for.
+std::shared_ptr<const RegionLayout> RegionMaker::plain_layout(int r) const {
+  const RegionWish wish = wish_of(static_cast<size_t>(r));
+  try {
+    return batten::lay_out(wish, {wish.skin});
+  } catch (const CancelledError&) {
+    throw;
+  } catch (const std::runtime_error&) {
+    return nullptr;
+  }
+}
+
+// Gives the arcs of a region vertices as dense as its elements are to be. Regions beside these.
+std::set<int> RegionMaker::divide_sides(const RegionLayout& layout, const ElementSizes& sizes) {
+  std::set<int> beside;
+  for (const LineRun& run : layout.runs()) {
+    const auto& arcs = network_.arcs();
+    const auto arc = std::find_if(arcs.begin(), arcs.end(), [&](const NetworkArc& a) {
+      return a.name == run.line.name;
+    });
+    if (arc == arcs.end() || !run.line.given) continue;
+    const auto a = static_cast<size_t>(arc - arcs.begin());
+    const double per_length = arc->curve.end() / arc->length;
+    const GivenCurve& given = *given_[a];  // may have more vertices than the run has
+    auto finer = std::make_shared<GivenCurve>(GivenCurve{given.curve, {}});
+    const auto& of_run = run.line.given->vertices;
+    for (size_t i = 0;; ++i) {
+      finer->vertices.push_back(given.vertices[i]);
+      if (i + 1 == given.vertices.size()) break;
+      const double span = given.vertices[i + 1] - given.vertices[i];
+      const auto after =
+          std::upper_bound(of_run.begin(), of_run.end(), given.vertices[i] + 0.5 * span);
+      const auto k = static_cast<size_t>(after - of_run.begin());
+      const double wanted = layout.size() * std::min(sizes.at_vertex(run.vertices[k - 1]),
+                                                     sizes.at_vertex(run.vertices[k]));
+      const int cuts = static_cast<int>(std::ceil(span / (wanted * per_length) - 0.2));
+      for (int c = 1; c < cuts; ++c) finer->vertices.push_back(given.vertices[i] + span * c / cuts);
+    }
+    if (finer->vertices.size() == given.vertices.size()) continue;
+    given_[a] = std::move(finer);
+    for (const ArcSide& side : orientation_.sides[a]) beside.insert(side.region);
+  }
+  return beside;
 }
 
 std::vector<CharacterLine> RegionMaker::lines_of(const NetworkRegion& plan) const {
@@ -218,7 +286,6 @@ void RegionMaker::turn_normals() {
     if (made.empty() || normal_side(side_integrals(made), closed).agrees) continue;
     for (const int r : sheet.regions) {
       turn_over(r, model_.regions[r].plan, orientation_);
-      if (ways_[r]) ways_[r]->skin.against_first = model_.regions[r].plan.loops[0][0].reversed;
       // It is not to stay as it was.
       layouts_[r] = nullptr;
       model_.regions[r].skinned.reset();
@@ -226,6 +293,14 @@ void RegionMaker::turn_normals() {
     }
   }
   if (turned.empty()) return;
+  // The domains are others now.
+  for (const int r : resolve_rests({turned.begin(), turned.end()}))
+    if (std::find(turned.begin(), turned.end(), r) == turned.end()) turned.push_back(r);
+  for (const int r : turned) {
+    if (!ways_[r]) continue;
+    ways_[r]->skin.against_first = model_.regions[r].plan.loops[0][0].reversed;
+    ways_[r]->skin.sizes = sizes_[r];
+  }
   lay_out(turned, 0.4, 0.4);
   // What could be laid out before is tried in other ways.
   std::erase_if(turned, [&](int r) { return layouts_[r] || !ways_[r]; });
@@ -237,6 +312,7 @@ RegionWish RegionMaker::wish_of(size_t r) const {
   const NetworkRegion& plan = model_.regions[r].plan;
   SkinOptions skin = options_.skin;
   skin.edge_length = element_edge(static_cast<int>(r));
+  skin.sizes = sizes_[r];
   skin.tolerance = tolerance_;
   skin.domain = plan.ring ? SkinOptions::Domain::Ring : plan.skin.domain;
   skin.convex = plan.skin.convex;

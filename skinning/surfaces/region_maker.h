@@ -3,9 +3,11 @@
 
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
+#include "batten/skinning/domains/element_sizes.h"
 #include "batten/skinning/surfaces/line_side.h"
 #include "batten/skinning/surfaces/orientation.h"
 #include "batten/skinning/surfaces/region_trials.h"
@@ -28,6 +30,10 @@ class RegionMaker {
   /// Turns over the sheets whose first shapes show that their normals point to the wrong side
   /// (normal_side.h), and lays these out again.
   void turn_normals();
+  /// Chooses shorter edges for these regions where their elements would not follow the rest shape
+  /// within the tolerance (rest_error.h), for the next lay_out(). Nothing where an edge length is stated.
+  /// Returns the regions beside arcs that got more vertices.
+  std::set<int> resolve_rests(std::set<int> regions);
   /// Lays out a region in another way (try_other()). Whether there was one.
   bool lay_out_otherwise(int region);
   /// Leaves a region out after all, for a reason in words.
@@ -47,8 +53,9 @@ class RegionMaker {
 
  private:
   double edge_of(int region) const;       // as stated
-  double element_edge(int region) const;  // and shorter in small and in curved regions
-  double edge_for_turns(int region) const;
+  double element_edge(int region) const;  // and shorter in small regions
+  std::shared_ptr<const RegionLayout> plain_layout(int region) const;
+  std::set<int> divide_sides(const RegionLayout& layout, const ElementSizes& sizes);
   void require_memory_for_all() const;
   void place_vertices();
   std::vector<CharacterLine> lines_of(const NetworkRegion& plan) const;
@@ -67,6 +74,7 @@ class RegionMaker {
   std::vector<std::optional<RegionWay>> ways_;            // how each region was laid out
   std::vector<std::shared_ptr<const RegionLayout>> layouts_;
   std::vector<Points> first_;
+  std::vector<std::shared_ptr<const ElementSizes>> sizes_;  // of each region; null: as usual
 };
 
 }  // namespace batten

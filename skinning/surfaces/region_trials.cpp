@@ -110,11 +110,15 @@ void judge(Made& made, double plain_area) {
   if (quality.max_line_gap > layout.tolerance()) add(1, "it misses its lines");
 }
 
+RegionLayout layout_of(const RegionWish& wish, const RegionWay& way) {
+  std::vector<CharacterLine> lines = wish.lines;
+  if (!way.inner) lines.resize(lines.size() - static_cast<size_t>(wish.inner));
+  return {wish.name, lines, way.skin, wish.progress};
+}
+
 RegionTrial laid_out(const RegionWish& wish, const SkinOptions& skin, bool inner,
                      const ModelFrame& frame, const SurfaceStiffness& material) {
-  std::vector<CharacterLine> lines = wish.lines;
-  if (!inner) lines.resize(lines.size() - static_cast<size_t>(wish.inner));
-  RegionLayout layout(wish.name, lines, skin, wish.progress);
+  RegionLayout layout = layout_of(wish, {skin, inner});
   // Its mesh suits the shape that bends least from nothing: embedded lines may ask for more.
   constexpr int most_rounds = 8;
   double gap = std::numeric_limits<double>::infinity();
@@ -222,6 +226,10 @@ bool turns_or_sags(const SkinnedRegion& region, double plain_area) {
 RegionTrial try_region(const RegionWish& wish, const ModelFrame& frame,
                        const SurfaceStiffness& material) {
   return Trials(wish, frame, material).best();
+}
+
+std::shared_ptr<const RegionLayout> lay_out(const RegionWish& wish, const RegionWay& way) {
+  return std::make_shared<const RegionLayout>(layout_of(wish, way));
 }
 
 std::optional<RegionTrial> try_other(const RegionWish& wish, Domain was, const ModelFrame& frame,

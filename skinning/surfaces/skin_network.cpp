@@ -35,6 +35,7 @@ class ModelMaker {
     std::iota(all.begin(), all.end(), 0);
     // 1. Orient: when regions_ was made.
     // 2. Lay out and solve each region. Their shapes say to which side normals are to point.
+    regions_.resolve_rests({all.begin(), all.end()});
     regions_.lay_out(all, 0, 0.4);
     regions_.turn_normals();
     progress_.at("joining", 0);
