@@ -218,7 +218,9 @@ Json json_of(const Report::Surface& s) {
                        {"factorizations", s.fairing->factorizations},
                        {"converged", s.fairing->converged},
                        {"share", s.fairing->share},
-                       {"kept", s.fairing->kept}};
+                       {"kept", s.fairing->kept},
+                       {"asked", s.fairing->asked},
+                       {"regions", s.fairing->regions}};
   return json;
 }
 

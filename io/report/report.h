@@ -48,7 +48,7 @@ struct Report : RunReport {
     /// say, with the number of those that say so.
     std::string normals;
     Vec3 mean_normal = Vec3::Zero();  ///< of the unit normals over the area
-    /// What fair = "variation" did.
+    /// What least variation did.
     struct Fairing {
       double functional = 0, start_functional = 0;  ///< change of curvature, 1/length²
       double max_move = 0;  ///< largest normal move of a vertex, model units
@@ -56,6 +56,8 @@ struct Report : RunReport {
       bool converged = false;
       double share = 1;               ///< of the way from the bending shape that was gone
       std::vector<std::string> kept;  ///< regions that keep their bending shape
+      bool asked = true;  ///< false: of regions with five sides or more, by fair = "auto"
+      int regions = 0;    ///< how many were faired
     };
     std::optional<Fairing> fairing;
   } surface;

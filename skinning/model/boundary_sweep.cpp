@@ -99,6 +99,12 @@ std::optional<BoundarySweep> BoundarySweep::of(const RegionLayout& region) {
   return sweep;
 }
 
+bool BoundarySweep::has_many_sides(const RegionLayout& region) {
+  if (region.boundary().empty() || region.mesh()->period() > 0) return false;
+  const std::vector<BoundarySide> sides = sides_of(region);
+  return sides.size() > 4 && !is_plane(samples_of(sides), kFlat * region.size());
+}
+
 BoundarySweep::BoundarySweep(const RegionLayout& region, std::vector<BoundarySide> sides)
     : region_(&region), sides_(std::move(sides)) {
   const int n = count_of(sides_);

@@ -32,6 +32,9 @@ class BoundarySweep {
   /// 1e-4 of the size, or where no pair can be swept. `region` must outlive it.
   static std::optional<BoundarySweep> of(const RegionLayout& region);
 
+  /// Whether the region has five sides or more, which do not lie in a plane: no side has an opposite one.
+  static bool has_many_sides(const RegionLayout& region);
+
   /// Value and gradient at a place of the domain, also a little outside of the boundary.
   SurfaceSlope at(const Vec2& uv) const;
   /// Dofs on the region's mesh; none where the surface would turn over in the domain.

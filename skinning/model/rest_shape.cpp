@@ -12,15 +12,24 @@ Points rest_dofs(const RegionLayout& region) {
   return sweep ? sweep->dofs().value_or(Points()) : Points();
 }
 
+bool has_many_sides(const RegionLayout& region) { return BoundarySweep::has_many_sides(region); }
+
 Points rest_dofs(const ModelLayout& layout) {
   if (!layout.has_rest()) return {};
   std::vector<Points> rests(static_cast<size_t>(layout.region_count()));
   parallel_parts(layout.region_count(), [&](int r) { rests[r] = rest_dofs(layout.region(r)); });
+  std::vector<const Points*> of_regions;
+  for (const Points& rest : rests) of_regions.push_back(&rest);
+  return rest_dofs(layout, of_regions);
+}
+
+Points rest_dofs(const ModelLayout& layout, const std::vector<const Points*>& of_regions) {
   Points all;
   for (int r = 0; r < layout.region_count(); ++r) {
-    if (rests[r].rows() == 0) continue;
+    const Points& rest = *of_regions[static_cast<size_t>(r)];
+    if (rest.rows() == 0) continue;
     if (all.rows() == 0) all = Points::Zero(layout.position_dofs().size(), 3);
-    for (int d = 0; d < rests[r].rows(); ++d) all.row(layout.numbers(r)(d)) = rests[r].row(d);
+    for (int d = 0; d < rest.rows(); ++d) all.row(layout.numbers(r)(d)) = rest.row(d);
   }
   return all;
 }

@@ -1,6 +1,8 @@
 // The shape that the boundary curves of each region mean, from which all else bends the surface.
 #pragma once
 
+#include <vector>
+
 #include "batten/skinning/model/model_layout.h"
 
 namespace batten {
@@ -17,7 +19,15 @@ namespace batten {
 /// O(vertices + edges) of these regions.
 Points rest_dofs(const ModelLayout& layout);
 
+/// The same where the rest shapes of the regions, one for each, are known.
+Points rest_dofs(const ModelLayout& layout, const std::vector<const Points*>& of_regions);
+
 /// The same of one region, in its own numbers; no rows: it has none.
 Points rest_dofs(const RegionLayout& region);
+
+/// Whether the region has five sides or more, not all in a plane. None of them is opposite to another,
+/// so that there is nothing to sweep; among surfaces that all boundary curves allow, the one whose
+/// curvature changes least (fair_model.h) is nearest to what is meant: docs/fairness.md has the table.
+bool has_many_sides(const RegionLayout& region);
 
 }  // namespace batten

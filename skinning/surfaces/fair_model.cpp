@@ -23,8 +23,13 @@ FlawKey key_of(const SurfaceFlaw& flaw) {
 class ModelFairing {
  public:
   ModelFairing(const SurfaceModel& model, std::shared_ptr<const ModelLayout> layout,
-               const Points& start, double most_join_deg)
-      : model_(model), layout_(std::move(layout)), start_(start), most_join_deg_(most_join_deg) {
+               const Points& start, double most_join_deg, std::vector<char> only)
+      : model_(model),
+        layout_(std::move(layout)),
+        start_(start),
+        most_join_deg_(most_join_deg),
+        only_(std::move(only)) {
+    if (only_.empty()) only_.assign(static_cast<size_t>(layout_->region_count()), 1);
     const bool measured =
         model_.layout == layout_ && model_.dofs.rows() == start.rows() && model_.dofs == start;
     if (!measured) take(start);
@@ -36,9 +41,12 @@ class ModelFairing {
 
   FairedModel run(VariationOptions options, const Progress& progress) {
     for (int rounds = 0, kept_more = 0;;) {
-      if (count_of(faired_.kept) == layout_->region_count())
-        throw NoSolutionError(faired_.kept.front().why);
-      if (!faired_.kept.empty()) options.still = still();
+      options.still = still();
+      if (std::find(options.still.begin(), options.still.end(), 0) == options.still.end())
+        throw NoSolutionError(faired_.kept.empty() ? "no region is to be faired"
+                                                   : faired_.kept.front().why);
+      if (std::find(options.still.begin(), options.still.end(), 1) == options.still.end())
+        options.still.clear();
       bool spoiled = false, others_kept = false;
       try {
         take(fair_shape(*layout_, start_, layout_->line_constraints(), options, progress));
@@ -80,7 +88,7 @@ class ModelFairing {
     bool any = false;
     for (const int r : flaw.regions) {
       const int own = model_.regions[r].in_layout;
-      const bool known = is_kept(own);
+      const bool known = !moves(own);
       if (!known) faired_.kept.push_back({own, why});
       any = any || !known;
     }
@@ -114,14 +122,15 @@ class ModelFairing {
     }
   }
 
-  bool is_kept(int region) const {
-    return std::any_of(faired_.kept.begin(), faired_.kept.end(),
-                       [&](const KeptRegion& kept) { return kept.region == region; });
+  bool moves(int region) const {
+    return only_[region] &&
+           std::none_of(faired_.kept.begin(), faired_.kept.end(),
+                        [&](const KeptRegion& kept) { return kept.region == region; });
   }
   // Whether a region beside the join is faired.
   bool moves(const JoinPlan& plan) const {
     const auto& sides = plan.join_line.sides;
-    return !is_kept(sides[0].region) || !is_kept(sides[1].region);
+    return moves(sides[0].region) || moves(sides[1].region);
   }
 
   // How far the shape is from its lines and joins, beyond and over what is allowed, in all.
@@ -173,9 +182,10 @@ class ModelFairing {
 
   std::vector<char> still() const {
     std::vector<char> triangles(layout_->mesh()->triangle_count(), 0);
-    for (const KeptRegion& kept : faired_.kept)
-      std::fill_n(triangles.begin() + layout_->first_triangle(kept.region),
-                  layout_->region(kept.region).mesh()->triangle_count(), 1);
+    for (int r = 0; r < layout_->region_count(); ++r)
+      if (!moves(r))
+        std::fill_n(triangles.begin() + layout_->first_triangle(r),
+                    layout_->region(r).mesh()->triangle_count(), 1);
     return triangles;
   }
 
@@ -183,6 +193,7 @@ class ModelFairing {
   std::shared_ptr<const ModelLayout> layout_;
   Points start_;
   double most_join_deg_;
+  std::vector<char> only_;  // by region: those to be faired
   FairedModel faired_;
   std::set<FlawKey> had_;
   bool tried_flawed_ = false, close_gaps_ = true;
@@ -194,8 +205,8 @@ class ModelFairing {
 
 FairedModel fair_model(const SurfaceModel& model, std::shared_ptr<const ModelLayout> layout,
                        const Points& start, double most_join_deg, const VariationOptions& options,
-                       const Progress& progress) {
-  return ModelFairing(model, std::move(layout), start, most_join_deg).run(options, progress);
+                       const Progress& progress, const std::vector<char>& only) {
+  return ModelFairing(model, std::move(layout), start, most_join_deg, only).run(options, progress);
 }
 
 }  // namespace batten

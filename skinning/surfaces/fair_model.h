@@ -33,9 +33,13 @@ struct FairedModel {
 /// Joins on embedded lines are planned again for that. A region that only the finer mesh gives a
 /// flaw keeps its shape then, too.
 ///
+/// `only`, by region of the layout: which are faired at all, the others keep their shape and are not in
+/// FairedModel::kept. Empty: all.
+///
 /// Throws as fair_shape(); NoSolutionError when no region is left.
 FairedModel fair_model(const SurfaceModel& model, std::shared_ptr<const ModelLayout> layout,
                        const Points& start, double most_join_deg,
-                       const VariationOptions& options = {}, const Progress& progress = {});
+                       const VariationOptions& options = {}, const Progress& progress = {},
+                       const std::vector<char>& only = {});
 
 }  // namespace batten

@@ -31,11 +31,16 @@ bool is_plane_fixed(const CharacterLineNetwork& network, const NetworkRegion& pl
   return false;
 }
 
-// Surfaces that lines alone make are flatter than those that go on beyond them, and meet at more
-// between nodes; at nodes, where lines fix their planes, they meet as they will in the end.
-double estimate(const CharacterLineNetwork& network, const std::vector<ModelRegion>& regions,
-                const ModelJoin& join, const JoinLine& join_line) {
+// Surfaces that bend from nothing are flatter than those that go on beyond their lines, and meet at more
+// between nodes; at nodes, where lines fix their planes, they meet as they will in the end. Rest shapes
+// meet as they are meant to along all of the line, and may have no tangent plane at an end, as cones
+// at their apex.
+double estimate(const CharacterLineNetwork& network, const RegionMaker& maker,
+                const std::vector<ModelRegion>& regions, const ModelJoin& join,
+                const JoinLine& join_line) {
   const JoinQuality angle = angle_of(regions, join_line);
+  const auto rests = [&](int r) { return maker.rests()[r].rows() > 0; };
+  if (std::all_of(join.regions.begin(), join.regions.end(), rests)) return angle.mean_deg;
   constexpr double of_end = 0.4;  // where it is known
   double sum = 0, share = 0;
   for (const bool end : {false, true}) {
@@ -73,7 +78,8 @@ std::vector<double> estimate_chains(const CharacterLineNetwork& network, const R
     }
   std::vector<double> estimates(join_lines.size());
   parallel_parts(count_of(estimates), [&](int s) {
-    estimates[s] = estimate(network, regions, choice.joins[choice.join_of[s]], join_lines[s]);
+    estimates[s] = estimate(network, maker, regions, choice.joins[choice.join_of[s]],
+                            join_lines[s]);
   });
   std::vector<double> sum(join_lines.size(), 0), length(join_lines.size(), 0), result;
   for (const auto& [arc, s] : join_line_of) {

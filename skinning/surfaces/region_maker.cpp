@@ -91,6 +91,7 @@ RegionMaker::RegionMaker(const CharacterLineNetwork& network, const FoundRegions
   ways_.resize(model_.regions.size());
   layouts_.resize(model_.regions.size());
   first_.resize(model_.regions.size());
+  rests_.resize(model_.regions.size());
   sizes_.resize(model_.regions.size());
 }
 
@@ -334,6 +335,7 @@ void RegionMaker::take(size_t r, RegionTrial trial) {
   model_.regions[r].skinned = trial.layout->region(trial.shape);
   layouts_[r] = std::move(trial.layout);
   first_[r] = std::move(trial.shape);
+  rests_[r] = std::move(trial.rest);
 }
 
 void RegionMaker::lay_out_one(size_t r) {

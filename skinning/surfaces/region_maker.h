@@ -46,6 +46,8 @@ class RegionMaker {
   const std::vector<std::shared_ptr<const RegionLayout>>& layouts() const { return layouts_; }
   /// Returns the dofs of the shape that each region's own lines make.
   const std::vector<Points>& first_shapes() const { return first_; }
+  /// Returns the dofs of the rest shape of each region; no rows: it has none.
+  const std::vector<Points>& rests() const { return rests_; }
   /// Returns the uses of an arc by regions.
   const std::vector<ArcSide>& sides(int arc) const { return orientation_.sides[arc]; }
   /// Returns the side by which the region of a use has that arc in its present shape.
@@ -73,7 +75,7 @@ class RegionMaker {
   std::vector<std::shared_ptr<const GivenCurve>> given_;  // by arc: the curve and its vertices
   std::vector<std::optional<RegionWay>> ways_;            // how each region was laid out
   std::vector<std::shared_ptr<const RegionLayout>> layouts_;
-  std::vector<Points> first_;
+  std::vector<Points> first_, rests_;
   std::vector<std::shared_ptr<const ElementSizes>> sizes_;  // of each region; null: as usual
 };
 

@@ -123,9 +123,10 @@ RegionTrial laid_out(const RegionWish& wish, const SkinOptions& skin, bool inner
   constexpr int most_rounds = 8;
   double gap = std::numeric_limits<double>::infinity();
   for (int round = 0;; ++round) {
-    RegionTrial trial{std::make_shared<const RegionLayout>(layout), {}, {skin, inner}, {}};
+    RegionTrial trial{std::make_shared<const RegionLayout>(layout), {}, {}, {skin, inner}, {}};
     const ModelLayout alone(frame, {trial.layout}, {});
-    trial.shape = alone.least_energy(material, rest_dofs(alone));
+    trial.rest = rest_dofs(alone);
+    trial.shape = alone.least_energy(material, trial.rest);
     if (layout.embedded().empty() || round == most_rounds) return trial;
     const SkinnedRegion made = layout.region(trial.shape);
     const double before = std::exchange(gap, 0);

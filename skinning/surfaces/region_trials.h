@@ -37,6 +37,7 @@ struct RegionWay {
 /// A region that could be laid out, in the shape that its own lines make.
 struct RegionTrial {
   std::shared_ptr<const RegionLayout> layout;
+  Points rest;  ///< what its boundary means (rest_shape.h); no rows: nothing
   Points shape;
   RegionWay way;
   std::vector<std::string> warnings;  ///< what was tried before, and why it did not serve

@@ -174,6 +174,8 @@ class ModelMaker {
       }
     }
     for (const auto& [node, lines] : without_plane) {
+      // The curves make a point there, as the apex of a cone.
+      if (lines.second > options_.smooth_below_deg) continue;
       std::string names;
       for (const std::string& name : lines.first) names += (names.empty() ? "" : ", ") + name;
       model_.warnings.push_back("no tangent plane at " + at(network_.nodes()[node].position) +
@@ -226,7 +228,9 @@ class ModelMaker {
       const ModelLayout layout(regions_.frame(), group.layouts, group.plans);
       Points all;
       try {
-        all = layout.least_energy(options_.material, rest_dofs(layout));
+        std::vector<const Points*> rests;
+        for (const int r : group.regions) rests.push_back(&regions_.rests()[r]);
+        all = layout.least_energy(options_.material, rest_dofs(layout, rests));
       } catch (const CancelledError&) {
         throw;
       } catch (const std::runtime_error& e) {

@@ -4,8 +4,11 @@
 
 #include "batten/apps/commands/shapes/scene_target.h"
 #include "batten/core/errors.h"
+#include "batten/core/index.h"
+#include "batten/core/parallel.h"
 #include "batten/sculpting/statics/static_sculpt.h"
 #include "batten/skinning/model/loft_shape.h"
+#include "batten/skinning/model/rest_shape.h"
 #include "batten/skinning/surfaces/skin_network.h"
 
 namespace batten {
@@ -67,8 +70,12 @@ VariationOptions variation_options(const Scene& scene) {
 /// Rest shapes of a session: the first is known.
 class FairRest {
  public:
-  FairRest(Points first, VariationOptions options, std::shared_ptr<ShapeFairing> done)
-      : first_(std::move(first)), options_(std::move(options)), done_(std::move(done)) {}
+  FairRest(Points first, VariationOptions options, std::vector<char> only,
+           std::shared_ptr<ShapeFairing> done)
+      : first_(std::move(first)),
+        options_(std::move(options)),
+        only_(std::move(only)),
+        done_(std::move(done)) {}
 
   Points operator()(const RestTask& task) {
     const bool first = task.near.rows() == 0 && task.bent.rows() == first_.rows();
@@ -76,9 +83,13 @@ class FairRest {
     VariationOptions options = options_;
     if (task.near.rows() > 0) options.starts = {task.near};
     options.still.assign(task.layout.mesh()->triangle_count(), 0);
-    for (const KeptRegion& kept : done_->kept)
-      std::fill_n(options.still.begin() + task.layout.first_triangle(kept.region),
-                  task.layout.region(kept.region).mesh()->triangle_count(), 1);
+    const auto keep = [&](int region) {
+      std::fill_n(options.still.begin() + task.layout.first_triangle(region),
+                  task.layout.region(region).mesh()->triangle_count(), 1);
+    };
+    for (const KeptRegion& kept : done_->kept) keep(kept.region);
+    for (int r = 0; r < count_of(only_); ++r)
+      if (!only_[r]) keep(r);
     try {
       done_->surface = fair_shape(task.layout, task.bent, task.rows, options, task.progress);
       done_->not_faired.clear();
@@ -93,9 +104,45 @@ class FairRest {
  private:
   Points first_;
   VariationOptions options_;
+  std::vector<char> only_;  // by region: those that are faired; empty: all
   std::shared_ptr<ShapeFairing> done_;
   bool begun_ = false;
 };
+
+// Regions that vary least without being asked for, by region of the layout; none: no regions.
+std::vector<char> varied_unasked(const Scene& scene, const ModelLayout& layout) {
+  const SceneSkin& skin = scene.skin;
+  if (skin.fair != SceneSkin::Fair::Auto || skin.hold != SceneSkin::Hold::Lines ||
+      skin.options.element != TriangleElement::HCT || !skin.isotropic_alpha ||
+      !skin.isotropic_beta)
+    return {};
+  std::vector<char> only(static_cast<size_t>(layout.region_count()), 0);
+  parallel_parts(layout.region_count(), [&](int r) { only[r] = has_many_sides(layout.region(r)); });
+  if (std::find(only.begin(), only.end(), 1) == only.end()) only.clear();
+  return only;
+}
+
+// Takes out the regions that fairing moved by more than a share of their size. Whether there are any.
+bool take_out_far(const FairedModel& faired, const Points& start, std::vector<char>& only) {
+  constexpr double most = 0.15;
+  if (start.rows() != faired.surface.dofs.rows()) return false;  // on another mesh
+  const ModelLayout& layout = *faired.layout;
+  bool any = false;
+  for (int r = 0; r < layout.region_count(); ++r) {
+    if (!only[r]) continue;
+    const Points before = layout.region_dofs(r, start),
+                 after = layout.region_dofs(r, faired.surface.dofs);
+    const int vertices = layout.region(r).mesh()->vertex_count();
+    double far = 0;
+    const DofMap map(*layout.region(r).mesh());
+    for (int v = 0; v < vertices; ++v)
+      far = std::max(far, (after.row(map.vertex(v)) - before.row(map.vertex(v))).norm());
+    if (!(far > most * layout.region(r).size())) continue;
+    only[r] = 0;
+    any = true;
+  }
+  return any;
+}
 
 FairShape varied(const Scene& scene, const MadeModel& made,
                  std::shared_ptr<const ModelLayout> layout, const Points& bent,
@@ -105,9 +152,20 @@ FairShape varied(const Scene& scene, const MadeModel& made,
   shape.fairing = std::make_shared<ShapeFairing>();
   const double join_tolerance = scene.network.join_tolerance;
   const VariationOptions options = variation_options(scene);
+  std::vector<char> only = varied_unasked(scene, *layout);
+  shape.fairing->asked = only.empty();
   try {
     FairedModel faired =
-        fair_model(made.model, std::move(layout), bent, join_tolerance, options, progress);
+        fair_model(made.model, layout, bent, join_tolerance, options, progress, only);
+    while (!only.empty() && (!faired.surface.converged || take_out_far(faired, bent, only))) {
+      if (!faired.surface.converged || std::find(only.begin(), only.end(), 1) == only.end())
+        return shape;
+      faired = fair_model(made.model, layout, bent, join_tolerance, options, progress, only);
+    }
+    shape.fairing->regions = only.empty()
+                                 ? faired.layout->region_count()
+                                 : static_cast<int>(std::count(only.begin(), only.end(), 1));
+    shape.fairing->regions -= count_of(faired.kept);
     shape.layout = faired.layout;
     shape.dofs = faired.surface.dofs;
     shape.fairing->surface = std::move(faired.surface);
@@ -115,11 +173,12 @@ FairShape varied(const Scene& scene, const MadeModel& made,
   } catch (const CancelledError&) {
     throw;
   } catch (const Error& e) {
+    if (!shape.fairing->asked) return shape;
     shape.fairing->surface.emplace();
     shape.fairing->not_faired = e.what();
     return shape;
   }
-  shape.rest = FairRest(shape.dofs, options, shape.fairing);
+  shape.rest = FairRest(shape.dofs, options, std::move(only), shape.fairing);
   return shape;
 }
 
@@ -135,7 +194,8 @@ bool is_loft(const Scene& scene, const MadeModel& made) {
 }  // namespace
 
 bool asks_for_shape(const Scene& scene, const MadeModel& made) {
-  return is_loft(scene, made) || scene.skin.is_faired() || !scene.targets.empty();
+  return is_loft(scene, made) || scene.skin.is_faired() || !scene.targets.empty() ||
+         (made.model.layout && !varied_unasked(scene, *made.model.layout).empty());
 }
 
 FairShape fair_scene(const Scene& scene, const MadeModel& made,

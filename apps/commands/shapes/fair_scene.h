@@ -16,6 +16,8 @@ namespace batten {
 /// What fairing a shape did.
 struct ShapeFairing {
   std::optional<VariationSurface> surface;  ///< set where the change of curvature was made least
+  bool asked = true;  ///< false: of regions with five sides or more, without being asked for
+  int regions = 0;    ///< how many were faired
   bool lofted = false;                      ///< set where the scene asked for a loft
   std::optional<ModelFit> fit;              ///< set where the scene has a [[target]]
   std::vector<KeptRegion> kept;             ///< regions that were not faired
@@ -33,10 +35,12 @@ struct FairShape {
 };
 
 /// Whether a scene asks for another shape of its lines than the one that bends least: by [skin] fair, by
-/// a [[target]], or because its curves are a row of sections.
+/// a [[target]], or because its curves are a row of sections or bound regions with five sides or more.
 bool asks_for_shape(const Scene& scene, const MadeModel& made);
 
-/// The shape that fair = "variation" or "loft" asks for, or that is fitted to [[target]], from `bent`, the dofs that bend least on
+/// The shape that fair = "variation" or "loft" asks for, or that is fitted to [[target]]; without being
+/// asked for, the one of least variation of regions with five sides or more, where it converges, has no
+/// flaw, and stays within 0.15 of the region's size. From `bent`, the dofs that bend least on
 /// `layout`. The rest shape of a session is this one, and under other rows of lines, moves and
 /// constraints the one that fair_shape() or loft_shape() makes for them. Throws InputError with the
 /// place in the scene, CancelledError.

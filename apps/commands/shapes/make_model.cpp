@@ -2,12 +2,16 @@
 
 #include <algorithm>
 #include <iterator>
+#include <utility>
 
 #include "batten/apps/commands/lines/mirror_lines.h"
 #include "batten/apps/commands/shapes/scene_target.h"
 #include "batten/core/box.h"
+#include "batten/core/errors.h"
 #include "batten/skinning/layout/section_region.h"
+#include "batten/skinning/model/rest_shape.h"
 #include "batten/skinning/search/find_regions.h"
+#include "batten/skinning/surfaces/normal_side.h"
 #include "batten/skinning/surfaces/section_row.h"
 #include "batten/skinning/surfaces/skin_network.h"
 
@@ -45,14 +49,39 @@ std::vector<CharacterLine> stated_sections(const Scene& scene,
   return in_order;
 }
 
+// Lays a region out, its normals on the side of normal_side.h.
+RegionLayout laid_out(const Scene& scene, const std::vector<CharacterLine>& lines,
+                      const std::vector<CharacterLine>& sections, const Progress& progress) {
+  const auto layout = [&](const SkinOptions& options) {
+    return sections.empty() ? RegionLayout(scene.name, lines, options, progress)
+                            : section_region(scene.name, sections, options, progress);
+  };
+  SkinOptions options = scene.skin.options;
+  const double stated = std::exchange(options.edge_length, 0);  // the usual mesh tells the side
+  const RegionLayout usual = layout(options);
+  try {
+    const ModelLayout model(usual);
+    const Points rest = scene.skin.has_rest() ? rest_dofs(model) : Points();
+    const Points shape =
+        rest.rows() > 0 ? rest : model.least_energy(scene.skin.material, Points());
+    const SkinnedRegion region = usual.region(shape);
+    options.against_first = !normal_side(side_integrals({&region}), false).agrees;
+  } catch (const CancelledError&) {
+    throw;
+  } catch (const Error&) {
+    // What is wrong with the shape is said where it is made.
+  }
+  options.edge_length = stated;
+  return stated > 0 || options.against_first ? layout(options) : usual;
+}
+
 // A region as a model.
 MadeModel one_region(const Scene& scene, const std::vector<CharacterLine>& lines,
                      const std::vector<CharacterLine>& sections, const Progress& progress) {
   MadeModel made;
   try {
-    made.model.layout = std::make_shared<const ModelLayout>(
-        sections.empty() ? RegionLayout(scene.name, lines, scene.skin.options, progress)
-                         : section_region(scene.name, sections, scene.skin.options, progress));
+    made.model.layout =
+        std::make_shared<const ModelLayout>(laid_out(scene, lines, sections, progress));
   } catch (const InputError& e) {
     std::string text = e.what();
     const size_t named = scene.skin.sections.size();

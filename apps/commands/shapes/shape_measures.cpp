@@ -2,15 +2,19 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <optional>
 
 #include "batten/apps/commands/shapes/scene_target.h"
 #include "batten/apps/commands/shapes/shape_files.h"
 #include "batten/core/errors.h"
 #include "batten/core/index.h"
+#include "batten/core/parallel.h"
+#include "batten/core/words.h"
 #include "batten/fairing/arc_length.h"
 #include "batten/fem/surface.h"
 #include "batten/io/files/text.h"
 #include "batten/skinning/lines/line_fit.h"
+#include "batten/skinning/surfaces/rest_departure.h"
 
 namespace batten {
 namespace {
@@ -225,6 +229,45 @@ void measure_target(Report& report, const ModelFit& fit, const Scene& scene) {
   report.target = std::move(t);
 }
 
+// A surface may leave what its boundary curves mean because it was told to bend or to vary least, or
+// where smooth edges pull it. What inner curves, loads and targets ask for is no departure.
+void warn_of_departures(Report& report, const MadeShape& shape, const Scene& scene) {
+  if (!shape.layout || scene.is_sculpted() || !scene.targets.empty() || shape.fairing.lofted ||
+      scene.skin.hold != SceneSkin::Hold::Lines)
+    return;
+  const ModelLayout& layout = *shape.layout;
+  const bool free = scene.skin.fair != SceneSkin::Fair::Auto;
+  std::vector<char> joined(shape.regions.size(), free);
+  for (const JoinPlan& plan : layout.join_plans())
+    if (!plan.given_up())
+      for (const JoinSide& side : plan.join_line.sides) joined[side.region] = 1;
+  std::vector<std::optional<RestDeparture>> found(shape.regions.size());
+  parallel_parts(count_of(found), [&](int r) {
+    const SkinnedRegion& region = shape.regions[r];
+    const auto inner = [](const auto& l) { return l.line.role == CharacterLine::Role::Inner; };
+    if (!joined[r] || std::any_of(region.runs.begin(), region.runs.end(), inner) ||
+        std::any_of(region.embedded.begin(), region.embedded.end(), inner))
+      return;
+    found[r] = departure_from_rest(layout.region(r), region);
+  });
+  for (int r = 0; r < count_of(found); ++r) {
+    if (!found[r]) continue;
+    const RestDeparture& d = *found[r];
+    const double thickness = scene.stress ? scene.stress->thickness : 0;
+    const bool thick = thickness > 0 && d.distance > thickness;
+    if (!d.is_large() && !thick) continue;
+    const bool sections = d.depth > 0 && d.distance > 0.5 * d.depth;
+    report.warnings.push_back(
+        "region '" + layout.region(r).name() + "' leaves the blend of its boundary curves by " +
+        number(d.distance) + " " + scene.unit + " at " + at(d.at) + ", which is " +
+        number(std::round(100 * d.distance / (sections ? d.depth : d.across))) + " % of the " +
+        (sections ? "depth of its sections" : "distance between its sides") +
+        (thick ? " and more than its thickness: stresses are those of this shape; " : ": ") +
+        (free ? "fair = \"auto\" keeps it there"
+              : "smooth edges pull it there; [[join]] kind = \"crease\" leaves it"));
+  }
+}
+
 }  // namespace
 
 void measure_into(ShapeRun& run, MadeModel& made, const MadeShape& shape, const Scene& scene,
@@ -259,18 +302,22 @@ void measure_into(ShapeRun& run, MadeModel& made, const MadeShape& shape, const 
     const VariationSurface& f = *shape.fairing.surface;
     s.fairing = {f.functional,     f.start_functional, f.max_move, f.iterations,
                  f.factorizations, f.converged,        f.share,    {}};
+    s.fairing->asked = shape.fairing.asked;
+    s.fairing->regions = shape.fairing.regions;
     for (const KeptRegion& kept : shape.fairing.kept) {
       s.fairing->kept.push_back(shape.layout->region(kept.region).name());
+      if (!shape.fairing.asked) continue;
       report.warnings.push_back("region '" + s.fairing->kept.back() +
                                 "' is not faired and bends least: " + kept.why);
     }
     if (!shape.fairing.not_faired.empty())
       report.warnings.push_back("not faired, the surface bends least: " + shape.fairing.not_faired);
     constexpr double far = 0.1;
-    if (f.max_move > far * s.size)
+    if (shape.fairing.asked && f.max_move > far * s.size)
       report.warnings.push_back("fairing moved the surface by " + number(f.max_move / s.size) +
                                 " of the size: its lines leave much of the shape open");
   }
+  warn_of_departures(report, shape, scene);
   if (shape.fairing.fit) measure_target(report, *shape.fairing.fit, scene);
   report.scans = shape.scans;
   report.reactions = shape.reactions;
