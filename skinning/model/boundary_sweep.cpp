@@ -419,7 +419,8 @@ SurfaceSlope BoundarySweep::slopes_of_blend(const Vec2& uv) const {
 
 std::optional<Points> BoundarySweep::dofs(Points* middles) const {
   const ParametricMesh& mesh = *region_->mesh();
-  Points q = interpolated(mesh, [this](const Vec2& uv) { return at(uv); }, middles);
+  Points q = interpolated(
+      mesh, [this](const Vec2& uv) { return at(uv); }, middles);
   if (!q.allFinite()) return std::nullopt;
   const Surface surface(region_->mesh(), region_->element(), q, region_->trim());
   const Trim* trim = region_->trim().get();

@@ -23,9 +23,9 @@ RestError rest_error(const RegionLayout& region, double tolerance, const Element
   const ParametricMesh& mesh = *region.mesh();
   Points middles;
   // Turned over where elements are too large for it, or for good.
-  const Surface surface(
-      region.mesh(), region.element(),
-      interpolated(mesh, [&](const Vec2& uv) { return sweep->at(uv); }, &middles));
+  const Surface surface(region.mesh(), region.element(),
+                        interpolated(
+                            mesh, [&](const Vec2& uv) { return sweep->at(uv); }, &middles));
   double longest = 0;
   for (const auto& edge : mesh.edges()) longest = std::max(longest, length_of(mesh, edge));
   std::vector<double> lengths(static_cast<size_t>(mesh.vertex_count()), longest);

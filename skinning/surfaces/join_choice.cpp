@@ -78,8 +78,8 @@ std::vector<double> estimate_chains(const CharacterLineNetwork& network, const R
     }
   std::vector<double> estimates(join_lines.size());
   parallel_parts(count_of(estimates), [&](int s) {
-    estimates[s] = estimate(network, maker, regions, choice.joins[choice.join_of[s]],
-                            join_lines[s]);
+    estimates[s] =
+        estimate(network, maker, regions, choice.joins[choice.join_of[s]], join_lines[s]);
   });
   std::vector<double> sum(join_lines.size(), 0), length(join_lines.size(), 0), result;
   for (const auto& [arc, s] : join_line_of) {

@@ -121,8 +121,7 @@ void RegionMaker::place_vertices() {
     double spacing = orientation_.sides[a].empty() ? edge_ : network_.size();
     for (const ArcSide& side : orientation_.sides[a]) {
       const double across = 2.0 / 3 * least_across(model_.regions.size());
-      spacing =
-          std::min({spacing, edge_of(side.region), orientation_.sizes[side.region] / across});
+      spacing = std::min({spacing, edge_of(side.region), orientation_.sizes[side.region] / across});
     }
     spacing = std::min(spacing, 0.5 * arc.length);
     if (const double count = arc.length / spacing; !(count <= most_triangles))
@@ -208,9 +207,8 @@ std::set<int> RegionMaker::divide_sides(const RegionLayout& layout, const Elemen
   std::set<int> beside;
   for (const LineRun& run : layout.runs()) {
     const auto& arcs = network_.arcs();
-    const auto arc = std::find_if(arcs.begin(), arcs.end(), [&](const NetworkArc& a) {
-      return a.name == run.line.name;
-    });
+    const auto arc = std::find_if(arcs.begin(), arcs.end(),
+                                  [&](const NetworkArc& a) { return a.name == run.line.name; });
     if (arc == arcs.end() || !run.line.given) continue;
     const auto a = static_cast<size_t>(arc - arcs.begin());
     const double per_length = arc->curve.end() / arc->length;

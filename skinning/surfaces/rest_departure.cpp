@@ -54,8 +54,7 @@ std::optional<RestDeparture> departure_from_rest(const RegionLayout& layout,
   RestDeparture found;
   const DofMap map(*layout.mesh());
   for (int v = 0; v < layout.mesh()->vertex_count(); ++v) {
-    const Vec3 x = made.surface.dofs().row(map.vertex(v)),
-               x_rest = rest.row(map.vertex(v));
+    const Vec3 x = made.surface.dofs().row(map.vertex(v)), x_rest = rest.row(map.vertex(v));
     if (!((x - x_rest).norm() > found.distance)) continue;
     found.distance = (x - x_rest).norm();
     found.at = x;

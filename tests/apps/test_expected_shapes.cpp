@@ -1,26 +1,10 @@
 // `batten skin curves.csv` without any option gives the surface that people expect.
-#include <map>
-
 #include "batten/tests/apps/cli_case.h"
 #include "batten/tests/skin_command.h"
 
 using namespace batten_test;
 
 namespace {
-
-// Shapes that the command does not get right yet, and why. Each must say so, by a nonzero exit code
-// or a warning; nothing on this list may be wrong silently. Remove an entry when its shape comes
-// out right: the test prints a notice then.
-const std::map<std::string, std::string>& known_failures() {
-  static const std::map<std::string, std::string> failures = {
-      {"lune",
-       "the surface is within 1.1e-4 of the size, but it leaves the half circles by twice the "
-       "tolerance, and the STEP face leaves the surface by three times the tolerance"},
-      {"wing, span 8",
-       "the surface is within 9.3e-4 of the size, but the STEP faces leave it by thirteen "
-       "times the tolerance"}};
-  return failures;
-}
 
 // Without the STEP file a shape takes a third of the time; only its checks are missing then.
 enum class Step { Written, Omitted };
@@ -37,17 +21,8 @@ void check_group(const std::string& group, unsigned seed, Step step) {
                     << deviation.area << " and volume " << deviation.volume
                     << " of the expected ones\n"
                     << result.message);
-    const bool right = deviation.right && result.exit_code == 0;
-    const auto known = known_failures().find(shape.name);
-    if (known == known_failures().end()) {
-      CHECK(result.exit_code == 0);
-      CHECK(deviation.right);
-    } else if (!right) {
-      INFO("listed as not right yet: " << known->second);
-      CHECK(result.says_so());
-    } else if (step == Step::Written) {
-      WARN(shape.name << " is right: remove it from known_failures()");
-    }
+    CHECK(result.exit_code == 0);
+    CHECK(deviation.right);
   }
 }
 

@@ -379,3 +379,96 @@ TEST_CASE("lines leave as whole curves although others cut them", "[cli][network
   c.fails(kNetworkHead + box() + "[output]\nstep_lines = true\n", 1,
           {"'step_lines' without 'step'"});
 }
+
+namespace {
+
+// A polygon with `sides` sides on a sphere of radius 50, straight in longitude and latitude.
+std::string sphere_outline(int sides) {
+  std::string csv = "curve,x,y,z\n";
+  for (int k = 0; k < sides; ++k)
+    for (int i = 0; i <= 16; ++i) {
+      const auto at = [&](int c) {
+        const double turn = 2 * 3.14159265358979 * c / sides;
+        return std::array{0.8 * std::cos(turn), 0.8 * std::sin(turn)};
+      };
+      const auto a = at(k), b = at(k + 1);
+      const double s = i / 16.0, u = (1 - s) * a[0] + s * b[0], v = (1 - s) * a[1] + s * b[1];
+      csv += "side" + std::to_string(k);
+      for (const double x : {std::sin(u) * std::cos(v), std::sin(v), std::cos(u) * std::cos(v)})
+        csv += "," + std::to_string(50 * x);
+      csv += "\n";
+    }
+  return csv;
+}
+
+}  // namespace
+
+TEST_CASE("a region with five sides varies least unasked, and the summary says so",
+          "[cli][network]") {
+  const Case c("five_sides");
+  c.file("curves.csv", sphere_outline(5));
+  const Result r = c.run({"skin", "curves.csv", "--out", "out"});
+  INFO(r.out << r.err);
+  REQUIRE(r.code == 0);
+  CHECK(r.out.find("1 sphere (radius 50") != std::string::npos);
+  CHECK(r.out.find("1 region with five sides or more") != std::string::npos);
+  const auto fairing = report(c, "out")["surface"]["fairing"];
+  CHECK(fairing["asked"] == false);
+  CHECK(fairing["regions"] == 1);
+  // Asked for bending, it bends; four sides need no fairing.
+  c.file("s.toml", "unit = \"mm\"\n[[lines]]\nfile = \"curves.csv\"\n[skin]\nfair = \"bending\"\n");
+  const Result bent = c.run({"run", "s.toml", "--out", "bent"});
+  CHECK(bent.code == 0);
+  CHECK(bent.out.find("sphere") == std::string::npos);
+  c.file("curves.csv", sphere_outline(4));
+  REQUIRE(c.run({"skin", "curves.csv", "--out", "four"}).code == 0);
+  CHECK_FALSE(report(c, "four")["surface"].contains("fairing"));
+}
+
+TEST_CASE("normals of a stated region do not hang on its first line either", "[cli][network]") {
+  // An arched roof whose treatment of the rib makes it one stated region.
+  const auto scene = [](bool turned) {
+    const std::string front =
+        "[[line]]\nname = \"front\"\npoints = [[0,0,0],[1,0,0.6],[2,0,0.8],[3,0,0.6],[4,0,0]]\n";
+    const std::string back =
+        "[[line]]\nname = \"back\"\npoints = [[4,6,0],[3,6,0.6],[2,6,0.8],[1,6,0.6],[0,6,0]]\n";
+    const std::string sides =
+        "[[line]]\nname = \"left\"\npoints = [[0,0,0],[0,6,0]]\n"
+        "[[line]]\nname = \"right\"\npoints = [[4,0,0],[4,6,0]]\n";
+    const std::string rib =
+        "[[line]]\nname = \"rib\"\nrole = \"inner\"\ntreatment = \"embedded\"\n"
+        "points = [[0,3,0],[1,3,0.6],[2,3,0.8],[3,3,0.6],[4,3,0]]\n";
+    return "unit = \"m\"\n" + (turned ? back + sides + front : front + sides + back) + rib;
+  };
+  for (const bool turned : {false, true}) {
+    const Case c("stated_normals");
+    c.file("s.toml", scene(turned));
+    const Result r = c.run({"run", "s.toml", "--out", "out"});
+    INFO(r.out << r.err);
+    CHECK(r.out.find("to the convex side") != std::string::npos);
+    CHECK(report(c, "out")["surface"]["mean_normal"][2].get<double>() > 0.5);
+  }
+}
+
+TEST_CASE("a surface that leaves the blend of its curves is named, the default does not",
+          "[cli][network]") {
+  const Case c("departure");
+  std::string csv = "curve,x,y,z\n";
+  for (int i = 0; i <= 24; ++i)
+    for (const int z : {0, 200}) {
+      const double turn = 2 * 3.14159265358979 * i / 24;
+      csv += (z == 0 ? "low," : "high,") + std::to_string(20 * std::cos(turn)) + "," +
+             std::to_string(20 * std::sin(turn)) + "," + std::to_string(z) + "\n";
+    }
+  c.file("c.csv", csv);
+  const std::string head = "unit = \"mm\"\n[[lines]]\nfile = \"c.csv\"\n";
+  c.file("auto.toml", head);
+  c.file("bent.toml", head + "[skin]\nfair = \"bending\"\n");
+  const Result plain = c.run({"run", "auto.toml", "--out", "out"});
+  CHECK(plain.code == 0);
+  CHECK((plain.out + plain.err).find("leaves the blend") == std::string::npos);
+  const Result bent = c.run({"run", "bent.toml", "--out", "bent"});
+  INFO(bent.out << bent.err);
+  CHECK((bent.out + bent.err).find("leaves the blend of its boundary curves") != std::string::npos);
+  CHECK((bent.out + bent.err).find("depth of its sections") != std::string::npos);
+}

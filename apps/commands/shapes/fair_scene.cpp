@@ -113,8 +113,7 @@ class FairRest {
 std::vector<char> varied_unasked(const Scene& scene, const ModelLayout& layout) {
   const SceneSkin& skin = scene.skin;
   if (skin.fair != SceneSkin::Fair::Auto || skin.hold != SceneSkin::Hold::Lines ||
-      skin.options.element != TriangleElement::HCT || !skin.isotropic_alpha ||
-      !skin.isotropic_beta)
+      skin.options.element != TriangleElement::HCT || !skin.isotropic_alpha || !skin.isotropic_beta)
     return {};
   std::vector<char> only(static_cast<size_t>(layout.region_count()), 0);
   parallel_parts(layout.region_count(), [&](int r) { only[r] = has_many_sides(layout.region(r)); });

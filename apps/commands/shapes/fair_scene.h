@@ -16,12 +16,12 @@ namespace batten {
 /// What fairing a shape did.
 struct ShapeFairing {
   std::optional<VariationSurface> surface;  ///< set where the change of curvature was made least
-  bool asked = true;  ///< false: of regions with five sides or more, without being asked for
-  int regions = 0;    ///< how many were faired
-  bool lofted = false;                      ///< set where the scene asked for a loft
-  std::optional<ModelFit> fit;              ///< set where the scene has a [[target]]
-  std::vector<KeptRegion> kept;             ///< regions that were not faired
-  std::string not_faired;  ///< why it could not be: the shape is then that of least bending
+  bool asked = true;    ///< false: of regions with five sides or more, without being asked for
+  int regions = 0;      ///< how many were faired
+  bool lofted = false;  ///< set where the scene asked for a loft
+  std::optional<ModelFit> fit;   ///< set where the scene has a [[target]]
+  std::vector<KeptRegion> kept;  ///< regions that were not faired
+  std::string not_faired;        ///< why it could not be: the shape is then that of least bending
 };
 
 /// The shape of a scene's lines, where nothing else acts.

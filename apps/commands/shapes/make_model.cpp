@@ -62,8 +62,7 @@ RegionLayout laid_out(const Scene& scene, const std::vector<CharacterLine>& line
   try {
     const ModelLayout model(usual);
     const Points rest = scene.skin.has_rest() ? rest_dofs(model) : Points();
-    const Points shape =
-        rest.rows() > 0 ? rest : model.least_energy(scene.skin.material, Points());
+    const Points shape = rest.rows() > 0 ? rest : model.least_energy(scene.skin.material, Points());
     const SkinnedRegion region = usual.region(shape);
     options.against_first = !normal_side(side_integrals({&region}), false).agrees;
   } catch (const CancelledError&) {

@@ -173,8 +173,7 @@ std::string fairing_result(const Report::Surface& s, const std::string& unit) {
   if (s.fair == "loft") return result_line("lofted", "along splines across the sections");
   if (!s.fairing) return "";
   const std::string what =
-      s.fairing->asked ? ""
-                       : counted(s.fairing->regions, "region") + " with five sides or more: ";
+      s.fairing->asked ? "" : counted(s.fairing->regions, "region") + " with five sides or more: ";
   return result_line("faired", what + "change of curvature " + number(s.fairing->start_functional) +
                                    " -> " + number(s.fairing->functional) + ", moved by up to " +
                                    number(s.fairing->max_move) + unit);

@@ -11,6 +11,7 @@
 #include "batten/fem/surface_projector.h"
 #include "batten/skinning/model/rest_shape.h"
 #include "batten/skinning/search/find_regions.h"
+#include "batten/skinning/surfaces/rest_departure.h"
 #include "batten/skinning/surfaces/skin_network.h"
 #include "batten/tests/catch.h"
 #include "batten/tests/skinning/network/networks.h"
@@ -327,4 +328,116 @@ TEST_CASE("regions without opposite sides, and plane ones, bend least") {
             .rows() == 0);
   CHECK(rest_dofs(*model_of(lines_through({{0, 0, 0}, {2, 0, 0.5}, {2, 1, 0}, {0, 1, 0}})).layout)
             .rows() > 0);
+}
+
+namespace {
+
+// The upper half of a wing: half an ellipse of chord 1 and depth 0.05 at both ends of the span.
+Vec3 on_wing(double turn, double y) {
+  return {0.5 * (1 - std::cos(turn)), y, 0.05 * std::sin(turn)};
+}
+
+Lines wing(double span) {
+  Lines lines;
+  for (const double y : {0.0, span}) {
+    std::vector<Vec3> points;
+    for (int i = 0; i <= 32; ++i) points.push_back(on_wing(pi * i / 32, y));
+    lines.push_back({y == 0 ? "root" : "tip", curve_through_points("rib", points, 60)});
+  }
+  lines.push_back(straight("nose", {0, 0, 0}, {0, span, 0}));
+  lines.push_back(straight("tail", {1, 0, 0}, {1, span, 0}));
+  return lines;
+}
+
+// Largest distance from the ellipse over a surface, in the direction to its centre.
+double off_wing(const SkinnedRegion& region) {
+  double worst = 0;
+  const Surface& surface = region.surface;
+  for (int t = 0; t < surface.mesh().triangle_count(); ++t)
+    for (const Vec3& L : {Vec3(1, 1, 1), Vec3(1, 1, 0), Vec3(0, 1, 1), Vec3(1, 0, 1)}) {
+      const Vec3 x = surface.position({t, L / L.sum()});
+      const double a = (x.x() - 0.5) / 0.5, b = x.z() / 0.05;
+      const double level = std::hypot(a, b);  // first-order distance: |f| / |grad f|
+      worst = std::max(worst, std::abs(level - 1) * level / std::hypot(a / 0.5, b / 0.05));
+    }
+  return worst;
+}
+
+}  // namespace
+
+TEST_CASE("elements follow a nose along its whole span, however long it is") {
+  for (const double span : {1.0, 4.0, 8.0}) {
+    const Lines lines = wing(span);
+    const CharacterLineNetwork network(lines);
+    const SurfaceModel model = model_of(lines);
+    REQUIRE(model.skinned().size() == 1);
+    CAPTURE(span, model.layout->mesh()->triangle_count());
+    CHECK(off_wing(*model.skinned()[0]) < 1.5e-4 * network.size());
+    CHECK(model.layout->mesh()->triangle_count() < 8'000);
+    // On elements of one size it is much farther off, and an edge length that is stated is kept.
+    ModelOptions stated;
+    stated.skin.edge_length = network.size() / 40;
+    const SurfaceModel even = model_of(lines, {}, stated);
+    if (span > 2) CHECK(off_wing(*even.skinned()[0]) > 1e-3 * network.size());
+  }
+}
+
+TEST_CASE("the lines of a cone are smooth up to its apex, and that is no warning") {
+  Lines lines;
+  const Vec3 apex(0, 0, 3);
+  for (int k = 0; k < 4; ++k) {
+    lines.push_back(arc("rim" + std::to_string(k), 0, 2, k * pi / 2, (k + 1) * pi / 2));
+    lines.push_back(straight("line" + std::to_string(k),
+                             {2 * std::cos(k * pi / 2), 2 * std::sin(k * pi / 2), 0}, apex));
+  }
+  const SurfaceModel model = model_of(lines);
+  CHECK(model.skinned().size() == 4);
+  for (const ModelJoin& join : model.joins)
+    if (join.regions.size() == 2) CHECK(join.kind == ModelJoin::Kind::Smooth);
+  CHECK(model.warnings.empty());
+  for (const SkinnedRegion* region : model.skinned())
+    CHECK(off_axis(*region, [](double z) { return 2 * (1 - z / 3); }) < 5e-3);
+  // A pyramid has an edge along each of its lines.
+  Lines pyramid;
+  for (int k = 0; k < 4; ++k) {
+    const auto corner = [](int i) {
+      return Vec3(2 * std::cos(i * pi / 2), 2 * std::sin(i * pi / 2), 0);
+    };
+    pyramid.push_back(straight("rim" + std::to_string(k), corner(k), corner(k + 1)));
+    pyramid.push_back(straight("line" + std::to_string(k), corner(k), apex));
+  }
+  for (const ModelJoin& join : model_of(pyramid).joins)
+    if (join.regions.size() == 2) CHECK(join.kind == ModelJoin::Kind::Crease);
+}
+
+TEST_CASE("a surface that bends from nothing is far from what its curves mean, a sweep is not") {
+  const SurfaceModel swept = model_of(quarter(2, 2));
+  const auto near = departure_from_rest(swept.layout->region(0), *swept.skinned()[0]);
+  REQUIRE(near);
+  CHECK_FALSE(near->is_large());
+  CHECK(near->distance < 1e-10);
+  CHECK(near->across == Approx(3).epsilon(0.02));
+  CHECK(near->depth == Approx(2 - std::sqrt(2)).epsilon(0.02));
+  // A tube ten radii long that bends from nothing has a waist.
+  const Lines rims{arc("low", 0, 2, 0, 2 * pi), arc("high", 20, 2, 0, 2 * pi)};
+  ModelOptions bending;
+  bending.rest = false;
+  const SurfaceModel tube = model_of(rims, {}, bending);
+  REQUIRE(tube.skinned().size() == 1);
+  const auto far = departure_from_rest(tube.layout->region(0), *tube.skinned()[0]);
+  REQUIRE(far);
+  CHECK(far->is_large());
+  CHECK(far->depth == Approx(2).epsilon(1e-3));
+  // Nothing is opposite in a pentagon.
+  Lines pentagon;
+  for (int k = 0; k < 5; ++k) {
+    const auto corner = [](int i) {
+      return Vec3(std::cos(0.4 * pi * i), std::sin(0.4 * pi * i), i % 5 == 0 ? 0.3 : 0);
+    };
+    pentagon.push_back(straight("side" + std::to_string(k), corner(k), corner(k + 1)));
+  }
+  const SurfaceModel five = model_of(pentagon);
+  CHECK_FALSE(departure_from_rest(five.layout->region(0), *five.skinned()[0]));
+  CHECK(has_many_sides(five.layout->region(0)));
+  CHECK_FALSE(has_many_sides(swept.layout->region(0)));
 }

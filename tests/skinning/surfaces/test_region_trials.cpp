@@ -93,7 +93,7 @@ TEST_CASE("rough outlines: no trial is worse than the usual way, and some are sa
     double usual = -1e300;
     try {
       RegionTrial first{
-          std::make_shared<RegionLayout>("region", w.lines, w.skin), {}, {w.skin, true}, {}};
+          std::make_shared<RegionLayout>("region", w.lines, w.skin), {}, {}, {w.skin, true}, {}};
       first.shape = ModelLayout(frame(), {first.layout}, {}).least_energy({});
       usual = least_jacobian(first);
     } catch (const Error&) {
