@@ -150,8 +150,9 @@ void RegionMaker::place_vertices() {
 std::set<int> RegionMaker::resolve_rests(std::set<int> look_at) {
   std::set<int> beside;
   if (!options_.rest || options_.skin.edge_length > 0) return beside;
-  constexpr int most_rounds = 8, most_times = 16;  // the triangles
-  constexpr double share = 0.4;                    // of the tolerance: fitted curves take some, too
+  constexpr int most_rounds = 8, many = 8'000,
+                most_times = 4;  // triangles, and how often those of before
+  constexpr double share = 0.4;  // of the tolerance: fitted curves take some, too
   std::vector<std::shared_ptr<const RegionLayout>> now(model_.regions.size());
   std::vector<int> before(now.size(), 0);  // triangles
   std::vector<int> in_vain(now.size(), 0);
@@ -167,7 +168,7 @@ std::set<int> RegionMaker::resolve_rests(std::set<int> look_at) {
       if (!layout || layout->domain() != SkinOptions::Domain::Polygon) return;
       const int triangles = layout->mesh()->triangle_count();
       if (round == 0) before[r] = triangles;
-      if (triangles > most_times * before[r]) return;
+      if (triangles > std::max(many, most_times * before[r])) return;
       const RestError error = rest_error(*layout, share * tolerance_, sizes_[r].get());
       // Where shorter edges do not help twice, the shape itself has a corner.
       constexpr double helps = 0.8;

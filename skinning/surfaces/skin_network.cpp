@@ -148,7 +148,12 @@ class ModelMaker {
   // Fills in what became of the joins; smooth lines that end where there is no tangent plane are
   // listed by node.
   void tell_joins(const std::vector<JoinPlan>& plans) {
-    std::map<int, std::pair<std::vector<std::string>, double>> without_plane;
+    struct NoPlane {
+      std::vector<std::string> lines;
+      double apart = 0;    // degrees
+      bool asked = false;  // whether one of them was to be smooth
+    };
+    std::map<int, NoPlane> without_plane;
     for (size_t s = 0; s < plans.size(); ++s) {
       ModelJoin& join = join_of(s);
       join.why = plans[s].why_not;
@@ -169,18 +174,19 @@ class ModelMaker {
           continue;
         }
         auto& at_node = without_plane[arc.nodes[e]];
-        at_node.first.push_back("'" + arc.name + "'");
-        at_node.second = std::max(at_node.second, end.apart_deg);
+        at_node.lines.push_back("'" + arc.name + "'");
+        at_node.apart = std::max(at_node.apart, end.apart_deg);
+        at_node.asked = at_node.asked || join.asked;
       }
     }
-    for (const auto& [node, lines] : without_plane) {
+    for (const auto& [node, found] : without_plane) {
       // The curves make a point there, as the apex of a cone.
-      if (lines.second > options_.smooth_below_deg) continue;
+      if (!found.asked && found.apart > options_.smooth_below_deg) continue;
       std::string names;
-      for (const std::string& name : lines.first) names += (names.empty() ? "" : ", ") + name;
+      for (const std::string& name : found.lines) names += (names.empty() ? "" : ", ") + name;
       model_.warnings.push_back("no tangent plane at " + at(network_.nodes()[node].position) +
                                 ": the lines that meet there leave one by up to " +
-                                number(lines.second) +
+                                number(found.apart) +
                                 " degrees, so that these end as creases: " + names);
     }
   }

@@ -454,8 +454,8 @@ TEST_CASE("a surface that leaves the blend of its curves is named, the default d
           "[cli][network]") {
   const Case c("departure");
   std::string csv = "curve,x,y,z\n";
-  for (int i = 0; i <= 24; ++i)
-    for (const int z : {0, 200}) {
+  for (const int z : {0, 200})
+    for (int i = 0; i <= 24; ++i) {
       const double turn = 2 * 3.14159265358979 * i / 24;
       csv += (z == 0 ? "low," : "high,") + std::to_string(20 * std::cos(turn)) + "," +
              std::to_string(20 * std::sin(turn)) + "," + std::to_string(z) + "\n";

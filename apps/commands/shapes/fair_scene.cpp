@@ -109,6 +109,15 @@ class FairRest {
   bool begun_ = false;
 };
 
+// Inner curves and holes say what least variation of the outline alone would say otherwise.
+bool has_outline_only(const RegionLayout& region) {
+  const auto inner = [](const LineRun& run) {
+    return run.line.role != CharacterLine::Role::Outline;
+  };
+  return region.embedded().empty() &&
+         std::none_of(region.runs().begin(), region.runs().end(), inner);
+}
+
 // Regions that vary least without being asked for, by region of the layout; none: no regions.
 std::vector<char> varied_unasked(const Scene& scene, const ModelLayout& layout) {
   const SceneSkin& skin = scene.skin;
@@ -116,7 +125,10 @@ std::vector<char> varied_unasked(const Scene& scene, const ModelLayout& layout) 
       skin.options.element != TriangleElement::HCT || !skin.isotropic_alpha || !skin.isotropic_beta)
     return {};
   std::vector<char> only(static_cast<size_t>(layout.region_count()), 0);
-  parallel_parts(layout.region_count(), [&](int r) { only[r] = has_many_sides(layout.region(r)); });
+  parallel_parts(layout.region_count(), [&](int r) {
+    const RegionLayout& region = layout.region(r);
+    only[r] = has_outline_only(region) && has_many_sides(region);
+  });
   if (std::find(only.begin(), only.end(), 1) == only.end()) only.clear();
   return only;
 }

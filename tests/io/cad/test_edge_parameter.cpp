@@ -117,5 +117,5 @@ TEST_CASE("files whose faces share edges pass OpenCASCADE's check before boolean
   const RegionOptions regions = region_words({{{"low"}, {"high"}}, {{"low"}}, {{"high"}}});
   CHECK(faults(make_model({oval_line("low", 0, 0), oval_line("high", 15, 1.0)}, regions, 4), "oval",
                0.01) == 0);
-  CHECK(faults(mouse(8, false), "mouse", 0.02) == 0);
+  CHECK(faults(mouse(8, false), "mouse", 0.015) == 0);
 }
