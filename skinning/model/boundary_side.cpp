@@ -1,24 +1,20 @@
 #include "batten/skinning/model/boundary_side.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include "batten/core/index.h"
 #include "batten/core/plane.h"
 
 namespace batten {
-namespace {
 
 // Gauss-Legendre, three points: exact for the speed of quintics.
-double arc_length(const HermiteCurve& curve, double from, double to) {
+double BoundarySide::Part::length_to(double t) const {
   static const double offset = std::sqrt(0.6);
-  const double middle = 0.5 * (from + to), half = 0.5 * (to - from);
-  const auto speed = [&](double x) { return curve.evaluate(middle + half * x, 1).norm(); };
+  const double half = 0.5 * t;
+  const auto speed = [&](double x) { return slope(half + half * x).norm(); };
   return half * (5 * speed(-offset) + 8 * speed(0) + 5 * speed(offset)) / 9;
 }
-
-}  // namespace
 
 void BoundarySide::add(HermiteCurve curve, HermiteCurve image) {
   constexpr int kParts = 4;  // of a segment: lengths are then good to 1e-9 on quarter circles
@@ -27,36 +23,55 @@ void BoundarySide::add(HermiteCurve curve, HermiteCurve image) {
   for (size_t i = 0; i + 1 < at.size(); ++i)
     for (int k = 0; k < kParts; ++k) {
       const double step = (at[i + 1] - at[i]) / kParts;
-      const double from = at[i] + k * step, to = k + 1 == kParts ? at[i + 1] : from + step;
-      length += arc_length(curve, from, to);
-      knots_.push_back({count_of(pieces_), from, to});
+      Part part;
+      part.piece = count_of(images_);
+      part.from = at[i] + k * step;
+      part.to = k + 1 == kParts ? at[i + 1] : part.from + step;
+      // The cubic through four of its places.
+      Vec3 x[4];
+      for (int n = 0; n < 4; ++n)
+        x[n] = curve.evaluate(n < 3 ? part.from + (part.to - part.from) * n / 3 : part.to);
+      part.c[0] = x[0];
+      part.c[1] = -5.5 * x[0] + 9 * x[1] - 4.5 * x[2] + x[3];
+      part.c[2] = 9 * x[0] - 22.5 * x[1] + 18 * x[2] - 4.5 * x[3];
+      part.c[3] = -4.5 * x[0] + 13.5 * x[1] - 13.5 * x[2] + 4.5 * x[3];
+      const double own = part.length_to(1);
+      for (const int end : {0, 1}) {
+        const double speed = part.slope(end).norm();
+        part.rates[end] = speed > 0 ? own / speed : 1;
+      }
+      length += own;
+      parts_.push_back(part);
       lengths_.push_back(length);
     }
-  pieces_.push_back({std::move(curve), std::move(image)});
+  images_.push_back(std::move(image));
 }
 
 BoundarySide::Point BoundarySide::on(double length) const {
   const auto it = std::lower_bound(lengths_.begin(), lengths_.end() - 1, length);
   const auto k = static_cast<size_t>(it - lengths_.begin());
-  const Knot& knot = knots_[k];
+  const Part& part = parts_[k];
   const double before = k == 0 ? 0 : lengths_[k - 1], inside = lengths_[k] - before;
-  const auto& [curve, image] = pieces_[static_cast<size_t>(knot.piece)];
   const double wanted = std::clamp(length - before, 0.0, inside);
-  double u = inside > 0 ? knot.from + (knot.to - knot.from) * wanted / inside : knot.from;
-  // At the ends of the knot the table has the parameter already.
+  // Hermite's cubic of t(s) is good to the fourth power of the part's turn; Newton's steps mend it.
+  const double s = inside > 0 ? wanted / inside : 0;
+  double t = s * (1 + (1 - s) * ((1 - s) * (part.rates[0] - 1) - s * (part.rates[1] - 1)));
+  t = std::clamp(t, 0.0, 1.0);
   for (int round = 0; round < 3 && wanted > 0 && wanted < inside; ++round) {
-    const double speed = curve.evaluate(u, 1).norm();
+    const double speed = part.slope(t).norm();
     if (!(speed > 0)) break;
-    const double step = (wanted - arc_length(curve, knot.from, u)) / speed;
-    u = std::clamp(u + step, knot.from, knot.to);
-    if (std::abs(step) < 1e-13 * (knot.to - knot.from)) break;
+    const double step = (wanted - part.length_to(t)) / speed;
+    t = std::clamp(t + step, 0.0, 1.0);
+    if (std::abs(step) < 1e-7) break;  // of which the next one would be the square
   }
-  // A node belongs to the segment that begins there: at its end a knot asks just before it.
-  const double inner = std::min(u, knot.to - 1e-9 * (knot.to - knot.from));
-  const Vec3 slope = curve.evaluate(inner, 1);
+  const double range = part.to - part.from;
+  const Vec3 slope = part.slope(t);
   const double speed = slope.norm(), rate = speed > 0 ? this->length() / speed : 0;
-  return {curve.evaluate(u), slope * rate, flat(image.evaluate(u)),
-          flat(image.evaluate(inner, 1)) * rate};
+  const HermiteCurve& image = images_[static_cast<size_t>(part.piece)];
+  // A node belongs to the segment that begins there: at its end a part asks just before it.
+  const double u = part.from + t * range, inner = std::min(u, part.to - 1e-9 * range);
+  return {part.position(t), slope * rate, flat(image.evaluate(u)),
+          flat(image.evaluate(inner, 1)) * (rate * range)};
 }
 
 BoundarySide::Point BoundarySide::at(double f) const {

@@ -27,17 +27,20 @@ class BoundarySide {
  private:
   Point on(double length) const;
 
-  struct Piece {
-    HermiteCurve curve, image;
-  };
-  // Arc length is tabulated at a few parameters of each segment.
-  struct Knot {
+  // A part of a segment. Arc length is tabulated at its ends.
+  struct Part {
     int piece;
     double from, to;  // parameters of the piece's curve
+    Vec3 c[4];        // x = c0 + c1 t + c2 t² + c3 t³, t from 0 to 1
+    double rates[2];  // dt/ds at both ends, times the length of the part
+
+    Vec3 position(double t) const { return c[0] + t * (c[1] + t * (c[2] + t * c[3])); }
+    Vec3 slope(double t) const { return c[1] + t * (2 * c[2] + 3 * t * c[3]); }
+    double length_to(double t) const;
   };
-  std::vector<Piece> pieces_;
-  std::vector<Knot> knots_;
-  std::vector<double> lengths_;  // arc length at the end of each knot's interval
+  std::vector<HermiteCurve> images_;  // of the pieces
+  std::vector<Part> parts_;
+  std::vector<double> lengths_;  // arc length at the end of each part
 };
 
 }  // namespace batten

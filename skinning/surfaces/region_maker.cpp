@@ -150,9 +150,13 @@ void RegionMaker::place_vertices() {
 std::set<int> RegionMaker::resolve_rests(std::set<int> look_at) {
   std::set<int> beside;
   if (!options_.rest || options_.skin.edge_length > 0) return beside;
-  constexpr int most_rounds = 8, many = 8'000,
-                most_times = 4;  // triangles, and how often those of before
+  constexpr int most_rounds = 8;
   constexpr double share = 0.4;  // of the tolerance: fitted curves take some, too
+  // Waves of curves that were drawn by hand are not worth their elements, noses of wings are.
+  constexpr double least_error = 10;  // of the tolerance
+  // Triangles that come to all of these regions. Drawings of many regions are not to be much slower.
+  const int more = std::min(10'000, 40'000 / count_of(model_.regions));
+  int each = more;
   std::vector<std::shared_ptr<const RegionLayout>> now(model_.regions.size());
   std::vector<int> before(now.size(), 0);  // triangles
   std::vector<int> in_vain(now.size(), 0);
@@ -168,8 +172,9 @@ std::set<int> RegionMaker::resolve_rests(std::set<int> look_at) {
       if (!layout || layout->domain() != SkinOptions::Domain::Polygon) return;
       const int triangles = layout->mesh()->triangle_count();
       if (round == 0) before[r] = triangles;
-      if (triangles > std::max(many, most_times * before[r])) return;
+      if (triangles > before[r] + each) return;
       const RestError error = rest_error(*layout, share * tolerance_, sizes_[r].get());
+      if (round == 0 && !(error.largest > least_error * tolerance_)) return;
       // Where shorter edges do not help twice, the shape itself has a corner.
       constexpr double helps = 0.8;
       in_vain[r] = error.largest <= helps * least[r] ? 0 : in_vain[r] + 1;
@@ -179,6 +184,9 @@ std::set<int> RegionMaker::resolve_rests(std::set<int> look_at) {
       now[r] = layout;
     });
     look_at.clear();
+    if (round == 0)
+      each /= std::max(1, static_cast<int>(std::count_if(sizes.begin(), sizes.end(),
+                                                         [](const auto& s) { return s; })));
     for (size_t i = 0; i < which.size(); ++i) {
       if (!sizes[i]) continue;
       sizes_[which[i]] = sizes[i];

@@ -68,7 +68,7 @@ std::optional<RestDeparture> departure_from_rest(const RegionLayout& layout,
                                       : layout.embedded()[i].fitted;
       around += length_of(curve);
       const double of_curve = depth_of(curve);
-      if (of_curve > 1e-3 * layout.size()) depth = std::min(depth, of_curve);
+      if (of_curve > 1e-2 * layout.size()) depth = std::min(depth, of_curve);
     }
   if (std::isfinite(depth)) found.depth = depth;
   const Surface surface(layout.mesh(), layout.element(), rest, layout.trim());

@@ -14,7 +14,7 @@ struct RestDeparture {
   /// Distance between the sides: the shorter side of the rectangle with the rest shape's area and perimeter.
   double across = 0;
   /// Depth of the sections: of the boundary curves that bend, the least distance by which one leaves its
-  /// chord (a closed one: its centre). 0 where none bends by more than 1e-3 of the size.
+  /// chord (a closed one: its centre). 0 where none bends by more than 1e-2 of the size.
   double depth = 0;
 
   /// Above a tenth of the distance between the sides, or half of the depth, a surface is another one

@@ -124,6 +124,8 @@ std::vector<char> varied_unasked(const Scene& scene, const ModelLayout& layout) 
   if (skin.fair != SceneSkin::Fair::Auto || skin.hold != SceneSkin::Hold::Lines ||
       skin.options.element != TriangleElement::HCT || !skin.isotropic_alpha || !skin.isotropic_beta)
     return {};
+  constexpr int most_triangles = 3'000;  // of the model: about a second
+  if (layout.mesh()->triangle_count() > most_triangles) return {};
   std::vector<char> only(static_cast<size_t>(layout.region_count()), 0);
   parallel_parts(layout.region_count(), [&](int r) {
     const RegionLayout& region = layout.region(r);

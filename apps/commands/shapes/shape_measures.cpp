@@ -255,8 +255,10 @@ void warn_of_departures(Report& report, const MadeShape& shape, const Scene& sce
     const RestDeparture& d = *found[r];
     const double thickness = scene.stress ? scene.stress->thickness : 0;
     const bool thick = thickness > 0 && d.distance > thickness;
-    if (!d.is_large() && !thick) continue;
-    const bool sections = d.depth > 0 && d.distance > 0.5 * d.depth;
+    // Smooth edges are there to pull at thin sections.
+    const bool large = free ? d.is_large() : d.distance > 0.1 * d.across;
+    if (!large && !thick) continue;
+    const bool sections = free && d.depth > 0 && d.distance > 0.5 * d.depth;
     report.warnings.push_back(
         "region '" + layout.region(r).name() + "' leaves the blend of its boundary curves by " +
         number(d.distance) + " " + scene.unit + " at " + at(d.at) + ", which is " +
