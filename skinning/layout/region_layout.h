@@ -67,6 +67,7 @@ class RegionLayout {
   double corner_angle() const { return options_.corner_angle; }
   SkinOptions::Domain domain() const { return options_.domain; }
   bool convex() const { return options_.convex; }  ///< SkinOptions::convex
+  bool rests() const { return options_.rest; }     ///< SkinOptions::rest
   /// Returns the start of the first line.
   Vec3 origin() const;
 

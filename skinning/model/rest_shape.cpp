@@ -7,6 +7,7 @@
 namespace batten {
 
 Points rest_dofs(const RegionLayout& region) {
+  if (!region.rests()) return {};
   if (is_ring(region)) return SectionSurface(region, 0).dofs();
   const auto sweep = BoundarySweep::of(region);
   return sweep ? sweep->dofs().value_or(Points()) : Points();

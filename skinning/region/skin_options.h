@@ -34,6 +34,9 @@ struct SkinOptions {
   /// Every corner turns to the left of the loop, wherever the lines alone seem to turn: so do those of a
   /// face that the region will be drawn to. Such a face may be far from any surface that the lines make.
   bool convex = false;
+  /// The region rests in the shape that its boundary means (rest_shape.h), if there is one; else it bends
+  /// from nothing.
+  bool rest = true;
   /// Inner lines of a ring are sections of it, in their order from the first rim to the last.
   bool sections = false;
   /// The outline runs against its first line: the normal points to the other side.

@@ -363,6 +363,17 @@ bool RegionMaker::lay_out_otherwise(int region) {
   return true;
 }
 
+bool RegionMaker::lay_out_bending(int region) {
+  const auto r = static_cast<size_t>(region);
+  if (rests_[r].rows() == 0) return false;
+  ways_[r]->skin.rest = false;
+  lay_out({region}, 0.5, 0.5);
+  model_.regions[r].warnings.push_back(
+      "it bends from nothing: the sweep between its sides would turn over or sag where it goes on "
+      "smoothly in its neighbours");
+  return true;
+}
+
 void RegionMaker::leave_out(int r, const std::string& why) {
   ModelRegion& region = model_.regions[r];
   region.why_not = why;

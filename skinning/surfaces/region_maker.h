@@ -36,6 +36,8 @@ class RegionMaker {
   std::set<int> resolve_rests(std::set<int> regions);
   /// Lays out a region in another way (try_other()). Whether there was one.
   bool lay_out_otherwise(int region);
+  /// Lays a region out once more without its rest shape. Whether it had one.
+  bool lay_out_bending(int region);
   /// Leaves a region out after all, for a reason in words.
   void leave_out(int region, const std::string& why);
   /// Puts a mesh vertex between any two on this arc, for the next lay_out().

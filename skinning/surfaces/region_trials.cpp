@@ -27,6 +27,7 @@ struct Way {
   bool settle = false;
   double edge = 1;  // times the edge length that was asked for
   bool convex = false;
+  bool rest = true;
 };
 
 std::vector<Way> ways_after(const RegionWish& wish, Domain first) {
@@ -147,6 +148,11 @@ class Trials {
     for (const bool inner : {true, false}) {
       if (!inner && wish_.inner == 0) break;
       if (attempt({"", wish_.skin.domain}, inner)) return taken();
+      // The sweep between its sides may be what is wrong.
+      if (best_ && best_->trial.rest.rows() > 0 &&
+          attempt({"by least bending from nothing", wish_.skin.domain, false, 1, false, false},
+                  inner))
+        return taken();
       const Domain first =
           best_ && best_->trial.way.inner == inner ? best_->trial.layout->domain() : Domain::Auto;
       const Way convex{"with corners as its face has them", wish_.skin.domain, false, 1, true};
@@ -169,6 +175,7 @@ class Trials {
       skin.domain = way.domain;
       skin.settle = way.settle;
       skin.convex = way.convex;
+      skin.rest = way.rest;
       skin.edge_length *= way.edge;
       Made made{laid_out(wish_, skin, inner, frame_, material_), 0, ""};
       judge(made, wish_.plain_area);

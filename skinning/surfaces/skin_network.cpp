@@ -295,7 +295,8 @@ class ModelMaker {
     });
     bool any = false;
     for (size_t r = 0; r < spoiled.size(); ++r)
-      if (spoiled[r] && regions_.lay_out_otherwise(static_cast<int>(r))) {
+      if (spoiled[r] && (regions_.lay_out_bending(static_cast<int>(r)) ||
+                         regions_.lay_out_otherwise(static_cast<int>(r)))) {
         spoiled[r] = 0;
         any = true;
       }
