@@ -148,8 +148,9 @@ class Trials {
     for (const bool inner : {true, false}) {
       if (!inner && wish_.inner == 0) break;
       if (attempt({"", wish_.skin.domain}, inner)) return taken();
-      // The sweep between its sides may be what is wrong.
-      if (best_ && best_->trial.rest.rows() > 0 &&
+      // The sweep between its sides may be what is wrong, but not where it is only large.
+      constexpr int wrong = 2;
+      if (best_ && best_->evil >= wrong && best_->trial.rest.rows() > 0 &&
           attempt({"by least bending from nothing", wish_.skin.domain, false, 1, false, false},
                   inner))
         return taken();
