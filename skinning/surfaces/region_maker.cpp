@@ -81,7 +81,8 @@ RegionMaker::RegionMaker(const CharacterLineNetwork& network, const FoundRegions
     model_.regions[r].plan = std::move(plans[r]);
     model_.regions[r].plain_area = orientation_.plain_areas[r];
   }
-  edge_ = options.skin.edge_length > 0 ? options.skin.edge_length : network.size() / 40;
+  const double share = plans.size() == 1 ? 20 : 40;  // a region by itself has no neighbours to meet
+  edge_ = options.skin.edge_length > 0 ? options.skin.edge_length : network.size() / share;
   tolerance_ = options.skin.tolerance > 0 ? options.skin.tolerance : 1e-4 * network.size();
   require_tolerance(tolerance_, network.size());
   for (const NetworkNode& node : network.nodes())

