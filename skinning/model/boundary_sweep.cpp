@@ -417,10 +417,9 @@ SurfaceSlope BoundarySweep::slopes_of_blend(const Vec2& uv) const {
   return s;
 }
 
-std::optional<Points> BoundarySweep::dofs(Points* middles) const {
+std::optional<Points> BoundarySweep::dofs() const {
   const ParametricMesh& mesh = *region_->mesh();
-  Points q = interpolated(
-      mesh, [this](const Vec2& uv) { return at(uv); }, middles);
+  Points q = interpolated(mesh, [this](const Vec2& uv) { return at(uv); });
   if (!q.allFinite()) return std::nullopt;
   const Surface surface(region_->mesh(), region_->element(), q, region_->trim());
   const Trim* trim = region_->trim().get();

@@ -38,8 +38,7 @@ class BoundarySweep {
   /// Value and gradient at a place of the domain, also a little outside of the boundary.
   SurfaceSlope at(const Vec2& uv) const;
   /// Dofs on the region's mesh; none where the surface would turn over in the domain.
-  /// `middles` as in interpolated().
-  std::optional<Points> dofs(Points* middles = nullptr) const;
+  std::optional<Points> dofs() const;
 
  private:
   // An edge of the square of (s, t): a side, forwards or backwards, or a corner.

@@ -8,7 +8,7 @@
 namespace batten {
 
 /// Dofs of the rest shapes of all regions, 0 in regions that have none; no rows where none has, or
-/// where ModelFrame::sweep is off. Absolute coordinates.
+/// where ModelFrame::rest or SkinOptions::rest is off. Absolute coordinates.
 ///
 ///     two, three or four sides   sweeps with transported sections (docs/theory/sweeps.md)
 ///     ring                       the loft through its rims and its closed inner curves

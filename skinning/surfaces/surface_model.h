@@ -30,7 +30,7 @@ struct JoinWord {
 /// How a model is made of a network.
 struct ModelOptions {
   std::string name = "model";
-  /// Element, edge_length (0: 1/40 of the network's size), alpha and beta as in RegionLayout; its
+  /// Element, edge_length (0: 1/40 of the network's size, 1/20 where there is one region), alpha and beta as in RegionLayout; its
   /// tolerance is that of embedded lines (0: 1e-4 of the network's size).
   SkinOptions skin;
   SurfaceStiffness material{};
