@@ -83,6 +83,7 @@ class Engine {
  private:
   void make_matrix(System& system, const std::vector<double>& values);
   void add_scans(System& system, const std::vector<double>& values, SparseMatrix& K);
+  static SparseMatrix join_stiffness(const System& system, const std::vector<double>& values);
   static void load_rest(System& system, const SparseMatrix& K);
   void couple(System& system, const Coupling* older);
   bool superpose(System& system, const std::vector<double>& values, Points& x, Run& run);

@@ -70,7 +70,14 @@ void Engine::add_scans(System& system, const std::vector<double>& values, Sparse
     system.scan_reduced = system.reduction->D().transpose() * system.scan_load;
 }
 
-// What holds the surface in its rest shape, as a load: K x_rest. `K` is without scans.
+// What ties regions along embedded lines, for the values.
+SparseMatrix Engine::join_stiffness(const System& system, const std::vector<double>& values) {
+  const double beta = (values[system.beta[0]] + values[system.beta[2]]) / 2;
+  return system.def.scale().material(SurfaceStiffness::isotropic(0, beta)).beta[0] *
+         system.layout().join_stiffness();
+}
+
+// What holds the surface in its rest shape, as a load: K x_rest. `K` is without scans and joins.
 void Engine::load_rest(System& system, const SparseMatrix& K) {
   const bool rests = system.rest && system.rest->dofs.rows() > 0;
   system.rest_load.resize(rests ? system.dofs() : 0, 3);
@@ -83,9 +90,13 @@ void Engine::load_rest(System& system, const SparseMatrix& K) {
 void Engine::set_rest(System& system, std::shared_ptr<const Rest> rest) {
   system.rest = std::move(rest);
   anchored_ = false;
-  if (system.statics && system.scan_load.rows() == 0)
-    load_rest(system, system.statics->matrix());
-  else
+  if (system.statics && system.scan_load.rows() == 0) {
+    const SparseMatrix joins = join_stiffness(system, system.matrix_values);
+    if (joins.nonZeros() > 0)
+      load_rest(system, system.statics->matrix() - joins);
+    else
+      load_rest(system, system.statics->matrix());
+  } else
     outdate(system);
 }
 
@@ -98,10 +109,8 @@ void Engine::make_matrix(System& system, const std::vector<double>& values) {
     parts.assembler.stiffness(all[0], K);
   else
     parts.assembler.stiffness(all, K);
-  const double beta = (values[system.beta[0]] + values[system.beta[2]]) / 2;
-  K += system.def.scale().material(SurfaceStiffness::isotropic(0, beta)).beta[0] *
-       system.layout().join_stiffness();
   load_rest(system, K);
+  K += join_stiffness(system, values);
   add_scans(system, values, K);
   // A factor that the history keeps must stay; one of our own takes other numbers in place.
   if (system.statics && system.statics.use_count() == 1)

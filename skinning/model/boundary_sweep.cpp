@@ -48,7 +48,9 @@ std::string uncut(const std::string& name) {
 }
 
 // The outline of a region in its direction, cut into sides where it turns by more than the angle. Where
-// that makes more than four, corners inside of one curve, as those of a polyline, do not count.
+// that makes more than four, corners inside of one curve, as those of a polyline, do not count. An angle
+// above the default says which turns of the points of one curve are smooth, nothing about corners
+// between curves.
 std::vector<BoundarySide> sides_of(const RegionLayout& region) {
   struct Piece {
     HermiteCurve curve, image;
@@ -69,9 +71,10 @@ std::vector<BoundarySide> sides_of(const RegionLayout& region) {
                       uncut(run ? region.runs()[i].line.name : region.embedded()[i].line.name)});
   }
   const size_t n = pieces.size();
+  const double corner = std::min(region.corner_angle(), SkinOptions{}.corner_angle);
   std::vector<size_t> starts;  // pieces behind a corner
   for (size_t i = 0; i < n; ++i)
-    if (degrees_between(pieces[(i + n - 1) % n].last, pieces[i].first) > region.corner_angle())
+    if (degrees_between(pieces[(i + n - 1) % n].last, pieces[i].first) > corner)
       starts.push_back(i);
   if (starts.size() > 4)
     std::erase_if(starts, [&](size_t i) { return pieces[(i + n - 1) % n].name == pieces[i].name; });

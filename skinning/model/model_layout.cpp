@@ -320,11 +320,12 @@ Points ModelLayout::least_of_difference(const SurfaceStiffness& material,
     assembler.stiffness(materials[0], K);
   else
     assembler.stiffness(materials, K);
-  const double beta = (material.beta[0] + material.beta[2]) / 2;
-  K += beta * join_stiffness();
   const VecX ones = position_dofs();
   const Points about_origin = ones * origin().transpose();
   const Points F = K.selfadjointView<Eigen::Lower>() * Points(wanted - about_origin);
+  // The joins hold whatever is wanted: they are no part of the load.
+  const double beta = (material.beta[0] + material.beta[2]) / 2;
+  K += beta * join_stiffness();
   const ConstrainedSolver solver(line_constraints().moved(ones, origin()), std::move(K),
                                  dof_order());
   return solver.solve(wanted.isZero(0) ? Points(Points::Zero(ones.size(), 3)) : F) + about_origin;

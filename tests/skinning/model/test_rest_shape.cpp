@@ -76,6 +76,24 @@ TEST_CASE("two equal arcs and two straight lines are a piece of a cylinder") {
   CHECK(off_axis(*bent.skinned()[0], [](double) { return 2; }) > 0.02);
 }
 
+TEST_CASE("an angle that smooths points leaves corners between curves") {
+  const double slant = 0.4;  // the straight sides leave the arcs at 53 degrees
+  Lines lines = {arc("low", 0, 2, 0, pi / 2), arc("high", 3, 2, slant, slant + pi / 2)};
+  for (const auto& [name, turn] : {std::pair("first", 0.0), {"last", pi / 2}})
+    lines.push_back(straight(name, Vec3(2 * std::cos(turn), 2 * std::sin(turn), 0),
+                             Vec3(2 * std::cos(turn + slant), 2 * std::sin(turn + slant), 3)));
+  Points shapes[2];
+  for (int k = 0; k < 2; ++k) {
+    ModelOptions options;
+    options.skin.corner_angle = k ? 80 : 20;
+    const SurfaceModel model = model_of(lines, {}, options);
+    REQUIRE(model.regions.size() == 1);
+    shapes[k] = rest_dofs(*model.layout);
+  }
+  REQUIRE(shapes[0].rows() > 0);
+  CHECK(shapes[0] == shapes[1]);
+}
+
 TEST_CASE("arcs of two radii about one axis are a piece of a cone") {
   const SurfaceModel model = model_of(quarter(2, 1));
   REQUIRE(model.skinned().size() == 1);
