@@ -114,6 +114,20 @@ bool is_valid_alone(FaceMaker& made) {
   }
 }
 
+/// The regions whose analytic faces alone miss a smooth join.
+std::vector<const SkinnedRegion*> analytic_off_joins(const FittedFaces& made, const StepPlan& plan,
+                                                     double join_deg) {
+  std::vector<const SkinnedRegion*> off;
+  const auto is_analytic = [](const auto& maker) { return maker->analytic(); };
+  if (std::none_of(made.begin(), made.end(), is_analytic)) return off;
+  std::vector<FaceNormals> normals(made.size());
+  parallel_parts(count_of(made), [&](int k) { normals[k] = normals_before_fit(*made[k], plan); });
+  const std::vector<double> angles = angles_from_wanted(normals, join_deg);
+  for (size_t k = 0; k < made.size(); ++k)
+    if (made[k]->analytic() && angles[k] > join_deg) off.push_back(&made[k]->region());
+  return off;
+}
+
 /// Whether a face of the file lies on the surface that was fitted to a region.
 bool lies_on(const TopoDS_Face& face, const FaceMaker& made) {
   if (made.analytic())
@@ -180,7 +194,11 @@ FittedFaces fitted_faces(const std::vector<const SkinnedRegion*>& regions, const
   for (size_t k = 0; k < bad.size(); ++k)
     if (bad[k] && failed) failed->push_back(regions[k]);
   if (failed && !failed->empty()) return made;
-  if (plan.joined) find_joins(made, plan, options.tolerance);
+  if (plan.joined) {
+    find_joins(made, plan, options.tolerance);
+    if (failed) *failed = analytic_off_joins(made, plan, options.join_deg);
+    if (failed && !failed->empty()) return made;
+  }
   parallel_parts(count_of(made), [&](int k) {
     if (made[k]->analytic()) return;
     made[k]->fit();

@@ -14,7 +14,8 @@ namespace batten {
 using FittedFaces = std::vector<std::unique_ptr<FaceMaker>>;
 
 /// Fits a face to every region that is none of `analytic`, on all threads. `options`, `analytic` and the regions must
-/// outlive the result. Regions whose analytic face alone is not valid are put into `failed`, and nothing is fitted then.
+/// outlive the result. Regions whose analytic face alone is not valid, or misses a smooth join, are put into `failed`,
+/// and nothing is fitted then.
 FittedFaces fitted_faces(const std::vector<const SkinnedRegion*>& regions, const StepPlan& plan,
                          const StepFaceOptions& options, const AnalyticFaces& analytic = {},
                          std::vector<const SkinnedRegion*>* failed = nullptr);

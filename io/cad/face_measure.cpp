@@ -166,6 +166,18 @@ JoinNormals normals_along(const FaceStretch& stretch, const FaceMaker& made,
   return found;
 }
 
+template <class Function>
+FaceNormals normals_along_joins(const FaceMaker& made, const StepPlan& plan,
+                                const Function& of_face) {
+  FaceNormals normals;
+  for (const FaceLoop& loop : made.boundary().loops)
+    for (const FaceStretch& stretch : loop)
+      if (!stretch.turns.empty())
+        normals[piece_of(plan, stretch)] =
+            normals_along(stretch, made, [&](double, const Vec2& uv) { return of_face(uv); });
+  return normals;
+}
+
 /// The normal of the file's face; zero where it comes to a point.
 Vec3 normal_of_file(const FileEdge& edge, const Geom_Surface& surface, double share) {
   const gp_Pnt2d uv = edge.line->Value(edge.at(share));
@@ -281,13 +293,12 @@ FaceNormals measure_face(const TopoDS_Face& face, const FaceMaker& made, const S
 }
 
 FaceNormals normals_of_fit(const FaceMaker& made, const StepPlan& plan) {
-  FaceNormals normals;
-  for (const FaceLoop& loop : made.boundary().loops)
-    for (const FaceStretch& stretch : loop)
-      if (!stretch.turns.empty())
-        normals[piece_of(plan, stretch)] = normals_along(
-            stretch, made, [&](double, const Vec2& uv) { return made.fitted_normal(uv); });
-  return normals;
+  return normals_along_joins(made, plan, [&](const Vec2& uv) { return made.fitted_normal(uv); });
+}
+
+FaceNormals normals_before_fit(const FaceMaker& made, const StepPlan& plan) {
+  if (made.analytic()) return normals_of_fit(made, plan);
+  return normals_along_joins(made, plan, [&](const Vec2& uv) { return made.normal(uv); });
 }
 
 std::vector<StepJoin> joins_between(const std::vector<FaceNormals>& faces, double join_deg) {
@@ -330,6 +341,21 @@ std::vector<double> angles_to_mend(const std::vector<FaceNormals>& faces, double
         double& most = largest[beside.faces[side]];
         if (mine > join_deg) most = std::max(most, mine);
       }
+    }
+  return largest;
+}
+
+std::vector<double> angles_from_wanted(const std::vector<FaceNormals>& faces, double join_deg) {
+  std::vector<double> largest(faces.size(), 0.0);
+  for (const auto& [piece, beside] : sides_of(faces))
+    for (size_t k = 0; k < beside.normals[0]->of_face.size(); ++k) {
+      const auto angles = beside.angles(k);
+      if (!angles || angles->of_surfaces > join_deg) continue;
+      for (const size_t side : {0, 1})
+        if (beside.normals[side]) {
+          double& most = largest[beside.faces[side]];
+          most = std::max(most, beside.from_wanted(side, k));
+        }
     }
   return largest;
 }

@@ -29,8 +29,10 @@ FaceNormals measure_face(const TopoDS_Face& face, const FaceMaker& made, const S
 /// Whether an analytic face is as large as its region, and so the part of its surface that it should be.
 bool has_area_of_region(const TopoDS_Face& face, const FaceMaker& made);
 
-/// The same normals of the last fit, before there is a file.
+/// The same normals of the last fit, before there is a file; before there is a fit those of an analytic face,
+/// or of the surface.
 FaceNormals normals_of_fit(const FaceMaker& made, const StepPlan& plan);
+FaceNormals normals_before_fit(const FaceMaker& made, const StepPlan& plan);
 
 /// The joins between faces, by line. Where a side is no fitted face, the angle is
 /// that from the normals that were wanted.
@@ -40,5 +42,9 @@ std::vector<StepJoin> joins_between(const std::vector<FaceNormals>& faces, doubl
 /// could mend it: what the other face alone is off by, farther than that from the wanted normal, does
 /// not count. 0: nothing is missed.
 std::vector<double> angles_to_mend(const std::vector<FaceNormals>& faces, double join_deg);
+
+/// The largest angle of each face from the normals that are wanted along its joins, degrees, wherever the
+/// surfaces meet by `join_deg` at most: what it misses alone, however good the other face is.
+std::vector<double> angles_from_wanted(const std::vector<FaceNormals>& faces, double join_deg);
 
 }  // namespace batten

@@ -102,14 +102,11 @@ AnalyticFaces planned_faces(StepPlan& plan, MeasuredShapes& shapes) {
 
 /// The regions whose analytic faces are at fault for what is missed in a file.
 std::vector<const SkinnedRegion*> failed_faces(const FittedFaces& made, const StepReport& report) {
-  std::set<std::string> beside;  // regions beside a missed join
-  for (const StepJoin& join : report.joins)
-    if (!join.reached) beside.insert(join.regions.begin(), join.regions.end());
   std::vector<const SkinnedRegion*> failed;
   for (size_t k = 0; k < made.size(); ++k) {
     const StepPatch& patch = report.patches[k];
     if (made[k]->analytic() && (!report.valid || !patch.reached ||
-                                !std::isfinite(patch.edge_deviation) || beside.count(patch.region)))
+                                !std::isfinite(patch.edge_deviation) || patch.join_deg > 0))
       failed.push_back(&made[k]->region());
   }
   return failed;
