@@ -323,35 +323,51 @@ BoundarySweep::Jet BoundarySweep::jet(const Patch& patch, const Vec2& st, const 
   return {sum.x / weight, sum.by_u / weight, sum.by_v / weight};
 }
 
-// The point of one sweep nearest to x, from (s, t) on.
-Vec3 BoundarySweep::projected(const Patch& patch, Vec2 st, const Vec3& x) const {
-  Jet j = jet(patch, st, edges(patch, st));
-  for (int round = 0; round < 4; ++round) {
-    Eigen::Matrix<double, 3, 2> slopes;
-    slopes << j.by_u, j.by_v;
-    const Mat2 metric = slopes.transpose() * slopes;
-    const double det = metric.determinant();
-    if (!(det > 1e-12 * metric.trace() * metric.trace())) break;
-    const Vec2 step = metric.inverse() * (slopes.transpose() * (x - j.x));
-    st = (st + step).cwiseMax(-kBeyond).cwiseMin(1 + kBeyond);
-    if (patch.right.side < 0) st[0] = std::min(st[0], 1.0);
-    j = jet(patch, st, edges(patch, st));
-    if ((slopes * step).norm() < 1e-10 * region_->size()) break;
-  }
-  return j.x;
+// The slopes of one sweep by (u, v).
+SurfaceSlope BoundarySweep::slopes_at(const Patch& patch, const Square& square) const {
+  const Jet j = jet(patch, square);
+  Eigen::Matrix<double, 3, 2> by_st;
+  by_st << j.by_u, j.by_v;
+  return {j.x, by_st * square.jacobian.inverse()};
 }
 
-Vec3 BoundarySweep::blended(const Vec2& uv, std::vector<Vec2>& from) const {
-  Vec3 mean = Vec3::Zero();
-  for (size_t k = 0; k < patches_.size(); ++k) {
-    const Square at = place(patches_[k], uv, from[k]);
-    from[k] = at.st;
-    mean += patches_[k].weight_t * jet(patches_[k], at).x;
+// The point of one sweep nearest to the mean of all, from (s, t) on, and its slopes: with J the sweep's
+// own slopes, those of the foot follow from Jᵀ (mean - x) = 0,
+//
+//     (Jᵀ J - (mean - x)ᵀ x_ij) st_uv = Jᵀ mean_uv,   x_uv = J st_uv.
+SurfaceSlope BoundarySweep::projected(const Patch& patch, Vec2 st, const SurfaceSlope& mean) const {
+  using Slopes = Eigen::Matrix<double, 3, 2>;
+  const auto jet_at = [&](const Vec2& at) { return jet(patch, at, edges(patch, at)); };
+  const auto slopes_of = [](const Jet& j) {
+    Slopes J;
+    J << j.by_u, j.by_v;
+    return J;
+  };
+  const auto singular = [](const Mat2& A) {
+    return !(std::abs(A.determinant()) > 1e-12 * A.squaredNorm());
+  };
+  Jet j = jet_at(st);
+  for (int round = 0; round < 4; ++round) {
+    const Slopes J = slopes_of(j);
+    const Mat2 metric = J.transpose() * J;
+    if (singular(metric)) break;
+    const Vec2 step = metric.inverse() * (J.transpose() * (mean.x - j.x));
+    st = (st + step).cwiseMax(-kBeyond).cwiseMin(1 + kBeyond);
+    if (patch.right.side < 0) st[0] = std::min(st[0], 1.0);
+    j = jet_at(st);
+    if ((J * step).norm() < 1e-10 * region_->size()) break;
   }
-  Vec3 x = Vec3::Zero();
-  for (size_t k = 0; k < patches_.size(); ++k)
-    x += patches_[k].weight_t * projected(patches_[k], bent(patches_[k], from[k]), mean);
-  return x;
+  const Slopes J = slopes_of(j);
+  Mat2 curved;
+  constexpr double h = 1e-4;
+  for (const int k : {0, 1}) {
+    const Vec2 step = h * Vec2::Unit(k);
+    const Slopes by_k = (slopes_of(jet_at(st + step)) - slopes_of(jet_at(st - step))) / (2 * h);
+    curved.col(k) = by_k.transpose() * (mean.x - j.x);
+  }
+  const Mat2 A = J.transpose() * J - 0.5 * (curved + curved.transpose());
+  if (singular(A)) return {j.x, mean.by_uv};
+  return {j.x, J * (A.inverse() * (J.transpose() * mean.by_uv))};
 }
 
 // At a corner both sides fix the tangent plane and the gradient.
@@ -398,26 +414,26 @@ SurfaceSlope BoundarySweep::at(const Vec2& uv) const {
         return *corner;
       }
     }
-  const Jet j = jet(patch, square);
-  Eigen::Matrix<double, 3, 2> by_st;
-  by_st << j.by_u, j.by_v;
-  SurfaceSlope s{j.x, by_st * square.jacobian.inverse()};
+  SurfaceSlope s = slopes_at(patch, square);
   s.x += s.by_uv * (uv - square.uv);
   return s;
 }
 
 SurfaceSlope BoundarySweep::slopes_of_blend(const Vec2& uv) const {
-  std::vector<Vec2> here;
-  for (const Patch& patch : patches_) here.push_back(start(patch, uv));
-  SurfaceSlope s;
-  s.x = blended(uv, here);
-  const double h = 1e-4 * extent_;
-  for (const int k : {0, 1}) {
-    std::vector<Vec2> before = here, after = here;
-    const Vec2 step = h * Vec2::Unit(k);
-    s.by_uv.col(k) = (blended(uv + step, after) - blended(uv - step, before)) / (2 * h);
+  SurfaceSlope mean, blend;
+  std::vector<Vec2> st;
+  const auto add = [](SurfaceSlope& sum, double weight, const SurfaceSlope& of) {
+    sum.x += weight * of.x;
+    sum.by_uv += weight * of.by_uv;
+  };
+  for (const Patch& patch : patches_) {
+    const Square at = place(patch, uv);
+    st.push_back(bent(patch, at.st));
+    add(mean, patch.weight_t, slopes_at(patch, at));
   }
-  return s;
+  for (size_t k = 0; k < patches_.size(); ++k)
+    add(blend, patches_[k].weight_t, projected(patches_[k], st[k], mean));
+  return blend;
 }
 
 std::optional<Points> BoundarySweep::dofs() const {

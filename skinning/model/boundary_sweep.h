@@ -86,9 +86,8 @@ class BoundarySweep {
   static Jet jet(const Patch& patch, const Vec2& st, const Edges& edges);
   Jet jet(const Patch& patch, const Square& square) const;
   Edges edges(const Patch& patch, const Vec2& st) const;
-  Vec3 projected(const Patch& patch, Vec2 st, const Vec3& x) const;
-  // `from`: (s, t) in each patch to begin at, and where it ended.
-  Vec3 blended(const Vec2& uv, std::vector<Vec2>& from) const;
+  SurfaceSlope slopes_at(const Patch& patch, const Square& square) const;
+  SurfaceSlope projected(const Patch& patch, Vec2 st, const SurfaceSlope& mean) const;
   SurfaceSlope slopes_of_blend(const Vec2& uv) const;
   std::optional<SurfaceSlope> at_corner(const Vec2& uv) const;
 

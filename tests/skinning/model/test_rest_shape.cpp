@@ -9,6 +9,7 @@
 
 #include "batten/fairing/curve_shapes.h"
 #include "batten/fem/surface_projector.h"
+#include "batten/skinning/model/boundary_sweep.h"
 #include "batten/skinning/model/rest_shape.h"
 #include "batten/skinning/search/find_regions.h"
 #include "batten/skinning/surfaces/rest_departure.h"
@@ -282,6 +283,42 @@ TEST_CASE("ruled surfaces, saddles and helicoids are what their sides say") {
     CHECK(largest(model, [](const Vec3& p) {
             return std::hypot(p.x(), p.y()) * (std::atan2(p.y(), p.x()) - 0.75 * p.z());
           }) < 1e-3);
+  }
+}
+
+TEST_CASE("slopes of a sweep are the derivatives of its points") {
+  // Four sides; three that bulge unlike, so that the three sweeps differ; two.
+  const Lines lemon = {
+      {"a", ellipse_arc(level(0), 2, 1, 0, pi)},
+      {"b", ellipse_arc({Vec3::Zero(), Vec3::UnitX(), Vec3::UnitZ()}, 2, 1.5, 0, pi)}};
+  const Lines three = {
+      {"a", ellipse_arc(level(0), 2, 1.5, 0, pi / 2)},
+      {"b", ellipse_arc({Vec3::Zero(), Vec3::UnitY(), Vec3::UnitZ()}, 1.5, 1, 0, pi / 2)},
+      straight("c", Vec3(2, 0, 0), Vec3(0, 0, 1))};
+  for (const Lines& lines : {quarter(2, 3), three, lemon}) {
+    const SurfaceModel model = model_of(lines);
+    REQUIRE(model.regions.size() == 1);
+    const RegionLayout& region = model.layout->region(0);
+    const auto sweep = BoundarySweep::of(region);
+    REQUIRE(sweep);
+    const double h = 1e-5 * region.size();
+    const Trim* trim = region.trim().get();
+    double worst = 0;
+    for (int t = 0; t < region.mesh()->triangle_count(); ++t) {
+      if (trim && trim->side(t) != Trim::Side::Inside) continue;
+      for (const Vec3& L : {Vec3(1, 1, 1), Vec3(8, 1, 1), Vec3(1, 8, 1), Vec3(1, 1, 8)}) {
+        const auto& corners = region.mesh()->triangles()[t];
+        Vec2 uv = Vec2::Zero();
+        for (int k = 0; k < 3; ++k) uv += L[k] / L.sum() * region.mesh()->vertices()[corners[k]];
+        const SurfaceSlope s = sweep->at(uv);
+        for (const int k : {0, 1}) {
+          const Vec2 step = h * Vec2::Unit(k);
+          const Vec3 slope = (sweep->at(uv + step).x - sweep->at(uv - step).x) / (2 * h);
+          worst = std::max(worst, (s.by_uv.col(k) - slope).norm() / s.by_uv.norm());
+        }
+      }
+    }
+    CHECK(worst < 1e-5);
   }
 }
 
