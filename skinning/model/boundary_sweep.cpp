@@ -1,6 +1,7 @@
 #include "batten/skinning/model/boundary_sweep.h"
 
 #include <Eigen/LU>
+#include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -99,6 +100,7 @@ std::optional<BoundarySweep> BoundarySweep::of(const RegionLayout& region) {
   if (is_plane(samples_of(sides), kFlat * region.size())) return std::nullopt;
   BoundarySweep sweep(region, std::move(sides));
   if (!sweep.weigh()) return std::nullopt;
+  sweep.take_graph();
   return sweep;
 }
 
@@ -159,12 +161,69 @@ void BoundarySweep::add(Edge bottom, Edge top, Edge left, Edge right, bool both)
     if (fan.angle > least && fan.angle < widest)
       (at_right ? patch.fan_right : patch.fan_left) = fan;
   }
+  sample(patch);
+  patches_.push_back(std::move(patch));
+}
+
+void BoundarySweep::sample(Patch& patch) const {
+  patch.at.clear();
+  patch.uv.clear();
   for (int i = 0; i <= kGrid; ++i)
     for (int j = 0; j <= kGrid; ++j) {
       patch.at.emplace_back(i / double(kGrid), j / double(kGrid));
       patch.uv.push_back(square(patch, patch.at.back()).uv);
     }
-  patches_.push_back(std::move(patch));
+}
+
+// The affine map from space that all images of the sides are, if there is one.
+std::optional<BoundarySweep::Projection> BoundarySweep::projection_of_sides() const {
+  constexpr int samples = 16;  // of a side
+  const long n = samples * count_of(sides_);
+  MatX x(n, 3), uv(n, 2);
+  for (long i = 0; i < n; ++i) {
+    const BoundarySide::Point p =
+        sides_[static_cast<size_t>(i / samples)].at((i % samples) / double(samples));
+    x.row(i) = p.x;
+    uv.row(i) = p.uv;
+  }
+  const Eigen::RowVector3d middle = x.colwise().mean();
+  x.rowwise() -= middle;
+  Eigen::JacobiSVD<MatX> svd(x, Eigen::ComputeThinU | Eigen::ComputeThinV);
+  svd.setThreshold(1e-6);
+  Projection found;
+  found.linear = svd.solve(uv).transpose();
+  const Vec2 mean = uv.colwise().mean();
+  found.offset = mean - found.linear * middle.transpose();
+  constexpr double same = 1e-7;
+  const MatX miss = (x * found.linear.transpose()).rowwise() + mean.transpose() - uv;
+  if (!(miss.cwiseAbs().maxCoeff() < same * extent_)) return std::nullopt;
+  return found;
+}
+
+// Whether the sweeps turn away from the plane of the map by less than 70 degrees, all over.
+bool BoundarySweep::is_graph() const {
+  constexpr double steepest = 0.34;
+  const double scale = std::sqrt((graph_->linear * graph_->linear.transpose()).determinant());
+  double sign = 0;
+  for (const Patch& patch : patches_)
+    for (int i = 0; i < kGrid; ++i)
+      for (int j = 0; j < kGrid; ++j) {
+        const Square here = square(patch, {(i + 0.5) / kGrid, (j + 0.5) / kGrid});
+        const Jet x = jet(patch, here);
+        const double shadow = here.jacobian.determinant();
+        const double area = scale * x.by_u.cross(x.by_v).norm();
+        // Patches of a triangle run around it alike.
+        if (sign == 0) sign = shadow > 0 ? 1 : -1;
+        if (!(sign * shadow > steepest * area)) return false;
+      }
+  return true;
+}
+
+void BoundarySweep::take_graph() {
+  graph_ = projection_of_sides();
+  if (graph_ && !is_graph()) graph_.reset();
+  if (!graph_) return;
+  for (Patch& patch : patches_) sample(patch);
 }
 
 // Sets the weights of all sweeps; patches without any are dropped. False where none is left.
@@ -195,10 +254,16 @@ bool BoundarySweep::weigh() {
   return !patches_.empty();
 }
 
-// The Coons patch of the images, and all that is known at its place.
+// The Coons patch of the images, or the projection of the sweeps, and all that is known at its place.
 BoundarySweep::Square BoundarySweep::square(const Patch& patch, const Vec2& st) const {
   const double s = st[0], t = st[1];
   Square q{st, {}, {}, edges(patch, st)};
+  if (graph_) {
+    const Jet x = jet(patch, st, q.edges);
+    q.uv = graph_->linear * x.x + graph_->offset;
+    q.jacobian << graph_->linear * x.by_u, graph_->linear * x.by_v;
+    return q;
+  }
   const auto& [bottom, top, left, right] = q.edges;
   const Vec2 c00 = point(patch.left, 0).uv, c01 = point(patch.left, 1).uv,
              c10 = point(patch.right, 0).uv, c11 = point(patch.right, 1).uv;
@@ -293,8 +358,12 @@ BoundarySweep::Edges BoundarySweep::edges(const Patch& patch, const Vec2& st) co
           point(patch.right, st[1])};
 }
 
+Vec2 BoundarySweep::parameters(const Patch& patch, const Vec2& st) const {
+  return graph_ ? st : bent(patch, st);
+}
+
 BoundarySweep::Jet BoundarySweep::jet(const Patch& patch, const Square& square) const {
-  if (!patch.fan_left && !patch.fan_right) return jet(patch, square.st, square.edges);
+  if (graph_ || (!patch.fan_left && !patch.fan_right)) return jet(patch, square.st, square.edges);
   const Vec2 st = bent(patch, square.st);
   const Jet j = jet(patch, st, edges(patch, st));
   constexpr double h = 1e-5;
@@ -428,7 +497,7 @@ SurfaceSlope BoundarySweep::slopes_of_blend(const Vec2& uv) const {
   };
   for (const Patch& patch : patches_) {
     const Square at = place(patch, uv);
-    st.push_back(bent(patch, at.st));
+    st.push_back(parameters(patch, at.st));
     add(mean, patch.weight_t, slopes_at(patch, at));
   }
   for (size_t k = 0; k < patches_.size(); ++k)

@@ -22,7 +22,8 @@ namespace batten {
 /// Weights are 1 / (ρ² + 1e-6), ρ the mismatch of the pair (sweep.h): the pair whose ends are alike
 /// wins, continuously. Each sweep has its own parameters (s, t); the map from these to (u, v) is the
 /// bilinearly blended Coons patch of the sides' images, so that the surface has every boundary curve
-/// with the parameters that the curve has there. Around a corner that is a rail the sweep's lines of
+/// with the parameters that the curve has there. Where (u, v) are a projection to a plane, above which the sweeps are a graph, the
+/// map is that projection of the sweeps. Around a corner that is a rail the sweep's lines of
 /// equal t fan out; (s, t) are bent so that the fan is linear in (u, v), and the surface C1, there. The three sweeps of a triangle move differently
 /// along nearly the same surface: their weighted mean is projected onto each, and the projections are
 /// averaged.
@@ -72,10 +73,19 @@ class BoundarySweep {
     Edges edges;
   };
   using Jet = Sweep::Jet;  // by_u: by s, by_v: by t
+  // uv = linear x + offset, as a projection to a plane has it.
+  struct Projection {
+    Eigen::Matrix<double, 2, 3> linear;
+    Vec2 offset;
+  };
 
   BoundarySweep(const RegionLayout& region, std::vector<BoundarySide> sides);
   void add(Edge bottom, Edge top, Edge left, Edge right, bool both);
+  void sample(Patch& patch) const;
   bool weigh();
+  std::optional<Projection> projection_of_sides() const;
+  bool is_graph() const;
+  void take_graph();
   BoundarySide::Point point(const Edge& edge, double f) const;
   Square square(const Patch& patch, const Vec2& st) const;
   Square place(const Patch& patch, const Vec2& uv) const;
@@ -83,6 +93,7 @@ class BoundarySweep {
   Vec2 start(const Patch& patch, const Vec2& uv) const;
   // Parameters of the sweeps at (s, t), and their derivatives.
   static Vec2 bent(const Patch& patch, const Vec2& st);
+  Vec2 parameters(const Patch& patch, const Vec2& st) const;
   static Jet jet(const Patch& patch, const Vec2& st, const Edges& edges);
   Jet jet(const Patch& patch, const Square& square) const;
   Edges edges(const Patch& patch, const Vec2& st) const;
@@ -94,6 +105,7 @@ class BoundarySweep {
   const RegionLayout* region_;
   std::vector<BoundarySide> sides_;
   std::vector<Patch> patches_;
+  std::optional<Projection> graph_;  // the map from (s, t) to (u, v), instead of the Coons patch
   double extent_ = 1;  // of the domain
 };
 

@@ -28,10 +28,9 @@ Mat3 between(const Vec3& a, const Vec3& b) {
   return Mat3::Identity() + K + K * K / (1 + c);
 }
 
-// 1 up to `most`, 0 at 180 degrees, smooth in between.
-double fading(double twist, double most) {
-  const double f =
-      std::clamp((std::numbers::pi - std::abs(twist)) / (std::numbers::pi - most), 0.0, 1.0);
+// 0 at `from`, 1 at `to`, smooth in between.
+double smooth_step(double x, double from, double to) {
+  const double f = std::clamp((x - from) / (to - from), 0.0, 1.0);
   return f * f * (3 - 2 * f);
 }
 
@@ -61,7 +60,7 @@ Sweep::Sweep(const Curve& c0, const Curve& c1, const Curve& r0, const Curve& r1,
   const Vec3 e = chords_.front();
   const Mat3 back = transported_.back().transpose();
   std::vector<Vec3> first, last;
-  double cosine = 0, sine = 0;
+  double cosine = 0, sine = 0, bulge0 = 0, bulge1 = 0;
   for (int k = 0; k <= kSamples; ++k) {
     const double u = static_cast<double>(k) / kSamples;
     first.push_back((c0(u).x - origin0_) / length0_);
@@ -69,11 +68,19 @@ Sweep::Sweep(const Curve& c0, const Curve& c1, const Curve& r0, const Curve& r1,
     const Vec3 a = first.back() - first.back().dot(e) * e, b = last.back() - last.back().dot(e) * e;
     cosine += a.dot(b);
     sine += e.dot(a.cross(b));
+    bulge0 += a.squaredNorm();
+    bulge1 += b.squaredNorm();
   }
-  const double turn = std::hypot(cosine, sine) > 1e-24 ? std::atan2(sine, cosine) : 0;
-  twist_ = turn * fading(turn, most_twist);
-  const Mat3 untwist = rotation(e, -twist_);
-  to_first_ = untwist * back;
+  const double alike = std::hypot(cosine, sine);
+  const double turn = alike > 1e-24 ? std::atan2(sine, cosine) : 0;
+  // Below the first of these, a share of the other section's bulge, a section is straight.
+  constexpr double straight = 0.05, bulged = 0.25, quarter = std::numbers::pi / 2;
+  const double twist = turn * smooth_step(std::abs(turn), std::numbers::pi, most_twist) *
+                       smooth_step(alike / std::max({bulge0, bulge1, 1e-24}), straight, bulged);
+  quarter_ = std::clamp(twist, -quarter, quarter);
+  twist_ = twist - quarter_;
+  to_first_ = rotation(e, -twist_) * back;
+  const Mat3 untwist = rotation(e, -twist);
   double sum = 0;
   for (size_t k = 0; k < first.size(); ++k) sum += (untwist * last[k] - first[k]).squaredNorm();
   mismatch_ = std::sqrt(sum / static_cast<double>(first.size()));
@@ -84,6 +91,14 @@ Mat3 Sweep::transport(double v, const Vec3& e) const {
   return between(chords_[k], e) * transported_[k];
 }
 
+Sweep::Weights Sweep::across(double v) const {
+  const double sine = std::sin(quarter_);
+  if (std::abs(sine) < 1e-6) return {1 - v, v, -1, 1};
+  const double from = (1 - v) * quarter_, to = v * quarter_;
+  return {std::sin(from) / sine, std::sin(to) / sine, -quarter_ * std::cos(from) / sine,
+          quarter_ * std::cos(to) / sine};
+}
+
 Sweep::Jet Sweep::at(double v, const Place& c0, const Place& c1, const Place& r0,
                      const Place& r1) const {
   const Vec3 chord = r1.x - r0.x, chord_v = r1.slope - r0.slope;
@@ -91,16 +106,26 @@ Sweep::Jet Sweep::at(double v, const Place& c0, const Place& c1, const Place& r0
   const Vec3 e = chord / length;
   const double length_v = e.dot(chord_v);
   const Vec3 e_v = (chord_v - length_v * e) / length;
-  const Mat3 turn = transport(v, e) * rotation(chords_.front(), v * twist_);
+  const Vec3& first = chords_.front();
+  const Mat3 turn = transport(v, e) * rotation(first, v * twist_);
+  const Weights w = across(v);
+  // The sections' points, or slopes, interpolated.
+  const auto between_sections = [&](const Vec3& a, const Vec3& b, double along_a, double along_b,
+                                    double across_a, double across_b) {
+    return Vec3(across_a * a + across_b * b +
+                ((along_a - across_a) * first.dot(a) + (along_b - across_b) * first.dot(b)) *
+                    first);
+  };
   const Vec3 a0 = (c0.x - origin0_) / length0_, a1 = to_first_ * (c1.x - origin1_) / length1_;
   const Vec3 a0_u = c0.slope / length0_, a1_u = to_first_ * c1.slope / length1_;
-  const Vec3 local = turn * ((1 - v) * a0 + v * a1);
+  const Vec3 local = turn * between_sections(a0, a1, 1 - v, v, w.first, w.last);
+  const Vec3 local_v = turn * between_sections(a0, a1, -1, 1, w.first_v, w.last_v);
   // P' = (e × e') × P, and the twist turns about e.
   const Vec3 spin = e.cross(e_v) + twist_ * e;
   Jet jet;
   jet.x = r0.x + length * local;
-  jet.by_u = length * (turn * ((1 - v) * a0_u + v * a1_u));
-  jet.by_v = r0.slope + length_v * local + length * (spin.cross(local) + turn * (a1 - a0));
+  jet.by_u = length * (turn * between_sections(a0_u, a1_u, 1 - v, v, w.first, w.last));
+  jet.by_v = r0.slope + length_v * local + length * (spin.cross(local) + local_v);
   return jet;
 }
 

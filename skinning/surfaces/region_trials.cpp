@@ -147,30 +147,37 @@ class Trials {
   RegionTrial best() {
     for (const bool inner : {true, false}) {
       if (!inner && wish_.inner == 0) break;
-      if (attempt({"", wish_.skin.domain}, inner)) return taken();
-      // The sweep between its sides may be what is wrong, but not where it is only large.
-      constexpr int wrong = 2;
-      if (best_ && best_->evil >= wrong && best_->trial.rest.rows() > 0 &&
-          attempt({"by least bending from nothing", wish_.skin.domain, false, 1, false, false},
-                  inner))
-        return taken();
+      if (attempt_both({"", wish_.skin.domain}, inner)) return taken();
       const Domain first =
           best_ && best_->trial.way.inner == inner ? best_->trial.layout->domain() : Domain::Auto;
       const Way convex{"with corners as its face has them", wish_.skin.domain, false, 1, true};
       if (wish_.skin.convex && first != Domain::Polygon && attempt(convex, inner)) return taken();
       for (const Way& way : ways_after(wish_, first))
-        if (attempt(way, inner)) return taken();
+        if (attempt_both(way, inner)) return taken();
     }
     if (!best_) std::rethrow_exception(first_error_);
     return taken();
   }
 
  private:
+  // With the sweep between its sides and, since that may be what is wrong, without; but not where the
+  // surface is only large.
+  bool attempt_both(Way way, bool inner) {
+    if (attempt(way, inner)) return true;
+    constexpr int wrong = 2;
+    if (!last_rests_ || last_evil_ < wrong) return false;
+    way.rest = false;
+    way.word = way.word.empty() ? "by least bending from nothing"
+                                : way.word + ", by least bending from nothing";
+    return attempt(way, inner);
+  }
+
   // Whether there is nothing wrong with it.
   bool attempt(const Way& way, bool inner) {
     if (best_ && spent_ > wish_.most_triangles && !way.word.empty()) return false;
     ++count_;
     std::string why;
+    last_rests_ = false;
     try {
       SkinOptions skin = wish_.skin;
       skin.domain = way.domain;
@@ -184,6 +191,8 @@ class Trials {
       why = made.why;
       spent_ += made.trial.layout->mesh()->triangle_count();
       const bool well = made.evil == (inner ? 0 : 1);
+      last_rests_ = made.trial.rest.rows() > 0;
+      last_evil_ = made.evil;
       if (!best_ || made.evil < best_->evil) {
         best_ = std::move(made);
         best_way_ = way.word;
@@ -202,6 +211,7 @@ class Trials {
 
   RegionTrial taken() {
     RegionTrial trial = std::move(best_->trial);
+    trial.way.evil = best_->evil;
     const int left = trial.way.inner ? 0 : 1;
     if (!trial.way.inner) trial.warnings.push_back("its inner lines are left out: " + first_why_);
     if (best_->evil > left)
@@ -218,6 +228,8 @@ class Trials {
   const SurfaceStiffness& material_;
   static constexpr int triangles_a_line = 60;  // of a region that failed, about
   int count_ = 0, spent_ = 0;
+  bool last_rests_ = false;  // of the last attempt: whether it had a rest shape
+  int last_evil_ = 0;
   std::optional<Made> best_;
   std::string best_way_, first_why_;
   std::exception_ptr first_error_;
@@ -268,7 +280,11 @@ std::optional<RegionTrial> try_other(const RegionWish& wish, Domain was, const M
 
 RegionTrial try_again(const RegionWish& wish, const RegionWay& way, const ModelFrame& frame,
                       const SurfaceStiffness& material) {
-  return laid_out(wish, way.skin, way.inner, frame, material);
+  Made made{laid_out(wish, way.skin, way.inner, frame, material), way.inner ? 0 : 1, ""};
+  judge(made, wish.plain_area);
+  if (made.evil > way.evil) return try_region(wish, frame, material);
+  made.trial.way.evil = made.evil;
+  return std::move(made.trial);
 }
 
 }  // namespace batten

@@ -1,8 +1,9 @@
 // Lays out one region of a network in one way after the other, until its surface has no flaw.
 //
 // What its lines ask for is tried first. Where that fails, turns over, folds, passes through itself
-// or sags, the same lines are tried without the rest shape (where that turns over, folds or passes
-// through itself), on the other domains, on a finer mesh, and then without inner lines. The trial with the least of these evils stays:
+// or sags, the same lines are tried on the other domains, on a finer mesh, and then without inner
+// lines; each that turns over, folds or passes through itself without the rest shape, too. The trial
+// with the least of these evils stays:
 //
 //     evil = 4 [turns over] + 2 [folds] + 2 [passes through itself] + 1 [area > 2 plain fillings]
 //            + 1 [Jacobian < 0.05 of the median] + 1 [misses its lines] + 1 [without inner lines]
@@ -32,6 +33,7 @@ struct RegionWish {
 struct RegionWay {
   SkinOptions skin;
   bool inner = true;  ///< whether with its inner lines
+  int evil = 0;       ///< of the trial
 };
 
 /// A region that could be laid out, in the shape that its own lines make.
@@ -44,7 +46,7 @@ struct RegionTrial {
 };
 
 /// Returns the first trial without a flaw, or else the one with the least evil; of equals the
-/// first. At most twelve trials, and none but the usual ones once these made most_triangles and one of
+/// first. At most twenty trials, and none but the usual ones once these made most_triangles and one of
 /// them could be made; each as long as a RegionLayout, one solve and find_flaws(); one where the
 /// first is well. Throws what the first trial threw when all fail.
 RegionTrial try_region(const RegionWish& wish, const ModelFrame& frame,
@@ -53,8 +55,8 @@ RegionTrial try_region(const RegionWish& wish, const ModelFrame& frame,
 /// Lays the region out in a way that was taken before, without a shape. Throws what RegionLayout throws.
 std::shared_ptr<const RegionLayout> lay_out(const RegionWish& wish, const RegionWay& way);
 
-/// Lays the region out once more, its lines cut at other places, in the way that was taken before.
-/// Throws what RegionLayout and the solve throw.
+/// Lays the region out once more, its lines cut at other places, in the way that was taken before, or as try_region() does
+/// where that has come to more evil than it had. Throws what RegionLayout and the solve throw.
 RegionTrial try_again(const RegionWish& wish, const RegionWay& way, const ModelFrame& frame,
                       const SurfaceStiffness& material);
 
