@@ -20,8 +20,6 @@ constexpr double kFlat = 1e-4;           // of the size: such a boundary has not
 constexpr double kMismatchFloor = 1e-6;  // squared mismatch: what curves through points leave
 constexpr double kLeastWeight = 1e-3;    // of the largest weight: less is not worth its evaluation
 constexpr double kRadians = std::numbers::pi / 180;
-// Where twists fade: a lune has no other sense than that of its twist.
-constexpr double kMostTwist = 120 * kRadians, kMostTwistOfLune = 165 * kRadians;
 constexpr int kGrid = 8;         // samples of the map along each parameter
 constexpr double kBeyond = 0.1;  // how far (s, t) may leave [0, 1]
 
@@ -147,11 +145,10 @@ void BoundarySweep::add(Edge bottom, Edge top, Edge left, Edge right, bool both)
       return Sweep::Place{p.x, p.x_f};
     };
   };
-  const double most = sides_.size() == 2 ? kMostTwistOfLune : kMostTwist;
   const auto b = curve(patch.bottom), t = curve(patch.top), l = curve(patch.left),
              r = curve(patch.right);
-  patch.along_t.emplace(b, t, l, r, most);
-  if (both) patch.along_s.emplace(l, r, b, t, most);
+  patch.along_t.emplace(b, t, l, r);
+  if (both) patch.along_s.emplace(l, r, b, t);
   for (const bool at_right : {false, true}) {
     if ((at_right ? right : left).side >= 0) continue;
     const double s = at_right ? 1 : 0, sign = at_right ? -1 : 1;

@@ -36,8 +36,7 @@ double smooth_step(double x, double from, double to) {
 
 }  // namespace
 
-Sweep::Sweep(const Curve& c0, const Curve& c1, const Curve& r0, const Curve& r1,
-             double most_twist) {
+Sweep::Sweep(const Curve& c0, const Curve& c1, const Curve& r0, const Curve& r1) {
   double least = std::numeric_limits<double>::infinity(), most = 0;
   for (int k = 0; k <= kSteps; ++k) {
     const double v = static_cast<double>(k) / kSteps;
@@ -75,6 +74,7 @@ Sweep::Sweep(const Curve& c0, const Curve& c1, const Curve& r0, const Curve& r1,
   const double turn = alike > 1e-24 ? std::atan2(sine, cosine) : 0;
   // Below the first of these, a share of the other section's bulge, a section is straight.
   constexpr double straight = 0.05, bulged = 0.25, quarter = std::numbers::pi / 2;
+  constexpr double most_twist = 130 * std::numbers::pi / 180;
   const double twist = turn * smooth_step(std::abs(turn), std::numbers::pi, most_twist) *
                        smooth_step(alike / std::max({bulge0, bulge1, 1e-24}), straight, bulged);
   quarter_ = std::clamp(twist, -quarter, quarter);

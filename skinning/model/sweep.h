@@ -30,7 +30,7 @@ namespace batten {
 /// translation, and surfaces of revolution between parallels and meridians, and within 1 % of ellipsoids
 /// between sections at right angles.
 ///
-/// A twist of almost 180° has no sense of rotation. There φ fades to 0, so that sections that bulge
+/// A twist of almost 180° has no sense of rotation. From 130° on φ fades to 0, so that sections that bulge
 /// to opposite sides pass through a straight one. Nor has that of a section that is nearly straight, less than
 /// a quarter to a twentieth of the other one's bulge: it fades there, too.
 class Sweep {
@@ -40,8 +40,7 @@ class Sweep {
     Vec3 x, slope;
   };
   using Curve = std::function<Place(double)>;
-  /// `most_twist`: φ fades between this angle and 180°, radians.
-  Sweep(const Curve& c0, const Curve& c1, const Curve& r0, const Curve& r1, double most_twist);
+  Sweep(const Curve& c0, const Curve& c1, const Curve& r0, const Curve& r1);
 
   /// Root mean square of |a1 - a0|: how much the shape of the section changes on its way, relative
   /// to the chord. Infinite where the chord vanishes, so that there is no sweep.
