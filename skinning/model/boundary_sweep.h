@@ -22,10 +22,11 @@ namespace batten {
 /// Weights are 1 / (ρ² + 1e-6), ρ the mismatch of the pair (sweep.h): the pair whose ends are alike
 /// wins, continuously. Each sweep has its own parameters (s, t); the map from these to (u, v) is the
 /// bilinearly blended Coons patch of the sides' images, so that the surface has every boundary curve
-/// with the parameters that the curve has there. Where (u, v) are a projection to a plane, above which the sweeps are a graph, the
-/// map is that projection of the sweeps. Around a corner that is a rail the sweep's lines of
-/// equal t fan out; (s, t) are bent so that the fan is linear in (u, v), and the surface C1, there. The three sweeps of a triangle move differently
-/// along nearly the same surface: their weighted mean is projected onto each, and the projections are
+/// with the parameters that the curve has there. Where (u, v) are a projection to a plane, above
+/// which the sweeps are a graph, the map is that projection of the sweeps. Around a corner that is a
+/// rail the sweep's lines of equal t fan out; with the Coons patch, (s, t) are bent so that the fan is
+/// linear in (u, v), and the surface C1, there. The three sweeps of a triangle move differently along
+/// nearly the same surface: their weighted mean is projected onto each, and the projections are
 /// averaged.
 class BoundarySweep {
  public:

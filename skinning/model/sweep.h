@@ -19,20 +19,20 @@ namespace batten {
 ///     a0(u) = (c0(u) - r0(0)) / l(0)
 ///     a1(u) = P(1)ᵀ (c1(u) - r0(1)) / l(1)
 ///
-/// where the twist φ about e(0) takes a0 nearest to a1. Their parts along e(0) are interpolated linearly, those
-/// across it by spherical linear interpolation over θ, the first quarter turn of φ; the rest ψ = φ - θ is a
-/// rotation at constant speed. The surface meets all four curves:
+/// where the twist φ about e(0) takes a0 nearest to a1. Their parts along e(0) are interpolated
+/// linearly, those across it by spherical linear interpolation over θ, the first quarter turn of φ;
+/// the rest ψ = φ - θ is a rotation at constant speed. The surface meets all four curves:
 ///
 ///     S(u, v) = r0(v) + l(v) P(v) Rot(e(0), v ψ) [w0 a0 + w1 Rot(e(0), -ψ) a1]
 ///     w0, w1  = 1 - v, v along e(0);  sin((1 - v) θ) / sin θ, sin(v θ) / sin θ across it
 ///
 /// It is exact for planes, cylinders, cones, extrusions, ruled surfaces, helicoids, surfaces of
-/// translation, and surfaces of revolution between parallels and meridians, and within 1 % of ellipsoids
-/// between sections at right angles.
+/// translation, and surfaces of revolution between parallels and meridians, and within 1 % of
+/// ellipsoids between sections at right angles.
 ///
-/// A twist of almost 180° has no sense of rotation. From 130° on φ fades to 0, so that sections that bulge
-/// to opposite sides pass through a straight one. Nor has that of a section that is nearly straight, less than
-/// a quarter to a twentieth of the other one's bulge: it fades there, too.
+/// A twist of almost 180° has no sense of rotation. From 130° on φ fades to 0, so that sections that
+/// bulge to opposite sides pass through a straight one. Nor has that of a section that is nearly
+/// straight, less than a quarter to a twentieth of the other one's bulge: it fades there, too.
 class Sweep {
  public:
   /// A place of a curve and its derivative by the curve's parameter.

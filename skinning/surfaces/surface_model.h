@@ -30,8 +30,8 @@ struct JoinWord {
 /// How a model is made of a network.
 struct ModelOptions {
   std::string name = "model";
-  /// Element, edge_length (0: 1/40 of the network's size, 1/20 where there is one region), alpha and beta as in RegionLayout; its
-  /// tolerance is that of embedded lines (0: 1e-4 of the network's size).
+  /// Element, edge_length (0: 1/40 of the network's size, 1/20 where there is one region), alpha and
+  /// beta as in RegionLayout; its tolerance is that of embedded lines (0: 1e-4 of the network's size).
   SkinOptions skin;
   SurfaceStiffness material{};
   std::vector<JoinWord> joins;
