@@ -348,10 +348,13 @@ void RegionMaker::take(size_t r, RegionTrial trial) {
 
 void RegionMaker::lay_out_one(size_t r) {
   const RegionWish wish = wish_of(r);
-  RegionTrial trial = ways_[r] ? try_again(wish, *ways_[r], frame(), options_.material)
-                               : try_region(wish, frame(), options_.material);
-  if (!ways_[r]) model_.regions[r].warnings = trial.warnings;
-  take(r, std::move(trial));
+  std::optional<RegionTrial> trial;
+  if (ways_[r]) trial = try_again(wish, *ways_[r], frame(), options_.material);
+  if (!trial) {
+    trial = try_region(wish, frame(), options_.material);
+    model_.regions[r].warnings = trial->warnings;
+  }
+  take(r, std::move(*trial));
 }
 
 bool RegionMaker::lay_out_otherwise(int region) {

@@ -278,11 +278,15 @@ std::optional<RegionTrial> try_other(const RegionWish& wish, Domain was, const M
   return std::nullopt;
 }
 
-RegionTrial try_again(const RegionWish& wish, const RegionWay& way, const ModelFrame& frame,
-                      const SurfaceStiffness& material) {
+std::optional<RegionTrial> try_again(const RegionWish& wish, const RegionWay& way,
+                                     const ModelFrame& frame, const SurfaceStiffness& material) {
   Made made{laid_out(wish, way.skin, way.inner, frame, material), way.inner ? 0 : 1, ""};
-  judge(made, wish.plain_area);
-  if (made.evil > way.evil) return try_region(wish, frame, material);
+  try {
+    judge(made, wish.plain_area);
+  } catch (const NoSolutionError&) {  // it ran far away
+    return std::nullopt;
+  }
+  if (made.evil > way.evil) return std::nullopt;
   made.trial.way.evil = made.evil;
   return std::move(made.trial);
 }

@@ -55,11 +55,11 @@ RegionTrial try_region(const RegionWish& wish, const ModelFrame& frame,
 /// Lays the region out in a way that was taken before, without a shape. Throws what RegionLayout throws.
 std::shared_ptr<const RegionLayout> lay_out(const RegionWish& wish, const RegionWay& way);
 
-/// Lays the region out once more, its lines cut at other places, in the way that was taken before, or
-/// as try_region() does where that has come to more evil than it had. Throws what RegionLayout and the
+/// Lays the region out once more, its lines cut at other places, in the way that was taken before.
+/// Returns nothing where that has come to more evil than it had. Throws what RegionLayout and the
 /// solve throw.
-RegionTrial try_again(const RegionWish& wish, const RegionWay& way, const ModelFrame& frame,
-                      const SurfaceStiffness& material);
+std::optional<RegionTrial> try_again(const RegionWish& wish, const RegionWay& way,
+                                     const ModelFrame& frame, const SurfaceStiffness& material);
 
 /// Lays a region out whose shape is spoiled where it goes on in its neighbours: on a plane, or as a
 /// sheet, where it was a polygon; as a sheet, where it was on a plane. Returns the first of these
