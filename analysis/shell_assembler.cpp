@@ -23,16 +23,16 @@ std::vector<int> stacked_dofs(const Surface& surface) {
 }
 
 const TabulatedRule& whole_rule(TriangleElement kind) {
-  static const TabulatedRule hct(TriangleElement::HCT, split_triangle(4)),
-      z12(TriangleElement::Z12, six_duffy(4));
+  static const TabulatedRule hct(TriangleElement::HCT, split_triangle_rule(4)),
+      z12(TriangleElement::Z12, six_duffy_rule(4));
   return kind == TriangleElement::HCT ? hct : z12;
 }
 
 // Products of cubics are of degree 6.
 constexpr int kMassDegree = 6;
 const TabulatedRule& mass_rule(TriangleElement kind) {
-  static const TabulatedRule hct(TriangleElement::HCT, split_triangle(kMassDegree)),
-      z12(TriangleElement::Z12, six_duffy(5));
+  static const TabulatedRule hct(TriangleElement::HCT, split_triangle_rule(kMassDegree)),
+      z12(TriangleElement::Z12, six_duffy_rule(5));
   return kind == TriangleElement::HCT ? hct : z12;
 }
 
@@ -43,13 +43,13 @@ ShellAssembler::ShellAssembler(Surface surface, std::vector<ShellSection> sectio
       sections_(std::move(sections)),
       outside_(outside),
       pattern_(3 * surface_.dof_map().count(), 36, stacked_dofs(surface_)) {
-  if (sections_.size() != 1 && count_of(sections_) != surface_.mesh().triangle_count())
+  if (sections_.size() != 1 && isize(sections_) != surface_.mesh().triangle_count())
     throw InputError(std::to_string(sections_.size()) + " sections for " +
                      std::to_string(surface_.mesh().triangle_count()) + " triangles");
   for (const ShellSection& section : sections_) require_section(section);
 }
 
-void ShellAssembler::move(Surface surface) {
+void ShellAssembler::update_shape(Surface surface) {
   if (surface.dof_map().count() != surface_.dof_map().count() ||
       surface.mesh().triangles() != surface_.mesh().triangles())
     throw InputError("a shell can only move on the mesh that it was made on");
@@ -57,9 +57,9 @@ void ShellAssembler::move(Surface surface) {
 }
 
 template <class Visit>
-void ShellAssembler::for_points(int t, const TabulatedRule& points, const Visit& visit) const {
+void ShellAssembler::for_each_point(int t, const TabulatedRule& points, const Visit& visit) const {
   const ShellTriangle triangle(surface_, t, section(t).along);
-  const Mat12 P = triangle.to_reference_dofs();
+  const Mat12 P = triangle.pull_back_matrix();
   for (long p = 0; p < points.rule.weights.size(); ++p) {
     const ReferenceTabulation& functions = points.functions[p];
     const ShellPoint at = triangle.point(functions);
@@ -81,37 +81,38 @@ void ShellAssembler::add(int t, const TabulatedRule& rule, double factor, Elemen
     if (rows > 0) K.selfadjointView<Eigen::Lower>().rankUpdate(B.topRows(rows).transpose(), sign);
     rows = 0;
   };
-  for_points(t, rule, [&](const Tabulation& N, const ShellPoint& at, const Vec3& L, double area) {
-    if ((area < 0) != (sign < 0) || rows == 6 * points) add_rows();
-    sign = area < 0 ? -1 : 1;
-    const double thickness = s.thickness_at(L),
-                 membrane = std::sqrt(sign * factor * area * thickness),
-                 bending = membrane * thickness / std::sqrt(12.0);
-    const Vec12 f1 = at.along_axes(0, N.col(kU), N.col(kV)),
-                f2 = at.along_axes(1, N.col(kU), N.col(kV));
-    const Eigen::Matrix<double, 3, 12> curved = -bending * (Lt * at.bending_rows(N));
-    for (int c = 0; c < 3; ++c) {
-      Eigen::Matrix<double, 3, 12> strain;
-      strain.row(0) = at.e1()[c] * f1;
-      strain.row(1) = at.e2()[c] * f2;
-      strain.row(2) = at.e1()[c] * f2 + at.e2()[c] * f1;
-      B.block<3, 12>(rows, 12 * c) = membrane * (Lt * strain);
-      B.block<3, 12>(rows + 3, 12 * c) = at.normal()[c] * curved;
-    }
-    rows += 6;
-  });
+  for_each_point(
+      t, rule, [&](const Tabulation& N, const ShellPoint& at, const Vec3& L, double area) {
+        if ((area < 0) != (sign < 0) || rows == 6 * points) add_rows();
+        sign = area < 0 ? -1 : 1;
+        const double thickness = s.thickness_at(L),
+                     membrane = std::sqrt(sign * factor * area * thickness),
+                     bending = membrane * thickness / std::sqrt(12.0);
+        const Vec12 f1 = at.along_axes(0, N.col(kU), N.col(kV)),
+                    f2 = at.along_axes(1, N.col(kU), N.col(kV));
+        const Eigen::Matrix<double, 3, 12> curved = -bending * (Lt * at.bending_matrix(N));
+        for (int c = 0; c < 3; ++c) {
+          Eigen::Matrix<double, 3, 12> strain;
+          strain.row(0) = at.e1()[c] * f1;
+          strain.row(1) = at.e2()[c] * f2;
+          strain.row(2) = at.e1()[c] * f2 + at.e2()[c] * f1;
+          B.block<3, 12>(rows, 12 * c) = membrane * (Lt * strain);
+          B.block<3, 12>(rows + 3, 12 * c) = at.normal()[c] * curved;
+        }
+        rows += 6;
+      });
   add_rows();
 }
 
 // Second derivatives of HCT functions are linear, those of Z12 functions rational.
 int ShellAssembler::cut_degree() const { return surface_.kind() == TriangleElement::HCT ? 4 : 8; }
 
-void ShellAssembler::visit_inside(int t, const PointVisit& visit) const {
-  visit_inside(t, whole_rule(surface_.kind()), cut_degree(), visit);
+void ShellAssembler::for_each_quadrature_point(int t, const PointVisitor& visit) const {
+  for_each_quadrature_point(t, whole_rule(surface_.kind()), cut_degree(), visit);
 }
 
-void ShellAssembler::visit_inside(int t, const TabulatedRule& whole, int degree,
-                                  const PointVisit& visit) const {
+void ShellAssembler::for_each_quadrature_point(int t, const TabulatedRule& whole, int degree,
+                                               const PointVisitor& visit) const {
   const Trim* trim = surface_.trim().get();
   if (trim && trim->side(t) == Trim::Side::Outside) return;
   std::optional<TabulatedRule> cut;
@@ -151,7 +152,7 @@ SparseMatrix ShellAssembler::stiffness() const {
   return result;
 }
 
-SparseMatrix ShellAssembler::over_inside(
+SparseMatrix ShellAssembler::integrate_inside(
     const std::function<void(int triangle, const TabulatedRule& rule, ScalarMatrix& K)>& add)
     const {
   const DofMap& map = surface_.dof_map();
@@ -178,25 +179,27 @@ SparseMatrix ShellAssembler::over_inside(
 }
 
 SparseMatrix ShellAssembler::mass() const {
-  return over_inside([&](int t, const TabulatedRule& rule, ScalarMatrix& M) {
+  return integrate_inside([&](int t, const TabulatedRule& rule, ScalarMatrix& M) {
     const ShellSection& s = section(t);
-    for_points(t, rule, [&](const Tabulation& N, const ShellPoint&, const Vec3& L, double area) {
-      M += area * s.material.density * s.thickness_at(L) * N.col(kW) * N.col(kW).transpose();
-    });
+    for_each_point(
+        t, rule, [&](const Tabulation& N, const ShellPoint&, const Vec3& L, double area) {
+          M += area * s.material.density * s.thickness_at(L) * N.col(kW) * N.col(kW).transpose();
+        });
   });
 }
 
 SparseMatrix ShellAssembler::geometric_stiffness(const Points& q) const {
-  return over_inside([&](int t, const TabulatedRule& rule, ScalarMatrix& G) {
+  return integrate_inside([&](int t, const TabulatedRule& rule, ScalarMatrix& G) {
     const Eigen::Matrix<double, 12, 3> local = dofs_on(q, t);
-    for_points(t, rule, [&](const Tabulation& N, const ShellPoint& at, const Vec3& L, double area) {
-      const Vec3 force =
-          area * resultants(t, L, at.strain(local.transpose().lazyProduct(N))).forces;
-      const Vec12 f1 = at.along_axes(0, N.col(kU), N.col(kV)),
-                  f2 = at.along_axes(1, N.col(kU), N.col(kV));
-      G += f1 * (force[0] * f1 + force[2] * f2).transpose() +
-           f2 * (force[2] * f1 + force[1] * f2).transpose();
-    });
+    for_each_point(
+        t, rule, [&](const Tabulation& N, const ShellPoint& at, const Vec3& L, double area) {
+          const Vec3 force =
+              area * resultants(t, L, at.strain(local.transpose().lazyProduct(N))).forces;
+          const Vec12 f1 = at.along_axes(0, N.col(kU), N.col(kV)),
+                      f2 = at.along_axes(1, N.col(kU), N.col(kV));
+          G += f1 * (force[0] * f1 + force[2] * f2).transpose() +
+               f2 * (force[2] * f1 + force[1] * f2).transpose();
+        });
   });
 }
 

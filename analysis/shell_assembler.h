@@ -30,7 +30,7 @@ class ShellAssembler {
   ShellAssembler(Surface surface, std::vector<ShellSection> sections, double outside = 1e-6);
 
   /// Another shape of the same mesh. Throws InputError for another mesh.
-  void move(Surface surface);
+  void update_shape(Surface surface);
 
   /// The lower triangle of K. O(triangles), on all threads; the same bits on one.
   SparseMatrix stiffness() const;
@@ -60,13 +60,13 @@ class ShellAssembler {
   /// Calls visit at the points of the stiffness's rule that are inside of a triangle, with the area
   /// that each stands for: point.strain(triangle.jet(triangle.reference(q), functions)) is what q does
   /// there, in a tenth of the time of strain().
-  using PointVisit =
+  using PointVisitor =
       std::function<void(const ShellTriangle& triangle, const ReferenceTabulation& functions,
                          const ShellPoint& point, const Vec3& L, double area)>;
-  void visit_inside(int triangle, const PointVisit& visit) const;
+  void for_each_quadrature_point(int triangle, const PointVisitor& visit) const;
   /// The same at points of another rule, and in cut triangles of their rule of a degree.
-  void visit_inside(int triangle, const TabulatedRule& whole, int degree,
-                    const PointVisit& visit) const;
+  void for_each_quadrature_point(int triangle, const TabulatedRule& whole, int degree,
+                                 const PointVisitor& visit) const;
   /// Dofs of a displacement on one triangle.
   Eigen::Matrix<double, 12, 3> dofs_on(const Points& q, int triangle) const;
 
@@ -80,13 +80,13 @@ class ShellAssembler {
   using ScalarMatrix = Eigen::Matrix<double, 12, 12, Eigen::RowMajor>;
   // Calls visit(N, point, L, weight) at the points of a rule; the weight is an area of the surface.
   template <class Visit>
-  void for_points(int triangle, const TabulatedRule& rule, const Visit& visit) const;
+  void for_each_point(int triangle, const TabulatedRule& rule, const Visit& visit) const;
   int cut_degree() const;
   // Adds the integral over a rule, times `factor`, to the lower triangle of K.
   void add(int triangle, const TabulatedRule& rule, double factor, ElementMatrix& K) const;
   // A matrix of one coordinate, integrated over the inside; add(triangle, rule, K) of a part.
-  SparseMatrix over_inside(const std::function<void(int triangle, const TabulatedRule& rule,
-                                                    ScalarMatrix& K)>& add) const;
+  SparseMatrix integrate_inside(const std::function<void(int triangle, const TabulatedRule& rule,
+                                                         ScalarMatrix& K)>& add) const;
 
   Surface surface_;
   std::vector<ShellSection> sections_;

@@ -11,8 +11,9 @@ ShellPoint::ShellPoint(const SurfaceJet& jet, const Vec3& along) {
   jacobian_ = area.norm();
   constexpr double singular = 1e-12;
   if (!(jacobian_ > singular * jet.x_u.norm() * jet.x_v.norm()))
-    throw InputError("the surface is singular at (" + number(jet.x.x()) + ", " + number(jet.x.y()) +
-                     ", " + number(jet.x.z()) + "): a shell needs a normal everywhere");
+    throw InputError("the surface is singular at (" + format_number(jet.x.x()) + ", " +
+                     format_number(jet.x.y()) + ", " + format_number(jet.x.z()) +
+                     "): a shell needs a normal everywhere");
   n_ = area / jacobian_;
   constexpr double steep = 1e-6;
   const Vec3 projected = along - along.dot(n_) * n_;
@@ -30,7 +31,7 @@ ShellPoint::ShellPoint(const SurfaceJet& jet, const Vec3& along) {
       2 * r(0, 0) * r(1, 0), 2 * (r(0, 0) * r(1, 1) + r(0, 1) * r(1, 0)), 2 * r(0, 1) * r(1, 1);
 }
 
-Eigen::Matrix<double, 3, 12> ShellPoint::bending_rows(const Tabulation& N) const {
+Eigen::Matrix<double, 3, 12> ShellPoint::bending_matrix(const Tabulation& N) const {
   Eigen::Matrix<double, 3, 12> second;
   for (int k = 0; k < 3; ++k)
     second.row(k) =

@@ -39,7 +39,7 @@ class ShellPoint {
     return gradient_(axis, 0) * f_u + gradient_(axis, 1) * f_v;
   }
   /// Rows (11, 22, 2·12) of -κ/n: (f,αβ - Γ^γ_αβ f,γ) of the 12 functions of a triangle, in e1, e2.
-  Eigen::Matrix<double, 3, 12> bending_rows(const Tabulation& functions) const;
+  Eigen::Matrix<double, 3, 12> bending_matrix(const Tabulation& functions) const;
 
   ShellStrain strain(const DisplacementJet& U) const;
 

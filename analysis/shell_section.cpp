@@ -10,13 +10,14 @@ namespace {
 
 void require_positive(const char* what, double value) {
   if (!(value > 0) || !std::isfinite(value))
-    throw InputError(std::string("a material with ") + what + " = " + number(value) +
+    throw InputError(std::string("a material with ") + what + " = " + format_number(value) +
                      ", expected a number above 0");
 }
 
 void require_density(double density) {
   if (!(density >= 0) || !std::isfinite(density))
-    throw InputError("a material with density = " + number(density) + ", expected 0 or more");
+    throw InputError("a material with density = " + format_number(density) +
+                     ", expected 0 or more");
 }
 
 }  // namespace
@@ -25,7 +26,7 @@ ShellMaterial ShellMaterial::isotropic(double E, double nu, double density) {
   require_positive("E", E);
   require_density(density);
   if (!(nu > -1 && nu < 0.5))
-    throw InputError("a material with nu = " + number(nu) +
+    throw InputError("a material with nu = " + format_number(nu) +
                      ", expected a number between -1 and 0.5");
   Mat3 Q;
   Q << 1, nu, 0, nu, 1, 0, 0, 0, 0.5 * (1 - nu);
@@ -39,8 +40,8 @@ ShellMaterial ShellMaterial::orthotropic(double E1, double E2, double nu12, doub
   require_positive("G12", G12);
   require_density(density);
   if (!(nu12 * nu12 * E2 < E1))
-    throw InputError("a material with nu12 = " + number(nu12) +
-                     ", expected nu12² below E1/E2 = " + number(E1 / E2));
+    throw InputError("a material with nu12 = " + format_number(nu12) +
+                     ", expected nu12² below E1/E2 = " + format_number(E1 / E2));
   const double share = 1 - nu12 * nu12 * E2 / E1;
   Mat3 Q;
   Q << E1, nu12 * E2, 0, nu12 * E2, E2, 0, 0, 0, G12 * share;
@@ -49,12 +50,12 @@ ShellMaterial ShellMaterial::orthotropic(double E1, double E2, double nu12, doub
 
 void require_section(const ShellSection& section) {
   const Mat3& Q = section.material.Q;
-  const double least = section.thickness + std::min(0.0, section.more.minCoeff());
+  const double least = section.thickness + std::min(0.0, section.thickness_offset.minCoeff());
   if (!(section.thickness > 0 && least > 0) || !std::isfinite(section.thickness) ||
-      !section.more.allFinite())
-    throw InputError(
-        "a shell with thickness = " + number(section.thickness > 0 ? least : section.thickness) +
-        ", expected a length above 0");
+      !section.thickness_offset.allFinite())
+    throw InputError("a shell with thickness = " +
+                     format_number(section.thickness > 0 ? least : section.thickness) +
+                     ", expected a length above 0");
   if (!section.along.allFinite()) throw InputError("a material's direction that is not finite");
   constexpr double rounding = 1e-12;
   if (!Q.allFinite() || (Q - Q.transpose()).norm() > rounding * Q.norm() ||

@@ -31,10 +31,10 @@ struct ShellSection {
   /// surface is at right angles to it, along x_u too.
   Vec3 along = Vec3::Zero();
   /// What is added to the thickness at the three corners of a triangle, linear between them.
-  Vec3 more = Vec3::Zero();
+  Vec3 thickness_offset = Vec3::Zero();
 
   /// The thickness at a place of its triangle.
-  double thickness_at(const Vec3& L) const { return thickness + more.dot(L); }
+  double thickness_at(const Vec3& L) const { return thickness + thickness_offset.dot(L); }
 };
 
 /// Throws InputError for a thickness that is not above 0 everywhere, or a Q that is not symmetric and positive

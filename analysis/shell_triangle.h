@@ -16,12 +16,12 @@ class ShellTriangle {
   ShellTriangle(const Surface& surface, int t, const Vec3& along)
       : triangle_(surface.kind(), surface.mesh().shape(t)),
         map_(triangle_.shape()),
-        shape_(triangle_.to_reference(surface.triangle_dofs(t))),
+        shape_(triangle_.pull_back(surface.triangle_dofs(t))),
         along_(along) {}
 
   double parametric_area() const { return triangle_.shape().area; }
   /// The dofs q of a displacement on this triangle, as jet() wants them.
-  Dofs reference(const Dofs& q) const { return triangle_.to_reference(q); }
+  Dofs reference(const Dofs& q) const { return triangle_.pull_back(q); }
 
   DisplacementJet jet(const Dofs& reference, const ReferenceTabulation& functions) const {
     const Eigen::Matrix<double, 3, 6> local = reference.transpose().lazyProduct(functions);
@@ -35,8 +35,8 @@ class ShellTriangle {
     const DisplacementJet x = jet(shape_, functions);
     return {{x.col(kW), x.col(kU), x.col(kV), x.col(kUU), x.col(kUV), x.col(kVV)}, along_};
   }
-  /// The functions of the dofs themselves. P: to_reference_dofs(), once a triangle.
-  Mat12 to_reference_dofs() const { return triangle_.to_reference_dofs(); }
+  /// The functions of the dofs themselves. P: pull_back_matrix(), once a triangle.
+  Mat12 pull_back_matrix() const { return triangle_.pull_back_matrix(); }
   Tabulation functions(const Mat12& P, const ReferenceTabulation& f) const {
     Tabulation local;
     local.col(kW) = f.col(0);

@@ -16,25 +16,25 @@
 #include "batten/core/sparse_cholesky.h"
 #include "batten/fairing/curve_fit.h"
 #include "batten/fairing/fair_curve.h"
-#include "batten/fem/assembly.h"
-#include "batten/fem/dissection.h"
+#include "batten/fem/nested_dissection.h"
+#include "batten/fem/surface_assembler.h"
 #include "batten/io/cad/step.h"
 #include "batten/io/cad/step_face.h"
 #include "batten/io/decks/calculix.h"
 #include "batten/io/pictures/pictures.h"
 #include "batten/io/vtk/vtk_files.h"
 #include "batten/mesh/deform/form_feature_deformer.h"
-#include "batten/mesh/prepare.h"
-#include "batten/sculpting/session/session.h"
+#include "batten/mesh/prepared_mesh.h"
+#include "batten/sculpting/session/sculpting_session.h"
 #include "batten/skinning/model/model_layout.h"
-#include "batten/skinning/region/quality.h"
+#include "batten/skinning/region/skin_quality.h"
 #include "batten/skinning/search/find_regions.h"
 #include "batten/skinning/surfaces/skin_network.h"
 #include "batten/skinning/surfaces/surface_model.h"
-#include "batten/tests/clamped_rim.h"
-#include "batten/tests/mesh_models.h"
-#include "batten/tests/sculpting/session/session_scenes.h"
-#include "batten/tests/solver_matrices.h"
+#include "batten/tests/support/clamped_boundary.h"
+#include "batten/tests/support/mesh_models.h"
+#include "batten/tests/support/session_scenes.h"
+#include "batten/tests/support/solver_matrices.h"
 #include "bench.h"
 #include "cases.h"
 
@@ -45,7 +45,7 @@ using namespace batten;
 using namespace batten::bench;
 
 // A few milliseconds of what computers do: arithmetic in the cache, memory, branches.
-void yardstick() {
+void calibration() {
   static const MatX A = [] {
     MatX a = MatX::Random(160, 160);
     return MatX(a * a.transpose() + 160 * MatX::Identity(160, 160));
@@ -79,7 +79,7 @@ Measured measure(const Task& task) {
   constexpr int rounds = 7;
   task.work();
   int repeats = 1;
-  while (time_of([&] {
+  while (cpu_seconds_of([&] {
            for (int i = 0; i < repeats; ++i) task.work();
          }) < worth_timing &&
          repeats < 4096)
@@ -87,13 +87,13 @@ Measured measure(const Task& task) {
   std::vector<double> times, ratios;
   for (int round = 0; round < rounds; ++round) {
     const auto unit = [] {
-      return time_of([] {
-               for (int i = 0; i < 4; ++i) yardstick();
+      return cpu_seconds_of([] {
+               for (int i = 0; i < 4; ++i) calibration();
              }) /
              4;
     };
     const double before = unit();
-    const double t = time_of([&] {
+    const double t = cpu_seconds_of([&] {
                        for (int i = 0; i < repeats; ++i) task.work();
                      }) /
                      repeats;
@@ -128,9 +128,9 @@ void add_kernel_tasks(std::vector<Task>& tasks) {
                      const ParametricMesh mesh = ParametricMesh::unit_square(48);
                      const SurfaceAssembler plate(mesh, TriangleElement::HCT);
                      const ConstrainedSolver solver(
-                         batten_test::clamped_rim(mesh),
+                         batten_test::clamped_boundary(mesh),
                          plate.stiffness(SurfaceStiffness::isotropic(0, 1)),
-                         dissection_order(mesh));
+                         nested_dissection_order(mesh));
                      solver.solve(plate.load(Vec3(0, 0, 1)));
                    }});
   const auto sheet = std::make_shared<SparseMatrix>(batten_test::holed_sheet(14600).normal);
@@ -163,25 +163,24 @@ void add_curve_tasks(std::vector<Task>& tasks) {
 void add_skin_tasks(std::vector<Task>& tasks) {
   for (const CurvedLoop& c : {pentagon(), patch()})
     tasks.push_back({"fill: " + c.name, [c] {
-                       ModelLayout({c.name, lines_of(c), edges(c.edge_length)}).least_energy({});
+                       ModelLayout({c.name, lines_of(c), edges(c.edge_length)}).minimize_energy({});
                      }});
   tasks.push_back({"skin: door with embedded lines",
-                   [] { ModelLayout(batten_test::door_layout(27, 0.1)).least_energy({}); }});
+                   [] { ModelLayout(batten_test::door_layout(27, 0.1)).minimize_energy({}); }});
   const auto door = std::make_shared<ModelLayout>(batten_test::door_layout(27, 0.1));
-  const auto dofs = std::make_shared<Points>(door->least_energy({}));
+  const auto dofs = std::make_shared<Points>(door->minimize_energy({}));
   tasks.push_back(
       {"skin: measures of the door", [=] { batten::measure(door->skinned(0, *dofs)); }});
   const auto lines = std::make_shared<std::vector<CharacterLine>>(wavy_grid(9, 9));
-  const auto network = std::make_shared<CharacterLineNetwork>(*lines);
+  const auto network = std::make_shared<CurveNetwork>(*lines);
   const auto found = std::make_shared<FoundRegions>(find_regions(*network));
-  tasks.push_back(
-      {"network: contacts and arcs of 20 lines", [=] { CharacterLineNetwork n(*lines); }});
+  tasks.push_back({"network: contacts and arcs of 20 lines", [=] { CurveNetwork n(*lines); }});
   tasks.push_back({"network: search for 81 regions", [=] { find_regions(*network); }});
   for (const bool smooth : {false, true})
     tasks.push_back({std::string("network: 81 regions, ") + (smooth ? "smooth" : "creases"), [=] {
                        ModelOptions options;
                        options.skin.edge_length = 0.03;
-                       options.smooth_below_deg = smooth ? 180 : -1;
+                       options.crease_angle_deg = smooth ? 180 : -1;
                        skin_network(*network, *found, options);
                      }});
 }
@@ -202,20 +201,20 @@ void add_drag_tasks(std::vector<Task>& tasks) {
     const int index = session->parameters().index(parameter);
     tasks.push_back({"drag: " + what, [=, k = 0]() mutable {
                        session->set(index, from + step * (++k % 7));
-                       session->answer();
+                       session->solve_preview();
                        session->frame();
                      }});
   };
   drag("a point", "pin.z", 0.1, 0.01);
   drag("superposed loads", "push", 0, 0.1);
   drag("stiffness", "beta", 1, 0.1);
-  const auto blown = std::make_shared<SculptingSession>(*layout, SessionOptions());
-  blown->add(Load{"pressure", Load::Pressure{}});
-  const int pressure = blown->parameters().index("pressure");
+  const auto inflated = std::make_shared<SculptingSession>(*layout, SessionOptions());
+  inflated->add(Load{"pressure", Load::Pressure{}});
+  const int pressure = inflated->parameters().index("pressure");
   tasks.push_back({"drag: pressure", [=, k = 0]() mutable {
-                     blown->set(pressure, 5 + 0.2 * (++k % 7));
-                     blown->answer();
-                     blown->frame();
+                     inflated->set(pressure, 5 + 0.2 * (++k % 7));
+                     inflated->solve_preview();
+                     inflated->frame();
                    }});
 }
 
@@ -226,24 +225,24 @@ void add_deform_tasks(std::vector<Task>& tasks) {
   problem.fixed = model.fixed;
   problem.handles = {{"patch", model.handle}};
   for (const auto& f : model.features) problem.features.push_back({f.name, f.items});
-  HandleMove move;
+  HandleTransform move;
   move.about = VertexCombination::mean_of(model.handle).at(mesh->points());
-  move.turn = rotation_log({1, 2, 0.5}, 0.5);
-  move.shift = {0, 0, 60};
+  move.rotation_vector = to_rotation_vector({1, 2, 0.5}, 0.5);
+  move.translation = {0, 0, 60};
   const auto edit = std::make_shared<DeformEdit>();
   edit->handles = {move};
   tasks.push_back({"deform: first answer, 3,457 vertices",
                    [=] { FormFeatureDeformer(*mesh, problem).deform(*edit); }});
   const auto deformer = std::make_shared<FormFeatureDeformer>(*mesh, problem);
   tasks.push_back({"deform: edit", [=, k = 0]() mutable {
-                     edit->handles[0].shift.z() = 60 + (++k % 7);
+                     edit->handles[0].translation.z() = 60 + (++k % 7);
                      deformer->deform(*edit);
                    }});
 }
 
 void add_file_tasks(std::vector<Task>& tasks, const fs::path& folder) {
   const auto region = [](const ModelLayout& layout) {
-    return std::make_shared<SkinnedRegion>(layout.skinned(0, layout.least_energy({})));
+    return std::make_shared<SkinnedRegion>(layout.skinned(0, layout.minimize_energy({})));
   };
   const CurvedLoop c = pentagon();
   const auto five = region(ModelLayout({c.name, lines_of(c), edges(c.edge_length)}));
@@ -306,7 +305,7 @@ int main(int argc, char** argv) {
   add_file_tasks(tasks, folder);
 
   nlohmann::json baseline = read_baseline(file);
-  Promises promises;
+  Checks checks;
   Table table;
   table.add({"task", "ms", "yardsticks", "of the baseline"});
   constexpr double most = 1.15;  // a virtual machine's own unrest is a few percent
@@ -320,7 +319,7 @@ int main(int argc, char** argv) {
     if (renew)
       baseline[task.name] = std::round(m.ratio * 1e4) / 1e4;
     else
-      promises.at_most(task.name + ": time over the baseline's", change, most);
+      checks.at_most(task.name + ": time over the baseline's", change, most);
   }
   table.print();
   fs::remove_all(folder);
@@ -328,5 +327,5 @@ int main(int argc, char** argv) {
     std::ofstream(file) << baseline.dump(2) << "\n";
     std::printf("wrote %s\n", file.c_str());
   }
-  promises.print("all");
+  checks.print("all");
 }

@@ -44,12 +44,12 @@ struct Formula {
   Vec3 along_s(double s, double t) const { return of(at(Jet(s, 1), t), 1); }
   Vec3 along_t(double s, double t) const { return of(at(s, Jet(t, 1)), 1); }
 
-  struct Foot {
+  struct FootPoint {
     double distance = 0;
     Vec3 at = Vec3::Zero(), normal = Vec3::Zero();
   };
   /// The nearest point: samples, then Gauss and Newton's steps.
-  Foot closest(const Vec3& p) const {
+  FootPoint closest(const Vec3& p) const {
     constexpr int n = 24;
     if (starts_.empty())
       for (int i = 0; i <= n; ++i)
@@ -105,7 +105,7 @@ inline CharacterLine line_on(const std::string& name, const Formula& f,
 struct AnalyticShape {
   std::string name;
   Formula surface;
-  enum class Domain { Square, Triangle, Rings } domain = Domain::Square;
+  enum class Domain { Square, Triangle, Annulus } domain = Domain::Square;
   double coarse = 0.25;  ///< edge length of the first grid
 
   std::vector<CharacterLine> boundary() const {
@@ -186,8 +186,8 @@ inline std::vector<AnalyticShape> analytic_shapes() {
       return Space{r * cos(a), r * sin(a), Jet(height) * t};
     });
   };
-  all.push_back({"rings, equal", rings(1, 1, 1.2), Domain::Rings});
-  all.push_back({"rings, unequal", rings(1, 0.6, 1), Domain::Rings});
+  all.push_back({"rings, equal", rings(1, 1, 1.2), Domain::Annulus});
+  all.push_back({"rings, unequal", rings(1, 0.6, 1), Domain::Annulus});
   all.push_back({"sphere octant", Formula([](const Jet& s, const Jet& t) {
                    const Jet a = Jet(1) - s - t;
                    const Jet r = inverse_root(a * a + s * s + t * t);

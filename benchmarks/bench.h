@@ -34,14 +34,14 @@ inline double seconds() {
   return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
 }
 
-inline double time_of(const std::function<void()>& work) {
+inline double cpu_seconds_of(const std::function<void()>& work) {
   const double start = seconds();
   work();
   return seconds() - start;
 }
 
 /// Seconds on the clock, of work on several threads or in another process.
-inline double clock_of(const std::function<void()>& work) {
+inline double wall_seconds_of(const std::function<void()>& work) {
   const auto start = std::chrono::steady_clock::now();
   work();
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
@@ -61,7 +61,7 @@ inline std::vector<double> side_by_side(int rounds,
   std::vector<std::vector<double>> times(works.size());
   for (int round = -1; round < rounds; ++round)
     for (size_t w = 0; w < works.size(); ++w) {
-      const double t = time_of(works[w]);
+      const double t = cpu_seconds_of(works[w]);
       if (round >= 0) times[w].push_back(t);
     }
   std::vector<double> medians;
@@ -106,7 +106,7 @@ class Table {
 
 /// What the benchmark claims, each with the number that was measured. A number that could not be
 /// measured (a peer is missing) is a promise not kept.
-class Promises {
+class Checks {
  public:
   void at_least(const std::string& name, std::optional<double> value, double target) {
     list_.push_back({name, "at least", value, target, value && *value >= target});
@@ -135,13 +135,13 @@ class Promises {
   }
 
  private:
-  struct Promise {
+  struct Check {
     std::string name, sense;
     std::optional<double> value;
     double target;
     bool ok;
   };
-  std::vector<Promise> list_;
+  std::vector<Check> list_;
 };
 
 }  // namespace batten::bench

@@ -6,8 +6,8 @@
 #include <numbers>
 #include <random>
 
-#include "batten/core/index.h"
-#include "batten/core/words.h"
+#include "batten/core/format.h"
+#include "batten/core/isize.h"
 #include "batten/fairing/corners.h"
 #include "bench.h"
 
@@ -108,36 +108,39 @@ class Lines {
       for (int k = 2 * sides; k < count - 1; ++k) ++chords[static_cast<size_t>(whole(sides))];
       Line line{"polyline"};
       line.points.push_back(Vec3::Zero());
-      std::vector<double> turns, step;
-      double way = 0;
+      std::vector<double> turning_angles, step;
+      double heading = 0;
       for (int j = 0; j < sides; ++j) {
         const int m = chords[static_cast<size_t>(j)];
         step.push_back(between(0.7, 1.4));
         double bend = whole(3) == 0 ? between(-0.6, 0.6) / m : 0;
         if (std::abs(bend) > radians(12)) bend = 0;
         for (int k = 0; k < m; ++k) {
-          way += bend / 2;
+          heading += bend / 2;
           line.points.push_back(line.points.back() +
-                                step.back() * Vec3(std::cos(way), std::sin(way), 0));
-          way += bend / 2;
+                                step.back() * Vec3(std::cos(heading), std::sin(heading), 0));
+          heading += bend / 2;
         }
         if (j + 1 == sides) break;
-        turns.push_back(radians(between(10, 150)));
-        line.corners.push_back(count_of(line.points) - 1);
-        way += whole(2) ? turns.back() : -turns.back();
+        turning_angles.push_back(radians(between(10, 150)));
+        line.corners.push_back(isize(line.points) - 1);
+        heading += whole(2) ? turning_angles.back() : -turning_angles.back();
       }
-      if (can_be_seen(turns, chords, step, noise * size_of(line.points), count)) return line;
+      if (corners_detectable(turning_angles, chords, step, noise * size_of(line.points), count))
+        return line;
     }
   }
 
   // A corner is one that can be seen: it turns by twenty standard errors of the direction of the line
   // through the points of either side, and by 20 degrees in a list of less than 12 points.
-  static bool can_be_seen(const std::vector<double>& turns, const std::vector<int>& chords,
-                          const std::vector<double>& step, double sigma, int count) {
-    for (size_t c = 0; c < turns.size(); ++c) {
-      if (turns[c] < radians(count < 12 ? 20 : 10)) return false;
+  static bool corners_detectable(const std::vector<double>& turning_angles,
+                                 const std::vector<int>& chords, const std::vector<double>& step,
+                                 double sigma, int count) {
+    for (size_t c = 0; c < turning_angles.size(); ++c) {
+      if (turning_angles[c] < radians(count < 12 ? 20 : 10)) return false;
       for (const size_t side : {c, c + 1})
-        if (turns[c] < 20 * sigma * std::sqrt(12.0) / (step[side] * std::pow(chords[side], 1.5)))
+        if (turning_angles[c] <
+            20 * sigma * std::sqrt(12.0) / (step[side] * std::pow(chords[side], 1.5)))
           return false;
     }
     return true;
@@ -149,7 +152,7 @@ class Lines {
   int number_ = 0;
 };
 
-std::vector<int> every_turn(const std::vector<Vec3>& p) {
+std::vector<int> every_kink(const std::vector<Vec3>& p) {
   std::vector<int> corners = {};
   for (size_t i = 1; i + 1 < p.size(); ++i)
     if (degrees_between(p[i] - p[i - 1], p[i + 1] - p[i]) > 20)
@@ -158,14 +161,14 @@ std::vector<int> every_turn(const std::vector<Vec3>& p) {
 }
 
 struct Score {
-  int right = 0, wrong = 0, missed = 0;
-  double precision() const { return right + wrong > 0 ? 1.0 * right / (right + wrong) : 1; }
-  double recall() const { return right + missed > 0 ? 1.0 * right / (right + missed) : 1; }
+  int correct = 0, wrong = 0, missed = 0;
+  double precision() const { return correct + wrong > 0 ? 1.0 * correct / (correct + wrong) : 1; }
+  double recall() const { return correct + missed > 0 ? 1.0 * correct / (correct + missed) : 1; }
 };
 
 // A corner is found at its point, or in noise up to 3 % of all points away.
 Score score_of(const Line& line, const std::vector<int>& found) {
-  const int near = line.noise > 0 ? std::max(1, count_of(line.points) * 3 / 100) : 0;
+  const int near = line.noise > 0 ? std::max(1, isize(line.points) * 3 / 100) : 0;
   Score score;
   std::vector<char> taken(line.corners.size(), 0);
   for (const int f : found) {
@@ -179,10 +182,10 @@ Score score_of(const Line& line, const std::vector<int>& found) {
       ++score.wrong;
     } else {
       taken[best] = 1;
-      ++score.right;
+      ++score.correct;
     }
   }
-  score.missed = count_of(line.corners) - score.right;
+  score.missed = isize(line.corners) - score.correct;
   return score;
 }
 
@@ -202,15 +205,16 @@ int main(int argc, char** argv) {
   for (int k = 0; k < 300; ++k) {
     const Line line = lines.next();
     std::vector<int> found;
-    slowest = std::max(slowest, time_of([&] { found = find_corners(line.points, false, 8); }));
-    const Score now[2] = {score_of(line, found), score_of(line, every_turn(line.points))};
+    slowest =
+        std::max(slowest, cpu_seconds_of([&] { found = find_corners(line.points, false, 8); }));
+    const Score now[2] = {score_of(line, found), score_of(line, every_kink(line.points))};
     const std::string length = line.points.size() < 12 ? "below 12 points, " : "12 to 200 points, ";
     for (const std::string& row :
          {line.kind, length + (line.noise > 0 ? "noisy" : "exact"), std::string("in all")})
-      for (size_t way = 0; way < 2; ++way) {
-        scores[row][way].right += now[way].right;
-        scores[row][way].wrong += now[way].wrong;
-        scores[row][way].missed += now[way].missed;
+      for (size_t heading = 0; heading < 2; ++heading) {
+        scores[row][heading].correct += now[heading].correct;
+        scores[row][heading].wrong += now[heading].wrong;
+        scores[row][heading].missed += now[heading].missed;
       }
     if (list && now[0].wrong + now[0].missed > 0)
       std::printf("%d: %s, %zu points, noise %g: corners %s; found %s\n", k, line.kind.c_str(),
@@ -220,13 +224,13 @@ int main(int argc, char** argv) {
   Table table;
   table.add({"lines", "corners", "precision", "recall", "every turn: precision", "recall"});
   for (const auto& [name, both] : scores)
-    table.add({name, std::to_string(both[0].right + both[0].missed),
+    table.add({name, std::to_string(both[0].correct + both[0].missed),
                text("%.3f", both[0].precision()), text("%.3f", both[0].recall()),
                text("%.3f", both[1].precision()), text("%.3f", both[1].recall())});
   table.print();
   std::printf("Slowest line: %.1f ms.\n\n", 1e3 * slowest);
-  Promises promises;
-  promises.at_least("precision on 300 lines", scores["in all"][0].precision(), 0.97);
-  promises.at_least("recall on 300 lines", scores["in all"][0].recall(), 0.97);
-  promises.print("corners");
+  Checks checks;
+  checks.at_least("precision on 300 lines", scores["in all"][0].precision(), 0.97);
+  checks.at_least("recall on 300 lines", scores["in all"][0].recall(), 0.97);
+  checks.print("corners");
 }

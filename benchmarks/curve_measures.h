@@ -11,8 +11,8 @@
 #include <string>
 #include <vector>
 
-#include "batten/fem/curve.h"
-#include "batten/tests/reference.h"
+#include "batten/fem/hermite_curve.h"
+#include "batten/tests/support/test_data.h"
 
 namespace batten::bench {
 
@@ -26,8 +26,8 @@ inline double size_of(const Stroke& points) {
 
 // ---- measuring, the same for every side: no code of the fits --------------------------------
 
-constexpr int samples_a_span = 64, newton_steps = 6;  // as in curves_peer.py
-constexpr double longest_gap = 1 / 300.0;             // between samples, of the size
+constexpr int kSamplesPerSpan = 64, kNewtonSteps = 6;  // as in curves_peer.py
+constexpr double kLongestGap = 1 / 300.0;              // between samples, of the size
 
 // Anything with a position and derivatives, and samples of it.
 struct Sampled {
@@ -40,11 +40,11 @@ struct Sampled {
   Sampled(std::function<Vec3(double, int)> curve, const std::vector<double>& knots)
       : at(std::move(curve)) {
     for (size_t k = 0; k + 1 < knots.size(); ++k)
-      for (int i = 0; i < samples_a_span; ++i)
-        u.push_back(knots[k] + (knots[k + 1] - knots[k]) * i / samples_a_span);
+      for (int i = 0; i < kSamplesPerSpan; ++i)
+        u.push_back(knots[k] + (knots[k + 1] - knots[k]) * i / kSamplesPerSpan);
     u.push_back(knots.back());
     for (const double t : u) x.push_back(at(t, 0));
-    const double gap = longest_gap * size_of(x);
+    const double gap = kLongestGap * size_of(x);
     for (int pass = 0; pass < 3; ++pass) {
       std::vector<double> finer;
       for (size_t i = 0; i + 1 < u.size(); ++i) {
@@ -72,7 +72,7 @@ struct Sampled {
     const double low = u[nearest > 0 ? nearest - 1 : 0],
                  high = u[std::min(nearest + 1, u.size() - 1)];
     double t = u[nearest];
-    for (int i = 0; i < newton_steps; ++i) {
+    for (int i = 0; i < kNewtonSteps; ++i) {
       const Vec3 d = at(t, 0) - p, d1 = at(t, 1);
       const double slope = d1.squaredNorm() + d.dot(at(t, 2));
       if (slope > 0) t = std::clamp(t - d.dot(d1) / slope, low, high);
@@ -86,7 +86,7 @@ struct Sampled {
     return largest;
   }
   // Of the curve from the polyline through the points: loops and bulges between them.
-  double straying(const Stroke& points) const {
+  double max_polyline_distance(const Stroke& points) const {
     double largest = 0;
     for (const Vec3& p : x) {
       double nearest = (p - points[0]).squaredNorm();
@@ -160,7 +160,8 @@ class Scipy {
  private:
   std::string output(const std::string& words) const {
     const std::string errors = words == "version" ? " 2>/dev/null" : "";
-    FILE* pipe = popen((python_ + " '" BATTEN_BENCH_CURVES_PY "' " + words + errors).c_str(), "r");
+    FILE* pipe =
+        popen((python_ + " '" BATTEN_BENCH_SCIPY_CURVES_PY "' " + words + errors).c_str(), "r");
     if (!pipe) return {};
     std::string all;
     char buffer[256];
@@ -179,7 +180,7 @@ inline void append(std::vector<double>& row, const Stroke& points) {
 
 // ---- true curves ---------------------------------------------------------------------------
 
-constexpr int noisy_points = 200, seeds = 20, noise_samples = 500;
+constexpr int kNoisyPoints = 200, seeds = 20, kNoiseSamples = 500;
 
 struct TrueCurve {
   std::string name;

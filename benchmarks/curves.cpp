@@ -15,7 +15,7 @@
 #include "batten/fairing/curve_fit.h"
 #include "batten/fairing/fair_curve.h"
 #include "batten/fairing/fairness.h"
-#include "batten/tests/reference.h"
+#include "batten/tests/support/test_data.h"
 #include "bench.h"
 #include "curve_measures.h"
 #include "occ_curve_fit.h"
@@ -27,7 +27,7 @@ using namespace batten;
 using namespace batten::bench;
 
 using bench::sampled;
-Sampled sampled(const OccFit& fit) {
+Sampled sampled(const OccCurveFit& fit) {
   return {[&fit](double u, int order) { return fit.evaluate(u, order); }, fit.knots()};
 }
 
@@ -40,7 +40,7 @@ double call_time(const std::function<void()>& call) {
 
 // ---- noise -----------------------------------------------------------------------------------
 
-void noise_table(const Scipy& scipy, Promises& promises) {
+void noise_table(const Scipy& scipy, Checks& checks) {
   struct Problem {
     size_t curve;
     double sigma;
@@ -59,8 +59,8 @@ void noise_table(const Scipy& scipy, Promises& promises) {
         std::mt19937_64 random(static_cast<unsigned>(seed));
         std::normal_distribution<double> normal(0, part * size);
         Problem p{c, part * size, {}, {}};
-        for (int i = 0; i < noisy_points; ++i) {
-          const Vec3 x = curves[c].at(static_cast<double>(i) / (noisy_points - 1));
+        for (int i = 0; i < kNoisyPoints; ++i) {
+          const Vec3 x = curves[c].at(static_cast<double>(i) / (kNoisyPoints - 1));
           const double dx = normal(random), dy = normal(random), dz = normal(random);
           p.points.push_back(x + Vec3(dx, dy, dz));
         }
@@ -68,19 +68,19 @@ void noise_table(const Scipy& scipy, Promises& promises) {
       }
   }
 
-  std::vector<double> in = {static_cast<double>(problems.size()), noisy_points, noise_samples};
+  std::vector<double> in = {static_cast<double>(problems.size()), kNoisyPoints, kNoiseSamples};
   for (const Problem& p : problems) {
     in.push_back(p.sigma);
     append(in, p.points);
   }
   const std::vector<double> theirs = scipy.run("noise", in);
-  const bool has_scipy = theirs.size() == problems.size() * 2 * noise_samples * 3;
+  const bool has_scipy = theirs.size() == problems.size() * 2 * kNoiseSamples * 3;
 
   // Tol3D: three standard deviations of a coordinate.
-  std::vector<std::pair<std::string, OccFitSettings>> occ;
+  std::vector<std::pair<std::string, OccCurveFitSettings>> occ;
   if (!occ_curves_version().empty())
     for (const char* name : {"OCC approximation", "OCC variational"}) {
-      OccFitSettings s;
+      OccCurveFitSettings s;
       s.variational = name == std::string("OCC variational");
       s.degree = s.variational ? 8 : 3;
       occ.emplace_back(name, s);
@@ -92,22 +92,22 @@ void noise_table(const Scipy& scipy, Promises& promises) {
     const Sampled& real = truth[p.curve];
     const double before = real.rms_distance(p.points);
     const FairCurve fair = fair_points("noisy", p.points);
-    p.ratio["Batten"] = real.rms_distance(sampled(fair.curve).even_samples(noise_samples)) / before;
-    extrema[k] = {static_cast<double>(fairness(curve_as_given("noisy", p.points)).extrema),
+    p.ratio["Batten"] = real.rms_distance(sampled(fair.curve).even_samples(kNoiseSamples)) / before;
+    extrema[k] = {static_cast<double>(fairness(interpolating_spline("noisy", p.points)).extrema),
                   static_cast<double>(fairness(fair.curve).extrema)};
     for (int method = 0; has_scipy && method < 2; ++method) {
-      const double* row = &theirs[(2 * k + static_cast<size_t>(method)) * noise_samples * 3];
+      const double* row = &theirs[(2 * k + static_cast<size_t>(method)) * kNoiseSamples * 3];
       Stroke x;
-      for (int i = 0; i < noise_samples; ++i)
+      for (int i = 0; i < kNoiseSamples; ++i)
         x.emplace_back(row[3 * i], row[3 * i + 1], row[3 * i + 2]);
       if (!std::isnan(row[0]))
         p.ratio[method == 0 ? "splprep" : "GCV"] = real.rms_distance(x) / before;
     }
     for (auto& [name, settings] : occ) {
       settings.tolerance = 3 * p.sigma;
-      const OccFit fit(p.points, settings);
+      const OccCurveFit fit(p.points, settings);
       if (fit.done())
-        p.ratio[name] = real.rms_distance(sampled(fit).even_samples(noise_samples)) / before;
+        p.ratio[name] = real.rms_distance(sampled(fit).even_samples(kNoiseSamples)) / before;
     }
   }
 
@@ -115,7 +115,7 @@ void noise_table(const Scipy& scipy, Promises& promises) {
       "Noise: %d points, %d seeds. rms distance of the faired curve from the true one over that of "
       "the points,\nmedian (worst). splprep is told the true sigma; GCV is "
       "make_smoothing_spline.\n\n",
-      noisy_points, seeds);
+      kNoisyPoints, seeds);
   const std::vector<std::string> methods = {"Batten", "splprep", "GCV", "OCC approximation",
                                             "OCC variational"};
   Table table;
@@ -154,8 +154,8 @@ void noise_table(const Scipy& scipy, Promises& promises) {
     table.add(row);
   }
   table.print();
-  promises.at_most("noise: largest median of rms after over before", largest_median, 0.5);
-  promises.at_most("noise: largest of all", largest, 1);
+  checks.at_most("noise: largest median of rms after over before", largest_median, 0.5);
+  checks.at_most("noise: largest of all", largest, 1);
 }
 
 // ---- sketches --------------------------------------------------------------------------------
@@ -214,14 +214,14 @@ struct Total {
   std::string name;
   int spans = 0, over = 0, failed = 0;  // over: strokes not within the tolerance
   double seconds = 0, largest = 0;      // deviation over tolerance
-  double straying = 0;                  // over the size
+  double max_polyline_distance = 0;     // over the size
   int far = 0;                          // strokes that stray by more than a tenth of the size
   void add(int stroke_spans, double deviation, double stroke_straying, double stroke_seconds) {
     spans += stroke_spans;
     seconds += stroke_seconds;
     largest = std::max(largest, deviation);
     over += deviation > 1 + 1e-9;
-    straying = std::max(straying, stroke_straying);
+    max_polyline_distance = std::max(max_polyline_distance, stroke_straying);
     far += stroke_straying > 0.1;
   }
 };
@@ -281,7 +281,7 @@ SketchResult fit_sketch(const std::string& name, const std::vector<Stroke>& all,
 
   const auto add = [&](Total& total, size_t k, int spans, const Sampled& curve, double time) {
     total.add(spans, curve.largest_distance(strokes[k]) / smooth[k].tolerance,
-              curve.straying(strokes[k]) / size_of(strokes[k]), time);
+              curve.max_polyline_distance(strokes[k]) / size_of(strokes[k]), time);
   };
   std::vector<Total> totals;
   for (size_t k = 0; k < n; ++k) {
@@ -313,24 +313,24 @@ SketchResult fit_sketch(const std::string& name, const std::vector<Stroke>& all,
     if (occ_curves_version().empty()) break;
     Total occ{text("OpenCASCADE C%d", continuity)};
     std::vector<std::function<void()>> works;
-    std::vector<OccFitSettings> settings(n);
+    std::vector<OccCurveFitSettings> settings(n);
     for (size_t k = 0; k < n; ++k) {
       settings[k].tolerance = smooth[k].tolerance;
       settings[k].continuity = continuity;
       // Where it misses its tolerance it is asked for more.
       for (int tries = 0; tries < 12; ++tries) {
-        const OccFit fit(strokes[k], settings[k]);
+        const OccCurveFit fit(strokes[k], settings[k]);
         if (!fit.done() ||
             sampled(fit).largest_distance(strokes[k]) <= smooth[k].tolerance * (1 + 1e-9))
           break;
         settings[k].tolerance *= 0.7;
       }
-      works.push_back([&, k] { OccFit(strokes[k], settings[k]); });
+      works.push_back([&, k] { OccCurveFit(strokes[k], settings[k]); });
     }
     std::vector<std::vector<double>> occ_seconds;
     time_rounds(works, 5, occ_seconds);
     for (size_t k = 0; k < n; ++k) {
-      const OccFit fit(strokes[k], settings[k]);
+      const OccCurveFit fit(strokes[k], settings[k]);
       if (!fit.done()) {
         ++occ.failed;
         continue;
@@ -350,8 +350,9 @@ SketchResult fit_sketch(const std::string& name, const std::vector<Stroke>& all,
              "strokes over 10 %", "failed"});
   for (const Total& t : totals)
     table.add({t.name, std::to_string(t.spans), text("%.2f", 1e3 * t.seconds),
-               text("%.3f", t.largest), std::to_string(t.over), text("%.1f %%", 100 * t.straying),
-               std::to_string(t.far), std::to_string(t.failed)});
+               text("%.3f", t.largest), std::to_string(t.over),
+               text("%.1f %%", 100 * t.max_polyline_distance), std::to_string(t.far),
+               std::to_string(t.failed)});
   table.print();
   return result;
 }
@@ -359,7 +360,7 @@ SketchResult fit_sketch(const std::string& name, const std::vector<Stroke>& all,
 // ---- every stroke ----------------------------------------------------------------------------
 
 void stroke_table(const std::vector<std::pair<std::string, std::vector<Stroke>>>& sketches,
-                  Promises& promises) {
+                  Checks& checks) {
   std::printf(
       "Every stroke: fitted to 0.5 %% of its size, and faired with default options. Times are "
       "means "
@@ -402,7 +403,8 @@ void stroke_table(const std::vector<std::pair<std::string, std::vector<Stroke>>>
         deviation = std::max(deviation, off / size);
         fit_seconds += median(seconds[0]);
         fair_seconds += median(seconds[1]);
-        const Fairness as_given = fairness(curve_as_given(stroke, s)), after = fairness(fair.curve);
+        const Fairness as_given = fairness(interpolating_spline(stroke, s)),
+                       after = fairness(fair.curve);
         extrema[0] += as_given.extrema;
         extrema[1] += after.extrema;
         inflections[0] += as_given.inflections;
@@ -424,7 +426,7 @@ void stroke_table(const std::vector<std::pair<std::string, std::vector<Stroke>>>
   std::printf("Strokes without two distinct points, passed over: %zu.", single.size());
   for (const std::string& s : single) std::printf(" %s", s.c_str());
   std::printf("\n\n");
-  promises.at_most("strokes that fail", failures, 0);
+  checks.at_most("strokes that fail", failures, 0);
 }
 
 }  // namespace
@@ -437,8 +439,8 @@ int main() {
               scipy.version().empty() ? "SciPy is missing" : ("SciPy " + scipy.version()).c_str(),
               occ.empty() ? "OpenCASCADE is missing" : ("OpenCASCADE " + occ).c_str());
 
-  Promises promises;
-  noise_table(scipy, promises);
+  Checks checks;
+  noise_table(scipy, checks);
 
   std::vector<std::pair<std::string, std::vector<Stroke>>> sketches, drawn;
   if (const fs::path folder = batten_test::optional_data("sketch-cassie/curves"); !folder.empty()) {
@@ -475,12 +477,12 @@ int main() {
     return there && value > 0 ? std::optional(value) : std::nullopt;
   };
   const bool has_occ = !occ.empty();
-  promises.at_most("sketches: largest deviation over the tolerance", worst.deviation, 1 + 1e-9);
-  promises.at_most("sketches: segments over SciPy's", with(has_scipy, worst.over_scipy_spans), 1);
-  promises.at_most("sketches: segments over OpenCASCADE's", with(has_occ, worst.over_occ_spans), 1);
-  promises.at_least("sketches: SciPy's time over Batten's", with(has_scipy, worst.scipy_time), 1);
-  promises.at_least("sketches: OpenCASCADE's time over Batten's", with(has_occ, worst.occ_time), 1);
+  checks.at_most("sketches: largest deviation over the tolerance", worst.deviation, 1 + 1e-9);
+  checks.at_most("sketches: segments over SciPy's", with(has_scipy, worst.over_scipy_spans), 1);
+  checks.at_most("sketches: segments over OpenCASCADE's", with(has_occ, worst.over_occ_spans), 1);
+  checks.at_least("sketches: SciPy's time over Batten's", with(has_scipy, worst.scipy_time), 1);
+  checks.at_least("sketches: OpenCASCADE's time over Batten's", with(has_occ, worst.occ_time), 1);
 
-  stroke_table(sketches, promises);
-  promises.print("curves");
+  stroke_table(sketches, checks);
+  checks.print("curves");
 }

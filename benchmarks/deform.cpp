@@ -4,14 +4,14 @@
 #include <memory>
 #include <numbers>
 
+#include "batten/benchmarks/cgal_deform.h"
 #include "batten/core/rotations.h"
 #include "batten/mesh/deform/form_feature_deformer.h"
 #include "batten/mesh/deform/similarity.h"
-#include "batten/mesh/prepare.h"
-#include "batten/tests/deform_twin.h"
-#include "batten/tests/mesh_models.h"
+#include "batten/mesh/prepared_mesh.h"
+#include "batten/tests/support/kkt_deformation.h"
+#include "batten/tests/support/mesh_models.h"
 #include "bench.h"
-#include "cgal_deform_peer.h"
 
 using namespace batten;
 using namespace batten::bench;
@@ -34,15 +34,16 @@ struct Edit {
     Vec3 middle = Vec3::Zero();
     for (const int v : model.handle)
       middle += mesh.point(v) / static_cast<double>(model.handle.size());
-    const Eigen::AngleAxisd turn(std::numbers::pi / 6, Vec3(1, 2, 0.5).normalized());
+    const Eigen::AngleAxisd rotation_vector(std::numbers::pi / 6, Vec3(1, 2, 0.5).normalized());
     targets.resize(static_cast<long>(model.handle.size()), 3);
     for (long i = 0; i < targets.rows(); ++i)
       targets.row(i) =
-          (middle + Vec3(0, 0, 60) + turn * (mesh.point(model.handle[i]) - middle)).transpose();
+          (middle + Vec3(0, 0, 60) + rotation_vector * (mesh.point(model.handle[i]) - middle))
+              .transpose();
   }
 
   /// Largest distance of the handle's and the held vertices from where they should be.
-  double missed(const Points& deformed) const {
+  double target_error(const Points& deformed) const {
     double worst = 0;
     for (size_t i = 0; i < model.handle.size(); ++i)
       worst = std::max(worst,
@@ -75,36 +76,36 @@ struct Edit {
 };
 
 /// A way to deform: what is done once, what each edit costs.
-struct Way {
+struct DeformMethod {
   std::string name;
   std::function<void()> prepare;
   std::function<Points()> edit;
 };
 
 /// What Masuda et al. 2006 printed for set-up and factorization, on a 1.5 GHz Pentium M.
-struct Printed {
+struct PublishedTime {
   int vertices;
   double seconds;
 };
-const std::vector<Printed> kPrinted = {{3337, 0.86}, {13974, 4.69}};
+const std::vector<PublishedTime> kPublished = {{3337, 0.86}, {13974, 4.69}};
 
-enum class Kept { Flanges, Rims };
+enum class RigidFeatures { Flanges, Rims };
 
 /// The same edit with the holes kept.
-struct Batten {
+struct FormFeatureEdit {
   DeformProblem problem;
   DeformEdit edit;
   std::unique_ptr<FormFeatureDeformer> deformer;
 
-  Batten(const Edit& e, Kept kept) {
+  FormFeatureEdit(const Edit& e, RigidFeatures rigid_features) {
     problem.fixed = e.model.fixed;
     problem.handles = {{"patch", e.model.handle}};
-    for (const auto& f : kept == Kept::Flanges ? e.model.features : e.model.rims)
+    for (const auto& f : rigid_features == RigidFeatures::Flanges ? e.model.features : e.model.rims)
       problem.features.push_back({f.name, f.items});
-    HandleMove move;
+    HandleTransform move;
     move.about = VertexCombination::mean_of(e.model.handle).at(e.mesh.points());
-    move.turn = rotation_log({1, 2, 0.5}, std::numbers::pi / 6);
-    move.shift = {0, 0, 60};
+    move.rotation_vector = to_rotation_vector({1, 2, 0.5}, std::numbers::pi / 6);
+    move.translation = {0, 0, 60};
     edit.handles = {move};
   }
   double rigid_error(const Edit& e) const {
@@ -116,7 +117,7 @@ struct Batten {
   }
 };
 
-std::vector<Way> peers(const Edit& e) {
+std::vector<DeformMethod> peers(const Edit& e) {
   const std::vector<std::pair<std::string, CgalEnergy>> energies{
       {"ARAP", CgalEnergy::Arap},
       {"spokes and rims", CgalEnergy::SpokesAndRims},
@@ -125,7 +126,7 @@ std::vector<Way> peers(const Edit& e) {
       {"SparseLU (default)", CgalSolver::SparseLu},
       {"SimplicialLDLT", CgalSolver::Simplicial},
       {"CHOLMOD", CgalSolver::Cholmod}};
-  std::vector<Way> ways;
+  std::vector<DeformMethod> methods;
   for (const auto& [energy_name, energy] : energies)
     for (const auto& [solver_name, solver] : solvers) {
       // The factor does not know the energy: one energy shows what other solvers do.
@@ -134,38 +135,39 @@ std::vector<Way> peers(const Edit& e) {
         continue;
       const auto cgal = std::make_shared<CgalDeform>(energy, solver, e.mesh.points(),
                                                      e.mesh.triangles(), e.region, e.model.handle);
-      ways.push_back({"CGAL " + energy_name + ", " + solver_name, [cgal] { cgal->preprocess(); },
-                      [cgal, &e] { return cgal->edit(e.targets); }});
+      methods.push_back({"CGAL " + energy_name + ", " + solver_name, [cgal] { cgal->preprocess(); },
+                         [cgal, &e] { return cgal->edit(e.targets); }});
     }
-  return ways;
+  return methods;
 }
 
-void compare(int vertices, int rounds, Promises& promises) {
+void compare(int vertices, int rounds, Checks& checks) {
   const Edit e(vertices);
-  std::vector<Way> ways;
-  std::vector<std::shared_ptr<Batten>> own;
-  for (const Kept kept : {Kept::Flanges, Kept::Rims}) {
-    const auto b = std::make_shared<Batten>(e, kept);
+  std::vector<DeformMethod> methods;
+  std::vector<std::shared_ptr<FormFeatureEdit>> own;
+  for (const RigidFeatures rigid_features : {RigidFeatures::Flanges, RigidFeatures::Rims}) {
+    const auto b = std::make_shared<FormFeatureEdit>(e, rigid_features);
     own.push_back(b);
-    ways.push_back(
-        {std::string("Batten, ") + (kept == Kept::Flanges ? "flanges" : "rims") + " kept",
-         [b, &e] {
-           b->deformer = std::make_unique<FormFeatureDeformer>(e.mesh, b->problem);
-           b->deformer->deform(b->edit);
-         },
-         [b] { return b->deformer->deform(b->edit); }});
+    methods.push_back({std::string("Batten, ") +
+                           (rigid_features == RigidFeatures::Flanges ? "flanges" : "rims") +
+                           " kept",
+                       [b, &e] {
+                         b->deformer = std::make_unique<FormFeatureDeformer>(e.mesh, b->problem);
+                         b->deformer->deform(b->edit);
+                       },
+                       [b] { return b->deformer->deform(b->edit); }});
   }
-  const size_t first_peer = ways.size();
-  for (Way& way : peers(e)) ways.push_back(std::move(way));
+  const size_t first_peer = methods.size();
+  for (DeformMethod& method : peers(e)) methods.push_back(std::move(method));
 
   std::vector<std::function<void()>> preparations, edits;
-  std::vector<Points> results(ways.size());
-  for (size_t w = 0; w < ways.size(); ++w) {
-    preparations.push_back(ways[w].prepare);
-    edits.push_back([&, w] { results[w] = ways[w].edit(); });
+  std::vector<Points> results(methods.size());
+  for (size_t w = 0; w < methods.size(); ++w) {
+    preparations.push_back(methods[w].prepare);
+    edits.push_back([&, w] { results[w] = methods[w].edit(); });
   }
   const auto preparation = side_by_side(rounds, preparations);
-  for (size_t w = 0; w < ways.size(); ++w) edits[w]();  // from rest
+  for (size_t w = 0; w < methods.size(); ++w) edits[w]();  // from rest
   const std::vector<Points> first = results;
   const auto edit = side_by_side(rounds, edits);
 
@@ -174,33 +176,35 @@ void compare(int vertices, int rounds, Promises& promises) {
               e.model.rims.size());
   const auto c = own[0]->deformer->counts();
   std::printf("flanges kept: %d feature rows, %d unknowns, %ld entries of the factor\n\n",
-              c.feature_rows, c.unknowns, c.factor_entries);
+              c.feature_constraints, c.unknowns, c.factor_entries);
   Table table;
   table.add({"ms", "preparation", "an edit", "holes out of shape", "handle missed by"});
-  for (size_t w = 0; w < ways.size(); ++w)
-    table.add({ways[w].name,
+  for (size_t w = 0; w < methods.size(); ++w)
+    table.add({methods[w].name,
                text("%.1f", 1e3 * preparation[w]) + (w < first_peer ? " with first answer" : ""),
                text("%.2f", 1e3 * edit[w]), text("%.2g of the radius", e.hole_drift(first[w])),
-               text("%.0e", e.missed(first[w]))});
+               text("%.0e", e.target_error(first[w]))});
   {
     // Its own statement of the edit is part of its time.
-    Points twin;
-    const double t = time_of([&] { twin = deform_by_kkt(*own[0]->deformer, own[0]->edit); });
+    Points expected;
+    const double t =
+        cpu_seconds_of([&] { expected = deform_by_kkt(*own[0]->deformer, own[0]->edit); });
     own[0]->deformer->correct();
     table.add({"saddle point twin, flanges", text("%.1f with first answer", 1e3 * t), "",
-               text("%.2g of the radius", e.hole_drift(twin)), text("%.0e", e.missed(twin))});
-    promises.at_most(text("%d vertices: saddle point twin differs, of the size", vertices),
-                     (twin - own[0]->deformer->positions()).cwiseAbs().maxCoeff() / e.mesh.size(),
-                     1e-9);
+               text("%.2g of the radius", e.hole_drift(expected)),
+               text("%.0e", e.target_error(expected))});
+    checks.at_most(text("%d vertices: saddle point twin differs, of the size", vertices),
+                   (expected - own[0]->deformer->positions()).cwiseAbs().maxCoeff() / e.mesh.size(),
+                   1e-9);
   }
-  for (const Printed& p : kPrinted)
+  for (const PublishedTime& p : kPublished)
     if (std::abs(p.vertices - e.mesh.vertex_count()) < 0.1 * p.vertices)
       table.add({text("Masuda 2006, %d vertices", p.vertices),
                  text("%.0f without solve", 1e3 * p.seconds), "", "", ""});
   table.print();
 
   // CGAL's ORIGINAL_ARAP with the solver that its manual uses comes first.
-  const bool peer = ways.size() > first_peer;
+  const bool peer = methods.size() > first_peer;
   const auto ratio = [&](const std::vector<double>& times, bool inverse) {
     std::optional<double> worst;
     for (size_t w = 0; w < first_peer && peer; ++w) {
@@ -211,14 +215,14 @@ void compare(int vertices, int rounds, Promises& promises) {
   };
   if (vertices > 10000) {
     const bool large = vertices > 100000;
-    promises.at_most(text("%d vertices: first answer over CGAL's preparation", vertices),
-                     ratio(preparation, false), large ? 2.5 : 2);
-    promises.at_least(text("%d vertices: edits, times as fast as CGAL's", vertices),
-                      ratio(edit, true), large ? 10 : 20);
+    checks.at_most(text("%d vertices: first answer over CGAL's preparation", vertices),
+                   ratio(preparation, false), large ? 2.5 : 2);
+    checks.at_least(text("%d vertices: edits, times as fast as CGAL's", vertices),
+                    ratio(edit, true), large ? 10 : 20);
   }
   double error = 0;
   for (const auto& b : own) error = std::max(error, b->rigid_error(e));
-  promises.at_most(text("%d vertices: features' rigid error", vertices), error, 1e-12);
+  checks.at_most(text("%d vertices: features' rigid error", vertices), error, 1e-12);
 }
 
 }  // namespace
@@ -229,10 +233,10 @@ int main() {
     std::printf("built without CGAL\n\n");
   else
     std::printf("CGAL %s\n\n", cgal_version().c_str());
-  Promises promises;
-  compare(3300, 5, promises);
-  compare(14000, 5, promises);
-  compare(101000, 3, promises);
-  promises.print("deform");
+  Checks checks;
+  compare(3300, 5, checks);
+  compare(14000, 5, checks);
+  compare(101000, 3, checks);
+  checks.print("deform");
   return 0;
 }

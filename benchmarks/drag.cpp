@@ -7,17 +7,17 @@
 #include <cmath>
 
 #include "batten/constraints/constrained_solver.h"
-#include "batten/constraints/live_system.h"
+#include "batten/constraints/reusable_factorization.h"
 #include "batten/core/errors.h"
-#include "batten/fem/assembly.h"
-#include "batten/fem/dissection.h"
+#include "batten/fem/nested_dissection.h"
+#include "batten/fem/surface_assembler.h"
 #include "batten/skinning/model/model_projector.h"
-#include "batten/tests/mouse_model.h"
-#include "batten/tests/sculpting/session/session_scenes.h"
+#include "batten/tests/support/mouse_model.h"
+#include "batten/tests/support/session_scenes.h"
 #include "bench.h"
 #include "cases.h"
 #ifdef BATTEN_BENCH_CHOLMOD
-#include "batten/tests/cholmod_peer.h"
+#include "batten/tests/support/cholmod_solver.h"
 #endif
 
 namespace {
@@ -32,7 +32,7 @@ double triad_bandwidth() {
   static std::vector<double> a(n, 1), b(n, 2), c(n, 3);
   double best = 1e300;
   for (int pass = 0; pass < 7; ++pass)
-    best = std::min(best, time_of([&] {
+    best = std::min(best, cpu_seconds_of([&] {
                       for (size_t i = 0; i < n; ++i) a[i] = b[i] + 0.5 * c[i];
                     }));
   return a[n / 2] == 3.5 ? 24.0 * n / best : 0;
@@ -44,21 +44,22 @@ std::string milliseconds(double seconds) { return text("%.3g", 1e3 * seconds); }
 RegionLayout plate(double edge) { return {"plate", arched_plate(), skin(edge, 1e-4)}; }
 
 // The factor that a session of this layout has.
-struct Peer {
+struct SessionFactor {
   std::shared_ptr<const AffineReduction> reduction;
   SparseMatrix K;
-  std::unique_ptr<LiveSystem> system;
-  explicit Peer(const RegionLayout& layout)
+  std::unique_ptr<ReusableFactorization> system;
+  explicit SessionFactor(const RegionLayout& layout)
       : reduction(std::make_shared<AffineReduction>(layout.line_constraints(),
-                                                    AffineReduction::Values::Later)),
+                                                    AffineReduction::RhsMode::Deferred)),
         K(SurfaceAssembler(*layout.mesh(), layout.element(), layout.trim())
               .stiffness(SurfaceStiffness())),
-        system(std::make_unique<LiveSystem>(reduction, K, dof_vertices(*layout.mesh()))) {}
+        system(
+            std::make_unique<ReusableFactorization>(reduction, K, dof_vertices(*layout.mesh()))) {}
 };
 
 // Static shape with one point held, by a reduction of all rows together: nothing of the session.
-Points directly(const RegionLayout& layout, const Location& where, const Vec3& goal,
-                const SparseMatrix& K) {
+Points solve_from_scratch(const RegionLayout& layout, const Location& where, const Vec3& goal,
+                          const SparseMatrix& K) {
   ConstraintSet set = layout.line_constraints();
   const auto dof = DofMap(*layout.mesh()).triangle(*layout.mesh(), where.triangle);
   const Vec12 N =
@@ -70,23 +71,23 @@ Points directly(const RegionLayout& layout, const Location& where, const Vec3& g
   return solve_constrained(set, K, Points::Zero(K.rows(), 3));
 }
 
-struct Drag {
+struct DragTimes {
   double answer = 0, frame = 0;  // medians, seconds
   double iterations = 0;         // mean of an answer
   double whole() const { return answer + frame; }
 };
 
 // `set` moves sliders for event n; each is answered once, and drawn.
-Drag dragged(SculptingSession& session, int events, const std::function<void(int)>& set) {
+DragTimes dragged(SculptingSession& session, int events, const std::function<void(int)>& set) {
   std::vector<double> answers, frames;
-  Drag drag;
+  DragTimes drag;
   for (int n = -3; n < events; ++n) {
-    Answer answer;
-    const double a = time_of([&] {
+    SolveReport answer;
+    const double a = cpu_seconds_of([&] {
       set(n);
       answer = session.answer();
     });
-    const double f = time_of([&] { session.frame(); });
+    const double f = cpu_seconds_of([&] { session.frame(); });
     if (n < 0) continue;
     answers.push_back(a);
     frames.push_back(f);
@@ -101,17 +102,17 @@ struct Tables {
   Table drag, sliders, first;
 };
 
-void measure(const std::string& name, double edge, Tables& tables, Promises& promises,
+void measure(const std::string& name, double edge, Tables& tables, Checks& checks,
              double& bandwidth) {
   std::optional<RegionLayout> layout;
-  const double layout_time = time_of([&] { layout.emplace(plate(edge)); });
+  const double layout_time = cpu_seconds_of([&] { layout.emplace(plate(edge)); });
   const double size = layout->size();
   std::optional<SculptingSession> session;
-  const double session_time = time_of([&] {
+  const double session_time = cpu_seconds_of([&] {
     session.emplace(*layout, SessionOptions());
     session->frame();
   });
-  const Peer peer(*layout);
+  const SessionFactor peer(*layout);
   const long n = static_cast<long>(peer.system->free_count()),
              entries = peer.system->factor().factor_entries();
   const int events = entries > 3000000 ? 11 : 41;
@@ -120,7 +121,7 @@ void measure(const std::string& name, double edge, Tables& tables, Promises& pro
   const Surface rest(layout->mesh(), layout->element(), session->dofs(), layout->trim());
   const auto foot = rest.closest_point({0.43, 0.57, 0});
   const Vec3 at = rest.position(foot.where);
-  const double added = time_of([&] {
+  const double added = cpu_seconds_of([&] {
     session->add(Constraint{"pin", Constraint::Point{at, at}});
     session->frame();
   });
@@ -138,7 +139,7 @@ void measure(const std::string& name, double edge, Tables& tables, Promises& pro
   MatX b = MatX::Random(n, 3), solution = b;
 #ifdef BATTEN_BENCH_CHOLMOD
   const SparseMatrix reduced = peer.reduction->reduce(peer.K);
-  CholmodPeer cholmod(reduced, peer.system->factor().order(), n < CholmodPeer::small);
+  CholmodSolver cholmod(reduced, peer.system->factor().order(), n < CholmodSolver::small);
   cholmod.analyze();
   cholmod.factorize();
 #endif
@@ -148,14 +149,14 @@ void measure(const std::string& name, double edge, Tables& tables, Promises& pro
     // A burst each, the first of it before the clock runs: a factor that fits in a cache is there,
     // as in a drag.
     constexpr int burst = 4;
-    Answer answer;
+    SolveReport answer;
     double a = 0, f = 0;
     for (int i = burst; i >= 0; --i) {
-      const double answered = time_of([&] {
+      const double answered = cpu_seconds_of([&] {
         drag_point(k + 100 * i);
         answer = session->answer();
       });
-      const double shown = time_of([&] { session->frame(); });
+      const double shown = cpu_seconds_of([&] { session->frame(); });
       if (i == burst) continue;
       a += answered / burst;
       f += shown / burst;
@@ -164,7 +165,7 @@ void measure(const std::string& name, double edge, Tables& tables, Promises& pro
     const int repeats = entries < 100000 ? 20 : burst;
     const auto warm = [&](const std::function<void()>& work) {
       work();
-      return time_of([&] {
+      return cpu_seconds_of([&] {
                for (int i = 0; i < repeats; ++i) work();
              }) /
              repeats;
@@ -183,7 +184,7 @@ void measure(const std::string& name, double edge, Tables& tables, Promises& pro
   bandwidth = std::max(bandwidth, triad_bandwidth());
   const double solve = median(solves), whole = median(answers) + median(frames);
   const double bound = 16.0 * static_cast<double>(entries) / bandwidth;
-  const Points direct = directly(*layout, foot.where, goal(events - 1), peer.K);
+  const Points direct = solve_from_scratch(*layout, foot.where, goal(events - 1), peer.K);
   const double error = difference(direct, session->dofs()) / size;
   const double points = static_cast<double>(session->frame().points.size()) / 3;
   tables.drag.add(
@@ -193,15 +194,15 @@ void measure(const std::string& name, double edge, Tables& tables, Promises& pro
        theirs.empty() ? "none" : milliseconds(median(theirs)), text("%.2f", whole / solve),
        text("%.0f %%", 100 * bound / solve), text("%.0f %%", 100 * bound / whole),
        theirs.empty() ? "none" : text("%.1f", median(theirs) / whole), text("%.0e", error)});
-  promises.at_most(name + ": drag of a point over its solve", whole / solve, 1.5);
-  promises.at_most(name + ": difference from a direct solution, over the size", error, 1e-9);
-  promises.at_most(name + ": residual over the size", session->residual(), 1e-10);
+  checks.at_most(name + ": drag of a point over its solve", whole / solve, 1.5);
+  checks.at_most(name + ": difference from a direct solution, over the size", error, 1e-9);
+  checks.at_most(name + ": residual over the size", session->residual(), 1e-10);
   if (name != "1k")
-    promises.at_least(name + ": share of the memory bound, solve", bound / solve,
-                      name == "14k" ? 0.5 : 0.35);
+    checks.at_least(name + ": share of the memory bound, solve", bound / solve,
+                    name == "14k" ? 0.5 : 0.35);
 
   // Other sliders.
-  const auto row = [&](const std::string& what, const Drag& d) {
+  const auto row = [&](const std::string& what, const DragTimes& d) {
     tables.sliders.add({name, what, milliseconds(d.answer), milliseconds(d.whole()),
                         text("%.2f", d.whole() / solve), text("%.1f", d.iterations)});
   };
@@ -210,35 +211,36 @@ void measure(const std::string& name, double edge, Tables& tables, Promises& pro
   const int push = session->parameters().index("push"),
             finger = session->parameters().index("finger"),
             beta = session->parameters().index("beta");
-  const Drag superposed =
+  const DragTimes superposed =
       dragged(*session, events, [&](int k) { session->set(k % 2 ? push : finger, 0.1 * k); });
   row("superposed loads, two sliders", superposed);
   const Points quick = session->dofs();
-  session->settle();
-  promises.at_most(name + ": superposed loads from a solve, over the size",
-                   difference(quick, session->dofs()) / size, 1e-12);
-  const Drag material =
+  session->solve_to_equilibrium();
+  checks.at_most(name + ": superposed loads from a solve, over the size",
+                 difference(quick, session->dofs()) / size, 1e-12);
+  const DragTimes material =
       dragged(*session, std::min(events, 7), [&](int k) { session->set(beta, 2 + 0.1 * k); });
   row("beta: other numbers in the factor", material);
   session->set(beta, 1);
-  session->settle();
+  session->solve_to_equilibrium();
   session->add(Load{"pressure", Load::Pressure{}});
   const int pressure = session->parameters().index("pressure");
   double p = 5;
-  const Drag following = dragged(*session, events, [&](int) { session->set(pressure, p += 0.2); });
+  const DragTimes following =
+      dragged(*session, events, [&](int) { session->set(pressure, p += 0.2); });
   row("pressure that follows", following);
   const Points warm_shape = session->dofs();
-  session->settle();
-  promises.at_most(name + ": pressure, last answer of the drag from the settled one",
-                   difference(warm_shape, session->dofs()) / size, 1e-4);
+  session->solve_to_equilibrium();
+  checks.at_most(name + ": pressure, last answer of the drag from the settled one",
+                 difference(warm_shape, session->dofs()) / size, 1e-4);
   session->set(pressure, 0);
-  session->settle();
+  session->solve_to_equilibrium();
 
-  const double second = time_of([&] {
+  const double second = cpu_seconds_of([&] {
     session->add(Constraint{"pin 2", Constraint::Point{{0.7, 0.7, 0}, {0.7, 0.7, 0.1}}});
     session->frame();
   });
-  const double removed = time_of([&] {
+  const double removed = cpu_seconds_of([&] {
     session->remove("pin 2");
     session->frame();
   });
@@ -248,7 +250,7 @@ void measure(const std::string& name, double edge, Tables& tables, Promises& pro
 }
 
 // A model under three sliders at once: a pressure, a line that moves, a point that is held.
-struct Live {
+struct DragCase {
   const char* name;
   std::string line;
   double fade;
@@ -258,50 +260,50 @@ struct Live {
 };
 
 // Answers a second.
-double measure_live(const Live& live, const ModelLayout& layout, double layout_time,
-                    Promises& promises) {
+double measure_drag(const DragCase& drag_case, const ModelLayout& layout, double layout_time,
+                    Checks& checks) {
   const int triangles = layout.mesh()->triangle_count();
   std::optional<SculptingSession> session;
-  const double session_time = time_of([&] {
+  const double session_time = cpu_seconds_of([&] {
     session.emplace(layout, SessionOptions());
     session->frame();
   });
   session->add(Load{"swell", Load::Pressure{}}, {slider("swell", 20)});
-  session->add(LineMove{"raise", live.line, {}, live.fade});
+  session->add(LineOffset{"raise", drag_case.line, {}, drag_case.fade});
   const ModelProjector projector(layout, session->dofs());
-  const auto near = projector.nearest_inside(live.pin);
+  const auto near = projector.nearest_inside(drag_case.pin);
   const Vec3 at = projector.surface(near.at.region).position(near.where);
   session->add(Constraint{"pin", Constraint::Point{at, at}});
-  session->settle();
-  const std::string axis = live.up.y() == 1 ? "pin.y" : "pin.z";
+  session->solve_to_equilibrium();
+  const std::string axis = drag_case.up.y() == 1 ? "pin.y" : "pin.z";
   const int swell = session->parameters().index("swell"),
             raise = session->parameters().index("raise"), pin = session->parameters().index(axis);
   const double start = session->parameters().value(pin);
   constexpr int events = 41;
-  const Drag drag = dragged(*session, events, [&](int k) {
+  const DragTimes drag = dragged(*session, events, [&](int k) {
     session->set(swell, 20 + 0.5 * k);
-    session->set(raise, 0.5 * live.step * k);
-    session->set(pin, start + live.step * k);
+    session->set(raise, 0.5 * drag_case.step * k);
+    session->set(pin, start + drag_case.step * k);
   });
   // The bare solves on the session's own matrix.
-  const auto reduction =
-      std::make_shared<AffineReduction>(layout.line_constraints(), AffineReduction::Values::Later);
+  const auto reduction = std::make_shared<AffineReduction>(layout.line_constraints(),
+                                                           AffineReduction::RhsMode::Deferred);
   const SurfaceAssembler assembler(*layout.mesh(), layout.element(), layout.trim());
   SparseMatrix K = assembler.pattern();
-  auto materials = layout.on_regions({SurfaceStiffness()});
+  auto materials = layout.scale_to_regions({SurfaceStiffness()});
   materials.resize(static_cast<size_t>(triangles), materials[0]);
   assembler.stiffness(materials, K);
-  const LiveSystem system(reduction, K, dof_vertices(*layout.mesh()));
+  const ReusableFactorization system(reduction, K, dof_vertices(*layout.mesh()));
   MatX b = MatX::Random(static_cast<long>(system.free_count()), 3);
   std::vector<double> solves;
   for (int k = 0; k < 11; ++k)
-    solves.push_back(time_of([&] { system.factor().solve_in_place(b); }));
+    solves.push_back(cpu_seconds_of([&] { system.factor().solve_in_place(b); }));
   const Points dragged_shape = session->dofs();
   const double residual = session->residual();
-  const Answer settled = session->settle();
+  const SolveReport settled = session->solve_to_equilibrium();
   const double missed = difference(dragged_shape, session->dofs()) / layout.size();
   const double answers_a_second = 1 / drag.whole();
-  const std::string name = live.name;
+  const std::string name = drag_case.name;
   Table table;
   table.add({"the " + name + ", three sliders at once", ""});
   table.add({"regions", std::to_string(layout.region_count())});
@@ -320,30 +322,30 @@ double measure_live(const Live& live, const ModelLayout& layout, double layout_t
   table.add({"last answer from the settled one, over the size", text("%.1e", missed)});
   table.add({"iterations to settle it", std::to_string(settled.iterations)});
   table.print();
-  promises.at_least(name + ": triangles", triangles, 20000);
-  promises.at_most(name + ": residual over the size", residual, 1e-10);
-  promises.at_most(name + ": last answer of the drag from the settled one, over the size", missed,
-                   1e-4);
+  checks.at_least(name + ": triangles", triangles, 20000);
+  checks.at_most(name + ": residual over the size", residual, 1e-10);
+  checks.at_most(name + ": last answer of the drag from the settled one, over the size", missed,
+                 1e-4);
   return answers_a_second;
 }
 
-void measure_models(Promises& promises) {
+void measure_models(Checks& checks) {
   std::optional<ModelLayout> door, whole_mouse;
-  const double door_time = time_of([&] { door.emplace(door_layout(7.3, 0.1)); });
-  const double of_door = measure_live({"door", "rib", 0.2, {250, 40, -60}, Vec3::UnitY(), 0.2},
-                                      *door, door_time, promises);
-  promises.at_least("door: answers a second, three sliders", of_door, 60);
-  const double mouse_time = time_of([&] { whole_mouse.emplace(*mouse(1.22).model.layout); });
-  const double of_mouse = measure_live({"mouse", "spine.2", 0.3, {12, 25, 33}, Vec3::UnitZ(), 0.02},
-                                       *whole_mouse, mouse_time, promises);
-  promises.at_least("mouse: answers a second over the door's", of_mouse / of_door, 0.6);
+  const double door_time = cpu_seconds_of([&] { door.emplace(door_layout(7.3, 0.1)); });
+  const double of_door = measure_drag({"door", "rib", 0.2, {250, 40, -60}, Vec3::UnitY(), 0.2},
+                                      *door, door_time, checks);
+  checks.at_least("door: answers a second, three sliders", of_door, 60);
+  const double mouse_time = cpu_seconds_of([&] { whole_mouse.emplace(*mouse(1.22).model.layout); });
+  const double of_mouse = measure_drag({"mouse", "spine.2", 0.3, {12, 25, 33}, Vec3::UnitZ(), 0.02},
+                                       *whole_mouse, mouse_time, checks);
+  checks.at_least("mouse: answers a second over the door's", of_mouse / of_door, 0.6);
 }
 
 }  // namespace
 
 int main() {
   one_thread();
-  Promises promises;
+  Checks checks;
   Tables tables;
   tables.drag.add({"a point, ms", "n", "entries (M)", "answer", "display", "points", "whole",
                    "solve", "CHOLMOD's", "whole/solve", "solve of the bound", "whole of the bound",
@@ -353,18 +355,18 @@ int main() {
                     "taken away", "beside: full refactor"});
   double bandwidth = 0;
   try {
-    measure("1k", 0.082, tables, promises, bandwidth);
-    measure("14k", 0.0222, tables, promises, bandwidth);
-    measure("100k", 0.0083, tables, promises, bandwidth);
+    measure("1k", 0.082, tables, checks, bandwidth);
+    measure("14k", 0.0222, tables, checks, bandwidth);
+    measure("100k", 0.0083, tables, checks, bandwidth);
     std::printf("One thread; triad %.1f GB/s; factor with %s\n\n", 1e-9 * bandwidth,
                 SparseCholesky::backend());
     tables.drag.print();
     tables.sliders.print();
     tables.first.print();
-    measure_models(promises);
+    measure_models(checks);
   } catch (const Error& e) {
     std::printf("failed: %s\n", e.what());
-    promises.at_most("failed", std::nullopt, 0);
+    checks.at_most("failed", std::nullopt, 0);
   }
-  promises.print("drag");
+  checks.print("drag");
 }

@@ -7,7 +7,7 @@
 #include <fstream>
 #include <set>
 
-#include "batten/tests/skin_command.h"
+#include "batten/tests/support/skin_command.h"
 #include "occ_filling.h"
 #include "occ_loft.h"
 
@@ -38,19 +38,19 @@ struct FaceCurves {
 };
 FaceCurves curves_of(const SkinnedRegion& region) {
   FaceCurves curves;
-  std::set<std::pair<BoundaryPiece::Kind, int>> bounding;
+  std::set<std::pair<BoundarySegment::Kind, int>> bounding;
   for (const auto& loop : region.boundary) {
     curves.loops.emplace_back();
-    for (const BoundaryPiece& piece : loop) {
+    for (const BoundarySegment& piece : loop) {
       curves.loops.back().push_back(boundary_curve(region, piece));
       bounding.emplace(piece.kind, piece.index);
     }
   }
-  for (int i = 0; i < static_cast<int>(region.runs.size()); ++i)
-    if (!bounding.contains({BoundaryPiece::Kind::Run, i}))
-      curves.inner.push_back(region.runs[static_cast<size_t>(i)].fitted);
+  for (int i = 0; i < static_cast<int>(region.edge_aligned.size()); ++i)
+    if (!bounding.contains({BoundarySegment::Kind::EdgeAligned, i}))
+      curves.inner.push_back(region.edge_aligned[static_cast<size_t>(i)].fitted);
   for (int i = 0; i < static_cast<int>(region.embedded.size()); ++i)
-    if (!bounding.contains({BoundaryPiece::Kind::Embedded, i}))
+    if (!bounding.contains({BoundarySegment::Kind::Embedded, i}))
       curves.inner.push_back(region.embedded[static_cast<size_t>(i)].fitted);
   return curves;
 }
@@ -63,15 +63,15 @@ Peer filled(const SkinnedCurves& result, const ExpectedShape& shape) {
   for (const ModelRegion& region : result.made->model.regions) {
     if (!region.skinned) continue;
     const FaceCurves curves = curves_of(*region.skinned);
-    std::unique_ptr<Filling> filling;
-    peer.seconds += time_of([&] {
-      filling = std::make_unique<Filling>(curves.loops, curves.inner,
-                                          FillingSettings{"", 1e-4 * shape.size() / 3, 15, 9});
+    std::unique_ptr<OccFilling> filling;
+    peer.seconds += cpu_seconds_of([&] {
+      filling = std::make_unique<OccFilling>(
+          curves.loops, curves.inner, OccFillingSettings{"", 1e-4 * shape.size() / 3, 15, 9});
     });
     const auto points = filling->done() ? filling->points(30) : std::vector<Vec3>{};
     if (points.empty())
       std::printf("%s: filling of face '%s' fails: %s\n", shape.name.c_str(),
-                  region.skinned->name.c_str(), filling->says().c_str());
+                  region.skinned->name.c_str(), filling->error_message().c_str());
     peer.done = peer.done && !points.empty();
     peer.measure(points, shape);
   }
@@ -88,7 +88,7 @@ Peer lofted(const ExpectedShape& shape) {
       std::vector<std::vector<Vec3>> sections;
       for (const std::string& name : names) sections.push_back(shape.curve(name).points);
       std::vector<Vec3> points;
-      peer.seconds += time_of([&] { points = loft_points(sections, 30); });
+      peer.seconds += cpu_seconds_of([&] { points = loft_points(sections, 30); });
       peer.done = peer.done && !points.empty();
       peer.measure(points, shape);
     }
@@ -99,7 +99,7 @@ Peer lofted(const ExpectedShape& shape) {
 
 }  // namespace
 
-void compare_expected(Promises& promises) {
+void compare_expected(Checks& checks) {
   std::printf(
       "batten skin curves.csv without options: largest distance from the expected surface over the "
       "size.\n\n");
@@ -109,19 +109,19 @@ void compare_expected(Promises& promises) {
   Table table;
   table.add({"expected shape", "tolerance", "Batten", "area", "volume", "exit", "s", "right",
              "OpenCASCADE filling", "s", "loft", "s"});
-  int right = 0, silent = 0, filling_within = 0, loft_within = 0;
+  int correct = 0, silent = 0, filling_within = 0, loft_within = 0;
   for (const ExpectedShape& shape : batten_test::expected_shapes()) {
     std::ofstream(folder / "curves.csv") << shape.csv();
     SkinnedCurves result;
     double seconds = 0;
     // Once without the STEP file for the time, which is the shape's alone, once with all checks.
-    seconds =
-        time_of([&] { batten_test::skin_curves(folder / "curves.csv", folder / "out", false); });
+    seconds = cpu_seconds_of(
+        [&] { batten_test::skin_curves(folder / "curves.csv", folder / "out", false); });
     result = batten_test::skin_curves(folder / "curves.csv", folder / "out", true);
     const auto deviation = batten_test::deviation_of(result, shape);
-    const bool ok = deviation.right && result.exit_code == 0;
-    right += ok;
-    silent += !ok && !result.says_so();
+    const bool ok = deviation.correct && result.exit_code == 0;
+    correct += ok;
+    silent += !ok && !result.warns();
     const Peer filling = filled(result, shape), loft = lofted(shape);
     const auto within = [&](const Peer& peer) {
       return peer.applies && peer.done && peer.max <= shape.tolerance + 2e-4;
@@ -129,7 +129,7 @@ void compare_expected(Promises& promises) {
     filling_within += within(filling);
     loft_within += within(loft);
     std::vector<std::string> row = {shape.name,
-                                    number(shape.tolerance),
+                                    format_number(shape.tolerance),
                                     result.facets ? text("%.1e", deviation.max) : "none",
                                     shape.area ? text("%.4f", deviation.area) : "",
                                     shape.volume ? text("%.4f", deviation.volume) : "",
@@ -145,8 +145,8 @@ void compare_expected(Promises& promises) {
   std::filesystem::remove_all(folder);
   table.print();
   std::printf("Within the tolerance: fillings %d, lofts %d.\n\n", filling_within, loft_within);
-  promises.at_least("expected shapes right", right, 35);
-  promises.at_most("expected shapes wrong without a word", silent, 0);
+  checks.at_least("expected shapes right", correct, 35);
+  checks.at_most("expected shapes wrong without a word", silent, 0);
 }
 
 }  // namespace batten::bench
@@ -155,9 +155,9 @@ void compare_expected(Promises& promises) {
 
 namespace batten::bench {
 
-void compare_expected(Promises& promises) {
+void compare_expected(Checks& checks) {
   std::printf("Built without the commands: no table of expected shapes.\n\n");
-  promises.at_least("expected shapes right", {}, 35);
+  checks.at_least("expected shapes right", {}, 35);
 }
 
 }  // namespace batten::bench

@@ -4,14 +4,14 @@
 #include <map>
 #include <numbers>
 
-#include "batten/fem/assembly.h"
+#include "batten/fem/surface_assembler.h"
 #include "batten/skinning/layout/region_layout.h"
 #include "batten/skinning/model/fair_shape.h"
 #include "batten/skinning/model/join.h"
 #include "batten/skinning/model/loft_shape.h"
 #include "batten/skinning/surfaces/fair_model.h"
-#include "batten/tests/patchwork.h"
-#include "batten/tests/random_outlines.h"
+#include "batten/tests/support/random_outlines.h"
+#include "batten/tests/support/test_model_builder.h"
 
 namespace batten::bench {
 namespace {
@@ -77,7 +77,7 @@ std::vector<AnalyticShape> more_shapes() {
 
 }  // namespace
 
-void compare_fair(std::vector<AnalyticShape> shapes, const char* only, Promises& promises) {
+void compare_fair(std::vector<AnalyticShape> shapes, const char* only, Checks& checks) {
   for (AnalyticShape& shape : more_shapes())
     if (!only || shape.name.find(only) != std::string::npos) shapes.push_back(std::move(shape));
   std::printf(
@@ -92,9 +92,10 @@ void compare_fair(std::vector<AnalyticShape> shapes, const char* only, Promises&
       options.edge_length = 2 * shape.coarse * std::pow(0.5, g);
       options.tolerance = 0.01 * std::pow(options.edge_length, 4);
       const ModelLayout model(RegionLayout(shape.name, shape.boundary(), options));
-      const Points start = model.least_energy({});
-      VariationSurface fair;
-      const double t = time_of([&] { fair = fair_shape(model, start, model.line_constraints()); });
+      const Points start = model.minimize_energy({});
+      MinimumVariationSurface fair;
+      const double t =
+          cpu_seconds_of([&] { fair = fair_shape(model, start, model.line_constraints()); });
       const double size = model.size();
       const double bending = farthest(shape, model.surface(start)) / size;
       const double varied = farthest(shape, model.surface(fair.dofs)) / size;
@@ -110,11 +111,11 @@ void compare_fair(std::vector<AnalyticShape> shapes, const char* only, Promises&
                  text("%.2e", fair.start_functional) + " -> " + text("%.2e", fair.functional)});
     }
     if (is_cyclide(shape))
-      promises.at_most(shape.name + ": fair shape's distance to the formula over the size",
-                       fair_at_500, shape.domain == AnalyticShape::Domain::Rings ? 5e-3 : 1e-3);
+      checks.at_most(shape.name + ": fair shape's distance to the formula over the size",
+                     fair_at_500, shape.domain == AnalyticShape::Domain::Annulus ? 5e-3 : 1e-3);
     else
-      promises.at_most(shape.name + ": fair shape's distance over that of least bending",
-                       fair_at_500 / bending_at_500, 1);
+      checks.at_most(shape.name + ": fair shape's distance over that of least bending",
+                     fair_at_500 / bending_at_500, 1);
   }
   table.print();
 }
@@ -123,18 +124,19 @@ namespace {
 
 struct Joined {
   std::string name;
-  batten_test::Patchwork patches;
+  batten_test::TestModelBuilder patches;
   std::vector<std::tuple<std::string, int, int>> joins;
   std::function<double(const Vec3&)> distance;
 };
 
-void add_line(batten_test::Patchwork& p, const std::string& name, const Vec3& a, const Vec3& b) {
-  p.add(
-      batten_test::given_line(name, curve_through_points(name, {a, b}), 3, p.options.edge_length));
+void add_line(batten_test::TestModelBuilder& p, const std::string& name, const Vec3& a,
+              const Vec3& b) {
+  p.add(batten_test::prescribed_line(name, curve_through_points(name, {a, b}), 3,
+                                     p.options.edge_length));
 }
-void add_arc(batten_test::Patchwork& p, const std::string& name, const Vec3& a, const Vec3& b,
-             const Vec3& centre = Vec3::Zero()) {
-  p.add(batten_test::given_line(
+void add_arc(batten_test::TestModelBuilder& p, const std::string& name, const Vec3& a,
+             const Vec3& b, const Vec3& centre = Vec3::Zero()) {
+  p.add(batten_test::prescribed_line(
       name,
       curve_from_formula(0, pi / 2,
                          [=](double t, int order) -> Vec3 {
@@ -153,7 +155,7 @@ std::vector<Joined> joined_shapes(double h) {
   all.push_back({"two octants", batten_test::octants(h), {{"zx", 0, 1}}, sphere});
 
   Joined quarters{"two quarter cylinders", {}, {{"middle", 0, 1}}, cylinder};
-  batten_test::Patchwork& q = quarters.patches;
+  batten_test::TestModelBuilder& q = quarters.patches;
   q.options.edge_length = h;
   const Vec3 up = 1.5 * z;
   add_arc(q, "low1", x, y);
@@ -170,7 +172,7 @@ std::vector<Joined> joined_shapes(double h) {
   Joined cap{"cap on cylinder", {}, {{"rim", 0, 1}}, [=](const Vec3& p) {
                return p.z() > 0 ? sphere(p) : cylinder(p);
              }};
-  batten_test::Patchwork& c = cap.patches;
+  batten_test::TestModelBuilder& c = cap.patches;
   c.options.edge_length = h;
   const Vec3 down = -1.2 * z;
   add_arc(c, "rim", x, y);
@@ -187,7 +189,7 @@ std::vector<Joined> joined_shapes(double h) {
               {},
               {{"up1", 3, 0}, {"up2", 0, 1}, {"up3", 1, 2}, {"up4", 2, 3}},
               sphere};
-  batten_test::Patchwork& s = half.patches;
+  batten_test::TestModelBuilder& s = half.patches;
   s.options.edge_length = h;
   const Vec3 around[4] = {x, y, -x, -y};
   for (int k = 0; k < 4; ++k) {
@@ -203,7 +205,7 @@ std::vector<Joined> joined_shapes(double h) {
 
 }  // namespace
 
-void compare_joined(Promises& promises) {
+void compare_joined(Checks& checks) {
   std::printf("Several regions with smooth joins: radius 1, jump of curvature in 1/radius.\n\n");
   Table table;
   table.add({"joined", "triangles", "bending", "variation", "angle", "jump, bending",
@@ -213,9 +215,10 @@ void compare_joined(Promises& promises) {
     for (const auto& [name, a, b] : shape.joins)
       lines.push_back(shape.patches.join_line(name, a, b));
     const ModelLayout model = shape.patches.model(lines);
-    const Points start = model.least_energy({});
-    VariationSurface fair;
-    const double t = time_of([&] { fair = fair_shape(model, start, model.line_constraints()); });
+    const Points start = model.minimize_energy({});
+    MinimumVariationSurface fair;
+    const double t =
+        cpu_seconds_of([&] { fair = fair_shape(model, start, model.line_constraints()); });
     const auto measured = [&](const Points& dofs, double& distance, double& jump) {
       std::vector<SkinnedRegion> regions;
       for (int r = 0; r < model.region_count(); ++r) regions.push_back(model.skinned(r, dofs));
@@ -237,8 +240,8 @@ void compare_joined(Promises& promises) {
     table.add({shape.name, std::to_string(model.mesh()->triangle_count()), text("%.1e", bending),
                text("%.1e", varied), text("%.4f", angle), text("%.2e", jump_before),
                text("%.2e", jump), std::to_string(fair.factorizations), text("%.3f", t)});
-    promises.at_most(shape.name + ": distance to the formula over the radius", varied, 1e-3);
-    promises.at_most(shape.name + ": angle at smooth joins, degrees", angle, 0.1);
+    checks.at_most(shape.name + ": distance to the formula over the radius", varied, 1e-3);
+    checks.at_most(shape.name + ": angle at smooth joins, degrees", angle, 0.1);
   }
   table.print();
 }
@@ -272,17 +275,18 @@ double volume_of(const Surface& surface, double cap, double h) {
 
 // A ring between two circles: the worst error of the radius, over the larger one, and the volume
 // over that of the formula.
-void compare_ring(const char* name, double r0, double r1, double h, double edge,
-                  double (*radius_at)(double z), const std::vector<CharacterLine>& more,
-                  double target, Table& table, Promises& promises) {
+void compare_annulus(const char* name, double r0, double r1, double h, double edge,
+                     double (*radius_at)(double z), const std::vector<CharacterLine>& more,
+                     double target, Table& table, Checks& checks) {
   std::vector<CharacterLine> lines{circle("low", r0, 0), circle("high", r1, h)};
   lines.insert(lines.end(), more.begin(), more.end());
   SkinOptions options;
   options.edge_length = edge;
   const ModelLayout model(RegionLayout(name, lines, options));
-  const Points start = model.least_energy({});
-  VariationSurface fair;
-  const double t = time_of([&] { fair = fair_shape(model, start, model.line_constraints()); });
+  const Points start = model.minimize_energy({});
+  MinimumVariationSurface fair;
+  const double t =
+      cpu_seconds_of([&] { fair = fair_shape(model, start, model.line_constraints()); });
   const auto error = [&](const Points& dofs) {
     double worst = 0;
     for_each_point(model.surface(dofs), [&](const Vec3& x) {
@@ -297,18 +301,18 @@ void compare_ring(const char* name, double r0, double r1, double h, double edge,
     const double r = radius_at(h * (i + 0.5) / slices);
     volume += pi * r * r * h / slices;
   }
-  const double share = volume_of(model.surface(fair.dofs), r1, h) / volume;
-  table.add(
-      {name, std::to_string(model.mesh()->triangle_count()), text("%.1e", error(start)),
-       text("%.1e", varied),
-       text("%.4f", volume_of(model.surface(start), r1, h) / volume) + ", " + text("%.4f", share),
-       std::to_string(fair.factorizations), text("%.3f", t)});
-  promises.at_most(std::string(name) + ": largest error of the radius", varied, target);
-  promises.at_most(std::string(name) + ": error of the volume", std::abs(share - 1), target);
+  const double fraction = volume_of(model.surface(fair.dofs), r1, h) / volume;
+  table.add({name, std::to_string(model.mesh()->triangle_count()), text("%.1e", error(start)),
+             text("%.1e", varied),
+             text("%.4f", volume_of(model.surface(start), r1, h) / volume) + ", " +
+                 text("%.4f", fraction),
+             std::to_string(fair.factorizations), text("%.3f", t)});
+  checks.at_most(std::string(name) + ": largest error of the radius", varied, target);
+  checks.at_most(std::string(name) + ": error of the volume", std::abs(fraction - 1), target);
 }
 
 // NACA 0012, chords of 100 and 60, 300 apart: upper half between two sections and two rails.
-void compare_wing(Table& table, Promises& promises) {
+void compare_wing(Table& table, Checks& checks) {
   const auto section = [](double chord, double sweep, double y) {
     std::vector<Vec3> points;
     constexpr int pieces = 32;
@@ -327,9 +331,10 @@ void compare_wing(Table& table, Promises& promises) {
   SkinOptions options;
   options.edge_length = 12;
   const auto layout = std::make_shared<const ModelLayout>(RegionLayout("wing", lines, options));
-  const Points start = layout->least_energy({});
+  const Points start = layout->minimize_energy({});
   LoftedModel loft;
-  const double t = time_of([&] { loft = loft_model(layout, {"root"}, 2 * layout->tolerance()); });
+  const double t =
+      cpu_seconds_of([&] { loft = loft_model(layout, {"root"}, 2 * layout->tolerance()); });
   const auto crown = [&](const ModelLayout& model, const Points& dofs) {
     double height = 0;
     for_each_point(model.surface(dofs), [&](const Vec3& x) {
@@ -342,22 +347,22 @@ void compare_wing(Table& table, Promises& promises) {
   table.add({"wing, crown at mid-span", std::to_string(loft.layout->mesh()->triangle_count()),
              text("%.2f", crown(*layout, start)), text("%.2f (loft)", lofted), "", "1",
              text("%.3f", t)});
-  promises.at_least("wing: crown at mid-span over that of a ruled surface", lofted / ruled, 0.98);
+  checks.at_least("wing: crown at mid-span over that of a ruled surface", lofted / ruled, 0.98);
 }
 
 }  // namespace
 
-void compare_sections(Promises& promises) {
+void compare_sections(Checks& checks) {
   std::printf("Sections: largest error of the radius, over the radius.\n\n");
   Table table;
   table.add({"sections", "triangles", "bending", "variation", "volume over the formula's, both",
              "factorizations", "seconds"});
-  compare_ring(
-      "can", 33, 33, 120, 12, [](double) { return 33.0; }, {}, 5e-3, table, promises);
-  compare_ring(
-      "tube", 10, 10, 150, 5, [](double) { return 10.0; }, {}, 5e-3, table, promises);
-  compare_ring(
-      "frustum", 40, 25, 60, 10, [](double z) { return 40 - z / 4; }, {}, 5e-3, table, promises);
+  compare_annulus(
+      "can", 33, 33, 120, 12, [](double) { return 33.0; }, {}, 5e-3, table, checks);
+  compare_annulus(
+      "tube", 10, 10, 150, 5, [](double) { return 10.0; }, {}, 5e-3, table, checks);
+  compare_annulus(
+      "frustum", 40, 25, 60, 10, [](double z) { return 40 - z / 4; }, {}, 5e-3, table, checks);
   std::vector<Vec3> meridian;
   for (int i = 0; i <= 16; ++i) {
     const double a = std::asin(0.6) * (i / 8.0 - 1);
@@ -365,15 +370,14 @@ void compare_sections(Promises& promises) {
   }
   CharacterLine line = line_through("meridian", meridian);
   line.role = CharacterLine::Role::Inner;
-  compare_ring(
+  compare_annulus(
       "sphere's band with a meridian", 40, 40, 60, 8,
-      [](double z) { return std::sqrt(2500 - (z - 30) * (z - 30)); }, {line}, 1e-2, table,
-      promises);
-  compare_wing(table, promises);
+      [](double z) { return std::sqrt(2500 - (z - 30) * (z - 30)); }, {line}, 1e-2, table, checks);
+  compare_wing(table, checks);
   table.print();
 }
 
-void compare_random(Promises& promises) {
+void compare_random(Checks& checks) {
   batten_test::Random random(7);
   int skinned = 0, faired = 0, far = 0, spoiled = 0;
   double worst_move = 0, worst_residual = 0, slowest = 0, seconds = 0, triangles = 0;
@@ -385,17 +389,17 @@ void compare_random(Promises& promises) {
     Points start;
     try {
       layout = std::make_shared<const ModelLayout>(RegionLayout("random", lines, {}));
-      start = layout->least_energy({});
+      start = layout->minimize_energy({});
     } catch (const Error&) {
       continue;  // no surface: what it says is the business of other tests
     }
     ++skinned;
     SurfaceModel model;
     model.regions.emplace_back().plan.name = "random";
-    model.regions[0].in_layout = 0;
-    FairedModel fair;
+    model.regions[0].layout_index = 0;
+    FairingResult fair;
     std::string why;
-    const double t = time_of([&] {
+    const double t = cpu_seconds_of([&] {
       try {
         fair = fair_model(model, layout, start, 0.1);
       } catch (const Error& e) {
@@ -430,11 +434,11 @@ void compare_random(Promises& promises) {
     unnamed += why.empty() ? count : 0;
   }
   std::printf("\n");
-  promises.at_most("random outlines: largest move over the size", worst_move, 0.5);
-  promises.at_most("random outlines: largest residual over the size", worst_residual, 1e-10);
-  promises.at_most("random outlines: surfaces that turn over and did not", spoiled, 0);
-  promises.at_most("random outlines: failures without a reason", unnamed, 0);
-  promises.at_most("random outlines: seconds for 1,000 triangles at most", slowest, 10);
+  checks.at_most("random outlines: largest move over the size", worst_move, 0.5);
+  checks.at_most("random outlines: largest residual over the size", worst_residual, 1e-10);
+  checks.at_most("random outlines: surfaces that turn over and did not", spoiled, 0);
+  checks.at_most("random outlines: failures without a reason", unnamed, 0);
+  checks.at_most("random outlines: seconds for 1,000 triangles at most", slowest, 10);
 }
 
 }  // namespace batten::bench

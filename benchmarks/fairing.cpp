@@ -20,8 +20,8 @@ const std::vector<double> parts = {0.001, 0.003, 0.01};  // noise over the size
 
 Stroke points_on(const TrueCurve& curve) {
   Stroke points;
-  for (int i = 0; i < noisy_points; ++i)
-    points.push_back(curve.at(static_cast<double>(i) / (noisy_points - 1)));
+  for (int i = 0; i < kNoisyPoints; ++i)
+    points.push_back(curve.at(static_cast<double>(i) / (kNoisyPoints - 1)));
   return points;
 }
 
@@ -31,16 +31,16 @@ Vec3 gauss(Random& random, double sigma) {
   return {x, y, z};
 }
 
-double percentile(std::vector<double> values, double share) {
+double percentile(std::vector<double> values, double fraction) {
   const auto at =
-      values.begin() + static_cast<long>(share * static_cast<double>(values.size() - 1));
+      values.begin() + static_cast<long>(fraction * static_cast<double>(values.size() - 1));
   std::nth_element(values.begin(), at, values.end());
   return *at;
 }
 
 // ---- waves of curvature ----------------------------------------------------------------------
 
-void waves_table(Promises& promises) {
+void waves_table(Checks& checks) {
   const TrueCurve sine{"sine",
                        [](double t) { return Vec3(10 * t, 0.6 * std::sin(8 * pi * t), 0); }};
   std::vector<TrueCurve> curves = true_curves();
@@ -60,7 +60,7 @@ void waves_table(Promises& promises) {
           p += gauss(random, sigma);
           if (curve.name == sine.name) p.z() = 0;
         }
-        given.push_back(fairness(curve_as_given("noisy", points)).extrema);
+        given.push_back(fairness(interpolating_spline("noisy", points)).extrema);
         faired.push_back(fairness(fair_points("noisy", points).curve).extrema);
       }
       table.add({curve.name, text("%.1f %%", 100 * part), text("%.0f", median(given)),
@@ -71,7 +71,7 @@ void waves_table(Promises& promises) {
     }
   }
   table.print();
-  promises.at_most("extrema of curvature over the true ones (sine, cubic, roof line)", worst, 2);
+  checks.at_most("extrema of curvature over the true ones (sine, cubic, roof line)", worst, 2);
 }
 
 // ---- outliers and tremor ---------------------------------------------------------------------
@@ -90,13 +90,13 @@ Stroke with_outliers(const TrueCurve& curve, double part, Random& random) {
 }
 
 // Eight waves in each coordinate, a fortieth to a twentieth of the line long.
-Stroke with_tremor(const TrueCurve& curve, double part, Random& random) {
+Stroke with_jitter(const TrueCurve& curve, double part, Random& random) {
   Stroke points = points_on(curve);
   const double sigma = part * size_of(points);
   std::uniform_real_distribution<double> uniform;
   for (int wave = 0; wave < 8; ++wave)
     for (int axis = 0; axis < 3; ++axis) {
-      const double length = noisy_points / 40.0 * (1 + uniform(random)),
+      const double length = kNoisyPoints / 40.0 * (1 + uniform(random)),
                    phase = 2 * pi * uniform(random);
       for (size_t i = 0; i < points.size(); ++i)
         points[i][axis] += sigma / 2 * std::sin(2 * pi * static_cast<double>(i) / length + phase);
@@ -104,7 +104,7 @@ Stroke with_tremor(const TrueCurve& curve, double part, Random& random) {
   return points;
 }
 
-void harm_table(Promises& promises) {
+void robustness_table(Checks& checks) {
   Table table;
   table.add({"rms after over before", "sigma/size", "3 % outliers: median (worst)", "kept",
              "tremor, its size stated", "its wavelength stated", "nothing stated"});
@@ -120,21 +120,21 @@ void harm_table(Promises& promises) {
         const auto fair = [&](const std::string& kind, const Stroke& points,
                               const FairOptions& options) {
           const HermiteCurve made = fair_points("noisy", points, options).curve;
-          ratio[kind].push_back(real.rms_distance(sampled(made).even_samples(noise_samples)) /
+          ratio[kind].push_back(real.rms_distance(sampled(made).even_samples(kNoiseSamples)) /
                                 real.rms_distance(points));
         };
         const Stroke off = with_outliers(curve, part, random);
         FairOptions options;
         fair("outliers", off, options);
-        options.drop_outliers = false;
+        options.reject_outliers = false;
         fair("kept", off, options);
-        const Stroke tremor = with_tremor(curve, part, random);
+        const Stroke tremor = with_jitter(curve, part, random);
         options = {};
         fair("nothing", tremor, options);
-        options.balance = FairOptions::Balance::Noise;
+        options.smoothing = FairOptions::Smoothing::Noise;
         options.noise = real.rms_distance(tremor);
         fair("size", tremor, options);
-        options.balance = FairOptions::Balance::Wavelength;
+        options.smoothing = FairOptions::Smoothing::Wavelength;
         options.wavelength = length / 8;
         fair("wavelength", tremor, options);
       }
@@ -148,9 +148,9 @@ void harm_table(Promises& promises) {
     }
   }
   table.print();
-  promises.at_most("outliers: largest median of rms after over before", worst["outliers"], 0.5);
-  promises.at_most("tremor of stated size: likewise", worst["size"], 0.5);
-  promises.at_most("tremor of stated wavelength: likewise", worst["wavelength"], 0.5);
+  checks.at_most("outliers: largest median of rms after over before", worst["outliers"], 0.5);
+  checks.at_most("tremor of stated size: likewise", worst["size"], 0.5);
+  checks.at_most("tremor of stated wavelength: likewise", worst["wavelength"], 0.5);
 }
 
 // ---- airfoils --------------------------------------------------------------------------------
@@ -202,7 +202,7 @@ double nose_error(const HermiteCurve& curve, const Section& section) {
   return std::abs(radius / section.nose_radius() - 1);
 }
 
-void airfoil_table(const Scipy& scipy, Promises& promises) {
+void airfoil_table(const Scipy& scipy, Checks& checks) {
   constexpr double sigma = 5e-4;
   std::vector<double> moves, noses, noisy_noses, ratios, theirs;
   unsigned seed = 0;
@@ -230,14 +230,14 @@ void airfoil_table(const Scipy& scipy, Promises& promises) {
           return (at(t + h) - 2 * at(t) + at(t - h)) / (h * h);
         },
         knots);
-    const double ours = real.rms_distance(sampled(fair.curve).even_samples(noise_samples));
+    const double ours = real.rms_distance(sampled(fair.curve).even_samples(kNoiseSamples));
     ratios.push_back(ours / real.rms_distance(points));
-    std::vector<double> in = {1, static_cast<double>(points.size()), noise_samples, sigma};
+    std::vector<double> in = {1, static_cast<double>(points.size()), kNoiseSamples, sigma};
     append(in, points);
     const std::vector<double> out = scipy.run("noise", in);
-    if (out.size() != 2 * noise_samples * 3) continue;
+    if (out.size() != 2 * kNoiseSamples * 3) continue;
     Stroke x;
-    for (size_t i = noise_samples; i < 2 * noise_samples; ++i)
+    for (size_t i = kNoiseSamples; i < 2 * kNoiseSamples; ++i)
       x.emplace_back(out[3 * i], out[3 * i + 1], out[3 * i + 2]);
     if (!std::isnan(x.front().x())) theirs.push_back(ours / real.rms_distance(x));
   }
@@ -254,13 +254,12 @@ void airfoil_table(const Scipy& scipy, Promises& promises) {
   row("noise: rms after over before", ratios, 1, "%.2f");
   if (!theirs.empty()) row("over that of SciPy's GCV spline", theirs, 1, "%.2f");
   table.print();
-  promises.at_most("airfoils: largest move of exact points over the chord", percentile(moves, 1),
-                   1e-4);
-  promises.at_most("airfoils: rms over that of SciPy's GCV spline, median",
-                   theirs.empty() ? std::nullopt : std::optional(median(theirs)), 1);
-  promises.at_most("airfoils: nose radius of exact points, median error", median(noses), 0.02);
-  promises.at_most("airfoils: nose radius of noisy points, median error", median(noisy_noses),
-                   0.02);
+  checks.at_most("airfoils: largest move of exact points over the chord", percentile(moves, 1),
+                 1e-4);
+  checks.at_most("airfoils: rms over that of SciPy's GCV spline, median",
+                 theirs.empty() ? std::nullopt : std::optional(median(theirs)), 1);
+  checks.at_most("airfoils: nose radius of exact points, median error", median(noses), 0.02);
+  checks.at_most("airfoils: nose radius of noisy points, median error", median(noisy_noses), 0.02);
 }
 
 }  // namespace
@@ -270,10 +269,10 @@ int main() {
   const Scipy scipy;
   std::printf("%s. %d points a line, %d seeds.\n\n",
               scipy.version().empty() ? "SciPy is missing" : ("SciPy " + scipy.version()).c_str(),
-              noisy_points, seeds);
-  Promises promises;
-  waves_table(promises);
-  harm_table(promises);
-  airfoil_table(scipy, promises);
-  promises.print("fairing");
+              kNoisyPoints, seeds);
+  Checks checks;
+  waves_table(checks);
+  robustness_table(checks);
+  airfoil_table(scipy, checks);
+  checks.print("fairing");
 }

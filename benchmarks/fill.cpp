@@ -8,10 +8,10 @@
 #include <cmath>
 
 #include "batten/constraints/constrained_solver.h"
-#include "batten/fem/assembly.h"
-#include "batten/fem/dissection.h"
+#include "batten/fem/nested_dissection.h"
+#include "batten/fem/surface_assembler.h"
 #include "batten/skinning/layout/region_layout.h"
-#include "batten/skinning/region/quality.h"
+#include "batten/skinning/region/skin_quality.h"
 #include "bench.h"
 #include "cases.h"
 #include "occ_filling.h"
@@ -36,7 +36,7 @@ SkinnedRegion skin(const CurvedLoop& c) {
   const SurfaceAssembler assembler(*layout.mesh(), layout.element());
   const ConstrainedSolver solver(layout.line_constraints(),
                                  assembler.stiffness(SurfaceStiffness::isotropic(0, 1)),
-                                 dissection_order(*layout.mesh()));
+                                 nested_dissection_order(*layout.mesh()));
   return layout.region(solver.solve(Points::Zero(assembler.dofs().count(), 3)));
 }
 
@@ -91,8 +91,8 @@ struct SurfaceLines {
 SurfaceLines surface_lines(const SkinnedRegion& region) {
   const ParametricMesh& mesh = region.surface.mesh();
   SurfaceLines lines;
-  for (const LineRun& run : region.runs)
-    for (const int e : run.edges) {
+  for (const EdgeAlignedLine& aligned_line : region.edge_aligned)
+    for (const int e : aligned_line.edges) {
       const auto& edge = mesh.edges()[e];
       const auto at = [&](double f) {
         Location where{edge.triangle[0], Vec3::Zero()};
@@ -118,7 +118,7 @@ int main() {
   else
     std::printf("OpenCASCADE %s. Processor time on one thread, medians.\n\n", version.c_str());
 
-  std::vector<FillingSettings> settings;
+  std::vector<OccFillingSettings> settings;
   if (!version.empty())
     settings = {{"OpenCASCADE 1e-3", 1e-3, 15, 9},
                 {"OpenCASCADE 1e-4", 1e-4, 15, 9},
@@ -126,12 +126,12 @@ int main() {
                 {"OpenCASCADE 1e-5, 60 segments", 1e-5, 15, 60},
                 {"OpenCASCADE 1e-5, 60 segments, 60 points", 1e-5, 60, 60}};
 
-  Promises promises;
+  Checks checks;
   for (const CurvedLoop& c : {pentagon(), patch()}) {
     const std::vector<Cubic> curves = all_curves(c);
     std::vector<std::function<void()>> works = {[&] { skin(c); }};
-    for (const FillingSettings& s : settings)
-      works.push_back([&c, &s] { Filling(c.outline, c.inner, s); });
+    for (const OccFillingSettings& s : settings)
+      works.push_back([&c, &s] { OccFilling(c.outline, c.inner, s); });
     const std::vector<double> time = side_by_side(rounds, works);
 
     const SkinnedRegion region = skin(c);
@@ -147,7 +147,7 @@ int main() {
                text("%.2g", std::max(ours, quality.max_line_deviation))});
     std::optional<double> accurate, accurate_time;
     for (size_t s = 0; s < settings.size(); ++s) {
-      const Filling filling(c.outline, c.inner, settings[s]);
+      const OccFilling filling(c.outline, c.inner, settings[s]);
       std::string reached = "failed";
       if (filling.done()) {
         const double distance = largest_distance(
@@ -167,19 +167,19 @@ int main() {
         "median.\n\n",
         quality.max_normal_jump_deg, quality.min_jacobian_ratio);
 
-    promises.at_least(c.name + ": triangles", triangles, 1000);
-    promises.at_most(c.name + ": largest distance to the curves",
-                     std::max(ours, quality.max_line_deviation), 1e-10);
+    checks.at_least(c.name + ": triangles", triangles, 1000);
+    checks.at_most(c.name + ": largest distance to the curves",
+                   std::max(ours, quality.max_line_deviation), 1e-10);
     const auto sixty = std::find_if(settings.begin(), settings.end(), [](const auto& s) {
       return s.tolerance == 1e-5 && s.max_segments == 60;
     });
-    promises.at_most(c.name + ": time over OpenCASCADE's at 1e-5 with 60 segments",
-                     sixty != settings.end()
-                         ? std::optional(time[0] / time[1 + (sixty - settings.begin())])
-                         : std::nullopt,
-                     1);
-    promises.at_most(c.name + ": time over OpenCASCADE's at its most accurate",
-                     accurate_time ? std::optional(time[0] / *accurate_time) : std::nullopt, 1);
+    checks.at_most(c.name + ": time over OpenCASCADE's at 1e-5 with 60 segments",
+                   sixty != settings.end()
+                       ? std::optional(time[0] / time[1 + (sixty - settings.begin())])
+                       : std::nullopt,
+                   1);
+    checks.at_most(c.name + ": time over OpenCASCADE's at its most accurate",
+                   accurate_time ? std::optional(time[0] / *accurate_time) : std::nullopt, 1);
   }
-  promises.print("fill");
+  checks.print("fill");
 }

@@ -15,7 +15,7 @@
 #include <fstream>
 #include <map>
 
-#include "batten/core/words.h"
+#include "batten/core/format.h"
 #include "batten/skinning/search/find_regions.h"
 #include "batten/skinning/surfaces/skin_network.h"
 #include "batten/skinning/surfaces/surface_model.h"
@@ -28,17 +28,17 @@ namespace {
 using namespace batten;
 using namespace batten::bench;
 
-struct Made {
+struct TimedModel {
   SurfaceModel model;
   int regions = 0, triangles = 0, failed = 0;
   double network = 0, find = 0, skin = 0;
   double total() const { return network + find + skin; }
 };
 
-Made make(const std::vector<CharacterLine>& lines, double edge, double smooth_below) {
-  Made made;
+TimedModel make(const std::vector<CharacterLine>& lines, double edge, double crease_angle) {
+  TimedModel made;
   double start = seconds();
-  const CharacterLineNetwork network(lines);
+  const CurveNetwork network(lines);
   made.network = seconds() - start;
   start = seconds();
   const FoundRegions found = find_regions(network);
@@ -46,7 +46,7 @@ Made make(const std::vector<CharacterLine>& lines, double edge, double smooth_be
   start = seconds();
   ModelOptions options;
   options.skin.edge_length = edge;
-  options.smooth_below_deg = smooth_below;
+  options.crease_angle_deg = crease_angle;
   made.model = skin_network(network, found, options);
   made.skin = seconds() - start;
   for (const ModelRegion& region : made.model.regions) {
@@ -88,7 +88,7 @@ SkinQuality fill(const std::vector<CharacterLine>& lines, bool look = false) {
   SkinOptions options;
   options.edge_length = 0.1;
   const RegionLayout layout("region", lines, options);
-  Points dofs = ModelLayout(layout).least_energy({});
+  Points dofs = ModelLayout(layout).minimize_energy({});
   return look ? measure(layout.region(std::move(dofs))) : SkinQuality{};
 }
 
@@ -118,7 +118,7 @@ class Peak {
 
 constexpr double kNoJoins = -1, kAllSmooth = 180;
 
-void grids(Promises& promises) {
+void grids(Checks& checks) {
   Table table;
   table.add({"grid", "regions", "triangles", "network ms", "regions ms", "skin ms", "ms a region",
              "kB a region", "smooth: ms", "largest angle"});
@@ -128,17 +128,17 @@ void grids(Promises& promises) {
     const std::vector<CharacterLine> lines = wavy_grid(cells, cells);
     const double edge = 0.25 / cells;
     const Peak peak;
-    Made made = make(lines, edge, kNoJoins);
-    const bool right = made.regions == cells * cells && made.failed == 0;
-    const double most = right ? 1 : std::numeric_limits<double>::infinity();
+    TimedModel made = make(lines, edge, kNoJoins);
+    const bool correct = made.regions == cells * cells && made.failed == 0;
+    const double most = correct ? 1 : std::numeric_limits<double>::infinity();
     memory[count] = most * peak.grown() / made.regions;
     each[count] = most * made.total() / made.regions;
     search[count] = most * (made.network + made.find) / made.regions;
     // Thousands of regions in one system show nothing that 841 do not.
     const bool joined = count <= 60;
-    const Made smooth = joined ? make(lines, edge, kAllSmooth) : Made{};
+    const TimedModel smooth = joined ? make(lines, edge, kAllSmooth) : TimedModel{};
     table.add({std::to_string(count) + " lines",
-               std::to_string(made.regions) + (right ? "" : " WRONG"),
+               std::to_string(made.regions) + (correct ? "" : " WRONG"),
                std::to_string(made.triangles), text("%.1f", 1e3 * made.network),
                text("%.1f", 1e3 * made.find), text("%.1f", 1e3 * made.skin),
                text("%.2f", 1e3 * each[count]), text("%.0f", memory[count] / 1024),
@@ -146,24 +146,23 @@ void grids(Promises& promises) {
                joined ? text("%.2g deg", smooth.model.max_join_deg) : ""});
   }
   table.print();
-  promises.at_most("time a region, 200 by 200 lines over 12 by 12", each[400] / each[24], 1.3);
-  promises.at_most("search a region, 200 by 200 lines over 12 by 12", search[400] / search[24],
-                   1.3);
-  promises.at_most("memory a region, 200 by 200 lines over 100 by 100",
-                   memory[200] > 0 ? std::optional(memory[400] / memory[200]) : std::nullopt, 1.1);
+  checks.at_most("time a region, 200 by 200 lines over 12 by 12", each[400] / each[24], 1.3);
+  checks.at_most("search a region, 200 by 200 lines over 12 by 12", search[400] / search[24], 1.3);
+  checks.at_most("memory a region, 200 by 200 lines over 100 by 100",
+                 memory[200] > 0 ? std::optional(memory[400] / memory[200]) : std::nullopt, 1.1);
 
   const std::vector<CharacterLine> lines = wavy_grid(99, 99);
   const auto all = [&] { make(lines, 0.25 / 99, kNoJoins); };
-  const double one = clock_of(all);
+  const double one = wall_seconds_of(all);
   set_thread_count(2);
-  const double two = clock_of(all);
+  const double two = wall_seconds_of(all);
   set_thread_count(1);
   std::printf("100 by 100 lines, on the clock: %.1f s on one thread, %.1f s on two.\n\n", one, two);
-  promises.at_least("one thread's time over two threads', 100 by 100 lines", one / two, 1.6);
+  checks.at_least("one thread's time over two threads', 100 by 100 lines", one / two, 1.6);
 }
 
 // 57 by 57 lines as a file of points through the program, with STEP, in a process of its own.
-void program(Promises& promises) {
+void program(Checks& checks) {
 #ifdef BATTEN_PROGRAM
   namespace fs = std::filesystem;
   const fs::path folder = fs::temp_directory_path() / ("batten_grid_" + std::to_string(getpid()));
@@ -175,7 +174,8 @@ void program(Promises& promises) {
       for (int i = 0; i <= 60; ++i) {
         const double t = line.curve->start() + (line.curve->end() - line.curve->start()) * i / 60;
         const Vec3 p = line.curve->evaluate(t, 0);
-        file << number(p.x()) << ',' << number(p.y()) << ',' << number(p.z()) << '\n';
+        file << format_number(p.x()) << ',' << format_number(p.y()) << ',' << format_number(p.z())
+             << '\n';
       }
       file << '\n';
     }
@@ -183,7 +183,7 @@ void program(Promises& promises) {
   const std::string csv = (folder / "grid.csv").string(), out = (folder / "out").string();
   int status = 0;
   rusage used{};
-  const double clock = clock_of([&] {
+  const double clock = wall_seconds_of([&] {
     const pid_t child = fork();
     if (child == 0) {
       std::freopen("/dev/null", "w", stdout);
@@ -193,15 +193,15 @@ void program(Promises& promises) {
     }
     wait4(child, &status, 0, &used);
   });
-  const bool right = WIFEXITED(status) && WEXITSTATUS(status) == 0;
+  const bool correct = WIFEXITED(status) && WEXITSTATUS(status) == 0;
   std::printf("57 by 57 lines through the program, with STEP: %.1f s, %.2f GB, exit code %d.\n\n",
               clock, used.ru_maxrss / 1048576.0, WEXITSTATUS(status));
-  const auto if_right = [&](double x) { return right ? std::optional(x) : std::nullopt; };
-  promises.at_most("seconds, 57 by 57 lines with STEP", if_right(clock), 20);
-  promises.at_most("GB, 57 by 57 lines with STEP", if_right(used.ru_maxrss / 1048576.0), 1);
+  const auto if_correct = [&](double x) { return correct ? std::optional(x) : std::nullopt; };
+  checks.at_most("seconds, 57 by 57 lines with STEP", if_correct(clock), 20);
+  checks.at_most("GB, 57 by 57 lines with STEP", if_correct(used.ru_maxrss / 1048576.0), 1);
   fs::remove_all(folder);
 #else
-  promises.at_most("seconds, 57 by 57 lines with STEP", std::nullopt, 20);
+  checks.at_most("seconds, 57 by 57 lines with STEP", std::nullopt, 20);
 #endif
 }
 
@@ -212,14 +212,14 @@ int main(int argc, char** argv) {
   one_thread();
   if (argc > 1) {
     const int cells = std::stoi(argv[1]) / 2 - 1;
-    const Made made = make(wavy_grid(cells, cells), 0.25 / cells, kNoJoins);
+    const TimedModel made = make(wavy_grid(cells, cells), 0.25 / cells, kNoJoins);
     std::printf("%d regions: network %.2f s, regions %.2f s, skin %.2f s\n", made.regions,
                 made.network, made.find, made.skin);
     return 0;
   }
-  Promises promises;
-  program(promises);  // first: a child counts the memory that its parent had
-  grids(promises);
+  Checks checks;
+  program(checks);  // first: a child counts the memory that its parent had
+  grids(checks);
 
   {
     const std::string version = occ_version();
@@ -233,12 +233,12 @@ int main(int argc, char** argv) {
       const std::vector<CharacterLine> lines = lines_of(curves);
       std::vector<std::function<void()>> works = {[&] { fill(lines); },
                                                   [&] { make(lines, 0.1, kNoJoins); }};
-      if (!version.empty()) works.push_back([&] { Filling(curves, {}, {"", 1e-4, 15, 9}); });
+      if (!version.empty()) works.push_back([&] { OccFilling(curves, {}, {"", 1e-4, 15, 9}); });
       const std::vector<double> time = side_by_side(5, works);
-      const Made made = make(lines, 0.1, kNoJoins);
-      const bool right =
+      const TimedModel made = make(lines, 0.1, kNoJoins);
+      const bool correct =
           made.regions == 1 && made.failed == 0 && fill(lines, true).max_line_residual < 1e-10;
-      ours.push_back(right ? time[0] : std::numeric_limits<double>::infinity());
+      ours.push_back(correct ? time[0] : std::numeric_limits<double>::infinity());
       if (time.size() > 2) ratio = time[2] / ours.back();
       table.add({std::to_string(count) + " lines, " + std::to_string(made.triangles) + " triangles",
                  text("%.1f", 1e3 * ours.back()),
@@ -246,26 +246,26 @@ int main(int argc, char** argv) {
                  ratio ? text("%.1f", *ratio) : "", text("%.1f", 1e3 * time[1])});
     }
     table.print();
-    promises.at_least("OpenCASCADE's time over ours, one region of 28 lines", ratio, 5);
-    promises.at_most("growth of ours from 16 to 28 lines, over that of the lines",
-                     ours.back() / ours[1] / (28.0 / 16), 1.3);
+    checks.at_least("OpenCASCADE's time over ours, one region of 28 lines", ratio, 5);
+    checks.at_most("growth of ours from 16 to 28 lines, over that of the lines",
+                   ours.back() / ours[1] / (28.0 / 16), 1.3);
   }
 
   {
     // About 100 triangles in each of 200 cells, and as many over the whole.
     const std::vector<CharacterLine> cells = wavy_grid(20, 10), whole = wavy_grid(1, 1);
     std::vector<double> many, one;
-    Made a, b;
+    TimedModel a, b;
     for (int round = 0; round < 3; ++round) {
       a = make(cells, 0.0105, kNoJoins);
       b = make(whole, 0.0108, kNoJoins);
       many.push_back(a.total());
       one.push_back(b.total());
     }
-    const Made smooth = make(cells, 0.0105, kAllSmooth);
+    const TimedModel smooth = make(cells, 0.0105, kAllSmooth);
     Table table;
     table.add({"20,000 triangles", "regions", "triangles", "seconds", "largest angle"});
-    const auto row = [&](const std::string& name, const Made& m, double time) {
+    const auto row = [&](const std::string& name, const TimedModel& m, double time) {
       table.add({name, std::to_string(m.regions), std::to_string(m.triangles), text("%.3f", time),
                  text("%.2g deg", m.model.max_join_deg)});
     };
@@ -273,9 +273,9 @@ int main(int argc, char** argv) {
     row("200 regions, smooth", smooth, smooth.total());
     row("one region", b, median(one));
     table.print();
-    const bool right = a.regions == 200 && a.failed == 0 && b.regions == 1 && b.failed == 0;
-    promises.at_most("200 creased regions over one, 20,000 triangles in all",
-                     right ? std::optional(median(many) / median(one)) : std::nullopt, 3);
+    const bool correct = a.regions == 200 && a.failed == 0 && b.regions == 1 && b.failed == 0;
+    checks.at_most("200 creased regions over one, 20,000 triangles in all",
+                   correct ? std::optional(median(many) / median(one)) : std::nullopt, 3);
   }
-  promises.print("network");
+  checks.print("network");
 }

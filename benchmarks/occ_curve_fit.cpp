@@ -12,11 +12,11 @@ namespace batten::bench {
 
 std::string occ_curves_version() { return OCC_VERSION_COMPLETE; }
 
-struct OccFit::Data {
+struct OccCurveFit::Data {
   Handle(Geom_BSplineCurve) curve;
 };
 
-OccFit::OccFit(const std::vector<Vec3>& points, const OccFitSettings& s)
+OccCurveFit::OccCurveFit(const std::vector<Vec3>& points, const OccCurveFitSettings& s)
     : data_(std::make_unique<Data>()) {
   TColgp_Array1OfPnt array(1, static_cast<int>(points.size()));
   for (size_t i = 0; i < points.size(); ++i)
@@ -32,18 +32,18 @@ OccFit::OccFit(const std::vector<Vec3>& points, const OccFitSettings& s)
   } catch (const Standard_Failure&) {
   }
 }
-OccFit::~OccFit() = default;
-OccFit::OccFit(OccFit&&) noexcept = default;
+OccCurveFit::~OccCurveFit() = default;
+OccCurveFit::OccCurveFit(OccCurveFit&&) noexcept = default;
 
-bool OccFit::done() const { return !data_->curve.IsNull(); }
+bool OccCurveFit::done() const { return !data_->curve.IsNull(); }
 
-std::vector<double> OccFit::knots() const {
+std::vector<double> OccCurveFit::knots() const {
   std::vector<double> knots;
   for (int i = 1; i <= data_->curve->NbKnots(); ++i) knots.push_back(data_->curve->Knot(i));
   return knots;
 }
 
-Vec3 OccFit::evaluate(double u, int order) const {
+Vec3 OccCurveFit::evaluate(double u, int order) const {
   if (order == 0) {
     const gp_Pnt p = data_->curve->Value(u);
     return {p.X(), p.Y(), p.Z()};
@@ -62,15 +62,15 @@ namespace batten::bench {
 
 std::string occ_curves_version() { return ""; }
 
-struct OccFit::Data {};
-OccFit::OccFit(const std::vector<Vec3>&, const OccFitSettings&) {
+struct OccCurveFit::Data {};
+OccCurveFit::OccCurveFit(const std::vector<Vec3>&, const OccCurveFitSettings&) {
   throw std::logic_error("built without OpenCASCADE");
 }
-OccFit::~OccFit() = default;
-OccFit::OccFit(OccFit&&) noexcept = default;
-bool OccFit::done() const { return false; }
-std::vector<double> OccFit::knots() const { return {}; }
-Vec3 OccFit::evaluate(double, int) const { return Vec3::Zero(); }
+OccCurveFit::~OccCurveFit() = default;
+OccCurveFit::OccCurveFit(OccCurveFit&&) noexcept = default;
+bool OccCurveFit::done() const { return false; }
+std::vector<double> OccCurveFit::knots() const { return {}; }
+Vec3 OccCurveFit::evaluate(double, int) const { return Vec3::Zero(); }
 
 }  // namespace batten::bench
 

@@ -13,7 +13,7 @@ namespace batten::bench {
 std::string occ_curves_version();
 
 /// Of GeomAPI_PointsToBSpline; parameters by chord length, its default.
-struct OccFitSettings {
+struct OccCurveFitSettings {
   double tolerance = 1e-3;  ///< Tol3D
   int degree = 3;           ///< both DegMin and DegMax; variational: DegMax
   int continuity = 2;       ///< C1 or C2
@@ -22,11 +22,11 @@ struct OccFitSettings {
   double weights[3] = {1, 1, 1};
 };
 
-class OccFit {
+class OccCurveFit {
  public:
-  OccFit(const std::vector<Vec3>& points, const OccFitSettings& settings);
-  ~OccFit();
-  OccFit(OccFit&&) noexcept;
+  OccCurveFit(const std::vector<Vec3>& points, const OccCurveFitSettings& settings);
+  ~OccCurveFit();
+  OccCurveFit(OccCurveFit&&) noexcept;
   /// False also where OpenCASCADE threw.
   bool done() const;
   std::vector<double> knots() const;

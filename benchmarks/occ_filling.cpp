@@ -76,14 +76,14 @@ TopoDS_Vertex vertex(const Vec3& p) { return BRepBuilderAPI_MakeVertex(point(p))
 
 std::string occ_version() { return OCC_VERSION_COMPLETE; }
 
-struct Filling::Data {
+struct OccFilling::Data {
   TopoDS_Face face;
   Handle(Geom_Surface) surface;
   Handle(ShapeAnalysis_Surface) analysis;
-  std::string says;
+  std::string error_message;
 
   void fill(const std::vector<TopoDS_Edge>& bounds, const std::vector<TopoDS_Edge>& inner,
-            const FillingSettings& s) {
+            const OccFillingSettings& s) {
     try {
       BRepOffsetAPI_MakeFilling filling(3, s.points_on_curve, 2, Standard_False, 1e-5, s.tolerance,
                                         0.01, 0.1, 8, s.max_segments);
@@ -91,22 +91,22 @@ struct Filling::Data {
       for (const TopoDS_Edge& e : inner) filling.Add(e, GeomAbs_C0, Standard_False);
       filling.Build();
       if (!filling.IsDone()) {
-        says = "not done";
+        error_message = "not done";
         return;
       }
       face = TopoDS::Face(filling.Shape());
       surface = BRep_Tool::Surface(face);
-      if (!BRepCheck_Analyzer(face).IsValid()) says = "done, but the face is not valid";
+      if (!BRepCheck_Analyzer(face).IsValid()) error_message = "done, but the face is not valid";
     } catch (const Standard_Failure& e) {
-      says = e.DynamicType()->Name();
+      error_message = e.DynamicType()->Name();
       if (e.GetMessageString() && *e.GetMessageString())
-        says += std::string(": ") + e.GetMessageString();
+        error_message += std::string(": ") + e.GetMessageString();
     }
   }
 };
 
-Filling::Filling(const std::vector<Cubic>& outline, const std::vector<Cubic>& inner,
-                 const FillingSettings& s)
+OccFilling::OccFilling(const std::vector<Cubic>& outline, const std::vector<Cubic>& inner,
+                       const OccFillingSettings& s)
     : data_(std::make_unique<Data>()) {
   std::vector<TopoDS_Vertex> corner;
   for (const Cubic& c : outline) corner.push_back(vertex(c[0]));
@@ -117,8 +117,8 @@ Filling::Filling(const std::vector<Cubic>& outline, const std::vector<Cubic>& in
   data_->fill(bounds, across, s);
 }
 
-Filling::Filling(const std::vector<std::vector<HermiteCurve>>& loops,
-                 const std::vector<HermiteCurve>& inner, const FillingSettings& s)
+OccFilling::OccFilling(const std::vector<std::vector<HermiteCurve>>& loops,
+                       const std::vector<HermiteCurve>& inner, const OccFillingSettings& s)
     : data_(std::make_unique<Data>()) {
   std::vector<TopoDS_Edge> bounds, across;
   try {
@@ -135,20 +135,20 @@ Filling::Filling(const std::vector<std::vector<HermiteCurve>>& loops,
       across.push_back(edge(c, start, closed ? start : vertex(last)));
     }
   } catch (const Standard_Failure& e) {
-    data_->says = std::string("no edge: ") + e.DynamicType()->Name();
+    data_->error_message = std::string("no edge: ") + e.DynamicType()->Name();
     return;
   }
   data_->fill(bounds, across, s);
 }
 
-Filling::~Filling() = default;
+OccFilling::~OccFilling() = default;
 
-bool Filling::done() const { return !data_->surface.IsNull(); }
-const std::string& Filling::says() const { return data_->says; }
+bool OccFilling::done() const { return !data_->surface.IsNull(); }
+const std::string& OccFilling::error_message() const { return data_->error_message; }
 
 // On the whole surface, not on the face that is cut out of it: the face's edges are the input
 // curves themselves, which would hide how far the surface is from them.
-double Filling::distance(const Vec3& p) const {
+double OccFilling::distance(const Vec3& p) const {
   double nearest = 1e100;
   try {
     const GeomAPI_ProjectPointOnSurf projection(point(p), data_->surface);
@@ -160,7 +160,7 @@ double Filling::distance(const Vec3& p) const {
   return std::min(nearest, data_->analysis->Value(uv).Distance(point(p)));
 }
 
-std::vector<Vec3> Filling::boundary_points(int an_edge) const {
+std::vector<Vec3> OccFilling::boundary_points(int an_edge) const {
   std::vector<Vec3> points;
   for (TopExp_Explorer e(data_->face, TopAbs_EDGE); e.More(); e.Next()) {
     double first = 0, last = 0;
@@ -174,7 +174,7 @@ std::vector<Vec3> Filling::boundary_points(int an_edge) const {
   return points;
 }
 
-std::vector<Vec3> Filling::points(int n) const {
+std::vector<Vec3> OccFilling::points(int n) const {
   std::vector<Vec3> points;
   // Faces whose wires do not close have no inside.
   if (!BRepCheck_Analyzer(data_->face).IsValid()) return points;
@@ -190,21 +190,21 @@ std::vector<Vec3> Filling::points(int n) const {
   return points;
 }
 
-std::array<int, 2> Filling::poles() const {
+std::array<int, 2> OccFilling::poles() const {
   const auto spline = Handle(Geom_BSplineSurface)::DownCast(data_->surface);
   if (spline.IsNull()) return {0, 0};
   return {spline->NbUPoles(), spline->NbVPoles()};
 }
 
 #if BATTEN_BENCH_OCC_STEP
-bool Filling::write_step(const std::string& file) const {
+bool OccFilling::write_step(const std::string& file) const {
   Message::DefaultMessenger()->ChangePrinters().Clear();
   STEPControl_Writer writer;
   return writer.Transfer(data_->face, STEPControl_AsIs) == IFSelect_RetDone &&
          writer.Write(file.c_str()) == IFSelect_RetDone;
 }
 #else
-bool Filling::write_step(const std::string&) const { return false; }
+bool OccFilling::write_step(const std::string&) const { return false; }
 #endif
 
 }  // namespace batten::bench
@@ -217,25 +217,26 @@ namespace batten::bench {
 
 std::string occ_version() { return ""; }
 
-struct Filling::Data {};
-Filling::Filling(const std::vector<Cubic>&, const std::vector<Cubic>&, const FillingSettings&) {
+struct OccFilling::Data {};
+OccFilling::OccFilling(const std::vector<Cubic>&, const std::vector<Cubic>&,
+                       const OccFillingSettings&) {
   throw std::logic_error("built without OpenCASCADE");
 }
-Filling::Filling(const std::vector<std::vector<HermiteCurve>>&, const std::vector<HermiteCurve>&,
-                 const FillingSettings&) {
+OccFilling::OccFilling(const std::vector<std::vector<HermiteCurve>>&,
+                       const std::vector<HermiteCurve>&, const OccFillingSettings&) {
   throw std::logic_error("built without OpenCASCADE");
 }
-Filling::~Filling() = default;
-bool Filling::done() const { return false; }
-const std::string& Filling::says() const {
+OccFilling::~OccFilling() = default;
+bool OccFilling::done() const { return false; }
+const std::string& OccFilling::error_message() const {
   static const std::string nothing;
   return nothing;
 }
-double Filling::distance(const Vec3&) const { return 0; }
-std::vector<Vec3> Filling::boundary_points(int) const { return {}; }
-std::vector<Vec3> Filling::points(int) const { return {}; }
-std::array<int, 2> Filling::poles() const { return {0, 0}; }
-bool Filling::write_step(const std::string&) const { return false; }
+double OccFilling::distance(const Vec3&) const { return 0; }
+std::vector<Vec3> OccFilling::boundary_points(int) const { return {}; }
+std::vector<Vec3> OccFilling::points(int) const { return {}; }
+std::array<int, 2> OccFilling::poles() const { return {0, 0}; }
+bool OccFilling::write_step(const std::string&) const { return false; }
 
 }  // namespace batten::bench
 

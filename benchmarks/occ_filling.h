@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "batten/core/eigen.h"
-#include "batten/fem/curve.h"
+#include "batten/fem/hermite_curve.h"
 #include "cases.h"
 
 namespace batten::bench {
@@ -15,7 +15,7 @@ namespace batten::bench {
 std::string occ_version();
 
 /// BRepOffsetAPI_MakeFilling's settings; everything else stays at its default.
-struct FillingSettings {
+struct OccFillingSettings {
   std::string name;
   double tolerance = 1e-4;   ///< Tol3d
   int points_on_curve = 15;  ///< NbPtsOnCur
@@ -23,17 +23,17 @@ struct FillingSettings {
 };
 
 /// One face over `outline` (head to tail) through `inner` curves, C0.
-class Filling {
+class OccFilling {
  public:
-  Filling(const std::vector<Cubic>& outline, const std::vector<Cubic>& inner,
-          const FillingSettings& settings);
+  OccFilling(const std::vector<Cubic>& outline, const std::vector<Cubic>& inner,
+             const OccFillingSettings& settings);
   /// Over loops of curves without corners inside (C1 cubic B-splines), each loop head to tail.
-  Filling(const std::vector<std::vector<HermiteCurve>>& loops,
-          const std::vector<HermiteCurve>& inner, const FillingSettings& settings);
-  ~Filling();
+  OccFilling(const std::vector<std::vector<HermiteCurve>>& loops,
+             const std::vector<HermiteCurve>& inner, const OccFillingSettings& settings);
+  ~OccFilling();
   bool done() const;
   /// What OpenCASCADE had to say when it failed, or "".
-  const std::string& says() const;
+  const std::string& error_message() const;
   /// From p to the nearest point of the face's surface.
   double distance(const Vec3& p) const;
   /// Points of the surface along the face's boundary.

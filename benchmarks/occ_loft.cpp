@@ -76,20 +76,20 @@ std::vector<Vec3> chained(std::vector<std::vector<Vec3>> pieces, double near) {
 
 }  // namespace
 
-struct StoredFace::Data {
+struct IgesFace::Data {
   TopoDS_Face face;
   Bnd_Box box;
 };
 
-std::vector<StoredFace> StoredFace::read(const std::filesystem::path& file) {
+std::vector<IgesFace> IgesFace::read(const std::filesystem::path& file) {
   Message::DefaultMessenger()->ChangePrinters().Clear();
   IGESControl_Reader reader;
-  std::vector<StoredFace> faces;
+  std::vector<IgesFace> faces;
   if (reader.ReadFile(file.c_str()) != IFSelect_RetDone) return faces;
   Interface_Static::SetCVal("xstep.cascade.unit", "M");
   reader.TransferRoots();
   for (TopExp_Explorer e(reader.OneShape(), TopAbs_FACE); e.More(); e.Next()) {
-    StoredFace& face = faces.emplace_back();
+    IgesFace& face = faces.emplace_back();
     face.data_ = std::make_shared<Data>();
     face.data_->face = TopoDS::Face(e.Current());
     BRepBndLib::AddOptimal(face.data_->face, face.data_->box, false, false);
@@ -97,10 +97,10 @@ std::vector<StoredFace> StoredFace::read(const std::filesystem::path& file) {
   return faces;
 }
 
-Vec3 StoredFace::low() const { return point(data_->box.CornerMin()); }
-Vec3 StoredFace::high() const { return point(data_->box.CornerMax()); }
+Vec3 IgesFace::low() const { return point(data_->box.CornerMin()); }
+Vec3 IgesFace::high() const { return point(data_->box.CornerMax()); }
 
-std::vector<Vec3> StoredFace::section(double x, int count) const {
+std::vector<Vec3> IgesFace::section(double x, int count) const {
   BRepAlgoAPI_Section cut(data_->face, gp_Pln(gp_Pnt(x, 0, 0), gp::DX()), Standard_False);
   cut.Approximation(Standard_True);
   cut.Build();
@@ -118,7 +118,7 @@ std::vector<Vec3> StoredFace::section(double x, int count) const {
   return whole.empty() ? whole : resampled(whole, count);
 }
 
-double StoredFace::distance(const Vec3& p) const {
+double IgesFace::distance(const Vec3& p) const {
   const BRepExtrema_DistShapeShape nearest(BRepBuilderAPI_MakeVertex(point(p)).Vertex(),
                                            data_->face);
   return nearest.Value();
@@ -161,12 +161,12 @@ std::vector<Vec3> loft_points(const std::vector<std::vector<Vec3>>& sections, in
 
 namespace batten::bench {
 
-struct StoredFace::Data {};
-std::vector<StoredFace> StoredFace::read(const std::filesystem::path&) { return {}; }
-Vec3 StoredFace::low() const { return Vec3::Zero(); }
-Vec3 StoredFace::high() const { return Vec3::Zero(); }
-std::vector<Vec3> StoredFace::section(double, int) const { return {}; }
-double StoredFace::distance(const Vec3&) const { return 0; }
+struct IgesFace::Data {};
+std::vector<IgesFace> IgesFace::read(const std::filesystem::path&) { return {}; }
+Vec3 IgesFace::low() const { return Vec3::Zero(); }
+Vec3 IgesFace::high() const { return Vec3::Zero(); }
+std::vector<Vec3> IgesFace::section(double, int) const { return {}; }
+double IgesFace::distance(const Vec3&) const { return 0; }
 std::vector<Vec3> loft_points(const std::vector<std::vector<Vec3>>&, int) { return {}; }
 
 }  // namespace batten::bench

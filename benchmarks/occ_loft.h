@@ -12,9 +12,9 @@
 namespace batten::bench {
 
 /// One face of an IGES file. Without OpenCASCADE there are none.
-class StoredFace {
+class IgesFace {
  public:
-  static std::vector<StoredFace> read(const std::filesystem::path& file);
+  static std::vector<IgesFace> read(const std::filesystem::path& file);
   Vec3 low() const;  ///< the corners of its box
   Vec3 high() const;
   /// Points of the section at x, evenly by length from one end to the other; none where it is not

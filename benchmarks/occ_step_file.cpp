@@ -46,13 +46,13 @@ bool save(const TopoDS_Shape& shape, const std::string& file) {
 
 }  // namespace
 
-struct StepFile::Data {
+struct OccStepFile::Data {
   TopoDS_Shape shape;
   std::vector<TopoDS_Face> faces;
   double millimetre = 1;  // in model units
 };
 
-StepFile::StepFile(const std::string& file, double unit_in_metres)
+OccStepFile::OccStepFile(const std::string& file, double unit_in_metres)
     : data_(std::make_unique<Data>()) {
   Message::DefaultMessenger()->ChangePrinters().Clear();
   data_->millimetre = 1e-3 / unit_in_metres;
@@ -64,13 +64,13 @@ StepFile::StepFile(const std::string& file, double unit_in_metres)
   for (TopExp_Explorer it(data_->shape, TopAbs_FACE); it.More(); it.Next())
     data_->faces.push_back(TopoDS::Face(it.Current()));
 }
-StepFile::~StepFile() = default;
+OccStepFile::~OccStepFile() = default;
 
-int StepFile::faces() const { return static_cast<int>(data_->faces.size()); }
-bool StepFile::valid() const { return BRepCheck_Analyzer(data_->shape).IsValid(); }
-bool StepFile::write(const std::string& file) const { return save(data_->shape, file); }
+int OccStepFile::faces() const { return static_cast<int>(data_->faces.size()); }
+bool OccStepFile::valid() const { return BRepCheck_Analyzer(data_->shape).IsValid(); }
+bool OccStepFile::write(const std::string& file) const { return save(data_->shape, file); }
 
-std::vector<Vec3> StepFile::points(int face, int n) const {
+std::vector<Vec3> OccStepFile::points(int face, int n) const {
   const TopoDS_Face& f = data_->faces[static_cast<size_t>(face)];
   const Handle(Geom_Surface) surface = BRep_Tool::Surface(f);
   double u0 = 0, u1 = 0, v0 = 0, v1 = 0;
@@ -86,7 +86,7 @@ std::vector<Vec3> StepFile::points(int face, int n) const {
   return points;
 }
 
-std::vector<Vec3> StepFile::rim(int face, int n) const {
+std::vector<Vec3> OccStepFile::rim(int face, int n) const {
   const TopoDS_Face& f = data_->faces[static_cast<size_t>(face)];
   const Handle(Geom_Surface) surface = BRep_Tool::Surface(f);
   std::vector<Vec3> points;
@@ -101,7 +101,7 @@ std::vector<Vec3> StepFile::rim(int face, int n) const {
   return points;
 }
 
-StepFile::Facets StepFile::facets(double distance) const {
+OccStepFile::Facets OccStepFile::facets(double distance) const {
   BRepTools::Clean(data_->shape);
   constexpr double any_angle = 3;
   BRepMesh_IncrementalMesh(data_->shape, distance / data_->millimetre, false, any_angle, false);
@@ -131,7 +131,7 @@ StepFile::Facets StepFile::facets(double distance) const {
   return result;
 }
 
-bool write_facetted(const std::string& file, const StepFile::Facets& facets,
+bool write_facetted(const std::string& file, const OccStepFile::Facets& facets,
                     double unit_in_metres) {
   const double millimetres = 1e3 * unit_in_metres;
   std::vector<TopoDS_Vertex> vertices;
@@ -169,16 +169,16 @@ bool write_facetted(const std::string& file, const StepFile::Facets& facets,
 
 namespace batten::bench {
 
-struct StepFile::Data {};
-StepFile::StepFile(const std::string&, double) {}
-StepFile::~StepFile() = default;
-int StepFile::faces() const { return 0; }
-bool StepFile::valid() const { return false; }
-std::vector<Vec3> StepFile::points(int, int) const { return {}; }
-std::vector<Vec3> StepFile::rim(int, int) const { return {}; }
-bool StepFile::write(const std::string&) const { return false; }
-StepFile::Facets StepFile::facets(double) const { return {}; }
-bool write_facetted(const std::string&, const StepFile::Facets&, double) { return false; }
+struct OccStepFile::Data {};
+OccStepFile::OccStepFile(const std::string&, double) {}
+OccStepFile::~OccStepFile() = default;
+int OccStepFile::faces() const { return 0; }
+bool OccStepFile::valid() const { return false; }
+std::vector<Vec3> OccStepFile::points(int, int) const { return {}; }
+std::vector<Vec3> OccStepFile::rim(int, int) const { return {}; }
+bool OccStepFile::write(const std::string&) const { return false; }
+OccStepFile::Facets OccStepFile::facets(double) const { return {}; }
+bool write_facetted(const std::string&, const OccStepFile::Facets&, double) { return false; }
 
 }  // namespace batten::bench
 

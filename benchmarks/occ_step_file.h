@@ -11,12 +11,12 @@
 
 namespace batten::bench {
 
-class StepFile {
+class OccStepFile {
  public:
   /// Reads a file into model units. faces() is 0 where it cannot be read, or in a build without
   /// OpenCASCADE.
-  StepFile(const std::string& file, double unit_in_metres);
-  ~StepFile();
+  OccStepFile(const std::string& file, double unit_in_metres);
+  ~OccStepFile();
   int faces() const;
   bool valid() const;
   /// Points of a face: those of n × n over its box of parameters that are inside of its trim.
@@ -39,6 +39,7 @@ class StepFile {
 };
 
 /// Writes triangles as a STEP file, a plane face each, with common edges: what a facetted solid is.
-bool write_facetted(const std::string& file, const StepFile::Facets& facets, double unit_in_metres);
+bool write_facetted(const std::string& file, const OccStepFile::Facets& facets,
+                    double unit_in_metres);
 
 }  // namespace batten::bench

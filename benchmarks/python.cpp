@@ -9,7 +9,7 @@
 
 #include "batten/apps/commands/lines/scene_lines.h"
 #include "batten/apps/commands/shapes/make_session.h"
-#include "batten/apps/commands/shapes/make_shape.h"
+#include "batten/apps/commands/shapes/solved_shape.h"
 #include "batten/io/scene/read_scene.h"
 #include "bench.h"
 
@@ -47,22 +47,22 @@ to = [0.43, 0.57, 0.12]
 }
 
 /// A session in C++, and the frames that a viewer would take.
-struct InCpp {
-  explicit InCpp(const Scene& of)
+struct CppSession {
+  explicit CppSession(const Scene& of)
       : scene(of),
-        model(sculpt_model(make_model(scene, faired_lines(scene, {}).lines), scene)),
-        session(make_session(*model.layout, scene, model.made, Expected::many_factors)) {
-    session.settle();
+        model(sculpt_model(build_model(scene, faired_lines(scene, {}).lines), scene)),
+        session(make_session(*model.layout, scene, model.made, FactorReuse::many)) {
+    session.solve_to_equilibrium();
   }
   /// Median seconds of an event.
   double drag() {
     std::vector<double> times;
     for (int k = -warm; k < events; ++k) {
-      const double t = time_of([&] {
+      const double t = cpu_seconds_of([&] {
         session.set("pin.x", 0.43 + 1e-4 * (k % 7));
         session.set("pin.y", 0.57 + 1e-4 * (k % 5));
         session.set("pin.z", 0.12 + 1e-3 * (k % 11));
-        session.answer();
+        session.solve_preview();
         session.draw(frames.writing());
         frames.publish();
       });
@@ -92,7 +92,7 @@ std::optional<std::array<double, 2>> in_python(const std::string& scene) {
 int main() {
   one_thread();
   Table table;
-  Promises promises;
+  Checks checks;
   table.add({"unknowns", "points", "C++ ms", "Python ms", "more"});
   for (const double edge_length : {0.06, 0.0225}) {
     const std::string file = text("/tmp/batten_bench_python_%g.toml", edge_length);
@@ -100,7 +100,7 @@ int main() {
       std::fputs(scene_text(edge_length).c_str(), out);
       std::fclose(out);
     }
-    InCpp cpp(read_scene(file));
+    CppSession cpp(read_scene(file));
     std::vector<double> ours, theirs;
     bool same = true;
     for (int round = 0; round < 7; ++round) {
@@ -123,10 +123,10 @@ int main() {
                more ? text("%.1f %%", 100 * *more) : "none"});
     const std::string name =
         text("%ldk", (static_cast<long>(cpp.session.dofs().rows()) + 500) / 1000);
-    promises.at_most(name + ": sums of coordinates that differ", same && more ? 0. : 1., 0);
+    checks.at_most(name + ": sums of coordinates that differ", same && more ? 0. : 1., 0);
     if (edge_length < 0.05)
-      promises.at_most(name + ": a drag in Python over C++, share more", more, 0.1);
+      checks.at_most(name + ": a drag in Python over C++, share more", more, 0.1);
   }
   table.print();
-  promises.print("python");
+  checks.print("python");
 }

@@ -5,13 +5,13 @@
 #include <numeric>
 #include <stdexcept>
 
+#include "batten/benchmarks/cgal_deform.h"
 #include "batten/mesh/deform/form_feature_deformer.h"
+#include "batten/mesh/regions/arap_deformer.h"
 #include "batten/mesh/regions/dual_laplacian_deformer.h"
 #include "batten/mesh/regions/feature_region_deformer.h"
-#include "batten/mesh/regions/nonlinear_deformer.h"
-#include "batten/mesh/regions/saliency.h"
+#include "batten/mesh/regions/mesh_saliency.h"
 #include "batten/mesh/selection.h"
-#include "cgal_deform_peer.h"
 
 namespace batten::bench {
 namespace {
@@ -90,21 +90,21 @@ Points harmonic(const FeaturedModel& m) {
 
 /// CGAL's smoothed rotations: the handle is dragged there in ten steps, then until no vertex moves
 /// by more than 1e-6 of the size as with ours, which take a tenth of the iterations.
-Points by_cgal(const FeaturedModel& m, int& rounds) {
+Points by_cgal(const FeaturedModel& m, int& iterations) {
   std::vector<int> controls, region(m.mesh.vertex_count());
   std::iota(region.begin(), region.end(), 0);
   auto fixed = m.fixed;
   std::sort(fixed.begin(), fixed.end());
-  region = without(region, fixed);
+  region = difference_of(region, fixed);
   for (const auto& handle : m.handles)
     controls.insert(controls.end(), handle.vertices.begin(), handle.vertices.end());
-  const auto targets = [&](double share) {
+  const auto targets = [&](double fraction) {
     Points at(static_cast<long>(controls.size()), 3);
     long row = 0;
     for (size_t h = 0; h < m.handles.size(); ++h) {
-      HandleMove move = m.moves[h];
-      move.turn *= share;
-      move.shift *= share;
+      HandleTransform move = m.moves[h];
+      move.rotation_vector *= fraction;
+      move.translation *= fraction;
       for (const int v : m.handles[h].vertices) at.row(row++) = move(m.mesh.point(v)).transpose();
     }
     return at;
@@ -116,25 +116,25 @@ Points by_cgal(const FeaturedModel& m, int& rounds) {
   for (int step = 1; step < 10; ++step) cgal.edit(targets(0.1 * step), 5);
   const Points there = targets(1);
   Points p = cgal.edit(there, 1), before;
-  rounds = 1;
+  iterations = 1;
   do {
     before = p;
     p = cgal.edit(there, 1);
-  } while (++rounds < kMostOfCgal &&
+  } while (++iterations < kMostOfCgal &&
            (p - before).rowwise().norm().maxCoeff() > 1e-6 * m.mesh.size());
   return p;
 }
 
 /// The rows of one model's table.
-class Rows {
+class DistortionTable {
  public:
-  explicit Rows(const FeaturedModel& m) : m_(m), parts_(m) {
+  explicit DistortionTable(const FeaturedModel& m) : m_(m), parts_(m) {
     std::vector<std::string> head = {"largest / mean change", "edges inside",   "angles inside",
                                      "edges outside",         "angles outside", "rounds"};
     if (!m.ring.empty()) head.emplace_back("region, sheet lean");
     table_.add(head);
   }
-  Distortion add(const std::string& name, const Points& p, const std::string& rounds = "") {
+  Distortion add(const std::string& name, const Points& p, const std::string& iterations = "") {
     const Distortion d = measured(m_.mesh, p, parts_);
     const auto percent = [](const Spread& s) {
       return text("%.2g / %.2g %%", 100 * s.most, 100 * s.mean);
@@ -145,7 +145,7 @@ class Rows {
                                     degrees(d.angles_inside),
                                     percent(d.edges_outside),
                                     degrees(d.angles_outside),
-                                    rounds};
+                                    iterations};
     if (!m_.ring.empty())
       row.push_back(text("%.2f, %.2f", batten_test::tilt_degrees(p, m_.regions[0].vertices),
                          batten_test::tilt_degrees(p, m_.ring)));
@@ -160,29 +160,29 @@ class Rows {
   Table table_;
 };
 
-std::string rounds_of(const EstimateReport& report) {
-  return std::to_string(report.rounds) + (report.converged ? "" : ", not at rest");
+std::string iterations_of(const IterationReport& report) {
+  return std::to_string(report.iterations) + (report.converged ? "" : ", not at rest");
 }
 
 }  // namespace
 
-Kept distortion_of(const FeaturedModel& m) {
+DistortionSummary distortion_of(const FeaturedModel& m) {
   std::printf("%s: %d vertices, %zu regions\n", m.name.c_str(), m.mesh.vertex_count(),
               m.regions.size());
-  Rows rows(m);
+  DistortionTable rows(m);
   DualLaplacianDeformer dual(m.mesh, {}, m.fixed, m.handles);
-  NonlinearDeformer nonlinear(m.mesh, m.fixed, m.handles);
+  ArapDeformer nonlinear(m.mesh, m.fixed, m.handles);
   FeatureRegionOptions soft_kind;
   soft_kind.kind = FeatureRegionOptions::Kind::Soft;
   FeatureRegionDeformer soft(m.mesh, m.regions, m.fixed, m.handles, soft_kind);
   FeatureRegionDeformer hard(m.mesh, m.regions, m.fixed, m.handles);
 
-  Kept kept;
+  DistortionSummary kept;
   rows.add("harmonic, form features", harmonic(m));
   const Points estimate = dual.deform(m.moves);
   const double of_estimate =
-      rows.add("dual Laplacian", estimate, rounds_of(dual.report())).edges_outside.mean;
-  rows.add("rough", soft.rough(estimate, m.moves));
+      rows.add("dual Laplacian", estimate, iterations_of(dual.report())).edges_outside.mean;
+  rows.add("rough", soft.deform_per_face(estimate, m.moves));
   kept.soft = rows.add("soft", soft.deform(estimate, m.moves)).edges_inside.most;
   const Points final_hard = hard.deform(estimate, m.moves);
   Distortion d = rows.add("hard", final_hard);
@@ -193,15 +193,15 @@ Kept distortion_of(const FeaturedModel& m) {
                                batten_test::tilt_degrees(final_hard, m.ring));
   const Points other = nonlinear.deform(m.moves);
   const double of_other =
-      rows.add("nonlinear", other, rounds_of(nonlinear.report())).edges_outside.mean;
+      rows.add("nonlinear", other, iterations_of(nonlinear.report())).edges_outside.mean;
   d = rows.add("nonlinear, then hard", hard.deform(other, m.moves));
   kept.hard = std::max(kept.hard, d.edges_inside.most);
   kept.nonlinear_outside = d.edges_outside.mean / of_other;
   if (!cgal_version().empty()) {
-    int rounds = 0;
-    const Points p = by_cgal(m, rounds);
+    int iterations = 0;
+    const Points p = by_cgal(m, iterations);
     rows.add("CGAL, smoothed rotations", p,
-             text("%d", rounds) + (rounds < kMostOfCgal ? "" : ", not at rest"));
+             text("%d", iterations) + (iterations < kMostOfCgal ? "" : ", not at rest"));
   }
   rows.print();
   return kept;
@@ -213,12 +213,12 @@ FeaturedModel pushed_sideways(const std::string& name, const TriangleMesh& mesh)
   const Vec3 low = mesh.points().colwise().minCoeff(), high = mesh.points().colwise().maxCoeff();
   int axis = 0;
   (high - low).maxCoeff(&axis);
-  const auto share = [&](const Vec3& p) { return (p[axis] - low[axis]) / (high - low)[axis]; };
-  m.fixed = batten_test::vertices_where(mesh, [&](const Vec3& p) { return share(p) < 0.1; });
+  const auto fraction = [&](const Vec3& p) { return (p[axis] - low[axis]) / (high - low)[axis]; };
+  m.fixed = batten_test::vertices_where(mesh, [&](const Vec3& p) { return fraction(p) < 0.1; });
   m.handles = {
-      {"end", batten_test::vertices_where(mesh, [&](const Vec3& p) { return share(p) > 0.9; })}};
-  HandleMove move;
-  move.shift = 0.15 * size * Vec3::Unit((axis + 1) % 3);
+      {"end", batten_test::vertices_where(mesh, [&](const Vec3& p) { return fraction(p) > 0.9; })}};
+  HandleTransform move;
+  move.translation = 0.15 * size * Vec3::Unit((axis + 1) % 3);
   m.moves = {move};
 
   const VecX saliency = mesh_saliency(mesh);

@@ -3,7 +3,7 @@
 
 #include <optional>
 
-#include "batten/tests/mesh/featured_models.h"
+#include "batten/tests/support/featured_models.h"
 #include "bench.h"
 
 namespace batten::bench {
@@ -20,7 +20,7 @@ struct Distortion {
 };
 
 /// What the promises are about.
-struct Kept {
+struct DistortionSummary {
   double soft = 0, hard = 0;  // largest edge change inside, the worse of both estimates for `hard`
   double outside = 0;         // mean edge change outside: hard over its estimate
   double nonlinear_outside = 0;
@@ -28,7 +28,7 @@ struct Kept {
 };
 
 /// Runs every deformer on the model and prints the table.
-Kept distortion_of(const batten_test::FeaturedModel& model);
+DistortionSummary distortion_of(const batten_test::FeaturedModel& model);
 
 /// A real mesh: the lowest tenth along its longest axis is fixed, the farthest tenth moved sideways
 /// by 0.15 of its size without a turn; discs of 5 % of the size around salient vertices are kept.

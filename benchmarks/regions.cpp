@@ -2,17 +2,17 @@
 // rotations, and what becomes of lengths and angles inside the regions and outside them.
 #include <memory>
 
+#include "batten/benchmarks/cgal_deform.h"
 #include "batten/mesh/deform/similarity.h"
-#include "batten/mesh/prepare.h"
+#include "batten/mesh/prepared_mesh.h"
+#include "batten/mesh/regions/arap_deformer.h"
 #include "batten/mesh/regions/dual_laplacian_deformer.h"
 #include "batten/mesh/regions/feature_region_deformer.h"
-#include "batten/mesh/regions/nonlinear_deformer.h"
-#include "batten/tests/mesh_models.h"
-#include "cgal_deform_peer.h"
+#include "batten/tests/support/mesh_models.h"
 #include "region_distortion.h"
 #if BATTEN_BENCH_IO
 #include "batten/io/meshes/mesh_file.h"
-#include "batten/tests/reference.h"
+#include "batten/tests/support/test_data.h"
 #endif
 
 using namespace batten;
@@ -25,7 +25,7 @@ struct Edit {
   batten_test::MeshModel model;
   TriangleMesh mesh;
   std::vector<Handle> handles;
-  std::vector<HandleMove> moves;
+  std::vector<HandleTransform> moves;
   std::vector<FeatureRegion> regions;  // flanges
   std::vector<int> movable;
   Points targets;
@@ -34,8 +34,8 @@ struct Edit {
       : model(batten_test::holed_panel(vertices)),
         mesh(prepare(model.shells).mesh),
         handles({{"patch", model.handle}}) {
-    HandleMove lift;
-    lift.shift = {0, 0, 60};
+    HandleTransform lift;
+    lift.translation = {0, 0, 60};
     moves = {lift};
     for (const auto& f : model.features) regions.push_back({f.name, {}, f.items});
     std::vector<char> held(mesh.vertex_count(), 0);
@@ -48,7 +48,7 @@ struct Edit {
   }
 
   /// Largest distance of what is moved and held from where it should be, over the size.
-  double missed(const Points& p) const {
+  double target_error(const Points& p) const {
     double worst = 0;
     for (size_t i = 0; i < model.handle.size(); ++i)
       worst = std::max(worst, (p.row(model.handle[i]) - targets.row(static_cast<long>(i))).norm());
@@ -57,7 +57,7 @@ struct Edit {
     return worst / mesh.size();
   }
   /// By how much regions are no copies of themselves, the worst, over their size.
-  double bent(const Points& p) const {
+  double rigidity_error(const Points& p) const {
     double worst = 0;
     for (const auto& region : regions)
       worst = std::max(worst, fit_similarity(mesh.points(), p, region.vertices, 1).max_error);
@@ -67,13 +67,13 @@ struct Edit {
 
 /// An estimate and hard regions.
 template <class Estimate, class Options>
-struct Own {
+struct ConstrainedDeformer {
   const Edit& e;
   Options options;
   std::unique_ptr<Estimate> estimate;
   std::unique_ptr<FeatureRegionDeformer> hard;
 
-  Own(const Edit& edit, const Options& wanted) : e(edit), options(wanted) {}
+  ConstrainedDeformer(const Edit& edit, const Options& wanted) : e(edit), options(wanted) {}
   void set_up() {
     if constexpr (std::is_same_v<Estimate, DualLaplacianDeformer>)
       estimate = std::make_unique<Estimate>(e.mesh, std::vector<std::vector<int>>{}, e.model.fixed,
@@ -84,44 +84,45 @@ struct Own {
   }
   Points edit() { return hard->deform(estimate->deform(e.moves), e.moves); }
 };
-using Dual = Own<DualLaplacianDeformer, DualLaplacianOptions>;
-using Nonlinear = Own<NonlinearDeformer, NonlinearOptions>;
+using Dual = ConstrainedDeformer<DualLaplacianDeformer, DualLaplacianOptions>;
+using Nonlinear = ConstrainedDeformer<ArapDeformer, ArapOptions>;
 
-const std::vector<int> kRounds = {5, 10};
+const std::vector<int> kIterations = {5, 10};
 
 /// A way to deform, with each number of rounds.
-struct Way {
+struct DeformMethod {
   std::string name;
   bool own = true;
-  std::function<void()> set_up;  // up to the first answer in kRounds[0] rounds; CGAL: preprocess()
+  std::function<void()>
+      set_up;  // up to the first answer in kIterations[0] rounds; CGAL: preprocess()
   std::vector<std::function<Points()>> edits;
   std::function<std::string()> to_rest;  // ms and rounds until nothing moves any more
 };
 
-std::string at_rest(double time, int rounds, bool converged) {
-  return text("%.0f in %d%s", 1e3 * time, rounds, converged ? "" : ", not at rest");
+std::string at_rest(double time, int iterations, bool converged) {
+  return text("%.0f in %d%s", 1e3 * time, iterations, converged ? "" : ", not at rest");
 }
 
 template <class Kind, class Options>
-Way own_way(const std::string& name, const Edit& e, Options options) {
+DeformMethod batten_method(const std::string& name, const Edit& e, Options options) {
   std::vector<std::shared_ptr<Kind>> all;
-  for (const int rounds : kRounds) {
+  for (const int iterations : kIterations) {
     Options capped = options;
-    capped.most_rounds = rounds;
+    capped.max_iterations = iterations;
     capped.tolerance = 0;
     all.push_back(std::make_shared<Kind>(e, capped));
-    if (rounds != kRounds[0]) all.back()->set_up();
+    if (iterations != kIterations[0]) all.back()->set_up();
   }
-  Way way{name, true, [first = all[0]] { first->set_up(), first->edit(); }, {}, {}};
-  for (const auto& kind : all) way.edits.emplace_back([kind] { return kind->edit(); });
-  way.to_rest = [&e, options] {
+  DeformMethod method{name, true, [first = all[0]] { first->set_up(), first->edit(); }, {}, {}};
+  for (const auto& kind : all) method.edits.emplace_back([kind] { return kind->edit(); });
+  method.to_rest = [&e, options] {
     Kind kind(e, options);
     kind.set_up();
-    const double time = time_of([&] { kind.edit(); });
-    const EstimateReport& report = kind.estimate->report();
-    return at_rest(time, report.rounds, report.converged);
+    const double time = cpu_seconds_of([&] { kind.edit(); });
+    const IterationReport& report = kind.estimate->report();
+    return at_rest(time, report.iterations, report.converged);
   };
-  return way;
+  return method;
 }
 
 /// CGAL one iteration at a time: for as long as a vertex moves by more than the tolerance of ours,
@@ -130,31 +131,31 @@ std::string cgal_at_rest(CgalDeform& cgal, const Edit& e) {
   cgal.preprocess();
   Points before = e.mesh.points();
   double time = 0;
-  for (int rounds = 1;; ++rounds) {
+  for (int iterations = 1;; ++iterations) {
     Points p;
-    time += time_of([&] { p = cgal.edit(e.targets, 1); });
+    time += cpu_seconds_of([&] { p = cgal.edit(e.targets, 1); });
     const bool rests =
-        (p - before).rowwise().norm().maxCoeff() < NonlinearOptions{}.tolerance * e.mesh.size();
-    if (rests || rounds == 3000 || time > 30) return at_rest(time, rounds, rests);
+        (p - before).rowwise().norm().maxCoeff() < ArapOptions{}.tolerance * e.mesh.size();
+    if (rests || iterations == 3000 || time > 30) return at_rest(time, iterations, rests);
     before = std::move(p);
   }
 }
 
-Way peer(const std::string& name, const Edit& e, CgalSolver solver) {
+DeformMethod peer(const std::string& name, const Edit& e, CgalSolver solver) {
   const auto cgal = std::make_shared<CgalDeform>(CgalEnergy::SreArap, solver, e.mesh.points(),
                                                  e.mesh.triangles(), e.movable, e.model.handle);
-  Way way{name, false, [cgal] { cgal->preprocess(); }, {}, {}};
-  for (const int rounds : kRounds)
-    way.edits.emplace_back([cgal, &e, rounds] { return cgal->edit(e.targets, rounds); });
-  way.to_rest = [cgal, &e] { return cgal_at_rest(*cgal, e); };
-  return way;
+  DeformMethod method{name, false, [cgal] { cgal->preprocess(); }, {}, {}};
+  for (const int iterations : kIterations)
+    method.edits.emplace_back([cgal, &e, iterations] { return cgal->edit(e.targets, iterations); });
+  method.to_rest = [cgal, &e] { return cgal_at_rest(*cgal, e); };
+  return method;
 }
 
 /// Median times, and what the results were like.
 struct Times {
   std::vector<double> set_up;
-  std::vector<std::vector<double>> edits;  // of each number of rounds, each way
-  double missed = 0, bent = 0;             // the worst
+  std::vector<std::vector<double>> edits;       // of each number of rounds, each way
+  double target_error = 0, rigidity_error = 0;  // the worst
 
   /// Times as fast as another way at the same number of rounds, the worse of the numbers.
   double faster(size_t own, size_t other) const {
@@ -164,71 +165,73 @@ struct Times {
   }
 };
 
-Times measured(const Edit& e, const std::vector<Way>& ways, int repeats) {
+Times measured(const Edit& e, const std::vector<DeformMethod>& methods, int repeats) {
   Times times;
   std::vector<std::function<void()>> works;
-  for (const Way& way : ways) works.push_back(way.set_up);
+  for (const DeformMethod& method : methods) works.push_back(method.set_up);
   times.set_up = side_by_side(repeats, works);
-  std::vector<Points> results(ways.size());
-  for (size_t k = 0; k < kRounds.size(); ++k) {
+  std::vector<Points> results(methods.size());
+  for (size_t k = 0; k < kIterations.size(); ++k) {
     works.clear();
-    for (size_t w = 0; w < ways.size(); ++w)
-      works.emplace_back([&, w] { results[w] = ways[w].edits[k](); });
+    for (size_t w = 0; w < methods.size(); ++w)
+      works.emplace_back([&, w] { results[w] = methods[w].edits[k](); });
     times.edits.push_back(side_by_side(repeats, works));
-    for (size_t w = 0; w < ways.size(); ++w) {
-      times.missed = std::max(times.missed, e.missed(results[w]));
-      if (ways[w].own) times.bent = std::max(times.bent, e.bent(results[w]));
+    for (size_t w = 0; w < methods.size(); ++w) {
+      times.target_error = std::max(times.target_error, e.target_error(results[w]));
+      if (methods[w].own)
+        times.rigidity_error = std::max(times.rigidity_error, e.rigidity_error(results[w]));
     }
   }
   return times;
 }
 
-void print(const Edit& e, const std::vector<Way>& ways, const Times& times) {
+void print(const Edit& e, const std::vector<DeformMethod>& methods, const Times& times) {
   std::printf("%d vertices, %zu flanged holes kept, a patch lifted without a turn\n",
               e.mesh.vertex_count(), e.regions.size());
   Table table;
   table.add({"ms", "set-up", "edit, 5 rounds", "10 rounds", "to rest"});
-  for (size_t w = 0; w < ways.size(); ++w) {
-    const bool slower_peer = !ways[w].own && w + 1 < ways.size();
-    table.add({ways[w].name,
-               text("%.1f", 1e3 * times.set_up[w]) + (ways[w].own ? " with first answer" : ""),
+  for (size_t w = 0; w < methods.size(); ++w) {
+    const bool slower_peer = !methods[w].own && w + 1 < methods.size();
+    table.add({methods[w].name,
+               text("%.1f", 1e3 * times.set_up[w]) + (methods[w].own ? " with first answer" : ""),
                text("%.2f", 1e3 * times.edits[0][w]), text("%.2f", 1e3 * times.edits[1][w]),
-               slower_peer ? "" : ways[w].to_rest()});
+               slower_peer ? "" : methods[w].to_rest()});
   }
   table.print();
-  for (size_t other = 2; other < ways.size(); ++other)
+  for (size_t other = 2; other < methods.size(); ++other)
     std::printf("edits against %s: dual Laplacian %.2f, nonlinear %.2f times as fast\n",
-                ways[other].name.c_str(), times.faster(0, other), times.faster(1, other));
+                methods[other].name.c_str(), times.faster(0, other), times.faster(1, other));
   std::printf("\n");
 }
 
-void compare(int vertices, int repeats, Promises& promises) {
+void compare(int vertices, int repeats, Checks& checks) {
   const Edit e(vertices);
-  std::vector<Way> ways = {own_way<Dual>("dual Laplacian, hard regions", e, DualLaplacianOptions{}),
-                           own_way<Nonlinear>("nonlinear, hard regions", e, NonlinearOptions{})};
+  std::vector<DeformMethod> methods = {
+      batten_method<Dual>("dual Laplacian, hard regions", e, DualLaplacianOptions{}),
+      batten_method<Nonlinear>("nonlinear, hard regions", e, ArapOptions{})};
   const bool has_peer = !cgal_version().empty();
-  if (has_peer) ways.push_back(peer("CGAL, SparseLU (default)", e, CgalSolver::SparseLu));
+  if (has_peer) methods.push_back(peer("CGAL, SparseLU (default)", e, CgalSolver::SparseLu));
   if (has_peer && cgal_has(CgalSolver::Cholmod))
-    ways.push_back(peer("CGAL, CHOLMOD", e, CgalSolver::Cholmod));
-  const Times times = measured(e, ways, repeats);
-  print(e, ways, times);
+    methods.push_back(peer("CGAL, CHOLMOD", e, CgalSolver::Cholmod));
+  const Times times = measured(e, methods, repeats);
+  print(e, methods, times);
   std::optional<double> faster;
   if (has_peer) faster = times.faster(0, 2);
-  promises.at_least(text("%d vertices: edits, times as fast as CGAL's, dual Laplacian", vertices),
-                    faster, 3);
-  promises.at_most(text("%d vertices: handles missed by, of the size", vertices), times.missed,
-                   1e-12);
-  promises.at_most(text("%d vertices: regions bent by, of their size", vertices), times.bent,
-                   1e-12);
+  checks.at_least(text("%d vertices: edits, times as fast as CGAL's, dual Laplacian", vertices),
+                  faster, 3);
+  checks.at_most(text("%d vertices: handles missed by, of the size", vertices), times.target_error,
+                 1e-12);
+  checks.at_most(text("%d vertices: regions bent by, of their size", vertices),
+                 times.rigidity_error, 1e-12);
 }
 
-void promise(const batten_test::FeaturedModel& model, double& hard, Promises& promises) {
-  const Kept kept = distortion_of(model);
-  promises.at_most(model.name + ": largest edge change inside, soft", kept.soft, 0.01);
-  promises.at_most(model.name + ": mean edge change outside, hard over its estimate", kept.outside,
-                   1.2);
+void check_distortion(const batten_test::FeaturedModel& model, double& hard, Checks& checks) {
+  const DistortionSummary kept = distortion_of(model);
+  checks.at_most(model.name + ": largest edge change inside, soft", kept.soft, 0.01);
+  checks.at_most(model.name + ": mean edge change outside, hard over its estimate", kept.outside,
+                 1.2);
   if (kept.tilt_apart)
-    promises.at_most(model.name + ": region and sheet lean apart, degrees", kept.tilt_apart, 1);
+    checks.at_most(model.name + ": region and sheet lean apart, degrees", kept.tilt_apart, 1);
   hard = std::max(hard, kept.hard);
 }
 
@@ -259,18 +262,18 @@ int main() {
     std::printf("built without CGAL\n\n");
   else
     std::printf("CGAL %s, SRE_ARAP\n\n", cgal_version().c_str());
-  Promises promises;
-  compare(3300, 5, promises);
-  compare(14000, 5, promises);
-  compare(101000, 3, promises);
+  Checks checks;
+  compare(3300, 5, checks);
+  compare(14000, 5, checks);
+  compare(101000, 3, checks);
 
   double hard = 0;
-  promise(batten_test::lifted_panel(80), hard, promises);
-  promise(batten_test::wall_with_letters(20), hard, promises);
-  promise(batten_test::arm_with_suckers(72), hard, promises);
-  promise(batten_test::twisted_bar(12), hard, promises);
-  for (const auto& model : real_models()) promise(model, hard, promises);
-  promises.at_most("all models: largest edge change inside, hard", hard, 1e-10);
-  promises.print("regions");
+  check_distortion(batten_test::lifted_panel(80), hard, checks);
+  check_distortion(batten_test::wall_with_letters(20), hard, checks);
+  check_distortion(batten_test::arm_with_suckers(72), hard, checks);
+  check_distortion(batten_test::twisted_bar(12), hard, checks);
+  for (const auto& model : real_models()) check_distortion(model, hard, checks);
+  checks.at_most("all models: largest edge change inside, hard", hard, 1e-10);
+  checks.print("regions");
   return 0;
 }

@@ -7,7 +7,7 @@
 
 #include "batten/skinning/layout/section_region.h"
 #include "batten/skinning/model/loft_shape.h"
-#include "batten/tests/reference.h"
+#include "batten/tests/support/test_data.h"
 #include "bench.h"
 #include "occ_loft.h"
 
@@ -16,11 +16,11 @@ namespace {
 using namespace batten;
 using namespace batten::bench;
 
-struct Far {
+struct DistanceStatistics {
   double max = 0, rms = 0;
 };
-Far far_from(const StoredFace& face, const std::vector<Vec3>& points) {
-  Far far;
+DistanceStatistics distance_statistics(const IgesFace& face, const std::vector<Vec3>& points) {
+  DistanceStatistics far;
   for (const Vec3& p : points) {
     const double d = face.distance(p);
     far.max = std::max(far.max, d);
@@ -45,7 +45,7 @@ struct Hull {
   double from, to;  // fractions of its box along x
 };
 
-void compare(const Hull& hull, const StoredFace& face, Table& table, Promises& promises) {
+void compare(const Hull& hull, const IgesFace& face, Table& table, Checks& checks) {
   for (const int count : {5, 7, 9}) {
     std::vector<std::vector<Vec3>> points;
     std::vector<CharacterLine> sections;
@@ -66,27 +66,27 @@ void compare(const Hull& hull, const StoredFace& face, Table& table, Promises& p
     SkinOptions options;
     options.tolerance = 1e-4 * size;
     std::string wrong;
-    Far ours, residual;
+    DistanceStatistics ours, residual;
     double t = 0;
     int triangles = 0, embedded = 0;
     try {
       const auto layout =
           std::make_shared<const ModelLayout>(section_region(hull.name, sections, options));
       LoftedModel loft;
-      t = time_of([&] { loft = loft_model(layout, names, 0.5 * options.tolerance); });
+      t = cpu_seconds_of([&] { loft = loft_model(layout, names, 0.5 * options.tolerance); });
       const ModelLayout& model = *loft.layout;
-      ours = far_from(face, points_of(model.surface(loft.dofs)));
+      ours = distance_statistics(face, points_of(model.surface(loft.dofs)));
       residual.max = model.line_constraints().max_residual(loft.dofs) / size;
       triangles = model.mesh()->triangle_count();
-      embedded = count_of(model.region(0).embedded());
+      embedded = isize(model.region(0).embedded());
     } catch (const std::exception& e) {
       wrong = e.what();
     }
-    const Far occ = far_from(face, loft_points(points, 40));
-    const auto share = [&](double d) { return text("%.2e", d / size); };
+    const DistanceStatistics occ = distance_statistics(face, loft_points(points, 40));
+    const auto fraction = [&](double d) { return text("%.2e", d / size); };
     table.add({hull.name, std::to_string(count), std::to_string(triangles),
-               std::to_string(embedded), wrong.empty() ? share(ours.max) : wrong.substr(0, 60),
-               share(ours.rms), share(occ.max), share(occ.rms), text("%.1e", residual.max),
+               std::to_string(embedded), wrong.empty() ? fraction(ours.max) : wrong.substr(0, 60),
+               fraction(ours.rms), fraction(occ.max), fraction(occ.rms), text("%.1e", residual.max),
                text("%.3f", t)});
     const std::string which = std::string(hull.name) + " from " + std::to_string(count);
     // What is less than the lines' own tolerance is no difference.
@@ -94,15 +94,15 @@ void compare(const Hull& hull, const StoredFace& face, Table& table, Promises& p
       return wrong.empty() ? our / std::max(their, options.tolerance) : 1e9;
     };
     const std::string to = " over ThruSections', or over the lines' tolerance";
-    promises.at_most(which + " sections: largest distance" + to, over(ours.max, occ.max), 1);
-    promises.at_most(which + " sections: rms distance" + to, over(ours.rms, occ.rms), 1);
+    checks.at_most(which + " sections: largest distance" + to, over(ours.max, occ.max), 1);
+    checks.at_most(which + " sections: rms distance" + to, over(ours.rms, occ.rms), 1);
   }
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  Promises promises;
+  Checks checks;
   const std::vector<Hull> hulls = {
       {"wigley", "lines-ship-iges/wigley.iges", 0, 0.1, 0.9},
       {"series 60", "lines-ship-iges/series_60.iges", 0, 0.1, 0.9},
@@ -115,7 +115,7 @@ int main(int argc, char** argv) {
   for (const Hull& hull : hulls) {
     const auto file = batten_test::optional_data(hull.file);
     if (file.empty()) continue;
-    const std::vector<StoredFace> faces = StoredFace::read(file);
+    const std::vector<IgesFace> faces = IgesFace::read(file);
     if (argc > 1 && std::string(argv[1]) == "list")
       for (size_t f = 0; f < faces.size(); ++f)
         std::printf("%s face %zu: (%g, %g, %g) to (%g, %g, %g)\n", hull.name, f, faces[f].low().x(),
@@ -123,9 +123,9 @@ int main(int argc, char** argv) {
                     faces[f].high().y(), faces[f].high().z());
     if (faces.size() <= static_cast<size_t>(hull.face)) continue;
     any = true;
-    compare(hull, faces[static_cast<size_t>(hull.face)], table, promises);
+    compare(hull, faces[static_cast<size_t>(hull.face)], table, checks);
   }
   if (!any) std::printf("No hull's file on this machine, or no OpenCASCADE: nothing to do.\n");
   table.print();
-  promises.print("sections");
+  checks.print("sections");
 }

@@ -4,10 +4,10 @@
 #include <fstream>
 #include <numbers>
 
+#include "batten/benchmarks/cgal_deform.h"
 #include "batten/core/rotations.h"
 #include "batten/mesh/sequence/sequence_editor.h"
 #include "bench.h"
-#include "cgal_deform_peer.h"
 
 using namespace batten;
 using namespace batten::bench;
@@ -19,7 +19,7 @@ struct Swimmer {
   int around, along;
   MeshSequence sequence;
   TriangleMesh mesh;
-  FrameHolds holds;
+  FrameConstraints constraints;
 
   Swimmer(int triangles, int frames)
       : around(std::max(8, static_cast<int>(std::lround(std::sqrt(triangles / 7.0))))),
@@ -37,7 +37,7 @@ struct Swimmer {
       const int middle = h * (along - 3) / 3 + 1;
       for (int k = middle - 1; k <= middle + 1; ++k)
         for (int a = 0; a < around; ++a) band.vertices.push_back(k * around + a);
-      holds.handles.push_back(band);
+      constraints.handles.push_back(band);
     }
   }
 
@@ -84,13 +84,13 @@ struct Swimmer {
     std::vector<SequenceKeyframe> keys;
     for (int k = 0; k < sequence.frame_count(); k += every) {
       SequenceKeyframe key{k, {}};
-      for (size_t h = 0; h < holds.handles.size(); ++h) {
+      for (size_t h = 0; h < constraints.handles.size(); ++h) {
         const double swing = std::sin(0.05 * k + 1.5 * static_cast<double>(h));
         const Vec3 c = editor.trajectories_before()[h].centres.row(k).transpose();
         key.handles.push_back(
-            HandlePlace{RigidMotion::about(c, rotation_matrix(Vec3(0, 0.15 * swing, 0.1)),
-                                           c + Vec3(0, 1.5 * swing, 0.5 * swing)),
-                        false});
+            HandlePose{RigidMotion::about(c, rotation_matrix(Vec3(0, 0.15 * swing, 0.1)),
+                                          c + Vec3(0, 1.5 * swing, 0.5 * swing)),
+                       false});
       }
       keys.push_back(std::move(key));
     }
@@ -113,17 +113,17 @@ struct Result {
 Result edit(const Swimmer& s) {
   Result r;
   std::unique_ptr<SequenceEditor> editor;
-  r.set_up =
-      clock_of([&] { editor = std::make_unique<SequenceEditor>(s.sequence, s.mesh, s.holds); });
-  r.keyframes = clock_of([&] { editor->set_keyframes(s.keyframes(*editor, 10)); });
+  r.set_up = wall_seconds_of(
+      [&] { editor = std::make_unique<SequenceEditor>(s.sequence, s.mesh, s.constraints); });
+  r.keyframes = wall_seconds_of([&] { editor->set_keyframes(s.keyframes(*editor, 10)); });
   std::vector<Points> last;
   double jerk = 0;
-  r.frames = clock_of([&] {
+  r.frames = wall_seconds_of([&] {
     editor->frames(0, s.sequence.frame_count() - 1, [&](int k, const Points& p) {
-      for (size_t h = 0; h < s.holds.handles.size(); ++h) {
+      for (size_t h = 0; h < s.constraints.handles.size(); ++h) {
         Vec3 c = Vec3::Zero();
-        for (const int v : s.holds.handles[h].vertices) c += p.row(v).transpose();
-        c /= static_cast<double>(s.holds.handles[h].vertices.size());
+        for (const int v : s.constraints.handles[h].vertices) c += p.row(v).transpose();
+        c /= static_cast<double>(s.constraints.handles[h].vertices.size());
         r.missed = std::max(r.missed,
                             (c - editor->trajectories()[h].centres.row(k).transpose()).norm() / 32);
       }
@@ -138,7 +138,7 @@ Result edit(const Swimmer& s) {
   return r;
 }
 
-void sizes(Promises& promises) {
+void sizes(Checks& checks) {
   struct Size {
     const char* name;
     int triangles, frames;
@@ -164,13 +164,13 @@ void sizes(Promises& promises) {
   }
   std::printf("Four handles told at every tenth frame, %d threads\n", thread_count());
   table.print();
-  promises.at_most("horse: all, seconds", last.total(), 30);
-  promises.at_most("horse: peak memory, GB", peak_gb(), 1.5);
-  promises.at_most("handles missed by, of the size", missed, 1e-12);
-  promises.at_most("horse: largest second difference, of that before", last.jerk, 1.5);
+  checks.at_most("horse: all, seconds", last.total(), 30);
+  checks.at_most("horse: peak memory, GB", peak_gb(), 1.5);
+  checks.at_most("handles missed by, of the size", missed, 1e-12);
+  checks.at_most("horse: largest second difference, of that before", last.jerk, 1.5);
 }
 
-void threads(Promises& promises) {
+void threads(Checks& checks) {
   const Swimmer s(29000, 420);
   std::vector<double> ratios;
   double one = 0, two = 0;
@@ -183,44 +183,45 @@ void threads(Promises& promises) {
   }
   set_thread_count(0);
   std::printf("horse: %.2f s on one thread, %.2f s on two\n\n", one, two);
-  promises.at_least("two threads, times as fast as one", median(ratios), 1.6);
+  checks.at_least("two threads, times as fast as one", median(ratios), 1.6);
 }
 
 /// Ten rounds at every frame, as a library does it that knows one mesh at a time.
-void rounds_beside_peers(Promises& promises) {
+void compare_iterations(Checks& checks) {
   one_thread();
   const Swimmer s(20000, 8);
   const int n = s.mesh.vertex_count();
   FrameOptions ten;
-  ten.most_rounds = 10;
+  ten.max_iterations = 10;
   ten.tolerance = 0;
-  FrameSolver solver(s.mesh, s.holds, ten);
+  FrameSolver solver(s.mesh, s.constraints, ten);
   FrameOptions none = ten;
-  none.most_rounds = 1;
-  FrameSolver once(s.mesh, s.holds, none);
-  FramePlaces places;
-  for (const auto& handle : s.holds.handles) {
-    const double swing = std::sin(1.5 * static_cast<double>(places.handles.size()));
+  none.max_iterations = 1;
+  FrameSolver once(s.mesh, s.constraints, none);
+  FrameTargets frame_targets;
+  for (const auto& handle : s.constraints.handles) {
+    const double swing = std::sin(1.5 * static_cast<double>(frame_targets.handles.size()));
     Vec3 c = Vec3::Zero();
     for (const int v : handle.vertices) c += s.mesh.point(v);
     c /= static_cast<double>(handle.vertices.size());
-    places.handles.push_back(
+    frame_targets.handles.push_back(
         {RigidMotion::about(c, rotation_matrix(Vec3(0, 0.15 * swing, 0)), c + Vec3(0, swing, 0)),
          false});
   }
-  std::vector<std::function<void()>> works{[&] { solver.alternate(s.mesh.points(), places); },
-                                           [&] { once.alternate(s.mesh.points(), places); }};
+  std::vector<std::function<void()>> works{
+      [&] { solver.alternate(s.mesh.points(), frame_targets); },
+      [&] { once.alternate(s.mesh.points(), frame_targets); }};
   std::vector<std::string> names{"Batten, one factor for all frames"};
   std::vector<int> movable, controls;
   std::vector<char> held(n, 0);
-  for (const auto& handle : s.holds.handles)
+  for (const auto& handle : s.constraints.handles)
     controls.insert(controls.end(), handle.vertices.begin(), handle.vertices.end());
   for (int v = 0; v < n; ++v) movable.push_back(v);
   Points targets(static_cast<long>(controls.size()), 3);
   long row = 0;
-  for (size_t h = 0; h < s.holds.handles.size(); ++h)
-    for (const int v : s.holds.handles[h].vertices)
-      targets.row(row++) = places.handles[h].motion(s.mesh.point(v)).transpose();
+  for (size_t h = 0; h < s.constraints.handles.size(); ++h)
+    for (const int v : s.constraints.handles[h].vertices)
+      targets.row(row++) = frame_targets.handles[h].motion(s.mesh.point(v)).transpose();
   std::vector<std::shared_ptr<CgalDeform>> peers;
   const auto add_peer = [&](const char* name, CgalSolver kind) {
     const auto cgal = std::make_shared<CgalDeform>(CgalEnergy::Arap, kind, s.mesh.points(),
@@ -244,23 +245,23 @@ void rounds_beside_peers(Promises& promises) {
     table.add({names[w - 1] + ", one factor a frame", text("%.1f", 1e3 * times[w]),
                text("%.1f", times[w] / times[0])});
   table.print();
-  const double share = 1e4 / n;
+  const double fraction = 1e4 / n;
   std::printf("a round: %.2f ms; the paper: 30 ms on 10,000 vertices, 3.2 GHz Pentium\n\n",
               1e3 * round);
-  promises.at_most("a round on 10,000 vertices, ms", 1e3 * round * share, 3);
+  checks.at_most("a round on 10,000 vertices, ms", 1e3 * round * fraction, 3);
   std::optional<double> slower;
   if (works.size() > 2) slower = times[2] / times[0];
-  promises.at_least("CGAL with a factor a frame, times as long", slower, 3);
+  checks.at_least("CGAL with a factor a frame, times as long", slower, 3);
 }
 
 }  // namespace
 
 int main() {
   set_thread_count(2);
-  Promises promises;
-  sizes(promises);
-  threads(promises);
-  rounds_beside_peers(promises);
-  promises.print("sequence");
+  Checks checks;
+  sizes(checks);
+  threads(checks);
+  compare_iterations(checks);
+  checks.print("sequence");
   return 0;
 }

@@ -12,13 +12,13 @@
 
 #include "analytic_shapes.h"
 #include "batten/constraints/constrained_solver.h"
-#include "batten/constraints/shape/shape_constraints.h"
+#include "batten/constraints/shape/surface_constraints.h"
 #include "batten/core/errors.h"
-#include "batten/fem/assembly.h"
+#include "batten/fem/surface_assembler.h"
 #include "batten/fem/triangle_locator.h"
 #include "batten/skinning/layout/region_layout.h"
 #include "batten/skinning/model/model_layout.h"
-#include "batten/skinning/region/quality.h"
+#include "batten/skinning/region/skin_quality.h"
 #include "bench.h"
 #include "expected.h"
 #include "fair_shapes.h"
@@ -31,30 +31,30 @@ using namespace batten::bench;
 
 constexpr int grids = 3;
 
-struct Made {
+struct SkinnedShape {
   SkinnedRegion region;
   SkinQuality quality;
   double tolerance = 0, seconds = 0;
   int triangles() const { return region.surface.mesh().triangle_count(); }
 };
 
-using More = std::function<void(const RegionLayout& layout, ConstraintSet& set)>;
+using AddConstraints = std::function<void(const RegionLayout& layout, ConstraintSet& set)>;
 
-Made skin(const AnalyticShape& shape, const std::vector<CharacterLine>& lines, double edge,
-          double tolerance, const More& more = {}) {
+SkinnedShape skin(const AnalyticShape& shape, const std::vector<CharacterLine>& lines, double edge,
+                  double tolerance, const AddConstraints& more = {}) {
   SkinOptions options;
   options.edge_length = edge;
   options.tolerance = tolerance;
   std::optional<RegionLayout> layout;
   Points dofs;
-  const double t = time_of([&] {
+  const double t = cpu_seconds_of([&] {
     layout.emplace(shape.name, lines, options);
     ConstraintSet set = layout->line_constraints();
     if (more) more(*layout, set);
     const ModelLayout model(*layout);
     const VecX ones = model.position_dofs();
     const SurfaceAssembler assembler(*model.mesh(), model.element(), model.trim());
-    const ConstrainedSolver solver(set.moved(ones, model.origin()),
+    const ConstrainedSolver solver(set.translated(ones, model.origin()),
                                    assembler.stiffness(SurfaceStiffness{}), model.dof_order());
     dofs = solver.solve(Points::Zero(ones.size(), 3)) + ones * model.origin().transpose();
   });
@@ -66,20 +66,20 @@ Made skin(const AnalyticShape& shape, const std::vector<CharacterLine>& lines, d
 // Of fitted lines: so small that fits do not hide the order.
 double fit_tolerance(double edge) { return 0.01 * std::pow(edge, 4); }
 
-struct Against {
+struct FormulaComparison {
   double distance = 0;
   int flipped = 0;  ///< normals more than a right angle from the formula's
 };
-Against against_formula(const AnalyticShape& shape, const Surface& surface) {
-  Against a;
+FormulaComparison compare_with_formula(const AnalyticShape& shape, const Surface& surface) {
+  FormulaComparison a;
   const int n = surface.mesh().triangle_count(), step = std::max(1, n / 1200);
   int along = 0, against = 0;
   for (int t = 0; t < n; t += step)
     for (const Vec3& L : {Vec3(1, 1, 1), Vec3(2.8, 0.1, 0.1), Vec3(0.1, 1.5, 1.4)}) {
       const SurfaceJet jet = surface.jet({t, L / 3});
-      const auto foot = shape.surface.closest(jet.x);
-      a.distance = std::max(a.distance, foot.distance);
-      ++(foot.normal.dot(jet.area_vector()) > 0 ? along : against);
+      const auto foot_point = shape.surface.closest(jet.x);
+      a.distance = std::max(a.distance, foot_point.distance);
+      ++(foot_point.normal.dot(jet.area_vector()) > 0 ? along : against);
     }
   a.flipped = std::min(along, against);
   return a;
@@ -116,25 +116,27 @@ double difference(const Surface& a, const Surface& b) {
 
 // The formula's normals along all sides.
 void add_normals(const AnalyticShape& shape, const RegionLayout& layout, ConstraintSet& set) {
-  ShapeConstraints rows(*layout.mesh(), layout.element(), set);
-  for (const LineRun& run : layout.runs()) {
-    if (run.line.role != CharacterLine::Role::Outline) continue;
+  SurfaceConstraints rows(*layout.mesh(), layout.element(), set);
+  for (const EdgeAlignedLine& aligned_line : layout.edge_aligned()) {
+    if (aligned_line.line.role != CharacterLine::Role::Outline) continue;
     const auto normal = [&](int e, double s) {
       const size_t k =
-          static_cast<size_t>(std::find(run.edges.begin(), run.edges.end(), e) - run.edges.begin());
-      const bool from_low = layout.mesh()->edges()[e].low == run.vertices[k];
+          static_cast<size_t>(std::find(aligned_line.edges.begin(), aligned_line.edges.end(), e) -
+                              aligned_line.edges.begin());
+      const bool from_low = layout.mesh()->edges()[e].low == aligned_line.vertices[k];
       const double f = from_low ? s : 1 - s;
       return shape.surface
-          .closest(run.fitted.evaluate(run.parameters[k] +
-                                       f * (run.parameters[k + 1] - run.parameters[k])))
+          .closest(aligned_line.fitted.evaluate(
+              aligned_line.parameters[k] +
+              f * (aligned_line.parameters[k + 1] - aligned_line.parameters[k])))
           .normal;
     };
-    rows.varying_normal("normal along " + run.line.name, run.edges, normal, true);
+    rows.varying_normal("normal along " + aligned_line.line.name, aligned_line.edges, normal, true);
   }
 }
 
 // How near two runs of the surface come to each other.
-double nearest(const SkinnedRegion& region, const LineRun& a, const LineRun& b) {
+double nearest(const SkinnedRegion& region, const EdgeAlignedLine& a, const EdgeAlignedLine& b) {
   double least = 1e100;
   const auto at = [&](int v) {
     return Vec3(region.surface.dofs().row(region.surface.dof_map().vertex(v)));
@@ -144,7 +146,7 @@ double nearest(const SkinnedRegion& region, const LineRun& a, const LineRun& b) 
   return least;
 }
 
-std::vector<std::string> quality_words(const SkinQuality& q, int flipped) {
+std::vector<std::string> quality_text(const SkinQuality& q, int flipped) {
   return {text("%.1e", q.max_line_residual), std::to_string(flipped),
           text("%.3f", q.min_jacobian_ratio), text("%.2f", q.max_shear),
           text("%.3f", q.rms_strain)};
@@ -157,10 +159,10 @@ void add(Table& table, std::vector<std::string> row, const std::vector<std::stri
   table.add(std::move(row));
 }
 
-struct Worst {
+struct WorstQuality {
   double residual = 0, gap = 0;
   int flipped = 0;
-  void take(const Made& made, int flips) {
+  void take(const SkinnedShape& made, int flips) {
     residual = std::max(residual, made.quality.max_line_residual);
     gap = std::max(gap, made.quality.max_line_gap / made.tolerance);
     flipped += flips;
@@ -173,7 +175,7 @@ struct Worst {
 int main(int argc, char** argv) {
   one_thread();
   if (argc > 1 && std::string(argv[1]) == "expected") {
-    Promises alone;
+    Checks alone;
     compare_expected(alone);
     alone.print("shapes");
     return 0;
@@ -184,9 +186,9 @@ int main(int argc, char** argv) {
     std::erase_if(shapes, [&](const AnalyticShape& shape) {
       return shape.name.find(argv[1]) == std::string::npos;
     });
-  Promises promises;
-  Worst worst;
-  std::vector<Made> finest;
+  Checks checks;
+  WorstQuality worst;
+  std::vector<SkinnedShape> finest;
 
   std::printf("Boundary lines alone.\n\n");
   Table alone;
@@ -196,7 +198,7 @@ int main(int argc, char** argv) {
       quality_head);
   for (const AnalyticShape& shape : shapes) {
     const auto lines = shape.boundary();
-    std::vector<Made> made;
+    std::vector<SkinnedShape> made;
     for (int g = 0; g <= grids; ++g) {
       const double edge = shape.coarse * std::pow(0.5, g);
       made.push_back(skin(shape, lines, edge, fit_tolerance(edge)));
@@ -206,40 +208,40 @@ int main(int argc, char** argv) {
       const Surface& s = made[static_cast<size_t>(g)].region.surface;
       errors.push_back(shape.name == "rings, equal" ? distance_from_tube(s, 1.2)
                                                     : difference(s, made.back().region.surface));
-      const Against a = against_formula(shape, s);
+      const FormulaComparison a = compare_with_formula(shape, s);
       worst.take(made[static_cast<size_t>(g)], a.flipped);
       const bool exact = errors.back() < 1e-11;
       add(alone,
-          {g == 0 ? shape.name : "", number(shape.coarse * std::pow(0.5, g)),
+          {g == 0 ? shape.name : "", format_number(shape.coarse * std::pow(0.5, g)),
            std::to_string(made[static_cast<size_t>(g)].triangles()), text("%.2e", errors.back()),
            g == 0 || exact
                ? ""
                : text("%.2f", std::log2(errors[static_cast<size_t>(g) - 1] / errors.back())),
            text("%.2e", a.distance), text("%.3f", made[static_cast<size_t>(g)].seconds)},
-          quality_words(made[static_cast<size_t>(g)].quality, a.flipped));
+          quality_text(made[static_cast<size_t>(g)].quality, a.flipped));
     }
     // Corners limit it: r² log r at right angles (order 2), r^1.5 at the saddle's 120 degrees.
-    promises.at_least(shape.name + ": order of convergence to the own minimiser",
-                      0.5 * std::log2(errors.front() / errors.back()),
-                      shape.name == "saddle" ? 1.3 : 1.8);
+    checks.at_least(shape.name + ": order of convergence to the own minimiser",
+                    0.5 * std::log2(errors.front() / errors.back()),
+                    shape.name == "saddle" ? 1.3 : 1.8);
     if (shape.name == "cylinder 350") {
-      const auto& runs = made.back().region.runs;
-      const double apart = nearest(made.back().region, runs[1], runs[3]);
+      const auto& edge_aligned = made.back().region.edge_aligned;
+      const double apart = nearest(made.back().region, edge_aligned[1], edge_aligned[3]);
       std::printf("The ends of the strip of 350 degrees are %.6f apart; the lines are %.6f.\n\n",
                   apart, 2 * std::sin(5 * std::numbers::pi / 180));
-      promises.at_least("cylinder 350: distance between its ends over that of the lines",
-                        apart / (2 * std::sin(5 * std::numbers::pi / 180)), 0.999);
+      checks.at_least("cylinder 350: distance between its ends over that of the lines",
+                      apart / (2 * std::sin(5 * std::numbers::pi / 180)), 0.999);
     }
     made.pop_back();
     finest.push_back(made.back());
   }
   alone.print();
 
-  compare_fair(shapes, argc > 1 ? argv[1] : nullptr, promises);
-  if (argc > 1 && std::string(argv[1]) == "random") compare_random(promises);
+  compare_fair(shapes, argc > 1 ? argv[1] : nullptr, checks);
+  if (argc > 1 && std::string(argv[1]) == "random") compare_random(checks);
   if (argc < 2) {
-    compare_joined(promises);
-    compare_sections(promises);
+    compare_joined(checks);
+    compare_sections(checks);
   }
 
   std::printf("With inner lines on the formula's surface: distance to it.\n\n");
@@ -250,34 +252,34 @@ int main(int argc, char** argv) {
       quality_head);
   for (size_t i = 0; i < shapes.size(); ++i) {
     const AnalyticShape& shape = shapes[i];
-    if (shape.domain == AnalyticShape::Domain::Rings) continue;
+    if (shape.domain == AnalyticShape::Domain::Annulus) continue;
     double with_three = 0, with_nine = 1e100;  // on the middle grid
     for (const auto& [n, g] : {std::pair{3, 0}, {3, 1}, {3, 2}, {5, 1}, {9, 1}}) {
       const double edge = 1.6 * shape.coarse * std::pow(0.5, g);
       auto lines = shape.boundary();
       for (CharacterLine& line : shape.inner(n)) lines.push_back(std::move(line));
       try {
-        const Made made = skin(shape, lines, edge, 1e-3 * std::pow(0.25, g));
-        const Against a = against_formula(shape, made.region.surface);
+        const SkinnedShape made = skin(shape, lines, edge, 1e-3 * std::pow(0.25, g));
+        const FormulaComparison a = compare_with_formula(shape, made.region.surface);
         worst.take(made, a.flipped);
         if (g == 1 && n == 3) with_three = a.distance;
         if (g == 1 && n == 9) with_nine = a.distance;
         add(inner,
-            {n == 3 && g == 0 ? shape.name : "", std::to_string(n), number(edge),
+            {n == 3 && g == 0 ? shape.name : "", std::to_string(n), format_number(edge),
              std::to_string(made.triangles()), std::to_string(made.region.embedded.size()),
              text("%.2e", a.distance), text("%.2e", made.quality.max_line_gap),
              text("%.2e", made.tolerance), text("%.3f", made.seconds)},
-            quality_words(made.quality, a.flipped));
+            quality_text(made.quality, a.flipped));
       } catch (const Error& e) {
-        inner.add({shape.name, std::to_string(n), number(edge), "refused"});
+        inner.add({shape.name, std::to_string(n), format_number(edge), "refused"});
         std::printf("%s, %d lines, edge %g: %s\n\n", shape.name.c_str(), n, edge, e.what());
       }
     }
-    const double without = against_formula(shape, finest[i].region.surface).distance;
-    promises.at_most(shape.name + ": distance to the formula with three inner lines over without",
-                     with_three / without, 1);
-    promises.at_most(shape.name + ": distance to the formula with nine inner lines over three",
-                     with_nine / with_three, 0.5);
+    const double without = compare_with_formula(shape, finest[i].region.surface).distance;
+    checks.at_most(shape.name + ": distance to the formula with three inner lines over without",
+                   with_three / without, 1);
+    checks.at_most(shape.name + ": distance to the formula with nine inner lines over three",
+                   with_nine / with_three, 0.5);
   }
   inner.print();
 
@@ -289,17 +291,17 @@ int main(int argc, char** argv) {
     for (int g = 0; g < grids; ++g) {
       const double edge = shape.coarse * std::pow(0.5, g);
       try {
-        const Made made =
+        const SkinnedShape made =
             skin(shape, shape.boundary(), edge, fit_tolerance(edge),
                  [&](const RegionLayout& l, ConstraintSet& set) { add_normals(shape, l, set); });
-        const Against a = against_formula(shape, made.region.surface);
+        const FormulaComparison a = compare_with_formula(shape, made.region.surface);
         worst.take(made, a.flipped);
         add(normals,
-            {g == 0 ? shape.name : "", number(edge), std::to_string(made.triangles()),
+            {g == 0 ? shape.name : "", format_number(edge), std::to_string(made.triangles()),
              text("%.2e", a.distance), text("%.3f", made.seconds)},
-            quality_words(made.quality, a.flipped));
+            quality_text(made.quality, a.flipped));
       } catch (const Error& e) {
-        normals.add({shape.name, number(edge), "refused"});
+        normals.add({shape.name, format_number(edge), "refused"});
         std::printf("%s, edge %g: %s\n\n", shape.name.c_str(), edge,
                     std::string(e.what()).substr(0, 300).c_str());
       }
@@ -316,18 +318,18 @@ int main(int argc, char** argv) {
       std::vector<std::vector<HermiteCurve>> loops;
       for (const auto& pieces : finest[i].region.boundary) {
         loops.emplace_back();
-        for (const BoundaryPiece& piece : pieces)
+        for (const BoundarySegment& piece : pieces)
           loops.back().push_back(boundary_curve(finest[i].region, piece));
       }
-      for (const FillingSettings& s :
-           {FillingSettings{"", 1e-4, 15, 9}, FillingSettings{"", 1e-5, 15, 60}}) {
-        std::unique_ptr<Filling> filling;
-        const double t = time_of(
-            [&] { filling = std::make_unique<Filling>(loops, std::vector<HermiteCurve>{}, s); });
-        const double ours = against_formula(shape, finest[i].region.surface).distance;
+      for (const OccFillingSettings& s :
+           {OccFillingSettings{"", 1e-4, 15, 9}, OccFillingSettings{"", 1e-5, 15, 60}}) {
+        std::unique_ptr<OccFilling> filling;
+        const double t = cpu_seconds_of(
+            [&] { filling = std::make_unique<OccFilling>(loops, std::vector<HermiteCurve>{}, s); });
+        const double ours = compare_with_formula(shape, finest[i].region.surface).distance;
         if (!filling->done()) {
-          peer.add({shape.name, number(s.tolerance), "-", text("%.2e", ours), "-", "-", "-",
-                    text("%.2f", t), filling->says()});
+          peer.add({shape.name, format_number(s.tolerance), "-", text("%.2e", ours), "-", "-", "-",
+                    text("%.2f", t), filling->error_message()});
           continue;
         }
         double distance = 0, to_lines = 0;
@@ -340,19 +342,19 @@ int main(int argc, char** argv) {
               to_lines = std::max(
                   to_lines,
                   filling->distance(c.evaluate(c.start() + (c.end() - c.start()) * k / 40)));
-        peer.add({shape.name, number(s.tolerance), text("%.2e", distance), text("%.2e", ours),
-                  text("%.2e", to_lines), std::to_string(points.size()),
+        peer.add({shape.name, format_number(s.tolerance), text("%.2e", distance),
+                  text("%.2e", ours), text("%.2e", to_lines), std::to_string(points.size()),
                   text("%d x %d", filling->poles()[0], filling->poles()[1]), text("%.2f", t),
-                  filling->says().empty() ? "done" : filling->says()});
+                  filling->error_message().empty() ? "done" : filling->error_message()});
       }
     }
     peer.print();
   }
 
-  if (argc < 2) compare_expected(promises);
+  if (argc < 2) compare_expected(checks);
 
-  promises.at_most("largest distance from fitted lines over the size", worst.residual, 1e-10);
-  promises.at_most("largest gap of embedded lines over the tolerance", worst.gap, 1);
-  promises.at_most("flipped normals", worst.flipped, 0);
-  promises.print("shapes");
+  checks.at_most("largest distance from fitted lines over the size", worst.residual, 1e-10);
+  checks.at_most("largest gap of embedded lines over the tolerance", worst.gap, 1);
+  checks.at_most("flipped normals", worst.flipped, 0);
+  checks.print("shapes");
 }

@@ -212,7 +212,7 @@ Run ccx(const Case& c, const std::string& kind, int n, const fs::path& folder) {
   Deck deck(c, kind, n);
   deck.write(folder / "deck.inp");
   Run run{n, 6 * deck.nodes(), 0, 0};
-  run.seconds = clock_of([&] { quietly("cd '" + folder.string() + "' && ccx -i deck"); });
+  run.seconds = wall_seconds_of([&] { quietly("cd '" + folder.string() + "' && ccx -i deck"); });
   std::ifstream results(folder / "deck.dat");
   for (std::string line, last; std::getline(results, line);)
     if (!line.empty()) {
@@ -224,12 +224,12 @@ Run ccx(const Case& c, const std::string& kind, int n, const fs::path& folder) {
   return run;
 }
 
-Run ours(const Case& c, double edge, const fs::path& folder) {
+Run batten_run(const Case& c, double edge, const fs::path& folder) {
   std::string scene = c.scene;
-  scene.replace(scene.find("EDGE"), 4, number(edge));
+  scene.replace(scene.find("EDGE"), 4, format_number(edge));
   std::ofstream(folder / "s.toml") << scene;
   Run run;
-  run.seconds = clock_of([&] {
+  run.seconds = wall_seconds_of([&] {
     quietly("cd '" + folder.string() +
             "' && '" BATTEN_PROGRAM "' stress s.toml --quiet --threads 1 --out out");
   });
@@ -255,10 +255,10 @@ Run coarsest(const std::vector<Run>& runs, const Again& again) {
   return chosen;
 }
 
-void compare(const Case& c, const fs::path& folder, Table& table, Promises& promises) {
+void compare(const Case& c, const fs::path& folder, Table& table, Checks& checks) {
   std::vector<Run> own;
-  for (const double edge : c.edges) own.push_back(ours(c, edge, folder));
-  const Run batten = coarsest(own, [&](size_t k) { return ours(c, c.edges[k], folder); });
+  for (const double edge : c.edges) own.push_back(batten_run(c, edge, folder));
+  const Run batten = coarsest(own, [&](size_t k) { return batten_run(c, c.edges[k], folder); });
   const auto add = [&](const std::string& who, const Run& run, double limit) {
     table.add({c.name, who, std::to_string(run.size), std::to_string(run.unknowns),
                text("%.3f", run.seconds), text("%.5g", run.result), text("%.5g", limit),
@@ -279,8 +279,8 @@ void compare(const Case& c, const fs::path& folder, Table& table, Promises& prom
   const auto of = [&](const std::string& kind) {
     return ratio.count(kind) ? std::optional(ratio[kind]) : std::nullopt;
   };
-  promises.at_least(c.name + ": seconds of S6 over ours", of("S6"), 10);
-  promises.at_least(c.name + ": seconds of S8R over ours", of("S8R"), 1);
+  checks.at_least(c.name + ": seconds of S6 over ours", of("S6"), 10);
+  checks.at_least(c.name + ": seconds of S8R over ours", of("S8R"), 1);
 }
 
 }  // namespace
@@ -290,9 +290,9 @@ int main() {
   fs::create_directories(folder);
   Table table;
   table.add({"case", "element", "size", "unknowns", "seconds", "result", "own limit", "of ours"});
-  Promises promises;
-  for (const Case& c : {scordelis(), folded()}) compare(c, folder, table, promises);
+  Checks checks;
+  for (const Case& c : {scordelis(), folded()}) compare(c, folder, table, checks);
   fs::remove_all(folder);
   table.print();
-  promises.print("shell");
+  checks.print("shell");
 }

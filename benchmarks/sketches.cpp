@@ -17,14 +17,14 @@
 #include "batten/io/lines/point_lines.h"
 #include "batten/io/lines/sketch_graph.h"
 #include "batten/io/meshes/mesh_file.h"
-#include "batten/skinning/domains/plain_fill.h"
+#include "batten/skinning/domains/hole_triangulation.h"
 #include "batten/skinning/facets/facets.h"
 #include "batten/skinning/search/find_regions.h"
 #include "batten/skinning/surfaces/fair_model.h"
 #include "batten/skinning/surfaces/skin_network.h"
 #include "batten/skinning/surfaces/surface_model.h"
-#include "batten/tests/reference.h"
-#include "batten/tests/skinning/network/sketch_segments.h"
+#include "batten/tests/support/sketch_segments.h"
+#include "batten/tests/support/test_data.h"
 #include "bench.h"
 
 namespace {
@@ -33,17 +33,17 @@ using namespace batten;
 using namespace batten::bench;
 namespace fs = std::filesystem;
 
-struct Made {
-  std::unique_ptr<CharacterLineNetwork> network;
+struct SkinnedSketch {
+  std::unique_ptr<CurveNetwork> network;
   FoundRegions found;
   SurfaceModel model;
   double seconds = 0;
 };
 
-Made make(const std::vector<CharacterLine>& lines) {
-  Made made;
-  made.seconds = clock_of([&] {
-    made.network = std::make_unique<CharacterLineNetwork>(lines);
+SkinnedSketch make(const std::vector<CharacterLine>& lines) {
+  SkinnedSketch made;
+  made.seconds = wall_seconds_of([&] {
+    made.network = std::make_unique<CurveNetwork>(lines);
     made.found = find_regions(*made.network);
     made.model = skin_network(*made.network, made.found);
   });
@@ -79,7 +79,7 @@ class Triangles {
   vtkNew<vtkCellLocator> locator_;
 };
 
-struct Far {
+struct DistanceStatistics {
   double max = 0, squares = 0;
   int count = 0;
   void add(double distance) {
@@ -90,7 +90,7 @@ struct Far {
   double rms() const { return count > 0 ? std::sqrt(squares / count) : 0; }
 };
 
-void add_surfaces(const Made& made, Triangles& ours, Triangles& plain) {
+void add_surfaces(const SkinnedSketch& made, Triangles& ours, Triangles& plain) {
   for (const ModelRegion& r : made.model.regions) {
     if (!r.skinned) continue;
     const DisplayFacets f = facets(*r.skinned, 3);
@@ -98,21 +98,21 @@ void add_surfaces(const Made& made, Triangles& ours, Triangles& plain) {
     for (const Location& p : f.tessellation.points) x.push_back(r.skinned->surface.position(p));
     for (const auto& t : f.tessellation.facets) ours.add(x[t[0]], x[t[1]], x[t[2]]);
     std::vector<Vec3> loop;
-    for (const ArcUse& use : r.plan.loops[0]) {
-      const HermiteCurve& curve = made.network->arcs()[use.arc].curve;
-      constexpr int per_arc = 16;
-      for (int i = 0; i < per_arc; ++i) {
-        const double s = static_cast<double>(i) / per_arc;
+    for (const OrientedEdge& use : r.plan.loops[0]) {
+      const HermiteCurve& curve = made.network->edges()[use.edge].curve;
+      constexpr int per_edge = 16;
+      for (int i = 0; i < per_edge; ++i) {
+        const double s = static_cast<double>(i) / per_edge;
         loop.push_back(curve.evaluate(curve.end() * (use.reversed ? 1 - s : s)));
       }
     }
-    if (const auto fill = plain_fill(loop))
+    if (const auto fill = triangulate_hole(loop))
       for (const auto& t : fill->triangles) plain.add(loop[t[0]], loop[t[1]], loop[t[2]]);
   }
 }
 
 // Bilinearly blended Coons patches of the regions with four lines, and our surfaces there.
-void add_coons(const Made& made, Triangles& ours, Triangles& coons) {
+void add_coons(const SkinnedSketch& made, Triangles& ours, Triangles& coons) {
   constexpr int n = 16;
   for (const ModelRegion& r : made.model.regions) {
     if (!r.skinned || r.plan.loops.size() != 1 || r.plan.loops[0].size() != 4) continue;
@@ -125,8 +125,8 @@ void add_coons(const Made& made, Triangles& ours, Triangles& coons) {
     }
     // Side k at the share s of its way around the loop.
     const auto side = [&](size_t k, double s) -> Vec3 {
-      const ArcUse& use = r.plan.loops[0][k];
-      const HermiteCurve& curve = made.network->arcs()[use.arc].curve;
+      const OrientedEdge& use = r.plan.loops[0][k];
+      const HermiteCurve& curve = made.network->edges()[use.edge].curve;
       return curve.evaluate(curve.end() * (use.reversed ? 1 - s : s));
     };
     const auto patch = [&](int i, int j) -> Vec3 {
@@ -155,23 +155,24 @@ std::array<double, 2> curvature_jumps(const SurfaceModel& model) {
 }
 
 // Fairs a model and adds a row of what became of it. Returns the flaws that it added.
-int add_fair_row(const char* name, Made& made, Table& table, Promises& promises) {
+int add_fair_row(const char* name, SkinnedSketch& made, Table& table, Checks& checks) {
   auto layout = made.model.layout;
   if (!layout) {
     table.add({name, "", "no region has a skin"});
     return 0;
   }
-  const size_t flaws = made.model.flaws.size();
+  const size_t defects = made.model.defects.size();
   const auto before = curvature_jumps(made.model);
-  VariationSurface fair;
-  size_t kept = 0;
+  MinimumVariationSurface fair;
+  size_t unchanged_regions = 0;
   double seconds = 0;
   try {
-    FairedModel faired;
-    seconds = clock_of([&] { faired = fair_model(made.model, layout, made.model.dofs, 0.1); });
+    FairingResult faired;
+    seconds =
+        wall_seconds_of([&] { faired = fair_model(made.model, layout, made.model.dofs, 0.1); });
     layout = faired.layout;
     fair = std::move(faired.surface);
-    kept = faired.kept.size();
+    unchanged_regions = faired.unchanged_regions.size();
   } catch (const std::exception& e) {
     table.add({name, std::to_string(layout->mesh()->triangle_count()),
                std::string(e.what()).substr(0, 60)});
@@ -188,28 +189,28 @@ int add_fair_row(const char* name, Made& made, Table& table, Promises& promises)
              std::to_string(fair.factorizations), fair.converged ? "yes" : "no",
              text("%.3f", fair.max_move / layout->size()),
              text("%.2e", fair.start_functional) + " -> " + text("%.2e", fair.functional),
-             std::to_string(flaws) + " -> " + std::to_string(made.model.flaws.size()),
-             std::to_string(kept), text("%.2g", join),
+             std::to_string(defects) + " -> " + std::to_string(made.model.defects.size()),
+             std::to_string(unchanged_regions), text("%.2g", join),
              text("%.2g", before[1]) + " -> " + text("%.2g", after[1])});
-  promises.at_most(std::string("degrees at smooth joins of the fair shape, ") + name, join, 0.1);
-  return count_of(made.model.flaws) - static_cast<int>(flaws);
+  checks.at_most(std::string("degrees at smooth joins of the fair shape, ") + name, join, 0.1);
+  return isize(made.model.defects) - static_cast<int>(defects);
 }
 
 // Compares with the surfaces and creases that readers of the drawing expect.
-void score(const fs::path& sketch, const Made& made, Promises& promises,
+void score(const fs::path& sketch, const SkinnedSketch& made, Checks& checks,
            std::vector<std::string>& notes) {
   const std::string name = sketch.stem().string();
   const fs::path file = fs::path(BATTEN_SOURCE_DIR) / "tests/reference/networks" / (name + ".json");
   if (!fs::exists(file)) return;
   const batten_test::ExpectedSurfaces expected(nlohmann::json::parse(std::ifstream(file)));
-  const auto of_arc = batten_test::SketchSegments(sketch).of_arcs(RegionGraph(*made.network));
-  const auto s = expected.score(made.found.regions, of_arc);
-  promises.at_least("precision, " + name, s.precision(), 0.97);
-  promises.at_least("recall, " + name, s.recall(), 0.95);
+  const auto of_edge = batten_test::SketchSegments(sketch).of_edges(RegionGraph(*made.network));
+  const auto s = expected.score(made.found.regions, of_edge);
+  checks.at_least("precision, " + name, s.precision(), 0.97);
+  checks.at_least("recall, " + name, s.recall(), 0.95);
   if (!expected.knows_creases()) return;
-  const auto creases = expected.creases(made.model.joins, of_arc);
-  promises.at_least("precision of creases, " + name, creases.precision(), 0.95);
-  promises.at_least("recall of creases, " + name, creases.recall(), 0.95);
+  const auto creases = expected.creases(made.model.joins, of_edge);
+  checks.at_least("precision of creases, " + name, creases.precision(), 0.95);
+  checks.at_least("recall of creases, " + name, creases.recall(), 0.95);
   for (const std::string& line : creases.wrong)
     notes.push_back(name + ": " + line + " is a crease; smooth was expected");
   for (const std::string& line : creases.missed)
@@ -227,7 +228,7 @@ int main(int argc, char** argv) {
       "faired",     "triangles",           "s",     "factors", "converged",
       "move/size",  "change of curvature", "flaws", "kept",    "join deg",
       "jump x size"};
-  Promises promises;
+  Checks checks;
   const auto sketches = batten_test::optional_data("sketch-cassie/sketch_graph");
   if (sketches.empty()) {
     std::printf("The sketches are not on this machine: nothing to do.\n");
@@ -244,13 +245,15 @@ int main(int argc, char** argv) {
           "hmd_modern", "architecture", "02-1-2", "02-2-2", "03-1-1"}) {
       if (left_out(name)) continue;
       const fs::path file = sketches / (std::string(name) + ".json");
-      Made made = make(read_sketch_graph(file));
+      SkinnedSketch made = make(read_sketch_graph(file));
       int repaired = 0, listed = 0, skinned = 0, smooth = 0, open = 0, creases = 0;
-      for (const NetworkFinding& f : made.network->findings()) ++(f.repaired ? repaired : listed);
+      for (const NetworkDiagnostic& f : made.network->diagnostics())
+        ++(f.repaired ? repaired : listed);
       double jacobian = 1, join = 0;
       for (const ModelRegion& r : made.model.regions) {
         if (!r.skinned) {
-          notes.push_back(std::string(name) + ", " + r.plan.name + " not skinned: " + r.why_not);
+          notes.push_back(std::string(name) + ", " + r.plan.name +
+                          " not skinned: " + r.rejection_reason);
           continue;
         }
         ++skinned;
@@ -258,7 +261,7 @@ int main(int argc, char** argv) {
         const bool wrong = !(r.quality.min_jacobian_ratio > 0);
         const auto index = static_cast<int>(&r - made.model.regions.data());
         const bool said = std::any_of(
-            made.model.flaws.begin(), made.model.flaws.end(), [&](const SurfaceFlaw& f) {
+            made.model.defects.begin(), made.model.defects.end(), [&](const SurfaceDefect& f) {
               return std::count(f.regions.begin(), f.regions.end(), index) > 0;
             });
         unnamed += wrong && !said;
@@ -270,24 +273,26 @@ int main(int argc, char** argv) {
         open += j.open[0] || j.open[1];
         join = std::max(join, j.max_inside_deg);
       }
-      for (const SurfaceFlaw& f : made.model.flaws)
+      for (const SurfaceDefect& f : made.model.defects)
         notes.push_back(std::string(name) + ": " + f.text);
       table.add({name, std::to_string(made.network->lines().size()), std::to_string(repaired),
-                 std::to_string(listed), std::to_string(made.network->arcs().size()),
+                 std::to_string(listed), std::to_string(made.network->edges().size()),
                  std::to_string(made.model.regions.size()), std::to_string(skinned),
                  std::to_string(smooth), std::to_string(open), std::to_string(creases),
-                 std::to_string(made.found.rims.size()), std::to_string(made.found.bare.size()),
-                 std::to_string(made.found.choices.size()), std::to_string(made.model.flaws.size()),
-                 text("%.2f", jacobian), text("%.2g", join), text("%.2f", made.seconds)});
-      score(file, made, promises, notes);
-      const int added = add_fair_row(name, made, fair, promises);
-      promises.at_most(std::string("flaws that fairing adds, ") + name, added, 0);
+                 std::to_string(made.found.free_edges.size()),
+                 std::to_string(made.found.unused_edges.size()),
+                 std::to_string(made.found.ambiguous_regions.size()),
+                 std::to_string(made.model.defects.size()), text("%.2f", jacobian),
+                 text("%.2g", join), text("%.2f", made.seconds)});
+      score(file, made, checks, notes);
+      const int added = add_fair_row(name, made, fair, checks);
+      checks.at_most(std::string("flaws that fairing adds, ") + name, added, 0);
     }
     table.print();
     fair.print();
     for (const std::string& note : notes) std::printf("%s\n", note.c_str());
     std::printf("\n");
-    promises.at_most("surfaces that turn over and are not named", unnamed, 0);
+    checks.at_most("surfaces that turn over and are not named", unnamed, 0);
   }
 
   const auto shells = batten_test::optional_data("curvenet-shells");
@@ -311,19 +316,19 @@ int main(int argc, char** argv) {
       for (const auto& line :
            read_point_lines(shells / "curves" / (std::string(lines_file) + ".txt")))
         lines.push_back({line.name, curve_through_points(line.name, line.points)});
-      Made made = make(lines);
+      SkinnedSketch made = make(lines);
       const MeshFile mesh = MeshFile::read(shells / "meshes" / (std::string(mesh_file) + ".obj"));
       const Points& vertices = mesh.shells().points;
       const double size = (vertices.colwise().maxCoeff() - vertices.colwise().minCoeff()).norm();
       Triangles ours, plain, faired, again, four, coons, four_fair, coons_again;
       add_surfaces(made, ours, plain);
       add_coons(made, four, coons);
-      const int flaws = count_of(made.model.flaws);
-      const int added = add_fair_row(lines_file, made, fair, promises);
-      promises.at_most(std::string("flaws that fairing adds, ") + lines_file, added, 0);
+      const int defects = isize(made.model.defects);
+      const int added = add_fair_row(lines_file, made, fair, checks);
+      checks.at_most(std::string("flaws that fairing adds, ") + lines_file, added, 0);
       add_surfaces(made, faired, again);
       add_coons(made, four_fair, coons_again);
-      Far near_ours, near_fair, near_plain, near_four, near_four_fair, near_coons;
+      DistanceStatistics near_ours, near_fair, near_plain, near_four, near_four_fair, near_coons;
       if (!ours.empty() && !plain.empty()) {
         ours.ready();
         plain.ready();
@@ -350,19 +355,19 @@ int main(int argc, char** argv) {
       for (const ModelJoin& j : made.model.joins) smooth += j.kind == ModelJoin::Kind::Smooth;
       const auto share = [&](double d) { return text("%.1e", d / size); };
       table.add({lines_file, std::to_string(lines.size()),
-                 std::to_string(made.network->arcs().size()),
+                 std::to_string(made.network->edges().size()),
                  std::to_string(made.model.regions.size()), std::to_string(skinned),
-                 std::to_string(smooth), std::to_string(flaws), std::to_string(near_ours.count),
+                 std::to_string(smooth), std::to_string(defects), std::to_string(near_ours.count),
                  share(near_ours.max), share(near_ours.rms()), share(near_fair.max),
                  share(near_fair.rms()), share(near_plain.max), share(near_plain.rms()),
                  std::to_string(near_four.count), share(near_four.rms()),
                  share(near_four_fair.rms()), share(near_coons.rms()), text("%.2f", made.seconds)});
       if (near_ours.count > 0)
-        promises.at_most(std::string("rms distance over plain filling's, ") + lines_file,
-                         near_ours.rms() / near_plain.rms(), 1);
+        checks.at_most(std::string("rms distance over plain filling's, ") + lines_file,
+                       near_ours.rms() / near_plain.rms(), 1);
     }
     table.print();
     fair.print();
   }
-  promises.print("sketches");
+  checks.print("sketches");
 }

@@ -12,11 +12,11 @@
 #include <map>
 
 #include "batten/apps/commands/lines/scene_lines.h"
-#include "batten/apps/commands/shapes/make_shape.h"
+#include "batten/apps/commands/shapes/solved_shape.h"
 #include "batten/constraints/affine_reduction.h"
 #include "batten/constraints/constrained_solver.h"
-#include "batten/fem/assembly.h"
-#include "batten/fem/dissection.h"
+#include "batten/fem/nested_dissection.h"
+#include "batten/fem/surface_assembler.h"
 #include "batten/fem/triangle_locator.h"
 #include "batten/io/cad/step.h"
 #include "batten/io/cad/step_face.h"
@@ -24,9 +24,9 @@
 #include "batten/io/scene/read_scene.h"
 #include "batten/io/scene/scene.h"
 #include "batten/sculpting/statics/static_sculpt.h"
-#include "batten/skinning/domains/domain_task.h"
-#include "batten/skinning/region/quality.h"
-#include "batten/tests/random_outlines.h"
+#include "batten/skinning/domains/domain_input.h"
+#include "batten/skinning/region/skin_quality.h"
+#include "batten/tests/support/random_outlines.h"
 #include "bench.h"
 #include "occ_filling.h"
 
@@ -45,9 +45,9 @@ const std::vector<Grid> grids = {{"2k", 27, 0.1, 9}, {"10k", 11, 0.1, 9}, {"50k"
 
 enum Phase {
   Mesh,
-  Cut,
-  Place,
-  Rows,
+  CutCells,
+  LocatePoints,
+  BuildConstraints,
   Assemble,
   Eliminate,
   Reduce,
@@ -64,47 +64,48 @@ const std::array<const char*, phases> phase_names = {
 
 // RegionLayout's and sculpt()'s own steps, each once: the way to a solved shape on a grid that
 // needs no refinement.
-struct Path {
+struct SolvePhases {
   std::array<double, phases> seconds{};
-  RegionParts parts;
+  RegionGeometry geometry;
   std::shared_ptr<Surface> surface;
-  double gap = 0, worst_row = 0;
+  double gap = 0, worst_residual = 0;
   int rows = 0, free = 0, cut_triangles = 0;
   long factor_entries = 0;
   double ties = 0;  ///< entries of the reduced matrix over those of K
 };
 
-Path path(const std::vector<CharacterLine>& lines, const SkinOptions& options, double size) {
-  Path p;
+SolvePhases path(const std::vector<CharacterLine>& lines, const SkinOptions& options, double size) {
+  SolvePhases p;
   const auto timed = [&](Phase phase, const auto& work) {
-    p.seconds[static_cast<size_t>(phase)] += time_of(work);
+    p.seconds[static_cast<size_t>(phase)] += cpu_seconds_of(work);
   };
-  const DomainTask task{options, size, options.tolerance, options.edge_length,
-                        std::max(options.tolerance, 1e-6 * size)};
+  const DomainInput task{options, size, options.tolerance, options.edge_length,
+                         std::max(options.tolerance, 1e-6 * size)};
   timed(Mesh, [&] {
-    std::vector<Stretch> around, rims, inner;
+    std::vector<SmoothSegment> around, rims, inner;
     using Role = CharacterLine::Role;
     for (const CharacterLine& line : lines) {
       auto& kind = line.role == Role::Outline ? around : line.role == Role::Hole ? rims : inner;
-      for (Stretch& s : cut_at_corners(line, options.corner_angle)) kind.push_back(std::move(s));
+      for (SmoothSegment& s : split_at_corners(line, options.corner_angle))
+        kind.push_back(std::move(s));
     }
-    const auto loops = make_loops(around, size, task.join, options.corner_angle);
-    const auto holes = make_loops(rims, size, task.join, options.corner_angle);
-    p.parts = plane_parts(loops[0], holes, inner, task);
-    grade_by_curvature(p.parts, task);
+    const auto loops = make_loops(around, size, task.gap_tolerance, options.corner_angle);
+    const auto holes = make_loops(rims, size, task.gap_tolerance, options.corner_angle);
+    p.geometry = make_projected_geometry(loops[0], holes, inner, task);
+    refine_by_curvature(p.geometry, task);
   });
-  const ParametricMesh uncut = *p.parts.mesh;
-  timed(Place, [&] { cut_and_place(p.parts, task); });
-  // cut_and_place() cuts, too.
-  timed(Cut, [&] { Trim(uncut, p.parts.trim->loops()); });
-  p.seconds[Place] = std::max(0.0, p.seconds[Place] - p.seconds[Cut]);
+  const ParametricMesh uncut = *p.geometry.mesh;
+  timed(LocatePoints, [&] { trim_and_collocate(p.geometry, task); });
+  // trim_and_collocate() cuts, too.
+  timed(CutCells, [&] { Trim(uncut, p.geometry.trim->loops()); });
+  p.seconds[LocatePoints] = std::max(0.0, p.seconds[LocatePoints] - p.seconds[CutCells]);
 
-  const ParametricMesh& mesh = *p.parts.mesh;
+  const ParametricMesh& mesh = *p.geometry.mesh;
   std::optional<ConstraintSet> set;
-  timed(Rows, [&] { set = line_rows(p.parts, options.element); });
+  timed(BuildConstraints, [&] { set = make_line_constraints(p.geometry, options.element); });
   SparseMatrix K, reduced;
   timed(Assemble, [&] {
-    const SurfaceAssembler assembler(mesh, options.element, p.parts.trim);
+    const SurfaceAssembler assembler(mesh, options.element, p.geometry.trim);
     K = assembler.stiffness(SurfaceStiffness::isotropic(0, 1));
   });
   std::optional<AffineReduction> reduction;
@@ -115,9 +116,9 @@ Path path(const std::vector<CharacterLine>& lines, const SkinOptions& options, d
     // ConstrainedSolver's choice between the mesh's order and the matrix's own.
     constexpr double few_ties = 1.2;
     p.ties = static_cast<double>(reduced.nonZeros()) / static_cast<double>(K.nonZeros());
-    const auto order = dissection_order(mesh);
+    const auto order = nested_dissection_order(mesh);
     cholesky.analyze(reduced,
-                     p.ties <= few_ties ? reduction->order_of_free(order) : std::vector<int>());
+                     p.ties <= few_ties ? reduction->ordering_of_free(order) : std::vector<int>());
   });
   timed(Factor, [&] {
     if (!cholesky.factorize(reduced)) throw NoSolutionError(cholesky.message());
@@ -128,7 +129,7 @@ Path path(const std::vector<CharacterLine>& lines, const SkinOptions& options, d
     cholesky.solve_in_place(y);
     dofs = reduction->expand(y);
   });
-  p.surface = std::make_shared<Surface>(p.parts.mesh, options.element, dofs, p.parts.trim);
+  p.surface = std::make_shared<Surface>(p.geometry.mesh, options.element, dofs, p.geometry.trim);
   timed(Evaluate, [&] {
     Vec3 sum = Vec3::Zero();
     for (const Location& where : tessellate(mesh, 2).points) {
@@ -138,12 +139,12 @@ Path path(const std::vector<CharacterLine>& lines, const SkinOptions& options, d
     if (!sum.allFinite()) throw NoSolutionError("a point that is not finite");
   });
 
-  for (const EmbeddedLine& line : p.parts.embedded)
+  for (const EmbeddedLine& line : p.geometry.embedded)
     p.gap = std::max(p.gap, line_gap(*p.surface, line));
-  p.worst_row = set->max_residual(dofs) / size;
-  p.rows = static_cast<int>(set->rows().size());
+  p.worst_residual = set->max_residual(dofs) / size;
+  p.rows = static_cast<int>(set->constraints().size());
   p.free = reduction->free_count();
-  p.cut_triangles = static_cast<int>(p.parts.trim->cut().size());
+  p.cut_triangles = static_cast<int>(p.geometry.trim->cut_triangles().size());
   p.factor_entries = cholesky.factor_entries();
   return p;
 }
@@ -161,7 +162,7 @@ Door read_door() {
   return door;
 }
 
-void time_the_path(const Door& door, const std::filesystem::path& folder, Promises& promises) {
+void time_solve_phases(const Door& door, const std::filesystem::path& folder, Checks& checks) {
   Table table, sizes;
   std::vector<std::string> head{"milliseconds (share)"};
   std::vector<std::vector<std::string>> cells(phases + 2);
@@ -174,37 +175,37 @@ void time_the_path(const Door& door, const std::filesystem::path& folder, Promis
     scene.skin.options.tolerance = grid.tolerance;
     // What the program does: at least one solve in the layout, one in the sculpting.
     std::vector<double> whole;
-    std::optional<MadeModel> made;
+    std::optional<BuiltModel> made;
     for (int round = 0; round < std::max(3, grid.rounds / 3); ++round)
-      whole.push_back(time_of([&] {
-        made.emplace(make_model(scene, door.lines));
-        make_refined_shape(*made, scene);
+      whole.push_back(cpu_seconds_of([&] {
+        made.emplace(build_model(scene, door.lines));
+        solve_refined_shape(*made, scene);
       }));
     const RegionLayout* layout = &made->model.layout->region(0);
     const double size = layout->size();
     // Tolerance and edges of the scene, so that the first mesh is the layout's.
     std::vector<std::array<double, phases>> rounds;
-    std::optional<Path> last;
+    std::optional<SolvePhases> last;
     for (int round = -1; round < grid.rounds; ++round) {
       last.emplace(path(door.lines, scene.skin.options, size));
       if (round >= 0) rounds.push_back(last->seconds);
     }
-    const int first = last->parts.mesh->triangle_count(), end = layout->mesh()->triangle_count();
+    const int first = last->geometry.mesh->triangle_count(), end = layout->mesh()->triangle_count();
     // Refinement as the layout does it, counted.
     int halvings = 0;
-    const DomainTask task{scene.skin.options, size, grid.tolerance, grid.edge_length,
-                          std::max(grid.tolerance, 1e-6 * size)};
-    RegionParts parts = last->parts;
+    const DomainInput task{scene.skin.options, size, grid.tolerance, grid.edge_length,
+                           std::max(grid.tolerance, 1e-6 * size)};
+    RegionGeometry geometry = last->geometry;
     std::shared_ptr<Surface> shape = last->surface;
-    while (halvings < 8 && refine_at_gaps(parts, *shape, 0.5 * grid.tolerance, task)) {
+    while (halvings < 8 && refine_at_gaps(geometry, *shape, 0.5 * grid.tolerance, task)) {
       ++halvings;
-      const SurfaceAssembler assembler(*parts.mesh, scene.skin.options.element, parts.trim);
-      const ConstrainedSolver solver(line_rows(parts, scene.skin.options.element),
+      const SurfaceAssembler assembler(*geometry.mesh, scene.skin.options.element, geometry.trim);
+      const ConstrainedSolver solver(make_line_constraints(geometry, scene.skin.options.element),
                                      assembler.stiffness(SurfaceStiffness::isotropic(0, 1)),
-                                     dissection_order(*parts.mesh));
-      shape = std::make_shared<Surface>(parts.mesh, scene.skin.options.element,
+                                     nested_dissection_order(*geometry.mesh));
+      shape = std::make_shared<Surface>(geometry.mesh, scene.skin.options.element,
                                         solver.solve(Points::Zero(assembler.dofs().count(), 3)),
-                                        parts.trim);
+                                        geometry.trim);
     }
 
     std::array<double, phases> time{};
@@ -221,27 +222,27 @@ void time_the_path(const Door& door, const std::filesystem::path& folder, Promis
     cells[phases].push_back(text("%.1f = %.2f factorizations", 1e3 * sum, sum / time[Factor]));
     StepFaceOptions step;
     step.tolerance = 1e-4 * size;
-    const SkinnedRegion region{"door", *last->surface,       {},
-                               size,   last->parts.embedded, last->parts.boundary};
+    const SkinnedRegion region{"door", *last->surface,          {},
+                               size,   last->geometry.embedded, last->geometry.boundary};
     std::vector<double> step_times;
     for (int round = 0; round < 3; ++round)
       step_times.push_back(
-          time_of([&] { write_step_faces(folder / "path.step", {&region}, 1e-3, step); }));
+          cpu_seconds_of([&] { write_step_faces(folder / "path.step", {&region}, 1e-3, step); }));
     cells[phases + 1].push_back(text("%.1f", 1e3 * median(step_times)));
-    sizes.add({grid.name, number(grid.edge_length), number(grid.tolerance),
+    sizes.add({grid.name, format_number(grid.edge_length), format_number(grid.tolerance),
                std::to_string(first) + (end != first ? " to " + std::to_string(end) : ""),
                std::to_string(last->cut_triangles), std::to_string(last->rows),
                std::to_string(last->free), text("%.2f", last->ties),
                std::to_string(last->factor_entries), text("%.2g", last->gap),
                std::to_string(halvings), text("%.3f", median(whole)),
                text("%.1f", median(whole) / time[Factor])});
-    promises.at_most(grid.name + ": residual of the rows over the size", last->worst_row, 1e-10);
+    checks.at_most(grid.name + ": residual of the rows over the size", last->worst_residual, 1e-10);
     if (grid.name == "10k") {
-      promises.at_least("10k: triangles", first, 9000);
-      promises.at_most("10k: rounds of refinement", halvings, 0);
-      promises.at_most("10k: largest gap of a line, mm", last->gap, grid.tolerance);
-      promises.at_most("10k: from lines to a solved shape over the factorization alone",
-                       sum / time[Factor], 6);
+      checks.at_least("10k: triangles", first, 9000);
+      checks.at_most("10k: rounds of refinement", halvings, 0);
+      checks.at_most("10k: largest gap of a line, mm", last->gap, grid.tolerance);
+      checks.at_most("10k: from lines to a solved shape over the factorization alone",
+                     sum / time[Factor], 6);
     }
   }
   table.add(head);
@@ -276,11 +277,11 @@ double distance_of_file(const SkinnedRegion& region, const std::filesystem::path
 
 // Curves are cut where they are too much for one edge of OpenCASCADE's filling: closed ones, in
 // four parts.
-std::vector<HermiteCurve> in_parts(const HermiteCurve& c, int parts) {
+std::vector<HermiteCurve> in_parts(const HermiteCurve& c, int geometry) {
   std::vector<HermiteCurve> all;
   const int n = c.segment_count();
-  for (int p = 0; p < parts; ++p) {
-    const int from = n * p / parts, to = n * (p + 1) / parts;
+  for (int p = 0; p < geometry; ++p) {
+    const int from = n * p / geometry, to = n * (p + 1) / geometry;
     std::vector<double> u;
     Points x(to - from + 1, 3), d(to - from + 1, 3);
     for (int i = from; i <= to; ++i) {
@@ -294,12 +295,12 @@ std::vector<HermiteCurve> in_parts(const HermiteCurve& c, int parts) {
   return all;
 }
 
-void compare_steps(const Door& door, const std::filesystem::path& folder, Promises& promises) {
+void compare_steps(const Door& door, const std::filesystem::path& folder, Checks& checks) {
   Scene scene = door.scene;
   scene.skin.options.edge_length = grids[1].edge_length;
   scene.skin.options.tolerance = grids[1].tolerance;
-  const MadeModel model = make_model(scene, door.lines);
-  const MadeShape made = make_refined_shape(model, scene);
+  const BuiltModel model = build_model(scene, door.lines);
+  const SolvedShape made = solve_refined_shape(model, scene);
   const SkinnedRegion& region = made.regions.front();
   const RegionLayout& layout = made.layout->region(0);
   const double size = layout.size();
@@ -317,19 +318,21 @@ void compare_steps(const Door& door, const std::filesystem::path& folder, Promis
     std::vector<double> times;
     StepReport report;
     for (int round = 0; round < 3; ++round)
-      times.push_back(time_of([&] { report = write_step_faces(file, {&region}, 1e-3, options); }));
+      times.push_back(
+          cpu_seconds_of([&] { report = write_step_faces(file, {&region}, 1e-3, options); }));
     const double seen = distance_of_file(region, file, 1500);
-    table.add({number(share), number(options.tolerance), text("%.3g", *report.max_deviation),
-               text("%.3g", seen), text("%.3g", report.max_gap),
+    table.add({format_number(share), format_number(options.tolerance),
+               text("%.3g", *report.max_deviation), text("%.3g", seen),
+               text("%.3g", report.max_gap),
                std::to_string(report.patches[0].poles_u) + " x " +
                    std::to_string(report.patches[0].poles_v),
                std::to_string(report.bytes / 1000), text("%.2f", median(times)),
                report.valid ? "yes" : "no"});
-    const std::string name = "STEP at " + number(share) + " of the size: ";
-    promises.at_most(name + "deviation over asked",
-                     std::max(*report.max_deviation, seen) / options.tolerance, 1);
-    promises.at_most(name + "megabytes", 1e-6 * static_cast<double>(report.bytes), 5);
-    promises.at_least(name + "valid", report.valid ? 1 : 0, 1);
+    const std::string name = "STEP at " + format_number(share) + " of the size: ";
+    checks.at_most(name + "deviation over asked",
+                   std::max(*report.max_deviation, seen) / options.tolerance, 1);
+    checks.at_most(name + "megabytes", 1e-6 * static_cast<double>(report.bytes), 5);
+    checks.at_least(name + "valid", report.valid ? 1 : 0, 1);
   }
   table.print();
 
@@ -348,17 +351,17 @@ void compare_steps(const Door& door, const std::filesystem::path& folder, Promis
   }
   Table peers;
   peers.add({"setting", "distance to the lines, mm", "poles", "kB", "seconds", "it says"});
-  const std::vector<FillingSettings> settings = {
+  const std::vector<OccFillingSettings> settings = {
       {"1e-3 of the size", 1e-3 * size, 15, 9},
       {"1e-4", 1e-4 * size, 15, 9},
       {"1e-5", 1e-5 * size, 15, 9},
       {"1e-5, 60 segments", 1e-5 * size, 15, 60},
       {"1e-5, 60 segments, 60 points", 1e-5 * size, 60, 60}};
-  for (const FillingSettings& s : settings) {
-    std::unique_ptr<Filling> filling;
-    const double t = time_of([&] {
+  for (const OccFillingSettings& s : settings) {
+    std::unique_ptr<OccFilling> filling;
+    const double t = cpu_seconds_of([&] {
       filling =
-          std::make_unique<Filling>(std::vector<std::vector<HermiteCurve>>{outline}, inner, s);
+          std::make_unique<OccFilling>(std::vector<std::vector<HermiteCurve>>{outline}, inner, s);
     });
     if (!filling->done()) {
       peers.add({s.name, "-", "-", "-", text("%.2f", t), filling->says()});
@@ -381,12 +384,12 @@ void compare_steps(const Door& door, const std::filesystem::path& folder, Promis
   peers.print();
 }
 
-void skin_random_lines(int count, Promises& promises) {
+void skin_random_lines(int count, Checks& checks) {
   using namespace batten_test;
   std::map<std::string, int> refusals;
   int surfaces = 0, reported = 0, unreported = 0, understated = 0, others = 0, not_finite = 0;
   double worst = 0;
-  const double seconds_taken = time_of([&] {
+  const double seconds_taken = cpu_seconds_of([&] {
     for (int seed = 1; seed <= count; ++seed) {
       Random random(static_cast<unsigned>(seed));
       RandomResult r;
@@ -394,15 +397,15 @@ void skin_random_lines(int count, Promises& promises) {
         try {
           r = skin_at_random(random_lines(random));
         } catch (const Error& e) {
-          r.refusal = e.what();
-          r.kind = refusal_kind(e);
+          r.error_message = e.what();
+          r.kind = error_kind(e);
         }
       } catch (const std::exception& e) {
         ++others;
         std::printf("seed %d: %s\n", seed, e.what());
         continue;
       }
-      if (!r.refusal.empty()) {
+      if (!r.error_message.empty()) {
         ++refusals[r.kind];
         continue;
       }
@@ -431,10 +434,10 @@ void skin_random_lines(int count, Promises& promises) {
   table.add({"other exceptions", std::to_string(others)});
   table.print();
   std::printf("Largest gap found at other places over the reported one: %.3f.\n\n", worst);
-  promises.at_least("random outlines: surfaces", surfaces, 0.5 * count);
-  promises.at_most("random outlines: unreported misses", unreported, 0);
-  promises.at_most("random outlines: not finite", not_finite, 0);
-  promises.at_most("random outlines: other exceptions", others, 0);
+  checks.at_least("random outlines: surfaces", surfaces, 0.5 * count);
+  checks.at_most("random outlines: unreported misses", unreported, 0);
+  checks.at_most("random outlines: not finite", not_finite, 0);
+  checks.at_most("random outlines: other exceptions", others, 0);
 }
 
 }  // namespace
@@ -446,16 +449,16 @@ int main(int argc, char** argv) {
   const auto folder =
       std::filesystem::temp_directory_path() / ("batten_bench_skin_" + std::to_string(::getpid()));
   std::filesystem::create_directories(folder);
-  Promises promises;
+  Checks checks;
   try {
     const Door door = read_door();
-    time_the_path(door, folder, promises);
-    compare_steps(door, folder, promises);
+    time_solve_phases(door, folder, checks);
+    compare_steps(door, folder, checks);
   } catch (const Error& e) {
     std::printf("the door failed: %s\n", e.what());
-    promises.at_most("the door failed", std::nullopt, 0);
+    checks.at_most("the door failed", std::nullopt, 0);
   }
-  skin_random_lines(outlines, promises);
+  skin_random_lines(outlines, checks);
   std::filesystem::remove_all(folder);
-  promises.print("skin");
+  checks.print("skin");
 }

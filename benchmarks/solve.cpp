@@ -6,11 +6,11 @@
 #include <Eigen/SparseCholesky>
 
 #include "batten/core/sparse_cholesky.h"
-#include "batten/tests/solver_matrices.h"
+#include "batten/tests/support/solver_matrices.h"
 #include "bench.h"
 #ifdef BATTEN_BENCH_CHOLMOD
 #include "batten/core/supernodal_factor.h"
-#include "batten/tests/cholmod_peer.h"
+#include "batten/tests/support/cholmod_solver.h"
 #endif
 
 namespace {
@@ -31,7 +31,7 @@ double triad_bandwidth() {
   static std::vector<double> a(n, 1), b(n, 2), c(n, 3);
   double best = 1e300;
   for (int pass = 0; pass < 7; ++pass)
-    best = std::min(best, time_of([&] {
+    best = std::min(best, cpu_seconds_of([&] {
                       for (size_t i = 0; i < n; ++i) a[i] = b[i] + 0.5 * c[i];
                     }));
   return a[n / 2] == 3.5 ? 24.0 * n / best : 0;
@@ -48,7 +48,7 @@ struct Result {
   double backward_error = 0;         // |Ax - b| / (|A| |x|)
   std::optional<double> difference;  // from CHOLMOD's solution with the same factor
   // `bandwidth`: the best of the whole run.
-  double share(double bandwidth) const {
+  double fraction(double bandwidth) const {
     return 16.0 * static_cast<double>(entries) / bandwidth / ours.solve;
   }
   std::optional<double> ratio() const {
@@ -58,7 +58,7 @@ struct Result {
 
 // Short work is repeated until a clock can see it.
 double time_a_call(const std::function<void()>& work, int repeats) {
-  return time_of([&] {
+  return cpu_seconds_of([&] {
            for (int i = 0; i < repeats; ++i) work();
          }) /
          repeats;
@@ -74,9 +74,9 @@ Result measure(const BendingMatrix& problem, double& bandwidth) {
   r.n = A.rows();
   const MatX b = random_columns(r.n, 3);
   SparseCholesky ours;
-  r.ours.analyze = time_of([&] { ours.analyze(A, problem.order); });
+  r.ours.analyze = cpu_seconds_of([&] { ours.analyze(A, problem.order); });
   // Twice: the first time pays for memory that nobody has touched yet.
-  for (int i = 0; i < 2; ++i) r.ours.factor = time_of([&] { ours.factorize(A); });
+  for (int i = 0; i < 2; ++i) r.ours.factor = cpu_seconds_of([&] { ours.factorize(A); });
   r.entries = ours.factor_entries();
   const bool big = r.entries > 3000000;
   const int rounds = big ? 11 : 21, repeats = r.entries < 100000 ? 50 : 1;
@@ -89,13 +89,14 @@ Result measure(const BendingMatrix& problem, double& bandwidth) {
   MatX x = b;
   std::vector<double> our_times, their_times[2], both;
 #ifdef BATTEN_BENCH_CHOLMOD
-  std::optional<CholmodPeer> cholmod[2];
-  const int variants = r.n < CholmodPeer::small ? 2 : 1;
+  std::optional<CholmodSolver> cholmod[2];
+  const int variants = r.n < CholmodSolver::small ? 2 : 1;
   r.cholmod.emplace();
   for (int v = variants - 1; v >= 0; --v) {
     cholmod[v].emplace(A, problem.order, v == 1);
-    r.cholmod->analyze = time_of([&] { cholmod[v]->analyze(); });
-    for (int i = 0; i < 2; ++i) r.cholmod->factor = time_of([&] { cholmod[v]->factorize(); });
+    r.cholmod->analyze = cpu_seconds_of([&] { cholmod[v]->analyze(); });
+    for (int i = 0; i < 2; ++i)
+      r.cholmod->factor = cpu_seconds_of([&] { cholmod[v]->factorize(); });
   }
 #endif
   bandwidth = std::max(bandwidth, triad_bandwidth());
@@ -122,16 +123,16 @@ Result measure(const BendingMatrix& problem, double& bandwidth) {
   r.cholmod->solve = median(their_times[0]);
   if (variants == 2) r.cholmod->solve = std::min(r.cholmod->solve, median(their_times[1]));
   SupernodalFactor factor;
-  factor.analyze(A, problem.order, Expected::one_factor);
+  factor.analyze(A, problem.order, FactorReuse::once);
   factor.factorize(A);
-  cholmod[variants - 1]->take_numbers(factor.values());
+  cholmod[variants - 1]->set_factor_values(factor.values());
   cholmod[variants - 1]->solve(b);
   r.difference = relative(x - cholmod[variants - 1]->solution(), x);
 #endif
 
   Eigen::SimplicialLDLT<SparseMatrix> eigen;
-  r.eigen.analyze = time_of([&] { eigen.analyzePattern(A); });
-  r.eigen.factor = time_of([&] { eigen.factorize(A); });
+  r.eigen.analyze = cpu_seconds_of([&] { eigen.analyzePattern(A); });
+  r.eigen.factor = cpu_seconds_of([&] { eigen.factorize(A); });
   MatX y;
   std::vector<double> eigen_times;
   for (int round = 0; round < (big ? 3 : 7); ++round)
@@ -152,15 +153,16 @@ void compare_orders() {
   const auto row = [&](const std::string& name, const std::string& order, const SparseMatrix& A,
                        const std::function<void(SparseCholesky&)>& analyze) {
     SparseCholesky cholesky;
-    const double analysis = time_of([&] { analyze(cholesky); });
+    const double analysis = cpu_seconds_of([&] { analyze(cholesky); });
     cholesky.factorize(A);
     std::vector<double> factor, solve;
     const MatX b = random_columns(A.rows(), 3);
     MatX x = b;
     for (int round = 0; round < 5; ++round) {
-      factor.push_back(time_of([&] { cholesky.factorize(A); }));
+      factor.push_back(cpu_seconds_of([&] { cholesky.factorize(A); }));
       x = b;
-      for (int i = 0; i < 3; ++i) solve.push_back(time_of([&] { cholesky.solve_in_place(x); }));
+      for (int i = 0; i < 3; ++i)
+        solve.push_back(cpu_seconds_of([&] { cholesky.solve_in_place(x); }));
     }
     table.add({name, order, milliseconds(analysis), milliseconds(median(factor)),
                milliseconds(median(solve)),
@@ -169,7 +171,7 @@ void compare_orders() {
   const auto compare = [&](const std::string& name, const SparseMatrix& A,
                            const std::vector<int>& order) {
     row(name, "AMD", A, [&](SparseCholesky& c) { c.analyze(A); });
-    row(name, "METIS tried", A, [&](SparseCholesky& c) { c.analyze(A, Expected::many_factors); });
+    row(name, "METIS tried", A, [&](SparseCholesky& c) { c.analyze(A, FactorReuse::many); });
     if (!order.empty()) row(name, "dissection", A, [&](SparseCholesky& c) { c.analyze(A, order); });
   };
   for (const int n : {3300, 14600, 103000}) compare(text("sheet %d", n), holed_sheet(n).normal, {});
@@ -197,18 +199,18 @@ void compare_parts() {
     MatX b = MatX::Zero(sheet.normal.rows(), 3);
     for (const int i : rim) b.row(i).setOnes();
     constexpr auto all = std::nullopt;
-    const SolvePart parts[] = {cholesky.part(all, all), cholesky.part(rim, all),
-                               cholesky.part(all, quarter), cholesky.part(rim, quarter)};
+    const SolveSubset parts[] = {cholesky.subset(all, all), cholesky.subset(rim, all),
+                                 cholesky.subset(all, quarter), cholesky.subset(rim, quarter)};
     MatX full = b;
     cholesky.solve_in_place(full);
     std::vector<std::string> cells = {text("sheet %d", n)};
     std::string read;
-    for (const SolvePart& part : parts) {
+    for (const SolveSubset& part : parts) {
       std::vector<double> times;
       MatX x;
       for (int round = 0; round < 15; ++round) {
         x = b;
-        times.push_back(time_of([&] { cholesky.solve_in_place(part, x); }));
+        times.push_back(cpu_seconds_of([&] { cholesky.solve_in_place(part, x); }));
       }
       if (!(x(quarter, Eigen::all) == full(quarter, Eigen::all))) std::printf("WRONG part\n");
       cells.push_back(milliseconds(median(times)));
@@ -238,7 +240,8 @@ void compare_corrections() {
     const MatX refined =
         x + cholesky.solve(right - sheet.normal.selfadjointView<Eigen::Lower>() * x);
     MatX corrected = x;
-    const double time = time_of([&] { correct_least_squares(cholesky, sheet.rows, b, corrected); });
+    const double time =
+        cpu_seconds_of([&] { refine_least_squares(cholesky, sheet.rows, b, corrected); });
     table.add({text("sheet %d", n), text("%.1e", relative(x - truth, truth)),
                text("%.1e", relative(refined - truth, truth)),
                text("%.1e", relative(corrected - truth, truth)), milliseconds(time)});
@@ -254,7 +257,7 @@ int main() {
   table.add({"ms", "n", "entries (M)", "analyse", "CHOLMOD", "Eigen", "factor", "CHOLMOD", "Eigen",
              "solve", "CHOLMOD", "Eigen", "all cores", "of the bound", "x CHOLMOD", "difference",
              "backward error"});
-  Promises promises;
+  Checks checks;
   std::optional<double> slowest;
   std::optional<double> worst_difference;
   double worst_error = 0, bandwidth = 0;
@@ -268,7 +271,8 @@ int main() {
          milliseconds(r.eigen.analyze), milliseconds(r.ours.factor), of_cholmod(r, &Times::factor),
          milliseconds(r.eigen.factor), milliseconds(r.ours.solve), of_cholmod(r, &Times::solve),
          milliseconds(r.eigen.solve), milliseconds(r.on_all_cores),
-         text("%.0f %%", 100 * r.share(bandwidth)), r.ratio() ? text("%.1f", *r.ratio()) : "none",
+         text("%.0f %%", 100 * r.fraction(bandwidth)),
+         r.ratio() ? text("%.1f", *r.ratio()) : "none",
          r.difference ? text("%.0e", *r.difference) : "none", text("%.0e", r.backward_error)});
     if (r.ratio()) slowest = std::min(slowest.value_or(1e9), *r.ratio());
     if (r.difference) worst_difference = std::max(worst_difference.value_or(0), *r.difference);
@@ -277,18 +281,17 @@ int main() {
                           : name == "sheet 101k" || name == "sheet 303k" ? 0.35
                                                                          : 0;
     if (target > 0)
-      promises.at_least("share of the memory bound, " + name, r.share(bandwidth), target);
-    if (name == "sheet 14k") promises.at_least("times as fast as CHOLMOD, " + name, r.ratio(), 2.5);
+      checks.at_least("share of the memory bound, " + name, r.fraction(bandwidth), target);
+    if (name == "sheet 14k") checks.at_least("times as fast as CHOLMOD, " + name, r.ratio(), 2.5);
   }
-  promises.at_least("times as fast as CHOLMOD, the worst of twenty", slowest, 1);
-  promises.at_most("relative difference from CHOLMOD, the worst of twenty", worst_difference,
-                   1e-12);
-  promises.at_most("backward error |Ax - b| / |A||x|, the worst of twenty", worst_error, 1e-14);
+  checks.at_least("times as fast as CHOLMOD, the worst of twenty", slowest, 1);
+  checks.at_most("relative difference from CHOLMOD, the worst of twenty", worst_difference, 1e-12);
+  checks.at_most("backward error |Ax - b| / |A||x|, the worst of twenty", worst_error, 1e-14);
   std::printf("Three right-hand sides, one thread; triad %.1f GB/s; factor with %s\n\n",
               1e-9 * bandwidth, SparseCholesky::backend());
   table.print();
   compare_orders();
   compare_parts();
   compare_corrections();
-  promises.print("solve");
+  checks.print("solve");
 }

@@ -10,19 +10,19 @@
 #include <map>
 
 #include "batten/apps/commands/lines/scene_lines.h"
-#include "batten/apps/commands/shapes/make_shape.h"
 #include "batten/apps/commands/shapes/run_scene.h"
+#include "batten/apps/commands/shapes/solved_shape.h"
+#include "batten/benchmarks/step_cross_check.h"
 #include "batten/core/errors.h"
 #include "batten/fem/surface_projector.h"
 #include "batten/io/cad/step.h"
 #include "batten/io/cad/step_face.h"
 #include "batten/io/files/length_units.h"
 #include "batten/io/scene/read_scene.h"
-#include "batten/tests/reference.h"
+#include "batten/tests/support/test_data.h"
 #include "bench.h"
 #include "occ_filling.h"
 #include "occ_step_file.h"
-#include "step_witness.h"
 
 namespace {
 
@@ -33,8 +33,8 @@ namespace fs = std::filesystem;
 struct Model {
   std::string name;
   Scene scene;
-  std::optional<MadeModel> made;
-  MadeShape shape;
+  std::optional<BuiltModel> made;
+  SolvedShape shape;
   double size = 0, unit = 1e-3;
   std::vector<const SkinnedRegion*> regions() const { return shape.all(); }
 };
@@ -43,13 +43,13 @@ std::unique_ptr<Model> model_of(const std::string& name, Scene scene) {
   auto model = std::make_unique<Model>();
   model->name = name;
   model->scene = std::move(scene);
-  model->made = make_model(model->scene, faired_lines(model->scene, {}).lines);
-  model->shape = make_refined_shape(*model->made, model->scene);
+  model->made = build_model(model->scene, faired_lines(model->scene, {}).lines);
+  model->shape = solve_refined_shape(*model->made, model->scene);
   model->unit = unit_in_metres(model->scene.unit);
   Box3 box;
   for (const SkinnedRegion* region : model->regions())
     for (const auto& loop : region->boundary)
-      for (const BoundaryPiece& piece : loop) {
+      for (const BoundarySegment& piece : loop) {
         const HermiteCurve curve = boundary_curve(*region, piece);
         for (int i = 0; i < curve.node_count(); ++i) box.extend(curve.position(i));
       }
@@ -86,7 +86,7 @@ double beyond_surfaces(const Model& model, const fs::path& file, const StepRepor
   std::map<std::string, std::unique_ptr<SurfaceProjector>> projectors;
   for (const SkinnedRegion* region : model.regions())
     projectors[region->name] = std::make_unique<SurfaceProjector>(region->surface);
-  const StepFile step(file.string(), model.unit);
+  const OccStepFile step(file.string(), model.unit);
   const int faces_read = std::min(step.faces(), static_cast<int>(report.patches.size()));
   const int n = std::max(4, static_cast<int>(std::sqrt(count / std::max(1, faces_read))));
   double most = 0;
@@ -114,10 +114,10 @@ struct Options {
 double megabytes(const fs::path& file) { return 1e-6 * static_cast<double>(fs::file_size(file)); }
 std::string short_text(double x) { return text("%.2g", x); }
 
-void few_faces(const Model& model, const Options& options, Promises& promises, Table& table,
+void few_faces(const Model& model, const Options& options, Checks& checks, Table& table,
                Table& facetted) {
   const auto regions = model.regions();
-  std::optional<StepWitness> witness;
+  std::optional<StepCrossCheck> cross_check;
   for (const double share : {1e-2, 1e-3, 1e-4, 1e-5}) {
     StepFaceOptions o;
     o.tolerance = share * model.size;
@@ -125,14 +125,14 @@ void few_faces(const Model& model, const Options& options, Promises& promises, T
     const fs::path file = options.folder / (model.name + text("_%g.step", share));
     StepReport report;
     const auto once = [&] {
-      return time_of([&] { report = write_step_faces(file, regions, model.unit, o); });
+      return cpu_seconds_of([&] { report = write_step_faces(file, regions, model.unit, o); });
     };
     constexpr double short_work = 1;
     double write = once();
     if (write < short_work) write = median({write, once(), once()});
-    const double read = time_of([&] { StepFile(file.string(), model.unit); });
-    if (!witness) witness.emplace(regions, report.joins, options.points, options.folder);
-    const auto seen = witness->seen(file);
+    const double read = cpu_seconds_of([&] { OccStepFile(file.string(), model.unit); });
+    if (!cross_check) cross_check.emplace(regions, report.joins, options.points, options.folder);
+    const auto seen = cross_check->seen(file);
     const double back = beyond_surfaces(model, file, report, options.points / 5);
     long poles = 0;
     for (const StepPatch& patch : report.patches) poles += long{patch.poles_u} * patch.poles_v;
@@ -150,22 +150,22 @@ void few_faces(const Model& model, const Options& options, Promises& promises, T
                std::to_string(poles), text("%.2f", megabytes(file)), text("%.2f", write),
                text("%.2f", read), report.valid ? "yes" : "no"});
     const std::string name = model.name + text(" at %g of the size: ", share);
-    promises.at_most(name + "deviation over asked", worst / o.tolerance, 1);
-    promises.at_most(name + "degrees across smooth joins", report.max_join_deg, 0.1);
-    promises.at_most(name + "faces that are no region",
-                     std::abs(report.faces - static_cast<int>(regions.size())), 0);
+    checks.at_most(name + "deviation over asked", worst / o.tolerance, 1);
+    checks.at_most(name + "degrees across smooth joins", report.max_join_deg, 0.1);
+    checks.at_most(name + "faces that are no region",
+                   std::abs(report.faces - static_cast<int>(regions.size())), 0);
     // Finer ones take OpenCASCADE's mesher minutes, and files a hundred megabytes.
     if (share < 1e-4 || options.brief) continue;
-    const StepFile::Facets facets =
-        StepFile(file.string(), model.unit).facets(std::max(0.0, o.tolerance - worst / 2));
+    const OccStepFile::Facets facets =
+        OccStepFile(file.string(), model.unit).facets(std::max(0.0, o.tolerance - worst / 2));
     const fs::path flat = options.folder / "facets.step";
     constexpr size_t most = 20'000;
     const size_t count = facets.triangles.size();
     if (count == 0) continue;
     double flat_write = 0, flat_read = 0, mb = 0;
     if (count <= most) {
-      flat_write = time_of([&] { write_facetted(flat.string(), facets, model.unit); });
-      flat_read = time_of([&] { StepFile(flat.string(), model.unit); });
+      flat_write = cpu_seconds_of([&] { write_facetted(flat.string(), facets, model.unit); });
+      flat_read = cpu_seconds_of([&] { OccStepFile(flat.string(), model.unit); });
       mb = megabytes(flat);
     }
     facetted.add({model.name, short_text(share), std::to_string(count),
@@ -173,24 +173,24 @@ void few_faces(const Model& model, const Options& options, Promises& promises, T
                   text("%.2f", flat_write), text("%.2f", write), text("%.2f", flat_read),
                   text("%.2f", read)});
     if (mb == 0) continue;
-    promises.at_most(name + "megabytes over those of facets", megabytes(file) / mb, 1);
-    promises.at_most(name + "seconds to write and read over those of facets",
-                     (write + read) / (flat_write + flat_read), 1);
+    checks.at_most(name + "megabytes over those of facets", megabytes(file) / mb, 1);
+    checks.at_most(name + "seconds to write and read over those of facets",
+                   (write + read) / (flat_write + flat_read), 1);
   }
 }
 
-void exact_form(const Model& model, const Options& options, Promises& promises, Table& table) {
+void exact_form(const Model& model, const Options& options, Checks& checks, Table& table) {
   const fs::path file = options.folder / (model.name + "_exact.step");
   StepOptions o;
   StepReport report;
   double write = 0;
   try {
-    write = time_of([&] { report = write_step(file, model.regions(), model.unit, o); });
+    write = cpu_seconds_of([&] { report = write_step(file, model.regions(), model.unit, o); });
   } catch (const InputError&) {
     table.add({model.name, "none: embedded lines cut it"});
     return;
   }
-  const double read = time_of([&] { StepFile(file.string(), model.unit); });
+  const double read = cpu_seconds_of([&] { OccStepFile(file.string(), model.unit); });
   double fitted = 0;
   for (const StepPatch& patch : report.patches) fitted = std::max(fitted, patch.deviation);
   table.add({model.name, std::to_string(report.faces), std::to_string(report.patches.size()),
@@ -198,13 +198,13 @@ void exact_form(const Model& model, const Options& options, Promises& promises, 
              short_text(report.max_normal_jump_deg), short_text(report.max_join_deg),
              text("%.1f", megabytes(file)), text("%.2f", write), text("%.2f", read),
              text("%.0f", report.faces / write), text("%.0f", report.faces / read)});
-  promises.at_most(model.name + ", exact: deviation over the size",
-                   *report.max_deviation / model.size, 1e-12);
+  checks.at_most(model.name + ", exact: deviation over the size",
+                 *report.max_deviation / model.size, 1e-12);
 }
 
 /// Gmsh reads a file, writes it, and meshes it.
 void gmsh_conversion(const Model& model, const fs::path& file, const fs::path& folder,
-                     Promises& promises, Table& table) {
+                     Checks& checks, Table& table) {
   const fs::path other = folder / "converted.step", said = folder / "gmsh.txt";
   fs::remove(other);
   const std::string command = "/usr/bin/python3 " BATTEN_BENCH_GMSH_PY " '" + file.string() +
@@ -219,9 +219,9 @@ void gmsh_conversion(const Model& model, const fs::path& file, const fs::path& f
   table.add({file.stem().string(), "Gmsh", text("%.0f", faces), text("%.2f", read),
              text("%.2f", write), fs::exists(other) ? text("%.2f", megabytes(other)) : "-",
              text("%.0f triangles, %.0f warnings", triangles, warnings)});
-  promises.at_most(file.stem().string() + ": warnings of Gmsh", warnings, 0);
-  promises.at_most(file.stem().string() + ": faces that Gmsh lacks",
-                   std::abs(faces - static_cast<double>(model.regions().size())), 0);
+  checks.at_most(file.stem().string() + ": warnings of Gmsh", warnings, 0);
+  checks.at_most(file.stem().string() + ": faces that Gmsh lacks",
+                 std::abs(faces - static_cast<double>(model.regions().size())), 0);
 }
 
 /// FreeCAD reads a file and checks it.
@@ -240,20 +240,20 @@ void freecad_check(const fs::path& file, const fs::path& folder, Table& table) {
 }
 
 /// A few faces, read and written by Gmsh, OpenCASCADE and FreeCAD.
-void conversions(const Model& model, const Options& options, Promises& promises, Table& table) {
+void conversions(const Model& model, const Options& options, Checks& checks, Table& table) {
   for (const double share : {1e-2, 1e-3, 1e-4, 1e-5}) {
     const fs::path file = options.folder / (model.name + text("_%g.step", share));
     const fs::path other = options.folder / "converted.step";
-    std::unique_ptr<StepFile> step;
+    std::unique_ptr<OccStepFile> step;
     const double read =
-        time_of([&] { step = std::make_unique<StepFile>(file.string(), model.unit); });
+        cpu_seconds_of([&] { step = std::make_unique<OccStepFile>(file.string(), model.unit); });
     if (step->faces() > 0) {
-      const double write = time_of([&] { step->write(other.string()); });
+      const double write = cpu_seconds_of([&] { step->write(other.string()); });
       table.add({file.stem().string(), "OpenCASCADE", std::to_string(step->faces()),
                  text("%.2f", read), text("%.2f", write), text("%.2f", megabytes(other)),
                  step->valid() ? "valid" : "not valid"});
     }
-    gmsh_conversion(model, file, options.folder, promises, table);
+    gmsh_conversion(model, file, options.folder, checks, table);
     freecad_check(file, options.folder, table);
   }
 }
@@ -269,18 +269,18 @@ void fillings(const Model& model, Table& table) {
       std::vector<std::vector<HermiteCurve>> loops;
       for (const auto& pieces : region->boundary) {
         loops.emplace_back();
-        for (const BoundaryPiece& piece : pieces)
+        for (const BoundarySegment& piece : pieces)
           loops.back().push_back(boundary_curve(*region, piece));
       }
       ++all;
-      std::unique_ptr<Filling> filling;
+      std::unique_ptr<OccFilling> filling;
       const bool closed = std::any_of(loops.begin(), loops.end(), [](const auto& loop) {
         return loop.size() == 1 && loop[0].closed();
       });
       if (closed) continue;  // one edge around is none that it takes
-      seconds_taken += time_of([&] {
-        filling = std::make_unique<Filling>(loops, std::vector<HermiteCurve>{},
-                                            FillingSettings{"", share * model.size, 15, 9});
+      seconds_taken += cpu_seconds_of([&] {
+        filling = std::make_unique<OccFilling>(loops, std::vector<HermiteCurve>{},
+                                               OccFillingSettings{"", share * model.size, 15, 9});
       });
       if (!filling->done()) continue;
       ++done;
@@ -308,7 +308,7 @@ int main(int argc, char** argv) {
   options.brief = argc > 3;
   options.folder = fs::temp_directory_path() / ("batten_bench_step_" + std::to_string(::getpid()));
   fs::create_directories(options.folder);
-  Promises promises;
+  Checks checks;
   Table few, facetted, exact, converted, filled;
   few.add({"one face a region", "asked", "faces", "deviation over asked", "back", "witness",
            "joins", "missed", "degrees", "witness", "degrees", "of surfaces", "poles", "MB",
@@ -323,12 +323,12 @@ int main(int argc, char** argv) {
   for (const auto& model : all_models()) {
     if (model->name.find(only) == std::string::npos) continue;
     std::fprintf(stderr, "%s\n", model->name.c_str());
-    few_faces(*model, options, promises, few, facetted);
-    exact_form(*model, options, promises, exact);
-    conversions(*model, options, promises, converted);
+    few_faces(*model, options, checks, few, facetted);
+    exact_form(*model, options, checks, exact);
+    conversions(*model, options, checks, converted);
     if (!occ_version().empty()) fillings(*model, filled);
   }
   for (const Table* table : {&few, &exact, &facetted, &converted, &filled}) table->print();
   fs::remove_all(options.folder);
-  promises.print("step");
+  checks.print("step");
 }

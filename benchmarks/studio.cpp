@@ -19,8 +19,8 @@
 #include "batten/benchmarks/bench.h"
 #include "batten/io/scene/deform_scene.h"
 #include "batten/io/scene/scene_text.h"
-#include "batten/sculpting/session/session.h"
-#include "batten/tests/mesh_models.h"
+#include "batten/sculpting/session/sculpting_session.h"
+#include "batten/tests/support/mesh_models.h"
 
 using namespace batten;
 using namespace batten::studio;
@@ -63,46 +63,47 @@ struct Slider {
   double at(int move) const { return middle + size * std::sin(0.3 * move); }
   double middle = 2, size = 1;
 };
-const Slider kSwell{"swell"}, kLift{"lift.patch.z", 40, 15};
+const Slider kInflate{"swell"}, kLift{"lift.patch.z", 40, 15};
 
 struct Times {
   int triangles = 0;
-  double answer_ms = 0;  // the same on the worker, from its post to its frame
+  double update_ms = 0;  // the same on the worker, from its post to its frame
   double draw_ms = 0;    // taking the frame and drawing it
   long most_behind = 0;  // answers between the newest and the one that is drawn, when it is taken
   double frames = 0;     // pictures a second while a hand drags as fast as it can
 };
 
 // An edit as `deform` measures it: all positions, no frame.
-double bare_edits(const std::filesystem::path& file) {
+double headless_edits(const std::filesystem::path& file) {
   const DeformScene scene = read_deform_scene(file);
   const MeshSource source = read_source(scene.mesh);
   VertexSelector select(scene, source.file, source.prepared.mesh);
   const AttachedNodes attached(source.file, source.prepared.mesh, scene.following);
-  const Kept kept = gather(scene, select, attached, source.prepared.mesh);
-  Task task = task_of(scene, scene.edits[0], kept, select, source.prepared.mesh);
+  const SharedConstraints shared =
+      gather_shared_constraints(scene, select, attached, source.prepared.mesh);
+  DeformTask task = make_deform_task(scene, scene.edits[0], shared, select, source.prepared.mesh);
   FormFeatureDeformer deformer(source.prepared.mesh, task.problem);
   std::vector<double> times;
   for (int i = 0; i < kMoves; ++i)
-    times.push_back(bench::clock_of([&] {
-      task.edit.handles[0].shift.z() = kLift.at(i);
+    times.push_back(bench::wall_seconds_of([&] {
+      task.edit.handles[0].translation.z() = kLift.at(i);
       deformer.deform(task.edit);
     }));
   return 1e3 * bench::median(times);
 }
 
 // The bare session, as `drag` measures it.
-double bare_answers(const std::filesystem::path& file) {
+double headless_updates(const std::filesystem::path& file) {
   Document document;
-  document.apply({.verb = DocumentCommand::Verb::Open, .file = file});
+  document.apply({.kind = DocumentCommand::CommandKind::Open, .file = file});
   SculptingSession& session = *document.session();
   Frame frame;
   session.draw(frame);
   std::vector<double> times;
   for (int i = 0; i < kMoves; ++i)
-    times.push_back(bench::clock_of([&] {
-      session.set(kSwell.name, kSwell.at(i));
-      session.answer();
+    times.push_back(bench::wall_seconds_of([&] {
+      session.set(kInflate.name, kInflate.at(i));
+      session.solve_preview();
       session.draw(frame);
     }));
   return 1e3 * bench::median(times);
@@ -117,12 +118,12 @@ class Drag {
     view_.resize(1000, 700);
     view_.show();
     QApplication::processEvents();
-    worker_.post({.verb = DocumentCommand::Verb::Open, .file = file});
+    worker_.post({.kind = DocumentCommand::CommandKind::Open, .file = file});
     while (true) {
-      const auto news = worker_.take_news();
-      view_.take(news);
-      if (news.view && news.view->surface) {
-        times.triangles = news.view->triangles;
+      const auto update = worker_.take_update();
+      view_.refresh(update);
+      if (update.view && update.view->surface) {
+        times.triangles = update.view->triangles;
         break;
       }
       std::this_thread::sleep_for(std::chrono::milliseconds(2));
@@ -132,17 +133,18 @@ class Drag {
   void one_by_one() {
     std::vector<double> answers, draws;
     for (int i = 0; i < kMoves; ++i) {
-      DocumentWorker::News news;
-      answers.push_back(bench::clock_of([&] {
-        worker_.post(
-            {.verb = DocumentCommand::Verb::Slide, .key = slider_.name, .value = slider_.at(i)});
-        for (news = worker_.take_news(); !news.frame; news = worker_.take_news())
+      DocumentWorker::Update update;
+      answers.push_back(bench::wall_seconds_of([&] {
+        worker_.post({.kind = DocumentCommand::CommandKind::SetSlider,
+                      .key = slider_.name,
+                      .value = slider_.at(i)});
+        for (update = worker_.take_update(); !update.frame; update = worker_.take_update())
           std::this_thread::sleep_for(std::chrono::microseconds(50));
       }));
-      draws.push_back(draw(news));
-      while (worker_.take_news().busy) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+      draws.push_back(draw(update));
+      while (worker_.take_update().busy) std::this_thread::sleep_for(std::chrono::milliseconds(1));
     }
-    times.answer_ms = 1e3 * bench::median(answers);
+    times.update_ms = 1e3 * bench::median(answers);
     times.draw_ms = 1e3 * bench::median(draws);
   }
 
@@ -153,17 +155,18 @@ class Drag {
     int pictures = 0;
     long drawn = 0;
     for (int i = 0; clock.elapsed() < 3000; ++i) {
-      worker_.post(
-          {.verb = DocumentCommand::Verb::Slide, .key = slider_.name, .value = slider_.at(i)});
-      const auto news = worker_.take_news();
-      if (!news.frame) continue;
+      worker_.post({.kind = DocumentCommand::CommandKind::SetSlider,
+                    .key = slider_.name,
+                    .value = slider_.at(i)});
+      const auto update = worker_.take_update();
+      if (!update.frame) continue;
       // Frames that were made meanwhile and are passed over are not behind: the newest is drawn.
-      const auto newer = worker_.take_news();
+      const auto newer = worker_.take_update();
       if (newer.frame) {
-        times.most_behind = std::max(times.most_behind, newer.frame->number - news.frame->number);
+        times.most_behind = std::max(times.most_behind, newer.frame->number - update.frame->number);
         draw(newer);
       } else {
-        draw(news);
+        draw(update);
       }
       ++pictures;
       drawn = std::max(drawn, times.most_behind);
@@ -174,9 +177,9 @@ class Drag {
   Times times;
 
  private:
-  double draw(const DocumentWorker::News& news) {
-    return bench::clock_of([&] {
-      view_.take(news);
+  double draw(const DocumentWorker::Update& update) {
+    return bench::wall_seconds_of([&] {
+      view_.refresh(update);
       view_.renderWindow()->WaitForCompletion();
       QApplication::processEvents();
     });
@@ -195,7 +198,7 @@ int main(int argc, char** argv) {
   std::filesystem::create_directories(folder);
   bench::Table table;
   table.add({"", "triangles", "bare answer ms", "answer ms", "draw ms", "pictures/s", "behind"});
-  bench::Promises promises;
+  bench::Checks checks;
   const auto measure = [&](const std::string& name, double bare, const std::filesystem::path& file,
                            const Slider& slider) {
     Drag drag(file, slider);
@@ -203,25 +206,25 @@ int main(int argc, char** argv) {
     drag.at_once();
     const Times& t = drag.times;
     table.add({name, std::to_string(t.triangles), bench::text("%.2f", bare),
-               bench::text("%.2f", t.answer_ms), bench::text("%.2f", t.draw_ms),
+               bench::text("%.2f", t.update_ms), bench::text("%.2f", t.draw_ms),
                bench::text("%.1f", t.frames), std::to_string(t.most_behind)});
-    promises.at_most("answer over bare, " + name, t.answer_ms / bare, 1.1);
-    promises.at_most("answers behind, " + name, static_cast<double>(t.most_behind), 1);
+    checks.at_most("answer over bare, " + name, t.update_ms / bare, 1.1);
+    checks.at_most("answers behind, " + name, static_cast<double>(t.most_behind), 1);
   };
   for (const auto& [name, edge] :
        {std::pair("5k", 7.44), std::pair("20k", 3.72), std::pair("100k", 1.665)}) {
     if (argc > 1 && std::string(argv[1]) != name) continue;
     const auto file = panel(folder, edge);
-    measure(name, bare_answers(file), file, kSwell);
+    measure(name, headless_updates(file), file, kInflate);
   }
   for (const auto& [name, vertices] :
        {std::pair("mesh 14k", 14000), std::pair("mesh 100k", 100000)}) {
     if (argc > 1 && std::string(argv[1]) != name) continue;
     const auto file = mesh_panel(folder, vertices);
-    measure(name, bare_edits(file), file, kLift);
+    measure(name, headless_edits(file), file, kLift);
   }
   std::filesystem::remove_all(folder);
   table.print();
-  promises.print("studio");
+  checks.print("studio");
   return 0;
 }

@@ -13,9 +13,9 @@ namespace {
 
 constexpr double kPart = 1e-9;               // of a row: a smaller share has no part in a conflict
 constexpr double kNoise = 1e-14;             // of the same: rounding of terms that cancel
-constexpr double kNothing = 1e-16;           // of a pivot: shares decay from row to row of a chain
+constexpr double kNegligible = 1e-16;        // of a pivot: shares decay from row to row of a chain
 constexpr double kConflictTolerance = 1e-9;  // of the right-hand sides that take part
-constexpr double kRightNoise = 1e-12;        // of the largest right-hand side of all rows
+constexpr double kRhsNoise = 1e-12;          // of the largest right-hand side of all rows
 
 using Terms = std::vector<std::pair<int, double>>;  // sorted by index
 
@@ -69,7 +69,7 @@ class Elimination {
     });
 
     if (remaining <= dependent_) {
-      implied_.push_back(std::move(row));
+      redundant_.push_back(std::move(row));
       return;
     }
     const auto pivot = std::max_element(
@@ -77,17 +77,17 @@ class Elimination {
         [](const auto& a, const auto& b) { return std::abs(a.second) < std::abs(b.second); });
     const int column = pivot->first;
     scale(row, 1 / pivot->second);
-    const int index = count_of(rows_);
+    const int index = isize(rows_);
     for (const int user : std::set<int>(used_by_[column].begin(), used_by_[column].end())) {
       const auto it = std::lower_bound(rows_[user].terms.begin(), rows_[user].terms.end(),
                                        std::pair<int, double>(column, -INFINITY));
       if (it == rows_[user].terms.end() || it->first != column) continue;
       subtract(rows_[user], it->second, row);
       std::erase_if(rows_[user].terms, [&](const auto& t) {
-        return t.first == column || std::abs(t.second) <= kNothing;
+        return t.first == column || std::abs(t.second) <= kNegligible;
       });
       std::erase_if(rows_[user].history, [&](const auto& h) {
-        return std::abs(h.second) <= kNothing * given_[h.first].history[0].second;
+        return std::abs(h.second) <= kNegligible * given_[h.first].history[0].second;
       });
       note_use(user, row.terms);
     }
@@ -100,7 +100,7 @@ class Elimination {
   const std::vector<int>& pivot_row() const { return pivot_row_; }
   const std::vector<Equation>& rows() const { return rows_; }
   /// Rows whose left side the others imply.
-  const std::vector<Equation>& implied() const { return implied_; }
+  const std::vector<Equation>& redundant() const { return redundant_; }
 
  private:
   static void scale(Equation& row, double s) {
@@ -117,7 +117,7 @@ class Elimination {
   }
   std::vector<int> pivot_row_;
   std::vector<std::vector<int>> used_by_;  // rows that mention a column; may list former users
-  std::vector<Equation> rows_, implied_;
+  std::vector<Equation> rows_, redundant_;
   const std::vector<Equation>& given_;
   double dependent_;  // of a row's largest coefficient: smaller is no pivot
 };
@@ -133,7 +133,7 @@ std::vector<Equation> equations_of(const ConstraintSet& set) {
     e.terms.assign(terms.begin(), terms.end());
     terms.clear();
     e.name = name;
-    e.source = count_of(all);
+    e.source = isize(all);
     double largest = 0;
     for (const auto& t : e.terms) largest = std::max(largest, std::abs(t.second));
     if (largest > 0)
@@ -142,12 +142,12 @@ std::vector<Equation> equations_of(const ConstraintSet& set) {
     all.push_back(std::move(e));
   };
   const int copies = set.coupled() ? 3 : 1;
-  for (const auto& row : set.rows())
+  for (const auto& row : set.constraints())
     for (int c = 0; c < copies; ++c) {
       for (const auto& e : row.entries) terms[c * n + e.dof] += e.coefficient;
       add(row.name);
     }
-  for (const auto& row : set.coupled_rows()) {
+  for (const auto& row : set.coupled_constraints()) {
     for (const auto& e : row.entries)
       for (int c = 0; c < 3; ++c)
         if (e.coefficient[c] != 0) terms[c * n + e.dof] += e.coefficient[c];
@@ -157,33 +157,34 @@ std::vector<Equation> equations_of(const ConstraintSet& set) {
 }
 
 // Right-hand sides of those equations: three columns, or one when the set is coupled.
-MatX right_sides(const ConstraintSet& set) {
-  const auto rows = static_cast<long>(set.rows().size());
-  const auto coupled_rows = static_cast<long>(set.coupled_rows().size());
+MatX right_hand_sides(const ConstraintSet& set) {
+  const auto rows = static_cast<long>(set.constraints().size());
+  const auto coupled_constraints = static_cast<long>(set.coupled_constraints().size());
   if (!set.coupled()) {
-    MatX right(rows, 3);
-    for (long r = 0; r < rows; ++r) right.row(r) = set.rows()[r].value;
-    return right;
+    MatX rhs(rows, 3);
+    for (long r = 0; r < rows; ++r) rhs.row(r) = set.constraints()[r].value;
+    return rhs;
   }
-  MatX right(3 * rows + coupled_rows, 1);
-  for (long r = 0; r < rows; ++r) right.block<3, 1>(3 * r, 0) = set.rows()[r].value;
-  for (long r = 0; r < coupled_rows; ++r) right(3 * rows + r, 0) = set.coupled_rows()[r].value;
-  return right;
+  MatX rhs(3 * rows + coupled_constraints, 1);
+  for (long r = 0; r < rows; ++r) rhs.block<3, 1>(3 * r, 0) = set.constraints()[r].value;
+  for (long r = 0; r < coupled_constraints; ++r)
+    rhs(3 * rows + r, 0) = set.coupled_constraints()[r].value;
+  return rhs;
 }
 
 // Names and size of the contradiction in one implied row.
 struct Contradiction {
   std::vector<std::string> names;
-  double own_share = 1;  // back to the units of the row as it was given
+  double own_weight = 1;  // back to the units of the row as it was given
 };
 
 Contradiction contradiction(const Equation& row, const std::vector<std::string>& names,
                             const std::vector<Equation>& given) {
   Contradiction c;
-  for (const auto& [index, share] : row.history) {
-    if (index == row.source) c.own_share = std::abs(share);
+  for (const auto& [index, weight] : row.history) {
+    if (index == row.source) c.own_weight = std::abs(weight);
     const std::string& name = names[given[index].name];
-    if (std::abs(share) > kPart * given[index].history[0].second &&
+    if (std::abs(weight) > kPart * given[index].history[0].second &&
         std::find(c.names.begin(), c.names.end(), name) == c.names.end())
       c.names.push_back(name);
   }
@@ -192,7 +193,7 @@ Contradiction contradiction(const Equation& row, const std::vector<std::string>&
 
 }  // namespace
 
-AffineReduction::AffineReduction(const ConstraintSet& constraints, Values values, double dependent)
+AffineReduction::AffineReduction(const ConstraintSet& constraints, RhsMode values, double dependent)
     : coupled_(constraints.coupled()), dof_count_(constraints.dof_count()) {
   const int columns = coupled_ ? 3 * dof_count_ : dof_count_;
   const std::vector<Equation> given = equations_of(constraints);
@@ -212,14 +213,14 @@ AffineReduction::AffineReduction(const ConstraintSet& constraints, Values values
       free_of[c] = free++;
       free_dofs_.push_back(c);
     }
-  std::vector<Triplet> entries, shares;
+  std::vector<Triplet> entries, weights;
   for (int c = 0; c < columns; ++c) {
     if (pivot_row[c] < 0) {
       entries.emplace_back(c, free_of[c], 1.0);
       continue;
     }
     const Equation& row = elimination.rows()[pivot_row[c]];
-    for (const auto& [index, share] : row.history) shares.emplace_back(c, index, share);
+    for (const auto& [index, weight] : row.history) weights.emplace_back(c, index, weight);
     for (const auto& [column, coefficient] : row.terms)
       if (column != c) {
         entries.emplace_back(c, free_of[column], -coefficient);
@@ -228,19 +229,19 @@ AffineReduction::AffineReduction(const ConstraintSet& constraints, Values values
   }
   D_.resize(columns, free);
   D_.setFromTriplets(entries.begin(), entries.end());
-  from_right_.resize(columns, static_cast<long>(given.size()));
-  from_right_.setFromTriplets(shares.begin(), shares.end());
-  for (const Equation& row : elimination.implied()) {
-    auto [names, own_share] = contradiction(row, constraints.names(), given);
-    implied_.push_back({row.source, row.history, std::move(names), own_share});
+  rhs_to_particular_.resize(columns, static_cast<long>(given.size()));
+  rhs_to_particular_.setFromTriplets(weights.begin(), weights.end());
+  for (const Equation& row : elimination.redundant()) {
+    auto [names, own_weight] = contradiction(row, constraints.names(), given);
+    redundant_.push_back({row.source, row.history, std::move(names), own_weight});
   }
   d0_ = MatX::Zero(columns, coupled_ ? 1 : 3);
-  if (values == Values::Given) set_right(right_sides(constraints));
+  if (values == RhsMode::Given) set_rhs(right_hand_sides(constraints));
 }
 
-std::vector<int> AffineReduction::dropped() const {
+std::vector<int> AffineReduction::redundant() const {
   std::vector<int> rows;
-  for (const Implied& row : implied_) rows.push_back(row.row);
+  for (const RedundantConstraint& row : redundant_) rows.push_back(row.row);
   std::sort(rows.begin(), rows.end());
   return rows;
 }
@@ -248,32 +249,32 @@ std::vector<int> AffineReduction::dropped() const {
 void AffineReduction::set_values(const ConstraintSet& same_rows) {
   if (same_rows.coupled() != coupled_ || same_rows.dof_count() != dof_count_)
     throw InputError("values of other constraints than those that were reduced");
-  set_right(right_sides(same_rows));
+  set_rhs(right_hand_sides(same_rows));
 }
 
-void AffineReduction::set_right(const MatX& right) {
-  check(right);
-  d0_.noalias() = from_right_ * right;
+void AffineReduction::set_rhs(const MatX& rhs) {
+  check(rhs);
+  d0_.noalias() = rhs_to_particular_ * rhs;
 }
 
-void AffineReduction::check(const MatX& right) const {
-  if (right.rows() != from_right_.cols())
-    throw InputError("found " + std::to_string(right.rows()) + " right-hand sides, expected " +
-                     std::to_string(from_right_.cols()));
+void AffineReduction::check(const MatX& rhs) const {
+  if (rhs.rows() != rhs_to_particular_.cols())
+    throw InputError("found " + std::to_string(rhs.rows()) + " right-hand sides, expected " +
+                     std::to_string(rhs_to_particular_.cols()));
   std::vector<ConflictError::Conflict> conflicts;
-  const double largest = right.size() > 0 ? right.cwiseAbs().maxCoeff() : 0;
-  for (const Implied& row : implied_) {
+  const double largest = rhs.size() > 0 ? rhs.cwiseAbs().maxCoeff() : 0;
+  for (const RedundantConstraint& row : redundant_) {
     Eigen::RowVector3d sum = Eigen::RowVector3d::Zero();
     double scale = 0;
-    for (const auto& [index, share] : row.shares)
-      for (long c = 0; c < right.cols(); ++c) {
-        sum[c] += share * right(index, c);
-        scale = std::max(scale, std::abs(share * right(index, c)));
+    for (const auto& [index, weight] : row.weights)
+      for (long c = 0; c < rhs.cols(); ++c) {
+        sum[c] += weight * rhs(index, c);
+        scale = std::max(scale, std::abs(weight * rhs(index, c)));
       }
-    const double missed = sum.cwiseAbs().maxCoeff();
-    if (missed <= std::max(kConflictTolerance * scale, kRightNoise * largest * row.own_share))
+    const double violation = sum.cwiseAbs().maxCoeff();
+    if (violation <= std::max(kConflictTolerance * scale, kRhsNoise * largest * row.own_weight))
       continue;
-    const double amount = missed / row.own_share;
+    const double amount = violation / row.own_weight;
     const auto same = std::find_if(conflicts.begin(), conflicts.end(),
                                    [&](const auto& c) { return c.names == row.names; });
     if (same == conflicts.end())
@@ -284,7 +285,7 @@ void AffineReduction::check(const MatX& right) const {
   if (!conflicts.empty()) throw ConflictError(std::move(conflicts));
 }
 
-std::vector<int> AffineReduction::order_of_free(const std::vector<int>& dof_order) const {
+std::vector<int> AffineReduction::ordering_of_free(const std::vector<int>& dof_order) const {
   std::vector<int> free_of(D_.rows(), -1), order;
   for (size_t f = 0; f < free_dofs_.size(); ++f) free_of[free_dofs_[f]] = static_cast<int>(f);
   for (const int dof : dof_order)
@@ -293,12 +294,14 @@ std::vector<int> AffineReduction::order_of_free(const std::vector<int>& dof_orde
   return order;
 }
 
-std::vector<int> AffineReduction::order_for(const SparseMatrix& reduced, const SparseMatrix& K,
-                                            const std::vector<int>& dof_order) const {
-  constexpr double few_ties = 1.2;
+std::vector<int> AffineReduction::choose_ordering(const SparseMatrix& reduced,
+                                                  const SparseMatrix& K,
+                                                  const std::vector<int>& dof_order) const {
+  constexpr double kMaxFillRatio = 1.2;
   const bool one_of_three = coupled_ && K.rows() == dof_count_;
-  const double as_meshed = few_ties * static_cast<double>(K.nonZeros()) * (one_of_three ? 3 : 1);
-  return static_cast<double>(reduced.nonZeros()) <= as_meshed ? order_of_free(dof_order)
+  const double as_meshed =
+      kMaxFillRatio * static_cast<double>(K.nonZeros()) * (one_of_three ? 3 : 1);
+  return static_cast<double>(reduced.nonZeros()) <= as_meshed ? ordering_of_free(dof_order)
                                                               : std::vector<int>();
 }
 

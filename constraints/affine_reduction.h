@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "batten/constraints/constraint_set.h"
-#include "batten/core/index.h"
+#include "batten/core/isize.h"
 #include "batten/core/sparse_cholesky.h"
 
 namespace batten {
@@ -32,12 +32,12 @@ namespace batten {
 /// the same).
 class AffineReduction {
  public:
-  enum class Values {
-    Given,  ///< d0 follows from the values in the set: throws ConflictError
-    Later   ///< set_right() will tell them; d0 is zero till then
+  enum class RhsMode {
+    Given,    ///< d0 follows from the values in the set: throws ConflictError
+    Deferred  ///< set_rhs() will tell them; d0 is zero till then
   };
   /// A row of which no more than `dependent` of its largest coefficient is left is implied.
-  explicit AffineReduction(const ConstraintSet& constraints, Values values = Values::Given,
+  explicit AffineReduction(const ConstraintSet& constraints, RhsMode values = RhsMode::Given,
                            double dependent = 1e-9);
 
   bool coupled() const { return coupled_; }
@@ -47,9 +47,9 @@ class AffineReduction {
   /// The dof behind each free unknown (0 … n-1, or 0 … 3n-1 of [x; y; z] when coupled).
   const std::vector<int>& free_dofs() const { return free_dofs_; }
   /// Rows that were implied by others.
-  int dropped_rows() const { return count_of(implied_); }
-  /// Which ones, as set_right() counts them.
-  std::vector<int> dropped() const;
+  int redundant_count() const { return isize(redundant_); }
+  /// Which ones, as set_rhs() counts them.
+  std::vector<int> redundant() const;
 
   const SparseMatrix& D() const { return D_; }
   /// n×3, or 3n×1 when coupled.
@@ -61,22 +61,22 @@ class AffineReduction {
   void set_values(const ConstraintSet& same_rows);
   /// The same with the right-hand sides as a matrix, one row for each row of the set: its value
   /// (×3). When coupled (×1): three rows for each uncoupled row, then one for each coupled one.
-  void set_right(const MatX& right);
-  /// The ConflictError of set_right(), without setting anything. Allocates nothing when there is
+  void set_rhs(const MatX& rhs);
+  /// The ConflictError of set_rhs(), without setting anything. Allocates nothing when there is
   /// none.
-  void check(const MatX& right) const;
+  void check(const MatX& rhs) const;
   /// The d0 of any right-hand sides, in as many columns as they have. Contradictions are not looked
   /// for.
-  MatX particular(const MatX& right) const { return from_right_ * right; }
-  /// d0 = from_right() · right-hand sides.
-  const SparseMatrix& from_right() const { return from_right_; }
+  MatX particular_solution(const MatX& rhs) const { return rhs_to_particular_ * rhs; }
+  /// d0 = rhs_to_particular() · right-hand sides.
+  const SparseMatrix& rhs_to_particular() const { return rhs_to_particular_; }
 
   /// An order of all n dofs as an order of the free unknowns, for SparseCholesky::analyze.
-  std::vector<int> order_of_free(const std::vector<int>& dof_order) const;
+  std::vector<int> ordering_of_free(const std::vector<int>& dof_order) const;
   /// The order to factor DᵀKD in: that of the dofs, or none (AMD) where rows along curves tie dofs
   /// together across the parts that an order of the mesh keeps apart.
-  std::vector<int> order_for(const SparseMatrix& reduced, const SparseMatrix& K,
-                             const std::vector<int>& dof_order) const;
+  std::vector<int> choose_ordering(const SparseMatrix& reduced, const SparseMatrix& K,
+                                   const std::vector<int>& dof_order) const;
 
   /// Dᵀ K D, lower triangle, from the lower triangle of the n×n matrix K of one coordinate; when
   /// coupled also from a 3n×3n one over [x; y; z]. Throws InputError for another size.
@@ -89,17 +89,17 @@ class AffineReduction {
  private:
   bool coupled_;
   // A row that the others imply: Σ shares · right-hand sides has to vanish.
-  struct Implied {
+  struct RedundantConstraint {
     int row;
-    std::vector<std::pair<int, double>> shares;
+    std::vector<std::pair<int, double>> weights;
     std::vector<std::string> names;
-    double own_share;
+    double own_weight;
   };
   int dof_count_;
   bool selection_ = true;  // D only picks dofs
   std::vector<int> free_dofs_;
-  std::vector<Implied> implied_;
-  SparseMatrix D_, from_right_;  // d0 = from_right_ · right-hand sides
+  std::vector<RedundantConstraint> redundant_;
+  SparseMatrix D_, rhs_to_particular_;  // d0 = rhs_to_particular_ · right-hand sides
   MatX d0_;
 };
 

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "batten/constraints/affine_reduction.h"
-#include "batten/core/other_factor.h"
+#include "batten/core/linear_solver_backend.h"
 #include "batten/core/sparse_cholesky.h"
 
 namespace batten {
@@ -16,12 +16,12 @@ Points solve_constrained(const ConstraintSet& constraints, const SparseMatrix& K
 /// The same with the factor kept, for many loads.
 class ConstrainedSolver {
  public:
-  /// `dof_order`: all n dofs in a fill-reducing order (dissection_order of a mesh), or none.
+  /// `dof_order`: all n dofs in a fill-reducing order (nested_dissection_order of a mesh), or none.
   /// Throws ConflictError, NoSolutionError.
   /// `factor`: what factors DᵀKD; none: SparseCholesky.
   ConstrainedSolver(const ConstraintSet& constraints, SparseMatrix K,
                     const std::vector<int>& dof_order = {},
-                    std::unique_ptr<OtherFactor> factor = nullptr);
+                    std::unique_ptr<LinearSolverBackend> factor = nullptr);
   /// Other numbers: those of a shape that has moved. Where the pattern of DᵀKD is the same, as it
   /// mostly is, nothing is analysed again. After a throw only update() may be called.
   void update(const ConstraintSet& constraints, SparseMatrix K);
@@ -44,8 +44,8 @@ class ConstrainedSolver {
   SparseMatrix K_;
   std::vector<int> dof_order_;
   SparseCholesky cholesky_;
-  std::unique_ptr<OtherFactor> other_;  // in its place
-  MatX fixed_part_;                     // -Dᵀ K d0
+  std::unique_ptr<LinearSolverBackend> backend_;  // in its place
+  MatX fixed_part_;                               // -Dᵀ K d0
 };
 
 }  // namespace batten

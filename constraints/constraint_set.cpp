@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "batten/core/errors.h"
-#include "batten/core/index.h"
+#include "batten/core/isize.h"
 
 namespace batten {
 namespace {
@@ -18,10 +18,10 @@ void check_dof(const std::string& name, int dof, int count) {
 
 int ConstraintSet::name_index(const std::string& name) {
   // Rows of one constraint come one after the other, so the last name is the likely one.
-  for (auto i = count_of(names_) - 1; i >= 0; --i)
+  for (auto i = isize(names_) - 1; i >= 0; --i)
     if (names_[i] == name) return i;
   names_.push_back(name);
-  return count_of(names_) - 1;
+  return isize(names_) - 1;
 }
 
 void ConstraintSet::fix(const std::string& name, int dof, const Vec3& value) {
@@ -35,7 +35,7 @@ void ConstraintSet::add(const std::string& name, std::vector<Entry> entries, con
     finite = finite && std::isfinite(e.coefficient);
   }
   if (!finite) throw InputError("constraint '" + name + "' has a number that is not finite");
-  rows_.push_back({name_index(name), std::move(entries), value});
+  constraints_.push_back({name_index(name), std::move(entries), value});
 }
 
 void ConstraintSet::add_coupled(const std::string& name, std::vector<CoupledEntry> entries,
@@ -46,27 +46,27 @@ void ConstraintSet::add_coupled(const std::string& name, std::vector<CoupledEntr
     finite = finite && e.coefficient.allFinite();
   }
   if (!finite) throw InputError("constraint '" + name + "' has a number that is not finite");
-  coupled_rows_.push_back({name_index(name), std::move(entries), value});
+  coupled_constraints_.push_back({name_index(name), std::move(entries), value});
 }
 
-ConstraintSet ConstraintSet::moved(const VecX& constant, const Vec3& by) const {
+ConstraintSet ConstraintSet::translated(const VecX& constant, const Vec3& by) const {
   ConstraintSet set = *this;
-  for (Row& row : set.rows_)
+  for (Constraint& row : set.constraints_)
     for (const Entry& e : row.entries) row.value -= e.coefficient * constant[e.dof] * by;
-  for (CoupledRow& row : set.coupled_rows_)
+  for (CoupledConstraint& row : set.coupled_constraints_)
     for (const CoupledEntry& e : row.entries) row.value -= constant[e.dof] * e.coefficient.dot(by);
   return set;
 }
 
 double ConstraintSet::max_residual(const Points& q) const {
   double worst = 0;
-  for (const auto& row : rows_) {
+  for (const auto& row : constraints_) {
     Vec3 sum = -row.value;
     for (const auto& e : row.entries) sum += e.coefficient * q.row(e.dof).transpose();
     for (const double x : sum)
       if (!(std::abs(x) <= worst)) worst = std::abs(x);  // not a number counts as the worst
   }
-  for (const auto& row : coupled_rows_) {
+  for (const auto& row : coupled_constraints_) {
     double sum = -row.value;
     for (const auto& e : row.entries) sum += q.row(e.dof).dot(e.coefficient);
     if (!(std::abs(sum) <= worst)) worst = std::abs(sum);

@@ -27,26 +27,26 @@ class ConstraintSet {
     int dof;
     Vec3 coefficient;
   };
-  struct Row {
+  struct Constraint {
     int name;  ///< index into names()
     std::vector<Entry> entries;
     Vec3 value;
   };
-  struct CoupledRow {
+  struct CoupledConstraint {
     int name;
     std::vector<CoupledEntry> entries;
     double value;
   };
 
   /// Whether the set is coupled from the start: so it is for a matrix that mixes x, y and z itself.
-  enum class Kind { Plain, Coupled };
-  explicit ConstraintSet(int dof_count, Kind kind = Kind::Plain)
+  enum class Kind { Uncoupled, Coupled };
+  explicit ConstraintSet(int dof_count, Kind kind = Kind::Uncoupled)
       : dof_count_(dof_count), kind_(kind) {}
 
   int dof_count() const { return dof_count_; }
-  bool coupled() const { return kind_ == Kind::Coupled || !coupled_rows_.empty(); }
-  const std::vector<Row>& rows() const { return rows_; }
-  const std::vector<CoupledRow>& coupled_rows() const { return coupled_rows_; }
+  bool coupled() const { return kind_ == Kind::Coupled || !coupled_constraints_.empty(); }
+  const std::vector<Constraint>& constraints() const { return constraints_; }
+  const std::vector<CoupledConstraint>& coupled_constraints() const { return coupled_constraints_; }
   const std::vector<std::string>& names() const { return names_; }
 
   /// q_dof = value.
@@ -58,7 +58,7 @@ class ConstraintSet {
   /// The same constraints on q - constant·byᵀ instead of q, for a vector `constant` of n numbers:
   /// with 1 at the position dofs of a surface, the constraints on the surface moved by -by. Far
   /// from the origin, solving the moved problem saves the digits that the coordinates would take.
-  ConstraintSet moved(const VecX& constant, const Vec3& by) const;
+  ConstraintSet translated(const VecX& constant, const Vec3& by) const;
 
   /// Largest |row - value| at dofs q (n×3), over all rows.
   double max_residual(const Points& q) const;
@@ -68,8 +68,8 @@ class ConstraintSet {
   int dof_count_;
   Kind kind_;
   std::vector<std::string> names_;
-  std::vector<Row> rows_;
-  std::vector<CoupledRow> coupled_rows_;
+  std::vector<Constraint> constraints_;
+  std::vector<CoupledConstraint> coupled_constraints_;
 };
 
 }  // namespace batten

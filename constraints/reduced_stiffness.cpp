@@ -13,7 +13,7 @@ namespace {
 using RowMatrix = Eigen::SparseMatrix<double, Eigen::RowMajor, int>;
 
 // Rows and columns of the free dofs alone.
-SparseMatrix picked(const SparseMatrix& K, const std::vector<int>& free_dofs) {
+SparseMatrix submatrix(const SparseMatrix& K, const std::vector<int>& free_dofs) {
   std::vector<int> free_of(K.rows(), -1);
   for (size_t f = 0; f < free_dofs.size(); ++f) free_of[free_dofs[f]] = static_cast<int>(f);
   const auto n = static_cast<long>(free_dofs.size());
@@ -54,7 +54,7 @@ class ColumnSum {
   }
   void move_to(Columns& columns) {
     std::sort(rows_.begin(), rows_.end());
-    columns.sizes.push_back(count_of(rows_));
+    columns.sizes.push_back(isize(rows_));
     for (const int row : rows_) {
       columns.rows.push_back(row);
       columns.values.push_back(values_[row]);
@@ -78,7 +78,7 @@ void require_room(const Columns& made, long column, long n) {
                          static_cast<double>(made.sizes.size());
   const double left = 1 - static_cast<double>(column) / static_cast<double>(n);
   require_memory(entries * (left * as_column + later),
-                 "a system whose unknowns long lines tie together (" + number(entries) +
+                 "a system whose unknowns long lines tie together (" + format_number(entries) +
                      " entries; a larger edge_length makes fewer)");
 }
 
@@ -90,7 +90,7 @@ SparseMatrix with_products(const SparseMatrix& A, const RowMatrix& G, const RowM
   const int parts = static_cast<int>(std::min<long>(n, most_parts));
   std::vector<Columns> made(static_cast<size_t>(parts));
   constexpr size_t many = 1 << 20;
-  parallel_parts(parts, [&](int part) {
+  parallel_for(parts, [&](int part) {
     ColumnSum sum(n);
     size_t asked_at = many;
     for (long j = n * part / parts; j < n * (part + 1) / parts; ++j) {
@@ -133,7 +133,7 @@ SparseMatrix AffineReduction::reduce(const SparseMatrix& K) const {
   if (K.rows() != dof_count_ && !stacked)
     throw InputError("a matrix of " + std::to_string(K.rows()) + " unknowns under constraints on " +
                      std::to_string(dof_count_) + " dofs a coordinate");
-  if (selection_ && stacked == coupled_) return picked(K, free_dofs_);
+  if (selection_ && stacked == coupled_) return submatrix(K, free_dofs_);
   // With the dofs apart, free ones f and others p = G f:
   // DᵀKD = K_ff + GᵀT + TᵀG, T = K_pf + ½ K_pp G.
   const int columns = static_cast<int>(D_.rows()), free = free_count();

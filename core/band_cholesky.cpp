@@ -80,7 +80,7 @@ void BandCholesky::solve(Points& b) const {
   }
 }
 
-double BandCholesky::trace_of_quotient(const BandCholesky& B) const {
+double BandCholesky::trace_of_inverse_times(const BandCholesky& B) const {
   // Z = A⁻¹ inside the band, row by row as the factor: L_jj Z_ij = δ_ij / L_jj - Σ_k L_kj Z_ik, k >
   // j.
   std::vector<double> inverse(rows_.size()), column(static_cast<size_t>(band_) + 1);

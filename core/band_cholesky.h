@@ -32,7 +32,7 @@ class BandCholesky {
   void solve(Points& b) const;
   /// trace(A⁻¹ B), B of the same size and band, not factored: by the recursion of Takahashi, Fagan,
   /// Chin 1973 on the entries of the inverse inside the band. O(n band²).
-  double trace_of_quotient(const BandCholesky& B) const;
+  double trace_of_inverse_times(const BandCholesky& B) const;
 
  private:
   double& entry(int i, int j) {

@@ -12,7 +12,7 @@ using Box3 = Eigen::AlignedBox3d;
 
 /// The smallest box around points of the plane or of space; without points the empty one.
 template <class PointRange>
-auto box_around(const PointRange& points) {
+auto bounding_box(const PointRange& points) {
   using Point = std::decay_t<decltype(*points.begin())>;
   Eigen::AlignedBox<double, Point::RowsAtCompileTime> box;
   for (const Point& p : points) box.extend(p);

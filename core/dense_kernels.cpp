@@ -67,7 +67,7 @@ template <int W, class Call>
 BATTEN_INLINE void for_tiles(int first, int end, const Call& call) {
   int column = first;
   for (; column + W <= end; column += W) call(column, std::integral_constant<int, W>());
-  with_constant<W - 1>(
+  dispatch_constant<W - 1>(
       end - column, BATTEN_CALL { call(column, number); });
 }
 
@@ -78,7 +78,7 @@ BATTEN_INLINE int for_strips(int first, int end, const Call& call) {
   int row = first;
   for (; row + 3 * lanes <= end; row += 3 * lanes) call(row, std::integral_constant<int, 3>());
   const int vectors = (end - row) / lanes;
-  with_constant<2>(
+  dispatch_constant<2>(
       vectors, BATTEN_CALL { call(row, number); });
   return row + vectors * lanes;
 }
@@ -90,12 +90,12 @@ BATTEN_INLINE void product_tile(const ScatteredProduct& p, const double* a, long
   Vector sum[W][H] = {};
   subtract(a, a_stride, p.b + column, p.stride, p.depth, sum);
   for (int h = 0; h < H; ++h) {
-    const int* place = p.row_places + row + h * lanes;
+    const int* place = p.row_positions + row + h * lanes;
     const int rows = std::min(lanes, p.rows - row - h * lanes);
     const bool together = rows == lanes && place[lanes - 1] - place[0] == lanes - 1;
 #pragma GCC unroll 8
     for (int j = 0; j < W; ++j) {
-      double* c = p.c + p.column_places[column + j] * p.c_stride;
+      double* c = p.c + p.column_positions[column + j] * p.c_stride;
       if (together) {
         Vector old;
         load(old, c + place[0]);
@@ -113,9 +113,9 @@ template <class Vector, int H>
 BATTEN_INLINE void product_strip(const ScatteredProduct& p, const double* a, long a_stride,
                                  int row) {
   // Columns that are right of every row of the strip belong to the upper triangle.
-  const int last = p.row_places[std::min(row + H * lanes_of<Vector>, p.rows) - 1];
+  const int last = p.row_positions[std::min(row + H * lanes_of<Vector>, p.rows) - 1];
   int end = p.columns;
-  while (end > 0 && p.column_places[end - 1] > last) --end;
+  while (end > 0 && p.column_positions[end - 1] > last) --end;
   for_tiles<columns_of<Vector>>(
       0, end, [&](int column, auto W) __attribute__((always_inline)) {
         product_tile<Vector, H, W()>(p, a, a_stride, row, column);
@@ -169,7 +169,7 @@ BATTEN_INLINE void solve_strip(const double* block, long stride, int first, int 
 template <class Vector>
 BATTEN_INLINE void solve(double* block, long stride, int first_row, int end_row, int first, int end,
                          double* scratch) {
-  double inverse[block_columns];
+  double inverse[kBlockColumns];
   for (int k = first; k < end; ++k) inverse[k - first] = 1 / block[k + k * stride];
   const int row = for_strips<Vector>(
       first_row, end_row, [&](int strip, auto H) __attribute__((always_inline)) {
@@ -251,9 +251,9 @@ BATTEN_KERNELS(with_512_bits, BATTEN_512_BITS, Vector8)
 
 const Kernels& kernels() {
 #ifdef BATTEN_WIDE_VECTORS
-  return for_vector_bits(with_128_bits, with_256_bits, with_512_bits);
+  return select_kernels(with_128_bits, with_256_bits, with_512_bits);
 #else
-  return for_vector_bits(with_128_bits);
+  return select_kernels(with_128_bits);
 #endif
 }
 

@@ -14,12 +14,12 @@ constexpr long scratch_size(long columns) { return 8 * columns; }
 
 /// A product of two sets of rows of one block, added to rows and columns of another.
 struct ScatteredProduct {
-  const double* a;           // the first of the rows i
-  const double* b;           // the first of the rows j
-  long stride, depth;        // of the block they are in
-  int rows, columns;         // how many i and j
-  const int* row_places;     // where each i belongs in c, ascending
-  const int* column_places;  // where each j belongs in c, ascending
+  const double* a;              // the first of the rows i
+  const double* b;              // the first of the rows j
+  long stride, depth;           // of the block they are in
+  int rows, columns;            // how many i and j
+  const int* row_positions;     // where each i belongs in c, ascending
+  const int* column_positions;  // where each j belongs in c, ascending
   double* c;
   long c_stride;
 };
@@ -34,11 +34,11 @@ void subtract_product(const ScatteredProduct& product, double* scratch);
 int factor_triangle(double* block, long stride, int first, int end, double* scratch);
 
 /// The columns first … end-1 of some rows below that triangle become those of L. end - first is at
-/// most block_columns.
+/// most kBlockColumns.
 void solve_rows(double* block, long stride, int first_row, int end_row, int first, int end,
                 double* scratch);
 
 /// Columns that are finished together: 24 rows of them stay in the first cache.
-inline constexpr int block_columns = 96;
+inline constexpr int kBlockColumns = 96;
 
 }  // namespace batten

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "batten/core/eigen.h"
-#include "batten/core/expected.h"
+#include "batten/core/factor_reuse.h"
 
 namespace batten {
 
@@ -13,6 +13,6 @@ namespace batten {
 /// minimum degree below it, which takes four times as long and pays from about 1,000 nodes on, so
 /// smaller graphs get AMD. Where CHOLMOD or its METIS is absent: AMD. Throws NoSolutionError when
 /// there is not enough memory.
-std::vector<int> elimination_order(const SparseMatrix& graph, Expected expected);
+std::vector<int> elimination_order(const SparseMatrix& graph, FactorReuse factor_reuse);
 
 }  // namespace batten

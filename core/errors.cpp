@@ -13,7 +13,7 @@ std::string describe(const std::vector<ConflictError::Conflict>& conflicts) {
     text += "\n  ";
     for (size_t i = 0; i < c.names.size(); ++i)
       text += (i == 0 ? "'" : i + 1 == c.names.size() ? "' and '" : "', '") + c.names[i];
-    text += "' miss each other by " + number(c.amount) + c.unit;
+    text += "' miss each other by " + format_number(c.amount) + c.unit;
   }
   return text;
 }
@@ -23,13 +23,13 @@ std::string describe(const std::vector<ConflictError::Conflict>& conflicts) {
 ConflictError::ConflictError(std::vector<Conflict> conflicts, const std::string& where)
     : Error(where + describe(conflicts)), conflicts_(std::move(conflicts)) {}
 
-std::string number(double value) {
+std::string format_number(double value) {
   // Whatever locale the process has.
   char text[32];
   return {text, std::to_chars(text, text + sizeof text, value, std::chars_format::general, 6).ptr};
 }
 
-std::string nearest_word(const std::string& word, const std::vector<std::string>& words) {
+std::string closest_match(const std::string& word, const std::vector<std::string>& words) {
   std::string best;
   size_t best_distance = std::string::npos;
   for (const auto& candidate : words) {

@@ -62,10 +62,10 @@ class CancelledError : public Error {
 };
 
 /// "value" with as many digits as are needed to tell it from its neighbours of interest ("%.6g").
-std::string number(double value);
+std::string format_number(double value);
 
 /// The word of `words` nearest to `word` by edit distance, or "" when none is near enough to be
 /// meant (more than a third of its letters differ, and more than one).
-std::string nearest_word(const std::string& word, const std::vector<std::string>& words);
+std::string closest_match(const std::string& word, const std::vector<std::string>& words);
 
 }  // namespace batten

@@ -14,13 +14,13 @@
 #include <sched.h>
 #include <unistd.h>
 
-#include "batten/core/index.h"
+#include "batten/core/isize.h"
 #endif
 
 namespace batten {
 namespace {
 
-std::atomic<int> chosen_threads{0};
+std::atomic<int> requested_threads{0};
 
 // Threads that sleep between calls: starting new ones would cost more than many a solve, and
 // memory. A call never waits for a sleeper, only for those that took a part. Never destroyed: its
@@ -35,11 +35,11 @@ class Pool {
       const std::lock_guard lock(mutex_);
       start_threads(helpers);
       work_ = &work;
-      wanted_ = std::min(helpers, count_of(threads_));
+      wanted_ = std::min(helpers, isize(threads_));
       helpers = wanted_;
-      leave_this_core_to_the_caller();
+      avoid_core_of_caller();
     }
-    for (int i = 0; i < helpers; ++i) wake_.notify_one();
+    for (int i = 0; i < helpers; ++i) work_available_.notify_one();
     work();
     {
       std::unique_lock lock(mutex_);
@@ -53,7 +53,7 @@ class Pool {
  private:
   void start_threads(int count) {
     try {
-      while (count_of(threads_) < count) threads_.emplace_back([this] { serve(); });
+      while (isize(threads_) < count) threads_.emplace_back([this] { serve(); });
     } catch (const std::system_error&) {
       // The system gives no more: those that are there will do.
     }
@@ -61,18 +61,18 @@ class Pool {
 
   // A system that has slept tends to wake a thread on the core of its waker, where it waits for
   // the caller to pause: a drag at 60 events a second would run on one core.
-  void leave_this_core_to_the_caller() {
+  void avoid_core_of_caller() {
 #if defined(__linux__)
     cpu_set_t others;
     const int core = sched_getcpu();
     if (core < 0 || core >= CPU_SETSIZE) return;
-    if (core == left_core_ && placed_ == threads_.size()) return;
+    if (core == avoided_core_ && pinned_threads_ == threads_.size()) return;
     if (sched_getaffinity(0, sizeof others, &others) != 0) return;
     CPU_CLR(core, &others);
     if (CPU_COUNT(&others) == 0) return;
     for (auto& t : threads_) pthread_setaffinity_np(t.native_handle(), sizeof others, &others);
-    left_core_ = core;
-    placed_ = threads_.size();
+    avoided_core_ = core;
+    pinned_threads_ = threads_.size();
 #endif
   }
 
@@ -87,7 +87,7 @@ class Pool {
   void serve() {
     std::unique_lock lock(mutex_);
     for (;;) {
-      wake_.wait(lock, [this] { return wanted_ > 0; });
+      work_available_.wait(lock, [this] { return wanted_ > 0; });
       --wanted_;
       ++active_;
       lock.unlock();
@@ -100,12 +100,12 @@ class Pool {
   const long process_ = this_process();
   std::atomic<bool> busy_{false};
   std::mutex mutex_;
-  std::condition_variable wake_, finished_;
+  std::condition_variable work_available_, finished_;
   std::vector<std::thread> threads_;
   const std::function<void()>* work_ = nullptr;
   int wanted_ = 0, active_ = 0;
-  int left_core_ = -1;
-  std::size_t placed_ = 0;
+  int avoided_core_ = -1;
+  std::size_t pinned_threads_ = 0;
 };
 
 }  // namespace
@@ -117,13 +117,13 @@ int core_count() {
 }
 
 int thread_count() {
-  const int chosen = chosen_threads.load();
+  const int chosen = requested_threads.load();
   return chosen > 0 ? chosen : core_count();
 }
 
-void set_thread_count(int count) { chosen_threads = std::max(0, count); }
+void set_thread_count(int count) { requested_threads = std::max(0, count); }
 
-void parallel_parts(int parts, const std::function<void(int)>& work) {
+void parallel_for(int parts, const std::function<void(int)>& work) {
   std::atomic<int> next{0};
   std::exception_ptr failure;
   std::mutex failure_mutex;

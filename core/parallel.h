@@ -18,6 +18,6 @@ void set_thread_count(int count);
 /// returns when all are done. The first exception thrown by a part is thrown again here. The
 /// threads are kept for the next call and sleep meanwhile. A call from a part, beside another call,
 /// or in a forked process does all parts itself.
-void parallel_parts(int parts, const std::function<void(int part)>& work);
+void parallel_for(int parts, const std::function<void(int part)>& work);
 
 }  // namespace batten

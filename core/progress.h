@@ -15,12 +15,12 @@ struct Progress {
   /// Asked now and then, by several threads at once; true stops the computation with CancelledError.
   std::function<bool()> cancelled;
 
-  void at(std::string_view stage, double fraction) const {
-    go_on();
+  void update(std::string_view stage, double fraction) const {
+    throw_if_cancelled();
     if (report) report(stage, fraction);
   }
   /// Throws CancelledError where the computation is to stop.
-  void go_on() const {
+  void throw_if_cancelled() const {
     if (cancelled && cancelled()) throw CancelledError();
   }
 };

@@ -11,11 +11,13 @@ namespace batten {
 /// It is not reduced: a turn by 350° and one by -10° are different logarithms of one rotation, so
 /// that a field of logarithms winds as far as it was asked to. Source: Masuda et al. 2006, eq.
 /// 6, 7.
-inline Vec3 rotation_log(const Vec3& axis, double angle) { return axis.normalized() * (angle / 2); }
+inline Vec3 to_rotation_vector(const Vec3& axis, double angle) {
+  return axis.normalized() * (angle / 2);
+}
 /// The shortest logarithm of a rotation matrix.
-inline Vec3 rotation_log(const Mat3& R) {
+inline Vec3 to_rotation_vector(const Mat3& R) {
   const Eigen::AngleAxisd turn(R);
-  return rotation_log(turn.axis(), turn.angle());
+  return to_rotation_vector(turn.axis(), turn.angle());
 }
 
 /// The vector R(q) x: one sine, one cosine, two cross products.

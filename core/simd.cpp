@@ -18,15 +18,15 @@ int widest_vector() {
 #endif
 }
 
-std::atomic<int> most_bits{512};
+std::atomic<int> max_bits{512};
 
 }  // namespace
 
 int vector_bits() {
   static const int widest = widest_vector();
-  return std::min(widest, most_bits.load(std::memory_order_relaxed));
+  return std::min(widest, max_bits.load(std::memory_order_relaxed));
 }
 
-void limit_vector_bits(int bits) { most_bits = bits; }
+void set_max_vector_bits(int bits) { max_bits = bits; }
 
 }  // namespace batten

@@ -27,28 +27,28 @@ namespace batten {
 /// 512, 256 or 128: vector registers of this machine, none wider than the limit.
 int vector_bits();
 /// The limit; 512 at first. For tests.
-void limit_vector_bits(int bits);
+void set_max_vector_bits(int bits);
 
 /// Of what was made for 128 bits, and where BATTEN_WIDE_VECTORS is defined for 256 and 512 too, the
 /// one for vector_bits().
 template <class Kernels>
-const Kernels& for_vector_bits(const Kernels& narrow) {
+const Kernels& select_kernels(const Kernels& narrow) {
   return narrow;
 }
 template <class Kernels>
-const Kernels& for_vector_bits(const Kernels& narrow, const Kernels& middle, const Kernels& wide) {
+const Kernels& select_kernels(const Kernels& narrow, const Kernels& middle, const Kernels& wide) {
   const int bits = vector_bits();
   return bits >= 512 ? wide : bits >= 256 ? middle : narrow;
 }
 
 /// call(n) with n, 1 … most, as a constant; nothing for 0.
 template <int most, class Call>
-BATTEN_INLINE void with_constant(int n, const Call& call) {
+BATTEN_INLINE void dispatch_constant(int n, const Call& call) {
   if constexpr (most > 0) {
     if (n == most)
       call(std::integral_constant<int, most>());
     else
-      with_constant<most - 1>(n, call);
+      dispatch_constant<most - 1>(n, call);
   }
 }
 

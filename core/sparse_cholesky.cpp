@@ -4,9 +4,9 @@
 #include <utility>
 
 #include "batten/core/errors.h"
+#include "batten/core/op_counter.h"
 #include "batten/core/supernodal_factor.h"
 #include "batten/core/supernodal_solve.h"
-#include "batten/core/work.h"
 
 namespace batten {
 namespace {
@@ -32,15 +32,15 @@ struct SparseCholesky::Data {
   bool factored = false;
   std::string message;
 
-  void analyze(const SparseMatrix& A, const std::vector<int>& order, Expected expected) {
+  void analyze(const SparseMatrix& A, const std::vector<int>& order, FactorReuse factor_reuse) {
     if (A.rows() != A.cols())
       throw InputError("Cholesky factor of a " + std::to_string(A.rows()) + " by " +
                        std::to_string(A.cols()) + " matrix: it must be square");
     n = -1;
     factored = false;
     solve = {};  // until there is a factor
-    count(Work::Analysis);
-    if (A.rows() > 0) factor.analyze(A, order, expected);
+    count(OpCounter::Analysis);
+    if (A.rows() > 0) factor.analyze(A, order, factor_reuse);
     n = A.rows();
     pattern = pattern_hash(A);
   }
@@ -57,8 +57,8 @@ SparseCholesky::~SparseCholesky() = default;
 SparseCholesky::SparseCholesky(SparseCholesky&&) noexcept = default;
 SparseCholesky& SparseCholesky::operator=(SparseCholesky&&) noexcept = default;
 
-void SparseCholesky::analyze(const SparseMatrix& A, Expected expected) {
-  data_->analyze(A, {}, expected);
+void SparseCholesky::analyze(const SparseMatrix& A, FactorReuse factor_reuse) {
+  data_->analyze(A, {}, factor_reuse);
 }
 
 void SparseCholesky::analyze(const SparseMatrix& A, const std::vector<int>& order) {
@@ -72,24 +72,24 @@ void SparseCholesky::analyze(const SparseMatrix& A, const std::vector<int>& orde
         throw InputError("an order that names unknown " + std::to_string(unknown) +
                          (unknown < 0 || unknown >= A.rows() ? ", which is not there" : " twice"));
   }
-  data_->analyze(A, order, Expected::one_factor);
+  data_->analyze(A, order, FactorReuse::once);
 }
 
-bool SparseCholesky::fits(const SparseMatrix& A) const {
+bool SparseCholesky::has_pattern_of(const SparseMatrix& A) const {
   return A.rows() == data_->n && A.cols() == data_->n && pattern_hash(A) == data_->pattern;
 }
 
 bool SparseCholesky::factorize(const SparseMatrix& A) {
   Data& d = *data_;
   if (d.n < 0) analyze(A);
-  if (!fits(A))
+  if (!has_pattern_of(A))
     throw InputError("factorize: the matrix (" + std::to_string(A.rows()) + " by " +
                      std::to_string(A.cols()) + ", " + std::to_string(A.nonZeros()) +
                      " entries) has not the pattern that was analysed: analyze it first");
   d.message.clear();
   d.factored = d.n == 0;
   if (d.factored) return true;
-  count(Work::Factorization);
+  count(OpCounter::Factorization);
   d.message = d.factor.factorize(A);
   if (!d.message.empty()) return false;
   if (d.solve.entries() == 0) d.solve = SupernodalSolve(d.factor.pattern(), d.factor.order());
@@ -100,7 +100,7 @@ bool SparseCholesky::factorize(const SparseMatrix& A) {
 
 void SparseCholesky::solve_in_place(Eigen::Ref<MatX> b) const {
   data_->require_solvable(b);
-  count(Work::Solve);
+  count(OpCounter::Solve);
   data_->solve.solve(b);
 }
 
@@ -110,16 +110,16 @@ MatX SparseCholesky::solve(const Eigen::Ref<const MatX>& b) const {
   return x;
 }
 
-SolvePart SparseCholesky::part(const std::optional<std::vector<int>>& nonzero,
-                               const std::optional<std::vector<int>>& wanted) const {
+SolveSubset SparseCholesky::subset(const std::optional<std::vector<int>>& nonzero,
+                                   const std::optional<std::vector<int>>& wanted) const {
   if (!data_->factored) throw NoSolutionError("part of a solve without a factor: factorize first");
-  return data_->solve.part(nonzero, wanted);
+  return data_->solve.subset(nonzero, wanted);
 }
 
-void SparseCholesky::solve_in_place(const SolvePart& part, Eigen::Ref<MatX> b) const {
+void SparseCholesky::solve_in_place(const SolveSubset& subset, Eigen::Ref<MatX> b) const {
   data_->require_solvable(b);
-  count(Work::Solve);
-  data_->solve.solve(part, b);
+  count(OpCounter::Solve);
+  data_->solve.solve(subset, b);
 }
 
 std::vector<int> SparseCholesky::order() const {
@@ -134,8 +134,8 @@ long SparseCholesky::factor_entries() const { return data_->solve.entries(); }
 
 const char* SparseCholesky::backend() { return SupernodalFactor::backend(); }
 
-double correct_least_squares(const SparseCholesky& normal, const SparseMatrix& A,
-                             const Eigen::Ref<const MatX>& b, Eigen::Ref<MatX> x) {
+double refine_least_squares(const SparseCholesky& normal, const SparseMatrix& A,
+                            const Eigen::Ref<const MatX>& b, Eigen::Ref<MatX> x) {
   if (A.rows() != b.rows() || A.cols() != x.rows() || b.cols() != x.cols())
     throw InputError("least-squares correction: A is " + std::to_string(A.rows()) + " by " +
                      std::to_string(A.cols()) + ", b " + std::to_string(b.rows()) + " by " +

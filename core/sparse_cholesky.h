@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "batten/core/eigen.h"
-#include "batten/core/expected.h"
-#include "batten/core/solve_part.h"
+#include "batten/core/factor_reuse.h"
+#include "batten/core/solve_subset.h"
 
 namespace batten {
 
@@ -38,13 +38,13 @@ class SparseCholesky {
   SparseCholesky& operator=(SparseCholesky&&) noexcept;
 
   /// Orders the unknowns and finds the pattern of the factor. Throws InputError unless A is square,
-  /// and for a factor that memory cannot hold (memory_left; over CHOLMOD).
-  void analyze(const SparseMatrix& A, Expected expected = Expected::one_factor);
+  /// and for a factor that memory cannot hold (available_memory; over CHOLMOD).
+  void analyze(const SparseMatrix& A, FactorReuse factor_reuse = FactorReuse::once);
   /// The same in a given order: unknowns, the first to eliminate first (nested dissection of a
   /// mesh). An empty order: AMD. Throws InputError unless it names every unknown once.
   void analyze(const SparseMatrix& A, const std::vector<int>& order);
   /// Whether A has the pattern that was analysed: factorize() takes it. O(entries).
-  bool fits(const SparseMatrix& A) const;
+  bool has_pattern_of(const SparseMatrix& A) const;
   /// The order that was found or given, of use for another matrix of the same pattern; needs a
   /// successful factorize().
   std::vector<int> order() const;
@@ -68,14 +68,14 @@ class SparseCholesky {
   /// By linearity a right-hand side that changes in few rows is such a case: x changes by the
   /// solution for the change of b. Forward, the solve visits the elimination tree from the rows
   /// `nonzero` to the root, backward from the root to the rows `wanted`: half the work when one of
-  /// the two is a small region, almost nothing when both are. SolvePart::entries tells how much of
+  /// the two is a small region, almost nothing when both are. SolveSubset::entries tells how much of
   /// the 2 factor_entries() is left. Source: Gilbert, Peierls 1988.
-  SolvePart part(const std::optional<std::vector<int>>& nonzero,
-                 const std::optional<std::vector<int>>& wanted) const;
+  SolveSubset subset(const std::optional<std::vector<int>>& nonzero,
+                     const std::optional<std::vector<int>>& wanted) const;
   /// Solves through that part: x may be read outside the rows `wanted`, but holds nothing
   /// meaningful there. The rows `wanted` equal those of a full solve in every digit. InputError
   /// when the part was made for another analysis.
-  void solve_in_place(const SolvePart& part, Eigen::Ref<MatX> b) const;
+  void solve_in_place(const SolveSubset& subset, Eigen::Ref<MatX> b) const;
 
   /// Why the last factorize() failed, or "".
   const std::string& message() const;
@@ -104,7 +104,7 @@ class SparseCholesky {
 ///
 /// A: m×n, b: m×k, x: n×k (otherwise InputError). Returns the largest change of an entry of x over
 /// the largest entry of x.
-double correct_least_squares(const SparseCholesky& normal, const SparseMatrix& A,
-                             const Eigen::Ref<const MatX>& b, Eigen::Ref<MatX> x);
+double refine_least_squares(const SparseCholesky& normal, const SparseMatrix& A,
+                            const Eigen::Ref<const MatX>& b, Eigen::Ref<MatX> x);
 
 }  // namespace batten

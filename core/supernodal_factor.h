@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "batten/core/eigen.h"
-#include "batten/core/expected.h"
+#include "batten/core/factor_reuse.h"
 #include "batten/core/supernodal_solve.h"
 
 namespace batten {
@@ -20,7 +20,7 @@ class SupernodalFactor {
   ~SupernodalFactor();
 
   /// A.rows() > 0. `order` may be empty.
-  void analyze(const SparseMatrix& A, const std::vector<int>& order, Expected expected);
+  void analyze(const SparseMatrix& A, const std::vector<int>& order, FactorReuse factor_reuse);
 
   /// Why it failed, or "".
   std::string factorize(const SparseMatrix& A);
@@ -47,6 +47,6 @@ inline std::string not_positive_definite(long unknown) {
 
 /// A pivot this small against its diagonal entry is rounding: bending problems of 100,000 unknowns
 /// stay above 1e-10.
-inline constexpr double singular_pivot = 1e-14;
+inline constexpr double kSingularPivot = 1e-14;
 
 }  // namespace batten

@@ -6,7 +6,7 @@
 #include "batten/core/errors.h"
 #include "batten/core/memory.h"
 #include "batten/core/supernodal_factor.h"
-#include "batten/core/supernodal_numbers.h"
+#include "batten/core/supernodal_factorization.h"
 
 namespace batten {
 namespace {
@@ -21,7 +21,7 @@ long singular_unknown(const SupernodalPattern& L, const int* order, const double
     const long rows = L.row_starts[s + 1] - L.row_starts[s];
     for (long c = L.columns[s]; c < L.columns[s + 1]; ++c) {
       const double pivot = values[L.value_starts[s] + (c - L.columns[s]) * (rows + 1)];
-      if (!(pivot * pivot > singular_pivot * diagonal[order[c]])) return order[c];
+      if (!(pivot * pivot > kSingularPivot * diagonal[order[c]])) return order[c];
     }
   }
   return -1;
@@ -52,7 +52,7 @@ cholmod_sparse view(const SparseMatrix& A) {
 struct SupernodalFactor::Data {
   cholmod_common common;
   cholmod_factor* factor = nullptr;  // its pattern alone
-  SupernodalNumbers numbers;
+  SupernodalFactorization numbers;
 
   Data() {
     cholmod_start(&common);
@@ -76,7 +76,7 @@ SupernodalFactor::SupernodalFactor() : data_(std::make_unique<Data>()) {}
 SupernodalFactor::~SupernodalFactor() = default;
 
 void SupernodalFactor::analyze(const SparseMatrix& A, const std::vector<int>& order,
-                               Expected expected) {
+                               FactorReuse factor_reuse) {
   cholmod_common& common = data_->common;
   data_->numbers = {};
   cholmod_free_factor(&data_->factor, &common);
@@ -92,8 +92,8 @@ void SupernodalFactor::analyze(const SparseMatrix& A, const std::vector<int>& or
   auto* given = order.empty() ? nullptr : const_cast<int*>(order.data());
   common.nmethods = 1;
   common.method[0].ordering = given ? CHOLMOD_GIVEN : CHOLMOD_AMD;
-  constexpr long worth_metis = 10000;
-  if (!given && expected == Expected::many_factors && A.rows() >= worth_metis) {
+  constexpr long kMinUnknownsForMetis = 10000;
+  if (!given && factor_reuse == FactorReuse::many && A.rows() >= kMinUnknownsForMetis) {
     // Both are tried and the factor with fewer entries is kept.
     common.nmethods = 2;
     common.method[1].ordering = CHOLMOD_METIS;
@@ -105,7 +105,7 @@ void SupernodalFactor::analyze(const SparseMatrix& A, const std::vector<int>& or
   if (data_->factor->xsize > large)
     require_memory(8.0 * static_cast<double>(data_->factor->xsize),
                    "a factor of " + std::to_string(A.rows()) + " unknowns");
-  data_->numbers = SupernodalNumbers(pattern(), this->order(), A);
+  data_->numbers = SupernodalFactorization(pattern(), this->order(), A);
 }
 
 std::string SupernodalFactor::factorize(const SparseMatrix& A) {
@@ -128,14 +128,14 @@ double* SupernodalFactor::values() { return data_->numbers.values(); }
 
 const char* SupernodalFactor::backend() { return "CHOLMOD"; }
 
-std::vector<int> elimination_order(const SparseMatrix& graph, Expected expected) {
+std::vector<int> elimination_order(const SparseMatrix& graph, FactorReuse factor_reuse) {
   if (graph.rows() == 0) return {};
   cholmod_common common;
   cholmod_start(&common);
   common.print = 0;
   common.supernodal = CHOLMOD_SIMPLICIAL;  // the cheapest analysis: only the order is of use
-  constexpr long worth_dissection = 1000;
-  const bool dissect = expected == Expected::many_factors && graph.rows() >= worth_dissection;
+  constexpr long kMinNodesForDissection = 1000;
+  const bool dissect = factor_reuse == FactorReuse::many && graph.rows() >= kMinNodesForDissection;
   common.nmethods = 1;
   common.method[0].ordering = dissect ? CHOLMOD_NESDIS : CHOLMOD_AMD;
   cholmod_sparse a = view(graph);

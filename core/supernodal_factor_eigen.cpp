@@ -6,7 +6,7 @@
 
 #include "batten/core/elimination_order.h"
 #include "batten/core/errors.h"
-#include "batten/core/index.h"
+#include "batten/core/isize.h"
 #include "batten/core/supernodal_factor.h"
 
 namespace batten {
@@ -31,7 +31,7 @@ std::vector<int> elimination_tree(const SparseMatrix& lower) {
 
 // The nodes of a forest, children before their parents and every subtree without a gap.
 std::vector<int> postorder(const std::vector<int>& parent) {
-  const auto n = count_of(parent);
+  const auto n = isize(parent);
   std::vector<int> first_child(n, -1), next_sibling(n, -1), order, path;
   for (int node = n - 1; node >= 0; --node)
     if (parent[node] >= 0) next_sibling[node] = std::exchange(first_child[parent[node]], node);
@@ -74,7 +74,7 @@ struct SupernodalFactor::Data {
 SupernodalFactor::SupernodalFactor() : data_(std::make_unique<Data>()) {}
 SupernodalFactor::~SupernodalFactor() = default;
 
-void SupernodalFactor::analyze(const SparseMatrix& A, const std::vector<int>& order, Expected) {
+void SupernodalFactor::analyze(const SparseMatrix& A, const std::vector<int>& order, FactorReuse) {
   Data& d = *data_;
   d.columns.clear();
   d.order = order;
@@ -111,7 +111,7 @@ void SupernodalFactor::Data::find_supernodes() {
     if (size > std::numeric_limits<int>::max())
       throw NoSolutionError("the symbolic factorization failed: the matrix is too large");
     first_columns.push_back(j);
-    row_starts.push_back(count_of(rows));
+    row_starts.push_back(isize(rows));
     value_starts.push_back(static_cast<int>(size));
   }
   columns = std::move(first_columns);  // complete, or still empty
@@ -138,7 +138,7 @@ std::string SupernodalFactor::factorize(const SparseMatrix& A) {
   d.ldlt.factorize(d.permuted(A));
   const VecX D = d.ldlt.vectorD(), diagonal = A.diagonal();
   for (int i = 0; i < D.size(); ++i)
-    if (!(D[i] > singular_pivot * diagonal[d.order[i]])) return not_positive_definite(d.order[i]);
+    if (!(D[i] > kSingularPivot * diagonal[d.order[i]])) return not_positive_definite(d.order[i]);
   if (d.ldlt.info() != Eigen::Success) return "the numeric factorization failed";
   if (d.columns.empty()) d.find_supernodes();
   d.fill_blocks();
@@ -147,7 +147,7 @@ std::string SupernodalFactor::factorize(const SparseMatrix& A) {
 
 SupernodalPattern SupernodalFactor::pattern() const {
   const Data& d = *data_;
-  return {count_of(d.columns) - 1, d.columns.data(), d.row_starts.data(), d.rows.data(),
+  return {isize(d.columns) - 1, d.columns.data(), d.row_starts.data(), d.rows.data(),
           d.value_starts.data()};
 }
 
@@ -157,7 +157,7 @@ double* SupernodalFactor::values() { return data_->values.data(); }
 
 const char* SupernodalFactor::backend() { return "Eigen"; }
 
-std::vector<int> elimination_order(const SparseMatrix& graph, Expected) {
+std::vector<int> elimination_order(const SparseMatrix& graph, FactorReuse) {
   if (graph.rows() == 0) return {};
   SparseMatrix full = graph.selfadjointView<Eigen::Lower>();
   Permutation amd;

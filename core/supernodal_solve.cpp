@@ -6,11 +6,11 @@
 #include <functional>
 #include <numeric>
 
+#include "batten/core/elimination_tree_partition.h"
 #include "batten/core/errors.h"
 #include "batten/core/parallel.h"
-#include "batten/core/patience.h"
 #include "batten/core/simd.h"
-#include "batten/core/supernodal_chunks.h"
+#include "batten/core/spin_wait.h"
 #include "batten/core/supernodal_sweeps.h"
 
 namespace batten {
@@ -21,7 +21,7 @@ constexpr int lanes_of = sizeof(Row) / sizeof(double);
 
 template <class Row>
 void load_rows(const double* x, long stride, int columns, const int* order, Row* row, Row* end) {
-  with_constant<lanes_of<Row>>(columns, [&](auto n) {
+  dispatch_constant<lanes_of<Row>>(columns, [&](auto n) {
     for (const int* from = order; row < end; ++row, ++from) {
       Row together{};
       for (int k = 0; k < n(); ++k) together[k] = x[*from + k * stride];
@@ -33,7 +33,7 @@ void load_rows(const double* x, long stride, int columns, const int* order, Row*
 template <class Row>
 void store_rows(const Row* row, const Row* end, const int* order, int columns, double* x,
                 long stride) {
-  with_constant<lanes_of<Row>>(columns, [&](auto n) {
+  dispatch_constant<lanes_of<Row>>(columns, [&](auto n) {
     for (const int* to = order; row < end; ++row, ++to)
       for (int k = 0; k < n(); ++k) x[*to + k * stride] = (*row)[k];
   });
@@ -59,16 +59,16 @@ SupernodalSolve::SupernodalSolve(const SupernodalPattern& L, const int* order)
     if (first_below < row_starts_[s + 1]) parents_[s] = supernode_of[L.rows[first_below]];
     entries_ += block_entries(s);
   }
-  cut_into_chunks();
+  partition_into_chunks();
   find_boundaries(L.rows);
-  make_room(4);
+  allocate_workspace(4);
   pending_ = std::make_unique<std::atomic<int>[]>(chunks_.size());
 }
 
-void SupernodalSolve::cut_into_chunks() {
+void SupernodalSolve::partition_into_chunks() {
   std::vector<long> entries, sizes;
-  for (int s = 0; s < count_of(parents_); ++s) entries.push_back(block_entries(s));
-  for (const SupernodePiece& piece : cut_into_pieces(parents_, columns_, entries)) {
+  for (int s = 0; s < isize(parents_); ++s) entries.push_back(block_entries(s));
+  for (const TreeBlock& piece : partition_elimination_tree(parents_, columns_, entries)) {
     Chunk& chunk = chunks_.emplace_back();
     chunk.first_supernode = piece.first;
     chunk.first_column = columns_[piece.first];
@@ -76,12 +76,12 @@ void SupernodalSolve::cut_into_chunks() {
     chunk.end_column = columns_[piece.end];
     sizes.push_back(piece.entries);
   }
-  relate_chunks(sizes);
+  link_chunks(sizes);
 }
 
 // Parents, children, the order for several threads.
-void SupernodalSolve::relate_chunks(const std::vector<long>& sizes) {
-  const auto chunks = count_of(chunks_);
+void SupernodalSolve::link_chunks(const std::vector<long>& sizes) {
+  const auto chunks = isize(chunks_);
   std::vector<int> chunk_of(parents_.size()), level(chunks, 0);
   for (int c = 0; c < chunks; ++c)
     std::fill(chunk_of.begin() + chunks_[c].first_supernode,
@@ -95,9 +95,9 @@ void SupernodalSolve::relate_chunks(const std::vector<long>& sizes) {
   for (int c = 0; c < chunks; ++c)
     if (chunks_[c].parent >= 0) children[chunks_[c].parent].push_back(c);
   for (int c = 0; c < chunks; ++c) {
-    chunks_[c].first_child = count_of(children_);
+    chunks_[c].first_child = isize(children_);
     children_.insert(children_.end(), children[c].begin(), children[c].end());
-    chunks_[c].end_child = count_of(children_);
+    chunks_[c].end_child = isize(children_);
   }
   std::vector<long> path(chunks, 0);  // entries that are read one after the other, whoever helps
   long longest = 0;
@@ -107,8 +107,8 @@ void SupernodalSolve::relate_chunks(const std::vector<long>& sizes) {
     if (const int p = chunks_[c].parent; p >= 0) path[p] = std::max(path[p], path[c]);
   }
   // Handing a chunk over costs about as much as reading this many entries.
-  constexpr long worth_a_chunk = 10000;
-  splits_ = 3 * longest < 2 * entries_ && entries_ >= worth_a_chunk * chunks;
+  constexpr long kMinEntriesPerChunk = 10000;
+  splits_ = 3 * longest < 2 * entries_ && entries_ >= kMinEntriesPerChunk * chunks;
   // Level by level, so that nobody has to wait long; any order from children to parents would do.
   schedule_.resize(chunks);
   std::iota(schedule_.begin(), schedule_.end(), 0);
@@ -128,12 +128,12 @@ void SupernodalSolve::find_boundaries(const int* rows) {
         boundary.push_back(rows[i]);
       }
     std::sort(boundary.begin(), boundary.end());
-    chunk.first_boundary = count_of(all);
+    chunk.first_boundary = isize(all);
     for (const int row : boundary) {
-      place[row] = n_ + count_of(all);
+      place[row] = n_ + isize(all);
       all.push_back(row);
     }
-    chunk.end_boundary = count_of(all);
+    chunk.end_boundary = isize(all);
     for (int i = first; i < end; ++i)
       targets_[i] = rows[i] < chunk.end_column ? rows[i] : place[rows[i]];
     for (const int row : boundary) place[row] = -1;
@@ -166,7 +166,7 @@ void SupernodalSolve::pack(double* values) {
       to = pack_supernode(block.data(), r, w, to);
     }
   };
-  parallel_parts(chunk_count(), pack_chunk);
+  parallel_for(chunk_count(), pack_chunk);
   values_ = values;
 }
 
@@ -174,8 +174,9 @@ void SupernodalSolve::pack(double* values) {
 template <class Row>
 class SupernodalSolve::GroupSolve {
  public:
-  GroupSolve(const SupernodalSolve& all, const SolvePart* part, double* x, long stride, int columns)
-      : all_(all), part_(part), x_(x), stride_(stride), columns_(columns) {
+  GroupSolve(const SupernodalSolve& all, const SolveSubset* subset, double* x, long stride,
+             int columns)
+      : all_(all), subset_(subset), x_(x), stride_(stride), columns_(columns) {
     // Vectors start at multiples of their size.
     const auto address = reinterpret_cast<std::uintptr_t>(all.work_.get());
     work_ = reinterpret_cast<Row*>((address + sizeof(Row) - 1) / sizeof(Row) * sizeof(Row));
@@ -183,7 +184,7 @@ class SupernodalSolve::GroupSolve {
                all.targets_.data(), all.values_};
   }
 
-  void sweep_alone() const {
+  void sweep_serial() const {
     const int count = all_.chunk_count();
     for (int c = 0; c < count; ++c) forward(c);
     for (int c = count - 1; c >= 0; --c) backward(c);
@@ -191,20 +192,20 @@ class SupernodalSolve::GroupSolve {
 
   // One list for both sweeps: the schedule and then the schedule from its end. Whoever takes an
   // item waits for what it depends on, which was taken before it.
-  void sweep_together(int threads) const {
+  void sweep_parallel(int threads) const {
     const int count = all_.chunk_count();
     for (int c = 0; c < count; ++c)
       all_.pending_[c].store(all_.chunks_[c].end_child - all_.chunks_[c].first_child,
                              std::memory_order_relaxed);
     std::atomic<int> next{0};
-    const auto work_off = [&](int) {
+    const auto process_tasks = [&](int) {
       for (int i = next++; i < 2 * count; i = next++)
         if (i < count)
-          forward_in_turn(all_.schedule_[i]);
+          forward_when_ready(all_.schedule_[i]);
         else
-          backward_in_turn(all_.schedule_[2 * count - 1 - i]);
+          backward_when_ready(all_.schedule_[2 * count - 1 - i]);
     };
-    parallel_parts(threads, std::ref(work_off));
+    parallel_for(threads, std::ref(process_tasks));
   }
 
  private:
@@ -213,8 +214,8 @@ class SupernodalSolve::GroupSolve {
   void forward(int c) const {
     const Chunk& chunk = all_.chunks_[c];
     Row* const work = work_;
-    if (part_ && !part_->chunk_forward[c]) {
-      if (part_->chunk_backward[c])
+    if (subset_ && !subset_->chunk_forward[c]) {
+      if (subset_->chunk_backward[c])
         std::fill(work + chunk.first_column, work + chunk.end_column, Row{});
       return;
     }
@@ -225,29 +226,29 @@ class SupernodalSolve::GroupSolve {
     const int* const targets = all_.boundary_targets_.data();
     for (int i = chunk.first_child; i < chunk.end_child; ++i) {
       const Chunk& child = all_.chunks_[all_.children_[i]];
-      if (part_ && !part_->chunk_forward[all_.children_[i]]) continue;
+      if (subset_ && !subset_->chunk_forward[all_.children_[i]]) continue;
       for (int e = child.first_boundary; e < child.end_boundary; ++e)
         work[targets[e]] += work[n + e];
     }
     sweep_forward(packed_, chunk.first_supernode, chunk.end_supernode,
-                  part_ ? part_->forward.data() : nullptr, work);
+                  subset_ ? subset_->forward.data() : nullptr, work);
   }
 
   void backward(int c) const {
     const Chunk& chunk = all_.chunks_[c];
-    if (part_ && !part_->chunk_backward[c]) return;
+    if (subset_ && !subset_->chunk_backward[c]) return;
     Row* const work = work_;
     const int n = all_.n_;
     const int* const targets = all_.boundary_targets_.data();
     for (int e = chunk.first_boundary; e < chunk.end_boundary; ++e) work[n + e] = work[targets[e]];
     sweep_backward(packed_, chunk.first_supernode, chunk.end_supernode,
-                   part_ ? part_->backward.data() : nullptr, work);
+                   subset_ ? subset_->backward.data() : nullptr, work);
     store_rows(work + chunk.first_column, work + chunk.end_column,
                all_.order_.data() + chunk.first_column, columns_, x_, stride_);
   }
 
   // After its children.
-  void forward_in_turn(int c) const {
+  void forward_when_ready(int c) const {
     wait_for(c, 0);
     forward(c);
     all_.pending_[c].store(kForwardDone, std::memory_order_release);
@@ -256,7 +257,7 @@ class SupernodalSolve::GroupSolve {
   }
 
   // After its parent; without one, after its own way forward.
-  void backward_in_turn(int c) const {
+  void backward_when_ready(int c) const {
     if (const int parent = all_.chunks_[c].parent; parent >= 0)
       wait_for(parent, kBackwardDone);
     else
@@ -266,12 +267,11 @@ class SupernodalSolve::GroupSolve {
   }
 
   void wait_for(int c, int state) const {
-    for (Patience patience; all_.pending_[c].load(std::memory_order_acquire) != state;)
-      patience.wait();
+    for (SpinWait spin; all_.pending_[c].load(std::memory_order_acquire) != state;) spin.wait();
   }
 
   const SupernodalSolve& all_;
-  const SolvePart* part_;
+  const SolveSubset* subset_;
   double* x_;
   long stride_;
   int columns_;
@@ -280,41 +280,41 @@ class SupernodalSolve::GroupSolve {
 };
 
 template <class Row>
-void SupernodalSolve::solve_group(const SolvePart* part, double* x, long stride,
+void SupernodalSolve::solve_group(const SolveSubset* subset, double* x, long stride,
                                   int columns) const {
-  const GroupSolve<Row> group(*this, part, x, stride, columns);
-  const int threads = threads_for(part ? part->entries / 2 : entries_);
+  const GroupSolve<Row> group(*this, subset, x, stride, columns);
+  const int threads = threads_for(subset ? subset->entries / 2 : entries_);
   if (threads == 1)
-    group.sweep_alone();
+    group.sweep_serial();
   else
-    group.sweep_together(threads);
+    group.sweep_parallel(threads);
 }
 
-void SupernodalSolve::solve_part(const SolvePart* part, Eigen::Ref<MatX> x) const {
+void SupernodalSolve::solve_subset(const SolveSubset* subset, Eigen::Ref<MatX> x) const {
   for (long c = 0; c < x.cols();) {
     const int columns = static_cast<int>(std::min(x.cols() - c, x.cols() - c > 4 ? 8L : 4L));
     double* first = x.data() + c * x.outerStride();
     if (columns > 4) {
-      make_room(8);
-      solve_group<Row8>(part, first, x.outerStride(), columns);
+      allocate_workspace(8);
+      solve_group<Row8>(subset, first, x.outerStride(), columns);
     } else {
-      solve_group<Row4>(part, first, x.outerStride(), columns);
+      solve_group<Row4>(subset, first, x.outerStride(), columns);
     }
     c += columns;
   }
 }
 
-void SupernodalSolve::solve(Eigen::Ref<MatX> x) const { solve_part(nullptr, x); }
+void SupernodalSolve::solve(Eigen::Ref<MatX> x) const { solve_subset(nullptr, x); }
 
-void SupernodalSolve::solve(const SolvePart& part, Eigen::Ref<MatX> x) const {
-  if (part.analysis != analysis_)
+void SupernodalSolve::solve(const SolveSubset& subset, Eigen::Ref<MatX> x) const {
+  if (subset.analysis != analysis_)
     throw InputError("part of a solve: it was made for another analysis");
-  solve_part(&part, x);
+  solve_subset(&subset, x);
 }
 
-SolvePart SupernodalSolve::part(const std::optional<std::vector<int>>& nonzero,
-                                const std::optional<std::vector<int>>& wanted) const {
-  const auto supernodes = count_of(parents_);
+SolveSubset SupernodalSolve::subset(const std::optional<std::vector<int>>& nonzero,
+                                    const std::optional<std::vector<int>>& wanted) const {
+  const auto supernodes = isize(parents_);
   const auto with_ancestors = [&](const std::optional<std::vector<int>>& unknowns) {
     std::vector<char> visit(supernodes, !unknowns);
     if (!unknowns) return visit;
@@ -331,7 +331,7 @@ SolvePart SupernodalSolve::part(const std::optional<std::vector<int>>& nonzero,
     }
     return visit;
   };
-  SolvePart result;
+  SolveSubset result;
   result.forward = with_ancestors(nonzero);
   result.backward = with_ancestors(wanted);
   result.analysis = analysis_;
@@ -357,13 +357,13 @@ long SupernodalSolve::block_entries(int s) const {
 
 int SupernodalSolve::threads_for(long entries) const {
   // Waking a thread takes up to 50 µs, and its caches are cold: less is not worth it.
-  constexpr long worth_a_thread = 500000;
-  if (!splits_ || entries < worth_a_thread) return 1;
+  constexpr long kMinWorkPerThread = 500000;
+  if (!splits_ || entries < kMinWorkPerThread) return 1;
   // A thread without a core would only make the others wait.
   return std::min({thread_count(), core_count(), chunk_count()});
 }
 
-void SupernodalSolve::make_room(int lanes) const {
+void SupernodalSolve::allocate_workspace(int lanes) const {
   if (work_lanes_ >= lanes) return;
   work_ = std::make_unique_for_overwrite<double[]>((n_ + boundary_targets_.size() + 1) * lanes);
   work_lanes_ = lanes;

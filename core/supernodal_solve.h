@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "batten/core/eigen.h"
-#include "batten/core/index.h"
-#include "batten/core/solve_part.h"
+#include "batten/core/isize.h"
+#include "batten/core/solve_subset.h"
 
 namespace batten {
 
@@ -62,16 +62,16 @@ class SupernodalSolve {
   /// What a solve needs when b is zero outside the rows `nonzero` and only the rows `wanted` of x
   /// are of interest (nothing given: all rows). Forward: the supernodes of `nonzero` and their
   /// ancestors; backward: those of `wanted` and their ancestors. InputError: no such row.
-  SolvePart part(const std::optional<std::vector<int>>& nonzero,
-                 const std::optional<std::vector<int>>& wanted) const;
+  SolveSubset subset(const std::optional<std::vector<int>>& nonzero,
+                     const std::optional<std::vector<int>>& wanted) const;
 
   /// The same solve, through that part only. x must be zero outside of the part's `nonzero`; what
   /// it holds outside of `wanted` afterwards is unspecified. InputError: a part of another pattern.
-  void solve(const SolvePart& part, Eigen::Ref<MatX> x) const;
+  void solve(const SolveSubset& subset, Eigen::Ref<MatX> x) const;
 
   /// Entries of L that a sweep reads: the lower triangles and the rows below.
   long entries() const { return entries_; }
-  int chunk_count() const { return count_of(chunks_); }
+  int chunk_count() const { return isize(chunks_); }
   /// Threads that a solve uses which reads so many entries in each sweep: one unless they and the
   /// tree are worth more, never more than cores.
   int threads_for(long entries) const;
@@ -88,16 +88,16 @@ class SupernodalSolve {
     int parent;                  // chunk, or -1
   };
 
-  void cut_into_chunks();
-  void relate_chunks(const std::vector<long>& sizes);
+  void partition_into_chunks();
+  void link_chunks(const std::vector<long>& sizes);
   void find_boundaries(const int* rows);
   long block_entries(int s) const;
-  void make_room(int lanes) const;
-  void solve_part(const SolvePart* part, Eigen::Ref<MatX> x) const;
+  void allocate_workspace(int lanes) const;
+  void solve_subset(const SolveSubset* subset, Eigen::Ref<MatX> x) const;
   template <class Row>
   class GroupSolve;
   template <class Row>
-  void solve_group(const SolvePart* part, double* x, long stride, int columns) const;
+  void solve_group(const SolveSubset* subset, double* x, long stride, int columns) const;
 
   int n_ = 0;
   long entries_ = 0, analysis_ = 0;

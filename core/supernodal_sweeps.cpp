@@ -7,8 +7,8 @@
 namespace batten {
 namespace {
 
-constexpr int panel = panel_rows;
-constexpr int prefetch_bytes = 8192;
+constexpr int panel = kPanelRows;
+constexpr int kPrefetchBytes = 8192;
 
 // Where the packed lower triangle of w columns ends: panels of `height` × (columns up to them).
 BATTEN_INLINE long triangle_size(long w) {
@@ -30,7 +30,7 @@ BATTEN_INLINE void multiply(const double* L, long columns, const Row* x, Row* ac
     Vector sum[H] = {};
     const double* Lk = L;
     for (long k = 0; k < columns; ++k, Lk += H) {
-      __builtin_prefetch(reinterpret_cast<const char*>(Lk) + prefetch_bytes);
+      __builtin_prefetch(reinterpret_cast<const char*>(Lk) + kPrefetchBytes);
       const Vector xk = xv[k * vectors];
       for (int i = 0; i < H; ++i) sum[i] += Lk[i] * xk;
     }
@@ -49,7 +49,7 @@ BATTEN_INLINE void multiply_transposed(const double* L, long columns, Row* x, co
     const double* Lk = L + H * columns;
     for (long k = columns - 1; k >= 0; --k) {
       Lk -= H;
-      __builtin_prefetch(reinterpret_cast<const char*>(Lk) - prefetch_bytes);
+      __builtin_prefetch(reinterpret_cast<const char*>(Lk) - kPrefetchBytes);
       Vector even = xv[k * vectors], odd{};  // two chains: half the wait for each sum
       for (int i = 0; i < H; ++i) {
         if (i % 2)
@@ -126,7 +126,7 @@ BATTEN_INLINE void forward(const PackedSupernodes& all, int first, int end, cons
     int q = 0;
     for (; q + panel <= width; L += panel * (q + panel), q += panel)
       forward_diagonal<panel, Vector>(L, q, x);
-    with_constant<panel - 1>(
+    dispatch_constant<panel - 1>(
         width - q, BATTEN_CALL { forward_diagonal<height(), Vector>(L, q, x); });
     L += (width - q) * static_cast<long>(width);
 
@@ -134,7 +134,7 @@ BATTEN_INLINE void forward(const PackedSupernodes& all, int first, int end, cons
     const int* last = all.targets + all.row_starts[s + 1];
     for (; last - target >= panel; target += panel, L += panel * static_cast<long>(width))
       forward_below<panel, Vector>(L, width, x, target, work);
-    with_constant<panel - 1>(
+    dispatch_constant<panel - 1>(
         static_cast<int>(last - target),
         BATTEN_CALL { forward_below<height(), Vector>(L, width, x, target, work); });
   }
@@ -151,7 +151,7 @@ BATTEN_INLINE void backward(const PackedSupernodes& all, int first, int end, con
     const int below = static_cast<int>(all.targets + all.row_starts[s + 1] - target);
     const double* L = all.values + all.starts[s] + triangle_size(width) +
                       static_cast<long>(below / panel * panel) * width;
-    with_constant<panel - 1>(
+    dispatch_constant<panel - 1>(
         below % panel, BATTEN_CALL {
           backward_below<height(), Vector>(L, width, x, target + below / panel * panel, work);
         });
@@ -161,7 +161,7 @@ BATTEN_INLINE void backward(const PackedSupernodes& all, int first, int end, con
     }
     int q = width / panel * panel;
     L -= (width - q) * static_cast<long>(width);
-    with_constant<panel - 1>(
+    dispatch_constant<panel - 1>(
         width - q, BATTEN_CALL { backward_diagonal<height(), Vector>(L, q, x); });
     while (q > 0) {
       L -= panel * q;
@@ -212,9 +212,9 @@ BATTEN_SWEEPS(with_512_bits, BATTEN_512_BITS, Row4, Row8)
 
 const Sweeps& sweeps() {
 #ifdef BATTEN_WIDE_VECTORS
-  return for_vector_bits(with_128_bits, with_256_bits, with_512_bits);
+  return select_kernels(with_128_bits, with_256_bits, with_512_bits);
 #else
-  return for_vector_bits(with_128_bits);
+  return select_kernels(with_128_bits);
 #endif
 }
 

@@ -4,7 +4,7 @@
 namespace batten {
 
 /// Rows of a panel: as many vectors as every machine has registers for.
-inline constexpr int panel_rows = 8;
+inline constexpr int kPanelRows = 8;
 
 /// One row of the work vector: 4 or 8 right-hand sides side by side.
 using Row4 = double __attribute__((vector_size(32)));

@@ -4,8 +4,8 @@
 #include <numeric>
 
 #include "batten/core/dense_kernels.h"
-#include "batten/core/index.h"
-#include "batten/core/supernodal_chunks.h"
+#include "batten/core/elimination_tree_partition.h"
+#include "batten/core/isize.h"
 
 namespace batten {
 namespace {
@@ -24,26 +24,26 @@ class Planner {
 
   std::vector<FactorTask> plan() {
     const std::vector<int> columns(pattern_.columns, pattern_.columns + pattern_.count + 1);
-    const std::vector<SupernodePiece> pieces = cut_into_pieces(parents_, columns, flops_);
+    const std::vector<TreeBlock> pieces = partition_elimination_tree(parents_, columns, flops_);
     std::vector<int> piece_of(parents_.size()), level(pieces.size(), 0);
     std::vector<std::vector<int>> done(pieces.size());  // the last tasks of the pieces below
-    for (int p = 0; p < count_of(pieces); ++p)
+    for (int p = 0; p < isize(pieces); ++p)
       std::fill(piece_of.begin() + pieces[p].first, piece_of.begin() + pieces[p].end, p);
-    for (int p = 0; p < count_of(pieces); ++p) {
+    for (int p = 0; p < isize(pieces); ++p) {
       const auto& [first, end, flops, subtree] = pieces[p];
-      const int before = count_of(tasks_);
+      const int before = isize(tasks_);
       if (end == first + 1 && flops >= most_flops_)
         split(first);
       else
-        begin_.push_back(add(Step::whole, first, end));
+        begin_.push_back(add(Step::factor_supernode, first, end));
       for (const int child : done[p])
         for (const int task : begin_) link(child, task);
       begin_.clear();
-      for (int t = before; t < count_of(tasks_); ++t) place_.push_back({level[p], t - before});
+      for (int t = before; t < isize(tasks_); ++t) place_.push_back({level[p], t - before});
       // A subtree may have several roots, which are under the same piece.
       if (const int s = parents_[end - 1]; s >= 0) {
         const int parent = piece_of[s];
-        done[parent].push_back(count_of(tasks_) - 1);
+        done[parent].push_back(isize(tasks_) - 1);
         level[parent] = std::max(level[parent], level[p] + 1);
       }
     }
@@ -53,11 +53,11 @@ class Planner {
  private:
   int add(Step step, int supernode, int end) {
     tasks_.push_back({step, supernode, end});
-    return count_of(tasks_) - 1;
+    return isize(tasks_) - 1;
   }
   void link(int before, int after) {
     tasks_[before].next.push_back(after);
-    ++tasks_[after].waits;
+    ++tasks_[after].pending_count;
   }
 
   // Blocks of columns, each a triangle and then the rows below it, range by range: a range has had
@@ -66,10 +66,10 @@ class Planner {
     const int width = pattern_.columns[s + 1] - pattern_.columns[s];
     const int rows = pattern_.row_starts[s + 1] - pattern_.row_starts[s];
     std::vector<int> starts;
-    for (int c = 0; c < width; c += block_columns) starts.push_back(c);
-    const int blocks = count_of(starts);
-    for (int r = width; r < rows; r += block_columns) starts.push_back(r);
-    const int ranges = count_of(starts);
+    for (int c = 0; c < width; c += kBlockColumns) starts.push_back(c);
+    const int blocks = isize(starts);
+    for (int r = width; r < rows; r += kBlockColumns) starts.push_back(r);
+    const int ranges = isize(starts);
     starts.push_back(rows);
 
     std::vector<int> last;  // task on each range
@@ -109,7 +109,7 @@ class Planner {
     std::iota(order.begin(), order.end(), 0);
     std::stable_sort(order.begin(), order.end(),
                      [&](int a, int b) { return place_[a] < place_[b]; });
-    for (int i = 0; i < count_of(order); ++i) number[order[i]] = i;
+    for (int i = 0; i < isize(order); ++i) number[order[i]] = i;
     std::vector<FactorTask> sorted;
     for (const int t : order) {
       sorted.push_back(std::move(tasks_[t]));

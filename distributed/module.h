@@ -16,7 +16,7 @@ struct BattenDistributed {
   const char* (*factorize)(int id, int n, const int* outer, const int* inner, const double* values);
   // b, n×k by columns, becomes x.
   const char* (*solve)(int id, double* b, int k);
-  void (*forget)(int id);
+  void (*release)(int id);
   void (*end)();
 };
 

@@ -40,14 +40,14 @@ void broadcast(int* message, int count) {
   }
 }
 
-void forget(System& system) {
+void release(System& system) {
   KSPDestroy(&system.solver);
   MatDestroy(&system.A);
   VecDestroy(&system.b);
   VecDestroy(&system.x);
 }
 
-Rows received(int count) {
+Rows receive_rows(int count) {
   Rows rows;
   rows.start.resize(static_cast<size_t>(count) + 1);
   MPI_Recv(rows.start.data(), count + 1, MPIU_INT, 0, 0, PETSC_COMM_WORLD, MPI_STATUS_IGNORE);
@@ -60,8 +60,8 @@ Rows received(int count) {
 }
 
 // Of process 0: sends each its rows and returns its own.
-Rows dealt(const std::vector<int>& first, const int* outer, const int* inner,
-           const double* values) {
+Rows scatter_rows(const std::vector<int>& first, const int* outer, const int* inner,
+                  const double* values) {
   Rows own;
   for (int r = size - 1; r >= 0; --r) {
     const int from = outer[first[r]], to = outer[first[r + 1]];
@@ -135,9 +135,9 @@ const char* factorize(int id, int n, const int* outer, const int* inner, const d
   int message[3] = {kFactorize, id, n};
   broadcast(message, 3);
   System& system = systems[id];
-  forget(system);
+  release(system);
   system.first = shares(n);
-  if (factor(system, n, dealt(system.first, outer, inner, values))) return nullptr;
+  if (factor(system, n, scatter_rows(system.first, outer, inner, values))) return nullptr;
   failure =
       "PETSc found no factor of the system: some motion costs no energy, or memory is too small";
   return failure.c_str();
@@ -155,14 +155,14 @@ const char* solve(int id, double* b, int k) {
 void forget_id(int id) {
   int message[3] = {kForget, id, 0};
   broadcast(message, 3);
-  forget(systems[id]);
+  release(systems[id]);
   systems.erase(id);
 }
 
 void end() {
   int message[3] = {kEnd, 0, 0};
   broadcast(message, 3);
-  for (auto& [id, system] : systems) forget(system);
+  for (auto& [id, system] : systems) release(system);
   PetscFinalize();
 }
 
@@ -170,17 +170,17 @@ void serve() {
   for (int message[3]; broadcast(message, 3), message[0] != kEnd;) {
     System& system = systems[message[1]];
     if (message[0] == kFactorize) {
-      forget(system);
+      release(system);
       system.first = shares(message[2]);
-      factor(system, message[2], received(system.first[rank + 1] - system.first[rank]));
+      factor(system, message[2], receive_rows(system.first[rank + 1] - system.first[rank]));
     } else if (message[0] == kSolve) {
       for (int c = 0; c < message[2]; ++c) solve_one(system, nullptr);
     } else {
-      forget(system);
+      release(system);
       systems.erase(message[1]);
     }
   }
-  for (auto& [id, system] : systems) forget(system);
+  for (auto& [id, system] : systems) release(system);
   PetscFinalize();
 }
 

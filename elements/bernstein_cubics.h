@@ -11,32 +11,32 @@
 namespace batten {
 
 /// Ten numbers in the order 300 030 003 210 120 021 012 102 201 111.
-using TenCubics = Eigen::Matrix<double, 10, 1>;
+using BernsteinVector = Eigen::Matrix<double, 10, 1>;
 
-inline TenCubics cubics(const Vec3& p) {
+inline BernsteinVector bernstein_cubics(const Vec3& p) {
   const double x = p[0], y = p[1], z = p[2], xx = x * x, yy = y * y, zz = z * z;
-  TenCubics B;
+  BernsteinVector B;
   B << xx * x, yy * y, zz * z, 3 * xx * y, 3 * x * yy, 3 * yy * z, 3 * y * zz, 3 * x * zz,
       3 * xx * z, 6 * x * y * z;
   return B;
 }
 
-inline TenCubics cubics_along(const Vec3& p, const Vec3& d) {
+inline BernsteinVector bernstein_derivatives(const Vec3& p, const Vec3& d) {
   const double a = 3 * d[0], b = 3 * d[1], c = 3 * d[2];
   const double xx = p[0] * p[0], yy = p[1] * p[1], zz = p[2] * p[2], xy = 2 * p[0] * p[1],
                yz = 2 * p[1] * p[2], zx = 2 * p[2] * p[0];
-  TenCubics B;
+  BernsteinVector B;
   B << a * xx, b * yy, c * zz, a * xy + b * xx, a * yy + b * xy, b * yz + c * yy, b * zz + c * yz,
       a * zz + c * zx, a * zx + c * xx, a * yz + b * zx + c * xy;
   return B;
 }
 
-inline TenCubics cubics_along(const Vec3& p, const Vec3& d, const Vec3& e) {
+inline BernsteinVector bernstein_derivatives(const Vec3& p, const Vec3& d, const Vec3& e) {
   const double xx = 6 * d[0] * e[0], yy = 6 * d[1] * e[1], zz = 6 * d[2] * e[2],
                xy = 6 * (d[0] * e[1] + d[1] * e[0]), yz = 6 * (d[1] * e[2] + d[2] * e[1]),
                zx = 6 * (d[2] * e[0] + d[0] * e[2]);
   const double x = p[0], y = p[1], z = p[2];
-  TenCubics B;
+  BernsteinVector B;
   B << xx * x, yy * y, zz * z, xx * y + xy * x, yy * x + xy * y, yy * z + yz * y, zz * y + yz * z,
       zz * x + zx * z, xx * z + zx * x, xy * z + yz * x + zx * y;
   return B;
@@ -44,17 +44,17 @@ inline TenCubics cubics_along(const Vec3& p, const Vec3& d, const Vec3& e) {
 
 /// The sub-triangle (V_j, V_k, centroid) of an HCT triangle that holds L, and L in it. At the
 /// centroid it is the one opposite V1.
-struct HctPlace {
+struct HctSubtriangle {
   int sub = 0;
   Vec3 local;
 
-  explicit HctPlace(const Vec3& L) {
+  explicit HctSubtriangle(const Vec3& L) {
     if (L[1] < L[sub]) sub = 1;
     if (L[2] < L[sub]) sub = 2;
-    local = within(L);
+    local = to_local(L);
   }
   /// Barycentric coordinates of the triangle, or a change of them, in the sub-triangle.
-  Vec3 within(const Vec3& L) const {
+  Vec3 to_local(const Vec3& L) const {
     const double s = L[sub];
     return {L[(sub + 1) % 3] - s, L[(sub + 2) % 3] - s, 3 * s};
   }

@@ -6,8 +6,8 @@
 
 namespace batten {
 
-Mat12 C1Triangle::to_reference_dofs() const {
-  const DofMapNumbers numbers(shape_);
+Mat12 C1Triangle::pull_back_matrix() const {
+  const DofTransformCoefficients numbers(shape_);
   Mat12 P = Mat12::Zero();
   for (int i = 0; i < 3; ++i) {
     const double* g = numbers.gradient[i];
@@ -35,11 +35,11 @@ Tabulation C1Triangle::reference_at(const Vec3& L) const {
 
 // lazyProduct: Eigen's general product packs its operands first, which takes longer than these.
 Tabulation C1Triangle::evaluate(const Vec3& L) const {
-  return to_reference_dofs().transpose().lazyProduct(reference_at(L));
+  return pull_back_matrix().transpose().lazyProduct(reference_at(L));
 }
 
-Eigen::Matrix<double, 12, 3> C1Triangle::to_reference(const Eigen::Matrix<double, 12, 3>& q) const {
-  const DofMapNumbers numbers(shape_);
+Eigen::Matrix<double, 12, 3> C1Triangle::pull_back(const Eigen::Matrix<double, 12, 3>& q) const {
+  const DofTransformCoefficients numbers(shape_);
   Eigen::Matrix<double, 12, 3> r;
   for (int i = 0; i < 3; ++i) {
     const double* g = numbers.gradient[i];
@@ -57,17 +57,17 @@ Eigen::Matrix<double, 12, 3> C1Triangle::to_reference(const Eigen::Matrix<double
 }
 
 Vec3 C1Triangle::position(const Vec3& L, const Eigen::Matrix<double, 12, 3>& q) const {
-  const Eigen::Matrix<double, 12, 3> reference = to_reference(q);
+  const Eigen::Matrix<double, 12, 3> reference = pull_back(q);
   if (kind_ != TriangleElement::HCT)
     return reference.transpose().lazyProduct(reference_functions(kind_, L).col(0));
-  const HctPlace at(L);
-  const Vec12 functions = hct_ordinates(at.sub).transpose().lazyProduct(cubics(at.local));
+  const HctSubtriangle at(L);
+  const Vec12 functions = hct_ordinates(at.sub).transpose().lazyProduct(bernstein_cubics(at.local));
   return reference.transpose().lazyProduct(functions);
 }
 
 Eigen::Matrix<double, 3, kDerivatives> C1Triangle::jet(
     const Vec3& L, const Eigen::Matrix<double, 12, 3>& q) const {
-  return to_reference(q).transpose().lazyProduct(reference_at(L));
+  return pull_back(q).transpose().lazyProduct(reference_at(L));
 }
 
 Mat12 C1Triangle::stiffness(const SurfaceStiffness& material) const {
@@ -77,17 +77,17 @@ Mat12 C1Triangle::stiffness(const SurfaceStiffness& material) const {
 }
 
 Mat12 C1Triangle::mass() const {
-  const Mat12 P = to_reference_dofs();
+  const Mat12 P = pull_back_matrix();
   return shape_.area * P.transpose() * reference_tensors(kind_).mass * P;
 }
 
 Vec12 C1Triangle::load() const {
-  return shape_.area * to_reference_dofs().transpose() * reference_tensors(kind_).load;
+  return shape_.area * pull_back_matrix().transpose() * reference_tensors(kind_).load;
 }
 
-const TriangleRule& C1Triangle::varying_rule(TriangleElement kind) {
-  static const TriangleRule hct = split_triangle(4);
-  static const TriangleRule z12 = six_duffy(5);
+const TriangleRule& C1Triangle::default_quadrature(TriangleElement kind) {
+  static const TriangleRule hct = split_triangle_rule(4);
+  static const TriangleRule z12 = six_duffy_rule(5);
   return kind == TriangleElement::HCT ? hct : z12;
 }
 
@@ -95,7 +95,7 @@ Eigen::Matrix<double, 10, 3> C1Triangle::bezier(int sub,
                                                 const Eigen::Matrix<double, 12, 3>& q) const {
   if (kind_ != TriangleElement::HCT)
     throw InputError("Bezier ordinates exist for HCT triangles only: Z12 is rational");
-  return hct_ordinates(sub) * to_reference(q);
+  return hct_ordinates(sub) * pull_back(q);
 }
 
 }  // namespace batten

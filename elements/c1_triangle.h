@@ -65,7 +65,7 @@ class C1Triangle {
   /// Integral rule for coefficients and loads that vary: HCT degree 4 on each sub-triangle (exact
   /// for bending with quadratic, stretching with constant coefficients), Z12 six-Duffy with m = 5
   /// (8e-7).
-  static const TriangleRule& varying_rule(TriangleElement kind);
+  static const TriangleRule& default_quadrature(TriangleElement kind);
 
   /// Bézier ordinates of the three cubics of the HCT triangle for dofs q (12 x any number of
   /// coordinates): sub-triangle s = (V_j, V_k, centroid) has 10 rows in the order
@@ -74,8 +74,8 @@ class C1Triangle {
   Eigen::Matrix<double, 10, 3> bezier(int sub, const Eigen::Matrix<double, 12, 3>& q) const;
 
   /// The matrix P with q̂ = P q, and q̂.
-  Mat12 to_reference_dofs() const;
-  Eigen::Matrix<double, 12, 3> to_reference(const Eigen::Matrix<double, 12, 3>& q) const;
+  Mat12 pull_back_matrix() const;
+  Eigen::Matrix<double, 12, 3> pull_back(const Eigen::Matrix<double, 12, 3>& q) const;
 
  private:
   // Derivatives of the reference functions with respect to (u, v).

@@ -19,7 +19,8 @@ Matrix reversed(const Matrix& K) {
 }  // namespace
 
 HermiteSegment::HermiteSegment(double h) : h_(h) {
-  if (!(h > 0)) throw InputError("a Hermite segment of length " + number(h) + ": it must be > 0");
+  if (!(h > 0))
+    throw InputError("a Hermite segment of length " + format_number(h) + ": it must be > 0");
 }
 
 HermiteSegment::Vector HermiteSegment::evaluate(double s, int order) const {

@@ -73,7 +73,7 @@ SegmentRule gauss_legendre(int n) {
   return rule;
 }
 
-TriangleRule symmetric_triangle(int degree) {
+TriangleRule symmetric_triangle_rule(int degree) {
   constexpr double third = 1.0 / 3;
   switch (degree) {
     case 0:
@@ -112,8 +112,8 @@ TriangleRule symmetric_triangle(int degree) {
   }
 }
 
-TriangleRule split_triangle(int degree) {
-  const TriangleRule whole = symmetric_triangle(degree);
+TriangleRule split_triangle_rule(int degree) {
+  const TriangleRule whole = symmetric_triangle_rule(degree);
   const long n = whole.weights.size();
   TriangleRule rule{Points(3 * n, 3), VecX(3 * n)};
   for (int s = 0; s < 3; ++s)
@@ -129,7 +129,7 @@ TriangleRule split_triangle(int degree) {
   return rule;
 }
 
-TriangleRule six_duffy(int m) {
+TriangleRule six_duffy_rule(int m) {
   const SegmentRule g = gauss_legendre(m);
   TriangleRule rule{Points(6 * m * m, 3), VecX(6 * m * m)};
   const Vec3 centroid = Vec3::Constant(1.0 / 3);

@@ -26,11 +26,11 @@ SegmentRule gauss_legendre(int n);
 /// points; other degrees up to 8 give the next one). Throws InputError above 8.
 /// For polynomials only: on the rational functions of the Z12 triangle these rules converge
 /// algebraically at best (12 % error in the bending stiffness at degree 6).
-TriangleRule symmetric_triangle(int degree);
+TriangleRule symmetric_triangle_rule(int degree);
 
 /// The symmetric rule of `degree` on each of the three sub-triangles (V_j, V_k, centroid): exact
 /// for the piecewise polynomials of the HCT triangle. Points are ordered by sub-triangle.
-TriangleRule split_triangle(int degree);
+TriangleRule split_triangle_rule(int degree);
 
 /// Six-Duffy rule with 6 m² points for the Z12 triangle, whose functions are singular at the
 /// vertices only. The triangle is split into the six triangles (V_i, midpoint of an edge at V_i,
@@ -38,6 +38,6 @@ TriangleRule split_triangle(int degree);
 /// (1-r, r(1-t), rt), which collapses an edge into V_i and makes the integrand smooth there.
 /// Error of the bending stiffness of a well-shaped triangle: m = 3: 6e-4, 5: 8e-7, 7: 5e-10,
 /// 10: 8e-15.
-TriangleRule six_duffy(int m);
+TriangleRule six_duffy_rule(int m);
 
 }  // namespace batten

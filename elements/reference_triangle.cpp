@@ -1,7 +1,7 @@
 #include "batten/elements/reference_triangle.h"
 
 #include "batten/core/errors.h"
-#include "batten/core/index.h"
+#include "batten/core/isize.h"
 #include "batten/core/simd.h"
 #include "batten/elements/bernstein_cubics.h"
 #include "batten/elements/z12_functions.h"
@@ -59,22 +59,23 @@ const double* transposed_ordinates(int sub) {
 }
 
 ReferenceTabulation hct_functions(const Vec3& L) {
-  const HctPlace at(L);
-  const Vec3 d1 = at.within({1, 0, -1}), d2 = at.within({0, 1, -1});
+  const HctSubtriangle at(L);
+  const Vec3 d1 = at.to_local({1, 0, -1}), d2 = at.to_local({0, 1, -1});
   Eigen::Matrix<double, 10, 6> table;
-  table.col(0) = cubics(at.local);
-  table.col(1) = cubics_along(at.local, d1);
-  table.col(2) = cubics_along(at.local, d2);
-  table.col(3) = cubics_along(at.local, d1, d1);
-  table.col(4) = cubics_along(at.local, d1, d2);
-  table.col(5) = cubics_along(at.local, d2, d2);
+  table.col(0) = bernstein_cubics(at.local);
+  table.col(1) = bernstein_derivatives(at.local, d1);
+  table.col(2) = bernstein_derivatives(at.local, d2);
+  table.col(3) = bernstein_derivatives(at.local, d1, d1);
+  table.col(4) = bernstein_derivatives(at.local, d1, d2);
+  table.col(5) = bernstein_derivatives(at.local, d2, d2);
   ReferenceTabulation functions;
   combine_cubics(transposed_ordinates(at.sub), table.data(), 6, functions.data());
   return functions;
 }
 
 ReferenceTensors make_tensors(TriangleElement kind) {
-  const TriangleRule rule = kind == TriangleElement::HCT ? split_triangle(6) : six_duffy(14);
+  const TriangleRule rule =
+      kind == TriangleElement::HCT ? split_triangle_rule(6) : six_duffy_rule(14);
   ReferenceTensors T;
   Eigen::Matrix<double, 12, 12, Eigen::RowMajor> sum[9];
   for (auto& m : sum) m.setZero();
@@ -105,7 +106,8 @@ ReferenceTensors make_tensors(TriangleElement kind) {
 }
 
 // One side of the congruence: K ← Pᵀ K on rows, then the transpose is taken.
-inline __attribute__((always_inline)) void congruence_half(const DofMapNumbers& P, double* K) {
+inline __attribute__((always_inline)) void congruence_half(const DofTransformCoefficients& P,
+                                                           double* K) {
   const auto axpy = [&](int to, double s, int from) {
     for (int c = 0; c < 12; ++c) K[12 * to + c] += s * K[12 * from + c];
   };
@@ -131,7 +133,8 @@ inline __attribute__((always_inline)) void congruence_half(const DofMapNumbers& 
   }
 }
 
-inline __attribute__((always_inline)) void congruence(const DofMapNumbers& P, double* K) {
+inline __attribute__((always_inline)) void congruence(const DofTransformCoefficients& P,
+                                                      double* K) {
   alignas(64) double transposed[144];
   congruence_half(P, K);
   for (int r = 0; r < 12; ++r)
@@ -141,7 +144,7 @@ inline __attribute__((always_inline)) void congruence(const DofMapNumbers& P, do
 }
 
 BATTEN_CLONES void combine_and_map(const double (*tensors)[144], const double* scale,
-                                   const DofMapNumbers& P, double* K) {
+                                   const DofTransformCoefficients& P, double* K) {
   alignas(64) double sum[144];
   for (int e = 0; e < 144; ++e) {
     double s = 0;
@@ -155,7 +158,7 @@ BATTEN_CLONES void combine_and_map(const double (*tensors)[144], const double* s
 // K = Σ_p rows_pᵀ C_p rows_p, C_p = blockdiag(2×2, 3×3) given as 4 + 9 numbers a point; then Pᵀ K
 // P.
 BATTEN_CLONES void accumulate_and_map(int points, const double* rows, const double* C,
-                                      const DofMapNumbers& P, double* K) {
+                                      const DofTransformCoefficients& P, double* K) {
   alignas(64) double sum[144] = {};
   for (int p = 0; p < points; ++p, rows += 60, C += 13) {
     double weighted[60];
@@ -189,12 +192,12 @@ ReferenceTabulation reference_functions(TriangleElement kind, const Vec3& L) {
   return kind == TriangleElement::HCT ? hct_functions(L) : z12_functions(L);
 }
 
-Eigen::Matrix<double, 12, 2> reference_slopes(TriangleElement kind, const Vec3& L) {
+Eigen::Matrix<double, 12, 2> reference_gradients(TriangleElement kind, const Vec3& L) {
   if (kind != TriangleElement::HCT) return z12_functions(L).middleCols<2>(1);
-  const HctPlace at(L);
+  const HctSubtriangle at(L);
   Eigen::Matrix<double, 10, 2> table;
-  table.col(0) = cubics_along(at.local, at.within({1, 0, -1}));
-  table.col(1) = cubics_along(at.local, at.within({0, 1, -1}));
+  table.col(0) = bernstein_derivatives(at.local, at.to_local({1, 0, -1}));
+  table.col(1) = bernstein_derivatives(at.local, at.to_local({0, 1, -1}));
   Eigen::Matrix<double, 12, 2> slopes;
   combine_cubics(transposed_ordinates(at.sub), table.data(), 2, slopes.data());
   return slopes;
@@ -223,7 +226,7 @@ TabulatedRule::TabulatedRule(TriangleElement kind, TriangleRule r) : rule(std::m
   for (const auto& f : functions) rows.insert(rows.end(), f.col(1).data(), f.col(1).data() + 60);
 }
 
-DofMapNumbers::DofMapNumbers(const TriangleShape& t) {
+DofTransformCoefficients::DofTransformCoefficients(const TriangleShape& t) {
   for (int i = 0; i < 3; ++i) {
     const int j = (i + 1) % 3, k = (i + 2) % 3;
     // V_next - V_i = (c_k, -b_k) and V_previous - V_i = (-c_j, b_j).
@@ -268,13 +271,13 @@ void constant_stiffness(const ReferenceTensors& tensors, const TriangleShape& sh
     constexpr int pairs[6][2] = {{0, 0}, {1, 1}, {2, 2}, {0, 1}, {0, 2}, {1, 2}};
     for (int i = 0; i < 6; ++i) scale[3 + i] += mixed(pairs[i][0], pairs[i][1]);
   }
-  combine_and_map(tensors.stiffness, scale, DofMapNumbers(shape), K);
+  combine_and_map(tensors.stiffness, scale, DofTransformCoefficients(shape), K);
 }
 
-void varying_stiffness(const TabulatedRule& points, const TriangleShape& shape,
-                       const std::function<SurfaceStiffness(const Vec3& L)>& material, double* K) {
+void variable_stiffness(const TabulatedRule& points, const TriangleShape& shape,
+                        const std::function<SurfaceStiffness(const Vec3& L)>& material, double* K) {
   constexpr int on_stack = 256;
-  const int n = count_of(points.functions);
+  const int n = isize(points.functions);
   const DerivativeMap map(shape);
   double few[13 * on_stack];
   std::vector<double> many(n > on_stack ? 13 * static_cast<size_t>(n) : 0);
@@ -291,7 +294,7 @@ void varying_stiffness(const TabulatedRule& points, const TriangleShape& shape,
     const Mat3 mixed = m.bending() - Mat3(beta.asDiagonal());
     bend += w * map.second.transpose() * mixed * map.second;
   }
-  accumulate_and_map(n, points.rows.data(), C, DofMapNumbers(shape), K);
+  accumulate_and_map(n, points.rows.data(), C, DofTransformCoefficients(shape), K);
 }
 
 }  // namespace batten

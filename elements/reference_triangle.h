@@ -13,7 +13,7 @@ namespace batten {
 
 ReferenceTabulation reference_functions(TriangleElement kind, const Vec3& L);
 /// The two columns of first derivatives of the same, in a third of the time.
-Eigen::Matrix<double, 12, 2> reference_slopes(TriangleElement kind, const Vec3& L);
+Eigen::Matrix<double, 12, 2> reference_gradients(TriangleElement kind, const Vec3& L);
 
 /// Rows of the ten Bézier ordinates of HCT sub-triangle `sub` over the reference dofs.
 const Eigen::Matrix<double, 10, 12>& hct_ordinates(int sub);
@@ -48,11 +48,11 @@ struct TabulatedRule {
 };
 
 /// TriangleShape reduced to the numbers of P: 2×2 gradient maps, edge altitudes, mid-edge slants.
-struct DofMapNumbers {
+struct DofTransformCoefficients {
   double gradient[3][4];  ///< row-major [to next; to previous] × [u, v]
   double altitude[3];     ///< edge_sign · 2A / edge length
   double slant[3];        ///< (V_i - M_i)·(V_k - V_j) / |V_k - V_j|²
-  explicit DofMapNumbers(const TriangleShape& shape);
+  explicit DofTransformCoefficients(const TriangleShape& shape);
 };
 
 /// Stiffness K (144 doubles) for constant material: the inner loop of assembly.
@@ -60,7 +60,7 @@ void constant_stiffness(const ReferenceTensors& tensors, const TriangleShape& sh
                         const SurfaceStiffness& material, double* K);
 
 /// Stiffness K (144 doubles) for a material that varies with L, by the given rule.
-void varying_stiffness(const TabulatedRule& points, const TriangleShape& shape,
-                       const std::function<SurfaceStiffness(const Vec3& L)>& material, double* K);
+void variable_stiffness(const TabulatedRule& points, const TriangleShape& shape,
+                        const std::function<SurfaceStiffness(const Vec3& L)>& material, double* K);
 
 }  // namespace batten

@@ -10,8 +10,9 @@ namespace batten {
 SurfaceStiffness SurfaceStiffness::directional(const Vec2& t, double alpha, double beta) {
   constexpr double unit = 1e-9;
   if (!(std::abs(t.norm() - 1) <= unit))
-    throw InputError("a direction (" + number(t.x()) + ", " + number(t.y()) + ") of length " +
-                     number(t.norm()) + ": resistance wants a direction of length 1");
+    throw InputError("a direction (" + format_number(t.x()) + ", " + format_number(t.y()) +
+                     ") of length " + format_number(t.norm()) +
+                     ": resistance wants a direction of length 1");
   // w_tt = a w_uu + 2 b w_uv + c w_vv.
   const double a = t.x() * t.x(), b = t.x() * t.y(), c = t.y() * t.y();
   return {alpha * t * t.transpose(), beta * Vec3(a * a, 2 * b * b, c * c),

@@ -16,8 +16,8 @@ TriangleShape::TriangleShape(const Vec2& v1, const Vec2& v2, const Vec2& v3,
   }
   area = 0.5 * (c[2] * b[1] - c[1] * b[2]);
   if (!(area > 0) || !std::isfinite(area))
-    throw MeshError("a parametric triangle of area " + number(area) + " at (" + number(v1.x()) +
-                    ", " + number(v1.y()) +
+    throw MeshError("a parametric triangle of area " + format_number(area) + " at (" +
+                    format_number(v1.x()) + ", " + format_number(v1.y()) +
                     "): vertices must run counter-clockwise and not lie on one line");
 }
 

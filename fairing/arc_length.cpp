@@ -40,22 +40,22 @@ Speeds polynomial(const Speeds& values) {
   return inverse * values;
 }
 
-// Where on [0, 1] the integral of the polynomial through `speed` is `share` of the whole.
-double inverse_of_integral(const Speeds& speed, double share) {
+// Where on [0, 1] the integral of the polynomial through `speed` is `fraction` of the whole.
+double inverse_of_integral(const Speeds& speed, double fraction) {
   constexpr double rounding = 1e-13;
-  if (speed.maxCoeff() - speed.minCoeff() <= rounding * speed.maxCoeff()) return share;
+  if (speed.maxCoeff() - speed.minCoeff() <= rounding * speed.maxCoeff()) return fraction;
   const Speeds c = polynomial(speed);
   const auto integral = [&](double x) {
     double sum = 0;
     for (int k = kPoints - 1; k >= 0; --k) sum = (sum + c[k] / (k + 1)) * x;
     return sum;
   };
-  const double length = share * integral(1);
-  double x = share;
+  const double length = fraction * integral(1);
+  double x = fraction;
   for (int step = 0; step < 20; ++step) {
     double slope = 0;
     for (int k = kPoints - 1; k >= 0; --k) slope = slope * x + c[k];
-    if (!(slope > 0)) return share;
+    if (!(slope > 0)) return fraction;
     const double dx = (integral(x) - length) / slope;
     x = std::clamp(x - dx, 0.0, 1.0);
     if (std::abs(dx) < 1e-12) break;

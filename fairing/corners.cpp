@@ -6,33 +6,33 @@
 #include <numbers>
 #include <utility>
 
-#include "batten/core/index.h"
-#include "batten/core/words.h"
-#include "batten/fairing/noise.h"
-#include "batten/fairing/point_means.h"
-#include "batten/fairing/two_arms.h"
+#include "batten/core/format.h"
+#include "batten/core/isize.h"
+#include "batten/fairing/block_averaging.h"
+#include "batten/fairing/corner_likelihood_test.h"
+#include "batten/fairing/noise_estimate.h"
 
 namespace batten {
 namespace {
 
-constexpr int few = 11;                 // points, too few to tell noise
-constexpr double few_turn_by = 20;      // degrees, at least
-constexpr double at_end_turn_by = 60;   // where one side is a single chord
-constexpr double sharp = 75;            // always a corner
-constexpr double polygon_turn_by = 50;  // at every point: no smooth loop has so few
-constexpr double uneven_turn_by = 40;   // and more: a corner between sides of
-constexpr double uneven = 2.5;          // this ratio
-constexpr double sure = 24;             // a gain as no noise has in some hundred places
-constexpr int longest = 60;             // points of an arm
-constexpr double errors = 5;            // standard errors that are no chance
+constexpr int kFewPoints = 11;            // points, too few to tell noise
+constexpr double kMinTurnFewPoints = 20;  // degrees, at least
+constexpr double kMinTurnAtEnd = 60;      // where one side is a single chord
+constexpr double kSharpTurn = 75;         // always a corner
+constexpr double kPolygonTurn = 50;       // at every point: no smooth loop has so few
+constexpr double kUnevenTurn = 40;        // and more: a corner between sides of
+constexpr double kUnevenRatio = 2.5;      // this ratio
+constexpr double kCertainGain = 24;       // a gain as no noise has in some hundred places
+constexpr int kMaxArm = 60;               // points of an arm
+constexpr double kStandardErrors = 5;     // standard errors that are no chance
 
 double degrees(double radians) { return radians * 180 / std::numbers::pi; }
 
 // A row whose numbers go around where it is closed.
-class Row {
+class CyclicSequence {
  public:
-  Row(const std::vector<Vec3>& points, bool closed)
-      : points_(points), closed_(closed), count_(count_of(points)) {}
+  CyclicSequence(const std::vector<Vec3>& points, bool closed)
+      : points_(points), closed_(closed), count_(isize(points)) {}
   int count() const { return count_; }
   bool closed() const { return closed_; }
   // Whether point i has neighbours so many places before and behind.
@@ -41,7 +41,9 @@ class Row {
   int number(int i) const { return ((i % count_) + count_) % count_; }
   const Vec3& at(int i) const { return points_[static_cast<size_t>(number(i))]; }
   double step(int i) const { return (at(i + 1) - at(i)).norm(); }
-  double turn(int i) const { return degrees_between(at(i) - at(i - 1), at(i + 1) - at(i)); }
+  double turning_angle(int i) const {
+    return degrees_between(at(i) - at(i - 1), at(i + 1) - at(i));
+  }
 
  private:
   const std::vector<Vec3>& points_;
@@ -53,27 +55,30 @@ class Row {
 class CornerSearch {
  public:
   CornerSearch(const std::vector<Vec3>& points, bool closed, double angle)
-      : points_(points), row_(points, closed), angle_(angle) {
-    for (int i = 0; i < row_.count(); ++i) turn_.push_back(row_.inside(i) ? row_.turn(i) : 0);
-    if (row_.count() > few) noise_ = noise_across(points, closed);
+      : points_(points), sequence_(points, closed), angle_(angle) {
+    for (int i = 0; i < sequence_.count(); ++i)
+      turning_angles_.push_back(sequence_.inside(i) ? sequence_.turning_angle(i) : 0);
+    if (sequence_.count() > kFewPoints) noise_ = estimate_noise(points, closed);
   }
 
   std::vector<int> run() {
     std::vector<int> found;
     if (is_polygon()) {
-      for (int i = 0; i < row_.count(); ++i) found.push_back(i);
+      for (int i = 0; i < sequence_.count(); ++i) found.push_back(i);
       return found;
     }
-    if (row_.count() <= few) return in_points();
+    if (sequence_.count() <= kFewPoints) return find_by_turning_angle();
     // Corners are no noise: it is estimated again without them.
-    constexpr int most_rounds = 4;
-    for (int round = 0; round < most_rounds; ++round) {
+    constexpr int max_rounds = 4;
+    for (int round = 0; round < max_rounds; ++round) {
       if (round > 0) {
-        const double before = std::exchange(noise_, noise_across(points_, row_.closed(), found));
+        const double before =
+            std::exchange(noise_, estimate_noise(points_, sequence_.closed(), found));
         constexpr double same = 0.02;
         if (std::abs(noise_ - before) <= same * before) break;
       }
-      const std::vector<int> again = is_noisy() ? in_noise(in_points()) : in_points();
+      const std::vector<int> again =
+          is_noisy() ? find_in_noise(find_by_turning_angle()) : find_by_turning_angle();
       if (round > 0 && again == found) break;
       found = again;
     }
@@ -82,16 +87,17 @@ class CornerSearch {
 
   // Whether a closed list turns so much at every point that it can only be a polygon.
   bool is_polygon() const {
-    return row_.closed() && std::all_of(turn_.begin(), turn_.end(),
-                                        [](double turn) { return turn >= polygon_turn_by; });
+    return sequence_.closed() &&
+           std::all_of(turning_angles_.begin(), turning_angles_.end(),
+                       [](double turning_angle) { return turning_angle >= kPolygonTurn; });
   }
 
   // Whether turns of `angle` between neighbours may be noise.
   bool is_noisy() const {
     std::vector<double> steps;
-    for (int i = 0; i + 1 < row_.count(); ++i) steps.push_back(row_.step(i));
+    for (int i = 0; i + 1 < sequence_.count(); ++i) steps.push_back(sequence_.step(i));
     std::nth_element(steps.begin(), steps.begin() + steps.size() / 2, steps.end());
-    return errors * error_of_turn(steps[steps.size() / 2]) > angle_;
+    return kStandardErrors * error_of_turn(steps[steps.size() / 2]) > angle_;
   }
 
  private:
@@ -102,76 +108,85 @@ class CornerSearch {
   // The turn beside point i, on one side, and what it would be there if it went on growing as it
   // does. Negative: nothing is known.
   struct Beside {
-    double turn = -1, grown = -1;
+    double turning_angle = -1, grown = -1;
   };
   Beside beside(int i, int side) const {
-    if (!row_.inside(i + side)) return {};
-    const double next = turn_at(i + side);
+    if (!sequence_.inside(i + side)) return {};
+    const double next = turning_angle_at(i + side);
     constexpr double none = 0.5, most_growth = 3;  // degrees; ratio
-    if (!row_.inside(i + 2 * side) || next <= 2 * none) return {next, next};
-    const double behind = std::max(turn_at(i + 2 * side), none);
+    if (!sequence_.inside(i + 2 * side) || next <= 2 * none) return {next, next};
+    const double behind = std::max(turning_angle_at(i + 2 * side), none);
     return {next, next * std::clamp(next / behind, 1.0, most_growth)};
   }
-  double turn_at(int i) const { return turn_[static_cast<size_t>(row_.number(i))]; }
+  double turning_angle_at(int i) const {
+    return turning_angles_[static_cast<size_t>(sequence_.number(i))];
+  }
 
   bool is_corner(int i) const {
-    const double before = row_.step(i - 1), after = row_.step(i);
+    const double before = sequence_.step(i - 1), after = sequence_.step(i);
     const double error = error_of_turn(std::min(before, after));
-    const bool is_short = row_.count() <= few;
-    const double turn = turn_at(i);
-    if (turn <= std::max(is_short ? std::max(angle_, few_turn_by) : angle_, errors * error))
+    const bool is_short = sequence_.count() <= kFewPoints;
+    const double turning_angle = turning_angle_at(i);
+    if (turning_angle <=
+        std::max(is_short ? std::max(angle_, kMinTurnFewPoints) : angle_, kStandardErrors * error))
       return false;
     const Beside left = beside(i, -1), right = beside(i, 1);
-    const double next = std::max(left.turn, right.turn), grown = std::max(left.grown, right.grown);
+    const double next = std::max(left.turning_angle, right.turning_angle),
+                 grown = std::max(left.grown, right.grown);
     // Towards a nose turns grow from both sides.
-    const bool nose = std::min(left.grown, right.grown) > 0.8 * turn && next < 0.5 * turn;
-    if (turn > sharp) return !nose;
+    const bool nose =
+        std::min(left.grown, right.grown) > 0.8 * turning_angle && next < 0.5 * turning_angle;
+    if (turning_angle > kSharpTurn) return !nose;
     if (ends_in_nose(i)) return false;
     const auto [less, more] = std::minmax(before, after);
-    if (turn - errors * error > uneven_turn_by && more > uneven * less) return true;
+    if (turning_angle - kStandardErrors * error > kUnevenTurn && more > kUnevenRatio * less)
+      return true;
     if (next < 0) return false;
-    if (is_short && std::min(left.turn, right.turn) < 0 && turn < at_end_turn_by) return false;
-    return turn > std::max((is_short ? 3 : 2.2) * next, 1.2 * grown) &&
-           turn - grown > errors * error;
+    if (is_short && std::min(left.turning_angle, right.turning_angle) < 0 &&
+        turning_angle < kMinTurnAtEnd)
+      return false;
+    return turning_angle > std::max((is_short ? 3 : 2.2) * next, 1.2 * grown) &&
+           turning_angle - grown > kStandardErrors * error;
   }
 
   // Half of a section ends at its nose: turns grow steadily towards the last chord.
   bool ends_in_nose(int i) const {
-    const int side = !row_.inside(i - 1) ? 1 : -1;
-    if (row_.inside(i - side)) return false;
+    const int side = !sequence_.inside(i - 1) ? 1 : -1;
+    if (sequence_.inside(i - side)) return false;
     constexpr int places = 4;
     constexpr double growth = 1.2, none = 0.5;  // degrees
     for (int k = 0; k + 1 < places; ++k) {
-      if (!row_.inside(i + side * (k + 1))) return false;
-      const double here = turn_at(i + side * k), behind = turn_at(i + side * (k + 1));
+      if (!sequence_.inside(i + side * (k + 1))) return false;
+      const double here = turning_angle_at(i + side * k),
+                   behind = turning_angle_at(i + side * (k + 1));
       if (behind < none || here < growth * behind) return false;
     }
     return true;
   }
 
-  std::vector<int> in_points() const {
+  std::vector<int> find_by_turning_angle() const {
     std::vector<int> found;
-    for (int i = 0; i < row_.count(); ++i)
-      if (row_.inside(i) && is_corner(i)) found.push_back(i);
+    for (int i = 0; i < sequence_.count(); ++i)
+      if (sequence_.inside(i) && is_corner(i)) found.push_back(i);
     return found;
   }
 
   // Adds those that arms on both sides tell, the surest first; arms end at corners.
-  std::vector<int> in_noise(std::vector<int> found) {
-    struct Told {
+  std::vector<int> find_in_noise(std::vector<int> found) {
+    struct ArmGain {
       int before, behind;
       double gain;
     };
-    std::map<int, Told> told;
+    std::map<int, ArmGain> gains;
     if (likely_.empty()) find_likely();
     for (;;) {
       int best = -1;
-      double most = sure;
-      for (int i = 0; i < row_.count(); ++i) {
+      double most = kCertainGain;
+      for (int i = 0; i < sequence_.count(); ++i) {
         const int before = reach(i, -1, found), behind = reach(i, 1, found);
         constexpr int fewest = 2;
         if (before < fewest || behind < fewest) continue;
-        Told& t = told.try_emplace(i, Told{-1, -1, 0}).first->second;
+        ArmGain& t = gains.try_emplace(i, ArmGain{-1, -1, 0}).first->second;
         if (t.before != before || t.behind != behind)
           t = {before, behind, gain_at(i, before, behind, false)};
         if (t.gain > most) {
@@ -189,13 +204,14 @@ class CornerSearch {
   int refined(int i, const std::vector<int>& found) {
     int best = i;
     double most = 0;
-    for (int k = i - stride(longest); k <= i + stride(longest); ++k) {
-      if (!row_.inside(k)) continue;
-      const int before = reach(row_.number(k), -1, found), behind = reach(row_.number(k), 1, found);
-      const double gain = gain_at(row_.number(k), before, behind, true);
+    for (int k = i - stride(kMaxArm); k <= i + stride(kMaxArm); ++k) {
+      if (!sequence_.inside(k)) continue;
+      const int before = reach(sequence_.number(k), -1, found),
+                behind = reach(sequence_.number(k), 1, found);
+      const double gain = gain_at(sequence_.number(k), before, behind, true);
       if (gain > most) {
         most = gain;
-        best = row_.number(k);
+        best = sequence_.number(k);
       }
     }
     return best;
@@ -204,8 +220,9 @@ class CornerSearch {
   // Points from i to the next corner or end.
   int reach(int i, int side, const std::vector<int>& found) const {
     int k = 0;
-    while (k < longest && k < row_.count() / 2 && row_.has(i + side * (k + 1)) &&
-           (k == 0 || !std::binary_search(found.begin(), found.end(), row_.number(i + side * k))))
+    while (
+        k < kMaxArm && k < sequence_.count() / 2 && sequence_.has(i + side * (k + 1)) &&
+        (k == 0 || !std::binary_search(found.begin(), found.end(), sequence_.number(i + side * k))))
       ++k;
     return std::binary_search(found.begin(), found.end(), i) ? 0 : k;
   }
@@ -219,33 +236,33 @@ class CornerSearch {
   // through both arms turn by half of the angle at least, and by nearly as much as anywhere near.
   void find_likely() {
     likely_.clear();
-    const int n = row_.count(), margin = row_.closed() ? longest : 0;
+    const int n = sequence_.count(), margin = sequence_.closed() ? kMaxArm : 0;
     std::vector<Vec3> sum(1, Vec3::Zero()), moment = sum;  // of the points, and of k times them
     for (int k = -margin; k < n + margin; ++k) {
-      sum.push_back(sum.back() + row_.at(k) - row_.at(0));
-      moment.push_back(moment.back() + k * (row_.at(k) - row_.at(0)));
+      sum.push_back(sum.back() + sequence_.at(k) - sequence_.at(0));
+      moment.push_back(moment.back() + k * (sequence_.at(k) - sequence_.at(0)));
     }
     const auto direction = [&](int from, int to) -> Vec3 {
       const auto a = static_cast<size_t>(from + margin), b = static_cast<size_t>(to + margin + 1);
       return moment[b] - moment[a] - 0.5 * (from + to) * (sum[b] - sum[a]);
     };
-    for (int m = 2; m <= std::min(longest, n / 2); m = longer(m)) {
-      std::vector<double> turn(static_cast<size_t>(n));
+    for (int m = 2; m <= std::min(kMaxArm, n / 2); m = longer(m)) {
+      std::vector<double> turning_angle(static_cast<size_t>(n));
       for (int i = 0; i < n; ++i) {
-        const int first = row_.closed() ? m : std::min(m, i),
-                  last = row_.closed() ? m : std::min(m, n - 1 - i);
+        const int first = sequence_.closed() ? m : std::min(m, i),
+                  last = sequence_.closed() ? m : std::min(m, n - 1 - i);
         if (first > 0 && last > 0)
-          turn[static_cast<size_t>(i)] =
+          turning_angle[static_cast<size_t>(i)] =
               degrees_between(direction(i - first, i), direction(i, i + last));
       }
-      std::vector<char>& likely = likely_.emplace_back(turn.size());
+      std::vector<char>& likely = likely_.emplace_back(turning_angle.size());
       constexpr double nearly = 0.8;
       for (int i = 0; i < n; ++i) {
-        const double here = turn[static_cast<size_t>(i)];
+        const double here = turning_angle[static_cast<size_t>(i)];
         bool most = here >= 0.5 * angle_;
         for (int k = -m / 2; k <= m / 2 && most; ++k)
-          if (row_.has(i + k))
-            most = here >= nearly * turn[static_cast<size_t>(row_.number(i + k))];
+          if (sequence_.has(i + k))
+            most = here >= nearly * turning_angle[static_cast<size_t>(sequence_.number(i + k))];
         likely[static_cast<size_t>(i)] = most;
       }
     }
@@ -259,8 +276,8 @@ class CornerSearch {
       if (!every_place && i % stride(m) != 0) continue;
       const int first = std::min(m, before), last = std::min(m, behind);
       Points near(first + last + 1, 3);
-      for (int k = -first; k <= last; ++k) near.row(k + first) = row_.at(i + k);
-      const double gain = arms_.gain(near, first, noise_, angle_, std::max(best, sure));
+      for (int k = -first; k <= last; ++k) near.row(k + first) = sequence_.at(i + k);
+      const double gain = arms_.gain(near, first, noise_, angle_, std::max(best, kCertainGain));
       if (gain < 0) break;
       best = std::max(best, gain);
     }
@@ -268,17 +285,17 @@ class CornerSearch {
   }
 
   const std::vector<Vec3>& points_;
-  Row row_;
+  CyclicSequence sequence_;
   double angle_, noise_ = 0;
-  std::vector<double> turn_;
+  std::vector<double> turning_angles_;
   std::vector<std::vector<char>> likely_;  // by length of arms and point
-  TwoArms arms_;
+  CornerLikelihoodTest arms_;
 };
 
 // Points that all but repeat the one before say nothing about directions.
 std::vector<int> distinct(const std::vector<Vec3>& points) {
   std::vector<int> kept;
-  const int n = count_of(points);
+  const int n = isize(points);
   constexpr double a_part = 0.05;
   std::vector<double> steps;
   for (int i = 0; i + 1 < n; ++i) steps.push_back((points[i + 1] - points[i]).norm());
@@ -296,7 +313,7 @@ std::vector<int> distinct(const std::vector<Vec3>& points) {
 }  // namespace
 
 std::vector<int> find_corners(const std::vector<Vec3>& points, bool closed, double angle,
-                              int tremor) {
+                              int block_size) {
   if (points.size() < 3 || angle >= 180) return {};
   const std::vector<int> kept = distinct(points);
   std::vector<Vec3> row;
@@ -304,13 +321,13 @@ std::vector<int> find_corners(const std::vector<Vec3>& points, bool closed, doub
   std::vector<int> corners;
   constexpr int most = 300;
   CornerSearch search(row, closed, angle);
-  int each = tremor;
+  int each = block_size;
   if (search.is_noisy()) each = std::max(each, static_cast<int>((row.size() + most - 1) / most));
   std::vector<int> found;
   if (each > 1) {
-    const std::vector<Vec3> some = means(row, each);
+    const std::vector<Vec3> some = block_means(row, each);
     for (const int c : CornerSearch(some, closed, angle).run())
-      found.push_back(static_cast<int>((c + 0.5) * count_of(row) / count_of(some)));
+      found.push_back(static_cast<int>((c + 0.5) * isize(row) / isize(some)));
   } else {
     found = search.run();
   }

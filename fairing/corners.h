@@ -29,10 +29,10 @@ namespace batten {
 /// fifth differences across the line. At most about three hundred points are looked at then: means
 /// of neighbours stand for more.
 ///
-/// `tremor`: of so many points means tell corners, where neighbours are known to share their noise.
+/// `block_size`: of so many points means tell corners, where neighbours are known to share their noise.
 ///
 /// Cost: O(points); with noise up to some tens of milliseconds.
 std::vector<int> find_corners(const std::vector<Vec3>& points, bool closed, double angle,
-                              int tremor = 1);
+                              int block_size = 1);
 
 }  // namespace batten

@@ -6,7 +6,7 @@
 
 #include "batten/core/box.h"
 #include "batten/core/errors.h"
-#include "batten/core/index.h"
+#include "batten/core/isize.h"
 #include "batten/elements/quadrature.h"
 #include "batten/fairing/curvature_minimizer.h"
 #include "batten/fem/closest_on_curve.h"
@@ -21,22 +21,24 @@ constexpr double kEven = 1e-4, kStill = 1e-5;
 // Stiffness of a spring along the curve over that across it, a root.
 constexpr double kAlong = 0.3;
 
-void check(const CurvatureOptions& o) {
+void check(const CurvatureFairingOptions& o) {
   const auto require = [](bool good, const char* name, double found, const char* expected) {
     if (!good)
-      throw InputError(std::string(name) + " is " + number(found) + ", expected " + expected);
+      throw InputError(std::string(name) + " is " + format_number(found) + ", expected " +
+                       expected);
   };
   require(o.tolerance > 0 && std::isfinite(o.tolerance), "tolerance", o.tolerance,
           "a length above 0");
   require(o.segments > 0, "segments", o.segments, "1 or more");
   require(o.length_weight >= 0 && std::isfinite(o.length_weight), "length_weight", o.length_weight,
           "0 or more");
-  require(o.evenness > 0 && std::isfinite(o.evenness), "evenness", o.evenness, "a number above 0");
-  require(o.most_rounds > 0, "most_rounds", o.most_rounds, "1 or more");
-  require(o.most_iterations > 0, "most_iterations", o.most_iterations, "1 or more");
+  require(o.parametrization_weight > 0 && std::isfinite(o.parametrization_weight), "evenness",
+          o.parametrization_weight, "a number above 0");
+  require(o.max_rounds > 0, "most_rounds", o.max_rounds, "1 or more");
+  require(o.max_iterations > 0, "most_iterations", o.max_iterations, "1 or more");
 }
 
-void check(const HermiteCurve& start, const std::vector<CurveHold>& holds,
+void check(const HermiteCurve& start, const std::vector<FixedCurvePoint>& holds,
            const std::vector<CurveSpring>& springs) {
   if (start.node_count() < 2) throw InputError("a curve to be faired has no nodes");
   if (!start.mesh().corners().empty())
@@ -60,7 +62,7 @@ struct Frame {
     constexpr int samples = 8;
     for (int i = 0; i < curve.segment_count(); ++i)
       for (int k = 0; k <= samples; ++k)
-        box.extend(curve.evaluate(CurveMesh::Where{i, static_cast<double>(k) / samples}));
+        box.extend(curve.evaluate(CurveMesh::SegmentPoint{i, static_cast<double>(k) / samples}));
     origin = box.center();
     size = box.diagonal().norm();
     if (!(size > 0)) throw InputError("a curve of length zero cannot be faired");
@@ -73,12 +75,13 @@ struct Nodes {
   std::vector<int> node_of;
 };
 
-Nodes place_nodes(const HermiteCurve& start, const std::vector<CurveHold>& holds, int segments) {
+Nodes place_nodes(const HermiteCurve& start, const std::vector<FixedCurvePoint>& holds,
+                  int segments) {
   std::vector<double> cuts = {start.start(), start.end()};
-  for (const CurveHold& hold : holds) {
+  for (const FixedCurvePoint& hold : holds) {
     if (!(hold.u >= start.start() && hold.u <= start.end()))
-      throw InputError("a curve is held at u = " + number(hold.u) + ", outside its " +
-                       number(start.start()) + " to " + number(start.end()));
+      throw InputError("a curve is held at u = " + format_number(hold.u) + ", outside its " +
+                       format_number(start.start()) + " to " + format_number(start.end()));
     if (start.closed() && hold.u == start.end())
       throw InputError("the end of a closed curve is its start: hold it there");
     cuts.push_back(hold.u);
@@ -88,8 +91,8 @@ Nodes place_nodes(const HermiteCurve& start, const std::vector<CurveHold>& holds
   const double shortest = 1e-9 * (start.end() - start.start());
   for (size_t i = 0; i + 1 < cuts.size(); ++i)
     if (cuts[i + 1] - cuts[i] < shortest)
-      throw InputError("a curve is held twice near u = " + number(cuts[i]));
-  const int spans = count_of(cuts) - 1, least = std::max(spans, start.closed() ? 2 : 1);
+      throw InputError("a curve is held twice near u = " + format_number(cuts[i]));
+  const int spans = isize(cuts) - 1, least = std::max(spans, start.closed() ? 2 : 1);
   if (segments < least)
     throw InputError(std::to_string(segments) + " segments, expected at least " +
                      std::to_string(least) + ": one between held points");
@@ -108,7 +111,7 @@ Nodes place_nodes(const HermiteCurve& start, const std::vector<CurveHold>& holds
     for (int k = 0; k < count[s]; ++k)
       nodes.u.push_back(cuts[s] + (cuts[s + 1] - cuts[s]) * k / count[s]);
   nodes.u.push_back(cuts.back());
-  for (const CurveHold& hold : holds)
+  for (const FixedCurvePoint& hold : holds)
     nodes.node_of.push_back(static_cast<int>(
         std::lower_bound(nodes.u.begin(), nodes.u.end(), hold.u) - nodes.u.begin()));
   return nodes;
@@ -133,7 +136,7 @@ QuinticCurve quintic_start(const HermiteCurve& start, const Frame& frame, const 
     const double u = nodes.u[i];
     const Vec3 d1 = start.evaluate(u, 1);
     const double speed = d1.norm();
-    if (!(speed > 0)) throw InputError("the curve has no direction at u = " + number(u));
+    if (!(speed > 0)) throw InputError("the curve has no direction at u = " + format_number(u));
     const Vec3 t = d1 / speed;
     const Vec3 bend = 0.5 * (start.evaluate(u - aside, 2) + start.evaluate(u + aside, 2));
     dofs.row(3 * i) = (start.evaluate(u) - frame.origin) / frame.size;
@@ -183,7 +186,7 @@ double nearest_parameter(const QuinticCurve& curve, const Vec3& p) {
 // nearest point of the result they have no such part, but without it a step would slide far along
 // tangents that are not yet those of the result. Returns how far the nearest points moved.
 double move_springs(const std::vector<CurveSpring>& given, const Frame& frame,
-                    CurvatureProblem& problem) {
+                    CurvatureMinimization& problem) {
   const QuinticCurve& curve = problem.curve;
   double moved = 0;
   const auto before = std::move(problem.springs);
@@ -195,7 +198,7 @@ double move_springs(const std::vector<CurveSpring>& given, const Frame& frame,
     const bool end =
         !curve.closed() && (u == curve.parameters().front() || u == curve.parameters().back());
     const Mat3 across = Mat3::Identity() - (end ? 0 : 1 - kAlong) * t * t.transpose();
-    problem.springs.push_back({curve.where(u), p, std::sqrt(given[i].stiffness) * across});
+    problem.springs.push_back({curve.locate(u), p, std::sqrt(given[i].stiffness) * across});
     if (!before.empty())
       moved = std::max(
           moved, (curve.evaluate(problem.springs[i].at) - curve.evaluate(before[i].at)).norm());
@@ -218,8 +221,8 @@ QuinticCurve in_model_units(const QuinticCurve& curve, const Frame& frame) {
 // One curve on its way to the least functional.
 class CurvatureFairing {
  public:
-  CurvatureFairing(const HermiteCurve& start, const std::vector<CurveHold>& holds,
-                   const std::vector<CurveSpring>& springs, const CurvatureOptions& options)
+  CurvatureFairing(const HermiteCurve& start, const std::vector<FixedCurvePoint>& holds,
+                   const std::vector<CurveSpring>& springs, const CurvatureFairingOptions& options)
       : start_(start),
         holds_(holds),
         springs_(springs),
@@ -229,22 +232,22 @@ class CurvatureFairing {
     problem_.curve = quintic_start(start, frame_, nodes_);
     problem_.functional = options.functional;
     problem_.length_weight = options.length_weight;
-    problem_.evenness = options.evenness;
-    problem_.most_iterations = options.most_iterations;
-    problem_.holds_position.assign(problem_.curve.node_count(), 0);
-    problem_.holds_tangent.assign(problem_.curve.node_count(), 0);
+    problem_.parametrization_weight = options.parametrization_weight;
+    problem_.max_iterations = options.max_iterations;
+    problem_.fixed_position.assign(problem_.curve.node_count(), 0);
+    problem_.fixed_tangent.assign(problem_.curve.node_count(), 0);
     for (size_t i = 0; i < holds.size(); ++i) {
-      if (holds[i].position) problem_.holds_position[nodes_.node_of[i]] = 1;
-      if (holds[i].tangent) problem_.holds_tangent[nodes_.node_of[i]] = 1;
+      if (holds[i].position) problem_.fixed_position[nodes_.node_of[i]] = 1;
+      if (holds[i].tangent) problem_.fixed_tangent[nodes_.node_of[i]] = 1;
     }
   }
 
-  CurvatureCurve run() {
+  CurvatureFairingResult run() {
     result_.start_functional =
         curvature_functional(in_model_units(problem_.curve, frame_), options_.functional);
     minimize_in_rounds();
     finish_curves();
-    measure_holds();
+    measure_fixed_points();
     measure_deviation();
     return std::move(result_);
   }
@@ -255,7 +258,7 @@ class CurvatureFairing {
     bool still_now = false;
     double last_change = 1e300;
     move_springs(springs_, frame_, problem_);
-    while (result_.rounds < options_.most_rounds && !still_now) {
+    while (result_.rounds < options_.max_rounds && !still_now) {
       minimize_once(start_length);
       QuinticCurve even = problem_.curve;
       // Few segments cannot be as even as that: then it is enough that they get no more so.
@@ -263,14 +266,14 @@ class CurvatureFairing {
       const bool even_now = change < kEven || change > 0.5 * last_change;
       last_change = change;
       still_now = move_springs(springs_, frame_, problem_) < kStill && even_now;
-      if (!still_now && result_.rounds < options_.most_rounds) problem_.curve = std::move(even);
+      if (!still_now && result_.rounds < options_.max_rounds) problem_.curve = std::move(even);
     }
     result_.converged = result_.converged && still_now;
   }
 
   void minimize_once(double start_length) {
     constexpr double out_of_bounds = 50;
-    const CurvatureMinimum minimum = minimize(problem_);
+    const CurvatureMinimizationResult minimum = minimize(problem_);
     ++result_.rounds;
     result_.iterations += minimum.iterations;
     result_.converged = minimum.converged;
@@ -292,9 +295,9 @@ class CurvatureFairing {
     result_.curve = result_.quintic.cubics(options_.tolerance);
   }
 
-  void measure_holds() {
+  void measure_fixed_points() {
     for (size_t i = 0; i < holds_.size(); ++i) {
-      const CurveHold& hold = holds_[i];
+      const FixedCurvePoint& hold = holds_[i];
       const double u = result_.quintic.parameters()[nodes_.node_of[i]];
       result_.parameters.push_back(u);
       const Vec3 x = start_.evaluate(hold.u), t = start_.evaluate(hold.u, 1).normalized();
@@ -318,13 +321,13 @@ class CurvatureFairing {
   }
 
   const HermiteCurve& start_;
-  const std::vector<CurveHold>& holds_;
+  const std::vector<FixedCurvePoint>& holds_;
   const std::vector<CurveSpring>& springs_;
-  const CurvatureOptions& options_;
+  const CurvatureFairingOptions& options_;
   Frame frame_;
   Nodes nodes_;
-  CurvatureProblem problem_;
-  CurvatureCurve result_;
+  CurvatureMinimization problem_;
+  CurvatureFairingResult result_;
 };
 
 }  // namespace
@@ -341,9 +344,10 @@ double curvature_functional(const QuinticCurve& curve, CurveFunctional functiona
   return sum;
 }
 
-CurvatureCurve fair_curvature(const HermiteCurve& start, const std::vector<CurveHold>& holds,
-                              const std::vector<CurveSpring>& springs,
-                              const CurvatureOptions& options) {
+CurvatureFairingResult fair_curvature(const HermiteCurve& start,
+                                      const std::vector<FixedCurvePoint>& holds,
+                                      const std::vector<CurveSpring>& springs,
+                                      const CurvatureFairingOptions& options) {
   check(options);
   check(start, holds, springs);
   return CurvatureFairing(start, holds, springs, options).run();

@@ -10,7 +10,7 @@
 
 namespace batten {
 
-struct CurvatureOptions {
+struct CurvatureFairingOptions {
   CurveFunctional functional = CurveFunctional::Variation;
   /// Largest distance of the returned cubics from the quintic curve; model units, above 0.
   double tolerance = 0;
@@ -22,13 +22,13 @@ struct CurvatureOptions {
   /// Weight of ∫ (d ln|X'| / du)² du on the curve scaled to size 1, above 0. The functionals leave
   /// the parameter free; this keeps the speed even. Every shape has a parameter of even speed, so
   /// it hardly acts on the shape: docs/theory/curvature-fairing.md.
-  double evenness = 1e-3;
-  int most_rounds = 12;       ///< parameters made even and springs moved, see below
-  int most_iterations = 500;  ///< iterations of Ceres in a round
+  double parametrization_weight = 1e-3;
+  int max_rounds = 12;       ///< parameters made even and springs moved, see below
+  int max_iterations = 500;  ///< iterations of Ceres in a round
 };
 
 /// A parameter of the starting curve at which it is held.
-struct CurveHold {
+struct FixedCurvePoint {
   double u = 0;
   bool position = true;  ///< stays where it is
   bool tangent = false;  ///< keeps its direction; its speed is free and positive
@@ -41,7 +41,7 @@ struct CurveSpring {
   double stiffness = 1;  ///< pure number, above 0
 };
 
-struct CurvatureCurve {
+struct CurvatureFairingResult {
   HermiteCurve curve;              ///< C1 cubics, u arc length to a few digits
   QuinticCurve quintic;            ///< what was minimised, C2, same u
   std::vector<double> parameters;  ///< parameter of each hold, in their order
@@ -74,12 +74,13 @@ double curvature_functional(const QuinticCurve& curve, CurveFunctional functiona
 /// twice at one place, fewer segments than the holds need, neither two held points nor two springs,
 /// a spring that is not finite. NoSolutionError: the curve grows without bound. Cost: about
 /// O(segments · iterations), 20 µs each; fifty to a few hundred iterations.
-CurvatureCurve fair_curvature(const HermiteCurve& start, const std::vector<CurveHold>& holds,
-                              const std::vector<CurveSpring>& springs,
-                              const CurvatureOptions& options);
+CurvatureFairingResult fair_curvature(const HermiteCurve& start,
+                                      const std::vector<FixedCurvePoint>& holds,
+                                      const std::vector<CurveSpring>& springs,
+                                      const CurvatureFairingOptions& options);
 
 /// A point that the curve passes through exactly, and its direction there if that is given.
-struct CurvaturePoint {
+struct CurveThroughPoint {
   Vec3 position;
   std::optional<Vec3> tangent = {};  ///< along the curve; its length does not matter
 };
@@ -88,7 +89,7 @@ struct CurvaturePoint {
 /// from cubics with the given tangents, others those of the circle through neighbouring points.
 /// Throws InputError as above, and: fewer than two points (closed: three), points that equal the
 /// one before, a tangent of length zero, a number that is not finite.
-CurvatureCurve minimum_curvature_curve(const std::vector<CurvaturePoint>& points, bool closed,
-                                       const CurvatureOptions& options);
+CurvatureFairingResult minimum_curvature_curve(const std::vector<CurveThroughPoint>& points,
+                                               bool closed, const CurvatureFairingOptions& options);
 
 }  // namespace batten

@@ -41,27 +41,27 @@ T speed_change(const Eigen::Matrix<T, 3, 1>& d1, const Eigen::Matrix<T, 3, 1>& d
 ///     + Σ |S (X(at) - point)|²
 ///
 /// with some positions constant and some X' of constant direction.
-struct CurvatureProblem {
+struct CurvatureMinimization {
   struct Spring {
-    CurveMesh::Where at;
+    CurveMesh::SegmentPoint at;
     Vec3 point;
     Mat3 S;
   };
   QuinticCurve curve;
   CurveFunctional functional = CurveFunctional::Variation;
-  double length_weight = 0, evenness = 0;
-  std::vector<char> holds_position, holds_tangent;  ///< what each node holds
+  double length_weight = 0, parametrization_weight = 0;
+  std::vector<char> fixed_position, fixed_tangent;  ///< what each node holds
   std::vector<Spring> springs;
-  int most_iterations = 0;
+  int max_iterations = 0;
 };
 
-struct CurvatureMinimum {
+struct CurvatureMinimizationResult {
   Points dofs;
   int iterations = 0;
   bool converged = false;
 };
 
 /// Throws InputError in a build without Ceres.
-CurvatureMinimum minimize(const CurvatureProblem& problem);
+CurvatureMinimizationResult minimize(const CurvatureMinimization& problem);
 
 }  // namespace batten

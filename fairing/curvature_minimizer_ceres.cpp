@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "batten/core/errors.h"
-#include "batten/core/index.h"
+#include "batten/core/isize.h"
 #include "batten/elements/quadrature.h"
 #include "batten/fairing/curvature_minimizer.h"
 
@@ -22,10 +22,10 @@ bool sensible(double speed_squared) { return speed_squared > 1e-8 && speed_squar
 // Residuals of one segment over the six blocks X, X', X'' of its ends.
 class SegmentCost : public ceres::CostFunction {
  public:
-  SegmentCost(const CurvatureProblem& problem, int segment)
+  SegmentCost(const CurvatureMinimization& problem, int segment)
       : functional_(problem.functional),
         length_weight_(problem.length_weight),
-        evenness_(problem.evenness) {
+        parametrization_weight_(problem.parametrization_weight) {
     const double h = problem.curve.length(segment);
     static const SegmentRule rule = gauss_legendre(kGaussPoints);
     for (long p = 0; p < rule.s.size(); ++p) {
@@ -53,7 +53,7 @@ class SegmentCost : public ceres::CostFunction {
       if (!sensible(d[0].dot(d[0]).a)) return false;
       const Jet3 root = curvature_root<Jet>(functional_, d[0], d[1], d[2]);
       Jet rows[5] = {root[0], root[1], root[2],
-                     speed_change<Jet>(d[0], d[1]) * std::sqrt(evenness_), Jet(0.0)};
+                     speed_change<Jet>(d[0], d[1]) * std::sqrt(parametrization_weight_), Jet(0.0)};
       if (length_weight_ > 0) rows[4] = sqrt(sqrt(d[0].dot(d[0]))) * std::sqrt(length_weight_);
       for (int r = 0; r < rows_each(); ++r) {
         const long row = static_cast<long>(p) * rows_each() + r;
@@ -80,13 +80,13 @@ class SegmentCost : public ceres::CostFunction {
   int rows_each() const { return length_weight_ > 0 ? 5 : 4; }
 
   CurveFunctional functional_;
-  double length_weight_, evenness_;
+  double length_weight_, parametrization_weight_;
   std::vector<Point> points_;
 };
 
 class SpringCost : public ceres::SizedCostFunction<3, 3, 3, 3, 3, 3, 3> {
  public:
-  SpringCost(const CurvatureProblem& problem, const CurvatureProblem::Spring& spring)
+  SpringCost(const CurvatureMinimization& problem, const CurvatureMinimization::Spring& spring)
       : H_(quintic_functions(problem.curve.length(spring.at.segment), spring.at.s)),
         spring_(spring) {}
 
@@ -102,7 +102,7 @@ class SpringCost : public ceres::SizedCostFunction<3, 3, 3, 3, 3, 3, 3> {
 
  private:
   Eigen::Matrix<double, 6, 1> H_;
-  CurvatureProblem::Spring spring_;
+  CurvatureMinimization::Spring spring_;
 };
 
 // The ray of positive multiples of a vector: x ⊕ δ = x (δ + √(1 + δ²)), which no step overflows.
@@ -199,7 +199,7 @@ class InGaussNewtonMetric : public ceres::FirstOrderFunction {
 using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>;
 
 // The blocks of `problem` are the rows of x.
-void set_up(const CurvatureProblem& given, RowMajor& x, ceres::Problem& problem) {
+void set_up(const CurvatureMinimization& given, RowMajor& x, ceres::Problem& problem) {
   const auto blocks = [&](int segment) {
     std::vector<double*> all;
     for (const int node : {segment, given.curve.node_after(segment)})
@@ -211,37 +211,38 @@ void set_up(const CurvatureProblem& given, RowMajor& x, ceres::Problem& problem)
   for (const auto& spring : given.springs)
     problem.AddResidualBlock(new SpringCost(given, spring), nullptr, blocks(spring.at.segment));
   for (int node = 0; node < given.curve.node_count(); ++node) {
-    if (given.holds_position[node]) problem.SetParameterBlockConstant(x.row(3L * node).data());
-    if (given.holds_tangent[node]) problem.SetManifold(x.row(3L * node + 1).data(), new Ray);
+    if (given.fixed_position[node]) problem.SetParameterBlockConstant(x.row(3L * node).data());
+    if (given.fixed_tangent[node]) problem.SetManifold(x.row(3L * node + 1).data(), new Ray);
   }
 }
 
 // By Levenberg and Marquardt's method.
-void come_near(int most_iterations, ceres::Problem& problem, CurvatureMinimum& minimum) {
+void solve_levenberg_marquardt(int max_iterations, ceres::Problem& problem,
+                               CurvatureMinimizationResult& minimum) {
   ceres::Solver::Options options;
   options.linear_solver_type = ceres::SPARSE_NORMAL_CHOLESKY;
   options.sparse_linear_algebra_library_type = ceres::EIGEN_SPARSE;
   options.num_threads = 1;
   options.logging_type = ceres::SILENT;
-  options.max_num_iterations = most_iterations;
+  options.max_num_iterations = max_iterations;
   options.function_tolerance = 1e-15;
   options.gradient_tolerance = 1e-12;
   options.parameter_tolerance = 1e-13;
   ceres::Solver::Summary summary;
   ceres::Solve(options, &problem, &summary);
-  minimum.iterations = count_of(summary.iterations);
+  minimum.iterations = isize(summary.iterations);
   minimum.converged = summary.termination_type == ceres::CONVERGENCE;
 }
 
 // By BFGS, from a point near the minimum.
-void descend(int most_iterations, ceres::Problem& problem, CurvatureMinimum& minimum) {
+void solve_bfgs(int max_iterations, ceres::Problem& problem, CurvatureMinimizationResult& minimum) {
   auto* metric = new InGaussNewtonMetric(problem);
   const ceres::GradientProblem in_metric(metric);  // owns it
   if (!metric->regular()) return;
   ceres::GradientProblemSolver::Options descent;
   descent.line_search_direction_type = ceres::LBFGS;
   descent.max_lbfgs_rank = 100;
-  descent.max_num_iterations = most_iterations;
+  descent.max_num_iterations = max_iterations;
   descent.function_tolerance = 1e-16;
   descent.gradient_tolerance = 1e-10;
   descent.parameter_tolerance = 1e-14;
@@ -250,7 +251,7 @@ void descend(int most_iterations, ceres::Problem& problem, CurvatureMinimum& min
   VecX z = VecX::Zero(metric->NumParameters());
   ceres::Solve(descent, in_metric, z.data(), &found);
   metric->move(z.data());
-  minimum.iterations += count_of(found.iterations);
+  minimum.iterations += isize(found.iterations);
   minimum.converged = found.termination_type == ceres::CONVERGENCE;
 }
 
@@ -258,17 +259,17 @@ void descend(int most_iterations, ceres::Problem& problem, CurvatureMinimum& min
 
 bool have_curvature_fairing() { return true; }
 
-CurvatureMinimum minimize(const CurvatureProblem& given) {
+CurvatureMinimizationResult minimize(const CurvatureMinimization& given) {
   RowMajor x = given.curve.dofs();
   ceres::Problem problem;
   set_up(given, x, problem);
   // Levenberg and Marquardt's method comes near from far; close to a minimum with curvature left it
   // gains a constant factor a step, and BFGS takes over.
   constexpr int least_squares_steps = 40;
-  CurvatureMinimum minimum;
-  come_near(std::min(least_squares_steps, given.most_iterations), problem, minimum);
-  if (!minimum.converged && minimum.iterations < given.most_iterations)
-    descend(given.most_iterations - minimum.iterations, problem, minimum);
+  CurvatureMinimizationResult minimum;
+  solve_levenberg_marquardt(std::min(least_squares_steps, given.max_iterations), problem, minimum);
+  if (!minimum.converged && minimum.iterations < given.max_iterations)
+    solve_bfgs(given.max_iterations - minimum.iterations, problem, minimum);
   minimum.dofs = x;
   return minimum;
 }

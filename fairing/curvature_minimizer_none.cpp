@@ -5,7 +5,7 @@ namespace batten {
 
 bool have_curvature_fairing() { return false; }
 
-CurvatureMinimum minimize(const CurvatureProblem&) {
+CurvatureMinimizationResult minimize(const CurvatureMinimization&) {
   throw InputError(
       "Batten was built without Ceres: curves of least curvature need it (BATTEN_WITH_CERES)");
 }

@@ -31,8 +31,9 @@ double arc_over(const Vec3& chord, const Vec3& t0, const Vec3& t1) {
 
 }  // namespace
 
-CurvatureCurve minimum_curvature_curve(const std::vector<CurvaturePoint>& points, bool closed,
-                                       const CurvatureOptions& options) {
+CurvatureFairingResult minimum_curvature_curve(const std::vector<CurveThroughPoint>& points,
+                                               bool closed,
+                                               const CurvatureFairingOptions& options) {
   const auto n = static_cast<long>(points.size());
   if (n < (closed ? 3 : 2))
     throw InputError("found " + std::to_string(n) + " points, expected at least " +
@@ -67,7 +68,7 @@ CurvatureCurve minimum_curvature_curve(const std::vector<CurvaturePoint>& points
   for (long i = 0; i + 1 < n + (closed ? 1 : 0); ++i)
     u.push_back(u.back() + arc_over(at(i + 1) - at(i), t[i], t[(i + 1) % n]));
   Points dofs(2 * n, 3);
-  std::vector<CurveHold> holds;
+  std::vector<FixedCurvePoint> holds;
   for (long i = 0; i < n; ++i) {
     dofs.row(2 * i) = at(i);
     dofs.row(2 * i + 1) = t[i];

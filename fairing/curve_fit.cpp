@@ -5,11 +5,11 @@
 #include <limits>
 #include <utility>
 
-#include "batten/core/chunks.h"
 #include "batten/core/errors.h"
-#include "batten/core/index.h"
+#include "batten/core/isize.h"
+#include "batten/core/parallel_chunks.h"
 #include "batten/fairing/curve_fit_problem.h"
-#include "batten/fairing/point_row.h"
+#include "batten/fairing/point_sequence.h"
 
 namespace batten {
 namespace {
@@ -67,7 +67,7 @@ std::vector<double> split_mesh(const Problem& fit, bool halve) {
   std::vector<double> u = fit.mesh.parameters();
   const size_t before = u.size();
   for (int s = 0; s < fit.mesh.segment_count(); ++s)
-    if (fit.off[s] > fit.tolerance)
+    if (fit.segment_errors[s] > fit.tolerance)
       if (const auto at = split_of(fit, curve, s, first[s], first[s + 1], halve))
         u.push_back(on_grid(*at, fit.mesh.end()));
   std::sort(u.begin(), u.end());
@@ -78,19 +78,22 @@ std::vector<double> split_mesh(const Problem& fit, bool halve) {
 
 // A node at every point, parameters by chord length: the spline of least bending through all
 // points. False when that was done before.
-bool interpolate(Problem& fit, const PointRow& row, const Corners& corners) {
-  if (std::all_of(fit.points.begin(), fit.points.end(), [](const FitPoint& p) { return p.kept; }))
+bool interpolate(Problem& fit, const PointSequence& row, const Corners& corners) {
+  if (std::all_of(fit.points.begin(), fit.points.end(),
+                  [](const FitPoint& p) { return p.fixed_parameter; }))
     return false;
-  std::vector<Held> held;
-  auto users = fit.held.begin();
+  std::vector<NodeConstraint> node_constraints;
+  auto given_constraint = fit.node_constraints.begin();
   for (int i = 0; i < row.count(); ++i) {
     FitPoint& p = fit.points[i];
     p.t = row.chord[i];
-    p.kept = true;
-    const bool is_users = users != fit.held.end() && users->u == p.t;
-    held.push_back(is_users ? *users++ : Held{p.t, p.x, {}, {}, true});
+    p.fixed_parameter = true;
+    const bool is_given =
+        given_constraint != fit.node_constraints.end() && given_constraint->u == p.t;
+    node_constraints.push_back(is_given ? *given_constraint++
+                                        : NodeConstraint{p.t, p.x, {}, {}, true});
   }
-  fit.held = std::move(held);
+  fit.node_constraints = std::move(node_constraints);
   fit.set_mesh(row.chord, corner_nodes(row.chord, corners));
   return true;
 }
@@ -98,18 +101,20 @@ bool interpolate(Problem& fit, const PointRow& row, const Corners& corners) {
 // Where the spline through all points still swings out: there the slopes are held too, to the mean
 // direction of the chords beside and not faster than the parameter, which bounds every bulge by a
 // third of its chord. False when that was done before.
-bool calm(Problem& fit) {
+bool clamp_slopes(Problem& fit) {
   const int n = fit.count(), nodes = fit.mesh.node_count();
   bool changed = false;
   for (int s = 0; s < fit.mesh.segment_count(); ++s) {
-    if (fit.off[s] <= fit.tolerance) continue;
+    if (fit.segment_errors[s] <= fit.tolerance) continue;
     for (const int node : {s, (s + 1) % nodes}) {
-      Held& held = fit.held[node];  // there is one for each point, and so for each node
-      if (held.slope_in || held.slope_out || fit.mesh.is_corner(node)) continue;
+      NodeConstraint& node_constraints =
+          fit.node_constraints[node];  // there is one for each point, and so for each node
+      if (node_constraints.slope_in || node_constraints.slope_out || fit.mesh.is_corner(node))
+        continue;
       if (!fit.closed && (node == 0 || node == n - 1)) continue;
       const Vec3 x = fit.points[node].x, before = x - fit.points[(node + n - 1) % n].x,
                  after = fit.points[(node + 1) % n].x - x;
-      held.slope_in = held.slope_out =
+      node_constraints.slope_in = node_constraints.slope_out =
           (after.norm() * before.normalized() + before.norm() * after.normalized()) /
           (before.norm() + after.norm());
       changed = true;
@@ -120,9 +125,9 @@ bool calm(Problem& fit) {
 
 // ---- fewer nodes -----------------------------------------------------------------------------
 
-std::vector<Held>::const_iterator first_held(const Problem& fit, double u) {
-  return std::lower_bound(fit.held.begin(), fit.held.end(), u,
-                          [](const Held& h, double at) { return h.u < at; });
+std::vector<NodeConstraint>::const_iterator first_constraint(const Problem& fit, double u) {
+  return std::lower_bound(fit.node_constraints.begin(), fit.node_constraints.end(), u,
+                          [](const NodeConstraint& h, double at) { return h.u < at; });
 }
 
 // A part of a fit between two nodes, which keep position and slope. Nodes between them are gone.
@@ -145,11 +150,11 @@ struct Window {
     const auto behind = knots.erase(at, at + removed);
     if (instead) knots.insert(behind, on_grid(from + *instead * (to - from), u.back()));
     part.tolerance = fit.tolerance;
-    part.even = fit.even;
+    part.fixed_parameters = fit.fixed_parameters;
     take_points(fit, knots.front(), knots.back());
-    take_held(fit, knots.front(), knots.back());
+    take_constraints(fit, knots.front(), knots.back());
     std::vector<int> nodes = corner_nodes(knots, corners);
-    std::erase_if(nodes, [&](int i) { return i == 0 || i + 1 == count_of(knots); });
+    std::erase_if(nodes, [&](int i) { return i == 0 || i + 1 == isize(knots); });
     part.set_mesh(std::move(knots), nodes);
   }
 
@@ -157,7 +162,7 @@ struct Window {
   // What is reached over the tolerance.
   double fitted() {
     constexpr int rounds = 6;
-    part.improve(rounds);
+    part.iterate(rounds);
     return part.done() ? 1 : part.worst() / part.tolerance;
   }
 
@@ -177,19 +182,20 @@ struct Window {
       part.points.push_back(fit.points[(i + n) % n]);
       FitPoint& p = part.points.back();
       p.t += i < 0 ? -fit.period() : i >= n ? fit.period() : 0;
-      if (removes(p.t)) p.kept = false;
+      if (removes(p.t)) p.fixed_parameter = false;
     }
   }
 
-  void take_held(const Problem& fit, double start, double end) {
+  void take_constraints(const Problem& fit, double start, double end) {
     const CurveMesh& m = fit.mesh;
     const Vec3 out = fit.dof(m.slope_out(a));
-    part.held.push_back({start, fit.dof(m.position_dof(a)), out, out});
-    for (auto it = first_held(fit, start); it != fit.held.end() && it->u < end; ++it)
-      if (it->u > start && !removes(it->u)) part.held.push_back(*it);
+    part.node_constraints.push_back({start, fit.dof(m.position_dof(a)), out, out});
+    for (auto it = first_constraint(fit, start); it != fit.node_constraints.end() && it->u < end;
+         ++it)
+      if (it->u > start && !removes(it->u)) part.node_constraints.push_back(*it);
     const int last = b % m.node_count();
     const Vec3 in = fit.dof(m.slope_in(last));
-    part.held.push_back({end, fit.dof(m.position_dof(last)), in, in});
+    part.node_constraints.push_back({end, fit.dof(m.position_dof(last)), in, in});
   }
 };
 
@@ -216,7 +222,7 @@ void put_back(Problem& fit, const Corners& corners, const std::vector<Window>& w
       const int i = w.first_point + k;
       if (i < 0 || i >= fit.count()) continue;
       fit.points[i].t = w.part.points[k].t;
-      fit.points[i].kept = w.part.points[k].kept;
+      fit.points[i].fixed_parameter = w.part.points[k].fixed_parameter;
     }
     keep_to(w.a);
     for (int k = 1; k < w.part.mesh.segment_count(); ++k) {
@@ -227,7 +233,7 @@ void put_back(Problem& fit, const Corners& corners, const std::vector<Window>& w
   }
   keep_to(old.segment_count());
   auto w = windows.begin();
-  std::erase_if(fit.held, [&](const Held& h) {
+  std::erase_if(fit.node_constraints, [&](const NodeConstraint& h) {
     while (w != windows.end() && w->to < h.u) ++w;
     return w != windows.end() && w->removes(h.u);
   });
@@ -243,16 +249,16 @@ void put_back(Problem& fit, const Corners& corners, const std::vector<Window>& w
   }
 }
 
-bool may_go(const Problem& fit, int node) {
+bool is_removable(const Problem& fit, int node) {
   const double u = fit.mesh.parameters()[node];
-  for (auto it = first_held(fit, u); it != fit.held.end() && it->u == u; ++it)
+  for (auto it = first_constraint(fit, u); it != fit.node_constraints.end() && it->u == u; ++it)
     if (!it->removable) return false;
   return true;
 }
 
 // Of many nodes every fourth one is tried at a time, and those that may go go together, until few
 // do: one by one, a long segment would take in the points of a straight line one after the other.
-void thin_out(Problem& fit, const Corners& corners) {
+void remove_knots_in_parallel(Problem& fit, const Corners& corners) {
   constexpr int many = 200, side_by_side = 4;
   constexpr double few = 0.95;
   for (int before = std::numeric_limits<int>::max();
@@ -261,9 +267,9 @@ void thin_out(Problem& fit, const Corners& corners) {
     for (int offset = 0; offset < side_by_side; ++offset) {
       std::vector<int> nodes;
       for (int node = 2 + offset; node + 2 <= fit.mesh.segment_count(); node += side_by_side)
-        if (may_go(fit, node)) nodes.push_back(node);
+        if (is_removable(fit, node)) nodes.push_back(node);
       std::vector<std::optional<Window>> tried(nodes.size());
-      for_each_in_chunks<16>(count_of(nodes), [&](int i) {
+      parallel_for_each<16>(isize(nodes), [&](int i) {
         Window window(fit, nodes[i], 1, {}, corners);
         if (window.fitted() <= 1) tried[i] = std::move(window);
       });
@@ -277,7 +283,7 @@ void thin_out(Problem& fit, const Corners& corners) {
 
 // Takes nodes out where their neighbourhood can be fitted without them: a window of segments is
 // solved again, everything outside stays.
-void prune(Problem& fit, const Corners& corners) {
+void remove_knots(Problem& fit, const Corners& corners) {
   // Takes out one node; or two, for one at that place between them. Returns what is reached over
   // the tolerance: they are gone when that is not above 1.
   const auto attempt = [&](int node, int removed, std::optional<double> instead) {
@@ -290,9 +296,9 @@ void prune(Problem& fit, const Corners& corners) {
     return reached;
   };
   for (int node = 1; node < fit.mesh.segment_count(); ++node) {
-    if (!may_go(fit, node)) continue;
+    if (!is_removable(fit, node)) continue;
     bool gone = attempt(node, 1, {}) <= 1;
-    if (!gone && node + 1 < fit.mesh.segment_count() && may_go(fit, node + 1)) {
+    if (!gone && node + 1 < fit.mesh.segment_count() && is_removable(fit, node + 1)) {
       constexpr double nearly = 1.5;
       const double reached = attempt(node, 2, 0.5);
       gone = reached <= 1 || (reached < nearly && (attempt(node, 2, 0.2) <= 1 ||  //
@@ -305,29 +311,31 @@ void prune(Problem& fit, const Corners& corners) {
 // ---- all of it -------------------------------------------------------------------------------
 
 // Points at their chord lengths, what the user holds, and the first mesh: from corner to corner.
-Problem problem_of(const PointRow& row, const FitOptions& options, const Corners& corners) {
+Problem problem_of(const PointSequence& row, const FitOptions& options, const Corners& corners) {
   Problem fit;
   const double least = 4e-15 * (row.points[0].cwiseAbs().maxCoeff() + row.size);
   fit.tolerance = std::max(options.tolerance, least);
   fit.closed = row.closed;
-  fit.even = options.even;
+  fit.fixed_parameters = options.fixed_parameters;
   for (int i = 0; i < row.count(); ++i) fit.points.push_back({row.points[i], row.chord[i]});
   std::vector<double> knots = {0};
   for (const int c : row.corners) {
     if (c > 0) knots.push_back(row.chord[c]);
-    fit.held.push_back({row.chord[c], row.points[c], {}, {}});
-    fit.points[c].kept = true;
+    fit.node_constraints.push_back({row.chord[c], row.points[c], {}, {}});
+    fit.points[c].fixed_parameter = true;
   }
   knots.push_back(row.length());
   if (!row.closed) {
-    const auto end = [&](const std::optional<LineEnd>& given, FitPoint& p, double u) -> Held {
-      p.kept = true;
+    const auto end = [&](const std::optional<CurveEnd>& given, FitPoint& p,
+                         double u) -> NodeConstraint {
+      p.fixed_parameter = true;
       if (!given) return {u, p.x, {}, {}};
       p.x = given->position;
       return {u, p.x, given->tangent, given->tangent};
     };
-    fit.held.insert(fit.held.begin(), end(options.start, fit.points.front(), 0));
-    fit.held.push_back(end(options.end, fit.points.back(), row.length()));
+    fit.node_constraints.insert(fit.node_constraints.begin(),
+                                end(options.start, fit.points.front(), 0));
+    fit.node_constraints.push_back(end(options.end, fit.points.back(), row.length()));
   } else if (knots.size() < 5) {
     // A closed curve begins with four segments at least.
     for (size_t i = 0; knots.size() < 5; i += 2) {
@@ -336,11 +344,11 @@ Problem problem_of(const PointRow& row, const FitOptions& options, const Corners
     }
     std::sort(knots.begin(), knots.end());
   }
-  double bend = row.bend(row.closed ? row.count() - 1 : 0);
+  double curvature = row.curvature(row.closed ? row.count() - 1 : 0);
   for (int j = row.closed ? 0 : 1; j < row.count(); ++j) {
-    const double before = std::exchange(bend, row.bend(j));
+    const double before = std::exchange(curvature, row.curvature(j));
     fit.points[j].gap = (fit.points[j].x - fit.points[j > 0 ? j - 1 : row.count() - 1].x).norm();
-    fit.points[j].rise = allowed_rise(fit.points[j].gap, std::max(before, bend));
+    fit.points[j].sagitta = sagitta_bound(fit.points[j].gap, std::max(before, curvature));
   }
   fit.set_mesh(knots, corner_nodes(knots, corners));
   return fit;
@@ -348,32 +356,32 @@ Problem problem_of(const PointRow& row, const FitOptions& options, const Corners
 
 }  // namespace
 
-CurveFit fit_row(const std::string& name, PointRow row, const FitOptions& options) {
+CurveFit fit_point_sequence(const std::string& name, PointSequence row, const FitOptions& options) {
   check_tolerance(name, options.tolerance);
   for (double& u : row.chord) u = on_grid(u, row.length());
   Corners corners;
   for (const int c : row.corners) corners.push_back(row.chord[c]);
   Problem fit = problem_of(row, options, corners);
   constexpr int rounds = 30;
-  for (fit.improve(rounds); !fit.done(); fit.improve(rounds)) {
-    std::vector<double> u = split_mesh(fit, options.halved);
-    if (u.empty() || fit.held.size() == fit.points.size()) {
+  for (fit.iterate(rounds); !fit.done(); fit.iterate(rounds)) {
+    std::vector<double> u = split_mesh(fit, options.bisection_only);
+    if (u.empty() || fit.node_constraints.size() == fit.points.size()) {
       // What fails has no point left to part it: the curve goes through its points (halves stay
       // halves, and say that they are too far).
-      if (options.halved || (!interpolate(fit, row, corners) && !calm(fit))) break;
+      if (options.bisection_only || (!interpolate(fit, row, corners) && !clamp_slopes(fit))) break;
       continue;
     }
-    if (count_of(u) - 1 > options.most_segments)
-      throw InputError("line '" + name + "' is not within " + number(options.tolerance) +
+    if (isize(u) - 1 > options.max_segments)
+      throw InputError("line '" + name + "' is not within " + format_number(options.tolerance) +
                        " of a smooth curve of " + std::to_string(u.size() - 1) +
-                       " segments (off by " + number(fit.worst()) +
+                       " segments (off by " + format_number(fit.worst()) +
                        "): is there a corner, or is the tolerance too small?");
     const std::vector<int> at_corners = corner_nodes(u, corners);
     fit.set_mesh(std::move(u), at_corners);
   }
-  if (!options.halved) {
-    thin_out(fit, corners);
-    prune(fit, corners);
+  if (!options.bisection_only) {
+    remove_knots_in_parallel(fit, corners);
+    remove_knots(fit, corners);
   }
 
   CurveFit result;
@@ -385,11 +393,12 @@ CurveFit fit_row(const std::string& name, PointRow row, const FitOptions& option
 
 CurveFit fit_points(const std::string& name, const std::vector<Vec3>& points,
                     const FitOptions& options) {
-  const PointRow row(name, points, options.corner_angle, options.corners, options.closed);
-  CurveFit fit = fit_row(name, row, options);
-  if (options.halved && fit.deviation.max > options.tolerance)
-    throw InputError("line '" + name + "' is not within " + number(options.tolerance) +
-                     " of a curve with halved segments (off by " + number(fit.deviation.max) +
+  const PointSequence row(name, points, options.corner_angle, options.corners, options.closed);
+  CurveFit fit = fit_point_sequence(name, row, options);
+  if (options.bisection_only && fit.deviation.max > options.tolerance)
+    throw InputError("line '" + name + "' is not within " + format_number(options.tolerance) +
+                     " of a curve with halved segments (off by " +
+                     format_number(fit.deviation.max) +
                      "): is there a corner, or is the tolerance too small?");
   std::vector<double> all;
   for (const int i : row.index) all.push_back(fit.parameters[i]);

@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "batten/fairing/fit.h"
+#include "batten/fairing/fit_options.h"
 #include "batten/fairing/input_curve.h"
-#include "batten/fem/curve.h"
+#include "batten/fem/hermite_curve.h"
 
 namespace batten {
 
@@ -21,7 +21,7 @@ namespace batten {
 /// Two points or more; points that repeat the one before them are passed over. Cost: about
 /// O(points · rounds), microseconds for a stroke of ten points.
 /// Throws InputError: fewer than two distinct points, a number that is not finite, a tolerance that
-/// is not above 0, a corner that is not a point, `most_segments` reached. `name` is used in
+/// is not above 0, a corner that is not a point, `max_segments` reached. `name` is used in
 /// messages.
 CurveFit fit_points(const std::string& name, const std::vector<Vec3>& points,
                     const FitOptions& options);

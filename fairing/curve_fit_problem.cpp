@@ -4,8 +4,8 @@
 #include <limits>
 
 #include "batten/core/errors.h"
-#include "batten/fairing/curve_band.h"
-#include "batten/fairing/point_row.h"
+#include "batten/fairing/curve_dof_ordering.h"
+#include "batten/fairing/point_sequence.h"
 
 namespace batten {
 
@@ -33,17 +33,17 @@ std::vector<int> CurveFitProblem::first_points() const {
   return first;
 }
 
-void CurveFitProblem::improve(int most_rounds) {
-  constexpr int settling = 4;
+void CurveFitProblem::iterate(int max_rounds) {
+  constexpr int kStartupRounds = 4;
   constexpr double noticeable = 0.99, too_far = 15;
   double best = std::numeric_limits<double>::infinity();
   Points best_dofs;
-  std::vector<double> best_t, best_off;
+  std::vector<double> best_t, best_errors;
   for (const FitPoint& p : points) best_t.push_back(p.t);
   int stalled = 0;
-  for (int round = 0; round < most_rounds && stalled < 2; ++round) {
-    if (round < settling) dofs.resize(0, 3);
-    if (round > 0) overshoot();
+  for (int round = 0; round < max_rounds && stalled < 2; ++round) {
+    if (round < kStartupRounds) dofs.resize(0, 3);
+    if (round > 0) extrapolate_parameters();
     solve();
     make_cubics();
     move_parameters();
@@ -53,25 +53,25 @@ void CurveFitProblem::improve(int most_rounds) {
     // A round gains a factor of two or so, and later ones less. Feet on a curve that is far away
     // say nothing about the next mesh: then the parameters stay.
     const bool far = now > too_far * tolerance,
-               hopeless = far || now * std::pow(now / best, most_rounds - 1 - round) > tolerance;
+               is_diverging = far || now * std::pow(now / best, max_rounds - 1 - round) > tolerance;
     stalled = now > noticeable * best ? stalled + 1 : 0;
     if (now < best) {
       best = now;
       best_dofs = dofs;
-      best_off = off;
+      best_errors = segment_errors;
       for (size_t i = 0; i < points.size() && !far; ++i) best_t[i] = points[i].t;
     }
-    if (hopeless) break;
+    if (is_diverging) break;
   }
   dofs = best_dofs;
-  off = best_off;
+  segment_errors = best_errors;
   for (size_t i = 0; i < points.size(); ++i) points[i].t = best_t[i];
 }
 
 void CurveFitProblem::solve() {
-  const CurveBand band(mesh);
+  const CurveDofOrdering band(mesh);
   band.reset(A_);
-  right_.setZero(mesh.dof_count(), 3);
+  rhs_.setZero(mesh.dof_count(), 3);
   const std::vector<int> first = first_points();
   for (int s = 0; s < mesh.segment_count(); ++s) {
     const double h = mesh.length(s);
@@ -92,28 +92,28 @@ void CurveFitProblem::solve() {
       b = K * q;
     }
     for (int i = first[s]; i < first[s + 1]; ++i) {
-      const double x = part_of(points[i].t, s), y = 1 - x;
+      const double x = local_parameter(points[i].t, s), y = 1 - x;
       const HermiteSegment::Vector H(y * y * (1 + 2 * x), h * x * y * y, x * x * (1 + 2 * y),
                                      -h * x * x * y);
       K.noalias() += H * H.transpose();
       b.noalias() += H * points[i].x.transpose();
     }
     band.add(A_, s, K);
-    for (int a = 0; a < 4; ++a) right_.row(band.place(dof[a])) += b.row(a);
+    for (int a = 0; a < 4; ++a) rhs_.row(band.banded_index(dof[a])) += b.row(a);
   }
-  auto it = held.begin();
-  for (int node = 0; node < mesh.node_count() && it != held.end(); ++node) {
+  auto it = node_constraints.begin();
+  for (int node = 0; node < mesh.node_count() && it != node_constraints.end(); ++node) {
     if (mesh.parameters()[node] != it->u) continue;
-    if (it->position) A_.fix(band.place(mesh.position_dof(node)), *it->position, right_);
-    if (it->slope_in) A_.fix(band.place(mesh.slope_in(node)), *it->slope_in, right_);
+    if (it->position) A_.fix(band.banded_index(mesh.position_dof(node)), *it->position, rhs_);
+    if (it->slope_in) A_.fix(band.banded_index(mesh.slope_in(node)), *it->slope_in, rhs_);
     if (it->slope_out && mesh.slope_out(node) != mesh.slope_in(node))
-      A_.fix(band.place(mesh.slope_out(node)), *it->slope_out, right_);
+      A_.fix(band.banded_index(mesh.slope_out(node)), *it->slope_out, rhs_);
     ++it;
   }
   if (!A_.factorize()) throw NoSolutionError("the fit of a curve is singular");
-  A_.solve(right_);
+  A_.solve(rhs_);
   dofs.resize(mesh.dof_count(), 3);
-  for (int d = 0; d < mesh.dof_count(); ++d) dofs.row(d) = right_.row(band.place(d));
+  for (int d = 0; d < mesh.dof_count(); ++d) dofs.row(d) = rhs_.row(band.banded_index(d));
 }
 
 void CurveFitProblem::make_cubics() {
@@ -129,14 +129,14 @@ void CurveFitProblem::make_cubics() {
 // One step of Newton's method towards the nearest point, in order.
 void CurveFitProblem::move_parameters() {
   moves_.assign(points.size(), 0.0);
-  if (even) return;
+  if (fixed_parameters) return;
   const int segments = mesh.segment_count();
   int s = 0;
   for (int i = 0; i < count(); ++i) {
     FitPoint& p = points[i];
-    if (p.kept || p.t < mesh.start() || p.t > mesh.end()) continue;
+    if (p.fixed_parameter || p.t < mesh.start() || p.t > mesh.end()) continue;
     while (s + 1 < segments && p.t >= mesh.parameters()[s + 1]) ++s;
-    const double at = part_of(p.t, s);
+    const double at = local_parameter(p.t, s);
     const Vec3 d = cubics_[s].position(at) - p.x, d1 = cubics_[s].first(at);
     const double slope = d1.squaredNorm() + std::max(0.0, d.dot(cubics_[s].second(at)));
     if (slope > 0) moves_[i] = move(i, -mesh.length(s) * d.dot(d1) / slope);
@@ -144,7 +144,7 @@ void CurveFitProblem::move_parameters() {
 }
 
 // The next solve moves the curve on in the same direction.
-void CurveFitProblem::overshoot() {
+void CurveFitProblem::extrapolate_parameters() {
   constexpr double part = 0.6;
   for (int i = 0; i < count(); ++i)
     if (moves_[i] != 0) move(i, part * moves_[i]);
@@ -168,7 +168,7 @@ double CurveFitProblem::move(int i, double change) {
 
 void CurveFitProblem::measure() {
   const int segments = mesh.segment_count();
-  off.assign(segments, 0.0);
+  segment_errors.assign(segments, 0.0);
   int s = 0;
   bool near_before = false;
   for (int i = 0; i < count(); ++i) {
@@ -176,9 +176,10 @@ void CurveFitProblem::measure() {
     while (s + 1 < segments && p.t >= mesh.parameters()[s + 1]) ++s;
     double distance = 0;
     if (p.t >= mesh.start() && p.t <= mesh.end()) {
-      distance = (cubics_[s].position(part_of(p.t, s)) - p.x).norm();
-      off[s] = std::max(off[s], distance);
-      if (s > 0 && p.t == mesh.parameters()[s]) off[s - 1] = std::max(off[s - 1], distance);
+      distance = (cubics_[s].position(local_parameter(p.t, s)) - p.x).norm();
+      segment_errors[s] = std::max(segment_errors[s], distance);
+      if (s > 0 && p.t == mesh.parameters()[s])
+        segment_errors[s - 1] = std::max(segment_errors[s - 1], distance);
     }
     // A bulge to one side shows at either place, and one to both; its peak is looked for when all
     // else is well.
@@ -196,17 +197,17 @@ void CurveFitProblem::measure() {
 // point i. Returns the segment of the last place; `s`: one not far from the first.
 int CurveFitProblem::measure_gap(int i, std::initializer_list<int> places, int s) {
   const FitPoint &b = points[i], &a = i > 0 ? points[i - 1] : points.back();
-  const double room = tolerance + b.rise, from = i > 0 ? a.t : a.t - period();
+  const double room = tolerance + b.sagitta, from = i > 0 ? a.t : a.t - period();
   for (const int place : places) {
-    const double part = static_cast<double>(place) / places_in_gap;
+    const double part = static_cast<double>(place) / kSamplesPerGap;
     double u = from + part * (b.t - from);
     if (u < mesh.start() && closed) u += period();
     if (u < mesh.start() || u > mesh.end()) continue;
     while (s > 0 && u < mesh.parameters()[s]) --s;
     while (s + 1 < mesh.segment_count() && u >= mesh.parameters()[s + 1]) ++s;
-    const Vec3 x = cubics_[s].position(part_of(u, s));
+    const Vec3 x = cubics_[s].position(local_parameter(u, s));
     if ((x - a.x - part * (b.x - a.x)).squaredNorm() > room * room)
-      off[s] = std::max(off[s], beyond_chord(x, a.x, b.x, b.rise));
+      segment_errors[s] = std::max(segment_errors[s], chord_excess(x, a.x, b.x, b.sagitta));
   }
   return s;
 }

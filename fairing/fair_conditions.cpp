@@ -10,7 +10,7 @@ namespace batten {
 
 using Type = CurveCondition::Type;
 
-double height_above(const CurveCondition& plane, const Vec3& p) {
+double signed_distance(const CurveCondition& plane, const Vec3& p) {
   return plane.direction.normalized().dot(p - plane.at);
 }
 
@@ -18,17 +18,19 @@ void check(const std::string& name, const FairOptions& options, bool closed) {
   const std::string line = "line '" + name + "': ";
   const auto positive = [&](double value, const char* what) {
     if (!(value > 0) || !std::isfinite(value))
-      throw InputError(line + "found the " + what + " " + number(value) +
+      throw InputError(line + "found the " + what + " " + format_number(value) +
                        ", expected a length above 0");
   };
-  if (options.balance == FairOptions::Balance::Deviation) positive(options.deviation, "deviation");
-  if (options.balance == FairOptions::Balance::Noise) positive(options.noise, "noise");
-  if (options.balance == FairOptions::Balance::Wavelength)
+  if (options.smoothing == FairOptions::Smoothing::Deviation)
+    positive(options.deviation, "deviation");
+  if (options.smoothing == FairOptions::Smoothing::Noise) positive(options.noise, "noise");
+  if (options.smoothing == FairOptions::Smoothing::Wavelength)
     positive(options.wavelength, "wavelength");
   if (!(options.alpha >= 0) || !std::isfinite(options.alpha))
-    throw InputError(line + "found alpha = " + number(options.alpha) + ", expected 0 or more");
-  if (options.most_rounds < 1)
-    throw InputError(line + "found " + std::to_string(options.most_rounds) +
+    throw InputError(line + "found alpha = " + format_number(options.alpha) +
+                     ", expected 0 or more");
+  if (options.max_rounds < 1)
+    throw InputError(line + "found " + std::to_string(options.max_rounds) +
                      " rounds, expected one or more");
   for (const auto& c : options.conditions) {
     if (!c.at.allFinite() || !c.direction.allFinite() ||
@@ -54,8 +56,8 @@ void add_rows(const std::vector<CurveCondition>& conditions, const std::vector<d
         rows.direction(c.name, at[k], c.direction);
         break;
       case Type::ZeroEndCurvature:
-        rows.no_curvature(c.name, mesh.start());
-        rows.no_curvature(c.name, mesh.end());
+        rows.zero_curvature(c.name, mesh.start());
+        rows.zero_curvature(c.name, mesh.end());
         break;
       case Type::Plane:
         rows.in_plane(c.name, c.at, c.direction);
@@ -68,7 +70,8 @@ void add_rows(const std::vector<CurveCondition>& conditions, const std::vector<d
 }
 
 double max_residual(const std::vector<CurveCondition>& conditions,
-                    const std::vector<double>& held_at, const HermiteCurve& curve, double size) {
+                    const std::vector<double>& constrained_at, const HermiteCurve& curve,
+                    double size) {
   double worst = 0;
   constexpr int samples = 200;
   for (size_t k = 0; k < conditions.size(); ++k) {
@@ -82,10 +85,10 @@ double max_residual(const std::vector<CurveCondition>& conditions,
         break;
       case Type::Tangent: {
         // The direction where it is held, and how far that is from the nearest point.
-        const Vec3 tangent = curve.evaluate(held_at[k], 1).normalized();
+        const Vec3 tangent = curve.evaluate(constrained_at[k], 1).normalized();
         const Vec3 nearest = curve.evaluate(curve.closest_point(c.at).u);
         worst = std::max({worst, tangent.cross(c.direction.normalized()).norm(),
-                          (curve.evaluate(held_at[k]) - nearest).norm() / size});
+                          (curve.evaluate(constrained_at[k]) - nearest).norm() / size});
         break;
       }
       case Type::ZeroEndCurvature:
@@ -98,12 +101,12 @@ double max_residual(const std::vector<CurveCondition>& conditions,
         break;
       case Type::Plane:
         for (int i = 0; i <= samples; ++i)
-          worst = std::max(worst, std::abs(height_above(c, curve.evaluate(along(i)))) / size);
+          worst = std::max(worst, std::abs(signed_distance(c, curve.evaluate(along(i)))) / size);
         break;
       case Type::Symmetry:
         for (int i = 0; i <= samples; ++i) {
           const Vec3 p = curve.evaluate(along(i));
-          const Vec3 image = p - 2 * height_above(c, p) * c.direction.normalized();
+          const Vec3 image = p - 2 * signed_distance(c, p) * c.direction.normalized();
           worst = std::max(worst, (image - curve.evaluate(along(samples - i))).norm() / size);
         }
         break;

@@ -14,15 +14,16 @@ namespace batten {
 void check(const std::string& name, const FairOptions& options, bool closed);
 
 /// Signed distance of p from the plane of a condition.
-double height_above(const CurveCondition& plane, const Vec3& p);
+double signed_distance(const CurveCondition& plane, const Vec3& p);
 
 /// Adds the rows of all conditions; at[k]: parameter of condition k, where it has one.
 void add_rows(const std::vector<CurveCondition>& conditions, const std::vector<double>& at,
               const CurveMesh& mesh, ConstraintSet& set);
 
 /// Largest violation of a condition, measured on the finished curve: distance over the size, angles
-/// in radians. held_at[k]: parameter at which condition k was held.
+/// in radians. constrained_at[k]: parameter at which condition k was held.
 double max_residual(const std::vector<CurveCondition>& conditions,
-                    const std::vector<double>& held_at, const HermiteCurve& curve, double size);
+                    const std::vector<double>& constrained_at, const HermiteCurve& curve,
+                    double size);
 
 }  // namespace batten

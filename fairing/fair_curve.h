@@ -18,9 +18,9 @@ struct FairCurve {
   /// Standard deviation of the points across their line, estimated from their differences; 0 for
   /// fewer than eleven points.
   double noise = 0;
-  double freedom = 0;  ///< effective degrees of freedom of one coordinate
+  double effective_dofs = 0;  ///< effective degrees of freedom of one coordinate
   int rounds = 0;
-  bool settled = false;     ///< parameters stood still within the rounds
+  bool converged = false;   ///< parameters stood still within the rounds
   double max_residual = 0;  ///< largest violation of a condition, measured, over the size
 };
 
@@ -32,8 +32,8 @@ FairCurve fair_points(const std::string& name, const std::vector<Vec3>& points,
                       const FairOptions& options = {});
 
 /// The curve through the points as they are, before any fairing: C2 between corners.
-HermiteCurve curve_as_given(const std::string& name, const std::vector<Vec3>& points,
-                            const FairOptions& options = {});
+HermiteCurve interpolating_spline(const std::string& name, const std::vector<Vec3>& points,
+                                  const FairOptions& options = {});
 
 /// Local fairing. Minimises ∫ |X - X⁰|² + (φ(u) wavelength / 2π)⁴ |X_uu|² du (u in arc length) over
 /// the segments that the stretch touches, φ falling smoothly from 1 in its middle to 0 at its ends:
@@ -44,7 +44,7 @@ HermiteCurve curve_as_given(const std::string& name, const std::vector<Vec3>& po
 ///
 /// The stretch goes from parameter `from` to `to` (on closed curves across the seam when to <
 /// from). Throws InputError when that is no part of the curve, or wavelength is not above 0.
-HermiteCurve fair_stretch(const HermiteCurve& curve, double from, double to, double wavelength);
+HermiteCurve fair_interval(const HermiteCurve& curve, double from, double to, double wavelength);
 /// A brush: every stretch inside the sphere, φ falling from 1 at its centre to 0 at `radius`. A
 /// sphere that the curve does not meet: InputError.
 HermiteCurve fair_brush(const HermiteCurve& curve, const Vec3& centre, double radius,

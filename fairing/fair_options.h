@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "batten/fairing/fit.h"
+#include "batten/fairing/fit_options.h"
 
 namespace batten {
 
@@ -28,21 +28,21 @@ struct CurveCondition {
 ///
 ///     Σ_i |X(u_i) - p_i|² + ρ ∫ (1-b) (ra)⁶ |X_uuu|² + b (ra)⁴ (|X_uu|² + alpha |X_u|²) du
 ///
-/// (FairEnergy) over C1 cubics whose second derivatives all but go on at the nodes: ρ points per
-/// length, wavelength 2πa, b = 1 / (1 + (L/4πa)²) with L the length, ease r (WaveEase). Nodes are at every k-th point, several times as many
+/// (FairingEnergy) over C1 cubics whose second derivatives all but go on at the nodes: ρ points per
+/// length, wavelength 2πa, b = 1 / (1 + (L/4πa)²) with L the length, ease r (CurvatureAdaptiveWavelength). Nodes are at every k-th point, several times as many
 /// as the balance can make use of. u_i begin as chord lengths; after each solve they move to the nearest point of the curve and u
 /// becomes arc length, until they stand still: distances are then those to the curve, not to an
 /// assumed parameter.
 struct FairOptions {
   /// The way in which λ is found.
-  enum class Balance {
+  enum class Smoothing {
     /// Generalised cross-validation (Craven, Wahba 1979) of x, y, z together: the curve that would
     /// predict left-out points best. From 20 points on each degree of freedom counts 1.3 times
     /// (nearly as Kim, Gu 2004), with six once. Points move by twice their noise at most (root mean square;
     /// of fewer than eleven, whose noise nobody knows, by 2.5 % of the size): what is larger was
     /// none. Noise is what neighbouring points do not share; a hand's slow tremor needs its
     /// wavelength or its size stated. Fewer than six points tell nothing about noise: the curve then goes
-    /// through them. Waves are shorter in tight bends (WaveEase), which would be flattened.
+    /// through them. Waves are shorter in tight bends (CurvatureAdaptiveWavelength), which would be flattened.
     CrossValidation,
     Noise,  ///< the fairest curve whose points are off by `noise`, root mean square, less what
             ///< its freedom takes: where the noise is known, also a tremor that neighbours share
@@ -51,7 +51,7 @@ struct FairOptions {
     Wavelength  ///< waves of length `wavelength` keep half of their height, waves of length v
                 ///< 1 / (1 + (1-b) (wavelength/v)⁶ + b (wavelength/v)⁴)
   };
-  Balance balance = Balance::CrossValidation;
+  Smoothing smoothing = Smoothing::CrossValidation;
   double noise = 0;          ///< model units, above 0: of the distances across the line
   double deviation = 0;      ///< model units, above 0
   double wavelength = 0;     ///< model units, above 0
@@ -61,10 +61,10 @@ struct FairOptions {
   std::optional<bool> closed;
   /// Points of a noisy line that lie off it, one or two among their neighbours, farther than its
   /// noise explains have no spring (a wrong digit, a twitch of the hand). Given corners are kept.
-  bool drop_outliers = true;
-  bool hold_ends = false;  ///< the first and the last point of an open curve stay
+  bool reject_outliers = true;
+  bool fix_ends = false;  ///< the first and the last point of an open curve stay
   std::vector<CurveCondition> conditions;
-  int most_rounds = 10;
+  int max_rounds = 10;
 };
 
 }  // namespace batten

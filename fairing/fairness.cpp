@@ -8,25 +8,25 @@
 namespace batten {
 namespace {
 
-struct Bend {
+struct CurvatureSample {
   double speed = 0;
   Vec3 curvature = Vec3::Zero();  // vector, towards the inside
   double change = 0;              // |dκ/ds|, κ = |curvature|
 };
 
-Bend bend_at(const HermiteCurve& curve, CurveMesh::Where at) {
+CurvatureSample curvature_sample(const HermiteCurve& curve, CurveMesh::SegmentPoint at) {
   const Vec3 d1 = curve.evaluate(at, 1), d2 = curve.evaluate(at, 2), d3 = curve.evaluate(at, 3);
-  Bend bend;
-  bend.speed = d1.norm();
-  if (!(bend.speed > 0)) return bend;
-  const double v2 = bend.speed * bend.speed, v3 = v2 * bend.speed;
+  CurvatureSample sample;
+  sample.speed = d1.norm();
+  if (!(sample.speed > 0)) return sample;
+  const double v2 = sample.speed * sample.speed, v3 = v2 * sample.speed;
   const Vec3 binormal = d1.cross(d2);
-  bend.curvature = binormal.cross(d1) / (v2 * v2);
+  sample.curvature = binormal.cross(d1) / (v2 * v2);
   // κ = |X' × X''| / |X'|³, differentiated by u and divided by the speed.
   const double area = binormal.norm();
   const double area_change = area > 0 ? binormal.dot(d1.cross(d3)) / area : d1.cross(d3).norm();
-  bend.change = std::abs(area_change / v3 - 3 * area * d1.dot(d2) / (v3 * v2)) / bend.speed;
-  return bend;
+  sample.change = std::abs(area_change / v3 - 3 * area * d1.dot(d2) / (v3 * v2)) / sample.speed;
+  return sample;
 }
 
 struct Counts {
@@ -87,16 +87,16 @@ Fairness fairness(const HermiteCurve& curve) {
   for (int s = 0; s < segments; ++s) {
     const double h = curve.mesh().length(s);
     for (long p = 0; p < rule.s.size(); ++p) {
-      const Bend bend = bend_at(curve, {s, rule.s[p]});
-      const double ds = h * rule.weights[p] * bend.speed;
+      const CurvatureSample sample = curvature_sample(curve, {s, rule.s[p]});
+      const double ds = h * rule.weights[p] * sample.speed;
       result.length += ds;
-      result.bending += ds * bend.curvature.squaredNorm();
-      result.variation += ds * bend.change * bend.change;
+      result.bending += ds * sample.curvature.squaredNorm();
+      result.variation += ds * sample.change * sample.change;
     }
     if (!cut_before(curve, s)) {
-      const Vec3 before = bend_at(curve, {s == 0 ? segments - 1 : s - 1, 1}).curvature;
-      result.largest_jump =
-          std::max(result.largest_jump, (bend_at(curve, {s, 0}).curvature - before).norm());
+      const Vec3 before = curvature_sample(curve, {s == 0 ? segments - 1 : s - 1, 1}).curvature;
+      result.largest_jump = std::max(result.largest_jump,
+                                     (curvature_sample(curve, {s, 0}).curvature - before).norm());
     }
   }
 
@@ -104,7 +104,8 @@ Fairness fairness(const HermiteCurve& curve) {
   std::vector<std::vector<Vec3>> samples(segments);
   for (int s = 0; s < segments; ++s)
     for (int k = 0; k <= per_segment; ++k) {
-      samples[s].push_back(bend_at(curve, {s, static_cast<double>(k) / per_segment}).curvature);
+      samples[s].push_back(
+          curvature_sample(curve, {s, static_cast<double>(k) / per_segment}).curvature);
       result.largest_curvature = std::max(result.largest_curvature, samples[s].back().norm());
     }
   // Below it are waves that nobody sees, and rounding of the coordinates.
@@ -138,18 +139,18 @@ Fairness fairness(const HermiteCurve& curve) {
   return result;
 }
 
-std::vector<CombTooth> curvature_comb(const HermiteCurve& curve, int teeth) {
-  std::vector<CombTooth> comb;
+std::vector<CurvatureCombSample> curvature_comb(const HermiteCurve& curve, int teeth) {
+  std::vector<CurvatureCombSample> comb;
   const double whole = curve.end() - curve.start();
   for (int s = 0; s < curve.segment_count(); ++s) {
     const double h = curve.mesh().length(s);
     const int n = std::max(1, static_cast<int>(std::lround(teeth * h / whole)));
     for (int k = 0; k <= n; ++k) {
       const double x = static_cast<double>(k) / n;
-      const Bend bend = bend_at(curve, {s, x});
-      const double size = bend.curvature.norm();
+      const CurvatureSample sample = curvature_sample(curve, {s, x});
+      const double size = sample.curvature.norm();
       comb.push_back({curve.parameters()[s] + x * h, curve.evaluate({s, x}),
-                      size > 0 ? Vec3(-bend.curvature / size) : Vec3::Zero(), size});
+                      size > 0 ? Vec3(-sample.curvature / size) : Vec3::Zero(), size});
     }
   }
   return comb;

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "batten/fem/curve.h"
+#include "batten/fem/hermite_curve.h"
 
 namespace batten {
 
@@ -24,13 +24,13 @@ struct Fairness {
 Fairness fairness(const HermiteCurve& curve);
 
 /// A tooth of a curvature comb. Where the curvature jumps there is one for each side.
-struct CombTooth {
+struct CurvatureCombSample {
   double u = 0;
   Vec3 point;
   Vec3 outward;          ///< unit vector away from the centre of curvature; 0 where straight
   double curvature = 0;  ///< 1/length, ≥ 0
 };
 /// A comb of about `teeth` teeth, evenly along the curve, and one at each end of each segment.
-std::vector<CombTooth> curvature_comb(const HermiteCurve& curve, int teeth);
+std::vector<CurvatureCombSample> curvature_comb(const HermiteCurve& curve, int teeth);
 
 }  // namespace batten

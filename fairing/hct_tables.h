@@ -5,7 +5,7 @@
 #include <array>
 
 #include "batten/elements/reference_triangle.h"
-#include "batten/fairing/curvature_change.h"
+#include "batten/fairing/curvature_variation.h"
 
 namespace batten {
 

@@ -1,7 +1,7 @@
 #include "batten/fairing/input_curve.h"
 
 #include "batten/core/errors.h"
-#include "batten/core/words.h"
+#include "batten/core/format.h"
 
 namespace batten {
 namespace {

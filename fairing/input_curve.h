@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "batten/fem/curve.h"
+#include "batten/fem/hermite_curve.h"
 
 namespace batten {
 
@@ -31,7 +31,7 @@ class InputCurve {
 
 /// A curve through points, in their order, C1 between corners. Between corners it is
 ///
-/// - straight, or an arc, where points lie on a line or on a circle (point_runs()): exactly
+/// - straight, or an arc, where points lie on a line or on a circle (find_lines_and_arcs()): exactly
 ///   straight, and off the circle by 4e-6 of the radius where points are 45 degrees apart (it grows
 ///   with the sixth power);
 /// - elsewhere the C2 cubic spline over chord lengths. It begins and ends along lines and arcs; at

@@ -13,7 +13,7 @@ namespace batten {
 struct JoinPoint {
   std::array<Location, 2> at;
   /// The line's slope in the (u, v) of each part, per unit of one parameter for both.
-  std::array<Vec2, 2> way;
+  std::array<Vec2, 2> direction;
   double weight = 0;      ///< of this point in an integral over that parameter
   bool curvature = true;  ///< whether the jump of curvature counts
   bool tangent = true;    ///< whether that of the tangent plane does; not where constraints hold it

@@ -3,9 +3,9 @@
 #include <array>
 
 #include "batten/core/errors.h"
-#include "batten/core/index.h"
-#include "batten/core/words.h"
-#include "batten/fairing/curve_shapes.h"
+#include "batten/core/format.h"
+#include "batten/core/isize.h"
+#include "batten/fairing/primitive_curves.h"
 
 namespace batten {
 namespace {
@@ -21,7 +21,7 @@ class Spline final : public InputCurve {
     // Poles of derivatives, over the same knots without the outermost ones.
     for (int d = 1; d <= 2 && d <= degree; ++d) {
       const auto& p = poles_[d - 1];
-      for (int i = 0; i + 1 < count_of(p); ++i) {
+      for (int i = 0; i + 1 < isize(p); ++i) {
         const double length = knots_[i + degree + 1] - knots_[i + d];
         poles_[d].push_back(length > 0 ? Homogeneous((degree - d + 1) / length * (p[i + 1] - p[i]))
                                        : Homogeneous::Zero());
@@ -55,7 +55,7 @@ class Spline final : public InputCurve {
     const auto& poles = poles_[derivative];
     const double* knots = knots_.data() + derivative;
     int k = p;  // the span [knot k, knot k+1) that has t
-    while (k + 1 < count_of(poles) && t >= knots[k + 1]) ++k;
+    while (k + 1 < isize(poles) && t >= knots[k + 1]) ++k;
     std::array<Homogeneous, 10> d;
     for (int i = 0; i <= p; ++i) d[i] = poles[k - p + i];
     for (int r = 1; r <= p; ++r)
@@ -82,19 +82,19 @@ std::vector<double> even_knots(int degree, int poles) {
 }
 
 void check_knots(int degree, int poles, const std::vector<double>& knots) {
-  if (count_of(knots) != poles + degree + 1)
+  if (isize(knots) != poles + degree + 1)
     throw InputError("found " + std::to_string(knots.size()) + " knots for " +
                      std::to_string(poles) + " poles and degree " + std::to_string(degree) +
                      ", expected " + std::to_string(poles + degree + 1));
   for (size_t i = 0; i + 1 < knots.size(); ++i)
     if (!(knots[i] <= knots[i + 1]))
-      throw InputError("found the knot " + number(knots[i + 1]) + " behind " + number(knots[i]) +
-                       ", expected knots that do not descend");
+      throw InputError("found the knot " + format_number(knots[i + 1]) + " behind " +
+                       format_number(knots[i]) + ", expected knots that do not descend");
   // An inner knot as often as the degree still leaves the curve in one piece.
   const double first = knots[degree], last = knots[knots.size() - 1 - degree];
   for (size_t i = 0; i + degree < knots.size(); ++i)
     if (knots[i] == knots[i + degree] && knots[i] > first && knots[i] < last)
-      throw InputError("found the knot " + number(knots[i]) + " more than " +
+      throw InputError("found the knot " + format_number(knots[i]) + " more than " +
                        std::to_string(degree) +
                        " times, expected at most that: the curve is torn there");
   if (!(last > first)) throw InputError("found knots without a span, expected ones that ascend");
@@ -109,25 +109,25 @@ std::shared_ptr<const InputCurve> nurbs_curve(int degree, const std::vector<Vec3
   if (degree < 1 || degree > most)
     throw InputError("found the degree " + std::to_string(degree) + ", expected 1 to " +
                      std::to_string(most));
-  if (count_of(poles) <= degree)
+  if (isize(poles) <= degree)
     throw InputError("found " + std::to_string(poles.size()) + " poles for degree " +
                      std::to_string(degree) + ", expected " + std::to_string(degree + 1) +
                      " or more");
   if (!weights.empty() && weights.size() != poles.size())
     throw InputError("found " + std::to_string(weights.size()) + " weights for " +
                      std::to_string(poles.size()) + " poles, expected one for each");
-  if (!knots.empty()) check_knots(degree, count_of(poles), knots);
+  if (!knots.empty()) check_knots(degree, isize(poles), knots);
   std::vector<Homogeneous> all;
   bool rational = false;
   for (size_t i = 0; i < poles.size(); ++i) {
     const double w = weights.empty() ? 1 : weights[i];
-    if (!(w > 0)) throw InputError("found the weight " + number(w) + ", expected weights above 0");
+    if (!(w > 0))
+      throw InputError("found the weight " + format_number(w) + ", expected weights above 0");
     rational = rational || w != (weights.empty() ? 1 : weights[0]);
     all.emplace_back(w * poles[i].x(), w * poles[i].y(), w * poles[i].z(), w);
   }
-  return std::make_shared<Spline>(degree, std::move(all),
-                                  knots.empty() ? even_knots(degree, count_of(poles)) : knots,
-                                  rational);
+  return std::make_shared<Spline>(
+      degree, std::move(all), knots.empty() ? even_knots(degree, isize(poles)) : knots, rational);
 }
 
 }  // namespace batten

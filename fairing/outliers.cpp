@@ -8,43 +8,43 @@
 
 #include "batten/core/box.h"
 #include "batten/core/dense.h"
-#include "batten/core/index.h"
-#include "batten/core/words.h"
-#include "batten/fairing/noise.h"
+#include "batten/core/format.h"
+#include "batten/core/isize.h"
+#include "batten/fairing/noise_estimate.h"
 
 namespace batten {
 namespace {
 
-constexpr int side = 3;      // neighbours on either side
-constexpr double out = 4.5;  // times the noise
-constexpr double clean = 4;  // what points beside outliers may stand out by
+constexpr int side = 3;                // neighbours on either side
+constexpr double kOutlierScore = 4.5;  // times the noise
+constexpr double kInlierScore = 4;     // what points beside outliers may stand out by
 
 class OutlierSearch {
  public:
   OutlierSearch(const std::vector<Vec3>& points, bool closed)
-      : points_(points), closed_(closed), count_(count_of(points)), left_(points.size(), 1) {}
+      : points_(points), closed_(closed), count_(isize(points)), inlier_(points.size(), 1) {}
 
   std::vector<int> run() {
     std::vector<double> heights;
     find_noise();
     constexpr double least = 1e-9;
-    const double size = box_around(points_).diagonal().norm();
+    const double size = bounding_box(points_).diagonal().norm();
     if (noise_ <= least * size || along_ <= least * size) return {};
     // What differences of high order do not see is shape.
     constexpr double some = 0.3;
-    if (noise_across(points_, closed_) < some * noise_) return {};
-    for (int i = 0; i < count_; ++i) heights.push_back(standing_out(i));
+    if (estimate_noise(points_, closed_) < some * noise_) return {};
+    for (int i = 0; i < count_; ++i) heights.push_back(outlier_score(i));
     std::vector<int> order;
     for (int i = 0; i < count_; ++i)
-      if (heights[i] > out) order.push_back(i);
+      if (heights[i] > kOutlierScore) order.push_back(i);
     std::sort(order.begin(), order.end(), [&](int a, int b) { return heights[a] > heights[b]; });
     for (const int i : order)
-      if (left_[i] && standing_out(i) > out) take_around(i);
+      if (inlier_[i] && outlier_score(i) > kOutlierScore) reject_around(i);
     std::vector<int> outliers;
     for (int i = 0; i < count_; ++i)
-      if (!left_[i]) outliers.push_back(i);
+      if (!inlier_[i]) outliers.push_back(i);
     constexpr int tenth = 10;
-    if (count_of(outliers) * tenth > count_) outliers.clear();
+    if (isize(outliers) * tenth > count_) outliers.clear();
     return outliers;
   }
 
@@ -58,7 +58,7 @@ class OutlierSearch {
     std::vector<double> sizes, along;
     Mat3 spread = Mat3::Zero();
     for (int i = 0; i < count_; ++i) {
-      const Off off = off_line(i);
+      const LineResidual off = line_residual(i);
       sizes.push_back(off.across.norm());
       along.push_back(off.along);
       if (sizes.back() > 0)
@@ -78,28 +78,28 @@ class OutlierSearch {
   }
 
   // Times the noise. What is off along the line is less of a sign: points may be spaced unevenly.
-  double standing_out(int i) const {
+  double outlier_score(int i) const {
     constexpr double less = 0.6;
-    const Off off = off_line(i);
+    const LineResidual off = line_residual(i);
     return std::max(off.across.norm() / noise_, less * off.along / along_);
   }
 
   // From the parabola through the neighbours that are left to point i, across the line and along
   // it, over what noise makes of it: each coordinate has the standard deviation of the noise. 0
   // beside an end.
-  struct Off {
+  struct LineResidual {
     Vec3 across = Vec3::Zero();
     double along = 0;
   };
-  Off off_line(int i) const {
+  LineResidual line_residual(int i) const {
     constexpr int farthest = 8;
     Eigen::Matrix<double, 2 * side, 3> powers;
     Eigen::Matrix<double, 2 * side, 3> near;
     int found = 0;
-    for (const int way : {-1, 1}) {
+    for (const int side_sign : {-1, 1}) {
       const int before = found;
-      for (int k = way; std::abs(k) <= farthest && found < before + side; k += way) {
-        if (!has(i + k) || !left_[number(i + k)]) continue;
+      for (int k = side_sign; std::abs(k) <= farthest && found < before + side; k += side_sign) {
+        if (!has(i + k) || !inlier_[number(i + k)]) continue;
         powers.row(found) << 1, k, k * k;
         near.row(found++) = points_[number(i + k)];
       }
@@ -120,10 +120,10 @@ class OutlierSearch {
   }
 
   // Points that are left, so many places around i.
-  std::vector<int> left_around(int i, int reach) const {
+  std::vector<int> inliers_around(int i, int reach) const {
     std::vector<int> near;
     for (int k = i - reach; k <= i + reach; ++k)
-      if (has(k) && left_[number(k)]) near.push_back(number(k));
+      if (has(k) && inlier_[number(k)]) near.push_back(number(k));
     return near;
   }
 
@@ -134,12 +134,12 @@ class OutlierSearch {
     constexpr double least_turn = 25, errors = 3;
     std::array<Vec3, 2> directions;
     double step = 0;
-    for (const int way : {-1, 1}) {
+    for (const int side_sign : {-1, 1}) {
       Vec3 sum = Vec3::Zero(), moment = Vec3::Zero();
       double mean = 0;
       int found = 0;
-      for (int k = way; std::abs(k) <= 3 * arm && found < arm && has(i + k); k += way) {
-        if (!left_[number(i + k)]) continue;
+      for (int k = side_sign; std::abs(k) <= 3 * arm && found < arm && has(i + k); k += side_sign) {
+        if (!inlier_[number(i + k)]) continue;
         sum += points_[number(i + k)];
         moment += k * points_[number(i + k)];
         mean += k;
@@ -147,7 +147,7 @@ class OutlierSearch {
       }
       if (found < arm) return false;
       mean /= arm;
-      Vec3& direction = directions[way > 0];
+      Vec3& direction = directions[side_sign > 0];
       direction = moment - mean * sum;
       step += 0.5 * direction.norm() / (arm * (arm * arm - 1) / 12.0);
     }
@@ -157,10 +157,10 @@ class OutlierSearch {
   }
 
   // Takes the fewest points around i, three at most, without which nobody there stands out.
-  void take_around(int i) {
+  void reject_around(int i) {
     constexpr size_t most = 8;
-    std::vector<int> near = left_around(i, 2 * side);
-    const auto height = [&](int k) { return standing_out(k); };
+    std::vector<int> near = inliers_around(i, 2 * side);
+    const auto height = [&](int k) { return outlier_score(k); };
     std::sort(near.begin(), near.end(), [&](int a, int b) { return height(a) > height(b); });
     near.resize(std::min(near.size(), most));
     std::vector<std::vector<int>> sets;
@@ -172,26 +172,27 @@ class OutlierSearch {
       for (size_t b = a + 1; b < n; ++b)
         for (size_t c = b + 1; c < n; ++c) sets.push_back({near[a], near[b], near[c]});
     std::vector<int> best;
-    double least = clean;
+    double least = kInlierScore;
     for (const std::vector<int>& set : sets) {
       if (!best.empty() && set.size() > best.size()) break;
-      for (const int k : set) left_[k] = 0;
+      for (const int k : set) inlier_[k] = 0;
       double highest = 0;
-      for (const int k : left_around(i, side)) highest = std::max(highest, standing_out(k));
-      const bool all_out = std::all_of(
-          set.begin(), set.end(), [&](int k) { return standing_out(k) > out && !turns_at(k); });
-      for (const int k : set) left_[k] = 1;
+      for (const int k : inliers_around(i, side)) highest = std::max(highest, outlier_score(k));
+      const bool all_out = std::all_of(set.begin(), set.end(), [&](int k) {
+        return outlier_score(k) > kOutlierScore && !turns_at(k);
+      });
+      for (const int k : set) inlier_[k] = 1;
       if (!all_out || highest > least) continue;
       least = highest;
       best = set;
     }
-    for (const int k : best) left_[k] = 0;
+    for (const int k : best) inlier_[k] = 0;
   }
 
   const std::vector<Vec3>& points_;
   bool closed_;
   int count_;
-  std::vector<char> left_;
+  std::vector<char> inlier_;
   double noise_ = 0, along_ = 0;  // standard deviations across the line, and along it
 };
 
@@ -199,7 +200,7 @@ class OutlierSearch {
 
 std::vector<int> find_outliers(const std::vector<Vec3>& points, bool closed) {
   constexpr int fewest = 20;
-  return count_of(points) < fewest ? std::vector<int>() : OutlierSearch(points, closed).run();
+  return isize(points) < fewest ? std::vector<int>() : OutlierSearch(points, closed).run();
 }
 
 }  // namespace batten

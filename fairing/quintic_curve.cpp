@@ -49,13 +49,14 @@ int pieces_needed(const QuinticCurve& curve, int segment, double tolerance) {
     pieces = std::max(pieces + 1, static_cast<int>(std::min(0.9 * guess, most + 1.0)));
   }
   throw InputError("more than " + std::to_string(most) + " cubics for one segment: the tolerance " +
-                   number(tolerance) + " is too small");
+                   format_number(tolerance) + " is too small");
 }
 
 }  // namespace
 
 Eigen::Matrix<double, 6, 1> quintic_functions(double h, double s, int order) {
-  if (!(h > 0)) throw InputError("a quintic segment of length " + number(h) + ": it must be > 0");
+  if (!(h > 0))
+    throw InputError("a quintic segment of length " + format_number(h) + ": it must be > 0");
   if (order < 0 || order > 3)
     throw InputError("a quintic segment has derivatives of order 0 to 3, not " +
                      std::to_string(order));
@@ -81,7 +82,7 @@ QuinticCurve::QuinticCurve(std::vector<double> parameters, Points dofs, bool clo
   if (!dofs_.allFinite()) throw InputError("a curve node is not finite");
 }
 
-Vec3 QuinticCurve::evaluate(CurveMesh::Where at, int order) const {
+Vec3 QuinticCurve::evaluate(CurveMesh::SegmentPoint at, int order) const {
   const auto H = quintic_functions(length(at.segment), at.s, order);
   const auto a = dofs_.middleRows<3>(3 * at.segment);
   const auto b = dofs_.middleRows<3>(3 * node_after(at.segment));
@@ -97,7 +98,8 @@ double QuinticCurve::arc_length(int segment) const {
 }
 
 HermiteCurve QuinticCurve::cubics(double tolerance) const {
-  if (!(tolerance > 0)) throw InputError("a tolerance of " + number(tolerance) + ": expected > 0");
+  if (!(tolerance > 0))
+    throw InputError("a tolerance of " + format_number(tolerance) + ": expected > 0");
   std::vector<double> u = {parameters().front()};
   std::vector<Vec3> rows;
   for (int i = 0; i < segment_count(); ++i) {

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "batten/core/eigen.h"
-#include "batten/fem/curve.h"
+#include "batten/fem/hermite_curve.h"
 
 namespace batten {
 
@@ -32,11 +32,11 @@ class QuinticCurve {
   /// Node at the end of a segment.
   int node_after(int segment) const { return segment + 1 == node_count() ? 0 : segment + 1; }
   /// The segment of a parameter, clamped to an open curve, come around on a closed one.
-  CurveMesh::Where where(double u) const { return mesh_.where(u); }
+  CurveMesh::SegmentPoint locate(double u) const { return mesh_.locate(u); }
 
   /// Position (order 0) or derivative of order 1 to 3 with respect to u.
-  Vec3 evaluate(CurveMesh::Where at, int order = 0) const;
-  Vec3 evaluate(double u, int order = 0) const { return evaluate(where(u), order); }
+  Vec3 evaluate(CurveMesh::SegmentPoint at, int order = 0) const;
+  Vec3 evaluate(double u, int order = 0) const { return evaluate(locate(u), order); }
   /// Length of one segment, to 1e-12 when it turns by less than a quarter of a circle.
   double arc_length(int segment) const;
 

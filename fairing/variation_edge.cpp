@@ -55,7 +55,7 @@ class EdgePair {
     for (size_t side = 0; side < 2; ++side) {
       // The edges run against each other.
       const auto& point = tables.edges[local_[side]][side == 0 ? k : 1 - k];
-      const Vec12 reference = point.second * twice_along(across_[side]);
+      const Vec12 reference = point.second * second_derivative_weights(across_[side]);
       const Vec12 own = P_[side].transpose().lazyProduct(reference);
       if (side == 0)
         all.head<12>() += own;
@@ -68,8 +68,8 @@ class EdgePair {
     return P_[0].transpose().lazyProduct(HctTables::get().edges[local_[0]][k].slopes);
   }
   CurvatureJump at(const HctTables::Slopes& slopes, const EdgeRow& jump, double jumps) const {
-    return jump_of(q.topRows<12>().transpose().lazyProduct(slopes), q.transpose() * jump,
-                   edge_way(local_[0]), across_[0], thickness_, jumps);
+    return curvature_jump(q.topRows<12>().transpose().lazyProduct(slopes), q.transpose() * jump,
+                          edge_direction(local_[0]), across_[0], thickness_, jumps);
   }
 
  private:
@@ -82,7 +82,7 @@ class EdgePair {
 
 }  // namespace
 
-std::array<int, kEdgeDofs> VariationTerms::edge_dofs(const Surface& surface, int e) {
+std::array<int, kEdgeDofs> CurvatureVariationTerms::edge_dofs(const Surface& surface, int e) {
   std::array<int, kEdgeDofs> dofs;
   const auto& edge = surface.mesh().edges()[e];
   const auto first = surface.dof_map().triangle(surface.mesh(), edge.triangle[0]),
@@ -93,17 +93,17 @@ std::array<int, kEdgeDofs> VariationTerms::edge_dofs(const Surface& surface, int
   return dofs;
 }
 
-double VariationTerms::edge_value(const Surface& surface, int e) const {
+double CurvatureVariationTerms::edge_value(const Surface& surface, int e) const {
   const EdgePair pair(surface, e);
   double sum = 0;
   for (size_t k = 0; k < 2; ++k)
     sum += std::pow(pair.at(pair.slopes(k), pair.jump(k), jumps_).value, 2);
-  return share_beside(surface, e) * sum;
+  return edge_weight(surface, e) * sum;
 }
 
-void VariationTerms::edge(const Surface& surface, int e, EdgeRows& rows) const {
+void CurvatureVariationTerms::edge(const Surface& surface, int e, EdgeResiduals& rows) const {
   const EdgePair pair(surface, e);
-  const double root = std::sqrt(share_beside(surface, e));
+  const double root = std::sqrt(edge_weight(surface, e));
   rows.count = 2;
   for (int k = 0; k < 2; ++k) {
     const HctTables::Slopes slopes = pair.slopes(static_cast<size_t>(k));

@@ -17,12 +17,12 @@ inline constexpr double kPointWeight = 1.0 / 18;  ///< of nine points in a trian
 Mat12 reference_map(const Surface& surface, int t);
 
 /// Edge i from V_j to V_k, spoke i from V_i to the centre.
-Vec2 edge_way(int i);
-Vec2 spoke_way(int i);
+Vec2 edge_direction(int i);
+Vec2 spoke_direction(int i);
 /// Weights of ∂11, ∂12, ∂22 in the second derivative along a direction.
-Vec3 twice_along(const Vec2& direction);
+Vec3 second_derivative_weights(const Vec2& direction);
 /// The same in the second derivative along rows a and b of M.
-Vec3 mixed(const Mat2& M, int a, int b);
+Vec3 mixed_derivative_weights(const Mat2& M, int a, int b);
 
 /// The jump of curvature across a line at a Gauss point: value = weight n·jump, `jump` that of the
 /// second derivative along a direction beside the line.
@@ -31,20 +31,20 @@ struct CurvatureJump {
   Vec3 n;
   Vec2 slopes;  ///< the derivative of n·jump by X_a is slopes[a] n
 };
-/// `way`: the whole line; `across`: the direction beside it; `thickness`: mean area of the thirds
-/// beside the line, over that of a triangle, twice; `jumps`: VariationOptions::jumps.
-CurvatureJump jump_of(const LocalSlopes& X, const Vec3& jump, const Vec2& way, const Vec2& across,
-                      double thickness, double jumps);
+/// `direction`: the whole line; `across`: the direction beside it; `thickness`: mean area of the thirds
+/// beside the line, over that of a triangle, twice; `jumps`: MinimumVariationOptions::jumps.
+CurvatureJump curvature_jump(const LocalSlopes& X, const Vec3& jump, const Vec2& direction,
+                             const Vec2& across, double thickness, double jumps);
 inline constexpr double kSpokeThickness = 1.0 / 3;
 
 /// The second fundamental form beside a line: 1 is its unit tangent, 2 the perpendicular to that.
-struct LineForms {
+struct EdgeSecondForm {
   double along, twist, across;  ///< II_11, II_12, II_22
   Vec3 n, Y1, Y2;
   Mat2 M;                 ///< Y_a = Σ_i M_ai X_i
   Vec2 gamma12, gamma22;  ///< Γ^l_12, Γ^l_22
 };
-LineForms line_forms(const LocalJet& jet, const Vec2& way);
+EdgeSecondForm edge_second_form(const LocalJet& jet, const Vec2& direction);
 
 LocalJet local_jet(const TriangleDofs& q, const HctTables::EdgePoint& point);
 

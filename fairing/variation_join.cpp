@@ -11,7 +11,7 @@ namespace {
 // count there.
 template <class Point>
 struct Sides {
-  LineForms forms[2];
+  EdgeSecondForm forms[2];
   double root, jump;    // of curvature
   double stiff, angle;  // of the tangent plane
 
@@ -21,11 +21,11 @@ struct Sides {
     for (int s = 0; s < 2; ++s) {
       const auto side = static_cast<size_t>(s);
       const LocalJet jet = q[s].transpose().lazyProduct(point.N[side]);
-      forms[s] = line_forms(jet, point.way[side]);
+      forms[s] = edge_second_form(jet, point.direction[side]);
       // Of the third beside the line, if the triangle is equilateral.
       constexpr double altitude = 0.439;
       thickness += altitude / 2 * std::sqrt(areas[side] * jet.col(0).cross(jet.col(1)).norm());
-      speed += 0.5 * (jet.leftCols<2>() * point.way[side]).norm();
+      speed += 0.5 * (jet.leftCols<2>() * point.direction[side]).norm();
     }
     root = std::sqrt(jumps * point.weight * speed / thickness);
     jump = forms[0].across - point.sign * forms[1].across;
@@ -43,10 +43,11 @@ std::array<double, 2> areas_of(const Surface& surface, const std::array<int, 2>&
 
 }  // namespace
 
-void VariationTerms::add_joins(const Surface& start, const std::vector<JoinPoint>& points) {
+void CurvatureVariationTerms::add_joins(const Surface& start,
+                                        const std::vector<JoinPoint>& points) {
   for (const JoinPoint& point : points) {
     Join& added = joins_.emplace_back();
-    added.way = point.way;
+    added.direction = point.direction;
     added.weight = point.weight;
     added.curvature = point.curvature;
     added.tangent = point.tangent;
@@ -62,7 +63,7 @@ void VariationTerms::add_joins(const Surface& start, const std::vector<JoinPoint
   }
 }
 
-std::array<int, kJoinDofs> VariationTerms::join_dofs(const Surface& surface, int j) const {
+std::array<int, kJoinDofs> CurvatureVariationTerms::join_dofs(const Surface& surface, int j) const {
   std::array<int, kJoinDofs> dofs;
   auto next = dofs.begin();
   for (const int t : joins_[j].triangle) {
@@ -72,20 +73,20 @@ std::array<int, kJoinDofs> VariationTerms::join_dofs(const Surface& surface, int
   return dofs;
 }
 
-double VariationTerms::join_value(const Surface& surface, const Join& join) const {
+double CurvatureVariationTerms::join_value(const Surface& surface, const Join& join) const {
   const TriangleDofs q[2] = {surface.triangle_dofs(join.triangle[0]),
                              surface.triangle_dofs(join.triangle[1])};
   const Sides sides(join, q, areas_of(surface, join.triangle), jumps_);
   return std::pow(sides.root * sides.jump, 2) + std::pow(sides.stiff * sides.angle, 2);
 }
 
-void VariationTerms::join(const Surface& surface, int j, JoinRows& rows) const {
+void CurvatureVariationTerms::join(const Surface& surface, int j, JoinResiduals& rows) const {
   const Join& join = joins_[j];
   const TriangleDofs q[2] = {surface.triangle_dofs(join.triangle[0]),
                              surface.triangle_dofs(join.triangle[1])};
   const Sides sides(join, q, areas_of(surface, join.triangle), jumps_);
   for (int s = 0; s < 2; ++s) {
-    const LineForms& f = sides.forms[s];
+    const EdgeSecondForm& f = sides.forms[s];
     const auto& N = join.N[static_cast<size_t>(s)];
     const double root = sides.root * (s == 0 ? 1 : -join.sign);
     // The second side turns to the first one's normal, or that normal turns.
@@ -93,8 +94,8 @@ void VariationTerms::join(const Surface& surface, int j, JoinRows& rows) const {
     const Vec3 turn = -2 * (f.twist * f.Y1 + f.across * f.Y2);
     const Vec3& n = sides.forms[0].n;
     const Vec12 Y2 = N.leftCols<2>() * f.M.row(1).transpose();
-    const Vec12 Y22 =
-        N.rightCols<3>() * mixed(f.M, 1, 1) - N.leftCols<2>() * (f.M.transpose() * f.gamma22);
+    const Vec12 Y22 = N.rightCols<3>() * mixed_derivative_weights(f.M, 1, 1) -
+                      N.leftCols<2>() * (f.M.transpose() * f.gamma22);
     for (int c = 0; c < 3; ++c)
       for (int a = 0; a < 12; ++a) {
         double* column = rows.J[kJoinDofs * c + 12 * s + a];

@@ -7,7 +7,7 @@
 #include <array>
 #include <vector>
 
-#include "batten/fairing/curvature_change.h"
+#include "batten/fairing/curvature_variation.h"
 #include "batten/fairing/join_point.h"
 #include "batten/fem/surface.h"
 
@@ -18,7 +18,7 @@ inline constexpr int kEdgeDofs = 17, kJoinDofs = 24;
 /// Residuals of one element and their derivatives by its dofs, [x; y; z] one after the other: column
 /// k holds the derivatives of all residuals by dof k.
 template <int unknowns, int most_rows>
-struct TermRows {
+struct ElementResiduals {
   static constexpr int most = most_rows;
   static_assert(most % 8 == 0);
   alignas(64) double J[unknowns][most];
@@ -26,24 +26,24 @@ struct TermRows {
   int count = 0;
 };
 /// Nine points with eight residuals and nine of the step, six of spokes, nine of twist.
-using TriangleRows = TermRows<36, 168>;
-using EdgeRows = TermRows<3 * kEdgeDofs, 8>;
-using JoinRows = TermRows<3 * kJoinDofs, 8>;
+using TriangleResiduals = ElementResiduals<36, 168>;
+using EdgeResiduals = ElementResiduals<3 * kEdgeDofs, 8>;
+using JoinResiduals = ElementResiduals<3 * kJoinDofs, 8>;
 
 /// What is added to JᵀJ so that steps stay small: weights of |δX_ab|² along the frame, over area².
-struct StepWeights {
+struct DampingWeights {
   double normal = 0;      ///< of its part along the surface's normal
   double tangential = 0;  ///< of the rest: how (u, v) runs over the shape
 };
 
 /// The functional over one mesh. Frames and weights are those of the last set_frames(). Values may
 /// be asked for any dofs, derivatives for the surface of set_frames() only.
-class VariationTerms {
+class CurvatureVariationTerms {
  public:
-  /// `still`: triangles that count nothing, nor the edges beside them. Throws InputError where the
+  /// `frozen`: triangles that count nothing, nor the edges beside them. Throws InputError where the
   /// others have no normal.
-  VariationTerms(const Surface& start, double gauss, double jumps,
-                 const std::vector<char>& still = {});
+  CurvatureVariationTerms(const Surface& start, double gauss, double jumps,
+                          const std::vector<char>& frozen = {});
   /// Resists twist along a side of the outline: 3/√area ∫ τ² ds, as far as the normal of `start`
   /// does not turn about the side as a whole and its curvature is constant.
   void add_side(const Surface& start, const std::vector<int>& vertices);
@@ -59,8 +59,9 @@ class VariationTerms {
   double value(const Surface& surface) const;
 
   /// Overwrites `rows`. The rows of the step have residual zero.
-  void triangle(const Surface& surface, int t, const StepWeights& step, TriangleRows& rows) const;
-  void edge(const Surface& surface, int e, EdgeRows& rows) const;
+  void triangle(const Surface& surface, int t, const DampingWeights& step,
+                TriangleResiduals& rows) const;
+  void edge(const Surface& surface, int e, EdgeResiduals& rows) const;
 
   /// Interior edges, and the dofs of one coordinate of each: those of its first triangle, then
   /// those that only the second has.
@@ -69,9 +70,9 @@ class VariationTerms {
 
   /// Points of joins, and the dofs of one coordinate of each: those of the triangle on the first
   /// side, then those on the second.
-  int join_count() const { return count_of(joins_); }
+  int join_count() const { return isize(joins_); }
   std::array<int, kJoinDofs> join_dofs(const Surface& surface, int j) const;
-  void join(const Surface& surface, int j, JoinRows& rows) const;
+  void join(const Surface& surface, int j, JoinResiduals& rows) const;
   /// √area of the start.
   double length() const { return length_; }
 
@@ -84,19 +85,19 @@ class VariationTerms {
   struct Join {
     std::array<int, 2> triangle;
     std::array<Eigen::Matrix<double, 12, 5>, 2> N;
-    std::array<Vec2, 2> way;
+    std::array<Vec2, 2> direction;
     double weight;
     double sign;  // of the second side's normal, seen from the first
     bool curvature, tangent;
   };
-  ChangeWeights weights_at(int triangle, int point) const;
-  double share_beside(const Surface& surface, int e) const;
+  CurvatureVariationWeights weights_at(int triangle, int point) const;
+  double edge_weight(const Surface& surface, int e) const;
   double triangle_value(const Surface& surface, int t) const;
   double edge_value(const Surface& surface, int e) const;
   double join_value(const Surface& surface, const Join& join) const;
 
   double gauss_, jumps_, length_ = 1;
-  std::vector<double> shares_;  // of each triangle, what counts
+  std::vector<double> weights_;  // of each triangle, what counts
   std::vector<int> edges_;
   std::vector<Join> joins_;
   std::vector<Frame> frames_;  // nine of each triangle

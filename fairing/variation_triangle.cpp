@@ -9,26 +9,26 @@ namespace {
 
 // Writes the residuals of one triangle, with their derivatives by the reference dofs, then by the
 // triangle's own.
-class RowWriter {
+class ResidualWriter {
  public:
-  RowWriter(const TriangleDofs& q, double share, TriangleRows& rows)
-      : q_(q), root_(std::sqrt(share)), rows_(rows) {}
+  ResidualWriter(const TriangleDofs& q, double weight, TriangleResiduals& rows)
+      : q_(q), root_(std::sqrt(weight)), rows_(rows) {}
 
   // The change of curvature at one of the nine points, and the rows that keep steps small.
-  void add_change(const Table3& N, const Mat2& frame, const ChangeWeights& weights,
-                  const StepWeights& step, double size) {
+  void add_change(const Table3& N, const Mat2& frame, const CurvatureVariationWeights& weights,
+                  const DampingWeights& step, double size) {
     const Jet3 jet = q_.transpose().lazyProduct(N);
-    ChangeVector r;
-    const ChangeJacobian by_jet = change_jacobian(jet, frame, weights, r);
+    CurvatureVariationVector r;
+    const CurvatureVariationJacobian by_jet = curvature_variation_jacobian(jet, frame, weights, r);
     const double root = root_ * std::sqrt(kPointWeight);
     for (int c = 0; c < 3; ++c)
       for (int a = 0; a < 12; ++a) {
-        ChangeVector column = ChangeVector::Zero();
+        CurvatureVariationVector column = CurvatureVariationVector::Zero();
         for (int k = 0; k < 9; ++k) column += N(a, k) * by_jet.col(9 * c + k);
-        Eigen::Map<ChangeVector>(rows_.J[12 * c + a] + rows_.count) = root * column;
+        Eigen::Map<CurvatureVariationVector>(rows_.J[12 * c + a] + rows_.count) = root * column;
       }
-    Eigen::Map<ChangeVector>(rows_.r + rows_.count) = root * r;
-    rows_.count += kChangeResiduals;
+    Eigen::Map<CurvatureVariationVector>(rows_.r + rows_.count) = root * r;
+    rows_.count += kCurvatureVariationResiduals;
 
     const Vec3 area = jet.col(0).cross(jet.col(1));
     // Steps are held outside of a trim as inside: the matrix stays definite there.
@@ -42,18 +42,20 @@ class RowWriter {
   }
 
   void add_spoke(int i, const HctTables::Spoke& point, double jumps) {
-    const Vec2 across = edge_way(i);
-    const Vec12 jump = point.jump * twice_along(across);
-    const CurvatureJump j = jump_of(q_.transpose().lazyProduct(point.slopes), q_.transpose() * jump,
-                                    spoke_way(i), across, kSpokeThickness, jumps);
+    const Vec2 across = edge_direction(i);
+    const Vec12 jump = point.jump * second_derivative_weights(across);
+    const CurvatureJump j =
+        curvature_jump(q_.transpose().lazyProduct(point.slopes), q_.transpose() * jump,
+                       spoke_direction(i), across, kSpokeThickness, jumps);
     add(root_ * j.value, root_ * j.weight * j.n, jump + point.slopes * j.slopes);
   }
 
   void add_twist(int i, const HctTables::EdgePoint& point, double weight) {
     const LocalJet jet = local_jet(q_, point);
-    const double root = root_ * std::sqrt(weight * (jet.leftCols<2>() * edge_way(i)).norm());
-    const LineForms w = line_forms(jet, edge_way(i));
-    const Vec12 Y12 = point.second * mixed(w.M, 0, 1), Y2 = point.slopes * w.M.row(1).transpose();
+    const double root = root_ * std::sqrt(weight * (jet.leftCols<2>() * edge_direction(i)).norm());
+    const EdgeSecondForm w = edge_second_form(jet, edge_direction(i));
+    const Vec12 Y12 = point.second * mixed_derivative_weights(w.M, 0, 1),
+                Y2 = point.slopes * w.M.row(1).transpose();
     add(root * w.twist, root * w.n, Y12 - point.slopes * (w.M.transpose() * w.gamma12),
         -root * (w.along * w.Y1 + w.twist * w.Y2), Y2);
   }
@@ -61,7 +63,7 @@ class RowWriter {
   // By the triangle's own dofs: P takes these to q.
   void finish(const Mat12& P) {
     const int count = rows_.count;
-    alignas(64) double own[12][TriangleRows::most];
+    alignas(64) double own[12][TriangleResiduals::most];
     for (int c = 0; c < 3; ++c) {
       for (int a = 0; a < 12; ++a) {
         std::fill_n(own[a], count, 0.0);
@@ -87,26 +89,26 @@ class RowWriter {
   void add_second(const Table3& N, const Mat2& M, const Vec3& w) {
     for (int a = 0; a < 2; ++a)
       for (int b = a; b < 2; ++b) {
-        const Vec12 along = N.middleCols<3>(2) * mixed(M, a, b);
+        const Vec12 along = N.middleCols<3>(2) * mixed_derivative_weights(M, a, b);
         add(0, a == b ? w : Vec3(std::sqrt(2.0) * w), along);
       }
   }
 
   const TriangleDofs& q_;
   double root_;
-  TriangleRows& rows_;
+  TriangleResiduals& rows_;
 };
 
 }  // namespace
 
-void VariationTerms::triangle(const Surface& surface, int t, const StepWeights& step,
-                              TriangleRows& rows) const {
+void CurvatureVariationTerms::triangle(const Surface& surface, int t, const DampingWeights& step,
+                                       TriangleResiduals& rows) const {
   rows.count = 0;
-  if (shares_[t] == 0) return;
+  if (weights_[t] == 0) return;
   const auto& tables = HctTables::get();
   const Mat12 P = reference_map(surface, t);
   const TriangleDofs q = P.lazyProduct(surface.triangle_dofs(t));
-  RowWriter writer(q, shares_[t], rows);
+  ResidualWriter writer(q, weights_[t], rows);
   for (int p = 0; p < 9; ++p)
     writer.add_change(tables.inside[p], frames_[9 * t + p].M, weights_at(t, p), step, length_);
   for (int i = 0; i < 3; ++i)

@@ -43,10 +43,10 @@ void pass_through_fixed(BicubicPatch& patch, const PatchTarget& target) {
   const long n = static_cast<long>(target.fixed.size());
   if (n == 0) return;
   std::vector<Eigen::Triplet<double>> entries;
-  Points missing(n, 3);
+  Points residual(n, 3);
   for (long k = 0; k < n; ++k) {
     const Vec2& uv = target.fixed[static_cast<size_t>(k)];
-    missing.row(k) = target.position(uv) - patch.position(uv);
+    residual.row(k) = target.position(uv) - patch.position(uv);
     const double u = patch.u.wrapped(uv.x()), v = patch.v.wrapped(uv.y());
     const int i = patch.u.interval(u), j = patch.v.interval(v);
     const Vec4 Nu = patch.u.basis(i, (u - patch.u.knots()[i]) / patch.u.length(i)),
@@ -61,7 +61,7 @@ void pass_through_fixed(BicubicPatch& patch, const PatchTarget& target) {
   // Lines that begin where others end give a point twice.
   const Eigen::MatrixXd square = (N * N.transpose()).eval().toDense();
   patch.poles += N.transpose() *
-                 Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd>(square).solve(missing);
+                 Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd>(square).solve(residual);
 }
 
 /// Errors of each cell.
@@ -75,9 +75,10 @@ struct CellErrors {
 };
 
 /// Raises what is there to the largest errors at the samples.
-void raise_errors(const BicubicPatch& patch, const CellSamples& samples, CellErrors& errors) {
+void accumulate_max_errors(const BicubicPatch& patch, const CellSamples& samples,
+                           CellErrors& errors) {
   const int n = patch.v.intervals();
-  parallel_parts(patch.u.intervals(), [&](int i) {
+  parallel_for(patch.u.intervals(), [&](int i) {
     for (int j = 0; j < n; ++j) {
       const size_t cell = static_cast<size_t>(i) * n + j;
       for (const CellSamples::Sample& sample : samples.of(cell))
@@ -173,8 +174,8 @@ class PatchSearch {
       : target_(target), goal_(goal), limits_(limits), given_start_(start) {
     const Vec2 extent = target.high - target.low;
     const auto first = [&](double length) {
-      const double share = limits.first * length / extent.maxCoeff();
-      return std::max(std::min(4, limits.first), static_cast<int>(std::lround(share)));
+      const double share = limits.initial_intervals * length / extent.maxCoeff();
+      return std::max(std::min(4, limits.initial_intervals), static_cast<int>(std::lround(share)));
     };
     const int in_u = target.periodic ? std::max(4, first(extent.x())) : first(extent.x());
     u_ = uniform(target.low.x(), target.high.x(), in_u, target.periodic);
@@ -183,33 +184,34 @@ class PatchSearch {
       u_ = start->u;
       v_ = start->v;
     }
-    best_.deviation = best_miss_ = lowest_ = std::numeric_limits<double>::infinity();
+    best_.deviation = best_goal_ratio_ = lowest_goal_ratio_ =
+        std::numeric_limits<double>::infinity();
   }
 
   PatchFit run() {
-    constexpr int most_rounds = 16;
-    for (int round = 1; round <= most_rounds; ++round) {
+    constexpr int kMaxIterations = 16;
+    for (int iteration = 1; iteration <= kMaxIterations; ++iteration) {
       fit();
-      keep_if_best();
-      if (no_better_to_come()) break;
-      find_wanted_knots(round);
-      if (!move_knots()) break;
+      update_best();
+      if (should_stop()) break;
+      compute_knot_density(iteration);
+      if (!redistribute_knots()) break;
     }
-    return best_.reached ? best_ : sparest();
+    return best_.reached ? best_ : fewest_poles_fit();
   }
 
  private:
   /// Of the fits that reach the deviation and not the angle, the one with the fewest poles that comes
   /// within half of the way to the smallest angle: more poles would buy little.
-  PatchFit sparest() const {
-    if (near_.empty()) return best_;
+  PatchFit fewest_poles_fit() const {
+    if (within_deviation_.empty()) return best_;
     const auto less = [](const PatchFit& a, const PatchFit& b) {
       return a.angle_deg < b.angle_deg;
     };
-    PatchFit found = *std::min_element(near_.begin(), near_.end(), less);
+    PatchFit found = *std::min_element(within_deviation_.begin(), within_deviation_.end(), less);
     const double least = found.angle_deg;
     if (least < 2 * goal_.angle_deg) return found;
-    for (const PatchFit& fit : near_)
+    for (const PatchFit& fit : within_deviation_)
       if (fit.angle_deg <= 1.5 * least && fit.patch.poles.rows() < found.patch.poles.rows())
         found = fit;
     return found;
@@ -224,52 +226,53 @@ class PatchSearch {
 
     const size_t cells = static_cast<size_t>(u_.intervals()) * v_.intervals();
     errors_ = {std::vector<double>(cells, 0.0), std::vector<double>(cells, 0.0)};
-    raise_errors(patch_, others, errors_);
+    accumulate_max_errors(patch_, others, errors_);
     deviation_ = errors_.most(errors_.distance);
     angle_deg_ = errors_.most(errors_.angle_deg);
-    raise_errors(patch_, fitted, errors_);
-    miss_ = std::max(deviation_ / goal_.deviation, angle_deg_ / goal_.angle_deg);
-    reached_ = miss_ <= 1;
+    accumulate_max_errors(patch_, fitted, errors_);
+    goal_ratio_ = std::max(deviation_ / goal_.deviation, angle_deg_ / goal_.angle_deg);
+    reached_ = goal_ratio_ <= 1;
   }
 
-  void keep_if_best() {
+  void update_best() {
     const bool fewer = patch_.poles.rows() < best_.patch.poles.rows();
-    progressed_ = miss_ <= 0.8 * lowest_;
+    progressed_ = goal_ratio_ <= 0.8 * lowest_goal_ratio_;
     if (progressed_) {
-      lowest_ = miss_;
+      lowest_goal_ratio_ = goal_ratio_;
       progress_ = patch_.poles.rows();
     }
-    if (deviation_ <= goal_.deviation) near_.push_back({patch_, deviation_, angle_deg_, false});
-    if (best_.reached ? reached_ && fewer : reached_ || miss_ < best_miss_) {
+    if (deviation_ <= goal_.deviation)
+      within_deviation_.push_back({patch_, deviation_, angle_deg_, false});
+    if (best_.reached ? reached_ && fewer : reached_ || goal_ratio_ < best_goal_ratio_) {
       best_ = {patch_, deviation_, angle_deg_, reached_};
-      best_miss_ = miss_;
+      best_goal_ratio_ = goal_ratio_;
     }
   }
 
-  bool no_better_to_come() {
-    if (best_.reached) return !reached_ || miss_ > 0.3 || ++sparer_ > 2;
+  bool should_stop() {
+    if (best_.reached) return !reached_ || goal_ratio_ > 0.3 || ++reductions_ > 2;
     // Angles that finer knots do not lower are those of the surface's own kinks.
     const double patience = deviation_ <= goal_.deviation ? 2.5 : 12;
     return static_cast<double>(patch_.poles.rows()) > patience * static_cast<double>(progress_);
   }
 
   // Where, and in which direction, the next knots go.
-  void find_wanted_knots(int round) {
+  void compute_knot_density(int iteration) {
     constexpr double aim = 0.6;  // of the goal
     const auto in_u = fourth_differences(patch_, 0), in_v = fourth_differences(patch_, 1);
-    const double least = reached_ || (round <= 4 && !given_start_) ? 0.6 : 1.0;
+    const double least = reached_ || (iteration <= 4 && !given_start_) ? 0.6 : 1.0;
     factor_u_.assign(static_cast<size_t>(u_.intervals()), least);
     factor_v_.assign(static_cast<size_t>(v_.intervals()), least);
     for (int i = 0; i < u_.intervals(); ++i)
       for (int j = 0; j < v_.intervals(); ++j) {
         const size_t cell = static_cast<size_t>(i) * v_.intervals() + j;
         const double both = std::max(in_u[cell], in_v[cell]);
-        const double far = errors_.distance[cell] / goal_.deviation / aim,
-                     askew = errors_.angle_deg[cell] / goal_.angle_deg / aim;
-        if (!(both > 0) || std::max(far, askew) == 0) continue;
+        const double deviation_ratio = errors_.distance[cell] / goal_.deviation / aim,
+                     angle_ratio = errors_.angle_deg[cell] / goal_.angle_deg / aim;
+        if (!(both > 0) || std::max(deviation_ratio, angle_ratio) == 0) continue;
         const auto wanted = [&](double part) {
-          return std::min(
-              2.0, std::max(std::pow(far * part / both, 0.25), std::cbrt(askew * part / both)));
+          return std::min(2.0, std::max(std::pow(deviation_ratio * part / both, 0.25),
+                                        std::cbrt(angle_ratio * part / both)));
         };
         factor_u_[i] = std::max(factor_u_[i], wanted(in_u[cell]));
         factor_v_[j] = std::max(factor_v_[j], wanted(in_v[cell]));
@@ -277,10 +280,10 @@ class PatchSearch {
   }
 
   // False when the limits leave no better knots.
-  bool move_knots() {
+  bool redistribute_knots() {
     const auto finer = [&](double growth) {
-      return std::pair{redistributed(u_, factor_u_, growth, limits_.a_direction - 3),
-                       redistributed(v_, factor_v_, growth, limits_.a_direction - 3)};
+      return std::pair{redistributed(u_, factor_u_, growth, limits_.max_poles_per_direction - 3),
+                       redistributed(v_, factor_v_, growth, limits_.max_poles_per_direction - 3)};
     };
     const double before = static_cast<double>(patch_.poles.rows());
     const auto poles = [](const auto& axes) {
@@ -290,7 +293,7 @@ class PatchSearch {
     auto next = finer(growth);
     while (!reached_ && poles(next) < (progressed_ ? 1.15 : 1.6) * before && growth < 2)
       next = finer(growth *= 1.08);
-    while (poles(next) > limits_.in_all) next = finer(growth *= 0.97);
+    while (poles(next) > limits_.max_poles) next = finer(growth *= 0.97);
     if (!reached_ && poles(next) <= 1.02 * before) return false;  // at the limits
     if (reached_ && poles(next) >= before) return false;
     u_ = next.first;
@@ -304,16 +307,16 @@ class PatchSearch {
   bool given_start_;
   SplineAxis u_, v_;
   PatchFit best_;
-  double best_miss_ = 0;
-  std::vector<PatchFit> near_;  // those that reach the deviation
-  double lowest_ = 0;
+  double best_goal_ratio_ = 0;
+  std::vector<PatchFit> within_deviation_;  // those that reach the deviation
+  double lowest_goal_ratio_ = 0;
   long progress_ = 1;  // poles when the miss last fell
-  int sparer_ = 0;
+  int reductions_ = 0;
   // Of the round.
   BicubicPatch patch_;
   CellErrors errors_;
   double deviation_ = 0, angle_deg_ = 0;
-  double miss_ = 0;  // the larger of the two over its goal
+  double goal_ratio_ = 0;  // the larger of the two over its goal
   bool reached_ = false, progressed_ = false;
   std::vector<double> factor_u_, factor_v_;
 };

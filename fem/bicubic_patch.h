@@ -27,11 +27,11 @@ struct PatchFit {
 };
 
 struct PatchLimits {
-  int a_direction = 400;  ///< poles
-  int in_all = 60'000;
+  int max_poles_per_direction = 400;  ///< poles
+  int max_poles = 60'000;
   /// Intervals along the longer side of the first fit, 2 or more: a bend much shorter than one lies
   /// between its samples and is not seen.
-  int first = 8;
+  int initial_intervals = 8;
 };
 
 /// The fit with the fewest poles that was found for a deviation and an angle of at most `goal`, both

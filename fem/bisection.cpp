@@ -1,7 +1,7 @@
 #include "batten/fem/bisection.h"
 
 #include "batten/core/errors.h"
-#include "batten/core/index.h"
+#include "batten/core/isize.h"
 
 namespace batten {
 namespace {
@@ -53,7 +53,7 @@ std::vector<ParametricMesh::Triangle> halves_of(const ParametricMesh& mesh,
 }  // namespace
 
 Bisection bisected(const ParametricMesh& mesh, const std::vector<char>& marked) {
-  if (count_of(marked) != mesh.triangle_count())
+  if (isize(marked) != mesh.triangle_count())
     throw InputError(std::to_string(marked.size()) + " marks for " +
                      std::to_string(mesh.triangle_count()) + " triangles");
   std::vector<int> longest(mesh.triangle_count());
@@ -81,7 +81,7 @@ Bisection bisected(const ParametricMesh& mesh, const std::vector<char>& marked) 
   for (int e = 0; e < mesh.edge_count(); ++e) {
     if (!split[e]) continue;
     const auto& edge = mesh.edges()[e];
-    midpoint[e] = count_of(vertices);
+    midpoint[e] = isize(vertices);
     const TriangleShape shape = mesh.shape(edge.triangle[0]);
     const int i = edge.local[0];
     vertices.push_back(mesh.wrapped(0.5 * (shape.vertex[(i + 1) % 3] + shape.vertex[(i + 2) % 3])));
@@ -90,14 +90,14 @@ Bisection bisected(const ParametricMesh& mesh, const std::vector<char>& marked) 
           std::move(midpoint)};
 }
 
-MeshPart part_of(const ParametricMesh& mesh, const std::vector<int>& wanted) {
+Submesh extract_submesh(const ParametricMesh& mesh, const std::vector<int>& wanted) {
   std::vector<int> number(mesh.vertex_count(), -1);
   for (const int t : wanted)
     for (const int v : mesh.triangles()[t]) number[v] = 0;
   std::vector<Vec2> vertices;
   for (int v = 0; v < mesh.vertex_count(); ++v)
     if (number[v] == 0) {
-      number[v] = count_of(vertices);
+      number[v] = isize(vertices);
       vertices.push_back(mesh.vertices()[v]);
     }
   std::vector<ParametricMesh::Triangle> triangles;

@@ -21,10 +21,10 @@ struct Bisection {
 Bisection bisected(const ParametricMesh& mesh, const std::vector<char>& marked);
 
 /// The mesh of these triangles alone, vertices in their old order.
-struct MeshPart {
+struct Submesh {
   ParametricMesh mesh;
   std::vector<int> vertex;  ///< number in the part of each old vertex, or -1
 };
-MeshPart part_of(const ParametricMesh& mesh, const std::vector<int>& triangles);
+Submesh extract_submesh(const ParametricMesh& mesh, const std::vector<int>& triangles);
 
 }  // namespace batten

@@ -4,7 +4,7 @@
 #include <limits>
 
 #include "batten/fem/closest_on_curve.h"
-#include "batten/fem/curve.h"
+#include "batten/fem/hermite_curve.h"
 #include "batten/fem/surface.h"
 #include "batten/fem/triangle_locator.h"
 
@@ -103,9 +103,9 @@ void search_edges(const Surface& surface, int t, const Vec3& p, const Offer& off
 
 }  // namespace
 
-Surface::Closest Surface::closest_point(const Vec3& p) const {
+Surface::ClosestPoint Surface::closest_point(const Vec3& p) const {
   std::vector<Start> starts;
-  Closest best{{}, std::numeric_limits<double>::infinity()};
+  ClosestPoint best{{}, std::numeric_limits<double>::infinity()};
   if (trim_) best = closest_on_loops(p);
   double nearest = best.distance;
   const auto inside = [&](const Location& where) {
@@ -131,11 +131,11 @@ Surface::Closest Surface::closest_point(const Vec3& p) const {
   return best;
 }
 
-Surface::Closest Surface::closest_on_loops(const Vec3& p) const {
+Surface::ClosestPoint Surface::closest_on_loops(const Vec3& p) const {
   const TriangleLocator locator(*mesh_);
   double edge = 0;
   for (int e = 0; e < mesh_->edge_count(); ++e) edge += mesh_->edge_length(e) / mesh_->edge_count();
-  Closest best{{}, std::numeric_limits<double>::infinity()};
+  ClosestPoint best{{}, std::numeric_limits<double>::infinity()};
   for (const auto& loop : trim_->loops().loops())
     for (const HermiteCurve& curve : loop) {
       const auto where = [&](double t) { return locator.locate(curve.evaluate(t).head<2>()); };

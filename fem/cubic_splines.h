@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "batten/fem/curve.h"
+#include "batten/fem/hermite_curve.h"
 
 namespace batten {
 

@@ -17,8 +17,8 @@ CurveMesh::CurveMesh(std::vector<double> parameters, bool closed, std::vector<in
   for (size_t i = 0; i + 1 < parameters_.size(); ++i)
     if (!(parameters_[i + 1] > parameters_[i]))
       throw InputError("curve parameters must increase: u[" + std::to_string(i) +
-                       "] = " + number(parameters_[i]) + ", u[" + std::to_string(i + 1) +
-                       "] = " + number(parameters_[i + 1]));
+                       "] = " + format_number(parameters_[i]) + ", u[" + std::to_string(i + 1) +
+                       "] = " + format_number(parameters_[i + 1]));
   std::sort(corners_.begin(), corners_.end());
   corners_.erase(std::unique(corners_.begin(), corners_.end()), corners_.end());
   const int first = closed_ ? 0 : 1, last = closed_ ? node_count() - 1 : node_count() - 2;
@@ -40,7 +40,7 @@ double CurveMesh::wrapped(double u) const {
   return std::clamp(u - period * std::floor((u - start()) / period), start(), end());
 }
 
-CurveMesh::Where CurveMesh::where(double u) const {
+CurveMesh::SegmentPoint CurveMesh::locate(double u) const {
   u = wrapped(u);
   const auto it = std::upper_bound(parameters_.begin() + 1, parameters_.end() - 1, u);
   const int i = static_cast<int>(it - parameters_.begin()) - 1;

@@ -5,7 +5,7 @@
 #include <array>
 #include <vector>
 
-#include "batten/core/index.h"
+#include "batten/core/isize.h"
 
 namespace batten {
 
@@ -28,9 +28,9 @@ class CurveMesh {
   explicit CurveMesh(std::vector<double> parameters, bool closed = false,
                      std::vector<int> corners = {});
 
-  int segment_count() const { return count_of(parameters_) - 1; }
+  int segment_count() const { return isize(parameters_) - 1; }
   int node_count() const { return segment_count() + (closed_ ? 0 : 1); }
-  int dof_count() const { return 2 * node_count() + count_of(corners_); }
+  int dof_count() const { return 2 * node_count() + isize(corners_); }
   bool closed() const { return closed_; }
   /// Parameters u_0 … u_m of the nodes; a closed curve has one more, u_m, for node 0.
   const std::vector<double>& parameters() const { return parameters_; }
@@ -52,13 +52,13 @@ class CurveMesh {
   /// Dofs of a segment in the order of HermiteSegment.
   std::array<int, 4> segment_dofs(int segment) const;
 
-  struct Where {
+  struct SegmentPoint {
     int segment = 0;
     double s = 0;  ///< in [0, 1]
   };
   /// Place of a parameter u, which is clamped to an open curve and comes around on a closed one. A
   /// node is in the segment that begins there, the end of an open curve in the last one.
-  Where where(double u) const;
+  SegmentPoint locate(double u) const;
   /// The parameter within [start(), end()] that u stands for: clamped, or come around.
   double wrapped(double u) const;
 

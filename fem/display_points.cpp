@@ -5,7 +5,7 @@
 #include <functional>
 
 #include "batten/core/errors.h"
-#include "batten/core/index.h"
+#include "batten/core/isize.h"
 #include "batten/core/parallel.h"
 #include "batten/core/simd.h"
 
@@ -25,8 +25,9 @@ void require_inside(const Location& where, int place, int triangles) {
   constexpr double rounding = 1e-9;
   if (!where.L.allFinite() || where.L.minCoeff() < -rounding ||
       std::abs(where.L.sum() - 1) > rounding)
-    refuse("barycentric coordinates " + number(where.L[0]) + ", " + number(where.L[1]) + ", " +
-           number(where.L[2]) + " are not those of a point of its triangle");
+    refuse("barycentric coordinates " + format_number(where.L[0]) + ", " +
+           format_number(where.L[1]) + ", " + format_number(where.L[2]) +
+           " are not those of a point of its triangle");
 }
 
 using Vector = double __attribute__((vector_size(32)));  // x, y, z, 0
@@ -91,7 +92,7 @@ BATTEN_CLONES void evaluate_inside(const Task& task, int from, int to) {
 
 DisplayPoints::DisplayPoints(const ParametricMesh& mesh, TriangleElement kind,
                              const std::vector<Location>& where)
-    : count_(count_of(where)), dof_count_(DofMap(mesh).count()) {
+    : count_(isize(where)), dof_count_(DofMap(mesh).count()) {
   const DofMap dofs(mesh);
   for (int p = 0; p < count_; ++p) {
     const auto& [t, L] = where[p];
@@ -134,7 +135,7 @@ void DisplayPoints::evaluate(const Points& x, const Vec3& shift, float* points,
     const int to = std::min(dof_count_, (part + 1) * chunk);
     for (int i = part * chunk; i < to; ++i) rows_[i] = {{x(i, 0), x(i, 1), x(i, 2), 0}};
   };
-  parallel_parts(parts_of(dof_count_), std::ref(interleave));
+  parallel_for(parts_of(dof_count_), std::ref(interleave));
 
   using Evaluate = void (*)(const Task&, int, int);
   constexpr Evaluate evaluate_kind[] = {evaluate_vertices, evaluate_edges, evaluate_inside};
@@ -157,7 +158,7 @@ void DisplayPoints::evaluate(const Points& x, const Vec3& shift, float* points,
   };
   int parts = 0;
   for (const Group& group : groups_) parts += parts_of(group.count);
-  parallel_parts(parts, std::ref(evaluate_part));
+  parallel_for(parts, std::ref(evaluate_part));
 }
 
 }  // namespace batten

@@ -4,7 +4,7 @@
 #include <array>
 #include <vector>
 
-#include "batten/fem/assembly.h"
+#include "batten/fem/surface_assembler.h"
 
 namespace batten {
 

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "batten/core/box.h"
-#include "batten/fem/curve.h"
+#include "batten/fem/hermite_curve.h"
 #include "batten/fem/planar_cubic.h"
 
 namespace batten {
@@ -19,18 +19,19 @@ class DomainLoops {
   using Loop = std::vector<HermiteCurve>;
   /// What is far away: outside of the region, or inside of it (there are holes only, and something
   /// else bounds the region).
-  enum class Around { Outside, Inside };
+  enum class Background { Outside, Inside };
 
   /// A region without loops: the whole plane, or nothing.
-  explicit DomainLoops(Around around = Around::Inside) : around_(around), box_(Vec2(0, 0)) {}
+  explicit DomainLoops(Background background = Background::Inside)
+      : background_(background), box_(Vec2(0, 0)) {}
   /// Throws InputError: a curve that leaves the plane z = 0, pieces of a loop that do not meet end
   /// to end (within 1e-9 of the box of all loops), an empty loop.
-  explicit DomainLoops(std::vector<Loop> loops, Around around = Around::Outside);
+  explicit DomainLoops(std::vector<Loop> loops, Background background = Background::Outside);
 
   const std::vector<Loop>& loops() const { return loops_; }
   /// All segments, loop after loop, with exactly shared ends.
-  const std::vector<PlanarCubic>& arcs() const { return arcs_; }
-  Around around() const { return around_; }
+  const std::vector<PlanarCubic>& segments() const { return segments_; }
+  Background background() const { return background_; }
 
   /// Whether p is inside, by the winding number of a ray against the cubics themselves: exact to
   /// rounding; on a curve either answer. O(segments at the height of p).
@@ -43,14 +44,14 @@ class DomainLoops {
  private:
   // A part of an arc on which v is monotone.
   struct Monotone {
-    int arc;
+    int segment;
     double t0, t1, v0, v1, u_low, u_high;
   };
   void sort_into_bands();
   size_t band(double v) const;  // never falls with v
-  Around around_;
+  Background background_;
   std::vector<Loop> loops_;
-  std::vector<PlanarCubic> arcs_;
+  std::vector<PlanarCubic> segments_;
   std::vector<Monotone> monotone_;
   // The numbers of the parts that reach into each band of v: from bands_[i] to bands_[i + 1].
   std::vector<int> in_bands_;

@@ -4,8 +4,8 @@
 #include <limits>
 
 #include "batten/core/errors.h"
+#include "batten/core/op_counter.h"
 #include "batten/core/parallel.h"
-#include "batten/core/work.h"
 
 namespace batten {
 
@@ -26,12 +26,12 @@ class ElementsOfDofs {
         element_of_(dofs.size()),
         start_(dof_count + 1, 0),
         uses_(dofs.size()) {
-    for (int e = 0; e < count_of(starts) - 1; ++e)
+    for (int e = 0; e < isize(starts) - 1; ++e)
       std::fill(element_of_.begin() + starts[e], element_of_.begin() + starts[e + 1], e);
     for (const int d : dofs) ++start_[d + 1];
     for (int d = 0; d < dof_count; ++d) start_[d + 1] += start_[d];
     std::vector<int> next(start_.begin(), start_.end() - 1);
-    for (int u = 0; u < count_of(dofs); ++u) uses_[next[dofs[u]]++] = u;
+    for (int u = 0; u < isize(dofs); ++u) uses_[next[dofs[u]]++] = u;
   }
 
   bool none(int d) const { return start_[d] == start_[d + 1]; }
@@ -77,7 +77,7 @@ class ElementsOfDofs {
 }  // namespace
 
 ElementPattern::ElementPattern(int dof_count, int per_element, std::vector<int> dofs)
-    : ElementPattern(dof_count, equal_starts(per_element, count_of(dofs)), dofs) {}
+    : ElementPattern(dof_count, equal_starts(per_element, isize(dofs)), dofs) {}
 
 ElementPattern::ElementPattern(int dof_count, std::vector<int> starts, std::vector<int> dofs)
     : starts_(std::move(starts)), dofs_(std::move(dofs)) {
@@ -110,13 +110,13 @@ ElementPattern::ElementPattern(int dof_count, std::vector<int> starts, std::vect
 }
 
 void ElementPattern::append_column(const std::vector<int>& rows, std::vector<int>& place) {
-  const int base = count_of(row_);
+  const int base = isize(row_);
   if (static_cast<long>(row_.size()) + static_cast<long>(rows.size()) >
       std::numeric_limits<int>::max())
     throw InputError("the assembled matrix has more than 2^31 entries");
   for (size_t r = 0; r < rows.size(); ++r) place[rows[r]] = base + static_cast<int>(r);
   row_.insert(row_.end(), rows.begin(), rows.end());
-  column_.push_back(count_of(row_));
+  column_.push_back(isize(row_));
 }
 
 void ElementPattern::locate_entries(int e, int b, const std::vector<int>& place) {
@@ -164,11 +164,11 @@ void ElementPattern::assemble(const std::function<void(int, double*)>& element,
   if (matrix.rows() + 1 != static_cast<long>(column_.size()) ||
       matrix.nonZeros() != static_cast<long>(row_.size()))
     throw InputError("the matrix to assemble into does not have the pattern of these elements");
-  count(Work::AssembledElement, element_count());
+  count(OpCounter::AssembledElement, element_count());
   double* values = matrix.valuePtr();
   std::fill_n(values, row_.size(), 0.0);
-  constexpr int worth_a_thread = 500;
-  const int parts = std::clamp(element_count() / worth_a_thread, 1, thread_count());
+  constexpr int kMinWorkPerThread = 500;
+  const int parts = std::clamp(element_count() / kMinWorkPerThread, 1, thread_count());
 
   const auto scatter_all = [&](int e, const double* K) {
     const int* position = &position_[first_pair_[e]];
@@ -185,7 +185,7 @@ void ElementPattern::assemble(const std::function<void(int, double*)>& element,
     return;
   }
   const std::vector<Part> split_parts = split(parts);
-  parallel_parts(parts, [&](int part) {
+  parallel_for(parts, [&](int part) {
     std::vector<double> K(static_cast<size_t>(largest_) * largest_);
     const Part& mine = split_parts[part];
     for (size_t i = 0; i < mine.elements.size(); ++i) {

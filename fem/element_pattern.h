@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "batten/core/eigen.h"
-#include "batten/core/index.h"
+#include "batten/core/isize.h"
 
 namespace batten {
 
@@ -19,7 +19,7 @@ class ElementPattern {
   /// Elements of different sizes: element e has dofs[starts[e]] … dofs[starts[e+1] - 1].
   ElementPattern(int dof_count, std::vector<int> starts, std::vector<int> dofs);
 
-  int element_count() const { return count_of(starts_) - 1; }
+  int element_count() const { return isize(starts_) - 1; }
   int size_of(int element) const { return starts_[element + 1] - starts_[element]; }
 
   /// A matrix of this pattern with zero entries.

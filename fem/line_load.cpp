@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "batten/core/errors.h"
-#include "batten/core/plane.h"
+#include "batten/core/planar_geometry.h"
 
 namespace batten {
 namespace {
@@ -16,11 +16,11 @@ struct Cubic {
 };
 
 // The cubics that a line with this image passes through.
-class CubicsAlong {
+class ElementCrossings {
  public:
-  CubicsAlong(const ParametricMesh& mesh, TriangleElement kind, const TriangleLocator& locator,
-              const HermiteCurve& image)
-      : mesh_(mesh), kind_(kind), locator_(locator), image_(image) {}
+  ElementCrossings(const ParametricMesh& mesh, TriangleElement kind, const TriangleLocator& locator,
+                   const HermiteCurve& pcurve)
+      : mesh_(mesh), kind_(kind), locator_(locator), pcurve_(pcurve) {}
 
   /// From sample to sample, and where the cubic changes.
   std::vector<double> cut(const std::vector<double>& samples) const {
@@ -48,7 +48,7 @@ class CubicsAlong {
 
  private:
   Cubic at(double t) const {
-    const Location on = locator_.locate(flat(image_.evaluate(t)));
+    const Location on = locator_.locate(drop_z(pcurve_.evaluate(t)));
     int sub = 0;
     if (kind_ == TriangleElement::HCT) on.L.minCoeff(&sub);
     return {on.triangle, sub};
@@ -57,13 +57,14 @@ class CubicsAlong {
   /// Short steps: half of the element that the line is in.
   double step_towards(double end, double t, const Cubic& here) const {
     const double h = std::sqrt(2 * mesh_.shape(here.triangle).area),
-                 speed = flat(image_.evaluate(t, 1)).norm(), rest = end - t;
+                 speed = drop_z(pcurve_.evaluate(t, 1)).norm(), rest = end - t;
     const double steps = std::max(1.0, std::ceil(2 * speed * rest / h));
     return steps == 1 ? end : t + rest / steps;
   }
 
   double bisect_end_of(const Cubic& here, double low, double high) const {
-    for (int step = 0; step < 60 && high - low > 1e-13 * (image_.end() - image_.start()); ++step) {
+    for (int step = 0; step < 60 && high - low > 1e-13 * (pcurve_.end() - pcurve_.start());
+         ++step) {
       const double middle = 0.5 * (low + high);
       (at(middle) == here ? low : high) = middle;
     }
@@ -73,11 +74,11 @@ class CubicsAlong {
   const ParametricMesh& mesh_;
   TriangleElement kind_;
   const TriangleLocator& locator_;
-  const HermiteCurve& image_;
+  const HermiteCurve& pcurve_;
 };
 
-std::vector<double> parameters_of_both(const HermiteCurve& image, const HermiteCurve& curve) {
-  std::vector<double> samples = image.parameters();
+std::vector<double> merged_parameters(const HermiteCurve& pcurve, const HermiteCurve& curve) {
+  std::vector<double> samples = pcurve.parameters();
   samples.insert(samples.end(), curve.parameters().begin(), curve.parameters().end());
   std::sort(samples.begin(), samples.end());
   samples.erase(std::unique(samples.begin(), samples.end()), samples.end());
@@ -87,13 +88,13 @@ std::vector<double> parameters_of_both(const HermiteCurve& image, const HermiteC
 }  // namespace
 
 VecX line_load(const ParametricMesh& mesh, TriangleElement kind, const TriangleLocator& locator,
-               const HermiteCurve& image, const HermiteCurve& curve) {
-  if (image.start() != curve.start() || image.end() != curve.end())
-    throw InputError("a line over [" + number(curve.start()) + ", " + number(curve.end()) +
-                     "] with an image over [" + number(image.start()) + ", " + number(image.end()) +
-                     "]");
+               const HermiteCurve& pcurve, const HermiteCurve& curve) {
+  if (pcurve.start() != curve.start() || pcurve.end() != curve.end())
+    throw InputError("a line over [" + format_number(curve.start()) + ", " +
+                     format_number(curve.end()) + "] with an image over [" +
+                     format_number(pcurve.start()) + ", " + format_number(pcurve.end()) + "]");
   const std::vector<double> cuts =
-      CubicsAlong(mesh, kind, locator, image).cut(parameters_of_both(image, curve));
+      ElementCrossings(mesh, kind, locator, pcurve).cut(merged_parameters(pcurve, curve));
 
   static const SegmentRule gauss = gauss_legendre(6);
   const DofMap dofs(mesh);
@@ -104,7 +105,7 @@ VecX line_load(const ParametricMesh& mesh, TriangleElement kind, const TriangleL
     for (long g = 0; g < parts * gauss.s.size(); ++g) {
       const double length = (cuts[i + 1] - cuts[i]) / parts,
                    t = cuts[i] + (g / gauss.s.size() + gauss.s[g % gauss.s.size()]) * length;
-      const Location on = locator.locate(flat(image.evaluate(t)));
+      const Location on = locator.locate(drop_z(pcurve.evaluate(t)));
       const Vec12 N = C1Triangle(kind, mesh.shape(on.triangle)).evaluate(on.L).col(kW);
       const double weight =
           gauss.weights[g % gauss.s.size()] * length * curve.evaluate(t, 1).norm();

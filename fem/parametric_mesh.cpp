@@ -19,7 +19,7 @@ ParametricMesh::ParametricMesh(std::vector<Vec2> vertices, std::vector<Triangle>
                                double period)
     : vertices_(std::move(vertices)), triangles_(std::move(triangles)), period_(period) {
   if (!(period >= 0) || !std::isfinite(period))
-    throw MeshError("the period of a parametric mesh is " + number(period) +
+    throw MeshError("the period of a parametric mesh is " + format_number(period) +
                     "; expected a positive number, or 0 for none");
   const int n = vertex_count();
   for (int v = 0; v < n; ++v)
@@ -29,8 +29,8 @@ ParametricMesh::ParametricMesh(std::vector<Vec2> vertices, std::vector<Triangle>
     for (int v = 0; v < n; ++v)
       if (!(vertices_[v].x() >= 0 && vertices_[v].x() < period_))
         throw MeshError("parametric vertex " + std::to_string(v) +
-                        " has u = " + number(vertices_[v].x()) + ", outside of one period, 0 to " +
-                        number(period_));
+                        " has u = " + format_number(vertices_[v].x()) +
+                        ", outside of one period, 0 to " + format_number(period_));
   if (triangles_.empty()) throw MeshError("a parametric mesh needs at least one triangle");
   edges_from_.resize(n);
   triangle_edges_.resize(triangles_.size());
@@ -52,10 +52,10 @@ ParametricMesh::ParametricMesh(std::vector<Vec2> vertices, std::vector<Triangle>
         edges_.push_back({low, high, {t, -1}, {i, -1}});
         edges_from_[low].push_back(e);
         // Three such edges could close around the tube.
-        constexpr double hair = 1e-9;
-        if (period_ > 0 && std::abs(edge_vector(e).x()) > (1 - hair) * period_ / 3)
+        constexpr double margin = 1e-9;
+        if (period_ > 0 && std::abs(edge_vector(e).x()) > (1 - margin) * period_ / 3)
           throw MeshError("edge " + std::to_string(low) + "-" + std::to_string(high) + " spans " +
-                          number(std::abs(edge_vector(e).x())) +
+                          format_number(std::abs(edge_vector(e).x())) +
                           " in u, a third of the period or more: a periodic mesh needs at least "
                           "four columns");
       } else {
@@ -75,7 +75,7 @@ ParametricMesh::ParametricMesh(std::vector<Vec2> vertices, std::vector<Triangle>
     if (!used[v]) throw MeshError("parametric vertex " + std::to_string(v) + " has no triangle");
 }
 
-ParametricMesh ParametricMesh::side_by_side(const std::vector<const ParametricMesh*>& meshes) {
+ParametricMesh ParametricMesh::concatenated(const std::vector<const ParametricMesh*>& meshes) {
   ParametricMesh all;
   for (const ParametricMesh* mesh : meshes) {
     const int v0 = all.vertex_count(), e0 = all.edge_count(), t0 = all.triangle_count();
@@ -138,7 +138,7 @@ Vec2 ParametricMesh::wrapped(Vec2 p) const {
   return p;
 }
 
-Vec2 ParametricMesh::displacement(const std::vector<int>& chain) const {
+Vec2 ParametricMesh::chain_vector(const std::vector<int>& chain) const {
   if (period_ == 0) return vertices_[chain.back()] - vertices_[chain.front()];
   Vec2 sum = Vec2::Zero();
   for (size_t i = 0; i + 1 < chain.size(); ++i) {

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "batten/core/eigen.h"
-#include "batten/core/index.h"
+#include "batten/core/isize.h"
 #include "batten/elements/c1_triangle.h"
 
 namespace batten {
@@ -39,11 +39,11 @@ class ParametricMesh {
 
   /// The components of all meshes, one after the other: vertices, edges and triangles of each
   /// follow those before it, in their order. O(all).
-  static ParametricMesh side_by_side(const std::vector<const ParametricMesh*>& meshes);
+  static ParametricMesh concatenated(const std::vector<const ParametricMesh*>& meshes);
 
-  int vertex_count() const { return count_of(vertices_); }
-  int edge_count() const { return count_of(edges_); }
-  int triangle_count() const { return count_of(triangles_); }
+  int vertex_count() const { return isize(vertices_); }
+  int edge_count() const { return isize(edges_); }
+  int triangle_count() const { return isize(triangles_); }
   /// The period in u of a mesh of one component; 0: the mesh is not periodic.
   double period() const { return period_; }
 
@@ -69,7 +69,7 @@ class ParametricMesh {
   /// The image of p with u in [0, period); p itself without a period.
   Vec2 wrapped(Vec2 p) const;
   /// Way from the first vertex of a chain of edges to the last: (period, 0) once around.
-  Vec2 displacement(const std::vector<int>& chain) const;
+  Vec2 chain_vector(const std::vector<int>& chain) const;
 
   /// n×n squares over [0,1]², each cut along its (0,0)-(1,1) diagonal: the mesh of the benchmarks.
   static ParametricMesh unit_square(int n);

@@ -18,12 +18,12 @@ using Mat4 = Eigen::Matrix4d;
 /// ∫₀¹ of products of the derivatives on one interval.
 Mat4 gram(const SplineAxis& axis, int interval, int derivative) {
   Mat4 G = Mat4::Zero();
-  constexpr double place[4] = {0.06943184420297371, 0.33000947820757187, 0.66999052179242813,
-                               0.93056815579702629};
+  constexpr double node[4] = {0.06943184420297371, 0.33000947820757187, 0.66999052179242813,
+                              0.93056815579702629};
   constexpr double weight[4] = {0.17392742256872693, 0.32607257743127307, 0.32607257743127307,
                                 0.17392742256872693};
   for (int g = 0; g < 4; ++g) {
-    const Vec4 b = axis.basis(interval, place[g], derivative);
+    const Vec4 b = axis.basis(interval, node[g], derivative);
     G += weight[g] * b * b.transpose();
   }
   return G;
@@ -198,17 +198,17 @@ class PatchEquations {
 };
 
 /// The cells in which places of the rim lie.
-class RimCells {
+class BoundaryCells {
  public:
-  struct Place {
+  struct CellPoint {
     size_t cell;
     double s, t;  // in it
     Vec2 size;    // of it
   };
-  RimCells(const SplineAxis& u, const SplineAxis& v)
+  BoundaryCells(const SplineAxis& u, const SplineAxis& v)
       : u_(u), v_(v), shortest_(std::min(shortest_interval(u), shortest_interval(v))) {}
 
-  Place at(const Vec2& uv) const {
+  CellPoint at(const Vec2& uv) const {
     const double a = u_.wrapped(uv.x()), b = v_.wrapped(uv.y());
     const int i = u_.interval(a), j = v_.interval(b);
     return {static_cast<size_t>(i) * v_.intervals() + j,
@@ -219,9 +219,9 @@ class RimCells {
   /// A share of the shortest side of all cells: faces meet along their rims, so these count for more than
   /// what is inside where cells are coarse. No less than that share of a third of the place's own cell:
   /// where knots crowd elsewhere, most of the work would be the rim's.
-  Vec2 longest_step(const Vec2& uv, double share) const {
+  Vec2 longest_step(const Vec2& uv, double fraction) const {
     constexpr double most_crowded = 3;
-    return share * (at(uv).size / most_crowded).cwiseMax(shortest_);
+    return fraction * (at(uv).size / most_crowded).cwiseMax(shortest_);
   }
 
  private:
@@ -237,43 +237,43 @@ class RimCells {
 }  // namespace
 
 CellSamples::CellSamples(const PatchTarget& target, const SplineAxis& u, const SplineAxis& v,
-                         const std::vector<double>& places, double step)
+                         const std::vector<double>& points, double step)
     : cells_(static_cast<size_t>(u.intervals()) * v.intervals()),
       tangents_(cells_.size()),
       full_(cells_.size()) {
-  parallel_parts(u.intervals(), [&](int i) {
+  parallel_for(u.intervals(), [&](int i) {
     for (int j = 0; j < v.intervals(); ++j) {
       const size_t cell = static_cast<size_t>(i) * v.intervals() + j;
-      for (const double s : places)
-        for (const double t : places) {
+      for (const double s : points)
+        for (const double t : points) {
           const Vec2 uv(u.knots()[i] + s * u.length(i), v.knots()[j] + t * v.length(j));
           if (target.inside(uv)) cells_[cell].push_back({s, t, target.position(uv)});
         }
-      full_[cell] = cells_[cell].size() == places.size() * places.size();
+      full_[cell] = cells_[cell].size() == points.size() * points.size();
     }
   });
-  const RimCells cells(u, v);
-  const PatchStep longest = [&](const Vec2& uv) { return cells.longest_step(uv, step); };
-  const std::vector<Vec2> rim = target.rim(longest);
-  std::vector<Vec3> x(rim.size());
-  const int parts = static_cast<int>(std::min<size_t>(rim.size(), 64));
-  parallel_parts(parts, [&](int part) {
-    const size_t from = rim.size() * part / parts, to = rim.size() * (part + 1) / parts;
-    for (size_t k = from; k < to; ++k) x[k] = target.position(rim[k]);
+  const BoundaryCells cells(u, v);
+  const BoundaryStep longest = [&](const Vec2& uv) { return cells.longest_step(uv, step); };
+  const std::vector<Vec2> boundary = target.boundary(longest);
+  std::vector<Vec3> x(boundary.size());
+  const int parts = static_cast<int>(std::min<size_t>(boundary.size(), 64));
+  parallel_for(parts, [&](int part) {
+    const size_t from = boundary.size() * part / parts, to = boundary.size() * (part + 1) / parts;
+    for (size_t k = from; k < to; ++k) x[k] = target.position(boundary[k]);
   });
-  for (size_t k = 0; k < rim.size(); ++k) {
-    const RimCells::Place at = cells.at(rim[k]);
+  for (size_t k = 0; k < boundary.size(); ++k) {
+    const BoundaryCells::CellPoint at = cells.at(boundary[k]);
     cells_[at.cell].push_back({at.s, at.t, x[k]});
   }
   if (!target.tangents) return;
   // What is moved to its fixed points afterwards turns: here the fit passes through them by itself.
   constexpr double fixed_weight = 1e4;
   for (const Vec2& uv : target.fixed) {
-    const RimCells::Place at = cells.at(uv);
+    const BoundaryCells::CellPoint at = cells.at(uv);
     cells_[at.cell].push_back({at.s, at.t, target.position(uv), fixed_weight});
   }
   for (const PatchTangent& tangent : target.tangents(longest)) {
-    const RimCells::Place at = cells.at(tangent.uv);
+    const BoundaryCells::CellPoint at = cells.at(tangent.uv);
     tangents_[at.cell].push_back(
         {at.s, at.t, at.size.x() * tangent.x_u, at.size.y() * tangent.x_v});
   }
@@ -297,8 +297,8 @@ double CellSamples::bending() const {
 BicubicPatch fit_to_samples(const SplineAxis& u, const SplineAxis& v, const CellSamples& samples,
                             const PatchGoal& goal) {
   const double unit = samples.bending(), misfit = 0.01 * goal.deviation;
-  const double calm = unit > 0 ? misfit * misfit / unit : 1;
-  for (double bending = std::clamp(calm, 1e-10, 1e-6); bending < 1; bending *= 100)
+  const double bending_weight = unit > 0 ? misfit * misfit / unit : 1;
+  for (double bending = std::clamp(bending_weight, 1e-10, 1e-6); bending < 1; bending *= 100)
     if (auto patch = PatchEquations(u, v, samples, bending, goal).solve()) return *patch;
   throw NoSolutionError("a B-spline surface cannot be fitted: numbers that are not finite?");
 }

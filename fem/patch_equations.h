@@ -24,7 +24,7 @@ class CellSamples {
   /// n×n in each cell, at the given places of [0, 1], and places and tangents of the rim, nearer to each
   /// other than `step`, of the shortest side of all cells or a third of their own cell's.
   CellSamples(const PatchTarget& target, const SplineAxis& u, const SplineAxis& v,
-              const std::vector<double>& places, double step);
+              const std::vector<double>& points, double step);
   const std::vector<Sample>& of(size_t cell) const { return cells_[cell]; }
   const std::vector<Tangent>& tangents(size_t cell) const { return tangents_[cell]; }
   /// Whether all places of the cell are inside: its samples begin with these, by s, then by t.

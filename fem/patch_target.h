@@ -31,19 +31,19 @@ struct PatchTangent {
 };
 
 /// The longest steps in u and in v to take along the rim from a place: shares of the cell there.
-using PatchStep = std::function<Vec2(const Vec2&)>;
+using BoundaryStep = std::function<Vec2(const Vec2&)>;
 
 /// A surface that is known inside a region of (u, v).
 struct PatchTarget {
   std::function<bool(const Vec2&)> inside;    ///< called from several threads, as is the next
   std::function<Vec3(const Vec2&)> position;  ///< asked for inside and on the rim
   /// Points along the rim, none farther from the next than the step there.
-  std::function<std::vector<Vec2>(const PatchStep& longest)> rim;
+  std::function<std::vector<Vec2>(const BoundaryStep& longest)> boundary;
   Vec2 low, high;  ///< box around the region; of a periodic one high - low in u is the period
   bool periodic = false;         ///< in u
   std::vector<Vec2> fixed = {};  ///< where the spline passes through the surface: corners
   /// Places along those parts of the rim where tangent planes count, likewise; null: nowhere.
-  std::function<std::vector<PatchTangent>(const PatchStep& longest)> tangents = {};
+  std::function<std::vector<PatchTangent>(const BoundaryStep& longest)> tangents = {};
 };
 
 }  // namespace batten

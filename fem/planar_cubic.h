@@ -86,6 +86,6 @@ struct BernsteinCubic {
 
 /// The arcs of a curve in the plane (z = 0), one for each of its segments.
 class HermiteCurve;
-std::vector<PlanarCubic> planar_arcs(const HermiteCurve& curve);
+std::vector<PlanarCubic> planar_cubics(const HermiteCurve& curve);
 
 }  // namespace batten

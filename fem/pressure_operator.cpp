@@ -6,10 +6,10 @@
 #include <numeric>
 
 #include "batten/core/box.h"
-#include "batten/core/chunks.h"
 #include "batten/core/errors.h"
-#include "batten/core/index.h"
+#include "batten/core/isize.h"
 #include "batten/core/parallel.h"
+#include "batten/core/parallel_chunks.h"
 #include "batten/core/simd.h"
 #include "batten/elements/reference_triangle.h"
 
@@ -38,12 +38,12 @@ void fill_tensor(TriangleElement kind, const TriangleRule& rule, double* T) {
 const double* reference_tensor(TriangleElement kind) {
   static const std::vector<double> hct = [] {
     std::vector<double> T(kTensor);
-    fill_tensor(TriangleElement::HCT, split_triangle(8), T.data());
+    fill_tensor(TriangleElement::HCT, split_triangle_rule(8), T.data());
     return T;
   }();
   static const std::vector<double> z12 = [] {
     std::vector<double> T(kTensor);
-    fill_tensor(TriangleElement::Z12, six_duffy(14), T.data());
+    fill_tensor(TriangleElement::Z12, six_duffy_rule(14), T.data());
     return T;
   }();
   return kind == TriangleElement::HCT ? hct.data() : z12.data();
@@ -118,7 +118,7 @@ BATTEN_CLONES void add_forces(const double* numbers, const int* dof, const doubl
 }
 
 // Bits of x and y taken in turns: numbers near each other belong to points near each other.
-uint64_t interleaved(uint32_t x, uint32_t y) {
+uint64_t morton_code(uint32_t x, uint32_t y) {
   uint64_t sum = 0;
   for (int bit = 0; bit < 16; ++bit)
     sum |= (static_cast<uint64_t>(x >> bit & 1) << (2 * bit)) |
@@ -126,15 +126,15 @@ uint64_t interleaved(uint32_t x, uint32_t y) {
   return sum;
 }
 
-std::vector<int> in_neighbourhoods(const ParametricMesh& mesh) {
+std::vector<int> morton_order(const ParametricMesh& mesh) {
   const int n = mesh.triangle_count();
-  const Box2 box = box_around(mesh.vertices());
+  const Box2 box = bounding_box(mesh.vertices());
   const double scale = 65535 / box.sizes().maxCoeff();
   std::vector<uint64_t> key(n);
   for (int t = 0; t < n; ++t) {
     const Vec2 centre = mesh.wrapped(mesh.shape(t).point(Vec3::Constant(1.0 / 3)));
     const Vec2 cell = (scale * (centre - box.min())).cwiseMax(0.0).cwiseMin(65535.0);
-    key[t] = interleaved(static_cast<uint32_t>(cell.x()), static_cast<uint32_t>(cell.y()));
+    key[t] = morton_code(static_cast<uint32_t>(cell.x()), static_cast<uint32_t>(cell.y()));
   }
   std::vector<int> order(n);
   std::iota(order.begin(), order.end(), 0);
@@ -146,9 +146,9 @@ std::vector<int> in_neighbourhoods(const ParametricMesh& mesh) {
 }  // namespace
 
 // Lays triangles out in batches and parts.
-class PressureOperator::PartMaker {
+class PressureOperator::PartBuilder {
  public:
-  PartMaker(PressureOperator& made, const ParametricMesh& mesh)
+  PartBuilder(PressureOperator& made, const ParametricMesh& mesh)
       : made_(made), mesh_(mesh), dofs_(mesh), local_(made.dofs_, -1) {}
 
   void add_parts(const std::vector<int>& triangles, size_t size, int lanes) {
@@ -159,8 +159,8 @@ class PressureOperator::PartMaker {
  private:
   void add_part(const std::vector<int>& triangles, size_t first, size_t end, int lanes) {
     Part part;
-    part.first_batch = count_of(made_.batches_);
-    part.first_dof = count_of(made_.dof_);
+    part.first_batch = isize(made_.batches_);
+    part.first_dof = isize(made_.dof_);
     for (size_t i = first; i < end; i += lanes) {
       Batch batch{};
       batch.count = static_cast<int>(std::min<size_t>(lanes, end - i));
@@ -169,15 +169,15 @@ class PressureOperator::PartMaker {
         fill_lane(batch, l, triangles[i + (l < batch.count ? l : 0)], part.first_dof);
       made_.batches_.push_back(batch);
     }
-    part.end_batch = count_of(made_.batches_);
-    part.end_dof = count_of(made_.dof_);
+    part.end_batch = isize(made_.batches_);
+    part.end_dof = isize(made_.dof_);
     for (int d = part.first_dof; d < part.end_dof; ++d) local_[made_.dof_[d]] = -1;
     made_.parts_.push_back(part);
   }
 
   void fill_lane(Batch& batch, int l, int t, int first_dof) {
     batch.triangle[l] = t;
-    const DofMapNumbers P(mesh_.shape(t));
+    const DofTransformCoefficients P(mesh_.shape(t));
     for (int k = 0; k < 3; ++k) {
       for (int g = 0; g < 4; ++g) batch.numbers[kLanes * (4 * k + g) + l] = P.gradient[k][g];
       batch.numbers[kLanes * (12 + k) + l] = P.altitude[k];
@@ -186,7 +186,7 @@ class PressureOperator::PartMaker {
     const auto dof = dofs_.triangle(mesh_, t);
     for (int a = 0; a < 12; ++a) {
       if (local_[dof[a]] < 0) {
-        local_[dof[a]] = count_of(made_.dof_) - first_dof;
+        local_[dof[a]] = isize(made_.dof_) - first_dof;
         made_.dof_.push_back(dof[a]);
       }
       batch.dof[kLanes * a + l] = local_[dof[a]];
@@ -205,7 +205,7 @@ PressureOperator::PressureOperator(const ParametricMesh& mesh, TriangleElement k
       triangles_(mesh.triangle_count()),
       reference_(reference_tensor(kind)) {
   std::vector<int> whole, cut;
-  for (const int t : in_neighbourhoods(mesh)) {
+  for (const int t : morton_order(mesh)) {
     const Trim::Side side = trim ? trim->side(t) : Trim::Side::Inside;
     if (side != Trim::Side::Outside) (side == Trim::Side::Cut ? cut : whole).push_back(t);
   }
@@ -213,22 +213,22 @@ PressureOperator::PressureOperator(const ParametricMesh& mesh, TriangleElement k
   const auto fill = [&](int c) {
     fill_tensor(kind, trim->rule(cut[c], 7), &tensors_[static_cast<size_t>(c) * kTensor]);
   };
-  parallel_parts(count_of(cut), fill);
+  parallel_for(isize(cut), fill);
 
-  PartMaker parts(*this, mesh);
+  PartBuilder parts(*this, mesh);
   parts.add_parts(whole, kPartSize, kLanes);
   parts.add_parts(cut, kPartSize / 4, 1);
-  find_places();
+  build_dof_lists();
 }
 
-void PressureOperator::find_places() {
+void PressureOperator::build_dof_lists() {
   start_.assign(dofs_ + 1, 0);
   for (const int d : dof_) ++start_[d + 1];
   std::partial_sum(start_.begin(), start_.end(), start_.begin());
-  place_.resize(dof_.size());
+  local_dofs_.resize(dof_.size());
   std::vector<int> next(start_.begin(), start_.end() - 1);
-  for (size_t i = 0; i < dof_.size(); ++i) place_[next[dof_[i]]++] = static_cast<int>(i);
-  places_.resize(3 * dof_.size());
+  for (size_t i = 0; i < dof_.size(); ++i) local_dofs_[next[dof_[i]]++] = static_cast<int>(i);
+  positions_.resize(3 * dof_.size());
   forces_.resize(3 * dof_.size());
 }
 
@@ -242,11 +242,11 @@ void PressureOperator::check(const Points& x, const VecX& weights) const {
 }
 
 void PressureOperator::part_forces(const Part& part, const Points& x, const VecX& weights) const {
-  double* places = &places_[3 * static_cast<size_t>(part.first_dof)];
+  double* positions = &positions_[3 * static_cast<size_t>(part.first_dof)];
   double* forces = &forces_[3 * static_cast<size_t>(part.first_dof)];
   const int count = part.end_dof - part.first_dof;
   for (int d = 0; d < count; ++d)
-    for (int c = 0; c < 3; ++c) places[3 * d + c] = x(dof_[part.first_dof + d], c);
+    for (int c = 0; c < 3; ++c) positions[3 * d + c] = x(dof_[part.first_dof + d], c);
   std::fill_n(forces, 3 * count, 0.0);
   alignas(32) double weight[kLanes] = {1, 1, 1, 1};
   for (int b = part.first_batch; b < part.end_batch; ++b) {
@@ -261,14 +261,14 @@ void PressureOperator::part_forces(const Part& part, const Points& x, const VecX
     }
     const double* tensor =
         batch.tensor < 0 ? reference_ : &tensors_[static_cast<size_t>(batch.tensor) * kTensor];
-    add_forces(batch.numbers, batch.dof, weight, batch.count, tensor, places, forces);
+    add_forces(batch.numbers, batch.dof, weight, batch.count, tensor, positions, forces);
   }
 }
 
 void PressureOperator::forces(const Points& x, const VecX& weights) const {
   check(x, weights);
   const auto work = [&](int part) { part_forces(parts_[part], x, weights); };
-  parallel_parts(count_of(parts_), std::ref(work));
+  parallel_for(isize(parts_), std::ref(work));
 }
 
 void PressureOperator::add(const Points& x, const VecX& weights, double value, Points& F) const {
@@ -276,11 +276,11 @@ void PressureOperator::add(const Points& x, const VecX& weights, double value, P
     throw InputError("a load with " + std::to_string(F.rows()) + " dofs on a mesh with " +
                      std::to_string(dofs_));
   forces(x, weights);
-  for_each_in_chunks<4096>(dofs_, [&](int d) {
+  parallel_for_each<4096>(dofs_, [&](int d) {
     if (start_[d] == start_[d + 1]) return;
     Vec3 sum = Vec3::Zero();
     for (int i = start_[d]; i < start_[d + 1]; ++i)
-      sum += Eigen::Map<const Vec3>(&forces_[3 * static_cast<size_t>(place_[i])]);
+      sum += Eigen::Map<const Vec3>(&forces_[3 * static_cast<size_t>(local_dofs_[i])]);
     F.row(d) += value * sum;
   });
 }
@@ -288,7 +288,7 @@ void PressureOperator::add(const Points& x, const VecX& weights, double value, P
 double PressureOperator::volume(const Points& x, const VecX& weights) const {
   forces(x, weights);
   double sum = 0;
-  for (size_t i = 0; i < places_.size(); ++i) sum += places_[i] * forces_[i];
+  for (size_t i = 0; i < positions_.size(); ++i) sum += positions_[i] * forces_[i];
   return sum / 3;
 }
 

@@ -45,7 +45,7 @@ class PressureOperator {
   static constexpr int kLanes = 4;  // triangles that are computed side by side
   // Triangles side by side. Lanes behind `count` repeat the first and are left out of the sums.
   struct alignas(32) Batch {
-    double numbers[18 * kLanes];  // of P: gradient, altitude, slant (DofMapNumbers)
+    double numbers[18 * kLanes];  // of P: gradient, altitude, slant (DofTransformCoefficients)
     int dof[12 * kLanes];         // in the part
     int triangle[kLanes];
     int count;
@@ -56,8 +56,8 @@ class PressureOperator {
     int first_batch, end_batch;
     int first_dof, end_dof;  // in dof_ and forces_
   };
-  class PartMaker;
-  void find_places();  // of each global dof, once the parts are made
+  class PartBuilder;
+  void build_dof_lists();  // of each global dof, once the parts are made
   void check(const Points& x, const VecX& weights) const;
   // Fills forces_ with the parts' shares of ∬ w N (x_u × x_v).
   void forces(const Points& x, const VecX& weights) const;
@@ -66,12 +66,12 @@ class PressureOperator {
   int dofs_, triangles_;
   std::vector<Batch> batches_;
   std::vector<Part> parts_;
-  std::vector<int> dof_;            // of each local dof of each part: its global number
-  std::vector<int> start_, place_;  // of each global dof: its local ones, by part
-  const double* reference_;         // tensor of whole triangles: 55 pairs × 12
-  std::vector<double> tensors_;     // of the cut ones
+  std::vector<int> dof_;                 // of each local dof of each part: its global number
+  std::vector<int> start_, local_dofs_;  // of each global dof: its local ones, by part
+  const double* reference_;              // tensor of whole triangles: 55 pairs × 12
+  std::vector<double> tensors_;          // of the cut ones
   // Working storage, three numbers a local dof: places, and forces.
-  mutable std::vector<double> places_, forces_;
+  mutable std::vector<double> positions_, forces_;
 };
 
 }  // namespace batten

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "batten/core/eigen.h"
-#include "batten/core/index.h"
+#include "batten/core/isize.h"
 
 namespace batten {
 
@@ -18,7 +18,7 @@ class SplineAxis {
 
   const std::vector<double>& knots() const { return knots_; }
   bool periodic() const { return periodic_; }
-  int intervals() const { return count_of(knots_) - 1; }
+  int intervals() const { return isize(knots_) - 1; }
   int functions() const { return periodic_ ? intervals() : intervals() + 3; }
   double length(int interval) const { return knots_[interval + 1] - knots_[interval]; }
   /// t is clamped, or comes around.

@@ -7,7 +7,7 @@
 #include <limits>
 
 #include "batten/core/errors.h"
-#include "batten/core/index.h"
+#include "batten/core/isize.h"
 #include "batten/elements/reference_triangle.h"
 
 namespace batten {
@@ -80,10 +80,10 @@ class AreaVector {
  public:
   AreaVector(const Surface& surface, int triangle, const TriangleShape& shape)
       : kind_(surface.kind()),
-        q_(C1Triangle(kind_, shape).to_reference(surface.triangle_dofs(triangle))),
+        q_(C1Triangle(kind_, shape).pull_back(surface.triangle_dofs(triangle))),
         scale_(DerivativeMap(shape).first.determinant()) {}
   Vec3 operator()(const Vec3& L) const {
-    const Eigen::Matrix<double, 3, 2> d = q_.transpose().lazyProduct(reference_slopes(kind_, L));
+    const Eigen::Matrix<double, 3, 2> d = q_.transpose().lazyProduct(reference_gradients(kind_, L));
     return scale_ * d.col(0).cross(d.col(1));
   }
 
@@ -122,15 +122,15 @@ Location Surface::locate(const Vec2& uv) const {
 }
 
 double Surface::area() const {
-  static const TriangleRule rule = split_triangle(6);
+  static const TriangleRule rule = split_triangle_rule(6);
   // At the same places of every triangle the reference functions are the same.
   std::vector<Eigen::Matrix<double, 12, 2>> slopes;
   for (long p = 0; p < rule.weights.size(); ++p)
-    slopes.push_back(reference_slopes(kind_, rule.L.row(p).transpose()));
+    slopes.push_back(reference_gradients(kind_, rule.L.row(p).transpose()));
   double sum = 0;
   const auto add_whole = [&](int t) {
     const TriangleShape shape = mesh_->shape(t);
-    const Eigen::Matrix<double, 12, 3> q = C1Triangle(kind_, shape).to_reference(triangle_dofs(t));
+    const Eigen::Matrix<double, 12, 3> q = C1Triangle(kind_, shape).pull_back(triangle_dofs(t));
     const DerivativeMap map(shape);
     for (long p = 0; p < rule.weights.size(); ++p) {
       const Eigen::Matrix<double, 12, 2> local = slopes[p] * map.first.transpose();
@@ -182,7 +182,7 @@ Tessellation tessellate(const ParametricMesh& mesh, int n) {
     for (int i = 0; i < 3; ++i) {
       result.points[v[i]] = {t, Vec3::Unit(i)};
       if (edge_start[e[i]] >= 0) continue;
-      edge_start[e[i]] = count_of(result.points);
+      edge_start[e[i]] = isize(result.points);
       const int low = mesh.edge_sign(t, i) > 0 ? (i + 1) % 3 : (i + 2) % 3;
       for (int k = 1; k < n; ++k) {
         Location where{t, Vec3::Zero()};
@@ -192,7 +192,7 @@ Tessellation tessellate(const ParametricMesh& mesh, int n) {
       }
     }
     // The lattice point with barycentric numerators a[0] + a[1] + a[2] = n.
-    const int inner_start = count_of(result.points);
+    const int inner_start = isize(result.points);
     int inner = 0;
     std::vector<int> lattice((n + 1) * (n + 1));
     for (int a0 = 0; a0 <= n; ++a0)
@@ -234,7 +234,7 @@ void smooth_thin_support(const ParametricMesh& mesh, const Trim& trim,
                          std::vector<Eigen::Vector2d>& value) {
   std::vector<double> support(mesh.vertex_count(), 0);
   for (int t = 0; t < mesh.triangle_count(); ++t)
-    for (const int v : mesh.triangles()[t]) support[v] += trim.share(t);
+    for (const int v : mesh.triangles()[t]) support[v] += trim.area_fraction(t);
   constexpr double enough = 0.2;
   std::vector<char> known(mesh.vertex_count());
   for (int v = 0; v < mesh.vertex_count(); ++v) known[v] = support[v] >= enough;
@@ -272,7 +272,7 @@ std::vector<Curvatures> recovered_curvatures(const Surface& surface, const Tesse
       const SurfaceJet jet = surface.jet({t, L});
       const Curvatures c = curvatures(jet);
       double w = jet.area_vector().norm() * mesh.shape(t).area;
-      if (trim) w *= trim->share(t);
+      if (trim) w *= trim->area_fraction(t);
       for (const int corner : {j, k}) {
         const int v = mesh.triangles()[t][corner];
         sum[v] += w * Eigen::Vector2d(c.mean, c.gauss);

@@ -32,7 +32,7 @@ Curvatures curvatures(const SurfaceJet& jet);
 /// and trim.
 class Surface {
  public:
-  struct Closest {
+  struct ClosestPoint {
     Location where;
     double distance = 0;
   };
@@ -63,14 +63,14 @@ class Surface {
   /// sample that its neighbours do not beat. Finds it unless the surface folds between two samples.
   /// With a trim, of the points inside and those of the loops x(c(t)), which are sampled likewise.
   /// O(triangles).
-  Closest closest_point(const Vec3& p) const;
+  ClosestPoint closest_point(const Vec3& p) const;
 
   /// Area of the surface; with a trim, of the part inside.
   double area() const;
 
  private:
   // The nearest point of the trim's loops.
-  Closest closest_on_loops(const Vec3& p) const;
+  ClosestPoint closest_on_loops(const Vec3& p) const;
 
   std::shared_ptr<const ParametricMesh> mesh_;
   TriangleElement kind_;

@@ -19,13 +19,13 @@ SurfaceProjector::SurfaceProjector(const Surface& surface)
     samples_.row(static_cast<long>(i)) = surface.position(where_[i]);
 }
 
-Surface::Closest SurfaceProjector::nearest(const Vec3& p) const {
+Surface::ClosestPoint SurfaceProjector::nearest(const Vec3& p) const {
   long best = 0;
   (samples_.rowwise() - p.transpose()).rowwise().squaredNorm().minCoeff(&best);
   return nearest(p, where_[best]);
 }
 
-Surface::Closest SurfaceProjector::nearest(const Vec3& p, const Location& start) const {
+Surface::ClosestPoint SurfaceProjector::nearest(const Vec3& p, const Location& start) const {
   const ParametricMesh& mesh = surface_.mesh();
   Location where = start;
   double distance = (surface_.position(where) - p).norm();

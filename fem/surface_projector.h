@@ -17,9 +17,9 @@ class SurfaceProjector {
  public:
   explicit SurfaceProjector(const Surface& surface);
 
-  Surface::Closest nearest(const Vec3& p) const;
+  Surface::ClosestPoint nearest(const Vec3& p) const;
   /// The nearest point from a start in the neighbourhood, as for points of a line in their order.
-  Surface::Closest nearest(const Vec3& p, const Location& start) const;
+  Surface::ClosestPoint nearest(const Vec3& p, const Location& start) const;
 
  private:
   const Surface& surface_;

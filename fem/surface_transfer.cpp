@@ -4,7 +4,7 @@
 #include <utility>
 #include <vector>
 
-#include "batten/core/chunks.h"
+#include "batten/core/parallel_chunks.h"
 #include "batten/elements/reference_triangle.h"
 #include "batten/fem/triangle_locator.h"
 
@@ -12,11 +12,11 @@ namespace batten {
 namespace {
 
 // What the new mesh has in common with the old one: its number there, or -1.
-struct Kept {
+struct SharedEntities {
   std::vector<int> vertex, edge;
   std::vector<char> triangle;
 
-  Kept(const ParametricMesh& from, const ParametricMesh& to)
+  SharedEntities(const ParametricMesh& from, const ParametricMesh& to)
       : vertex(to.vertex_count(), -1), edge(to.edge_count(), -1), triangle(to.triangle_count(), 0) {
     std::vector<std::pair<std::pair<double, double>, int>> places;
     for (int v = 0; v < from.vertex_count(); ++v)
@@ -42,8 +42,9 @@ struct Kept {
 };
 
 // By how much each new triangle lies off the old surface, at six points.
-std::vector<double> displacements(const Surface& from, const ParametricMesh& to, const Kept& kept,
-                                  const TriangleLocator& locator, const Points& new_dofs) {
+std::vector<double> displacements(const Surface& from, const ParametricMesh& to,
+                                  const SharedEntities& shared, const TriangleLocator& locator,
+                                  const Points& new_dofs) {
   // The centroids of the three sub-triangles, and points between those and the edges' middles.
   static const TriangleRule samples = [] {
     TriangleRule points{Points(6, 3), VecX::Constant(6, 1.0 / 6)};
@@ -57,32 +58,32 @@ std::vector<double> displacements(const Surface& from, const ParametricMesh& to,
   }();
   const DofMap dofs(to);
   const TabulatedRule tabulated(from.kind(), samples);
-  std::vector<double> moved(to.triangle_count(), 0);
-  for_each_in_chunks<256>(to.triangle_count(), [&](int t) {
-    if (kept.triangle[t]) return;
+  std::vector<double> displacement(to.triangle_count(), 0);
+  parallel_for_each<256>(to.triangle_count(), [&](int t) {
+    if (shared.triangle[t]) return;
     const TriangleShape shape = to.shape(t);
     Eigen::Matrix<double, 12, 3> q;
     const auto dof = dofs.triangle(to, t);
     for (int a = 0; a < 12; ++a) q.row(a) = new_dofs.row(dof[a]);
-    q = C1Triangle(from.kind(), shape).to_reference(q);
+    q = C1Triangle(from.kind(), shape).pull_back(q);
     for (size_t p = 0; p < tabulated.functions.size(); ++p) {
       const Vec3 x = q.transpose() * tabulated.functions[p].col(0);
       const Vec2 uv = shape.point(samples.L.row(static_cast<long>(p)));
-      moved[t] = std::max(moved[t], (x - from.position(locator.locate(uv))).norm());
+      displacement[t] = std::max(displacement[t], (x - from.position(locator.locate(uv))).norm());
     }
   });
-  return moved;
+  return displacement;
 }
 
 }  // namespace
 
-CarriedOver carried_over(const Surface& from, const ParametricMesh& to) {
+SurfaceTransfer interpolate_onto(const Surface& from, const ParametricMesh& to) {
   const TriangleLocator locator(from.mesh());
-  const Kept kept(from.mesh(), to);
+  const SharedEntities shared(from.mesh(), to);
   const DofMap dofs(to);
-  CarriedOver result{Points::Zero(dofs.count(), 3)};
-  for_each_in_chunks<256>(to.vertex_count(), [&](int v) {
-    if (const int old = kept.vertex[v]; old >= 0) {
+  SurfaceTransfer result{Points::Zero(dofs.count(), 3)};
+  parallel_for_each<256>(to.vertex_count(), [&](int v) {
+    if (const int old = shared.vertex[v]; old >= 0) {
       result.dofs.middleRows<3>(dofs.vertex(v)) =
           from.dofs().middleRows<3>(from.dof_map().vertex(old));
       return;
@@ -92,11 +93,11 @@ CarriedOver carried_over(const Surface& from, const ParametricMesh& to) {
     result.dofs.row(dofs.vertex(v, 1)) = jet.x_u;
     result.dofs.row(dofs.vertex(v, 2)) = jet.x_v;
   });
-  for_each_in_chunks<256>(to.edge_count(), [&](int e) {
+  parallel_for_each<256>(to.edge_count(), [&](int e) {
     const auto& edge = to.edges()[e];
-    if (const int old = kept.edge[e]; old >= 0) {
+    if (const int old = shared.edge[e]; old >= 0) {
       // The normal goes with the direction from the lower number to the higher.
-      const double sign = kept.vertex[edge.low] < kept.vertex[edge.high] ? 1 : -1;
+      const double sign = shared.vertex[edge.low] < shared.vertex[edge.high] ? 1 : -1;
       result.dofs.row(dofs.edge(e)) = sign * from.dofs().row(from.dof_map().edge(old));
       return;
     }
@@ -108,8 +109,9 @@ CarriedOver carried_over(const Surface& from, const ParametricMesh& to) {
     result.dofs.row(dofs.edge(e)) = n.x() * jet.x_u + n.y() * jet.x_v;
   });
 
-  const std::vector<double> moved = displacements(from, to, kept, locator, result.dofs);
-  for (const double m : moved) result.max_displacement = std::max(result.max_displacement, m);
+  const std::vector<double> displacement = displacements(from, to, shared, locator, result.dofs);
+  for (const double m : displacement)
+    result.max_displacement = std::max(result.max_displacement, m);
   return result;
 }
 

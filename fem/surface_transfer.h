@@ -5,7 +5,7 @@
 
 namespace batten {
 
-struct CarriedOver {
+struct SurfaceTransfer {
   Points dofs;                  ///< dofs of the new mesh, dofs × 3
   double max_displacement = 0;  ///< largest |new - old| at the same (u, v), model units
 };
@@ -20,6 +20,6 @@ struct CarriedOver {
 /// positions move by O(h³) of the jumps of curvature inside the old element, O(h⁴) on smooth
 /// shapes. `max_displacement` is taken at six points inside of each new triangle. O(triangles log
 /// triangles); some ten microseconds for each that is new, on several threads.
-CarriedOver carried_over(const Surface& from, const ParametricMesh& to);
+SurfaceTransfer interpolate_onto(const Surface& from, const ParametricMesh& to);
 
 }  // namespace batten

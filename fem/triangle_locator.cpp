@@ -5,8 +5,8 @@
 #include <limits>
 
 #include "batten/core/box.h"
-#include "batten/core/index.h"
-#include "batten/core/plane.h"
+#include "batten/core/isize.h"
+#include "batten/core/planar_geometry.h"
 
 namespace batten {
 namespace {
@@ -32,7 +32,7 @@ TriangleLocator::TriangleLocator(const ParametricMesh& mesh) : mesh_(mesh) {
   std::vector<std::vector<int>> buckets(static_cast<size_t>(columns_) * rows_);
   for (int t = 0; t < mesh.triangle_count(); ++t) {
     corners_.push_back(mesh.shape(t).vertex);
-    const Box2 around = box_around(corners_.back());
+    const Box2 around = bounding_box(corners_.back());
     const Vec2 a = around.min(), b = around.max();
     for (int r = row(a.y()); r <= row(b.y()); ++r)
       for (int c = column(a.x()); c <= column(b.x()); ++c)
@@ -41,7 +41,7 @@ TriangleLocator::TriangleLocator(const ParametricMesh& mesh) : mesh_(mesh) {
   start_.push_back(0);
   for (const auto& bucket : buckets) {
     triangles_.insert(triangles_.end(), bucket.begin(), bucket.end());
-    start_.push_back(count_of(triangles_));
+    start_.push_back(isize(triangles_));
   }
 }
 

@@ -5,8 +5,8 @@
 #include <map>
 
 #include "batten/core/box.h"
-#include "batten/core/index.h"
-#include "batten/core/plane.h"
+#include "batten/core/isize.h"
+#include "batten/core/planar_geometry.h"
 #include "batten/fem/triangle_locator.h"
 
 namespace batten {
@@ -37,12 +37,12 @@ struct Piece {
 };
 
 // The boundary of a sub-triangle's part inside.
-class PartInside {
+class ClippedSubtriangle {
  public:
-  PartInside(const std::array<Vec2, 3>& S, const DomainLoops& loops,
-             const std::vector<PlanarCubic>& arcs)
+  ClippedSubtriangle(const std::array<Vec2, 3>& S, const DomainLoops& loops,
+                     const std::vector<PlanarCubic>& segments)
       : S_(S), loops_(loops), twice_(cross(S[1] - S[0], S[2] - S[0])) {
-    for (const PlanarCubic& arc : arcs) add_arc(arc);
+    for (const PlanarCubic& segment : segments) add_segment(segment);
     for (int e = 0; e < 3; ++e) add_edge(e);
   }
 
@@ -59,40 +59,41 @@ class PartInside {
     return cross(S_[(e + 1) % 3] - S_[e], p - S_[e]) / twice_;
   }
 
-  double place(int e, const Vec2& p) const {
+  double edge_parameter(int e, const Vec2& p) const {
     const Vec2 d = S_[(e + 1) % 3] - S_[e];
     return (p - S_[e]).dot(d) / d.squaredNorm();
   }
 
   // Its parts between the edges' lines: inside, or along an edge.
-  void add_arc(const PlanarCubic& arc) {
-    const std::vector<double> t = cut_by_edges(arc);
+  void add_segment(const PlanarCubic& segment) {
+    const std::vector<double> t = cut_by_edges(segment);
     for (size_t i = 0; i + 1 < t.size(); ++i) {
       if (t[i + 1] - t[i] < 1e-15) continue;
       int along = -1;
-      const Position position = find_position(arc, t[i], t[i + 1], along);
+      const Position position = find_position(segment, t[i], t[i + 1], along);
       if (position == Position::Outside) continue;
       if (position == Position::Inside) {
-        pieces_.push_back({false, arc.part(t[i], t[i + 1])});
+        pieces_.push_back({false, segment.part(t[i], t[i + 1])});
         touched_ = true;
         continue;
       }
-      const double a = place(along, arc.at(t[i])), b = place(along, arc.at(t[i + 1]));
+      const double a = edge_parameter(along, segment.at(t[i])),
+                   b = edge_parameter(along, segment.at(t[i + 1]));
       covered_[along].push_back(std::minmax(a, b));
-      marks_[along].push_back(a);
-      marks_[along].push_back(b);
+      breakpoints_[along].push_back(a);
+      breakpoints_[along].push_back(b);
     }
   }
 
   // Ascending, with the ends; marks the places on the edges.
-  std::vector<double> cut_by_edges(const PlanarCubic& arc) {
+  std::vector<double> cut_by_edges(const PlanarCubic& segment) {
     std::vector<double> t{0, 1};
     for (int e = 0; e < 3; ++e) {
       BernsteinCubic distance;
-      for (size_t i = 0; i < 4; ++i) distance.b[i] = height(e, arc.b[i]);
+      for (size_t i = 0; i < 4; ++i) distance.b[i] = height(e, segment.b[i]);
       for (const double zero : distance.zeros()) {
         t.push_back(zero);
-        marks_[e].push_back(place(e, arc.at(zero)));
+        breakpoints_[e].push_back(edge_parameter(e, segment.at(zero)));
       }
     }
     std::sort(t.begin(), t.end());
@@ -101,12 +102,12 @@ class PartInside {
 
   // No height changes its sign between `from` and `to`, but all may vanish somewhere (an arc that
   // touches the edge): the largest tells.
-  Position find_position(const PlanarCubic& arc, double from, double to, int& along) const {
+  Position find_position(const PlanarCubic& segment, double from, double to, int& along) const {
     Position position = Position::Inside;
     for (int e = 0; e < 3; ++e) {
       double largest = 0;
       for (const double s : {0.1, 0.3, 0.5, 0.7, 0.9}) {
-        const double h = height(e, arc.at(from + s * (to - from)));
+        const double h = height(e, segment.at(from + s * (to - from)));
         if (std::abs(h) > std::abs(largest)) largest = h;
       }
       if (largest < -kOnEdge) return Position::Outside;
@@ -121,22 +122,23 @@ class PartInside {
   // Its parts between the marks that are inside the loops.
   void add_edge(int e) {
     const Vec2 a = S_[e], d = S_[(e + 1) % 3] - a;
-    std::vector<double>& marks = marks_[e];
-    marks.push_back(0);
-    marks.push_back(1);
-    std::sort(marks.begin(), marks.end());
-    for (size_t i = 0; i + 1 < marks.size(); ++i) {
-      const double from = std::clamp(marks[i], 0.0, 1.0), to = std::clamp(marks[i + 1], 0.0, 1.0);
+    std::vector<double>& breakpoints = breakpoints_[e];
+    breakpoints.push_back(0);
+    breakpoints.push_back(1);
+    std::sort(breakpoints.begin(), breakpoints.end());
+    for (size_t i = 0; i + 1 < breakpoints.size(); ++i) {
+      const double from = std::clamp(breakpoints[i], 0.0, 1.0),
+                   to = std::clamp(breakpoints[i + 1], 0.0, 1.0);
       if (to - from < 1e-15) continue;
       const double half = 0.5 * (from + to);
-      if (!loops_.contains(beside_arcs(e, half, a + half * d))) continue;
+      if (!loops_.contains(beside_segments(e, half, a + half * d))) continue;
       const Vec2 p = a + from * d, q = a + to * d;
       pieces_.push_back({true, {{p, p + (q - p) / 3, q - (q - p) / 3, q}}});
     }
   }
 
   // A point of an edge, moved inwards where an arc lies along it.
-  Vec2 beside_arcs(int e, double s, Vec2 point) const {
+  Vec2 beside_segments(int e, double s, Vec2 point) const {
     const Vec2 centre = (S_[0] + S_[1] + S_[2]) / 3;
     for (const auto& [low, high] : covered_[e])
       if (low <= s && s <= high) {
@@ -149,42 +151,42 @@ class PartInside {
   const std::array<Vec2, 3>& S_;
   const DomainLoops& loops_;
   double twice_;
-  std::array<std::vector<double>, 3> marks_;                       // along each edge
+  std::array<std::vector<double>, 3> breakpoints_;                 // along each edge
   std::array<std::vector<std::pair<double, double>>, 3> covered_;  // by an arc along it
   std::vector<Piece> pieces_;
   bool touched_ = false;
 };
 
 // Triangles that an arc may meet, by the boxes of its parts.
-void collect(const TriangleLocator& locator, const PlanarCubic& arc, double part_size, int depth,
-             std::vector<int>& found) {
-  const Box2 box = box_around(arc.b);
+void collect(const TriangleLocator& locator, const PlanarCubic& segment, double part_size,
+             int depth, std::vector<int>& found) {
+  const Box2 box = bounding_box(segment.b);
   if (depth < 10 && box.sizes().maxCoeff() > part_size) {
-    collect(locator, arc.part(0, 0.5), part_size, depth + 1, found);
-    collect(locator, arc.part(0.5, 1), part_size, depth + 1, found);
+    collect(locator, segment.part(0, 0.5), part_size, depth + 1, found);
+    collect(locator, segment.part(0.5, 1), part_size, depth + 1, found);
     return;
   }
-  const Vec2 hair = Vec2::Constant(1e-12 + 1e-9 * box.diagonal().norm());
-  for (const int t : locator.near(box.min() - hair, box.max() + hair)) found.push_back(t);
+  const Vec2 margin = Vec2::Constant(1e-12 + 1e-9 * box.diagonal().norm());
+  for (const int t : locator.near(box.min() - margin, box.max() + margin)) found.push_back(t);
 }
 
 // Of each triangle that arcs may meet: these, ascending.
-std::map<int, std::vector<int>> find_arcs_near(const ParametricMesh& mesh,
-                                               const DomainLoops& loops) {
+std::map<int, std::vector<int>> find_segments_near(const ParametricMesh& mesh,
+                                                   const DomainLoops& loops) {
   const TriangleLocator locator(mesh);
   const int n = mesh.triangle_count();
   double mesh_area = 0;
   for (int t = 0; t < n; ++t) mesh_area += mesh.shape(t).area;
   const double part_size = 2 * std::sqrt(mesh_area / n);
-  std::map<int, std::vector<int>> arcs_near;
-  for (size_t a = 0; a < loops.arcs().size(); ++a) {
+  std::map<int, std::vector<int>> segments_near;
+  for (size_t a = 0; a < loops.segments().size(); ++a) {
     std::vector<int> found;
-    collect(locator, loops.arcs()[a], part_size, 0, found);
+    collect(locator, loops.segments()[a], part_size, 0, found);
     std::sort(found.begin(), found.end());
     found.erase(std::unique(found.begin(), found.end()), found.end());
-    for (const int t : found) arcs_near[t].push_back(static_cast<int>(a));
+    for (const int t : found) segments_near[t].push_back(static_cast<int>(a));
   }
-  return arcs_near;
+  return segments_near;
 }
 
 // Triangles that no arc comes near, and that hang together by edges, lie on one side: one of them
@@ -216,7 +218,7 @@ std::vector<char> far_inside(const ParametricMesh& mesh, const DomainLoops& loop
 
 // On a mesh that is periodic in u: the loops and their images one period to either side, which
 // covers the places of all triangles.
-DomainLoops with_images(const DomainLoops& loops, double period) {
+DomainLoops with_periodic_images(const DomainLoops& loops, double period) {
   if (period == 0 || loops.loops().empty()) return loops;
   std::vector<DomainLoops::Loop> all;
   for (const double shift : {-period, 0.0, period})
@@ -229,44 +231,45 @@ DomainLoops with_images(const DomainLoops& loops, double period) {
       }
       all.push_back(std::move(image));
     }
-  return DomainLoops(std::move(all), loops.around());
+  return DomainLoops(std::move(all), loops.background());
 }
 
 }  // namespace
 
-Trim::Trim(const ParametricMesh& mesh, DomainLoops given)
-    : loops_(with_images(given, mesh.period())) {
+Trim::Trim(const ParametricMesh& mesh, DomainLoops domain_loops)
+    : loops_(with_periodic_images(domain_loops, mesh.period())) {
   const int n = mesh.triangle_count();
-  const std::map<int, std::vector<int>> arcs_near = find_arcs_near(mesh, loops_);
+  const std::map<int, std::vector<int>> segments_near = find_segments_near(mesh, loops_);
   std::vector<char> is_near(n, 0);
-  for (const auto& [t, arcs] : arcs_near) is_near[t] = 1;
+  for (const auto& [t, segments] : segments_near) is_near[t] = 1;
   const std::vector<char> inside = far_inside(mesh, loops_, is_near);
 
   side_.resize(n);
-  share_.assign(n, 0);
+  area_fraction_.assign(n, 0);
   for (int t = 0; t < n; ++t) {
     const TriangleShape shape = mesh.shape(t);
     if (!is_near[t]) {
       side_[t] = inside[t] ? Side::Inside : Side::Outside;
-      share_[t] = inside[t];
+      area_fraction_[t] = inside[t];
     } else {
-      std::vector<PlanarCubic> arcs;
-      for (const int a : arcs_near.at(t)) arcs.push_back(loops_.arcs()[a]);
-      cut_triangle(t, shape, arcs);
+      std::vector<PlanarCubic> segments;
+      for (const int a : segments_near.at(t)) segments.push_back(loops_.segments()[a]);
+      cut_triangle(t, shape, segments);
     }
-    area_ += share_[t] * shape.area;
+    area_ += area_fraction_[t] * shape.area;
   }
-  cones_of_.push_back(count_of(cones_));
+  cones_of_.push_back(isize(cones_));
 }
 
-void Trim::cut_triangle(int t, const TriangleShape& shape, const std::vector<PlanarCubic>& arcs) {
+void Trim::cut_triangle(int t, const TriangleShape& shape,
+                        const std::vector<PlanarCubic>& segments) {
   const Vec2 centroid = shape.point(Vec3::Constant(1.0 / 3));
   bool touched = false;
   std::vector<Cone> cones;
   double twice = 0;
   for (int s = 0; s < 3; ++s) {
     const std::array<Vec2, 3> S{shape.vertex[(s + 1) % 3], shape.vertex[(s + 2) % 3], centroid};
-    const PartInside part(S, loops_, arcs);
+    const ClippedSubtriangle part(S, loops_, segments);
     const std::vector<Piece>& pieces = part.boundary();
     touched = touched || part.touched();
     if (pieces.empty()) continue;
@@ -280,27 +283,28 @@ void Trim::cut_triangle(int t, const TriangleShape& shape, const std::vector<Pla
     }
   }
   // Arcs along the spokes pass through no sub-triangle.
-  const double share = 0.5 * twice / shape.area;
-  if (!touched && !(share > 1e-9 && share < 1 - 1e-9)) {
+  const double area_fraction = 0.5 * twice / shape.area;
+  if (!touched && !(area_fraction > 1e-9 && area_fraction < 1 - 1e-9)) {
     side_[t] = loops_.contains(centroid) ? Side::Inside : Side::Outside;
-    share_[t] = side_[t] == Side::Inside ? 1 : 0;
+    area_fraction_[t] = side_[t] == Side::Inside ? 1 : 0;
     return;
   }
   side_[t] = Side::Cut;
-  share_[t] = share;
-  cut_.push_back(t);
-  cones_of_.push_back(count_of(cones_));
+  area_fraction_[t] = area_fraction;
+  cut_triangles_.push_back(t);
+  cones_of_.push_back(isize(cones_));
   cones_.insert(cones_.end(), cones.begin(), cones.end());
   corners_.push_back(shape.vertex);
 }
 
 TriangleRule Trim::rule(int triangle, int degree) const {
-  const auto place = std::lower_bound(cut_.begin(), cut_.end(), triangle);
-  if (place == cut_.end() || *place != triangle) {
-    if (side_[triangle] == Side::Inside) return split_triangle(degree);
+  const auto edge_parameter =
+      std::lower_bound(cut_triangles_.begin(), cut_triangles_.end(), triangle);
+  if (edge_parameter == cut_triangles_.end() || *edge_parameter != triangle) {
+    if (side_[triangle] == Side::Inside) return split_triangle_rule(degree);
     return {Points(0, 3), VecX(0)};
   }
-  const auto c = static_cast<size_t>(place - cut_.begin());
+  const auto c = static_cast<size_t>(edge_parameter - cut_triangles_.begin());
   const TriangleShape shape(corners_[c][0], corners_[c][1], corners_[c][2]);
   std::vector<Vec3> L;
   std::vector<double> weights;
@@ -326,15 +330,15 @@ TriangleRule Trim::rule(int triangle, int degree) const {
   return rule;
 }
 
-Trim Trim::side_by_side(const std::vector<const Trim*>& trims,
+Trim Trim::concatenated(const std::vector<const Trim*>& trims,
                         const std::vector<const ParametricMesh*>& meshes) {
   Trim all;
   for (size_t m = 0; m < meshes.size(); ++m) {
-    const auto first = count_of(all.side_), first_cone = count_of(all.cones_);
+    const auto first = isize(all.side_), first_cone = isize(all.cones_);
     const auto count = static_cast<size_t>(meshes[m]->triangle_count());
     if (!trims[m]) {
       all.side_.insert(all.side_.end(), count, Side::Inside);
-      all.share_.insert(all.share_.end(), count, 1.0);
+      all.area_fraction_.insert(all.area_fraction_.end(), count, 1.0);
       for (int t = 0; t < meshes[m]->triangle_count(); ++t) all.area_ += meshes[m]->shape(t).area;
       continue;
     }
@@ -343,40 +347,40 @@ Trim Trim::side_by_side(const std::vector<const Trim*>& trims,
       to.insert(to.end(), from.begin(), from.end());
     };
     append(all.side_, trim.side_);
-    append(all.share_, trim.share_);
-    for (const int t : trim.cut_) all.cut_.push_back(first + t);
-    for (size_t c = 0; c < trim.cut_.size(); ++c)
+    append(all.area_fraction_, trim.area_fraction_);
+    for (const int t : trim.cut_triangles_) all.cut_triangles_.push_back(first + t);
+    for (size_t c = 0; c < trim.cut_triangles_.size(); ++c)
       all.cones_of_.push_back(first_cone + trim.cones_of_[c]);
     append(all.cones_, trim.cones_);
     append(all.corners_, trim.corners_);
     all.area_ += trim.area_;
   }
-  all.cones_of_.push_back(count_of(all.cones_));
+  all.cones_of_.push_back(isize(all.cones_));
   return all;
 }
 
 Trim Trim::restricted(const std::vector<int>& triangles) const {
   Trim part = *this;
   part.side_.clear();
-  part.share_.clear();
-  part.cut_.clear();
+  part.area_fraction_.clear();
+  part.cut_triangles_.clear();
   part.cones_.clear();
   part.cones_of_.clear();
   part.corners_.clear();
   for (size_t i = 0; i < triangles.size(); ++i) {
     const int t = triangles[i];
     part.side_.push_back(side_[t]);
-    part.share_.push_back(share_[t]);
+    part.area_fraction_.push_back(area_fraction_[t]);
     if (side_[t] != Side::Cut) continue;
-    const auto c =
-        static_cast<size_t>(std::lower_bound(cut_.begin(), cut_.end(), t) - cut_.begin());
-    part.cut_.push_back(static_cast<int>(i));
-    part.cones_of_.push_back(count_of(part.cones_));
+    const auto c = static_cast<size_t>(
+        std::lower_bound(cut_triangles_.begin(), cut_triangles_.end(), t) - cut_triangles_.begin());
+    part.cut_triangles_.push_back(static_cast<int>(i));
+    part.cones_of_.push_back(isize(part.cones_));
     part.cones_.insert(part.cones_.end(), cones_.begin() + cones_of_[c],
                        cones_.begin() + cones_of_[c + 1]);
     part.corners_.push_back(corners_[c]);
   }
-  part.cones_of_.push_back(count_of(part.cones_));
+  part.cones_of_.push_back(isize(part.cones_));
   part.area_ = area_;
   return part;
 }

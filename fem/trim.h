@@ -27,15 +27,15 @@ class Trim {
   /// Cuts a mesh by loops. On a mesh that is periodic in u a loop is given once, beginning with u
   /// in [0, period), and cuts on both sides of the seam. O(triangles + arcs · triangles that they
   /// cross).
-  Trim(const ParametricMesh& mesh, DomainLoops given);
+  Trim(const ParametricMesh& mesh, DomainLoops domain_loops);
 
   /// The loops; on a mesh that is periodic in u also their images one period to either side.
   const DomainLoops& loops() const { return loops_; }
   Side side(int triangle) const { return side_[triangle]; }
   /// Triangles that the loops pass through, ascending.
-  const std::vector<int>& cut() const { return cut_; }
+  const std::vector<int>& cut_triangles() const { return cut_triangles_; }
   /// Share of the triangle's area that is inside, 0 to 1.
-  double share(int triangle) const { return share_[triangle]; }
+  double area_fraction(int triangle) const { return area_fraction_[triangle]; }
   /// Area inside, in (u, v). Equals that of the given loops where the mesh covers the region.
   double area() const { return area_; }
 
@@ -46,7 +46,7 @@ class Trim {
 
   /// Trims of meshes side by side (ParametricMesh::side_by_side), null ones for meshes that are
   /// whole. It has no loops(): these belong to the (u, v) of each.
-  static Trim side_by_side(const std::vector<const Trim*>& trims,
+  static Trim concatenated(const std::vector<const Trim*>& trims,
                            const std::vector<const ParametricMesh*>& meshes);
 
   /// This trim for a mesh that holds only these triangles, in this order.
@@ -61,12 +61,13 @@ class Trim {
     PlanarCubic side;
   };
   // By the arcs that come near it.
-  void cut_triangle(int triangle, const TriangleShape& shape, const std::vector<PlanarCubic>& arcs);
+  void cut_triangle(int triangle, const TriangleShape& shape,
+                    const std::vector<PlanarCubic>& segments);
 
   DomainLoops loops_;
   std::vector<Side> side_;
-  std::vector<double> share_;
-  std::vector<int> cut_;
+  std::vector<double> area_fraction_;
+  std::vector<int> cut_triangles_;
   std::vector<int> cones_of_;  // first cone of each cut triangle
   std::vector<Cone> cones_;
   std::vector<std::array<Vec2, 3>> corners_;  // of each cut triangle

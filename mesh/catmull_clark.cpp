@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "batten/core/errors.h"
-#include "batten/core/index.h"
+#include "batten/core/isize.h"
 
 namespace batten {
 namespace {
@@ -16,11 +16,11 @@ namespace {
 using Key = std::pair<int, int>;
 Key key(int a, int b) { return std::minmax(a, b); }
 
-constexpr double kForGood = std::numeric_limits<double>::infinity();
+constexpr double kPermanent = std::numeric_limits<double>::infinity();
 
-double sharpness_of(double given) { return given >= kInfinitelySharp ? kForGood : given; }
+double sharpness_of(double given) { return given >= kInfinitelySharp ? kPermanent : given; }
 /// The sharpness that is left after a round.
-double left(double sharpness) { return std::max(sharpness - 1, 0.0); }
+double remaining_sharpness(double sharpness) { return std::max(sharpness - 1, 0.0); }
 
 /// Where a round moves a smooth node of n edges; `sum`: of the far ends and of the means of the
 /// faces.
@@ -33,113 +33,120 @@ Vec3 smooth_limit(const Vec3& at, double n, const Vec3& ends, const Vec3& across
 }
 
 /// An edge at a node: its far end.
-struct Spoke {
+struct RingEdge {
   Vec3 end;
   double sharp = 0;
 };
 
 /// A node and the edges at it.
-struct Hub {
+struct CentreVertex {
   Vec3 at;
   double corner = 0;  // its own sharpness
-  std::vector<Spoke> spokes;
+  std::vector<RingEdge> ring_edges;
 
   enum class Rule { Smooth, Crease, Corner };
   Rule rule() const {
-    const auto sharp =
-        std::count_if(spokes.begin(), spokes.end(), [](const Spoke& s) { return s.sharp > 0; });
+    const auto sharp = std::count_if(ring_edges.begin(), ring_edges.end(),
+                                     [](const RingEdge& s) { return s.sharp > 0; });
     return corner > 0 || sharp > 2 ? Rule::Corner : sharp == 2 ? Rule::Crease : Rule::Smooth;
   }
-  Hub after_a_round() const {
-    Hub next = *this;
-    next.corner = left(corner);
-    for (Spoke& spoke : next.spokes) spoke.sharp = left(spoke.sharp);
+  CentreVertex after_one_level() const {
+    CentreVertex next = *this;
+    next.corner = remaining_sharpness(corner);
+    for (RingEdge& ring_edge : next.ring_edges)
+      ring_edge.sharp = remaining_sharpness(ring_edge.sharp);
     return next;
   }
   /// By its rule: itself, (a + m v + b)/(m + 2) along its crease, or `smooth`.
-  Vec3 by_rule(double m, const Vec3& smooth) const {
+  Vec3 apply_rule(double m, const Vec3& smooth) const {
     if (rule() != Rule::Crease) return rule() == Rule::Corner ? at : smooth;
     Vec3 ends = Vec3::Zero();
-    for (const Spoke& spoke : spokes)
-      if (spoke.sharp > 0) ends += spoke.end;
+    for (const RingEdge& ring_edge : ring_edges)
+      if (ring_edge.sharp > 0) ends += ring_edge.end;
     return (ends + m * at) / (m + 2);
   }
   /// The mean of all sharpness that a round ends, at most 1.
-  double ending() const {
+  double blend_fraction() const {
     double sum = 0;
     int count = 0;
     const auto add = [&](double sharp) {
-      if (!(sharp > 0) || left(sharp) > 0) return;
+      if (!(sharp > 0) || remaining_sharpness(sharp) > 0) return;
       sum += sharp;
       ++count;
     };
     add(corner);
-    for (const Spoke& spoke : spokes) add(spoke.sharp);
+    for (const RingEdge& ring_edge : ring_edges) add(ring_edge.sharp);
     return count == 0 ? 1 : std::min(sum / count, 1.0);
   }
   /// Where a round moves it; `centres`: the sum of the means of its faces.
   Vec3 moved(const Vec3& centres) const {
-    const double n = static_cast<double>(spokes.size());
+    const double n = static_cast<double>(ring_edges.size());
     Vec3 sum = centres;
-    for (const Spoke& spoke : spokes) sum += spoke.end;
+    for (const RingEdge& ring_edge : ring_edges) sum += ring_edge.end;
     const Vec3 smooth = smooth_moved(at, n, sum);
-    const Hub next = after_a_round();
-    if (next.rule() == rule()) return by_rule(6, smooth);
-    return ending() * by_rule(6, smooth) + (1 - ending()) * next.by_rule(6, smooth);
+    const CentreVertex next = after_one_level();
+    if (next.rule() == rule()) return apply_rule(6, smooth);
+    return blend_fraction() * apply_rule(6, smooth) +
+           (1 - blend_fraction()) * next.apply_rule(6, smooth);
   }
 };
 
 /// The new node on an edge; `smooth`: where it is without any sharpness.
-Vec3 on_edge(const Vec3& a, const Vec3& b, double sharp, const Vec3& smooth) {
-  const double share = std::min(sharp, 1.0);
-  return share * (a + b) / 2 + (1 - share) * smooth;
+Vec3 edge_point(const Vec3& a, const Vec3& b, double sharp, const Vec3& smooth) {
+  const double weight = std::min(sharp, 1.0);
+  return weight * (a + b) / 2 + (1 - weight) * smooth;
 }
 
 /// A node with the quads around it, which are all that its limit depends on.
-struct Ring {
-  struct Sector {
-    std::array<int, 2> spokes;
+struct OneRing {
+  struct RingFace {
+    std::array<int, 2> ring_edges;
     Vec3 across;
   };
-  Hub hub;
-  std::vector<Sector> sectors;
+  CentreVertex centre_vertex;
+  std::vector<RingFace> ring_faces;
 
-  bool settled() const {
-    const auto lasts = [](double sharp) { return sharp == 0 || sharp == kForGood; };
-    const auto sharp = std::count_if(hub.spokes.begin(), hub.spokes.end(),
-                                     [](const Spoke& s) { return s.sharp > 0; });
-    return lasts(hub.corner) && (sharp != 1 || hub.corner > 0) &&
-           std::all_of(hub.spokes.begin(), hub.spokes.end(),
-                       [&](const Spoke& s) { return lasts(s.sharp); });
+  bool has_stable_rule() const {
+    const auto is_permanent = [](double sharp) { return sharp == 0 || sharp == kPermanent; };
+    const auto sharp =
+        std::count_if(centre_vertex.ring_edges.begin(), centre_vertex.ring_edges.end(),
+                      [](const RingEdge& s) { return s.sharp > 0; });
+    return is_permanent(centre_vertex.corner) && (sharp != 1 || centre_vertex.corner > 0) &&
+           std::all_of(centre_vertex.ring_edges.begin(), centre_vertex.ring_edges.end(),
+                       [&](const RingEdge& s) { return is_permanent(s.sharp); });
   }
 
   void subdivide() {
-    std::vector<Vec3> beside(hub.spokes.size(), Vec3::Zero());  // means of the faces, summed
+    std::vector<Vec3> beside(centre_vertex.ring_edges.size(),
+                             Vec3::Zero());  // means of the faces, summed
     Vec3 all = Vec3::Zero();
-    for (Sector& sector : sectors) {
-      const auto& [a, b] = sector.spokes;
-      sector.across = Vec3((hub.at + hub.spokes[a].end + hub.spokes[b].end + sector.across) / 4);
-      for (const int s : sector.spokes) beside[s] += sector.across;
-      all += sector.across;
+    for (RingFace& ring_face : ring_faces) {
+      const auto& [a, b] = ring_face.ring_edges;
+      ring_face.across = Vec3((centre_vertex.at + centre_vertex.ring_edges[a].end +
+                               centre_vertex.ring_edges[b].end + ring_face.across) /
+                              4);
+      for (const int s : ring_face.ring_edges) beside[s] += ring_face.across;
+      all += ring_face.across;
     }
-    Hub next = hub.after_a_round();
-    next.at = hub.moved(all);
-    for (size_t s = 0; s < hub.spokes.size(); ++s) {
-      const Spoke& spoke = hub.spokes[s];
-      next.spokes[s].end =
-          on_edge(hub.at, spoke.end, spoke.sharp, (hub.at + spoke.end + beside[s]) / 4);
+    CentreVertex next = centre_vertex.after_one_level();
+    next.at = centre_vertex.moved(all);
+    for (size_t s = 0; s < centre_vertex.ring_edges.size(); ++s) {
+      const RingEdge& ring_edge = centre_vertex.ring_edges[s];
+      next.ring_edges[s].end = edge_point(centre_vertex.at, ring_edge.end, ring_edge.sharp,
+                                          (centre_vertex.at + ring_edge.end + beside[s]) / 4);
     }
-    hub = std::move(next);
+    centre_vertex = std::move(next);
   }
 
   Vec3 limit() {
     constexpr int most = 60;  // halves its size each time
-    for (int round = 0; round < most && !settled(); ++round) subdivide();
+    for (int level = 0; level < most && !has_stable_rule(); ++level) subdivide();
     Vec3 ends = Vec3::Zero(), across = Vec3::Zero();
-    for (const Spoke& spoke : hub.spokes) ends += spoke.end;
-    for (const Sector& sector : sectors) across += sector.across;
-    return hub.by_rule(4,
-                       smooth_limit(hub.at, static_cast<double>(hub.spokes.size()), ends, across));
+    for (const RingEdge& ring_edge : centre_vertex.ring_edges) ends += ring_edge.end;
+    for (const RingFace& ring_face : ring_faces) across += ring_face.across;
+    return centre_vertex.apply_rule(
+        4, smooth_limit(centre_vertex.at, static_cast<double>(centre_vertex.ring_edges.size()),
+                        ends, across));
   }
 };
 
@@ -148,35 +155,36 @@ class Cage {
  public:
   Cage(Points points, std::vector<std::vector<int>> faces, const CageTags& tags)
       : points_(std::move(points)), faces_(std::move(faces)), edges_at_(points_.rows()) {
-    for (int f = 0; f < count_of(faces_); ++f)
+    for (int f = 0; f < isize(faces_); ++f)
       for (size_t i = 0; i < faces_[f].size(); ++i) edge_of(f, i).faces.push_back(f);
     faces_at_.resize(points_.rows());
-    for (int f = 0; f < count_of(faces_); ++f)
+    for (int f = 0; f < isize(faces_); ++f)
       for (const int v : faces_[f]) faces_at_[v].push_back(f);
     corners_.resize(points_.rows(), 0.0);
-    take(tags);
+    apply_tags(tags);
   }
 
   Cage subdivided() const {
-    const long v0 = points_.rows(), e0 = v0 + count_of(faces_);
-    Points points(e0 + count_of(edges_), 3);
-    for (int f = 0; f < count_of(faces_); ++f) points.row(v0 + f) = centre(f).transpose();
+    const long v0 = points_.rows(), e0 = v0 + isize(faces_);
+    Points points(e0 + isize(edges_), 3);
+    for (int f = 0; f < isize(faces_); ++f) points.row(v0 + f) = centre(f).transpose();
     CageTags tags;
-    for (int e = 0; e < count_of(edges_); ++e) {
+    for (int e = 0; e < isize(edges_); ++e) {
       const Edge& edge = edges_[e];
       const int own = static_cast<int>(e0) + e;
       Vec3 smooth = at(edge.low) + at(edge.high);
       for (const int f : edge.faces) smooth += centre(f);
-      points.row(own) = on_edge(at(edge.low), at(edge.high), edge.sharp, smooth / 4).transpose();
-      if (const double sharp = left(edge.sharp); sharp > 0)
+      points.row(own) = edge_point(at(edge.low), at(edge.high), edge.sharp, smooth / 4).transpose();
+      if (const double sharp = remaining_sharpness(edge.sharp); sharp > 0)
         for (const int end : {edge.low, edge.high}) tags.creases.push_back({end, own, sharp});
     }
     for (int v = 0; v < v0; ++v) {
       points.row(v) = moved(v).transpose();
-      if (const double sharp = left(corners_[v]); sharp > 0) tags.corners.push_back({v, sharp});
+      if (const double sharp = remaining_sharpness(corners_[v]); sharp > 0)
+        tags.corners.push_back({v, sharp});
     }
     std::vector<std::vector<int>> quads;
-    for (int f = 0; f < count_of(faces_); ++f) {
+    for (int f = 0; f < isize(faces_); ++f) {
       const auto& face = faces_[f];
       const size_t n = face.size();
       for (size_t i = 0; i < n; ++i)
@@ -203,7 +211,7 @@ class Cage {
     double sharp = 0;
   };
 
-  void take(const CageTags& tags) {
+  void apply_tags(const CageTags& tags) {
     for (const auto& [a, b, sharp] : tags.creases) {
       const auto found = number_.find(key(a, b));
       if (found == number_.end())
@@ -217,9 +225,9 @@ class Cage {
       corners_[node] = sharpness_of(sharp);
     }
     for (Edge& edge : edges_)
-      if (edge.faces.size() != 2) edge.sharp = kForGood;
+      if (edge.faces.size() != 2) edge.sharp = kPermanent;
     for (size_t v = 0; v < corners_.size(); ++v)
-      if (faces_at_[v].size() == 1 || ends_joint(v)) corners_[v] = kForGood;
+      if (faces_at_[v].size() == 1 || ends_joint(v)) corners_[v] = kPermanent;
   }
   /// Whether the one edge at a node that has other than two faces ends there.
   bool ends_joint(size_t v) const {
@@ -229,7 +237,7 @@ class Cage {
 
   Edge& edge_of(int f, size_t i) {
     const Key k = key(faces_[f][i], faces_[f][(i + 1) % faces_[f].size()]);
-    const auto [found, is_new] = number_.emplace(k, count_of(edges_));
+    const auto [found, is_new] = number_.emplace(k, isize(edges_));
     if (is_new) {
       edges_.push_back({k.first, k.second, {}, 0});
       edges_at_[k.first].push_back(found->second);
@@ -258,41 +266,42 @@ class Cage {
     return sum;
   }
   /// The place of a node in one of its faces.
-  long place(int f, int v) const {
+  long corner_index(int f, int v) const {
     return std::find(faces_[f].begin(), faces_[f].end(), v) - faces_[f].begin();
   }
 
-  Hub hub(int v) const {
-    Hub hub{at(v), corners_[v], {}};
-    for (const int e : edges_at_[v]) hub.spokes.push_back({far_end(e, v), edges_[e].sharp});
-    return hub;
+  CentreVertex centre_vertex(int v) const {
+    CentreVertex centre_vertex{at(v), corners_[v], {}};
+    for (const int e : edges_at_[v])
+      centre_vertex.ring_edges.push_back({far_end(e, v), edges_[e].sharp});
+    return centre_vertex;
   }
   Vec3 moved(int v) const {
     if (edges_at_[v].empty()) return at(v);
     Vec3 centres = Vec3::Zero();
     for (const int f : faces_at_[v]) centres += centre(f);
-    if (sharp_at(v)) return hub(v).moved(centres);
+    if (sharp_at(v)) return centre_vertex(v).moved(centres);
     return smooth_moved(at(v), static_cast<double>(edges_at_[v].size()), far_ends(v) + centres);
   }
   Vec3 limit_of(int v) const {
     if (edges_at_[v].empty()) return at(v);
     if (sharp_at(v)) return ring(v).limit();
     Vec3 across = Vec3::Zero();
-    for (const int f : faces_at_[v]) across += at(faces_[f][(place(f, v) + 2) % 4]);
+    for (const int f : faces_at_[v]) across += at(faces_[f][(corner_index(f, v) + 2) % 4]);
     return smooth_limit(at(v), static_cast<double>(edges_at_[v].size()), far_ends(v), across);
   }
-  Ring ring(int v) const {
-    Ring ring{hub(v), {}};
-    const auto spoke = [&](int other) {
+  OneRing ring(int v) const {
+    OneRing ring{centre_vertex(v), {}};
+    const auto ring_edge = [&](int other) {
       const auto& edges = edges_at_[v];
       return static_cast<int>(std::find(edges.begin(), edges.end(), number(v, other)) -
                               edges.begin());
     };
     for (const int f : faces_at_[v]) {
       const auto& quad = faces_[f];
-      const long i = place(f, v);
-      ring.sectors.push_back(
-          {{spoke(quad[(i + 1) % 4]), spoke(quad[(i + 3) % 4])}, at(quad[(i + 2) % 4])});
+      const long i = corner_index(f, v);
+      ring.ring_faces.push_back(
+          {{ring_edge(quad[(i + 1) % 4]), ring_edge(quad[(i + 3) % 4])}, at(quad[(i + 2) % 4])});
     }
     return ring;
   }
@@ -307,20 +316,21 @@ class Cage {
 
 void check_sharpness(double sharpness) {
   if (!(sharpness >= 0))
-    throw InputError("found a sharpness of " + batten::number(sharpness) + ", expected 0 or more");
+    throw InputError("found a sharpness of " + batten::format_number(sharpness) +
+                     ", expected 0 or more");
 }
 
 void check(const ShellMesh& cage, const CatmullClarkOptions& options) {
   constexpr double most = 4e6;
-  if (options.rounds < 1)
-    throw InputError(std::to_string(options.rounds) + " rounds of subdivision, expected 1 or more");
+  if (options.levels < 1)
+    throw InputError(std::to_string(options.levels) + " rounds of subdivision, expected 1 or more");
   for (const CageCrease& crease : options.tags.creases) check_sharpness(crease.sharpness);
   for (const CageCorner& corner : options.tags.corners) check_sharpness(corner.sharpness);
   double quads = 0;
   for (int f = 0; f < cage.face_count(); ++f) quads += static_cast<double>(cage.corners(f).size());
-  for (int k = 1; k < options.rounds && quads <= most; ++k) quads *= 4;
+  for (int k = 1; k < options.levels && quads <= most; ++k) quads *= 4;
   if (quads > most)
-    throw InputError(std::to_string(options.rounds) + " rounds of subdivision of " +
+    throw InputError(std::to_string(options.levels) + " rounds of subdivision of " +
                      std::to_string(cage.face_count()) +
                      " faces are more than 4,000,000 quads, expected fewer rounds");
 }
@@ -333,7 +343,7 @@ ShellMesh catmull_clark(const ShellMesh& cage, const CatmullClarkOptions& option
   for (int f = 0; f < cage.face_count(); ++f)
     faces.emplace_back(cage.corners(f).begin(), cage.corners(f).end());
   Cage fine = Cage(cage.points, std::move(faces), options.tags).subdivided();
-  for (int round = 1; round < options.rounds; ++round) fine = fine.subdivided();
+  for (int level = 1; level < options.levels; ++level) fine = fine.subdivided();
   return fine.limit();
 }
 

@@ -30,7 +30,7 @@ struct CageTags {
 };
 
 struct CatmullClarkOptions {
-  int rounds = 4;  ///< each makes four quads of a quad, n of a polygon with n corners
+  int levels = 4;  ///< each makes four quads of a quad, n of a polygon with n corners
   CageTags tags = {};
 };
 

@@ -5,7 +5,7 @@
 #include <optional>
 
 #include "batten/core/simd.h"
-#include "batten/mesh/rotation_of_faces.h"
+#include "batten/mesh/rotation_fitting.h"
 
 namespace batten {
 namespace {
@@ -80,32 +80,32 @@ BATTEN_CLONES void markley(const Lane* M, Lane* R, double* well) {
 
 }  // namespace
 
-void rotation_parts(const RotationBatch& M, RotationBatch& R) {
+void nearest_rotations(const RotationBatch& M, RotationBatch& R) {
   alignas(64) double well[L];
   markley(M.a, R.a, well);
   for (int l = 0; l < L; ++l)
-    if (well[l] != 1) R.set(l, rotation_part(M.get(l)));  // not finite where M = 0
+    if (well[l] != 1) R.set(l, nearest_rotation(M.get(l)));  // not finite where M = 0
 }
 
 void rotations_of_triangles(std::span<const std::array<int, 3>> triangles,
                             std::span<const int> which, const Points& before, const Points& after,
                             std::span<Mat3> rotations) {
   constexpr size_t lanes = RotationBatch::kLanes;
-  RotationBatch maps, turns;
+  RotationBatch gradients, rotation_batch;
   for (size_t first = 0; first < which.size(); first += lanes) {
     const size_t count = std::min(lanes, which.size() - first);
     std::array<bool, lanes> nearly_lines{};
     for (size_t l = 0; l < lanes; ++l) {
-      const auto H = l < count ? map_of_triangle(triangles[which[first + l]], before, after)
+      const auto H = l < count ? deformation_gradient(triangles[which[first + l]], before, after)
                                : std::optional(Mat3(Mat3::Identity()));
       nearly_lines[l] = !H;
-      maps.set(static_cast<int>(l), H ? *H : Mat3(Mat3::Identity()));
+      gradients.set(static_cast<int>(l), H ? *H : Mat3(Mat3::Identity()));
     }
-    rotation_parts(maps, turns);
+    nearest_rotations(gradients, rotation_batch);
     for (size_t l = 0; l < count; ++l)
       rotations[first + l] = nearly_lines[l]
                                  ? rotation_of_face(triangles[which[first + l]], before, after)
-                                 : turns.get(static_cast<int>(l));
+                                 : rotation_batch.get(static_cast<int>(l));
   }
 }
 

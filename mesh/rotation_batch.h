@@ -25,7 +25,7 @@ struct RotationBatch {
   }
 };
 
-/// rotation_part() (mesh/rotation_of_faces.h) of each matrix M. The largest root of
+/// nearest_rotation() (mesh/rotation_fitting.h) of each matrix M. The largest root of
 ///
 ///     (λ² - |M|²)² - 8 λ det M - 4 |cof M|² = 0
 ///
@@ -34,11 +34,11 @@ struct RotationBatch {
 ///     R = [(κ + |M|²) M + λ cof M - M Mᵀ M] / (κ λ - det M)
 ///
 /// which holds for flat matrices (σ3 = 0) and mirrored ones (det M < 0) as it stands. Matrices
-/// whose denominator (σ1 + σ2)(σ2 ± σ3)(σ3 ± σ1) is small go to rotation_part() itself. Exact to 1e-14
+/// whose denominator (σ1 + σ2)(σ2 ± σ3)(σ3 ± σ1) is small go to nearest_rotation() itself. Exact to 1e-14
 /// where the shape is good. 15 to 30 ns a matrix. Source: Markley 1993 (FOAM).
-void rotation_parts(const RotationBatch& M, RotationBatch& R);
+void nearest_rotations(const RotationBatch& M, RotationBatch& R);
 
-/// rotation_of_face() (mesh/rotation_of_faces.h) of those of a mesh's triangles whose numbers are `which`,
+/// rotation_of_face() (mesh/rotation_fitting.h) of those of a mesh's triangles whose numbers are `which`,
 /// eight at once; `rotations` has room for as many. 50 ns each.
 void rotations_of_triangles(std::span<const std::array<int, 3>> triangles,
                             std::span<const int> which, const Points& before, const Points& after,

@@ -5,8 +5,8 @@
 #include <queue>
 #include <string>
 
+#include "batten/core/disjoint_sets.h"
 #include "batten/core/errors.h"
-#include "batten/core/groups.h"
 
 namespace batten {
 namespace {
@@ -27,7 +27,7 @@ std::vector<char> vertex_flags(const MeshTopology& topology, const std::vector<i
   return flags(topology.vertex_count(), vertices, "vertex");
 }
 
-std::vector<int> numbers_of(const std::vector<char>& flags) {
+std::vector<int> indices_of(const std::vector<char>& flags) {
   std::vector<int> result;
   for (size_t i = 0; i < flags.size(); ++i)
     if (flags[i]) result.push_back(static_cast<int>(i));
@@ -44,16 +44,16 @@ Selection vertices_where(const TriangleMesh& mesh, const Condition& condition) {
 }
 
 // Distances along the surface by fronts through triangles.
-class Fronts {
+class FastMarching {
  public:
-  Fronts(const TriangleMesh& mesh, const std::vector<int>& sources, double farthest)
+  FastMarching(const TriangleMesh& mesh, const std::vector<int>& sources, double farthest)
       : mesh_(mesh),
         source_(vertex_flags(mesh.topology(), sources)),
-        straight_(mesh.vertex_count(), 0),
+        unfolded_(mesh.vertex_count(), 0),
         taken_(mesh.vertex_count(), 0),
-        distance_(VecX::Constant(mesh.vertex_count(), infinity)) {
+        distance_(VecX::Constant(mesh.vertex_count(), kInfinity)) {
     for (const int source : sources)
-      for (const int v : mesh.topology().together(source)) {
+      for (const int v : mesh.topology().coincident_vertices(source)) {
         source_[v] = 1;
         distance_[v] = 0;
         queue_.push({0, v});
@@ -70,7 +70,7 @@ class Fronts {
       if (d == distance_[v] && ++taken_[v] <= kMostTimes) pass_on(v);
     }
     for (double& d : distance_)
-      if (d > farthest) d = infinity;
+      if (d > farthest) d = kInfinity;
   }
 
   VecX take() { return std::move(distance_); }
@@ -85,30 +85,31 @@ class Fronts {
       const auto& corners = mesh_.triangles()[t];
       const auto i = std::find(corners.begin(), corners.end(), v) - corners.begin();
       const int a = corners[(i + 1) % 3], b = corners[(i + 2) % 3];
-      if (std::isfinite(distance_[a])) through(v, a, b);
-      if (std::isfinite(distance_[b])) through(v, b, a);
+      if (std::isfinite(distance_[a])) origin(v, a, b);
+      if (std::isfinite(distance_[b])) origin(v, b, a);
     }
     for (const int j : mesh_.topology().neighbours(v))
-      offer(j, distance_[v] + (mesh_.point(j) - mesh_.point(v)).norm(), straight_[v]);
-    for (const int j : mesh_.topology().together(v)) offer(j, distance_[v], straight_[v]);
+      offer(j, distance_[v] + (mesh_.point(j) - mesh_.point(v)).norm(), unfolded_[v]);
+    for (const int j : mesh_.topology().coincident_vertices(v))
+      offer(j, distance_[v], unfolded_[v]);
   }
 
   void offer(int v, double d, bool straight) {
     if (!(d < distance_[v] * (1 - 1e-13))) return;
     distance_[v] = d;
-    straight_[v] = straight;
+    unfolded_[v] = straight;
     queue_.push({d, v});
   }
 
   // The front that passes between a and b and then reaches c, in the plane of the triangle:
   // a = (0, 0), b = (length, 0), c above.
-  void through(int a, int b, int c) {
+  void origin(int a, int b, int c) {
     const Vec3 ab = mesh_.point(b) - mesh_.point(a), ac = mesh_.point(c) - mesh_.point(a);
     const double length = ab.norm(), d_a = distance_[a], d_b = distance_[b];
     const double x = ac.dot(ab) / length, y = ac.cross(ab).norm() / length;
     if (!(y > 0)) return;
     constexpr double slack = 1e-12;
-    if (straight_[a] || straight_[b] || (source_[a] && source_[b])) {
+    if (unfolded_[a] || unfolded_[b] || (source_[a] && source_[b])) {
       const double g = (d_b - d_a) / length;
       if (!(std::abs(g) < 1)) return;
       const double h = std::sqrt((1 - g) * (1 + g)), crossing = x - g / h * y;
@@ -126,7 +127,7 @@ class Fronts {
 
   using Entry = std::pair<double, int>;
   const TriangleMesh& mesh_;
-  std::vector<char> source_, straight_;  // straight: the front here started from an edge
+  std::vector<char> source_, unfolded_;  // straight: the front here started from an edge
   std::vector<int> taken_;
   VecX distance_;
   std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue_;
@@ -144,22 +145,22 @@ Selection vertices_in_sphere(const TriangleMesh& mesh, const Vec3& centre, doubl
   return vertices_where(mesh, [&](const Vec3& p) { return (p - centre).norm() <= radius; });
 }
 
-Selection vertices_beyond_plane(const TriangleMesh& mesh, const Vec3& through, const Vec3& normal,
-                                double within) {
+Selection vertices_beyond_plane(const TriangleMesh& mesh, const Vec3& origin, const Vec3& normal,
+                                double max_height) {
   const double length = normal.norm();
   if (!(length > 0) || !std::isfinite(length))
     throw InputError("the normal of a plane has no direction");
   const Vec3 n = normal / length;
   return vertices_where(mesh, [&](const Vec3& p) {
-    const double height = n.dot(p - through);
-    return height >= 0 && height <= within;
+    const double height = n.dot(p - origin);
+    return height >= 0 && height <= max_height;
   });
 }
 
 VecX geodesic_distances(const TriangleMesh& mesh, const std::vector<int>& sources,
                         double farthest) {
   if (sources.empty()) throw InputError("distances along the surface need at least one source");
-  return Fronts(mesh, sources, farthest).take();
+  return FastMarching(mesh, sources, farthest).take();
 }
 
 Selection vertices_within(const TriangleMesh& mesh, const std::vector<int>& sources,
@@ -173,26 +174,26 @@ Selection vertices_within(const TriangleMesh& mesh, const std::vector<int>& sour
 
 Selection grown(const MeshTopology& topology, const std::vector<int>& vertices, int rings) {
   std::vector<char> inside = vertex_flags(topology, vertices);
-  inside = vertex_flags(topology, topology.whole_nodes(numbers_of(inside)));
-  std::vector<int> front = numbers_of(inside), next;
+  inside = vertex_flags(topology, topology.expand_to_nodes(indices_of(inside)));
+  std::vector<int> front = indices_of(inside), next;
   for (int ring = 0; ring < rings; ++ring) {
     next.clear();
     for (const int v : front)
       for (const int u : topology.neighbours(v))
-        for (const int j : topology.together(u))
+        for (const int j : topology.coincident_vertices(u))
           if (!inside[j]) {
             inside[j] = 1;
             next.push_back(j);
           }
     front.swap(next);
   }
-  return numbers_of(inside);
+  return indices_of(inside);
 }
 
 Selection border(const MeshTopology& topology, const std::vector<int>& vertices) {
   const std::vector<char> inside = vertex_flags(topology, vertices);
   Selection result;
-  for (const int v : numbers_of(inside)) {
+  for (const int v : indices_of(inside)) {
     const auto around = topology.neighbours(v);
     if (std::any_of(around.begin(), around.end(), [&](int j) { return !inside[j]; }))
       result.push_back(v);
@@ -202,46 +203,46 @@ Selection border(const MeshTopology& topology, const std::vector<int>& vertices)
 
 Selection vertices_of_triangles(const MeshTopology& topology, const std::vector<int>& triangles) {
   std::vector<char> found(topology.vertex_count(), 0);
-  for (const int t : numbers_of(flags(topology.triangle_count(), triangles, "triangle")))
+  for (const int t : indices_of(flags(topology.triangle_count(), triangles, "triangle")))
     for (const int v : topology.triangles()[t]) found[v] = 1;
-  return numbers_of(found);
+  return indices_of(found);
 }
 
 std::vector<int> triangles_touching(const MeshTopology& topology,
                                     const std::vector<int>& vertices) {
   std::vector<char> found(topology.triangle_count(), 0);
-  for (const int v : numbers_of(vertex_flags(topology, vertices)))
+  for (const int v : indices_of(vertex_flags(topology, vertices)))
     for (const int t : topology.triangles_of(v)) found[t] = 1;
-  return numbers_of(found);
+  return indices_of(found);
 }
 
-Selection united(const Selection& a, const Selection& b) {
+Selection union_of(const Selection& a, const Selection& b) {
   Selection result;
   std::set_union(a.begin(), a.end(), b.begin(), b.end(), std::back_inserter(result));
   return result;
 }
 
-Selection common(const Selection& a, const Selection& b) {
+Selection intersection_of(const Selection& a, const Selection& b) {
   Selection result;
   std::set_intersection(a.begin(), a.end(), b.begin(), b.end(), std::back_inserter(result));
   return result;
 }
 
-Selection without(const Selection& a, const Selection& b) {
+Selection difference_of(const Selection& a, const Selection& b) {
   Selection result;
   std::set_difference(a.begin(), a.end(), b.begin(), b.end(), std::back_inserter(result));
   return result;
 }
 
-std::vector<int> parts_of_nodes(const MeshTopology& topology) {
-  Groups groups(topology.node_count());
+std::vector<int> node_components(const MeshTopology& topology) {
+  DisjointSets groups(topology.node_count());
   for (const auto& e : topology.edges())
-    groups.join(topology.node_of(e.low), topology.node_of(e.high));
+    groups.unite(topology.node_of(e.low), topology.node_of(e.high));
   std::vector<int> part(topology.node_count(), -1);
   int count = 0;
   for (int v = 0; v < topology.node_count(); ++v) {
     if (topology.neighbours(v).empty()) continue;
-    const int lowest = groups.of(v);
+    const int lowest = groups.find(v);
     part[v] = lowest == v ? count++ : part[lowest];
   }
   return part;
@@ -249,7 +250,7 @@ std::vector<int> parts_of_nodes(const MeshTopology& topology) {
 
 int nearest_vertex(const TriangleMesh& mesh, const Vec3& point) {
   int nearest = -1;
-  double least = infinity;
+  double least = kInfinity;
   for (int v = 0; v < mesh.vertex_count(); ++v) {
     const double d = (mesh.point(v) - point).squaredNorm();
     if (mesh.topology().component()[v] >= 0 && d < least) {

@@ -22,8 +22,8 @@ Selection vertices_in_sphere(const TriangleMesh& mesh, const Vec3& centre, doubl
 
 /// Vertices with 0 ≤ n·(p - through) ≤ within, n the unit vector along `normal`. Throws InputError
 /// when `normal` has no direction.
-Selection vertices_beyond_plane(const TriangleMesh& mesh, const Vec3& through, const Vec3& normal,
-                                double within = std::numeric_limits<double>::infinity());
+Selection vertices_beyond_plane(const TriangleMesh& mesh, const Vec3& origin, const Vec3& normal,
+                                double max_height = std::numeric_limits<double>::infinity());
 
 /// Distance of every vertex from the nearest source along the surface; infinite where none can be
 /// reached, and beyond `farthest`. Two sources that share an edge count as the whole edge, so that
@@ -65,13 +65,13 @@ Selection vertices_of_triangles(const MeshTopology& topology, const std::vector<
 std::vector<int> triangles_touching(const MeshTopology& topology, const std::vector<int>& vertices);
 
 /// Vertices in one or the other; in both; in the first but not in the second.
-Selection united(const Selection& a, const Selection& b);
-Selection common(const Selection& a, const Selection& b);
-Selection without(const Selection& a, const Selection& b);
+Selection union_of(const Selection& a, const Selection& b);
+Selection intersection_of(const Selection& a, const Selection& b);
+Selection difference_of(const Selection& a, const Selection& b);
 
 /// Number of the part of each node, what hangs together by faces; -1 for nodes without. Parts are
 /// numbered by their lowest nodes.
-std::vector<int> parts_of_nodes(const MeshTopology& topology);
+std::vector<int> node_components(const MeshTopology& topology);
 
 /// The vertex nearest to a point in space; of equally near ones the lowest. Throws InputError when
 /// no vertex has triangles. O(n).

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "batten/core/eigen.h"
-#include "batten/core/index.h"
+#include "batten/core/isize.h"
 
 namespace batten {
 
@@ -22,12 +22,12 @@ class ShellMesh {
   /// Appends a face; `second_order` needs 6 or 8 nodes.
   void add_face(std::span<const int> nodes, bool second_order = false) {
     nodes_.insert(nodes_.end(), nodes.begin(), nodes.end());
-    start_.push_back(count_of(nodes_));
+    start_.push_back(isize(nodes_));
     second_order_.push_back(second_order);
   }
 
   int node_count() const { return static_cast<int>(points.rows()); }
-  int face_count() const { return count_of(second_order_); }
+  int face_count() const { return isize(second_order_); }
   /// All nodes of a face.
   std::span<const int> face(int f) const {
     return {nodes_.data() + start_[f], static_cast<size_t>(start_[f + 1] - start_[f])};

@@ -5,8 +5,8 @@
 #include <string>
 #include <utility>
 
-#include "batten/core/each_once.h"
 #include "batten/core/errors.h"
+#include "batten/core/sorted_unique.h"
 
 namespace batten {
 namespace {
@@ -16,11 +16,11 @@ std::string named(int vertex) { return std::to_string(vertex); }
 }  // namespace
 
 MeshTopology::MeshTopology(int node_count, std::vector<std::array<int, 3>> triangles,
-                           std::vector<int> node_of_more)
-    : vertex_count_(node_count + count_of(node_of_more)),
+                           std::vector<int> duplicate_vertex_nodes)
+    : vertex_count_(node_count + isize(duplicate_vertex_nodes)),
       triangles_(std::move(triangles)),
-      node_of_more_(std::move(node_of_more)) {
-  for (const int node : node_of_more_)
+      duplicate_vertex_nodes_(std::move(duplicate_vertex_nodes)) {
+  for (const int node : duplicate_vertex_nodes_)
     if (node < 0 || node >= node_count)
       throw InputError("a vertex stands for node " + named(node) + " of " +
                        std::to_string(node_count));
@@ -34,7 +34,7 @@ MeshTopology::MeshTopology(int node_count, std::vector<std::array<int, 3>> trian
       throw InputError("triangle " + std::to_string(t) + " has vertex " +
                        named(node_of(a == b || a == c ? a : b)) + " twice");
   }
-  find_together();
+  find_coincident_vertices();
   find_edges();
   find_fans();
   find_loops();
@@ -81,7 +81,7 @@ void MeshTopology::find_edges() {
       Edge edge{sides[i].low, sides[i].high, -1, -1};
       for (; i < end; ++i) {
         (sides[i].forward ? edge.left : edge.right) = sides[i].triangle;
-        edges_of_[sides[i].triangle][sides[i].corner] = count_of(edges_);
+        edges_of_[sides[i].triangle][sides[i].corner] = isize(edges_);
       }
       edges_.push_back(edge);
     }
@@ -148,30 +148,30 @@ void MeshTopology::find_fans() {
   }
 }
 
-void MeshTopology::find_together() {
+void MeshTopology::find_coincident_vertices() {
   const int n = node_count();
-  together_start_.assign(n + 1, 0);
-  for (int v = 0; v < vertex_count_; ++v) ++together_start_[node_of(v) + 1];
-  std::partial_sum(together_start_.begin(), together_start_.end(), together_start_.begin());
-  together_.resize(vertex_count_);
-  std::vector<int> next(together_start_.begin(), together_start_.end() - 1);
-  for (int v = 0; v < vertex_count_; ++v) together_[next[node_of(v)]++] = v;
+  coincident_start_.assign(n + 1, 0);
+  for (int v = 0; v < vertex_count_; ++v) ++coincident_start_[node_of(v) + 1];
+  std::partial_sum(coincident_start_.begin(), coincident_start_.end(), coincident_start_.begin());
+  coincident_vertices_.resize(vertex_count_);
+  std::vector<int> next(coincident_start_.begin(), coincident_start_.end() - 1);
+  for (int v = 0; v < vertex_count_; ++v) coincident_vertices_[next[node_of(v)]++] = v;
 }
 
-std::vector<int> MeshTopology::whole_nodes(std::vector<int> vertices) const {
+std::vector<int> MeshTopology::expand_to_nodes(std::vector<int> vertices) const {
   for (size_t i = 0, given = vertices.size(); i < given; ++i)
-    for (const int v : together(vertices[i]))
+    for (const int v : coincident_vertices(vertices[i]))
       if (v != vertices[i]) vertices.push_back(v);
-  return each_once(std::move(vertices));
+  return sorted_unique(std::move(vertices));
 }
 
 std::vector<int> MeshTopology::nodes_of(std::vector<int> vertices) const {
   for (int& v : vertices) v = node_of(v);
-  return each_once(std::move(vertices));
+  return sorted_unique(std::move(vertices));
 }
 
-std::vector<char> MeshTopology::joint_edges() const {
-  if (node_of_more_.empty()) return {};
+std::vector<char> MeshTopology::non_manifold_edges() const {
+  if (duplicate_vertex_nodes_.empty()) return {};
   std::vector<std::pair<std::pair<int, int>, int>> ends(edges_.size());
   for (size_t e = 0; e < edges_.size(); ++e)
     ends[e] = {std::minmax({node_of(edges_[e].low), node_of(edges_[e].high)}), static_cast<int>(e)};
@@ -186,7 +186,7 @@ void MeshTopology::find_loops() {
   // The surface lies on the left of the boundary: as its one triangle runs.
   std::vector<int> after(vertex_count_, -1);
   std::vector<char> into_joint(vertex_count_, 0);
-  const std::vector<char> joint = joint_edges();
+  const std::vector<char> joint = non_manifold_edges();
   for (size_t i = 0; i < edges_.size(); ++i) {
     const Edge& e = edges_[i];
     if (e.left >= 0 && e.right >= 0) continue;
@@ -203,7 +203,7 @@ void MeshTopology::find_loops() {
       along_joint |= into_joint[w] != 0;
       w = std::exchange(after[w], -1);
     }
-    (along_joint ? joint_loops_ : loops_).push_back(std::move(loop));
+    (along_joint ? non_manifold_loops_ : loops_).push_back(std::move(loop));
   }
 }
 
@@ -228,11 +228,11 @@ void MeshTopology::find_components() {
 }
 
 TriangleMesh::TriangleMesh(Points points, std::vector<std::array<int, 3>> triangles,
-                           std::vector<int> node_of_more)
+                           std::vector<int> duplicate_vertex_nodes)
     : TriangleMesh(nullptr, std::move(points)) {
   const auto nodes = static_cast<int>(points_.rows());
-  topology_ =
-      std::make_shared<const MeshTopology>(nodes, std::move(triangles), std::move(node_of_more));
+  topology_ = std::make_shared<const MeshTopology>(nodes, std::move(triangles),
+                                                   std::move(duplicate_vertex_nodes));
   points_.conservativeResize(vertex_count(), 3);
   for (int v = nodes; v < vertex_count(); ++v) points_.row(v) = points_.row(topology_->node_of(v));
 }

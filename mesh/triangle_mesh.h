@@ -8,7 +8,7 @@
 
 #include "batten/core/box.h"
 #include "batten/core/eigen.h"
-#include "batten/core/index.h"
+#include "batten/core/isize.h"
 
 namespace batten {
 
@@ -28,26 +28,26 @@ class MeshTopology {
     int left, right;  ///< triangle that runs low → high, and the other one; -1 where there is none
   };
 
-  /// `node_of_more`: the node of each vertex from node_count on. Throws InputError that names the
+  /// `duplicate_vertex_nodes`: the node of each vertex from node_count on. Throws InputError that names the
   /// nodes: an index out of range, a corner twice in a triangle, an edge of more than two triangles
   /// or of two that run the same way, a vertex whose triangles form several fans.
   /// O(triangles · log triangles).
   MeshTopology(int node_count, std::vector<std::array<int, 3>> triangles,
-               std::vector<int> node_of_more = {});
+               std::vector<int> duplicate_vertex_nodes = {});
 
   int vertex_count() const { return vertex_count_; }
-  int node_count() const { return vertex_count_ - count_of(node_of_more_); }
+  int node_count() const { return vertex_count_ - isize(duplicate_vertex_nodes_); }
   int node_of(int vertex) const {
-    return vertex < node_count() ? vertex : node_of_more_[vertex - node_count()];
+    return vertex < node_count() ? vertex : duplicate_vertex_nodes_[vertex - node_count()];
   }
   /// All vertices of the node that a vertex is one of, ascending: itself alone in most places.
-  std::span<const int> together(int vertex) const {
-    return part(together_, together_start_, node_of(vertex));
+  std::span<const int> coincident_vertices(int vertex) const {
+    return part(coincident_vertices_, coincident_start_, node_of(vertex));
   }
   /// The vertices with all that go together with them; the nodes of vertices. Ascending, each once.
-  std::vector<int> whole_nodes(std::vector<int> vertices) const;
+  std::vector<int> expand_to_nodes(std::vector<int> vertices) const;
   std::vector<int> nodes_of(std::vector<int> vertices) const;
-  int triangle_count() const { return count_of(triangles_); }
+  int triangle_count() const { return isize(triangles_); }
   const std::vector<std::array<int, 3>>& triangles() const { return triangles_; }
   /// The edges, sorted by (low, high).
   const std::vector<Edge>& edges() const { return edges_; }
@@ -65,9 +65,9 @@ class MeshTopology {
 
   /// Closed chains of boundary vertices, the surface on their left; each starts at its lowest
   /// vertex, the loops are sorted by it. Those that run along another sheet somewhere are no rims
-  /// and come apart, in joint_loops().
+  /// and come apart, in non_manifold_loops().
   const std::vector<std::vector<int>>& boundary_loops() const { return loops_; }
-  const std::vector<std::vector<int>>& joint_loops() const { return joint_loops_; }
+  const std::vector<std::vector<int>>& non_manifold_loops() const { return non_manifold_loops_; }
   bool on_boundary(int vertex) const { return on_boundary_[vertex] != 0; }
   /// Number of the sheet of each vertex, which its edges connect; -1 for vertices without triangles.
   /// Sheets are numbered in the order of their lowest vertices.
@@ -84,16 +84,16 @@ class MeshTopology {
   void find_loops();
   void find_components();
 
-  void find_together();
+  void find_coincident_vertices();
   /// Whether each edge joins the same nodes as another one; empty where none does.
-  std::vector<char> joint_edges() const;
+  std::vector<char> non_manifold_edges() const;
 
   int vertex_count_, component_count_ = 0;
   std::vector<std::array<int, 3>> triangles_, edges_of_;
   std::vector<Edge> edges_;
   std::vector<int> neighbours_, neighbour_start_, triangles_of_, triangle_start_, component_;
-  std::vector<int> node_of_more_, together_, together_start_;
-  std::vector<std::vector<int>> loops_, joint_loops_;
+  std::vector<int> duplicate_vertex_nodes_, coincident_vertices_, coincident_start_;
+  std::vector<std::vector<int>> loops_, non_manifold_loops_;
   std::vector<char> on_boundary_;
 };
 
@@ -103,7 +103,7 @@ class TriangleMesh {
   /// One point for each node. Throws InputError: what MeshTopology throws, a coordinate that is not
   /// finite.
   TriangleMesh(Points points, std::vector<std::array<int, 3>> triangles,
-               std::vector<int> node_of_more = {});
+               std::vector<int> duplicate_vertex_nodes = {});
   /// The same mesh in another shape: one point for each vertex. Throws InputError on another number
   /// of points.
   TriangleMesh with_points(Points points) const;

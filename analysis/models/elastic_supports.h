@@ -12,8 +12,8 @@ namespace batten {
 /// Springs that hold a shell at a place, per length of a line or per area of a part.
 struct ElasticSupport {
   std::string name;
-  std::optional<ShellPlace> place;  ///< of a point; else
-  std::string line;                 ///< of a line, as far as it lies in the part's box; "": an area
+  std::optional<ShellLocation> position;  ///< of a point; else
+  std::string line;  ///< of a line, as far as it lies in the part's box; "": an area
   ShellPart part;
   Vec3 stiffness = Vec3::Zero();  ///< along x, y, z: force over displacement, or per length or area
   double normal = 0;              ///< of an area: along its normal (an elastic foundation)

@@ -7,35 +7,35 @@
 namespace batten {
 
 void LineRotation::at_vertex(int k, double factor, CoupledEntries& row) const {
-  RowEntries across, along;
+  ConstraintEntries across, along;
   side_.add_across(k, 1, across);
   side_.add_along(k, 1, along);
   add(across, along, factor, row);
 }
 
-void LineRotation::in_middle(int k, double factor, CoupledEntries& row) const {
-  RowEntries across, along;
+void LineRotation::at_edge_midpoint(int k, double factor, CoupledEntries& row) const {
+  ConstraintEntries across, along;
   side_.add_across_middle(k, 1, across);
   side_.add_along_middle(k, 1, along);
   add(across, along, factor, row);
 }
 
 void LineRotation::at_fraction(double f, double factor, CoupledEntries& row) const {
-  RowEntries across, along;
+  ConstraintEntries across, along;
   side_.add_at(f, 1, 0, 0, across);
   side_.add_at(f, 0, 1, 0, along);
   add(across, along, factor, row);
 }
 
-Vec3 LineRotation::of_shape(const RowEntries& entries) const {
+Vec3 LineRotation::evaluate(const ConstraintEntries& entries) const {
   Vec3 sum = Vec3::Zero();
   for (const auto& e : entries) sum += e.coefficient * shape_.row(e.dof).transpose();
   return sum;
 }
 
-void LineRotation::add(const RowEntries& across, const RowEntries& along, double factor,
-                       CoupledEntries& row) const {
-  const Vec3 y = of_shape(across), x_t = of_shape(along);
+void LineRotation::add(const ConstraintEntries& across, const ConstraintEntries& along,
+                       double factor, CoupledEntries& row) const {
+  const Vec3 y = evaluate(across), x_t = evaluate(along);
   const double speed = x_t.norm();
   const Vec3 tau = x_t / speed, n = y.cross(x_t).normalized();
   const double a = y.dot(tau.cross(n)), b = y.dot(tau);

@@ -17,21 +17,21 @@ class LineRotation {
   LineRotation(const JoinEdge& side, const Points& shape) : side_(side), shape_(shape) {}
 
   void at_vertex(int k, double factor, CoupledEntries& row) const;
-  void in_middle(int k, double factor, CoupledEntries& row) const;  // of the k-th edge
+  void at_edge_midpoint(int k, double factor, CoupledEntries& row) const;  // of the k-th edge
   void at_fraction(double f, double factor, CoupledEntries& row) const;
 
  private:
-  Vec3 of_shape(const RowEntries& entries) const;
-  void add(const RowEntries& across, const RowEntries& along, double factor,
+  Vec3 evaluate(const ConstraintEntries& entries) const;
+  void add(const ConstraintEntries& across, const ConstraintEntries& along, double factor,
            CoupledEntries& row) const;
   const JoinEdge& side_;
   const Points& shape_;
 };
 
 // The part of a place along a direction, as a row.
-inline CoupledEntries along(const Vec3& direction, const RowEntries& place) {
+inline CoupledEntries along(const Vec3& direction, const ConstraintEntries& position) {
   CoupledEntries row;
-  for (const auto& e : place) row.push_back({e.dof, e.coefficient * direction});
+  for (const auto& e : position) row.push_back({e.dof, e.coefficient * direction});
   return row;
 }
 

@@ -17,7 +17,9 @@ namespace batten {
 class LineSides {
  public:
   explicit LineSides(const ModelLayout& model)
-      : regions_(layouts(model)), numbers_(all_numbers(model)), sides_(regions_, numbers_) {}
+      : regions_(layouts(model)),
+        dof_offsets_(all_numbers(model)),
+        sides_(regions_, dof_offsets_) {}
 
   JoinEdge operator()(const JoinSide& side) { return sides_(side); }
   // The first side of a line.
@@ -26,7 +28,7 @@ class LineSides {
     return sides_({first.region, first.embedded, first.index, true});
   }
   const std::vector<const RegionLayout*>& regions() const { return regions_; }
-  const std::vector<RegionNumbers>& numbers() const { return numbers_; }
+  const std::vector<DofOffsets>& dof_offsets() const { return dof_offsets_; }
 
  private:
   static std::vector<const RegionLayout*> layouts(const ModelLayout& model) {
@@ -34,30 +36,30 @@ class LineSides {
     for (const auto& region : model.regions()) regions.push_back(region.get());
     return regions;
   }
-  static std::vector<RegionNumbers> all_numbers(const ModelLayout& model) {
-    std::vector<RegionNumbers> numbers;
-    for (int r = 0; r < model.region_count(); ++r) numbers.push_back(model.numbers(r));
-    return numbers;
+  static std::vector<DofOffsets> all_numbers(const ModelLayout& model) {
+    std::vector<DofOffsets> dof_offsets;
+    for (int r = 0; r < model.region_count(); ++r) dof_offsets.push_back(model.dof_offsets(r));
+    return dof_offsets;
   }
 
   std::vector<const RegionLayout*> regions_;
-  std::vector<RegionNumbers> numbers_;
-  JoinEdges sides_;
+  std::vector<DofOffsets> dof_offsets_;
+  JoinEdgeFactory sides_;
 };
 
 // The functions of the triangle that holds a place of the model, there.
-inline RowEntries functions_at(const ModelLayout& model, const Location& where) {
+inline ConstraintEntries shape_functions_at(const ModelLayout& model, const Location& where) {
   const ParametricMesh& mesh = *model.mesh();
   const Tabulation N = C1Triangle(model.element(), mesh.shape(where.triangle)).evaluate(where.L);
   const auto dofs = DofMap(mesh).triangle(mesh, where.triangle);
-  RowEntries entries;
+  ConstraintEntries entries;
   for (int m = 0; m < 12; ++m) entries.push_back({dofs[m], N(m, kW)});
   return entries;
 }
 
 // The place of the surface at a fraction of a line.
-inline Vec3 place_of(const JoinEdge& side, const Points& shape, double f) {
-  RowEntries entries;
+inline Vec3 point_on_line(const JoinEdge& side, const Points& shape, double f) {
+  ConstraintEntries entries;
   side.add_at(f, 0, 0, 1, entries);
   Vec3 x = Vec3::Zero();
   for (const auto& e : entries) x += e.coefficient * shape.row(e.dof).transpose();
@@ -68,7 +70,7 @@ inline Vec3 place_of(const JoinEdge& side, const Points& shape, double f) {
 // stations of either side, from end to end. (Points where a line is held do not reach its corners,
 // which are points of other lines.)
 template <class Visit>
-void over_line(const JoinEdge& a, const JoinEdge& b, const Visit& visit) {
+void for_each_line_point(const JoinEdge& a, const JoinEdge& b, const Visit& visit) {
   std::vector<double> at = a.stations();
   const std::vector<double> more = b.stations();
   at.insert(at.end(), more.begin(), more.end());
@@ -76,11 +78,11 @@ void over_line(const JoinEdge& a, const JoinEdge& b, const Visit& visit) {
   std::sort(at.begin(), at.end());
   constexpr int points = 4;
   static const SegmentRule rule = gauss_legendre(points);
-  constexpr double nothing = 1e-12;
+  constexpr double kMinLength = 1e-12;
   for (size_t i = 0; i + 1 < at.size(); ++i) {
-    if (at[i + 1] - at[i] < nothing) continue;
+    if (at[i + 1] - at[i] < kMinLength) continue;
     for (int half = 0; half < 2; ++half) {
-      const double from = share(at[i], at[i + 1], 0.5 * half), width = 0.5 * (at[i + 1] - at[i]);
+      const double from = lerp(at[i], at[i + 1], 0.5 * half), width = 0.5 * (at[i + 1] - at[i]);
       for (int p = 0; p < points; ++p) {
         const double f = from + width * rule.s[p];
         visit(f, rule.weights[p] * width * a.span() * a.slope(f).norm());

@@ -7,14 +7,15 @@
 namespace batten {
 namespace {
 
-void hold_run(const JoinEdge& side, const Points& shape, const LineSupport& support,
-              const std::vector<Vec3>& directions, ConstraintSet& set) {
+void constrain_edge_aligned(const JoinEdge& side, const Points& shape, const LineSupport& support,
+                            const std::vector<Vec3>& directions, ConstraintSet& set) {
   for (const Vec3& direction : directions)
     for (int k = 0; k < side.count(); ++k) {
-      RowEntries place, slope;
-      side.add_position(k, 1, place);
+      ConstraintEntries position, slope;
+      side.add_position(k, 1, position);
       side.add_along(k, 1, slope);
-      add_summed(support.name, along(direction, place), direction.dot(support.displacement), set);
+      add_summed(support.name, along(direction, position), direction.dot(support.displacement),
+                 set);
       add_summed(support.name, along(direction, slope), 0, set);
     }
   if (!support.rotation) return;
@@ -26,25 +27,25 @@ void hold_run(const JoinEdge& side, const Points& shape, const LineSupport& supp
   }
   for (int k = 0; k + 1 < side.count(); ++k) {
     CoupledEntries row;
-    rotation.in_middle(k, 1, row);
+    rotation.at_edge_midpoint(k, 1, row);
     add_summed(support.name, row, 0, set);
   }
 }
 
 template <class Stiffness>
-void hold_by_springs(const JoinEdge& side, const Points& shape, const LineSupport& support,
-                     const std::vector<Vec3>& directions, const Stiffness& stiffness,
-                     ShellSprings& springs) {
+void constrain_by_springs(const JoinEdge& side, const Points& shape, const LineSupport& support,
+                          const std::vector<Vec3>& directions, const Stiffness& stiffness,
+                          ShellSprings& springs) {
   const LineRotation rotation(side, shape);
   bool any = false;
-  over_line(side, side, [&](double f, double dl) {
-    if (support.box && !support.box->contains(place_of(side, shape, f))) return;
+  for_each_line_point(side, side, [&](double f, double dl) {
+    if (support.box && !support.box->contains(point_on_line(side, shape, f))) return;
     any = true;
     const SpringStiffness k = stiffness(f);
-    RowEntries place;
-    side.add_at(f, 0, 0, 1, place);
+    ConstraintEntries position;
+    side.add_at(f, 0, 0, 1, position);
     for (const Vec3& direction : directions)
-      springs.add(support.name, along(direction, place), k.displacement * dl,
+      springs.add(support.name, along(direction, position), k.displacement * dl,
                   direction.dot(support.displacement));
     if (!support.rotation) return;
     CoupledEntries row;
@@ -84,12 +85,12 @@ void add_support(const ModelLayout& model, const Points& shape,
   const ModelLine& line = model.model_line(support.line);
   const JoinEdge side = sides(line);
   if (!side.embedded() && !support.box) {
-    hold_run(side, shape, support, directions, ties.rows);
+    constrain_edge_aligned(side, shape, support, directions, ties.constraints);
     return;
   }
   const int r = line.sides[0].region;
   const Surface surface = model.surface(shape);
-  hold_by_springs(
+  constrain_by_springs(
       side, shape, support, directions,
       [&](double f) {
         return SpringStiffness(surface, sections[sections.size() == 1 ? 0 : r],

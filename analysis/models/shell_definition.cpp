@@ -5,16 +5,16 @@
 #include "batten/analysis/models/elastic_supports.h"
 #include "batten/analysis/models/line_rotation.h"
 #include "batten/analysis/models/line_sides.h"
-#include "batten/analysis/models/part_places.h"
+#include "batten/analysis/models/part_quadrature.h"
 #include "batten/core/errors.h"
 
 namespace batten {
 namespace {
 
 void add_point_support(const ModelLayout& model, const PointSupport& support, ConstraintSet& set) {
-  const RowEntries place = functions_at(model, support.place.where);
+  const ConstraintEntries position = shape_functions_at(model, support.position.where);
   for (const Vec3& unit : unit_directions(support.name, support.directions))
-    add_summed(support.name, along(unit, place), unit.dot(support.displacement), set);
+    add_summed(support.name, along(unit, position), unit.dot(support.displacement), set);
 }
 
 void add_area_support(const ModelLayout& model, const Points& shape,
@@ -24,15 +24,15 @@ void add_area_support(const ModelLayout& model, const Points& shape,
   const Surface surface = model.surface(shape);
   constexpr int degree = 4;
   bool any = false;
-  const TabulatedRule whole(surface.kind(), symmetric_triangle(degree + 2));
-  over_part(model, surface, support.part, whole, degree, [&](const PartPlace& at) {
+  const TabulatedRule whole(surface.kind(), symmetric_triangle_rule(degree + 2));
+  for_each_part_point(model, surface, support.part, whole, degree, [&](const PartPoint& at) {
     any = true;
     if (!(at.area.norm() > 0)) return;
     const int r = model.region_of(at.where.triangle);
     const SpringStiffness k(surface, sections[sections.size() == 1 ? 0 : r], at.where.triangle);
-    const RowEntries place = at.entries();
+    const ConstraintEntries position = at.entries();
     for (const Vec3& unit : directions)
-      springs.add(support.name, along(unit, place), k.displacement / k.edge * at.area.norm(),
+      springs.add(support.name, along(unit, position), k.displacement / k.edge * at.area.norm(),
                   unit.dot(support.displacement));
   });
   if (!any) throw InputError("support '" + support.name + "' holds nothing of the surface");
@@ -43,20 +43,21 @@ void add_area_support(const ModelLayout& model, const Points& shape,
 std::vector<ShellSection> triangle_sections(const ModelLayout& model,
                                             const ShellDefinition& definition) {
   const auto& sections = definition.sections;
-  const VecX& more = definition.more_thickness;
-  if (sections.size() != 1 && count_of(sections) != model.region_count())
+  const VecX& thickness_offset = definition.nodal_thickness_offset;
+  if (sections.size() != 1 && isize(sections) != model.region_count())
     throw InputError(std::to_string(sections.size()) + " sections for " +
                      std::to_string(model.region_count()) + " regions, expected one, or one each");
   for (const ShellSection& section : sections) require_section(section);
-  if (more.size() > 0 && more.size() != model.mesh()->vertex_count())
-    throw InputError(std::to_string(more.size()) + " thicknesses for " +
+  if (thickness_offset.size() > 0 && thickness_offset.size() != model.mesh()->vertex_count())
+    throw InputError(std::to_string(thickness_offset.size()) + " thicknesses for " +
                      std::to_string(model.mesh()->vertex_count()) + " vertices");
-  if (sections.size() == 1 && more.size() == 0) return sections;
+  if (sections.size() == 1 && thickness_offset.size() == 0) return sections;
   std::vector<ShellSection> all;
   for (int t = 0; t < model.mesh()->triangle_count(); ++t) {
     all.push_back(sections[sections.size() == 1 ? 0 : model.region_of(t)]);
-    if (more.size() == 0) continue;
-    for (int i = 0; i < 3; ++i) all.back().more[i] = more[model.mesh()->triangles()[t][i]];
+    if (thickness_offset.size() == 0) continue;
+    for (int i = 0; i < 3; ++i)
+      all.back().thickness_offset[i] = thickness_offset[model.mesh()->triangles()[t][i]];
     require_section(all.back());
   }
   return all;
@@ -68,7 +69,7 @@ ShellTies shell_ties(const ModelLayout& model, const Points& shape,
   for (const LineSupport& support : definition.lines)
     add_support(model, shape, definition.sections, support, ties);
   for (const PointSupport& support : definition.points)
-    add_point_support(model, support, ties.rows);
+    add_point_support(model, support, ties.constraints);
   for (const AreaSupport& support : definition.areas)
     add_area_support(model, shape, definition.sections, support, ties.springs);
   for (const ElasticSupport& support : definition.elastic)

@@ -13,7 +13,7 @@ namespace batten {
 /// What holds a shell at one place of its surface: the displacement in some directions.
 struct PointSupport {
   std::string name;
-  ShellPlace place;
+  ShellLocation position;
   std::vector<Vec3> directions;      ///< any length but zero
   Vec3 displacement = Vec3::Zero();  ///< in those directions
 };
@@ -36,7 +36,7 @@ struct ShellDefinition {
   std::vector<ElasticSupport> elastic = {};
   std::vector<AreaSupport> areas = {};
   /// Added to the thickness at each vertex of the model's mesh, linear between them; none: nothing.
-  VecX more_thickness = {};
+  VecX nodal_thickness_offset = {};
 };
 
 /// The sections of a model: one, or one for each triangle of its mesh. Throws InputError: sections or

@@ -4,11 +4,11 @@
 
 #include "batten/analysis/models/line_rotation.h"
 #include "batten/analysis/models/line_sides.h"
-#include "batten/analysis/models/part_places.h"
+#include "batten/analysis/models/part_quadrature.h"
 #include "batten/core/errors.h"
 #include "batten/elements/c1_triangle.h"
 #include "batten/elements/quadrature.h"
-#include "batten/fem/assembly.h"
+#include "batten/fem/surface_assembler.h"
 #include "batten/skinning/model/model_projector.h"
 
 namespace batten {
@@ -16,14 +16,15 @@ namespace batten {
 namespace {
 
 const TabulatedRule& load_rule(TriangleElement kind) {
-  static const TabulatedRule split(TriangleElement::HCT, split_triangle(6)),
-      duffy(TriangleElement::Z12, six_duffy(5));
+  static const TabulatedRule split(TriangleElement::HCT, split_triangle_rule(6)),
+      duffy(TriangleElement::Z12, six_duffy_rule(5));
   return kind == TriangleElement::HCT ? split : duffy;
 }
 
-[[noreturn]] void nothing_in(const Box3& box) {
+[[noreturn]] void throw_nothing_in(const Box3& box) {
   const auto corner = [](const Vec3& p) {
-    return "[" + number(p.x()) + ", " + number(p.y()) + ", " + number(p.z()) + "]";
+    return "[" + format_number(p.x()) + ", " + format_number(p.y()) + ", " + format_number(p.z()) +
+           "]";
   };
   throw EmptyPartError("found nothing in the box from " + corner(box.min()) + " to " +
                        corner(box.max()) + ", expected a box that holds a part of it");
@@ -31,19 +32,21 @@ const TabulatedRule& load_rule(TriangleElement kind) {
 
 // Σ force(place) over a part, on the functions there.
 template <class Force>
-Points over_area(const ModelLayout& model, const Points& shape, const ShellPart& part,
-                 const Force& force) {
+Points integrate_over_area(const ModelLayout& model, const Points& shape, const ShellPart& part,
+                           const Force& force) {
   const Surface surface = model.surface(shape);
   Points F = Points::Zero(shape.rows(), 3);
   bool any = false;
   constexpr int degree = 6;
-  over_part(model, surface, part, load_rule(surface.kind()), degree, [&](const PartPlace& place) {
-    any = true;
-    if (!(place.area.norm() > 0)) return;
-    const Vec3 f = force(place);
-    for (int m = 0; m < 12; ++m) F.row(place.dofs[m]) += place.functions[m] * f.transpose();
-  });
-  if (part.box && !any) nothing_in(*part.box);
+  for_each_part_point(model, surface, part, load_rule(surface.kind()), degree,
+                      [&](const PartPoint& position) {
+                        any = true;
+                        if (!(position.area.norm() > 0)) return;
+                        const Vec3 f = force(position);
+                        for (int m = 0; m < 12; ++m)
+                          F.row(position.dofs[m]) += position.functions[m] * f.transpose();
+                      });
+  if (part.box && !any) throw_nothing_in(*part.box);
   return F;
 }
 
@@ -54,28 +57,29 @@ void along_line(const ModelLayout& model, const Points& shape, const std::string
   LineSides sides(model);
   const JoinEdge side = sides(model.model_line(line));
   bool any = false;
-  over_line(side, side, [&](double f, double dl) {
-    if (box && !box->contains(place_of(side, shape, f))) return;
+  for_each_line_point(side, side, [&](double f, double dl) {
+    if (box && !box->contains(point_on_line(side, shape, f))) return;
     any = true;
     visit(side, f, dl);
   });
-  if (box && !any) nothing_in(*box);
+  if (box && !any) throw_nothing_in(*box);
 }
 
 }  // namespace
 
-Points area_force(const ModelLayout& model, const Points& shape, const AreaForce& force,
-                  const ShellPart& part) {
-  return over_area(model, shape, part, [&](const PartPlace& place) -> Vec3 {
-    return place.area.norm() * force(place.x, place.area.normalized());
+Points surface_traction(const ModelLayout& model, const Points& shape, const SurfaceTraction& force,
+                        const ShellPart& part) {
+  return integrate_over_area(model, shape, part, [&](const PartPoint& position) -> Vec3 {
+    return position.area.norm() * force(position.x, position.area.normalized());
   });
 }
 
-Points weight(const ModelLayout& model, const Points& shape,
-              const std::vector<ShellSection>& sections, const Vec3& acceleration) {
-  return over_area(model, shape, {}, [&](const PartPlace& place) -> Vec3 {
-    const ShellSection& s = sections[sections.size() == 1 ? 0 : place.where.triangle];
-    return place.area.norm() * s.material.density * s.thickness_at(place.where.L) * acceleration;
+Points gravity_load(const ModelLayout& model, const Points& shape,
+                    const std::vector<ShellSection>& sections, const Vec3& acceleration) {
+  return integrate_over_area(model, shape, {}, [&](const PartPoint& position) -> Vec3 {
+    const ShellSection& s = sections[sections.size() == 1 ? 0 : position.where.triangle];
+    return position.area.norm() * s.material.density * s.thickness_at(position.where.L) *
+           acceleration;
   });
 }
 
@@ -83,9 +87,9 @@ Points line_force(const ModelLayout& model, const Points& shape, const std::stri
                   const Vec3& per_length, const std::optional<Box3>& box) {
   Points F = Points::Zero(shape.rows(), 3);
   along_line(model, shape, line, box, [&](const JoinEdge& side, double f, double dl) {
-    RowEntries place;
-    side.add_at(f, 0, 0, dl, place);
-    for (const auto& e : place) F.row(e.dof) += e.coefficient * per_length.transpose();
+    ConstraintEntries position;
+    side.add_at(f, 0, 0, dl, position);
+    for (const auto& e : position) F.row(e.dof) += e.coefficient * per_length.transpose();
   });
   return F;
 }
@@ -101,14 +105,14 @@ Points line_moment(const ModelLayout& model, const Points& shape, const std::str
   return F;
 }
 
-ShellPlace nearest_place(const ModelLayout& model, const Points& shape, const Vec3& p) {
+ShellLocation nearest_location(const ModelLayout& model, const Points& shape, const Vec3& p) {
   const auto found = ModelProjector(model, shape).nearest_inside(p);
-  return {found.at, model.in_model(found.at.region, found.where), found.distance};
+  return {found.at, model.to_model_location(found.at.region, found.where), found.distance};
 }
 
-Points point_force(const ModelLayout& model, const ShellPlace& place, const Vec3& force) {
+Points point_force(const ModelLayout& model, const ShellLocation& position, const Vec3& force) {
   Points F = Points::Zero(DofMap(*model.mesh()).count(), 3);
-  for (const auto& e : functions_at(model, place.where))
+  for (const auto& e : shape_functions_at(model, position.where))
     F.row(e.dof) += e.coefficient * force.transpose();
   return F;
 }

@@ -16,18 +16,18 @@ namespace batten {
 // `shape`: absolute dofs of the middle surface. Sums of loads are loads.
 
 /// Force per area of the surface at a place x with the unit normal n = x_u × x_v / |x_u × x_v|.
-using AreaForce = std::function<Vec3(const Vec3& x, const Vec3& n)>;
+using SurfaceTraction = std::function<Vec3(const Vec3& x, const Vec3& n)>;
 
 /// F = ∬ N f(x, n) dA over the inside of a part. A pressure p is f = p n (it pushes along the
 /// normal). By quadrature, of degree 6 or better; f is called on one thread. Throws InputError for a
 /// region out of range; EmptyPartError: a box that holds no place of the surface.
-Points area_force(const ModelLayout& model, const Points& shape, const AreaForce& force,
-                  const ShellPart& part = {});
+Points surface_traction(const ModelLayout& model, const Points& shape, const SurfaceTraction& force,
+                        const ShellPart& part = {});
 
 /// F = ∬ N ρ t a dA: the weight of the shell under an acceleration a. `sections`: one, or one for
 /// each triangle of the model's mesh.
-Points weight(const ModelLayout& model, const Points& shape,
-              const std::vector<ShellSection>& sections, const Vec3& acceleration);
+Points gravity_load(const ModelLayout& model, const Points& shape,
+                    const std::vector<ShellSection>& sections, const Vec3& acceleration);
 
 /// F of a force per length along a line, or along what of it lies in a box. Throws InputError: no
 /// such line (with the nearest name); EmptyPartError: a box that holds nothing of it.
@@ -40,16 +40,16 @@ Points line_moment(const ModelLayout& model, const Points& shape, const std::str
                    double per_length, const std::optional<Box3>& box = {});
 
 /// A place of the surface, for forces and supports.
-struct ShellPlace {
+struct ShellLocation {
   ModelPoint at;
   Location where;       ///< in the mesh of the model
   double distance = 0;  ///< from the point that was asked for
 };
 /// The place inside of the model's trims that is nearest to p.
-ShellPlace nearest_place(const ModelLayout& model, const Points& shape, const Vec3& p);
+ShellLocation nearest_location(const ModelLayout& model, const Points& shape, const Vec3& p);
 
 /// F of a force at one place.
-Points point_force(const ModelLayout& model, const ShellPlace& place, const Vec3& force);
+Points point_force(const ModelLayout& model, const ShellLocation& position, const Vec3& force);
 
 /// Resultant of a load: its force, and its moment about the origin.
 struct Resultant {

@@ -10,15 +10,15 @@ namespace batten {
 namespace {
 
 // Ties and supports, and how many motions they leave.
-ShellTies holding_ties(const ModelLayout& layout, const Points& shape,
-                       const ShellDefinition& definition, ShellModel::Free free,
-                       FreeMotions& motions) {
+ShellTies checked_ties(const ModelLayout& layout, const Points& shape,
+                       const ShellDefinition& definition, ShellModel::RigidBodyHandling free,
+                       RigidBodyModes& motions) {
   ShellTies ties = shell_ties(layout, shape, definition);
-  motions = free_motions(layout, shape, ties);
-  if (motions.free.empty() || free == ShellModel::Free::Shifted) return ties;
+  motions = find_rigid_body_modes(layout, shape, ties);
+  if (motions.unconstrained.empty() || free == ShellModel::RigidBodyHandling::Shifted) return ties;
   std::string text = "the shell is not held: ";
-  for (const std::string& motion : motions.free)
-    text += (&motion == &motions.free[0] ? "" : "; ") + motion;
+  for (const std::string& motion : motions.unconstrained)
+    text += (&motion == &motions.unconstrained[0] ? "" : "; ") + motion;
   throw NoSolutionError(text);
 }
 
@@ -53,29 +53,30 @@ double shift_of(const ShellSection& section, double size) {
 }  // namespace
 
 ShellModel::ShellModel(ModelLayout layout, Points shape, const ShellDefinition& definition,
-                       Free free, const FactorMaker& factors)
+                       RigidBodyHandling free, const BackendFactory& backend_factory)
     : layout_(std::move(layout)),
       shape_(std::move(shape)),
       definition_(definition),
-      free_(free),
+      rigid_body_handling_(free),
       sections_(triangle_sections(layout_, definition)),
       supports_(support_names(definition)),
-      ties_(holding_ties(layout_, shape_, definition, free, motions_)),
+      ties_(checked_ties(layout_, shape_, definition, free, rigid_body_modes_)),
       assembler_(layout_.surface(shape_), sections_),
-      solver_(ties_.rows, stiffness(), layout_.dof_order(), factors ? factors() : nullptr) {}
+      solver_(ties_.constraints, stiffness(), layout_.dof_order(),
+              backend_factory ? backend_factory() : nullptr) {}
 
-void ShellModel::move(Points shape) {
+void ShellModel::update_shape(Points shape) {
   if (shape.rows() != shape_.rows())
     throw InputError("a shape of " + std::to_string(shape.rows()) + " dofs on a shell of " +
                      std::to_string(shape_.rows()));
   shape_ = std::move(shape);
-  ties_ = holding_ties(layout_, shape_, definition_, free_, motions_);
-  assembler_.move(layout_.surface(shape_));
-  solver_.update(ties_.rows, stiffness());
+  ties_ = checked_ties(layout_, shape_, definition_, rigid_body_handling_, rigid_body_modes_);
+  assembler_.update_shape(layout_.surface(shape_));
+  solver_.update(ties_.constraints, stiffness());
 }
 
 SparseMatrix ShellModel::stiffness() {
-  shift_ = motions_.free.empty() ? 0 : shift_of(section(0), layout_.size());
+  shift_ = rigid_body_modes_.unconstrained.empty() ? 0 : shift_of(section(0), layout_.size());
   return stiffness_of(assembler_, ties_.springs, shift_);
 }
 
@@ -86,7 +87,7 @@ Points ShellModel::solve(const Points& F) const {
   return solver_.solve_refined(ties_.springs.empty() ? F : F + ties_.springs.load());
 }
 
-Points ShellModel::unbalanced(const Points& q, const Points& F) const {
+Points ShellModel::residual_forces(const Points& q, const Points& F) const {
   return reaction_forces(solver_.K(), q, F + ties_.springs.load());
 }
 
@@ -98,7 +99,8 @@ Points ShellModel::adjoint(const Points& G) const {
 }
 
 std::vector<SupportReaction> ShellModel::reactions(const Points& q, const Points& F) const {
-  const VecX lambda = solver_.reduction().from_right().transpose() * stacked(unbalanced(q, F));
+  const VecX lambda =
+      solver_.reduction().rhs_to_particular().transpose() * stacked(residual_forces(q, F));
   const VecX positions = layout_.position_dofs();
   std::vector<SupportReaction> result;
   for (const std::string& name : supports_) result.push_back({name, {}});
@@ -114,10 +116,10 @@ std::vector<SupportReaction> ShellModel::reactions(const Points& q, const Points
       sum.moment += Vec3(shape_.row(e.dof)).cross(force);
     }
   };
-  const auto first = static_cast<long>(3 * ties_.rows.rows().size());
-  for (size_t r = 0; r < ties_.rows.coupled_rows().size(); ++r) {
-    const ConstraintSet::CoupledRow& row = ties_.rows.coupled_rows()[r];
-    if (Resultant* sum = resultant_of(ties_.rows.names()[row.name]))
+  const auto first = static_cast<long>(3 * ties_.constraints.constraints().size());
+  for (size_t r = 0; r < ties_.constraints.coupled_constraints().size(); ++r) {
+    const ConstraintSet::CoupledConstraint& row = ties_.constraints.coupled_constraints()[r];
+    if (Resultant* sum = resultant_of(ties_.constraints.names()[row.name]))
       add(row.entries, lambda[first + static_cast<long>(r)], *sum);
   }
   for (const ShellSprings::Spring& spring : ties_.springs.springs())
@@ -126,7 +128,7 @@ std::vector<SupportReaction> ShellModel::reactions(const Points& q, const Points
   return result;
 }
 
-ShellSystem ShellModel::system_of(const Points& shape) const {
+ShellSystem ShellModel::assemble_system(const Points& shape) const {
   ShellTies ties = shell_ties(layout_, shape, definition_);
   const ShellAssembler assembler(layout_.surface(shape), sections_);
   SparseMatrix K = stiffness_of(assembler, ties.springs, 0);
@@ -135,18 +137,19 @@ ShellSystem ShellModel::system_of(const Points& shape) const {
 
 double ShellModel::goal_change(const Points& u, const Points& F, const Points& a, const Points& G,
                                const ShellSystem& other, const Points& other_F) const {
-  const Points here = unbalanced(u, F),
+  const Points here = residual_forces(u, F),
                there = reaction_forces(other.K, u, other_F + other.ties.springs.load());
   double change = a.cwiseProduct(here - there).sum();
   // Rows of the other shape, on displacements that keep those of this one.
-  const auto& share = solver_.reduction().from_right();
-  const VecX of_u = share.transpose() * stacked(here),
-             of_a = share.transpose() * stacked(Points(unbalanced(a, G) + ties_.springs.load()));
-  const auto first = static_cast<long>(3 * other.ties.rows.rows().size());
-  for (size_t r = 0; r < other.ties.rows.coupled_rows().size(); ++r) {
-    const ConstraintSet::CoupledRow &row = other.ties.rows.coupled_rows()[r],
-                                    &before = ties_.rows.coupled_rows()[r];
-    const auto value = [](const ConstraintSet::CoupledRow& of, const Points& q) {
+  const auto& rhs_to_particular = solver_.reduction().rhs_to_particular();
+  const VecX of_u = rhs_to_particular.transpose() * stacked(here),
+             of_a = rhs_to_particular.transpose() *
+                    stacked(Points(residual_forces(a, G) + ties_.springs.load()));
+  const auto first = static_cast<long>(3 * other.ties.constraints.constraints().size());
+  for (size_t r = 0; r < other.ties.constraints.coupled_constraints().size(); ++r) {
+    const ConstraintSet::CoupledConstraint &row = other.ties.constraints.coupled_constraints()[r],
+                                           &before = ties_.constraints.coupled_constraints()[r];
+    const auto value = [](const ConstraintSet::CoupledConstraint& of, const Points& q) {
       double sum = 0;
       for (const auto& e : of.entries) sum += e.coefficient.dot(q.row(e.dof));
       return sum;

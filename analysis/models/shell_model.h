@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "batten/analysis/models/free_motions.h"
+#include "batten/analysis/models/rigid_body_modes.h"
 #include "batten/analysis/models/shell_definition.h"
 #include "batten/analysis/shell_assembler.h"
 #include "batten/constraints/constrained_solver.h"
@@ -28,7 +28,7 @@ struct ShellSystem {
 ///
 ///     const ShellModel shell(layout, shape, {{{ShellMaterial::isotropic(210e3, 0.3), 1.5}},
 ///                                            {LineSupport::clamped("hinges")}});
-///     const Points q = shell.solve(point_force(layout, nearest_place(layout, shape, knob), push));
+///     const Points q = shell.solve(point_force(layout, nearest_location(layout, shape, knob), push));
 ///
 /// Costs one stiffness and one factor of up to 3n unknowns; solve() one pair of triangular solves.
 class ShellModel {
@@ -39,15 +39,16 @@ class ShellModel {
   ///
   /// Free::Shifted takes a shell that is not held, for its vibrations: its stiffness is K + shift() M,
   /// and no other function knows of that.
-  enum class Free { Refused, Shifted };
-  /// `factors`: what factors its systems; empty: SparseCholesky.
+  enum class RigidBodyHandling { Refused, Shifted };
+  /// `backend_factory`: what factors its systems; empty: SparseCholesky.
   ShellModel(ModelLayout layout, Points shape, const ShellDefinition& definition,
-             Free free = Free::Refused, const FactorMaker& factors = {});
+             RigidBodyHandling free = RigidBodyHandling::Refused,
+             const BackendFactory& backend_factory = {});
 
   /// The same shell in another shape, while a slider moves: sections and supports stay, supports at
   /// points at their places of the material. Costs the numbers of a stiffness and of a factor; their
   /// patterns are kept. Throws as the constructor; after a throw only move() may be called.
-  void move(Points shape);
+  void update_shape(Points shape);
 
   /// The displacement, n×3. Throws InputError for a load of another size.
   Points solve(const Points& F) const;
@@ -55,7 +56,7 @@ class ShellModel {
   /// rounding: λ of its rows, from K q - F = Cᵀ λ, and the pull of its springs.
   std::vector<SupportReaction> reactions(const Points& q, const Points& F) const;
   /// The system of another shape on the same layout: one stiffness, no factor.
-  ShellSystem system_of(const Points& shape) const;
+  ShellSystem assemble_system(const Points& shape) const;
   /// By how much Gᵀu changes when the system becomes `other`, and the load other_F: to first order,
   ///
   ///     aᵀ (δF - δK u) + λ(u)ᵀ δC a + λ(a)ᵀ δC u,      u = solve(F),  a = adjoint(G)
@@ -78,7 +79,7 @@ class ShellModel {
   }
   const ConstrainedSolver& solver() const { return solver_; }
   /// Motions that nothing resists, or little; and what was added of the mass because of the first.
-  const FreeMotions& motions() const { return motions_; }
+  const RigidBodyModes& rigid_body_modes() const { return rigid_body_modes_; }
   double shift() const { return shift_; }
   /// Free unknowns of the system that is solved.
   int unknowns() const { return solver_.reduction().free_count(); }
@@ -87,15 +88,15 @@ class ShellModel {
   // Of ties_ and assembler_.
   SparseMatrix stiffness();
   // K q - F with the springs' own load: what rows do.
-  Points unbalanced(const Points& q, const Points& F) const;
+  Points residual_forces(const Points& q, const Points& F) const;
 
   ModelLayout layout_;
   Points shape_;
   ShellDefinition definition_;
-  Free free_;
+  RigidBodyHandling rigid_body_handling_;
   std::vector<ShellSection> sections_;  // one, or one for each triangle
   std::vector<std::string> supports_;
-  FreeMotions motions_;
+  RigidBodyModes rigid_body_modes_;
   double shift_ = 0;
   ShellTies ties_;
   ShellAssembler assembler_;

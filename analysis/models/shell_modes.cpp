@@ -54,15 +54,15 @@ class ReducedStiffness {
   const ConstrainedSolver& solver_;
 };
 
-struct Pairs {
+struct EigenPairs {
   VecX values;  // largest first
   std::vector<Points> vectors;
 };
 
 // The largest μ of A u = μ K u, or those of largest magnitude. None where the iteration does not
 // end.
-std::optional<Pairs> largest_pairs(const ConstrainedSolver& solver, const SparseMatrix& A,
-                                   int count, Spectra::SortRule which) {
+std::optional<EigenPairs> largest_eigenpairs(const ConstrainedSolver& solver, const SparseMatrix& A,
+                                             int count, Spectra::SortRule which) {
   const int n = solver.reduction().free_count();
   if (count < 1 || 2 * count >= n)
     throw InputError("found " + std::to_string(count) + " modes of " + std::to_string(n) +
@@ -70,15 +70,15 @@ std::optional<Pairs> largest_pairs(const ConstrainedSolver& solver, const Sparse
   ReducedProduct product(solver.reduction(), A);
   ReducedStiffness stiffness(solver);
   // Room for pairs of equal values, as symmetric shells have them.
-  const int room = std::min(n, 2 * count + 20);
+  const int krylov_dimension = std::min(n, 2 * count + 20);
   Spectra::SymGEigsSolver<ReducedProduct, ReducedStiffness, Spectra::GEigsMode::RegularInverse>
-      lanczos(product, stiffness, count, room);
+      lanczos(product, stiffness, count, krylov_dimension);
   lanczos.init();
   constexpr int restarts = 300;
   constexpr double tolerance = 1e-10;
   lanczos.compute(which, restarts, tolerance, Spectra::SortRule::LargestAlge);
   if (lanczos.info() != Spectra::CompInfo::Successful) return std::nullopt;
-  Pairs pairs;
+  EigenPairs pairs;
   pairs.values = lanczos.eigenvalues();
   const MatX vectors = lanczos.eigenvectors();
   for (long k = 0; k < vectors.cols(); ++k) {
@@ -88,7 +88,7 @@ std::optional<Pairs> largest_pairs(const ConstrainedSolver& solver, const Sparse
   return pairs;
 }
 
-[[noreturn]] void no_end(int count) {
+[[noreturn]] void throw_not_converged(int count) {
   throw NoSolutionError("the iteration for " + std::to_string(count) +
                         " modes did not end: ask for a few more");
 }
@@ -98,19 +98,20 @@ std::optional<Pairs> largest_pairs(const ConstrainedSolver& solver, const Sparse
 ShellModes natural_modes(const ShellModel& shell, int count) {
   for (int r = 0; r < shell.layout().region_count(); ++r)
     if (const double density = shell.section(r).material.density; !(density > 0))
-      throw InputError("natural frequencies need a density, found " + number(density));
+      throw InputError("natural frequencies need a density, found " + format_number(density));
   const SparseMatrix M = shell.assembler().mass();
-  const auto found = largest_pairs(shell.solver(), M, count + count_of(shell.motions().free),
-                                   Spectra::SortRule::LargestAlge);
-  if (!found) no_end(count);
-  const Pairs& pairs = *found;
+  const auto found =
+      largest_eigenpairs(shell.solver(), M, count + isize(shell.rigid_body_modes().unconstrained),
+                         Spectra::SortRule::LargestAlge);
+  if (!found) throw_not_converged(count);
+  const EigenPairs& pairs = *found;
   ShellModes modes;
-  modes.rigid = count_of(shell.motions().free);
+  modes.rigid_body_count = isize(shell.rigid_body_modes().unconstrained);
   modes.frequencies.resize(pairs.values.size());
   for (long k = 0; k < pairs.values.size(); ++k) {
     const double square = 1 / pairs.values[k] - shell.shift();
     modes.frequencies[k] =
-        k < modes.rigid ? 0 : std::sqrt(std::max(0.0, square)) / (2 * std::numbers::pi);
+        k < modes.rigid_body_count ? 0 : std::sqrt(std::max(0.0, square)) / (2 * std::numbers::pi);
     const Points& u = pairs.vectors[k];
     const double mass = u.cwiseProduct(M.selfadjointView<Eigen::Lower>() * u).sum();
     modes.shapes.push_back(u / std::sqrt(mass));
@@ -120,14 +121,14 @@ ShellModes natural_modes(const ShellModel& shell, int count) {
 
 ShellBuckling buckling(const ShellModel& shell, const Points& q, int count) {
   const SparseMatrix G = -shell.assembler().geometric_stiffness(q);
-  auto found = largest_pairs(shell.solver(), G, count, Spectra::SortRule::LargestAlge);
+  auto found = largest_eigenpairs(shell.solver(), G, count, Spectra::SortRule::LargestAlge);
   if (!found) {
     // Where nothing buckles the largest μ is 0, of infinitely many shapes: then those that are not
     // near 0 are below it.
-    found = largest_pairs(shell.solver(), G, count, Spectra::SortRule::LargestMagn);
-    if (!found || found->values[0] > 0) no_end(count);
+    found = largest_eigenpairs(shell.solver(), G, count, Spectra::SortRule::LargestMagn);
+    if (!found || found->values[0] > 0) throw_not_converged(count);
   }
-  const Pairs& pairs = *found;
+  const EigenPairs& pairs = *found;
   ShellBuckling result;
   const long positive = (pairs.values.array() > 0).count();
   result.factors = pairs.values.head(positive).cwiseInverse();

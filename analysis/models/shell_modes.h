@@ -11,7 +11,7 @@ namespace batten {
 struct ShellModes {
   VecX frequencies;            ///< 1/time: Hz, where the unit of time is the second
   std::vector<Points> shapes;  ///< displacements (n×3) of mass 1: Σ over x, y, z of qᵀ M q
-  int rigid = 0;               ///< of them: motions without strain, of a shell that is not held
+  int rigid_body_count = 0;    ///< of them: motions without strain, of a shell that is not held
 };
 
 /// K q = (2π f)² M q for the lowest `count` frequencies, besides rigid motions: those of a shell that

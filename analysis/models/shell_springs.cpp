@@ -3,16 +3,16 @@
 #include <algorithm>
 #include <map>
 
-#include "batten/core/index.h"
+#include "batten/core/isize.h"
 
 namespace batten {
 
 void ShellSprings::add(const std::string& name, const Entries& entries, double stiffness,
                        double value) {
-  auto known = count_of(names_) - 1;
+  auto known = isize(names_) - 1;
   while (known >= 0 && names_[known] != name) --known;
   if (known < 0) {
-    known = count_of(names_);
+    known = isize(names_);
     names_.push_back(name);
   }
   std::map<int, Vec3> sum;
@@ -29,7 +29,7 @@ SparseMatrix ShellSprings::stiffness() const {
     std::vector<int> dofs;
     VecX row(3 * static_cast<long>(spring.entries.size()));
     for (const auto& e : spring.entries) {
-      row.segment<3>(3 * count_of(dofs)) = e.coefficient;
+      row.segment<3>(3 * isize(dofs)) = e.coefficient;
       dofs.push_back(e.dof);
     }
     MatX& block =

@@ -7,7 +7,7 @@
 #include <set>
 #include <utility>
 
-#include "batten/core/chunks.h"
+#include "batten/core/parallel_chunks.h"
 
 namespace batten {
 namespace {
@@ -73,9 +73,9 @@ void ShellStresses::take_samples() {
   const TabulatedRule whole(shell.surface().kind(), centroids);
   constexpr int degree = 2;
   samples_.resize(shell.surface().mesh().triangle_count());
-  for_each_in_chunks<64>(count_of(samples_), [&](int t) {
+  parallel_for_each<64>(isize(samples_), [&](int t) {
     std::optional<ShellTriangle::Dofs> q;
-    shell.visit_inside(
+    shell.for_each_quadrature_point(
         t, whole, degree,
         [&](const ShellTriangle& triangle, const ReferenceTabulation& functions,
             const ShellPoint& at, const Vec3& L, double area) {
@@ -119,7 +119,7 @@ void ShellStresses::fit() {
   const ParametricMesh& mesh = shell_.assembler().surface().mesh();
   const auto patches = this->patches();
   at_vertices_.resize(patches.size());
-  for_each_in_chunks<64>(count_of(patches), [&](int v) {
+  parallel_for_each<64>(isize(patches), [&](int v) {
     if (patches[v].empty()) return;
     Polynomial& polynomial = at_vertices_[v].emplace();
     const Vec2& here = mesh.vertices()[v];
@@ -199,42 +199,43 @@ ShellStresses::Energies ShellStresses::energies(const ShellStresses& adjoint) co
   const ShellAssembler& shell = shell_.assembler();
   const int count = shell.surface().mesh().triangle_count();
   Eigen::Matrix<double, Eigen::Dynamic, 2> of_triangles(count, 2);
-  for_each_in_chunks<64>(count, [&](int t) {
+  parallel_for_each<64>(count, [&](int t) {
     of_triangles.row(t).setZero();
     const Mat3 compliance = shell.section(t).material.Q.inverse();
     std::optional<ShellTriangle::Dofs> here, there;
-    shell.visit_inside(t, [&](const ShellTriangle& triangle, const ReferenceTabulation& functions,
-                              const ShellPoint& point, const Vec3& L, double area) {
-      if (!here) here = triangle.reference(shell.dofs_on(q_, t));
-      const auto own_of = [&](const ShellTriangle::Dofs& q) {
-        return six_of(shell.resultants(t, L, point.strain(triangle.jet(q, functions))));
-      };
-      const double thickness = shell.section(t).thickness_at(L);
-      const Six own = own_of(*here), jump = in_axes(at({t, L}, point.normal()), point) - own;
-      Six other = jump;
-      if (&adjoint != this) {
-        if (!there) there = triangle.reference(shell.dofs_on(adjoint.q_, t));
-        other = in_axes(adjoint.at({t, L}, point.normal()), point) - own_of(*there);
-      }
-      of_triangles(t, 0) += area * work(jump, other, compliance, thickness);
-      of_triangles(t, 1) += area * work(own, own, compliance, thickness);
-    });
+    shell.for_each_quadrature_point(
+        t, [&](const ShellTriangle& triangle, const ReferenceTabulation& functions,
+               const ShellPoint& point, const Vec3& L, double area) {
+          if (!here) here = triangle.reference(shell.dofs_on(q_, t));
+          const auto own_of = [&](const ShellTriangle::Dofs& q) {
+            return six_of(shell.resultants(t, L, point.strain(triangle.jet(q, functions))));
+          };
+          const double thickness = shell.section(t).thickness_at(L);
+          const Six own = own_of(*here), jump = in_axes(at({t, L}, point.normal()), point) - own;
+          Six other = jump;
+          if (&adjoint != this) {
+            if (!there) there = triangle.reference(shell.dofs_on(adjoint.q_, t));
+            other = in_axes(adjoint.at({t, L}, point.normal()), point) - own_of(*there);
+          }
+          of_triangles(t, 0) += area * work(jump, other, compliance, thickness);
+          of_triangles(t, 1) += area * work(own, own, compliance, thickness);
+        });
   });
   return {of_triangles.col(0), of_triangles.col(1)};
 }
 
-VecX ShellStresses::missing_of_triangles(const ShellStresses& adjoint) const {
-  return energies(adjoint).missing;
+VecX ShellStresses::goal_error_per_triangle(const ShellStresses& adjoint) const {
+  return energies(adjoint).goal_error;
 }
 
-double ShellStresses::missing(const ShellStresses& adjoint) const {
-  return missing_of_triangles(adjoint).sum();
+double ShellStresses::goal_error(const ShellStresses& adjoint) const {
+  return goal_error_per_triangle(adjoint).sum();
 }
 
-double ShellStresses::error() const {
+double ShellStresses::energy_norm_error() const {
   const Energies e = energies(*this);
   const double all = e.all.sum();
-  return all > 0 ? std::sqrt(e.missing.sum() / all) : 0;
+  return all > 0 ? std::sqrt(e.goal_error.sum() / all) : 0;
 }
 
 void ShellStresses::find_peak() {
@@ -247,7 +248,7 @@ void ShellStresses::find_peak() {
       if (value > peak_.value) peak_ = {value, height, 0, where, Vec3::Zero()};
     }
   };
-  for (int t = 0; t < count_of(samples_); ++t) {
+  for (int t = 0; t < isize(samples_); ++t) {
     const bool cut = trim && trim->side(t) == Trim::Side::Cut;
     for (const Sample& s : samples_[t])
       if (cut) take(s.where);

@@ -45,12 +45,12 @@ class ShellStresses {
   /// √(energy of the stresses' jumps / energy): the relative error in energy norm by Zienkiewicz and
   /// Zhu (1987), by the rule of the stiffness, which also sees the false membrane forces of elements
   /// that lock. The error of a displacement under its own load is about its square.
-  double error() const;
+  double energy_norm_error() const;
   /// What is missing of a goal Gᵀq, about: the work of these jumps with those of `adjoint`, the
   /// stresses of ShellModel::adjoint(G) on the same shell (Oden and Prudhomme 2001).
-  double missing(const ShellStresses& adjoint) const;
+  double goal_error(const ShellStresses& adjoint) const;
   /// The same of each triangle: where smaller elements pay.
-  VecX missing_of_triangles(const ShellStresses& adjoint) const;
+  VecX goal_error_per_triangle(const ShellStresses& adjoint) const;
 
   /// The largest equivalent stress at a vertex inside, top or bottom.
   struct Peak {
@@ -82,7 +82,7 @@ class ShellStresses {
   void fit();
   // Of each triangle: the work of these jumps with those of `adjoint`, and of the own stresses.
   struct Energies {
-    VecX missing, all;
+    VecX goal_error, all;
   };
   Energies energies(const ShellStresses& adjoint) const;
   ShellStress at(const Location& where, const Vec3& normal) const;

@@ -20,8 +20,8 @@ void tie_rotations(const std::string& name, const JoinEdge& a, const JoinEdge& b
   }
   for (int k = 0; k + 1 < a.count(); ++k) {
     CoupledEntries row;
-    of_a.in_middle(k, 1, row);
-    of_b.in_middle(k, -1, row);
+    of_a.at_edge_midpoint(k, 1, row);
+    of_b.at_edge_midpoint(k, -1, row);
     add_summed(name, row, 0, set);
   }
 }
@@ -31,9 +31,9 @@ template <class Stiffness>
 void add_springs(const std::string& name, const JoinEdge& a, const JoinEdge& b, const Points& shape,
                  bool hinge, const Stiffness& stiffness, ShellSprings& springs) {
   const LineRotation of_a(a, shape), of_b(b, shape);
-  over_line(a, b, [&](double f, double dl) {
+  for_each_line_point(a, b, [&](double f, double dl) {
     const SpringStiffness k = stiffness(f);
-    RowEntries apart;
+    ConstraintEntries apart;
     a.add_at(f, 0, 0, 1, apart);
     b.add_at(f, 0, 0, -1, apart);
     for (int c = 0; c < 3; ++c)
@@ -63,8 +63,8 @@ ShellTies shell_ties(const ModelLayout& model, const Points& shape,
     const bool hinge = std::find(hinges.begin(), hinges.end(), line.name) != hinges.end();
     const JoinEdge a = sides(line.sides[0]), b = sides(line.sides[1]);
     if (!a.embedded() && !b.embedded()) {
-      add_line_ties(sides.regions(), sides.numbers(), line, ties.rows);
-      if (!hinge) tie_rotations(name, a, b, shape, ties.rows);
+      add_line_ties(sides.regions(), sides.dof_offsets(), line, ties.constraints);
+      if (!hinge) tie_rotations(name, a, b, shape, ties.constraints);
       continue;
     }
     const auto of_side = [&](int s, const JoinEdge& side, double f) {

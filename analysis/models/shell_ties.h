@@ -13,7 +13,7 @@ namespace batten {
 
 /// Rows that hold exactly, and springs along embedded lines.
 struct ShellTies {
-  ConstraintSet rows;
+  ConstraintSet constraints;
   ShellSprings springs;
 };
 

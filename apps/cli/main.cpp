@@ -2,11 +2,11 @@
 #include <csignal>
 #include <iostream>
 
-#include "batten/apps/cli/command_words.h"
+#include "batten/apps/cli/commands.h"
 #include "batten/apps/cli/terminal.h"
 #include "batten/core/memory.h"
 #include "batten/core/parallel.h"
-#include "batten/io/files/in_child.h"
+#include "batten/io/files/sandboxed_read.h"
 
 namespace {
 
@@ -53,24 +53,24 @@ Exit codes:
 
 /// Reads the command line and does what it says.
 int command(int argc, char** argv) {
-  CommonWords common;
-  ProgramWords program("batten", "Batten: continuous surfaces that shape themselves", kVersion,
-                       kExamples);
+  CommonOptions common;
+  CommandLine program("batten", "Batten: continuous surfaces that shape themselves", kVersion,
+                      kExamples);
   const std::vector<Command> commands = {
       add_run(program, common),    add_stress(program, common),   add_sculpt(program, common),
       add_deform(program, common), add_sequence(program, common), add_fair(program, common),
       add_skin(program, common),   add_convert(program, common),  add_fit(program, common),
       add_info(program),           add_view(program, common),     add_run_script(program, common)};
-  const ProgramWords::Read read = program.read(argc, argv);
-  if (read != ProgramWords::Read::Command)
-    return read == ProgramWords::Read::Answer ? kDone : kBadInput;
+  const CommandLine::ParseResult parse = program.parse(argc, argv);
+  if (parse != CommandLine::ParseResult::Command)
+    return parse == CommandLine::ParseResult::HelpShown ? kDone : kBadInput;
   catch_interrupts(kCancelled);
   std::signal(SIGXFSZ, SIG_IGN);  // writers tell of a file that may not grow
-  read_in_child(true);
+  enable_sandboxed_read(true);
   set_thread_count(common.threads);
-  limit_memory(1e9 * common.memory);
+  set_memory_limit(1e9 * common.memory);
   for (const Command& one : commands)
-    if (one.words.given()) return one.run();
+    if (one.subcommand.given()) return one.run();
   return kBadInput;  // not reached: a command is required
 }
 

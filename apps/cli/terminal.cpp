@@ -13,7 +13,7 @@
 #include <string>
 #include <thread>
 
-#include "batten/io/files/unfinished.h"
+#include "batten/io/files/temporary_file_guard.h"
 
 namespace batten {
 namespace {
@@ -37,7 +37,7 @@ void watch(int exit_code) {
   until.tv_sec += until.tv_nsec / 1'000'000'000;
   until.tv_nsec %= 1'000'000'000;
   sem_timedwait(&signals, &until);
-  discard_unfinished();
+  remove_temporary_files();
   end_progress();
   std::fputs("batten: cancelled\n", stderr);
   std::_Exit(exit_code);

@@ -5,22 +5,22 @@
 
 #include "batten/apps/commands/cad_info.h"
 #include "batten/apps/commands/exchange/file_kinds.h"
-#include "batten/apps/commands/lines/line_reading.h"
+#include "batten/apps/commands/lines/line_interpretation.h"
 #include "batten/apps/commands/lines/mirror_lines.h"
 #include "batten/apps/commands/meshes/mesh_info.h"
 #include "batten/apps/commands/sequences/sequence_info.h"
-#include "batten/apps/commands/shapes/make_model.h"
+#include "batten/apps/commands/shapes/built_model.h"
 #include "batten/core/dense.h"
 #include "batten/core/errors.h"
-#include "batten/core/words.h"
+#include "batten/core/format.h"
 #include "batten/fairing/arc_length.h"
 #include "batten/fairing/curve_fit.h"
 #include "batten/fairing/fair_curve.h"
+#include "batten/io/files/atomic_file.h"
 #include "batten/io/files/input_file.h"
 #include "batten/io/files/length_units.h"
 #include "batten/io/files/text.h"
-#include "batten/io/files/whole_file.h"
-#include "batten/io/lines/cad_calls.h"
+#include "batten/io/lines/cad_plugin.h"
 #include "batten/io/pictures/curve_pictures.h"
 #include "batten/io/pictures/display.h"
 #include "batten/io/pictures/loop_pictures.h"
@@ -52,7 +52,7 @@ std::string flatness(const InputCurve& curve) {
       break;
     }
   normal = (normal * 1e6).array().round() / 1e6 + 0.0;
-  return "  in a plane with normal " + at(normal);
+  return "  in a plane with normal " + format_point(normal);
 }
 
 std::string lines_text(const std::vector<SourceLine>& lines, const std::string& unit,
@@ -64,28 +64,28 @@ std::string lines_text(const std::vector<SourceLine>& lines, const std::string& 
   for (const auto& line : lines) {
     text += "  " + line.name + std::string(width - line.name.size() + 2, ' ');
     // A sketch may have strokes without length.
-    if (!sampled(line, corner_angle).has_length()) {
-      text += "no length  at " + at(line.points.front()) + "\n";
+    if (!sample_line(line, corner_angle).has_length()) {
+      text += "no length  at " + format_point(line.points.front()) + "\n";
       continue;
     }
     std::shared_ptr<const InputCurve> curve;
     std::string remark;
     try {
       curve = line.as_curve(corner_angle);
-      if (!line.points.empty()) remark = "  " + words_of(reading_of(line, *curve));
+      if (!line.points.empty()) remark = "  " + describe(interpret_points(line, *curve));
     } catch (const InputError& e) {
       // Strokes may have points that repeat each other: fairing takes them.
-      curve = curve_from_hermite(curve_as_given(line.name, line.points));
+      curve = curve_from_hermite(interpolating_spline(line.name, line.points));
       remark = "  no line of a surface: " + std::string(e.what());
     }
-    text += "length " + number(ArcLength(curve).total()) + "  from " +
-            at(curve->evaluate(curve->start())) + " to " + at(curve->evaluate(curve->end())) +
-            flatness(*curve) +
+    text += "length " + format_number(ArcLength(curve).total()) + "  from " +
+            format_point(curve->evaluate(curve->start())) + " to " +
+            format_point(curve->evaluate(curve->end())) + flatness(*curve) +
             (line.role == CharacterLine::Role::Inner  ? "  inner"
              : line.role == CharacterLine::Role::Hole ? "  hole"
                                                       : "") +
             remark + "\n";
-    if (!line.read_as.empty()) text += "    read: " + line.read_as + "\n";
+    if (!line.format_note.empty()) text += "    read: " + line.format_note + "\n";
   }
   return text;
 }
@@ -98,7 +98,7 @@ void draw_lines(const std::filesystem::path& picture, const std::vector<SourceLi
   CombPanel& panel = sheet.panels[0];
   panel.title = std::to_string(lines.size()) + (lines.size() == 1 ? " line" : " lines");
   for (const SourceLine& line : lines) {
-    if (!sampled(line, corner_angle).has_length()) continue;
+    if (!sample_line(line, corner_angle).has_length()) continue;
     try {
       const auto curve = line.as_curve(corner_angle);
       FitOptions options;
@@ -116,10 +116,10 @@ void draw_lines(const std::filesystem::path& picture, const std::vector<SourceLi
 std::string parameters_text(const std::vector<Parameter>& parameters) {
   std::string text = "parameters (--set name=value)\n";
   for (const Parameter& p : parameters) {
-    text += "  " + p.name + " = " + number(p.value);
+    text += "  " + p.name + " = " + format_number(p.value);
     if (std::isfinite(p.min) || std::isfinite(p.max))
-      text += "  (" + (std::isfinite(p.min) ? "from " + number(p.min) : std::string("any")) +
-              (std::isfinite(p.max) ? " to " + number(p.max) : " up") + ")";
+      text += "  (" + (std::isfinite(p.min) ? "from " + format_number(p.min) : std::string("any")) +
+              (std::isfinite(p.max) ? " to " + format_number(p.max) : " up") + ")";
     text += "\n";
   }
   return text;
@@ -129,36 +129,37 @@ std::string parameters_text(const std::vector<Parameter>& parameters) {
 std::string network_text(const Scene& scene) {
   std::vector<CharacterLine> lines = read_lines(scene);
   add_mirrored(scene, lines);
-  const CharacterLineNetwork network = network_of(scene, lines);
-  const auto place = [&](const NetworkArc& arc, int end) {
-    return at(network.nodes()[arc.nodes[end]].position);
+  const CurveNetwork network = network_of(scene, lines);
+  const auto place = [&](const NetworkEdge& edge, int end) {
+    return format_point(network.nodes()[edge.nodes[end]].position);
   };
-  std::string text = "network: " + std::to_string(network.arcs().size()) +
-                     (network.arcs().size() == 1 ? " piece" : " pieces") + " between " +
+  std::string text = "network: " + std::to_string(network.edges().size()) +
+                     (network.edges().size() == 1 ? " piece" : " pieces") + " between " +
                      std::to_string(network.nodes().size()) +
                      (network.nodes().size() == 1 ? " place" : " places") + " (lines meet within " +
-                     number(network.tolerance()) + " " + scene.unit + ")\n";
-  for (const NetworkArc& arc : network.arcs())
-    text += "  " + arc.name + "  length " + number(arc.length) + "  from " + place(arc, 0) +
-            " to " + place(arc, 1) + "\n";
-  for (const NetworkFinding& finding : network.findings())
+                     format_number(network.tolerance()) + " " + scene.unit + ")\n";
+  for (const NetworkEdge& edge : network.edges())
+    text += "  " + edge.name + "  length " + format_number(edge.length) + "  from " +
+            place(edge, 0) + " to " + place(edge, 1) + "\n";
+  for (const NetworkDiagnostic& finding : network.diagnostics())
     text += std::string(finding.repaired ? "  repaired: " : "  not joined: ") + finding.text + "\n";
   const FoundRegions found = regions_of(scene, network);
   text += std::to_string(found.regions.size()) +
           (found.regions.size() == 1 ? " region\n" : " regions\n");
   for (const NetworkRegion& region : found.regions) {
-    text += "  " + region.name + (region.ring ? "  ring  " : "  ");
+    text += "  " + region.name + (region.annulus ? "  ring  " : "  ");
     for (size_t l = 0; l < region.loops.size(); ++l) {
       text += l ? ", [" : "[";
       for (size_t i = 0; i < region.loops[l].size(); ++i)
-        text += (i ? ", " : "") + network.arcs()[region.loops[l][i].arc].name;
+        text += (i ? ", " : "") + network.edges()[region.loops[l][i].edge].name;
       text += "]";
     }
     for (size_t i = 0; i < region.inner.size(); ++i)
-      text += (i ? ", " : "  inner ") + network.arcs()[region.inner[i]].name;
+      text += (i ? ", " : "  inner ") + network.edges()[region.inner[i]].name;
     text += "\n";
   }
-  for (const RegionChoice& choice : found.choices) text += "  could be: " + choice.text + "\n";
+  for (const AmbiguousRegion& ambiguous : found.ambiguous_regions)
+    text += "  could be: " + ambiguous.text + "\n";
   return text;
 }
 
@@ -166,7 +167,7 @@ std::string scene_text(const Scene& scene) {
   return "scene '" + scene.name + "', unit " + scene.unit + "\n" +
          lines_text(read_sources(scene.lines, scene.file, scene.unit), scene.unit,
                     scene.skin.options.corner_angle) +
-         (states_one_region(scene) ? "" : network_text(scene)) +
+         (specifies_single_region(scene) ? "" : network_text(scene)) +
          parameters_text(scene.parameters());
 }
 
@@ -187,10 +188,10 @@ std::string file_info(const std::filesystem::path& file, const std::string& unit
   require_input_file(file, "a scene, a mesh or a file of lines");
   switch (file_kind(file)) {
     case FileKind::Scene:
-      return edits_a_sequence(file) ? sequence_info(read_sequence_scene(file))
-             : edits_a_mesh(file)   ? edits_text(read_deform_scene(file))
-             : only_fairs(file)     ? fairing_text(read_fair_scene(file))
-                                    : scene_text(read_scene(file));
+      return is_sequence_scene(file) ? sequence_info(read_sequence_scene(file))
+             : is_deform_scene(file) ? edits_text(read_deform_scene(file))
+             : is_fair_scene(file)   ? fairing_text(read_fair_scene(file))
+                                     : scene_text(read_scene(file));
     case FileKind::Mesh:
       return mesh_info(file, unit);
     case FileKind::Sequence:
@@ -214,9 +215,9 @@ std::string file_info(const std::filesystem::path& file, const std::string& unit
 void draw_lines(const std::filesystem::path& picture, const std::filesystem::path& file,
                 const std::string& unit) {
   if (file.extension() == ".toml") {
-    if (edits_a_mesh(file) || edits_a_sequence(file))
+    if (is_deform_scene(file) || is_sequence_scene(file))
       throw InputError(file.string() + ": found edits of a mesh, expected lines to draw");
-    if (only_fairs(file)) {
+    if (is_fair_scene(file)) {
       const FairScene scene = read_fair_scene(file);
       return draw_lines(picture, read_sources(scene.lines, scene.file, scene.unit), scene.unit,
                         kCorner);
@@ -234,68 +235,70 @@ void draw_lines(const std::filesystem::path& picture, const std::filesystem::pat
 namespace {
 
 // [["a", "b"], ["c"]]: loops as [[region]] knows them.
-std::string loops_words(const CharacterLineNetwork& network, const std::vector<ArcLoop>& loops) {
+std::string format_loops(const CurveNetwork& network, const std::vector<EdgeLoop>& loops) {
   std::string text = "[";
   for (size_t l = 0; l < loops.size(); ++l) {
     text += l ? ", [" : "[";
     for (size_t i = 0; i < loops[l].size(); ++i)
-      text += (i ? ", \"" : "\"") + network.arcs()[loops[l][i].arc].name + "\"";
+      text += (i ? ", \"" : "\"") + network.edges()[loops[l][i].edge].name + "\"";
     text += "]";
   }
   return text + "]";
 }
 
 // The words that have these surfaces; without any, no surface in the others.
-std::string way_words(const CharacterLineNetwork& network, const RegionChoice& choice,
-                      const std::vector<ArcLoop>& with) {
-  const std::vector<ArcLoop>& loops = with.empty() ? choice.chosen : with;
-  std::vector<std::vector<ArcLoop>> surfaces;
-  for (const ArcLoop& loop : loops) surfaces.push_back({loop});
-  if (choice.one_surface) surfaces = {loops};
+std::string format_alternative(const CurveNetwork& network, const AmbiguousRegion& ambiguous,
+                               const std::vector<EdgeLoop>& with) {
+  const std::vector<EdgeLoop>& loops = with.empty() ? ambiguous.chosen : with;
+  std::vector<std::vector<EdgeLoop>> surfaces;
+  for (const EdgeLoop& loop : loops) surfaces.push_back({loop});
+  if (ambiguous.one_surface) surfaces = {loops};
   std::string text;
   for (const auto& surface : surfaces)
-    text += "    [[region]]\n    loops = " + loops_words(network, surface) + "\n" +
+    text += "    [[region]]\n    loops = " + format_loops(network, surface) + "\n" +
             (with.empty() ? "    surface = false\n" : "");
   return text;
 }
 
-LoopPanel panel_of(const CharacterLineNetwork& network, const std::string& title,
-                   const std::vector<ArcLoop>& loops, bool one_surface) {
-  LoopPanel panel{title, {}, one_surface};
-  for (const ArcLoop& loop : loops) {
+LoopAlternative panel_of(const CurveNetwork& network, const std::string& title,
+                         const std::vector<EdgeLoop>& loops, bool one_surface) {
+  LoopAlternative panel{title, {}, one_surface};
+  for (const EdgeLoop& loop : loops) {
     panel.loops.emplace_back();
-    for (const ArcUse& use : loop) panel.loops.back().push_back(network.arcs()[use.arc].curve);
+    for (const OrientedEdge& use : loop)
+      panel.loops.back().push_back(network.edges()[use.edge].curve);
   }
   return panel;
 }
 
 }  // namespace
 
-std::string draw_choices(const std::filesystem::path& folder, const Scene& scene) {
+std::string draw_alternatives(const std::filesystem::path& folder, const Scene& scene) {
   require_display();
   std::vector<CharacterLine> lines = read_lines(scene);
   add_mirrored(scene, lines);
-  const CharacterLineNetwork network = network_of(scene, lines);
+  const CurveNetwork network = network_of(scene, lines);
   const FoundRegions found = regions_of(scene, network);
-  if (found.choices.empty()) return "no choice is close\n";
+  if (found.ambiguous_regions.empty()) return "no choice is close\n";
   make_output_folder(folder);
   LoopPicture picture;
-  for (const NetworkArc& arc : network.arcs()) picture.lines.push_back(arc.curve);
+  for (const NetworkEdge& edge : network.edges()) picture.lines.push_back(edge.curve);
   std::string text;
-  for (size_t k = 0; k < found.choices.size(); ++k) {
-    const RegionChoice& choice = found.choices[k];
+  for (size_t k = 0; k < found.ambiguous_regions.size(); ++k) {
+    const AmbiguousRegion& ambiguous = found.ambiguous_regions[k];
     const std::string file = "choice_" + std::to_string(k + 1) + ".png";
-    text += file + ": " + choice.text + "\n";
-    picture.ways = {panel_of(network, choice.chosen.empty() ? "as it is: no surface" : "as it is",
-                             choice.chosen, choice.one_surface)};
-    for (size_t a = 0; a < choice.alternatives.size(); ++a) {
-      const auto& other = choice.alternatives[a];
-      const long percent = std::lround(100 * choice.margins[a]);
+    text += file + ": " + ambiguous.text + "\n";
+    picture.alternatives = {panel_of(network,
+                                     ambiguous.chosen.empty() ? "as it is: no surface" : "as it is",
+                                     ambiguous.chosen, ambiguous.one_surface)};
+    for (size_t a = 0; a < ambiguous.alternatives.size(); ++a) {
+      const auto& other = ambiguous.alternatives[a];
+      const long percent = std::lround(100 * ambiguous.margins[a]);
       const std::string title =
           std::string(other.empty() ? "or no surface" : "or so") +
           (percent > 0 ? ", costs " + std::to_string(percent) + " % more" : "");
-      picture.ways.push_back(panel_of(network, title, other, choice.one_surface));
-      text += "  " + title + ":\n" + way_words(network, choice, other);
+      picture.alternatives.push_back(panel_of(network, title, other, ambiguous.one_surface));
+      text += "  " + title + ":\n" + format_alternative(network, ambiguous, other);
     }
     draw_loops(folder / file, picture);
   }

@@ -25,6 +25,6 @@ void draw_lines(const std::filesystem::path& picture, const std::filesystem::pat
 /// they are, and every other way. Returns what each is about, and for every way the words for a
 /// scene that settle it. Throws InputError: no network, no display, what network_of() and
 /// regions_of() throw.
-std::string draw_choices(const std::filesystem::path& folder, const Scene& scene);
+std::string draw_alternatives(const std::filesystem::path& folder, const Scene& scene);
 
 }  // namespace batten

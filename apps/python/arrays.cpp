@@ -7,7 +7,7 @@
 namespace batten::python {
 namespace {
 
-std::string shape_words(const py::array& array) {
+std::string format_shape(const py::array& array) {
   std::string words;
   for (py::ssize_t i = 0; i < array.ndim(); ++i)
     words += (i ? "×" : "") + std::to_string(array.shape(i));
@@ -34,20 +34,20 @@ py::array_t<double> doubles_from(py::handle given, const std::string& what,
 
 double finite(double value, const std::string& what, py::ssize_t row) {
   if (std::isfinite(value)) return value;
-  throw InputError(what + ": found " + number(value) + " in row " + std::to_string(row) +
+  throw InputError(what + ": found " + format_number(value) + " in row " + std::to_string(row) +
                    " (from 0), expected finite numbers");
 }
 
 /// An array of whole numbers, as 64 bits.
-py::array_t<long long> whole_from(py::handle given, const std::string& what,
-                                  const std::string& expected) {
+py::array_t<long long> integers_from(py::handle given, const std::string& what,
+                                     const std::string& expected) {
   py::array array = py::array::ensure(given);
   if (array && array.size() == 0) return py::array_t<long long>(0);  // [] has no whole numbers
   array = array_from(given, what, "iu", expected);
   return py::array_t<long long, py::array::forcecast>(array);
 }
 
-int whole_in_range(long long value, const std::string& what, long long count) {
+int integer_in_range(long long value, const std::string& what, long long count) {
   if (value < 0 || value >= count)
     throw InputError(what + ": found " + std::to_string(value) + ", expected 0 to " +
                      std::to_string(count - 1));
@@ -57,8 +57,8 @@ int whole_in_range(long long value, const std::string& what, long long count) {
 template <class Number>
 py::array list_view(std::vector<Number> numbers) {
   const auto owner = std::make_shared<const std::vector<Number>>(std::move(numbers));
-  return view_of(owner, owner->data(), {static_cast<py::ssize_t>(owner->size())},
-                 {static_cast<py::ssize_t>(sizeof(Number))});
+  return array_view(owner, owner->data(), {static_cast<py::ssize_t>(owner->size())},
+                    {static_cast<py::ssize_t>(sizeof(Number))});
 }
 
 }  // namespace
@@ -67,7 +67,7 @@ Points points_from(py::handle given, const std::string& what) {
   const std::string expected = "n×3 numbers, one point a row";
   const py::array_t<double> array = doubles_from(given, what, expected);
   if (array.ndim() != 2 || array.shape(1) != 3)
-    throw InputError(what + ": found " + shape_words(array) + ", expected " + expected);
+    throw InputError(what + ": found " + format_shape(array) + ", expected " + expected);
   Points points(array.shape(0), 3);
   const auto at = array.unchecked<2>();
   for (py::ssize_t i = 0; i < array.shape(0); ++i)
@@ -79,7 +79,7 @@ std::vector<double> numbers_from(py::handle given, const std::string& what) {
   const std::string expected = "n numbers";
   const py::array_t<double> array = doubles_from(given, what, expected);
   if (array.ndim() != 1)
-    throw InputError(what + ": found " + shape_words(array) + ", expected " + expected);
+    throw InputError(what + ": found " + format_shape(array) + ", expected " + expected);
   std::vector<double> numbers;
   const auto at = array.unchecked<1>();
   for (py::ssize_t i = 0; i < array.shape(0); ++i) numbers.push_back(finite(at(i), what, i));
@@ -89,7 +89,7 @@ std::vector<double> numbers_from(py::handle given, const std::string& what) {
 Vec3 vector_from(py::handle given, const std::string& what) {
   const py::array_t<double> array = doubles_from(given, what, "three numbers");
   if (array.ndim() != 1 || array.shape(0) != 3)
-    throw InputError(what + ": found " + shape_words(array) + ", expected three numbers");
+    throw InputError(what + ": found " + format_shape(array) + ", expected three numbers");
   const auto at = array.unchecked<1>();
   return {finite(at(0), what, 0), finite(at(1), what, 1), finite(at(2), what, 2)};
 }
@@ -100,36 +100,36 @@ std::vector<int> indices_from(py::handle given, const std::string& what, int cou
   const py::array any = py::array::ensure(given);
   if (any && any.dtype().kind() == 'b') {
     if (any.ndim() != 1 || any.shape(0) != count)
-      throw InputError(what + ": found " + shape_words(any) + " as a mask, expected " + expected);
+      throw InputError(what + ": found " + format_shape(any) + " as a mask, expected " + expected);
     const py::array_t<bool> mask(any);
     for (int i = 0; i < count; ++i)
       if (mask.at(i)) indices.push_back(i);
     return indices;
   }
-  const py::array_t<long long> array = whole_from(given, what, expected);
+  const py::array_t<long long> array = integers_from(given, what, expected);
   if (array.ndim() != 1)
-    throw InputError(what + ": found " + shape_words(array) + ", expected " + expected);
+    throw InputError(what + ": found " + format_shape(array) + ", expected " + expected);
   const auto at = array.unchecked<1>();
   for (py::ssize_t i = 0; i < array.shape(0); ++i)
-    indices.push_back(whole_in_range(at(i), what, count));
+    indices.push_back(integer_in_range(at(i), what, count));
   return indices;
 }
 
 std::vector<std::array<int, 3>> triangles_from(py::handle given, const std::string& what) {
   const std::string expected = "m×3 whole numbers, the corners of a triangle a row";
-  const py::array_t<long long> array = whole_from(given, what, expected);
+  const py::array_t<long long> array = integers_from(given, what, expected);
   if (array.ndim() != 2 || array.shape(1) != 3)
-    throw InputError(what + ": found " + shape_words(array) + ", expected " + expected);
+    throw InputError(what + ": found " + format_shape(array) + ", expected " + expected);
   std::vector<std::array<int, 3>> triangles(static_cast<size_t>(array.shape(0)));
   const auto at = array.unchecked<2>();
   for (py::ssize_t i = 0; i < array.shape(0); ++i)
     for (py::ssize_t j = 0; j < 3; ++j)
       triangles[static_cast<size_t>(i)][static_cast<size_t>(j)] =
-          whole_in_range(at(i, j), what, 1LL << 31);
+          integer_in_range(at(i, j), what, 1LL << 31);
   return triangles;
 }
 
-std::optional<bool> truth_from(const py::object& given, const std::string& what) {
+std::optional<bool> optional_bool_from(const py::object& given, const std::string& what) {
   if (given.is_none()) return {};
   if (given.ptr() == Py_True || given.ptr() == Py_False) return given.ptr() == Py_True;
   throw InputError(what + ": found " + std::string(py::repr(given)) + ", expected True or False");
@@ -144,7 +144,7 @@ std::vector<Vec3> rows_of(const Points& points) {
 py::array array_of(Points points) {
   const auto owner = std::make_shared<const Points>(std::move(points));
   const auto size = static_cast<py::ssize_t>(sizeof(double));
-  return view_of(owner, owner->data(), {owner->rows(), 3}, {size, owner->rows() * size});
+  return array_view(owner, owner->data(), {owner->rows(), 3}, {size, owner->rows() * size});
 }
 
 py::array array_of(std::vector<double> numbers) { return list_view(std::move(numbers)); }

@@ -27,7 +27,7 @@ std::vector<double> numbers_from(py::handle given, const std::string& what);
 std::vector<int> indices_from(py::handle given, const std::string& what, int count);
 std::vector<std::array<int, 3>> triangles_from(py::handle given, const std::string& what);
 
-std::optional<bool> truth_from(const py::object& given, const std::string& what);
+std::optional<bool> optional_bool_from(const py::object& given, const std::string& what);
 
 /// Rows of a point matrix.
 std::vector<Vec3> rows_of(const Points& points);
@@ -35,8 +35,8 @@ std::vector<Vec3> rows_of(const Points& points);
 /// An array on memory that `owner` keeps: nothing is copied, and the array keeps the owner. It cannot
 /// be written to. `strides` in bytes.
 template <class Number>
-py::array view_of(std::shared_ptr<const void> owner, const Number* data,
-                  std::vector<py::ssize_t> shape, std::vector<py::ssize_t> strides) {
+py::array array_view(std::shared_ptr<const void> owner, const Number* data,
+                     std::vector<py::ssize_t> shape, std::vector<py::ssize_t> strides) {
   const py::capsule base(new std::shared_ptr<const void>(std::move(owner)), [](void* kept) {
     delete static_cast<std::shared_ptr<const void>*>(kept);
   });
@@ -50,7 +50,7 @@ template <class Number>
 py::array rows_view(std::shared_ptr<const void> owner, const Number* data, py::ssize_t rows,
                     py::ssize_t columns) {
   const auto size = static_cast<py::ssize_t>(sizeof(Number));
-  return view_of(std::move(owner), data, {rows, columns}, {columns * size, size});
+  return array_view(std::move(owner), data, {rows, columns}, {columns * size, size});
 }
 
 /// An n×3 array of a point matrix (column after column in memory), which it takes over.

@@ -43,32 +43,32 @@ std::optional<std::vector<int>> corners_from(const py::object& given, size_t poi
   return indices_from(given, "corners", static_cast<int>(points));
 }
 
-void balance(FairOptions& options, const py::object& noise, const py::object& deviation,
-             const py::object& wavelength) {
+void smoothing(FairOptions& options, const py::object& noise, const py::object& deviation,
+               const py::object& wavelength) {
   if (!noise.is_none() + !deviation.is_none() + !wavelength.is_none() > 1)
     throw InputError("noise, deviation, wavelength: found several, expected one at most");
-  const auto take = [&](const py::object& given, FairOptions::Balance how, double& value,
+  const auto take = [&](const py::object& given, FairOptions::Smoothing how, double& value,
                         const char* what) {
     if (given.is_none()) return;
-    options.balance = how;
+    options.smoothing = how;
     value = numbers_from(py::make_tuple(given), what).front();
   };
-  take(noise, FairOptions::Balance::Noise, options.noise, "noise");
-  take(deviation, FairOptions::Balance::Deviation, options.deviation, "deviation");
-  take(wavelength, FairOptions::Balance::Wavelength, options.wavelength, "wavelength");
+  take(noise, FairOptions::Smoothing::Noise, options.noise, "noise");
+  take(deviation, FairOptions::Smoothing::Deviation, options.deviation, "deviation");
+  take(wavelength, FairOptions::Smoothing::Wavelength, options.wavelength, "wavelength");
 }
 
 FairCurve fair(const py::object& given, const py::object& noise, const py::object& deviation,
                const py::object& wavelength, const py::object& closed, const py::object& corners,
-               double corner_angle, bool hold_ends, bool drop_outliers, const std::string& name) {
+               double corner_angle, bool fix_ends, bool reject_outliers, const std::string& name) {
   const std::vector<Vec3> points = rows_of(points_from(given, "points"));
   FairOptions options;
-  balance(options, noise, deviation, wavelength);
-  options.closed = truth_from(closed, "closed");
+  smoothing(options, noise, deviation, wavelength);
+  options.closed = optional_bool_from(closed, "closed");
   options.corners = corners_from(corners, points.size());
   options.corner_angle = corner_angle;
-  options.hold_ends = hold_ends;
-  options.drop_outliers = drop_outliers;
+  options.fix_ends = fix_ends;
+  options.reject_outliers = reject_outliers;
   return KernelCall()([&](const Progress&) { return fair_points(name, points, options); });
 }
 
@@ -77,7 +77,7 @@ HermiteCurve fitted(const py::object& given, double tolerance, const py::object&
   const std::vector<Vec3> points = rows_of(points_from(given, "points"));
   FitOptions options;
   options.tolerance = tolerance;
-  options.closed = truth_from(closed, "closed");
+  options.closed = optional_bool_from(closed, "closed");
   options.corners = corners_from(corners, points.size());
   options.corner_angle = corner_angle;
   return KernelCall()([&](const Progress&) { return fit_points(name, points, options).curve; });
@@ -98,7 +98,7 @@ NamedCurve named_curve(const std::string& name, const py::handle& given) {
     line.parameters = fair.parameters;
   } else {
     const std::vector<Vec3> points = rows_of(points_from(given, "line '" + name + "'"));
-    line.curve = curve_as_given(name, points);
+    line.curve = interpolating_spline(name, points);
     line.parameters = line.curve.parameters();
   }
   return line;
@@ -176,7 +176,7 @@ void bind_curves(py::module_& m) {
       .def_readonly("wavelength", &FairCurve::wavelength,
                     "The wave that keeps half of its height, model units; 0: nothing was smoothed.")
       .def_readonly("noise", &FairCurve::noise, "Estimated noise across the line, model units.")
-      .def_readonly("settled", &FairCurve::settled, "Whether parameters stood still.");
+      .def_readonly("settled", &FairCurve::converged, "Whether parameters stood still.");
   m.def("fair", &fair, "points"_a, py::kw_only(), "noise"_a = py::none(),
         "deviation"_a = py::none(), "wavelength"_a = py::none(), "closed"_a = py::none(),
         "corners"_a = py::none(), "corner_angle"_a = 50.0, "hold_ends"_a = false,

@@ -16,17 +16,17 @@ using namespace py::literals;
 
 /// How a handle moves, as Python says it: `about` None is the mean of its vertices.
 struct MoveObject {
-  HandleMove move;
+  HandleTransform move;
   bool about_mean = true;
 };
 
-MoveObject new_move(const py::object& shift, const py::object& axis, double degrees, double scale,
-                    const py::object& about) {
+MoveObject new_move(const py::object& translation, const py::object& axis, double degrees,
+                    double scale, const py::object& about) {
   MoveObject result;
-  result.move.shift = vector_from(shift, "shift");
+  result.move.translation = vector_from(translation, "shift");
   const Vec3 along = vector_from(axis, "axis");
   if (along.norm() == 0) throw InputError("axis: found length 0, expected a direction");
-  result.move.turn = rotation_log(along, degrees * std::numbers::pi / 180);
+  result.move.rotation_vector = to_rotation_vector(along, degrees * std::numbers::pi / 180);
   result.move.scale = scale;
   result.about_mean = about.is_none();
   if (!result.about_mean) result.move.about = vector_from(about, "about");
@@ -46,9 +46,9 @@ std::vector<Named> named_from(const py::dict& given, const std::string& what, in
 }
 
 /// One move for each handle, in their order; handles without one stay.
-std::vector<HandleMove> moves_from(const py::dict& given, const std::vector<Handle>& handles,
-                                   const TriangleMesh& mesh) {
-  std::vector<HandleMove> moves(handles.size());
+std::vector<HandleTransform> moves_from(const py::dict& given, const std::vector<Handle>& handles,
+                                        const TriangleMesh& mesh) {
+  std::vector<HandleTransform> moves(handles.size());
   for (const auto& [key, value] : given) {
     const std::string name = py::str(key);
     size_t h = 0;
@@ -72,7 +72,7 @@ struct DeformerObject {
   std::shared_ptr<const MeshObject> mesh;
   DeformProblem problem;
   std::unique_ptr<FormFeatureDeformer> deformer;
-  Turns turns;
+  CallSerializer serialize;
 };
 using DeformerPtr = std::shared_ptr<DeformerObject>;
 
@@ -92,7 +92,7 @@ std::vector<double> scales_from(const py::dict& given, const std::vector<FormFea
 
 /// Places of the nodes, which are the first vertices.
 Points nodes_of(const Points& vertices, const MeshObject& mesh) {
-  return of_nodes(vertices, mesh.source.file);
+  return node_positions(vertices, mesh.source.file);
 }
 
 DeformerPtr new_deformer(const py::object& given, const py::object& triangles,
@@ -107,11 +107,11 @@ DeformerPtr new_deformer(const py::object& given, const py::object& triangles,
   problem.handles = named_from<Handle>(handles, "handle", count);
   problem.features = named_from<FormFeature>(features, "feature", count);
   for (FormFeature& feature : named_from<FormFeature>(upright, "feature", count)) {
-    feature.kind = FormFeature::Kind::KeepsDirection;
+    feature.kind = FormFeature::Kind::TranslationOnly;
     problem.features.push_back(feature);
   }
   if (!region.is_none()) problem.region = indices_from(region, "region", count);
-  problem = with_whole_nodes(std::move(problem), mesh.topology());
+  problem = expand_to_nodes(std::move(problem), mesh.topology());
   result->problem = problem;
   result->deformer = KernelCall()(
       [&](const Progress&) { return std::make_unique<FormFeatureDeformer>(mesh, problem); });
@@ -124,7 +124,7 @@ py::array deform(const DeformerPtr& of, const py::dict& moves, const py::dict& s
   edit.handles = moves_from(moves, of->problem.handles, of->mesh->source.prepared.mesh);
   edit.feature_scales = scales_from(scales, of->problem.features);
   return array_of(KernelCall()([&](const Progress&) {
-    return of->turns([&] {
+    return of->serialize([&] {
       of->deformer->deform(edit);
       if (correct) of->deformer->correct();
       return nodes_of(of->deformer->positions(), *of->mesh);
@@ -135,8 +135,8 @@ py::array deform(const DeformerPtr& of, const py::dict& moves, const py::dict& s
 py::array positions_of(const DeformerPtr& of) {
   const Points& points = of->deformer->positions();
   const auto size = static_cast<py::ssize_t>(sizeof(double));
-  return view_of(of, points.data(), {of->mesh->source.file.shells().node_count(), 3},
-                 {size, points.rows() * size});
+  return array_view(of, points.data(), {of->mesh->source.file.shells().node_count(), 3},
+                    {size, points.rows() * size});
 }
 
 /// A deformer that keeps feature regions in the result of any other one.
@@ -144,7 +144,7 @@ struct RegionsObject {
   std::shared_ptr<const MeshObject> mesh;
   std::vector<Handle> handles;
   std::unique_ptr<FeatureRegionDeformer> deformer;
-  Turns turns;
+  CallSerializer serialize;
 };
 
 std::vector<FeatureRegion> feature_regions_from(const py::dict& given, int triangles) {
@@ -184,7 +184,7 @@ py::array keep_regions(RegionsObject& of, const py::object& estimate, const py::
   const TriangleMesh& mesh = of.mesh->source.prepared.mesh;
   const auto handles = moves_from(moves, of.handles, mesh);
   return array_of(KernelCall()([&](const Progress&) {
-    return of.turns([&] { return Points(of.deformer->deform(shape, handles)); });
+    return of.serialize([&] { return Points(of.deformer->deform(shape, handles)); });
   }));
 }
 
@@ -217,7 +217,7 @@ more, against roundings. Raises InputError, ConflictError; positions then stay.)
           "residual",
           [](const DeformerPtr& of) {
             return KernelCall()([&](const Progress&) {
-              return of->turns([&] { return of->deformer->hard_residual(); });
+              return of->serialize([&] { return of->deformer->hard_residual(); });
             });
           },
           "Largest violation of what is held, over the size.")

@@ -21,12 +21,12 @@ struct MeshEditObject {
   EditedMesh edited;
   std::vector<std::string> names;  // of all parameters
   std::shared_ptr<MeshObject> mesh;
-  Turns turns;
+  CallSerializer serialize;
 
-  Points nodes() const { return of_nodes(edited.shape(), mesh->source.file); }
+  Points nodes() const { return node_positions(edited.shape(), mesh->source.file); }
 };
 
-std::string whole_text(const std::string& file) {
+std::string full_text(const std::string& file) {
   require_input_file(file, "an edit of a mesh", "");
   std::ifstream in(file, std::ios::binary);
   std::ostringstream text;
@@ -38,10 +38,10 @@ std::unique_ptr<MeshEditObject> new_mesh_edit(const py::object& path, const py::
   const std::string file = path_from(path);
   return KernelCall(progress)([&](const Progress& hook) {
     auto made = std::make_unique<MeshEditObject>();
-    const std::string text = whole_text(file);
+    const std::string text = full_text(file);
     for (const Parameter& p : parse_deform_scene(text, file).parameters())
       made->names.push_back(p.name);
-    made->edited.become(SceneText(text, file), file, hook);
+    made->edited.rebuild(SceneText(text, file), file, hook);
     if (!made->edited.problem().empty()) throw InputError(made->edited.problem());
     made->mesh = std::make_shared<MeshObject>(MeshObject{made->edited.source(), true});
     return made;
@@ -50,7 +50,7 @@ std::unique_ptr<MeshEditObject> new_mesh_edit(const py::object& path, const py::
 
 void set_number(MeshEditObject& of, const std::string& name, double value) {
   KernelCall()([&](const Progress&) {
-    of.turns([&] {
+    of.serialize([&] {
       of.edited.check(name, value);
       if (!of.edited.moves(name))
         throw InputError("found '" + name + "', expected a number of the last edit's handles");
@@ -61,7 +61,7 @@ void set_number(MeshEditObject& of, const std::string& name, double value) {
 
 double number_of(MeshEditObject& of, const std::string& name) {
   return KernelCall()(
-      [&](const Progress&) { return of.turns([&] { return of.edited.value(name); }); });
+      [&](const Progress&) { return of.serialize([&] { return of.edited.value(name); }); });
 }
 
 py::dict numbers_of(MeshEditObject& of) {
@@ -89,15 +89,17 @@ Features, guides and rows are those of the scene; factors are made once. What se
       .def(
           "answer",
           [](MeshEditObject& of) {
-            return KernelCall()(
-                [&](const Progress&) { return of.turns([&] { return of.edited.answer(); }); });
+            return KernelCall()([&](const Progress&) {
+              return of.serialize([&] { return of.edited.solve_preview(); });
+            });
           },
           "The shape for a drag, a pair of triangular solves; True when features rest. Raises as "
           "settle().")
       .def(
           "settle",
           [](MeshEditObject& of) {
-            KernelCall()([&](const Progress&) { of.turns([&] { of.edited.settle(); }); });
+            KernelCall()(
+                [&](const Progress&) { of.serialize([&] { of.edited.solve_to_equilibrium(); }); });
           },
           "The shape at rest. Raises ConflictError, NoSolutionError; shape and numbers then go "
           "back.")
@@ -105,7 +107,7 @@ Features, guides and rows are those of the scene; factors are made once. What se
           "points",
           [](MeshEditObject& of) {
             return array_of(KernelCall()(
-                [&](const Progress&) { return of.turns([&] { return of.nodes(); }); }));
+                [&](const Progress&) { return of.serialize([&] { return of.nodes(); }); }));
           },
           "Places of the nodes, n×3 float64, an array of its own.")
       .def_readonly("mesh", &MeshEditObject::mesh, "The Mesh as it was read.");

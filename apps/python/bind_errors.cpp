@@ -1,7 +1,7 @@
 // The kernel's errors as exceptions of Python.
 #include "batten/apps/python/bindings.h"
 #include "batten/core/errors.h"
-#include "batten/io/files/whole_file.h"
+#include "batten/io/files/atomic_file.h"
 
 namespace batten::python {
 namespace {

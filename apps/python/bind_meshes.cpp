@@ -6,7 +6,7 @@
 #include "batten/apps/python/scenes.h"
 #include "batten/core/errors.h"
 #include "batten/io/files/length_units.h"
-#include "batten/mesh/features/holes.h"
+#include "batten/mesh/features/hole_measure.h"
 
 namespace batten::python {
 namespace {
@@ -24,7 +24,7 @@ MeshPtr read_mesh(const py::object& path) {
 py::array mesh_points(const MeshPtr& mesh) {
   const Points& points = mesh->source.file.shells().points;
   const auto size = static_cast<py::ssize_t>(sizeof(double));
-  return view_of(mesh, points.data(), {points.rows(), 3}, {size, points.rows() * size});
+  return array_view(mesh, points.data(), {points.rows(), 3}, {size, points.rows() * size});
 }
 
 py::array mesh_triangles(const MeshPtr& mesh) {
@@ -39,7 +39,7 @@ py::array mesh_triangles(const MeshPtr& mesh) {
 
 py::array triangle_faces(const MeshPtr& mesh) {
   const std::vector<int>& faces = mesh->source.prepared.face_of_triangle;
-  return view_of(mesh, faces.data(), {static_cast<py::ssize_t>(faces.size())}, {sizeof(int)});
+  return array_view(mesh, faces.data(), {static_cast<py::ssize_t>(faces.size())}, {sizeof(int)});
 }
 
 py::dict sets_of(const MeshObject& mesh) {
@@ -77,16 +77,16 @@ void save_mesh(const MeshObject& mesh, const py::object& path, const py::object&
 }
 
 double save_as_read(const MeshObject& mesh, const py::object& path, const py::object& given,
-                    bool wide_nodes) {
+                    bool large_field_nodes) {
   const std::string file = path_from(path);
   const Points points = points_from(given, "points");
   MeshWriteOptions options;
-  options.wide_nodes = wide_nodes;
+  options.large_field_nodes = large_field_nodes;
   return KernelCall()(
       [&](const Progress&) { return mesh.source.file.write(file, points, options).largest; });
 }
 
-std::string mesh_words(const MeshObject& mesh) {
+std::string mesh_repr(const MeshObject& mesh) {
   const ShellMesh& shells = mesh.source.file.shells();
   return "<batten.Mesh: " + std::to_string(shells.node_count()) + " nodes, " +
          std::to_string(shells.face_count()) + " faces>";
@@ -119,7 +119,7 @@ std::shared_ptr<MeshObject> mesh_of_arrays(const py::object& points, const py::o
   return KernelCall()([&](const Progress&) {
     PreparedMesh prepared = prepare(shells);
     return std::make_shared<MeshObject>(
-        MeshObject{{MeshFile::counted_from_1(std::move(shells)), std::move(prepared)}, false});
+        MeshObject{{MeshFile::from_shells(std::move(shells)), std::move(prepared)}, false});
   });
 }
 
@@ -162,7 +162,7 @@ void bind_meshes(py::module_& m) {
            R"(Writes the file that was read with other coordinates n×3, all else in it unchanged.
 
 Returns the largest rounding of a coordinate, model units. Raises InputError, FileError.)")
-      .def("__repr__", &mesh_words);
+      .def("__repr__", &mesh_repr);
   m.def("read_mesh", &read_mesh, "path"_a,
         "A mesh file: OBJ, OFF, PLY, STL, VTP, VTU, Nastran, Abaqus, LS-DYNA, Radioss. Raises "
         "InputError.");

@@ -4,71 +4,70 @@
 #include "batten/apps/commands/shapes/shape_files.h"
 #include "batten/apps/python/arrays.h"
 #include "batten/apps/python/kernel_call.h"
+#include "batten/apps/python/model.h"
 #include "batten/apps/python/scenes.h"
-#include "batten/apps/python/shaped_model.h"
 #include "batten/core/errors.h"
-#include "batten/fairing/curve_shapes.h"
+#include "batten/fairing/primitive_curves.h"
 #include "batten/io/scene/read_scene.h"
 
 namespace batten::python {
 namespace {
 
-using ModelPtr = std::shared_ptr<const ShapedModel>;
+using ModelPtr = std::shared_ptr<const Model>;
 using namespace py::literals;
 
 ModelPtr made(const Scene& scene, const py::object& progress) {
-  return KernelCall(progress)(
-      [&](const Progress& hook) { return ShapedModel::of_scene(scene, hook); });
+  return KernelCall(progress)([&](const Progress& hook) { return Model::of_scene(scene, hook); });
 }
 
-std::shared_ptr<const ShownFacets> facets_of(const ShapedModel& model) {
+std::shared_ptr<const FacetArrays> facets_of(const Model& model) {
   require_surface(model);
   return KernelCall()([&](const Progress&) { return model.facets(); });
 }
 
-py::array points_of(const ShapedModel& model) {
+py::array points_of(const Model& model) {
   const auto facets = facets_of(model);
   return rows_view(facets, facets->points.data(),
                    static_cast<py::ssize_t>(facets->points.size() / 3), 3);
 }
 
-py::array normals_of(const ShapedModel& model) {
+py::array normals_of(const Model& model) {
   const auto facets = facets_of(model);
   return rows_view(facets, facets->normals.data(),
                    static_cast<py::ssize_t>(facets->normals.size() / 3), 3);
 }
 
-py::array triangles_of(const ShapedModel& model) {
+py::array triangles_of(const Model& model) {
   const auto facets = facets_of(model);
   return rows_view(facets, facets->triangles.front().data(),
                    static_cast<py::ssize_t>(facets->triangles.size()), 3);
 }
 
-py::array triangle_regions_of(const ShapedModel& model) {
+py::array triangle_regions_of(const Model& model) {
   const auto facets = facets_of(model);
-  return view_of(facets, facets->regions.data(), {static_cast<py::ssize_t>(facets->regions.size())},
-                 {sizeof(int)});
+  return array_view(facets, facets->regions.data(),
+                    {static_cast<py::ssize_t>(facets->regions.size())}, {sizeof(int)});
 }
 
-py::dict parameters_of(const ShapedModel& model) {
+py::dict parameters_of(const Model& model) {
   py::dict values;
   for (const Parameter& p : model.scene().parameters()) values[py::str(p.name)] = p.value;
   return values;
 }
 
-py::list region_names(const ShapedModel& model) {
+py::list region_names(const Model& model) {
   py::list names;
   for (const SkinnedRegion& region : model.shape().regions) names.append(region.name);
   return names;
 }
 
-py::list line_names(const ShapedModel& model) {
+py::list line_names(const Model& model) {
   py::list names;
   for (const CharacterLine& line : model.lines()) names.append(line.name);
   return names;
 }
 
-py::array line_points(const ShapedModel& model, const std::string& name, int count) {
+py::array line_points(const Model& model, const std::string& name, int count) {
   std::vector<std::string> names;
   for (const CharacterLine& line : model.lines()) {
     names.push_back(line.name);
@@ -82,30 +81,32 @@ py::array line_points(const ShapedModel& model, const std::string& name, int cou
           curve.evaluate(curve.start() + (curve.end() - curve.start()) * i / (count - 1));
     return array_of(std::move(points));
   }
-  const std::string near = nearest_word(name, names);
+  const std::string near = closest_match(name, names);
   throw InputError("found the line name '" + name + "', expected one of the model's" +
                    (near.empty() ? "" : "; did you mean '" + near + "'?"));
 }
 
-py::object report_of(const ShapedModel& model) {
+py::object report_of(const Model& model) {
   return json_object(
       KernelCall()([&](const Progress& hook) { return to_json(model.report(hook)); }));
 }
 
-py::list missed_list(const Report& report) {
-  py::list missed;
-  for (const MissedPromise& one : report.missed) missed.append(one.what + ": " + one.detail);
-  return missed;
+py::list failed_check_list(const Report& report) {
+  py::list failed_checks;
+  for (const FailedCheck& one : report.failed_checks)
+    failed_checks.append(one.what + ": " + one.detail);
+  return failed_checks;
 }
 
-py::list missed_of(const ShapedModel& model) {
-  return missed_list(*KernelCall()([&](const Progress& hook) { return &model.report(hook); }));
+py::list failed_checks_of(const Model& model) {
+  return failed_check_list(
+      *KernelCall()([&](const Progress& hook) { return &model.report(hook); }));
 }
 
-py::list save(const ShapedModel& model, const py::object& path, const py::object& progress) {
+py::list save(const Model& model, const py::object& path, const py::object& progress) {
   require_surface(model);
   const std::string file = path_from(path);
-  return missed_list(KernelCall(progress)([&](const Progress& hook) {
+  return failed_check_list(KernelCall(progress)([&](const Progress& hook) {
     return export_shape(model.scene(), *model.made(), model.shape(), file, hook);
   }));
 }
@@ -118,9 +119,9 @@ PictureScene::Field field_from(const std::string& word) {
   throw InputError("field: found '" + word + "', expected none, mean, gauss or regions");
 }
 
-void picture(const ShapedModel& model, const py::object& path, int width, int height,
-             double azimuth, double elevation, const std::string& field, int contours, int zebra,
-             bool mesh, const std::string& title) {
+void picture(const Model& model, const py::object& path, int width, int height, double azimuth,
+             double elevation, const std::string& field, int contours, int zebra, bool mesh,
+             const std::string& title) {
   require_surface(model);
   PictureScene look;
   look.azimuth = azimuth;
@@ -132,11 +133,11 @@ void picture(const ShapedModel& model, const py::object& path, int width, int he
   look.title = title;
   const std::string file = path_from(path);
   KernelCall()([&](const Progress&) {
-    draw_picture(file, picture_of(look, *model.made(), model.shape()), {width, height});
+    draw_picture(file, shape_picture(look, *model.made(), model.shape()), {width, height});
   });
 }
 
-std::string words_of(const ShapedModel& model) {
+std::string model_repr(const Model& model) {
   size_t triangles = 0;
   for (const SkinnedRegion& region : model.shape().regions)
     triangles += static_cast<size_t>(region.surface.mesh().triangle_count());
@@ -150,7 +151,7 @@ py::dict lines_of_file(const py::object& path, const std::string& unit, double c
   const auto lines = KernelCall()([&](const Progress&) {
     std::vector<std::pair<std::string, std::vector<Vec3>>> read;
     for (const SourceLine& line : read_source_file(file, unit, unit.empty() ? "mm" : unit))
-      read.emplace_back(line.name, sampled(line, corner_angle).points);
+      read.emplace_back(line.name, sample_line(line, corner_angle).points);
     return read;
   });
   py::dict result;
@@ -219,15 +220,15 @@ which turn by more than `corner_angle` degrees. `unit`: of a file that states no
 }  // namespace
 
 void bind_models(py::module_& m) {
-  py::class_<ShapedModel, std::shared_ptr<ShapedModel>>(
+  py::class_<Model, std::shared_ptr<Model>>(
       m, "Model", "Lines and the surface that they make. It does not change.")
-      .def_property_readonly("name", [](const ShapedModel& model) { return model.scene().name; })
+      .def_property_readonly("name", [](const Model& model) { return model.scene().name; })
       .def_property_readonly(
-          "unit", [](const ShapedModel& model) { return model.scene().unit; }, "Unit of lengths.")
+          "unit", [](const Model& model) { return model.scene().unit; }, "Unit of lengths.")
       .def_property_readonly("regions", &region_names, "Names of the regions that have a surface.")
       .def_property_readonly("lines", &line_names, "Names of the lines.")
       .def_property_readonly(
-          "tolerance", [](const ShapedModel& model) { return model.made()->fit_tolerance; },
+          "tolerance", [](const Model& model) { return model.made()->fit_tolerance; },
           "Largest distance of fitted lines from the given ones, model units.")
       .def_property_readonly("parameters", &parameters_of,
                              "Values of the scene's parameters, {name: value}.")
@@ -244,11 +245,11 @@ void bind_models(py::module_& m) {
       .def_property_readonly("report", &report_of,
                              "Everything that was measured, as in report.json (docs/scenes.md).")
       .def_property_readonly(
-          "missed", &missed_of,
+          "missed", &failed_checks_of,
           "The promises that the shape does not keep, in words; [] when all hold.")
       .def(
           "with_values",
-          [](const ShapedModel& model, const py::dict& values, const py::object& progress) {
+          [](const Model& model, const py::dict& values, const py::object& progress) {
             const auto numbers = values_from(values);
             return KernelCall(progress)(
                 [&](const Progress& hook) { return model.with_values(numbers, hook); });
@@ -267,7 +268,7 @@ Raises InputError for another ending, FileError where the system refuses.)")
 
 `width`, `height`: pixels. `azimuth`, `elevation`: degrees. `field`: none, mean, gauss, regions.
 `contours`, `zebra`: numbers of lines of equal height, of stripes of equal angle.)")
-      .def("__repr__", &words_of);
+      .def("__repr__", &model_repr);
   bind_making(m);
 }
 

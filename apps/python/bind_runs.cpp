@@ -22,7 +22,7 @@ py::object report_of(AnyScene& scene, const py::object& out, const py::object& v
     throw InputError("values: found some, expected none: this scene has no parameters");
   const std::string folder = path_from(out);
   return json_object(KernelCall(progress)(
-      [&](const Progress& hook) { return to_json(run_any(scene, folder, hook)); }));
+      [&](const Progress& hook) { return to_json(run_any_scene(scene, folder, hook)); }));
 }
 
 py::object run_scene_file(const py::object& path, const py::object& out, const py::object& values,
@@ -30,8 +30,7 @@ py::object run_scene_file(const py::object& path, const py::object& out, const p
   const std::string file = path_from(path);
   const FileKind kind = file_kind(file);
   if (kind != FileKind::Cad && kind != FileKind::Lines)
-    return with_scene_of(file,
-                         [&](auto& scene) { return report_of(scene, out, values, progress); });
+    return visit_scene(file, [&](auto& scene) { return report_of(scene, out, values, progress); });
   Scene scene = scene_of_file(file);
   return report_of(scene, out, values, progress);
 }
@@ -69,9 +68,10 @@ py::list run_conversion(const py::object& from, const py::object& to, double cho
   task.from_unit = from_unit;
   const ConvertReport report =
       KernelCall(progress)([&](const Progress& hook) { return run_convert(task, hook); });
-  py::list missed;
-  for (const MissedPromise& one : report.missed) missed.append(one.what + ": " + one.detail);
-  return missed;
+  py::list failed_checks;
+  for (const FailedCheck& one : report.failed_checks)
+    failed_checks.append(one.what + ": " + one.detail);
+  return failed_checks;
 }
 
 }  // namespace

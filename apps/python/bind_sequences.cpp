@@ -28,7 +28,7 @@ py::array frame_points(const SequencePtr& sequence, int index) {
     throw py::index_error("found frame " + std::to_string(index));
   const Points& points = sequence->frames[static_cast<size_t>(index < 0 ? index + count : index)];
   const auto size = static_cast<py::ssize_t>(sizeof(double));
-  return view_of(sequence, points.data(), {points.rows(), 3}, {size, points.rows() * size});
+  return array_view(sequence, points.data(), {points.rows(), 3}, {size, points.rows() * size});
 }
 
 py::list sequence_faces(const MeshSequence& sequence) {

@@ -2,8 +2,8 @@
 #include <cmath>
 
 #include "batten/apps/python/arrays.h"
-#include "batten/apps/python/live_session.h"
 #include "batten/apps/python/scenes.h"
+#include "batten/apps/python/shared_session.h"
 #include "batten/core/errors.h"
 #include "batten/io/scene/read_scene.h"
 
@@ -14,39 +14,40 @@ using namespace py::literals;
 
 /// What Python calls a session: the live one, and its topology as an array, made once.
 struct SessionObject {
-  std::unique_ptr<LiveSession> live;
+  std::unique_ptr<SharedSession> shared;
   py::object triangles;
-  std::shared_ptr<const DisplayPattern> pattern;  // of these
+  std::shared_ptr<const DisplayTopology> pattern;  // of these
 };
 
 std::unique_ptr<SessionObject> new_session(const py::object& source, const py::object& values,
                                            const py::object& progress) {
-  std::shared_ptr<const ShapedModel> model;
+  std::shared_ptr<const Model> model;
   KernelCall call(progress);
-  if (py::isinstance<ShapedModel>(source)) {
-    model = source.cast<std::shared_ptr<ShapedModel>>();
+  if (py::isinstance<Model>(source)) {
+    model = source.cast<std::shared_ptr<Model>>();
     const auto numbers = values_from(values);
     if (!numbers.empty())
       model = call([&](const Progress& hook) { return model->with_values(numbers, hook); });
   } else {
     Scene scene = scene_of_file(path_from(source));
     set_values(scene, values);
-    model = call([&](const Progress& hook) { return ShapedModel::of_scene(scene, hook); });
+    model = call([&](const Progress& hook) { return Model::of_scene(scene, hook); });
   }
   auto session = std::make_unique<SessionObject>();
-  session->live =
-      call([&](const Progress& hook) { return std::make_unique<LiveSession>(model, hook); });
+  session->shared =
+      call([&](const Progress& hook) { return std::make_unique<SharedSession>(model, hook); });
   return session;
 }
 
 /// Calls function(session) without the interpreter's lock, in this thread's turn.
 template <class Function>
-auto free_call(const SessionObject& of, bool changes, const Function& function) {
-  return KernelCall()([&](const Progress& hook) { return of.live->with(changes, hook, function); });
+auto call_without_gil(const SessionObject& of, bool changes, const Function& function) {
+  return KernelCall()(
+      [&](const Progress& hook) { return of.shared->with_session(changes, hook, function); });
 }
 
 std::shared_ptr<const Frame> frame_of(const SessionObject& of) {
-  return KernelCall()([&](const Progress& hook) { return of.live->frame(hook); });
+  return KernelCall()([&](const Progress& hook) { return of.shared->frame(hook); });
 }
 
 py::array frame_view(const SessionObject& of, std::vector<float> Frame::*numbers) {
@@ -67,14 +68,15 @@ py::object session_triangles(SessionObject& of) {
 
 py::dict session_parameters(const SessionObject& of) {
   const Parameters now =
-      free_call(of, false, [](SculptingSession& session) { return session.parameters(); });
+      call_without_gil(of, false, [](SculptingSession& session) { return session.parameters(); });
   py::dict values;
-  for (const NamedValue& p : now.all()) values[py::str(p.name)] = now.value(p.name);
+  for (const ScalarParameter& p : now.all()) values[py::str(p.name)] = now.value(p.name);
   return values;
 }
 
-std::vector<NamedValue> range_of(const std::string& name, double value, double low, double high) {
-  NamedValue parameter;
+std::vector<ScalarParameter> range_of(const std::string& name, double value, double low,
+                                      double high) {
+  ScalarParameter parameter;
   parameter.name = name;
   parameter.value = value;
   parameter.min = low;
@@ -86,7 +88,7 @@ void add_pressure(const SessionObject& of, const std::string& name, double value
                   double high, const std::vector<std::string>& regions) {
   Load::Pressure pressure;
   pressure.area.regions = regions;
-  free_call(of, true, [&](SculptingSession& session) {
+  call_without_gil(of, true, [&](SculptingSession& session) {
     session.add(Load{name, pressure}, range_of(name, value, low, high));
   });
 }
@@ -94,7 +96,7 @@ void add_pressure(const SessionObject& of, const std::string& name, double value
 void add_force(const SessionObject& of, const std::string& name, const py::object& at,
                const py::object& direction, double value, double low, double high) {
   const Load load{name, Load::Point{vector_from(at, "at"), vector_from(direction, "direction")}};
-  free_call(of, true, [&](SculptingSession& session) {
+  call_without_gil(of, true, [&](SculptingSession& session) {
     session.add(load, range_of(name, value, low, high));
   });
 }
@@ -104,36 +106,37 @@ void hold_point(const SessionObject& of, const std::string& name, const py::obje
   const Vec3 place = vector_from(at, "at");
   const Constraint constraint{
       name, Constraint::Point{place, goal.is_none() ? place : vector_from(goal, "goal")}};
-  free_call(of, true, [&](SculptingSession& session) { session.add(constraint); });
+  call_without_gil(of, true, [&](SculptingSession& session) { session.add(constraint); });
 }
 
 void hold_normal(const SessionObject& of, const std::string& name, const py::object& at,
                  const py::object& normal) {
   const Constraint constraint{
       name, Constraint::Normal{vector_from(at, "at"), vector_from(normal, "normal")}};
-  free_call(of, true, [&](SculptingSession& session) { session.add(constraint); });
+  call_without_gil(of, true, [&](SculptingSession& session) { session.add(constraint); });
 }
 
 void move_line(const SessionObject& of, const std::string& name, const std::string& line,
                const py::object& direction, double fade, double value, double low, double high) {
-  LineMove move{name, line};
+  LineOffset move{name, line};
   if (!direction.is_none()) move.direction = vector_from(direction, "direction");
   move.fade = fade;
-  free_call(of, true, [&](SculptingSession& session) {
+  call_without_gil(of, true, [&](SculptingSession& session) {
     session.add(move, range_of(name, value, low, high));
   });
 }
 
-void drive(const SessionObject& of, const std::string& parameter, const py::dict& follows,
-           double offset) {
-  std::vector<NamedValue::Share> shares;
-  for (const auto& [name, factor] : values_from(follows)) shares.push_back({name, factor});
-  free_call(of, true, [&](SculptingSession& session) { session.drive(parameter, shares, offset); });
+void set_rule(const SessionObject& of, const std::string& parameter, const py::dict& rule_terms,
+              double offset) {
+  std::vector<ScalarParameter::Term> terms;
+  for (const auto& [name, factor] : values_from(rule_terms)) terms.push_back({name, factor});
+  call_without_gil(of, true,
+                   [&](SculptingSession& session) { session.set_rule(parameter, terms, offset); });
 }
 
 py::dict session_reactions(const SessionObject& of) {
   const auto reactions =
-      free_call(of, false, [](SculptingSession& session) { return session.reactions(); });
+      call_without_gil(of, false, [](SculptingSession& session) { return session.reactions(); });
   py::dict forces;
   for (const Reaction& one : reactions)
     forces[py::str(one.name)] = py::make_tuple(one.force.x(), one.force.y(), one.force.z());
@@ -141,33 +144,34 @@ py::dict session_reactions(const SessionObject& of) {
 }
 
 py::dict session_stress(const SessionObject& of) {
-  const LiveSession::Stress stress =
-      KernelCall()([&](const Progress& hook) { return of.live->stress(hook); });
-  const MovingStress::Field& field = *stress.field;
+  const SharedSession::Stress stress =
+      KernelCall()([&](const Progress& hook) { return of.shared->stress(hook); });
+  const StressEvaluator::Field& field = *stress.field;
   const auto rows = static_cast<py::ssize_t>(field.displacement.size() / 3);
-  return py::dict(
-      "case"_a = field.of_case, "largest_von_mises"_a = stress.largest.von_mises,
-      "largest_displacement"_a = stress.largest.displacement,
-      "von_mises"_a = view_of(stress.field, field.von_mises.data(),
-                              {static_cast<py::ssize_t>(field.von_mises.size())}, {sizeof(float)}),
-      "displacement"_a = rows_view(stress.field, field.displacement.data(), rows, 3));
+  return py::dict("case"_a = field.load_case, "largest_von_mises"_a = stress.largest.von_mises,
+                  "largest_displacement"_a = stress.largest.displacement,
+                  "von_mises"_a = array_view(stress.field, field.von_mises.data(),
+                                             {static_cast<py::ssize_t>(field.von_mises.size())},
+                                             {sizeof(float)}),
+                  "displacement"_a = rows_view(stress.field, field.displacement.data(), rows, 3));
 }
 
-void require_answer(int most_iterations, double tolerance) {
-  if (most_iterations < 1)
-    throw InputError("most_iterations: found " + std::to_string(most_iterations) +
+void require_solver_options(int max_iterations, double tolerance) {
+  if (max_iterations < 1)
+    throw InputError("most_iterations: found " + std::to_string(max_iterations) +
                      ", expected 1 or more");
   if (!(tolerance > 0 && std::isfinite(tolerance)))
-    throw InputError("tolerance: found " + number(tolerance) + ", expected a number above 0");
+    throw InputError("tolerance: found " + format_number(tolerance) +
+                     ", expected a number above 0");
 }
 
 using SessionClass = py::class_<SessionObject>;
 
-void bind_session_answers(SessionClass& c) {
+void bind_session_solves(SessionClass& c) {
   c.def(
        "set",
        [](const SessionObject& of, const std::string& name, double value) {
-         free_call(of, true, [&](SculptingSession& session) { session.set(name, value); });
+         call_without_gil(of, true, [&](SculptingSession& session) { session.set(name, value); });
        },
        "name"_a, "value"_a,
        "Sets a parameter; it acts from the next answer() or settle() on. Raises InputError: "
@@ -176,23 +180,24 @@ void bind_session_answers(SessionClass& c) {
       .def(
           "__setitem__",
           [](const SessionObject& of, const std::string& name, double value) {
-            free_call(of, true, [&](SculptingSession& session) { session.set(name, value); });
+            call_without_gil(of, true,
+                             [&](SculptingSession& session) { session.set(name, value); });
           },
           "name"_a, "value"_a)
       .def(
           "__getitem__",
           [](const SessionObject& of, const std::string& name) {
-            return free_call(of, false, [&](SculptingSession& session) {
+            return call_without_gil(of, false, [&](SculptingSession& session) {
               return session.parameters().value(name);
             });
           },
           "name"_a)
       .def(
           "answer",
-          [](const SessionObject& of, int most_iterations, double tolerance) {
-            require_answer(most_iterations, tolerance);
+          [](const SessionObject& of, int max_iterations, double tolerance) {
+            require_solver_options(max_iterations, tolerance);
             return KernelCall()([&](const Progress& hook) {
-              return of.live->answer(most_iterations, tolerance, hook);
+              return of.shared->solve_preview(max_iterations, tolerance, hook);
             });
           },
           "most_iterations"_a = 4, "tolerance"_a = 1e-5,
@@ -204,7 +209,7 @@ Raises NoSolutionError past a load's limit; parameters and shape are then the la
           "settle",
           [](const SessionObject& of, const py::object& progress) {
             return KernelCall(progress)(
-                [&](const Progress& hook) { return of.live->settle(hook); });
+                [&](const Progress& hook) { return of.shared->solve_to_equilibrium(hook); });
           },
           py::kw_only(), "progress"_a = py::none(),
           "The shape at rest, to rounding; `progress` is told where fairness is a part of it. "
@@ -213,13 +218,15 @@ Raises NoSolutionError past a load's limit; parameters and shape are then the la
       .def(
           "undo",
           [](const SessionObject& of) {
-            return free_call(of, true, [](SculptingSession& session) { return session.undo(); });
+            return call_without_gil(of, true,
+                                    [](SculptingSession& session) { return session.undo(); });
           },
           "Takes back an edit, or a drag since the last settle(). False: nothing to undo.")
       .def(
           "redo",
           [](const SessionObject& of) {
-            return free_call(of, true, [](SculptingSession& session) { return session.redo(); });
+            return call_without_gil(of, true,
+                                    [](SculptingSession& session) { return session.redo(); });
           },
           "Does again what undo() took back. False: nothing to redo.");
 }
@@ -249,25 +256,25 @@ void bind_session_edits(SessionClass& c) {
           "add_parameter",
           [](const SessionObject& of, const std::string& name, double value, double low,
              double high) {
-            free_call(of, true, [&](SculptingSession& session) {
+            call_without_gil(of, true, [&](SculptingSession& session) {
               session.add_parameter(range_of(name, value, low, high).front());
             });
           },
           "name"_a, py::kw_only(), "value"_a = 0.0, "min"_a = -inf, "max"_a = inf,
           "Adds a parameter that others can follow: drive().")
-      .def("drive", &drive, "parameter"_a, "follows"_a, py::kw_only(), "offset"_a = 0.0,
+      .def("drive", &set_rule, "parameter"_a, "follows"_a, py::kw_only(), "offset"_a = 0.0,
            "Makes a parameter follow others: offset + Σ factor · value of {name: factor}.")
       .def(
           "remove",
           [](const SessionObject& of, const std::string& name) {
-            free_call(of, true, [&](SculptingSession& session) { session.remove(name); });
+            call_without_gil(of, true, [&](SculptingSession& session) { session.remove(name); });
           },
           "name"_a, "Removes a load, constraint or move.")
       .def_property_readonly(
           "acting",
           [](const SessionObject& of) {
-            return py::cast(
-                free_call(of, false, [](SculptingSession& session) { return session.names(); }));
+            return py::cast(call_without_gil(
+                of, false, [](SculptingSession& session) { return session.names(); }));
           },
           "Names of what remove() knows.");
 }
@@ -286,30 +293,30 @@ void bind_session_results(SessionClass& c) {
       .def_property_readonly(
           "dofs",
           [](const SessionObject& of) {
-            return array_of(
-                free_call(of, false, [](SculptingSession& session) { return session.dofs(); }));
+            return array_of(call_without_gil(
+                of, false, [](SculptingSession& session) { return session.dofs(); }));
           },
           "The unknowns of the present shape, n×3 float64 (docs/theory/elements.md).")
       .def_property_readonly(
           "residual",
           [](const SessionObject& of) {
-            return free_call(of, false,
-                             [](SculptingSession& session) { return session.residual(); });
+            return call_without_gil(of, false,
+                                    [](SculptingSession& session) { return session.residual(); });
           },
           "Largest residual of all constraints, over the size.")
       .def_property_readonly(
           "energy",
           [](const SessionObject& of) {
-            const SurfaceEnergy energy =
-                free_call(of, false, [](SculptingSession& session) { return session.energy(); });
+            const SurfaceEnergy energy = call_without_gil(
+                of, false, [](SculptingSession& session) { return session.energy(); });
             return energy.stretching + energy.bending;
           },
           "Elastic energy qᵀK q, on the domain scaled to size 1.")
       .def_property_readonly(
           "volume",
           [](const SessionObject& of) {
-            return free_call(of, false,
-                             [](SculptingSession& session) { return session.enclosed_volume(); });
+            return call_without_gil(
+                of, false, [](SculptingSession& session) { return session.enclosed_volume(); });
           },
           "⅓ ∬ x·(x_u × x_v), model units³.")
       .def("reactions", &session_reactions,
@@ -324,7 +331,7 @@ Source: Kirchhoff-Love shells on the same elements (docs/stress.md).)")
           "model",
           [](const SessionObject& of) {
             return KernelCall()([&](const Progress& hook) {
-              return std::const_pointer_cast<ShapedModel>(of.live->model(hook));
+              return std::const_pointer_cast<Model>(of.shared->model(hook));
             });
           },
           "The present shape as a Model, which stays as it is.");
@@ -333,11 +340,11 @@ Source: Kirchhoff-Love shells on the same elements (docs/stress.md).)")
 }  // namespace
 
 void bind_sessions(py::module_& m) {
-  py::class_<Answer>(m, "Answer", "How an answer was reached.")
-      .def_readonly("converged", &Answer::converged)
-      .def_readonly("iterations", &Answer::iterations, "Pairs of triangular solves.")
-      .def_readonly("change", &Answer::change, "Change of the last iteration, over the size.")
-      .def_readonly("factored", &Answer::factored, "Whether a new factor was needed.");
+  py::class_<SolveReport>(m, "Answer", "How an answer was reached.")
+      .def_readonly("converged", &SolveReport::converged)
+      .def_readonly("iterations", &SolveReport::iterations, "Pairs of triangular solves.")
+      .def_readonly("change", &SolveReport::change, "Change of the last iteration, over the size.")
+      .def_readonly("factored", &SolveReport::factored, "Whether a new factor was needed.");
   SessionClass c(m, "Session",
                  R"(A model and all that acts on it, live. Threads take turns on one session.
 
@@ -349,7 +356,7 @@ void bind_sessions(py::module_& m) {
         "progress"_a = py::none(),
         "A session of a Model, or of a scene's file. `values`: parameters {name: value}. Raises as "
         "load().");
-  bind_session_answers(c);
+  bind_session_solves(c);
   bind_session_edits(c);
   bind_session_results(c);
 }

@@ -32,23 +32,23 @@ class KernelCall {
       const py::gil_scoped_release free;
       return function(progress_);
     } catch (const CancelledError&) {
-      if (raised_) std::rethrow_exception(raised_);
+      if (python_error_) std::rethrow_exception(python_error_);
       throw;
     }
   }
 
  private:
-  bool stopped();
-  void keep_raised();
+  bool is_interrupted();
+  void store_python_error();
 
   py::object callback_;
   Progress progress_;
-  std::exception_ptr raised_;  // by Python code; with the lock
+  std::exception_ptr python_error_;  // by Python code; with the lock
   std::atomic<std::chrono::steady_clock::rep> asked_{0};
 };
 
 /// Lets one thread after the other use an object whose calls run without the interpreter's lock.
-class Turns {
+class CallSerializer {
  public:
   /// Calls function() in this thread's turn, to be used without the interpreter's lock. Throws Error
   /// where the thread has the turn already: a progress function that uses its own object.
@@ -58,17 +58,17 @@ class Turns {
       throw Error(
           "found a call from inside of another call of the same object, expected it after that");
     const std::lock_guard lock(mutex_);
-    const Mine mine(owner_);
+    const OwnerScope mine(owner_);
     return function();
   }
 
  private:
-  struct Mine {
-    explicit Mine(std::atomic<std::thread::id>& of) : owner(of) {
+  struct OwnerScope {
+    explicit OwnerScope(std::atomic<std::thread::id>& of) : owner(of) {
       owner = std::this_thread::get_id();
     }
-    ~Mine() { owner = std::thread::id(); }
-    Mine(const Mine&) = delete;
+    ~OwnerScope() { owner = std::thread::id(); }
+    OwnerScope(const OwnerScope&) = delete;
     std::atomic<std::thread::id>& owner;
   };
   std::mutex mutex_;

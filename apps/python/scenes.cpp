@@ -26,7 +26,7 @@ double number_above_0(const py::object& given, const std::string& what) {
 
 /// The text of a scene without lines: its unit, and the words. These keep their place in messages where they
 /// begin with an empty line, as texts in triple quotes do.
-std::string text_of(const SkinWords& words) {
+std::string text_of(const SkinArguments& words) {
   if (words.unit.find_first_of("\"\\\n") != std::string::npos)
     throw InputError("unit: found '" + words.unit + "', expected mm, cm, m, in or ft");
   const std::string text = "unit = \"" + words.unit + "\"";
@@ -41,7 +41,7 @@ std::vector<std::string> names_from(const py::iterable& given, const std::string
   for (const py::handle name : given) {
     names.push_back(py::str(name));
     if (!lines.count(names.back())) {
-      const std::string near = nearest_word(names.back(), {lines.begin(), lines.end()});
+      const std::string near = closest_match(names.back(), {lines.begin(), lines.end()});
       throw InputError(what + ": found the line name '" + names.back() +
                        "', expected one of lines" +
                        (near.empty() ? "" : "; did you mean '" + near + "'?"));
@@ -71,13 +71,13 @@ void give_roles(Scene& scene, const std::vector<std::string>& names, CharacterLi
       if (line.name == name) line.role = role;
 }
 
-void join_words(SceneNetwork& network, const std::vector<std::string>& lines, JoinWord::Kind kind) {
+void join_names(SceneNetwork& network, const std::vector<std::string>& lines, JoinSpec::Kind kind) {
   for (const std::string& line : lines) network.joins.push_back({line, kind, kSkin + ": "});
 }
 
 }  // namespace
 
-Scene scene_of_arrays(const py::dict& lines, const SkinWords& words) {
+Scene scene_of_arrays(const py::dict& lines, const SkinArguments& words) {
   if (lines.empty()) throw InputError("lines: found none, expected one or more");
   Scene scene = parse_scene(text_of(words), kSkin, false);
   if (!scene.lines.empty())
@@ -98,8 +98,8 @@ Scene scene_of_arrays(const py::dict& lines, const SkinWords& words) {
              crease = names_from(words.crease, "crease", names);
   give_roles(scene, inner, CharacterLine::Role::Inner);
   give_roles(scene, holes, CharacterLine::Role::Hole);
-  join_words(scene.network, smooth, JoinWord::Kind::Smooth);
-  join_words(scene.network, crease, JoinWord::Kind::Crease);
+  join_names(scene.network, smooth, JoinSpec::Kind::Smooth);
+  join_names(scene.network, crease, JoinSpec::Kind::Crease);
   SkinOptions& options = scene.skin.options;
   if (!words.tolerance.is_none()) options.tolerance = number_above_0(words.tolerance, "tolerance");
   if (!words.edge_length.is_none())

@@ -11,7 +11,7 @@
 namespace batten::python {
 
 /// Lines as arrays, and what is said of them.
-struct SkinWords {
+struct SkinArguments {
   std::string name, unit, words;
   py::object tolerance, edge_length, corner_angle;  ///< numbers above 0, or None
   py::iterable inner, holes, smooth, crease;        ///< names of lines
@@ -19,7 +19,7 @@ struct SkinWords {
 
 /// A scene of lines by their names: points n×3, or a Curve. `words`: text of a scene, which says
 /// everything but lines and the unit. Throws InputError.
-Scene scene_of_arrays(const py::dict& lines, const SkinWords& words);
+Scene scene_of_arrays(const py::dict& lines, const SkinArguments& words);
 
 /// A scene of a file: a scene's, or the curves of a file.
 Scene scene_of_file(const std::string& file);

@@ -11,7 +11,7 @@
 #include <iostream>
 #include <memory>
 
-#include "batten/apps/studio/view/texts.h"
+#include "batten/apps/studio/view/strings.h"
 #include "batten/apps/studio/window/main_window.h"
 #include "batten/core/errors.h"
 #include "batten/io/pictures/display.h"

@@ -11,7 +11,7 @@ namespace {
 Vec3 unit(const std::string& name, const Vec3& v) {
   const double length = v.norm();
   if (!(length > 0) || !std::isfinite(length))
-    throw InputError("constraint '" + name + "': a direction of length " + number(length));
+    throw InputError("constraint '" + name + "': a direction of length " + format_number(length));
   return v / length;
 }
 
@@ -25,7 +25,7 @@ CurveConstraints::CurveConstraints(const CurveMesh& mesh, ConstraintSet& set)
 }
 
 void CurveConstraints::uncoupled(const std::string& name, double u, int order, const Vec3& value) {
-  const auto at = mesh_.where(u);
+  const auto at = mesh_.locate(u);
   const auto H = HermiteSegment(mesh_.length(at.segment)).evaluate(at.s, order);
   const auto dof = mesh_.segment_dofs(at.segment);
   std::vector<ConstraintSet::Entry> entries;
@@ -42,13 +42,13 @@ void CurveConstraints::derivative(const std::string& name, double u, const Vec3&
   uncoupled(name, u, 1, derivative);
 }
 
-void CurveConstraints::no_curvature(const std::string& name, double u) {
+void CurveConstraints::zero_curvature(const std::string& name, double u) {
   uncoupled(name, u, 2, Vec3::Zero());
 }
 
 void CurveConstraints::direction(const std::string& name, double u, const Vec3& tau) {
   const Vec3 t = unit(name, tau);
-  const auto at = mesh_.where(u);
+  const auto at = mesh_.locate(u);
   const auto H = HermiteSegment(mesh_.length(at.segment)).evaluate(at.s, 1);
   const auto dof = mesh_.segment_dofs(at.segment);
   const Vec3 r = t.unitOrthogonal();

@@ -31,7 +31,7 @@ class CurveConstraints {
   /// The curve runs along tau; at a corner, the side that begins there does. Throws InputError when
   /// tau is zero.
   void direction(const std::string& name, double u, const Vec3& tau);
-  void no_curvature(const std::string& name, double u);
+  void zero_curvature(const std::string& name, double u);
   /// n: unit normal, through: any point of the plane. Throws InputError when n is zero.
   void in_plane(const std::string& name, const Vec3& through, const Vec3& n);
   /// X(start + s) is the mirror image of X(end - s). The mesh has to be symmetric: parameters to

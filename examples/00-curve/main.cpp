@@ -41,7 +41,7 @@ int run(const std::filesystem::path& out) {
   }
 
   // 2.
-  const HermiteCurve given = curve_as_given("spiral", points);
+  const HermiteCurve given = interpolating_spline("spiral", points);
 
   // 3. Conditions (points, directions, planes that must hold) would go into the options.
   const FairCurve fair = fair_points("spiral", points);

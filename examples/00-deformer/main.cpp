@@ -19,8 +19,8 @@
 #include "batten/io/meshes/mesh_file.h"
 #include "batten/io/pictures/mesh_pictures.h"
 #include "batten/mesh/deform/form_feature_deformer.h"
-#include "batten/mesh/features/holes.h"
-#include "batten/mesh/prepare.h"
+#include "batten/mesh/features/hole_measure.h"
+#include "batten/mesh/prepared_mesh.h"
 #include "batten/mesh/selection.h"
 
 namespace {
@@ -37,10 +37,10 @@ ShellMesh plate() {
   for (int k = 0; k <= rings; ++k)
     for (int i = 0; i < around; ++i) {
       const double angle = 2 * std::numbers::pi * i / around,
-                   share = std::pow(static_cast<double>(k) / rings, 1.3);
+                   fraction = std::pow(static_cast<double>(k) / rings, 1.3);
       const Vec3 way(std::cos(angle), std::sin(angle), 0);
       const double border = half / std::max(std::abs(way.x()), std::abs(way.y()));
-      shells.points.row(i + around * k) = ((1 - share) * radius + share * border) * way;
+      shells.points.row(i + around * k) = ((1 - fraction) * radius + fraction * border) * way;
       const int next = (i + 1) % around + around * k, here = i + around * k;
       if (k < rings) shells.add_face({{here, here + around, next + around, next}});
     }
@@ -66,7 +66,7 @@ int run(const std::filesystem::path& out) {
   for (int step = 1; step <= 10; ++step) {
     const double turn = -80 * std::numbers::pi / 180 * step / 10;
     edit.handles = {
-        {{half, 0, 0}, rotation_log(Vec3::UnitY(), turn), Vec3(-50, 0, 70) * step / 10}};
+        {{half, 0, 0}, to_rotation_vector(Vec3::UnitY(), turn), Vec3(-50, 0, 70) * step / 10}};
     deformer.deform(edit);
   }
 

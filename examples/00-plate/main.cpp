@@ -14,8 +14,8 @@
 
 #include "batten/constraints/affine_reduction.h"
 #include "batten/core/errors.h"
-#include "batten/fem/assembly.h"
 #include "batten/fem/surface.h"
+#include "batten/fem/surface_assembler.h"
 #include "batten/io/pictures/pictures.h"
 #include "batten/io/vtk/vtk_files.h"
 

@@ -17,7 +17,7 @@
 #include "batten/io/pictures/pictures.h"
 #include "batten/io/vtk/vtk_files.h"
 #include "batten/sculpting/statics/static_sculpt.h"
-#include "batten/skinning/region/quality.h"
+#include "batten/skinning/region/skin_quality.h"
 
 namespace {
 

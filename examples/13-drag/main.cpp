@@ -19,7 +19,7 @@
 
 #include "batten/io/pictures/pictures.h"
 #include "batten/io/vtk/vtk_files.h"
-#include "batten/sculpting/session/session.h"
+#include "batten/sculpting/session/sculpting_session.h"
 
 namespace {
 
@@ -50,12 +50,12 @@ int run(const std::filesystem::path& out, double edge_length) {
   SculptingSession session(roof(edge_length), {});
   const SkinnedRegion before = session.region();
   session.add(Load{"swell", Load::Pressure{}}, {{.name = "swell", .min = -200, .max = 200}});
-  session.add(LineMove{"ridge", "rib", Vec3::UnitZ()}, {{.name = "ridge", .min = 0, .max = 1}});
+  session.add(LineOffset{"ridge", "rib", Vec3::UnitZ()}, {{.name = "ridge", .min = 0, .max = 1}});
   // The place of the roof that is nearest to `at` stays at its goal: nail.x, nail.y, nail.z.
   session.add(Constraint{"nail", Constraint::Point{{1.5, 1, 0.8}, {1.5, 1, 0.9}}});
   session.add_parameter({.name = "fuller", .min = 0, .max = 1});
-  session.drive("swell", {{"fuller", 120}}, 0);
-  session.drive("ridge", {{"fuller", 0.35}}, 0);
+  session.set_rule("swell", {{"fuller", 120}}, 0);
+  session.set_rule("ridge", {{"fuller", 0.35}}, 0);
 
   // 3.
   FrameExchange frames;
@@ -82,13 +82,13 @@ int run(const std::filesystem::path& out, double edge_length) {
     const double t = static_cast<double>(i) / answers;
     session.set(fuller, 0.5 - 0.5 * std::cos(3 * std::numbers::pi * t));
     session.set(up, 0.9 + 0.3 * std::sin(2 * std::numbers::pi * t));
-    iterations += session.answer().iterations;
+    iterations += session.solve_preview().iterations;
     worst = std::max(worst, session.residual());
     session.draw(frames.writing());
     frames.publish();
   }
   const double seconds = std::chrono::duration<double>(Clock::now() - start).count();
-  session.settle();
+  session.solve_to_equilibrium();
   done = true;
   viewer.join();
 

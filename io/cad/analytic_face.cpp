@@ -12,23 +12,23 @@ namespace batten {
 namespace {
 
 using Closing = AnalyticFace::Closing;
-using ShapeKind = MeasuredShape::Kind;
+using ShapeKind = FittedPrimitive::Kind;
 using std::numbers::pi;
 
 constexpr double kPoleMargin = 5 * pi / 180;  ///< of a pole from the boundary, radians
 constexpr double kSeamMargin = 2 * pi / 180;  ///< of a seam from a patch that does not close
 constexpr double kOneVertex =
     1e-7;  ///< of the face's size: a seam this near to a vertex begins there
-constexpr double kShortEdge = 0.02;  ///< of a rim: a seam does not cut off less
-constexpr int kPlaces = 64;          ///< along a stretch of the boundary
+constexpr double kShortEdge = 0.02;     ///< of a rim: a seam does not cut off less
+constexpr int kSamplesPerSegment = 64;  ///< along a stretch of the boundary
 
 /// Points of a loop, in its direction.
 std::vector<Vec3> loop_points(const FaceLoop& loop) {
   std::vector<Vec3> points;
-  for (const FaceStretch& s : loop)
-    for (int i = 0; i < kPlaces; ++i)
-      points.push_back(
-          s.curve.evaluate(s.curve.start() + (s.curve.end() - s.curve.start()) * i / kPlaces));
+  for (const FaceBoundarySegment& s : loop)
+    for (int i = 0; i < kSamplesPerSegment; ++i)
+      points.push_back(s.curve.evaluate(s.curve.start() + (s.curve.end() - s.curve.start()) * i /
+                                                              kSamplesPerSegment));
   return points;
 }
 
@@ -41,16 +41,16 @@ std::vector<Vec3> inner_points(const Surface& surface) {
 }
 
 /// How often a closed chain of points runs around, in u and in v.
-Eigen::Vector2i turns_of(const AnalyticSurface& surface, const std::vector<Vec3>& points) {
+Eigen::Vector2i winding_of(const AnalyticSurface& surface, const std::vector<Vec3>& points) {
   const Vec2 begin = surface.parameters(points.front(), Vec2::Zero());
   Vec2 uv = begin;
   for (const Vec3& p : points) uv = surface.parameters(p, uv);
   uv = surface.parameters(points.front(), uv);
-  Eigen::Vector2i turns = Eigen::Vector2i::Zero();
+  Eigen::Vector2i winding = Eigen::Vector2i::Zero();
   for (const int k : {0, 1})
     if (surface.periods()[k] > 0)
-      turns[k] = static_cast<int>(std::lround((uv[k] - begin[k]) / surface.periods()[k]));
-  return turns;
+      winding[k] = static_cast<int>(std::lround((uv[k] - begin[k]) / surface.periods()[k]));
+  return winding;
 }
 
 /// ½ ∮ (x - c) × dx.
@@ -64,10 +64,10 @@ Vec3 loop_area(const std::vector<Vec3>& points) {
 
 class AnalyticPlanner {
  public:
-  AnalyticPlanner(const SkinnedRegion& region, const MeasuredShape& shape, StepPlan& plan)
+  AnalyticPlanner(const SkinnedRegion& region, const FittedPrimitive& shape, StepPlan& plan)
       : plan_(plan),
         shape_(shape),
-        boundary_(region, &plan, FaceBoundary::Rims::Whole),
+        boundary_(region, &plan, FaceBoundary::AnnulusBoundary::Whole),
         inner_(inner_points(region.surface)) {
     for (const FaceLoop& loop : boundary_.loops) {
       loops_.push_back(loop_points(loop));
@@ -112,7 +112,7 @@ class AnalyticPlanner {
   bool runs_along_itself() const {
     std::map<std::string, int> uses;
     for (const FaceLoop& loop : boundary_.loops)
-      for (const FaceStretch& s : loop)
+      for (const FaceBoundarySegment& s : loop)
         if (++uses[s.line + " " +
                    std::to_string(std::min(s.line_parameter(s.curve.start()),
                                            s.line_parameter(s.curve.end())))] > 1)
@@ -142,7 +142,7 @@ class AnalyticPlanner {
     AnalyticFace face = made(reference);
     const Vec2 periods = face.surface.periods();
     for (const std::vector<Vec3>& loop : loops_)
-      if (!turns_of(face.surface, loop).isZero()) return std::nullopt;
+      if (!winding_of(face.surface, loop).isZero()) return std::nullopt;
     if (periods.x() <= 0) return face;
     face.near.x() = pi;
     double around = 0, ahead = 0;  // mean direction in v
@@ -193,44 +193,44 @@ class AnalyticPlanner {
   /// A face with a seam. Rims are the loops that run around.
   std::optional<AnalyticFace> closed_face() {
     AnalyticFace face = made(shape_.axis.unitOrthogonal());
-    std::vector<size_t> rims;
+    std::vector<size_t> wound_loops;
     Eigen::Vector2i sum = Eigen::Vector2i::Zero();
     int wound = -1;
     for (size_t k = 0; k < loops_.size(); ++k) {
-      const Eigen::Vector2i turns = turns_of(face.surface, loops_[k]);
-      if (turns.isZero()) continue;
-      if (turns.cwiseAbs().sum() != 1) return std::nullopt;
-      const int along = turns[0] != 0 ? 0 : 1;
+      const Eigen::Vector2i winding = winding_of(face.surface, loops_[k]);
+      if (winding.isZero()) continue;
+      if (winding.cwiseAbs().sum() != 1) return std::nullopt;
+      const int along = winding[0] != 0 ? 0 : 1;
       if (wound >= 0 && wound != along) return std::nullopt;
       wound = along;
-      rims.push_back(k);
-      face.turns[k] = turns[along];
-      sum += turns;
+      wound_loops.push_back(k);
+      face.winding[k] = winding[along];
+      sum += winding;
     }
-    if (rims.size() == 2 && sum.isZero()) {
+    if (wound_loops.size() == 2 && sum.isZero()) {
       face.closing = wound == 0 ? Closing::AroundU : Closing::AroundV;
       if (shape_.kind == ShapeKind::Sphere &&
           !(pole_distance(1) > kPoleMargin && pole_distance(-1) > kPoleMargin))
         return std::nullopt;
-    } else if (rims.size() == 1 && shape_.kind == ShapeKind::Sphere) {
+    } else if (wound_loops.size() == 1 && shape_.kind == ShapeKind::Sphere) {
       face.closing = Closing::Pole;
       // The surface is to the left of its loop: around the north pole, seen from outside.
-      if ((flipped_ ? -1 : 1) * face.turns[rims[0]] < 0) {
+      if ((flipped_ ? -1 : 1) * face.winding[wound_loops[0]] < 0) {
         shape_.axis = -shape_.axis;
         AnalyticFace turned = made(shape_.axis.unitOrthogonal());
         turned.closing = Closing::Pole;
-        turned.turns = face.turns;
-        turned.turns[rims[0]] = -face.turns[rims[0]];
+        turned.winding = face.winding;
+        turned.winding[wound_loops[0]] = -face.winding[wound_loops[0]];
         face = turned;
       }
       if (!(pole_distance(-1) > kPoleMargin)) return std::nullopt;
-      for (const Vec3& p : loops_[rims[0]])
+      for (const Vec3& p : loops_[wound_loops[0]])
         if (shape_.axis.cross((p - shape_.origin).normalized()).norm() < std::sin(kPoleMargin))
           return std::nullopt;
     } else {
       return std::nullopt;
     }
-    return with_seam(std::move(face), rims, wound);
+    return with_seam(std::move(face), wound_loops, wound);
   }
 
   /// The smallest angle between a pole and the points of the face.
@@ -244,7 +244,7 @@ class AnalyticPlanner {
   }
 
   struct Cut {
-    const FaceStretch* stretch;
+    const FaceBoundarySegment* segment;
     double t;
   };
 
@@ -261,19 +261,19 @@ class AnalyticPlanner {
     double length = 0;
     int vertices = 0;
     std::vector<Vec3> ends;
-    for (const FaceStretch& s : rim) {
+    for (const FaceBoundarySegment& s : rim) {
       ends.push_back(s.curve.position(0));
       length += s.curve.length();
       vertices += std::abs(angle(ends.back())) * lever(ends.back()) <= kOneVertex * size_;
     }
     if (vertices > 1) return false;
     std::vector<Cut> found;
-    for (const FaceStretch& s : rim) {
+    for (const FaceBoundarySegment& s : rim) {
       const double start = s.curve.start(), end = s.curve.end();
       const auto at = [&](double t) { return angle(s.curve.evaluate(t)); };
       double a = start, of_a = at(a);
-      for (int i = 1; i <= kPlaces; ++i) {
-        double b = start + (end - start) * i / kPlaces, of_b = at(b);
+      for (int i = 1; i <= kSamplesPerSegment; ++i) {
+        double b = start + (end - start) * i / kSamplesPerSegment, of_b = at(b);
         const double next = b, of_next = of_b;
         if ((of_a < 0) != (of_b < 0) && std::abs(of_a) + std::abs(of_b) < pi) {
           for (int k = 0; k < 60; ++k) {
@@ -287,13 +287,13 @@ class AnalyticPlanner {
       }
     }
     std::erase_if(found, [&](const Cut& cut) {
-      const Vec3 p = cut.stretch->curve.evaluate(cut.t);
+      const Vec3 p = cut.segment->curve.evaluate(cut.t);
       return std::any_of(ends.begin(), ends.end(),
                          [&](const Vec3& q) { return (p - q).norm() <= 10 * kOneVertex * size_; });
     });
     if (vertices == 1) return found.empty();
     if (found.size() != 1) return false;
-    const Vec3 p = found[0].stretch->curve.evaluate(found[0].t);
+    const Vec3 p = found[0].segment->curve.evaluate(found[0].t);
     for (const Vec3& q : ends)
       if ((p - q).norm() < kShortEdge * length) return false;
     cuts.push_back(found[0]);
@@ -314,22 +314,22 @@ class AnalyticPlanner {
     return false;
   }
 
-  std::optional<AnalyticFace> with_seam(AnalyticFace face, const std::vector<size_t>& rims,
+  std::optional<AnalyticFace> with_seam(AnalyticFace face, const std::vector<size_t>& wound_loops,
                                         int wound) {
     std::vector<double> candidates;
     if (wound == 1) candidates.push_back(0);
-    for (const size_t k : rims)
-      for (const FaceStretch& s : boundary_.loops[k])
+    for (const size_t k : wound_loops)
+      for (const FaceBoundarySegment& s : boundary_.loops[k])
         candidates.push_back(face.surface.parameters(s.curve.position(0), Vec2::Zero())[wound]);
-    constexpr int places = 16;
-    for (int k = 0; k < places; ++k) candidates.push_back(2 * pi * k / places);
+    constexpr int candidate_count = 16;
+    for (int k = 0; k < candidate_count; ++k) candidates.push_back(2 * pi * k / candidate_count);
     bool found = false;
     std::vector<Cut> fewest;
     for (const double seam : candidates) {
       std::vector<Cut> cuts;
       bool good = true;
       for (size_t k = 0; k < loops_.size() && good; ++k)
-        good = std::count(rims.begin(), rims.end(), k) > 0
+        good = std::count(wound_loops.begin(), wound_loops.end(), k) > 0
                    ? meets(face.surface, wound, boundary_.loops[k], seam, cuts)
                    : !crosses(face.surface, wound, loops_[k], seam);
       if (!good || (found && cuts.size() >= fewest.size())) continue;
@@ -340,8 +340,8 @@ class AnalyticPlanner {
     }
     if (!found) return std::nullopt;
     for (const Cut& cut : fewest) {
-      std::vector<double>& of_line = plan_.lines.at(cut.stretch->line).cuts;
-      of_line.push_back(cut.stretch->line_parameter(cut.t));
+      std::vector<double>& of_line = plan_.lines.at(cut.segment->line).cuts;
+      of_line.push_back(cut.segment->line_parameter(cut.t));
       std::sort(of_line.begin(), of_line.end());
     }
     if (wound == 0) {  // u = 0 is the seam
@@ -362,7 +362,7 @@ class AnalyticPlanner {
   }
 
   StepPlan& plan_;
-  MeasuredShape shape_;
+  FittedPrimitive shape_;
   FaceBoundary boundary_;
   std::vector<Vec3> inner_, all_;
   std::vector<std::vector<Vec3>> loops_;
@@ -373,7 +373,7 @@ class AnalyticPlanner {
 
 }  // namespace
 
-size_t AnalyticFace::seam_stretch(const FaceLoop& loop) const {
+size_t AnalyticFace::seam_segment(const FaceLoop& loop) const {
   const int wound = closing == Closing::AroundV ? 1 : 0;
   size_t best = 0;
   double nearest = 2 * pi;

@@ -24,14 +24,14 @@ struct AnalyticFace {
   bool flipped = false;      ///< whether the region's normal points inwards
   Vec2 near = Vec2::Zero();  ///< about where parameters of loops begin that run around nothing
   std::vector<int>
-      turns;  ///< of each loop: how often it runs around, in the direction of its region
+      winding;  ///< of each loop: how often it runs around, in the direction of its region
 
   /// The place in a loop that runs around where it meets the seam: the number of the stretch that begins there.
-  size_t seam_stretch(const FaceLoop& loop) const;
+  size_t seam_segment(const FaceLoop& loop) const;
 };
 
 /// The regions that are to be analytic faces: what was measured of them.
-using MeasuredShapes = std::map<const SkinnedRegion*, MeasuredShape>;
+using MeasuredShapes = std::map<const SkinnedRegion*, FittedPrimitive>;
 using AnalyticFaces = std::map<const SkinnedRegion*, AnalyticFace>;
 
 /// Plans the analytic faces of a file, and adds to `plan` where their seams cut lines. Erases regions from `shapes` that

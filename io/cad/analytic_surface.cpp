@@ -14,16 +14,16 @@
 #include <numbers>
 #include <vector>
 
-#include "batten/core/index.h"
-#include "batten/fem/curve.h"
+#include "batten/core/isize.h"
+#include "batten/fem/hermite_curve.h"
 #include "batten/io/cad/occ_values.h"
 
 namespace batten {
 namespace {
 
-using ShapeKind = MeasuredShape::Kind;
+using ShapeKind = FittedPrimitive::Kind;
 
-double nearest_turn(double angle, double near) {
+double nearest_period(double angle, double near) {
   constexpr double whole = 2 * std::numbers::pi;
   return angle + whole * std::round((near - angle) / whole);
 }
@@ -32,7 +32,7 @@ double nearest_turn(double angle, double near) {
 Handle(Geom2d_BSplineCurve)
     hermite_spline(const std::vector<double>& t, const std::vector<Vec2>& uv,
                    const std::vector<Vec2>& slopes) {
-  const int n = count_of(t);
+  const int n = isize(t);
   TColgp_Array1OfPnt2d poles(1, 2 * n);
   TColStd_Array1OfReal knots(1, n);
   TColStd_Array1OfInteger times(1, n);
@@ -50,7 +50,7 @@ Handle(Geom2d_BSplineCurve)
 
 }  // namespace
 
-AnalyticSurface::AnalyticSurface(const MeasuredShape& shape, const Vec3& reference,
+AnalyticSurface::AnalyticSurface(const FittedPrimitive& shape, const Vec3& reference,
                                  const Vec3& middle)
     : shape_(shape), origin_(shape.origin) {
   const Vec3& z = shape.axis;
@@ -95,14 +95,14 @@ Vec2 AnalyticSurface::parameters(const Vec3& p, const Vec2& near) const {
   const double rho = std::hypot(x, y);
   constexpr double rounding = 1e-12;
   const bool on_axis = rho <= rounding * (shape_.radius + std::abs(h));
-  const double u = on_axis ? near.x() : nearest_turn(std::atan2(y, x), near.x());
+  const double u = on_axis ? near.x() : nearest_period(std::atan2(y, x), near.x());
   switch (shape_.kind) {
     case ShapeKind::Sphere:
       return {u, std::atan2(h, rho)};
     case ShapeKind::Cone:
       return {u, (rho - radius_) * std::sin(shape_.half_angle) + h * std::cos(shape_.half_angle)};
     case ShapeKind::Torus:
-      return {u, nearest_turn(std::atan2(h, rho - shape_.major_radius), near.y())};
+      return {u, nearest_period(std::atan2(h, rho - shape_.major_radius), near.y())};
     default:
       return {u, h};
   }
@@ -146,9 +146,9 @@ Vec2 AnalyticSurface::slopes(const Vec3& p, const Vec3& slope) const {
   }
 }
 
-Handle(Geom2d_BSplineCurve) AnalyticSurface::image(const Geom_Curve& curve, double first,
-                                                   double last, bool backwards, double tolerance,
-                                                   Vec2& near) const {
+Handle(Geom2d_BSplineCurve) AnalyticSurface::pcurve(const Geom_Curve& curve, double first,
+                                                    double last, bool backwards, double tolerance,
+                                                    Vec2& near) const {
   std::vector<double> t;
   if (const auto* spline = dynamic_cast<const Geom_BSplineCurve*>(&curve)) {
     for (int k = 1; k <= spline->NbKnots(); ++k) t.push_back(spline->Knot(k));
@@ -158,7 +158,7 @@ Handle(Geom2d_BSplineCurve) AnalyticSurface::image(const Geom_Curve& curve, doub
   t.push_back(last);
   // Steps of less than half a turn, also on a circle of one piece.
   constexpr int fewest = 8;
-  const int pieces_each = (fewest + count_of(t) - 2) / (count_of(t) - 1);
+  const int pieces_each = (fewest + isize(t) - 2) / (isize(t) - 1);
   std::vector<double> split;
   for (size_t i = 0; i + 1 < t.size(); ++i)
     for (int k = 0; k < pieces_each; ++k)
@@ -218,8 +218,8 @@ Handle(Geom2d_BSplineCurve) AnalyticSurface::image(const Geom_Curve& curve, doub
   return hermite_spline(t, uv, d);
 }
 
-MeasuredShape shape_of(const Handle(Geom_Surface) & surface) {
-  MeasuredShape shape;
+FittedPrimitive shape_of(const Handle(Geom_Surface) & surface) {
+  FittedPrimitive shape;
   const auto take = [&](const gp_Ax3& frame, ShapeKind kind) {
     shape.kind = kind;
     shape.origin = from_occ(frame.Location());

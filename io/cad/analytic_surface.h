@@ -7,7 +7,7 @@
 
 #include <optional>
 
-#include "batten/skinning/surfaces/measured_shape.h"
+#include "batten/skinning/surfaces/fitted_primitive.h"
 
 namespace batten {
 
@@ -16,11 +16,11 @@ namespace batten {
 /// along the straight lines (cone), or the angle around the tube, from outside (torus).
 class AnalyticSurface {
  public:
-  /// `shape`: any primitive but MeasuredShape::Kind::Free. u = 0 in the direction of `reference` from the axis.
+  /// `shape`: any primitive but FittedPrimitive::Kind::Free. u = 0 in the direction of `reference` from the axis.
   /// `middle`: a point of the surface, where a cone has v = 0.
-  AnalyticSurface(const MeasuredShape& shape, const Vec3& reference, const Vec3& middle);
+  AnalyticSurface(const FittedPrimitive& shape, const Vec3& reference, const Vec3& middle);
 
-  const MeasuredShape& shape() const { return shape_; }
+  const FittedPrimitive& shape() const { return shape_; }
   Handle(Geom_Surface) geometry() const { return geometry_; }
   /// Periods in u and v; 0: none.
   Vec2 periods() const;
@@ -34,18 +34,18 @@ class AnalyticSurface {
   /// The curve's image in the parameters over [first, last], a C1 cubic B-spline, within `tolerance` of the points nearest
   /// to the curve (model units). It starts within half a period of `near` (ends there when `backwards`, where the curve is
   /// followed from its end), and continues from there; `near` becomes its other end.
-  Handle(Geom2d_BSplineCurve) image(const Geom_Curve& curve, double first, double last,
-                                    bool backwards, double tolerance, Vec2& near) const;
+  Handle(Geom2d_BSplineCurve) pcurve(const Geom_Curve& curve, double first, double last,
+                                     bool backwards, double tolerance, Vec2& near) const;
 
  private:
   Vec2 slopes(const Vec3& p, const Vec3& slope) const;
-  MeasuredShape shape_;
+  FittedPrimitive shape_;
   Vec3 x_, y_, origin_;  // origin_: where v = 0, on the axis
   double radius_ = 0;    // of a cone at v = 0
   Handle(Geom_Surface) geometry_;
 };
 
 /// The primitive that a surface of OpenCASCADE is; Kind::Free for any other.
-MeasuredShape shape_of(const Handle(Geom_Surface) & surface);
+FittedPrimitive shape_of(const Handle(Geom_Surface) & surface);
 
 }  // namespace batten

@@ -12,18 +12,18 @@ namespace batten {
 /// One place of a product: an assembly, a part of it, or a shape that stands alone. A product that
 /// is used three times is there three times.
 struct CadProduct {
-  std::string name;   ///< of the product; "" for none
-  std::string place;  ///< the name of this instance where it has another one
-  int level = 0;      ///< how deep it is in the assembly, 0 at the top
+  std::string name;           ///< of the product; "" for none
+  std::string instance_name;  ///< the name of this instance where it has another one
+  int level = 0;              ///< how deep it is in the assembly, 0 at the top
   bool assembly = false;
-  Vec3 shift = Vec3::Zero();              ///< where its origin lies in the whole, the file's unit
-  double turn_deg = 0;                    ///< by how much it is turned in the whole
+  Vec3 translation = Vec3::Zero();        ///< where its origin lies in the whole, the file's unit
+  double rotation_deg = 0;                ///< by how much it is turned in the whole
   std::string colour;                     ///< its own, "#rrggbb"; "" for none
   int solids = 0, faces = 0, curves = 0;  ///< 0 of an assembly
 };
 
 /// A name, colour or layer, and what has it.
-struct CadUse {
+struct CadAttribute {
   std::string name;
   int products = 0;  ///< of a layer
   int solids = 0;    ///< solids and shells within a product
@@ -39,14 +39,14 @@ struct CadContents {
   bool unit_stated = false;      ///< whether the file says it
   std::vector<std::string> notes;
   std::vector<CadProduct> products;
-  std::vector<CadUse> names;    ///< of all but products, in the file's order
-  std::vector<CadUse> colours;  ///< "#rrggbb" as faces and curves have it, own or inherited
-  std::vector<CadUse> layers;
+  std::vector<CadAttribute> names;    ///< of all but products, in the file's order
+  std::vector<CadAttribute> colours;  ///< "#rrggbb" as faces and curves have it, own or inherited
+  std::vector<CadAttribute> layers;
   int solids = 0, shells = 0, faces = 0, edges = 0;
   int closed_shells = 0;  ///< shells without a rim
   int curves = 0;         ///< edges that belong to no face
   double area = 0;
-  double loose_area =
+  double trim_uncertainty_area =
       0;              ///< lengths of edges times their tolerances: by so much trims are not known
   double volume = 0;  ///< of all solids, unit³
   double size = 0;    ///< diagonal of the box around all

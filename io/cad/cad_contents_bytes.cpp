@@ -15,12 +15,12 @@ void from_json(const nlohmann::json& json, Eigen::Vector3d& p) {
 
 namespace batten {
 
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(CadProduct, name, place, level, assembly, shift, turn_deg,
-                                   colour, solids, faces, curves)
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(CadUse, name, products, solids, faces, edges, curves)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(CadProduct, name, instance_name, level, assembly, translation,
+                                   rotation_deg, colour, solids, faces, curves)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(CadAttribute, name, products, solids, faces, edges, curves)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(CadContents, format, unit_in_metres, unit_stated, notes,
                                    products, names, colours, layers, solids, shells, faces, edges,
-                                   closed_shells, curves, area, loose_area, volume, size)
+                                   closed_shells, curves, area, trim_uncertainty_area, volume, size)
 
 std::string to_bytes(const CadContents& contents) {
   // Names of damaged files may be no UTF-8.

@@ -16,9 +16,9 @@
 #include "batten/io/cad/occ_settings.h"
 #include "batten/io/cad/read_cad_contents.h"
 #include "batten/io/cad/step_text.h"
-#include "batten/io/files/in_child.h"
+#include "batten/io/files/atomic_file.h"
+#include "batten/io/files/sandboxed_read.h"
 #include "batten/io/files/text.h"
-#include "batten/io/files/whole_file.h"
 
 namespace batten {
 namespace fs = std::filesystem;
@@ -33,8 +33,8 @@ double unit_of(const CadConvertOptions& options, const fs::path& to, double unit
 
 /// What `work` makes of a file, in a child: it sends the contents and what else is asked for.
 template <class Work>
-std::string in_child(const fs::path& from, const Work& work) {
-  return bytes_from_child(
+std::string read_sandboxed(const fs::path& from, const Work& work) {
+  return sandboxed_read(
       from, "OpenCASCADE",
       [&] {
         const CadFile cad = read_cad_here(from);
@@ -50,7 +50,7 @@ std::string in_child(const fs::path& from, const Work& work) {
       20);
 }
 
-/// Takes the contents off the front of what in_child() sent.
+/// Takes the contents off the front of what read_sandboxed() sent.
 CadContents take_contents(std::string& bytes) {
   const size_t end = bytes.find('\n'), length = std::stoul(bytes.substr(0, end));
   const CadContents contents = contents_from_bytes(bytes.substr(end + 1, length));
@@ -61,7 +61,7 @@ CadContents take_contents(std::string& bytes) {
 /// What IGES cannot hold.
 void add_iges_notes(CadConversion& c) {
   int edges = 0;
-  for (const CadUse& use : c.before.names) edges += use.edges;
+  for (const CadAttribute& use : c.before.names) edges += use.edges;
   if (edges > 0)
     c.notes.push_back("IGES has no names of edges between faces: " + std::to_string(edges) +
                       " are lost");
@@ -76,15 +76,15 @@ CadConversion to_cad(const fs::path& from, const fs::path& to, const CadConvertO
     throw InputError(to.string() +
                      ": sets of patches are only read, expected .step, .iges, .brep "
                      "or .glb");
-  std::string bytes = in_child(from, [&](const CadFile& cad) {
+  std::string bytes = read_sandboxed(from, [&](const CadFile& cad) {
     how.unit_in_metres = unit_of(options, to, cad.header.unit_in_metres);
     return cad_text(cad.document, cad.shape, how);
   });
   CadConversion result;
   result.before = take_contents(bytes);
   result.unit_in_metres = unit_of(options, to, result.before.unit_in_metres);
-  WholeFile file(to);
-  write_whole_file(file.temporary(), [&](std::ostream& out) { out << bytes; });
+  AtomicFile file(to);
+  write_file_atomically(file.temporary(), [&](std::ostream& out) { out << bytes; });
   result.after = read_cad_contents(file.temporary());
   file.commit();
   if (how.format == CadFormat::Iges) add_iges_notes(result);
@@ -112,9 +112,9 @@ void write_glb(const CadFile& cad, const JoinedParts& joined, const fs::path& fi
 }
 
 CadConversion to_glb(const fs::path& from, const fs::path& to, const CadConvertOptions& options) {
-  WholeFile file(to);
-  const Unfinished beside(file.temporary().string() + ".bin.tmp");  // the writer's own
-  std::string bytes = in_child(from, [&](const CadFile& cad) {
+  AtomicFile file(to);
+  const TemporaryFileGuard beside(file.temporary().string() + ".bin.tmp");  // the writer's own
+  std::string bytes = read_sandboxed(from, [&](const CadFile& cad) {
     const JoinedParts joined = joined_parts(cad);
     const CadFacets facets =
         mesh_parts(joined.parts, joined.size,

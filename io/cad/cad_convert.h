@@ -37,7 +37,7 @@ struct CadConversion {
 ///                 metres, y up
 ///
 /// The file appears whole or not at all. Throws InputError as read_cad_lines() does of the file
-/// that is read, another ending, a unit that CAD files cannot have, what WholeFile throws; Error
+/// that is read, another ending, a unit that CAD files cannot have, what AtomicFile throws; Error
 /// when OpenCASCADE cannot write it. Takes about 0.3 s a MB.
 CadConversion convert_cad(const std::filesystem::path& from, const std::filesystem::path& to,
                           const CadConvertOptions& options = {});

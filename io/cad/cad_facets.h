@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "batten/io/cad/cad_contents.h"
-#include "batten/mesh/curved_triangle.h"
+#include "batten/mesh/pn_triangle.h"
 #include "batten/mesh/shell_mesh.h"
 
 namespace batten {
@@ -22,7 +22,7 @@ struct FacetGroup {
 struct CadFacets {
   ShellMesh mesh;  ///< triangles; normals outwards where the file's faces have them so
   /// Where curved ones were asked for: the faces' unit normals at the corners of each triangle.
-  std::vector<CurvedTriangle::Corners> normals;
+  std::vector<PnTriangle::Corners> normals;
   std::vector<int> faces;  ///< the face of each triangle, numbered from 0
   std::vector<FacetGroup> groups;
   CadContents contents;  ///< of the file, in its own unit

@@ -35,8 +35,8 @@
 #include "batten/core/errors.h"
 #include "batten/io/cad/occ_settings.h"
 #include "batten/io/cad/patch_file.h"
-#include "batten/io/files/in_child.h"
 #include "batten/io/files/input_file.h"
+#include "batten/io/files/sandboxed_read.h"
 #include "batten/io/files/text.h"
 
 namespace batten {
@@ -45,9 +45,9 @@ namespace {
 std::string trimmed(const Handle(TCollection_HAsciiString) & text) {
   if (text.IsNull()) return "";
   std::string s = text->ToCString();
-  const auto blank = [](char c) { return std::isspace(static_cast<unsigned char>(c)) != 0; };
-  s.erase(s.begin(), std::find_if_not(s.begin(), s.end(), blank));
-  s.erase(std::find_if_not(s.rbegin(), s.rend(), blank).base(), s.end());
+  const auto is_blank = [](char c) { return std::isspace(static_cast<unsigned char>(c)) != 0; };
+  s.erase(s.begin(), std::find_if_not(s.begin(), s.end(), is_blank));
+  s.erase(std::find_if_not(s.rbegin(), s.rend(), is_blank).base(), s.end());
   return s;
 }
 
@@ -228,7 +228,7 @@ bool is_finite(const TopoDS_Shape& shape) {
 }
 
 void read_brep(const std::filesystem::path& file, CadFile& cad) {
-  const std::string bytes = input_bytes(file, "a BREP file");
+  const std::string bytes = read_input_file(file, "a BREP file");
   std::istringstream in(bytes);
   in.imbue(std::locale::classic());
   TopoDS_Shape shape;
@@ -247,7 +247,7 @@ void read_brep(const std::filesystem::path& file, CadFile& cad) {
 }
 
 void read_patch_set(const std::filesystem::path& file, CadFile& cad) {
-  const TopoDS_Shape shape = read_patches(file, input_bytes(file, "a set of patches"));
+  const TopoDS_Shape shape = read_patches(file, read_input_file(file, "a set of patches"));
   cad.found = "patches";
   BRep_Builder().Add(cad.shape, shape);
   XCAFDoc_DocumentTool::ShapeTool(cad.document->Main())->AddShape(shape, false);
@@ -327,11 +327,11 @@ CadFile read_cad_here(const std::filesystem::path& file) {
 }
 
 CadFile read_cad(const std::filesystem::path& file) {
-  if (!reads_in_child()) return read_cad_here(file);
+  if (!is_sandboxed_read_enabled()) return read_cad_here(file);
   const CadFormat format = cad_format(file);
   check_cad_text(file, format);
   return from_bytes(
-      bytes_from_child(file, "OpenCASCADE", [&] { return to_bytes(read_with_occ(file, format)); }));
+      sandboxed_read(file, "OpenCASCADE", [&] { return to_bytes(read_with_occ(file, format)); }));
 }
 
 }  // namespace batten

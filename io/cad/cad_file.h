@@ -24,7 +24,7 @@ struct CadFile {
   CadHeader header;
 };
 
-/// Reads a file, in a child process if reads_in_child(). Throws InputError as read_cad_lines() does
+/// Reads a file, in a child process if is_sandboxed_read_enabled(). Throws InputError as read_cad_lines() does
 /// of files and entities.
 CadFile read_cad(const std::filesystem::path& file);
 

@@ -13,9 +13,9 @@
 #include <cmath>
 #include <tuple>
 
-#include "batten/io/cad/cad_rims.h"
+#include "batten/io/cad/cad_free_edges.h"
 #include "batten/io/cad/continuity.h"
-#include "batten/io/cad/facet_numbers.h"
+#include "batten/io/cad/facet_numbering.h"
 
 namespace batten {
 namespace {
@@ -78,11 +78,11 @@ JoinedParts joined_parts(const CadFile& cad) {
     result.sewn = true;
   }
   for (CadPart& part : result.parts) {
-    const int rims = rims_of(part.shape).Extent();
-    if (rims == 0) continue;
+    const int free_edges = free_edges_of(part.shape).Extent();
+    if (free_edges == 0) continue;
     std::vector<CadFace> faces = part.faces;
     const TopoDS_Shape shape = sewn(part.shape, ContinuityOptions{}.sewing * result.size, &faces);
-    if (rims_of(shape).Extent() >= rims) continue;  // nothing lies on anything else
+    if (free_edges_of(shape).Extent() >= free_edges) continue;  // nothing lies on anything else
     part.shape = shape;
     part.faces = std::move(faces);
     result.sewn = true;
@@ -99,7 +99,7 @@ CadFacets mesh_parts(const std::vector<CadPart>& parts, double size, double chor
   Deflection last = deflection, best = deflection;
   for (int round = 0; round < 5; ++round) {
     mesh_faces(all, last = deflection);
-    CadFacets made = numbered_facets(parts, all, curved);
+    CadFacets made = number_facets(parts, all, curved);
     const bool whole = made.unmeshed == 0 && made.cracks == 0;
     const bool better = round == 0 || worth(made) < worth(facets);
     const double deviation = made.deviation;

@@ -21,7 +21,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "batten/core/index.h"
+#include "batten/core/isize.h"
 #include "batten/io/cad/cad_file.h"
 
 namespace batten {
@@ -86,14 +86,14 @@ class Walker {
     return result;
   }
 
-  void count_layers(const TDF_Label& label, int CadUse::*what) {
+  void count_layers(const TDF_Label& label, int CadAttribute::*what) {
     Handle(TColStd_HSequenceOfExtendedString) names;
     if (!layers_->GetLayers(label, names) || names.IsNull()) return;
     for (const TCollection_ExtendedString& text : names->Sequence()) {
       const std::string name = utf8(text);
       auto at = std::find_if(tree_.layers.begin(), tree_.layers.end(),
-                             [&](const CadUse& use) { return use.name == name; });
-      if (at == tree_.layers.end()) at = tree_.layers.insert(at, CadUse{name});
+                             [&](const CadAttribute& use) { return use.name == name; });
+      if (at == tree_.layers.end()) at = tree_.layers.insert(at, CadAttribute{name});
       ++((*at).*what);
     }
   }
@@ -104,7 +104,7 @@ class Walker {
     product.level = level;
     Colours own = colours_of(label);
     if (XCAFDoc_ShapeTool::IsReference(label)) {
-      product.place = name_of(label);
+      product.instance_name = name_of(label);
       place = place * XCAFDoc_ShapeTool::GetLocation(label);
       TDF_Label referred;
       XCAFDoc_ShapeTool::GetReferredShape(label, referred);
@@ -112,16 +112,17 @@ class Walker {
       own = own.over(colours_of(label));
     }
     product.name = name_of(label);
-    if (product.place == product.name) product.place.clear();
+    if (product.instance_name == product.name) product.instance_name.clear();
     product.colour = own.surface.empty() ? own.curve : own.surface;
     product.assembly = XCAFDoc_ShapeTool::IsAssembly(label);
     const gp_Trsf move = place.Transformation();
-    product.shift = {move.TranslationPart().X(), move.TranslationPart().Y(),
-                     move.TranslationPart().Z()};
+    product.translation = {move.TranslationPart().X(), move.TranslationPart().Y(),
+                           move.TranslationPart().Z()};
     gp_XYZ axis;
-    double turn = 0;
-    if (move.GetRotation(axis, turn)) product.turn_deg = std::abs(turn) * 180 / std::numbers::pi;
-    count_layers(label, &CadUse::products);
+    double angle = 0;
+    if (move.GetRotation(axis, angle))
+      product.rotation_deg = std::abs(angle) * 180 / std::numbers::pi;
+    count_layers(label, &CadAttribute::products);
     const size_t at = tree_.products.size();
     tree_.products.push_back(product);
     const Colours colours = own.over(inherited);
@@ -146,10 +147,11 @@ class Walker {
       const TopoDS_Shape inner = XCAFDoc_ShapeTool::GetShape(part);
       if (inner.IsNull()) continue;
       within.Bind(inner, {name_of(part), colours_of(part)});
-      count_layers(part, inner.ShapeType() == TopAbs_EDGE ? &CadUse::curves : &CadUse::faces);
+      count_layers(part,
+                   inner.ShapeType() == TopAbs_EDGE ? &CadAttribute::curves : &CadAttribute::faces);
     }
     CadPart result;
-    result.name = of.name.empty() ? of.place : of.name;
+    result.name = of.name.empty() ? of.instance_name : of.name;
     result.shape = shape.Moved(place);
     // A face or an edge that is a product of its own has the product's name.
     const bool single = shape.ShapeType() == TopAbs_FACE || shape.ShapeType() == TopAbs_EDGE;
@@ -157,8 +159,8 @@ class Walker {
     collect(shape, place, within, colours, "", result);
     add_named_edges(shape, place, within, result);
     for (TopExp_Explorer s(shape, TopAbs_SOLID); s.More(); s.Next()) ++of.solids;
-    of.faces = count_of(result.faces);
-    of.curves = count_of(result.curves);
+    of.faces = isize(result.faces);
+    of.curves = isize(result.curves);
     tree_.parts.push_back(std::move(result));
   }
 

@@ -44,7 +44,7 @@ struct CadPart {
 struct CadTree {
   std::vector<CadProduct> products;  ///< all, assemblies too, from the top down; shifts in mm
   std::vector<CadPart> parts;
-  std::vector<CadUse> layers;
+  std::vector<CadAttribute> layers;
 };
 
 /// All instances of a document. O(shapes).

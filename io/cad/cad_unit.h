@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "batten/io/cad/cad_text.h"
+#include "batten/io/cad/cad_format.h"
 
 class IGESData_IGESModel;
 class StepData_StepModel;

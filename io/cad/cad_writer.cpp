@@ -56,7 +56,7 @@ std::string step_of(const Handle(TDocStd_Document) & document, const CadWriteOpt
   if (!writer.Transfer(document, STEPControl_AsIs))
     throw Error("OpenCASCADE cannot turn the shapes into STEP");
   std::ostringstream out;
-  put_step(writer.ChangeWriter(), {options.name, "", "shapes"}, out);
+  write_step_text(writer.ChangeWriter(), {options.name, "", "shapes"}, out);
   return out.str();
 }
 

@@ -22,10 +22,10 @@
 
 #include "batten/core/box.h"
 #include "batten/core/errors.h"
-#include "batten/core/index.h"
+#include "batten/core/isize.h"
 #include "batten/core/parallel.h"
 #include "batten/io/cad/cad_file.h"
-#include "batten/io/cad/cad_rims.h"
+#include "batten/io/cad/cad_free_edges.h"
 #include "batten/io/cad/continuity_shape.h"
 #include "batten/io/cad/occ_settings.h"
 #include "batten/io/cad/occ_values.h"
@@ -101,7 +101,7 @@ std::optional<EdgeContinuity> measured(const TopoDS_Edge& edge, const Side& a, c
   BRepGProp::LinearProperties(edge, length);
   result.length = length.Mass();
   Vec3 at_jump = Vec3::Zero();
-  const int points = std::max(points_along(a, b), options.teeth);
+  const int points = std::max(points_along(a, b), options.comb_samples);
   for (int k = 0; k < points; ++k) {
     const double f = 0.01 + 0.98 * k / (points - 1), t = first + f * (last - first);
     gp_Pnt p;
@@ -121,8 +121,8 @@ std::optional<EdgeContinuity> measured(const TopoDS_Edge& edge, const Side& a, c
       result.angle_deg = angle;
       result.at = at;
     }
-    if (options.teeth > 0 && k % std::max(1, points / options.teeth) == 0)
-      result.teeth.push_back(
+    if (options.comb_samples > 0 && k % std::max(1, points / options.comb_samples) == 0)
+      result.comb_samples.push_back(
           {at, {one->curvature * one->normal, other->curvature * other->normal}});
     const double jump = std::abs(one->curvature - same * other->curvature);
     const double largest =
@@ -199,7 +199,7 @@ std::vector<double> face_areas(const TopoDS_Shape& shape) {
   for (TopExp_Explorer f(shape, TopAbs_FACE); f.More(); f.Next())
     faces.push_back(TopoDS::Face(f.Current()));
   std::vector<double> areas(faces.size());
-  parallel_parts(count_of(faces), [&](int k) {
+  parallel_for(isize(faces), [&](int k) {
     GProp_GProps area;
     BRepGProp::SurfaceProperties(faces[k], area);
     areas[k] = area.Mass();
@@ -223,15 +223,15 @@ ContinuityReport shape_continuity(const TopoDS_Shape& shape, double size,
     if (BRep_Tool::Degenerated(edge) || beside.empty()) continue;
     ++report.edges;
     if (beside.size() == 1) {
-      ++report.rims;
-      if (options.teeth > 0) report.rim_lines.push_back(points_of(edge));
+      ++report.free_edges;
+      if (options.comb_samples > 0) report.free_edge_lines.push_back(points_of(edge));
     }
-    if (beside.size() > 2) ++report.crowded;
+    if (beside.size() > 2) ++report.non_manifold_edges;
     if (beside.size() == 2) pairs.push_back(e);
   }
   std::vector<std::optional<EdgeContinuity>> found(pairs.size());
-  const int parts = std::min(count_of(pairs), 64);
-  parallel_parts(parts, [&](int part) {
+  const int parts = std::min(isize(pairs), 64);
+  parallel_for(parts, [&](int part) {
     for (size_t k = pairs.size() * part / parts; k < pairs.size() * (part + 1) / parts; ++k) {
       const auto& beside = sides[pairs[k] - 1];
       found[k] = measured(TopoDS::Edge(edges(pairs[k])), beside[0], beside[1], size, options);
@@ -269,12 +269,12 @@ ContinuityReport measure_continuity(const std::filesystem::path& file, double mo
       edge.gap *= unit;
       edge.curvature_jump /= unit;
       edge.at *= unit;
-      for (EdgeTooth& tooth : edge.teeth) {
-        tooth.at *= unit;
-        for (Vec3& bend : tooth.bend) bend /= unit;
+      for (EdgeCombSample& sample : edge.comb_samples) {
+        sample.at *= unit;
+        for (Vec3& curvature_vectors : sample.curvature_vectors) curvature_vectors /= unit;
       }
     }
-    for (auto& line : report.rim_lines)
+    for (auto& line : report.free_edge_lines)
       for (Vec3& p : line) p *= unit;
     return report;
   } catch (const Standard_Failure& e) {

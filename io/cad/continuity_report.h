@@ -14,14 +14,14 @@ struct ContinuityOptions {
   /// Rims of faces that lie within this of each other, of the size, count as one edge: faces of
   /// IGES files share none.
   double sewing = 1e-5;
-  int teeth = 0;  ///< about how many teeth an edge gets, for pictures; 0: none, and no rims
+  int comb_samples = 0;  ///< about how many teeth an edge gets, for pictures; 0: none, and no rims
 };
 
 /// How the two faces bend across an edge at a place of it.
-struct EdgeTooth {
+struct EdgeCombSample {
   Vec3 at = Vec3::Zero();
   /// Normal curvature times unit normal of each face: towards the centre of curvature, model units⁻¹.
-  std::array<Vec3, 2> bend{};
+  std::array<Vec3, 2> curvature_vectors{};
 };
 
 /// One edge with a face on either side (a seam has the same face twice), measured at 17 points, or
@@ -37,19 +37,20 @@ struct EdgeContinuity {
   double curvature_jump = 0, relative_jump = 0;
   Vec3 at = Vec3::Zero();  ///< where the angle is largest; of tangent faces the jump
   enum class Kind { Crease, Tangent, Curvature } kind = Kind::Crease;
-  std::vector<EdgeTooth> teeth;  ///< in its direction; ContinuityOptions::teeth
+  std::vector<EdgeCombSample> comb_samples;  ///< in its direction; ContinuityOptions::comb_samples
 };
 
 struct ContinuityReport {
   int solids = 0, shells = 0, faces = 0, edges = 0;
-  int rims = 0;                       ///< edges with one face
-  int crowded = 0;                    ///< edges with three faces or more
+  int free_edges = 0;                 ///< edges with one face
+  int non_manifold_edges = 0;         ///< edges with three faces or more
   int unmeasured = 0;                 ///< edges without a direction or a curvature at some point
   double size = 0;                    ///< diagonal of the box around all edges
   double area = 0;                    ///< of all faces
   std::vector<EdgeContinuity> inner;  ///< edges with two faces, in the file's order
   std::vector<int> slivers;           ///< faces narrower than a thousandth of their length
-  std::vector<std::vector<Vec3>> rim_lines;  ///< points along the rims; ContinuityOptions::teeth
+  std::vector<std::vector<Vec3>>
+      free_edge_lines;  ///< points along the rims; ContinuityOptions::comb_samples
   int count(EdgeContinuity::Kind kind) const;
   /// The edge of that kind where gap, angle or jump is largest; nullptr: none. Creases by their gap,
   /// tangent edges by their angle, those of one curvature by the jump.

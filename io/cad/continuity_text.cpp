@@ -1,8 +1,8 @@
 // Words of a report only: nothing of OpenCASCADE, so that programs that load it as a module need not ask it.
 #include <algorithm>
 
-#include "batten/core/index.h"
-#include "batten/core/words.h"
+#include "batten/core/format.h"
+#include "batten/core/isize.h"
 #include "batten/io/cad/continuity.h"
 
 namespace batten {
@@ -44,38 +44,40 @@ std::string continuity_text(const ContinuityReport& r, const ContinuityOptions& 
   };
   const auto where = [&](const EdgeContinuity& edge) {
     return " (edge " + std::to_string(edge.edge) + ", faces " + std::to_string(edge.faces[0]) +
-           " and " + std::to_string(edge.faces[1]) + ", near " + at(edge.at) + ")";
+           " and " + std::to_string(edge.faces[1]) + ", near " + format_point(edge.at) + ")";
   };
   std::string text =
-      "  " + many(r.edges, "edge") + ": " + many(r.rims, "rim") + ", " +
+      "  " + many(r.edges, "edge") + ": " + many(r.free_edges, "rim") + ", " +
       many(r.count(Kind::Crease), "crease") + ", " + std::to_string(r.count(Kind::Tangent)) +
       " tangent (G1), " + std::to_string(r.count(Kind::Curvature)) + " of one curvature (G2)" +
-      (r.crowded ? ", " + std::to_string(r.crowded) + " with three faces or more" : "") +
+      (r.non_manifold_edges
+           ? ", " + std::to_string(r.non_manifold_edges) + " with three faces or more"
+           : "") +
       (r.unmeasured ? ", " + std::to_string(r.unmeasured) + " not to be measured" : "") + "\n";
   const EdgeContinuity* gap = nullptr;
   for (const auto& edge : r.inner)
     if (!gap || edge.gap > gap->gap) gap = &edge;
-  if (gap) text += "  largest gap " + number(gap->gap) + " " + unit + where(*gap) + "\n";
+  if (gap) text += "  largest gap " + format_number(gap->gap) + " " + unit + where(*gap) + "\n";
   if (const auto* edge = r.worst(Kind::Tangent))
-    text += "  tangent edges meet within " + number(edge->angle_deg) + " degrees, G1 limit " +
-            number(options.angle_deg) + where(*edge) + "\n";
+    text += "  tangent edges meet within " + format_number(edge->angle_deg) +
+            " degrees, G1 limit " + format_number(options.angle_deg) + where(*edge) + "\n";
   const EdgeContinuity* nearly = nullptr;  // creases that were meant as smooth
   for (const auto& edge : r.inner)
     if (edge.kind == Kind::Crease && edge.angle_deg < 3 &&
         (!nearly || edge.angle_deg > nearly->angle_deg))
       nearly = &edge;
   if (nearly)
-    text +=
-        "  nearly tangent: up to " + number(nearly->angle_deg) + " degrees" + where(*nearly) + "\n";
+    text += "  nearly tangent: up to " + format_number(nearly->angle_deg) + " degrees" +
+            where(*nearly) + "\n";
   const EdgeContinuity* jump = nullptr;
   for (const auto& edge : r.inner)
     if (edge.kind == Kind::Tangent && (!jump || edge.relative_jump > jump->relative_jump))
       jump = &edge;
   if (jump)
-    text += "  largest jump of curvature across a tangent edge " + number(jump->curvature_jump) +
-            " / " + unit + where(*jump) + "\n";
+    text += "  largest jump of curvature across a tangent edge " +
+            format_number(jump->curvature_jump) + " / " + unit + where(*jump) + "\n";
   if (!r.slivers.empty())
-    text += "  " + many(count_of(r.slivers), "sliver") + ": face " + std::to_string(r.slivers[0]) +
+    text += "  " + many(isize(r.slivers), "sliver") + ": face " + std::to_string(r.slivers[0]) +
             (r.slivers.size() > 1 ? " and others" : "") + "\n";
   return text;
 }

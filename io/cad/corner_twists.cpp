@@ -3,24 +3,24 @@
 #include <Eigen/Geometry>
 
 #include "batten/core/errors.h"
-#include "batten/core/index.h"
+#include "batten/core/isize.h"
 #include "batten/core/sparse_cholesky.h"
 
 namespace batten {
 namespace {
 
 /// Rows of the least squares, one after the other: coefficients of the unknowns, right-hand sides.
-struct TwistRows {
+struct TwistEquations {
   std::vector<Triplet> entries;
-  std::vector<double> right;
-  int count() const { return count_of(right); }
+  std::vector<double> rhs;
+  int count() const { return isize(rhs); }
   void set(int unknown, double value) { entries.emplace_back(count(), unknown, value); }
-  void close(double value) { right.push_back(value); }
+  void close(double value) { rhs.push_back(value); }
 };
 
 /// n' + c n × t + B t = 0 for both ends, in a frame of the corner's plane; B = (p q; q r).
-void add_corner(TwistRows& rows, const std::vector<JoinEnd>& ends, const TwistCorner& corner,
-                int p) {
+void add_corner(TwistEquations& equations, const std::vector<JoinEnd>& ends,
+                const TwistCorner& corner, int p) {
   const JoinEnd& first = ends[corner.ends[0]];
   const Vec3 e1 = first.along, e2 = corner.sign[0] * first.normal.cross(e1);
   for (const size_t k : {0, 1}) {
@@ -30,10 +30,10 @@ void add_corner(TwistRows& rows, const std::vector<JoinEnd>& ends, const TwistCo
     const Vec2 t = Vec2(end.along.dot(e1), end.along.dot(e2));
     for (const int row : {0, 1}) {
       const Vec3& e = row == 0 ? e1 : e2;
-      rows.set(corner.ends[k], across.dot(e));
-      rows.set(p + row, t.x());
-      rows.set(p + row + 1, t.y());
-      rows.close(-slope.dot(e));
+      equations.set(corner.ends[k], across.dot(e));
+      equations.set(p + row, t.x());
+      equations.set(p + row + 1, t.y());
+      equations.close(-slope.dot(e));
     }
   }
 }
@@ -42,18 +42,19 @@ void add_corner(TwistRows& rows, const std::vector<JoinEnd>& ends, const TwistCo
 
 std::vector<double> matching_twists(const std::vector<JoinEnd>& ends,
                                     const std::vector<TwistCorner>& corners) {
-  TwistRows rows;
+  TwistEquations equations;
   for (size_t k = 0; k < corners.size(); ++k)
-    add_corner(rows, ends, corners[k], count_of(ends) + 3 * static_cast<int>(k));
-  const int unknowns = count_of(ends) + 3 * count_of(corners);
+    add_corner(equations, ends, corners[k], isize(ends) + 3 * static_cast<int>(k));
+  const int unknowns = isize(ends) + 3 * isize(corners);
   constexpr double small = 1e-2;
   for (int k = 0; k < unknowns; ++k) {
-    rows.set(k, k < count_of(ends) ? small : 1e-4 * small);
-    rows.close(0);
+    equations.set(k, k < isize(ends) ? small : 1e-4 * small);
+    equations.close(0);
   }
-  SparseMatrix A(rows.count(), unknowns);
-  A.setFromTriplets(rows.entries.begin(), rows.entries.end());
-  MatX x = A.transpose() * Eigen::Map<const Eigen::VectorXd>(rows.right.data(), rows.count());
+  SparseMatrix A(equations.count(), unknowns);
+  A.setFromTriplets(equations.entries.begin(), equations.entries.end());
+  MatX x =
+      A.transpose() * Eigen::Map<const Eigen::VectorXd>(equations.rhs.data(), equations.count());
   const SparseMatrix K = SparseMatrix(A.transpose() * A).triangularView<Eigen::Lower>();
   SparseCholesky cholesky;
   cholesky.analyze(K);

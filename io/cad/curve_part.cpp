@@ -7,15 +7,15 @@
 #include <TopoDS_Vertex.hxx>
 #include <algorithm>
 
-#include "batten/core/index.h"
+#include "batten/core/isize.h"
 #include "batten/io/cad/occ_values.h"
 
 namespace batten {
 namespace {
 
 TopoDS_Edge edge_of(const CubicSpline& spline, double tolerance) {
-  const int knots = count_of(spline.knots);
-  TColgp_Array1OfPnt poles(1, count_of(spline.poles));
+  const int knots = isize(spline.knots);
+  TColgp_Array1OfPnt poles(1, isize(spline.poles));
   TColStd_Array1OfReal values(1, knots);
   TColStd_Array1OfInteger times(1, knots);
   for (int i = 1; i <= poles.Length(); ++i) poles(i) = to_occ(spline.poles[i - 1]);

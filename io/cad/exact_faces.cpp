@@ -9,8 +9,8 @@
 #include <algorithm>
 
 #include "batten/core/errors.h"
-#include "batten/core/index.h"
-#include "batten/io/cad/exact_numbers.h"
+#include "batten/core/isize.h"
+#include "batten/io/cad/exact_face_numbering.h"
 #include "batten/io/cad/occ_values.h"
 
 namespace batten {
@@ -100,7 +100,7 @@ class FacesMaker {
 
   std::vector<TopoDS_Face> faces(int region) {
     const Surface& surface = plan_.regions[region]->surface;
-    const CommonNumbers& numbers = numbering_.regions()[region];
+    const SharedEntityIds& numbers = numbering_.regions()[region];
     for (int v = 0; v < surface.mesh().vertex_count(); ++v)
       if (TopoDS_Vertex& made = vertices_[numbers.vertices[v]]; made.IsNull())
         made = vertex(surface.dofs().row(surface.dof_map().vertex(v)));
@@ -111,7 +111,7 @@ class FacesMaker {
   /// Puts the vertices and edges along lines into `shared`, once all faces are made.
   void share(SharedEdges& shared) const {
     for (const auto& [name, chain] : numbering_.lines()) {
-      const int n = count_of(chain.edges);
+      const int n = isize(chain.edges);
       for (int k = 0; k <= n; ++k) shared.vertex(name, k) = vertices_[chain.vertices[k]];
       for (int k = 0; k < n; ++k) {
         const MadeEdge& made = edges_[chain.edges[k]];
@@ -137,9 +137,10 @@ class FacesMaker {
       if (i > 0) length += (points.row(i) - points.row(i - 1)).norm();
     }
     if (!(length > 1e-9 * size_))
-      throw InputError("STEP: an element edge at (" + number(points(0, 0)) + ", " +
-                       number(points(0, 1)) + ", " + number(points(0, 2)) + ") has length " +
-                       number(length) + "; expected a surface without collapsed edges");
+      throw InputError("STEP: an element edge at (" + format_number(points(0, 0)) + ", " +
+                       format_number(points(0, 1)) + ", " + format_number(points(0, 2)) +
+                       ") has length " + format_number(length) +
+                       "; expected a surface without collapsed edges");
     TopoDS_Edge result;
     builder_.MakeEdge(result, new Geom_BSplineCurve(poles, unit_knots(), end_knots(4), 3),
                       tolerance());
@@ -149,7 +150,7 @@ class FacesMaker {
     return result;
   }
 
-  void add_triangle(const Surface& surface, int t, const CommonNumbers& numbers) {
+  void add_triangle(const Surface& surface, int t, const SharedEntityIds& numbers) {
     const ParametricMesh& mesh = surface.mesh();
     const auto q = surface.triangle_dofs(t);
     const C1Triangle hct(TriangleElement::HCT, mesh.shape(t));
@@ -172,10 +173,11 @@ class FacesMaker {
       points << net[s].row(kJ), net[s].row(kJJK), net[s].row(kJKK), net[s].row(kK);
       if (!along) points = points.colwise().reverse().eval();
       const auto line = numbers.on_lines.find(e);
-      const Pieces pieces =
+      const SideSubdivision pieces =
           line != numbers.on_lines.end()
               ? line->second
-              : Pieces{{corner[along ? j : k], corner[along ? k : j]}, {numbers.edges[e]}, {0, 1}};
+              : SideSubdivision{
+                    {corner[along ? j : k], corner[along ? k : j]}, {numbers.edges[e]}, {0, 1}};
       add_face(net[s], side_edges(pieces, points, along), spoke[k], spoke[j]);
     }
   }
@@ -187,11 +189,11 @@ class FacesMaker {
   };
 
   /// From V_j to V_k. `points`: of the whole side, from the lower vertex; `along`: that is V_j.
-  std::vector<SideEdge> side_edges(const Pieces& pieces, const Cubic& points, bool along) {
+  std::vector<SideEdge> side_edges(const SideSubdivision& pieces, const Cubic& points, bool along) {
     std::vector<SideEdge> side;
     for (size_t i = 0; i < pieces.edges.size(); ++i) {
       const int start = pieces.vertices[i], end = pieces.vertices[i + 1];
-      double from = pieces.shares[i], to = pieces.shares[i + 1];
+      double from = pieces.fractions[i], to = pieces.fractions[i + 1];
       MadeEdge& made = edges_[pieces.edges[i]];
       if (made.edge.IsNull()) {
         const Cubic part = part_of(points, from, to);
@@ -247,7 +249,7 @@ class FacesMaker {
   };
 
   const StepPlan& plan_;
-  const ExactNumbers numbering_;
+  const ExactFaceNumbering numbering_;
   double size_;
   BRep_Builder builder_;
   std::vector<TopoDS_Vertex> vertices_;

@@ -11,10 +11,10 @@ namespace {
 
 constexpr double kHair = 1e-9;  // of a parameter interval
 
-const std::string& line_name(const SkinnedRegion& region, const BoundaryPiece& piece) {
+const std::string& line_name(const SkinnedRegion& region, const BoundarySegment& piece) {
   const auto i = static_cast<size_t>(piece.index);
-  return piece.kind == BoundaryPiece::Kind::Run ? region.runs.at(i).line.name
-                                                : region.embedded.at(i).line.name;
+  return piece.kind == BoundarySegment::Kind::EdgeAligned ? region.edge_aligned.at(i).line.name
+                                                          : region.embedded.at(i).line.name;
 }
 
 /// The part of a curve from one parameter to a later one, between which it is smooth.
@@ -39,11 +39,11 @@ HermiteCurve part(const HermiteCurve& whole, double from, double to) {
 }
 
 /// The stretch cut at parameters; the whole one when none is inside.
-FaceLoop cut(const FaceStretch& whole, std::vector<double> at) {
+FaceLoop cut(const FaceBoundarySegment& whole, std::vector<double> at) {
   const double start = whole.curve.start(), end = whole.curve.end(), hair = kHair * (end - start);
   // Rounding leaves no slivers beside nodes.
   for (double& t : at)
-    for (const HermiteCurve* curve : {&whole.curve, &whole.image})
+    for (const HermiteCurve* curve : {&whole.curve, &whole.pcurve})
       for (const double node : curve->parameters())
         if (std::abs(node - t) <= 1e-12 * (end - start)) t = node;
   std::erase_if(at, [&](double t) { return t <= start + hair || t >= end - hair; });
@@ -55,7 +55,7 @@ FaceLoop cut(const FaceStretch& whole, std::vector<double> at) {
   at.push_back(end);
   FaceLoop pieces;
   for (size_t i = 0; i + 1 < at.size(); ++i)
-    pieces.push_back({part(whole.curve, at[i], at[i + 1]), part(whole.image, at[i], at[i + 1]),
+    pieces.push_back({part(whole.curve, at[i], at[i + 1]), part(whole.pcurve, at[i], at[i + 1]),
                       whole.line, whole.reversed, whole.shift, whole.scale, whole.shared});
   return pieces;
 }
@@ -66,15 +66,16 @@ std::vector<double> corner_parameters(const HermiteCurve& curve) {
   return at;
 }
 
-HermiteCurve shifted(const HermiteCurve& image, double du) {
-  Points dofs = image.dofs();
-  for (int i = 0; i < image.node_count(); ++i) dofs(image.mesh().position_dof(i), 0) += du;
-  return {image.mesh(), std::move(dofs)};
+HermiteCurve shifted(const HermiteCurve& pcurve, double du) {
+  Points dofs = pcurve.dofs();
+  for (int i = 0; i < pcurve.node_count(); ++i) dofs(pcurve.mesh().position_dof(i), 0) += du;
+  return {pcurve.mesh(), std::move(dofs)};
 }
 
 /// Finds in which direction the stretch runs along its line, and the line's parameter on it. A
 /// stretch has the direction of its loop, whatever that of the line is.
-void place_on_line(FaceStretch& whole, const StepPlan& common, const std::string& region) {
+void parameter_on_line(FaceBoundarySegment& whole, const StepPlan& common,
+                       const std::string& region) {
   const auto found = common.lines.find(whole.line);
   if (found == common.lines.end())
     throw InputError("region '" + region +
@@ -89,45 +90,46 @@ void place_on_line(FaceStretch& whole, const StepPlan& common, const std::string
   whole.shift = (whole.reversed ? line.end() : line.start()) - whole.scale * whole.curve.start();
 }
 
-FaceLoop loop_of(const SkinnedRegion& region, const std::vector<BoundaryPiece>& pieces,
+FaceLoop loop_of(const SkinnedRegion& region, const std::vector<BoundarySegment>& pieces,
                  const StepPlan* common) {
   FaceLoop loop;
   const double period = region.surface.mesh().period();
-  for (const BoundaryPiece& piece : pieces) {
-    FaceStretch whole{boundary_curve(region, piece), boundary_image(region, piece),
-                      line_name(region, piece)};
-    if (!(std::abs(whole.curve.start() - whole.image.start()) +
-              std::abs(whole.curve.end() - whole.image.end()) <=
+  for (const BoundarySegment& piece : pieces) {
+    FaceBoundarySegment whole{boundary_curve(region, piece), boundary_pcurve(region, piece),
+                              line_name(region, piece)};
+    if (!(std::abs(whole.curve.start() - whole.pcurve.start()) +
+              std::abs(whole.curve.end() - whole.pcurve.end()) <=
           1e-9 * (whole.curve.end() - whole.curve.start())))
       throw InputError("region '" + region.name + "': a boundary curve runs from " +
-                       number(whole.curve.start()) + " to " + number(whole.curve.end()) +
-                       ", its image in (u, v) from " + number(whole.image.start()) + " to " +
-                       number(whole.image.end()));
+                       format_number(whole.curve.start()) + " to " +
+                       format_number(whole.curve.end()) + ", its image in (u, v) from " +
+                       format_number(whole.pcurve.start()) + " to " +
+                       format_number(whole.pcurve.end()));
     if (period > 0 && !loop.empty()) {
       const double du = loop.back().last().x() - whole.first().x();
-      whole.image = shifted(whole.image, period * std::round(du / period));
+      whole.pcurve = shifted(whole.pcurve, period * std::round(du / period));
     }
     auto at = corner_parameters(whole.curve);
-    for (const double t : corner_parameters(whole.image)) at.push_back(t);
+    for (const double t : corner_parameters(whole.pcurve)) at.push_back(t);
     if (common) {
-      place_on_line(whole, *common, region.name);
+      parameter_on_line(whole, *common, region.name);
       for (const double t : common->lines.at(whole.line).cuts)
         at.push_back((t - whole.shift) / whole.scale);
     }
-    for (FaceStretch& stretch : cut(whole, at)) loop.push_back(std::move(stretch));
+    for (FaceBoundarySegment& segment : cut(whole, at)) loop.push_back(std::move(segment));
   }
   return loop;
 }
 
 /// Where a stretch crosses lines of constant u: parameters, ascending.
-std::vector<double> crossings(const FaceStretch& stretch, double u) {
+std::vector<double> crossings(const FaceBoundarySegment& segment, double u) {
   std::vector<double> found;
-  const auto arcs = planar_arcs(stretch.image);
+  const auto arcs = planar_cubics(segment.pcurve);
   for (size_t k = 0; k < arcs.size(); ++k) {
     BernsteinCubic distance;
     for (size_t i = 0; i < 4; ++i) distance.b[i] = arcs[k].b[i].x() - u;
     for (const double s : distance.zeros())
-      found.push_back(stretch.image.parameters()[k] + s * stretch.image.mesh().length(k));
+      found.push_back(segment.pcurve.parameters()[k] + s * segment.pcurve.mesh().length(k));
   }
   return found;
 }
@@ -139,19 +141,19 @@ FaceLoop begun_at(const FaceLoop& loop, double seam, double period) {
   const double size = 1e-9 * period;
   FaceLoop pieces;
   size_t first = std::numeric_limits<size_t>::max();
-  for (const FaceStretch& stretch : loop) {
+  for (const FaceBoundarySegment& segment : loop) {
     std::vector<double> at;
-    double low = infinity, high = -infinity;
-    for (const PlanarCubic& arc : planar_arcs(stretch.image))
+    double low = kInfinity, high = -kInfinity;
+    for (const PlanarCubic& arc : planar_cubics(segment.pcurve))
       for (const Vec2& p : arc.b) {
         low = std::min(low, p.x());
         high = std::max(high, p.x());
       }
     for (double k = std::ceil((low - begin) / period); begin + k * period <= high; ++k)
-      for (const double t : crossings(stretch, begin + k * period)) at.push_back(t);
-    for (FaceStretch& piece : cut(stretch, at)) {
-      const double turns = (piece.first().x() - begin) / period;
-      if (first > pieces.size() && std::abs(turns - std::round(turns)) * period <= size)
+      for (const double t : crossings(segment, begin + k * period)) at.push_back(t);
+    for (FaceBoundarySegment& piece : cut(segment, at)) {
+      const double winding = (piece.first().x() - begin) / period;
+      if (first > pieces.size() && std::abs(winding - std::round(winding)) * period <= size)
         first = pieces.size();
       pieces.push_back(std::move(piece));
     }
@@ -161,14 +163,14 @@ FaceLoop begun_at(const FaceLoop& loop, double seam, double period) {
   for (size_t i = 0; i < pieces.size(); ++i) {
     const double to = i == 0 ? begin : pieces[i - 1].last().x();
     const double du = period * std::round((to - pieces[i].first().x()) / period);
-    pieces[i].image = shifted(pieces[i].image, du);
+    pieces[i].pcurve = shifted(pieces[i].pcurve, du);
   }
   return pieces;
 }
 
-DomainLoops::Loop images(const FaceLoop& loop) {
+DomainLoops::Loop parameter_loops(const FaceLoop& loop) {
   DomainLoops::Loop result;
-  for (const FaceStretch& stretch : loop) result.push_back(stretch.image);
+  for (const FaceBoundarySegment& segment : loop) result.push_back(segment.pcurve);
   return result;
 }
 
@@ -181,17 +183,19 @@ HermiteCurve straight(const Vec2& a, const Vec2& b) {
 
 }  // namespace
 
-std::optional<Vec3> FaceStretch::turn(double t) const {
-  if (turns.empty()) return std::nullopt;
-  const double at =
-      (t - curve.start()) / (curve.end() - curve.start()) * static_cast<double>(turns.size() - 1);
-  const auto k = static_cast<size_t>(std::clamp(at, 0.0, static_cast<double>(turns.size() - 2)));
-  if (!turns[k] || !turns[k + 1]) return std::nullopt;
+std::optional<Vec3> FaceBoundarySegment::normal_correction(double t) const {
+  if (normal_corrections.empty()) return std::nullopt;
+  const double at = (t - curve.start()) / (curve.end() - curve.start()) *
+                    static_cast<double>(normal_corrections.size() - 1);
+  const auto k =
+      static_cast<size_t>(std::clamp(at, 0.0, static_cast<double>(normal_corrections.size() - 2)));
+  if (!normal_corrections[k] || !normal_corrections[k + 1]) return std::nullopt;
   const double s = std::clamp(at - static_cast<double>(k), 0.0, 1.0);
-  return (1 - s) * *turns[k] + s * *turns[k + 1];
+  return (1 - s) * *normal_corrections[k] + s * *normal_corrections[k + 1];
 }
 
-FaceBoundary::FaceBoundary(const SkinnedRegion& region, const StepPlan* common, Rims rims)
+FaceBoundary::FaceBoundary(const SkinnedRegion& region, const StepPlan* common,
+                           AnnulusBoundary boundary_cut)
     : period(region.surface.mesh().period()) {
   if (region.boundary.empty() || (period > 0 && region.boundary.size() < 2))
     throw InputError("region '" + region.name + "': no boundary loops; expected an outline");
@@ -203,7 +207,7 @@ FaceBoundary::FaceBoundary(const SkinnedRegion& region, const StepPlan* common, 
   std::vector<FaceLoop> whole = loops;
   if (period > 0) unroll(region.name);
   std::vector<DomainLoops::Loop> all;
-  for (const FaceLoop& loop : loops) all.push_back(images(loop));
+  for (const FaceLoop& loop : loops) all.push_back(parameter_loops(loop));
   if (period > 0) {
     // Along one loop, up the seam, back along the other, down the seam.
     DomainLoops::Loop around = all[0];
@@ -214,7 +218,7 @@ FaceBoundary::FaceBoundary(const SkinnedRegion& region, const StepPlan* common, 
     all.insert(all.begin(), around);
   }
   domain = DomainLoops(std::move(all));
-  if (rims == Rims::Whole) loops = std::move(whole);
+  if (boundary_cut == AnnulusBoundary::Whole) loops = std::move(whole);
 }
 
 bool FaceBoundary::contains(Vec2 uv) const {
@@ -225,14 +229,14 @@ bool FaceBoundary::contains(Vec2 uv) const {
 void FaceBoundary::add_cuts(StepPlan& plan) const {
   std::map<std::string, std::pair<double, double>> ends;
   for (const FaceLoop& loop : loops)
-    for (const FaceStretch& s : loop) {
+    for (const FaceBoundarySegment& s : loop) {
       const double a = s.line_parameter(s.curve.start()), b = s.line_parameter(s.curve.end());
       const auto [it, added] = ends.emplace(s.line, std::minmax(a, b));
       it->second = {std::min(it->second.first, std::min(a, b)),
                     std::max(it->second.second, std::max(a, b))};
     }
   for (const FaceLoop& loop : loops)
-    for (const FaceStretch& s : loop)
+    for (const FaceBoundarySegment& s : loop)
       for (const double t : {s.curve.start(), s.curve.end()}) {
         const double at = s.line_parameter(t);
         const auto [low, high] = ends.at(s.line);
@@ -244,13 +248,13 @@ void FaceBoundary::add_cuts(StepPlan& plan) const {
 /// Chooses a seam that meets no hole, where the first loop begins if that is possible.
 void FaceBoundary::unroll(const std::string& name) {
   const double start = loops[0].front().first().x();
-  const auto turns = [&](const FaceLoop& loop) {
+  const auto winding = [&](const FaceLoop& loop) {
     return (loop.back().last().x() - loop.front().first().x()) / period;
   };
-  if (turns(loops[1]) > 0) std::swap(loops[0], loops[1]);
-  if (std::abs(turns(loops[0]) - 1) + std::abs(turns(loops[1]) + 1) > 1e-6)
+  if (winding(loops[1]) > 0) std::swap(loops[0], loops[1]);
+  if (std::abs(winding(loops[0]) - 1) + std::abs(winding(loops[1]) + 1) > 1e-6)
     throw InputError("region '" + name + "': the two rims of a ring run " +
-                     number(turns(loops[0])) + " and " + number(turns(loops[1])) +
+                     format_number(winding(loops[0])) + " and " + format_number(winding(loops[1])) +
                      " times around it; expected once each, with the ring to their left");
   constexpr int tries = 64;
   for (int k = 0; k < tries; ++k) {
@@ -258,9 +262,9 @@ void FaceBoundary::unroll(const std::string& name) {
     std::vector<FaceLoop> moved{begun_at(loops[0], seam, period), begun_at(loops[1], seam, period)};
     bool free = !moved[0].empty() && !moved[1].empty();
     for (size_t h = 2; h < loops.size() && free; ++h) {
-      double low = infinity, high = -infinity;
-      for (const FaceStretch& stretch : loops[h])
-        for (const PlanarCubic& arc : planar_arcs(stretch.image))
+      double low = kInfinity, high = -kInfinity;
+      for (const FaceBoundarySegment& segment : loops[h])
+        for (const PlanarCubic& arc : planar_cubics(segment.pcurve))
           for (const Vec2& p : arc.b) {
             low = std::min(low, p.x());
             high = std::max(high, p.x());
@@ -268,7 +272,8 @@ void FaceBoundary::unroll(const std::string& name) {
       const double back = -std::floor((low - seam) / period) * period;
       free = high + back < seam + period;
       moved.push_back(loops[h]);
-      for (FaceStretch& stretch : moved.back()) stretch.image = shifted(stretch.image, back);
+      for (FaceBoundarySegment& segment : moved.back())
+        segment.pcurve = shifted(segment.pcurve, back);
     }
     if (!free) continue;
     loops = std::move(moved);
@@ -282,7 +287,8 @@ void cut_lines(StepPlan& plan, const std::vector<const SkinnedRegion*>& regions,
                const std::set<const SkinnedRegion*>& whole) {
   for (const SkinnedRegion* region : regions)
     FaceBoundary(*region, &plan,
-                 whole.count(region) ? FaceBoundary::Rims::Whole : FaceBoundary::Rims::AtSeam)
+                 whole.count(region) ? FaceBoundary::AnnulusBoundary::Whole
+                                     : FaceBoundary::AnnulusBoundary::AtSeam)
         .add_cuts(plan);
   for (auto& [name, line] : plan.lines) {
     // Readers make closed curves periodic, and change rational ones by that: see edge_parameter.h.

@@ -6,30 +6,30 @@
 #include <string>
 #include <vector>
 
-#include "batten/core/plane.h"
+#include "batten/core/planar_geometry.h"
 #include "batten/io/cad/step_plan.h"
 
 namespace batten {
 
 /// A smooth part of the boundary, in the direction of its loop.
-struct FaceStretch {
-  HermiteCurve curve, image;    ///< in space and in (u, v), over the same parameters
+struct FaceBoundarySegment {
+  HermiteCurve curve, pcurve;   ///< in space and in (u, v), over the same parameters
   std::string line;             ///< name of its line
   bool reversed = false;        ///< whether the loop runs against the line
   double shift = 0, scale = 1;  ///< t of the line = shift + scale · t of the stretch
   bool shared = false;          ///< whether the line has another side
   /// From the surface's unit normal to the one that the faces on both sides are to have, at even shares
   /// of the parameter; none where the surfaces meet at an angle. Empty until find_tangent_joins() sets it.
-  std::vector<std::optional<Vec3>> turns = {};
+  std::vector<std::optional<Vec3>> normal_corrections = {};
 
-  Vec2 uv(double t) const { return flat(image.evaluate(t)); }
-  Vec2 first() const { return flat(image.position(0)); }
-  Vec2 last() const { return flat(image.evaluate({image.segment_count() - 1, 1.0})); }
+  Vec2 uv(double t) const { return drop_z(pcurve.evaluate(t)); }
+  Vec2 first() const { return drop_z(pcurve.position(0)); }
+  Vec2 last() const { return drop_z(pcurve.evaluate({pcurve.segment_count() - 1, 1.0})); }
   double line_parameter(double t) const { return shift + scale * t; }
-  /// Between the nearest of `turns`; none where one of them is none.
-  std::optional<Vec3> turn(double t) const;
+  /// Between the nearest of `normal_corrections`; none where one of them is none.
+  std::optional<Vec3> normal_correction(double t) const;
 };
-using FaceLoop = std::vector<FaceStretch>;
+using FaceLoop = std::vector<FaceBoundarySegment>;
 
 /// All loops of a region's boundary.
 struct FaceBoundary {
@@ -39,13 +39,13 @@ struct FaceBoundary {
   DomainLoops domain;
 
   /// Whether a ring's rims are cut, and begin, where the seam of its (u, v) meets them.
-  enum class Rims { AtSeam, Whole };
+  enum class AnnulusBoundary { AtSeam, Whole };
 
   /// Cuts the region's lines at corners, at the cuts of `common`, and where the seam of a ring
   /// meets them (Rims::AtSeam). Throws InputError as write_step_faces() does of boundaries, and for a
   /// line without a name when `common` is given.
   explicit FaceBoundary(const SkinnedRegion& region, const StepPlan* common = nullptr,
-                        Rims rims = Rims::AtSeam);
+                        AnnulusBoundary boundary_cut = AnnulusBoundary::AtSeam);
 
   bool contains(Vec2 uv) const;
   /// Adds to the plan where this boundary cuts lines, besides their ends.

@@ -13,7 +13,7 @@
 #include <numeric>
 
 #include "batten/core/errors.h"
-#include "batten/core/index.h"
+#include "batten/core/isize.h"
 #include "batten/core/parallel.h"
 #include "batten/io/cad/continuity_shape.h"
 #include "batten/io/cad/face_measure.h"
@@ -28,23 +28,23 @@ namespace {
 
 /// Finer fits until one is as near as was promised between its samples too, so that files of
 /// many regions are seldom written twice.
-void settle(FaceMaker& made, double tolerance) {
+void fit_to_tolerance(FaceMaker& made, double tolerance) {
   constexpr int most_fits = 5;
   for (int i = 0; i < most_fits; ++i) {
     std::vector<Vec2> points = points_of_region(made);
     KnotCells cells(made.patch().u.knots(), made.patch().v.knots());
     for (const FaceLoop& loop : made.boundary().loops)
-      for (const FaceStretch& stretch : loop) {
-        const int n = 8 * (stretch.curve.segment_count() + stretch.image.segment_count() +
+      for (const FaceBoundarySegment& segment : loop) {
+        const int n = 8 * (segment.curve.segment_count() + segment.pcurve.segment_count() +
                            made.poles_u() + made.poles_v());
-        const double start = stretch.curve.start(), end = stretch.curve.end();
-        Vec2 before = stretch.first();
+        const double start = segment.curve.start(), end = segment.curve.end();
+        Vec2 before = segment.first();
         for (int k = 0; k < n; ++k) {
-          points.push_back(stretch.uv(start + (end - start) * double(k) / n));
+          points.push_back(segment.uv(start + (end - start) * double(k) / n));
           cells.pass(before, points.back());
           before = points.back();
         }
-        cells.pass(before, stretch.last());
+        cells.pass(before, segment.last());
       }
     const auto contains = [&](const Vec2& p) { return made.boundary().contains(p); };
     for (const Vec2& uv : cells.points(contains, contains)) points.push_back(uv);
@@ -59,32 +59,33 @@ void settle(FaceMaker& made, double tolerance) {
 }
 
 /// Finer fits of the faces beside joins whose angle is missed between the samples of both.
-void settle_joins(const FittedFaces& made, const StepPlan& plan, const StepFaceOptions& options) {
-  constexpr int most_rounds = 3;
-  for (int round = 0; round < most_rounds; ++round) {
+void fit_joins_to_tolerance(const FittedFaces& made, const StepPlan& plan,
+                            const StepFaceOptions& options) {
+  constexpr int max_rounds = 3;
+  for (int round = 0; round < max_rounds; ++round) {
     std::vector<FaceNormals> normals(made.size());
-    parallel_parts(count_of(made), [&](int k) { normals[k] = normals_of_fit(*made[k], plan); });
-    const std::vector<double> missed = angles_to_mend(normals, options.join_deg);
+    parallel_for(isize(made), [&](int k) { normals[k] = normals_of_fit(*made[k], plan); });
+    const std::vector<double> angles_to_correct = correctable_angles(normals, options.join_deg);
     std::vector<char> again(made.size());
-    parallel_parts(count_of(made), [&](int k) {
-      again[k] = missed[k] > 0 && made[k]->refine(0, missed[k]);
-      if (again[k]) settle(*made[k], options.tolerance);
+    parallel_for(isize(made), [&](int k) {
+      again[k] = angles_to_correct[k] > 0 && made[k]->refine(0, angles_to_correct[k]);
+      if (again[k]) fit_to_tolerance(*made[k], options.tolerance);
     });
     if (std::find(again.begin(), again.end(), 1) == again.end()) return;
   }
 }
 
 /// A region that is no fitted face, beside one.
-struct OtherSide {
+struct NeighbourSide {
   FaceBoundary boundary;
   TriangleLocator locator;
-  OtherSide(const SkinnedRegion& region, const StepPlan& plan)
+  NeighbourSide(const SkinnedRegion& region, const StepPlan& plan)
       : boundary(region, &plan), locator(region.surface.mesh()) {}
 };
 
 void find_joins(const FittedFaces& made, const StepPlan& plan, double tolerance) {
   std::vector<TangentSide> sides;
-  std::vector<std::unique_ptr<OtherSide>> others;
+  std::vector<std::unique_ptr<NeighbourSide>> others;
   for (const SkinnedRegion* region : plan.regions) {
     const auto maker = std::find_if(made.begin(), made.end(),
                                     [&](const auto& m) { return &m->region() == region; });
@@ -93,7 +94,7 @@ void find_joins(const FittedFaces& made, const StepPlan& plan, double tolerance)
           {&(*maker)->boundary(), [m = maker->get()](const Vec2& uv) { return m->normal(uv); }});
       continue;
     }
-    others.push_back(std::make_unique<OtherSide>(*region, plan));
+    others.push_back(std::make_unique<NeighbourSide>(*region, plan));
     sides.push_back(
         {&others.back()->boundary, [other = others.back().get(), region](const Vec2& uv) {
            return region->surface.jet(other->locator.locate(uv)).normal();
@@ -121,15 +122,15 @@ std::vector<const SkinnedRegion*> analytic_off_joins(const FittedFaces& made, co
   const auto is_analytic = [](const auto& maker) { return maker->analytic(); };
   if (std::none_of(made.begin(), made.end(), is_analytic)) return off;
   std::vector<FaceNormals> normals(made.size());
-  parallel_parts(count_of(made), [&](int k) { normals[k] = normals_before_fit(*made[k], plan); });
-  const std::vector<double> angles = angles_from_wanted(normals, join_deg);
+  parallel_for(isize(made), [&](int k) { normals[k] = normals_before_fit(*made[k], plan); });
+  const std::vector<double> angles = angles_from_target(normals, join_deg);
   for (size_t k = 0; k < made.size(); ++k)
     if (made[k]->analytic() && angles[k] > join_deg) off.push_back(&made[k]->region());
   return off;
 }
 
 /// Whether a face of the file lies on the surface that was fitted to a region.
-bool lies_on(const TopoDS_Face& face, const FaceMaker& made) {
+bool lies_on_region(const TopoDS_Face& face, const FaceMaker& made) {
   if (made.analytic())
     return shape_of(BRep_Tool::Surface(face)).kind == made.analytic()->surface.shape().kind;
   const auto surface = Handle(Geom_BSplineSurface)::DownCast(BRep_Tool::Surface(face));
@@ -151,7 +152,7 @@ void require_as_written(const std::vector<TopoDS_Face>& faces, const FittedFaces
   size_t next = 0;
   for (const auto& maker : made) {
     const size_t first = next;
-    while (next < faces.size() && lies_on(faces[next], *maker)) ++next;
+    while (next < faces.size() && lies_on_region(faces[next], *maker)) ++next;
     if (next - first == 1) continue;
     other.push_back(&maker->region());
     names += (names.empty() ? " ('" : ", '") + maker->region().name + "'";
@@ -168,14 +169,14 @@ void require_as_written(const std::vector<TopoDS_Face>& faces, const FittedFaces
 
 void check_options(const std::filesystem::path& path, const StepFaceOptions& options) {
   if (!(options.tolerance > 0) || !std::isfinite(options.tolerance))
-    throw InputError(path.string() + ": found a tolerance of " + number(options.tolerance) +
+    throw InputError(path.string() + ": found a tolerance of " + format_number(options.tolerance) +
                      "; expected a length above 0");
   if (!(options.join_deg > 0))
     throw InputError(path.string() + ": found an angle between faces of " +
-                     number(options.join_deg) + " degrees; expected one above 0");
-  if (options.most_poles < 16 || options.most_poles_in_all < 256)
-    throw InputError(path.string() + ": found a limit of " + std::to_string(options.most_poles) +
-                     " poles in a direction and " + std::to_string(options.most_poles_in_all) +
+                     format_number(options.join_deg) + " degrees; expected one above 0");
+  if (options.max_poles < 16 || options.max_poles_total < 256)
+    throw InputError(path.string() + ": found a limit of " + std::to_string(options.max_poles) +
+                     " poles in a direction and " + std::to_string(options.max_poles_total) +
                      " in all; expected 16 and 256 or more");
 }
 
@@ -185,7 +186,7 @@ FittedFaces fitted_faces(const std::vector<const SkinnedRegion*>& regions, const
   FittedFaces made(regions.size());
   std::vector<char> bad(regions.size(), 0);
   const bool common = plan.joined || !analytic.empty();
-  parallel_parts(count_of(made), [&](int k) {
+  parallel_for(isize(made), [&](int k) {
     const auto face = analytic.find(regions[k]);
     made[k] = std::make_unique<FaceMaker>(*regions[k], options, common ? &plan : nullptr,
                                           face == analytic.end() ? nullptr : &face->second);
@@ -199,21 +200,21 @@ FittedFaces fitted_faces(const std::vector<const SkinnedRegion*>& regions, const
     if (failed) *failed = analytic_off_joins(made, plan, options.join_deg);
     if (failed && !failed->empty()) return made;
   }
-  parallel_parts(count_of(made), [&](int k) {
+  parallel_for(isize(made), [&](int k) {
     if (made[k]->analytic()) return;
     made[k]->fit();
-    if (made.size() > 1) settle(*made[k], options.tolerance);
+    if (made.size() > 1) fit_to_tolerance(*made[k], options.tolerance);
   });
-  if (plan.joined) settle_joins(made, plan, options);
+  if (plan.joined) fit_joins_to_tolerance(made, plan, options);
   return made;
 }
 
 StepReport refined(const FittedFaces& made, const StepFaceOptions& options,
                    const std::function<StepReport()>& written) {
   StepReport report;
-  constexpr int most_rounds = 6, most_for_angles = 2;
+  constexpr int max_rounds = 6, most_for_angles = 2;
   constexpr double far_off = 3;
-  for (int round = 0; round < most_rounds; ++round) {
+  for (int round = 0; round < max_rounds; ++round) {
     report = written();
     bool again = false;
     // Finer knots mend what lies between samples, not an angle that is the surface's own: a file that misses
@@ -234,14 +235,15 @@ void measure_patches(StepReport& report, const std::vector<TopoDS_Face>& faces,
   std::vector<StepPatch> patches(faces.size());
   std::vector<FaceNormals> normals(faces.size());
   const int before = rest ? 1 : 0;
-  parallel_parts(before + count_of(faces), [&](int part) {
+  parallel_for(before + isize(faces), [&](int part) {
     if (part < before) return rest();
     const auto k = static_cast<size_t>(part - before);
     StepPatch& patch = patches[k];
     patch.region = made[k]->region().name;
     patch.poles_u = made[k]->poles_u();
     patch.poles_v = made[k]->poles_v();
-    if (made[k]->analytic()) patch.surface = word_for(made[k]->analytic()->surface.shape().kind);
+    if (made[k]->analytic())
+      patch.surface = primitive_name(made[k]->analytic()->surface.shape().kind);
     normals[k] = measure_face(faces[k], *made[k], plan, patch);
     patch.reached = patch.deviation <= options.tolerance;
   });
@@ -251,8 +253,8 @@ void measure_patches(StepReport& report, const std::vector<TopoDS_Face>& faces,
     report.reached = report.reached && join.reached;
     report.max_join_deg = std::max(report.max_join_deg, join.angle_deg);
   }
-  const std::vector<double> missed = angles_to_mend(normals, options.join_deg);
-  for (size_t k = 0; k < patches.size(); ++k) patches[k].join_deg = missed[k];
+  const std::vector<double> angles_to_correct = correctable_angles(normals, options.join_deg);
+  for (size_t k = 0; k < patches.size(); ++k) patches[k].join_deg = angles_to_correct[k];
   for (const StepPatch& patch : patches) {
     report.reached = report.reached && patch.reached;
     report.max_gap = std::max(report.max_gap, patch.edge_gap);
@@ -266,7 +268,7 @@ StepReport measured_faces(const std::filesystem::path& path, const FittedFaces& 
                           const StepPlan& plan, const StepFaceOptions& options,
                           const std::function<void()>& beside) {
   TopoDS_Shape shape;
-  parallel_parts(2, [&](int part) {
+  parallel_for(2, [&](int part) {
     if (part == 1) return beside();
     shape = read_step(path);
   });
@@ -278,8 +280,8 @@ StepReport measured_faces(const std::filesystem::path& path, const FittedFaces& 
   std::iota(region_of_face.begin(), region_of_face.end(), 0);
   StepReport report;
   measure_patches(report, faces, made, plan, options,
-                  [&] { report = measured_shape(shape, region_of_face); });
-  report.bytes = input_size(path);
+                  [&] { report = fit_primitive(shape, region_of_face); });
+  report.bytes = input_file_size(path);
   report.continuity = shape_continuity(shape, report.size);
   report.area = report.continuity->area;
   report.max_deviation = 0;

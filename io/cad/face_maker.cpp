@@ -16,7 +16,7 @@
 #include <numbers>
 
 #include "batten/core/errors.h"
-#include "batten/core/index.h"
+#include "batten/core/isize.h"
 #include "batten/fem/cubic_splines.h"
 #include "batten/fem/spline_axis.h"
 #include "batten/io/cad/occ_values.h"
@@ -33,7 +33,7 @@ Box3 box_of(const HermiteCurve& curve) {
 Vec3 middle(const FaceBoundary& boundary) {
   Box3 box;
   for (const FaceLoop& loop : boundary.loops)
-    for (const FaceStretch& stretch : loop) box.extend(box_of(stretch.curve));
+    for (const FaceBoundarySegment& segment : loop) box.extend(box_of(segment.curve));
   return box.center();
 }
 Surface moved_by(const Surface& surface, const Vec3& shift) {
@@ -54,7 +54,7 @@ std::pair<TColStd_Array1OfReal, TColStd_Array1OfInteger> knots(const SplineAxis&
   return {values, times};
 }
 std::pair<TColStd_Array1OfReal, TColStd_Array1OfInteger> knots(const CubicSpline& spline) {
-  const int n = count_of(spline.knots);
+  const int n = isize(spline.knots);
   TColStd_Array1OfReal values(1, n);
   TColStd_Array1OfInteger times(1, n);
   for (int i = 1; i <= n; ++i) {
@@ -65,13 +65,13 @@ std::pair<TColStd_Array1OfReal, TColStd_Array1OfInteger> knots(const CubicSpline
 }
 
 Handle(Geom_BSplineCurve) curve_of(const CubicSpline& spline) {
-  TColgp_Array1OfPnt poles(1, count_of(spline.poles));
+  TColgp_Array1OfPnt poles(1, isize(spline.poles));
   for (int i = 1; i <= poles.Length(); ++i) poles(i) = to_occ(spline.poles[i - 1]);
   const auto [t, times] = knots(spline);
   return new Geom_BSplineCurve(poles, t, times, 3);
 }
 Handle(Geom2d_BSplineCurve) to_flat_occ(const CubicSpline& spline) {
-  TColgp_Array1OfPnt2d poles(1, count_of(spline.poles));
+  TColgp_Array1OfPnt2d poles(1, isize(spline.poles));
   for (int i = 1; i <= poles.Length(); ++i)
     poles(i) = {spline.poles[i - 1].x(), spline.poles[i - 1].y()};
   const auto [t, times] = knots(spline);
@@ -90,15 +90,15 @@ CubicSpline over(CubicSpline spline, double first, double last) {
 /// origin to a place.
 Handle(Geom_BSplineCurve)
     curve_on_surface(const Handle(Geom_Surface) & surface, const Handle(Geom2d_BSplineCurve) & line,
-                     double tolerance, const gp_Pnt& place) {
+                     double tolerance, const gp_Pnt& location) {
   const double first = line->FirstParameter(), last = line->LastParameter();
   Approx_CurveOnSurface found(new Geom2dAdaptor_Curve(line), new GeomAdaptor_Surface(surface),
                               first, last, tolerance);
-  constexpr int most_segments = 10'000, degree = 8;
-  found.Perform(most_segments, degree, GeomAbs_C1, true);
+  constexpr int max_segments = 10'000, degree = 8;
+  found.Perform(max_segments, degree, GeomAbs_C1, true);
   if (!found.HasResult()) throw Error("STEP: OpenCASCADE finds no curve along a face's rim");
   const Handle(Geom_BSplineCurve) curve = found.Curve3d();
-  curve->Translate(gp_Pnt(), place);
+  curve->Translate(gp_Pnt(), location);
   return curve;
 }
 
@@ -108,34 +108,34 @@ Vec3 end_of(const HermiteCurve& curve) { return curve.evaluate({curve.segment_co
 
 // ---- what faces have in common --------------------------------------------------------------
 
-int SharedEdges::cut_of(const FaceStretch& stretch, bool end) const {
-  const double at = stretch.line_parameter(end ? stretch.curve.end() : stretch.curve.start());
-  const double other = stretch.line_parameter(end ? stretch.curve.start() : stretch.curve.end());
+int SharedEdges::cut_of(const FaceBoundarySegment& segment, bool end) const {
+  const double at = segment.line_parameter(end ? segment.curve.end() : segment.curve.start());
+  const double other = segment.line_parameter(end ? segment.curve.start() : segment.curve.end());
   const double hair = 1e-6 * std::abs(at - other);
   int cuts = 0;
-  for (const double cut : plan_.lines.at(stretch.line).cuts)
+  for (const double cut : plan_.lines.at(segment.line).cuts)
     if (++cuts; std::abs(cut - at) <= hair) return cuts;
   return at > other ? cuts + 1 : 0;
 }
 
 TopoDS_Vertex& SharedEdges::vertex(const std::string& name, int cut) {
   const StepLine& line = plan_.lines.at(name);
-  const int last = count_of(line.cuts) + 1;
-  if (cut == 0 || cut == last) return places_[line.places[cut == last]];
+  const int last = isize(line.cuts) + 1;
+  if (cut == 0 || cut == last) return end_points_[line.places[cut == last]];
   return vertices_[{name, cut}];
 }
 
-TopoDS_Vertex& SharedEdges::vertex(const FaceStretch& stretch, bool end) {
-  return vertex(stretch.line, cut_of(stretch, end));
+TopoDS_Vertex& SharedEdges::vertex(const FaceBoundarySegment& segment, bool end) {
+  return vertex(segment.line, cut_of(segment, end));
 }
-TopoDS_Edge& SharedEdges::edge(const FaceStretch& stretch) {
-  return edge(stretch.line, std::max(cut_of(stretch, false), cut_of(stretch, true)));
+TopoDS_Edge& SharedEdges::edge(const FaceBoundarySegment& segment) {
+  return edge(segment.line, std::max(cut_of(segment, false), cut_of(segment, true)));
 }
 
 std::vector<CadCurveItem> SharedEdges::along_lines() const {
   std::vector<CadCurveItem> result;
-  for (const auto& [place, edge] : edges_)
-    if (!edge.IsNull()) result.push_back({edge, place.first, ""});
+  for (const auto& [location, edge] : edges_)
+    if (!edge.IsNull()) result.push_back({edge, location.first, ""});
   return result;
 }
 
@@ -145,12 +145,14 @@ FaceMaker::FaceMaker(const SkinnedRegion& region, const StepFaceOptions& options
                      const StepPlan* common, const AnalyticFace* analytic)
     : region_(region),
       options_(options),
-      boundary_(region, common, analytic ? FaceBoundary::Rims::Whole : FaceBoundary::Rims::AtSeam),
+      boundary_(
+          region, common,
+          analytic ? FaceBoundary::AnnulusBoundary::Whole : FaceBoundary::AnnulusBoundary::AtSeam),
       middle_(middle(boundary_)),
       near_origin_(moved_by(region.surface, -middle_)),
       analytic_(analytic) {
   for (const FaceLoop& loop : boundary_.loops)
-    for (const FaceStretch& stretch : loop) box_.extend(box_of(stretch.curve));
+    for (const FaceBoundarySegment& segment : loop) box_.extend(box_of(segment.curve));
   size_ = box_.diagonal().norm();
   // The faces on both sides may miss the common plane, in any direction.
   goal_ = {0.9 * options.tolerance, 0.4 * options.join_deg};
@@ -202,7 +204,7 @@ TopoDS_Face FaceMaker::make(double coincidence, SharedEdges* shared) {
   builder_.MakeFace(face_, surface_, widest_);
 
   if (boundary_.period > 0) {
-    add_ring();
+    add_annulus();
   } else {
     add_wire(boundary_.loops[0]);
   }
@@ -219,7 +221,8 @@ double FaceMaker::widened(double distance) {
 }
 
 // The vertex where two stretches meet, at the end of `before` and the start of `after`.
-TopoDS_Vertex FaceMaker::vertex(const FaceStretch& before, const FaceStretch& after) {
+TopoDS_Vertex FaceMaker::vertex(const FaceBoundarySegment& before,
+                                const FaceBoundarySegment& after) {
   const bool of_lines = before.shared || after.shared;
   const Vec2 first = after.first();
   const auto on_surface = [&](const Vec2& uv, const Vec3& x) {
@@ -245,32 +248,32 @@ TopoDS_Vertex FaceMaker::vertex(const FaceStretch& before, const FaceStretch& af
 
 // The edge of a stretch, forward along the loop. A shared edge that is made here runs along its
 // line.
-TopoDS_Edge FaceMaker::edge(const FaceStretch& stretch, const TopoDS_Vertex& a,
+TopoDS_Edge FaceMaker::edge(const FaceBoundarySegment& segment, const TopoDS_Vertex& a,
                             const TopoDS_Vertex& b) {
-  bool reversed = shared_ && stretch.reversed;
+  bool reversed = shared_ && segment.reversed;
   const auto along = [&](const HermiteCurve& curve) {
     return cubic_splines("", reversed ? curve.backwards() : curve).front();
   };
   TopoDS_Edge mine;
   TopoDS_Edge* result = &mine;
   if (shared_) {
-    result = &shared_->edge(stretch);
+    result = &shared_->edge(segment);
     // A line on both sides of one face is two edges: readers do not agree about slits.
     if (!result->IsNull() && used_.count(result->TShape().get())) result = &mine;
     if (!result->IsNull() && result->Orientation() == TopAbs_REVERSED) reversed = !reversed;
   }
-  const CubicSpline plane = along(stretch.image);
-  const auto image = [&](const Geom_Curve& curve, double first, double last) {
-    return analytic_ ? analytic_image(stretch, curve, first, last, reversed)
+  const CubicSpline plane = along(segment.pcurve);
+  const auto pcurve = [&](const Geom_Curve& curve, double first, double last) {
+    return analytic_ ? analytic_pcurve(segment, curve, first, last, reversed)
                      : to_flat_occ(over(plane, first, last));
   };
-  Handle(Geom2d_BSplineCurve) own_image;
+  Handle(Geom2d_BSplineCurve) own_pcurve;
   if (result->IsNull()) {
-    Handle(Geom_BSplineCurve) curve = curve_of(along(stretch.curve));
-    if (!stretch.shared && analytic_) {
-      own_image = image(*curve, curve->FirstParameter(), curve->LastParameter());
-      curve = curve_on_surface(surface_, own_image, 0.3 * coincidence_, gp_Pnt());
-    } else if (!stretch.shared) {
+    Handle(Geom_BSplineCurve) curve = curve_of(along(segment.curve));
+    if (!segment.shared && analytic_) {
+      own_pcurve = pcurve(*curve, curve->FirstParameter(), curve->LastParameter());
+      curve = curve_on_surface(surface_, own_pcurve, 0.3 * coincidence_, gp_Pnt());
+    } else if (!segment.shared) {
       curve = curve_on_surface(surface_near_origin_, to_flat_occ(plane), 0.3 * coincidence_,
                                to_occ(middle_));
     }
@@ -281,10 +284,10 @@ TopoDS_Edge FaceMaker::edge(const FaceStretch& stretch, const TopoDS_Vertex& a,
   double first, last;
   const Handle(Geom_Curve) curve = BRep_Tool::Curve(*result, first, last);
   const Handle(Geom2d_BSplineCurve) line =
-      own_image.IsNull() ? image(*curve, first, last) : own_image;
+      own_pcurve.IsNull() ? pcurve(*curve, first, last) : own_pcurve;
 
   double distance = 0;
-  const int of_curve = static_cast<int>(stretch.curve.segment_count()) + 1;
+  const int of_curve = static_cast<int>(segment.curve.segment_count()) + 1;
   const int n = std::max(24 * (of_curve + line->NbKnots()), 16 * (poles_u() + poles_v()));
   for (int i = 0; i <= n; ++i) {
     const double at = first + (last - first) * i / n;
@@ -296,7 +299,7 @@ TopoDS_Edge FaceMaker::edge(const FaceStretch& stretch, const TopoDS_Vertex& a,
   builder_.SameRange(*result, true);
   builder_.SameParameter(*result, true);
   used_.insert(result->TShape().get());
-  along_lines_.push_back({*result, stretch.line, ""});
+  along_lines_.push_back({*result, segment.line, ""});
   return TopoDS::Edge(result->Oriented(reversed ? TopAbs_REVERSED : TopAbs_FORWARD));
 }
 
@@ -328,7 +331,7 @@ void FaceMaker::add_wire(const FaceLoop& loop) {
   builder_.Add(face_, wire);
 }
 
-void FaceMaker::add_ring() {
+void FaceMaker::add_annulus() {
   const auto low = edges(boundary_.loops[0]), high = edges(boundary_.loops[1]);
   const Vec2 from = boundary_.loops[0].front().first();
   const Vec2 to = boundary_.loops[1].back().last();
@@ -371,7 +374,7 @@ void FaceMaker::make_analytic() {
   widest_ = 1e-9 * size_;
   builder_.MakeFace(face_, surface_, widest_);
   // A face lies to the left of its wires, seen from the side of the surface's own normal.
-  struct Rim {
+  struct BoundaryCircle {
     std::vector<TopoDS_Edge> edges;
     Vec2 start = Vec2::Zero();
     TopoDS_Vertex vertex() const { return TopExp::FirstVertex(edges.front(), true); }
@@ -383,20 +386,21 @@ void FaceMaker::make_analytic() {
     wire.Closed(true);
     return wire;
   };
-  std::map<int, Rim> rims;  // by how they run around, as the surface's normal sees them
+  std::map<int, BoundaryCircle>
+      boundary_circles;  // by how they run around, as the surface's normal sees them
   std::vector<TopoDS_Wire> holes;
   for (size_t k = 0; k < boundary_.loops.size(); ++k) {
-    const int turns = analytic_->turns[k];
-    std::vector<TopoDS_Edge> edges = analytic_edges(boundary_.loops[k], turns);
-    const Vec2 start = images_.front()[0];
+    const int winding = analytic_->winding[k];
+    std::vector<TopoDS_Edge> edges = analytic_edges(boundary_.loops[k], winding);
+    const Vec2 start = pcurve_ends_.front()[0];
     if (analytic_->flipped) {
       std::reverse(edges.begin(), edges.end());
       for (TopoDS_Edge& e : edges) e.Reverse();
     }
-    if (turns == 0)
+    if (winding == 0)
       holes.push_back(wire_of(edges));
     else
-      rims[analytic_->flipped ? -turns : turns] = {edges, start};
+      boundary_circles[analytic_->flipped ? -winding : winding] = {edges, start};
   }
   constexpr double whole = 2 * std::numbers::pi;
   std::vector<TopoDS_Edge> outer;
@@ -404,21 +408,22 @@ void FaceMaker::make_analytic() {
     outer.insert(outer.end(), edges.begin(), edges.end());
   };
   if (analytic_->closing == Closing::Pole) {
-    const Rim& rim = rims.at(1);
+    const BoundaryCircle& circle = boundary_circles.at(1);
     const auto sphere = analytic_->surface.shape();
     TopoDS_Vertex pole;
     builder_.MakeVertex(pole, to_occ(Vec3(sphere.origin + sphere.radius * sphere.axis)), widest_);
     const double north = std::numbers::pi / 2;
-    const TopoDS_Edge seam = analytic_seam(rim.vertex(), pole, {0, rim.start.y()}, north);
+    const TopoDS_Edge seam = analytic_seam(circle.vertex(), pole, {0, circle.start.y()}, north);
     TopoDS_Edge point = degenerate_edge(pole, {0, north}, {whole, north});
-    add(rim.edges);
+    add(circle.edges);
     add({TopoDS::Edge(seam.Oriented(TopAbs_FORWARD)), TopoDS::Edge(point.Oriented(TopAbs_REVERSED)),
          TopoDS::Edge(seam.Oriented(TopAbs_REVERSED))});
   } else if (analytic_->closing != Closing::None) {
     // u: along the lower rim, up the seam, back along the upper one, down the seam. v, which the tube of a torus
     // closes in: up the rim at the larger u, and so on.
     const bool around_u = analytic_->closing == Closing::AroundU;
-    const Rim &low = rims.at(around_u ? 1 : -1), &high = rims.at(around_u ? -1 : 1);
+    const BoundaryCircle &low = boundary_circles.at(around_u ? 1 : -1),
+                         &high = boundary_circles.at(around_u ? -1 : 1);
     const TopoDS_Edge seam =
         around_u ? analytic_seam(low.vertex(), high.vertex(), {0, low.start.y()}, high.start.y())
                  : analytic_seam(low.vertex(), high.vertex(), {low.start.x(), analytic_->seam},
@@ -435,25 +440,26 @@ void FaceMaker::make_analytic() {
   if (analytic_->flipped) face_.Reverse();
 }
 
-Handle(Geom2d_BSplineCurve) FaceMaker::analytic_image(const FaceStretch&, const Geom_Curve& curve,
-                                                      double first, double last, bool reversed) {
+Handle(Geom2d_BSplineCurve) FaceMaker::analytic_pcurve(const FaceBoundarySegment&,
+                                                       const Geom_Curve& curve, double first,
+                                                       double last, bool reversed) {
   // Little against the tolerance, which the edge is off the surface by; finer images make large files.
   const double tolerance = std::max(0.2 * coincidence_, 1e-3 * options_.tolerance);
-  const Handle(Geom2d_BSplineCurve) image =
-      analytic_->surface.image(curve, first, last, reversed, tolerance, near_);
-  const gp_Pnt2d begin = image->Value(reversed ? last : first);
-  images_.push_back({Vec2(begin.X(), begin.Y()), near_});
-  return image;
+  const Handle(Geom2d_BSplineCurve) pcurve =
+      analytic_->surface.pcurve(curve, first, last, reversed, tolerance, near_);
+  const gp_Pnt2d begin = pcurve->Value(reversed ? last : first);
+  pcurve_ends_.push_back({Vec2(begin.X(), begin.Y()), near_});
+  return pcurve;
 }
 
 // Edges of a loop of an analytic face, which begins at the seam when it runs around. A loop that passes an apex gets an
 // edge without length there.
-std::vector<TopoDS_Edge> FaceMaker::analytic_edges(FaceLoop loop, int turns) {
+std::vector<TopoDS_Edge> FaceMaker::analytic_edges(FaceLoop loop, int winding) {
   near_ = analytic_->near;
-  if (turns != 0) {
-    std::rotate(loop.begin(), loop.begin() + static_cast<long>(analytic_->seam_stretch(loop)),
+  if (winding != 0) {
+    std::rotate(loop.begin(), loop.begin() + static_cast<long>(analytic_->seam_segment(loop)),
                 loop.end());
-    const double seam = analytic_->seam + (turns < 0 ? 2 * std::numbers::pi : 0);
+    const double seam = analytic_->seam + (winding < 0 ? 2 * std::numbers::pi : 0);
     (analytic_->closing == AnalyticFace::Closing::AroundV ? near_.y() : near_.x()) = seam;
   }
   const size_t n = loop.size();
@@ -464,24 +470,24 @@ std::vector<TopoDS_Edge> FaceMaker::analytic_edges(FaceLoop loop, int turns) {
   const double at_apex = 1e-6 * size_;
   for (size_t k = 0; k < n; ++k) {
     const bool from_apex = analytic_->surface.singular(loop[k].curve.position(0), at_apex);
-    if (from_apex && turns == 0) near_ = analytic_->near;
-    images_.clear();
+    if (from_apex && winding == 0) near_ = analytic_->near;
+    pcurve_ends_.clear();
     const TopoDS_Edge next = edge(loop[k], vertices[k], vertices[(k + 1) % n]);
-    ends.push_back(images_.back());
+    ends.push_back(pcurve_ends_.back());
     if (from_apex && k > 0 && std::abs(ends[k - 1][1].x() - ends[k][0].x()) > 1e-9)
       result.push_back(degenerate_edge(vertices[k], ends[k - 1][1], ends[k][0]));
     result.push_back(next);
   }
-  if (turns == 0 && analytic_->surface.singular(loop[0].curve.position(0), at_apex))
+  if (winding == 0 && analytic_->surface.singular(loop[0].curve.position(0), at_apex))
     result.push_back(degenerate_edge(vertices[0], ends.back()[1], ends.front()[0]));
-  images_ = ends;
+  pcurve_ends_ = ends;
   return result;
 }
 
 namespace {
 
 Handle(Geom2d_BSplineCurve)
-    straight_image(const Vec2& from, const Vec2& to, double first, double last) {
+    straight_pcurve(const Vec2& from, const Vec2& to, double first, double last) {
   TColgp_Array1OfPnt2d poles(1, 2);
   TColStd_Array1OfReal values(1, 2);
   TColStd_Array1OfInteger times(1, 2);
@@ -498,7 +504,7 @@ Handle(Geom2d_BSplineCurve)
 TopoDS_Edge FaceMaker::degenerate_edge(const TopoDS_Vertex& at, const Vec2& from, const Vec2& to) {
   TopoDS_Edge edge;
   builder_.MakeEdge(edge);
-  builder_.UpdateEdge(edge, straight_image(from, to, 0, 1), face_, widened(0));
+  builder_.UpdateEdge(edge, straight_pcurve(from, to, 0, 1), face_, widened(0));
   builder_.Add(edge, at.Oriented(TopAbs_FORWARD));
   builder_.Add(edge, at.Oriented(TopAbs_REVERSED));
   builder_.Range(edge, face_, 0, 1);
@@ -542,17 +548,17 @@ TopoDS_Edge FaceMaker::analytic_seam(const TopoDS_Vertex& a, const TopoDS_Vertex
   } else {
     tolerance = 0;
   }
-  const auto image = [&](double at) {
-    return around_u ? straight_image({at, low}, {at, to}, first, last)
-                    : straight_image({low, at}, {to, at}, first, last);
+  const auto pcurve = [&](double at) {
+    return around_u ? straight_pcurve({at, low}, {at, to}, first, last)
+                    : straight_pcurve({low, at}, {to, at}, first, last);
   };
   const double seam = around_u ? from.x() : from.y();
   TopoDS_Edge edge;
   builder_.MakeEdge(edge, line, widened(tolerance));
   if (around_u)
-    builder_.UpdateEdge(edge, image(seam + whole), image(seam), face_, widened(0));
+    builder_.UpdateEdge(edge, pcurve(seam + whole), pcurve(seam), face_, widened(0));
   else
-    builder_.UpdateEdge(edge, image(seam), image(seam + whole), face_, widened(0));
+    builder_.UpdateEdge(edge, pcurve(seam), pcurve(seam + whole), face_, widened(0));
   finish(edge, a, b, first, last);
   return edge;
 }

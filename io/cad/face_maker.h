@@ -17,7 +17,7 @@
 
 #include "batten/core/box.h"
 #include "batten/fem/bicubic_patch.h"
-#include "batten/fem/surface_points.h"
+#include "batten/fem/surface_evaluator.h"
 #include "batten/io/cad/analytic_face.h"
 #include "batten/io/cad/cad_parts.h"
 #include "batten/io/cad/face_boundary.h"
@@ -33,8 +33,8 @@ class SharedEdges {
   explicit SharedEdges(const StepPlan& plan) : plan_(plan) {}
 
   /// The vertex at the start, or at the end, of a stretch along its loop; and the stretch's edge.
-  TopoDS_Vertex& vertex(const FaceStretch& stretch, bool end);
-  TopoDS_Edge& edge(const FaceStretch& stretch);
+  TopoDS_Vertex& vertex(const FaceBoundarySegment& segment, bool end);
+  TopoDS_Edge& edge(const FaceBoundarySegment& segment);
   /// The vertex at a cut of the line. Cuts count from 1; 0 is the line's start, and the number
   /// after the last cut its end.
   TopoDS_Vertex& vertex(const std::string& line, int cut);
@@ -45,9 +45,9 @@ class SharedEdges {
   std::vector<CadCurveItem> along_lines() const;
 
  private:
-  int cut_of(const FaceStretch& stretch, bool end) const;
+  int cut_of(const FaceBoundarySegment& segment, bool end) const;
   const StepPlan& plan_;
-  std::map<int, TopoDS_Vertex> places_;
+  std::map<int, TopoDS_Vertex> end_points_;
   std::map<std::pair<std::string, int>, TopoDS_Vertex> vertices_;  // by line and cut
   std::map<std::pair<std::string, int>, TopoDS_Edge> edges_;       // by line and the cut at its end
 };
@@ -98,20 +98,22 @@ class FaceMaker {
 
  private:
   PatchTarget target() const;
-  std::vector<PatchTangent> tangents(const PatchStep& longest) const;
+  std::vector<PatchTangent> tangents(const BoundaryStep& longest) const;
   void fit(const BicubicPatch* start);
   double widened(double distance);
-  TopoDS_Vertex vertex(const FaceStretch& before, const FaceStretch& after);
-  TopoDS_Edge edge(const FaceStretch& stretch, const TopoDS_Vertex& a, const TopoDS_Vertex& b);
+  TopoDS_Vertex vertex(const FaceBoundarySegment& before, const FaceBoundarySegment& after);
+  TopoDS_Edge edge(const FaceBoundarySegment& segment, const TopoDS_Vertex& a,
+                   const TopoDS_Vertex& b);
   void finish(TopoDS_Edge& edge, const TopoDS_Vertex& a, const TopoDS_Vertex& b, double first,
               double last);
   std::vector<TopoDS_Edge> edges(const FaceLoop& loop);
   void add_wire(const FaceLoop& loop);
-  void add_ring();
+  void add_annulus();
   void make_analytic();
-  Handle(Geom2d_BSplineCurve) analytic_image(const FaceStretch& stretch, const Geom_Curve& curve,
-                                             double first, double last, bool reversed);
-  std::vector<TopoDS_Edge> analytic_edges(FaceLoop loop, int turns);
+  Handle(Geom2d_BSplineCurve)
+      analytic_pcurve(const FaceBoundarySegment& segment, const Geom_Curve& curve, double first,
+                      double last, bool reversed);
+  std::vector<TopoDS_Edge> analytic_edges(FaceLoop loop, int winding);
   TopoDS_Edge degenerate_edge(const TopoDS_Vertex& at, const Vec2& from, const Vec2& to);
   TopoDS_Edge analytic_seam(const TopoDS_Vertex& a, const TopoDS_Vertex& b, const Vec2& from,
                             double to);
@@ -120,7 +122,7 @@ class FaceMaker {
   const StepFaceOptions& options_;
   FaceBoundary boundary_;
   Vec3 middle_;
-  SurfacePoints near_origin_;
+  SurfaceEvaluator near_origin_;
   Box3 box_;
   double size_ = 0, widest_ = 0;
   PatchGoal goal_;
@@ -129,8 +131,8 @@ class FaceMaker {
   PatchFit fit_;
   BRep_Builder builder_;
   const AnalyticFace* analytic_ = nullptr;
-  Vec2 near_ = Vec2::Zero();                 // where the next stretch of an analytic face begins
-  std::vector<std::array<Vec2, 2>> images_;  // first and last parameters of its stretches
+  Vec2 near_ = Vec2::Zero();  // where the next stretch of an analytic face begins
+  std::vector<std::array<Vec2, 2>> pcurve_ends_;  // first and last parameters of its stretches
   Handle(Geom_Surface) surface_;
   Handle(Geom_BSplineSurface) surface_near_origin_;  // rounding is less at the origin
   TopoDS_Face face_;

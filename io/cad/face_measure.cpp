@@ -16,7 +16,7 @@
 #include <cmath>
 #include <optional>
 
-#include "batten/io/cad/edge_parameter.h"
+#include "batten/io/cad/edge_reparametrization.h"
 #include "batten/io/cad/face_samples.h"
 #include "batten/io/cad/occ_values.h"
 
@@ -31,8 +31,9 @@ struct FileEdge {
   bool backwards;     // against the loop
   double weight = 1;  // of its parameter
   /// The parameter at a share of the parameter that the edge was made with.
-  double at(double share) const {
-    return first + new_share(backwards ? 1 - share : share, weight) * (last - first);
+  double at(double fraction) const {
+    return first +
+           reparametrized_fraction(backwards ? 1 - fraction : fraction, weight) * (last - first);
   }
 };
 
@@ -101,23 +102,24 @@ std::vector<Vec2> points_of_face(const TopoDS_Face& face, const Geom_BSplineSurf
 
 /// How far an edge of the file is from the line, or from the region's rim where no other region has
 /// the line, at the same share of the parameter.
-double apart(const FileEdge& e, const FaceStretch& stretch, double share, const FaceMaker& made) {
-  const double start = stretch.curve.start(), end = stretch.curve.end();
-  const double t = share < 1 ? start + share * (end - start) : end;
-  const Vec3 p = from_occ(e.curve->Value(e.at(share)));
-  return (p - (stretch.shared ? stretch.curve.evaluate(t) : made.position(stretch.uv(t)))).norm();
+double apart(const FileEdge& e, const FaceBoundarySegment& segment, double fraction,
+             const FaceMaker& made) {
+  const double start = segment.curve.start(), end = segment.curve.end();
+  const double t = fraction < 1 ? start + fraction * (end - start) : end;
+  const Vec3 p = from_occ(e.curve->Value(e.at(fraction)));
+  return (p - (segment.shared ? segment.curve.evaluate(t) : made.position(segment.uv(t)))).norm();
 }
 
 /// Finds the unused edge of the file that is nearest to a boundary curve; their count if all are
 /// used.
 size_t nearest_edge(const std::vector<FileEdge>& edges, const std::vector<char>& used,
-                    const FaceStretch& stretch, const FaceMaker& made) {
+                    const FaceBoundarySegment& segment, const FaceMaker& made) {
   size_t mine = edges.size();
-  double nearest = infinity;
+  double nearest = kInfinity;
   for (size_t k = 0; k < edges.size(); ++k) {
     double distance = 0;
-    for (const double share : {0.1, 0.3, 0.5, 0.7, 0.9})
-      distance = std::max(distance, apart(edges[k], stretch, share, made));
+    for (const double fraction : {0.1, 0.3, 0.5, 0.7, 0.9})
+      distance = std::max(distance, apart(edges[k], segment, fraction, made));
     if (used[k] || distance >= nearest) continue;
     nearest = distance;
     mine = k;
@@ -127,19 +129,19 @@ size_t nearest_edge(const std::vector<FileEdge>& edges, const std::vector<char>&
 
 /// Measures a boundary curve against its edge of the file at n + 1 places, and adds them to
 /// `points`.
-void measure_stretch(const FaceStretch& stretch, const FileEdge& edge, int n, const FaceMaker& made,
-                     StepPatch& report, std::vector<Vec2>& points) {
-  const double start = stretch.curve.start(), end = stretch.curve.end();
+void measure_segment(const FaceBoundarySegment& segment, const FileEdge& edge, int n,
+                     const FaceMaker& made, StepPatch& report, std::vector<Vec2>& points) {
+  const double start = segment.curve.start(), end = segment.curve.end();
   for (int i = 0; i <= n; ++i) {
-    const double share = double(i) / n, t = start + share * (end - start);
-    report.edge_deviation = std::max(report.edge_deviation, apart(edge, stretch, share, made));
-    const Vec2 uv = i < n ? stretch.uv(t) : stretch.last();
+    const double fraction = double(i) / n, t = start + fraction * (end - start);
+    report.edge_deviation = std::max(report.edge_deviation, apart(edge, segment, fraction, made));
+    const Vec2 uv = i < n ? segment.uv(t) : segment.last();
     points.push_back(uv);
-    const Vec3 x = i < n ? stretch.curve.evaluate(t)
-                         : stretch.curve.evaluate({stretch.curve.segment_count() - 1, 1.0});
+    const Vec3 x = i < n ? segment.curve.evaluate(t)
+                         : segment.curve.evaluate({segment.curve.segment_count() - 1, 1.0});
     report.line_gap = std::max(report.line_gap, (made.position(uv) - x).norm());
     if (made.analytic()) continue;
-    const gp_Pnt2d of_file = edge.line->Value(edge.at(share));
+    const gp_Pnt2d of_file = edge.line->Value(edge.at(fraction));
     points.emplace_back(of_file.X(), of_file.Y());
   }
 }
@@ -147,21 +149,21 @@ void measure_stretch(const FaceStretch& stretch, const FileEdge& edge, int n, co
 /// Normals along a stretch with turns, from one end of its line to the other; `of_face` tells that of the
 /// face at a share of the stretch and at its place in (u, v).
 template <class Function>
-JoinNormals normals_along(const FaceStretch& stretch, const FaceMaker& made,
+JoinNormals normals_along(const FaceBoundarySegment& segment, const FaceMaker& made,
                           const Function& of_face) {
   JoinNormals found;
   found.region = made.region().name;
   constexpr int pieces = 400;  // a face has no more knots in a direction
-  const double start = stretch.curve.start(), end = stretch.curve.end();
+  const double start = segment.curve.start(), end = segment.curve.end();
   for (int k = 0; k <= pieces; ++k) {
-    const double share = double(stretch.reversed ? pieces - k : k) / pieces;
-    const double t = start + share * (end - start);
-    const auto turn = stretch.turn(t);
-    const Vec2 uv = share < 1 ? stretch.uv(t) : stretch.last();
-    const Vec3 n = turn ? made.normal(uv) : Vec3::Zero();
-    found.of_face.push_back(n.isZero() ? n : of_face(share, uv));
+    const double fraction = double(segment.reversed ? pieces - k : k) / pieces;
+    const double t = start + fraction * (end - start);
+    const auto normal_correction = segment.normal_correction(t);
+    const Vec2 uv = fraction < 1 ? segment.uv(t) : segment.last();
+    const Vec3 n = normal_correction ? made.normal(uv) : Vec3::Zero();
+    found.of_face.push_back(n.isZero() ? n : of_face(fraction, uv));
     found.of_surface.push_back(n);
-    found.wanted.push_back(n.isZero() ? n : n + *turn);
+    found.target_normals.push_back(n.isZero() ? n : n + *normal_correction);
   }
   return found;
 }
@@ -171,16 +173,16 @@ FaceNormals normals_along_joins(const FaceMaker& made, const StepPlan& plan,
                                 const Function& of_face) {
   FaceNormals normals;
   for (const FaceLoop& loop : made.boundary().loops)
-    for (const FaceStretch& stretch : loop)
-      if (!stretch.turns.empty())
-        normals[piece_of(plan, stretch)] =
-            normals_along(stretch, made, [&](double, const Vec2& uv) { return of_face(uv); });
+    for (const FaceBoundarySegment& segment : loop)
+      if (!segment.normal_corrections.empty())
+        normals[segment_id_of(plan, segment)] =
+            normals_along(segment, made, [&](double, const Vec2& uv) { return of_face(uv); });
   return normals;
 }
 
 /// The normal of the file's face; zero where it comes to a point.
-Vec3 normal_of_file(const FileEdge& edge, const Geom_Surface& surface, double share) {
-  const gp_Pnt2d uv = edge.line->Value(edge.at(share));
+Vec3 normal_of_file(const FileEdge& edge, const Geom_Surface& surface, double fraction) {
+  const gp_Pnt2d uv = edge.line->Value(edge.at(fraction));
   gp_Pnt p;
   gp_Vec du, dv;
   surface.D1(uv.X(), uv.Y(), p, du, dv);
@@ -193,7 +195,9 @@ Vec3 normal_of_file(const FileEdge& edge, const Geom_Surface& surface, double sh
 struct JoinAngles {
   double of_faces, of_surfaces;
   /// Faces near to surfaces that meet by more can do no better.
-  bool missed(double join_deg) const { return of_faces > join_deg && of_surfaces <= join_deg; }
+  bool exceeds_tolerance(double join_deg) const {
+    return of_faces > join_deg && of_surfaces <= join_deg;
+  }
 };
 
 /// The faces beside a piece of a line, by their numbers.
@@ -204,7 +208,7 @@ struct JoinSides {
   /// None where a side has no normal.
   std::optional<JoinAngles> angles(size_t k) const {
     const auto& [one, other] = normals;
-    const Vec3& n = other ? other->of_face[k] : one->wanted[k];
+    const Vec3& n = other ? other->of_face[k] : one->target_normals[k];
     if (one->of_face[k].isZero() || n.isZero()) return std::nullopt;
     return JoinAngles{angle_between_planes(one->of_face[k], n),
                       other ? angle_between_planes(one->of_surface[k], other->of_surface[k]) : 0.0};
@@ -212,12 +216,12 @@ struct JoinSides {
   /// How far a side's face is from the common normal, degrees; 0: it is no fitted face.
   double from_wanted(size_t side, size_t k) const {
     const JoinNormals* normals = this->normals[side];
-    return normals ? angle_between_planes(normals->of_face[k], normals->wanted[k]) : 0;
+    return normals ? angle_between_planes(normals->of_face[k], normals->target_normals[k]) : 0;
   }
 };
 
-std::map<LinePiece, JoinSides> sides_of(const std::vector<FaceNormals>& faces) {
-  std::map<LinePiece, JoinSides> sides;
+std::map<LineSegmentId, JoinSides> sides_of(const std::vector<FaceNormals>& faces) {
+  std::map<LineSegmentId, JoinSides> sides;
   for (size_t face = 0; face < faces.size(); ++face)
     for (const auto& [piece, normals] : faces[face]) {
       JoinSides& beside = sides[piece];
@@ -233,9 +237,10 @@ std::map<LinePiece, JoinSides> sides_of(const std::vector<FaceNormals>& faces) {
 bool has_area_of_region(const TopoDS_Face& face, const FaceMaker& made) {
   GProp_GProps found;
   BRepGProp::SurfaceProperties(face, found);
-  constexpr double share = 0.01;  // another part of the surface, or all of it, is off by far more
+  constexpr double fraction =
+      0.01;  // another part of the surface, or all of it, is off by far more
   const double area = made.region().surface.area();
-  return std::abs(found.Mass() - area) <= share * area;
+  return std::abs(found.Mass() - area) <= fraction * area;
 }
 
 FaceNormals measure_face(const TopoDS_Face& face, const FaceMaker& made, const StepPlan& plan,
@@ -243,9 +248,9 @@ FaceNormals measure_face(const TopoDS_Face& face, const FaceMaker& made, const S
   FaceNormals normals;
   const Handle(Geom_Surface) surface = BRep_Tool::Surface(face);
   const Handle(Geom_BSplineSurface) spline = Handle(Geom_BSplineSurface)::DownCast(surface);
-  const MeasuredShape shape = shape_of(surface);
+  const FittedPrimitive shape = shape_of(surface);
   const bool analytic = made.analytic() != nullptr;
-  report.deviation = report.edge_gap = report.edge_deviation = infinity;
+  report.deviation = report.edge_gap = report.edge_deviation = kInfinity;
   if (analytic
           ? shape.kind != made.analytic()->surface.shape().kind || !has_area_of_region(face, made)
           : spline.IsNull())
@@ -271,22 +276,22 @@ FaceNormals measure_face(const TopoDS_Face& face, const FaceMaker& made, const S
   report.edge_deviation = 0;
   std::vector<char> used(edges.size());
   for (const FaceLoop& loop : made.boundary().loops)
-    for (const FaceStretch& stretch : loop) {
-      const size_t mine = nearest_edge(edges, used, stretch, made);
+    for (const FaceBoundarySegment& segment : loop) {
+      const size_t mine = nearest_edge(edges, used, segment, made);
       if (mine == edges.size()) {
-        report.edge_deviation = infinity;
+        report.edge_deviation = kInfinity;
         continue;
       }
       used[mine] = 1;
-      const int n = 8 * (stretch.curve.segment_count() + stretch.image.segment_count() + knots);
-      measure_stretch(stretch, edges[mine], n, made, report, points);
-      if (!stretch.turns.empty())
-        normals[piece_of(plan, stretch)] =
-            normals_along(stretch, made, [&](double share, const Vec2&) {
-              return normal_of_file(edges[mine], *surface, share);
+      const int n = 8 * (segment.curve.segment_count() + segment.pcurve.segment_count() + knots);
+      measure_segment(segment, edges[mine], n, made, report, points);
+      if (!segment.normal_corrections.empty())
+        normals[segment_id_of(plan, segment)] =
+            normals_along(segment, made, [&](double fraction, const Vec2&) {
+              return normal_of_file(edges[mine], *surface, fraction);
             });
     }
-  if (std::find(used.begin(), used.end(), 0) != used.end()) report.edge_deviation = infinity;
+  if (std::find(used.begin(), used.end(), 0) != used.end()) report.edge_deviation = kInfinity;
   report.edge_gap = found->gap;
   report.deviation = largest(points.size(), [&](size_t i) { return off_file(points[i]); });
   return normals;
@@ -314,7 +319,7 @@ std::vector<StepJoin> joins_between(const std::vector<FaceNormals>& faces, doubl
       tangent = true;
       join.angle_deg = std::max(join.angle_deg, angles->of_faces);
       join.surface_deg = std::max(join.surface_deg, angles->of_surfaces);
-      join.reached = join.reached && !angles->missed(join_deg);
+      join.reached = join.reached && !angles->exceeds_tolerance(join_deg);
     }
     if (!tangent) continue;
     StepJoin& all = joins.emplace(piece.first, join).first->second;
@@ -327,12 +332,12 @@ std::vector<StepJoin> joins_between(const std::vector<FaceNormals>& faces, doubl
   return found;
 }
 
-std::vector<double> angles_to_mend(const std::vector<FaceNormals>& faces, double join_deg) {
+std::vector<double> correctable_angles(const std::vector<FaceNormals>& faces, double join_deg) {
   std::vector<double> largest(faces.size(), 0.0);
   for (const auto& [piece, beside] : sides_of(faces))
     for (size_t k = 0; k < beside.normals[0]->of_face.size(); ++k) {
       const auto angles = beside.angles(k);
-      if (!angles || !angles->missed(join_deg)) continue;
+      if (!angles || !angles->exceeds_tolerance(join_deg)) continue;
       for (const size_t side : {0, 1}) {
         if (!beside.normals[side]) continue;
         const double other = beside.from_wanted(1 - side, k);
@@ -345,7 +350,7 @@ std::vector<double> angles_to_mend(const std::vector<FaceNormals>& faces, double
   return largest;
 }
 
-std::vector<double> angles_from_wanted(const std::vector<FaceNormals>& faces, double join_deg) {
+std::vector<double> angles_from_target(const std::vector<FaceNormals>& faces, double join_deg) {
   std::vector<double> largest(faces.size(), 0.0);
   for (const auto& [piece, beside] : sides_of(faces))
     for (size_t k = 0; k < beside.normals[0]->of_face.size(); ++k) {

@@ -17,9 +17,9 @@ struct JoinNormals {
   std::string region;
   std::vector<Vec3> of_face;  ///< not normalised; zero where the surfaces meet at an angle
   std::vector<Vec3> of_surface,
-      wanted;  ///< normals of the surface, and those that both faces are to have
+      target_normals;  ///< normals of the surface, and those that both faces are to have
 };
-using FaceNormals = std::map<LinePiece, JoinNormals>;
+using FaceNormals = std::map<LineSegmentId, JoinNormals>;
 
 /// Measures a face of the file against the region that it was made of, all of `patch` but its names
 /// and poles. Returns its normals along smooth joins; the plan says which piece of a line a stretch is.
@@ -41,10 +41,10 @@ std::vector<StepJoin> joins_between(const std::vector<FaceNormals>& faces, doubl
 /// The largest angle across the joins of each face that miss `join_deg`, degrees, as far as a better face
 /// could mend it: what the other face alone is off by, farther than that from the wanted normal, does
 /// not count. 0: nothing is missed.
-std::vector<double> angles_to_mend(const std::vector<FaceNormals>& faces, double join_deg);
+std::vector<double> correctable_angles(const std::vector<FaceNormals>& faces, double join_deg);
 
 /// The largest angle of each face from the normals that are wanted along its joins, degrees, wherever the
 /// surfaces meet by `join_deg` at most: what it misses alone, however good the other face is.
-std::vector<double> angles_from_wanted(const std::vector<FaceNormals>& faces, double join_deg);
+std::vector<double> angles_from_target(const std::vector<FaceNormals>& faces, double join_deg);
 
 }  // namespace batten

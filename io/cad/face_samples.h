@@ -17,7 +17,7 @@ template <class Function>
 double largest(size_t count, const Function& value) {
   const int parts = static_cast<int>(std::min<size_t>(count, 64));
   std::vector<double> of(static_cast<size_t>(parts), 0.0);
-  parallel_parts(parts, [&](int p) {
+  parallel_for(parts, [&](int p) {
     for (size_t i = count * p / parts; i < count * (p + 1) / parts; ++i) {
       const double found = value(i);
       of[p] =

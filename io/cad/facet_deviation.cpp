@@ -99,18 +99,18 @@ constexpr std::array<std::array<double, 3>, 7> kPoints = {{{1 / 3.0, 1 / 3.0, 1 
 
 }  // namespace
 
-std::vector<CurvedTriangle::Corners> corner_normals(const TopoDS_Face& face,
-                                                    const Poly_Triangulation& mesh,
-                                                    const std::vector<Vec3>& at) {
+std::vector<PnTriangle::Corners> corner_normals(const TopoDS_Face& face,
+                                                const Poly_Triangulation& mesh,
+                                                const std::vector<Vec3>& at) {
   constexpr double inwards = 1e-6;  // of the way to the triangle's middle
   const Sheet sheet(face);
   const bool known = !sheet.surface.IsNull() && mesh.HasUVNodes();
-  std::vector<CurvedTriangle::Corners> normals;
+  std::vector<PnTriangle::Corners> normals;
   for (int t = 1; t <= mesh.NbTriangles(); ++t) {
     const Facet facet(mesh, t, at);
     const Vec3 flat =
         (facet.point[1] - facet.point[0]).cross(facet.point[2] - facet.point[0]).normalized();
-    CurvedTriangle::Corners& corners = normals.emplace_back();
+    PnTriangle::Corners& corners = normals.emplace_back();
     for (size_t c = 0; c < 3; ++c) {
       Vec3 n = flat;
       if (known) {
@@ -127,14 +127,14 @@ std::vector<CurvedTriangle::Corners> corner_normals(const TopoDS_Face& face,
 
 double surface_deviation(const TopoDS_Face& face, const Poly_Triangulation& mesh,
                          const std::vector<Vec3>& at,
-                         const std::vector<CurvedTriangle::Corners>& normals) {
+                         const std::vector<PnTriangle::Corners>& normals) {
   const Sheet sheet(face);
   if (sheet.surface.IsNull() || !mesh.HasUVNodes()) return 0;
   if (GeomAdaptor_Surface(sheet.surface).GetType() == GeomAbs_Plane) return 0;
   double largest = 0;
   for (int t = 1; t <= mesh.NbTriangles(); ++t) {
     const Facet facet(mesh, t, at);
-    std::optional<CurvedTriangle> curved;
+    std::optional<PnTriangle> curved;
     if (!normals.empty()) curved.emplace(facet.point, normals[static_cast<size_t>(t) - 1]);
     for (const auto& w : kPoints) {
       Vec3 p = Vec3::Zero();
@@ -166,8 +166,8 @@ double chord_deviation(const TopoDS_Edge& edge, const Poly_PolygonOnTriangulatio
     const double length = (b - a).squaredNorm();
     for (int i = 1; i <= 3; ++i) {
       const Vec3 p = from_occ(curve->Value(from + (to - from) * i / 4).XYZ());
-      const double share = length > 0 ? std::clamp((p - a).dot(b - a) / length, 0.0, 1.0) : 0;
-      largest = std::max(largest, (a + share * (b - a) - p).norm());
+      const double fraction = length > 0 ? std::clamp((p - a).dot(b - a) / length, 0.0, 1.0) : 0;
+      largest = std::max(largest, (a + fraction * (b - a) - p).norm());
     }
   }
   return largest;

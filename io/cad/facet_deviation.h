@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "batten/core/eigen.h"
-#include "batten/mesh/curved_triangle.h"
+#include "batten/mesh/pn_triangle.h"
 
 class Poly_PolygonOnTriangulation;
 class Poly_Triangulation;
@@ -15,15 +15,15 @@ namespace batten {
 
 /// The surface's unit normals at the corners of each triangle, on the side of its area vector. `at`: the
 /// nodes at their places. Where the surface is singular or has a kink those just inside of the triangle.
-std::vector<CurvedTriangle::Corners> corner_normals(const TopoDS_Face& face,
-                                                    const Poly_Triangulation& mesh,
-                                                    const std::vector<Vec3>& at);
+std::vector<PnTriangle::Corners> corner_normals(const TopoDS_Face& face,
+                                                const Poly_Triangulation& mesh,
+                                                const std::vector<Vec3>& at);
 
 /// Largest distance of seven points of each triangle from the face's surface: Gauss-Newton steps
 /// from the parameters of the corners on. `normals`: of curved triangles, or none. 0 for a plane.
 double surface_deviation(const TopoDS_Face& face, const Poly_Triangulation& mesh,
                          const std::vector<Vec3>& at,
-                         const std::vector<CurvedTriangle::Corners>& normals);
+                         const std::vector<PnTriangle::Corners>& normals);
 
 /// Largest distance of the edge's curve from the chords along it: three points a chord.
 double chord_deviation(const TopoDS_Edge& edge, const Poly_PolygonOnTriangulation& chain,

@@ -12,8 +12,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "batten/io/cad/cad_free_edges.h"
 #include "batten/io/cad/cad_parts.h"
-#include "batten/io/cad/cad_rims.h"
 
 namespace batten {
 namespace {
@@ -29,11 +29,11 @@ std::string format_words(const CadHeader& header) {
                                                        : "STEP " + header.schema;
 }
 
-void count(std::vector<CadUse>& uses, const std::string& name, int CadUse::*what) {
+void count(std::vector<CadAttribute>& uses, const std::string& name, int CadAttribute::*what) {
   if (name.empty()) return;
-  auto at =
-      std::find_if(uses.begin(), uses.end(), [&](const CadUse& use) { return use.name == name; });
-  if (at == uses.end()) at = uses.insert(at, CadUse{name});
+  auto at = std::find_if(uses.begin(), uses.end(),
+                         [&](const CadAttribute& use) { return use.name == name; });
+  if (at == uses.end()) at = uses.insert(at, CadAttribute{name});
   ++((*at).*what);
 }
 
@@ -52,12 +52,12 @@ void measure(const CadPart& part, CadContents& c) {
   for (int e = 1; e <= edges.Extent(); ++e) {
     GProp_GProps length;
     BRepGProp::LinearProperties(edges(e), length);
-    c.loose_area += length.Mass() * BRep_Tool::Tolerance(TopoDS::Edge(edges(e)));
+    c.trim_uncertainty_area += length.Mass() * BRep_Tool::Tolerance(TopoDS::Edge(edges(e)));
   }
   c.solids += solids.Extent();
   c.shells += shells.Extent();
   c.edges += edges.Extent();
-  for (int s = 1; s <= shells.Extent(); ++s) c.closed_shells += rims_of(shells(s)).IsEmpty();
+  for (int s = 1; s <= shells.Extent(); ++s) c.closed_shells += free_edges_of(shells(s)).IsEmpty();
 }
 
 }  // namespace
@@ -73,28 +73,28 @@ CadContents contents_of(const CadFile& cad) {
     measure(part, c);
     c.faces += static_cast<int>(part.faces.size());
     c.curves += static_cast<int>(part.curves.size());
-    for (const CadBody& body : part.bodies) count(c.names, body.name, &CadUse::solids);
+    for (const CadBody& body : part.bodies) count(c.names, body.name, &CadAttribute::solids);
     for (const CadFace& face : part.faces) {
-      count(c.names, face.name, &CadUse::faces);
-      count(c.colours, face.colour, &CadUse::faces);
+      count(c.names, face.name, &CadAttribute::faces);
+      count(c.colours, face.colour, &CadAttribute::faces);
     }
     for (const CadCurveItem& curve : part.curves) {
-      count(c.names, curve.name, &CadUse::curves);
-      count(c.colours, curve.colour, &CadUse::curves);
+      count(c.names, curve.name, &CadAttribute::curves);
+      count(c.colours, curve.colour, &CadAttribute::curves);
     }
     for (const CadCurveItem& edge : part.edges) {
-      count(c.names, edge.name, &CadUse::edges);
-      count(c.colours, edge.colour, &CadUse::edges);
+      count(c.names, edge.name, &CadAttribute::edges);
+      count(c.colours, edge.colour, &CadAttribute::edges);
     }
   }
   Bnd_Box box;
   BRepBndLib::AddOptimal(cad.shape, box, false, false);
   const double unit = 1e-3 / c.unit_in_metres;  // a millimetre in the file's unit
   c.size = box.IsVoid() ? 0 : std::sqrt(box.SquareExtent()) * unit;
-  for (double* area : {&c.area, &c.loose_area}) *area *= unit * unit;
+  for (double* area : {&c.area, &c.trim_uncertainty_area}) *area *= unit * unit;
   c.volume *= unit * unit * unit;
   c.products = std::move(tree.products);
-  for (CadProduct& product : c.products) product.shift *= unit;
+  for (CadProduct& product : c.products) product.translation *= unit;
   c.layers = std::move(tree.layers);
   return c;
 }

@@ -21,11 +21,11 @@
 #include <vector>
 
 #include "batten/core/errors.h"
-#include "batten/core/index.h"
+#include "batten/core/isize.h"
 #include "batten/io/cad/continuity_report.h"
 #include "batten/io/files/nesting.h"
 #include "batten/io/files/text.h"
-#include "batten/io/vtk/vtk_messages.h"
+#include "batten/io/vtk/vtk_message_capture.h"
 
 namespace batten {
 namespace {
@@ -61,11 +61,11 @@ class PatchReader {
       fail("no coefs of three coordinates", "coefs geoDim=\"3\"");
     const std::vector<double> x = numbers(*coefs);
     const long count = static_cast<long>(u.poles()) * v.poles();
-    if (count_of(x) != 3 * count)
+    if (isize(x) != 3 * count)
       fail(std::to_string(x.size()) + " coordinates", "3 for each of " + std::to_string(u.poles()) +
                                                           " × " + std::to_string(v.poles()) +
                                                           " poles");
-    if (!weights.empty() && count_of(weights) != count)
+    if (!weights.empty() && isize(weights) != count)
       fail(std::to_string(weights.size()) + " weights", "one for each pole");
     return made(u, v, x, weights);
   }
@@ -137,7 +137,7 @@ class PatchReader {
         const size_t k = static_cast<size_t>(j) * u.poles() + i;
         poles(i + 1, j + 1) = gp_Pnt(x[3 * k], x[3 * k + 1], x[3 * k + 2]);
         w(i + 1, j + 1) = weights.empty() ? 1 : weights[k];
-        if (!(w(i + 1, j + 1) > 0)) fail("weight " + number(weights[k]), "one above 0");
+        if (!(w(i + 1, j + 1) > 0)) fail("weight " + format_number(weights[k]), "one above 0");
       }
     const Handle(Geom_BSplineSurface) surface = new Geom_BSplineSurface(
         poles, w, array<TColStd_Array1OfReal>(u.at), array<TColStd_Array1OfReal>(v.at),
@@ -151,8 +151,8 @@ class PatchReader {
 
   template <class Array, class Values>
   static Array array(const Values& values) {
-    Array result(1, count_of(values));
-    for (int i = 0; i < count_of(values); ++i) result(i + 1) = values[i];
+    Array result(1, isize(values));
+    for (int i = 0; i < isize(values); ++i) result(i + 1) = values[i];
     return result;
   }
 
@@ -162,9 +162,9 @@ class PatchReader {
 }  // namespace
 
 TopoDS_Shape read_patches(const std::filesystem::path& file, const std::string& text) {
-  require_shallow_elements(text, file.string());
+  check_xml_nesting_depth(text, file.string());
   const auto root = [&] {
-    const VtkMessages messages;
+    const VtkMessageCapture messages;
     return vtkSmartPointer<vtkXMLDataElement>::Take(
         vtkXMLUtilities::ReadElementFromString(text.c_str()));
   }();

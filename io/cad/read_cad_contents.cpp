@@ -6,12 +6,12 @@
 #include "batten/io/cad/cad_contents_bytes.h"
 #include "batten/io/cad/measure_contents.h"
 #include "batten/io/cad/occ_settings.h"
-#include "batten/io/files/in_child.h"
+#include "batten/io/files/sandboxed_read.h"
 
 namespace batten {
 
 CadContents read_cad_contents(const std::filesystem::path& file) {
-  return contents_from_bytes(bytes_from_child(file, "OpenCASCADE", [&] {
+  return contents_from_bytes(sandboxed_read(file, "OpenCASCADE", [&] {
     const CadFile cad = read_cad_here(file);
     const OccSettings occ;
     try {

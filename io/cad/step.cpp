@@ -10,15 +10,15 @@
 
 #include "batten/core/box.h"
 #include "batten/core/errors.h"
-#include "batten/io/cad/edge_parameter.h"
+#include "batten/io/cad/edge_reparametrization.h"
+#include "batten/io/cad/exact_face_numbering.h"
 #include "batten/io/cad/exact_faces.h"
-#include "batten/io/cad/exact_numbers.h"
 #include "batten/io/cad/face_file.h"
 #include "batten/io/cad/occ_settings.h"
 #include "batten/io/cad/step_check.h"
 #include "batten/io/cad/step_plan.h"
 #include "batten/io/cad/step_text.h"
-#include "batten/io/files/whole_file.h"
+#include "batten/io/files/atomic_file.h"
 
 namespace batten {
 namespace {
@@ -46,7 +46,7 @@ double size_of(const std::vector<const SkinnedRegion*>& regions) {
 
 /// Throws InputError for regions that have no exact form.
 void check_exact(const std::vector<const SkinnedRegion*>& regions, bool z12_as_hct) {
-  std::map<std::string, std::string> runs;  // of a line: a region
+  std::map<std::string, std::string> edge_aligned;  // of a line: a region
   std::string cut;
   for (const SkinnedRegion* region : regions) {
     if (is_cut(*region)) {
@@ -57,7 +57,8 @@ void check_exact(const std::vector<const SkinnedRegion*>& regions, bool z12_as_h
       throw InputError(
           "STEP: found a surface of Z12 elements, which are rational and have no exact STEP form; "
           "expected HCT elements (element = \"hct\")");
-    for (const LineRun& run : region->runs) runs.emplace(run.line.name, region->name);
+    for (const EdgeAlignedLine& aligned_line : region->edge_aligned)
+      edge_aligned.emplace(aligned_line.line.name, region->name);
   }
   if (!regions.empty() && std::all_of(regions.begin(), regions.end(),
                                       [](const SkinnedRegion* r) { return is_cut(*r); }))
@@ -66,10 +67,10 @@ void check_exact(const std::vector<const SkinnedRegion*>& regions, bool z12_as_h
   for (const SkinnedRegion* region : regions) {
     if (is_cut(*region)) continue;
     for (const EmbeddedLine& embedded : region->embedded)
-      if (const auto run = runs.find(embedded.line.name);
-          run != runs.end() && !embedded.line.name.empty())
+      if (const auto aligned_line = edge_aligned.find(embedded.line.name);
+          aligned_line != edge_aligned.end() && !embedded.line.name.empty())
         throw InputError("STEP: found the line '" + embedded.line.name + "' of region '" +
-                         run->second + "' embedded in region '" + region->name +
+                         aligned_line->second + "' embedded in region '" + region->name +
                          "': element edges do not follow it there, so that the two have no edges "
                          "in common; " +
                          kFace);
@@ -128,7 +129,7 @@ class ModelFile {
     const TopoDS_Shape shape = assembled(plan_, [&](int region, TopoDS_Shell& shell) {
       for (const TopoDS_Face& face : faces[region]) BRep_Builder().Add(shell, face);
     });
-    if (!cut_.empty()) show_largest_gaps(shape, coincidence_);
+    if (!cut_.empty()) reparametrize_for_gap_check(shape, coincidence_);
     CadPart part{options_.file.name + " 1", shape, {}, {}, {}, shared.along_lines()};
     for (size_t r = 0; r < faces.size(); ++r)
       for (const TopoDS_Face& face : faces[r])
@@ -149,11 +150,11 @@ class ModelFile {
 
 std::string step_size_warning(const std::vector<const SkinnedRegion*>& regions) {
   constexpr double bytes_per_face = 4750;
-  constexpr int most_triangles = 10'000;
+  constexpr int max_triangles = 10'000;
   int triangles = 0;
   for (const SkinnedRegion* region : regions)
     if (!is_cut(*region)) triangles += region->surface.mesh().triangle_count();
-  if (triangles <= most_triangles) return "";
+  if (triangles <= max_triangles) return "";
   return "the exact STEP file has " + std::to_string(3 * triangles) + " faces and about " +
          std::to_string(std::lround(3 * triangles * bytes_per_face / 1e6)) +
          " MB: fewer, larger elements make a smaller one";
@@ -164,10 +165,10 @@ StepReport write_step(const std::filesystem::path& path,
                       const StepOptions& options) {
   check_exact(regions, options.z12_as_hct);
   if (!(options.tolerance >= 0) || !std::isfinite(options.tolerance))
-    throw InputError(path.string() + ": found a tolerance of " + number(options.tolerance) +
+    throw InputError(path.string() + ": found a tolerance of " + format_number(options.tolerance) +
                      "; expected a length above 0, or 0");
   const std::string unit = cad_unit(model_unit_in_metres);
-  WholeFile file(path);
+  AtomicFile file(path);
   const ModelFile model(regions, model_unit_in_metres, options);
   OccSettings occ;
   occ.set_unit(unit);

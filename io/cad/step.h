@@ -30,7 +30,7 @@
 #include "batten/io/cad/step_file_options.h"
 #include "batten/io/cad/step_report.h"
 #include "batten/io/cad/unwritable_regions.h"
-#include "batten/skinning/region/region.h"
+#include "batten/skinning/region/skinned_region.h"
 
 namespace batten {
 

@@ -21,7 +21,7 @@
 #include <numbers>
 
 #include "batten/core/errors.h"
-#include "batten/core/index.h"
+#include "batten/core/isize.h"
 #include "batten/io/cad/continuity_shape.h"
 #include "batten/io/cad/occ_settings.h"
 #include "batten/io/cad/occ_values.h"
@@ -186,7 +186,7 @@ struct SubTriangle {
 /// Faces of write_step come back in their order. Empty where there are not as many.
 std::vector<SubTriangle> as_written(const std::vector<const SkinnedRegion*>& regions, int faces) {
   std::vector<SubTriangle> expected;
-  for (int r = 0; r < count_of(regions); ++r) {
+  for (int r = 0; r < isize(regions); ++r) {
     const Surface& surface = regions[r]->surface;
     if (surface.trim()) {
       expected.push_back({r, -1, 0});
@@ -197,7 +197,7 @@ std::vector<SubTriangle> as_written(const std::vector<const SkinnedRegion*>& reg
   }
   const bool any_exact = std::any_of(expected.begin(), expected.end(),
                                      [](const SubTriangle& sub) { return sub.triangle >= 0; });
-  if (count_of(expected) != faces || !any_exact) expected.clear();
+  if (isize(expected) != faces || !any_exact) expected.clear();
   return expected;
 }
 
@@ -257,7 +257,7 @@ TopoDS_Shape read_step(const std::filesystem::path& path) {
   return shape;
 }
 
-StepReport measured_shape(const TopoDS_Shape& shape, const std::vector<int>& region_of_face) {
+StepReport fit_primitive(const TopoDS_Shape& shape, const std::vector<int>& region_of_face) {
   StepReport report;
   report.faces = count(shape, TopAbs_FACE);
   TopTools_IndexedMapOfShape edges;
@@ -285,9 +285,9 @@ StepReport measured_file(const std::filesystem::path& path,
   const auto expected = as_written(regions, count(shape, TopAbs_FACE));
   std::vector<int> region_of_face;
   for (const SubTriangle& sub : expected) region_of_face.push_back(sub.region);
-  StepReport report = measured_shape(shape, region_of_face);
+  StepReport report = fit_primitive(shape, region_of_face);
   report.file = path;
-  report.bytes = input_size(path);
+  report.bytes = input_file_size(path);
   if (!regions.empty()) {
     report.max_deviation = deviation(shape, regions, expected, report.size);
     report.continuity = shape_continuity(shape, report.size);

@@ -8,14 +8,14 @@
 #include <set>
 
 #include "batten/core/errors.h"
-#include "batten/core/index.h"
+#include "batten/core/isize.h"
 #include "batten/core/parallel.h"
-#include "batten/io/cad/edge_parameter.h"
+#include "batten/io/cad/edge_reparametrization.h"
 #include "batten/io/cad/face_file.h"
 #include "batten/io/cad/occ_settings.h"
 #include "batten/io/cad/step_text.h"
 #include "batten/io/cad/unwritable_regions.h"
-#include "batten/io/files/whole_file.h"
+#include "batten/io/files/atomic_file.h"
 
 namespace batten {
 namespace {
@@ -38,7 +38,7 @@ TopoDS_Shape save(const std::filesystem::path& path, const StepPlan& plan, const
     part.edges.insert(part.edges.end(), edges.begin(), edges.end());
   });
   const TopoDS_Shape& shape = part.shape;
-  show_largest_gaps(shape, coincidence);
+  reparametrize_for_gap_check(shape, coincidence);
   // Readers that see no better than 1e-7 of the unit would compute every border of a file anew that
   // claims more; in a tiny model that would be too much.
   constexpr double seen = 1e-7, little = 1e-5;
@@ -56,10 +56,10 @@ TopoDS_Shape save(const std::filesystem::path& path, const StepPlan& plan, const
 bool lines_have_names(const StepPlan& plan) {
   for (const SkinnedRegion* region : plan.regions)
     for (const auto& loop : region->boundary)
-      for (const BoundaryPiece& piece : loop) {
+      for (const BoundarySegment& piece : loop) {
         const auto i = static_cast<size_t>(piece.index);
-        if ((piece.kind == BoundaryPiece::Kind::Run ? region->runs.at(i).line.name
-                                                    : region->embedded.at(i).line.name)
+        if ((piece.kind == BoundarySegment::Kind::EdgeAligned ? region->edge_aligned.at(i).line.name
+                                                              : region->embedded.at(i).line.name)
                 .empty())
           return false;
       }
@@ -70,17 +70,17 @@ bool lines_have_names(const StepPlan& plan) {
 MeasuredShapes shapes_within(const StepPlan& plan, const StepFaceOptions& options) {
   MeasuredShapes shapes;
   if (!options.analytic || !lines_have_names(plan)) return shapes;
-  std::vector<MeasuredShape> found(plan.regions.size());
-  parallel_parts(count_of(found), [&](int k) {
+  std::vector<FittedPrimitive> found(plan.regions.size());
+  parallel_for(isize(found), [&](int k) {
     const SkinnedRegion& region = *plan.regions[k];
     // What is measured on the file lies between the samples.
     constexpr double most = 0.95;
-    const double size = infinity;
-    found[k] =
-        measured_shape(region, std::min(most * options.tolerance, shape_tolerance(region, size)));
+    const double size = kInfinity;
+    found[k] = fit_primitive(region,
+                             std::min(most * options.tolerance, primitive_tolerance(region, size)));
   });
   for (size_t k = 0; k < found.size(); ++k)
-    if (found[k].kind != MeasuredShape::Kind::Free && !plan.regions[k]->boundary.empty())
+    if (found[k].kind != FittedPrimitive::Kind::Free && !plan.regions[k]->boundary.empty())
       shapes.emplace(plan.regions[k], found[k]);
   return shapes;
 }
@@ -120,7 +120,7 @@ StepReport write_step_faces(const std::filesystem::path& path,
   check_options(path, options);
   const StepPlan planned = step_plan(regions, model_unit_in_metres);
   const std::string unit = cad_unit(model_unit_in_metres);
-  WholeFile file(path);
+  AtomicFile file(path);
   OccSettings occ;
   occ.set_unit(unit);
   try {

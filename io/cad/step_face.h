@@ -24,7 +24,7 @@
 
 #include "batten/io/cad/step_face_options.h"
 #include "batten/io/cad/step_report.h"
-#include "batten/skinning/region/region.h"
+#include "batten/skinning/region/skinned_region.h"
 
 namespace batten {
 

@@ -13,11 +13,11 @@ struct StepFaceOptions {
   StepFileOptions file = {};
   /// Whether regions that are planes, cylinders, spheres, cones or tori within the tolerance are written as these.
   bool analytic = true;
-  int most_poles = 400;            ///< most poles in one direction, 16 or more
-  int most_poles_in_all = 60'000;  ///< most poles of one face, 256 or more; 60,000 are about 6 MB
+  int max_poles = 400;           ///< most poles in one direction, 16 or more
+  int max_poles_total = 60'000;  ///< most poles of one face, 256 or more; 60,000 are about 6 MB
   /// Most poles of a face for each triangle of its surface, beyond 2,000 in all. A surface that
   /// splines follow needs about one, few need more than five; a flawed one would take them all.
-  int most_poles_a_triangle = 20;
+  int max_poles_per_triangle = 20;
 };
 
 }  // namespace batten

@@ -11,15 +11,15 @@
 
 #include "batten/core/box.h"
 #include "batten/core/errors.h"
-#include "batten/core/index.h"
-#include "batten/fem/assembly.h"
+#include "batten/core/isize.h"
+#include "batten/fem/surface_assembler.h"
 
 namespace batten {
 namespace {
 
 /// One side of a line: the region there, and whether its loop runs along (+1) the line or against.
 struct LineSide {
-  int region, turn;
+  int region, orientation;
 };
 
 Vec3 end_of(const HermiteCurve& curve, bool end) {
@@ -34,20 +34,21 @@ class Planner {
     for (const SkinnedRegion* region : regions) {
       if (!region->surface.dofs().allFinite())
         throw InputError("STEP: region '" + region->name + "' has dofs that are not finite");
-      for (const LineRun& run : region->runs) extend_box(run.fitted);
+      for (const EdgeAlignedLine& aligned_line : region->edge_aligned)
+        extend_box(aligned_line.fitted);
       for (const EmbeddedLine& line : region->embedded) extend_box(line.fitted);
     }
     require_size(unit_in_metres);
     if (!box_.isEmpty()) plan_.distance = 1e-6 * box_.diagonal().norm();
     open_.resize(regions.size());
-    for (int r = 0; r < count_of(regions); ++r) add_lines(r);
-    find_places();
-    for (const auto& [name, sides] : sides_) plan_.lines.at(name).sides = count_of(sides);
+    for (int r = 0; r < isize(regions); ++r) add_lines(r);
+    find_end_points();
+    for (const auto& [name, sides] : sides_) plan_.lines.at(name).sides = isize(sides);
   }
 
   StepPlan plan() {
     std::vector<char> done(regions_.size());
-    for (int r = 0; r < count_of(regions_); ++r)
+    for (int r = 0; r < isize(regions_); ++r)
       if (!done[r]) {
         const std::vector<int> group = hanging_together(r);
         for (const int k : group) done[k] = 1;
@@ -64,8 +65,9 @@ class Planner {
     constexpr double most_metres = 2e4;
     const double size = box_.isEmpty() ? 0 : box_.diagonal().norm();
     if (size * unit_in_metres > most_metres)
-      throw InputError("STEP: found a surface of size " + number(size) + ", expected at most " +
-                       number(most_metres / unit_in_metres) + " (20 km; is the unit right?)");
+      throw InputError("STEP: found a surface of size " + format_number(size) +
+                       ", expected at most " + format_number(most_metres / unit_in_metres) +
+                       " (20 km; is the unit right?)");
   }
 
   void extend_box(const HermiteCurve& curve) {
@@ -77,12 +79,13 @@ class Planner {
     std::set<const HermiteCurve*> on_boundary;
     open_[r] = region.boundary.empty();
     for (const auto& loop : region.boundary)
-      for (const BoundaryPiece& piece : loop) {
-        const bool run = piece.kind == BoundaryPiece::Kind::Run;
+      for (const BoundarySegment& piece : loop) {
+        const bool aligned_line = piece.kind == BoundarySegment::Kind::EdgeAligned;
         const auto i = static_cast<size_t>(piece.index);
         const std::string& name =
-            run ? region.runs.at(i).line.name : region.embedded.at(i).line.name;
-        const HermiteCurve& curve = run ? region.runs[i].fitted : region.embedded[i].fitted;
+            aligned_line ? region.edge_aligned.at(i).line.name : region.embedded.at(i).line.name;
+        const HermiteCurve& curve =
+            aligned_line ? region.edge_aligned[i].fitted : region.embedded[i].fitted;
         on_boundary.insert(&curve);
         if (name.empty())
           open_[r] = 1;
@@ -94,7 +97,8 @@ class Planner {
       direction(name, curve, r);
       sides_[name].insert(sides_[name].end(), {{r, 1}, {r, -1}});
     };
-    for (const LineRun& run : region.runs) add_inner(run.line.name, run.fitted);
+    for (const EdgeAlignedLine& aligned_line : region.edge_aligned)
+      add_inner(aligned_line.line.name, aligned_line.fitted);
     for (const EmbeddedLine& line : region.embedded) add_inner(line.line.name, line.fitted);
   }
 
@@ -102,13 +106,14 @@ class Planner {
     const auto [it, added] = plan_.lines.emplace(name, StepLine{&curve});
     if (added) return 1;
     plan_.joined = true;
-    if (const int turn = direction_along(curve, *it->second.curve, plan_.distance)) return turn;
+    if (const int orientation = direction_along(curve, *it->second.curve, plan_.distance))
+      return orientation;
     throw InputError("STEP: regions '" + regions_[sides_[name].front().region]->name + "' and '" +
                      regions_[r]->name + "' have a line '" + name +
                      "' each; expected the same curve, or two names");
   }
 
-  void find_places() {
+  void find_end_points() {
     std::vector<Vec3> places;
     for (auto& [name, line] : plan_.lines)
       for (const bool end : {false, true}) {
@@ -140,9 +145,9 @@ class Planner {
       if (std::find(group.begin(), group.end(), sides.front().region) == group.end()) continue;
       closed = closed && sides.size() == 2;
       branching = branching || sides.size() > 2;
-      one_sided = one_sided || (sides.size() == 2 && sides[0].turn == sides[1].turn);
+      one_sided = one_sided || (sides.size() == 2 && sides[0].orientation == sides[1].orientation);
     }
-    const int start = count_of(plan_.regions);
+    const int start = isize(plan_.regions);
     for (const int r : group) plan_.regions.push_back(regions_[r]);
     if (branching || one_sided) {
       if (group.size() > 1)
@@ -168,7 +173,7 @@ class Planner {
     for (StepShell& shell : plan_.shells)
       for (int& r : shell.regions) {
         plan_.regions.push_back(before[r]);
-        r = count_of(plan_.regions) - 1;
+        r = isize(plan_.regions) - 1;
       }
   }
 
@@ -201,14 +206,14 @@ StepPlan step_plan(const std::vector<const SkinnedRegion*>& regions, double unit
 
 int direction_along(const HermiteCurve& curve, const HermiteCurve& line, double distance) {
   double apart[2] = {0, 0};
-  for (const double share : {0.0, 0.15, 0.3, 0.5, 0.7, 0.85, 0.999}) {
+  for (const double fraction : {0.0, 0.15, 0.3, 0.5, 0.7, 0.85, 0.999}) {
     const auto at = [&](const HermiteCurve& c, double s) {
       return c.evaluate(c.start() + s * (c.end() - c.start()));
     };
-    const Vec3 x = at(curve, share);
-    apart[0] = std::max(apart[0], (x - at(line, share)).norm());
+    const Vec3 x = at(curve, fraction);
+    apart[0] = std::max(apart[0], (x - at(line, fraction)).norm());
     // At its end a closed curve is at its start again.
-    apart[1] = std::max(apart[1], (x - at(line, 1 - share)).norm());
+    apart[1] = std::max(apart[1], (x - at(line, 1 - fraction)).norm());
   }
   if (!(std::min(apart[0], apart[1]) <= distance)) return 0;
   return apart[1] < apart[0] ? -1 : 1;

@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "batten/skinning/region/region.h"
+#include "batten/skinning/region/skinned_region.h"
 
 namespace batten {
 

@@ -18,7 +18,7 @@
 #include "batten/io/cad/curve_part.h"
 #include "batten/io/cad/occ_settings.h"
 #include "batten/io/cad/occ_values.h"
-#include "batten/io/files/whole_file.h"
+#include "batten/io/files/atomic_file.h"
 
 namespace batten {
 namespace {
@@ -42,12 +42,12 @@ void name_curves(const StepData_StepModel& model) {
 std::string cad_unit(double model_unit_in_metres) {
   const std::string name = OccSettings::unit_name(model_unit_in_metres);
   if (name.empty())
-    throw InputError("a CAD file in a model unit of " + number(model_unit_in_metres) +
+    throw InputError("a CAD file in a model unit of " + format_number(model_unit_in_metres) +
                      " m; expected one of um, mm, cm, m, km, inch, ft, mi, mil, uin");
   return name;
 }
 
-void put_step(STEPControl_Writer& writer, const StepHeader& header, std::ostream& out) {
+void write_step_text(STEPControl_Writer& writer, const StepHeader& header, std::ostream& out) {
   name_curves(*writer.Model());
   APIHeaderSection_MakeHeader made(writer.Model());
   made.SetName(occ_text(header.name));
@@ -64,13 +64,13 @@ void put_step(STEPControl_Writer& writer, const StepHeader& header, std::ostream
 }
 
 void write_parts(const std::filesystem::path& path, const std::vector<CadPart>& parts,
-                 const StepFileWords& words, OccSettings& occ) {
-  occ.set("write.step.schema", words.ap242 ? "AP242DIS" : "AP214IS");
+                 const StepFileProperties& properties, OccSettings& occ) {
+  occ.set("write.step.schema", properties.ap242 ? "AP242DIS" : "AP214IS");
   occ.set("write.step.assembly", 0);  // one product a part, not one for each shell or curve
   occ.set("write.stepcaf.subshapes.name", 1);
   occ.set("write.surfacecurve.mode", 1);
   occ.set("write.precision.mode", 2);  // the value given next
-  occ.set("write.precision.val", words.tolerance);
+  occ.set("write.precision.val", properties.tolerance);
   STEPCAFControl_Writer writer;
   if (!writer.Transfer(document_of(parts, occ.unit_in_metres()), STEPControl_AsIs))
     throw Error(path.string() + ": OpenCASCADE cannot turn the shapes into STEP");
@@ -84,8 +84,9 @@ void write_parts(const std::filesystem::path& path, const std::vector<CadPart>& 
       found->SetId(name);
       found->SetName(name);
     }
-  write_whole_file(path,
-                   [&](std::ostream& out) { put_step(writer.ChangeWriter(), words.header, out); });
+  write_file_atomically(path, [&](std::ostream& out) {
+    write_step_text(writer.ChangeWriter(), properties.header, out);
+  });
 }
 
 void write_surfaces(const std::filesystem::path& path, const CadPart& part,

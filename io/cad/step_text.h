@@ -29,10 +29,10 @@ inline double reader_coincidence(double model_unit_in_metres) {
 
 /// Puts the file's text, with this header, with all digits of its numbers and with the names of
 /// curves, into a stream.
-void put_step(STEPControl_Writer& writer, const StepHeader& header, std::ostream& out);
+void write_step_text(STEPControl_Writer& writer, const StepHeader& header, std::ostream& out);
 
 /// What a STEP file says of itself.
-struct StepFileWords {
+struct StepFileProperties {
   StepHeader header;
   bool ap242 = false;    ///< instead of AP214
   double tolerance = 0;  ///< that it declares, model units
@@ -42,7 +42,7 @@ struct StepFileWords {
 /// names of their edges, and its curves. The file appears whole or not at all. Throws Error when
 /// OpenCASCADE fails, InputError when the file cannot be written.
 void write_parts(const std::filesystem::path& path, const std::vector<CadPart>& parts,
-                 const StepFileWords& words, OccSettings& occ);
+                 const StepFileProperties& properties, OccSettings& occ);
 
 /// Writes a part with faces and, where there are any, the lines as a part of their own, as
 /// write_parts() does.

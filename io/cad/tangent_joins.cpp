@@ -8,7 +8,7 @@
 #include <optional>
 #include <utility>
 
-#include "batten/core/index.h"
+#include "batten/core/isize.h"
 #include "batten/io/cad/corner_twists.h"
 
 namespace batten {
@@ -19,7 +19,7 @@ constexpr double kNearby = 0.03;  // of a stretch, on either side: what normals 
 
 /// A piece of a line, and its two sides.
 struct Join {
-  std::array<FaceStretch*, 2> stretches;
+  std::array<FaceBoundarySegment*, 2> segments;
   std::array<const TangentSide*, 2> sides;
   double same = 1;                               // -1: the normals of the sides are opposite
   std::vector<std::array<Vec3, 2>> of_surfaces;  // along the line, zero: the sides are no planes
@@ -27,12 +27,12 @@ struct Join {
 
   /// Of a place along the line: its number along the stretch.
   int index(int side, int k) const {
-    return stretches[static_cast<size_t>(side)]->reversed ? kPieces - k : k;
+    return segments[static_cast<size_t>(side)]->reversed ? kPieces - k : k;
   }
   double sign(int side) const { return side == 0 ? 1 : same; }  // of a side's normal
   /// Of the line, at a place along it.
   Vec3 position(int k) const {
-    const HermiteCurve& curve = stretches[0]->curve;
+    const HermiteCurve& curve = segments[0]->curve;
     const int i = index(0, k);
     return i == kPieces
                ? curve.evaluate({curve.segment_count() - 1, 1.0})
@@ -41,18 +41,18 @@ struct Join {
   bool tangent(int k) const { return !of_surfaces[static_cast<size_t>(k)][0].isZero(); }
 };
 
-Vec3 normal_at(const FaceStretch& stretch, const TangentSide& side, int k) {
-  const double share = double(k) / kPieces;
+Vec3 normal_at(const FaceBoundarySegment& segment, const TangentSide& side, int k) {
+  const double fraction = double(k) / kPieces;
   return side.normal(k == kPieces
-                         ? stretch.last()
-                         : stretch.uv(stretch.curve.start() +
-                                      share * (stretch.curve.end() - stretch.curve.start())));
+                         ? segment.last()
+                         : segment.uv(segment.curve.start() +
+                                      fraction * (segment.curve.end() - segment.curve.start())));
 }
 
 void compare_sides(Join& join) {
   for (int k = 0; k <= kPieces; ++k) {
-    const Vec3 one = normal_at(*join.stretches[0], *join.sides[0], join.index(0, k)),
-               other = normal_at(*join.stretches[1], *join.sides[1], join.index(1, k));
+    const Vec3 one = normal_at(*join.segments[0], *join.sides[0], join.index(0, k)),
+               other = normal_at(*join.segments[1], *join.sides[1], join.index(1, k));
     const bool tangent =
         !one.isZero() && !other.isZero() && angle_between_planes(one, other) <= kTangentDeg;
     join.of_surfaces.push_back({tangent ? one : Vec3::Zero(), tangent ? other : Vec3::Zero()});
@@ -100,10 +100,10 @@ struct Corner {
 };
 using Place = std::pair<std::string, int>;  // a cut of a line; "" and a number of the plan's
 
-Place place_of(const StepPlan& plan, const LinePiece& piece, bool end) {
+Place end_point_of(const StepPlan& plan, const LineSegmentId& piece, bool end) {
   const StepLine& line = plan.lines.at(piece.first);
   const int cut = piece.second + (end ? 1 : 0);
-  if (cut == 0 || cut == count_of(line.cuts) + 1) return {"", line.places[cut > 0]};
+  if (cut == 0 || cut == isize(line.cuts) + 1) return {"", line.places[cut > 0]};
   return {piece.first, cut};
 }
 
@@ -112,16 +112,17 @@ void agree(const Corner& corner) {
   constexpr double fade = 0.3;  // of a join
   for (const auto& [join, k] : corner.ends) {
     const Vec3 end = join->common[static_cast<size_t>(k)];
-    const Vec3 turn = (end.dot(corner.sum) < 0 ? -1 : 1) * corner.sum.normalized() - end;
+    const Vec3 normal_correction =
+        (end.dot(corner.sum) < 0 ? -1 : 1) * corner.sum.normalized() - end;
     for (int i = 0; i <= kPieces; ++i) {
       const double s = std::abs(i - k) / (fade * kPieces);
       if (s < 1 && join->tangent(i))
-        join->common[static_cast<size_t>(i)] += (1 - s) * (1 - s) * (1 + 2 * s) * turn;
+        join->common[static_cast<size_t>(i)] += (1 - s) * (1 - s) * (1 + 2 * s) * normal_correction;
     }
   }
 }
 
-void agree_at_corners(const StepPlan& plan, std::map<LinePiece, Join>& joins) {
+void agree_at_corners(const StepPlan& plan, std::map<LineSegmentId, Join>& joins) {
   constexpr double alike_deg = 5;
   std::map<Place, std::vector<Corner>> corners;
   for (auto& [piece, join] : joins)
@@ -129,7 +130,7 @@ void agree_at_corners(const StepPlan& plan, std::map<LinePiece, Join>& joins) {
       const int k = end ? kPieces : 0;
       if (!join.tangent(k)) continue;
       const Vec3& n = join.common[static_cast<size_t>(k)];
-      auto& here = corners[place_of(plan, piece, end)];
+      auto& here = corners[end_point_of(plan, piece, end)];
       auto corner = std::find_if(here.begin(), here.end(), [&](const Corner& c) {
         return angle_between_planes(c.sum, n) < alike_deg;
       });
@@ -175,17 +176,16 @@ void twist(Join& join, bool last, double rate, double tolerance) {
 }
 
 /// Makes normals turn along joins so that faces can have one twist in a corner.
-void match_twists(const std::vector<TangentSide>& sides, std::map<LinePiece, Join>& joins,
+void match_twists(const std::vector<TangentSide>& sides, std::map<LineSegmentId, Join>& joins,
                   double tolerance) {
-  std::map<const FaceStretch*, std::pair<Join*, int>> join_of;
+  std::map<const FaceBoundarySegment*, std::pair<Join*, int>> join_of;
   std::map<std::pair<const Join*, bool>, int> number;
   std::vector<JoinEnd> ends;
   for (auto& [piece, join] : joins) {
-    for (const int side : {0, 1})
-      join_of[join.stretches[static_cast<size_t>(side)]] = {&join, side};
+    for (const int side : {0, 1}) join_of[join.segments[static_cast<size_t>(side)]] = {&join, side};
     for (const bool last : {false, true})
       if (const auto end = end_of(join, last)) {
-        number[{&join, last}] = count_of(ends);
+        number[{&join, last}] = isize(ends);
         ends.push_back(*end);
       }
   }
@@ -209,15 +209,15 @@ void match_twists(const std::vector<TangentSide>& sides, std::map<LinePiece, Joi
         twist(join, last, rates[static_cast<size_t>(found->second)], tolerance);
 }
 
-void set_turns(Join& join) {
+void set_normal_corrections(Join& join) {
   for (const size_t side : {0, 1}) {
-    auto& turns = join.stretches[side]->turns;
-    turns.assign(kPieces + 1, std::nullopt);
+    auto& normal_corrections = join.segments[side]->normal_corrections;
+    normal_corrections.assign(kPieces + 1, std::nullopt);
     for (int k = 0; k <= kPieces; ++k) {
       if (!join.tangent(k)) continue;
       const auto at = static_cast<size_t>(k);
       const Vec3 common = join.sign(static_cast<int>(side)) * join.common[at].normalized();
-      turns[static_cast<size_t>(join.index(static_cast<int>(side), k))] =
+      normal_corrections[static_cast<size_t>(join.index(static_cast<int>(side), k))] =
           common - join.of_surfaces[at][side];
     }
   }
@@ -225,10 +225,10 @@ void set_turns(Join& join) {
 
 }  // namespace
 
-LinePiece piece_of(const StepPlan& plan, const FaceStretch& stretch) {
-  const double middle = stretch.line_parameter((stretch.curve.start() + stretch.curve.end()) / 2);
-  const std::vector<double>& cuts = plan.lines.at(stretch.line).cuts;
-  return {stretch.line,
+LineSegmentId segment_id_of(const StepPlan& plan, const FaceBoundarySegment& segment) {
+  const double middle = segment.line_parameter((segment.curve.start() + segment.curve.end()) / 2);
+  const std::vector<double>& cuts = plan.lines.at(segment.line).cuts;
+  return {segment.line,
           static_cast<int>(std::lower_bound(cuts.begin(), cuts.end(), middle) - cuts.begin())};
 }
 
@@ -238,16 +238,16 @@ double angle_between_planes(const Vec3& a, const Vec3& b) {
 
 void find_tangent_joins(const StepPlan& plan, const std::vector<TangentSide>& sides,
                         double tolerance) {
-  std::map<LinePiece, std::vector<std::pair<FaceStretch*, const TangentSide*>>> beside;
+  std::map<LineSegmentId, std::vector<std::pair<FaceBoundarySegment*, const TangentSide*>>> beside;
   for (const TangentSide& side : sides)
     for (FaceLoop& loop : side.boundary->loops)
-      for (FaceStretch& stretch : loop)
-        if (stretch.shared) beside[piece_of(plan, stretch)].emplace_back(&stretch, &side);
-  std::map<LinePiece, Join> joins;
+      for (FaceBoundarySegment& segment : loop)
+        if (segment.shared) beside[segment_id_of(plan, segment)].emplace_back(&segment, &side);
+  std::map<LineSegmentId, Join> joins;
   for (const auto& [piece, two] : beside) {
     if (two.size() != 2) continue;
     Join join;
-    join.stretches = {two[0].first, two[1].first};
+    join.segments = {two[0].first, two[1].first};
     join.sides = {two[0].second, two[1].second};
     compare_sides(join);
     drop_crossings(join);
@@ -259,7 +259,7 @@ void find_tangent_joins(const StepPlan& plan, const std::vector<TangentSide>& si
   }
   agree_at_corners(plan, joins);
   match_twists(sides, joins, tolerance);
-  for (auto& [piece, join] : joins) set_turns(join);
+  for (auto& [piece, join] : joins) set_normal_corrections(join);
 }
 
 }  // namespace batten

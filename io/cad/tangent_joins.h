@@ -20,8 +20,8 @@ struct TangentSide {
 };
 
 /// A piece of a line between two of the plan's cuts: the line's name, and how many cuts are before.
-using LinePiece = std::pair<std::string, int>;
-LinePiece piece_of(const StepPlan& plan, const FaceStretch& stretch);
+using LineSegmentId = std::pair<std::string, int>;
+LineSegmentId segment_id_of(const StepPlan& plan, const FaceBoundarySegment& segment);
 
 /// Sets the turns of all stretches that two sides have in common: to normals between those of the two
 /// surfaces, smooth along the line and one for all joins that meet in a place. O(stretches).

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "batten/core/errors.h"
-#include "batten/skinning/region/region.h"
+#include "batten/skinning/region/skinned_region.h"
 
 namespace batten {
 

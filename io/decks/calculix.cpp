@@ -11,10 +11,10 @@
 #include <set>
 
 #include "batten/core/errors.h"
-#include "batten/io/decks/calculix_parts.h"
+#include "batten/io/decks/calculix_elements.h"
 #include "batten/io/decks/ccx_deck.h"
-#include "batten/io/files/whole_file.h"
-#include "batten/skinning/facets/model_facets.h"
+#include "batten/io/files/atomic_file.h"
+#include "batten/skinning/facets/model_elements.h"
 
 namespace batten {
 namespace fs = std::filesystem;
@@ -54,7 +54,7 @@ std::vector<std::string> line_names(const Regions& regions) {
     if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
   };
   for (const SkinnedRegion* region : regions) {
-    for (const LineRun& run : region->runs) add(run.line.name);
+    for (const EdgeAlignedLine& aligned_line : region->edge_aligned) add(aligned_line.line.name);
     for (const EmbeddedLine& embedded : region->embedded) add(embedded.line.name);
   }
   return names;
@@ -63,7 +63,7 @@ std::vector<std::string> line_names(const Regions& regions) {
 /// The nearest name, or all of them behind `what`.
 std::string not_among(const std::string& found, const std::vector<std::string>& names,
                       const std::string& what) {
-  const std::string nearest = nearest_word(found, names);
+  const std::string nearest = closest_match(found, names);
   std::string all;
   for (const auto& name : names) all += (all.empty() ? "" : ", ") + name;
   return nearest.empty() ? what + all : "did you mean '" + nearest + "'?";
@@ -77,7 +77,8 @@ void check(const Regions& regions, const ShellDeck& deck) {
   const auto expect = [&](bool good, const std::string& what, double found,
                           const std::string& expected) {
     if (!good)
-      throw InputError(who + "found " + what + " " + number(found) + ", expected " + expected);
+      throw InputError(who + "found " + what + " " + format_number(found) + ", expected " +
+                       expected);
   };
   const auto above_zero = [](double x) { return std::isfinite(x) && x > 0; };
   expect(above_zero(deck.thickness), "thickness", deck.thickness, "a length above 0");
@@ -138,7 +139,7 @@ void write_pressures(std::ostream& out, const Regions& regions,
   }
 }
 
-void write_loads(std::ostream& out, const Regions& regions, const ModelFacets& model,
+void write_loads(std::ostream& out, const Regions& regions, const ModelElements& model,
                  const std::vector<std::string>& sets, const ShellDeck& deck) {
   const auto forces = deck_forces(regions, model, deck);
   if (!forces.empty()) {
@@ -159,19 +160,20 @@ const char* type_name(ShellDeck::Element element) {
 }
 
 /// The nodes of a support that is not all of a line.
-std::vector<int> held_nodes(const Regions& regions, const ModelFacets& model,
-                            const DeckElements& elements, const ShellDeck::Support& support) {
+std::vector<int> supported_nodes(const Regions& regions, const ModelElements& model,
+                                 const DeckDiscretization& elements,
+                                 const ShellDeck::Support& support) {
   if (!support.line.empty() && !support.box) return {};
   std::set<int> nodes;
   const auto add = [&](int node) {
-    if (!support.box || support.box->contains(elements.places[node])) nodes.insert(node);
+    if (!support.box || support.box->contains(elements.positions[node])) nodes.insert(node);
   };
   for (const auto& line : model.lines)
     if (line.name == support.line)
       for (const int node : elements.nodes_on(line.edges)) add(node);
   for (size_t r = 0; r < regions.size() && support.line.empty(); ++r)
     if (support.region.empty() || regions[r]->name == support.region)
-      for (const auto& element : elements.of_regions[r])
+      for (const auto& element : elements.by_region[r])
         for (const int node : element) add(node);
   if (nodes.empty())
     throw InputError("stress deck: found a support that holds no node, expected a larger box");
@@ -180,12 +182,13 @@ std::vector<int> held_nodes(const Regions& regions, const ModelFacets& model,
 
 void write_support(std::ostream& out, const std::string& set, const ShellDeck::Support& support) {
   const bool clamped = support.kind == ShellDeck::Support::Kind::Clamped;
-  if (support.held == std::array<bool, 3>{true, true, true} && support.displacement.isZero(0)) {
+  if (support.constrained == std::array<bool, 3>{true, true, true} &&
+      support.displacement.isZero(0)) {
     out << set << ",1," << (clamped ? 6 : 3) << '\n';
     return;
   }
   for (int c = 0; c < 3; ++c) {
-    if (!support.held[c]) continue;
+    if (!support.constrained[c]) continue;
     out << set << ',' << c + 1 << ',' << c + 1;
     if (support.displacement[c] != 0) out << ',' << ccx_number(support.displacement[c]);
     out << '\n';
@@ -211,29 +214,29 @@ void write_sections(std::ostream& out, const Regions& regions, const std::vector
 
 void write_calculix(const fs::path& path, const Regions& regions, const ShellDeck& deck) {
   check(regions, deck);
-  const ModelFacets model = model_facets(regions);
-  const DeckElements elements = deck_elements(regions, model, deck.element);
-  std::vector<std::vector<int>> held;
+  const ModelElements model = model_elements(regions);
+  const DeckDiscretization elements = deck_elements(regions, model, deck.element);
+  std::vector<std::vector<int>> constrained;
   for (const auto& support : deck.supports)
-    held.push_back(held_nodes(regions, model, elements, support));
+    constrained.push_back(supported_nodes(regions, model, elements, support));
   const bool one = regions.size() == 1;
   SetNames names;
   std::vector<std::string> line_sets, region_sets;
   for (const auto& line : model.lines) line_sets.push_back(names.of(line.name, "LINE_"));
   for (const SkinnedRegion* region : regions)
     region_sets.push_back(one ? "ALL" : names.of(region->name, "REGION_"));
-  write_whole_file(path, [&](std::ostream& out) {
+  write_file_atomically(path, [&](std::ostream& out) {
     out << "** "
         << (one ? "Region " + one_line(regions[0]->name)
                 : "Model of " + std::to_string(regions.size()) + " regions")
         << ", written by Batten\n";
     if (!deck.units.empty()) out << "** Units: " << one_line(deck.units) << '\n';
     out << "*NODE,NSET=NALL\n";
-    for (size_t i = 0; i < elements.places.size(); ++i)
-      out << i + 1 << ',' << ccx_vector(elements.places[i]) << '\n';
+    for (size_t i = 0; i < elements.positions.size(); ++i)
+      out << i + 1 << ',' << ccx_vector(elements.positions[i]) << '\n';
     out << "*ELEMENT,TYPE=" << type_name(deck.element) << ",ELSET=ALL\n";
     std::vector<size_t> first{1};  // element of each region, and behind the last
-    for (const auto& of_region : elements.of_regions) {
+    for (const auto& of_region : elements.by_region) {
       for (size_t e = 0; e < of_region.size(); ++e) {
         out << first.back() + e << ',';
         write_ccx_ids(out, of_region[e]);
@@ -252,16 +255,16 @@ void write_calculix(const fs::path& path, const Regions& regions, const ShellDec
         << ccx_number(deck.young) << ',' << ccx_number(deck.poisson) << '\n';
     if (deck.density > 0) out << "*DENSITY\n" << ccx_number(deck.density) << '\n';
     write_sections(out, regions, region_sets, deck);
-    for (size_t k = 0; k < held.size(); ++k) {
-      if (held[k].empty()) continue;
+    for (size_t k = 0; k < constrained.size(); ++k) {
+      if (constrained[k].empty()) continue;
       out << "*NSET,NSET=SUPPORT_" << k + 1 << '\n';
-      write_ccx_ids(out, held[k]);
+      write_ccx_ids(out, constrained[k]);
     }
     out << "*BOUNDARY\n";
     for (size_t k = 0; k < deck.supports.size(); ++k) {
-      if (!held[k].empty())
+      if (!constrained[k].empty())
         write_support(out, "SUPPORT_" + std::to_string(k + 1), deck.supports[k]);
-      for (size_t l = 0; l < model.lines.size() && held[k].empty(); ++l)
+      for (size_t l = 0; l < model.lines.size() && constrained[k].empty(); ++l)
         if (model.lines[l].name == deck.supports[k].line)
           write_support(out, line_sets[l], deck.supports[k]);
     }

@@ -4,8 +4,8 @@
 #include <filesystem>
 #include <vector>
 
-#include "batten/io/decks/deck_of_shell.h"
-#include "batten/skinning/region/region.h"
+#include "batten/io/decks/shell_deck.h"
+#include "batten/skinning/region/skinned_region.h"
 
 namespace batten {
 
@@ -15,10 +15,10 @@ namespace batten {
 /// surface's points at the parametric midpoints of its edges. The surface is the middle surface;
 /// normals are x_u × x_v of each region.
 /// In a deck of one region, node numbers are mesh vertex + 1, then vertex_count + edge + 1; element
-/// numbers are triangle + 1. The elements of a region with embedded lines are its quadratic_facets:
+/// numbers are triangle + 1. The elements of a region with embedded lines are its quadratic_elements:
 /// the deck is the region inside of its boundary, with nodes on its lines.
 ///
-/// Several regions are one shell (model_facets()). They share the nodes on a line that they share,
+/// Several regions are one shell (model_elements()). They share the nodes on a line that they share,
 /// which lie where a region that has the line as a run has them; where lines meet there is one
 /// node. Nodes and elements are numbered region after region, a shared node where it first comes.
 /// Where regions meet at a crease, ccx joins the thick elements of both sides rigidly. Loads act on
@@ -33,7 +33,7 @@ namespace batten {
 /// Throws InputError: no region, thickness, Young's modulus not above 0, Poisson's ratio not in
 /// (-1, 0.5), a density below 0 or gravity without density, numbers that are not finite, no
 /// support, one that holds no node, a line or region that the model does not have (with the nearest name), what
-/// model_facets() throws, a file that cannot be written.
+/// model_elements() throws, a file that cannot be written.
 void write_calculix(const std::filesystem::path& path,
                     const std::vector<const SkinnedRegion*>& regions, const ShellDeck& deck);
 

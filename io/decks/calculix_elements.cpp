@@ -1,17 +1,17 @@
 #include <algorithm>
 
 #include "batten/fem/triangle_locator.h"
-#include "batten/io/decks/calculix_parts.h"
+#include "batten/io/decks/calculix_elements.h"
 
 namespace batten {
 namespace {
 
 // The three quads of each triangle, between its corners, the middles of its edges and its centre.
-class QuadsOfTriangles {
+class TriangleToQuads {
  public:
-  explicit QuadsOfTriangles(DeckElements& elements) : elements_(elements) {}
+  explicit TriangleToQuads(DeckDiscretization& elements) : elements_(elements) {}
 
-  void add_region(const SkinnedRegion& region, const QuadraticFacets& facets,
+  void add_region(const SkinnedRegion& region, const QuadraticElements& facets,
                   const std::vector<int>& node) {
     surface_ = &region.surface;
     const TriangleLocator locator(surface_->mesh());
@@ -44,13 +44,14 @@ class QuadsOfTriangles {
                          quarter(corner, last, at(0.5 * (Vec3::Unit(i) + middle(before))))});
       }
     }
-    elements_.of_regions.push_back(std::move(quads));
+    elements_.by_region.push_back(std::move(quads));
   }
 
  private:
   int added(const Vec2& uv) {
-    elements_.places.push_back(surface_->position(locator_->locate(surface_->mesh().wrapped(uv))));
-    return static_cast<int>(elements_.places.size()) - 1;
+    elements_.positions.push_back(
+        surface_->position(locator_->locate(surface_->mesh().wrapped(uv))));
+    return static_cast<int>(elements_.positions.size()) - 1;
   }
   // One for both triangles, and both regions, of an edge.
   int quarter(int corner, int middle, const Vec2& uv) {
@@ -59,14 +60,14 @@ class QuadsOfTriangles {
     return elements_.quarters[{corner, middle}] = added(uv);
   }
 
-  DeckElements& elements_;
+  DeckDiscretization& elements_;
   const Surface* surface_ = nullptr;
   const TriangleLocator* locator_ = nullptr;
 };
 
 }  // namespace
 
-std::vector<int> DeckElements::nodes_on(const std::vector<std::array<int, 3>>& edges) const {
+std::vector<int> DeckDiscretization::nodes_on(const std::vector<std::array<int, 3>>& edges) const {
   std::vector<int> nodes;
   const auto add = [&](int node) {
     if (std::find(nodes.begin(), nodes.end(), node) == nodes.end()) nodes.push_back(node);
@@ -85,11 +86,11 @@ std::vector<int> DeckElements::nodes_on(const std::vector<std::array<int, 3>>& e
   return nodes;
 }
 
-DeckElements deck_elements(const std::vector<const SkinnedRegion*>& regions,
-                           const ModelFacets& model, ShellDeck::Element element) {
-  DeckElements elements;
-  elements.places = model.places;
-  QuadsOfTriangles quads(elements);
+DeckDiscretization deck_elements(const std::vector<const SkinnedRegion*>& regions,
+                                 const ModelElements& model, ShellDeck::Element element) {
+  DeckDiscretization elements;
+  elements.positions = model.positions;
+  TriangleToQuads quads(elements);
   for (size_t r = 0; r < regions.size(); ++r) {
     if (element == ShellDeck::Element::S8R) {
       quads.add_region(*regions[r], model.regions[r], model.node[r]);
@@ -106,7 +107,7 @@ DeckElements deck_elements(const std::vector<const SkinnedRegion*>& regions,
         all.push_back({n[3], n[4], n[5]});
       }
     }
-    elements.of_regions.push_back(std::move(all));
+    elements.by_region.push_back(std::move(all));
   }
   return elements;
 }

@@ -4,18 +4,18 @@
 
 #include "batten/elements/quadrature.h"
 #include "batten/fem/triangle_locator.h"
-#include "batten/io/decks/calculix_parts.h"
+#include "batten/io/decks/calculix_elements.h"
 
 namespace batten {
 namespace {
 
 // ∬ N f dA of each node, N the quadratic shape functions, dA of the true surface.
 template <class Force>
-Points area_forces(const Surface& surface, const QuadraticFacets& facets, const Force& f) {
-  static const TriangleRule split = split_triangle(6), whole = symmetric_triangle(8);
-  const TriangleRule& rule = facets.of_elements ? split : whole;
+Points area_forces(const Surface& surface, const QuadraticElements& facets, const Force& f) {
+  static const TriangleRule split = split_triangle_rule(6), whole = symmetric_triangle_rule(8);
+  const TriangleRule& rule = facets.is_element_mesh ? split : whole;
   std::optional<TriangleLocator> locator;
-  if (!facets.of_elements) locator.emplace(surface.mesh());
+  if (!facets.is_element_mesh) locator.emplace(surface.mesh());
   Points forces = Points::Zero(static_cast<long>(facets.nodes.size()), 3);
   for (size_t t = 0; t < facets.triangles.size(); ++t) {
     const auto& n = facets.triangles[t];
@@ -54,7 +54,7 @@ Points area_forces(const Surface& surface, const QuadraticFacets& facets, const 
 }
 
 // Along the parabolas of a line's edges.
-void add_line_force(const ModelFacets& model, const ShellDeck::LineForce& force,
+void add_line_force(const ModelElements& model, const ShellDeck::LineForce& force,
                     const std::function<Vec3&(int)>& at) {
   constexpr int points = 4;
   static const SegmentRule rule = gauss_legendre(points);
@@ -67,7 +67,7 @@ void add_line_force(const ModelFacets& model, const ShellDeck::LineForce& force,
                      d[3] = {4 * s - 3, 4 * s - 1, 4 - 8 * s};
         Vec3 x = Vec3::Zero(), along = Vec3::Zero();
         for (int k = 0; k < 3; ++k) {
-          const Vec3& place = model.places[k == 0 ? a : k == 1 ? b : m];
+          const Vec3& place = model.positions[k == 0 ? a : k == 1 ? b : m];
           x += N[k] * place;
           along += d[k] * place;
         }
@@ -83,7 +83,7 @@ void add_line_force(const ModelFacets& model, const ShellDeck::LineForce& force,
 }  // namespace
 
 std::map<int, Vec3> deck_forces(const std::vector<const SkinnedRegion*>& regions,
-                                const ModelFacets& model, const ShellDeck& deck) {
+                                const ModelElements& model, const ShellDeck& deck) {
   std::map<int, Vec3> force;
   const auto at = [&](int node) -> Vec3& {
     return force.try_emplace(node, Vec3::Zero()).first->second;
@@ -101,10 +101,10 @@ std::map<int, Vec3> deck_forces(const std::vector<const SkinnedRegion*>& regions
   for (const auto& f : deck.line_forces) add_line_force(model, f, at);
   for (const auto& f : deck.point_forces) {
     const auto nearest = std::min_element(
-        model.places.begin(), model.places.end(), [&](const Vec3& a, const Vec3& b) {
+        model.positions.begin(), model.positions.end(), [&](const Vec3& a, const Vec3& b) {
           return (a - f.at).squaredNorm() < (b - f.at).squaredNorm();
         });
-    at(static_cast<int>(nearest - model.places.begin())) += f.force;
+    at(static_cast<int>(nearest - model.positions.begin())) += f.force;
   }
   return force;
 }

@@ -7,7 +7,7 @@
 #include <string>
 
 #include "batten/core/errors.h"
-#include "batten/core/index.h"
+#include "batten/core/isize.h"
 #include "batten/io/files/input_file.h"
 #include "batten/io/files/toml_table.h"
 
@@ -27,15 +27,15 @@ Value parsed(std::string_view text, const std::string& at) {
   Value value{};
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
   if (error != std::errc() || end != text.data() + text.size())
-    throw InputError(at + "found " + in_quotes(text) + ", expected a number");
+    throw InputError(at + "found " + quoted_excerpt(text) + ", expected a number");
   return value;
 }
 
 /// Walks through a .frd file; who reads it derives from this.
-class FrdWalk {
+class FrdParser {
  public:
-  explicit FrdWalk(const std::filesystem::path& path) : path_(path) {}
-  virtual ~FrdWalk() = default;
+  explicit FrdParser(const std::filesystem::path& path) : path_(path) {}
+  virtual ~FrdParser() = default;
 
   void run() {
     require_input_file(path_, "results of CalculiX (.frd)");
@@ -79,7 +79,7 @@ class FrdWalk {
   virtual void elements_end() {}
   virtual void step_end(double) {}
   /// The place in the file, as messages begin.
-  std::string at() const { return place_prefix(path_.string(), {row_, 1}); }
+  std::string at() const { return format_location(path_.string(), {row_, 1}); }
 
  private:
   enum class Block { None, Nodes, Elements, Displacement, Stress };
@@ -136,9 +136,9 @@ class FrdWalk {
   int row_ = 0;
 };
 
-class ResultsWalk : public FrdWalk {
+class FrdResultsParser : public FrdParser {
  public:
-  using FrdWalk::FrdWalk;
+  using FrdParser::FrdParser;
   std::map<int, FrdResults::Node> nodes;
 
  private:
@@ -151,18 +151,19 @@ class ResultsWalk : public FrdWalk {
 
 using FrdStep = std::function<void(const FrdMesh&, double, const Points&)>;
 
-class StepsWalk : public FrdWalk {
+class FrdStepsParser : public FrdParser {
  public:
-  StepsWalk(const std::filesystem::path& path, const FrdStep& step) : FrdWalk(path), step_(step) {}
+  FrdStepsParser(const std::filesystem::path& path, const FrdStep& step)
+      : FrdParser(path), step_(step) {}
   FrdMesh mesh;
 
  private:
   void node(int label, const Vec3& x) override { places_[label] = x; }
   void nodes_end() override {
     mesh.labels.clear();
-    mesh.points.resize(count_of(places_), 3);
+    mesh.points.resize(isize(places_), 3);
     for (const auto& [label, x] : places_) {
-      mesh.points.row(count_of(mesh.labels)) = x.transpose();
+      mesh.points.row(isize(mesh.labels)) = x.transpose();
       mesh.labels.push_back(label);
     }
     displacements_ = Points::Zero(mesh.points.rows(), 3);
@@ -246,7 +247,7 @@ const ElementFaces* faces_of(int type) {
 }  // namespace
 
 FrdResults read_frd(const std::filesystem::path& path) {
-  ResultsWalk walk(path);
+  FrdResultsParser walk(path);
   walk.run();
   FrdResults results;
   for (const auto& [number, node] : walk.nodes) results.nodes.push_back(node);
@@ -254,7 +255,7 @@ FrdResults read_frd(const std::filesystem::path& path) {
 }
 
 FrdMesh read_frd_steps(const std::filesystem::path& path, const FrdStep& step) {
-  StepsWalk walk(path, step);
+  FrdStepsParser walk(path, step);
   walk.run();
   return std::move(walk.mesh);
 }
@@ -268,7 +269,7 @@ std::vector<FrdFace> outer_faces(const FrdMesh& mesh) {
     std::sort(corners.begin(), corners.end());
     return corners;
   };
-  for (int e = 0; e < count_of(mesh.elements); ++e) {
+  for (int e = 0; e < isize(mesh.elements); ++e) {
     const FrdMesh::Element& element = mesh.elements[e];
     const ElementFaces* const type = faces_of(element.type);
     if (!type) continue;

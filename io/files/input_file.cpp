@@ -49,10 +49,10 @@ class OpenFile {
     if (file_ < 0) fail(reason_of(errno));
     if (::fstat(file_, &found) != 0 || obstacle(found) != nullptr) close_and_fail();
     size_ = static_cast<std::uintmax_t>(found.st_size);
-    if (size_ > largest_input_file) {
+    if (size_ > kMaxInputFileSize) {
       ::close(file_);
       fail("found " + std::to_string(size_ >> 20) + " MB, more than the " +
-           std::to_string(largest_input_file >> 20) + " MB that are read");
+           std::to_string(kMaxInputFileSize >> 20) + " MB that are read");
     }
   }
   ~OpenFile() { ::close(file_); }
@@ -95,12 +95,12 @@ void require_input_file(const std::filesystem::path& file, const std::string& ex
   const OpenFile open(file, expected, where);
 }
 
-std::string input_bytes(const std::filesystem::path& file, const std::string& expected,
-                        const std::string& where) {
+std::string read_input_file(const std::filesystem::path& file, const std::string& expected,
+                            const std::string& where) {
   return OpenFile(file, expected, where).bytes();
 }
 
-std::uintmax_t input_size(const std::filesystem::path& file) noexcept {
+std::uintmax_t input_file_size(const std::filesystem::path& file) noexcept {
   struct stat found {};
   return ::stat(file.c_str(), &found) == 0 ? static_cast<std::uintmax_t>(found.st_size) : 0;
 }

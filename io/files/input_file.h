@@ -10,20 +10,20 @@ namespace batten {
 /// Only regular files are read: a pipe would wait for its other end, a device never ends. Throws
 /// InputError "FILE: found no such file, expected WHAT" and the like for no file, a folder, a pipe,
 /// a device, a socket, links that lead in a circle, a file that may not be read or is larger than
-/// `largest_input_file`. `expected` is said in the message: "a mesh"; `where`, the place in another
+/// `kMaxInputFileSize`. `expected` is said in the message: "a mesh"; `where`, the place in another
 /// file that names this one, before it. For libraries that open files themselves.
 void require_input_file(const std::filesystem::path& file, const std::string& expected,
                         const std::string& where = "");
 
 /// Returns the bytes of a file. Throws as require_input_file(), and when the system stops in the
 /// middle of it.
-std::string input_bytes(const std::filesystem::path& file, const std::string& expected,
-                        const std::string& where = "");
+std::string read_input_file(const std::filesystem::path& file, const std::string& expected,
+                            const std::string& where = "");
 
 /// Bytes of a file; 0 where the system does not tell.
-std::uintmax_t input_size(const std::filesystem::path& file) noexcept;
+std::uintmax_t input_file_size(const std::filesystem::path& file) noexcept;
 
 /// Bytes: 2³¹. What is made of a file takes several times its size.
-inline constexpr std::uintmax_t largest_input_file = std::uintmax_t{1} << 31;
+inline constexpr std::uintmax_t kMaxInputFileSize = std::uintmax_t{1} << 31;
 
 }  // namespace batten

@@ -26,16 +26,17 @@ const std::vector<std::string>& length_units() {
 double unit_in_metres(const std::string& unit) {
   for (const auto& [word, metres] : kUnits)
     if (word == unit) return metres;
-  throw InputError("found the unit '" + unit + "', expected " + one_of(unit, length_units()));
+  throw InputError("found the unit '" + unit + "', expected " +
+                   expected_one_of(unit, length_units()));
 }
 
-std::string unit_words(double unit_in_metres) {
+std::string format_unit(double unit_in_metres) {
   static constexpr std::pair<const char*, double> units[] = {
       {"mm", 1e-3}, {"cm", 1e-2}, {"m", 1},         {"in", 0.0254},   {"ft", 0.3048},
       {"um", 1e-6}, {"km", 1e3},  {"mi", 1609.344}, {"mil", 2.54e-5}, {"uin", 2.54e-8}};
   for (const auto& [name, metres] : units)
     if (std::abs(unit_in_metres - metres) <= 1e-9 * metres) return name;
-  return number(unit_in_metres) + " m";
+  return format_number(unit_in_metres) + " m";
 }
 
 }  // namespace batten

@@ -12,6 +12,6 @@ const std::vector<std::string>& length_units();
 double unit_in_metres(const std::string& unit);
 /// The name of a unit that CAD files may have: those above and um, km, mi, mil, uin; "0.002 m" for
 /// another.
-std::string unit_words(double unit_in_metres);
+std::string format_unit(double unit_in_metres);
 
 }  // namespace batten

@@ -29,14 +29,14 @@ size_t behind_quotes(std::string_view text, size_t at) {
   const auto line = std::count(text.begin(), text.begin() + static_cast<long>(at), '\n');
   const size_t before = at == 0 ? text.npos : text.rfind('\n', at - 1);
   const size_t column = before == text.npos ? at + 1 : at - before;
-  throw InputError(place_prefix(file, {static_cast<int>(line) + 1, static_cast<int>(column)}) +
-                   "found " + what + " in each other, expected " + std::to_string(deepest_nesting) +
-                   " levels at most");
+  throw InputError(format_location(file, {static_cast<int>(line) + 1, static_cast<int>(column)}) +
+                   "found " + what + " in each other, expected " +
+                   std::to_string(kMaxNestingDepth) + " levels at most");
 }
 
 }  // namespace
 
-void require_shallow(std::string_view text, const std::string& file) {
+void check_nesting_depth(std::string_view text, const std::string& file) {
   int depth = 0, dots = 0;
   for (size_t i = 0; i < text.size();) {
     switch (text[i]) {
@@ -67,12 +67,12 @@ void require_shallow(std::string_view text, const std::string& file) {
       default:
         break;
     }
-    if (depth + dots > deepest_nesting) fail(text, i, file, "lists, tables or parts of a key");
+    if (depth + dots > kMaxNestingDepth) fail(text, i, file, "lists, tables or parts of a key");
     ++i;
   }
 }
 
-void require_shallow_elements(std::string_view text, const std::string& file) {
+void check_xml_nesting_depth(std::string_view text, const std::string& file) {
   int depth = 0;
   const auto behind = [&](std::string_view ending, size_t from) {
     const size_t found = text.find(ending, from);
@@ -94,7 +94,7 @@ void require_shallow_elements(std::string_view text, const std::string& file) {
         if (text[i] == '"' || text[i] == '\'') i = std::min(text.find(text[i], i + 1), text.size());
       if (rest.starts_with("</"))
         --depth;
-      else if (i < text.size() && text[i - 1] != '/' && ++depth > deepest_nesting)
+      else if (i < text.size() && text[i - 1] != '/' && ++depth > kMaxNestingDepth)
         fail(text, start, file, "elements");
     }
   }

@@ -7,15 +7,15 @@
 namespace batten {
 
 /// Lists, tables and the parts of a dotted key may lie in each other so deep.
-inline constexpr int deepest_nesting = 64;
+inline constexpr int kMaxNestingDepth = 64;
 
 /// Throws InputError with the place in `file` at which a TOML or JSON text goes deeper than
-/// deepest_nesting. Parsers, and destructors of what they made, call themselves at each level: text
+/// kMaxNestingDepth. Parsers, and destructors of what they made, call themselves at each level: text
 /// of some thousand brackets would take the whole stack. What stands in quotes or comments does not
 /// count. O(length).
-void require_shallow(std::string_view text, const std::string& file);
+void check_nesting_depth(std::string_view text, const std::string& file);
 
 /// The same of the elements of an XML text. What stands in comments and quotes does not count.
-void require_shallow_elements(std::string_view text, const std::string& file);
+void check_xml_nesting_depth(std::string_view text, const std::string& file);
 
 }  // namespace batten

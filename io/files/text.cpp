@@ -5,8 +5,8 @@
 namespace batten {
 
 std::string_view trimmed(std::string_view text) {
-  while (!text.empty() && blank(text.back())) text.remove_suffix(1);
-  while (!text.empty() && blank(text.front())) text.remove_prefix(1);
+  while (!text.empty() && is_blank(text.back())) text.remove_suffix(1);
+  while (!text.empty() && is_blank(text.front())) text.remove_prefix(1);
   return text;
 }
 
@@ -19,7 +19,7 @@ std::string lower_extension(const std::filesystem::path& path) {
   return lower_case(path.extension().string());
 }
 
-std::string counted(long count, const std::string& noun, const std::string& many) {
+std::string format_count(long count, const std::string& noun, const std::string& many) {
   return std::to_string(count) + " " + (count == 1 ? noun : many.empty() ? noun + "s" : many);
 }
 

@@ -8,7 +8,9 @@
 namespace batten {
 
 /// A blank other than a line end.
-inline bool blank(char c) { return c == ' ' || c == '\t' || c == '\r' || c == '\f' || c == '\v'; }
+inline bool is_blank(char c) {
+  return c == ' ' || c == '\t' || c == '\r' || c == '\f' || c == '\v';
+}
 /// Without blanks at both ends.
 std::string_view trimmed(std::string_view text);
 /// ASCII letters only.
@@ -16,6 +18,6 @@ std::string lower_case(std::string text);
 /// ".obj" for "a.OBJ".
 std::string lower_extension(const std::filesystem::path& path);
 /// "1 point", "2 points"; "3 tori" with `many`.
-std::string counted(long count, const std::string& noun, const std::string& many = "");
+std::string format_count(long count, const std::string& noun, const std::string& many = "");
 
 }  // namespace batten

@@ -4,12 +4,12 @@
 #include <algorithm>
 #include <cmath>
 
-#include "batten/core/index.h"
+#include "batten/core/isize.h"
 
 namespace batten {
 namespace {
 
-FilePlace place_of(const toml::source_region& source) {
+SourceLocation location_of(const toml::source_region& source) {
   return {static_cast<int>(source.begin.line), static_cast<int>(source.begin.column)};
 }
 
@@ -21,7 +21,7 @@ std::string describe(const toml::node& node) {
   if (const auto* d = node.as_floating_point()) {
     if (std::isnan(d->get())) return "nan (not a number)";
     if (std::isinf(d->get())) return "an infinite number";
-    return batten::number(d->get());
+    return batten::format_number(d->get());
   }
   if (const auto* a = node.as_array())
     return a->empty()
@@ -31,37 +31,37 @@ std::string describe(const toml::node& node) {
   return "a date or time";
 }
 
-int count_words(const std::string& shape) {
+int count_names(const std::string& shape) {
   return 1 + static_cast<int>(std::count(shape.begin(), shape.end(), ','));
 }
 
 }  // namespace
 
-std::string place_prefix(const std::string& file, const FilePlace& place) {
-  if (place.line == 0) return file.empty() ? "" : file + ": ";
-  return file + ":" + std::to_string(place.line) + ":" + std::to_string(place.column) + ": ";
+std::string format_location(const std::string& file, const SourceLocation& location) {
+  if (location.line == 0) return file.empty() ? "" : file + ": ";
+  return file + ":" + std::to_string(location.line) + ":" + std::to_string(location.column) + ": ";
 }
 
 std::string did_you_mean(const std::string& word, const std::vector<std::string>& words) {
-  const std::string nearest = nearest_word(word, words);
+  const std::string nearest = closest_match(word, words);
   return nearest.empty() ? "" : "; did you mean '" + nearest + "'?";
 }
 
-std::string in_quotes(std::string_view found) {
+std::string quoted_excerpt(std::string_view found) {
   std::string text = "'";
   for (const char c : found.substr(0, 32))
     text += static_cast<unsigned char>(c) < 32 || c == 127 ? '?' : c;
   return text + (found.size() > 32 ? "…'" : "'");
 }
 
-std::string listed(const std::vector<std::string>& words) {
+std::string comma_separated(const std::vector<std::string>& words) {
   std::string text;
   for (const auto& w : words) text += (text.empty() ? "" : ", ") + w;
   return text;
 }
 
-std::string one_of(const std::string& word, const std::vector<std::string>& words) {
-  return "one of: " + listed(words) + did_you_mean(word, words);
+std::string expected_one_of(const std::string& word, const std::vector<std::string>& words) {
+  return "one of: " + comma_separated(words) + did_you_mean(word, words);
 }
 
 TomlTable::TomlTable(std::string file, const toml::table& table, std::string what,
@@ -70,23 +70,23 @@ TomlTable::TomlTable(std::string file, const toml::table& table, std::string wha
   for (const auto& [key, value] : table) {
     const std::string name(key.str());
     if (std::find(keys.begin(), keys.end(), name) == keys.end())
-      throw InputError(place_prefix(file_, place_of(key.source())) + "found key '" + name +
-                       "' in " + what_ + ", expected " + one_of(name, keys));
+      throw InputError(format_location(file_, location_of(key.source())) + "found key '" + name +
+                       "' in " + what_ + ", expected " + expected_one_of(name, keys));
   }
 }
 
 bool TomlTable::has(const std::string& key) const { return table_->contains(key); }
 
-FilePlace TomlTable::place() const {
-  FilePlace place = place_of(table_->source());
-  if (place.line == 0) place = {1, 1};
-  return place;
+SourceLocation TomlTable::location() const {
+  SourceLocation location = location_of(table_->source());
+  if (location.line == 0) location = {1, 1};
+  return location;
 }
 
-FilePlace TomlTable::place(const std::string& key) const {
+SourceLocation TomlTable::location(const std::string& key) const {
   const toml::node* node = table_->get(key);
-  const FilePlace place = node ? place_of(node->source()) : FilePlace{};
-  return place.line ? place : this->place();
+  const SourceLocation location = node ? location_of(node->source()) : SourceLocation{};
+  return location.line ? location : this->location();
 }
 
 const toml::node& TomlTable::node(const std::string& key, const std::string& expected) const {
@@ -102,14 +102,14 @@ void TomlTable::fail(const std::string& key, const std::string& found,
 
 void TomlTable::fail_node(const toml::node& node, const std::string& found,
                           const std::string& expected) const {
-  throw InputError(place_prefix(file_, place_of(node.source())) + "found " + found + ", expected " +
-                   expected);
+  throw InputError(format_location(file_, location_of(node.source())) + "found " + found +
+                   ", expected " + expected);
 }
 
-void TomlTable::fail_word(const std::string& key, const std::string& found,
-                          const std::vector<std::string>& names) const {
+void TomlTable::fail_choice(const std::string& key, const std::string& found,
+                            const std::vector<std::string>& names) const {
   throw InputError(at(key) + "found the word '" + found + "' for '" + key + "' in " + what_ +
-                   ", expected " + one_of(found, names));
+                   ", expected " + expected_one_of(found, names));
 }
 
 std::string TomlTable::text(const std::string& key) const {
@@ -142,7 +142,7 @@ double TomlTable::number(const std::string& key, double fallback) const {
 
 double TomlTable::positive(const std::string& key) const {
   const double value = number(key);
-  if (value <= 0) fail(key, batten::number(value), "a number above 0 for '" + key + "'");
+  if (value <= 0) fail(key, batten::format_number(value), "a number above 0 for '" + key + "'");
   return value;
 }
 
@@ -158,7 +158,7 @@ bool TomlTable::boolean(const std::string& key, bool fallback) const {
   return flag->get();
 }
 
-int TomlTable::whole_number(const std::string& key, int least, int fallback) const {
+int TomlTable::integer(const std::string& key, int least, int fallback) const {
   if (!has(key)) return fallback;
   const toml::node& value = *table_->get(key);
   const auto* number = value.as_integer();
@@ -174,7 +174,7 @@ VecX TomlTable::numbers(const std::string& key, const std::string& shape) const 
   const std::string expected = "[" + shape + "] for '" + key + "'";
   const toml::node& value = node(key, "[" + shape + "]");
   const auto* array = value.as_array();
-  if (!array || count_of(*array) != count_words(shape)) fail_node(value, describe(value), expected);
+  if (!array || isize(*array) != count_names(shape)) fail_node(value, describe(value), expected);
   VecX result(array->size());
   for (size_t i = 0; i < array->size(); ++i)
     result[static_cast<int>(i)] = finite(*array->get(i), "a number, " + expected);
@@ -204,7 +204,7 @@ std::vector<VecX> TomlTable::rows(const std::string& key, const std::string& sha
   std::vector<VecX> rows;
   for (const toml::node& item : *array) {
     const auto* numbers = item.as_array();
-    if (!numbers || count_of(*numbers) != count_words(shape))
+    if (!numbers || isize(*numbers) != count_names(shape))
       fail_node(item, describe(item), expected);
     VecX row(numbers->size());
     for (size_t i = 0; i < numbers->size(); ++i)
@@ -230,8 +230,8 @@ std::vector<double> TomlTable::list(const std::string& key) const {
   return list;
 }
 
-std::vector<PlacedWord> TomlTable::words(const std::string& key) const {
-  std::vector<PlacedWord> words;
+std::vector<LocatedString> TomlTable::words(const std::string& key) const {
+  std::vector<LocatedString> words;
   if (!has(key)) return words;
   const std::string expected = "a list of names for '" + key + "'";
   const toml::node& value = *table_->get(key);
@@ -240,17 +240,17 @@ std::vector<PlacedWord> TomlTable::words(const std::string& key) const {
   for (const toml::node& item : *array) {
     const auto* text = item.as_string();
     if (!text) fail_node(item, describe(item), expected);
-    words.push_back({text->get(), place_of(item.source())});
+    words.push_back({text->get(), location_of(item.source())});
   }
   return words;
 }
 
-std::vector<std::vector<PlacedWord>> TomlTable::word_rows(const std::string& key) const {
+std::vector<std::vector<LocatedString>> TomlTable::string_lists(const std::string& key) const {
   const std::string expected = "a list of lists of names for '" + key + "'";
   const toml::node& value = node(key, "a list of lists of names [[\"…\", …], …]");
   const auto* array = value.as_array();
   if (!array || array->empty()) fail_node(value, describe(value), expected);
-  std::vector<std::vector<PlacedWord>> rows;
+  std::vector<std::vector<LocatedString>> rows;
   for (const toml::node& item : *array) {
     const auto* names = item.as_array();
     if (!names || names->empty()) fail_node(item, describe(item), expected);
@@ -258,14 +258,14 @@ std::vector<std::vector<PlacedWord>> TomlTable::word_rows(const std::string& key
     for (const toml::node& name : *names) {
       const auto* text = name.as_string();
       if (!text) fail_node(name, describe(name), expected);
-      rows.back().push_back({text->get(), place_of(name.source())});
+      rows.back().push_back({text->get(), location_of(name.source())});
     }
   }
   return rows;
 }
 
-std::vector<PlacedWord> TomlTable::names(const std::string& key) const {
-  if (has(key) && !is_array(key)) return {{text(key), place(key)}};
+std::vector<LocatedString> TomlTable::names(const std::string& key) const {
+  if (has(key) && !is_array(key)) return {{text(key), location(key)}};
   return words(key);
 }
 

@@ -23,27 +23,27 @@ class table;
 namespace batten {
 
 /// A place in a text file, counted from 1. Line 0 stands for no place.
-struct FilePlace {
+struct SourceLocation {
   int line = 0, column = 0;
 };
 /// The place as messages begin with it: "file:line:column: ", or "file: " for no place ("" when
 /// there is no file either).
-std::string place_prefix(const std::string& file, const FilePlace& place);
+std::string format_location(const std::string& file, const SourceLocation& location);
 
 /// The text "; did you mean 'x'?" when one of the words is near enough to `word`, else "".
 std::string did_you_mean(const std::string& word, const std::vector<std::string>& words);
 /// A part of a file as messages show it: in quotes, 32 characters at most, '?' for those that
 /// cannot be printed.
-std::string in_quotes(std::string_view found);
+std::string quoted_excerpt(std::string_view found);
 /// The words as one text: "a, b, c".
-std::string listed(const std::vector<std::string>& words);
+std::string comma_separated(const std::vector<std::string>& words);
 /// The text "one of: a, b, c; did you mean 'b'?" for a word that is none of them.
-std::string one_of(const std::string& word, const std::vector<std::string>& words);
+std::string expected_one_of(const std::string& word, const std::vector<std::string>& words);
 
 /// One word of a file with its place, for checks that come later.
-struct PlacedWord {
+struct LocatedString {
   std::string text;
-  FilePlace place;
+  SourceLocation location;
 };
 
 /// A TOML table and the keys that it may have. Its functions read the value of a key and throw
@@ -58,8 +58,8 @@ class TomlTable {
 
   bool has(const std::string& key) const;
   /// The place of the table, or of a key (of the table when the key is missing).
-  FilePlace place() const;
-  FilePlace place(const std::string& key) const;
+  SourceLocation location() const;
+  SourceLocation location(const std::string& key) const;
   const std::string& what() const { return what_; }
 
   /// A text that is not empty.
@@ -73,7 +73,7 @@ class TomlTable {
   double positive(const std::string& key, double fallback) const;
   bool boolean(const std::string& key, bool fallback) const;
   /// A whole number from `least` to a million.
-  int whole_number(const std::string& key, int least, int fallback) const;
+  int integer(const std::string& key, int least, int fallback) const;
   /// A list of as many finite numbers as there are words in `shape` ("x, y, z").
   VecX numbers(const std::string& key, const std::string& shape) const;
   Vec3 vector(const std::string& key) const;
@@ -84,11 +84,11 @@ class TomlTable {
   /// A list of lists of finite numbers, each as long as `shape` has words ("t, value").
   std::vector<VecX> rows(const std::string& key, const std::string& shape) const;
   std::vector<double> list(const std::string& key) const;
-  std::vector<PlacedWord> words(const std::string& key) const;
+  std::vector<LocatedString> words(const std::string& key) const;
   /// A list of lists of names, each of one name or more.
-  std::vector<std::vector<PlacedWord>> word_rows(const std::string& key) const;
+  std::vector<std::vector<LocatedString>> string_lists(const std::string& key) const;
   /// One name or a list of them; none when the key is missing.
-  std::vector<PlacedWord> names(const std::string& key) const;
+  std::vector<LocatedString> names(const std::string& key) const;
 
   /// The value that belongs to one of the given words.
   template <class Value>
@@ -99,7 +99,7 @@ class TomlTable {
     const std::string found = text(key);
     for (const auto& c : choices)
       if (found == c.first) return c.second;
-    fail_word(key, found, names);
+    fail_choice(key, found, names);
   }
   template <class Value>
   Value choice(const std::string& key, Value fallback,
@@ -116,14 +116,14 @@ class TomlTable {
   [[noreturn]] void fail(const std::string& key, const std::string& found,
                          const std::string& expected) const;
   /// The place of a key as "FILE:LINE:COLUMN: ", with which other messages begin.
-  std::string at(const std::string& key) const { return place_prefix(file_, place(key)); }
+  std::string at(const std::string& key) const { return format_location(file_, location(key)); }
 
  private:
   const toml::node& node(const std::string& key, const std::string& expected) const;
   [[noreturn]] void fail_node(const toml::node& node, const std::string& found,
                               const std::string& expected) const;
-  [[noreturn]] void fail_word(const std::string& key, const std::string& found,
-                              const std::vector<std::string>& names) const;
+  [[noreturn]] void fail_choice(const std::string& key, const std::string& found,
+                                const std::vector<std::string>& names) const;
   double finite(const toml::node& node, const std::string& expected) const;
 
   std::string file_;

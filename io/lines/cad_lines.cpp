@@ -25,7 +25,7 @@
 #include "batten/core/errors.h"
 #include "batten/io/cad/occ_values.h"
 #include "batten/io/lines/cad_edges.h"
-#include "batten/io/lines/cad_for_fits.h"
+#include "batten/io/lines/heal_shape.h"
 
 namespace batten {
 namespace {
@@ -34,7 +34,7 @@ constexpr double kMillimetre = 1e-3;
 
 double scale_to(double model_unit_in_metres) {
   if (!(model_unit_in_metres > 0) || !std::isfinite(model_unit_in_metres))
-    throw InputError("a model unit of " + number(model_unit_in_metres) +
+    throw InputError("a model unit of " + format_number(model_unit_in_metres) +
                      " m; expected more than 0");
   return kMillimetre / model_unit_in_metres;
 }
@@ -99,11 +99,13 @@ class CadCurve : public InputCurve {
   void add_knots(const Geom_BSplineCurve& spline) {
     // An edge on a periodic spline may run over the seam.
     const double period = spline.IsPeriodic() ? spline.Period() : 0;
-    const int turns = period > 0 ? static_cast<int>((end_ - spline.FirstParameter()) / period) : 0;
-    for (int turn = std::min(turns, 0) - (period > 0); turn <= turns; ++turn)
+    const int period_count =
+        period > 0 ? static_cast<int>((end_ - spline.FirstParameter()) / period) : 0;
+    for (int period_index = std::min(period_count, 0) - (period > 0); period_index <= period_count;
+         ++period_index)
       for (int k = 1; k <= spline.NbKnots(); ++k)
         if (cubic_ || spline.Multiplicity(k) >= spline.Degree())
-          add_break(spline.Knot(k) + turn * period);
+          add_break(spline.Knot(k) + period_index * period);
   }
 
   Handle(Geom_Curve) curve_;
@@ -118,7 +120,7 @@ std::vector<CharacterLine> read_cad_lines(const std::filesystem::path& file,
                                           double model_unit_in_metres, bool creases) {
   const double scale = scale_to(model_unit_in_metres);
   CadFile cad = read_cad(file);
-  if (creases) prepare_for_fits(cad);
+  if (creases) heal_shape(cad);
   TopTools_IndexedMapOfShape of_faces;
   for (int f = 1; f <= cad.faces.Extent(); ++f)
     TopExp::MapShapes(cad.faces(f), TopAbs_EDGE, of_faces);
@@ -140,7 +142,7 @@ std::vector<CharacterLine> read_cad_lines(const std::filesystem::path& file,
 
 // ---- surfaces -------------------------------------------------------------------------------
 
-struct StoredSurface::Data {
+struct CadSurface::Data {
   struct Sample {
     Vec3 x;
     double u, v;
@@ -175,7 +177,7 @@ int sample_count(int pieces) { return std::clamp(4 * pieces + 1, 17, 65); }
 
 }  // namespace
 
-void StoredSurface::Data::build() {
+void CadSurface::Data::build() {
   Bnd_Box around;
   BRepBndLib::Add(face, around, false);
   if (!around.IsVoid()) {
@@ -230,7 +232,7 @@ std::vector<const Sample*> nearest(const std::vector<Sample>& samples, const Vec
 
 }  // namespace
 
-double StoredSurface::Data::to_inside(const Vec3& p) const {
+double CadSurface::Data::to_inside(const Vec3& p) const {
   double best = std::numeric_limits<double>::infinity();
   for (const Sample* s : nearest(samples, p, 4)) {
     best = std::min(best, (s->x - p).norm());
@@ -280,7 +282,7 @@ double StoredSurface::Data::to_inside(const Vec3& p) const {
   return best;
 }
 
-double StoredSurface::Data::to_edges(const Vec3& p, double limit) const {
+double CadSurface::Data::to_edges(const Vec3& p, double limit) const {
   double best = limit;
   for (const Edge& edge : edges)
     for (const Sample* s : nearest(edge.samples, p, 2)) {
@@ -306,23 +308,23 @@ double StoredSurface::Data::to_edges(const Vec3& p, double limit) const {
   return best;
 }
 
-double StoredSurface::distance(const Vec3& p) const {
+double CadSurface::distance(const Vec3& p) const {
   const Vec3 q = p / data_->scale;
   return data_->scale * data_->to_edges(q, data_->to_inside(q));
 }
 
-double StoredSurface::at_least(const Vec3& p) const {
+double CadSurface::distance_lower_bound(const Vec3& p) const {
   const Box3& box = data_->box;
   return box.isEmpty() ? 0 : data_->scale * box.exteriorDistance(Vec3(p / data_->scale));
 }
 
-double distance(const std::vector<StoredSurface>& faces, const Vec3& p, size_t& first) {
+double distance(const std::vector<CadSurface>& faces, const Vec3& p, size_t& first) {
   if (faces.empty()) throw InputError("found no faces to measure distances from");
   first = std::min(first, faces.size() - 1);
   double best = faces[first].distance(p);
   const size_t asked = first;
   for (size_t i = 0; i < faces.size(); ++i) {
-    if (i == asked || faces[i].at_least(p) >= best) continue;
+    if (i == asked || faces[i].distance_lower_bound(p) >= best) continue;
     const double other = faces[i].distance(p);
     if (other >= best) continue;
     best = other;
@@ -331,17 +333,17 @@ double distance(const std::vector<StoredSurface>& faces, const Vec3& p, size_t& 
   return best;
 }
 
-std::vector<StoredSurface> read_cad_surfaces(const std::filesystem::path& file,
-                                             double model_unit_in_metres) {
+std::vector<CadSurface> read_cad_surfaces(const std::filesystem::path& file,
+                                          double model_unit_in_metres) {
   const double scale = scale_to(model_unit_in_metres);
   const CadFile cad = read_cad(file);
-  std::vector<StoredSurface> result;
+  std::vector<CadSurface> result;
   for (int f = 1; f <= cad.faces.Extent(); ++f) {
-    auto data = std::make_shared<StoredSurface::Data>();
+    auto data = std::make_shared<CadSurface::Data>();
     data->scale = scale;
     data->face = TopoDS::Face(cad.faces(f));
     data->build();
-    StoredSurface surface;
+    CadSurface surface;
     surface.data_ = std::move(data);
     result.push_back(std::move(surface));
   }

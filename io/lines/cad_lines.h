@@ -28,7 +28,7 @@ std::vector<CharacterLine> read_cad_lines(const std::filesystem::path& file,
                                           double model_unit_in_metres, bool creases = false);
 
 /// A trimmed face of a CAD file, from which distances are measured. Copies share the data.
-class StoredSurface {
+class CadSurface {
  public:
   /// Distance from `p` to the nearest point of the face, in model units. Newton's method starts
   /// from the nearest samples of the face and of its edges, so it may find a local minimum where
@@ -36,10 +36,10 @@ class StoredSurface {
   /// once.
   double distance(const Vec3& p) const;
   /// A lower bound of distance(): that from a box around the face. Nanoseconds.
-  double at_least(const Vec3& p) const;
+  double distance_lower_bound(const Vec3& p) const;
 
  private:
-  friend std::vector<StoredSurface> read_cad_surfaces(const std::filesystem::path&, double);
+  friend std::vector<CadSurface> read_cad_surfaces(const std::filesystem::path&, double);
   struct Data;
   std::shared_ptr<const Data> data_;
 };
@@ -47,11 +47,11 @@ class StoredSurface {
 /// Distance from `p` to the nearest of some faces. `first`: the one that is asked first, then the
 /// nearest: those whose boxes are farther away are not asked, so that the next point near by costs
 /// little more than one face, however many there are. Throws InputError when there is none.
-double distance(const std::vector<StoredSurface>& faces, const Vec3& p, size_t& first);
+double distance(const std::vector<CadSurface>& faces, const Vec3& p, size_t& first);
 
 /// Reads the faces of a file in its order; there may be none. Throws InputError as read_cad_lines()
 /// does of files and entities.
-std::vector<StoredSurface> read_cad_surfaces(const std::filesystem::path& file,
-                                             double model_unit_in_metres);
+std::vector<CadSurface> read_cad_surfaces(const std::filesystem::path& file,
+                                          double model_unit_in_metres);
 
 }  // namespace batten

@@ -11,15 +11,15 @@
 #include <algorithm>
 
 #include "batten/core/errors.h"
-#include "batten/core/index.h"
+#include "batten/core/isize.h"
 #include "batten/fem/cubic_splines.h"
 #include "batten/io/cad/curve_part.h"
 #include "batten/io/cad/iges_text.h"
 #include "batten/io/cad/occ_settings.h"
 #include "batten/io/cad/occ_values.h"
 #include "batten/io/cad/step_text.h"
+#include "batten/io/files/atomic_file.h"
 #include "batten/io/files/text.h"
-#include "batten/io/files/whole_file.h"
 
 namespace batten {
 namespace fs = std::filesystem;
@@ -29,7 +29,7 @@ Handle(IGESGeom_BSplineCurve) iges_curve(const CubicSpline& spline) {
   std::vector<double> all;
   for (size_t k = 0; k < spline.knots.size(); ++k)
     all.insert(all.end(), static_cast<size_t>(spline.multiplicities[k]), spline.knots[k]);
-  const int count = count_of(spline.poles);
+  const int count = isize(spline.poles);
   // IGES counts knots from -degree and poles from 0.
   const Handle(TColStd_HArray1OfReal) knots = new TColStd_HArray1OfReal(-3, count);
   const Handle(TColStd_HArray1OfReal) weights = new TColStd_HArray1OfReal(0, count - 1, 1.0);
@@ -64,7 +64,7 @@ void write_iges_curves(const fs::path& path, const std::vector<CubicSpline>& spl
   header.SetSendName(occ_text(path.stem().string()));
   header.SetFileName(occ_text(path.filename().string()));
   writer.Model()->SetGlobalSection(header);
-  write_whole_file(path, [&](std::ostream& out) {
+  write_file_atomically(path, [&](std::ostream& out) {
     if (!print_iges(writer, out)) throw Error(path.string() + ": OpenCASCADE cannot write it");
   });
 }

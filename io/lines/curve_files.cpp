@@ -18,11 +18,11 @@
 #include <ostream>
 
 #include "batten/core/errors.h"
+#include "batten/io/files/atomic_file.h"
 #include "batten/io/files/text.h"
 #include "batten/io/files/toml_table.h"
-#include "batten/io/files/whole_file.h"
-#include "batten/io/lines/cad_calls.h"
-#include "batten/io/vtk/vtk_write.h"
+#include "batten/io/lines/cad_plugin.h"
+#include "batten/io/vtk/write_vtk_xml.h"
 
 namespace batten {
 namespace fs = std::filesystem;
@@ -77,7 +77,7 @@ void write_obj(std::ostream& out, const std::vector<NamedCurve>& lines) {
 // ---- VTP ------------------------------------------------------------------------------------
 
 /// κ towards the centre of the circle of curvature; zero where the curve stands still.
-Vec3 curvature_vector(const HermiteCurve& curve, CurveMesh::Where at) {
+Vec3 curvature_vector(const HermiteCurve& curve, CurveMesh::SegmentPoint at) {
   const Vec3 d = curve.evaluate(at, 1), dd = curve.evaluate(at, 2);
   const double speed = d.squaredNorm();
   return speed > 0 ? ((dd - dd.dot(d) / speed * d) / speed).eval() : Vec3::Zero();
@@ -120,7 +120,7 @@ class PolylineTable {
     data->GetCellData()->AddArray(name_);
     data->GetCellData()->AddArray(closed_);
     vtkNew<vtkXMLPolyDataWriter> writer;
-    write_xml(*writer, data, path);
+    write_vtk_xml(*writer, data, path);
   }
 
  private:
@@ -137,7 +137,7 @@ class PolylineTable {
     Vec3 last = Vec3::Zero();
     for (int s = 0; s < segments; ++s)
       for (int k = 0; k <= each; ++k) {
-        const CurveMesh::Where at{s, static_cast<double>(k) / each};
+        const CurveMesh::SegmentPoint at{s, static_cast<double>(k) / each};
         const Vec3 bend = curvature_vector(curve, at);
         const bool same = (bend - last).norm() <= 1e-9 * (bend.norm() + last.norm());
         if (k > 0 || s == 0 || !same)
@@ -165,7 +165,8 @@ void check(const fs::path& path, const NamedCurve& line) {
     refuse("found a point that is not finite");
   if (!line.has_curve() && line.points.empty()) refuse("found no points, expected some");
   for (const double u : line.parameters)
-    if (!std::isfinite(u)) refuse("found the parameter " + number(u) + ", expected a finite one");
+    if (!std::isfinite(u))
+      refuse("found the parameter " + format_number(u) + ", expected a finite one");
 }
 
 /// Removes the lines that this kind of file cannot hold, and returns a sentence for each.
@@ -199,7 +200,7 @@ std::vector<std::string> write_curves(const fs::path& path, const std::vector<Na
   if (std::find(endings.begin(), endings.end(), ending) == endings.end())
     throw InputError(path.string() + ": found " +
                      (ending.empty() ? "no ending" : "the ending '" + ending + "'") +
-                     ", expected " + one_of(ending, endings));
+                     ", expected " + expected_one_of(ending, endings));
   for (const NamedCurve& line : curves) check(path, line);
   std::vector<NamedCurve> lines = curves;
   if (ending == ".vtp") {
@@ -220,9 +221,9 @@ std::vector<std::string> write_curves(const fs::path& path, const std::vector<Na
                                : least == 2 ? "lines of two points or more"
                                             : "lines with points");
   if (cad)
-    cad_calls().write_cad_curves(path, lines, options);
+    cad_plugin().write_cad_curves(path, lines, options);
   else
-    write_whole_file(path, [&](std::ostream& out) {
+    write_file_atomically(path, [&](std::ostream& out) {
       ending == ".csv"   ? write_csv(out, lines)
       : ending == ".obj" ? write_obj(out, lines)
                          : write_curves_text(out, lines);

@@ -5,8 +5,8 @@
 #include "batten/core/errors.h"
 #include "batten/io/files/input_file.h"
 #include "batten/io/files/text.h"
-#include "batten/io/lines/drawing_parts.h"
-#include "batten/io/lines/line_names.h"
+#include "batten/io/lines/drawing_readers.h"
+#include "batten/io/lines/unique_names.h"
 
 namespace batten {
 
@@ -41,7 +41,7 @@ Drawing read_drawing(const std::filesystem::path& path) {
                        "' that are not finite or too large, expected places");
     names.push_back(&line.name);
   }
-  number_equal_names(names, path.stem().string());
+  make_names_unique(names, path.stem().string());
   return drawing;
 }
 

@@ -7,11 +7,11 @@
 #include <sstream>
 
 #include "batten/core/errors.h"
-#include "batten/core/index.h"
+#include "batten/core/isize.h"
 #include "batten/io/files/input_file.h"
-#include "batten/io/lines/drawing_parts.h"
-#include "batten/io/lines/line_names.h"
+#include "batten/io/lines/drawing_readers.h"
 #include "batten/io/lines/text_rows.h"
+#include "batten/io/lines/unique_names.h"
 
 namespace batten {
 namespace {
@@ -26,15 +26,15 @@ CurvePlane plane_with_normal(const Vec3& given) {
   return {Vec3::Zero(), x, n.cross(x)};
 }
 
-Placement placement_in(const CurvePlane& plane) {
-  Placement p;
+AffineTransform placement_in(const CurvePlane& plane) {
+  AffineTransform p;
   p.A << plane.x, plane.y, plane.normal();
   return p;
 }
 
 struct Insert {
   std::string block, layer;
-  Placement placement;
+  AffineTransform transform;
 };
 struct Block {
   Vec3 base = Vec3::Zero();
@@ -47,7 +47,7 @@ class Collector : public DL_CreationAdapter {
  public:
   std::map<std::string, Block> blocks;
   Block model;
-  PassedOver passed_over;
+  SkippedEntities passed_over;
   double unit_in_metres = 0;
 
   void finish() {
@@ -139,7 +139,7 @@ class Collector : public DL_CreationAdapter {
 
   void addInsert(const DL_InsertData& i) override {
     finish();
-    Placement p;
+    AffineTransform p;
     p.A = placement_in(own_plane()).A *
           Eigen::AngleAxisd(radians(i.angle), Vec3::UnitZ()).toRotationMatrix() *
           Vec3(i.sx, i.sy, i.sz).asDiagonal();
@@ -206,15 +206,15 @@ class Collector : public DL_CreationAdapter {
       const bool bent = std::abs(bulges_[i]) > 1e-9;
       any_round = any_round || bent;
       pieces.push_back(bent ? arc_through(a, (a + b) / 2 + bulges_[i] / 2 * right, b)
-                            : straight(a, b));
+                            : straight_segment(a, b));
     }
     if (any_round) {
-      line.curve = chained(std::move(pieces));
+      line.curve = concatenated(std::move(pieces));
     } else {
       for (const Vec3& p : vertices_)
         if (line.points.empty() || p != line.points.back()) line.points.push_back(p);
     }
-    block_->lines.push_back(in_space_ ? line : placed(line, plane_));
+    block_->lines.push_back(in_space_ ? line : transformed(line, plane_));
   }
 
   void add_spline() {
@@ -232,7 +232,7 @@ class Collector : public DL_CreationAdapter {
   bool polyline_ = false, spline_ = false, closed_ = false, in_space_ = false;
   double elevation_ = 0;
   int degree_ = 3;
-  Placement plane_;
+  AffineTransform plane_;
   std::string layer_;
   std::vector<Vec3> vertices_, poles_, fit_;
   std::vector<double> bulges_, weights_, knots_;
@@ -241,12 +241,12 @@ class Collector : public DL_CreationAdapter {
 constexpr size_t kMostLines = 1000000;
 
 // Lines of a block and of the blocks that it inserts.
-void collect(const Collector& all, const Block& block, const Placement& placement,
+void collect(const Collector& all, const Block& block, const AffineTransform& transform,
              const std::string& layer, int depth, std::vector<DrawnLine>& lines) {
   constexpr int deepest = 16;
   if (depth > deepest) throw InputError("found blocks that insert each other, expected none");
   for (const DrawnLine& line : block.lines) {
-    lines.push_back(depth > 0 ? placed(line, placement) : line);
+    lines.push_back(depth > 0 ? transformed(line, transform) : line);
     if (lines.back().name.empty()) lines.back().name = layer;
   }
   if (lines.size() > kMostLines)
@@ -254,14 +254,14 @@ void collect(const Collector& all, const Block& block, const Placement& placemen
   for (const Insert& insert : block.inserts) {
     const auto found = all.blocks.find(insert.block);
     if (found == all.blocks.end()) continue;
-    const Placement from_base{Mat3::Identity(), -found->second.base};
-    collect(all, found->second, from_base.then(insert.placement).then(placement),
+    const AffineTransform from_base{Mat3::Identity(), -found->second.base};
+    collect(all, found->second, from_base.then(insert.transform).then(transform),
             insert.layer.empty() ? layer : insert.layer, depth + 1, lines);
   }
 }
 
 std::string text_of(const std::filesystem::path& path) {
-  std::string text = input_bytes(path, "a drawing");
+  std::string text = read_input_file(path, "a drawing");
   if (text.starts_with("AutoCAD Binary DXF"))
     throw InputError(path.string() + ": found a binary DXF file, expected one in text form");
   if (text.starts_with("AC10"))
@@ -300,7 +300,7 @@ Drawing read_dxf(const std::filesystem::path& path) {
     throw InputError(path.string() + ": " + e.what());
   }
   drawing.unit_in_metres = all.unit_in_metres;
-  all.passed_over.say_in(drawing);
+  all.passed_over.report_to(drawing);
   return drawing;
 }
 

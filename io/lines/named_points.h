@@ -13,7 +13,8 @@ struct NamedPoints {
   std::string name;          ///< unique in the file
   std::vector<Vec3> points;  ///< model units
   int first_line = 0;        ///< row of the file where it starts, counted from 1, for messages
-  std::string read_as = {};  ///< in words, of a file's first line: title, columns, decimal commas
+  std::string format_note =
+      {};  ///< in words, of a file's first line: title, columns, decimal commas
 };
 
 }  // namespace batten

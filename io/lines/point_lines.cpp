@@ -8,34 +8,35 @@
 
 #include "batten/core/errors.h"
 #include "batten/io/files/toml_table.h"
-#include "batten/io/lines/line_names.h"
 #include "batten/io/lines/point_table.h"
 #include "batten/io/lines/segment_chains.h"
 #include "batten/io/lines/text_rows.h"
+#include "batten/io/lines/unique_names.h"
 
 namespace batten {
 namespace fs = std::filesystem;
 namespace {
 
 /// Words of an OBJ record, which goes on in the next row after a backslash.
-class ObjWords {
+class ObjTokens {
  public:
-  explicit ObjWords(TextRows& rows) : rows_(rows), rest_(without_comment(rows.row())) {}
+  explicit ObjTokens(TextRows& rows) : rows_(rows), rest_(without_comment(rows.row())) {}
   /// Empty at the end of the record.
   std::string_view next() {
     for (;;) {
-      while (!rest_.empty() && blank(rest_.front())) rest_.remove_prefix(1);
+      while (!rest_.empty() && is_blank(rest_.front())) rest_.remove_prefix(1);
       if (rest_ != "\\" || !rows_.next()) break;
       rest_ = without_comment(rows_.row());
     }
     size_t length = 0;
-    while (length < rest_.size() && !blank(rest_[length]) && rest_.substr(length) != "\\") ++length;
+    while (length < rest_.size() && !is_blank(rest_[length]) && rest_.substr(length) != "\\")
+      ++length;
     const std::string_view word = rest_.substr(0, length);
     rest_.remove_prefix(length);
     return word;
   }
   std::string_view rest() {
-    while (!rest_.empty() && blank(rest_.front())) rest_.remove_prefix(1);
+    while (!rest_.empty() && is_blank(rest_.front())) rest_.remove_prefix(1);
     return rest_;
   }
 
@@ -50,7 +51,7 @@ std::vector<NamedPoints> read_obj(TextRows& rows, double scale) {
   std::string name;
   while (rows.next()) {
     const int line = rows.line();
-    ObjWords words(rows);
+    ObjTokens words(rows);
     const std::string_view record = words.next();
     const auto end_of_row = [&] { return rows.row().data() + rows.row().size(); };
     if (record == "o" || record == "g") {
@@ -60,7 +61,8 @@ std::vector<NamedPoints> read_obj(TextRows& rows, double scale) {
       for (int i = 0; i < 3; ++i) {
         const std::string_view word = words.next();
         if (word.empty())
-          rows.fail(end_of_row(), "found " + counted(i, "coordinate") + ", expected 3 (v x y z)");
+          rows.fail(end_of_row(),
+                    "found " + format_count(i, "coordinate") + ", expected 3 (v x y z)");
         point[i] = scale * rows.number_in(word, "a number");
       }
       vertices.push_back(point);
@@ -74,7 +76,7 @@ std::vector<NamedPoints> read_obj(TextRows& rows, double scale) {
         const auto [end, error] =
             std::from_chars(digits.data(), digits.data() + digits.size(), index);
         if (digits.empty() || end != digits.data() + digits.size() || error != std::errc())
-          rows.fail(word.data(), "found " + in_quotes(word) + ", expected a vertex number");
+          rows.fail(word.data(), "found " + quoted_excerpt(word) + ", expected a vertex number");
         const long vertex = index < 0 ? count + index : index - 1;
         if (index == 0 || vertex < 0 || vertex >= count)
           rows.fail(word.data(), "found vertex number " + std::to_string(index) + ", expected " +
@@ -85,14 +87,14 @@ std::vector<NamedPoints> read_obj(TextRows& rows, double scale) {
       }
       if (result.points.size() < 2)
         rows.fail(end_of_row(), "found a line of " +
-                                    counted(static_cast<long>(result.points.size()), "point") +
+                                    format_count(static_cast<long>(result.points.size()), "point") +
                                     ", expected 2 or more");
       lines.push_back(std::move(result));
     }
   }
   if (!vertices.empty() && lines.empty())
     throw InputError(rows.path().string() + ": found " +
-                     counted(static_cast<long>(vertices.size()), "vertex record") +
+                     format_count(static_cast<long>(vertices.size()), "vertex record") +
                      " but no line, expected records 'l 1 2 3 …'");
   return chain_segments(std::move(lines));
 }
@@ -102,16 +104,17 @@ long announced_points(const TextRows& rows, std::string_view row) {
   std::vector<std::string_view> words;
   split_fields(row, words);
   if (words[0] != "v")
-    rows.fail(words[0].data(),
-              "found " + in_quotes(words[0]) + ", expected 'v N' before the N points of a line");
+    rows.fail(words[0].data(), "found " + quoted_excerpt(words[0]) +
+                                   ", expected 'v N' before the N points of a line");
   if (words.size() != 2)
-    rows.fail(words[0].data(), "found " + counted(static_cast<long>(words.size()) - 1, "word") +
+    rows.fail(words[0].data(), "found " +
+                                   format_count(static_cast<long>(words.size()) - 1, "word") +
                                    " after 'v', expected the number of points");
   long count = 0;
   const char *first = words[1].data(), *last = first + words[1].size();
   const auto [end, error] = std::from_chars(first, last, count);
   if (error != std::errc() || end != last || count < 1)
-    rows.fail(first, "found " + in_quotes(words[1]) + ", expected a number of points from 1");
+    rows.fail(first, "found " + quoted_excerpt(words[1]) + ", expected a number of points from 1");
   return count;
 }
 
@@ -121,7 +124,7 @@ std::vector<NamedPoints> read_curves(TextRows& rows, double scale) {
   long missing = 0;
   const auto promised = [&] {
     const auto& line = lines.back();
-    return counted(static_cast<long>(line.points.size()), "point") + ", expected " +
+    return format_count(static_cast<long>(line.points.size()), "point") + ", expected " +
            std::to_string(missing + static_cast<long>(line.points.size())) + " as line " +
            std::to_string(line.first_line) + " says";
   };
@@ -136,7 +139,7 @@ std::vector<NamedPoints> read_curves(TextRows& rows, double scale) {
     split_fields(row, fields);
     if (fields[0] == "v") rows.fail(row.data(), "found the next line after " + promised());
     if (fields.size() != 3)
-      rows.fail(row.data(), "found " + counted(static_cast<long>(fields.size()), "number") +
+      rows.fail(row.data(), "found " + format_count(static_cast<long>(fields.size()), "number") +
                                 ", expected 3 (x y z)");
     Vec3 point;
     for (int i = 0; i < 3; ++i) point[i] = scale * rows.number_in(fields[i], "a number");
@@ -153,7 +156,7 @@ std::vector<NamedPoints> read_curves(TextRows& rows, double scale) {
 
 std::vector<NamedPoints> read_point_lines(const fs::path& path, double scale) {
   if (!(scale > 0) || !std::isfinite(scale))
-    throw InputError(path.string() + ": found a unit factor of " + number(scale) +
+    throw InputError(path.string() + ": found a unit factor of " + format_number(scale) +
                      ", expected a number above 0");
   const std::string extension = lower_extension(path);
   static const std::vector<std::string> tables{".csv", ".txt", ".xyz", ".dat"};
@@ -169,7 +172,7 @@ std::vector<NamedPoints> read_point_lines(const fs::path& path, double scale) {
   if (lines.empty()) throw InputError(path.string() + ":1:1: found no points, expected some");
   std::vector<std::string*> names;
   for (NamedPoints& line : lines) names.push_back(&line.name);
-  number_equal_names(names, path.stem().string());
+  make_names_unique(names, path.stem().string());
   for (const auto& line : lines)
     for (const Vec3& p : line.points)
       if (!p.allFinite())

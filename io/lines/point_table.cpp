@@ -8,9 +8,9 @@
 #include <utility>
 
 #include "batten/core/errors.h"
-#include "batten/core/index.h"
+#include "batten/core/isize.h"
 #include "batten/io/files/toml_table.h"
-#include "batten/io/lines/table_heading.h"
+#include "batten/io/lines/table_header.h"
 
 namespace batten {
 namespace {
@@ -23,7 +23,7 @@ struct Columns {
   bool decimal_commas = false;  // "1,5" is one and a half
   long count = 0;               // 0: not known yet
   int line = 0;                 // the row that says so
-  HeadingColumns named;         // by a header row
+  HeaderColumns named;          // by a header row
   std::optional<long> number;   // of the point before, where the first of four columns counts them
 };
 
@@ -51,7 +51,7 @@ bool has_decimal_commas(const Fields& fields, bool each) {
 // A number of points, which a double and a long hold.
 bool is_count(std::string_view field) {
   constexpr size_t most_digits = 15;
-  return field.size() <= most_digits && is_whole(field);
+  return field.size() <= most_digits && is_digits(field);
 }
 
 class PointTable {
@@ -71,7 +71,7 @@ class PointTable {
         if (std::optional<OffsetTable> offsets = offset_table(heading_, row))
           return offsets->read(rows_, scale_);
       if (is_heading_here(row)) {
-        take_heading(row);
+        take_header(row);
         continue;
       }
       if (columns_.count == 0) choose_columns(row);
@@ -94,33 +94,33 @@ class PointTable {
   // Words may stand beside the numbers in columns that nobody asked for.
   bool is_heading_here(std::string_view row) const {
     if (columns_.count == 0)
-      return !heading_columns(heading_, row) && is_heading(row, heading_.empty());
-    return new_line_ && !columns_.named && is_heading(row, false);
+      return !header_columns(heading_, row) && is_header(row, heading_.empty());
+    return new_line_ && !columns_.named && is_header(row, false);
   }
 
-  void take_heading(std::string_view row) {
+  void take_header(std::string_view row) {
     if (columns_.count == 0) {
       // A row of units may follow the names of columns.
-      if (!columns_named_by(heading_)) heading_ = row;
+      if (!parse_header_columns(heading_)) heading_ = row;
       return;
     }
     // Headings of blocks name them; then the first names the first one.
     if (!title_.empty() && lines_.front().name.empty()) lines_.front().name = title_;
-    next_name_ = name_in(row);
+    next_name_ = header_name(row);
   }
 
   void choose_columns(std::string_view row) {
     columns_.line = rows_.line();
-    columns_.named = heading_columns(heading_, row);
+    columns_.named = header_columns(heading_, row);
     if (columns_.named) {
       columns_.separator = columns_.named.separator;
     } else {
-      title_ = name_in(heading_);
-      if (!title_.empty()) how_ = "title " + in_quotes(title_);
+      title_ = header_name(heading_);
+      if (!title_.empty()) how_ = "title " + quoted_excerpt(title_);
     }
     choose_decimal_commas(row);
     split(row, columns_.separator, fields_);
-    columns_.count = count_of(fields_);
+    columns_.count = isize(fields_);
     if (columns_.named) {
       how_ = "columns named by the header";
     } else if (columns_.count == 4 && is_count(fields_[0])) {
@@ -129,7 +129,7 @@ class PointTable {
     } else if (columns_.count != 2 && columns_.count != 3) {
       const bool commas = row.find(';') != row.npos && row.find(',') != row.npos;
       rows_.fail(row.data(),
-                 "found " + counted(columns_.count, "column") + ", expected 2 or 3 (x, y, z)" +
+                 "found " + format_count(columns_.count, "column") + ", expected 2 or 3 (x, y, z)" +
                      (columns_.count > 3 ? ", or a header row that names those columns" : "") +
                      (commas ? "; numbers are written with a decimal point" : ""));
     }
@@ -158,7 +158,7 @@ class PointTable {
         if (!new_line_ || !is_count(fields_[0]))
           rows_.fail(
               row.data(),
-              "found " + in_quotes(fields_[0]) + " in the first of 4 columns, expected " +
+              "found " + quoted_excerpt(fields_[0]) + " in the first of 4 columns, expected " +
                   std::to_string(next) +
                   " as it counts the points, or a header row that names the columns x, y, z");
         columns_.number = static_cast<long>(value(fields_[0]));
@@ -191,8 +191,8 @@ class PointTable {
   }
 
   void check_count(std::string_view row) const {
-    if (count_of(fields_) == columns_.count) return;
-    rows_.fail(row.data(), "found " + counted(count_of(fields_), "column") + ", expected " +
+    if (isize(fields_) == columns_.count) return;
+    rows_.fail(row.data(), "found " + format_count(isize(fields_), "column") + ", expected " +
                                std::to_string(columns_.count) + " as in line " +
                                std::to_string(columns_.line));
   }
@@ -209,14 +209,14 @@ class PointTable {
     const auto [end, error] =
         std::from_chars(with_point.data(), with_point.data() + with_point.size(), x);
     if (error != std::errc() || end != with_point.data() + with_point.size() || !std::isfinite(x))
-      rows_.fail(field.data(), "found " + in_quotes(field) + ", expected " + what);
+      rows_.fail(field.data(), "found " + quoted_excerpt(field) + ", expected " + what);
     return x;
   }
 
   void add(const Vec3& p) {
     if (std::exchange(new_line_, false)) {
       lines_.push_back({std::exchange(next_name_, ""), {}, rows_.line()});
-      if (lines_.size() == 1) lines_[0].read_as = how_;
+      if (lines_.size() == 1) lines_[0].format_note = how_;
     }
     lines_.back().points.push_back(p);
   }
@@ -226,7 +226,7 @@ class PointTable {
     for (const NamedPoints& line : lines_)
       if (line.points.size() < 2)
         throw InputError(rows_.path().string() + ":" + std::to_string(line.first_line) +
-                         ":1: found a line of " + counted(count_of(line.points), "point") +
+                         ":1: found a line of " + format_count(isize(line.points), "point") +
                          ", expected 2 or more");
   }
 

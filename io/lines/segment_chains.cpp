@@ -5,8 +5,8 @@
 #include <map>
 #include <utility>
 
-#include "batten/core/index.h"
-#include "batten/core/words.h"
+#include "batten/core/format.h"
+#include "batten/core/isize.h"
 
 namespace batten {
 namespace {
@@ -17,12 +17,12 @@ struct End {
   bool last = false;
 };
 
-class Chains {
+class SegmentChainer {
  public:
-  explicit Chains(std::vector<NamedPoints> lines) : lines_(std::move(lines)) {
+  explicit SegmentChainer(std::vector<NamedPoints> lines) : lines_(std::move(lines)) {
     next_.resize(lines_.size());
     taken_.assign(lines_.size(), 0);
-    for (auto& [place, at] : places())
+    for (auto& [endpoint, at] : endpoints())
       if (at.uses == 2 && at.ends.size() == 2 && goes_on(at.ends[0], at.ends[1])) {
         next_[at.ends[0].line][at.ends[0].last] = at.ends[1];
         next_[at.ends[1].line][at.ends[1].last] = at.ends[0];
@@ -31,13 +31,13 @@ class Chains {
 
   std::vector<NamedPoints> run() {
     std::vector<NamedPoints> chained;
-    for (int k = 0; k < count_of(lines_); ++k)
+    for (int k = 0; k < isize(lines_); ++k)
       if (!taken_[k]) chained.push_back(chain_of(k));
     return chained;
   }
 
  private:
-  struct Place {
+  struct Endpoint {
     int uses = 0;           // by any line
     std::vector<End> ends;  // of segments
   };
@@ -46,16 +46,16 @@ class Chains {
   const Vec3& point(const End& e) const { return lines_[e.line].points[e.last]; }
   static End other(const End& e) { return {e.line, !e.last}; }
 
-  std::map<std::pair<std::string, std::array<double, 3>>, Place> places() const {
-    std::map<std::pair<std::string, std::array<double, 3>>, Place> places;
-    for (int k = 0; k < count_of(lines_); ++k)
+  std::map<std::pair<std::string, std::array<double, 3>>, Endpoint> endpoints() const {
+    std::map<std::pair<std::string, std::array<double, 3>>, Endpoint> endpoints;
+    for (int k = 0; k < isize(lines_); ++k)
       for (size_t i = 0; i < lines_[k].points.size(); ++i) {
         const Vec3& p = lines_[k].points[i];
-        Place& place = places[{lines_[k].name, {p.x(), p.y(), p.z()}}];
-        ++place.uses;
-        if (is_segment(k)) place.ends.push_back({k, i == 1});
+        Endpoint& endpoint = endpoints[{lines_[k].name, {p.x(), p.y(), p.z()}}];
+        ++endpoint.uses;
+        if (is_segment(k)) endpoint.ends.push_back({k, i == 1});
       }
-    return places;
+    return endpoints;
   }
 
   bool goes_on(const End& a, const End& b) const {
@@ -93,11 +93,11 @@ class Chains {
 
 std::vector<NamedPoints> chain_segments(std::vector<NamedPoints> lines) {
   const size_t before = lines.size();
-  std::vector<NamedPoints> chained = Chains(std::move(lines)).run();
+  std::vector<NamedPoints> chained = SegmentChainer(std::move(lines)).run();
   if (chained.size() < before)
-    chained.front().read_as = std::to_string(before) + " records of the file as " +
-                              std::to_string(chained.size()) +
-                              (chained.size() == 1 ? " line" : " lines");
+    chained.front().format_note = std::to_string(before) + " records of the file as " +
+                                  std::to_string(chained.size()) +
+                                  (chained.size() == 1 ? " line" : " lines");
   return chained;
 }
 

@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "batten/core/box.h"
-#include "batten/core/words.h"
+#include "batten/core/format.h"
 #include "batten/io/files/input_file.h"
 #include "batten/io/files/nesting.h"
 
@@ -46,8 +46,8 @@ class PolyBezier final : public InputCurve {
 class Reader {
  public:
   explicit Reader(const std::filesystem::path& path) : file_(path.string() + ": ") {
-    const std::string text = input_bytes(path, "a sketch (.json)");
-    require_shallow(text, path.string());
+    const std::string text = read_input_file(path, "a sketch (.json)");
+    check_nesting_depth(text, path.string());
     try {
       json_ = Json::parse(text);
     } catch (const Json::exception& e) {
@@ -75,8 +75,9 @@ class Reader {
           fail(what, "found segment " + shown(segment) + ", which is not in the file");
         for (const Bezier& piece : found->second) {
           if (!pieces.empty() && (pieces.back()[3] - piece[0]).norm() > 1e-6 * size_)
-            fail(what, "found that segment " + shown(segment) + " begins at " + at(piece[0]) +
-                           ", expected " + at(pieces.back()[3]) + ", where the piece before ends");
+            fail(what, "found that segment " + shown(segment) + " begins at " +
+                           format_point(piece[0]) + ", expected " + format_point(pieces.back()[3]) +
+                           ", where the piece before ends");
           if (length_of(piece) > 1e-12 * size_) pieces.push_back(piece);
         }
       }
@@ -140,7 +141,7 @@ class Reader {
           pieces.push_back({a, (2 * a + b) / 3, (a + 2 * b) / 3, b});
         else
           pieces.push_back({a, point(piece[1], what), point(piece[2], what), b});
-        box.extend(box_around(pieces.back()));
+        box.extend(bounding_box(pieces.back()));
       }
       if (!segments_.emplace(id, std::move(pieces)).second)
         fail(what, "found it twice, expected ids to differ");

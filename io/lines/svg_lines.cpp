@@ -18,15 +18,15 @@
 #include "batten/io/files/input_file.h"
 #include "batten/io/files/nesting.h"
 #include "batten/io/files/toml_table.h"
-#include "batten/io/lines/drawing_parts.h"
-#include "batten/io/lines/line_names.h"
+#include "batten/io/lines/drawing_readers.h"
 #include "batten/io/lines/text_rows.h"
+#include "batten/io/lines/unique_names.h"
 
 namespace batten {
 namespace {
 
 constexpr double kPixel = 0.0254 / 96;  // metres
-constexpr double kTurn = 2 * std::numbers::pi;
+constexpr double kFullTurnDeg = 2 * std::numbers::pi;
 
 Vec3 in_plane(const Geom::Point& p) { return {p.x(), p.y(), 0}; }
 
@@ -44,9 +44,9 @@ std::string attribute(vtkXMLDataElement* element, const char* key) {
 [[noreturn]] void fail(vtkXMLDataElement* element, const std::string& key,
                        const std::string& expected) {
   const std::string id = attribute(element, "id");
-  throw InputError("found " + key + " = " + in_quotes(attribute(element, key.c_str())) + " of a " +
-                   kind_of(element) + (id.empty() ? "" : " with id '" + id + "'") + ", expected " +
-                   expected);
+  throw InputError("found " + key + " = " + quoted_excerpt(attribute(element, key.c_str())) +
+                   " of a " + kind_of(element) + (id.empty() ? "" : " with id '" + id + "'") +
+                   ", expected " + expected);
 }
 
 // Numbers with commas, blanks or words between them.
@@ -88,10 +88,10 @@ double coordinate(vtkXMLDataElement* element, const char* key, double fallback =
 }
 
 // One word of a transform, with its numbers.
-Placement transform_word(vtkXMLDataElement* element, const std::string& word,
-                         const std::vector<double>& n) {
+AffineTransform transform_name(vtkXMLDataElement* element, const std::string& word,
+                               const std::vector<double>& n) {
   const size_t count = n.size();
-  Placement p;
+  AffineTransform p;
   const auto put = [&](double a, double b, double c, double d, double e, double f) {
     p.A.topLeftCorner<2, 2>() << a, c, b, d;
     p.b = Vec3(e, f, 0);
@@ -120,9 +120,9 @@ Placement transform_word(vtkXMLDataElement* element, const std::string& word,
   return p;
 }
 
-Placement transform_of(vtkXMLDataElement* element) {
+AffineTransform transform_of(vtkXMLDataElement* element) {
   const std::string text = attribute(element, "transform");
-  Placement all;
+  AffineTransform all;
   for (size_t i = 0;;) {
     i = text.find_first_not_of(" \t\r\n,", i);
     if (i == text.npos) return all;
@@ -132,7 +132,7 @@ Placement transform_of(vtkXMLDataElement* element) {
     const std::string word(trimmed(std::string_view(text).substr(i, open - i)));
     // What stands last acts first.
     all =
-        transform_word(element, word, numbers_of(std::string_view(text).substr(open, close - open)))
+        transform_name(element, word, numbers_of(std::string_view(text).substr(open, close - open)))
             .then(all);
     i = close + 1;
   }
@@ -143,15 +143,15 @@ std::shared_ptr<const InputCurve> piece_of(const Geom::Curve& curve) {
     const double c = std::cos(arc->rotationAngle()), s = std::sin(arc->rotationAngle());
     const CurvePlane plane{in_plane(arc->center()), Vec3(c, s, 0), Vec3(-s, c, 0)};
     double from = arc->initialAngle(), to = arc->finalAngle();
-    if (arc->sweep() && to <= from) to += kTurn;
-    if (!arc->sweep() && to >= from) to -= kTurn;
+    if (arc->sweep() && to <= from) to += kFullTurnDeg;
+    if (!arc->sweep() && to >= from) to -= kFullTurnDeg;
     return ellipse_arc(plane, arc->ray(Geom::X), arc->ray(Geom::Y), from, to);
   }
   const auto* bezier = dynamic_cast<const Geom::BezierCurve*>(&curve);
   if (!bezier || bezier->order() > 3)
     throw InputError("found a piece of a path that is no line, Bézier curve or arc");
   const auto p = [&](unsigned i) { return in_plane(bezier->controlPoint(i)); };
-  if (bezier->order() == 1) return straight(p(0), p(1));
+  if (bezier->order() == 1) return straight_segment(p(0), p(1));
   if (bezier->order() == 3) return bezier_curve(p(0), p(1), p(2), p(3));
   return bezier_curve(p(0), (p(0) + 2 * p(1)) / 3, (2 * p(1) + p(2)) / 3, p(2));
 }
@@ -162,33 +162,33 @@ class SvgReader {
     if (kind_of(root) != "svg") throw InputError("found no <svg>, expected an SVG drawing");
     go_into(root, page_of(root), "");
     drawing_.unit_in_metres = unit_;
-    passed_over_.say_in(drawing_);
+    passed_over_.report_to(drawing_);
     return std::move(drawing_);
   }
 
  private:
   // y upwards from the page's lower edge.
-  Placement page_of(vtkXMLDataElement* root) {
+  AffineTransform page_of(vtkXMLDataElement* root) {
     std::vector<double> box = numbers_of(attribute(root, "viewBox"));
     const auto width = length_of(attribute(root, "width"));
     const auto height = length_of(attribute(root, "height"));
     unit_ = kPixel;
     if (box.size() == 4 && box[2] > 0 && width && *width > 0) unit_ = *width / box[2];
     if (box.size() != 4) box = {0, 0, 0, height ? *height / kPixel : 0};
-    Placement page;
+    AffineTransform page;
     page.A(1, 1) = -1;
     page.b = Vec3(-box[0], box[1] + box[3], 0);
     return page;
   }
 
-  void go_into(vtkXMLDataElement* parent, const Placement& outer, const std::string& layer) {
+  void go_into(vtkXMLDataElement* parent, const AffineTransform& outer, const std::string& layer) {
     for (int i = 0; i < parent->GetNumberOfNestedElements(); ++i) {
       vtkXMLDataElement* element = parent->GetNestedElement(i);
       const std::string kind = kind_of(element);
       if (attribute(element, "display") == "none" ||
           attribute(element, "style").find("display:none") != std::string::npos)
         continue;
-      const Placement here = transform_of(element).then(outer);
+      const AffineTransform here = transform_of(element).then(outer);
       const std::string label = attribute(element, "inkscape:label");
       const std::string name = label.empty() ? attribute(element, "id") : label;
       if (kind == "g" || kind == "a" || kind == "svg")
@@ -198,7 +198,7 @@ class SvgReader {
     }
   }
 
-  void shape(vtkXMLDataElement* e, const std::string& kind, const Placement& here,
+  void shape(vtkXMLDataElement* e, const std::string& kind, const AffineTransform& here,
              const std::string& name) {
     if (kind == "path") return path(e, here, name);
     if (kind == "text" || kind == "image" || kind == "use" || kind == "foreignObject")
@@ -221,13 +221,13 @@ class SvgReader {
       const double a = coordinate(e, circle ? "r" : "rx"), b = coordinate(e, circle ? "r" : "ry");
       if (!(a > 0 && b > 0)) return passed_over_.add(kind + " without size");
       const CurvePlane plane{at("cx", "cy"), Vec3::UnitX(), Vec3::UnitY()};
-      add({name, {}, ellipse_arc(plane, a, b, 0, kTurn)}, here);
+      add({name, {}, ellipse_arc(plane, a, b, 0, kFullTurnDeg)}, here);
     } else if (kind == "rect") {
       rect(e, here, name);
     }
   }
 
-  void rect(vtkXMLDataElement* e, const Placement& here, const std::string& name) {
+  void rect(vtkXMLDataElement* e, const AffineTransform& here, const std::string& name) {
     const double w = coordinate(e, "width"), h = coordinate(e, "height");
     if (!(w > 0 && h > 0)) return passed_over_.add("rect without size");
     const double rx = coordinate(e, "rx", coordinate(e, "ry"));
@@ -239,14 +239,14 @@ class SvgReader {
     }
     // Elliptic corners are round ones, stretched.
     const double a = std::min(rx, w / 2), stretch = std::min(ry, h / 2) / a;
-    Placement own;
+    AffineTransform own;
     own.A(1, 1) = stretch;
     own.b = centre;
     add({name, {}, rectangle({}, w, h / stretch, a)}, own.then(here));
   }
 
   // A path of straight pieces is points; each of its parts is a line.
-  void path(vtkXMLDataElement* e, const Placement& here, const std::string& name) {
+  void path(vtkXMLDataElement* e, const AffineTransform& here, const std::string& name) {
     Geom::PathVector parts;
     try {
       parts = Geom::parse_svg_path(attribute(e, "d").c_str());
@@ -269,25 +269,25 @@ class SvgReader {
       }
       if (!straight_only) {
         line.points.clear();
-        line.curve = pieces.size() == 1 ? pieces[0] : chained(std::move(pieces));
+        line.curve = pieces.size() == 1 ? pieces[0] : concatenated(std::move(pieces));
       }
       add(line, here);
     }
   }
 
-  void add(const DrawnLine& line, const Placement& here) {
-    drawing_.lines.push_back(placed(line, here));
+  void add(const DrawnLine& line, const AffineTransform& here) {
+    drawing_.lines.push_back(transformed(line, here));
   }
 
   Drawing drawing_;
-  PassedOver passed_over_;
+  SkippedEntities passed_over_;
   double unit_ = kPixel;
 };
 
 }  // namespace
 
 Drawing read_svg(const std::filesystem::path& path) {
-  require_shallow_elements(input_bytes(path, "a drawing"), path.string());
+  check_xml_nesting_depth(read_input_file(path, "a drawing"), path.string());
   vtkNew<vtkXMLDataParser> parser;
   parser->SetFileName(path.string().c_str());
   // VTK prints errors that nobody listens to.

@@ -12,11 +12,11 @@ namespace batten {
 namespace fs = std::filesystem;
 
 TextRows::TextRows(const fs::path& path) : path_(path) {
-  text_ = input_bytes(path, "a file of points");
+  text_ = read_input_file(path, "a file of points");
   if (text_.starts_with("\xFF\xFE") || text_.starts_with("\xFE\xFF"))
     throw InputError(path.string() + ":1:1: found UTF-16 text, expected UTF-8 or ASCII");
   if (text_.starts_with("\xEF\xBB\xBF")) text_.erase(0, 3);
-  if (std::all_of(text_.begin(), text_.end(), [](char c) { return blank(c) || c == '\n'; }))
+  if (std::all_of(text_.begin(), text_.end(), [](char c) { return is_blank(c) || c == '\n'; }))
     throw InputError(path.string() + ":1:1: found an empty file, expected points");
 }
 
@@ -41,11 +41,11 @@ double TextRows::number_in(std::string_view field, const std::string& expected) 
   const bool plus = field.size() > 1 && field[0] == '+' && field[1] != '-' && field[1] != '+';
   const auto [end, error] = std::from_chars(first + plus, last, value);
   if (error == std::errc::result_out_of_range)
-    fail(first, "found " + in_quotes(field) + ", expected a number between 1e-307 and 1e308");
+    fail(first, "found " + quoted_excerpt(field) + ", expected a number between 1e-307 and 1e308");
   if (error != std::errc() || end != last)
-    fail(first, "found " + in_quotes(field) + ", expected " + expected);
+    fail(first, "found " + quoted_excerpt(field) + ", expected " + expected);
   if (!std::isfinite(value))
-    fail(first, "found " + in_quotes(field) + ", expected a finite number");
+    fail(first, "found " + quoted_excerpt(field) + ", expected a finite number");
   return value;
 }
 
@@ -67,12 +67,12 @@ void split_fields(std::string_view row, std::vector<std::string_view>& fields) {
   fields.clear();
   size_t i = 0;
   const auto skip_blanks = [&] {
-    while (i < row.size() && blank(row[i])) ++i;
+    while (i < row.size() && is_blank(row[i])) ++i;
   };
   const auto separator = [&] { return i < row.size() && (row[i] == ',' || row[i] == ';'); };
   for (;;) {
     const size_t start = i;
-    while (i < row.size() && !blank(row[i]) && !separator()) ++i;
+    while (i < row.size() && !is_blank(row[i]) && !separator()) ++i;
     fields.push_back(row.substr(start, i - start));
     skip_blanks();
     if (i == row.size()) return;
@@ -90,9 +90,9 @@ void split_at(std::string_view row, char separator, std::vector<std::string_view
   if (separator == ' ') {
     fields.clear();
     for (size_t i = 0; i < row.size();) {
-      while (i < row.size() && blank(row[i])) ++i;
+      while (i < row.size() && is_blank(row[i])) ++i;
       const size_t start = i;
-      while (i < row.size() && !blank(row[i])) ++i;
+      while (i < row.size() && !is_blank(row[i])) ++i;
       if (i > start) fields.push_back(row.substr(start, i - start));
     }
     return;

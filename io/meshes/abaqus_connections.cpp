@@ -7,7 +7,7 @@
 
 namespace batten {
 
-using Kind = OtherElement::Kind;
+using Kind = NonShellElement::Kind;
 
 bool AbaqusConnections::read(const Keyword& keyword, AbaqusLines& lines) {
   const std::string& name = keyword.name;
@@ -20,7 +20,7 @@ bool AbaqusConnections::read(const Keyword& keyword, AbaqusLines& lines) {
   } else if (name == "COUPLING") {
     coupling_ = keyword;
   } else if (name == "KINEMATIC" || name == "DISTRIBUTING") {
-    Connection& connection = add(name == "KINEMATIC" ? Kind::Rigid : Kind::Average, keyword);
+    Connection& connection = add(name == "KINEMATIC" ? Kind::Rigid : Kind::Interpolation, keyword);
     connection.first.push_back({By::Nodes, coupling_.value("REF NODE")});
     connection.rest.push_back({By::Surface, coupling_.value("SURFACE")});
   } else if (name == "KINEMATIC COUPLING") {
@@ -28,7 +28,7 @@ bool AbaqusConnections::read(const Keyword& keyword, AbaqusLines& lines) {
     connection.first.push_back({By::Nodes, keyword.value("REF NODE")});
     read_coupling_data(connection, false, lines);
   } else if (name == "DISTRIBUTING COUPLING") {
-    Connection& connection = add(Kind::Average, keyword);
+    Connection& connection = add(Kind::Interpolation, keyword);
     connection.first.push_back({By::Faces, keyword.value("ELSET")});
     read_coupling_data(connection, true, lines);
   } else if (name == "SURFACE") {
@@ -46,7 +46,7 @@ void AbaqusConnections::add_coupling_node(std::string_view elset, long node) {
 }
 
 AbaqusConnections::Connection& AbaqusConnections::add(Kind kind, const Keyword& keyword) {
-  deck_.add_other("*" + keyword.name);
+  deck_.count_other_element("*" + keyword.name);
   connections_.push_back({kind, "*" + keyword.name, keyword.line, {}, {}});
   return connections_.back();
 }
@@ -116,7 +116,7 @@ void AbaqusConnections::read_surface(const Keyword& keyword, AbaqusLines& lines)
 /// Finds the nodes that words of a deck name.
 class AbaqusConnections::Finder {
  public:
-  Finder(const AbaqusConnections& all, const TextMesh& mesh, const Sets& sets)
+  Finder(const AbaqusConnections& all, const TextMeshContent& mesh, const Sets& sets)
       : all_(all), mesh_(mesh), sets_(sets) {}
 
   /// False: not all of them are there.
@@ -208,13 +208,13 @@ class AbaqusConnections::Finder {
   }
 
   const AbaqusConnections& all_;
-  const TextMesh& mesh_;
+  const TextMeshContent& mesh_;
   const Sets& sets_;
   std::unordered_set<int> seen_;
   double weight_ = 1;
 };
 
-void AbaqusConnections::finish(TextMesh& mesh, const Sets& sets, bool all_here) const {
+void AbaqusConnections::finish(TextMeshContent& mesh, const Sets& sets, bool all_here) const {
   for (const Connection& connection : connections_) {
     Finder first(*this, mesh, sets), rest(*this, mesh, sets);
     if (!first.find(connection.first) || !rest.find(connection.rest)) {
@@ -224,15 +224,15 @@ void AbaqusConnections::finish(TextMesh& mesh, const Sets& sets, bool all_here) 
                                          "of the deck");
       continue;
     }
-    OtherElement element{connection.kind, connection.name, 0, first.nodes, {}};
+    NonShellElement element{connection.kind, connection.name, 0, first.nodes, {}};
     // Of several independent nodes none leads.
     if (first.nodes.size() != 1) element.kind = Kind::Other;
     for (size_t i = 0; i < rest.nodes.size(); ++i) {
       if (first.nodes.size() == 1 && rest.nodes[i] == first.nodes[0]) continue;
       element.nodes.push_back(rest.nodes[i]);
-      if (element.kind == Kind::Average) element.weights.push_back(rest.weights[i]);
+      if (element.kind == Kind::Interpolation) element.weights.push_back(rest.weights[i]);
     }
-    if (!element.nodes.empty()) mesh.others.push_back(std::move(element));
+    if (!element.nodes.empty()) mesh.other_elements.push_back(std::move(element));
   }
 }
 

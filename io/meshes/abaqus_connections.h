@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "batten/io/meshes/abaqus_lines.h"
-#include "batten/io/meshes/deck_mesh.h"
+#include "batten/io/meshes/deck_mesh_builder.h"
 
 namespace batten {
 
@@ -17,7 +17,7 @@ namespace batten {
 /// COUPLING, *DISTRIBUTING COUPLING; then finds their nodes.
 class AbaqusConnections {
  public:
-  AbaqusConnections(MeshText& file, DeckMesh& deck) : file_(file), deck_(deck) {}
+  AbaqusConnections(MeshSourceText& file, DeckMeshBuilder& deck) : file_(file), deck_(deck) {}
 
   /// Reads such a keyword with its data. Returns false for any other one.
   bool read(const Keyword& keyword, AbaqusLines& lines);
@@ -28,7 +28,7 @@ class AbaqusConnections {
   using Sets = std::function<std::optional<std::vector<int>>(const std::string& name, bool faces)>;
   /// Adds what was read to a finished mesh. With `all_here`, throws InputError for a node or a set
   /// that is not there; otherwise it may be the assembly's, and the connection stays text.
-  void finish(TextMesh& mesh, const Sets& sets, bool all_here) const;
+  void finish(TextMeshContent& mesh, const Sets& sets, bool all_here) const;
 
  private:
   enum class By { Nodes, Faces, Surface };  // what a word names: a node or set, a set of faces, …
@@ -38,7 +38,7 @@ class AbaqusConnections {
     double weight = 1;
   };
   struct Connection {
-    OtherElement::Kind kind;
+    NonShellElement::Kind kind;
     std::string name;
     std::string_view where;
     std::vector<Term> first, rest;
@@ -50,15 +50,15 @@ class AbaqusConnections {
   };
   class Finder;
 
-  Connection& add(OtherElement::Kind kind, const Keyword& keyword);
+  Connection& add(NonShellElement::Kind kind, const Keyword& keyword);
   void read_rigid_body(const Keyword& keyword, AbaqusLines& lines);
   void read_mpc(const Keyword& keyword, AbaqusLines& lines);
   void read_equation(const Keyword& keyword, AbaqusLines& lines);
   void read_coupling_data(Connection& connection, bool weights, AbaqusLines& lines);
   void read_surface(const Keyword& keyword, AbaqusLines& lines);
 
-  MeshText& file_;
-  DeckMesh& deck_;
+  MeshSourceText& file_;
+  DeckMeshBuilder& deck_;
   std::vector<Connection> connections_;
   std::map<std::string, Surface> surfaces_;
   std::map<std::string, long> coupling_nodes_;

@@ -5,10 +5,10 @@
 
 #include "batten/core/errors.h"
 #include "batten/io/meshes/abaqus_connections.h"
+#include "batten/io/meshes/abaqus_coordinates.h"
 #include "batten/io/meshes/abaqus_elements.h"
 #include "batten/io/meshes/abaqus_lines.h"
-#include "batten/io/meshes/abaqus_places.h"
-#include "batten/io/meshes/deck_mesh.h"
+#include "batten/io/meshes/deck_mesh_builder.h"
 
 namespace batten {
 namespace {
@@ -23,12 +23,12 @@ struct RawSet {
 
 class AbaqusReader {
  public:
-  explicit AbaqusReader(TextMesh& mesh)
+  explicit AbaqusReader(TextMeshContent& mesh)
       : mesh_(mesh),
         file_(mesh.file),
         lines_(mesh.file),
         deck_(mesh),
-        places_(mesh.file),
+        coordinate_systems_(mesh.file),
         connections_(mesh.file, deck_) {}
 
   void read() {
@@ -55,7 +55,7 @@ class AbaqusReader {
       if (++instances_ > 1)
         file_.fail(keyword.line,
                    "found a second *INSTANCE, expected one: nodes would be in two places");
-      places_.read_instance(lines_);
+      coordinate_systems_.read_instance(lines_);
     } else if (name == "ASSEMBLY" || name == "END ASSEMBLY") {
       in_assembly_ = name == "ASSEMBLY";
     } else if (name == "NODE" && here) {
@@ -63,9 +63,9 @@ class AbaqusReader {
     } else if (name == "ELEMENT" && here) {
       elements(keyword);
     } else if (name == "SYSTEM" && here) {
-      places_.read_system(keyword, lines_);
+      coordinate_systems_.read_system(keyword, lines_);
     } else if (name == "PARAMETER") {
-      places_.read_parameters(lines_);
+      coordinate_systems_.read_parameters(lines_);
     } else if ((name == "NSET" || name == "ELSET") && (here || keyword.has("INSTANCE"))) {
       set(keyword, name == "NSET");
     } else if (name == "SHELL SECTION" || name == "SHELL GENERAL SECTION" ||
@@ -80,7 +80,7 @@ class AbaqusReader {
 
   void nodes(const Keyword& keyword) {
     lines_.follow_input(keyword);
-    const int system = places_.system_of(keyword);
+    const int system = coordinate_systems_.system_of(keyword);
     RawSet* const set = new_set(keyword.value("NSET"), true);
     while (lines_.next_data()) {
       const std::string_view data = lines_.line();
@@ -95,10 +95,10 @@ class AbaqusReader {
       std::array<double, 3> xyz{};
       for (int c = 0; c < 3 && line.free(); ++c) {
         bool parameter = false;
-        xyz[c] = places_.real(line.value(c + 1, 0, 0), parameter);
+        xyz[c] = coordinate_systems_.real(line.value(c + 1, 0, 0), parameter);
         if (parameter)
-          mesh_.held.push_back({count_of(systems_), "has a coordinate that is the parameter " +
-                                                        std::string(line.value(c + 1, 0, 0))});
+          mesh_.fixed_nodes.push_back({isize(systems_), "has a coordinate that is the parameter " +
+                                                            std::string(line.value(c + 1, 0, 0))});
       }
       deck_.add_node(number, label, xyz, fields);
       systems_.push_back(system);
@@ -120,7 +120,7 @@ class AbaqusReader {
       } else if (element.count > 0) {
         other(element, type, record(type, element.count), keyword.value("ELSET"));
       } else {
-        deck_.add_other(type);
+        deck_.count_other_element(type);
         while (trimmed(lines_.line()).ends_with(',') && lines_.next_data()) {
         }
       }
@@ -134,11 +134,11 @@ class AbaqusReader {
     std::vector<std::string_view> values;
     for (;;) {
       for (const std::string_view value : comma_values(lines_.line())) values.push_back(value);
-      if (count_of(values) > count) return values;
+      if (isize(values) > count) return values;
       const bool goes_on = values.back().empty();
       if (goes_on) values.pop_back();
       if (!goes_on || !lines_.next_data())
-        file_.fail(start, "found " + counted(count_of(values) - 1, "node") +
+        file_.fail(start, "found " + format_count(isize(values) - 1, "node") +
                               " of an element of type " + type + ", expected " +
                               std::to_string(count));
     }
@@ -159,7 +159,7 @@ class AbaqusReader {
     DeckElement read{element.kind, type, file_.integer(values[0], "an element number"),
                      values[0],    {},   {}};
     const int count = element.count + (element.direction ? 1 : 0);
-    for (int i = 1; i <= count && i < count_of(values); ++i)
+    for (int i = 1; i <= count && i < isize(values); ++i)
       if (!values[i].empty()) read.nodes.push_back(file_.integer(values[i], "a node number"));
     if (type == "DCOUP3D" && !read.nodes.empty())
       connections_.add_coupling_node(elset, read.nodes[0]);
@@ -207,7 +207,7 @@ class AbaqusReader {
 
   void finish() {
     deck_.finish();
-    places_.place(mesh_, systems_);
+    coordinate_systems_.transform_nodes(mesh_, systems_);
     std::map<std::string, std::vector<int>> known;
     std::map<std::string, size_t> position;
     std::vector<MeshSet> sets;
@@ -217,7 +217,7 @@ class AbaqusReader {
       for (const auto& [name, where] : raw->names) {
         const auto found = known.find(name);
         if (found == known.end())
-          file_.fail(where, "found " + in_quotes(name.substr(1)) +
+          file_.fail(where, "found " + quoted_excerpt(name.substr(1)) +
                                 ", expected a number or the name of a set before it");
         if (raw->of_nodes && name[0] == 'E') {
           for (const int f : found->second)
@@ -261,19 +261,19 @@ class AbaqusReader {
   }
 
   void warn() {
-    deck_.warn_of_others();
-    mesh_.warn_of_files_elsewhere();
+    deck_.warn_about_other_elements();
+    mesh_.warn_about_unwritten_includes();
     if (file_.ends_in_mid_line())
       mesh_.warnings.push_back("the file ends in mid-line: it may be cut short");
     if (assembly_blocks_ > 0)
       mesh_.warnings.push_back("nodes and elements of the assembly itself are not read");
   }
 
-  TextMesh& mesh_;
-  MeshText& file_;
+  TextMeshContent& mesh_;
+  MeshSourceText& file_;
   AbaqusLines lines_;
-  DeckMesh deck_;
-  AbaqusPlaces places_;
+  DeckMeshBuilder deck_;
+  AbaqusCoordinates coordinate_systems_;
   AbaqusConnections connections_;
   std::vector<int> systems_;  // of each node
   std::vector<std::unique_ptr<RawSet>> raw_sets_;
@@ -286,7 +286,7 @@ class AbaqusReader {
 }  // namespace
 
 std::unique_ptr<MeshContent> read_abaqus_deck(const std::filesystem::path& path) {
-  auto mesh = std::make_unique<TextMesh>(MeshText(path));
+  auto mesh = std::make_unique<TextMeshContent>(MeshSourceText(path));
   mesh->format = "Abaqus input";
   mesh->extensions = {".inp"};
   AbaqusReader(*mesh).read();

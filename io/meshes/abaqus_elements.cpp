@@ -7,7 +7,7 @@
 namespace batten {
 namespace {
 
-using Kind = OtherElement::Kind;
+using Kind = NonShellElement::Kind;
 
 struct Start {
   std::string_view name;

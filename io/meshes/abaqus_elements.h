@@ -12,7 +12,7 @@ namespace batten {
 struct AbaqusElement {
   bool face = false;
   int corners = 0, middle = 0;
-  OtherElement::Kind kind = OtherElement::Kind::Other;
+  NonShellElement::Kind kind = NonShellElement::Kind::Other;
   int count = 0;
   bool direction = false;  ///< a further node may say how a beam is turned
 };

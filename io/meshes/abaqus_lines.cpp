@@ -68,7 +68,7 @@ Keyword AbaqusLines::read_keyword() {
     if (comma == rest.npos) break;
     rest.remove_prefix(comma + 1);
     if (!trimmed(rest).empty()) continue;
-    if (!file_.next_here(line_)) break;
+    if (!file_.next_in_file(line_)) break;
     rest = line_;
   }
   line_ = {};

@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "batten/io/meshes/mesh_text.h"
+#include "batten/io/meshes/mesh_source_text.h"
 
 namespace batten {
 
@@ -30,7 +30,7 @@ std::vector<std::string_view> comma_values(std::string_view line);
 /// Reads keywords and their lines of data. *INCLUDE is followed wherever it stands.
 class AbaqusLines {
  public:
-  explicit AbaqusLines(MeshText& file) : file_(file) {}
+  explicit AbaqusLines(MeshSourceText& file) : file_(file) {}
 
   /// The next keyword; lines before it are passed over. Nothing at the end.
   std::optional<Keyword> next_keyword();
@@ -44,7 +44,7 @@ class AbaqusLines {
   bool next(std::string_view& line);
   Keyword read_keyword();
 
-  MeshText& file_;
+  MeshSourceText& file_;
   std::string_view line_;
 };
 

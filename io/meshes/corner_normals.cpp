@@ -5,7 +5,7 @@
 #include <numbers>
 #include <numeric>
 
-#include "batten/core/index.h"
+#include "batten/core/isize.h"
 
 namespace batten {
 namespace {
@@ -54,7 +54,7 @@ struct Side {
 void join_smooth(const std::vector<Triangle>& triangles, const std::vector<Vec3>& normals,
                  double cosine, Corners& corners) {
   std::vector<Side> sides;
-  for (int t = 0; t < count_of(triangles); ++t)
+  for (int t = 0; t < isize(triangles); ++t)
     for (int k = 0; k < 3; ++k) {
       const auto [low, high] = std::minmax(triangles[t][k], triangles[t][(k + 1) % 3]);
       sides.push_back({low, high, t, k});
@@ -89,11 +89,11 @@ CornerNormals corner_normals(const Points& points, const std::vector<Triangle>& 
   CornerNormals result;
   result.of.resize(triangles.size());
   std::vector<int> number(3 * triangles.size(), -1);
-  for (int t = 0; t < count_of(triangles); ++t)
+  for (int t = 0; t < isize(triangles); ++t)
     for (int k = 0; k < 3; ++k) {
       int& own = number[corners.first(3 * t + k)];
       if (own < 0) {
-        own = count_of(result.normals);
+        own = isize(result.normals);
         result.normals.emplace_back(Vec3::Zero());
         result.nodes.push_back(triangles[t][k]);
       }

@@ -6,10 +6,10 @@
 #include <ostream>
 
 #include "batten/core/errors.h"
-#include "batten/core/index.h"
+#include "batten/core/isize.h"
+#include "batten/io/files/atomic_file.h"
+#include "batten/io/files/byte_order.h"
 #include "batten/io/files/glb_file.h"
-#include "batten/io/files/number_bytes.h"
-#include "batten/io/files/whole_file.h"
 #include "batten/io/meshes/corner_normals.h"
 #include "batten/io/meshes/mesh_colour.h"
 #include "batten/io/meshes/mesh_content.h"
@@ -42,19 +42,19 @@ class GlbMesh {
   void write() {
     root_["buffers"][0]["byteLength"] = binary_.size();
     const std::string json = root_.dump();
-    if (glb_head_size(json.size()) + binary_.size() > std::numeric_limits<std::uint32_t>::max())
+    if (glb_header_size(json.size()) + binary_.size() > std::numeric_limits<std::uint32_t>::max())
       throw InputError(path_.string() + ": this file would have " +
                        std::to_string(binary_.size() >> 20) +
                        " MB, expected less than the 4096 MB of GLB");
-    write_whole_file(path_,
-                     [&](std::ostream& out) { out << glb_head(json, binary_.size()) << binary_; });
+    write_file_atomically(
+        path_, [&](std::ostream& out) { out << glb_header(json, binary_.size()) << binary_; });
   }
 
  private:
   /// A part as a mesh, and the node that shows it. The last part is without a set.
   void add(const std::vector<std::array<int, 3>>& triangles, size_t set) {
     const CornerNormals corners = corner_normals(mesh_.points, triangles);
-    const auto vertices = count_of(corners.normals);
+    const auto vertices = isize(corners.normals);
     Json primitive, mesh;
     primitive["attributes"]["POSITION"] = add_view(kVertexBuffer, vertices, "VEC3", kFloat);
     std::array<float, 3> low, high;
@@ -68,18 +68,17 @@ class GlbMesh {
                            " is too large for single precision");
         low[c] = std::min(low[c], p[c]);
         high[c] = std::max(high[c], p[c]);
-        append_single(binary_, p[c]);
+        append_float32(binary_, p[c]);
       }
     }
     root_["accessors"].back()["min"] = low;
     root_["accessors"].back()["max"] = high;
     primitive["attributes"]["NORMAL"] = add_view(kVertexBuffer, vertices, "VEC3", kFloat);
     for (const Vec3& n : corners.normals)
-      for (const float c : turned(n)) append_single(binary_, c);
-    primitive["indices"] = add_view(kIndexBuffer, 3 * count_of(corners.of), "SCALAR", kUnsignedInt);
+      for (const float c : turned(n)) append_float32(binary_, c);
+    primitive["indices"] = add_view(kIndexBuffer, 3 * isize(corners.of), "SCALAR", kUnsignedInt);
     for (const auto& triangle : corners.of)
-      for (const int vertex : triangle)
-        append_unsigned(binary_, static_cast<std::uint32_t>(vertex));
+      for (const int vertex : triangle) append_uint32(binary_, static_cast<std::uint32_t>(vertex));
     primitive["mode"] = 4;
     Json node;
     node["mesh"] = root_.contains("meshes") ? root_["meshes"].size() : 0;
@@ -113,8 +112,8 @@ class GlbMesh {
       if (all[m]["name"] == name) return m;
     std::array<double, 4> linear{0, 0, 0, 1};
     for (size_t c = 0; c < 3; ++c) {
-      const double share = colour[c] / 255.0;
-      linear[c] = share <= 0.04045 ? share / 12.92 : std::pow((share + 0.055) / 1.055, 2.4);
+      const double channel = colour[c] / 255.0;
+      linear[c] = channel <= 0.04045 ? channel / 12.92 : std::pow((channel + 0.055) / 1.055, 2.4);
     }
     Json look;
     look["name"] = name;

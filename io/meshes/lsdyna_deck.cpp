@@ -4,7 +4,7 @@
 #include <set>
 
 #include "batten/core/errors.h"
-#include "batten/io/meshes/deck_mesh.h"
+#include "batten/io/meshes/deck_mesh_builder.h"
 #include "batten/io/meshes/lsdyna_elements.h"
 #include "batten/io/meshes/lsdyna_lines.h"
 
@@ -13,7 +13,7 @@ namespace {
 
 class DynaReader {
  public:
-  explicit DynaReader(TextMesh& mesh)
+  explicit DynaReader(TextMeshContent& mesh)
       : mesh_(mesh),
         file_(mesh.file),
         lines_(mesh.file),
@@ -67,10 +67,10 @@ class DynaReader {
     static const std::set<std::string> known{"THICKNESS", "BETA", "MCID", "OFFSET",
                                              "DOF",       "SHL4", "TO",   "SHL8"};
     if (options.contains("COMPOSITE"))
-      file_.fail(keyword.line, "found " + in_quotes(keyword.line) +
+      file_.fail(keyword.line, "found " + quoted_excerpt(keyword.line) +
                                    ", expected shells without COMPOSITE, whose cards have no end");
     if (!std::includes(known.begin(), known.end(), options.begin(), options.end()))
-      return deck_.add_other("*" + keyword.name, 0);
+      return deck_.count_other_element("*" + keyword.name, 0);
     const bool thickness =
         options.contains("THICKNESS") || options.contains("BETA") || options.contains("MCID");
     const int w = keyword.widths.integer;
@@ -89,7 +89,7 @@ class DynaReader {
       for (; cards > 0; --cards)
         if (!lines_.next_card())
           file_.fail(label, "found element " + std::string(label) + " without its " +
-                                counted(cards, "more card") + " of *" + keyword.name);
+                                format_count(cards, "more card") + " of *" + keyword.name);
     }
   }
 
@@ -153,7 +153,7 @@ class DynaReader {
   }
 
   void finish() {
-    deck_.finish(lines_.not_followed() > 0 ? " (some included files are not followed)" : "");
+    deck_.finish(lines_.skipped_includes() > 0 ? " (some included files are not followed)" : "");
     for (MeshSet& property : mesh_.properties)
       if (const auto title = titles_.find(property.name); title != titles_.end())
         property.title = title->second;
@@ -168,16 +168,17 @@ class DynaReader {
           set.of_nodes ? deck_.nodes_of(set.ranges) : deck_.faces_of(set.ranges);
       if (!found.nodes.empty() || !found.faces.empty()) mesh_.sets.push_back(std::move(found));
     }
-    if (lines_.not_followed() > 0)
-      mesh_.warnings.push_back(counted(lines_.not_followed(), "*INCLUDE_…") + " is not followed");
-    deck_.warn_of_others();
-    mesh_.warn_of_files_elsewhere();
+    if (lines_.skipped_includes() > 0)
+      mesh_.warnings.push_back(format_count(lines_.skipped_includes(), "*INCLUDE_…") +
+                               " is not followed");
+    deck_.warn_about_other_elements();
+    mesh_.warn_about_unwritten_includes();
   }
 
-  TextMesh& mesh_;
-  MeshText& file_;
+  TextMeshContent& mesh_;
+  MeshSourceText& file_;
   DynaLines lines_;
-  DeckMesh deck_;
+  DeckMeshBuilder deck_;
   DynaElements elements_;
   std::map<std::string, std::string> titles_;
   std::vector<DynaSet> sets_;
@@ -186,7 +187,7 @@ class DynaReader {
 }  // namespace
 
 std::unique_ptr<MeshContent> read_lsdyna_deck(const std::filesystem::path& path) {
-  auto mesh = std::make_unique<TextMesh>(MeshText(path));
+  auto mesh = std::make_unique<TextMeshContent>(MeshSourceText(path));
   mesh->format = "LS-DYNA keyword";
   mesh->extensions = {".k", ".key", ".dyn"};
   DynaReader(*mesh).read();

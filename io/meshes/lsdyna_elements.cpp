@@ -5,13 +5,13 @@
 namespace batten {
 namespace {
 
-using Kind = OtherElement::Kind;
+using Kind = NonShellElement::Kind;
 
 /// The fields of one card, all of the same width.
 struct Card {
   Card(std::string_view line, int width) : line(line), width(width) {}
   std::string_view at(int i) const { return line.value(i, i * width, width); }
-  long number(const MeshText& file, int i, const char* expected = "a node number") const {
+  long number(const MeshSourceText& file, int i, const char* expected = "a node number") const {
     return at(i).empty() ? 0 : file.integer(at(i), expected);
   }
   DeckLine line;
@@ -43,7 +43,7 @@ bool DynaElements::read(const DynaKeyword& keyword) {
   if (!keyword.name.starts_with("ELEMENT_") &&
       !keyword.name.starts_with("CONSTRAINED_NODAL_RIGID_BODY"))
     return false;
-  deck_.add_other("*" + keyword.name, 0);
+  deck_.count_other_element("*" + keyword.name, 0);
   return true;
 }
 
@@ -102,7 +102,7 @@ bool DynaElements::bodies(const DynaKeyword& keyword) {
     Body body{"*CONSTRAINED_NODAL_RIGID_BODY", card.number(file_, 0, "a part number"),
               card.number(file_, 2, "the number of a set"), card.number(file_, 3)};
     if (body.set == 0) body.set = body.label;
-    deck_.add_other(body.name);
+    deck_.count_other_element(body.name);
     bodies_.push_back(body);
     // Options have cards of their own.
     if (options->size() > (titled ? 1u : 0u)) break;
@@ -146,10 +146,10 @@ bool DynaElements::interpolation(const DynaKeyword& keyword) {
   if (!lines_.next_record()) return true;
   const Card first(lines_.line(), keyword.widths.card);
   if (first.number(file_, 4, "0 or 1") != 0) {  // nodes by sets
-    deck_.add_other("*" + keyword.name);
+    deck_.count_other_element("*" + keyword.name);
     return true;
   }
-  DeckElement element{Kind::Average, "*" + keyword.name, 0, first.at(0), {}, {}};
+  DeckElement element{Kind::Interpolation, "*" + keyword.name, 0, first.at(0), {}, {}};
   element.label = first.number(file_, 0, "a number");
   element.nodes.push_back(first.number(file_, 1));
   while (lines_.next_record()) {
@@ -163,15 +163,16 @@ bool DynaElements::interpolation(const DynaKeyword& keyword) {
 }
 
 void DynaElements::finish(
-    TextMesh& mesh, const std::function<std::optional<std::vector<int>>(long set)>& set) const {
+    TextMeshContent& mesh,
+    const std::function<std::optional<std::vector<int>>(long set)>& set) const {
   for (const Body& body : bodies_) {
-    OtherElement element{Kind::Rigid, body.name, body.label, {}, {}};
+    NonShellElement element{Kind::Rigid, body.name, body.label, {}, {}};
     const auto first = mesh.node_labels.find(body.node);
     if (first) element.nodes.push_back(*first);
     if (const auto nodes = set(body.set))
       for (const int node : *nodes)
         if (!first || node != *first) element.nodes.push_back(node);
-    if (!element.nodes.empty()) mesh.others.push_back(std::move(element));
+    if (!element.nodes.empty()) mesh.other_elements.push_back(std::move(element));
   }
 }
 

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "batten/io/meshes/deck_mesh.h"
+#include "batten/io/meshes/deck_mesh_builder.h"
 #include "batten/io/meshes/lsdyna_lines.h"
 
 namespace batten {
@@ -16,13 +16,13 @@ namespace batten {
 /// with options that are not known, it counts the blocks.
 class DynaElements {
  public:
-  DynaElements(MeshText& file, DynaLines& lines, DeckMesh& deck)
+  DynaElements(MeshSourceText& file, DynaLines& lines, DeckMeshBuilder& deck)
       : file_(file), lines_(lines), deck_(deck) {}
 
   /// Returns false for a keyword that is none of these.
   bool read(const DynaKeyword& keyword);
   /// Adds bodies that are given by sets of nodes to a finished mesh. `set`: the nodes of a set.
-  void finish(TextMesh& mesh,
+  void finish(TextMeshContent& mesh,
               const std::function<std::optional<std::vector<int>>(long set)>& set) const;
 
  private:
@@ -30,7 +30,7 @@ class DynaElements {
     std::string name;
     long label, set, node;
   };
-  bool plain(const DynaKeyword& keyword, const std::string& name, OtherElement::Kind kind,
+  bool plain(const DynaKeyword& keyword, const std::string& name, NonShellElement::Kind kind,
              int nodes, const std::set<std::string>& one_more_card);
   bool solids(const DynaKeyword& keyword);
   bool bodies(const DynaKeyword& keyword);
@@ -38,9 +38,9 @@ class DynaElements {
   bool interpolation(const DynaKeyword& keyword);
   void skip(int cards);
 
-  MeshText& file_;
+  MeshSourceText& file_;
   DynaLines& lines_;
-  DeckMesh& deck_;
+  DeckMeshBuilder& deck_;
   std::vector<Body> bodies_;
 };
 

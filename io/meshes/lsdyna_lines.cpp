@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "batten/core/errors.h"
-#include "batten/io/meshes/deck_mesh.h"
+#include "batten/io/meshes/deck_mesh_builder.h"
 
 namespace batten {
 namespace {
@@ -37,7 +37,7 @@ void DynaLines::leave_file() {
 /// The next line that is not a comment; empty at the end.
 bool DynaLines::next(std::string_view& line) {
   for (;;) {
-    while (file_.next_here(line))
+    while (file_.next_in_file(line))
       if (!line.starts_with('$')) return true;
     line = {};
     if (file_.depth() == 0) return false;
@@ -93,13 +93,13 @@ DynaKeyword DynaLines::read_keyword() {
 void DynaLines::read_format(const DynaKeyword& keyword, std::string_view options) {
   // LONG=S reads standard cards.
   std::string text = upper(options);
-  std::erase_if(text, blank);
+  std::erase_if(text, is_blank);
   DynaWidths widths = widths_;
   if (text.find("I10=Y") != text.npos) widths = kI10;
   if (text.find("LONG=Y") != text.npos || text.find("LONG=K") != text.npos) widths = kLong;
   // LS-DYNA goes by what *INCLUDE says, others by what the file itself says.
   if (file_.depth() > 0 && widths != widths_)
-    file_.fail(keyword.line, "found " + in_quotes(keyword.line) +
+    file_.fail(keyword.line, "found " + quoted_excerpt(keyword.line) +
                                  " in a file that is included in another format, expected both to "
                                  "be the same (*INCLUDE +, - or %)");
   widths_ = widths;
@@ -109,9 +109,9 @@ void DynaLines::read_format(const DynaKeyword& keyword, std::string_view options
 std::vector<std::string_view> DynaLines::rest_of_block() {
   std::vector<std::string_view> cards;
   std::string_view line;
-  for (size_t start = file_.position(); file_.next_here(line); start = file_.position()) {
+  for (size_t start = file_.position(); file_.next_in_file(line); start = file_.position()) {
     if (line.starts_with('*')) {
-      file_.go_to(start);
+      file_.seek(start);
       break;
     }
     if (!line.starts_with('$')) cards.push_back(line);
@@ -155,7 +155,7 @@ void DynaLines::require_identity(std::span<const std::string_view> cards,
           (i == kFactors && value == "0") ||
           (parse_real(value, number) && (number == 0 || (i == kFactors && number == 1)));
       if (!same)
-        file_.fail(value, "found " + in_quotes(value) + " of *" + keyword.name +
+        file_.fail(value, "found " + quoted_excerpt(value) + " of *" + keyword.name +
                               ", expected a file that is included as it is");
     }
   }
@@ -169,7 +169,7 @@ bool DynaLines::include(const DynaKeyword& keyword) {
   }
   const bool transformed = keyword.name == "INCLUDE_TRANSFORM";
   if (keyword.name != "INCLUDE" && !transformed) {
-    ++not_followed_;
+    ++skipped_includes_;
     return false;
   }
   const auto found = names(transformed, keyword);

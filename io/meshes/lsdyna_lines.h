@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-#include "batten/io/meshes/mesh_text.h"
+#include "batten/io/meshes/mesh_source_text.h"
 
 namespace batten {
 
@@ -32,7 +32,7 @@ std::optional<std::set<std::string>> options_after(const std::string& name,
 /// Reads keywords and their cards. *INCLUDE is followed; *END in an included file ends it.
 class DynaLines {
  public:
-  explicit DynaLines(MeshText& file) : file_(file) {}
+  explicit DynaLines(MeshSourceText& file) : file_(file) {}
 
   /// The next keyword; cards before it are passed over. Nothing at the end.
   std::optional<DynaKeyword> next_keyword();
@@ -44,7 +44,7 @@ class DynaLines {
   /// *END was found.
   bool ended() const { return ended_; }
   /// *INCLUDE_… that are not followed.
-  long not_followed() const { return not_followed_; }
+  long skipped_includes() const { return skipped_includes_; }
 
  private:
   bool next(std::string_view& line);
@@ -57,13 +57,13 @@ class DynaLines {
                                                               const DynaKeyword& keyword);
   void require_identity(std::span<const std::string_view> cards, const DynaKeyword& keyword) const;
 
-  MeshText& file_;
+  MeshSourceText& file_;
   DynaWidths widths_;
   std::vector<DynaWidths> outer_;  // of including files
   std::vector<std::string> folders_;
   std::string_view line_;
   bool ended_ = false;
-  long not_followed_ = 0;
+  long skipped_includes_ = 0;
 };
 
 }  // namespace batten

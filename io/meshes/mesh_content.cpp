@@ -1,12 +1,12 @@
 #include "batten/io/meshes/mesh_content.h"
 
 #include "batten/core/errors.h"
-#include "batten/core/index.h"
+#include "batten/core/isize.h"
 
 #include <algorithm>
 #include <cctype>
 
-#include "batten/core/index.h"
+#include "batten/core/isize.h"
 
 namespace batten {
 
@@ -17,7 +17,7 @@ Labels Labels::counted_from(long first, int count) {
   return labels;
 }
 
-Labels::Labels(std::vector<long> labels) : count_(count_of(labels)), labels_(std::move(labels)) {
+Labels::Labels(std::vector<long> labels) : count_(isize(labels)), labels_(std::move(labels)) {
   if (labels_.empty()) return;
   const auto [low, high] = std::minmax_element(labels_.begin(), labels_.end());
   first_ = *low;
@@ -26,7 +26,7 @@ Labels::Labels(std::vector<long> labels) : count_(count_of(labels)), labels_(std
     dense_.assign(range + 1, -1);
     for (int i = 0; i < count_; ++i) {
       int& there = dense_[labels_[i] - first_];
-      if (there >= 0 && !twice_) twice_ = {there, i};
+      if (there >= 0 && !duplicate_) duplicate_ = {there, i};
       there = i;
     }
     return;
@@ -35,8 +35,8 @@ Labels::Labels(std::vector<long> labels) : count_(count_of(labels)), labels_(std
   std::sort(by_label_.begin(), by_label_.end());
   for (size_t i = 1; i < by_label_.size(); ++i)
     if (by_label_[i].first == by_label_[i - 1].first &&
-        (!twice_ || by_label_[i].second < twice_->second))
-      twice_ = {by_label_[i - 1].second, by_label_[i].second};
+        (!duplicate_ || by_label_[i].second < duplicate_->second))
+      duplicate_ = {by_label_[i - 1].second, by_label_[i].second};
 }
 
 std::optional<int> Labels::find(long label) const {
@@ -93,7 +93,7 @@ std::vector<std::array<int, 3>> triangles_of(const ShellMesh& mesh, int face) {
 
 std::vector<int> set_of_faces(const ShellMesh& mesh, const std::vector<MeshSet>& sets) {
   std::vector<int> result(static_cast<size_t>(mesh.face_count()), -1);
-  for (int s = 0; s < count_of(sets); ++s)
+  for (int s = 0; s < isize(sets); ++s)
     for (const int face : sets[static_cast<size_t>(s)].faces) {
       if (face < 0 || face >= mesh.face_count())
         throw InputError("the set '" + sets[static_cast<size_t>(s)].name + "' has face " +

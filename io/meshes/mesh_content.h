@@ -21,11 +21,11 @@ class Labels {
  public:
   /// The numbers first, first + 1, …
   static Labels counted_from(long first, int count);
-  /// Any numbers, each once. Where twice() returns something, find() has no meaning.
+  /// Any numbers, each once. Where duplicate() returns something, find() has no meaning.
   explicit Labels(std::vector<long> labels = {});
   /// The two indices of the first number that is there twice, the smaller one first; none when each
   /// number is there once.
-  std::optional<std::pair<int, int>> twice() const { return twice_; }
+  std::optional<std::pair<int, int>> duplicate() const { return duplicate_; }
 
   int count() const { return count_; }
   long of(int index) const { return labels_.empty() ? first_ + index : labels_[index]; }
@@ -38,7 +38,7 @@ class Labels {
   std::vector<long> labels_;                    // empty: first_, first_ + 1, …
   std::vector<int> dense_;                      // index of label - first_; -1 for none
   std::vector<std::pair<long, int>> by_label_;  // instead of dense_, for sparse numbers
-  std::optional<std::pair<int, int>> twice_;
+  std::optional<std::pair<int, int>> duplicate_;
 };
 
 /// A mesh and what else its file holds. Each format derives from it what it writes back.
@@ -48,15 +48,15 @@ struct MeshContent {
   /// `points` have the right number and are finite, and that the extension is one of `extensions`.
   virtual MeshRounding write(const std::filesystem::path& path, const Points& points,
                              const MeshWriteOptions& options) const = 0;
-  /// Files that write() puts beside the file, as MeshFile::files_beside() says.
-  virtual std::vector<std::filesystem::path> files_beside() const { return {}; }
+  /// Files that write() puts beside the file, as MeshFile::included_files() says.
+  virtual std::vector<std::filesystem::path> included_files() const { return {}; }
 
   std::string format;
   std::vector<std::string> extensions;
   ShellMesh shells;
   Labels node_labels, face_labels;
   std::vector<MeshSet> sets, properties;
-  std::vector<OtherElement> others;
+  std::vector<NonShellElement> other_elements;
   std::vector<std::string> warnings;
   CageTags cage_tags;
   std::string

@@ -55,7 +55,7 @@ struct CountedMesh : MeshContent {
 
 MeshFile::MeshFile(std::shared_ptr<const MeshContent> content) : content_(std::move(content)) {}
 
-MeshFile MeshFile::counted_from_1(ShellMesh shells) {
+MeshFile MeshFile::from_shells(ShellMesh shells) {
   auto content = std::make_unique<CountedMesh>();
   content->format = "frames";
   content->node_labels = Labels::counted_from(1, shells.node_count());
@@ -67,12 +67,13 @@ MeshFile MeshFile::counted_from_1(ShellMesh shells) {
 MeshFile MeshFile::read(const fs::path& path) {
   std::unique_ptr<MeshContent> content = by_extension(path, readers())(path);
   if (content->shells.face_count() == 0)
-    throw InputError(path.string() + ": found " + counted(content->shells.node_count(), "node") +
+    throw InputError(path.string() + ": found " +
+                     format_count(content->shells.node_count(), "node") +
                      " but no faces, expected some");
   return MeshFile(std::move(content));
 }
 
-bool MeshFile::reads(const fs::path& path) { return readers().contains(lower_extension(path)); }
+bool MeshFile::can_read(const fs::path& path) { return readers().contains(lower_extension(path)); }
 
 const ShellMesh& MeshFile::shells() const { return content_->shells; }
 long MeshFile::node_label(int node) const { return content_->node_labels.of(node); }
@@ -85,7 +86,9 @@ std::optional<int> MeshFile::face_of_label(long label) const {
 }
 const std::vector<MeshFile::Set>& MeshFile::sets() const { return content_->sets; }
 const std::vector<MeshFile::Set>& MeshFile::properties() const { return content_->properties; }
-const std::vector<OtherElement>& MeshFile::others() const { return content_->others; }
+const std::vector<NonShellElement>& MeshFile::other_elements() const {
+  return content_->other_elements;
+}
 const CageTags& MeshFile::cage_tags() const {
   if (!content_->cage_problem.empty()) throw InputError(content_->cage_problem);
   return content_->cage_tags;
@@ -93,7 +96,7 @@ const CageTags& MeshFile::cage_tags() const {
 const std::vector<std::string>& MeshFile::warnings() const { return content_->warnings; }
 const std::string& MeshFile::format() const { return content_->format; }
 
-std::vector<fs::path> MeshFile::files_beside() const { return content_->files_beside(); }
+std::vector<fs::path> MeshFile::included_files() const { return content_->included_files(); }
 
 MeshFile::Rounding MeshFile::write(const fs::path& path, const Points& points,
                                    const MeshWriteOptions& options) const {
@@ -101,8 +104,9 @@ MeshFile::Rounding MeshFile::write(const fs::path& path, const Points& points,
   if (std::find(extensions.begin(), extensions.end(), lower_extension(path)) == extensions.end())
     refuse_extension(path, either_of(extensions) + ": the mesh was read as " + content_->format);
   if (points.rows() != shells().node_count())
-    throw InputError(path.string() + ": found " + counted(points.rows(), "point") + ", expected " +
-                     std::to_string(shells().node_count()) + " as in the file that was read");
+    throw InputError(path.string() + ": found " + format_count(points.rows(), "point") +
+                     ", expected " + std::to_string(shells().node_count()) +
+                     " as in the file that was read");
   for (int i = 0; i < points.rows(); ++i)
     if (!points.row(i).allFinite())
       throw InputError(path.string() + ": a coordinate of node " + std::to_string(node_label(i)) +
@@ -154,7 +158,7 @@ std::vector<fs::path> write_mesh(const fs::path& path, const ShellMesh& mesh,
     const auto nodes = mesh.face(f);
     if (nodes.size() < 3)
       refuse("face " + std::to_string(f) + " has " +
-             counted(static_cast<long>(nodes.size()), "node") + ", expected 3 or more");
+             format_count(static_cast<long>(nodes.size()), "node") + ", expected 3 or more");
     for (const int node : nodes)
       if (node < 0 || node >= mesh.node_count())
         refuse("face " + std::to_string(f) + " has node " + std::to_string(node) +

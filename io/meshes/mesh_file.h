@@ -37,7 +37,7 @@ struct MeshContent;
 ///   .rad               Radioss starter, from version 51 on: /NODE, /SHELL, /SH3N, /PART,
 ///                      /GRNOD/NODE, #include
 ///
-/// What decks have beside shells comes by its nodes, as others(). All else is kept as it stands,
+/// What decks have beside shells comes by its nodes, as other_elements(). All else is kept as it stands,
 /// and warnings() counts the elements that are among it. Points are global: a node in a local system
 /// is put to its place when it is read, and back into its system when it is written. A system that
 /// is defined by nodes follows them.
@@ -51,10 +51,10 @@ class MeshFile {
   /// 60 to 120 MB/s, with three to six times its size in memory.
   static MeshFile read(const std::filesystem::path& path);
   /// Whether read() knows the extension.
-  static bool reads(const std::filesystem::path& path);
+  static bool can_read(const std::filesystem::path& path);
 
   /// A mesh that no file holds: nodes and faces counted from 1, no sets. write() refuses it.
-  static MeshFile counted_from_1(ShellMesh shells);
+  static MeshFile from_shells(ShellMesh shells);
 
   const ShellMesh& shells() const;
   /// The file's own number of a node: its id in a deck; counted from 1 in OBJ, from 0 in OFF, PLY,
@@ -74,7 +74,7 @@ class MeshFile {
   /// The properties (in a deck: thickness and material), each as the set of its faces.
   const std::vector<Set>& properties() const;
   /// What is in a deck beside shells and has nodes, in the file's order; none in other formats.
-  const std::vector<OtherElement>& others() const;
+  const std::vector<NonShellElement>& other_elements() const;
   /// What is sharp of the mesh as a cage: in OBJ `t crease 2/1/0 a b s` and `t corner n/n/0 …`,
   /// whose nodes count from 0; none in other formats. `t interpolateboundary` is known where it
   /// means what catmull_clark() does, `t facevarying…` is of no matter. Throws InputError,
@@ -89,10 +89,10 @@ class MeshFile {
   /// Included files of the deck, from its folder. write() puts them beside the deck that it writes,
   /// under the same names, changed or not. Not among them: files outside of the deck's folder, which
   /// stay where they are and of which no node can be moved.
-  std::vector<std::filesystem::path> files_beside() const;
+  std::vector<std::filesystem::path> included_files() const;
 
   using Rounding = MeshRounding;
-  /// Writes the file as it was read, with other coordinates (n×3), and files_beside(). Each appears
+  /// Writes the file as it was read, with other coordinates (n×3), and included_files(). Each appears
   /// whole or not at all; where there are several, none takes the place of one that was read.
   ///
   /// In text and in binary PLY and STL only the coordinates of nodes that moved are replaced: all
@@ -108,7 +108,7 @@ class MeshFile {
   ///
   /// Throws InputError: an extension of another format, another number of points, coordinates that
   /// are not finite or do not fit into their fields, a node that moves in a file outside of the
-  /// deck's folder or whose coordinate is a parameter, what WholeFile throws.
+  /// deck's folder or whose coordinate is a parameter, what AtomicFile throws.
   Rounding write(const std::filesystem::path& path, const Points& points,
                  const MeshWriteOptions& options = {}) const;
 
@@ -135,7 +135,7 @@ class MeshFile {
 /// the files that it wrote beside `path`. All appear whole or not at all. Throws InputError:
 /// another extension, an index out of range, a face of fewer than 3 nodes, a coordinate that is not
 /// finite or (GLB, 3MF) too large for single precision, a colour that is not "#rrggbb", no unit
-/// where one is needed, what WholeFile throws.
+/// where one is needed, what AtomicFile throws.
 std::vector<std::filesystem::path> write_mesh(const std::filesystem::path& path,
                                               const ShellMesh& mesh,
                                               const std::vector<MeshSet>& sets = {},

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "batten/mesh/other_element.h"
+#include "batten/mesh/non_shell_element.h"
 
 namespace batten {
 
@@ -22,16 +22,16 @@ struct MeshSet {
 struct MeshWriteOptions {
   /// In Nastran decks, small-field GRIDs (8 columns a number) that moved become large-field ones
   /// (GRID*, 16 columns, two lines). Other formats are not changed by it.
-  bool wide_nodes = false;
+  bool large_field_nodes = false;
   /// The folder into which a program moves the files in the end; empty: they stay where they are
   /// written. A deck of several files is not written where it would replace one that was read.
-  std::filesystem::path appears_in = {};
+  std::filesystem::path destination_folder = {};
 };
 
 /// What rounding to the file's fields cost.
 struct MeshRounding {
-  double largest = 0;  ///< largest |written - given| of one coordinate, model units
-  long at_label = -1;  ///< number of that node; -1 when every coordinate was written exactly
+  double largest = 0;         ///< largest |written - given| of one coordinate, model units
+  long max_error_label = -1;  ///< number of that node; -1 when every coordinate was written exactly
 };
 
 }  // namespace batten

@@ -3,7 +3,7 @@
 
 #include "batten/core/errors.h"
 #include "batten/io/files/input_file.h"
-#include "batten/io/meshes/mesh_text.h"
+#include "batten/io/meshes/mesh_source_text.h"
 
 namespace batten {
 namespace fs = std::filesystem;
@@ -37,7 +37,7 @@ std::string with_slashes(std::string name) {
 
 }  // namespace
 
-std::string MeshText::places(size_t offset) const {
+std::string MeshSourceText::include_trace(size_t offset) const {
   std::string text;
   for (size_t at = offset; at != std::string::npos; at = source_of(at).included_at) {
     const std::string line = line_name(at, at);
@@ -46,8 +46,8 @@ std::string MeshText::places(size_t offset) const {
   return text;
 }
 
-void MeshText::include(const std::string& name, std::string_view where,
-                       const std::vector<std::string>& folders) {
+void MeshSourceText::include(const std::string& name, std::string_view where,
+                             const std::vector<std::string>& folders) {
   const size_t line = offset(where);
   if (name.empty()) fail(line, "found no name of a file, expected one");
   const fs::path root = folder_of(path()), here = folder_of(source_of(line).path);
@@ -69,15 +69,16 @@ void MeshText::include(const std::string& name, std::string_view where,
   found = found.lexically_normal();
   for (size_t at = line; at != std::string::npos; at = source_of(at).included_at)
     if (true_path(source_of(at).path) == true_path(found))
-      throw InputError(places(line) + "found " + found.string() +
+      throw InputError(include_trace(line) + "found " + found.string() +
                        ", which includes itself, expected files that end");
   if (depth() >= kDeepestInclude || sources_.size() >= kMostFiles)
-    throw InputError(places(line) + "found more files than are followed (" +
+    throw InputError(include_trace(line) + "found more files than are followed (" +
                      std::to_string(kMostFiles) + ", " + std::to_string(kDeepestInclude) +
                      " deep)");
-  Source source{found, input_bytes(found, "an included file", places(line)), 0, line, {}};
-  if (position() + source.text.size() > largest_input_file)
-    throw InputError(places(line) + "found more text than is read");
+  Source source{
+      found, read_input_file(found, "an included file", include_trace(line)), 0, line, {}};
+  if (position() + source.text.size() > kMaxInputFileSize)
+    throw InputError(include_trace(line) + "found more text than is read");
   if (!elsewhere) source.beside = inside(found, root);
   open_.push_back({current_, at_});
   open(std::move(source), false);

@@ -23,7 +23,7 @@ bool NastranCards::follow(std::string_view line) {
   std::string_view rest = trimmed(line);
   if (rest.size() < 8 || upper(rest.substr(0, 7)) != "INCLUDE") return false;
   rest.remove_prefix(7);
-  if (!blank(rest[0]) && rest[0] != '\'' && rest[0] != '"') return false;
+  if (!is_blank(rest[0]) && rest[0] != '\'' && rest[0] != '"') return false;
   rest = trimmed(rest);
   std::string name;
   if (rest.starts_with('\'') || rest.starts_with('"')) {
@@ -31,8 +31,9 @@ bool NastranCards::follow(std::string_view line) {
     rest.remove_prefix(1);
     while (rest.find(quote) == rest.npos) {
       name += trimmed(rest);
-      if (!file_.next_here(rest))
-        file_.fail(line, "found " + in_quotes(line) + " without its second quote, expected one");
+      if (!file_.next_in_file(rest))
+        file_.fail(line,
+                   "found " + quoted_excerpt(line) + " without its second quote, expected one");
     }
     name += trimmed(rest.substr(0, rest.find(quote)));
   } else {
@@ -45,13 +46,13 @@ bool NastranCards::follow(std::string_view line) {
 bool NastranCards::next_line(std::optional<CardLine>& card) {
   const size_t start = file_.position();
   std::string_view line;
-  while (file_.next_here(line)) {
+  while (file_.next_in_file(line)) {
     if (line.empty() || line[0] == '$' || trimmed(line).empty()) continue;
     card.emplace(line);
     if (card->continues()) return true;
     break;
   }
-  file_.go_to(start);
+  file_.seek(start);
   return false;
 }
 

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "batten/io/meshes/deck_mesh.h"
+#include "batten/io/meshes/deck_mesh_builder.h"
 
 namespace batten {
 
@@ -19,7 +19,7 @@ struct CardLine {
   std::string_view value(int field) const {
     return cells.value(field, column(field), large ? 16 : 8);
   }
-  void fields(const MeshText& file, int first, std::span<Field> result) const {
+  void fields(const MeshSourceText& file, int first, std::span<Field> result) const {
     cells.fields(file, first, column(first), large ? FieldKind::Nastran16 : FieldKind::Nastran8,
                  FieldKind::NastranFree, result);
   }
@@ -33,7 +33,7 @@ struct CardLine {
 /// Reads the lines of a deck. INCLUDE, also inside of included files, is followed.
 class NastranCards {
  public:
-  explicit NastranCards(MeshText& file) : file_(file) {}
+  explicit NastranCards(MeshSourceText& file) : file_(file) {}
   /// The next line of the deck, whatever it is.
   bool next(std::string_view& line);
   /// The line that continues a card, if there is one; comments may stand between.
@@ -43,7 +43,7 @@ class NastranCards {
 
  private:
   bool follow(std::string_view line);
-  MeshText& file_;
+  MeshSourceText& file_;
 };
 
 /// Reads numbers of which "A THRU B" are many. Returns the first value that is something else, or

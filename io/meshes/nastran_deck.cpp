@@ -1,6 +1,6 @@
 // Nastran bulk data: GRIDs, elements and the systems of coordinates; everything else stays text.
 #include "batten/core/errors.h"
-#include "batten/io/meshes/deck_mesh.h"
+#include "batten/io/meshes/deck_mesh_builder.h"
 #include "batten/io/meshes/nastran_cards.h"
 #include "batten/io/meshes/nastran_elements.h"
 #include "batten/io/meshes/nastran_systems.h"
@@ -10,7 +10,7 @@ namespace {
 
 class NastranReader {
  public:
-  explicit NastranReader(TextMesh& mesh)
+  explicit NastranReader(TextMeshContent& mesh)
       : mesh_(mesh), file_(mesh.file), cards_(mesh.file), deck_(mesh), coordinates_(mesh.file) {}
 
   void read() {
@@ -31,7 +31,7 @@ class NastranReader {
           "short");
     finish();
     if (!ended) mesh_.warnings.push_back("the deck has no ENDDATA: it may be cut short");
-    mesh_.warn_of_files_elsewhere();
+    mesh_.warn_about_unwritten_includes();
   }
 
  private:
@@ -43,8 +43,8 @@ class NastranReader {
     };
     const size_t start = file_.position();
     std::string_view line;
-    while (!begun_ && file_.next_here(line)) begun_ = begins(line);
-    file_.go_to(start);
+    while (!begun_ && file_.next_in_file(line)) begun_ = begins(line);
+    file_.seek(start);
     if (begun_)
       while (cards_.next(line) && !begins(line)) {
       }
@@ -71,8 +71,8 @@ class NastranReader {
       std::vector<LabelRange> points;
       read_ranges(cards_.values_of(card), points);
       for (const LabelRange& range : points) deck_.add_scalar_points(range);
-    } else if (is_other_element(name)) {
-      add_other_element(name, cards_.values_of(card), file_, deck_);
+    } else if (is_non_shell_element(name)) {
+      add_non_shell_element(name, cards_.values_of(card), file_, deck_);
     } else {
       other(name, line);
     }
@@ -80,13 +80,15 @@ class NastranReader {
 
   void other(const std::string& name, std::string_view line) {
     if (name.starts_with("BEGIN") && upper(line).find("SUPER") != std::string::npos)
-      file_.fail(line, "found " + in_quotes(line) + ", expected one model without superelements");
+      file_.fail(line,
+                 "found " + quoted_excerpt(line) + ", expected one model without superelements");
     if (name.starts_with("BEGIN") && begun_)
-      file_.fail(line, "found a second " + in_quotes(line) + ", expected one model");
+      file_.fail(line, "found a second " + quoted_excerpt(line) + ", expected one model");
     // That of an included file, in a deck that is nothing but included files.
     if (name.starts_with("BEGIN")) begun_ = true;
     if (name.starts_with("="))
-      file_.fail(line, "found a repeated card " + in_quotes(line) + ", expected it written out");
+      file_.fail(line,
+                 "found a repeated card " + quoted_excerpt(line) + ", expected it written out");
   }
 
   void grid(const CardLine& card) {
@@ -123,8 +125,9 @@ class NastranReader {
     for (size_t i = 0; i < corners + middle; ++i) {
       const std::string_view value = values[2 + i];
       if (i < corners && value.empty())
-        file_.fail(card.name, "found " + counted(static_cast<long>(i), "corner") + " of element " +
-                                  std::to_string(label) + ", expected " + std::to_string(corners));
+        file_.fail(card.name, "found " + format_count(static_cast<long>(i), "corner") +
+                                  " of element " + std::to_string(label) + ", expected " +
+                                  std::to_string(corners));
       if (!value.empty()) nodes[i] = file_.integer(value, "a node number");
     }
     // A property that is not given has the element's number.
@@ -136,9 +139,9 @@ class NastranReader {
     deck_.finish();
     for (long& system : systems_)
       if (system == kDefault) system = default_system_;
-    coordinates_.place(mesh_, deck_, systems_);
+    coordinates_.transform_nodes(mesh_, deck_, systems_);
     for (const auto& values : sets_) set(values);
-    deck_.warn_of_others();
+    deck_.warn_about_other_elements();
   }
 
   void set(const std::vector<std::string_view>& values) {
@@ -146,7 +149,7 @@ class NastranReader {
     const std::string_view bad = read_ranges(std::span(values).subspan(1), ranges);
     if (!bad.empty()) {
       mesh_.warnings.push_back("SET1 " + std::string(values[0]) + " is not read: it has " +
-                               in_quotes(bad));
+                               quoted_excerpt(bad));
       return;
     }
     MeshSet set{std::string(values[0]), {}, deck_.nodes_of(ranges), {}};
@@ -154,10 +157,10 @@ class NastranReader {
   }
 
   static constexpr long kDefault = -1;  // the system that GRDSET says
-  TextMesh& mesh_;
-  MeshText& file_;
+  TextMeshContent& mesh_;
+  MeshSourceText& file_;
   NastranCards cards_;
-  DeckMesh deck_;
+  DeckMeshBuilder deck_;
   NastranSystems coordinates_;
   std::vector<long> systems_;  // of each node
   std::vector<std::vector<std::string_view>> sets_;
@@ -168,7 +171,7 @@ class NastranReader {
 }  // namespace
 
 std::unique_ptr<MeshContent> read_nastran_deck(const std::filesystem::path& path) {
-  auto mesh = std::make_unique<TextMesh>(MeshText(path));
+  auto mesh = std::make_unique<TextMeshContent>(MeshSourceText(path));
   mesh->format = "Nastran bulk data";
   mesh->extensions = {".bdf", ".nas", ".dat"};
   NastranReader(*mesh).read();

@@ -8,7 +8,7 @@
 namespace batten {
 namespace {
 
-using Kind = OtherElement::Kind;
+using Kind = NonShellElement::Kind;
 
 /// Where the nodes of a card stand among its values, which count from its number: 0. `nodes` are in
 /// the order in which an element has them; at `direction` there may be a node, or the first of three
@@ -19,7 +19,7 @@ struct CardLayout {
   int direction = -1;
 };
 
-std::vector<int> run(int first, int count) {
+std::vector<int> numbered_fields(int first, int count) {
   std::vector<int> places;
   for (int i = 0; i < count; ++i) places.push_back(first + i);
   return places;
@@ -27,23 +27,40 @@ std::vector<int> run(int first, int count) {
 
 const std::map<std::string, CardLayout>& card_layouts() {
   static const std::map<std::string, CardLayout> all{
-      {"CHEXA", {Kind::Solid, run(2, 20)}},   {"CPENTA", {Kind::Solid, run(2, 15)}},
-      {"CTETRA", {Kind::Solid, run(2, 10)}},  {"CPYRAM", {Kind::Solid, run(2, 13)}},
-      {"CPYRA", {Kind::Solid, run(2, 13)}},   {"CBAR", {Kind::Beam, {2, 3}, 4}},
-      {"CBEAM", {Kind::Beam, {2, 3}, 4}},     {"CBEND", {Kind::Beam, {2, 3}, 4}},
-      {"CBEAM3", {Kind::Beam, {2, 3, 4}, 5}}, {"CROD", {Kind::Beam, {2, 3}}},
-      {"CTUBE", {Kind::Beam, {2, 3}}},        {"CONROD", {Kind::Beam, {1, 2}}},
-      {"CVISC", {Kind::Bush, {2, 3}}},        {"CBUSH", {Kind::Bush, {2, 3}, 4}},
-      {"CBUSH1D", {Kind::Bush, {2, 3}}},      {"CBUSH2D", {Kind::Bush, {2, 3}}},
-      {"CGAP", {Kind::Bush, {2, 3}, 4}},      {"CELAS1", {Kind::Bush, {2, 4}}},
-      {"CELAS2", {Kind::Bush, {2, 4}}},       {"CDAMP1", {Kind::Bush, {2, 4}}},
-      {"CDAMP2", {Kind::Bush, {2, 4}}},       {"CDAMP5", {Kind::Bush, {2, 3}}},
-      {"CFAST", {Kind::Bush, {6, 7, 5}}},     {"CWELD", {Kind::Bush, {4, 5, 2}}},
-      {"CMASS1", {Kind::Mass, {2, 4}}},       {"CMASS2", {Kind::Mass, {2, 4}}},
-      {"CONM1", {Kind::Mass, {1}}},           {"CONM2", {Kind::Mass, {1}}},
-      {"CSHEAR", {Kind::Other, run(2, 4)}},   {"PLOTEL", {Kind::Other, {1, 2}}},
-      {"RBAR1", {Kind::Rigid, {1, 2}}},       {"RJOINT", {Kind::Rigid, {1, 2}}},
-      {"RTRPLT", {Kind::Rigid, {1, 2, 3}}},   {"RTRPLT1", {Kind::Rigid, {1, 2, 3}}}};
+      {"CHEXA", {Kind::Solid, numbered_fields(2, 20)}},
+      {"CPENTA", {Kind::Solid, numbered_fields(2, 15)}},
+      {"CTETRA", {Kind::Solid, numbered_fields(2, 10)}},
+      {"CPYRAM", {Kind::Solid, numbered_fields(2, 13)}},
+      {"CPYRA", {Kind::Solid, numbered_fields(2, 13)}},
+      {"CBAR", {Kind::Beam, {2, 3}, 4}},
+      {"CBEAM", {Kind::Beam, {2, 3}, 4}},
+      {"CBEND", {Kind::Beam, {2, 3}, 4}},
+      {"CBEAM3", {Kind::Beam, {2, 3, 4}, 5}},
+      {"CROD", {Kind::Beam, {2, 3}}},
+      {"CTUBE", {Kind::Beam, {2, 3}}},
+      {"CONROD", {Kind::Beam, {1, 2}}},
+      {"CVISC", {Kind::Bush, {2, 3}}},
+      {"CBUSH", {Kind::Bush, {2, 3}, 4}},
+      {"CBUSH1D", {Kind::Bush, {2, 3}}},
+      {"CBUSH2D", {Kind::Bush, {2, 3}}},
+      {"CGAP", {Kind::Bush, {2, 3}, 4}},
+      {"CELAS1", {Kind::Bush, {2, 4}}},
+      {"CELAS2", {Kind::Bush, {2, 4}}},
+      {"CDAMP1", {Kind::Bush, {2, 4}}},
+      {"CDAMP2", {Kind::Bush, {2, 4}}},
+      {"CDAMP5", {Kind::Bush, {2, 3}}},
+      {"CFAST", {Kind::Bush, {6, 7, 5}}},
+      {"CWELD", {Kind::Bush, {4, 5, 2}}},
+      {"CMASS1", {Kind::Mass, {2, 4}}},
+      {"CMASS2", {Kind::Mass, {2, 4}}},
+      {"CONM1", {Kind::Mass, {1}}},
+      {"CONM2", {Kind::Mass, {1}}},
+      {"CSHEAR", {Kind::Other, numbered_fields(2, 4)}},
+      {"PLOTEL", {Kind::Other, {1, 2}}},
+      {"RBAR1", {Kind::Rigid, {1, 2}}},
+      {"RJOINT", {Kind::Rigid, {1, 2}}},
+      {"RTRPLT", {Kind::Rigid, {1, 2, 3}}},
+      {"RTRPLT1", {Kind::Rigid, {1, 2, 3}}}};
   return all;
 }
 
@@ -59,7 +76,8 @@ bool counted_only(const std::string& name) {
 /// The values of one card.
 class Card {
  public:
-  Card(const std::string& name, std::span<const std::string_view> values, const MeshText& file)
+  Card(const std::string& name, std::span<const std::string_view> values,
+       const MeshSourceText& file)
       : values_(values), file_(file) {
     element_.name = name;
     element_.where = values.front();
@@ -150,7 +168,7 @@ class Card {
   /// A weight with its components begins a group of nodes. Weights of turns alone hold nothing in
   /// its place.
   void average() {
-    element_.kind = Kind::Average;
+    element_.kind = Kind::Interpolation;
     if (at(2).empty()) file_.fail(at(0), "found an RBE3 without its reference node, expected one");
     add(2);
     double weight = 0;
@@ -177,20 +195,20 @@ class Card {
   }
 
   std::span<const std::string_view> values_;
-  const MeshText& file_;
+  const MeshSourceText& file_;
   DeckElement element_;
 };
 
 }  // namespace
 
-bool is_other_element(const std::string& name) {
+bool is_non_shell_element(const std::string& name) {
   return card_layouts().contains(name) || counted_only(name) || name == "RBAR" || name == "RROD" ||
          name == "RBE1" || name == "RBE2" || name == "RBE3" || name == "RSPLINE" || name == "MPC";
 }
 
-void add_other_element(const std::string& name, std::span<const std::string_view> values,
-                       const MeshText& file, DeckMesh& deck) {
-  if (counted_only(name)) return deck.add_other(name);
+void add_non_shell_element(const std::string& name, std::span<const std::string_view> values,
+                           const MeshSourceText& file, DeckMeshBuilder& deck) {
+  if (counted_only(name)) return deck.count_other_element(name);
   deck.add_element(Card(name, values, file).read());
 }
 

@@ -3,18 +3,18 @@
 #include <algorithm>
 
 #include "batten/core/errors.h"
-#include "batten/core/index.h"
+#include "batten/core/isize.h"
 
 namespace batten {
 
 void NastranSystems::read(const std::string& name, std::span<const std::string_view> values) {
   const auto at = [&](size_t i) { return i < values.size() ? values[i] : std::string_view(); };
   Definition definition;
-  SystemPlan& plan = definition.plan;
+  CoordinateSystemDefinition& plan = definition.plan;
   const char last = name.back();
-  plan.kind = last == 'C'   ? NodeFrame::Kind::Cylindrical
-              : last == 'S' ? NodeFrame::Kind::Spherical
-                            : NodeFrame::Kind::Rectangular;
+  plan.kind = last == 'C'   ? CoordinateFrame::Kind::Cylindrical
+              : last == 'S' ? CoordinateFrame::Kind::Spherical
+                            : CoordinateFrame::Kind::Rectangular;
   if (name == "CORD1R" || name == "CORD1C" || name == "CORD1S") {
     // Two systems a card.
     for (size_t first = 0; first < values.size() && !at(first).empty(); first += 4) {
@@ -31,7 +31,7 @@ void NastranSystems::read(const std::string& name, std::span<const std::string_v
     for (size_t i = 0; i < 9; ++i)
       plan.points[i / 3][static_cast<int>(i % 3)] = at(2 + i).empty() ? 0 : file_.real(at(2 + i));
   } else {
-    plan.refused = name;
+    plan.unsupported_name = name;
   }
   add(definition, at(0));
 }
@@ -44,9 +44,10 @@ void NastranSystems::add(Definition definition, std::string_view label) {
 
 int NastranSystems::index_of(long label) const { return labels_.find(label).value_or(-1); }
 
-void NastranSystems::resolve(const TextMesh& mesh, int index, NodeSystems& systems) const {
+void NastranSystems::resolve(const TextMeshContent& mesh, int index,
+                             NodeCoordinateSystems& systems) const {
   const Definition& definition = definitions_[index];
-  SystemPlan& plan = systems.plans[index];
+  CoordinateSystemDefinition& plan = systems.plans[index];
   if (definition.in != 0) {
     plan.in = index_of(definition.in);
     if (plan.in < 0)
@@ -65,21 +66,23 @@ void NastranSystems::resolve(const TextMesh& mesh, int index, NodeSystems& syste
   }
 }
 
-void NastranSystems::place(TextMesh& mesh, const DeckMesh& deck, const std::vector<long>& systems) {
+void NastranSystems::transform_nodes(TextMeshContent& mesh, const DeckMeshBuilder& deck,
+                                     const std::vector<long>& systems) {
   if (std::all_of(systems.begin(), systems.end(), [](long label) { return label == 0; })) return;
   std::vector<long> labels;
-  NodeSystems all;
+  NodeCoordinateSystems all;
   for (const Definition& definition : definitions_) {
     labels.push_back(definition.plan.label);
     all.plans.push_back(definition.plan);
   }
   labels_ = Labels(std::move(labels));
-  if (const auto twice = labels_.twice())
-    file_.fail(all.plans[twice->second].where,
-               "found coordinate system " + std::to_string(all.plans[twice->second].label) +
-                   " a second time, the first is in " +
-                   file_.line_name(all.plans[twice->first].where, all.plans[twice->second].where));
-  for (int i = 0; i < count_of(systems); ++i) {
+  if (const auto duplicate = labels_.duplicate())
+    file_.fail(
+        all.plans[duplicate->second].where,
+        "found coordinate system " + std::to_string(all.plans[duplicate->second].label) +
+            " a second time, the first is in " +
+            file_.line_name(all.plans[duplicate->first].where, all.plans[duplicate->second].where));
+  for (int i = 0; i < isize(systems); ++i) {
     all.of_node.push_back(systems[i] == 0 ? -1 : index_of(systems[i]));
     if (systems[i] != 0 && all.of_node.back() < 0)
       file_.fail(deck.node_position(i), "found node " + std::to_string(mesh.node_labels.of(i)) +
@@ -100,7 +103,7 @@ void NastranSystems::place(TextMesh& mesh, const DeckMesh& deck, const std::vect
     resolve(mesh, index, all);
     use(all.plans[index].in);
   }
-  place_nodes(mesh, std::move(all));
+  nodes_to_global(mesh, std::move(all));
 }
 
 }  // namespace batten

@@ -10,19 +10,19 @@
 #include <unordered_map>
 
 #include "batten/core/errors.h"
-#include "batten/core/index.h"
-#include "batten/io/files/whole_file.h"
+#include "batten/core/isize.h"
+#include "batten/io/files/atomic_file.h"
 #include "batten/io/meshes/mesh_colour.h"
 #include "batten/io/meshes/obj_tags.h"
-#include "batten/io/meshes/text_mesh.h"
+#include "batten/io/meshes/text_mesh_content.h"
 
 namespace batten {
 namespace {
 
 /// Words of a record, which goes on in the next line after a backslash.
-class Words {
+class Tokens {
  public:
-  Words(MeshText& file, std::string_view line) : file_(file), rest_(without_comment(line)) {}
+  Tokens(MeshSourceText& file, std::string_view line) : file_(file), rest_(without_comment(line)) {}
   /// Empty at the end of the record.
   std::string_view next() {
     for (;;) {
@@ -41,7 +41,7 @@ class Words {
   static std::string_view without_comment(std::string_view line) {
     return line.substr(0, line.find('#'));
   }
-  MeshText& file_;
+  MeshSourceText& file_;
   std::string_view rest_;
 };
 
@@ -63,13 +63,13 @@ class NamedFaces {
 
 class ObjReader {
  public:
-  ObjReader(TextMesh& mesh, const std::filesystem::path& path)
+  ObjReader(TextMeshContent& mesh, const std::filesystem::path& path)
       : mesh_(mesh), file_(mesh.file), path_(path) {}
 
   void read() {
     std::string_view line;
     while (file_.next(line)) {
-      Words words(file_, line);
+      Tokens words(file_, line);
       const std::string_view record = words.next();
       if (record == "v") {
         vertex(words, line);
@@ -95,7 +95,7 @@ class ObjReader {
         ++others_;
       }
     }
-    const int count = count_of(mesh_.fields);
+    const int count = isize(mesh_.fields);
     if (count == 0) file_.fail_at_end("found no nodes, expected records 'v x y z'");
     if (highest_ > count) refuse(highest_word_, highest_);
     mesh_.shells.points =
@@ -106,24 +106,25 @@ class ObjReader {
     for (const std::string& library : libraries_) read_colours(library);
     tags_.finish(mesh_);
     if (normals_ > 0)
-      mesh_.warnings.push_back(counted(normals_, "normal") + " (vn) of the file stay as they are");
+      mesh_.warnings.push_back(format_count(normals_, "normal") +
+                               " (vn) of the file stay as they are");
     if (others_ > 0)
-      mesh_.warnings.push_back(counted(others_, "line, point or curve record") +
+      mesh_.warnings.push_back(format_count(others_, "line, point or curve record") +
                                " of the file are kept as text");
     if (const int unused = unused_nodes(mesh_.shells))
-      mesh_.warnings.push_back(counted(unused, "node") + " without a face");
+      mesh_.warnings.push_back(format_count(unused, "node") + " without a face");
     if (file_.ends_in_mid_line())
       mesh_.warnings.push_back("the file ends in mid-line: it may be cut short");
   }
 
  private:
-  void vertex(Words& words, std::string_view line) {
+  void vertex(Tokens& words, std::string_view line) {
     std::array<Field, 3> fields;
     for (int c = 0; c < 3; ++c) {
       const std::string_view word = words.next();
       if (word.empty())
         file_.fail(line.substr(line.size()),
-                   "found " + counted(c, "coordinate") + ", expected 3 (v x y z)");
+                   "found " + format_count(c, "coordinate") + ", expected 3 (v x y z)");
       coordinates_.push_back(file_.real(word));
       fields[c].begin = file_.offset(word);
       fields[c].length = static_cast<std::uint32_t>(word.size());
@@ -131,14 +132,14 @@ class ObjReader {
     mesh_.fields.push_back(fields);
   }
 
-  void face(Words& words, std::string_view line) {
+  void face(Tokens& words, std::string_view line) {
     nodes_.clear();
     const long count = static_cast<long>(mesh_.fields.size());
     for (auto word = words.next(); !word.empty(); word = words.next()) {
       // vertex/texture/normal: the first number is meant.
       long index = 0;
       if (!parse_integer(word.substr(0, word.find('/')), index))
-        file_.fail(word, "found " + in_quotes(word) + ", expected a node number");
+        file_.fail(word, "found " + quoted_excerpt(word) + ", expected a node number");
       const long node = index < 0 ? count + index : index - 1;
       if (index == 0 || node < 0) refuse(word, index);
       if (node >= std::numeric_limits<int>::max()) refuse(word, index);
@@ -150,7 +151,7 @@ class ObjReader {
       nodes_.push_back(static_cast<int>(node));
     }
     if (nodes_.size() < 3)
-      file_.fail(line, "found a face of " + counted(static_cast<long>(nodes_.size()), "node") +
+      file_.fail(line, "found a face of " + format_count(static_cast<long>(nodes_.size()), "node") +
                            ", expected 3 or more");
     const int number = mesh_.shells.face_count();
     mesh_.shells.add_face(nodes_);
@@ -179,9 +180,9 @@ class ObjReader {
         std::array<int, 3> colour{};
         bool sound = true;
         for (int& c : colour) {
-          double share = 0;
-          sound = parse_real(next_word(rest), share) && sound;
-          c = static_cast<int>(std::lround(255 * std::clamp(share, 0.0, 1.0)));
+          double channel = 0;
+          sound = parse_real(next_word(rest), channel) && sound;
+          c = static_cast<int>(std::lround(255 * std::clamp(channel, 0.0, 1.0)));
         }
         if (sound) material->colour = hex_of(colour);
       }
@@ -195,8 +196,8 @@ class ObjReader {
                                        : "1 to " + count + " or -1 to -" + count));
   }
 
-  TextMesh& mesh_;
-  MeshText& file_;
+  TextMeshContent& mesh_;
+  MeshSourceText& file_;
   const std::filesystem::path& path_;
   NamedFaces sets_{mesh_.sets}, materials_{mesh_.properties};
   std::vector<double> coordinates_;
@@ -221,7 +222,7 @@ std::string group_name(const std::vector<MeshSet>& sets, int set) {
 }  // namespace
 
 std::unique_ptr<MeshContent> read_obj_mesh(const std::filesystem::path& path) {
-  auto mesh = std::make_unique<TextMesh>(MeshText(path));
+  auto mesh = std::make_unique<TextMeshContent>(MeshSourceText(path));
   mesh->format = "Wavefront OBJ";
   mesh->extensions = {".obj"};
   ObjReader(*mesh, path).read();
@@ -230,7 +231,7 @@ std::unique_ptr<MeshContent> read_obj_mesh(const std::filesystem::path& path) {
 
 namespace {
 
-void put_number(std::ostream& out, double value) {
+void append_number(std::ostream& out, double value) {
   char text[32];
   const auto end = std::to_chars(text, text + sizeof text, value);
   out << ' ' << std::string_view(text, static_cast<size_t>(end.ptr - text));
@@ -246,10 +247,11 @@ std::map<std::string, std::array<int, 3>> materials_of(const std::vector<MeshSet
   return all;
 }
 
-void put_materials(std::ostream& out, const std::map<std::string, std::array<int, 3>>& materials) {
+void write_materials(std::ostream& out,
+                     const std::map<std::string, std::array<int, 3>>& materials) {
   for (const auto& [name, colour] : materials) {
     out << "newmtl " << name << "\nKd";
-    for (const int c : colour) put_number(out, c / 255.0);
+    for (const int c : colour) append_number(out, c / 255.0);
     out << "\n";
   }
 }
@@ -262,21 +264,21 @@ std::vector<std::filesystem::path> write_obj_mesh(const MeshOutput& output) {
   const std::vector<MeshSet>& sets = output.sets;
   const std::vector<int> set = set_of_faces(mesh, sets);
   const auto materials = materials_of(sets);
-  std::optional<WholeFile> beside;
-  WholeFile file(path);
+  std::optional<AtomicFile> beside;
+  AtomicFile file(path);
   if (!materials.empty()) {
     // Readers take a blank for the end of the name.
     std::string name = path.stem().string() + ".mtl";
     std::replace(name.begin(), name.end(), ' ', '_');
     beside.emplace(path.parent_path() / name);
-    write_whole_file(beside->temporary(),
-                     [&](std::ostream& out) { put_materials(out, materials); });
+    write_file_atomically(beside->temporary(),
+                          [&](std::ostream& out) { write_materials(out, materials); });
   }
-  write_whole_file(file.temporary(), [&](std::ostream& out) {
+  write_file_atomically(file.temporary(), [&](std::ostream& out) {
     if (beside) out << "mtllib " << beside->path().filename().string() << '\n';
     for (int i = 0; i < mesh.node_count(); ++i) {
       out << 'v';
-      for (int c = 0; c < 3; ++c) put_number(out, mesh.points(i, c));
+      for (int c = 0; c < 3; ++c) append_number(out, mesh.points(i, c));
       out << '\n';
     }
     int group = -1;

@@ -6,7 +6,7 @@
 #include <string>
 
 #include "batten/core/errors.h"
-#include "batten/core/index.h"
+#include "batten/core/isize.h"
 
 namespace batten {
 namespace {
@@ -21,7 +21,7 @@ struct Tag {
 
 class TagReader {
  public:
-  explicit TagReader(TextMesh& mesh) : mesh_(mesh), file_(mesh.file) {
+  explicit TagReader(TextMeshContent& mesh) : mesh_(mesh), file_(mesh.file) {
     for (int f = 0; f < mesh.shells.face_count(); ++f) {
       const auto nodes = mesh.shells.corners(f);
       for (size_t i = 0; i < nodes.size(); ++i) {
@@ -95,7 +95,8 @@ class TagReader {
     return static_cast<int>(number);
   }
   double sharpness(const std::vector<std::string_view>& words, double value) const {
-    if (value < 0) fail(words, "found a sharpness of " + number(value) + ", expected 0 or more");
+    if (value < 0)
+      fail(words, "found a sharpness of " + format_number(value) + ", expected 0 or more");
     return value;
   }
 
@@ -131,15 +132,15 @@ class TagReader {
                     "are sharp");
   }
 
-  TextMesh& mesh_;
-  const MeshText& file_;
+  TextMeshContent& mesh_;
+  const MeshSourceText& file_;
   std::map<std::pair<int, int>, int> faces_of_edge_;
   std::map<int, int> faces_at_;
 };
 
 }  // namespace
 
-void ObjTags::finish(TextMesh& mesh) const {
+void ObjTags::finish(TextMeshContent& mesh) const {
   if (records_.empty()) return;
   try {
     TagReader reader(mesh);

@@ -4,7 +4,7 @@
 #include <string_view>
 #include <vector>
 
-#include "batten/io/meshes/text_mesh.h"
+#include "batten/io/meshes/text_mesh_content.h"
 
 namespace batten {
 
@@ -15,7 +15,7 @@ class ObjTags {
   void add(std::vector<std::string_view> words) {
     if (!words.empty()) records_.push_back(std::move(words));
   }
-  void finish(TextMesh& mesh) const;
+  void finish(TextMeshContent& mesh) const;
 
  private:
   std::vector<std::vector<std::string_view>> records_;

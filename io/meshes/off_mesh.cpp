@@ -5,8 +5,8 @@
 #include <ostream>
 
 #include "batten/core/errors.h"
-#include "batten/io/files/whole_file.h"
-#include "batten/io/meshes/text_mesh.h"
+#include "batten/io/files/atomic_file.h"
+#include "batten/io/meshes/text_mesh_content.h"
 
 namespace batten {
 namespace {
@@ -16,7 +16,7 @@ std::string_view without_comment(std::string_view line) {
 }
 
 /// The next line that is more than a comment.
-bool next_data(MeshText& file, std::string_view& line) {
+bool next_data(MeshSourceText& file, std::string_view& line) {
   while (file.next(line)) {
     line = without_comment(line);
     if (!line.empty()) return true;
@@ -25,14 +25,14 @@ bool next_data(MeshText& file, std::string_view& line) {
 }
 
 /// Checks the word that says which kind of OFF this is; false when the file has none.
-bool read_kind(const MeshText& file, std::string_view word) {
+bool read_kind(const MeshSourceText& file, std::string_view word) {
   if (!word.ends_with("OFF")) return false;
   std::string_view rest = word.substr(0, word.size() - 3);
   if (rest.starts_with("ST")) rest.remove_prefix(2);
   if (rest.starts_with("C")) rest.remove_prefix(1);
   if (rest.starts_with("N")) rest.remove_prefix(1);
   if (!rest.empty())
-    file.fail(word, "found " + in_quotes(word) + ", expected OFF, COFF, NOFF, STOFF or CNOFF");
+    file.fail(word, "found " + quoted_excerpt(word) + ", expected OFF, COFF, NOFF, STOFF or CNOFF");
   return true;
 }
 
@@ -40,7 +40,7 @@ struct Counts {
   long nodes = 0, faces = 0;
 };
 
-Counts read_counts(MeshText& file) {
+Counts read_counts(MeshSourceText& file) {
   std::string_view line;
   if (!next_data(file, line)) file.fail_at_end("found the end of the file, expected 'OFF'");
   std::string_view rest = line, word = next_word(rest);
@@ -54,7 +54,7 @@ Counts read_counts(MeshText& file) {
     }
     word = next_word(rest);
   } else if (word.find_first_not_of("0123456789") != word.npos) {
-    file.fail(word, "found " + in_quotes(word) + ", expected 'OFF'");
+    file.fail(word, "found " + quoted_excerpt(word) + ", expected 'OFF'");
   }
   Counts counts;
   counts.nodes = file.integer(word, "a number of nodes");
@@ -63,12 +63,12 @@ Counts read_counts(MeshText& file) {
       file.integer(faces.empty() ? line.substr(line.size()) : faces, "a number of faces");
   const long most = std::numeric_limits<int>::max();
   if (counts.nodes < 0 || counts.faces < 0 || counts.nodes > most || counts.faces > most)
-    file.fail(line, "found " + in_quotes(line) + ", expected numbers of nodes and faces");
+    file.fail(line, "found " + quoted_excerpt(line) + ", expected numbers of nodes and faces");
   return counts;
 }
 
-void read(TextMesh& mesh) {
-  MeshText& file = mesh.file;
+void read(TextMeshContent& mesh) {
+  MeshSourceText& file = mesh.file;
   const Counts counts = read_counts(file);
   // Counts may be wrong, the size of the file is not.
   const auto nodes = static_cast<size_t>(counts.nodes);
@@ -78,14 +78,14 @@ void read(TextMesh& mesh) {
   std::string_view line;
   for (size_t i = 0; i < nodes; ++i) {
     if (!next_data(file, line))
-      file.fail_at_end("found " + counted(static_cast<long>(i), "node") + ", expected " +
+      file.fail_at_end("found " + format_count(static_cast<long>(i), "node") + ", expected " +
                        std::to_string(nodes));
     std::array<Field, 3> fields;
     std::string_view rest = line;
     for (Field& field : fields) {
       const std::string_view word = next_word(rest);
       if (word.empty())
-        file.fail(line, "found " + counted(&field - fields.data(), "number") +
+        file.fail(line, "found " + format_count(&field - fields.data(), "number") +
                             ", expected the 3 coordinates of node " + std::to_string(i));
       coordinates.push_back(file.real(word));
       field.begin = file.offset(word);
@@ -98,22 +98,22 @@ void read(TextMesh& mesh) {
   std::vector<int> face;
   for (long f = 0; f < counts.faces; ++f) {
     if (!next_data(file, line))
-      file.fail_at_end("found " + counted(f, "face") + ", expected " +
+      file.fail_at_end("found " + format_count(f, "face") + ", expected " +
                        std::to_string(counts.faces));
     std::string_view rest = line;
     const std::string_view first = next_word(rest);
     const long corners = file.integer(first, "a number of nodes");
     if (corners < 3)
-      file.fail(first, "found a face of " + counted(corners, "node") + ", expected 3 or more");
+      file.fail(first, "found a face of " + format_count(corners, "node") + ", expected 3 or more");
     face.clear();
     for (long i = 0; i < corners; ++i) {
       const std::string_view word = next_word(rest);
       if (word.empty())
-        file.fail(line, "found a face of " + counted(i, "node") + ", expected " +
+        file.fail(line, "found a face of " + format_count(i, "node") + ", expected " +
                             std::to_string(corners) + " as it says");
       const long node = file.integer(word, "a node number");
       if (node < 0 || node >= counts.nodes)
-        file.fail(word, "found node number " + in_quotes(word) + ", expected 0 to " +
+        file.fail(word, "found node number " + quoted_excerpt(word) + ", expected 0 to " +
                             std::to_string(counts.nodes - 1));
       face.push_back(static_cast<int>(node));
     }
@@ -122,31 +122,31 @@ void read(TextMesh& mesh) {
   mesh.node_labels = Labels::counted_from(0, static_cast<int>(counts.nodes));
   mesh.face_labels = Labels::counted_from(0, static_cast<int>(counts.faces));
   if (const int unused = unused_nodes(mesh.shells))
-    mesh.warnings.push_back(counted(unused, "node") + " without a face");
+    mesh.warnings.push_back(format_count(unused, "node") + " without a face");
 }
 
 }  // namespace
 
 std::unique_ptr<MeshContent> read_off_mesh(const std::filesystem::path& path) {
-  auto mesh = std::make_unique<TextMesh>(MeshText(path));
+  auto mesh = std::make_unique<TextMeshContent>(MeshSourceText(path));
   mesh->format = "OFF";
   mesh->extensions = {".off"};
-  MeshText& file = mesh->file;
+  MeshSourceText& file = mesh->file;
   const size_t start = file.position();
   std::string_view line;
   next_data(file, line);
   const std::string_view kind = next_word(line);
-  file.go_to(start);
+  file.seek(start);
   read(*mesh);
   if (kind.ends_with("NOFF"))
-    mesh->warnings.push_back(counted(mesh->shells.node_count(), "normal") +
+    mesh->warnings.push_back(format_count(mesh->shells.node_count(), "normal") +
                              " of the file stay as they are");
   return mesh;
 }
 
 void write_off_mesh(const MeshOutput& output) {
   const ShellMesh& mesh = output.mesh;
-  write_whole_file(output.path, [&](std::ostream& out) {
+  write_file_atomically(output.path, [&](std::ostream& out) {
     char text[32];
     out << "OFF\n" << mesh.node_count() << ' ' << mesh.face_count() << " 0\n";
     for (int i = 0; i < mesh.node_count(); ++i)

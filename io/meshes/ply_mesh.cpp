@@ -8,10 +8,10 @@
 #include <ostream>
 
 #include "batten/core/errors.h"
-#include "batten/core/index.h"
-#include "batten/io/files/whole_file.h"
+#include "batten/core/isize.h"
+#include "batten/io/files/atomic_file.h"
 #include "batten/io/meshes/mesh_colour.h"
-#include "batten/io/meshes/text_mesh.h"
+#include "batten/io/meshes/text_mesh_content.h"
 
 namespace batten {
 namespace {
@@ -37,7 +37,7 @@ struct Element {
 
 class PlyReader {
  public:
-  explicit PlyReader(TextMesh& mesh) : mesh_(mesh), file_(mesh.file) {}
+  explicit PlyReader(TextMeshContent& mesh) : mesh_(mesh), file_(mesh.file) {}
 
   void read() {
     header();
@@ -52,7 +52,7 @@ class PlyReader {
         faces = true;
         polygons(element);
       } else {
-        mesh_.warnings.push_back(counted(element.count, "element") + " '" + element.name +
+        mesh_.warnings.push_back(format_count(element.count, "element") + " '" + element.name +
                                  "' of the file stay as they are");
         for (long i = 0; i < element.count; ++i)
           for (const Property& property : element.properties) skip(property);
@@ -62,14 +62,14 @@ class PlyReader {
     mesh_.node_labels = Labels::counted_from(0, mesh_.shells.node_count());
     mesh_.face_labels = Labels::counted_from(0, mesh_.shells.face_count());
     if (const int unused = unused_nodes(mesh_.shells))
-      mesh_.warnings.push_back(counted(unused, "node") + " without a face");
+      mesh_.warnings.push_back(format_count(unused, "node") + " without a face");
   }
 
  private:
   void header() {
     std::string_view line;
     if (!file_.next(line) || trimmed(line) != "ply")
-      file_.fail(size_t{0}, "found " + in_quotes(line) + ", expected 'ply'");
+      file_.fail(size_t{0}, "found " + quoted_excerpt(line) + ", expected 'ply'");
     bool format = false;
     while (file_.next(line)) {
       std::string_view rest = line;
@@ -81,7 +81,7 @@ class PlyReader {
         Element element{std::string(next_word(rest)), 0, {}};
         element.count = file_.integer(next_word(rest), "a number of elements");
         if (element.count < 0 || element.count > std::numeric_limits<int>::max())
-          file_.fail(line, "found " + in_quotes(line) + ", expected a number of elements");
+          file_.fail(line, "found " + quoted_excerpt(line) + ", expected a number of elements");
         elements_.push_back(std::move(element));
       } else if (word == "property") {
         if (elements_.empty()) file_.fail(word, "found a property before any element");
@@ -98,7 +98,7 @@ class PlyReader {
         if (!format) file_.fail(word, "found no format line, expected one");
         return;
       } else if (word != "comment" && word != "obj_info") {
-        file_.fail(line, "found " + in_quotes(line) + ", expected a line of a PLY header");
+        file_.fail(line, "found " + quoted_excerpt(line) + ", expected a line of a PLY header");
       }
     }
     file_.fail_at_end("found the end of the file, expected 'end_header'");
@@ -106,11 +106,11 @@ class PlyReader {
 
   void read_format(std::string_view name, std::string_view line) {
     ascii_ = name == "ascii";
-    const bool big = name == "binary_big_endian";
-    if (!ascii_ && !big && name != "binary_little_endian")
-      file_.fail(line, "found " + in_quotes(line) + ", expected ascii, binary_little_endian or " +
-                           "binary_big_endian");
-    big_ = big;
+    const bool big_endian = name == "binary_big_endian";
+    if (!ascii_ && !big_endian && name != "binary_little_endian")
+      file_.fail(line, "found " + quoted_excerpt(line) +
+                           ", expected ascii, binary_little_endian or " + "binary_big_endian");
+    big_endian_ = big_endian;
   }
 
   Scalar scalar(std::string_view name) const {
@@ -123,7 +123,7 @@ class PlyReader {
         {"float64", Scalar::Float64}};
     for (const auto& [known, type] : names)
       if (known == name) return type;
-    file_.fail(name, "found " + in_quotes(name) + ", expected a type as float or uchar");
+    file_.fail(name, "found " + quoted_excerpt(name) + ", expected a type as float or uchar");
   }
 
   size_t at() const { return file_.position(); }
@@ -132,7 +132,8 @@ class PlyReader {
   double load(size_t begin) const {
     char bytes[sizeof(T)];
     std::memcpy(bytes, file_.text().data() + begin, sizeof(T));
-    if (big_ != (std::endian::native == std::endian::big)) std::reverse(bytes, bytes + sizeof(T));
+    if (big_endian_ != (std::endian::native == std::endian::big))
+      std::reverse(bytes, bytes + sizeof(T));
     T value;
     std::memcpy(&value, bytes, sizeof(T));
     return static_cast<double>(value);
@@ -143,11 +144,11 @@ class PlyReader {
     if (ascii_) {
       const std::string& text = file_.text();
       size_t begin = at();
-      while (begin < text.size() && (blank(text[begin]) || text[begin] == '\n')) ++begin;
+      while (begin < text.size() && (is_blank(text[begin]) || text[begin] == '\n')) ++begin;
       size_t end = begin;
-      while (end < text.size() && !blank(text[end]) && text[end] != '\n') ++end;
+      while (end < text.size() && !is_blank(text[end]) && text[end] != '\n') ++end;
       if (begin == end) file_.fail_at_end("found the end of the file, expected a number");
-      file_.go_to(end);
+      file_.seek(end);
       field = {begin, static_cast<std::uint32_t>(end - begin), FieldKind::Free, false, 0};
       return file_.real(std::string_view(text).substr(begin, end - begin));
     }
@@ -155,10 +156,10 @@ class PlyReader {
     if (file_.text().size() - begin < size)
       file_.fail_at_end("found the end of the file, expected " + std::to_string(size) +
                         " more bytes");
-    file_.go_to(begin + size);
+    file_.seek(begin + size);
     const FieldKind kind = type == Scalar::Float32
-                               ? (big_ ? FieldKind::Float32Swapped : FieldKind::Float32)
-                               : (big_ ? FieldKind::Float64Swapped : FieldKind::Float64);
+                               ? (big_endian_ ? FieldKind::Float32Swapped : FieldKind::Float32)
+                               : (big_endian_ ? FieldKind::Float64Swapped : FieldKind::Float64);
     field = {begin, static_cast<std::uint32_t>(size), kind, false, 0};
     switch (type) {
       case Scalar::Int8:
@@ -184,7 +185,7 @@ class PlyReader {
     const double value = next(type, field);
     if (!(value >= static_cast<double>(low) && value <= static_cast<double>(high)) ||
         value != std::floor(value))
-      file_.fail(field.begin, "found " + number(value) + " as " + what + ", expected " +
+      file_.fail(field.begin, "found " + format_number(value) + " as " + what + ", expected " +
                                   std::to_string(low) + " to " + std::to_string(high));
     return static_cast<long>(value);
   }
@@ -197,7 +198,7 @@ class PlyReader {
   void vertices(const Element& element) {
     std::array<int, 3> where{-1, -1, -1};
     bool normals = false;
-    for (int p = 0; p < count_of(element.properties); ++p) {
+    for (int p = 0; p < isize(element.properties); ++p) {
       const Property& property = element.properties[p];
       for (int c = 0; c < 3; ++c)
         if (property.name == std::string(1, "xyz"[c])) {
@@ -214,7 +215,7 @@ class PlyReader {
     for (long i = 0; i < element.count; ++i) {
       std::array<Field, 3> fields;
       std::array<double, 3> xyz{};
-      for (int p = 0; p < count_of(element.properties); ++p) {
+      for (int p = 0; p < isize(element.properties); ++p) {
         const Property& property = element.properties[p];
         const auto c = std::find(where.begin(), where.end(), p) - where.begin();
         if (c == 3) {
@@ -234,7 +235,7 @@ class PlyReader {
         Eigen::Map<const Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>>(
             coordinates.data(), element.count, 3);
     if (normals)
-      mesh_.warnings.push_back(counted(element.count, "normal") +
+      mesh_.warnings.push_back(format_count(element.count, "normal") +
                                " (nx, ny, nz) of the file stay as they are");
   }
 
@@ -253,7 +254,8 @@ class PlyReader {
         }
         const long corners = next_integer(*property.count, "a number of nodes", 0, 1L << 31);
         if (corners < 3)
-          file_.fail(at(), "found a face of " + counted(corners, "node") + ", expected 3 or more");
+          file_.fail(at(),
+                     "found a face of " + format_count(corners, "node") + ", expected 3 or more");
         face.clear();
         for (long k = 0; k < corners; ++k)
           face.push_back(static_cast<int>(
@@ -262,16 +264,16 @@ class PlyReader {
       }
   }
 
-  TextMesh& mesh_;
-  MeshText& file_;
+  TextMeshContent& mesh_;
+  MeshSourceText& file_;
   std::vector<Element> elements_;
-  bool ascii_ = true, big_ = false;
+  bool ascii_ = true, big_endian_ = false;
 };
 
 }  // namespace
 
 std::unique_ptr<MeshContent> read_ply_mesh(const std::filesystem::path& path) {
-  auto mesh = std::make_unique<TextMesh>(MeshText(path, true));
+  auto mesh = std::make_unique<TextMeshContent>(MeshSourceText(path, true));
   mesh->format = "Stanford PLY";
   mesh->extensions = {".ply"};
   PlyReader(*mesh).read();
@@ -303,7 +305,7 @@ void write_ply_mesh(const MeshOutput& output) {
       for (const int c : set[f] < 0 ? without : colours[set[f]].value_or(without))
         put(static_cast<std::uint8_t>(c));
   }
-  write_whole_file(output.path, [&](std::ostream& out) {
+  write_file_atomically(output.path, [&](std::ostream& out) {
     out << "ply\nformat binary_little_endian 1.0\nelement vertex " << mesh.node_count()
         << "\nproperty double x\nproperty double y\nproperty double z\nelement face "
         << mesh.face_count() << "\nproperty list uint int vertex_indices\n"

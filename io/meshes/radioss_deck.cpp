@@ -4,12 +4,12 @@
 #include <set>
 
 #include "batten/core/errors.h"
-#include "batten/io/meshes/deck_mesh.h"
+#include "batten/io/meshes/deck_mesh_builder.h"
 
 namespace batten {
 namespace {
 
-using Kind = OtherElement::Kind;
+using Kind = NonShellElement::Kind;
 
 constexpr int kWidth = 10;  // of all fields but real numbers
 
@@ -28,7 +28,7 @@ const std::map<std::string, BlockLayout>& block_layouts() {
 
 class RadiossReader {
  public:
-  explicit RadiossReader(TextMesh& mesh) : mesh_(mesh), file_(mesh.file), deck_(mesh) {}
+  explicit RadiossReader(TextMeshContent& mesh) : mesh_(mesh), file_(mesh.file), deck_(mesh) {}
 
   void read() {
     bool ended = false;
@@ -107,13 +107,13 @@ class RadiossReader {
     if (name == "RBODY" && words[1] != "LAGMUL") return body("/RBODY", words[1], 6);
     if (name == "RBE2") return body("/RBE2", words[1], 3);
     if (name == "TRANSFORM" || name.empty())
-      file_.fail(keyword_, "found " + in_quotes(keyword_) +
+      file_.fail(keyword_, "found " + quoted_excerpt(keyword_) +
                                ", expected one model with its nodes in their place");
     if (const auto layout = block_layouts().find(name); layout != block_layouts().end())
       return elements(name, layout->second);
-    static const std::set<std::string> counted{"BRIC20", "SHEL16", "QUAD",  "TRIA",
-                                               "XELEM",  "SPHCEL", "ADMAS", "RBE3"};
-    if (counted.contains(name)) deck_.add_other("/" + name, 0);
+    static const std::set<std::string> format_count{"BRIC20", "SHEL16", "QUAD",  "TRIA",
+                                                    "XELEM",  "SPHCEL", "ADMAS", "RBE3"};
+    if (format_count.contains(name)) deck_.count_other_element("/" + name, 0);
   }
 
   std::string_view field(int i) const { return DeckLine(line_).value(i, i * kWidth, kWidth); }
@@ -204,7 +204,7 @@ class RadiossReader {
     if (!next_data()) return;
     body.node = number(0);
     body.group = number(group_field, "the number of a group");
-    deck_.add_other(name);
+    deck_.count_other_element(name);
     bodies_.push_back(body);
   }
 
@@ -214,26 +214,26 @@ class RadiossReader {
       if (const auto title = titles_.find(property.name); title != titles_.end())
         property.title = title->second;
     for (const Body& body : bodies_) {
-      OtherElement element{Kind::Rigid, body.name, body.label, {}, {}};
+      NonShellElement element{Kind::Rigid, body.name, body.label, {}, {}};
       const auto main = mesh_.node_labels.find(body.node);
       if (main) element.nodes.push_back(*main);
       for (const Group& group : groups_)
         if (group.name == std::to_string(body.group))
           for (const int node : deck_.nodes_of(group.nodes))
             if (!main || node != *main) element.nodes.push_back(node);
-      if (!element.nodes.empty()) mesh_.others.push_back(std::move(element));
+      if (!element.nodes.empty()) mesh_.other_elements.push_back(std::move(element));
     }
     for (const Group& group : groups_) {
       MeshSet set{group.name, group.title, deck_.nodes_of(group.nodes), {}};
       if (!set.nodes.empty()) mesh_.sets.push_back(std::move(set));
     }
-    deck_.warn_of_others();
-    mesh_.warn_of_files_elsewhere();
+    deck_.warn_about_other_elements();
+    mesh_.warn_about_unwritten_includes();
   }
 
-  TextMesh& mesh_;
-  MeshText& file_;
-  DeckMesh deck_;
+  TextMeshContent& mesh_;
+  MeshSourceText& file_;
+  DeckMeshBuilder deck_;
   std::string_view line_, keyword_;
   std::map<std::string, std::string> titles_;
   std::vector<Group> groups_;
@@ -243,7 +243,7 @@ class RadiossReader {
 }  // namespace
 
 std::unique_ptr<MeshContent> read_radioss_deck(const std::filesystem::path& path) {
-  auto mesh = std::make_unique<TextMesh>(MeshText(path));
+  auto mesh = std::make_unique<TextMeshContent>(MeshSourceText(path));
   mesh->format = "Radioss starter";
   mesh->extensions = {".rad"};
   RadiossReader(*mesh).read();

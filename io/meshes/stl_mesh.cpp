@@ -7,10 +7,10 @@
 #include <unordered_map>
 
 #include "batten/core/errors.h"
-#include "batten/core/index.h"
-#include "batten/io/files/whole_file.h"
+#include "batten/core/isize.h"
+#include "batten/io/files/atomic_file.h"
 #include "batten/io/meshes/mesh_content.h"
-#include "batten/io/meshes/mesh_text.h"
+#include "batten/io/meshes/mesh_source_text.h"
 
 namespace batten {
 namespace {
@@ -44,11 +44,11 @@ Vec3 normal_of(const Points& points, std::span<const int> face) {
 /// Numbers places in the order in which they come.
 class Nodes {
  public:
-  int operator()(const std::array<double, 3>& place) {
+  int operator()(const std::array<double, 3>& position) {
     std::array<double, 3> key;
-    for (size_t c = 0; c < 3; ++c) key[c] = place[c] + 0.0;  // -0 is 0
-    const auto [at, is_new] = index_.try_emplace(key, count_of(index_));
-    if (is_new) coordinates_.insert(coordinates_.end(), place.begin(), place.end());
+    for (size_t c = 0; c < 3; ++c) key[c] = position[c] + 0.0;  // -0 is 0
+    const auto [at, is_new] = index_.try_emplace(key, isize(index_));
+    if (is_new) coordinates_.insert(coordinates_.end(), position.begin(), position.end());
     return at->second;
   }
   Points points() const {
@@ -73,7 +73,7 @@ class Nodes {
 
 class StlMesh : public MeshContent {
  public:
-  explicit StlMesh(MeshText text) : file_(std::move(text)) {
+  explicit StlMesh(MeshSourceText text) : file_(std::move(text)) {
     const std::string& bytes = file_.text();
     // Some binary files start with "solid", too; their size gives them away.
     binary_ = bytes.size() >= kHeader && bytes.size() == kHeader + kRecord * binary_count(bytes);
@@ -81,7 +81,7 @@ class StlMesh : public MeshContent {
     if (!binary_ && next_word(first) != "solid") {
       if (bytes.size() < kHeader)
         file_.fail(size_t{0},
-                   "found " + in_quotes(bytes) + ", expected 'solid' or a binary header");
+                   "found " + quoted_excerpt(bytes) + ", expected 'solid' or a binary header");
       file_.fail_at_end("found " + std::to_string(bytes.size()) + " bytes, expected " +
                         std::to_string(kHeader + kRecord * binary_count(bytes)) + " for " +
                         std::to_string(binary_count(bytes)) + " triangles");
@@ -97,7 +97,7 @@ class StlMesh : public MeshContent {
                      const MeshWriteOptions&) const override {
     MeshRounding rounding;
     const std::string out = binary_ ? patched_binary(points, rounding) : patched_text(points);
-    write_whole_file(path, [&](std::ostream& stream) {
+    write_file_atomically(path, [&](std::ostream& stream) {
       stream.write(out.data(), static_cast<std::streamsize>(out.size()));
     });
     return rounding;
@@ -110,14 +110,14 @@ class StlMesh : public MeshContent {
     for (size_t at = kHeader; at < bytes.size(); at += kRecord) {
       std::array<int, 3> face;
       for (size_t k = 0; k < 3; ++k) {
-        std::array<double, 3> place;
+        std::array<double, 3> position;
         for (size_t c = 0; c < 3; ++c) {
-          place[c] = load_float(&bytes[at + 12 + 12 * k + 4 * c]);
-          if (!std::isfinite(place[c]))
+          position[c] = load_float(&bytes[at + 12 + 12 * k + 4 * c]);
+          if (!std::isfinite(position[c]))
             throw InputError(file_.path().string() + ": a coordinate of triangle " +
                              std::to_string((at - kHeader) / kRecord) + " is not finite");
         }
-        face[k] = nodes(place);
+        face[k] = nodes(position);
       }
       shells.add_face(face);
     }
@@ -127,7 +127,8 @@ class StlMesh : public MeshContent {
   /// Calls `normal` with the part of a line that has a facet's normal, `corner` with each of three
   /// coordinates.
   template <class Solid, class Normal, class Corner>
-  void walk(MeshText& file, const Solid& solid, const Normal& normal, const Corner& corner) const {
+  void walk(MeshSourceText& file, const Solid& solid, const Normal& normal,
+            const Corner& corner) const {
     std::string_view line;
     int corners = 0;
     bool open = false;
@@ -136,8 +137,8 @@ class StlMesh : public MeshContent {
       const std::string_view word = next_word(rest);
       if (word.empty()) continue;
       const auto misplaced = [&] {
-        file.fail(word, "found " + in_quotes(word) + " after " + counted(corners, "corner") +
-                            ", expected facets of three");
+        file.fail(word, "found " + quoted_excerpt(word) + " after " +
+                            format_count(corners, "corner") + ", expected facets of three");
       };
       if (word == "facet") {
         if (open) misplaced();
@@ -157,7 +158,7 @@ class StlMesh : public MeshContent {
       } else if (word == "solid") {
         solid(trimmed(rest));
       } else if (word != "outer" && word != "endloop" && word != "endsolid") {
-        file.fail(word, "found " + in_quotes(word) + ", expected a line of STL text");
+        file.fail(word, "found " + quoted_excerpt(word) + ", expected a line of STL text");
       }
     }
     if (open) file.fail_at_end("found the end of the file in a facet, expected 'endfacet'");
@@ -165,7 +166,7 @@ class StlMesh : public MeshContent {
 
   void read_text() {
     Nodes nodes;
-    std::array<double, 3> place;
+    std::array<double, 3> position;
     std::vector<int> face;
     walk(
         file_,
@@ -174,9 +175,9 @@ class StlMesh : public MeshContent {
         },
         [](std::string_view) {},
         [&](int c, std::string_view number) {
-          place[c] = file_.real(number);
+          position[c] = file_.real(number);
           if (c < 2) return;
-          face.push_back(nodes(place));
+          face.push_back(nodes(position));
           if (face.size() < 3) return;
           if (!sets.empty()) sets.back().faces.push_back(shells.face_count());
           shells.add_face(face);
@@ -205,8 +206,8 @@ class StlMesh : public MeshContent {
           if (points(node, c) == shells.points(node, c)) continue;
           const auto value = static_cast<float>(points(node, c));
           if (!std::isfinite(value))
-            throw InputError(file_.path().string() + ": the coordinate " + number(points(node, c)) +
-                             " of node " + std::to_string(node) +
+            throw InputError(file_.path().string() + ": the coordinate " +
+                             format_number(points(node, c)) + " of node " + std::to_string(node) +
                              " is too large for single precision");
           store_float(record + 12 + 12 * k + 4 * c, value);
           const double error = std::abs(static_cast<double>(value) - points(node, c));
@@ -231,8 +232,8 @@ class StlMesh : public MeshContent {
       out.append(text, done, begin - done);
       done = begin + length;
     };
-    MeshText walked = file_;
-    walked.go_to(0);
+    MeshSourceText walked = file_;
+    walked.seek(0);
     const auto begin_of = [&](std::string_view part) { return walked.offset(part); };
     walk(
         walked, [](std::string_view) {},
@@ -258,14 +259,14 @@ class StlMesh : public MeshContent {
     return out;
   }
 
-  MeshText file_;
+  MeshSourceText file_;
   bool binary_ = false;
 };
 
 }  // namespace
 
 std::unique_ptr<MeshContent> read_stl_mesh(const std::filesystem::path& path) {
-  return std::make_unique<StlMesh>(MeshText(path, true));
+  return std::make_unique<StlMesh>(MeshSourceText(path, true));
 }
 
 void write_stl_mesh(const MeshOutput& output) {
@@ -290,7 +291,7 @@ void write_stl_mesh(const MeshOutput& output) {
   };
   for (int f = 0; f < mesh.face_count(); ++f)
     for (const auto& [a, b, c] : triangles_of(mesh, f)) triangle(a, b, c);
-  write_whole_file(output.path, [&](std::ostream& out) {
+  write_file_atomically(output.path, [&](std::ostream& out) {
     char header[kHeader] = "Batten";
     for (int i = 0; i < 4; ++i) header[80 + i] = static_cast<char>(count >> (8 * i) & 255);
     out.write(header, kHeader);

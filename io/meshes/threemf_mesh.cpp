@@ -7,8 +7,8 @@
 #include <string>
 
 #include "batten/core/errors.h"
-#include "batten/core/index.h"
-#include "batten/io/files/whole_file.h"
+#include "batten/core/isize.h"
+#include "batten/io/files/atomic_file.h"
 #include "batten/io/meshes/mesh_colour.h"
 #include "batten/io/meshes/mesh_content.h"
 
@@ -109,12 +109,12 @@ class ThreeMfFile {
     constexpr std::array grey{204, 204, 204};
     const auto add = [&](const std::string& name, const std::array<int, 3>& colour) {
       DWORD index = 0;
-      const auto share = [&](size_t c) { return static_cast<BYTE>(colour[c]); };
-      demand(NMR::lib3mf_basematerial_addmaterialutf8(group, name.c_str(), share(0), share(1),
-                                                      share(2), &index),
+      const auto channel = [&](size_t c) { return static_cast<BYTE>(colour[c]); };
+      demand(NMR::lib3mf_basematerial_addmaterialutf8(group, name.c_str(), channel(0), channel(1),
+                                                      channel(2), &index),
              group);
-      demand(NMR::lib3mf_basematerial_setdisplaycolorrgba(group, index, share(0), share(1),
-                                                          share(2), 255),
+      demand(NMR::lib3mf_basematerial_setdisplaycolorrgba(group, index, channel(0), channel(1),
+                                                          channel(2), 255),
              group);
     };
     for (const MeshSet& set : output_.sets)
@@ -146,7 +146,7 @@ class ThreeMfFile {
   }
 
   const MeshOutput& output_;
-  WholeFile file_;
+  AtomicFile file_;
   Owned model_, object_;
   std::vector<int> faces_;  // of the triangles
   std::uint64_t hash_ = 14695981039346656037u;

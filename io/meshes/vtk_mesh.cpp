@@ -26,12 +26,12 @@
 #include <optional>
 
 #include "batten/core/errors.h"
-#include "batten/core/index.h"
-#include "batten/io/files/in_child.h"
+#include "batten/core/isize.h"
+#include "batten/io/files/sandboxed_read.h"
 #include "batten/io/meshes/mesh_content.h"
-#include "batten/io/meshes/mesh_text.h"
-#include "batten/io/vtk/vtk_messages.h"
-#include "batten/io/vtk/vtk_write.h"
+#include "batten/io/meshes/mesh_source_text.h"
+#include "batten/io/vtk/vtk_message_capture.h"
+#include "batten/io/vtk/write_vtk_xml.h"
 
 namespace batten {
 namespace fs = std::filesystem;
@@ -43,7 +43,7 @@ vtkSmartPointer<vtkPointSet> read_from(const fs::path& path, const std::string* 
   const auto fail = [&](const std::string& reason) -> void {
     throw InputError(path.string() + ": VTK cannot read this file: " + reason);
   };
-  const VtkMessages messages;
+  const VtkMessageCapture messages;
   vtkNew<Reader> reader;
   try {
     if (bytes) {
@@ -72,8 +72,8 @@ vtkSmartPointer<vtkPointSet> read_from(const fs::path& path, const std::string* 
 
 template <class Reader, class Writer>
 vtkSmartPointer<vtkPointSet> read_with(const fs::path& path) {
-  if (!reads_in_child()) return read_from<Reader>(path, nullptr);
-  const std::string bytes = bytes_from_child(path, "VTK", [&] {
+  if (!is_sandboxed_read_enabled()) return read_from<Reader>(path, nullptr);
+  const std::string bytes = sandboxed_read(path, "VTK", [&] {
     const auto data = read_from<Reader>(path, nullptr);
     vtkNew<Writer> writer;
     writer->SetInputDataObject(data);
@@ -99,16 +99,16 @@ class Cells {
     for (vtkIdType i = 0; i < nodes->GetNumberOfTuples(); ++i) {
       const double node = nodes->GetComponent(i, 0);
       if (!(node >= 0 && node < static_cast<double>(points)))
-        throw InputError(file + ": found node number " + number(node) +
+        throw InputError(file + ": found node number " + format_number(node) +
                          " in a cell, expected 0 to " + std::to_string(points - 1));
       nodes_.push_back(static_cast<int>(node));
     }
     for (size_t i = 0; i < start_.size(); ++i)
       if (start_[i] < (i > 0 ? start_[i - 1] : 0) || start_[i] > static_cast<long>(nodes_.size()))
         throw InputError(file + ": found a cell that starts at " + std::to_string(start_[i]) +
-                         " of " + counted(static_cast<long>(nodes_.size()), "number"));
+                         " of " + format_count(static_cast<long>(nodes_.size()), "number"));
   }
-  int count() const { return start_.empty() ? 0 : count_of(start_) - 1; }
+  int count() const { return start_.empty() ? 0 : isize(start_) - 1; }
   std::vector<int> nodes(int cell) const {
     const auto i = static_cast<size_t>(cell);
     return {nodes_.begin() + start_[i], nodes_.begin() + start_[i + 1]};
@@ -145,10 +145,10 @@ std::optional<FaceType> face_type(int cell_type) {
 void write_data(vtkDataObject* data, const fs::path& path) {
   if (vtkPolyData::SafeDownCast(data)) {
     vtkNew<vtkXMLPolyDataWriter> writer;
-    write_xml(*writer, data, path);
+    write_vtk_xml(*writer, data, path);
   } else {
     vtkNew<vtkXMLUnstructuredGridWriter> writer;
-    write_xml(*writer, data, path);
+    write_vtk_xml(*writer, data, path);
   }
 }
 
@@ -174,9 +174,9 @@ class VtkMesh : public MeshContent {
     if (count > std::numeric_limits<int>::max()) throw InputError(file_ + ": found too many nodes");
     shells.points.resize(count, 3);
     for (vtkIdType i = 0; i < count; ++i) {
-      double place[3];
-      data_->GetPoint(i, place);
-      shells.points.row(i) = Vec3(place[0], place[1], place[2]).transpose();
+      double position[3];
+      data_->GetPoint(i, position);
+      shells.points.row(i) = Vec3(position[0], position[1], position[2]).transpose();
       if (!shells.points.row(i).allFinite())
         throw InputError(file_ + ": a coordinate of node " + std::to_string(i) + " is not finite");
     }
@@ -210,7 +210,7 @@ class VtkMesh : public MeshContent {
     std::vector<int> nodes = cells.nodes(cell);
     if (face->nodes > 0 ? nodes.size() != face->nodes : nodes.size() < 3)
       throw InputError(file_ + ": found cell " + std::to_string(label) + " of " +
-                       counted(static_cast<long>(nodes.size()), "node") + ", expected " +
+                       format_count(static_cast<long>(nodes.size()), "node") + ", expected " +
                        (face->nodes > 0 ? std::to_string(face->nodes) : "3 or more"));
     if (type == VTK_PIXEL) std::swap(nodes[2], nodes[3]);
     shells.add_face(nodes, face->second_order);
@@ -247,7 +247,8 @@ class VtkMesh : public MeshContent {
       text += (text.empty() ? "" : ", ") + std::to_string(count) + " " + (name ? name : "unknown");
     }
     if (!text.empty()) text += " cells are carried along; ";
-    warnings.push_back(text + counted(unused, "node") + " that no shell uses stay where they are");
+    warnings.push_back(text + format_count(unused, "node") +
+                       " that no shell uses stay where they are");
   }
 
   void drop_normals(vtkDataSetAttributes& attributes, const std::string& what) {
@@ -271,7 +272,7 @@ class VtkMesh : public MeshContent {
 }  // namespace
 
 std::unique_ptr<MeshContent> read_vtk_mesh(const fs::path& path) {
-  MeshText(path, true);  // is there, a file, not empty
+  MeshSourceText(path, true);  // is there, a file, not empty
   return std::make_unique<VtkMesh>(path, lower_extension(path) == ".vtp");
 }
 

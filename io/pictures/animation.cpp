@@ -9,7 +9,7 @@
 #include <string>
 
 #include "batten/core/errors.h"
-#include "batten/io/files/whole_file.h"
+#include "batten/io/files/atomic_file.h"
 
 namespace batten {
 namespace {
@@ -253,9 +253,9 @@ void write_gif(const std::filesystem::path& path, const std::vector<Image>& fram
   check(frames);
   for (const double s : {seconds, last_seconds})
     if (!(s > 0) || !std::isfinite(s))
-      throw InputError("found " + number(s) + " seconds a picture, expected a time above 0");
+      throw InputError("found " + format_number(s) + " seconds a picture, expected a time above 0");
   const Palette palette(frames);
-  WholeFile file(path);
+  AtomicFile file(path);
   GifWriter gif(path, file.temporary(), frames.front().width, frames.front().height);
   gif.write_colours(palette);
   gif.repeat_forever();

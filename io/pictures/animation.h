@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <vector>
 
-#include "batten/core/index.h"
+#include "batten/core/isize.h"
 #include "batten/io/pictures/image.h"
 
 namespace batten {
@@ -18,7 +18,7 @@ class Palette {
   /// All frames use one palette, so that what stands still does not flicker. O(pixels). Throws
   /// InputError as write_gif() does of its frames.
   explicit Palette(const std::vector<Image>& images);
-  int count() const { return count_of(colours_) / 3; }
+  int count() const { return isize(colours_) / 3; }
   /// Red, green and blue of each colour: 3 count() numbers.
   const std::vector<unsigned char>& colours() const { return colours_; }
   /// The colour of the palette, counted from 0, that stands for a colour of the pictures.

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace batten::canvas {
+namespace batten::detail {
 
 ViewAxes::ViewAxes(double azimuth, double elevation, int up_axis) {
   const double degree = std::numbers::pi / 180;
@@ -66,4 +66,4 @@ Fit fit(const std::vector<Vec3>& points, const ViewAxes& axes, const Viewport& v
           pixel};
 }
 
-}  // namespace batten::canvas
+}  // namespace batten::detail

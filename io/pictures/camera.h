@@ -5,7 +5,7 @@
 
 #include "batten/core/eigen.h"
 
-namespace batten::canvas {
+namespace batten::detail {
 
 /// The camera's axes, orthonormal: to the right, upwards, and towards the camera.
 struct ViewAxes {
@@ -39,4 +39,4 @@ struct Fit {
 Fit fit(const std::vector<Vec3>& points, const ViewAxes& axes, const Viewport& viewport,
         double zoom);
 
-}  // namespace batten::canvas
+}  // namespace batten::detail

@@ -22,7 +22,7 @@
 #include <cmath>
 
 #include "batten/core/errors.h"
-#include "batten/io/files/whole_file.h"
+#include "batten/io/files/atomic_file.h"
 #include "batten/io/pictures/display.h"
 
 // VTK finds its drawing code by these.
@@ -31,7 +31,7 @@ VTK_MODULE_INIT(vtkRenderingFreeType)
 
 namespace batten {
 namespace fs = std::filesystem;
-namespace canvas {
+namespace detail {
 namespace {
 
 const Colour kTop(1, 1, 1), kBottom(0.80, 0.825, 0.855);
@@ -335,9 +335,9 @@ void draw_sheet(const fs::path& path, int count, int columns, bool captions_belo
                 const std::function<void(vtkRenderer&, int, double, double)>& draw) {
   check(size);
   require_display();
-  { const WholeFile before_the_work(path); }  // can it be written?
+  { const AtomicFile before_the_work(path); }  // can it be written?
   write_png(path, sheet_image(count, columns, captions_below, size, draw));
 }
 
-}  // namespace canvas
+}  // namespace detail
 }  // namespace batten

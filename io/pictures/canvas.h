@@ -17,12 +17,12 @@ class vtkLookupTable;
 class vtkPolyData;
 class vtkRenderer;
 
-namespace batten::canvas {
+namespace batten::detail {
 
 using Colour = Vec3;
 inline const Colour kBody(0.70, 0.775, 0.86), kLine(0.83, 0.21, 0.10), kContour(0.13, 0.17, 0.24),
     kParameter(0.30, 0.38, 0.50), kMesh(0.25, 0.30, 0.38), kText(0.14, 0.16, 0.20),
-    kLoose(0.10, 0.45, 0.75);
+    kExtraCurve(0.10, 0.45, 0.75);
 
 /// The points of VTK's data, in its order.
 std::vector<Vec3> points_of(vtkPolyData& data);
@@ -74,4 +74,4 @@ void draw_sheet(
     const PictureSize& size,
     const std::function<void(vtkRenderer&, int index, double width, double height)>& draw);
 
-}  // namespace batten::canvas
+}  // namespace batten::detail

@@ -11,7 +11,7 @@
 
 #include "batten/core/eigen.h"
 
-namespace batten::canvas {
+namespace batten::detail {
 
 double rounded_up(double x) {
   const double power = std::pow(10, std::floor(std::log10(x)) - 1);
@@ -114,4 +114,4 @@ double field_limit(vtkDataArray& values) {
   return limit > 1e-300 ? rounded_up(limit) : 1;
 }
 
-}  // namespace batten::canvas
+}  // namespace batten::detail

@@ -6,7 +6,7 @@
 class vtkDataArray;
 class vtkLookupTable;
 
-namespace batten::canvas {
+namespace batten::detail {
 
 /// A table from -limit to limit: blue below 0, grey at 0, red above.
 vtkSmartPointer<vtkLookupTable> diverging_colours(double limit);
@@ -24,4 +24,4 @@ double rounded_up(double x);
 /// The largest of 1, 2, 5 times a power of ten that is not above x > 0.
 double round_step(double x);
 
-}  // namespace batten::canvas
+}  // namespace batten::detail

@@ -15,7 +15,7 @@
 
 #include "batten/core/box.h"
 #include "batten/core/errors.h"
-#include "batten/core/index.h"
+#include "batten/core/isize.h"
 #include "batten/fairing/fairness.h"
 #include "batten/io/pictures/canvas.h"
 #include "batten/io/pictures/colour_tables.h"
@@ -23,7 +23,7 @@
 namespace batten {
 namespace {
 
-using namespace canvas;
+using namespace detail;
 
 const Colour kCurve(0.09, 0.20, 0.40), kTooth(0.86, 0.36, 0.22), kDot(0.45, 0.60, 0.72),
     kCircle(0.16, 0.52, 0.44);
@@ -40,7 +40,7 @@ class Ink {
   }
   void line(const std::vector<Vec3>& chain) {
     if (chain.size() < 2) return;
-    lines_->InsertNextCell(count_of(chain));
+    lines_->InsertNextCell(isize(chain));
     for (const Vec3& p : chain) lines_->InsertCellPoint(add(p));
   }
   void quad(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
@@ -73,7 +73,7 @@ class Ink {
 /// A curve ready to be drawn.
 struct Drawn {
   std::vector<Vec3> line;
-  std::vector<CombTooth> teeth;
+  std::vector<CurvatureCombSample> teeth;
 };
 
 struct Drawing {
@@ -83,14 +83,14 @@ struct Drawing {
   double scale = 0;    // tooth over curvature; 0: no curve bends
   double longest = 0;  // tooth
 
-  Vec3 tip(const CombTooth& tooth) const {
+  Vec3 tip(const CurvatureCombSample& tooth) const {
     return tooth.point + std::min(longest, scale * tooth.curvature) * tooth.outward;
   }
-  bool cut(const CombTooth& tooth) const { return scale * tooth.curvature > longest; }
+  bool cut(const CurvatureCombSample& tooth) const { return scale * tooth.curvature > longest; }
 };
 
 double diagonal(const std::vector<Vec3>& points) {
-  return points.empty() ? 0 : box_around(points).diagonal().norm();
+  return points.empty() ? 0 : bounding_box(points).diagonal().norm();
 }
 
 Drawn drawn(const HermiteCurve& curve, int teeth) {
@@ -100,7 +100,7 @@ Drawn drawn(const HermiteCurve& curve, int teeth) {
     for (int k = s == 0 ? 0 : 1; k <= each; ++k)
       result.line.push_back(curve.evaluate({s, static_cast<double>(k) / each}));
   result.teeth = curvature_comb(curve, teeth);
-  std::erase_if(result.teeth, [](const CombTooth& t) {
+  std::erase_if(result.teeth, [](const CurvatureCombSample& t) {
     return !t.point.allFinite() || !t.outward.allFinite() || !std::isfinite(t.curvature);
   });
   return result;
@@ -185,12 +185,12 @@ void add_legend(vtkRenderer& renderer, const CombPicture& picture, const Drawing
     add_text(renderer, words, x, y, text, viewport.width - x, false);
   };
   const double length = round_step(0.6 * room * view.pixel);
-  entry(0, length / view.pixel, kCurve, number(length) + " " + picture.unit);
+  entry(0, length / view.pixel, kCurve, format_number(length) + " " + picture.unit);
   if (drawing.scale == 0) return;
   const double curvature = round_step(0.6 * room * view.pixel / drawing.scale);
   entry(1, curvature * drawing.scale / view.pixel, kTooth,
-        "curvature " + number(curvature) + " / " + picture.unit + " (radius " +
-            number(1 / curvature) + " " + picture.unit + ")");
+        "curvature " + format_number(curvature) + " / " + picture.unit + " (radius " +
+            format_number(1 / curvature) + " " + picture.unit + ")");
 }
 
 class Panel {
@@ -225,7 +225,7 @@ class Panel {
 
   /// Two teeth in one place are the two sides of a corner or of a jump, a tooth that is cut has no
   /// tip: nothing joins them.
-  void comb(const std::vector<CombTooth>& all, Ink& band, Ink& teeth, Ink& tips) const {
+  void comb(const std::vector<CurvatureCombSample>& all, Ink& band, Ink& teeth, Ink& tips) const {
     std::vector<Vec3> chain;
     Vec3 last = Vec3::Constant(1e300);
     for (size_t i = 0; i < all.size(); ++i) {
@@ -274,7 +274,7 @@ std::vector<Vec3> extent(const CombPicture& picture, const Drawing& drawing) {
   for (const auto& panel : drawing.panels)
     for (const Drawn& curve : panel) {
       for (const Vec3& p : curve.line) add(p);
-      for (const CombTooth& tooth : curve.teeth) add(drawing.tip(tooth));
+      for (const CurvatureCombSample& tooth : curve.teeth) add(drawing.tip(tooth));
     }
   for (const CombPanel& panel : picture.panels) {
     for (const Vec3& p : panel.points) add(p);
@@ -289,7 +289,7 @@ std::vector<Vec3> extent(const CombPicture& picture, const Drawing& drawing) {
 
 /// 1600 pixels wide, panels as high as what they show.
 PictureSize natural_size(const std::vector<Vec3>& in_view, int count, int columns) {
-  const Box3 box = box_around(in_view);
+  const Box3 box = bounding_box(in_view);
   const int rows = (count + columns - 1) / columns;
   const double width = 1600.0 / columns, text = 110;
   const double shape = box.sizes().x() > 0 ? box.sizes().y() / box.sizes().x() : 1;
@@ -301,7 +301,7 @@ std::string title_of(const CombPanel& panel, const Drawing& drawing,
                      const std::vector<Drawn>& curves) {
   size_t cut = 0, all = 0;
   for (const Drawn& curve : curves)
-    for (const CombTooth& tooth : curve.teeth) {
+    for (const CurvatureCombSample& tooth : curve.teeth) {
       cut += drawing.scale > 0 && drawing.cut(tooth);
       ++all;
     }
@@ -309,7 +309,7 @@ std::string title_of(const CombPanel& panel, const Drawing& drawing,
   const double part = static_cast<double>(cut) / static_cast<double>(all);
   const std::string how_many = cut == all    ? "all"
                                : part < 0.01 ? "under 1 % of"
-                                             : number(std::floor(100 * part)) + " % of";
+                                             : format_number(std::floor(100 * part)) + " % of";
   return panel.title + (panel.title.empty() ? "" : "  ") + "(" + how_many + " teeth cut)";
 }
 
@@ -322,13 +322,13 @@ void check(const CombPicture& picture) {
       if (curve.segment_count() < 1)
         throw InputError("panel '" + panel.title + "': found a curve without segments");
   }
-  const int count = count_of(picture.panels);
+  const int count = isize(picture.panels);
   if (picture.scale_panel < 0 || picture.scale_panel >= count)
     throw InputError("found the scale panel " + std::to_string(picture.scale_panel) +
                      ", expected 0 to " + std::to_string(count - 1));
   if (picture.view &&
       (!std::isfinite(picture.view->first) || !(std::abs(picture.view->second) <= 90)))
-    throw InputError("found elevation " + number(picture.view->second) +
+    throw InputError("found elevation " + format_number(picture.view->second) +
                      ", expected -90 to 90 degrees");
 }
 
@@ -337,7 +337,7 @@ void check(const CombPicture& picture) {
 void draw_combs(const std::filesystem::path& path, const CombPicture& picture,
                 const std::optional<PictureSize>& given) {
   check(picture);
-  const int count = count_of(picture.panels);
+  const int count = isize(picture.panels);
   const bool below = count > 1;
   const int columns = std::min(count, picture.columns > 0 ? picture.columns : 3);
   const Drawing drawing = prepare(picture);

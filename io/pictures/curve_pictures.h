@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "batten/fem/curve.h"
+#include "batten/fem/hermite_curve.h"
 #include "batten/io/pictures/image.h"
 #include "batten/io/pictures/pictures.h"
 

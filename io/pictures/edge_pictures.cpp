@@ -11,20 +11,20 @@
 
 #include "batten/core/box.h"
 #include "batten/core/errors.h"
-#include "batten/core/index.h"
+#include "batten/core/isize.h"
 #include "batten/io/pictures/canvas.h"
 
 namespace batten {
 namespace {
 
-using namespace canvas;
+using namespace detail;
 
-struct Look {
+struct EdgeStyle {
   EdgeComb::Kind kind;
   const char* words;
   Colour colour;
 };
-const std::array<Look, 3> looks{
+const std::array<EdgeStyle, 3> looks{
     {{EdgeComb::Kind::Crease, "creases", {0.80, 0.20, 0.14}},
      {EdgeComb::Kind::Tangent, "tangent: curvature jumps", {0.13, 0.40, 0.75}},
      {EdgeComb::Kind::Curvature, "curvature goes on", {0.10, 0.55, 0.30}}}};
@@ -34,7 +34,7 @@ class Chains {
  public:
   void add(const std::vector<Vec3>& chain) {
     if (chain.size() < 2) return;
-    cells_->InsertNextCell(count_of(chain));
+    cells_->InsertNextCell(isize(chain));
     for (const Vec3& p : chain) cells_->InsertCellPoint(points_->InsertNextPoint(p.data()));
   }
   vtkSmartPointer<vtkPolyData> data() const {
@@ -56,10 +56,10 @@ struct Scale {
   Scale(const EdgePicture& picture, double size) {
     std::vector<double> curvatures;
     for (const EdgeComb& edge : picture.edges)
-      for (const auto& bends : edge.bends)
-        for (const Vec3& bend : bends) curvatures.push_back(bend.norm());
+      for (const auto& curvature_vectors : edge.curvature_vectors)
+        for (const Vec3& bend : curvature_vectors) curvatures.push_back(bend.norm());
     if (curvatures.empty()) return;
-    const auto most = curvatures.begin() + static_cast<long>(0.95 * (count_of(curvatures) - 1));
+    const auto most = curvatures.begin() + static_cast<long>(0.95 * (isize(curvatures) - 1));
     std::nth_element(curvatures.begin(), most, curvatures.end());
     if (!(*most * size > 1e-6)) return;  // nothing bends
     of_curvature = size / 10 / *most;
@@ -75,7 +75,7 @@ std::vector<Vec3> extent(const EdgePicture& picture) {
   std::vector<Vec3> points;
   for (const EdgeComb& edge : picture.edges)
     points.insert(points.end(), edge.line.begin(), edge.line.end());
-  for (const auto& rim : picture.rims) points.insert(points.end(), rim.begin(), rim.end());
+  for (const auto& rim : picture.free_edges) points.insert(points.end(), rim.begin(), rim.end());
   return points;
 }
 
@@ -84,19 +84,20 @@ void add_legend(vtkRenderer& renderer, const EdgePicture& picture, const Scale& 
                 const Viewport& viewport) {
   const double text = std::max(11.0, 22 * viewport.unit), left = 28 * viewport.unit;
   std::string words;
-  for (const Look& look : looks) {
+  for (const EdgeStyle& look : looks) {
     const auto count = std::count_if(picture.edges.begin(), picture.edges.end(),
                                      [&](const EdgeComb& edge) { return edge.kind == look.kind; });
     const char* colours[] = {"red", "blue", "green"};
     words += (words.empty() ? "" : ",  ") + std::to_string(count) + " " + look.words + " (" +
              colours[&look - looks.data()] + ")";
   }
-  if (!picture.rims.empty()) words += ",  " + std::to_string(picture.rims.size()) + " rims (grey)";
+  if (!picture.free_edges.empty())
+    words += ",  " + std::to_string(picture.free_edges.size()) + " rims (grey)";
   add_text(renderer, words, left, 2.2 * text, text, viewport.width - 2 * left, false);
   if (scale.of_curvature > 0)
     add_text(renderer,
-             "longest teeth: curvature " + number(scale.longest / scale.of_curvature) + " / " +
-                 picture.unit + " or more",
+             "longest teeth: curvature " + format_number(scale.longest / scale.of_curvature) +
+                 " / " + picture.unit + " or more",
              left, 0.8 * text, text, viewport.width - 2 * left, false);
 }
 
@@ -106,14 +107,14 @@ void draw_edge_combs(const std::filesystem::path& path, const EdgePicture& pictu
                      const PictureSize& size) {
   const std::vector<Vec3> points = extent(picture);
   if (points.empty()) throw InputError(path.string() + ": found no edges, expected some to draw");
-  const double extent_of_all = box_around(points).diagonal().norm();
+  const double extent_of_all = bounding_box(points).diagonal().norm();
   const Scale scale(picture, extent_of_all);
   const ViewAxes axes(picture.view.first, picture.view.second);
   std::vector<Vec3> in_view = points;
   for (const EdgeComb& edge : picture.edges)
-    for (const auto& bends : edge.bends)
-      for (size_t k = 0; k < bends.size(); ++k)
-        in_view.push_back(scale.tip(edge.line[k], bends[k]));
+    for (const auto& curvature_vectors : edge.curvature_vectors)
+      for (size_t k = 0; k < curvature_vectors.size(); ++k)
+        in_view.push_back(scale.tip(edge.line[k], curvature_vectors[k]));
   const double few = picture.edges.size() > 500 ? 0.5 : 1;  // many edges are drawn with a finer pen
   draw_sheet(path, 1, 1, false, size, [&](vtkRenderer& renderer, int, double width, double height) {
     const Viewport viewport = viewport_of(width, height, picture.title, false, 80);
@@ -122,18 +123,18 @@ void draw_edge_combs(const std::filesystem::path& path, const EdgePicture& pictu
     const auto draw = [&](const Chains& chains, const Colour& colour, double pixels) {
       add_thin_lines(renderer, chains.data(), colour, pixels * few * viewport.unit, Vec3::Zero());
     };
-    Chains rims;
-    for (const auto& rim : picture.rims) rims.add(rim);
-    draw(rims, kParameter, 2);
-    for (const Look& look : looks) {
+    Chains free_edges;
+    for (const auto& rim : picture.free_edges) free_edges.add(rim);
+    draw(free_edges, kParameter, 2);
+    for (const EdgeStyle& look : looks) {
       Chains lines, teeth, tips;
       for (const EdgeComb& edge : picture.edges) {
         if (edge.kind != look.kind) continue;
         lines.add(edge.line);
-        for (const auto& bends : edge.bends) {
+        for (const auto& curvature_vectors : edge.curvature_vectors) {
           std::vector<Vec3> chain;
-          for (size_t k = 0; k < bends.size(); ++k) {
-            chain.push_back(scale.tip(edge.line[k], bends[k]));
+          for (size_t k = 0; k < curvature_vectors.size(); ++k) {
+            chain.push_back(scale.tip(edge.line[k], curvature_vectors[k]));
             teeth.add({edge.line[k], chain.back()});
           }
           tips.add(chain);

@@ -18,13 +18,13 @@ namespace batten {
 struct EdgeComb {
   enum class Kind { Crease, Tangent, Curvature } kind = Kind::Crease;
   std::vector<Vec3> line;
-  std::array<std::vector<Vec3>, 2> bends;
+  std::array<std::vector<Vec3>, 2> curvature_vectors;
 };
 
 struct EdgePicture {
   std::string title, unit;
   std::vector<EdgeComb> edges;
-  std::vector<std::vector<Vec3>> rims;  ///< edges with one face
+  std::vector<std::vector<Vec3>> free_edges;  ///< edges with one face
   /// Azimuth and elevation of the camera, in degrees as in PictureScene.
   std::pair<double, double> view{30, 25};
 };

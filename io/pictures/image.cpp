@@ -9,7 +9,7 @@
 #include <string>
 
 #include "batten/core/errors.h"
-#include "batten/io/files/whole_file.h"
+#include "batten/io/files/atomic_file.h"
 
 namespace batten {
 
@@ -19,7 +19,7 @@ void write_png(const std::filesystem::path& path, const Image& image) {
     throw InputError(path.string() + ": found a picture of " + std::to_string(image.width) + " x " +
                      std::to_string(image.height) + " pixels with " +
                      std::to_string(image.rgb.size()) + " bytes, expected three a pixel");
-  WholeFile file(path);
+  AtomicFile file(path);
   vtkNew<vtkImageData> data;
   data->SetDimensions(image.width, image.height, 1);
   data->AllocateScalars(VTK_UNSIGNED_CHAR, 3);

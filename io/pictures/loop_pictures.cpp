@@ -17,14 +17,14 @@
 #include "batten/core/box.h"
 #include "batten/core/dense.h"
 #include "batten/core/errors.h"
-#include "batten/core/index.h"
+#include "batten/core/isize.h"
 #include "batten/io/pictures/canvas.h"
-#include "batten/io/pictures/drawn_parts.h"
+#include "batten/io/pictures/drawing_primitives.h"
 
 namespace batten {
 namespace {
 
-using namespace canvas;
+using namespace detail;
 
 using Loop = std::vector<HermiteCurve>;
 
@@ -122,7 +122,7 @@ vtkSmartPointer<vtkPolyData> band(const Loop& one, const Loop& other) {
   return sheet.data();
 }
 
-std::vector<vtkSmartPointer<vtkPolyData>> sheets(const LoopPanel& panel) {
+std::vector<vtkSmartPointer<vtkPolyData>> sheets(const LoopAlternative& panel) {
   std::vector<vtkSmartPointer<vtkPolyData>> all;
   if (panel.one_surface && panel.loops.size() == 2) return {band(panel.loops[0], panel.loops[1])};
   for (const Loop& loop : panel.loops) all.push_back(fan(loop));
@@ -138,7 +138,7 @@ Colour sheet_colour(int index) {
 
 /// The points of the loops, and of a box around them half as large again.
 std::vector<Vec3> near(const std::vector<Vec3>& loops) {
-  const Box3 box = box_around(loops);
+  const Box3 box = bounding_box(loops);
   std::vector<Vec3> seen = loops;
   for (const Vec3& p : {box.min(), box.max()})
     seen.push_back(box.center() + 1.5 * (p - box.center()));
@@ -152,11 +152,12 @@ ViewAxes near_axes(const std::vector<Vec3>& loops, const ViewAxes& afar) {
   return sizes[0] <= flat * sizes[2] ? best_view(loops) : afar;
 }
 
-void draw(vtkRenderer& renderer, const LoopPicture& picture, const LoopPanel& panel,
-          const ViewAxes& axes, const std::vector<Vec3>& to_see, double width, double height) {
+void draw(vtkRenderer& renderer, const LoopPicture& picture, const LoopAlternative& panel,
+          const ViewAxes& axes, const std::vector<Vec3>& visible_points, double width,
+          double height) {
   add_lights(renderer);
   const Viewport viewport = viewport_of(width, height, panel.title, true, 0);
-  const Fit view = fit(to_see, axes, viewport, 1);
+  const Fit view = fit(visible_points, axes, viewport, 1);
   const Vec3 offset = 4 * view.pixel * axes.towards;
   int index = 0;
   for (const auto& data : sheets(panel)) {
@@ -175,12 +176,13 @@ void draw(vtkRenderer& renderer, const LoopPicture& picture, const LoopPanel& pa
 }  // namespace
 
 void draw_loops(const std::filesystem::path& path, const LoopPicture& picture) {
-  if (picture.ways.empty()) throw InputError(path.string() + ": found no way to have surfaces");
-  LoopPanel everywhere{"where", {}, picture.ways.front().one_surface};
+  if (picture.alternatives.empty())
+    throw InputError(path.string() + ": found no way to have surfaces");
+  LoopAlternative everywhere{"where", {}, picture.alternatives.front().one_surface};
   std::vector<Vec3> all, of_loops;
   for (const HermiteCurve& line : picture.lines)
     for (const Vec3& p : points_along({line})) all.push_back(p);
-  for (const LoopPanel& way : picture.ways)
+  for (const LoopAlternative& way : picture.alternatives)
     for (const Loop& loop : way.loops) {
       everywhere.loops.push_back(loop);
       for (const Vec3& p : points_along(loop)) of_loops.push_back(p);
@@ -188,7 +190,7 @@ void draw_loops(const std::filesystem::path& path, const LoopPicture& picture) {
   if (of_loops.empty()) throw InputError(path.string() + ": found ways without a loop of lines");
   const ViewAxes afar(picture.azimuth, picture.elevation), close = near_axes(of_loops, afar);
   const std::vector<Vec3> nearby = near(of_loops);
-  const int panels = 1 + count_of(picture.ways), columns = std::min(panels, 3);
+  const int panels = 1 + isize(picture.alternatives), columns = std::min(panels, 3);
   const int rows = (panels + columns - 1) / columns;
   constexpr int wide = 700, high = 600;
   draw_sheet(path, panels, columns, true, {wide * columns, high * rows},
@@ -196,8 +198,8 @@ void draw_loops(const std::filesystem::path& path, const LoopPicture& picture) {
                if (i == 0)
                  draw(renderer, picture, everywhere, afar, all, width, height);
                else
-                 draw(renderer, picture, picture.ways[static_cast<size_t>(i - 1)], close, nearby,
-                      width, height);
+                 draw(renderer, picture, picture.alternatives[static_cast<size_t>(i - 1)], close,
+                      nearby, width, height);
              });
 }
 

@@ -5,13 +5,13 @@
 #include <string>
 #include <vector>
 
-#include "batten/fem/curve.h"
+#include "batten/fem/hermite_curve.h"
 #include "batten/io/pictures/image.h"
 
 namespace batten {
 
 /// One way to have surfaces: the loops that have one.
-struct LoopPanel {
+struct LoopAlternative {
   std::string title;
   /// The lines of each loop, one after the other, any way round.
   std::vector<std::vector<HermiteCurve>> loops;
@@ -22,7 +22,7 @@ struct LoopPanel {
 /// follows one panel for each way, from near; loops that are nearly flat are seen at right angles.
 struct LoopPicture {
   std::vector<HermiteCurve> lines;  ///< all lines of the network
-  std::vector<LoopPanel> ways;
+  std::vector<LoopAlternative> alternatives;
   double azimuth = -30, elevation = 30;  ///< of the first panel, degrees as in PictureScene
 };
 

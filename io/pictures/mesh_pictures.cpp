@@ -19,7 +19,7 @@
 #include <cmath>
 
 #include "batten/core/errors.h"
-#include "batten/core/index.h"
+#include "batten/core/isize.h"
 #include "batten/io/pictures/canvas.h"
 #include "batten/io/pictures/colour_tables.h"
 #include "batten/io/vtk/shell_vtk.h"
@@ -27,7 +27,7 @@
 namespace batten {
 namespace {
 
-using namespace canvas;
+using namespace detail;
 
 Colour colour_of(MeshPicture::Part part) {
   switch (part) {
@@ -59,9 +59,10 @@ void check(const MeshPicture& picture) {
     count("numbers of a field", picture.field.size(), picture.shells->node_count());
   if (!picture.points.allFinite()) throw InputError(who + "a point is not finite");
   if (!(picture.zoom > 0) || !std::isfinite(picture.zoom))
-    throw InputError(who + "found zoom " + number(picture.zoom) + ", expected a number above 0");
+    throw InputError(who + "found zoom " + format_number(picture.zoom) +
+                     ", expected a number above 0");
   if (!(std::abs(picture.elevation) <= 90) || !std::isfinite(picture.azimuth))
-    throw InputError(who + "found elevation " + number(picture.elevation) +
+    throw InputError(who + "found elevation " + format_number(picture.elevation) +
                      ", expected -90 to 90 degrees");
 }
 
@@ -105,7 +106,7 @@ vtkSmartPointer<vtkPolyData> chains_of(vtkPolyData& data,
                                        const std::vector<std::vector<int>>& chains) {
   vtkNew<vtkCellArray> cells;
   for (const auto& chain : chains) {
-    cells->InsertNextCell(count_of(chain));
+    cells->InsertNextCell(isize(chain));
     for (const int v : chain) cells->InsertCellPoint(v);
   }
   auto lines = vtkSmartPointer<vtkPolyData>::New();
@@ -183,7 +184,7 @@ Image with_sheet(const std::vector<MeshPicture>& pictures, int columns, const Sh
   if (columns < 1)
     throw InputError("found " + std::to_string(columns) + " columns, expected 1 or more");
   for (const auto& picture : pictures) check(picture);
-  const auto count = count_of(pictures);
+  const auto count = isize(pictures);
   const bool below = count > 1;
   return sheet(count, std::min(columns, count), below,
                [&](vtkRenderer& renderer, int i, double width, double height) {

@@ -21,17 +21,17 @@
 #include <cmath>
 
 #include "batten/core/errors.h"
-#include "batten/core/index.h"
+#include "batten/core/isize.h"
 #include "batten/io/pictures/canvas.h"
 #include "batten/io/pictures/colour_tables.h"
-#include "batten/io/pictures/drawn_parts.h"
+#include "batten/io/pictures/drawing_primitives.h"
 #include "batten/io/vtk/vtk_files.h"
 
 namespace batten {
 namespace fs = std::filesystem;
 namespace {
 
-using namespace canvas;
+using namespace detail;
 
 /// Facets along an element edge: enough for smooth outlines, few enough to be drawn fast.
 int facets_per_edge(const PictureScene& scene) {
@@ -66,7 +66,8 @@ void check(const PictureScene& scene) {
   const auto expect = [&](bool good, const std::string& what, double found,
                           const std::string& expected) {
     if (!good)
-      throw InputError(who + "found " + what + " " + number(found) + ", expected " + expected);
+      throw InputError(who + "found " + what + " " + format_number(found) + ", expected " +
+                       expected);
   };
   if (scene.regions.empty()) throw InputError(who + "there is no region to draw");
   expect(scene.tessellation >= 0 && scene.tessellation <= 64, "tessellation", scene.tessellation,
@@ -137,7 +138,7 @@ const char* field_array(const PictureScene& scene) {
 
 void add_surface(vtkRenderer& renderer, const PictureScene& scene, vtkPolyData& data,
                  const Viewport& viewport) {
-  const auto facets = part(data, nullptr, data.GetPolys());
+  const auto facets = extract_cells(data, nullptr, data.GetPolys());
   const auto drawn = body(facets, kBody);
   vtkProperty& look = *drawn->GetProperty();
   const auto colour_by = [&](vtkLookupTable* table) {
@@ -208,14 +209,14 @@ void draw(vtkRenderer& renderer, const PictureScene& scene, double width, double
 
   add_lights(renderer);
   const auto data = facets_of(scene);
-  const auto loose = polylines(scene.loose);
+  const auto extra_curves = polylines(scene.extra_curves);
   std::vector<Vec3> points = points_of(*data);
   complete_normals(*data, points);
-  std::vector<Vec3> to_see = scene.in_view.empty() ? points : scene.in_view;
+  std::vector<Vec3> visible_points = scene.in_view.empty() ? points : scene.in_view;
   if (scene.in_view.empty())
-    for (const Vec3& p : points_of(*loose)) to_see.push_back(p);
+    for (const Vec3& p : points_of(*extra_curves)) visible_points.push_back(p);
   const ViewAxes axes(scene.azimuth, scene.elevation);
-  const Fit view = fit(to_see, axes, viewport, scene.zoom);
+  const Fit view = fit(visible_points, axes, viewport, scene.zoom);
   const Vec3 offset = 4 * view.pixel * axes.towards;
 
   add_surface(renderer, scene, *data, viewport);
@@ -224,12 +225,12 @@ void draw(vtkRenderer& renderer, const PictureScene& scene, double width, double
                    0.9 * unit, offset);
   add_iso_lines(renderer, scene, *data, points, 1.2 * unit, offset);
   if (scene.lines && data->GetNumberOfLines() > 0) {
-    const auto chains = part(*data, data->GetLines(), nullptr);
+    const auto chains = extract_cells(*data, data->GetLines(), nullptr);
     chains->GetPointData()->Initialize();
     add_tubes(renderer, chains, kLine, 2.6 * unit * view.pixel, offset);
   }
-  if (scene.lines && !scene.loose.empty())
-    add_tubes(renderer, loose, kLoose, 2.6 * unit * view.pixel, offset);
+  if (scene.lines && !scene.extra_curves.empty())
+    add_tubes(renderer, extra_curves, kExtraCurve, 2.6 * unit * view.pixel, offset);
   add_title(renderer, scene.title, width, height, caption_below);
   set_camera(renderer, axes, view, width, height);
 }
@@ -237,7 +238,7 @@ void draw(vtkRenderer& renderer, const PictureScene& scene, double width, double
 void draw_scenes(const fs::path& path, const std::vector<PictureScene>& scenes, int columns,
                  bool captions_below, const PictureSize& size) {
   for (const auto& scene : scenes) check(scene);
-  draw_sheet(path, count_of(scenes), columns, captions_below, size,
+  draw_sheet(path, isize(scenes), columns, captions_below, size,
              [&](vtkRenderer& renderer, int i, double width, double height) {
                draw(renderer, scenes[i], width, height, captions_below);
              });
@@ -257,11 +258,11 @@ Image picture_image(const PictureScene& scene, const PictureSize& size) {
                      });
 }
 
-void hold_view(std::vector<PictureScene>& scenes) {
+void share_view(std::vector<PictureScene>& scenes) {
   if (scenes.empty()) return;
   const ViewAxes axes(scenes.front().azimuth, scenes.front().elevation);
-  Vec3 low = Vec3::Constant(infinity), high = -low;
-  Range range{infinity, -infinity};
+  Vec3 low = Vec3::Constant(kInfinity), high = -low;
+  Range range{kInfinity, -kInfinity};
   double limit = 0;
   for (PictureScene& scene : scenes) {
     check(scene);
@@ -298,7 +299,7 @@ void draw_contact_sheet(const fs::path& path, const std::vector<PictureScene>& s
   if (scenes.empty()) throw InputError("a contact sheet needs at least one scene");
   if (columns < 1)
     throw InputError("found " + std::to_string(columns) + " columns, expected 1 or more");
-  draw_scenes(path, scenes, std::min(columns, count_of(scenes)), true, size);
+  draw_scenes(path, scenes, std::min(columns, isize(scenes)), true, size);
 }
 
 }  // namespace batten

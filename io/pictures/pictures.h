@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "batten/io/pictures/image.h"
-#include "batten/skinning/region/region.h"
+#include "batten/skinning/region/skinned_region.h"
 
 namespace batten {
 
@@ -36,10 +36,10 @@ struct PictureScene {
   Value value;
   int contours = 0;                        ///< number of lines of equal height, evenly spaced
   Vec3 contour_direction = Vec3::UnitZ();  ///< direction in which heights are measured
-  int parameter_lines = 0;          ///< number of lines of equal u, and of equal v, evenly spaced
-  bool lines = true;                ///< whether character lines are drawn, as tubes
-  std::vector<HermiteCurve> loose;  ///< further lines, on no region, in another colour
-  bool mesh = false;                ///< whether element edges inside the trim are drawn
+  int parameter_lines = 0;  ///< number of lines of equal u, and of equal v, evenly spaced
+  bool lines = true;        ///< whether character lines are drawn, as tubes
+  std::vector<HermiteCurve> extra_curves;  ///< further lines, on no region, in another colour
+  bool mesh = false;                       ///< whether element edges inside the trim are drawn
   /// Number of stripes, light and dark in turn, of equal angle between the exact normal and
   /// zebra_direction. They are spread over the range of that angle (without 2 % at each end). A
   /// jump of the stripes is an edge, a kink in them a jump of curvature. Not together with a field.
@@ -51,7 +51,7 @@ struct PictureScene {
   double zoom = 1;       ///< scale of the picture; at 1 all is in view
   int tessellation = 0;  ///< facets along each element edge, to 64; 0: as many as look smooth
 
-  // hold_view() sets these for the pictures of a series. Otherwise each picture has its own.
+  // share_view() sets these for the pictures of a series. Otherwise each picture has its own.
   std::vector<Vec3> in_view;  ///< the camera fits these points instead of the regions
   std::optional<std::pair<double, double>> contour_range;  ///< lowest and highest height
   double field_limit = 0;  ///< limit of the colours of a field; 0: from its values
@@ -70,7 +70,7 @@ Image picture_image(const PictureScene& scene, const PictureSize& size = {});
 /// fits), the same heights of contours and the same colours of fields, so that only the surface
 /// moves in the series. Replaces in_view, contour_range and field_limit. Throws InputError as
 /// draw_picture() does of scenes.
-void hold_view(std::vector<PictureScene>& scenes);
+void share_view(std::vector<PictureScene>& scenes);
 
 /// Draws several scenes into one PNG, row by row, with their titles as captions below them. `size`
 /// is that of the whole sheet. Throws InputError as draw_picture() does, and when there are no

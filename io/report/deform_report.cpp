@@ -18,7 +18,7 @@ Json hole_json(const HoleMeasure& m) {
 }
 
 Json measure_json(const MeasureSummary& m) {
-  return {{"worst", m.worst}, {"face", m.worst_face}, {"mean", m.mean}, {"beyond", m.beyond}};
+  return {{"worst", m.worst}, {"face", m.worst_face}, {"mean", m.mean}, {"beyond", m.violations}};
 }
 
 Json quality_json(const QualitySummary& q) {
@@ -35,17 +35,17 @@ Json edits_json(const std::vector<DeformReport::Edit>& edits) {
     json.push_back({{"name", e.name},
                     {"moving_nodes", e.moving},
                     {"unknowns", e.unknowns},
-                    {"soft_rows", e.soft_rows},
-                    {"hard_rows", e.hard_rows},
-                    {"feature_rows", e.feature_rows},
-                    {"dropped_rows", e.dropped_rows},
-                    {"guide_rows", e.guide_rows},
+                    {"soft_rows", e.soft_equations},
+                    {"hard_rows", e.hard_constraints},
+                    {"feature_rows", e.feature_constraints},
+                    {"dropped_rows", e.redundant_count},
+                    {"guide_rows", e.point_equations},
                     {"largest_displacement", e.largest_displacement},
                     {"hard_residual", e.hard_residual},
                     {"last_correction", e.last_correction},
-                    {"rounds", e.rounds},
+                    {"rounds", e.iterations},
                     {"found", e.found},
-                    {"set_up_s", e.set_up_s},
+                    {"set_up_s", e.setup_s},
                     {"edit_s", e.edit_s}});
   return json;
 }
@@ -66,7 +66,7 @@ Json curves_json(const std::vector<DeformReport::Curve>& curves) {
 }
 
 Json contents(const DeformReport& r) {
-  Json json = beginning_of(r);
+  Json json = report_header(r);
   json["mesh"] = {{"file", r.mesh_file},
                   {"format", r.format},
                   {"size", r.size},
@@ -85,7 +85,7 @@ Json contents(const DeformReport& r) {
                                 {"size", f.size},
                                 {"max_rigid_error", f.max_rigid_error},
                                 {"scale", f.scale},
-                                {"turned_deg", f.turned_deg},
+                                {"turned_deg", f.rotation_deg},
                                 {"moved", f.moved}});
   json["curves"] = curves_json(r.curves);
   json["holes"] = Json::array();
@@ -98,8 +98,8 @@ Json contents(const DeformReport& r) {
   json["attached"] = {{"elements", Json::object()},
                       {"connections", r.attached.connections},
                       {"max_rigid_error", r.attached.max_rigid_error},
-                      {"least_rigid", r.attached.least_rigid},
-                      {"followed_nodes", r.attached.followed},
+                      {"least_rigid", r.attached.worst_connection},
+                      {"followed_nodes", r.attached.moved_with_shells},
                       {"inverted_solids", r.attached.inverted_solids}};
   for (const auto& [name, count] : r.attached.elements) json["attached"]["elements"][name] = count;
   json["quality"] = {{"before", quality_json(r.before)},
@@ -109,18 +109,19 @@ Json contents(const DeformReport& r) {
                           {"node", r.largest_displacement_node}};
   json["file_rounding"] = r.rounding;
   json["parameters"] = json_of(r.parameters);
-  add_ending(json, r);
+  add_report_footer(json, r);
   return json;
 }
 
 }  // namespace
 
-std::vector<MissedPromise> broken_promises(const DeformReport& report) {
+std::vector<FailedCheck> failed_checks(const DeformReport& report) {
   Json json = contents(report);
-  std::vector<MissedPromise> missed = name_failed_numbers(json);
+  std::vector<FailedCheck> failed_checks = replace_non_finite_numbers(json);
   const auto at_most = [&](const std::string& what, double value, double limit) {
     if (value > limit)
-      missed.push_back({what, "is " + number(value) + ", promised at most " + number(limit)});
+      failed_checks.push_back(
+          {what, "is " + format_number(value) + ", promised at most " + format_number(limit)});
   };
   const auto limit = [&](double size) {
     const double rounding = 16 * std::numeric_limits<double>::epsilon() * report.largest_coordinate;
@@ -137,14 +138,14 @@ std::vector<MissedPromise> broken_promises(const DeformReport& report) {
   at_most("attached.max_rigid_error", report.attached.max_rigid_error,
           limit(report.size) * report.size);
   if (const auto& solids = report.attached.inverted_solids; !solids.empty())
-    missed.push_back(
+    failed_checks.push_back(
         {"attached.inverted_solids", std::to_string(solids.size()) + " solids, the first is " +
                                          std::to_string(solids[0]) + ", promised none"});
   if (!report.inverted.empty())
-    missed.push_back(
+    failed_checks.push_back(
         {"quality.inverted", std::to_string(report.inverted.size()) + " faces, the first is " +
                                  std::to_string(report.inverted[0]) + ", promised none"});
-  return missed;
+  return failed_checks;
 }
 
 std::string to_json(const DeformReport& report) { return report_text(contents(report), report); }

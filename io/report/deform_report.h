@@ -6,9 +6,9 @@
 
 #include "batten/fairing/curve_fit.h"
 #include "batten/fairing/fairness.h"
-#include "batten/io/report/report_parts.h"
-#include "batten/mesh/features/holes.h"
-#include "batten/mesh/quality.h"
+#include "batten/io/report/run_report.h"
+#include "batten/mesh/element_quality.h"
+#include "batten/mesh/features/hole_measure.h"
 
 namespace batten {
 
@@ -21,14 +21,14 @@ struct DeformReport : RunReport {
 
   struct Edit {
     std::string name;
-    int moving = 0, unknowns = 0, soft_rows = 0, hard_rows = 0, feature_rows = 0;
-    int dropped_rows = 0, guide_rows = 0;
+    int moving = 0, unknowns = 0, soft_equations = 0, hard_constraints = 0, feature_constraints = 0;
+    int redundant_count = 0, point_equations = 0;
     double largest_displacement = 0, hard_residual = 0;
     double last_correction = 0;  ///< largest change of a coordinate in the last correction step,
                                  ///< over the mesh's size
-    int rounds = 0;              ///< of the estimate of the shape; 0 without one
+    int iterations = 0;          ///< of the estimate of the shape; 0 without one
     bool found = true;           ///< whether the estimate settled
-    double set_up_s = 0, edit_s = 0;
+    double setup_s = 0, edit_s = 0;
   };
   std::vector<Edit> edits;
 
@@ -38,7 +38,7 @@ struct DeformReport : RunReport {
     double size = 0;             ///< diagonal of its box
     double max_rigid_error = 0;  ///< largest distance of its vertices from their places on the mesh
                                  ///< as it was read, moved by the best similarity
-    double scale = 1, turned_deg = 0, moved = 0;  ///< that similarity
+    double scale = 1, rotation_deg = 0, moved = 0;  ///< that similarity
   };
   std::vector<Feature> features;
 
@@ -67,8 +67,8 @@ struct DeformReport : RunReport {
     std::vector<std::pair<std::string, int>> elements;  ///< how many of each kind the deck has
     int connections = 0;                ///< rigid elements, bushes and bolts that keep their shape
     double max_rigid_error = 0;         ///< largest distance of their nodes from a rigid motion
-    std::string least_rigid;            ///< the connection where that is
-    int followed = 0;                   ///< nodes of no shell that moved with the shells
+    std::string worst_connection;       ///< the connection where that is
+    int moved_with_shells = 0;          ///< nodes of no shell that moved with the shells
     std::vector<long> inverted_solids;  ///< the deck's numbers
   };
   Attached attached;
@@ -84,7 +84,7 @@ struct DeformReport : RunReport {
 /// above 16 roundings of the largest coordinate, where that is more), inverted faces, a last
 /// correction above 1e-9, connections less rigid than 1e-12 of the size, inverted solids, numbers
 /// that are not finite.
-std::vector<MissedPromise> broken_promises(const DeformReport& report);
+std::vector<FailedCheck> failed_checks(const DeformReport& report);
 
 /// The report as JSON text. Numbers that are not finite become the words "nan" and "inf".
 std::string to_json(const DeformReport& report);

@@ -7,10 +7,10 @@ namespace batten {
 namespace {
 
 Json contents(const FairReport& r) {
-  Json json = beginning_of(r);
+  Json json = report_header(r);
   json["curves"] = json_of(r.curves);
   json["parameters"] = json_of(r.parameters);
-  add_ending(json, r);
+  add_report_footer(json, r);
   return json;
 }
 
@@ -42,9 +42,9 @@ Json json_of(const std::vector<FairedLine>& curves) {
          {"noise", c.noise},
          {"outliers", outliers},
          {"wavelength", c.wavelength},
-         {"freedom", c.freedom},
+         {"freedom", c.effective_dofs},
          {"rounds", c.rounds},
-         {"settled", c.settled},
+         {"settled", c.converged},
          {"max_residual", c.max_residual},
          {"before", c.before ? json_of(*c.before) : Json()},
          {"after", c.after ? json_of(*c.after) : Json()},
@@ -53,27 +53,29 @@ Json json_of(const std::vector<FairedLine>& curves) {
   return list;
 }
 
-std::vector<MissedPromise> broken_conditions(const std::vector<FairedLine>& curves) {
-  std::vector<MissedPromise> missed;
+std::vector<FailedCheck> failed_fairing_checks(const std::vector<FairedLine>& curves) {
+  std::vector<FailedCheck> failed_checks;
   for (const FairedLine& c : curves) {
-    if (c.too_far)
-      missed.push_back({"curves." + c.name + ".deviation",
-                        "is " + number(c.too_far->second) +
-                            " after the stage that states at most " + number(c.too_far->first) +
-                            ": is there a corner that is not one, or a condition against it?"});
+    if (c.exceeded_deviation)
+      failed_checks.push_back(
+          {"curves." + c.name + ".deviation",
+           "is " + format_number(c.exceeded_deviation->second) +
+               " after the stage that states at most " +
+               format_number(c.exceeded_deviation->first) +
+               ": is there a corner that is not one, or a condition against it?"});
     if (c.max_residual > 1e-12)
-      missed.push_back({"curves." + c.name + ".max_residual",
-                        "is " + number(c.max_residual) + ", promised at most 1e-12"});
+      failed_checks.push_back({"curves." + c.name + ".max_residual",
+                               "is " + format_number(c.max_residual) + ", promised at most 1e-12"});
   }
-  return missed;
+  return failed_checks;
 }
 
-std::vector<MissedPromise> broken_promises(const FairReport& report) {
+std::vector<FailedCheck> failed_checks(const FairReport& report) {
   Json json = contents(report);
-  std::vector<MissedPromise> missed = name_failed_numbers(json);
-  const auto conditions = broken_conditions(report.curves);
-  missed.insert(missed.end(), conditions.begin(), conditions.end());
-  return missed;
+  std::vector<FailedCheck> failed_checks = replace_non_finite_numbers(json);
+  const auto conditions = failed_fairing_checks(report.curves);
+  failed_checks.insert(failed_checks.end(), conditions.begin(), conditions.end());
+  return failed_checks;
 }
 
 std::string to_json(const FairReport& report) { return report_text(contents(report), report); }

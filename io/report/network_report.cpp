@@ -4,22 +4,22 @@
 #include <map>
 #include <numbers>
 
-#include "batten/core/groups.h"
-#include "batten/core/index.h"
+#include "batten/core/disjoint_sets.h"
+#include "batten/core/isize.h"
 
 namespace batten {
 namespace {
 
 const char* word(ModelJoin::Kind kind) {
   using Kind = ModelJoin::Kind;
-  return kind == Kind::Rim      ? "rim"
+  return kind == Kind::FreeEdge ? "rim"
          : kind == Kind::Crease ? "crease"
          : kind == Kind::Smooth ? "smooth"
                                 : "branching";
 }
 
-const char* word(SurfaceFlaw::Kind kind) {
-  using Kind = SurfaceFlaw::Kind;
+const char* word(SurfaceDefect::Kind kind) {
+  using Kind = SurfaceDefect::Kind;
   return kind == Kind::Jacobian   ? "jacobian"
          : kind == Kind::Fold     ? "fold"
          : kind == Kind::Crossing ? "crossing"
@@ -28,17 +28,17 @@ const char* word(SurfaceFlaw::Kind kind) {
 
 const char* word(SkinOptions::Domain domain) {
   using Domain = SkinOptions::Domain;
-  return domain == Domain::Polygon ? "polygon"
-         : domain == Domain::Plane ? "plane"
-         : domain == Domain::Sheet ? "sheet"
-         : domain == Domain::Ring  ? "ring"
-                                   : "auto";
+  return domain == Domain::Polygon       ? "polygon"
+         : domain == Domain::Projected   ? "plane"
+         : domain == Domain::Developable ? "sheet"
+         : domain == Domain::Annulus     ? "ring"
+                                         : "auto";
 }
 
 }  // namespace
 
-const char* word(NetworkFinding::Kind kind) {
-  using Kind = NetworkFinding::Kind;
+const char* word(NetworkDiagnostic::Kind kind) {
+  using Kind = NetworkDiagnostic::Kind;
   switch (kind) {
     case Kind::EndsJoined:
       return "ends joined";
@@ -58,7 +58,7 @@ const char* word(NetworkFinding::Kind kind) {
       return "dangling end";
     case Kind::Short:
       return "short line";
-    case Kind::Apart:
+    case Kind::Disconnected:
       return "apart";
   }
   return "";
@@ -68,20 +68,20 @@ namespace {
 
 /// The names of what is reported.
 struct ReportNames {
-  const CharacterLineNetwork& network;
+  const CurveNetwork& network;
   const SurfaceModel& model;
 
-  const std::string& arc(int a) const { return network.arcs()[a].name; }
-  std::vector<std::string> arcs(const std::vector<int>& of) const {
+  const std::string& edge(int a) const { return network.edges()[a].name; }
+  std::vector<std::string> edges(const std::vector<int>& of) const {
     std::vector<std::string> list;
-    for (const int a : of) list.push_back(arc(a));
+    for (const int a : of) list.push_back(edge(a));
     return list;
   }
-  std::vector<NetworkReport::LoopNames> loops(const std::vector<ArcLoop>& of) const {
+  std::vector<NetworkReport::LoopNames> loops(const std::vector<EdgeLoop>& of) const {
     std::vector<NetworkReport::LoopNames> list;
-    for (const ArcLoop& loop : of) {
+    for (const EdgeLoop& loop : of) {
       list.emplace_back();
-      for (const ArcUse& use : loop) list.back().push_back(arc(use.arc));
+      for (const OrientedEdge& use : loop) list.back().push_back(edge(use.edge));
     }
     return list;
   }
@@ -96,21 +96,21 @@ NetworkReport::Region describe_region(const ModelRegion& r, const ReportNames& n
   NetworkReport::Region region;
   region.name = r.plan.name;
   region.loops = names.loops(r.plan.loops);
-  region.inner = names.arcs(r.plan.inner);
-  region.ring = r.plan.ring;
-  region.asked = r.plan.asked;
+  region.inner = names.edges(r.plan.inner);
+  region.annulus = r.plan.annulus;
+  region.requested = r.plan.requested;
   region.cost = r.plan.cost;
   region.skinned = r.skinned.has_value();
-  region.plain_area = r.plain_area;
-  region.why_not = r.why_not;
+  region.filling_area = r.filling_area;
+  region.rejection_reason = r.rejection_reason;
   region.warnings = r.warnings;
   if (r.skinned) {
     region.triangles = r.skinned->surface.mesh().triangle_count();
     region.dofs = r.skinned->surface.dof_map().count();
     region.size = r.skinned->size;
-    region.domain = word(names.model.layout->region(r.in_layout).domain());
+    region.domain = word(names.model.layout->region(r.layout_index).domain());
     region.quality = r.quality;
-    region.shape = word_for(r.shape.kind);
+    region.shape = primitive_name(r.shape.kind);
     region.radius = r.shape.radius;
     region.major_radius = r.shape.major_radius;
     region.half_angle_deg = r.shape.half_angle * 180 / std::numbers::pi;
@@ -119,8 +119,8 @@ NetworkReport::Region describe_region(const ModelRegion& r, const ReportNames& n
   return region;
 }
 
-NetworkReport::Choice describe_choice(const RegionChoice& c, const ReportNames& names) {
-  NetworkReport::Choice choice{c.text, c.where, c.arcs, names.loops(c.chosen), {}, c.margins};
+NetworkReport::Choice describe_choice(const AmbiguousRegion& c, const ReportNames& names) {
+  NetworkReport::Choice choice{c.text, c.where, c.edges, names.loops(c.chosen), {}, c.margins};
   for (const auto& alternative : c.alternatives)
     choice.alternatives.push_back(names.loops(alternative));
   return choice;
@@ -128,25 +128,25 @@ NetworkReport::Choice describe_choice(const RegionChoice& c, const ReportNames& 
 
 // The findings, but for lines that lie apart from the others and are joined to them by a region, as
 // the rims of a ring and holes are.
-std::vector<NetworkFinding> findings_that_stand(const CharacterLineNetwork& network,
-                                                const FoundRegions& found) {
-  Groups nodes(network.nodes().size());
-  const auto first_node = [&](int arc) { return network.arcs()[arc].nodes[0]; };
-  for (const NetworkArc& arc : network.arcs()) nodes.join(arc.nodes[0], arc.nodes[1]);
+std::vector<NetworkDiagnostic> remaining_diagnostics(const CurveNetwork& network,
+                                                     const FoundRegions& found) {
+  DisjointSets nodes(network.nodes().size());
+  const auto first_node = [&](int edge) { return network.edges()[edge].nodes[0]; };
+  for (const NetworkEdge& edge : network.edges()) nodes.unite(edge.nodes[0], edge.nodes[1]);
   for (const NetworkRegion& region : found.regions) {
-    const int own = first_node(region.loops.front().front().arc);
-    for (const ArcLoop& loop : region.loops) nodes.join(own, first_node(loop.front().arc));
-    for (const int arc : region.inner) nodes.join(own, first_node(arc));
+    const int own = first_node(region.loops.front().front().edge);
+    for (const EdgeLoop& loop : region.loops) nodes.unite(own, first_node(loop.front().edge));
+    for (const int edge : region.inner) nodes.unite(own, first_node(edge));
   }
   std::map<int, int> sizes;  // arcs of each part
-  for (int a = 0; a < count_of(network.arcs()); ++a) ++sizes[nodes.of(first_node(a))];
+  for (int a = 0; a < isize(network.edges()); ++a) ++sizes[nodes.find(first_node(a))];
   const auto largest = std::max_element(
       sizes.begin(), sizes.end(), [](const auto& p, const auto& q) { return p.second < q.second; });
-  std::vector<NetworkFinding> stand;
-  for (const NetworkFinding& f : network.findings()) {
+  std::vector<NetworkDiagnostic> stand;
+  for (const NetworkDiagnostic& f : network.diagnostics()) {
     const bool joined =
-        f.kind == NetworkFinding::Kind::Apart &&
-        nodes.of(first_node(network.arcs_of(f.lines.front()).front())) == largest->first;
+        f.kind == NetworkDiagnostic::Kind::Disconnected &&
+        nodes.find(first_node(network.edges_of(f.lines.front()).front())) == largest->first;
     if (!joined) stand.push_back(f);
   }
   return stand;
@@ -154,41 +154,42 @@ std::vector<NetworkFinding> findings_that_stand(const CharacterLineNetwork& netw
 
 }  // namespace
 
-NetworkReport network_report(const CharacterLineNetwork& network, const FoundRegions& found,
+NetworkReport network_report(const CurveNetwork& network, const FoundRegions& found,
                              const SurfaceModel& model, double fit_tolerance,
                              double join_tolerance_deg) {
   const ReportNames names{network, model};
   NetworkReport report;
-  report.lines = count_of(network.lines());
-  report.arcs = count_of(network.arcs());
-  report.nodes = count_of(network.nodes());
+  report.lines = isize(network.lines());
+  report.edges = isize(network.edges());
+  report.nodes = isize(network.nodes());
   report.size = network.size();
   report.tolerance = network.tolerance();
-  report.usual_share = network.usual_share();
+  report.joined_fraction = network.joined_fraction();
   report.fit_tolerance = fit_tolerance;
   report.join_tolerance_deg = join_tolerance_deg;
-  report.findings = findings_that_stand(network, found);
+  report.diagnostics = remaining_diagnostics(network, found);
   report.optimal = found.optimal;
-  report.rims = names.arcs(found.rims);
-  report.bare = names.arcs(found.bare);
+  report.free_edges = names.edges(found.free_edges);
+  report.unused_edges = names.edges(found.unused_edges);
   for (const ModelRegion& r : model.regions) report.regions.push_back(describe_region(r, names));
   for (const ModelJoin& j : model.joins)
-    report.joins.push_back({names.arc(j.arc), names.regions(j.regions), word(j.kind), j.asked,
-                            j.one_domain, j.open, j.first_deg, j.max_deg, j.max_inside_deg,
+    report.joins.push_back({names.edge(j.edge), names.regions(j.regions), word(j.kind), j.requested,
+                            j.one_domain, j.open, j.initial_deg, j.max_deg, j.max_inside_deg,
                             j.max_gap, j.median_curvature_jump, j.max_curvature_jump, j.curvature,
                             j.why});
-  for (const RegionChoice& c : found.choices) report.choices.push_back(describe_choice(c, names));
+  for (const AmbiguousRegion& c : found.ambiguous_regions)
+    report.ambiguous_regions.push_back(describe_choice(c, names));
   for (const ModelShell& s : model.shells)
     report.shells.push_back({names.regions(s.regions), s.closed, s.orientable, s.area, s.volume,
                              s.orientable ? s.normals.text() : ""});
-  for (const SurfaceFlaw& f : model.flaws)
-    for (const int r : f.regions) report.regions[r].flaws.push_back(f.text);
+  for (const SurfaceDefect& f : model.defects)
+    for (const int r : f.regions) report.regions[r].defects.push_back(f.text);
   return report;
 }
 
-std::vector<FlawReport> flaw_reports(const SurfaceModel& model) {
-  std::vector<FlawReport> list;
-  for (const SurfaceFlaw& f : model.flaws) {
+std::vector<DefectReport> defect_reports(const SurfaceModel& model) {
+  std::vector<DefectReport> list;
+  for (const SurfaceDefect& f : model.defects) {
     list.push_back({word(f.kind), {}, f.where, f.value, f.text});
     for (const int r : f.regions) list.back().regions.push_back(model.regions[r].plan.name);
   }

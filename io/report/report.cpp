@@ -20,9 +20,10 @@ Json json_of(const SkinQuality& q) {
 }
 
 Json json_of(const NetworkReport::Region& r) {
-  Json json = {{"name", r.name},       {"loops", r.loops},          {"inner", r.inner},
-               {"ring", r.ring},       {"asked", r.asked},          {"cost", r.cost},
-               {"skinned", r.skinned}, {"plain_area", r.plain_area}};
+  Json json = {{"name", r.name},       {"loops", r.loops},
+               {"inner", r.inner},     {"ring", r.annulus},
+               {"asked", r.requested}, {"cost", r.cost},
+               {"skinned", r.skinned}, {"plain_area", r.filling_area}};
   if (r.skinned) {
     json.update({{"triangles", r.triangles}, {"dofs", r.dofs}, {"size", r.size}});
     json["domain"] = r.domain;
@@ -35,17 +36,17 @@ Json json_of(const NetworkReport::Region& r) {
     if (r.half_angle_deg > 0) json["half_angle_deg"] = r.half_angle_deg;
     json.update(json_of(r.quality));
   } else {
-    json["why_not"] = r.why_not;
+    json["why_not"] = r.rejection_reason;
   }
-  json["flaws"] = r.flaws;
+  json["flaws"] = r.defects;
   json["warnings"] = r.warnings;
   return json;
 }
 
 Json json_of(const NetworkReport::Join& j) {
-  Json json = {{"line", j.line}, {"regions", j.regions}, {"kind", j.kind}, {"asked", j.asked}};
+  Json json = {{"line", j.line}, {"regions", j.regions}, {"kind", j.kind}, {"asked", j.requested}};
   if (j.regions.size() == 2) {
-    json["first_deg"] = j.first_deg;
+    json["first_deg"] = j.initial_deg;
     json["max_deg"] = j.max_deg;
     json["max_inside_deg"] = j.max_inside_deg;
     json["max_gap"] = j.max_gap;
@@ -63,25 +64,25 @@ Json json_of(const NetworkReport::Join& j) {
 
 /// network, regions, joins, choices, shells, left_over, optimal.
 void add_network(Json& json, const NetworkReport& n) {
-  Json findings = Json::array();
-  for (const NetworkFinding& f : n.findings)
-    findings.push_back({{"kind", word(f.kind)},
-                        {"lines", f.lines},
-                        {"where", json_of(f.where)},
-                        {"distance", f.distance},
-                        {"repaired", f.repaired},
-                        {"text", f.text}});
-  json["network"] = {{"lines", n.lines},         {"arcs", n.arcs},
+  Json diagnostics = Json::array();
+  for (const NetworkDiagnostic& f : n.diagnostics)
+    diagnostics.push_back({{"kind", word(f.kind)},
+                           {"lines", f.lines},
+                           {"where", json_of(f.where)},
+                           {"distance", f.distance},
+                           {"repaired", f.repaired},
+                           {"text", f.text}});
+  json["network"] = {{"lines", n.lines},         {"arcs", n.edges},
                      {"nodes", n.nodes},         {"size", n.size},
-                     {"tolerance", n.tolerance}, {"usual_share", n.usual_share},
-                     {"findings", findings}};
+                     {"tolerance", n.tolerance}, {"usual_share", n.joined_fraction},
+                     {"findings", diagnostics}};
   const auto list = [&](const char* key, const auto& items, const auto& one) {
     json[key] = Json::array();
     for (const auto& item : items) json[key].push_back(one(item));
   };
   list("regions", n.regions, [](const NetworkReport::Region& r) { return json_of(r); });
   list("joins", n.joins, [](const NetworkReport::Join& j) { return json_of(j); });
-  list("choices", n.choices, [](const NetworkReport::Choice& c) {
+  list("choices", n.ambiguous_regions, [](const NetworkReport::Choice& c) {
     return Json{{"text", c.text},     {"where", json_of(c.where)},      {"lines", c.lines},
                 {"chosen", c.chosen}, {"alternatives", c.alternatives}, {"margins", c.margins}};
   });
@@ -89,13 +90,13 @@ void add_network(Json& json, const NetworkReport& n) {
     return Json{{"regions", s.regions}, {"closed", s.closed}, {"orientable", s.orientable},
                 {"area", s.area},       {"volume", s.volume}, {"normals", s.normals}};
   });
-  json["left_over"] = {{"rims", n.rims}, {"bare", n.bare}};
+  json["left_over"] = {{"rims", n.free_edges}, {"bare", n.unused_edges}};
   json["optimal"] = n.optimal;
 }
 
-Json json_of(const std::vector<FlawReport>& flaws) {
+Json json_of(const std::vector<DefectReport>& defects) {
   Json json = Json::array();
-  for (const FlawReport& f : flaws)
+  for (const DefectReport& f : defects)
     json.push_back({{"kind", f.kind},
                     {"regions", f.regions},
                     {"where", json_of(f.where)},
@@ -120,7 +121,7 @@ Json json_of(const Report::Shape& s) {
 Json json_of(const Report::Sculpting& s) {
   Json json = json_of(s.shape);
   json["answers"] = Json::array();
-  for (const auto& a : s.answers)
+  for (const auto& a : s.solves)
     json["answers"].push_back({{"what", a.what},
                                {"iterations", a.iterations},
                                {"change", a.change},
@@ -130,8 +131,8 @@ Json json_of(const Report::Sculpting& s) {
                                    {"triangles", r.triangles},
                                    {"max_displacement", r.max_displacement},
                                    {"energy_before", r.energy_before},
-                                   {"energy_carried", r.energy_carried},
-                                   {"energy_settled", r.energy_settled}});
+                                   {"energy_carried", r.energy_transferred},
+                                   {"energy_settled", r.energy_at_equilibrium}});
   for (const auto& sweep : s.sweeps) {
     Json rows = Json::array();
     for (const auto& row : sweep.rows) {
@@ -167,7 +168,8 @@ Json json_of(const std::vector<Report::Line>& lines) {
   Json each = Json::array();
   for (const auto& line : lines) {
     // NaN must win over numbers, so that the report shows it.
-    if (line.holds && !(line.deviation <= max_deviation)) max_deviation = line.deviation;
+    if (line.constrains_surface && !(line.deviation <= max_deviation))
+      max_deviation = line.deviation;
     each.push_back({{"name", line.name},
                     {"role", word(line.role)},
                     {"treatment", line.embedded ? "embedded" : "fitted"},
@@ -177,7 +179,7 @@ Json json_of(const std::vector<Report::Line>& lines) {
     if (line.embedded) {
       each.back()["points"] = line.points;
       each.back()["gap"] = line.gap;
-      each.back()["holds"] = line.holds;
+      each.back()["holds"] = line.constrains_surface;
     }
   }
   return {{"count", lines.size()}, {"max_deviation", max_deviation}, {"each", each}};
@@ -189,7 +191,7 @@ Json json_of(const Report::Surface& s) {
                {"triangles", s.triangles},
                {"dofs", s.dofs},
                {"element", s.element},
-               {"hold", s.hold},
+               {"hold", s.boundary},
                {"fair", s.fair},
                {"size", s.size},
                {"area", q.area},
@@ -217,9 +219,9 @@ Json json_of(const Report::Surface& s) {
                        {"iterations", s.fairing->iterations},
                        {"factorizations", s.fairing->factorizations},
                        {"converged", s.fairing->converged},
-                       {"share", s.fairing->share},
-                       {"kept", s.fairing->kept},
-                       {"asked", s.fairing->asked},
+                       {"share", s.fairing->step_fraction},
+                       {"kept", s.fairing->unchanged_regions},
+                       {"asked", s.fairing->requested},
                        {"regions", s.fairing->regions}};
   return json;
 }
@@ -234,18 +236,18 @@ Json json_of(const Report::Target& t) {
                  {"max", t.max},
                  {"at", {t.where.x(), t.where.y(), t.where.z()}},
                  {"points", t.points},
-                 {"beyond", t.beyond}}},
+                 {"beyond", t.excluded}}},
                {"from_target",
                 {{"rms", t.back_rms},
                  {"max", t.back_max},
                  {"points", t.back_points},
-                 {"beyond", t.back_beyond}}},
-               {"rounds", t.rounds},
-               {"halvings", t.halvings},
+                 {"beyond", t.back_excluded}}},
+               {"rounds", t.iterations},
+               {"halvings", t.refinements},
                {"off_lines", Json::array()},
                {"regions", Json::object()}};
-  for (const auto& line : t.off_lines)
-    json["off_lines"].push_back({{"line", line.name}, {"distance", line.off}});
+  for (const auto& line : t.line_distances)
+    json["off_lines"].push_back({{"line", line.name}, {"distance", line.distance}});
   for (const auto& [name, largest] : t.regions) json["regions"][name] = largest;
   return json;
 }
@@ -271,7 +273,7 @@ Json json_of(const Report::Step& s, bool of_network) {
                              {"regions", j.regions},
                              {"angle_deg", j.angle_deg},
                              {"surface_deg", j.surface_deg},
-                             {"missed", j.missed}});
+                             {"missed", j.exceeds_tolerance}});
     if (!j.why.empty()) json["joins"].back()["why"] = j.why;
   }
   if (of_network)
@@ -306,21 +308,21 @@ Json json_of(const StressReport::Case& c) {
                {"combination", c.combination},
                {"force", json_of(c.force)},
                {"max_displacement", c.displacement},
-               {"displacement", json_of(c.displaced)},
-               {"displacement_at", json_of(c.displaced_at)},
-               {"displacement_region", c.displaced_region},
+               {"displacement", json_of(c.displacement_vector)},
+               {"displacement_at", json_of(c.max_displacement_at)},
+               {"displacement_region", c.max_displacement_region},
                {"max_von_mises", c.stress},
-               {"stress_at", json_of(c.stressed_at)},
-               {"stress_region", c.stressed_region},
+               {"stress_at", json_of(c.max_stress_at)},
+               {"stress_region", c.max_stress_region},
                {"stress_side", c.side},
                {"stress_spread", c.spread},
-               {"stress_at_a_point", c.at_point},
+               {"stress_at_a_point", c.near_singularity},
                {"strain_energy", c.energy},
                {"error_estimate", c.error},
                {"max_displacement_error", c.displacement_error},
-               {"balance", c.balance}};
+               {"balance", c.equilibrium_residual}};
   if (c.safety > 0) json["safety"] = c.safety;
-  if (c.buckling_asked) json["buckling_factors"] = c.buckling;
+  if (c.buckling_requested) json["buckling_factors"] = c.buckling;
   if (c.calculix)
     json["calculix"] = {{"elements", c.calculix->elements},
                         {"max_displacement", c.calculix->displacement},
@@ -337,7 +339,7 @@ Json json_of(const StressReport::Case& c) {
 Json json_of(const StressReport& s) {
   Json json = {{"unknowns", s.unknowns},
                {"thickness_over_radius", s.thickness_over_radius},
-               {"edge_over_bend", s.edge_over_bend}};
+               {"edge_over_bend", s.edge_over_boundary_layer}};
   if (!s.material.empty()) json["material"] = s.material;
   if (s.yield > 0) json["yield"] = s.yield;
   json["cases"] = Json::array();
@@ -350,7 +352,7 @@ Json json_of(const StressReport& s) {
                               {"displacement_error", m.error}});
   for (const auto& d : s.sensitivities)
     json["sensitivities"].push_back({{"parameter", d.parameter},
-                                     {"case", d.of_case},
+                                     {"case", d.load_case},
                                      {"max_displacement", d.displacement},
                                      {"compliance", d.compliance}});
   if (!s.frequencies.empty()) json["frequencies"] = s.frequencies;
@@ -358,12 +360,12 @@ Json json_of(const StressReport& s) {
 }
 
 Json contents(const Report& r) {
-  Json json = beginning_of(r);
+  Json json = report_header(r);
   json["lines"] = json_of(r.lines);
   if (!r.curves.empty()) json["curves"] = json_of(r.curves);
-  if (!r.surprises.empty()) json["lines_read"] = r.surprises;
+  if (!r.reading_notes.empty()) json["lines_read"] = r.reading_notes;
   json["surface"] = json_of(r.surface);
-  json["flaws"] = json_of(r.flaws);
+  json["flaws"] = json_of(r.defects);
   if (r.network) add_network(json, *r.network);
   if (r.step) json["step"] = json_of(*r.step, r.network.has_value());
   if (r.comparison) json["comparison"] = json_of(*r.comparison);
@@ -375,15 +377,15 @@ Json contents(const Report& r) {
   json["reactions"] = Json::array();
   for (const auto& reaction : r.reactions)
     json["reactions"].push_back({{"name", reaction.name}, {"force", json_of(reaction.force)}});
-  add_ending(json, r);
+  add_report_footer(json, r);
   return json;
 }
 
 }  // namespace
 
-std::vector<MissedPromise> numbers_that_failed(const Report& report) {
+std::vector<FailedCheck> non_finite_numbers(const Report& report) {
   Json json = contents(report);
-  return name_failed_numbers(json);
+  return replace_non_finite_numbers(json);
 }
 
 std::string to_json(const Report& report) { return report_text(contents(report), report); }

@@ -8,10 +8,10 @@
 #include <vector>
 
 #include "batten/io/report/network_report.h"
-#include "batten/io/report/report_parts.h"
+#include "batten/io/report/run_report.h"
 #include "batten/io/report/stress_report.h"
-#include "batten/sculpting/session/results.h"
-#include "batten/skinning/region/quality.h"
+#include "batten/sculpting/session/session_results.h"
+#include "batten/skinning/region/skin_quality.h"
 
 namespace batten {
 
@@ -25,17 +25,17 @@ struct Report : RunReport {
     double length = 0;
     double deviation = 0;  ///< largest deviation of the input from its curve
     int nodes = 0;
-    int points = 0;     ///< of an embedded line: number of points where the surface is held
-    double gap = 0;     ///< of an embedded line: gap between these points
-    bool holds = true;  ///< false: it only trims the surface, whose rim its curve is
+    int points = 0;  ///< of an embedded line: number of points where the surface is held
+    double gap = 0;  ///< of an embedded line: gap between these points
+    bool constrains_surface = true;  ///< false: it only trims the surface, whose rim its curve is
   };
   std::vector<Line> lines;
-  std::vector<FairedLine> curves;      ///< the lines that [[fair]] faired
-  std::vector<std::string> surprises;  ///< what one may not expect of how points were read
+  std::vector<FairedLine> curves;          ///< the lines that [[fair]] faired
+  std::vector<std::string> reading_notes;  ///< what one may not expect of how points were read
 
   struct Surface {
     int regions = 1, triangles = 0, dofs = 0;
-    std::string element, hold, fair;  ///< words of [skin]
+    std::string element, boundary, fair;  ///< words of [skin]
     SkinQuality quality;
     double size = 0, bending_energy = 0;
     double max_constraint_residual = 0, max_normal_constraint_deg = 0, max_smooth_join_deg = 0;
@@ -54,14 +54,14 @@ struct Report : RunReport {
       double max_move = 0;  ///< largest normal move of a vertex, model units
       int iterations = 0, factorizations = 0;
       bool converged = false;
-      double share = 1;               ///< of the way from the bending shape that was gone
-      std::vector<std::string> kept;  ///< regions that keep their bending shape
-      bool asked = true;  ///< false: of regions with five sides or more, by fair = "auto"
-      int regions = 0;    ///< how many were faired
+      double step_fraction = 1;  ///< of the way from the bending shape that was gone
+      std::vector<std::string> unchanged_regions;  ///< regions that keep their bending shape
+      bool requested = true;  ///< false: of regions with five sides or more, by fair = "auto"
+      int regions = 0;        ///< how many were faired
     };
     std::optional<Fairing> fairing;
   } surface;
-  std::vector<FlawReport> flaws;         ///< of the surface
+  std::vector<DefectReport> defects;     ///< of the surface
   std::optional<NetworkReport> network;  ///< set for a scene with [network]
 
   /// How near the shape is to [[target]], both ways; model units.
@@ -72,15 +72,16 @@ struct Report : RunReport {
     double rms = 0, max = 0;                ///< of the fitted one
     double back_rms = 0, back_max = 0;      ///< from the target to the fitted one
     int points = 0, back_points = 0;        ///< that were measured
-    int beyond = 0, back_beyond = 0;        ///< beyond a rim of the other one: they do not count
+    int excluded = 0, back_excluded = 0;    ///< beyond a rim of the other one: they do not count
     Vec3 where = Vec3::Zero();              ///< where the fitted one is farthest from it
-    int rounds = 0, halvings = 0;
+    int iterations = 0, refinements = 0;
     bool reached = false;
     struct Line {
       std::string name;
-      double off = 0;
+      double distance = 0;
     };
-    std::vector<Line> off_lines;  ///< lines that are themselves farther from it than the tolerance
+    std::vector<Line>
+        line_distances;  ///< lines that are themselves farther from it than the tolerance
     std::vector<std::pair<std::string, double>> regions;  ///< each one's largest distance
   };
   std::optional<Target> target;
@@ -104,7 +105,7 @@ struct Report : RunReport {
       std::string line;
       std::array<std::string, 2> regions;
       double angle_deg = 0, surface_deg = 0;
-      bool missed = false;
+      bool exceeds_tolerance = false;
       std::string why;  ///< of an angle that is no miss of the file; else ""
     };
     std::vector<Join> joins;
@@ -140,10 +141,11 @@ struct Report : RunReport {
       double change = 0;
       bool factored = false;
     };
-    std::vector<Step> answers;
+    std::vector<Step> solves;
     struct Refinement {
       int triangles_before = 0, triangles = 0;
-      double max_displacement = 0, energy_before = 0, energy_carried = 0, energy_settled = 0;
+      double max_displacement = 0, energy_before = 0, energy_transferred = 0,
+             energy_at_equilibrium = 0;
     };
     std::vector<Refinement> refinements;
     /// Largest values of all load cases of [stress].
@@ -178,10 +180,10 @@ struct Report : RunReport {
 };
 
 /// The numbers of the report that are not finite, by their names in the file ("surface.area").
-std::vector<MissedPromise> numbers_that_failed(const Report& report);
+std::vector<FailedCheck> non_finite_numbers(const Report& report);
 
 /// The report as JSON text. A number that is not finite, which JSON cannot hold, becomes the word
-/// "nan" or "inf". Add numbers_that_failed() to `missed` before.
+/// "nan" or "inf". Add non_finite_numbers() to `exceeds_tolerance` before.
 std::string to_json(const Report& report);
 
 }  // namespace batten

@@ -5,36 +5,36 @@
 namespace batten {
 namespace {
 
-void name_failed(Json& json, const std::string& path, std::vector<MissedPromise>& failed) {
+void replace_non_finite(Json& json, const std::string& path, std::vector<FailedCheck>& failed) {
   if (json.is_number_float() && !std::isfinite(json.get<double>())) {
     const std::string word = std::isnan(json.get<double>()) ? "nan" : "inf";
     failed.push_back({path, "could not be computed (" + word + ")"});
     json = word;
   } else if (json.is_object()) {
     for (auto& [key, value] : json.items())
-      name_failed(value, path.empty() ? key : path + "." + key, failed);
+      replace_non_finite(value, path.empty() ? key : path + "." + key, failed);
   } else if (json.is_array()) {
     for (size_t i = 0; i < json.size(); ++i) {
       const bool named = json[i].is_object() && json[i].contains("name");
       const std::string name = named ? json[i]["name"].get<std::string>() : std::to_string(i);
-      name_failed(json[i], path + "." + name, failed);
+      replace_non_finite(json[i], path + "." + name, failed);
     }
   }
 }
 
 }  // namespace
 
-std::vector<MissedPromise> name_failed_numbers(Json& json) {
-  std::vector<MissedPromise> failed;
-  name_failed(json, "", failed);
+std::vector<FailedCheck> replace_non_finite_numbers(Json& json) {
+  std::vector<FailedCheck> failed;
+  replace_non_finite(json, "", failed);
   return failed;
 }
 
-Json beginning_of(const RunReport& report) {
+Json report_header(const RunReport& report) {
   return {{"name", report.name}, {"unit", report.unit}};
 }
 
-void add_ending(Json& json, const RunReport& report) {
+void add_report_footer(Json& json, const RunReport& report) {
   json["timings_s"] = Json::object();
   for (const auto& [stage, seconds] : report.timings) json["timings_s"][stage] = seconds;
   json["files"] = report.files;
@@ -42,9 +42,9 @@ void add_ending(Json& json, const RunReport& report) {
 }
 
 std::string report_text(Json json, const RunReport& report) {
-  name_failed_numbers(json);
+  replace_non_finite_numbers(json);
   json["missed_promises"] = Json::array();
-  for (const auto& m : report.missed)
+  for (const auto& m : report.failed_checks)
     json["missed_promises"].push_back({{"what", m.what}, {"detail", m.detail}});
   // Names come from files of any encoding: what is not UTF-8 is replaced.
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";

@@ -5,21 +5,21 @@
 #include <string>
 #include <vector>
 
-#include "batten/io/report/report_parts.h"
+#include "batten/io/report/run_report.h"
 
 namespace batten {
 
 using Json = nlohmann::ordered_json;
 
 /// Replaces numbers that are not finite by the words "nan" and "inf", and returns their names.
-std::vector<MissedPromise> name_failed_numbers(Json& json);
+std::vector<FailedCheck> replace_non_finite_numbers(Json& json);
 
 /// The text of a report, with the promises it missed at its end.
 std::string report_text(Json json, const RunReport& report);
 
 /// The keys name and unit; timings_s, files and warnings.
-Json beginning_of(const RunReport& report);
-void add_ending(Json& json, const RunReport& report);
+Json report_header(const RunReport& report);
+void add_report_footer(Json& json, const RunReport& report);
 
 inline Json json_of(const Vec3& p) { return {p.x(), p.y(), p.z()}; }
 /// A list with the name and value of each parameter, and its range where it has one.

@@ -12,8 +12,8 @@ Json steps_json(const std::vector<SequenceReport::Step>& steps) {
                     {"kind", s.kind},
                     {"frames", s.frames},
                     {"keyframes", s.keyframes},
-                    {"rounds", s.rounds},
-                    {"not_at_rest", s.not_at_rest},
+                    {"rounds", s.iterations},
+                    {"not_at_rest", s.unconverged_keyframes},
                     {"last_change", s.last_change},
                     {"seconds", s.seconds}});
   return json;
@@ -27,21 +27,21 @@ Json parts_json(const std::vector<SequenceReport::Handle>& parts) {
   return json;
 }
 
-Json feet_json(const std::vector<SequenceReport::Foot>& feet) {
+Json foot_contacts_json(const std::vector<SequenceReport::Foot>& feet) {
   Json json = Json::array();
   for (const auto& f : feet)
     json.push_back({{"step", f.step},
                     {"handle", f.handle},
                     {"frames", {f.first, f.last}},
-                    {"slip_before", f.slip_before},
-                    {"slip", f.slip}});
+                    {"slip_before", f.foot_skate_before},
+                    {"slip", f.foot_skate}});
   return json;
 }
 
 }  // namespace
 
 std::string to_json(const SequenceReport& report) {
-  Json json = beginning_of(report);
+  Json json = report_header(report);
   json["sequence"] = {{"file", report.file},     {"frames_before", report.frames_before},
                       {"frames", report.frames}, {"made", {report.first, report.last}},
                       {"found", report.found},   {"nodes", report.nodes},
@@ -49,11 +49,12 @@ std::string to_json(const SequenceReport& report) {
   json["steps"] = steps_json(report.steps);
   json["handles"] = parts_json(report.handles);
   json["features"] = parts_json(report.features);
-  json["footprints"] = feet_json(report.feet);
+  json["footprints"] = foot_contacts_json(report.feet);
   json["smoothness"] = {{"second_difference_before", report.second_difference_before},
                         {"second_difference", report.second_difference}};
-  json["turned_over"] = {{"before", report.turned_over_before}, {"after", report.turned_over}};
-  add_ending(json, report);
+  json["turned_over"] = {{"before", report.inverted_triangles_before},
+                         {"after", report.inverted_triangles}};
+  add_report_footer(json, report);
   return report_text(std::move(json), report);
 }
 

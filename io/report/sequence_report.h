@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "batten/io/report/report_parts.h"
+#include "batten/io/report/run_report.h"
 
 namespace batten {
 
@@ -21,9 +21,9 @@ struct SequenceReport : RunReport {
     std::string name, kind;
     int frames = 0;  ///< after it
     int keyframes = 0;
-    int rounds = 0;          ///< most of any keyframe
-    int not_at_rest = 0;     ///< keyframes whose rounds ended before their tolerance
-    double last_change = 0;  ///< largest of these, a share
+    int iterations = 0;             ///< most of any keyframe
+    int unconverged_keyframes = 0;  ///< keyframes whose rounds ended before their tolerance
+    double last_change = 0;         ///< largest of these, a share
     double seconds = 0;
   };
   std::vector<Step> steps;
@@ -40,14 +40,16 @@ struct SequenceReport : RunReport {
   struct Foot {
     std::string step, handle;
     int first = 0, last = 0;
-    double slip_before = 0, slip = 0;  ///< largest distance of its centroid from its mean, a share
-    double promised = 1e-3;
+    double foot_skate_before = 0,
+           foot_skate = 0;  ///< largest distance of its centroid from its mean, a share
+    double max_foot_skate = 1e-3;
   };
   std::vector<Foot> feet;
 
   double second_difference_before = 0, second_difference = 0;  ///< largest, model units
-  long turned_over_before = 0, turned_over = 0;  ///< triangles whose normal turns by more than 90°
-      ///< against the mean of the neighbours, in all frames
+  long inverted_triangles_before = 0,
+       inverted_triangles = 0;  ///< triangles whose normal turns by more than 90°
+                                ///< against the mean of the neighbours, in all frames
 };
 
 std::string to_json(const SequenceReport& report);

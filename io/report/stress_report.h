@@ -16,18 +16,19 @@ struct StressReport {
   int unknowns = 0;      ///< of the system that was factored
   double yield = 0;      ///< 0: not stated
   double thickness_over_radius =
-      0;                      ///< the largest thickness over the smallest radius of curvature
-  double edge_over_bend = 0;  ///< largest of edge length / √(radius · thickness): above 1.5 coarse
+      0;  ///< the largest thickness over the smallest radius of curvature
+  double edge_over_boundary_layer =
+      0;  ///< largest of edge length / √(radius · thickness): above 1.5 coarse
 
-  std::vector<std::string> weak_motions;  ///< which the supports hardly resist
-  double resisted = 0;                    ///< by what lever, over the size
+  std::vector<std::string> weakly_constrained_motions;  ///< which the supports hardly resist
+  double smallest_lever = 0;                            ///< by what lever, over the size
 
   struct Reaction {
     std::string support;
     Vec3 force, moment;  ///< on the shell; moment about the origin
   };
   /// The largest values of another program on the same shell, and those where ours are largest.
-  struct Witness {
+  struct CalculixResult {
     std::string elements;
     double displacement = 0, stress = 0, displacement_there = 0, stress_there = 0;
   };
@@ -37,23 +38,24 @@ struct StressReport {
     Vec3 force = Vec3::Zero();      ///< sum of all loads
     double displacement = 0;        ///< the largest
     double displacement_error = 0;  ///< estimate of what is missing of it
-    Vec3 displaced = Vec3::Zero(), displaced_at = Vec3::Zero();
-    std::string displaced_region;
-    double stress = 0;                  ///< the largest equivalent stress (von Mises)
-    std::string side;                   ///< "top" or "bottom"
-    Vec3 stressed_at = Vec3::Zero();    ///< on the middle surface
-    Vec3 stressed_face = Vec3::Zero();  ///< the same place, top or bottom
-    std::string stressed_region;
-    double spread = 0;      ///< of the elements' own stresses there
-    bool at_point = false;  ///< beside a point load or support, where stresses have no limit
-    double safety = 0;      ///< yield / stress; 0 where no yield is stated
+    Vec3 displacement_vector = Vec3::Zero(), max_displacement_at = Vec3::Zero();
+    std::string max_displacement_region;
+    double stress = 0;                          ///< the largest equivalent stress (von Mises)
+    std::string side;                           ///< "top" or "bottom"
+    Vec3 max_stress_at = Vec3::Zero();          ///< on the middle surface
+    Vec3 max_stress_face_point = Vec3::Zero();  ///< the same place, top or bottom
+    std::string max_stress_region;
+    double spread = 0;  ///< of the elements' own stresses there
+    bool near_singularity =
+        false;          ///< beside a point load or support, where stresses have no limit
+    double safety = 0;  ///< yield / stress; 0 where no yield is stated
     double energy = 0;
-    double error = 0;    ///< estimate, relative, in energy norm
-    double balance = 0;  ///< |loads + reactions| / |loads|
-    bool buckling_asked = false;
+    double error = 0;                 ///< estimate, relative, in energy norm
+    double equilibrium_residual = 0;  ///< |loads + reactions| / |loads|
+    bool buckling_requested = false;
     std::vector<double> buckling;  ///< factors of the load, smallest first
     std::vector<Reaction> reactions;
-    std::optional<Witness> calculix;
+    std::optional<CalculixResult> calculix;
   };
   std::vector<Case> cases;
   /// A mesh on the way to an accuracy that was asked for: the largest values of all cases.
@@ -66,7 +68,7 @@ struct StressReport {
   std::vector<Mesh> meshes;
   /// Derivatives of a case by a parameter of the scene.
   struct Sensitivity {
-    std::string parameter, of_case;
+    std::string parameter, load_case;
     double displacement = 0;  ///< of the largest displacement, along itself
     double compliance = 0;    ///< of the work of the loads
   };

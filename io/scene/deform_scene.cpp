@@ -4,16 +4,16 @@
 
 #include "batten/core/errors.h"
 #include "batten/io/files/input_file.h"
-#include "batten/io/scene/selection_words.h"
+#include "batten/io/scene/selection_parsing.h"
 
 namespace batten {
 namespace {
 
-GuideRule read_guide(const TomlTable& t) {
-  GuideRule rule;
+GuideSpec read_guide(const TomlTable& t) {
+  GuideSpec rule;
   rule.name = t.text("name");
-  rule.place = t.place();
-  rule.of = word_of(t, "of");
+  rule.location = t.location();
+  rule.of = read_string(t, "of");
   if (t.has("plane") + t.has("line") != 1)
     t.fail("", "a guide without plane or line", "one of plane = {…}, line = {…}");
   for (const TomlTable& p : t.table("plane", {"normal", "through"})) {
@@ -21,19 +21,19 @@ GuideRule read_guide(const TomlTable& t) {
     if (p.has("through")) rule.through = p.vector("through");
   }
   for (const TomlTable& l : t.table("line", {"direction", "through"})) {
-    rule.kind = GuidedPoint::Kind::OnLine;
+    rule.kind = PointConstraint::Kind::OnLine;
     rule.direction = l.direction("direction");
     if (l.has("through")) rule.through = l.vector("through");
   }
   return rule;
 }
 
-LineRule read_line(const TomlTable& t) {
-  LineRule rule;
+LineSpec read_line(const TomlTable& t) {
+  LineSpec rule;
   rule.name = t.text("name");
-  rule.place = t.place();
+  rule.location = t.location();
   if (t.has("through")) rule.through = t.points("through");
-  rule.nodes = labels_of(t, "nodes");
+  rule.nodes = read_labels(t, "nodes");
   if (rule.through.empty() == rule.nodes.empty())
     t.fail("", "a line without a way", "one of through = [[x, y, z], …], nodes = […]");
   rule.closed = t.boolean("closed", false);
@@ -44,7 +44,7 @@ LineRule read_line(const TomlTable& t) {
 
 std::vector<CurveLoad> read_curve_loads(const TomlTable& t) {
   std::vector<CurveLoad> loads;
-  Names names("load");
+  UniqueNames names("load");
   for (const TomlTable& s : t.tables("spring", {"name", "at", "to", "stiffness"})) {
     loads.push_back({s.text("name"), s.positive("stiffness"),
                      CurveLoad::Spring{s.vector("at"), s.vector("to")}});
@@ -63,37 +63,37 @@ std::vector<CurveLoad> read_curve_loads(const TomlTable& t) {
   return loads;
 }
 
-CurveRule read_curve(const TomlTable& t) {
-  CurveRule rule;
+CurveSpec read_curve(const TomlTable& t) {
+  CurveSpec rule;
   rule.line = read_line(t);
   rule.faired = t.boolean("faired", true);
   if (t.has("deviation") + t.has("wavelength") + !rule.faired > 1)
     t.fail("", "several ways to fair", "one of deviation, wavelength, faired = false");
-  using Balance = FairOptions::Balance;
+  using Smoothing = FairOptions::Smoothing;
   if (t.has("deviation")) {
-    rule.fair.balance = Balance::Deviation;
+    rule.fair.smoothing = Smoothing::Deviation;
     rule.fair.deviation = t.positive("deviation");
   } else if (t.has("wavelength")) {
-    rule.fair.balance = Balance::Wavelength;
+    rule.fair.smoothing = Smoothing::Wavelength;
     rule.fair.wavelength = t.positive("wavelength");
   }
   rule.fair.corner_angle = t.positive("corner_angle", rule.fair.corner_angle);
-  rule.ends = t.choice("ends", CurveRule::Ends::Clamped,
-                       {{"clamped", CurveRule::Ends::Clamped},
-                        {"held", CurveRule::Ends::Held},
-                        {"free", CurveRule::Ends::Free}});
+  rule.ends = t.choice("ends", CurveSpec::Ends::Clamped,
+                       {{"clamped", CurveSpec::Ends::Clamped},
+                        {"held", CurveSpec::Ends::Pinned},
+                        {"free", CurveSpec::Ends::Free}});
   rule.alpha = t.number("alpha", 0);
-  if (!(rule.alpha >= 0)) t.fail("alpha", number(rule.alpha), "0 or more");
+  if (!(rule.alpha >= 0)) t.fail("alpha", format_number(rule.alpha), "0 or more");
   rule.beta = t.positive("beta", 1);
   rule.loads = read_curve_loads(t);
   return rule;
 }
 
-PullRule read_pull(const TomlTable& t) {
-  PullRule rule;
+PositionConstraintSpec read_position_constraint(const TomlTable& t) {
+  PositionConstraintSpec rule;
   rule.name = t.text("name");
-  rule.place = t.place();
-  if (t.has("node")) rule.node = label_of(t, "node", t.number("node"));
+  rule.location = t.location();
+  if (t.has("node")) rule.node = read_label(t, "node", t.number("node"));
   if (t.has("at")) rule.at = t.vector("at");
   if (t.has("node") == t.has("at")) t.fail("", "a pull without one vertex", "one of node, at");
   rule.to = t.vector("to");
@@ -101,21 +101,21 @@ PullRule read_pull(const TomlTable& t) {
   return rule;
 }
 
-EditRule read_edit(const TomlTable& t, size_t index) {
-  EditRule rule;
+EditSpec read_edit(const TomlTable& t, size_t index) {
+  EditSpec rule;
   rule.name = t.text("name", "edit-" + std::to_string(index + 1));
-  rule.place = t.place();
+  rule.location = t.location();
   rule.fixed = t.names("fixed");
   rule.region = t.names("region");
-  Names handles("handle");
+  UniqueNames handles("handle");
   for (const TomlTable& h :
        t.tables("handle", {"name", "vertices", "translate", "rotate", "scale", "about"})) {
-    EditRule::MovedHandle handle;
+    EditSpec::MovedHandle handle;
     handle.name = h.text("name");
     handles.add(h, "name", handle.name);
-    handle.place = h.place();
+    handle.location = h.location();
     handle.vertices = h.names("vertices");
-    if (handle.vertices.empty()) handle.vertices = {{handle.name, h.place("name")}};
+    if (handle.vertices.empty()) handle.vertices = {{handle.name, h.location("name")}};
     if (h.has("translate")) handle.translate = h.vector("translate");
     for (const TomlTable& r : h.table("rotate", {"axis", "degrees"})) {
       handle.axis = r.direction("axis");
@@ -126,38 +126,39 @@ EditRule read_edit(const TomlTable& t, size_t index) {
     rule.handles.push_back(handle);
   }
   for (const TomlTable& s : t.tables("scale", {"feature", "factor"}))
-    rule.scales.push_back({word_of(s, "feature"), s.positive("factor")});
+    rule.scales.push_back({read_string(s, "feature"), s.positive("factor")});
   for (const TomlTable& s : t.tables("turn_feature", {"feature", "axis", "degrees"}))
-    rule.turns.push_back({word_of(s, "feature"), s.direction("axis"), s.number("degrees")});
-  rule.turn = t.choice("turn", EditRule::Turn::Found,
-                       {{"found", EditRule::Turn::Found},
-                        {"dual", EditRule::Turn::Dual},
-                        {"nonlinear", EditRule::Turn::Nonlinear},
-                        {"harmonic", EditRule::Turn::Harmonic}});
+    rule.rotated_features.push_back(
+        {read_string(s, "feature"), s.direction("axis"), s.number("degrees")});
+  rule.rotation_mode = t.choice("turn", EditSpec::RotationMode::Estimated,
+                                {{"found", EditSpec::RotationMode::Estimated},
+                                 {"dual", EditSpec::RotationMode::Dual},
+                                 {"nonlinear", EditSpec::RotationMode::Nonlinear},
+                                 {"harmonic", EditSpec::RotationMode::Harmonic}});
   for (const TomlTable& g : t.tables("guide", {"name", "through"}))
-    rule.guides.push_back({word_of(g, "name"), g.vector("through")});
+    rule.guides.push_back({read_string(g, "name"), g.vector("through")});
   rule.keep_centres = t.choice("centres", true, {{"kept", true}, {"free", false}});
   return rule;
 }
 
-ModesRule read_modes(const TomlTable& t, Names& files) {
-  ModesRule rule;
+ModesSpec read_modes(const TomlTable& t, UniqueNames& files) {
+  ModesSpec rule;
   rule.thickness = t.positive("thickness");
   rule.young = t.positive("young");
   rule.poisson = t.number("poisson");
   if (!(rule.poisson > -1 && rule.poisson < 0.5))
-    t.fail("poisson", number(rule.poisson), "above -1 and below 0.5");
+    t.fail("poisson", format_number(rule.poisson), "above -1 and below 0.5");
   rule.density = t.positive("density");
-  rule.count = t.whole_number("count", 1, 10);
+  rule.count = t.integer("count", 1, 10);
   rule.clamped = t.names("clamped");
   if (t.has("before")) rule.before = output_file(t, "before", files, {".inp"});
   if (t.has("after")) rule.after = output_file(t, "after", files, {".inp"});
   return rule;
 }
 
-MeshPictureRule mesh_picture(const TomlTable& t, Names& files) {
-  using Show = MeshPictureRule::Show;
-  MeshPictureRule rule;
+MeshPictureSpec mesh_picture(const TomlTable& t, UniqueNames& files) {
+  using Show = MeshPictureSpec::Show;
+  MeshPictureSpec rule;
   rule.file = output_file(t, "file", files, {".png"});
   rule.title = t.text("title", "");
   rule.show = t.choice("show", Show::BeforeAfter,
@@ -173,27 +174,28 @@ MeshPictureRule mesh_picture(const TomlTable& t, Names& files) {
 }
 
 /// Reads how elements that are no shells go with the shells.
-void read_attached(const TomlTable& root, FollowOptions& options) {
-  const std::vector<std::string> kinds = {"solids", "beams",  "bushes", "rigid",
-                                          "means",  "masses", "others"};  // as OtherElement::Kind
+void read_attached(const TomlTable& root, AttachmentOptions& options) {
+  const std::vector<std::string> kinds = {
+      "solids", "beams",  "bushes", "rigid",
+      "means",  "masses", "others"};  // as NonShellElement::Kind
   for (const TomlTable& t : root.table("attached", kinds))
     for (size_t k = 0; k < kinds.size(); ++k) {
       const bool says_itself = kinds[k] == "rigid" || kinds[k] == "means";
-      Following& slot = options.of_kind[k];
+      AttachmentRule& slot = options.rule_of_kind[k];
       if (!t.has(kinds[k])) continue;
-      slot = says_itself ? t.choice<Following>(
-                               kinds[k], {{"follow", Following::Rigid}, {"stay", Following::Stay}})
-                         : t.choice<Following>(kinds[k], {{"smooth", Following::Smooth},
-                                                          {"rigid", Following::Rigid},
-                                                          {"stay", Following::Stay}});
+      slot = says_itself ? t.choice<AttachmentRule>(kinds[k], {{"follow", AttachmentRule::Rigid},
+                                                               {"stay", AttachmentRule::Stay}})
+                         : t.choice<AttachmentRule>(kinds[k], {{"smooth", AttachmentRule::Smooth},
+                                                               {"rigid", AttachmentRule::Rigid},
+                                                               {"stay", AttachmentRule::Stay}});
     }
 }
 
-RelationRule read_relation(const TomlTable& t) {
-  using Kind = RelationRule::Kind;
-  RelationRule rule;
+RelationSpec read_relation(const TomlTable& t) {
+  using Kind = RelationSpec::Kind;
+  RelationSpec rule;
   rule.name = t.text("name");
-  rule.place = t.place();
+  rule.location = t.location();
   rule.kind = t.choice<Kind>("kind", {{"parallel", Kind::Parallel},
                                       {"coaxial", Kind::Coaxial},
                                       {"distance", Kind::Distance},
@@ -210,23 +212,24 @@ RelationRule read_relation(const TomlTable& t) {
 }
 
 /// Reads guides, lines, curves and pulls: what else the mesh keeps or follows.
-void read_guides_and_lines(const TomlTable& root, Names& kept, DeformScene& scene) {
-  kept.read(root, "guide", {"name", "of", "plane", "line"}, scene.guides, read_guide);
-  kept.read(root, "relation", {"name", "kind", "of", "plane"}, scene.relations, read_relation);
-  kept.read(root, "line", {"name", "through", "nodes", "closed", "keep", "width"}, scene.lines,
-            read_line);
+void read_guides_and_lines(const TomlTable& root, UniqueNames& taken, DeformScene& scene) {
+  taken.read(root, "guide", {"name", "of", "plane", "line"}, scene.guides, read_guide);
+  taken.read(root, "relation", {"name", "kind", "of", "plane"}, scene.relations, read_relation);
+  taken.read(root, "line", {"name", "through", "nodes", "closed", "keep", "width"}, scene.lines,
+             read_line);
   for (const TomlTable& t : root.tables(
            "curve", {"name", "through", "nodes", "closed", "faired", "deviation", "wavelength",
                      "corner_angle", "ends", "alpha", "beta", "spring", "force", "uniform"})) {
     scene.curves.push_back(read_curve(t));
-    kept.add(t, "name", scene.curves.back().line.name);
+    taken.add(t, "name", scene.curves.back().line.name);
   }
-  kept.read(root, "pull", {"name", "node", "at", "to", "weight"}, scene.pulls, read_pull);
+  taken.read(root, "pull", {"name", "node", "at", "to", "weight"}, scene.position_constraints,
+             read_position_constraint);
 }
 
 /// Reads the edits.
 void read_edits(const TomlTable& root, bool required, DeformScene& scene) {
-  Names edits("edit");
+  UniqueNames edits("edit");
   edits.read(
       root, "edit",
       {"name", "fixed", "region", "handle", "scale", "guide", "centres", "turn", "turn_feature"},
@@ -236,13 +239,13 @@ void read_edits(const TomlTable& root, bool required, DeformScene& scene) {
 
 /// Reads what files are written: meshes, models of modes, pictures.
 void read_outputs(const TomlTable& root, DeformScene& scene) {
-  Names files("file name");
+  UniqueNames files("file name");
   const std::string ending = scene.mesh.extension().string();
   scene.mesh_out = scene.mesh.stem().string() + "-deformed" + ending;
   for (const TomlTable& t : root.table("output", {"mesh", "vtp", "wide_nodes"})) {
     if (t.has("mesh")) scene.mesh_out = output_file(t, "mesh", files, {ending});
     if (t.has("vtp")) scene.vtp = output_file(t, "vtp", files, {".vtp"});
-    scene.wide_nodes = t.boolean("wide_nodes", false);
+    scene.large_field_nodes = t.boolean("wide_nodes", false);
   }
   if (!files.has(scene.mesh_out)) files.add(root, "mesh", scene.mesh_out);
   for (const TomlTable& t : root.table("modes", {"thickness", "young", "poisson", "density",
@@ -264,7 +267,7 @@ DeformScene deform_scene(const toml::table& root_table, const std::filesystem::p
   DeformScene scene;
   scene.file = file;
   scene.name = root.text("name", file.stem().string());
-  scene.unit = unit_word(root, "unit");
+  scene.unit = read_unit(root, "unit");
   scene.mesh = folder / root.text("mesh");
   scene.weighting = root.choice(
       "weighting", DeformProblem::Weighting::Area,
@@ -272,9 +275,9 @@ DeformScene deform_scene(const toml::table& root_table, const std::filesystem::p
   read_proposals(root, scene.proposals);
   read_attached(root, scene.following);
   read_selections(root, folder, scene);
-  Names kept("name");
-  scene.features = read_features(root, kept);
-  read_guides_and_lines(root, kept, scene);
+  UniqueNames taken("name");
+  scene.features = read_features(root, taken);
+  read_guides_and_lines(root, taken, scene);
   read_edits(root, edits_required, scene);
   read_outputs(root, scene);
   return scene;
@@ -300,16 +303,16 @@ void for_each_edit_parameter(AnyScene& scene, const Function& f) {
 }
 
 /// Sets EDIT.HANDLE.turn.x, .y or .z; false for other names.
-bool set_turn(DeformScene& scene, const std::string& parameter, double value,
-              const std::string& where) {
+bool set_handle_rotation(DeformScene& scene, const std::string& parameter, double value,
+                         const std::string& where) {
   for (auto& edit : scene.edits)
     for (auto& handle : edit.handles)
       for (int i = 0; i < 3; ++i) {
         if (parameter != edit.name + "." + handle.name + ".turn." + "xyz"[i]) continue;
         if (!std::isfinite(value))
-          throw InputError(where + "found " + number(value) + " for '" + parameter +
+          throw InputError(where + "found " + format_number(value) + " for '" + parameter +
                            "', expected a finite number");
-        turn_about(i, value, handle.axis, handle.degrees);
+        set_rotation_component(i, value, handle.axis, handle.degrees);
         return true;
       }
   return false;
@@ -317,7 +320,7 @@ bool set_turn(DeformScene& scene, const std::string& parameter, double value,
 
 }  // namespace
 
-void turn_about(int coordinate, double value, Vec3& axis, double& degrees) {
+void set_rotation_component(int coordinate, double value, Vec3& axis, double& degrees) {
   Vec3 turn = degrees * axis;
   turn[coordinate] = value;
   degrees = turn.norm();
@@ -327,31 +330,31 @@ void turn_about(int coordinate, double value, Vec3& axis, double& degrees) {
 std::vector<Parameter> DeformScene::parameters() const {
   std::vector<Parameter> list;
   for_each_edit_parameter(*this, [&](const std::string& n, double value, bool positive) {
-    list.push_back({n, value, positive ? 0 : -infinity, infinity});
+    list.push_back({n, value, positive ? 0 : -kInfinity, kInfinity});
   });
   return list;
 }
 
 void DeformScene::set(const std::string& parameter, double value, const std::string& where) {
   std::vector<std::string> names;
-  bool known = set_turn(*this, parameter, value, where);
+  bool known = set_handle_rotation(*this, parameter, value, where);
   for_each_edit_parameter(*this, [&](const std::string& n, double& slot, bool positive) {
     names.push_back(n);
     if (n != parameter) return;
     known = true;
     if (!std::isfinite(value) || (positive && !(value > 0)))
-      throw InputError(where + "found " + number(value) + " for '" + n + "', expected a " +
+      throw InputError(where + "found " + format_number(value) + " for '" + n + "', expected a " +
                        (positive ? "number above 0" : "finite number"));
     slot = value;
   });
   if (!known)
     throw InputError(where + "found parameter '" + parameter + "', expected " +
-                     one_of(parameter, names));
+                     expected_one_of(parameter, names));
 }
 
-bool edits_a_mesh(const std::filesystem::path& file) {
+bool is_deform_scene(const std::filesystem::path& file) {
   const toml::table root =
-      parse_toml(input_bytes(file, "a scene (.toml)"), file, "a scene or edits of a mesh");
+      parse_toml(read_input_file(file, "a scene (.toml)"), file, "a scene or edits of a mesh");
   return root.contains("mesh") || root.contains("edit");
 }
 
@@ -362,7 +365,7 @@ DeformScene parse_deform_scene(const std::string& text, const std::filesystem::p
 }
 
 DeformScene read_deform_scene(const std::filesystem::path& file) {
-  return parse_deform_scene(input_bytes(file, "edits of a mesh (.toml)"), file);
+  return parse_deform_scene(read_input_file(file, "edits of a mesh (.toml)"), file);
 }
 
 }  // namespace batten

@@ -13,25 +13,26 @@
 #include "batten/io/pictures/pictures.h"
 #include "batten/io/scene/scene.h"
 #include "batten/io/scene/scene_selections.h"
-#include "batten/mesh/attached/follow.h"
+#include "batten/mesh/attached/attachment.h"
 #include "batten/mesh/deform/deform_problem.h"
 #include "batten/sculpting/curves/deformable_curve.h"
 
 namespace batten {
 
 /// [[guide]]: a point that stays on a plane or on a line.
-struct GuideRule {
+struct GuideSpec {
   std::string name;
-  FilePlace place;
-  PlacedWord of;  ///< feature, selection or proposal; the point is the mean of its vertices, or of
-                  ///< those of its loop
-  GuidedPoint::Kind kind = GuidedPoint::Kind::OnPlane;
+  SourceLocation location;
+  LocatedString
+      of;  ///< feature, selection or proposal; the point is the mean of its vertices, or of
+           ///< those of its loop
+  PointConstraint::Kind kind = PointConstraint::Kind::OnPlane;
   Vec3 direction = Vec3::UnitZ();
   std::optional<Vec3> through;  ///< a point of the plane or line; none: where the point is
 };
 
 /// [[relation]]: what features keep between them.
-struct RelationRule {
+struct RelationSpec {
   enum class Kind {
     Parallel,  ///< they turn alike
     Coaxial,   ///< and their centres keep their places to each other, along the common axis
@@ -40,16 +41,16 @@ struct RelationRule {
     Symmetric  ///< two centres stay mirror images about a plane
   };
   std::string name;
-  FilePlace place;
+  SourceLocation location;
   Kind kind = Kind::Parallel;
-  std::vector<PlacedWord> of;                  ///< features; '*' stands for any letters
+  std::vector<LocatedString> of;               ///< features; '*' stands for any letters
   std::optional<std::pair<Vec3, Vec3>> plane;  ///< Symmetric: normal, a point of it
 };
 
 /// [[line]]: a character line that keeps its shape, rigidly or in the soft sense.
-struct LineRule {
+struct LineSpec {
   std::string name;
-  FilePlace place;
+  SourceLocation location;
   std::vector<Vec3> through;  ///< points; the line goes through the vertices nearest to them, and
                               ///< along creases between
   std::vector<long> nodes;    ///< or the numbers of its nodes in the mesh file, in their order
@@ -61,9 +62,9 @@ struct LineRule {
 
 /// [[curve]]: a line of vertices that becomes a deformable curve: faired, shaped by its own loads,
 /// and then imposed on its vertices exactly.
-struct CurveRule {
-  enum class Ends { Clamped, Held, Free };
-  LineRule line;  ///< its name and vertices; rigid and width are not used
+struct CurveSpec {
+  enum class Ends { Clamped, Pinned, Free };
+  LineSpec line;  ///< its name and vertices; rigid and width are not used
   bool faired = true;
   FairOptions fair;  ///< how it is faired
   Ends ends = Ends::Clamped;
@@ -72,9 +73,9 @@ struct CurveRule {
 };
 
 /// [[pull]]: a vertex that a row draws to a place, in the least-squares sense or exactly.
-struct PullRule {
+struct PositionConstraintSpec {
   std::string name;
-  FilePlace place;
+  SourceLocation location;
   std::optional<long> node;  ///< number of the node in the mesh file
   std::optional<Vec3> at;    ///< or the point that the vertex is nearest to
   Vec3 to = Vec3::Zero();
@@ -82,56 +83,56 @@ struct PullRule {
 };
 
 /// [[edit]]: what moves in one edit of the mesh, which starts from the result of the edit before.
-struct EditRule {
+struct EditSpec {
   struct MovedHandle {
     std::string name;
-    FilePlace place;
-    std::vector<PlacedWord> vertices;
+    SourceLocation location;
+    std::vector<LocatedString> vertices;
     Vec3 translate = Vec3::Zero(), axis = Vec3::UnitZ();
     double degrees = 0, scale = 1;
     std::optional<Vec3> about;  ///< centre of turn and scale; none: the mean of its vertices
   };
   struct ScaledFeature {
-    PlacedWord feature;
+    LocatedString feature;
     double factor = 1;
   };
-  struct TurnedFeature {
-    PlacedWord feature;
+  struct RotatedFeature {
+    LocatedString feature;
     Vec3 axis = Vec3::UnitZ();
     double degrees = 0;
   };
   /// Where the sheet turns that no handle says how: what features and curvature turn with.
-  enum class Turn {
-    Found,  ///< features turn as the sheet does where they are, when it is deformed without them
-    Dual,   ///< the shape that dual Laplacian vectors find
+  enum class RotationMode {
+    Estimated,  ///< features turn as the sheet does where they are, when it is deformed without them
+    Dual,       ///< the shape that dual Laplacian vectors find
     Nonlinear,  ///< the shape that is as rigid as possible piece by piece: for large turns
     Harmonic    ///< the turns of the handles, spread
   };
   struct MovedGuide {
-    PlacedWord guide;
+    LocatedString guide;
     Vec3 through;
   };
   std::string name;
-  FilePlace place;
-  std::vector<PlacedWord> fixed, region;
+  SourceLocation location;
+  std::vector<LocatedString> fixed, region;
   std::vector<MovedHandle> handles;
   std::vector<ScaledFeature> scales;
-  std::vector<TurnedFeature> turns;
-  Turn turn = Turn::Found;
+  std::vector<RotatedFeature> rotated_features;
+  RotationMode rotation_mode = RotationMode::Estimated;
   bool keep_centres = true;  ///< features that are not scaled stay where they are without scales
   std::vector<MovedGuide> guides;
 };
 
 /// [modes]: shell and material of the decks for natural frequencies, before and after.
-struct ModesRule {
+struct ModesSpec {
   double thickness = 0, young = 0, poisson = 0, density = 0;
   int count = 10;
-  std::vector<PlacedWord> clamped;
+  std::vector<LocatedString> clamped;
   std::string before, after;  ///< file names of the two decks
 };
 
 /// [[picture]]: before and after side by side, or the mesh after each edit.
-struct MeshPictureRule {
+struct MeshPictureSpec {
   enum class Show { BeforeAfter, Steps, After, Displacement };
   std::string file, title;
   Show show = Show::BeforeAfter;
@@ -145,18 +146,18 @@ struct MeshPictureRule {
 struct DeformScene : SceneSelections {
   std::filesystem::path mesh;
   DeformProblem::Weighting weighting = DeformProblem::Weighting::Area;
-  FollowOptions following;
-  std::vector<FeatureRule> features;
-  std::vector<GuideRule> guides;
-  std::vector<RelationRule> relations;
-  std::vector<LineRule> lines;
-  std::vector<CurveRule> curves;
-  std::vector<PullRule> pulls;
-  std::vector<EditRule> edits;
-  std::string mesh_out, vtp;  ///< file names; "" for none
-  bool wide_nodes = false;    ///< MeshWriteOptions::wide_nodes
-  std::optional<ModesRule> modes;
-  std::vector<MeshPictureRule> pictures;
+  AttachmentOptions following;
+  std::vector<FeatureSpec> features;
+  std::vector<GuideSpec> guides;
+  std::vector<RelationSpec> relations;
+  std::vector<LineSpec> lines;
+  std::vector<CurveSpec> curves;
+  std::vector<PositionConstraintSpec> position_constraints;
+  std::vector<EditSpec> edits;
+  std::string mesh_out, vtp;       ///< file names; "" for none
+  bool large_field_nodes = false;  ///< MeshWriteOptions::large_field_nodes
+  std::optional<ModesSpec> modes;
+  std::vector<MeshPictureSpec> pictures;
 
   /// What can be set: EDIT.HANDLE.x, .y, .z, .degrees, .scale, EDIT.FEATURE.scale and CURVE.LOAD.
   std::vector<Parameter> parameters() const;
@@ -168,9 +169,9 @@ struct DeformScene : SceneSelections {
 
 /// Whether a scene edits a mesh: it names a mesh or has an edit. Throws InputError when the file
 /// cannot be read or is not TOML.
-bool edits_a_mesh(const std::filesystem::path& file);
+bool is_deform_scene(const std::filesystem::path& file);
 /// Sets one coordinate of a turn as a vector along its axis, as long as its angle in degrees.
-void turn_about(int coordinate, double value, Vec3& axis, double& degrees);
+void set_rotation_component(int coordinate, double value, Vec3& axis, double& degrees);
 
 /// Reads a deform scene. Throws InputError: "FILE:LINE:COLUMN: found …, expected …; did you mean
 /// …?"

@@ -5,14 +5,14 @@
 #include "batten/core/errors.h"
 #include "batten/io/files/input_file.h"
 #include "batten/io/scene/scene_lines.h"
-#include "batten/io/scene/scene_words.h"
+#include "batten/io/scene/scene_parsing.h"
 
 namespace batten {
 namespace {
 
-CombPictureRule comb_picture(const TomlTable& t, Names& files) {
-  using Show = CombPictureRule::Show;
-  CombPictureRule rule;
+CombPictureSpec comb_picture(const TomlTable& t, UniqueNames& files) {
+  using Show = CombPictureSpec::Show;
+  CombPictureSpec rule;
   rule.file = output_file(t, "file", files, {".png"});
   rule.title = t.text("title", "");
   rule.show = t.choice("show", Show::Combs, {{"combs", Show::Combs}, {"stages", Show::Stages}});
@@ -31,11 +31,11 @@ FairScene fair_scene(const toml::table& root_table, const std::filesystem::path&
   FairScene scene;
   scene.file = file;
   scene.name = root.text("name", file.stem().string());
-  scene.unit = unit_word(root, "unit");
+  scene.unit = read_unit(root, "unit");
   scene.segments = root.positive("segments", 0);
   scene.lines = read_scene_lines(root, file.parent_path(), false);
   scene.stages = read_fair_stages(root);
-  Names files("file name");
+  UniqueNames files("file name");
   const std::vector<std::pair<std::string, std::vector<std::string>>> kinds = {
       {"curves", {".curves"}}, {"csv", {".csv"}},           {"obj", {".obj"}},
       {"vtp", {".vtp"}},       {"step", {".step", ".stp"}}, {"iges", {".iges", ".igs"}}};
@@ -68,7 +68,7 @@ void FairScene::set(const std::string& parameter, double value, const std::strin
     if (n != parameter) return;
     known = true;
     if (!(value > 0) || !std::isfinite(value))
-      throw InputError(where + "found " + number(value) + " for '" + n +
+      throw InputError(where + "found " + format_number(value) + " for '" + n +
                        "', expected a number above 0");
     slot = value;
   });
@@ -76,12 +76,12 @@ void FairScene::set(const std::string& parameter, double value, const std::strin
     throw InputError(where + "found parameter '" + parameter + "', expected " +
                      (names.empty()
                           ? std::string("none: no stage has a noise, a deviation or a wavelength")
-                          : "one of: " + listed(names)) +
+                          : "one of: " + comma_separated(names)) +
                      did_you_mean(parameter, names));
 }
 
-bool only_fairs(const std::filesystem::path& file) {
-  const toml::table root = parse_toml(input_bytes(file, "a scene (.toml)"), file, "a scene");
+bool is_fair_scene(const std::filesystem::path& file) {
+  const toml::table root = parse_toml(read_input_file(file, "a scene (.toml)"), file, "a scene");
   for (const char* key : {"skin", "region", "join", "network"})
     if (root.contains(key)) return false;
   return root.contains("fair");
@@ -92,7 +92,7 @@ FairScene parse_fair_scene(const std::string& text, const std::filesystem::path&
 }
 
 FairScene read_fair_scene(const std::filesystem::path& file) {
-  return parse_fair_scene(input_bytes(file, "a fairing scene (.toml)"), file);
+  return parse_fair_scene(read_input_file(file, "a fairing scene (.toml)"), file);
 }
 
 }  // namespace batten

@@ -15,7 +15,7 @@
 namespace batten {
 
 /// [[picture]] of a fairing scene: curvature combs.
-struct CombPictureRule {
+struct CombPictureSpec {
   /// Combs: two panels, the lines as given and at the end. Stages: one more panel after each stage;
   /// local stages that follow each other share one.
   enum class Show { Combs, Stages };
@@ -36,7 +36,7 @@ struct FairScene {
   /// segments that stay so near to it. 0: it is kept.
   double segments = 0;
   std::vector<std::string> outputs;  ///< file names; the ending says the kind (write_curves())
-  std::vector<CombPictureRule> pictures;
+  std::vector<CombPictureSpec> pictures;
 
   /// What can be set: STAGE.noise, STAGE.deviation and STAGE.wavelength, of the stages that state them.
   std::vector<Parameter> parameters() const;
@@ -44,12 +44,14 @@ struct FairScene {
   /// nearest is offered), a number not above 0.
   void set(const std::string& parameter, double value, const std::string& where);
   /// The place as "FILE:LINE:COLUMN: ", with which messages begin.
-  std::string at(const FilePlace& place) const { return place_prefix(file.string(), place); }
+  std::string at(const SourceLocation& location) const {
+    return format_location(file.string(), location);
+  }
 };
 
 /// Whether a scene fairs curves and makes no surface: it has a [[fair]], but neither [skin] nor
 /// [network]. Throws InputError when the file cannot be read or is not TOML.
-bool only_fairs(const std::filesystem::path& file);
+bool is_fair_scene(const std::filesystem::path& file);
 
 /// Reads a fairing scene. Throws InputError: "FILE:LINE:COLUMN: found …, expected …; did you mean
 /// …?"

@@ -1,7 +1,7 @@
 #include "batten/io/scene/fair_stages.h"
 
 #include "batten/core/errors.h"
-#include "batten/io/scene/scene_words.h"
+#include "batten/io/scene/scene_parsing.h"
 
 namespace batten {
 namespace {
@@ -32,7 +32,7 @@ CurveCondition read_condition(const TomlTable& t) {
 }
 
 void read_balance(const TomlTable& t, FairOptions& options) {
-  using Balance = FairOptions::Balance;
+  using Smoothing = FairOptions::Smoothing;
   std::string given;
   for (const std::string key : {"noise", "deviation", "wavelength"}) {
     if (!t.has(key)) continue;
@@ -41,15 +41,15 @@ void read_balance(const TomlTable& t, FairOptions& options) {
     given = key;
   }
   if (t.has("noise")) {
-    options.balance = Balance::Noise;
+    options.smoothing = Smoothing::Noise;
     options.noise = t.positive("noise");
   }
   if (t.has("deviation")) {
-    options.balance = Balance::Deviation;
+    options.smoothing = Smoothing::Deviation;
     options.deviation = t.positive("deviation");
   }
   if (t.has("wavelength")) {
-    options.balance = Balance::Wavelength;
+    options.smoothing = Smoothing::Wavelength;
     options.wavelength = t.positive("wavelength");
   }
 }
@@ -66,15 +66,15 @@ void read_local(const TomlTable& t, FairStage& stage) {
   for (const TomlTable& b : t.table("brush", {"at", "radius"}))
     stage.brush = {b.vector("at"), b.positive("radius")};
   for (const TomlTable& s : t.table("stretch", {"from", "to"}))
-    stage.stretch = {s.vector("from"), s.vector("to")};
-  stage.options.balance = FairOptions::Balance::Wavelength;
+    stage.segment = {s.vector("from"), s.vector("to")};
+  stage.options.smoothing = FairOptions::Smoothing::Wavelength;
   stage.options.wavelength = t.positive("wavelength");
 }
 
 FairStage read_stage(const TomlTable& t, size_t index) {
   FairStage stage;
   stage.name = t.text("name", "fair-" + std::to_string(index + 1));
-  stage.place = t.place();
+  stage.location = t.location();
   stage.lines = t.names("lines");
   if (t.has("brush") || t.has("stretch")) {
     read_local(t, stage);
@@ -94,14 +94,14 @@ FairStage read_stage(const TomlTable& t, size_t index) {
   }
   o.corner_angle = t.positive("corner_angle", o.corner_angle);
   if (o.corner_angle > 180)
-    t.fail("corner_angle", number(o.corner_angle), "at most 180 degrees (180: no corners)");
+    t.fail("corner_angle", format_number(o.corner_angle), "at most 180 degrees (180: no corners)");
   if (t.has("corners")) stage.corners = t.points("corners");
   if (t.has("closed")) o.closed = t.boolean("closed", false);
-  o.drop_outliers = t.choice<bool>("outliers", true, {{"drop", true}, {"keep", false}});
-  if (t.has("hold_ends")) stage.hold_ends = t.boolean("hold_ends", false);
+  o.reject_outliers = t.choice<bool>("outliers", true, {{"drop", true}, {"keep", false}});
+  if (t.has("hold_ends")) stage.fix_ends = t.boolean("hold_ends", false);
   o.alpha = t.number("alpha", 0);
-  if (o.alpha < 0) t.fail("alpha", number(o.alpha), "0 or more");
-  Names conditions("condition");
+  if (o.alpha < 0) t.fail("alpha", format_number(o.alpha), "0 or more");
+  UniqueNames conditions("condition");
   conditions.read(t, "condition", {"name", "type", "at", "direction"}, o.conditions,
                   read_condition);
   return stage;
@@ -111,7 +111,7 @@ FairStage read_stage(const TomlTable& t, size_t index) {
 
 std::vector<FairStage> read_fair_stages(const TomlTable& root) {
   std::vector<FairStage> stages;
-  Names names("stage");
+  UniqueNames names("stage");
   names.read(
       root, "fair",
       {"name", "lines", "noise", "deviation", "wavelength", "outliers", "corner_angle", "corners",

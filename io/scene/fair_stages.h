@@ -18,21 +18,21 @@ struct FairStage {
     Vec3 at;
     double radius;
   };
-  struct Stretch {
+  struct CurveSegment {
     Vec3 from, to;  ///< it runs between the points of the curve that are nearest to these
   };
   std::string name;
-  FilePlace place;
-  std::vector<PlacedWord> lines;  ///< names of lines; '*' stands for any letters; empty: all
-  FairOptions options;            ///< without corners; of a local stage, the wavelength only
+  SourceLocation location;
+  std::vector<LocatedString> lines;  ///< names of lines; '*' stands for any letters; empty: all
+  FairOptions options;               ///< without corners; of a local stage, the wavelength only
   /// The integral that the curve through all points makes least, instead of springs at the points.
   std::optional<CurveFunctional> minimum;
-  std::optional<bool> hold_ends;             ///< not given: the kind of scene decides
+  std::optional<bool> fix_ends;              ///< not given: the kind of scene decides
   std::optional<std::vector<Vec3>> corners;  ///< places; each marks the nearest point of all lines
   std::optional<Brush> brush;
-  std::optional<Stretch> stretch;
+  std::optional<CurveSegment> segment;
 
-  bool local() const { return brush || stretch; }
+  bool local() const { return brush || segment; }
 };
 
 /// Reads all [[fair]] of a scene, in their order. Stages without a name are called fair-1, fair-2,
@@ -44,11 +44,11 @@ std::vector<FairStage> read_fair_stages(const TomlTable& root);
 template <class Stages, class Function>
 void for_each_fair_parameter(Stages& stages, const Function& f) {
   for (auto& stage : stages) {
-    if (stage.options.balance == FairOptions::Balance::Noise)
+    if (stage.options.smoothing == FairOptions::Smoothing::Noise)
       f(stage.name + ".noise", stage.options.noise);
-    if (stage.options.balance == FairOptions::Balance::Deviation)
+    if (stage.options.smoothing == FairOptions::Smoothing::Deviation)
       f(stage.name + ".deviation", stage.options.deviation);
-    if (stage.options.balance == FairOptions::Balance::Wavelength)
+    if (stage.options.smoothing == FairOptions::Smoothing::Wavelength)
       f(stage.name + ".wavelength", stage.options.wavelength);
   }
 }

@@ -4,8 +4,8 @@
 
 #include "batten/io/files/input_file.h"
 #include "batten/io/scene/scene_lines.h"
+#include "batten/io/scene/scene_parsing.h"
 #include "batten/io/scene/scene_sculpting.h"
-#include "batten/io/scene/scene_words.h"
 
 namespace batten {
 namespace {
@@ -17,7 +17,7 @@ void refuse(const TomlTable& table, const std::string& what, const Refusals& ref
     if (table.has(key)) table.fail(key, "'" + std::string(key) + "' " + what, reason);
 }
 
-void refuse_what_does_not_fit(const TomlTable& root) {
+void check_compatible_keys(const TomlTable& root) {
   for (const TomlTable& t : root.table("skin", skin_keys())) {
     constexpr const char* each =
         "none: each of several regions has the domain that suits it, or its [[region]]'s";
@@ -31,11 +31,11 @@ void refuse_what_does_not_fit(const TomlTable& root) {
   }
 }
 
-std::vector<std::string> loop_of(const TomlTable& table, const std::vector<PlacedWord>& words) {
+std::vector<std::string> loop_of(const TomlTable& table, const std::vector<LocatedString>& words) {
   if (words.empty())
     table.fail("loops", "a loop without lines", "names of lines: loops = [[\"a\", \"b\", \"c\"]]");
   std::vector<std::string> names;
-  for (const PlacedWord& word : words) names.push_back(word.text);
+  for (const LocatedString& word : words) names.push_back(word.text);
   return names;
 }
 
@@ -44,13 +44,13 @@ SkinOptions::Domain read_domain(const TomlTable& table) {
   return table.choice("domain", Domain::Auto,
                       {{"auto", Domain::Auto},
                        {"polygon", Domain::Polygon},
-                       {"plane", Domain::Plane},
-                       {"sheet", Domain::Sheet},
-                       {"ring", Domain::Ring}});
+                       {"plane", Domain::Projected},
+                       {"sheet", Domain::Developable},
+                       {"ring", Domain::Annulus}});
 }
 
 /// How a region of a network is to be made. Throws InputError for a ring by its domain.
-RegionSkin read_region_skin(const TomlTable& table) {
+RegionOptions read_region_options(const TomlTable& table) {
   if (table.has("domain") && (table.text("domain") == "ring" || table.boolean("ring", false)))
     table.fail(
         "domain",
@@ -59,18 +59,18 @@ RegionSkin read_region_skin(const TomlTable& table) {
   return {read_domain(table), table.positive("edge_length", 0)};
 }
 
-RegionWord read_region(const TomlTable& table, Names& names) {
-  RegionWord word;
+RegionSpec read_region(const TomlTable& table, UniqueNames& names) {
+  RegionSpec word;
   word.where = table.at("loops");
   word.kind =
-      table.boolean("surface", true) ? RegionWord::Kind::Surface : RegionWord::Kind::Nothing;
-  for (const auto& loop : table.word_rows("loops")) word.loops.push_back(loop_of(table, loop));
+      table.boolean("surface", true) ? RegionSpec::Kind::Surface : RegionSpec::Kind::NoSurface;
+  for (const auto& loop : table.string_lists("loops")) word.loops.push_back(loop_of(table, loop));
   if (word.loops.empty())
     table.fail("loops", "no loop", "one or more: loops = [[\"a\", \"b\", \"c\"]]");
-  word.ring = table.boolean("ring", false);
-  word.skin = read_region_skin(table);
-  for (const PlacedWord& inner : table.words("inner")) word.inner.push_back(inner.text);
-  if (word.kind == RegionWord::Kind::Nothing) {
+  word.annulus = table.boolean("ring", false);
+  word.skin = read_region_options(table);
+  for (const LocatedString& inner : table.words("inner")) word.inner.push_back(inner.text);
+  if (word.kind == RegionSpec::Kind::NoSurface) {
     refuse(table, "of a loop without surface",
            {{"name", "none: what is not there has no name"},
             {"ring", "none"},
@@ -87,7 +87,7 @@ RegionWord read_region(const TomlTable& table, Names& names) {
     if (word.name.empty()) table.fail("name", "an empty name", "one with letters");
     names.add(table, "name", word.name);
   }
-  if (word.ring && word.loops.size() != 2)
+  if (word.annulus && word.loops.size() != 2)
     table.fail("ring", "ring = true with " + std::to_string(word.loops.size()) + " loops",
                "2, its rims");
   return word;
@@ -97,28 +97,28 @@ RegionWord read_region(const TomlTable& table, Names& names) {
 /// and of the crease angle.
 void read_network_keys(const TomlTable& table, const char* tolerance, const char* crease,
                        SceneNetwork& network) {
-  network.place = table.place();
+  network.location = table.location();
   network.tolerance = table.positive(tolerance, network.tolerance);
   const auto angle = [&](const std::string& key, double& degrees, double most) {
     degrees = table.has(key) ? table.number(key) : degrees;
     if (!(degrees >= 0 && degrees <= most))
-      table.fail(key, number(degrees), "0 to " + number(most) + " degrees");
+      table.fail(key, format_number(degrees), "0 to " + format_number(most) + " degrees");
   };
-  angle("straight_angle", network.straight_angle, 45);
-  angle(crease, network.smooth_below, 180);
+  angle("straight_angle", network.tangent_angle, 45);
+  angle(crease, network.crease_angle, 180);
   network.join_tolerance = table.positive("join_tolerance", network.join_tolerance);
   if (table.has("trembling"))
-    network.fair_trembling = table.choice<bool>("trembling", {{"fair", true}, {"keep", false}});
+    network.fair_noisy_lines = table.choice<bool>("trembling", {{"fair", true}, {"keep", false}});
   if (table.has("symmetry"))
     network.symmetry = table.choice<int>("symmetry", {{"x", 0}, {"y", 1}, {"z", 2}});
-  network.most_at_line = table.whole_number("most_at_line", 1, network.most_at_line);
-  if (network.most_at_line > 16)
-    table.fail("most_at_line", std::to_string(network.most_at_line), "1 to 16");
+  network.max_faces_per_edge = table.integer("most_at_line", 1, network.max_faces_per_edge);
+  if (network.max_faces_per_edge > 16)
+    table.fail("most_at_line", std::to_string(network.max_faces_per_edge), "1 to 16");
 }
 
 /// What to write instead of the table [network] of older scenes.
-std::string instead_of_network(const Scene& scene, const TomlTable& table,
-                               const std::vector<std::string>& keys) {
+std::string network_required_message(const Scene& scene, const TomlTable& table,
+                                     const std::vector<std::string>& keys) {
   std::string moved;
   for (const std::string& key : keys) {
     if (!table.has(key)) continue;
@@ -128,7 +128,7 @@ std::string instead_of_network(const Scene& scene, const TomlTable& table,
     moved +=
         (moved.empty() ? "" : ", ") + (now == key ? "'" + key + "'" : "'" + key + "' as " + now);
   }
-  return scene.at(table.place()) +
+  return scene.at(table.location()) +
          "[network] is not needed any more, since every scene finds what its curves bound: delete "
          "it" +
          (moved.empty() ? "" : ", and write " + moved + " in [skin]");
@@ -143,38 +143,38 @@ void read_network(const TomlTable& root, Scene& scene) {
                                         "symmetry"};
   for (const TomlTable& table : root.table("network", old)) {
     read_network_keys(table, "tolerance", "smooth_below", network);
-    scene.notes.push_back(instead_of_network(scene, table, old));
+    scene.notes.push_back(network_required_message(scene, table, old));
   }
   for (const TomlTable& table : root.table("skin", skin_keys()))
     read_network_keys(table, "gap_tolerance", "crease_angle", network);
-  if (root.has("region") || root.has("join")) refuse_what_does_not_fit(root);
-  Names names("region name");
+  if (root.has("region") || root.has("join")) check_compatible_keys(root);
+  UniqueNames names("region name");
   for (const TomlTable& t : root.tables(
            "region", {"name", "loops", "inner", "ring", "surface", "domain", "edge_length"}))
     network.regions.push_back(read_region(t, names));
   for (const TomlTable& t : root.tables("join", {"lines", "kind"})) {
-    const auto kind = t.choice<JoinWord::Kind>("kind", {{"crease", JoinWord::Kind::Crease},
-                                                        {"smooth", JoinWord::Kind::Smooth},
-                                                        {"tangent", JoinWord::Kind::Tangent},
-                                                        {"curvature", JoinWord::Kind::Curvature}});
+    const auto kind = t.choice<JoinSpec::Kind>("kind", {{"crease", JoinSpec::Kind::Crease},
+                                                        {"smooth", JoinSpec::Kind::Smooth},
+                                                        {"tangent", JoinSpec::Kind::Tangent},
+                                                        {"curvature", JoinSpec::Kind::Curvature}});
     const auto lines = t.words("lines");
     if (lines.empty()) t.fail("lines", "no lines", "names: lines = [\"a\", \"b\"]");
-    for (const PlacedWord& line : lines)
-      network.joins.push_back({line.text, kind, scene.at(line.place)});
+    for (const LocatedString& line : lines)
+      network.joins.push_back({line.text, kind, scene.at(line.location)});
   }
   scene.network = std::move(network);
 }
 
 void read_skin(const TomlTable& table, SceneSkin& skin) {
   using Mesher = SkinOptions::Mesher;
-  using Hold = SceneSkin::Hold;
+  using FixedBoundary = SceneSkin::FixedBoundary;
   skin.options.element =
       table.choice("element", TriangleElement::HCT,
                    {{"hct", TriangleElement::HCT}, {"z12", TriangleElement::Z12}});
   skin.options.mesher = table.choice("mesher", Mesher::Delaunay,
                                      {{"delaunay", Mesher::Delaunay}, {"fan", Mesher::Fan}});
   skin.options.domain = read_domain(table);
-  skin.options.settle = table.boolean("settle", false);
+  skin.options.minimize_distortion = table.boolean("settle", false);
   skin.options.edge_length = table.positive("edge_length", 0);
   if (table.has("refine")) {
     if (skin.options.mesher != Mesher::Fan)
@@ -182,14 +182,15 @@ void read_skin(const TomlTable& table, SceneSkin& skin) {
                  "it only with mesher = \"fan\" (edge_length says how fine a mesh is)");
     if (table.has("edge_length"))
       table.fail("refine", "both 'refine' and 'edge_length'", "one of them");
-    skin.options.fan_refinements = table.whole_number("refine", 0, 0);
+    skin.options.fan_refinements = table.integer("refine", 0, 0);
     if (skin.options.fan_refinements > 10)
       table.fail("refine", std::to_string(skin.options.fan_refinements), "0 to 10");
   }
   skin.units = table.choice("units", LoadUnits::Relative,
                             {{"relative", LoadUnits::Relative}, {"absolute", LoadUnits::Absolute}});
-  skin.hold =
-      table.choice("hold", Hold::Lines, {{"lines", Hold::Lines}, {"corners", Hold::Corners}});
+  skin.boundary =
+      table.choice("hold", FixedBoundary::Lines,
+                   {{"lines", FixedBoundary::Lines}, {"corners", FixedBoundary::Corners}});
   skin.fair = table.choice("fair", SceneSkin::Fair::Auto,
                            {{"auto", SceneSkin::Fair::Auto},
                             {"bending", SceneSkin::Fair::Bending},
@@ -200,8 +201,8 @@ void read_skin(const TomlTable& table, SceneSkin& skin) {
       table.fail(key, std::string("'") + key + "' without variation",
                  "it only with fair = \"variation\"");
   skin.strength = table.positive("strength", 1);
-  if (skin.strength > 1) table.fail("strength", number(skin.strength), "above 0, at most 1");
-  skin.largest_move = table.positive("largest_move", 0);
+  if (skin.strength > 1) table.fail("strength", format_number(skin.strength), "above 0, at most 1");
+  skin.max_displacement = table.positive("largest_move", 0);
   if (table.has("sections")) {
     if (skin.fair != SceneSkin::Fair::Loft)
       table.fail("sections", "sections without a loft", "them only with fair = \"loft\"");
@@ -223,7 +224,7 @@ void read_skin(const TomlTable& table, SceneSkin& skin) {
     skin.material.beta = skin.isotropic_beta ? Vec3::Constant(table.number("beta"))
                                              : Vec3(table.numbers("beta", "b11, b12, b22"));
   }
-  const std::string expected = expected_of(skin.material);
+  const std::string expected = material_requirement(skin.material);
   if (!expected.empty()) {
     const std::string key = expected.starts_with("beta") || !table.has("alpha") ? "beta" : "alpha";
     table.fail(key, "a material without a stable shape", expected);
@@ -233,23 +234,23 @@ void read_skin(const TomlTable& table, SceneSkin& skin) {
 SceneTarget read_target(const TomlTable& table, const std::filesystem::path& folder,
                         const SceneSkin& skin) {
   SceneTarget target;
-  target.place = table.place("file");
+  target.location = table.location("file");
   target.file = folder / table.text("file");
-  if (table.has("unit")) target.unit = unit_word(table, "unit");
+  if (table.has("unit")) target.unit = read_unit(table, "unit");
   target.cage = table.choice("cage", false, {{"catmull-clark", true}, {"none", false}});
   target.tolerance = table.positive("tolerance", 0);
-  if (skin.is_faired() || skin.hold != SceneSkin::Hold::Lines)
+  if (skin.is_faired() || skin.boundary != SceneSkin::FixedBoundary::Lines)
     table.fail("file", "a target beside [skin] fair or hold = \"corners\"",
                "one of them: the shape is that of the target within its lines");
   return target;
 }
 
 // What [skin] fair makes impossible or leaves without effect.
-void refuse_what_fair_decides(const TomlTable& root, const SceneSkin& skin) {
+void check_fair_keys(const TomlTable& root, const SceneSkin& skin) {
   using Fair = SceneSkin::Fair;
-  if (skin.is_faired() && skin.hold == SceneSkin::Hold::Corners)
+  if (skin.is_faired() && skin.boundary == SceneSkin::FixedBoundary::Corners)
     for (const TomlTable& t : root.table("skin", skin_keys()))
-      t.fail("fair", "\"" + skin.fair_word() + "\" with hold = \"corners\"",
+      t.fail("fair", "\"" + skin.fair_name() + "\" with hold = \"corners\"",
              "hold = \"lines\": a fair shape is that of its lines");
   if (skin.fair == Fair::Variation) return;
   for (const TomlTable& t : root.tables("join", {"lines", "kind"}))
@@ -271,7 +272,7 @@ const std::vector<std::string> kPictureKeys = {"file",
                                                "view",
                                                "size"};
 
-ScenePicture scene_picture(const TomlTable& table, Names& files) {
+ScenePicture scene_picture(const TomlTable& table, UniqueNames& files) {
   using Field = PictureScene::Field;
   ScenePicture picture;
   PictureScene& look = picture.look;
@@ -282,14 +283,14 @@ ScenePicture scene_picture(const TomlTable& table, Names& files) {
                              {"mean_curvature", Field::Mean},
                              {"gauss_curvature", Field::Gauss},
                              {"regions", Field::Regions}});
-  look.contours = table.whole_number("contours", 0, 0);
-  look.parameter_lines = table.whole_number("parameter_lines", 0, 0);
+  look.contours = table.integer("contours", 0, 0);
+  look.parameter_lines = table.integer("parameter_lines", 0, 0);
   if (table.has("contour_direction")) {
     if (look.contours == 0)
       table.fail("contour_direction", "'contour_direction' without 'contours'", "both");
     look.contour_direction = table.direction("contour_direction");
   }
-  look.zebra = table.whole_number("zebra", 1, 0);
+  look.zebra = table.integer("zebra", 1, 0);
   if (look.zebra > 0 && look.field != Field::None)
     table.fail("zebra", "'zebra' beside show = \"" + table.text("show") + "\"", "one of them");
   if (table.has("zebra_direction")) {
@@ -302,11 +303,11 @@ ScenePicture scene_picture(const TomlTable& table, Names& files) {
   return picture;
 }
 
-SceneSweep read_sweep(const TomlTable& table, const Scene& scene, Names& files) {
+SceneSweep read_sweep(const TomlTable& table, const Scene& scene, UniqueNames& files) {
   SceneSweep sweep;
   sweep.parameter = table.text("parameter");
   sweep.values = table.list("values");
-  sweep.columns = table.whole_number("columns", 1, 0);
+  sweep.columns = table.integer("columns", 1, 0);
   sweep.picture = scene_picture(table, files);
   // The panels of a sheet share their lines.
   for_each_fair_parameter(scene.fairing, [&](const std::string& name, double) {
@@ -334,11 +335,12 @@ Scene scene_of(const toml::table& root_table, const std::filesystem::path& file,
   Scene scene;
   scene.file = file;
   scene.name = root.text("name", file.stem().string());
-  scene.unit = unit_word(root, "unit");
+  scene.unit = read_unit(root, "unit");
   scene.skin.options.tolerance = root.positive("tolerance", 0);
   scene.skin.options.corner_angle = root.positive("corner_angle", 20);
   if (scene.skin.options.corner_angle >= 180)
-    root.fail("corner_angle", number(scene.skin.options.corner_angle), "less than 180 degrees");
+    root.fail("corner_angle", format_number(scene.skin.options.corner_angle),
+              "less than 180 degrees");
 
   read_network(root, scene);
   scene.lines = read_scene_lines(root, folder, true, lines_required);
@@ -350,12 +352,12 @@ Scene scene_of(const toml::table& root_table, const std::filesystem::path& file,
     scene.targets.push_back(read_target(t, folder, scene.skin));
 
   read_sculpting(root, folder, scene);
-  refuse_what_fair_decides(root, scene.skin);
+  check_fair_keys(root, scene.skin);
 
   for (const TomlTable& t : root.table("stress", stress_keys()))
     scene.stress = read_stress(t, scene.unit);
 
-  Names files("file name");
+  UniqueNames files("file name");
   for (const TomlTable& t : root.table("compare", {"file"}))
     scene.compare = folder / t.text("file");
   for (const TomlTable& t : root.table("output", output_keys())) {
@@ -392,7 +394,7 @@ Scene parse_scene(const std::string& text, const std::filesystem::path& file, bo
 }
 
 Scene read_scene(const std::filesystem::path& file) {
-  return parse_scene(input_bytes(file, "a scene (.toml)"), file);
+  return parse_scene(read_input_file(file, "a scene (.toml)"), file);
 }
 
 }  // namespace batten

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "batten/core/dense.h"
-#include "batten/io/scene/scene_words.h"
+#include "batten/io/scene/scene_parsing.h"
 
 namespace batten {
 namespace {
@@ -28,26 +28,26 @@ void for_each_parameter(AnyScene& scene, const Function& f) {
   auto& alpha = scene.skin.material.alpha;
   auto& beta = scene.skin.material.beta;
   if (scene.skin.isotropic_alpha) {
-    f("alpha", alpha(0, 0), 0.0, infinity);
+    f("alpha", alpha(0, 0), 0.0, kInfinity);
   } else {
-    f("alpha_uu", alpha(0, 0), 0.0, infinity);
-    f("alpha_uv", alpha(0, 1), -infinity, infinity);
-    f("alpha_vv", alpha(1, 1), 0.0, infinity);
+    f("alpha_uu", alpha(0, 0), 0.0, kInfinity);
+    f("alpha_uv", alpha(0, 1), -kInfinity, kInfinity);
+    f("alpha_vv", alpha(1, 1), 0.0, kInfinity);
   }
   if (scene.skin.isotropic_beta) {
-    f("beta", beta[0], 0.0, infinity);
+    f("beta", beta[0], 0.0, kInfinity);
   } else {
-    f("beta_uu", beta[0], 0.0, infinity);
-    f("beta_uv", beta[1], 0.0, infinity);
-    f("beta_vv", beta[2], 0.0, infinity);
+    f("beta_uu", beta[0], 0.0, kInfinity);
+    f("beta_uv", beta[1], 0.0, kInfinity);
+    f("beta_vv", beta[2], 0.0, kInfinity);
   }
   for_each_fair_parameter(
-      scene.fairing, [&](const std::string& name, auto& value) { f(name, value, 0.0, infinity); });
+      scene.fairing, [&](const std::string& name, auto& value) { f(name, value, 0.0, kInfinity); });
 }
 
 }  // namespace
 
-std::string expected_of(const SurfaceStiffness& material) {
+std::string material_requirement(const SurfaceStiffness& material) {
   const double scale = material.alpha.norm();
   const Vec2 eigenvalues = symmetric_eigenvalues(material.alpha);
   if (eigenvalues[0] < -1e-12 * scale)
@@ -57,10 +57,10 @@ std::string expected_of(const SurfaceStiffness& material) {
   return "";
 }
 
-std::vector<NamedValue> Scene::named_values() const {
-  std::vector<NamedValue> list;
+std::vector<ScalarParameter> Scene::named_values() const {
+  std::vector<ScalarParameter> list;
   for_each_parameter(*this, [&](const std::string& n, double value, double min, double max) {
-    NamedValue p;
+    ScalarParameter p;
     p.name = n;
     p.value = value;
     p.min = min;
@@ -68,33 +68,33 @@ std::vector<NamedValue> Scene::named_values() const {
     list.push_back(p);
   });
   size_t i = 0;  // named values come first, in the same order
-  for_each_named(*this, [&](const NamedValue& p) { list[i++].over_time = p.over_time; });
+  for_each_named(*this, [&](const ScalarParameter& p) { list[i++].keyframes = p.keyframes; });
   for (const SceneRule& rule : rules)
-    for (NamedValue& p : list) {
+    for (ScalarParameter& p : list) {
       if (p.name != rule.driven) continue;
-      if (p.follows.empty()) p.offset = p.value;
-      p.follows.push_back({rule.of, rule.factor});
-      p.over_time.clear();
+      if (p.rule_terms.empty()) p.offset = p.value;
+      p.rule_terms.push_back({rule.of, rule.factor});
+      p.keyframes.clear();
     }
   for (const SceneRule& rule : rules)
-    for (NamedValue& p : list)
+    for (ScalarParameter& p : list)
       if (p.name == rule.driven && rule.offset) p.offset = *rule.offset;
   return list;
 }
 
 std::vector<Parameter> Scene::parameters() const {
   Parameters all;
-  const std::vector<NamedValue> values = named_values();
-  for (NamedValue p : values) {
-    p.follows.clear();
+  const std::vector<ScalarParameter> values = named_values();
+  for (ScalarParameter p : values) {
+    p.rule_terms.clear();
     // What a rule drives needs no value of its own.
     p.value = std::clamp(p.value, p.min, p.max);
     all.add(std::move(p));
   }
-  for (const NamedValue& p : values)
-    if (!p.follows.empty()) all.drive(p.name, p.follows, p.offset);
+  for (const ScalarParameter& p : values)
+    if (!p.rule_terms.empty()) all.set_rule(p.name, p.rule_terms, p.offset);
   std::vector<Parameter> list;
-  for (const NamedValue& p : values) list.push_back({p.name, all.value(p.name), p.min, p.max});
+  for (const ScalarParameter& p : values) list.push_back({p.name, all.value(p.name), p.min, p.max});
   return list;
 }
 
@@ -107,28 +107,29 @@ void Scene::set(const std::string& parameter, double value, const std::string& w
     if (n != parameter) return;
     known = true;
     if (!(value >= min && value <= max) || !std::isfinite(value))
-      throw InputError(where + "found " + number(value) + " for '" + n + "', expected a number " +
-                       (min == -infinity && max == infinity ? "" : range_text(min, max)));
+      throw InputError(where + "found " + format_number(value) + " for '" + n +
+                       "', expected a number " +
+                       (min == -kInfinity && max == kInfinity ? "" : format_range(min, max)));
     slot = value;
   });
   if (!known)
     throw InputError(where + "found parameter '" + parameter + "', expected " +
-                     one_of(parameter, names));
+                     expected_one_of(parameter, names));
   for (const SceneRule& rule : rules)
     if (rule.driven == parameter)
       throw InputError(where + "found a value for '" + parameter + "', expected one for '" +
                        rule.of + "', which drives it");
-  for_each_named(changed, [&](NamedValue& p) {
-    if (p.name == parameter) p.over_time.clear();
+  for_each_named(changed, [&](ScalarParameter& p) {
+    if (p.name == parameter) p.keyframes.clear();
   });
   SurfaceStiffness& material = changed.skin.material;
   if (parameter == "alpha") material.alpha = value * Mat2::Identity();
   if (parameter == "beta") material.beta = Vec3::Constant(value);
   if (parameter == "alpha_uv") material.alpha(1, 0) = value;
-  const std::string expected = expected_of(material);
+  const std::string expected = material_requirement(material);
   if (!expected.empty())
-    throw InputError(where + "found " + number(value) + " for '" + parameter + "', expected " +
-                     expected);
+    throw InputError(where + "found " + format_number(value) + " for '" + parameter +
+                     "', expected " + expected);
   for_each_fair_parameter(changed.fairing, [&](const std::string& name, double number_above_0) {
     if (!(number_above_0 > 0))
       throw InputError(where + "found 0 for '" + name + "', expected a number above 0");
@@ -141,7 +142,7 @@ void Scene::set(const std::string& parameter, double value, const std::string& w
   *this = std::move(changed);
 }
 
-std::string SceneSkin::fair_word() const {
+std::string SceneSkin::fair_name() const {
   switch (fair) {
     case Fair::Auto:
       return "auto";
@@ -157,7 +158,7 @@ std::string SceneSkin::fair_word() const {
 
 bool Scene::is_sculpted() const {
   return !loads.empty() || !constraints.empty() || !weights.empty() || !moves.empty() ||
-         !sliders.empty() || skin.hold == SceneSkin::Hold::Corners;
+         !sliders.empty() || skin.boundary == SceneSkin::FixedBoundary::Corners;
 }
 
 bool is_part_of(const std::string& run, const std::string& line) {

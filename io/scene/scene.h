@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "batten/fairing/curve_shapes.h"
+#include "batten/fairing/primitive_curves.h"
 #include "batten/io/files/toml_table.h"
 #include "batten/io/pictures/image.h"
 #include "batten/io/pictures/pictures.h"
@@ -22,18 +22,18 @@ namespace batten {
 /// [[line]]: one line; or [[lines]]: the curves of a file.
 struct SceneLine {
   std::string name;  ///< name of a [[line]]; "": a [[lines]], whose curves have their own names
-  FilePlace place;
+  SourceLocation location;
   std::filesystem::path file;  ///< path that can be opened; empty: the points are in the scene
   std::string unit;            ///< unit of the file's lengths; "": the scene's or the file's own
   std::vector<Vec3> points;    ///< points in the scene's unit
   std::shared_ptr<const InputCurve> curve;  ///< of a word: arc, circle, bezier, …
   std::string copy;                         ///< name of the line that this one is a copy of
-  Placement placement;                      ///< of the copy
+  AffineTransform transform;                ///< of the copy
   std::optional<std::vector<int>> corners;  ///< of the points, stated; not given: found
   CharacterLine::Role role = CharacterLine::Role::Outline;
-  CharacterLine::Treatment treatment = CharacterLine::Treatment::Auto;
-  bool holds = true;                                 ///< false, of holes: they only trim
-  std::vector<PlacedWord> only, skip, inner, holes;  ///< names of curves of a [[lines]]
+  CharacterLine::MeshAlignment mesh_alignment = CharacterLine::MeshAlignment::Auto;
+  bool constrains_surface = true;                       ///< false, of holes: they only trim
+  std::vector<LocatedString> only, skip, inner, holes;  ///< names of curves of a [[lines]]
   bool creases = false;  ///< of a CAD file: those inside of its faces are lines, too
 };
 
@@ -43,24 +43,25 @@ struct SceneSkin {
   SurfaceStiffness material = SurfaceStiffness::isotropic(0, 1);
   bool isotropic_alpha = true, isotropic_beta = true;  ///< whether the scene gives one number
   LoadUnits units = LoadUnits::Relative;
-  enum class Hold { Lines, Corners } hold = Hold::Lines;
+  enum class FixedBoundary { Lines, Corners } boundary = FixedBoundary::Lines;
   /// The shape between the curves: what these mean (rest_shape.h), with least bending relative to it; least
   /// bending from nothing; least change of curvature; or a loft across sections.
   enum class Fair { Auto, Bending, Variation, Loft } fair = Fair::Auto;
   bool has_rest() const { return fair != Fair::Bending; }
   /// Whether another shape than that of least energy is asked for.
   bool is_faired() const { return fair == Fair::Variation || fair == Fair::Loft; }
-  double strength = 1;               ///< of variation: share of the way from the bending shape
-  double largest_move = 0;           ///< of variation, in the scene's unit; 0: any
-  std::vector<PlacedWord> sections;  ///< of a loft: lines that are sides of four-cornered regions
+  double strength = 1;          ///< of variation: share of the way from the bending shape
+  double max_displacement = 0;  ///< of variation, in the scene's unit; 0: any
+  std::vector<LocatedString>
+      sections;  ///< of a loft: lines that are sides of four-cornered regions
   /// The word of the scene for `fair`.
-  std::string fair_word() const;
+  std::string fair_name() const;
 };
 
 /// [[target]]: a given surface that the shape of the lines is fitted to, in the place of the one that bends
 /// least. Several are one target.
 struct SceneTarget {
-  FilePlace place;
+  SourceLocation location;
   std::filesystem::path file;  ///< a CAD file or a mesh
   std::string unit;            ///< of a mesh's lengths; "": the scene's
   bool cage = false;           ///< the mesh is a cage; its Catmull-Clark limit is the target
@@ -72,7 +73,7 @@ struct SceneTarget {
 struct SceneConstraint {
   enum class Type { Point, Normal, Tangent, LineNormal };
   std::string name;
-  FilePlace place;
+  SourceLocation location;
   Type type = Type::Point;
   Vec3 at = Vec3::Zero();
   Vec3 goal = Vec3::Zero();    ///< Point: where the surface is held; else the direction
@@ -80,48 +81,49 @@ struct SceneConstraint {
   double range = std::numeric_limits<double>::infinity();  ///< Point: largest |goal - middle| of
                                                            ///< each coordinate, model units
   Vec3 middle = Vec3::Zero();  ///< Point: the goal that the scene states
-  PlacedWord line;             ///< LineNormal: the line's name
-  bool as_it_is = false;       ///< LineNormal: whether the tangent planes stay as they are, because
-                               ///< the scene gives no direction
+  LocatedString line;          ///< LineNormal: the line's name
+  bool keep_tangent_planes =
+      false;  ///< LineNormal: whether the tangent planes stay as they are, because
+              ///< the scene gives no direction
 };
 
 /// [[load]]: a load and its parameter, which is a number or a value over time.
-struct SceneLoad : NamedValue {
-  FilePlace named;  ///< place of its name
+struct SceneLoad : ScalarParameter {
+  SourceLocation name_location;  ///< place of its name
   enum class Type {
     Pressure,
     Uniform,
     Gravity,
     Point,
     Line,
-    Scan,  ///< measured points that draw the surface; their feet on it slide
-    Pulls  ///< springs from places to points, a curve or a plane
+    PointCloudSprings,  ///< measured points that draw the surface; their feet on it slide
+    AttractorSprings    ///< springs from places to points, a curve or a plane
   };
   Type type = Type::Pressure;
   Vec3 direction = Vec3::UnitZ();  ///< unit vector; not for Pressure, Scan and Pulls
   Vec3 at = Vec3::Zero();          ///< Point: place that it acts on
   SceneArea area;                  ///< Pressure, Uniform: where it acts
-  PlacedWord line;                 ///< Line: the line's name
+  LocatedString line;              ///< Line: the line's name
   std::filesystem::path file;      ///< Scan: file of its points; Pulls: `curve` as a file
-  FilePlace place;                 ///< place of `file` in the scene
+  SourceLocation location;         ///< place of `file` in the scene
   std::string unit;                ///< unit of the file's numbers; "": the scene's
-  Load::Pulls pulls;               ///< Pulls: all but the curve
-  PlacedWord curve;                ///< Pulls: name of a line, or of a file
+  Load::AttractorSprings pulls;    ///< Pulls: all but the curve
+  LocatedString curve;             ///< Pulls: name of a line, or of a file
 };
 
 /// [[weight]]: a field that is added to alpha or beta.
-struct SceneWeight : NamedValue {
-  FilePlace named;  ///< place of its name
-  WeightField::Kind kind = WeightField::Kind::Bending;
+struct SceneStiffnessField : ScalarParameter {
+  SourceLocation name_location;  ///< place of its name
+  StiffnessField::Kind kind = StiffnessField::Kind::Bending;
   SceneArea area;
   /// Direction in (u, v), or name of a line, along which it acts; none: in all directions.
-  std::optional<std::variant<Vec2, PlacedWord>> along;
+  std::optional<std::variant<Vec2, LocatedString>> along;
 };
 
 /// [[move]]: a line that a parameter moves.
-struct SceneMove : NamedValue {
-  FilePlace named;  ///< place of its name
-  PlacedWord line;
+struct SceneLineOffset : ScalarParameter {
+  SourceLocation name_location;  ///< place of its name
+  LocatedString line;
   std::optional<Vec3> direction;  ///< none: along the surface's normal
   /// Part of the line's length, at each end, over which it fades; none: a quarter where an end lies
   /// on a line that does not move, else 0.
@@ -132,7 +134,7 @@ struct SceneMove : NamedValue {
 /// rules that drive the same parameter.
 struct SceneRule {
   std::string of, driven;  ///< names of the two parameters
-  FilePlace place;
+  SourceLocation location;
   double factor = 1;
   std::optional<double> offset;  ///< not given: the driven parameter's own value
 };
@@ -160,18 +162,18 @@ struct SceneSweep {
 /// How the surfaces between the curves of a scene are found and joined: keys of [skin], [[region]]
 /// and [[join]].
 struct SceneNetwork {
-  FilePlace place;       ///< of [skin]
-  double tolerance = 0;  ///< distance within which lines meet, model units; 0: NetworkOptions'
-  double straight_angle = NetworkOptions{}.straight_angle;    ///< degrees
-  int most_at_line = RegionOptions{}.most_at_line;            ///< most regions at one line
-  double smooth_below = ModelOptions{}.smooth_below_deg;      ///< degrees
-  double join_tolerance = ModelOptions{}.join_tolerance_deg;  ///< degrees
+  SourceLocation location;  ///< of [skin]
+  double tolerance = 0;     ///< distance within which lines meet, model units; 0: NetworkOptions'
+  double tangent_angle = NetworkOptions{}.tangent_angle;              ///< degrees
+  int max_faces_per_edge = RegionSearchOptions{}.max_faces_per_edge;  ///< most regions at one line
+  double crease_angle = ModelOptions{}.crease_angle_deg;              ///< degrees
+  double join_tolerance = ModelOptions{}.join_tolerance_deg;          ///< degrees
   /// The lines are those of one half: the model is mirrored in the plane through the origin at right
   /// angles to this axis, 0, 1, 2 for x, y, z.
   std::optional<int> symmetry;
-  bool fair_trembling = true;  ///< without any [[fair]], lines that tremble are faired
-  std::vector<RegionWord> regions;
-  std::vector<JoinWord> joins;
+  bool fair_noisy_lines = true;  ///< without any [[fair]], lines that tremble are faired
+  std::vector<RegionSpec> regions;
+  std::vector<JoinSpec> joins;
 };
 
 /// A number of a scene that can be set from outside, and its range.
@@ -192,10 +194,10 @@ struct Scene {
   std::vector<SceneTarget> targets;
   std::vector<SceneConstraint> constraints;
   std::vector<SceneLoad> loads;
-  std::vector<SceneWeight> weights;
-  std::vector<SceneMove> moves;
-  std::vector<NamedValue> sliders;  ///< [[parameter]]
-  std::vector<SceneRule> rules;     ///< parameters that they drive
+  std::vector<SceneStiffnessField> weights;
+  std::vector<SceneLineOffset> moves;
+  std::vector<ScalarParameter> sliders;  ///< [[parameter]]
+  std::vector<SceneRule> rules;          ///< parameters that they drive
   SceneMotion motion;
   std::optional<SceneStress> stress;
   std::string step, vtu, vtp, calculix;  ///< [output]: file names, "" for none
@@ -219,22 +221,24 @@ struct Scene {
   /// one follows its rules.
   std::vector<Parameter> parameters() const;
   /// The same parameters with their values over time and their rules.
-  std::vector<NamedValue> named_values() const;
+  std::vector<ScalarParameter> named_values() const;
   /// Sets a parameter; a value over time becomes a constant. Throws InputError, beginning with
   /// `where`: an unknown name (the nearest is offered), a parameter that is driven, a value out of
-  /// its range, a material that expected_of() refuses, a direction of length 0.
+  /// its range, a material that material_requirement() refuses, a direction of length 0.
   void set(const std::string& parameter, double value, const std::string& where);
 
   /// Whether the scene has anything but lines that acts on the surface.
   bool is_sculpted() const;
 
   /// The place as "FILE:LINE:COLUMN: ", with which messages begin.
-  std::string at(const FilePlace& place) const { return place_prefix(file.string(), place); }
+  std::string at(const SourceLocation& location) const {
+    return format_location(file.string(), location);
+  }
 };
 
 /// What a material has to satisfy, in words, so that energies with it have a minimum; "" when they
 /// have one.
-std::string expected_of(const SurfaceStiffness& material);
+std::string material_requirement(const SurfaceStiffness& material);
 
 /// Whether the line `run` of a layout is, or is a part of, the line `line` of a scene. The parts of
 /// a line that was cut at its corners are called "line.1", "line.2", …

@@ -7,7 +7,7 @@ SceneArea read_area(const TomlTable& table) {
   if (table.has("near") && table.has("paint"))
     table.fail("paint", "both 'near' and 'paint'", "one of them");
   if (table.has("near")) {
-    area.line = {table.text("near"), table.place("near")};
+    area.line = {table.text("near"), table.location("near")};
     area.area.where = Area::NearLine{area.line.text, table.positive("radius")};
   } else if (table.has("radius")) {
     table.fail("radius", "'radius' without 'near'", "both, or 'paint'");

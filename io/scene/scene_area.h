@@ -10,9 +10,9 @@ namespace batten {
 
 /// Where a load or weight acts: everywhere, `near` a line, or as painted; in the named regions.
 struct SceneArea {
-  Area area;                        ///< the area without its regions
-  PlacedWord line;                  ///< name of the line of `near`
-  std::vector<PlacedWord> regions;  ///< names of regions; none: all regions
+  Area area;                           ///< the area without its regions
+  LocatedString line;                  ///< name of the line of `near`
+  std::vector<LocatedString> regions;  ///< names of regions; none: all regions
 };
 
 /// Reads `near` and `radius`, `paint`, `regions`. Throws InputError with the place.

@@ -4,7 +4,7 @@
 #include <numbers>
 
 #include "batten/core/errors.h"
-#include "batten/core/words.h"
+#include "batten/core/format.h"
 
 namespace batten {
 namespace {
@@ -81,8 +81,7 @@ std::shared_ptr<const InputCurve> spline(const TomlTable& table) {
   const auto list = [&](const char* key) {
     return t.has(key) ? t.list(key) : std::vector<double>{};
   };
-  return nurbs_curve(t.whole_number("degree", 1, 3), t.points("poles"), list("weights"),
-                     list("knots"));
+  return nurbs_curve(t.integer("degree", 1, 3), t.points("poles"), list("weights"), list("knots"));
 }
 
 // What the kernel refuses gets the place of the word.
@@ -99,7 +98,7 @@ auto placed_at(const TomlTable& table, const std::string& key, const Make& make)
 
 }  // namespace
 
-const std::vector<std::string>& shape_words() {
+const std::vector<std::string>& shape_keys() {
   static const std::vector<std::string> words = {"file",   "points",  "bezier", "arc",
                                                  "circle", "ellipse", "helix",  "rectangle",
                                                  "spline", "copy"};
@@ -118,36 +117,37 @@ std::shared_ptr<const InputCurve> read_curve(const TomlTable& table, const std::
   });
 }
 
-const std::vector<std::string>& placement_words() {
+const std::vector<std::string>& placement_keys() {
   static const std::vector<std::string> words = {"scale", "turn", "mirror", "move"};
   return words;
 }
 
-Placement read_placement(const TomlTable& table) {
-  Placement placement;
+AffineTransform read_placement(const TomlTable& table) {
+  AffineTransform transform;
   bool any = false;
   const auto then = [&](const std::string& key, const auto& next) {
     if (!table.has(key)) return;
     any = true;
-    placement = placement.then(placed_at(table, key, next));
+    transform = transform.then(placed_at(table, key, next));
   };
   const auto point = [](const TomlTable& t) { return vector_or(t, "point", Vec3::Zero()); };
   then("scale", [&] {
     const TomlTable t = table.table("scale", {"factor", "point"}).front();
-    return scaled(point(t), t.number("factor"));
+    return scaling_about(point(t), t.number("factor"));
   });
   then("turn", [&] {
     const TomlTable t = table.table("turn", {"axis", "angle", "point"}).front();
-    return turned(point(t), t.vector("axis"), radians(t.number("angle")));
+    return rotation_about(point(t), t.vector("axis"), radians(t.number("angle")));
   });
   then("mirror", [&] {
     const TomlTable t = table.table("mirror", {"normal", "point"}).front();
-    return mirrored(point(t), t.vector("normal"));
+    return reflection_in(point(t), t.vector("normal"));
   });
-  then("move", [&] { return Placement{Mat3::Identity(), table.vector("move")}; });
+  then("move", [&] { return AffineTransform{Mat3::Identity(), table.vector("move")}; });
   if (!any)
-    table.fail("copy", "a copy in the same place", "one or more of: " + listed(placement_words()));
-  return placement;
+    table.fail("copy", "a copy in the same place",
+               "one or more of: " + comma_separated(placement_keys()));
+  return transform;
 }
 
 }  // namespace batten

@@ -3,25 +3,26 @@
 #include <algorithm>
 #include <initializer_list>
 
-#include "batten/io/scene/scene_words.h"
+#include "batten/io/scene/scene_parsing.h"
 
 namespace batten {
 namespace {
 
-PlacedWord placed(const TomlTable& table, const std::string& key) {
-  return {table.text(key), table.place(key)};
+LocatedString placed(const TomlTable& table, const std::string& key) {
+  return {table.text(key), table.location(key)};
 }
 
 /// name, value (a number, or over time), min, max.
-void read_named_value(const TomlTable& table, NamedValue& p) {
+void read_named_value(const TomlTable& table, ScalarParameter& p) {
   p.name = table.text("name");
-  p.min = table.number("min", -infinity);
-  p.max = table.number("max", infinity);
-  if (p.min > p.max) table.fail("max", number(p.max), "not less than min = " + number(p.min));
+  p.min = table.number("min", -kInfinity);
+  p.max = table.number("max", kInfinity);
+  if (p.min > p.max)
+    table.fail("max", format_number(p.max), "not less than min = " + format_number(p.min));
   const auto expect_in_range = [&](double value) {
     if (value < p.min || value > p.max)
-      table.fail("value", number(value),
-                 "a value " + range_text(p.min, p.max) + ", as 'min' and 'max' say");
+      table.fail("value", format_number(value),
+                 "a value " + format_range(p.min, p.max) + ", as 'min' and 'max' say");
   };
   if (!table.is_array("value")) {
     p.value = table.number("value");
@@ -30,13 +31,13 @@ void read_named_value(const TomlTable& table, NamedValue& p) {
   const auto rows = table.rows("value", "t, value");
   if (rows.empty()) table.fail("value", "an empty list", "a number, or [[t, value], …]");
   for (const VecX& row : rows) {
-    if (!p.over_time.empty() && row[0] <= p.over_time.back().time)
-      table.fail(
-          "value",
-          "a moment at " + number(row[0]) + " after one at " + number(p.over_time.back().time),
-          "moments that ascend");
+    if (!p.keyframes.empty() && row[0] <= p.keyframes.back().time)
+      table.fail("value",
+                 "a moment at " + format_number(row[0]) + " after one at " +
+                     format_number(p.keyframes.back().time),
+                 "moments that ascend");
     expect_in_range(row[1]);
-    p.over_time.push_back({row[0], row[1]});
+    p.keyframes.push_back({row[0], row[1]});
   }
   Parameters at_0;
   at_0.add(p);
@@ -54,7 +55,7 @@ SceneConstraint read_constraint(const TomlTable& table) {
   using Type = SceneConstraint::Type;
   SceneConstraint c;
   c.name = table.text("name");
-  c.place = table.place("name");
+  c.location = table.location("name");
   c.type = table.choice<Type>("type", {{"point", Type::Point},
                                        {"normal", Type::Normal},
                                        {"tangent", Type::Tangent},
@@ -69,8 +70,8 @@ SceneConstraint read_constraint(const TomlTable& table) {
   if (along_line) {
     refuse(table, what, {{"at", "'line': it acts all along that"}});
     c.line = placed(table, "line");
-    c.as_it_is = !table.has("normal");
-    if (!c.as_it_is) c.goal = c.middle = table.direction("normal");
+    c.keep_tangent_planes = !table.has("normal");
+    if (!c.keep_tangent_planes) c.goal = c.middle = table.direction("normal");
     return c;
   }
   const char* only_line = "it only where type = \"line_normal\"";
@@ -89,7 +90,7 @@ SceneConstraint read_constraint(const TomlTable& table) {
 
 /// Reads pulls: the places that they draw, towards what, how long and how far.
 void read_pulls(const TomlTable& table, const std::filesystem::path& folder, SceneLoad& load) {
-  Load::Pulls& pulls = load.pulls;
+  Load::AttractorSprings& pulls = load.pulls;
   pulls.at = table.points("at");
   if (pulls.at.empty()) table.fail("at", "an empty list", "one place or more");
   const int targets = table.has("to") + table.has("curve") + table.has("plane");
@@ -103,20 +104,20 @@ void read_pulls(const TomlTable& table, const std::filesystem::path& folder, Sce
     if (to.size() != pulls.at.size())
       table.fail("to", std::to_string(to.size()) + " points",
                  std::to_string(pulls.at.size()) + ", one for each place of 'at'");
-    pulls.target = Load::Pulls::Places{to};
+    pulls.target = Load::AttractorSprings::TargetPoints{to};
   }
   if (table.has("curve")) {
     load.curve = placed(table, "curve");
     load.file = folder / load.curve.text;
-    load.place = load.curve.place;
+    load.location = load.curve.location;
   }
   for (const TomlTable& t : table.table("plane", {"through", "normal"}))
-    pulls.target = Load::Pulls::Plane{t.vector("through"), t.direction("normal")};
+    pulls.target = Load::AttractorSprings::Plane{t.vector("through"), t.direction("normal")};
   for (const auto& [key, slot] :
        {std::pair<const char*, double*>{"rest_length", &pulls.rest_length},
         {"falloff", &pulls.falloff}}) {
     *slot = table.number(key, 0);
-    if (*slot < 0) table.fail(key, number(*slot), "a length, not below 0");
+    if (*slot < 0) table.fail(key, format_number(*slot), "a length, not below 0");
   }
 }
 
@@ -125,7 +126,7 @@ void read_direction(const TomlTable& table, const std::string& what, SceneLoad& 
   using Type = SceneLoad::Type;
   if (load.type == Type::Pressure)
     refuse(table, what, {{"direction", "none: pressure acts along the surface's normal"}});
-  else if (load.type == Type::Scan || load.type == Type::Pulls)
+  else if (load.type == Type::PointCloudSprings || load.type == Type::AttractorSprings)
     refuse(table, what, {{"direction", "none: it draws the surface towards its points"}});
   else
     load.direction = table.direction("direction");
@@ -141,10 +142,11 @@ void refuse_keys_of_other_types(const TomlTable& table, const std::string& what,
     const std::string expected = "it only where type = " + words;
     for (const char* key : keys) refuse(table, what, {{key, expected.c_str()}});
   };
-  refuse_unless({Type::Scan}, "\"scan\"", {"file", "unit"});
-  refuse_unless({Type::Pulls}, "\"pulls\"", {"to", "curve", "plane", "rest_length", "falloff"});
+  refuse_unless({Type::PointCloudSprings}, "\"scan\"", {"file", "unit"});
+  refuse_unless({Type::AttractorSprings}, "\"pulls\"",
+                {"to", "curve", "plane", "rest_length", "falloff"});
   refuse_unless({Type::Line}, "\"line\"", {"line"});
-  refuse_unless({Type::Point, Type::Pulls}, "\"point\" or \"pulls\"", {"at"});
+  refuse_unless({Type::Point, Type::AttractorSprings}, "\"point\" or \"pulls\"", {"at"});
   refuse_unless({Type::Pressure, Type::Uniform}, "\"pressure\" or \"uniform\"",
                 {"near", "radius", "paint", "regions"});
 }
@@ -152,17 +154,17 @@ void refuse_keys_of_other_types(const TomlTable& table, const std::string& what,
 /// Reads which points a scan has.
 void read_scan(const TomlTable& table, const std::filesystem::path& folder, SceneLoad& load) {
   load.file = folder / table.text("file");
-  load.place = table.place("file");
-  if (table.has("unit")) load.unit = unit_word(table, "unit");
+  load.location = table.location("file");
+  if (table.has("unit")) load.unit = read_unit(table, "unit");
 }
 
 /// Checks stiffnesses, now and over time, and keeps sliders from going below 0.
 void check_stiffness(const TomlTable& table, SceneLoad& load) {
   const auto expect_stiffness = [&](double value) {
-    if (value < 0) table.fail("value", number(value), "a stiffness, not below 0");
+    if (value < 0) table.fail("value", format_number(value), "a stiffness, not below 0");
   };
   expect_stiffness(load.value);
-  for (const auto& moment : load.over_time) expect_stiffness(moment.value);
+  for (const auto& keyframe : load.keyframes) expect_stiffness(keyframe.value);
   if (load.min < 0 && !table.has("min")) load.min = 0;
 }
 
@@ -171,31 +173,32 @@ SceneLoad read_load(const TomlTable& table, const std::filesystem::path& folder)
   using Type = SceneLoad::Type;
   SceneLoad load;
   read_named_value(table, load);
-  load.named = table.place("name");
+  load.name_location = table.location("name");
   load.type = table.choice<Type>("type", {{"pressure", Type::Pressure},
                                           {"uniform", Type::Uniform},
                                           {"gravity", Type::Gravity},
                                           {"point", Type::Point},
                                           {"line", Type::Line},
-                                          {"scan", Type::Scan},
-                                          {"pulls", Type::Pulls}});
+                                          {"scan", Type::PointCloudSprings},
+                                          {"pulls", Type::AttractorSprings}});
   const std::string what = "the load '" + load.name + "'";
   read_direction(table, what, load);
   refuse_keys_of_other_types(table, what, load.type);
   if (load.type == Type::Pressure || load.type == Type::Uniform) load.area = read_area(table);
   if (load.type == Type::Point) load.at = table.vector("at");
   if (load.type == Type::Line) load.line = placed(table, "line");
-  if (load.type == Type::Scan) read_scan(table, folder, load);
-  if (load.type == Type::Pulls) read_pulls(table, folder, load);
-  if (load.type == Type::Scan || load.type == Type::Pulls) check_stiffness(table, load);
+  if (load.type == Type::PointCloudSprings) read_scan(table, folder, load);
+  if (load.type == Type::AttractorSprings) read_pulls(table, folder, load);
+  if (load.type == Type::PointCloudSprings || load.type == Type::AttractorSprings)
+    check_stiffness(table, load);
   return load;
 }
 
-SceneWeight read_weight(const TomlTable& table) {
-  using Kind = WeightField::Kind;
-  SceneWeight weight;
+SceneStiffnessField read_weight(const TomlTable& table) {
+  using Kind = StiffnessField::Kind;
+  SceneStiffnessField weight;
   read_named_value(table, weight);
-  weight.named = table.place("name");
+  weight.name_location = table.location("name");
   weight.kind = table.choice<Kind>("kind", {{"alpha", Kind::Stretching}, {"beta", Kind::Bending}});
   weight.area = read_area(table);
   if (table.has("along") && table.is_array("along")) {
@@ -208,15 +211,15 @@ SceneWeight read_weight(const TomlTable& table) {
   return weight;
 }
 
-SceneMove read_move(const TomlTable& table) {
-  SceneMove move;
+SceneLineOffset read_move(const TomlTable& table) {
+  SceneLineOffset move;
   read_named_value(table, move);
-  move.named = table.place("name");
+  move.name_location = table.location("name");
   move.line = placed(table, "line");
   if (table.has("direction")) move.direction = table.direction("direction");
   if (table.has("fade")) move.fade = table.number("fade", 0);
   if (move.fade && !(*move.fade >= 0 && *move.fade <= 0.5))
-    table.fail("fade", number(*move.fade), "a share of the line's length from 0 to 0.5");
+    table.fail("fade", format_number(*move.fade), "a share of the line's length from 0 to 0.5");
   return move;
 }
 
@@ -225,28 +228,28 @@ SceneMotion read_motion(const TomlTable& table) {
   for (const auto& [key, slot] : {std::pair<const char*, double*>{"density", &motion.density},
                                   {"damping", &motion.damping}}) {
     *slot = table.number(key, *slot);
-    if (*slot < 0) table.fail(key, number(*slot), "a number, not below 0");
+    if (*slot < 0) table.fail(key, format_number(*slot), "a number, not below 0");
   }
   motion.theta = table.number("theta", 1);
   if (motion.theta < 0.5 || motion.theta > 1)
-    table.fail("theta", number(motion.theta), "a number from 0.5 to 1");
+    table.fail("theta", format_number(motion.theta), "a number from 0.5 to 1");
   return motion;
 }
 
 /// That there is such a line, as far as the scene itself can tell.
-void check_line(const Scene& scene, const PlacedWord& line) {
+void check_line(const Scene& scene, const LocatedString& line) {
   std::vector<std::string> names;
   for (const SceneLine& source : scene.lines) {
     if (source.name.empty()) return;  // [[lines]]: its file knows
     if (is_part_of(line.text, source.name)) return;
     names.push_back(source.name);
   }
-  throw InputError(scene.at(line.place) + "found the line '" + line.text + "', expected " +
-                   one_of(line.text, names));
+  throw InputError(scene.at(line.location) + "found the line '" + line.text + "', expected " +
+                   expected_one_of(line.text, names));
 }
 
 void check_lines(const Scene& scene) {
-  const auto check = [&](const PlacedWord& line) {
+  const auto check = [&](const LocatedString& line) {
     if (!line.text.empty()) check_line(scene, line);
   };
   for (const auto& c : scene.constraints) check(c.line);
@@ -257,7 +260,7 @@ void check_lines(const Scene& scene) {
   for (const auto& weight : scene.weights) {
     check(weight.area.line);
     if (weight.along)
-      if (const auto* line = std::get_if<PlacedWord>(&*weight.along)) check(*line);
+      if (const auto* line = std::get_if<LocatedString>(&*weight.along)) check(*line);
   }
   for (const auto& move : scene.moves) check(move.line);
 }
@@ -265,21 +268,21 @@ void check_lines(const Scene& scene) {
 /// That each rule drives something, once, and that no two go around in a circle.
 void check_rules(const Scene& scene) {
   std::vector<std::string> names;
-  for (const NamedValue& p : scene.named_values()) names.push_back(p.name);
+  for (const ScalarParameter& p : scene.named_values()) names.push_back(p.name);
   for (size_t i = 0; i < scene.rules.size(); ++i) {
     const SceneRule& rule = scene.rules[i];
     const auto fail = [&](const std::string& found, const std::string& expected) {
-      throw InputError(scene.at(rule.place) + "found " + found + ", expected " + expected);
+      throw InputError(scene.at(rule.location) + "found " + found + ", expected " + expected);
     };
     if (std::find(names.begin(), names.end(), rule.driven) == names.end())
-      fail("'" + rule.driven + "' to drive", one_of(rule.driven, names));
+      fail("'" + rule.driven + "' to drive", expected_one_of(rule.driven, names));
     for_each_fair_parameter(scene.fairing, [&](const std::string& name, double) {
       if (name == rule.driven)
         fail("'" + name + "' to drive, which changes the lines",
              "a parameter of loads, weights, moves, constraints or [skin]");
     });
-    const auto expect_number = [&](const NamedValue& p) {
-      if (p.name == rule.driven && !p.over_time.empty())
+    const auto expect_number = [&](const ScalarParameter& p) {
+      if (p.name == rule.driven && !p.keyframes.empty())
         fail("'" + rule.driven + "' to drive, whose value is one over time", "a number there");
     };
     for (const auto& p : scene.loads) expect_number(p);
@@ -292,7 +295,7 @@ void check_rules(const Scene& scene) {
       if (before.of == rule.of) fail("'" + rule.driven + "' again", "each name once");
       if (before.offset && rule.offset)
         fail("another offset of '" + rule.driven + "' (the first in line " +
-                 std::to_string(before.place.line) + ")",
+                 std::to_string(before.location.line) + ")",
              "one of them");
     }
     Scene so_far = scene;
@@ -300,7 +303,7 @@ void check_rules(const Scene& scene) {
     try {
       so_far.parameters();
     } catch (const InputError& e) {
-      throw InputError(scene.at(rule.place) + e.what());
+      throw InputError(scene.at(rule.location) + e.what());
     }
   }
 }
@@ -308,7 +311,7 @@ void check_rules(const Scene& scene) {
 }  // namespace
 
 void read_sculpting(const TomlTable& root, const std::filesystem::path& folder, Scene& scene) {
-  Names names("name");
+  UniqueNames names("name");
   const auto add_name = [&](const TomlTable& t, const std::string& kind, const std::string& name) {
     names.add(t, "name", name);
     for (const char* taken :
@@ -338,11 +341,11 @@ void read_sculpting(const TomlTable& root, const std::filesystem::path& folder, 
     add_name(t, "move", scene.moves.back().name);
   }
   for (const TomlTable& t : root.tables("parameter", {"name", "value", "min", "max", "drives"})) {
-    NamedValue& slider = scene.sliders.emplace_back();
+    ScalarParameter& slider = scene.sliders.emplace_back();
     read_named_value(t, slider);
     add_name(t, "parameter", slider.name);
     for (const TomlTable& d : t.tables("drives", {"name", "factor", "offset"})) {
-      SceneRule rule{slider.name, d.text("name"), d.place("name"), d.number("factor"), {}};
+      SceneRule rule{slider.name, d.text("name"), d.location("name"), d.number("factor"), {}};
       if (d.has("offset")) rule.offset = d.number("offset");
       scene.rules.push_back(rule);
     }

@@ -20,11 +20,11 @@ const std::vector<NamedMaterial>& named_materials() {
 
 namespace {
 
-std::string box_in_words(const Box3& box) {
+std::string format_box(const Box3& box) {
   std::string text;
   for (const Vec3& corner : {Vec3(box.min()), Vec3(box.max())}) {
     text += text.empty() ? "[" : " to [";
-    for (int c = 0; c < 3; ++c) text += (c ? ", " : "") + number(corner[c]);
+    for (int c = 0; c < 3; ++c) text += (c ? ", " : "") + format_number(corner[c]);
     text += "]";
   }
   return text;
@@ -32,7 +32,7 @@ std::string box_in_words(const Box3& box) {
 
 }  // namespace
 
-std::string SceneStress::Support::in_words() const {
+std::string SceneStress::Support::description() const {
   const std::string what = kind == Kind::Clamped     ? "clamped "
                            : kind == Kind::Pinned    ? "pinned "
                            : kind == Kind::Symmetric ? "symmetric "
@@ -41,10 +41,10 @@ std::string SceneStress::Support::in_words() const {
   if (!point) {
     const std::string where = line.text.empty() ? region.text : line.text;
     if (!box) return what + (where.empty() ? "all" : where);
-    return what + (where.empty() ? "box " : where + " in the box ") + box_in_words(*box);
+    return what + (where.empty() ? "box " : where + " in the box ") + format_box(*box);
   }
   std::string at;
-  for (int c = 0; c < 3; ++c) at += (c ? ", " : "[") + number((*point)[c]);
+  for (int c = 0; c < 3; ++c) at += (c ? ", " : "[") + format_number((*point)[c]);
   return what + "point " + at + "]";
 }
 
@@ -66,7 +66,7 @@ const std::vector<std::string>& stress_keys() {
 
 namespace {
 
-const std::string kUsualCase = "loads";
+const std::string kDefaultLoadCase = "loads";
 
 void read_material(const TomlTable& table, const std::string& unit, SceneStress& stress) {
   if (!table.has("material")) {
@@ -87,7 +87,7 @@ void read_material(const TomlTable& table, const std::string& unit, SceneStress&
     }
     stress.poisson = table.number("poisson", 0.3);
     if (stress.poisson <= -1 || stress.poisson >= 0.5)
-      table.fail("poisson", number(stress.poisson), "a number above -1 and below 0.5");
+      table.fail("poisson", format_number(stress.poisson), "a number above -1 and below 0.5");
     stress.density = table.positive("density", 0);
     return;
   }
@@ -100,7 +100,7 @@ void read_material(const TomlTable& table, const std::string& unit, SceneStress&
   const auto known = std::find(names.begin(), names.end(), stress.material);
   if (known == names.end())
     table.fail("material", "the material '" + stress.material + "'",
-               one_of(stress.material, names) + ", or 'young', 'poisson' and 'density'");
+               expected_one_of(stress.material, names) + ", or 'young', 'poisson' and 'density'");
   const NamedMaterial& m = named_materials()[static_cast<size_t>(known - names.begin())];
   stress.poisson = m.poisson;
   if (unit == "m") {
@@ -119,7 +119,7 @@ void read_material(const TomlTable& table, const std::string& unit, SceneStress&
 std::optional<Box3> read_box(const TomlTable& t) {
   if (!t.has("box")) return {};
   const std::vector<Vec3> corners = t.points("box");
-  const Box3 box = box_around(corners);
+  const Box3 box = bounding_box(corners);
   if (corners.size() != 2 || !(box.sizes().minCoeff() > 0))
     t.fail("box", corners.size() == 2 ? "a flat box" : std::to_string(corners.size()) + " corners",
            "two opposite corners that differ in x, y and z");
@@ -148,16 +148,16 @@ void read_place(const TomlTable& t, SceneStress::Support& support) {
   if (t.has("line") + t.has("point") + t.has("region") > 1 || (t.has("point") && t.has("box")))
     t.fail(t.has("point") ? "point" : "line", "several places",
            "one of line, point and region; a box with a line or a region, or alone");
-  if (t.has("line")) support.line = {t.text("line"), t.place("line")};
+  if (t.has("line")) support.line = {t.text("line"), t.location("line")};
   if (t.has("point")) support.point = t.vector("point");
-  if (t.has("region")) support.region = {t.text("region"), t.place("region")};
+  if (t.has("region")) support.region = {t.text("region"), t.location("region")};
   support.box = read_box(t);
 }
 
 SceneStress::Support read_support(const TomlTable& t) {
   using Kind = SceneStress::Support::Kind;
   SceneStress::Support support;
-  support.place = t.place();
+  support.location = t.location();
   read_place(t, support);
   if (t.has("foundation") || t.has("spring")) {
     read_elastic(t, support);
@@ -168,17 +168,17 @@ SceneStress::Support read_support(const TomlTable& t) {
            "one of line = \"…\", point = [x, y, z], region = \"…\", box = [[x, y, z], [x, y, z]]");
   const bool directions = t.has("directions");
   support.kind = t.choice("kind",
-                          directions      ? Kind::Held
+                          directions      ? Kind::Prescribed
                           : support.point ? Kind::Pinned
                                           : Kind::Clamped,
                           {{"clamped", Kind::Clamped},
                            {"pinned", Kind::Pinned},
                            {"symmetric", Kind::Symmetric},
-                           {"held", Kind::Held}});
+                           {"held", Kind::Prescribed}});
   if ((support.point && support.kind == Kind::Clamped) ||
       (support.line.text.empty() && support.kind == Kind::Symmetric))
     t.fail("kind", "\"" + t.text("kind") + "\" without a line", "\"pinned\" or \"held\"");
-  if (directions != (support.kind == Kind::Held))
+  if (directions != (support.kind == Kind::Prescribed))
     t.fail("directions", directions ? "directions of another support" : "a held support without",
            "kind = \"held\" and directions = [[x, y, z], …]");
   if (t.has("normal") != (support.kind == Kind::Symmetric))
@@ -200,8 +200,8 @@ SceneStress::Support read_support(const TomlTable& t) {
 SceneStress::Load read_load(const TomlTable& t) {
   using Type = SceneStress::Load::Type;
   SceneStress::Load load;
-  load.place = t.place();
-  load.load_case = t.text("case", kUsualCase);
+  load.location = t.location();
+  load.load_case = t.text("case", kDefaultLoadCase);
   const std::vector<std::string> kinds = {"pressure", "force",       "moment",
                                           "gravity",  "hydrostatic", "area_force"};
   std::vector<std::string> stated;
@@ -210,7 +210,7 @@ SceneStress::Load read_load(const TomlTable& t) {
   if (stated.size() != 1)
     t.fail(stated.empty() ? "case" : stated[1],
            stated.empty() ? "a load without a value" : "two loads in one",
-           "one of: " + listed(kinds));
+           "one of: " + comma_separated(kinds));
   const std::string& kind = stated[0];
   const auto needs = [&](const char* key, bool needed, const std::string& what) {
     if (t.has(key) != needed)
@@ -232,8 +232,8 @@ SceneStress::Load read_load(const TomlTable& t) {
   if (t.has("box") && (at_point || kind == "gravity"))
     t.fail("box", "'box' beside '" + kind + "'", "no box");
   load.box = read_box(t);
-  if (t.has("region")) load.region = {t.text("region"), t.place("region")};
-  if (at_line) load.line = {t.text("line"), t.place("line")};
+  if (t.has("region")) load.region = {t.text("region"), t.location("region")};
+  if (at_line) load.line = {t.text("line"), t.location("line")};
   if (at_point) load.point = t.vector("point");
   if (kind == "pressure" || kind == "moment" || kind == "hydrostatic") {
     load.type = kind == "pressure" ? Type::Pressure
@@ -255,7 +255,7 @@ SceneStress::Thickness read_thickness(const TomlTable& t) {
   SceneStress::Thickness thickness;
   thickness.thickness = t.positive("thickness");
   if (t.has("region")) {
-    thickness.region = {t.text("region"), t.place("region")};
+    thickness.region = {t.text("region"), t.location("region")};
     for (const char* key : {"near", "paint", "regions"})
       if (t.has(key)) t.fail(key, "'" + std::string(key) + "' beside 'region'", "one of the two");
   } else if (!t.has("near") && !t.has("paint")) {
@@ -269,22 +269,22 @@ SceneStress::Thickness read_thickness(const TomlTable& t) {
 // `pressure`, `pressures` and `gravity`: loads of the usual case, in short.
 void read_short_loads(const TomlTable& table, SceneStress& stress) {
   using Load = SceneStress::Load;
-  const auto add = [&](Load::Type type, const FilePlace& place) -> Load& {
+  const auto add = [&](Load::Type type, const SourceLocation& location) -> Load& {
     stress.loads.emplace_back();
     stress.loads.back().type = type;
-    stress.loads.back().load_case = kUsualCase;
-    stress.loads.back().place = place;
+    stress.loads.back().load_case = kDefaultLoadCase;
+    stress.loads.back().location = location;
     return stress.loads.back();
   };
   if (table.has("pressure"))
-    add(Load::Type::Pressure, table.place("pressure")).value = table.number("pressure");
+    add(Load::Type::Pressure, table.location("pressure")).value = table.number("pressure");
   for (const TomlTable& t : table.tables("pressures", {"region", "pressure"})) {
-    Load& load = add(Load::Type::Pressure, t.place());
-    load.region = {t.text("region"), t.place("region")};
+    Load& load = add(Load::Type::Pressure, t.location());
+    load.region = {t.text("region"), t.location("region")};
     load.value = t.number("pressure");
   }
   if (table.has("gravity"))
-    add(Load::Type::Gravity, table.place("gravity")).vector = table.vector("gravity");
+    add(Load::Type::Gravity, table.location("gravity")).vector = table.vector("gravity");
 }
 
 void read_combinations(const TomlTable& table, SceneStress& stress) {
@@ -294,7 +294,7 @@ void read_combinations(const TomlTable& table, SceneStress& stress) {
     sum.name = t.text("name");
     if (std::find(names.begin(), names.end(), sum.name) != names.end())
       t.fail("name", "the name '" + sum.name + "' again", "each case and combination once");
-    const std::vector<PlacedWord> cases = t.words("cases");
+    const std::vector<LocatedString> cases = t.words("cases");
     const std::vector<double> factors = t.list("factors");
     if (cases.empty() || cases.size() != factors.size())
       t.fail("factors", std::to_string(factors.size()) + " factors",
@@ -302,7 +302,7 @@ void read_combinations(const TomlTable& table, SceneStress& stress) {
     const std::vector<std::string> known = stress.cases();
     for (size_t i = 0; i < cases.size(); ++i) {
       if (std::find(known.begin(), known.end(), cases[i].text) == known.end())
-        t.fail("cases", "the case '" + cases[i].text + "'", one_of(cases[i].text, known));
+        t.fail("cases", "the case '" + cases[i].text + "'", expected_one_of(cases[i].text, known));
       sum.parts.emplace_back(cases[i], factors[i]);
     }
     names.push_back(sum.name);
@@ -336,11 +336,11 @@ SceneStress read_stress(const TomlTable& table, const std::string& unit) {
   if (stress.supports.empty())
     table.fail("supports", "no supports", "one or more: supports = [{line = \"…\"}]");
   stress.hinges = table.names("hinges");
-  stress.modes = table.whole_number("modes", 1, 0);
+  stress.modes = table.integer("modes", 1, 0);
   if (stress.modes > 0 && stress.density == 0)
     table.fail("modes", "modes without 'density'", "both");
   stress.sensitivities = table.boolean("sensitivities", false);
-  stress.buckling = table.whole_number("buckling", 1, 0);
+  stress.buckling = table.integer("buckling", 1, 0);
   return stress;
 }
 

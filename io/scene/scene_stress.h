@@ -24,30 +24,30 @@ const std::vector<NamedMaterial>& named_materials();
 /// [stress]: the shell of a scene, for `batten stress` and for CalculiX.
 struct SceneStress {
   struct Thickness {
-    PlacedWord region;  ///< of all of a region; ""
-    SceneArea area;     ///< and where it fades from the thickness around it to its own
+    LocatedString region;  ///< of all of a region; ""
+    SceneArea area;        ///< and where it fades from the thickness around it to its own
     double thickness = 0;
   };
   struct Support {
     enum class Kind {
-      Clamped,    ///< no displacement, no rotation about the line
-      Pinned,     ///< no displacement
-      Symmetric,  ///< in the plane with the normal directions[0]
-      Held,       ///< displacement in `directions`, and the rotation where `rotation` says so
-      Elastic     ///< springs along x, y, z, or along the normal
+      Clamped,     ///< no displacement, no rotation about the line
+      Pinned,      ///< no displacement
+      Symmetric,   ///< in the plane with the normal directions[0]
+      Prescribed,  ///< displacement in `directions`, and the rotation where `rotation` says so
+      Elastic      ///< springs along x, y, z, or along the normal
     };
     Kind kind = Kind::Clamped;
-    PlacedWord line;
+    LocatedString line;
     std::optional<Vec3> point;  ///< in place of a line: the nearest place of the surface
     std::optional<Box3> box;    ///< what lies in it, of the line, the region, or all
     std::vector<Vec3> directions;
     Vec3 displacement = Vec3::Zero();
     bool rotation = false;
-    PlacedWord region;            ///< of an area: "" for all regions
+    LocatedString region;         ///< of an area: "" for all regions
     Vec3 springs = Vec3::Zero();  ///< of Elastic, or `foundation` per area along the normal
     double foundation = 0;
-    FilePlace place;
-    std::string in_words() const;  ///< "clamped rim", "pinned rim in a box"
+    SourceLocation location;
+    std::string description() const;  ///< "clamped rim", "pinned rim in a box"
   };
   struct Load {
     enum class Type {
@@ -61,18 +61,18 @@ struct SceneStress {
     };
     Type type = Type::Pressure;
     std::string load_case;      ///< the case that it belongs to
-    PlacedWord region;          ///< "": all regions
+    LocatedString region;       ///< "": all regions
     std::optional<Box3> box;    ///< what lies in it only
-    PlacedWord line;            ///< of LineForce and LineMoment
+    LocatedString line;         ///< of LineForce and LineMoment
     Vec3 point = Vec3::Zero();  ///< of Point
     double value = 0, level = 0;
     Vec3 vector = Vec3::Zero();
-    FilePlace place;
+    SourceLocation location;
   };
   /// Cases times factors, summed.
   struct Combination {
     std::string name;
-    std::vector<std::pair<PlacedWord, double>> parts;
+    std::vector<std::pair<LocatedString, double>> parts;
   };
 
   std::string material;  ///< its name; "": the numbers below were stated
@@ -85,7 +85,7 @@ struct SceneStress {
   std::vector<Support> supports;
   std::vector<Load> loads;
   std::vector<Combination> combinations;
-  std::vector<PlacedWord> hinges;
+  std::vector<LocatedString> hinges;
   bool sensitivities = false;
   int modes = 0, buckling = 0;  ///< how many natural modes, and buckling factors of each case
 

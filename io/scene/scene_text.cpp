@@ -7,7 +7,7 @@
 
 #include "batten/core/errors.h"
 #include "batten/io/scene/deform_scene.h"
-#include "batten/io/scene/scene_words.h"
+#include "batten/io/scene/scene_parsing.h"
 
 namespace batten {
 namespace {
@@ -21,7 +21,7 @@ void require_one(const std::string& key, const std::string& value,
                  const std::filesystem::path& file) {
   const toml::table one = parse_toml(key + " = " + value, file, "a value");
   if (one.size() != 1 || !one.contains(key))
-    throw InputError("found " + in_quotes(key + " = " + value) +
+    throw InputError("found " + quoted_excerpt(key + " = " + value) +
                      ", expected one key and its value");
 }
 
@@ -127,7 +127,8 @@ struct SceneText::Parsed {
     throw InputError(
         "found no " +
         (name.name.empty() ? "[" + name.kind + "]" : "[[" + name.kind + "]] '" + name.name + "'") +
-        ", expected " + (names.empty() ? "a table of the scene" : one_of(name.name, names)));
+        ", expected " +
+        (names.empty() ? "a table of the scene" : expected_one_of(name.name, names)));
   }
 
   bool starts_with_header(const toml::array& list) const {
@@ -198,8 +199,8 @@ std::vector<SceneText::Value> SceneText::Parsed::values_of(const SceneTable& tab
   for (const auto& [key, node] : node_of(table)) {
     const Span span = span_of(node);
     const toml::array* list = tables_in(node);
-    const bool listed = list && (table == SceneTable{} || starts_with_header(*list));
-    if (!is_header(node, text, span.from) && !listed)
+    const bool comma_separated = list && (table == SceneTable{} || starts_with_header(*list));
+    if (!is_header(node, text, span.from) && !comma_separated)
       found.emplace_back(span_of(key).from,
                          Value(key.str(), text.substr(span.from, span.to - span.from)));
   }
@@ -368,7 +369,7 @@ void SceneText::set_rotation(const SceneTable& handle, const std::string& number
   if (number == "degrees")
     degrees = value;
   else
-    turn_about(number.back() - 'x', value, axis, degrees);
+    set_rotation_component(number.back() - 'x', value, axis, degrees);
   if (rotate.empty() && degrees == 0) return;
   set(handle, "rotate",
       "{ axis = [" + word(axis.x()) + ", " + word(axis.y()) + ", " + word(axis.z()) +
@@ -429,7 +430,7 @@ void SceneText::set_parameter(const std::string& parameter, double value) {
 
 std::string SceneText::word(double value) {
   if (!std::isfinite(value))
-    throw InputError("found " + batten::number(value) + ", expected a finite number");
+    throw InputError("found " + batten::format_number(value) + ", expected a finite number");
   char digits[32];
   const auto end = std::to_chars(digits, digits + sizeof digits, value).ptr;
   return std::string(digits, end);
@@ -453,7 +454,7 @@ std::string SceneText::list(const std::vector<std::string>& values) {
   return "[" + list + "]";
 }
 
-std::string SceneText::word_list(const std::vector<std::string>& texts) {
+std::string SceneText::toml_string_list(const std::vector<std::string>& texts) {
   std::vector<std::string> words;
   for (const std::string& text : texts) words.push_back(word(text));
   return list(words);

@@ -69,7 +69,7 @@ class SceneText {
   static std::string word(const std::string& text);
   /// Values as a list, and texts as a list of texts.
   static std::string list(const std::vector<std::string>& values);
-  static std::string word_list(const std::vector<std::string>& texts);
+  static std::string toml_string_list(const std::vector<std::string>& texts);
 
  private:
   struct Span;

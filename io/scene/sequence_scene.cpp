@@ -2,7 +2,7 @@
 
 #include "batten/core/errors.h"
 #include "batten/io/files/input_file.h"
-#include "batten/io/scene/selection_words.h"
+#include "batten/io/scene/selection_parsing.h"
 #include "batten/io/sequences/sequence_writer.h"
 
 namespace batten {
@@ -20,14 +20,14 @@ std::pair<int, int> frame_range(const TomlTable& t, const std::string& key) {
   const VecX range = t.numbers(key, "first, last");
   if (range[0] < 1 || range[1] < range[0] || range[0] != std::floor(range[0]) ||
       range[1] != std::floor(range[1]))
-    t.fail(key, "[" + number(range[0]) + ", " + number(range[1]) + "]",
+    t.fail(key, "[" + format_number(range[0]) + ", " + format_number(range[1]) + "]",
            "two frames, the first one not after the last one, counted from 1");
   return {static_cast<int>(range[0]), static_cast<int>(range[1])};
 }
 
 SequenceSource read_source(const TomlTable& t, const std::filesystem::path& folder) {
   SequenceSource source;
-  source.place = t.place("file");
+  source.location = t.location("file");
   source.path = folder / t.text("file");
   if (t.has("mesh")) source.options.mesh = folder / t.text("mesh");
   if (t.has("frames"))
@@ -46,32 +46,32 @@ SequenceSource read_source(const TomlTable& t, const std::filesystem::path& fold
 SequenceHandle read_handle(const TomlTable& t) {
   SequenceHandle handle;
   handle.name = t.text("name");
-  handle.place = t.place();
+  handle.location = t.location();
   handle.vertices = t.names("vertices");
-  if (handle.vertices.empty()) handle.vertices = {{handle.name, t.place("name")}};
-  if (t.has("parent")) handle.parent = word_of(t, "parent");
+  if (handle.vertices.empty()) handle.vertices = {{handle.name, t.location("name")}};
+  if (t.has("parent")) handle.parent = read_string(t, "parent");
   return handle;
 }
 
-KeyframeRule read_keyframe(const TomlTable& t) {
-  KeyframeRule rule;
-  rule.frame = t.whole_number("frame", 1, 1);
-  rule.place = t.place();
+KeyframeSpec read_keyframe(const TomlTable& t) {
+  KeyframeSpec rule;
+  rule.frame = t.integer("frame", 1, 1);
+  rule.location = t.location();
   for (const TomlTable& h : t.tables("handle", {"name", "translate", "rotate", "about", "turn"})) {
-    KeyframeRule::Move move;
-    move.handle = word_of(h, "name");
+    KeyframeSpec::Move move;
+    move.handle = read_string(h, "name");
     if (h.has("translate")) move.translate = h.vector("translate");
     for (const TomlTable& r : h.table("rotate", {"axis", "degrees"})) {
       move.axis = r.direction("axis");
       move.degrees = r.number("degrees");
     }
     if (h.has("about")) move.about = h.vector("about");
-    move.turns_freely = h.choice("turn", false, {{"told", false}, {"free", true}});
-    if (move.turns_freely && h.has("rotate"))
+    move.free_rotation = h.choice("turn", false, {{"told", false}, {"free", true}});
+    if (move.free_rotation && h.has("rotate"))
       h.fail("rotate", "a rotation of a handle that turns freely", "turn = \"told\" or no rotate");
     for (const auto& other : rule.moves)
       if (other.handle.text == move.handle.text)
-        h.fail("name", "the handle " + in_quotes(move.handle.text) + " twice in a keyframe",
+        h.fail("name", "the handle " + quoted_excerpt(move.handle.text) + " twice in a keyframe",
                "once");
     rule.moves.push_back(std::move(move));
   }
@@ -79,18 +79,18 @@ KeyframeRule read_keyframe(const TomlTable& t) {
   return rule;
 }
 
-FootprintSearch read_search(const TomlTable& t) {
-  FootprintSearch search;
+FootContactSearch read_search(const TomlTable& t) {
+  FootContactSearch search;
   for (const TomlTable& s : t.table("found", {"within", "frames"})) {
-    search.within = s.positive("within", search.within);
-    search.frames = s.whole_number("frames", 1, search.frames);
+    search.max_spread = s.positive("within", search.max_spread);
+    search.frames = s.integer("frames", 1, search.frames);
   }
   return search;
 }
 
-SequenceStep::Travel read_travel(const TomlTable& t) {
-  SequenceStep::Travel step;
-  step.cycles = t.whole_number("cycles", 1, 1);
+SequenceOperation::RootMotion read_root_motion(const TomlTable& t) {
+  SequenceOperation::RootMotion step;
+  step.cycles = t.integer("cycles", 1, 1);
   step.along = t.direction("along");
   if (t.has("speed")) step.speed = t.number("speed");
   step.feet = t.names("feet");
@@ -99,44 +99,45 @@ SequenceStep::Travel read_travel(const TomlTable& t) {
   return step;
 }
 
-SequenceStep::Footprints read_footprints(const TomlTable& t, const std::filesystem::path& folder) {
-  SequenceStep::Footprints step;
+SequenceOperation::FootContacts read_foot_contacts(const TomlTable& t,
+                                                   const std::filesystem::path& folder) {
+  SequenceOperation::FootContacts step;
   step.feet = t.names("feet");
   if (step.feet.empty()) t.fail("feet", "no names", "handles that stand on the ground");
-  step.upright = t.names("upright");
+  step.unrotated = t.names("upright");
   step.search = read_search(t);
-  if (t.has("shift")) step.shift = t.vector("shift");
+  if (t.has("shift")) step.translation = t.vector("shift");
   for (const TomlTable& g : t.table("terrain", {"file", "clearance", "ground", "turns"})) {
     step.terrain = folder / g.text("file");
-    step.terrain_place = g.place("file");
+    step.terrain_location = g.location("file");
     if (g.has("clearance")) step.clearance = g.number("clearance");
     step.ground = g.number("ground", 0);
-    step.turns = g.boolean("turns", false);
+    step.rotations = g.boolean("turns", false);
   }
   return step;
 }
 
-SequenceStep::Path read_path(const TomlTable& t) {
-  SequenceStep::Path step;
+SequenceOperation::Path read_path(const TomlTable& t) {
+  SequenceOperation::Path step;
   step.through = t.points("through");
   if (step.through.size() < 2)
     t.fail("through", std::to_string(step.through.size()) + " points", "two or more");
-  step.spans = t.whole_number("spans", 0, 0);
+  step.spans = t.integer("spans", 0, 0);
   step.lengths =
       t.choice("lengths", PathLengths::Absolute,
                {{"absolute", PathLengths::Absolute}, {"normalised", PathLengths::Normalised}});
   step.feet = t.names("feet");
-  step.upright = t.names("upright");
-  if (step.feet.empty() && !step.upright.empty())
+  step.unrotated = t.names("upright");
+  if (step.feet.empty() && !step.unrotated.empty())
     t.fail("upright", "handles without feet",
            "feet = […] too: without these all goes along as it is");
   step.search = read_search(t);
   return step;
 }
 
-SequenceStep::Filter read_filter(const TomlTable& t) {
-  using Kind = SequenceStep::Filter::Kind;
-  SequenceStep::Filter step;
+SequenceOperation::Filter read_filter(const TomlTable& t) {
+  using Kind = SequenceOperation::Filter::Kind;
+  SequenceOperation::Filter step;
   step.kind = t.choice<Kind>(
       "filter", {{"low", Kind::Low}, {"high", Kind::High}, {"cartoon", Kind::Cartoon}});
   step.handles = t.names("handles");
@@ -148,8 +149,8 @@ SequenceStep::Filter read_filter(const TomlTable& t) {
   return step;
 }
 
-SequenceStep::Mix read_mix(const TomlTable& t, const std::filesystem::path& folder) {
-  SequenceStep::Mix step;
+SequenceOperation::Mix read_mix(const TomlTable& t, const std::filesystem::path& folder) {
+  SequenceOperation::Mix step;
   for (const TomlTable& s : t.table("source", with(kSourceKeys, {"select"}))) {
     step.source = read_source(s, folder);
     SceneSelections named;
@@ -159,18 +160,19 @@ SequenceStep::Mix read_mix(const TomlTable& t, const std::filesystem::path& fold
   if (step.source.path.empty())
     t.fail("source", "no source", "source = { file = …, select = […] }");
   for (const TomlTable& p : t.tables("pair", {"handle", "from"}))
-    step.pairs.push_back(
-        {word_of(p, "handle"), p.has("from") ? word_of(p, "from") : PlacedWord{"", p.place()}});
+    step.pairs.push_back({read_string(p, "handle"), p.has("from")
+                                                        ? read_string(p, "from")
+                                                        : LocatedString{"", p.location()}});
   if (step.pairs.empty()) t.fail("pair", "no pairs", "pair = [{ handle = …, from = … }]");
-  step.turns = t.boolean("turns", true);
-  using Align = SequenceStep::Mix::Align;
+  step.rotations = t.boolean("turns", true);
+  using Align = SequenceOperation::Mix::Align;
   step.align = t.choice("align", Align::All,
                         {{"all", Align::All}, {"each", Align::Each}, {"shift", Align::Shift}});
   return step;
 }
 
-SequenceStep::Morph read_morph(const TomlTable& t, const std::filesystem::path& folder) {
-  SequenceStep::Morph step;
+SequenceOperation::Morph read_morph(const TomlTable& t, const std::filesystem::path& folder) {
+  SequenceOperation::Morph step;
   const auto zero_based = [](std::pair<int, int> range) {
     return MorphInterval{range.first - 1, range.second - 1};
   };
@@ -183,13 +185,13 @@ SequenceStep::Morph read_morph(const TomlTable& t, const std::filesystem::path& 
     t.fail("target", "no target", "target = { file = …, interval = […] }");
   step.options.source =
       t.has("interval") ? zero_based(frame_range(t, "interval")) : MorphInterval{0, -1};
-  step.options.frames = t.whole_number("frames", 2, 0);
+  step.options.frames = t.integer("frames", 2, 0);
   for (const TomlTable& a : t.table("align", {"translate", "rotate"})) {
     RigidMotion motion;
-    if (a.has("translate")) motion.shift = a.vector("translate");
+    if (a.has("translate")) motion.translation = a.vector("translate");
     for (const TomlTable& r : a.table("rotate", {"axis", "degrees"}))
-      motion.turn = Eigen::AngleAxisd(r.number("degrees") * EIGEN_PI / 180, r.direction("axis"))
-                        .toRotationMatrix();
+      motion.rotation = Eigen::AngleAxisd(r.number("degrees") * EIGEN_PI / 180, r.direction("axis"))
+                            .toRotationMatrix();
     step.options.alignment = motion;
   }
   for (const TomlTable& l : t.tables("landmark", {"from", "to"}))
@@ -212,13 +214,13 @@ const std::vector<std::string> kHoldingKeys{"fixed",     "weights",      "rounds
                                             "start",     "trajectories", "ends",   "rounds_between",
                                             "influence", "softness",     "volume", "every"};
 
-void read_step_options(const TomlTable& t, SequenceStep& step) {
+void read_step_options(const TomlTable& t, SequenceOperation& step) {
   SequenceEditOptions& o = step.options;
   step.fixed = t.names("fixed");
   using Weights = FrameOptions::Weights;
   o.frames.weights = t.choice("weights", Weights::Uniform,
                               {{"uniform", Weights::Uniform}, {"cotangent", Weights::Cotangent}});
-  o.frames.most_rounds = t.whole_number("rounds", 1, o.frames.most_rounds);
+  o.frames.max_iterations = t.integer("rounds", 1, o.frames.max_iterations);
   o.frames.tolerance = t.positive("tolerance", o.frames.tolerance);
   using Start = SequenceEditOptions::Start;
   o.start = t.choice("start", Start::Handles,
@@ -226,23 +228,25 @@ void read_step_options(const TomlTable& t, SequenceStep& step) {
                       {"subspace", Start::Subspace},
                       {"neighbour", Start::Neighbour}});
   using Smoothness = TrajectoryOptions::Smoothness;
-  o.trajectories = t.choice("trajectories", Smoothness::Smooth,
-                            {{"smooth", Smoothness::Smooth}, {"paper", Smoothness::Paper}});
-  o.ends = t.choice("ends", KeyframeEnds::None,
-                    {{"none", KeyframeEnds::None}, {"linear", KeyframeEnds::Linear}});
-  o.rounds_between = t.whole_number("rounds_between", 0, 0);
+  o.trajectories =
+      t.choice("trajectories", Smoothness::Smooth,
+               {{"smooth", Smoothness::Smooth}, {"paper", Smoothness::PiecewiseLinear}});
+  o.ends =
+      t.choice("ends", KeyframeExtrapolation::None,
+               {{"none", KeyframeExtrapolation::None}, {"linear", KeyframeExtrapolation::Linear}});
+  o.iterations_between = t.integer("rounds_between", 0, 0);
   if (t.has("influence")) {
     const auto [from, to] = frame_range(t, "influence");
     o.influence = {from - 1, to - 1};
   }
-  if (t.has("softness")) step.softness = t.positive("softness");
-  step.keeps_volume = t.boolean("volume", false);
-  step.every = t.whole_number("every", 1, 1);
+  if (t.has("softness")) step.penalty_weight = t.positive("softness");
+  step.preserve_volume = t.boolean("volume", false);
+  step.keyframe_interval = t.integer("every", 1, 1);
 }
 
 /// What only steps that hold handles use is refused in others: it would do nothing.
-void refuse_options(const TomlTable& t, const std::string& kind, const SequenceStep& step) {
-  const auto* path = std::get_if<SequenceStep::Path>(&step.what);
+void refuse_options(const TomlTable& t, const std::string& kind, const SequenceOperation& step) {
+  const auto* path = std::get_if<SequenceOperation::Path>(&step.what);
   const bool holds = !(kind == "travel" || kind == "morph" || (path && path->feet.empty()));
   for (const auto& key : kHoldingKeys)
     if (t.has(key) && !holds)
@@ -255,22 +259,22 @@ void refuse_options(const TomlTable& t, const std::string& kind, const SequenceS
            "it where all frames say where handles are");
 }
 
-SequenceStep read_step(const std::string& kind, const TomlTable& t,
-                       const std::filesystem::path& folder, size_t index) {
-  SequenceStep step;
+SequenceOperation read_step(const std::string& kind, const TomlTable& t,
+                            const std::filesystem::path& folder, size_t index) {
+  SequenceOperation step;
   step.name = t.text("name", "step-" + std::to_string(index + 1));
-  step.place = t.place();
+  step.location = t.location();
   read_step_options(t, step);
   if (kind == "keyframes") {
-    SequenceStep::Keyframes what;
+    SequenceOperation::Keyframes what;
     for (const TomlTable& k : t.tables("keyframe", {"frame", "handle"}))
       what.keys.push_back(read_keyframe(k));
     if (what.keys.empty()) t.fail("", "no keyframes", "[[step.keyframe]]");
     step.what = std::move(what);
   } else if (kind == "travel") {
-    step.what = read_travel(t);
+    step.what = read_root_motion(t);
   } else if (kind == "footprints") {
-    step.what = read_footprints(t, folder);
+    step.what = read_foot_contacts(t, folder);
   } else if (kind == "path") {
     step.what = read_path(t);
   } else if (kind == "filter") {
@@ -292,23 +296,23 @@ void read_steps(const TomlTable& root, const std::filesystem::path& folder, Sequ
     for (const auto& key : keys)
       if (std::find(all.begin(), all.end(), key) == all.end()) all.push_back(key);
   }
-  Names steps("step");
+  UniqueNames steps("step");
   for (const TomlTable& t : root.tables("step", all)) {
     const std::string kind = t.text("kind");
     const auto known = std::find(names.begin(), names.end(), kind);
-    if (known == names.end()) t.fail("kind", in_quotes(kind), one_of(kind, names));
+    if (known == names.end()) t.fail("kind", quoted_excerpt(kind), expected_one_of(kind, names));
     const auto& own = kKinds[known - names.begin()].second;
     for (const auto& key : all)
       if (t.has(key) && std::find(common.begin(), common.end(), key) == common.end() &&
           std::find(own.begin(), own.end(), key) == own.end())
         t.fail(key, "key '" + key + "' in a step of the kind '" + kind + "'",
-               "one of: " + listed(with(common, own)));
+               "one of: " + comma_separated(with(common, own)));
     scene.steps.push_back(read_step(kind, t, folder, scene.steps.size()));
     steps.add(t, "name", scene.steps.back().name);
   }
 }
 
-SequencePicture sequence_picture(const TomlTable& t, Names& files) {
+SequencePicture sequence_picture(const TomlTable& t, UniqueNames& files) {
   using Show = SequencePicture::Show;
   SequencePicture picture;
   picture.file = output_file(t, "file", files, {".png", ".gif"});
@@ -316,7 +320,7 @@ SequencePicture sequence_picture(const TomlTable& t, Names& files) {
   picture.show = t.choice("show", Show::Both,
                           {{"both", Show::Both}, {"before", Show::Before}, {"after", Show::After}});
   const bool animated = picture.file.ends_with(".gif");
-  picture.frames = t.whole_number("frames", 1, animated ? 0 : picture.frames);
+  picture.frames = t.integer("frames", 1, animated ? 0 : picture.frames);
   picture.together = t.boolean("together", false);
   if (picture.together && animated) t.fail("together", "an animation of frames together", "a .png");
   picture.mesh = t.boolean("mesh", false);
@@ -335,16 +339,16 @@ SequenceScene sequence_scene(const toml::table& root_table, const std::filesyste
   SequenceScene scene;
   scene.file = file;
   scene.name = root.text("name", file.stem().string());
-  scene.unit = unit_word(root, "unit");
+  scene.unit = read_unit(root, "unit");
   for (const TomlTable& t : root.table("sequence", kSourceKeys))
     scene.source = read_source(t, folder);
   if (scene.source.path.empty()) root.fail("", "no sequence", "[sequence] with file = …");
   scene.up = root.choice("up", 2, {{"x", 0}, {"y", 1}, {"z", 2}});
   read_proposals(root, scene.proposals);
   read_selections(root, folder, scene);
-  Names kept("name");
-  kept.read(root, "handle", {"name", "vertices", "parent"}, scene.handles, read_handle);
-  scene.features = read_features(root, kept);
+  UniqueNames taken("name");
+  taken.read(root, "handle", {"name", "vertices", "parent"}, scene.handles, read_handle);
+  scene.features = read_features(root, taken);
   read_steps(root, folder, scene);
   scene.frames_out = "frames/frame_*.obj";
   for (const TomlTable& t : root.table("output", {"frames", "frames_per_second"})) {
@@ -352,16 +356,16 @@ SequenceScene sequence_scene(const toml::table& root_table, const std::filesyste
     const std::filesystem::path path = scene.frames_out;
     if (path.is_absolute() || std::distance(path.begin(), path.end()) > 2 ||
         std::find(path.begin(), path.end(), "..") != path.end())
-      t.fail("frames", in_quotes(scene.frames_out),
+      t.fail("frames", quoted_excerpt(scene.frames_out),
              "a name in the output folder, or one folder and a name: frames/walk_*.obj");
     try {
       SequenceWriter::check_name(path);  // before the steps, which may take hours
     } catch (const InputError& e) {
-      throw InputError(scene.at(t.place("frames")) + e.what());
+      throw InputError(scene.at(t.location("frames")) + e.what());
     }
     scene.frames_per_second = t.positive("frames_per_second", scene.frames_per_second);
   }
-  Names files("file name");
+  UniqueNames files("file name");
   for (const TomlTable& t : root.tables("picture", {"file", "title", "show", "frames", "together",
                                                     "mesh", "view", "zoom", "seconds", "size"}))
     scene.pictures.push_back(sequence_picture(t, files));
@@ -370,8 +374,9 @@ SequenceScene sequence_scene(const toml::table& root_table, const std::filesyste
 
 }  // namespace
 
-bool edits_a_sequence(const std::filesystem::path& file) {
-  return parse_toml(input_bytes(file, "a scene (.toml)"), file, "a scene or edits of a sequence")
+bool is_sequence_scene(const std::filesystem::path& file) {
+  return parse_toml(read_input_file(file, "a scene (.toml)"), file,
+                    "a scene or edits of a sequence")
       .contains("sequence");
 }
 
@@ -381,7 +386,7 @@ SequenceScene parse_sequence_scene(const std::string& text, const std::filesyste
 }
 
 SequenceScene read_sequence_scene(const std::filesystem::path& file) {
-  return parse_sequence_scene(input_bytes(file, "edits of a sequence (.toml)"), file);
+  return parse_sequence_scene(read_input_file(file, "edits of a sequence (.toml)"), file);
 }
 
 }  // namespace batten

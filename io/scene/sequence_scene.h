@@ -13,9 +13,9 @@
 #include "batten/io/scene/scene_selections.h"
 #include "batten/io/sequences/sequence_files.h"
 #include "batten/mesh/sequence/fit_to_target.h"
-#include "batten/mesh/sequence/footprints.h"
+#include "batten/mesh/sequence/foot_contact.h"
+#include "batten/mesh/sequence/ground_path.h"
 #include "batten/mesh/sequence/morph.h"
-#include "batten/mesh/sequence/path.h"
 #include "batten/mesh/sequence/sequence_editor.h"
 
 namespace batten {
@@ -23,93 +23,94 @@ namespace batten {
 /// Frames of a file: [sequence], and further sequences in steps.
 struct SequenceSource {
   std::filesystem::path path;
-  FilePlace place;
+  SourceLocation location;
   SequenceOptions options;
 };
 
 /// [[handle]]: a part of the mesh that steps move; its name stands for its vertices.
 struct SequenceHandle {
   std::string name;
-  FilePlace place;
-  std::vector<PlacedWord> vertices;
-  PlacedWord parent;  ///< another handle that it hangs on, for filters; "": the whole mesh
+  SourceLocation location;
+  std::vector<LocatedString> vertices;
+  LocatedString parent;  ///< another handle that it hangs on, for filters; "": the whole mesh
 };
 
 /// A keyframe of a step: handles moved in one frame.
-struct KeyframeRule {
+struct KeyframeSpec {
   int frame = 1;  ///< counted from 1, as all frames in scenes are
-  FilePlace place;
+  SourceLocation location;
   struct Move {
-    PlacedWord handle;
+    LocatedString handle;
     Vec3 translate = Vec3::Zero(), axis = Vec3::UnitZ();
     double degrees = 0;
     std::optional<Vec3> about;  ///< centre of the turn; none: the handle's centroid in the frame
-    bool turns_freely = false;
+    bool free_rotation = false;
   };
   std::vector<Move> moves;
 };
 
 /// How feet that stay put are found.
-struct FootprintSearch {
-  double within = 0;  ///< model units; 0: a hundredth of the size
+struct FootContactSearch {
+  double max_spread = 0;  ///< model units; 0: a hundredth of the size
   int frames = 3;
 };
 
 /// One [[step]], which works on the result of the step before.
-struct SequenceStep {
+struct SequenceOperation {
   std::string name;
-  FilePlace place;
-  std::vector<PlacedWord> fixed;  ///< nodes that stay where each frame has them
+  SourceLocation location;
+  std::vector<LocatedString> fixed;  ///< nodes that stay where each frame has them
   SequenceEditOptions options;
-  std::optional<double> softness;
-  bool keeps_volume = false;
-  int every = 1;  ///< told frames: every so many one is a keyframe, the others follow
+  std::optional<double> penalty_weight;
+  bool preserve_volume = false;
+  int keyframe_interval = 1;  ///< told frames: every so many one is a keyframe, the others follow
 
   struct Keyframes {
-    std::vector<KeyframeRule> keys;
+    std::vector<KeyframeSpec> keys;
   };
-  struct Travel {
+  struct RootMotion {
     int cycles = 1;
     Vec3 along = Vec3::UnitX();
-    std::optional<double> speed;   ///< model units a frame; none: that of the foot that stands
-    std::vector<PlacedWord> feet;  ///< for that
+    std::optional<double> speed;      ///< model units a frame; none: that of the foot that stands
+    std::vector<LocatedString> feet;  ///< for that
   };
-  struct Footprints {
-    std::vector<PlacedWord> feet;
-    FootprintSearch search;
-    Vec3 shift = Vec3::Zero();
+  struct FootContacts {
+    std::vector<LocatedString> feet;
+    FootContactSearch search;
+    Vec3 translation = Vec3::Zero();
     std::filesystem::path terrain;  ///< a mesh; "": none
-    FilePlace terrain_place;
-    std::vector<PlacedWord> upright;  ///< handles that go with the mean of the feet and do not turn
+    SourceLocation terrain_location;
+    std::vector<LocatedString>
+        unrotated;                    ///< handles that go with the mean of the feet and do not turn
     std::optional<double> clearance;  ///< none: as high above the ground as before
     double ground = 0;                ///< height of the ground before, along up
-    bool turns = false;
+    bool rotations = false;
   };
   struct Path {
     std::vector<Vec3> through;
     int spans = 0;
     PathLengths lengths = PathLengths::Absolute;
-    std::vector<PlacedWord> feet;
-    std::vector<PlacedWord> upright;  ///< handles that stay on their way, whatever the feet do
-    FootprintSearch search;
+    std::vector<LocatedString> feet;
+    std::vector<LocatedString> unrotated;  ///< handles that stay on their way, whatever the feet do
+    FootContactSearch search;
   };
   struct Filter {
     enum class Kind { Low, High, Cartoon } kind = Kind::Cartoon;
-    std::vector<PlacedWord> handles;
+    std::vector<LocatedString> handles;
     double sigma = 2;  ///< frames
     double amount = 1;
-    std::vector<PlacedWord> feet;  ///< whose footprints stay as they are
-    FootprintSearch search;
+    std::vector<LocatedString> feet;  ///< whose footprints stay as they are
+    FootContactSearch search;
   };
   struct Mix {
     SequenceSource source;
-    std::vector<SelectRule> selections;  ///< on the mesh of the source
+    std::vector<SelectionSpec> selections;  ///< on the mesh of the source
     struct Pair {
-      PlacedWord handle;  ///< of this sequence
-      PlacedWord from;    ///< a selection of the source; "": nodes of the same numbers
+      LocatedString handle;  ///< of this sequence
+      LocatedString from;    ///< a selection of the source; "": nodes of the same numbers
     };
     std::vector<Pair> pairs;
-    bool turns = true;  ///< rotations carried along; false: places only
+    bool rotations = true;  ///< rotations carried along; false: places only
     /// How the source's trajectories are laid over those of the handles.
     enum class Align {
       All,   ///< by one similarity for all pairs, about up
@@ -126,7 +127,7 @@ struct SequenceStep {
     std::vector<Landmark> landmarks;  ///< none: the meshes have the same faces
     TargetFitOptions fit;
   };
-  std::variant<Keyframes, Travel, Footprints, Path, Filter, Mix, Morph> what;
+  std::variant<Keyframes, RootMotion, FootContacts, Path, Filter, Mix, Morph> what;
 };
 
 /// [[picture]]: some frames side by side, or all of them as an animation.
@@ -145,8 +146,8 @@ struct SequenceScene : SceneSelections {
   SequenceSource source;
   int up = 2;  ///< axis that points upwards, 0 (x) to 2 (z)
   std::vector<SequenceHandle> handles;
-  std::vector<FeatureRule> features;
-  std::vector<SequenceStep> steps;
+  std::vector<FeatureSpec> features;
+  std::vector<SequenceOperation> steps;
   std::string frames_out;         ///< path in the output folder, SequenceWriter's
   double frames_per_second = 24;  ///< of a .glb whose frames have numbers instead of times
   std::vector<SequencePicture> pictures;
@@ -156,7 +157,7 @@ struct SequenceScene : SceneSelections {
 
 /// Whether a scene edits a sequence: it has [sequence]. Throws InputError when the file cannot be
 /// read or is not TOML.
-bool edits_a_sequence(const std::filesystem::path& file);
+bool is_sequence_scene(const std::filesystem::path& file);
 
 /// Reads a sequence scene. Throws InputError: "FILE:LINE:COLUMN: found …, expected …; did you mean
 /// …?"

@@ -1,6 +1,6 @@
 // Results of CalculiX as frames: the skin of the model in each step.
 #include "batten/core/errors.h"
-#include "batten/core/index.h"
+#include "batten/core/isize.h"
 #include "batten/io/decks/frd_results.h"
 #include "batten/io/sequences/sequence_readers.h"
 
@@ -26,9 +26,9 @@ Skin skin_of(const FrdMesh& mesh, const std::string& name) {
   for (const FrdFace& face : faces)
     for (const int node : face.nodes) number[node] = 0;
   Skin skin;
-  for (int i = 0; i < count_of(number); ++i)
+  for (int i = 0; i < isize(number); ++i)
     if (number[i] == 0) {
-      number[i] = count_of(skin.nodes);
+      number[i] = isize(skin.nodes);
       skin.nodes.push_back(i);
     }
   for (FrdFace& face : faces) {
@@ -43,20 +43,20 @@ Skin skin_of(const FrdMesh& mesh, const std::string& name) {
 
 MeshSequence read_frd_sequence(const std::filesystem::path& path, const SequenceOptions& options,
                                const Progress& progress) {
-  progress.at("reading results", 0);
+  progress.update("reading results", 0);
   MeshSequence sequence;
   Skin skin;
   std::vector<double> values;
   read_frd_steps(path, [&](const FrdMesh& mesh, double value, const Points& displacements) {
     if (values.empty()) skin = skin_of(mesh, path.string());
-    progress.at("reading results", 0);
+    progress.update("reading results", 0);
     values.push_back(value);
-    const int k = count_of(values);
+    const int k = isize(values);
     if (k < options.first || (options.last > 0 && k > options.last)) return;
     sequence.frames.push_back(Points(mesh.points + displacements)(skin.nodes, Eigen::all));
   });
   sequence.shells = std::move(skin.shells);
-  const FrameRange range = frame_range(options, count_of(values), path.string());
+  const FrameRange range = frame_range(options, isize(values), path.string());
   bool ascend = true;
   for (size_t k = 1; k < values.size(); ++k) ascend = ascend && values[k] > values[k - 1];
   for (int k = range.first; k < range.first + range.count; ++k)

@@ -6,8 +6,8 @@
 #include <nlohmann/json.hpp>
 
 #include "batten/core/errors.h"
+#include "batten/io/files/byte_order.h"
 #include "batten/io/files/glb_file.h"
-#include "batten/io/files/number_bytes.h"
 
 namespace batten {
 
@@ -28,13 +28,13 @@ GlbWriter::GlbWriter(const std::filesystem::path& path, std::vector<std::array<i
                  (frames > 1 ? 4 * frames + 4 * frames * (frames - 1) : 0);
   const std::string longest_json = json(std::vector<Bounds>(frames, longest));
   json_room_ = longest_json.size() + 16 * frames * 6;
-  if (glb_head_size(json_room_) + binary_size_ > std::numeric_limits<std::uint32_t>::max())
+  if (glb_header_size(json_room_) + binary_size_ > std::numeric_limits<std::uint32_t>::max())
     throw InputError(path.string() + ": this file would have " +
                      std::to_string((json_room_ + binary_size_) >> 20) +
                      " MB, expected less than the 4096 MB of GLB: choose fewer frames");
-  std::string begin(glb_head_size(json_room_), ' ');
+  std::string begin(glb_header_size(json_room_), ' ');
   for (const auto& triangle : triangles)
-    for (const int node : triangle) append_unsigned(begin, static_cast<std::uint32_t>(node));
+    for (const int node : triangle) append_uint32(begin, static_cast<std::uint32_t>(node));
   put(begin);
 }
 
@@ -56,7 +56,7 @@ void GlbWriter::write(const Points& points) {
       const auto axis = static_cast<size_t>(c);
       bounds.low[axis] = std::min(bounds.low[axis], value);
       bounds.high[axis] = std::max(bounds.high[axis], value);
-      append_single(bytes, value);
+      append_float32(bytes, value);
     }
   bounds_.push_back(bounds);
   put(bytes);
@@ -65,16 +65,16 @@ void GlbWriter::write(const Points& points) {
 void GlbWriter::finish() {
   std::string bytes;
   if (times_.size() > 1) {
-    for (const double time : times_) append_single(bytes, static_cast<float>(time));
+    for (const double time : times_) append_float32(bytes, static_cast<float>(time));
     for (size_t k = 0; k < times_.size(); ++k)
       for (size_t target = 1; target < times_.size(); ++target)
-        append_single(bytes, target == k ? 1.f : 0.f);
+        append_float32(bytes, target == k ? 1.f : 0.f);
   }
   put(bytes);
   std::string text = json(bounds_);
   text.resize(json_room_, ' ');
   out_.seekp(0);
-  put(glb_head(std::move(text), binary_size_));
+  put(glb_header(std::move(text), binary_size_));
   out_.close();
   if (!out_) throw FileError(file_.path().string() + ": cannot write this file: writing failed");
   file_.commit();

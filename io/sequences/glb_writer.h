@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "batten/core/eigen.h"
-#include "batten/io/files/whole_file.h"
+#include "batten/io/files/atomic_file.h"
 
 namespace batten {
 
@@ -16,7 +16,7 @@ namespace batten {
 /// all frames in it, so room is left for it and it is written last.
 class GlbWriter {
  public:
-  /// Throws InputError when the file would be larger than 4 GB, what WholeFile throws.
+  /// Throws InputError when the file would be larger than 4 GB, what AtomicFile throws.
   GlbWriter(const std::filesystem::path& path, std::vector<std::array<int, 3>> triangles,
             int points, std::vector<double> times);
   /// Appends a frame. Throws InputError for a coordinate too large for single precision.
@@ -30,7 +30,7 @@ class GlbWriter {
   std::string json(const std::vector<Bounds>& bounds) const;
   void put(const std::string& bytes);
 
-  WholeFile file_;
+  AtomicFile file_;
   size_t triangles_;
   int points_;
   std::vector<double> times_;

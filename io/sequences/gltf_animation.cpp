@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "batten/core/errors.h"
-#include "batten/core/index.h"
+#include "batten/core/isize.h"
 #include "batten/io/files/toml_table.h"
 
 namespace batten {
@@ -17,7 +17,7 @@ Eigen::Quaterniond quaternion(const VecX& xyzw) {
 }
 
 Mat4 local(const GltfNode& node) {
-  if (node.by_matrix) return node.matrix;
+  if (node.uses_matrix) return node.matrix;
   Mat4 m = Mat4::Identity();
   m.topLeftCorner<3, 3>() = node.rotation.toRotationMatrix() * node.scale.asDiagonal();
   m.topRightCorner<3, 1>() = node.translation;
@@ -29,14 +29,14 @@ GltfNode read_node(const GltfDocument& document, int n) {
   GltfNode node;
   node.mesh = document.index(json, "mesh");
   node.skin = document.index(json, "skin");
-  node.by_matrix = json.contains("matrix");
+  node.uses_matrix = json.contains("matrix");
   const VecX matrix = document.numbers(json, "matrix", node.matrix.reshaped());
   node.matrix = matrix.reshaped(4, 4);
   node.translation = document.numbers(json, "translation", node.translation);
   node.scale = document.numbers(json, "scale", node.scale);
   node.rotation = quaternion(document.numbers(json, "rotation", node.rotation.coeffs()));
   if (json.contains("weights") && json["weights"].is_array())
-    node.weights = document.numbers(json, "weights", VecX::Zero(count_of(json["weights"])));
+    node.weights = document.numbers(json, "weights", VecX::Zero(isize(json["weights"])));
   return node;
 }
 
@@ -59,13 +59,13 @@ GltfNodes::GltfNodes(const GltfDocument& document) {
     if (nodes[n].parent < 0) order.push_back(n);
   for (size_t i = 0; i < order.size(); ++i)
     order.insert(order.end(), children[order[i]].begin(), children[order[i]].end());
-  if (count_of(order) < count) document.fail("found nodes that are their own ancestors");
+  if (isize(order) < count) document.fail("found nodes that are their own ancestors");
 }
 
 std::vector<int> GltfNodes::shown(const GltfDocument& document) const {
   std::vector<char> in(nodes.size(), document.count("scenes") == 0);
   if (document.count("scenes") > 0) {
-    const long scene = document.whole(document.root(), "scene", 0L);
+    const long scene = document.integer(document.root(), "scene", 0L);
     for (const int n : document.indices(document.item("scenes", scene), "nodes")) {
       document.item("nodes", n);
       in[n] = 1;
@@ -74,12 +74,12 @@ std::vector<int> GltfNodes::shown(const GltfDocument& document) const {
   for (const int n : order)
     if (nodes[n].parent >= 0 && in[nodes[n].parent]) in[n] = 1;
   std::vector<int> result;
-  for (int n = 0; n < count_of(nodes); ++n)
+  for (int n = 0; n < isize(nodes); ++n)
     if (in[n]) result.push_back(n);
   return result;
 }
 
-std::vector<Mat4> GltfNodes::places(const std::vector<GltfNode>& at) const {
+std::vector<Mat4> GltfNodes::world_transforms(const std::vector<GltfNode>& at) const {
   std::vector<Mat4> result(at.size());
   for (const int n : order)
     result[n] = at[n].parent < 0 ? local(at[n]) : Mat4(result[at[n].parent] * local(at[n]));
@@ -101,8 +101,9 @@ GltfAnimation::GltfAnimation(const GltfDocument& document, const std::string& na
       number >= 1 && number <= count)
     chosen = number - 1;
   if (chosen < 0)
-    document.fail("found no animation " + in_quotes(name) + ", expected " +
-                  (count == 0 ? "none, as the file has none" : "one of: " + listed(known)));
+    document.fail(
+        "found no animation " + quoted_excerpt(name) + ", expected " +
+        (count == 0 ? "none, as the file has none" : "one of: " + comma_separated(known)));
   if (count > 0) {
     const auto& animation = document.item("animations", chosen);
     const std::string what = "animation " + std::to_string(chosen + 1);
@@ -126,23 +127,23 @@ void GltfAnimation::add_channel(const GltfDocument& document, const GltfDocument
   channel.node = document.index(json["target"], "node");
   if (channel.node < 0) return;  // of an extension
   document.item("nodes", channel.node);
-  const long which = document.whole(json, "sampler", what);
+  const long which = document.integer(json, "sampler", what);
   const auto& samplers = animation["samplers"];
-  if (!samplers.is_array() || which < 0 || which >= count_of(samplers) ||
+  if (!samplers.is_array() || which < 0 || which >= isize(samplers) ||
       !samplers[static_cast<size_t>(which)].is_object())
     document.fail("found the sampler " + std::to_string(which) + " of " +
                   std::to_string(samplers.size()) + " in " + what);
   const auto& sampler = samplers[static_cast<size_t>(which)];
-  const std::string between = document.text(sampler, "interpolation", "LINEAR");
-  channel.between = between == "STEP"          ? Between::Step
-                    : between == "CUBICSPLINE" ? Between::Cubic
-                                               : Between::Linear;
-  const VecX times = document.accessor(document.whole(sampler, "input", what), 1).reshaped();
+  const std::string interpolation = document.text(sampler, "interpolation", "LINEAR");
+  channel.interpolation = interpolation == "STEP"          ? Interpolation::Step
+                          : interpolation == "CUBICSPLINE" ? Interpolation::Cubic
+                                                           : Interpolation::Linear;
+  const VecX times = document.accessor(document.integer(sampler, "input", what), 1).reshaped();
   channel.times.assign(times.begin(), times.end());
   for (size_t k = 0; k < channel.times.size(); ++k)
     if (!std::isfinite(times[static_cast<long>(k)]) ||
         (k > 0 && !(channel.times[k] > channel.times[k - 1])))
-      document.fail("found the time " + number(channel.times[k]) + " of key " +
+      document.fail("found the time " + format_number(channel.times[k]) + " of key " +
                     std::to_string(k + 1) + " in " + what + ", expected ascending ones");
   if (channel.times.empty()) document.fail("found a sampler without keys in " + what);
   if (path == "translation")
@@ -156,8 +157,9 @@ void GltfAnimation::add_channel(const GltfDocument& document, const GltfDocument
   else
     return;  // of an extension
   const int components = channel.path == Path::Rotation ? 4 : channel.path == Path::Weights ? 1 : 3;
-  channel.values = document.accessor(document.whole(sampler, "output", what), components);
-  const long rows = count_of(channel.times) * (channel.between == Between::Cubic ? 3L : 1L);
+  channel.values = document.accessor(document.integer(sampler, "output", what), components);
+  const long rows =
+      isize(channel.times) * (channel.interpolation == Interpolation::Cubic ? 3L : 1L);
   if (channel.path == Path::Weights) {
     // Weights of all targets follow one another.
     if (channel.values.rows() == 0 || channel.values.rows() % rows != 0)
@@ -175,16 +177,16 @@ void GltfAnimation::add_channel(const GltfDocument& document, const GltfDocument
 
 VecX GltfAnimation::value_at(const Channel& channel, double time) {
   const auto& times = channel.times;
-  const bool cubic = channel.between == Between::Cubic;
+  const bool cubic = channel.interpolation == Interpolation::Cubic;
   const auto row = [&](long key, int which) -> VecX {
     return channel.values.row(cubic ? 3 * key + which : key).transpose();
   };
-  const long last = count_of(times) - 1;
+  const long last = isize(times) - 1;
   const long after = std::upper_bound(times.begin(), times.end(), time) - times.begin();
   if (after == 0) return row(0, 1);
   if (after > last) return row(last, 1);
   const long k = after - 1;
-  if (channel.between == Between::Step) return row(k, 1);
+  if (channel.interpolation == Interpolation::Step) return row(k, 1);
   const double length = times[static_cast<size_t>(after)] - times[static_cast<size_t>(k)],
                s = (time - times[static_cast<size_t>(k)]) / length;
   if (cubic)
@@ -200,7 +202,7 @@ void GltfAnimation::apply(double time, std::vector<GltfNode>& nodes) const {
   for (const Channel& channel : channels_) {
     GltfNode& node = nodes[channel.node];
     const VecX value = value_at(channel, time);
-    if (channel.path != Path::Weights) node.by_matrix = false;
+    if (channel.path != Path::Weights) node.uses_matrix = false;
     if (channel.path == Path::Translation) node.translation = value;
     if (channel.path == Path::Rotation) node.rotation = quaternion(value);
     if (channel.path == Path::Scale) node.scale = value;

@@ -14,7 +14,7 @@ using Mat4 = Eigen::Matrix4d;
 /// A node as the file has it, or at one moment of an animation.
 struct GltfNode {
   int parent = -1, mesh = -1, skin = -1;
-  bool by_matrix = false;
+  bool uses_matrix = false;
   Mat4 matrix = Mat4::Identity();
   Vec3 translation = Vec3::Zero(), scale = Vec3::Ones();
   Eigen::Quaterniond rotation = Eigen::Quaterniond::Identity();
@@ -27,7 +27,7 @@ struct GltfNodes {
   /// The nodes of the scene that is shown first, ascending; all, where the file has no scene.
   std::vector<int> shown(const GltfDocument& document) const;
   /// The place of each node, for nodes at one moment.
-  std::vector<Mat4> places(const std::vector<GltfNode>& at) const;
+  std::vector<Mat4> world_transforms(const std::vector<GltfNode>& at) const;
 
   std::vector<GltfNode> nodes;
   std::vector<int> order;  ///< parents before children
@@ -47,11 +47,11 @@ class GltfAnimation {
 
  private:
   enum class Path { Translation, Rotation, Scale, Weights };
-  enum class Between { Linear, Step, Cubic };
+  enum class Interpolation { Linear, Step, Cubic };
   struct Channel {
     int node = 0;
     Path path = Path::Translation;
-    Between between = Between::Linear;
+    Interpolation interpolation = Interpolation::Linear;
     std::vector<double> times;
     MatX values;  // a row for each key; cubic: three, in-tangent, value, out-tangent
   };

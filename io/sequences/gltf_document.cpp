@@ -6,11 +6,11 @@
 #include <optional>
 
 #include "batten/core/errors.h"
-#include "batten/core/index.h"
+#include "batten/core/isize.h"
+#include "batten/io/files/byte_order.h"
 #include "batten/io/files/glb_file.h"
 #include "batten/io/files/input_file.h"
 #include "batten/io/files/nesting.h"
-#include "batten/io/files/number_bytes.h"
 #include "batten/io/files/toml_table.h"
 
 namespace batten {
@@ -55,7 +55,7 @@ double load_number(const char* bytes, long type, bool normalized) {
     case 5125:
       return load_unsigned<std::uint32_t>(bytes);
     default:
-      return load_single(bytes);
+      return load_float32(bytes);
   }
 }
 
@@ -122,18 +122,18 @@ bool harmless(const std::string& extension) {
 }  // namespace
 
 GltfDocument::GltfDocument(const std::filesystem::path& path) : path_(path) {
-  std::string bytes = input_bytes(path, "a glTF scene");
+  std::string bytes = read_input_file(path, "a glTF scene");
   if (bytes.size() >= 4 && load_unsigned<std::uint32_t>(bytes.data()) == kGlbMagic) {
     read_glb(bytes);
   } else {
-    require_shallow(bytes, path.string());
+    check_nesting_depth(bytes, path.string());
     root_ = Json::parse(bytes, nullptr, false);
   }
   if (!root_.is_object()) fail("found no glTF, expected JSON text or a GLB");
   const std::string version =
       root_.contains("asset") ? text(root_["asset"], "version", "") : std::string();
   if (!version.starts_with("2."))
-    fail("found version " + in_quotes(version) + " of glTF, expected 2.0");
+    fail("found version " + quoted_excerpt(version) + " of glTF, expected 2.0");
   require_extensions();
   read_buffers();
 }
@@ -155,7 +155,7 @@ void GltfDocument::read_glb(const std::string& bytes) {
     if (at == 12) {
       if (kind != kJsonChunk) fail("found another part of the GLB first, expected its JSON");
       const std::string_view json = std::string_view(bytes).substr(at + 8, length);
-      require_shallow(json, path_.string());
+      check_nesting_depth(json, path_.string());
       root_ = Json::parse(json, nullptr, false);
     } else if (kind == kBinaryChunk && !has_binary_) {
       binary_ = bytes.substr(at + 8, length);
@@ -178,7 +178,7 @@ void GltfDocument::read_buffers() {
   for (int b = 0; b < count("buffers"); ++b) {
     const std::string what = "buffer " + std::to_string(b);
     const Json& buffer = item("buffers", b);
-    const long length = whole(buffer, "byteLength", what);
+    const long length = integer(buffer, "byteLength", what);
     std::string bytes = !buffer.contains("uri") && b == 0 && has_binary_
                             ? std::move(binary_)
                             : buffer_bytes(buffer, what);
@@ -193,8 +193,8 @@ std::string GltfDocument::buffer_bytes(const Json& buffer, const std::string& wh
   const std::string uri = text(buffer, "uri", "");
   if (uri.empty()) fail("found no data for " + what + ", expected a uri");
   if (!uri.starts_with("data:"))
-    return input_bytes(path_.parent_path() / decoded_uri(uri), "the data of " + what,
-                       path_.string() + ": ");
+    return read_input_file(path_.parent_path() / decoded_uri(uri), "the data of " + what,
+                           path_.string() + ": ");
   const size_t comma = uri.find(',');
   const bool base64 = comma != uri.npos && uri.substr(0, comma).ends_with(";base64");
   auto bytes = base64 ? decoded_base64(std::string_view(uri).substr(comma + 1)) : std::nullopt;
@@ -206,7 +206,7 @@ int GltfDocument::count(const char* kind) const {
   const auto list = root_.find(kind);
   if (list == root_.end()) return 0;
   if (!list->is_array()) fail(std::string("found another kind of ") + kind + ", expected a list");
-  return count_of(*list);
+  return isize(*list);
 }
 
 const Json& GltfDocument::item(const char* kind, long index) const {
@@ -218,24 +218,24 @@ const Json& GltfDocument::item(const char* kind, long index) const {
   return found;
 }
 
-long GltfDocument::whole(const Json& object, const char* key, long fallback) const {
+long GltfDocument::integer(const Json& object, const char* key, long fallback) const {
   const auto found = object.find(key);
   if (found == object.end()) return fallback;
   // Some programs write 3.0.
   const double value = found->is_number() ? found->get<double>() : NAN;
   if (!(std::abs(value) < 1e15) || value != std::floor(value))
-    fail("found " + in_quotes(found->dump()) + " as " + key + ", expected a whole number");
+    fail("found " + quoted_excerpt(found->dump()) + " as " + key + ", expected a whole number");
   return static_cast<long>(value);
 }
 
-long GltfDocument::whole(const Json& object, const char* key, const std::string& what) const {
+long GltfDocument::integer(const Json& object, const char* key, const std::string& what) const {
   if (!object.is_object() || !object.contains(key))
     fail(std::string("found no ") + key + " in " + what + ", expected a whole number");
-  return whole(object, key, 0);
+  return integer(object, key, 0);
 }
 
 int GltfDocument::index(const Json& object, const char* key) const {
-  const long found = whole(object, key, -1L);
+  const long found = integer(object, key, -1L);
   if (found > kMostThings || (found < 0 && object.is_object() && object.contains(key)))
     fail("found " + std::to_string(found) + " as " + key + ", expected the number of a thing");
   return static_cast<int>(found);
@@ -245,14 +245,14 @@ VecX GltfDocument::numbers(const Json& object, const char* key, const VecX& fall
   const auto found = object.find(key);
   if (found == object.end()) return fallback;
   VecX values(fallback.size());
-  bool good = found->is_array() && count_of(*found) == values.size();
+  bool good = found->is_array() && isize(*found) == values.size();
   for (Eigen::Index i = 0; good && i < values.size(); ++i) {
     const Json& value = (*found)[static_cast<size_t>(i)];
     good = value.is_number() && std::isfinite(value.get<double>());
     if (good) values[i] = value.get<double>();
   }
   if (!good)
-    fail("found " + in_quotes(found->dump()) + " as " + key + ", expected " +
+    fail("found " + quoted_excerpt(found->dump()) + " as " + key + ", expected " +
          std::to_string(values.size()) + " numbers");
   return values;
 }
@@ -262,10 +262,11 @@ std::vector<int> GltfDocument::indices(const Json& object, const char* key) cons
   const auto found = object.find(key);
   if (found == object.end()) return result;
   if (!found->is_array())
-    fail("found " + in_quotes(found->dump()) + " as " + key + ", expected a list");
+    fail("found " + quoted_excerpt(found->dump()) + " as " + key + ", expected a list");
   for (const Json& index : *found) {
     if (!index.is_number_integer() || index.get<double>() < 0 || index.get<double>() > kMostThings)
-      fail("found " + in_quotes(index.dump()) + " in " + key + ", expected a number of a thing");
+      fail("found " + quoted_excerpt(index.dump()) + " in " + key +
+           ", expected a number of a thing");
     result.push_back(index.get<int>());
   }
   return result;
@@ -275,15 +276,15 @@ std::string GltfDocument::text(const Json& object, const char* key,
                                const std::string& fallback) const {
   if (!object.is_object() || !object.contains(key)) return fallback;
   if (!object[key].is_string())
-    fail("found " + in_quotes(object[key].dump()) + " as " + key + ", expected a text");
+    fail("found " + quoted_excerpt(object[key].dump()) + " as " + key + ", expected a text");
   return object[key].get<std::string>();
 }
 
 GltfDocument::Slice GltfDocument::view(long index) const {
   const std::string what = "buffer view " + std::to_string(index);
   const Json& view = item("bufferViews", index);
-  const long buffer = whole(view, "buffer", what), offset = whole(view, "byteOffset", 0L),
-             length = whole(view, "byteLength", what), stride = whole(view, "byteStride", 0L);
+  const long buffer = integer(view, "buffer", what), offset = integer(view, "byteOffset", 0L),
+             length = integer(view, "byteLength", what), stride = integer(view, "byteStride", 0L);
   item("buffers", buffer);
   const std::string& bytes = buffers_[static_cast<size_t>(buffer)];
   const auto size = static_cast<long>(bytes.size());
@@ -315,25 +316,26 @@ void GltfDocument::read_elements(const Slice& slice, size_t offset, long type, b
 void GltfDocument::read_sparse(const Json& sparse, long type, bool normalized, MatX& into,
                                const std::string& what) const {
   const std::string part = "the sparse part of " + what;
-  const long count = whole(sparse, "count", part);
+  const long count = integer(sparse, "count", part);
   if (count < 0 || count > into.rows() || !sparse.contains("indices") || !sparse.contains("values"))
     fail("found " + part + " with another count than 0 to " + std::to_string(into.rows()) +
          ", or without indices or values");
   const auto offset_in = [&](const Json& object) {
-    const long offset = whole(object, "byteOffset", 0L);
+    const long offset = integer(object, "byteOffset", 0L);
     if (offset < 0) fail("found a negative offset in " + part);
     return static_cast<size_t>(offset);
   };
   const Json &at = sparse["indices"], &with = sparse["values"];
-  const long index_type = whole(at, "componentType", part);
+  const long index_type = integer(at, "componentType", part);
   if (size_of_type(index_type) == 0) fail("found an unknown componentType in " + part);
   MatX rows(count, 1), values(count, into.cols());
-  read_elements(view(whole(at, "bufferView", part)), offset_in(at), index_type, false, rows, part);
-  read_elements(view(whole(with, "bufferView", part)), offset_in(with), type, normalized, values,
+  read_elements(view(integer(at, "bufferView", part)), offset_in(at), index_type, false, rows,
+                part);
+  read_elements(view(integer(with, "bufferView", part)), offset_in(with), type, normalized, values,
                 part);
   for (long i = 0; i < count; ++i) {
     if (!(rows(i, 0) >= 0 && rows(i, 0) < static_cast<double>(into.rows())))
-      fail("found the index " + number(rows(i, 0)) + " in " + part + ", expected 0 to " +
+      fail("found the index " + format_number(rows(i, 0)) + " in " + part + ", expected 0 to " +
            std::to_string(into.rows() - 1));
     into.row(static_cast<Eigen::Index>(rows(i, 0))) = values.row(i);
   }
@@ -342,11 +344,12 @@ void GltfDocument::read_sparse(const Json& sparse, long type, bool normalized, M
 MatX GltfDocument::accessor(long number, int components) const {
   const std::string what = "accessor " + std::to_string(number);
   const Json& accessor = item("accessors", number);
-  const long count = whole(accessor, "count", what), type = whole(accessor, "componentType", what),
-             offset = whole(accessor, "byteOffset", 0L);
+  const long count = integer(accessor, "count", what),
+             type = integer(accessor, "componentType", what),
+             offset = integer(accessor, "byteOffset", 0L);
   const std::string shape = text(accessor, "type", "");
   if (components_of(shape) != components)
-    fail("found " + in_quotes(shape) + " elements in " + what + ", expected " +
+    fail("found " + quoted_excerpt(shape) + " elements in " + what + ", expected " +
          std::to_string(components) + " numbers in each");
   if (size_of_type(type) == 0)
     fail("found the componentType " + std::to_string(type) + " in " + what +

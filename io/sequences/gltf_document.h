@@ -25,9 +25,9 @@ class GltfDocument {
   /// Thing `index` of a kind, an object.
   const Json& item(const char* kind, long index) const;
   /// The member `key` of an object as a whole number; `fallback` where it is missing.
-  long whole(const Json& object, const char* key, long fallback) const;
+  long integer(const Json& object, const char* key, long fallback) const;
   /// The same, which has to be there. `what` is said in messages: "accessor 3".
-  long whole(const Json& object, const char* key, const std::string& what) const;
+  long integer(const Json& object, const char* key, const std::string& what) const;
   /// The member `key` as the number of a thing; -1 where it is missing.
   int index(const Json& object, const char* key) const;
   /// The member `key` as a list of as many numbers as `fallback` has, or `fallback` where it is

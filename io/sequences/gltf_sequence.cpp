@@ -4,7 +4,7 @@
 #include <unordered_map>
 
 #include "batten/core/errors.h"
-#include "batten/core/index.h"
+#include "batten/core/isize.h"
 #include "batten/io/sequences/gltf_animation.h"
 #include "batten/io/sequences/gltf_surface.h"
 #include "batten/io/sequences/sequence_readers.h"
@@ -19,7 +19,7 @@ class Seams {
  public:
   explicit Seams(const Points& first) {
     const double size = (first.colwise().maxCoeff() - first.colwise().minCoeff()).norm();
-    within_ = kWeld * size;
+    within_ = kWeldTolerance * size;
     leader_.resize(static_cast<size_t>(first.rows()));
     std::unordered_multimap<std::size_t, int> cells;
     for (int v = 0; v < first.rows(); ++v) {
@@ -77,13 +77,14 @@ std::vector<double> sample_times(const std::vector<double>& keys, double rate,
                                  const GltfDocument& document) {
   if (rate == 0) return keys;
   if (!(rate > 0) || !std::isfinite(rate))
-    document.fail("found " + number(rate) + " frames a second, expected a rate above 0");
+    document.fail("found " + format_number(rate) + " frames a second, expected a rate above 0");
   // Times have single precision: a last frame that is missed by that is there.
   const double begin = keys.front(), end = keys.back(),
                count = std::floor((end - begin) * rate * (1 + 1e-6) + 1e-4) + 1;
   if (!(count <= kMostFrames))
-    document.fail("found an animation of " + number(end - begin) + " s, which has " +
-                  number(count) + " frames, expected " + number(kMostFrames) + " at most");
+    document.fail("found an animation of " + format_number(end - begin) + " s, which has " +
+                  format_number(count) + " frames, expected " + format_number(kMostFrames) +
+                  " at most");
   std::vector<double> times;
   for (int k = 0; k < static_cast<int>(count); ++k) times.push_back(begin + k / rate);
   return times;
@@ -93,14 +94,14 @@ std::vector<double> sample_times(const std::vector<double>& keys, double rate,
 
 MeshSequence read_gltf_sequence(const std::filesystem::path& path, const SequenceOptions& options,
                                 const Progress& progress) {
-  progress.at("reading the scene", 0);
+  progress.update("reading the scene", 0);
   const GltfDocument document(path);
   const GltfNodes nodes(document);
   const GltfSurface surface(document, nodes);
   const GltfAnimation animation(document, options.animation);
   const std::vector<double> times =
       sample_times(animation.keys(), options.frames_per_second, document);
-  const FrameRange range = frame_range(options, count_of(times), path.string());
+  const FrameRange range = frame_range(options, isize(times), path.string());
   const auto frame = [&](int k) {
     std::vector<GltfNode> moment = nodes.nodes;
     animation.apply(times[static_cast<size_t>(k)], moment);
@@ -114,14 +115,14 @@ MeshSequence read_gltf_sequence(const std::filesystem::path& path, const Sequenc
   std::vector<int> vertices, node_of(static_cast<size_t>(surface.vertex_count()));
   if (options.weld_seams) {
     Seams seams(frame(0));
-    for (int k = 1; k < count_of(times); ++k) {
-      progress.at("finding seams", static_cast<double>(k) / count_of(times));
+    for (int k = 1; k < isize(times); ++k) {
+      progress.update("finding seams", static_cast<double>(k) / isize(times));
       seams.see(frame(k));
     }
     for (int v = 0; v < surface.vertex_count(); ++v) {
       const int leader = seams.leader()[v];
       if (leader == v) vertices.push_back(v);
-      node_of[v] = leader == v ? count_of(vertices) - 1 : node_of[leader];
+      node_of[v] = leader == v ? isize(vertices) - 1 : node_of[leader];
     }
   } else {
     for (int v = 0; v < surface.vertex_count(); ++v) {
@@ -131,11 +132,11 @@ MeshSequence read_gltf_sequence(const std::filesystem::path& path, const Sequenc
   }
 
   MeshSequence sequence;
-  sequence.shells.points.resize(count_of(vertices), 3);
+  sequence.shells.points.resize(isize(vertices), 3);
   for (const auto& [a, b, c] : surface.triangles())
     sequence.shells.add_face(std::array<int, 3>{node_of[a], node_of[b], node_of[c]});
   for (int k = range.first; k < range.first + range.count; ++k) {
-    progress.at("reading frames", static_cast<double>(k - range.first) / range.count);
+    progress.update("reading frames", static_cast<double>(k - range.first) / range.count);
     sequence.frames.push_back(frame(k)(vertices, Eigen::all));
     sequence.times.push_back(times[static_cast<size_t>(k)]);
   }

@@ -2,7 +2,7 @@
 
 #include <array>
 
-#include "batten/core/index.h"
+#include "batten/core/isize.h"
 
 namespace batten {
 namespace {
@@ -51,11 +51,12 @@ const GltfSurface::Skin& GltfSurface::skin(int index) {
   for (const int joint : skin.joints) document_.item("nodes", joint);
   skin.inverse.assign(skin.joints.size(), Mat4::Identity());
   if (!json.contains("inverseBindMatrices")) return skin;
-  const MatX matrices = document_.accessor(document_.whole(json, "inverseBindMatrices", what), 16);
-  if (matrices.rows() < count_of(skin.joints))
+  const MatX matrices =
+      document_.accessor(document_.integer(json, "inverseBindMatrices", what), 16);
+  if (matrices.rows() < isize(skin.joints))
     document_.fail("found " + std::to_string(matrices.rows()) + " matrices in " + what +
                    ", expected " + std::to_string(skin.joints.size()) + " as it has joints");
-  for (int j = 0; j < count_of(skin.joints); ++j)
+  for (int j = 0; j < isize(skin.joints); ++j)
     skin.inverse[j] = matrices.row(j).transpose().reshaped(4, 4);
   return skin;
 }
@@ -70,7 +71,7 @@ void GltfSurface::add(int node) {
   part.skin = nodes_.nodes[node].skin;
   if (part.skin >= 0) skin(part.skin);
   if (mesh.contains("weights") && mesh["weights"].is_array())
-    part.weights = document_.numbers(mesh, "weights", VecX::Zero(count_of(mesh["weights"])));
+    part.weights = document_.numbers(mesh, "weights", VecX::Zero(isize(mesh["weights"])));
   int number = 0;
   for (const Json& primitive : mesh["primitives"])
     add_primitive(primitive, part,
@@ -79,7 +80,7 @@ void GltfSurface::add(int node) {
 
 void GltfSurface::add_primitive(const Json& primitive, Part part, const std::string& what) {
   if (!primitive.is_object()) document_.fail("found something else as " + what);
-  const long mode = document_.whole(primitive, "mode", kTriangles);
+  const long mode = document_.integer(primitive, "mode", kTriangles);
   if (mode < kTriangles || mode > kFan) return;  // points and lines
   const Json& attributes = member(primitive, "attributes");
   const long position = document_.index(attributes, "POSITION");
@@ -112,8 +113,8 @@ void GltfSurface::read_joints(const Json& attributes, Part& part, const std::str
   for (int set = 0;; ++set) {
     const std::string j = "JOINTS_" + std::to_string(set), w = "WEIGHTS_" + std::to_string(set);
     if (!attributes.contains(j) || !attributes.contains(w)) break;
-    const MatX joints = document_.accessor(document_.whole(attributes, j.c_str(), what), 4),
-               weights = document_.accessor(document_.whole(attributes, w.c_str(), what), 4);
+    const MatX joints = document_.accessor(document_.integer(attributes, j.c_str(), what), 4),
+               weights = document_.accessor(document_.integer(attributes, w.c_str(), what), 4);
     if (joints.rows() != part.base.rows() || weights.rows() != part.base.rows())
       document_.fail("found " + std::to_string(joints.rows()) + " joints and " +
                      std::to_string(weights.rows()) + " weights in " + what + ", expected " +
@@ -148,7 +149,7 @@ std::vector<std::array<int, 3>> GltfSurface::triangles_of(const Json& primitive,
                                                           const std::string& what) const {
   std::vector<int> corners;
   if (primitive.contains("indices")) {
-    const long accessor = document_.whole(primitive, "indices", what);
+    const long accessor = document_.integer(primitive, "indices", what);
     const MatX indices = document_.accessor(accessor, 1);
     for (Eigen::Index i = 0; i < indices.rows(); ++i) {
       if (!(indices(i, 0) >= 0 && indices(i, 0) < vertices))
@@ -160,7 +161,7 @@ std::vector<std::array<int, 3>> GltfSurface::triangles_of(const Json& primitive,
   } else {
     for (int i = 0; i < vertices; ++i) corners.push_back(i);
   }
-  const long mode = document_.whole(primitive, "mode", kTriangles);
+  const long mode = document_.integer(primitive, "mode", kTriangles);
   std::vector<std::array<int, 3>> triangles;
   for (size_t i = 2; i < corners.size(); i += mode == kTriangles ? 3 : 1) {
     if (mode == kFan)
@@ -174,19 +175,18 @@ std::vector<std::array<int, 3>> GltfSurface::triangles_of(const Json& primitive,
 }
 
 Points GltfSurface::at(const std::vector<GltfNode>& moment) const {
-  const std::vector<Mat4> places = nodes_.places(moment);
+  const std::vector<Mat4> world_transforms = nodes_.world_transforms(moment);
   Points result(vertex_count_, 3);
   for (const Part& part : parts_) {
     Points points = part.base;
     const VecX& weights =
         moment[part.node].weights.size() > 0 ? moment[part.node].weights : part.weights;
-    for (Eigen::Index t = 0; t < std::min<Eigen::Index>(weights.size(), count_of(part.targets));
-         ++t)
+    for (Eigen::Index t = 0; t < std::min<Eigen::Index>(weights.size(), isize(part.targets)); ++t)
       if (const long accessor = part.targets[t]; weights[t] != 0 && accessor >= 0)
         points += weights[t] * document_.accessor(accessor, 3);
     auto rows = result.middleRows(part.first, points.rows());
     if (part.skin < 0) {
-      const Mat4& m = places[part.node];
+      const Mat4& m = world_transforms[part.node];
       rows = (points * m.topLeftCorner<3, 3>().transpose()).rowwise() +
              m.topRightCorner<3, 1>().transpose();
       continue;
@@ -194,7 +194,7 @@ Points GltfSurface::at(const std::vector<GltfNode>& moment) const {
     const Skin& skin = skins_[static_cast<size_t>(part.skin)];
     std::vector<Mat4> joints;
     for (size_t j = 0; j < skin.joints.size(); ++j)
-      joints.push_back(places[skin.joints[j]] * skin.inverse[j]);
+      joints.push_back(world_transforms[skin.joints[j]] * skin.inverse[j]);
     for (Eigen::Index i = 0; i < points.rows(); ++i) {
       Mat4 sum = Mat4::Zero();
       for (Eigen::Index k = 0; k < part.joints.cols(); ++k)

@@ -6,7 +6,7 @@
 #include <numeric>
 
 #include "batten/core/errors.h"
-#include "batten/core/index.h"
+#include "batten/core/isize.h"
 #include "batten/io/files/text.h"
 #include "batten/io/files/toml_table.h"
 #include "batten/io/meshes/mesh_file.h"
@@ -22,8 +22,8 @@ std::optional<NumberedName> name_around(const fs::path& path) {
   const std::string stem = path.stem().string();
   const size_t last = stem.find_last_of(kDigits);
   if (last == stem.npos) return {};
-  const size_t before = stem.find_last_not_of(kDigits, last);
-  const size_t first = before == stem.npos ? 0 : before + 1;
+  const size_t prefix = stem.find_last_not_of(kDigits, last);
+  const size_t first = prefix == stem.npos ? 0 : prefix + 1;
   return NumberedName{path.parent_path(), stem.substr(0, first),
                       stem.substr(last + 1) + path.extension().string(),
                       static_cast<int>(last + 1 - first)};
@@ -61,7 +61,7 @@ std::vector<NumberedFile> files_of(const NumberedName& name) {
 NumberedName series_in(const fs::path& folder) {
   std::map<std::string, std::vector<NumberedName>> series;
   for (const fs::path& file : files_in(folder))
-    if (MeshFile::reads(file))
+    if (MeshFile::can_read(file))
       if (const auto name = name_around(file)) series[name->pattern()].push_back(*name);
   std::vector<std::string> found;
   for (const size_t least : {2, 1}) {
@@ -74,26 +74,26 @@ NumberedName series_in(const fs::path& folder) {
     throw InputError(folder.string() +
                      ": found no numbered mesh files in this folder, expected some");
   throw InputError(folder.string() + ": found " + std::to_string(found.size()) +
-                   " series of files, " + listed(found) + "; name one of them");
+                   " series of files, " + comma_separated(found) + "; name one of them");
 }
 
 }  // namespace
 
-std::string NumberedName::pattern() const { return (folder / (before + "*" + after)).string(); }
+std::string NumberedName::pattern() const { return (folder / (prefix + "*" + suffix)).string(); }
 
 fs::path NumberedName::file(long number) const {
   std::string text = std::to_string(number);
   if (text.size() < static_cast<size_t>(digits))
     text.insert(0, static_cast<size_t>(digits) - text.size(), '0');
-  return folder / (before + text + after);
+  return folder / (prefix + text + suffix);
 }
 
 std::optional<long> NumberedName::number_of(const std::string& file_name) const {
-  if (file_name.size() <= before.size() + after.size() || !file_name.starts_with(before) ||
-      !file_name.ends_with(after))
+  if (file_name.size() <= prefix.size() + suffix.size() || !file_name.starts_with(prefix) ||
+      !file_name.ends_with(suffix))
     return {};
-  const char* const first = file_name.data() + before.size();
-  const char* const last = file_name.data() + file_name.size() - after.size();
+  const char* const first = file_name.data() + prefix.size();
+  const char* const last = file_name.data() + file_name.size() - suffix.size();
   long number = 0;
   const auto [end, error] = std::from_chars(first, last, number);
   if (*first == '-' || end != last || error != std::errc()) return {};
@@ -118,8 +118,8 @@ std::optional<NumberedName> pattern_of(const fs::path& path) {
     result.digits = digits.empty() ? 1 : std::max(1, std::stoi(digits));
     ++end;
   }
-  result.after = name.substr(end);
-  if (result.after.find_first_of("*%") != std::string::npos) refuse("several places for a number");
+  result.suffix = name.substr(end);
+  if (result.suffix.find_first_of("*%") != std::string::npos) refuse("several places for a number");
   return result;
 }
 
@@ -129,7 +129,7 @@ std::vector<NumberedFile> numbered_files(const fs::path& path, std::string& name
   if (fs::is_directory(path, ignored)) {
     series = series_in(path);
   } else if (fs::exists(path, ignored) || !(series = pattern_of(path))) {
-    if (!MeshFile::reads(path))
+    if (!MeshFile::can_read(path))
       throw InputError(path.string() +
                        ": expected a folder, a pattern as walk_*.obj, a mesh file, .pvd, .pc2, "
                        ".mdd, .gltf, .glb or .frd");
@@ -158,13 +158,14 @@ void require_no_gaps(const std::vector<NumberedFile>& files, const std::string& 
       missing.push_back(std::to_string(n));
   }
   if (count == 0) return;
-  throw InputError(
-      name + ": found no file for " + (count == 1 ? "number " : "the numbers ") + listed(missing) +
-      (count > count_of(missing) ? " and " + std::to_string(count - count_of(missing)) + " more"
-                                 : std::string()) +
-      ", expected all from " + std::to_string(files.front().number) + " to " +
-      std::to_string(files.back().number) +
-      (stride > 1 ? " in steps of " + std::to_string(stride) : std::string()));
+  throw InputError(name + ": found no file for " + (count == 1 ? "number " : "the numbers ") +
+                   comma_separated(missing) +
+                   (count > isize(missing)
+                        ? " and " + std::to_string(count - isize(missing)) + " more"
+                        : std::string()) +
+                   ", expected all from " + std::to_string(files.front().number) + " to " +
+                   std::to_string(files.back().number) +
+                   (stride > 1 ? " in steps of " + std::to_string(stride) : std::string()));
 }
 
 }  // namespace batten

@@ -11,8 +11,8 @@ namespace batten {
 /// A file's name with a place for a number: "walk_*.obj", "walk_%04d.obj".
 struct NumberedName {
   std::filesystem::path folder;
-  std::string before, after;  ///< the name around the number
-  int digits = 1;             ///< at least so many, with zeros in front
+  std::string prefix, suffix;  ///< the name around the number
+  int digits = 1;              ///< at least so many, with zeros in front
 
   /// The name as a pattern, with its folder.
   std::string pattern() const;

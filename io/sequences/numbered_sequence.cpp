@@ -3,7 +3,7 @@
 #include <charconv>
 
 #include "batten/core/errors.h"
-#include "batten/core/index.h"
+#include "batten/core/isize.h"
 #include "batten/io/files/input_file.h"
 #include "batten/io/files/text.h"
 #include "batten/io/meshes/mesh_file.h"
@@ -32,9 +32,9 @@ void require_same(const MeshFile& mesh, const fs::path& file, const MeshFile& fi
                   const fs::path& first_file) {
   const ShellMesh &a = mesh.shells(), &b = first.shells();
   if (a.node_count() != b.node_count())
-    differs(file, counted(a.node_count(), "node"), first_file, std::to_string(b.node_count()));
+    differs(file, format_count(a.node_count(), "node"), first_file, std::to_string(b.node_count()));
   if (a.face_count() != b.face_count())
-    differs(file, counted(a.face_count(), "face"), first_file, std::to_string(b.face_count()));
+    differs(file, format_count(a.face_count(), "face"), first_file, std::to_string(b.face_count()));
   for (int f = 0; f < a.face_count(); ++f)
     if (!std::ranges::equal(a.face(f), b.face(f)) || a.second_order(f) != b.second_order(f))
       differs(
@@ -52,7 +52,7 @@ void require_same(const MeshFile& mesh, const fs::path& file, const MeshFile& fi
 Points points_by_corners(const ShellMesh& mesh, const fs::path& file, const ShellMesh& first,
                          const fs::path& first_file) {
   if (mesh.face_count() != first.face_count())
-    differs(file, counted(mesh.face_count(), "triangle"), first_file,
+    differs(file, format_count(mesh.face_count(), "triangle"), first_file,
             std::to_string(first.face_count()));
   Points points(first.node_count(), 3);
   std::vector<int> found(static_cast<size_t>(first.node_count()), -1);
@@ -60,18 +60,18 @@ Points points_by_corners(const ShellMesh& mesh, const fs::path& file, const Shel
   for (int f = 0; f < first.face_count(); ++f)
     for (size_t k = 0; k < 3; ++k) {
       const int node = first.face(f)[k];
-      const auto place = mesh.points.row(mesh.face(f)[k]);
+      const auto position = mesh.points.row(mesh.face(f)[k]);
       if (found[node] < 0) {
         found[node] = f;
-        points.row(node) = place;
+        points.row(node) = position;
         continue;
       }
-      const double apart = (points.row(node) - place).norm();
-      if (apart > kWeld * size)
+      const double apart = (points.row(node) - position).norm();
+      if (apart > kWeldTolerance * size)
         throw InputError(file.string() + ": node " + std::to_string(node) + " of the first file (" +
-                         first_file.filename().string() + ") lies at two places, " + number(apart) +
-                         " apart: at a corner of triangle " + std::to_string(found[node]) +
-                         " and of triangle " + std::to_string(f));
+                         first_file.filename().string() + ") lies at two places, " +
+                         format_number(apart) + " apart: at a corner of triangle " +
+                         std::to_string(found[node]) + " and of triangle " + std::to_string(f));
     }
   return points;
 }
@@ -92,13 +92,13 @@ struct TimedFile {
 MeshSequence read_files(const std::vector<TimedFile>& files, const FrameRange& range,
                         const Progress& progress) {
   MeshSequence sequence;
-  progress.at("reading frames", 0);
+  progress.update("reading frames", 0);
   const fs::path& first_file = files.front().path;
   const MeshFile first = MeshFile::read(first_file);
   sequence.shells = first.shells();
   const bool corners = lower_extension(first_file) == ".stl";
   for (int k = range.first; k < range.first + range.count; ++k) {
-    progress.at("reading frames", static_cast<double>(k - range.first) / range.count);
+    progress.update("reading frames", static_cast<double>(k - range.first) / range.count);
     const fs::path& file = files[k].path;
     const MeshFile mesh = k == 0 ? first : MeshFile::read(file);
     if (!corners) require_same(mesh, file, first, first_file);
@@ -114,7 +114,7 @@ MeshSequence read_files(const std::vector<TimedFile>& files, const FrameRange& r
 /// The value of an attribute in the text of a tag; empty without it.
 std::string attribute(std::string_view tag, const std::string& name) {
   for (size_t at = tag.find(name); at != tag.npos; at = tag.find(name, at + 1)) {
-    if (at == 0 || !(blank(tag[at - 1]) || tag[at - 1] == '\n')) continue;
+    if (at == 0 || !(is_blank(tag[at - 1]) || tag[at - 1] == '\n')) continue;
     std::string_view rest = trimmed(tag.substr(at + name.size()));
     if (!rest.starts_with('=')) continue;
     rest = trimmed(rest.substr(1));
@@ -143,7 +143,8 @@ std::string without_comments(std::string text) {
 }
 
 std::vector<TimedFile> files_of_pvd(const fs::path& path) {
-  const std::string text = without_comments(input_bytes(path, "ParaView's list of files (.pvd)"));
+  const std::string text =
+      without_comments(read_input_file(path, "ParaView's list of files (.pvd)"));
   const std::string name = path.string();
   if (text.find("<Collection") == text.npos)
     throw InputError(name + ": found no <Collection>, expected ParaView's list of files");
@@ -162,8 +163,8 @@ std::vector<TimedFile> files_of_pvd(const fs::path& path) {
       throw InputError(name + ": found the timestep '" + time + "' in " + which +
                        ", expected a number");
     if (!files.empty() && !(value > files.back().time))
-      throw InputError(name + ": found the timestep " + number(value) + " in " + which + " after " +
-                       number(files.back().time) +
+      throw InputError(name + ": found the timestep " + format_number(value) + " in " + which +
+                       " after " + format_number(files.back().time) +
                        ", expected ascending ones: of one part, one file a time");
     files.push_back({path.parent_path() / file, value});
   }
@@ -180,13 +181,13 @@ MeshSequence read_numbered_sequence(const fs::path& path, const SequenceOptions&
   std::vector<TimedFile> files;
   for (NumberedFile& file : numbered)
     files.push_back({std::move(file.path), static_cast<double>(file.number)});
-  return read_files(files, frame_range(options, count_of(files), name), progress);
+  return read_files(files, frame_range(options, isize(files), name), progress);
 }
 
 MeshSequence read_pvd_sequence(const fs::path& path, const SequenceOptions& options,
                                const Progress& progress) {
   const std::vector<TimedFile> files = files_of_pvd(path);
-  return read_files(files, frame_range(options, count_of(files), path.string()), progress);
+  return read_files(files, frame_range(options, isize(files), path.string()), progress);
 }
 
 }  // namespace batten

@@ -5,9 +5,9 @@
 #include <optional>
 
 #include "batten/core/errors.h"
-#include "batten/core/index.h"
+#include "batten/core/isize.h"
+#include "batten/io/files/byte_order.h"
 #include "batten/io/files/input_file.h"
-#include "batten/io/files/number_bytes.h"
 #include "batten/io/files/text.h"
 #include "batten/io/files/toml_table.h"
 #include "batten/io/meshes/mesh_file.h"
@@ -29,7 +29,7 @@ fs::path mesh_beside(const fs::path& cache) {
   const fs::path folder = cache.has_parent_path() ? cache.parent_path() : fs::path(".");
   for (fs::directory_iterator entry(folder, error), end; !error && entry != end;
        entry.increment(error))
-    if (MeshFile::reads(entry->path()))
+    if (MeshFile::can_read(entry->path()))
       meshes.push_back(cache.parent_path() / entry->path().filename());
   std::sort(meshes.begin(), meshes.end());
   for (const fs::path& mesh : meshes)
@@ -43,7 +43,7 @@ fs::path mesh_beside(const fs::path& cache) {
     }
   if (first) return first->path;
   if (meshes.size() == 1) return meshes.front();
-  throw InputError(cache.string() + ": found " + counted(count_of(meshes), "mesh file") +
+  throw InputError(cache.string() + ": found " + format_count(isize(meshes), "mesh file") +
                    " beside this point cache and none named " + stem +
                    ", expected a mesh with its faces");
 }
@@ -72,31 +72,31 @@ void require_size(const fs::path& path, const CacheHeader& header, std::uintmax_
   if (size != expected || static_cast<std::uintmax_t>(header.points) > size ||
       static_cast<std::uintmax_t>(header.frames) > size)
     throw InputError(path.string() + ": found " + std::to_string(size) + " bytes, expected " +
-                     std::to_string(expected) + " for " + counted(header.frames, "frame") + " of " +
-                     counted(header.points, "point"));
+                     std::to_string(expected) + " for " + format_count(header.frames, "frame") +
+                     " of " + format_count(header.points, "point"));
 }
 
 CacheHeader read_pc2_header(const fs::path& path, std::ifstream& in, std::uintmax_t size) {
   const std::string bytes = head_of(in, 32);
   if (!std::string_view(bytes).starts_with(kMagic.substr(0, std::min<size_t>(12, bytes.size()))) ||
       bytes.empty())
-    throw InputError(path.string() + ": found " + in_quotes(bytes.substr(0, 12)) +
+    throw InputError(path.string() + ": found " + quoted_excerpt(bytes.substr(0, 12)) +
                      ", expected 'POINTCACHE2'");
   if (bytes.size() < 32)
     throw InputError(path.string() + ": found " + std::to_string(bytes.size()) +
                      " bytes, expected 32 of a header and the frames");
-  const auto whole = [&](size_t at) {
+  const auto integer = [&](size_t at) {
     return static_cast<long>(static_cast<std::int32_t>(load_unsigned<std::uint32_t>(&bytes[at])));
   };
-  if (whole(12) != 1)
-    throw InputError(path.string() + ": found version " + std::to_string(whole(12)) +
+  if (integer(12) != 1)
+    throw InputError(path.string() + ": found version " + std::to_string(integer(12)) +
                      " of POINTCACHE2, expected 1");
-  CacheHeader header{whole(16), whole(28), {}, 32};
+  CacheHeader header{integer(16), integer(28), {}, 32};
   require_size(path, header, size);
-  const double start = load_single(&bytes[20]), rate = load_single(&bytes[24]);
+  const double start = load_float32(&bytes[20]), rate = load_float32(&bytes[24]);
   if (!std::isfinite(start) || !std::isfinite(rate) || (header.frames > 1 && !(rate > 0)))
-    throw InputError(path.string() + ": found the start " + number(start) + " and the rate " +
-                     number(rate) + ", expected a rate above 0");
+    throw InputError(path.string() + ": found the start " + format_number(start) +
+                     " and the rate " + format_number(rate) + ", expected a rate above 0");
   for (long k = 0; k < header.frames; ++k)
     header.times.push_back(start + static_cast<double>(k) * rate);
   return header;
@@ -107,41 +107,42 @@ CacheHeader read_mdd_header(const fs::path& path, std::ifstream& in, std::uintma
   if (bytes.size() < 8)
     throw InputError(path.string() + ": found " + std::to_string(bytes.size()) +
                      " bytes, expected 8 of a header, times and frames");
-  const auto whole = [&](size_t at) {
+  const auto integer = [&](size_t at) {
     return static_cast<long>(
         static_cast<std::int32_t>(load_unsigned<std::uint32_t>(&bytes[at], true)));
   };
-  CacheHeader header{whole(4), whole(0), {}, 0};
+  CacheHeader header{integer(4), integer(0), {}, 0};
   header.first_byte = 8 + 4 * static_cast<std::uintmax_t>(std::max(header.frames, 0L));
   require_size(path, header, size);
   bytes = head_of(in, static_cast<size_t>(header.frames) * 4);
   if (bytes.size() < static_cast<size_t>(header.frames) * 4)
     throw InputError(path.string() + ": the times of the frames cannot be read");
   for (long k = 0; k < header.frames; ++k)
-    header.times.push_back(load_single(&bytes[static_cast<size_t>(4 * k)], true));
+    header.times.push_back(load_float32(&bytes[static_cast<size_t>(4 * k)], true));
   return header;
 }
 
 MeshSequence read_cache(const fs::path& path, PointCacheFormat format,
                         const SequenceOptions& options, const Progress& progress) {
   require_input_file(path, "a point cache");
-  progress.at("reading frames", 0);
+  progress.update("reading frames", 0);
   std::ifstream in(path, std::ios::binary);
-  const bool big = format == PointCacheFormat::Mdd;
-  const CacheHeader header = (big ? read_mdd_header : read_pc2_header)(path, in, input_size(path));
+  const bool big_endian = format == PointCacheFormat::Mdd;
+  const CacheHeader header =
+      (big_endian ? read_mdd_header : read_pc2_header)(path, in, input_file_size(path));
   const FrameRange range = frame_range(options, header.frames, path.string());
   const fs::path mesh = options.mesh.empty() ? mesh_beside(path) : options.mesh;
   MeshSequence sequence;
   sequence.shells = MeshFile::read(mesh).shells();
   if (sequence.node_count() != header.points)
-    throw InputError(path.string() + ": found " + counted(header.points, "point") +
+    throw InputError(path.string() + ": found " + format_count(header.points, "point") +
                      " in each frame, expected " + std::to_string(sequence.node_count()) +
                      " as the mesh " + mesh.string() + " has nodes");
   const size_t bytes_a_frame = static_cast<size_t>(header.points) * 12;
   in.seekg(static_cast<std::streamoff>(header.first_byte +
                                        static_cast<std::uintmax_t>(range.first) * bytes_a_frame));
   for (int k = 0; k < range.count; ++k) {
-    progress.at("reading frames", static_cast<double>(k) / range.count);
+    progress.update("reading frames", static_cast<double>(k) / range.count);
     const std::string bytes = head_of(in, bytes_a_frame);
     if (bytes.size() < bytes_a_frame)
       throw InputError(path.string() + ": frame " + std::to_string(range.first + k + 1) +
@@ -149,7 +150,7 @@ MeshSequence read_cache(const fs::path& path, PointCacheFormat format,
     Points& points = sequence.frames.emplace_back(header.points, 3);
     for (Eigen::Index i = 0; i < points.rows(); ++i)
       for (Eigen::Index c = 0; c < 3; ++c)
-        points(i, c) = load_single(&bytes[static_cast<size_t>(12 * i + 4 * c)], big);
+        points(i, c) = load_float32(&bytes[static_cast<size_t>(12 * i + 4 * c)], big_endian);
     for (Eigen::Index i = 0; i < points.rows(); ++i)
       if (!points.row(i).allFinite())
         throw InputError(path.string() + ": frame " + std::to_string(range.first + k + 1) +
@@ -176,29 +177,29 @@ PointCacheWriter::PointCacheWriter(const fs::path& path, PointCacheFormat format
     : file_(path), format_(format), out_(file_.temporary(), std::ios::binary) {
   const auto frames = static_cast<std::uint32_t>(times.size());
   if (format == PointCacheFormat::Mdd) {
-    append_unsigned(bytes_, frames, true);
-    append_unsigned(bytes_, static_cast<std::uint32_t>(points), true);
-    for (const double time : times) append_single(bytes_, static_cast<float>(time), true);
+    append_uint32(bytes_, frames, true);
+    append_uint32(bytes_, static_cast<std::uint32_t>(points), true);
+    for (const double time : times) append_float32(bytes_, static_cast<float>(time), true);
   } else {
     const double rate =
         frames < 2 ? 1 : (times.back() - times.front()) / static_cast<double>(frames - 1);
     for (size_t k = 0; k < times.size(); ++k)
       if (std::abs(times[k] - (times.front() + static_cast<double>(k) * rate)) > 1e-3 * rate)
-        throw InputError(path.string() + ": found the time " + number(times[k]) + " of frame " +
-                         std::to_string(k + 1) +
+        throw InputError(path.string() + ": found the time " + format_number(times[k]) +
+                         " of frame " + std::to_string(k + 1) +
                          ", expected evenly spaced times, as PC2 has no others (MDD has)");
     bytes_ = kMagic;
-    append_unsigned(bytes_, 1);
-    append_unsigned(bytes_, static_cast<std::uint32_t>(points));
-    append_single(bytes_, static_cast<float>(times.front()));
-    append_single(bytes_, static_cast<float>(rate));
-    append_unsigned(bytes_, frames);
+    append_uint32(bytes_, 1);
+    append_uint32(bytes_, static_cast<std::uint32_t>(points));
+    append_float32(bytes_, static_cast<float>(times.front()));
+    append_float32(bytes_, static_cast<float>(rate));
+    append_uint32(bytes_, frames);
   }
   out_ << bytes_;
 }
 
 void PointCacheWriter::write(const Points& points) {
-  const bool big = format_ == PointCacheFormat::Mdd;
+  const bool big_endian = format_ == PointCacheFormat::Mdd;
   bytes_.clear();
   for (Eigen::Index i = 0; i < points.rows(); ++i)
     for (Eigen::Index c = 0; c < 3; ++c) {
@@ -206,7 +207,7 @@ void PointCacheWriter::write(const Points& points) {
       if (!std::isfinite(value))
         throw InputError(file_.path().string() + ": a coordinate of node " + std::to_string(i) +
                          " is too large for single precision");
-      append_single(bytes_, value, big);
+      append_float32(bytes_, value, big_endian);
     }
   out_ << bytes_;
   if (!out_) throw FileError(file_.path().string() + ": cannot write this file: writing failed");

@@ -11,13 +11,13 @@
 #include <vector>
 
 #include "batten/core/eigen.h"
-#include "batten/io/files/whole_file.h"
+#include "batten/io/files/atomic_file.h"
 
 namespace batten {
 
 enum class PointCacheFormat { Pc2, Mdd };
 
-/// Writes a point cache frame by frame. Throws FileError as WholeFile does.
+/// Writes a point cache frame by frame. Throws FileError as AtomicFile does.
 class PointCacheWriter {
  public:
   /// Throws InputError for times that are not evenly spaced in a PC2.
@@ -29,7 +29,7 @@ class PointCacheWriter {
   void finish();
 
  private:
-  WholeFile file_;
+  AtomicFile file_;
   PointCacheFormat format_;
   std::ofstream out_;
   std::string bytes_;  // of one frame

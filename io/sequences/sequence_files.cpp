@@ -11,7 +11,7 @@ namespace batten {
 FrameRange frame_range(const SequenceOptions& options, long all, const std::string& name) {
   const long last = options.last == 0 ? all : options.last;
   if (options.first < 1 || last < options.first || last > all)
-    throw InputError(name + ": found " + counted(all, "frame") + ", expected frames " +
+    throw InputError(name + ": found " + format_count(all, "frame") + ", expected frames " +
                      std::to_string(options.first) + " to " +
                      (options.last == 0 ? "the end" : std::to_string(last)));
   return {options.first - 1, static_cast<int>(last - options.first + 1)};

@@ -20,7 +20,7 @@ struct FrameRange {
 FrameRange frame_range(const SequenceOptions& options, long all, const std::string& name);
 
 /// Points of a frame are one vertex where they lie this near to each other, over the size.
-inline constexpr double kWeld = 1e-6;
+inline constexpr double kWeldTolerance = 1e-6;
 
 using SequenceReader = MeshSequence(const std::filesystem::path&, const SequenceOptions&,
                                     const Progress&);

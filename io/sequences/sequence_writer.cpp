@@ -7,9 +7,9 @@
 #include <stdexcept>
 
 #include "batten/core/errors.h"
-#include "batten/core/index.h"
+#include "batten/core/isize.h"
+#include "batten/io/files/atomic_file.h"
 #include "batten/io/files/text.h"
-#include "batten/io/files/whole_file.h"
 #include "batten/io/meshes/mesh_content.h"
 #include "batten/io/meshes/mesh_file.h"
 #include "batten/io/sequences/glb_writer.h"
@@ -25,12 +25,12 @@ constexpr double kLargestNumber = 999999;
 
 /// The numbers of the files: the times, or 1, 2, …
 std::vector<long> numbers_of(const std::vector<double>& times) {
-  const bool whole = std::ranges::all_of(times, [](double time) {
+  const bool integer = std::ranges::all_of(times, [](double time) {
     return time >= 0 && time <= kLargestNumber && time == std::floor(time);
   });
   std::vector<long> numbers;
   for (const double time : times)
-    numbers.push_back(whole ? static_cast<long>(time) : count_of(numbers) + 1);
+    numbers.push_back(integer ? static_cast<long>(time) : isize(numbers) + 1);
   return numbers;
 }
 
@@ -45,8 +45,8 @@ void require_times(const fs::path& path, const std::vector<double>& times) {
   if (times.empty()) throw InputError(path.string() + ": found no frames, expected some");
   for (size_t k = 0; k < times.size(); ++k)
     if (!std::isfinite(times[k]) || (k > 0 && !(times[k] > times[k - 1])))
-      throw InputError(path.string() + ": found the time " + number(times[k]) + " of frame " +
-                       std::to_string(k + 1) + ", expected ascending ones");
+      throw InputError(path.string() + ": found the time " + format_number(times[k]) +
+                       " of frame " + std::to_string(k + 1) + ", expected ascending ones");
 }
 
 /// Makes one folder; the one above it has to be there.
@@ -65,7 +65,7 @@ class SequenceWriter::Output {
       : shells(shells), times(std::move(times)) {}
   virtual ~Output() = default;
   virtual fs::path file(int frame) const = 0;
-  virtual bool have(int) const { return false; }
+  virtual bool has(int) const { return false; }
   virtual bool has_a_file_for_each() const { return false; }
   virtual void write(int frame, const Points& points) = 0;
   virtual void finish() {}
@@ -93,7 +93,7 @@ class SequenceWriter::Numbered : public Output {
   fs::path file(int frame) const override {
     return name_.file(numbers_.at(static_cast<size_t>(frame)));
   }
-  bool have(int frame) const override {
+  bool has(int frame) const override {
     std::error_code ignored;
     return fs::is_regular_file(file(frame), ignored);
   }
@@ -105,14 +105,14 @@ class SequenceWriter::Numbered : public Output {
   void finish() override {
     if (!pvd_) return;
     std::vector<SeriesFile> series;
-    for (int k = 0; k < count_of(times); ++k)
+    for (int k = 0; k < isize(times); ++k)
       series.push_back(
           {times[static_cast<size_t>(k)], (name_.folder.filename() / file(k).filename()).string()});
     write_pvd(*pvd_, series);
   }
   std::vector<fs::path> files() const override {
     std::vector<fs::path> all;
-    for (int k = 0; k < count_of(times); ++k) all.push_back(file(k));
+    for (int k = 0; k < isize(times); ++k) all.push_back(file(k));
     if (pvd_) all.push_back(*pvd_);
     return all;
   }
@@ -217,9 +217,9 @@ SequenceWriter::SequenceWriter(const fs::path& path, const ShellMesh& shells,
 
 SequenceWriter::~SequenceWriter() = default;
 
-int SequenceWriter::frame_count() const { return count_of(output_->times); }
+int SequenceWriter::frame_count() const { return isize(output_->times); }
 fs::path SequenceWriter::file(int frame) const { return output_->file(frame); }
-bool SequenceWriter::have(int frame) const { return output_->have(frame); }
+bool SequenceWriter::has(int frame) const { return output_->has(frame); }
 std::vector<fs::path> SequenceWriter::files() const { return output_->files(); }
 
 void SequenceWriter::write(int frame, const Points& points) {
@@ -231,7 +231,7 @@ void SequenceWriter::write(int frame, const Points& points) {
       throw std::logic_error("SequenceWriter: frame " + std::to_string(next_) + " is left out");
   const std::string name = file(frame).string();
   if (points.rows() != output_->shells.node_count())
-    throw InputError(name + ": found " + counted(points.rows(), "point") + ", expected " +
+    throw InputError(name + ": found " + format_count(points.rows(), "point") + ", expected " +
                      std::to_string(output_->shells.node_count()));
   for (int i = 0; i < points.rows(); ++i)
     if (!points.row(i).allFinite())
@@ -243,7 +243,7 @@ void SequenceWriter::write(int frame, const Points& points) {
 
 void SequenceWriter::finish() {
   for (int k = output_->has_a_file_for_each() ? 0 : next_; k < frame_count(); ++k)
-    if (!have(k))
+    if (!has(k))
       throw std::logic_error("SequenceWriter: frame " + std::to_string(k) + " is missing");
   output_->finish();
 }

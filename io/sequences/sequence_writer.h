@@ -33,7 +33,7 @@ class SequenceWriter {
   static void check_name(const std::filesystem::path& path);
   /// Nothing is written yet, except the head of a temporary file. `times` has one for each frame,
   /// ascending. Throws InputError: no times, times that do not ascend, a name that check_name refuses,
-  /// PC2 with uneven times, a GLB above 4 GB; what WholeFile throws.
+  /// PC2 with uneven times, a GLB above 4 GB; what AtomicFile throws.
   SequenceWriter(const std::filesystem::path& path, const ShellMesh& shells,
                  std::vector<double> times);
   ~SequenceWriter();
@@ -46,11 +46,11 @@ class SequenceWriter {
   /// Whether this frame needs no write(): its numbered file is there. A run that was stopped goes on
   /// by passing over these. Never in single files. It is for the caller to know that the file is of
   /// the same run.
-  bool have(int frame) const;
+  bool has(int frame) const;
   /// Writes a frame (n×3). Frames come in ascending order; of numbered files some may be left out
   /// until finish(), as where several runs share the work.
   /// Throws InputError: another number of points, a coordinate that is not finite or too large for
-  /// the format, what WholeFile throws. Throws std::logic_error for frames in another order.
+  /// the format, what AtomicFile throws. Throws std::logic_error for frames in another order.
   void write(int frame, const Points& points);
   /// Ends the file, or writes the list of files. Throws std::logic_error while frames are missing.
   void finish();

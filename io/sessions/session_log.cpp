@@ -3,11 +3,11 @@
 #include <optional>
 #include <sstream>
 
+#include "batten/io/files/atomic_file.h"
 #include "batten/io/files/input_file.h"
 #include "batten/io/files/nesting.h"
-#include "batten/io/files/whole_file.h"
-#include "batten/io/scene/scene_words.h"
-#include "batten/io/sessions/session_log_parts.h"
+#include "batten/io/scene/scene_parsing.h"
+#include "batten/io/sessions/session_log_entities.h"
 
 namespace batten {
 namespace {
@@ -40,9 +40,9 @@ LogJson json_of(const Operation::Edit& edit) {
             if (const auto* brush = std::get_if<Refinement::Brush>(&r.where))
               json["strokes"] = json_of(brush->strokes);
             else
-              json["share"] = json_number(std::get<Refinement::Jumps>(r.where).share);
+              json["share"] = json_number(std::get<Refinement::JumpIndicator>(r.where).fraction);
             json["smallest"] = json_number(r.smallest);
-            json["most_triangles"] = r.most_triangles;
+            json["most_triangles"] = r.max_triangles;
             return json;
           },
           [](const Motion& m) {
@@ -55,11 +55,11 @@ LogJson json_of(const Operation::Edit& edit) {
           [](const Operation::AddParameter& add) {
             return LogJson{{"do", "add_parameter"}, {"parameter", json_of(add.parameter)}};
           },
-          [](const Operation::Drive& drive) {
+          [](const Operation::SetRule& set_rule) {
             return LogJson{{"do", "drive"},
-                           {"name", drive.parameter},
-                           {"follows", json_of(drive.follows)},
-                           {"offset", json_number(drive.offset)}};
+                           {"name", set_rule.parameter},
+                           {"follows", json_of(set_rule.rule_terms)},
+                           {"offset", json_number(set_rule.offset)}};
           }},
       edit);
 }
@@ -70,17 +70,17 @@ LogJson json_of(const Operation& operation) {
     case Kind::Set:
       return {
           {"do", "set"}, {"parameter", operation.index}, {"value", json_number(operation.value)}};
-    case Kind::Answer:
+    case Kind::SolvePreview:
       return {{"do", "answer"},
               {"iterations", operation.index},
               {"tolerance", json_number(operation.value)}};
     case Kind::Time:
       return {{"do", "time"}, {"value", json_number(operation.value)}};
-    case Kind::Settle:
+    case Kind::SolveToEquilibrium:
       return {{"do", "settle"}};
     case Kind::Step:
       return {{"do", "step"}};
-    case Kind::Rest:
+    case Kind::StopMotion:
       return {{"do", "rest"}};
     case Kind::Undo:
       return {{"do", "undo"}};
@@ -105,7 +105,7 @@ struct OperationObject {
 };
 
 /// Reads "do", whatever other keys there are.
-std::string word_of(const OperationObject& operation) {
+std::string operation_name(const OperationObject& operation) {
   if (!operation.json.is_object() || !operation.json.contains("do"))
     throw InputError(operation.where + "found no \"do\", expected {\"do\": …}");
   std::vector<std::string> all;
@@ -114,22 +114,23 @@ std::string word_of(const OperationObject& operation) {
 }
 
 /// Reads what edits nothing: numbers, settling, steps, undo. None if `word` is not one of these.
-std::optional<Operation> plain_operation_of(const std::string& word,
-                                            const OperationObject& operation) {
+std::optional<Operation> simple_operation_of(const std::string& word,
+                                             const OperationObject& operation) {
   using Kind = Operation::Kind;
   if (word == "set") {
     const LogObject o = operation.with({"parameter", "value"});
-    return Operation{Kind::Set, o.whole("parameter", 0), o.number("value"), nullptr};
+    return Operation{Kind::Set, o.integer("parameter", 0), o.number("value"), nullptr};
   }
   if (word == "answer") {
     const LogObject o = operation.with({"iterations", "tolerance"});
-    return Operation{Kind::Answer, o.whole("iterations", 0), o.number("tolerance"), nullptr};
+    return Operation{Kind::SolvePreview, o.integer("iterations", 0), o.number("tolerance"),
+                     nullptr};
   }
   if (word == "time")
     return Operation{Kind::Time, 0, operation.with({"value"}).number("value"), nullptr};
-  for (const auto& [kind, name] : {std::pair{Kind::Settle, "settle"},
+  for (const auto& [kind, name] : {std::pair{Kind::SolveToEquilibrium, "settle"},
                                    {Kind::Step, "step"},
-                                   {Kind::Rest, "rest"},
+                                   {Kind::StopMotion, "rest"},
                                    {Kind::Undo, "undo"},
                                    {Kind::Redo, "redo"}})
     if (word == name) {
@@ -151,7 +152,7 @@ Operation::Add addition_of(const OperationObject& operation) {
     if (o.has("constraint")) return constraint_of(o);
     if (o.has("move")) return move_of(o);
     if (o.has("line")) return line_of(o);
-    o.fail("nothing to add", "one of: " + listed(kinds));
+    o.fail("nothing to add", "one of: " + comma_separated(kinds));
   };
   return {what(), parameters_of(o)};
 }
@@ -163,9 +164,9 @@ Refinement refinement_of(const OperationObject& operation) {
   if (o.has("strokes"))
     refinement.where = Refinement::Brush{strokes_of(o, "strokes")};
   else
-    refinement.where = Refinement::Jumps{o.number("share")};
+    refinement.where = Refinement::JumpIndicator{o.number("share")};
   refinement.smallest = o.number("smallest");
-  refinement.most_triangles = o.whole("most_triangles", 1);
+  refinement.max_triangles = o.integer("most_triangles", 1);
   return refinement;
 }
 
@@ -187,7 +188,7 @@ std::optional<Operation::Edit> edit_of(const std::string& word, const OperationO
     return Operation::AddParameter{parameter_of(operation.with({"parameter"}))};
   if (word == "drive") {
     const LogObject o = operation.with({"name", "follows", "offset"});
-    return Operation::Drive{o.text("name"), shares_of(o, "follows"), o.number("offset")};
+    return Operation::SetRule{o.text("name"), terms_of(o, "follows"), o.number("offset")};
   }
   return std::nullopt;
 }
@@ -195,14 +196,15 @@ std::optional<Operation::Edit> edit_of(const std::string& word, const OperationO
 /// Reads any operation.
 Operation operation_of(const LogJson& json, const std::string& where) {
   const OperationObject operation{json, where};
-  const std::string word = word_of(operation);
-  if (const auto plain = plain_operation_of(word, operation)) return *plain;
+  const std::string word = operation_name(operation);
+  if (const auto plain = simple_operation_of(word, operation)) return *plain;
   if (auto edit = edit_of(word, operation))
     return {Operation::Kind::Edit, 0, 0, std::make_shared<const Operation::Edit>(std::move(*edit))};
   const std::vector<std::string> words = {
       "add_parameter", "drive", "time", "set",    "settle", "answer",   "step",   "rest",
       "undo",          "redo",  "add",  "change", "remove", "set_line", "refine", "motion"};
-  throw InputError(where + "found \"do\": \"" + word + "\", expected " + one_of(word, words));
+  throw InputError(where + "found \"do\": \"" + word + "\", expected " +
+                   expected_one_of(word, words));
 }
 
 constexpr int kVersion = 1;
@@ -219,12 +221,12 @@ std::string session_log_text(const std::vector<Operation>& operations) {
 void write_session_log(const std::filesystem::path& file,
                        const std::vector<Operation>& operations) {
   const std::string text = session_log_text(operations);
-  write_whole_file(file, [&](std::ostream& out) { out << text; });
+  write_file_atomically(file, [&](std::ostream& out) { out << text; });
 }
 
 std::vector<Operation> parse_session_log(const std::string& text,
                                          const std::filesystem::path& file) {
-  require_shallow(text, file.string());
+  check_nesting_depth(text, file.string());
   std::vector<Operation> operations;
   std::istringstream lines(text);
   int count = 0;
@@ -259,7 +261,7 @@ std::vector<Operation> parse_session_log(const std::string& text,
 }
 
 std::vector<Operation> read_session_log(const std::filesystem::path& file) {
-  return parse_session_log(input_bytes(file, "a log of a session"), file);
+  return parse_session_log(read_input_file(file, "a log of a session"), file);
 }
 
 }  // namespace batten

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "batten/sculpting/session/session.h"
+#include "batten/sculpting/session/sculpting_session.h"
 
 namespace batten {
 

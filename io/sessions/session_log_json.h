@@ -9,7 +9,7 @@
 
 #include "batten/core/eigen.h"
 #include "batten/core/errors.h"
-#include "batten/core/index.h"
+#include "batten/core/isize.h"
 #include "batten/io/files/toml_table.h"
 
 namespace batten {
@@ -19,7 +19,8 @@ using LogJson = nlohmann::ordered_json;
 /// A number as JSON. Throws InputError when it is not finite, which JSON cannot hold.
 inline LogJson json_number(double value) {
   if (!std::isfinite(value))
-    throw InputError("session log: found " + number(value) + ", expected finite numbers only");
+    throw InputError("session log: found " + format_number(value) +
+                     ", expected finite numbers only");
   return value;
 }
 inline LogJson json_vector(const Vec3& v) {
@@ -38,7 +39,7 @@ class LogObject {
     if (!json.is_object()) fail(what_ + " that is no {…}", "an object");
     for (const auto& [key, value] : json.items())
       if (std::find(keys.begin(), keys.end(), key) == keys.end())
-        fail("'" + key + "' in " + what_, one_of(key, keys));
+        fail("'" + key + "' in " + what_, expected_one_of(key, keys));
   }
 
   bool has(const std::string& key) const { return json_.contains(key); }
@@ -48,12 +49,12 @@ class LogObject {
     if (!has(key)) fail("no '" + key + "' in " + what_, "it");
     return json_[key];
   }
-  std::vector<std::string> texts(const std::string& key) const {
+  std::vector<std::string> strings(const std::string& key) const {
     const LogJson& value = at(key);
-    const bool texts =
+    const bool strings =
         value.is_array() && std::all_of(value.begin(), value.end(),
                                         [](const LogJson& item) { return item.is_string(); });
-    if (!texts) fail(value.dump() + " for '" + key + "'", "a list of texts in quotes");
+    if (!strings) fail(value.dump() + " for '" + key + "'", "a list of texts in quotes");
     return value;
   }
   std::string text(const std::string& key) const {
@@ -65,7 +66,7 @@ class LogObject {
   double number(const std::string& key, double fallback) const {
     return has(key) ? number(key) : fallback;
   }
-  int whole(const std::string& key, int least) const {
+  int integer(const std::string& key, int least) const {
     const LogJson& value = at(key);
     if (!value.is_number_integer() || value.get<long long>() < least ||
         value.get<long long>() > 2'000'000'000)
@@ -113,7 +114,7 @@ class LogObject {
     return value;
   }
   VecX row(const LogJson& value, const std::string& key, int count) const {
-    if (!value.is_array() || count_of(value) != count)
+    if (!value.is_array() || isize(value) != count)
       fail(value.dump() + " for '" + key + "'", std::to_string(count) + " numbers");
     VecX v(count);
     for (int i = 0; i < count; ++i) v[i] = number_of(value[i], key);

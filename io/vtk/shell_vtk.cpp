@@ -12,8 +12,8 @@
 #include <vtkStringArray.h>
 #include <vtkXMLPolyDataWriter.h>
 
-#include "batten/core/index.h"
-#include "batten/io/vtk/vtk_write.h"
+#include "batten/core/isize.h"
+#include "batten/io/vtk/write_vtk_xml.h"
 
 namespace batten {
 
@@ -26,7 +26,7 @@ vtkSmartPointer<vtkPolyData> shell_poly_data(const ShellMesh& shells, const Poin
   for (int f = 0; f < shells.face_count(); ++f) {
     const auto face = shells.face(f);
     const size_t n = shells.corners(f).size();
-    cells->InsertNextCell(count_of(face));
+    cells->InsertNextCell(isize(face));
     for (size_t i = 0; i < n; ++i) {
       cells->InsertCellPoint(face[i]);
       if (shells.second_order(f)) cells->InsertCellPoint(face[n + i]);
@@ -58,7 +58,7 @@ void write_deformed_vtp(const std::filesystem::path& path, const ShellMesh& shel
   poly->GetFieldData()->AddArray(names);
 
   vtkNew<vtkXMLPolyDataWriter> writer;
-  write_xml(*writer, poly, path);
+  write_vtk_xml(*writer, poly, path);
 }
 
 }  // namespace batten

@@ -23,11 +23,11 @@
 #include <map>
 
 #include "batten/core/errors.h"
-#include "batten/core/index.h"
+#include "batten/core/isize.h"
 #include "batten/core/parallel.h"
-#include "batten/io/files/whole_file.h"
-#include "batten/io/vtk/vtk_messages.h"
-#include "batten/io/vtk/vtk_write.h"
+#include "batten/io/files/atomic_file.h"
+#include "batten/io/vtk/vtk_message_capture.h"
+#include "batten/io/vtk/write_vtk_xml.h"
 #include "batten/skinning/facets/facets.h"
 
 namespace batten {
@@ -65,16 +65,16 @@ struct RegionPoints {
     Vec3 displacement = Vec3::Zero();
   };
   std::vector<Point> points;
-  std::vector<Curvatures> bends;          // none, or of each point
-  bool moved = false;                     // against a reference
-  std::vector<std::vector<VecX>> fields;  // of each field, of each point
+  std::vector<Curvatures> point_curvatures;  // none, or of each point
+  bool moved = false;                        // against a reference
+  std::vector<std::vector<VecX>> fields;     // of each field, of each point
 
   RegionPoints() = default;
   RegionPoints(int region, const Surface& surface, const Tessellation& tessellation,
                const VtkOptions& options)
       : moved(!options.references.empty()) {
     const Surface* reference = moved ? options.references[region] : nullptr;
-    if (options.curvatures) bends = recovered_curvatures(surface, tessellation);
+    if (options.curvatures) point_curvatures = recovered_curvatures(surface, tessellation);
     for (const VtkField& field : options.fields) {
       fields.emplace_back();
       for (const Location& where : tessellation.points)
@@ -111,7 +111,7 @@ struct PointTable {
   /// Index of the first point added.
   vtkIdType add(const RegionPoints& more) {
     const vtkIdType first = points->GetNumberOfPoints();
-    for (const Curvatures& bend : more.bends) {
+    for (const Curvatures& bend : more.point_curvatures) {
       mean->InsertNextValue(bend.mean);
       gauss->InsertNextValue(bend.gauss);
       k1->InsertNextValue(bend.k1);
@@ -180,7 +180,8 @@ struct CellTable {
     for (const auto* r : regions) {
       region_names->InsertNextValue(r->name.c_str());
       if (!of_model->empty()) continue;
-      for (const LineRun& run : r->runs) line_names->InsertNextValue(run.line.name.c_str());
+      for (const EdgeAlignedLine& aligned_line : r->edge_aligned)
+        line_names->InsertNextValue(aligned_line.line.name.c_str());
       for (const EmbeddedLine& e : r->embedded) line_names->InsertNextValue(e.line.name.c_str());
     }
     for (const VtkLine& l : *of_model) line_names->InsertNextValue(l.name.c_str());
@@ -197,9 +198,9 @@ class LineIndex {
   }
   int of(const SkinnedRegion& region, size_t line) {
     if (!of_model_) return next_++;
-    const std::string& name = line < region.runs.size()
-                                  ? region.runs[line].line.name
-                                  : region.embedded[line - region.runs.size()].line.name;
+    const std::string& name = line < region.edge_aligned.size()
+                                  ? region.edge_aligned[line].line.name
+                                  : region.embedded[line - region.edge_aligned.size()].line.name;
     const auto found = left_.find(name);
     if (found == left_.end()) return -1;
     const int index = found->second;
@@ -215,9 +216,9 @@ class LineIndex {
 
 }  // namespace
 
-void write_xml(vtkXMLWriter& writer, vtkDataObject* data, const fs::path& path) {
-  WholeFile file(path);
-  const VtkMessages messages;
+void write_vtk_xml(vtkXMLWriter& writer, vtkDataObject* data, const fs::path& path) {
+  AtomicFile file(path);
+  const VtkMessageCapture messages;
   writer.SetInputDataObject(data);
   writer.SetFileName(file.temporary().c_str());
   writer.SetDataModeToAppended();
@@ -233,13 +234,13 @@ void write_xml(vtkXMLWriter& writer, vtkDataObject* data, const fs::path& path) 
   file.commit();
 }
 
-std::vector<VtkLine> vtk_lines(const CharacterLineNetwork& network, const SurfaceModel& model) {
-  const auto name = [&](int arc) { return network.arcs()[arc].name; };
+std::vector<VtkLine> vtk_lines(const CurveNetwork& network, const SurfaceModel& model) {
+  const auto name = [&](int edge) { return network.edges()[edge].name; };
   std::vector<VtkLine> lines;
   for (const ModelJoin& join : model.joins)
-    lines.push_back({name(join.arc), static_cast<int>(join.kind), join.max_deg});
+    lines.push_back({name(join.edge), static_cast<int>(join.kind), join.max_deg});
   for (const ModelRegion& region : model.regions)
-    for (const int arc : region.plan.inner) lines.push_back({name(arc)});
+    for (const int edge : region.plan.inner) lines.push_back({name(edge)});
   return lines;
 }
 
@@ -249,13 +250,13 @@ vtkSmartPointer<vtkPolyData> to_poly_data(const std::vector<const SkinnedRegion*
   PointTable table(options);
   CellTable line_cells(options), facet_cells(options);
   vtkNew<vtkCellArray> lines, facets;
-  const double length = common_facet_length(regions);
+  const double length = mean_facet_length(regions);
   const int per_edge =
-      options.facets_per_edge > 0 ? options.facets_per_edge : shown_facets_per_edge(regions);
+      options.facets_per_edge > 0 ? options.facets_per_edge : display_facets_per_edge(regions);
   LineIndex index(options.lines);
   std::vector<DisplayFacets> of_regions(regions.size());
   std::vector<RegionPoints> points(regions.size());
-  parallel_parts(count_of(regions), [&](int r) {
+  parallel_for(isize(regions), [&](int r) {
     of_regions[r] = batten::facets(*regions[r], per_edge, length);
     points[r] = {r, regions[r]->surface, of_regions[r].tessellation, options};
   });
@@ -267,7 +268,7 @@ vtkSmartPointer<vtkPolyData> to_poly_data(const std::vector<const SkinnedRegion*
       const int line = index.of(region, l);
       if (line < 0) continue;
       for (const auto& chain : chains[l]) {
-        lines->InsertNextCell(count_of(chain));
+        lines->InsertNextCell(isize(chain));
         for (const int p : chain) lines->InsertCellPoint(first + p);
         line_cells.add(r, -1, line);
       }
@@ -291,7 +292,7 @@ vtkSmartPointer<vtkPolyData> to_poly_data(const std::vector<const SkinnedRegion*
 void write_vtp(const fs::path& path, const std::vector<const SkinnedRegion*>& regions,
                const VtkOptions& options) {
   vtkNew<vtkXMLPolyDataWriter> writer;
-  write_xml(*writer, to_poly_data(regions, options), path);
+  write_vtk_xml(*writer, to_poly_data(regions, options), path);
 }
 
 void write_vtu(const fs::path& path, const std::vector<const SkinnedRegion*>& regions,
@@ -301,11 +302,11 @@ void write_vtu(const fs::path& path, const std::vector<const SkinnedRegion*>& re
   CellTable cells(options);
   vtkNew<vtkUnstructuredGrid> grid;
   std::vector<vtkIdType> first;
-  std::vector<QuadraticFacets> elements(regions.size());
-  const double length = common_facet_length(regions);
+  std::vector<QuadraticElements> elements(regions.size());
+  const double length = mean_facet_length(regions);
   std::vector<RegionPoints> points(regions.size());
-  parallel_parts(count_of(regions), [&](int r) {
-    elements[r] = quadratic_facets(*regions[r], length);
+  parallel_for(isize(regions), [&](int r) {
+    elements[r] = quadratic_elements(*regions[r], length);
     points[r] = {r, regions[r]->surface, {elements[r].nodes, {}, {}}, options};
   });
   for (const RegionPoints& more : points) first.push_back(table.add(more));
@@ -332,7 +333,7 @@ void write_vtu(const fs::path& path, const std::vector<const SkinnedRegion*>& re
   table.give_to(*grid, options);
   cells.give_to(*grid, regions);
   vtkNew<vtkXMLUnstructuredGridWriter> writer;
-  write_xml(*writer, grid, path);
+  write_vtk_xml(*writer, grid, path);
 }
 
 }  // namespace batten

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "batten/skinning/region/region.h"
+#include "batten/skinning/region/skinned_region.h"
 #include "batten/skinning/surfaces/surface_model.h"
 
 template <class T>
@@ -25,7 +25,7 @@ struct VtkLine {
 };
 
 /// The lines of a network that its regions have: those of loops, then inner ones.
-std::vector<VtkLine> vtk_lines(const CharacterLineNetwork& network, const SurfaceModel& model);
+std::vector<VtkLine> vtk_lines(const CurveNetwork& network, const SurfaceModel& model);
 
 /// Further data of points: a name, so many numbers, and their values at places of a region's mesh.
 /// It is asked on several threads.
@@ -40,7 +40,7 @@ struct VtkOptions {
   /// mesh.
   std::vector<const Surface*> references;
   /// Facets along each edge of an element or, in a region with embedded lines, of its
-  /// quadratic_facets; VTP only. 0: 4, or fewer so that there are at most 400,000 facets.
+  /// quadratic_elements; VTP only. 0: 4, or fewer so that there are at most 400,000 facets.
   int facets_per_edge = 0;
   bool curvatures = true;  ///< whether the arrays of curvatures are written
   std::vector<VtkField> fields = {};
@@ -79,7 +79,7 @@ void write_vtp(const std::filesystem::path& path, const std::vector<const Skinne
 /// Writes the finite elements as a .vtu file: one VTK_QUADRATIC_TRIANGLE for each element, in their
 /// order (nodes: vertices, then the surface's points at the parametric midpoints of the edges 12,
 /// 23, 31), then one VTK_QUADRATIC_EDGE for each element edge of a line. The data are those of
-/// to_poly_data(). A region with embedded lines has its quadratic_facets as elements; Triangle is
+/// to_poly_data(). A region with embedded lines has its quadratic_elements as elements; Triangle is
 /// the element at their middles. Throws InputError as write_vtp().
 void write_vtu(const std::filesystem::path& path, const std::vector<const SkinnedRegion*>& regions,
                const VtkOptions& options = {});

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "batten/core/errors.h"
-#include "batten/io/files/whole_file.h"
+#include "batten/io/files/atomic_file.h"
 
 namespace batten {
 namespace {
@@ -37,13 +37,14 @@ void write_pvd(const std::filesystem::path& path, const std::vector<SeriesFile>&
   if (files.empty()) throw InputError(path.string() + ": found no files, expected a series");
   for (size_t i = 0; i < files.size(); ++i) {
     if (!std::isfinite(files[i].value))
-      throw InputError(path.string() + ": found the value " + number(files[i].value) +
+      throw InputError(path.string() + ": found the value " + format_number(files[i].value) +
                        ", expected finite numbers");
     if (i > 0 && !((files[i].value - files[i - 1].value) * (files[1].value - files[0].value) > 0))
-      throw InputError(path.string() + ": found the value " + number(files[i].value) + " after " +
-                       number(files[i - 1].value) + ", expected values in one direction");
+      throw InputError(path.string() + ": found the value " + format_number(files[i].value) +
+                       " after " + format_number(files[i - 1].value) +
+                       ", expected values in one direction");
   }
-  write_whole_file(path, [&](std::ostream& out) {
+  write_file_atomically(path, [&](std::ostream& out) {
     out << "<?xml version=\"1.0\"?>\n"
            "<VTKFile type=\"Collection\" version=\"0.1\" byte_order=\"LittleEndian\">\n"
            "  <Collection>\n";

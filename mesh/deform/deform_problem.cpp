@@ -4,7 +4,7 @@
 #include <set>
 
 #include "batten/core/errors.h"
-#include "batten/core/index.h"
+#include "batten/core/isize.h"
 #include "batten/core/rotations.h"
 
 namespace batten {
@@ -50,16 +50,17 @@ Vec3 VertexCombination::at(const Points& points) const {
   return sum;
 }
 
-Vec3 HandleMove::operator()(const Vec3& p) const {
-  return about + scale * rotated(turn, p - about) + shift;
+Vec3 HandleTransform::operator()(const Vec3& p) const {
+  return about + scale * rotated(rotation_vector, p - about) + translation;
 }
 
-DeformProblem with_whole_nodes(DeformProblem problem, const MeshTopology& topology) {
+DeformProblem expand_to_nodes(DeformProblem problem, const MeshTopology& topology) {
   if (topology.node_count() == topology.vertex_count()) return problem;
-  problem.fixed = topology.whole_nodes(std::move(problem.fixed));
-  if (problem.region) problem.region = topology.whole_nodes(std::move(*problem.region));
-  for (Handle& h : problem.handles) h.vertices = topology.whole_nodes(std::move(h.vertices));
-  for (FormFeature& f : problem.features) f.vertices = topology.whole_nodes(std::move(f.vertices));
+  problem.fixed = topology.expand_to_nodes(std::move(problem.fixed));
+  if (problem.region) problem.region = topology.expand_to_nodes(std::move(*problem.region));
+  for (Handle& h : problem.handles) h.vertices = topology.expand_to_nodes(std::move(h.vertices));
+  for (FormFeature& f : problem.features)
+    f.vertices = topology.expand_to_nodes(std::move(f.vertices));
   return problem;
 }
 
@@ -80,19 +81,19 @@ void check(const DeformProblem& problem, int count) {
     check_name("feature", f.name);
     check_vertices("feature '" + f.name + "'", f.vertices, count);
   }
-  for (const auto& g : problem.guided) {
+  for (const auto& g : problem.point_constraints) {
     check_name("guided point", g.name);
     check_combination("guided point '" + g.name + "'", g.point, count);
     const double sum = g.point.sum();
     if (!(std::abs(sum - 1) < 1e-9 || std::abs(sum) < 1e-9))
-      throw InputError("the coefficients of guided point '" + g.name + "' sum to " + number(sum) +
-                       ", expected 1, or 0 for a vector");
+      throw InputError("the coefficients of guided point '" + g.name + "' sum to " +
+                       format_number(sum) + ", expected 1, or 0 for a vector");
     if (!g.direction.allFinite() || !(g.direction.norm() > 0))
       throw InputError("guided point '" + g.name + "' has no direction");
   }
-  for (const auto& alike : problem.same_turns)
-    for (const int f : alike)
-      if (f < 0 || f >= count_of(problem.features))
+  for (const auto& group : problem.shared_rotations)
+    for (const int f : group)
+      if (f < 0 || f >= isize(problem.features))
         throw InputError("features that turn alike name feature " + std::to_string(f) + " of " +
                          std::to_string(problem.features.size()));
   for (const auto& c : problem.chains) {
@@ -102,17 +103,17 @@ void check(const DeformProblem& problem, int count) {
       throw InputError("chain '" + c.name + "' has " + std::to_string(c.vertices.size()) +
                        " vertices, expected at least three");
     if (!(c.width > 0) || !std::isfinite(c.width))
-      throw InputError("chain '" + c.name + "' has width " + number(c.width) +
+      throw InputError("chain '" + c.name + "' has width " + format_number(c.width) +
                        ", expected a width above 0");
   }
   for (const auto& r : problem.rows) {
     check_name("row", r.name);
     check_combination("row '" + r.name + "'", r.combination, count);
-    if (r.turns_with != -1) check_vertices("row '" + r.name + "'", {r.turns_with}, count);
+    if (r.rotates_with != -1) check_vertices("row '" + r.name + "'", {r.rotates_with}, count);
     if (!(r.target.array().abs() < 1e100).all())
       throw InputError("row '" + r.name + "' has a target that is not finite");
     if (r.weight && !(*r.weight > 0 && std::isfinite(*r.weight)))
-      throw InputError("row '" + r.name + "' has weight " + number(*r.weight) +
+      throw InputError("row '" + r.name + "' has weight " + format_number(*r.weight) +
                        ", expected a weight above 0, or none for a hard row");
   }
   if (problem.fixed.empty() && problem.handles.empty() && !problem.region)
@@ -126,28 +127,29 @@ void check(const DeformProblem& problem, const DeformEdit& edit) {
                        std::to_string(expected));
   };
   // Squares of larger numbers would not be finite.
-  const auto usable = [](const Vec3& v) { return (v.array().abs() < 1e100).all(); };
+  const auto is_usable = [](const Vec3& v) { return (v.array().abs() < 1e100).all(); };
   count("moves of handles", edit.handles.size(), problem.handles.size());
   if (!edit.feature_scales.empty())
     count("scales of features", edit.feature_scales.size(), problem.features.size());
-  if (!edit.guides.empty()) count("guides", edit.guides.size(), problem.guided.size());
+  if (!edit.constraint_origins.empty())
+    count("guides", edit.constraint_origins.size(), problem.point_constraints.size());
   if (!edit.targets.empty()) count("targets", edit.targets.size(), problem.rows.size());
   for (size_t h = 0; h < edit.handles.size(); ++h) {
-    const HandleMove& m = edit.handles[h];
-    if (!usable(m.about) || !usable(m.turn) || !usable(m.shift) || !(m.scale < 1e100) ||
-        !(m.scale > 0))
+    const HandleTransform& m = edit.handles[h];
+    if (!is_usable(m.about) || !is_usable(m.rotation_vector) || !is_usable(m.translation) ||
+        !(m.scale < 1e100) || !(m.scale > 0))
       throw InputError("the move of handle '" + problem.handles[h].name +
                        "' has a number that is not finite, above 1e100, or a scale not above 0");
   }
   for (size_t f = 0; f < edit.feature_scales.size(); ++f)
     if (!(edit.feature_scales[f] > 0) || !(edit.feature_scales[f] < 1e100))
       throw InputError("the scale of feature '" + problem.features[f].name + "' is " +
-                       number(edit.feature_scales[f]) + ", expected a number above 0");
-  for (size_t k = 0; k < edit.guides.size(); ++k)
-    if (!usable(edit.guides[k]))
-      throw InputError("the guide of '" + problem.guided[k].name + "' is not finite");
+                       format_number(edit.feature_scales[f]) + ", expected a number above 0");
+  for (size_t k = 0; k < edit.constraint_origins.size(); ++k)
+    if (!is_usable(edit.constraint_origins[k]))
+      throw InputError("the guide of '" + problem.point_constraints[k].name + "' is not finite");
   for (size_t k = 0; k < edit.targets.size(); ++k)
-    if (!usable(edit.targets[k]))
+    if (!is_usable(edit.targets[k]))
       throw InputError("the target of row '" + problem.rows[k].name + "' is not finite");
 }
 

@@ -32,8 +32,8 @@ struct Handle {
 /// Vertices that keep their shape exactly, up to one similarity p_i = s R p_i⁰ + t.
 struct FormFeature {
   enum class Kind {
-    Free,           ///< turns with the rotation field, one rotation for all its vertices (eq. 11)
-    KeepsDirection  ///< moves, does not turn (eq. 12)
+    Free,            ///< turns with the rotation field, one rotation for all its vertices (eq. 11)
+    TranslationOnly  ///< moves, does not turn (eq. 12)
   };
   std::string name;
   std::vector<int> vertices;
@@ -42,7 +42,7 @@ struct FormFeature {
 
 /// A point of the mesh (a hole's centre) that stays on a plane or a line (eq. 13, 14); or a vector
 /// between such points, which stays on one through the origin.
-struct GuidedPoint {
+struct PointConstraint {
   enum class Kind { OnPlane, OnLine };
   std::string name;
   VertexCombination point;  ///< coefficients sum to 1; of a vector to 0
@@ -64,11 +64,11 @@ struct CharacterChain {
 };
 
 /// Σ a_m p_m = target, or R(q_v) target when it turns with the field at a vertex.
-struct CombinationRow {
+struct LinearConstraint {
   std::string name;
   VertexCombination combination;
   Vec3 target = Vec3::Zero();
-  int turns_with = -1;           ///< vertex, or -1
+  int rotates_with = -1;         ///< vertex, or -1
   std::optional<double> weight;  ///< soft: adds ½ weight |…|² to the energy; none: hard
 };
 
@@ -82,10 +82,10 @@ struct DeformProblem {
   std::vector<Handle> handles;
   std::vector<FormFeature> features;
   /// Features that turn alike, by their numbers: one rotation for all of a list.
-  std::vector<std::vector<int>> same_turns;
-  std::vector<GuidedPoint> guided;
+  std::vector<std::vector<int>> shared_rotations;
+  std::vector<PointConstraint> point_constraints;
   std::vector<CharacterChain> chains;
-  std::vector<CombinationRow> rows;
+  std::vector<LinearConstraint> rows;
   /// Region of interest: only these vertices move, and those of handles. None: all. At its edge the
   /// shape joins smoothly: the two rings of vertices outside are held and their curvature counts.
   std::optional<std::vector<int>> region;
@@ -93,26 +93,28 @@ struct DeformProblem {
 };
 
 /// How one handle moves: p = about + s R(turn) (p⁰ - about) + shift.
-struct HandleMove {
+struct HandleTransform {
   Vec3 about = Vec3::Zero();
-  Vec3 turn = Vec3::Zero();  ///< logarithm of the unit quaternion (core/rotations.h): not reduced
-  Vec3 shift = Vec3::Zero();
+  Vec3 rotation_vector =
+      Vec3::Zero();  ///< logarithm of the unit quaternion (core/rotations.h): not reduced
+  Vec3 translation = Vec3::Zero();
   double scale = 1;  ///< above 0
   Vec3 operator()(const Vec3& p) const;
 };
 
 /// What may change from one event of the mouse to the next, without a new factor.
 struct DeformEdit {
-  std::vector<HandleMove> handles;     ///< one for each handle
-  std::vector<double> feature_scales;  ///< s_f, one for each feature, above 0; empty: all 1
-  std::vector<Vec3> guides;   ///< a point of each plane or line; empty: where the points are now;
+  std::vector<HandleTransform> handles;  ///< one for each handle
+  std::vector<double> feature_scales;    ///< s_f, one for each feature, above 0; empty: all 1
+  std::vector<Vec3>
+      constraint_origins;     ///< a point of each plane or line; empty: where the points are now;
                               ///< of vectors, the vector
   std::vector<Vec3> targets;  ///< right-hand side of each row; empty: as in the problem
 };
 
 /// The problem with fixed vertices, handles, features and region as whole nodes: what holds or moves
-/// one vertex of a node holds or moves all (MeshTopology::whole_nodes).
-DeformProblem with_whole_nodes(DeformProblem problem, const MeshTopology& topology);
+/// one vertex of a node holds or moves all (MeshTopology::expand_to_nodes).
+DeformProblem expand_to_nodes(DeformProblem problem, const MeshTopology& topology);
 
 /// Throw InputError on what no deformer can take, with the name of the part: vertices out of range,
 /// an empty handle or feature, no name or one twice within its kind, a guided point whose

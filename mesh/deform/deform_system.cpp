@@ -5,32 +5,32 @@
 #include <map>
 #include <numeric>
 
-#include "batten/core/each_once.h"
+#include "batten/core/disjoint_sets.h"
 #include "batten/core/errors.h"
-#include "batten/core/groups.h"
-#include "batten/core/index.h"
-#include "batten/mesh/operators.h"
+#include "batten/core/isize.h"
+#include "batten/core/sorted_unique.h"
+#include "batten/mesh/differential_operators.h"
 
 namespace batten {
 namespace {
 
 /// Visits the vertices of all rows that the user wrote.
 template <class Visit>
-void for_row_vertices(const DeformProblem& problem, const Visit& visit) {
-  for (const auto& g : problem.guided)
+void for_each_constrained_vertex(const DeformProblem& problem, const Visit& visit) {
+  for (const auto& g : problem.point_constraints)
     for (const auto& e : g.point.entries) visit(e.vertex);
   for (const auto& c : problem.chains)
     for (const int v : c.vertices) visit(v);
   for (const auto& r : problem.rows) {
     for (const auto& e : r.combination.entries) visit(e.vertex);
-    if (r.turns_with >= 0) visit(r.turns_with);
+    if (r.rotates_with >= 0) visit(r.rotates_with);
   }
 }
 
 /// ½ (cot α + cot β) of the edges at each vertex.
-class RingWeights {
+class OneRingWeights {
  public:
-  explicit RingWeights(const TriangleMesh& mesh) : start_(mesh.vertex_count() + 1, 0) {
+  explicit OneRingWeights(const TriangleMesh& mesh) : start_(mesh.vertex_count() + 1, 0) {
     const MeshTopology& topology = mesh.topology();
     for (int v = 0; v < mesh.vertex_count(); ++v)
       start_[v + 1] = start_[v] + static_cast<int>(topology.neighbours(v).size());
@@ -57,41 +57,41 @@ class RingWeights {
 DeformSystem::DeformSystem(const TriangleMesh& mesh, const DeformProblem& problem)
     : positions(0), rotations(0) {
   const MeshTopology& topology = mesh.topology();
-  for (const auto& f : problem.features) feature_vertices_.push_back(each_once(f.vertices));
+  for (const auto& f : problem.features) feature_vertices_.push_back(sorted_unique(f.vertices));
   find_parts(topology);
   order_features();
-  hold(topology, problem);
+  find_constrained(topology, problem);
 
   origin = mesh.triangle_count() > 0 ? mesh.box().center() : Vec3(Vec3::Zero());
   rest = mesh.points().rowwise() - origin.transpose();
 
-  number(topology, problem);
-  positions = ConstraintSet(count_of(vertex));
-  rotations = ConstraintSet(count_of(vertex));
+  number_dofs(topology, problem);
+  positions = ConstraintSet(isize(vertex));
+  rotations = ConstraintSet(isize(vertex));
   add_soft_rows(mesh, problem);
   add_hard_rows(topology, problem);
 }
 
 void DeformSystem::find_parts(const MeshTopology& topology) {
   const int n = topology.vertex_count(), components = topology.component_count();
-  Groups groups(components + n);
+  DisjointSets groups(components + n);
   const auto node = [&](int v) {
     return topology.component()[v] >= 0 ? topology.component()[v] : components + v;
   };
   for (const auto& vertices : feature_vertices_)
-    for (const int v : vertices) groups.join(node(vertices[0]), node(v));
-  for (int v = topology.node_count(); v < n; ++v) groups.join(node(topology.node_of(v)), node(v));
-  std::vector<int> number(components + n, -1);
+    for (const int v : vertices) groups.unite(node(vertices[0]), node(v));
+  for (int v = topology.node_count(); v < n; ++v) groups.unite(node(topology.node_of(v)), node(v));
+  std::vector<int> number_dofs(components + n, -1);
   part_.resize(n);
   for (int v = 0; v < n; ++v) {
-    int& part = number[groups.of(node(v))];
+    int& part = number_dofs[groups.find(node(v))];
     if (part < 0) part = part_count_++;
     part_[v] = part;
   }
 }
 
 void DeformSystem::order_features() {
-  const auto count = count_of(feature_vertices_);
+  const auto count = isize(feature_vertices_);
   std::vector<std::pair<int, int>> members;  // vertex, feature
   for (int f = 0; f < count; ++f)
     for (const int v : feature_vertices_[f]) members.emplace_back(v, f);
@@ -124,20 +124,20 @@ void DeformSystem::order_features() {
   }
 }
 
-void DeformSystem::hold(const MeshTopology& topology, const DeformProblem& problem) {
+void DeformSystem::find_constrained(const MeshTopology& topology, const DeformProblem& problem) {
   const int n = topology.vertex_count();
-  holder.assign(n, problem.region ? kOutside : kMoves);
+  constrained_by.assign(n, problem.region ? kOutside : kFree);
   if (problem.region)
-    for (const int v : *problem.region) holder[v] = kMoves;
-  for (const int v : problem.fixed) holder[v] = kFixed;
+    for (const int v : *problem.region) constrained_by[v] = kFree;
+  for (const int v : problem.fixed) constrained_by[v] = kFixed;
   for (size_t h = 0; h < problem.handles.size(); ++h)
     for (const int v : problem.handles[h].vertices)
-      if (holder[v] < 0) holder[v] = static_cast<int>(h);
+      if (constrained_by[v] < 0) constrained_by[v] = static_cast<int>(h);
 
   // What nothing holds or moves stays. A row holds a part unless it is a difference within it.
-  std::vector<char> held(part_count_, 0);
+  std::vector<char> is_constrained(part_count_, 0);
   for (int v = 0; v < n; ++v)
-    if (holder[v] != kMoves) held[part_[v]] = 1;
+    if (constrained_by[v] != kFree) is_constrained[part_[v]] = 1;
   for (const auto& r : problem.rows) {
     std::map<int, double> sum, size;
     for (const auto& e : r.combination.entries) {
@@ -145,45 +145,45 @@ void DeformSystem::hold(const MeshTopology& topology, const DeformProblem& probl
       size[part_[e.vertex]] += std::abs(e.coefficient);
     }
     for (const auto& [part, total] : sum)
-      if (std::abs(total) > 1e-9 * size[part]) held[part] = 1;
+      if (std::abs(total) > 1e-9 * size[part]) is_constrained[part] = 1;
   }
-  std::vector<char> alone(part_count_, 0);
+  std::vector<char> unconnected(part_count_, 0);
   for (int v = 0; v < n; ++v) {
-    if (holder[v] != kMoves || held[part_[v]]) continue;
-    holder[v] = kLeftAlone;
-    if (!topology.neighbours(v).empty()) alone[part_[v]] = 1;
+    if (constrained_by[v] != kFree || is_constrained[part_[v]]) continue;
+    constrained_by[v] = kUnconnected;
+    if (!topology.neighbours(v).empty()) unconnected[part_[v]] = 1;
   }
-  if (const auto left = std::count(alone.begin(), alone.end(), 1); left > 0)
+  if (const auto left = std::count(unconnected.begin(), unconnected.end(), 1); left > 0)
     notes.push_back(std::to_string(left) + (left == 1 ? " part" : " parts") +
                     " of the mesh with nothing fixed and no handle stay where they are");
 }
 
-void DeformSystem::number(const MeshTopology& topology, const DeformProblem& problem) {
+void DeformSystem::number_dofs(const MeshTopology& topology, const DeformProblem& problem) {
   const int n = topology.vertex_count();
   std::vector<char> part(n, 0);
   for (int v = 0; v < n; ++v) {
-    if (holder[v] != kMoves) continue;
+    if (constrained_by[v] != kFree) continue;
     ++moving;
     part[v] = 1;
     for (const int u : topology.neighbours(v)) {
       part[u] = 1;
-      if (holder[u] != kMoves)
+      if (constrained_by[u] != kFree)
         for (const int w : topology.neighbours(u)) part[w] = 1;
     }
   }
   for (const auto& vertices : feature_vertices_)
     for (const int v : vertices) part[v] = 1;
-  for_row_vertices(problem, [&](int v) { part[v] = 1; });
+  for_each_constrained_vertex(problem, [&](int v) { part[v] = 1; });
   // Held twice: the reduction finds out whether that is a conflict.
   std::vector<int> times(n, 0);
-  for (const int v : each_once(problem.fixed)) times[v] = 1;
+  for (const int v : sorted_unique(problem.fixed)) times[v] = 1;
   for (const auto& h : problem.handles)
-    for (const int v : each_once(h.vertices))
+    for (const int v : sorted_unique(h.vertices))
       if (++times[v] > 1) part[v] = 1;
   dof.assign(n, -1);
   for (int v = 0; v < n; ++v)
     if (part[v]) {
-      dof[v] = count_of(vertex);
+      dof[v] = isize(vertex);
       vertex.push_back(v);
     }
 }
@@ -192,9 +192,9 @@ std::vector<int> DeformSystem::curved_vertices(const MeshTopology& topology) con
   std::vector<int> rows;
   for (const int v : vertex) {
     const auto ring = topology.neighbours(v);
-    bool moves = holder[v] == kMoves, rigid = feature_of_[v] >= 0;
+    bool moves = constrained_by[v] == kFree, rigid = feature_of_[v] >= 0;
     for (const int u : ring) {
-      moves = moves || holder[u] == kMoves;
+      moves = moves || constrained_by[u] == kFree;
       rigid = rigid && feature_of_[u] == feature_of_[v];
     }
     if (moves && !rigid && !ring.empty()) rows.push_back(v);
@@ -204,24 +204,27 @@ std::vector<int> DeformSystem::curved_vertices(const MeshTopology& topology) con
 
 int DeformSystem::scale_of(int v) const {
   if (feature_of_[v] >= 0) return feature_of_[v];
-  return holder[v] >= 0 ? count_of(feature_vertices_) + holder[v] : -1;
+  return constrained_by[v] >= 0 ? isize(feature_vertices_) + constrained_by[v] : -1;
 }
 
-std::vector<DeformSystem::WrittenRow> DeformSystem::written_rows(
+std::vector<DeformSystem::SoftRow> DeformSystem::soft_constraint_rows(
     const DeformProblem& problem) const {
-  std::vector<WrittenRow> rows;
+  std::vector<SoftRow> rows;
   for (const auto& chain : problem.chains) add_chain(chain, problem.weighting, rows);
   for (size_t r = 0; r < problem.rows.size(); ++r) {
-    const CombinationRow& row = problem.rows[r];
+    const LinearConstraint& row = problem.rows[r];
     if (!row.weight) continue;
     // The right-hand side comes with each edit.
-    WrittenRow written{
-        {}, Vec3::Zero(), row.turns_with < 0 ? -1 : dof[row.turns_with], -1, static_cast<int>(r)};
+    SoftRow soft_rows{{},
+                      Vec3::Zero(),
+                      row.rotates_with < 0 ? -1 : dof[row.rotates_with],
+                      -1,
+                      static_cast<int>(r)};
     for (const auto& e : row.combination.entries)
-      written.terms.emplace_back(dof[e.vertex], std::sqrt(*row.weight) * e.coefficient);
-    rows.push_back(std::move(written));
+      soft_rows.terms.emplace_back(dof[e.vertex], std::sqrt(*row.weight) * e.coefficient);
+    rows.push_back(std::move(soft_rows));
   }
-  for (WrittenRow& row : rows) {
+  for (SoftRow& row : rows) {
     auto& terms = row.terms;
     std::sort(terms.begin(), terms.end());
     for (size_t i = 1; i < terms.size();)
@@ -241,24 +244,24 @@ void DeformSystem::add_soft_rows(const TriangleMesh& mesh, const DeformProblem& 
   for (size_t f = 0; f < feature_vertices_.size(); ++f)
     for (const int v : feature_vertices_[f]) feature_of_[v] = static_cast<int>(f);
   const std::vector<int> curved = curved_vertices(topology);
-  const std::vector<WrittenRow> written = written_rows(problem);
+  const std::vector<SoftRow> soft_rows = soft_constraint_rows(problem);
   long entries = 0;
   for (const int v : curved) entries += static_cast<long>(topology.neighbours(v).size()) + 1;
-  for (const WrittenRow& row : written) entries += static_cast<long>(row.terms.size());
-  const auto rows = static_cast<long>(curved.size() + written.size());
+  for (const SoftRow& row : soft_rows) entries += static_cast<long>(row.terms.size());
+  const auto rows = static_cast<long>(curved.size() + soft_rows.size());
   A.resize(rows, static_cast<long>(vertex.size()));
   A.reserve(entries);
   base.resize(rows, 3);
   add_curvature_rows(mesh, curved, problem.weighting);
   curvature_rows = static_cast<long>(curved.size());
-  for (const WrittenRow& row : written) {
-    const auto r = static_cast<long>(target_row.size());
+  for (const SoftRow& row : soft_rows) {
+    const auto r = static_cast<long>(linear_constraint_of_row.size());
     A.startVec(r);
     for (const auto& [d, c] : row.terms) A.insertBack(r, d) = c;
     base.row(r) = row.base;
-    turns_with.push_back(row.turns_with);
+    rotates_with.push_back(row.rotates_with);
     scaled_by.push_back(row.scaled_by);
-    target_row.push_back(row.target);
+    linear_constraint_of_row.push_back(row.target);
   }
   A.finalize();
 }
@@ -266,10 +269,10 @@ void DeformSystem::add_soft_rows(const TriangleMesh& mesh, const DeformProblem& 
 void DeformSystem::add_curvature_rows(const TriangleMesh& mesh, const std::vector<int>& vertices,
                                       DeformProblem::Weighting weighting) {
   const MeshTopology& topology = mesh.topology();
-  const RingWeights weights(mesh);
+  const OneRingWeights weights(mesh);
   const VecX area = mixed_areas(mesh);
   for (const int v : vertices) {
-    const auto r = static_cast<long>(target_row.size());
+    const auto r = static_cast<long>(linear_constraint_of_row.size());
     const auto ring = topology.neighbours(v);
     const double scale =
         weighting == DeformProblem::Weighting::Area ? 0.5 / std::sqrt(area[v]) : 0.5 / area[v];
@@ -291,14 +294,14 @@ void DeformSystem::add_curvature_rows(const TriangleMesh& mesh, const std::vecto
     }
     if (!done) A.insertBack(r, dof[v]) = own;
     base.row(r) = sum;
-    turns_with.push_back(dof[v]);
+    rotates_with.push_back(dof[v]);
     scaled_by.push_back(scale_of(v));
-    target_row.push_back(-1);
+    linear_constraint_of_row.push_back(-1);
   }
 }
 
 void DeformSystem::add_chain(const CharacterChain& chain, DeformProblem::Weighting weighting,
-                             std::vector<WrittenRow>& rows) const {
+                             std::vector<SoftRow>& rows) const {
   const auto& v = chain.vertices;
   const size_t n = v.size();
   const auto at = [&](size_t k) { return rest.row(v[k % n]).transpose(); };
@@ -321,61 +324,61 @@ void DeformSystem::add_chain(const CharacterChain& chain, DeformProblem::Weighti
 }
 
 void DeformSystem::add_hard_rows(const MeshTopology& topology, const DeformProblem& problem) {
-  const auto hold_row = [&](const std::string& name, int v, Value::Kind kind, int who) {
+  const auto fix_vertex = [&](const std::string& name, int v, Value::Kind kind, int source) {
     positions.fix(name, dof[v], Vec3::Zero());
-    values.push_back({kind, who, v, -1});
+    values.push_back({kind, source, v, -1});
     rotations.fix(name, dof[v], Vec3::Zero());
-    turned_by.push_back(kind == Value::Kind::Handle ? who : -1);
+    rotated_by.push_back(kind == Value::Kind::Handle ? source : -1);
   };
-  for (const int v : each_once(problem.fixed))
-    if (dof[v] >= 0) hold_row("fixed", v, Value::Kind::Fixed, -1);
+  for (const int v : sorted_unique(problem.fixed))
+    if (dof[v] >= 0) fix_vertex("fixed", v, Value::Kind::Fixed, -1);
   for (const int v : vertex)
-    if (holder[v] == kOutside || holder[v] == kLeftAlone)
-      hold_row(holder[v] == kOutside ? "outside the region" : "a part that nothing holds", v,
-               Value::Kind::Fixed, -1);
+    if (constrained_by[v] == kOutside || constrained_by[v] == kUnconnected)
+      fix_vertex(constrained_by[v] == kOutside ? "outside the region" : "a part that nothing holds",
+                 v, Value::Kind::Fixed, -1);
   for (size_t h = 0; h < problem.handles.size(); ++h)
-    for (const int v : each_once(problem.handles[h].vertices))
+    for (const int v : sorted_unique(problem.handles[h].vertices))
       if (dof[v] >= 0)
-        hold_row(problem.handles[h].name, v, Value::Kind::Handle, static_cast<int>(h));
-  const size_t held_rows = values.size();
+        fix_vertex(problem.handles[h].name, v, Value::Kind::Handle, static_cast<int>(h));
+  const size_t fixed_equations = values.size();
   feature_dof.resize(problem.features.size());
   for (const int f : feature_order_) {
     const std::string& name = problem.features[f].name;
     const int reference = reference_[f];
     feature_dof[f] = dof[reference];
-    const bool turns = problem.features[f].kind == FormFeature::Kind::Free;
+    const bool rotates = problem.features[f].kind == FormFeature::Kind::Free;
     for (const int v : feature_vertices_[f]) {
-      if (!turns) {
+      if (!rotates) {
         rotations.fix(name, dof[v], Vec3::Zero());
-        turned_by.push_back(-1);
+        rotated_by.push_back(-1);
       }
       if (v == reference) continue;
       positions.add(name, {{dof[v], 1.0}, {dof[reference], -1.0}}, Vec3::Zero());
       values.push_back({Value::Kind::Feature, f, v, reference});
-      if (turns) {
+      if (rotates) {
         rotations.add(name, {{dof[v], 1.0}, {dof[reference], -1.0}}, Vec3::Zero());
-        turned_by.push_back(-1);
+        rotated_by.push_back(-1);
       }
     }
   }
-  feature_rows = static_cast<int>(values.size() - held_rows);
-  for (const auto& alike : problem.same_turns)
-    for (size_t i = 1; i < alike.size(); ++i) {
-      rotations.add(problem.features[alike[i]].name,
-                    {{feature_dof[alike[i]], 1.0}, {feature_dof[alike[0]], -1.0}}, Vec3::Zero());
-      turned_by.push_back(-1);
+  feature_constraints = static_cast<int>(values.size() - fixed_equations);
+  for (const auto& group : problem.shared_rotations)
+    for (size_t i = 1; i < group.size(); ++i) {
+      rotations.add(problem.features[group[i]].name,
+                    {{feature_dof[group[i]], 1.0}, {feature_dof[group[0]], -1.0}}, Vec3::Zero());
+      rotated_by.push_back(-1);
     }
   for (int v = topology.node_count(); v < topology.vertex_count(); ++v)
-    if (holder[v] == kMoves && feature_of_[v] < 0) {
+    if (constrained_by[v] == kFree && feature_of_[v] < 0) {
       const std::vector<ConstraintSet::Entry> one_place{{dof[v], 1.0},
                                                         {dof[topology.node_of(v)], -1.0}};
       positions.add("sheets at a joint", one_place, Vec3::Zero());
-      values.push_back({Value::Kind::Joint, -1, -1, -1});
+      values.push_back({Value::Kind::CoincidentVertices, -1, -1, -1});
       rotations.add("sheets at a joint", one_place, Vec3::Zero());
-      turned_by.push_back(-1);
+      rotated_by.push_back(-1);
     }
   for (size_t r = 0; r < problem.rows.size(); ++r) {
-    const CombinationRow& row = problem.rows[r];
+    const LinearConstraint& row = problem.rows[r];
     if (row.weight) continue;
     std::vector<ConstraintSet::Entry> entries;
     for (const auto& e : row.combination.entries) entries.push_back({dof[e.vertex], e.coefficient});
@@ -384,21 +387,21 @@ void DeformSystem::add_hard_rows(const MeshTopology& topology, const DeformProbl
   }
 
   // A part that only rows of positions hold does not turn.
-  std::vector<char> told(part_count_, 0);
-  for (const auto& row : rotations.rows())
-    if (row.entries.size() == 1) told[part_[vertex[row.entries[0].dof]]] = 1;
+  std::vector<char> is_determined(part_count_, 0);
+  for (const auto& row : rotations.constraints())
+    if (row.entries.size() == 1) is_determined[part_[vertex[row.entries[0].dof]]] = 1;
   for (const int v : vertex) {
-    if (told[part_[v]]) continue;
-    told[part_[v]] = 1;
+    if (is_determined[part_[v]]) continue;
+    is_determined[part_[v]] = 1;
     rotations.fix("no rotation", dof[v], Vec3::Zero());
-    turned_by.push_back(-1);
+    rotated_by.push_back(-1);
   }
 }
 
 SparseMatrix laplacian_of(const DeformSystem& system, const TriangleMesh& mesh) {
   const SparseMatrix all = cotangent_laplacian(mesh);
-  if (count_of(system.vertex) == mesh.vertex_count()) return all;
-  const auto n = count_of(system.vertex);
+  if (isize(system.vertex) == mesh.vertex_count()) return all;
+  const auto n = isize(system.vertex);
   SparseMatrix L(n, n);
   L.reserve(all.nonZeros());
   for (int d = 0; d < n; ++d) {

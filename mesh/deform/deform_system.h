@@ -19,42 +19,43 @@ struct DeformSystem {
   /// The problem is one that check() takes, with whole nodes.
   DeformSystem(const TriangleMesh& mesh, const DeformProblem& problem);
 
-  /// What holds a vertex that is in no handle; kMoves: nothing does.
-  enum Holder { kMoves = -4, kLeftAlone = -3, kOutside = -2, kFixed = -1 };
+  /// What holds a vertex that is in no handle; kFree: nothing does.
+  enum ConstraintSource { kFree = -4, kUnconnected = -3, kOutside = -2, kFixed = -1 };
 
   Vec3 origin;
-  Points rest;              ///< all vertices of the mesh, relative to origin
-  std::vector<int> holder;  ///< handle of each vertex of the mesh, or a Holder
-  std::vector<int> vertex;  ///< vertex of each dof, ascending
-  std::vector<int> dof;     ///< dof of each vertex, or -1
-  int moving = 0;           ///< dofs that are not held
+  Points rest;                      ///< all vertices of the mesh, relative to origin
+  std::vector<int> constrained_by;  ///< handle of each vertex of the mesh, or a Holder
+  std::vector<int> vertex;          ///< vertex of each dof, ascending
+  std::vector<int> dof;             ///< dof of each vertex, or -1
+  int moving = 0;                   ///< dofs that are not held
   std::vector<std::string> notes;
 
   // Soft rows A p = b, those of curvature first; row r has the target scale · R(q) base.
   RowMatrix A;  ///< rows × dofs
   long curvature_rows = 0;
   RowPoints base;
-  std::vector<int> turns_with;  ///< dof, or -1
-  std::vector<int> scaled_by;   ///< feature, or feature count + handle, or -1
-  std::vector<int> target_row;  ///< number of the CombinationRow that the base comes from, or -1
+  std::vector<int> rotates_with;  ///< dof, or -1
+  std::vector<int> scaled_by;     ///< feature, or feature count + handle, or -1
+  std::vector<int>
+      linear_constraint_of_row;  ///< number of the LinearConstraint that the base comes from, or -1
 
   // Hard rows.
   struct Value {
-    enum class Kind { Fixed, Handle, Feature, Row, Joint } kind;
-    int who;                ///< handle, feature, row
+    enum class Kind { Fixed, Handle, Feature, Row, CoincidentVertices } kind;
+    int source;             ///< handle, feature, row
     int vertex, reference;  ///< Feature: vertex - reference
   };
   ConstraintSet positions, rotations;
   std::vector<Value> values;     ///< right-hand side of each row of `positions`
-  std::vector<int> turned_by;    ///< handle of each row of `rotations`, or -1: zero
+  std::vector<int> rotated_by;   ///< handle of each row of `rotations`, or -1: zero
   std::vector<int> feature_dof;  ///< a dof of each feature
-  int feature_rows = 0;
+  int feature_constraints = 0;
 
  private:
   void find_parts(const MeshTopology& topology);
   void order_features();
-  void hold(const MeshTopology& topology, const DeformProblem& problem);
-  void number(const MeshTopology& topology, const DeformProblem& problem);
+  void find_constrained(const MeshTopology& topology, const DeformProblem& problem);
+  void number_dofs(const MeshTopology& topology, const DeformProblem& problem);
   void add_soft_rows(const TriangleMesh& mesh, const DeformProblem& problem);
   /// Vertices whose curvature the deformation may change.
   std::vector<int> curved_vertices(const MeshTopology& topology) const;
@@ -62,15 +63,15 @@ struct DeformSystem {
                           DeformProblem::Weighting weighting);
   /// Feature or handle whose scale the curvature at a vertex has, as scaled_by.
   int scale_of(int vertex) const;
-  /// A soft row of a chain or of a CombinationRow.
-  struct WrittenRow {
+  /// A soft row of a chain or of a LinearConstraint.
+  struct SoftRow {
     std::vector<std::pair<int, double>> terms;  // dof, coefficient
     Vec3 base;
-    int turns_with, scaled_by, target;  // as above
+    int rotates_with, scaled_by, target;  // as above
   };
-  std::vector<WrittenRow> written_rows(const DeformProblem& problem) const;
+  std::vector<SoftRow> soft_constraint_rows(const DeformProblem& problem) const;
   void add_chain(const CharacterChain& chain, DeformProblem::Weighting weighting,
-                 std::vector<WrittenRow>& rows) const;
+                 std::vector<SoftRow>& rows) const;
   void add_hard_rows(const MeshTopology& topology, const DeformProblem& problem);
   std::vector<std::vector<int>> feature_vertices_;  // sorted
   std::vector<int> feature_of_;                     // of each vertex, or -1

@@ -23,7 +23,7 @@ struct FormFeatureData;
 ///     w_i = √A_i (or 1)
 ///     s   = scale of the feature or handle that vertex i belongs to, otherwise 1
 ///
-/// L_c, A_i: mesh/operators.h, of the mesh as it was given. The logarithms q_i of the rotations are
+/// L_c, A_i: mesh/differential_operators.h, of the mesh as it was given. The logarithms q_i of the rotations are
 /// the harmonic field with q = 0 on fixed vertices and on features that keep their direction, q =
 /// turn on handles, and one q for each free feature. It is linear in the turns of the handles, so
 /// that each handle's weight is solved for once and an edit costs no solve for rotations.
@@ -61,7 +61,7 @@ class FormFeatureDeformer {
   /// not fit or numbers are not finite, NoSolutionError.
   const Points& deform(const DeformEdit& edit, const ShapeEstimate& estimate);
   /// One correction step after deform(), for the moment the mouse is released: the normal equations
-  /// square the condition number (correct_least_squares). Costs about one more deform(). Returns
+  /// square the condition number (refine_least_squares). Costs about one more deform(). Returns
   /// the largest change of a coordinate over the size of the mesh. Throws InputError when there was
   /// no deform() before it, or the last one failed.
   double correct();
@@ -79,13 +79,13 @@ class FormFeatureDeformer {
   const std::vector<std::string>& notes() const;
 
   struct Counts {
-    int moving = 0;     ///< vertices whose position is solved for
-    int unknowns = 0;   ///< free unknowns of one coordinate, after the reduction
-    int soft_rows = 0;  ///< rows of A for one coordinate
-    int hard_rows = 0;  ///< rows of C for one coordinate, features included
-    int feature_rows = 0;
-    int dropped_rows = 0;  ///< hard rows that others imply
-    int guide_rows = 0;    ///< rows of guided points
+    int moving = 0;            ///< vertices whose position is solved for
+    int unknowns = 0;          ///< free unknowns of one coordinate, after the reduction
+    int soft_equations = 0;    ///< rows of A for one coordinate
+    int hard_constraints = 0;  ///< rows of C for one coordinate, features included
+    int feature_constraints = 0;
+    int redundant_count = 0;  ///< hard rows that others imply
+    int point_equations = 0;  ///< rows of guided points
     long factor_entries = 0;
   };
   Counts counts() const;
@@ -93,14 +93,14 @@ class FormFeatureDeformer {
   /// The problem of an edit as plain data, for checking: minimise ½|A x - b|² over the positions x
   /// (k×3) of the k vertices listed, relative to `origin`, subject to the constraints. Redundant
   /// rows are left out.
-  struct Statement {
+  struct ProblemMatrices {
     std::vector<int> vertices;
     Vec3 origin;
     Eigen::SparseMatrix<double, Eigen::RowMajor, int> A;
     Points b;
     ConstraintSet constraints;
   };
-  Statement statement(const DeformEdit& edit);
+  ProblemMatrices problem_matrices(const DeformEdit& edit);
 
  private:
   std::unique_ptr<FormFeatureData> data_;

@@ -2,12 +2,12 @@
 
 #include <algorithm>
 
-#include "batten/core/index.h"
+#include "batten/core/isize.h"
 #include "batten/core/parallel.h"
 
 namespace batten {
 
-RowMatrix reduced_rows(const RowMatrix& A, const AffineReduction& reduction) {
+RowMatrix reduced_matrix(const RowMatrix& A, const AffineReduction& reduction) {
   const RowMatrix D = reduction.D();
   RowMatrix B(A.rows(), D.cols());
   B.reserve(A.nonZeros());
@@ -37,7 +37,7 @@ SparseMatrix normal_matrix(const SparseMatrix& B, const RowMatrix& rows) {
   std::vector<std::vector<int>> index(blocks);
   std::vector<std::vector<double>> value(blocks);
   std::vector<int> length(n, 0);
-  parallel_parts(static_cast<int>(blocks), [&](int part) {
+  parallel_for(static_cast<int>(blocks), [&](int part) {
     std::vector<double> sum(n, 0);
     std::vector<int> mark(n, -1), list;
     const long first = part * block, last = std::min(n, first + block);
@@ -60,7 +60,7 @@ SparseMatrix normal_matrix(const SparseMatrix& B, const RowMatrix& rows) {
         }
       }
       std::sort(list.begin(), list.end());
-      length[c] = count_of(list);
+      length[c] = isize(list);
       for (const int r : list) {
         index[part].push_back(r);
         value[part].push_back(sum[r]);

@@ -7,7 +7,7 @@
 namespace batten {
 
 /// The matrix B = A D, by rows.
-RowMatrix reduced_rows(const RowMatrix& A, const AffineReduction& reduction);
+RowMatrix reduced_matrix(const RowMatrix& A, const AffineReduction& reduction);
 
 /// Lower triangle of Bᵀ B, column by column: for each row that meets the column, its entries from
 /// there on. `rows` is B by rows. On all cores, the same bits on one.

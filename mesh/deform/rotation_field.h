@@ -26,25 +26,26 @@ class RotationField {
   /// Changes logs of evaluate() so that given dofs have their own, with all that turns as they do, and
   /// the rest is harmonic between: one factor for one set of dofs. What handles and fixed vertices say
   /// stays. Throws NoSolutionError.
-  void pass_through(const DeformSystem& system, const TriangleMesh& mesh,
-                    const std::vector<std::pair<int, Vec3>>& given, Points& logs);
+  void prescribe(const DeformSystem& system, const TriangleMesh& mesh,
+                 const std::vector<std::pair<int, Vec3>>& given, Points& logs);
 
   /// Whether no handle turned in the last edit.
-  bool still() const { return turns_.isZero(0); }
+  bool is_identity() const { return handle_rotations_.isZero(0); }
 
  private:
-  void factor_around(const DeformSystem& system, const TriangleMesh& mesh, std::vector<char> told);
+  void factorize_free(const DeformSystem& system, const TriangleMesh& mesh,
+                      std::vector<char> prescribed);
 
   AffineReduction reduction_;
-  MatX weights_;  // dofs × handles
-  MatX turns_;    // handles × 3
-  MatX right_;    // right-hand sides of the rows
+  MatX weights_;           // dofs × handles
+  MatX handle_rotations_;  // handles × 3
+  MatX rhs_;               // right-hand sides of the rows
   // What passes through given logarithms: which free unknowns are told, the numbers of the others, the
   // reduced Laplacian, the factor of its rest.
-  std::vector<char> told_;
-  std::vector<int> number_;
+  std::vector<char> prescribed_;
+  std::vector<int> free_index_;
   SparseMatrix reduced_;
-  SparseCholesky around_;
+  SparseCholesky free_factor_;
 };
 
 }  // namespace batten

@@ -49,7 +49,7 @@ Similarity fit(const Points& before, const Points& after, const std::vector<int>
   }
   const double size = (high - low).norm();
   if (size > 0) best.max_error /= size;
-  best.shift = to + mean_after - best.scale * (best.R * (from + mean_before));
+  best.translation = to + mean_after - best.scale * (best.R * (from + mean_before));
   return best;
 }
 

@@ -11,7 +11,7 @@ namespace batten {
 struct Similarity {
   double scale = 1;
   Mat3 R = Mat3::Identity();
-  Vec3 shift = Vec3::Zero();
+  Vec3 translation = Vec3::Zero();
   double max_error = 0;  ///< largest distance left, over the size (box diagonal) of the first shape
 };
 

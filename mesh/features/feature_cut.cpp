@@ -4,14 +4,14 @@
 #include <string>
 
 #include "batten/core/errors.h"
-#include "batten/core/index.h"
+#include "batten/core/isize.h"
 #include "batten/mesh/features/minimum_cut.h"
 #include "batten/mesh/selection.h"
 
 namespace batten {
 namespace {
 
-constexpr int kBand = 0;  // parts are 1, 2, …; -1 in other parts of the mesh
+constexpr int kBandPart = 0;  // parts are 1, 2, …; -1 in other parts of the mesh
 
 class FeatureCutter {
  public:
@@ -24,17 +24,17 @@ class FeatureCutter {
   }
 
   FeatureCut cut() {
-    const std::vector<DualArc> arcs = dual_arcs();
+    const std::vector<DualEdge> graph_edges = dual_edges();
     // Nodes: the source, the sink, then the band.
-    const std::vector<char> near = source_side(2 + count_of(band_), 0, 1, arcs);
+    const std::vector<char> near = source_side(2 + isize(band_), 0, 1, graph_edges);
     FeatureCut result{{}, {}, {}, 0};
     std::vector<char> inside(topology_.triangle_count(), 0);
     for (int t = 0; t < topology_.triangle_count(); ++t) {
-      inside[t] = part_[t] >= 0 && near[node_of(t)];
+      inside[t] = part_[t] >= 0 && near[graph_node_of(t)];
       if (inside[t]) result.triangles.push_back(t);
     }
-    for (const DualArc& arc : arcs)
-      if (near[arc.a] != near[arc.b]) result.cost += arc.capacity;
+    for (const DualEdge& graph_edge : graph_edges)
+      if (near[graph_edge.a] != near[graph_edge.b]) result.cost += graph_edge.capacity;
     result.vertices = vertices_of_triangles(topology_, result.triangles);
     result.chains = border_chains(topology_, inside);
     return result;
@@ -50,11 +50,11 @@ class FeatureCutter {
         throw InputError("triangle " + std::to_string(t) +
                          " of the band does not exist: there are " +
                          std::to_string(topology_.triangle_count()));
-      part_[t] = kBand;
+      part_[t] = kBandPart;
     }
     for (int t = 0; t < topology_.triangle_count(); ++t)
-      if (part_[t] == kBand) {
-        band_number_[t] = count_of(band_);
+      if (part_[t] == kBandPart) {
+        band_number_[t] = isize(band_);
         band_.push_back(t);
       }
     component_ = component_of(band_.front());
@@ -75,7 +75,7 @@ class FeatureCutter {
     std::vector<int> sizes, stack;
     for (int seed = 0; seed < topology_.triangle_count(); ++seed) {
       if (part_[seed] >= 0 || component_of(seed) != component_) continue;
-      const int part = count_of(sizes) + 1;
+      const int part = isize(sizes) + 1;
       sizes.push_back(0);
       part_[seed] = part;
       stack.push_back(seed);
@@ -126,24 +126,24 @@ class FeatureCutter {
     return found[1] ? 1 : 2;
   }
 
-  int node_of(int triangle) const {
+  int graph_node_of(int triangle) const {
     const int part = part_[triangle];
-    return part == kBand ? 2 + band_number_[triangle] : part == feature_part_ ? 0 : 1;
+    return part == kBandPart ? 2 + band_number_[triangle] : part == feature_part_ ? 0 : 1;
   }
 
-  std::vector<DualArc> dual_arcs() const {
-    std::vector<DualArc> arcs;
+  std::vector<DualEdge> dual_edges() const {
+    std::vector<DualEdge> graph_edges;
     std::vector<int> edges;
-    for (int i = 0; i < count_of(topology_.edges()); ++i) {
+    for (int i = 0; i < isize(topology_.edges()); ++i) {
       const auto& e = topology_.edges()[i];
-      if (e.left < 0 || e.right < 0 || (part_[e.left] != kBand && part_[e.right] != kBand))
+      if (e.left < 0 || e.right < 0 || (part_[e.left] != kBandPart && part_[e.right] != kBandPart))
         continue;
-      arcs.push_back({node_of(e.left), node_of(e.right), 0});
+      graph_edges.push_back({graph_node_of(e.left), graph_node_of(e.right), 0});
       edges.push_back(i);
     }
     const std::vector<double> capacities = cut_capacities(mesh_, edges, options_);
-    for (size_t i = 0; i < arcs.size(); ++i) arcs[i].capacity = capacities[i];
-    return arcs;
+    for (size_t i = 0; i < graph_edges.size(); ++i) graph_edges[i].capacity = capacities[i];
+    return graph_edges;
   }
 
   const TriangleMesh& mesh_;

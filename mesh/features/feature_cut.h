@@ -3,8 +3,8 @@
 
 #include <vector>
 
+#include "batten/mesh/features/border_chain.h"
 #include "batten/mesh/features/cut_options.h"
-#include "batten/mesh/features/patch_border.h"
 #include "batten/mesh/triangle_mesh.h"
 
 namespace batten {

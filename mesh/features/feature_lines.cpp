@@ -5,9 +5,9 @@
 #include <map>
 #include <numbers>
 
-#include "batten/core/each_once.h"
 #include "batten/core/errors.h"
-#include "batten/core/index.h"
+#include "batten/core/isize.h"
+#include "batten/core/sorted_unique.h"
 
 namespace batten {
 namespace {
@@ -29,9 +29,9 @@ class LineFinder {
     at_.resize(mesh.topology().vertex_count());
     used_.assign(edges_.size(), 1);
     const double crease = cosine(options.crease_degrees);
-    for (int e = 0; e < count_of(edges_); ++e) {
+    for (int e = 0; e < isize(edges_); ++e) {
       const auto& edge = edges_[e];
-      if (!is_rim(edge) && normal(edge.left).dot(normal(edge.right)) >= crease) continue;
+      if (!is_boundary(edge) && normal(edge.left).dot(normal(edge.right)) >= crease) continue;
       used_[e] = 0;
       at_[edge.low].push_back(e);
       at_[edge.high].push_back(e);
@@ -42,7 +42,7 @@ class LineFinder {
     FeatureLines result;
     result.lines = lines();
     line_of_.assign(edges_.size(), -1);
-    for (int l = 0; l < count_of(result.lines); ++l)
+    for (int l = 0; l < isize(result.lines); ++l)
       for (const int e : result.lines[l].edges) line_of_[e] = l;
     result.patches = patches();
     return result;
@@ -51,11 +51,11 @@ class LineFinder {
  private:
   std::vector<FeatureLine> lines() {
     std::vector<FeatureLine> lines;
-    for (int v = 0; v < count_of(at_); ++v)
+    for (int v = 0; v < isize(at_); ++v)
       if (!at_[v].empty() && ends_at(v))
         for (const int e : at_[v])
           if (!used_[e]) lines.push_back(along(v, e));
-    for (int e = 0; e < count_of(edges_); ++e)  // loops without a corner
+    for (int e = 0; e < isize(edges_); ++e)  // loops without a corner
       if (!used_[e]) {
         lines.push_back(along(edges_[e].low, e));
         lines.back().closed = true;
@@ -65,7 +65,9 @@ class LineFinder {
     return lines;
   }
 
-  static bool is_rim(const MeshTopology::Edge& edge) { return edge.left < 0 || edge.right < 0; }
+  static bool is_boundary(const MeshTopology::Edge& edge) {
+    return edge.left < 0 || edge.right < 0;
+  }
   Vec3 normal(int triangle) const { return mesh_.area_vector(triangle).normalized(); }
   int other(int e, int v) const { return edges_[e].low == v ? edges_[e].high : edges_[e].low; }
 
@@ -73,7 +75,7 @@ class LineFinder {
   bool ends_at(int v) const {
     if (at_[v].size() != 2) return true;
     const int a = at_[v][0], b = at_[v][1];
-    if (is_rim(edges_[a]) != is_rim(edges_[b])) return true;
+    if (is_boundary(edges_[a]) != is_boundary(edges_[b])) return true;
     const Vec3 in = (mesh_.point(v) - mesh_.point(other(a, v))).normalized(),
                out = (mesh_.point(other(b, v)) - mesh_.point(v)).normalized();
     return in.dot(out) < cosine(options_.corner_degrees);
@@ -81,7 +83,7 @@ class LineFinder {
 
   FeatureLine along(int v, int e) {
     FeatureLine line;
-    line.rim = is_rim(edges_[e]);
+    line.boundary = is_boundary(edges_[e]);
     line.vertices = {v};
     for (;;) {
       used_[e] = 1;
@@ -96,12 +98,12 @@ class LineFinder {
   }
 
   bool is_noise(const FeatureLine& line) const {
-    if (line.rim || line.closed) return false;
+    if (line.boundary || line.closed) return false;
     if (at_[line.vertices.front()].size() > 1 && at_[line.vertices.back()].size() > 1) return false;
     double length = 0;
     for (size_t i = 1; i < line.vertices.size(); ++i)
       length += (mesh_.point(line.vertices[i]) - mesh_.point(line.vertices[i - 1])).norm();
-    return length < options_.shortest * mesh_.size();
+    return length < options_.min_length * mesh_.size();
   }
 
   /// Triangles that hang together without crossing a line.
@@ -113,19 +115,19 @@ class LineFinder {
       if (patch_of_[first] >= 0) continue;
       FeaturePatch patch;
       patch.triangles = {first};
-      patch_of_[first] = count_of(result);
+      patch_of_[first] = isize(result);
       for (size_t i = 0; i < patch.triangles.size(); ++i)
         for (const int e : topology.edges_of(patch.triangles[i])) {
           const int t = across(e, patch.triangles[i]);
           if (line_of_[e] >= 0 || t < 0 || patch_of_[t] >= 0) continue;
-          patch_of_[t] = count_of(result);
+          patch_of_[t] = isize(result);
           patch.triangles.push_back(t);
         }
       std::sort(patch.triangles.begin(), patch.triangles.end());
       patch.flat = is_flat(patch);
       result.push_back(std::move(patch));
     }
-    for (int p = 0; p < count_of(result); ++p) find_loops(result[p], p);
+    for (int p = 0; p < isize(result); ++p) find_loops(result[p], p);
     return result;
   }
 
@@ -153,7 +155,7 @@ class LineFinder {
         const auto& corners = mesh_.triangles()[t];
         from[corners[(i + 1) % 3]].emplace_back(corners[(i + 2) % 3], e);
       }
-    patch.inner = each_once(std::move(patch.inner));
+    patch.inner = sorted_unique(std::move(patch.inner));
     std::vector<std::pair<double, std::vector<int>>> loops;
     for (auto& [start, ways] : from)
       while (!ways.empty()) {

@@ -13,7 +13,7 @@ struct FeatureLineOptions {
   /// A line ends where its edges turn by more than this.
   double corner_degrees = 45;
   /// Chains of creases that end in the open and are shorter than this, of the mesh's size, are noise.
-  double shortest = 0.02;
+  double min_length = 0.02;
 };
 
 /// A chain of crease edges, or of edges at the boundary.
@@ -21,7 +21,7 @@ struct FeatureLine {
   std::vector<int> vertices;  ///< along it; of a closed one the first is not repeated
   std::vector<int> edges;     ///< of the mesh, along it
   bool closed = false;
-  bool rim = false;  ///< of the boundary
+  bool boundary = false;  ///< of the boundary
 };
 
 /// A part of the mesh that lines enclose.

@@ -12,21 +12,22 @@ namespace batten {
 namespace {
 
 // The bend of an edge, η (1 - cos a).
-double bend_of(const TriangleMesh& mesh, const MeshTopology::Edge& e, const CutOptions& options) {
+double bending(const TriangleMesh& mesh, const MeshTopology::Edge& e, const CutOptions& options) {
   const Vec3 left = mesh.area_vector(e.left), right = mesh.area_vector(e.right);
   const double norms = left.norm() * right.norm();
   if (!(norms > 0)) return 0;
   // The tip of the right triangle above the left one: the surface bends towards its normal.
   const auto& corners = mesh.topology().triangles()[e.right];
-  const int tip = *std::find_if(corners.begin(), corners.end(),
-                                [&](int v) { return v != e.low && v != e.high; });
-  const bool concave = left.dot(mesh.point(tip) - mesh.point(e.low)) > 0;
+  const int opposite_vertex = *std::find_if(corners.begin(), corners.end(),
+                                            [&](int v) { return v != e.low && v != e.high; });
+  const bool concave = left.dot(mesh.point(opposite_vertex) - mesh.point(e.low)) > 0;
   return (concave ? options.concave : options.convex) * (1 - left.dot(right) / norms);
 }
 
 }  // namespace
 
-std::vector<char> source_side(int nodes, int source, int sink, const std::vector<DualArc>& arcs) {
+std::vector<char> source_side(int nodes, int source, int sink,
+                              const std::vector<DualEdge>& graph_edges) {
   using Traits = boost::adjacency_list_traits<boost::vecS, boost::vecS, boost::directedS>;
   using Amount = std::int64_t;
   struct Node {
@@ -41,13 +42,13 @@ std::vector<char> source_side(int nodes, int source, int sink, const std::vector
   using Graph = boost::adjacency_list<boost::vecS, boost::vecS, boost::directedS, Node, Edge>;
 
   double sum = 0;
-  for (const DualArc& arc : arcs) sum += arc.capacity;
+  for (const DualEdge& graph_edge : graph_edges) sum += graph_edge.capacity;
   const double unit = sum > 0 ? 0x1p52 / sum : 0;
   Graph graph(nodes);
-  for (const DualArc& arc : arcs) {
-    const auto there = add_edge(arc.a, arc.b, graph).first;
-    const auto back = add_edge(arc.b, arc.a, graph).first;
-    graph[there].capacity = graph[back].capacity = std::llround(arc.capacity * unit);
+  for (const DualEdge& graph_edge : graph_edges) {
+    const auto there = add_edge(graph_edge.a, graph_edge.b, graph).first;
+    const auto back = add_edge(graph_edge.b, graph_edge.a, graph).first;
+    graph[there].capacity = graph[back].capacity = std::llround(graph_edge.capacity * unit);
     graph[there].reverse = back;
     graph[back].reverse = there;
   }
@@ -79,7 +80,7 @@ std::vector<double> cut_capacities(const TriangleMesh& mesh, const std::vector<i
   for (const int i : edges) {
     const auto& e = mesh.topology().edges()[i];
     capacities.push_back((mesh.point(e.high) - mesh.point(e.low)).norm());
-    bends.push_back(bend_of(mesh, e, options));
+    bends.push_back(bending(mesh, e, options));
     sum += bends.back();
   }
   constexpr double tenth_of_a_degree = 1.523e-6;  // 1 - cos
@@ -91,7 +92,7 @@ std::vector<double> cut_capacities(const TriangleMesh& mesh, const std::vector<i
 void check(const CutOptions& options) {
   for (const double eta : {options.concave, options.convex})
     if (!(eta >= 0) || !std::isfinite(eta))
-      throw InputError("weight " + number(eta) + " of a bend, expected 0 or more");
+      throw InputError("weight " + format_number(eta) + " of a bend, expected 0 or more");
 }
 
 }  // namespace batten

@@ -9,14 +9,15 @@
 namespace batten {
 
 /// An undirected edge of the dual graph.
-struct DualArc {
+struct DualEdge {
   int a, b;
   double capacity;
 };
 
 /// The nodes on the source's side of the minimum cut, as few as possible: those that residual
 /// capacity reaches from the source.
-std::vector<char> source_side(int nodes, int source, int sink, const std::vector<DualArc>& arcs);
+std::vector<char> source_side(int nodes, int source, int sink,
+                              const std::vector<DualEdge>& graph_edges);
 
 /// Cost of each of these edges of the topology, which have two triangles: cut_feature() says how.
 std::vector<double> cut_capacities(const TriangleMesh& mesh, const std::vector<int>& edges,

@@ -4,7 +4,7 @@
 #include <string>
 
 #include "batten/core/errors.h"
-#include "batten/core/index.h"
+#include "batten/core/isize.h"
 #include "batten/mesh/features/minimum_cut.h"
 #include "batten/mesh/selection.h"
 
@@ -65,27 +65,27 @@ FeatureCut stroke_cut(const TriangleMesh& mesh, const std::vector<int>& inside,
   int nodes = 2;
   for (int& n : node)
     if (n == kBetween) n = nodes++;
-  std::vector<DualArc> arcs;
+  std::vector<DualEdge> graph_edges;
   std::vector<int> edges;
   const int part = topology.component()[inside[0]];
-  for (int i = 0; i < count_of(topology.edges()); ++i) {
+  for (int i = 0; i < isize(topology.edges()); ++i) {
     const auto& e = topology.edges()[i];
     if (e.left < 0 || e.right < 0 || topology.component()[e.low] != part) continue;
-    arcs.push_back({node[e.left], node[e.right], 0});
+    graph_edges.push_back({node[e.left], node[e.right], 0});
     edges.push_back(i);
   }
   const std::vector<double> capacities = cut_capacities(mesh, edges, options);
-  for (size_t i = 0; i < arcs.size(); ++i) arcs[i].capacity = capacities[i];
+  for (size_t i = 0; i < graph_edges.size(); ++i) graph_edges[i].capacity = capacities[i];
 
-  const std::vector<char> near = source_side(nodes, kInside, kOutside, arcs);
+  const std::vector<char> near = source_side(nodes, kInside, kOutside, graph_edges);
   FeatureCut result{{}, {}, {}, 0};
   std::vector<char> feature(topology.triangle_count(), 0);
   for (int t = 0; t < topology.triangle_count(); ++t) {
     feature[t] = near[node[t]];
     if (feature[t]) result.triangles.push_back(t);
   }
-  for (const DualArc& arc : arcs)
-    if (near[arc.a] != near[arc.b]) result.cost += arc.capacity;
+  for (const DualEdge& graph_edge : graph_edges)
+    if (near[graph_edge.a] != near[graph_edge.b]) result.cost += graph_edge.capacity;
   result.vertices = vertices_of_triangles(topology, result.triangles);
   result.chains = border_chains(topology, feature);
   return result;

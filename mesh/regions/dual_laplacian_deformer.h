@@ -3,23 +3,24 @@
 
 #include <memory>
 
-#include "batten/mesh/regions/deform_estimate.h"
+#include "batten/mesh/regions/iterative_deformer.h"
 #include "batten/mesh/triangle_mesh.h"
 
 namespace batten {
 
 struct DualLaplacianOptions {
-  int most_rounds = 200;
+  int max_iterations = 200;
   double tolerance = 1e-6;  ///< of the mesh's size: rounds end when no vertex moves by more
   /// Faces on the border have no Laplacian row, or the middle of a border edge stands in for the
   /// neighbour that is not there: measured, angles along free borders change by 2 to 7 % more then.
-  enum class Border { LeftOut, EdgeMiddles } border = Border::LeftOut;
+  enum class Border { Omitted, EdgeMidpoints } border = Border::Omitted;
   /// Length of the turned vectors: that of the original, or fitted together with the direction, as
   /// Au et al. re-estimate it: faces then grow and shrink freely.
   enum class Lengths { Original, Fitted } lengths = Lengths::Original;
   /// μ, how much faces resist to be stretched and sheared.
   double membrane = 1;
-  double primal = 0.1;  ///< η, how much primal vertices resist to go to and fro; 0: not at all
+  double checkerboard_penalty =
+      0.1;  ///< η, how much primal vertices resist to go to and fro; 0: not at all
 };
 
 /// The dual vertex of a face f of k corners is their mean d_f; its neighbours n_j are the dual
@@ -51,7 +52,7 @@ struct DualLaplacianOptions {
 /// change by 18 % at most instead of 42 %. Where the surface bends the membrane keeps vectors from
 /// leaning over. docs/theory/deformers.md has what was measured.
 ///
-/// Solids that are twisted far are for NonlinearDeformer: of the section of a bar of length 6 this
+/// Solids that are twisted far are for ArapDeformer: of the section of a bar of length 6 this
 /// one keeps 74 % at 180°, that one 94 %.
 ///
 /// Where sheets meet, + ½ |R_f - R_g|² keeps the angles between their faces.
@@ -61,7 +62,7 @@ struct DualLaplacianOptions {
 /// exactly; a handle's scale moves its own vertices only. Cost: one factor of n unknowns at
 /// construction; a round is one solve and O(faces), without allocation. Source: Au, Tai, Liu, Fu
 /// 2006.
-class DualLaplacianDeformer final : public DeformEstimate {
+class DualLaplacianDeformer final : public IterativeDeformer {
  public:
   /// `faces`: polygons of three or more corners, wound alike; none: the mesh's triangles. Throws
   /// InputError (check() in deform_problem.h; a face with fewer than three corners, one out of range
@@ -74,12 +75,12 @@ class DualLaplacianDeformer final : public DeformEstimate {
   DualLaplacianDeformer(DualLaplacianDeformer&&) noexcept;
   DualLaplacianDeformer& operator=(DualLaplacianDeformer&&) noexcept;
 
-  const Points& deform(std::span<const HandleMove> moves) override;
-  const Points& deform(std::span<const HandleMove> moves, const Points& guess) override;
+  const Points& deform(std::span<const HandleTransform> moves) override;
+  const Points& deform(std::span<const HandleTransform> moves, const Points& guess) override;
   const Points& positions() const override;
-  const EstimateReport& report() const override;
+  const IterationReport& report() const override;
   /// R_f of every face after the last edit; with Lengths::Fitted times its scale.
-  const std::vector<Mat3>& face_turns() const;
+  const std::vector<Mat3>& face_rotations() const;
 
  private:
   struct Data;

@@ -5,13 +5,13 @@
 #include <optional>
 #include <set>
 
-#include "batten/core/chunks.h"
+#include "batten/core/disjoint_sets.h"
 #include "batten/core/errors.h"
-#include "batten/core/groups.h"
+#include "batten/core/parallel_chunks.h"
 #include "batten/core/rotations.h"
-#include "batten/mesh/regions/region_system.h"
+#include "batten/mesh/regions/feature_region_system.h"
 #include "batten/mesh/rotation_batch.h"
-#include "batten/mesh/rotation_of_faces.h"
+#include "batten/mesh/rotation_fitting.h"
 #include "batten/mesh/selection.h"
 
 namespace batten {
@@ -26,7 +26,7 @@ void check_rotation(const std::string& name, const Mat3& R) {
 
 void check_scale(const std::string& name, double scale) {
   if (!(scale > 0) || !(scale < 1e100))
-    throw InputError("the scale of region '" + name + "' is " + number(scale) +
+    throw InputError("the scale of region '" + name + "' is " + format_number(scale) +
                      ", expected a number above 0");
 }
 
@@ -46,7 +46,7 @@ std::vector<std::string> checked_names(const std::vector<FeatureRegion>& regions
 
 const FeatureRegionOptions& checked(const FeatureRegionOptions& options) {
   if (!(options.weight > 0) || !std::isfinite(options.weight))
-    throw InputError("the weight of feature regions is " + number(options.weight) +
+    throw InputError("the weight of feature regions is " + format_number(options.weight) +
                      ", expected a number above 0");
   return options;
 }
@@ -54,13 +54,13 @@ const FeatureRegionOptions& checked(const FeatureRegionOptions& options) {
 }  // namespace
 
 struct FeatureRegionDeformer::Data {
-  Data(const TriangleMesh& given, std::vector<FeatureRegion> stated, DeformProblem held,
+  Data(const TriangleMesh& given, std::vector<FeatureRegion> stated, DeformProblem constraints,
        const FeatureRegionOptions& wanted);
-  void find_holders();
+  void find_constraint_sources();
   void group();
-  void take(const Points& estimate, std::span<const HandleMove> moves);
-  void turn_faces(const Points& estimate);
-  void turn_regions();
+  void take(const Points& estimate, std::span<const HandleTransform> moves);
+  void fit_face_rotations(const Points& estimate);
+  void fit_region_rotations();
   Mat3 mean_of_group(int group) const;
 
   TriangleMesh mesh;
@@ -69,43 +69,43 @@ struct FeatureRegionDeformer::Data {
   FeatureRegionOptions options;
   std::vector<std::string> names;
   Lists faces, corners;
-  std::optional<RegionSystem> system, soft;  // soft: for rough() of hard regions
-  std::vector<int> group_of;                 // lowest region of those that turn as one
-  std::vector<int> holder;  // of each group's lowest region: handle, kFixed, or kMoves
+  std::optional<FeatureRegionSystem> system, soft;  // soft: for deform_per_face() of hard regions
+  std::vector<int> group_of;                        // lowest region of those that turn as one
+  std::vector<int> constrained_by;  // of each group's lowest region: handle, kFixed, or kFree
 
   DeformEdit edit;
-  std::vector<std::vector<Mat3>> face_turns;
+  std::vector<std::vector<Mat3>> face_rotations;
   std::vector<std::vector<double>> areas;
-  std::vector<Mat3> turns, scaled;  // R', s R'
+  std::vector<Mat3> rotations, scaled;  // R', s R'
   std::vector<double> scales;
   Points result;
 };
 
 FeatureRegionDeformer::Data::Data(const TriangleMesh& given, std::vector<FeatureRegion> stated,
-                                  DeformProblem held, const FeatureRegionOptions& wanted)
+                                  DeformProblem constraints, const FeatureRegionOptions& wanted)
     : mesh(given),
       regions(std::move(stated)),
-      problem(std::move(held)),
+      problem(std::move(constraints)),
       options(checked(wanted)),
       names(checked_names(regions)),
       result(given.points()) {
   for (const auto& region : regions) {
     faces.push_back(faces_of(mesh, region));
     corners.push_back(vertices_of_triangles(mesh.topology(), faces.back()));
-    face_turns.emplace_back(faces.back().size(), Mat3::Identity());
+    face_rotations.emplace_back(faces.back().size(), Mat3::Identity());
     areas.emplace_back();
     for (const int f : faces.back()) areas.back().push_back(mesh.area_vector(f).norm() / 2);
     scales.push_back(region.scale);
   }
-  turns.assign(regions.size(), Mat3::Identity());
-  scaled = turns;
+  rotations.assign(regions.size(), Mat3::Identity());
+  scaled = rotations;
   system.emplace(mesh, problem, names, faces, corners, options);
   group();
-  find_holders();
+  find_constraint_sources();
 }
 
 void FeatureRegionDeformer::Data::group() {
-  Groups groups(regions.size());
+  DisjointSets groups(regions.size());
   if (options.kind == FeatureRegionOptions::Kind::Hard) {
     std::vector<int> first(mesh.vertex_count(), -1);
     for (size_t r = 0; r < regions.size(); ++r)
@@ -113,35 +113,37 @@ void FeatureRegionDeformer::Data::group() {
         if (first[v] < 0)
           first[v] = static_cast<int>(r);
         else
-          groups.join(first[v], static_cast<int>(r));
+          groups.unite(first[v], static_cast<int>(r));
   }
-  for (size_t r = 0; r < regions.size(); ++r) group_of.push_back(groups.of(static_cast<int>(r)));
+  for (size_t r = 0; r < regions.size(); ++r) group_of.push_back(groups.find(static_cast<int>(r)));
 }
 
-void FeatureRegionDeformer::Data::find_holders() {
-  holder.assign(regions.size(), DeformSystem::kMoves);
+void FeatureRegionDeformer::Data::find_constraint_sources() {
+  constrained_by.assign(regions.size(), DeformSystem::kFree);
   for (size_t r = 0; r < regions.size(); ++r)
     for (const int v : corners[r])
-      if (system->holder(v) != DeformSystem::kMoves)
-        holder[group_of[r]] = std::max(holder[group_of[r]], system->holder(v));
+      if (system->constrained_by(v) != DeformSystem::kFree)
+        constrained_by[group_of[r]] =
+            std::max(constrained_by[group_of[r]], system->constrained_by(v));
 }
 
-void FeatureRegionDeformer::Data::take(const Points& estimate, std::span<const HandleMove> moves) {
+void FeatureRegionDeformer::Data::take(const Points& estimate,
+                                       std::span<const HandleTransform> moves) {
   edit.handles.assign(moves.begin(), moves.end());
   check(problem, edit);
   if (estimate.rows() != mesh.vertex_count() || !estimate.allFinite())
     throw InputError("the estimate has " + std::to_string(estimate.rows()) + " points, expected " +
                      std::to_string(mesh.vertex_count()) + " finite ones");
-  turn_faces(estimate);
-  turn_regions();
+  fit_face_rotations(estimate);
+  fit_region_rotations();
 }
 
-void FeatureRegionDeformer::Data::turn_faces(const Points& estimate) {
+void FeatureRegionDeformer::Data::fit_face_rotations(const Points& estimate) {
   for (size_t r = 0; r < regions.size(); ++r)
-    in_chunks<256>(count_of(faces[r]), [&](long begin, long end) {
+    parallel_chunks<256>(isize(faces[r]), [&](long begin, long end) {
       const auto n = static_cast<size_t>(end - begin);
       rotations_of_triangles(mesh.triangles(), std::span(faces[r]).subspan(begin, n), mesh.points(),
-                             estimate, std::span(face_turns[r]).subspan(begin, n));
+                             estimate, std::span(face_rotations[r]).subspan(begin, n));
     });
 }
 
@@ -150,32 +152,33 @@ Mat3 FeatureRegionDeformer::Data::mean_of_group(int group) const {
   std::vector<double> weights;
   for (size_t r = 0; r < regions.size(); ++r)
     if (group_of[r] == group) {
-      all.insert(all.end(), face_turns[r].begin(), face_turns[r].end());
+      all.insert(all.end(), face_rotations[r].begin(), face_rotations[r].end());
       weights.insert(weights.end(), areas[r].begin(), areas[r].end());
     }
   return options.mean == FeatureRegionOptions::Mean::Squared ? mean_rotation(all, weights)
                                                              : median_rotation(all, weights);
 }
 
-void FeatureRegionDeformer::Data::turn_regions() {
-  std::vector<const Mat3*> told(regions.size(), nullptr);  // of each group
+void FeatureRegionDeformer::Data::fit_region_rotations() {
+  std::vector<const Mat3*> prescribed(regions.size(), nullptr);  // of each group
   for (size_t r = 0; r < regions.size(); ++r)
-    if (regions[r].rotation && !told[group_of[r]]) told[group_of[r]] = &*regions[r].rotation;
+    if (regions[r].rotation && !prescribed[group_of[r]])
+      prescribed[group_of[r]] = &*regions[r].rotation;
   for (size_t r = 0; r < regions.size(); ++r) {
-    const int group = group_of[r], by = holder[group];
+    const int group = group_of[r], by = constrained_by[group];
     scales[r] = by >= 0 ? edit.handles[by].scale : regions[r].scale;
     if (regions[r].rotation) {
-      turns[r] = *regions[r].rotation;
-    } else if (told[group]) {
-      turns[r] = *told[group];
+      rotations[r] = *regions[r].rotation;
+    } else if (prescribed[group]) {
+      rotations[r] = *prescribed[group];
     } else if (by >= 0) {
-      turns[r] = rotation_matrix(edit.handles[by].turn);
-    } else if (by != DeformSystem::kMoves) {
-      turns[r].setIdentity();
+      rotations[r] = rotation_matrix(edit.handles[by].rotation_vector);
+    } else if (by != DeformSystem::kFree) {
+      rotations[r].setIdentity();
     } else {
-      turns[r] = group == static_cast<int>(r) ? mean_of_group(group) : turns[group];
+      rotations[r] = group == static_cast<int>(r) ? mean_of_group(group) : rotations[group];
     }
-    scaled[r] = scales[r] * turns[r];
+    scaled[r] = scales[r] * rotations[r];
   }
 }
 
@@ -183,17 +186,17 @@ FeatureRegionDeformer::FeatureRegionDeformer(const TriangleMesh& mesh,
                                              std::vector<FeatureRegion> regions,
                                              std::vector<int> fixed, std::vector<Handle> handles,
                                              const FeatureRegionOptions& options) {
-  DeformProblem held;
-  held.fixed = std::move(fixed);
-  held.handles = std::move(handles);
-  data_ = std::make_unique<Data>(mesh, std::move(regions), std::move(held), options);
+  DeformProblem constraints;
+  constraints.fixed = std::move(fixed);
+  constraints.handles = std::move(handles);
+  data_ = std::make_unique<Data>(mesh, std::move(regions), std::move(constraints), options);
 }
 FeatureRegionDeformer::~FeatureRegionDeformer() = default;
 FeatureRegionDeformer::FeatureRegionDeformer(FeatureRegionDeformer&&) noexcept = default;
 FeatureRegionDeformer& FeatureRegionDeformer::operator=(FeatureRegionDeformer&&) noexcept = default;
 
 const Points& FeatureRegionDeformer::deform(const Points& estimate,
-                                            std::span<const HandleMove> moves) {
+                                            std::span<const HandleTransform> moves) {
   Data& d = *data_;
   d.take(estimate, moves);
   d.system->solve(
@@ -202,11 +205,11 @@ const Points& FeatureRegionDeformer::deform(const Points& estimate,
   return d.result;
 }
 
-const Points& FeatureRegionDeformer::rough(const Points& estimate,
-                                           std::span<const HandleMove> moves) {
+const Points& FeatureRegionDeformer::deform_per_face(const Points& estimate,
+                                                     std::span<const HandleTransform> moves) {
   Data& d = *data_;
   d.take(estimate, moves);
-  RegionSystem* system = &*d.system;
+  FeatureRegionSystem* system = &*d.system;
   if (d.options.kind == FeatureRegionOptions::Kind::Hard) {
     FeatureRegionOptions soft = d.options;
     soft.kind = FeatureRegionOptions::Kind::Soft;
@@ -215,7 +218,7 @@ const Points& FeatureRegionDeformer::rough(const Points& estimate,
   }
   system->solve(
       estimate, d.edit, d.scales, d.scaled,
-      [&](int region, int k) -> Mat3 { return d.scales[region] * d.face_turns[region][k]; },
+      [&](int region, int k) -> Mat3 { return d.scales[region] * d.face_rotations[region][k]; },
       d.result);
   return d.result;
 }
@@ -233,10 +236,12 @@ void FeatureRegionDeformer::set_scale(int region, double scale) {
 }
 
 const Points& FeatureRegionDeformer::positions() const { return data_->result; }
-const std::vector<Mat3>& FeatureRegionDeformer::region_rotations() const { return data_->turns; }
+const std::vector<Mat3>& FeatureRegionDeformer::region_rotations() const {
+  return data_->rotations;
+}
 const std::vector<double>& FeatureRegionDeformer::region_scales() const { return data_->scales; }
 const std::vector<Mat3>& FeatureRegionDeformer::face_rotations(int region) const {
-  return data_->face_turns.at(region);
+  return data_->face_rotations.at(region);
 }
 const std::vector<int>& FeatureRegionDeformer::faces(int region) const {
   return data_->faces.at(region);

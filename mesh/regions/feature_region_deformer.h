@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "batten/mesh/deform/deform_problem.h"
-#include "batten/mesh/regions/feature_regions.h"
+#include "batten/mesh/regions/feature_region.h"
 
 namespace batten {
 
@@ -17,7 +17,7 @@ namespace batten {
 ///       + ½ weight/size² Σ_regions Σ_f A_f Σ_e |e - s R e⁰|² / Σ_e |e⁰|²             (6), soft
 ///     L(p_i) = (L_c p)_i / (2 A_i),   l_i = L(p'_i) of the estimate, or L(p_i⁰)
 ///
-/// with fixed vertices and handles exact. L_c, A_i: mesh/operators.h; A_f: area of a face, e its
+/// with fixed vertices and handles exact. L_c, A_i: mesh/differential_operators.h; A_f: area of a face, e its
 /// edges, size the mesh's. R is R', one rotation a region (11): the mean over its faces of the
 /// rotations R_f (rotation_of_face) from the mesh to V'. Hard: instead of (6) all vertices of the
 /// region's faces are p_i - p_r = s R' (p_i⁰ - p_r⁰).
@@ -42,10 +42,10 @@ class FeatureRegionDeformer {
   /// All vertices: the final result. `estimate`: n×3, of any deformer, with the same moves. Throws
   /// InputError (moves; another number of points, or not finite), ConflictError (hard regions that
   /// what they share or what holds them would have two ways at once).
-  const Points& deform(const Points& estimate, std::span<const HandleMove> moves);
+  const Points& deform(const Points& estimate, std::span<const HandleTransform> moves);
   /// The rough result: (6) with each face's own R_f, which bends regions as the estimate did. Of a
   /// deformer of the kind Hard the first call makes a soft one, with a factor of its own.
-  const Points& rough(const Points& estimate, std::span<const HandleMove> moves);
+  const Points& deform_per_face(const Points& estimate, std::span<const HandleTransform> moves);
 
   /// The user's rotation of a region, or none; its scale. No new factor.
   void set_rotation(int region, const std::optional<Mat3>& rotation);

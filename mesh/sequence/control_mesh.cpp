@@ -5,10 +5,10 @@
 #include <numbers>
 #include <numeric>
 
-#include "batten/core/chunks.h"
-#include "batten/core/each_once.h"
 #include "batten/core/errors.h"
-#include "batten/mesh/rotation_of_faces.h"
+#include "batten/core/parallel_chunks.h"
+#include "batten/core/sorted_unique.h"
+#include "batten/mesh/rotation_fitting.h"
 
 namespace batten {
 namespace {
@@ -56,7 +56,7 @@ MatX mean_value_coordinates(const TriangleMesh& control, const Points& points) {
   const int m = control.vertex_count();
   const double size = control.size();
   MatX W(points.rows(), m);
-  in_chunks<64>(points.rows(), [&](long first, long last) {
+  parallel_chunks<64>(points.rows(), [&](long first, long last) {
     Eigen::Matrix<double, Eigen::Dynamic, 3> u(m, 3);
     VecX d(m), w(m);
     for (long x = first; x < last; ++x) {
@@ -77,8 +77,8 @@ MatX mean_value_coordinates(const TriangleMesh& control, const Points& points) {
   return W;
 }
 
-ControlFollower::ControlFollower(const TriangleMesh& mesh, const Points& control, const MatX& W,
-                                 int near)
+ControlMeshTransfer::ControlMeshTransfer(const TriangleMesh& mesh, const Points& control,
+                                         const MatX& W, int near)
     : mesh_(mesh), links_(control.rows()) {
   const auto n = static_cast<int>(W.rows());
   if (W.cols() != control.rows() || n > mesh.vertex_count() || near < 1)
@@ -94,30 +94,30 @@ ControlFollower::ControlFollower(const TriangleMesh& mesh, const Points& control
       nodes_.push_back(order[k]);
     }
   }
-  nodes_ = each_once(std::move(nodes_));
+  nodes_ = sorted_unique(std::move(nodes_));
 }
 
-Points ControlFollower::at(const Points& frame) const {
+Points ControlMeshTransfer::at(const Points& frame) const {
   if (frame.rows() != mesh_.topology().node_count())
     throw InputError("a frame of " + std::to_string(frame.rows()) + " nodes, expected " +
                      std::to_string(mesh_.topology().node_count()));
-  std::vector<Mat3> turns(frame.rows());
+  std::vector<Mat3> rotations(frame.rows());
   for (const int v : nodes_) {
     Mat3 M = Mat3::Zero();
     const MeshTopology& topology = mesh_.topology();
-    for (const int same : topology.together(v))
+    for (const int same : topology.coincident_vertices(v))
       for (const int vertex : topology.neighbours(same)) {
         const int j = topology.node_of(vertex);
         M += (frame.row(j) - frame.row(v)).transpose() *
              (mesh_.points().row(j) - mesh_.points().row(v));
       }
-    turns[v] = rotation_part(M);
+    rotations[v] = nearest_rotation(M);
   }
-  Points result(count_of(links_), 3);
+  Points result(isize(links_), 3);
   for (size_t d = 0; d < links_.size(); ++d) {
     Vec3 sum = Vec3::Zero();
     for (const Link& link : links_[d])
-      sum += frame.row(link.node).transpose() + turns[link.node] * link.arm;
+      sum += frame.row(link.node).transpose() + rotations[link.node] * link.offset;
     result.row(static_cast<long>(d)) = sum.transpose() / static_cast<double>(links_[d].size());
   }
   return result;

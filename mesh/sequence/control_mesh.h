@@ -35,16 +35,16 @@ MatX mean_value_coordinates(const TriangleMesh& control, const Points& points);
 /// p, `mesh`: where W was taken (nodes × control vertices); R_b^k: rotation of a node's ring from
 /// there to frame k. A rigid motion moves it exactly. Source: Xu et al. 2007, section on control
 /// meshes.
-class ControlFollower {
+class ControlMeshTransfer {
  public:
-  ControlFollower(const TriangleMesh& mesh, const Points& control, const MatX& W, int near = 4);
+  ControlMeshTransfer(const TriangleMesh& mesh, const Points& control, const MatX& W, int near = 4);
   /// Control vertices at a frame (nodes × 3). Throws InputError on another number of nodes.
   Points at(const Points& frame) const;
 
  private:
   struct Link {
     int node;
-    Vec3 arm;  // d - p_b
+    Vec3 offset;  // d - p_b
   };
   const TriangleMesh mesh_;
   std::vector<std::vector<Link>> links_;  // of each control vertex

@@ -21,8 +21,8 @@ void volume_gradient(const std::vector<std::array<int, 3>>& triangles, const Row
   gradient.setZero(p.rows(), 3);
   for (const auto& t : triangles) {
     // A third of the area vector: the sum over a closed fan does not depend on the origin.
-    const Vec3 share = (at(p, t[1]) - at(p, t[0])).cross(at(p, t[2]) - at(p, t[0])) / 6;
-    for (const int v : t) gradient.row(v) += share.transpose();
+    const Vec3 contribution = (at(p, t[1]) - at(p, t[0])).cross(at(p, t[2]) - at(p, t[0])) / 6;
+    for (const int v : t) gradient.row(v) += contribution.transpose();
   }
 }
 

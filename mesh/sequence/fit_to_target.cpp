@@ -3,30 +3,30 @@
 #include <algorithm>
 #include <cmath>
 
-#include "batten/core/chunks.h"
 #include "batten/core/errors.h"
+#include "batten/core/parallel_chunks.h"
 #include "batten/core/sparse_cholesky.h"
+#include "batten/mesh/aabb_tree.h"
 #include "batten/mesh/deform/similarity.h"
-#include "batten/mesh/sequence/ring_steps.h"
-#include "batten/mesh/surface_search.h"
+#include "batten/mesh/sequence/local_global_steps.h"
 
 namespace batten {
 namespace {
 
 constexpr double kLandmarkWeight = 1000;  // of the mean weight at a node
 
-class Fit {
+class NonRigidRegistration {
  public:
-  Fit(const TriangleMesh& mesh, const TriangleMesh& target,
-      const std::vector<LandmarkPair>& landmarks)
+  NonRigidRegistration(const TriangleMesh& mesh, const TriangleMesh& target,
+                       const std::vector<LandmarkPair>& landmarks)
       : mesh_(mesh),
         target_(target),
         search_(target),
         landmarks_(landmarks),
-        graph_(ring_graph(mesh.topology())),
+        graph_(node_graph(mesh.topology())),
         mean_weight_(2.0 * static_cast<double>(graph_.edges.size()) / std::max(1, graph_.nodes)),
-        turns_(graph_.nodes, Mat3::Identity()),
-        near_(graph_.nodes) {
+        rotations_(graph_.nodes, Mat3::Identity()),
+        nearest_(graph_.nodes) {
     p_ = loads_ = RowPoints::Zero(graph_.nodes, 3);
   }
 
@@ -53,25 +53,25 @@ class Fit {
     }
     const Similarity s = fit_similarity(from, to, all);
     for (int v = 0; v < graph_.nodes; ++v)
-      p_.row(v) = (s.scale * (s.R * mesh_.point(v)) + s.shift).transpose();
+      p_.row(v) = (s.scale * (s.R * mesh_.point(v)) + s.translation).transpose();
     now_ = p_;
   }
 
-  void stage(double softness, int rounds) {
+  void stage(double penalty_weight, int iterations) {
     p_ = now_;
-    const double mu = softness * mean_weight_, lambda = kLandmarkWeight * mean_weight_;
+    const double mu = penalty_weight * mean_weight_, lambda = kLandmarkWeight * mean_weight_;
     VecX at_node = VecX::Constant(graph_.nodes, mu);
     for (const auto& l : landmarks_) at_node[l.node] = lambda;
     factorize(at_node);
-    for (int round = 0; round < rounds; ++round) {
-      turn_rings(graph_, p_, now_, {}, turns_, sums_);
+    for (int iteration = 0; iteration < iterations; ++iteration) {
+      local_step(graph_, p_, now_, {}, rotations_, sums_);
       find_nearest();
-      ring_loads(graph_, p_, turns_, loads_);
+      global_step_rhs(graph_, p_, rotations_, loads_);
       for (int v = 0; v < graph_.nodes; ++v)
-        if (near_[v]) loads_.row(v) += at_node[v] * (near_[v]->transpose() - p_.row(v));
+        if (nearest_[v]) loads_.row(v) += at_node[v] * (nearest_[v]->transpose() - p_.row(v));
       // Where nothing of the target faces a node, its weight pulls it to where it is.
       for (int v = 0; v < graph_.nodes; ++v)
-        if (!near_[v]) loads_.row(v) += at_node[v] * (now_.row(v) - p_.row(v));
+        if (!nearest_[v]) loads_.row(v) += at_node[v] * (now_.row(v) - p_.row(v));
       x_ = loads_;
       factor_.solve_in_place(x_);
       now_ = p_ + x_;
@@ -84,7 +84,7 @@ class Fit {
     find_nearest(false);
     double sum = 0;
     for (int v = 0; v < graph_.nodes; ++v) {
-      const double d = near_[v] ? (near_[v]->transpose() - now_.row(v)).norm() : 0;
+      const double d = nearest_[v] ? (nearest_[v]->transpose() - now_.row(v)).norm() : 0;
       sum += d / std::max(1, graph_.nodes);
       fit.largest_distance = std::max(fit.largest_distance, d);
     }
@@ -98,7 +98,7 @@ class Fit {
       for (const int v : fitted.triangles()[t]) centre += fitted.point(v) / 3;
       const auto found = search_.nearest(centre);
       if (found && target_.area_vector(found->triangle).dot(fitted.area_vector(t)) < 0)
-        ++fit.turned_over;
+        ++fit.inverted;
     }
     return fit;
   }
@@ -109,7 +109,7 @@ class Fit {
     for (int v = 0; v < graph_.nodes; ++v) entries.emplace_back(v, v, at_node[v]);
     SparseMatrix K(graph_.nodes, graph_.nodes);
     K.setFromTriplets(entries.begin(), entries.end());
-    if (!analysed_) factor_.analyze(K, Expected::many_factors);
+    if (!analysed_) factor_.analyze(K, FactorReuse::many);
     analysed_ = true;
     if (!factor_.factorize(K)) throw NoSolutionError("fit to a target: " + factor_.message());
   }
@@ -127,28 +127,28 @@ class Fit {
     for (int t = 0; t < now.triangle_count(); ++t)
       for (const int v : now.triangles()[t])
         normals[mesh_.topology().node_of(v)] += now.area_vector(t);
-    for_each_in_chunks<64>(graph_.nodes, [&](int v) {
+    parallel_for_each<64>(graph_.nodes, [&](int v) {
       const auto found = search_.nearest(now_.row(v).transpose(),
                                          facing ? std::optional<Vec3>(normals[v]) : std::nullopt);
-      near_[v] = found ? std::optional<Vec3>(found->at) : std::nullopt;
+      nearest_[v] = found ? std::optional<Vec3>(found->at) : std::nullopt;
     });
     if (facing)
-      for (const auto& l : landmarks_) near_[l.node] = l.at;
+      for (const auto& l : landmarks_) nearest_[l.node] = l.at;
   }
 
   const TriangleMesh& mesh_;
   const TriangleMesh& target_;
-  SurfaceSearch search_;
+  AabbTree search_;
   const std::vector<LandmarkPair>& landmarks_;
-  RingGraph graph_;
+  NodeGraph graph_;
   double mean_weight_;
   SparseCholesky factor_;
   bool analysed_ = false;
   RowPoints p_, now_, loads_;
   MatX x_;
-  std::vector<Mat3> turns_;
+  std::vector<Mat3> rotations_;
   std::vector<double> sums_;
-  std::vector<std::optional<Vec3>> near_;
+  std::vector<std::optional<Vec3>> nearest_;
 };
 
 }  // namespace
@@ -156,24 +156,24 @@ class Fit {
 TargetFit fit_to_target(const TriangleMesh& mesh, const TriangleMesh& target,
                         const std::vector<LandmarkPair>& landmarks, const TargetFitOptions& options,
                         const Progress& progress) {
-  if (options.stages < 1 || options.rounds < 1 || !(options.softest > 0) ||
-      !(options.hardest >= options.softest))
+  if (options.stages < 1 || options.iterations < 1 || !(options.initial_weight > 0) ||
+      !(options.final_weight >= options.initial_weight))
     throw InputError("a fit needs stages, rounds and weights that ascend from above 0");
-  Fit fit(mesh, target, landmarks);
+  NonRigidRegistration fit(mesh, target, landmarks);
   fit.check_landmarks();
   fit.start_with_landmarks();
-  const double growth = options.hardest / options.softest;
+  const double growth = options.final_weight / options.initial_weight;
   for (int s = 0; s < options.stages; ++s) {
-    progress.at("fit", static_cast<double>(s) / options.stages);
+    progress.update("fit", static_cast<double>(s) / options.stages);
     const double f = options.stages > 1 ? static_cast<double>(s) / (options.stages - 1) : 1;
-    fit.stage(options.softest * std::pow(growth, f), options.rounds);
+    fit.stage(options.initial_weight * std::pow(growth, f), options.iterations);
   }
   return fit.result();
 }
 
-MeshSequence followed_target(const ShellMesh& shells, const Points& fitted,
-                             const MeshSequence& target, const TriangleMesh& target_mesh,
-                             int frame) {
+MeshSequence transfer_target_motion(const ShellMesh& shells, const Points& fitted,
+                                    const MeshSequence& target, const TriangleMesh& target_mesh,
+                                    int frame) {
   if (frame < 0 || frame >= target.frame_count() || fitted.rows() != shells.node_count())
     throw InputError("a fit at " + std::to_string(frame + 1) + " of " +
                      std::to_string(target.frame_count()) + " frames, with " +
@@ -186,10 +186,10 @@ MeshSequence followed_target(const ShellMesh& shells, const Points& fitted,
     return target_mesh.with_points(std::move(all));
   };
   const TriangleMesh there = at_frame(target.frames[frame]);
-  const SurfaceSearch search(there);
-  struct Place {
+  const AabbTree search(there);
+  struct SurfaceBinding {
     std::array<int, 3> corners;
-    Vec3 weights, arm;  // arm: what is left, along the triangle's own axes
+    Vec3 weights, offset;  // arm: what is left, along the triangle's own axes
   };
   // Columns: an edge, across it, the normal; of unit length.
   const auto axes = [](const TriangleMesh& mesh, const std::array<int, 3>& t) {
@@ -201,12 +201,12 @@ MeshSequence followed_target(const ShellMesh& shells, const Points& fitted,
     A.col(1) = A.col(2).cross(A.col(0));
     return A;
   };
-  std::vector<Place> places(fitted.rows());
-  for_each_in_chunks<64>(static_cast<int>(fitted.rows()), [&](int v) {
+  std::vector<SurfaceBinding> bindings(fitted.rows());
+  parallel_for_each<64>(static_cast<int>(fitted.rows()), [&](int v) {
     const auto found = search.nearest(fitted.row(v).transpose());
     const auto& t = there.triangles()[found->triangle];
-    places[v] = {t, found->weights,
-                 axes(there, t).transpose() * (fitted.row(v).transpose() - found->at)};
+    bindings[v] = {t, found->weights,
+                   axes(there, t).transpose() * (fitted.row(v).transpose() - found->at)};
   });
   MeshSequence result;
   result.shells = shells;
@@ -214,10 +214,10 @@ MeshSequence followed_target(const ShellMesh& shells, const Points& fitted,
   for (const Points& nodes : target.frames) {
     const TriangleMesh now = at_frame(nodes);
     Points p(fitted.rows(), 3);
-    for_each_in_chunks<512>(static_cast<int>(p.rows()), [&](int v) {
-      const Place& place = places[v];
-      Vec3 at = axes(now, place.corners) * place.arm;
-      for (int k = 0; k < 3; ++k) at += place.weights[k] * now.point(place.corners[k]);
+    parallel_for_each<512>(static_cast<int>(p.rows()), [&](int v) {
+      const SurfaceBinding& binding = bindings[v];
+      Vec3 at = axes(now, binding.corners) * binding.offset;
+      for (int k = 0; k < 3; ++k) at += binding.weights[k] * now.point(binding.corners[k]);
       p.row(v) = at.transpose();
     });
     result.frames.push_back(std::move(p));

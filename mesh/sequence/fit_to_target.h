@@ -14,17 +14,18 @@ struct LandmarkPair {
 };
 
 struct TargetFitOptions {
-  int stages = 8;         ///< each lets the mesh come nearer to the target, and forgets what it was
-  int rounds = 6;         ///< in each stage
-  double softest = 0.01;  ///< weight of the target in the first stage, of the mean weight at a node
-  double hardest = 10;    ///< and in the last
+  int stages = 8;      ///< each lets the mesh come nearer to the target, and forgets what it was
+  int iterations = 6;  ///< in each stage
+  double initial_weight =
+      0.01;  ///< weight of the target in the first stage, of the mean weight at a node
+  double final_weight = 10;  ///< and in the last
 };
 
 struct TargetFit {
   Points positions;
   double mean_distance = 0, largest_distance = 0;  ///< of nodes from the target, model units
   double landmark_distance = 0;                    ///< largest distance of a landmark
-  int turned_over = 0;  ///< triangles whose normal is against that of the target beside them
+  int inverted = 0;  ///< triangles whose normal is against that of the target beside them
 };
 
 /// The nodes of `mesh` onto the surface of `target`: first the similarity that fits the landmarks
@@ -46,8 +47,8 @@ TargetFit fit_to_target(const TriangleMesh& mesh, const TriangleMesh& target,
 /// The fitted mesh follows the target through its frames: each node keeps its place in the triangle
 /// of the target that it is nearest to at the frame of the fit (barycentric, and along the normal).
 /// `frame`: where `fitted` was fitted.
-MeshSequence followed_target(const ShellMesh& shells, const Points& fitted,
-                             const MeshSequence& target, const TriangleMesh& target_mesh,
-                             int frame);
+MeshSequence transfer_target_motion(const ShellMesh& shells, const Points& fitted,
+                                    const MeshSequence& target, const TriangleMesh& target_mesh,
+                                    int frame);
 
 }  // namespace batten

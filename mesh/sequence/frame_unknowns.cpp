@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
-#include "batten/core/each_once.h"
-#include "batten/core/groups.h"
+#include "batten/core/disjoint_sets.h"
+#include "batten/core/sorted_unique.h"
 
 namespace batten {
 namespace {
@@ -13,49 +13,50 @@ struct FeatureGroup {
   std::vector<int> nodes;
   std::string name;
   int handle = -1;
-  bool stays = false, may_turn = true;
+  bool is_fixed = false, may_rotate = true;
 };
 
-std::vector<FeatureGroup> group_features(const RingGraph& graph, const FrameHolds& holds,
+std::vector<FeatureGroup> group_features(const NodeGraph& graph,
+                                         const FrameConstraints& constraints,
                                          const std::vector<int>& handle_of,
                                          const std::vector<char>& fixed) {
-  const size_t count = holds.features.size();
-  Groups groups(count);
+  const size_t count = constraints.features.size();
+  DisjointSets groups(count);
   std::vector<int> first(graph.nodes, -1);
   for (size_t f = 0; f < count; ++f)
-    for (const int v : holds.features[f].vertices) {
+    for (const int v : constraints.features[f].vertices) {
       if (first[v] < 0) first[v] = static_cast<int>(f);
-      groups.join(first[v], static_cast<int>(f));
+      groups.unite(first[v], static_cast<int>(f));
     }
   std::vector<FeatureGroup> all(count);
   for (size_t f = 0; f < count; ++f) {
-    const auto& feature = holds.features[f];
-    FeatureGroup& group = all[groups.of(static_cast<int>(f))];
+    const auto& feature = constraints.features[f];
+    FeatureGroup& group = all[groups.find(static_cast<int>(f))];
     group.name += (group.name.empty() ? "" : ", ") + feature.name;
-    group.may_turn = group.may_turn && feature.kind != FormFeature::Kind::KeepsDirection;
+    group.may_rotate = group.may_rotate && feature.kind != FormFeature::Kind::TranslationOnly;
     for (const int v : feature.vertices) {
       group.nodes.push_back(v);
-      group.stays = group.stays || fixed[v];
+      group.is_fixed = group.is_fixed || fixed[v];
       if (handle_of[v] >= 0 && (group.handle < 0 || handle_of[v] < group.handle))
         group.handle = handle_of[v];
     }
   }
   std::erase_if(all, [](const auto& group) { return group.nodes.empty(); });
-  for (auto& group : all) group.nodes = each_once(std::move(group.nodes));
+  for (auto& group : all) group.nodes = sorted_unique(std::move(group.nodes));
   return all;
 }
 
 }  // namespace
 
-FrameUnknowns frame_unknowns(const RingGraph& graph, const FrameHolds& holds) {
+FrameUnknowns frame_unknowns(const NodeGraph& graph, const FrameConstraints& constraints) {
   FrameUnknowns u;
-  const bool soft = holds.softness.has_value();
+  const bool soft = constraints.penalty_weight.has_value();
   std::vector<int> handle_of(graph.nodes, -1);
   std::vector<char> fixed(graph.nodes, 0);
-  for (const int v : holds.fixed) fixed[v] = 1;
-  for (int h = 0; h < count_of(holds.handles); ++h)
-    for (const int v : each_once(holds.handles[h].vertices)) {
-      if (soft) u.drawn.push_back({v, h});
+  for (const int v : constraints.fixed) fixed[v] = 1;
+  for (int h = 0; h < isize(constraints.handles); ++h)
+    for (const int v : sorted_unique(constraints.handles[h].vertices)) {
+      if (soft) u.penalized_nodes.push_back({v, h});
       if (handle_of[v] >= 0 && handle_of[v] != h)
         u.shared.push_back({v, handle_of[v], h});
       else
@@ -64,87 +65,88 @@ FrameUnknowns frame_unknowns(const RingGraph& graph, const FrameHolds& holds) {
   if (soft) handle_of.assign(graph.nodes, -1);
 
   u.part_of_node.assign(graph.nodes, -1);
-  const auto groups = group_features(graph, holds, handle_of, fixed);
+  const auto groups = group_features(graph, constraints, handle_of, fixed);
   for (const auto& group : groups) {
-    if (group.stays)
+    if (group.is_fixed)
       for (const int v : group.nodes) fixed[v] = 1;
     else if (group.handle >= 0)
       for (const int v : group.nodes)
         if (handle_of[v] < 0) handle_of[v] = group.handle;
   }
   // A handle's node that is fixed stays: the handle then has nothing to say there.
-  const auto add_part = [&](FrameUnknowns::Part part) {
-    for (const int v : part.nodes) u.part_of_node[v] = count_of(u.parts);
+  const auto add_part = [&](FrameUnknowns::RigidPart part) {
+    for (const int v : part.nodes) u.part_of_node[v] = isize(u.parts);
     u.parts.push_back(std::move(part));
   };
   if (!soft) {
-    std::vector<std::vector<int>> nodes(holds.handles.size());
+    std::vector<std::vector<int>> nodes(constraints.handles.size());
     for (int v = 0; v < graph.nodes; ++v)
       if (handle_of[v] >= 0 && !fixed[v]) nodes[handle_of[v]].push_back(v);
-    for (int h = 0; h < count_of(holds.handles); ++h)
-      if (!nodes[h].empty()) add_part({holds.handles[h].name, nodes[h], h, -1, true, {}});
+    for (int h = 0; h < isize(constraints.handles); ++h)
+      if (!nodes[h].empty()) add_part({constraints.handles[h].name, nodes[h], h, -1, true, {}});
   }
-  std::vector<char> held(graph.nodes, 0);
-  for (int v = 0; v < graph.nodes; ++v) held[v] = fixed[v] || u.part_of_node[v] >= 0;
+  std::vector<char> is_constrained(graph.nodes, 0);
+  for (int v = 0; v < graph.nodes; ++v) is_constrained[v] = fixed[v] || u.part_of_node[v] >= 0;
   for (const auto& group : groups)
-    if (!group.stays && group.handle < 0)
-      add_part({group.name, group.nodes, -1, 0, group.may_turn, {}});
+    if (!group.is_fixed && group.handle < 0)
+      add_part({group.name, group.nodes, -1, 0, group.may_rotate, {}});
 
   // What nothing holds stays.
-  Groups connected(graph.nodes);
-  for (const auto& e : graph.edges) connected.join(e.a, e.b);
+  DisjointSets connected(graph.nodes);
+  for (const auto& e : graph.edges) connected.unite(e.a, e.b);
   for (const auto& part : u.parts)
-    for (const int v : part.nodes) connected.join(part.nodes.front(), v);
-  std::vector<char> told(graph.nodes, 0);
+    for (const int v : part.nodes) connected.unite(part.nodes.front(), v);
+  std::vector<char> is_anchored(graph.nodes, 0);
   for (int v = 0; v < graph.nodes; ++v)
-    if (held[v]) told[connected.of(v)] = 1;
-  for (const auto& d : u.drawn) told[connected.of(d.node)] = 1;
-  long alone = 0;
+    if (is_constrained[v]) is_anchored[connected.find(v)] = 1;
+  for (const auto& d : u.penalized_nodes) is_anchored[connected.find(d.node)] = 1;
+  long unconnected = 0;
   for (int v = 0; v < graph.nodes; ++v)
-    if (!told[connected.of(v)]) {
-      ++alone;
-      fixed[v] = held[v] = 1;
+    if (!is_anchored[connected.find(v)]) {
+      ++unconnected;
+      fixed[v] = is_constrained[v] = 1;
       u.part_of_node[v] = -1;
     }
   std::erase_if(u.parts, [&](const auto& part) { return fixed[part.nodes.front()] != 0; });
-  for (int p = 0; p < count_of(u.parts); ++p)
+  for (int p = 0; p < isize(u.parts); ++p)
     for (const int v : u.parts[p].nodes) u.part_of_node[v] = p;
-  if (alone > 0)
-    u.notes.push_back(std::to_string(alone) + " nodes hang on nothing that is held; they stay");
+  if (unconnected > 0)
+    u.notes.push_back(std::to_string(unconnected) +
+                      " nodes hang on nothing that is held; they stay");
 
-  u.of_node.assign(graph.nodes, -1);
+  u.unknown_of_node.assign(graph.nodes, -1);
   for (int v = 0; v < graph.nodes; ++v)
-    if (!held[v] && u.part_of_node[v] < 0) u.of_node[v] = u.count++;
+    if (!is_constrained[v] && u.part_of_node[v] < 0) u.unknown_of_node[v] = u.count++;
   for (auto& part : u.parts) {
     if (part.handle >= 0) continue;
     part.unknown = u.count++;
-    for (const int v : part.nodes) u.of_node[v] = part.unknown;
+    for (const int v : part.nodes) u.unknown_of_node[v] = part.unknown;
   }
-  for (int e = 0; e < count_of(graph.edges); ++e) {
+  for (int e = 0; e < isize(graph.edges); ++e) {
     const auto& edge = graph.edges[e];
     const int p = u.part_of_node[edge.a], q = u.part_of_node[edge.b];
-    const int a = u.of_node[edge.a], b = u.of_node[edge.b];
+    const int a = u.unknown_of_node[edge.a], b = u.unknown_of_node[edge.b];
     if (p != q) {
       if (p >= 0) u.parts[p].edges.push_back(e);
       if (q >= 0) u.parts[q].edges.push_back(e);
     }
-    if (a != b && (p >= 0 || q >= 0 || a < 0 || b < 0)) u.special.push_back(e);
+    if (a != b && (p >= 0 || q >= 0 || a < 0 || b < 0)) u.offset_edges.push_back(e);
   }
   return u;
 }
 
-SparseMatrix frame_matrix(const RingGraph& graph, const FrameUnknowns& u, double softness) {
+SparseMatrix frame_matrix(const NodeGraph& graph, const FrameUnknowns& u, double penalty_weight) {
   std::vector<Triplet> entries;
-  entries.reserve(3 * graph.edges.size() + u.drawn.size());
+  entries.reserve(3 * graph.edges.size() + u.penalized_nodes.size());
   for (const auto& e : graph.edges) {
-    const int a = u.of_node[e.a], b = u.of_node[e.b];
+    const int a = u.unknown_of_node[e.a], b = u.unknown_of_node[e.b];
     if (a == b) continue;
     if (a >= 0) entries.emplace_back(a, a, e.weight);
     if (b >= 0) entries.emplace_back(b, b, e.weight);
     if (a >= 0 && b >= 0) entries.emplace_back(std::max(a, b), std::min(a, b), -e.weight);
   }
-  for (const auto& d : u.drawn)
-    if (const int a = u.of_node[d.node]; a >= 0) entries.emplace_back(a, a, softness);
+  for (const auto& d : u.penalized_nodes)
+    if (const int a = u.unknown_of_node[d.node]; a >= 0) entries.emplace_back(a, a, penalty_weight);
   SparseMatrix K(u.count, u.count);
   K.setFromTriplets(entries.begin(), entries.end());
   return K;

@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "batten/mesh/sequence/frame_problem.h"
-#include "batten/mesh/sequence/ring_graph.h"
+#include "batten/mesh/sequence/frame_constraints.h"
+#include "batten/mesh/sequence/node_graph.h"
 
 namespace batten {
 
@@ -13,24 +13,25 @@ namespace batten {
 /// rigid parts (the turn about their centre) and held ones (where they are) have.
 struct FrameUnknowns {
   /// Nodes that move as one rigid body: a feature, or a handle that is held.
-  struct Part {
+  struct RigidPart {
     std::string name;
     std::vector<int> nodes;
     int handle = -1;         ///< whose place is told, or -1
     int unknown = -1;        ///< of its centre's displacement; -1: held
-    bool may_turn = true;    ///< false: a feature that keeps its direction
+    bool may_rotate = true;  ///< false: a feature that keeps its direction
     std::vector<int> edges;  ///< of the graph, that leave it
   };
   /// A node of a handle that is drawn to its place, not held there.
-  struct Drawn {
+  struct PenalizedNode {
     int node, handle;
   };
-  std::vector<int> of_node;  ///< u(i), or -1
+  std::vector<int> unknown_of_node;  ///< u(i), or -1
   int count = 0;
-  std::vector<Part> parts;
-  std::vector<int> part_of_node;  ///< or -1
-  std::vector<Drawn> drawn;       ///< empty without softness
-  std::vector<int> special;  ///< edges of the graph with an offset at an end and an unknown at one
+  std::vector<RigidPart> parts;
+  std::vector<int> part_of_node;               ///< or -1
+  std::vector<PenalizedNode> penalized_nodes;  ///< empty without softness
+  std::vector<int>
+      offset_edges;  ///< edges of the graph with an offset at an end and an unknown at one
   std::vector<std::string> notes;  ///< about what nothing holds
   struct Shared {
     int node, one, other;  ///< a node of two handles
@@ -38,10 +39,11 @@ struct FrameUnknowns {
   std::vector<Shared> shared;
 };
 
-FrameUnknowns frame_unknowns(const RingGraph& graph, const FrameHolds& holds);
+FrameUnknowns frame_unknowns(const NodeGraph& graph, const FrameConstraints& constraints);
 
 /// The matrix of the linear step, lower triangle: Σ w_ij (x_i - x_j)² + s Σ x_h² over the unknowns,
 /// each edge once.
-SparseMatrix frame_matrix(const RingGraph& graph, const FrameUnknowns& unknowns, double softness);
+SparseMatrix frame_matrix(const NodeGraph& graph, const FrameUnknowns& unknowns,
+                          double penalty_weight);
 
 }  // namespace batten

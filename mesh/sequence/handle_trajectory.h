@@ -4,20 +4,20 @@
 #include <optional>
 #include <vector>
 
-#include "batten/mesh/sequence/interpolated_turns.h"
+#include "batten/mesh/sequence/keyframe_weights.h"
 #include "batten/mesh/sequence/rigid_motion.h"
 
 namespace batten {
 
 struct TrajectoryOptions {
   enum class Smoothness {
-    Paper,  ///< first differences (5): the change has a kink at keyframes
-    Smooth  ///< ∫ |x''|²: it has none
+    PiecewiseLinear,  ///< first differences (5): the change has a kink at keyframes
+    Smooth            ///< ∫ |x''|²: it has none
   };
   Smoothness smoothness = Smoothness::Smooth;
   InfluenceInterval influence;
-  KeyframeEnds ends = KeyframeEnds::None;  ///< of the rotations
-  std::vector<double> times;               ///< of the frames, ascending; none: their numbers
+  KeyframeExtrapolation ends = KeyframeExtrapolation::None;  ///< of the rotations
+  std::vector<double> times;  ///< of the frames, ascending; none: their numbers
 };
 
 /// New centroids c' of a handle in all F frames, equal to given ones at keyframes, whose
@@ -38,7 +38,7 @@ struct TrajectoryOptions {
 /// Throws InputError: no keyframes, keyframes or times that do not ascend, frames that are not
 /// there, an influence that does not hold all keyframes, other numbers of rotations, centroids or
 /// times. O(F). Source: Xu et al. 2007, section 5.
-Points edited_centres(const Points& centres, const std::vector<Mat3>& turns,
+Points edited_centres(const Points& centres, const std::vector<Mat3>& rotations,
                       const std::vector<int>& keyframes, const Points& centres_at_keyframes,
                       const TrajectoryOptions& options = {});
 
@@ -48,7 +48,7 @@ struct HandleKeyframe {
   RigidMotion motion;
 };
 
-/// The trajectory of a handle after an edit: changes of rotation by `interpolated_turns`, centroids
+/// The trajectory of a handle after an edit: changes of rotation by `interpolated_rotations`, centroids
 /// by `edited_centres`. Keyframes ascend. Throws what these throw. O(F).
 Trajectory edited(const Trajectory& trajectory, const std::vector<HandleKeyframe>& keyframes,
                   const TrajectoryOptions& options = {});

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "batten/mesh/prepare.h"
+#include "batten/mesh/prepared_mesh.h"
 
 namespace batten {
 
@@ -16,7 +16,7 @@ struct MeshSequence {
   std::vector<double> times;   ///< of each frame, ascending: seconds, or the numbers of the frames
 
   int node_count() const { return shells.node_count(); }
-  int frame_count() const { return count_of(frames); }
+  int frame_count() const { return isize(frames); }
 };
 
 /// Throws InputError, beginning with `name`, on what is no sequence: no frames, a frame with

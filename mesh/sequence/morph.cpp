@@ -4,24 +4,24 @@
 #include <cmath>
 #include <queue>
 
-#include "batten/core/chunks.h"
+#include "batten/core/disjoint_sets.h"
 #include "batten/core/errors.h"
-#include "batten/core/groups.h"
+#include "batten/core/parallel_chunks.h"
 #include "batten/core/rotations.h"
 #include "batten/core/sparse_cholesky.h"
-#include "batten/mesh/sequence/interpolated_turns.h"
-#include "batten/mesh/sequence/ring_steps.h"
+#include "batten/mesh/sequence/keyframe_weights.h"
+#include "batten/mesh/sequence/local_global_steps.h"
 
 namespace batten {
 
 struct ShapeBlend::Data {
-  explicit Data(const TriangleMesh& mesh) : graph(ring_graph(mesh.topology())) {
+  explicit Data(const TriangleMesh& mesh) : graph(node_graph(mesh.topology())) {
     const int n = graph.nodes;
-    Groups groups(n);
-    for (const auto& e : graph.edges) groups.join(e.a, e.b);
+    DisjointSets groups(n);
+    for (const auto& e : graph.edges) groups.unite(e.a, e.b);
     component.resize(n);
-    for (int v = 0; v < n; ++v) component[v] = groups.of(v);
-    plan_walk();
+    for (int v = 0; v < n; ++v) component[v] = groups.find(v);
+    find_breadth_first_order();
     std::vector<Triplet> entries = laplacian_entries(graph);
     // One node of each component is tied to its place, which the centroid then overrides.
     for (int v = 0; v < n; ++v)
@@ -31,19 +31,19 @@ struct ShapeBlend::Data {
     factor.analyze(K);
     if (n > 0 && !factor.factorize(K)) throw NoSolutionError("morph: " + factor.message());
     P = Q = RowPoints::Zero(n, 3);
-    loads = more = P;
-    turns.assign(n, Mat3::Identity());
-    part = rest = turns;
+    loads = loads_from_target = P;
+    rotations.assign(n, Mat3::Identity());
+    part = rest = rotations;
   }
 
   // Nodes in an order in which each but the first of a component follows a neighbour.
-  void plan_walk() {
+  void find_breadth_first_order() {
     std::vector<char> seen(graph.nodes, 0);
     std::queue<int> next;
     for (int v = 0; v < graph.nodes; ++v) {
       if (component[v] != v) continue;
       seen[v] = 1;
-      walk.push_back({v, -1});
+      breadth_first_order.push_back({v, -1});
       next.push(v);
       while (!next.empty()) {
         const int i = next.front();
@@ -51,7 +51,7 @@ struct ShapeBlend::Data {
         for (const int j : graph.neighbours(i))
           if (!seen[j]) {
             seen[j] = 1;
-            walk.push_back({j, i});
+            breadth_first_order.push_back({j, i});
             next.push(j);
           }
       }
@@ -64,17 +64,17 @@ struct ShapeBlend::Data {
       throw InputError("shapes of " + std::to_string(p.rows()) + " and " +
                        std::to_string(q.rows()) + " nodes, expected " + std::to_string(n));
     P = p, Q = q;
-    turn_rings(graph, P, Q, {}, turns, sums);
+    local_step(graph, P, Q, {}, rotations, sums);
     logs.resize(n);
-    for (const auto& [v, from] : walk)
-      logs[v] = from < 0 ? rotation_log(turns[v]) : nearest_log(turns[v], logs[from]);
-    for_each_in_chunks<512>(n, [&](int v) {
+    for (const auto& [v, from] : breadth_first_order)
+      logs[v] = from < 0 ? to_rotation_vector(rotations[v]) : nearest_log(rotations[v], logs[from]);
+    parallel_for_each<512>(n, [&](int v) {
       part[v] = rotation_matrix(alpha * logs[v]);
       rest[v] = rotation_matrix((alpha - 1) * logs[v]);
     });
-    ring_loads(graph, P, part, loads);
-    ring_loads(graph, Q, rest, more);
-    x = (1 - alpha) * loads + alpha * more;
+    global_step_rhs(graph, P, part, loads);
+    global_step_rhs(graph, Q, rest, loads_from_target);
+    x = (1 - alpha) * loads + alpha * loads_from_target;
     if (n > 0) factor.solve_in_place(x);
     centre();
     result = (1 - alpha) * p + alpha * q + x;
@@ -94,15 +94,15 @@ struct ShapeBlend::Data {
       x.row(v) -= sum[component[v]].transpose() / count[component[v]];
   }
 
-  RingGraph graph;
+  NodeGraph graph;
   std::vector<int> component;
   struct Step {
     int node, from;
   };
-  std::vector<Step> walk;
+  std::vector<Step> breadth_first_order;
   SparseCholesky factor;
-  RowPoints P, Q, loads, more;
-  std::vector<Mat3> turns, part, rest;
+  RowPoints P, Q, loads, loads_from_target;
+  std::vector<Mat3> rotations, part, rest;
   std::vector<Vec3> logs;
   std::vector<double> sums;
   MatX x;
@@ -127,9 +127,9 @@ RigidMotion ground_alignment(const Points& q, const Points& p, const Vec3& up) {
     across += u.dot(a) * w.dot(b) - u.dot(b) * w.dot(a);
   }
   const double angle = std::atan2(across, along);
-  const Vec3 shift = cp - cq;
+  const Vec3 translation = cp - cq;
   return RigidMotion::about(cq, Eigen::AngleAxisd(angle, n).toRotationMatrix(),
-                            cq + shift - n * n.dot(shift));
+                            cq + translation - n * n.dot(translation));
 }
 
 namespace {
@@ -177,9 +177,11 @@ MeshSequence morph(const MeshSequence& source, const MeshSequence& target, const
                                 ? *options.alignment
                                 : ground_alignment(target.frames[options.target.first],
                                                    source.frames[options.source.first], options.up);
-  const double long_source = source.times[options.source.last] - source.times[options.source.first],
-               long_target = target.times[options.target.last] - target.times[options.target.first],
-               duration = (long_source + long_target) / 2;
+  const double source_duration =
+                   source.times[options.source.last] - source.times[options.source.first],
+               target_duration =
+                   target.times[options.target.last] - target.times[options.target.first],
+               duration = (source_duration + target_duration) / 2;
   const int count = options.frames > 0 ? std::max(2, options.frames)
                                        : (options.source.last - options.source.first +
                                           options.target.last - options.target.first + 1) /
@@ -194,7 +196,7 @@ MeshSequence morph(const MeshSequence& source, const MeshSequence& target, const
   ShapeBlend blend(mesh);
   const double start = source.times[options.source.first];
   for (int k = 0; k < count; ++k) {
-    progress.at("morph", static_cast<double>(k) / count);
+    progress.update("morph", static_cast<double>(k) / count);
     const double t = static_cast<double>(k) / (count - 1), alpha = t * t * (3 - 2 * t);
     const Points p = sample(source, options.source, t),
                  q = moved(align, sample(target, options.target, t));

@@ -5,12 +5,12 @@
 #include <stdexcept>
 
 #include "batten/core/band_cholesky.h"
-#include "batten/core/index.h"
+#include "batten/core/isize.h"
 
 namespace batten {
 
 PiecewiseCubic PiecewiseCubic::through(std::vector<double> knots, const Points& values, Ends ends) {
-  const int n = count_of(knots);
+  const int n = isize(knots);
   if (n < 2) return {std::move(knots), values, Points::Zero(n, 3)};
   // Equal second derivatives from both sides; without curvature at natural ends.
   BandCholesky A;
@@ -43,7 +43,7 @@ PiecewiseCubic PiecewiseCubic::fitted(const std::vector<double>& u, const Points
   BandCholesky A;
   A.reset(spans + 3, 3);
   Points poles = Points::Zero(spans + 3, 3);
-  for (int k = 0; k < count_of(u); ++k) {
+  for (int k = 0; k < isize(u); ++k) {
     const int piece = std::clamp(static_cast<int>((u[k] - first) / h), 0, spans - 1);
     const double s = (u[k] - first) / h - piece, r = 1 - s;
     const std::array<double, 4> basis = {r * r * r / 6, (3 * s * s * s - 6 * s * s + 4) / 6,
@@ -70,11 +70,11 @@ PiecewiseCubic PiecewiseCubic::fitted(const std::vector<double>& u, const Points
 int PiecewiseCubic::piece(double u) const {
   const auto after = std::upper_bound(knots_.begin(), knots_.end(), u);
   return std::clamp(static_cast<int>(after - knots_.begin()) - 1, 0,
-                    std::max(count_of(knots_) - 2, 0));
+                    std::max(isize(knots_) - 2, 0));
 }
 
 Vec3 PiecewiseCubic::at(double u) const {
-  const int last = count_of(knots_) - 1;
+  const int last = isize(knots_) - 1;
   for (const int end : {0, last})
     if (end == 0 ? u <= knots_[0] : u >= knots_[last])
       return values_.row(end) + (u - knots_[end]) * slopes_.row(end);
@@ -85,7 +85,7 @@ Vec3 PiecewiseCubic::at(double u) const {
 }
 
 Vec3 PiecewiseCubic::slope(double u) const {
-  const int last = count_of(knots_) - 1;
+  const int last = isize(knots_) - 1;
   if (u <= knots_[0]) return slopes_.row(0);
   if (u >= knots_[last]) return slopes_.row(last);
   const int i = piece(u);

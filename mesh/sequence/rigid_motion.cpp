@@ -3,7 +3,7 @@
 #include <string>
 
 #include "batten/core/errors.h"
-#include "batten/core/index.h"
+#include "batten/core/isize.h"
 #include "batten/mesh/deform/similarity.h"
 
 namespace batten {
@@ -28,15 +28,15 @@ Vec3 centroid(const Points& p, const std::vector<int>& vertices) {
 Trajectory trajectory_of(const std::vector<Points>& frames, const std::vector<int>& vertices) {
   if (vertices.empty()) throw InputError("trajectory of no vertices");
   Trajectory result;
-  result.centres.resize(count_of(frames), 3);
-  for (int k = 0; k < count_of(frames); ++k) {
+  result.centres.resize(isize(frames), 3);
+  for (int k = 0; k < isize(frames); ++k) {
     for (const int v : vertices)
       if (v < 0 || v >= frames[k].rows())
         throw InputError("trajectory of vertex " + std::to_string(v + 1) + ", frame " +
                          std::to_string(k + 1) + " has " + std::to_string(frames[k].rows()));
     result.centres.row(k) = centroid(frames[k], vertices);
-    result.turns.push_back(k == 0 ? Mat3(Mat3::Identity())
-                                  : fit_similarity(frames[0], frames[k], vertices, 1.0).R);
+    result.rotations.push_back(k == 0 ? Mat3(Mat3::Identity())
+                                      : fit_similarity(frames[0], frames[k], vertices, 1.0).R);
   }
   return result;
 }
@@ -46,17 +46,17 @@ Trajectory moved(const std::vector<RigidMotion>& motions, const Trajectory& traj
   Trajectory result = trajectory;
   for (int k = 0; k < trajectory.frame_count(); ++k) {
     result.centres.row(k) = motions[k](trajectory.centres.row(k).transpose());
-    result.turns[k] = motions[k].turn * trajectory.turns[k];
+    result.rotations[k] = motions[k].rotation * trajectory.rotations[k];
   }
   return result;
 }
 
 std::vector<RigidMotion> motions_between(const Trajectory& from, const Trajectory& to) {
-  need_frames(to.turns.size(), from.frame_count(), "frames of another");
+  need_frames(to.rotations.size(), from.frame_count(), "frames of another");
   std::vector<RigidMotion> motions;
   for (int k = 0; k < from.frame_count(); ++k)
     motions.push_back(RigidMotion::about(from.centres.row(k).transpose(),
-                                         to.turns[k] * from.turns[k].transpose(),
+                                         to.rotations[k] * from.rotations[k].transpose(),
                                          to.centres.row(k).transpose()));
   return motions;
 }

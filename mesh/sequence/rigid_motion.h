@@ -9,27 +9,29 @@ namespace batten {
 
 /// p → turn · p + shift, det turn = +1.
 struct RigidMotion {
-  Mat3 turn = Mat3::Identity();
-  Vec3 shift = Vec3::Zero();
+  Mat3 rotation = Mat3::Identity();
+  Vec3 translation = Vec3::Zero();
 
-  Vec3 operator()(const Vec3& p) const { return turn * p + shift; }
+  Vec3 operator()(const Vec3& p) const { return rotation * p + translation; }
   /// p → turnᵀ (p - shift).
-  RigidMotion inverse() const { return {turn.transpose(), -(turn.transpose() * shift)}; }
-  /// Turns by `turn` about `about`, which goes to `to`.
-  static RigidMotion about(const Vec3& about, const Mat3& turn, const Vec3& to) {
-    return {turn, to - turn * about};
+  RigidMotion inverse() const {
+    return {rotation.transpose(), -(rotation.transpose() * translation)};
+  }
+  /// Turns by `rotation` about `about`, which goes to `to`.
+  static RigidMotion about(const Vec3& about, const Mat3& rotation, const Vec3& to) {
+    return {rotation, to - rotation * about};
   }
 };
 
 /// First `b`, then `a`.
 inline RigidMotion operator*(const RigidMotion& a, const RigidMotion& b) {
-  return {a.turn * b.turn, a.turn * b.shift + a.shift};
+  return {a.rotation * b.rotation, a.rotation * b.translation + a.translation};
 }
 
 /// All points moved. O(points).
 inline Points moved(const RigidMotion& motion, const Points& points) {
-  Points result = points * motion.turn.transpose();
-  result.rowwise() += motion.shift.transpose();
+  Points result = points * motion.rotation.transpose();
+  result.rowwise() += motion.translation.transpose();
   return result;
 }
 
@@ -39,8 +41,8 @@ Vec3 centroid(const Points& p, const std::vector<int>& vertices);
 
 /// Where a group of vertices is in each of F frames: its centroid, and its rotation.
 struct Trajectory {
-  Points centres;           ///< F×3
-  std::vector<Mat3> turns;  ///< F; from the first frame, where it is the identity
+  Points centres;               ///< F×3
+  std::vector<Mat3> rotations;  ///< F; from the first frame, where it is the identity
 
   int frame_count() const { return static_cast<int>(centres.rows()); }
 };

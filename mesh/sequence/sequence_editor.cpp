@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <map>
 
-#include "batten/core/chunks.h"
 #include "batten/core/errors.h"
+#include "batten/core/parallel_chunks.h"
 #include "batten/core/rotations.h"
 #include "batten/mesh/deform/similarity.h"
 #include "batten/mesh/sequence/solver_pool.h"
@@ -13,28 +13,28 @@ namespace batten {
 namespace {
 
 /// Keyframes of a run that start from each other.
-constexpr int kRun = 8;
+constexpr int kChunkLength = 8;
 /// Frames that are solved before they are handed on: more would only take memory.
-constexpr int kAhead = 16;
+constexpr int kBatchSize = 16;
 
 std::string frame_name(int frame) { return "frame " + std::to_string(frame + 1); }
 
 }  // namespace
 
 struct SequenceEditor::Data {
-  Data(const MeshSequence& s, const TriangleMesh& m, FrameHolds given,
+  Data(const MeshSequence& s, const TriangleMesh& m, FrameConstraints given,
        const SequenceEditOptions& opts)
       : sequence(&s),
         mesh(m),
-        holds(std::move(given)),
+        constraints(std::move(given)),
         options(opts),
-        all(mesh, holds, options.frames) {
-    for (const Handle& h : holds.handles)
+        full_pool(mesh, constraints, options.frames) {
+    for (const Handle& h : constraints.handles)
       before.push_back(trajectory_of(sequence->frames, h.vertices));
     after = before;
   }
 
-  void forget() {
+  void clear() {
     keyframes.clear();
     positions.clear();
     reports.clear();
@@ -50,58 +50,60 @@ struct SequenceEditor::Data {
                          std::to_string(last + 1) + " frames");
       if (k > 0 && keyframes[k - 1].frame == key.frame)
         throw InputError(frame_name(key.frame) + " is a keyframe twice");
-      if (key.handles.size() != holds.handles.size())
+      if (key.handles.size() != constraints.handles.size())
         throw InputError("the keyframe at " + frame_name(key.frame) + " tells " +
                          std::to_string(key.handles.size()) + " handles, expected " +
-                         std::to_string(holds.handles.size()));
+                         std::to_string(constraints.handles.size()));
       if (std::none_of(key.handles.begin(), key.handles.end(),
-                       [](const auto& place) { return place.has_value(); }))
+                       [](const auto& pose) { return pose.has_value(); }))
         throw InputError("the keyframe at " + frame_name(key.frame) + " tells no handle");
     }
   }
 
   /// The solver whose handles are those that a keyframe tells.
-  SolverPool& pool_for(const std::vector<char>& told) {
-    if (std::all_of(told.begin(), told.end(), [](char t) { return t != 0; })) return all;
-    auto& pool = some[told];
+  SolverPool& pool_for(const std::vector<char>& keyframed) {
+    if (std::all_of(keyframed.begin(), keyframed.end(), [](char t) { return t != 0; }))
+      return full_pool;
+    auto& pool = partial_pools[keyframed];
     if (!pool) {
-      FrameHolds part = holds;
+      FrameConstraints part = constraints;
       part.handles.clear();
-      for (size_t h = 0; h < told.size(); ++h)
-        if (told[h]) part.handles.push_back(holds.handles[h]);
+      for (size_t h = 0; h < keyframed.size(); ++h)
+        if (keyframed[h]) part.handles.push_back(constraints.handles[h]);
       pool = std::make_unique<SolverPool>(mesh, std::move(part), options.frames);
     }
     return *pool;
   }
 
-  static std::vector<char> told_at(const SequenceKeyframe& key) {
-    std::vector<char> told;
-    for (const auto& place : key.handles) told.push_back(place.has_value());
-    return told;
+  static std::vector<char> keyframe_mask(const SequenceKeyframe& key) {
+    std::vector<char> keyframed;
+    for (const auto& pose : key.handles) keyframed.push_back(pose.has_value());
+    return keyframed;
   }
 
-  static FramePlaces places_at(const SequenceKeyframe& key) {
-    FramePlaces places;
-    for (const auto& place : key.handles)
-      if (place) places.handles.push_back(*place);
-    return places;
+  static FrameTargets targets_at(const SequenceKeyframe& key) {
+    FrameTargets targets;
+    for (const auto& pose : key.handles)
+      if (pose) targets.handles.push_back(*pose);
+    return targets;
   }
 
   void solve_keyframes(const Progress& progress) {
-    const int count = count_of(keyframes);
-    turns.assign(count, {});
+    const int count = isize(keyframes);
+    rotations.assign(count, {});
     positions.assign(count, Points());
     reports.assign(count, {});
     std::vector<SolverPool*> pools;
-    for (const auto& key : keyframes) pools.push_back(&pool_for(told_at(key)));
-    const int run = options.start == SequenceEditOptions::Start::Neighbour ? kRun : 1;
-    const int runs = (count + run - 1) / run;
-    for (int first = 0; first < runs; first += kAhead) {
-      progress.at("keyframes", static_cast<double>(first) / runs);
-      const int last = std::min(runs, first + kAhead);
-      parallel_parts(last - first, [&](int r) {
-        const int from = (first + r) * run;
-        for (int k = from; k < std::min(count, from + run); ++k)
+    for (const auto& key : keyframes) pools.push_back(&pool_for(keyframe_mask(key)));
+    const int chunk_length =
+        options.start == SequenceEditOptions::Start::Neighbour ? kChunkLength : 1;
+    const int chunk_count = (count + chunk_length - 1) / chunk_length;
+    for (int first = 0; first < chunk_count; first += kBatchSize) {
+      progress.update("keyframes", static_cast<double>(first) / chunk_count);
+      const int last = std::min(chunk_count, first + kBatchSize);
+      parallel_for(last - first, [&](int r) {
+        const int from = (first + r) * chunk_length;
+        for (int k = from; k < std::min(count, from + chunk_length); ++k)
           pools[k]->with([&](FrameSolver& solver) { solve_keyframe(solver, k, k > from); });
       });
     }
@@ -109,15 +111,15 @@ struct SequenceEditor::Data {
 
   void solve_keyframe(FrameSolver& solver, int k, bool has_neighbour) {
     const Points& frame = sequence->frames[keyframes[k].frame];
-    const FramePlaces places = places_at(keyframes[k]);
+    const FrameTargets targets = targets_at(keyframes[k]);
     if (has_neighbour) {
-      solver.reconstruct(frame, places, turns[k - 1], options.frames.most_rounds);
+      solver.reconstruct(frame, targets, rotations[k - 1], options.frames.max_iterations);
     } else if (!starts.empty()) {
-      solver.alternate(frame, places, starts[k]);
+      solver.alternate(frame, targets, starts[k]);
     } else {
-      solver.alternate(frame, places);
+      solver.alternate(frame, targets);
     }
-    turns[k] = solver.result().turns;
+    rotations[k] = solver.result().rotations;
     positions[k] = solver.result().positions;
     reports[k] = solver.report();
   }
@@ -128,33 +130,35 @@ struct SequenceEditor::Data {
     if (options.start != SequenceEditOptions::Start::Subspace) return;
     const TriangleMesh control = control_mesh(mesh, options.control);
     const Points& first = sequence->frames.front();
-    const ControlFollower follower(mesh, control.points(), mean_value_coordinates(control, first));
+    const ControlMeshTransfer transfer(mesh, control.points(),
+                                       mean_value_coordinates(control, first));
     std::map<std::vector<char>, std::unique_ptr<SubspaceSolver>> solvers;
     for (size_t k = 0; k < keyframes.size(); ++k) {
-      progress.at("control meshes", static_cast<double>(k) / static_cast<double>(keyframes.size()));
-      const auto told = told_at(keyframes[k]);
-      auto& solver = solvers[told];
+      progress.update("control meshes",
+                      static_cast<double>(k) / static_cast<double>(keyframes.size()));
+      const auto keyframed = keyframe_mask(keyframes[k]);
+      auto& solver = solvers[keyframed];
       if (!solver) {
-        FrameHolds part = holds;
+        FrameConstraints part = constraints;
         part.handles.clear();
-        for (size_t h = 0; h < told.size(); ++h)
-          if (told[h]) part.handles.push_back(holds.handles[h]);
+        for (size_t h = 0; h < keyframed.size(); ++h)
+          if (keyframed[h]) part.handles.push_back(constraints.handles[h]);
         solver = std::make_unique<SubspaceSolver>(mesh, std::move(part), control);
       }
       const Points& frame = sequence->frames[keyframes[k].frame];
-      solver->set_frame(frame, follower.at(frame));
-      starts.push_back(solver->solve(places_at(keyframes[k])));
+      solver->set_frame(frame, transfer.at(frame));
+      starts.push_back(solver->solve(targets_at(keyframes[k])));
     }
   }
 
-  void follow_handles() {
+  void interpolate_handles() {
     TrajectoryOptions trajectory;
     trajectory.smoothness = options.trajectories;
     trajectory.influence = options.influence;
     trajectory.ends = options.ends;
     trajectory.times = sequence->times;
     motions.clear();
-    for (size_t h = 0; h < holds.handles.size(); ++h) {
+    for (size_t h = 0; h < constraints.handles.size(); ++h) {
       std::vector<HandleKeyframe> keys;
       for (size_t k = 0; k < keyframes.size(); ++k)
         keys.push_back({keyframes[k].frame, motion_at(k, h)});
@@ -165,22 +169,22 @@ struct SequenceEditor::Data {
 
   // As it was told, or where the keyframe took it.
   RigidMotion motion_at(size_t k, size_t h) const {
-    const auto& place = keyframes[k].handles[h];
-    if (place && !place->turns_freely && !holds.softness) return place->motion;
+    const auto& pose = keyframes[k].handles[h];
+    if (pose && !pose->free_rotation && !constraints.penalty_weight) return pose->motion;
     const Similarity s = fit_similarity(sequence->frames[keyframes[k].frame], positions[k],
-                                        holds.handles[h].vertices, 1.0);
-    return {s.R, s.shift};
+                                        constraints.handles[h].vertices, 1.0);
+    return {s.R, s.translation};
   }
 
-  void follow_turns() {
+  void interpolate_rotations() {
     std::vector<int> at;
     for (const auto& key : keyframes) at.push_back(key.frame);
     weights = KeyframeWeights::of_frames(sequence->times, at, options.ends, options.influence);
     // Rotations are of nodes; where sheets meet the topology has more vertices than these.
     const MeshTopology& topology = mesh.topology();
-    logs = topology.node_count() == topology.vertex_count() ? followed_logs(turns, topology)
-                                                            : followed_logs(turns);
-    turns.clear();
+    logs = topology.node_count() == topology.vertex_count() ? unwrapped_logs(rotations, topology)
+                                                            : unwrapped_logs(rotations);
+    rotations.clear();
   }
 
   bool unchanged(int frame) const {
@@ -193,30 +197,30 @@ struct SequenceEditor::Data {
     interpolate_logs(weights->row(frame), logs, log);
     std::vector<Mat3> R(log.rows());
     for (long v = 0; v < log.rows(); ++v) R[v] = rotation_matrix(log.row(v).transpose());
-    FramePlaces places;
-    for (const auto& of_handle : motions) places.handles.push_back({of_handle[frame], false});
-    solver.reconstruct(sequence->frames[frame], places, R, options.rounds_between);
+    FrameTargets targets;
+    for (const auto& of_handle : motions) targets.handles.push_back({of_handle[frame], false});
+    solver.reconstruct(sequence->frames[frame], targets, R, options.iterations_between);
     result = solver.result().positions;
   }
 
   const MeshSequence* sequence;
   const TriangleMesh mesh;
-  FrameHolds holds;
+  FrameConstraints constraints;
   SequenceEditOptions options;
-  mutable SolverPool all;
-  std::map<std::vector<char>, std::unique_ptr<SolverPool>> some;
+  mutable SolverPool full_pool;
+  std::map<std::vector<char>, std::unique_ptr<SolverPool>> partial_pools;
   std::vector<SequenceKeyframe> keyframes;
-  std::vector<std::vector<Mat3>> turns;  // of keyframes, until their logarithms are known
+  std::vector<std::vector<Mat3>> rotations;  // of keyframes, until their logarithms are known
   std::vector<Points> positions, starts, logs;
-  std::vector<EstimateReport> reports;
+  std::vector<IterationReport> reports;
   std::optional<KeyframeWeights> weights;
   std::vector<Trajectory> before, after;
   std::vector<std::vector<RigidMotion>> motions;  // of each handle, of each frame
 };
 
 SequenceEditor::SequenceEditor(const MeshSequence& sequence, const TriangleMesh& mesh,
-                               FrameHolds holds, const SequenceEditOptions& options)
-    : data_(std::make_unique<Data>(sequence, mesh, std::move(holds), options)) {}
+                               FrameConstraints constraints, const SequenceEditOptions& options)
+    : data_(std::make_unique<Data>(sequence, mesh, std::move(constraints), options)) {}
 SequenceEditor::~SequenceEditor() = default;
 SequenceEditor::SequenceEditor(SequenceEditor&&) noexcept = default;
 SequenceEditor& SequenceEditor::operator=(SequenceEditor&&) noexcept = default;
@@ -226,17 +230,17 @@ void SequenceEditor::set_keyframes(std::vector<SequenceKeyframe> keyframes,
   Data& d = *data_;
   std::sort(keyframes.begin(), keyframes.end(),
             [](const auto& a, const auto& b) { return a.frame < b.frame; });
-  d.forget();
+  d.clear();
   if (keyframes.empty()) return;
   d.keyframes = std::move(keyframes);
   try {
     d.check_keyframes();
     d.start_from_control_mesh(progress);
     d.solve_keyframes(progress);
-    d.follow_handles();
-    d.follow_turns();
+    d.interpolate_handles();
+    d.interpolate_rotations();
   } catch (...) {
-    d.forget();
+    d.clear();
     throw;
   }
 }
@@ -247,7 +251,7 @@ void SequenceEditor::set_motions(std::vector<std::vector<RigidMotion>> motions) 
     throw InputError("motions of " + std::to_string(motions.size()) + " handles, expected " +
                      std::to_string(d.motions.size()));
   for (const auto& of_handle : motions)
-    if (count_of(of_handle) != d.sequence->frame_count())
+    if (isize(of_handle) != d.sequence->frame_count())
       throw InputError("motions in " + std::to_string(of_handle.size()) + " frames, expected " +
                        std::to_string(d.sequence->frame_count()));
   d.motions = std::move(motions);
@@ -255,7 +259,7 @@ void SequenceEditor::set_motions(std::vector<std::vector<RigidMotion>> motions) 
     for (int k = 0; k < d.sequence->frame_count(); ++k) {
       const RigidMotion& motion = d.motions[h][k];
       d.after[h].centres.row(k) = motion(d.before[h].centres.row(k).transpose()).transpose();
-      d.after[h].turns[k] = motion.turn * d.before[h].turns[k];
+      d.after[h].rotations[k] = motion.rotation * d.before[h].rotations[k];
     }
 }
 
@@ -266,17 +270,17 @@ void SequenceEditor::frames(int first, int last,
   if (first < 0 || last >= d.sequence->frame_count() || first > last)
     throw InputError("frames " + std::to_string(first + 1) + " to " + std::to_string(last + 1) +
                      ", and the sequence has " + std::to_string(d.sequence->frame_count()));
-  std::vector<Points> ahead(kAhead);
-  for (int from = first; from <= last; from += kAhead) {
-    progress.at("frames", static_cast<double>(from - first) / (last - first + 1));
-    const int count = std::min(kAhead, last + 1 - from);
-    parallel_parts(count, [&](int k) {
+  std::vector<Points> batch(kBatchSize);
+  for (int from = first; from <= last; from += kBatchSize) {
+    progress.update("frames", static_cast<double>(from - first) / (last - first + 1));
+    const int count = std::min(kBatchSize, last + 1 - from);
+    parallel_for(count, [&](int k) {
       if (d.unchanged(from + k))
-        ahead[k] = d.sequence->frames[from + k];
+        batch[k] = d.sequence->frames[from + k];
       else
-        d.all.with([&](FrameSolver& solver) { d.solve_frame(solver, from + k, ahead[k]); });
+        d.full_pool.with([&](FrameSolver& solver) { d.solve_frame(solver, from + k, batch[k]); });
     });
-    for (int k = 0; k < count; ++k) take(from + k, ahead[k]);
+    for (int k = 0; k < count; ++k) take(from + k, batch[k]);
   }
 }
 
@@ -290,11 +294,11 @@ std::vector<Points> SequenceEditor::frames(const Progress& progress) const {
 
 const std::vector<SequenceKeyframe>& SequenceEditor::keyframes() const { return data_->keyframes; }
 const std::vector<Points>& SequenceEditor::keyframe_positions() const { return data_->positions; }
-const std::vector<EstimateReport>& SequenceEditor::keyframe_reports() const {
+const std::vector<IterationReport>& SequenceEditor::keyframe_reports() const {
   return data_->reports;
 }
 const std::vector<Trajectory>& SequenceEditor::trajectories_before() const { return data_->before; }
 const std::vector<Trajectory>& SequenceEditor::trajectories() const { return data_->after; }
-const std::vector<std::string>& SequenceEditor::notes() const { return data_->all.notes(); }
+const std::vector<std::string>& SequenceEditor::notes() const { return data_->full_pool.notes(); }
 
 }  // namespace batten

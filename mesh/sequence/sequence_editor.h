@@ -18,7 +18,7 @@ namespace batten {
 struct SequenceKeyframe {
   int frame = 0;  ///< from 0
   /// One for each handle; none: the handle goes where this frame takes it.
-  std::vector<std::optional<HandlePlace>> handles;
+  std::vector<std::optional<HandlePose>> handles;
 };
 
 struct SequenceEditOptions {
@@ -30,9 +30,9 @@ struct SequenceEditOptions {
   } start = Start::Handles;
   ControlMeshOptions control;  ///< for Subspace
   TrajectoryOptions::Smoothness trajectories = TrajectoryOptions::Smoothness::Smooth;
-  KeyframeEnds ends = KeyframeEnds::None;
+  KeyframeExtrapolation ends = KeyframeExtrapolation::None;
   InfluenceInterval influence;  ///< frames outside stay as they are, to the last bit
-  int rounds_between = 0;       ///< of the alternation, in every frame after its linear step
+  int iterations_between = 0;   ///< of the alternation, in every frame after its linear step
 };
 
 /// Xu et al. 2007, section 5: over all frames k at once
@@ -40,7 +40,7 @@ struct SequenceEditOptions {
 ///     Σ_k Σ_i ‖L v_i^k - R_i^k δ_i^k‖² + Σ_k Σ_i ‖ΔR_i^k‖² + Σ_k ‖C V^k - U^k‖²               (4)
 ///
 /// solved in the paper's order, each step by its own class:
-///   1. control meshes of all frames                    ControlFollower (Start::Subspace only)
+///   1. control meshes of all frames                    ControlMeshTransfer (Start::Subspace only)
 ///   2. keyframes by alternation                        FrameSolver::alternate
 ///   3. rotations of all nodes in all frames            KeyframeWeights, interpolate_logs
 ///   4. handles in all frames, each moving rigidly      edited (handle_trajectory.h)
@@ -56,8 +56,8 @@ class SequenceEditor {
  public:
   /// Keeps a reference to `sequence`. `mesh`: its first frame (prepare). Throws InputError and
   /// NoSolutionError as FrameSolver.
-  SequenceEditor(const MeshSequence& sequence, const TriangleMesh& mesh, FrameHolds holds,
-                 const SequenceEditOptions& options = {});
+  SequenceEditor(const MeshSequence& sequence, const TriangleMesh& mesh,
+                 FrameConstraints constraints, const SequenceEditOptions& options = {});
   ~SequenceEditor();
   SequenceEditor(SequenceEditor&&) noexcept;
   SequenceEditor& operator=(SequenceEditor&&) noexcept;
@@ -80,7 +80,7 @@ class SequenceEditor {
   /// The keyframes in order, their shapes after step 2, and how the alternation went.
   const std::vector<SequenceKeyframe>& keyframes() const;
   const std::vector<Points>& keyframe_positions() const;
-  const std::vector<EstimateReport>& keyframe_reports() const;
+  const std::vector<IterationReport>& keyframe_reports() const;
   /// Of each handle, in the sequence and after step 4.
   const std::vector<Trajectory>& trajectories_before() const;
   const std::vector<Trajectory>& trajectories() const;

@@ -4,9 +4,9 @@
 #include <cmath>
 
 #include "batten/core/errors.h"
-#include "batten/core/index.h"
+#include "batten/core/isize.h"
 #include "batten/core/rotations.h"
-#include "batten/mesh/sequence/interpolated_turns.h"
+#include "batten/mesh/sequence/keyframe_weights.h"
 
 namespace batten {
 namespace {
@@ -14,7 +14,8 @@ namespace {
 /// Sampled Gaussian from 1 on, whole sum with its middle 1.
 std::vector<double> gaussian(double sigma) {
   if (!(sigma > 0 && sigma <= 1e5))
-    throw InputError("filter: sigma is " + number(sigma) + ", expected above 0, up to 1e5 frames");
+    throw InputError("filter: sigma is " + format_number(sigma) +
+                     ", expected above 0, up to 1e5 frames");
   std::vector<double> g(static_cast<size_t>(std::ceil(7 * sigma)));
   double sum = 0;
   for (size_t j = g.size(); j-- > 0;) {
@@ -29,7 +30,7 @@ std::vector<double> gaussian(double sigma) {
 /// and the one as far inside.
 template <class Value, class Beyond>
 std::vector<Value> extended(const std::vector<Value>& x, int more, const Beyond& beyond) {
-  const int last = count_of(x) - 1;
+  const int last = isize(x) - 1;
   std::vector<Value> all(x.size() + 2 * static_cast<size_t>(more), x.front());
   std::copy(x.begin(), x.end(), all.begin() + more);
   if (last == 0) return all;
@@ -76,14 +77,14 @@ double SignalFilter::response(double omega) const {
 
 Points SignalFilter::operator()(const Points& signal, Padding padding) const {
   if (signal.rows() == 0) return signal;
-  const int more = count_of(taps_);
+  const int more = isize(taps_);
   std::vector<Vec3> rows(signal.rows());
-  for (int k = 0; k < count_of(rows); ++k) rows[k] = signal.row(k);
+  for (int k = 0; k < isize(rows); ++k) rows[k] = signal.row(k);
   const std::vector<Vec3> x = extended(rows, more, [&](const Vec3& end, const Vec3& inside) {
-    return padding == Padding::Mirrored ? inside : Vec3(2 * end - inside);
+    return padding == Padding::Even ? inside : Vec3(2 * end - inside);
   });
   Points result(signal.rows(), 3);
-  for (int k = 0; k < count_of(rows); ++k) {
+  for (int k = 0; k < isize(rows); ++k) {
     const Vec3* const at = x.data() + more + k;
     Vec3 change = Vec3::Zero();
     for (int j = more; j > 0; --j) change += taps_[j - 1] * ((at[j] - at[0]) + (at[-j] - at[0]));
@@ -92,15 +93,16 @@ Points SignalFilter::operator()(const Points& signal, Padding padding) const {
   return result;
 }
 
-std::vector<Mat3> SignalFilter::operator()(const std::vector<Mat3>& turns, Padding padding) const {
-  if (turns.empty()) return turns;
-  const int more = count_of(taps_);
-  const std::vector<Mat3> R = extended(turns, more, [&](const Mat3& end, const Mat3& inside) {
-    return padding == Padding::Mirrored ? inside : Mat3(end * inside.transpose() * end);
+std::vector<Mat3> SignalFilter::operator()(const std::vector<Mat3>& rotations,
+                                           Padding padding) const {
+  if (rotations.empty()) return rotations;
+  const int more = isize(taps_);
+  const std::vector<Mat3> R = extended(rotations, more, [&](const Mat3& end, const Mat3& inside) {
+    return padding == Padding::Even ? inside : Mat3(end * inside.transpose() * end);
   });
   std::vector<Mat3> result;
-  const Points logs = followed_logs(turns);
-  for (int k = 0; k < count_of(turns); ++k) {
+  const Points logs = unwrapped_logs(rotations);
+  for (int k = 0; k < isize(rotations); ++k) {
     const Mat3* const at = R.data() + more + k;
     Vec3 change = Vec3::Zero();
     for (const int side : {-1, 1}) {

@@ -9,8 +9,8 @@ namespace batten {
 
 /// What lies beyond the ends of a signal.
 enum class Padding {
-  Mirrored,  ///< x_{-j} = x_j
-  Turned     ///< x_{-j} = 2 x_0 - x_j: even motion stays even motion
+  Even,  ///< x_{-j} = x_j
+  Odd    ///< x_{-j} = 2 x_0 - x_j: even motion stays even motion
 };
 
 /// A symmetric filter of finite length, as differences, so that constants come out as `sum` times
@@ -38,15 +38,15 @@ class SignalFilter {
   double response(double omega) const;
 
   /// The signal, one row a frame, filtered. O(frames · taps).
-  Points operator()(const Points& signal, Padding padding = Padding::Mirrored) const;
+  Points operator()(const Points& signal, Padding padding = Padding::Even) const;
   /// Rotations by logarithms relative to the frame itself,
   ///
   ///     R'_k = R_k^sum exp( Σ_{j≥1} h_j (log R_kᵀR_{k+j} + log R_kᵀR_{k-j}) )
   ///
   /// followed outwards from it (`nearest_log`), so that full turns are no places apart; about one
   /// axis these are the filtered angles. Turned over, R_{-j} = R_0 R_jᵀ R_0.
-  std::vector<Mat3> operator()(const std::vector<Mat3>& turns,
-                               Padding padding = Padding::Mirrored) const;
+  std::vector<Mat3> operator()(const std::vector<Mat3>& rotations,
+                               Padding padding = Padding::Even) const;
 
  private:
   double sum_;

@@ -12,9 +12,9 @@ namespace batten {
 /// Solvers that are alike, one for each thread that asks at the same time.
 class SolverPool {
  public:
-  SolverPool(const TriangleMesh& mesh, FrameHolds holds, const FrameOptions& options)
-      : mesh_(&mesh), holds_(std::move(holds)), options_(options) {
-    free_.push_back(std::make_unique<FrameSolver>(mesh, holds_, options_));
+  SolverPool(const TriangleMesh& mesh, FrameConstraints constraints, const FrameOptions& options)
+      : mesh_(&mesh), constraints_(std::move(constraints)), options_(options) {
+    free_.push_back(std::make_unique<FrameSolver>(mesh, constraints_, options_));
     notes_ = free_.front()->notes();
   }
   /// Calls use(solver) with one that nobody else has meanwhile.
@@ -28,7 +28,7 @@ class SolverPool {
         free_.pop_back();
       }
     }
-    if (!solver) solver = std::make_unique<FrameSolver>(*mesh_, holds_, options_);
+    if (!solver) solver = std::make_unique<FrameSolver>(*mesh_, constraints_, options_);
     use(*solver);
     const std::lock_guard lock(mutex_);
     free_.push_back(std::move(solver));
@@ -37,7 +37,7 @@ class SolverPool {
 
  private:
   const TriangleMesh* mesh_;
-  FrameHolds holds_;
+  FrameConstraints constraints_;
   FrameOptions options_;
   std::mutex mutex_;
   std::vector<std::unique_ptr<FrameSolver>> free_;

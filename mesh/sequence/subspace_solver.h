@@ -9,8 +9,8 @@
 namespace batten {
 
 struct SubspaceOptions {
-  int rounds = 8;
-  double softness = 100;  ///< λ of handles and fixed nodes, in the mean weight at a node
+  int iterations = 8;
+  double penalty_weight = 100;  ///< λ of handles and fixed nodes, in the mean weight at a node
 };
 
 /// The energy of FrameSolver (w_ij = 1), minimised over the vertices d of a control mesh with v = W
@@ -27,7 +27,7 @@ struct SubspaceOptions {
 class SubspaceSolver {
  public:
   /// Throws InputError: a control mesh that is not closed, options out of range, nothing held.
-  SubspaceSolver(const TriangleMesh& mesh, FrameHolds holds, TriangleMesh control,
+  SubspaceSolver(const TriangleMesh& mesh, FrameConstraints constraints, TriangleMesh control,
                  const SubspaceOptions& options = {});
   ~SubspaceSolver();
   SubspaceSolver(SubspaceSolver&&) noexcept;
@@ -36,7 +36,7 @@ class SubspaceSolver {
   /// The frame that is edited, and the control vertices there. NoSolutionError.
   void set_frame(const Points& frame, const Points& control);
   /// All nodes for these places. Needs a frame. Throws InputError on another number of places.
-  const Points& solve(const FramePlaces& places);
+  const Points& solve(const FrameTargets& targets);
   /// Control vertices of the last answer.
   const Points& control() const;
 

@@ -29,7 +29,7 @@ Terrain::Terrain(TriangleMesh mesh, const Vec3& up) : mesh_(std::move(mesh)), up
     seen = seen || area.dot(up_) != 0;
     for (const int v : mesh_.triangles()[t]) {
       normals_.row(topology.node_of(v)) += (area.dot(up_) < 0 ? -1 : 1) * area.transpose();
-      box.extend(flat(mesh_.point(v)));
+      box.extend(to_plane(mesh_.point(v)));
     }
   }
   if (!seen) throw InputError("terrain: no triangle is seen from above");
@@ -41,7 +41,7 @@ Terrain::Terrain(TriangleMesh mesh, const Vec3& up) : mesh_(std::move(mesh)), up
   for (const bool counts : {true, false}) {
     for (int t = mesh_.triangle_count() - 1; t >= 0; --t) {
       Box2 around;
-      for (const int v : mesh_.triangles()[t]) around.extend(flat(mesh_.point(v)));
+      for (const int v : mesh_.triangles()[t]) around.extend(to_plane(mesh_.point(v)));
       for (int j = cell(around.min().y(), 1); j <= cell(around.max().y(), 1); ++j)
         for (int i = cell(around.min().x(), 0); i <= cell(around.max().x(), 0); ++i) {
           int& at = start_[static_cast<size_t>(j) * cells_ + i];
@@ -62,15 +62,15 @@ int Terrain::cell(double x, int axis) const {
       std::clamp(std::floor((x - low_[axis]) / step_[axis]), 0.0, cells_ - 1.0));
 }
 
-std::optional<Terrain::Place> Terrain::place(const Vec3& p) const {
-  const Vec2 q = flat(p);
+std::optional<Terrain::SurfacePoint> Terrain::surface_point(const Vec3& p) const {
+  const Vec2 q = to_plane(p);
   if (!q.allFinite()) return {};
   const size_t c = static_cast<size_t>(cell(q.y(), 1)) * cells_ + cell(q.x(), 0);
-  std::optional<Place> highest;
+  std::optional<SurfacePoint> highest;
   for (int i = start_[c]; i < start_[c + 1]; ++i) {
     const std::array<int, 3>& corners = mesh_.triangles()[list_[i]];
     Vec2 corner[3];
-    for (int j = 0; j < 3; ++j) corner[j] = flat(mesh_.point(corners[j])) - q;
+    for (int j = 0; j < 3; ++j) corner[j] = to_plane(mesh_.point(corners[j])) - q;
     Vec3 L(cross(corner[1], corner[2]), cross(corner[2], corner[0]), cross(corner[0], corner[1]));
     if (L.sum() == 0) continue;
     L /= L.sum();
@@ -80,7 +80,8 @@ std::optional<Terrain::Place> Terrain::place(const Vec3& p) const {
       at += L[j] * mesh_.point(corners[j]);
       normal += L[j] * normals_.row(mesh_.topology().node_of(corners[j])).transpose().normalized();
     }
-    if (!highest || at.dot(up_) > highest->at.dot(up_)) highest = Place{at, normal.normalized()};
+    if (!highest || at.dot(up_) > highest->at.dot(up_))
+      highest = SurfacePoint{at, normal.normalized()};
   }
   return highest;
 }

@@ -16,17 +16,17 @@ class Terrain {
   /// O(triangles) and a grid of about as many cells.
   explicit Terrain(TriangleMesh mesh, const Vec3& up = Vec3::UnitZ());
 
-  struct Place {
+  struct SurfacePoint {
     Vec3 at;
     Vec3 normal;  ///< unit, upwards; vertex normals (means by area) interpolated
   };
   /// The highest point of the mesh on the line p + t · up; none where there is no mesh. The few
   /// triangles of one cell are looked at.
-  std::optional<Place> place(const Vec3& p) const;
+  std::optional<SurfacePoint> surface_point(const Vec3& p) const;
   const Vec3& up() const { return up_; }
 
  private:
-  Vec2 flat(const Vec3& p) const { return {p.dot(across_[0]), p.dot(across_[1])}; }
+  Vec2 to_plane(const Vec3& p) const { return {p.dot(across_[0]), p.dot(across_[1])}; }
   int cell(double x, int axis) const;
   TriangleMesh mesh_;
   Vec3 up_, across_[2];

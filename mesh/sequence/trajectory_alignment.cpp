@@ -21,11 +21,12 @@ Similarity fit_about(const Points& before, const Points& after, const Vec3& axis
       axis.dot(Vec3(covariance(2, 1) - covariance(1, 2), covariance(0, 2) - covariance(2, 0),
                     covariance(1, 0) - covariance(0, 1)));
   Similarity best;
-  const double share = std::hypot(cosine, sine);
-  if (share > 1e-14 * x.norm() * y.norm())
+  const double amplitude = std::hypot(cosine, sine);
+  if (amplitude > 1e-14 * x.norm() * y.norm())
     best.R = Eigen::AngleAxisd(std::atan2(sine, cosine), axis).matrix();
-  if (scales && x.squaredNorm() > 0) best.scale = std::max(along + share, 0.0) / x.squaredNorm();
-  best.shift = to.transpose() - best.scale * (best.R * from.transpose());
+  if (scales && x.squaredNorm() > 0)
+    best.scale = std::max(along + amplitude, 0.0) / x.squaredNorm();
+  best.translation = to.transpose() - best.scale * (best.R * from.transpose());
   const Points off = y - best.scale * x * best.R.transpose();
   const double size = (before.colwise().maxCoeff() - before.colwise().minCoeff()).norm();
   best.max_error = off.rowwise().norm().maxCoeff() / (size > 0 ? size : 1);
@@ -33,14 +34,16 @@ Similarity fit_about(const Points& before, const Points& after, const Vec3& axis
 }
 
 /// R_base exp(Σ w_j log R_baseᵀR_j): logarithms of what is near, which no full turn is in between.
-Mat3 turn_between(const std::vector<Mat3>& turns, const KeyframeWeights::Row& row, int base) {
+Mat3 interpolate_rotation(const std::vector<Mat3>& rotations, const KeyframeWeights::Row& row,
+                          int base) {
   Vec3 sum = Vec3::Zero();
   for (int j = 0; j < row.count; ++j)
-    sum += row.weights[j] * rotation_log(Mat3(turns[base].transpose() * turns[row.first + j]));
-  return turns[base] * rotation_matrix(sum);
+    sum += row.weights[j] *
+           to_rotation_vector(Mat3(rotations[base].transpose() * rotations[row.first + j]));
+  return rotations[base] * rotation_matrix(sum);
 }
 
-bool stands_still(const Points& p) {
+bool is_stationary(const Points& p) {
   const double size = (p.colwise().maxCoeff() - p.colwise().minCoeff()).norm();
   return size <= 1e-14 * p.cwiseAbs().maxCoeff();
 }
@@ -55,7 +58,7 @@ Trajectory resampled(const Trajectory& trajectory, int frames, Resampling how) {
   if (frames == given) return trajectory;
   std::vector<double> times = frame_numbers(frames);
   for (double& t : times) t = frames > 1 ? t * (given - 1) / (frames - 1) : 0;
-  const KeyframeWeights weights(times, frame_numbers(given), KeyframeEnds::Linear);
+  const KeyframeWeights weights(times, frame_numbers(given), KeyframeExtrapolation::Linear);
   Trajectory result;
   result.centres = Points::Zero(frames, 3);
   for (int k = 0; k < frames; ++k) {
@@ -65,7 +68,7 @@ Trajectory resampled(const Trajectory& trajectory, int frames, Resampling how) {
       row = {base, std::min(given, 2), {1 - (times[k] - base), times[k] - base}};
     for (int j = 0; j < row.count; ++j)
       result.centres.row(k) += row.weights[j] * trajectory.centres.row(row.first + j);
-    result.turns.push_back(turn_between(trajectory.turns, row, base));
+    result.rotations.push_back(interpolate_rotation(trajectory.rotations, row, base));
   }
   return result;
 }
@@ -77,10 +80,10 @@ Similarity alignment(const Trajectory& from, const Trajectory& to,
   if (options.about && !(options.about->norm() > 0 && options.about->allFinite()))
     throw InputError("alignment: `about` is no direction");
   const Points a = resampled(from, to.frame_count(), options.resampling).centres;
-  if (stands_still(a) || stands_still(to.centres)) {
-    Similarity shift;
-    shift.shift = (to.centres - a).colwise().mean();
-    return shift;
+  if (is_stationary(a) || is_stationary(to.centres)) {
+    Similarity translation;
+    translation.translation = (to.centres - a).colwise().mean();
+    return translation;
   }
   if (options.about) return fit_about(a, to.centres, options.about->normalized(), options.scales);
   std::vector<int> all(to.frame_count());
@@ -94,8 +97,8 @@ Trajectory aligned(const Trajectory& trajectory, const Similarity& similarity) {
   for (int k = 0; k < trajectory.frame_count(); ++k) {
     result.centres.row(k) =
         similarity.scale * (similarity.R * trajectory.centres.row(k).transpose()) +
-        similarity.shift;
-    result.turns[k] = similarity.R * trajectory.turns[k] * similarity.R.transpose();
+        similarity.translation;
+    result.rotations[k] = similarity.R * trajectory.rotations[k] * similarity.R.transpose();
   }
   return result;
 }

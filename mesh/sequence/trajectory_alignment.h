@@ -4,7 +4,7 @@
 #include <optional>
 
 #include "batten/mesh/deform/similarity.h"
-#include "batten/mesh/sequence/interpolated_turns.h"
+#include "batten/mesh/sequence/keyframe_weights.h"
 #include "batten/mesh/sequence/rigid_motion.h"
 
 namespace batten {

@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "batten/core/errors.h"
-#include "batten/core/index.h"
+#include "batten/core/isize.h"
 #include "batten/core/rotations.h"
 
 namespace batten {
@@ -12,35 +12,38 @@ namespace {
 Trajectory filtered_signal(const Trajectory& t, const SignalFilter& filter,
                            const FilterOptions& options) {
   return {filter(t.centres, options.padding),
-          options.turns ? filter(t.turns, options.padding) : t.turns};
+          options.rotations ? filter(t.rotations, options.padding) : t.rotations};
 }
 
 /// Of each frame how far it is filtered: 0 in footprints, 1 away from them.
-std::vector<double> shares(const std::vector<Footprint>& footprints, int frames, int blend) {
-  std::vector<double> share(frames, 1.0);
+std::vector<double> filter_weights(const std::vector<FootContact>& foot_contacts, int frames,
+                                   int blend) {
+  std::vector<double> weight(frames, 1.0);
   for (int k = 0; k < frames; ++k)
-    for (const Footprint& f : footprints) {
+    for (const FootContact& f : foot_contacts) {
       const int away = std::max({f.first - k, k - f.last, 0});
       const double t = std::min(1.0, away / (blend + 1.0));
-      share[k] = std::min(share[k], t * t * (3 - 2 * t));
+      weight[k] = std::min(weight[k], t * t * (3 - 2 * t));
     }
-  return share;
+  return weight;
 }
 
 /// `to` where the share is 1, `from` where it is 0.
-void blend(const Trajectory& from, const std::vector<double>& share, Trajectory& to) {
+void blend(const Trajectory& from, const std::vector<double>& weight, Trajectory& to) {
   for (int k = 0; k < from.frame_count(); ++k) {
-    if (share[k] == 1) continue;
+    if (weight[k] == 1) continue;
     const Eigen::RowVector3d step = to.centres.row(k) - from.centres.row(k);
-    to.centres.row(k) = from.centres.row(k) + share[k] * step;
-    const Vec3 turn = share[k] * rotation_log(Mat3(from.turns[k].transpose() * to.turns[k]));
-    to.turns[k] = share[k] == 0 ? from.turns[k] : Mat3(from.turns[k] * rotation_matrix(turn));
+    to.centres.row(k) = from.centres.row(k) + weight[k] * step;
+    const Vec3 rotation_vector =
+        weight[k] * to_rotation_vector(Mat3(from.rotations[k].transpose() * to.rotations[k]));
+    to.rotations[k] = weight[k] == 0 ? from.rotations[k]
+                                     : Mat3(from.rotations[k] * rotation_matrix(rotation_vector));
   }
 }
 
 /// Parents before their children.
 std::vector<int> order_of(const std::vector<FilteredHandle>& handles) {
-  const int n = count_of(handles);
+  const int n = isize(handles);
   std::vector<int> order;
   std::vector<char> done(n, 0);
   for (int h = 0; h < n; ++h)
@@ -69,8 +72,8 @@ Trajectory relative(const Trajectory& child, const Trajectory& parent) {
                      std::to_string(parent.frame_count()));
   Trajectory result = child;
   for (int k = 0; k < child.frame_count(); ++k) {
-    result.centres.row(k) = (child.centres.row(k) - parent.centres.row(k)) * parent.turns[k];
-    result.turns[k] = parent.turns[k].transpose() * child.turns[k];
+    result.centres.row(k) = (child.centres.row(k) - parent.centres.row(k)) * parent.rotations[k];
+    result.rotations[k] = parent.rotations[k].transpose() * child.rotations[k];
   }
   return result;
 }
@@ -82,8 +85,8 @@ Trajectory composed(const Trajectory& relative, const Trajectory& parent) {
   Trajectory result = relative;
   for (int k = 0; k < relative.frame_count(); ++k) {
     result.centres.row(k) =
-        parent.centres.row(k) + relative.centres.row(k) * parent.turns[k].transpose();
-    result.turns[k] = parent.turns[k] * relative.turns[k];
+        parent.centres.row(k) + relative.centres.row(k) * parent.rotations[k].transpose();
+    result.rotations[k] = parent.rotations[k] * relative.rotations[k];
   }
   return result;
 }
@@ -99,13 +102,13 @@ FilteredTrajectories filtered(const Trajectory& root, const std::vector<Filtered
     if (handle.trajectory.frame_count() != frames)
       throw InputError(handle.name + ": " + std::to_string(handle.trajectory.frame_count()) +
                        " frames, expected " + std::to_string(frames) + " as the root has");
-    check(handle.footprints, frames, handle.name);
+    check(handle.foot_contacts, frames, handle.name);
     const bool at_root = handle.parent < 0;
     const Trajectory& before = at_root ? root : handles[handle.parent].trajectory;
     const Trajectory& after = at_root ? result.root : result.handles[handle.parent];
     Trajectory& to = result.handles[h];
     to = composed(filtered_signal(relative(handle.trajectory, before), filter, options), after);
-    blend(handle.trajectory, shares(handle.footprints, frames, options.blend), to);
+    blend(handle.trajectory, filter_weights(handle.foot_contacts, frames, options.blend), to);
   }
   return result;
 }

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "batten/mesh/sequence/footprints.h"
+#include "batten/mesh/sequence/foot_contact.h"
 #include "batten/mesh/sequence/rigid_motion.h"
 #include "batten/mesh/sequence/signal_filter.h"
 
@@ -20,13 +20,13 @@ struct FilteredHandle {
   std::string name;
   Trajectory trajectory;
   int parent = -1;  ///< another handle that it hangs on; -1: the root
-  std::vector<Footprint> footprints;
+  std::vector<FootContact> foot_contacts;
 };
 
 struct FilterOptions {
-  Padding padding = Padding::Mirrored;
-  bool turns = true;  ///< rotations are filtered too
-  int blend = 5;      ///< frames beside a footprint over which filtering sets in
+  Padding padding = Padding::Even;
+  bool rotations = true;  ///< rotations are filtered too
+  int blend = 5;          ///< frames beside a footprint over which filtering sets in
 };
 
 /// The root and the handles, all filtered.

@@ -27,13 +27,13 @@ void check_value(const CurveLoad& load) {
   if (!finite(load))
     throw InputError("load '" + load.name + "' of a curve has a number that is not finite");
   if (std::holds_alternative<CurveLoad::Spring>(load.kind) && load.value < 0)
-    throw InputError("spring '" + load.name + "' has the stiffness " + number(load.value) +
+    throw InputError("spring '" + load.name + "' has the stiffness " + format_number(load.value) +
                      ": expected 0 or more");
 }
 
 // Lower triangle of weight H Hᵀ at one parameter.
 void add_spring(const CurveMesh& mesh, double u, double weight, SparseMatrix& K) {
-  const auto at = mesh.where(u);
+  const auto at = mesh.locate(u);
   const auto H = HermiteSegment(mesh.length(at.segment)).evaluate(at.s);
   const auto dof = mesh.segment_dofs(at.segment);
   for (int a = 0; a < 4; ++a)
@@ -70,9 +70,9 @@ DeformableCurve::DeformableCurve(HermiteCurve shape, ConstraintSet constraints,
   positions_ = VecX::Zero(mesh.dof_count());
   for (int n = 0; n < mesh.node_count(); ++n) positions_[mesh.position_dof(n)] = 1;
   origin_ = shape_.position(0);
-  about_origin_ = constraints_.moved(positions_, origin_);
+  about_origin_ = constraints_.translated(positions_, origin_);
 
-  CurveAssembler::Along alpha = material_.alpha, beta = material_.beta;
+  CurveAssembler::Coefficient alpha = material_.alpha, beta = material_.beta;
   for (auto& a : alpha) a = {a.start * scale(1), a.end * scale(1)};
   for (auto& b : beta) b = {b.start * scale(3), b.end * scale(3)};
   bending_ = assembler_.stiffness(alpha, beta);
@@ -91,7 +91,7 @@ CurveLoad& DeformableCurve::load(const std::string& name) {
     if (l.name == name) return l;
     names.push_back(l.name);
   }
-  const std::string near = nearest_word(name, names);
+  const std::string near = closest_match(name, names);
   throw InputError("the curve has no load '" + name + "'" +
                    (near.empty() ? "" : "; did you mean '" + near + "'?"));
 }
@@ -107,7 +107,7 @@ void DeformableCurve::set(const std::string& name, double value) {
   }
 }
 
-void DeformableCurve::pull_to(const std::string& name, const Vec3& to) {
+void DeformableCurve::set_spring_target(const std::string& name, const Vec3& to) {
   CurveLoad& found = load(name);
   auto* spring = std::get_if<CurveLoad::Spring>(&found.kind);
   if (!spring) throw InputError("load '" + name + "' is no spring");
@@ -124,10 +124,10 @@ SparseMatrix DeformableCurve::stiffness() const {
   return K;
 }
 
-Points DeformableCurve::right_side() const {
+Points DeformableCurve::rhs() const {
   const CurveMesh& mesh = shape_.mesh();
   Points F = Points::Zero(mesh.dof_count(), 3);
-  if (material_.keeps_shape)
+  if (material_.starts_unstressed)
     F = bending_.selfadjointView<Eigen::Lower>() *
         Points(shape_.dofs() - positions_ * origin_.transpose());
   for (size_t i = 0; i < loads_.size(); ++i) {
@@ -150,15 +150,15 @@ HermiteCurve DeformableCurve::made(const Points& about_origin) const {
 
 HermiteCurve DeformableCurve::solve() {
   if (!solver_) solver_.emplace(about_origin_, stiffness());
-  current_ = solver_->solve(right_side());
+  current_ = solver_->solve(rhs());
   return made(current_);
 }
 
 void DeformableCurve::restart() {
   SparseMatrix M = assembler_.mass();
   M *= scale(-1);
-  ImplicitSteps steps(about_origin_, stiffness(), std::move(M),
-                      {material_.density, material_.damping, dt_, theta_});
+  ThetaIntegrator steps(about_origin_, stiffness(), std::move(M),
+                        {material_.density, material_.damping, dt_, theta_});
   if (steps_)
     steps.start(steps_->positions(), steps_->velocities());
   else
@@ -179,14 +179,14 @@ void DeformableCurve::start_motion(double dt, double theta) {
 HermiteCurve DeformableCurve::step() {
   if (!steps_) throw InputError("a step of a curve that was not set in motion");
   if (stiffness_changed_) restart();
-  current_ = steps_->step(right_side());
+  current_ = steps_->step(rhs());
   return made(current_);
 }
 
 double DeformableCurve::energy() {
   if (!steps_) throw InputError("the energy of a curve that was not set in motion");
   if (stiffness_changed_) restart();
-  return steps_->kinetic() + steps_->potential(right_side());
+  return steps_->kinetic() + steps_->potential(rhs());
 }
 
 }  // namespace batten

@@ -7,10 +7,10 @@
 #include <vector>
 
 #include "batten/constraints/constrained_solver.h"
-#include "batten/constraints/implicit_steps.h"
-#include "batten/fairing/energy.h"
-#include "batten/fem/curve.h"
-#include "batten/fem/curve_assembly.h"
+#include "batten/constraints/theta_integrator.h"
+#include "batten/fairing/surface_energy.h"
+#include "batten/fem/curve_assembler.h"
+#include "batten/fem/hermite_curve.h"
 
 namespace batten {
 
@@ -35,14 +35,14 @@ struct CurveLoad {
 
 /// What the curve resists to loads and motion.
 struct CurveMaterial {
-  CurveAssembler::Along alpha = {0}, beta = {1};
+  CurveAssembler::Coefficient alpha = {0}, beta = {1};
   /// Relative: alpha, beta, loads, density and damping are pure numbers on the curve scaled to
   /// length 1, so that the same curve in mm and in m takes the same shape. Absolute: alpha is a
   /// force, beta force·length², a spring force/length.
   LoadUnits units = LoadUnits::Relative;
   /// True: the shape that the curve is made with has no energy. False: a straight line has none
   /// (a point, where alpha is above 0).
-  bool keeps_shape = true;
+  bool starts_unstressed = true;
   double density = 1, damping = 1;  ///< ρ and μ of a motion, ≥ 0
 };
 
@@ -51,7 +51,7 @@ struct CurveMaterial {
 ///     E = ∫ alpha |Y_u|² + beta |Y_uu|² du + Σ k |X(u_k) - to_k|² - 2 ∫ f·X du - 2 Σ F·X(u_i)
 ///
 /// under constraints that hold exactly; Y = X, or X minus the shape it was made with
-/// (keeps_shape). Positions are taken relative to a point of the curve, so that a curve far from
+/// (starts_unstressed). Positions are taken relative to a point of the curve, so that a curve far from
 /// the origin loses no digits. Loads that only change the right-hand side cost one solve; another
 /// stiffness of a spring costs a factor of a banded matrix.
 class DeformableCurve {
@@ -68,7 +68,7 @@ class DeformableCurve {
   void set(const std::string& load, double value);
   /// Sets the place that a spring pulls to. Throws InputError: no such spring, a place that is not
   /// finite.
-  void pull_to(const std::string& spring, const Vec3& to);
+  void set_spring_target(const std::string& spring, const Vec3& to);
 
   /// Returns the shape at rest under the present loads.
   HermiteCurve solve();
@@ -89,7 +89,7 @@ class DeformableCurve {
   double scale(int power) const;
   CurveLoad& load(const std::string& name);
   SparseMatrix stiffness() const;
-  Points right_side() const;
+  Points rhs() const;
   void restart();
   HermiteCurve made(const Points& about_origin) const;
 
@@ -103,7 +103,7 @@ class DeformableCurve {
   VecX positions_;  // 1 at position dofs
   SparseMatrix bending_;
   std::optional<ConstrainedSolver> solver_;
-  std::optional<ImplicitSteps> steps_;
+  std::optional<ThetaIntegrator> steps_;
   double dt_ = 0, theta_ = 1;
   bool stiffness_changed_ = false;
   Points current_;

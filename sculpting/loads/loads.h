@@ -12,7 +12,7 @@
 #include <variant>
 #include <vector>
 
-#include "batten/fem/curve.h"
+#include "batten/fem/hermite_curve.h"
 
 namespace batten {
 
@@ -73,8 +73,8 @@ struct Load {
   ///     f = value φ(r) (r - rest_length) (t - x)/r,    φ = exp(-(r/falloff)²), or 1 for falloff 0
   ///
   /// A spring to a plane pulls along the plane's normal only.
-  struct Pulls {
-    struct Places {
+  struct AttractorSprings {
+    struct TargetPoints {
       std::vector<Vec3> to;  ///< one for each spring
     };
     struct Curve {
@@ -84,22 +84,22 @@ struct Load {
       Vec3 through = Vec3::Zero(), normal = Vec3::Zero();
     };
     std::vector<Vec3> at;  ///< springs stay where the surface is nearest to these
-    std::variant<Places, Curve, Plane> target;
+    std::variant<TargetPoints, Curve, Plane> target;
     double rest_length = 0, falloff = 0;  ///< model units
   };
   /// Springs pull the surface to n measured points p_i: they add Σ value/n |x(c_i) - p_i|² to the
   /// energy. c_i is the place of the surface that is nearest to p_i; settle() finds it again until
   /// none moves (20 times at most). `value` is the stiffness of all n springs together. Points
   /// beyond the surface's rim are left out.
-  struct Scan {
+  struct PointCloudSprings {
     std::vector<Vec3> points;
   };
   std::string name;
-  std::variant<Pressure, Uniform, Gravity, Point, Line, Pulls, Scan> kind;
+  std::variant<Pressure, Uniform, Gravity, Point, Line, AttractorSprings, PointCloudSprings> kind;
 };
 
 /// A weight field adds value · w to alpha or beta, in all directions or in one.
-struct WeightField {
+struct StiffnessField {
   enum class Kind { Stretching, Bending };
   std::string name;
   Kind kind = Kind::Bending;
@@ -139,7 +139,7 @@ struct Constraint {
 /// direction(t), in model units. `direction` is used with its length. Without one the line moves
 /// along the unit normal that the surface has when this is added (the "rib"), on a smooth join
 /// along the mean of the normals of both sides; a crease needs a direction.
-struct LineMove {
+struct LineOffset {
   std::string name, line;
   std::optional<Vec3> direction = {};
   /// Share of the line's length at either end over which the profile rises smoothly from 0 to 1;

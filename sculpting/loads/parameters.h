@@ -7,31 +7,31 @@
 #include <utility>
 #include <vector>
 
-#include "batten/core/index.h"
+#include "batten/core/isize.h"
 
 namespace batten {
 
 /// A number with a name and a range. It has one source: the user's hand (`value`), time, or other
 /// parameters.
-struct NamedValue {
+struct ScalarParameter {
   /// One term of a rule: it adds factor times the value of another parameter.
-  struct Share {
+  struct Term {
     std::string of;
     double factor = 1;
   };
   /// A value at one time. Values are linear between moments, and constant before the first and
   /// after the last.
-  struct Moment {
+  struct Keyframe {
     double time, value;
   };
   std::string name;
   double value = 0;
   double min = -std::numeric_limits<double>::infinity();
   double max = std::numeric_limits<double>::infinity();
-  std::vector<Moment> over_time = {};  ///< ascending; none: the value stands
+  std::vector<Keyframe> keyframes = {};  ///< ascending; none: the value stands
   /// value = offset + Σ factor · parameter; none: the value is its own. So one slider can move many
   /// parameters.
-  std::vector<Share> follows = {};
+  std::vector<Term> rule_terms = {};
   double offset = 0;
 };
 
@@ -41,7 +41,7 @@ class Parameters {
   /// Adds a parameter. Throws InputError: no name or one that is taken, numbers that are not
   /// finite, min > max, a value or a moment outside of the range, moments that do not ascend, a
   /// parameter that has moments and follows others too, or that follows one that is not there yet.
-  void add(NamedValue parameter);
+  void add(ScalarParameter parameter);
   /// Removes a parameter. Throws InputError: an unknown name, or one that another parameter
   /// follows.
   void remove(const std::string& name);
@@ -49,10 +49,11 @@ class Parameters {
   /// Without any to follow it stands alone again, with the offset as its value. Throws InputError:
   /// unknown names, a circle (its members are named), numbers that are not finite, an offset
   /// outside of the range for a parameter that stands alone.
-  void drive(const std::string& name, std::vector<NamedValue::Share> follows, double offset);
+  void set_rule(const std::string& name, std::vector<ScalarParameter::Term> rule_terms,
+                double offset);
 
-  int count() const { return count_of(all_); }
-  const std::vector<NamedValue>& all() const { return all_; }
+  int count() const { return isize(all_); }
+  const std::vector<ScalarParameter>& all() const { return all_; }
   bool has(const std::string& name) const { return index_.count(name) > 0; }
   /// Returns the number of a parameter. Throws InputError: an unknown name (the nearest is
   /// offered).
@@ -84,15 +85,15 @@ class Parameters {
  private:
   struct Rule {
     int follower;
-    std::vector<std::pair<int, double>> shares;  // parameter, factor
+    std::vector<std::pair<int, double>> terms;  // parameter, factor
   };
   double at_time(int i) const;
   void follow();
   void order_rules();
-  std::vector<NamedValue> all_;
+  std::vector<ScalarParameter> all_;
   std::unordered_map<std::string, int> index_;
-  std::vector<Rule> rules_;    // each after those of the parameters that it follows
-  std::vector<char> by_hand_;  // of parameters with moments: time does not move them
+  std::vector<Rule> rules_;     // each after those of the parameters that it follows
+  std::vector<char> user_set_;  // of parameters with moments: time does not move them
   std::vector<double> current_;
   double time_ = 0;
 };

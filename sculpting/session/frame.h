@@ -11,11 +11,11 @@
 namespace batten {
 
 /// The facets and lines that connect display points. It changes with the mesh only.
-struct DisplayPattern {
+struct DisplayTopology {
   std::vector<std::array<int, 3>> facets;
   std::vector<std::vector<std::vector<int>>> lines;  ///< DisplayFacets::lines, region after region
   /// The place of each point in the model's mesh; none where no model is behind it.
-  std::vector<Location> places;
+  std::vector<Location> locations;
   /// The number of each region's first facet and first line, and behind the last region.
   std::vector<int> first_facet, first_line;
 };
@@ -23,7 +23,7 @@ struct DisplayPattern {
 /// A frame holds the display points of one moment for a viewer.
 struct Frame {
   std::vector<float> points, normals;  ///< x, y, z one after the other
-  std::shared_ptr<const DisplayPattern> pattern;
+  std::shared_ptr<const DisplayTopology> pattern;
   long number = 0;        ///< counts frames
   bool moved = false;     ///< points or normals differ from the frame that was drawn before
   bool remeshed = false;  ///< the pattern differs from that which this frame had before

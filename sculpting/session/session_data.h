@@ -7,71 +7,71 @@
 #include <vector>
 
 #include "batten/fem/surface_transfer.h"
-#include "batten/sculpting/session/session.h"
+#include "batten/sculpting/session/sculpting_session.h"
 #include "batten/sculpting/session/session_engine.h"
 
 namespace batten {
-namespace live {
+namespace detail {
 
 // All that undo puts back.
-struct State {
-  std::shared_ptr<System> system;
+struct SessionState {
+  std::shared_ptr<SessionSystem> system;
   Parameters parameters;
-  Shape shape;
+  ShapeState shape;
   bool in_motion = false;
   Motion motion;
   std::vector<double> shape_values;  // values of the parameters when the shape was made
   // The last answer that converged.
-  Points good_x;
-  std::shared_ptr<const Rest> good_rest;
-  std::vector<double> good_values;
+  Points converged_x;
+  std::shared_ptr<const RestConfiguration> converged_rest;
+  std::vector<double> converged_values;
   std::vector<char> fresh;  // parameters that have not acted on the shape yet: good at 0
 };
 
 inline constexpr const char* kAxes[] = {".x", ".y", ".z"};
-inline constexpr size_t kPage = 4096;  // of a record
+inline constexpr size_t kRecordPage = 4096;  // of a record
 
-struct Display {
+struct SessionDisplay {
   std::shared_ptr<const ParametricMesh> mesh;
-  std::shared_ptr<const DisplayPattern> pattern;
+  std::shared_ptr<const DisplayTopology> pattern;
   std::unique_ptr<DisplayPoints> points;
 };
 
-template <class Things, class Name>
-int find(const Things& things, const Name& name_of, const std::string& name) {
+template <class Items, class Name>
+int find(const Items& things, const Name& name_of, const std::string& name) {
   for (size_t i = 0; i < things.size(); ++i)
     if (name_of(*things[i]) == name) return static_cast<int>(i);
   return -1;
 }
-inline const std::string& name_of(const PlacedLoad& p) { return p.load.name; }
-inline const std::string& name_of(const PlacedWeight& p) { return p.weight.name; }
-inline const std::string& name_of(const PlacedConstraint& p) { return p.constraint.name; }
-inline const std::string& name_of(const PlacedMove& p) { return p.move.name; }
+inline const std::string& name_of(const AttachedLoad& p) { return p.load.name; }
+inline const std::string& name_of(const AttachedStiffnessField& p) { return p.weight.name; }
+inline const std::string& name_of(const AttachedConstraint& p) { return p.constraint.name; }
+inline const std::string& name_of(const AttachedOffset& p) { return p.move.name; }
 
-template <class Things>
-int index_of(const Things& things, const std::string& name) {
+template <class Items>
+int index_of(const Items& things, const std::string& name) {
   return find(
       things, [](const auto& p) -> const std::string& { return name_of(p); }, name);
 }
 
-}  // namespace live
+}  // namespace detail
 
 struct SculptingSession::Data {
   SessionOptions options;
-  live::State now;
-  std::deque<live::State> undone_to, redone_to;
-  bool joins = false;  // what is set or stepped now belongs to the last step of the history
+  detail::SessionState now;
+  std::deque<detail::SessionState> undo_stack, redo_stack;
+  bool coalesces = false;  // what is set or stepped now belongs to the last step of the history
   bool recording = false;
   std::vector<Operation> record;
-  live::Engine engine;
+  detail::SessionEngine engine;
   std::vector<double> values, before;
   std::vector<std::string> value_names;
-  live::Display display;
+  detail::SessionDisplay display;
   Frame frame;
   long frames = 0, version = 0, shown = -1;  // the version of the shape that was drawn
   Progress progress;
 
-  live::System& system() { return *now.system; }
+  detail::SessionSystem& system() { return *now.system; }
   const ModelLayout& layout() { return now.system->layout(); }
   double size() { return layout().size(); }
   Points absolute(const Points& x) {
@@ -80,68 +80,69 @@ struct SculptingSession::Data {
   Surface surface() { return layout().surface(absolute(now.shape.x)); }
 
   // -- history ------------------------------------------------------------------------------------
-  live::State saved() const;
-  void remember(live::State before);
-  void remember_start();
+  detail::SessionState snapshot() const;
+  void push_history(detail::SessionState before);
+  void push_history_once();
   size_t bytes() const;
-  void put_back(live::State state);
-  bool go(std::deque<live::State>& from, std::deque<live::State>& to);
-  void note(const Operation& op);
+  void restore_state(detail::SessionState state);
+  bool move_in_history(std::deque<detail::SessionState>& from,
+                       std::deque<detail::SessionState>& to);
+  void record_operation(const Operation& op);
   // Changes values of parameters, as one step of the history for a whole drag; a value that is
   // refused leaves no step.
   template <class Change>
   void change_values(const Change& change) {
-    if (joins) {
+    if (coalesces) {
       change();
       return;
     }
-    live::State before = saved();
+    detail::SessionState before = snapshot();
     change();
-    remember(std::move(before));
-    joins = true;
+    push_history(std::move(before));
+    coalesces = true;
   }
 
   // -- answers ------------------------------------------------------------------------------------
   void read_values() { values = now.parameters.values(); }
-  void mark_good();
-  void fall_back();
-  live::Engine::Run in_steps(const std::vector<double>& goal);
+  void mark_converged();
+  void restore_converged();
+  detail::SessionEngine::SolveStatus step_loads(const std::vector<double>& goal);
   bool has_scans();
   bool plan_joins();
-  Points bent_from(std::shared_ptr<const live::Rest> rest);
-  void find_rest(bool anew);
-  Answer settle(bool anew = true);
-  Answer settle_once(bool anew);
-  Answer quick(int most, double tolerance);
-  Answer step();
+  Points deformed_from(std::shared_ptr<const detail::RestConfiguration> rest);
+  void update_rest_shape(bool anew);
+  SolveReport solve_to_equilibrium(bool anew = true);
+  SolveReport solve_once(bool anew);
+  SolveReport solve_preview(int most, double tolerance);
+  SolveReport step();
 
   // -- edits --------------------------------------------------------------------------------------
-  void rebuild(live::Definition def);
-  void name_values();
-  void hold();
-  void stay();
+  void rebuild(detail::SessionDefinition def);
+  void update_value_names();
+  void solve_constrained();
+  void keep_shape();
   void require_free_name(const std::string& name);
-  void add_parameters(const std::string& name, std::vector<NamedValue> given,
+  void add_parameters(const std::string& name, std::vector<ScalarParameter> given,
                       const std::vector<std::string>& wanted, const std::vector<double>& start);
-  void add(const Load& load, const std::vector<NamedValue>& parameters);
-  void add(const WeightField& weight, const std::vector<NamedValue>& parameters);
-  void add(const Constraint& constraint, const std::vector<NamedValue>& parameters);
-  void add(const LineMove& move, const std::vector<NamedValue>& parameters);
-  void add(const CharacterLine& line, const std::vector<NamedValue>& parameters);
+  void add(const Load& load, const std::vector<ScalarParameter>& parameters);
+  void add(const StiffnessField& weight, const std::vector<ScalarParameter>& parameters);
+  void add(const Constraint& constraint, const std::vector<ScalarParameter>& parameters);
+  void add(const LineOffset& move, const std::vector<ScalarParameter>& parameters);
+  void add(const CharacterLine& line, const std::vector<ScalarParameter>& parameters);
   void require_lines(const char* what);
-  CarriedOver move_to(ModelLayout layout);
-  CarriedOver carried(const ModelLayout& layout, const Points& dofs);
-  void carry_places(const ModelLayout& layout, live::Definition& def);
+  SurfaceTransfer change_layout(ModelLayout layout);
+  SurfaceTransfer transferred(const ModelLayout& layout, const Points& dofs);
+  void transfer_reference_shapes(const ModelLayout& layout, detail::SessionDefinition& def);
   void change(const Constraint& constraint);
   std::vector<std::string> names();
-  std::string near_to(const std::string& name);
+  std::string name_suggestion(const std::string& name);
   void remove(const std::string& name);
-  void refuse_if_used(const std::string& line);
+  void require_unused(const std::string& line);
   void set_line(const std::string& name, const HermiteCurve& curve);
   void start_motion(const Motion& m);
   RefinementReport refine(const Refinement& refinement);
   HermiteCurve line(const std::string& name);
-  SkinnedRegion made(int region);
+  SkinnedRegion skinned_region(int region);
   void draw(Frame& to);
   double elastic_energy(const Points& x);
   void edit(const Operation::Edit& edit);

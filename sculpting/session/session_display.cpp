@@ -1,10 +1,10 @@
-#include "batten/core/index.h"
+#include "batten/core/isize.h"
 #include "batten/sculpting/session/session_data.h"
 #include "batten/skinning/facets/facets.h"
 
 namespace batten {
 
-SkinnedRegion SculptingSession::Data::made(int r) {
+SkinnedRegion SculptingSession::Data::skinned_region(int r) {
   SkinnedRegion region = layout().skinned(r, absolute(now.shape.x));
   const auto moved = [&](CharacterLine& line, HermiteCurve& fitted, bool embedded, size_t index) {
     const auto& moves = system().def.moves;
@@ -16,29 +16,29 @@ SkinnedRegion SculptingSession::Data::made(int r) {
       fitted = fitted.backwards();
     line.curve = curve_from_hermite(fitted);
   };
-  for (size_t i = 0; i < region.runs.size(); ++i)
-    moved(region.runs[i].line, region.runs[i].fitted, false, i);
+  for (size_t i = 0; i < region.edge_aligned.size(); ++i)
+    moved(region.edge_aligned[i].line, region.edge_aligned[i].fitted, false, i);
   for (size_t i = 0; i < region.embedded.size(); ++i) {
     EmbeddedLine& line = region.embedded[i];
     moved(line.line, line.fitted, true, i);
     // An image of the same nodes.
-    if (line.image.parameters() != line.fitted.parameters())
-      line.image = line.image.with_nodes(line.fitted.parameters());
+    if (line.pcurve.parameters() != line.fitted.parameters())
+      line.pcurve = line.pcurve.with_nodes(line.fitted.parameters());
   }
   return region;
 }
 
 void SculptingSession::Data::draw(Frame& to) {
   if (display.mesh != layout().mesh()) {
-    auto pattern = std::make_shared<DisplayPattern>();
-    std::vector<Location>& places = pattern->places;
+    auto pattern = std::make_shared<DisplayTopology>();
+    std::vector<Location>& locations = pattern->locations;
     for (int r = 0; r < layout().region_count(); ++r) {
-      DisplayFacets own = facets(made(r), options.facets_per_edge);
-      const int first = count_of(places);
-      pattern->first_facet.push_back(count_of(pattern->facets));
-      pattern->first_line.push_back(count_of(pattern->lines));
+      DisplayFacets own = facets(skinned_region(r), options.facets_per_edge);
+      const int first = isize(locations);
+      pattern->first_facet.push_back(isize(pattern->facets));
+      pattern->first_line.push_back(isize(pattern->lines));
       for (const Location& where : own.tessellation.points)
-        places.push_back(layout().in_model(r, where));
+        locations.push_back(layout().to_model_location(r, where));
       for (auto facet : own.tessellation.facets) {
         for (int& corner : facet) corner += first;
         pattern->facets.push_back(facet);
@@ -49,10 +49,11 @@ void SculptingSession::Data::draw(Frame& to) {
         pattern->lines.push_back(std::move(line));
       }
     }
-    pattern->first_facet.push_back(count_of(pattern->facets));
-    pattern->first_line.push_back(count_of(pattern->lines));
+    pattern->first_facet.push_back(isize(pattern->facets));
+    pattern->first_line.push_back(isize(pattern->lines));
     display.pattern = pattern;
-    display.points = std::make_unique<DisplayPoints>(*layout().mesh(), layout().element(), places);
+    display.points =
+        std::make_unique<DisplayPoints>(*layout().mesh(), layout().element(), locations);
     display.mesh = layout().mesh();
   }
   to.remeshed = to.pattern != display.pattern;

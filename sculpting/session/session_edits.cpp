@@ -2,14 +2,14 @@
 #include <cmath>
 
 #include "batten/core/errors.h"
-#include "batten/core/words.h"
+#include "batten/core/format.h"
 #include "batten/sculpting/session/session_data.h"
 
 namespace batten {
 
-using live::Definition;
+using detail::SessionDefinition;
 
-void SculptingSession::Data::rebuild(Definition def) {
+void SculptingSession::Data::rebuild(SessionDefinition def) {
   // Values by name: numbers of parameters change.
   struct Known {
     std::string name;
@@ -17,179 +17,185 @@ void SculptingSession::Data::rebuild(Definition def) {
     char fresh;
   };
   std::vector<Known> known;
-  for (size_t i = 0; i < now.good_values.size(); ++i)
-    known.push_back({value_names[i], now.good_values[i], now.shape_values[i], now.fresh[i]});
-  now.system = live::build(std::move(def), now.parameters, now.system.get());
+  for (size_t i = 0; i < now.converged_values.size(); ++i)
+    known.push_back({value_names[i], now.converged_values[i], now.shape_values[i], now.fresh[i]});
+  now.system = detail::build(std::move(def), now.parameters, now.system.get());
   engine.bind(system());
-  name_values();
+  update_value_names();
   // What is new has not acted on the shape yet.
   const auto& parameters = now.parameters.all();
-  now.good_values.resize(parameters.size());
+  now.converged_values.resize(parameters.size());
   now.shape_values.resize(parameters.size());
   now.fresh.resize(parameters.size());
   for (size_t p = 0; p < parameters.size(); ++p) {
     const auto it = std::find_if(known.begin(), known.end(),
                                  [&](const Known& k) { return k.name == parameters[p].name; });
-    const bool goal = system().roles[p] & live::kGoal;
+    const bool goal = system().roles[p] & detail::kGoal;
     const double start = goal ? now.parameters.value(static_cast<int>(p)) : 0;
     const Known k = it != known.end() ? *it : Known{"", start, start, 1};
-    now.good_values[p] = k.good;
+    now.converged_values[p] = k.good;
     now.shape_values[p] = k.shape;
     now.fresh[p] = k.fresh;
   }
 }
 
 // Of which parameter each value is.
-void SculptingSession::Data::name_values() {
+void SculptingSession::Data::update_value_names() {
   value_names.clear();
-  for (const NamedValue& p : now.parameters.all()) value_names.push_back(p.name);
+  for (const ScalarParameter& p : now.parameters.all()) value_names.push_back(p.name);
 }
 
 // After the rows changed: on the static shape, bent from the rest shape as it is, or in motion as
 // near as can be.
-void SculptingSession::Data::hold() {
+void SculptingSession::Data::solve_constrained() {
   read_values();
   if (!now.in_motion) {
-    settle(false);
+    solve_to_equilibrium(false);
     return;
   }
-  find_rest(false);
+  update_rest_shape(false);
   engine.prepare_matrix(system(), values);
   engine.project(system(), values, now.shape);
   ++version;
-  mark_good();
+  mark_converged();
 }
 
 // After loads changed: the shape stays as it is, for the values that it was made with.
-void SculptingSession::Data::stay() {
+void SculptingSession::Data::keep_shape() {
   read_values();
   engine.prepare_matrix(system(), values);
 }
 
 void SculptingSession::Data::require_free_name(const std::string& name) {
   if (name.empty()) throw InputError("something that acts on the surface has no name");
-  const Definition& d = system().def;
-  if (live::index_of(d.loads, name) >= 0 || live::index_of(d.weights, name) >= 0 ||
-      live::index_of(d.constraints, name) >= 0 || live::index_of(d.moves, name) >= 0 ||
+  const SessionDefinition& d = system().def;
+  if (detail::index_of(d.loads, name) >= 0 || detail::index_of(d.weights, name) >= 0 ||
+      detail::index_of(d.constraints, name) >= 0 || detail::index_of(d.moves, name) >= 0 ||
       layout().has_line(name))
     throw InputError("two things have the name '" + name + "'");
 }
 
-void SculptingSession::Data::add_parameters(const std::string& name, std::vector<NamedValue> given,
+void SculptingSession::Data::add_parameters(const std::string& name,
+                                            std::vector<ScalarParameter> given,
                                             const std::vector<std::string>& wanted,
                                             const std::vector<double>& start) {
-  for (const NamedValue& g : given)
+  for (const ScalarParameter& g : given)
     if (std::find(wanted.begin(), wanted.end(), g.name) == wanted.end())
       throw InputError("'" + name + "' has no parameter '" + g.name + "'");
   for (size_t i = 0; i < wanted.size(); ++i) {
     const auto it = std::find_if(given.begin(), given.end(),
-                                 [&](const NamedValue& g) { return g.name == wanted[i]; });
-    NamedValue value;
+                                 [&](const ScalarParameter& g) { return g.name == wanted[i]; });
+    ScalarParameter value;
     value.name = wanted[i];
     value.value = start[i];
     now.parameters.add(it == given.end() ? value : *it);
   }
 }
 
-void SculptingSession::Data::add(const Load& load, const std::vector<NamedValue>& parameters) {
+void SculptingSession::Data::add(const Load& load, const std::vector<ScalarParameter>& parameters) {
   require_free_name(load.name);
-  Definition def = system().def;
-  def.loads.push_back(std::make_shared<const live::PlacedLoad>(live::place(load, def, surface())));
+  SessionDefinition def = system().def;
+  def.loads.push_back(
+      std::make_shared<const detail::AttachedLoad>(detail::attach(load, def, surface())));
   add_parameters(load.name, parameters, {load.name}, {0});
   rebuild(std::move(def));
-  stay();
+  keep_shape();
 }
 
-void SculptingSession::Data::add(const WeightField& weight,
-                                 const std::vector<NamedValue>& parameters) {
+void SculptingSession::Data::add(const StiffnessField& weight,
+                                 const std::vector<ScalarParameter>& parameters) {
   require_free_name(weight.name);
-  Definition def = system().def;
-  def.weights.push_back(
-      std::make_shared<const live::PlacedWeight>(live::place(weight, def, surface())));
+  SessionDefinition def = system().def;
+  def.weights.push_back(std::make_shared<const detail::AttachedStiffnessField>(
+      detail::attach(weight, def, surface())));
   add_parameters(weight.name, parameters, {weight.name}, {0});
   rebuild(std::move(def));
-  stay();
+  keep_shape();
 }
 
 void SculptingSession::Data::add(const Constraint& constraint,
-                                 const std::vector<NamedValue>& parameters) {
+                                 const std::vector<ScalarParameter>& parameters) {
   require_free_name(constraint.name);
-  Definition def = system().def;
-  def.constraints.push_back(
-      std::make_shared<const live::PlacedConstraint>(live::place(constraint, def, surface())));
+  SessionDefinition def = system().def;
+  def.constraints.push_back(std::make_shared<const detail::AttachedConstraint>(
+      detail::attach(constraint, def, surface())));
   std::vector<std::string> wanted;
   std::vector<double> start;
   if (const auto* point = std::get_if<Constraint::Point>(&constraint.kind))
     for (int c = 0; c < 3; ++c) {
-      wanted.push_back(constraint.name + live::kAxes[c]);
+      wanted.push_back(constraint.name + detail::kAxes[c]);
       start.push_back(point->goal[c]);
     }
   add_parameters(constraint.name, parameters, wanted, start);
   rebuild(std::move(def));
-  hold();
+  solve_constrained();
 }
 
-void SculptingSession::Data::add(const LineMove& move, const std::vector<NamedValue>& parameters) {
+void SculptingSession::Data::add(const LineOffset& move,
+                                 const std::vector<ScalarParameter>& parameters) {
   require_free_name(move.name);
-  Definition def = system().def;
-  def.moves.push_back(std::make_shared<const live::PlacedMove>(live::place(move, def, surface())));
+  SessionDefinition def = system().def;
+  def.moves.push_back(
+      std::make_shared<const detail::AttachedOffset>(detail::attach(move, def, surface())));
   add_parameters(move.name, parameters, {move.name}, {0});
   rebuild(std::move(def));
-  hold();
+  solve_constrained();
 }
 
 void SculptingSession::Data::add(const CharacterLine& line,
-                                 const std::vector<NamedValue>& parameters) {
+                                 const std::vector<ScalarParameter>& parameters) {
   if (!parameters.empty()) throw InputError("line '" + line.name + "' has no parameters");
   require_free_name(line.name);
   require_lines("added");
   ModelLayout layout = this->layout();
-  layout.add_inner(line, absolute(now.shape.x));
-  move_to(std::move(layout));
+  layout.add_inner_line(line, absolute(now.shape.x));
+  change_layout(std::move(layout));
 }
 
 void SculptingSession::Data::change(const Constraint& constraint) {
-  Definition def = system().def;
-  const int at = live::index_of(def.constraints, constraint.name);
+  SessionDefinition def = system().def;
+  const int at = detail::index_of(def.constraints, constraint.name);
   if (at < 0)
-    throw InputError("there is no constraint '" + constraint.name + "'" + near_to(constraint.name));
+    throw InputError("there is no constraint '" + constraint.name + "'" +
+                     name_suggestion(constraint.name));
   auto& placed = def.constraints[at];
   if (placed->constraint.kind.index() != constraint.kind.index())
     throw InputError("constraint '" + constraint.name +
                      "' changes its place or direction, not its kind: remove it first");
-  placed = std::make_shared<const live::PlacedConstraint>(live::place(constraint, def, surface()));
+  placed = std::make_shared<const detail::AttachedConstraint>(
+      detail::attach(constraint, def, surface()));
   if (const auto* point = std::get_if<Constraint::Point>(&constraint.kind))
     for (int c = 0; c < 3; ++c)
-      now.parameters.set(constraint.name + live::kAxes[c], point->goal[c]);
+      now.parameters.set(constraint.name + detail::kAxes[c], point->goal[c]);
   rebuild(std::move(def));
-  hold();
+  solve_constrained();
 }
 
 std::vector<std::string> SculptingSession::Data::names() {
   std::vector<std::string> all;
-  const Definition& d = system().def;
-  for (const auto& p : d.loads) all.push_back(live::name_of(*p));
-  for (const auto& p : d.weights) all.push_back(live::name_of(*p));
-  for (const auto& p : d.constraints) all.push_back(live::name_of(*p));
-  for (const auto& p : d.moves) all.push_back(live::name_of(*p));
+  const SessionDefinition& d = system().def;
+  for (const auto& p : d.loads) all.push_back(detail::name_of(*p));
+  for (const auto& p : d.weights) all.push_back(detail::name_of(*p));
+  for (const auto& p : d.constraints) all.push_back(detail::name_of(*p));
+  for (const auto& p : d.moves) all.push_back(detail::name_of(*p));
   for (int r = 0; r < layout().region_count(); ++r)
     for (const EmbeddedLine& line : layout().region(r).embedded())
       if (line.line.role == CharacterLine::Role::Inner) all.push_back(line.line.name);
   return all;
 }
 
-std::string SculptingSession::Data::near_to(const std::string& name) {
-  const std::string near = nearest_word(name, names());
+std::string SculptingSession::Data::name_suggestion(const std::string& name) {
+  const std::string near = closest_match(name, names());
   return near.empty() ? "" : "; did you mean '" + near + "'?";
 }
 
 void SculptingSession::Data::remove(const std::string& name) {
-  Definition def = system().def;
-  const int held = live::index_of(def.constraints, name);
+  SessionDefinition def = system().def;
+  const int held = detail::index_of(def.constraints, name);
   const bool was_point = held >= 0 && std::holds_alternative<Constraint::Point>(
                                           def.constraints[held]->constraint.kind);
   const auto take = [&](auto& things) {
-    const int at = live::index_of(things, name);
+    const int at = detail::index_of(things, name);
     if (at >= 0) things.erase(things.begin() + at);
     return at >= 0;
   };
@@ -198,32 +204,33 @@ void SculptingSession::Data::remove(const std::string& name) {
              move = !load && !weight && !constraint && take(def.moves);
   if (load || weight || move) now.parameters.remove(name);
   if (constraint && was_point)
-    for (const char* axis : live::kAxes) now.parameters.remove(name + axis);
+    for (const char* axis : detail::kAxes) now.parameters.remove(name + axis);
   if (load || weight || constraint || move) {
     rebuild(std::move(def));
     if (load || weight)
-      stay();
+      keep_shape();
     else
-      hold();
+      solve_constrained();
     return;
   }
   if (!layout().has_line(name))
-    throw InputError("there is nothing with the name '" + name + "' to remove" + near_to(name));
-  refuse_if_used(name);
+    throw InputError("there is nothing with the name '" + name + "' to remove" +
+                     name_suggestion(name));
+  require_unused(name);
   ModelLayout layout = this->layout();
-  layout.remove_inner(name);
-  move_to(std::move(layout));
+  layout.remove_inner_line(name);
+  change_layout(std::move(layout));
 }
 
 void SculptingSession::Data::start_motion(const Motion& m) {
   if (!(m.dt > 0) || !std::isfinite(m.dt))
-    throw InputError("a time step of " + number(m.dt) + ": expected one above 0");
+    throw InputError("a time step of " + format_number(m.dt) + ": expected one above 0");
   if (!(m.density >= 0) || !(m.damping >= 0) || !(m.density + m.damping > 0) ||
       !std::isfinite(m.density + m.damping))
-    throw InputError("density " + number(m.density) + " and damping " + number(m.damping) +
-                     ": expected both 0 or more, and not both 0");
+    throw InputError("density " + format_number(m.density) + " and damping " +
+                     format_number(m.damping) + ": expected both 0 or more, and not both 0");
   if (!(m.theta >= 0.5) || !(m.theta <= 1))
-    throw InputError("theta = " + number(m.theta) + ": expected 0.5 to 1");
+    throw InputError("theta = " + format_number(m.theta) + ": expected 0.5 to 1");
   now.motion = m;
   now.in_motion = true;
   now.shape.v.setZero();
@@ -234,7 +241,7 @@ void SculptingSession::Data::start_motion(const Motion& m) {
 
 double SculptingSession::Data::elastic_energy(const Points& x) {
   const SurfaceEnergy e = engine.elastic_energy(system(), values, x);
-  return (e.stretching + e.bending) * system().def.scale().of_energies();
+  return (e.stretching + e.bending) * system().def.scale().energy_factor();
 }
 
 void SculptingSession::Data::edit(const Operation::Edit& edit) {
@@ -251,9 +258,9 @@ void SculptingSession::Data::edit(const Operation::Edit& edit) {
   else if (const auto* parameter = std::get_if<Operation::AddParameter>(&edit)) {
     now.parameters.add(parameter->parameter);
     rebuild(system().def);
-    stay();
-  } else if (const auto* rule = std::get_if<Operation::Drive>(&edit)) {
-    now.parameters.drive(rule->parameter, rule->follows, rule->offset);
+    keep_shape();
+  } else if (const auto* rule = std::get_if<Operation::SetRule>(&edit)) {
+    now.parameters.set_rule(rule->parameter, rule->rule_terms, rule->offset);
   }
 }
 

@@ -1,10 +1,10 @@
 #include "batten/sculpting/session/session_engine.h"
 
-#include "batten/sculpting/session/change_weights.h"
+#include "batten/sculpting/session/displacement_weights.h"
 
-namespace batten::live {
+namespace batten::detail {
 
-void symmetric_times(const SparseMatrix& S, const Points& x, Points& out) {
+void multiply_symmetric(const SparseMatrix& S, const Points& x, Points& out) {
   out.setZero();
   const int* starts = S.outerIndexPtr();
   const int* rows = S.innerIndexPtr();
@@ -24,12 +24,12 @@ void symmetric_times(const SparseMatrix& S, const Points& x, Points& out) {
   }
 }
 
-void Engine::bind(const System& system) {
+void SessionEngine::bind(const SessionSystem& system) {
   const int n = system.dofs(), m = system.reduction->free_count();
-  const auto points = system.loose->A.cols();
-  const auto rows = static_cast<long>(system.loose->rows.size());
-  right_.setZero(system.base_right.rows(), 3);
-  rate_.setZero(system.base_right.rows(), 3);
+  const auto points = system.auxiliary->A.cols();
+  const auto rows = static_cast<long>(system.auxiliary->rows.size());
+  rhs_.setZero(system.base_rhs.rows(), 3);
+  rate_.setZero(system.base_rhs.rows(), 3);
   hd_.setZero(m, 3);
   base_.setZero(m, 3);
   y_.setZero(m, 3);
@@ -39,28 +39,28 @@ void Engine::bind(const System& system) {
   av_.setZero(points, 3);
   g_.setZero(rows);
   long soft = 0;
-  for (const auto& row : system.loose->rows) soft += row.soft;
+  for (const auto& row : system.auxiliary->rows) soft += row.soft;
   stiffness_.setConstant(soft, -1);
-  wanted_.setZero(soft);
+  wanted_stiffness_.setZero(soft);
   std::vector<int> sample;
   for (int v = 0; v < system.parts->mesh->vertex_count(); ++v)
     sample.push_back(system.parts->assembler.dofs().vertex(v));
-  secants_.resize(n, std::move(sample));
-  gain_ = 0;
-  felt_ = change_weights(*system.parts->mesh, system.parts->trim.get());
+  accelerator_.resize(n, std::move(sample));
+  contraction_ratio_ = 0;
+  dof_weights_ = displacement_weights(*system.parts->mesh, system.parts->trim.get());
   responses_.clear();
   responses_.resize(system.loads.size());
-  known_response_.assign(system.loads.size(), 0);
+  response_is_known_.assign(system.loads.size(), 0);
   anchored_ = false;
-  right_values_.clear();
+  rhs_values_.clear();
 }
 
-void Engine::forget() {
-  secants_.clear();
-  gain_ = 0;
+void SessionEngine::reset_acceleration() {
+  accelerator_.clear();
+  contraction_ratio_ = 0;
   stiffness_.setConstant(-1);
-  known_response_.assign(known_response_.size(), 0);
+  response_is_known_.assign(response_is_known_.size(), 0);
   anchored_ = false;
 }
 
-}  // namespace batten::live
+}  // namespace batten::detail

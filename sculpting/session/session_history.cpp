@@ -4,66 +4,67 @@
 
 namespace batten {
 
-using live::System;
+using detail::SessionSystem;
 
 namespace {
 
-constexpr size_t kMostUndone = 256;
+constexpr size_t kMaxUndoSteps = 256;
 
 }  // namespace
 
-live::State SculptingSession::Data::saved() const {
-  live::State copy = now;
-  copy.system = std::make_shared<System>(*now.system);
+detail::SessionState SculptingSession::Data::snapshot() const {
+  detail::SessionState copy = now;
+  copy.system = std::make_shared<SessionSystem>(*now.system);
   return copy;
 }
 
-void SculptingSession::Data::remember(live::State before) {
-  redone_to.clear();
-  undone_to.push_back(std::move(before));
-  joins = false;
-  while (undone_to.size() > kMostUndone ||
-         (undone_to.size() > 1 && bytes() > options.history_bytes))
-    undone_to.pop_front();
+void SculptingSession::Data::push_history(detail::SessionState before) {
+  redo_stack.clear();
+  undo_stack.push_back(std::move(before));
+  coalesces = false;
+  while (undo_stack.size() > kMaxUndoSteps ||
+         (undo_stack.size() > 1 && bytes() > options.history_bytes))
+    undo_stack.pop_front();
 }
 
 // A step of the history, unless a drag or a motion goes on that has one already.
-void SculptingSession::Data::remember_start() {
-  if (joins) return;
-  remember(saved());
-  joins = true;
+void SculptingSession::Data::push_history_once() {
+  if (coalesces) return;
+  push_history(snapshot());
+  coalesces = true;
 }
 
 size_t SculptingSession::Data::bytes() const {
   std::set<const void*> seen;
   size_t sum = 0;
-  for (const auto* list : {&undone_to, &redone_to})
-    for (const live::State& s : *list)
-      sum += live::bytes_of(*s.system, seen) +
-             8 * static_cast<size_t>(s.shape.x.size() + s.shape.v.size() + s.good_x.size());
+  for (const auto* list : {&undo_stack, &redo_stack})
+    for (const detail::SessionState& s : *list)
+      sum += detail::bytes_of(*s.system, seen) +
+             8 * static_cast<size_t>(s.shape.x.size() + s.shape.v.size() + s.converged_x.size());
   return sum;
 }
 
-void SculptingSession::Data::put_back(live::State state) {
+void SculptingSession::Data::restore_state(detail::SessionState state) {
   now = std::move(state);
   engine.bind(*now.system);
-  name_values();
-  joins = false;
+  update_value_names();
+  coalesces = false;
   ++version;
 }
 
-bool SculptingSession::Data::go(std::deque<live::State>& from, std::deque<live::State>& to) {
+bool SculptingSession::Data::move_in_history(std::deque<detail::SessionState>& from,
+                                             std::deque<detail::SessionState>& to) {
   if (from.empty()) return false;
-  to.push_back(saved());
-  live::State state = std::move(from.back());
+  to.push_back(snapshot());
+  detail::SessionState state = std::move(from.back());
   from.pop_back();
-  put_back(std::move(state));
+  restore_state(std::move(state));
   return true;
 }
 
-void SculptingSession::Data::note(const Operation& op) {
+void SculptingSession::Data::record_operation(const Operation& op) {
   if (!recording) return;
-  if (record.size() == record.capacity()) record.reserve(record.size() + live::kPage);
+  if (record.size() == record.capacity()) record.reserve(record.size() + detail::kRecordPage);
   record.push_back(op);
 }
 

@@ -6,21 +6,21 @@
 
 namespace batten {
 
-using live::Definition;
-using live::Shape;
+using detail::SessionDefinition;
+using detail::ShapeState;
 
 void SculptingSession::Data::require_lines(const char* what) {
-  if (system().def.hold_corners)
+  if (system().def.fix_corners_only)
     throw InputError(std::string("lines cannot be ") + what + " here: only the corners are held");
 }
 
 // Carries dofs on the present layout over to the meshes of another one.
-CarriedOver SculptingSession::Data::carried(const ModelLayout& layout, const Points& dofs) {
-  CarriedOver all;
+SurfaceTransfer SculptingSession::Data::transferred(const ModelLayout& layout, const Points& dofs) {
+  SurfaceTransfer all;
   std::vector<Points> each;
   for (int r = 0; r < layout.region_count(); ++r) {
     const RegionLayout& from = this->layout().region(r);
-    CarriedOver own = carried_over(
+    SurfaceTransfer own = interpolate_onto(
         Surface(from.mesh(), from.element(), this->layout().region_dofs(r, dofs), from.trim()),
         *layout.region(r).mesh());
     all.max_displacement = std::max(all.max_displacement, own.max_displacement);
@@ -31,16 +31,17 @@ CarriedOver SculptingSession::Data::carried(const ModelLayout& layout, const Poi
 }
 
 // Carries over the shapes that loads, weight fields and constraints refer to.
-void SculptingSession::Data::carry_places(const ModelLayout& layout, Definition& def) {
-  std::vector<std::pair<live::SharedPoints, live::SharedPoints>> moved;
-  const auto along = [&](live::SharedPoints& on) {
+void SculptingSession::Data::transfer_reference_shapes(const ModelLayout& layout,
+                                                       SessionDefinition& def) {
+  std::vector<std::pair<detail::SharedPoints, detail::SharedPoints>> moved;
+  const auto along = [&](detail::SharedPoints& on) {
     if (!on) return;
     for (const auto& [old, made] : moved)
       if (old == on) {
         on = made;
         return;
       }
-    auto made = std::make_shared<const Points>(carried(layout, *on).dofs);
+    auto made = std::make_shared<const Points>(transferred(layout, *on).dofs);
     moved.emplace_back(on, made);
     on = made;
   };
@@ -57,17 +58,17 @@ void SculptingSession::Data::carry_places(const ModelLayout& layout, Definition&
 }
 
 // Goes over to a layout with other meshes or other lines, and carries the shape over.
-CarriedOver SculptingSession::Data::move_to(ModelLayout layout) {
+SurfaceTransfer SculptingSession::Data::change_layout(ModelLayout layout) {
   bool other_mesh = false;
   for (int r = 0; r < layout.region_count(); ++r)
     other_mesh = other_mesh || layout.region(r).mesh() != this->layout().region(r).mesh();
-  Definition def = system().def;
-  CarriedOver made;
-  Shape shape = now.shape;
+  SessionDefinition def = system().def;
+  SurfaceTransfer made;
+  ShapeState shape = now.shape;
   if (other_mesh) {
-    made = carried(layout, absolute(now.shape.x));
-    if (now.in_motion) shape.v = carried(layout, now.shape.v).dofs;
-    carry_places(layout, def);
+    made = transferred(layout, absolute(now.shape.x));
+    if (now.in_motion) shape.v = transferred(layout, now.shape.v).dofs;
+    transfer_reference_shapes(layout, def);
   }
   if (other_mesh && !layout.join_plans().empty()) layout.plan_joins(made.dofs);
   def.layout = std::make_shared<const ModelLayout>(std::move(layout));
@@ -77,13 +78,13 @@ CarriedOver SculptingSession::Data::move_to(ModelLayout layout) {
     shape.x = made.dofs - ones * system().origin().transpose();
     if (!now.in_motion) shape.v = Points::Zero(shape.x.rows(), 3);
     now.shape = std::move(shape);
-    now.good_x = now.shape.x;
+    now.converged_x = now.shape.x;
   }
-  hold();
+  solve_constrained();
   return made;
 }
 
-void SculptingSession::Data::refuse_if_used(const std::string& line) {
+void SculptingSession::Data::require_unused(const std::string& line) {
   const auto refuse = [&](const std::string& user) {
     throw InputError("line '" + line + "' cannot be removed: '" + user + "' refers to it");
   };
@@ -115,19 +116,19 @@ void SculptingSession::Data::set_line(const std::string& name, const HermiteCurv
   require_lines("edited");
   ModelLayout layout = this->layout();
   layout.set_line(name, curve);
-  Definition def = system().def;
+  SessionDefinition def = system().def;
   def.layout = std::make_shared<const ModelLayout>(std::move(layout));
   rebuild(std::move(def));
-  hold();
+  solve_constrained();
 }
 
 HermiteCurve SculptingSession::Data::line(const std::string& name) {
   HermiteCurve curve = layout().line(name);
-  const Definition& def = system().def;
+  const SessionDefinition& def = system().def;
   for (size_t i = 0; i < def.moves.size(); ++i)
     if (def.moves[i]->move.line == name)
-      curve = live::sum(curve, def.moves[i]->displacement,
-                        now.parameters.value(system().move_parameter[i]));
+      curve = detail::sum(curve, def.moves[i]->displacement,
+                          now.parameters.value(system().move_parameter[i]));
   return curve;
 }
 

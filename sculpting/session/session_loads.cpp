@@ -1,13 +1,13 @@
 #include <algorithm>
 
-#include "batten/constraints/shape/embedded_rows.h"
-#include "batten/constraints/shape/shape_constraints.h"
+#include "batten/constraints/shape/embedded_line_constraints.h"
+#include "batten/constraints/shape/surface_constraints.h"
 #include "batten/core/errors.h"
 #include "batten/fem/line_load.h"
-#include "batten/sculpting/loads/area.h"
+#include "batten/sculpting/loads/area_weights.h"
 #include "batten/sculpting/session/session_system.h"
 
-namespace batten::live {
+namespace batten::detail {
 
 namespace {
 
@@ -19,7 +19,8 @@ int position_of(const std::vector<std::string>& names, const std::string& name) 
 }  // namespace
 
 // Right-hand sides of all rows when one line has another curve and all others are zero.
-MatX right_of_line(const System& system, const std::string& name, const HermiteCurve& curve) {
+MatX line_curve_rhs(const SessionSystem& system, const std::string& name,
+                    const HermiteCurve& curve) {
   const ModelLayout& layout = system.layout();
   const ModelLine& line = layout.model_line(name);
   // In the order of the rows: region by region.
@@ -35,32 +36,33 @@ MatX right_of_line(const System& system, const std::string& name, const HermiteC
     const auto i = static_cast<size_t>(side.index);
     if (side.embedded) {
       const EmbeddedLine& embedded = region.embedded()[i];
-      EmbeddedRows(mesh, system.parts->kind, system.parts->locator(side.region), set)
-          .points(name, embedded.image, along, embedded.points);
+      EmbeddedLineConstraints(mesh, system.parts->kind, system.parts->locator(side.region), set)
+          .points(name, embedded.pcurve, along, embedded.points);
     } else {
-      const LineRun& run = region.runs()[i];
-      ShapeConstraints(mesh, system.parts->kind, set)
-          .curve(name, run.vertices, run.parameters, along, mesh.displacement(run.vertices));
+      const EdgeAlignedLine& aligned_line = region.edge_aligned()[i];
+      SurfaceConstraints(mesh, system.parts->kind, set)
+          .curve(name, aligned_line.vertices, aligned_line.parameters, along,
+                 mesh.chain_vector(aligned_line.vertices));
     }
-    for (const auto& row : set.rows()) own.push_back(row.value);
+    for (const auto& row : set.constraints()) own.push_back(row.value);
   }
-  MatX right = MatX::Zero(system.base_right.rows(), 3);
-  const auto& rows = system.line_rows->rows();
+  MatX rhs = MatX::Zero(system.base_rhs.rows(), 3);
+  const auto& rows = system.line_rows->constraints();
   const int index = position_of(system.line_rows->names(), name);
   size_t next = 0;
   for (size_t r = 0; r < rows.size(); ++r)
     if (rows[r].name == index) {
       if (next == own.size()) break;
-      right.row(static_cast<long>(r)) = own[next++];
+      rhs.row(static_cast<long>(r)) = own[next++];
     }
   if (next != own.size())
     throw InputError("the rows of line '" + name + "' do not fit the layout's");
-  return right;
+  return rhs;
 }
 
-BuiltLoad built(const PlacedLoad& placed, const System& system) {
-  BuiltLoad b;
-  const MeshParts& parts = *system.parts;
+AssembledLoad assembled(const AttachedLoad& placed, const SessionSystem& system) {
+  AssembledLoad b;
+  const MeshData& parts = *system.parts;
   const ModelScale scale = system.def.scale();
   const auto weights = [&](const Area& area) {
     return everywhere(area)
@@ -84,12 +86,12 @@ BuiltLoad built(const PlacedLoad& placed, const System& system) {
     const Vec3 f = scale.per_area() * g->direction;
     b.F = parts.assembler.area_load(surface_on(system.def, *placed.on)) * f.transpose();
   } else if (const auto* f = std::get_if<Load::Point>(&placed.load.kind)) {
-    b.F = parts.assembler.point_load(parts.at(placed.feet[0]), scale.force() * f->direction);
+    b.F = parts.assembler.point_load(parts.at(placed.foot_points[0]), scale.force() * f->direction);
   } else if (const auto* l = std::get_if<Load::Line>(&placed.load.kind)) {
     const LineSide& side = system.layout().model_line(l->line).sides.front();
     b.F = system.layout().spread(side.region,
                                  line_load(*system.layout().region(side.region).mesh(), parts.kind,
-                                           parts.locator(side.region), system.layout().image(side),
+                                           parts.locator(side.region), system.layout().pcurve(side),
                                            system.layout().curve(side))) *
           l->direction.transpose();
   }
@@ -97,9 +99,10 @@ BuiltLoad built(const PlacedLoad& placed, const System& system) {
   return b;
 }
 
-BuiltWeight built(const PlacedWeight& placed, const System& system) {
-  BuiltWeight b;
-  const WeightField& w = placed.weight;
+AssembledStiffnessField assembled(const AttachedStiffnessField& placed,
+                                  const SessionSystem& system) {
+  AssembledStiffnessField b;
+  const StiffnessField& w = placed.weight;
   const int triangles = system.parts->mesh->triangle_count();
   b.weights = everywhere(w.area)
                   ? VecX(VecX::Ones(triangles))
@@ -112,4 +115,4 @@ BuiltWeight built(const PlacedWeight& placed, const System& system) {
   return b;
 }
 
-}  // namespace batten::live
+}  // namespace batten::detail

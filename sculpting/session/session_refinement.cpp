@@ -2,9 +2,9 @@
 #include <cmath>
 #include <limits>
 
+#include "batten/core/dorfler_marking.h"
 #include "batten/core/errors.h"
-#include "batten/core/largest_share.h"
-#include "batten/fem/curvature_jumps.h"
+#include "batten/fem/residual_indicator.h"
 #include "batten/sculpting/session/session_data.h"
 
 namespace batten {
@@ -45,11 +45,11 @@ std::vector<char> marks(const Refinement& refinement, const ModelLayout& layout,
     }
     return marked;
   }
-  const double share = std::get<Refinement::Jumps>(refinement.where).share;
-  if (!(share > 0 && share <= 1))
-    throw InputError("a refinement of the share " + number(share) +
+  const double fraction = std::get<Refinement::JumpIndicator>(refinement.where).fraction;
+  if (!(fraction > 0 && fraction <= 1))
+    throw InputError("a refinement of the share " + format_number(fraction) +
                      " of the jumps: expected above 0, at most 1");
-  for (const int t : largest_share(jumps, share)) mark(t);
+  for (const int t : dorfler_marking(jumps, fraction)) mark(t);
   return marked;
 }
 
@@ -60,14 +60,15 @@ RefinementReport SculptingSession::Data::refine(const Refinement& refinement) {
   report.triangles_before = layout().mesh()->triangle_count();
   Refinement wanted = refinement;
   if (!(wanted.smallest >= 0) || !std::isfinite(wanted.smallest))
-    throw InputError("a smallest edge of " + number(wanted.smallest) + ": expected 0 or more");
+    throw InputError("a smallest edge of " + format_number(wanted.smallest) +
+                     ": expected 0 or more");
   if (wanted.smallest == 0) wanted.smallest = size() / 2000;
   const Surface surface = this->surface();
   std::vector<double> jumps;
-  if (std::holds_alternative<Refinement::Jumps>(wanted.where)) {
+  if (std::holds_alternative<Refinement::JumpIndicator>(wanted.where)) {
     // In the units of the whole model: a region's own count (S/s_r)².
     for (int r = 0; r < layout().region_count(); ++r) {
-      const VecX own = curvature_jumps(made(r).surface);
+      const VecX own = residual_indicator(skinned_region(r).surface);
       const double scale = layout().domain_scale().size() > 0
                                ? layout().domain_scale()[layout().first_triangle(r)]
                                : 1;
@@ -76,21 +77,21 @@ RefinementReport SculptingSession::Data::refine(const Refinement& refinement) {
   }
   const std::vector<char> marked = marks(wanted, layout(), surface, jumps);
   read_values();
-  report.energy_before = report.energy_carried = report.energy_settled =
+  report.energy_before = report.energy_transferred = report.energy_at_equilibrium =
       elastic_energy(now.shape.x);
   report.triangles = report.triangles_before;
   ModelLayout layout = this->layout();
   if (!layout.refine(marked)) return report;
-  if (layout.mesh()->triangle_count() > wanted.most_triangles)
+  if (layout.mesh()->triangle_count() > wanted.max_triangles)
     throw InputError("the refinement would make " +
                      std::to_string(layout.mesh()->triangle_count()) + " triangles, more than " +
-                     std::to_string(wanted.most_triangles));
+                     std::to_string(wanted.max_triangles));
   report.triangles = layout.mesh()->triangle_count();
-  const CarriedOver carried = move_to(std::move(layout));
-  report.max_displacement = carried.max_displacement / size();
-  report.energy_settled = elastic_energy(now.shape.x);
-  report.energy_carried =
-      elastic_energy(carried.dofs - system().parts->ones * system().origin().transpose());
+  const SurfaceTransfer transferred = change_layout(std::move(layout));
+  report.max_displacement = transferred.max_displacement / size();
+  report.energy_at_equilibrium = elastic_energy(now.shape.x);
+  report.energy_transferred =
+      elastic_energy(transferred.dofs - system().parts->ones * system().origin().transpose());
   return report;
 }
 

@@ -2,11 +2,11 @@
 
 #include <algorithm>
 
-#include "batten/fem/dissection.h"
+#include "batten/fem/nested_dissection.h"
 
-namespace batten::live {
+namespace batten::detail {
 
-MeshParts::MeshParts(const ModelLayout& layout)
+MeshData::MeshData(const ModelLayout& layout)
     : mesh(layout.mesh()),
       trim(layout.trim()),
       kind(layout.element()),
@@ -21,48 +21,48 @@ MeshParts::MeshParts(const ModelLayout& layout)
   }
 }
 
-const SparseMatrix& MeshParts::mass() const {
+const SparseMatrix& MeshData::mass() const {
   if (mass_.rows() == 0) mass_ = assembler.mass(domain_scale);
   return mass_;
 }
 
-const PressureOperator& MeshParts::pressure() const {
+const PressureOperator& MeshData::pressure() const {
   if (!pressure_) pressure_ = std::make_unique<PressureOperator>(*mesh, kind, trim);
   return *pressure_;
 }
 
-Location MeshParts::at(const ModelPoint& point) const {
+Location MeshData::at(const ModelPoint& point) const {
   Location where = locator(point.region).locate(point.uv);
   where.triangle += first_triangle[point.region];
   return where;
 }
 
-size_t MeshParts::bytes() const { return static_cast<size_t>(mesh->triangle_count()) * 1400; }
+size_t MeshData::bytes() const { return static_cast<size_t>(mesh->triangle_count()) * 1400; }
 
 namespace {
 
-bool nonlinear(const Load::Pulls& springs) {
-  return std::holds_alternative<Load::Pulls::Curve>(springs.target) || springs.rest_length != 0 ||
-         springs.falloff != 0;
+bool nonlinear(const Load::AttractorSprings& springs) {
+  return std::holds_alternative<Load::AttractorSprings::Curve>(springs.target) ||
+         springs.rest_length != 0 || springs.falloff != 0;
 }
 
 unsigned role_of(const Load& load) {
   if (std::holds_alternative<Load::Pressure>(load.kind)) return kPressure;
-  if (const auto* springs = std::get_if<Load::Pulls>(&load.kind))
+  if (const auto* springs = std::get_if<Load::AttractorSprings>(&load.kind))
     return nonlinear(*springs) ? kSpring | kPressure : kSpring;
-  return std::holds_alternative<Load::Scan>(load.kind) ? kMatrix : kLinear;
+  return std::holds_alternative<Load::PointCloudSprings>(load.kind) ? kMatrix : kLinear;
 }
 
-MatX right_of(const ConstraintSet& set) {
-  MatX right(static_cast<long>(set.rows().size()), 3);
-  for (long r = 0; r < right.rows(); ++r) right.row(r) = set.rows()[r].value;
-  return right;
+MatX constraint_rhs(const ConstraintSet& set) {
+  MatX rhs(static_cast<long>(set.constraints().size()), 3);
+  for (long r = 0; r < rhs.rows(); ++r) rhs.row(r) = set.constraints()[r].value;
+  return rhs;
 }
 
 bool same_coefficients(const ConstraintSet& a, const ConstraintSet& b) {
   return a.names() == b.names() &&
-         std::equal(a.rows().begin(), a.rows().end(), b.rows().begin(), b.rows().end(),
-                    [](const auto& x, const auto& y) {
+         std::equal(a.constraints().begin(), a.constraints().end(), b.constraints().begin(),
+                    b.constraints().end(), [](const auto& x, const auto& y) {
                       return x.name == y.name &&
                              std::equal(x.entries.begin(), x.entries.end(), y.entries.begin(),
                                         y.entries.end(), [](const auto& p, const auto& q) {
@@ -72,29 +72,30 @@ bool same_coefficients(const ConstraintSet& a, const ConstraintSet& b) {
 }
 
 // Rows of lines: the same coefficients when only curves changed.
-void build_lines(System& system, const System* older, bool same_mesh, bool same_lines) {
+void build_line_constraints(SessionSystem& system, const SessionSystem* older, bool same_mesh,
+                            bool same_lines) {
   const ModelLayout& layout = system.layout();
   if (same_lines) {
     system.line_rows = older->line_rows;
     system.reduction = older->reduction;
-    system.base_right = older->base_right;
+    system.base_rhs = older->base_rhs;
   } else {
     const ConstraintSet set =
-        system.def.hold_corners ? layout.corner_constraints() : layout.line_constraints();
+        system.def.fix_corners_only ? layout.corner_constraints() : layout.line_constraints();
     system.line_rows =
-        std::make_shared<const ConstraintSet>(set.moved(system.parts->ones, system.origin()));
-    system.base_right = right_of(*system.line_rows);
+        std::make_shared<const ConstraintSet>(set.translated(system.parts->ones, system.origin()));
+    system.base_rhs = constraint_rhs(*system.line_rows);
     if (same_mesh && same_coefficients(*older->line_rows, *system.line_rows))
       system.reduction = older->reduction;
     else
-      system.reduction = std::make_shared<const AffineReduction>(*system.line_rows,
-                                                                 AffineReduction::Values::Later);
+      system.reduction = std::make_shared<const AffineReduction>(
+          *system.line_rows, AffineReduction::RhsMode::Deferred);
   }
 }
 
 // Which parameter moves what, by name.
-void find_parameters(System& system, const Parameters& parameters) {
-  const Definition& d = system.def;
+void find_parameters(SessionSystem& system, const Parameters& parameters) {
+  const SessionDefinition& d = system.def;
   for (const auto& load : d.loads)
     system.load_parameter.push_back(parameters.index(load->load.name));
   for (const auto& w : d.weights)
@@ -114,8 +115,8 @@ void find_parameters(System& system, const Parameters& parameters) {
 }
 
 // Notes what each parameter acts on. The loose rows are made before, because goals act on them.
-void give_roles(System& system, const Parameters& parameters) {
-  const Definition& d = system.def;
+void assign_roles(SessionSystem& system, const Parameters& parameters) {
+  const SessionDefinition& d = system.def;
   system.roles.assign(static_cast<size_t>(parameters.count()), kNothing);
   const auto give = [&](int parameter, unsigned role) { system.roles[parameter] |= role; };
   for (const int p : system.alpha) give(p, kMatrix);
@@ -123,14 +124,15 @@ void give_roles(System& system, const Parameters& parameters) {
   for (size_t i = 0; i < d.loads.size(); ++i)
     give(system.load_parameter[i], role_of(d.loads[i]->load));
   for (const int p : system.weight_parameter) give(p, kMatrix);
-  for (const int p : system.move_parameter) give(p, kRight);
-  for (const auto& source : system.loose->sources)
-    if (source.kind == LooseRows::Source::Goal) give(source.parameter, kGoal);
+  for (const int p : system.move_parameter) give(p, kRhs);
+  for (const auto& source : system.auxiliary->sources)
+    if (source.kind == AuxiliaryConstraints::Source::Goal) give(source.parameter, kGoal);
 }
 
 // What acts, as far as it is not there already.
-void build_loads(System& system, const System* older, bool same_mesh, bool same_lines) {
-  const Definition& d = system.def;
+void build_loads(SessionSystem& system, const SessionSystem* older, bool same_mesh,
+                 bool same_lines) {
+  const SessionDefinition& d = system.def;
   const bool same_reduction = older && system.reduction == older->reduction;
   const auto reused = [&](const auto& mine, const auto& theirs, const auto& made, size_t i,
                           bool fits) -> std::decay_t<decltype(made[0])> {
@@ -140,37 +142,39 @@ void build_loads(System& system, const System* older, bool same_mesh, bool same_
     return nullptr;
   };
   // A line load follows its line's curve.
-  const auto keeps = [&](const PlacedLoad& load) {
+  const auto keeps = [&](const AttachedLoad& load) {
     return same_reduction && (same_lines || !std::holds_alternative<Load::Line>(load.load.kind));
   };
   for (size_t i = 0; i < d.loads.size(); ++i) {
     auto known =
         older ? reused(d.loads, older->def.loads, older->loads, i, keeps(*d.loads[i])) : nullptr;
-    system.loads.push_back(known ? known
-                                 : std::make_shared<const BuiltLoad>(built(*d.loads[i], system)));
+    system.loads.push_back(
+        known ? known : std::make_shared<const AssembledLoad>(assembled(*d.loads[i], system)));
   }
   for (size_t i = 0; i < d.weights.size(); ++i) {
     auto known =
         older ? reused(d.weights, older->def.weights, older->weights, i, same_mesh) : nullptr;
     system.weights.push_back(
-        known ? known : std::make_shared<const BuiltWeight>(built(*d.weights[i], system)));
+        known ? known
+              : std::make_shared<const AssembledStiffnessField>(assembled(*d.weights[i], system)));
   }
   for (size_t i = 0; i < d.moves.size(); ++i) {
     auto known =
-        older ? reused(d.moves, older->def.moves, older->move_right, i, same_lines) : nullptr;
-    system.move_right.push_back(
+        older ? reused(d.moves, older->def.moves, older->offset_rhs, i, same_lines) : nullptr;
+    system.offset_rhs.push_back(
         known ? known
               : std::make_shared<const MatX>(
-                    right_of_line(system, d.moves[i]->move.line, d.moves[i]->displacement)));
+                    line_curve_rhs(system, d.moves[i]->move.line, d.moves[i]->displacement)));
   }
 }
 
 // Keeps the numbers of the matrix when all that it is made of is the same.
-void keep_matrix_values(System& system, const System& older, const Parameters& parameters) {
-  const Definition& d = system.def;
+void keep_matrix_values(SessionSystem& system, const SessionSystem& older,
+                        const Parameters& parameters) {
+  const SessionDefinition& d = system.def;
   const bool same_matrix = older.def.weights == d.weights && older.scan_load.rows() == 0 &&
                            std::none_of(d.loads.begin(), d.loads.end(), [](const auto& l) {
-                             return std::holds_alternative<Load::Scan>(l->load.kind);
+                             return std::holds_alternative<Load::PointCloudSprings>(l->load.kind);
                            });
   if (!same_matrix || older.matrix_values.empty()) return;
   // Values by name: numbers of parameters may have changed.
@@ -187,75 +191,78 @@ void keep_matrix_values(System& system, const System& older, const Parameters& p
 }
 
 // Takes over what was factored on the same reduction.
-void keep_systems(System& system, const System& older, const Parameters& parameters) {
-  const Definition& d = system.def;
+void keep_systems(SessionSystem& system, const SessionSystem& older, const Parameters& parameters) {
+  const SessionDefinition& d = system.def;
   system.statics = older.statics;
-  system.moving = older.moving;
+  system.dynamics = older.dynamics;
   system.motion = older.motion;
   for (size_t i = 0; i < d.loads.size(); ++i)
     for (size_t j = 0; j < older.def.loads.size(); ++j)
       if (older.def.loads[j] == d.loads[i]) {
-        system.scan_feet[i] = older.scan_feet[j];
+        system.scan_foot_points[i] = older.scan_foot_points[j];
         system.scan_used[i] = older.scan_used[j];
       }
   keep_matrix_values(system, older, parameters);
   system.rest_load = older.rest_load;
   system.rest_reduced = older.rest_reduced;
   system.coupling = older.coupling;  // for its solves; the session makes it anew
-  system.moving_coupling = older.moving_coupling;
+  system.dynamics_coupling = older.dynamics_coupling;
   system.coupled_rows = older.coupled_rows;
-  system.moving_rows = older.moving_rows;
+  system.dynamics_constraints = older.dynamics_constraints;
 }
 
 }  // namespace
 
-std::shared_ptr<System> build(Definition def, const Parameters& parameters, const System* older) {
-  auto system = std::make_shared<System>();
+std::shared_ptr<SessionSystem> build(SessionDefinition def, const Parameters& parameters,
+                                     const SessionSystem* older) {
+  auto system = std::make_shared<SessionSystem>();
   system->def = std::move(def);
   const ModelLayout& layout = *system->def.layout;
   const bool same_mesh = older && older->layout().mesh() == layout.mesh();
   const bool same_lines = same_mesh && older->def.layout == system->def.layout;
-  system->parts = same_mesh ? older->parts : std::make_shared<const MeshParts>(layout);
-  build_lines(*system, older, same_mesh, same_lines);
+  system->parts = same_mesh ? older->parts : std::make_shared<const MeshData>(layout);
+  build_line_constraints(*system, older, same_mesh, same_lines);
   find_parameters(*system, parameters);
   build_loads(*system, older, same_mesh, same_lines);
-  system->loose = std::make_shared<const LooseRows>(loose_rows(*system, parameters));
-  give_roles(*system, parameters);
-  system->scan_feet.resize(system->def.loads.size());
+  system->auxiliary = std::make_shared<const AuxiliaryConstraints>(
+      build_auxiliary_constraints(*system, parameters));
+  assign_roles(*system, parameters);
+  system->scan_foot_points.resize(system->def.loads.size());
   system->scan_used.resize(system->def.loads.size());
   if (same_mesh) system->rest = older->rest;
   if (older && system->reduction == older->reduction) keep_systems(*system, *older, parameters);
   return system;
 }
 
-size_t bytes_of(const System& system, std::set<const void*>& seen) {
+size_t bytes_of(const SessionSystem& system, std::set<const void*>& seen) {
   size_t sum = 0;
   const auto once = [&](const void* what, size_t bytes) {
     if (what && seen.insert(what).second) sum += bytes;
   };
   const auto n = static_cast<size_t>(system.dofs());
   once(system.parts.get(), system.parts->bytes());
-  once(system.reduction.get(), 12 * static_cast<size_t>(system.reduction->D().nonZeros() +
-                                                        system.reduction->from_right().nonZeros()));
+  once(system.reduction.get(),
+       12 * static_cast<size_t>(system.reduction->D().nonZeros() +
+                                system.reduction->rhs_to_particular().nonZeros()));
   for (const auto& load : system.loads)
     once(load.get(), 8 * static_cast<size_t>(load->F.size() + load->reduced.size()) +
                          8 * static_cast<size_t>(load->weights.size()));
   for (const auto& w : system.weights)
     once(w.get(), 8 * static_cast<size_t>(w->weights.size()) + 16 * w->directions.size());
-  for (const auto& m : system.move_right) once(m.get(), 8 * static_cast<size_t>(m->size()));
-  once(system.loose.get(), 16 * static_cast<size_t>(system.loose->A.nonZeros()));
+  for (const auto& m : system.offset_rhs) once(m.get(), 8 * static_cast<size_t>(m->size()));
+  once(system.auxiliary.get(), 16 * static_cast<size_t>(system.auxiliary->A.nonZeros()));
   for (const auto& placed : system.def.loads) once(placed->on.get(), 24 * n);
   for (const auto& placed : system.def.weights) once(placed->on.get(), 24 * n);
   for (const auto& placed : system.def.constraints) once(placed->on.get(), 24 * n);
-  for (const auto* made : {system.statics.get(), system.moving.get()})
+  for (const auto* made : {system.statics.get(), system.dynamics.get()})
     if (made) once(made, made->bytes());
-  for (const auto* coupling : {system.coupling.get(), system.moving_coupling.get()})
+  for (const auto* coupling : {system.coupling.get(), system.dynamics_coupling.get()})
     if (coupling) once(coupling, coupling->bytes());
   if (system.rest)
     once(system.rest.get(),
          8 * static_cast<size_t>(system.rest->dofs.size() + system.rest->first.size()));
-  return sum + 8 * static_cast<size_t>(system.base_right.size() + system.scan_load.size() +
+  return sum + 8 * static_cast<size_t>(system.base_rhs.size() + system.scan_load.size() +
                                        system.rest_load.size());
 }
 
-}  // namespace batten::live
+}  // namespace batten::detail

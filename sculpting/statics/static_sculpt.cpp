@@ -1,6 +1,6 @@
 #include "batten/sculpting/statics/static_sculpt.h"
 
-#include "batten/sculpting/session/session.h"
+#include "batten/sculpting/session/sculpting_session.h"
 
 namespace batten {
 
@@ -9,21 +9,21 @@ SculptResult sculpt(const ModelLayout& layout, const StaticTask& task, const Pro
   options.material = task.material;
   options.isotropic_alpha = options.isotropic_beta = false;
   options.units = task.units;
-  options.hold_corners = task.hold_corners;
+  options.fix_corners_only = task.fix_corners_only;
   options.tolerance = task.tolerance;
-  options.most_iterations = task.most_iterations;
+  options.max_iterations = task.max_iterations;
   options.history_bytes = 0;
-  options.expected = Expected::one_factor;
+  options.factor_reuse = FactorReuse::once;
   SculptingSession session(layout, options, progress);
   const Points alone = session.dofs();
   for (const Constraint& constraint : task.constraints) session.add(constraint);
   for (const AppliedLoad& applied : task.loads)
     session.add(applied.load, {{.name = applied.load.name, .value = applied.value}});
-  const Answer answer = session.settle();
+  const SolveReport report = session.solve_to_equilibrium();
   return {session.dofs(),
           session.energy(),
-          answer.iterations,
-          answer.change,
+          report.iterations,
+          report.change,
           session.reactions(),
           session.residual(),
           session.scan_distances(alone)};

@@ -4,9 +4,9 @@
 #include <vector>
 
 #include "batten/core/progress.h"
-#include "batten/fairing/energy.h"
+#include "batten/fairing/surface_energy.h"
 #include "batten/sculpting/loads/loads.h"
-#include "batten/sculpting/session/results.h"
+#include "batten/sculpting/session/session_results.h"
 #include "batten/skinning/model/model_layout.h"
 
 namespace batten {
@@ -23,9 +23,9 @@ struct StaticTask {
   std::vector<Constraint> constraints;  ///< the goal of a point is Point::goal
   SurfaceStiffness material;            ///< alpha, beta, in the units below
   LoadUnits units = LoadUnits::Relative;
-  bool hold_corners = false;  ///< holds the corners only, instead of the lines
-  double tolerance = 1e-12;   ///< as SessionOptions
-  int most_iterations = 60;   ///< as SessionOptions
+  bool fix_corners_only = false;  ///< holds the corners only, instead of the lines
+  double tolerance = 1e-12;       ///< as SessionOptions
+  int max_iterations = 60;        ///< as SessionOptions
 };
 
 /// The shape, and what was measured on it.
@@ -36,7 +36,8 @@ struct SculptResult {
   double last_change = 0;  ///< change of the shape in the last iteration, over the size
   std::vector<Reaction> reactions;
   double max_constraint_residual = 0;  ///< largest residual of all rows, over the size
-  std::vector<ScanDistances> scans;    ///< one for each Load::Scan; before: the lines alone
+  std::vector<ScanDistances>
+      scans;  ///< one for each Load::PointCloudSprings; before: the lines alone
 };
 
 /// Settles a SculptingSession that keeps no history. Places of loads are looked for on the shape

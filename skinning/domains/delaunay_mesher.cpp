@@ -1,7 +1,7 @@
 #include "batten/core/box.h"
 #include "batten/core/errors.h"
-#include "batten/core/index.h"
-#include "batten/core/work.h"
+#include "batten/core/isize.h"
+#include "batten/core/op_counter.h"
 #include "batten/skinning/domains/mesher.h"
 
 #if BATTEN_HAVE_CGAL
@@ -35,9 +35,9 @@ using Triangulation =
 using Criteria = CGAL::Delaunay_mesh_size_criteria_2<Triangulation>;
 using Point = Triangulation::Point;
 
-constexpr long kOften = 1024;  // rounds between two questions whether to go on
+constexpr long kProgressInterval = 1024;  // rounds between two questions whether to go on
 // Longest edge, of the target: meshes come out with a mean of about three quarters of it.
-constexpr double kLongest = 1.3;
+constexpr double kMaxEdgeRatio = 1.3;
 
 // Along the Z-shaped curve, so that neighbours lie near each other in memory.
 std::vector<int> spatial_order(const std::vector<Point>& points) {
@@ -88,7 +88,7 @@ void smooth(std::vector<Vec2>& vertices, const std::vector<ParametricMesh::Trian
     return q;
   };
   for (int sweep = 0; sweep < sweeps; ++sweep) {
-    progress.go_on();
+    progress.throw_if_cancelled();
     for (size_t v = 0; v < vertices.size(); ++v) {
       if (fixed[v]) continue;
       Vec2 moment = Vec2::Zero();
@@ -158,18 +158,18 @@ void exclude(Triangulation& triangulation, Triangulation::Face_handle start) {
 // distance of √2 times the shortest edge that gave rise to it, so that this ends.
 class Refinement {
  public:
-  Refinement(Triangulation& triangulation, const MeshTask& task, double least_angle)
-      : triangulation_(triangulation), task_(task), least_angle_(least_angle) {}
+  Refinement(Triangulation& triangulation, const PlanarMeshInput& task, double min_sine_squared)
+      : triangulation_(triangulation), task_(task), min_sine_squared_(min_sine_squared) {}
 
   void run() {
     auto& t = triangulation_;
     for (auto f = t.finite_faces_begin(); f != t.finite_faces_end(); ++f)
-      if (f->is_in_domain()) look(f);
+      if (f->is_in_domain()) enqueue_if_bad(f);
     for (long round = 0; !queue_.empty(); ++round) {
-      if (round % kOften == 0) task_.progress.go_on();
-      const Bad bad = queue_.top();
+      if (round % kProgressInterval == 0) task_.progress.throw_if_cancelled();
+      const BadTriangle bad = queue_.top();
       queue_.pop();
-      if (!is_there(bad)) continue;
+      if (!still_exists(bad)) continue;
       const Point centre = t.circumcenter(bad.face);
       FaceHandle there;
       if (find(centre, bad.face, there) && fits(centre, bad.face, there)) insert(centre, there);
@@ -178,18 +178,18 @@ class Refinement {
 
  private:
   using FaceHandle = Triangulation::Face_handle;
-  struct Bad {
+  struct BadTriangle {
     double radius2;
     long number;  // the order of equals
     FaceHandle face;
     std::array<Triangulation::Vertex_handle, 3> corners;
-    bool operator<(const Bad& other) const {
+    bool operator<(const BadTriangle& other) const {
       return radius2 != other.radius2 ? radius2 < other.radius2 : number > other.number;
     }
   };
 
   // Puts a triangle into the queue where it is bad.
-  void look(FaceHandle face) {
+  void enqueue_if_bad(FaceHandle face) {
     const auto triangle = triangulation_.triangle(face);
     double shortest2 = std::numeric_limits<double>::infinity(), product = 1;
     for (int i = 0; i < 3; ++i) {
@@ -199,17 +199,17 @@ class Refinement {
     }
     const double area = triangle.area(), radius2 = product / (16 * area * area);
     double edge = task_.edge_length;
-    if (task_.sizes) {
+    if (task_.size_field) {
       const Point centre = CGAL::centroid(triangle);
-      edge = std::min(edge, task_.sizes->at({centre.x(), centre.y()}));
+      edge = std::min(edge, task_.size_field->at({centre.x(), centre.y()}));
     }
-    const double largest = kLongest * edge / std::sqrt(3.0);  // of an equilateral triangle
-    if (radius2 > largest * largest || shortest2 < 4 * least_angle_ * radius2)
+    const double largest = kMaxEdgeRatio * edge / std::sqrt(3.0);  // of an equilateral triangle
+    if (radius2 > largest * largest || shortest2 < 4 * min_sine_squared_ * radius2)
       queue_.push({radius2, number_++, face, {face->vertex(0), face->vertex(1), face->vertex(2)}});
   }
 
   // Whether the triangle is still as it was when it was found.
-  bool is_there(const Bad& bad) const {
+  bool still_exists(const BadTriangle& bad) const {
     return bad.face->vertex(0) == bad.corners[0] && bad.face->vertex(1) == bad.corners[1] &&
            bad.face->vertex(2) == bad.corners[2];
   }
@@ -245,30 +245,30 @@ class Refinement {
     const auto first = f;
     do {
       f->set_in_domain(true);
-      look(f);
+      enqueue_if_bad(f);
     } while (++f != first);
   }
 
   Triangulation& triangulation_;
-  const MeshTask& task_;
-  double least_angle_;
-  std::priority_queue<Bad> queue_;
+  const PlanarMeshInput& task_;
+  double min_sine_squared_;
+  std::priority_queue<BadTriangle> queue_;
   long number_ = 0;
 };
 
 void refine_between(Triangulation& triangulation, const std::vector<Point>& hole_seeds,
-                    const MeshTask& task, double least_angle) {
+                    const PlanarMeshInput& task, double min_sine_squared) {
   for (auto f = triangulation.all_faces_begin(); f != triangulation.all_faces_end(); ++f)
     f->set_in_domain(true);
   exclude(triangulation, triangulation.infinite_face());
   for (const Point& seed : hole_seeds) exclude(triangulation, triangulation.locate(seed));
-  Refinement(triangulation, task, least_angle).run();
+  Refinement(triangulation, task, min_sine_squared).run();
 }
 
 using VertexHandle = Triangulation::Vertex_handle;
 
 // Adds the task's points and segments; returns the points.
-std::vector<VertexHandle> insert(const MeshTask& task, Triangulation& triangulation) {
+std::vector<VertexHandle> insert(const PlanarMeshInput& task, Triangulation& triangulation) {
   std::vector<VertexHandle> handle;
   for (const Vec2& p : task.points) handle.push_back(triangulation.insert(Point(p.x(), p.y())));
   const auto constrain = [&](const std::vector<std::array<int, 2>>& segments) {
@@ -286,22 +286,22 @@ std::vector<VertexHandle> insert(const MeshTask& task, Triangulation& triangulat
 
 // Ruppert's refinement with segments that are split.
 void refine_everywhere(Triangulation& triangulation, const std::vector<Point>& hole_seeds,
-                       const MeshTask& task, double least_angle) {
+                       const PlanarMeshInput& task, double min_sine_squared) {
   CGAL::Delaunay_mesher_2<Triangulation, Criteria> mesher(
-      triangulation, Criteria(least_angle, kLongest * task.edge_length));
+      triangulation, Criteria(min_sine_squared, kMaxEdgeRatio * task.edge_length));
   if (!hole_seeds.empty()) mesher.set_seeds(hole_seeds.begin(), hole_seeds.end());
   // Next to angles of a few degrees the refinement may never end.
   constexpr double many = 20;  // times what an even mesh of the box has
   const double most =
-      many * (box_around(task.points).sizes().prod() / (task.edge_length * task.edge_length) +
+      many * (bounding_box(task.points).sizes().prod() / (task.edge_length * task.edge_length) +
               static_cast<double>(task.points.size()) + 1000);
   mesher.init();
   for (long round = 0; !mesher.is_refinement_done(); ++round) {
-    if (round % kOften == 0) task.progress.go_on();
+    if (round % kProgressInterval == 0) task.progress.throw_if_cancelled();
     mesher.step_by_step_refine_mesh();
     if (static_cast<double>(triangulation.number_of_vertices()) > most)
       throw InputError(
-          "the flat domain cannot be meshed with edges of " + number(task.edge_length) +
+          "the flat domain cannot be meshed with edges of " + format_number(task.edge_length) +
           " (of its size): its outline or its lines come so near to each other, or meet at such "
           "small angles, that triangles become ever smaller");
   }
@@ -309,7 +309,7 @@ void refine_everywhere(Triangulation& triangulation, const std::vector<Point>& h
 
 // Vertices and triangles of the domain, vertices on segments fixed, the others smoothed.
 ParametricMesh smoothed_mesh(const Triangulation& triangulation,
-                             const std::vector<VertexHandle>& handle, const MeshTask& task) {
+                             const std::vector<VertexHandle>& handle, const PlanarMeshInput& task) {
   // The task's points keep their numbers; the others follow along a space-filling curve.
   std::map<VertexHandle, int> index;
   std::vector<Vec2> vertices = task.points;
@@ -323,7 +323,7 @@ ParametricMesh smoothed_mesh(const Triangulation& triangulation,
       places.push_back(v->point());
     }
   for (const int i : spatial_order(places)) {
-    index[added[i]] = count_of(vertices);
+    index[added[i]] = isize(vertices);
     vertices.emplace_back(places[i].x(), places[i].y());
   }
   std::vector<char> fixed(vertices.size(), 0);
@@ -345,17 +345,17 @@ ParametricMesh smoothed_mesh(const Triangulation& triangulation,
 
 }  // namespace
 
-ParametricMesh delaunay_mesh(const MeshTask& task) {
-  count(Work::Triangulation);
+ParametricMesh delaunay_mesh(const PlanarMeshInput& task) {
+  count(OpCounter::Triangulation);
   Triangulation triangulation;
   const std::vector<VertexHandle> handle = insert(task, triangulation);
   std::vector<Point> seeds;
   for (const auto& hole : task.holes) seeds.push_back(inside_of(task.points, hole));
-  constexpr double least_angle = 0.125;  // sin² of 20.7 degrees
+  constexpr double min_sine_squared = 0.125;  // sin² of 20.7 degrees
   if (task.keep_segments)
-    refine_between(triangulation, seeds, task, least_angle);
+    refine_between(triangulation, seeds, task, min_sine_squared);
   else
-    refine_everywhere(triangulation, seeds, task, least_angle);
+    refine_everywhere(triangulation, seeds, task, min_sine_squared);
   return smoothed_mesh(triangulation, handle, task);
 }
 
@@ -363,7 +363,7 @@ ParametricMesh delaunay_mesh(const MeshTask& task) {
 
 bool have_delaunay_mesher() { return false; }
 
-ParametricMesh delaunay_mesh(const MeshTask&) {
+ParametricMesh delaunay_mesh(const PlanarMeshInput&) {
   throw InputError(
       "this build of Batten has no Delaunay mesher (it was built without CGAL): use "
       "mesher = \"fan\"");

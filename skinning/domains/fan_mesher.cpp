@@ -1,12 +1,12 @@
 #include "batten/core/errors.h"
-#include "batten/core/index.h"
-#include "batten/core/work.h"
+#include "batten/core/isize.h"
+#include "batten/core/op_counter.h"
 #include "batten/skinning/domains/mesher.h"
 
 namespace batten {
 
-ParametricMesh fan_mesh(const MeshTask& task, int refinements) {
-  count(Work::Triangulation);
+ParametricMesh fan_mesh(const PlanarMeshInput& task, int refinements) {
+  count(OpCounter::Triangulation);
   if (!task.inner.empty() || !task.holes.empty())
     throw InputError("the fan mesher takes no inner lines and no holes: use mesher = \"delaunay\"");
   std::vector<Vec2> vertices = task.points;
@@ -19,7 +19,7 @@ ParametricMesh fan_mesh(const MeshTask& task, int refinements) {
     centre += cross / 6 * (vertices[a] + vertices[b]);
   }
   vertices.push_back(centre / area);
-  const int middle = count_of(vertices) - 1;
+  const int middle = isize(vertices) - 1;
   std::vector<ParametricMesh::Triangle> triangles;
   for (const auto& [a, b] : task.outline) {
     const Vec2 p = vertices[a] - vertices[middle], q = vertices[b] - vertices[middle];

@@ -5,17 +5,17 @@
 
 #include "batten/core/box.h"
 #include "batten/core/errors.h"
-#include "batten/core/plane.h"
-#include "batten/core/words.h"
-#include "batten/skinning/domains/domain_task.h"
+#include "batten/core/format.h"
+#include "batten/core/planar_geometry.h"
+#include "batten/skinning/domains/domain_input.h"
 
 namespace batten {
 namespace {
 
-HermiteCurve shifted(const HermiteCurve& image, double du) {
-  Points dofs = image.dofs();
-  for (int i = 0; i < image.node_count(); ++i) dofs(image.mesh().position_dof(i), 0) += du;
-  return {image.mesh(), std::move(dofs)};
+HermiteCurve shifted(const HermiteCurve& pcurve, double du) {
+  Points dofs = pcurve.dofs();
+  for (int i = 0; i < pcurve.node_count(); ++i) dofs(pcurve.mesh().position_dof(i), 0) += du;
+  return {pcurve.mesh(), std::move(dofs)};
 }
 
 struct Chord {
@@ -30,24 +30,24 @@ struct Chord {
 };
 
 // A segment of a curve as chords, and their box.
-struct ChordRow {
+struct SegmentChords {
   Box2 box;
   std::vector<Chord> chords;
-  bool box_meets(const ChordRow& other) const { return box.intersects(other.box); }
+  bool box_meets(const SegmentChords& other) const { return box.intersects(other.box); }
 };
 
-std::vector<ChordRow> chord_rows(const HermiteCurve& c) {
+std::vector<SegmentChords> chords_of_segments(const HermiteCurve& c) {
   constexpr int cuts = 16;
   const auto& u = c.parameters();
-  std::vector<ChordRow> rows;
+  std::vector<SegmentChords> rows;
   for (int s = 0; s < c.segment_count(); ++s) {
-    ChordRow row;
-    Vec2 p = flat(c.evaluate({s, 0.0}));
+    SegmentChords row;
+    Vec2 p = drop_z(c.evaluate({s, 0.0}));
     row.box.extend(p);
     for (int k = 0; k < cuts; ++k) {
       const double t0 = u[s] + c.mesh().length(s) * k / cuts,
                    t1 = u[s] + c.mesh().length(s) * (k + 1) / cuts;
-      const Vec2 q = flat(c.evaluate({s, static_cast<double>(k + 1) / cuts}));
+      const Vec2 q = drop_z(c.evaluate({s, static_cast<double>(k + 1) / cuts}));
       row.chords.push_back({t0, t1, p, q});
       row.box.extend(q);
       p = q;
@@ -58,13 +58,13 @@ std::vector<ChordRow> chord_rows(const HermiteCurve& c) {
 }
 
 // Where the images of two lines cross, by their parameters.
-struct Meeting {
+struct PcurveIntersection {
   double s, t;
 };
 
 // Newton's method from where two chords cross, or nearly so.
-std::optional<Meeting> meeting_near(const HermiteCurve& a, const Chord& x, const HermiteCurve& b,
-                                    const Chord& y) {
+std::optional<PcurveIntersection> intersection_near(const HermiteCurve& a, const Chord& x,
+                                                    const HermiteCurve& b, const Chord& y) {
   const Vec2 d = x.q - x.p, e = y.q - y.p, r = y.p - x.p;
   const double det = cross(d, e);
   if (std::abs(det) < 1e-12 * d.norm() * e.norm()) return std::nullopt;
@@ -72,32 +72,32 @@ std::optional<Meeting> meeting_near(const HermiteCurve& a, const Chord& x, const
   if (i < -0.01 || i > 1.01 || j < -0.01 || j > 1.01) return std::nullopt;
   double s = x.t0 + i * (x.t1 - x.t0), t = y.t0 + j * (y.t1 - y.t0);
   for (int step = 0; step < 8; ++step) {
-    const Vec2 gap = flat(b.evaluate(t)) - flat(a.evaluate(s));
-    const Vec2 ds = flat(a.evaluate(s, 1)), dt = flat(b.evaluate(t, 1));
+    const Vec2 gap = drop_z(b.evaluate(t)) - drop_z(a.evaluate(s));
+    const Vec2 ds = drop_z(a.evaluate(s, 1)), dt = drop_z(b.evaluate(t, 1));
     const double D = cross(ds, dt);
     if (std::abs(D) < 1e-12 * ds.norm() * dt.norm()) break;
     s = std::clamp(s + cross(gap, dt) / D, a.start(), a.end());
     t = std::clamp(t + cross(gap, ds) / D, b.start(), b.end());
   }
-  if ((flat(b.evaluate(t)) - flat(a.evaluate(s))).norm() > 1e-9) return std::nullopt;
-  return Meeting{s, t};
+  if ((drop_z(b.evaluate(t)) - drop_z(a.evaluate(s))).norm() > 1e-9) return std::nullopt;
+  return PcurveIntersection{s, t};
 }
 
-std::vector<Meeting> meetings(const HermiteCurve& a, const HermiteCurve& b) {
-  std::vector<Meeting> found;
+std::vector<PcurveIntersection> pcurve_intersections(const HermiteCurve& a, const HermiteCurve& b) {
+  std::vector<PcurveIntersection> found;
   const auto known = [&](double s) {
-    return std::any_of(found.begin(), found.end(), [&](const Meeting& m) {
-      return (flat(a.evaluate(m.s)) - flat(a.evaluate(s))).norm() < 1e-7;
+    return std::any_of(found.begin(), found.end(), [&](const PcurveIntersection& m) {
+      return (drop_z(a.evaluate(m.s)) - drop_z(a.evaluate(s))).norm() < 1e-7;
     });
   };
-  const auto of_a = chord_rows(a), of_b = chord_rows(b);
-  for (const ChordRow& i : of_a)
-    for (const ChordRow& j : of_b) {
+  const auto of_a = chords_of_segments(a), of_b = chords_of_segments(b);
+  for (const SegmentChords& i : of_a)
+    for (const SegmentChords& j : of_b) {
       if (!i.box_meets(j)) continue;
       for (const Chord& x : i.chords)
         for (const Chord& y : j.chords) {
           if (!x.box_meets(y)) continue;
-          const auto m = meeting_near(a, x, b, y);
+          const auto m = intersection_near(a, x, b, y);
           if (m && !known(m->s)) found.push_back(*m);
         }
     }
@@ -105,24 +105,26 @@ std::vector<Meeting> meetings(const HermiteCurve& a, const HermiteCurve& b) {
 }
 
 // The same on a mesh that may be periodic: a line also meets the other's images.
-std::vector<Meeting> meetings(const ParametricMesh& mesh, const HermiteCurve& a,
-                              const HermiteCurve& b) {
-  if (mesh.period() == 0) return meetings(a, b);
-  const auto reach = [](const HermiteCurve& c) {
+std::vector<PcurveIntersection> pcurve_intersections(const ParametricMesh& mesh,
+                                                     const HermiteCurve& a, const HermiteCurve& b) {
+  if (mesh.period() == 0) return pcurve_intersections(a, b);
+  const auto u_range = [](const HermiteCurve& c) {
     Vec2 range(c.position(0).x(), c.position(0).x());
-    for (const PlanarCubic& arc : planar_arcs(c))
+    for (const PlanarCubic& arc : planar_cubics(c))
       for (const Vec2& p : arc.b) range = {std::min(range[0], p.x()), std::max(range[1], p.x())};
     return range;
   };
-  const Vec2 of_a = reach(a), of_b = reach(b);
+  const Vec2 of_a = u_range(a), of_b = u_range(b);
   const double period = mesh.period();
-  std::vector<Meeting> found;
+  std::vector<PcurveIntersection> found;
   for (double k = std::ceil((of_a[0] - of_b[1]) / period - 1e-9);
        of_b[0] + k * period <= of_a[1] + 1e-9 * period; ++k)
-    for (const Meeting& m : meetings(a, shifted(b, k * period))) {
-      const bool known = std::any_of(found.begin(), found.end(), [&](const Meeting& other) {
-        return domain_distance(mesh, flat(a.evaluate(m.s)), flat(a.evaluate(other.s))) < 1e-7;
-      });
+    for (const PcurveIntersection& m : pcurve_intersections(a, shifted(b, k * period))) {
+      const bool known =
+          std::any_of(found.begin(), found.end(), [&](const PcurveIntersection& other) {
+            return domain_distance(mesh, drop_z(a.evaluate(m.s)), drop_z(a.evaluate(other.s))) <
+                   1e-7;
+          });
       if (!known) found.push_back(m);
     }
   return found;
@@ -130,16 +132,16 @@ std::vector<Meeting> meetings(const ParametricMesh& mesh, const HermiteCurve& a,
 
 class Junctions {
  public:
-  Junctions(RegionParts& parts, const DomainTask& task)
-      : parts_(parts),
+  Junctions(RegionGeometry& geometry, const DomainInput& task)
+      : geometry_(geometry),
         task_(task),
-        bounds_(boundary_lines(parts)),
-        always_(parts.embedded.size()) {}
+        bounds_(boundary_line_flags(geometry)),
+        always_(geometry.embedded.size()) {}
 
   std::vector<std::vector<double>> find() {
     for (size_t i = 0; i < always_.size(); ++i) {
       if (bounds_[i]) continue;
-      if (!parts_.embedded[i].fitted.closed())
+      if (!geometry_.embedded[i].fitted.closed())
         for (const bool last : {false, true}) move_end(i, last);
       find_crossings(i);
     }
@@ -148,50 +150,55 @@ class Junctions {
 
  private:
   // Inner lines look at boundary lines, and at inner lines before them.
-  bool looks_at(size_t i, size_t j) const { return j != i && (bounds_[j] || j < i); }
+  bool is_tested_against(size_t i, size_t j) const { return j != i && (bounds_[j] || j < i); }
 
   // An end that lies on another line moves onto it.
   void move_end(size_t i, bool last) {
-    const HermiteCurve& fitted = parts_.embedded[i].fitted;
+    const HermiteCurve& fitted = geometry_.embedded[i].fitted;
     const Vec3 end = fitted.position(last ? fitted.node_count() - 1 : 0);
-    for (const LineRun& run : parts_.runs) {
-      const auto near = run.fitted.closest_point(end);
-      if (near.distance > task_.join) continue;
-      move_to(i, last, run.fitted.evaluate(near.u), run_image(*parts_.mesh, run).evaluate(near.u));
+    for (const EdgeAlignedLine& aligned_line : geometry_.edge_aligned) {
+      const auto near = aligned_line.fitted.closest_point(end);
+      if (near.distance > task_.gap_tolerance) continue;
+      move_to(i, last, aligned_line.fitted.evaluate(near.u),
+              edge_aligned_pcurve(*geometry_.mesh, aligned_line).evaluate(near.u));
       return;
     }
     for (size_t j = 0; j < always_.size(); ++j) {
-      if (!looks_at(i, j)) continue;
-      const EmbeddedLine& other = parts_.embedded[j];
+      if (!is_tested_against(i, j)) continue;
+      const EmbeddedLine& other = geometry_.embedded[j];
       const auto near = other.fitted.closest_point(end);
-      if (near.distance > task_.join) continue;
-      move_to(i, last, other.fitted.evaluate(near.u), other.image.evaluate(near.u));
+      if (near.distance > task_.gap_tolerance) continue;
+      move_to(i, last, other.fitted.evaluate(near.u), other.pcurve.evaluate(near.u));
       always_[j].push_back(near.u);
       return;
     }
   }
 
   void move_to(size_t i, bool last, const Vec3& position, const Vec3& uv) {
-    EmbeddedLine& line = parts_.embedded[i];
+    EmbeddedLine& line = geometry_.embedded[i];
     const int node = last ? line.fitted.node_count() - 1 : 0,
-              image_node = last ? line.image.node_count() - 1 : 0;
-    Points x = line.fitted.dofs(), c = line.image.dofs();
+              image_node = last ? line.pcurve.node_count() - 1 : 0;
+    Points x = line.fitted.dofs(), c = line.pcurve.dofs();
     x.row(line.fitted.mesh().position_dof(node)) = position;
-    const Vec2 there = parts_.mesh->image_near(flat(uv), flat(line.image.position(image_node)));
-    c.row(line.image.mesh().position_dof(image_node)) << there.x(), there.y(), 0;
+    const Vec2 there =
+        geometry_.mesh->image_near(drop_z(uv), drop_z(line.pcurve.position(image_node)));
+    c.row(line.pcurve.mesh().position_dof(image_node)) << there.x(), there.y(), 0;
     line.fitted = {line.fitted.mesh(), x};
-    line.image = {line.image.mesh(), c};
+    line.pcurve = {line.pcurve.mesh(), c};
   }
 
   void find_crossings(size_t i) {
-    const EmbeddedLine& line = parts_.embedded[i];
-    for (const LineRun& run : parts_.runs)
-      for (const Meeting& m : meetings(*parts_.mesh, run_image(*parts_.mesh, run), line.image))
-        require_near(line, run.line.name, run.fitted.evaluate(m.s), line.fitted.evaluate(m.t));
+    const EmbeddedLine& line = geometry_.embedded[i];
+    for (const EdgeAlignedLine& aligned_line : geometry_.edge_aligned)
+      for (const PcurveIntersection& m : pcurve_intersections(
+               *geometry_.mesh, edge_aligned_pcurve(*geometry_.mesh, aligned_line), line.pcurve))
+        require_near(line, aligned_line.line.name, aligned_line.fitted.evaluate(m.s),
+                     line.fitted.evaluate(m.t));
     for (size_t j = 0; j < always_.size(); ++j) {
-      if (!looks_at(i, j)) continue;
-      const EmbeddedLine& other = parts_.embedded[j];
-      for (const Meeting& m : meetings(*parts_.mesh, other.image, line.image)) {
+      if (!is_tested_against(i, j)) continue;
+      const EmbeddedLine& other = geometry_.embedded[j];
+      for (const PcurveIntersection& m :
+           pcurve_intersections(*geometry_.mesh, other.pcurve, line.pcurve)) {
         require_near(line, other.line.name, other.fitted.evaluate(m.s), line.fitted.evaluate(m.t));
         always_[j].push_back(m.s);
         always_[i].push_back(m.t);
@@ -204,21 +211,21 @@ class Junctions {
     const double away = (p - q).norm();
     if (away > task_.tolerance)
       throw InputError("lines '" + other + "' and '" + line.line.name +
-                       "' cross in the flat domain near " + at(p) + ", but are " + number(away) +
-                       " apart there (tolerance " + number(task_.tolerance) +
-                       "): a surface cannot be on both");
+                       "' cross in the flat domain near " + format_point(p) + ", but are " +
+                       format_number(away) + " apart there (tolerance " +
+                       format_number(task_.tolerance) + "): a surface cannot be on both");
   }
 
-  RegionParts& parts_;
-  const DomainTask& task_;
+  RegionGeometry& geometry_;
+  const DomainInput& task_;
   std::vector<char> bounds_;
   std::vector<std::vector<double>> always_;
 };
 
 }  // namespace
 
-std::vector<std::vector<double>> junctions(RegionParts& parts, const DomainTask& task) {
-  return Junctions(parts, task).find();
+std::vector<std::vector<double>> find_junctions(RegionGeometry& geometry, const DomainInput& task) {
+  return Junctions(geometry, task).find();
 }
 
 }  // namespace batten

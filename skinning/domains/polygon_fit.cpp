@@ -9,14 +9,15 @@
 #include <numbers>
 #include <numeric>
 
-#include "batten/core/plane.h"
+#include "batten/core/planar_geometry.h"
 
 namespace batten {
 namespace {
 
 using std::numbers::pi;
-constexpr double kLengthWeight = 1, kAngleWeight = 0.7, kWallWeight = 0.7, kDistanceWeight = 0.25;
-constexpr size_t kMostDistances = 24;  // with more corners, lengths and angles say enough
+constexpr double kLengthWeight = 1, kAngleWeight = 0.7, kPenaltyWeight = 0.7,
+                 kDistanceWeight = 0.25;
+constexpr size_t kMaxDistanceCorners = 24;  // with more corners, lengths and angles say enough
 
 using Polygon = std::vector<Vec2>;
 
@@ -26,7 +27,7 @@ struct Value {
 
 // By how much the Jacobian at a corner, sin(line angle) / sin(domain angle), is below 1/2 or above
 // 2, in logarithms; it goes on in a straight line where the corner turns the other way.
-Value beyond_wall(double angle, double line_angle) {
+Value jacobian_penalty(double angle, double line_angle) {
   constexpr double least = 0.05;
   const double wanted = std::sin(line_angle), sine = std::sin(angle), cosine = std::cos(angle);
   if (std::abs(wanted) < 1e-9) return {0, 0};
@@ -44,22 +45,22 @@ class PolygonFit {
   /// weight.
   PolygonFit(const std::vector<double>& lengths, const std::vector<double>& angles,
              const std::vector<Vec3>* corners)
-      : walls_(corners != nullptr),
+      : penalized_(corners != nullptr),
         n_(lengths.size()),
         lengths_(lengths),
         angles_(angles),
-        around_(std::accumulate(lengths.begin(), lengths.end(), 0.0)) {
+        perimeter_(std::accumulate(lengths.begin(), lengths.end(), 0.0)) {
     // At a corner the Jacobian changes by cot φ per radian: where a corner is nearly straight, or
     // sharp, its angle must be kept the better.
     for (const double angle : angles) {
-      constexpr double least_sine = 1e-3;
-      const double cotangent = std::cos(angle) / std::max(std::abs(std::sin(angle)), least_sine);
-      weights_.push_back(kAngleWeight * (walls_ ? std::max(1.0, std::abs(cotangent)) : 1));
+      constexpr double min_sine = 1e-3;
+      const double cotangent = std::cos(angle) / std::max(std::abs(std::sin(angle)), min_sine);
+      weights_.push_back(kAngleWeight * (penalized_ ? std::max(1.0, std::abs(cotangent)) : 1));
     }
-    for (size_t i = 0; i < n_ && n_ <= kMostDistances && corners; ++i)
+    for (size_t i = 0; i < n_ && n_ <= kMaxDistanceCorners && corners; ++i)
       for (size_t j = i + 2; j < n_; ++j) {
         if (i == 0 && j + 1 == n_) continue;
-        const double in_space = std::max(((*corners)[i] - (*corners)[j]).norm(), 1e-3 * around_);
+        const double in_space = std::max(((*corners)[i] - (*corners)[j]).norm(), 1e-3 * perimeter_);
         pairs_.push_back({i, j, in_space});
       }
   }
@@ -75,13 +76,13 @@ class PolygonFit {
       Polygon q = p;
       for (size_t i = 0; i < n_; ++i) q[i] += move.segment<2>(2 * static_cast<long>(i));
       // A step that folds the polygon is refused.
-      const double next = simple_and_ccw(q) ? sum(q, false) : cost;
+      const double next = is_simple_and_ccw(q) ? sum(q, false) : cost;
       if (next < cost) {
-        const bool settled = move.norm() < 1e-10 * around_;
+        const bool converged = move.norm() < 1e-10 * perimeter_;
         p = q;
         cost = sum(p, true);
         damping = std::max(1e-9, damping / 5);
-        if (settled) break;
+        if (converged) break;
       } else {
         damping *= 5;
       }
@@ -114,43 +115,47 @@ class PolygonFit {
               gradients[a] * gradients[b].transpose();
       }
     };
-    const auto turned = [](const Vec2& d) { return Vec2(Vec2(-d.y(), d.x()) / d.squaredNorm()); };
+    const auto perpendicular = [](const Vec2& d) {
+      return Vec2(Vec2(-d.y(), d.x()) / d.squaredNorm());
+    };
     using Two = std::array<Vec2, 2>;
     using Three = std::array<Vec2, 3>;
     for (size_t i = 0; i < n_; ++i) {
       const size_t before = (i + n_ - 1) % n_, after = (i + 1) % n_;
       const Vec2 a = p[i] - p[before], b = p[after] - p[i];
-      const Vec2 stretch = kLengthWeight * b / b.squaredNorm();
-      add(kLengthWeight * std::log(std::max(b.norm(), 1e-12 * around_) / lengths_[i]),
-          std::array{i, after}, Two{-stretch, stretch});
+      const Vec2 length_gradient = kLengthWeight * b / b.squaredNorm();
+      add(kLengthWeight * std::log(std::max(b.norm(), 1e-12 * perimeter_) / lengths_[i]),
+          std::array{i, after}, Two{-length_gradient, length_gradient});
 
       const double angle = pi - std::atan2(cross(a, b), a.dot(b));
-      const Three turn{-turned(a), turned(a) + turned(b), -turned(b)};
+      const Three angle_gradient{-perpendicular(a), perpendicular(a) + perpendicular(b),
+                                 -perpendicular(b)};
       const auto by_angle = [&](double r, double slope) {
         add(r, std::array{before, i, after},
-            Three{slope * turn[0], slope * turn[1], slope * turn[2]});
+            Three{slope * angle_gradient[0], slope * angle_gradient[1], slope * angle_gradient[2]});
       };
       by_angle(weights_[i] * (angle - angles_[i]), weights_[i]);
-      const Value wall = beyond_wall(angle, angles_[i]);
-      if (walls_ && wall.value > 0) by_angle(kWallWeight * wall.value, kWallWeight * wall.slope);
+      const Value wall = jacobian_penalty(angle, angles_[i]);
+      if (penalized_ && wall.value > 0)
+        by_angle(kPenaltyWeight * wall.value, kPenaltyWeight * wall.slope);
     }
     for (const Pair& pair : pairs_) {
       // A surface between two corners is longer than the straight line, never shorter.
       const Vec2 d = p[pair.j] - p[pair.i];
-      const double length = std::max(d.norm(), 1e-6 * around_);
+      const double length = std::max(d.norm(), 1e-6 * perimeter_);
       if (length >= pair.in_space) continue;
-      const Vec2 stretch = kDistanceWeight * d / (length * length);
+      const Vec2 length_gradient = kDistanceWeight * d / (length * length);
       add(kDistanceWeight * std::log(length / pair.in_space), std::array{pair.i, pair.j},
-          Two{-stretch, stretch});
+          Two{-length_gradient, length_gradient});
     }
     return total;
   }
 
-  bool walls_;
+  bool penalized_;
   size_t n_;
   std::vector<double> lengths_, angles_, weights_;
   std::vector<Pair> pairs_;
-  double around_;
+  double perimeter_;
   MatX H_;
   VecX g_;
 };
@@ -170,7 +175,7 @@ Polygon circle(const std::vector<double>& lengths) {
 
 }  // namespace
 
-bool simple_and_ccw(const std::vector<Vec2>& p) {
+bool is_simple_and_ccw(const std::vector<Vec2>& p) {
   const size_t n = p.size();
   double area = 0;
   for (size_t i = 0; i < n; ++i) area += 0.5 * cross(p[i], p[(i + 1) % n]);
@@ -199,7 +204,7 @@ std::vector<Vec2> fit_polygon(const std::vector<double>& lengths, const std::vec
   Polygon best;
   double least = std::numeric_limits<double>::infinity();
   for (Polygon& p : starts) {
-    if (!simple_and_ccw(p)) continue;
+    if (!is_simple_and_ccw(p)) continue;
     const double cost = fit.minimize(p);
     if (cost < least) {
       least = cost;
@@ -207,7 +212,7 @@ std::vector<Vec2> fit_polygon(const std::vector<double>& lengths, const std::vec
     }
   }
   if (best.empty())
-    throw NoPolygon(
+    throw NoPolygonError(
         "no simple polygon has these side lengths and angles: the outline is too "
         "twisted for one flat domain");
   return best;
@@ -216,7 +221,7 @@ std::vector<Vec2> fit_polygon(const std::vector<double>& lengths, const std::vec
 std::vector<Vec2> relax_polygon(const std::vector<double>& lengths,
                                 const std::vector<double>& angles) {
   Polygon p = circle(lengths);
-  if (!simple_and_ccw(p)) throw InputError("no simple polygon has sides of these lengths");
+  if (!is_simple_and_ccw(p)) throw InputError("no simple polygon has sides of these lengths");
   PolygonFit(lengths, angles, nullptr).minimize(p);
   return p;
 }

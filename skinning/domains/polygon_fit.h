@@ -10,7 +10,7 @@ namespace batten {
 
 /// Thrown when no polygon has such sides and corners, or only one without area; another domain may
 /// do.
-class NoPolygon : public InputError {
+class NoPolygonError : public InputError {
  public:
   using InputError::InputError;
 };
@@ -23,7 +23,7 @@ class NoPolygon : public InputError {
 /// keeps that Jacobian between ½ and 2, so that no corner turns the other way (polygon_fit.cpp).
 /// `corners`: the corners in space, for the start and those distances; `normal`: the side from
 /// which the loop runs counter-clockwise. The scale is such that sides keep their length on
-/// average. Throws NoPolygon when no simple polygon is found. O(steps · corners³), below a
+/// average. Throws NoPolygonError when no simple polygon is found. O(steps · corners³), below a
 /// millisecond for 30.
 std::vector<Vec2> fit_polygon(const std::vector<double>& lengths, const std::vector<double>& angles,
                               const std::vector<Vec3>& corners, const Vec3& normal);
@@ -36,6 +36,6 @@ std::vector<Vec2> relax_polygon(const std::vector<double>& lengths,
 
 /// Returns whether sides of the polygon meet only at their common corners, and its area is
 /// positive. O(n²).
-bool simple_and_ccw(const std::vector<Vec2>& polygon);
+bool is_simple_and_ccw(const std::vector<Vec2>& polygon);
 
 }  // namespace batten

@@ -4,34 +4,35 @@
 #include <map>
 
 #include "batten/core/errors.h"
-#include "batten/core/index.h"
-#include "batten/core/plane.h"
-#include "batten/core/words.h"
-#include "batten/skinning/domains/mesh_size.h"
+#include "batten/core/format.h"
+#include "batten/core/isize.h"
+#include "batten/core/planar_geometry.h"
+#include "batten/skinning/domains/mesh_limits.h"
 #include "batten/skinning/domains/mesher.h"
-#include "batten/skinning/domains/polygon_plan.h"
+#include "batten/skinning/domains/polygon_domain.h"
 
 namespace batten {
 namespace {
 
 // Exactly the given vertices, in the strip's direction.
-void fix_nodes(Strip& strip) {
-  const HermiteCurve& curve = strip.line.given->curve;
+void fix_nodes(AlignedSegment& aligned_segment) {
+  const HermiteCurve& curve = aligned_segment.line.prescribed->curve;
   const double span = curve.end() - curve.start();
-  strip.nodes.clear();
-  for (const double u : strip.line.given->vertices) {
+  aligned_segment.nodes.clear();
+  for (const double u : aligned_segment.line.prescribed->vertices) {
     const double fraction = (u - curve.start()) / span;
-    strip.nodes.push_back(strip.flipped ? 1 - fraction : fraction);
+    aligned_segment.nodes.push_back(aligned_segment.flipped ? 1 - fraction : fraction);
   }
-  if (strip.flipped) std::reverse(strip.nodes.begin(), strip.nodes.end());
+  if (aligned_segment.flipped)
+    std::reverse(aligned_segment.nodes.begin(), aligned_segment.nodes.end());
 }
 
-ParametricMesh delaunay(PolygonPlan& plan) {
-  MeshTask task;
-  task.edge_length = rounded(plan.task.edge / plan.task.size);
-  task.keep_segments = plan.given();
-  task.sizes = plan.task.options.sizes;
-  task.progress = plan.task.progress;
+ParametricMesh delaunay(PolygonDomain& domain) {
+  PlanarMeshInput task;
+  task.edge_length = round_to_grid(domain.task.edge_length / domain.task.size);
+  task.keep_segments = domain.prescribed();
+  task.size_field = domain.task.options.size_field;
+  task.progress = domain.task.progress;
   // Points that strips share (corners, joints, junctions) are one point.
   std::map<std::pair<long long, long long>, int> known;
   const auto add = [&](const Vec2& p) {
@@ -42,21 +43,21 @@ ParametricMesh delaunay(PolygonPlan& plan) {
         if (const auto it = known.find({key.first + dx, key.second + dy}); it != known.end())
           return it->second;
     task.points.push_back(p);
-    return known[key] = count_of(task.points) - 1;
+    return known[key] = isize(task.points) - 1;
   };
-  for (const Vec2& corner : plan.polygon) add(corner);
-  for (size_t i = 0; i < plan.strips.size(); ++i) {
-    Strip& s = plan.strips[i];
-    auto& segments = i < plan.outline.pieces.size() ? task.outline : task.inner;
+  for (const Vec2& corner : domain.polygon) add(corner);
+  for (size_t i = 0; i < domain.aligned_segments.size(); ++i) {
+    AlignedSegment& s = domain.aligned_segments[i];
+    auto& segments = i < domain.outline.segments.size() ? task.outline : task.inner;
     int last = add(s.from);
-    if (s.given()) {
+    if (s.prescribed()) {
       s.points = {last};
       for (size_t k = 1; k < s.nodes.size(); ++k) {
         const int next = add(k + 1 == s.nodes.size() ? s.to : s.at(s.nodes[k]));
         if (next == last || (k > 1 && next == s.points.front()))
           throw InputError("line '" + s.line.name +
                            "' is given with vertices that lie on each other, near " +
-                           at(s.fitted.evaluate(s.fitted.start())));
+                           format_point(s.fitted.evaluate(s.fitted.start())));
         segments.push_back({last, next});
         s.points.push_back(last = next);
       }
@@ -69,7 +70,7 @@ ParametricMesh delaunay(PolygonPlan& plan) {
           static_cast<int>(std::ceil((b - a) * (s.to - s.from).norm() / task.edge_length - 0.2)));
       for (int c = 1; c <= cuts; ++c) {
         const double fraction = a + (b - a) * c / cuts;
-        const int next = fraction >= 1 ? add(s.to) : add(s.at(rounded(fraction)));
+        const int next = fraction >= 1 ? add(s.to) : add(s.at(round_to_grid(fraction)));
         if (next == last) continue;
         segments.push_back({last, next});
         last = next;
@@ -79,40 +80,41 @@ ParametricMesh delaunay(PolygonPlan& plan) {
   return delaunay_mesh(task);
 }
 
-bool cut_evenly(const Strip& s, int refinements) {
+bool cut_evenly(const AlignedSegment& s, int refinements) {
   return std::all_of(s.nodes.begin(), s.nodes.end(), [&](double fraction) {
     const double place = std::ldexp(fraction, refinements);
     return std::abs(place - std::round(place)) < 1e-6;
   });
 }
 
-ParametricMesh fan(const PolygonPlan& plan) {
-  if (plan.given())
+ParametricMesh fan(const PolygonDomain& domain) {
+  if (domain.prescribed())
     throw InputError("the fan mesher takes no given curves: use mesher = \"delaunay\"");
-  MeshTask task;
-  task.points = plan.polygon;
-  const int n = count_of(plan.polygon);
+  PlanarMeshInput task;
+  task.points = domain.polygon;
+  const int n = isize(domain.polygon);
   double longest = 0;
   for (int i = 0; i < n; ++i) {
     task.outline.push_back({i, (i + 1) % n});
-    longest = std::max(longest, (plan.polygon[(i + 1) % n] - plan.polygon[i]).norm());
+    longest = std::max(longest, (domain.polygon[(i + 1) % n] - domain.polygon[i]).norm());
   }
-  if (!plan.fitted_inner.empty())
+  if (!domain.aligned_inner.empty())
     throw InputError("the fan mesher takes no inner lines: use mesher = \"delaunay\"");
-  if (plan.outline.pieces.size() != plan.polygon.size())
+  if (domain.outline.segments.size() != domain.polygon.size())
     throw InputError("the fan mesher needs one line for each side between corners, and there are " +
-                     std::to_string(plan.outline.pieces.size()) + " lines for " +
+                     std::to_string(domain.outline.segments.size()) + " lines for " +
                      std::to_string(n) + " sides: use mesher = \"delaunay\"");
-  int refinements = plan.task.options.fan_refinements;
+  int refinements = domain.task.options.fan_refinements;
   if (refinements < 0) {
     refinements = 0;
-    while (longest > 1.3 * rounded(plan.task.edge / plan.task.size) * std::pow(2.0, refinements) &&
+    while (longest > 1.3 * round_to_grid(domain.task.edge_length / domain.task.size) *
+                         std::pow(2.0, refinements) &&
            refinements < 9)
       ++refinements;
-    for (const Strip& s : plan.strips)
+    for (const AlignedSegment& s : domain.aligned_segments)
       while (!cut_evenly(s, refinements) && refinements < 9) ++refinements;
   }
-  for (const Strip& s : plan.strips)
+  for (const AlignedSegment& s : domain.aligned_segments)
     if (!cut_evenly(s, refinements))
       throw InputError("line '" + s.line.name + "' needs nodes that a fan refined " +
                        std::to_string(refinements) +
@@ -121,78 +123,87 @@ ParametricMesh fan(const PolygonPlan& plan) {
   return fan_mesh(task, refinements);
 }
 
-void find_edges(const ParametricMesh& mesh, LineRun& run) {
-  for (size_t i = 0; i + 1 < run.vertices.size(); ++i) {
-    const int e = mesh.edge_between(run.vertices[i], run.vertices[i + 1]);
+void find_edges(const ParametricMesh& mesh, EdgeAlignedLine& aligned_line) {
+  for (size_t i = 0; i + 1 < aligned_line.vertices.size(); ++i) {
+    const int e = mesh.edge_between(aligned_line.vertices[i], aligned_line.vertices[i + 1]);
     if (e < 0)
-      throw NoSolutionError("the mesher left line '" + run.line.name + "' without an edge at (" +
-                            number(mesh.vertices()[run.vertices[i]].x()) + ", " +
-                            number(mesh.vertices()[run.vertices[i]].y()) + ")");
-    run.edges.push_back(e);
+      throw NoSolutionError("the mesher left line '" + aligned_line.line.name +
+                            "' without an edge at (" +
+                            format_number(mesh.vertices()[aligned_line.vertices[i]].x()) + ", " +
+                            format_number(mesh.vertices()[aligned_line.vertices[i]].y()) + ")");
+    aligned_line.edges.push_back(e);
   }
 }
 
 }  // namespace
 
-ParametricMesh mesh_polygon(PolygonPlan& plan) {
+ParametricMesh mesh_polygon(PolygonDomain& domain) {
   double area = 0;
-  for (size_t i = 0, n = plan.polygon.size(); i < n; ++i)
-    area += 0.5 * cross(plan.polygon[i], plan.polygon[(i + 1) % n]);
+  for (size_t i = 0, n = domain.polygon.size(); i < n; ++i)
+    area += 0.5 * cross(domain.polygon[i], domain.polygon[(i + 1) % n]);
   // Equilateral triangles of that edge, or the fan's.
-  const bool counted = plan.task.options.mesher == SkinOptions::Mesher::Fan &&
-                       plan.task.options.fan_refinements >= 0;
-  const double expected = counted ? static_cast<double>(plan.polygon.size()) *
-                                        std::pow(4.0, plan.task.options.fan_refinements)
-                                  : area * plan.task.size * plan.task.size /
-                                        (std::sqrt(3.0) / 4 * plan.task.edge * plan.task.edge);
-  if (counted && expected > most_triangles)
-    throw InputError("a fan refined " + std::to_string(plan.task.options.fan_refinements) +
-                     " times has " + number(expected) + " triangles; at most " +
-                     number(most_triangles) + " are allowed");
-  require_mesh_size(expected, plan.task.edge, plan.task.size, "a region");
-  for (Strip& s : plan.strips) {
-    if (s.given()) {
+  const bool counted = domain.task.options.mesher == SkinOptions::Mesher::Fan &&
+                       domain.task.options.fan_refinements >= 0;
+  const double expected =
+      counted ? static_cast<double>(domain.polygon.size()) *
+                    std::pow(4.0, domain.task.options.fan_refinements)
+              : area * domain.task.size * domain.task.size /
+                    (std::sqrt(3.0) / 4 * domain.task.edge_length * domain.task.edge_length);
+  if (counted && expected > kMaxTriangles)
+    throw InputError("a fan refined " + std::to_string(domain.task.options.fan_refinements) +
+                     " times has " + format_number(expected) + " triangles; at most " +
+                     format_number(kMaxTriangles) + " are allowed");
+  require_mesh_size(expected, domain.task.edge_length, domain.task.size, "a region");
+  for (AlignedSegment& s : domain.aligned_segments) {
+    if (s.prescribed()) {
       fix_nodes(s);
       continue;
     }
     for (const double u : s.fitted.parameters()) s.nodes.push_back(u / s.fitted.end());
     std::sort(s.nodes.begin(), s.nodes.end());
   }
-  return plan.task.options.mesher == SkinOptions::Mesher::Fan ? fan(plan) : delaunay(plan);
+  return domain.task.options.mesher == SkinOptions::Mesher::Fan ? fan(domain) : delaunay(domain);
 }
 
-LineRun run_on(const ParametricMesh& mesh, const Strip& strip) {
-  if (strip.given()) {
-    LineRun run{strip.line, strip.line.given->curve, strip.points, strip.line.given->vertices, {}};
-    if (strip.flipped) std::reverse(run.vertices.begin(), run.vertices.end());
-    find_edges(mesh, run);
-    return run;
+EdgeAlignedLine edge_aligned_line_on(const ParametricMesh& mesh,
+                                     const AlignedSegment& aligned_segment) {
+  if (aligned_segment.prescribed()) {
+    EdgeAlignedLine aligned_line{aligned_segment.line,
+                                 aligned_segment.line.prescribed->curve,
+                                 aligned_segment.points,
+                                 aligned_segment.line.prescribed->vertices,
+                                 {}};
+    if (aligned_segment.flipped)
+      std::reverse(aligned_line.vertices.begin(), aligned_line.vertices.end());
+    find_edges(mesh, aligned_line);
+    return aligned_line;
   }
   // Vertices on the strip, by their fraction along it.
-  const Vec2 d = strip.to - strip.from;
+  const Vec2 d = aligned_segment.to - aligned_segment.from;
   const double length = d.norm();
-  std::vector<std::pair<double, int>> on_strip;
+  std::vector<std::pair<double, int>> on_segment;
   for (int v = 0; v < mesh.vertex_count(); ++v) {
-    const Vec2 p = mesh.vertices()[v] - strip.from;
+    const Vec2 p = mesh.vertices()[v] - aligned_segment.from;
     const double fraction = p.dot(d) / (length * length);
     constexpr double near = 1e-11;
     if (std::abs(cross(p, d)) / length < near && fraction > -near && fraction < 1 + near)
-      on_strip.emplace_back(std::clamp(fraction, 0.0, 1.0), v);
+      on_segment.emplace_back(std::clamp(fraction, 0.0, 1.0), v);
   }
-  std::sort(on_strip.begin(), on_strip.end());
-  LineRun run;
-  run.line = strip.line;
-  run.fitted = strip.flipped ? strip.fitted.backwards() : strip.fitted;
-  if (strip.flipped) {
-    std::reverse(on_strip.begin(), on_strip.end());
-    for (auto& [fraction, v] : on_strip) fraction = 1 - fraction;
+  std::sort(on_segment.begin(), on_segment.end());
+  EdgeAlignedLine aligned_line;
+  aligned_line.line = aligned_segment.line;
+  aligned_line.fitted =
+      aligned_segment.flipped ? aligned_segment.fitted.backwards() : aligned_segment.fitted;
+  if (aligned_segment.flipped) {
+    std::reverse(on_segment.begin(), on_segment.end());
+    for (auto& [fraction, v] : on_segment) fraction = 1 - fraction;
   }
-  for (const auto& [fraction, v] : on_strip) {
-    run.vertices.push_back(v);
-    run.parameters.push_back(fraction * strip.fitted.end());
+  for (const auto& [fraction, v] : on_segment) {
+    aligned_line.vertices.push_back(v);
+    aligned_line.parameters.push_back(fraction * aligned_segment.fitted.end());
   }
-  find_edges(mesh, run);
-  return run;
+  find_edges(mesh, aligned_line);
+  return aligned_line;
 }
 
 }  // namespace batten

@@ -8,21 +8,21 @@
 #include <set>
 
 #include "batten/core/errors.h"
-#include "batten/core/index.h"
-#include "batten/core/plane.h"
+#include "batten/core/isize.h"
+#include "batten/core/planar_geometry.h"
 #include "batten/skinning/domains/mesher.h"
-#include "batten/skinning/facets/facet_stops.h"
+#include "batten/skinning/facets/line_subdivision.h"
 
 namespace batten {
 namespace {
 
 /// Whether a triangle at a curved edge is far enough from folding: the corners of its six-node
 /// triangle, and a lattice of its image.
-bool unfolded(const FacetMesh& m, int t) {
+bool is_unfolded(const FacetMesh& m, int t) {
   constexpr double least = 0.2;  // of the straight triangle
   const TriangleShape shape = m.mesh->shape(t);
   Vec2 middle[3];  // of the edge opposite each corner
-  for (int i = 0; i < 3; ++i) middle[i] = m.image({t, (Vec3::Ones() - Vec3::Unit(i)) / 2});
+  for (int i = 0; i < 3; ++i) middle[i] = m.map_point({t, (Vec3::Ones() - Vec3::Unit(i)) / 2});
   for (int i = 0; i < 3; ++i) {
     const int j = (i + 1) % 3, k = (i + 2) % 3;
     const Vec2 to_j = 4 * middle[k] - 3 * shape.vertex[i] - shape.vertex[j],
@@ -32,7 +32,7 @@ bool unfolded(const FacetMesh& m, int t) {
   constexpr int n = 8;
   Vec2 x[n + 1][n + 1];
   for (int i = 0; i <= n; ++i)
-    for (int j = 0; i + j <= n; ++j) x[i][j] = m.image({t, Vec3(i, j, n - i - j) / n});
+    for (int j = 0; i + j <= n; ++j) x[i][j] = m.map_point({t, Vec3(i, j, n - i - j) / n});
   const double limit = least * 2 * shape.area / (n * n);
   for (int i = 0; i < n; ++i)
     for (int j = 0; i + j < n; ++j) {
@@ -56,56 +56,58 @@ bool meet(const Vec2& a, const Vec2& b, const Vec2& c, const Vec2& d) {
 /// Meshes between the stops, and adds some where that does not come out well.
 class FacetMesher {
  public:
-  FacetMesher(const SkinnedRegion& region, double edge_length, const LineStops& asked)
+  FacetMesher(const SkinnedRegion& region, double edge_length, const SubdivisionRequest& requested)
       : region_(region),
-        may_halve_(asked.may_halve),
-        asked_(!asked.at.empty()),
-        s_(region, edge_length, asked) {}
+        may_split_(requested.may_split),
+        requested_(!requested.at.empty()),
+        s_(region, edge_length, requested) {}
 
   FacetMesh make() {
     FacetMesh result;
     result.lines = s_.lines();
     constexpr int rounds = 12;
-    const int untangling = asked_ ? 2 * rounds : rounds;  // into a cusp step by step
+    const int untangling = requested_ ? 2 * rounds : rounds;  // into a cusp step by step
     for (int round = 0;; ++round) {
-      list_pieces();
+      list_constrained_edges();
       if (untangle(round < untangling)) continue;
-      fill(result);
+      triangulate(result);
       std::set<int> folded;
       for (int t = 0; t < result.mesh->triangle_count(); ++t) {
         const auto& e = result.mesh->edges_of(t);
         std::vector<int> curved;
         for (const int edge : e)
-          if (result.piece_of_edge[edge] >= 0 && pieces_[result.piece_of_edge[edge]].curved)
-            curved.push_back(result.piece_of_edge[edge]);
-        if (!curved.empty() && !unfolded(result, t)) folded.insert(curved.begin(), curved.end());
+          if (result.constrained_edge_of[edge] >= 0 &&
+              constrained_edges_[result.constrained_edge_of[edge]].curved)
+            curved.push_back(result.constrained_edge_of[edge]);
+        if (!curved.empty() && !is_unfolded(result, t)) folded.insert(curved.begin(), curved.end());
       }
       if (folded.empty()) return result;
       // In a cusp no halving helps: its last edges stay straight.
-      if (round >= rounds || !may_halve_)
-        for (const int p : folded) straight_.insert(key(pieces_[p]));
+      if (round >= rounds || !may_split_)
+        for (const int p : folded) straight_.insert(key(constrained_edges_[p]));
       else
-        for (const int p : folded) halve(p);
-      if (round > 2 * rounds) throw InputError(s_.who() + "its facets fold where lines touch");
+        for (const int p : folded) split(p);
+      if (round > 2 * rounds)
+        throw InputError(s_.message_prefix() + "its facets fold where lines touch");
     }
   }
 
  private:
   using Key = std::pair<int, double>;
-  static Key key(const FacetPiece& piece) { return {piece.line, piece.t0}; }
+  static Key key(const ConstrainedEdge& piece) { return {piece.line, piece.t0}; }
 
-  void list_pieces() {
-    pieces_.clear();
+  void list_constrained_edges() {
+    constrained_edges_.clear();
     for (size_t l = 0; l < s_.lines().size(); ++l)
       for (size_t k = 0; k + 1 < s_.on(l).size(); ++k) {
-        const FacetStop &a = s_.on(l)[k], &b = s_.on(l)[k + 1];
-        FacetPiece piece{
+        const SubdivisionPoint &a = s_.on(l)[k], &b = s_.on(l)[k + 1];
+        ConstrainedEdge piece{
             static_cast<int>(l), a.t, b.t, a.node, b.node, s_.lines()[l].embedded() != nullptr};
         if (!s_.on_boundary(l) && !inside(s_.lines()[l].at(0.5 * (a.t + b.t)))) continue;
         if (straight_.count(key(piece))) piece.curved = false;
         piece.from = s_.near(s_.nodes()[a.node], s_.lines()[l].at(a.t));
         piece.to = s_.near(s_.nodes()[b.node], s_.lines()[l].at(b.t));
-        pieces_.push_back(piece);
+        constrained_edges_.push_back(piece);
       }
   }
 
@@ -118,16 +120,16 @@ class FacetMesher {
     return loops_->contains(p);
   }
 
-  void halve(int p) {
-    const FacetPiece& piece = pieces_[p];
+  void split(int p) {
+    const ConstrainedEdge& piece = constrained_edges_[p];
     s_.add(static_cast<size_t>(piece.line), 0.5 * (piece.t0 + piece.t1));
   }
 
   /// Where a piece is cut so that it comes clear of another one: in its middle, or where neighbours
   /// ask for stops beside an end of the other. Into a cusp, lines have to go by even steps.
-  double cut_beside(const FacetPiece& piece, const FacetPiece& other) const {
+  double split_beside(const ConstrainedEdge& piece, const ConstrainedEdge& other) const {
     const double middle = 0.5 * (piece.t0 + piece.t1);
-    if (!asked_) return middle;
+    if (!requested_) return middle;
     constexpr double within = 0.4;  // of the piece, from its middle
     double best = middle, least = within * (piece.t1 - piece.t0);
     for (const Vec2& end : {other.from, other.to}) {
@@ -140,7 +142,7 @@ class FacetMesher {
   }
 
   /// Whether two pieces meet but in one common end. Those that share both ends lie on each other.
-  bool tangled(const FacetPiece& a, const FacetPiece& b) const {
+  bool tangled(const ConstrainedEdge& a, const ConstrainedEdge& b) const {
     const int shared = (a.a == b.a) + (a.a == b.b) + (a.b == b.a) + (a.b == b.b);
     if (shared > 0) return shared > 1;
     const Vec2 move = s_.near(b.from, a.from) - b.from;
@@ -154,14 +156,17 @@ class FacetMesher {
     long pairs = 0;
   };
   Sweep sweep(int axis) const {
-    const auto low = [&](int p) { return std::min(pieces_[p].from[axis], pieces_[p].to[axis]); };
+    const auto low = [&](int p) {
+      return std::min(constrained_edges_[p].from[axis], constrained_edges_[p].to[axis]);
+    };
     Sweep result;
-    result.order.resize(pieces_.size());
+    result.order.resize(constrained_edges_.size());
     std::iota(result.order.begin(), result.order.end(), 0);
     std::sort(result.order.begin(), result.order.end(),
               [&](int p, int q) { return std::pair(low(p), p) < std::pair(low(q), q); });
     for (auto it = result.order.begin(); it != result.order.end(); ++it) {
-      const double high = std::max(pieces_[*it].from[axis], pieces_[*it].to[axis]);
+      const double high =
+          std::max(constrained_edges_[*it].from[axis], constrained_edges_[*it].to[axis]);
       const auto end = std::upper_bound(it, result.order.end(), high,
                                         [&](double at, int q) { return at < low(q); });
       result.beside.push_back(static_cast<int>(end - it) - 1);
@@ -180,41 +185,42 @@ class FacetMesher {
     for (size_t i = 0; i < best.order.size(); ++i)
       for (int k = 1; k <= best.beside[i]; ++k) {
         const auto [p, q] = std::minmax(best.order[i], best.order[i + static_cast<size_t>(k)]);
-        if (tangled(pieces_[p], pieces_[q])) pairs.emplace_back(p, q);
+        if (tangled(constrained_edges_[p], constrained_edges_[q])) pairs.emplace_back(p, q);
       }
     std::sort(pairs.begin(), pairs.end());
     return pairs;
   }
 
   /// Cuts the curved pieces whose chords meet. Returns whether there were any.
-  bool untangle(bool may_halve) {
+  bool untangle(bool may_split) {
     std::map<int, double> cuts;
     for (const auto& [p, q] : tangled_pairs()) {
-      const FacetPiece &a = pieces_[p], &b = pieces_[q];
-      if (!may_halve || !(a.curved || b.curved))
-        throw InputError(s_.who() + "the lines '" + s_.lines()[a.line].name() + "' and '" +
-                         s_.lines()[b.line].name() + "' cross where they share no point");
-      if (a.curved) cuts.try_emplace(p, cut_beside(a, b));
-      if (b.curved) cuts.try_emplace(q, cut_beside(b, a));
+      const ConstrainedEdge &a = constrained_edges_[p], &b = constrained_edges_[q];
+      if (!may_split || !(a.curved || b.curved))
+        throw InputError(s_.message_prefix() + "the lines '" + s_.lines()[a.line].name() +
+                         "' and '" + s_.lines()[b.line].name() +
+                         "' cross where they share no point");
+      if (a.curved) cuts.try_emplace(p, split_beside(a, b));
+      if (b.curved) cuts.try_emplace(q, split_beside(b, a));
     }
-    for (const auto& [p, t] : cuts) s_.add(static_cast<size_t>(pieces_[p].line), t);
+    for (const auto& [p, t] : cuts) s_.add(static_cast<size_t>(constrained_edges_[p].line), t);
     return !cuts.empty();
   }
 
   /// Meshes between the pieces and finds their edges.
-  void fill(FacetMesh& result) const {
-    MeshTask task;
+  void triangulate(FacetMesh& result) const {
+    PlanarMeshInput task;
     task.edge_length = s_.size();
     task.keep_segments = true;
-    result.pieces = pieces_;
+    result.constrained_edges = constrained_edges_;
     std::vector<std::array<int, 2>> seams;
-    const auto number = number_points(result.pieces, task, seams);
-    share_out(result.pieces, task);
+    const auto number = number_points(result.constrained_edges, task, seams);
+    sort_by_loop(result.constrained_edges, task);
     task.outline.insert(task.outline.end(), seams.begin(), seams.end());
     try {
       result.mesh = std::make_shared<ParametricMesh>(delaunay_mesh(task));
     } catch (const InputError& error) {
-      throw InputError(s_.who() + error.what());
+      throw InputError(s_.message_prefix() + error.what());
     }
     if (s_.has_seam()) close(result, number);
     find_edges(result);
@@ -223,19 +229,20 @@ class FacetMesher {
   /// Numbers the points that pieces end in, left and right of the seam, and lists the seam's right
   /// image. Nodes of dropped pieces only are left out. Each piece is moved between the two images
   /// of the seam, so that a node on the seam has two places, on the left image and on the right.
-  std::vector<std::array<int, 2>> number_points(std::vector<FacetPiece>& pieces, MeshTask& task,
+  std::vector<std::array<int, 2>> number_points(std::vector<ConstrainedEdge>& constrained_edges,
+                                                PlanarMeshInput& task,
                                                 std::vector<std::array<int, 2>>& seams) const {
     std::vector<std::array<int, 2>> number(s_.nodes().size(), {-1, -1});
     const auto point = [&](int node, const Vec2& p) {
       const bool right = s_.has_seam() && s_.beyond_seam(p) > 0.5 * s_.period() && s_.on_seam(node);
       int& index = number[node][right];
       if (index < 0) {
-        index = count_of(task.points);
+        index = isize(task.points);
         task.points.push_back(s_.has_seam() ? p : s_.nodes()[node]);
       }
       return index;
     };
-    const auto move = [&](FacetPiece& piece, bool right) {
+    const auto move = [&](ConstrainedEdge& piece, bool right) {
       Vec2 shift = Vec2::Zero();
       if (s_.has_seam()) {
         const bool of_seam = piece.line == static_cast<int>(s_.seam());
@@ -245,9 +252,9 @@ class FacetMesher {
       piece.a = point(piece.a, piece.from + shift);
       piece.b = point(piece.b, piece.to + shift);
     };
-    for (FacetPiece& piece : pieces) {
+    for (ConstrainedEdge& piece : constrained_edges) {
       if (s_.has_seam() && piece.line == static_cast<int>(s_.seam())) {
-        FacetPiece image = piece;
+        ConstrainedEdge image = piece;
         move(image, true);
         seams.push_back({image.a, image.b});
       }
@@ -257,15 +264,16 @@ class FacetMesher {
   }
 
   /// Shares the pieces out: those of the outline, of holes, and inner ones.
-  void share_out(const std::vector<FacetPiece>& pieces, MeshTask& task) const {
+  void sort_by_loop(const std::vector<ConstrainedEdge>& constrained_edges,
+                    PlanarMeshInput& task) const {
     std::vector<int> loop_of(s_.lines().size(), -1);
     for (size_t i = 0; i < region_.boundary.size(); ++i)
-      for (const BoundaryPiece& piece : region_.boundary[i])
+      for (const BoundarySegment& piece : region_.boundary[i])
         loop_of[s_.line_of(piece)] = static_cast<int>(i);
     const int outlines = s_.has_seam() ? 2 : 1;
     if (s_.has_seam()) loop_of[s_.seam()] = 0;
     task.holes.resize(region_.boundary.size() - static_cast<size_t>(outlines));
-    for (const FacetPiece& piece : pieces) {
+    for (const ConstrainedEdge& piece : constrained_edges) {
       const int loop = loop_of[piece.line];
       (loop < 0          ? task.inner
        : loop < outlines ? task.outline
@@ -276,16 +284,16 @@ class FacetMesher {
 
   /// Finds the mesh's edge of every piece.
   void find_edges(FacetMesh& result) const {
-    result.piece_of_edge.assign(result.mesh->edge_count(), -1);
-    result.piece_lists.assign(s_.lines().size(), {});
-    for (size_t p = 0; p < result.pieces.size(); ++p) {
-      const FacetPiece& piece = result.pieces[p];
+    result.constrained_edge_of.assign(result.mesh->edge_count(), -1);
+    result.edges_of_line.assign(s_.lines().size(), {});
+    for (size_t p = 0; p < result.constrained_edges.size(); ++p) {
+      const ConstrainedEdge& piece = result.constrained_edges[p];
       const int e = result.mesh->edge_between(piece.a, piece.b);
       if (e < 0)
-        throw InputError(s_.who() + "the line '" + s_.lines()[piece.line].name() +
+        throw InputError(s_.message_prefix() + "the line '" + s_.lines()[piece.line].name() +
                          "' touches another one where they share no point");
-      result.piece_of_edge[e] = static_cast<int>(p);
-      result.piece_lists[piece.line].push_back(static_cast<int>(p));
+      result.constrained_edge_of[e] = static_cast<int>(p);
+      result.edges_of_line[piece.line].push_back(static_cast<int>(p));
     }
   }
 
@@ -300,7 +308,7 @@ class FacetMesher {
     const ParametricMesh& mesh = region_.surface.mesh();
     for (size_t v = 0; v < becomes.size(); ++v) {
       if (becomes[v] >= 0) continue;
-      closed[v] = count_of(vertices);
+      closed[v] = isize(vertices);
       vertices.push_back(mesh.wrapped(open.vertices()[v]));
     }
     for (size_t v = 0; v < becomes.size(); ++v)
@@ -308,29 +316,29 @@ class FacetMesher {
     std::vector<ParametricMesh::Triangle> triangles = open.triangles();
     for (auto& triangle : triangles)
       for (int& v : triangle) v = closed[v];
-    for (FacetPiece& piece : result.pieces)
+    for (ConstrainedEdge& piece : result.constrained_edges)
       for (int* node : {&piece.a, &piece.b}) *node = closed[*node];
     result.mesh =
         std::make_shared<ParametricMesh>(std::move(vertices), std::move(triangles), s_.period());
   }
 
   const SkinnedRegion& region_;
-  bool may_halve_, asked_;
-  FacetStops s_;
-  std::vector<FacetPiece> pieces_;
+  bool may_split_, requested_;
+  LineSubdivision s_;
+  std::vector<ConstrainedEdge> constrained_edges_;
   std::set<Key> straight_;
   std::optional<DomainLoops> loops_;
 };
 
 }  // namespace
 
-Vec2 FacetMesh::image(const Location& where) const {
+Vec2 FacetMesh::map_point(const Location& where) const {
   const auto& v = mesh->triangles()[where.triangle];
   const auto& e = mesh->edges_of(where.triangle);
   Vec2 p = mesh->shape(where.triangle).point(where.L);
   for (int i = 0; i < 3; ++i) {
-    if (piece_of_edge[e[i]] < 0 || where.L[i] == 1) continue;
-    const FacetPiece& piece = pieces[piece_of_edge[e[i]]];
+    if (constrained_edge_of[e[i]] < 0 || where.L[i] == 1) continue;
+    const ConstrainedEdge& piece = constrained_edges[constrained_edge_of[e[i]]];
     if (!piece.curved) continue;
     const int j = (i + 1) % 3, k = (i + 2) % 3;
     const bool forward = v[j] == piece.a;
@@ -346,8 +354,9 @@ Vec2 FacetMesh::image(const Location& where) const {
   return p;
 }
 
-FacetMesh facet_mesh(const SkinnedRegion& region, double edge_length, const LineStops& asked) {
-  return FacetMesher(region, edge_length, asked).make();
+FacetMesh facet_mesh(const SkinnedRegion& region, double edge_length,
+                     const SubdivisionRequest& requested) {
+  return FacetMesher(region, edge_length, requested).make();
 }
 
 }  // namespace batten

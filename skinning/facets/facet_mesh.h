@@ -4,13 +4,13 @@
 #include <memory>
 #include <vector>
 
-#include "batten/skinning/facets/facet_lines.h"
+#include "batten/skinning/facets/facet_line.h"
 #include "batten/skinning/facets/facets.h"
 
 namespace batten {
 
 /// The part of a line between two neighbouring stops; it is one edge of the mesh.
-struct FacetPiece {
+struct ConstrainedEdge {
   int line;
   double t0, t1;
   int a, b;
@@ -22,17 +22,18 @@ struct FacetPiece {
 struct FacetMesh {
   std::shared_ptr<const ParametricMesh> mesh;
   std::vector<FacetLine> lines;
-  std::vector<FacetPiece> pieces;
-  std::vector<int> piece_of_edge;             ///< of each edge; -1: none
-  std::vector<std::vector<int>> piece_lists;  ///< pieces of each line that are kept, in order
+  std::vector<ConstrainedEdge> constrained_edges;
+  std::vector<int> constrained_edge_of;         ///< of each edge; -1: none
+  std::vector<std::vector<int>> edges_of_line;  ///< pieces of each line that are kept, in order
 
   /// Returns the image p(L) of a point of the mesh (facets.h), in (u, v).
-  Vec2 image(const Location& where) const;
+  Vec2 map_point(const Location& where) const;
 };
 
 /// Meshes a region whose boundary is stated. `edge_length` 0 means that of mean_edge(). Edges on
 /// lines are halved until no triangle at a curved one comes near to folding. Throws as
-/// quadratic_facets().
-FacetMesh facet_mesh(const SkinnedRegion& region, double edge_length, const LineStops& asked);
+/// quadratic_elements().
+FacetMesh facet_mesh(const SkinnedRegion& region, double edge_length,
+                     const SubdivisionRequest& requested);
 
 }  // namespace batten

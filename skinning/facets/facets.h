@@ -18,29 +18,29 @@
 #include <array>
 #include <vector>
 
-#include "batten/skinning/region/region.h"
+#include "batten/skinning/region/skinned_region.h"
 
 namespace batten {
 
 /// Two parameters on a line are one place when they differ by less than this share of its range.
-constexpr double kSameParameter = 1e-9;
+constexpr double kParameterTolerance = 1e-9;
 
 /// Where edges have to end on the lines of a region, so that they are those of its neighbours.
-struct LineStops {
+struct SubdivisionRequest {
   /// For each line (runs, then embedded lines) parameters of its curve, ascending, its start and
   /// end among them; empty, or no list: as the region has it by itself. More stops are made where
   /// the region needs them: at the vertices of a run, where lines meet, and where triangles fold.
   std::vector<std::vector<double>> at;
   /// Whether edges at which a triangle would fold may be halved; if not, they become straight in
   /// (u, v).
-  bool may_halve = true;
+  bool may_split = true;
 };
 
 /// Six-node triangles. Node numbers: corners first, then the middles of edges. Of a region without
 /// embedded lines these are the mesh's vertices and edges in their order, unless more stops than
 /// these vertices are asked for.
-struct QuadraticFacets {
-  bool of_elements = true;      ///< the element mesh itself, triangle by triangle
+struct QuadraticElements {
+  bool is_element_mesh = true;  ///< the element mesh itself, triangle by triangle
   std::vector<Location> nodes;  ///< their places in the element mesh
   std::vector<Vec2> uv;         ///< of the nodes
   /// Counter-clockwise corners, then the middles of the edges 12, 23, 31.
@@ -60,8 +60,8 @@ struct QuadraticFacets {
 /// Throws InputError: a region with embedded lines whose boundary is not stated, or a ring with
 /// holes that leave no room for a straight seam; lines that cross or touch where they share no
 /// point; no Delaunay mesher in this build.
-QuadraticFacets quadratic_facets(const SkinnedRegion& region, double edge_length = 0,
-                                 const LineStops& asked = {});
+QuadraticElements quadratic_elements(const SkinnedRegion& region, double edge_length = 0,
+                                     const SubdivisionRequest& requested = {});
 
 /// The facets that are displayed, and their points on lines.
 struct DisplayFacets {
@@ -77,16 +77,16 @@ struct DisplayFacets {
 DisplayFacets facets(const SkinnedRegion& region, int n, double edge_length = 0);
 
 /// Why a region has no facets, in words, or "". O(1) without embedded lines, else as facets().
-std::string why_no_facets(const SkinnedRegion& region);
+std::string facet_error(const SkinnedRegion& region);
 
 /// Returns the mean distance in space between the ends of element edges that are not outside, model
 /// units.
 double facet_length(const SkinnedRegion& region);
 
 /// The mean of facet_length(): one size for all regions, so that they share points where they share lines.
-double common_facet_length(const std::vector<const SkinnedRegion*>& regions);
+double mean_facet_length(const std::vector<const SkinnedRegion*>& regions);
 
 /// Facets along an edge of an element: 4, or fewer so that there are at most 400,000 in all.
-int shown_facets_per_edge(const std::vector<const SkinnedRegion*>& regions);
+int display_facets_per_edge(const std::vector<const SkinnedRegion*>& regions);
 
 }  // namespace batten

@@ -6,12 +6,12 @@
 
 #include "batten/constraints/constraint_set.h"
 #include "batten/core/progress.h"
-#include "batten/skinning/region/region_parts.h"
+#include "batten/skinning/region/region_geometry.h"
 #include "batten/skinning/region/skin_options.h"
 
 namespace batten {
 
-struct DomainTask;  // skinning/domains/domain_task.h
+struct DomainInput;  // skinning/domains/domain_input.h
 
 /// A region before it has a shape: its domain, its mesh, and how each line lies on it. It is made
 /// in these steps:
@@ -51,23 +51,23 @@ class RegionLayout {
                const SkinOptions& options, const Progress& progress = {});
 
   const std::string& name() const { return name_; }
-  const std::shared_ptr<const ParametricMesh>& mesh() const { return parts_.mesh; }
-  const std::shared_ptr<const Trim>& trim() const { return parts_.trim; }
+  const std::shared_ptr<const ParametricMesh>& mesh() const { return geometry_.mesh; }
+  const std::shared_ptr<const Trim>& trim() const { return geometry_.trim; }
   TriangleElement element() const { return options_.element; }
-  const std::vector<LineRun>& runs() const { return parts_.runs; }
-  const std::vector<EmbeddedLine>& embedded() const { return parts_.embedded; }
+  const std::vector<EdgeAlignedLine>& edge_aligned() const { return geometry_.edge_aligned; }
+  const std::vector<EmbeddedLine>& embedded() const { return geometry_.embedded; }
   double size() const { return size_; }
   /// Returns the largest distance that a line may have from its curve, model units.
   double tolerance() const { return tolerance_; }
-  const std::vector<std::string>& warnings() const { return parts_.warnings; }
-  const std::vector<DomainCorner>& corners() const { return parts_.corners; }
+  const std::vector<std::string>& warnings() const { return geometry_.warnings; }
+  const std::vector<DomainCorner>& corners() const { return geometry_.corners; }
   /// Returns the boundary loops as in SkinnedRegion::boundary.
-  const std::vector<std::vector<BoundaryPiece>>& boundary() const { return parts_.boundary; }
+  const std::vector<std::vector<BoundarySegment>>& boundary() const { return geometry_.boundary; }
   /// Returns the angle, degrees, above which the outline turns a corner.
   double corner_angle() const { return options_.corner_angle; }
   SkinOptions::Domain domain() const { return options_.domain; }
-  bool convex() const { return options_.convex; }  ///< SkinOptions::convex
-  bool rests() const { return options_.rest; }     ///< SkinOptions::rest
+  bool convex() const { return options_.convex; }         ///< SkinOptions::convex
+  bool uses_rest_shape() const { return options_.rest; }  ///< SkinOptions::rest
   /// Returns the start of the first line.
   Vec3 origin() const;
 
@@ -86,7 +86,7 @@ class RegionLayout {
   bool refine(const Surface& shape, double target);
 
   // Edits. Each throws before it has changed anything: the layout is then as it was. After
-  // refine() and, where points of other lines moved, after add_inner() and remove_inner(), dofs and
+  // refine() and, where points of other lines moved, after add_inner_line() and remove_inner_line(), dofs and
   // constraints made before do not fit any more.
 
   /// Halves the marked triangles, one mark for each, and so many others that the mesh stays
@@ -110,19 +110,19 @@ class RegionLayout {
   /// Embeds an inner line where `shape`, a surface on this layout's mesh, is nearest to it; fitted
   /// within tolerance(), cut at its corners into "name.1", … The mesh stays as it is: refine(shape,
   /// target) then halves where gaps are wide. Throws InputError: a name that is taken, a role other
-  /// than Inner, Treatment::Fitted, a ring, a shape on another mesh, a line that leaves the region,
+  /// than Inner, Treatment::EdgeAligned, a ring, a shape on another mesh, a line that leaves the region,
   /// is far away, or crosses others at different heights.
-  void add_inner(const CharacterLine& line, const Surface& shape);
+  void add_inner_line(const CharacterLine& line, const Surface& shape);
   /// Takes an embedded inner line out again. Throws InputError for other lines, or none.
-  void remove_inner(const std::string& name);
+  void remove_inner_line(const std::string& name);
 
  private:
-  DomainTask task() const;
+  DomainInput task() const;
   std::vector<std::string> line_names() const;
   std::string name_;
   SkinOptions options_;
-  double size_ = 1, tolerance_ = 0, edge_ = 0, join_ = 0;
-  RegionParts parts_;
+  double size_ = 1, tolerance_ = 0, edge_length_ = 0, gap_tolerance_ = 0;
+  RegionGeometry geometry_;
 };
 
 }  // namespace batten

@@ -4,8 +4,8 @@
 #include <utility>
 
 #include "batten/core/errors.h"
-#include "batten/core/words.h"
-#include "batten/fairing/open_spline.h"
+#include "batten/core/format.h"
+#include "batten/fairing/not_a_knot_spline.h"
 
 namespace batten {
 namespace {
@@ -34,7 +34,7 @@ CharacterLine rail(const std::string& name, const std::vector<Vec3>& points) {
   }
   CharacterLine line;
   line.name = name;
-  line.curve = curve_from_hermite(HermiteCurve(u, x, open_spline_slopes(u, x)));
+  line.curve = curve_from_hermite(HermiteCurve(u, x, not_a_knot_slopes(u, x)));
   return line;
 }
 
@@ -69,7 +69,7 @@ std::vector<CharacterLine> section_lines(std::vector<CharacterLine> sections) {
   return sections;
 }
 
-bool have_corners(const std::vector<CharacterLine>& sections, double corner_angle) {
+bool have_corner_at_seam(const std::vector<CharacterLine>& sections, double corner_angle) {
   return !sections.empty() &&
          std::all_of(sections.begin(), sections.end(), [&](const CharacterLine& line) {
            const InputCurve& curve = *line.curve;

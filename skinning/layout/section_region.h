@@ -21,7 +21,7 @@ std::vector<CharacterLine> section_lines(std::vector<CharacterLine> sections);
 
 /// Whether closed sections have a corner where they begin and end, as airfoils at their trailing edge:
 /// all of them turn there by more than `corner_angle` degrees.
-bool have_corners(const std::vector<CharacterLine>& sections, double corner_angle);
+bool have_corner_at_seam(const std::vector<CharacterLine>& sections, double corner_angle);
 
 /// The rails of closed sections with a corner, in this order: "rail 1" through their corners, "rail 2"
 /// through the points that are farthest from these. With them the sections bound two surfaces in each

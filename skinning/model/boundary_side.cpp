@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "batten/core/index.h"
-#include "batten/core/plane.h"
+#include "batten/core/isize.h"
+#include "batten/core/planar_geometry.h"
 
 namespace batten {
 
@@ -16,7 +16,7 @@ double BoundarySide::Part::length_to(double t) const {
   return half * (5 * speed(-offset) + 8 * speed(0) + 5 * speed(offset)) / 9;
 }
 
-void BoundarySide::add(HermiteCurve curve, HermiteCurve image) {
+void BoundarySide::add(HermiteCurve curve, HermiteCurve pcurve) {
   constexpr int kParts = 4;  // of a segment: lengths are then good to 1e-9 on quarter circles
   const auto& at = curve.parameters();
   double length = this->length();
@@ -24,7 +24,7 @@ void BoundarySide::add(HermiteCurve curve, HermiteCurve image) {
     for (int k = 0; k < kParts; ++k) {
       const double step = (at[i + 1] - at[i]) / kParts;
       Part part;
-      part.piece = count_of(images_);
+      part.piece = isize(pcurves_);
       part.from = at[i] + k * step;
       part.to = k + 1 == kParts ? at[i + 1] : part.from + step;
       // The cubic through four of its places.
@@ -44,7 +44,7 @@ void BoundarySide::add(HermiteCurve curve, HermiteCurve image) {
       parts_.push_back(part);
       lengths_.push_back(length);
     }
-  images_.push_back(std::move(image));
+  pcurves_.push_back(std::move(pcurve));
 }
 
 BoundarySide::Point BoundarySide::on(double length) const {
@@ -67,11 +67,11 @@ BoundarySide::Point BoundarySide::on(double length) const {
   const double range = part.to - part.from;
   const Vec3 slope = part.slope(t);
   const double speed = slope.norm(), rate = speed > 0 ? this->length() / speed : 0;
-  const HermiteCurve& image = images_[static_cast<size_t>(part.piece)];
+  const HermiteCurve& pcurve = pcurves_[static_cast<size_t>(part.piece)];
   // A node belongs to the segment that begins there: at its end a part asks just before it.
   const double u = part.from + t * range, inner = std::min(u, part.to - 1e-9 * range);
-  return {part.position(t), slope * rate, flat(image.evaluate(u)),
-          flat(image.evaluate(inner, 1)) * (rate * range)};
+  return {part.position(t), slope * rate, drop_z(pcurve.evaluate(u)),
+          drop_z(pcurve.evaluate(inner, 1)) * (rate * range)};
 }
 
 BoundarySide::Point BoundarySide::at(double f) const {

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "batten/fem/curve.h"
+#include "batten/fem/hermite_curve.h"
 
 namespace batten {
 
@@ -16,8 +16,8 @@ class BoundarySide {
     Vec2 uv, uv_f;  ///< image and its derivative by f
   };
 
-  /// Adds a curve behind those added before. `image` is over the parameters of `curve`, z = 0.
-  void add(HermiteCurve curve, HermiteCurve image);
+  /// Adds a curve behind those added before. `pcurve` is over the parameters of `curve`, z = 0.
+  void add(HermiteCurve curve, HermiteCurve pcurve);
 
   double length() const { return lengths_.empty() ? 0 : lengths_.back(); }  ///< model units
   /// The point at a fraction of the length; beyond the ends the side goes on straight.
@@ -38,7 +38,7 @@ class BoundarySide {
     Vec3 slope(double t) const { return c[1] + t * (2 * c[2] + 3 * t * c[3]); }
     double length_to(double t) const;
   };
-  std::vector<HermiteCurve> images_;  // of the pieces
+  std::vector<HermiteCurve> pcurves_;  // of the pieces
   std::vector<Part> parts_;
   std::vector<double> lengths_;  // arc length at the end of each part
 };

@@ -9,25 +9,25 @@
 #include <string>
 
 #include "batten/core/dense.h"
-#include "batten/core/index.h"
-#include "batten/core/plane.h"
-#include "batten/core/words.h"
+#include "batten/core/format.h"
+#include "batten/core/isize.h"
+#include "batten/core/planar_geometry.h"
 
 namespace batten {
 namespace {
 
 constexpr double kFlat = 1e-4;           // of the size: such a boundary has nothing to sweep
 constexpr double kMismatchFloor = 1e-6;  // squared mismatch: what curves through points leave
-constexpr double kLeastWeight = 1e-3;    // of the largest weight: less is not worth its evaluation
+constexpr double kMinWeight = 1e-3;      // of the largest weight: less is not worth its evaluation
 constexpr double kRadians = std::numbers::pi / 180;
 constexpr int kGrid = 8;         // samples of the map along each parameter
 constexpr double kBeyond = 0.1;  // how far (s, t) may leave [0, 1]
 
 std::vector<Vec3> samples_of(const std::vector<BoundarySide>& sides) {
-  constexpr int count = 16;
+  constexpr int kCount = 16;
   std::vector<Vec3> points;
   for (const BoundarySide& side : sides)
-    for (int k = 0; k < count; ++k) points.push_back(side.at(k / double(count)).x);
+    for (int k = 0; k < kCount; ++k) points.push_back(side.at(k / double(kCount)).x);
   return points;
 }
 
@@ -39,7 +39,7 @@ bool is_plane(const std::vector<Vec3>& points, double tolerance) {
 }
 
 // The name of a curve without the number that it got where it was cut: "rib" of "rib.3".
-std::string uncut(const std::string& name) {
+std::string without_piece_number(const std::string& name) {
   const size_t dot = name.find_last_of('.');
   const bool number = dot != std::string::npos && dot > 0 && dot + 1 < name.size() &&
                       name.find_first_not_of("0123456789", dot + 1) == std::string::npos;
@@ -52,22 +52,25 @@ std::string uncut(const std::string& name) {
 // between curves.
 std::vector<BoundarySide> sides_of(const RegionLayout& region) {
   struct Piece {
-    HermiteCurve curve, image;
+    HermiteCurve curve, pcurve;
     Vec3 first, last;  // directions
     std::string name;
   };
   std::vector<Piece> pieces;
-  for (const BoundaryPiece& of : region.boundary().front()) {
+  for (const BoundarySegment& of : region.boundary().front()) {
     const auto i = static_cast<size_t>(of.index);
-    const bool run = of.kind == BoundaryPiece::Kind::Run;
-    HermiteCurve curve = run ? region.runs()[i].fitted : region.embedded()[i].fitted;
-    HermiteCurve image =
-        run ? run_image(*region.mesh(), region.runs()[i]) : region.embedded()[i].image;
+    const bool aligned_line = of.kind == BoundarySegment::Kind::EdgeAligned;
+    HermiteCurve curve =
+        aligned_line ? region.edge_aligned()[i].fitted : region.embedded()[i].fitted;
+    HermiteCurve pcurve = aligned_line
+                              ? edge_aligned_pcurve(*region.mesh(), region.edge_aligned()[i])
+                              : region.embedded()[i].pcurve;
     if (curve.closed()) return {};
-    if (of.reversed) curve = curve.backwards(), image = image.backwards();
+    if (of.reversed) curve = curve.backwards(), pcurve = pcurve.backwards();
     const Vec3 first = curve.evaluate(curve.start(), 1), last = curve.evaluate(curve.end(), 1);
-    pieces.push_back({std::move(curve), std::move(image), first, last,
-                      uncut(run ? region.runs()[i].line.name : region.embedded()[i].line.name)});
+    pieces.push_back({std::move(curve), std::move(pcurve), first, last,
+                      without_piece_number(aligned_line ? region.edge_aligned()[i].line.name
+                                                        : region.embedded()[i].line.name)});
   }
   const size_t n = pieces.size();
   const double corner = std::min(region.corner_angle(), SkinOptions{}.corner_angle);
@@ -82,7 +85,7 @@ std::vector<BoundarySide> sides_of(const RegionLayout& region) {
     const size_t end = starts[(k + 1) % starts.size()];
     size_t i = starts[k];
     do {
-      sides[k].add(pieces[i].curve, pieces[i].image);
+      sides[k].add(pieces[i].curve, pieces[i].pcurve);
       i = (i + 1) % n;
     } while (i != end);
   }
@@ -97,8 +100,8 @@ std::optional<BoundarySweep> BoundarySweep::of(const RegionLayout& region) {
   if (sides.size() < 2 || sides.size() > 4) return std::nullopt;
   if (is_plane(samples_of(sides), kFlat * region.size())) return std::nullopt;
   BoundarySweep sweep(region, std::move(sides));
-  if (!sweep.weigh()) return std::nullopt;
-  sweep.take_graph();
+  if (!sweep.compute_weights()) return std::nullopt;
+  sweep.use_projection();
   return sweep;
 }
 
@@ -110,7 +113,7 @@ bool BoundarySweep::has_many_sides(const RegionLayout& region) {
 
 BoundarySweep::BoundarySweep(const RegionLayout& region, std::vector<BoundarySide> sides)
     : region_(&region), sides_(std::move(sides)) {
-  const int n = count_of(sides_);
+  const int n = isize(sides_);
   const auto corner = [&](int k) {
     const BoundarySide::Point p = sides_[static_cast<size_t>(k % n)].at(0);
     return Edge{-1, false, p.x, p.uv};
@@ -142,7 +145,7 @@ void BoundarySweep::add(Edge bottom, Edge top, Edge left, Edge right, bool both)
   const auto curve = [this](const Edge& edge) {
     return [this, &edge](double f) {
       const BoundarySide::Point p = point(edge, f);
-      return Sweep::Place{p.x, p.x_f};
+      return Sweep::PointAndSlope{p.x, p.x_f};
     };
   };
   const auto b = curve(patch.bottom), t = curve(patch.top), l = curve(patch.left),
@@ -154,8 +157,8 @@ void BoundarySweep::add(Edge bottom, Edge top, Edge left, Edge right, bool both)
     const double s = at_right ? 1 : 0, sign = at_right ? -1 : 1;
     Fan fan{sign * b(s).slope, sign * t(s).slope, 0};
     fan.angle = degrees_between(fan.bottom, fan.top) * kRadians;
-    constexpr double least = 1 * kRadians, widest = 150 * kRadians;
-    if (fan.angle > least && fan.angle < widest)
+    constexpr double least = 1 * kRadians, kWidest = 150 * kRadians;
+    if (fan.angle > least && fan.angle < kWidest)
       (at_right ? patch.fan_right : patch.fan_left) = fan;
   }
   sample(patch);
@@ -174,12 +177,12 @@ void BoundarySweep::sample(Patch& patch) const {
 
 // The affine map from space that all images of the sides are, if there is one.
 std::optional<BoundarySweep::Projection> BoundarySweep::projection_of_sides() const {
-  constexpr int samples = 16;  // of a side
-  const long n = samples * count_of(sides_);
+  constexpr int kSamples = 16;  // of a side
+  const long n = kSamples * isize(sides_);
   MatX x(n, 3), uv(n, 2);
   for (long i = 0; i < n; ++i) {
     const BoundarySide::Point p =
-        sides_[static_cast<size_t>(i / samples)].at((i % samples) / double(samples));
+        sides_[static_cast<size_t>(i / kSamples)].at((i % kSamples) / double(kSamples));
     x.row(i) = p.x;
     uv.row(i) = p.uv;
   }
@@ -191,40 +194,41 @@ std::optional<BoundarySweep::Projection> BoundarySweep::projection_of_sides() co
   found.linear = svd.solve(uv).transpose();
   const Vec2 mean = uv.colwise().mean();
   found.offset = mean - found.linear * middle.transpose();
-  constexpr double same = 1e-7;
+  constexpr double kSameTolerance = 1e-7;
   const MatX miss = (x * found.linear.transpose()).rowwise() + mean.transpose() - uv;
-  if (!(miss.cwiseAbs().maxCoeff() < same * extent_)) return std::nullopt;
+  if (!(miss.cwiseAbs().maxCoeff() < kSameTolerance * extent_)) return std::nullopt;
   return found;
 }
 
 // Whether the sweeps turn away from the plane of the map by less than 70 degrees, all over.
 bool BoundarySweep::is_graph() const {
-  constexpr double steepest = 0.34;
-  const double scale = std::sqrt((graph_->linear * graph_->linear.transpose()).determinant());
+  constexpr double kSteepest = 0.34;
+  const double scale =
+      std::sqrt((projection_->linear * projection_->linear.transpose()).determinant());
   double sign = 0;
   for (const Patch& patch : patches_)
     for (int i = 0; i < kGrid; ++i)
       for (int j = 0; j < kGrid; ++j) {
-        const Square here = square(patch, {(i + 0.5) / kGrid, (j + 0.5) / kGrid});
+        const PatchPoint here = square(patch, {(i + 0.5) / kGrid, (j + 0.5) / kGrid});
         const Jet x = jet(patch, here);
         const double shadow = here.jacobian.determinant();
         const double area = scale * x.by_u.cross(x.by_v).norm();
         // Patches of a triangle run around it alike.
         if (sign == 0) sign = shadow > 0 ? 1 : -1;
-        if (!(sign * shadow > steepest * area)) return false;
+        if (!(sign * shadow > kSteepest * area)) return false;
       }
   return true;
 }
 
-void BoundarySweep::take_graph() {
-  graph_ = projection_of_sides();
-  if (graph_ && !is_graph()) graph_.reset();
-  if (!graph_) return;
+void BoundarySweep::use_projection() {
+  projection_ = projection_of_sides();
+  if (projection_ && !is_graph()) projection_.reset();
+  if (!projection_) return;
   for (Patch& patch : patches_) sample(patch);
 }
 
 // Sets the weights of all sweeps; patches without any are dropped. False where none is left.
-bool BoundarySweep::weigh() {
+bool BoundarySweep::compute_weights() {
   double most = 0;
   const auto raw = [](const std::optional<Sweep>& sweep) {
     return sweep && std::isfinite(sweep->mismatch())
@@ -235,7 +239,7 @@ bool BoundarySweep::weigh() {
     most = std::max({most, raw(patch.along_t), raw(patch.along_s)});
   double sum = 0;
   const auto left = [&](const std::optional<Sweep>& sweep) {
-    const double weight = std::max(0.0, raw(sweep) - kLeastWeight * most);
+    const double weight = std::max(0.0, raw(sweep) - kMinWeight * most);
     sum += weight;
     return weight;
   };
@@ -252,13 +256,13 @@ bool BoundarySweep::weigh() {
 }
 
 // The Coons patch of the images, or the projection of the sweeps, and all that is known at its place.
-BoundarySweep::Square BoundarySweep::square(const Patch& patch, const Vec2& st) const {
+BoundarySweep::PatchPoint BoundarySweep::square(const Patch& patch, const Vec2& st) const {
   const double s = st[0], t = st[1];
-  Square q{st, {}, {}, edges(patch, st)};
-  if (graph_) {
+  PatchPoint q{st, {}, {}, edges(patch, st)};
+  if (projection_) {
     const Jet x = jet(patch, st, q.edges);
-    q.uv = graph_->linear * x.x + graph_->offset;
-    q.jacobian << graph_->linear * x.by_u, graph_->linear * x.by_v;
+    q.uv = projection_->linear * x.x + projection_->offset;
+    q.jacobian << projection_->linear * x.by_u, projection_->linear * x.by_v;
     return q;
   }
   const auto& [bottom, top, left, right] = q.edges;
@@ -288,24 +292,24 @@ Vec2 BoundarySweep::start(const Patch& patch, const Vec2& uv) const {
     for (int j = 0; j <= kGrid; ++j) {
       const Vec2 beside = square(patch, {in, j / double(kGrid)}).uv;
       const Vec2 corner = at_left ? patch.left.uv : patch.right.uv;
-      const Vec2 way = (beside - corner).normalized();
-      const double off = (uv - corner - way.dot(uv - corner) * way).norm();
+      const Vec2 direction = (beside - corner).normalized();
+      const double off = (uv - corner - direction.dot(uv - corner) * direction).norm();
       if (off < least) least = off, st = {in, j / double(kGrid)};
     }
   }
   return st;
 }
 
-BoundarySweep::Square BoundarySweep::place(const Patch& patch, const Vec2& uv) const {
-  return place(patch, uv, start(patch, uv));
+BoundarySweep::PatchPoint BoundarySweep::invert_map(const Patch& patch, const Vec2& uv) const {
+  return invert_map(patch, uv, start(patch, uv));
 }
 
 // The place of the square whose image is uv, or the nearest one that Newton's method finds.
-BoundarySweep::Square BoundarySweep::place(const Patch& patch, const Vec2& uv,
-                                           const Vec2& from) const {
+BoundarySweep::PatchPoint BoundarySweep::invert_map(const Patch& patch, const Vec2& uv,
+                                                    const Vec2& from) const {
   const Vec2 low(patch.left.side < 0 ? 1e-9 : -kBeyond, -kBeyond),
       high(patch.right.side < 0 ? 1 - 1e-9 : 1 + kBeyond, 1 + kBeyond);
-  Square here = square(patch, from);
+  PatchPoint here = square(patch, from);
   for (int round = 0; round < 25; ++round) {
     const Vec2 miss = uv - here.uv;
     if (miss.norm() < 1e-14 * extent_) break;
@@ -315,7 +319,7 @@ BoundarySweep::Square BoundarySweep::place(const Patch& patch, const Vec2& uv,
     bool better = false;
     for (double f = 1; f > 1e-3 && !better; f /= 2) {
       const Vec2 next = (here.st + f * step).cwiseMax(low).cwiseMin(high);
-      Square there = square(patch, next);
+      PatchPoint there = square(patch, next);
       if (!((uv - there.uv).norm() < miss.norm())) continue;
       here = std::move(there);
       better = true;
@@ -325,29 +329,31 @@ BoundarySweep::Square BoundarySweep::place(const Patch& patch, const Vec2& uv,
   return here;
 }
 
-double BoundarySweep::Fan::bent(double t) const {
-  const Vec3 way = (1 - t) * bottom + t * top;
+double BoundarySweep::Fan::warped(double t) const {
+  const Vec3 direction = (1 - t) * bottom + t * top;
   // Beyond the sides too, so that the surface goes on smoothly there.
-  return std::atan2(bottom.cross(way).dot(bottom.cross(top).normalized()), bottom.dot(way)) / angle;
+  return std::atan2(bottom.cross(direction).dot(bottom.cross(top).normalized()),
+                    bottom.dot(direction)) /
+         angle;
 }
 
-double BoundarySweep::Fan::stretch(double t) const {
+double BoundarySweep::Fan::length_scale(double t) const {
   return ((1 - t) * bottom + t * top).norm() / ((1 - t) * bottom.norm() + t * top.norm());
 }
 
-Vec2 BoundarySweep::bent(const Patch& patch, const Vec2& st) {
+Vec2 BoundarySweep::warped(const Patch& patch, const Vec2& st) {
   const double s = st[0], t = st[1];
-  Vec2 bent = st;
+  Vec2 warped = st;
   // Cubics of s with slope 1 at the corner and 0 at the other end, where they and it vanish.
   if (patch.fan_left) {
-    bent[0] += (patch.fan_left->stretch(t) - 1) * s * (1 - s) * (1 - s);
-    bent[1] += (patch.fan_left->bent(t) - t) * (1 - s) * (1 - s);
+    warped[0] += (patch.fan_left->length_scale(t) - 1) * s * (1 - s) * (1 - s);
+    warped[1] += (patch.fan_left->warped(t) - t) * (1 - s) * (1 - s);
   }
   if (patch.fan_right) {
-    bent[0] += (patch.fan_right->stretch(t) - 1) * s * s * (s - 1);
-    bent[1] += (patch.fan_right->bent(t) - t) * s * s;
+    warped[0] += (patch.fan_right->length_scale(t) - 1) * s * s * (s - 1);
+    warped[1] += (patch.fan_right->warped(t) - t) * s * s;
   }
-  return bent;
+  return warped;
 }
 
 BoundarySweep::Edges BoundarySweep::edges(const Patch& patch, const Vec2& st) const {
@@ -356,23 +362,24 @@ BoundarySweep::Edges BoundarySweep::edges(const Patch& patch, const Vec2& st) co
 }
 
 Vec2 BoundarySweep::parameters(const Patch& patch, const Vec2& st) const {
-  return graph_ ? st : bent(patch, st);
+  return projection_ ? st : warped(patch, st);
 }
 
-BoundarySweep::Jet BoundarySweep::jet(const Patch& patch, const Square& square) const {
-  if (graph_ || (!patch.fan_left && !patch.fan_right)) return jet(patch, square.st, square.edges);
-  const Vec2 st = bent(patch, square.st);
+BoundarySweep::Jet BoundarySweep::jet(const Patch& patch, const PatchPoint& square) const {
+  if (projection_ || (!patch.fan_left && !patch.fan_right))
+    return jet(patch, square.st, square.edges);
+  const Vec2 st = warped(patch, square.st);
   const Jet j = jet(patch, st, edges(patch, st));
   constexpr double h = 1e-5;
   const Vec2 by_s =
-      (bent(patch, square.st + Vec2(h, 0)) - bent(patch, square.st - Vec2(h, 0))) / (2 * h);
+      (warped(patch, square.st + Vec2(h, 0)) - warped(patch, square.st - Vec2(h, 0))) / (2 * h);
   const Vec2 by_t =
-      (bent(patch, square.st + Vec2(0, h)) - bent(patch, square.st - Vec2(0, h))) / (2 * h);
+      (warped(patch, square.st + Vec2(0, h)) - warped(patch, square.st - Vec2(0, h))) / (2 * h);
   return {j.x, by_s[0] * j.by_u + by_s[1] * j.by_v, by_t[0] * j.by_u + by_t[1] * j.by_v};
 }
 
 BoundarySweep::Jet BoundarySweep::jet(const Patch& patch, const Vec2& st, const Edges& edges) {
-  const auto as = [](const BoundarySide::Point& p) { return Sweep::Place{p.x, p.x_f}; };
+  const auto as = [](const BoundarySide::Point& p) { return Sweep::PointAndSlope{p.x, p.x_f}; };
   const auto& [bottom, top, left, right] = edges;
   Jet sum{Vec3::Zero(), Vec3::Zero(), Vec3::Zero()};
   if (patch.weight_t > 0) {
@@ -390,7 +397,7 @@ BoundarySweep::Jet BoundarySweep::jet(const Patch& patch, const Vec2& st, const 
 }
 
 // The slopes of one sweep by (u, v).
-SurfaceSlope BoundarySweep::slopes_at(const Patch& patch, const Square& square) const {
+FirstOrderJet BoundarySweep::slopes_at(const Patch& patch, const PatchPoint& square) const {
   const Jet j = jet(patch, square);
   Eigen::Matrix<double, 3, 2> by_st;
   by_st << j.by_u, j.by_v;
@@ -401,7 +408,8 @@ SurfaceSlope BoundarySweep::slopes_at(const Patch& patch, const Square& square) 
 // own slopes, those of the foot follow from Jᵀ (mean - x) = 0,
 //
 //     (Jᵀ J - (mean - x)ᵀ x_ij) st_uv = Jᵀ mean_uv,   x_uv = J st_uv.
-SurfaceSlope BoundarySweep::projected(const Patch& patch, Vec2 st, const SurfaceSlope& mean) const {
+FirstOrderJet BoundarySweep::projected(const Patch& patch, Vec2 st,
+                                       const FirstOrderJet& mean) const {
   using Slopes = Eigen::Matrix<double, 3, 2>;
   const auto jet_at = [&](const Vec2& at) { return jet(patch, at, edges(patch, at)); };
   const auto slopes_of = [](const Jet& j) {
@@ -432,42 +440,43 @@ SurfaceSlope BoundarySweep::projected(const Patch& patch, Vec2 st, const Surface
     curved.col(k) = by_k.transpose() * (mean.x - j.x);
   }
   const Mat2 A = J.transpose() * J - 0.5 * (curved + curved.transpose());
-  if (singular(A)) return {j.x, mean.by_uv};
-  return {j.x, J * (A.inverse() * (J.transpose() * mean.by_uv))};
+  if (singular(A)) return {j.x, mean.gradient};
+  return {j.x, J * (A.inverse() * (J.transpose() * mean.gradient))};
 }
 
 // At a corner both sides fix the tangent plane and the gradient.
-std::optional<SurfaceSlope> BoundarySweep::at_corner(const Vec2& uv) const {
-  constexpr double kThere = 1e-9;
+std::optional<FirstOrderJet> BoundarySweep::at_corner(const Vec2& uv) const {
+  constexpr double kSamePoint = 1e-9;
   for (size_t k = 0; k < sides_.size(); ++k) {
     const BoundarySide::Point out = sides_[k].at(0);
-    if ((out.uv - uv).norm() > kThere * extent_) continue;
+    if ((out.uv - uv).norm() > kSamePoint * extent_) continue;
     const BoundarySide::Point in = sides_[(k + sides_.size() - 1) % sides_.size()].at(1);
-    Mat2 images;
-    images << out.uv_f, in.uv_f;
+    Mat2 uv_tangents;
+    uv_tangents << out.uv_f, in.uv_f;
     Eigen::Matrix<double, 3, 2> slopes;
     slopes << out.x_f, in.x_f;
-    if (!(std::abs(images.determinant()) > 1e-6 * out.uv_f.norm() * in.uv_f.norm()))
+    if (!(std::abs(uv_tangents.determinant()) > 1e-6 * out.uv_f.norm() * in.uv_f.norm()))
       return std::nullopt;
-    return SurfaceSlope{out.x, slopes * images.inverse()};
+    return FirstOrderJet{out.x, slopes * uv_tangents.inverse()};
   }
   return std::nullopt;
 }
 
-SurfaceSlope BoundarySweep::at(const Vec2& uv) const {
+FirstOrderJet BoundarySweep::at(const Vec2& uv) const {
   if (const auto corner = at_corner(uv)) return *corner;
   if (patches_.size() > 1) {
     // Beyond the boundary the surface goes on straight.
     constexpr double kInside = 1e-9;
-    if (const Vec2 near = place(patches_.front(), uv).uv; (uv - near).norm() > kInside * extent_) {
-      SurfaceSlope s = slopes_of_blend(near);
-      s.x += s.by_uv * (uv - near);
+    if (const Vec2 near = invert_map(patches_.front(), uv).uv;
+        (uv - near).norm() > kInside * extent_) {
+      FirstOrderJet s = slopes_of_blend(near);
+      s.x += s.gradient * (uv - near);
       return s;
     }
     return slopes_of_blend(uv);
   }
   const Patch& patch = patches_.front();
-  const Square square = place(patch, uv);
+  const PatchPoint square = invert_map(patch, uv);
   constexpr double kOutside = 1e-9, kAtCorner = 1e-3;
   if ((uv - square.uv).norm() > kOutside * extent_)
     // Beyond a corner that is a rail, too, where (s, t) end.
@@ -476,24 +485,24 @@ SurfaceSlope BoundarySweep::at(const Vec2& uv) const {
       const double from = right ? 1 - square.st[0] : square.st[0];
       if (edge.side >= 0 || from > kAtCorner) continue;
       if (auto corner = at_corner(edge.uv)) {
-        corner->x += corner->by_uv * (uv - edge.uv);
+        corner->x += corner->gradient * (uv - edge.uv);
         return *corner;
       }
     }
-  SurfaceSlope s = slopes_at(patch, square);
-  s.x += s.by_uv * (uv - square.uv);
+  FirstOrderJet s = slopes_at(patch, square);
+  s.x += s.gradient * (uv - square.uv);
   return s;
 }
 
-SurfaceSlope BoundarySweep::slopes_of_blend(const Vec2& uv) const {
-  SurfaceSlope mean, blend;
+FirstOrderJet BoundarySweep::slopes_of_blend(const Vec2& uv) const {
+  FirstOrderJet mean, blend;
   std::vector<Vec2> st;
-  const auto add = [](SurfaceSlope& sum, double weight, const SurfaceSlope& of) {
+  const auto add = [](FirstOrderJet& sum, double weight, const FirstOrderJet& of) {
     sum.x += weight * of.x;
-    sum.by_uv += weight * of.by_uv;
+    sum.gradient += weight * of.gradient;
   };
   for (const Patch& patch : patches_) {
-    const Square at = place(patch, uv);
+    const PatchPoint at = invert_map(patch, uv);
     st.push_back(parameters(patch, at.st));
     add(mean, patch.weight_t, slopes_at(patch, at));
   }
@@ -504,7 +513,7 @@ SurfaceSlope BoundarySweep::slopes_of_blend(const Vec2& uv) const {
 
 std::optional<Points> BoundarySweep::dofs() const {
   const ParametricMesh& mesh = *region_->mesh();
-  Points q = interpolated(mesh, [this](const Vec2& uv) { return at(uv); });
+  Points q = interpolate_surface(mesh, [this](const Vec2& uv) { return at(uv); });
   if (!q.allFinite()) return std::nullopt;
   const Surface surface(region_->mesh(), region_->element(), q, region_->trim());
   const Trim* trim = region_->trim().get();

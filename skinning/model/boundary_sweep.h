@@ -8,7 +8,7 @@
 #include "batten/skinning/layout/region_layout.h"
 #include "batten/skinning/model/boundary_side.h"
 #include "batten/skinning/model/sweep.h"
-#include "batten/skinning/region/surface_dofs.h"
+#include "batten/skinning/region/surface_interpolation.h"
 
 namespace batten {
 
@@ -38,7 +38,7 @@ class BoundarySweep {
   static bool has_many_sides(const RegionLayout& region);
 
   /// Value and gradient at a place of the domain, also a little outside of the boundary.
-  SurfaceSlope at(const Vec2& uv) const;
+  FirstOrderJet at(const Vec2& uv) const;
   /// Dofs on the region's mesh; none where the surface would turn over in the domain.
   std::optional<Points> dofs() const;
 
@@ -57,8 +57,8 @@ class BoundarySweep {
   struct Fan {
     Vec3 bottom, top;
     double angle;
-    double bent(double t) const;     // t, for which the directions are linear
-    double stretch(double t) const;  // of lengths, for which they are
+    double warped(double t) const;        // t, for which the directions are linear
+    double length_scale(double t) const;  // of lengths, for which they are
   };
   // Sides laid around the square, and what is swept there.
   struct Patch {
@@ -68,7 +68,7 @@ class BoundarySweep {
     std::optional<Sweep> along_t, along_s;
     double weight_t = 0, weight_s = 0;
   };
-  struct Square {
+  struct PatchPoint {
     Vec2 st, uv;
     Mat2 jacobian;  // of uv by (s, t)
     Edges edges;
@@ -83,30 +83,31 @@ class BoundarySweep {
   BoundarySweep(const RegionLayout& region, std::vector<BoundarySide> sides);
   void add(Edge bottom, Edge top, Edge left, Edge right, bool both);
   void sample(Patch& patch) const;
-  bool weigh();
+  bool compute_weights();
   std::optional<Projection> projection_of_sides() const;
   bool is_graph() const;
-  void take_graph();
+  void use_projection();
   BoundarySide::Point point(const Edge& edge, double f) const;
-  Square square(const Patch& patch, const Vec2& st) const;
-  Square place(const Patch& patch, const Vec2& uv) const;
-  Square place(const Patch& patch, const Vec2& uv, const Vec2& from) const;
+  PatchPoint square(const Patch& patch, const Vec2& st) const;
+  PatchPoint invert_map(const Patch& patch, const Vec2& uv) const;
+  PatchPoint invert_map(const Patch& patch, const Vec2& uv, const Vec2& from) const;
   Vec2 start(const Patch& patch, const Vec2& uv) const;
   // Parameters of the sweeps at (s, t), and their derivatives.
-  static Vec2 bent(const Patch& patch, const Vec2& st);
+  static Vec2 warped(const Patch& patch, const Vec2& st);
   Vec2 parameters(const Patch& patch, const Vec2& st) const;
   static Jet jet(const Patch& patch, const Vec2& st, const Edges& edges);
-  Jet jet(const Patch& patch, const Square& square) const;
+  Jet jet(const Patch& patch, const PatchPoint& square) const;
   Edges edges(const Patch& patch, const Vec2& st) const;
-  SurfaceSlope slopes_at(const Patch& patch, const Square& square) const;
-  SurfaceSlope projected(const Patch& patch, Vec2 st, const SurfaceSlope& mean) const;
-  SurfaceSlope slopes_of_blend(const Vec2& uv) const;
-  std::optional<SurfaceSlope> at_corner(const Vec2& uv) const;
+  FirstOrderJet slopes_at(const Patch& patch, const PatchPoint& square) const;
+  FirstOrderJet projected(const Patch& patch, Vec2 st, const FirstOrderJet& mean) const;
+  FirstOrderJet slopes_of_blend(const Vec2& uv) const;
+  std::optional<FirstOrderJet> at_corner(const Vec2& uv) const;
 
   const RegionLayout* region_;
   std::vector<BoundarySide> sides_;
   std::vector<Patch> patches_;
-  std::optional<Projection> graph_;  // the map from (s, t) to (u, v), instead of the Coons patch
+  std::optional<Projection>
+      projection_;     // the map from (s, t) to (u, v), instead of the Coons patch
   double extent_ = 1;  // of the domain
 };
 

@@ -12,7 +12,7 @@
 //
 // At a corner of a region y is fixed by the two lines that meet there, and so are γ and δ; between
 // its ends log γ and δ are cubics along the line, those of least squares for the shapes from which
-// they are planned, where these are nearly tangent (JoinBow). With γ and δ known (1) is linear in the dofs
+// they are planned, where these are nearly tangent (GluingCorrection). With γ and δ known (1) is linear in the dofs
 // and the same for x, y and z: one matrix for all regions of a group, solved together, and the
 // tangent planes come out as those of least energy of both sides. (1) is imposed at the vertices
 // and at the middles of edges (w_n). Between these, y is quadratic along an edge, so that
@@ -62,7 +62,7 @@ struct JoinLine {
   std::string name;
   std::array<JoinSide, 2> sides;
   /// Whether fairing lets the curvature go on across it, or jump. None: as the lines across it do
-  /// (curvature_joins.h).
+  /// (curvature_join_points.h).
   std::optional<bool> curvature = {};
 };
 
@@ -71,13 +71,13 @@ struct JoinEnd {
   double gamma = 1, delta = 0;  ///< coefficients γ, δ of (1)
   /// Angle between the tangent planes of both sides there, degrees; 0 where the lines leave one
   /// free.
-  double apart_deg = 0;
-  bool open = false;  ///< (1) does not hold at this node: apart_deg is above the limit
+  double plane_angle_deg = 0;
+  bool open = false;  ///< (1) does not hold at this node: plane_angle_deg is above the limit
   /// Open although (1) is asked for there: on an embedded line the edge beside the end keeps the angle
-  /// apart_deg (refine_embedded_joins()). Stays when joins are planned anew.
+  /// plane_angle_deg (refine_embedded_joins()). Stays when joins are planned anew.
   bool creased = false;
   /// y of a side is free there and no neighbour sets it: (1) holds with γ = 1, δ = 0.
-  bool loose = false;
+  bool undetermined = false;
   /// A side of another region, and which of its ends (0: start, 1: end) is meant.
   struct Neighbour {
     JoinSide side;
@@ -89,10 +89,10 @@ struct JoinEnd {
 };
 /// What log γ and δ have beyond the linear run between their ends, at the fraction f of a line:
 /// f (1 - f) (c[0] + c[1] (2 f - 1)).
-struct JoinBow {
+struct GluingCorrection {
   std::array<double, 2> log_gamma{}, delta{};
-  bool is_zero() const { return *this == JoinBow{}; }
-  bool operator==(const JoinBow&) const = default;
+  bool is_zero() const { return *this == GluingCorrection{}; }
+  bool operator==(const GluingCorrection&) const = default;
   static double at(const std::array<double, 2>& c, double f) {
     return f * (1 - f) * (c[0] + c[1] * (2 * f - 1));
   }
@@ -102,7 +102,7 @@ struct JoinBow {
 struct JoinPlan {
   JoinLine join_line;
   std::array<JoinEnd, 2> ends;  ///< start and end; of an embedded line only whether it is open
-  JoinBow bow;                  ///< of two runs
+  GluingCorrection gluing_correction;  ///< of two runs
   /// For an embedded line: fractions of its parameter, and γ and δ there, linear between.
   std::vector<double> at, gamma, delta;
   bool closed = false;  ///< of an embedded line: it has no ends
@@ -110,25 +110,27 @@ struct JoinPlan {
   /// there, where its regions go on smoothly beyond it; (1) itself at a corner, where the lines that
   /// meet give y of both sides; or nothing, where the end is open or a side has a corner that the
   /// other does not see.
-  enum class EndRow { None, Hat, Point };
-  std::array<EndRow, 2> end_rows{};
-  std::string why_not;  ///< in words, where it is given up: why the line cannot be joined at all
-  bool given_up() const { return !why_not.empty(); }
+  enum class EndCondition { None, Hat, Point };
+  std::array<EndCondition, 2> end_conditions{};
+  std::string
+      rejection_reason;  ///< in words, where it is given up: why the line cannot be joined at all
+  bool rejected() const { return !rejection_reason.empty(); }
   bool constant() const;  ///< γ and δ are the same at both ends, and neither is open
 };
 
 /// Plans joins: computes γ and δ from shapes that have all lines (dofs of each region).
-/// `most_apart_deg`: an end at which the tangent planes differ by more is open. JoinPlan::why_not
+/// `max_plane_angle_deg`: an end at which the tangent planes differ by more is open. JoinPlan::rejection_reason
 /// says why a join line has to be given up: runs with other vertices, tangent planes that differ by
 /// more than 90 degrees, γ outside of (1/50, 50), an embedded line shorter than its elements.
 /// Regions that no join line has may be null.
 std::vector<JoinPlan> plan_joins(const std::vector<const RegionLayout*>& regions,
                                  const std::vector<Points>& shapes,
-                                 const std::vector<JoinLine>& join_lines, double most_apart_deg);
+                                 const std::vector<JoinLine>& join_lines,
+                                 double max_plane_angle_deg);
 
 /// The numbers that the dofs of a region have in a model: one number is added to those of vertices,
 /// another one to those of edges.
-struct RegionNumbers {
+struct DofOffsets {
   int vertex_dofs = 0;  ///< 3 · vertices of the region
   int vertices = 0, edges = 0;
   int operator()(int dof) const { return dof + (dof < vertex_dofs ? vertices : edges); }
@@ -137,9 +139,9 @@ struct RegionNumbers {
 /// Adds (1) along all join lines that are not given up, as rows with the name "smooth line NAME".
 /// Lines that are held make (1) true at nodes by themselves. With `free` nothing holds them, and
 /// (1) is imposed there as well, but for the last join line around a node, which the others imply.
-void add_join_rows(const std::vector<const RegionLayout*>& regions,
-                   const std::vector<RegionNumbers>& numbers, const std::vector<JoinPlan>& plans,
-                   bool free, ConstraintSet& set);
+void add_join_constraints(const std::vector<const RegionLayout*>& regions,
+                          const std::vector<DofOffsets>& dof_offsets,
+                          const std::vector<JoinPlan>& plans, bool free, ConstraintSet& set);
 
 /// Between hats the rows leave (1) open on embedded lines. This is what its square costs there, with
 /// β = 1, beside the bending energy on the domain of size 1; lower triangle, of one coordinate,
@@ -148,14 +150,14 @@ void add_join_rows(const std::vector<const RegionLayout*>& regions,
 ///
 /// Zeros where no join line is embedded. `size`: S of the model.
 SparseMatrix join_stiffness(const std::vector<const RegionLayout*>& regions,
-                            const std::vector<RegionNumbers>& numbers,
+                            const std::vector<DofOffsets>& dof_offsets,
                             const std::vector<JoinPlan>& plans, double size, int dofs);
 
 /// Adds rows with the name "joined line NAME" that keep the regions beside a line together where
 /// nothing holds the line itself: places and slopes along it are the same at the vertices of two
 /// runs; where a region has it embedded, places are the same on the average of each hat.
 void add_line_ties(const std::vector<const RegionLayout*>& regions,
-                   const std::vector<RegionNumbers>& numbers, const JoinLine& line,
+                   const std::vector<DofOffsets>& dof_offsets, const JoinLine& line,
                    ConstraintSet& set);
 
 /// How finished regions meet along a join line. Angles are those between their tangent planes,

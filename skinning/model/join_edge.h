@@ -7,59 +7,62 @@
 #include <memory>
 #include <vector>
 
-#include "batten/core/index.h"
-#include "batten/core/plane.h"
-#include "batten/fem/assembly.h"
+#include "batten/core/isize.h"
+#include "batten/core/planar_geometry.h"
+#include "batten/fem/surface_assembler.h"
 #include "batten/fem/triangle_locator.h"
 #include "batten/skinning/model/join.h"
 
 namespace batten {
 
-using RowEntries = std::vector<ConstraintSet::Entry>;
+using ConstraintEntries = std::vector<ConstraintSet::Entry>;
 
 // The line as one region has it. f is a fraction of the line; y and t are those of join.h.
 class JoinEdge {
  public:
-  JoinEdge(const ParametricMesh& mesh, TriangleElement kind, const LineRun* run,
+  JoinEdge(const ParametricMesh& mesh, TriangleElement kind, const EdgeAlignedLine* aligned_line,
            const EmbeddedLine* line, bool left, const TriangleLocator* locator,
-           const RegionNumbers& numbers)
+           const DofOffsets& dof_offsets)
       : mesh_(&mesh),
         kind_(kind),
-        run_(run),
+        aligned_line_(aligned_line),
         line_(line),
         locator_(locator),
-        turn_(left ? 1 : -1),
-        numbers_(numbers) {
-    const CharacterLine& character = run ? run->line : line->line;
-    const HermiteCurve& curve = run ? run->fitted : line->fitted;
+        side_sign_(left ? 1 : -1),
+        dof_offsets_(dof_offsets) {
+    const CharacterLine& character = aligned_line ? aligned_line->line : line->line;
+    const HermiteCurve& curve = aligned_line ? aligned_line->fitted : line->fitted;
     start_ = curve.start();
     span_ = curve.end() - start_;
-    t_ = character.given ? character.given->curve.end() - character.given->curve.start() : span_;
-    if (!run) {
-      against_ = line->against_given;
+    t_ = character.prescribed
+             ? character.prescribed->curve.end() - character.prescribed->curve.start()
+             : span_;
+    if (!aligned_line) {
+      reversed_ = line->opposite_to_prescribed;
       return;
     }
-    const Vec2 d = mesh.displacement(run->vertices);
+    const Vec2 d = mesh.chain_vector(aligned_line->vertices);
     sigma_ = d.norm() / t_;
     per_t_uv_ = d / t_;
     inward_ = inward(d.normalized());
   }
-  bool embedded() const { return !run_; }
-  const LineRun& run() const { return *run_; }
+  bool embedded() const { return !aligned_line_; }
+  const EdgeAlignedLine& aligned_line() const { return *aligned_line_; }
   double span() const { return t_; }  // of t over the whole line
-  int count() const { return count_of(run_->vertices); }
-  int vertex(int k) const { return run_->vertices[k]; }
+  int count() const { return isize(aligned_line_->vertices); }
+  int vertex(int k) const { return aligned_line_->vertices[k]; }
   int end_vertex(int end) const { return vertex(end ? count() - 1 : 0); }
   bool closed() const {
-    return run_ ? run_->vertices.front() == run_->vertices.back() : line_->fitted.closed();
+    return aligned_line_ ? aligned_line_->vertices.front() == aligned_line_->vertices.back()
+                         : line_->fitted.closed();
   }
-  double fraction(int k) const { return (run_->parameters[k] - start_) / span_; }
+  double fraction(int k) const { return (aligned_line_->parameters[k] - start_) / span_; }
   // Returns the fractions of vertices or points, ascending.
   std::vector<double> stations() const {
     std::vector<double> f;
-    for (const double p : run_ ? run_->parameters : line_->points) {
+    for (const double p : aligned_line_ ? aligned_line_->parameters : line_->points) {
       const double along = (p - start_) / span_;
-      f.push_back(against_ ? 1 - along : along);
+      f.push_back(reversed_ ? 1 - along : along);
     }
     std::sort(f.begin(), f.end());
     // A line much shorter than its elements has no point of its own.
@@ -68,7 +71,8 @@ class JoinEdge {
   }
   // Returns dX/dt.
   Vec3 slope(double f) const {
-    return (run_ ? run_->fitted : line_->fitted).evaluate(parameter(f), 1) * per_t();
+    return (aligned_line_ ? aligned_line_->fitted : line_->fitted).evaluate(parameter(f), 1) *
+           per_t();
   }
 
   Vec3 across(const Points& q, int k) const {
@@ -76,23 +80,23 @@ class JoinEdge {
     return sigma_ * (inward_.x() * q.row(v + 1) + inward_.y() * q.row(v + 2)).transpose();
   }
   // These add factor · y, factor · dx/dt, factor · x at the k-th vertex.
-  void add_across(int k, double factor, RowEntries& entries) const {
+  void add_across(int k, double factor, ConstraintEntries& entries) const {
     add_gradient(vertex(k), factor * sigma_ * inward_, entries);
   }
-  void add_along(int k, double factor, RowEntries& entries) const {
+  void add_along(int k, double factor, ConstraintEntries& entries) const {
     add_gradient(vertex(k), factor * per_t_uv_, entries);
   }
-  int position_dof(int k) const { return numbers_(3 * vertex(k)); }
-  void add_position(int k, double factor, RowEntries& entries) const {
-    entries.push_back({numbers_(3 * vertex(k)), factor});
+  int position_dof(int k) const { return dof_offsets_(3 * vertex(k)); }
+  void add_position(int k, double factor, ConstraintEntries& entries) const {
+    entries.push_back({dof_offsets_(3 * vertex(k)), factor});
   }
   // These add factor · y, factor · dx/dt in the middle of the k-th edge, where x is a cubic of t.
-  void add_across_middle(int k, double factor, RowEntries& entries) const {
-    const int e = run_->edges[k];
-    entries.push_back({numbers_(DofMap(*mesh_).edge(e)),
+  void add_across_middle(int k, double factor, ConstraintEntries& entries) const {
+    const int e = aligned_line_->edges[k];
+    entries.push_back({dof_offsets_(DofMap(*mesh_).edge(e)),
                        factor * sigma_ * (mesh_->edge_normal(e).dot(inward_) > 0 ? 1 : -1)});
   }
-  void add_along_middle(int k, double factor, RowEntries& entries) const {
+  void add_along_middle(int k, double factor, ConstraintEntries& entries) const {
     const double h = (fraction(k + 1) - fraction(k)) * t_;
     add_position(k, -1.5 * factor / h, entries);
     add_position(k + 1, 1.5 * factor / h, entries);
@@ -101,22 +105,22 @@ class JoinEdge {
   }
 
   // Returns the place of a fraction of an embedded line in (u, v).
-  Vec2 image(double f) const {
-    return flat(line_->image.evaluate(line_->image.mesh().wrapped(parameter(f))));
+  Vec2 pcurve(double f) const {
+    return drop_z(line_->pcurve.evaluate(line_->pcurve.mesh().wrapped(parameter(f))));
   }
   // Returns the place of a fraction in the mesh.
   Location where(double f) const {
     const double p = parameter(f);
     if (line_) {
-      const Vec3 c = line_->image.evaluate(line_->image.mesh().wrapped(p));
+      const Vec3 c = line_->pcurve.evaluate(line_->pcurve.mesh().wrapped(p));
       return locator_->locate({c.x(), c.y()});
     }
-    const auto& at = run_->parameters;
+    const auto& at = aligned_line_->parameters;
     const auto above = std::upper_bound(at.begin() + 1, at.end() - 1, p);
     const auto k = static_cast<size_t>(above - at.begin()) - 1;
-    const auto& e = mesh_->edges()[run_->edges[k]];
+    const auto& e = mesh_->edges()[aligned_line_->edges[k]];
     const int t = e.triangle[0], i = e.local[0];
-    const bool next = mesh_->triangles()[t][(i + 1) % 3] == run_->vertices[k];
+    const bool next = mesh_->triangles()[t][(i + 1) % 3] == aligned_line_->vertices[k];
     const int first = next ? (i + 1) % 3 : (i + 2) % 3;
     Location found{t, Vec3::Zero()};
     found.L[3 - i - first] = std::clamp((p - at[k]) / (at[k + 1] - at[k]), 0.0, 1.0);
@@ -125,12 +129,12 @@ class JoinEdge {
   }
   // Return the directions of (u, v) with y = grad x · across_uv(f), dx/dt = grad x · along_uv(f).
   Vec2 across_uv(double f) const {
-    if (run_) return sigma_ * inward_;
+    if (aligned_line_) return sigma_ * inward_;
     return inward(along_uv(f));
   }
   Vec2 along_uv(double f) const {
-    if (run_) return per_t_uv_;
-    return flat(line_->image.evaluate(line_->image.mesh().wrapped(parameter(f)), 1) * per_t());
+    if (aligned_line_) return per_t_uv_;
+    return drop_z(line_->pcurve.evaluate(line_->pcurve.mesh().wrapped(parameter(f)), 1) * per_t());
   }
   Vec3 across_at(const Points& q, double f) const {
     const Location at = where(f);
@@ -143,56 +147,59 @@ class JoinEdge {
     return y;
   }
   // Adds across · y + along · dx/dt + position · x at a fraction of the line.
-  void add_at(double f, double across, double along, double position, RowEntries& entries) const {
+  void add_at(double f, double across, double along, double position,
+              ConstraintEntries& entries) const {
     const Location at = where(f);
     const Tabulation N = functions(at);
     const auto dofs = DofMap(*mesh_).triangle(*mesh_, at.triangle);
     const Vec2 d = across * across_uv(f) + along * along_uv(f);
     for (int m = 0; m < 12; ++m)
       entries.push_back(
-          {numbers_(dofs[m]), d.x() * N(m, kU) + d.y() * N(m, kV) + position * N(m, kW)});
+          {dof_offsets_(dofs[m]), d.x() * N(m, kU) + d.y() * N(m, kV) + position * N(m, kW)});
   }
 
  private:
-  double parameter(double f) const { return start_ + (against_ ? 1 - f : f) * span_; }
-  double per_t() const { return (against_ ? -1 : 1) * span_ / t_; }
+  double parameter(double f) const { return start_ + (reversed_ ? 1 - f : f) * span_; }
+  double per_t() const { return (reversed_ ? -1 : 1) * span_ / t_; }
   Tabulation functions(const Location& at) const {
     return C1Triangle(kind_, mesh_->shape(at.triangle)).evaluate(at.L);
   }
-  void add_gradient(int v, const Vec2& d, RowEntries& entries) const {
-    entries.push_back({numbers_(3 * v + 1), d.x()});
-    entries.push_back({numbers_(3 * v + 2), d.y()});
+  void add_gradient(int v, const Vec2& d, ConstraintEntries& entries) const {
+    entries.push_back({dof_offsets_(3 * v + 1), d.x()});
+    entries.push_back({dof_offsets_(3 * v + 2), d.y()});
   }
-  Vec2 inward(const Vec2& along) const { return turn_ * Vec2(-along.y(), along.x()); }
+  Vec2 inward(const Vec2& along) const { return side_sign_ * Vec2(-along.y(), along.x()); }
 
   const ParametricMesh* mesh_;
   TriangleElement kind_;
-  const LineRun* run_;
+  const EdgeAlignedLine* aligned_line_;
   const EmbeddedLine* line_;
   const TriangleLocator* locator_;
-  double turn_, start_ = 0, span_ = 1, t_ = 1, sigma_ = 1;
-  bool against_ = false;
+  double side_sign_, start_ = 0, span_ = 1, t_ = 1, sigma_ = 1;
+  bool reversed_ = false;
   Vec2 inward_ = Vec2::Zero(), per_t_uv_ = Vec2::Zero();
-  RegionNumbers numbers_;
+  DofOffsets dof_offsets_;
 };
 
 // Makes the sides of join lines, with one locator for each region that needs one.
-class JoinEdges {
+class JoinEdgeFactory {
  public:
-  explicit JoinEdges(const std::vector<const RegionLayout*>& regions) {
+  explicit JoinEdgeFactory(const std::vector<const RegionLayout*>& regions) {
     for (const RegionLayout* r : regions)
-      items_.push_back(r ? Item{r->mesh().get(), r->element(), &r->runs(), &r->embedded(), {}, {}}
-                         : Item{});
+      items_.push_back(
+          r ? Item{r->mesh().get(), r->element(), &r->edge_aligned(), &r->embedded(), {}, {}}
+            : Item{});
   }
-  JoinEdges(const std::vector<const RegionLayout*>& regions,
-            const std::vector<RegionNumbers>& numbers)
-      : JoinEdges(regions) {
-    for (size_t r = 0; r < items_.size(); ++r) items_[r].numbers = numbers[r];
+  JoinEdgeFactory(const std::vector<const RegionLayout*>& regions,
+                  const std::vector<DofOffsets>& dof_offsets)
+      : JoinEdgeFactory(regions) {
+    for (size_t r = 0; r < items_.size(); ++r) items_[r].dof_offsets = dof_offsets[r];
   }
-  explicit JoinEdges(const std::vector<const SkinnedRegion*>& regions) {
+  explicit JoinEdgeFactory(const std::vector<const SkinnedRegion*>& regions) {
     for (const SkinnedRegion* r : regions)
       items_.push_back(
-          r ? Item{&r->surface.mesh(), r->surface.kind(), &r->runs, &r->embedded, {}, {}} : Item{});
+          r ? Item{&r->surface.mesh(), r->surface.kind(), &r->edge_aligned, &r->embedded, {}, {}}
+            : Item{});
   }
   JoinEdge operator()(const JoinSide& j) {
     Item& item = items_[j.region];
@@ -200,38 +207,38 @@ class JoinEdges {
     const auto i = static_cast<size_t>(j.line);
     return {*item.mesh,
             item.kind,
-            j.embedded ? nullptr : &(*item.runs)[i],
+            j.embedded ? nullptr : &(*item.edge_aligned)[i],
             j.embedded ? &(*item.lines)[i] : nullptr,
             j.left,
             item.locator.get(),
-            item.numbers};
+            item.dof_offsets};
   }
 
  private:
   struct Item {
     const ParametricMesh* mesh = nullptr;
     TriangleElement kind = TriangleElement::HCT;
-    const std::vector<LineRun>* runs = nullptr;
+    const std::vector<EdgeAlignedLine>* edge_aligned = nullptr;
     const std::vector<EmbeddedLine>* lines = nullptr;
     std::unique_ptr<TriangleLocator> locator;
-    RegionNumbers numbers;
+    DofOffsets dof_offsets;
   };
   std::vector<Item> items_;
 };
 
 // A Gauss point of a hat over fractions of a line, with the hat's weight there: `share` of the
 // interval between two of them.
-struct HatPoint {
+struct HatQuadraturePoint {
   double f, weight;
   size_t interval;
-  double share;
+  double fraction;
 };
 // The hats over the fractions `at`; those of the first and the last one where wanted.
-std::vector<std::vector<HatPoint>> hats(const std::vector<double>& at, bool closed,
-                                        const std::array<bool, 2>& with_ends);
+std::vector<std::vector<HatQuadraturePoint>> hats(const std::vector<double>& at, bool closed,
+                                                  const std::array<bool, 2>& with_ends);
 // The fractions over whose hats two sides, of which one is embedded, are tied on the average.
 std::vector<double> tie_stations(const JoinEdge& a, const JoinEdge& b);
 
-inline double share(double a, double b, double f) { return a + f * (b - a); }
+inline double lerp(double a, double b, double f) { return a + f * (b - a); }
 
 }  // namespace batten

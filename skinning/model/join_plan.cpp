@@ -4,20 +4,20 @@
 #include <optional>
 
 #include "batten/core/errors.h"
-#include "batten/core/words.h"
+#include "batten/core/format.h"
 #include "batten/skinning/model/join_edge.h"
 
 namespace batten {
 namespace {
 
 // Vertices of a region at which lines of two directions meet: x_u and x_v are given there.
-std::vector<char> cornered(const RegionLayout& layout) {
+std::vector<char> corner_vertices(const RegionLayout& layout) {
   const ParametricMesh& mesh = *layout.mesh();
   std::vector<char> corner(static_cast<size_t>(mesh.vertex_count()), 0);
   std::map<int, Vec2> seen;
-  for (const LineRun& run : layout.runs()) {
-    const Vec2 d = mesh.displacement(run.vertices).normalized();
-    for (const int v : run.vertices) {
+  for (const EdgeAlignedLine& aligned_line : layout.edge_aligned()) {
+    const Vec2 d = mesh.chain_vector(aligned_line.vertices).normalized();
+    for (const int v : aligned_line.vertices) {
       const auto [it, first] = seen.emplace(v, d);
       constexpr double straight = 1e-9;
       if (!first && std::abs(cross(it->second, d)) > straight) corner[v] = 1;
@@ -30,7 +30,7 @@ std::vector<char> cornered(const RegionLayout& layout) {
 
 bool JoinPlan::constant() const {
   constexpr double same = 1e-7;  // below 1e-5 degrees
-  return at.empty() && !ends[0].open && !ends[1].open && bow.is_zero() &&
+  return at.empty() && !ends[0].open && !ends[1].open && gluing_correction.is_zero() &&
          std::abs(ends[0].gamma - ends[1].gamma) < same &&
          std::abs(ends[0].delta - ends[1].delta) < same;
 }
@@ -38,23 +38,23 @@ bool JoinPlan::constant() const {
 namespace {
 
 // γ and δ that change two shapes least, and the angle between their planes.
-struct Glue {
-  double gamma, delta, apart_deg;
-  Glue(const Vec3& slope, const Vec3& a, const Vec3& b) {
+struct GluingFunctions {
+  double gamma, delta, plane_angle_deg;
+  GluingFunctions(const Vec3& slope, const Vec3& a, const Vec3& b) {
     const double s2 = slope.squaredNorm();
     const Vec3 across_a = a - a.dot(slope) / s2 * slope, across_b = b - b.dot(slope) / s2 * slope;
     gamma = across_a.norm() / across_b.norm();
     delta = (a + gamma * b).dot(slope) / s2;
-    apart_deg = degrees_between(across_a, -across_b);
+    plane_angle_deg = degrees_between(across_a, -across_b);
   }
   // "" or why the join line has to be given up.
-  std::string wrong(const std::string& where) const {
-    constexpr double most_gamma = 50, most_apart = 90;
-    if (gamma > 1 / most_gamma && gamma < most_gamma && std::isfinite(delta) &&
-        apart_deg <= most_apart)
+  std::string rejection_reason(const std::string& where) const {
+    constexpr double kMaxGamma = 50, kMaxApart = 90;
+    if (gamma > 1 / kMaxGamma && gamma < kMaxGamma && std::isfinite(delta) &&
+        plane_angle_deg <= kMaxApart)
       return "";
     return "the surfaces beside it do not go on into each other " + where +
-           ": their planes differ by " + number(apart_deg) + " degrees";
+           ": their planes differ by " + format_number(plane_angle_deg) + " degrees";
   }
 };
 
@@ -71,68 +71,73 @@ void plan_embedded(JoinPlan& plan, const JoinEdge& a, const JoinEdge& b, const P
   plan.at = a.embedded() ? a.stations() : b.stations();
   if (a.embedded() && b.embedded() && b.stations().size() < plan.at.size()) plan.at = b.stations();
   plan.closed = a.closed();
-  if (plan.at.size() < 4) plan.why_not = "it is shorter than the elements that it is embedded in";
+  if (plan.at.size() < 4)
+    plan.rejection_reason = "it is shorter than the elements that it is embedded in";
   if (plan.closed && plan.at.back() < 1) plan.at.push_back(1);
   if (!plan.closed) halve_ends(plan.at);
   for (const double f : plan.at) {
-    const Glue glue(a.slope(f), a.across_at(qa, f), b.across_at(qb, f));
-    plan.gamma.push_back(glue.gamma);
-    plan.delta.push_back(glue.delta);
+    const GluingFunctions gluing(a.slope(f), a.across_at(qa, f), b.across_at(qb, f));
+    plan.gamma.push_back(gluing.gamma);
+    plan.delta.push_back(gluing.delta);
     // Ends lie at corners, where an embedded line holds slopes only roughly.
     const bool end = f == plan.at.front() || f == plan.at.back();
-    if (!end && !plan.given_up()) plan.why_not = glue.wrong("everywhere");
+    if (!end && !plan.rejected()) plan.rejection_reason = gluing.rejection_reason("everywhere");
   }
 }
 
 // What another line of its region does where an embedded side ends.
-struct Beyond {
+struct LineContinuation {
   bool straight = false;  // one goes on there as the side does
   std::optional<Vec3> y;  // of the side, where one leaves at an angle
 };
-Beyond beyond(const RegionLayout& region, const JoinEdge& side, double end) {
-  constexpr double same_place = 1e-7, sine = 0.05;  // of the size
-  const Vec2 at = side.image(end), way = side.along_uv(end);
-  Beyond found;
+LineContinuation continuation_at(const RegionLayout& region, const JoinEdge& side, double end) {
+  constexpr double kSamePoint = 1e-7, kStraightSine = 0.05;  // of the size
+  const Vec2 at = side.pcurve(end), tangent = side.along_uv(end);
+  LineContinuation found;
   // A line that begins here, or ends here: its slopes there in (u, v) and in space.
-  const auto look = [&](const Vec2& place, Vec2 uv, Vec3 x, bool begins) {
-    if ((place - at).norm() > same_place) return;
-    const double turn = cross(uv, way) / (uv.norm() * way.norm());
-    if (std::abs(turn) > sine) {
+  const auto examine = [&](const Vec2& point, Vec2 uv, Vec3 x, bool begins) {
+    if ((point - at).norm() > kSamePoint) return;
+    const double sine_of_angle = cross(uv, tangent) / (uv.norm() * tangent.norm());
+    if (std::abs(sine_of_angle) > kStraightSine) {
       Mat2 both;
-      both << way, uv;
+      both << tangent, uv;
       Eigen::Matrix<double, 3, 2> slopes;
       slopes << side.slope(end), x;
       found.y = slopes * (both.inverse() * side.across_uv(end));
     } else {
-      const bool goes_away = (uv.dot(way) > 0) == begins;
+      const bool goes_away = (uv.dot(tangent) > 0) == begins;
       found.straight = found.straight || goes_away == (end != 0);
     }
   };
   for (const EmbeddedLine& line : region.embedded())
     for (const bool begins : {true, false}) {
-      const double t = begins ? line.image.start() : line.image.end();
-      look(flat(line.image.evaluate(t)), flat(line.image.evaluate(t, 1)),
-           line.fitted.evaluate(t, 1), begins);
+      const double t = begins ? line.pcurve.start() : line.pcurve.end();
+      examine(drop_z(line.pcurve.evaluate(t)), drop_z(line.pcurve.evaluate(t, 1)),
+              line.fitted.evaluate(t, 1), begins);
     }
-  for (const LineRun& run : region.runs())
+  for (const EdgeAlignedLine& aligned_line : region.edge_aligned())
     for (const bool begins : {true, false}) {
-      const double t = begins ? run.parameters.front() : run.parameters.back();
-      look(region.mesh()->vertices()[begins ? run.vertices.front() : run.vertices.back()],
-           region.mesh()->displacement(run.vertices) /
-               (run.parameters.back() - run.parameters.front()),
-           run.fitted.evaluate(t, 1), begins);
+      const double t = begins ? aligned_line.parameters.front() : aligned_line.parameters.back();
+      examine(region.mesh()->vertices()[begins ? aligned_line.vertices.front()
+                                               : aligned_line.vertices.back()],
+              region.mesh()->chain_vector(aligned_line.vertices) /
+                  (aligned_line.parameters.back() - aligned_line.parameters.front()),
+              aligned_line.fitted.evaluate(t, 1), begins);
     }
   return found;
 }
 
 // What join lines are planned from, and the steps that plan them.
-class Planner {
+class JoinPlanner {
  public:
-  Planner(const std::vector<const RegionLayout*>& regions, const std::vector<Points>& shapes,
-          double most_apart_deg)
-      : regions_(regions), shapes_(shapes), most_apart_deg_(most_apart_deg), sides_(regions) {
+  JoinPlanner(const std::vector<const RegionLayout*>& regions, const std::vector<Points>& shapes,
+              double max_plane_angle_deg)
+      : regions_(regions),
+        shapes_(shapes),
+        max_plane_angle_deg_(max_plane_angle_deg),
+        sides_(regions) {
     for (const RegionLayout* region : regions)
-      corner_.push_back(region ? cornered(*region) : std::vector<char>());
+      corner_.push_back(region ? corner_vertices(*region) : std::vector<char>());
   }
 
   // A join line without its ends: embedded lines whole, of runs whether they fit.
@@ -146,20 +151,20 @@ class Planner {
       bool same = a.count() == b.count() && a.closed() == b.closed();
       for (int k = 0; same && k < a.count(); ++k)
         same = std::abs(a.fraction(k) - b.fraction(k)) < 1e-9;
-      if (!same) plan.why_not = "the regions beside it have different vertices on it";
+      if (!same) plan.rejection_reason = "the regions beside it have different vertices on it";
     }
     return plan;
   }
 
   // Collects what the neighbours want of y at vertices where it is free.
-  void collect_wishes(const JoinPlan& plan) {
+  void collect_neighbours(const JoinPlan& plan) {
     for (int s = 0; s < 2; ++s) {
       const JoinSide &mine = plan.join_line.sides[s], &other = plan.join_line.sides[1 - s];
       const JoinEdge a = sides_(mine), b = sides_(other);
       for (int end = 0; end < 2; ++end) {
         const int v = a.end_vertex(end);
         if (!is_free(mine, v) || is_free(other, b.end_vertex(end))) continue;
-        wanted_[{mine.region, v}].push_back({other, end});
+        neighbours_[{mine.region, v}].push_back({other, end});
       }
     }
   }
@@ -168,49 +173,50 @@ class Planner {
   void plan_end(JoinPlan& plan, int end) {
     JoinEnd& at_end = plan.ends[end];
     std::array<Vec3, 2> y;
-    int loose = 0;
+    int undetermined = 0;
     for (int s = 0; s < 2; ++s)
-      loose += !find_across(plan.join_line.sides[s], end, s, y[s], at_end);
-    at_end.loose = loose > 0;
-    if (loose > 0) return;
-    const Glue glue(sides_(plan.join_line.sides[0]).slope(end), y[0], y[1]);
-    at_end.gamma = glue.gamma;
-    at_end.delta = glue.delta;
-    at_end.apart_deg = glue.apart_deg;
-    at_end.open = !(glue.apart_deg <= most_apart_deg_);
-    plan.why_not = glue.wrong(end ? "at its end" : "at its start");
+      undetermined += !find_across(plan.join_line.sides[s], end, s, y[s], at_end);
+    at_end.undetermined = undetermined > 0;
+    if (undetermined > 0) return;
+    const GluingFunctions gluing(sides_(plan.join_line.sides[0]).slope(end), y[0], y[1]);
+    at_end.gamma = gluing.gamma;
+    at_end.delta = gluing.delta;
+    at_end.plane_angle_deg = gluing.plane_angle_deg;
+    at_end.open = !(gluing.plane_angle_deg <= max_plane_angle_deg_);
+    plan.rejection_reason = gluing.rejection_reason(end ? "at its end" : "at its start");
   }
 
   // How γ and δ of two runs differ between their ends from the linear run, as the shapes have it.
-  void plan_bow(JoinPlan& plan) {
+  void plan_gluing_correction(JoinPlan& plan) {
     const JoinEdge a = sides_(plan.join_line.sides[0]), b = sides_(plan.join_line.sides[1]);
-    if (a.closed() || plan.ends[0].loose || plan.ends[1].loose) return;
+    if (a.closed() || plan.ends[0].undetermined || plan.ends[1].undetermined) return;
     // Shapes that meet at larger angles say nothing about how the joined ones will run, degrees.
     constexpr double kTangent = 2, kNotTangent = 6;
     constexpr double kMost = 1;  // of a correction of log γ or δ
     constexpr double kNone = 1e-6;
-    double apart = 0;
+    double mean_angle_deg = 0;
     Mat2 normal = Mat2::Zero();
-    Eigen::Matrix<double, 2, 2> right = Eigen::Matrix<double, 2, 2>::Zero();
+    Eigen::Matrix<double, 2, 2> rhs = Eigen::Matrix<double, 2, 2>::Zero();
     for (int k = 1; k + 1 < a.count(); ++k) {
       const double f = a.fraction(k);
-      const Glue glue(a.slope(f), a.across(shape(plan.join_line.sides[0]), k),
-                      b.across(shape(plan.join_line.sides[1]), k));
-      apart += glue.apart_deg / (a.count() - 2);
-      if (!(glue.apart_deg <= 45)) continue;
-      const double log_gamma = std::log(glue.gamma) - (1 - f) * std::log(plan.ends[0].gamma) -
+      const GluingFunctions gluing(a.slope(f), a.across(shape(plan.join_line.sides[0]), k),
+                                   b.across(shape(plan.join_line.sides[1]), k));
+      mean_angle_deg += gluing.plane_angle_deg / (a.count() - 2);
+      if (!(gluing.plane_angle_deg <= 45)) continue;
+      const double log_gamma = std::log(gluing.gamma) - (1 - f) * std::log(plan.ends[0].gamma) -
                                f * std::log(plan.ends[1].gamma);
-      const double delta = glue.delta - (1 - f) * plan.ends[0].delta - f * plan.ends[1].delta;
+      const double delta = gluing.delta - (1 - f) * plan.ends[0].delta - f * plan.ends[1].delta;
       const Vec2 basis = f * (1 - f) * Vec2(1, 2 * f - 1);
       normal += basis * basis.transpose();
-      right.col(0) += std::clamp(log_gamma, -kMost, kMost) * basis;
-      right.col(1) += std::clamp(delta, -kMost, kMost) * basis;
+      rhs.col(0) += std::clamp(log_gamma, -kMost, kMost) * basis;
+      rhs.col(1) += std::clamp(delta, -kMost, kMost) * basis;
     }
     if (!(normal.determinant() > 1e-9 * normal.trace() * normal.trace())) return;
-    const double share = std::clamp((kNotTangent - apart) / (kNotTangent - kTangent), 0.0, 1.0);
-    const Mat2 c = share * (normal.inverse() * right);
+    const double weight =
+        std::clamp((kNotTangent - mean_angle_deg) / (kNotTangent - kTangent), 0.0, 1.0);
+    const Mat2 c = weight * (normal.inverse() * rhs);
     if (c.cwiseAbs().maxCoeff() < kNone) return;
-    plan.bow = {{c(0, 0), c(1, 0)}, {c(0, 1), c(1, 1)}};
+    plan.gluing_correction = {{c(0, 0), c(1, 0)}, {c(0, 1), c(1, 1)}};
   }
 
   // What is imposed at an end of an embedded line.
@@ -224,35 +230,35 @@ class Planner {
     for (size_t s = 0; s < 2; ++s) {
       const JoinEdge side = sides_(sides[s]);
       if (side.embedded()) {
-        const Beyond other = beyond(*regions_[sides[s].region], side, end);
+        const LineContinuation other = continuation_at(*regions_[sides[s].region], side, end);
         straight = straight && other.straight;
         known = known && other.y;
         if (other.y) y[s] = *other.y;
       } else if (!find_across(sides[s], end, static_cast<int>(s), y[s], set)) {
         free = {sides[s].region, side.end_vertex(end)};
-        if (const auto it = followed_.find(*free); it != followed_.end())
+        if (const auto it = determined_.find(*free); it != determined_.end())
           y[s] = it->second;
         else
           y[s] = end_across(side, shape(sides[s]), end);
       }
     }
-    using EndRow = JoinPlan::EndRow;
-    plan.end_rows[e] = straight ? EndRow::Hat : EndRow::None;
+    using EndCondition = JoinPlan::EndCondition;
+    plan.end_conditions[e] = straight ? EndCondition::Hat : EndCondition::None;
     if (!known) return;
     const Vec3 slope = sides_(sides[0]).slope(end);
-    const Glue glue(slope, y[0], y[1]);
-    const bool follows = free && !followed_.count(*free);
-    plan.ends[e].apart_deg = follows ? 0 : glue.apart_deg;
-    plan.ends[e].open = !(plan.ends[e].apart_deg <= most_apart_deg_);
-    if (plan.ends[e].open || !glue.wrong("").empty()) return;
-    plan.end_rows[e] = EndRow::Point;
-    (end ? plan.gamma.back() : plan.gamma.front()) = glue.gamma;
-    (end ? plan.delta.back() : plan.delta.front()) = glue.delta;
+    const GluingFunctions gluing(slope, y[0], y[1]);
+    const bool follows = free && !determined_.count(*free);
+    plan.ends[e].plane_angle_deg = follows ? 0 : gluing.plane_angle_deg;
+    plan.ends[e].open = !(plan.ends[e].plane_angle_deg <= max_plane_angle_deg_);
+    if (plan.ends[e].open || !gluing.rejection_reason("").empty()) return;
+    plan.end_conditions[e] = EndCondition::Point;
+    (end ? plan.gamma.back() : plan.gamma.front()) = gluing.gamma;
+    (end ? plan.delta.back() : plan.delta.front()) = gluing.delta;
     if (!follows) return;
     // The run's y becomes what (1) makes of the other side's.
     const bool first = !sides[0].embedded;
-    followed_[*free] = first ? Vec3(glue.delta * slope - glue.gamma * y[1])
-                             : Vec3((glue.delta * slope - y[0]) / glue.gamma);
+    determined_[*free] = first ? Vec3(gluing.delta * slope - gluing.gamma * y[1])
+                               : Vec3((gluing.delta * slope - y[0]) / gluing.gamma);
   }
 
  private:
@@ -269,8 +275,8 @@ class Planner {
     const int v = side.end_vertex(end);
     y = end_across(side, shape(j), end);
     if (!is_free(j, v)) return true;
-    const auto it = wanted_.find({j.region, v});
-    if (it == wanted_.end()) return false;
+    const auto it = neighbours_.find({j.region, v});
+    if (it == neighbours_.end()) return false;
     y.setZero();
     for (const JoinEnd::Neighbour& other : it->second)
       y -= end_across(sides_(other.side), shape(other.side), other.end) /
@@ -281,32 +287,33 @@ class Planner {
 
   const std::vector<const RegionLayout*>& regions_;
   const std::vector<Points>& shapes_;
-  double most_apart_deg_;
-  JoinEdges sides_;
+  double max_plane_angle_deg_;
+  JoinEdgeFactory sides_;
   std::vector<std::vector<char>> corner_;
-  std::map<std::pair<int, int>, std::vector<JoinEnd::Neighbour>> wanted_;  // of region, vertex
-  std::map<std::pair<int, int>, Vec3> followed_;  // y of runs that follow an embedded side's
+  std::map<std::pair<int, int>, std::vector<JoinEnd::Neighbour>> neighbours_;  // of region, vertex
+  std::map<std::pair<int, int>, Vec3> determined_;  // y of runs that follow an embedded side's
 };
 
 }  // namespace
 
 std::vector<JoinPlan> plan_joins(const std::vector<const RegionLayout*>& regions,
                                  const std::vector<Points>& shapes,
-                                 const std::vector<JoinLine>& join_lines, double most_apart_deg) {
-  Planner planner(regions, shapes, most_apart_deg);
+                                 const std::vector<JoinLine>& join_lines,
+                                 double max_plane_angle_deg) {
+  JoinPlanner planner(regions, shapes, max_plane_angle_deg);
   std::vector<JoinPlan> plans;
   for (const JoinLine& join_line : join_lines) plans.push_back(planner.begin(join_line));
-  const auto of_runs = [](const JoinPlan& plan) { return !plan.given_up() && plan.at.empty(); };
+  const auto of_aligned = [](const JoinPlan& plan) { return !plan.rejected() && plan.at.empty(); };
   for (const JoinPlan& plan : plans)
-    if (of_runs(plan)) planner.collect_wishes(plan);
+    if (of_aligned(plan)) planner.collect_neighbours(plan);
   for (JoinPlan& plan : plans)
     for (int end = 0; end < 2; ++end)
-      if (of_runs(plan))
+      if (of_aligned(plan))
         planner.plan_end(plan, end);
-      else if (!plan.given_up() && !plan.closed)
+      else if (!plan.rejected() && !plan.closed)
         planner.plan_embedded_end(plan, end);
   for (JoinPlan& plan : plans)
-    if (of_runs(plan)) planner.plan_bow(plan);
+    if (of_aligned(plan)) planner.plan_gluing_correction(plan);
   return plans;
 }
 

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <set>
 
-#include "batten/core/chunks.h"
 #include "batten/core/errors.h"
-#include "batten/core/words.h"
+#include "batten/core/format.h"
+#include "batten/core/parallel_chunks.h"
 #include "batten/skinning/model/section_surface.h"
 
 namespace batten {
@@ -27,14 +27,15 @@ int side_of_sections(const RegionLayout& region, const std::vector<std::string>&
                      std::set<std::string>& missing) {
   int side = -1;
   for (const EmbeddedLine& line : region.embedded()) is_section(line.line.name, sections, missing);
-  for (const LineRun& run : region.runs()) {
-    if (!is_section(run.line.name, sections, missing) || is_ring(region) ||
-        region.corners().size() != 4 || run.line.role != CharacterLine::Role::Outline)
+  for (const EdgeAlignedLine& aligned_line : region.edge_aligned()) {
+    if (!is_section(aligned_line.line.name, sections, missing) || is_annulus(region) ||
+        region.corners().size() != 4 || aligned_line.line.role != CharacterLine::Role::Outline)
       continue;
-    const int found = domain_side(region, run);
+    const int found = domain_side(region, aligned_line);
     if (side >= 0 && found % 2 != side % 2)
       throw InputError("the sections of region '" + region.name() +
-                       "' are sides that meet, expected opposite sides: '" + run.line.name + "'");
+                       "' are sides that meet, expected opposite sides: '" +
+                       aligned_line.line.name + "'");
     side = found;
   }
   return side;
@@ -44,7 +45,7 @@ int side_of_sections(const RegionLayout& region, const std::vector<std::string>&
 void mark_misses(const RegionLayout& region, const SectionSurface& through, const Points& dofs,
                  double most, char* marks) {
   const Surface surface(region.mesh(), region.element(), dofs, region.trim());
-  for_each_in_chunks<16>(surface.mesh().triangle_count(), [&](int t) {
+  parallel_for_each<16>(surface.mesh().triangle_count(), [&](int t) {
     double miss = 0;
     for (const Vec3& L :
          {Vec3(1, 1, 1), Vec3(0.3, 1.35, 1.35), Vec3(1.35, 0.3, 1.35), Vec3(1.35, 1.35, 0.3)}) {
@@ -65,11 +66,11 @@ Points wanted_dofs(const ModelLayout& layout, const std::vector<std::string>& se
   for (int r = 0; r < layout.region_count(); ++r) {
     const RegionLayout& region = layout.region(r);
     const int side = side_of_sections(region, sections, missing);
-    if (!is_ring(region) && side < 0) continue;
+    if (!is_annulus(region) && side < 0) continue;
     lofted = true;
     const SectionSurface through(region, side);
     const Points own = through.dofs();
-    for (int d = 0; d < own.rows(); ++d) wanted.row(layout.numbers(r)(d)) = own.row(d);
+    for (int d = 0; d < own.rows(); ++d) wanted.row(layout.dof_offsets(r)(d)) = own.row(d);
     if (marks) mark_misses(region, through, own, most, marks->data() + layout.first_triangle(r));
   }
   if (!missing.empty())
@@ -92,13 +93,13 @@ Points loft_shape(const ModelLayout& layout, const std::vector<std::string>& sec
 
 LoftedModel loft_model(std::shared_ptr<const ModelLayout> layout,
                        const std::vector<std::string>& sections, double most) {
-  constexpr int most_rounds = 4;
+  constexpr int kMaxRounds = 4;
   for (int round = 0;; ++round) {
     std::vector<char> marks(static_cast<size_t>(layout->mesh()->triangle_count()), 0);
     const Points wanted = wanted_dofs(*layout, sections, most, &marks);
     auto finer = std::make_shared<ModelLayout>(*layout);
-    if (round == most_rounds || !finer->refine(marks)) return {layout, layout->nearest(wanted)};
-    if (!finer->join_plans().empty()) finer->plan_joins(finer->least_energy({}));
+    if (round == kMaxRounds || !finer->refine(marks)) return {layout, layout->nearest(wanted)};
+    if (!finer->join_plans().empty()) finer->plan_joins(finer->minimize_energy({}));
     layout = std::move(finer);
   }
 }

@@ -5,30 +5,33 @@
 
 #include "batten/constraints/constrained_solver.h"
 #include "batten/core/errors.h"
-#include "batten/core/words.h"
-#include "batten/fem/assembly.h"
-#include "batten/fem/dissection.h"
+#include "batten/core/format.h"
+#include "batten/fem/nested_dissection.h"
+#include "batten/fem/surface_assembler.h"
 
 namespace batten {
 
 ModelLayout::ModelLayout(RegionLayout region)
-    : frame_{region.name(), region.size(), region.tolerance(), region.origin()},
+    : metadata_{region.name(), region.size(), region.tolerance(), region.origin()},
       regions_{std::make_shared<const RegionLayout>(std::move(region))} {
-  number();
+  assign_dof_offsets();
 }
 
-ModelLayout::ModelLayout(ModelFrame frame, std::vector<std::shared_ptr<const RegionLayout>> regions,
+ModelLayout::ModelLayout(ModelMetadata metadata,
+                         std::vector<std::shared_ptr<const RegionLayout>> regions,
                          std::vector<JoinPlan> join_lines)
-    : frame_(std::move(frame)), regions_(std::move(regions)), join_plans_(std::move(join_lines)) {
-  if (regions_.empty()) throw InputError("model '" + frame_.name + "' has no regions");
+    : metadata_(std::move(metadata)),
+      regions_(std::move(regions)),
+      join_plans_(std::move(join_lines)) {
+  if (regions_.empty()) throw InputError("model '" + metadata_.name + "' has no regions");
   for (const auto& region : regions_)
     if (region->element() != element())
-      throw InputError("model '" + frame_.name + "' has regions of different elements");
-  number();
+      throw InputError("model '" + metadata_.name + "' has regions of different elements");
+  assign_dof_offsets();
 }
 
-void ModelLayout::number() {
-  numbers_.clear();
+void ModelLayout::assign_dof_offsets() {
+  dof_offsets_.clear();
   first_triangle_ = {0};
   std::vector<const ParametricMesh*> meshes;
   std::vector<const Trim*> trims;
@@ -39,18 +42,19 @@ void ModelLayout::number() {
     meshes.push_back(&mesh);
     trims.push_back(region->trim().get());
     trimmed = trimmed || region->trim();
-    numbers_.push_back({3 * mesh.vertex_count(), 3 * vertices, edges - 3 * mesh.vertex_count()});
+    dof_offsets_.push_back(
+        {3 * mesh.vertex_count(), 3 * vertices, edges - 3 * mesh.vertex_count()});
     vertices += mesh.vertex_count();
     edges += mesh.edge_count();
     first_triangle_.push_back(first_triangle_.back() + mesh.triangle_count());
   }
-  for (RegionNumbers& n : numbers_) n.edges += 3 * vertices;
+  for (DofOffsets& n : dof_offsets_) n.edges += 3 * vertices;
   if (regions_.size() == 1) {
     mesh_ = region(0).mesh();
     trim_ = region(0).trim();
   } else {
-    mesh_ = std::make_shared<const ParametricMesh>(ParametricMesh::side_by_side(meshes));
-    trim_ = trimmed ? std::make_shared<const Trim>(Trim::side_by_side(trims, meshes)) : nullptr;
+    mesh_ = std::make_shared<const ParametricMesh>(ParametricMesh::concatenated(meshes));
+    trim_ = trimmed ? std::make_shared<const Trim>(Trim::concatenated(trims, meshes)) : nullptr;
   }
   domain_scale_ = VecX();
   if (std::any_of(regions_.begin(), regions_.end(),
@@ -71,8 +75,8 @@ void ModelLayout::number() {
     lines_[it->second].sides.push_back(side);
   };
   for (int r = 0; r < region_count(); ++r) {
-    for (size_t i = 0; i < region(r).runs().size(); ++i)
-      add(region(r).runs()[i].line.name, {r, false, static_cast<int>(i)});
+    for (size_t i = 0; i < region(r).edge_aligned().size(); ++i)
+      add(region(r).edge_aligned()[i].line.name, {r, false, static_cast<int>(i)});
     for (size_t i = 0; i < region(r).embedded().size(); ++i)
       add(region(r).embedded()[i].line.name, {r, true, static_cast<int>(i)});
   }
@@ -85,7 +89,7 @@ namespace {
 
 [[noreturn]] void no_such(const std::string& who, const std::string& what, const std::string& name,
                           const std::vector<std::string>& names) {
-  const std::string near = nearest_word(name, names);
+  const std::string near = closest_match(name, names);
   throw InputError(who + " has no " + what + " '" + name + "'" +
                    (near.empty() ? "" : ": did you mean '" + near + "'?"));
 }
@@ -133,30 +137,31 @@ const HermiteCurve& ModelLayout::line(const std::string& name) const {
 const HermiteCurve& ModelLayout::curve(const LineSide& side) const {
   const auto i = static_cast<size_t>(side.index);
   return side.embedded ? region(side.region).embedded()[i].fitted
-                       : region(side.region).runs()[i].fitted;
+                       : region(side.region).edge_aligned()[i].fitted;
 }
 
-HermiteCurve ModelLayout::image(const LineSide& side) const {
+HermiteCurve ModelLayout::pcurve(const LineSide& side) const {
   const auto i = static_cast<size_t>(side.index);
   const RegionLayout& of = region(side.region);
-  return side.embedded ? of.embedded()[i].image : run_image(*of.mesh(), of.runs()[i]);
+  return side.embedded ? of.embedded()[i].pcurve
+                       : edge_aligned_pcurve(*of.mesh(), of.edge_aligned()[i]);
 }
 
 bool ModelLayout::against(const ModelLine& line, const LineSide& side) const {
   const auto runs_against = [&](const LineSide& s) {
-    return s.embedded && region(s.region).embedded()[s.index].against_given;
+    return s.embedded && region(s.region).embedded()[s.index].opposite_to_prescribed;
   };
   return runs_against(side) != runs_against(line.sides.front());
 }
 
 SparseMatrix ModelLayout::join_stiffness() const {
-  return batten::join_stiffness(layouts(), numbers_, join_plans_, size(),
+  return batten::join_stiffness(layouts(), dof_offsets_, join_plans_, size(),
                                 static_cast<int>(position_dofs().size()));
 }
 
 const JoinPlan* ModelLayout::join_plan(const std::string& line) const {
   for (const JoinPlan& plan : join_plans_)
-    if (plan.join_line.name == line && !plan.given_up()) return &plan;
+    if (plan.join_line.name == line && !plan.rejected()) return &plan;
   return nullptr;
 }
 
@@ -168,15 +173,15 @@ std::vector<const RegionLayout*> ModelLayout::layouts() const {
   return all;
 }
 
-ConstraintSet ModelLayout::gathered(ConstraintSet (RegionLayout::*rows)() const,
-                                    bool name_regions) const {
+ConstraintSet ModelLayout::gather(ConstraintSet (RegionLayout::*rows)() const,
+                                  bool name_regions) const {
   ConstraintSet all(DofMap(*mesh_).count());
   for (int r = 0; r < region_count(); ++r) {
     if (name_regions && region(r).corners().empty()) continue;
     const ConstraintSet own = (region(r).*rows)();
-    for (const auto& row : own.rows()) {
+    for (const auto& row : own.constraints()) {
       std::vector<ConstraintSet::Entry> entries = row.entries;
-      for (auto& e : entries) e.dof = numbers(r)(e.dof);
+      for (auto& e : entries) e.dof = dof_offsets(r)(e.dof);
       const std::string& name = own.names()[row.name];
       all.add(name_regions ? region(r).name() + " " + name : name, std::move(entries), row.value);
     }
@@ -186,18 +191,18 @@ ConstraintSet ModelLayout::gathered(ConstraintSet (RegionLayout::*rows)() const,
 
 ConstraintSet ModelLayout::line_constraints() const {
   if (region_count() == 1) return region(0).line_constraints();
-  ConstraintSet all = gathered(&RegionLayout::line_constraints, false);
-  add_join_rows(layouts(), numbers_, join_plans_, false, all);
+  ConstraintSet all = gather(&RegionLayout::line_constraints, false);
+  add_join_constraints(layouts(), dof_offsets_, join_plans_, false, all);
   return all;
 }
 
 ConstraintSet ModelLayout::corner_constraints() const {
   if (region_count() == 1) return region(0).corner_constraints();
-  ConstraintSet all = gathered(&RegionLayout::corner_constraints, true);
-  if (all.rows().empty())
+  ConstraintSet all = gather(&RegionLayout::corner_constraints, true);
+  if (all.constraints().empty())
     throw InputError("model '" + name() + "' has no corners that could hold it");
-  for (const JoinLine& line : shared_lines()) add_line_ties(layouts(), numbers_, line, all);
-  add_join_rows(layouts(), numbers_, join_plans_, true, all);
+  for (const JoinLine& line : shared_lines()) add_line_ties(layouts(), dof_offsets_, line, all);
+  add_join_constraints(layouts(), dof_offsets_, join_plans_, true, all);
   return all;
 }
 
@@ -221,17 +226,18 @@ VecX ModelLayout::position_dofs() const {
 }
 
 std::vector<int> ModelLayout::dof_order() const {
-  if (region_count() == 1) return dissection_order(*mesh_);
+  if (region_count() == 1) return nested_dissection_order(*mesh_);
   if (std::any_of(join_plans_.begin(), join_plans_.end(),
-                  [](const JoinPlan& plan) { return !plan.given_up(); }))
+                  [](const JoinPlan& plan) { return !plan.rejected(); }))
     return {};
   std::vector<int> order;
   for (int r = 0; r < region_count(); ++r)
-    for (const int dof : dissection_order(*region(r).mesh())) order.push_back(numbers(r)(dof));
+    for (const int dof : nested_dissection_order(*region(r).mesh()))
+      order.push_back(dof_offsets(r)(dof));
   return order;
 }
 
-std::vector<SurfaceStiffness> ModelLayout::on_regions(
+std::vector<SurfaceStiffness> ModelLayout::scale_to_regions(
     std::vector<SurfaceStiffness> materials) const {
   if (domain_scale_.size() == 0) return materials;
   if (materials.size() == 1)
@@ -247,7 +253,7 @@ std::vector<SurfaceStiffness> ModelLayout::on_regions(
 VecX ModelLayout::spread(int r, const VecX& own) const {
   if (region_count() == 1) return own;
   VecX all = VecX::Zero(DofMap(*mesh_).count());
-  const RegionNumbers& n = numbers(r);
+  const DofOffsets& n = dof_offsets(r);
   all.segment(n.vertices, n.vertex_dofs) = own.head(n.vertex_dofs);
   const long edges = own.size() - n.vertex_dofs;
   all.segment(n(n.vertex_dofs), edges) = own.tail(edges);
@@ -259,7 +265,7 @@ int ModelLayout::region_of(int triangle) const {
   return static_cast<int>(after - first_triangle_.begin()) - 1;
 }
 
-Location ModelLayout::in_model(int r, Location where) const {
+Location ModelLayout::to_model_location(int r, Location where) const {
   where.triangle += first_triangle(r);
   return where;
 }
@@ -268,7 +274,7 @@ Location ModelLayout::in_model(int r, Location where) const {
 
 Points ModelLayout::region_dofs(int r, const Points& all) const {
   if (region_count() == 1) return all;
-  const RegionNumbers& n = numbers(r);
+  const DofOffsets& n = dof_offsets(r);
   const int edges = region(r).mesh()->edge_count();
   Points own(n.vertex_dofs + edges, 3);
   own.topRows(n.vertex_dofs) = all.middleRows(n.vertices, n.vertex_dofs);
@@ -280,7 +286,7 @@ Points ModelLayout::all_dofs(const std::vector<Points>& of_regions) const {
   if (region_count() == 1) return of_regions.front();
   Points all(DofMap(*mesh_).count(), 3);
   for (int r = 0; r < region_count(); ++r) {
-    const RegionNumbers& n = numbers(r);
+    const DofOffsets& n = dof_offsets(r);
     const Points& own = of_regions[r];
     const long edges = own.rows() - n.vertex_dofs;
     all.middleRows(n.vertices, n.vertex_dofs) = own.topRows(n.vertex_dofs);
@@ -301,21 +307,21 @@ SkinnedRegion ModelLayout::skinned(int r, const Points& all) const {
   return region(r).region(region_dofs(r, all));
 }
 
-Points ModelLayout::least_energy(const SurfaceStiffness& material, const Points& rest) const {
-  return least_of_difference(
+Points ModelLayout::minimize_energy(const SurfaceStiffness& material, const Points& rest) const {
+  return minimize_difference(
       material, rest.rows() > 0 ? rest : Points(Points::Zero(position_dofs().size(), 3)));
 }
 
 Points ModelLayout::nearest(const Points& wanted) const {
-  return least_of_difference(SurfaceStiffness::isotropic(0, 1), wanted);
+  return minimize_difference(SurfaceStiffness::isotropic(0, 1), wanted);
 }
 
 // The shape with the lines for which the energy of (x - wanted) is least.
-Points ModelLayout::least_of_difference(const SurfaceStiffness& material,
+Points ModelLayout::minimize_difference(const SurfaceStiffness& material,
                                         const Points& wanted) const {
   const SurfaceAssembler assembler(*mesh_, element(), trim_);
   SparseMatrix K = assembler.pattern();
-  const std::vector<SurfaceStiffness> materials = on_regions({material});
+  const std::vector<SurfaceStiffness> materials = scale_to_regions({material});
   if (materials.size() == 1)
     assembler.stiffness(materials[0], K);
   else
@@ -326,7 +332,7 @@ Points ModelLayout::least_of_difference(const SurfaceStiffness& material,
   // The joins hold whatever is wanted: they are no part of the load.
   const double beta = (material.beta[0] + material.beta[2]) / 2;
   K += beta * join_stiffness();
-  const ConstrainedSolver solver(line_constraints().moved(ones, origin()), std::move(K),
+  const ConstrainedSolver solver(line_constraints().translated(ones, origin()), std::move(K),
                                  dof_order());
   return solver.solve(wanted.isZero(0) ? Points(Points::Zero(ones.size(), 3)) : F) + about_origin;
 }

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "batten/core/index.h"
-#include "batten/fairing/energy.h"
+#include "batten/core/isize.h"
+#include "batten/fairing/surface_energy.h"
 #include "batten/skinning/layout/region_layout.h"
 #include "batten/skinning/model/join.h"
 
@@ -32,13 +32,13 @@ struct ModelPoint {
 };
 
 /// What a model of several regions has in common.
-struct ModelFrame {
+struct ModelMetadata {
   std::string name;
   double size = 1;       ///< S: length scale of the model, model units
   double tolerance = 0;  ///< tolerance of lines, model units
   Vec3 origin = Vec3::Zero();
   /// Tangent planes at a node that differ by more are no plane: smooth joins end as creases there.
-  double most_apart_deg = 0.1;
+  double max_plane_angle_deg = 0.1;
   /// Regions rest in the shape that their boundary curves mean (rest_shape.h); else they bend from
   /// nothing.
   bool rest = true;
@@ -54,7 +54,7 @@ struct ModelFrame {
 ///
 /// Each region, of size s_r, is scaled to 1. The model's energy is that of the model scaled to size
 /// 1, U = u s_r/S. So in its own (u, v) a region's bending counts (S/s_r)² times, its stretching
-/// once, an area of its domain (s_r/S)² times. See domain_scale(), on_regions().
+/// once, an area of its domain (s_r/S)² times. See domain_scale(), scale_to_regions().
 ///
 /// Lines are held as each region holds them. Smooth joins are rows on the dofs of both sides
 /// (join.h); other lines with several regions are creases: the regions share the line.
@@ -66,19 +66,19 @@ class ModelLayout {
   ModelLayout(RegionLayout region);  // NOLINT: a region is a model
   /// Makes a model of regions; join lines name them by their index. Throws InputError: no region,
   /// different elements.
-  ModelLayout(ModelFrame frame, std::vector<std::shared_ptr<const RegionLayout>> regions,
+  ModelLayout(ModelMetadata metadata, std::vector<std::shared_ptr<const RegionLayout>> regions,
               std::vector<JoinPlan> join_lines);
 
-  const std::string& name() const { return frame_.name; }
-  bool has_rest() const { return frame_.rest; }
-  double size() const { return frame_.size; }
-  double tolerance() const { return frame_.tolerance; }
+  const std::string& name() const { return metadata_.name; }
+  bool has_rest() const { return metadata_.rest; }
+  double size() const { return metadata_.size; }
+  double tolerance() const { return metadata_.tolerance; }
   /// The point relative to which dofs are best solved for.
-  const Vec3& origin() const { return frame_.origin; }
-  int region_count() const { return count_of(regions_); }
+  const Vec3& origin() const { return metadata_.origin; }
+  int region_count() const { return isize(regions_); }
   const RegionLayout& region(int r) const { return *regions_[r]; }
   const std::vector<std::shared_ptr<const RegionLayout>>& regions() const { return regions_; }
-  const ModelFrame& frame() const { return frame_; }
+  const ModelMetadata& metadata() const { return metadata_; }
   /// Returns the index of a region. Throws InputError, with the nearest name, when there is none.
   int region_named(const std::string& name) const;
   /// Warnings of all regions; of several regions they begin "region 'NAME': …".
@@ -97,7 +97,7 @@ class ModelLayout {
   const HermiteCurve& line(const std::string& name) const;
   /// Return the curve X(t) as a side has it, and its image c(t), over the same parameters.
   const HermiteCurve& curve(const LineSide& side) const;
-  HermiteCurve image(const LineSide& side) const;
+  HermiteCurve pcurve(const LineSide& side) const;
   /// Returns whether a side runs against the first side of the line.
   bool against(const ModelLine& line, const LineSide& side) const;
   /// Returns each line that regions share, smooth or a crease, as its first side and each further
@@ -128,14 +128,14 @@ class ModelLayout {
   /// Turns materials on the model scaled to size 1 (one for all, or one for each triangle) into
   /// materials in the regions' own (u, v), one for each triangle; when all factors are 1 they are
   /// returned as they are.
-  std::vector<SurfaceStiffness> on_regions(std::vector<SurfaceStiffness> materials) const;
+  std::vector<SurfaceStiffness> scale_to_regions(std::vector<SurfaceStiffness> materials) const;
   /// Return the numbers of a region's dofs, and of its first triangle, in the model.
-  const RegionNumbers& numbers(int r) const { return numbers_[r]; }
+  const DofOffsets& dof_offsets(int r) const { return dof_offsets_[r]; }
   int first_triangle(int r) const { return first_triangle_[r]; }
   /// Returns a vector over all dofs with these values of one region at its dofs, 0 elsewhere.
   VecX spread(int r, const VecX& own) const;
   int region_of(int triangle) const;  ///< region of a triangle of the model
-  Location in_model(int r, Location where) const;
+  Location to_model_location(int r, Location where) const;
 
   // -- shapes -------------------------------------------------------------------------------------
   Points region_dofs(int r, const Points& all) const;
@@ -147,9 +147,9 @@ class ModelLayout {
   /// Returns the shape of least energy that has the lines, in absolute coordinates. `rest`: the
   /// shape without energy, absolute dofs, 0 in regions that have none; no rows: none has. Costs one
   /// factor. Throws ConflictError, NoSolutionError.
-  Points least_energy(const SurfaceStiffness& material, const Points& rest = {}) const;
+  Points minimize_energy(const SurfaceStiffness& material, const Points& rest = {}) const;
   /// Returns the shape that has the lines and is nearest to another one, absolute dofs: the bending
-  /// energy of the difference is least. Costs one factor. Throws as least_energy().
+  /// energy of the difference is least. Costs one factor. Throws as minimize_energy().
   Points nearest(const Points& wanted) const;
 
   // -- edits: each throws before it has changed anything ---------------------------------------
@@ -159,33 +159,33 @@ class ModelLayout {
   bool refine(const std::vector<char>& marked);
   /// Gives a line another shape over the same CurveMesh, in all regions that have it.
   void set_line(const std::string& name, const HermiteCurve& curve);
-  /// Adds an inner line in the region that is nearest to it: RegionLayout::add_inner().
-  void add_inner(const CharacterLine& line, const Points& shape);
-  void remove_inner(const std::string& name);  ///< RegionLayout::remove_inner()
+  /// Adds an inner line in the region that is nearest to it: RegionLayout::add_inner_line().
+  void add_inner_line(const CharacterLine& line, const Points& shape);
+  void remove_inner_line(const std::string& name);  ///< RegionLayout::remove_inner_line()
   /// Plans γ and δ of all smooth joins again, from a shape on this layout. Joins that turn out to
-  /// be impossible are given up (JoinPlan::why_not). O(join lines).
+  /// be impossible are given up (JoinPlan::rejection_reason). O(join lines).
   void plan_joins(const Points& shape);
   /// Makes a crease of the line's smooth join, for a reason in words.
-  void give_up_join(const std::string& line, const std::string& why);
+  void reject_join(const std::string& line, const std::string& why);
   /// Returns by how much γ and δ at the ends of smooth joins would change, relatively, if they were
   /// planned from this shape; infinite where an end would open or close, or a join is impossible.
   /// plan_joins() is due when this is not small.
-  double join_misfit(const Points& shape) const;
+  double gluing_change(const Points& shape) const;
 
  private:
-  void number();
-  Points least_of_difference(const SurfaceStiffness& material, const Points& wanted) const;
+  void assign_dof_offsets();
+  Points minimize_difference(const SurfaceStiffness& material, const Points& wanted) const;
   std::vector<const RegionLayout*> layouts() const;
   std::vector<Points> of_regions(const Points& all) const;
-  ConstraintSet gathered(ConstraintSet (RegionLayout::*rows)() const, bool name_regions) const;
+  ConstraintSet gather(ConstraintSet (RegionLayout::*constraints)() const, bool name_regions) const;
 
-  ModelFrame frame_;
+  ModelMetadata metadata_;
   std::vector<std::shared_ptr<const RegionLayout>> regions_;
   std::vector<JoinPlan> join_plans_;
-  // Made from these by number():
+  // Made from these by assign_dof_offsets():
   std::shared_ptr<const ParametricMesh> mesh_;
   std::shared_ptr<const Trim> trim_;
-  std::vector<RegionNumbers> numbers_;
+  std::vector<DofOffsets> dof_offsets_;
   std::vector<int> first_triangle_;  // and behind the last
   VecX domain_scale_;
   std::vector<ModelLine> lines_;

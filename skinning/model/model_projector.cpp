@@ -2,7 +2,7 @@
 
 #include <optional>
 
-#include "batten/core/index.h"
+#include "batten/core/isize.h"
 
 namespace batten {
 
@@ -18,8 +18,8 @@ ModelProjector::ModelProjector(const ModelLayout& layout, const Points& dofs)
       for (const int v : corners)
         box.extend(region.surface.dofs().row(region.surface.dof_map().vertex(v)).transpose());
       // Between its corners a triangle may bulge beyond their box.
-      constexpr double bulge = 0.5;
-      const Vec3 margin = Vec3::Constant(bulge * box.diagonal().norm());
+      constexpr double kBulge = 0.5;
+      const Vec3 margin = Vec3::Constant(kBulge * box.diagonal().norm());
       region.box.extend(box.min() - margin);
       region.box.extend(box.max() + margin);
     }
@@ -47,7 +47,7 @@ ModelProjector::Nearest ModelProjector::in_region(int r, const Vec3& p) const {
 
 ModelProjector::Nearest ModelProjector::nearest(const Vec3& p) const {
   std::optional<Nearest> best;
-  for (int r = 0; r < count_of(regions_); ++r) {
+  for (int r = 0; r < isize(regions_); ++r) {
     if (best && best->inside && regions_[r].distance_to_box(p) > best->distance) continue;
     const Nearest found = in_region(r, p);
     if (!best || (found.inside && !best->inside) ||
@@ -59,7 +59,7 @@ ModelProjector::Nearest ModelProjector::nearest(const Vec3& p) const {
 
 ModelProjector::Nearest ModelProjector::nearest_inside(const Vec3& p) const {
   std::optional<Nearest> best;
-  for (int r = 0; r < count_of(regions_); ++r) {
+  for (int r = 0; r < isize(regions_); ++r) {
     const Region& region = regions_[r];
     if (best && region.distance_to_box(p) > best->distance) continue;
     Nearest found = in_region(r, p);

@@ -1,7 +1,7 @@
 // The factors of loads and materials on a model scaled to size 1.
 #pragma once
 
-#include "batten/fairing/energy.h"
+#include "batten/fairing/surface_energy.h"
 
 namespace batten {
 
@@ -15,7 +15,7 @@ class ModelScale {
       : relative_(units == LoadUnits::Relative), units_(units), size_(size) {}
 
   SurfaceStiffness material(const SurfaceStiffness& m) const {
-    return on_unit_domain(m, units_, size_);
+    return scaled_to_unit_domain(m, units_, size_);
   }
   /// Returns the factor of a force.
   double force() const { return relative_ ? size_ : 1; }
@@ -25,8 +25,8 @@ class ModelScale {
   /// Returns the factor of mass and damping per area of the domain.
   double inertia() const { return relative_ ? 1 : size_ * size_; }
   /// Return the factors from forces and energies of the solved problem to those that are reported.
-  double of_reactions() const { return relative_ ? 1 / size_ : 1; }
-  double of_energies() const { return relative_ ? 1 / (size_ * size_) : 1; }
+  double reaction_factor() const { return relative_ ? 1 / size_ : 1; }
+  double energy_factor() const { return relative_ ? 1 / (size_ * size_) : 1; }
 
  private:
   bool relative_;

@@ -8,13 +8,13 @@
 namespace batten {
 
 /// Dofs of the rest shapes of all regions, 0 in regions that have none; no rows where none has, or
-/// where ModelFrame::rest or SkinOptions::rest is off. Absolute coordinates.
+/// where ModelMetadata::rest or SkinOptions::rest is off. Absolute coordinates.
 ///
 ///     two, three or four sides   sweeps with transported sections (docs/theory/sweeps.md)
 ///     ring                       the loft through its rims and its closed inner curves
 ///     others                     none: five sides and more, a closed outline, a boundary in a plane
 ///
-/// As the rest shape of ModelLayout::least_energy() it costs no energy: the surface is the rest shape
+/// As the rest shape of ModelLayout::minimize_energy() it costs no energy: the surface is the rest shape
 /// plus the displacement of least energy that inner curves, smooth joins and loads ask for.
 /// O(vertices + edges) of these regions.
 Points rest_dofs(const ModelLayout& layout);

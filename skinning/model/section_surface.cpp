@@ -5,26 +5,26 @@
 #include <cmath>
 #include <limits>
 
-#include "batten/core/index.h"
-#include "batten/core/plane.h"
-#include "batten/core/words.h"
-#include "batten/fairing/open_spline.h"
-#include "batten/skinning/region/surface_dofs.h"
+#include "batten/core/format.h"
+#include "batten/core/isize.h"
+#include "batten/core/planar_geometry.h"
+#include "batten/fairing/not_a_knot_spline.h"
+#include "batten/skinning/region/surface_interpolation.h"
 
 namespace batten {
 
-bool is_ring(const RegionLayout& region) { return region.mesh()->period() > 0; }
+bool is_annulus(const RegionLayout& region) { return region.mesh()->period() > 0; }
 
-int domain_side(const RegionLayout& region, const LineRun& run) {
+int domain_side(const RegionLayout& region, const EdgeAlignedLine& run) {
   const auto& at = region.mesh()->vertices();
   const size_t middle = run.vertices.size() / 2;
   const Vec2 p = 0.5 * (at[run.vertices[middle - 1]] + at[run.vertices[middle]]);
   int nearest = 0;
   double least = std::numeric_limits<double>::infinity();
   for (int k = 0; k < 4; ++k) {
-    const Vec2 from = region.corners()[k].uv, way = region.corners()[(k + 1) % 4].uv - from;
-    const double f = std::clamp(way.dot(p - from) / way.squaredNorm(), 0.0, 1.0);
-    const double distance = (from + f * way - p).norm();
+    const Vec2 from = region.corners()[k].uv, direction = region.corners()[(k + 1) % 4].uv - from;
+    const double f = std::clamp(direction.dot(p - from) / direction.squaredNorm(), 0.0, 1.0);
+    const double distance = (from + f * direction - p).norm();
     if (distance >= least) continue;
     least = distance;
     nearest = k;
@@ -33,9 +33,9 @@ int domain_side(const RegionLayout& region, const LineRun& run) {
 }
 
 SectionSurface::SectionSurface(const RegionLayout& region, int side)
-    : region_(region), ring_(is_ring(region)), across_(!ring_ && side % 2 == 1) {
+    : region_(region), annulus_(is_annulus(region)), across_(!annulus_ && side % 2 == 1) {
   const ParametricMesh& mesh = *region.mesh();
-  if (ring_) {
+  if (annulus_) {
     double low = std::numeric_limits<double>::infinity(), high = -low;
     for (const Vec2& p : mesh.vertices()) {
       low = std::min(low, p.y());
@@ -47,13 +47,13 @@ SectionSurface::SectionSurface(const RegionLayout& region, int side)
   } else {
     for (size_t k = 0; k < 4; ++k) corners_[k] = region.corners()[k].uv;
   }
-  for (const LineRun& run : region.runs()) {
+  for (const EdgeAlignedLine& run : region.edge_aligned()) {
     const bool outline = run.line.role == CharacterLine::Role::Outline;
-    if (!outline || ring_ || domain_side(region, run) % 2 == side % 2)
-      add(run.fitted, run_image(mesh, run));
+    if (!outline || annulus_ || domain_side(region, run) % 2 == side % 2)
+      add(run.fitted, edge_aligned_pcurve(mesh, run));
   }
   for (const EmbeddedLine& line : region.embedded())
-    if (line.line.role == CharacterLine::Role::Inner) add(line.fitted, line.image);
+    if (line.line.role == CharacterLine::Role::Inner) add(line.fitted, line.pcurve);
 }
 
 Vec2 SectionSurface::map(const Vec2& st) const {
@@ -81,16 +81,16 @@ Vec2 SectionSurface::st(const Vec2& uv) const {
 }
 
 double SectionSurface::s_of(const Piece& piece, double parameter) const {
-  return st(flat(piece.image.evaluate(parameter)))[0];
+  return st(drop_z(piece.pcurve.evaluate(parameter)))[0];
 }
 
-void SectionSurface::add(HermiteCurve curve, HermiteCurve image) {
-  Piece piece{std::move(curve), std::move(image), {}, {}};
-  constexpr int samples = 8;  // of a segment
+void SectionSurface::add(HermiteCurve curve, HermiteCurve pcurve) {
+  Piece piece{std::move(curve), std::move(pcurve), {}, {}};
+  constexpr int kSamples = 8;  // of a segment
   const auto& nodes = piece.curve.parameters();
   for (size_t i = 0; i + 1 < nodes.size(); ++i)
-    for (int k = 0; k < samples; ++k)
-      piece.at.push_back(nodes[i] + (nodes[i + 1] - nodes[i]) * k / samples);
+    for (int k = 0; k < kSamples; ++k)
+      piece.at.push_back(nodes[i] + (nodes[i + 1] - nodes[i]) * k / kSamples);
   piece.at.push_back(piece.curve.end());
   double low = std::numeric_limits<double>::infinity(), high = -low;
   for (double& at : piece.at) {
@@ -100,7 +100,7 @@ void SectionSurface::add(HermiteCurve curve, HermiteCurve image) {
     if (last && piece.curve.closed() && !piece.s.empty())
       s = piece.s.front() + (piece.s.back() > piece.s.front() ? 1 : -1);
     piece.s.push_back(s);
-    const double t = st(flat(piece.image.evaluate(at)))[1];
+    const double t = st(drop_z(piece.pcurve.evaluate(at)))[1];
     low = std::min(low, t);
     high = std::max(high, t);
   }
@@ -111,16 +111,16 @@ void SectionSurface::add(HermiteCurve curve, HermiteCurve image) {
 std::optional<double> SectionSurface::parameter_at(const Piece& piece, double s) const {
   for (size_t i = 0; i + 1 < piece.s.size(); ++i) {
     const double a = piece.s[i], b = piece.s[i + 1];
-    for (int around = ring_ ? -2 : 0; around <= (ring_ ? 2 : 0); ++around) {
+    for (int around = annulus_ ? -2 : 0; around <= (annulus_ ? 2 : 0); ++around) {
       const double wanted = s + around;
-      constexpr double near = 1e-9;
-      if (a == b || wanted < std::min(a, b) - near || wanted > std::max(a, b) + near) continue;
+      constexpr double kNear = 1e-9;
+      if (a == b || wanted < std::min(a, b) - kNear || wanted > std::max(a, b) + kNear) continue;
       // Images are straight or nearly so in between.
       double f = std::clamp((wanted - a) / (b - a), 0.0, 1.0);
       const double step = piece.at[i + 1] - piece.at[i];
       for (int round = 0; round < 4 && f > 0 && f < 1; ++round) {
         const double miss = wanted - s_of(piece, piece.at[i] + f * step);
-        f = std::clamp(f + (miss - std::round(ring_ ? miss : 0)) / (b - a), 0.0, 1.0);
+        f = std::clamp(f + (miss - std::round(annulus_ ? miss : 0)) / (b - a), 0.0, 1.0);
       }
       return piece.at[i] + f * step;
     }
@@ -129,22 +129,23 @@ std::optional<double> SectionSurface::parameter_at(const Piece& piece, double s)
 }
 
 Vec2 SectionSurface::inside(Vec2 st) const {
-  for (int i = ring_; i < 2; ++i) st[i] = std::clamp(st[i], 0.0, 1.0);
+  for (int i = annulus_; i < 2; ++i) st[i] = std::clamp(st[i], 0.0, 1.0);
   return st;
 }
 
-Vec3 SectionSurface::at_place(const Vec2& place, Vec3* by_t) const {
+Vec3 SectionSurface::evaluate_at(const Vec2& st_point, Vec3* by_t) const {
   std::vector<std::pair<double, Vec3>> points;
   for (const Piece& piece : pieces_)
-    if (const auto p = parameter_at(piece, place[0]))
-      points.emplace_back(st(flat(piece.image.evaluate(*p)))[1], piece.curve.evaluate(*p));
+    if (const auto p = parameter_at(piece, st_point[0]))
+      points.emplace_back(st(drop_z(piece.pcurve.evaluate(*p)))[1], piece.curve.evaluate(*p));
   std::sort(points.begin(), points.end(),
             [](const auto& a, const auto& b) { return a.first < b.first; });
-  constexpr double same = 1e-6;
-  points.erase(std::unique(points.begin(), points.end(),
-                           [&](const auto& a, const auto& b) { return b.first - a.first < same; }),
-               points.end());
-  const int count = count_of(points);
+  constexpr double kSameTolerance = 1e-6;
+  points.erase(
+      std::unique(points.begin(), points.end(),
+                  [&](const auto& a, const auto& b) { return b.first - a.first < kSameTolerance; }),
+      points.end());
+  const int count = isize(points);
   if (count < 2) {  // sections that do not reach here
     if (by_t) by_t->setZero();
     return points.empty() ? Vec3(Vec3::Zero()) : points[0].second;
@@ -162,7 +163,7 @@ Vec3 SectionSurface::at_place(const Vec2& place, Vec3* by_t) const {
     return points[0].second;
   }
   // The spline's own parameter is the chord length; it runs smoothly and forwards over t.
-  Points speed = open_spline_slopes(t, run);
+  Points speed = not_a_knot_slopes(t, run);
   for (int i = 0; i < count; ++i) {
     double most = std::numeric_limits<double>::infinity();
     for (const int k : {i - 1, i})
@@ -171,33 +172,35 @@ Vec3 SectionSurface::at_place(const Vec2& place, Vec3* by_t) const {
     speed(i, 0) = std::clamp(speed(i, 0), 0.1 * most, most);
   }
   const HermiteCurve along(t, run, speed);
-  const double u = along.evaluate(place[1])[0];
-  const HermiteCurve spline(chord, x, open_spline_slopes(chord, x));
-  if (by_t) *by_t = spline.evaluate(u, 1) * along.evaluate(place[1], 1)[0];
+  const double u = along.evaluate(st_point[1])[0];
+  const HermiteCurve spline(chord, x, not_a_knot_slopes(chord, x));
+  if (by_t) *by_t = spline.evaluate(u, 1) * along.evaluate(st_point[1], 1)[0];
   return spline.evaluate(u);
 }
 
-SectionSurface::Slopes SectionSurface::slopes(const Vec2& place) const {
+SectionSurface::Slopes SectionSurface::slopes(const Vec2& st_point) const {
   Slopes slopes;
-  slopes.x = at_place(place, &slopes.by_t);
+  slopes.x = evaluate_at(st_point, &slopes.by_t);
   constexpr double h = 1e-5;
-  const auto beside = [&](double step) { return at_place({place[0] + step, place[1]}, nullptr); };
-  if (ring_ || (place[0] > h && place[0] < 1 - h)) {
+  const auto beside = [&](double step) {
+    return evaluate_at({st_point[0] + step, st_point[1]}, nullptr);
+  };
+  if (annulus_ || (st_point[0] > h && st_point[0] < 1 - h)) {
     slopes.by_s = (beside(h) - beside(-h)) / (2 * h);
   } else {
-    const double in = place[0] > 0.5 ? -h : h;
+    const double in = st_point[0] > 0.5 ? -h : h;
     slopes.by_s = (4 * beside(in) - 3 * slopes.x - beside(2 * in)) / (2 * in);
   }
   return slopes;
 }
 
 Points SectionSurface::dofs() const {
-  return interpolated(*region_.mesh(), [this](const Vec2& uv) {
-    const Vec2 place = inside(st(uv));
-    const Slopes s = slopes(place);
+  return interpolate_surface(*region_.mesh(), [this](const Vec2& uv) {
+    const Vec2 st_point = inside(st(uv));
+    const Slopes s = slopes(st_point);
     Eigen::Matrix<double, 3, 2> by_st;
     by_st << s.by_s, s.by_t;
-    return SurfaceSlope{s.x, by_st * slopes_of_map(place).inverse()};
+    return FirstOrderJet{s.x, by_st * slopes_of_map(st_point).inverse()};
   });
 }
 

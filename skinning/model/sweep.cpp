@@ -9,10 +9,9 @@
 namespace batten {
 namespace {
 
-constexpr int kSteps = 96;    // of the rails: a full turn is 4 degrees a step
-constexpr int kSamples = 48;  // of the sections, for twist and mismatch
-constexpr double kLeastChord =
-    1e-3;  // of the longest chord: below, rails meet and there is no frame
+constexpr int kSteps = 96;          // of the rails: a full turn is 4 degrees a step
+constexpr int kSamples = 48;        // of the sections, for twist and mismatch
+constexpr double kMinChord = 1e-3;  // of the longest chord: below, rails meet and there is no frame
 
 Mat3 rotation(const Vec3& axis, double angle) {
   return Eigen::AngleAxisd(angle, axis).toRotationMatrix();
@@ -52,7 +51,7 @@ Sweep::Sweep(const Curve& c0, const Curve& c1, const Curve& r0, const Curve& r1)
                                : Mat3(between(chords_[static_cast<size_t>(k) - 1], chords_.back()) *
                                       transported_.back()));
   }
-  if (!(least > kLeastChord * most)) {
+  if (!(least > kMinChord * most)) {
     mismatch_ = std::numeric_limits<double>::infinity();
     return;
   }
@@ -73,11 +72,11 @@ Sweep::Sweep(const Curve& c0, const Curve& c1, const Curve& r0, const Curve& r1)
   const double alike = std::hypot(cosine, sine);
   const double turn = alike > 1e-24 ? std::atan2(sine, cosine) : 0;
   // Below the first of these, a share of the other section's bulge, a section is straight.
-  constexpr double straight = 0.05, bulged = 0.25, quarter = std::numbers::pi / 2;
-  constexpr double most_twist = 130 * std::numbers::pi / 180;
-  const double twist = turn * smooth_step(std::abs(turn), std::numbers::pi, most_twist) *
-                       smooth_step(alike / std::max({bulge0, bulge1, 1e-24}), straight, bulged);
-  quarter_ = std::clamp(twist, -quarter, quarter);
+  constexpr double kStraight = 0.05, kBulged = 0.25, kQuarter = std::numbers::pi / 2;
+  constexpr double kMaxTwist = 130 * std::numbers::pi / 180;
+  const double twist = turn * smooth_step(std::abs(turn), std::numbers::pi, kMaxTwist) *
+                       smooth_step(alike / std::max({bulge0, bulge1, 1e-24}), kStraight, kBulged);
+  quarter_ = std::clamp(twist, -kQuarter, kQuarter);
   twist_ = twist - quarter_;
   to_first_ = rotation(e, -twist_) * back;
   const Mat3 untwist = rotation(e, -twist);
@@ -99,8 +98,8 @@ Sweep::Weights Sweep::across(double v) const {
           quarter_ * std::cos(to) / sine};
 }
 
-Sweep::Jet Sweep::at(double v, const Place& c0, const Place& c1, const Place& r0,
-                     const Place& r1) const {
+Sweep::Jet Sweep::at(double v, const PointAndSlope& c0, const PointAndSlope& c1,
+                     const PointAndSlope& r0, const PointAndSlope& r1) const {
   const Vec3 chord = r1.x - r0.x, chord_v = r1.slope - r0.slope;
   const double length = chord.norm();
   const Vec3 e = chord / length;

@@ -36,10 +36,10 @@ namespace batten {
 class Sweep {
  public:
   /// A place of a curve and its derivative by the curve's parameter.
-  struct Place {
+  struct PointAndSlope {
     Vec3 x, slope;
   };
-  using Curve = std::function<Place(double)>;
+  using Curve = std::function<PointAndSlope(double)>;
   Sweep(const Curve& c0, const Curve& c1, const Curve& r0, const Curve& r1);
 
   /// Root mean square of |a1 - a0|: how much the shape of the section changes on its way, relative
@@ -51,7 +51,8 @@ class Sweep {
     Vec3 x, by_u, by_v;
   };
   /// `c0`, `c1`: the sections at u; `r0`, `r1`: the rails at v. A little beyond [0, 1] is allowed.
-  Jet at(double v, const Place& c0, const Place& c1, const Place& r0, const Place& r1) const;
+  Jet at(double v, const PointAndSlope& c0, const PointAndSlope& c1, const PointAndSlope& r0,
+         const PointAndSlope& r1) const;
 
  private:
   // Weights of the sections across the chord at v, and their derivatives.

@@ -2,57 +2,62 @@
 
 #include <algorithm>
 
-#include "batten/skinning/network/strand_distance.h"
+#include "batten/skinning/network/curve_distance.h"
 
-namespace batten::netting {
+namespace batten::detail {
 namespace {
 
-std::vector<Chord> chords_of(const std::vector<Strand>& strands) {
+std::vector<Chord> chords_of(const std::vector<SampledCurve>& sampled_curves) {
   std::vector<Chord> chords;
-  for (int k = 0; k < count_of(strands); ++k)
-    for (int i = 0; i < strands[k].segments(); ++i) chords.push_back({k, i});
+  for (int k = 0; k < isize(sampled_curves); ++k)
+    for (int i = 0; i < sampled_curves[k].segments(); ++i) chords.push_back({k, i});
   return chords;
 }
 
-BoxTree tree_of(const std::vector<Strand>& strands, const std::vector<Chord>& chords) {
-  std::vector<Box> boxes;
+AabbTree tree_of(const std::vector<SampledCurve>& sampled_curves,
+                 const std::vector<Chord>& chords) {
+  std::vector<Aabb> boxes;
   for (const Chord& c : chords) {
-    const Strand& strand = strands[c.strand];
-    const Vec3 sag = Vec3::Constant(strand.sag[c.segment]);
-    Box box;
-    for (const Vec3& p : {strand.x[c.segment], strand.x[c.segment + 1]})
+    const SampledCurve& sampled_curve = sampled_curves[c.sampled_curve];
+    const Vec3 sag = Vec3::Constant(sampled_curve.sag[c.segment]);
+    Aabb box;
+    for (const Vec3& p : {sampled_curve.x[c.segment], sampled_curve.x[c.segment + 1]})
       box.add({p - sag, p + sag});
     boxes.push_back(box);
   }
-  return BoxTree(std::move(boxes));
+  return AabbTree(std::move(boxes));
 }
 
 // The parameter of a strand's point nearest to p on and around one of its chords.
-double foot_near(const Strand& strand, int segment, const Vec3& p) {
-  const Vec3 chord = strand.x[segment + 1] - strand.x[segment];
+double closest_parameter_near(const SampledCurve& sampled_curve, int segment, const Vec3& p) {
+  const Vec3 chord = sampled_curve.x[segment + 1] - sampled_curve.x[segment];
   const double along = std::clamp(
-      (p - strand.x[segment]).dot(chord) / std::max(chord.squaredNorm(), 1e-300), 0.0, 1.0);
-  const auto range = bracket(strand, segment);
-  return strand.foot(p, strand.t[segment] + along * (strand.t[segment + 1] - strand.t[segment]),
-                     range[0], range[1]);
+      (p - sampled_curve.x[segment]).dot(chord) / std::max(chord.squaredNorm(), 1e-300), 0.0, 1.0);
+  const auto range = bracket(sampled_curve, segment);
+  return sampled_curve.closest_parameter(
+      p,
+      sampled_curve.t[segment] + along * (sampled_curve.t[segment + 1] - sampled_curve.t[segment]),
+      range[0], range[1]);
 }
 
 }  // namespace
 
-ChordTree::ChordTree(const std::vector<Strand>& strands)
-    : strands_(strands), chords_(chords_of(strands)), tree_(tree_of(strands, chords_)) {}
+ChordTree::ChordTree(const std::vector<SampledCurve>& sampled_curves)
+    : sampled_curves_(sampled_curves),
+      chords_(chords_of(sampled_curves)),
+      tree_(tree_of(sampled_curves, chords_)) {}
 
-std::vector<NearPlace> ChordTree::near_point(const Vec3& p, double reach) const {
+std::vector<NearPoint> ChordTree::near_points(const Vec3& p, double reach) const {
   std::vector<int> near;
-  tree_.near_box({p, p}, reach, [&](int i) { near.push_back(i); });
+  tree_.for_each_near_box({p, p}, reach, [&](int i) { near.push_back(i); });
   std::sort(near.begin(), near.end());
-  std::vector<NearPlace> places;
+  std::vector<NearPoint> points;
   for (const int i : near) {
-    const Strand& strand = strands_[chords_[i].strand];
-    const double t = foot_near(strand, chords_[i].segment, p);
-    places.push_back({chords_[i].strand, t, (strand.point(t) - p).norm()});
+    const SampledCurve& sampled_curve = sampled_curves_[chords_[i].sampled_curve];
+    const double t = closest_parameter_near(sampled_curve, chords_[i].segment, p);
+    points.push_back({chords_[i].sampled_curve, t, (sampled_curve.point(t) - p).norm()});
   }
-  return places;
+  return points;
 }
 
-}  // namespace batten::netting
+}  // namespace batten::detail

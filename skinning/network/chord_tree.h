@@ -3,18 +3,18 @@
 
 #include <vector>
 
-#include "batten/skinning/network/network_boxes.h"
-#include "batten/skinning/network/network_lines.h"
+#include "batten/skinning/network/aabb_tree.h"
+#include "batten/skinning/network/sampled_curve.h"
 
-namespace batten::netting {
+namespace batten::detail {
 
 struct Chord {
-  int strand, segment;
+  int sampled_curve, segment;
 };
 
 /// A point of a strand near a given one.
-struct NearPlace {
-  int strand;
+struct NearPoint {
+  int sampled_curve;
   double t;  ///< parameter
   double distance;
 };
@@ -22,22 +22,22 @@ struct NearPlace {
 /// The strands must outlive it.
 class ChordTree {
  public:
-  explicit ChordTree(const std::vector<Strand>& strands);
+  explicit ChordTree(const std::vector<SampledCurve>& sampled_curves);
 
   const Chord& chord(int i) const { return chords_[i]; }
   /// Calls found(i, j), i < j, for chords whose boxes are not farther apart than `reach`.
   template <class Found>
-  void near_pairs(double reach, const Found& found) const {
-    tree_.near_pairs(reach, found);
+  void for_each_near_pair(double reach, const Found& found) const {
+    tree_.for_each_near_pair(reach, found);
   }
   /// The place nearest to p on and around each chord that may come within `reach`, by chord: a
   /// strand is there as often as it has such chords.
-  std::vector<NearPlace> near_point(const Vec3& p, double reach) const;
+  std::vector<NearPoint> near_points(const Vec3& p, double reach) const;
 
  private:
-  const std::vector<Strand>& strands_;
+  const std::vector<SampledCurve>& sampled_curves_;
   std::vector<Chord> chords_;
-  BoxTree tree_;
+  AabbTree tree_;
 };
 
-}  // namespace batten::netting
+}  // namespace batten::detail

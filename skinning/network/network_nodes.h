@@ -3,18 +3,18 @@
 
 #include <vector>
 
-#include "batten/skinning/network/arcs.h"
-#include "batten/skinning/network/cuts.h"
-#include "batten/skinning/network/network_contacts.h"
+#include "batten/skinning/network/contacts.h"
+#include "batten/skinning/network/network_edge.h"
+#include "batten/skinning/network/network_topology.h"
 
-namespace batten::netting {
+namespace batten::detail {
 
 /// Ends, contacts and corners become nodes, the nearest first: two nodes become one where all
 /// places then lie within the tolerance of the new one, which is the mean of the places inside of
 /// lines and at their corners where there are any, of ends otherwise. What is repaired, left out
-/// and found is added to `findings`.
-NodesAndCuts make_nodes(const Strands& strands, const Contacts& contacts, double tolerance,
-                        const std::vector<CharacterLine>& lines,
-                        std::vector<NetworkFinding>& findings);
+/// and found is added to `diagnostics`.
+NetworkTopology make_nodes(const SampledCurves& sampled_curves, const Contacts& contacts,
+                           double tolerance, const std::vector<CharacterLine>& lines,
+                           std::vector<NetworkDiagnostic>& diagnostics);
 
-}  // namespace batten::netting
+}  // namespace batten::detail

@@ -7,7 +7,7 @@
 
 namespace batten {
 
-class ElementSizes;  // skinning/domains/element_sizes.h
+class SizeField;  // skinning/domains/size_field.h
 
 /// How a region is made of its lines.
 struct SkinOptions {
@@ -25,10 +25,10 @@ struct SkinOptions {
   Mesher mesher = Mesher::Delaunay;
   enum class Domain {
     Auto,
-    Polygon,  ///< for three corners or more; lines are fitted
-    Plane,    ///< for a loop that projects simply; lines are embedded
-    Sheet,    ///< for any other loop, unfolded like a strip of paper; lines are embedded
-    Ring      ///< for two smooth loops; they are fitted
+    Polygon,      ///< for three corners or more; lines are fitted
+    Projected,    ///< for a loop that projects simply; lines are embedded
+    Developable,  ///< for any other loop, unfolded like a strip of paper; lines are embedded
+    Annulus       ///< for two smooth loops; they are fitted
   };
   Domain domain = Domain::Auto;
   /// Every corner turns to the left of the loop, wherever the lines alone seem to turn: so do those of a
@@ -40,18 +40,18 @@ struct SkinOptions {
   /// Inner lines of a ring are sections of it, in their order from the first rim to the last.
   bool sections = false;
   /// The outline runs against its first line: the normal points to the other side.
-  bool against_first = false;
+  bool reverse_orientation = false;
   /// Whether a polygon's corners move, and the mesh is made anew, until the surface that the lines
   /// make is as little stretched and sheared as straight sides allow (at most three rounds, each
   /// one solve).
-  bool settle = false;
+  bool minimize_distortion = false;
   /// How often the triangles of the fan are cut in four; -1: until edges are short enough. Lines
   /// that need more nodes than the fan then has on a side to reach the tolerance are refused.
   int fan_refinements = -1;
   /// Target length of element edges, model units. 0: 1/20 of the region's size.
   double edge_length = 0;
   /// Shorter edges than that, on a polygon of given curves; null: none.
-  std::shared_ptr<const ElementSizes> sizes{};
+  std::shared_ptr<const SizeField> size_field{};
 };
 
 }  // namespace batten

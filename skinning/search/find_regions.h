@@ -20,7 +20,7 @@ namespace batten {
 ///    plane, arcs that it jumps over, nodes that it passes twice. It is given 1.25 for each side of
 ///    an arc that it covers. Two loops on one arc pay 0.53 (φ / 90°)², with φ the angle by which
 ///    they turn against each other: 0 where one continues the other, 180° where it lies on it.
-/// 3. The set of loops with the largest sum, with at most `most_at_line` loops on an arc, is chosen.
+/// 3. The set of loops with the largest sum, with at most `max_faces_per_edge` loops on an arc, is chosen.
 ///    It is proved best by a dual bound and by branch and bound, unless that is cut short
 ///    (region_selection.h; `optimal`).
 ///
@@ -47,7 +47,7 @@ namespace batten {
 ///
 /// Throws InputError, in words for the user: names that are not there, words whose arcs do not
 /// close a loop or that contradict each other.
-FoundRegions find_regions(const CharacterLineNetwork& network, const RegionOptions& options = {},
+FoundRegions find_regions(const CurveNetwork& network, const RegionSearchOptions& options = {},
                           const Progress& progress = {});
 
 }  // namespace batten

@@ -7,12 +7,12 @@
 
 #include "batten/core/box.h"
 #include "batten/core/errors.h"
-#include "batten/core/index.h"
+#include "batten/core/isize.h"
 
 namespace batten {
 namespace {
 
-constexpr int kPieces = RegionArc::kPieces;
+constexpr int kPieces = GraphEdge::kPieces;
 
 Vec3 any_across(const Vec3& t) {
   int least = 0;
@@ -33,8 +33,8 @@ Vec3 transported(const Vec3& u, const Vec3& p, const Vec3& q, const Vec3& t, con
 }
 
 // Fills in tangents and frames from the points; `ends`: the directions there, where they are known.
-void make_frames(RegionArc& arc, const std::optional<std::pair<Vec3, Vec3>>& ends = {}) {
-  const auto& x = arc.points;
+void make_frames(GraphEdge& edge, const std::optional<std::pair<Vec3, Vec3>>& ends = {}) {
+  const auto& x = edge.points;
   const double scale = (x.front() - x[kPieces / 2]).norm() + (x.back() - x[kPieces / 2]).norm();
   const auto direction = [&](int a, int b) {
     for (; a > 0 || b < kPieces; a = std::max(a - 1, 0), b = std::min(b + 1, kPieces))
@@ -43,72 +43,72 @@ void make_frames(RegionArc& arc, const std::optional<std::pair<Vec3, Vec3>>& end
     return d.norm() > 0 ? Vec3(d.normalized()) : Vec3(Vec3::UnitX());
   };
   for (int k = 0; k <= kPieces; ++k)
-    arc.tangents[k] = direction(std::max(k - 1, 0), std::min(k + 1, kPieces));
+    edge.tangents[k] = direction(std::max(k - 1, 0), std::min(k + 1, kPieces));
   // At the ends the tangent of the parabola through three points, unless the line turns too fast.
   const auto at_end = [&](Vec3& tangent, const Vec3& p, const Vec3& q, const Vec3& r, int sign) {
     const Vec3 parabola = sign * (4 * (q - p) - (r - p));
     if (parabola.norm() > 1e-12 * scale && parabola.normalized().dot(tangent) > 0.5)
       tangent = parabola.normalized();
   };
-  at_end(arc.tangents.front(), x[0], x[1], x[2], 1);
-  at_end(arc.tangents.back(), x[kPieces], x[kPieces - 1], x[kPieces - 2], -1);
-  if (ends && ends->first.norm() > 0) arc.tangents.front() = ends->first.normalized();
-  if (ends && ends->second.norm() > 0) arc.tangents.back() = ends->second.normalized();
-  arc.u[0] = any_across(arc.tangents[0]);
+  at_end(edge.tangents.front(), x[0], x[1], x[2], 1);
+  at_end(edge.tangents.back(), x[kPieces], x[kPieces - 1], x[kPieces - 2], -1);
+  if (ends && ends->first.norm() > 0) edge.tangents.front() = ends->first.normalized();
+  if (ends && ends->second.norm() > 0) edge.tangents.back() = ends->second.normalized();
+  edge.u[0] = any_across(edge.tangents[0]);
   for (int k = 0; k < kPieces; ++k) {
-    arc.u[k + 1] = transported(arc.u[k], x[k], x[k + 1], arc.tangents[k], arc.tangents[k + 1]);
-    const Vec3 turn = arc.tangents[k + 1] - arc.tangents[k];
-    const Vec3 u = (arc.u[k] + arc.u[k + 1]) / 2, t = (arc.tangents[k] + arc.tangents[k + 1]) / 2;
-    arc.turn_u += turn.dot(u);
-    arc.turn_v += turn.dot(t.cross(u));
+    edge.u[k + 1] = transported(edge.u[k], x[k], x[k + 1], edge.tangents[k], edge.tangents[k + 1]);
+    const Vec3 tangent_change = edge.tangents[k + 1] - edge.tangents[k];
+    const Vec3 u = (edge.u[k] + edge.u[k + 1]) / 2,
+               t = (edge.tangents[k] + edge.tangents[k + 1]) / 2;
+    edge.turning_u += tangent_change.dot(u);
+    edge.turning_v += tangent_change.dot(t.cross(u));
   }
-  for (int k = 0; k <= kPieces; ++k) arc.v[k] = arc.tangents[k].cross(arc.u[k]);
+  for (int k = 0; k <= kPieces; ++k) edge.v[k] = edge.tangents[k].cross(edge.u[k]);
 }
 
 }  // namespace
 
-double RegionArc::angle(bool end, const Vec3& across) const {
+double GraphEdge::angle(bool end, const Vec3& across) const {
   const int k = end ? kPieces : 0;
   return std::atan2(across.dot(v[k]), across.dot(u[k]));
 }
 
-Vec3 RegionArc::across(bool end, double angle) const {
+Vec3 GraphEdge::across(bool end, double angle) const {
   const int k = end ? kPieces : 0;
   return std::cos(angle) * u[k] + std::sin(angle) * v[k];
 }
 
-Vec3 RegionArc::carried(bool from_end, const Vec3& across) const {
+Vec3 GraphEdge::parallel_transported(bool from_end, const Vec3& across) const {
   const int k = from_end ? kPieces : 0, l = kPieces - k;
   const Vec3 next = across.dot(u[k]) * u[l] + across.dot(v[k]) * v[l];
   const double norm = next.norm();
   return norm > 1e-12 ? Vec3(next / norm) : u[l];
 }
 
-RegionGraph::RegionGraph(const CharacterLineNetwork& network, EndTangents tangents)
-    : size(network.size()) {
+RegionGraph::RegionGraph(const CurveNetwork& network, EndTangents tangents) : size(network.size()) {
   for (const NetworkNode& node : network.nodes()) nodes.push_back(node.position);
-  for (const NetworkArc& from : network.arcs()) {
-    RegionArc arc;
-    arc.name = from.name;
-    arc.line = network.lines()[from.line].name;
-    arc.role = network.lines()[from.line].role;
-    arc.nodes = from.nodes;
-    arc.length = from.length;
+  for (const NetworkEdge& from : network.edges()) {
+    GraphEdge edge;
+    edge.name = from.name;
+    edge.line = network.lines()[from.line].name;
+    edge.role = network.lines()[from.line].role;
+    edge.nodes = from.nodes;
+    edge.length = from.length;
     const double a = from.curve.start(), b = from.curve.end();
     for (int k = 0; k <= kPieces; ++k)
-      arc.points[k] = from.curve.evaluate(a + (b - a) * k / kPieces);
-    arc.points.front() = nodes[arc.nodes[0]];
-    arc.points.back() = nodes[arc.nodes[1]];
+      edge.points[k] = from.curve.evaluate(a + (b - a) * k / kPieces);
+    edge.points.front() = nodes[edge.nodes[0]];
+    edge.points.back() = nodes[edge.nodes[1]];
     if (tangents == EndTangents::OfCurve)
-      make_frames(arc, std::pair{from.curve.evaluate(a, 1), from.curve.evaluate(b, 1)});
+      make_frames(edge, std::pair{from.curve.evaluate(a, 1), from.curve.evaluate(b, 1)});
     else
-      make_frames(arc);
-    arcs.push_back(std::move(arc));
+      make_frames(edge);
+    edges.push_back(std::move(edge));
   }
   connect();
 }
 
-RegionGraph::RegionGraph(std::vector<Vec3> positions, std::vector<std::array<int, 2>> arc_nodes,
+RegionGraph::RegionGraph(std::vector<Vec3> positions, std::vector<std::array<int, 2>> edge_nodes,
                          const std::vector<std::vector<Vec3>>& polylines,
                          std::vector<std::string> names)
     : nodes(std::move(positions)) {
@@ -120,82 +120,82 @@ RegionGraph::RegionGraph(std::vector<Vec3> positions, std::vector<std::array<int
       along.push_back(along.back() + (line[i] - line[i - 1]).norm());
     if (line.size() < 2 || !std::isfinite(along.back()) || along.back() <= 0)
       throw InputError("arc '" + names[a] + "' needs two finite points or more that lie apart");
-    RegionArc arc;
-    arc.name = arc.line = names[a];
-    arc.nodes = arc_nodes[a];
-    arc.length = along.back();
+    GraphEdge edge;
+    edge.name = edge.line = names[a];
+    edge.nodes = edge_nodes[a];
+    edge.length = along.back();
     size_t i = 1;
     for (int k = 0; k <= kPieces; ++k) {
       const double s = along.back() * k / kPieces;
       while (i + 1 < along.size() && along[i] < s) ++i;
       const double piece = along[i] - along[i - 1];
       const double f = piece > 0 ? std::clamp((s - along[i - 1]) / piece, 0.0, 1.0) : 0;
-      arc.points[k] = (1 - f) * line[i - 1] + f * line[i];
-      box.extend(arc.points[k]);
+      edge.points[k] = (1 - f) * line[i - 1] + f * line[i];
+      box.extend(edge.points[k]);
     }
-    make_frames(arc);
-    arcs.push_back(std::move(arc));
+    make_frames(edge);
+    edges.push_back(std::move(edge));
   }
-  if (!arcs.empty()) size = box.diagonal().norm();
+  if (!edges.empty()) size = box.diagonal().norm();
   connect();
 }
 
 void RegionGraph::connect() {
   ends.resize(nodes.size());
-  for (int a = 0; a < count_of(arcs); ++a)
-    for (const bool end : {false, true}) ends[arcs[a].nodes[end]].push_back({a, end});
+  for (int a = 0; a < isize(edges); ++a)
+    for (const bool end : {false, true}) ends[edges[a].nodes[end]].push_back({a, end});
   find_core();
-  find_parts();
+  find_components();
 }
 
 // Dangling arcs come off, from their free ends inwards.
 void RegionGraph::find_core() {
-  core.assign(arcs.size(), true);
-  for (size_t a = 0; a < arcs.size(); ++a) core[a] = arcs[a].role == CharacterLine::Role::Outline;
+  core.assign(edges.size(), true);
+  for (size_t a = 0; a < edges.size(); ++a) core[a] = edges[a].role == CharacterLine::Role::Outline;
   std::vector<int> degree(nodes.size()), free_ends;
   for (size_t n = 0; n < nodes.size(); ++n) {
     degree[n] = static_cast<int>(std::count_if(ends[n].begin(), ends[n].end(),
-                                               [&](const ArcEnd& e) { return core[e.arc]; }));
+                                               [&](const EdgeEnd& e) { return core[e.edge]; }));
     if (degree[n] == 1) free_ends.push_back(static_cast<int>(n));
   }
   while (!free_ends.empty()) {
     const int n = free_ends.back();
     free_ends.pop_back();
-    for (const ArcEnd& e : ends[n])
-      if (core[e.arc]) {
-        core[e.arc] = false;
-        const int other = arcs[e.arc].nodes[!e.end];
+    for (const EdgeEnd& e : ends[n])
+      if (core[e.edge]) {
+        core[e.edge] = false;
+        const int other = edges[e.edge].nodes[!e.end];
         if (--degree[other] == 1) free_ends.push_back(other);
       }
   }
 }
 
 // Parts and bridges: a depth-first walk; an arc is a bridge when nothing below it reaches above it.
-void RegionGraph::find_parts() {
-  part.assign(arcs.size(), -1);
-  bridge.assign(arcs.size(), false);
+void RegionGraph::find_components() {
+  component.assign(edges.size(), -1);
+  bridge.assign(edges.size(), false);
   std::vector<int> order(nodes.size(), -1), low(nodes.size());
   int clock = 0;
   struct Visit {
     int node, by;  // arc that led here
     size_t next = 0;
   };
-  for (int first = 0; first < count_of(arcs); ++first) {
-    if (part[first] >= 0) continue;
-    std::vector<Visit> path{{arcs[first].nodes[0], -1}};
+  for (int first = 0; first < isize(edges); ++first) {
+    if (component[first] >= 0) continue;
+    std::vector<Visit> path{{edges[first].nodes[0], -1}};
     order[path[0].node] = low[path[0].node] = clock++;
     while (!path.empty()) {
       Visit& here = path.back();
       if (here.next < ends[here.node].size()) {
-        const ArcEnd e = ends[here.node][here.next++];
-        part[e.arc] = part_count;
-        if (e.arc == here.by) continue;
-        const int other = arcs[e.arc].nodes[!e.end];
+        const EdgeEnd e = ends[here.node][here.next++];
+        component[e.edge] = component_count;
+        if (e.edge == here.by) continue;
+        const int other = edges[e.edge].nodes[!e.end];
         if (order[other] >= 0) {
           low[here.node] = std::min(low[here.node], order[other]);
         } else {
           order[other] = low[other] = clock++;
-          path.push_back({other, e.arc});
+          path.push_back({other, e.edge});
         }
       } else {
         const Visit done = here;
@@ -206,57 +206,57 @@ void RegionGraph::find_parts() {
         if (low[done.node] > order[above]) bridge[done.by] = true;
       }
     }
-    ++part_count;
+    ++component_count;
   }
 }
 
-std::vector<int> RegionGraph::named(const std::string& name) const {
+std::vector<int> RegionGraph::edges_named(const std::string& name) const {
   std::vector<int> own, all;
-  for (int a = 0; a < count_of(arcs); ++a) {
-    if (arcs[a].name == name) own.push_back(a);
-    if (arcs[a].line == name) all.push_back(a);
+  for (int a = 0; a < isize(edges); ++a) {
+    if (edges[a].name == name) own.push_back(a);
+    if (edges[a].line == name) all.push_back(a);
   }
   return own.empty() ? all : own;
 }
 
-std::vector<Vec3> RegionGraph::sampled(const ArcLoop& loop, int per_arc) const {
+std::vector<Vec3> RegionGraph::sampled(const EdgeLoop& loop, int per_edge) const {
   std::vector<Vec3> points;
-  points.reserve(loop.size() * per_arc);
-  for (const ArcUse& use : loop)
-    for (int i = 0; i < per_arc; ++i) {
-      const double s = static_cast<double>(i) / per_arc * kPieces;
+  points.reserve(loop.size() * per_edge);
+  for (const OrientedEdge& use : loop)
+    for (int i = 0; i < per_edge; ++i) {
+      const double s = static_cast<double>(i) / per_edge * kPieces;
       const double along = use.reversed ? kPieces - s : s;
       const int k = std::min(static_cast<int>(along), kPieces - 1);
-      const auto& x = arcs[use.arc].points;
+      const auto& x = edges[use.edge].points;
       points.push_back(x[k] + (along - k) * (x[k + 1] - x[k]));
     }
   return points;
 }
 
-std::vector<int> arcs_of(const ArcLoop& loop) {
-  std::vector<int> arcs;
-  for (const ArcUse& use : loop) arcs.push_back(use.arc);
-  std::sort(arcs.begin(), arcs.end());
-  return arcs;
+std::vector<int> edges_of(const EdgeLoop& loop) {
+  std::vector<int> edges;
+  for (const OrientedEdge& use : loop) edges.push_back(use.edge);
+  std::sort(edges.begin(), edges.end());
+  return edges;
 }
 
-ArcLoop canonical(const ArcLoop& loop) {
-  const auto less = [](const ArcLoop& a, const ArcLoop& b) {
+EdgeLoop canonical(const EdgeLoop& loop) {
+  const auto less = [](const EdgeLoop& a, const EdgeLoop& b) {
     return std::lexicographical_compare(
-        a.begin(), a.end(), b.begin(), b.end(), [](const ArcUse& x, const ArcUse& y) {
-          return x.arc != y.arc ? x.arc < y.arc : x.reversed < y.reversed;
+        a.begin(), a.end(), b.begin(), b.end(), [](const OrientedEdge& x, const OrientedEdge& y) {
+          return x.edge != y.edge ? x.edge < y.edge : x.reversed < y.reversed;
         });
   };
-  ArcLoop back(loop.rbegin(), loop.rend());
-  for (ArcUse& use : back) use.reversed = !use.reversed;
-  const int lowest = loop.empty() ? 0 : arcs_of(loop).front();
-  ArcLoop best;
-  for (const ArcLoop* way : {&loop, static_cast<const ArcLoop*>(&back)})
-    for (size_t i = 0; i < way->size(); ++i) {
-      if ((*way)[i].arc != lowest) continue;
-      ArcLoop turned(way->begin() + i, way->end());
-      turned.insert(turned.end(), way->begin(), way->begin() + i);
-      if (best.empty() || less(turned, best)) best = std::move(turned);
+  EdgeLoop back(loop.rbegin(), loop.rend());
+  for (OrientedEdge& use : back) use.reversed = !use.reversed;
+  const int lowest = loop.empty() ? 0 : edges_of(loop).front();
+  EdgeLoop best;
+  for (const EdgeLoop* candidate : {&loop, static_cast<const EdgeLoop*>(&back)})
+    for (size_t i = 0; i < candidate->size(); ++i) {
+      if ((*candidate)[i].edge != lowest) continue;
+      EdgeLoop rotated(candidate->begin() + i, candidate->end());
+      rotated.insert(rotated.end(), candidate->begin(), candidate->begin() + i);
+      if (best.empty() || less(rotated, best)) best = std::move(rotated);
     }
   return best;
 }

@@ -14,7 +14,7 @@ namespace batten {
 /// without turning about the tangent (parallel transport, by double reflection; Wang, Jüttler,
 /// Zheng, Liu 2008). A direction across the arc is one angle in that frame, from u towards v. A
 /// direction that keeps its angle does not twist about the arc.
-struct RegionArc {
+struct GraphEdge {
   static constexpr int kPieces = 16;
 
   std::string name, line;
@@ -24,7 +24,7 @@ struct RegionArc {
   double length = 0;
   std::array<Vec3, kPieces + 1> points, tangents, u, v;  ///< u × v = tangent
   /// ∫ of the curvature towards u and towards v: the angle by which the arc turns there, radians.
-  double turn_u = 0, turn_v = 0;
+  double turning_u = 0, turning_v = 0;
 
   bool closed() const { return nodes[0] == nodes[1]; }
   /// Returns the unit direction away from the node at the start (false) or end (true).
@@ -32,20 +32,20 @@ struct RegionArc {
   double angle(bool end, const Vec3& across) const;
   Vec3 across(bool end, double angle) const;
   /// Returns a direction across the arc at one end, carried to the other end.
-  Vec3 carried(bool from_end, const Vec3& across) const;
+  Vec3 parallel_transported(bool from_end, const Vec3& across) const;
 };
 
 /// The graph that arcs and nodes make.
 struct RegionGraph {
-  std::vector<RegionArc> arcs;
+  std::vector<GraphEdge> edges;
   std::vector<Vec3> nodes;
-  std::vector<std::vector<ArcEnd>> ends;  ///< arc ends at each node
+  std::vector<std::vector<EdgeEnd>> ends;  ///< arc ends at each node
   /// Arcs of outlines that lie on a cycle or between cycles: what is left when dangling arcs are
   /// taken away again and again until none dangles.
   std::vector<bool> core;
-  std::vector<bool> bridge;  ///< without the arc its part would be two
-  std::vector<int> part;     ///< connected part of each arc, numbered in the order of arcs
-  int part_count = 0;
+  std::vector<bool> bridge;    ///< without the arc its part would be two
+  std::vector<int> component;  ///< connected part of each arc, numbered in the order of arcs
+  int component_count = 0;
   double size = 1;
 
   RegionGraph() = default;
@@ -55,33 +55,32 @@ struct RegionGraph {
     OfCurve    ///< as its curve does: at the nose of a section it does not run along the chord
   };
   /// Makes the graph from the curves of a network. O(arcs).
-  explicit RegionGraph(const CharacterLineNetwork& network,
-                       EndTangents tangents = EndTangents::OfPieces);
+  explicit RegionGraph(const CurveNetwork& network, EndTangents tangents = EndTangents::OfPieces);
   /// Makes it from polylines of two points or more between nodes. Throws InputError: fewer points,
   /// numbers that are not finite, no length.
-  RegionGraph(std::vector<Vec3> nodes, std::vector<std::array<int, 2>> arc_nodes,
+  RegionGraph(std::vector<Vec3> nodes, std::vector<std::array<int, 2>> edge_nodes,
               const std::vector<std::vector<Vec3>>& polylines, std::vector<std::string> names);
 
-  int node_before(const ArcUse& use) const { return arcs[use.arc].nodes[use.reversed]; }
-  int node_after(const ArcUse& use) const { return arcs[use.arc].nodes[!use.reversed]; }
+  int node_before(const OrientedEdge& use) const { return edges[use.edge].nodes[use.reversed]; }
+  int node_after(const OrientedEdge& use) const { return edges[use.edge].nodes[!use.reversed]; }
   /// Return the unit tangent in the direction of travel where the use begins, and where it ends.
-  Vec3 leaving(const ArcUse& use) const { return arcs[use.arc].out(use.reversed); }
-  Vec3 arriving(const ArcUse& use) const { return -arcs[use.arc].out(!use.reversed); }
+  Vec3 leaving(const OrientedEdge& use) const { return edges[use.edge].out(use.reversed); }
+  Vec3 arriving(const OrientedEdge& use) const { return -edges[use.edge].out(!use.reversed); }
   /// Returns the arc of this name, or all arcs of the line of this name; empty when there is none.
-  std::vector<int> named(const std::string& name) const;
-  /// Returns points along the loop, `per_arc` for each arc, none repeated.
-  std::vector<Vec3> sampled(const ArcLoop& loop, int per_arc) const;
+  std::vector<int> edges_named(const std::string& name) const;
+  /// Returns points along the loop, `per_edge` for each arc, none repeated.
+  std::vector<Vec3> sampled(const EdgeLoop& loop, int per_edge) const;
 
  private:
   void connect();
   void find_core();
-  void find_parts();
+  void find_components();
 };
 
 /// Returns a loop from its lowest arc on, in the direction that comes first in order: equal loops
 /// become the same.
-ArcLoop canonical(const ArcLoop& loop);
+EdgeLoop canonical(const EdgeLoop& loop);
 /// Returns the arcs of a loop, ascending.
-std::vector<int> arcs_of(const ArcLoop& loop);
+std::vector<int> edges_of(const EdgeLoop& loop);
 
 }  // namespace batten

@@ -7,10 +7,10 @@
 #include <set>
 
 #include "batten/core/errors.h"
-#include "batten/core/index.h"
-#include "batten/core/words.h"
-#include "batten/skinning/domains/plain_fill.h"
-#include "batten/skinning/search/plane_loops.h"
+#include "batten/core/format.h"
+#include "batten/core/isize.h"
+#include "batten/skinning/domains/hole_triangulation.h"
+#include "batten/skinning/search/planar_loops.h"
 
 namespace batten {
 namespace {
@@ -34,13 +34,15 @@ Vec3 nearest(const Vec3& p, const std::array<Vec3, 3>& triangle) {
   return sum > 0 ? Vec3(a + vb / sum * ab + vc / sum * ac) : a;
 }
 
-std::vector<Vec3> points_of(const RegionArc& arc) { return {arc.points.begin(), arc.points.end()}; }
+std::vector<Vec3> points_of(const GraphEdge& edge) {
+  return {edge.points.begin(), edge.points.end()};
+}
 
-double distance_to_loop(const RegionGraph& graph, const ArcLoop& loop, const Vec3& p) {
+double distance_to_loop(const RegionGraph& graph, const EdgeLoop& loop, const Vec3& p) {
   double least = HUGE_VAL;
-  for (const ArcUse& use : loop)
-    for (int k = 0; k < RegionArc::kPieces; ++k) {
-      const auto& x = graph.arcs[use.arc].points;
+  for (const OrientedEdge& use : loop)
+    for (int k = 0; k < GraphEdge::kPieces; ++k) {
+      const auto& x = graph.edges[use.edge].points;
       least = std::min(least, (nearest(p, {x[k], x[k + 1], x[k + 1]}) - p).norm());
     }
   return least;
@@ -48,13 +50,14 @@ double distance_to_loop(const RegionGraph& graph, const ArcLoop& loop, const Vec
 
 }  // namespace
 
-RoughSurface::RoughSurface(const RegionGraph& graph, const ArcLoop& outline) {
-  constexpr int kMost = 240;
-  const int n = count_of(outline);
-  const std::vector<Vec3> points = graph.sampled(outline, std::clamp(kMost / n, 1, 8));
-  box_ = box_around(points);
+RoughSurface::RoughSurface(const RegionGraph& graph, const EdgeLoop& outline) {
+  constexpr int kMaxPoints = 240;
+  const int n = isize(outline);
+  const std::vector<Vec3> points = graph.sampled(outline, std::clamp(kMaxPoints / n, 1, 8));
+  box_ = bounding_box(points);
   diagonal_ = box_.diagonal().norm();
-  const auto fill = points.size() <= 400 && points.size() > 2 ? plain_fill(points) : std::nullopt;
+  const auto fill =
+      points.size() <= 400 && points.size() > 2 ? triangulate_hole(points) : std::nullopt;
   if (fill) {
     for (const auto& [a, b, c] : fill->triangles)
       triangles_.push_back({points[a], points[b], points[c]});
@@ -80,46 +83,46 @@ double RoughSurface::farthest(const std::vector<Vec3>& points, double enough) co
   return most;
 }
 
-void find_inner_lines(const RegionGraph& graph, const LoopPrices& prices,
+void find_inner_lines(const RegionGraph& graph, const LoopCosts& costs,
                       std::vector<NetworkRegion>& regions) {
-  std::vector<char> bare(graph.arcs.size(), 1);
+  std::vector<char> unused_edges(graph.edges.size(), 1);
   for (const NetworkRegion& region : regions) {
-    for (const int arc : region.inner) bare[arc] = 0;
-    for (const ArcLoop& loop : region.loops)
-      for (const ArcUse& use : loop) bare[use.arc] = 0;
+    for (const int edge : region.inner) unused_edges[edge] = 0;
+    for (const EdgeLoop& loop : region.loops)
+      for (const OrientedEdge& use : loop) unused_edges[use.edge] = 0;
   }
   std::vector<std::set<int>> at(graph.nodes.size());  // regions with a loop or inner line there
   std::vector<LoopCandidate> outlines;
   for (size_t r = 0; r < regions.size(); ++r) {
-    outlines.push_back(measured(graph, regions[r].loops[0], prices));
-    for (const ArcUse& use : regions[r].loops[0])
+    outlines.push_back(measure_loop(graph, regions[r].loops[0], costs));
+    for (const OrientedEdge& use : regions[r].loops[0])
       at[graph.node_before(use)].insert(static_cast<int>(r));
   }
   std::map<int, std::unique_ptr<RoughSurface>> surfaces;
   const auto distance = [&](int r, int a) {
     auto& surface = surfaces[r];
-    const ArcLoop& loop = regions[r].loops[0];
+    const EdgeLoop& loop = regions[r].loops[0];
     if (!surface) surface = std::make_unique<RoughSurface>(graph, loop);
-    const double d = surface->farthest(points_of(graph.arcs[a]), 0.1 * surface->diagonal());
+    const double d = surface->farthest(points_of(graph.edges[a]), 0.1 * surface->diagonal());
     if (!std::isfinite(d)) return d;
     double from_border = 0;
-    for (const Vec3& p : graph.arcs[a].points)
+    for (const Vec3& p : graph.edges[a].points)
       from_border = std::max(from_border, distance_to_loop(graph, loop, p));
     return from_border < 0.01 * surface->diagonal() ? HUGE_VAL : d;
   };
   for (bool more = true; more;) {
     more = false;
-    for (int a = 0; a < count_of(graph.arcs); ++a) {
-      if (!bare[a]) continue;
+    for (int a = 0; a < isize(graph.edges); ++a) {
+      if (!unused_edges[a]) continue;
       int best = -1;
       double least = HUGE_VAL;
       for (const bool end : {false, true}) {
-        const int node = graph.arcs[a].nodes[end];
+        const int node = graph.edges[a].nodes[end];
         for (const int r : at[node]) {
-          if (regions[r].ring) continue;
+          if (regions[r].annulus) continue;
           const auto& inner = regions[r].inner;
           const bool hangs = std::any_of(inner.begin(), inner.end(), [&](int b) {
-            return graph.arcs[b].nodes[0] == node || graph.arcs[b].nodes[1] == node;
+            return graph.edges[b].nodes[0] == node || graph.edges[b].nodes[1] == node;
           });
           if (!hangs && !leaves_into(graph, outlines[r], {a, end})) continue;
           const double d = distance(r, a);
@@ -128,21 +131,21 @@ void find_inner_lines(const RegionGraph& graph, const LoopPrices& prices,
       }
       if (best < 0) continue;
       regions[best].inner.push_back(a);
-      bare[a] = 0;
-      for (const int node : graph.arcs[a].nodes) at[node].insert(best);
+      unused_edges[a] = 0;
+      for (const int node : graph.edges[a].nodes) at[node].insert(best);
       more = true;
     }
   }
   for (NetworkRegion& region : regions) std::sort(region.inner.begin(), region.inner.end());
 }
 
-void place_stated(const RegionGraph& graph, std::vector<NetworkRegion>& regions) {
+void assign_stated_inner_lines(const RegionGraph& graph, std::vector<NetworkRegion>& regions) {
   using Role = CharacterLine::Role;
-  std::vector<char> placed(graph.arcs.size(), 0);
+  std::vector<char> placed(graph.edges.size(), 0);
   for (const NetworkRegion& region : regions) {
-    for (const int arc : region.inner) placed[arc] = 1;
-    for (const ArcLoop& loop : region.loops)
-      for (const ArcUse& use : loop) placed[use.arc] = 1;
+    for (const int edge : region.inner) placed[edge] = 1;
+    for (const EdgeLoop& loop : region.loops)
+      for (const OrientedEdge& use : loop) placed[use.edge] = 1;
   }
   std::vector<std::unique_ptr<RoughSurface>> surfaces(regions.size());
   const auto nearest_region = [&](const std::vector<Vec3>& points, const std::string& line) {
@@ -161,21 +164,21 @@ void place_stated(const RegionGraph& graph, std::vector<NetworkRegion>& regions)
                        "(its role says so)");
     return best;
   };
-  std::vector<int> hole_arcs;
-  for (int a = 0; a < count_of(graph.arcs); ++a) {
+  std::vector<int> hole_edges;
+  for (int a = 0; a < isize(graph.edges); ++a) {
     if (placed[a]) continue;
-    if (graph.arcs[a].role == Role::Hole) hole_arcs.push_back(a);
-    if (graph.arcs[a].role == Role::Inner)
-      regions[nearest_region(points_of(graph.arcs[a]), graph.arcs[a].line)].inner.push_back(a);
+    if (graph.edges[a].role == Role::Hole) hole_edges.push_back(a);
+    if (graph.edges[a].role == Role::Inner)
+      regions[nearest_region(points_of(graph.edges[a]), graph.edges[a].line)].inner.push_back(a);
   }
-  for (ArcLoop& hole : closed_chains(graph, hole_arcs)) {
-    for (const ArcUse& use : hole) placed[use.arc] = 1;
-    const std::string& line = graph.arcs[hole.front().arc].line;
+  for (EdgeLoop& hole : closed_chains(graph, hole_edges)) {
+    for (const OrientedEdge& use : hole) placed[use.edge] = 1;
+    const std::string& line = graph.edges[hole.front().edge].line;
     regions[nearest_region(graph.sampled(hole, 8), line)].loops.push_back(std::move(hole));
   }
-  for (const int a : hole_arcs)
+  for (const int a : hole_edges)
     if (!placed[a])
-      throw InputError("curve '" + graph.arcs[a].line +
+      throw InputError("curve '" + graph.edges[a].line +
                        "' is said to bound a hole, expected holes to be closed");
   for (NetworkRegion& region : regions) std::sort(region.inner.begin(), region.inner.end());
 }
@@ -183,20 +186,23 @@ void place_stated(const RegionGraph& graph, std::vector<NetworkRegion>& regions)
 std::vector<Island> find_islands(const RegionGraph& graph,
                                  const std::vector<NetworkRegion>& regions) {
   std::vector<Island> islands;
-  if (graph.part_count < 2) return islands;
-  std::vector<int> regions_of(graph.part_count, 0);
-  std::vector<size_t> arcs_of_part(graph.part_count, 0);
-  for (size_t a = 0; a < graph.arcs.size(); ++a)
-    if (graph.core[a]) ++arcs_of_part[graph.part[a]];
-  for (const NetworkRegion& region : regions) ++regions_of[graph.part[region.loops[0][0].arc]];
+  if (graph.component_count < 2) return islands;
+  std::vector<int> regions_of(graph.component_count, 0);
+  std::vector<size_t> edges_of_component(graph.component_count, 0);
+  for (size_t a = 0; a < graph.edges.size(); ++a)
+    if (graph.core[a]) ++edges_of_component[graph.component[a]];
+  for (const NetworkRegion& region : regions)
+    ++regions_of[graph.component[region.loops[0][0].edge]];
   std::map<size_t, std::unique_ptr<RoughSurface>> surfaces;
   for (size_t r = 0; r < regions.size(); ++r) {
-    const ArcLoop& loop = regions[r].loops[0];
-    const int part = graph.part[loop[0].arc];
-    if (regions[r].asked || regions_of[part] != 1 || arcs_of_part[part] != loop.size()) continue;
+    const EdgeLoop& loop = regions[r].loops[0];
+    const int component = graph.component[loop[0].edge];
+    if (regions[r].requested || regions_of[component] != 1 ||
+        edges_of_component[component] != loop.size())
+      continue;
     const std::vector<Vec3> points = graph.sampled(loop, 4);
     for (size_t s = 0; s < regions.size(); ++s) {
-      if (graph.part[regions[s].loops[0][0].arc] == part || regions[s].ring) continue;
+      if (graph.component[regions[s].loops[0][0].edge] == component || regions[s].annulus) continue;
       auto& surface = surfaces[s];
       if (!surface) surface = std::make_unique<RoughSurface>(graph, regions[s].loops[0]);
       const double near = 0.02 * surface->diagonal();
@@ -209,59 +215,62 @@ std::vector<Island> find_islands(const RegionGraph& graph,
   return islands;
 }
 
-std::vector<ArcLoop> closed_chains(const RegionGraph& graph, const std::vector<int>& arcs) {
-  std::map<int, std::vector<ArcUse>> leaving;  // at each node, in both directions
-  for (const int a : arcs)
+std::vector<EdgeLoop> closed_chains(const RegionGraph& graph, const std::vector<int>& edges) {
+  std::map<int, std::vector<OrientedEdge>> leaving;  // at each node, in both directions
+  for (const int a : edges)
     for (const bool reversed : {false, true})
-      leaving[graph.arcs[a].nodes[reversed]].push_back({a, reversed});
+      leaving[graph.edges[a].nodes[reversed]].push_back({a, reversed});
   std::set<int> done;
-  const auto chain_from = [&](int first) -> ArcLoop {
-    ArcLoop loop{{first, false}};
-    const int home = graph.arcs[first].nodes[0];
+  const auto chain_from = [&](int first) -> EdgeLoop {
+    EdgeLoop loop{{first, false}};
+    const int home = graph.edges[first].nodes[0];
     for (int node = graph.node_after(loop.back()); node != home;
          node = graph.node_after(loop.back())) {
-      const auto& ways = leaving[node];
-      if (ways.size() != 2) return {};
-      loop.push_back(ways[0].arc == loop.back().arc ? ways[1] : ways[0]);
-      if (!done.insert(loop.back().arc).second) return {};
+      const auto& continuations = leaving[node];
+      if (continuations.size() != 2) return {};
+      loop.push_back(continuations[0].edge == loop.back().edge ? continuations[1]
+                                                               : continuations[0]);
+      if (!done.insert(loop.back().edge).second) return {};
     }
-    return leaving[home].size() == 2 ? loop : ArcLoop();
+    return leaving[home].size() == 2 ? loop : EdgeLoop();
   };
-  std::vector<ArcLoop> chains;
-  for (const int first : arcs)
+  std::vector<EdgeLoop> chains;
+  for (const int first : edges)
     if (done.insert(first).second)
-      if (ArcLoop loop = chain_from(first); !loop.empty()) chains.push_back(std::move(loop));
+      if (EdgeLoop loop = chain_from(first); !loop.empty()) chains.push_back(std::move(loop));
   return chains;
 }
 
-std::vector<PlaneHole> find_plane_holes(const RegionGraph& graph,
-                                        const std::vector<NetworkRegion>& regions,
-                                        const std::vector<int>& rims) {
-  std::vector<PlaneHole> holes;
-  std::vector<std::optional<PlaneFace>> faces(regions.size());
-  const std::vector<ArcLoop> chains = closed_chains(graph, rims);
+std::vector<PlanarHole> find_planar_holes(const RegionGraph& graph,
+                                          const std::vector<NetworkRegion>& regions,
+                                          const std::vector<int>& free_edges) {
+  std::vector<PlanarHole> holes;
+  std::vector<std::optional<PlanarFace>> faces(regions.size());
+  const std::vector<EdgeLoop> chains = closed_chains(graph, free_edges);
   for (size_t r = 0; r < regions.size() && !chains.empty(); ++r)
-    if (!regions[r].ring && !regions[r].asked) faces[r] = plane_face(graph, regions[r].loops[0]);
-  for (const ArcLoop& chain : chains) {
+    if (!regions[r].annulus && !regions[r].requested)
+      faces[r] = planar_face(graph, regions[r].loops[0]);
+  for (const EdgeLoop& chain : chains) {
     int best = -1;
-    const std::vector<Vec3> points = graph.sampled(chain, RegionArc::kPieces);
+    const std::vector<Vec3> points = graph.sampled(chain, GraphEdge::kPieces);
     for (size_t r = 0; r < regions.size(); ++r)
-      if (faces[r] && faces[r]->holds(points) && (best < 0 || faces[r]->area < faces[best]->area))
+      if (faces[r] && faces[r]->contains(points) &&
+          (best < 0 || faces[r]->area < faces[best]->area))
         best = static_cast<int>(r);
     if (best >= 0) holes.push_back({chain, best});
   }
   return holes;
 }
 
-bool like_rims(const RegionGraph& graph, const ArcLoop& a, const ArcLoop& b) {
+bool are_boundary_circles(const RegionGraph& graph, const EdgeLoop& a, const EdgeLoop& b) {
   Vec3 middle[2], axis[2];
   double radius[2]{};
   for (const int k : {0, 1}) {
-    const ArcLoop& loop = k ? b : a;
+    const EdgeLoop& loop = k ? b : a;
     for (size_t i = 0; i < loop.size(); ++i)
       if (degrees_between(graph.arriving(loop[i]), graph.leaving(loop[(i + 1) % loop.size()])) > 35)
         return false;
-    const std::vector<Vec3> points = graph.sampled(loop, RegionArc::kPieces);
+    const std::vector<Vec3> points = graph.sampled(loop, GraphEdge::kPieces);
     const double n = static_cast<double>(points.size());
     middle[k] = axis[k] = Vec3::Zero();
     for (const Vec3& p : points) middle[k] += p / n;

@@ -10,7 +10,7 @@ namespace batten {
 /// there is none.
 class RoughSurface {
  public:
-  RoughSurface(const RegionGraph& graph, const ArcLoop& outline);
+  RoughSurface(const RegionGraph& graph, const EdgeLoop& outline);
   double diagonal() const { return diagonal_; }
   /// Returns the distance of the farthest of the points from the triangles; infinity when it is
   /// above `enough`.
@@ -26,13 +26,13 @@ class RoughSurface {
 /// leave a node of the loop into the surface, or hang on such an arc, and stay nearer to its rough
 /// surface than a tenth of the region's size, but not nearer to its border than a hundredth all
 /// along.
-void find_inner_lines(const RegionGraph& graph, const LoopPrices& prices,
+void find_inner_lines(const RegionGraph& graph, const LoopCosts& costs,
                       std::vector<NetworkRegion>& regions);
 
 /// Gives arcs whose curve is stated to lie inside, or to bound a hole, to the region whose rough
 /// surface they are nearest to: within a tenth of its size. Holes are closed chains of such arcs.
 /// Throws InputError for one that lies on no region, or does not close.
-void place_stated(const RegionGraph& graph, std::vector<NetworkRegion>& regions);
+void assign_stated_inner_lines(const RegionGraph& graph, std::vector<NetworkRegion>& regions);
 
 /// A loop by itself that lies on the rough surface of a region of another part, within a fiftieth
 /// of that region's size.
@@ -45,21 +45,21 @@ std::vector<Island> find_islands(const RegionGraph& graph,
 
 /// Returns the closed chains of some arcs, where no other of these arcs joins them; no arc is taken
 /// twice.
-std::vector<ArcLoop> closed_chains(const RegionGraph& graph, const std::vector<int>& arcs);
+std::vector<EdgeLoop> closed_chains(const RegionGraph& graph, const std::vector<int>& edges);
 
 /// A closed chain of arcs with one region each, that lies inside of a plane region and in its plane
 /// (3e-4 of the network's size): what stands on it, or goes through, has made a hole there.
-struct PlaneHole {
-  ArcLoop loop;
+struct PlanarHole {
+  EdgeLoop loop;
   int on;  ///< index of the plane region; the smallest around the chain
 };
-/// Finds all of these, on regions that nobody asked for. `rims`: the arcs with one region.
-std::vector<PlaneHole> find_plane_holes(const RegionGraph& graph,
-                                        const std::vector<NetworkRegion>& regions,
-                                        const std::vector<int>& rims);
+/// Finds all of these, on regions that nobody asked for. `free_edges`: the arcs with one region.
+std::vector<PlanarHole> find_planar_holes(const RegionGraph& graph,
+                                          const std::vector<NetworkRegion>& regions,
+                                          const std::vector<int>& free_edges);
 
 /// Returns whether two loops are like the rims of a tube or an annulus: they have no corner of more
 /// than 35 degrees, their planes differ by at most 60 degrees, and they are not side by side.
-bool like_rims(const RegionGraph& graph, const ArcLoop& a, const ArcLoop& b);
+bool are_boundary_circles(const RegionGraph& graph, const EdgeLoop& a, const EdgeLoop& b);
 
 }  // namespace batten

@@ -4,11 +4,11 @@ namespace batten {
 
 std::optional<JoinSide> side_of(const SkinnedRegion& made, int region, const std::string& name) {
   for (const auto& loop : made.boundary)
-    for (const BoundaryPiece& piece : loop) {
+    for (const BoundarySegment& piece : loop) {
       const auto i = static_cast<size_t>(piece.index);
-      const bool embedded = piece.kind == BoundaryPiece::Kind::Embedded;
-      if ((embedded ? made.embedded[i].line : made.runs[i].line).name != name) continue;
-      const bool against = embedded && made.embedded[i].against_given;
+      const bool embedded = piece.kind == BoundarySegment::Kind::Embedded;
+      if ((embedded ? made.embedded[i].line : made.edge_aligned[i].line).name != name) continue;
+      const bool against = embedded && made.embedded[i].opposite_to_prescribed;
       return JoinSide{region, embedded, piece.index, piece.reversed == against};
     }
   return std::nullopt;

@@ -6,12 +6,12 @@
 #include <optional>
 #include <string>
 
-#include "batten/core/index.h"
+#include "batten/core/isize.h"
 #include "batten/core/parallel.h"
-#include "batten/fem/assembly.h"
-#include "batten/skinning/model/curvature_joins.h"
+#include "batten/fem/surface_assembler.h"
+#include "batten/skinning/model/curvature_continuity.h"
 #include "batten/skinning/surfaces/region_maker.h"
-#include "batten/skinning/surfaces/wrong_surfaces.h"
+#include "batten/skinning/surfaces/surface_defects.h"
 
 namespace batten {
 namespace {
@@ -37,27 +37,27 @@ void measure_joins(SurfaceModel& model, const std::vector<const SkinnedRegion*>&
   std::map<std::string, const JoinPlan*> plans;  // by line; of two the one that is not given up
   for (const JoinPlan& plan : model.layout->join_plans()) {
     const JoinPlan*& of_line = plans[plan.join_line.name];
-    if (!of_line || of_line->given_up()) of_line = &plan;
+    if (!of_line || of_line->rejected()) of_line = &plan;
   }
-  parallel_parts(count_of(model.joins), [&](int j) {
+  parallel_for(isize(model.joins), [&](int j) {
     ModelJoin& join = model.joins[j];
     if (join.kind == ModelJoin::Kind::Smooth) {
       const auto found = plans.find(join.line);
       const JoinPlan* plan = found == plans.end() ? nullptr : found->second;
-      if (plan && !plan->given_up()) {
+      if (plan && !plan->rejected()) {
         take_quality(join,
                      measure_join(made, plan->join_line, {plan->ends[0].open, plan->ends[1].open}));
         join.open = {plan->ends[0].open, plan->ends[1].open};
-        join.curvature = curvature_goes_on(*model.layout, *plan);
+        join.curvature = is_curvature_continuous(*model.layout, *plan);
         return;
       }
       join.kind = ModelJoin::Kind::Crease;
-      if (plan) join.why = plan->why_not;
+      if (plan) join.why = plan->rejection_reason;
     }
     if (join.kind != ModelJoin::Kind::Crease) return;
     std::array<std::optional<JoinSide>, 2> sides;
     for (size_t k = 0; k < 2; ++k) {
-      const int r = model.regions[join.regions[k]].in_layout;
+      const int r = model.regions[join.regions[k]].layout_index;
       if (r >= 0) sides[k] = side_of(*made[r], r, join.line);
     }
     take_quality(join, sides[0] && sides[1]
@@ -87,16 +87,16 @@ void measure_shell(const SurfaceModel& model, ModelShell& shell) {
   shell.normals = normal_side(side_integrals(made), shell.closed);
   if (!shell.closed) return;
   std::vector<double> under(shell.regions.size());
-  parallel_parts(count_of(under), [&](int k) {
+  parallel_for(isize(under), [&](int k) {
     under[k] = enclosed(*model.regions[shell.regions[k]].skinned, model.layout->origin());
   });
   for (const double volume : under) shell.volume += volume;
 }
 
 // Whether two regions meet at a line that the user asked to be a crease: a knife's edge may be.
-bool has_asked_crease(const SurfaceModel& model, const std::vector<int>& regions) {
+bool has_requested_crease(const SurfaceModel& model, const std::vector<int>& regions) {
   return std::any_of(model.joins.begin(), model.joins.end(), [&](const ModelJoin& join) {
-    return join.asked && join.kind == ModelJoin::Kind::Crease &&
+    return join.requested && join.kind == ModelJoin::Kind::Crease &&
            std::is_permutation(join.regions.begin(), join.regions.end(), regions.begin(),
                                regions.end());
   });
@@ -105,39 +105,39 @@ bool has_asked_crease(const SurfaceModel& model, const std::vector<int>& regions
 }  // namespace
 
 void measure(SurfaceModel& model, const Progress& progress) {
-  progress.at("measuring", 0);
-  const int n = count_of(model.regions);
-  parallel_parts(n, [&](int r) {
+  progress.update("measuring", 0);
+  const int n = isize(model.regions);
+  parallel_for(n, [&](int r) {
     ModelRegion& region = model.regions[r];
     if (!region.skinned) return;
     region.quality = measure(*region.skinned);
     region.shape =
-        measured_shape(*region.skinned, shape_tolerance(*region.skinned, model.layout->size()));
+        fit_primitive(*region.skinned, primitive_tolerance(*region.skinned, model.layout->size()));
   });
   std::vector<SkinQuality> qualities;
-  std::vector<double> plain;
+  std::vector<double> filling_areas;
   std::vector<int> index;
   model.area = 0;
   for (int r = 0; r < n; ++r) {
     const ModelRegion& region = model.regions[r];
     if (!region.skinned) continue;
     qualities.push_back(region.quality);
-    plain.push_back(region.plain_area);
+    filling_areas.push_back(region.filling_area);
     index.push_back(r);
     model.area += region.quality.area;
   }
   const std::vector<const SkinnedRegion*> made = model.skinned();
   measure_joins(model, made);
   for (ModelShell& shell : model.shells) measure_shell(model, shell);
-  progress.at("measuring", 0.5);
-  model.flaws = find_flaws(made, qualities, plain);
-  for (SurfaceFlaw& flaw : model.flaws)
-    for (int& r : flaw.regions) r = index[r];
-  std::erase_if(model.flaws, [&](const SurfaceFlaw& flaw) {
-    return flaw.kind == SurfaceFlaw::Kind::Fold && flaw.regions.size() == 2 &&
-           has_asked_crease(model, flaw.regions);
+  progress.update("measuring", 0.5);
+  model.defects = find_defects(made, qualities, filling_areas);
+  for (SurfaceDefect& defect : model.defects)
+    for (int& r : defect.regions) r = index[r];
+  std::erase_if(model.defects, [&](const SurfaceDefect& defect) {
+    return defect.kind == SurfaceDefect::Kind::Fold && defect.regions.size() == 2 &&
+           has_requested_crease(model, defect.regions);
   });
-  progress.at("measuring", 1);
+  progress.update("measuring", 1);
 }
 
 }  // namespace batten

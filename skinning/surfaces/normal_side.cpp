@@ -4,11 +4,11 @@
 #include <cmath>
 #include <map>
 
-#include "batten/core/index.h"
+#include "batten/core/format.h"
+#include "batten/core/isize.h"
 #include "batten/core/parallel.h"
-#include "batten/core/words.h"
 #include "batten/skinning/model/join.h"
-#include "batten/skinning/region/region.h"
+#include "batten/skinning/region/skinned_region.h"
 #include "batten/skinning/surfaces/line_side.h"
 
 namespace batten {
@@ -53,22 +53,22 @@ SideIntegrals of_region(const SkinnedRegion& region) {
 // Half of the angle between the normals along the lines that two regions share.
 double of_creases(const std::vector<const SkinnedRegion*>& regions) {
   std::map<std::string, std::vector<JoinSide>> sides;
-  for (int r = 0; r < count_of(regions); ++r)
+  for (int r = 0; r < isize(regions); ++r)
     for (const auto& loop : regions[r]->boundary)
-      for (const BoundaryPiece& piece : loop) {
-        const bool embedded = piece.kind == BoundaryPiece::Kind::Embedded;
+      for (const BoundarySegment& piece : loop) {
+        const bool embedded = piece.kind == BoundarySegment::Kind::Embedded;
         const auto i = static_cast<size_t>(piece.index);
         const std::string& name =
-            (embedded ? regions[r]->embedded[i].line : regions[r]->runs[i].line).name;
+            (embedded ? regions[r]->embedded[i].line : regions[r]->edge_aligned[i].line).name;
         if (const auto side = side_of(*regions[r], r, name)) sides[name].push_back(*side);
       }
   std::vector<JoinLine> lines;
   for (const auto& [name, two] : sides)
     if (two.size() == 2 && two[0].left != two[1].left) lines.push_back({name, {two[0], two[1]}});
   std::vector<double> turns(lines.size(), 0);
-  parallel_parts(count_of(lines), [&](int l) {
-    constexpr int samples = 2;  // of an edge
-    turns[l] = measure_join(regions, lines[l], {}, samples).convexity;
+  parallel_for(isize(lines), [&](int l) {
+    constexpr int kSamples = 2;  // of an edge
+    turns[l] = measure_join(regions, lines[l], {}, kSamples).convexity;
   });
   double sum = 0;
   for (const double turn : turns)
@@ -102,7 +102,7 @@ Eigen::Matrix3d SideIntegrals::central_moments() const {
 
 NormalSide normal_side(const SideIntegrals& integrals, bool closed) {
   // Relative to √A, A and A^1.5. What lies below has no side that drawing it again would keep.
-  constexpr double least_curvature = 1e-2, least_vector = 0.05, least_moment = 1e-3;
+  constexpr double kMinCurvature = 1e-2, kMinVector = 0.05, kMinMoment = 1e-3;
   NormalSide side;
   if (!(integrals.area > 0)) return side;
   const double A = integrals.area;
@@ -115,13 +115,13 @@ NormalSide normal_side(const SideIntegrals& integrals, bool closed) {
   };
   using Rule = NormalSide::Rule;
   const Eigen::Matrix3d moments = integrals.central_moments();
-  const double moment = least_moment * std::pow(A, 1.5);
-  constexpr double least_volume = 1e-6;
-  if (closed && decided(Rule::Volume, moments.trace() / 3, least_volume * std::pow(A, 1.5)))
+  const double moment = kMinMoment * std::pow(A, 1.5);
+  constexpr double kMinVolume = 1e-6;
+  if (closed && decided(Rule::Volume, moments.trace() / 3, kMinVolume * std::pow(A, 1.5)))
     return side;
-  if (decided(Rule::Curvature, integrals.curvature, least_curvature * std::sqrt(A))) return side;
+  if (decided(Rule::Curvature, integrals.curvature, kMinCurvature * std::sqrt(A))) return side;
   for (const int axis : kAxes)
-    if (decided(Rule::Axis, integrals.area_vector[axis], least_vector * A)) return side;
+    if (decided(Rule::Axis, integrals.area_vector[axis], kMinVector * A)) return side;
   if (decided(Rule::Moment, moments.trace(), moment)) return side;
   for (const int i : kAxes)
     for (const int j : kAxes)
@@ -132,18 +132,18 @@ NormalSide normal_side(const SideIntegrals& integrals, bool closed) {
 std::string NormalSide::text() const {
   if (rule == Rule::Volume) return agrees ? "outwards" : "inwards";
   if (rule == Rule::Curvature) return agrees ? "to the convex side" : "to the concave side";
-  constexpr double clear = 0.95;
+  constexpr double kClear = 0.95;
   if (rule != Rule::Axis) return "to one of two sides that are alike";
   const Vec3 n = mean.normalized();
   for (int i = 0; i < 3; ++i)
-    if (std::abs(n[i]) > clear)
+    if (std::abs(n[i]) > kClear)
       return (n[i] > 0 ? "along +" : "along -") + std::string(1, "xyz"[i]);
-  return "along " + at(((n * 100).array().round() / 100 + 0.0).matrix());
+  return "along " + format_point(((n * 100).array().round() / 100 + 0.0).matrix());
 }
 
 SideIntegrals side_integrals(const std::vector<const SkinnedRegion*>& regions) {
   std::vector<SideIntegrals> parts(regions.size());
-  parallel_parts(count_of(regions), [&](int r) { parts[r] = of_region(*regions[r]); });
+  parallel_for(isize(regions), [&](int r) { parts[r] = of_region(*regions[r]); });
   SideIntegrals sum;
   for (const SideIntegrals& part : parts) sum.add(part);
   sum.curvature += of_creases(regions);

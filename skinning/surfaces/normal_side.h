@@ -40,8 +40,8 @@ struct SideIntegrals {
 
   /// Adds a facet, counter-clockwise seen from its normal, without its curvature.
   void add_facet(const Vec3& a, const Vec3& b, const Vec3& c);
-  /// Adds another surface, turned over where `turn` is set.
-  void add(const SideIntegrals& other, bool turn = false);
+  /// Adds another surface, turned over where `flip` is set.
+  void add(const SideIntegrals& other, bool flip = false);
   /// Moments about the centroid.
   Eigen::Matrix3d central_moments() const;
 };

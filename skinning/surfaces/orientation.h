@@ -8,13 +8,13 @@
 namespace batten {
 
 /// One use of an arc by a region. `reversed`: the region's loop runs against the arc.
-struct ArcSide {
+struct EdgeUse {
   int region = 0;
   bool reversed = false;
 };
 
 /// Regions whose normals hang together: each arc between two of them has no third.
-struct OrientedSheet {
+struct OrientedPatch {
   std::vector<int> regions;
   bool closed = true;      ///< every arc has two uses
   bool orientable = true;  ///< the normals agree across all of them
@@ -23,9 +23,9 @@ struct OrientedSheet {
 /// What was found while the regions were turned.
 struct Orientation {
   std::vector<ModelShell> shells;           ///< without area and volume
-  std::vector<OrientedSheet> sheets;        ///< the parts of shells that branch; else the shells
-  std::vector<std::vector<ArcSide>> sides;  ///< uses of each arc, regions ascending
-  std::vector<double> plain_areas;          ///< area of the loops' plain filling; 0: unknown
+  std::vector<OrientedPatch> patches;       ///< the parts of shells that branch; else the shells
+  std::vector<std::vector<EdgeUse>> sides;  ///< uses of each arc, regions ascending
+  std::vector<double> filling_areas;        ///< area of the loops' plain filling; 0: unknown
   std::vector<double> sizes;                ///< diagonal of the box of each region's loops
 };
 
@@ -33,12 +33,12 @@ struct Orientation {
 /// of a ring against each other), and the regions so that normals agree across every arc with two
 /// regions: each such arc is then used once in either direction. To which side the normals of a
 /// sheet point is a guess by plain fillings of the loops after the rule of normal_side.h, for which
-/// the finished surfaces have the last word (RegionMaker::turn_normals()). A sheet that is
+/// the finished surfaces have the last word (RegionMaker::orient_normals()). A sheet that is
 /// one-sided keeps its loops where they are in conflict. Cost: one plain filling of each loop, on
 /// all threads.
-Orientation orient(const CharacterLineNetwork& network, std::vector<NetworkRegion>& regions);
+Orientation orient(const CurveNetwork& network, std::vector<NetworkRegion>& regions);
 
 /// Turns a region over: its loops, and its uses of arcs.
-void turn_over(int region, NetworkRegion& plan, Orientation& orientation);
+void flip_region(int region, NetworkRegion& plan, Orientation& orientation);
 
 }  // namespace batten

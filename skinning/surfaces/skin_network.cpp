@@ -6,25 +6,25 @@
 #include <set>
 
 #include "batten/core/errors.h"
-#include "batten/core/index.h"
+#include "batten/core/format.h"
+#include "batten/core/isize.h"
 #include "batten/core/parallel.h"
-#include "batten/core/words.h"
 #include "batten/skinning/facets/facets.h"
-#include "batten/skinning/model/model_groups.h"
+#include "batten/skinning/model/region_group.h"
 #include "batten/skinning/model/rest_shape.h"
 #include "batten/skinning/surfaces/embedded_joins.h"
-#include "batten/skinning/surfaces/join_choice.h"
+#include "batten/skinning/surfaces/join_classification.h"
+#include "batten/skinning/surfaces/layout_candidate.h"
 #include "batten/skinning/surfaces/measure_model.h"
 #include "batten/skinning/surfaces/region_maker.h"
-#include "batten/skinning/surfaces/region_trials.h"
 
 namespace batten {
 namespace {
 
 class ModelMaker {
  public:
-  ModelMaker(const CharacterLineNetwork& network, const FoundRegions& found,
-             const ModelOptions& options, const Progress& progress)
+  ModelMaker(const CurveNetwork& network, const FoundRegions& found, const ModelOptions& options,
+             const Progress& progress)
       : network_(network),
         options_(options),
         progress_(progress),
@@ -35,15 +35,16 @@ class ModelMaker {
     std::iota(all.begin(), all.end(), 0);
     // 1. Orient: when regions_ was made.
     // 2. Lay out and solve each region. Their shapes say to which side normals are to point.
-    regions_.resolve_rests({all.begin(), all.end()});
+    regions_.refine_for_rest_shapes({all.begin(), all.end()});
     regions_.lay_out(all, 0, 0.4);
-    regions_.turn_normals();
-    progress_.at("joining", 0);
+    regions_.orient_normals();
+    progress_.update("joining", 0);
     // 3. Choose creases and smooth joins.
-    JoinChoice choice = choose_joins(network_, regions_, options_, model_.regions);
-    model_.joins = std::move(choice.joins);
-    join_lines_ = std::move(choice.join_lines);
-    join_of_ = std::move(choice.join_of);
+    JoinClassification classification =
+        classify_joins(network_, regions_, options_, model_.regions);
+    model_.joins = std::move(classification.joins);
+    join_lines_ = std::move(classification.join_lines);
+    join_of_ = std::move(classification.join_of);
     has_facets_.resize(model_.regions.size());
     // 4. and 5. Solve joined regions together, and measure.
     join();
@@ -57,23 +58,23 @@ class ModelMaker {
   // above the tolerance. Begins again where a join proves worse than a crease.
   void join() {
     std::vector<JoinPlan> plans;
-    constexpr int most_rounds = 3;
+    constexpr int kMaxRounds = 3;
     int round = 0;
-    const auto settled = [&] {
-      if (leave_out_broken()) return false;
-      if (round == most_rounds || !free_spoiled(plans)) return true;
+    const auto is_final = [&] {
+      if (exclude_broken()) return false;
+      if (round == kMaxRounds || !repair_spoiled(plans)) return true;
       ++round;
       return false;
     };
     do {
       do plans = joined();
-      while (!settled());
+      while (!is_final());
       finish(plans);
-    } while (!settled());
-    tell_joins(plans);
+    } while (!is_final());
+    report_joins(plans);
     for (ModelRegion& region : model_.regions)
-      if (region.in_layout >= 0) {
-        const auto& more = model_.layout->region(region.in_layout).warnings();
+      if (region.layout_index >= 0) {
+        const auto& more = model_.layout->region(region.layout_index).warnings();
         region.warnings.insert(region.warnings.end(), more.begin(), more.end());
       }
     if (model_.layout) measure(model_, progress_);
@@ -83,11 +84,11 @@ class ModelMaker {
     dofs_.assign(model_.regions.size(), {});
     std::vector<JoinPlan> plans;
     for (int round = 0;; ++round) {
-      progress_.at("joining", std::min(0.9, (round + 0.2) / (options_.most_join_rounds + 1)));
+      progress_.update("joining", std::min(0.9, (round + 0.2) / (options_.max_join_rounds + 1)));
       plans = solve_groups(dofs_);
-      give_shapes(dofs_);
-      const Round left = look_at(plans, round < options_.most_join_rounds);
-      if (left.halved.empty() && !left.fewer) break;
+      assign_shapes(dofs_);
+      const Round left = examine(plans, round < options_.max_join_rounds);
+      if (left.halved.empty() && !left.rejected_any) break;
       for (const int a : left.halved) regions_.halve(a);
       regions_.lay_out({left.again.begin(), left.again.end()}, 0.5, 0.9);
       find_sides_again();
@@ -98,19 +99,19 @@ class ModelMaker {
   // What a round leaves to do.
   struct Round {
     std::set<int> halved, again;  // arcs, and the regions beside them
-    bool fewer = false;           // a join was given up
+    bool rejected_any = false;    // a join was given up
   };
 
-  Round look_at(const std::vector<JoinPlan>& plans, bool may_halve) {
+  Round examine(const std::vector<JoinPlan>& plans, bool may_halve) {
     Round left;
     std::vector<JoinQuality> angles(join_lines_.size());
-    parallel_parts(count_of(angles), [&](int s) {
-      if (!plans[s].given_up())
+    parallel_for(isize(angles), [&](int s) {
+      if (!plans[s].rejected())
         angles[s] = angle_of(model_.regions, join_lines_[s],
                              {plans[s].ends[0].open, plans[s].ends[1].open});
     });
     for (size_t s = 0; s < join_lines_.size(); ++s) {
-      if (plans[s].given_up()) continue;
+      if (plans[s].rejected()) continue;
       ModelJoin& join = join_of(s);
       const JoinQuality& angle = angles[s];
       join.max_deg = angle.max_deg;
@@ -118,76 +119,76 @@ class ModelMaker {
       if (angle.max_inside_deg <= options_.join_tolerance_deg) continue;
       if (!plans[s].at.empty()) {
         // Vertices on an embedded line are not those of its region's mesh: halving would not help.
-        constexpr double better_a_crease = 2;  // finer meshes do not help that any more
-        if (angle.max_inside_deg <= better_a_crease) continue;
-        give_up_embedded(join.arc, angle.max_inside_deg);
-        left.fewer = true;
+        constexpr double kBetterACrease = 2;  // finer meshes do not help that any more
+        if (angle.max_inside_deg <= kBetterACrease) continue;
+        reject_embedded(join.edge, angle.max_inside_deg);
+        left.rejected_any = true;
       } else if (may_halve) {
-        left.halved.insert(join.arc);
+        left.halved.insert(join.edge);
         for (const int r : join.regions) left.again.insert(r);
       }
     }
     return left;
   }
 
-  void give_up_embedded(int arc, double degrees) {
-    given_up_[arc] =
-        "a region carries it embedded, and would leave an angle of " + number(degrees) + " degrees";
+  void reject_embedded(int edge, double degrees) {
+    rejected_[edge] = "a region carries it embedded, and would leave an angle of " +
+                      format_number(degrees) + " degrees";
   }
 
   // Another layout of a region may carry a line in another way.
   void find_sides_again() {
     for (size_t s = 0; s < join_lines_.size(); ++s) {
-      const int arc = join_of(s).arc;
+      const int edge = join_of(s).edge;
       for (size_t k = 0; k < 2; ++k)
-        if (const auto side = regions_.side_of(regions_.sides(arc)[k], arc))
+        if (const auto side = regions_.side_of(regions_.sides(edge)[k], edge))
           join_lines_[s].sides[k] = *side;
     }
   }
 
   // Fills in what became of the joins; smooth lines that end where there is no tangent plane are
   // listed by node.
-  void tell_joins(const std::vector<JoinPlan>& plans) {
+  void report_joins(const std::vector<JoinPlan>& plans) {
     struct NoPlane {
       std::vector<std::string> lines;
-      double apart = 0;    // degrees
-      bool asked = false;  // whether one of them was to be smooth
+      double apart = 0;        // degrees
+      bool requested = false;  // whether one of them was to be smooth
     };
     std::map<int, NoPlane> without_plane;
     for (size_t s = 0; s < plans.size(); ++s) {
       ModelJoin& join = join_of(s);
-      join.why = plans[s].why_not;
-      if (plans[s].given_up()) continue;
+      join.why = plans[s].rejection_reason;
+      if (plans[s].rejected()) continue;
       join.kind = ModelJoin::Kind::Smooth;
       join.one_domain = plans[s].constant();
       for (size_t e = 0; e < 2; ++e) {
         const JoinEnd& end = plans[s].ends[e];
         join.open[e] = end.open;
         if (!end.open) continue;
-        const NetworkArc& arc = network_.arcs()[join.arc];
+        const NetworkEdge& edge = network_.edges()[join.edge];
         if (end.creased) {
-          model_.warnings.push_back("line '" + arc.name + "' ends as a crease at " +
-                                    at(network_.nodes()[arc.nodes[e]].position) +
+          model_.warnings.push_back("line '" + edge.name + "' ends as a crease at " +
+                                    format_point(network_.nodes()[edge.nodes[e]].position) +
                                     ": a region carries it embedded, and its edge there keeps an "
                                     "angle of " +
-                                    number(end.apart_deg) + " degrees");
+                                    format_number(end.plane_angle_deg) + " degrees");
           continue;
         }
-        auto& at_node = without_plane[arc.nodes[e]];
-        at_node.lines.push_back("'" + arc.name + "'");
-        at_node.apart = std::max(at_node.apart, end.apart_deg);
-        at_node.asked = at_node.asked || join.asked;
+        auto& at_node = without_plane[edge.nodes[e]];
+        at_node.lines.push_back("'" + edge.name + "'");
+        at_node.apart = std::max(at_node.apart, end.plane_angle_deg);
+        at_node.requested = at_node.requested || join.requested;
       }
     }
     for (const auto& [node, found] : without_plane) {
       // The curves make a point there, as the apex of a cone.
-      if (!found.asked && found.apart > options_.smooth_below_deg) continue;
+      if (!found.requested && found.apart > options_.crease_angle_deg) continue;
       std::string names;
       for (const std::string& name : found.lines) names += (names.empty() ? "" : ", ") + name;
-      model_.warnings.push_back("no tangent plane at " + at(network_.nodes()[node].position) +
-                                ": the lines that meet there leave one by up to " +
-                                number(found.apart) +
-                                " degrees, so that these end as creases: " + names);
+      model_.warnings.push_back(
+          "no tangent plane at " + format_point(network_.nodes()[node].position) +
+          ": the lines that meet there leave one by up to " + format_number(found.apart) +
+          " degrees, so that these end as creases: " + names);
     }
   }
 
@@ -195,10 +196,10 @@ class ModelMaker {
   // some and begins again.
   std::vector<JoinPlan> solve_groups(std::vector<Points>& dofs) {
     for (;;) {
-      dofs = regions_.first_shapes();
+      dofs = regions_.initial_shapes();
       std::vector<JoinPlan> plans = plan_all();
       bool all = true;
-      for (const RegionGroup& group : groups_of(regions_.layouts(), plans))
+      for (const RegionGroup& group : join_groups(regions_.layouts(), plans))
         all = solve_group(group, plans, dofs) && all;
       if (all) return plans;
     }
@@ -210,8 +211,8 @@ class ModelMaker {
     std::vector<size_t> index;
     for (size_t s = 0; s < join_lines_.size(); ++s) {
       plans[s].join_line = join_lines_[s];
-      if (const auto it = given_up_.find(join_of(s).arc); it != given_up_.end()) {
-        plans[s].why_not = it->second;
+      if (const auto it = rejected_.find(join_of(s).edge); it != rejected_.end()) {
+        plans[s].rejection_reason = it->second;
         continue;
       }
       possible.push_back(join_lines_[s]);
@@ -220,7 +221,7 @@ class ModelMaker {
     std::vector<const RegionLayout*> layouts;
     for (const auto& layout : regions_.layouts()) layouts.push_back(layout.get());
     std::vector<JoinPlan> planned =
-        plan_joins(layouts, regions_.first_shapes(), possible, options_.join_tolerance_deg);
+        plan_joins(layouts, regions_.initial_shapes(), possible, options_.join_tolerance_deg);
     for (size_t i = 0; i < planned.size(); ++i) plans[index[i]] = std::move(planned[i]);
     return plans;
   }
@@ -230,17 +231,17 @@ class ModelMaker {
                    std::vector<Points>& dofs) {
     if (group.plans.empty()) return true;  // a region by itself: its first shape
     auto& [before, shapes] = solved_[group.regions.front()];
-    if (!same_task(before, group)) {
-      const ModelLayout layout(regions_.frame(), group.layouts, group.plans);
+    if (!is_same_problem(before, group)) {
+      const ModelLayout layout(regions_.metadata(), group.layouts, group.plans);
       Points all;
       try {
-        std::vector<const Points*> rests;
-        for (const int r : group.regions) rests.push_back(&regions_.rests()[r]);
-        all = layout.least_energy(options_.material, rest_dofs(layout, rests));
+        std::vector<const Points*> rest_shapes;
+        for (const int r : group.regions) rest_shapes.push_back(&regions_.rest_shapes()[r]);
+        all = layout.minimize_energy(options_.material, rest_dofs(layout, rest_shapes));
       } catch (const CancelledError&) {
         throw;
       } catch (const std::runtime_error& e) {
-        give_up(plans, group, e.what());
+        reject(plans, group, e.what());
         return false;
       }
       shapes.clear();
@@ -252,31 +253,31 @@ class ModelMaker {
   }
 
   // The join lines of a group on embedded lines, or, where there are none of these, all.
-  void give_up(const std::vector<JoinPlan>& plans, const RegionGroup& group,
-               const std::string& why) {
+  void reject(const std::vector<JoinPlan>& plans, const RegionGroup& group,
+              const std::string& why) {
     const bool embedded = std::any_of(group.joins.begin(), group.joins.end(),
                                       [&](size_t s) { return !plans[s].at.empty(); });
     for (const size_t s : group.joins)
-      if (plans[s].at.empty() != embedded) given_up_[join_of(s).arc] = why;
+      if (plans[s].at.empty() != embedded) rejected_[join_of(s).edge] = why;
   }
 
   // Regions of which no facets can be made would take every file with them. Whether there is any.
-  bool leave_out_broken() {
+  bool exclude_broken() {
     bool any = false;
     std::vector<std::string> why(model_.regions.size());
-    parallel_parts(count_of(why), [&](int r) {
+    parallel_for(isize(why), [&](int r) {
       const auto& made = model_.regions[r].skinned;
       if (!made || made->surface.shared_mesh() == has_facets_[r]) return;
-      why[r] = why_no_facets(*made);
+      why[r] = facet_error(*made);
       if (why[r].empty()) has_facets_[r] = made->surface.shared_mesh();
     });
     for (size_t r = 0; r < why.size(); ++r) {
       if (why[r].empty()) continue;
-      regions_.leave_out(static_cast<int>(r), why[r]);
+      regions_.exclude(static_cast<int>(r), why[r]);
       for (size_t s = 0; s < join_lines_.size(); ++s)
         for (const JoinSide& side : join_lines_[s].sides)
           if (side.region == static_cast<int>(r))
-            given_up_[join_of(s).arc] = "one of its regions could not be skinned";
+            rejected_[join_of(s).edge] = "one of its regions could not be skinned";
       any = true;
     }
     return any;
@@ -284,36 +285,37 @@ class ModelMaker {
 
   // Regions that are well by themselves and turn over, or sag, in one shape with their neighbours
   // are laid out in another way; where there is none their joins are given up. Whether there is any.
-  bool free_spoiled(const std::vector<JoinPlan>& plans) {
+  bool repair_spoiled(const std::vector<JoinPlan>& plans) {
     std::vector<char> spoiled(model_.regions.size(), 0);
-    parallel_parts(count_of(model_.regions), [&](int r) {
+    parallel_for(isize(model_.regions), [&](int r) {
       const ModelRegion& region = model_.regions[r];
       if (!region.skinned) return;
-      const double plain = region.plain_area;
-      spoiled[r] = turns_or_sags(*region.skinned, plain) &&
-                   !turns_or_sags(regions_.layouts()[r]->region(regions_.first_shapes()[r]), plain);
+      const double filling_area = region.filling_area;
+      spoiled[r] = is_inverted_or_sagging(*region.skinned, filling_area) &&
+                   !is_inverted_or_sagging(
+                       regions_.layouts()[r]->region(regions_.initial_shapes()[r]), filling_area);
     });
     bool any = false;
     for (size_t r = 0; r < spoiled.size(); ++r)
-      if (spoiled[r] && (regions_.lay_out_bending(static_cast<int>(r)) ||
-                         regions_.lay_out_otherwise(static_cast<int>(r)))) {
+      if (spoiled[r] && (regions_.lay_out_without_rest_shape(static_cast<int>(r)) ||
+                         regions_.lay_out_alternative(static_cast<int>(r)))) {
         spoiled[r] = 0;
         any = true;
       }
     if (any) find_sides_again();
     for (size_t s = 0; s < plans.size(); ++s) {
-      if (plans[s].given_up()) continue;
+      if (plans[s].rejected()) continue;
       for (const JoinSide& side : join_lines_[s].sides) {
         if (!spoiled[side.region]) continue;
-        given_up_[join_of(s).arc] = "region '" + model_.regions[side.region].plan.name +
-                                    "' would turn over or sag where it goes on smoothly";
+        rejected_[join_of(s).edge] = "region '" + model_.regions[side.region].plan.name +
+                                     "' would turn over or sag where it goes on smoothly";
         any = true;
       }
     }
     return any;
   }
 
-  void give_shapes(const std::vector<Points>& dofs) {
+  void assign_shapes(const std::vector<Points>& dofs) {
     for (size_t r = 0; r < dofs.size(); ++r)
       if (const auto& layout = regions_.layouts()[r])
         model_.regions[r].skinned = layout->region(dofs[r]);
@@ -328,16 +330,16 @@ class ModelMaker {
       const auto& layout = regions_.layouts()[r];
       if (!layout) continue;
       ModelRegion& region = model_.regions[r];
-      region.in_layout = number[static_cast<int>(r)] = count_of(made);
+      region.layout_index = number[static_cast<int>(r)] = isize(made);
       made.push_back(layout);
       shapes.push_back(dofs_[r]);
     }
     if (made.empty()) return;
     std::vector<JoinPlan> joined;
     for (const JoinPlan& plan : plans)
-      if (!plan.given_up()) joined.push_back(renumbered(plan, number));
-    model_.layout =
-        std::make_shared<const ModelLayout>(regions_.frame(), std::move(made), std::move(joined));
+      if (!plan.rejected()) joined.push_back(renumbered(plan, number));
+    model_.layout = std::make_shared<const ModelLayout>(regions_.metadata(), std::move(made),
+                                                        std::move(joined));
     model_.dofs = model_.layout->all_dofs(shapes);
     JoinedModel refined = refine_embedded_joins({model_.layout, model_.dofs}, options_.material,
                                                 options_.join_tolerance_deg, progress_);
@@ -346,18 +348,19 @@ class ModelMaker {
     const auto& of_layout = model_.layout->join_plans();  // of those that were not given up before
     size_t next = 0;
     for (size_t s = 0; s < plans.size(); ++s) {
-      if (plans[s].given_up()) continue;
+      if (plans[s].rejected()) continue;
       const JoinPlan& plan = of_layout[next++];
-      if (plan.given_up()) given_up_[join_of(s).arc] = plans[s].why_not = plan.why_not;
-      for (size_t e = 0; e < 2 && !plan.given_up(); ++e)
+      if (plan.rejected())
+        rejected_[join_of(s).edge] = plans[s].rejection_reason = plan.rejection_reason;
+      for (size_t e = 0; e < 2 && !plan.rejected(); ++e)
         if (plan.ends[e].creased) plans[s].ends[e] = plan.ends[e];
     }
     for (ModelRegion& region : model_.regions)
-      if (region.in_layout >= 0)
-        region.skinned = model_.layout->skinned(region.in_layout, model_.dofs);
+      if (region.layout_index >= 0)
+        region.skinned = model_.layout->skinned(region.layout_index, model_.dofs);
   }
 
-  const CharacterLineNetwork& network_;
+  const CurveNetwork& network_;
   const ModelOptions& options_;
   const Progress& progress_;
   SurfaceModel model_;
@@ -369,7 +372,7 @@ class ModelMaker {
   std::map<int, std::pair<RegionGroup, std::vector<Points>>> solved_;
   std::vector<JoinLine> join_lines_;
   std::vector<int> join_of_;             // index into model_.joins of each join line
-  std::map<int, std::string> given_up_;  // arcs whose join line proved worse than a crease, and why
+  std::map<int, std::string> rejected_;  // arcs whose join line proved worse than a crease, and why
 };
 
 }  // namespace
@@ -377,7 +380,7 @@ class ModelMaker {
 void reshape(SurfaceModel& model, std::shared_ptr<const ModelLayout> layout, Points dofs,
              std::vector<SkinnedRegion> made, const Progress& progress) {
   for (ModelRegion& region : model.regions)
-    if (region.in_layout >= 0) region.skinned = std::move(made[region.in_layout]);
+    if (region.layout_index >= 0) region.skinned = std::move(made[region.layout_index]);
   model.layout = std::move(layout);
   model.dofs = std::move(dofs);
   measure(model, progress);
@@ -390,7 +393,7 @@ std::vector<const SkinnedRegion*> SurfaceModel::skinned() const {
   return all;
 }
 
-SurfaceModel skin_network(const CharacterLineNetwork& network, const FoundRegions& found,
+SurfaceModel skin_network(const CurveNetwork& network, const FoundRegions& found,
                           const ModelOptions& options, const Progress& progress) {
   return ModelMaker(network, found, options, progress).make();
 }

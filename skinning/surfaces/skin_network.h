@@ -14,7 +14,7 @@ namespace batten {
 /// 1. Regions get normals that agree across arcs, outwards where a shell is closed.
 /// 2. Each is laid out (RegionLayout) on the arcs' own curves, with the same vertices on both
 ///    sides of an arc, and solved by itself: all lines are creases.
-/// 3. Arcs become creases or smooth joins (JoinWord, or the angle found). At a node where the
+/// 3. Arcs become creases or smooth joins (JoinSpec, or the angle found). At a node where the
 ///    tangents of both sides do not lie in one plane a smooth join ends in a crease, with a
 ///    warning.
 /// 4. Regions that smooth joins connect are solved together (model/join.h), and halved along joins
@@ -22,10 +22,10 @@ namespace batten {
 ///    with more than half a degree, becomes a crease.
 /// 5. The model is measured, and its flaws are looked for.
 ///
-/// A region that cannot be skinned is left out (ModelRegion::why_not); the others are made all the
+/// A region that cannot be skinned is left out (ModelRegion::rejection_reason); the others are made all the
 /// same.
 /// Throws InputError for words that fit nothing, NoSolutionError, CancelledError.
-SurfaceModel skin_network(const CharacterLineNetwork& network, const FoundRegions& found,
+SurfaceModel skin_network(const CurveNetwork& network, const FoundRegions& found,
                           const ModelOptions& options = {}, const Progress& progress = {});
 
 /// Gives a model another shape, that of a session; it is measured anew and its flaws are looked

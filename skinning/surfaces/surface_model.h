@@ -7,18 +7,18 @@
 #include <vector>
 
 #include "batten/skinning/model/model_layout.h"
-#include "batten/skinning/region/quality.h"
+#include "batten/skinning/region/skin_quality.h"
 #include "batten/skinning/search/regions.h"
-#include "batten/skinning/surfaces/measured_shape.h"
+#include "batten/skinning/surfaces/fitted_primitive.h"
 #include "batten/skinning/surfaces/normal_side.h"
 
 namespace batten {
 
 /// The user's word about a line: names are those of arcs, or of lines.
-struct JoinWord {
+struct JoinSpec {
   enum class Kind {
     Crease,
-    Smooth,     ///< curvature goes on or not, as the lines say: curvature_goes_on()
+    Smooth,     ///< curvature goes on or not, as the lines say: is_curvature_continuous()
     Tangent,    ///< smooth, and curvature may jump
     Curvature,  ///< smooth, and fairing lets curvature go on
   };
@@ -34,38 +34,38 @@ struct ModelOptions {
   /// beta as in RegionLayout; its tolerance is that of embedded lines (0: 1e-4 of the network's size).
   SkinOptions skin;
   SurfaceStiffness material{};
-  std::vector<JoinWord> joins;
+  std::vector<JoinSpec> joins;
   /// Lines without a word are smooth where the surfaces that the lines alone make meet at less than
-  /// this (ModelJoin::first_deg); degrees.
-  double smooth_below_deg = 25;
+  /// this (ModelJoin::initial_deg); degrees.
+  double crease_angle_deg = 25;
   /// Edges along smooth joins are halved until the angle between the normals is below this;
   /// degrees.
   double join_tolerance_deg = 0.1;
-  int most_join_rounds = 3;  ///< of such halving
-  bool rest = true;          ///< ModelFrame::rest
+  int max_join_rounds = 3;  ///< of such halving
+  bool rest = true;         ///< ModelMetadata::rest
 };
 
 /// A line and the regions that meet along it.
 struct ModelJoin {
   enum class Kind {
-    Rim,       ///< one region
-    Crease,    ///< two that share the line
-    Smooth,    ///< two that share the line and their tangent planes along it
-    Branching  ///< three or more
+    FreeEdge,    ///< one region
+    Crease,      ///< two that share the line
+    Smooth,      ///< two that share the line and their tangent planes along it
+    NonManifold  ///< three or more
   };
-  int arc = 0;
+  int edge = 0;
   std::string line;  ///< the arc's name
   /// Indices into SurfaceModel::regions; a region that meets itself is there twice.
   std::vector<int> regions;
-  Kind kind = Kind::Rim;
-  bool asked = false;  ///< the user's word
-  std::string why;     ///< why it is a crease although it was to be smooth, or ""
+  Kind kind = Kind::FreeEdge;
+  bool requested = false;  ///< the user's word
+  std::string why;         ///< why it is a crease although it was to be smooth, or ""
   /// A smooth join is a crease at its start, end: no tangent plane, or JoinEnd::creased.
   std::array<bool, 2> open{};
   /// Angle between the normals of the first shapes, those of each region's lines alone: 0.4 of that
   /// at either end where lines fix both planes, the rest of the mean along the line; averaged over
   /// lines that go on straight.
-  double first_deg = 0;
+  double initial_deg = 0;
   /// Largest angle between the normals of the result, sampled between nodes too; and the same
   /// without the edges at ends that are creases.
   double max_deg = 0, max_inside_deg = 0;
@@ -78,7 +78,7 @@ struct ModelJoin {
 };
 
 /// What is wrong with a surface that was made.
-struct SurfaceFlaw {
+struct SurfaceDefect {
   enum class Kind {
     Jacobian,  ///< x_u × x_v vanishes, or turns over against its surroundings
     Fold,      ///< turns by more than 120 degrees inside, or doubles back on a neighbour
@@ -96,11 +96,12 @@ struct SurfaceFlaw {
 struct ModelRegion {
   NetworkRegion plan;  ///< loops run counter-clockwise seen from the side of the normal
   std::optional<SkinnedRegion> skinned;
-  int in_layout = -1;   ///< index into the regions of SurfaceModel::layout, of one that is skinned
-  std::string why_not;  ///< why it could not be skinned, or ""
+  int layout_index =
+      -1;  ///< index into the regions of SurfaceModel::layout, of one that is skinned
+  std::string rejection_reason;  ///< why it could not be skinned, or ""
   SkinQuality quality;
-  MeasuredShape shape;    ///< what the finished surface is, within shape_tolerance()
-  double plain_area = 0;  ///< area of the plain filling of its loops; 0 when there is none
+  FittedPrimitive shape;    ///< what the finished surface is, within primitive_tolerance()
+  double filling_area = 0;  ///< area of the plain filling of its loops; 0 when there is none
   std::vector<std::string> warnings;
 };
 
@@ -122,7 +123,7 @@ struct SurfaceModel {
   std::vector<ModelRegion> regions;  ///< all regions, in the order of the plan
   std::vector<ModelJoin> joins;      ///< a join for every arc that has a region, by arc
   std::vector<ModelShell> shells;
-  std::vector<SurfaceFlaw> flaws;
+  std::vector<SurfaceDefect> defects;
   std::vector<std::string> warnings;
   double area = 0;
   double max_join_deg = 0;  ///< largest max_inside_deg of the smooth joins

@@ -10,9 +10,9 @@ namespace batten {
 
 struct ModelFitOptions {
   double tolerance = 0;  ///< wanted distance, model units; 0: 1e-4 of the model's size
-  int most_rounds = 12;  ///< on one mesh, once its first shape is near
-  int most_halvings = 5;
-  int most_triangles = 60'000;
+  int max_rounds = 12;   ///< on one mesh, once its first shape is near
+  int max_refinements = 5;
+  int max_triangles = 60'000;
   /// Parts of the target: a region whose lines all lie on one of them is drawn to that part alone.
   std::vector<std::shared_ptr<const TargetSurface>> parts = {};
 };
@@ -21,8 +21,8 @@ struct ModelFitOptions {
 struct ModelFit {
   std::shared_ptr<const ModelLayout> layout;  ///< the one given, or a finer one
   Points dofs;
-  int rounds = 0;
-  int halvings = 0;
+  int iterations = 0;
+  int refinements = 0;
   TargetDistances before, after;
   bool reached = false;  ///< whether after.largest() ≤ tolerance
 };
@@ -38,7 +38,7 @@ struct ModelFit {
 /// surface, so that it does not fold, and makes it fair: ε falls from 100 to 1, 0.03 and 1e-3, some rounds
 /// each, until the surface is within half the tolerance; where none of these is, it is 1e-5 at the end, which
 /// draws the shape aside by less than triangles miss it anyway. A region that has a part of its own begins with
-/// g = t(u, v) - x, t the part's points over its domain (TargetSurface::over_plane), if it is far away or its
+/// g = t(u, v) - x, t the part's points over its domain (TargetSurface::parametrize), if it is far away or its
 /// lines made no good domain: nearest points would not lead into what is deeper than wide. Triangles that look
 /// away from the target nevertheless, and those around them, keep a hundred times as much bending. The matrix,
 /// mass + ε h⁴ bending, stays the same while ε and rows do: one factor, many rounds, which Acceleration makes

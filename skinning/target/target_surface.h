@@ -14,7 +14,7 @@ class TargetSurface {
  public:
   struct Nearest {
     Vec3 at = Vec3::Zero(), normal = Vec3::UnitZ();  ///< the normal has unit length
-    bool at_rim = false;  ///< the target ends there: further on there is none
+    bool at_boundary = false;  ///< the target ends there: further on there is none
   };
   virtual ~TargetSurface() = default;
   /// The nearest point to `p` of all whose normal has a positive share of `along`; of all points where
@@ -24,8 +24,8 @@ class TargetSurface {
   virtual std::vector<Nearest> samples() const = 0;
   /// The target's point over each place of a plane: its rim lies over the places that `rim` gives to points on
   /// it, the rest is spread between them. None where that cannot be. Called from several threads.
-  using Map = std::function<Vec3(const Vec2& place)>;
-  virtual Map over_plane(const std::function<Vec2(const Vec3&)>& rim) const {
+  using Parametrization = std::function<Vec3(const Vec2& uv)>;
+  virtual Parametrization parametrize(const std::function<Vec2(const Vec3&)>& rim) const {
     (void)rim;
     return {};
   }

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "batten/tests/patchwork.h"
+#include "batten/tests/support/test_model_builder.h"
 
 namespace batten_test {
 
@@ -11,7 +11,7 @@ namespace batten_test {
 struct Plates {
   static constexpr double W = 0.5, E = 1000, t = 0.02, q = 1e-4;
   static constexpr double EI = E * t * t * t / 12;
-  Patchwork patchwork;
+  TestModelBuilder builder;
   double h = 0.1;
 
   void across(const std::string& name, const Vec3& at_0, const Vec3& at_W) {
@@ -22,18 +22,18 @@ struct Plates {
     const auto curve = curve_from_formula(0, 1, [=](double s, int order) -> Vec3 {
       return order == 0 ? Vec3(a + s * d) : order == 1 ? d : Vec3(0, 0, 0);
     });
-    patchwork.add(given_line(name, curve, 1, h));
+    builder.add(prescribed_line(name, curve, 1, h));
   }
   // A plate between two lines across.
   void plate(const std::string& from, const std::string& to) {
     const auto end = [&](const std::string& name, double s) {
-      return patchwork.lines.at(name).curve->evaluate(s);
+      return builder.lines.at(name).curve->evaluate(s);
     };
     line(from + to + " 0", end(from, 0), end(to, 0));
     line(from + to + " W", end(from, 1), end(to, 1));
-    patchwork.region({from, from + to + " W", to, from + to + " 0"});
+    builder.region({from, from + to + " W", to, from + to + " 0"});
   }
-  Plates() { patchwork.options.edge_length = h; }
+  Plates() { builder.options.edge_length = h; }
 };
 
 }  // namespace batten_test

@@ -7,11 +7,11 @@
 #include "batten/constraints/constrained_solver.h"
 #include "batten/core/dense.h"
 #include "batten/core/errors.h"
-#include "batten/fem/assembly.h"
-#include "batten/tests/catch.h"
-#include "batten/tests/kkt_twin.h"
-#include "batten/tests/sampling.h"
-#include "batten/tests/threads.h"
+#include "batten/fem/surface_assembler.h"
+#include "batten/tests/support/catch.h"
+#include "batten/tests/support/kkt_solver.h"
+#include "batten/tests/support/sampling.h"
+#include "batten/tests/support/thread_guard.h"
 
 using namespace batten_test;
 using Catch::Matchers::Contains;
@@ -161,7 +161,7 @@ VecX stacked(const Points& q) { return Eigen::Map<const VecX>(q.data(), q.size()
 }  // namespace
 
 TEST_CASE("a shell moves freely in six ways, and no strain comes of that") {
-  for (const TriangleElement kind : both_kinds) {
+  for (const TriangleElement kind : kBothElements) {
     INFO(name(kind));
     const Surface surface = bumpy(kind);
     const ShellAssembler shell(surface, {{ShellMaterial::isotropic(200, 0.3), 0.05}});
@@ -191,13 +191,14 @@ TEST_CASE("a shell moves freely in six ways, and no strain comes of that") {
 
 TEST_CASE("the matrix is the energy of the strains") {
   Random random(3);
-  for (const TriangleElement kind : both_kinds) {
+  for (const TriangleElement kind : kBothElements) {
     const Surface surface = bumpy(kind, 2);
     const ShellSection section{ShellMaterial::orthotropic(120, 10, 0.3, 5), 0.08, {1, 1, 0}};
     const ShellAssembler shell(surface, {section});
     Points q(surface.dof_map().count(), 3);
     for (long i = 0; i < q.size(); ++i) q.data()[i] = random();
-    const TriangleRule rule = kind == TriangleElement::HCT ? split_triangle(8) : six_duffy(10);
+    const TriangleRule rule =
+        kind == TriangleElement::HCT ? split_triangle_rule(8) : six_duffy_rule(10);
     double energy = 0;
     for (int t = 0; t < surface.mesh().triangle_count(); ++t)
       for (long p = 0; p < rule.weights.size(); ++p) {
@@ -270,8 +271,8 @@ TEST_CASE("rows on a shell that mix x, y and z hold, and equal a saddle point sy
   for (long i = 0; i < F.size(); ++i) F.data()[i] = random();
   const Points q = ConstrainedSolver(set, K).solve(F);
   CHECK(set.max_residual(q) < 1e-12);
-  const Points twin = solve_kkt(set, K, F);
-  CHECK((q - twin).cwiseAbs().maxCoeff() < 1e-8 * twin.cwiseAbs().maxCoeff());
+  const Points expected = solve_kkt(set, K, F);
+  CHECK((q - expected).cwiseAbs().maxCoeff() < 1e-8 * expected.cwiseAbs().maxCoeff());
   // Reactions and loads are in equilibrium.
   const Points reaction = reaction_forces(K, q, F);
   Vec3 sum = Vec3::Zero();

@@ -6,7 +6,7 @@
 #include "batten/core/errors.h"
 #include "batten/skinning/model/rest_shape.h"
 #include "batten/tests/analysis/plates.h"
-#include "batten/tests/catch.h"
+#include "batten/tests/support/catch.h"
 
 using namespace batten_test;
 using Catch::Matchers::Contains;
@@ -25,7 +25,7 @@ struct OnePlate {
 
   static Plates lines(double L, double h) {
     Plates p;
-    p.h = p.patchwork.options.edge_length = h;
+    p.h = p.builder.options.edge_length = h;
     p.across("a", {0, 0, 0}, {0, 0, 0});
     p.across("b", {L, 0, 0}, {L, 0, 0});
     p.plate("a", "b");
@@ -33,8 +33,8 @@ struct OnePlate {
   }
   OnePlate(double length, double h)
       : plates(lines(length, h)),
-        layout(plates.patchwork.model({})),
-        shape(layout.all_dofs(plates.patchwork.first)),
+        layout(plates.builder.model({})),
+        shape(layout.all_dofs(plates.builder.first)),
         L(length) {}
   ShellDefinition made_of(double nu, std::vector<LineSupport> supports = {}) const {
     return {{{ShellMaterial::isotropic(Plates::E, nu, kDensity), Plates::t}},
@@ -62,7 +62,7 @@ TEST_CASE("a simply supported plate has its frequencies, also where two are equa
   const ShellModes modes = natural_modes(shell, 5);
   const double D = Plates::EI / (1 - nu * nu);
   const double first = pi / 2 * 2 / (Plates::W * Plates::W) * std::sqrt(D / (kDensity * Plates::t));
-  CHECK(modes.rigid == 0);
+  CHECK(modes.rigid_body_count == 0);
   REQUIRE(modes.frequencies.size() == 5);
   const double times[] = {2, 5, 5, 8, 10};
   for (int k = 0; k < 5; ++k)
@@ -71,10 +71,10 @@ TEST_CASE("a simply supported plate has its frequencies, also where two are equa
 
 TEST_CASE("a strip that nothing holds has six rigid motions, then the bending of a free beam") {
   const OnePlate strip(6 * Plates::W, Plates::W / 3);
-  using Free = ShellModel::Free;
+  using Free = ShellModel::RigidBodyHandling;
   const ShellModel shell(strip.layout, strip.shape, strip.made_of(0), Free::Shifted);
   const ShellModes modes = natural_modes(shell, 2);
-  CHECK(modes.rigid == 6);
+  CHECK(modes.rigid_body_count == 6);
   REQUIRE(modes.frequencies.size() == 8);
   const double root = 4.730041;
   const double beam =
@@ -91,31 +91,31 @@ TEST_CASE("a strip that nothing holds has six rigid motions, then the bending of
 
 TEST_CASE("a free ring of two halves swings as Hoppe says") {
   constexpr double R = 1, b = 0.2, t = 0.01, E = 1000;
-  Patchwork p;
+  TestModelBuilder p;
   p.options.edge_length = 0.1;
   const auto half = [&](const std::string& name, double side, double z) {
-    p.add(given_line(name,
-                     curve_from_formula(0, 1,
-                                        [=](double s, int order) -> Vec3 {
-                                          const double a = pi * s, w = pi;
-                                          const Vec3 x(R * std::cos(a), side * R * std::sin(a), z),
-                                              d(-R * std::sin(a), side * R * std::cos(a), 0);
-                                          return order == 0 ? x
-                                                 : order == 1
-                                                     ? Vec3(w * d)
-                                                     : Vec3(-w * w * Vec3(x.x(), x.y(), 0));
-                                        }),
-                     1, p.options.edge_length));
+    p.add(prescribed_line(
+        name,
+        curve_from_formula(0, 1,
+                           [=](double s, int order) -> Vec3 {
+                             const double a = pi * s, w = pi;
+                             const Vec3 x(R * std::cos(a), side * R * std::sin(a), z),
+                                 d(-R * std::sin(a), side * R * std::cos(a), 0);
+                             return order == 0   ? x
+                                    : order == 1 ? Vec3(w * d)
+                                                 : Vec3(-w * w * Vec3(x.x(), x.y(), 0));
+                           }),
+        1, p.options.edge_length));
   };
   const auto upright = [&](const std::string& name, double x) {
-    p.add(given_line(name,
-                     curve_from_formula(0, 1,
-                                        [=](double s, int order) -> Vec3 {
-                                          return order == 0   ? Vec3(x, 0, b * s)
-                                                 : order == 1 ? Vec3(0, 0, b)
-                                                              : Vec3(0, 0, 0);
-                                        }),
-                     1, p.options.edge_length));
+    p.add(prescribed_line(name,
+                          curve_from_formula(0, 1,
+                                             [=](double s, int order) -> Vec3 {
+                                               return order == 0   ? Vec3(x, 0, b * s)
+                                                      : order == 1 ? Vec3(0, 0, b)
+                                                                   : Vec3(0, 0, 0);
+                                             }),
+                          1, p.options.edge_length));
   };
   half("low 1", 1, 0);
   half("high 1", 1, b);
@@ -126,12 +126,12 @@ TEST_CASE("a free ring of two halves swings as Hoppe says") {
   p.region({"low 1", "west", "high 1", "east"});
   p.region({"low 2", "west", "high 2", "east"});
   const ModelLayout layout = p.model({});
-  const Points shape = layout.least_energy({}, rest_dofs(layout));
+  const Points shape = layout.minimize_energy({}, rest_dofs(layout));
   const ShellModel shell(layout, shape,
                          {{{ShellMaterial::isotropic(E, 0, kDensity), t}}, {}, {}, {}},
-                         ShellModel::Free::Shifted);
+                         ShellModel::RigidBodyHandling::Shifted);
   const ShellModes modes = natural_modes(shell, 4);
-  CHECK(modes.rigid == 6);
+  CHECK(modes.rigid_body_count == 6);
   // Among the first are those of k waves around, in its plane: (2 pi f)^2 = E t^2/(12 rho R^4) ....
   const auto of = [&](int k) {
     const double k2 = k * k;
@@ -146,15 +146,15 @@ namespace {
 struct Sector {
   static constexpr double E = 1000;
   double theta, L, t;
-  Patchwork patchwork;
+  TestModelBuilder builder;
   ModelLayout layout;
   Points shape;
 
-  static Patchwork lines(double theta, double L, double h) {
-    Patchwork p;
+  static TestModelBuilder lines(double theta, double L, double h) {
+    TestModelBuilder p;
     p.options.edge_length = h;
     const auto add = [&](const std::string& name, const std::shared_ptr<const InputCurve>& curve) {
-      p.add(given_line(name, curve, 1, h));
+      p.add(prescribed_line(name, curve, 1, h));
     };
     const auto arc = [=](double z) {
       return curve_from_formula(0, 1, [=](double s, int order) -> Vec3 {
@@ -181,9 +181,9 @@ struct Sector {
       : theta(theta),
         L(L),
         t(t),
-        patchwork(lines(theta, L, h)),
-        layout(patchwork.model({})),
-        shape(layout.least_energy({}, rest_dofs(layout))) {}
+        builder(lines(theta, L, h)),
+        layout(builder.model({})),
+        shape(layout.minimize_energy({}, rest_dofs(layout))) {}
 
   ShellModel shell() const {
     ShellDefinition d{{{ShellMaterial::isotropic(E, 0, kDensity), t}}, {}, {}, {}};
@@ -193,7 +193,7 @@ struct Sector {
                held("high", {Vec3::UnitX(), Vec3::UnitY()})};
     // Waves are still along the axis in the middle.
     const Vec3 middle(std::cos(theta / 2), std::sin(theta / 2), L / 2);
-    d.points = {{"middle", nearest_place(layout, shape, middle), {Vec3::UnitZ()}, Vec3::Zero()}};
+    d.points = {{"middle", nearest_location(layout, shape, middle), {Vec3::UnitZ()}, Vec3::Zero()}};
     return {layout, shape, d};
   }
   // Of m half waves along and n across, Donnell: bending and membrane part, with wave numbers.
@@ -239,7 +239,7 @@ TEST_CASE("a square plate buckles under the pressure of two sides where Bryan sa
   supports.push_back(held("a", {Vec3::UnitX()}));
   ShellDefinition definition = plate.made_of(nu, supports);
   definition.points = {{"corner",
-                        nearest_place(plate.layout, plate.shape, {0, 0, 0}),
+                        nearest_location(plate.layout, plate.shape, {0, 0, 0}),
                         {Vec3::UnitY()},
                         Vec3::Zero()}};
   const ShellModel shell(plate.layout, plate.shape, definition);

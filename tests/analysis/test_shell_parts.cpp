@@ -4,7 +4,7 @@
 #include "batten/analysis/models/shell_model.h"
 #include "batten/core/errors.h"
 #include "batten/tests/analysis/plates.h"
-#include "batten/tests/catch.h"
+#include "batten/tests/support/catch.h"
 
 using namespace batten_test;
 using Catch::Matchers::Contains;
@@ -27,14 +27,14 @@ struct Strip {
   }
   Strip()
       : plates(lines()),
-        layout(plates.patchwork.model({})),
-        shape(layout.all_dofs(plates.patchwork.first)) {}
+        layout(plates.builder.model({})),
+        shape(layout.all_dofs(plates.builder.first)) {}
 
   ShellDefinition definition() const {
     return {{{ShellMaterial::isotropic(E, 0, 2), t}}, {}, {}, {}};
   }
   Vec3 moved(const Points& q, const Vec3& p) const {
-    return layout.surface(q).position(nearest_place(layout, shape, p).where);
+    return layout.surface(q).position(nearest_location(layout, shape, p).where);
   }
 };
 
@@ -49,9 +49,9 @@ TEST_CASE("loads in a box are those of its part of the surface, or of a line") {
   const Strip strip;
   // Borders of the box are nowhere near an element's.
   for (const auto& [from, to] : {std::pair(0.237, 0.681), {0.51, 0.532}}) {
-    const Resultant sum =
-        resultant(strip.layout, strip.shape,
-                  area_force(strip.layout, strip.shape, weight_down, {{}, between(from, to)}));
+    const Resultant sum = resultant(
+        strip.layout, strip.shape,
+        surface_traction(strip.layout, strip.shape, weight_down, {{}, between(from, to)}));
     CHECK(sum.force.z() == Approx(-Plates::q * Strip::W * (to - from)).margin(1e-3 * Plates::q));
     CHECK(sum.moment.y() ==
           Approx(Plates::q * Strip::W * (to * to - from * from) / 2).margin(1e-3 * Plates::q));
@@ -63,7 +63,7 @@ TEST_CASE("loads in a box are those of its part of the surface, or of a line") {
   CHECK(force(line_moment(strip.layout, strip.shape, "tip", 3, half)).moment.y() ==
         Approx(3 * 0.25).epsilon(0.02));
   const Box3 away(Vec3(3, 3, 3), Vec3(4, 4, 4));
-  CHECK_THROWS_WITH(area_force(strip.layout, strip.shape, weight_down, {{}, away}),
+  CHECK_THROWS_WITH(surface_traction(strip.layout, strip.shape, weight_down, {{}, away}),
                     Contains("nothing in the box from [3, 3, 3] to [4, 4, 4]"));
   CHECK_THROWS_WITH(line_force(strip.layout, strip.shape, "tip", {0, 0, 1}, away),
                     Contains("nothing in the box"));
@@ -78,7 +78,8 @@ TEST_CASE("a part that is held is a clamp for the rest, and is moved as told") {
   const double EI = Strip::E * std::pow(Strip::t, 3) / 12, free = Strip::L - held;
   {
     const ShellModel shell(strip.layout, strip.shape, definition);
-    const Points F = area_force(strip.layout, strip.shape, weight_down, {{}, between(held, 2)});
+    const Points F =
+        surface_traction(strip.layout, strip.shape, weight_down, {{}, between(held, 2)});
     const Points q = shell.solve(F);
     // Elements that the border cuts follow what is held of them.
     CHECK(strip.moved(q, {Strip::L, 0.25, 0}).z() ==
@@ -100,7 +101,7 @@ TEST_CASE("half of a line is held as all of it is") {
   const Strip strip;
   ShellDefinition definition = strip.definition();
   definition.lines = {LineSupport::clamped("foot")};
-  const Points F = area_force(strip.layout, strip.shape, weight_down);
+  const Points F = surface_traction(strip.layout, strip.shape, weight_down);
   const auto tip = [&] {
     return strip
         .moved(ShellModel(strip.layout, strip.shape, definition).solve(F), {Strip::L, 0.25, 0})
@@ -120,9 +121,9 @@ TEST_CASE("thickness may change from vertex to vertex") {
   definition.lines = {LineSupport::clamped("foot")};
   const ParametricMesh& mesh = *strip.layout.mesh();
   const Surface surface = strip.layout.surface(strip.shape);
-  definition.more_thickness = VecX::Zero(mesh.vertex_count());
+  definition.nodal_thickness_offset = VecX::Zero(mesh.vertex_count());
   for (int v = 0; v < mesh.vertex_count(); ++v)  // twice as thick at the foot
-    definition.more_thickness[v] = Strip::t * (1 - strip.shape(3 * v, 0) / Strip::L);
+    definition.nodal_thickness_offset[v] = Strip::t * (1 - strip.shape(3 * v, 0) / Strip::L);
   const ShellModel shell(strip.layout, strip.shape, definition);
   // Under a moment m at the tip: w'' = 12 m / (E t³), with t = t0 (2 - x/L).
   constexpr double m = 1e-4;
@@ -131,14 +132,14 @@ TEST_CASE("thickness may change from vertex to vertex") {
   // ∫ (L - x) k / (2 - x/L)³ dx over 0 … L, with s = 2 - x/L: ∫ (s - 1)/s³ ds over 1 … 2 = 1/8
   CHECK(-strip.moved(q, {Strip::L, 0.25, 0}).z() ==
         Approx(k * Strip::L * Strip::L / 8).epsilon(2e-3));
-  const Points G =
-      weight(strip.layout, strip.shape, triangle_sections(strip.layout, definition), {0, 0, -10});
+  const Points G = gravity_load(strip.layout, strip.shape,
+                                triangle_sections(strip.layout, definition), {0, 0, -10});
   const Resultant sum = resultant(strip.layout, strip.shape, G);
   CHECK(sum.force.z() == Approx(-10 * 2 * 1.5 * Strip::t * Strip::W * Strip::L));
   CHECK(sum.moment.y() ==  // centre of mass at L (2/2 - 1/3)/1.5
         Approx(10 * 2 * Strip::t * Strip::W * Strip::L * Strip::L * (1 - 1.0 / 3)));
-  definition.more_thickness[0] = -Strip::t;
+  definition.nodal_thickness_offset[0] = -Strip::t;
   CHECK_THROWS_WITH(ShellModel(strip.layout, strip.shape, definition), Contains("thickness = 0"));
-  definition.more_thickness.resize(3);
+  definition.nodal_thickness_offset.resize(3);
   CHECK_THROWS_WITH(ShellModel(strip.layout, strip.shape, definition), Contains("3 thicknesses"));
 }

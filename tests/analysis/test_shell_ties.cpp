@@ -3,9 +3,9 @@
 
 #include "batten/analysis/models/shell_model.h"
 #include "batten/core/errors.h"
-#include "batten/fem/assembly.h"
+#include "batten/fem/surface_assembler.h"
 #include "batten/tests/analysis/plates.h"
-#include "batten/tests/catch.h"
+#include "batten/tests/support/catch.h"
 
 using namespace batten_test;
 using Catch::Matchers::Contains;
@@ -18,16 +18,17 @@ struct Solved {
   // The displacement in the middle of a line.
   Vec3 at(const std::string& name) const {
     const ModelLine& line = layout.model_line(name);
-    const LineRun& run = layout.region(line.sides[0].region).runs()[line.sides[0].index];
-    const int v = run.vertices[run.vertices.size() / 2];
-    return q.row(layout.numbers(line.sides[0].region)(3 * v));
+    const EdgeAlignedLine& aligned_line =
+        layout.region(line.sides[0].region).edge_aligned()[line.sides[0].index];
+    const int v = aligned_line.vertices[aligned_line.vertices.size() / 2];
+    return q.row(layout.dof_offsets(line.sides[0].region)(3 * v));
   }
 };
 
 // Clamped along "foot", loaded by q downwards on one region.
 Solved solved(const Plates& plates, int loaded, const std::vector<std::string>& hinges = {}) {
-  const ModelLayout layout = plates.patchwork.model({});
-  const Points shape = layout.all_dofs(plates.patchwork.first);
+  const ModelLayout layout = plates.builder.model({});
+  const Points shape = layout.all_dofs(plates.builder.first);
   const Surface one = layout.skinned(loaded, shape).surface;
   const VecX load = SurfaceAssembler(one.mesh(), one.kind()).area_load(one);
   const Points F = layout.spread(loaded, load) * Eigen::RowVector3d(0, 0, -Plates::q);
@@ -95,7 +96,7 @@ TEST_CASE("a box beam in torsion turns as Bredt says") {
   // Four plates around, clamped at one end; a closed rim of moments is a torque at the other.
   constexpr double L = 4, a = 0.5, b = 0.3, t = 0.02, E = 1000, nu = 0.3;
   Plates plates;
-  plates.h = plates.patchwork.options.edge_length = 0.1;
+  plates.h = plates.builder.options.edge_length = 0.1;
   const Vec3 corner[4] = {{0, 0, 0}, {0, a, 0}, {0, a, b}, {0, 0, b}};
   for (int k = 0; k < 4; ++k) {
     const Vec3 &p = corner[k], &q = corner[(k + 1) % 4], x(L, 0, 0);
@@ -106,10 +107,10 @@ TEST_CASE("a box beam in torsion turns as Bredt says") {
   }
   for (int k = 0; k < 4; ++k) {
     const std::string n = std::to_string(k), next = std::to_string((k + 1) % 4);
-    plates.patchwork.region({"foot " + n, "edge " + next, "tip " + n, "edge " + n});
+    plates.builder.region({"foot " + n, "edge " + next, "tip " + n, "edge " + n});
   }
-  const ModelLayout layout = plates.patchwork.model({});
-  const Points shape = layout.all_dofs(plates.patchwork.first);
+  const ModelLayout layout = plates.builder.model({});
+  const Points shape = layout.all_dofs(plates.builder.first);
   ShellDefinition definition{{{ShellMaterial::isotropic(E, nu), t}}, {}, {}, {}};
   Points F = Points::Zero(shape.rows(), 3);
   // A shear flow of 1 around the tip: the torque is twice the area.
@@ -125,7 +126,7 @@ TEST_CASE("a box beam in torsion turns as Bredt says") {
   // The mean of what its sides turn: where the section is distorted they differ.
   const auto turn_at = [&](double x) {
     const auto at = [&](const Vec3& p) {
-      return moved.position(nearest_place(layout, shape, p).where);
+      return moved.position(nearest_location(layout, shape, p).where);
     };
     const double upright = (at({x, a, b / 2}).z() - at({x, 0, b / 2}).z()) / a,
                  level = (at({x, a / 2, 0}).y() - at({x, a / 2, b}).y()) / b;
@@ -143,9 +144,10 @@ TEST_CASE("rigid motions of a model keep its ties") {
   plates.across("tip", {0.7, 0, 0.4}, {0.6, 0, 0.5});
   plates.plate("foot", "knee");
   plates.plate("knee", "tip");
-  const ModelLayout layout = plates.patchwork.model({});
-  const Points shape = layout.all_dofs(plates.patchwork.first);
-  const ConstraintSet ties = shell_ties(layout, shape, {{ShellMaterial::isotropic(1, 0), 1}}).rows;
+  const ModelLayout layout = plates.builder.model({});
+  const Points shape = layout.all_dofs(plates.builder.first);
+  const ConstraintSet ties =
+      shell_ties(layout, shape, {{ShellMaterial::isotropic(1, 0), 1}}).constraints;
   for (int c = 0; c < 3; ++c) {
     Points turn(shape.rows(), 3);
     for (long d = 0; d < turn.rows(); ++d)

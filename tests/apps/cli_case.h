@@ -8,14 +8,14 @@
 #include <fstream>
 #include <sstream>
 
-#include "batten/tests/catch.h"
-#include "batten/tests/reference.h"
+#include "batten/tests/support/catch.h"
+#include "batten/tests/support/test_data.h"
 
 namespace batten_test {
 
 namespace fs = std::filesystem;
 
-struct Result {
+struct CliResult {
   int code = -1;
   std::string out, err;
 };
@@ -32,10 +32,10 @@ inline void write(const fs::path& file, const std::string& text) {
 }
 
 /// A folder with what one case needs, and the program in it. No display unless asked for.
-class Case {
+class CliCase {
  public:
-  explicit Case(const std::string& name) : folder_(scratch("cli_" + name)) {}
-  ~Case() { fs::remove_all(folder_); }
+  explicit CliCase(const std::string& name) : folder_(scratch("cli_" + name)) {}
+  ~CliCase() { fs::remove_all(folder_); }
 
   const fs::path& folder() const { return folder_; }
   fs::path operator/(const std::string& name) const { return folder_ / name; }
@@ -59,13 +59,13 @@ class Case {
     }
     return child;
   }
-  Result wait(pid_t child) const {
+  CliResult wait(pid_t child) const {
     int status = 0;
     waitpid(child, &status, 0);
     const int code = WIFEXITED(status) ? WEXITSTATUS(status) : 1000 + WTERMSIG(status);
     return {code, contents(folder_ / ".out"), contents(folder_ / ".err")};
   }
-  Result run(const std::vector<std::string>& arguments) const { return wait(start(arguments)); }
+  CliResult run(const std::vector<std::string>& arguments) const { return wait(start(arguments)); }
 
   /// `batten run s.toml --out out` on this scene: it must fail like this and leave nothing.
   void fails(const std::string& scene, int code, const std::vector<std::string>& parts,
@@ -73,7 +73,7 @@ class Case {
     file("s.toml", scene);
     std::vector<std::string> arguments = {command, "s.toml", "--out", "out"};
     arguments.insert(arguments.end(), more.begin(), more.end());
-    const Result r = run(arguments);
+    const CliResult r = run(arguments);
     INFO("scene:\n" << scene << "\nmessage:\n" << r.err);
     CHECK(r.code == code);
     for (const auto& part : parts) {
@@ -87,7 +87,7 @@ class Case {
   fs::path folder_;
 };
 
-inline nlohmann::json report(const Case& c, const std::string& folder,
+inline nlohmann::json report(const CliCase& c, const std::string& folder,
                              const std::string& name = "report.json") {
   return nlohmann::json::parse(contents(c / (folder + "/" + name)));
 }

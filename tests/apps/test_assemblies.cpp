@@ -3,10 +3,10 @@
 #include <map>
 
 #include "batten/io/meshes/mesh_file.h"
-#include "batten/mesh/attached/solids.h"
+#include "batten/mesh/attached/inverted_solids.h"
 #include "batten/mesh/deform/similarity.h"
 #include "batten/tests/apps/cli_case.h"
-#include "batten/tests/independent/nastran.h"
+#include "batten/tests/support/nastran_check.h"
 
 using namespace batten_test;
 using batten::MeshFile;
@@ -97,8 +97,8 @@ name = "right"
 translate = [0, 0, 1]
 )";
 
-struct RanAssembly {
-  RanAssembly(const Case& c, const std::string& scene) {
+struct AssemblyRun {
+  AssemblyRun(const CliCase& c, const std::string& scene) {
     c.file("a.bdf", assembly());
     c.file("s.toml", scene);
     result = c.run({"deform", "s.toml", "--out", "out"});
@@ -113,7 +113,7 @@ struct RanAssembly {
   }
   double length(long a, long b) const { return (after.at(a) - after.at(b)).norm(); }
   bool moved(long a) const { return after.at(a) != before.at(a); }
-  Result result;
+  CliResult result;
   nlohmann::json json;
   std::map<long, Vec3> before, after;
 };
@@ -121,8 +121,8 @@ struct RanAssembly {
 }  // namespace
 
 TEST_CASE("everything goes with the plate that it hangs on", "[deform]") {
-  const Case c("assembly");
-  const RanAssembly ran(c, kScene + kLift);
+  const CliCase c("assembly");
+  const AssemblyRun ran(c, kScene + kLift);
   INFO(ran.result.err);
   REQUIRE(ran.result.code == 0);
   const auto& attached = ran.json["attached"];
@@ -148,8 +148,8 @@ TEST_CASE("everything goes with the plate that it hangs on", "[deform]") {
 }
 
 TEST_CASE("what is told to stay stays, and ruined solids are said", "[deform]") {
-  const Case c("assembly_stay");
-  const RanAssembly ran(
+  const CliCase c("assembly_stay");
+  const AssemblyRun ran(
       c, kScene + "[attached]\nsolids = \"stay\"\nbushes = \"stay\"\nrigid = \"stay\"\n" + kLift +
              "[[edit.handle]]\nname = \"push\"\ntranslate = [0, 0, -1.5]\n[[select]]\nname = "
              "\"push\"\nbox = [[9.9, 5.9, -0.1], [10.1, 6.1, 0.1]]\n");
@@ -157,7 +157,7 @@ TEST_CASE("what is told to stay stays, and ruined solids are said", "[deform]") 
   CHECK(ran.result.err.find("solids, the first is") != std::string::npos);
   for (const long still : {3000, 3004, 3008, 2000, 2024, 4000}) CHECK(!ran.moved(still));
   CHECK(ran.json["attached"]["connections"] == 0);
-  const Result bad = [&] {
+  const CliResult bad = [&] {
     c.file("b.toml", kScene + "[attached]\nrigid = \"smooth\"\n" + kLift);
     return c.run({"deform", "b.toml", "--out", "out"});
   }();
@@ -166,16 +166,16 @@ TEST_CASE("what is told to stay stays, and ruined solids are said", "[deform]") 
 }
 
 TEST_CASE("an edit that moves nothing changes no byte of an assembly", "[deform]") {
-  const Case c("assembly_null");
+  const CliCase c("assembly_null");
   std::string still = kScene + kLift;
   still.replace(still.find("[0, 0, 1]"), 9, "[0, 0, 0]");
-  const RanAssembly ran(c, still);
+  const AssemblyRun ran(c, still);
   REQUIRE(ran.result.code == 0);
   CHECK(contents(c / "out/a-deformed.bdf") == assembly());
 }
 
 TEST_CASE("relations between features", "[deform]") {
-  const Case c("relations");
+  const CliCase c("relations");
   c.file("plate.obj", contents(BATTEN_SOURCE_DIR "/examples/10-plate-with-holes/plate.obj"));
   const std::string head =
       "unit = \"mm\"\nmesh = \"plate.obj\"\n"
@@ -241,7 +241,7 @@ TEST_CASE("relations between features", "[deform]") {
 }
 
 TEST_CASE("features tilt with the sheet that is lifted without a turn", "[deform]") {
-  const Case c("tilt");
+  const CliCase c("tilt");
   c.file("plate.obj", contents(BATTEN_SOURCE_DIR "/examples/10-plate-with-holes/plate.obj"));
   const std::string scene =
       "unit = \"mm\"\nmesh = \"plate.obj\"\n"
@@ -252,7 +252,7 @@ TEST_CASE("features tilt with the sheet that is lifted without a turn", "[deform
   const std::string lift = "[[edit.handle]]\nname = \"right\"\ntranslate = [0, 0, 120]\n";
   const auto turned = [&](const std::string& keys, const std::string& more = "") {
     c.file("s.toml", scene + keys + lift + more);
-    const Result r = c.run({"deform", "s.toml", "--out", "out"});
+    const CliResult r = c.run({"deform", "s.toml", "--out", "out"});
     INFO(r.err);
     REQUIRE(r.code == 0);
     std::map<std::string, double> degrees;
@@ -278,7 +278,7 @@ TEST_CASE("features tilt with the sheet that is lifted without a turn", "[deform
   c.file("s.toml",
          scene + lift +
              "[[edit.turn_feature]]\nfeature = \"hole-9\"\naxis = [0, 0, 1]\ndegrees = 12\n");
-  const Result bad = c.run({"deform", "s.toml", "--out", "out"});
+  const CliResult bad = c.run({"deform", "s.toml", "--out", "out"});
   CHECK(bad.code == 1);
   CHECK(bad.err.find("'hole-9'") != std::string::npos);
 }
@@ -341,7 +341,7 @@ TEST_CASE("public decks are edited whole, and come back to the byte where nothin
       {"bend_A1_105.bdf",
        beyond("left", "[20, 0, 0]", "[-1, 0, 0]") + beyond("right", "[790, 0, 0]", "[1, 0, 0]"),
        "[40, 0, 0]"}};
-  const Case c("public_decks");
+  const CliCase c("public_decks");
   for (const Deck& deck : decks)
     for (const bool moves : {true, false}) {
       INFO(deck.file << (moves ? "" : ", moving nothing"));
@@ -351,7 +351,7 @@ TEST_CASE("public decks are edited whole, and come back to the byte where nothin
                  "[[edit]]\nfixed = \"left\"\n[[edit.handle]]\nname = \"right\"\ntranslate = " +
                  (moves ? deck.translate : "[0, 0, 0]") + "\n[output]\nwide_nodes = true\n");
       fs::remove_all(c / "out");
-      const Result r = c.run({"deform", "s.toml", "--out", "out"});
+      const CliResult r = c.run({"deform", "s.toml", "--out", "out"});
       INFO(r.err);
       REQUIRE(r.code == 0);
       const auto json = report(c, "out");
@@ -365,12 +365,14 @@ TEST_CASE("public decks are edited whole, and come back to the byte where nothin
       CHECK(json["displacement"]["largest"].get<double>() > 0);
       check_deck_changes(from, to, 1e-9);
       const MeshFile a = MeshFile::read(from), b = MeshFile::read(to);
-      for (size_t e = 0; e < a.others().size(); ++e)
-        if (const auto& other = a.others()[e]; other.kind == batten::OtherElement::Kind::Rigid) {
+      for (size_t e = 0; e < a.other_elements().size(); ++e)
+        if (const auto& other = a.other_elements()[e];
+            other.kind == batten::NonShellElement::Kind::Rigid) {
           const auto fit =
               batten::fit_similarity(a.shells().points, b.shells().points, other.nodes, 1);
           CHECK(fit.max_error < 1e-9);  // as far as wide fields tell
         }
-      CHECK(batten::inverted_solids(a.others(), a.shells().points, b.shells().points).empty());
+      CHECK(batten::inverted_solids(a.other_elements(), a.shells().points, b.shells().points)
+                .empty());
     }
 }

@@ -7,7 +7,7 @@
 #include <thread>
 
 #include "batten/apps/cli/terminal.h"
-#include "batten/apps/commands/runs/run_parts.h"
+#include "batten/apps/commands/runs/run_support.h"
 
 using namespace batten_test;
 
@@ -30,7 +30,7 @@ const std::string kPressure =
 }  // namespace
 
 TEST_CASE("run makes what the scene asks for and reports it", "[cli]") {
-  const Case c("run");
+  const CliCase c("run");
   c.file("s.toml", kUnit + square() + kCoarse + kPressure + R"(
 [[constraint]]
 name = "peak"
@@ -48,7 +48,7 @@ vtp = "s.vtp"
 vtu = "s.vtu"
 calculix = "s.inp"
 )");
-  const Result r = c.run({"run", "s.toml", "--out", "a/b"});
+  const CliResult r = c.run({"run", "s.toml", "--out", "a/b"});
   INFO(r.err);
   REQUIRE(r.code == 0);
   CHECK(r.out.find("  normals     point to the convex side\n") != std::string::npos);
@@ -79,7 +79,7 @@ calculix = "s.inp"
 }
 
 TEST_CASE("a parameter set on the command line changes the shape", "[cli]") {
-  const Case c("set");
+  const CliCase c("set");
   c.file("s.toml", kUnit + square() + kCoarse + kPressure);
   REQUIRE(c.run({"run", "s.toml", "--out", "a"}).code == 0);
   REQUIRE(c.run({"run", "s.toml", "--out", "b", "--set", "crown=0"}).code == 0);
@@ -95,7 +95,7 @@ TEST_CASE("a parameter set on the command line changes the shape", "[cli]") {
 }
 
 TEST_CASE("the same scene in metres is the same shape", "[cli]") {
-  const Case c("units");
+  const CliCase c("units");
   c.file("mm.toml", kUnit + "[[line]]\nname = \"rim\"\nfile = \"rim.csv\"\n" + kCoarse + kPressure);
   c.file("m.toml",
          "unit = \"m\"\n[[line]]\nname = \"rim\"\nfile = \"rim.csv\"\nunit = \"mm\"\n"
@@ -110,7 +110,7 @@ TEST_CASE("the same scene in metres is the same shape", "[cli]") {
 }
 
 TEST_CASE("the pentagon of 1991 rises as high as its gold number", "[cli]") {
-  const Case c("pentagon");
+  const CliCase c("pentagon");
   std::string scene = "unit = \"m\"\n";
   for (int k = 0; k < 5; ++k) {
     const auto corner = [](int i) {
@@ -142,7 +142,7 @@ supports = [{line = "side0"}]
 [output]
 calculix = "s.inp"
 )");
-  const Result r = c.run({"run", "s.toml", "--out", "out"});
+  const CliResult r = c.run({"run", "s.toml", "--out", "out"});
   INFO(r.err);
   REQUIRE(r.code == 0);
   const auto s = report(c, "out")["surface"];
@@ -172,10 +172,10 @@ calculix = "s.inp"
 }
 
 TEST_CASE("skin goes from files of lines straight to a surface", "[cli]") {
-  const Case c("skin");
+  const CliCase c("skin");
   c.file("rim.csv", "0 0 0\n10 0 1\n10 10 0\n0 10 1\n0 0 0\n");
   c.file("keel.txt", "5 0 0.5\n5 5 1\n5 10 0.5\n");
-  const Result r = c.run(
+  const CliResult r = c.run(
       {"skin", "rim.csv", "--out", "out", "--unit", "cm", "--edge-length", "2", "--pressure", "1"});
   INFO(r.err);
   REQUIRE(r.code == 0);
@@ -186,7 +186,7 @@ TEST_CASE("skin goes from files of lines straight to a surface", "[cli]") {
   CHECK(json["step"]["valid"] == true);
   CHECK(json["parameters"][0]["name"] == "pressure");
 
-  const Result keel = c.run({"skin", "rim.csv", "--inner", "keel.txt", "--out", "keel"});
+  const CliResult keel = c.run({"skin", "rim.csv", "--inner", "keel.txt", "--out", "keel"});
   INFO(keel.err);
   if (BATTEN_TEST_CGAL) {
     CHECK(keel.code == 0);
@@ -196,44 +196,44 @@ TEST_CASE("skin goes from files of lines straight to a surface", "[cli]") {
     CHECK(keel.err.find("the fan mesher takes no inner lines") != std::string::npos);
   }
 
-  const Result info = c.run({"info", "out/rim.step"});
+  const CliResult info = c.run({"info", "out/rim.step"});
   CHECK(info.code == 0);
   CHECK(info.out.find(" faces in 1 shell") != std::string::npos);
   CHECK(info.out.find("valid") != std::string::npos);
 }
 
 TEST_CASE("info tells lines, lengths and parameters", "[cli]") {
-  const Case c("info");
+  const CliCase c("info");
   c.file("s.toml", kUnit + square() + kPressure);
-  const Result scene = c.run({"info", "s.toml"});
+  const CliResult scene = c.run({"info", "s.toml"});
   CHECK(scene.code == 0);
   CHECK(scene.out.find("south  length 100  from (0, 0, 0) to (100, 0, 0)") != std::string::npos);
   CHECK(scene.out.find("crown = 5  (from -1e+09 to 1e+09)") != std::string::npos);
   c.file("rim.csv", "0 0\n3 4\n\n3 4\n3 5\n");
-  const Result lines = c.run({"info", "rim.csv"});
+  const CliResult lines = c.run({"info", "rim.csv"});
   CHECK(lines.code == 0);
   CHECK(lines.out.find("2 lines") != std::string::npos);
   CHECK(lines.out.find("rim_1  length 5  from (0, 0, 0) to (3, 4, 0)") != std::string::npos);
-  const Result none = c.run({"info", "rum.csv"});
+  const CliResult none = c.run({"info", "rum.csv"});
   CHECK(none.code == 1);
   CHECK(none.err.find("rum.csv: found no such file") != std::string::npos);
 }
 
 TEST_CASE("choices of a network are drawn, or nothing is where there is no display", "[cli]") {
-  const Case c("choices");
+  const CliCase c("choices");
   c.file("rim.csv", "0 0\n3 4\n\n3 4\n3 5\n");
-  const Result r = c.run({"info", "rim.csv", "--choices", "out"});
+  const CliResult r = c.run({"info", "rim.csv", "--choices", "out"});
   CHECK(r.code == 1);
   CHECK(r.err.find("no display") != std::string::npos);
   CHECK_FALSE(fs::exists(c / "out"));
 }
 
 TEST_CASE("help and version", "[cli]") {
-  const Case c("help");
-  const Result help = c.run({"--help"});
+  const CliCase c("help");
+  const CliResult help = c.run({"--help"});
   CHECK(help.code == 0);
   CHECK(help.out.find("batten run hood.toml --out result") != std::string::npos);
-  const Result version = c.run({"--version"});
+  const CliResult version = c.run({"--version"});
   CHECK(version.code == 0);
   CHECK(version.out.find("batten ") == 0);
   CHECK(version.out.find("CGAL") != std::string::npos);
@@ -243,7 +243,7 @@ TEST_CASE("help and version", "[cli]") {
 }
 
 TEST_CASE("lines that are no outline are refused in words", "[cli]") {
-  const Case c("lines");
+  const CliCase c("lines");
   const auto refused = [&](const std::string& lines, const std::vector<std::string>& parts) {
     c.fails(kUnit + lines + kCoarse, 1, parts);
   };
@@ -297,7 +297,7 @@ TEST_CASE("lines that are no outline are refused in words", "[cli]") {
 }
 
 TEST_CASE("CAD files that are cut short are refused", "[cli]") {
-  const Case c("cad");
+  const CliCase c("cad");
   const std::string start =
       "                                                                        S      1\n"
       "1H,,1H;,,,,32,38,6,308,15,,1.,2,2HMM,1,0.01,13H240101.000000,1.E-7,100.,G      1\n"
@@ -322,12 +322,12 @@ TEST_CASE("CAD files that are cut short are refused", "[cli]") {
 }
 
 TEST_CASE("wrong scenes end with exit code 1", "[cli]") {
-  const Case c("scenes");
+  const CliCase c("scenes");
   c.fails(kUnit + square() + "[skin]\nedge_lenght = 3\n", 1,
           {"s.toml:15:1: found key 'edge_lenght' in [skin]", "did you mean 'edge_length'?"});
   c.fails("", 1, {"s.toml:1:1: found an empty file"});
   c.fails("unit = mm", 1, {"s.toml:1:8: not TOML"});
-  const Result missing = c.run({"run", "t.toml", "--out", "out"});
+  const CliResult missing = c.run({"run", "t.toml", "--out", "out"});
   CHECK(missing.code == 1);
   CHECK(missing.err.find("t.toml: found no such file") != std::string::npos);
   const std::string good = kUnit + square() + kCoarse + kPressure;
@@ -348,19 +348,19 @@ TEST_CASE("wrong scenes end with exit code 1", "[cli]") {
 }
 
 TEST_CASE("an output folder that cannot be is refused before the work", "[cli]") {
-  const Case c("folder");
+  const CliCase c("folder");
   c.file("s.toml", kUnit + square() + kCoarse);
   c.file("plain", "not a folder");
-  const Result below = c.run({"run", "s.toml", "--out", "plain/out"});
+  const CliResult below = c.run({"run", "s.toml", "--out", "plain/out"});
   CHECK(below.code == 1);
   CHECK(below.err.find("plain/out: cannot use this output folder") != std::string::npos);
-  const Result itself = c.run({"run", "s.toml", "--out", "plain"});
+  const CliResult itself = c.run({"run", "s.toml", "--out", "plain"});
   CHECK(itself.code == 1);
   CHECK(contents(c / "plain") == "not a folder");
 }
 
 TEST_CASE("constraints in conflict are named", "[cli]") {
-  const Case c("conflict");
+  const CliCase c("conflict");
   const auto point = [](const std::string& name, const std::string& to) {
     return "[[constraint]]\nname = \"" + name + "\"\ntype = \"point\"\nat = [50,50,0]\nto = " + to +
            "\n";
@@ -373,12 +373,12 @@ TEST_CASE("constraints in conflict are named", "[cli]") {
 }
 
 TEST_CASE("a pressure past its limit has no solution", "[cli]") {
-  const Case c("limit");
+  const CliCase c("limit");
   c.fails(kUnit + square() + kCoarse + kPressure, 3, {"pressure"}, {"--set", "crown=1e8"});
 }
 
 TEST_CASE("a run that fails leaves the files of the run before", "[cli]") {
-  const Case c("before");
+  const CliCase c("before");
   c.file("s.toml", kUnit + square() + kCoarse + kPressure + "[output]\nvtp = \"s.vtp\"\n");
   REQUIRE(c.run({"run", "s.toml", "--out", "out"}).code == 0);
   const std::string vtp = contents(c / "out/s.vtp"), json = contents(c / "out/report.json");
@@ -389,7 +389,7 @@ TEST_CASE("a run that fails leaves the files of the run before", "[cli]") {
 }
 
 TEST_CASE("the same scene gives the same files", "[cli]") {
-  const Case c("same");
+  const CliCase c("same");
   c.file("s.toml", kUnit + square() + kCoarse + kPressure + "[output]\nvtp = \"s.vtp\"\n");
   REQUIRE(c.run({"run", "s.toml", "--out", "a", "--threads", "1"}).code == 0);
   REQUIRE(c.run({"run", "s.toml", "--out", "b", "--threads", "2"}).code == 0);
@@ -401,28 +401,28 @@ TEST_CASE("the same scene gives the same files", "[cli]") {
 }
 
 TEST_CASE("without a display everything but the pictures is made", "[cli]") {
-  const Case c("display");
+  const CliCase c("display");
   c.file("s.toml",
          kUnit + square() + kCoarse + "[output]\nvtp = \"s.vtp\"\n[[picture]]\nfile = \"s.png\"\n");
-  const Result r = c.run({"run", "s.toml", "--out", "out"});
+  const CliResult r = c.run({"run", "s.toml", "--out", "out"});
   CHECK(r.code == 4);
   CHECK(r.err.find("promise missed: s.png is not drawn: no display") != std::string::npos);
   CHECK(fs::exists(c / "out/s.vtp"));
   CHECK_FALSE(fs::exists(c / "out/s.png"));
   CHECK(report(c, "out")["missed_promises"][0]["what"] == "s.png");
-  const Result view = c.run({"view", "s.toml", "--screenshot", "v.png"});
+  const CliResult view = c.run({"view", "s.toml", "--screenshot", "v.png"});
   CHECK(view.code == 1);
   CHECK(view.err.find("no display") != std::string::npos);
   CHECK_FALSE(fs::exists(c / "v.png"));
 }
 
 TEST_CASE("a promise that is missed is a failure, with name and amount", "[cli]") {
-  const Case c("promise");
+  const CliCase c("promise");
   // A normal that stands the surface on edge at one vertex folds it.
   c.file("s.toml", kUnit + square() + kCoarse +
                        "[[constraint]]\nname = \"edge on\"\ntype = \"normal\"\nat = [50,50,0]\n"
                        "direction = [1,0,0]\n");
-  const Result r = c.run({"run", "s.toml", "--out", "out"});
+  const CliResult r = c.run({"run", "s.toml", "--out", "out"});
   INFO(r.err);
   CHECK(r.code == 4);
   CHECK(r.err.find("promise missed: regions.s.min_jacobian_ratio is ") != std::string::npos);
@@ -432,7 +432,7 @@ TEST_CASE("a promise that is missed is a failure, with name and amount", "[cli]"
 
 TEST_CASE("an interrupted run leaves nothing", "[cli]") {
   for (const int signal : {SIGINT, SIGTERM}) {
-    const Case c("interrupt");
+    const CliCase c("interrupt");
     // Far more work than the wait below takes; the hidden folder says that it has begun.
     c.file("s.toml", kUnit + square() + "[skin]\nedge_length = 0.3\n" + kPressure +
                          "[output]\nstep = \"s.step\"\n");
@@ -442,7 +442,7 @@ TEST_CASE("an interrupted run leaves nothing", "[cli]") {
     while (!fs::exists(hidden) && waitpid(child, &status, WNOHANG) == 0)
       std::this_thread::sleep_for(std::chrono::milliseconds(1));
     kill(child, signal);
-    const Result r = c.wait(child);
+    const CliResult r = c.wait(child);
     INFO(r.err);
     CHECK(r.code == 130);
     CHECK(r.err == "batten: cancelled\n");
@@ -451,7 +451,7 @@ TEST_CASE("an interrupted run leaves nothing", "[cli]") {
 }
 
 TEST_CASE("what a killed run left is removed by the next, what a living one has is not", "[cli]") {
-  const Case c("killed");
+  const CliCase c("killed");
   c.file("s.toml", kUnit + square() + "[skin]\nedge_length = 0.3\n" + kPressure);
   c.file("small.toml", kUnit + square());
   const auto begun = [&] {
@@ -487,7 +487,7 @@ TEST_CASE("what a killed run left is removed by the next, what a living one has 
 }
 
 TEST_CASE("work that hears nothing is ended all the same", "[cli]") {
-  const Case c("deaf");
+  const CliCase c("deaf");
   const pid_t child = fork();
   if (child == 0) {
     batten::catch_interrupts(130);
@@ -495,7 +495,7 @@ TEST_CASE("work that hears nothing is ended all the same", "[cli]") {
     const batten::OutputFolder out(c / "a/out");
     write(out.file("half.txt"), "half");
     fs::create_directory(out.file("pictures"));
-    const batten::WholeFile whole(c / "whole.txt");
+    const batten::AtomicFile whole(c / "whole.txt");
     raise(SIGTERM);
     for (;;) pause();
   }

@@ -18,7 +18,7 @@ const char* const kSquare =
     "[[line]]\nname = \"d\"\npoints = [[0,100,0],[0,0,0]]\n"
     "[output]\nstep = \"s.step\"\n";
 
-bool says(const std::string& text, const std::string& part) {
+bool contains_text(const std::string& text, const std::string& part) {
   INFO(text << "\nexpected: " << part);
   const bool found = text.find(part) != std::string::npos;
   CHECK(found);
@@ -33,72 +33,72 @@ const char* const kTetrahedron =
 }  // namespace
 
 TEST_CASE("what a scene writes is told by info and converted with its names", "[cli][convert]") {
-  const Case c("convert_own");
+  const CliCase c("convert_own");
   c.file("s.toml", kSquare);
   REQUIRE(c.run({"run", "s.toml", "--out", "out"}).code == 0);
-  const Result info = c.run({"info", "out/s.step"});
+  const CliResult info = c.run({"info", "out/s.step"});
   CHECK(info.code == 0);
   for (const char* part :
        {"STEP AP214, in mm: 1 product, 1 face", "part 'square', 1 face", "name 'square': 1 face",
         "name 'a': 1 edge", "area 10000 mm²", "valid, area 10000"})
-    says(info.out, part);
-  const Result step =
+    contains_text(info.out, part);
+  const CliResult step =
       c.run({"convert", "out/s.step", "t.stp", "--schema", "ap242", "--unit", "inch"});
   INFO(step.err);
   CHECK(step.code == 0);
-  says(step.out, "written     t.stp: STEP AP242, in in: 1 product, 1 face");
-  says(contents(c / "t.stp"), "ADVANCED_FACE('square'");
-  const Result iges = c.run({"convert", "t.stp", "t.igs", "--unit", "mm"});
+  contains_text(step.out, "written     t.stp: STEP AP242, in in: 1 product, 1 face");
+  contains_text(contents(c / "t.stp"), "ADVANCED_FACE('square'");
+  const CliResult iges = c.run({"convert", "t.stp", "t.igs", "--unit", "mm"});
   CHECK(iges.code == 0);
-  says(iges.err, "IGES has no names of edges between faces: 4 are lost");
-  says(c.run({"info", "t.igs"}).out, "name 'square': 1 face");
+  contains_text(iges.err, "IGES has no names of edges between faces: 4 are lost");
+  contains_text(c.run({"info", "t.igs"}).out, "name 'square': 1 face");
   // A scene in metres is one in the file too.
   std::string metres = kSquare;
   metres.replace(metres.find("mm"), 2, "m");
   c.file("m.toml", metres);
   REQUIRE(c.run({"run", "m.toml", "--out", "m"}).code == 0);
   const std::string large = c.run({"info", "m/s.step"}).out;
-  says(large, "STEP AP214, in m: 1 product, 1 face");
-  says(large, "area 10000 m²");
+  contains_text(large, "STEP AP214, in m: 1 product, 1 face");
+  contains_text(large, "area 10000 m²");
   // Lines of the file, by their names; and the same surface again from them.
-  const Result lines = c.run({"convert", "out/s.step", "lines.csv"});
+  const CliResult lines = c.run({"convert", "out/s.step", "lines.csv"});
   CHECK(lines.code == 0);
-  says(contents(c / "lines.csv"), "# a\n");
+  contains_text(contents(c / "lines.csv"), "# a\n");
   CHECK(c.run({"skin", "t.stp", "--unit", "mm", "--out", "again"}).code == 0);
 }
 
 TEST_CASE("triangles of CAD faces say their chord and their deviation", "[cli][convert]") {
-  const Case c("convert_mesh");
+  const CliCase c("convert_mesh");
   c.file("s.toml", kSquare);
   REQUIRE(c.run({"run", "s.toml", "--out", "out"}).code == 0);
   for (const std::string ending : {"stl", "obj", "ply", "off", "vtp", "vtu"}) {
     INFO(ending);
-    const Result r = c.run({"convert", "out/s.step", "t." + ending, "--unit", "m"});
+    const CliResult r = c.run({"convert", "out/s.step", "t." + ending, "--unit", "m"});
     INFO(r.err);
     CHECK(r.code == 0);
-    says(r.out, "in m, ");
-    says(r.out, "of the faces, chord 0.000141421 m (0.001 of the size)");
+    contains_text(r.out, "in m, ");
+    contains_text(r.out, "of the faces, chord 0.000141421 m (0.001 of the size)");
     const auto mesh = batten::MeshFile::read(c / ("t." + ending)).shells();
     CHECK(mesh.points.maxCoeff() == Approx(0.1).epsilon(1e-6));
   }
-  says(contents(c / "t.obj"), "g square\n");
+  contains_text(contents(c / "t.obj"), "g square\n");
   CHECK(c.run({"convert", "out/s.step", "t.glb"}).code == 0);
-  const Result fine = c.run({"convert", "out/s.step", "u.obj", "--chord", "1e-9"});
+  const CliResult fine = c.run({"convert", "out/s.step", "u.obj", "--chord", "1e-9"});
   CHECK(fine.code == 1);
-  says(fine.err, "expected 1e-7 of the size or more");
+  contains_text(fine.err, "expected 1e-7 of the size or more");
   CHECK_FALSE(fs::exists(c / "u.obj"));
 }
 
 TEST_CASE("meshes are converted into each other, with their groups", "[cli][convert]") {
-  const Case c("convert_meshes");
+  const CliCase c("convert_meshes");
   c.file("t.obj", kTetrahedron);
   std::string last = "t.obj";
   for (const std::string ending : {"vtp", "stl", "ply", "off", "vtu", "obj"}) {
     const std::string next = "u." + ending;
-    const Result r = c.run({"convert", last, next});
+    const CliResult r = c.run({"convert", last, next});
     INFO(r.err);
     CHECK(r.code == 0);
-    says(r.out, "coordinates as they were");
+    contains_text(r.out, "coordinates as they were");
     const auto mesh = batten::MeshFile::read(c / next);
     CHECK(mesh.shells().face_count() == 4);
     CHECK(mesh.shells().node_count() == 4);
@@ -114,19 +114,19 @@ TEST_CASE("meshes are converted into each other, with their groups", "[cli][conv
 }
 
 TEST_CASE("meshes become GLB and 3MF in their units, with colours on the way", "[cli][convert]") {
-  const Case c("convert_glb");
+  const CliCase c("convert_glb");
   c.file("t.mtl", "newmtl red\nKd 1 0 0\nnewmtl blue\nKd 0 0 1\n");
   c.file("t.obj", "mtllib t.mtl\nusemtl blue\n" + std::string(kTetrahedron) +
                       "usemtl red\ng sides\nf 1 2 3\n");
-  const Result glb = c.run({"convert", "t.obj", "t.glb", "--from-unit", "cm"});
+  const CliResult glb = c.run({"convert", "t.obj", "t.glb", "--from-unit", "cm"});
   INFO(glb.err);
   CHECK(glb.code == 0);
-  says(glb.out, "t.glb: 4 nodes, 5 faces, cm to m");
+  contains_text(glb.out, "t.glb: 4 nodes, 5 faces, cm to m");
   const std::string text = contents(c / "t.glb");
-  says(text, "\"name\":\"base\"");
-  says(text, "\"max\":[0.009999999776482582,0.009999999776482582,0.0]");
-  says(text, "\"name\":\"#ff0000\"");
-  says(text, "\"name\":\"#0000ff\"");
+  contains_text(text, "\"name\":\"base\"");
+  contains_text(text, "\"max\":[0.009999999776482582,0.009999999776482582,0.0]");
+  contains_text(text, "\"name\":\"#ff0000\"");
+  contains_text(text, "\"name\":\"#0000ff\"");
   CHECK(c.run({"convert", "t.obj", "t.3mf", "--from-unit", "in"}).code == 0);
   // The colours of faces of a CAD file are those of its triangles; two files are made of OBJ.
   c.file("two.toml",
@@ -134,37 +134,37 @@ TEST_CASE("meshes become GLB and 3MF in their units, with colours on the way", "
          "[[line]]\nname = \"a\"\npoints = [[0,0,0],[10,0,0],[10,10,0],[0,10,0],[0,0,0]]\n"
          "[[line]]\nname = \"b\"\npoints = [[0,0,0],[10,10,0]]\n[output]\nstep = \"s.step\"\n");
   REQUIRE(c.run({"run", "two.toml", "--out", "two"}).code == 0);
-  says(c.run({"convert", "two/s.step", "s.obj"}).out, ", colours in s.mtl");
-  says(contents(c / "s.mtl"), "newmtl 8cb4d9\n");
-  says(contents(c / "s.obj"), "usemtl e6b46e\n");
+  contains_text(c.run({"convert", "two/s.step", "s.obj"}).out, ", colours in s.mtl");
+  contains_text(contents(c / "s.mtl"), "newmtl 8cb4d9\n");
+  contains_text(contents(c / "s.obj"), "usemtl e6b46e\n");
   CHECK(c.run({"convert", "two/s.step", "s.ply"}).code == 0);
-  says(contents(c / "s.ply"), "property uchar red\n");
-  const Result printed = c.run({"convert", "two/s.step", "s.3mf"});
+  contains_text(contents(c / "s.ply"), "property uchar red\n");
+  const CliResult printed = c.run({"convert", "two/s.step", "s.3mf"});
   INFO(printed.err);
   CHECK(printed.code == 0);
-  says(printed.out, "in mm, ");
+  contains_text(printed.out, "in mm, ");
 }
 
 TEST_CASE("lines are converted into each other and into CAD", "[cli][convert]") {
-  const Case c("convert_lines");
+  const CliCase c("convert_lines");
   c.file("l.csv",
          "name,x,y,z\nrail,0,0,0\nrail,10,0,0\nrail,20,5,0\nrail,30,5,1\nrib,0,0,0\nrib,0,7,0\n");
-  const Result step = c.run({"convert", "l.csv", "l.step", "--from-unit", "cm", "--unit", "mm"});
+  const CliResult step = c.run({"convert", "l.csv", "l.step", "--from-unit", "cm", "--unit", "mm"});
   INFO(step.err);
   CHECK(step.code == 0);
-  says(c.run({"info", "l.step"}).out, "rib   length 70  from (0, 0, 0) to (0, 70, 0)");
+  contains_text(c.run({"info", "l.step"}).out, "rib   length 70  from (0, 0, 0) to (0, 70, 0)");
   CHECK(c.run({"convert", "l.csv", "n.step", "--schema", "ap242"}).code == 0);
-  says(c.run({"info", "n.step"}).out, "STEP AP242, in mm: 1 product, 2 curves");
+  contains_text(c.run({"info", "n.step"}).out, "STEP AP242, in mm: 1 product, 2 curves");
   CHECK(c.run({"convert", "l.step", "l.iges"}).code == 0);
   CHECK(c.run({"convert", "l.iges", "back.csv", "--unit", "cm"}).code == 0);
-  says(contents(c / "back.csv"), "# rib");
+  contains_text(contents(c / "back.csv"), "# rib");
   CHECK(c.run({"convert", "l.step", "l.obj"}).code == 0);  // without faces it is lines
-  says(contents(c / "l.obj"), "\nl 1 2 ");
+  contains_text(contents(c / "l.obj"), "\nl 1 2 ");
   CHECK(c.run({"convert", (kSeeds / "drawings/plate.svg").string(), "plate.step"}).code == 0);
 }
 
 TEST_CASE("what convert does not do, it says", "[cli][convert]") {
-  const Case c("convert_refused");
+  const CliCase c("convert_refused");
   c.file("t.obj", kTetrahedron);
   c.file("s.toml", kSquare);
   c.file("l.csv", "0,0,0\n10,0,0\n20,5,0\n");
@@ -172,10 +172,10 @@ TEST_CASE("what convert does not do, it says", "[cli][convert]") {
   const auto refused = [&](const std::vector<std::string>& words, const std::string& part) {
     std::vector<std::string> all = {"convert"};
     all.insert(all.end(), words.begin(), words.end());
-    const Result r = c.run(all);
+    const CliResult r = c.run(all);
     INFO(r.err);
     CHECK(r.code == 1);
-    says(r.err, part);
+    contains_text(r.err, part);
   };
   refused({"t.obj", "old.step"}, "expected `batten fit`");
   CHECK(contents(c / "old.step") == "old");
@@ -200,19 +200,19 @@ TEST_CASE("real CAD files keep their contents in every format", "[cli][convert]"
     WARN("no step-parts beside the project: skipped");
     return;
   }
-  const Case c("convert_real");
-  const Result info = c.run({"info", (data / "dm1-id-214.stp").string()});
-  says(info.out, "STEP AP214, in in: 8 products, 7 solids, 48 faces, closed");
-  says(info.out,
-       "    part 'bolt' as 'bolt_4', 1 solid, 5 faces, at (0.39587, -0.334646, 1.37795), "
-       "#ffa800");
+  const CliCase c("convert_real");
+  const CliResult info = c.run({"info", (data / "dm1-id-214.stp").string()});
+  contains_text(info.out, "STEP AP214, in in: 8 products, 7 solids, 48 faces, closed");
+  contains_text(info.out,
+                "    part 'bolt' as 'bolt_4', 1 solid, 5 faces, at (0.39587, -0.334646, 1.37795), "
+                "#ffa800");
   for (const std::string part : {"dm1-id-214", "io1-cm-214"})
     for (const std::string to : {"a.step", "a.iges", "a.brep", "a.stl", "a.glb"}) {
       INFO(part << " to " << to);
-      const Result r = c.run({"convert", (data / (part + ".stp")).string(), to});
+      const CliResult r = c.run({"convert", (data / (part + ".stp")).string(), to});
       INFO(r.out << r.err);
       CHECK(r.code == 0);
-      if (to == "a.stl") says(r.out, ", closed");
+      if (to == "a.stl") contains_text(r.out, ", closed");
     }
 }
 
@@ -222,12 +222,13 @@ TEST_CASE("hulls of IGES files are meshed without cracks", "[cli][convert]") {
     WARN("no lines-ship-iges beside the project: skipped");
     return;
   }
-  const Case c("convert_hulls");
+  const CliCase c("convert_hulls");
   for (const char* hull : {"kvlcc2m", "series_60", "singolo", "wigley"}) {
     INFO(hull);
-    const Result r = c.run({"convert", (data / (std::string(hull) + ".iges")).string(), "h.stl"});
+    const CliResult r =
+        c.run({"convert", (data / (std::string(hull) + ".iges")).string(), "h.stl"});
     INFO(r.out << r.err);
     CHECK(r.code == 0);
-    says(r.out, "in m, ");
+    contains_text(r.out, "in m, ");
   }
 }

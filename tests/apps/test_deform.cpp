@@ -3,10 +3,10 @@
 #include <numbers>
 
 #include "batten/io/meshes/mesh_file.h"
-#include "batten/mesh/features/holes.h"
-#include "batten/mesh/prepare.h"
+#include "batten/mesh/features/hole_measure.h"
+#include "batten/mesh/prepared_mesh.h"
 #include "batten/tests/apps/cli_case.h"
-#include "batten/tests/mesh_models.h"
+#include "batten/tests/support/mesh_models.h"
 
 using namespace batten_test;
 
@@ -29,7 +29,7 @@ const std::string kMove =
     "[[edit]]\nfixed = \"left\"\n[[edit.handle]]\nname = \"right\"\n"
     "translate = [0, 0, 1]\n";
 
-void put_grid(const Case& c) {
+void put_grid(const CliCase& c) {
   std::string off = "OFF\n25 16 0\n";
   for (int j = 0; j < 5; ++j)
     for (int i = 0; i < 5; ++i) off += std::to_string(i) + " " + std::to_string(j) + " 0\n";
@@ -46,14 +46,14 @@ void put_grid(const Case& c) {
 
 TEST_CASE("the plate's lessons keep their promises", "[deform]") {
   // The file is the model of the tests.
-  const Case c("deform_plate");
+  const CliCase c("deform_plate");
   batten::write_mesh(c / "plate.obj", plate_with_holes().shells);
   CHECK(contents(c / "plate.obj") == contents(kPlate + "plate.obj"));
   for (const std::string name :
        {"free", "turned", "stretched", "direction", "plane", "line", "line-turning"}) {
     INFO(name);
     c.file(name + ".toml", without_pictures(kPlate + name + ".toml"));
-    const Result r = c.run({"deform", name + ".toml", "--out", name});
+    const CliResult r = c.run({"deform", name + ".toml", "--out", name});
     CHECK(r.code == 0);
     CHECK(r.err.empty());
     const auto j = report(c, name);
@@ -78,10 +78,10 @@ TEST_CASE("the plate's lessons keep their promises", "[deform]") {
 }
 
 TEST_CASE("the panel's deck comes back with other coordinates and nothing else", "[deform]") {
-  const Case c("deform_panel");
+  const CliCase c("deform_panel");
   fs::copy(kPanel + "panel.bdf", c / "panel.bdf");
   c.file("edit.toml", without_pictures(kPanel + "edit.toml"));
-  const Result r = c.run({"run", "edit.toml", "--out", "out"});  // run knows edits, too
+  const CliResult r = c.run({"run", "edit.toml", "--out", "out"});  // run knows edits, too
   REQUIRE(r.code == 0);
   CHECK(r.err.find("wide_nodes") != std::string::npos);
   std::istringstream before(contents(c / "panel.bdf")), after(contents(c / "out/panel-longer.bdf"));
@@ -125,7 +125,7 @@ TEST_CASE("the panel's deck comes back with other coordinates and nothing else",
 }
 
 TEST_CASE("door, grill and sheet keep their promises, and their files are the models", "[deform]") {
-  const Case c("deform_parts");
+  const CliCase c("deform_parts");
   const std::string folder = BATTEN_SOURCE_DIR "/examples/12-door-grill-sheet/";
   for (const auto& [name, model] :
        {std::pair{"door", door_panel()}, {"grill", grill()}, {"sheet", sheet_with_cavities()}}) {
@@ -151,7 +151,7 @@ TEST_CASE("door, grill and sheet keep their promises, and their files are the mo
 }
 
 TEST_CASE("the same mesh in every format gives the same answer", "[deform]") {
-  const Case c("deform_formats");
+  const CliCase c("deform_formats");
   const auto model = plate_with_holes();
   double expected = 0;
   for (const std::string ending : {"obj", "off", "ply", "vtp", "vtu", "stl"}) {
@@ -161,7 +161,7 @@ TEST_CASE("the same mesh in every format gives the same answer", "[deform]") {
     text = text.substr(0, text.find("[output]"));
     c.file(ending + ".toml", text);
     INFO(ending);
-    const Result r = c.run({"deform", ending + ".toml", "--out", ending});
+    const CliResult r = c.run({"deform", ending + ".toml", "--out", ending});
     INFO(r.err);
     REQUIRE(r.code == 0);
     const double moved = report(c, ending)["displacement"]["largest"];
@@ -174,7 +174,7 @@ TEST_CASE("the same mesh in every format gives the same answer", "[deform]") {
 }
 
 TEST_CASE("constraints in conflict: exit 2, all of them named, nothing written", "[deform]") {
-  const Case c("deform_conflict");
+  const CliCase c("deform_conflict");
   put_grid(c);
   const std::string strut =
       "[[select]]\nname = \"strut\"\nbox = [[0,2,0],[4,2,0]]\n"
@@ -188,7 +188,7 @@ TEST_CASE("constraints in conflict: exit 2, all of them named, nothing written",
 }
 
 TEST_CASE("bad scenes of edits: exit 1, the place, what was expected", "[deform]") {
-  const Case c("deform_bad");
+  const CliCase c("deform_bad");
   put_grid(c);
   const auto fails = [&](const std::string& scene, const std::vector<std::string>& parts) {
     c.fails(scene, 1, parts, {}, "deform");
@@ -238,29 +238,29 @@ TEST_CASE("bad scenes of edits: exit 1, the place, what was expected", "[deform]
 }
 
 TEST_CASE("parameters are set from outside, an edit that folds the mesh is reported", "[deform]") {
-  const Case c("deform_set");
+  const CliCase c("deform_set");
   put_grid(c);
   c.file("s.toml", kHead + kMove);
   REQUIRE(c.run({"deform", "s.toml", "--out", "a", "--set", "edit-1.right.z=3", "--set",
                  "edit-1.right.degrees=0"})
               .code == 0);
   CHECK(report(c, "a")["displacement"]["largest"].get<double>() == Approx(3));
-  const Result info = c.run({"info", "s.toml"});
+  const CliResult info = c.run({"info", "s.toml"});
   CHECK(info.code == 0);
   CHECK(info.out.find("edit-1.right.z = 1") != std::string::npos);
   CHECK(info.out.find("loop 1: 16 nodes") != std::string::npos);
   // The handle goes past the fixed strip.
   c.file("s.toml", kHead + "[[select]]\nname = \"strip\"\nany = \"left\"\ngrow = 1\n" +
                        "[[edit]]\nfixed = \"strip\"\n[[edit.handle]]\nname = \"right\"\n");
-  const Result folded = c.run({"deform", "s.toml", "--out", "b", "--set", "edit-1.right.x=-9",
-                               "--set", "edit-1.right.z=0"});
+  const CliResult folded = c.run({"deform", "s.toml", "--out", "b", "--set", "edit-1.right.x=-9",
+                                  "--set", "edit-1.right.z=0"});
   CHECK(folded.code == 4);
   CHECK(folded.err.find("quality.inverted") != std::string::npos);
   CHECK(fs::exists(c / "b/grid-deformed.off"));
 }
 
 TEST_CASE("selections say what they say", "[deform]") {
-  const Case c("deform_select");
+  const CliCase c("deform_select");
   put_grid(c);
   const auto moved = [&](const std::string& rule) {
     c.file("ids.txt", "6, 7 # two of them\n8\n");
@@ -268,7 +268,7 @@ TEST_CASE("selections say what they say", "[deform]") {
                          "\n[[edit]]\nfixed = \"it\"\n[[edit.handle]]\nname = \"h\"\n"
                          "vertices = \"all\"\ntranslate = [0,0,1]\n"
                          "[[select]]\nname = \"all\"\nexcept = \"it\"\n");
-    const Result r = c.run({"deform", "s.toml", "--out", "o"});
+    const CliResult r = c.run({"deform", "s.toml", "--out", "o"});
     INFO(r.err);
     REQUIRE((r.code == 0 || r.code == 4));
     const auto file = batten::MeshFile::read(c / "o/grid-deformed.off");
@@ -292,7 +292,7 @@ TEST_CASE("selections say what they say", "[deform]") {
 
 TEST_CASE("Abaqus and LS-DYNA decks: properties and sets are selections, coordinates change only",
           "[deform]") {
-  const Case c("deform_decks");
+  const CliCase c("deform_decks");
   const auto model = plate_with_holes();
   const auto& shells = model.shells;
   std::vector<int> pid(shells.face_count(), 1);
@@ -351,7 +351,7 @@ TEST_CASE("Abaqus and LS-DYNA decks: properties and sets are selections, coordin
                          "box = [[299, 0, -1], [300, 300, 1]]\n[[features]]\nof = \"hole-*\"\n"
                          "[[edit]]\nfixed = \"left\"\n[[edit.handle]]\nname = \"right\"\n"
                          "translate = [0, 0, 40]\n");
-    const Result r = c.run({"deform", "s.toml", "--out", ending});
+    const CliResult r = c.run({"deform", "s.toml", "--out", ending});
     INFO(r.err);
     REQUIRE(r.code == 0);
     CHECK(report(c, ending)["features"].size() == 5);
@@ -379,7 +379,7 @@ TEST_CASE("Abaqus and LS-DYNA decks: properties and sets are selections, coordin
 }
 
 TEST_CASE("a feature cut out of a band by the program", "[deform]") {
-  const Case c("deform_cut");
+  const CliCase c("deform_cut");
   batten::write_mesh(c / "sheet.obj", sheet_with_cavities().shells);
   const auto scene = [](const std::string& cut) {
     return "unit = \"mm\"\nmesh = \"sheet.obj\"\n"
@@ -393,7 +393,7 @@ TEST_CASE("a feature cut out of a band by the program", "[deform]") {
            "[[edit]]\nfixed = \"left\"\n[[edit.handle]]\nname = \"right\"\ntranslate = [0,0,60]\n";
   };
   c.file("s.toml", scene("[[cut]]\nname = \"cavity\"\nband = \"band\"\nconvex = 1\n"));
-  const Result r = c.run({"deform", "s.toml", "--out", "o"});
+  const CliResult r = c.run({"deform", "s.toml", "--out", "o"});
   INFO(r.err);
   REQUIRE(r.code == 0);
   const auto j = report(c, "o");
@@ -405,7 +405,7 @@ TEST_CASE("a feature cut out of a band by the program", "[deform]") {
 
 TEST_CASE(
     "a curve drives its vertices exactly, by its loads and parameters, and mistakes are said") {
-  const Case c("deform_curve");
+  const CliCase c("deform_curve");
   put_grid(c);
   const std::string curve =
       "[[curve]]\nname = \"rib\"\nnodes = [10, 11, 12, 13, 14]\nfaired = false\n"
@@ -416,7 +416,7 @@ TEST_CASE(
     return std::pair(file.shells().points(12, 2), file.shells().points(10, 2));
   };
   c.file("s.toml", kHead + curve + edit);
-  Result r = c.run({"run", "s.toml", "--out", "out"});
+  CliResult r = c.run({"run", "s.toml", "--out", "out"});
   INFO(r.err);
   REQUIRE(r.code == 0);
   CHECK(heights("out").first == Approx(1).epsilon(1e-3));
@@ -430,7 +430,7 @@ TEST_CASE(
   CHECK(heights("soft").first == Approx(0.25).epsilon(1e-3));
   CHECK(c.run({"info", "s.toml"}).out.find("rib.lift") != std::string::npos);
 
-  const Case d("deform_curve_wrong");
+  const CliCase d("deform_curve_wrong");
   put_grid(d);
   d.fails(kHead + curve + "ends = \"clampd\"\n" + edit, 1, {"'ends'", "spring"});
   d.fails(kHead + "[[curve]]\nname = \"rib\"\n" + edit, 1, {"a line without a way"});

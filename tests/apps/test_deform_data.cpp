@@ -8,14 +8,14 @@
 #include "batten/io/meshes/mesh_file.h"
 #include "batten/mesh/deform/form_feature_deformer.h"
 #include "batten/mesh/deform/similarity.h"
-#include "batten/mesh/features/proposals.h"
-#include "batten/mesh/prepare.h"
-#include "batten/mesh/quality.h"
+#include "batten/mesh/element_quality.h"
+#include "batten/mesh/features/feature_detection.h"
+#include "batten/mesh/prepared_mesh.h"
 #include "batten/mesh/selection.h"
 #include "batten/tests/apps/cli_case.h"
-#include "batten/tests/catch.h"
-#include "batten/tests/reference.h"
-#include "batten/tests/refusal.h"
+#include "batten/tests/support/catch.h"
+#include "batten/tests/support/error_message.h"
+#include "batten/tests/support/test_data.h"
 
 using namespace batten;
 using namespace batten_test;
@@ -64,14 +64,15 @@ TEST_CASE("every manifold mesh is deformed once, its features kept", "[data]") {
         if (std::isfinite(distance[v]) && distance[v] > distance[farthest]) farthest = v;
       problem.handles = {{"handle", vertices_within(mesh, {farthest}, 0.1 * distance[farthest])}};
       // Proposals that touch neither are kept.
-      for (const auto& p : propose_features(mesh))
-        if (common(p.vertices, united(problem.handles[0].vertices, problem.fixed)).empty())
+      for (const auto& p : detect_features(mesh))
+        if (intersection_of(p.vertices, union_of(problem.handles[0].vertices, problem.fixed))
+                .empty())
           problem.features.push_back({p.name, p.vertices});
       DeformEdit edit;
       edit.handles = {{}};
       edit.handles[0].about = mesh.point(farthest);
-      edit.handles[0].shift = 0.1 * mesh.size() * Vec3(0.3, 0.2, 1).normalized();
-      edit.handles[0].turn = rotation_log({1, 0.5, 0.2}, 0.4);
+      edit.handles[0].translation = 0.1 * mesh.size() * Vec3(0.3, 0.2, 1).normalized();
+      edit.handles[0].rotation_vector = to_rotation_vector({1, 0.5, 0.2}, 0.4);
       FormFeatureDeformer deformer(mesh, problem);
       deformer.deform(edit);
       deformer.correct();
@@ -94,11 +95,11 @@ TEST_CASE("meshes that are no manifolds are prepared as sheets", "[data]") {
     return prepare(MeshFile::read(folder / name).shells()).diagnosis;
   };
   CHECK(!found("moebius.obj").orientable);
-  CHECK(found("hourglass_ico.obj").touching_node_count == 1);
-  CHECK(found("fan3.obj").joint_edge_count > 0);
+  CHECK(found("hourglass_ico.obj").non_manifold_node_count == 1);
+  CHECK(found("fan3.obj").non_manifold_edge_count > 0);
   for (const char* plain : {"spot.ply", "fox.ply", "cat_head.obj"}) {
     CHECK(found(plain).orientable);
-    CHECK(found(plain).joint_edge_count + found(plain).touching_node_count == 0);
+    CHECK(found(plain).non_manifold_edge_count + found(plain).non_manifold_node_count == 0);
   }
 }
 
@@ -146,7 +147,7 @@ TEST_CASE("the bottle support: 13 holes exact while it is bent and stretched, de
   problem.fixed = beyond(2880, -1);
   problem.handles = {{"right", beyond(3480, 1)}};
   std::vector<HoleMeasure> before;
-  for (const auto& p : propose_features(mesh)) {
+  for (const auto& p : detect_features(mesh)) {
     problem.features.push_back({p.name, p.vertices});
     before.push_back(p.measure);
   }
@@ -154,13 +155,13 @@ TEST_CASE("the bottle support: 13 holes exact while it is bent and stretched, de
   DeformEdit edit;
   edit.handles = {{}};
   edit.handles[0].about = VertexCombination::mean_of(problem.handles[0].vertices).at(mesh.points());
-  edit.handles[0].shift = {54, 0, 88.9};  // an arc of 15 degrees, 1.1 times 621 mm long
-  edit.handles[0].turn = rotation_log({0, -1, 0}, 15 * std::numbers::pi / 180);
+  edit.handles[0].translation = {54, 0, 88.9};  // an arc of 15 degrees, 1.1 times 621 mm long
+  edit.handles[0].rotation_vector = to_rotation_vector({0, -1, 0}, 15 * std::numbers::pi / 180);
   FormFeatureDeformer deformer(mesh, problem);
   deformer.deform(edit);
   deformer.correct();
   CHECK(deformer.hard_residual() < 1e-12);
-  const auto proposals = propose_features(mesh);
+  const auto proposals = detect_features(mesh);
   for (size_t f = 0; f < 13; ++f) {
     CHECK(fit_similarity(mesh.points(), deformer.positions(), problem.features[f].vertices)
               .max_error < 1e-12);
@@ -191,8 +192,8 @@ TEST_CASE("the body side: door openings rigid while sill and roof move", "[data]
   const MeshFile file = MeshFile::read(path);
   const TriangleMesh mesh = prepare(file.shells()).mesh;
   DeformProblem problem;
-  problem.fixed = united(vertices_in_box(mesh, {4075, -500, -1100}, {4200, 800, -500}),
-                         vertices_in_box(mesh, {1100, -500, -1100}, {1500, 800, -500}));
+  problem.fixed = union_of(vertices_in_box(mesh, {4075, -500, -1100}, {4200, 800, -500}),
+                           vertices_in_box(mesh, {1100, -500, -1100}, {1500, 800, -500}));
   problem.handles = {{"sill", vertices_in_box(mesh, {2200, -420, -1100}, {4000, -330, -500})},
                      {"roof", vertices_in_box(mesh, {2300, 735, -1100}, {3200, 800, -500})}};
   int doors = 0;
@@ -204,15 +205,15 @@ TEST_CASE("the body side: door openings rigid while sill and roof move", "[data]
   REQUIRE(doors == 2);
   DeformEdit edit;
   edit.handles.resize(2);
-  edit.handles[0].shift = {0, 0, 30};
-  edit.handles[1].shift = {0, -20, 0};
+  edit.handles[0].translation = {0, 0, 30};
+  edit.handles[1].translation = {0, -20, 0};
   FormFeatureDeformer deformer(mesh, problem);
   const Points p = deformer.deform(edit);
   CHECK(deformer.hard_residual() < 1e-13);
   for (const auto& f : problem.features) {
     const Similarity fit = fit_similarity(mesh.points(), p, f.vertices);
     CHECK(fit.max_error < 1e-13);
-    CHECK(fit.shift.norm() > 0);
+    CHECK(fit.translation.norm() > 0);
   }
   CHECK(inverted_faces(file.shells(), mesh.points(), p).empty());
 }
@@ -224,7 +225,7 @@ TEST_CASE("the sill of a body side is faired and pulled by one spring, door open
     WARN("skipped: no panel-neon-side beside the project (BATTEN_TEST_DATA)");
     return;
   }
-  const Case c("sill");
+  const CliCase c("sill");
   c.file("sill.toml", "unit = \"mm\"\nmesh = \"" + path.string() + "\"\n" + R"(
 [[select]]
 name = "ends"
@@ -264,7 +265,7 @@ stiffness = 800
 name = "pulled"
 fixed = ["ends"]
 )");
-  const Result r = c.run({"run", "sill.toml", "--out", "out"});
+  const CliResult r = c.run({"run", "sill.toml", "--out", "out"});
   INFO(r.err);
   REQUIRE(r.code == 0);
   const auto j = report(c, "out");

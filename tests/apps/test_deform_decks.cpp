@@ -4,14 +4,14 @@
 
 #include "batten/io/meshes/mesh_file.h"
 #include "batten/tests/apps/cli_case.h"
-#include "batten/tests/independent/nastran.h"
+#include "batten/tests/support/nastran_check.h"
 
 using namespace batten_test;
 
 namespace {
 
 /// A plate of 6 × 6 nodes in the plane xy, its second half in another file.
-void plate(const Case& c) {
+void plate(const CliCase& c) {
   std::string first = "BEGIN BULK\nCORD2C,1,,0.,-9.,0.,0.,-9.,1.\n,1.,-9.,0.\n", second, shells;
   for (int i = 0; i < 36; ++i)
     (i < 18 ? first : second) += "GRID," + std::to_string(i + 1) + ",," + std::to_string(i % 6) +
@@ -37,7 +37,7 @@ std::string edit(const std::string& move) {
 /// A public deck, edited: its nodes before and after, both as we read the files.
 struct PublicDeck {
   /// None, with a warning, where these decks are not beside the project.
-  static std::optional<PublicDeck> edited(const Case& c, const std::string& name,
+  static std::optional<PublicDeck> edited(const CliCase& c, const std::string& name,
                                           const std::string& scene) {
     const auto folder = optional_data("decks-public");
     if (folder.empty()) {
@@ -47,7 +47,7 @@ struct PublicDeck {
     const fs::path from = folder / (name + ".bdf"), to = c / ("out/" + name + "-deformed.bdf");
     c.file("edit.toml", "unit = \"mm\"\nmesh = \"" + from.string() + "\"\n" + scene +
                             "[output]\nwide_nodes = true\n");
-    const Result r = c.run({"deform", "edit.toml", "--out", "out"});
+    const CliResult r = c.run({"deform", "edit.toml", "--out", "out"});
     INFO(r.err);
     REQUIRE(r.code == 0);
     const auto json = report(c, "out");
@@ -68,11 +68,11 @@ struct PublicDeck {
 }  // namespace
 
 TEST_CASE("a deck of several files is written beside itself, again and again", "[deform]") {
-  const Case c("deform_includes");
+  const CliCase c("deform_includes");
   plate(c);
   c.file("edit.toml", edit("0, 1, 0.5"));
   for (int run = 0; run < 2; ++run) {
-    const Result r = c.run({"deform", "edit.toml", "--out", "out"});
+    const CliResult r = c.run({"deform", "edit.toml", "--out", "out"});
     INFO(r.err);
     REQUIRE(r.code == 0);
     const auto before = batten::MeshFile::read(c / "plate.bdf"),
@@ -88,7 +88,7 @@ TEST_CASE("a deck of several files is written beside itself, again and again", "
 }
 
 TEST_CASE("an edit that moves nothing changes no byte of a deck", "[deform]") {
-  const Case c("deform_null");
+  const CliCase c("deform_null");
   plate(c);
   c.file("edit.toml", edit("0, 0, 0") + "[output]\nwide_nodes = true\n");
   REQUIRE(c.run({"deform", "edit.toml", "--out", "out"}).code == 0);
@@ -101,7 +101,7 @@ TEST_CASE("one bay of a box becomes a tenth wider, its rib and the other bay sta
   // A box along y with a rib in its middle: property 2, at y = 20.
   const double width = 20, wider = 2;
   for (const bool first : {true, false}) {
-    const Case c("bay");
+    const CliCase c("bay");
     const std::string from = first ? "0.1" : "20.1", to = first ? "19.9" : "39.9";
     const auto deck = PublicDeck::edited(
         c, "Box",
@@ -143,7 +143,7 @@ TEST_CASE("the webs of a panel become a tenth higher, bends and skin stay", "[da
     scene += "[[select]]\nname = \"bend-" + std::to_string(y) +
              "\"\nany = \"skin\"\nproperty = \"2\"\nplane = { through = [0, " +
              std::to_string(y - 1) + ", 0], normal = [1, 4, 0], within = 2 }\ngrow = 1\n";
-  const Case c("webs");
+  const CliCase c("webs");
   const auto deck =
       PublicDeck::edited(c, "bend_A1_105",
                          scene +

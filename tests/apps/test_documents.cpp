@@ -5,35 +5,35 @@
 #include "batten/apps/commands/documents/document_worker.h"
 #include "batten/apps/commands/documents/edited_mesh.h"
 #include "batten/apps/commands/documents/edited_shape.h"
+#include "batten/apps/commands/documents/network_edits.h"
 #include "batten/apps/commands/documents/run_script.h"
 #include "batten/apps/commands/documents/stress_edits.h"
-#include "batten/apps/commands/documents/word_edits.h"
 #include "batten/apps/commands/shapes/run_scene.h"
 #include "batten/io/scene/read_scene.h"
 #include "batten/tests/apps/cli_case.h"
-#include "batten/tests/apps/swelling_panel.h"
+#include "batten/tests/apps/inflated_panel.h"
 
 using namespace batten;
 using namespace batten_test;
-using Verb = DocumentCommand::Verb;
+using CommandKind = DocumentCommand::CommandKind;
 
 namespace {
 
 const std::string kPush =
     R"({ name = "push", type = "point", at = [120, 100, 0], direction = [0, 0, 1], value = 5 })";
 
-Document opened(const Case& folder, const std::string& text) {
+Document opened(const CliCase& folder, const std::string& text) {
   folder.file("s.toml", text);
   Document document;
-  document.apply({.verb = Verb::Open, .file = folder / "s.toml"});
+  document.apply({.kind = CommandKind::Open, .file = folder / "s.toml"});
   return document;
 }
 
 DocumentCommand add(const std::string& kind, const std::string& table) {
-  return {.verb = Verb::Add, .table = {kind, ""}, .text = table};
+  return {.kind = CommandKind::Add, .table = {kind, ""}, .text = table};
 }
 DocumentCommand slide(const std::string& name, double value) {
-  return {.verb = Verb::Slide, .key = name, .value = value};
+  return {.kind = CommandKind::SetSlider, .key = name, .value = value};
 }
 
 double apart(const Points& a, const Points& b) { return (a - b).cwiseAbs().maxCoeff() / 400; }
@@ -41,23 +41,23 @@ double apart(const Points& a, const Points& b) { return (a - b).cwiseAbs().maxCo
 }  // namespace
 
 TEST_CASE("what is added live is what the saved scene makes", "[document]") {
-  const Case folder("document_live");
-  Document document = opened(folder, kSwelling);
+  const CliCase folder("document_live");
+  Document document = opened(folder, kInflatedPanel);
   REQUIRE(document.session());
   document.apply(add("load", kPush));
   document.apply(slide("push", 40));
-  document.apply({.verb = Verb::Answer});
-  document.apply({.verb = Verb::Settle});
+  document.apply({.kind = CommandKind::SolvePreview});
+  document.apply({.kind = CommandKind::SolveToEquilibrium});
   document.apply(add(
       "load", R"({ name = "side", type = "pressure", value = 4, near = "rim.2", radius = 90 })"));
   document.apply(add(
       "constraint", R"({ name = "pin", type = "point", at = [300, 200, 0], to = [300, 200, 9] })"));
-  document.apply({.verb = Verb::Remove, .table = {"load", "crown"}});
+  document.apply({.kind = CommandKind::Remove, .table = {"load", "crown"}});
   fs::create_directory(folder / "other");
-  document.apply({.verb = Verb::Save, .file = folder / "other/saved.toml"});
+  document.apply({.kind = CommandKind::Save, .file = folder / "other/saved.toml"});
   CHECK_FALSE(document.changed());
   Document again;
-  again.apply({.verb = Verb::Open, .file = folder / "other/saved.toml"});
+  again.apply({.kind = CommandKind::Open, .file = folder / "other/saved.toml"});
   REQUIRE(again.session());
   CHECK(apart(document.session()->dofs(), again.session()->dofs()) < 1e-9);
   CHECK(again.session()->parameters().value("push") == 40);
@@ -65,8 +65,8 @@ TEST_CASE("what is added live is what the saved scene makes", "[document]") {
 }
 
 TEST_CASE("undo goes back to the text and the shape, and redo forth", "[document]") {
-  const Case folder("document_undo");
-  Document document = opened(folder, kSwelling);
+  const CliCase folder("document_undo");
+  Document document = opened(folder, kInflatedPanel);
   std::vector<std::string> texts = {document.text().text()};
   std::vector<Points> shapes = {document.session()->dofs()};
   const auto step = [&](const std::vector<DocumentCommand>& commands) {
@@ -74,14 +74,14 @@ TEST_CASE("undo goes back to the text and the shape, and redo forth", "[document
     texts.push_back(document.text().text());
     shapes.push_back(document.session()->dofs());
   };
-  step({slide("crown", 5), slide("crown", 7), {.verb = Verb::Settle}});
+  step({slide("crown", 5), slide("crown", 7), {.kind = CommandKind::SolveToEquilibrium}});
   step({add("load", kPush)});
-  step({slide("push", -20), {.verb = Verb::Settle}});
-  step({{.verb = Verb::Set, .table = {"skin", ""}, .key = "edge_length", .text = "60"}});
-  step({slide("beta", 2), {.verb = Verb::Settle}});
-  step({{.verb = Verb::Remove, .table = {"load", "crown"}}});
+  step({slide("push", -20), {.kind = CommandKind::SolveToEquilibrium}});
+  step({{.kind = CommandKind::Set, .table = {"skin", ""}, .key = "edge_length", .text = "60"}});
+  step({slide("beta", 2), {.kind = CommandKind::SolveToEquilibrium}});
+  step({{.kind = CommandKind::Remove, .table = {"load", "crown"}}});
   for (size_t i = texts.size() - 1; i-- > 0;) {
-    document.apply({.verb = Verb::Undo});
+    document.apply({.kind = CommandKind::Undo});
     INFO("back at " << i);
     CHECK(document.text().text() == texts[i]);
     REQUIRE(document.session()->dofs().rows() == shapes[i].rows());
@@ -90,7 +90,7 @@ TEST_CASE("undo goes back to the text and the shape, and redo forth", "[document
   CHECK_FALSE(document.can_undo());
   CHECK_FALSE(document.changed());
   for (size_t i = 1; i < texts.size(); ++i) {
-    document.apply({.verb = Verb::Redo});
+    document.apply({.kind = CommandKind::Redo});
     CHECK(document.text().text() == texts[i]);
     CHECK(apart(document.session()->dofs(), shapes[i]) < 1e-9);
   }
@@ -98,8 +98,8 @@ TEST_CASE("undo goes back to the text and the shape, and redo forth", "[document
 }
 
 TEST_CASE("a command that is refused leaves text and shape as they were", "[document]") {
-  const Case folder("document_refused");
-  Document document = opened(folder, kSwelling);
+  const CliCase folder("document_refused");
+  Document document = opened(folder, kInflatedPanel);
   document.apply(add("constraint",
                      R"({ name = "a", type = "point", at = [200, 150, 0], to = [200, 150, 9] })"));
   const std::string text = document.text().text();
@@ -125,16 +125,17 @@ TEST_CASE("a command that is refused leaves text and shape as they were", "[docu
   CHECK_THROWS_AS(document.apply(slide("nothing", 1)), InputError);
   CHECK_THROWS_AS(document.apply(slide("crown", std::nan(""))), InputError);
   same();
-  CHECK_THROWS_AS(document.apply({.verb = Verb::Open, .file = folder / "missing.toml"}),
+  CHECK_THROWS_AS(document.apply({.kind = CommandKind::Open, .file = folder / "missing.toml"}),
                   InputError);
   folder.file("bad.toml", "unit = 3");
-  CHECK_THROWS_AS(document.apply({.verb = Verb::Open, .file = folder / "bad.toml"}), InputError);
+  CHECK_THROWS_AS(document.apply({.kind = CommandKind::Open, .file = folder / "bad.toml"}),
+                  InputError);
   same();
   // Pressure past its limit: the last values that had a solution stay.
   CHECK_THROWS_AS(
       [&] {
         document.apply(slide("crown", 1e7));
-        document.apply({.verb = Verb::Settle});
+        document.apply({.kind = CommandKind::SolveToEquilibrium});
       }(),
       NoSolutionError);
   CHECK(document.session()->dofs().allFinite());
@@ -156,15 +157,15 @@ TEST_CASE("lines become a surface as soon as they close, and say what is missing
     CHECK(document.content().problem().empty() == (i == 3));
   }
   REQUIRE(document.session());
-  document.apply({.verb = Verb::Undo});
+  document.apply({.kind = CommandKind::Undo});
   CHECK(document.session() == nullptr);
   CHECK(document.content().problem().find("meets nothing") != std::string::npos);
-  document.apply({.verb = Verb::Redo});
+  document.apply({.kind = CommandKind::Redo});
   CHECK(document.session() != nullptr);
 }
 
 TEST_CASE("changes of a killed window are taken up from any folder", "[document]") {
-  const Case folder("document_recovery");
+  const CliCase folder("document_recovery");
   folder.file("line.csv", "0,0,0\n400,0,0\n400,300,0\n0,300,0\n0,0,0\n");
   Document document =
       opened(folder, "unit = \"mm\"\n[[line]]\nname = \"rim\"\nfile = \"line.csv\"\n");
@@ -172,7 +173,7 @@ TEST_CASE("changes of a killed window are taken up from any folder", "[document]
   folder.file("a/folder/far/below/changes.toml",
               document.recovery_text(folder / "a/folder/far/below"));
   Document again;
-  again.apply({.verb = Verb::Recover, .file = folder / "a/folder/far/below/changes.toml"});
+  again.apply({.kind = CommandKind::Recover, .file = folder / "a/folder/far/below/changes.toml"});
   CHECK(again.text().text() == document.text().text());
   CHECK(again.file() == document.file());
   CHECK(again.changed());
@@ -181,30 +182,34 @@ TEST_CASE("changes of a killed window are taken up from any folder", "[document]
   untitled.apply(add("line", "{ name = \"a\", points = [[0, 0, 0], [1, 0, 0]] }"));
   folder.file("a/folder/far/below/changes.toml",
               untitled.recovery_text(folder / "a/folder/far/below"));
-  again.apply({.verb = Verb::Recover, .file = folder / "a/folder/far/below/changes.toml"});
+  again.apply({.kind = CommandKind::Recover, .file = folder / "a/folder/far/below/changes.toml"});
   CHECK(again.text().text() == untitled.text().text());
   CHECK(again.file().empty());
-  CHECK_THROWS_AS(again.apply({.verb = Verb::Recover, .file = folder / "s.toml"}), InputError);
+  CHECK_THROWS_AS(again.apply({.kind = CommandKind::Recover, .file = folder / "s.toml"}),
+                  InputError);
 }
 
 TEST_CASE("a command and its line of a script say the same", "[document]") {
   const std::vector<DocumentCommand> commands = {
-      {.verb = Verb::Open, .file = "a folder/b\"c.toml"},
-      {.verb = Verb::New, .key = "in"},
+      {.kind = CommandKind::Open, .file = "a folder/b\"c.toml"},
+      {.kind = CommandKind::New, .key = "in"},
       add("load", kPush),
-      {.verb = Verb::Set, .table = {"join", "#2"}, .key = "lines", .text = "[\"a b\", \"c\"]"},
-      {.verb = Verb::Set, .table = {}, .key = "name", .text = "\"x # y\""},
-      {.verb = Verb::Erase, .table = {"skin", ""}, .key = "alpha"},
-      {.verb = Verb::Remove, .table = {"load", "the \"big\" one"}},
+      {.kind = CommandKind::Set,
+       .table = {"join", "#2"},
+       .key = "lines",
+       .text = "[\"a b\", \"c\"]"},
+      {.kind = CommandKind::Set, .table = {}, .key = "name", .text = "\"x # y\""},
+      {.kind = CommandKind::Erase, .table = {"skin", ""}, .key = "alpha"},
+      {.kind = CommandKind::Remove, .table = {"load", "the \"big\" one"}},
       slide("rib height", -1.0 / 3),
-      {.verb = Verb::Save},
-      {.verb = Verb::Undo}};
+      {.kind = CommandKind::Save},
+      {.kind = CommandKind::Undo}};
   for (const DocumentCommand& command : commands) {
     const std::string line = script_line(command);
     INFO(line);
     const DocumentCommand read = parse_command(line, "");
     CHECK(script_line(read) == line);
-    CHECK(read.verb == command.verb);
+    CHECK(read.kind == command.kind);
     CHECK(read.table == command.table);
     CHECK(read.key == command.key);
     CHECK(read.text == command.text);
@@ -219,13 +224,13 @@ TEST_CASE("a command and its line of a script say the same", "[document]") {
 }
 
 TEST_CASE("a script gives the same bits each time, and says where it stopped", "[document]") {
-  const Case folder("document_script");
-  folder.file("s.toml", kSwelling);
+  const CliCase folder("document_script");
+  folder.file("s.toml", kInflatedPanel);
   folder.file("a.batten",
               "# as recorded\nopen s.toml\nslide crown 2\nanswer\nslide crown "
               "9\nanswer\nsettle\n\nadd load " +
                   kPush + "\nundo\nredo\nexport one.vtp\n");
-  const Result one = folder.run({"run-script", "a.batten"});
+  const CliResult one = folder.run({"run-script", "a.batten"});
   CHECK(one.code == 0);
   CHECK(one.out.find("push = 5") != std::string::npos);
   const std::string bits = contents(folder / "one.vtp");
@@ -233,7 +238,7 @@ TEST_CASE("a script gives the same bits each time, and says where it stopped", "
   CHECK(folder.run({"run-script", "a.batten", "--threads", "1"}).code == 0);
   CHECK(contents(folder / "one.vtp") == bits);
   folder.file("b.batten", "open s.toml\nslide crwn 2\n");
-  const Result two = folder.run({"run-script", "b.batten"});
+  const CliResult two = folder.run({"run-script", "b.batten"});
   CHECK(two.code == 1);
   CHECK(two.err.find("b.batten:2:1: ") != std::string::npos);
   CHECK(two.err.find("did you mean 'crown'") != std::string::npos);
@@ -246,9 +251,9 @@ TEST_CASE("words about a line's join are changed where they stand", "[document]"
   const auto after = [&](const char* line, const std::optional<std::string>& kind) {
     SceneText text = scene;
     for (const DocumentCommand& edit : join_edits(scene, line, kind)) {
-      if (edit.verb == Verb::Set) text.set(edit.table, edit.key, edit.text);
-      if (edit.verb == Verb::Add) text.add(edit.table.kind, edit.text);
-      if (edit.verb == Verb::Remove) text.remove(edit.table);
+      if (edit.kind == CommandKind::Set) text.set(edit.table, edit.key, edit.text);
+      if (edit.kind == CommandKind::Add) text.add(edit.table.kind, edit.text);
+      if (edit.kind == CommandKind::Remove) text.remove(edit.table);
     }
     return text;
   };
@@ -262,15 +267,15 @@ TEST_CASE("words about a line's join are changed where they stand", "[document]"
 }
 
 TEST_CASE("a worker passes over slides that are old, and stops when asked", "[document]") {
-  const Case folder("document_worker");
-  folder.file("s.toml", kSwelling);
+  const CliCase folder("document_worker");
+  folder.file("s.toml", kInflatedPanel);
   DocumentWorker worker([] {}, folder / "changes.toml");
   const auto until_idle = [&] {
     std::vector<DocumentWorker::Message> messages;
     std::shared_ptr<const DocumentView> view;
     for (bool busy = true; busy;) {
       std::this_thread::sleep_for(std::chrono::milliseconds(5));
-      DocumentWorker::News news = worker.take_news();
+      DocumentWorker::Update news = worker.take_update();
       if (news.view) view = news.view;
       messages.insert(messages.end(), news.messages.begin(), news.messages.end());
       busy = news.busy;
@@ -278,11 +283,11 @@ TEST_CASE("a worker passes over slides that are old, and stops when asked", "[do
     for (const auto& message : messages) UNSCOPED_INFO(message.text);
     return std::pair(view, messages);
   };
-  worker.post({.verb = Verb::Open, .file = folder / "s.toml"});
+  worker.post({.kind = CommandKind::Open, .file = folder / "s.toml"});
   CHECK(until_idle().first->surface);
   constexpr int moves = 500;
   for (int i = 1; i <= moves; ++i) worker.post(slide("crown", 3 + 0.01 * i));
-  worker.post({.verb = Verb::Settle});
+  worker.post({.kind = CommandKind::SolveToEquilibrium});
   const auto [view, messages] = until_idle();
   CHECK(messages.empty());
   REQUIRE(view);
@@ -292,7 +297,7 @@ TEST_CASE("a worker passes over slides that are old, and stops when asked", "[do
   CHECK(contents(folder / "changes.toml").find("value = 8") != std::string::npos);
 
   // 60,000 elements take some seconds.
-  worker.post({.verb = Verb::Set, .table = {"skin", ""}, .key = "edge_length", .text = "2"});
+  worker.post({.kind = CommandKind::Set, .table = {"skin", ""}, .key = "edge_length", .text = "2"});
   std::this_thread::sleep_for(std::chrono::milliseconds(300));
   worker.cancel();
   const auto [after, told] = until_idle();
@@ -300,12 +305,12 @@ TEST_CASE("a worker passes over slides that are old, and stops when asked", "[do
   CHECK(told.front().text == "cancelled");
   REQUIRE(after);
   CHECK(after->text.find("edge_length = 40") != std::string::npos);
-  worker.forget_changes();
+  worker.discard_changes();
   CHECK_FALSE(fs::exists(folder / "changes.toml"));
 }
 
 TEST_CASE("supports and loads of a shell are changed and taken away one by one", "[document]") {
-  SceneText scene(kSwelling + R"([stress]
+  SceneText scene(kInflatedPanel + R"([stress]
 thickness = 1
 material = "steel"
 supports = [{ line = "rim" }, { point = [0, 0, 0], kind = "pinned" }]
@@ -338,7 +343,7 @@ loads = [{ pressure = 0.001, region = "rim" }, { point = [1, 2, 0], force = [0, 
 TEST_CASE("stresses of a document are those of batten stress", "[document]") {
   const fs::path scene = BATTEN_SOURCE_DIR "/examples/18-lean/scene.toml";
   Document document;
-  document.apply({.verb = Verb::Open, .file = scene});
+  document.apply({.kind = CommandKind::Open, .file = scene});
   CHECK(document.stress(Analysis::Stress) == nullptr);  // nothing is drawn yet
   Frame frame;
   REQUIRE(document.draw(frame));
@@ -347,7 +352,7 @@ TEST_CASE("stresses of a document are those of batten stress", "[document]") {
   INFO(stress->problem);
   REQUIRE(stress->values.size() == frame.points.size() / 3);
   CHECK(stress->moved.size() == frame.points.size());
-  const Case folder("document_stress");
+  const CliCase folder("document_stress");
   const Report report = run_stress(read_scene(scene), folder / "out", {});
   double largest = 0, moved = 0;
   for (const auto& c : report.stress->cases) {

@@ -10,29 +10,30 @@
 #include "batten/io/cad/step.h"
 #include "batten/io/lines/cad_lines.h"
 #include "batten/io/lines/point_lines.h"
-#include "batten/tests/catch.h"
-#include "batten/tests/reference.h"
+#include "batten/tests/support/catch.h"
+#include "batten/tests/support/test_data.h"
 
 namespace fs = std::filesystem;
 
 namespace {
 
-struct Ran {
+struct RunResult {
   int code;
   nlohmann::json report;
   fs::path out;
 };
 
-Ran run(const std::string& scene, const std::string& name, const std::string& options = "",
-        const std::string& verb = "run") {
+RunResult run(const std::string& scene, const std::string& name, const std::string& options = "",
+              const std::string& kind = "run") {
   const fs::path out = batten_test::scratch(name);
-  const std::string command = std::string("'" BATTEN_CLI "' " + verb + " '") + scene +
+  const std::string command = std::string("'" BATTEN_CLI "' " + kind + " '") + scene +
                               "' --quiet --out '" + out.string() + "' " + options + " > '" +
                               (out / "log").string() + "' 2>&1";
   const int status = std::system(command.c_str());
-  Ran ran{WEXITSTATUS(status), {}, out};
-  if (std::ifstream report(out / "report.json"); report) ran.report = nlohmann::json::parse(report);
-  return ran;
+  RunResult result{WEXITSTATUS(status), {}, out};
+  if (std::ifstream report(out / "report.json"); report)
+    result.report = nlohmann::json::parse(report);
+  return result;
 }
 
 const std::string kExamples = BATTEN_SOURCE_DIR "/examples/";
@@ -52,9 +53,9 @@ std::string text_of(const fs::path& file) {
 }
 
 /// What every surface promises, and a STEP file of one face with that many loops around it.
-void check_promises(const Ran& ran, double tolerance, const std::string& step, int loops) {
-  CHECK(ran.report["missed_promises"].empty() == kDisplay);
-  const auto& surface = ran.report["surface"];
+void check_report(const RunResult& result, double tolerance, const std::string& step, int loops) {
+  CHECK(result.report["missed_promises"].empty() == kDisplay);
+  const auto& surface = result.report["surface"];
   CHECK(surface["max_constraint_residual"].get<double>() <= 1e-10);
   CHECK(surface["max_line_residual"].get<double>() <= 1e-10);
   CHECK(surface["max_line_gap"].get<double>() <= tolerance);
@@ -62,18 +63,18 @@ void check_promises(const Ran& ran, double tolerance, const std::string& step, i
   CHECK(surface["max_normal_jump_deg"].get<double>() <= 1e-5);
   CHECK(surface["min_jacobian_ratio"].get<double>() >= 0.05);
   CHECK(surface["singular_nodes"].get<int>() == 0);
-  for (const auto& line : ran.report["lines"]["each"]) {
+  for (const auto& line : result.report["lines"]["each"]) {
     INFO(line["name"]);
     REQUIRE(line.contains("gap") == (line["treatment"] == "embedded"));
     if (line.contains("gap")) CHECK(line["points"].get<int>() >= 4);
   }
-  const auto& report = ran.report["step"];
+  const auto& report = result.report["step"];
   CHECK(report["form"] == "face");
   CHECK(report["faces"].get<int>() == 1);
   CHECK(report["valid"].get<bool>());
   CHECK(report["max_deviation"].get<double>() <= report["tolerance"].get<double>());
   CHECK(report["max_gap"].get<double>() <= report["tolerance"].get<double>() + tolerance);
-  const std::string text = text_of(ran.out / step);
+  const std::string text = text_of(result.out / step);
   CHECK(count(text, "ADVANCED_FACE") == 1);
   CHECK(count(text, "FACE_BOUND") + count(text, "FACE_OUTER_BOUND") == loops);
 }
@@ -126,7 +127,7 @@ TEST_CASE("the hood keeps its promises, and is the same shape in metres") {
     WARN("skipped: these regions need the Delaunay mesher, and this build has no CGAL");
     return;
   }
-  const Ran mm = run(kExamples + "02-hood/scene.toml", "hood_mm");
+  const RunResult mm = run(kExamples + "02-hood/scene.toml", "hood_mm");
   REQUIRE(mm.code == kDone);
   const auto& surface = mm.report["surface"];
   CHECK(surface["max_constraint_residual"].get<double>() <= 1e-10);
@@ -156,7 +157,7 @@ TEST_CASE("the hood keeps its promises, and is the same shape in metres") {
   replace("file = \"lines/", "unit = \"mm\"\nfile = \"" + kExamples + "02-hood/lines/");
   const fs::path folder = batten_test::scratch("hood_scene");
   std::ofstream(folder / "scene.toml") << scene;
-  const Ran m = run((folder / "scene.toml").string(), "hood_m");
+  const RunResult m = run((folder / "scene.toml").string(), "hood_m");
   REQUIRE(m.code == kDone);
   CHECK(m.report["surface"]["dofs"] == surface["dofs"]);
   CHECK(m.report["surface"]["area"].get<double>() * 1e6 ==
@@ -183,32 +184,32 @@ TEST_CASE("the hood with details keeps its six lines exactly, five more nearly")
     WARN("skipped: these regions need the Delaunay mesher, and this build has no CGAL");
     return;
   }
-  const Ran ran = run(kExamples + "02-hood/hood_details.toml", "hood_details");
-  REQUIRE(ran.code == kDone);
-  check_promises(ran, 0.05, "hood_details.step", 2);
+  const RunResult result = run(kExamples + "02-hood/hood_details.toml", "hood_details");
+  REQUIRE(result.code == kDone);
+  check_report(result, 0.05, "hood_details.step", 2);
   int fitted = 0;
-  for (const auto& line : ran.report["lines"]["each"]) {
+  for (const auto& line : result.report["lines"]["each"]) {
     INFO(line["name"]);
     CHECK((line["treatment"] == "fitted") == (line["role"] == "outline"));
     fitted += line["treatment"] == "fitted";
   }
   CHECK(fitted == 6);
-  CHECK(ran.report["lines"]["count"].get<int>() == 11);
-  if (kDisplay) CHECK(fs::file_size(ran.out / "hood_details_zebra.png") > 20000);
-  if (have_ccx()) CHECK(ccx_displacement(ran.out / "hood_details.inp") > 0);
+  CHECK(result.report["lines"]["count"].get<int>() == 11);
+  if (kDisplay) CHECK(fs::file_size(result.out / "hood_details_zebra.png") > 20000);
+  if (have_ccx()) CHECK(ccx_displacement(result.out / "hood_details.inp") > 0);
 }
 
 TEST_CASE("the door passes through its embedded lines and ends at its handle") {
-  const Ran ran = run(kExamples + "05-door/scene.toml", "door");
-  REQUIRE(ran.code == kDone);
-  check_promises(ran, 0.1, "door.step", 2);
-  for (const auto& line : ran.report["lines"]["each"]) CHECK(line["treatment"] == "embedded");
+  const RunResult result = run(kExamples + "05-door/scene.toml", "door");
+  REQUIRE(result.code == kDone);
+  check_report(result, 0.1, "door.step", 2);
+  for (const auto& line : result.report["lines"]["each"]) CHECK(line["treatment"] == "embedded");
   if (kDisplay)
     for (const char* file : {"door.png", "door_zebra.png", "door_mesh.png"})
-      CHECK(fs::file_size(ran.out / file) > 20000);
-  CHECK(fs::file_size(ran.out / "door.vtu") > 20000);
+      CHECK(fs::file_size(result.out / file) > 20000);
+  CHECK(fs::file_size(result.out / "door.vtu") > 20000);
   const auto lines = batten::read_point_lines(kExamples + "05-door/lines/handle.csv");
-  const auto rim = nodes_of(text_of(ran.out / "door.inp"), "HANDLE");
+  const auto rim = nodes_of(text_of(result.out / "door.inp"), "HANDLE");
   CHECK(rim.size() >= 20);
   // Between points of the file, 3 mm apart.
   for (const batten::Vec3& x : rim) {
@@ -216,93 +217,94 @@ TEST_CASE("the door passes through its embedded lines and ends at its handle") {
     for (const batten::Vec3& p : lines[0].points) nearest = std::min(nearest, (p - x).norm());
     CHECK(nearest < 3);
   }
-  if (have_ccx()) CHECK(ccx_displacement(ran.out / "door.inp") == Approx(0.298).epsilon(0.02));
+  if (have_ccx()) CHECK(ccx_displacement(result.out / "door.inp") == Approx(0.298).epsilon(0.02));
 }
 
 TEST_CASE("the goblet's bowl is a ring whose face has a seam") {
-  const Ran ran = run(kExamples + "06-goblet-bowl/scene.toml", "goblet");
-  REQUIRE(ran.code == kDone);
+  const RunResult result = run(kExamples + "06-goblet-bowl/scene.toml", "goblet");
+  REQUIRE(result.code == kDone);
   // Around a closed face with a seam there is one loop: rim, seam, foot, seam.
-  check_promises(ran, 0.05, "goblet.step", 1);
-  CHECK(count(text_of(ran.out / "goblet.step"), "SEAM_CURVE") == 1);
-  for (const auto& line : ran.report["lines"]["each"]) CHECK(line["treatment"] == "fitted");
-  CHECK(ran.report["surface"]["max_line_gap"].get<double>() == 0);
+  check_report(result, 0.05, "goblet.step", 1);
+  CHECK(count(text_of(result.out / "goblet.step"), "SEAM_CURVE") == 1);
+  for (const auto& line : result.report["lines"]["each"]) CHECK(line["treatment"] == "fitted");
+  CHECK(result.report["surface"]["max_line_gap"].get<double>() == 0);
   // A cone between two circles of these sizes would have 17,100 mm²: the bowl swells.
-  CHECK(ran.report["surface"]["area"].get<double>() == Approx(20066).epsilon(1e-3));
+  CHECK(result.report["surface"]["area"].get<double>() == Approx(20066).epsilon(1e-3));
   if (kDisplay)
     for (const char* file : {"goblet.png", "goblet_zebra.png", "goblet_swelling.png"})
-      CHECK(fs::file_size(ran.out / file) > 20000);
+      CHECK(fs::file_size(result.out / file) > 20000);
 }
 
 TEST_CASE("the goblet: two squares in a ring, blown up near its rim") {
-  const Ran ran = run(kExamples + "08-goblet/scene.toml", "goblet_whole");
-  REQUIRE(ran.code == kDone);
-  check_promises(ran, 0.1, "goblet.step", 1);
+  const RunResult result = run(kExamples + "08-goblet/scene.toml", "goblet_whole");
+  REQUIRE(result.code == kDone);
+  check_report(result, 0.1, "goblet.step", 1);
   int embedded = 0;
-  for (const auto& line : ran.report["lines"]["each"]) embedded += line["treatment"] == "embedded";
+  for (const auto& line : result.report["lines"]["each"])
+    embedded += line["treatment"] == "embedded";
   CHECK(embedded == 8);
-  CHECK(ran.report["surface"]["area"].get<double>() == Approx(21004).epsilon(1e-3));
+  CHECK(result.report["surface"]["area"].get<double>() == Approx(21004).epsilon(1e-3));
   // Without the squares and the pressure; with as few unknowns as the paper's goblet.
-  const Ran circles = run(kExamples + "08-goblet/circles.toml", "goblet_circles"),
-            coarse = run(kExamples + "08-goblet/coarse.toml", "goblet_coarse");
+  const RunResult circles = run(kExamples + "08-goblet/circles.toml", "goblet_circles"),
+                  coarse = run(kExamples + "08-goblet/coarse.toml", "goblet_coarse");
   CHECK(circles.code == kDone);
   REQUIRE(coarse.code == kDone);
   CHECK(coarse.report["surface"]["dofs"].get<int>() == 224);
   CHECK(coarse.report["surface"]["area"].get<double>() == Approx(20959).epsilon(1e-3));
-  if (kDisplay) CHECK(fs::file_size(ran.out / "goblet_sheet.png") > 20000);
+  if (kDisplay) CHECK(fs::file_size(result.out / "goblet_sheet.png") > 20000);
 }
 
 TEST_CASE(
     "the mouse: nine lines in any order are one closed solid, smooth where nobody said crease") {
-  const Ran ran = run(kExamples + "09-mouse/scene.toml", "mouse");
-  REQUIRE(ran.code == kDone);
-  const auto& surface = ran.report["surface"];
+  const RunResult result = run(kExamples + "09-mouse/scene.toml", "mouse");
+  REQUIRE(result.code == kDone);
+  const auto& surface = result.report["surface"];
   CHECK(surface["regions"] == 11);
   CHECK(surface["max_smooth_join_deg"].get<double>() < 0.1);
-  REQUIRE(ran.report["shells"].size() == 1);
-  CHECK(ran.report["shells"][0]["closed"] == true);
-  CHECK(ran.report["shells"][0]["volume"].get<double>() == Approx(151012).epsilon(1e-3));
-  CHECK(ran.report["flaws"].empty());
-  CHECK(count(text_of(ran.out / "mouse.step"), "MANIFOLD_SOLID_BREP") == 1);
-  CHECK(count(text_of(ran.out / "mouse.step"), "ADVANCED_FACE(") == 11);
-  if (kDisplay) CHECK(fs::file_size(ran.out / "mouse.png") > 20000);
+  REQUIRE(result.report["shells"].size() == 1);
+  CHECK(result.report["shells"][0]["closed"] == true);
+  CHECK(result.report["shells"][0]["volume"].get<double>() == Approx(151012).epsilon(1e-3));
+  CHECK(result.report["flaws"].empty());
+  CHECK(count(text_of(result.out / "mouse.step"), "MANIFOLD_SOLID_BREP") == 1);
+  CHECK(count(text_of(result.out / "mouse.step"), "ADVANCED_FACE(") == 11);
+  if (kDisplay) CHECK(fs::file_size(result.out / "mouse.png") > 20000);
 }
 
 TEST_CASE("the car body: eight regions sculpted as one, smooth joins and edges as they were") {
-  const Ran ran = run(kExamples + "14-car-body/scene.toml", "car_body");
-  REQUIRE(ran.code == kDone);
-  const auto& surface = ran.report["surface"];
+  const RunResult result = run(kExamples + "14-car-body/scene.toml", "car_body");
+  REQUIRE(result.code == kDone);
+  const auto& surface = result.report["surface"];
   CHECK(surface["regions"] == 8);
   CHECK(surface["max_smooth_join_deg"].get<double>() < 0.1);
   CHECK(surface["max_constraint_residual"].get<double>() <= 1e-12);
-  CHECK(ran.report["flaws"].empty());
+  CHECK(result.report["flaws"].empty());
   int smooth = 0, creases = 0;
-  for (const auto& join : ran.report["joins"]) {
+  for (const auto& join : result.report["joins"]) {
     smooth += join["kind"] == "smooth";
     creases += join["kind"] == "crease";
   }
   CHECK(smooth == 5);
   CHECK(creases == 6);
-  const std::string deck = text_of(ran.out / "body.inp");
+  const std::string deck = text_of(result.out / "body.inp");
   CHECK(count(deck, "*ELSET,ELSET=") + count(deck, "ELSET=CABIN_LEFT") >= 1);
   CHECK(!nodes_of(deck, "SPINE_2").empty());
-  if (kDisplay) CHECK(fs::file_size(ran.out / "body_sport.png") > 20000);
+  if (kDisplay) CHECK(fs::file_size(result.out / "body_sport.png") > 20000);
 }
 
 TEST_CASE("sections make a wing, a bottle and a hull that run through them") {
-  const Ran wing = run(kExamples + "15-sections/wing.toml", "wing");
+  const RunResult wing = run(kExamples + "15-sections/wing.toml", "wing");
   REQUIRE(wing.code == kDone);
   CHECK(wing.report["surface"]["fair"] == "loft");
   CHECK(wing.report["surface"]["max_line_residual"].get<double>() < 1e-10);
   // That of the ruled surface between the two sections.
   CHECK(wing.report["surface"]["area"].get<double>() == Approx(24477).epsilon(1e-3));
-  const Ran bottle = run(kExamples + "15-sections/bottle.toml", "bottle");
+  const RunResult bottle = run(kExamples + "15-sections/bottle.toml", "bottle");
   REQUIRE(bottle.code == kDone);
   CHECK(bottle.report["surface"]["max_line_gap"].get<double>() < 0.02);
   CHECK(bottle.report["surface"]["min_jacobian_ratio"].get<double>() > 0.3);
   if (kDisplay) CHECK(fs::file_size(bottle.out / "bottle.png") > 20000);
   // Five stations, the keel and the sheer.
-  const Ran hull = run(kExamples + "15-sections/hull.toml", "hull");
+  const RunResult hull = run(kExamples + "15-sections/hull.toml", "hull");
   REQUIRE(hull.code == kDone);
   CHECK(hull.report["lines"]["count"] == 7);
   CHECK(hull.report["surface"]["max_line_residual"].get<double>() < 1e-10);
@@ -318,33 +320,33 @@ TEST_CASE("classical shapes come back from their lines") {
                                    {"torus", tube},
                                    {"can", 2 * pi * 33 * 120}}) {
     INFO(name);
-    const Ran ran =
+    const RunResult result =
         run(kExamples + "16-classics/" + name + ".toml", std::string("classic_") + name);
-    REQUIRE(ran.code == kDone);
-    CHECK(ran.report["surface"]["area"].get<double>() == Approx(area).epsilon(1e-4));
-    CHECK(ran.report["surface"]["max_line_residual"].get<double>() < 1e-10);
+    REQUIRE(result.code == kDone);
+    CHECK(result.report["surface"]["area"].get<double>() == Approx(area).epsilon(1e-4));
+    CHECK(result.report["surface"]["max_line_residual"].get<double>() < 1e-10);
   }
 }
 
 TEST_CASE("a block with round corners and a hole is a solid of planes and cylinders") {
-  const Ran ran = run(kExamples + "17-solid/scene.toml", "solid");
-  REQUIRE(ran.code == kDone);
+  const RunResult result = run(kExamples + "17-solid/scene.toml", "solid");
+  REQUIRE(result.code == kDone);
   const double pi = std::acos(-1.0);
   const double volume = 30 * (100 * 60 - (4 - pi) * 144 - pi * 196);
-  CHECK(ran.report["shells"].size() == 1);
-  CHECK(ran.report["shells"][0]["volume"].get<double>() == Approx(volume).epsilon(1e-5));
-  CHECK(ran.report["step"]["solids"] == 1);
-  CHECK(ran.report["step"]["faces"] == 12);
-  for (const auto& region : ran.report["regions"]) CHECK(region.contains("shape"));
+  CHECK(result.report["shells"].size() == 1);
+  CHECK(result.report["shells"][0]["volume"].get<double>() == Approx(volume).epsilon(1e-5));
+  CHECK(result.report["step"]["solids"] == 1);
+  CHECK(result.report["step"]["faces"] == 12);
+  for (const auto& region : result.report["regions"]) CHECK(region.contains("shape"));
 }
 
 TEST_CASE("the bent plate's hole is a circle of nodes, and bends as plates do") {
-  const Ran ran = run(kExamples + "07-plate-with-hole/scene.toml", "plate_with_hole");
-  REQUIRE(ran.code == kDone);
-  check_promises(ran, 0.02, "plate.step", 2);
-  CHECK(ran.report["surface"]["area"].get<double>() ==
+  const RunResult result = run(kExamples + "07-plate-with-hole/scene.toml", "plate_with_hole");
+  REQUIRE(result.code == kDone);
+  check_report(result, 0.02, "plate.step", 2);
+  CHECK(result.report["surface"]["area"].get<double>() ==
         Approx(20000 - 400 * std::acos(-1.0)).epsilon(1e-5));
-  const auto rim = nodes_of(text_of(ran.out / "plate.inp"), "HOLE");
+  const auto rim = nodes_of(text_of(result.out / "plate.inp"), "HOLE");
   CHECK(rim.size() >= 24);
   for (const batten::Vec3& x : rim) {
     CHECK((x - batten::Vec3(100, 50, 0)).norm() == Approx(20).margin(0.02));
@@ -361,11 +363,11 @@ TEST_CASE("the bent plate's hole is a circle of nodes, and bends as plates do") 
   scene.erase(scene.find("[[picture]]"));
   const fs::path folder = batten_test::scratch("plate_scene");
   std::ofstream(folder / "scene.toml") << scene;
-  const Ran whole = run((folder / "scene.toml").string(), "plate_without_hole");
+  const RunResult whole = run((folder / "scene.toml").string(), "plate_without_hole");
   REQUIRE(whole.code == 0);
   const double beam = 0.1 * std::pow(200, 4) / (8 * 210000 * 100 * 8 / 12.0);
   const double without = ccx_displacement(whole.out / "plate.inp"),
-               with = ccx_displacement(ran.out / "plate.inp");
+               with = ccx_displacement(result.out / "plate.inp");
   CHECK(without < beam);
   CHECK(without > (1 - 0.3 * 0.3) * beam);
   CHECK(with > without);
@@ -377,7 +379,7 @@ TEST_CASE("CalculiX runs the hood's deck as written") {
     WARN("skipped: ccx is not installed");
     return;
   }
-  const Ran hood = run(kExamples + "02-hood/scene.toml", "hood_ccx");
+  const RunResult hood = run(kExamples + "02-hood/scene.toml", "hood_ccx");
   REQUIRE(fs::exists(hood.out / "hood.inp"));
   CHECK(std::system(("'" BATTEN_SOURCE_DIR "/scripts/ccx_max_displacement' '" +
                      (hood.out / "hood.inp").string() + "'")
@@ -389,7 +391,7 @@ TEST_CASE("Gmsh opens and meshes the hood's STEP file") {
     WARN("skipped: Gmsh's Python module is not installed");
     return;
   }
-  const Ran hood = run(kExamples + "02-hood/scene.toml", "hood_gmsh");
+  const RunResult hood = run(kExamples + "02-hood/scene.toml", "hood_gmsh");
   CHECK(std::system(("/usr/bin/python3 '" BATTEN_SOURCE_DIR "/tests/io/cad/gmsh_opens_step.py' '" +
                      (hood.out / "hood.step").string() + "'")
                         .c_str()) == 0);
@@ -402,19 +404,19 @@ TEST_CASE("the pentagon of the paper, as a scene, has the gold height") {
   scene.replace(scene.find("type = \"pressure\""), 17, "type = \"uniform\"\ndirection = [0, 0, 1]");
   const fs::path folder = batten_test::scratch("pentagon_scene");
   std::ofstream(folder / "scene.toml") << scene.substr(0, scene.find("[output]"));
-  const Ran ran = run((folder / "scene.toml").string(), "pentagon");
-  REQUIRE(ran.code == 0);
-  CHECK(ran.report["surface"]["triangles"].get<int>() == 5);
-  CHECK(ran.report["surface"]["dofs"].get<int>() == 28);
+  const RunResult result = run((folder / "scene.toml").string(), "pentagon");
+  REQUIRE(result.code == 0);
+  CHECK(result.report["surface"]["triangles"].get<int>() == 5);
+  CHECK(result.report["surface"]["dofs"].get<int>() == 28);
   // Energy of the minimum: minus the work of the load on z, plus that of x and y without load.
   CHECK(run(kExamples + "01-pentagon/scene.toml", "pentagon_example").code == kDone);
 }
 
 TEST_CASE("the pentagon's two sequences go their way") {
-  const Ran ran = run(kExamples + "01-pentagon/sculpt.toml", "pentagon_sequences",
-                      "--sweep spine=0:1:4 --sweep pressure=0:2:5", "sculpt");
-  REQUIRE(ran.code == kDone);
-  const auto& sweeps = ran.report["sculpting"]["sweeps"];
+  const RunResult result = run(kExamples + "01-pentagon/sculpt.toml", "pentagon_sequences",
+                               "--sweep spine=0:1:4 --sweep pressure=0:2:5", "sculpt");
+  REQUIRE(result.code == kDone);
+  const auto& sweeps = result.report["sculpting"]["sweeps"];
   // A stiff spine lies flat; a pressure swells, faster and faster.
   const auto volume = [&](size_t sweep, size_t row) {
     return sweeps[sweep]["rows"][row]["volume"].get<double>();
@@ -429,20 +431,20 @@ TEST_CASE("the pentagon's two sequences go their way") {
 }
 
 TEST_CASE("one slider makes the door bolder, its other lines stay") {
-  const Ran ran =
+  const RunResult result =
       run(kExamples + "05-door/sculpt.toml", "door_bolder", "--sweep bolder=0:1:3", "sculpt");
-  REQUIRE(ran.code == kDone);
-  CHECK(ran.report["missed_promises"].empty() == kDisplay);
-  for (const auto& line : ran.report["lines"]["each"]) CHECK(line["gap"].get<double>() <= 0.1);
+  REQUIRE(result.code == kDone);
+  CHECK(result.report["missed_promises"].empty() == kDisplay);
+  for (const auto& line : result.report["lines"]["each"]) CHECK(line["gap"].get<double>() <= 0.1);
   double rib = 0, hollow = 0;
-  for (const auto& p : ran.report["parameters"]) {
+  for (const auto& p : result.report["parameters"]) {
     if (p["name"] == "rib height") rib = p["value"];
     if (p["name"] == "hollow depth") hollow = p["value"];
   }
   CHECK(rib == 12);
   CHECK(hollow == -10);
   // Linear constraints and no loads: the energy of the difference grows with the square.
-  const auto& rows = ran.report["sculpting"]["sweeps"][0]["rows"];
+  const auto& rows = result.report["sculpting"]["sweeps"][0]["rows"];
   const auto energy = [&](size_t i) { return rows[i]["bending_energy"].get<double>(); };
   const double curve = energy(2) - 2 * energy(1) + energy(0);
   CHECK(curve > 0);
@@ -453,13 +455,13 @@ TEST_CASE("one slider makes the door bolder, its other lines stay") {
 }
 
 TEST_CASE("the blown bowl comes to rest where it settles") {
-  const Ran ran = run(kExamples + "06-goblet-bowl/blown.toml", "goblet_blown",
-                      "--time 4 --dt 0.05 --frames 8", "sculpt");
-  REQUIRE(ran.code == kDone);
-  const auto& motion = ran.report["sculpting"]["motion"];
+  const RunResult result = run(kExamples + "06-goblet-bowl/blown.toml", "goblet_blown",
+                               "--time 4 --dt 0.05 --frames 8", "sculpt");
+  REQUIRE(result.code == kDone);
+  const auto& motion = result.report["sculpting"]["motion"];
   CHECK(motion["rows"].size() == 9);
-  const Ran still = run(kExamples + "06-goblet-bowl/scene.toml", "goblet_series",
-                        "--sweep swell=0:200:3", "sculpt");
+  const RunResult still = run(kExamples + "06-goblet-bowl/scene.toml", "goblet_series",
+                              "--sweep swell=0:200:3", "sculpt");
   REQUIRE(still.code == kDone);
   const auto& rows = still.report["sculpting"]["sweeps"][0]["rows"];
   const auto area = [](const nlohmann::json& row) { return row["area"].get<double>(); };
@@ -470,32 +472,33 @@ TEST_CASE("the blown bowl comes to rest where it settles") {
 }
 
 TEST_CASE("the drawn swan becomes fair, and fairer where the brushes were") {
-  const Ran ran = run(kExamples + "04-fairing/scene.toml", "swan");
-  REQUIRE(ran.code == kDone);
-  const auto& curve = ran.report["curves"][0];
+  const RunResult result = run(kExamples + "04-fairing/scene.toml", "swan");
+  REQUIRE(result.code == kDone);
+  const auto& curve = result.report["curves"][0];
   const auto &before = curve["before"], &after = curve["after"];
   CHECK(after["bending"].get<double>() < 1e-3 * before["bending"].get<double>());
   CHECK(after["inflections"].get<int>() * 10 < before["inflections"].get<int>());
   CHECK(curve["deviation"]["max"].get<double>() < 4);
   CHECK(curve["deviation"]["rms"].get<double>() < 1.2);
   // From beak to tail and back: the two corners are found.
-  const auto stretches = batten::read_cad_lines(ran.out / "swan.step", 1e-3);
+  const auto stretches = batten::read_cad_lines(result.out / "swan.step", 1e-3);
   REQUIRE(stretches.size() == 2);
   CHECK(stretches[0].name == "swan.1");
   // Of the 431 points 19 go to and fro; fairing moves them to the place of the one before.
-  CHECK(batten::read_point_lines(ran.out / "swan-fair.csv")[0].points.size() == 412);
-  if (kDisplay) CHECK(fs::file_size(ran.out / "swan.png") > 20000);
+  CHECK(batten::read_point_lines(result.out / "swan-fair.csv")[0].points.size() == 412);
+  if (kDisplay) CHECK(fs::file_size(result.out / "swan.png") > 20000);
 
   // The automatic stage alone, by the command.
-  const std::string command =
-      "'" BATTEN_CLI "' fair '" + kExamples + "04-fairing/swan.csv' --quiet --out '" +
-      (ran.out / "auto.csv").string() + "' --report '" + (ran.out / "auto.json").string() + "'";
+  const std::string command = "'" BATTEN_CLI "' fair '" + kExamples +
+                              "04-fairing/swan.csv' --quiet --out '" +
+                              (result.out / "auto.csv").string() + "' --report '" +
+                              (result.out / "auto.json").string() + "'";
   REQUIRE(std::system(command.c_str()) == 0);
-  const auto alone = nlohmann::json::parse(std::ifstream(ran.out / "auto.json"))["curves"][0];
+  const auto alone = nlohmann::json::parse(std::ifstream(result.out / "auto.json"))["curves"][0];
   CHECK(after["bending"].get<double>() < 0.98 * alone["after"]["bending"].get<double>());
   // Far from the brushes nothing has changed: the head.
-  const auto one = batten::read_point_lines(ran.out / "auto.csv")[0].points;
-  const auto two = batten::read_point_lines(ran.out / "swan-fair.csv")[0].points;
+  const auto one = batten::read_point_lines(result.out / "auto.csv")[0].points;
+  const auto two = batten::read_point_lines(result.out / "swan-fair.csv")[0].points;
   REQUIRE(one.size() == two.size());
   int head = 0;
   for (size_t i = 0; i < one.size(); ++i)
@@ -534,7 +537,7 @@ TEST_CASE("published hulls are skinned and compared with the surfaces in their f
 }
 
 TEST_CASE("a scan becomes a model that can be pushed", "[examples]") {
-  const Ran still = run(kExamples + "30-refit/scene.toml", "example_refit");
+  const RunResult still = run(kExamples + "30-refit/scene.toml", "example_refit");
   CHECK(still.code == kDone);
   const auto& target = still.report["target"];
   CHECK(target["reached"].get<bool>());
@@ -542,12 +545,13 @@ TEST_CASE("a scan becomes a model that can be pushed", "[examples]") {
   CHECK(target["to_target"]["max"].get<double>() < 0.25);  // half the tolerance
   CHECK(target["from_target"]["max"].get<double>() < 0.25);
   CHECK(still.report["step"]["faces"].get<int>() == 1);
-  const Ran pushed = run(kExamples + "30-refit/scene.toml", "example_refit_dent", "--set dent=-40");
+  const RunResult pushed =
+      run(kExamples + "30-refit/scene.toml", "example_refit_dent", "--set dent=-40");
   CHECK(pushed.report["surface"]["moved"].get<double>() == Approx(17.3).epsilon(0.02));
 }
 
 TEST_CASE("a roof finds its form and stands, and a door is leaned on", "[examples]") {
-  const Ran roof = run(kExamples + "19-roof/scene.toml", "example_roof", "", "stress");
+  const RunResult roof = run(kExamples + "19-roof/scene.toml", "example_roof", "", "stress");
   CHECK(roof.code == kDone);
   const auto& cases = roof.report["stress"]["cases"];
   REQUIRE(cases.size() == 3);
@@ -558,7 +562,7 @@ TEST_CASE("a roof finds its form and stands, and a door is leaned on", "[example
   CHECK(cases[2]["buckling_factors"][0].get<double>() > 20);
   for (const auto& c : cases) CHECK(c["balance"].get<double>() < 1e-8);
 
-  const Ran door = run(kExamples + "18-lean/scene.toml", "example_lean", "", "stress");
+  const RunResult door = run(kExamples + "18-lean/scene.toml", "example_lean", "", "stress");
   CHECK(door.code == kDone);
   const auto& lean = door.report["stress"]["cases"][0];
   CHECK(lean["max_displacement"].get<double>() == Approx(0.84).epsilon(0.01));

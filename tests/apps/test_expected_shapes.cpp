@@ -1,6 +1,6 @@
 // `batten skin curves.csv` without any option gives the surface that people expect.
 #include "batten/tests/apps/cli_case.h"
-#include "batten/tests/skin_command.h"
+#include "batten/tests/support/skin_command.h"
 
 using namespace batten_test;
 
@@ -12,7 +12,7 @@ enum class Step { Written, Omitted };
 void check_group(const std::string& group, unsigned seed, Step step) {
   for (const ExpectedShape& shape : expected_shapes(seed)) {
     if (shape.group != group) continue;
-    const Case c("expected");
+    const CliCase c("expected");
     c.file("curves.csv", shape.csv());
     const SkinnedCurves result = skin_curves(c / "curves.csv", c / "out", step == Step::Written);
     const ShapeDeviation deviation = deviation_of(result, shape);
@@ -22,7 +22,7 @@ void check_group(const std::string& group, unsigned seed, Step step) {
                     << " of the expected ones\n"
                     << result.message);
     CHECK(result.exit_code == 0);
-    CHECK(deviation.right);
+    CHECK(deviation.correct);
   }
 }
 
@@ -56,9 +56,9 @@ TEST_CASE("expected shapes: the program gives the same as its functions", "[cli]
     if (shape.name != "tube, short" && shape.name != "wedge of 16 degrees" &&
         shape.name != "wing, span 8")
       continue;
-    const Case c("expected_program");
+    const CliCase c("expected_program");
     c.file("curves.csv", shape.csv());
-    const Result program = c.run({"skin", "curves.csv", "--out", "out"});
+    const CliResult program = c.run({"skin", "curves.csv", "--out", "out"});
     const SkinnedCurves result = skin_curves(c / "curves.csv", c / "in process", true);
     INFO(shape.name << "\n" << program.out << program.err << result.message);
     CHECK(program.code == result.exit_code);
@@ -73,10 +73,10 @@ TEST_CASE("expected shapes: outlines with blunt corners are not read as curves w
   // Turns below 50 degrees at some points could be corners or a smooth curve. Until the command
   // takes such outlines as polygons, it must say how it read them.
   for (const ExpectedShape& shape : ambiguous_outlines()) {
-    const Case c("expected_ambiguous");
+    const CliCase c("expected_ambiguous");
     c.file("curves.csv", shape.csv());
     const SkinnedCurves result = skin_curves(c / "curves.csv", c / "out", false);
     INFO(shape.name);
-    CHECK((deviation_of(result, shape).right || result.says_so()));
+    CHECK((deviation_of(result, shape).correct || result.warns()));
   }
 }

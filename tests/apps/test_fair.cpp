@@ -21,7 +21,8 @@ double jitter(int i) {
 }
 
 std::string row(double x, double y, double z) {
-  return batten::number(x) + "," + batten::number(y) + "," + batten::number(z) + "\n";
+  return batten::format_number(x) + "," + batten::format_number(y) + "," +
+         batten::format_number(z) + "\n";
 }
 
 /// A wave of 200 mm with 101 points, drawn with `noise` mm.
@@ -45,7 +46,7 @@ std::string ring(double noise) {
   return text;
 }
 
-nlohmann::json json(const Case& c, const std::string& name) {
+nlohmann::json json(const CliCase& c, const std::string& name) {
   return nlohmann::json::parse(contents(c / name));
 }
 
@@ -58,10 +59,10 @@ double distance(const std::vector<Vec3>& points, const Vec3& p) {
 }  // namespace
 
 TEST_CASE("a drawn file becomes a fair one of any kind, with as many points") {
-  const Case c("fair_kinds");
+  const CliCase c("fair_kinds");
   c.file("two.csv", "x,y,z\n" + wave(0.5) + "\n" + ring(0.5));
   for (const std::string ending : {".curves", ".csv", ".obj", ".vtp", ".step", ".iges"}) {
-    const Result r = c.run({"fair", "two.csv", "--out", "fair" + ending, "--report", "r.json"});
+    const CliResult r = c.run({"fair", "two.csv", "--out", "fair" + ending, "--report", "r.json"});
     INFO(ending << "\n" << r.err);
     REQUIRE(r.code == 0);
     CHECK(r.err.empty());
@@ -97,19 +98,19 @@ TEST_CASE("a drawn file becomes a fair one of any kind, with as many points") {
 }
 
 TEST_CASE("a fair curve does as its options say") {
-  const Case c("fair_options");
+  const CliCase c("fair_options");
   c.file("w.csv", wave(0.5));
   const auto given = read_point_lines(c / "w.csv")[0].points;
   const auto run = [&](std::vector<std::string> more) {
     std::vector<std::string> words = {"fair", "w.csv", "--out", "o.csv", "--report", "r.json"};
     words.insert(words.end(), more.begin(), more.end());
-    const Result r = c.run(words);
+    const CliResult r = c.run(words);
     INFO(r.err);
     REQUIRE(r.code == 0);
     return json(c, "r.json")["curves"][0];
   };
   for (const double limit : {0.6, 1.0, 3.0}) {
-    const auto curve = run({"--deviation", batten::number(limit)});
+    const auto curve = run({"--deviation", batten::format_number(limit)});
     CHECK(curve["deviation"]["max"].get<double>() <= limit * 1.01);
     CHECK(curve["deviation"]["max"].get<double>() > 0.5 * limit);
   }
@@ -138,12 +139,12 @@ TEST_CASE("a fair curve does as its options say") {
 }
 
 TEST_CASE("a drawn line keeps within any deviation that is stated, also far below its noise") {
-  const Case c("fair_deviation");
+  const CliCase c("fair_deviation");
   const std::string swan = BATTEN_SOURCE_DIR "/examples/04-fairing/swan.csv";
   for (const double limit : {0.02, 0.5, 1.0, 2.5}) {
     CAPTURE(limit);
-    const Result r = c.run({"fair", swan, "--deviation", batten::number(limit), "--out", "o.csv",
-                            "--report", "r.json"});
+    const CliResult r = c.run({"fair", swan, "--deviation", batten::format_number(limit), "--out",
+                               "o.csv", "--report", "r.json"});
     CHECK(r.code == 0);
     const auto curve = json(c, "r.json")["curves"][0];
     CHECK(curve["deviation"]["max"].get<double>() <= limit);
@@ -152,11 +153,11 @@ TEST_CASE("a drawn line keeps within any deviation that is stated, also far belo
 }
 
 TEST_CASE("strokes without length are named and passed through, the sketch is faired") {
-  const Case c("fair_dots");
+  const CliCase c("fair_dots");
   c.file("s.curves",
          "v 4\n0 0 0\n10 1 0\n20 -1 0\n30 0 0\nv 1\n1 2 3\nv 3\n4 5 6\n4 5 6\n4 5 6\n"
          "v 5\n0 0 9\n0 0 9\n10 2 9\n20 -2 9\n30 0 9\n");
-  const Result r = c.run({"fair", "s.curves", "--out", "o.curves", "--report", "r.json"});
+  const CliResult r = c.run({"fair", "s.curves", "--out", "o.curves", "--report", "r.json"});
   CHECK(r.code == 0);
   CHECK_THAT(r.err, Contains("warning: line 's_2' has one point") &&
                         Contains("warning: line 's_3' has all its points in one place"));
@@ -166,15 +167,15 @@ TEST_CASE("strokes without length are named and passed through, the sketch is fa
   CHECK(lines[2].points == std::vector<Vec3>(3, Vec3(4, 5, 6)));
   CHECK(lines[3].points.size() == 4);  // the first two lie in one place
   CHECK_FALSE(json(c, "r.json")["curves"][1]["faired"].get<bool>());
-  const Result text = c.run({"fair", "s.curves", "--out", "o.csv"});
+  const CliResult text = c.run({"fair", "s.curves", "--out", "o.csv"});
   CHECK(text.code == 0);
   CHECK_THAT(text.err, Contains("o.csv: 's_2' is left out"));
-  const Result cad = c.run({"fair", "s.curves", "--out", "o.step"});
+  const CliResult cad = c.run({"fair", "s.curves", "--out", "o.step"});
   CHECK(cad.code == 0);
   CHECK_THAT(cad.err, Contains("'s_2' is left out") && Contains("'s_3' is left out"));
   CHECK(batten::read_cad_lines(c / "o.step", 1e-3).size() == 2);
   c.file("t.curves", "v 2\n0 0 0\n1 0 0\nv 4\n0 0 0\n9 1 0\n9 9 0\n0 9 1\n");
-  const Result loops = c.run({"fair", "t.curves", "--out", "t.obj", "--closed"});
+  const CliResult loops = c.run({"fair", "t.curves", "--out", "t.obj", "--closed"});
   CHECK(loops.code == 0);
   CHECK_THAT(loops.err, Contains("'t_1' has too few points for a closed curve"));
   CHECK(read_point_lines(c / "t.obj").size() == 2);
@@ -182,7 +183,7 @@ TEST_CASE("strokes without length are named and passed through, the sketch is fa
 }
 
 TEST_CASE("curves of CAD files are faired by their shape and keep their names") {
-  const Case c("fair_cad");
+  const CliCase c("fair_cad");
   // A wave, and three sides of a rectangle with sharp corners.
   std::string rows = "o wave\nv 0 0 0\nv 30 12 4\nv 60 0 0\nv 90 -12 -4\nv 120 0 0\n";
   for (int i = 0; i <= 30; ++i)
@@ -199,7 +200,7 @@ TEST_CASE("curves of CAD files are faired by their shape and keep their names") 
   };
   CHECK(names("a.step") == "wave frame.1 frame.2 frame.3 ");
   for (const std::string ending : {".step", ".igs"}) {
-    const Result r = c.run(
+    const CliResult r = c.run(
         {"fair", "a.step", "--out", "b" + ending, "--report", "r.json", "--deviation", "0.05"});
     INFO(r.err);
     REQUIRE(r.code == 0);
@@ -218,12 +219,12 @@ TEST_CASE("curves of CAD files are faired by their shape and keep their names") 
 }
 
 TEST_CASE("what cannot be faired is refused with its place, and nothing is written") {
-  const Case c("fair_mistakes");
+  const CliCase c("fair_mistakes");
   c.file("w.csv", wave(0.5));
   c.file("nan.csv", "0,0,0\n1,nan,0\n2,0,0\n");
   const auto fails = [&](std::vector<std::string> words, const std::string& part) {
     words.insert(words.begin(), "fair");
-    const Result r = c.run(words);
+    const CliResult r = c.run(words);
     INFO(r.err);
     CHECK(r.code == 1);
     CHECK_THAT(r.err + r.out, Contains(part));
@@ -239,7 +240,7 @@ TEST_CASE("what cannot be faired is refused with its place, and nothing is writt
   fails({"w.csv", "--out", "o.csv", "--only", "v"}, "'v'");
   fails({"w.csv"}, "--out");
   // A picture without a display is the one thing that is missed.
-  const Result r = c.run({"fair", "w.csv", "--out", "o.csv", "--picture", "p.png"});
+  const CliResult r = c.run({"fair", "w.csv", "--out", "o.csv", "--picture", "p.png"});
   CHECK(r.code == 4);
   CHECK_THAT(r.err, Contains("p.png is not drawn") && Contains("display"));
   CHECK(fs::exists(c / "o.csv"));
@@ -247,12 +248,12 @@ TEST_CASE("what cannot be faired is refused with its place, and nothing is writt
 }
 
 TEST_CASE("fairing gives the same bits on one thread and on two") {
-  const Case c("fair_threads");
+  const CliCase c("fair_threads");
   std::string text;
   for (int i = 0; i < 30; ++i) text += wave(0.5, 1000 * i, 10 * i) + "\n";
   c.file("w.csv", text);
   REQUIRE(c.run({"fair", "w.csv", "--out", "a.csv", "--threads", "1"}).code == 0);
-  const Result r = c.run({"fair", "w.csv", "--out", "b.csv", "--threads", "2"});
+  const CliResult r = c.run({"fair", "w.csv", "--out", "b.csv", "--threads", "2"});
   CHECK(r.code == 0);
   CHECK(contents(c / "a.csv") == contents(c / "b.csv"));
   CHECK_THAT(r.out, Contains("... 10 more") && Contains("30 lines"));
@@ -272,7 +273,7 @@ points = [[0,0,40],[50,2,40],[100,-2,40],[150,1,40],[200,0,40]]
 }  // namespace
 
 TEST_CASE("stages of a scene follow each other, local ones leave the rest alone") {
-  const Case c("fair_scene");
+  const CliCase c("fair_scene");
   c.file("w.csv", wave(0.5));
   const std::string fair = "[[fair]]\nname = \"all\"\nlines = \"wave\"\nwavelength = 25\n";
   const std::string out = "[output]\ncsv = \"o.csv\"\nvtp = \"o.vtp\"\nstep = \"o.stp\"\n";
@@ -281,8 +282,8 @@ TEST_CASE("stages of a scene follow each other, local ones leave the rest alone"
                        "[[fair]]\nname = \"spot\"\nwavelength = 60\n"
                        "brush = { at = [100, 22.7, 0], radius = 30 }\n" +
                        out);
-  const Result a = c.run({"run", "a.toml", "--out", "a"}),
-               b = c.run({"run", "b.toml", "--out", "b"});
+  const CliResult a = c.run({"run", "a.toml", "--out", "a"}),
+                  b = c.run({"run", "b.toml", "--out", "b"});
   INFO(a.err << b.err);
   REQUIRE(a.code == 0);
   REQUIRE(b.code == 0);
@@ -313,7 +314,7 @@ TEST_CASE("stages of a scene follow each other, local ones leave the rest alone"
 }
 
 TEST_CASE("conditions of a scene hold, contradictions are named") {
-  const Case c("fair_conditions");
+  const CliCase c("fair_conditions");
   c.file("w.csv", wave(0.5));
   const std::string fair = kScene + "[[fair]]\nlines = [\"wa*\"]\nwavelength = 30\n";
   const std::string flat =
@@ -321,7 +322,7 @@ TEST_CASE("conditions of a scene hold, contradictions are named") {
   c.file("s.toml", fair + flat +
                        "[[fair.condition]]\nname = \"post\"\ntype = \"point\"\nat = [100, 25, 0]\n"
                        "[output]\ncsv = \"o.csv\"\n");
-  const Result r = c.run({"run", "s.toml", "--out", "o"});
+  const CliResult r = c.run({"run", "s.toml", "--out", "o"});
   INFO(r.err);
   REQUIRE(r.code == 0);
   const auto curve = report(c, "o")["curves"][0];
@@ -333,7 +334,7 @@ TEST_CASE("conditions of a scene hold, contradictions are named") {
 }
 
 TEST_CASE("mistakes in fairing scenes are answered with their place") {
-  const Case c("fair_scene_mistakes");
+  const CliCase c("fair_scene_mistakes");
   c.file("w.csv", wave(0.5));
   const auto fails = [&](const std::string& more, const std::vector<std::string>& parts) {
     c.fails(kScene + more, 1, parts);
@@ -368,7 +369,7 @@ TEST_CASE("mistakes in fairing scenes are answered with their place") {
 }
 
 TEST_CASE("lines are faired before a surface is made of them") {
-  const Case c("fair_skin");
+  const CliCase c("fair_skin");
   // A trembling rectangle of four lines that meet at their ends.
   std::string lines = "unit = \"mm\"\n";
   const Vec3 corners[4] = {{0, 0, 0}, {200, 0, 0}, {200, 120, 0}, {0, 120, 0}};
@@ -389,7 +390,7 @@ TEST_CASE("lines are faired before a surface is made of them") {
       "[skin]\nmesher = \"fan\"\nedge_length = 20\n[output]\nstep = \"s.step\"\n";
   const std::string fair = "[[fair]]\nname = \"sides\"\nwavelength = 80\ncorner_angle = 180\n";
   c.file("fair.toml", lines + fair + skin);
-  const Result r = c.run({"run", "fair.toml", "--out", "fair"});
+  const CliResult r = c.run({"run", "fair.toml", "--out", "fair"});
   INFO(r.err);
   REQUIRE(r.code == 0);
   const auto done = report(c, "fair");
@@ -409,7 +410,7 @@ TEST_CASE("lines are faired before a surface is made of them") {
   c.file("sweep.toml", lines + fair + skin +
                            "[[sweep]]\nfile = \"s.png\"\nparameter = \"sides.wavelength\"\n"
                            "values = [1, 2]\n");
-  const Result sweep = c.run({"run", "sweep.toml", "--out", "sweep"});
+  const CliResult sweep = c.run({"run", "sweep.toml", "--out", "sweep"});
   CHECK(sweep.code == 1);
   CHECK_THAT(sweep.err, Contains("changes the lines"));
 }

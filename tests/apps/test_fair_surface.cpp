@@ -34,7 +34,7 @@ std::string half_cylinder(const std::string& skin) {
 }  // namespace
 
 TEST_CASE("a half cylinder comes back from its four lines", "[cli][fair]") {
-  const Case c("fair_surface");
+  const CliCase c("fair_surface");
   const double area = std::numbers::pi * 50 * 120;
   c.file("s.toml", half_cylinder("fair = \"bending\"\n"));
   REQUIRE(c.run({"run", "s.toml", "--out", "out"}).code == 0);
@@ -47,7 +47,7 @@ TEST_CASE("a half cylinder comes back from its four lines", "[cli][fair]") {
   fs::remove_all(c / "out");
 
   c.file("s.toml", half_cylinder("fair = \"variation\"\n"));
-  const Result r = c.run({"run", "s.toml", "--out", "out"});
+  const CliResult r = c.run({"run", "s.toml", "--out", "out"});
   INFO(r.err);
   REQUIRE(r.code == 0);
   CHECK(r.out.find("faired") != std::string::npos);
@@ -60,7 +60,7 @@ TEST_CASE("a half cylinder comes back from its four lines", "[cli][fair]") {
 }
 
 TEST_CASE("what a fair shape cannot have beside it is refused with its place", "[cli][fair]") {
-  const Case c("fair_refused");
+  const CliCase c("fair_refused");
   const std::string fair = "fair = \"variation\"\n";
   c.fails(half_cylinder(fair + "hold = \"corners\"\n"), 1, {"s.toml:", "hold = \"lines\""});
   c.fails(half_cylinder(fair + "element = \"z12\"\n"), 1, {"s.toml:", "element = \"hct\""});
@@ -71,7 +71,7 @@ TEST_CASE("what a fair shape cannot have beside it is refused with its place", "
 }
 
 TEST_CASE("loads bend a fair shape, and a live session comes back to it", "[cli][fair]") {
-  const Case c("fair_loaded");
+  const CliCase c("fair_loaded");
   const double area = std::numbers::pi * 50 * 120;
   const std::string acts =
       "[[load]]\nname = \"swell\"\ntype = \"pressure\"\nvalue = 0\nmin = -200\nmax = 200\n"
@@ -82,14 +82,14 @@ TEST_CASE("loads bend a fair shape, and a live session comes back to it", "[cli]
     c.file("s.toml", half_cylinder("fair = \"" + fair + "\"\n" +
                                    (fair == "loft" ? "sections = [\"front\"]\n" : "")) +
                          acts);
-    const Result run = c.run({"run", "s.toml", "--out", "run"});
+    const CliResult run = c.run({"run", "s.toml", "--out", "run"});
     INFO(run.err);
     REQUIRE(run.code == 0);
     const auto still = nlohmann::json::parse(contents(c / "run/report.json"))["surface"];
     CHECK(still["area"].get<double>() == Approx(area).epsilon(0.003));
     CHECK(still["bending_energy"].get<double>() < 1e-3);
-    const Result live = c.run({"sculpt", "s.toml", "--out", "out", "--sweep", "crown.z=50:56:3",
-                               "--sweep", "swell=100:0:2"});
+    const CliResult live = c.run({"sculpt", "s.toml", "--out", "out", "--sweep", "crown.z=50:56:3",
+                                  "--sweep", "swell=100:0:2"});
     INFO(live.err);
     REQUIRE(live.code == 4);  // the two contact sheets, for want of a display
     const auto sweeps = batten_test::report(c, "out")["sculpting"]["sweeps"];
@@ -106,10 +106,10 @@ TEST_CASE("loads bend a fair shape, and a live session comes back to it", "[cli]
 }
 
 TEST_CASE("a loft runs straight between sections, and names what is no section", "[cli][fair]") {
-  const Case c("loft");
+  const CliCase c("loft");
   const double area = std::numbers::pi * 50 * 120;
   c.file("s.toml", half_cylinder("fair = \"loft\"\nsections = [\"back\"]\n"));
-  const Result r = c.run({"run", "s.toml", "--out", "out"});
+  const CliResult r = c.run({"run", "s.toml", "--out", "out"});
   INFO(r.err);
   REQUIRE(r.code == 0);
   CHECK(r.out.find("lofted") != std::string::npos);
@@ -119,7 +119,7 @@ TEST_CASE("a loft runs straight between sections, and names what is no section",
   CHECK(surface["max_line_residual"].get<double>() < 1e-10);
 
   c.file("s.toml", half_cylinder("fair = \"loft\"\nsections = [\"bakc\"]\n"));
-  const Result wrong = c.run({"run", "s.toml", "--out", "wrong"});
+  const CliResult wrong = c.run({"run", "s.toml", "--out", "wrong"});
   CHECK(wrong.code == 1);
   CHECK(wrong.err.find("s.toml:") != std::string::npos);
   CHECK(wrong.err.find("'bakc' is no side") != std::string::npos);
@@ -133,7 +133,7 @@ TEST_CASE("a loft runs straight between sections, and names what is no section",
 
 TEST_CASE("a surface of one region that passes through itself says so", "[cli][fair]") {
   // A strip between two loops like the letter alpha, each of which rises and so misses itself.
-  const Case c("alpha_strip");
+  const CliCase c("alpha_strip");
   const auto loop = [](const std::string& name, double y, bool reversed) {
     constexpr int pieces = 40;
     std::string points;
@@ -154,16 +154,16 @@ TEST_CASE("a surface of one region that passes through itself says so", "[cli][f
   c.file("s.toml", "unit = \"mm\"\nname = \"alpha\"\n" + loop("front", 0, false) +
                        side("right", 1.5, false) + loop("back", 40, true) +
                        side("left", -1.5, true) + "[skin]\nedge_length = 8\n");
-  const Result r = c.run({"run", "s.toml", "--out", "out"});
+  const CliResult r = c.run({"run", "s.toml", "--out", "out"});
   CHECK(r.code == 4);
   CHECK(r.out.find("passes through itself") != std::string::npos);
-  const auto flaws = batten_test::report(c, "out")["flaws"];
-  REQUIRE(flaws.size() == 1);
-  CHECK(flaws[0]["kind"] == "crossing");
+  const auto defects = batten_test::report(c, "out")["flaws"];
+  REQUIRE(defects.size() == 1);
+  CHECK(defects[0]["kind"] == "crossing");
 }
 
 TEST_CASE("sections alone make a surface: their rails are found", "[cli][fair]") {
-  const Case c("only_sections");
+  const CliCase c("only_sections");
   const auto arch = [](const std::string& name, double y, double height, bool reversed) {
     constexpr int pieces = 20;
     std::string points;
@@ -181,7 +181,7 @@ TEST_CASE("sections alone make a surface: their rails are found", "[cli][fair]")
            "sections = " + order + "\n";
   };
   c.file("s.toml", scene("[\"a\", \"b\", \"c\"]"));
-  const Result r = c.run({"run", "s.toml", "--out", "out"});
+  const CliResult r = c.run({"run", "s.toml", "--out", "out"});
   INFO(r.err);
   REQUIRE(r.code == 0);
   const auto report = batten_test::report(c, "out");
@@ -193,7 +193,7 @@ TEST_CASE("sections alone make a surface: their rails are found", "[cli][fair]")
   CHECK(report["surface"]["area"].get<double>() < 17000);
   const auto error = [&](const std::string& order) {
     c.file("s.toml", scene(order));
-    const Result wrong = c.run({"run", "s.toml", "--out", "wrong"});
+    const CliResult wrong = c.run({"run", "s.toml", "--out", "wrong"});
     CHECK(wrong.code == 1);
     return wrong.err;
   };

@@ -2,7 +2,7 @@
 #include <cmath>
 
 #include "batten/tests/apps/cli_case.h"
-#include "batten/tests/catch.h"
+#include "batten/tests/support/catch.h"
 
 using namespace batten_test;
 using Catch::Matchers::Contains;
@@ -44,9 +44,9 @@ std::string block(int n, double hill, double unit = 1) {
 }  // namespace
 
 TEST_CASE("a mesh's creases and patches become a model at the mesh", "[fit]") {
-  const Case c("fit_mesh");
+  const CliCase c("fit_mesh");
   c.file("block.obj", block(24, 3));
-  const Result r = c.run({"fit", "block.obj", "--out", "out", "--tolerance", "0.03"});
+  const CliResult r = c.run({"fit", "block.obj", "--out", "out", "--tolerance", "0.03"});
   INFO(r.out << r.err);
   REQUIRE(r.code == 0);
   const auto j = report(c, "out");
@@ -59,14 +59,14 @@ TEST_CASE("a mesh's creases and patches become a model at the mesh", "[fit]") {
   CHECK(target["off_lines"].empty());
   CHECK(j["step"]["faces"].get<int>() == 6);
   // Back through STEP: the edges of its faces, fitted to its faces.
-  const Result again = c.run({"fit", "out/block.step", "--out", "again", "--tolerance", "0.03"});
+  const CliResult again = c.run({"fit", "out/block.step", "--out", "again", "--tolerance", "0.03"});
   INFO(again.out << again.err);
   CHECK(again.code == 0);
   CHECK(report(c, "again")["target"]["from_target"]["max"].get<double>() <= 0.03);
 }
 
 TEST_CASE("what acts bends the fitted shape, in any unit", "[fit]") {
-  const Case c("fit_scene");
+  const CliCase c("fit_scene");
   c.file("block.obj", block(16, 3, 1e-3));
   const std::string lines =
       "unit = \"mm\"\n[[line]]\nname = \"a\"\npoints = [[0,0,20],[40,0,20]]\n"
@@ -76,7 +76,7 @@ TEST_CASE("what acts bends the fitted shape, in any unit", "[fit]") {
   const std::string target = "[[target]]\nfile = \"block.obj\"\nunit = \"m\"\ntolerance = 0.1\n";
   const auto moved = [&](const std::string& more) {
     c.file("s.toml", lines + target + more);
-    const Result r = c.run({"run", "s.toml", "--out", "out"});
+    const CliResult r = c.run({"run", "s.toml", "--out", "out"});
     INFO(r.out << r.err);
     // The way back is long: the block has five faces more. That is said.
     CHECK(r.code == 0);
@@ -89,13 +89,13 @@ TEST_CASE("what acts bends the fitted shape, in any unit", "[fit]") {
 }
 
 TEST_CASE("a cage is fitted by its limit", "[fit]") {
-  const Case c("fit_cage");
+  const CliCase c("fit_cage");
   c.file("cage.obj",
          "v 0 0 0\nv 10 0 0\nv 20 0 0\nv 0 10 0\nv 10 10 9\nv 20 10 0\nv 0 20 0\n"
          "v 10 20 0\nv 20 20 0\nf 1 2 5 4\nf 2 3 6 5\nf 4 5 8 7\nf 5 6 9 8\n");
   c.file("rim.csv",
          "x,y,z\n0,0,0\n20,0,0\n\n20,0,0\n20,20,0\n\n20,20,0\n0,20,0\n\n0,20,0\n0,0,0\n");
-  const Result r = c.run(
+  const CliResult r = c.run(
       {"fit", "cage.obj", "--cage", "--lines", "rim.csv", "--out", "out", "--tolerance", "0.01"});
   INFO(r.out << r.err);
   CHECK(r.code == 0);
@@ -103,7 +103,7 @@ TEST_CASE("a cage is fitted by its limit", "[fit]") {
 }
 
 TEST_CASE("creases of a cage are in its limit, and a tag that is not known is named", "[fit]") {
-  const Case c("fit_creases");
+  const CliCase c("fit_creases");
   // A roof of two by two quads: its ridge is sharp for good.
   const std::string roof =
       "v 0 0 0\nv 10 0 6\nv 20 0 0\nv 0 10 0\nv 10 10 6\nv 20 10 0\nv 0 20 0\nv 10 20 6\n"
@@ -120,19 +120,19 @@ TEST_CASE("creases of a cage are in its limit, and a tag that is not known is na
     return c.run({"fit", cage, "--cage", "--lines", "lines.csv", "--out", cage + ".out",
                   "--tolerance", "0.01"});
   };
-  const Result sharp = fit("sharp.obj");
+  const CliResult sharp = fit("sharp.obj");
   INFO(sharp.out << sharp.err);
   CHECK(sharp.code == 0);  // two planes
   CHECK(fit("smooth.obj").code == 4);
   CHECK(report(c, "smooth.obj.out")["target"]["from_target"]["max"].get<double>() > 0.1);
-  const Result hole = fit("hole.obj");
+  const CliResult hole = fit("hole.obj");
   CHECK(hole.code == 1);
   CHECK(hole.err.find("hole.obj:14:") != std::string::npos);
   CHECK(hole.err.find("the tag 'hole'") != std::string::npos);
 }
 
 TEST_CASE("targets that cannot be are refused with their place", "[fit]") {
-  const Case c("fit_errors");
+  const CliCase c("fit_errors");
   const std::string lines =
       "unit = \"mm\"\n[[line]]\nname = \"a\"\npoints = [[0,0,0],[4,0,0],[4,3,0],[0,3,0],[0,0,0]]\n";
   c.file("flat.obj", "v 0 0 0\nv 4 0 0\nv 4 3 0\nf 1 2 3\n");
@@ -146,7 +146,7 @@ TEST_CASE("targets that cannot be are refused with their place", "[fit]") {
   refused("file = \"flat.obj\"\nunit = \"parsec\"\n", {"parsec"});
   refused("file = \"flat.obj\"\ncage = \"loop\"\n", {"catmull-clark"});
   refused("file = \"flat.obj\"\n[skin]\nfair = \"variation\"\n", {"target"});
-  const Result r = c.run({"fit", "empty.obj", "--out", "out"});
+  const CliResult r = c.run({"fit", "empty.obj", "--out", "out"});
   CHECK(r.code == 1);
   CHECK_FALSE(fs::exists(c / "out"));
 }

@@ -31,7 +31,7 @@ std::string nested(int levels) {
 }  // namespace
 
 TEST_CASE("meshes that memory cannot hold are refused beforehand, with what fits") {
-  const Case c("limits_memory");
+  const CliCase c("limits_memory");
   c.fails(square("edge_length = 0.3"), 1,
           {"edge_length = 0.3 on a region of size", "triangles, which need", "GB of memory, and",
            "are there; edge_length = ", " needs "},
@@ -48,9 +48,9 @@ TEST_CASE("meshes that memory cannot hold are refused beforehand, with what fits
 }
 
 TEST_CASE("all regions of a network together are asked for their memory") {
-  const Case c("limits_network");
+  const CliCase c("limits_network");
   const fs::path box = fs::path(BATTEN_SOURCE_DIR) / "tests/fuzz/seeds/networks/box.csv";
-  const Result r =
+  const CliResult r =
       c.run({"skin", box.string(), "--edge-length", "0.004", "--memory", "1", "--out", "out"});
   CHECK(r.code == 1);
   CHECK(r.err.find("edge_length = 0.004 on all regions of a network of size") != std::string::npos);
@@ -59,7 +59,7 @@ TEST_CASE("all regions of a network together are asked for their memory") {
 }
 
 TEST_CASE("pictures and whole numbers and threads have limits that are said") {
-  const Case c("limits_numbers");
+  const CliCase c("limits_numbers");
   const auto picture = [](const std::string& size) {
     return square("") + "[[picture]]\nfile = \"s.png\"\nsize = " + size + "\n";
   };
@@ -80,10 +80,10 @@ TEST_CASE("pictures and whole numbers and threads have limits that are said") {
 }
 
 TEST_CASE("a motion has a million steps at most") {
-  const Case c("limits_steps");
+  const CliCase c("limits_steps");
   c.file("s.toml",
          square("edge_length = 60") + "[[load]]\nname = \"p\"\ntype = \"pressure\"\nvalue = 1\n");
-  const Result r =
+  const CliResult r =
       c.run({"sculpt", "s.toml", "--out", "out", "--time", "1000.01", "--dt", "0.001"});
   CHECK(r.code == 1);
   CHECK(r.err.find("found 1.00001e+06 steps, expected at most a million") != std::string::npos);
@@ -91,19 +91,19 @@ TEST_CASE("a motion has a million steps at most") {
 }
 
 TEST_CASE("the tolerance of a network is at most a tenth of its size") {
-  const Case c("limits_tolerance");
+  const CliCase c("limits_tolerance");
   const fs::path box = fs::path(BATTEN_SOURCE_DIR) / "tests/fuzz/seeds/networks/box.csv";
   const auto run = [&](const char* meet) {
     return c.run({"skin", box.string(), "--gap-tolerance", meet, "--out", "out"});
   };
-  const Result r = run("0.25");  // of 2.449
+  const CliResult r = run("0.25");  // of 2.449
   CHECK(r.code == 1);
   CHECK(r.err.find("expected at most a tenth of the network's size, 2.44949") != std::string::npos);
   CHECK(run("0.24").code == 0);
 }
 
 TEST_CASE("the tolerance of lines is at least 1e-9 of the size") {
-  const Case c("limits_fine");
+  const CliCase c("limits_fine");
   c.file("in.toml", with_tolerance("1.415e-7", square("edge_length = 60")));  // of 141.42
   CHECK(c.run({"run", "in.toml", "--out", "in"}).code == 0);
   c.fails(
@@ -112,27 +112,27 @@ TEST_CASE("the tolerance of lines is at least 1e-9 of the size") {
   const fs::path box = fs::path(BATTEN_SOURCE_DIR) / "tests/fuzz/seeds/networks/box.csv";
   c.file("n.toml",
          "unit = \"m\"\ntolerance = 1e-9\n\n[[lines]]\nfile = \"" + box.string() + "\"\n");
-  const Result r = c.run({"run", "n.toml", "--out", "net"});
+  const CliResult r = c.run({"run", "n.toml", "--out", "net"});
   CHECK(r.code == 1);
   CHECK(r.err.find("tolerance = 1e-09 is too small for a size of 2.44949") != std::string::npos);
 }
 
 TEST_CASE("a line of a network has two million element edges at most") {
-  const Case c("limits_edges");
+  const CliCase c("limits_edges");
   const auto run = [&](const std::string& far) {
     c.file("t.csv",
            "x,y,z\n0,0,0\n1,0,0\n\n1,0,0\n0,1,0\n\n0,1,0\n0,0,0\n\n0,0,0\n0,0," + far + "\n");
     return c.run({"skin", "t.csv", "--unit", "m", "--edge-length", "0.1", "--gap-tolerance", "0.01",
                   "--out", "out"});
   };
-  const Result far = run("3e5");
+  const CliResult far = run("3e5");
   CHECK(far.code == 1);
   CHECK(far.err.find("elements of 0.1 on line") != std::string::npos);
   CHECK(far.err.find("of their edges; at most 2e+06 are allowed") != std::string::npos);
 }
 
 TEST_CASE("triangles under lines are halved until there are 50,000, and what is missed is said") {
-  const Case c("limits_halving");
+  const CliCase c("limits_halving");
   std::string scene = square("edge_length = 4");
   for (const int r : {12, 17, 22, 27, 32, 37, 42}) {  // rings that rise and fall
     const auto at = [r](int x, int y, int z) {
@@ -144,7 +144,7 @@ TEST_CASE("triangles under lines are halved until there are 50,000, and what is 
              at(1, 0, 0) + "]\n";
   }
   c.file("s.toml", with_tolerance("2e-7", scene));
-  const Result r = c.run({"run", "s.toml", "--out", "out"});
+  const CliResult r = c.run({"run", "s.toml", "--out", "out"});
   INFO(r.out << r.err);
   CHECK(r.code == 4);
   CHECK(r.err.find("halved no more once there are 50000: lines may be missed by more than 2e-07") !=
@@ -153,7 +153,7 @@ TEST_CASE("triangles under lines are halved until there are 50,000, and what is 
 }
 
 TEST_CASE("STEP files hold surfaces up to 20 km") {
-  const Case c("limits_step");
+  const CliCase c("limits_step");
   const auto triangle = [](double size) {
     const std::string s = std::to_string(size);
     return "x,y,z\n0,0,0\n" + s + ",0,0\n\n" + s + ",0,0\n0," + s + ",0\n\n0," + s + ",0\n0,0,0\n";
@@ -162,7 +162,7 @@ TEST_CASE("STEP files hold surfaces up to 20 km") {
     c.file("t.csv", triangle(size));
     return c.run({"skin", "t.csv", "--unit", "m", "--out", "out"});
   };
-  const Result near = run(14'142), far = run(14'143);  // √2 of it
+  const CliResult near = run(14'142), far = run(14'143);  // √2 of it
   INFO(near.err);
   CHECK(near.code == 0);
   CHECK(far.code == 4);
@@ -172,14 +172,14 @@ TEST_CASE("STEP files hold surfaces up to 20 km") {
 }
 
 TEST_CASE("scenes may be nested so deep and no deeper") {
-  const Case c("limits_nesting");
+  const CliCase c("limits_nesting");
   c.fails(nested(64) + square(""), 1, {"found key 'x'"});
   c.fails(nested(65) + square(""), 1, {"s.toml:1:69: found lists", "64 levels at most"});
   c.fails(nested(1000000) + square(""), 1, {"64 levels at most"});
 }
 
 TEST_CASE("pipes, devices and links in a circle are no files") {
-  const Case c("limits_files");
+  const CliCase c("limits_files");
   REQUIRE(mkfifo((c / "pipe.csv").c_str(), 0600) == 0);
   fs::create_symlink("b.csv", c / "a.csv");
   fs::create_symlink("a.csv", c / "b.csv");
@@ -196,7 +196,7 @@ TEST_CASE("pipes, devices and links in a circle are no files") {
       const std::string file = name + ending;
       if (!fs::exists(fs::symlink_status(c / file))) fs::rename(c / (name + ".csv"), c / file);
       CAPTURE(file);
-      const Result r = c.run({"info", file});
+      const CliResult r = c.run({"info", file});
       CHECK(r.code == 1);
       CHECK(r.err.find(expected) != std::string::npos);
       fs::rename(c / file, c / (name + ".csv"));
@@ -205,7 +205,7 @@ TEST_CASE("pipes, devices and links in a circle are no files") {
 }
 
 TEST_CASE("a line of a drawing may have so many characters") {
-  const Case c("limits_dxf");
+  const CliCase c("limits_dxf");
   const auto drawing = [](size_t length) {
     return "999\n" + std::string(length, 'x') +
            "\n0\nSECTION\n2\nENTITIES\n0\nLINE\n8\n0\n10\n0\n20\n0\n30\n0\n11\n50\n21\n0\n31\n0\n"
@@ -214,14 +214,14 @@ TEST_CASE("a line of a drawing may have so many characters") {
   c.file("a.dxf", drawing(1022));
   CHECK(c.run({"info", "a.dxf"}).code == 0);
   c.file("a.dxf", drawing(1023));
-  const Result r = c.run({"info", "a.dxf"});
+  const CliResult r = c.run({"info", "a.dxf"});
   CHECK(r.code == 1);
   CHECK(r.err.find("a.dxf:2: found a line of 1023 characters, expected less than 1023") !=
         std::string::npos);
 }
 
 TEST_CASE("a face of a mesh may have so many corners") {
-  const Case c("limits_face");
+  const CliCase c("limits_face");
   const auto face = [](int corners) {
     std::string text, all = "f";
     for (int i = 0; i < corners; ++i) {
@@ -233,11 +233,11 @@ TEST_CASE("a face of a mesh may have so many corners") {
     return text + all + "\n";
   };
   c.file("a.obj", face(10'000));
-  const Result r = c.run({"info", "a.obj"});
+  const CliResult r = c.run({"info", "a.obj"});
   INFO(r.err);
   CHECK(r.code == 0);
   c.file("a.obj", face(10'001));
-  const Result more = c.run({"info", "a.obj"});
+  const CliResult more = c.run({"info", "a.obj"});
   CHECK(more.code == 1);
   CHECK(more.err.find("found a face of 10001 corners, expected at most 10000") !=
         std::string::npos);

@@ -10,17 +10,17 @@
 
 using namespace batten;
 using namespace batten_test;
-using Verb = DocumentCommand::Verb;
+using CommandKind = DocumentCommand::CommandKind;
 
 namespace {
 
 const fs::path kPanel = BATTEN_SOURCE_DIR "/examples/11-panel";
 
 DocumentCommand slid(const std::string& name, double value) {
-  return {.verb = Verb::Slide, .key = name, .value = value};
+  return {.kind = CommandKind::SetSlider, .key = name, .value = value};
 }
 DocumentCommand added(const std::string& kind, const std::string& table) {
-  return {.verb = Verb::Add, .table = {kind, ""}, .text = table};
+  return {.kind = CommandKind::Add, .table = {kind, ""}, .text = table};
 }
 void act(Document& document, const std::vector<DocumentCommand>& commands) {
   for (const DocumentCommand& command : commands) document.apply(command);
@@ -29,44 +29,46 @@ void act(Document& document, const std::vector<DocumentCommand>& commands) {
 /// The panel with its holes kept, its left end fixed and its right end a handle.
 Document panel() {
   Document document;
-  document.apply({.verb = Verb::Open, .file = kPanel / "panel.bdf"});
-  act(document,
-      {added("select", R"({ name = "left", box = [[-1, -1, -100], [1, 401, 100]] })"),
-       added("select", R"({ name = "right", box = [[599, -1, -100], [601, 401, 100]] })"),
-       added("features", R"({ of = ["hole-*"] })"),
-       {.verb = Verb::Set, .table = {"edit", "edit 1"}, .key = "fixed", .text = "[\"left\"]"},
-       added("edit.handle", R"({ name = "right" })")});
+  document.apply({.kind = CommandKind::Open, .file = kPanel / "panel.bdf"});
+  act(document, {added("select", R"({ name = "left", box = [[-1, -1, -100], [1, 401, 100]] })"),
+                 added("select", R"({ name = "right", box = [[599, -1, -100], [601, 401, 100]] })"),
+                 added("features", R"({ of = ["hole-*"] })"),
+                 {.kind = CommandKind::Set,
+                  .table = {"edit", "edit 1"},
+                  .key = "fixed",
+                  .text = "[\"left\"]"},
+                 added("edit.handle", R"({ name = "right" })")});
   return document;
 }
 
 /// What `batten deform` makes of a document's text.
-std::string deformed(const Document& document, const Case& folder) {
+std::string deformed(const Document& document, const CliCase& folder) {
   const DeformScene scene = parse_deform_scene(document.text().text(), folder / "s.toml");
   run_deform(scene, folder / "out");
   return contents(folder / "out" / scene.mesh_out);
 }
 
-std::string exported(Document& document, const Case& folder) {
-  document.apply({.verb = Verb::Export, .file = folder / "shape.bdf"});
+std::string exported(Document& document, const CliCase& folder) {
+  document.apply({.kind = CommandKind::Export, .file = folder / "shape.bdf"});
   return contents(folder / "shape.bdf");
 }
 
 }  // namespace
 
 TEST_CASE("a mesh that is edited live is what batten deform makes of its scene", "[document]") {
-  const Case folder("mesh_live");
+  const CliCase folder("mesh_live");
   Document document = panel();
   REQUIRE(document.mesh());
   const Points rest = document.mesh()->shape();
   CHECK((rest - document.mesh()->source().prepared.mesh.points()).isZero(0));
   for (const double lift : {5.0, 20.0, 40.0}) {
-    act(document, {slid("edit 1.right.z", lift), {.verb = Verb::Answer}});
+    act(document, {slid("edit 1.right.z", lift), {.kind = CommandKind::SolvePreview}});
     CHECK(document.mesh()->shape().col(2).maxCoeff() > rest.col(2).maxCoeff());
   }
   act(document, {slid("edit 1.right.turn.y", -30),
                  slid("edit 1.right.turn.x", 4),
-                 {.verb = Verb::Answer},
-                 {.verb = Verb::Settle}});
+                 {.kind = CommandKind::SolvePreview},
+                 {.kind = CommandKind::SolveToEquilibrium}});
   const std::string text = document.text().text();
   CHECK(text.find("translate = [0, 0, 40]") != std::string::npos);
   CHECK(text.find("degrees = 30.26") != std::string::npos);
@@ -75,45 +77,46 @@ TEST_CASE("a mesh that is edited live is what batten deform makes of its scene",
   CHECK(deck != contents(kPanel / "panel.bdf"));
 
   const Points shape = document.mesh()->shape();
-  document.apply({.verb = Verb::Undo});
+  document.apply({.kind = CommandKind::Undo});
   CHECK((document.mesh()->shape() - rest).isZero(0));
-  document.apply({.verb = Verb::Redo});
+  document.apply({.kind = CommandKind::Redo});
   CHECK((document.mesh()->shape() - shape).isZero(0));
-  document.apply({.verb = Verb::Save, .file = folder / "panel.toml"});
+  document.apply({.kind = CommandKind::Save, .file = folder / "panel.toml"});
   Document again;
-  again.apply({.verb = Verb::Open, .file = folder / "panel.toml"});
+  again.apply({.kind = CommandKind::Open, .file = folder / "panel.toml"});
   CHECK(again.content().problem().empty());
   CHECK((again.mesh()->shape() - shape).isZero(0));
 }
 
 TEST_CASE("a scene that is saved beside its mesh names it as a person does", "[document]") {
-  const Case folder("mesh_beside");
+  const CliCase folder("mesh_beside");
   std::filesystem::copy_file(kPanel / "panel.bdf", folder / "panel.bdf");
   std::filesystem::create_directories(folder / "else");
   Document document;
-  document.apply({.verb = Verb::Open, .file = folder / "panel.bdf"});
-  document.apply({.verb = Verb::Export, .file = folder / "first.bdf"});
-  CHECK_THROWS_AS(document.apply({.verb = Verb::Export, .file = folder / "panel.bdf"}), InputError);
-  document.apply({.verb = Verb::Save, .file = folder / "else/far.toml"});
+  document.apply({.kind = CommandKind::Open, .file = folder / "panel.bdf"});
+  document.apply({.kind = CommandKind::Export, .file = folder / "first.bdf"});
+  CHECK_THROWS_AS(document.apply({.kind = CommandKind::Export, .file = folder / "panel.bdf"}),
+                  InputError);
+  document.apply({.kind = CommandKind::Save, .file = folder / "else/far.toml"});
   CHECK(document.text().value({}, "mesh") == SceneText::word((folder / "panel.bdf").string()));
-  document.apply({.verb = Verb::Open, .file = folder / "panel.bdf"});
-  document.apply({.verb = Verb::Save, .file = folder / "panel.toml"});
+  document.apply({.kind = CommandKind::Open, .file = folder / "panel.bdf"});
+  document.apply({.kind = CommandKind::Save, .file = folder / "panel.toml"});
   CHECK(document.text().value({}, "mesh") == "\"panel.bdf\"");
   Document again;
-  again.apply({.verb = Verb::Open, .file = folder / "panel.toml"});
+  again.apply({.kind = CommandKind::Open, .file = folder / "panel.toml"});
   CHECK(again.mesh());
   // Its mesh is not written over: the scene would move it twice.
   const std::string deck = contents(folder / "panel.bdf");
   std::filesystem::create_symlink("panel.bdf", folder / "linked.bdf");
   for (const char* file : {"panel.bdf", "else/../panel.bdf", "linked.bdf"})
-    CHECK_THROWS_AS(again.apply({.verb = Verb::Export, .file = folder / file}), InputError);
+    CHECK_THROWS_AS(again.apply({.kind = CommandKind::Export, .file = folder / file}), InputError);
   CHECK(contents(folder / "panel.bdf") == deck);
-  again.apply({.verb = Verb::Export, .file = folder / "other.bdf"});
+  again.apply({.kind = CommandKind::Export, .file = folder / "other.bdf"});
 }
 
 TEST_CASE("numbers of a handle have the units that they are moved in", "[document]") {
   Document document = panel();
-  act(document, {{.verb = Verb::Set,
+  act(document, {{.kind = CommandKind::Set,
                   .table = {"edit.handle", "edit 1.right"},
                   .key = "rotate",
                   .text = "{ axis = [0, 1, 0], degrees = 5 }"}});
@@ -126,23 +129,23 @@ TEST_CASE("numbers of a handle have the units that they are moved in", "[documen
 }
 
 TEST_CASE("numbers of an edit change the edits behind it", "[document]") {
-  const Case folder("mesh_edits");
+  const CliCase folder("mesh_edits");
   Document document = panel();
   act(document, {slid("edit 1.right.z", 25),
-                 {.verb = Verb::Settle},
+                 {.kind = CommandKind::SolveToEquilibrium},
                  added("edit", R"({ name = "edit 2", fixed = ["left"] })"),
                  added("edit.handle", R"({ name = "hole-3" })"),
                  slid("edit 2.hole-3.z", 4),
-                 {.verb = Verb::Settle}});
+                 {.kind = CommandKind::SolveToEquilibrium}});
   CHECK_FALSE(document.content().moves("edit 1.right.z"));
   CHECK(document.content().moves("edit 2.hole-3.z"));
   CHECK(exported(document, folder) == deformed(document, folder));
   const Points before = document.mesh()->shape();
   for (const double lift : {27.0, 28.0, 30.0}) document.apply(slid("edit 1.right.z", lift));
-  document.apply({.verb = Verb::Settle});  // one step to undo
+  document.apply({.kind = CommandKind::SolveToEquilibrium});  // one step to undo
   CHECK((document.mesh()->shape() - before).col(2).maxCoeff() > 4);
   CHECK(exported(document, folder) == deformed(document, folder));
-  document.apply({.verb = Verb::Undo});
+  document.apply({.kind = CommandKind::Undo});
   CHECK((document.mesh()->shape() - before).isZero(0));
 
   // A number that the first edit cannot have leaves the second one as it was.
@@ -151,7 +154,7 @@ TEST_CASE("numbers of an edit change the edits behind it", "[document]") {
              added("edit", R"({ name = "edit 2", fixed = ["left"] })"),
              added("edit.handle", R"({ name = "hole-3" })"),
              slid("edit 2.hole-3.z", 4),
-             {.verb = Verb::Settle}});
+             {.kind = CommandKind::SolveToEquilibrium}});
   const Points shape = both.mesh()->shape();
   CHECK_THROWS_AS(both.apply(slid("edit 1.left.z", 1)), ConflictError);
   CHECK((both.mesh()->shape() - shape).isZero(0));
@@ -160,7 +163,7 @@ TEST_CASE("numbers of an edit change the edits behind it", "[document]") {
 
 TEST_CASE("what a mesh cannot do is refused and leaves all as it was", "[document]") {
   Document document = panel();
-  act(document, {slid("edit 1.right.z", 10), {.verb = Verb::Settle}});
+  act(document, {slid("edit 1.right.z", 10), {.kind = CommandKind::SolveToEquilibrium}});
   const std::string text = document.text().text();
   const Points shape = document.mesh()->shape();
   CHECK_THROWS_AS(document.apply(added("feature", R"({ name = "no such thing" })")), InputError);
@@ -169,17 +172,18 @@ TEST_CASE("what a mesh cannot do is refused and leaves all as it was", "[documen
   // A handle on fixed nodes contradicts them as soon as it moves.
   document.apply(added("edit.handle", R"({ name = "left" })"));
   document.apply(slid("edit 1.left.z", 1));
-  CHECK_THROWS_AS(document.apply({.verb = Verb::Settle}), ConflictError);
-  document.apply({.verb = Verb::Undo});
+  CHECK_THROWS_AS(document.apply({.kind = CommandKind::SolveToEquilibrium}), ConflictError);
+  document.apply({.kind = CommandKind::Undo});
   CHECK(document.text().text() == text);
   CHECK((document.mesh()->shape() - shape).isZero(0));
-  CHECK_THROWS_AS(document.apply({.verb = Verb::Open, .file = kPanel / "README.md"}), InputError);
+  CHECK_THROWS_AS(document.apply({.kind = CommandKind::Open, .file = kPanel / "README.md"}),
+                  InputError);
   CHECK(document.mesh());
 }
 
 TEST_CASE("parts of a mesh are made features, handles, fixed, and let go again", "[document]") {
   Document document;
-  document.apply({.verb = Verb::Open, .file = kPanel / "panel.bdf"});
+  document.apply({.kind = CommandKind::Open, .file = kPanel / "panel.bdf"});
   const std::string opened = document.text().text();
   document.apply(added("features", R"({ of = ["hole-*"] })"));
   const auto mesh = [&] { return *view_of(document).mesh; };
@@ -190,7 +194,7 @@ TEST_CASE("parts of a mesh are made features, handles, fixed, and let go again",
   CHECK(use_of(document.text(), "hole-2") == PartUse::Rigid);
   use("hole-2", PartUse::Free);
   CHECK(use_of(document.text(), "hole-3") == PartUse::Rigid);
-  use("hole-2", PartUse::KeepsDirection);
+  use("hole-2", PartUse::TranslationOnly);
   use("hole-1", PartUse::Fixed);
   use("hole-2", PartUse::Handle);
   const auto roles = mesh().roles;
@@ -209,19 +213,20 @@ TEST_CASE("parts of a mesh are made features, handles, fixed, and let go again",
 }
 
 TEST_CASE("a scene whose edit cannot be done shows its mesh and says why", "[document]") {
-  const Case folder("mesh_problem");
+  const CliCase folder("mesh_problem");
   folder.file("s.toml", "unit = \"mm\"\nmesh = \"" + (kPanel / "panel.bdf").string() +
                             "\"\n[[edit]]\nname = \"e\"\nfixed = \"nowhere\"\n");
   Document document;
-  document.apply({.verb = Verb::Open, .file = folder / "s.toml"});
+  document.apply({.kind = CommandKind::Open, .file = folder / "s.toml"});
   CHECK(document.content().problem().find("nowhere") != std::string::npos);
   CHECK(view_of(document).surface);
-  document.apply({.verb = Verb::Set, .table = {"edit", "e"}, .key = "fixed", .text = "\"hole-1\""});
+  document.apply(
+      {.kind = CommandKind::Set, .table = {"edit", "e"}, .key = "fixed", .text = "\"hole-1\""});
   CHECK(document.content().problem().empty());
 }
 
 TEST_CASE("a script of a mesh gives the bits of the document that it came from", "[document]") {
-  const Case folder("mesh_script");
+  const CliCase folder("mesh_script");
   std::ofstream(folder / "s.batten") << "open " << (kPanel / "panel.bdf").string() << "\n"
                                      << R"(add features { of = ["hole-*"] }
 add select { name = "left", box = [[-1, -1, -100], [1, 401, 100]] }
@@ -238,8 +243,8 @@ export shape.bdf
   Document document = panel();
   act(document, {slid("edit 1.right.z", 12),
                  slid("edit 1.right.turn.y", -10),
-                 {.verb = Verb::Answer},
-                 {.verb = Verb::Settle}});
+                 {.kind = CommandKind::SolvePreview},
+                 {.kind = CommandKind::SolveToEquilibrium}});
   const std::string from_script = contents(folder / "shape.bdf");
   CHECK(from_script == exported(document, folder));
 }

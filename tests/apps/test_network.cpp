@@ -40,10 +40,10 @@ const std::string kCoarse = "[skin]\nedge_length = 8\n";
 }  // namespace
 
 TEST_CASE("run makes all surfaces of a network, as one solid", "[cli][network]") {
-  const Case c("network");
+  const CliCase c("network");
   c.file("s.toml", kNetworkHead + box() + kCoarse +
                        "[output]\nstep = \"box.step\"\nvtp = \"box.vtp\"\nvtu = \"box.vtu\"\n");
-  const Result r = c.run({"run", "s.toml", "--out", "out"});
+  const CliResult r = c.run({"run", "s.toml", "--out", "out"});
   INFO(r.out << r.err);
   REQUIRE(r.code == 0);
   CHECK(r.out.find("6 found, 6 skinned") != std::string::npos);
@@ -82,10 +82,10 @@ TEST_CASE("run makes all surfaces of a network, as one solid", "[cli][network]")
 }
 
 TEST_CASE("the user's words about regions and joins are followed", "[cli][network]") {
-  const Case c("network_words");
+  const CliCase c("network_words");
   // z = 0 is e1, e2, and the two lines from their far ends.
   c.file("s.toml", kNetworkHead + box() + kCoarse);
-  const Result info = c.run({"info", "s.toml"});
+  const CliResult info = c.run({"info", "s.toml"});
   INFO(info.out << info.err);
   REQUIRE(info.code == 0);
   CHECK(info.out.find("12 pieces between 8 places") != std::string::npos);
@@ -94,7 +94,7 @@ TEST_CASE("the user's words about regions and joins are followed", "[cli][networ
   c.file("open.toml", kNetworkHead + box() + kCoarse +
                           "[[region]]\nloops = [[\"e1\", \"e2\", \"e4\", \"e6\"]]\nsurface = "
                           "false\n");
-  const Result r = c.run({"run", "open.toml", "--out", "out"});
+  const CliResult r = c.run({"run", "open.toml", "--out", "out"});
   INFO(r.out << r.err);
   REQUIRE(r.code == 0);
   const auto j = report(c, "out");
@@ -104,7 +104,7 @@ TEST_CASE("the user's words about regions and joins are followed", "[cli][networ
 }
 
 TEST_CASE("a region has its own domain and its own edges", "[cli][network]") {
-  const Case c("network_region_skin");
+  const CliCase c("network_region_skin");
   // A square of 20, and another on one of its sides that rises by 5.
   const std::string line = "[[line]]\nname = ";
   const std::string strip = line +
@@ -118,7 +118,7 @@ TEST_CASE("a region has its own domain and its own edges", "[cli][network]") {
   c.file("plane.toml", kNetworkHead + strip + words("domain = \"plane\"\n") + kCoarse);
   c.file("ring.toml", kNetworkHead + strip + words("domain = \"ring\"\n") + kCoarse);
   const auto of = [&](const std::string& name) {
-    const Result r = c.run({"run", name + ".toml", "--out", name});
+    const CliResult r = c.run({"run", name + ".toml", "--out", name});
     INFO(r.out << r.err);
     REQUIRE(r.code == 0);
     std::map<std::string, nlohmann::json> regions;
@@ -138,18 +138,18 @@ TEST_CASE("a region has its own domain and its own edges", "[cli][network]") {
   CHECK(plane["fine"]["domain"] == "plane");
   CHECK(plane["other"]["domain"] == "polygon");
   CHECK(plane["fine"]["area"].get<double>() == Approx(400.0).epsilon(0.01));
-  const Result ring = c.run({"run", "ring.toml", "--out", "ring"});
+  const CliResult ring = c.run({"run", "ring.toml", "--out", "ring"});
   CHECK(ring.code == 1);
   CHECK(ring.err.find("expected ring = true alone") != std::string::npos);
 }
 
 TEST_CASE("what cannot be kept is named, with exit code 4", "[cli][network]") {
-  const Case c("network_missed");
+  const CliCase c("network_missed");
   // Two planes at a right angle that should be smooth: corners of a box have no tangent plane along
   // them, which the ends say; what was asked for is not reached all along.
   c.file("s.toml",
          kNetworkHead + box() + kCoarse + "[[join]]\nlines = [\"e1\"]\nkind = \"smooth\"\n");
-  const Result r = c.run({"run", "s.toml", "--out", "out"});
+  const CliResult r = c.run({"run", "s.toml", "--out", "out"});
   INFO(r.out << r.err);
   const auto j = report(c, "out");
   bool said = false;
@@ -167,7 +167,7 @@ TEST_CASE("resistance along a line acts in all regions that have it", "[cli][net
   // Two shells in a row; bending along the line between them is dearer. `top`: x of its top; the
   // others have it at 50.
   const auto areas = [](const std::string& value, const std::string& top) {
-    const Case c("along");
+    const CliCase c("along");
     std::string scene = "unit = \"mm\"\n\n";
     for (int i = 0; i < 3; ++i) {
       const std::string y = std::to_string(100 * i);
@@ -181,7 +181,7 @@ TEST_CASE("resistance along a line acts in all regions that have it", "[cli][net
                          "[skin]\nedge_length = 20\n[[weight]]\nname = \"w\"\nkind = "
                          "\"beta\"\nalong = \"arch 1\"\nvalue = " +
                          value + "\n");
-    const Result r = c.run({"run", "s.toml", "--out", "out"});
+    const CliResult r = c.run({"run", "s.toml", "--out", "out"});
     INFO(r.err);
     REQUIRE(r.code == 0);
     const auto report = nlohmann::json::parse(contents(c / "out/report.json"));
@@ -197,7 +197,7 @@ TEST_CASE("resistance along a line acts in all regions that have it", "[cli][net
 }
 
 TEST_CASE("half a model is enough where it is symmetric", "[cli][network]") {
-  const Case c("symmetry");
+  const CliCase c("symmetry");
   // A house with its ridge in the plane y = 0: half of the walls, one slope of the roof.
   const std::string head = "unit = \"mm\"\n[skin]\nsymmetry = \"y\"\n[output]\nstep = \"h.step\"\n";
   const auto line = [](const std::string& name, const std::string& points) {
@@ -214,7 +214,7 @@ TEST_CASE("half a model is enough where it is symmetric", "[cli][network]") {
                        "[[region]]\nname = \"roof\"\nloops = [[\"ridge\", \"slope 0\", "
                        "\"eaves\", \"slope 100\"]]\n"
                        "[[join]]\nlines = [\"eaves\"]\nkind = \"crease\"\n");
-  const Result r = c.run({"run", "h.toml", "--out", "out"});
+  const CliResult r = c.run({"run", "h.toml", "--out", "out"});
   INFO(r.err);
   REQUIRE(r.code == 0);
   const auto report = nlohmann::json::parse(contents(c / "out/report.json"));
@@ -229,7 +229,7 @@ TEST_CASE("half a model is enough where it is symmetric", "[cli][network]") {
   for (const auto& join : report["joins"]) asked += join["asked"].get<bool>();
   CHECK(roofs == 2);
   CHECK(asked == 2);
-  const Case wrong("symmetry_wrong");
+  const CliCase wrong("symmetry_wrong");
   wrong.fails(head + line("a", "[0,-20,0],[0,30,0]"), 1,
               {"s.toml:2:1:", "'a' crosses the plane of symmetry", "(0, -20, 0)"});
   wrong.fails("unit = \"mm\"\n[skin]\nsymmetry = \"w\"\n" + lines, 1,
@@ -237,7 +237,7 @@ TEST_CASE("half a model is enough where it is symmetric", "[cli][network]") {
 }
 
 TEST_CASE("mistakes in a network's words are answered with their place", "[cli][network]") {
-  const Case c("network_mistakes");
+  const CliCase c("network_mistakes");
   c.fails(kNetworkHead + box() + "[[join]]\nlines = [\"e13\"]\nkind = \"smooth\"\n", 1,
           {"s.toml:40:10:", "e13", "e3", "meant"});
   c.fails(kNetworkHead + box() + "[[region]]\nloops = [[\"e1\", \"e2\", \"nothing\"]]\n", 1,
@@ -256,12 +256,12 @@ TEST_CASE("mistakes in a network's words are answered with their place", "[cli][
 
 TEST_CASE("sculpt works on a network as on one region: sweep, motion, record and replay",
           "[cli][network]") {
-  const Case c("network_sculpt");
+  const CliCase c("network_sculpt");
   c.file("s.toml", kNetworkHead + box() + kCoarse +
                        "[[load]]\nname = \"p\"\ntype = \"pressure\"\nvalue = 0\n"
                        "[output]\nvtp = \"box.vtp\"\n");
-  const Result first = c.run({"sculpt", "s.toml", "--out", "out", "--sweep", "p=0:4:3", "--time",
-                              "0.1", "--dt", "0.05", "--set", "p=2", "--record", "log.jsonl"});
+  const CliResult first = c.run({"sculpt", "s.toml", "--out", "out", "--sweep", "p=0:4:3", "--time",
+                                 "0.1", "--dt", "0.05", "--set", "p=2", "--record", "log.jsonl"});
   INFO(first.out << first.err);
   REQUIRE((first.code == 0 || first.code == 4));  // 4: without a display no pictures
   const auto j = report(c, "out");
@@ -271,14 +271,14 @@ TEST_CASE("sculpt works on a network as on one region: sweep, motion, record and
   CHECK(j["sculpting"]["motion"]["rows"].size() == 3);
   CHECK(j["sculpting"]["residual"].get<double>() <= 1e-10);
   CHECK(j["surface"]["regions"] == 6);
-  const Result again = c.run({"sculpt", "s.toml", "--out", "again", "--replay", "log.jsonl"});
+  const CliResult again = c.run({"sculpt", "s.toml", "--out", "again", "--replay", "log.jsonl"});
   INFO(again.out << again.err);
   REQUIRE((again.code == 0 || again.code == 4));
   CHECK(report(c, "again")["sculpting"]["bending_energy"] == j["sculpting"]["bending_energy"]);
 }
 
 TEST_CASE("the rims of a ring are not told to lie apart, other lines are", "[cli][network]") {
-  const Case c("network_apart");
+  const CliCase c("network_apart");
   const std::string line = "[[line]]\nname = ";
   c.file("s.toml", kNetworkHead + kCoarse + line +
                        "\"low\"\ncircle = { centre = [0,0,0], radius = 10 }\n" + line +
@@ -286,7 +286,7 @@ TEST_CASE("the rims of a ring are not told to lie apart, other lines are", "[cli
                        "\"far\"\npoints = [[40,0,0],[40,10,0]]\n" +
                        "[[region]]\nname = \"wall\"\nloops = [[\"low\"], [\"high\"]]\n"
                        "ring = true\n");
-  const Result r = c.run({"run", "s.toml", "--out", "out"});
+  const CliResult r = c.run({"run", "s.toml", "--out", "out"});
   INFO(r.out << r.err);
   std::vector<std::string> apart;
   const auto j = report(c, "out");
@@ -297,7 +297,7 @@ TEST_CASE("the rims of a ring are not told to lie apart, other lines are", "[cli
 
 TEST_CASE("lines of a network that tremble are faired unless they are to be kept",
           "[cli][network]") {
-  const Case c("network_trembling");
+  const CliCase c("network_trembling");
   // A square of 40 whose first side bulges by 8: 41 points, off by up to 0.15 to and fro.
   std::string side;
   for (int i = 0; i <= 40; ++i) {
@@ -310,7 +310,7 @@ TEST_CASE("lines of a network that tremble are faired unless they are to be kept
                             "\"rest\"\npoints = [[40,0,0],[40,40,0],[0,40,0],[0,0,0]]\n";
   c.file("fair.toml", kNetworkHead + lines + kCoarse);
   c.file("keep.toml", kNetworkHead + lines + kCoarse + "trembling = \"keep\"\n");
-  const Result fair = c.run({"run", "fair.toml", "--out", "fair"});
+  const CliResult fair = c.run({"run", "fair.toml", "--out", "fair"});
   INFO(fair.out << fair.err);
   REQUIRE(fair.code == 0);
   CHECK(fair.out.find("side trembles and was faired") != std::string::npos);
@@ -320,17 +320,17 @@ TEST_CASE("lines of a network that tremble are faired unless they are to be kept
   CHECK(curves[0]["before"]["extrema"].get<int>() >= 10);
   CHECK(curves[0]["after"]["extrema"].get<int>() <= 3);
   CHECK(curves[0]["deviation"]["max"].get<double>() < 0.3);
-  const Result keep = c.run({"run", "keep.toml", "--out", "keep"});
+  const CliResult keep = c.run({"run", "keep.toml", "--out", "keep"});
   CHECK(keep.out.find("faired") == std::string::npos);
   CHECK(!report(c, "keep").contains("curves"));
 }
 
 TEST_CASE("skin --network takes curves from files, in any order", "[cli][network]") {
-  const Case c("network_files");
+  const CliCase c("network_files");
   const std::string square =
       "0,0,0\n10,0,0\n\n10,10,0\n0,10,0\n\n0,0,0\n0,10,0\n\n10,10,0\n10,0,0\n";
   c.file("square.csv", square);
-  const Result r = c.run({"skin", "square.csv", "--unit", "m", "--out", "out"});
+  const CliResult r = c.run({"skin", "square.csv", "--unit", "m", "--out", "out"});
   INFO(r.out << r.err);
   REQUIRE(r.code == 0);
   const auto j = report(c, "out");
@@ -338,12 +338,12 @@ TEST_CASE("skin --network takes curves from files, in any order", "[cli][network
   CHECK(j["regions"].size() == 1);
   CHECK(j["surface"]["area"].get<double>() == Approx(100.0));
   CHECK(fs::exists(c / "out/square.step"));
-  const Result twice = c.run({"skin", "square.csv", "--inner", "x.csv", "--out", "o"});
+  const CliResult twice = c.run({"skin", "square.csv", "--inner", "x.csv", "--out", "o"});
   CHECK(twice.code == 1);
 }
 
 TEST_CASE("lines leave as whole curves although others cut them", "[cli][network]") {
-  const Case c("network_lines");
+  const CliCase c("network_lines");
   // A wave across a square, cut by a straight line in its middle, and a line with a corner.
   std::string wave = "[[line]]\nname = \"wave\"\npoints = [";
   for (int i = 0; i <= 40; ++i)
@@ -355,7 +355,7 @@ TEST_CASE("lines leave as whole curves although others cut them", "[cli][network
              wave + "]\n[[line]]\nname = \"spar\"\npoints = [[20,0,0],[20,20,4],[20,40,0]]\n" +
              "corners = \"none\"\n" + kCoarse +
              "[output]\nstep = \"s.step\"\nstep_lines = true\nstep_schema = \"ap242\"\n");
-  const Result r = c.run({"run", "s.toml", "--out", "first"});
+  const CliResult r = c.run({"run", "s.toml", "--out", "first"});
   INFO(r.out << r.err);
   REQUIRE(r.code == 0);
   CHECK(report(c, "first")["step"]["faces"] == 4);
@@ -370,7 +370,7 @@ TEST_CASE("lines leave as whole curves although others cut them", "[cli][network
   for (const char* name : {"# wave\n", "# wave.1\n", "# spar\n", "# rim.1-2\n", "# rim.7-8\n"})
     CHECK(names.find(name) != std::string::npos);
   // The faces of such a file are skinned and fitted again as those of others.
-  const Result again =
+  const CliResult again =
       c.run({"fit", "first/s.step", "--out", "again", "--tolerance", "0.02", "--step-lines"});
   INFO(again.out << again.err);
   CHECK(again.code == 0);
@@ -405,9 +405,9 @@ std::string sphere_outline(int sides) {
 
 TEST_CASE("a region with five sides varies least unasked, and the summary says so",
           "[cli][network]") {
-  const Case c("five_sides");
+  const CliCase c("five_sides");
   c.file("curves.csv", sphere_outline(5));
-  const Result r = c.run({"skin", "curves.csv", "--out", "out"});
+  const CliResult r = c.run({"skin", "curves.csv", "--out", "out"});
   INFO(r.out << r.err);
   REQUIRE(r.code == 0);
   CHECK(r.out.find("1 sphere (radius 50") != std::string::npos);
@@ -417,7 +417,7 @@ TEST_CASE("a region with five sides varies least unasked, and the summary says s
   CHECK(fairing["regions"] == 1);
   // Asked for bending, it bends; four sides need no fairing.
   c.file("s.toml", "unit = \"mm\"\n[[lines]]\nfile = \"curves.csv\"\n[skin]\nfair = \"bending\"\n");
-  const Result bent = c.run({"run", "s.toml", "--out", "bent"});
+  const CliResult bent = c.run({"run", "s.toml", "--out", "bent"});
   CHECK(bent.code == 0);
   CHECK(bent.out.find("sphere") == std::string::npos);
   c.file("curves.csv", sphere_outline(4));
@@ -441,9 +441,9 @@ TEST_CASE("normals of a stated region do not hang on its first line either", "[c
     return "unit = \"m\"\n" + (turned ? back + sides + front : front + sides + back) + rib;
   };
   for (const bool turned : {false, true}) {
-    const Case c("stated_normals");
+    const CliCase c("stated_normals");
     c.file("s.toml", scene(turned));
-    const Result r = c.run({"run", "s.toml", "--out", "out"});
+    const CliResult r = c.run({"run", "s.toml", "--out", "out"});
     INFO(r.out << r.err);
     CHECK(r.out.find("to the convex side") != std::string::npos);
     CHECK(report(c, "out")["surface"]["mean_normal"][2].get<double>() > 0.5);
@@ -452,7 +452,7 @@ TEST_CASE("normals of a stated region do not hang on its first line either", "[c
 
 TEST_CASE("a surface that leaves the blend of its curves is named, the default does not",
           "[cli][network]") {
-  const Case c("departure");
+  const CliCase c("departure");
   std::string csv = "curve,x,y,z\n";
   for (const int z : {0, 200})
     for (int i = 0; i <= 24; ++i) {
@@ -464,10 +464,10 @@ TEST_CASE("a surface that leaves the blend of its curves is named, the default d
   const std::string head = "unit = \"mm\"\n[[lines]]\nfile = \"c.csv\"\n";
   c.file("auto.toml", head);
   c.file("bent.toml", head + "[skin]\nfair = \"bending\"\n");
-  const Result plain = c.run({"run", "auto.toml", "--out", "out"});
+  const CliResult plain = c.run({"run", "auto.toml", "--out", "out"});
   CHECK(plain.code == 0);
   CHECK((plain.out + plain.err).find("leaves the blend") == std::string::npos);
-  const Result bent = c.run({"run", "bent.toml", "--out", "bent"});
+  const CliResult bent = c.run({"run", "bent.toml", "--out", "bent"});
   INFO(bent.out << bent.err);
   CHECK((bent.out + bent.err).find("leaves the blend of its boundary curves") != std::string::npos);
   CHECK((bent.out + bent.err).find("depth of its sections") != std::string::npos);

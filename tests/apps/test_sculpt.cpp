@@ -42,7 +42,7 @@ for data in tree.parse(sys.argv[1]).getroot().iter('DataSet'):
 )";
 
 /// Without a display the pictures are the one promise that is missed.
-bool only_pictures_missed(const nlohmann::json& report) {
+bool only_pictures_failed(const nlohmann::json& report) {
   for (const auto& missed : report["missed_promises"])
     if (missed["detail"].get<std::string>().find("not drawn") == std::string::npos) return false;
   return true;
@@ -51,9 +51,9 @@ bool only_pictures_missed(const nlohmann::json& report) {
 }  // namespace
 
 TEST_CASE("sculpt settles and writes what run writes", "[cli][sculpt]") {
-  const Case c("sculpt_static");
+  const CliCase c("sculpt_static");
   c.file("s.toml", kSquare + kSwell + kOutput);
-  const Result r = c.run({"sculpt", "s.toml", "--out", "live"});
+  const CliResult r = c.run({"sculpt", "s.toml", "--out", "live"});
   INFO(r.err);
   REQUIRE(r.code == 0);
   for (const char* name : {"s.step", "s.vtp", "report.json"})
@@ -74,7 +74,7 @@ TEST_CASE("sculpt settles and writes what run writes", "[cli][sculpt]") {
 }
 
 TEST_CASE("a session finds places where run finds them, and the same shape", "[cli][sculpt]") {
-  const Case c("sculpt_places");
+  const CliCase c("sculpt_places");
   // The second place is looked for after the first constraint has moved the surface.
   c.file("s.toml", kSquare + kSwell + R"(
 [[load]]
@@ -105,7 +105,7 @@ range = 3
 }
 
 TEST_CASE("run makes scenes that only a session knows", "[cli][sculpt]") {
-  const Case c("sculpt_run");
+  const CliCase c("sculpt_run");
   // Painted everywhere near the middle, driven by one slider: run and sculpt give the same shape.
   c.file("s.toml", kSquare + R"(
 [[load]]
@@ -132,7 +132,7 @@ value = 1
 drives = [{ name = "bump", factor = 0.5 }]
 )" + kOutput);
   for (const char* command : {"run", "sculpt"}) {
-    const Result r = c.run({command, "s.toml", "--out", command});
+    const CliResult r = c.run({command, "s.toml", "--out", command});
     INFO(r.err);
     REQUIRE(r.code == 0);
   }
@@ -148,7 +148,7 @@ drives = [{ name = "bump", factor = 0.5 }]
   CHECK(report(c, "flat")["surface"]["area"].get<double>() == Approx(10000).epsilon(1e-9));
   REQUIRE(c.run({"sculpt", "s.toml", "--out", "flat2", "--set", "bolder=0"}).code == 0);
   CHECK(report(c, "flat2")["surface"]["area"].get<double>() == Approx(10000).epsilon(1e-9));
-  const Result info = c.run({"info", "s.toml"});
+  const CliResult info = c.run({"info", "s.toml"});
   CHECK(info.out.find("bolder = 1") != std::string::npos);
   CHECK(info.out.find("bump = 0.5") != std::string::npos);
 }
@@ -156,7 +156,7 @@ drives = [{ name = "bump", factor = 0.5 }]
 TEST_CASE("a moved embedded line is kept within the tolerance, by small triangles only near it",
           "[cli][sculpt]") {
   if (!BATTEN_TEST_CGAL) return;
-  const Case c("sculpt_move");
+  const CliCase c("sculpt_move");
   std::string ring;
   for (int k = 0; k <= 16; ++k) {
     const double a = (k % 16) * std::acos(-1.0) / 8;
@@ -169,7 +169,7 @@ TEST_CASE("a moved embedded line is kept within the tolerance, by small triangle
                 line("ring", ring) + "role = \"inner\"\n[skin]\nedge_length = 12\n");
   c.file("s.toml", scene + "[[move]]\nname = \"lift\"\nline = \"ring\"\nvalue = 5\n");
   for (const char* command : {"run", "sculpt"}) {
-    const Result r = c.run({command, "s.toml", "--out", command});
+    const CliResult r = c.run({command, "s.toml", "--out", command});
     INFO(r.err);
     CHECK(r.code == 0);
   }
@@ -181,13 +181,13 @@ TEST_CASE("a moved embedded line is kept within the tolerance, by small triangle
 }
 
 TEST_CASE("a sweep is a series of files and a table", "[cli][sculpt]") {
-  const Case c("sculpt_sweep");
+  const CliCase c("sculpt_sweep");
   c.file("s.toml", kSquare + kSwell);
-  const Result r = c.run({"sculpt", "s.toml", "--out", "out", "--sweep", "swell=0:0.8:5"});
+  const CliResult r = c.run({"sculpt", "s.toml", "--out", "out", "--sweep", "swell=0:0.8:5"});
   INFO(r.err);
   REQUIRE((r.code == 0 || r.code == 4));
   const auto json = report(c, "out");
-  CHECK(only_pictures_missed(json));
+  CHECK(only_pictures_failed(json));
   const auto& sweep = json["sculpting"]["sweeps"][0];
   CHECK(sweep["parameter"] == "swell");
   REQUIRE(sweep["rows"].size() == 5);
@@ -234,9 +234,9 @@ TEST_CASE("a sweep is a series of files and a table", "[cli][sculpt]") {
 }
 
 TEST_CASE("a value past the limit ends its sweep, and what was reached stays", "[cli][sculpt]") {
-  const Case c("sculpt_limit");
+  const CliCase c("sculpt_limit");
   c.file("s.toml", kSquare + kSwell + "[output]\nvtp = \"s.vtp\"\n");
-  const Result r = c.run({"sculpt", "s.toml", "--out", "out", "--sweep", "swell=0:1000:6"});
+  const CliResult r = c.run({"sculpt", "s.toml", "--out", "out", "--sweep", "swell=0:1000:6"});
   INFO(r.err);
   CHECK(r.code == 4);
   const auto json = report(c, "out");
@@ -251,23 +251,23 @@ TEST_CASE("a value past the limit ends its sweep, and what was reached stays", "
   CHECK(json["sculpting"]["area"].get<double>() ==
         Approx(report(c, "plain")["sculpting"]["area"].get<double>()).epsilon(1e-9));
 
-  const Result past = c.run({"sculpt", "s.toml", "--out", "none", "--set", "swell=1000"});
+  const CliResult past = c.run({"sculpt", "s.toml", "--out", "none", "--set", "swell=1000"});
   CHECK(past.code == 3);
   CHECK(past.err.find("reached") != std::string::npos);
   CHECK_FALSE(fs::exists(c / "none"));
 }
 
 TEST_CASE("a motion is a series in time", "[cli][sculpt]") {
-  const Case c("sculpt_time");
+  const CliCase c("sculpt_time");
   c.file("s.toml", kSquare +
                        "[[load]]\nname = \"swell\"\ntype = \"pressure\"\n"
                        "value = [[0, 0], [0.5, 0.4]]\n[motion]\ndensity = 0\ndamping = 0.01\n");
-  const Result r =
+  const CliResult r =
       c.run({"sculpt", "s.toml", "--out", "out", "--time", "1", "--dt", "0.05", "--frames", "10"});
   INFO(r.err);
   REQUIRE((r.code == 0 || r.code == 4));
   const auto json = report(c, "out");
-  CHECK(only_pictures_missed(json));
+  CHECK(only_pictures_failed(json));
   const auto& motion = json["sculpting"]["motion"];
   CHECK(motion["steps"] == 20);
   CHECK(motion["damping"] == 0.01);
@@ -283,9 +283,9 @@ TEST_CASE("a motion is a series in time", "[cli][sculpt]") {
 }
 
 TEST_CASE("refinement is reported", "[cli][sculpt]") {
-  const Case c("sculpt_refine");
+  const CliCase c("sculpt_refine");
   c.file("s.toml", kSquare + kSwell);
-  const Result r = c.run({"sculpt", "s.toml", "--out", "out", "--refine", "jumps:2"});
+  const CliResult r = c.run({"sculpt", "s.toml", "--out", "out", "--refine", "jumps:2"});
   INFO(r.err);
   REQUIRE(r.code == 0);
   const auto json = report(c, "out");
@@ -298,32 +298,32 @@ TEST_CASE("refinement is reported", "[cli][sculpt]") {
 }
 
 TEST_CASE("what was recorded is replayed to the same bytes", "[cli][sculpt]") {
-  const Case c("sculpt_replay");
+  const CliCase c("sculpt_replay");
   c.file("s.toml", kSquare + kSwell +
                        "[[constraint]]\nname = \"peak\"\ntype = \"point\"\nat = [50, 50, 0]\n"
                        "to = [50, 50, 5]\n[motion]\ndensity = 0.1\ndamping = 0.1\n[output]\n"
                        "vtp = \"s.vtp\"\n");
-  const Result r = c.run({"sculpt", "s.toml", "--out", "first", "--record", "log.jsonl", "--set",
-                          "swell=0.3", "--set", "peak.z=9", "--refine", "jumps:1", "--sweep",
-                          "peak.z=0:12:4", "--time", "0.3", "--dt", "0.05"});
+  const CliResult r = c.run({"sculpt", "s.toml", "--out", "first", "--record", "log.jsonl", "--set",
+                             "swell=0.3", "--set", "peak.z=9", "--refine", "jumps:1", "--sweep",
+                             "peak.z=0:12:4", "--time", "0.3", "--dt", "0.05"});
   INFO(r.err);
   REQUIRE((r.code == 0 || r.code == 4));
   CHECK(lines_in(contents(c / "log.jsonl"), "\"step\"") == 6);
-  const Result again = c.run({"sculpt", "s.toml", "--out", "second", "--replay", "log.jsonl"});
+  const CliResult again = c.run({"sculpt", "s.toml", "--out", "second", "--replay", "log.jsonl"});
   INFO(again.err);
   REQUIRE(again.code == 0);
   CHECK(contents(c / "first/s.vtp") == contents(c / "second/s.vtp"));
   CHECK(contents(c / "first/s.vtp") != contents(c / "first/my_square_time_000.vtp"));
 
   c.file("log.jsonl", contents(c / "log.jsonl") + "{\"do\":\"steps\"}\n");
-  const Result bad = c.run({"sculpt", "s.toml", "--out", "third", "--replay", "log.jsonl"});
+  const CliResult bad = c.run({"sculpt", "s.toml", "--out", "third", "--replay", "log.jsonl"});
   CHECK(bad.code == 1);
   CHECK(std::regex_search(bad.err, std::regex("log.jsonl:[0-9]+: .*did you mean 'step'")));
   CHECK_FALSE(fs::exists(c / "third"));
 }
 
 TEST_CASE("sculpt answers wrong words before it works", "[cli][sculpt]") {
-  const Case c("sculpt_words");
+  const CliCase c("sculpt_words");
   const std::string scene = kSquare + kSwell;
   const auto fails = [&](const std::vector<std::string>& more,
                          const std::vector<std::string>& parts) {

@@ -8,7 +8,7 @@
 
 using namespace batten;
 using namespace batten_test;
-using Verb = DocumentCommand::Verb;
+using CommandKind = DocumentCommand::CommandKind;
 
 namespace {
 
@@ -28,9 +28,9 @@ double apart(const MeshSequence& a, const MeshSequence& b) {
 }  // namespace
 
 TEST_CASE("frames of a document are those of batten sequence", "[document]") {
-  const Case folder("sequence_document");
+  const CliCase folder("sequence_document");
   Document document;
-  document.apply({.verb = Verb::Open, .file = kForming});
+  document.apply({.kind = CommandKind::Open, .file = kForming});
   REQUIRE(document.sequence());
   CHECK(document.content().problem().empty());
   SequenceScene scene = read_sequence_scene(kForming);
@@ -43,7 +43,7 @@ TEST_CASE("frames of a document are those of batten sequence", "[document]") {
 
 TEST_CASE("keyframes of a sequence are added, changed and undone", "[document]") {
   Document document;
-  document.apply({.verb = Verb::Open, .file = kForming});
+  document.apply({.kind = CommandKind::Open, .file = kForming});
   const MeshSequence opened = document.sequence()->frames();
   const std::string text = document.text().text();
   const auto keyed = [&](int frame, const Vec3& shift) {
@@ -55,14 +55,14 @@ TEST_CASE("keyframes of a sequence are added, changed and undone", "[document]")
   CHECK(apart(wider, opened) > 5);
   keyed(11, {0, 0, 5});  // a new one
   CHECK(apart(document.sequence()->frames(), wider) > 1);
-  act_all(document, {{.verb = Verb::Undo}, {.verb = Verb::Undo}});
+  act_all(document, {{.kind = CommandKind::Undo}, {.kind = CommandKind::Undo}});
   CHECK(document.text().text() == text);
   CHECK(apart(document.sequence()->frames(), opened) == 0);
 
   // From bare frames: a selection, a handle, a keyframe, and one more beside it.
   Document bare;
-  bare.apply({.verb = Verb::Open, .file = kForming.parent_path() / "plate.pc2"});
-  bare.apply({.verb = Verb::Add,
+  bare.apply({.kind = CommandKind::Open, .file = kForming.parent_path() / "plate.pc2"});
+  bare.apply({.kind = CommandKind::Add,
               .table = {"select", ""},
               .text = "{ name = \"edge\", plane = { through = [7, 0, 0], normal = [-1, 0, 0] } }"});
   act_all(bare, sequence_handle_edits(bare.text(), "edge"));
@@ -75,26 +75,28 @@ TEST_CASE("keyframes of a sequence are added, changed and undone", "[document]")
   CHECK(view.timeline->keyframes == std::vector<int>{3, 11});
   REQUIRE(view.handles.size() == 1);
   CHECK((view.handles[0].shift - Vec3(0, 0, 12)).norm() < 1e-12);
-  CHECK((view.handles[0].turn - Vec3(0, 10, 0)).norm() < 1e-9);
+  CHECK((view.handles[0].rotation_vector - Vec3(0, 10, 0)).norm() < 1e-9);
   CHECK(static_cast<int>(view.handles[0].path.size()) == view.timeline->frames);
 }
 
 TEST_CASE("a sequence that cannot be edited so stays as it was", "[document]") {
   Document document;
-  document.apply({.verb = Verb::Open, .file = kForming});
+  document.apply({.kind = CommandKind::Open, .file = kForming});
   const std::string text = document.text().text();
   const MeshSequence frames = document.sequence()->frames();
-  CHECK_THROWS_AS(
-      document.apply(
-          {.verb = Verb::Set, .table = {"step", "wider"}, .key = "fixed", .text = "\"nowhere\""}),
-      InputError);
+  CHECK_THROWS_AS(document.apply({.kind = CommandKind::Set,
+                                  .table = {"step", "wider"},
+                                  .key = "fixed",
+                                  .text = "\"nowhere\""}),
+                  InputError);
   CHECK(document.text().text() == text);
   CHECK(apart(document.sequence()->frames(), frames) == 0);
 }
 
 TEST_CASE("a path that is drawn is followed, and drawn anew", "[document]") {
   Document document;
-  document.apply({.verb = Verb::Open, .file = BATTEN_SOURCE_DIR "/examples/25-path/path.toml"});
+  document.apply(
+      {.kind = CommandKind::Open, .file = BATTEN_SOURCE_DIR "/examples/25-path/path.toml"});
   const std::vector<Vec3> before = path_of(document.text());
   REQUIRE(before.size() == 5);
   std::vector<Vec3> through = before;
@@ -102,7 +104,7 @@ TEST_CASE("a path that is drawn is followed, and drawn anew", "[document]") {
   document.apply(path_edit(document.text(), through));
   CHECK(path_of(document.text()) == through);
   CHECK(document.text().has({"step", "bend"}));
-  document.apply({.verb = Verb::Remove, .table = {"step", "bend"}});
+  document.apply({.kind = CommandKind::Remove, .table = {"step", "bend"}});
   CHECK(path_of(document.text()).empty());
-  CHECK(path_edit(document.text(), through).verb == Verb::Add);
+  CHECK(path_edit(document.text(), through).kind == CommandKind::Add);
 }

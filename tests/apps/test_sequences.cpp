@@ -4,7 +4,7 @@
 #include "batten/io/sequences/sequence_files.h"
 #include "batten/io/sequences/sequence_writer.h"
 #include "batten/tests/apps/cli_case.h"
-#include "batten/tests/mesh/frame_twin.h"
+#include "batten/tests/support/reference_frame_solver.h"
 
 using namespace batten_test;
 
@@ -35,11 +35,11 @@ MeshSequence walk_on_the_spot() {
   return s;
 }
 
-void put(const fs::path& path, const MeshSequence& s) {
+void write_frames(const fs::path& path, const MeshSequence& s) {
   fs::create_directories(path.parent_path());
   SequenceWriter writer(path, s.shells, s.times);
   for (int k = 0; k < s.frame_count(); ++k)
-    if (!writer.have(k)) writer.write(k, s.frames[k]);
+    if (!writer.has(k)) writer.write(k, s.frames[k]);
   writer.finish();
 }
 
@@ -56,7 +56,7 @@ const std::string kKeyframes =
     "20 "
     "} },\n          { name = \"back\" }]\n";
 
-void put_walk(const Case& c) { put(c / "in/walk_*.obj", walk_on_the_spot()); }
+void put_walk(const CliCase& c) { write_frames(c / "in/walk_*.obj", walk_on_the_spot()); }
 
 std::string with_step(const std::string& step) { return kSequenceHead + "[[step]]\n" + step; }
 
@@ -70,12 +70,12 @@ std::string report_name(const std::vector<std::string>& words) {
   return "report_" + part + ".json";
 }
 
-nlohmann::json done(const Case& c, const std::string& scene, const std::string& out = "out",
+nlohmann::json done(const CliCase& c, const std::string& scene, const std::string& out = "out",
                     const std::vector<std::string>& more = {}) {
   c.file("s.toml", scene);
   std::vector<std::string> words{"sequence", "s.toml", "--out", out};
   words.insert(words.end(), more.begin(), more.end());
-  const Result r = c.run(words);
+  const CliResult r = c.run(words);
   INFO(scene << "\n" << r.out << r.err);
   CHECK(r.code == 0);
   return r.code == 0 ? report(c, out, report_name(more)) : nlohmann::json();
@@ -91,7 +91,7 @@ std::map<std::string, std::string> contents_in(const fs::path& folder) {
 }  // namespace
 
 TEST_CASE("every kind of step goes over a walk", "[sequence]") {
-  const Case c("sequence_kinds");
+  const CliCase c("sequence_kinds");
   put_walk(c);
   const std::string feet = "feet = [\"front\", \"back\"]\n", found = "found = { within = 0.02 }\n";
   const std::string travel = "kind = \"travel\"\ncycles = 2\nalong = [1,0,0]\n" + feet;
@@ -131,7 +131,7 @@ TEST_CASE("every kind of step goes over a walk", "[sequence]") {
 
 TEST_CASE("an upright trunk stays on the path, and on a slope goes with the mean of the feet",
           "[sequence]") {
-  const Case c("sequence_upright");
+  const CliCase c("sequence_upright");
   put_walk(c);
   c.file("hill.obj", "v -20 -20 0\nv 40 -20 6\nv 40 20 6\nv -20 20 0\nf 1 2 3\nf 1 3 4\n");
   const std::string feet = "feet = [\"front\", \"back\"]\n", found = "found = { within = 0.02 }\n";
@@ -157,14 +157,15 @@ TEST_CASE("an upright trunk stays on the path, and on a slope goes with the mean
   const auto told = trajectory_of(
       frames("kind = \"footprints\"\n" + feet + found + "upright = \"trunk\"\n"), trunk);
   for (int k = 0; k < after.frame_count(); ++k) {
-    CHECK((after.turns[k] - told.turns[k]).norm() < 1e-9);  // as on the level: it does not lean
+    CHECK((after.rotations[k] - told.rotations[k]).norm() <
+          1e-9);                                            // as on the level: it does not lean
     CHECK(after.centres(k, 2) > before.centres(k, 2) + 1);  // the hill is two high where it begins
   }
 }
 
 TEST_CASE("sequences that cannot be are refused by file and place, and leave nothing",
           "[sequence]") {
-  const Case c("sequence_refused");
+  const CliCase c("sequence_refused");
   put_walk(c);
   const auto refused = [&](const std::string& scene, const std::vector<std::string>& parts) {
     c.fails(scene, 1, parts, {}, "sequence");
@@ -203,14 +204,14 @@ TEST_CASE("sequences that cannot be are refused by file and place, and leave not
   refused(kSequenceHead + kKeyframes, {"s.toml:3:8: ", "walk_0005.obj"});
   c.file("in/walk_0005.obj", five);
 
-  put(c / "cache.pc2", walk_on_the_spot());
+  write_frames(c / "cache.pc2", walk_on_the_spot());
   const std::string cache = contents(c / "cache.pc2");
   c.file("short.pc2", cache.substr(0, cache.size() - 10));
   refused("unit = \"mm\"\n[sequence]\nfile = \"short.pc2\"\nmesh = \"cache.obj\"\n",
           {"s.toml:3:8: ", "short.pc2"});
   for (const std::string file : {"one.pc2", "all.pvd"}) {
     c.file("s.toml", kSequenceHead + kKeyframes + "[output]\nframes = \"" + file + "\"\n");
-    const Result r = c.run({"sequence", "s.toml", "--out", "out", "--frames", "1:4"});
+    const CliResult r = c.run({"sequence", "s.toml", "--out", "out", "--frames", "1:4"});
     CHECK(r.code == 1);
     CHECK(r.err.find("numbered files only") != std::string::npos);
     CHECK_FALSE(fs::exists(c / ("out/" + file)));
@@ -219,7 +220,7 @@ TEST_CASE("sequences that cannot be are refused by file and place, and leave not
 
 TEST_CASE("parts of the frames are the whole's, and a run goes on where it was stopped",
           "[sequence]") {
-  const Case c("sequence_parts");
+  const CliCase c("sequence_parts");
   put_walk(c);
   const std::string scene = kSequenceHead + kKeyframes;
   done(c, scene, "whole");
@@ -242,12 +243,12 @@ TEST_CASE("parts of the frames are the whole's, and a run goes on where it was s
   MeshSequence moved_walk = walk_on_the_spot();
   for (Points& p : moved_walk.frames) p(7, 2) += 1e-3;
   fs::remove_all(c / "in");
-  put(c / "in/walk_*.obj", moved_walk);
+  write_frames(c / "in/walk_*.obj", moved_walk);
   CHECK(done(c, other, "parts")["sequence"]["found"].get<int>() == 0);
 }
 
 TEST_CASE("frames are written as folders, caches, scenes and lists", "[sequence]") {
-  const Case c("sequence_files");
+  const CliCase c("sequence_files");
   put_walk(c);
   done(c, kSequenceHead + kKeyframes);
   const MeshSequence wanted = read_sequence(c / "out/frames");
@@ -274,7 +275,7 @@ TEST_CASE("the fox walks over a hill and along a path, and starts to run", "[seq
     WARN("skipped: no seq-fox beside the project (BATTEN_TEST_DATA)");
     return;
   }
-  const Case c("sequence_fox");
+  const CliCase c("sequence_fox");
   const std::string head =
       "unit = \"cm\"\nup = \"y\"\n[sequence]\nfile = \"" +
       (fox / "walk/fox_walk_000.obj").string() +

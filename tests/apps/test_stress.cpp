@@ -22,19 +22,19 @@ std::string plate(const std::string& stress) {
 const std::string kSteel = "thickness = 1\nmaterial = \"steel\"\n";
 const std::string kClamped = "supports = [{line = \"a\"}]\n";
 
-void refused(const Case& c, const std::string& stress, int code,
+void refused(const CliCase& c, const std::string& stress, int code,
              const std::vector<std::string>& parts) {
   c.file("s.toml", plate(stress));
-  const Result r = c.run({"stress", "s.toml", "--out", "out"});
+  const CliResult r = c.run({"stress", "s.toml", "--out", "out"});
   INFO(stress << "\n" << r.err);
   CHECK(r.code == code);
   for (const std::string& part : parts) CHECK(r.err.find(part) != std::string::npos);
   CHECK_FALSE(fs::exists(c / "out"));
 }
 
-nlohmann::json stress_of(const Case& c, const std::string& scene) {
+nlohmann::json stress_of(const CliCase& c, const std::string& scene) {
   c.file("s.toml", scene);
-  const Result r = c.run({"stress", "s.toml", "--out", "out"});
+  const CliResult r = c.run({"stress", "s.toml", "--out", "out"});
   INFO(r.err);
   REQUIRE((r.code == 0 || r.code == 4));  // pictures need a display
   return nlohmann::json::parse(contents(c / "out/report.json"))["stress"];
@@ -43,7 +43,7 @@ nlohmann::json stress_of(const Case& c, const std::string& scene) {
 }  // namespace
 
 TEST_CASE("a stress analysis says what moves, what is stressed, and what holds") {
-  const Case c("stress_plate");
+  const CliCase c("stress_plate");
   const auto stress = stress_of(
       c,
       plate(
@@ -77,7 +77,7 @@ TEST_CASE("a stress analysis says what moves, what is stressed, and what holds")
 }
 
 TEST_CASE("sensitivities are what other values of the parameter give") {
-  const Case c("stress_sensitivity");
+  const CliCase c("stress_sensitivity");
   const auto with = [&](double swell) {
     const std::string load =
         "[[load]]\nname = \"swell\"\ntype = \"pressure\"\nvalue = " + std::to_string(swell) +
@@ -100,14 +100,14 @@ TEST_CASE("sensitivities are what other values of the parameter give") {
 }
 
 TEST_CASE("a sweep says the stresses of each shape") {
-  const Case c("stress_sweep");
+  const CliCase c("stress_sweep");
   const std::string load =
       "[[load]]\nname = \"swell\"\ntype = \"pressure\"\nmin = 0\nmax = 200\nvalue = 0\n";
   std::string scene = plate(kSteel +
                             "supports = [{line = \"a\"}, {line = \"c\", kind = \"pinned\"}]\n"
                             "pressure = -1e-2");
   c.file("s.toml", scene.insert(scene.find("[stress]"), load));
-  const Result r =
+  const CliResult r =
       c.run({"sculpt", "s.toml", "--sweep", "swell=0:40:3", "--stress", "--out", "out"});
   INFO(r.err);
   const auto rows =
@@ -121,7 +121,7 @@ TEST_CASE("a sweep says the stresses of each shape") {
 
 TEST_CASE(
     "a plate on a foundation sinks by weight over stiffness, an orthotropic one bends its way") {
-  const Case c("stress_springs");
+  const CliCase c("stress_springs");
   const auto sunk = stress_of(
       c,
       plate(
@@ -139,7 +139,7 @@ TEST_CASE(
   };
   CHECK(tip("[0, 1, 0]") == Approx(0.01 * 1e6 / (3 * 1e5 / 12)).epsilon(1e-2));
   CHECK(tip("[1, 0, 0]") == Approx(10 * tip("[0, 1, 0]")).epsilon(1e-2));
-  const Case bad("stress_springs_refused");
+  const CliCase bad("stress_springs_refused");
   refused(bad, kSteel + "supports = [{foundation = 1, line = \"a\"}]", 1,
           {"a foundation of a line"});
   refused(bad, kSteel + "supports = [{line = \"a\", spring = [0, 0, 0]}]", 1,
@@ -148,7 +148,7 @@ TEST_CASE(
 }
 
 TEST_CASE("parts in boxes and painted thickness") {
-  const Case c("stress_parts");
+  const CliCase c("stress_parts");
   // Two jaws hold the plate at its ends, a weight stands in the middle.
   const auto held = stress_of(
       c,
@@ -163,7 +163,7 @@ TEST_CASE("parts in boxes and painted thickness") {
   CHECK(loads["balance"].get<double>() < 1e-8);
   REQUIRE(loads["reactions"].size() == 2);
   CHECK(loads["reactions"][0]["support"] == "pinned c in the box [-1, 99, -1] to [50, 101, 1]");
-  const Case bad("stress_parts_refused");
+  const CliCase bad("stress_parts_refused");
   refused(bad, kSteel + "supports = [{box = [[0, 0, 0], [1, 1, 0]]}]", 1, {"a flat box"});
   refused(bad, kSteel + "supports = [{box = [[0, 0, 0]]}]", 1, {"1 corners"});
   refused(bad, kSteel + "supports = [{box = [[7, 7, 7], [8, 8, 8]]}]", 1, {"holds nothing"});
@@ -177,18 +177,18 @@ TEST_CASE("parts in boxes and painted thickness") {
 }
 
 TEST_CASE("supports that hardly hold are warned of") {
-  const Case c("stress_weak");
+  const CliCase c("stress_weak");
   c.file("s.toml", plate(kSteel + "supports = [{point = [0, 50, 0]}, {point = [100, 50, 0]},\n"
                                   "  {point = [50, 50.5, 0], directions = [[0, 0, 1]]}]\n"
                                   "loads = [{point = [50, 60, 0], force = [0, 0, -1]}]"));
-  const Result r = c.run({"stress", "s.toml", "--out", "out"});
+  const CliResult r = c.run({"stress", "s.toml", "--out", "out"});
   INFO(r.err);
   CHECK(r.err.find("the supports hardly hold it: all of it can turn about the axis along "
                    "[1, 0, 0]") != std::string::npos);
 }
 
 TEST_CASE("the same plate in m and in mm has the same stresses") {
-  const Case c("stress_units");
+  const CliCase c("stress_units");
   const auto mm = stress_of(c, plate(kSteel + kClamped + "gravity = [0, 0, -9810]"));
   std::string in_m =
       plate("thickness = 0.001\nmaterial = \"steel\"\n" + kClamped + "gravity = [0, 0, -9.81]");
@@ -204,7 +204,7 @@ TEST_CASE("the same plate in m and in mm has the same stresses") {
 }
 
 TEST_CASE("what a stress analysis cannot be made of is refused by its place") {
-  const Case c("stress_refused");
+  const CliCase c("stress_refused");
   refused(c, kSteel, 1, {"found no supports", "supports = [{line"});
   refused(c, kSteel + "supports = [{kind = \"clamped\"}]", 1, {"a support on nothing"});
   refused(c, kSteel + "supports = [{line = \"aa\"}]", 1, {"s.toml:", "found the line 'aa'", "'a'"});
@@ -229,14 +229,14 @@ TEST_CASE("what a stress analysis cannot be made of is refused by its place") {
 }
 
 TEST_CASE("a region that hangs free is named") {
-  const Case c("stress_free");
+  const CliCase c("stress_free");
   const std::string far =
       line_of("e", "[[300,0,0],[400,0,0]]") + line_of("f", "[[400,0,0],[400,100,0]]") +
       line_of("g", "[[400,100,0],[300,100,0]]") + line_of("h", "[[300,100,0],[300,0,0]]");
   std::string scene = plate(kSteel + kClamped + "pressure = 1");
   scene.insert(scene.find("[skin]"), far + "\n");
   c.file("s.toml", scene);
-  const Result r = c.run({"stress", "s.toml", "--out", "out"});
+  const CliResult r = c.run({"stress", "s.toml", "--out", "out"});
   INFO(r.err);
   CHECK(r.code == 3);
   CHECK(r.err.find("the shell is not held: region '") != std::string::npos);
@@ -244,12 +244,12 @@ TEST_CASE("a region that hangs free is named") {
 }
 
 TEST_CASE("smaller elements where the error is make displacements as exact as asked for") {
-  const Case c("stress_accuracy");
+  const CliCase c("stress_accuracy");
   // Half of a side is held: at its end stresses have no limit.
   c.file("s.toml", plate(kSteel + "supports = [{line = \"a\", box = [[-1, -1, -1], [50, 1, 1]]}]\n"
                                   "loads = [{line = \"c\", force = [0, 0, -0.01]}]"));
   const auto at = [&](const std::string& accuracy, const std::string& out) {
-    const Result r = c.run({"stress", "s.toml", "--accuracy", accuracy, "--out", out});
+    const CliResult r = c.run({"stress", "s.toml", "--accuracy", accuracy, "--out", out});
     INFO(r.err);
     REQUIRE((r.code == 0 || r.code == 4));
     return nlohmann::json::parse(contents(c / out / "report.json"))["stress"];
@@ -274,7 +274,7 @@ TEST_CASE("two processes find what one finds") {
     WARN("no PETSc or mpirun here: skipped");
     return;
   }
-  const Case c("stress_processes");
+  const CliCase c("stress_processes");
   c.file("s.toml", plate(kSteel + kClamped + "modes = 2\npressure = 1e-4"));
   const auto run = [&](const std::string& before, const std::string& out) {
     const std::string command = "cd '" + c.folder().string() + "' && " + before + " '" +
@@ -302,12 +302,12 @@ TEST_CASE("two processes find what one finds") {
 }
 
 TEST_CASE("CalculiX is asked about the same shell, and a missing one is named") {
-  const Case c("stress_ccx");
+  const CliCase c("stress_ccx");
   std::string scene = plate(kSteel + kClamped + "pressure = -1e-3");
   scene.replace(scene.find("edge_length = 20"), 16, "edge_length = 8");
   c.file("s.toml", scene);
   setenv("CCX", "/no/such/ccx", 1);
-  const Result missing = c.run({"stress", "s.toml", "--out", "out", "--with-ccx"});
+  const CliResult missing = c.run({"stress", "s.toml", "--out", "out", "--with-ccx"});
   unsetenv("CCX");
   CHECK(missing.code == 1);
   CHECK(missing.err.find("found no program '/no/such/ccx', expected CalculiX") !=
@@ -317,7 +317,7 @@ TEST_CASE("CalculiX is asked about the same shell, and a missing one is named") 
     WARN("no ccx here: skipped");
     return;
   }
-  const Result r = c.run({"stress", "s.toml", "--out", "out", "--with-ccx"});
+  const CliResult r = c.run({"stress", "s.toml", "--out", "out", "--with-ccx"});
   INFO(r.err);
   const auto found = nlohmann::json::parse(contents(c / "out/report.json"))["stress"]["cases"][0];
   CHECK(found["calculix"]["max_displacement"].get<double>() ==
@@ -328,10 +328,10 @@ TEST_CASE("CalculiX is asked about the same shell, and a missing one is named") 
 }
 
 TEST_CASE("a deck that cannot hold the loads of a scene is refused") {
-  const Case c("stress_deck");
+  const CliCase c("stress_deck");
   const std::string deck = "\n[output]\ncalculix = \"p.inp\"";
   c.file("s.toml", plate(kSteel + kClamped + "loads = [{line = \"c\", moment = 1}]" + deck));
-  const Result r = c.run({"run", "s.toml", "--out", "out"});
+  const CliResult r = c.run({"run", "s.toml", "--out", "out"});
   CHECK(r.code == 1);
   CHECK(r.err.find("which 'p.inp' cannot hold; `batten stress` can") != std::string::npos);
 }

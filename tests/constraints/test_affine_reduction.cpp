@@ -9,9 +9,9 @@
 #include "batten/constraints/constrained_solver.h"
 #include "batten/core/dense.h"
 #include "batten/core/errors.h"
-#include "batten/tests/catch.h"
-#include "batten/tests/kkt_twin.h"
-#include "batten/tests/sampling.h"
+#include "batten/tests/support/catch.h"
+#include "batten/tests/support/kkt_solver.h"
+#include "batten/tests/support/sampling.h"
 
 using namespace batten_test;
 
@@ -120,7 +120,7 @@ TEST_CASE("elimination has the solution of the saddle point system") {
       REQUIRE(set.coupled() == coupled);
       const AffineReduction reduction(set);
       CHECK(reduction.coupled() == coupled);
-      CHECK(reduction.dropped_rows() == 0);
+      CHECK(reduction.redundant_count() == 0);
       CHECK(reduction.free_count() == (coupled ? 3 * n - 27 - 8 : n - 9));
 
       const Points x = solve_constrained(set, K, F);
@@ -230,7 +230,7 @@ TEST_CASE("rows that others imply are dropped and counted, and change nothing") 
     const Points F = random.matrix(n, 3);
     ConstraintSet set = random_constraints(n, rows, 0, random);
     const Points x = solve_constrained(set, K, F);
-    const auto given = set.rows();
+    const auto given = set.constraints();
     for (int extra = 0; extra < 6; ++extra) {
       Entries entries;
       Vec3 value = Vec3::Zero();
@@ -242,7 +242,7 @@ TEST_CASE("rows that others imply are dropped and counted, and change nothing") 
       }
       set.add("implied", entries, value);
     }
-    CHECK(AffineReduction(set).dropped_rows() == 6);
+    CHECK(AffineReduction(set).redundant_count() == 6);
     CHECK(AffineReduction(set).free_count() == n - rows);
     CHECK(difference(solve_constrained(set, K, F), x) < 1e-11);
   }
@@ -251,11 +251,11 @@ TEST_CASE("rows that others imply are dropped and counted, and change nothing") 
   ConstraintSet set(3);
   set.fix("point", 0, Vec3(1, 2, 3));
   set.add_coupled("plane", {{0, Vec3(1, 1, 1)}}, 6);
-  CHECK(AffineReduction(set).dropped_rows() == 1);
+  CHECK(AffineReduction(set).redundant_count() == 1);
   set.add_coupled("normal", {{1, Vec3(0, 0, 2)}}, 0);
   set.add_coupled("normal again", {{1, Vec3(0, 0, -3)}}, 0);
   set.add_coupled("nothing", {{2, Vec3::Zero()}}, 0);
-  CHECK(AffineReduction(set).dropped_rows() == 3);
+  CHECK(AffineReduction(set).redundant_count() == 3);
   CHECK(AffineReduction(set).free_count() == 9 - 3 - 1);
 }
 
@@ -326,7 +326,7 @@ TEST_CASE("among many rows, a false combination names the rows it is made of") {
     Draws random(seed);
     const int n = 50, rows = 15;
     ConstraintSet set = random_constraints(n, rows, 0, random);
-    const auto given = set.rows();
+    const auto given = set.constraints();
     Entries entries;
     Vec3 value(0, 0.5, 0);  // what is wrong
     Names expected{"false"};
@@ -352,13 +352,13 @@ TEST_CASE("rows in other units are the same rows") {
     ConstraintSet scaled(n);
     int i = 0;
     const auto unit = [&] { return i++ % 2 ? 1e8 : -1e-8; };
-    for (const auto& row : set.rows()) {
+    for (const auto& row : set.constraints()) {
       const double s = unit();
       Entries entries = row.entries;
       for (auto& e : entries) e.coefficient *= s;
       scaled.add(set.names()[row.name], entries, s * row.value);
     }
-    for (const auto& row : set.coupled_rows()) {
+    for (const auto& row : set.coupled_constraints()) {
       const double s = unit();
       CoupledEntries entries = row.entries;
       for (auto& e : entries) e.coefficient *= s;
@@ -386,9 +386,9 @@ TEST_CASE("new right-hand sides keep D, and a kept factor serves every load") {
   const SparseMatrix K = random_stiffness(n, random);
   const ConstraintSet set = random_constraints(n, 5, 4, random);
   ConstraintSet moved(n);
-  for (const auto& row : set.rows())
+  for (const auto& row : set.constraints())
     moved.add(set.names()[row.name], row.entries, row.value + random.point());
-  for (const auto& row : set.coupled_rows())
+  for (const auto& row : set.coupled_constraints())
     moved.add_coupled(set.names()[row.name], row.entries, row.value + random());
   CHECK(MatX(AffineReduction(moved).D()) == MatX(AffineReduction(set).D()));
 
@@ -489,10 +489,10 @@ TEST_CASE("constraint sets keep rows and names and refuse wrong numbers") {
   CHECK(set.coupled());
   CHECK(set.dof_count() == 5);
   CHECK(set.names() == std::vector<std::string>{"corner", "rim", "plane"});
-  REQUIRE(set.rows().size() == 3);
-  CHECK(set.rows()[2].name == 0);
-  REQUIRE(set.coupled_rows().size() == 1);
-  CHECK(set.coupled_rows()[0].name == 2);
+  REQUIRE(set.constraints().size() == 3);
+  CHECK(set.constraints()[2].name == 0);
+  REQUIRE(set.coupled_constraints().size() == 1);
+  CHECK(set.coupled_constraints()[0].name == 2);
 
   Points q = Points::Zero(5, 3);
   q.row(1) << 1, 2, 3;
@@ -513,8 +513,8 @@ TEST_CASE("constraint sets keep rows and names and refuse wrong numbers") {
   CHECK_THROWS_AS(set.add_coupled("x", {{9, Vec3::Ones()}}, 0), InputError);
   CHECK_THROWS_AS(set.add_coupled("x", {{0, Vec3(0, 0, nan)}}, 0), InputError);
   CHECK_THROWS_AS(set.add_coupled("x", {{0, Vec3::Ones()}}, INFINITY), InputError);
-  CHECK(set.rows().size() == 3);  // what was refused left nothing behind
-  CHECK(set.coupled_rows().size() == 1);
+  CHECK(set.constraints().size() == 3);  // what was refused left nothing behind
+  CHECK(set.coupled_constraints().size() == 1);
 }
 
 TEST_CASE("conflicts: the amount is in the row's own units, the smallest ones are named") {
@@ -524,8 +524,8 @@ TEST_CASE("conflicts: the amount is in the row's own units, the smallest ones ar
     set.add("b", {{0, 5.0}, {1, 10.0}}, {value, 0, 0});
     try {
       AffineReduction reduction(set);
-      CHECK(reduction.dropped_rows() == 1);
-      CHECK(reduction.dropped() == std::vector<int>{1});
+      CHECK(reduction.redundant_count() == 1);
+      CHECK(reduction.redundant() == std::vector<int>{1});
     } catch (const ConflictError& e) {
       CHECK(e.conflicts()[0].names == std::vector<std::string>{"a", "b"});
       return e.conflicts()[0].amount;
@@ -544,22 +544,23 @@ TEST_CASE("right-hand sides change without a new elimination") {
   set.add("b", {{1, 3.0}, {2, -1.0}}, {0, 1, 0});
   set.add("a + b", {{0, 2.0}, {1, 4.0}, {2, -1.0}}, {1, 3, 3});
   AffineReduction reduction(set);
-  REQUIRE(reduction.dropped_rows() == 1);
+  REQUIRE(reduction.redundant_count() == 1);
   const MatX before = reduction.d0();
   MatX right(3, 3);
   right << 4, 5, 6, -1, 2, 7, 3, 7, 13;
-  reduction.set_right(right);
+  reduction.set_rhs(right);
   ConstraintSet changed(4);
   for (int r = 0; r < 3; ++r)
-    changed.add(set.names()[set.rows()[r].name], set.rows()[r].entries, right.row(r).transpose());
+    changed.add(set.names()[set.constraints()[r].name], set.constraints()[r].entries,
+                right.row(r).transpose());
   const AffineReduction fresh(changed);
   CHECK(reduction.d0() == fresh.d0());
-  CHECK(reduction.particular(right) == fresh.d0());
+  CHECK(reduction.particular_solution(right) == fresh.d0());
   right(2, 1) += 0.5;
-  CHECK_THROWS_AS(reduction.set_right(right), ConflictError);
+  CHECK_THROWS_AS(reduction.set_rhs(right), ConflictError);
   CHECK(reduction.d0() == fresh.d0());
   reduction.set_values(set);
   CHECK(reduction.d0() == before);
-  CHECK_THROWS_AS(reduction.set_right(MatX::Zero(2, 3)), InputError);
+  CHECK_THROWS_AS(reduction.set_rhs(MatX::Zero(2, 3)), InputError);
   CHECK_THROWS_AS(reduction.set_values(ConstraintSet(5)), InputError);
 }

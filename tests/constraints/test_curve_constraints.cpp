@@ -2,15 +2,15 @@
 #include <cmath>
 
 #include "batten/constraints/constrained_solver.h"
-#include "batten/constraints/implicit_steps.h"
 #include "batten/constraints/shape/curve_constraints.h"
+#include "batten/constraints/theta_integrator.h"
 #include "batten/core/errors.h"
-#include "batten/fem/curve.h"
-#include "batten/fem/curve_assembly.h"
-#include "batten/tests/catch.h"
-#include "batten/tests/kkt_twin.h"
-#include "batten/tests/refusal.h"
-#include "batten/tests/sampling.h"
+#include "batten/fem/curve_assembler.h"
+#include "batten/fem/hermite_curve.h"
+#include "batten/tests/support/catch.h"
+#include "batten/tests/support/error_message.h"
+#include "batten/tests/support/kkt_solver.h"
+#include "batten/tests/support/sampling.h"
 
 using namespace batten_test;
 using Catch::Matchers::Contains;
@@ -32,8 +32,9 @@ struct Soft {
 };
 
 HermiteCurve solved(const Soft& soft, const ConstraintSet& set) {
-  const Points x = solve_constrained(set, soft.K, soft.F), twin = solve_kkt(set, soft.K, soft.F);
-  CHECK((x - twin).norm() < 1e-10 * (1 + twin.norm()));
+  const Points x = solve_constrained(set, soft.K, soft.F),
+               expected = solve_kkt(set, soft.K, soft.F);
+  CHECK((x - expected).norm() < 1e-10 * (1 + expected.norm()));
   return {soft.mesh, x};
 }
 
@@ -50,7 +51,7 @@ TEST_CASE(
       CurveConstraints rows(mesh, set);
       rows.point("p", 1.3, p);
       rows.derivative("d", 0.4, p);
-      rows.no_curvature("k", 0);
+      rows.zero_curvature("k", 0);
       rows.direction("t", 2.5, n);
       const HermiteCurve curve = solved(soft, set);
       CHECK((curve.evaluate(1.3) - p).norm() < 1e-13);
@@ -86,14 +87,14 @@ TEST_CASE("a symmetric curve is its own mirror image, open, closed, with corners
   }
   const CurveMesh uneven({0, 1, 3});
   ConstraintSet set(uneven.dof_count());
-  CHECK_THAT(refusal([&] {
+  CHECK_THAT(error_message([&] {
                CurveConstraints(uneven, set).symmetric("mirror", {0, 0, 0}, {1, 0, 0});
              }),
              Contains("'mirror'") && Contains("no mirror image"));
-  CHECK_THAT(refusal([&] { CurveConstraints(uneven, set).direction("t", 0, Vec3::Zero()); }),
+  CHECK_THAT(error_message([&] { CurveConstraints(uneven, set).direction("t", 0, Vec3::Zero()); }),
              Contains("'t'") && Contains("length 0"));
   ConstraintSet other(3);
-  CHECK_THAT(refusal([&] { CurveConstraints(uneven, other); }), Contains("3 dofs"));
+  CHECK_THAT(error_message([&] { CurveConstraints(uneven, other); }), Contains("3 dofs"));
 }
 
 TEST_CASE("motion: one long implicit Euler step is the static solution") {
@@ -104,12 +105,12 @@ TEST_CASE("motion: one long implicit Euler step is the static solution") {
     rows.point("start", 0, {1, 2, 3});
     if (coupled) rows.in_plane("plane", {1, 2, 3}, {0, 1, 1});
     const SparseMatrix M = CurveAssembler(soft.mesh).mass();
-    ImplicitSteps steps(set, soft.K, M, {1, 1, 1e9, 1});
+    ThetaIntegrator steps(set, soft.K, M, {1, 1, 1e9, 1});
     const Points wanted = solve_constrained(set, soft.K, soft.F);
     CHECK((steps.step(soft.F) - wanted).norm() < 1e-7);
     CHECK(set.max_residual(steps.positions()) < 1e-12);
     // Small steps arrive there too, and never gain energy.
-    ImplicitSteps slow(set, soft.K, M, {1, 0.5, 0.05, 1});
+    ThetaIntegrator slow(set, soft.K, M, {1, 0.5, 0.05, 1});
     double before = slow.kinetic() + slow.potential(soft.F);
     for (int i = 0; i < 4000; ++i) {
       slow.step(soft.F);
@@ -132,7 +133,7 @@ TEST_CASE(
     return v.cwiseProduct(Points(M.selfadjointView<Eigen::Lower>() * v)).sum();
   };
   for (const double damping : {0.0, 0.7}) {
-    ImplicitSteps steps(set, soft.K, M, {2, damping, 0.1, 0.5});
+    ThetaIntegrator steps(set, soft.K, M, {2, damping, 0.1, 0.5});
     double energy = steps.kinetic() + steps.potential(soft.F), lost = 0;
     for (int i = 0; i < 200; ++i) {
       const Points v0 = steps.velocities();
@@ -142,7 +143,7 @@ TEST_CASE(
     CHECK(energy - lost == Approx(steps.kinetic() + steps.potential(soft.F)).epsilon(1e-10));
   }
   const auto at_two = [&](int n, double theta) {
-    ImplicitSteps steps(set, soft.K, M, {1, 0.3, 2.0 / n, theta});
+    ThetaIntegrator steps(set, soft.K, M, {1, 0.3, 2.0 / n, theta});
     for (int i = 0; i < n; ++i) steps.step(soft.F);
     return steps.positions();
   };
@@ -158,16 +159,19 @@ TEST_CASE("motion that makes no sense is refused") {
   const Soft soft(CurveMesh({0, 1}));
   ConstraintSet set(soft.mesh.dof_count());
   const SparseMatrix M = CurveAssembler(soft.mesh).mass();
-  const auto with = [&](ImplicitSteps::Options o) {
-    return refusal([&] { ImplicitSteps(set, soft.K, M, o); });
+  const auto with = [&](ThetaIntegrator::Options o) {
+    return error_message([&] { ThetaIntegrator(set, soft.K, M, o); });
   };
   CHECK_THAT(with({1, 1, 0, 1}), Contains("time step"));
   CHECK_THAT(with({-1, 1, 1, 1}), Contains("density"));
   CHECK_THAT(with({0, 0, 1, 1}), Contains("not both 0"));
   CHECK_THAT(with({1, 1, 1, 0.2}), Contains("theta"));
   const ConstraintSet small(3);
-  CHECK_THAT(refusal([&] { ImplicitSteps(small, soft.K, M, {1, 1, 1, 1}); }), Contains("4 × 4"));
-  ImplicitSteps steps(set, soft.K, M, {1, 1, 1, 1});
-  CHECK_THAT(refusal([&] { steps.start(Points::Zero(2, 3), Points::Zero(4, 3)); }),
+  CHECK_THAT(error_message([&] {
+               ThetaIntegrator(small, soft.K, M, {1, 1, 1, 1});
+             }),
+             Contains("4 × 4"));
+  ThetaIntegrator steps(set, soft.K, M, {1, 1, 1, 1});
+  CHECK_THAT(error_message([&] { steps.start(Points::Zero(2, 3), Points::Zero(4, 3)); }),
              Contains("2 positions"));
 }

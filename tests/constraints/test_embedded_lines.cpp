@@ -1,18 +1,18 @@
 #include <catch2/catch.hpp>
 
 #include "batten/constraints/constrained_solver.h"
-#include "batten/fem/assembly.h"
 #include "batten/fem/bisection.h"
-#include "batten/tests/embedded_grid.h"
-#include "batten/tests/refusal.h"
-#include "batten/tests/sampling.h"
+#include "batten/fem/surface_assembler.h"
+#include "batten/tests/support/embedded_grid.h"
+#include "batten/tests/support/error_message.h"
+#include "batten/tests/support/sampling.h"
 
 using namespace batten_test;
 
 namespace {
 
-struct Held {
-  HermiteCurve image, curve;
+struct ConstrainedLine {
+  HermiteCurve pcurve, curve;
   std::vector<double> t;
 };
 
@@ -21,14 +21,14 @@ struct Plate {
   TriangleElement kind;
   EmbeddedGrid grid;
   ConstraintSet set;
-  std::vector<Held> lines;
+  std::vector<ConstrainedLine> lines;
 
   Plate(const ParametricMesh& mesh, const DomainLoops& loops,
         TriangleElement kind_ = TriangleElement::HCT)
       : kind(kind_), grid(mesh, loops), set(DofMap(*grid.mesh).count()) {}
 
   // x = u, y = v, z = 0 on the mesh's straight sides u, v = ±half; the slope across stays free.
-  void hold_sides(double half) {
+  void constrain_sides(double half) {
     const DofMap dofs(*grid.mesh);
     for (int v = 0; v < grid.mesh->vertex_count(); ++v) {
       const Vec2 p = grid.mesh->vertices()[v];
@@ -40,13 +40,14 @@ struct Plate {
       if (on_u) set.fix("side", dofs.vertex(v, 2), {0, 1, 0});
     }
   }
-  Held& hold(const HermiteCurve& image, const HermiteCurve& curve, const PointSpacing& spacing = {},
-             bool drop_first = false, bool drop_last = false) {
-    auto t = embedded_points(*grid.mesh, *grid.locator, image, spacing);
+  ConstrainedLine& constrain(const HermiteCurve& pcurve, const HermiteCurve& curve,
+                             const PointSpacing& spacing = {}, bool drop_first = false,
+                             bool drop_last = false) {
+    auto t = embedded_point_parameters(*grid.mesh, *grid.locator, pcurve, spacing);
     if (drop_first) t.erase(t.begin());
     if (drop_last) t.pop_back();
-    lines.push_back({image, curve, t});
-    EmbeddedRows(*grid.mesh, kind, *grid.locator, set).points("line", image, curve, t);
+    lines.push_back({pcurve, curve, t});
+    EmbeddedLineConstraints(*grid.mesh, kind, *grid.locator, set).points("line", pcurve, curve, t);
     return lines.back();
   }
   Surface solved(const Vec3& load = Vec3::Zero()) const {
@@ -60,13 +61,13 @@ struct Plate {
     return s.position(grid.locator->locate({u, v}));
   }
   // Largest distance between surface and line over a part of it, 20 samples between points.
-  double gap(const Surface& s, const Held& line, double from = 0, double to = 1) const {
+  double gap(const Surface& s, const ConstrainedLine& line, double from = 0, double to = 1) const {
     double largest = 0;
     const int n = 20 * static_cast<int>(line.t.size());
     for (int i = 0; i <= n; ++i) {
-      const double t = line.image.start() +
-                       (line.image.end() - line.image.start()) * (from + (to - from) * i / n);
-      const Vec3 c = line.image.evaluate(t);
+      const double t = line.pcurve.start() +
+                       (line.pcurve.end() - line.pcurve.start()) * (from + (to - from) * i / n);
+      const Vec3 c = line.pcurve.evaluate(t);
       largest = std::max(largest, (at(s, c.x(), c.y()) - line.curve.evaluate(t)).norm());
     }
     return largest;
@@ -91,7 +92,7 @@ struct Plate {
     for (int k = 0; k < D.outerSize(); ++k)
       for (SparseMatrix::InnerIterator it(D, k); it; ++it)
         largest = std::max(largest, std::abs(it.value()));
-    return {reduction.dropped_rows(), largest};
+    return {reduction.redundant_count(), largest};
   }
 };
 
@@ -101,12 +102,12 @@ ParametricMesh side_squares(double half, double h) {
 }
 
 // A curve over its image, at the height z(t).
-HermiteCurve lifted(const HermiteCurve& image,
+HermiteCurve lifted(const HermiteCurve& pcurve,
                     const std::function<double(double t, int order)>& z) {
-  const CurveMesh& mesh = image.mesh();
-  Points dofs = image.dofs();
+  const CurveMesh& mesh = pcurve.mesh();
+  Points dofs = pcurve.dofs();
   for (int i = 0; i < mesh.node_count(); ++i) {
-    const double t = image.parameters()[static_cast<size_t>(i)];
+    const double t = pcurve.parameters()[static_cast<size_t>(i)];
     dofs(mesh.position_dof(i), 2) = z(t, 0);
     dofs(mesh.slope_out(i), 2) = z(t, 1);
   }
@@ -114,7 +115,7 @@ HermiteCurve lifted(const HermiteCurve& image,
 }
 
 DomainLoops hole(double radius) {
-  return DomainLoops({{circle({0, 0}, radius, 720, true)}}, DomainLoops::Around::Inside);
+  return DomainLoops({{circle({0, 0}, radius, 720, true)}}, DomainLoops::Background::Inside);
 }
 
 // The rim of a hole around the origin at 0.1 + 0.05 cos 2t.
@@ -128,8 +129,8 @@ struct HolePlate : Plate {
   HolePlate(const ParametricMesh& mesh, double radius, TriangleElement kind = TriangleElement::HCT,
             const PointSpacing& spacing = {})
       : Plate(mesh, hole(radius), kind) {
-    hold_sides(2);
-    hold(circle({0, 0}, radius, 720), wavy_rim(radius), spacing);
+    constrain_sides(2);
+    constrain(circle({0, 0}, radius, 720), wavy_rim(radius), spacing);
   }
 };
 
@@ -170,14 +171,14 @@ ParametricMesh refined_at(ParametricMesh mesh, const HermiteCurve& curve, int ro
 
 std::string list(const std::vector<double>& numbers) {
   std::string text;
-  for (const double x : numbers) text += number(x) + "  ";
+  for (const double x : numbers) text += format_number(x) + "  ";
   return text;
 }
 
 }  // namespace
 
 TEST_CASE("a plate with a held rim around its hole") {
-  for (const TriangleElement kind : both_kinds) {
+  for (const TriangleElement kind : kBothElements) {
     std::vector<double> gaps, energies;
     for (const double h : {1 / 4., 1 / 8., 1 / 16.}) {
       const HolePlate plate(side_squares(2, h), 0.5, kind);
@@ -220,16 +221,16 @@ TEST_CASE("a turned square plate, its corners inside elements") {
                                   corner(-.5, .5)};
   DomainLoops::Loop outline;
   for (size_t i = 0; i < 4; ++i) outline.push_back(straight(corners[i], corners[(i + 1) % 4]));
-  for (const TriangleElement kind : both_kinds) {
+  for (const TriangleElement kind : kBothElements) {
     std::vector<double> errors;
     for (const double h : {1 / 4., 1 / 8., 1 / 16., 1 / 32.}) {
       const int n = static_cast<int>(std::round(1.5 / h)) + 2;
       const Vec2 origin = Vec2::Constant(-0.75 - h) + h * Vec2(0.13, 0.29);
       Plate plate(squares(origin, h, n, n), DomainLoops({outline}), kind);
       CHECK(plate.grid.trim->area() == Approx(1).epsilon(1e-12));
-      for (const HermiteCurve& side : outline) plate.hold(side, side, {}, true);
+      for (const HermiteCurve& side : outline) plate.constrain(side, side, {}, true);
       ConstraintSet flat(plate.set.dof_count());
-      for (const auto& row : plate.set.rows()) flat.add("side", row.entries, Vec3::Zero());
+      for (const auto& row : plate.set.constraints()) flat.add("side", row.entries, Vec3::Zero());
       plate.set = flat;
       const auto [dropped, largest] = plate.reduction();
       CHECK(dropped == 0);
@@ -280,16 +281,16 @@ TEST_CASE("refined towards a small hole, the gap falls as on a fine grid") {
 }
 
 TEST_CASE("a rib that ends inside the plate") {
-  for (const TriangleElement kind : both_kinds) {
+  for (const TriangleElement kind : kBothElements) {
     std::vector<double> middle, ends, more;
     for (const double h : {1 / 4., 1 / 8., 1 / 16., 1 / 32.}) {
       Plate plate(side_squares(1, h), DomainLoops(), kind), dense = plate;
-      plate.hold_sides(1);
-      plate.hold(rib(), raised_rib());
-      dense.hold_sides(1);
+      plate.constrain_sides(1);
+      plate.constrain(rib(), raised_rib());
+      dense.constrain_sides(1);
       PointSpacing spacing;
-      spacing.more_at_ends = 2;
-      dense.hold(rib(), raised_rib(), spacing);
+      spacing.extra_end_points = 2;
+      dense.constrain(rib(), raised_rib(), spacing);
       CHECK(dense.lines[0].t.size() == plate.lines[0].t.size() + 4);
       const auto [dropped, largest] = plate.reduction();
       CHECK(dropped == 0);
@@ -316,16 +317,16 @@ TEST_CASE("a rib that ends inside the plate") {
 
 TEST_CASE("a rib on a grid that is bisected towards it") {
   Plate coarse(side_squares(1, 1 / 4.), DomainLoops());
-  coarse.hold_sides(1);
-  coarse.hold(rib(), raised_rib());
+  coarse.constrain_sides(1);
+  coarse.constrain(rib(), raised_rib());
   const Surface s = coarse.solved();
   const double coarse_middle = coarse.gap(s, coarse.lines[0], 0.1, 0.9),
                coarse_all = coarse.gap(s, coarse.lines[0]);
   std::vector<double> middle, all;
   for (const int rounds : {1, 2, 3, 4, 6}) {
     Plate graded(refined_at(side_squares(1, 1 / 4.), rib(), rounds), DomainLoops());
-    graded.hold_sides(1);
-    graded.hold(rib(), raised_rib());
+    graded.constrain_sides(1);
+    graded.constrain(rib(), raised_rib());
     const auto [dropped, largest] = graded.reduction();
     INFO("rounds " << rounds << " D " << largest);
     CHECK(dropped == 0);
@@ -346,9 +347,9 @@ TEST_CASE("the normal along an inner line, by hats") {
   for (const double h : {1 / 4., 1 / 8., 1 / 16.}) {
     for (const bool by_normal : {true, false}) {
       Plate plate(side_squares(1, h), DomainLoops());
-      plate.hold_sides(1);
-      const HermiteCurve image = rib(), curve = raised_rib();
-      const Held line = plate.hold(image, curve);
+      plate.constrain_sides(1);
+      const HermiteCurve pcurve = rib(), curve = raised_rib();
+      const ConstrainedLine line = plate.constrain(pcurve, curve);
       // At right angles to the line, leaning by a tenth to its left.
       const auto wanted = [&](double t) -> Vec3 {
         const Vec3 along = curve.evaluate(t, 1);
@@ -356,13 +357,13 @@ TEST_CASE("the normal along an inner line, by hats") {
         const Vec3 up = along.cross(left).normalized();
         return (up - (0.1 + 0.05 * std::sin(3 * t)) * left.normalized()).normalized();
       };
-      EmbeddedRows rows(*plate.grid.mesh, plate.kind, *plate.grid.locator, plate.set);
+      EmbeddedLineConstraints rows(*plate.grid.mesh, plate.kind, *plate.grid.locator, plate.set);
       if (by_normal) {
-        rows.normal("normal", image, line.t, wanted);
+        rows.normal("normal", pcurve, line.t, wanted);
       } else {
         // x_ν so that it is at right angles to n, with unit shadow.
-        rows.slope("slope", image, line.t, [&](double t) {
-          const Vec3 d = image.evaluate(t, 1).normalized(), nu(-d.y(), d.x(), 0), n = wanted(t);
+        rows.slope("slope", pcurve, line.t, [&](double t) {
+          const Vec3 d = pcurve.evaluate(t, 1).normalized(), nu(-d.y(), d.x(), 0), n = wanted(t);
           return Vec3(nu.x(), nu.y(), -n.dot(nu) / n.z());
         });
       }
@@ -371,8 +372,9 @@ TEST_CASE("the normal along an inner line, by hats") {
       double squares = 0;
       const int samples = 400;
       for (int i = 0; i < samples; ++i) {
-        const double t = image.start() + (image.end() - image.start()) * (0.1 + 0.8 * i / samples);
-        const Vec3 c = image.evaluate(t);
+        const double t =
+            pcurve.start() + (pcurve.end() - pcurve.start()) * (0.1 + 0.8 * i / samples);
+        const Vec3 c = pcurve.evaluate(t);
         const double turn = std::acos(std::clamp(
             s.jet(plate.grid.locator->locate({c.x(), c.y()})).normal().dot(wanted(t)), -1., 1.));
         squares += turn * turn;
@@ -405,17 +407,18 @@ TEST_CASE("two lines closer than an element keep their rows and gaps") {
                               0.2 * std::cos(1.2 * u) * std::sin(v) * r * std::cos(t);
     });
   };
-  for (const TriangleElement kind : both_kinds) {
+  for (const TriangleElement kind : kBothElements) {
     double alone = 0;
     for (const double distance : {0.0, 1.0, 0.7, 0.5, 0.3, 0.2, 0.1}) {
       Plate plate(side_squares(1, h), DomainLoops(), kind);
-      plate.hold_sides(1);
-      plate.hold(at_radius(1.1), on_sheet(1.1));
-      if (distance > 0) plate.hold(at_radius(1.1 + distance * h), on_sheet(1.1 + distance * h));
+      plate.constrain_sides(1);
+      plate.constrain(at_radius(1.1), on_sheet(1.1));
+      if (distance > 0)
+        plate.constrain(at_radius(1.1 + distance * h), on_sheet(1.1 + distance * h));
       const auto [dropped, largest] = plate.reduction();
       CHECK(dropped == 0);
       const Surface s = plate.solved();
-      for (const Held& line : plate.lines) {
+      for (const ConstrainedLine& line : plate.lines) {
         const double gap = plate.gap(s, line, 0.1, 0.9);
         if (distance == 0) alone = gap;
         INFO(name(kind) << " distance " << distance << " gap " << gap << " alone " << alone << " D "
@@ -445,7 +448,7 @@ TEST_CASE("a line along element edges, and a hair beside them") {
               return {p.x() + t * d.x(), p.y() + t * d.y(), 0.1 * std::sin(5 * t)};
             });
         plate.set.fix("corner", DofMap(*plate.grid.mesh).vertex(n), {1, -1, 0});
-        plate.hold(straight(p, q), curve);
+        plate.constrain(straight(p, q), curve);
         CHECK(plate.reduction().first == 0);
         const Surface s = plate.solved();
         if (off == 0) energy = plate.bending(s);
@@ -473,7 +476,7 @@ TEST_CASE("points of a line are spaced by the triangles below them") {
     return lengths;
   };
   for (const HermiteCurve& c : {arc, ring}) {
-    const auto t = embedded_points(uniform, locator, c);
+    const auto t = embedded_point_parameters(uniform, locator, c);
     CHECK(t.front() == c.start());
     if (c.closed())
       CHECK(t.back() < c.end());
@@ -488,25 +491,27 @@ TEST_CASE("points of a line are spaced by the triangles below them") {
       CHECK(l == Approx(lengths[0]).epsilon(1e-3));
     }
     // Another step, and places that have to be there.
-    const auto wide = embedded_points(uniform, locator, c, {1.0, 0});
+    const auto wide = embedded_point_parameters(uniform, locator, c, {1.0, 0});
     CHECK(wide.size() < t.size());
     const double forced = c.start() + 0.437 * (c.end() - c.start());
-    const auto with = embedded_points(uniform, locator, c, {}, {forced, forced, c.end() + 1});
+    const auto with =
+        embedded_point_parameters(uniform, locator, c, {}, {forced, forced, c.end() + 1});
     CHECK(std::count(with.begin(), with.end(), forced) == 1);
     CHECK(std::adjacent_find(with.begin(), with.end(), std::greater_equal<>()) == with.end());
     for (const double l : steps(c, with)) {
       CHECK(l <= 0.7 * h * 1.0001);
       CHECK(l >= 0.35 * h);
     }
-    const auto at_ends = embedded_points(uniform, locator, c, {}, {c.start(), c.end()});
+    const auto at_ends = embedded_point_parameters(uniform, locator, c, {}, {c.start(), c.end()});
     CHECK(at_ends.size() == t.size());
   }
   // Half steps at open ends only, as many as asked for.
   PointSpacing ends;
-  ends.more_at_ends = 3;
-  CHECK(embedded_points(uniform, locator, ring, ends) == embedded_points(uniform, locator, ring));
-  const auto plain = steps(arc, embedded_points(uniform, locator, arc)),
-             halved = steps(arc, embedded_points(uniform, locator, arc, ends));
+  ends.extra_end_points = 3;
+  CHECK(embedded_point_parameters(uniform, locator, ring, ends) ==
+        embedded_point_parameters(uniform, locator, ring));
+  const auto plain = steps(arc, embedded_point_parameters(uniform, locator, arc)),
+             halved = steps(arc, embedded_point_parameters(uniform, locator, arc, ends));
   REQUIRE(halved.size() == plain.size() + 6);
   for (size_t i = 0; i < halved.size(); ++i)
     CHECK(halved[i] / plain[0] == Approx(i < 6 || i + 6 >= halved.size() ? 0.5 : 1).epsilon(0.01));
@@ -515,17 +520,17 @@ TEST_CASE("points of a line are spaced by the triangles below them") {
     const double t = s * s + 0.2 * s, slope = 2 * s + 0.2;
     return order == 0 ? Vec3(t - 0.6, 0.3 * t, 0) : Vec3(slope, 0.3 * slope, 0);
   });
-  for (const double l : steps(uneven, embedded_points(uniform, locator, uneven))) {
+  for (const double l : steps(uneven, embedded_point_parameters(uniform, locator, uneven))) {
     CHECK(l <= 0.7 * h * 1.001);
     CHECK(l >= 0.6 * h);
   }
   // A tiny loop is still a loop.
-  CHECK(embedded_points(uniform, locator, circle({0, 0}, 0.01, 40)).size() >= 6);
+  CHECK(embedded_point_parameters(uniform, locator, circle({0, 0}, 0.01, 40)).size() >= 6);
   // Graded: by the size of each triangle, from point to point.
   const ParametricMesh graded = refined_at(side_squares(1, 1 / 4.), circle({0.3, 0.2}, 0.1, 40), 6);
   const TriangleLocator on_graded(graded);
   for (const HermiteCurve& c : {arc, ring}) {
-    const auto t = embedded_points(graded, on_graded, c);
+    const auto t = embedded_point_parameters(graded, on_graded, c);
     const auto lengths = steps(c, t);
     double smallest = 1e9, largest = 0;
     for (size_t i = 0; i < lengths.size(); ++i) {
@@ -554,23 +559,22 @@ TEST_CASE("hats average the slope across over both neighbours") {
   ConstraintSet set(DofMap(mesh).count());
   const HermiteCurve line = straight({-0.9, 0.05}, {0.9, 0.05});
   const std::vector<double> t{0, 0.3, 0.6, 0.9, 1.2, 1.5, 1.8};
-  EmbeddedRows(mesh, TriangleElement::HCT, locator, set).slope("slope", line, t, [](double s) {
-    return Vec3(s, s * s, 1);
-  });
+  EmbeddedLineConstraints(mesh, TriangleElement::HCT, locator, set)
+      .slope("slope", line, t, [](double s) { return Vec3(s, s * s, 1); });
   // w = u² v: the slope to the left of the line is u², its mean under a hat u_k² + step²/6; at the
   // ends half a hat, whose centroid is step/3 away.
   const VecX q = dofs_of(mesh, [](const Vec2& p) {
     return Vec3(p.x() * p.x() * p.y(), 2 * p.x() * p.y(), p.x() * p.x());
   });
-  REQUIRE(set.rows().size() == t.size());
+  REQUIRE(set.constraints().size() == t.size());
   for (size_t k = 0; k < t.size(); ++k) {
     double row = 0;
-    for (const auto& entry : set.rows()[k].entries) row += entry.coefficient * q[entry.dof];
+    for (const auto& entry : set.constraints()[k].entries) row += entry.coefficient * q[entry.dof];
     const double step = 0.3, u = t[k] - 0.9;
     const double inward = k == 0 ? step / 3 : k + 1 == t.size() ? -step / 3 : 0;
     CHECK(row == Approx(u * u + 2 * u * inward + step * step / 6).epsilon(1e-12));
     const Vec3 value(t[k] + inward, t[k] * t[k] + 2 * t[k] * inward + step * step / 6, 1);
-    CHECK((set.rows()[k].value - value).norm() < 1e-13);
+    CHECK((set.constraints()[k].value - value).norm() < 1e-13);
   }
 }
 
@@ -578,13 +582,14 @@ TEST_CASE("rows off the mesh and sets of another mesh are refused") {
   const ParametricMesh mesh = side_squares(1, 0.25);
   const TriangleLocator locator(mesh);
   ConstraintSet set(DofMap(mesh).count()), other(7);
-  EmbeddedRows rows(mesh, TriangleElement::HCT, locator, set);
+  EmbeddedLineConstraints rows(mesh, TriangleElement::HCT, locator, set);
   const HermiteCurve away = circle({0, 0}, 1.1, 40);
-  CHECK(refusal([&] { rows.points("rim", away, away, {0}); }).find("'rim' leaves the mesh") !=
+  CHECK(error_message([&] { rows.points("rim", away, away, {0}); }).find("'rim' leaves the mesh") !=
         std::string::npos);
-  CHECK(refusal([&] { EmbeddedRows(mesh, TriangleElement::HCT, locator, other); }) != "");
+  CHECK(error_message(
+            [&] { EmbeddedLineConstraints(mesh, TriangleElement::HCT, locator, other); }) != "");
   // On the very edge of the mesh is on it.
   const HermiteCurve side = straight({-1, -1}, {1, -1});
-  rows.points("side", side, side, embedded_points(mesh, locator, side));
-  CHECK(set.rows().size() == static_cast<size_t>(std::ceil(2 / (0.7 * 0.25))) + 1);
+  rows.points("side", side, side, embedded_point_parameters(mesh, locator, side));
+  CHECK(set.constraints().size() == static_cast<size_t>(std::ceil(2 / (0.7 * 0.25))) + 1);
 }

@@ -3,7 +3,7 @@
 #include <limits>
 
 #include "batten/core/progress.h"
-#include "batten/tests/catch.h"
+#include "batten/tests/support/catch.h"
 
 using namespace batten;
 
@@ -26,29 +26,29 @@ TEST_CASE("a conflict names every constraint that takes part and by how much the
 }
 
 TEST_CASE("number() keeps six digits and never invents any") {
-  CHECK(number(0) == "0");
-  CHECK(number(0.1) == "0.1");
-  CHECK(number(-2.5e-7) == "-2.5e-07");
-  CHECK(number(1.0 / 3) == "0.333333");
-  CHECK(number(1e300) == "1e+300");
-  CHECK(number(std::numeric_limits<double>::quiet_NaN()).find("nan") != std::string::npos);
+  CHECK(format_number(0) == "0");
+  CHECK(format_number(0.1) == "0.1");
+  CHECK(format_number(-2.5e-7) == "-2.5e-07");
+  CHECK(format_number(1.0 / 3) == "0.333333");
+  CHECK(format_number(1e300) == "1e+300");
+  CHECK(format_number(std::numeric_limits<double>::quiet_NaN()).find("nan") != std::string::npos);
 }
 
 TEST_CASE("nearest_word finds the word that was meant, and none when no word is near") {
   const std::vector<std::string> words{"stiffness", "pressure", "point", "uniform"};
-  CHECK(nearest_word("pressure", words) == "pressure");
-  CHECK(nearest_word("presure", words) == "pressure");    // a letter missing
-  CHECK(nearest_word("pressurre", words) == "pressure");  // one too many
-  CHECK(nearest_word("stifnes", words) == "stiffness");   // two missing
-  CHECK(nearest_word("uniporm", words) == "uniform");     // one replaced
-  CHECK(nearest_word("temperature", words) == "");
-  CHECK(nearest_word("point", {}) == "");
+  CHECK(closest_match("pressure", words) == "pressure");
+  CHECK(closest_match("presure", words) == "pressure");    // a letter missing
+  CHECK(closest_match("pressurre", words) == "pressure");  // one too many
+  CHECK(closest_match("stifnes", words) == "stiffness");   // two missing
+  CHECK(closest_match("uniporm", words) == "uniform");     // one replaced
+  CHECK(closest_match("temperature", words) == "");
+  CHECK(closest_match("point", {}) == "");
   // Of two that are near, the nearer.
-  CHECK(nearest_word("lined", {"limes", "lines", "line"}) == "lines");
+  CHECK(closest_match("lined", {"limes", "lines", "line"}) == "lines");
 }
 
 TEST_CASE("an empty progress does nothing, a cancelled one stops the computation") {
-  CHECK_NOTHROW(Progress{}.at("stage", 0.5));
+  CHECK_NOTHROW(Progress{}.update("stage", 0.5));
 
   std::string seen;
   double fraction = 0;
@@ -57,11 +57,11 @@ TEST_CASE("an empty progress does nothing, a cancelled one stops the computation
     seen = stage;
     fraction = f;
   };
-  progress.at("factor", 0.25);
+  progress.update("factor", 0.25);
   CHECK(seen == "factor");
   CHECK(fraction == 0.25);
 
   progress.cancelled = [] { return true; };
-  CHECK_THROWS_AS(progress.at("solve", 1), CancelledError);
+  CHECK_THROWS_AS(progress.update("solve", 1), CancelledError);
   CHECK(seen == "factor");  // nothing is reported of a stage that was cancelled
 }

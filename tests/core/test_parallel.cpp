@@ -8,8 +8,8 @@
 #include <thread>
 #include <vector>
 
-#include "batten/tests/catch.h"
-#include "batten/tests/threads.h"
+#include "batten/tests/support/catch.h"
+#include "batten/tests/support/thread_guard.h"
 
 #if defined(__linux__)
 #include <sys/wait.h>
@@ -38,7 +38,7 @@ TEST_CASE("parallel_parts calls every part exactly once, on any number of thread
     for (const int parts : {0, 1, 2, 7, 1000}) {
       set_thread_count(threads);
       std::vector<std::atomic<int>> calls(parts);
-      parallel_parts(parts, [&](int part) { ++calls.at(part); });
+      parallel_for(parts, [&](int part) { ++calls.at(part); });
       int wrong = 0;
       for (const auto& c : calls) wrong += c != 1;
       CHECK(wrong == 0);
@@ -50,7 +50,7 @@ TEST_CASE("one thread is the caller's own, in order") {
   set_thread_count(1);
   std::vector<int> order;
   std::set<std::thread::id> who;
-  parallel_parts(5, [&](int part) {
+  parallel_for(5, [&](int part) {
     order.push_back(part);
     who.insert(std::this_thread::get_id());
   });
@@ -63,7 +63,7 @@ TEST_CASE("no more threads work than thread_count") {
   set_thread_count(2);
   std::mutex mutex;
   std::set<std::thread::id> who;
-  parallel_parts(200, [&](int) {
+  parallel_for(200, [&](int) {
     const std::lock_guard lock(mutex);
     who.insert(std::this_thread::get_id());
   });
@@ -77,7 +77,7 @@ TEST_CASE("an exception of a part reaches the caller, after the other parts are 
     std::atomic<int> done{0};
     std::string message;
     try {
-      parallel_parts(50, [&](int part) {
+      parallel_for(50, [&](int part) {
         if (part == 20) throw std::runtime_error("part 20");
         ++done;
       });
@@ -95,7 +95,7 @@ TEST_CASE("threads are used again and again, for calls too short to wake them") 
   long sum = 0;
   for (int call = 0; call < 20000; ++call) {
     std::atomic<int> parts{0};
-    parallel_parts(3, [&](int part) { parts += part + 1; });
+    parallel_for(3, [&](int part) { parts += part + 1; });
     sum += parts;
   }
   CHECK(sum == 20000 * 6);
@@ -107,7 +107,7 @@ namespace {
 bool two_threads_work() {
   std::atomic<int> started{0};
   std::atomic<bool> together{true};
-  parallel_parts(2, [&](int) {
+  parallel_for(2, [&](int) {
     ++started;
     const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(10);
     while (started < 2 && std::chrono::steady_clock::now() < end) std::this_thread::yield();
@@ -122,13 +122,13 @@ TEST_CASE("the second thread comes, also after an exception, a nested call, two 
   const ThreadGuard guard;
   set_thread_count(2);
   REQUIRE(two_threads_work());
-  CHECK_THROWS_AS(parallel_parts(4, [](int) { throw std::runtime_error("each"); }),
+  CHECK_THROWS_AS(parallel_for(4, [](int) { throw std::runtime_error("each"); }),
                   std::runtime_error);
   REQUIRE(two_threads_work());
-  parallel_parts(2, [](int) { parallel_parts(2, [](int) {}); });
+  parallel_for(2, [](int) { parallel_for(2, [](int) {}); });
   REQUIRE(two_threads_work());
-  std::thread other([] { parallel_parts(100, [](int) {}); });
-  parallel_parts(100, [](int) {});
+  std::thread other([] { parallel_for(100, [](int) {}); });
+  parallel_for(100, [](int) {});
   other.join();
   REQUIRE(two_threads_work());
 }
@@ -139,7 +139,7 @@ TEST_CASE("two callers at once keep their parts apart") {
   const auto rounds = [](std::atomic<int>& wrong) {
     for (int round = 0; round < 200; ++round) {
       std::vector<std::atomic<int>> calls(6);
-      parallel_parts(6, [&](int part) {
+      parallel_for(6, [&](int part) {
         std::this_thread::sleep_for(std::chrono::microseconds(50));
         ++calls[part];
       });
@@ -156,12 +156,12 @@ TEST_CASE("two callers at once keep their parts apart") {
 TEST_CASE("threads that are there already do not join when fewer are asked for") {
   const ThreadGuard guard;
   set_thread_count(8);
-  parallel_parts(8, [](int) { std::this_thread::sleep_for(std::chrono::milliseconds(1)); });
+  parallel_for(8, [](int) { std::this_thread::sleep_for(std::chrono::milliseconds(1)); });
   set_thread_count(2);
   for (int round = 0; round < 20; ++round) {
     std::mutex mutex;
     std::set<std::thread::id> who;
-    parallel_parts(8, [&](int) {
+    parallel_for(8, [&](int) {
       std::this_thread::sleep_for(std::chrono::milliseconds(1));
       const std::lock_guard lock(mutex);
       who.insert(std::this_thread::get_id());
@@ -176,18 +176,18 @@ TEST_CASE("the first exception is the one that is thrown again") {
   const auto throws = [](int part) {
     if (part == 3 || part == 7) throw std::runtime_error("part " + std::to_string(part));
   };
-  CHECK_THROWS_WITH(parallel_parts(9, throws), "part 3");
+  CHECK_THROWS_WITH(parallel_for(9, throws), "part 3");
 }
 
 TEST_CASE("a part may call parallel_parts, and so may two threads at once") {
   const ThreadGuard guard;
   set_thread_count(3);
   std::atomic<int> inner{0};
-  parallel_parts(6, [&](int) { parallel_parts(5, [&](int) { ++inner; }); });
+  parallel_for(6, [&](int) { parallel_for(5, [&](int) { ++inner; }); });
   CHECK(inner == 30);
 
   const auto many = [](std::atomic<long>& sum) {
-    for (int call = 0; call < 2000; ++call) parallel_parts(4, [&](int part) { sum += part; });
+    for (int call = 0; call < 2000; ++call) parallel_for(4, [&](int part) { sum += part; });
   };
   std::atomic<long> mine{0}, other{0};
   std::thread thread([&] { many(other); });
@@ -202,11 +202,11 @@ TEST_CASE("a forked process works alone and ends") {
   const ThreadGuard guard;
   set_thread_count(3);
   std::atomic<int> parts{0};
-  parallel_parts(8, [&](int) { ++parts; });
+  parallel_for(8, [&](int) { ++parts; });
   std::fflush(nullptr);
   const pid_t child = fork();
   if (child == 0) {
-    parallel_parts(8, [&](int) { ++parts; });
+    parallel_for(8, [&](int) { ++parts; });
     // exit() runs the destructors of statics.
     std::exit(parts == 16 ? 0 : 1);
   }

@@ -4,8 +4,8 @@
 
 #include "batten/core/errors.h"
 #include "batten/core/memory.h"
-#include "batten/tests/catch.h"
-#include "batten/tests/sampling.h"
+#include "batten/tests/support/catch.h"
+#include "batten/tests/support/sampling.h"
 
 using namespace batten_test;
 
@@ -194,14 +194,14 @@ TEST_CASE("a factor that memory cannot hold is refused before its numbers") {
   SparseMatrix A(n, n);
   A.setFromTriplets(entries.begin(), entries.end());
   struct NoLimit {
-    ~NoLimit() { limit_memory(0); }
+    ~NoLimit() { set_memory_limit(0); }
   } afterwards;
   SparseCholesky cholesky;
-  limit_memory(1e8);
+  set_memory_limit(1e8);
   CHECK_THROWS_WITH(cholesky.analyze(A, order),
                     Catch::Matchers::Contains("a factor of 6000 unknowns needs 288 MB of memory"));
   cholesky.analyze(A);  // the other way round it stays as sparse as A
   REQUIRE(cholesky.factorize(A));
-  limit_memory(0);
+  set_memory_limit(0);
   CHECK_NOTHROW(cholesky.analyze(A, order));
 }

@@ -8,12 +8,12 @@
 #include "batten/core/sparse_cholesky.h"
 #include "batten/core/supernodal_factor.h"
 #include "batten/core/supernodal_solve.h"
-#include "batten/tests/catch.h"
-#include "batten/tests/solver_matrices.h"
-#include "batten/tests/threads.h"
+#include "batten/tests/support/catch.h"
+#include "batten/tests/support/solver_matrices.h"
+#include "batten/tests/support/thread_guard.h"
 
 #ifdef BATTEN_TEST_CHOLMOD
-#include "batten/tests/cholmod_peer.h"
+#include "batten/tests/support/cholmod_solver.h"
 extern "C" __attribute__((weak)) void openblas_set_num_threads(int);
 extern "C" __attribute__((weak)) void omp_set_max_active_levels(int);
 #endif
@@ -34,14 +34,14 @@ SparseCholesky factor_of(const BendingMatrix& problem) {
 // number, would hide what is compared.
 MatX solved_by_cholmod(const BendingMatrix& problem, const MatX& b) {
   SupernodalFactor factor;
-  factor.analyze(problem.K, problem.order, Expected::one_factor);
+  factor.analyze(problem.K, problem.order, FactorReuse::once);
   REQUIRE(factor.factorize(problem.K).empty());
   if (openblas_set_num_threads) openblas_set_num_threads(1);
   if (omp_set_max_active_levels) omp_set_max_active_levels(0);
-  CholmodPeer peer(problem.K, problem.order, problem.K.rows() < CholmodPeer::small);
+  CholmodSolver peer(problem.K, problem.order, problem.K.rows() < CholmodSolver::small);
   peer.analyze();
   peer.factorize();
-  peer.take_numbers(factor.values());
+  peer.set_factor_values(factor.values());
   peer.solve(b);
   return peer.solution();
 }
@@ -117,7 +117,7 @@ TEST_CASE("vector registers of every width give the same solution") {
     const SparseCholesky cholesky = factor_of(problem);
     const MatX b = random_columns(problem.K.rows(), 7);
     for (const int bits : {128, 256, 512}) {
-      limit_vector_bits(bits);
+      set_max_vector_bits(bits);
       for (const long columns : {3, 7}) {
         const MatX right = b.leftCols(columns);
         MatX x = right;
@@ -130,7 +130,7 @@ TEST_CASE("vector registers of every width give the same solution") {
         CHECK(same(cholesky.solve(right), x));
       }
     }
-    limit_vector_bits(512);
+    set_max_vector_bits(512);
   }
 }
 
@@ -189,7 +189,7 @@ TEST_CASE("a part of a solve gives the wanted rows of the whole, bit by bit") {
     const ThreadGuard use(threads);
     for (const Rows& nonzero : choices)
       for (const Rows& wanted : choices) {
-        const SolvePart part = cholesky.part(nonzero, wanted);
+        const SolveSubset part = cholesky.subset(nonzero, wanted);
         const MatX right = nonzero ? only(b, *nonzero) : b;
         for (const long columns : {3, 5}) {
           const MatX whole = cholesky.solve(right.leftCols(columns));
@@ -203,23 +203,23 @@ TEST_CASE("a part of a solve gives the wanted rows of the whole, bit by bit") {
         CHECK(part.entries <= 2 * cholesky.factor_entries());
       }
   }
-  CHECK(cholesky.part(all, all).entries == 2 * cholesky.factor_entries());
-  CHECK(cholesky.part(std::vector<int>{}, std::vector<int>{}).entries == 0);
-  CHECK(cholesky.part(std::vector<int>{5}, std::vector<int>{5}).entries <
+  CHECK(cholesky.subset(all, all).entries == 2 * cholesky.factor_entries());
+  CHECK(cholesky.subset(std::vector<int>{}, std::vector<int>{}).entries == 0);
+  CHECK(cholesky.subset(std::vector<int>{5}, std::vector<int>{5}).entries <
         cholesky.factor_entries());
 }
 
 TEST_CASE("what a part has no need of is not visited") {
   const SparseMatrix A = holed_sheet(3300).normal;
   SupernodalFactor factor;
-  factor.analyze(A, {}, Expected::one_factor);
+  factor.analyze(A, {}, FactorReuse::once);
   REQUIRE(factor.factorize(A).empty());
   SupernodalSolve solve(factor.pattern(), factor.order());
   solve.pack(factor.values());
   const SupernodalPattern L = factor.pattern();
   for (const int unknown : {0, 700, 2100}) {
     const std::vector<int> alone = {unknown};
-    const SolvePart part = solve.part(alone, alone);
+    const SolveSubset part = solve.subset(alone, alone);
     MatX x = MatX::Zero(A.rows(), 3);
     x.row(unknown).setOnes();
     solve.solve(part, x);
@@ -240,7 +240,7 @@ TEST_CASE("trees are cut in chunks for threads where that pays, and only there")
   const ThreadGuard use(2);
   const auto cut = [](const SparseMatrix& A) {
     SupernodalFactor factor;
-    factor.analyze(A, {}, Expected::one_factor);
+    factor.analyze(A, {}, FactorReuse::once);
     REQUIRE(factor.factorize(A).empty());
     const SupernodalSolve solve(factor.pattern(), factor.order());
     return std::pair(solve.chunk_count(), solve.threads_for(solve.entries()));
@@ -291,7 +291,7 @@ TEST_CASE("what cannot be solved is refused in a sentence") {
   SparseCholesky cholesky;
   MatX b = MatX::Ones(problem.K.rows(), 1);
   CHECK_THROWS_AS(cholesky.solve(b), NoSolutionError);
-  CHECK_THROWS_AS(cholesky.part(std::nullopt, std::nullopt), NoSolutionError);
+  CHECK_THROWS_AS(cholesky.subset(std::nullopt, std::nullopt), NoSolutionError);
   cholesky = factor_of(problem);
   MatX shorter = b.topRows(5);
   CHECK_THROWS_AS(cholesky.solve_in_place(shorter), InputError);
@@ -307,10 +307,10 @@ TEST_CASE("what cannot be solved is refused in a sentence") {
   denser.coeffRef(problem.K.rows() - 1, 0) = 1e-3;
   denser.makeCompressed();
   CHECK_THROWS_AS(cholesky.factorize(denser), InputError);
-  CHECK_THROWS_AS(cholesky.part(std::vector<int>{-1}, std::nullopt), InputError);
-  CHECK_THROWS_AS(cholesky.part(std::nullopt, std::vector<int>{static_cast<int>(b.rows())}),
+  CHECK_THROWS_AS(cholesky.subset(std::vector<int>{-1}, std::nullopt), InputError);
+  CHECK_THROWS_AS(cholesky.subset(std::nullopt, std::vector<int>{static_cast<int>(b.rows())}),
                   InputError);
-  const SolvePart part = cholesky.part(std::vector<int>{0}, std::nullopt);
+  const SolveSubset part = cholesky.subset(std::vector<int>{0}, std::nullopt);
   const BendingMatrix other = clamped_bending(9);
   SparseCholesky another = factor_of(other);
   MatX c = MatX::Ones(other.K.rows(), 1);
@@ -327,15 +327,15 @@ TEST_CASE("what cannot be solved is refused in a sentence") {
   order.back() = static_cast<int>(b.rows());
   CHECK_THROWS_AS(cholesky.analyze(problem.K, order), InputError);
 
-  CHECK_THROWS_AS(correct_least_squares(cholesky, problem.K, MatX(3, 1), b), InputError);
-  CHECK_THROWS_AS(correct_least_squares(cholesky, problem.K, b, c), InputError);
+  CHECK_THROWS_AS(refine_least_squares(cholesky, problem.K, MatX(3, 1), b), InputError);
+  CHECK_THROWS_AS(refine_least_squares(cholesky, problem.K, b, c), InputError);
 
   SparseCholesky empty = std::move(cholesky);
   empty.analyze(SparseMatrix(0, 0));
   REQUIRE(empty.factorize(SparseMatrix(0, 0)));
   CHECK(empty.solve(MatX(0, 3)).size() == 0);
   MatX nothing(0, 2);
-  CHECK(correct_least_squares(empty, SparseMatrix(4, 0), MatX::Ones(4, 2), nothing) == 0);
+  CHECK(refine_least_squares(empty, SparseMatrix(4, 0), MatX::Ones(4, 2), nothing) == 0);
 
   SparseCholesky without_entries;  // all zero
   CHECK_FALSE(without_entries.factorize(SparseMatrix(4, 4)));
@@ -391,7 +391,7 @@ TEST_CASE("an order for many factorizations has no more entries than AMD's") {
   const SparseMatrix A = holed_sheet(14600).normal;
   SparseCholesky quick, thorough;
   quick.analyze(A);
-  thorough.analyze(A, Expected::many_factors);
+  thorough.analyze(A, FactorReuse::many);
   REQUIRE(quick.factorize(A));
   REQUIRE(thorough.factorize(A));
   if (SparseCholesky::backend() == std::string("CHOLMOD"))
@@ -400,7 +400,7 @@ TEST_CASE("an order for many factorizations has no more entries than AMD's") {
   thorough.analyze(A);  // the thorough order is not remembered
   REQUIRE(thorough.factorize(A));
   CHECK(thorough.factor_entries() == quick.factor_entries());
-  thorough.analyze(A, Expected::many_factors);
+  thorough.analyze(A, FactorReuse::many);
   REQUIRE(thorough.factorize(A));
   CHECK(thorough.factor_entries() == entries);
   const MatX b = random_columns(A.rows(), 2);
@@ -422,7 +422,7 @@ TEST_CASE("the least-squares residual corrects what the normal equations lost") 
     const MatX refined =
         solved + cholesky.solve(right - sheet.normal.selfadjointView<Eigen::Lower>() * solved);
     MatX corrected = solved;
-    const double change = correct_least_squares(cholesky, sheet.rows, b, corrected);
+    const double change = refine_least_squares(cholesky, sheet.rows, b, corrected);
     INFO(error(solved) << " refined " << error(refined) << " corrected " << error(corrected));
     CHECK(error(corrected) < 5e-14);
     CHECK(error(solved) > 10 * error(corrected));
@@ -437,8 +437,8 @@ TEST_CASE("the least-squares residual corrects what the normal equations lost") 
     }
     far *= b.norm() / far.norm();
     MatX x = cholesky.solve(sheet.rows.transpose() * (b + far));
-    correct_least_squares(cholesky, sheet.rows, b + far, x);
-    correct_least_squares(cholesky, sheet.rows, b + far, x);
+    refine_least_squares(cholesky, sheet.rows, b + far, x);
+    refine_least_squares(cholesky, sheet.rows, b + far, x);
     INFO(error(x));
     CHECK(error(x) < 1e-10);
   }

@@ -10,9 +10,9 @@
 #include "batten/core/errors.h"
 #include "batten/elements/reference_triangle.h"
 #include "batten/fem/parametric_mesh.h"
-#include "batten/tests/catch.h"
-#include "batten/tests/reference.h"
-#include "batten/tests/sampling.h"
+#include "batten/tests/support/catch.h"
+#include "batten/tests/support/sampling.h"
+#include "batten/tests/support/test_data.h"
 
 using namespace batten_test;
 
@@ -107,7 +107,7 @@ VecX vector(const nlohmann::json& entries) {
 
 // A rule that is exact to rounding for products of the functions and a linear weight.
 TriangleRule fine_rule(TriangleElement kind) {
-  return kind == TriangleElement::HCT ? split_triangle(8) : six_duffy(11);
+  return kind == TriangleElement::HCT ? split_triangle_rule(8) : six_duffy_rule(11);
 }
 
 // The energy's matrix by quadrature of evaluate(), its definition.
@@ -147,7 +147,7 @@ TEST_CASE("element matrices, loads and values are the reference numbers") {
   const auto all = batten_test::reference("element_gold.json");
   const TriangleShape shape = gold_triangle();
   const auto weight = [](const Vec3& L) { return L[0] + 2 * L[1] + 3 * L[2]; };
-  for (const auto kind : both_kinds) {
+  for (const auto kind : kBothElements) {
     INFO(name(kind));
     const auto& gold = all[name(kind)];
     const C1Triangle element(kind, shape);
@@ -164,9 +164,10 @@ TEST_CASE("element matrices, loads and values are the reference numbers") {
     // A weight that varies: the gold matrix by a rule that is exact.
     const MatX varying = matrix(gold["K_linear_coeff alpha=c*I, beta=c*(1,1,1), c=L1+2L2+3L3"]);
     Mat12 K;
-    varying_stiffness(
-        TabulatedRule(kind, kind == TriangleElement::HCT ? split_triangle(6) : six_duffy(6)), shape,
-        [&](const Vec3& L) { return isotropic(weight(L), weight(L)); }, K.data());
+    variable_stiffness(
+        TabulatedRule(kind,
+                      kind == TriangleElement::HCT ? split_triangle_rule(6) : six_duffy_rule(6)),
+        shape, [&](const Vec3& L) { return isotropic(weight(L), weight(L)); }, K.data());
     CHECK(relative_error(K, varying) < (kind == TriangleElement::HCT ? 1e-12 : 1e-7));
 
     Vec12 load = Vec12::Zero();
@@ -256,7 +257,7 @@ TEST_CASE("positions, jets and reference dofs of many coordinates are the functi
       const C1Triangle triangle(kind, draw.triangle());
       Eigen::Matrix<double, 12, 3> q;
       q << draw.dofs(), draw.dofs(), draw.dofs();
-      CHECK((triangle.to_reference(q) - triangle.to_reference_dofs() * q).norm() < 1e-13);
+      CHECK((triangle.pull_back(q) - triangle.pull_back_matrix() * q).norm() < 1e-13);
       for (const Vec3& L : {draw.inside(), Vec3(1, 0, 0), Vec3(0.5, 0.5, 0)}) {
         const Eigen::Matrix<double, 3, kDerivatives> sum = q.transpose() * triangle.evaluate(L);
         CHECK((triangle.jet(L, q) - sum).norm() < 1e-12 * (1 + sum.norm()));
@@ -269,7 +270,7 @@ TEST_CASE("each function is 1 in its own dof and 0 in the eleven others") {
   Draws random(1);
   for (int trial = 0; trial < 50; ++trial) {
     const TriangleShape shape = random.triangle();
-    for (const auto kind : both_kinds) {
+    for (const auto kind : kBothElements) {
       const C1Triangle element(kind, shape);
       Mat12 dofs;
       for (int i = 0; i < 3; ++i) {
@@ -287,7 +288,7 @@ TEST_CASE("both triangles hold all cubics with their derivatives, and not all qu
   Draws random(2);
   for (int trial = 0; trial < 50; ++trial) {
     const TriangleShape shape = random.triangle();
-    for (const auto kind : both_kinds) {
+    for (const auto kind : kBothElements) {
       INFO(name(kind) << ", triangle " << trial);
       const C1Triangle element(kind, shape);
       double cubic = 0, quartic = 0;
@@ -315,7 +316,7 @@ TEST_CASE("derivatives are those of the functions, by central differences") {
     const Vec12 q = random.dofs();
     const Vec3 L = random.inside(0.03);
     const Vec2 p = shape.point(L);
-    for (const auto kind : both_kinds) {
+    for (const auto kind : kBothElements) {
       INFO(name(kind) << ", triangle " << trial);
       const C1Triangle element(kind, shape);
       const auto at = [&](double u, double v) {
@@ -359,8 +360,8 @@ TEST_CASE("two triangles join with one tangent plane, whatever their kinds and v
     const auto& edge = mesh.edges()[mesh.edge_between(number[0], number[2])];
     REQUIRE_FALSE(edge.boundary());
 
-    for (const auto first : both_kinds)
-      for (const auto second : both_kinds) {
+    for (const auto first : kBothElements)
+      for (const auto second : kBothElements) {
         const TriangleElement kinds[2] = {first, second};
         for (const bool wrong_sign : {false, true}) {
           double jump = 0;
@@ -504,7 +505,7 @@ TEST_CASE("stiffness, mass and load are the integrals of the functions") {
   Draws random(9);
   for (int trial = 0; trial < 10; ++trial) {
     const TriangleShape shape = random.triangle();
-    for (const auto kind : both_kinds) {
+    for (const auto kind : kBothElements) {
       INFO(name(kind) << ", triangle " << trial);
       const C1Triangle element(kind, shape);
       const Mat12 K = element.stiffness(anisotropic());
@@ -528,7 +529,7 @@ TEST_CASE("stiffness, mass and load are the integrals of the functions") {
 TEST_CASE("energies of polynomials are their integrals") {
   // On the triangle (0,0), (1,0), (0,1): ∬ u^a v^b = a! b! / (a+b+2)!.
   const TriangleShape shape({0, 0}, {1, 0}, {0, 1}, {1, -1, 1});
-  for (const auto kind : both_kinds) {
+  for (const auto kind : kBothElements) {
     INFO(name(kind));
     const C1Triangle element(kind, shape);
     const Vec12 u2 = monomial_dofs(shape, 2, 0), uv = monomial_dofs(shape, 1, 1),
@@ -557,7 +558,7 @@ TEST_CASE("stretching costs nothing for constants only, bending for linear funct
   Draws random(10);
   for (int trial = 0; trial < 50; ++trial) {
     const TriangleShape shape = random.triangle();
-    for (const auto kind : both_kinds) {
+    for (const auto kind : kBothElements) {
       INFO(name(kind) << ", triangle " << trial);
       const C1Triangle element(kind, shape);
       const auto check = [&](const Mat12& K, int zero_modes) {
@@ -612,7 +613,7 @@ TEST_CASE("a rigid motion of the triangle moves the surface with it") {
     for (int i = 0; i < 3; ++i) turned.segment<2>(3 * i + 1) = R * q.segment<2>(3 * i + 1);
     const Vec3 L = random.inside();
     const auto isotropic = SurfaceStiffness::isotropic(0.3, 1.2);
-    for (const auto kind : both_kinds) {
+    for (const auto kind : kBothElements) {
       INFO(name(kind) << ", triangle " << trial);
       const C1Triangle before(kind, shape), after(kind, moved);
       const auto w = surface_at(before, q, L), x = surface_at(after, turned, L);
@@ -640,7 +641,7 @@ TEST_CASE("a triangle of any size is the same triangle in other units") {
       for (int i = 0; i < 3; ++i) unit[3 * i] = 1;
       const Vec12 q = random.dofs(), p = q.cwiseProduct(unit);
       const Vec3 L = random.inside();
-      for (const auto kind : both_kinds) {
+      for (const auto kind : kBothElements) {
         INFO(name(kind) << ", scale " << scale);
         const C1Triangle before(kind, shape), after(kind, scaled);
         auto w = surface_at(before, q, L), x = surface_at(after, p, L);

@@ -6,9 +6,9 @@
 
 #include "batten/core/errors.h"
 #include "batten/elements/quadrature.h"
-#include "batten/tests/catch.h"
-#include "batten/tests/reference.h"
-#include "batten/tests/sampling.h"
+#include "batten/tests/support/catch.h"
+#include "batten/tests/support/sampling.h"
+#include "batten/tests/support/test_data.h"
 
 using namespace batten;
 

@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "batten/core/errors.h"
-#include "batten/tests/catch.h"
+#include "batten/tests/support/catch.h"
 
 using namespace batten;
 
@@ -48,7 +48,7 @@ TEST_CASE("symmetric triangle rules integrate every monomial of their degree, no
   const int exact[9] = {1, 1, 2, 4, 4, 5, 6, 8, 8};
   for (int degree = 0; degree <= 8; ++degree) {
     INFO("degree " << degree);
-    const TriangleRule rule = symmetric_triangle(degree);
+    const TriangleRule rule = symmetric_triangle_rule(degree);
     check_is_a_rule(rule);
     CHECK(rule.weights.size() == points[degree]);
     for (int d = 0; d <= exact[degree]; ++d) CHECK(error_at_degree(rule, d) < 1e-15);
@@ -58,7 +58,7 @@ TEST_CASE("symmetric triangle rules integrate every monomial of their degree, no
 
 TEST_CASE("symmetric triangle rules do not prefer a vertex") {
   for (int degree = 1; degree <= 8; ++degree) {
-    const TriangleRule rule = symmetric_triangle(degree);
+    const TriangleRule rule = symmetric_triangle_rule(degree);
     const int permutations[5][3] = {{1, 2, 0}, {2, 0, 1}, {0, 2, 1}, {2, 1, 0}, {1, 0, 2}};
     for (const auto& permutation : permutations)
       for (long p = 0; p < rule.weights.size(); ++p) {
@@ -111,9 +111,9 @@ TEST_CASE("large Gauss rules stay accurate") {
 TEST_CASE("split rules integrate piecewise polynomials on the three sub-triangles") {
   for (const int degree : {1, 2, 4, 5, 6, 8}) {
     INFO("degree " << degree);
-    const TriangleRule rule = split_triangle(degree);
+    const TriangleRule rule = split_triangle_rule(degree);
     check_is_a_rule(rule);
-    const long n = symmetric_triangle(degree).weights.size();
+    const long n = symmetric_triangle_rule(degree).weights.size();
     REQUIRE(rule.weights.size() == 3 * n);
     // λ1^a λ2^b λ3^c on sub-triangle s and 0 on the two others; (λ1, λ2, λ3) are its own
     // barycentric coordinates, λ3 at the centroid.
@@ -139,7 +139,7 @@ TEST_CASE("split rules integrate piecewise polynomials on the three sub-triangle
 TEST_CASE("the six-Duffy rule is exact to degree 2m-2 and resolves the rational Z12 functions") {
   for (int m = 1; m <= 7; ++m) {
     INFO("m = " << m);
-    const TriangleRule rule = six_duffy(m);
+    const TriangleRule rule = six_duffy_rule(m);
     check_is_a_rule(rule);
     CHECK(rule.weights.size() == 6 * m * m);
     for (int degree = 0; degree <= 2 * m - 2; ++degree)
@@ -157,18 +157,18 @@ TEST_CASE("the six-Duffy rule is exact to degree 2m-2 and resolves the rational 
     }
     return std::abs(sum - 1.0 / 9);
   };
-  CHECK(error(six_duffy(3)) < 1e-4);
-  CHECK(error(six_duffy(5)) < 1e-7);
-  CHECK(error(six_duffy(7)) < 1e-10);
-  CHECK(error(six_duffy(10)) < 3e-15);
-  CHECK(error(symmetric_triangle(8)) > 1e-3);
+  CHECK(error(six_duffy_rule(3)) < 1e-4);
+  CHECK(error(six_duffy_rule(5)) < 1e-7);
+  CHECK(error(six_duffy_rule(7)) < 1e-10);
+  CHECK(error(six_duffy_rule(10)) < 3e-15);
+  CHECK(error(symmetric_triangle_rule(8)) > 1e-3);
 }
 
 TEST_CASE("rules that do not exist are input errors") {
   CHECK_THROWS_AS(gauss_legendre(0), InputError);
   CHECK_THROWS_AS(gauss_legendre(-3), InputError);
-  CHECK_THROWS_AS(symmetric_triangle(9), InputError);
-  CHECK_THROWS_AS(symmetric_triangle(-1), InputError);
-  CHECK_THROWS_AS(split_triangle(9), InputError);
-  CHECK_THROWS_AS(six_duffy(0), InputError);
+  CHECK_THROWS_AS(symmetric_triangle_rule(9), InputError);
+  CHECK_THROWS_AS(symmetric_triangle_rule(-1), InputError);
+  CHECK_THROWS_AS(split_triangle_rule(9), InputError);
+  CHECK_THROWS_AS(six_duffy_rule(0), InputError);
 }

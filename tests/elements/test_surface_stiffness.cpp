@@ -2,8 +2,8 @@
 
 #include "batten/core/errors.h"
 #include "batten/elements/reference_triangle.h"
-#include "batten/tests/catch.h"
-#include "batten/tests/sampling.h"
+#include "batten/tests/support/catch.h"
+#include "batten/tests/support/sampling.h"
 
 using namespace batten_test;
 
@@ -51,7 +51,7 @@ Vec12 dofs_on(const TriangleShape& shape, const Function& w, const Mat2& R) {
 
 template <class Density>
 double integral(const TriangleShape& shape, const Density& density) {
-  const TriangleRule rule = symmetric_triangle(6);
+  const TriangleRule rule = symmetric_triangle_rule(6);
   double sum = 0;
   for (long p = 0; p < rule.weights.size(); ++p)
     sum += shape.area * rule.weights[p] * density(shape.point(rule.L.row(p)));
@@ -67,8 +67,9 @@ TriangleShape random_triangle(Random& random) {
 
 Mat12 varying(TriangleElement kind, const TriangleShape& shape, const SurfaceStiffness& material) {
   Mat12 K;
-  const TabulatedRule rule(kind, kind == TriangleElement::HCT ? split_triangle(4) : six_duffy(10));
-  varying_stiffness(
+  const TabulatedRule rule(
+      kind, kind == TriangleElement::HCT ? split_triangle_rule(4) : six_duffy_rule(10));
+  variable_stiffness(
       rule, shape, [&](const Vec3&) { return material; }, K.data());
   return K;
 }
@@ -77,7 +78,7 @@ Mat12 varying(TriangleElement kind, const TriangleShape& shape, const SurfaceSti
 
 TEST_CASE("resistance in a direction costs the derivatives in that direction") {
   Random random(3);
-  for (const auto kind : both_kinds)
+  for (const auto kind : kBothElements)
     for (int round = 0; round < 20; ++round) {
       const TriangleShape shape = random_triangle(random);
       const Cubic w(random);
@@ -98,7 +99,7 @@ TEST_CASE("resistance in a direction costs the derivatives in that direction") {
 
 TEST_CASE("every term of the energy is its integral, constant and varying") {
   Random random(5);
-  for (const auto kind : both_kinds)
+  for (const auto kind : kBothElements)
     for (int round = 0; round < 20; ++round) {
       const TriangleShape shape = random_triangle(random);
       const Cubic w(random);
@@ -123,7 +124,7 @@ TEST_CASE("every term of the energy is its integral, constant and varying") {
 
 TEST_CASE("the energy of a turned surface in a turned direction is the same") {
   Random random(7);
-  for (const auto kind : both_kinds)
+  for (const auto kind : kBothElements)
     for (int round = 0; round < 20; ++round) {
       const TriangleShape shape = random_triangle(random);
       const double angle = 4 * random(), turn = 4 * random();
@@ -144,7 +145,7 @@ TEST_CASE("the energy of a turned surface in a turned direction is the same") {
 
 TEST_CASE("materials that add up have energies that add up, and zero mixed terms leave all bits") {
   Random random(9);
-  for (const auto kind : both_kinds) {
+  for (const auto kind : kBothElements) {
     const TriangleShape shape = random_triangle(random);
     const C1Triangle element(kind, shape);
     const auto a = SurfaceStiffness::directional({0.6, 0.8}, 1, 2),

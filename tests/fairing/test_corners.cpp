@@ -3,7 +3,7 @@
 #include <random>
 
 #include "batten/fairing/corners.h"
-#include "batten/tests/catch.h"
+#include "batten/tests/support/catch.h"
 
 using namespace batten;
 
@@ -23,13 +23,13 @@ std::vector<Vec3> arc(int points, double degrees) {
 }
 
 // A path of straight sides, so many chords each, that turns at its corners.
-std::vector<Vec3> path(const std::vector<double>& turns, int chords, double step = 1) {
+std::vector<Vec3> path(const std::vector<double>& turning_angles, int chords, double step = 1) {
   std::vector<Vec3> all{Vec3::Zero()};
-  double way = 0;
-  for (size_t side = 0; side <= turns.size(); ++side) {
+  double heading = 0;
+  for (size_t side = 0; side <= turning_angles.size(); ++side) {
     for (int k = 0; k < chords; ++k)
-      all.push_back(all.back() + step * Vec3(std::cos(way), std::sin(way), 0));
-    if (side < turns.size()) way += turns[side] * pi / 180;
+      all.push_back(all.back() + step * Vec3(std::cos(heading), std::sin(heading), 0));
+    if (side < turning_angles.size()) heading += turning_angles[side] * pi / 180;
   }
   return all;
 }

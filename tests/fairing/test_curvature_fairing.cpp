@@ -8,15 +8,15 @@
 #include <numbers>
 
 #include "batten/constraints/constrained_solver.h"
-#include "batten/constraints/shape/shape_constraints.h"
+#include "batten/constraints/shape/surface_constraints.h"
 #include "batten/core/errors.h"
 #include "batten/core/parallel.h"
-#include "batten/fairing/curvature_surface.h"
-#include "batten/fem/assembly.h"
-#include "batten/tests/catch.h"
-#include "batten/tests/clamped_rim.h"
-#include "batten/tests/refusal.h"
-#include "batten/tests/sampling.h"
+#include "batten/fairing/surface_curvature.h"
+#include "batten/fem/surface_assembler.h"
+#include "batten/tests/support/catch.h"
+#include "batten/tests/support/clamped_boundary.h"
+#include "batten/tests/support/error_message.h"
+#include "batten/tests/support/sampling.h"
 
 using namespace batten_test;
 using Catch::Matchers::Contains;
@@ -25,8 +25,9 @@ namespace {
 
 using std::numbers::pi;
 
-CurvatureOptions options_of(CurveFunctional functional, int segments, double tolerance = 1e-7) {
-  CurvatureOptions options;
+CurvatureFairingOptions options_of(CurveFunctional functional, int segments,
+                                   double tolerance = 1e-7) {
+  CurvatureFairingOptions options;
   options.functional = functional;
   options.segments = segments;
   options.tolerance = tolerance;
@@ -38,10 +39,10 @@ Vec3 direction(double degrees) {
 }
 
 // `count` points every quarter of a circle in a plane that M turns.
-std::vector<CurvaturePoint> on_circle(int count, bool tangents, double radius = 1,
-                                      const Vec3& centre = Vec3::Zero(),
-                                      const Mat3& M = Mat3::Identity()) {
-  std::vector<CurvaturePoint> points;
+std::vector<CurveThroughPoint> on_circle(int count, bool tangents, double radius = 1,
+                                         const Vec3& centre = Vec3::Zero(),
+                                         const Mat3& M = Mat3::Identity()) {
+  std::vector<CurveThroughPoint> points;
   for (int i = 0; i < count; ++i) {
     points.push_back({centre + radius * (M * direction(90 * i))});
     if (tangents) points.back().tangent = 2.5 * (M * direction(90 * i + 90));
@@ -138,7 +139,7 @@ TEST_CASE("quintic segments hold fifth degrees, and cubics follow them within a 
 
 TEST_CASE("a build without Ceres says so") {
   if (have_curvature_fairing()) return;
-  CHECK_THAT(refusal([] {
+  CHECK_THAT(error_message([] {
                minimum_curvature_curve(on_circle(4, true), true,
                                        options_of(CurveFunctional::Variation, 8));
              }),
@@ -190,7 +191,7 @@ TEST_CASE("the unit does not matter") {
   if (!have_curvature_fairing()) return;
   const std::vector<Vec3> given = {{0, 0, 0}, {1, 0.7, 0.2}, {2.2, -0.1, 0.5}, {3, 0.4, 0}};
   for (const auto functional : {CurveFunctional::Energy, CurveFunctional::Variation}) {
-    std::vector<CurvaturePoint> m, mm;
+    std::vector<CurveThroughPoint> m, mm;
     for (const Vec3& p : given) {
       m.push_back({p});
       mm.push_back({1000 * p});
@@ -210,8 +211,8 @@ TEST_CASE("the unit does not matter") {
 
 TEST_CASE("a rod clamped at both ends is the elastica that shooting finds") {
   if (!have_curvature_fairing()) return;
-  const std::vector<CurvaturePoint> ends = {{Vec3(0, 0, 0), direction(70)},
-                                            {Vec3(1, 0.2, 0), direction(20)}};
+  const std::vector<CurveThroughPoint> ends = {{Vec3(0, 0, 0), direction(70)},
+                                               {Vec3(1, 0.2, 0), direction(20)}};
   const auto rod =
       minimum_curvature_curve(ends, false, options_of(CurveFunctional::Energy, 16, 1e-8));
   CHECK(rod.converged);
@@ -239,8 +240,8 @@ TEST_CASE("half of the rectangular elastica") {
 
 TEST_CASE("a rod that has to turn back grows without bound unless length costs") {
   if (!have_curvature_fairing()) return;
-  const std::vector<CurvaturePoint> ends = {{Vec3(0, 0, 0), direction(110)},
-                                            {Vec3(1, 0, 0), direction(-110)}};
+  const std::vector<CurveThroughPoint> ends = {{Vec3(0, 0, 0), direction(110)},
+                                               {Vec3(1, 0, 0), direction(-110)}};
   auto options = options_of(CurveFunctional::Energy, 16);
   CHECK_THROWS_AS(minimum_curvature_curve(ends, false, options), NoSolutionError);
   options.length_weight = 2;
@@ -253,7 +254,7 @@ TEST_CASE("a rod that has to turn back grows without bound unless length costs")
 TEST_CASE("ends of a helix give a space curve that varies no more than the helix") {
   if (!have_curvature_fairing()) return;
   const double pitch = 0.4, turn = 0.75 * pi, speed2 = 1 + pitch * pitch;
-  std::vector<CurvaturePoint> points;
+  std::vector<CurveThroughPoint> points;
   for (const double t : {0.0, 0.5 * turn, turn})
     points.push_back(
         {Vec3(std::cos(t), std::sin(t), pitch * t), Vec3(-std::sin(t), std::cos(t), pitch)});
@@ -288,12 +289,12 @@ TEST_CASE("ends of a helix give a space curve that varies no more than the helix
 
 TEST_CASE("evenness and quadrature do not show in the shape") {
   if (!have_curvature_fairing()) return;
-  const std::vector<CurvaturePoint> points = {
+  const std::vector<CurveThroughPoint> points = {
       {Vec3(0, 0, 0), direction(60)}, {Vec3(0.4, 0.5, 0.1)}, {Vec3(1.3, 0.2, 0), direction(-30)}};
   for (const auto functional : {CurveFunctional::Energy, CurveFunctional::Variation}) {
     auto options = options_of(functional, 24, 1e-8);
     const auto weak = minimum_curvature_curve(points, false, options);
-    options.evenness *= 100;
+    options.parametrization_weight *= 100;
     const auto strong = minimum_curvature_curve(points, false, options);
     CHECK(strong.functional == Approx(weak.functional).epsilon(1e-7));
     for (int k = 0; k <= 50; ++k)
@@ -324,7 +325,7 @@ TEST_CASE("a wavy curve is faired between what it is held by") {
     springs.push_back({X.row(i).transpose(), 1});
   }
   const HermiteCurve wavy(u, X, D);
-  const std::vector<CurveHold> holds = {{0, true, true}, {2, true, false}, {4, true, false}};
+  const std::vector<FixedCurvePoint> holds = {{0, true, true}, {2, true, false}, {4, true, false}};
   double nearer = 0, fairer = 1e300;
   for (const double stiffness : {1e6, 1e4, 1e2}) {
     for (auto& spring : springs) spring.stiffness = stiffness;
@@ -349,8 +350,9 @@ TEST_CASE("a wavy curve is faired between what it is held by") {
 
 TEST_CASE("what curvature fairing refuses") {
   if (!have_curvature_fairing()) return;
-  const auto said = [](std::vector<CurvaturePoint> points, bool closed, const CurvatureOptions& o) {
-    return refusal([&] { minimum_curvature_curve(points, closed, o); });
+  const auto said = [](std::vector<CurveThroughPoint> points, bool closed,
+                       const CurvatureFairingOptions& o) {
+    return error_message([&] { minimum_curvature_curve(points, closed, o); });
   };
   const auto good = options_of(CurveFunctional::Variation, 8);
   const auto circle = on_circle(4, true);
@@ -371,14 +373,14 @@ TEST_CASE("what curvature fairing refuses") {
     CHECK_THAT(said(circle, true, bad), Contains("tolerance"));
   }
   bad = good;
-  bad.evenness = 0;
+  bad.parametrization_weight = 0;
   CHECK_THAT(said(circle, true, bad), Contains("evenness"));
 
   const HermiteCurve line({0, 1, 2}, (Points(3, 3) << 0, 0, 0, 1, 0, 0, 2, 1, 0).finished(),
                           Points::Ones(3, 3));
-  const auto unfair = [&](const HermiteCurve& curve, const std::vector<CurveHold>& holds,
+  const auto unfair = [&](const HermiteCurve& curve, const std::vector<FixedCurvePoint>& holds,
                           const std::vector<CurveSpring>& springs) {
-    return refusal([&] { fair_curvature(curve, holds, springs, good); });
+    return error_message([&] { fair_curvature(curve, holds, springs, good); });
   };
   CHECK_THAT(unfair(line, {{0}}, {}), Contains("two held points or two springs"));
   CHECK_THAT(unfair(line, {{0}, {3}}, {}), Contains("outside"));
@@ -409,7 +411,7 @@ struct Octant {
       }
     mesh = std::make_shared<ParametricMesh>(vertices, triangles);
     rows = ConstraintSet(DofMap(*mesh).count());
-    ShapeConstraints shape(*mesh, kind, rows);
+    SurfaceConstraints shape(*mesh, kind, rows);
     for (int side = 0; side < 3; ++side) {
       const Vec3 a = Vec3::Unit(side), b = Vec3::Unit((side + 1) % 3);
       std::vector<int> run, edges;
@@ -470,7 +472,7 @@ TEST_CASE("three quarter circles with their normals give the sphere, with order 
   for (const int n : {3, 6, 12}) {
     const Octant octant(n, TriangleElement::HCT);
     const Surface start = octant.least_bending(TriangleElement::HCT);
-    const CurvatureSurface result = fair_curvature(start, octant.rows, options);
+    const SurfaceCurvatureResult result = fair_curvature(start, octant.rows, options);
     const double error = sphere_error({octant.mesh, TriangleElement::HCT, result.dofs});
     const double functional = std::abs(result.functional - pi);  // 2 × the octant's area
     INFO(n << ": distance " << error << ", functional " << functional << ", iterations "
@@ -491,12 +493,12 @@ TEST_CASE("three quarter circles with their normals give the sphere, with order 
 
 TEST_CASE("both triangles find the sphere, and evenness does not show") {
   double error[2][2];
-  for (const auto kind : both_kinds)
+  for (const auto kind : kBothElements)
     for (const int strong : {0, 1}) {
       const Octant octant(4, kind);
       SurfaceCurvatureOptions options;
-      options.evenness = strong ? 3e-2 : 1e-2;
-      const CurvatureSurface result =
+      options.parametrization_weight = strong ? 3e-2 : 1e-2;
+      const SurfaceCurvatureResult result =
           fair_curvature(octant.least_bending(kind), octant.rows, options);
       CHECK(result.converged);
       error[kind == TriangleElement::Z12][strong] = sphere_error({octant.mesh, kind, result.dofs});
@@ -526,7 +528,7 @@ TEST_CASE("the same bits again, on one thread as on two") {
 }
 
 TEST_CASE("the functional of a surface knows neither place nor size nor side") {
-  for (const auto kind : both_kinds) {
+  for (const auto kind : kBothElements) {
     const double here = curvature_functional(bent_surface(kind));
     CHECK(here > 1);
     CHECK(curvature_functional(bent_surface(kind, 1, some_rotation(), {3, -1, 2})) ==
@@ -536,7 +538,7 @@ TEST_CASE("the functional of a surface knows neither place nor size nor side") {
           Approx(here).epsilon(1e-12));
     // As Surface and Curvatures have it, at the same points.
     const Surface surface = bent_surface(kind);
-    const TriangleRule& rule = C1Triangle::varying_rule(kind);
+    const TriangleRule& rule = C1Triangle::default_quadrature(kind);
     double sum = 0;
     for (int t = 0; t < surface.mesh().triangle_count(); ++t)
       for (long p = 0; p < rule.weights.size(); ++p) {
@@ -550,7 +552,7 @@ TEST_CASE("the functional of a surface knows neither place nor size nor side") {
 }
 
 TEST_CASE("the gradient of a surface's functional is that of differences") {
-  for (const auto kind : both_kinds) {
+  for (const auto kind : kBothElements) {
     const Surface surface = bent_surface(kind);
     Points gradient;
     curvature_functional(surface, &gradient);
@@ -582,10 +584,10 @@ TEST_CASE("a plane stays a plane, and a bump between flat clamped edges becomes 
     return j;
   });
   ConstraintSet rim(flat.dof_map().count());
-  const ConstraintSet zero = clamped_rim(*mesh);
-  for (const auto& row : zero.rows())
+  const ConstraintSet zero = clamped_boundary(*mesh);
+  for (const auto& row : zero.constraints())
     rim.fix("rim", row.entries[0].dof, flat.dofs().row(row.entries[0].dof));
-  const CurvatureSurface same = fair_curvature(flat, rim);
+  const SurfaceCurvatureResult same = fair_curvature(flat, rim);
   CHECK(same.converged);
   CHECK(same.functional < 1e-20);
   CHECK((same.dofs - flat.dofs()).norm() < 1e-9);
@@ -596,7 +598,7 @@ TEST_CASE("a plane stays a plane, and a bump between flat clamped edges becomes 
     bumped(flat.dof_map().vertex(v), 1) += 0.02 * random();
   for (int v = 0; v < mesh->vertex_count(); ++v)
     bumped(flat.dof_map().vertex(v), 2) += 0.02 * random();
-  const CurvatureSurface result = fair_curvature({mesh, TriangleElement::HCT, bumped}, rim);
+  const SurfaceCurvatureResult result = fair_curvature({mesh, TriangleElement::HCT, bumped}, rim);
   CHECK(result.start_functional > 0.01);
   CHECK(result.functional < 1e-12);
   const VecX off = result.dofs.col(2) - 2 * result.dofs.col(0);
@@ -608,18 +610,19 @@ TEST_CASE("what curvature fairing of surfaces refuses") {
   const Octant octant(2, TriangleElement::HCT);
   const Surface start = octant.least_bending(TriangleElement::HCT);
   SurfaceCurvatureOptions bad;
-  bad.evenness = 0;
-  CHECK_THAT(refusal([&] { fair_curvature(start, octant.rows, bad); }), Contains("above 0"));
-  CHECK_THAT(refusal([&] { fair_curvature(start, ConstraintSet(7), {}); }), Contains("7 dofs"));
+  bad.parametrization_weight = 0;
+  CHECK_THAT(error_message([&] { fair_curvature(start, octant.rows, bad); }), Contains("above 0"));
+  CHECK_THAT(error_message([&] { fair_curvature(start, ConstraintSet(7), {}); }),
+             Contains("7 dofs"));
   CHECK_THROWS_AS(fair_curvature(start, ConstraintSet(start.dof_map().count())), NoSolutionError);
   Points q = start.dofs();
   q(3, 0) = std::nan("");
-  CHECK_THAT(refusal([&] {
+  CHECK_THAT(error_message([&] {
                fair_curvature({octant.mesh, TriangleElement::HCT, q}, octant.rows);
              }),
              Contains("not finite"));
   CHECK_THAT(
-      refusal([&] {
+      error_message([&] {
         fair_curvature({octant.mesh, TriangleElement::HCT, Points::Zero(q.rows(), 3)}, octant.rows);
       }),
       Contains("area zero"));

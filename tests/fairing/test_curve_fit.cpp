@@ -7,11 +7,11 @@
 #include "batten/fairing/corners.h"
 #include "batten/fairing/curve_fit.h"
 #include "batten/fairing/curve_fit_problem.h"
-#include "batten/tests/catch.h"
-#include "batten/tests/reference.h"
-#include "batten/tests/refusal.h"
-#include "batten/tests/sampling.h"
-#include "batten/tests/threads.h"
+#include "batten/tests/support/catch.h"
+#include "batten/tests/support/error_message.h"
+#include "batten/tests/support/sampling.h"
+#include "batten/tests/support/test_data.h"
+#include "batten/tests/support/thread_guard.h"
 
 using namespace batten_test;
 using Catch::Matchers::Contains;
@@ -87,12 +87,12 @@ TEST_CASE("a fit does not see where the points are, nor in which unit") {
   const auto points = points_of(60, helix);
   const CurveFit fit = fit_points("line", points, within(1e-3));
   auto moved = points;
-  const Mat3 turn = Eigen::AngleAxisd(1, Vec3(1, 2, 3).normalized()).toRotationMatrix();
-  for (Vec3& p : moved) p = 1000 * (turn * p);
+  const Mat3 rotation = Eigen::AngleAxisd(1, Vec3(1, 2, 3).normalized()).toRotationMatrix();
+  for (Vec3& p : moved) p = 1000 * (rotation * p);
   const CurveFit other = fit_points("line", moved, within(1));
   REQUIRE(other.curve.segment_count() == fit.curve.segment_count());
   for (int i = 0; i < fit.curve.node_count(); ++i)
-    CHECK((other.curve.position(i) - 1000 * (turn * fit.curve.position(i))).norm() < 1e-6);
+    CHECK((other.curve.position(i) - 1000 * (rotation * fit.curve.position(i))).norm() < 1e-6);
 }
 
 TEST_CASE("a closed fit is C1 across its seam") {
@@ -199,14 +199,14 @@ TEST_CASE("an input that is not cubic is fitted within the tolerance, both ways"
     INFO(fit.segment_count());
     CHECK(fit.segment_count() <= (tolerance > 5e-3 ? 7 : tolerance > 5e-5 ? 22 : 81));
   }
-  FitOptions even = within(1e-4);
-  even.even = true;
-  const HermiteCurve fit = fit_curve("ellipse", ellipse(), even);
+  FitOptions fixed_parameters = within(1e-4);
+  fixed_parameters.fixed_parameters = true;
+  const HermiteCurve fit = fit_curve("ellipse", ellipse(), fixed_parameters);
   for (int k = 0; k < 100; ++k)
     CHECK(fit.evaluate(fit.end() * k / 100, 1).norm() == Approx(1).margin(0.01));
-  even.halved = true;
-  even.closed = false;
-  const HermiteCurve halves = fit_curve("ellipse", ellipse(), even);
+  fixed_parameters.bisection_only = true;
+  fixed_parameters.closed = false;
+  const HermiteCurve halves = fit_curve("ellipse", ellipse(), fixed_parameters);
   for (const double u : halves.parameters()) {
     const double steps = u / halves.end() * 4096;
     CHECK(steps == Approx(std::round(steps)).margin(1e-9));
@@ -218,34 +218,34 @@ TEST_CASE("what cannot be fitted is refused by name, what is odd is fitted") {
   const auto fit = [&](const std::vector<Vec3>& points) {
     return fit_points("rim", points, options);
   };
-  CHECK_THAT(refusal([&] { fit({}); }), Contains("'rim' has 0 points"));
-  CHECK_THAT(refusal([&] { fit({{1, 2, 3}}); }), Contains("'rim' has 1 point:"));
-  CHECK_THAT(refusal([&] { fit({{1, 2, 3}, {1, 2, 3}}); }), Contains("zero length"));
-  CHECK_THAT(refusal([&] {
+  CHECK_THAT(error_message([&] { fit({}); }), Contains("'rim' has 0 points"));
+  CHECK_THAT(error_message([&] { fit({{1, 2, 3}}); }), Contains("'rim' has 1 point:"));
+  CHECK_THAT(error_message([&] { fit({{1, 2, 3}, {1, 2, 3}}); }), Contains("zero length"));
+  CHECK_THAT(error_message([&] {
                fit({{0, 0, 0}, {1, NAN, 0}});
              }),
              Contains("point 2") && Contains("finite"));
-  CHECK_THAT(refusal([&] { fit({{0, 0, 0}, {1e300, 0, 0}}); }), Contains("point 2"));
+  CHECK_THAT(error_message([&] { fit({{0, 0, 0}, {1e300, 0, 0}}); }), Contains("point 2"));
   for (const double tolerance : {0.0, -1.0, double(NAN), double(INFINITY)})
-    CHECK_THAT(refusal([&] {
+    CHECK_THAT(error_message([&] {
                  fit_points("rim", {{0, 0, 0}, {1, 0, 0}}, within(tolerance));
                }),
                Contains("tolerance") && Contains("above 0"));
   FitOptions corner = options;
   corner.corners = {{7}};
-  CHECK_THAT(refusal([&] {
+  CHECK_THAT(error_message([&] {
                fit_points("rim", {{0, 0, 0}, {1, 0, 0}}, corner);
              }),
              Contains("corner at point 8 of 2"));
   corner.corners.reset();
   corner.corner_angle = 0;
-  CHECK_THAT(refusal([&] {
+  CHECK_THAT(error_message([&] {
                fit_points("rim", {{0, 0, 0}, {1, 0, 0}}, corner);
              }),
              Contains("corner angle"));
   corner.corner_angle = 180;
   corner.closed = true;
-  CHECK_THAT(refusal([&] {
+  CHECK_THAT(error_message([&] {
                fit_points("rim", {{0, 0, 0}, {1, 0, 0}}, corner);
              }),
              Contains("three or more"));
@@ -293,7 +293,7 @@ TEST_CASE("fuzz: whatever the points, the fit keeps its tolerance at them") {
     options.corner_angle = random() > 0 ? 180 : 40;
     options.closed = n > 3 && random() > 0.5;
     CurveFit fit;
-    const std::string refused = refusal([&] { fit = fit_points("fuzz", points, options); });
+    const std::string refused = error_message([&] { fit = fit_points("fuzz", points, options); });
     INFO(trial << ", " << points.size() << " points, tolerance " << options.tolerance << " "
                << refused);
     if (!refused.empty()) {
@@ -310,7 +310,7 @@ TEST_CASE("fuzz: whatever the points, the fit keeps its tolerance at them") {
 
 TEST_CASE("halved fits end, within the tolerance or refused") {
   FitOptions options = within(1e-4);
-  options.even = options.halved = true;
+  options.fixed_parameters = options.bisection_only = true;
   options.corner_angle = 180;
   const auto kept = [&](const std::string& refused, double deviation) {
     INFO(refused << " " << deviation);
@@ -328,11 +328,11 @@ TEST_CASE("halved fits end, within the tolerance or refused") {
       const auto kink = curve_through_points(
           "kink", {{0, 0, 0}, {0.9, 0, 0}, {2, 1.1 * std::tan(degrees * pi / 180), 0}}, 1);
       HermiteCurve fit;
-      const std::string refused = refusal([&] { fit = fit_curve("kink", kink, options); });
+      const std::string refused = error_message([&] { fit = fit_curve("kink", kink, options); });
       kept(refused, refused.empty() ? fit.closest_point({0.9, 0, 0}).distance : 0);
     }
     CurveFit fit;
-    const std::string refused = refusal([&] { fit = fit_points("noisy", noisy, options); });
+    const std::string refused = error_message([&] { fit = fit_points("noisy", noisy, options); });
     kept(refused, fit.deviation.max);
   }
 }
@@ -400,19 +400,19 @@ TEST_CASE("rounds that cannot reach the tolerance are not begun, and move no par
   CurveFitProblem once;
   once.tolerance = 1e-6;
   for (int i = 0; i <= 20; ++i) once.points.push_back({helix(i / 20.0), i / 20.0});
-  once.held = {{0, helix(0), {}, {}}, {1, helix(1), {}, {}}};
-  once.points.front().kept = once.points.back().kept = true;
+  once.node_constraints = {{0, helix(0), {}, {}}, {1, helix(1), {}, {}}};
+  once.points.front().fixed_parameter = once.points.back().fixed_parameter = true;
   once.set_mesh({0, 0.5, 1}, {});
   CurveFitProblem often = once;
-  once.improve(1);
-  often.improve(30);
+  once.iterate(1);
+  often.iterate(30);
   CHECK(often.worst() > 1e-3);
   CHECK(often.dofs == once.dofs);
   for (int i = 0; i <= 20; ++i) CHECK(often.points[i].t == i / 20.0);
   // Near enough: more rounds come nearer, and move them.
   often.tolerance = once.tolerance = 0.8 * once.worst();
-  once.improve(1);
-  often.improve(30);
+  once.iterate(1);
+  often.iterate(30);
   CHECK(often.done());
   CHECK(often.points[7].t != 7 / 20.0);
 }

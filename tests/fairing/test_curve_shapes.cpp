@@ -3,8 +3,8 @@
 
 #include "batten/core/errors.h"
 #include "batten/fairing/arc_length.h"
-#include "batten/fairing/curve_shapes.h"
-#include "batten/tests/catch.h"
+#include "batten/fairing/primitive_curves.h"
+#include "batten/tests/support/catch.h"
 
 using namespace batten;
 using Catch::Matchers::Contains;
@@ -93,8 +93,9 @@ TEST_CASE("splines by their poles: Bézier, circle by weights, multiple knots") 
 
 TEST_CASE("copies are where they are put") {
   const auto arc = arc_through({5, 0, 1}, {0, 5, 1}, {-5, 0, 1});
-  const Placement there = scaled({0, 0, 1}, 2).then(turned({0, 0, 0}, {0, 0, 1}, pi / 2));
-  const auto copy = placed(arc, there.then(mirrored({0, 0, 0}, {0, 0, 3})));
+  const AffineTransform there =
+      scaling_about({0, 0, 1}, 2).then(rotation_about({0, 0, 0}, {0, 0, 1}, pi / 2));
+  const auto copy = transformed(arc, there.then(reflection_in({0, 0, 0}, {0, 0, 3})));
   CHECK((copy->evaluate(copy->start()) - Vec3(0, 10, -1)).norm() < 1e-13);
   CHECK(error_of_derivatives(*copy) < 1e-7);
   CHECK(ArcLength(copy).total() == Approx(10 * pi));

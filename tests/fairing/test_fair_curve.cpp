@@ -8,12 +8,12 @@
 
 #include "batten/core/errors.h"
 #include "batten/fairing/fairness.h"
-#include "batten/fairing/point_row.h"
-#include "batten/fairing/spring_balance.h"
-#include "batten/tests/catch.h"
-#include "batten/tests/reference.h"
-#include "batten/tests/refusal.h"
-#include "batten/tests/sampling.h"
+#include "batten/fairing/penalised_least_squares.h"
+#include "batten/fairing/point_sequence.h"
+#include "batten/tests/support/catch.h"
+#include "batten/tests/support/error_message.h"
+#include "batten/tests/support/sampling.h"
+#include "batten/tests/support/test_data.h"
 
 using namespace batten_test;
 using Catch::Matchers::Contains;
@@ -101,11 +101,12 @@ TEST_CASE("automatic fairing takes more than half of the noise, never adds to it
     for (unsigned seed = 0; seed < 9; ++seed) {
       const Noisy data = noisy(150, seed, sigma, roof);
       const FairCurve fair = fair_points("roof", data.points);
-      CHECK(fair.settled);
+      CHECK(fair.converged);
       CHECK(fair.curve.mesh().corners().empty());
       ratios.push_back(error(fair.curve, roof) / data.noise);
       CHECK(ratios.back() < 0.6);
-      CHECK(fairness(fair.curve).extrema < fairness(curve_as_given("roof", data.points)).extrema);
+      CHECK(fairness(fair.curve).extrema <
+            fairness(interpolating_spline("roof", data.points)).extrema);
     }
     std::sort(ratios.begin(), ratios.end());
     CHECK(ratios[4] < 0.4);
@@ -163,7 +164,7 @@ TEST_CASE(
   std::vector<double> shares;
   for (unsigned seed = 0; seed < 9; ++seed) {
     const auto exact = airfoil(0.03, 0.4, 0.12, 50);
-    const HermiteCurve real = curve_as_given("exact", exact);
+    const HermiteCurve real = interpolating_spline("exact", exact);
     std::mt19937 engine(seed);
     std::normal_distribution<double> gauss(0, sigma);
     std::vector<Vec3> points = exact;
@@ -187,7 +188,7 @@ TEST_CASE("curvature of a faired line has at most twice the extrema of the true 
   const auto sine = [](double s) { return Vec3(10 * s, 0.6 * std::sin(8 * pi * s), 0); };
   std::vector<Vec3> exact;
   for (int i = 0; i <= 800; ++i) exact.push_back(sine(i / 800.0));
-  const int truth = fairness(curve_as_given("exact", exact)).extrema;
+  const int truth = fairness(interpolating_spline("exact", exact)).extrema;
   REQUIRE(truth == 8);
   for (const double sigma : {0.01, 0.03}) {
     std::vector<int> extrema;
@@ -221,9 +222,9 @@ TEST_CASE("outliers of a noisy line are passed over, corners and bends are none"
     CHECK(fair.outliers.size() <= off.size() + 1);
     CHECK(fair.parameters.size() == data.points.size());
     ratios.push_back(error(fair.curve, roof) / error(data.points, roof));
-    options.drop_outliers = false;
+    options.reject_outliers = false;
     CHECK(fair_points("roof", data.points, options).outliers.empty());
-    options.drop_outliers = true;
+    options.reject_outliers = true;
     options.corners = off;
     CHECK(fair_points("roof", data.points, options).outliers.size() <= 1);
   }
@@ -247,7 +248,7 @@ TEST_CASE("outliers of a noisy line are passed over, corners and bends are none"
 namespace {
 
 // Eight waves in each coordinate, a fortieth to a twentieth of the roof line long.
-std::vector<Vec3> trembling_roof(unsigned seed, double height, const std::vector<int>& axes) {
+std::vector<Vec3> jittered_roof(unsigned seed, double height, const std::vector<int>& axes) {
   std::mt19937 engine(seed);
   std::uniform_real_distribution<double> uniform;
   std::vector<Vec3> points;
@@ -263,19 +264,19 @@ std::vector<Vec3> trembling_roof(unsigned seed, double height, const std::vector
   return points;
 }
 
-double roof_length() { return curve_as_given("roof", trembling_roof(0, 0, {})).length(); }
+double roof_length() { return interpolating_spline("roof", jittered_roof(0, 0, {})).length(); }
 
 }  // namespace
 
 TEST_CASE("a tremor that neighbours share goes where its size or its wavelength is stated") {
   for (unsigned seed = 0; seed < 5; ++seed) {
-    const std::vector<Vec3> points = trembling_roof(seed, 0.01, {1, 2});
+    const std::vector<Vec3> points = jittered_roof(seed, 0.01, {1, 2});
     const double before = error(points, roof);
     FairOptions options;
-    options.balance = FairOptions::Balance::Wavelength;
+    options.smoothing = FairOptions::Smoothing::Wavelength;
     options.wavelength = roof_length() / 10;
     CHECK(error(fair_points("roof", points, options).curve, roof) < 0.5 * before);
-    options.balance = FairOptions::Balance::Noise;
+    options.smoothing = FairOptions::Smoothing::Noise;
     options.noise = before;
     const FairCurve known = fair_points("roof", points, options);
     CHECK(error(known.curve, roof) < 0.5 * before);
@@ -287,17 +288,17 @@ TEST_CASE("a tremor that neighbours share goes where its size or its wavelength 
 TEST_CASE("points that a tremor moves to and fro have no corners where that is stated") {
   for (unsigned seed = 0; seed < 5; ++seed) {
     INFO("seed " << seed);
-    const std::vector<Vec3> points = trembling_roof(seed, 0.02, {0, 1, 2});
+    const std::vector<Vec3> points = jittered_roof(seed, 0.02, {0, 1, 2});
     const double before = error(points, roof);
     FairOptions options;
     // Nothing is known: its kinks are taken for corners.
     CHECK(fair_points("roof", points, options).curve.mesh().corners().size() > 5);
-    options.balance = FairOptions::Balance::Wavelength;
+    options.smoothing = FairOptions::Smoothing::Wavelength;
     options.wavelength = roof_length() / 6;
     const HermiteCurve smooth = fair_points("roof", points, options).curve;
     CHECK(smooth.mesh().corners().empty());
     CHECK(error(smooth, roof) < 0.5 * before);
-    options.balance = FairOptions::Balance::Noise;
+    options.smoothing = FairOptions::Smoothing::Noise;
     options.noise = before;
     CHECK(fair_points("roof", points, options).curve.mesh().corners().empty());
   }
@@ -306,9 +307,9 @@ TEST_CASE("points that a tremor moves to and fro have no corners where that is s
 TEST_CASE("the smoothing spline: its energy is least, its curvature hardly jumps") {
   const Noisy data = noisy(60, 4, 0.01, roof);
   FairOptions options;
-  options.balance = FairOptions::Balance::Wavelength;
+  options.smoothing = FairOptions::Smoothing::Wavelength;
   options.wavelength = 1;
-  options.most_rounds = 1;
+  options.max_rounds = 1;
   const FairCurve fair = fair_points("roof", data.points, options);
   const Fairness f = fairness(fair.curve);
   CHECK(f.largest_jump < 1e-3 * f.largest_curvature);
@@ -355,7 +356,7 @@ TEST_CASE(
     for (int i = 0; i <= 600; ++i)
       points.emplace_back(i / 20.0, 1e-4 * std::sin(2 * pi * i / 20.0 / wave), 0);
     FairOptions options;
-    options.balance = FairOptions::Balance::Wavelength;
+    options.smoothing = FairOptions::Smoothing::Wavelength;
     options.wavelength = wavelength;
     const FairCurve fair = fair_points("wave", points, options);
     double high = 0;
@@ -373,7 +374,7 @@ TEST_CASE("a stated deviation is kept, and used") {
   double before = 1e9;
   for (const double limit : {0.03, 0.01, 0.002}) {
     FairOptions options;
-    options.balance = FairOptions::Balance::Deviation;
+    options.smoothing = FairOptions::Smoothing::Deviation;
     options.deviation = limit;
     const FairCurve fair = fair_points("roof", data.points, options);
     CHECK(fair.deviation.max <= limit);
@@ -391,19 +392,19 @@ TEST_CASE("a stated deviation far below the noise is kept, without spikes that g
     points.push_back(
         {100 * std::cos(a) + random.between(-3, 3), 100 * std::sin(a) + random.between(-3, 3), 0});
   }
-  const PointRow row("circle", points, 180, {}, true);
+  const PointSequence row("circle", points, 180, {}, true);
   for (const double deviation : {0.02, 0.2, 0.5, 1.0, 2.0}) {
     CAPTURE(deviation);
     FairOptions options;
     options.closed = true;
     options.corner_angle = 180;
-    options.balance = FairOptions::Balance::Deviation;
+    options.smoothing = FairOptions::Smoothing::Deviation;
     options.deviation = deviation;
-    options.drop_outliers = false;
+    options.reject_outliers = false;
     const FairCurve fair = fair_points("circle", points, options);
     CHECK(fair.deviation.max <= deviation);
     for (const Vec3& p : points) CHECK(fair.curve.closest_point(p).distance <= deviation);
-    CHECK(NodeArc(fair.curve).total() <= 1.5 * row.length());
+    CHECK(HermiteArcLength(fair.curve).total() <= 1.5 * row.length());
   }
 }
 
@@ -437,7 +438,7 @@ TEST_CASE("conditions hold exactly after fairing, alone and together, open and c
     }
   }
   FairOptions options;
-  options.hold_ends = true;
+  options.fix_ends = true;
   const FairCurve held = fair_points("roof", data.points, options);
   CHECK((held.curve.evaluate(0) - data.points.front()).norm() < 1e-15);
   CHECK((held.curve.evaluate(held.curve.end()) - data.points.back()).norm() < 1e-15);
@@ -446,7 +447,7 @@ TEST_CASE("conditions hold exactly after fairing, alone and together, open and c
   const Noisy ring = noisy(
       90, 3, 0.01,
       [](double s) { return Vec3(2 * std::cos(2 * pi * s), std::sin(2 * pi * s), 0.1); }, true);
-  options.hold_ends = false;
+  options.fix_ends = false;
   options.closed = true;
   options.conditions = {condition(Type::Symmetry, Vec3::Zero(), Vec3::UnitX())};
   const FairCurve fair = fair_points("ring", ring.points, options);
@@ -498,7 +499,7 @@ TEST_CASE("a closed curve under a stated wavelength keeps what the wavelength sa
   for (const double wavelength : {3.0, 6.0, 10.0}) {
     FairOptions options;
     options.closed = true;
-    options.balance = FairOptions::Balance::Wavelength;
+    options.smoothing = FairOptions::Smoothing::Wavelength;
     options.wavelength = wavelength;
     const FairCurve fair = fair_points("circle", circle, options);
     // The circle is one wave around its length 2π.
@@ -507,7 +508,7 @@ TEST_CASE("a closed curve under a stated wavelength keeps what the wavelength sa
     const double kept = 1 / (1 + (1 - b) * std::pow(a, 6) + b * std::pow(a, 4));
     CHECK(fair.curve.length() / (2 * pi) == Approx(kept).epsilon(0.01));
     CHECK(fair.curve.end() == Approx(fair.curve.length()).epsilon(1e-3));
-    CHECK(fair.settled);
+    CHECK(fair.converged);
   }
 }
 
@@ -532,7 +533,7 @@ TEST_CASE("corners stay corners") {
 TEST_CASE("local fairing changes its stretch only, joined C1, to the last bit") {
   const Noisy data = noisy(200, 5, 0.004, roof);
   FairOptions options;
-  options.balance = FairOptions::Balance::Wavelength;
+  options.smoothing = FairOptions::Smoothing::Wavelength;
   options.wavelength = 0.15;
   const HermiteCurve before = fair_points("roof", data.points, options).curve;
   const Vec3 centre = before.evaluate(1.2);
@@ -571,7 +572,7 @@ TEST_CASE("local fairing changes its stretch only, joined C1, to the last bit") 
     CHECK(before.closest_point(after.evaluate(after.end() * k / 100)).distance < 0.02);
 
   // A stretch by parameters, also across the seam of a closed curve.
-  const HermiteCurve middle = fair_stretch(before, 0.5, 1, 0.5);
+  const HermiteCurve middle = fair_interval(before, 0.5, 1, 0.5);
   CHECK(same_bits(middle.evaluate(1.5), before.evaluate(1.5)));
   CHECK((middle.evaluate(0.75) - before.evaluate(0.75)).norm() > 1e-6);
   FairOptions closed = options;
@@ -579,7 +580,7 @@ TEST_CASE("local fairing changes its stretch only, joined C1, to the last bit") 
   const HermiteCurve ring =
       fair_points("loop", noisy(150, 6, 0.01, loop, true).points, closed).curve;
   const double end = ring.end();
-  const HermiteCurve seam = fair_stretch(ring, 0.95 * end, 0.05 * end, 1);
+  const HermiteCurve seam = fair_interval(ring, 0.95 * end, 0.05 * end, 1);
   REQUIRE(seam.closed());
   CHECK((seam.evaluate(0) - ring.evaluate(0)).norm() > 1e-6);
   CHECK(same_bits(seam.evaluate(0.5 * end), ring.evaluate(0.5 * end)));
@@ -587,13 +588,13 @@ TEST_CASE("local fairing changes its stretch only, joined C1, to the last bit") 
   // However narrow, and however long the segments.
   const HermiteCurve beam({0, 10}, (Points(2, 3) << 0, 0, 0, 10, 0, 0).finished(),
                           (Points(2, 3) << 1, 1, 0, 1, 1, 0).finished());
-  CHECK((fair_stretch(beam, 4.0, 4.3, 100).evaluate(4.15) - beam.evaluate(4.15)).norm() > 1e-6);
+  CHECK((fair_interval(beam, 4.0, 4.3, 100).evaluate(4.15) - beam.evaluate(4.15)).norm() > 1e-6);
   CHECK((fair_brush(beam, beam.evaluate(7.77), 0.1, 100).evaluate(7.77) - beam.evaluate(7.77))
             .norm() > 1e-7);
-  CHECK_THAT(refusal([&] { fair_stretch(beam, 20, 30, 1); }), Contains("from 20 to 30"));
+  CHECK_THAT(error_message([&] { fair_interval(beam, 20, 30, 1); }), Contains("from 20 to 30"));
   // Less bent than before by the dense minimum: no node may improve it.
   const HermiteCurve corner =
-      curve_as_given("corner", {{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {2, 1, 0}, {2, 2, 0}});
+      interpolating_spline("corner", {{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {2, 1, 0}, {2, 2, 0}});
   REQUIRE(corner.mesh().corners().size() == 1);
   CHECK(fair_brush(corner, {2, 0, 0}, 1, 1).mesh().corners().size() == 1);
   // The parameter's unit is no part of the shape.
@@ -601,7 +602,7 @@ TEST_CASE("local fairing changes its stretch only, joined C1, to the last bit") 
   for (double& u : slower) u *= 3;
   Points dofs = before.dofs();
   for (int i = 0; i < before.node_count(); ++i) dofs.row(before.mesh().slope_out(i)) /= 3;
-  const HermiteCurve tripled = fair_stretch(HermiteCurve(CurveMesh(slower), dofs), 1.5, 3, 0.5);
+  const HermiteCurve tripled = fair_interval(HermiteCurve(CurveMesh(slower), dofs), 1.5, 3, 0.5);
   for (int k = 0; k <= 50; ++k) {
     const double u = 0.5 + 0.5 * k / 50;
     CHECK((tripled.evaluate(3 * u) - middle.evaluate(u)).norm() < 1e-9);
@@ -616,32 +617,37 @@ TEST_CASE("what cannot be faired is refused by name") {
   FairOptions options;
   const auto fair = [&] { fair_points("rib", points, options); };
   for (const double wrong : {0.0, -1.0, double(NAN)}) {
-    options.balance = FairOptions::Balance::Deviation;
+    options.smoothing = FairOptions::Smoothing::Deviation;
     options.deviation = wrong;
-    CHECK_THAT(refusal(fair), Contains("'rib'") && Contains("deviation") && Contains("above 0"));
-    options.balance = FairOptions::Balance::Wavelength;
+    CHECK_THAT(error_message(fair),
+               Contains("'rib'") && Contains("deviation") && Contains("above 0"));
+    options.smoothing = FairOptions::Smoothing::Wavelength;
     options.wavelength = wrong;
-    CHECK_THAT(refusal(fair), Contains("'rib'") && Contains("wavelength") && Contains("above 0"));
+    CHECK_THAT(error_message(fair),
+               Contains("'rib'") && Contains("wavelength") && Contains("above 0"));
   }
   options = {};
   options.alpha = -1;
-  CHECK_THAT(refusal(fair), Contains("alpha"));
+  CHECK_THAT(error_message(fair), Contains("alpha"));
   options = {};
   options.closed = true;
   options.conditions = {condition(CurveCondition::Type::ZeroEndCurvature, Vec3::Zero())};
-  CHECK_THAT(refusal(fair), Contains("'hold'") && Contains("open"));
+  CHECK_THAT(error_message(fair), Contains("'hold'") && Contains("open"));
   options.closed = false;
   options.conditions = {condition(CurveCondition::Type::Plane, Vec3::Zero(), Vec3::Zero())};
-  CHECK_THAT(refusal(fair), Contains("'hold'"));
+  CHECK_THAT(error_message(fair), Contains("'hold'"));
   options.conditions = {{"left", CurveCondition::Type::Plane, {0, 0, 0}, {0, 0, 1}},
                         {"right", CurveCondition::Type::Plane, {0, 0, 1}, {0, 0, 1}}};
   CHECK_THROWS_AS(fair(), ConflictError);
-  CHECK_THAT(refusal([&] { fair_points("rib", {{0, 0, 0}}); }), Contains("'rib' has 1 point"));
-  const HermiteCurve curve = curve_as_given("rib", points);
-  CHECK_THAT(refusal([&] { fair_brush(curve, {0, 9, 0}, 1, 1); }), Contains("does not meet"));
-  CHECK_THAT(refusal([&] { fair_brush(curve, {0, 0, 0}, -1, 1); }), Contains("radius"));
-  CHECK_THAT(refusal([&] { fair_brush(curve, {0, 0, 0}, 1, 0); }), Contains("wavelength"));
-  CHECK_THAT(refusal([&] { fair_stretch(curve, 2, 1, 1); }), Contains("stretch"));
+  CHECK_THAT(error_message([&] {
+               fair_points("rib", {{0, 0, 0}});
+             }),
+             Contains("'rib' has 1 point"));
+  const HermiteCurve curve = interpolating_spline("rib", points);
+  CHECK_THAT(error_message([&] { fair_brush(curve, {0, 9, 0}, 1, 1); }), Contains("does not meet"));
+  CHECK_THAT(error_message([&] { fair_brush(curve, {0, 0, 0}, -1, 1); }), Contains("radius"));
+  CHECK_THAT(error_message([&] { fair_brush(curve, {0, 0, 0}, 1, 0); }), Contains("wavelength"));
+  CHECK_THAT(error_message([&] { fair_interval(curve, 2, 1, 1); }), Contains("stretch"));
 }
 
 TEST_CASE("odd point lists are faired: two points, a line, there and back, repeats, a crowd") {
@@ -691,7 +697,7 @@ TEST_CASE("every stroke of the hand-drawn sketches goes through fit and fair", "
       }
       const double size = (high - low).norm();
       CHECK(fair.deviation.rms <= 0.06 * size);  // 2.5 %, and what moving parameters adds
-      CHECK(fair.curve.length() <= 1.05 * curve_as_given("stroke", points).length());
+      CHECK(fair.curve.length() <= 1.05 * interpolating_spline("stroke", points).length());
       ++strokes;
     }
   }

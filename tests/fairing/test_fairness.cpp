@@ -6,8 +6,8 @@
 
 #include "batten/fairing/curve_fit.h"
 #include "batten/fairing/fair_curve.h"
-#include "batten/tests/catch.h"
-#include "batten/tests/sampling.h"
+#include "batten/tests/support/catch.h"
+#include "batten/tests/support/sampling.h"
 
 using namespace batten_test;
 
@@ -81,9 +81,9 @@ TEST_CASE("an ellipse has four extrema, a figure of eight two inflections") {
   const Fairness g = fairness(sampled(200, 0.1, 0.1 + 2 * pi, eight, true));
   CHECK(g.inflections == 2);
   // In space too: the counts do not know the plane.
-  const Mat3 turn = Eigen::AngleAxisd(2, Vec3(1, -2, 0.5).normalized()).toRotationMatrix();
+  const Mat3 rotation = Eigen::AngleAxisd(2, Vec3(1, -2, 0.5).normalized()).toRotationMatrix();
   const Fairness turned = fairness(sampled(
-      200, 0.1, 0.1 + 2 * pi, [&](double t, int o) { return Vec3(turn * eight(t, o)); }, true));
+      200, 0.1, 0.1 + 2 * pi, [&](double t, int o) { return Vec3(rotation * eight(t, o)); }, true));
   CHECK(turned.inflections == 2);
   CHECK(turned.extrema == g.extrema);
   CHECK(turned.variation == Approx(g.variation).epsilon(1e-9));
@@ -143,7 +143,7 @@ TEST_CASE("a jump of curvature is reported, and a C2 curve has none") {
   CHECK(fairness(bent).largest_jump == Approx(bent.evaluate({1, 0}, 2).norm()).epsilon(1e-12));
   std::vector<Vec3> points;
   for (int i = 0; i < 30; ++i) points.push_back(circle(0.1 * i, 0));
-  const Fairness given = fairness(curve_as_given("arc", points));
+  const Fairness given = fairness(interpolating_spline("arc", points));
   CHECK(given.largest_jump < 1e-9);
 }
 
@@ -151,7 +151,7 @@ TEST_CASE("the teeth of a comb point away from the centre and are as long as the
   const HermiteCurve curve = sampled(64, 0, 2 * pi, circle, true);
   const auto comb = curvature_comb(curve, 128);
   CHECK(comb.size() >= 128);
-  for (const CombTooth& tooth : comb) {
+  for (const CurvatureCombSample& tooth : comb) {
     CHECK(tooth.curvature == Approx(1 / 3.0).epsilon(1e-2));
     CHECK(tooth.outward.dot(tooth.point.normalized()) == Approx(1).epsilon(1e-3));
     CHECK((curve.evaluate(tooth.u) - tooth.point).norm() < 1e-12);

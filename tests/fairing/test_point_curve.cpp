@@ -3,10 +3,10 @@
 #include <numbers>
 
 #include "batten/core/errors.h"
-#include "batten/core/words.h"
+#include "batten/core/format.h"
 #include "batten/fairing/input_curve.h"
-#include "batten/fairing/point_runs.h"
-#include "batten/tests/catch.h"
+#include "batten/fairing/lines_and_arcs.h"
+#include "batten/tests/support/catch.h"
 
 using namespace batten;
 using Catch::Matchers::Contains;
@@ -48,15 +48,15 @@ double farthest(const InputCurve& curve, const std::function<double(const Vec3&)
 
 // Largest turn and jump of speed at the nodes.
 std::pair<double, double> jumps(const InputCurve& curve) {
-  double turn = 0, speed = 0;
+  double turning_angle = 0, speed = 0;
   const auto t = curve.breaks();
   for (size_t i = 1; i + 1 < t.size(); ++i) {
     const double e = 1e-9 * (curve.end() - curve.start());
     const Vec3 a = curve.evaluate(t[i] - e, 1), b = curve.evaluate(t[i] + e, 1);
-    turn = std::max(turn, degrees_between(a, b));
+    turning_angle = std::max(turning_angle, degrees_between(a, b));
     speed = std::max(speed, std::abs(a.norm() - b.norm()));
   }
-  return {turn, speed};
+  return {turning_angle, speed};
 }
 
 }  // namespace
@@ -102,8 +102,8 @@ TEST_CASE("a straight stretch stays straight beside a bow, symmetric curves are 
   std::vector<Vec3> wave, bowl;
   for (int i = -4; i <= 4; ++i) wave.emplace_back(0.5 * i, std::sin(0.5 * i), 0);
   for (int i = -4; i < 4; ++i) bowl.emplace_back(i + 0.5, 0.1 * std::pow(i + 0.5, 2), 0);
-  CHECK(point_runs(wave).empty());
-  CHECK(point_runs(bowl).empty());
+  CHECK(find_lines_and_arcs(wave).empty());
+  CHECK(find_lines_and_arcs(bowl).empty());
   CHECK(farthest(*curve_through_points("wave", wave),
                  [](const Vec3& p) { return p.y() - std::sin(p.x()); }) < 5e-3);
 }
@@ -117,8 +117,8 @@ TEST_CASE("dense points of smooth curves are left to the spline") {
       ellipse.emplace_back(3 * std::cos(t), 2 * std::sin(t), 0);
     }
     INFO(count);
-    CHECK(point_runs(wave).empty());
-    CHECK(point_runs(ellipse).empty());
+    CHECK(find_lines_and_arcs(wave).empty());
+    CHECK(find_lines_and_arcs(ellipse).empty());
     // C2: no jump of the second derivative.
     const auto curve = curve_through_points("wave", wave);
     const auto t = curve->breaks();

@@ -3,16 +3,16 @@
 #include <cmath>
 #include <random>
 
-#include "batten/constraints/shape/shape_constraints.h"
+#include "batten/constraints/shape/surface_constraints.h"
 #include "batten/core/errors.h"
 #include "batten/core/parallel.h"
-#include "batten/fairing/held_rows.h"
-#include "batten/fairing/normal_steps.h"
-#include "batten/fairing/variation_surface.h"
+#include "batten/fairing/augmented_lagrangian_constraints.h"
+#include "batten/fairing/minimum_variation_surface.h"
+#include "batten/fairing/normal_variation.h"
 #include "batten/fairing/variation_terms.h"
-#include "batten/tests/catch.h"
-#include "batten/tests/dense_twin.h"
-#include "batten/tests/refusal.h"
+#include "batten/tests/support/catch.h"
+#include "batten/tests/support/dense_algebra.h"
+#include "batten/tests/support/error_message.h"
 
 using namespace batten;
 using namespace batten_test;
@@ -54,7 +54,7 @@ Jet3 jet_of(const Place& place, long double u, long double v) {
   return jet;
 }
 
-CurvatureForms forms_of(const Jet3& jet) { return curvature_forms(jet, principal_frame(jet)); }
+CurvatureTensors forms_of(const Jet3& jet) { return curvature_tensors(jet, principal_frame(jet)); }
 
 // A graph of degree three over the unit square: C1 elements have it exactly.
 Surface cubic_graph(int n, double tilt = 0.3) {
@@ -87,7 +87,7 @@ double squares(const Rows& rows) {
   return sum;
 }
 
-Points gradient_of(const VariationTerms& terms, const Surface& s) {
+Points gradient_of(const CurvatureVariationTerms& terms, const Surface& s) {
   Points g = Points::Zero(s.dof_map().count(), 3);
   const auto add = [&](const auto& dofs, const auto& rows) {
     for (size_t k = 0; k < 3 * dofs.size(); ++k)
@@ -95,15 +95,15 @@ Points gradient_of(const VariationTerms& terms, const Surface& s) {
         g(dofs[k % dofs.size()], static_cast<long>(k / dofs.size())) +=
             2 * rows.r[r] * rows.J[k][r];
   };
-  TriangleRows triangle;
+  TriangleResiduals triangle;
   for (int t = 0; t < s.mesh().triangle_count(); ++t) {
     terms.triangle(s, t, {}, triangle);
     add(s.dof_map().triangle(s.mesh(), t), triangle);
   }
-  EdgeRows edge;
+  EdgeResiduals edge;
   for (const int e : terms.edges()) {
     terms.edge(s, e, edge);
-    add(VariationTerms::edge_dofs(s, e), edge);
+    add(CurvatureVariationTerms::edge_dofs(s, e), edge);
   }
   return g;
 }
@@ -125,21 +125,24 @@ TEST_CASE("the change of curvature has the derivatives that differences show") {
   for (int round = 0; round < 20; ++round) {
     const Jet3 jet = random_jet(generator);
     const Mat2 frame = principal_frame(jet);
-    const ChangeWeights weights{0.04 * round, 0.7, 0.2};
-    ChangeVector residuals;
-    const ChangeJacobian exact = change_jacobian(jet, frame, weights, residuals);
-    CHECK((residuals - change_residuals(curvature_forms(jet, frame), weights)).norm() <
-          1e-10 * residuals.norm());
-    ChangeJacobian differences;
+    const CurvatureVariationWeights weights{0.04 * round, 0.7, 0.2};
+    CurvatureVariationVector residuals;
+    const CurvatureVariationJacobian exact =
+        curvature_variation_jacobian(jet, frame, weights, residuals);
+    CHECK(
+        (residuals - curvature_variation_residuals(curvature_tensors(jet, frame), weights)).norm() <
+        1e-10 * residuals.norm());
+    CurvatureVariationJacobian differences;
     constexpr double h = 1e-6;
     for (int c = 0; c < 3; ++c)
       for (int k = 0; k < 9; ++k) {
         Jet3 a = jet, b = jet;
         a(c, k) += h;
         b(c, k) -= h;
-        differences.col(9 * c + k) = (change_residuals(curvature_forms(a, frame), weights) -
-                                      change_residuals(curvature_forms(b, frame), weights)) /
-                                     (2 * h);
+        differences.col(9 * c + k) =
+            (curvature_variation_residuals(curvature_tensors(a, frame), weights) -
+             curvature_variation_residuals(curvature_tensors(b, frame), weights)) /
+            (2 * h);
       }
     CHECK((exact - differences).cwiseAbs().maxCoeff() < 1e-7 * exact.cwiseAbs().maxCoeff());
   }
@@ -162,20 +165,20 @@ TEST_CASE(
     return Row{r * std::cos(u), r * std::sin(u), std::sin(v)};
   };
   for (const double u : {0.1, 0.7}) {
-    const CurvatureForms ball = forms_of(jet_of(sphere, u, 0.3));
+    const CurvatureTensors ball = forms_of(jet_of(sphere, u, 0.3));
     CHECK(ball.C.norm() < 1e-6);
     CHECK(std::abs(std::abs(ball.II[0]) - 0.5) < 1e-8);
     CHECK(std::abs(ball.II[0] - ball.II[2]) < 1e-8);
-    const CurvatureForms tube = forms_of(jet_of(cylinder, u, 0.3));
+    const CurvatureTensors tube = forms_of(jet_of(cylinder, u, 0.3));
     CHECK(tube.C.norm() < 1e-6);
     CHECK(std::abs(tube.II[0] + tube.II[2]) == Approx(1.0 / 3).epsilon(1e-8));
-    for (const CurvatureForms& forms :
+    for (const CurvatureTensors& forms :
          {forms_of(jet_of(cone, u, 0.3)), forms_of(jet_of(torus, u, 0.3))}) {
       CHECK(std::abs(forms.C[0]) < 1e-6);
       CHECK(std::abs(forms.C[3]) < 1e-6);
       CHECK(forms.C.norm() > 0.01);
       CHECK(std::abs(forms.II[1]) < 1e-9);
-      CHECK(change_residuals(forms, {1, 0, 0}).norm() < 1e-5);
+      CHECK(curvature_variation_residuals(forms, {1, 0, 0}).norm() < 1e-5);
     }
   }
 }
@@ -183,21 +186,21 @@ TEST_CASE(
 TEST_CASE("the forms belong to the shape, not to its parameters or its place") {
   std::mt19937 generator(5);
   const Jet3 jet = random_jet(generator);
-  const CurvatureForms forms = forms_of(jet);
-  const Mat3 turn = Eigen::AngleAxisd(1.1, Vec3(1, 2, -1).normalized()).toRotationMatrix();
-  const CurvatureForms turned = forms_of(turn * jet);
+  const CurvatureTensors forms = forms_of(jet);
+  const Mat3 rotation = Eigen::AngleAxisd(1.1, Vec3(1, 2, -1).normalized()).toRotationMatrix();
+  const CurvatureTensors turned = forms_of(rotation * jet);
   CHECK((turned.C - forms.C).norm() < 1e-10 * forms.C.norm());
   Jet3 stretched = jet;  // u twice as fast, v half
   const double factors[9] = {2, 0.5, 4, 1, 0.25, 8, 2, 0.5, 0.125};
   for (int k = 0; k < 9; ++k) stretched.col(k) *= factors[k];
-  const CurvatureForms same = forms_of(stretched);
+  const CurvatureTensors same = forms_of(stretched);
   CHECK((same.C.cwiseAbs() - forms.C.cwiseAbs()).norm() < 1e-10 * forms.C.norm());
   CHECK((same.II - forms.II).norm() < 1e-10 * forms.II.norm());
 }
 
 TEST_CASE("the functional has the gradient that differences show, where curvature does not jump") {
   const Surface s = cubic_graph(2);
-  VariationTerms terms(s, 0.1, 2);
+  CurvatureVariationTerms terms(s, 0.1, 2);
   terms.add_side(s, {0, 1, 2});
   terms.set_frames(s);
   const Points exact = gradient_of(terms, s);
@@ -217,15 +220,15 @@ TEST_CASE("the functional has the gradient that differences show, where curvatur
 
 TEST_CASE("the value is the sum of the elements' values, and curvature that jumps costs") {
   Surface s = cubic_graph(3);
-  const VariationTerms terms(s, 0.1, 2);
+  const CurvatureVariationTerms terms(s, 0.1, 2);
   const auto sums = [&](const Surface& surface) {
     double triangles = 0, edges = 0;
-    TriangleRows triangle;
+    TriangleResiduals triangle;
     for (int t = 0; t < surface.mesh().triangle_count(); ++t) {
       terms.triangle(surface, t, {1, 1}, triangle);
       triangles += squares(triangle);
     }
-    EdgeRows edge;
+    EdgeResiduals edge;
     for (const int e : terms.edges()) {
       terms.edge(surface, e, edge);
       edges += squares(edge);
@@ -238,9 +241,9 @@ TEST_CASE("the value is the sum of the elements' values, and curvature that jump
   Points bent = s.dofs();
   bent(s.dof_map().vertex(5, 1), 2) += 0.05;
   const Surface kinked(s.shared_mesh(), s.kind(), bent);
-  VariationTerms again(kinked, 0.1, 2);
+  CurvatureVariationTerms again(kinked, 0.1, 2);
   double jumps = 0;
-  EdgeRows edge;
+  EdgeResiduals edge;
   for (const int e : again.edges()) {
     again.edge(kinked, e, edge);
     jumps += squares(edge);
@@ -257,11 +260,11 @@ TEST_CASE(
   JoinPoint point;
   point.weight = 0.7;
   point.at = {s.locate({0.4, 0.2}), s.locate({0.4, 0.85})};
-  point.way = {Vec2(0.6, 1), Vec2(0.6, 1)};
-  VariationTerms terms(s, 0.1, 2);
+  point.direction = {Vec2(0.6, 1), Vec2(0.6, 1)};
+  CurvatureVariationTerms terms(s, 0.1, 2);
   terms.add_joins(s, {point});
   REQUIRE(terms.join_count() == 1);
-  JoinRows rows;
+  JoinResiduals rows;
   terms.join(s, 0, rows);
   REQUIRE(rows.count == 2);
   const auto dofs = terms.join_dofs(s, 0);
@@ -280,7 +283,7 @@ TEST_CASE(
     for (size_t side = 0; side < 2; ++side) {
       const Surface change(s.shared_mesh(), s.kind(), step);
       const SurfaceJet jet = change.jet(point.at[side]);
-      const Vec3 along = jet.x_u * point.way[side].x() + jet.x_v * point.way[side].y();
+      const Vec3 along = jet.x_u * point.direction[side].x() + jet.x_v * point.direction[side].y();
       // The dof with the largest share of that slope takes it back.
       const auto own = s.dof_map().triangle(s.mesh(), point.at[side].triangle);
       double most = 0;
@@ -289,7 +292,8 @@ TEST_CASE(
         Points unit = Points::Zero(step.rows(), 3);
         unit(dof, 0) = 1;
         const SurfaceJet one = Surface(s.shared_mesh(), s.kind(), unit).jet(point.at[side]);
-        const double share = one.x_u.x() * point.way[side].x() + one.x_v.x() * point.way[side].y();
+        const double share =
+            one.x_u.x() * point.direction[side].x() + one.x_v.x() * point.direction[side].y();
         if (std::abs(share) <= std::abs(most)) continue;
         most = share;
         taker = dof;
@@ -297,10 +301,10 @@ TEST_CASE(
       step.row(taker) -= along / most;
     }
     constexpr double h = 1e-6;
-    JoinRows moved[2];
-    for (int way = 0; way < 2; ++way)
-      terms.join({s.shared_mesh(), s.kind(), Points(s.dofs() + (way ? h : -h) * step)}, 0,
-                 moved[way]);
+    JoinResiduals moved[2];
+    for (int direction = 0; direction < 2; ++direction)
+      terms.join({s.shared_mesh(), s.kind(), Points(s.dofs() + (direction ? h : -h) * step)}, 0,
+                 moved[direction]);
     for (int r = 0; r < 2; ++r) {
       const double slope = exact[r].cwiseProduct(step).sum();
       CHECK(std::abs((moved[1].r[r] - moved[0].r[r]) / (2 * h) - slope) <
@@ -327,19 +331,20 @@ TEST_CASE("multipliers find the minimum under rows, rows that follow from others
   const MatX exact = solve_dense(kkt, right).topRows(n);
 
   const RowMatrix rows = B.sparseView();
-  const VecX weights = multiplier_weights(rows, H.diagonal(), 1e4);
+  const VecX weights = penalty_weights(rows, H.diagonal(), 1e4);
   const MatX weighted = H + B.transpose() * weights.asDiagonal() * B;
   SparseCholesky factor;
   const SparseMatrix sparse = weighted.sparseView();
   factor.analyze(sparse);
   REQUIRE(factor.factorize(sparse));
-  CHECK((solve_held(factor, g, rows, weights, miss) - exact).cwiseAbs().maxCoeff() < 1e-9);
+  CHECK((solve_augmented_lagrangian(factor, g, rows, weights, miss) - exact).cwiseAbs().maxCoeff() <
+        1e-9);
 }
 
 TEST_CASE("rows of many dofs, held by multipliers, give what eliminating them gives") {
   const Surface s = cubic_graph(6), start = bumped(s);
   ConstraintSet rows(s.dof_map().count());
-  ShapeConstraints shape(s.mesh(), s.kind(), rows);
+  SurfaceConstraints shape(s.mesh(), s.kind(), rows);
   for (int v = 0; v < s.mesh().vertex_count(); ++v)
     if (const Vec2 p = s.mesh().vertices()[v]; p.x() == 0 || p.x() == 1 || p.y() == 0 || p.y() == 1)
       rows.fix("rim", s.dof_map().vertex(v), start.dofs().row(s.dof_map().vertex(v)));
@@ -347,22 +352,22 @@ TEST_CASE("rows of many dofs, held by multipliers, give what eliminating them gi
     const Location at = start.locate({t, 0.31 + 0.4 * t});
     shape.point("line", at, start.position(at));
   }
-  REQUIRE(HeldRows::many_dofs(rows).rows().size() == 8);
+  REQUIRE(AugmentedLagrangianConstraints::dense_rows(rows).constraints().size() == 8);
   // A row that couples coordinates has all rows eliminated.
   ConstraintSet eliminated = rows;
   eliminated.add_coupled("again", {{s.dof_map().vertex(0), Vec3::UnitX()}},
                          start.dofs()(s.dof_map().vertex(0), 0));
-  REQUIRE(HeldRows::many_dofs(eliminated).rows().empty());
-  const VariationSurface held = fair_variation(start, rows),
-                         without = fair_variation(start, eliminated);
+  REQUIRE(AugmentedLagrangianConstraints::dense_rows(eliminated).constraints().empty());
+  const MinimumVariationSurface held = minimize_curvature_variation(start, rows),
+                                without = minimize_curvature_variation(start, eliminated);
   CHECK(held.max_residual < 1e-12);
   CHECK(held.functional == Approx(without.functional).epsilon(0.02));
   double apart = 0;  // along the normal: along the surface (u, v) may run otherwise
   for (int v = 0; v < s.mesh().vertex_count(); ++v) {
     const int d = s.dof_map().vertex(v);
     const Vec3 u = held.dofs.row(d + 1), w = held.dofs.row(d + 2);
-    const Vec3 way = held.dofs.row(d) - without.dofs.row(d);
-    apart = std::max(apart, std::abs(u.cross(w).normalized().dot(way)));
+    const Vec3 direction = held.dofs.row(d) - without.dofs.row(d);
+    apart = std::max(apart, std::abs(u.cross(w).normalized().dot(direction)));
   }
   CHECK(apart < 2e-3);
   CHECK(held.functional < 0.1 * held.start_functional);
@@ -370,22 +375,22 @@ TEST_CASE("rows of many dofs, held by multipliers, give what eliminating them gi
 
 TEST_CASE("triangles that stand still keep their dofs, and the others are faired beside them") {
   const Surface s = cubic_graph(6), start = bumped(s);
-  VariationOptions options;
+  MinimumVariationOptions options;
   std::vector<char> fixed(static_cast<size_t>(start.dofs().rows()), 0);
   for (int t = 0; t < s.mesh().triangle_count(); ++t) {
-    options.still.push_back(s.mesh().shape(t).vertex[0].x() < 0.5);
-    if (options.still.back())
+    options.frozen.push_back(s.mesh().shape(t).vertex[0].x() < 0.5);
+    if (options.frozen.back())
       for (const int dof : s.dof_map().triangle(s.mesh(), t)) fixed[static_cast<size_t>(dof)] = 1;
   }
   const ConstraintSet none(s.dof_map().count());
-  const VariationSurface faired = fair_variation(start, none, options);
-  double moved = 0, still = 0;
+  const MinimumVariationSurface faired = minimize_curvature_variation(start, none, options);
+  double moved = 0, frozen = 0;
   for (long i = 0; i < start.dofs().rows(); ++i) {
-    const double way = (faired.dofs.row(i) - start.dofs().row(i)).norm();
-    double& most = fixed[static_cast<size_t>(i)] ? still : moved;
-    most = std::max(most, way);
+    const double direction = (faired.dofs.row(i) - start.dofs().row(i)).norm();
+    double& most = fixed[static_cast<size_t>(i)] ? frozen : moved;
+    most = std::max(most, direction);
   }
-  CHECK(still == 0);
+  CHECK(frozen == 0);
   CHECK(moved > 1e-3);
   CHECK(faired.functional < 0.1 * faired.start_functional);
 }
@@ -393,19 +398,19 @@ TEST_CASE("triangles that stand still keep their dofs, and the others are faired
 TEST_CASE("fairing keeps the rows exactly, and gives the same bits on one thread and two") {
   const Surface s = cubic_graph(6), start = bumped(s);
   ConstraintSet rows(s.dof_map().count());
-  ShapeConstraints shape(s.mesh(), s.kind(), rows);
+  SurfaceConstraints shape(s.mesh(), s.kind(), rows);
   for (int v = 0; v < s.mesh().vertex_count(); ++v)
     if (const Vec2 p = s.mesh().vertices()[v]; p.x() == 0 || p.x() == 1 || p.y() == 0 || p.y() == 1)
       for (int d = 0; d < 3; ++d)
         rows.add("rim", {{s.dof_map().vertex(v, d), 1.0}},
                  Vec3(s.dofs().row(s.dof_map().vertex(v, d))));
-  const VariationSurface faired = fair_variation(start, rows);
+  const MinimumVariationSurface faired = minimize_curvature_variation(start, rows);
   CHECK(faired.converged);
   CHECK(faired.functional < 0.1 * faired.start_functional);
   CHECK(faired.max_residual < 1e-12);
   CHECK(faired.factorizations <= 15);
   set_thread_count(1);
-  const VariationSurface alone = fair_variation(start, rows);
+  const MinimumVariationSurface alone = minimize_curvature_variation(start, rows);
   set_thread_count(0);
   CHECK(alone.dofs == faired.dofs);
 }
@@ -413,18 +418,20 @@ TEST_CASE("fairing keeps the rows exactly, and gives the same bits on one thread
 TEST_CASE("what cannot be faired says so") {
   const Surface s = cubic_graph(2);
   const ConstraintSet rows(s.dof_map().count());
-  CHECK_THAT(refusal([&] { fair_variation(s, ConstraintSet(3)); }),
+  CHECK_THAT(error_message([&] { minimize_curvature_variation(s, ConstraintSet(3)); }),
              Contains("constraints on 3 dofs"));
   const Surface z12(s.shared_mesh(), TriangleElement::Z12, s.dofs());
-  CHECK_THAT(refusal([&] { fair_variation(z12, rows); }), Contains("expected HCT"));
+  CHECK_THAT(error_message([&] { minimize_curvature_variation(z12, rows); }),
+             Contains("expected HCT"));
   Points broken = s.dofs();
   broken(0, 0) = std::nan("");
-  CHECK_THAT(refusal([&] {
-               fair_variation({s.shared_mesh(), s.kind(), broken}, rows);
+  CHECK_THAT(error_message([&] {
+               minimize_curvature_variation({s.shared_mesh(), s.kind(), broken}, rows);
              }),
              Contains("not finite"));
   const Surface nothing(s.shared_mesh(), s.kind(), Points::Zero(s.dofs().rows(), 3));
-  CHECK_THAT(refusal([&] { fair_variation(nothing, rows); }), Contains("area zero"));
+  CHECK_THAT(error_message([&] { minimize_curvature_variation(nothing, rows); }),
+             Contains("area zero"));
 }
 
 TEST_CASE("steps along the normals keep the rows and go along the normals") {
@@ -437,8 +444,8 @@ TEST_CASE("steps along the normals keep the rows and go along the normals") {
                  Vec3(s.dofs().row(s.dof_map().vertex(v, d))));
   rows.add("tie", {{s.dof_map().vertex(12, 1), 1.0}, {s.dof_map().vertex(13, 1), -1.0}},
            Vec3(s.dofs().row(s.dof_map().vertex(12, 1)) - s.dofs().row(s.dof_map().vertex(13, 1))));
-  const StackedReduction reduction(rows);
-  const NormalSteps steps(reduction, s);
+  const BlockReduction reduction(rows);
+  const NormalVariation steps(reduction, s);
   CHECK(3 * steps.count() == reduction.free_count());
   std::mt19937 generator(4);
   std::normal_distribution<double> normal;
@@ -449,9 +456,9 @@ TEST_CASE("steps along the normals keep the rows and go along the normals") {
   CHECK(rows.max_residual(moved) < 1e-12 * amounts.norm());
   for (int v = 0; v < s.mesh().vertex_count(); ++v) {
     const int d = s.dof_map().vertex(v);
-    const Vec3 way = moved.row(d) - s.dofs().row(d);
+    const Vec3 direction = moved.row(d) - s.dofs().row(d);
     const Vec3 u = s.dofs().row(d + 1), w = s.dofs().row(d + 2);
-    CHECK(way.cross(u.cross(w)).norm() < 1e-12 * (1 + way.norm()));
+    CHECK(direction.cross(u.cross(w)).norm() < 1e-12 * (1 + direction.norm()));
   }
 }
 
@@ -480,8 +487,8 @@ TEST_CASE("the same amount everywhere makes the parallel surface of a sphere") {
     q.row(map.edge(e)) = slopes(p) * mesh->edge_normal(e);
   }
   const Surface s(mesh, TriangleElement::HCT, q);
-  const StackedReduction free{ConstraintSet(map.count())};
-  const NormalSteps steps(free, s);
+  const BlockReduction free{ConstraintSet(map.count())};
+  const NormalVariation steps(free, s);
   VecX amounts = VecX::Zero(steps.count());  // φ = 0.1: its slopes are zero
   for (int v = 0; v < mesh->vertex_count(); ++v) amounts[map.vertex(v)] = 0.1;
   const VecX change = steps.at(s) * amounts;

@@ -1,6 +1,6 @@
-#include "batten/fem/assembly.h"
+#include "batten/fem/surface_assembler.h"
 
-#include "batten/fem/curve_assembly.h"
+#include "batten/fem/curve_assembler.h"
 
 #include <algorithm>
 #include <cmath>
@@ -10,9 +10,9 @@
 #include "batten/core/errors.h"
 #include "batten/core/parallel.h"
 #include "batten/core/sparse_cholesky.h"
-#include "batten/tests/catch.h"
-#include "batten/tests/sampling.h"
-#include "batten/tests/threads.h"
+#include "batten/tests/support/catch.h"
+#include "batten/tests/support/sampling.h"
+#include "batten/tests/support/thread_guard.h"
 
 using namespace batten_test;
 
@@ -76,7 +76,7 @@ TEST_CASE("an assembled matrix is the sum of its elements' matrices, in the lowe
   const ParametricMesh mesh = shuffled_square(4, 1);
   const DofMap dofs(mesh);
   const std::vector<SurfaceStiffness> materials = one_for_each(mesh);
-  for (const auto kind : both_kinds) {
+  for (const auto kind : kBothElements) {
     INFO(name(kind));
     const SurfaceAssembler assembler(mesh, kind);
     MatX constant = MatX::Zero(dofs.count(), dofs.count());
@@ -117,7 +117,7 @@ TEST_CASE("the mass of 1 is the area, and a constant load is the mass times 1") 
   const VecX u2v = dofs_of(mesh, [](const Vec2& p) {
     return Vec3(p.x() * p.x() * p.y(), 2 * p.x() * p.y(), p.x() * p.x());
   });
-  for (const auto kind : both_kinds) {
+  for (const auto kind : kBothElements) {
     INFO(name(kind));
     const SurfaceAssembler assembler(mesh, kind);
     const SparseMatrix M = assembler.mass();
@@ -135,7 +135,7 @@ TEST_CASE("energies of global polynomials are their integrals over the square") 
   const VecX uv2 = dofs_of(mesh, [](const Vec2& p) {
     return Vec3(p.x() * p.y() * p.y(), p.y() * p.y(), 2 * p.x() * p.y());
   });
-  for (const auto kind : both_kinds) {
+  for (const auto kind : kBothElements) {
     INFO(name(kind));
     const SurfaceAssembler assembler(mesh, kind);
     SurfaceStiffness bend, stretch;
@@ -152,7 +152,7 @@ TEST_CASE("energies of global polynomials are their integrals over the square") 
 
 TEST_CASE("one material given once, for each triangle, or as a function is the same material") {
   const ParametricMesh mesh = shuffled_square(6, 4);
-  for (const auto kind : both_kinds) {
+  for (const auto kind : kBothElements) {
     INFO(name(kind));
     const SurfaceAssembler assembler(mesh, kind);
     const SparseMatrix constant = assembler.stiffness(anisotropic());
@@ -175,7 +175,7 @@ TEST_CASE("a material that varies weights the energy where it is") {
   const VecX half_u2 =
       dofs_of(mesh, [](const Vec2& p) { return Vec3(0.5 * p.x() * p.x(), p.x(), 0); });
   const VecX v = dofs_of(mesh, [](const Vec2& p) { return Vec3(p.y(), 0, 1); });
-  for (const auto kind : both_kinds) {
+  for (const auto kind : kBothElements) {
     INFO(name(kind));
     const double tolerance = kind == TriangleElement::HCT ? 1e-12 : 1e-6;
     const SurfaceAssembler assembler(mesh, kind);
@@ -193,7 +193,7 @@ TEST_CASE("a load that varies is told its place, and works on the surface there"
   const ParametricMesh mesh = shuffled_square(4, 6);
   const VecX u3 = dofs_of(
       mesh, [](const Vec2& p) { return Vec3(p.x() * p.x() * p.x(), 3 * p.x() * p.x(), 0); });
-  for (const auto kind : both_kinds) {
+  for (const auto kind : kBothElements) {
     INFO(name(kind));
     const SurfaceAssembler assembler(mesh, kind);
     std::vector<char> agree(mesh.triangle_count(), 1);
@@ -222,7 +222,7 @@ TEST_CASE("matrices and loads have the same bits on one, two and three threads")
   const ThreadGuard guard;
   const ParametricMesh mesh = shuffled_square(32, 7);
   const std::vector<SurfaceStiffness> materials = one_for_each(mesh);
-  for (const auto kind : both_kinds) {
+  for (const auto kind : kBothElements) {
     INFO(name(kind));
     std::vector<SparseMatrix> reference;
     std::vector<Points> reference_loads;
@@ -248,7 +248,7 @@ TEST_CASE("matrices and loads have the same bits on one, two and three threads")
     }
   }
   std::vector<double> parameters;
-  CurveAssembler::Along stiffness;
+  CurveAssembler::Coefficient stiffness;
   for (int i = 0; i < 3000; ++i) {
     parameters.push_back(i + 0.3 * std::sin(i));
     if (i > 0) stiffness.emplace_back(2 + std::cos(i - 1), 2 + std::cos(i));
@@ -297,10 +297,10 @@ TEST_CASE("wrong counts and foreign matrices are input errors") {
 namespace {
 
 // Solves K q = F with some dofs held at zero.
-VecX solve_held(const SparseMatrix& K, const VecX& F, const std::vector<int>& held) {
+VecX solve_with_fixed(const SparseMatrix& K, const VecX& F, const std::vector<int>& fixed) {
   std::vector<int> free;
   for (int d = 0; d < K.rows(); ++d)
-    if (std::find(held.begin(), held.end(), d) == held.end()) free.push_back(d);
+    if (std::find(fixed.begin(), fixed.end(), d) == fixed.end()) free.push_back(d);
   const MatX all = dense(K);
   const SparseMatrix A = MatX(all(free, free)).sparseView();
   SparseCholesky cholesky;
@@ -316,7 +316,7 @@ TEST_CASE("an assembled curve is the sum of its segments, with coefficients line
   const std::vector<double> u{-1, -0.2, 0.1, 1.5}, alpha{1, 2, 3, 5}, beta{4, 3, 2, 7};
   const CurveAssembler assembler{CurveMesh(u)};
   REQUIRE(assembler.mesh().dof_count() == 8);
-  CurveAssembler::Along stretching, bending;
+  CurveAssembler::Coefficient stretching, bending;
   for (int s = 0; s < 3; ++s) {
     stretching.emplace_back(alpha[s], alpha[s + 1]);
     bending.emplace_back(beta[s], beta[s + 1]);
@@ -338,7 +338,7 @@ TEST_CASE("an assembled curve is the sum of its segments, with coefficients line
   CHECK(relative_error(dense(assembler.mass()), mass) < 1e-15);
   CHECK(relative_error(assembler.load(f), load) < 1e-15);
   // One value stands for the same value in every segment.
-  assembler.stiffness(CurveAssembler::Along(3, 2.0), CurveAssembler::Along(3, 0.5), K);
+  assembler.stiffness(CurveAssembler::Coefficient(3, 2.0), CurveAssembler::Coefficient(3, 0.5), K);
   CHECK(relative_error(dense(assembler.stiffness({2}, {0.5})), dense(K)) < 1e-15);
 }
 
@@ -352,10 +352,10 @@ TEST_CASE("beams and strings have the closed-form solutions at their nodes") {
 
   // Clamped beam: cubic segments are exact at the nodes. f = 1: u²(1-u)²/24; f = u: below.
   const SparseMatrix bending = assembler.stiffness({0}, {2});
-  const VecX uniform = solve_held(bending, F.col(0), {0, 1, last, last + 1});
-  const VecX ramp = solve_held(bending, F.col(1), {0, 1, last, last + 1});
+  const VecX uniform = solve_with_fixed(bending, F.col(0), {0, 1, last, last + 1});
+  const VecX ramp = solve_with_fixed(bending, F.col(1), {0, 1, last, last + 1});
   // String: u(1-u)/2 is a polynomial of the space.
-  const VecX string = solve_held(assembler.stiffness({3}, {0}), F.col(0), {0, last});
+  const VecX string = solve_with_fixed(assembler.stiffness({3}, {0}), F.col(0), {0, last});
   for (int i = 0; i < 6; ++i) {
     const double x = u[i];
     CHECK(std::abs(2 * uniform[2 * i] - x * x * (1 - x) * (1 - x) / 24) < 1e-15);

@@ -4,9 +4,9 @@
 #include <set>
 
 #include "batten/fem/bisection.h"
-#include "batten/tests/embedded_grid.h"
-#include "batten/tests/refusal.h"
-#include "batten/tests/sampling.h"
+#include "batten/tests/support/embedded_grid.h"
+#include "batten/tests/support/error_message.h"
+#include "batten/tests/support/sampling.h"
 
 using namespace batten_test;
 
@@ -137,7 +137,8 @@ TEST_CASE("nothing marked changes nothing, a wrong count is refused") {
   CHECK(same.mesh.triangles() == mesh.triangles());
   CHECK(same.mesh.vertices() == mesh.vertices());
   CHECK(same.midpoint == std::vector<int>(mesh.edge_count(), -1));
-  CHECK(refusal([&] { bisected(mesh, std::vector<char>(17, 0)); }) == "17 marks for 18 triangles");
+  CHECK(error_message([&] { bisected(mesh, std::vector<char>(17, 0)); }) ==
+        "17 marks for 18 triangles");
 }
 
 TEST_CASE("all marked twice: right isosceles triangles in four of half the size") {
@@ -198,8 +199,8 @@ TEST_CASE("angles stay above half of the smallest, however often") {
 TEST_CASE("equal lengths: neighbours agree, whatever the rounding") {
   // Equilateral triangles turned and moved, so that lengths differ in their last bits only.
   std::vector<int> first;
-  for (const double turn : {0., 0.3, 1.1}) {
-    const double c = std::cos(turn), s = std::sin(turn);
+  for (const double angle : {0., 0.3, 1.1}) {
+    const double c = std::cos(angle), s = std::sin(angle);
     std::vector<Vec2> vertices;
     std::vector<ParametricMesh::Triangle> triangles;
     const int n = 6;
@@ -279,7 +280,7 @@ TEST_CASE("a tube is halved around its seam") {
   std::vector<int> lower;
   for (int t = 0; t < tube.triangle_count(); ++t)
     if (tube.shape(t).point(Vec3::Constant(1 / 3.)).y() < 1 / 3.) lower.push_back(t);
-  const MeshPart part = part_of(tube, lower);
+  const Submesh part = extract_submesh(tube, lower);
   CHECK(part.mesh.period() == 2);
   CHECK(area(part.mesh) == Approx(2 / 3.).epsilon(1e-12));
 }
@@ -287,7 +288,7 @@ TEST_CASE("a tube is halved around its seam") {
 TEST_CASE("a part of a mesh keeps its triangles and the order of its vertices") {
   const ParametricMesh mesh = perturbed_square(4, 9);
   const std::vector<int> wanted{9, 2, 3, 17, 30};
-  const MeshPart part = part_of(mesh, wanted);
+  const Submesh part = extract_submesh(mesh, wanted);
   REQUIRE(part.mesh.triangle_count() == 5);
   REQUIRE(part.vertex.size() == static_cast<size_t>(mesh.vertex_count()));
   int next = 0;
@@ -301,7 +302,7 @@ TEST_CASE("a part of a mesh keeps its triangles and the order of its vertices") 
     }
     CHECK(corners(part.mesh.shape(t)) == corners(mesh.shape(wanted[static_cast<size_t>(t)])));
   }
-  const MeshPart all = part_of(mesh, [&] {
+  const Submesh all = extract_submesh(mesh, [&] {
     std::vector<int> numbers;
     for (int t = 0; t < mesh.triangle_count(); ++t) numbers.push_back(t);
     return numbers;

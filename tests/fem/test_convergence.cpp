@@ -3,10 +3,10 @@
 #include <numbers>
 
 #include "batten/core/sparse_cholesky.h"
-#include "batten/fem/assembly.h"
-#include "batten/tests/catch.h"
-#include "batten/tests/reference.h"
-#include "batten/tests/sampling.h"
+#include "batten/fem/surface_assembler.h"
+#include "batten/tests/support/catch.h"
+#include "batten/tests/support/sampling.h"
+#include "batten/tests/support/test_data.h"
 
 using namespace batten_test;
 
@@ -14,28 +14,28 @@ namespace {
 
 using std::numbers::pi;
 // Dofs of the boundary: all of them (clamped), or w and the slope along the sides of the square.
-std::vector<char> held_dofs(const ParametricMesh& mesh, bool clamped) {
+std::vector<char> fixed_dofs(const ParametricMesh& mesh, bool clamped) {
   const DofMap dofs(mesh);
-  std::vector<char> held(dofs.count(), 0);
+  std::vector<char> fixed(dofs.count(), 0);
   for (int v = 0; v < mesh.vertex_count(); ++v) {
     const Vec2& p = mesh.vertices()[v];
     const bool left_right = p.x() == 0 || p.x() == 1, top_bottom = p.y() == 0 || p.y() == 1;
     if (!left_right && !top_bottom) continue;
-    held[dofs.vertex(v)] = 1;
-    held[dofs.vertex(v, 1)] = clamped || top_bottom;
-    held[dofs.vertex(v, 2)] = clamped || left_right;
+    fixed[dofs.vertex(v)] = 1;
+    fixed[dofs.vertex(v, 1)] = clamped || top_bottom;
+    fixed[dofs.vertex(v, 2)] = clamped || left_right;
   }
   if (clamped)
     for (int e = 0; e < mesh.edge_count(); ++e)
-      if (mesh.edges()[e].boundary()) held[dofs.edge(e)] = 1;
-  return held;
+      if (mesh.edges()[e].boundary()) fixed[dofs.edge(e)] = 1;
+  return fixed;
 }
 
 // K q = F with the held dofs at their values in q.
-VecX solve(const SparseMatrix& K, VecX F, VecX q, const std::vector<char>& held) {
+VecX solve(const SparseMatrix& K, VecX F, VecX q, const std::vector<char>& fixed) {
   std::vector<int> free_of(q.size(), -1), free;
   for (int d = 0; d < q.size(); ++d)
-    if (held[d]) {
+    if (fixed[d]) {
       continue;
     } else {
       free_of[d] = static_cast<int>(free.size());
@@ -46,7 +46,7 @@ VecX solve(const SparseMatrix& K, VecX F, VecX q, const std::vector<char>& held)
   std::vector<Triplet> entries;
   for (int j = 0; j < K.outerSize(); ++j)
     for (SparseMatrix::InnerIterator it(K, j); it; ++it)
-      if (!held[it.row()] && !held[j])
+      if (!fixed[it.row()] && !fixed[j])
         entries.emplace_back(free_of[it.row()], free_of[j], it.value());
   SparseMatrix A(static_cast<long>(free.size()), static_cast<long>(free.size()));
   A.setFromTriplets(entries.begin(), entries.end());
@@ -79,7 +79,7 @@ Errors solve_biharmonic(const ParametricMesh& mesh, TriangleElement kind,
   const Points F = assembler.load(
       [](const Location&, const Vec2& uv) { return Vec3(biharmonic_load(uv), 0, 0); });
   const SparseMatrix K = assembler.stiffness(SurfaceStiffness{});
-  const VecX q = solve(K, F.col(0), VecX::Zero(F.rows()), held_dofs(mesh, true));
+  const VecX q = solve(K, F.col(0), VecX::Zero(F.rows()), fixed_dofs(mesh, true));
 
   Errors squares;
   for (int t = 0; t < mesh.triangle_count(); ++t) {
@@ -106,9 +106,10 @@ Errors solve_biharmonic(const ParametricMesh& mesh, TriangleElement kind,
 }  // namespace
 
 TEST_CASE("the clamped biharmonic problem converges with orders 4, 3, 2 on perturbed meshes") {
-  for (const auto kind : both_kinds) {
+  for (const auto kind : kBothElements) {
     INFO(name(kind));
-    const TriangleRule rule = kind == TriangleElement::HCT ? split_triangle(6) : six_duffy(4);
+    const TriangleRule rule =
+        kind == TriangleElement::HCT ? split_triangle_rule(6) : six_duffy_rule(4);
     Errors before;
     for (const int n : {8, 16, 32}) {
       const Errors now = solve_biharmonic(perturbed_square(n, 2), kind, rule);
@@ -132,8 +133,8 @@ TEST_CASE("the clamped biharmonic problem has the reference errors on the regula
     for (int i = 0; i < 3; ++i) rule25.L(p, i) = entries["L"][p][i];
     rule25.weights[p] = entries["w"][p];
   }
-  for (const auto kind : both_kinds) {
-    const TriangleRule rule = kind == TriangleElement::HCT ? split_triangle(6) : rule25;
+  for (const auto kind : kBothElements) {
+    const TriangleRule rule = kind == TriangleElement::HCT ? split_triangle_rule(6) : rule25;
     const auto& runs = gold[kind == TriangleElement::HCT ? "HCT/diag/exact6" : "Z12/diag/duffy5"];
     for (const auto& run : runs) {
       const int n = run["n"];
@@ -148,7 +149,7 @@ TEST_CASE("the clamped biharmonic problem has the reference errors on the regula
 
 TEST_CASE("patch test: what the space holds is found exactly on a perturbed mesh") {
   const ParametricMesh mesh = perturbed_square(6, 3);
-  const std::vector<char> held = held_dofs(mesh, true);
+  const std::vector<char> fixed = fixed_dofs(mesh, true);
   SurfaceStiffness bend, both;
   bend.beta << 1, 0.5, 3;
   both.beta << 2, 2, 2;
@@ -162,12 +163,12 @@ TEST_CASE("patch test: what the space holds is found exactly on a perturbed mesh
     return Vec3(u * u * u - 2 * u * v * v + v * v * v, 3 * u * u - 2 * v * v,
                 -4 * u * v + 3 * v * v);
   });
-  for (const auto kind : both_kinds) {
+  for (const auto kind : kBothElements) {
     INFO(name(kind));
     const SurfaceAssembler assembler(mesh, kind);
     const auto error = [&](const SurfaceStiffness& material, const VecX& q, double f) {
       const Points F = assembler.load(Vec3(f, 0, 0));
-      const VecX found = solve(assembler.stiffness(material), F.col(0), q, held);
+      const VecX found = solve(assembler.stiffness(material), F.col(0), q, fixed);
       return (found - q).cwiseAbs().maxCoeff();
     };
     CHECK(error(bend, quadratic, 0) < 1e-10);
@@ -186,7 +187,7 @@ TEST_CASE("patch test: what the space holds is found exactly on a perturbed mesh
 // vanishes too. Hence the same discrete solution, for all ν.
 TEST_CASE("square plates under uniform load have Timoshenko's deflection in the middle") {
   const auto gold = batten_test::reference("convergence.json")["plates"];
-  for (const auto kind : both_kinds)
+  for (const auto kind : kBothElements)
     for (const bool clamped : {false, true}) {
       const std::string support = clamped ? "clamped" : "ss";
       const std::string rule = kind == TriangleElement::HCT ? "HCT/exact/" : "Z12/duffy5/";
@@ -197,7 +198,7 @@ TEST_CASE("square plates under uniform load have Timoshenko's deflection in the 
         const SurfaceAssembler assembler(mesh, kind);
         const Points F = assembler.load(Vec3(1, 0, 0));
         const VecX q = solve(assembler.stiffness(SurfaceStiffness{}), F.col(0),
-                             VecX::Zero(F.rows()), held_dofs(mesh, clamped));
+                             VecX::Zero(F.rows()), fixed_dofs(mesh, clamped));
         const int middle = (n / 2) * (n + 1) + n / 2;
         const double w = q[assembler.dofs().vertex(middle)];
         CHECK(w == Approx(gold["results"][rule + support][run++].get<double>()).epsilon(1e-5));

@@ -7,11 +7,11 @@
 #include "batten/core/band_cholesky.h"
 #include "batten/core/errors.h"
 #include "batten/elements/quadrature.h"
-#include "batten/fem/curve.h"
-#include "batten/fem/curve_assembly.h"
-#include "batten/tests/catch.h"
-#include "batten/tests/refusal.h"
-#include "batten/tests/sampling.h"
+#include "batten/fem/curve_assembler.h"
+#include "batten/fem/hermite_curve.h"
+#include "batten/tests/support/catch.h"
+#include "batten/tests/support/error_message.h"
+#include "batten/tests/support/sampling.h"
 
 using namespace batten_test;
 using Catch::Matchers::Contains;
@@ -59,21 +59,21 @@ TEST_CASE("dofs are numbered along the curve, each once, and shared except at co
     }
   }
   const CurveMesh ring({0, 1, 1.5, 3, 3.2}, true);
-  CHECK(ring.where(3.2 + 1.2).segment == 1);
-  CHECK(ring.where(-0.1).segment == 3);
+  CHECK(ring.locate(3.2 + 1.2).segment == 1);
+  CHECK(ring.locate(-0.1).segment == 3);
   CHECK(ring.wrapped(-0.2) == Approx(3.0));
-  CHECK(CurveMesh({0, 1, 2}).where(7).segment == 1);
+  CHECK(CurveMesh({0, 1, 2}).locate(7).segment == 1);
 }
 
 TEST_CASE("curve meshes that are none are refused") {
-  CHECK_THAT(refusal([] { CurveMesh({1.0}); }), Contains("two nodes"));
-  CHECK_THAT(refusal([] { CurveMesh({0, 1}, true); }), Contains("two segments"));
-  CHECK_THAT(refusal([] { CurveMesh({0, 1, 1}); }), Contains("u[1] = 1, u[2] = 1"));
-  CHECK_THAT(refusal([] { CurveMesh({0, NAN, 1}); }), Contains("increase"));
-  CHECK_THAT(refusal([] { CurveMesh({0, 1, INFINITY}); }), Contains("finite"));
-  CHECK_THAT(refusal([] { CurveMesh({0, 1, 2}, false, {0}); }), Contains("corner 0"));
-  CHECK_THAT(refusal([] { CurveMesh({0, 1, 2}, true, {2}); }), Contains("corner 2"));
-  CHECK_THAT(refusal([] {
+  CHECK_THAT(error_message([] { CurveMesh({1.0}); }), Contains("two nodes"));
+  CHECK_THAT(error_message([] { CurveMesh({0, 1}, true); }), Contains("two segments"));
+  CHECK_THAT(error_message([] { CurveMesh({0, 1, 1}); }), Contains("u[1] = 1, u[2] = 1"));
+  CHECK_THAT(error_message([] { CurveMesh({0, NAN, 1}); }), Contains("increase"));
+  CHECK_THAT(error_message([] { CurveMesh({0, 1, INFINITY}); }), Contains("finite"));
+  CHECK_THAT(error_message([] { CurveMesh({0, 1, 2}, false, {0}); }), Contains("corner 0"));
+  CHECK_THAT(error_message([] { CurveMesh({0, 1, 2}, true, {2}); }), Contains("corner 2"));
+  CHECK_THAT(error_message([] {
                HermiteCurve(CurveMesh({0, 1}), Points::Zero(3, 3));
              }),
              Contains("3 dofs"));
@@ -83,7 +83,7 @@ TEST_CASE("energies of any mesh equal quadrature of the curve, with weights line
   Random random(9);
   for (const CurveMesh& mesh : sample_meshes()) {
     const HermiteCurve curve = random_curve(mesh, 7);
-    CurveAssembler::Along alpha, beta;
+    CurveAssembler::Coefficient alpha, beta;
     std::vector<double> weight;
     for (int s = 0; s < mesh.segment_count(); ++s) {
       alpha.emplace_back(random.between(0, 2), random.between(0, 2));
@@ -153,7 +153,7 @@ TEST_CASE(
     const auto force = [&](double t) {  // beta'' = 0
       return beta(t) * std::sin(t) - 2 * (closed ? 0 : 0.3) * std::cos(t) + std::sin(t);
     };
-    CurveAssembler::Along along;
+    CurveAssembler::Coefficient along;
     for (int s = 0; s < n; ++s) along.emplace_back(beta(u[s]), beta(u[s + 1]));
     const CurveAssembler assembler(mesh);
     Points F = Points::Zero(mesh.dof_count(), 3);
@@ -259,7 +259,7 @@ TEST_CASE("a band matrix is added, solved, fixed and inverted like a dense one")
     REQUIRE(cholesky.factorize());
     cholesky.solve(x);
     CHECK((A * x - b).norm() < 1e-13 * b.norm() * n);
-    CHECK(std::abs(cholesky.trace_of_quotient(other) - (A.inverse() * B).trace()) < 1e-13 * n);
+    CHECK(std::abs(cholesky.trace_of_inverse_times(other) - (A.inverse() * B).trace()) < 1e-13 * n);
     if (n < 3) continue;
     BandCholesky fixed;
     fixed.reset(n, band);

@@ -6,11 +6,11 @@
 
 #include "batten/core/errors.h"
 #include "batten/fem/surface.h"
-#include "batten/tests/allocations.h"
-#include "batten/tests/catch.h"
-#include "batten/tests/embedded_grid.h"
-#include "batten/tests/sampling.h"
-#include "batten/tests/threads.h"
+#include "batten/tests/support/allocations.h"
+#include "batten/tests/support/catch.h"
+#include "batten/tests/support/embedded_grid.h"
+#include "batten/tests/support/sampling.h"
+#include "batten/tests/support/thread_guard.h"
 
 using namespace batten_test;
 using Catch::Matchers::Contains;
@@ -62,7 +62,7 @@ struct Shown {
 }  // namespace
 
 TEST_CASE("display points and normals are those of the surface") {
-  for (const TriangleElement kind : both_kinds)
+  for (const TriangleElement kind : kBothElements)
     for (const int n : {1, 3, 40}) {
       const Surface surface = wavy(n, kind, 3);
       const auto where = places(surface.mesh(), 4);
@@ -116,9 +116,9 @@ TEST_CASE("display points ask for no memory and give the same bits on one thread
   const Shown shown(display, surface.dofs());  // wakes the threads
   Shown again = shown;
   if (counts_allocations()) {
-    const WorkCount work;
+    const ScopedOpCount work;
     display.evaluate(surface.dofs(), Vec3::Zero(), again.points.data(), again.normals.data());
-    CHECK(work.of(Work::Allocation) == 0);
+    CHECK(work.of(OpCounter::Allocation) == 0);
   }
   const ThreadGuard one(1);
   std::fill(again.points.begin(), again.points.end(), 0.0F);

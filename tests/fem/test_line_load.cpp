@@ -1,11 +1,11 @@
-#include "batten/fem/assembly.h"
 #include "batten/fem/line_load.h"
+#include "batten/fem/surface_assembler.h"
 
 #include "batten/core/errors.h"
 #include "batten/fem/surface.h"
-#include "batten/tests/catch.h"
-#include "batten/tests/embedded_grid.h"
-#include "batten/tests/sampling.h"
+#include "batten/tests/support/catch.h"
+#include "batten/tests/support/embedded_grid.h"
+#include "batten/tests/support/sampling.h"
 
 using namespace batten_test;
 
@@ -27,39 +27,39 @@ VecX cubic(const ParametricMesh& mesh) {
 
 // ∫ f(c) |X'| dt, segment by segment.
 template <class Function>
-double integral(const HermiteCurve& image, const HermiteCurve& curve, const Function& f) {
+double integral(const HermiteCurve& pcurve, const HermiteCurve& curve, const Function& f) {
   static const SegmentRule gauss = gauss_legendre(16);
   double sum = 0;
-  for (int s = 0; s < image.segment_count(); ++s)
+  for (int s = 0; s < pcurve.segment_count(); ++s)
     for (long g = 0; g < gauss.s.size(); ++g) {
-      const CurveMesh::Where at{s, gauss.s[g]};
-      sum += gauss.weights[g] * image.mesh().length(s) * f(image.evaluate(at)) *
+      const CurveMesh::SegmentPoint at{s, gauss.s[g]};
+      sum += gauss.weights[g] * pcurve.mesh().length(s) * f(pcurve.evaluate(at)) *
              curve.evaluate(at, 1).norm();
     }
   return sum;
 }
 
-HermiteCurve in_space(const HermiteCurve& image) {
-  Points dofs = image.dofs();
+HermiteCurve in_space(const HermiteCurve& pcurve) {
+  Points dofs = pcurve.dofs();
   const double scale = 3;
   dofs *= scale;
-  for (int i = 0; i < image.node_count(); ++i)
-    dofs(image.mesh().slope_out(i), 2) = 0.4 * std::sin(i);
-  return {image.mesh(), dofs};
+  for (int i = 0; i < pcurve.node_count(); ++i)
+    dofs(pcurve.mesh().slope_out(i), 2) = 0.4 * std::sin(i);
+  return {pcurve.mesh(), dofs};
 }
 
 }  // namespace
 
 TEST_CASE("a line's load adds up to its length, and works on cubics as the line's integral") {
-  for (const auto kind : both_kinds)
+  for (const auto kind : kBothElements)
     for (const int n : {3, 8, 17}) {
       const ParametricMesh mesh = perturbed_square(n, 3);
       const TriangleLocator locator(mesh);
-      const HermiteCurve image = circle({0.5, 0.48}, 0.4, 9), curve = in_space(image);
-      const VecX F = line_load(mesh, kind, locator, image, curve);
+      const HermiteCurve pcurve = circle({0.5, 0.48}, 0.4, 9), curve = in_space(pcurve);
+      const VecX F = line_load(mesh, kind, locator, pcurve, curve);
       CHECK(F.dot(ones(mesh)) ==
-            Approx(integral(image, curve, [](const Vec3&) { return 1.0; })).epsilon(1e-9));
-      CHECK(F.dot(cubic(mesh)) == Approx(integral(image, curve, [](const Vec3& c) {
+            Approx(integral(pcurve, curve, [](const Vec3&) { return 1.0; })).epsilon(1e-9));
+      CHECK(F.dot(cubic(mesh)) == Approx(integral(pcurve, curve, [](const Vec3& c) {
                                     return c.x() * c.x() * c.y() - std::pow(c.y(), 3) + c.x();
                                   })).epsilon(1e-9));
     }
@@ -67,17 +67,17 @@ TEST_CASE("a line's load adds up to its length, and works on cubics as the line'
 
 TEST_CASE("a line's load on any surface is the integral along it, to 1e-8") {
   Random random(5);
-  for (const auto kind : both_kinds) {
+  for (const auto kind : kBothElements) {
     const ParametricMesh mesh = perturbed_square(6, 4);
     const TriangleLocator locator(mesh);
-    const HermiteCurve image = circle({0.52, 0.5}, 0.37, 9), curve = in_space(image);
+    const HermiteCurve pcurve = circle({0.52, 0.5}, 0.37, 9), curve = in_space(pcurve);
     const VecX q = VecX::NullaryExpr(DofMap(mesh).count(), [&] { return random(); });
     // Many points, each on its own: the midpoint rule on a closed line.
     const int n = 200000;
     double sum = 0;
     for (int i = 0; i < n; ++i) {
       const double t = 2 * pi * (i + 0.5) / n;
-      const Location on = locator.locate(image.evaluate(t).head<2>());
+      const Location on = locator.locate(pcurve.evaluate(t).head<2>());
       const Vec12 N = C1Triangle(kind, mesh.shape(on.triangle)).evaluate(on.L).col(kW);
       const auto dof = DofMap(mesh).triangle(mesh, on.triangle);
       double w = 0;
@@ -85,7 +85,7 @@ TEST_CASE("a line's load on any surface is the integral along it, to 1e-8") {
       sum += 2 * pi / n * w * curve.evaluate(t, 1).norm();
     }
     INFO(name(kind));
-    CHECK(line_load(mesh, kind, locator, image, curve).dot(q) ==
+    CHECK(line_load(mesh, kind, locator, pcurve, curve).dot(q) ==
           Approx(sum).epsilon(1e-8).margin(1e-8));
   }
 }
@@ -96,8 +96,8 @@ TEST_CASE("a run along element edges loads the edges' dofs only") {
   Points ends(2, 3), slopes(2, 3);
   ends << 0, 0.5, 0, 1, 0.5, 0;
   slopes << 1, 0, 0, 1, 0, 0;
-  const HermiteCurve image({0, 1}, ends, slopes);
-  const VecX F = line_load(mesh, TriangleElement::HCT, locator, image, image);
+  const HermiteCurve pcurve({0, 1}, ends, slopes);
+  const VecX F = line_load(mesh, TriangleElement::HCT, locator, pcurve, pcurve);
   CHECK(F.dot(ones(mesh)) == Approx(1).epsilon(1e-14));
   for (int v = 0; v < mesh.vertex_count(); ++v) {
     const bool on = mesh.vertices()[v].y() == 0.5;
@@ -109,9 +109,9 @@ TEST_CASE("a run along element edges loads the edges' dofs only") {
 
 TEST_CASE("a line and an image over different intervals are refused") {
   const ParametricMesh mesh = ParametricMesh::unit_square(4);
-  const HermiteCurve image = circle({0.5, 0.5}, 0.3, 8);
-  CHECK_THROWS_AS(line_load(mesh, TriangleElement::HCT, TriangleLocator(mesh), image,
-                            image.with_parameter_times(2)),
+  const HermiteCurve pcurve = circle({0.5, 0.5}, 0.3, 8);
+  CHECK_THROWS_AS(line_load(mesh, TriangleElement::HCT, TriangleLocator(mesh), pcurve,
+                            pcurve.with_scaled_parameter(2)),
                   InputError);
 }
 
@@ -119,14 +119,14 @@ TEST_CASE("weights of triangles: 1 everywhere is the constant load, and parts ad
   Random random(6);
   const auto mesh = std::make_shared<ParametricMesh>(perturbed_square(6, 4));
   const auto trim = std::make_shared<Trim>(*mesh, DomainLoops({{circle({0.5, 0.5}, 0.4, 12)}}));
-  for (const auto kind : both_kinds)
+  for (const auto kind : kBothElements)
     for (const auto& cut : {std::shared_ptr<const Trim>(), std::shared_ptr<const Trim>(trim)}) {
       const SurfaceAssembler assembler(*mesh, kind, cut);
       const VecX w = VecX::NullaryExpr(mesh->triangle_count(), [&] { return random(); });
       CHECK(assembler.load(VecX(VecX::Ones(w.size()))) == assembler.load(Vec3(1, 2, 3)).col(0));
       double sum = 0;
       for (int t = 0; t < w.size(); ++t)
-        sum += w[t] * mesh->shape(t).area * (cut ? cut->share(t) : 1);
+        sum += w[t] * mesh->shape(t).area * (cut ? cut->area_fraction(t) : 1);
       CHECK(assembler.load(w).dot(ones(*mesh)) == Approx(sum).epsilon(1e-12));
       CHECK_THROWS_AS(assembler.load(VecX(VecX::Ones(3))), InputError);
 

@@ -1,5 +1,5 @@
-#include "batten/fem/assembly.h"
 #include "batten/fem/parametric_mesh.h"
+#include "batten/fem/surface_assembler.h"
 
 #include <cmath>
 #include <map>
@@ -7,12 +7,12 @@
 #include <string>
 
 #include "batten/core/errors.h"
-#include "batten/fem/dissection.h"
+#include "batten/fem/nested_dissection.h"
 #include "batten/fem/surface.h"
 #include "batten/fem/triangle_locator.h"
 #include "batten/fem/trim.h"
-#include "batten/tests/catch.h"
-#include "batten/tests/sampling.h"
+#include "batten/tests/support/catch.h"
+#include "batten/tests/support/sampling.h"
 
 using namespace batten;
 
@@ -211,9 +211,9 @@ TEST_CASE("a strip that is periodic in u has no seam: Euler's number 0, two rims
       }
     CHECK(rim == 2 * 7);
     CHECK(std::abs(rim_length - 2 * around) < 1e-14);
-    CHECK((mesh.displacement({0, 1, 2, 3, 4, 5, 6, 0}) - Vec2(around, 0)).norm() < 1e-14);
-    CHECK((mesh.displacement({2, 1, 0, 6, 5, 4, 3, 2}) + Vec2(around, 0)).norm() < 1e-14);
-    CHECK((mesh.displacement({5, 6, 0}) - Vec2(2 * around / 7, 0)).norm() < 1e-14);
+    CHECK((mesh.chain_vector({0, 1, 2, 3, 4, 5, 6, 0}) - Vec2(around, 0)).norm() < 1e-14);
+    CHECK((mesh.chain_vector({2, 1, 0, 6, 5, 4, 3, 2}) + Vec2(around, 0)).norm() < 1e-14);
+    CHECK((mesh.chain_vector({5, 6, 0}) - Vec2(2 * around / 7, 0)).norm() < 1e-14);
   }
 }
 
@@ -316,7 +316,7 @@ TEST_CASE("a hole across the seam cuts as much as the same hole elsewhere") {
       dofs.row(curve.position_dof(i)) = x.row(i);
       dofs.row(curve.slope_out(i)) = d.row(i);
     }
-    return DomainLoops({{HermiteCurve(curve, dofs)}}, DomainLoops::Around::Inside);
+    return DomainLoops({{HermiteCurve(curve, dofs)}}, DomainLoops::Background::Inside);
   };
   for (const double u : {1.2, 0.0, 0.1, around - 0.1}) {
     const DomainLoops loops = hole(u);
@@ -328,7 +328,7 @@ TEST_CASE("a hole across the seam cuts as much as the same hole elsewhere") {
 }
 
 TEST_CASE("the dissection order of a periodic mesh holds every dof once") {
-  std::vector<int> order = dissection_order(strip(30, 4, 0.3));
+  std::vector<int> order = nested_dissection_order(strip(30, 4, 0.3));
   std::set<int> all(order.begin(), order.end());
   CHECK(all.size() == order.size());
   CHECK(static_cast<int>(order.size()) == DofMap(strip(30, 4, 0.3)).count());

@@ -5,13 +5,13 @@
 
 #include "batten/constraints/affine_reduction.h"
 #include "batten/constraints/constrained_solver.h"
-#include "batten/constraints/shape/shape_constraints.h"
+#include "batten/constraints/shape/surface_constraints.h"
 #include "batten/core/dense.h"
-#include "batten/fem/assembly.h"
 #include "batten/fem/surface.h"
-#include "batten/tests/catch.h"
-#include "batten/tests/kkt_twin.h"
-#include "batten/tests/reference.h"
+#include "batten/fem/surface_assembler.h"
+#include "batten/tests/support/catch.h"
+#include "batten/tests/support/kkt_solver.h"
+#include "batten/tests/support/test_data.h"
 
 using namespace batten;
 
@@ -28,7 +28,7 @@ std::shared_ptr<const ParametricMesh> pentagon() {
   return std::make_shared<ParametricMesh>(vertices, triangles);
 }
 
-void hold_corners(const ParametricMesh& mesh, ShapeConstraints& constraints) {
+void fix_corners(const ParametricMesh& mesh, SurfaceConstraints& constraints) {
   for (int k = 1; k <= 5; ++k) {
     const Vec2& p = mesh.vertices()[k];
     constraints.point("corner " + std::to_string(k), k, Vec3(p.x(), p.y(), 0));
@@ -69,8 +69,8 @@ TEST_CASE("the loaded pentagon has the reference heights, slopes and energies") 
     CHECK(std::abs(F(dofs.vertex(0), 2) - expected["F_centre"].get<double>()) < 1e-13);
 
     ConstraintSet set(dofs.count());
-    ShapeConstraints constraints(*mesh, kind, set);
-    hold_corners(*mesh, constraints);
+    SurfaceConstraints constraints(*mesh, kind, set);
+    fix_corners(*mesh, constraints);
     const Points q = solve_constrained(set, K, F);
     CHECK(std::abs(q(dofs.vertex(0), 2) - expected["centre_z"].get<double>()) < 1e-10);
     CHECK(std::abs(energy(K, q.col(2), F.col(2)) - expected["energy_z=XtKX-2FtX"].get<double>()) <
@@ -99,8 +99,8 @@ TEST_CASE("heights are proportional to the load") {
   for (const auto kind : {TriangleElement::HCT, TriangleElement::Z12}) {
     const SurfaceAssembler assembler(*mesh, kind);
     ConstraintSet set(assembler.dofs().count());
-    ShapeConstraints constraints(*mesh, kind, set);
-    hold_corners(*mesh, constraints);
+    SurfaceConstraints constraints(*mesh, kind, set);
+    fix_corners(*mesh, constraints);
     const ConstrainedSolver solver(set, assembler.stiffness(SurfaceStiffness::isotropic(1, 0.1)));
     const Points one = solver.solve(assembler.load(Vec3(0, 0, 1)));
     const Points seven = solver.solve(assembler.load(Vec3(0, 0, 7)));
@@ -123,16 +123,16 @@ TEST_CASE("the pentagon with a held normal and a held tangent has the reference 
     const Points F = assembler.load(Vec3(0, 0, expected["p"]));
 
     ConstraintSet set(dofs.count());
-    ShapeConstraints constraints(*mesh, kind, set);
-    hold_corners(*mesh, constraints);
+    SurfaceConstraints constraints(*mesh, kind, set);
+    fix_corners(*mesh, constraints);
     const Vec3 n = vector(expected["n_centre"]), tau = vector(expected["tau_vertex1"]);
     constraints.normal("centre", 0, n);
     constraints.tangent("corner 1", 1, {0, -1}, tau);
-    CHECK(static_cast<int>(3 * set.rows().size() + set.coupled_rows().size()) ==
+    CHECK(static_cast<int>(3 * set.constraints().size() + set.coupled_constraints().size()) ==
           expected["n_constraints"].get<int>());
     const AffineReduction reduction(set);
     CHECK(reduction.free_count() == expected["n_free"].get<int>());
-    CHECK(reduction.dropped_rows() == 0);
+    CHECK(reduction.redundant_count() == 0);
 
     const Points q = solve_constrained(set, K, F);
     const auto row = [&](int dof) { return Vec3(q.row(dof)); };

@@ -1,12 +1,12 @@
 #include "batten/fem/pressure_operator.h"
 
 #include "batten/core/errors.h"
-#include "batten/fem/assembly.h"
-#include "batten/tests/allocations.h"
-#include "batten/tests/catch.h"
-#include "batten/tests/embedded_grid.h"
-#include "batten/tests/sampling.h"
-#include "batten/tests/threads.h"
+#include "batten/fem/surface_assembler.h"
+#include "batten/tests/support/allocations.h"
+#include "batten/tests/support/catch.h"
+#include "batten/tests/support/embedded_grid.h"
+#include "batten/tests/support/sampling.h"
+#include "batten/tests/support/thread_guard.h"
 
 using namespace batten_test;
 
@@ -75,7 +75,7 @@ TEST_CASE("the load of rational triangles is that of a rule without error") {
   const auto mesh = std::make_shared<ParametricMesh>(perturbed_square(3, 4));
   const Surface surface(mesh, TriangleElement::Z12, random_dofs(*mesh, 5));
   Points expected = Points::Zero(surface.dofs().rows(), 3);
-  const TriangleRule rule = six_duffy(16);
+  const TriangleRule rule = six_duffy_rule(16);
   for (int t = 0; t < mesh->triangle_count(); ++t) {
     const C1Triangle element(TriangleElement::Z12, mesh->shape(t));
     const auto q = surface.triangle_dofs(t);
@@ -105,7 +105,7 @@ TEST_CASE("what is added stays: loads add up, weights and values are factors") {
 }
 
 TEST_CASE("without its rim, the load is the derivative of the volume") {
-  for (const auto kind : both_kinds) {
+  for (const auto kind : kBothElements) {
     const auto mesh = perturbed_square(5, 8);
     const PressureOperator pressure(mesh, kind);
     const Points x = random_dofs(mesh, 9);
@@ -178,10 +178,10 @@ TEST_CASE("the operator gives the same bits on any number of threads, and asks f
     for (const int threads : {1, 2, 3}) {
       const ThreadGuard guard(threads);
       pressure.add(q, w, 2, F);  // starts the threads
-      const WorkCount work;
+      const ScopedOpCount work;
       F.setZero();
       pressure.add(q, w, 2, F);
-      if (counts_allocations()) CHECK(work.of(Work::Allocation) == 0);
+      if (counts_allocations()) CHECK(work.of(OpCounter::Allocation) == 0);
       if (threads == 1) {
         one = F;
         volume = pressure.volume(q, w);

@@ -7,10 +7,10 @@
 #include <numbers>
 
 #include "batten/core/errors.h"
-#include "batten/fem/surface_points.h"
-#include "batten/tests/catch.h"
-#include "batten/tests/embedded_grid.h"
-#include "batten/tests/sampling.h"
+#include "batten/fem/surface_evaluator.h"
+#include "batten/tests/support/catch.h"
+#include "batten/tests/support/embedded_grid.h"
+#include "batten/tests/support/sampling.h"
 
 using namespace batten_test;
 
@@ -64,7 +64,7 @@ Surface random_surface(int n, TriangleElement kind, unsigned seed) {
 
 TEST_CASE("a surface holds polynomials of degree three with all derivatives") {
   Draws random(1);
-  for (const auto kind : both_kinds) {
+  for (const auto kind : kBothElements) {
     INFO(name(kind));
     const Surface surface = interpolated(shared_square(3, 1), kind, saddle);
     for (int trial = 0; trial < 50; ++trial) {
@@ -89,7 +89,7 @@ TEST_CASE("a surface holds polynomials of degree three with all derivatives") {
 
 TEST_CASE("a jet is the derivative of positions, by central differences") {
   constexpr double step = 1e-6;
-  for (const auto kind : both_kinds) {
+  for (const auto kind : kBothElements) {
     INFO(name(kind));
     const Surface surface = random_surface(3, kind, 2);
     for (int t = 0; t < surface.mesh().triangle_count(); ++t) {
@@ -112,7 +112,7 @@ TEST_CASE("a jet is the derivative of positions, by central differences") {
 TEST_CASE("points of a surface by its Bezier ordinates are the surface's") {
   for (const auto kind : {TriangleElement::HCT, TriangleElement::Z12}) {
     const Surface surface = random_surface(4, kind, 7);
-    const SurfacePoints points(surface);
+    const SurfaceEvaluator points(surface);
     Draws random(8);
     for (int i = 0; i < 200; ++i) {
       const Location where = random.location(surface.mesh());
@@ -139,7 +139,7 @@ TEST_CASE("an area vector is that of the jet") {
 }
 
 TEST_CASE("a surface is C1 across every edge of its mesh") {
-  for (const auto kind : both_kinds) {
+  for (const auto kind : kBothElements) {
     INFO(name(kind));
     const Surface surface = random_surface(4, kind, 3);
     double worst = 0;
@@ -199,7 +199,7 @@ TEST_CASE("interpolated cylinders and spheres converge: area, curvature, recover
       {"cylinder", cylinder, -0.25, 0, 2 * 1.2 * 3},
       {"sphere", sphere, -1.0 / 3, 1.0 / 9, 9 * 2 * std::sin(0.4)},
   };
-  for (const auto kind : both_kinds)
+  for (const auto kind : kBothElements)
     for (const Case& c : cases) {
       INFO(name(kind) << ", " << c.name);
       double area_before = 0, curvature_before = 0, recovered_before = 0;
@@ -321,7 +321,7 @@ Surface bumpy_surface(int n, TriangleElement kind, unsigned seed) {
 
 TEST_CASE("the closest point of a surface is the closest point") {
   Draws random(7);
-  for (const auto kind : both_kinds) {
+  for (const auto kind : kBothElements) {
     const Surface surfaces[] = {interpolated(shared_square(4, 7), kind, cylinder),
                                 bumpy_surface(3, kind, 8)};
     for (const Surface& surface : surfaces) {
@@ -366,7 +366,7 @@ TEST_CASE("points beside the boundary and near vertices have their closest point
 
 TEST_CASE("the evaluation operator is evaluation") {
   Draws random(10);
-  for (const auto kind : both_kinds) {
+  for (const auto kind : kBothElements) {
     INFO(name(kind));
     const Surface surface = random_surface(3, kind, 11);
     std::vector<Location> points;
@@ -551,7 +551,7 @@ TEST_CASE("elements outside of a trim do not reach the recovered curvatures insi
   std::vector<double> share(plain.mesh().vertex_count(), 0);
   for (int t = 0; t < plain.mesh().triangle_count(); ++t)
     for (const int v : plain.mesh().triangles()[t])
-      share[v] = std::max(share[v], plain.trim()->share(t));
+      share[v] = std::max(share[v], plain.trim()->area_fraction(t));
   Points dofs = plain.dofs();
   int spoilt = 0;
   for (int v = 0; v < plain.mesh().vertex_count(); ++v)

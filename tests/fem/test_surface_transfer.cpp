@@ -1,9 +1,9 @@
 #include "batten/fem/surface_transfer.h"
 
 #include "batten/fem/bisection.h"
-#include "batten/tests/catch.h"
-#include "batten/tests/sampling.h"
-#include "batten/tests/threads.h"
+#include "batten/tests/support/catch.h"
+#include "batten/tests/support/sampling.h"
+#include "batten/tests/support/thread_guard.h"
 
 using namespace batten_test;
 
@@ -31,13 +31,13 @@ Surface random_surface(std::shared_ptr<const ParametricMesh> mesh, TriangleEleme
 }  // namespace
 
 TEST_CASE("along old edges a carried surface keeps its shape and its slope across") {
-  for (const auto kind : both_kinds) {
+  for (const auto kind : kBothElements) {
     const auto coarse = std::make_shared<ParametricMesh>(perturbed_square(5, 3));
     const Surface from = random_surface(coarse, kind);
     const auto fine =
         std::make_shared<ParametricMesh>(bisected(*coarse, random_marks(*coarse, 4)).mesh);
     REQUIRE(fine->triangle_count() > coarse->triangle_count());
-    const Surface to(fine, kind, carried_over(from, *fine).dofs);
+    const Surface to(fine, kind, interpolate_onto(from, *fine).dofs);
     double worst = 0;
     for (const auto& edge : coarse->edges())
       for (const double s : {0.1, 0.25, 0.37, 0.5, 0.81}) {
@@ -51,10 +51,10 @@ TEST_CASE("along old edges a carried surface keeps its shape and its slope acros
 }
 
 TEST_CASE("what is carried to the same mesh, or is a cubic, stays as it is") {
-  for (const auto kind : both_kinds) {
+  for (const auto kind : kBothElements) {
     const auto mesh = std::make_shared<ParametricMesh>(perturbed_square(5, 3));
     const Surface any = random_surface(mesh, kind);
-    const CarriedOver same = carried_over(any, *mesh);
+    const SurfaceTransfer same = interpolate_onto(any, *mesh);
     CHECK(same.dofs == any.dofs());
     CHECK(same.max_displacement == 0);
     // The same triangles with other numbers: edge normals may turn.
@@ -63,7 +63,7 @@ TEST_CASE("what is carried to the same mesh, or is a cubic, stays as it is") {
     for (auto& t : triangles)
       for (int& v : t) v = mesh->vertex_count() - 1 - v;
     const auto turned = std::make_shared<ParametricMesh>(vertices, triangles);
-    const Surface again(turned, kind, carried_over(any, *turned).dofs);
+    const Surface again(turned, kind, interpolate_onto(any, *turned).dofs);
     for (int t = 0; t < mesh->triangle_count(); ++t)
       CHECK((again.position({t, {0.2, 0.5, 0.3}}) - any.position({t, {0.2, 0.5, 0.3}})).norm() <
             1e-14);
@@ -73,17 +73,17 @@ TEST_CASE("what is carried to the same mesh, or is a cubic, stays as it is") {
           {u, v, u * u * v - v * v * v}, {1, 0, 2 * u * v}, {0, 1, u * u - 3 * v * v}, {}, {}, {}};
     });
     const auto fine = bisected(*mesh, random_marks(*mesh, 7)).mesh;
-    CHECK(carried_over(cubic, fine).max_displacement < 1e-13);
+    CHECK(interpolate_onto(cubic, fine).max_displacement < 1e-13);
   }
 }
 
 TEST_CASE("inside, a carried surface moves by the fourth power of the size") {
-  for (const auto kind : both_kinds) {
+  for (const auto kind : kBothElements) {
     double before = 0;
     for (const int n : {8, 16, 32}) {
       const auto mesh = std::make_shared<ParametricMesh>(perturbed_square(n, 3));
       const auto fine = bisected(*mesh, std::vector<char>(mesh->triangle_count(), 1)).mesh;
-      const double moved = carried_over(interpolated(mesh, kind, wave), fine).max_displacement;
+      const double moved = interpolate_onto(interpolated(mesh, kind, wave), fine).max_displacement;
       CHECK(moved > 0);
       if (before > 0) CHECK(before / moved > 11);
       before = moved;
@@ -95,7 +95,7 @@ TEST_CASE("the displacement that is said is the one that is there") {
   const auto mesh = std::make_shared<ParametricMesh>(perturbed_square(4, 3));
   const Surface from = random_surface(mesh, TriangleElement::HCT);
   const auto fine = std::make_shared<ParametricMesh>(bisected(*mesh, random_marks(*mesh, 9)).mesh);
-  const CarriedOver carried = carried_over(from, *fine);
+  const SurfaceTransfer carried = interpolate_onto(from, *fine);
   const Surface to(fine, TriangleElement::HCT, carried.dofs);
   double largest = 0;
   Random random(3);
@@ -122,11 +122,11 @@ TEST_CASE("a tube is carried around its seam, on any number of threads") {
   const auto tube = std::make_shared<ParametricMesh>(vertices, triangles, 6.0);
   const Surface from = random_surface(tube, TriangleElement::HCT);
   const auto fine = bisected(*tube, random_marks(*tube, 2)).mesh;
-  CHECK((carried_over(from, *tube).dofs - from.dofs()).cwiseAbs().maxCoeff() < 1e-12);
+  CHECK((interpolate_onto(from, *tube).dofs - from.dofs()).cwiseAbs().maxCoeff() < 1e-12);
   const ThreadGuard one(1);
-  const CarriedOver carried = carried_over(from, fine);
+  const SurfaceTransfer carried = interpolate_onto(from, fine);
   set_thread_count(2);
-  const CarriedOver again = carried_over(from, fine);
+  const SurfaceTransfer again = interpolate_onto(from, fine);
   CHECK(carried.dofs == again.dofs);
   CHECK(carried.max_displacement == again.max_displacement);
 }

@@ -1,8 +1,8 @@
 #include <catch2/catch.hpp>
 
 #include "batten/fem/bisection.h"
-#include "batten/tests/embedded_grid.h"
-#include "batten/tests/sampling.h"
+#include "batten/tests/support/embedded_grid.h"
+#include "batten/tests/support/sampling.h"
 
 using namespace batten_test;
 
@@ -54,7 +54,7 @@ std::vector<ParametricMesh> meshes() {
   for (int t = 0; t < square.triangle_count(); ++t)
     if ((square.shape(t).point(Vec3::Constant(1 / 3.)) - Vec2(0.5, 0.5)).norm() > 0.3)
       ring.push_back(t);
-  all.push_back(part_of(square, ring).mesh);
+  all.push_back(extract_submesh(square, ring).mesh);
   // A strip a hundred times as long as wide, and one triangle.
   std::vector<Vec2> strip;
   const ParametricMesh six = perturbed_square(6, 2);
@@ -64,7 +64,7 @@ std::vector<ParametricMesh> meshes() {
   std::vector<int> ends;
   for (int t = 0; t < six.triangle_count(); ++t)
     if (std::abs(six.shape(t).point(Vec3::Constant(1 / 3.)).x() - 0.5) > 0.35) ends.push_back(t);
-  all.push_back(part_of(all.back(), ends).mesh);
+  all.push_back(extract_submesh(all.back(), ends).mesh);
   all.push_back(ParametricMesh({{5, 5}, {6, 5.2}, {5.1, 7}}, {{0, 1, 2}}));
   return all;
 }

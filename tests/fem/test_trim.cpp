@@ -1,10 +1,10 @@
 #include <catch2/catch.hpp>
 
-#include "batten/fem/assembly.h"
 #include "batten/fem/bisection.h"
-#include "batten/tests/embedded_grid.h"
-#include "batten/tests/refusal.h"
-#include "batten/tests/sampling.h"
+#include "batten/fem/surface_assembler.h"
+#include "batten/tests/support/embedded_grid.h"
+#include "batten/tests/support/error_message.h"
+#include "batten/tests/support/sampling.h"
 
 using namespace batten_test;
 
@@ -55,7 +55,7 @@ HermiteCurve wavy(Random& random, const Vec2& centre, double size, int segments,
 double moment(const DomainLoops& loops, int i, int j) {
   static const SegmentRule gauss = gauss_legendre(20);
   double sum = 0;
-  for (const PlanarCubic& arc : loops.arcs())
+  for (const PlanarCubic& arc : loops.segments())
     for (long g = 0; g < gauss.s.size(); ++g) {
       const Vec2 c = arc.at(gauss.s[g]), d = arc.slope(gauss.s[g]);
       sum += gauss.weights[g] * std::pow(c.x(), i + 1) / (i + 1) * std::pow(c.y(), j) * d.y();
@@ -80,25 +80,25 @@ double worst_moment(const ParametricMesh& mesh, const Trim& trim, int degree) {
       worst = std::max(worst, std::abs(sums(i, j) - moment(trim.loops(), i, j)));
   return worst;
 }
-double sum_of_shares(const ParametricMesh& mesh, const Trim& trim) {
+double sum_of_fractions(const ParametricMesh& mesh, const Trim& trim) {
   double sum = 0;
-  for (int t = 0; t < mesh.triangle_count(); ++t) sum += trim.share(t) * mesh.shape(t).area;
+  for (int t = 0; t < mesh.triangle_count(); ++t) sum += trim.area_fraction(t) * mesh.shape(t).area;
   return sum;
 }
 
 // What must hold of every cut of a mesh that covers the loops.
 void check_cut(const ParametricMesh& mesh, const DomainLoops& loops, double tolerance = 1e-12) {
   const Trim trim(mesh, loops);
-  CHECK(std::abs(sum_of_shares(mesh, trim) - loops.area()) <= tolerance);
+  CHECK(std::abs(sum_of_fractions(mesh, trim) - loops.area()) <= tolerance);
   CHECK(std::abs(trim.area() - loops.area()) <= tolerance);
   double lowest_share = 0, highest_share = 1, lowest = 0;
   for (int t = 0; t < mesh.triangle_count(); ++t) {
-    lowest_share = std::min(lowest_share, trim.share(t));
-    highest_share = std::max(highest_share, trim.share(t));
+    lowest_share = std::min(lowest_share, trim.area_fraction(t));
+    highest_share = std::max(highest_share, trim.area_fraction(t));
     for (const int degree : {1, 6}) {
       const TriangleRule rule = trim.rule(t, degree);
       if (rule.weights.size() > 0) lowest = std::min(lowest, rule.L.minCoeff());
-      CHECK(std::abs(rule.weights.sum() - trim.share(t)) <= 1e-13);
+      CHECK(std::abs(rule.weights.sum() - trim.area_fraction(t)) <= 1e-13);
     }
   }
   CHECK(lowest_share >= -tolerance);
@@ -108,9 +108,9 @@ void check_cut(const ParametricMesh& mesh, const DomainLoops& loops, double tole
 }
 
 // Times around p, of a polygon through many points of the arcs.
-int winding(const DomainLoops& loops, const Vec2& p, int samples, double& clearance) {
+int winding_number(const DomainLoops& loops, const Vec2& p, int samples, double& clearance) {
   double turned = 0;
-  for (const PlanarCubic& arc : loops.arcs())
+  for (const PlanarCubic& arc : loops.segments())
     for (int i = 0; i < samples; ++i) {
       const Vec2 a = arc.at(static_cast<double>(i) / samples) - p,
                  b = arc.at(static_cast<double>(i + 1) / samples) - p;
@@ -218,10 +218,11 @@ TEST_CASE("inside is where loops turn around: random cubics, also level with nod
     Points dofs(mesh.dof_count(), 3);
     for (long i = 0; i < dofs.rows(); ++i) dofs.row(i) << 2 * random(), 2 * random(), 0;
     if (trial % 3 == 0) dofs.col(1) = (2 * dofs.col(1)).array().round() / 2;  // level nodes
-    const auto around = trial % 2 ? DomainLoops::Around::Inside : DomainLoops::Around::Outside;
+    const auto around =
+        trial % 2 ? DomainLoops::Background::Inside : DomainLoops::Background::Outside;
     const DomainLoops loops({{HermiteCurve(mesh, dofs)}}, around);
     std::vector<double> levels;
-    for (const PlanarCubic& arc : loops.arcs()) {
+    for (const PlanarCubic& arc : loops.segments()) {
       const BernsteinCubic v{{arc.b[0].y(), arc.b[1].y(), arc.b[2].y(), arc.b[3].y()}};
       for (const double t : v.monotone_parts()) levels.push_back(v.at(t));
     }
@@ -229,7 +230,7 @@ TEST_CASE("inside is where loops turn around: random cubics, also level with nod
       Vec2 p(3 * random(), 3 * random());
       if (i % 2) p.y() = levels[static_cast<size_t>(i / 2) % levels.size()];
       double clearance = 1;
-      const int times = winding(loops, p, 60, clearance);
+      const int times = winding_number(loops, p, 60, clearance);
       if (clearance < 1e-3) continue;
       ++compared;
       INFO("trial " << trial << " p " << p.transpose() << " times " << times);
@@ -245,9 +246,9 @@ TEST_CASE("inside is left of the loop, to a billionth: outlines and holes") {
     const Vec2 centre(random(), random());
     const DomainLoops loops({{wavy(random, centre, 1, 7 + trial % 5)},
                              {wavy(random, centre, 0.3, 5 + trial % 3, true)}});
-    const DomainLoops only_hole({loops.loops()[1]}, DomainLoops::Around::Inside);
+    const DomainLoops only_hole({loops.loops()[1]}, DomainLoops::Background::Inside);
     size_t arcs = 0;
-    for (const PlanarCubic& arc : loops.arcs()) {
+    for (const PlanarCubic& arc : loops.segments()) {
       const bool of_hole = arcs++ >= static_cast<size_t>(loops.loops()[0][0].segment_count());
       for (const double t : {0., 1e-9, 0.21, 0.5, 0.77, 1 - 1e-9, 1.}) {
         const Vec2 c = arc.at(t), d = arc.slope(t).normalized(), left(-d.y(), d.x());
@@ -264,21 +265,21 @@ TEST_CASE("inside is left of the loop, to a billionth: outlines and holes") {
     CHECK(only_hole.contains(centre - Vec2(50, 0)));
   }
   CHECK(DomainLoops().contains({3, 4}));
-  CHECK(!DomainLoops(DomainLoops::Around::Outside).contains({3, 4}));
+  CHECK(!DomainLoops(DomainLoops::Background::Outside).contains({3, 4}));
 }
 
 TEST_CASE("areas of loops are exact, holes count negative") {
   CHECK(DomainLoops({box({1, 2}, {4, 7})}).area() == Approx(15).epsilon(1e-15));
   CHECK(DomainLoops({box({1, 2}, {4, 7}), polygon({{2, 3}, {2, 4}, {3, 4}, {3, 3}})}).area() ==
         Approx(14).epsilon(1e-15));
-  const DomainLoops hole({{circle({5, 6}, 2, 400, true)}}, DomainLoops::Around::Inside);
+  const DomainLoops hole({{circle({5, 6}, 2, 400, true)}}, DomainLoops::Background::Inside);
   CHECK(hole.area() == Approx(-4 * pi).epsilon(1e-9));
   Random random(2);
   for (int trial = 0; trial < 20; ++trial) {
     const DomainLoops loops({{wavy(random, {random(), random()}, 1, 6)}});
     CHECK(std::abs(loops.area() - moment(loops, 0, 0)) < 1e-14);
     CHECK(loops.low().x() < loops.high().x());
-    for (const PlanarCubic& arc : loops.arcs())
+    for (const PlanarCubic& arc : loops.segments())
       for (const double t : {0., 0.3, 0.6}) {
         CHECK((arc.at(t) - loops.low()).minCoeff() >= 0);
         CHECK((loops.high() - arc.at(t)).minCoeff() >= 0);
@@ -318,13 +319,13 @@ TEST_CASE("corners of one closed curve, and pieces that meet nearly, close the l
 }
 
 TEST_CASE("loops that are none are refused") {
-  CHECK(refusal([] { DomainLoops({Loop{}}); }).find("without curves") != std::string::npos);
+  CHECK(error_message([] { DomainLoops({Loop{}}); }).find("without curves") != std::string::npos);
   Loop open = box({0, 0}, {1, 1});
   open.pop_back();
-  CHECK(refusal([&] { DomainLoops({open}); }).find("open at (0, 1)") != std::string::npos);
+  CHECK(error_message([&] { DomainLoops({open}); }).find("open at (0, 1)") != std::string::npos);
   Points tilted = circle({0, 0}, 1, 8).dofs();
   tilted(3, 2) = 1e-3;
-  CHECK(refusal([&] {
+  CHECK(error_message([&] {
           DomainLoops({{HermiteCurve(circle({0, 0}, 1, 8).mesh(), tilted)}});
         }).find("z = 0") != std::string::npos);
 }
@@ -338,12 +339,13 @@ TEST_CASE("shares of the triangles sum to the area: 200 random loops with holes 
                              {wavy(random, centre, 0.06, 4 + static_cast<int>(trial % 7), true)}});
     const Trim trim(mesh, loops);
     INFO("trial " << trial);
-    CHECK(std::abs(sum_of_shares(mesh, trim) - loops.area()) < 1e-12);
+    CHECK(std::abs(sum_of_fractions(mesh, trim) - loops.area()) < 1e-12);
     for (int t = 0; t < mesh.triangle_count(); ++t) {
-      const bool listed = std::binary_search(trim.cut().begin(), trim.cut().end(), t);
+      const bool listed =
+          std::binary_search(trim.cut_triangles().begin(), trim.cut_triangles().end(), t);
       CHECK(listed == (trim.side(t) == Trim::Side::Cut));
       if (trim.side(t) == Trim::Side::Cut) continue;
-      CHECK(trim.share(t) == (trim.side(t) == Trim::Side::Inside ? 1 : 0));
+      CHECK(trim.area_fraction(t) == (trim.side(t) == Trim::Side::Inside ? 1 : 0));
       const Vec2 p = mesh.shape(t).point({0.2, 0.5, 0.3});
       CHECK(loops.contains(p) == (trim.side(t) == Trim::Side::Inside));
     }
@@ -450,7 +452,7 @@ TEST_CASE("outlines along grid lines, exactly and nearly") {
     }
   // Whole elements are not cut.
   const Trim trim(mesh, DomainLoops({box({-0.5, -0.25}, {1, 0.5})}));
-  CHECK(trim.cut().empty());
+  CHECK(trim.cut_triangles().empty());
   CHECK(trim.area() == Approx(1.125).epsilon(1e-15));
 }
 
@@ -472,7 +474,7 @@ TEST_CASE("loops that touch element edges") {
           // How far the curve itself reaches to the right.
           HermiteCurve unit = round({0, 0}, 1, turn, n, false);
           double reach = 0;
-          for (const PlanarCubic& arc : planar_arcs(unit)) {
+          for (const PlanarCubic& arc : planar_cubics(unit)) {
             const BernsteinCubic u{{arc.b[0].x(), arc.b[1].x(), arc.b[2].x(), arc.b[3].x()}};
             for (const double t : u.monotone_parts()) reach = std::max(reach, u.at(t));
           }
@@ -530,15 +532,15 @@ TEST_CASE("a cut of some triangles alone is the same cut") {
   for (size_t i = 0; i < some.size(); ++i) {
     const int t = static_cast<int>(i);
     CHECK(part.side(t) == whole.side(some[i]));
-    CHECK(part.share(t) == whole.share(some[i]));
+    CHECK(part.area_fraction(t) == whole.area_fraction(some[i]));
     if (part.side(t) == Trim::Side::Cut) cut.push_back(t);
     const TriangleRule a = part.rule(t, 5), b = whole.rule(some[i], 5);
     REQUIRE(a.weights.size() == b.weights.size());
     CHECK(a.weights == b.weights);
     CHECK(a.L == b.L);
   }
-  CHECK(part.cut() == cut);
-  CHECK(part.loops().arcs().size() == loops.arcs().size());
+  CHECK(part.cut_triangles() == cut);
+  CHECK(part.loops().segments().size() == loops.segments().size());
 }
 
 TEST_CASE("matrices and loads of a region and of the rest sum to those of the whole") {
@@ -546,15 +548,15 @@ TEST_CASE("matrices and loads of a region and of the rest sum to those of the wh
   Random random(7);
   const HermiteCurve curve = wavy(random, {0.5, 0.5}, 0.3, 9);
   const auto inside = std::make_shared<Trim>(mesh, DomainLoops({{curve}}));
-  const auto rest =
-      std::make_shared<Trim>(mesh, DomainLoops({{curve.backwards()}}, DomainLoops::Around::Inside));
+  const auto rest = std::make_shared<Trim>(
+      mesh, DomainLoops({{curve.backwards()}}, DomainLoops::Background::Inside));
   Points q(DofMap(mesh).count(), 3);
   for (long i = 0; i < q.rows(); ++i) q.row(i) = random.point();
   Mat2 alpha;
   alpha << 3, 0.5, 0.5, 2;
   const SurfaceStiffness bending{}, stretching{alpha, Vec3::Zero()};
   // What HCT functions integrate to exactly; those of Z12 are rational.
-  for (const TriangleElement kind : both_kinds) {
+  for (const TriangleElement kind : kBothElements) {
     const SurfaceAssembler whole(mesh, kind), a(mesh, kind, inside, 0), b(mesh, kind, rest, 0);
     const double tolerance = kind == TriangleElement::HCT ? 1e-11 : 3e-2;
     const auto misfit = [](const auto& x, const auto& y, const auto& sum) {
@@ -595,14 +597,14 @@ TEST_CASE("matrices and loads of a region and of the rest sum to those of the wh
 
 TEST_CASE("no loops: all of the mesh, or nothing") {
   const ParametricMesh mesh = perturbed_square(3, 1);
-  const Trim all(mesh, DomainLoops()), none(mesh, DomainLoops(DomainLoops::Around::Outside));
+  const Trim all(mesh, DomainLoops()), none(mesh, DomainLoops(DomainLoops::Background::Outside));
   CHECK(all.area() == Approx(1).epsilon(1e-14));
   CHECK(none.area() == 0);
-  CHECK(all.cut().empty());
+  CHECK(all.cut_triangles().empty());
   CHECK(none.rule(0, 4).weights.size() == 0);
   CHECK(all.rule(0, 4).weights.sum() == Approx(1).epsilon(1e-14));
   // Holes alone take their area from the mesh.
-  const DomainLoops hole({{circle({0.5, 0.5}, 0.2, 30, true)}}, DomainLoops::Around::Inside);
+  const DomainLoops hole({{circle({0.5, 0.5}, 0.2, 30, true)}}, DomainLoops::Background::Inside);
   CHECK(Trim(mesh, hole).area() == Approx(1 + hole.area()).epsilon(1e-13));
 }
 
@@ -622,7 +624,7 @@ TEST_CASE("a tube is cut on both sides of its seam") {
   const ParametricMesh tube(vertices, triangles, 2);
   for (const double u : {0.0, 0.01, 0.2, 1.0, 1.9, 1.99}) {
     INFO("u " << u);
-    const DomainLoops hole({{circle({u, 0.5}, 0.3, 12, true)}}, DomainLoops::Around::Inside);
+    const DomainLoops hole({{circle({u, 0.5}, 0.3, 12, true)}}, DomainLoops::Background::Inside);
     CHECK(Trim(tube, hole).area() == Approx(2 + hole.area()).epsilon(1e-12));
     const DomainLoops patch({{circle({u, 0.5}, 0.3, 12)}});
     CHECK(Trim(tube, patch).area() == Approx(patch.area()).epsilon(1e-12));
@@ -642,7 +644,7 @@ TEST_CASE("resistance in a direction counts inside of a cut, constant and varyin
   const double expected = trim->area() * (1.5 * std::pow(t.dot(hessian * t), 2) + 9 + 4 + 4);
   const auto material =
       SurfaceStiffness::directional(t, 0, 1.5) + SurfaceStiffness{Mat2::Zero(), {1, 0.5, 1}};
-  for (const auto kind : both_kinds) {
+  for (const auto kind : kBothElements) {
     const SurfaceAssembler assembler(*mesh, kind, trim, 0);
     SparseMatrix varying = assembler.pattern();
     assembler.stiffness([&](const Vec2&) { return material; }, varying);

@@ -52,7 +52,7 @@ int end_of(pid_t child, Clock::time_point start, rusage& used) {
   return status;
 }
 
-[[noreturn]] void be_program(const std::string& folder, std::vector<std::string> words) {
+[[noreturn]] void run_program(const std::string& folder, std::vector<std::string> words) {
   const int printed = open((folder + "/printed").c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
   const int nothing = open("/dev/null", O_RDONLY);
   if (printed < 0 || nothing < 0 || chdir(folder.c_str()) != 0) _exit(99);
@@ -76,7 +76,7 @@ int main() {
     while (std::getline(in, word, '\t')) words.push_back(word);
     const auto start = Clock::now();
     const pid_t child = fork();
-    if (child == 0) be_program(folder, words);
+    if (child == 0) run_program(folder, words);
     if (child < 0) return 1;
     rusage used{};
     const int status = end_of(child, start, used);

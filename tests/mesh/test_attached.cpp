@@ -3,12 +3,12 @@
 #include <numbers>
 
 #include "batten/core/rotations.h"
-#include "batten/mesh/attached/follow.h"
-#include "batten/mesh/attached/solids.h"
-#include "batten/tests/catch.h"
+#include "batten/mesh/attached/attachment.h"
+#include "batten/mesh/attached/inverted_solids.h"
+#include "batten/tests/support/catch.h"
 
 using namespace batten;
-using Kind = OtherElement::Kind;
+using Kind = NonShellElement::Kind;
 
 namespace {
 
@@ -19,8 +19,8 @@ Points points_of(const std::vector<Vec3>& list) {
 }
 
 /// A plate of n × n nodes at z = 0 (the shells), two layers of bricks under it.
-struct Layered {
-  explicit Layered(int n) : side(n) {
+struct LayeredPlate {
+  explicit LayeredPlate(int n) : side(n) {
     std::vector<Vec3> list;
     for (int k = 0; k < 3; ++k)
       for (int j = 0; j < n; ++j)
@@ -28,11 +28,11 @@ struct Layered {
     points = points_of(list);
     placed.assign(list.size(), 0);
     std::fill(placed.begin(), placed.begin() + n * n, 1);
-    turns.assign(list.size(), Mat3::Identity());
+    rotations.assign(list.size(), Mat3::Identity());
     for (int k = 0; k < 2; ++k)
       for (int j = 0; j + 1 < n; ++j)
         for (int i = 0; i + 1 < n; ++i) {
-          OtherElement e{Kind::Solid, "CHEXA", static_cast<long>(elements.size()) + 1, {}, {}};
+          NonShellElement e{Kind::Solid, "CHEXA", static_cast<long>(elements.size()) + 1, {}, {}};
           for (const int layer : {k + 1, k})
             for (const auto& [a, b] : {std::pair(0, 0), {1, 0}, {1, 1}, {0, 1}})
               e.nodes.push_back(layer * n * n + (j + b) * n + i + a);
@@ -42,13 +42,13 @@ struct Layered {
   int side;
   Points points;
   std::vector<char> placed;
-  std::vector<Mat3> turns;
-  std::vector<OtherElement> elements;
+  std::vector<Mat3> rotations;
+  std::vector<NonShellElement> elements;
 };
 
 struct Rigid {
-  Vec3 log, shift;
-  Vec3 operator()(const Vec3& p) const { return rotated(log, p) + shift; }
+  Vec3 log, translation;
+  Vec3 operator()(const Vec3& p) const { return rotated(log, p) + translation; }
   Mat3 matrix() const {
     Mat3 R;
     for (int c = 0; c < 3; ++c) R.col(c) = rotated(log, Vec3::Unit(c));
@@ -56,14 +56,14 @@ struct Rigid {
   }
 };
 
-const Rigid kMotion{rotation_log({1, 2, -1}, 2.2), {3, -1, 0.5}};
+const Rigid kMotion{to_rotation_vector({1, 2, -1}, 2.2), {3, -1, 0.5}};
 
 void move(const Rigid& motion, const Points& before, Points& after, const std::vector<char>& placed,
-          std::vector<Mat3>& turns) {
+          std::vector<Mat3>& rotations) {
   for (long v = 0; v < before.rows(); ++v)
     if (placed[static_cast<size_t>(v)]) {
       after.row(v) = motion(before.row(v).transpose()).transpose();
-      turns[static_cast<size_t>(v)] = motion.matrix();
+      rotations[static_cast<size_t>(v)] = motion.matrix();
     }
 }
 
@@ -79,39 +79,40 @@ double off(const Rigid& motion, const Points& before, const Points& after) {
 }  // namespace
 
 TEST_CASE("what hangs on a rigid motion moves rigidly: solids, spiders, means, chains of bars") {
-  Layered layered(5);
+  LayeredPlate layered(5);
   const auto first = static_cast<int>(layered.points.rows());
   // A spider's centre, a mean's node, a chain of two bars, a brick's node that a mass is on.
   layered.points.conservativeResize(first + 4, 3);
   layered.points.bottomRows(4) << 1, 1, 3, 2, 3, -4, 5, 5, 1, 7, 6, 2;
   layered.placed.resize(layered.points.rows(), 0);
-  layered.turns.resize(layered.points.rows(), Mat3::Identity());
+  layered.rotations.resize(layered.points.rows(), Mat3::Identity());
   layered.elements.push_back({Kind::Rigid, "RBE2", 900, {first, 0, 1, 6}, {}});
-  layered.elements.push_back({Kind::Average, "RBE3", 901, {first + 1, 30, 31, 37}, {1, 2, 0.5}});
+  layered.elements.push_back(
+      {Kind::Interpolation, "RBE3", 901, {first + 1, 30, 31, 37}, {1, 2, 0.5}});
   layered.elements.push_back({Kind::Beam, "CBAR", 902, {24, first + 2}, {}});
   layered.elements.push_back({Kind::Beam, "CBAR", 903, {first + 2, first + 3}, {}});
   layered.elements.push_back({Kind::Mass, "CONM2", 904, {first + 3}, {}});
   Points after = layered.points;
-  move(kMotion, layered.points, after, layered.placed, layered.turns);
-  const auto followed =
-      follow(layered.points, after, layered.placed, layered.turns, layered.elements, {});
+  move(kMotion, layered.points, after, layered.placed, layered.rotations);
+  const auto followed = propagate_to_attached(layered.points, after, layered.placed,
+                                              layered.rotations, layered.elements, {});
   CHECK(followed.size() == 54);
   CHECK(off(kMotion, layered.points, after) < 1e-12);
   CHECK(inverted_solids(layered.elements, layered.points, after).empty());
 }
 
 TEST_CASE("solids under a bent plate bend with it") {
-  const Layered layered(9);
+  const LayeredPlate layered(9);
   Points after = layered.points;
-  std::vector<Mat3> turns = layered.turns;
+  std::vector<Mat3> rotations = layered.rotations;
   const double radius = 8;  // of the plate; the solids are within
   for (int v = 0; v < 81; ++v) {
     const double angle = (layered.points(v, 0) - 4) / radius;
     after.row(v) =
         Vec3(radius * std::sin(angle), layered.points(v, 1), radius * std::cos(angle) - radius);
-    turns[v] = Eigen::AngleAxisd(angle, Vec3::UnitY()).matrix();
+    rotations[v] = Eigen::AngleAxisd(angle, Vec3::UnitY()).matrix();
   }
-  follow(layered.points, after, layered.placed, turns, layered.elements, {});
+  propagate_to_attached(layered.points, after, layered.placed, rotations, layered.elements, {});
   CHECK(inverted_solids(layered.elements, layered.points, after).empty());
   // The layers keep their thickness.
   for (int v = 0; v < 81; ++v)
@@ -124,7 +125,8 @@ TEST_CASE("solids under a bent plate bend with it") {
   for (int v = 0; v < 81; ++v)
     after(v, 2) +=
         0.25 * std::exp(-((layered.points.row(v) - layered.points.row(40)).squaredNorm()) / 4);
-  follow(layered.points, after, layered.placed, layered.turns, layered.elements, {});
+  propagate_to_attached(layered.points, after, layered.placed, layered.rotations, layered.elements,
+                        {});
   CHECK(inverted_solids(layered.elements, layered.points, after).empty());
   CHECK(after(40 + 162, 2) > -1 + 0.1);
 }
@@ -140,11 +142,11 @@ TEST_CASE("a spider stays concentric with a ring that turns, a mean has its weig
   placed[0] = 0;
   std::vector<int> nodes(13);
   for (int i = 0; i < 13; ++i) nodes[i] = i;
-  std::vector<Mat3> turns(13, Mat3::Identity());
+  std::vector<Mat3> rotations(13, Mat3::Identity());
   Points after = before;
-  move(kMotion, before, after, placed, turns);
-  const std::vector<OtherElement> spider{{Kind::Rigid, "RBE2", 1, nodes, {}}};
-  follow(before, after, placed, turns, spider, {});
+  move(kMotion, before, after, placed, rotations);
+  const std::vector<NonShellElement> spider{{Kind::Rigid, "RBE2", 1, nodes, {}}};
+  propagate_to_attached(before, after, placed, rotations, spider, {});
   for (int i = 1; i < 13; ++i) CHECK(std::abs((after.row(i) - after.row(0)).norm() - 3) < 1e-13);
 
   // Two groups that move apart: the mean goes with the weights.
@@ -155,8 +157,9 @@ TEST_CASE("a spider stays concentric with a ring that turns, a mean has its weig
   std::vector<double> weights(12, 0);
   weights[0] = weights[6] = 3;  // opposite nodes, lifted by 6
   weights[3] = weights[9] = 1;  // opposite nodes, lifted by 5
-  follow(before, after, placed, turns,
-         std::vector<OtherElement>{{Kind::Average, "RBE3", 2, nodes, weights}}, {});
+  propagate_to_attached(
+      before, after, placed, rotations,
+      std::vector<NonShellElement>{{Kind::Interpolation, "RBE3", 2, nodes, weights}}, {});
   CHECK(after(0, 2) == Approx(5.75));
 }
 
@@ -164,37 +167,41 @@ TEST_CASE("one node carries by its own rotation, nodes on a line by theirs about
   const Points before = points_of({{0, 0, 0}, {1, 0, 0}, {0, 2, 0}});
   Points after = before;
   after.row(0) = Vec3(5, 0, 0);
-  const Mat3 turn = Eigen::AngleAxisd(std::numbers::pi / 2, Vec3::UnitZ()).matrix();
-  const std::vector<OtherElement> bar{{Kind::Rigid, "RBAR", 1, {0, 1, 2}, {}}};
-  follow(before, after, {1, 0, 0}, {turn, Mat3::Identity(), Mat3::Identity()}, bar, {});
+  const Mat3 rotation = Eigen::AngleAxisd(std::numbers::pi / 2, Vec3::UnitZ()).matrix();
+  const std::vector<NonShellElement> bar{{Kind::Rigid, "RBAR", 1, {0, 1, 2}, {}}};
+  propagate_to_attached(before, after, {1, 0, 0}, {rotation, Mat3::Identity(), Mat3::Identity()},
+                        bar, {});
   CHECK((after.row(1).transpose() - Vec3(5, 1, 0)).norm() < 1e-14);
   CHECK((after.row(2).transpose() - Vec3(3, 0, 0)).norm() < 1e-14);
   // Two nodes stay, turned about the line between them.
   const Mat3 about = Eigen::AngleAxisd(std::numbers::pi / 2, Vec3::UnitX()).matrix();
   after = before;
   after.row(1) = Vec3(1 + 1e-9, 0, 0);  // not quite still
-  follow(before, after, {1, 1, 0}, {about, about, Mat3::Identity()}, bar, {});
+  propagate_to_attached(before, after, {1, 1, 0}, {about, about, Mat3::Identity()}, bar, {});
   CHECK((after.row(2).transpose() - Vec3(0, 0, 2)).norm() < 1e-8);
 }
 
 TEST_CASE("what does not move keeps every digit, what is to stay stays") {
-  Layered layered(5);
+  LayeredPlate layered(5);
   layered.points.array() += 1.0 / 3;
   Points after = layered.points;
-  CHECK(follow(layered.points, after, layered.placed, layered.turns, layered.elements, {}).empty());
+  CHECK(propagate_to_attached(layered.points, after, layered.placed, layered.rotations,
+                              layered.elements, {})
+            .empty());
   CHECK(after == layered.points);
-  move(kMotion, layered.points, after, layered.placed, layered.turns);
-  FollowOptions stay;
-  stay.of_kind.fill(Following::Stay);
-  CHECK(
-      follow(layered.points, after, layered.placed, layered.turns, layered.elements, stay).empty());
+  move(kMotion, layered.points, after, layered.placed, layered.rotations);
+  AttachmentOptions stay;
+  stay.rule_of_kind.fill(AttachmentRule::Stay);
+  CHECK(propagate_to_attached(layered.points, after, layered.placed, layered.rotations,
+                              layered.elements, stay)
+            .empty());
   CHECK(after.bottomRows(50) == layered.points.bottomRows(50));
   CHECK(!inverted_solids(layered.elements, layered.points, after).empty());
 }
 
 TEST_CASE("connections that keep their shape") {
   // 0 … 3 have faces; 4, 5 are centres of spiders with a bolt between them; 6 hangs on a bar.
-  const std::vector<OtherElement> elements{
+  const std::vector<NonShellElement> elements{
       {Kind::Rigid, "RBE2", 1, {4, 0, 1}, {}}, {Kind::Rigid, "RBE2", 2, {5, 2, 3}, {}},
       {Kind::Beam, "CBAR", 3, {4, 5}, {}},     {Kind::Beam, "CBAR", 4, {0, 6}, {}},
       {Kind::Bush, "CELAS2", 5, {1, 2}, {}},   {Kind::Bush, "CELAS2", 6, {2, 1}, {}},
@@ -204,20 +211,20 @@ TEST_CASE("connections that keep their shape") {
   std::vector<std::string> names;
   for (const FormFeature& f : connections(elements, has_face, {})) names.push_back(f.name);
   CHECK(names == std::vector<std::string>{"RBE2 1", "RBE2 2", "CBAR 3", "CELAS2 5"});
-  FollowOptions none;
-  none.of_kind.fill(Following::Stay);
+  AttachmentOptions none;
+  none.rule_of_kind.fill(AttachmentRule::Stay);
   CHECK(connections(elements, has_face, none).empty());
 }
 
 TEST_CASE("solids turned inside out are found whichever way they are numbered") {
   const Points before = points_of(
       {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {0, 0, 1}, {1, 0, 1}, {1, 1, 1}, {0, 1, 1}});
-  const std::vector<OtherElement> solids{{Kind::Solid, "CHEXA", 1, {0, 1, 2, 3, 4, 5, 6, 7}, {}},
-                                         {Kind::Solid, "CHEXA", 2, {4, 5, 6, 7, 0, 1, 2, 3}, {}},
-                                         {Kind::Solid, "CTETRA", 3, {0, 1, 3, 4}, {}},
-                                         {Kind::Solid, "CPENTA", 4, {0, 1, 2, 4, 5, 6}, {}},
-                                         {Kind::Solid, "CPYRAM", 5, {0, 1, 2, 3, 6}, {}},
-                                         {Kind::Beam, "CBAR", 6, {0, 6}, {}}};
+  const std::vector<NonShellElement> solids{{Kind::Solid, "CHEXA", 1, {0, 1, 2, 3, 4, 5, 6, 7}, {}},
+                                            {Kind::Solid, "CHEXA", 2, {4, 5, 6, 7, 0, 1, 2, 3}, {}},
+                                            {Kind::Solid, "CTETRA", 3, {0, 1, 3, 4}, {}},
+                                            {Kind::Solid, "CPENTA", 4, {0, 1, 2, 4, 5, 6}, {}},
+                                            {Kind::Solid, "CPYRAM", 5, {0, 1, 2, 3, 6}, {}},
+                                            {Kind::Beam, "CBAR", 6, {0, 6}, {}}};
   CHECK(inverted_solids(solids, before, before).empty());
   Points mirrored = before;
   mirrored.col(0) *= -1;

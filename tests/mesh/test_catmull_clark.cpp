@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "batten/core/errors.h"
-#include "batten/mesh/prepare.h"
-#include "batten/tests/catch.h"
+#include "batten/mesh/prepared_mesh.h"
+#include "batten/tests/support/catch.h"
 
 using namespace batten;
 using Catch::Matchers::Contains;
@@ -90,7 +90,7 @@ TEST_CASE("a roof's ridge of sharpness s goes down as cubic splines say") {
   for (const double s : {0.0, 0.25, 1.0, 1.5, 2.0, 3.75, 6.0, 9.5}) {
     INFO(s);
     CatmullClarkOptions options;
-    options.rounds = 2;
+    options.levels = 2;
     for (int j = 0; j < n; ++j)
       options.tags.creases.push_back({j * (n + 1) + n / 2, (j + 1) * (n + 1) + n / 2, s});
     const double k = std::floor(s);
@@ -113,8 +113,8 @@ TEST_CASE("limits do not depend on the rounds, whatever is sharp and by how much
   options.tags.creases = {{0, 1, 0.5}, {1, 3, 2.3}, {3, 7, 10}, {5, 7, 1}, {6, 7, 4.7}, {4, 6, 10}};
   options.tags.corners = {{2, 1.4}, {5, 10}};
   std::vector<ShellMesh> limits;
-  for (const int rounds : {1, 2, 4, 6}) {
-    options.rounds = rounds;
+  for (const int levels : {1, 2, 4, 6}) {
+    options.levels = levels;
     limits.push_back(catmull_clark(cage, options));
   }
   for (size_t k = 1; k < limits.size(); ++k)

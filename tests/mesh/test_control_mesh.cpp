@@ -3,10 +3,10 @@
 
 #include "batten/mesh/sequence/frame_session.h"
 #include "batten/mesh/sequence/subspace_solver.h"
-#include "batten/tests/catch.h"
-#include "batten/tests/mesh/frame_twin.h"
-#include "batten/tests/refusal.h"
-#include "batten/tests/threads.h"
+#include "batten/tests/support/catch.h"
+#include "batten/tests/support/error_message.h"
+#include "batten/tests/support/reference_frame_solver.h"
+#include "batten/tests/support/thread_guard.h"
 
 using namespace batten;
 using namespace batten_test;
@@ -24,7 +24,7 @@ bool can_wrap() {
 }
 
 /// How often a closed mesh runs around a point: 1 inside, 0 outside. Source: van Oosterom 1983.
-double winding(const TriangleMesh& mesh, const Vec3& x) {
+double winding_number(const TriangleMesh& mesh, const Vec3& x) {
   double angle = 0;
   for (const auto& [i, j, k] : mesh.triangles()) {
     const Vec3 a = mesh.point(i) - x, b = mesh.point(j) - x, c = mesh.point(k) - x;
@@ -43,10 +43,10 @@ TriangleMesh around_bar() {
   return straight.with_points(p);
 }
 
-FramePlaces told(const std::vector<RigidMotion>& motions) {
-  FramePlaces places;
-  for (const auto& m : motions) places.handles.push_back({m, false});
-  return places;
+FrameTargets prescribed(const std::vector<RigidMotion>& motions) {
+  FrameTargets targets;
+  for (const auto& m : motions) targets.handles.push_back({m, false});
+  return targets;
 }
 
 }  // namespace
@@ -91,7 +91,8 @@ TEST_CASE("mean value coordinates give points back, inside, outside and on the m
       CHECK(std::abs(W(static_cast<long>(loose + k), corners[k][c]) - shares[k][c]) < 1e-6);
   CHECK(W.bottomRows(control.vertex_count()) ==
         MatX::Identity(control.vertex_count(), control.vertex_count()));
-  CHECK(refusal([&] { mean_value_coordinates(sheet(3), x); }).find("closed") != std::string::npos);
+  CHECK(error_message([&] { mean_value_coordinates(sheet(3), x); }).find("closed") !=
+        std::string::npos);
 }
 
 TEST_CASE("mean value coordinates inside a convex mesh are positive, and go over smoothly") {
@@ -104,10 +105,10 @@ TEST_CASE("mean value coordinates inside a convex mesh are positive, and go over
   // In the plane of a face, beside it and beside other points.
   Points near(3, 3);
   const auto& t = control.triangles()[0];
-  const Vec3 beside = 3 * control.point(t[0]) - control.point(t[1]) - control.point(t[2]);
+  const Vec3 disjoint_union = 3 * control.point(t[0]) - control.point(t[1]) - control.point(t[2]);
   const Vec3 normal = control.area_vector(0).normalized();
-  near << beside.transpose(), (beside + 1e-6 * normal).transpose(),
-      (beside - 1e-6 * normal).transpose();
+  near << disjoint_union.transpose(), (disjoint_union + 1e-6 * normal).transpose(),
+      (disjoint_union - 1e-6 * normal).transpose();
   const MatX V = mean_value_coordinates(control, near);
   CHECK((V.row(1) - V.row(0)).norm() < 1e-4);
   CHECK((V.row(2) - V.row(0)).norm() < 1e-4);
@@ -128,29 +129,29 @@ TEST_CASE("a control mesh is closed around all of a mesh, in about as many verti
       double least = 1;
       for (const auto& t : mesh.triangles())
         for (const Vec3& w : {Vec3(1, 0, 0), Vec3(0, 1, 0), Vec3(0, 0, 1), Vec3(1, 1, 1)})
-          least =
-              std::min(least, winding(control, (w[0] * mesh.point(t[0]) + w[1] * mesh.point(t[1]) +
-                                                w[2] * mesh.point(t[2])) /
-                                                   w.sum()));
+          least = std::min(
+              least, winding_number(control, (w[0] * mesh.point(t[0]) + w[1] * mesh.point(t[1]) +
+                                              w[2] * mesh.point(t[2])) /
+                                                 w.sum()));
       CHECK(least > 0.999);
     }
   for (const int bad : {0, 19, 2001}) {
     ControlMeshOptions options;
     options.vertices = bad;
-    CHECK(!refusal([&] { control_mesh(sphere(1), options); }).empty());
+    CHECK(!error_message([&] { control_mesh(sphere(1), options); }).empty());
   }
-  CHECK(!refusal([&] { control_mesh(TriangleMesh(Points::Zero(1, 3), {})); }).empty());
+  CHECK(!error_message([&] { control_mesh(TriangleMesh(Points::Zero(1, 3), {})); }).empty());
 }
 
 TEST_CASE("a control mesh follows rigid motions exactly, and bends with its mesh") {
   const TriangleMesh mesh = bar(16, 4, 3, 0.6), control = around_bar();
-  const ControlFollower follower(mesh, control.points(),
-                                 mean_value_coordinates(control, mesh.points()));
-  CHECK(distance(follower.at(mesh.points()), control.points()) < 1e-13);
+  const ControlMeshTransfer transfer(mesh, control.points(),
+                                     mean_value_coordinates(control, mesh.points()));
+  CHECK(distance(transfer.at(mesh.points()), control.points()) < 1e-13);
   Random random(53);
   for (int k = 0; k < 5; ++k) {
     const RigidMotion m = random_motion(random);
-    CHECK(distance(follower.at(moved(m, mesh.points())), moved(m, control.points())) < 1e-13);
+    CHECK(distance(transfer.at(moved(m, mesh.points())), moved(m, control.points())) < 1e-13);
   }
   // Bent about y: each control vertex goes about as its section does.
   const auto bend = [](const Points& p) {
@@ -161,78 +162,80 @@ TEST_CASE("a control mesh follows rigid motions exactly, and bends with its mesh
     }
     return q;
   };
-  CHECK(distance(follower.at(bend(mesh.points())), bend(control.points())) < 0.06);
-  CHECK(!refusal([&] {
-           ControlFollower(mesh, control.points(), MatX::Zero(mesh.vertex_count(), 3));
+  CHECK(distance(transfer.at(bend(mesh.points())), bend(control.points())) < 0.06);
+  CHECK(!error_message([&] {
+           ControlMeshTransfer(mesh, control.points(), MatX::Zero(mesh.vertex_count(), 3));
          }).empty());
 }
 
 TEST_CASE("a few vertices carry no edit and rigid motions exactly, others about") {
   const TriangleMesh mesh = bar(20, 4, 3, 0.6), control = around_bar();
   const Points& p = mesh.points();
-  FrameHolds holds;
-  holds.handles = {{"left", nodes_where(p, [](const Vec3& x) { return x.x() < 0.01; })},
-                   {"right", nodes_where(p, [](const Vec3& x) { return x.x() > 2.99; })}};
-  SubspaceSolver solver(mesh, holds, control);
+  FrameConstraints constraints;
+  constraints.handles = {{"left", nodes_where(p, [](const Vec3& x) { return x.x() < 0.01; })},
+                         {"right", nodes_where(p, [](const Vec3& x) { return x.x() > 2.99; })}};
+  SubspaceSolver solver(mesh, constraints, control);
   solver.set_frame(p, control.points());
-  CHECK(distance(solver.solve(told({{}, {}})), p) < 1e-9);
+  CHECK(distance(solver.solve(prescribed({{}, {}})), p) < 1e-9);
   Random random(54);
   double rigid = 0;
   for (int k = 0; k < 4; ++k) {
     const RigidMotion m = random_motion(random);
-    rigid = std::max(rigid, distance(solver.solve(told({m, m})), moved(m, p)));
+    rigid = std::max(rigid, distance(solver.solve(prescribed({m, m})), moved(m, p)));
     CHECK(distance(solver.control(), moved(m, control.points())) < 1e-6);
   }
   INFO("rigid " << rigid);
   CHECK(rigid < 1e-6);
   // The answer is W d, with handles near their places.
   const RigidMotion up{Mat3::Identity(), Vec3(-0.2, 0, 0.5)};
-  const Points bent_up = solver.solve(told({{}, up}));
+  const Points bent_up = solver.solve(prescribed({{}, up}));
   CHECK(distance(mean_value_coordinates(control, p) * solver.control(), bent_up) < 1e-10);
-  CHECK((centroid(bent_up, holds.handles[1].vertices) - up(centroid(p, holds.handles[1].vertices)))
+  CHECK((centroid(bent_up, constraints.handles[1].vertices) -
+         up(centroid(p, constraints.handles[1].vertices)))
             .norm() < 0.05);
   const ThreadGuard guard(2);
-  CHECK(solver.solve(told({{}, up})) == bent_up);
+  CHECK(solver.solve(prescribed({{}, up})) == bent_up);
 
-  CHECK(!refusal([&] { solver.solve(told({{}})); }).empty());
-  CHECK(!refusal([&] { solver.set_frame(p.topRows(5), control.points()); }).empty());
-  CHECK(!refusal([&] { SubspaceSolver(mesh, holds, sheet(3)); }).empty());
-  CHECK(!refusal([&] { SubspaceSolver(mesh, {}, control); }).empty());
-  CHECK(!refusal([&] { SubspaceSolver(mesh, holds, control, {0, 100}); }).empty());
-  CHECK(!refusal([&] { SubspaceSolver(mesh, holds, control, {8, -1}); }).empty());
+  CHECK(!error_message([&] { solver.solve(prescribed({{}})); }).empty());
+  CHECK(!error_message([&] { solver.set_frame(p.topRows(5), control.points()); }).empty());
+  CHECK(!error_message([&] { SubspaceSolver(mesh, constraints, sheet(3)); }).empty());
+  CHECK(!error_message([&] { SubspaceSolver(mesh, {}, control); }).empty());
+  CHECK(!error_message([&] { SubspaceSolver(mesh, constraints, control, {0, 100}); }).empty());
+  CHECK(!error_message([&] { SubspaceSolver(mesh, constraints, control, {8, -1}); }).empty());
 }
 
 TEST_CASE("a session answers at once and refines to where the solver comes") {
   const TriangleMesh mesh = bar(24, 4, 3, 0.6);
   const Points& p = mesh.points();
-  FrameHolds holds;
-  holds.fixed = nodes_where(p, [](const Vec3& x) { return x.x() < 0.01; });
-  holds.handles = {{"right", nodes_where(p, [](const Vec3& x) { return x.x() > 2.99; })}};
-  holds.features = {
+  FrameConstraints constraints;
+  constraints.fixed = nodes_where(p, [](const Vec3& x) { return x.x() < 0.01; });
+  constraints.handles = {{"right", nodes_where(p, [](const Vec3& x) { return x.x() > 2.99; })}};
+  constraints.features = {
       {"middle", nodes_where(p, [](const Vec3& x) { return std::abs(x.x() - 1.5) < 0.2; })}};
   const FrameOptions fine{FrameOptions::Weights::Uniform, 3000, 1e-10};
-  FrameSession session(mesh, holds, around_bar(), fine);
-  CHECK(!refusal([&] { session.answer(told({{}})); }).empty());
+  FrameSession session(mesh, constraints, around_bar(), fine);
+  CHECK(!error_message([&] { session.solve_preview(prescribed({{}})); }).empty());
   // A frame that is not the mesh's own.
   const Points frame = moved({rotation_matrix(Vec3(0.1, 0.3, 0.2)), Vec3(1, 2, 3)}, p);
   session.set_frame(frame);
   CHECK(session.positions() == frame);
-  CHECK(!refusal([&] { session.refine(1); }).empty());
-  const Vec3 c = centroid(frame, holds.handles[0].vertices);
-  FrameSolver solver(mesh, holds, fine);
+  CHECK(!error_message([&] { session.refine(1); }).empty());
+  const Vec3 c = centroid(frame, constraints.handles[0].vertices);
+  FrameSolver solver(mesh, constraints, fine);
   for (const double angle : {0.3, 0.8}) {
     const RigidMotion m = RigidMotion::about(
-        c, rotation_matrix(rotation_log(Vec3(0.2, 1, 0), angle)), c + Vec3(-0.1, 0.2, 0.3));
-    const Points answer = session.answer(told({m}));
-    const double first = ring_energy(mesh, frame, answer, ring_turns(mesh, frame, answer));
+        c, rotation_matrix(to_rotation_vector(Vec3(0.2, 1, 0), angle)), c + Vec3(-0.1, 0.2, 0.3));
+    const Points solve_preview = session.solve_preview(prescribed({m}));
+    const double first =
+        arap_energy(mesh, frame, solve_preview, local_rotations(mesh, frame, solve_preview));
     bool rests = session.refine(5);
-    CHECK(session.report().rounds == 5);
+    CHECK(session.report().iterations == 5);
     // From the answer on, as the solver would.
-    FrameSolver direct(mesh, holds, {FrameOptions::Weights::Uniform, 1, 1e-10});
-    direct.alternate(frame, told({m}), answer);
-    CHECK_FALSE(direct.go_on(4));
+    FrameSolver direct(mesh, constraints, {FrameOptions::Weights::Uniform, 1, 1e-10});
+    direct.alternate(frame, prescribed({m}), solve_preview);
+    CHECK_FALSE(direct.iterate(4));
     CHECK(session.positions() == direct.result().positions);
-    CHECK(bent(frame, session.positions(), holds.features[0].vertices) < 1e-12);
+    CHECK(bent(frame, session.positions(), constraints.features[0].vertices) < 1e-12);
     double before = 1e300;
     for (const double e : session.report().energies) {
       CHECK(e <= before * (1 + 1e-12));
@@ -240,12 +243,13 @@ TEST_CASE("a session answers at once and refines to where the solver comes") {
     }
     for (int k = 0; k < 300 && !rests; ++k) rests = session.refine(20);
     CHECK(rests);
-    solver.alternate(frame, told({m}));
+    solver.alternate(frame, prescribed({m}));
     const double apart = distance(session.positions(), solver.result().positions);
     INFO("first " << first << ", last " << session.report().energies.back() << ", apart " << apart);
     CHECK(session.report().energies.back() ==
           Approx(solver.report().energies.back()).epsilon(1e-9));
     CHECK(apart < 1e-6);
   }
-  CHECK(refusal([&] { session.set_frame(p.topRows(4)); }).find("4 nodes") != std::string::npos);
+  CHECK(error_message([&] { session.set_frame(p.topRows(4)); }).find("4 nodes") !=
+        std::string::npos);
 }

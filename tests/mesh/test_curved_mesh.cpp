@@ -1,12 +1,12 @@
 // Curved triangles: how near they are to surfaces, and their nearest points.
-#include "batten/mesh/curved_mesh.h"
+#include "batten/mesh/pn_triangle_mesh.h"
 
 #include <algorithm>
 #include <cmath>
 #include <random>
 
 #include "batten/core/errors.h"
-#include "batten/tests/catch.h"
+#include "batten/tests/support/catch.h"
 
 using namespace batten;
 
@@ -15,7 +15,7 @@ namespace {
 constexpr double kRadius = 2;
 
 /// A piece of a sphere over a square of n by n cells, and its normals.
-CurvedMesh cap(int n) {
+PnTriangleMesh cap(int n) {
   Points points((n + 1) * (n + 1), 3);
   for (int j = 0; j <= n; ++j)
     for (int i = 0; i <= n; ++i)
@@ -28,12 +28,12 @@ CurvedMesh cap(int n) {
       triangles.push_back({a, b, d});
       triangles.push_back({a, d, c});
     }
-  std::vector<CurvedTriangle::Corners> normals;
+  std::vector<PnTriangle::Corners> normals;
   for (const auto& t : triangles) {
     auto& corners = normals.emplace_back();
     for (size_t k = 0; k < 3; ++k) corners[k] = points.row(t[k]).normalized();
   }
-  return CurvedMesh(TriangleMesh(points, triangles), normals);
+  return PnTriangleMesh(TriangleMesh(points, triangles), normals);
 }
 
 /// Points around the middle of the cap.
@@ -50,13 +50,12 @@ std::vector<Vec3> around(double most_off) {
 
 TEST_CASE("A curved triangle gives back a quadratic, its derivatives and a flat one") {
   const std::array<Vec3, 3> corners = {Vec3(0, 0, 0), Vec3(1, 0.1, 0), Vec3(0.2, 0.9, 0)};
-  const CurvedTriangle flat(corners, {Vec3::UnitZ(), Vec3::UnitZ(), Vec3::UnitZ()});
+  const PnTriangle flat(corners, {Vec3::UnitZ(), Vec3::UnitZ(), Vec3::UnitZ()});
   const Vec3 w(0.2, 0.5, 0.3);
   CHECK((flat.at(w) - (w[0] * corners[0] + w[1] * corners[1] + w[2] * corners[2])).norm() < 1e-15);
   // A slightly bent one: derivatives by differences.
-  const CurvedTriangle bent(corners,
-                            {Vec3(-0.3, 0.1, 1).normalized(), Vec3(0.2, 0.2, 1).normalized(),
-                             Vec3(0, 0.4, 1).normalized()});
+  const PnTriangle bent(corners, {Vec3(-0.3, 0.1, 1).normalized(), Vec3(0.2, 0.2, 1).normalized(),
+                                  Vec3(0, 0.4, 1).normalized()});
   const double h = 1e-5;
   const auto at = [&](double u, double v) { return bent.at({1 - u - v, u, v}); };
   const auto jet = bent.jet(w);
@@ -70,7 +69,7 @@ TEST_CASE("A curved triangle gives back a quadratic, its derivatives and a flat 
 TEST_CASE("Curved triangles come nearer to a sphere by 16 where they are halved") {
   double last = 0;
   for (const int n : {4, 8, 16}) {
-    const CurvedMesh mesh = cap(n);
+    const PnTriangleMesh mesh = cap(n);
     double off = 0;
     for (int t = 0; t < mesh.mesh().triangle_count(); ++t)
       for (const Vec3& w : {Vec3(1, 1, 1), Vec3(1, 1, 0), Vec3(4, 1, 1), Vec3(1, 4, 1)})
@@ -82,7 +81,7 @@ TEST_CASE("Curved triangles come nearer to a sphere by 16 where they are halved"
 }
 
 TEST_CASE("The nearest point of curved triangles is the foot of the normal, across their edges") {
-  const CurvedMesh mesh = cap(12);
+  const PnTriangleMesh mesh = cap(12);
   for (const Vec3& p : around(0.3)) {
     const auto found = mesh.nearest(p);
     REQUIRE(found);
@@ -90,7 +89,7 @@ TEST_CASE("The nearest point of curved triangles is the foot of the normal, acro
     CHECK((found->at - p).norm() == Approx(std::abs(p.norm() - kRadius)).margin(5e-5));
     CHECK((found->at - kRadius * p.normalized()).norm() < 2e-3);
     CHECK(found->normal.dot(p.normalized()) > 0.999);
-    CHECK_FALSE(found->at_rim);
+    CHECK_FALSE(found->on_boundary);
     CHECK((mesh.triangle(found->triangle).at(found->weights) - found->at).norm() < 1e-14);
   }
   // The other side of what has one side only.
@@ -98,24 +97,24 @@ TEST_CASE("The nearest point of curved triangles is the foot of the normal, acro
 }
 
 TEST_CASE("Beyond the rim of curved triangles the nearest point is on it") {
-  const CurvedMesh mesh = cap(6);
+  const PnTriangleMesh mesh = cap(6);
   const auto found = mesh.nearest(Vec3(2.5, 0.05, 1.3));
   REQUIRE(found);
-  CHECK(found->at_rim);
+  CHECK(found->on_boundary);
   // The rim is an arc in the plane x = 2/3 z.
   CHECK(found->at.x() == Approx(found->at.z() / 1.5).margin(1e-3));
   CHECK(found->at.norm() == Approx(kRadius).margin(1e-3));
 }
 
 TEST_CASE("Without normals triangles are flat") {
-  const CurvedMesh curved = cap(3);
-  const CurvedMesh flat(curved.mesh());
-  const SurfaceSearch search(curved.mesh());
+  const PnTriangleMesh curved = cap(3);
+  const PnTriangleMesh flat(curved.mesh());
+  const AabbTree search(curved.mesh());
   for (const Vec3& p : around(0.2)) {
     const auto found = flat.nearest(p);
     REQUIRE(found);
     CHECK(found->at == search.nearest(p)->at);
     CHECK_FALSE(flat.curved(found->triangle));
   }
-  CHECK_THROWS_AS(CurvedMesh(curved.mesh(), std::vector<CurvedTriangle::Corners>(2)), InputError);
+  CHECK_THROWS_AS(PnTriangleMesh(curved.mesh(), std::vector<PnTriangle::Corners>(2)), InputError);
 }

@@ -6,13 +6,13 @@
 #include "batten/core/errors.h"
 #include "batten/core/rotations.h"
 #include "batten/mesh/deform/form_feature_deformer.h"
-#include "batten/mesh/operators.h"
-#include "batten/tests/catch.h"
-#include "batten/tests/deform_twin.h"
-#include "batten/tests/dense_twin.h"
-#include "batten/tests/mesh/sample_meshes.h"
-#include "batten/tests/refusal.h"
-#include "batten/tests/sampling.h"
+#include "batten/mesh/differential_operators.h"
+#include "batten/tests/support/catch.h"
+#include "batten/tests/support/dense_algebra.h"
+#include "batten/tests/support/error_message.h"
+#include "batten/tests/support/kkt_deformation.h"
+#include "batten/tests/support/sample_meshes.h"
+#include "batten/tests/support/sampling.h"
 
 using namespace batten;
 using namespace batten_test;
@@ -79,10 +79,11 @@ Points dense(const TriangleMesh& mesh, const DeformProblem& problem, const Defor
     if (held[v]) turning.add(n, {{v, 1}}, Vec3::Zero());
   }
   for (size_t h = 0; h < problem.handles.size(); ++h)
-    for (const int v : problem.handles[h].vertices) turning.add(n, {{v, 1}}, edit.handles[h].turn);
+    for (const int v : problem.handles[h].vertices)
+      turning.add(n, {{v, 1}}, edit.handles[h].rotation_vector);
   for (const auto& f : problem.features)
     for (const int v : f.vertices)
-      if (f.kind == FormFeature::Kind::KeepsDirection)
+      if (f.kind == FormFeature::Kind::TranslationOnly)
         turning.add(n, {{v, 1}}, Vec3::Zero());
       else
         turning.add(n, {{v, 1}, {f.vertices[0], -1}}, Vec3::Zero());
@@ -138,9 +139,9 @@ Points dense(const TriangleMesh& mesh, const DeformProblem& problem, const Defor
     }
   }
   for (size_t r = 0; r < problem.rows.size(); ++r) {
-    const CombinationRow& row = problem.rows[r];
+    const LinearConstraint& row = problem.rows[r];
     Vec3 target = edit.targets.empty() ? row.target : edit.targets[r];
-    if (row.turns_with >= 0) target = turned(row.turns_with, target);
+    if (row.rotates_with >= 0) target = turned(row.rotates_with, target);
     std::vector<std::pair<int, double>> entries;
     const double w = row.weight ? std::sqrt(*row.weight) : 1;
     for (const auto& e : row.combination.entries) entries.emplace_back(e.vertex, w * e.coefficient);
@@ -160,18 +161,19 @@ Points dense(const TriangleMesh& mesh, const DeformProblem& problem, const Defor
 
   // x, y and z side by side, for the guides.
   const auto m = static_cast<long>(hard.left.size());
-  std::vector<std::pair<VecX, double>> guides;
-  for (size_t k = 0; k < problem.guided.size(); ++k) {
-    const GuidedPoint& g = problem.guided[k];
-    const Vec3 through = edit.guides.empty() ? g.point.at(mesh.points()) : edit.guides[k];
+  std::vector<std::pair<VecX, double>> constraint_origins;
+  for (size_t k = 0; k < problem.point_constraints.size(); ++k) {
+    const PointConstraint& g = problem.point_constraints[k];
+    const Vec3 through =
+        edit.constraint_origins.empty() ? g.point.at(mesh.points()) : edit.constraint_origins[k];
     const Vec3 d = g.direction.normalized(), l = d.unitOrthogonal();
     std::vector<Vec3> normals = {d};
-    if (g.kind == GuidedPoint::Kind::OnLine) normals = {l, d.cross(l)};
+    if (g.kind == PointConstraint::Kind::OnLine) normals = {l, d.cross(l)};
     for (const Vec3& normal : normals) {
       VecX row = VecX::Zero(3 * n);
       for (const auto& e : g.point.entries)
         for (int c = 0; c < 3; ++c) row[c * n + e.vertex] += e.coefficient * normal[c];
-      guides.emplace_back(row, normal.dot(through));
+      constraint_origins.emplace_back(row, normal.dot(through));
     }
   }
   MatX A = MatX::Zero(3 * static_cast<long>(soft.left.size()), 3 * n);
@@ -181,16 +183,16 @@ Points dense(const TriangleMesh& mesh, const DeformProblem& problem, const Defor
       A.row(3 * static_cast<long>(r) + c).segment(c * n, n) = soft.left[r].transpose();
       b[3 * static_cast<long>(r) + c] = soft.right[r][c];
     }
-  MatX C = MatX::Zero(3 * m + static_cast<long>(guides.size()), 3 * n);
+  MatX C = MatX::Zero(3 * m + static_cast<long>(constraint_origins.size()), 3 * n);
   VecX d(C.rows());
   for (long r = 0; r < m; ++r)
     for (int c = 0; c < 3; ++c) {
       C.row(3 * r + c).segment(c * n, n) = hard.left[r].transpose();
       d[3 * r + c] = hard.right[r][c];
     }
-  for (size_t k = 0; k < guides.size(); ++k) {
-    C.row(3 * m + static_cast<long>(k)) = guides[k].first.transpose();
-    d[3 * m + static_cast<long>(k)] = guides[k].second;
+  for (size_t k = 0; k < constraint_origins.size(); ++k) {
+    C.row(3 * m + static_cast<long>(k)) = constraint_origins[k].first.transpose();
+    d[3 * m + static_cast<long>(k)] = constraint_origins[k].second;
   }
   const VecX x = least_squares(A, b, C, d, conflict);
   *conflict = std::max(*conflict, rotations_conflict);
@@ -220,11 +222,11 @@ bool agrees(const TriangleMesh& mesh, const DeformProblem& problem, const Deform
   }
 }
 
-HandleMove move_of(Random& random) {
-  HandleMove move;
+HandleTransform move_of(Random& random) {
+  HandleTransform move;
   move.about = {4, 2, 0};
-  move.shift = Vec3(random(), random(), random());
-  move.turn = rotation_log({random(), random() + 1, random()}, random());
+  move.translation = Vec3(random(), random(), random());
+  move.rotation_vector = to_rotation_vector({random(), random() + 1, random()}, random());
   move.scale = 1 + 0.3 * random();
   return move;
 }
@@ -255,7 +257,7 @@ TEST_CASE("each kind of row against the dense problem, both weightings") {
       e.feature_scales = {1.2, 0.9};
     });
     check_with("a feature that keeps its direction beside a handle", [&](auto& p, auto&) {
-      p.features = {{"a", box(n, 4, 5, 1, 3), Kind::KeepsDirection}};
+      p.features = {{"a", box(n, 4, 5, 1, 3), Kind::TranslationOnly}};
     });
     check_with("a chain, open, across a scaled feature", [&](auto& p, auto& e) {
       p.features = {{"a", box(n, 3, 4, 3, 4), Kind::Free}};
@@ -276,13 +278,14 @@ TEST_CASE("each kind of row against the dense problem, both weightings") {
     check_with("guides that are neither parallel nor orthogonal, one of them implied",
                [&](auto& p, auto& e) {
                  const VertexCombination point{{{27, 0.3}, {36, 0.7}}};
-                 using Guide = GuidedPoint::Kind;
-                 p.guided = {{"a", point, Guide::OnPlane, {1, 0, 1}},
-                             {"b", point, Guide::OnPlane, {1, 1, 0}},
-                             {"c", point, Guide::OnPlane, {2, 1, 1}},
-                             {"d", VertexCombination{{{44, 1.0}}}, Guide::OnLine, {0.2, 1, 0}}};
+                 using Guide = PointConstraint::Kind;
+                 p.point_constraints = {
+                     {"a", point, Guide::OnPlane, {1, 0, 1}},
+                     {"b", point, Guide::OnPlane, {1, 1, 0}},
+                     {"c", point, Guide::OnPlane, {2, 1, 1}},
+                     {"d", VertexCombination{{{44, 1.0}}}, Guide::OnLine, {0.2, 1, 0}}};
                  const Vec3 at = point.at(mesh.points()) + Vec3(0.1, 0.2, 0.3);
-                 e.guides = {at, at, at, mesh.point(44)};
+                 e.constraint_origins = {at, at, at, mesh.point(44)};
                });
     check_with("a region, its handle inside, nothing else fixed", [&](auto& p, auto&) {
       p.fixed.clear();
@@ -326,13 +329,14 @@ TEST_CASE("random problems against the dense one: the answer, or a conflict that
     for (int f = pick(4); f > 0; --f) {
       problem.features.push_back(
           {"f" + std::to_string(f), patch(),
-           pick(3) ? FormFeature::Kind::Free : FormFeature::Kind::KeepsDirection});
+           pick(3) ? FormFeature::Kind::Free : FormFeature::Kind::TranslationOnly});
       edit.feature_scales.push_back(pick(2) ? 1 : 1 + 0.3 * random());
       if (pick(3) == 0)
-        problem.guided.push_back({"g" + std::to_string(f),
-                                  VertexCombination::mean_of(problem.features.back().vertices),
-                                  pick(2) ? GuidedPoint::Kind::OnPlane : GuidedPoint::Kind::OnLine,
-                                  {random(), random(), random() + 1.5}});
+        problem.point_constraints.push_back(
+            {"g" + std::to_string(f),
+             VertexCombination::mean_of(problem.features.back().vertices),
+             pick(2) ? PointConstraint::Kind::OnPlane : PointConstraint::Kind::OnLine,
+             {random(), random(), random() + 1.5}});
     }
     if (pick(3) == 0) problem.chains = {{"c", box(n, 1, 5, pick(n), pick(n)), false, 1}};
     if (!problem.chains.empty() && problem.chains[0].vertices.size() < 3) problem.chains.clear();
@@ -356,7 +360,7 @@ TEST_CASE("what is fixed stays, whoever else holds it") {
   DeformEdit edit;
   edit.handles = {{}};
   deformer.deform(edit);  // agrees with both
-  edit.handles[0].shift = {0, 0, 1};
+  edit.handles[0].translation = {0, 0, 1};
   try {
     deformer.deform(edit);
     FAIL("the handle cannot take a fixed vertex along");
@@ -365,7 +369,7 @@ TEST_CASE("what is fixed stays, whoever else holds it") {
     CHECK(e.conflicts()[0].amount == Approx(1));
   }
   edit.handles[0] = {};
-  edit.handles[0].turn = rotation_log({0, 0, 1}, std::numbers::pi / 6);
+  edit.handles[0].rotation_vector = to_rotation_vector({0, 0, 1}, std::numbers::pi / 6);
   edit.handles[0].about = mesh.point(problem.fixed[2]);
   try {
     deformer.deform(edit);
@@ -386,13 +390,13 @@ TEST_CASE("a failed edit leaves positions, rotations and their check as they wer
   FormFeatureDeformer deformer(mesh, problem);
   DeformEdit edit;
   edit.handles.resize(2);
-  for (auto& m : edit.handles) m.turn = {0.1, 0.2, 0};
+  for (auto& m : edit.handles) m.rotation_vector = {0.1, 0.2, 0};
   const Points before = deformer.deform(edit);
   const Points logs = deformer.rotation_logs();
   CHECK(deformer.hard_residual() < 1e-13);
   DeformEdit bad = edit;
-  for (auto& m : bad.handles) m.turn = {0.4, 0, 0};
-  bad.handles[0].shift = {0, 0, 1};
+  for (auto& m : bad.handles) m.rotation_vector = {0.4, 0, 0};
+  bad.handles[0].translation = {0, 0, 1};
   CHECK_THROWS_AS(deformer.deform(bad), ConflictError);
   CHECK(deformer.positions() == before);
   CHECK(deformer.rotation_logs() == logs);
@@ -421,7 +425,7 @@ TEST_CASE("parts that features join are one part, in whatever order") {
   problem.handles = {{"h", box(n, n, n, 0, n)}};
   DeformEdit edit;
   edit.handles = {{}};
-  edit.handles[0].turn = rotation_log({0, 0, 1}, 0.8);
+  edit.handles[0].rotation_vector = to_rotation_vector({0, 0, 1}, 0.8);
   const std::vector<FormFeature> features = {{"BC", {m + 3, m + 4, 2 * m + 1}},
                                              {"A and the loose one", {12, 13, 3 * m}},
                                              {"B and the loose one", {m + 7, 3 * m}}};
@@ -443,7 +447,8 @@ TEST_CASE("parts that features join are one part, in whatever order") {
   problem.features = {{"BC", {m + 3, 2 * m + 1}}, {"handle and B", {4, 9, m + 7}}};
   FormFeatureDeformer deformer(mesh, problem);
   deformer.deform(edit);
-  CHECK((deformer.rotation_logs().row(2 * m) - edit.handles[0].turn.transpose()).norm() < 1e-12);
+  CHECK((deformer.rotation_logs().row(2 * m) - edit.handles[0].rotation_vector.transpose()).norm() <
+        1e-12);
   // A difference within a part does not hold it.
   problem.features.clear();
   problem.rows = {{"stick", {{{m, 1.0}, {m + 1, -1.0}}}, {-1, 0, 0}, -1, {}}};
@@ -456,14 +461,15 @@ TEST_CASE("guided points that are nearly dependent, or only rounding is left of 
   DeformProblem problem;
   problem.fixed = box(n, 0, 0, 0, n);
   problem.handles = {{"h", box(n, n, n, 0, n)}};
-  using Guide = GuidedPoint::Kind;
+  using Guide = PointConstraint::Kind;
   const VertexCombination point{{{24, 1.0}}};
-  problem.guided = {{"other", VertexCombination{{{30, 1.0}}}, Guide::OnPlane, Vec3::UnitZ()},
-                    {"a", point, Guide::OnPlane, Vec3::UnitZ()},
-                    {"b", point, Guide::OnPlane, Vec3(2e-5, 0, 1)}};
+  problem.point_constraints = {
+      {"other", VertexCombination{{{30, 1.0}}}, Guide::OnPlane, Vec3::UnitZ()},
+      {"a", point, Guide::OnPlane, Vec3::UnitZ()},
+      {"b", point, Guide::OnPlane, Vec3(2e-5, 0, 1)}};
   DeformEdit edit;
   edit.handles = {{}};
-  edit.guides = {mesh.point(30), mesh.point(24), mesh.point(24) + Vec3(0.01, 0, 0)};
+  edit.constraint_origins = {mesh.point(30), mesh.point(24), mesh.point(24) + Vec3(0.01, 0, 0)};
   FormFeatureDeformer deformer(mesh, problem);
   deformer.deform(edit);
   CHECK(deformer.hard_residual() < 1e-13);
@@ -471,9 +477,9 @@ TEST_CASE("guided points that are nearly dependent, or only rounding is left of 
 
   // .1 + .2 - .3 of a feature's vertices is rounding: the point is where the fixed vertex is.
   problem.features = {{"f", {23, 24, 25}}};
-  problem.guided = {
+  problem.point_constraints = {
       {"noise", {{{23, 0.1}, {24, 0.2}, {25, -0.3}, {0, 1.0}}}, Guide::OnPlane, Vec3::UnitZ()}};
-  edit.guides.clear();
+  edit.constraint_origins.clear();
   FormFeatureDeformer calm(mesh, problem);
   calm.deform(edit);
   CHECK(calm.hard_residual() < 1e-13);
@@ -488,14 +494,14 @@ TEST_CASE("far from the origin, tiny and huge: the same shape") {
     problem.fixed = box(n, 0, 0, 0, n);
     problem.handles = {{"h", box(n, n, n, 0, n)}};
     problem.features = {{"f", box(n, 2, 3, 2, 3)}};
-    problem.guided = {{"g",
-                       VertexCombination::mean_of(problem.features[0].vertices),
-                       GuidedPoint::Kind::OnLine,
-                       {1, 1, 1}}};
+    problem.point_constraints = {{"g",
+                                  VertexCombination::mean_of(problem.features[0].vertices),
+                                  PointConstraint::Kind::OnLine,
+                                  {1, 1, 1}}};
     DeformEdit edit;
     edit.handles = {{}};
-    edit.handles[0].turn = {0.1, 0.4, 0};
-    edit.handles[0].shift = size * Vec3(0.1, 0, 1);
+    edit.handles[0].rotation_vector = {0.1, 0.4, 0};
+    edit.handles[0].translation = size * Vec3(0.1, 0, 1);
     edit.handles[0].about = size * (Vec3(4, 2, 0) + far);
     FormFeatureDeformer deformer(mesh, problem);
     return Points((deformer.deform(edit) / size).rowwise() - far.transpose());
@@ -513,12 +519,13 @@ TEST_CASE("edits and problems that cannot be are refused by name") {
   good.fixed = box(n, 0, 0, 0, n);
   good.handles = {{"h", box(n, n, n, 0, n)}};
   good.features = {{"f", {12, 13}}};
-  good.guided = {{"g", VertexCombination::mean_of({12}), GuidedPoint::Kind::OnPlane, {0, 0, 1}}};
+  good.point_constraints = {
+      {"g", VertexCombination::mean_of({12}), PointConstraint::Kind::OnPlane, {0, 0, 1}}};
   good.rows = {{"r", {{{7, 1}}}, {1, 1, 1}, -1, 1.0}};
   const auto why = [&](const auto& change) {
     DeformProblem problem = good;
     change(problem);
-    return refusal([&] { FormFeatureDeformer(mesh, problem); });
+    return error_message([&] { FormFeatureDeformer(mesh, problem); });
   };
   const auto has = [](const std::string& text, const std::string& part) {
     CAPTURE(part);
@@ -536,8 +543,8 @@ TEST_CASE("edits and problems that cannot be are refused by name") {
   has(why([](auto& p) { p.handles[0].name.clear(); }), "without name");
   has(why([](auto& p) { p.handles[0].vertices.clear(); }), "handle 'h' has no vertices");
   has(why([](auto& p) { p.features[0].vertices = {99}; }), "names vertex 99 of 25");
-  has(why([](auto& p) { p.guided[0].point.entries[0].coefficient = 2; }), "sum to 2");
-  has(why([](auto& p) { p.guided[0].direction.setZero(); }), "no direction");
+  has(why([](auto& p) { p.point_constraints[0].point.entries[0].coefficient = 2; }), "sum to 2");
+  has(why([](auto& p) { p.point_constraints[0].direction.setZero(); }), "no direction");
   has(why([](auto& p) { p.chains = {{"c", {1, 2, 1}, true, 1}}; }), "chain 'c'");
   has(why([](auto& p) { p.chains = {{"c", {1, 2}, false, 1}}; }), "at least three");
   has(why([](auto& p) { p.chains = {{"c", {1, 2, 3}, false, 0}}; }), "width");
@@ -554,20 +561,20 @@ TEST_CASE("edits and problems that cannot be are refused by name") {
     DeformEdit edit;
     edit.handles = {{}};
     edit.feature_scales = {1};
-    edit.guides = {Vec3::Zero()};
+    edit.constraint_origins = {Vec3::Zero()};
     edit.targets = {Vec3::Zero()};
     change(edit);
-    return refusal([&] { deformer.deform(edit); });
+    return error_message([&] { deformer.deform(edit); });
   };
   has(refused([](auto& e) { e.handles.clear(); }), "0 moves of handles, expected 1");
-  has(refused([](auto& e) { e.handles[0].turn[0] = NAN; }), "handle 'h'");
-  has(refused([](auto& e) { e.handles[0].turn[0] = 1e200; }), "handle 'h'");
+  has(refused([](auto& e) { e.handles[0].rotation_vector[0] = NAN; }), "handle 'h'");
+  has(refused([](auto& e) { e.handles[0].rotation_vector[0] = 1e200; }), "handle 'h'");
   has(refused([](auto& e) { e.handles[0].scale = 0; }), "scale not above 0");
   has(refused([](auto& e) { e.handles[0].scale = -1; }), "scale not above 0");
   has(refused([](auto& e) { e.handles[0].scale = 1e300; }), "handle 'h'");
   has(refused([](auto& e) { e.feature_scales[0] = -1; }), "feature 'f'");
   has(refused([](auto& e) { e.feature_scales = {1, 2}; }), "2 scales");
-  has(refused([](auto& e) { e.guides[0][2] = INFINITY; }), "guide of 'g'");
+  has(refused([](auto& e) { e.constraint_origins[0][2] = INFINITY; }), "guide of 'g'");
   has(refused([](auto& e) { e.targets[0][2] = NAN; }), "row 'r'");
 }
 
@@ -577,9 +584,9 @@ TEST_CASE("the check of hard rows sees every kind of violation") {
   DeformProblem problem;
   problem.fixed = {0};
   problem.handles = {{"h", {35}}};
-  problem.features = {{"f", {14, 15, 20}}, {"d", {8, 9}, FormFeature::Kind::KeepsDirection}};
-  problem.guided = {{"p", {{{21, 1.0}}}, GuidedPoint::Kind::OnPlane, {0, 0, 1}},
-                    {"l", {{{22, 1.0}}}, GuidedPoint::Kind::OnLine, {0, 0, 1}}};
+  problem.features = {{"f", {14, 15, 20}}, {"d", {8, 9}, FormFeature::Kind::TranslationOnly}};
+  problem.point_constraints = {{"p", {{{21, 1.0}}}, PointConstraint::Kind::OnPlane, {0, 0, 1}},
+                               {"l", {{{22, 1.0}}}, PointConstraint::Kind::OnLine, {0, 0, 1}}};
   problem.rows = {{"r", {{{27, 1.0}}}, mesh.point(27), -1, {}},
                   {"soft", {{{28, 1.0}}}, mesh.point(28), -1, 5.0}};
   DeformEdit edit;

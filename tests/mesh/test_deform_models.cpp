@@ -4,12 +4,12 @@
 #include "batten/core/rotations.h"
 #include "batten/mesh/deform/form_feature_deformer.h"
 #include "batten/mesh/deform/similarity.h"
-#include "batten/mesh/features/holes.h"
-#include "batten/mesh/prepare.h"
-#include "batten/mesh/quality.h"
-#include "batten/tests/catch.h"
-#include "batten/tests/deform_twin.h"
-#include "batten/tests/mesh_models.h"
+#include "batten/mesh/element_quality.h"
+#include "batten/mesh/features/hole_measure.h"
+#include "batten/mesh/prepared_mesh.h"
+#include "batten/tests/support/catch.h"
+#include "batten/tests/support/kkt_deformation.h"
+#include "batten/tests/support/mesh_models.h"
 
 using namespace batten;
 using namespace batten_test;
@@ -32,8 +32,9 @@ struct Part {
   /// Bends a sheet of this length in x about y, its right border held by the handle.
   void bend(double length, double degrees) {
     const double angle = degrees * std::numbers::pi / 180, radius = length / angle;
-    edit.handles[0].turn = rotation_log({0, -1, 0}, angle);
-    edit.handles[0].shift = {radius * std::sin(angle) - length, 0, radius * (1 - std::cos(angle))};
+    edit.handles[0].rotation_vector = to_rotation_vector({0, -1, 0}, angle);
+    edit.handles[0].translation = {radius * std::sin(angle) - length, 0,
+                                   radius * (1 - std::cos(angle))};
   }
   Points deformed() {
     FormFeatureDeformer deformer(mesh, problem);
@@ -74,8 +75,8 @@ TEST_CASE("plate with five holes: ovals without features, circles with them") {
   CHECK(worst > 0.01);
 
   // Stretched: a flat sheet stays flat, the holes do not turn.
-  plate.edit.handles[0].turn.setZero();
-  plate.edit.handles[0].shift = {90, 0, 0};
+  plate.edit.handles[0].rotation_vector.setZero();
+  plate.edit.handles[0].translation = {90, 0, 0};
   const Points stretched = plate.deformed();
   CHECK(stretched.col(2).cwiseAbs().maxCoeff() < 1e-9);
   for (size_t f = 0; f < features.size(); ++f) {
@@ -86,7 +87,7 @@ TEST_CASE("plate with five holes: ovals without features, circles with them") {
 
 TEST_CASE("plate: direction kept, on a plane, on a line, turning and not") {
   size_t centre = 0;
-  for (const auto kind : {FormFeature::Kind::KeepsDirection, FormFeature::Kind::Free}) {
+  for (const auto kind : {FormFeature::Kind::TranslationOnly, FormFeature::Kind::Free}) {
     Part plate(plate_with_holes());
     plate.bend(300, 75);
     for (size_t f = 0; f < plate.model.rims.size(); ++f)
@@ -96,11 +97,11 @@ TEST_CASE("plate: direction kept, on a plane, on a line, turning and not") {
     const Vec3 start = middle.at(plate.mesh.points());
     const Points loose = plate.deformed();
     CHECK(std::abs(middle.at(loose).z() - start.z()) > 1);
-    for (const auto guide : {GuidedPoint::Kind::OnPlane, GuidedPoint::Kind::OnLine}) {
-      plate.problem.guided = {{"guide", middle, guide, Vec3::UnitZ()}};
+    for (const auto guide : {PointConstraint::Kind::OnPlane, PointConstraint::Kind::OnLine}) {
+      plate.problem.point_constraints = {{"guide", middle, guide, Vec3::UnitZ()}};
       const Points p = plate.deformed();
       const Vec3 off = middle.at(p) - start;
-      if (guide == GuidedPoint::Kind::OnPlane) {
+      if (guide == PointConstraint::Kind::OnPlane) {
         CHECK(std::abs(off.z()) < 1e-12 * plate.mesh.size());
         CHECK(off.head<2>().norm() > 0.1);
       } else {
@@ -108,7 +109,7 @@ TEST_CASE("plate: direction kept, on a plane, on a line, turning and not") {
         CHECK(std::abs(off.z()) > 1);
       }
       const double turned = degrees_of(plate.fit(p, centre).R);
-      if (kind == FormFeature::Kind::KeepsDirection)
+      if (kind == FormFeature::Kind::TranslationOnly)
         CHECK(turned < 1e-10);
       else
         CHECK(turned > 10);
@@ -138,8 +139,8 @@ TEST_CASE("sheet with 16 cavities: they turn with it, each a step further round"
 }
 
 TEST_CASE("grill: cavities keep shape and direction, their scale can change at any event") {
-  Part front(grill(), FormFeature::Kind::KeepsDirection);
-  front.edit.handles[0].shift = {25, 0, -45};
+  Part front(grill(), FormFeature::Kind::TranslationOnly);
+  front.edit.handles[0].translation = {25, 0, -45};
   FormFeatureDeformer deformer(front.mesh, front.problem);
   for (const double scale : {1.0, 1.05, 1.1, 0.8}) {
     front.edit.feature_scales.assign(front.problem.features.size(), scale);
@@ -161,7 +162,7 @@ TEST_CASE("door panel: character lines are warped unless they are kept") {
       door.model.where([](const Vec2& p) { return (p - Vec2(400, 310)).norm() < 40; });
   REQUIRE(!patch.empty());
   door.problem.handles = {{"handle", patch}};
-  door.edit.handles[0].shift = {0, 0, 50};
+  door.edit.handles[0].translation = {0, 0, 50};
   REQUIRE(door.model.lines.size() == 2);
   const auto warp = [&](const Points& p) {
     double worst = 0;
@@ -181,10 +182,10 @@ TEST_CASE("fixed and handle vertices moved by one rigid motion, 101,000 vertices
   REQUIRE(panel.mesh.vertex_count() > 95000);
   panel.problem.handles.push_back({"borders", panel.problem.fixed});
   panel.problem.fixed.clear();
-  HandleMove move;
+  HandleTransform move;
   move.about = {1000, -300, 77};
-  move.turn = rotation_log({1, 2, 3}, 2.5);
-  move.shift = {50, 20, -100};
+  move.rotation_vector = to_rotation_vector({1, 2, 3}, 2.5);
+  move.translation = {50, 20, -100};
   panel.edit.handles = {move, move};
   FormFeatureDeformer deformer(panel.mesh, panel.problem);
   deformer.deform(panel.edit);
@@ -200,15 +201,15 @@ TEST_CASE("fixed and handle vertices moved by one rigid motion, 101,000 vertices
 
 TEST_CASE("reduction and saddle point agree at 14,000 vertices, guided points and all") {
   Part panel(holed_panel(14000));
-  panel.edit.handles[0].shift = {0, 0, 60};
-  panel.edit.handles[0].turn = rotation_log({1, 2, 0.5}, 0.5);
-  panel.problem.guided = {{"a", VertexCombination::mean_of(panel.model.rims[5].items),
-                           GuidedPoint::Kind::OnPlane, Vec3(0.2, 0, 1)},
-                          {"b", VertexCombination::mean_of(panel.model.rims[10].items),
-                           GuidedPoint::Kind::OnLine, Vec3::UnitZ()}};
+  panel.edit.handles[0].translation = {0, 0, 60};
+  panel.edit.handles[0].rotation_vector = to_rotation_vector({1, 2, 0.5}, 0.5);
+  panel.problem.point_constraints = {{"a", VertexCombination::mean_of(panel.model.rims[5].items),
+                                      PointConstraint::Kind::OnPlane, Vec3(0.2, 0, 1)},
+                                     {"b", VertexCombination::mean_of(panel.model.rims[10].items),
+                                      PointConstraint::Kind::OnLine, Vec3::UnitZ()}};
   FormFeatureDeformer deformer(panel.mesh, panel.problem);
-  const Points twin = deform_by_kkt(deformer, panel.edit);
-  CHECK((deformer.positions() - twin).cwiseAbs().maxCoeff() < 1e-9 * panel.mesh.size());
+  const Points expected = deform_by_kkt(deformer, panel.edit);
+  CHECK((deformer.positions() - expected).cwiseAbs().maxCoeff() < 1e-9 * panel.mesh.size());
   CHECK(deformer.hard_residual() < 1e-13);
   for (size_t f = 0; f < panel.problem.features.size(); ++f)
     CHECK(panel.fit(deformer.positions(), f).max_error < 1e-12);

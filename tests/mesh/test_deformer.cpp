@@ -8,14 +8,14 @@
 #include "batten/core/rotations.h"
 #include "batten/mesh/deform/form_feature_deformer.h"
 #include "batten/mesh/deform/similarity.h"
-#include "batten/mesh/operators.h"
-#include "batten/tests/allocations.h"
-#include "batten/tests/catch.h"
-#include "batten/tests/deform_twin.h"
-#include "batten/tests/dense_twin.h"
-#include "batten/tests/mesh/sample_meshes.h"
-#include "batten/tests/sampling.h"
-#include "batten/tests/threads.h"
+#include "batten/mesh/differential_operators.h"
+#include "batten/tests/support/allocations.h"
+#include "batten/tests/support/catch.h"
+#include "batten/tests/support/dense_algebra.h"
+#include "batten/tests/support/kkt_deformation.h"
+#include "batten/tests/support/sample_meshes.h"
+#include "batten/tests/support/sampling.h"
+#include "batten/tests/support/thread_guard.h"
 
 using namespace batten;
 using namespace batten_test;
@@ -41,11 +41,11 @@ int nearest_to(const TriangleMesh& mesh, const Vec3& point) {
   return nearest;
 }
 
-HandleMove some_move() {
-  HandleMove move;
+HandleTransform some_move() {
+  HandleTransform move;
   move.about = {4, 2, 0};
-  move.turn = rotation_log({0.3, 1, 0.2}, 0.6);
-  move.shift = {0.2, 0.1, 0.9};
+  move.rotation_vector = to_rotation_vector({0.3, 1, 0.2}, 0.6);
+  move.translation = {0.2, 0.1, 0.9};
   return move;
 }
 
@@ -55,21 +55,21 @@ struct Case {
   TriangleMesh mesh;
   DeformProblem problem;
   DeformEdit edit;
-  explicit Case(int n, bool guided) : mesh(sheet(n)) {
+  explicit Case(int n, bool point_constraints) : mesh(sheet(n)) {
     problem.fixed = where(mesh, [&](const Vec3& p) { return p.x() < 4.5 / n; });
     problem.handles = {{"right", where(mesh, [&](const Vec3& p) { return p.x() > 4 - 4.5 / n; })}};
     problem.features = {{"a", disc(mesh, 1.2, 1.2, 0.45), FormFeature::Kind::Free},
-                        {"b", disc(mesh, 2.6, 1.1, 0.4), FormFeature::Kind::KeepsDirection},
+                        {"b", disc(mesh, 2.6, 1.1, 0.4), FormFeature::Kind::TranslationOnly},
                         {"c", disc(mesh, 2.0, 2.8, 0.5), FormFeature::Kind::Free}};
-    if (guided)
-      problem.guided = {{"plane",
-                         VertexCombination::mean_of(problem.features[0].vertices),
-                         GuidedPoint::Kind::OnPlane,
-                         {0.1, 0.2, 1}},
-                        {"line",
-                         VertexCombination::mean_of(problem.features[2].vertices),
-                         GuidedPoint::Kind::OnLine,
-                         {1, 0.2, 0.1}}};
+    if (point_constraints)
+      problem.point_constraints = {{"plane",
+                                    VertexCombination::mean_of(problem.features[0].vertices),
+                                    PointConstraint::Kind::OnPlane,
+                                    {0.1, 0.2, 1}},
+                                   {"line",
+                                    VertexCombination::mean_of(problem.features[2].vertices),
+                                    PointConstraint::Kind::OnLine,
+                                    {1, 0.2, 0.1}}};
     edit.handles = {some_move()};
     edit.feature_scales = {1, 1, 1.3};
   }
@@ -86,7 +86,7 @@ TEST_CASE("without features the deformer solves the dense least-squares problem"
     problem.weighting = weighting;
     DeformEdit edit;
     edit.handles = {some_move(), {}};
-    edit.handles[1].shift = {0, 0, -0.5};
+    edit.handles[1].translation = {0, 0, -0.5};
     edit.handles[1].scale = 1.2;
     FormFeatureDeformer deformer(mesh, problem);
     const Points p = deformer.deform(edit);
@@ -104,7 +104,7 @@ TEST_CASE("without features the deformer solves the dense least-squares problem"
     for (size_t h = 0; h < 2; ++h)
       for (const int v : problem.handles[h].vertices) {
         held.push_back(v);
-        q_held.row(v) = edit.handles[h].turn;
+        q_held.row(v) = edit.handles[h].rotation_vector;
         scale[v] = edit.handles[h].scale;
         x.row(v) = edit.handles[h](mesh.point(v));
       }
@@ -139,13 +139,13 @@ TEST_CASE("without features the deformer solves the dense least-squares problem"
 }
 
 TEST_CASE("reduction, saddle point and dense elimination of all rows agree") {
-  for (const bool guided : {false, true}) {
-    Case c(16, guided);
+  for (const bool point_constraints : {false, true}) {
+    Case c(16, point_constraints);
     FormFeatureDeformer deformer(c.mesh, c.problem);
     const Points p = deformer.deform(c.edit);
     CHECK(deformer.hard_residual() < 1e-13);
     CHECK(relative(deform_by_kkt(deformer, c.edit), p) < 1e-9);
-    const auto s = deformer.statement(c.edit);
+    const auto s = deformer.problem_matrices(c.edit);
     const SparseMatrix A = s.A;
     const SparseMatrix normal = SparseMatrix(A.transpose()) * A;
     const SparseMatrix lower = normal.triangularView<Eigen::Lower>();
@@ -158,11 +158,11 @@ TEST_CASE("reduction, saddle point and dense elimination of all rows agree") {
 }
 
 TEST_CASE("features are their originals up to one similarity") {
-  for (const bool guided : {false, true}) {
-    Case c(24, guided);
+  for (const bool point_constraints : {false, true}) {
+    Case c(24, point_constraints);
     FormFeatureDeformer deformer(c.mesh, c.problem);
     for (int event = 0; event < 5; ++event) {
-      c.edit.handles[0].shift.z() += 0.3;
+      c.edit.handles[0].translation.z() += 0.3;
       c.edit.feature_scales[2] *= 1.1;
       deformer.deform(c.edit);
       if (event == 4) deformer.correct();
@@ -174,13 +174,13 @@ TEST_CASE("features are their originals up to one similarity") {
         if (f == 1) CHECK((fit.R - Mat3::Identity()).norm() < 1e-12);
         if (f == 0) CHECK((fit.R - Mat3::Identity()).norm() > 1e-3);
       }
-      if (guided) {
+      if (point_constraints) {
         const auto off = [&](int k) {
-          const auto& g = c.problem.guided[k];
+          const auto& g = c.problem.point_constraints[k];
           return Vec3(g.point.at(deformer.positions()) - g.point.at(c.mesh.points()));
         };
-        CHECK(std::abs(off(0).dot(c.problem.guided[0].direction.normalized())) < 1e-13);
-        CHECK(off(1).cross(c.problem.guided[1].direction.normalized()).norm() < 1e-13);
+        CHECK(std::abs(off(0).dot(c.problem.point_constraints[0].direction.normalized())) < 1e-13);
+        CHECK(off(1).cross(c.problem.point_constraints[1].direction.normalized()).norm() < 1e-13);
         CHECK(off(1).norm() > 1e-3);
       }
     }
@@ -197,8 +197,8 @@ TEST_CASE("a rigid motion of everything held moves the mesh rigidly") {
     c.edit.feature_scales.clear();
     for (auto& move : c.edit.handles) {
       move.about = {1, 2, 3};
-      move.turn = rotation_log({1, 2, -0.5}, angle);
-      move.shift = {-3, 1, 2};
+      move.rotation_vector = to_rotation_vector({1, 2, -0.5}, angle);
+      move.translation = {-3, 1, 2};
     }
     FormFeatureDeformer deformer(c.mesh, c.problem);
     deformer.deform(c.edit);
@@ -237,7 +237,7 @@ TEST_CASE(
   }
   for (const int v : problem.handles[0].vertices) {
     owner[v] = 2;
-    q0.row(v) = edit.handles[0].turn.transpose();
+    q0.row(v) = edit.handles[0].rotation_vector.transpose();
     x0.row(v) = edit.handles[0](mesh.point(v)).transpose();
   }
   std::vector<int> column(n, -1);
@@ -275,7 +275,7 @@ TEST_CASE("contradictions are named, and the last good state stays") {
       {"strut", where(c.mesh, [](const Vec3& p) { return std::abs(p.y() - 2) < 0.3; })}};
   c.edit.feature_scales.clear();
   FormFeatureDeformer deformer(c.mesh, c.problem);
-  CHECK(deformer.counts().dropped_rows > 0);
+  CHECK(deformer.counts().redundant_count > 0);
   DeformEdit still;
   still.handles = {{}};
   const Points before = deformer.deform(still);
@@ -294,10 +294,11 @@ TEST_CASE("contradictions are named, and the last good state stays") {
   };
   const std::vector<std::string> all = {"fixed", "right", "strut"};
   DeformEdit moved = still;
-  moved.handles[0].shift = {0, 0, 1};
+  moved.handles[0].translation = {0, 0, 1};
   CHECK(names_of(moved) == all);
   DeformEdit turned = still;
-  turned.handles[0].turn = {0, 0, std::numbers::pi};  // once around: the place is the same
+  turned.handles[0].rotation_vector = {0, 0,
+                                       std::numbers::pi};  // once around: the place is the same
   CHECK(names_of(turned) == all);
   CHECK(deformer.positions() == before);
   CHECK_THROWS_AS(deformer.correct(), InputError);
@@ -331,21 +332,22 @@ TEST_CASE("features that touch merge, go with a handle, or stay with the fixed r
 
 TEST_CASE("guided points: redundant rows are dropped, impossible ones named, planes move") {
   Case c(16, true);
-  c.problem.guided.push_back(c.problem.guided[0]);
-  c.problem.guided.back().name = "again";
+  c.problem.point_constraints.push_back(c.problem.point_constraints[0]);
+  c.problem.point_constraints.back().name = "again";
   FormFeatureDeformer deformer(c.mesh, c.problem);
   deformer.deform(c.edit);
   CHECK(deformer.hard_residual() < 1e-13);
-  CHECK(deformer.counts().guide_rows == 4);
-  c.edit.guides.clear();
-  for (const auto& g : c.problem.guided) c.edit.guides.push_back(g.point.at(c.mesh.points()));
-  const Vec3 n = c.problem.guided[0].direction.normalized();
-  for (const int k : {0, 2}) c.edit.guides[k] += 0.3 * n + 0.7 * n.unitOrthogonal();
+  CHECK(deformer.counts().point_equations == 4);
+  c.edit.constraint_origins.clear();
+  for (const auto& g : c.problem.point_constraints)
+    c.edit.constraint_origins.push_back(g.point.at(c.mesh.points()));
+  const Vec3 n = c.problem.point_constraints[0].direction.normalized();
+  for (const int k : {0, 2}) c.edit.constraint_origins[k] += 0.3 * n + 0.7 * n.unitOrthogonal();
   deformer.deform(c.edit);
-  const Vec3 off = c.problem.guided[0].point.at(deformer.positions()) -
-                   c.problem.guided[0].point.at(c.mesh.points());
+  const Vec3 off = c.problem.point_constraints[0].point.at(deformer.positions()) -
+                   c.problem.point_constraints[0].point.at(c.mesh.points());
   CHECK(off.dot(n) == Approx(0.3).epsilon(1e-12));
-  c.edit.guides[2] += 0.1 * n;
+  c.edit.constraint_origins[2] += 0.1 * n;
   try {
     deformer.deform(c.edit);
     FAIL("two different planes for one point");
@@ -356,12 +358,13 @@ TEST_CASE("guided points: redundant rows are dropped, impossible ones named, pla
   }
   // A held point off its plane: the fixed region and the guide are named.
   Case d(16, false);
-  d.problem.guided = {{"guide", VertexCombination::mean_of(d.problem.fixed),
-                       GuidedPoint::Kind::OnPlane, Vec3::UnitZ()}};
+  d.problem.point_constraints = {{"guide", VertexCombination::mean_of(d.problem.fixed),
+                                  PointConstraint::Kind::OnPlane, Vec3::UnitZ()}};
   FormFeatureDeformer held(d.mesh, d.problem);
   held.deform(d.edit);
   CHECK(held.hard_residual() < 1e-13);
-  d.edit.guides = {d.problem.guided[0].point.at(d.mesh.points()) + Vec3(0, 0, 0.5)};
+  d.edit.constraint_origins = {d.problem.point_constraints[0].point.at(d.mesh.points()) +
+                               Vec3(0, 0, 0.5)};
   try {
     held.deform(d.edit);
     FAIL("the fixed region cannot move");
@@ -378,17 +381,18 @@ TEST_CASE("many guided points: the Schur complement is the coupled reduction") {
     const int v = 40 + 7 * k;
     if (std::find(c.problem.fixed.begin(), c.problem.fixed.end(), v) != c.problem.fixed.end())
       continue;
-    c.problem.guided.push_back({"g" + std::to_string(k),
-                                VertexCombination{{{v, 1.0}}},
-                                k % 3 ? GuidedPoint::Kind::OnPlane : GuidedPoint::Kind::OnLine,
-                                {random(), random(), random() + 2}});
+    c.problem.point_constraints.push_back(
+        {"g" + std::to_string(k),
+         VertexCombination{{{v, 1.0}}},
+         k % 3 ? PointConstraint::Kind::OnPlane : PointConstraint::Kind::OnLine,
+         {random(), random(), random() + 2}});
   }
   for (auto& h : c.problem.handles) std::erase_if(h.vertices, [](int v) { return v < 0; });
   c.edit.handles[0] = {};
   FormFeatureDeformer deformer(c.mesh, c.problem);
   const Points p = deformer.deform(c.edit);
   CHECK(deformer.hard_residual() < 1e-13);
-  const auto s = deformer.statement(c.edit);
+  const auto s = deformer.problem_matrices(c.edit);
   const SparseMatrix A = s.A;
   const SparseMatrix normal = SparseMatrix(A.transpose()) * A;
   const SparseMatrix lower = normal.triangularView<Eigen::Lower>();
@@ -408,7 +412,7 @@ TEST_CASE("rotations wind as far as they are asked to") {
   FormFeatureDeformer deformer(mesh, problem);
   DeformEdit edit;
   edit.handles = {{}};
-  edit.handles[0].turn = rotation_log({1, 0, 0}, 3 * std::numbers::pi);
+  edit.handles[0].rotation_vector = to_rotation_vector({1, 0, 0}, 3 * std::numbers::pi);
   edit.handles[0].about = {4, 2, 0};
   deformer.deform(edit);
   const Points q = deformer.rotation_logs();
@@ -428,7 +432,7 @@ TEST_CASE("a region of interest: nothing outside moves, the shape joins smoothly
     FormFeatureDeformer deformer(mesh, problem);
     DeformEdit edit;
     edit.handles = {{}};
-    edit.handles[0].shift = {0, 0, 0.3};
+    edit.handles[0].translation = {0, 0, 0.3};
     const Points p = deformer.deform(edit);
     CHECK(deformer.counts().moving < static_cast<int>(problem.region->size()));
     std::vector<char> inside(mesh.vertex_count(), 0);
@@ -595,12 +599,12 @@ TEST_CASE("the same bits on one thread and on two, and no allocation while dragg
   FormFeatureDeformer deformer(c.mesh, c.problem);
   CHECK(deformer.deform(c.edit) == first);
   if (!counts_allocations()) return;
-  const WorkCount work;
+  const ScopedOpCount work;
   for (int event = 0; event < 5; ++event) {
-    c.edit.handles[0].shift.z() += 0.01;
+    c.edit.handles[0].translation.z() += 0.01;
     deformer.deform(c.edit);
   }
-  CHECK(work.of(Work::Allocation) == 0);
+  CHECK(work.of(OpCounter::Allocation) == 0);
 }
 
 TEST_CASE("random problems: an answer within the constraints, or a named error") {
@@ -630,20 +634,21 @@ TEST_CASE("random problems: an answer within the constraints, or a named error")
     if (pick(4)) problem.fixed = patch();
     for (int h = pick(3); h >= 0; --h) {
       problem.handles.push_back({"h" + std::to_string(h), patch()});
-      HandleMove move;
-      if (pick(3)) move.shift = Vec3(random(), random(), random());
-      if (pick(2)) move.turn = rotation_log({random(), random(), 1}, 4 * random());
+      HandleTransform move;
+      if (pick(3)) move.translation = Vec3(random(), random(), random());
+      if (pick(2)) move.rotation_vector = to_rotation_vector({random(), random(), 1}, 4 * random());
       if (!pick(4)) move.scale = 1 + 0.5 * random();
       edit.handles.push_back(move);
     }
     for (int f = pick(4); f > 0; --f) {
       problem.features.push_back(
           {"f" + std::to_string(f), patch(),
-           pick(3) ? FormFeature::Kind::Free : FormFeature::Kind::KeepsDirection});
+           pick(3) ? FormFeature::Kind::Free : FormFeature::Kind::TranslationOnly});
       if (!problem.features.back().vertices.empty() && pick(3) == 0)
-        problem.guided.push_back(
+        problem.point_constraints.push_back(
             {"g" + std::to_string(f), VertexCombination::mean_of(problem.features.back().vertices),
-             pick(2) ? GuidedPoint::Kind::OnPlane : GuidedPoint::Kind::OnLine, direction()});
+             pick(2) ? PointConstraint::Kind::OnPlane : PointConstraint::Kind::OnLine,
+             direction()});
       edit.feature_scales.push_back(pick(3) ? 1.0 : 1 + 0.4 * random());
     }
     if (pick(4) == 0) problem.rows.push_back({"r", {{{pick(n), 1.0}}}, Vec3(1, 1, 1), -1, {}});

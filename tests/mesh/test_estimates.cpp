@@ -3,18 +3,18 @@
 #include <numbers>
 
 #include "batten/core/errors.h"
+#include "batten/core/op_counter.h"
 #include "batten/core/rotations.h"
-#include "batten/core/work.h"
 #include "batten/mesh/deform/form_feature_deformer.h"
-#include "batten/mesh/operators.h"
+#include "batten/mesh/differential_operators.h"
+#include "batten/mesh/regions/arap_deformer.h"
 #include "batten/mesh/regions/dual_laplacian_deformer.h"
-#include "batten/mesh/regions/nonlinear_deformer.h"
-#include "batten/tests/allocations.h"
-#include "batten/tests/catch.h"
-#include "batten/tests/dense_twin.h"
-#include "batten/tests/mesh/region_meshes.h"
-#include "batten/tests/refusal.h"
-#include "batten/tests/threads.h"
+#include "batten/tests/support/allocations.h"
+#include "batten/tests/support/catch.h"
+#include "batten/tests/support/dense_algebra.h"
+#include "batten/tests/support/error_message.h"
+#include "batten/tests/support/region_meshes.h"
+#include "batten/tests/support/thread_guard.h"
 
 using namespace batten;
 using namespace batten_test;
@@ -34,68 +34,69 @@ Faces quads_of_sheet(int n) {
   return quads;
 }
 
-struct Held {
+struct ClampedSheet {
   TriangleMesh mesh;
   std::vector<int> left, right;
-  explicit Held(int n)
+  explicit ClampedSheet(int n)
       : mesh(sheet(n)),
         left(vertices_where(mesh, [&](const Vec3& p) { return p.x() < 4.5 / n; })),
         right(vertices_where(mesh, [&](const Vec3& p) { return p.x() > 4 - 4.5 / n; })) {}
 };
 
 /// Every deformer of the room on one mesh.
-std::vector<std::unique_ptr<DeformEstimate>> all_kinds(const TriangleMesh& mesh, const Faces& quads,
-                                                       const std::vector<int>& fixed,
-                                                       const std::vector<Handle>& handles) {
+std::vector<std::unique_ptr<IterativeDeformer>> all_kinds(const TriangleMesh& mesh,
+                                                          const Faces& quads,
+                                                          const std::vector<int>& fixed,
+                                                          const std::vector<Handle>& handles) {
   DualLaplacianOptions middles, fitted;
-  middles.border = DualLaplacianOptions::Border::EdgeMiddles;
+  middles.border = DualLaplacianOptions::Border::EdgeMidpoints;
   fitted.lengths = DualLaplacianOptions::Lengths::Fitted;
-  NonlinearOptions plain;
+  ArapOptions plain;
   plain.smoothing = 0;
-  std::vector<std::unique_ptr<DeformEstimate>> all;
+  std::vector<std::unique_ptr<IterativeDeformer>> all;
   all.push_back(std::make_unique<DualLaplacianDeformer>(mesh, Faces{}, fixed, handles));
   all.push_back(std::make_unique<DualLaplacianDeformer>(mesh, Faces{}, fixed, handles, middles));
   all.push_back(std::make_unique<DualLaplacianDeformer>(mesh, Faces{}, fixed, handles, fitted));
   if (!quads.empty())
     all.push_back(std::make_unique<DualLaplacianDeformer>(mesh, quads, fixed, handles));
-  all.push_back(std::make_unique<NonlinearDeformer>(mesh, fixed, handles));
-  all.push_back(std::make_unique<NonlinearDeformer>(mesh, fixed, handles, plain));
+  all.push_back(std::make_unique<ArapDeformer>(mesh, fixed, handles));
+  all.push_back(std::make_unique<ArapDeformer>(mesh, fixed, handles, plain));
   return all;
 }
 
-HandleMove other_move() {
-  HandleMove move;
+HandleTransform other_move() {
+  HandleTransform move;
   move.about = {4, 2, 0};
-  move.turn = rotation_log({0.3, 1, 0.2}, 0.6);
-  move.shift = {-0.2, 0.1, 0.9};
+  move.rotation_vector = to_rotation_vector({0.3, 1, 0.2}, 0.6);
+  move.translation = {-0.2, 0.1, 0.9};
   return move;
 }
 
 }  // namespace
 
 TEST_CASE("estimates: a rigid motion of all handles moves the mesh rigidly") {
-  const Held c(12);
+  const ClampedSheet c(12);
   for (const double angle : {0.4, 2.5, 3 * std::numbers::pi})
     for (const auto& deformer :
          all_kinds(c.mesh, quads_of_sheet(12), {}, {{"left", c.left}, {"right", c.right}})) {
-      HandleMove move;
+      HandleTransform move;
       move.about = {1, 2, 3};
-      move.turn = rotation_log({1, 2, -0.5}, angle);
-      move.shift = {-3, 1, 2};
+      move.rotation_vector = to_rotation_vector({1, 2, -0.5}, angle);
+      move.translation = {-3, 1, 2};
       Points moved(c.mesh.vertex_count(), 3);
       for (int v = 0; v < c.mesh.vertex_count(); ++v) moved.row(v) = move(c.mesh.point(v));
       CHECK(relative(deformer->deform(std::vector{move, move}), moved) < 1e-11);
       CHECK(deformer->report().converged);
-      CHECK(deformer->report().rounds <= 2);
+      CHECK(deformer->report().iterations <= 2);
       CHECK(deformer->report().energies.back() < 1e-20);
     }
 }
 
 TEST_CASE("fitted lengths follow a scale, original ones resist it") {
-  const Held c(12);
-  HandleMove move;
+  const ClampedSheet c(12);
+  HandleTransform move;
   move.about = {1, 2, 3};
-  move.turn = rotation_log({1, 2, -0.5}, 0.5);
+  move.rotation_vector = to_rotation_vector({1, 2, -0.5}, 0.5);
   move.scale = 1.3;
   Points moved(c.mesh.vertex_count(), 3);
   for (int v = 0; v < c.mesh.vertex_count(); ++v) moved.row(v) = move(c.mesh.point(v));
@@ -108,23 +109,23 @@ TEST_CASE("fitted lengths follow a scale, original ones resist it") {
     const double off = relative(deformer.deform(std::vector{move, move}), moved);
     if (lengths == DualLaplacianOptions::Lengths::Fitted) {
       CHECK(off < 1e-9);
-      CHECK(deformer.face_turns()[0].determinant() == Approx(1.3 * 1.3 * 1.3));
+      CHECK(deformer.face_rotations()[0].determinant() == Approx(1.3 * 1.3 * 1.3));
     } else {
       CHECK(off > 1e-3);
-      CHECK(deformer.face_turns()[0].determinant() == Approx(1));
+      CHECK(deformer.face_rotations()[0].determinant() == Approx(1));
     }
   }
 }
 
 TEST_CASE("estimates: the energy falls from round to round and what is reported is true") {
-  const Held c(16);
+  const ClampedSheet c(16);
   for (const auto& deformer : all_kinds(c.mesh, quads_of_sheet(16), c.left, {{"right", c.right}})) {
     const Points before = deformer->positions();
     CHECK(before == c.mesh.points());
     deformer->deform(std::vector{other_move()});
-    const EstimateReport report = deformer->report();
-    CHECK(report.rounds > 3);
-    REQUIRE(report.energies.size() == static_cast<size_t>(report.rounds));
+    const IterationReport report = deformer->report();
+    CHECK(report.iterations > 3);
+    REQUIRE(report.energies.size() == static_cast<size_t>(report.iterations));
     CHECK(report.energies.back() > 0);
     CHECK(report.energies.back() < 0.99 * report.energies.front());
     for (size_t k = 1; k < report.energies.size(); ++k)
@@ -135,26 +136,26 @@ TEST_CASE("estimates: the energy falls from round to round and what is reported 
     for (const int v : c.right)
       CHECK(deformer->positions().row(v).transpose() == other_move()(c.mesh.point(v)));
   }
-  NonlinearOptions few;
-  few.most_rounds = 3;
-  NonlinearDeformer deformer(c.mesh, c.left, {{"right", c.right}}, few);
+  ArapOptions few;
+  few.max_iterations = 3;
+  ArapDeformer deformer(c.mesh, c.left, {{"right", c.right}}, few);
   deformer.deform(std::vector{other_move()});
-  CHECK(deformer.report().rounds == 3);
+  CHECK(deformer.report().iterations == 3);
   CHECK_FALSE(deformer.report().converged);
   CHECK(deformer.report().last_change > 1e-6);
 }
 
 TEST_CASE("estimates: the energy falls for any moves") {
-  const Held c(8);
+  const ClampedSheet c(8);
   Random random(21);
   for (const auto& deformer :
        all_kinds(c.mesh, quads_of_sheet(8), c.left, {{"right", c.right}, {"one", {40}}})) {
     for (int edit = 0; edit < 12; ++edit) {
-      std::vector<HandleMove> moves(2);
-      for (HandleMove& move : moves) {
+      std::vector<HandleTransform> moves(2);
+      for (HandleTransform& move : moves) {
         move.about = {2, 2, 0};
-        move.turn = 2 * random.point();
-        move.shift = 3 * random.point();
+        move.rotation_vector = 2 * random.point();
+        move.translation = 3 * random.point();
       }
       deformer->deform(moves);
       const std::vector<double>& E = deformer->report().energies;
@@ -164,42 +165,42 @@ TEST_CASE("estimates: the energy falls for any moves") {
 }
 
 TEST_CASE("estimates: one factor for all rounds and edits, and rounds allocate nothing") {
-  const Held c(20);
-  const auto make = [&](int kind) -> std::unique_ptr<DeformEstimate> {
+  const ClampedSheet c(20);
+  const auto make = [&](int kind) -> std::unique_ptr<IterativeDeformer> {
     if (kind == 0)
       return std::make_unique<DualLaplacianDeformer>(c.mesh, Faces{}, c.left,
                                                      std::vector<Handle>{{"right", c.right}});
-    return std::make_unique<NonlinearDeformer>(c.mesh, c.left,
-                                               std::vector<Handle>{{"right", c.right}});
+    return std::make_unique<ArapDeformer>(c.mesh, c.left, std::vector<Handle>{{"right", c.right}});
   };
   for (const int kind : {0, 1}) {
-    const WorkCount making;
+    const ScopedOpCount making;
     const auto deformer = make(kind);
-    CHECK(making.of(Work::Factorization) == 1);
-    CHECK(making.of(Work::Analysis) == 1);
-    std::vector<HandleMove> moves = {other_move()};
+    CHECK(making.of(OpCounter::Factorization) == 1);
+    CHECK(making.of(OpCounter::Analysis) == 1);
+    std::vector<HandleTransform> moves = {other_move()};
     deformer->deform(moves);
-    const WorkCount work;
-    std::int64_t rounds = 0;
+    const ScopedOpCount work;
+    std::int64_t iterations = 0;
     for (int edit = 0; edit < 3; ++edit) {
-      moves[0].shift.z() += 0.1;
+      moves[0].translation.z() += 0.1;
       deformer->deform(moves);
-      rounds += deformer->report().rounds;
+      iterations += deformer->report().iterations;
     }
-    const std::int64_t allocations = work.of(Work::Allocation);
-    CHECK(work.of(Work::Factorization) == 0);
-    CHECK(work.of(Work::Solve) >= rounds);  // a mixed round that led upwards is solved again
-    CHECK(work.of(Work::Solve) <= rounds + rounds / 4);
+    const std::int64_t allocations = work.of(OpCounter::Allocation);
+    CHECK(work.of(OpCounter::Factorization) == 0);
+    CHECK(work.of(OpCounter::Solve) >=
+          iterations);  // a mixed round that led upwards is solved again
+    CHECK(work.of(OpCounter::Solve) <= iterations + iterations / 4);
     if (counts_allocations()) CHECK(allocations == 0);
   }
 }
 
 TEST_CASE("the nonlinear energy is that of spokes and rims with cotangents") {
-  const Held c(10);
-  NonlinearOptions options;
+  const ClampedSheet c(10);
+  ArapOptions options;
   options.smoothing = 0.003;
-  options.most_rounds = 5;
-  NonlinearDeformer deformer(c.mesh, c.left, {{"right", c.right}}, options);
+  options.max_iterations = 5;
+  ArapDeformer deformer(c.mesh, c.left, {{"right", c.right}}, options);
   const Points p = deformer.deform(std::vector{other_move()});
   const auto& R = deformer.vertex_rotations();
   const Eigen::Matrix3Xd half = half_cotangents(c.mesh);
@@ -226,10 +227,10 @@ TEST_CASE("the nonlinear energy is that of spokes and rims with cotangents") {
 }
 
 TEST_CASE("the dual energy is that of its header, and Laplacian vectors stand upright") {
-  const Held c(8);
+  const ClampedSheet c(8);
   DualLaplacianOptions options;
-  options.border = DualLaplacianOptions::Border::EdgeMiddles;
-  options.primal = 0;
+  options.border = DualLaplacianOptions::Border::EdgeMidpoints;
+  options.checkerboard_penalty = 0;
   DualLaplacianDeformer deformer(c.mesh, {}, c.left, {{"right", c.right}}, options);
   const Points p = deformer.deform(std::vector{other_move()});
   const MeshTopology& topology = c.mesh.topology();
@@ -240,7 +241,7 @@ TEST_CASE("the dual energy is that of its header, and Laplacian vectors stand up
   double energy = 0, membrane = 0, bent_membrane = 0, all_area = 0, bent = 0;
   for (int t = 0; t < c.mesh.triangle_count(); ++t) {
     const auto& v = topology.triangles()[t];
-    const Mat3& R = deformer.face_turns()[t];
+    const Mat3& R = deformer.face_rotations()[t];
     Mat3 to, after;  // neighbours relative to the face, before and after
     for (int k = 0; k < 3; ++k) {
       const int other = topology.across(t, k), a = v[(k + 1) % 3], b = v[(k + 2) % 3];
@@ -284,8 +285,8 @@ TEST_CASE("a patch lifted without a turn gives a slope whose faces have turned")
   const BossPanel panel(40);
   const auto lift = panel.lift(1.2);
   DualLaplacianDeformer dual(panel.mesh, {}, panel.fixed, panel.handles);
-  NonlinearDeformer nonlinear(panel.mesh, panel.fixed, panel.handles);
-  for (DeformEstimate* deformer : std::initializer_list<DeformEstimate*>{&dual, &nonlinear}) {
+  ArapDeformer nonlinear(panel.mesh, panel.fixed, panel.handles);
+  for (IterativeDeformer* deformer : std::initializer_list<IterativeDeformer*>{&dual, &nonlinear}) {
     const Points p = deformer->deform(lift);
     const double boss = tilt_degrees(p, panel.boss), ring = tilt_degrees(p, panel.ring);
     CHECK(ring > 20);
@@ -300,12 +301,12 @@ TEST_CASE("squares: primal rows keep vertices from moving to and fro") {
   const std::vector<Handle> handles = {
       {"right", vertices_where(mesh, [](const Vec3& p) { return p.x() > 3.7; })}};
   // Share of the pattern + - + - in the move of the vertices, over an edge: largest place.
-  const auto to_and_fro = [&](double primal) {
+  const auto to_and_fro = [&](double checkerboard_penalty) {
     DualLaplacianOptions options;
-    options.primal = primal;
+    options.checkerboard_penalty = checkerboard_penalty;
     DualLaplacianDeformer deformer(mesh, quads_of_sheet(n), fixed, handles, options);
-    HandleMove move;
-    move.shift = {0, 0, 0.8};
+    HandleTransform move;
+    move.translation = {0, 0, 0.8};
     const Points d = deformer.deform(std::vector{move}) - mesh.points();
     double most = 0;
     for (int j = 2; j < n - 1; ++j)
@@ -319,7 +320,7 @@ TEST_CASE("squares: primal rows keep vertices from moving to and fro") {
       }
     return most;
   };
-  const double kept = to_and_fro(DualLaplacianOptions().primal);
+  const double kept = to_and_fro(DualLaplacianOptions().checkerboard_penalty);
   CHECK(kept < 0.005);
   CHECK(to_and_fro(0) > 5 * kept);
 }
@@ -328,7 +329,7 @@ TEST_CASE("a bar twisted by half a turn keeps its section and its edges") {
   const double length = 10;
   const Bar bar(length, 6);
   const auto twist = Bar::twist(180);
-  NonlinearDeformer nonlinear(bar.mesh, bar.fixed, bar.handles);
+  ArapDeformer nonlinear(bar.mesh, bar.fixed, bar.handles);
   const Points p = nonlinear.deform(twist);
   CHECK(nonlinear.report().converged);
   DeformProblem problem;
@@ -363,17 +364,17 @@ TEST_CASE("a bar twisted by half a turn keeps its section and its edges") {
 }
 
 TEST_CASE("estimates: same bits on one thread and on several, and again after another edit") {
-  const Held c(40);
+  const ClampedSheet c(40);
   for (const int kind : {0, 1}) {
     const auto answer = [&] {
-      std::unique_ptr<DeformEstimate> deformer;
+      std::unique_ptr<IterativeDeformer> deformer;
       const std::vector<Handle> handles = {{"right", c.right}};
       if (kind == 0)
         deformer = std::make_unique<DualLaplacianDeformer>(c.mesh, Faces{}, c.left, handles);
       else
-        deformer = std::make_unique<NonlinearDeformer>(c.mesh, c.left, handles);
+        deformer = std::make_unique<ArapDeformer>(c.mesh, c.left, handles);
       const Points first = deformer->deform(std::vector{other_move()});
-      deformer->deform(std::vector{HandleMove{}});
+      deformer->deform(std::vector{HandleTransform{}});
       CHECK(relative(deformer->positions(), c.mesh.points()) < 1e-10);
       CHECK(deformer->deform(std::vector{other_move()}) == first);
       return first;
@@ -385,19 +386,19 @@ TEST_CASE("estimates: same bits on one thread and on several, and again after an
 }
 
 TEST_CASE("estimates: from a guess to the same shape") {
-  const Held c(14);
-  HandleMove move;
-  move.shift = {0, 0, 0.8};
+  const ClampedSheet c(14);
+  HandleTransform move;
+  move.translation = {0, 0, 0.8};
   for (const auto& deformer : all_kinds(c.mesh, {}, c.left, {{"right", c.right}})) {
     const Points p = deformer->deform(std::vector{move});
     const double energy = deformer->report().energies.back();
-    const int rounds = deformer->report().rounds;
+    const int iterations = deformer->report().iterations;
     CHECK(deformer->report().converged);
     const Points again = deformer->deform(std::vector{move}, p);
-    CHECK(deformer->report().rounds <= rounds);
+    CHECK(deformer->report().iterations <= iterations);
     CHECK(deformer->report().energies.back() <= energy * (1 + 1e-6));
     CHECK(relative(again, p) < 2e-5);
-    CHECK(refusal([&] {
+    CHECK(error_message([&] {
             deformer->deform(std::vector{move}, p.topRows(3));
           }).find("has 3 points, expected 225") != std::string::npos);
   }
@@ -405,11 +406,11 @@ TEST_CASE("estimates: from a guess to the same shape") {
 
 TEST_CASE("estimates: a part of the mesh that nothing holds stays") {
   const TriangleMesh square = flat_square(4, 0, 1);
-  const TriangleMesh mesh = beside(square, square);
+  const TriangleMesh mesh = disjoint_union(square, square);
   const auto handle = vertices_where(square, [](const Vec3& p) { return p.x() > 0.9; });
   for (const auto& deformer : all_kinds(mesh, {}, {0}, {{"h", handle}})) {
-    HandleMove move;
-    move.shift = {0, 0, 0.5};
+    HandleTransform move;
+    move.translation = {0, 0, 0.5};
     const Points p = deformer->deform(std::vector{move});
     CHECK(p.bottomRows(25) == mesh.points().bottomRows(25));
     CHECK(p.topRows(25) != mesh.points().topRows(25));
@@ -417,43 +418,44 @@ TEST_CASE("estimates: a part of the mesh that nothing holds stays") {
 }
 
 TEST_CASE("estimates: bad input is refused with what was found") {
-  const Held c(4);
+  const ClampedSheet c(4);
   const std::vector<Handle> handles = {{"right", c.right}};
   const auto dual = [&](Faces faces) {
-    return refusal([&] { DualLaplacianDeformer(c.mesh, std::move(faces), c.left, handles); });
+    return error_message([&] { DualLaplacianDeformer(c.mesh, std::move(faces), c.left, handles); });
   };
   CHECK(dual({{0, 1}}) == "face 0 has 2 corners, expected three or more");
   CHECK(dual({{0, 1, 6}, {0, 1, 99}}) == "face 1 names vertex 99 of 25");
   CHECK(dual({{0, 1, 1}}) == "face 0 has vertex 1 twice, expected different corners");
   CHECK(dual({{0, 1, 2}, {1, 0, 3}, {0, 1, 4}}) ==
         "the edge of vertices 0 and 1 has more than two faces, expected two");
-  CHECK(refusal([&] { NonlinearDeformer(c.mesh, {}, {}); }) ==
+  CHECK(error_message([&] { ArapDeformer(c.mesh, {}, {}); }) ==
         "nothing is fixed and there is no handle, expected one of them");
-  CHECK(refusal([&] { NonlinearDeformer(c.mesh, {77}, handles); }) ==
+  CHECK(error_message([&] { ArapDeformer(c.mesh, {77}, handles); }) ==
         "the fixed region names vertex 77 of 25");
-  NonlinearOptions negative;
+  ArapOptions negative;
   negative.smoothing = -1;
-  CHECK(refusal([&] {
-          NonlinearDeformer(c.mesh, c.left, handles, negative);
+  CHECK(error_message([&] {
+          ArapDeformer(c.mesh, c.left, handles, negative);
         }).find("smoothing -1") != std::string::npos);
   DualLaplacianOptions none;
   none.membrane = 0;
-  CHECK(refusal([&] {
+  CHECK(error_message([&] {
           DualLaplacianDeformer(c.mesh, {}, c.left, handles, none);
         }).find("membrane 0") != std::string::npos);
   Points flat = c.mesh.points();
   flat.row(c.mesh.triangles()[3][0]) = flat.row(c.mesh.triangles()[3][1]);
-  CHECK(refusal([&] {
-          NonlinearDeformer(c.mesh.with_points(flat), c.left, handles);
+  CHECK(error_message([&] {
+          ArapDeformer(c.mesh.with_points(flat), c.left, handles);
         }).find("has no area") != std::string::npos);
-  NonlinearDeformer deformer(c.mesh, c.left, handles);
-  CHECK(refusal([&] { deformer.deform({}); }) == "the edit has 0 moves of handles, expected 1");
-  HandleMove move;
-  move.shift.x() = std::nan("");
-  CHECK(refusal([&] { deformer.deform(std::vector{move}); }).find("not finite") !=
+  ArapDeformer deformer(c.mesh, c.left, handles);
+  CHECK(error_message([&] { deformer.deform({}); }) ==
+        "the edit has 0 moves of handles, expected 1");
+  HandleTransform move;
+  move.translation.x() = std::nan("");
+  CHECK(error_message([&] { deformer.deform(std::vector{move}); }).find("not finite") !=
         std::string::npos);
   // A vertex held twice: no conflict while both agree.
-  NonlinearDeformer twice(c.mesh, c.left, {{"right", c.right}, {"both", {c.left[0], c.right[0]}}});
-  twice.deform(std::vector<HandleMove>(2));
-  CHECK_THROWS_AS(twice.deform(std::vector{other_move(), HandleMove{}}), ConflictError);
+  ArapDeformer twice(c.mesh, c.left, {{"right", c.right}, {"both", {c.left[0], c.right[0]}}});
+  twice.deform(std::vector<HandleTransform>(2));
+  CHECK_THROWS_AS(twice.deform(std::vector{other_move(), HandleTransform{}}), ConflictError);
 }

@@ -6,8 +6,8 @@
 #include <set>
 
 #include "batten/core/errors.h"
-#include "batten/mesh/prepare.h"
-#include "batten/tests/catch.h"
+#include "batten/mesh/prepared_mesh.h"
+#include "batten/tests/support/catch.h"
 
 using namespace batten;
 using Catch::Matchers::Contains;
@@ -45,7 +45,7 @@ TEST_CASE("a box has twelve creases between its corners") {
   for (const FeatureLine& line : lines) {
     CHECK(line.vertices.size() == 2);
     CHECK_FALSE(line.closed);
-    CHECK_FALSE(line.rim);
+    CHECK_FALSE(line.boundary);
     ends.insert(std::minmax(line.vertices.front(), line.vertices.back()));
   }
   CHECK(ends.size() == 12);
@@ -66,7 +66,7 @@ TEST_CASE("a cup has one closed crease and one closed rim") {
     CHECK(std::set<int>(line.vertices.begin(), line.vertices.end()).size() == 40);
     CHECK(line.vertices.size() == 40);
   }
-  CHECK(lines[0].rim != lines[1].rim);
+  CHECK(lines[0].boundary != lines[1].boundary);
   REQUIRE(patches.size() == 2);  // the wall and the lid
   for (const FeaturePatch& patch : patches) CHECK(patch.loops.size() == (patch.flat ? 1 : 2));
 }
@@ -83,7 +83,8 @@ TEST_CASE("short creases that end in the open are noise, long ones are not") {
              {0, 1, 5}, {0, 5, 4}, {1, 2, 5}, {2, 3, 4}, {2, 4, 5}, {3, 0, 4}})
       mesh.add_face(f);
     int creases = 0;
-    for (const FeatureLine& line : feature_lines(prepare(mesh).mesh).lines) creases += !line.rim;
+    for (const FeatureLine& line : feature_lines(prepare(mesh).mesh).lines)
+      creases += !line.boundary;
     return creases;
   };
   CHECK(add(0.01) == 0);

@@ -3,24 +3,24 @@
 #include <numbers>
 
 #include "batten/core/errors.h"
+#include "batten/core/op_counter.h"
 #include "batten/core/rotations.h"
-#include "batten/core/work.h"
 #include "batten/mesh/deform/form_feature_deformer.h"
 #include "batten/mesh/deform/similarity.h"
+#include "batten/mesh/differential_operators.h"
 #include "batten/mesh/features/stroke_cut.h"
-#include "batten/mesh/operators.h"
+#include "batten/mesh/regions/arap_deformer.h"
 #include "batten/mesh/regions/dual_laplacian_deformer.h"
 #include "batten/mesh/regions/feature_region_deformer.h"
-#include "batten/mesh/regions/nonlinear_deformer.h"
-#include "batten/mesh/regions/saliency.h"
+#include "batten/mesh/regions/mesh_saliency.h"
 #include "batten/mesh/rotation_batch.h"
-#include "batten/mesh/rotation_of_faces.h"
+#include "batten/mesh/rotation_fitting.h"
 #include "batten/mesh/selection.h"
-#include "batten/tests/catch.h"
-#include "batten/tests/dense_twin.h"
-#include "batten/tests/mesh/region_meshes.h"
-#include "batten/tests/refusal.h"
-#include "batten/tests/threads.h"
+#include "batten/tests/support/catch.h"
+#include "batten/tests/support/dense_algebra.h"
+#include "batten/tests/support/error_message.h"
+#include "batten/tests/support/region_meshes.h"
+#include "batten/tests/support/thread_guard.h"
 
 using namespace batten;
 using namespace batten_test;
@@ -51,7 +51,7 @@ FeatureRegionOptions options_of(Kind kind) {
 /// A lifted panel with its boss as a region, and an estimate.
 struct Lifted {
   BossPanel panel;
-  std::vector<HandleMove> moves;
+  std::vector<HandleTransform> moves;
   Points estimate;
   std::vector<FeatureRegion> regions;
   explicit Lifted(int n = 20, double height = 1.2) : panel(n), moves(panel.lift(height)) {
@@ -77,8 +77,9 @@ TEST_CASE("rotations of 10,000 triangles that were rotated are exact") {
       height = a.cross(b).norm() / std::max({a.norm(), b.norm(), (a - b).norm()});
     } while (height < 0.01);
     const Mat3 R = random_rotation(random);
-    const Vec3 shift = 10 * random.point();
-    for (int c = 0; c < 3; ++c) after.row(c) = (R * before.row(c).transpose() + shift).transpose();
+    const Vec3 translation = 10 * random.point();
+    for (int c = 0; c < 3; ++c)
+      after.row(c) = (R * before.row(c).transpose() + translation).transpose();
     const int corners[] = {0, 1, 2};
     const Mat3 found = rotation_of_face(corners, before, after);
     CHECK(is_rotation(found));
@@ -97,17 +98,16 @@ TEST_CASE("the rotation part is that of the singular value decomposition, and ne
     if (values[1] + sign * values[2] < 1e-8 * values[0]) continue;
     const Mat3 P = random_rotation(random), Q = random_rotation(random);
     const Mat3 M = P * Vec3(values[0], values[1], sign * values[2]).asDiagonal() * Q.transpose();
-    const Mat3 R = rotation_part(1e5 * M);
+    const Mat3 R = nearest_rotation(1e5 * M);
     CHECK(is_rotation(R));
     CHECK((R - P * Q.transpose()).norm() < 3e-14 * values[0] / (values[1] + sign * values[2]));
   }
-  CHECK(rotation_part(Mat3::Zero()) == Mat3::Identity());
-  CHECK(is_rotation(rotation_part(-Mat3::Identity())));
+  CHECK(nearest_rotation(Mat3::Zero()) == Mat3::Identity());
+  CHECK(is_rotation(nearest_rotation(-Mat3::Identity())));
   // On a line: the smallest rotation.
   const Mat3 line = Vec3::UnitY() * Vec3::UnitX().transpose();
-  CHECK(
-      (rotation_part(line) - Mat3(Eigen::AngleAxisd(std::numbers::pi / 2, Vec3::UnitZ()))).norm() <
-      1e-14);
+  CHECK((nearest_rotation(line) - Mat3(Eigen::AngleAxisd(std::numbers::pi / 2, Vec3::UnitZ())))
+            .norm() < 1e-14);
 }
 
 TEST_CASE("faces that collapse, stretch or turn inside out have a rotation") {
@@ -189,24 +189,24 @@ TEST_CASE("means of rotations: outliers carry the squared one away, not the othe
     CHECK(sum(mean, 2) < sum(mean * aside, 2));
   }
   CHECK(mean_rotation({}, {}) == Mat3::Identity());
-  CHECK(refusal([&] { mean_rotation(rotations, {}); }) ==
+  CHECK(error_message([&] { mean_rotation(rotations, {}); }) ==
         "0 weights of 100 rotations, expected one each");
 }
 
 TEST_CASE("regions: a rigid motion of all handles moves the mesh rigidly") {
   const BossPanel panel(20);
   const std::vector<Handle> handles = {{"left", panel.fixed}, panel.handles[0]};
-  HandleMove move;
+  HandleTransform move;
   move.about = {1, 2, 3};
-  move.turn = rotation_log({1, 2, -0.5}, 2.2);
-  move.shift = {-3, 1, 2};
+  move.rotation_vector = to_rotation_vector({1, 2, -0.5}, 2.2);
+  move.translation = {-3, 1, 2};
   Points moved(panel.mesh.vertex_count(), 3);
   for (int v = 0; v < panel.mesh.vertex_count(); ++v) moved.row(v) = move(panel.mesh.point(v));
   for (const Kind kind : {Kind::Soft, Kind::Hard}) {
     FeatureRegionDeformer deformer(panel.mesh, {{"boss", {}, panel.boss}}, {}, handles,
                                    options_of(kind));
     CHECK(relative(deformer.deform(moved, std::vector{move, move}), moved) < 1e-10);
-    CHECK(relative(deformer.rough(moved, std::vector{move, move}), moved) < 1e-10);
+    CHECK(relative(deformer.deform_per_face(moved, std::vector{move, move}), moved) < 1e-10);
     CHECK((deformer.region_rotations()[0] -
            Mat3(Eigen::AngleAxisd(2.2, Vec3(1, 2, -0.5).normalized())))
               .norm() < 1e-12);
@@ -242,14 +242,16 @@ TEST_CASE("estimate, rough, soft, hard: each keeps the boss better than the one 
   std::vector<char> inside(c.panel.mesh.vertex_count(), 0);
   for (const int v : soft.vertices(0)) inside[v] = 1;
   const auto change = [&](const Points& p) { return edge_change(c.panel.mesh, p, inside).mean; };
-  const double estimate = change(c.estimate), rough = change(soft.rough(c.estimate, c.moves)),
+  const double estimate = change(c.estimate),
+               deform_per_face = change(soft.deform_per_face(c.estimate, c.moves)),
                nearly = change(soft.deform(c.estimate, c.moves)),
                exact = change(hard.deform(c.estimate, c.moves));
-  CHECK(rough < 0.5 * estimate);
-  CHECK(nearly < 0.5 * rough);
+  CHECK(deform_per_face < 0.5 * estimate);
+  CHECK(nearly < 0.5 * deform_per_face);
   CHECK(exact < 1e-13);
   // The rough result of hard regions is that of soft ones.
-  CHECK(relative(hard.rough(c.estimate, c.moves), soft.rough(c.estimate, c.moves)) < 1e-12);
+  CHECK(relative(hard.deform_per_face(c.estimate, c.moves),
+                 soft.deform_per_face(c.estimate, c.moves)) < 1e-12);
   CHECK(hard.face_rotations(0).size() == hard.faces(0).size());
 }
 
@@ -280,9 +282,9 @@ TEST_CASE("hard regions are the dense least-squares problem with three unknowns 
   Lifted c(20, 0.8);
   const double scale = c.regions[0].scale = 1.25;
   FeatureRegionOptions options = options_of(Kind::Hard);
-  for (const auto right :
-       {FeatureRegionOptions::Right::Estimate, FeatureRegionOptions::Right::Original}) {
-    options.right = right;
+  for (const auto rhs :
+       {FeatureRegionOptions::Rhs::Estimate, FeatureRegionOptions::Rhs::Original}) {
+    options.rhs = rhs;
     FeatureRegionDeformer deformer = c.deformer(options);
     const Points p = deformer.deform(c.estimate, c.moves);
     const TriangleMesh& mesh = c.panel.mesh;
@@ -308,8 +310,8 @@ TEST_CASE("hard regions are the dense least-squares problem with three unknowns 
     const VecX area = mixed_areas(mesh);
     MatX A = lower.selfadjointView<Eigen::Lower>() * MatX::Identity(n, n);
     for (int v = 0; v < n; ++v) A.row(v) /= 2 * std::sqrt(area[v]);
-    MatX b = A * (right == FeatureRegionOptions::Right::Estimate ? MatX(c.estimate)
-                                                                 : MatX(mesh.points()));
+    MatX b =
+        A * (rhs == FeatureRegionOptions::Rhs::Estimate ? MatX(c.estimate) : MatX(mesh.points()));
     for (const int v : deformer.vertices(0)) b.row(v) *= scale;
     const MatX AT = A * T;
     const MatX u = solve_symmetric(AT.transpose() * AT, AT.transpose() * (b - A * known));
@@ -325,12 +327,12 @@ TEST_CASE("the user's rotation and scale override the estimate's, without a new 
     deformer.deform(c.estimate, c.moves);
     const Mat3 own = deformer.region_rotations()[0];
     CHECK((own - wanted).norm() > 0.3);
-    const WorkCount work;
+    const ScopedOpCount work;
     deformer.set_rotation(0, wanted);
     deformer.set_scale(0, 1.25);
     const Points p = deformer.deform(c.estimate, c.moves);
-    CHECK(work.of(Work::Factorization) == 0);
-    CHECK(work.of(Work::Solve) == 1);
+    CHECK(work.of(OpCounter::Factorization) == 0);
+    CHECK(work.of(OpCounter::Solve) == 1);
     const Similarity fit = fit_similarity(c.panel.mesh.points(), p, deformer.vertices(0));
     const double exact = kind == Kind::Hard ? 1e-12 : 0.02;
     CHECK((fit.R - wanted).norm() < exact);
@@ -349,22 +351,22 @@ TEST_CASE("the user's rotation and scale override the estimate's, without a new 
 
 TEST_CASE("one factor for any number of edits of feature regions") {
   const Lifted c(20);
-  const WorkCount making;
+  const ScopedOpCount making;
   FeatureRegionDeformer deformer = c.deformer(options_of(Kind::Hard));
-  CHECK(making.of(Work::Factorization) == 1);
-  const WorkCount work;
+  CHECK(making.of(OpCounter::Factorization) == 1);
+  const ScopedOpCount work;
   for (int edit = 0; edit < 4; ++edit) deformer.deform(c.estimate, c.moves);
-  CHECK(work.of(Work::Factorization) == 0);
-  CHECK(work.of(Work::Solve) == 4);
+  CHECK(work.of(OpCounter::Factorization) == 0);
+  CHECK(work.of(OpCounter::Solve) == 4);
   // Three unknowns are left of the region: one for each coordinate.
   FeatureRegionDeformer soft = c.deformer(options_of(Kind::Soft));
-  CHECK(soft.unknowns() - deformer.unknowns() == count_of(deformer.vertices(0)) - 1);
+  CHECK(soft.unknowns() - deformer.unknowns() == isize(deformer.vertices(0)) - 1);
 }
 
 TEST_CASE("hard regions go with what holds them, and those that share vertices turn as one") {
   Lifted c(20);
-  HandleMove move = c.moves[0];
-  move.turn = rotation_log({0, 1, 0}, -0.5);
+  HandleTransform move = c.moves[0];
+  move.rotation_vector = to_rotation_vector({0, 1, 0}, -0.5);
   move.about = {4, 2, 0};
   c.moves = {move};
   const TriangleMesh& mesh = c.panel.mesh;
@@ -377,9 +379,9 @@ TEST_CASE("hard regions go with what holds them, and those that share vertices t
   for (const int v : deformer.vertices(0))
     CHECK((p.row(v).transpose() - move(mesh.point(v))).norm() < 1e-12);
   for (const int v : deformer.vertices(1)) CHECK((p.row(v) - mesh.points().row(v)).norm() < 1e-12);
-  REQUIRE(!common(deformer.vertices(2), deformer.vertices(3)).empty());
+  REQUIRE(!intersection_of(deformer.vertices(2), deformer.vertices(3)).empty());
   CHECK(deformer.region_rotations()[2] == deformer.region_rotations()[3]);
-  CHECK(fit_similarity(mesh.points(), p, united(deformer.vertices(2), deformer.vertices(3)))
+  CHECK(fit_similarity(mesh.points(), p, union_of(deformer.vertices(2), deformer.vertices(3)))
             .max_error < 1e-12);
   // Two regions that share vertices, and the user turns both in different ways.
   deformer.set_rotation(2, Mat3(Mat3::Identity()));
@@ -430,7 +432,7 @@ TEST_CASE("feature regions: bad input is refused with what was found") {
   const auto refused = [&](const FeatureRegion& region, double weight = 1) {
     FeatureRegionOptions options;
     options.weight = weight;
-    return refusal(
+    return error_message(
         [&] { FeatureRegionDeformer(panel.mesh, {region}, panel.fixed, panel.handles, options); });
   };
   CHECK(refused({"", {}, {1}}) == "found a region without name");
@@ -446,11 +448,12 @@ TEST_CASE("feature regions: bad input is refused with what was found") {
   bad.scale = -1;
   CHECK(refused(bad) == "the scale of region 'a' is -1, expected a number above 0");
   FeatureRegionDeformer deformer(panel.mesh, {{"a", {}, {60}}}, panel.fixed, panel.handles);
-  CHECK(refusal([&] { deformer.deform(Points::Zero(4, 3), std::vector<HandleMove>(1)); }) ==
-        "the estimate has 4 points, expected 121 finite ones");
-  CHECK(refusal([&] { deformer.deform(panel.mesh.points(), {}); }) ==
+  CHECK(error_message([&] {
+          deformer.deform(Points::Zero(4, 3), std::vector<HandleTransform>(1));
+        }) == "the estimate has 4 points, expected 121 finite ones");
+  CHECK(error_message([&] { deformer.deform(panel.mesh.points(), {}); }) ==
         "the edit has 0 moves of handles, expected 1");
-  CHECK(refusal([&] {
+  CHECK(error_message([&] {
           FeatureRegionDeformer(panel.mesh, {{"a", {}, {60}}, {"a", {}, {61}}}, panel.fixed,
                                 panel.handles);
         }) == "the region 'a' is there twice, expected different names");
@@ -466,7 +469,7 @@ TEST_CASE("components of a mask") {
   CHECK(parts[1] == std::vector<int>{40});
   CHECK(parts[2] == std::vector<int>{79, 80});
   CHECK(components_of_mask(mesh, std::vector<char>(81, 0)).empty());
-  CHECK(refusal([&] {
+  CHECK(error_message([&] {
           components_of_mask(mesh, {1, 0});
         }) == "the mask has 2 marks, expected one for each of 81 vertices");
 }
@@ -489,10 +492,10 @@ TEST_CASE(
   const auto region = grown_region(mesh, saliency, top, 0.05);
   CHECK(region.size() > 20);
   for (const int v : region) CHECK(mesh.point(v).normalized().z() > 0.9);
-  CHECK(refusal([&] {
+  CHECK(error_message([&] {
           grown_region(mesh, saliency, nearest_vertex(mesh, {0, 0, -1}), 0.2);
         }).find("expected the threshold 0.2 or more") != std::string::npos);
-  CHECK(refusal([&] { grown_region(mesh, VecX::Zero(3), 0, 0.2); }) ==
+  CHECK(error_message([&] { grown_region(mesh, VecX::Zero(3), 0, 0.2); }) ==
         "there are 3 saliencies, expected 10242");
   // Moved, turned, scaled and turned inside out.
   const Mat3 R = Eigen::AngleAxisd(1, Vec3(1, 2, 3).normalized()).toRotationMatrix();
@@ -511,14 +514,14 @@ TEST_CASE("a cut between two strokes follows the creases of a boss and of a clos
   const BossPanel panel(40);
   // On the top, and on the sheet.
   const auto on = disc_of(panel.mesh, 2, 2, 0.12);
-  const auto beside = vertices_where(panel.mesh, [](const Vec3& p) {
+  const auto disjoint_union = vertices_where(panel.mesh, [](const Vec3& p) {
     return std::abs(p.x() - 1) < 0.01 && std::abs(p.y() - 2) < 0.3;
   });
   CutOptions options;  // the foot of the boss is concave
-  const FeatureCut boss = stroke_cut(panel.mesh, on, beside, options);
+  const FeatureCut boss = stroke_cut(panel.mesh, on, disjoint_union, options);
   // A diagonal may cut off a corner of the foot.
-  CHECK(without(boss.vertices, panel.boss).empty());
-  CHECK(without(panel.boss, boss.vertices).size() <= 4);
+  CHECK(difference_of(boss.vertices, panel.boss).empty());
+  CHECK(difference_of(panel.boss, boss.vertices).size() <= 4);
   REQUIRE(boss.chains.size() == 1);
   CHECK(boss.chains[0].closed);
 
@@ -541,9 +544,9 @@ TEST_CASE("a cut between two strokes follows the creases of a boss and of a clos
 
 TEST_CASE("strokes that cannot be separated are refused with the place") {
   const TriangleMesh square = flat_square(6, 0, 3);
-  const TriangleMesh mesh = beside(square, square);
+  const TriangleMesh mesh = disjoint_union(square, square);
   const auto refused = [&](const std::vector<int>& in, const std::vector<int>& out) {
-    return refusal([&] { stroke_cut(mesh, in, out); });
+    return error_message([&] { stroke_cut(mesh, in, out); });
   };
   CHECK(refused({}, {3}) == "the stroke inside has no vertices, expected at least one");
   CHECK(refused({3}, {98}) == "the stroke outside names vertex 98 of 98");
@@ -553,7 +556,7 @@ TEST_CASE("strokes that cannot be separated are refused with the place") {
   CHECK(refused({8}, {60}).find("vertices 8 and 60 of the strokes lie in parts of the mesh") == 0);
   CutOptions options;
   options.convex = -1;
-  CHECK(refusal([&] { stroke_cut(mesh, {8}, {40}, options); }) ==
+  CHECK(error_message([&] { stroke_cut(mesh, {8}, {40}, options); }) ==
         "weight -1 of a bend, expected 0 or more");
   CHECK_FALSE(stroke_cut(mesh, {8}, {40}).triangles.empty());
 }

@@ -6,15 +6,15 @@
 #include <optional>
 
 #include "batten/mesh/features/feature_cut.h"
-#include "batten/mesh/features/holes.h"
-#include "batten/mesh/features/proposals.h"
-#include "batten/mesh/prepare.h"
+#include "batten/mesh/features/feature_detection.h"
+#include "batten/mesh/features/hole_measure.h"
+#include "batten/mesh/prepared_mesh.h"
 #include "batten/mesh/selection.h"
-#include "batten/tests/catch.h"
-#include "batten/tests/mesh/sample_meshes.h"
-#include "batten/tests/mesh_models.h"
-#include "batten/tests/reference.h"
-#include "batten/tests/refusal.h"
+#include "batten/tests/support/catch.h"
+#include "batten/tests/support/error_message.h"
+#include "batten/tests/support/mesh_models.h"
+#include "batten/tests/support/sample_meshes.h"
+#include "batten/tests/support/test_data.h"
 
 using namespace batten_test;
 
@@ -60,7 +60,7 @@ std::vector<int> triangles_between(const TriangleMesh& mesh, double low, double 
   return result;
 }
 
-TriangleMesh turned_over(const TriangleMesh& mesh) {
+TriangleMesh flipped_orientation(const TriangleMesh& mesh) {
   auto triangles = mesh.triangles();
   for (auto& t : triangles) std::swap(t[1], t[2]);
   return {mesh.points(), triangles};
@@ -122,7 +122,8 @@ TEST_CASE("loops that are no circles say so") {
   square << 0, 0, 0, 0, 1, 0, 1, 1, 0, 1, 0, 0;
   CHECK_FALSE(measure_hole(square, counted(4)).circular);
   CHECK(measure_hole(square, counted(4)).radius == Approx(std::sqrt(0.5)));
-  CHECK(measure_hole(square, counted(4)).equivalent_radius == Approx(std::sqrt(1 / std::numbers::pi)));
+  CHECK(measure_hole(square, counted(4)).equivalent_radius ==
+        Approx(std::sqrt(1 / std::numbers::pi)));
   // Along a short arc of a large circle and back.
   for (int i = 0; i < 40; ++i) {
     const double angle = 0.01 * (i < 20 ? i : 39 - i), r = i < 20 ? 100 : 100.5;
@@ -131,23 +132,27 @@ TEST_CASE("loops that are no circles say so") {
   CHECK_FALSE(measure_hole(slender, counted(40)).circular);
   CHECK(measure_hole(Points::Zero(5, 3), counted(5)).radius == 0);
   CHECK_FALSE(measure_hole(Points::Zero(5, 3), counted(5)).circular);
-  CHECK(refusal([&] {
+  CHECK(error_message([&] {
           measure_hole(square, {0, 1});
         }) == "a hole has 2 vertices, expected three or more");
-  CHECK(refusal([&] { measure_hole(square, {0, 1, 4}); }).find("vertex 4") != std::string::npos);
+  CHECK(error_message([&] {
+          measure_hole(square, {0, 1, 4});
+        }).find("vertex 4") != std::string::npos);
   square(2, 0) = std::nan("");
-  CHECK(refusal([&] { measure_hole(square, counted(4)); }).find("finite") != std::string::npos);
+  CHECK(error_message([&] { measure_hole(square, counted(4)); }).find("finite") !=
+        std::string::npos);
 }
 
 TEST_CASE("the axis of a hole is on the side of the mesh's normals, before and after") {
-  const TriangleMesh mesh = turned_profile({{3, 0}, {2, 0}, {1, 0}}, 12);
-  const auto holes = propose_features(mesh);
+  const TriangleMesh mesh = revolved_profile({{3, 0}, {2, 0}, {1, 0}}, 12);
+  const auto holes = detect_features(mesh);
   REQUIRE(holes.size() == 1);
   CHECK((holes[0].measure.axis - Vec3(0, 0, 1)).norm() < 1e-14);
-  CHECK((propose_features(turned_over(mesh))[0].measure.axis + Vec3(0, 0, 1)).norm() < 1e-14);
-  const Mat3 turn = Eigen::AngleAxisd(2.5, Vec3(1, 0.2, 0).normalized()).toRotationMatrix();
-  const HoleMeasure after = measure_hole(mesh.points() * turn.transpose(), holes[0].loop);
-  CHECK((after.axis - turn.col(2)).norm() < 1e-14);
+  CHECK((detect_features(flipped_orientation(mesh))[0].measure.axis + Vec3(0, 0, 1)).norm() <
+        1e-14);
+  const Mat3 rotation = Eigen::AngleAxisd(2.5, Vec3(1, 0.2, 0).normalized()).toRotationMatrix();
+  const HoleMeasure after = measure_hole(mesh.points() * rotation.transpose(), holes[0].loop);
+  CHECK((after.axis - rotation.col(2)).norm() < 1e-14);
 }
 
 TEST_CASE("the forms of the models are proposed, whole and nothing else") {
@@ -163,13 +168,13 @@ TEST_CASE("the forms of the models are proposed, whole and nothing else") {
     Random random(5);
     Points rough = mesh.points();
     for (int v = 0; v < mesh.vertex_count(); ++v) rough.row(v) += 0.02 * random.point().transpose();
-    for (const TriangleMesh& shape : {mesh, turned_over(mesh), mesh.with_points(rough)}) {
-      const auto proposals = propose_features(shape);
+    for (const TriangleMesh& shape : {mesh, flipped_orientation(mesh), mesh.with_points(rough)}) {
+      const auto proposals = detect_features(shape);
       REQUIRE(proposals.size() == c.model.features.size());
       for (const NamedSet& feature : c.model.features) {
         const auto found = std::find_if(
             proposals.begin(), proposals.end(),
-            [&](const FeatureProposal& p) { return p.vertices == sorted(feature.items); });
+            [&](const DetectedFeature& p) { return p.vertices == sorted(feature.items); });
         INFO(feature.name);
         CHECK(found != proposals.end());
       }
@@ -178,10 +183,10 @@ TEST_CASE("the forms of the models are proposed, whole and nothing else") {
 }
 
 TEST_CASE("names follow the lowest vertex of the loop, holes first") {
-  const auto proposals = propose_features(prepare(panel().shells).mesh);
+  const auto proposals = detect_features(prepare(panel().shells).mesh);
   int holes = 0, creases = 0, last = -1;
-  for (const FeatureProposal& p : proposals) {
-    const bool hole = p.kind == FeatureProposal::Kind::Hole;
+  for (const DetectedFeature& p : proposals) {
+    const bool hole = p.kind == DetectedFeature::Kind::Hole;
     CHECK_FALSE((hole && creases > 0));
     CHECK(p.name ==
           (hole ? "hole-" + std::to_string(++holes) : "crease-" + std::to_string(++creases)));
@@ -195,48 +200,48 @@ TEST_CASE("names follow the lowest vertex of the loop, holes first") {
 }
 
 TEST_CASE("holes without a flange have one ring, or the width asked for") {
-  const TriangleMesh mesh = turned_profile(subdivided({{5, 0}, {1, 0}}, 0.5), 16);
-  auto holes = propose_features(mesh);
+  const TriangleMesh mesh = revolved_profile(subdivided({{5, 0}, {1, 0}}, 0.5), 16);
+  auto holes = detect_features(mesh);
   REQUIRE(holes.size() == 1);
-  CHECK_FALSE(holes[0].rim_ends_at_crease);
+  CHECK_FALSE(holes[0].flange_ends_at_crease);
   CHECK(holes[0].vertices == vertices_with(mesh, [](const Vec3& p) { return radius_of(p) < 1.6; }));
   CHECK(holes[0].measure.radius == Approx(1));
-  ProposalOptions wide;
-  wide.rim_width = 1.3;
-  CHECK(propose_features(mesh, wide)[0].vertices ==
+  FeatureDetectionOptions wide;
+  wide.flange_width = 1.3;
+  CHECK(detect_features(mesh, wide)[0].vertices ==
         vertices_with(mesh, [](const Vec3& p) { return radius_of(p) < 2.1; }));
-  ProposalOptions all;
+  FeatureDetectionOptions all;
   all.outer_loops = true;
-  CHECK(propose_features(mesh, all).size() == 2);
+  CHECK(detect_features(mesh, all).size() == 2);
   // Each part of the mesh has an outer loop of its own; closed parts have none.
-  CHECK(propose_features(beside(beside(mesh, mesh), sphere(3))).size() == 2);
+  CHECK(detect_features(disjoint_union(disjoint_union(mesh, mesh), sphere(3))).size() == 2);
 }
 
 TEST_CASE("a flange ends at its outermost crease, a hole in a cavity at its own") {
   // A dimple with steps around the hole, then a wide cavity.
   const std::vector<Vec2> corners = {{20, 0}, {12, 0}, {11, -2}, {5, -2}, {4, -3}, {3, -3}};
-  const TriangleMesh mesh = turned_profile(subdivided(corners, 0.5), 48);
-  ProposalOptions options;
-  options.rim_rings = 6;
-  const auto proposals = propose_features(mesh, options);
+  const TriangleMesh mesh = revolved_profile(subdivided(corners, 0.5), 48);
+  FeatureDetectionOptions options;
+  options.flange_rings = 6;
+  const auto proposals = detect_features(mesh, options);
   REQUIRE(proposals.size() == 2);
   CHECK(proposals[0].vertices ==
         vertices_with(mesh, [](const Vec3& p) { return radius_of(p) < 4 + 1e-9; }));
-  CHECK(proposals[0].rim_ends_at_crease);
+  CHECK(proposals[0].flange_ends_at_crease);
   CHECK(proposals[1].vertices ==
         vertices_with(mesh, [](const Vec3& p) { return radius_of(p) < 12 + 1e-9; }));
   CHECK(proposals[1].measure.radius == Approx(12));
   CHECK((proposals[1].measure.axis - Vec3(0, 0, 1)).norm() < 1e-12);
   // Allowed to go so far, the rim is the whole cavity, and that is one feature.
-  options.rim_rings = 40;
-  CHECK(propose_features(mesh, options).size() == 1);
-  CHECK(propose_features(mesh, options)[0].vertices == proposals[1].vertices);
+  options.flange_rings = 40;
+  CHECK(detect_features(mesh, options).size() == 1);
+  CHECK(detect_features(mesh, options)[0].vertices == proposals[1].vertices);
 }
 
 TEST_CASE("nested creases are one feature, or one each when asked for") {
   const TriangleMesh mesh =
-      turned_profile(subdivided({{20, 0}, {12, 0}, {12, 2}, {6, 2}, {6, 4}, {0, 4}}, 1), 32);
-  const auto outermost = propose_features(mesh);
+      revolved_profile(subdivided({{20, 0}, {12, 0}, {12, 2}, {6, 2}, {6, 4}, {0, 4}}, 1), 32);
+  const auto outermost = detect_features(mesh);
   REQUIRE(outermost.size() == 1);
   const auto inside = [&](double radius, double height) {
     return vertices_with(
@@ -244,10 +249,10 @@ TEST_CASE("nested creases are one feature, or one each when asked for") {
   };
   CHECK(outermost[0].vertices == inside(12, 0));
   CHECK(outermost[0].loop.size() == 32);
-  ProposalOptions options;
+  FeatureDetectionOptions options;
   options.nested = true;
   std::vector<std::vector<int>> found;
-  for (const auto& p : propose_features(mesh, options)) found.push_back(p.vertices);
+  for (const auto& p : detect_features(mesh, options)) found.push_back(p.vertices);
   REQUIRE(found.size() == 4);
   CHECK(found ==
         std::vector<std::vector<int>>{inside(12, 0), inside(12, 2), inside(6, 2), inside(6, 4)});
@@ -255,23 +260,23 @@ TEST_CASE("nested creases are one feature, or one each when asked for") {
 
 TEST_CASE("panels within a flange are no feature, rings and bosses on them are") {
   // Flange with a step; a groove around; a boss in the middle.
-  const TriangleMesh mesh = turned_profile(
+  const TriangleMesh mesh = revolved_profile(
       subdivided({{30, -4}, {27, -4}, {27, 0}, {20, 0}, {19, -1}, {18, 0}, {5, 0}, {5, 1}, {0, 1}},
                  0.7),
       64);
-  auto proposals = propose_features(mesh);
+  auto proposals = detect_features(mesh);
   // The groove encloses everything inside of it: one feature up to its outer crease.
   REQUIRE(proposals.size() == 1);
   CHECK(proposals[0].measure.radius == Approx(20));
   const TriangleMesh plain =
-      turned_profile(subdivided({{30, -4}, {27, -4}, {27, 0}, {5, 0}, {5, 1}, {0, 1}}, 0.7), 64);
-  proposals = propose_features(plain);
+      revolved_profile(subdivided({{30, -4}, {27, -4}, {27, 0}, {5, 0}, {5, 1}, {0, 1}}, 0.7), 64);
+  proposals = detect_features(plain);
   REQUIRE(proposals.size() == 1);
   CHECK(proposals[0].measure.radius == Approx(5));
 }
 
 TEST_CASE("creases that do not close and single vertices propose nothing") {
-  const TriangleMesh flat = turned_profile(subdivided({{20, 0}, {8, 0}, {6, 0}, {0, 0}}, 1), 48);
+  const TriangleMesh flat = revolved_profile(subdivided({{20, 0}, {8, 0}, {6, 0}, {0, 0}}, 1), 48);
   const auto raised = [&](double lowest) {
     Points p = flat.points();
     for (int v = 0; v < flat.vertex_count(); ++v) {
@@ -282,19 +287,19 @@ TEST_CASE("creases that do not close and single vertices propose nothing") {
     }
     return flat.with_points(p);
   };
-  CHECK(propose_features(raised(0.5)).size() == 1);
-  CHECK(propose_features(raised(0.0)).empty());
+  CHECK(detect_features(raised(0.5)).size() == 1);
+  CHECK(detect_features(raised(0.0)).empty());
 
   TriangleMesh spike = flat_square(20, 0.1, 3);
   Points p = spike.points();
   p(10 * 21 + 10, 2) = 0.05;
   spike = spike.with_points(p);
-  CHECK(propose_features(spike).empty());
-  ProposalOptions options;
-  options.fewest_triangles = 1;
-  CHECK(propose_features(spike, options).size() == 1);
+  CHECK(detect_features(spike).empty());
+  FeatureDetectionOptions options;
+  options.min_triangles = 1;
+  CHECK(detect_features(spike, options).size() == 1);
   options.crease_degrees = 0;
-  CHECK(refusal([&] { propose_features(spike, options); }).find("crease angle 0") !=
+  CHECK(error_message([&] { detect_features(spike, options); }).find("crease angle 0") !=
         std::string::npos);
 }
 
@@ -305,14 +310,14 @@ TEST_CASE("real panels: thirteen rimmed holes, and a body side's openings") {
     WARN("skipped: the real panels are not there (set BATTEN_TEST_DATA)");
     return;
   }
-  const auto holes = propose_features(prepare(read_shells(support)).mesh);
+  const auto holes = detect_features(prepare(read_shells(support)).mesh);
   REQUIRE(holes.size() == 13);
   int small = 0, large = 0;
-  for (const FeatureProposal& p : holes) {
-    CHECK(p.kind == FeatureProposal::Kind::Hole);
+  for (const DetectedFeature& p : holes) {
+    CHECK(p.kind == DetectedFeature::Kind::Hole);
     CHECK(p.measure.circular);
     CHECK(p.measure.roundness < 0.01);
-    CHECK(p.rim_ends_at_crease);
+    CHECK(p.flange_ends_at_crease);
     CHECK(p.vertices.size() == 16);  // one row of elements
     small += std::abs(p.measure.radius - 20.72) < 0.01;
     large += std::abs(p.measure.radius - 25.03) < 0.01;
@@ -320,10 +325,10 @@ TEST_CASE("real panels: thirteen rimmed holes, and a body side's openings") {
   CHECK(small == 6);
   CHECK(large == 7);
 
-  const auto openings = propose_features(prepare(read_shells(side)).mesh);
+  const auto openings = detect_features(prepare(read_shells(side)).mesh);
   REQUIRE(openings.size() == 3);
   std::vector<int> lengths;
-  for (const FeatureProposal& p : openings) {
+  for (const DetectedFeature& p : openings) {
     lengths.push_back(static_cast<int>(p.loop.size()));
     CHECK_FALSE(p.measure.circular);
   }
@@ -336,7 +341,7 @@ TEST_CASE("the cut around a boss is the circle where it meets the plate, on ever
   for (const double h : {1.0, 0.5, 0.25}) {
     const int n = static_cast<int>(2 * std::numbers::pi * radius / h);
     const TriangleMesh mesh =
-        turned_profile(subdivided({{15, 0}, {radius, 0}, {radius, 4}, {0, 4}}, h), n);
+        revolved_profile(subdivided({{15, 0}, {radius, 0}, {radius, 4}, {0, 4}}, h), n);
     const std::vector<int> band = triangles_between(mesh, 2, 11, [](const Vec3& p) {
       return std::max(0.0, radius_of(p) - 5) + 4 - p.z();  // along the profile, from the top
     });
@@ -351,9 +356,9 @@ TEST_CASE("the cut around a boss is the circle where it meets the plate, on ever
     CHECK(vertices_of_triangles(mesh.topology(), cut.triangles) == cut.vertices);
     // The cost belongs to the crease, not to the number of its edges; the mean bend of the band
     // falls with h, and the cost with it.
-    const double share = cut.cost / mesh.length(cut.chains[0].vertices);
-    CHECK(share < (last > 0 ? 0.7 * last : 0.2));
-    last = share;
+    const double fraction = cut.cost / mesh.length(cut.chains[0].vertices);
+    CHECK(fraction < (last > 0 ? 0.7 * last : 0.2));
+    last = fraction;
     // The chain runs with the plate on its left: around the boss clockwise.
     const auto& loop = cut.chains[0].vertices;
     CHECK(mesh.point(loop[0]).cross(mesh.point(loop[1])).z() < 0);
@@ -361,7 +366,8 @@ TEST_CASE("the cut around a boss is the circle where it meets the plate, on ever
 }
 
 TEST_CASE("which creases attract the cut is settable, and turns round with the mesh") {
-  const TriangleMesh mesh = turned_profile(subdivided({{15, 0}, {5, 0}, {5, 4}, {0, 4}}, 0.5), 64);
+  const TriangleMesh mesh =
+      revolved_profile(subdivided({{15, 0}, {5, 0}, {5, 4}, {0, 4}}, 0.5), 64);
   const std::vector<int> band = triangles_between(
       mesh, 1.5, 12, [](const Vec3& p) { return radius_of(p) + (p.z() < 3.99 ? 4 - p.z() : 0); });
   const auto height = [](const TriangleMesh& m, const FeatureCut& cut) {
@@ -370,20 +376,21 @@ TEST_CASE("which creases attract the cut is settable, and turns round with the m
   };
   CHECK(height(mesh, cut_feature(mesh, band)) == Approx(0).margin(1e-12));
   CHECK(height(mesh, cut_feature(mesh, band, {0.2, 1, -1})) == Approx(4));
-  const TriangleMesh below = turned_over(mesh);
+  const TriangleMesh below = flipped_orientation(mesh);
   CHECK(height(below, cut_feature(below, band)) == Approx(4));
   CHECK(height(below, cut_feature(below, band, {0.2, 1, -1})) == Approx(0).margin(1e-12));
 }
 
 TEST_CASE("the feature is the smaller side, or the one named") {
-  const TriangleMesh mesh = turned_profile(subdivided({{15, 0}, {5, 0}, {5, 4}, {0, 4}}, 0.5), 64);
+  const TriangleMesh mesh =
+      revolved_profile(subdivided({{15, 0}, {5, 0}, {5, 4}, {0, 4}}, 0.5), 64);
   const std::vector<int> band =
       triangles_between(mesh, 4.9, 12, [](const Vec3& p) { return radius_of(p); });
   const FeatureCut boss = cut_feature(mesh, band);
   const FeatureCut plate = cut_feature(mesh, band, {1, 0.2, 0});
   CHECK(boss.cost == Approx(plate.cost).epsilon(1e-12));
   CHECK(boss.triangles.size() + plate.triangles.size() == mesh.triangles().size());
-  CHECK(common(boss.vertices, plate.vertices) == sorted(boss.chains[0].vertices));
+  CHECK(intersection_of(boss.vertices, plate.vertices) == sorted(boss.chains[0].vertices));
   CHECK(cut_feature(mesh, band, {1, 0.2, mesh.vertex_count() - 1}).triangles == boss.triangles);
 }
 
@@ -393,7 +400,7 @@ TEST_CASE("the cut is the cheapest of all cuts") {
   for (unsigned seed = 1; seed <= 12; ++seed) {
     Random random(seed);
     const int n = 6;
-    TriangleMesh mesh = turned_profile({{5, 0}, {4, 0}, {3, 0}, {2, 0}, {0, 0}}, n);
+    TriangleMesh mesh = revolved_profile({{5, 0}, {4, 0}, {3, 0}, {2, 0}, {0, 0}}, n);
     Points p = mesh.points();
     for (int v = 0; v < mesh.vertex_count(); ++v) p.row(v) += 0.6 * random.point().transpose();
     mesh = mesh.with_points(p);
@@ -482,7 +489,7 @@ TEST_CASE("bands that do not separate exactly two sides are refused with what wa
   const TriangleMesh mesh = flat_square(10, 0, 3);
   const auto refused = [&](const TriangleMesh& m, const std::vector<int>& band,
                            const CutOptions& options = {}) {
-    return refusal([&] { cut_feature(m, band, options); });
+    return error_message([&] { cut_feature(m, band, options); });
   };
   const auto x = [](const Vec3& at) { return at.x(); };
   CHECK(refused(mesh, {}) == "the band has no triangles");
@@ -493,7 +500,7 @@ TEST_CASE("bands that do not separate exactly two sides are refused with what wa
   CHECK(refused(mesh, strips).empty());
   for (const int t : triangles_between(mesh, 0.6, 0.8, x)) strips.push_back(t);
   CHECK(refused(mesh, strips) == "the band leaves 3 parts of 40, 60 and 40 triangles, expected 2");
-  const TriangleMesh two = beside(mesh, mesh);
+  const TriangleMesh two = disjoint_union(mesh, mesh);
   CHECK(refused(two, triangles_between(mesh, 0.2, 0.3, x)).empty());  // the other part is no side
   CHECK(refused(two, triangles_between(two, 0.2, 0.3, x)).find("several parts of the mesh") !=
         std::string::npos);

@@ -1,11 +1,11 @@
 // Surfaces laid flat: nothing turns over, and what is flat stays as it is.
-#include "batten/mesh/flat_map.h"
+#include "batten/mesh/harmonic_map.h"
 
 #include <cmath>
 #include <numbers>
 
 #include "batten/core/errors.h"
-#include "batten/tests/catch.h"
+#include "batten/tests/support/catch.h"
 
 using namespace batten;
 
@@ -14,7 +14,7 @@ namespace {
 constexpr int kRings = 6, kAround = 24;
 
 /// A cap of the unit sphere as far as the colatitude `last`, in rings of triangles around its pole.
-CurvedMesh cap(double last) {
+PnTriangleMesh cap(double last) {
   Points points(1 + kRings * kAround, 3);
   points.row(0) = Vec3::UnitZ();
   std::vector<std::array<int, 3>> triangles;
@@ -33,26 +33,27 @@ CurvedMesh cap(double last) {
       triangles.push_back({a, c, d});
       triangles.push_back({a, d, b});
     }
-  std::vector<CurvedTriangle::Corners> normals;
+  std::vector<PnTriangle::Corners> normals;
   for (const auto& t : triangles)
     normals.push_back({points.row(t[0]).normalized(), points.row(t[1]).normalized(),
                        points.row(t[2]).normalized()});
-  return CurvedMesh(TriangleMesh(points, triangles), normals);
+  return PnTriangleMesh(TriangleMesh(points, triangles), normals);
 }
 
 /// From the circle around the z axis to the square of side 2: along the same ray.
 Vec2 on_square(const Vec3& p) { return p.head<2>() / std::max(std::abs(p.x()), std::abs(p.y())); }
 
-double twice_area(const FlatMap& map, const std::array<int, 3>& t) {
-  const Vec2 u = map.place(t[1]) - map.place(t[0]), v = map.place(t[2]) - map.place(t[0]);
+double twice_area(const HarmonicMap& map, const std::array<int, 3>& t) {
+  const Vec2 u = map.parameter(t[1]) - map.parameter(t[0]),
+             v = map.parameter(t[2]) - map.parameter(t[0]);
   return u.x() * v.y() - u.y() * v.x();
 }
 
 }  // namespace
 
 TEST_CASE("No triangle of a deep cap turns over where its rim lies on a square") {
-  const CurvedMesh mesh = cap(2.6);  // most of the sphere: its rim is the smaller part of it
-  const FlatMap map(mesh, on_square);
+  const PnTriangleMesh mesh = cap(2.6);  // most of the sphere: its rim is the smaller part of it
+  const HarmonicMap map(mesh, on_square);
   double sum = 0;
   for (const auto& t : mesh.mesh().triangles()) {
     CHECK(twice_area(map, t) > 0);
@@ -60,9 +61,9 @@ TEST_CASE("No triangle of a deep cap turns over where its rim lies on a square")
   }
   CHECK(sum == Approx(4).epsilon(0.05));  // but for the square's corners, which no vertex has
   for (int v = 0; v < mesh.mesh().vertex_count(); ++v)
-    CHECK((map.over(map.place(v)) - mesh.mesh().point(v)).norm() < 1e-12);
+    CHECK((map.surface_point(map.parameter(v)) - mesh.mesh().point(v)).norm() < 1e-12);
   // Between the vertices there is the sphere, not a chord.
-  CHECK(std::abs(map.over({0.31, 0.17}).norm() - 1) < 2e-3);
+  CHECK(std::abs(map.surface_point({0.31, 0.17}).norm() - 1) < 2e-3);
 }
 
 TEST_CASE("An even piece of a plane is laid out by the affine map of its rim") {
@@ -77,20 +78,20 @@ TEST_CASE("An even piece of a plane is laid out by the affine map of its rim") {
       triangles.push_back({a, a + 1, a + n + 2});
       triangles.push_back({a, a + n + 2, a + n + 1});
     }
-  const CurvedMesh mesh(TriangleMesh(points, triangles));
+  const PnTriangleMesh mesh(TriangleMesh(points, triangles));
   const auto wanted = [](const Vec3& p) { return Vec2(2 * p.x() + 1, p.y() - p.x()); };
-  const FlatMap map(mesh, wanted);
+  const HarmonicMap map(mesh, wanted);
   for (int v = 0; v < points.rows(); ++v)
-    CHECK((map.place(v) - wanted(points.row(v))).norm() < 1e-12);
+    CHECK((map.parameter(v) - wanted(points.row(v))).norm() < 1e-12);
 }
 
 TEST_CASE("A closed surface, or two, cannot be laid flat") {
   Points points(4, 3);
   points << 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1;
-  const CurvedMesh closed(TriangleMesh(points, {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}}));
-  CHECK_THROWS_AS(FlatMap(closed, on_square), InputError);
+  const PnTriangleMesh closed(TriangleMesh(points, {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}}));
+  CHECK_THROWS_AS(HarmonicMap(closed, on_square), InputError);
   Points six(6, 3);
   six << 0, 0, 0, 1, 0, 0, 0, 1, 0, 5, 0, 0, 6, 0, 0, 5, 1, 0;
-  const CurvedMesh two(TriangleMesh(six, {{0, 1, 2}, {3, 4, 5}}));
-  CHECK_THROWS_AS(FlatMap(two, on_square), InputError);
+  const PnTriangleMesh two(TriangleMesh(six, {{0, 1, 2}, {3, 4, 5}}));
+  CHECK_THROWS_AS(HarmonicMap(two, on_square), InputError);
 }

@@ -5,9 +5,9 @@
 #include "batten/core/errors.h"
 #include "batten/mesh/sequence/frame_solver.h"
 #include "batten/mesh/sequence/mesh_sequence.h"
-#include "batten/tests/catch.h"
-#include "batten/tests/mesh/frame_twin.h"
-#include "batten/tests/refusal.h"
+#include "batten/tests/support/catch.h"
+#include "batten/tests/support/error_message.h"
+#include "batten/tests/support/reference_frame_solver.h"
 
 using namespace batten;
 using namespace batten_test;
@@ -24,19 +24,20 @@ struct Bar {
                    middle =
                        nodes_where(p, [](const Vec3&x) { return std::abs(x.x() - 1.5) < 0.3; });
 
-  FrameHolds holds() const {
-    FrameHolds h;
+  FrameConstraints constraints() const {
+    FrameConstraints h;
     h.fixed = left;
     h.handles = {{"end", right}};
     return h;
   }
-  FramePlaces places(const Vec3& shift, double angle = 0) const {
+  FrameTargets targets(const Vec3& translation, double angle = 0) const {
     const Vec3 c = centroid(p, right);
-    FramePlaces told;
-    told.handles = {
-        {RigidMotion::about(c, rotation_matrix(rotation_log(Vec3(0.2, 1, 0.1), angle)), c + shift),
+    FrameTargets frame_targets;
+    frame_targets.handles = {
+        {RigidMotion::about(c, rotation_matrix(to_rotation_vector(Vec3(0.2, 1, 0.1), angle)),
+                            c + translation),
          false}};
-    return told;
+    return frame_targets;
   }
 };
 
@@ -52,34 +53,34 @@ double volume(const TriangleMesh& mesh, const Points& p) {
 namespace {
 
 /// The energy with a rigid part turned about its centre, all else as it stands.
-double with_turn(const TriangleMesh& mesh, const Points& p, FrameShape at,
-                 const std::vector<int>& part, const Mat3& turn) {
+double energy_with_rotation(const TriangleMesh& mesh, const Points& p, FrameShape at,
+                            const std::vector<int>& part, const Mat3& rotation) {
   const Vec3 c0 = centroid(p, part), c = centroid(at.positions, part);
   for (const int v : part) {
-    at.positions.row(v) = c + turn * (Vec3(p.row(v)) - c0);
-    at.turns[v] = turn;
+    at.positions.row(v) = c + rotation * (Vec3(p.row(v)) - c0);
+    at.rotations[v] = rotation;
   }
-  return ring_energy(mesh, p, at.positions, at.turns);
+  return arap_energy(mesh, p, at.positions, at.rotations);
 }
 
 /// Steps about three axes from many turns, halved where none is better: the best turn there is.
-Mat3 searched_turn(const std::function<double(const Mat3&)>& energy) {
+Mat3 rotation_by_search(const std::function<double(const Mat3&)>& energy) {
   Random random(45);
   Mat3 best = Mat3::Identity();
   double least = energy(best);
   for (int k = 0; k < 12; ++k) {
-    Mat3 turn = random_turn(random);
-    double e = energy(turn);
+    Mat3 rotation = random_rotation_matrix(random);
+    double e = energy(rotation);
     for (double step = 0.5; step > 1e-7;) {
       bool better = false;
       for (int d = 0; d < 6 && !better; ++d) {
-        const Mat3 next = rotation_matrix((d % 2 ? -step : step) * Vec3::Unit(d / 2)) * turn;
+        const Mat3 next = rotation_matrix((d % 2 ? -step : step) * Vec3::Unit(d / 2)) * rotation;
         const double there = energy(next);
-        if (there < e) turn = next, e = there, better = true;
+        if (there < e) rotation = next, e = there, better = true;
       }
       if (!better) step /= 2;
     }
-    if (e < least) least = e, best = turn;
+    if (e < least) least = e, best = rotation;
   }
   return best;
 }
@@ -89,77 +90,82 @@ Mat3 searched_turn(const std::function<double(const Mat3&)>& energy) {
 TEST_CASE("features and handles that turn freely are rigid, turned as a search would turn them") {
   const Bar b;
   for (const bool handle : {false, true}) {
-    FrameHolds holds = b.holds();
-    if (!handle) holds.features = {{"middle", b.middle}};
+    FrameConstraints constraints = b.constraints();
+    if (!handle) constraints.features = {{"middle", b.middle}};
     const std::vector<int>& part = handle ? b.right : b.middle;
-    FramePlaces places = b.places(Vec3(-0.4, 0.2, 0.8), 0.7);
-    places.handles[0].turns_freely = handle;
-    FrameSolver solver(b.mesh, holds, kFine);
-    solver.alternate(b.p, places);
+    FrameTargets targets = b.targets(Vec3(-0.4, 0.2, 0.8), 0.7);
+    targets.handles[0].free_rotation = handle;
+    FrameSolver solver(b.mesh, constraints, kFine);
+    solver.alternate(b.p, targets);
     REQUIRE(solver.report().converged);
     const FrameShape& at = solver.result();
     CHECK(bent(b.p, at.positions, part) < 1e-12);
-    const Mat3 turn = at.turns[part[0]];
-    CHECK((turn - Mat3::Identity()).norm() > 0.1);
-    for (const int v : part) CHECK(at.turns[v] == turn);
+    const Mat3 rotation = at.rotations[part[0]];
+    CHECK((rotation - Mat3::Identity()).norm() > 0.1);
+    for (const int v : part) CHECK(at.rotations[v] == rotation);
     if (handle)
-      CHECK((centroid(at.positions, part) - places.handles[0].motion(centroid(b.p, part))).norm() <
+      CHECK((centroid(at.positions, part) - targets.handles[0].motion(centroid(b.p, part))).norm() <
             1e-13);
-    const Mat3 best =
-        searched_turn([&](const Mat3& R) { return with_turn(b.mesh, b.p, at, part, R); });
-    INFO((handle ? "handle: " : "feature: ") << (best - turn).norm());
-    CHECK((best - turn).norm() < 1e-6);
+    const Mat3 best = rotation_by_search(
+        [&](const Mat3& R) { return energy_with_rotation(b.mesh, b.p, at, part, R); });
+    INFO((handle ? "handle: " : "feature: ") << (best - rotation).norm());
+    CHECK((best - rotation).norm() < 1e-6);
   }
 }
 
 TEST_CASE("guided points are on their plane and line") {
   const Bar b;
-  FrameHolds holds = b.holds();
+  FrameConstraints constraints = b.constraints();
   const Vec3 normal(1, 0.3, 2), along(0.1, -0.4, 1);
-  holds.guided = {
-      {"plane", VertexCombination::mean_of({b.middle[0]}), GuidedPoint::Kind::OnPlane, normal},
-      {"line", VertexCombination::mean_of({b.middle[9]}), GuidedPoint::Kind::OnLine, along}};
-  FramePlaces places = b.places(Vec3(-0.3, 0, 0.4), 0.5);
-  places.guides = {Vec3(1.4, 0.1, 0.5), Vec3(1.5, 0.4, -0.3)};
-  FrameSolver solver(b.mesh, holds, {FrameOptions::Weights::Cotangent});
-  solver.alternate(b.p, places);
+  constraints.point_constraints = {
+      {"plane", VertexCombination::mean_of({b.middle[0]}), PointConstraint::Kind::OnPlane, normal},
+      {"line", VertexCombination::mean_of({b.middle[9]}), PointConstraint::Kind::OnLine, along}};
+  FrameTargets targets = b.targets(Vec3(-0.3, 0, 0.4), 0.5);
+  targets.constraint_origins = {Vec3(1.4, 0.1, 0.5), Vec3(1.5, 0.4, -0.3)};
+  FrameSolver solver(b.mesh, constraints, {FrameOptions::Weights::Cotangent});
+  solver.alternate(b.p, targets);
   const Points v = solver.result().positions;
-  CHECK(std::abs((Vec3(v.row(b.middle[0])) - places.guides[0]).dot(normal.normalized())) < 1e-13);
-  CHECK((Vec3(v.row(b.middle[9])) - places.guides[1]).cross(along.normalized()).norm() < 1e-13);
+  CHECK(std::abs(
+            (Vec3(v.row(b.middle[0])) - targets.constraint_origins[0]).dot(normal.normalized())) <
+        1e-13);
+  CHECK(
+      (Vec3(v.row(b.middle[9])) - targets.constraint_origins[1]).cross(along.normalized()).norm() <
+      1e-13);
   // A mean of nodes, of which one is held.
-  FrameHolds mean = b.holds();
+  FrameConstraints mean = b.constraints();
   const std::vector<int> some{b.middle[0], b.middle[5], b.right[0]};
-  mean.guided = {{"mean", VertexCombination::mean_of(some), GuidedPoint::Kind::OnLine, along}};
-  FramePlaces of_mean = b.places(Vec3(-0.3, 0, 0.4), 0.5);
-  of_mean.guides = {Vec3(2, 0.4, 0.3)};
+  mean.point_constraints = {
+      {"mean", VertexCombination::mean_of(some), PointConstraint::Kind::OnLine, along}};
+  FrameTargets of_mean = b.targets(Vec3(-0.3, 0, 0.4), 0.5);
+  of_mean.constraint_origins = {Vec3(2, 0.4, 0.3)};
   FrameSolver of_some(b.mesh, mean);
   of_some.alternate(b.p, of_mean);
-  CHECK((centroid(of_some.result().positions, some) - of_mean.guides[0])
+  CHECK((centroid(of_some.result().positions, some) - of_mean.constraint_origins[0])
             .cross(along.normalized())
             .norm() < 1e-13);
   // Without points they stay on what goes through them in the frame.
-  places.guides.clear();
-  solver.alternate(b.p, places);
+  targets.constraint_origins.clear();
+  solver.alternate(b.p, targets);
   CHECK(std::abs((solver.result().positions.row(b.middle[0]) - b.p.row(b.middle[0]))
                      .dot(normal.normalized())) < 1e-13);
 }
 
 TEST_CASE("a closed surface keeps its volume, with the least energy") {
   const Bar b;
-  FrameHolds holds = b.holds();
+  FrameConstraints constraints = b.constraints();
   for (const bool soft : {false, true}) {
-    holds.keeps_volume = true;
-    if (soft) holds.softness = 1;
-    FrameSolver solver(b.mesh, holds, {FrameOptions::Weights::Uniform, 3000, 1e-12});
-    const FramePlaces places = b.places(Vec3(-0.7, 0.1, 0.2), 0.4);
-    solver.alternate(b.p, places);
+    constraints.preserve_volume = true;
+    if (soft) constraints.penalty_weight = 1;
+    FrameSolver solver(b.mesh, constraints, {FrameOptions::Weights::Uniform, 3000, 1e-12});
+    const FrameTargets targets = b.targets(Vec3(-0.7, 0.1, 0.2), 0.4);
+    solver.alternate(b.p, targets);
     const Points v = solver.result().positions;
     CHECK(solver.report().converged);
     CHECK(std::abs(volume(b.mesh, v) / volume(b.mesh, b.p) - 1) < 1e-12);
     if (soft) continue;
     // ∂E = μ ∂V where nodes are free.
     Points slope = Points::Zero(v.rows(), 3), gradient = slope;
-    const auto& R = solver.result().turns;
+    const auto& R = solver.result().rotations;
     for (const auto& [i, j] : node_edges(b.mesh)) {
       const Eigen::RowVector3d e =
           2 * (v.row(j) - v.row(i)) -
@@ -183,15 +189,15 @@ TEST_CASE("a closed surface keeps its volume, with the least energy") {
 
 TEST_CASE("what hangs on nothing stays, and is told") {
   const TriangleMesh two =
-      beside(bar(6, 2, 2, 0.5), sphere(1).with_points(sphere(1).points().array() + 5));
-  FrameHolds holds;
-  holds.handles = {{"end", {0, 1, 2}}};
-  FrameSolver solver(two, holds);
+      disjoint_union(bar(6, 2, 2, 0.5), sphere(1).with_points(sphere(1).points().array() + 5));
+  FrameConstraints constraints;
+  constraints.handles = {{"end", {0, 1, 2}}};
+  FrameSolver solver(two, constraints);
   REQUIRE(solver.notes().size() == 1);
   CHECK(solver.notes()[0].find("42 nodes") != std::string::npos);
-  FramePlaces places;
-  places.handles = {{{Mat3::Identity(), Vec3(0, 1, 0)}, false}};
-  solver.alternate(two.points(), places);
+  FrameTargets targets;
+  targets.handles = {{{Mat3::Identity(), Vec3(0, 1, 0)}, false}};
+  solver.alternate(two.points(), targets);
   const Points moved_by = solver.result().positions - two.points();
   CHECK(moved_by.bottomRows(42).norm() == 0);
   CHECK((moved_by.topRows(two.vertex_count() - 42).rowwise() - Eigen::RowVector3d(0, 1, 0)).norm() <
@@ -200,55 +206,56 @@ TEST_CASE("what hangs on nothing stays, and is told") {
 
 TEST_CASE("a frame solver refuses what it cannot take") {
   const Bar b;
-  const auto refused = [&](const FrameHolds& holds, const TriangleMesh& mesh) {
-    return refusal([&] { FrameSolver solver(mesh, holds); });
+  const auto refused = [&](const FrameConstraints& constraints, const TriangleMesh& mesh) {
+    return error_message([&] { FrameSolver solver(mesh, constraints); });
   };
-  FrameHolds holds = b.holds();
-  CHECK(refused(holds, b.mesh).empty());
-  for (const double softness : {0.0, -1.0, std::numeric_limits<double>::quiet_NaN(),
-                                std::numeric_limits<double>::infinity()}) {
-    holds.softness = softness;
-    CHECK(refused(holds, b.mesh).find("softness") != std::string::npos);
+  FrameConstraints constraints = b.constraints();
+  CHECK(refused(constraints, b.mesh).empty());
+  for (const double penalty_weight : {0.0, -1.0, std::numeric_limits<double>::quiet_NaN(),
+                                      std::numeric_limits<double>::infinity()}) {
+    constraints.penalty_weight = penalty_weight;
+    CHECK(refused(constraints, b.mesh).find("softness") != std::string::npos);
   }
-  holds = b.holds();
-  holds.handles[0].vertices.clear();
-  CHECK(refused(holds, b.mesh).find("end") != std::string::npos);
-  holds.handles[0].vertices = {9999};
-  CHECK(!refused(holds, b.mesh).empty());
+  constraints = b.constraints();
+  constraints.handles[0].vertices.clear();
+  CHECK(refused(constraints, b.mesh).find("end") != std::string::npos);
+  constraints.handles[0].vertices = {9999};
+  CHECK(!refused(constraints, b.mesh).empty());
   CHECK(!refused({}, b.mesh).empty());
-  holds = {};
-  holds.fixed = {0};
-  holds.keeps_volume = true;
-  CHECK(refused(holds, sheet(4)).find("not closed") != std::string::npos);
-  holds = b.holds();
-  holds.guided = {{"point", {{{b.middle[0], 2.0}}}}};
-  CHECK(refused(holds, b.mesh).find("point") != std::string::npos);
+  constraints = {};
+  constraints.fixed = {0};
+  constraints.preserve_volume = true;
+  CHECK(refused(constraints, sheet(4)).find("not closed") != std::string::npos);
+  constraints = b.constraints();
+  constraints.point_constraints = {{"point", {{{b.middle[0], 2.0}}}}};
+  CHECK(refused(constraints, b.mesh).find("point") != std::string::npos);
 
-  holds = b.holds();
-  FrameSolver solver(b.mesh, holds);
-  const FramePlaces places = b.places(Vec3::Zero());
-  const auto refused_frame = [&](const Points& p, const FramePlaces& told) {
-    return refusal([&] { solver.alternate(p, told); });
+  constraints = b.constraints();
+  FrameSolver solver(b.mesh, constraints);
+  const FrameTargets targets = b.targets(Vec3::Zero());
+  const auto refused_frame = [&](const Points& p, const FrameTargets& frame_targets) {
+    return error_message([&] { solver.alternate(p, frame_targets); });
   };
-  CHECK(refusal([&] { solver.go_on(1); }).find("not begun") != std::string::npos);
-  CHECK(refused_frame(b.p, places).empty());
-  CHECK(!refused_frame(b.p.topRows(5), places).empty());
+  CHECK(error_message([&] { solver.iterate(1); }).find("not begun") != std::string::npos);
+  CHECK(refused_frame(b.p, targets).empty());
+  CHECK(!refused_frame(b.p.topRows(5), targets).empty());
   Points bad = b.p;
   bad(3, 1) = std::numeric_limits<double>::quiet_NaN();
-  CHECK(refused_frame(bad, places).find("finite") != std::string::npos);
-  CHECK(refusal([&] { solver.alternate(b.p, places, bad); }).find("finite") != std::string::npos);
+  CHECK(refused_frame(bad, targets).find("finite") != std::string::npos);
+  CHECK(error_message([&] { solver.alternate(b.p, targets, bad); }).find("finite") !=
+        std::string::npos);
   CHECK(!refused_frame(b.p, {}).empty());
-  FramePlaces wrong = places;
-  wrong.handles[0].motion.shift.x() = std::numeric_limits<double>::infinity();
+  FrameTargets wrong = targets;
+  wrong.handles[0].motion.translation.x() = std::numeric_limits<double>::infinity();
   CHECK(refused_frame(b.p, wrong).find("finite") != std::string::npos);
-  wrong = places;
-  wrong.guides = {Vec3::Zero()};
+  wrong = targets;
+  wrong.constraint_origins = {Vec3::Zero()};
   CHECK(refused_frame(b.p, wrong).find("guides") != std::string::npos);
-  CHECK(!refusal([&] { solver.reconstruct(b.p, places, {Mat3::Identity()}); }).empty());
+  CHECK(!error_message([&] { solver.reconstruct(b.p, targets, {Mat3::Identity()}); }).empty());
 
-  holds.handles.push_back({"same", {b.right[0], b.middle[0]}});
-  FrameSolver both(b.mesh, holds);
-  FramePlaces apart = places;
+  constraints.handles.push_back({"same", {b.right[0], b.middle[0]}});
+  FrameSolver both(b.mesh, constraints);
+  FrameTargets apart = targets;
   apart.handles.push_back({{Mat3::Identity(), Vec3(0, 0.1, 0)}, false});
   CHECK_THROWS_AS(both.alternate(b.p, apart), ConflictError);
   apart.handles[0].motion = apart.handles[1].motion;
@@ -260,7 +267,7 @@ TEST_CASE("sequences are checked before they are edited") {
   MeshSequence s;
   s.shells.points = mesh.points();
   for (const auto& t : mesh.triangles()) s.shells.add_face(t);
-  const auto refused = [&] { return refusal([&] { check(s, "walk"); }); };
+  const auto refused = [&] { return error_message([&] { check(s, "walk"); }); };
   CHECK(refused() == "walk: no frames");
   s.frames = {mesh.points(), mesh.points()};
   CHECK(refused().find("times") != std::string::npos);

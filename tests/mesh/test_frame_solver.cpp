@@ -1,11 +1,11 @@
 // One frame, ring by ring as rigid as possible: what the alternation keeps, and what it reaches.
 #include "batten/mesh/sequence/frame_solver.h"
 
-#include "batten/mesh/sequence/ring_graph.h"
-#include "batten/tests/catch.h"
-#include "batten/tests/mesh/frame_twin.h"
-#include "batten/tests/refusal.h"
-#include "batten/tests/threads.h"
+#include "batten/mesh/sequence/node_graph.h"
+#include "batten/tests/support/catch.h"
+#include "batten/tests/support/error_message.h"
+#include "batten/tests/support/reference_frame_solver.h"
+#include "batten/tests/support/thread_guard.h"
 
 using namespace batten;
 using namespace batten_test;
@@ -32,22 +32,22 @@ std::vector<Sample> samples() {
           sample("joint", plate_with_wall(20).mesh, 0.01, 1.99)};
 }
 
-FrameHolds two_handles(const Sample& s) {
-  FrameHolds holds;
-  holds.handles = {{"one", s.one}, {"other", s.other}};
-  return holds;
+FrameConstraints two_handles(const Sample& s) {
+  FrameConstraints constraints;
+  constraints.handles = {{"one", s.one}, {"other", s.other}};
+  return constraints;
 }
 
-FramePlaces told(const std::vector<RigidMotion>& motions) {
-  FramePlaces places;
-  for (const auto& m : motions) places.handles.push_back({m, false});
-  return places;
+FrameTargets prescribed(const std::vector<RigidMotion>& motions) {
+  FrameTargets targets;
+  for (const auto& m : motions) targets.handles.push_back({m, false});
+  return targets;
 }
 
 /// The other end lifted and turned about its centroid.
 RigidMotion bending(const Sample& s, double angle = 0.9) {
   const Vec3 c = centroid(s.frame(), s.other);
-  return RigidMotion::about(c, rotation_matrix(rotation_log(Vec3(0.3, 1, 0.2), angle)),
+  return RigidMotion::about(c, rotation_matrix(to_rotation_vector(Vec3(0.3, 1, 0.2), angle)),
                             c + s.mesh.size() * Vec3(-0.1, 0.05, 0.2));
 }
 
@@ -67,16 +67,16 @@ TEST_CASE("a frame without an edit stays, and one rigid motion moves all of it")
       FrameSolver solver(s.mesh, two_handles(s), {weights});
       const Points p = s.frame();
       const double size = s.mesh.size();
-      solver.alternate(p, told({{}, {}}));
+      solver.alternate(p, prescribed({{}, {}}));
       const double still = distance(solver.result().positions, p) / size;
       double rigid = 0;
       for (int k = 0; k < 3; ++k) {
         const RigidMotion m = random_motion(random);
-        solver.alternate(p, told({m, m}));
+        solver.alternate(p, prescribed({m, m}));
         rigid = std::max(rigid, distance(solver.result().positions, moved(m, p)) / size);
         CHECK(solver.report().converged);
-        for (const Mat3& turn : solver.result().turns)
-          rigid = std::max(rigid, (turn - m.turn).norm());
+        for (const Mat3& rotation : solver.result().rotations)
+          rigid = std::max(rigid, (rotation - m.rotation).norm());
       }
       INFO(s.name << ": still " << still << ", rigid " << rigid);
       CHECK(still < 1e-13);
@@ -88,19 +88,19 @@ TEST_CASE("no round raises the energy, whatever is held") {
   for (const Sample& s : samples())
     for (const auto weights : {FrameOptions::Weights::Uniform, FrameOptions::Weights::Cotangent})
       for (int kind = 0; kind < 4; ++kind) {
-        FrameHolds holds;
-        holds.fixed = s.one;
-        holds.handles = {{"other", s.other}};
-        if (kind == 1) holds.softness = 3;
+        FrameConstraints constraints;
+        constraints.fixed = s.one;
+        constraints.handles = {{"other", s.other}};
+        if (kind == 1) constraints.penalty_weight = 3;
         if (kind >= 2)
-          holds.features = {{"middle", nodes_where(s.frame(), [&](const Vec3& x) {
-                               return std::abs(x.x() - 0.5 * s.mesh.box().max().x()) <
-                                      0.1 * s.mesh.size();
-                             })}};
-        FrameSolver solver(s.mesh, holds, {weights, 60, 1e-9});
-        FramePlaces places = told({bending(s)});
-        places.handles[0].turns_freely = kind == 3;
-        solver.alternate(s.frame(), places);
+          constraints.features = {{"middle", nodes_where(s.frame(), [&](const Vec3& x) {
+                                     return std::abs(x.x() - 0.5 * s.mesh.box().max().x()) <
+                                            0.1 * s.mesh.size();
+                                   })}};
+        FrameSolver solver(s.mesh, constraints, {weights, 60, 1e-9});
+        FrameTargets targets = prescribed({bending(s)});
+        targets.handles[0].free_rotation = kind == 3;
+        solver.alternate(s.frame(), targets);
         const auto& energies = solver.report().energies;
         INFO(s.name << ", kind " << kind << ", rise " << highest_rise(energies));
         REQUIRE(energies.size() > 5);
@@ -111,8 +111,8 @@ TEST_CASE("no round raises the energy, whatever is held") {
               (Vec3(solver.result().positions.row(v)) - bending(s)(s.frame().row(v))).squaredNorm();
         if (weights == FrameOptions::Weights::Uniform)
           CHECK(energies.back() - (kind == 1 ? 3 * drawn : 0) ==
-                Approx(ring_energy(s.mesh, s.frame(), solver.result().positions,
-                                   solver.result().turns))
+                Approx(arap_energy(s.mesh, s.frame(), solver.result().positions,
+                                   solver.result().rotations))
                     .epsilon(1e-9));
       }
 }
@@ -121,8 +121,8 @@ TEST_CASE("the linear step is the least-squares solution of a dense twin") {
   Random random(42);
   const Sample s = sample("bar", bar(7, 2, 2, 0.5), 0.01, 1.99);
   const Points p = s.frame();
-  std::vector<Mat3> turns;
-  for (int v = 0; v < p.rows(); ++v) turns.push_back(random_turn(random));
+  std::vector<Mat3> rotations;
+  for (int v = 0; v < p.rows(); ++v) rotations.push_back(random_rotation_matrix(random));
   const RigidMotion m = bending(s);
   const std::vector<int> left = nodes_where(
                              p, [](const Vec3&x) { return std::abs(x.x() - 0.6) < 0.2; }),
@@ -130,70 +130,74 @@ TEST_CASE("the linear step is the least-squares solution of a dense twin") {
                              p, [](const Vec3&x) { return std::abs(x.x() - 1.4) < 0.2; });
   const auto mean_turn = [&](const std::vector<int>& nodes) {
     Mat3 sum = Mat3::Zero();
-    for (const int v : nodes) sum += turns[v];
-    return rotation_part(sum);
+    for (const int v : nodes) sum += rotations[v];
+    return nearest_rotation(sum);
   };
   for (int kind = 0; kind < 6; ++kind) {
-    FrameHolds holds;
-    holds.fixed = s.one;
-    holds.handles = {{"end", s.other}};
-    FramePlaces places = told({m});
-    std::vector<Mat3> all = turns;
-    std::optional<FrameTwin> twin;
+    FrameConstraints constraints;
+    constraints.fixed = s.one;
+    constraints.handles = {{"end", s.other}};
+    FrameTargets targets = prescribed({m});
+    std::vector<Mat3> all = rotations;
+    std::optional<ReferenceFrameSolver> reference_solver;
     const auto rigid_turn = [&](const std::vector<int>& nodes) {
       const Mat3 R = mean_turn(nodes);
       for (const int v : nodes) all[v] = R;
     };
     if (kind == 2) {
-      holds.features = {{"left", left}, {"right", right, FormFeature::Kind::KeepsDirection}};
+      constraints.features = {{"left", left}, {"right", right, FormFeature::Kind::TranslationOnly}};
       rigid_turn(left);
       for (const int v : right) all[v] = Mat3::Identity();
     }
     if (kind == 3) {
-      places.handles[0].turns_freely = true;
+      targets.handles[0].free_rotation = true;
       rigid_turn(s.other);
     }
-    if (kind == 1) holds.softness = 0.7;
+    if (kind == 1) constraints.penalty_weight = 0.7;
     if (kind == 4) {
-      holds.guided = {{"plane", VertexCombination::mean_of({left[0]}), GuidedPoint::Kind::OnPlane,
-                       Vec3(1, 2, 0.5)},
-                      {"line", VertexCombination::mean_of({right[1]}), GuidedPoint::Kind::OnLine,
-                       Vec3(-0.2, 0.4, 1)}};
-      places.guides = {Vec3(0.5, 0.3, 0.1), Vec3(1.4, -0.2, 0.3)};
+      constraints.point_constraints = {{"plane", VertexCombination::mean_of({left[0]}),
+                                        PointConstraint::Kind::OnPlane, Vec3(1, 2, 0.5)},
+                                       {"line", VertexCombination::mean_of({right[1]}),
+                                        PointConstraint::Kind::OnLine, Vec3(-0.2, 0.4, 1)}};
+      targets.constraint_origins = {Vec3(0.5, 0.3, 0.1), Vec3(1.4, -0.2, 0.3)};
     }
     if (kind == 5) {
       // Features that share nodes are one; with a fixed node they stay; with a handle they follow.
-      holds.features = {{"a", {left[0], left[1], left[2]}},
-                        {"b", {left[2], left[3]}},
-                        {"stays", {s.one[0], left.back()}},
-                        {"goes", {s.other[0], right[0]}}};
+      constraints.features = {{"a", {left[0], left[1], left[2]}},
+                              {"b", {left[2], left[3]}},
+                              {"stays", {s.one[0], left.back()}},
+                              {"goes", {s.other[0], right[0]}}};
       const std::vector<int> both(left.begin(), left.begin() + 4);
       rigid_turn(both);
     }
-    twin.emplace(s.mesh, p, all);
-    for (const int v : s.one) twin->hold(v, p.row(v));
+    reference_solver.emplace(s.mesh, p, all);
+    for (const int v : s.one) reference_solver->fix(v, p.row(v));
     if (kind == 1)
-      for (const int v : s.other) twin->draw(v, m(p.row(v)), 0.7);
+      for (const int v : s.other) reference_solver->add_soft_target(v, m(p.row(v)), 0.7);
     else if (kind == 3)
-      twin->rigid(s.other, mean_turn(s.other)), twin->mean(s.other, m(centroid(p, s.other)));
+      reference_solver->rigid(s.other, mean_turn(s.other)),
+          reference_solver->mean(s.other, m(centroid(p, s.other)));
     else
-      for (const int v : s.other) twin->hold(v, m(p.row(v)));
-    if (kind == 2) twin->rigid(left, mean_turn(left)), twin->rigid(right, Mat3::Identity());
+      for (const int v : s.other) reference_solver->fix(v, m(p.row(v)));
+    if (kind == 2)
+      reference_solver->rigid(left, mean_turn(left)),
+          reference_solver->rigid(right, Mat3::Identity());
     if (kind == 4) {
-      twin->on_plane(left[0], Vec3(1, 2, 0.5).normalized(), places.guides[0]);
+      reference_solver->on_plane(left[0], Vec3(1, 2, 0.5).normalized(),
+                                 targets.constraint_origins[0]);
       const Vec3 d = Vec3(-0.2, 0.4, 1).normalized(), a = d.unitOrthogonal();
-      twin->on_plane(right[1], a, places.guides[1]);
-      twin->on_plane(right[1], a.cross(d), places.guides[1]);
+      reference_solver->on_plane(right[1], a, targets.constraint_origins[1]);
+      reference_solver->on_plane(right[1], a.cross(d), targets.constraint_origins[1]);
     }
     if (kind == 5) {
       const std::vector<int> both(left.begin(), left.begin() + 4);
-      twin->rigid(both, mean_turn(both));
-      twin->hold(left.back(), p.row(left.back()));
-      twin->hold(right[0], m(p.row(right[0])));
+      reference_solver->rigid(both, mean_turn(both));
+      reference_solver->fix(left.back(), p.row(left.back()));
+      reference_solver->fix(right[0], m(p.row(right[0])));
     }
-    FrameSolver solver(s.mesh, holds);
-    solver.reconstruct(p, places, turns);
-    const double apart = distance(solver.result().positions, twin->solve());
+    FrameSolver solver(s.mesh, constraints);
+    solver.reconstruct(p, targets, rotations);
+    const double apart = distance(solver.result().positions, reference_solver->solve());
     INFO("kind " << kind << ": " << apart);
     CHECK(apart < 1e-12);
   }
@@ -202,37 +206,37 @@ TEST_CASE("the linear step is the least-squares solution of a dense twin") {
 TEST_CASE("at rest no ring and no node has anywhere better to go") {
   const Sample s = sample("bar", bar(12, 3, 3, 0.6), 0.01, 2.99);
   const Points p = s.frame();
-  FrameHolds holds;
-  holds.fixed = s.one;
-  holds.handles = {{"end", s.other}};
-  FrameSolver solver(s.mesh, holds, {FrameOptions::Weights::Uniform, 5000, 1e-13});
-  solver.alternate(p, told({bending(s)}));
+  FrameConstraints constraints;
+  constraints.fixed = s.one;
+  constraints.handles = {{"end", s.other}};
+  FrameSolver solver(s.mesh, constraints, {FrameOptions::Weights::Uniform, 5000, 1e-13});
+  solver.alternate(p, prescribed({bending(s)}));
   REQUIRE(solver.report().converged);
   const FrameShape& at = solver.result();
-  std::vector<Mat3> turns = ring_turns(s.mesh, p, at.positions);
+  std::vector<Mat3> rotations = local_rotations(s.mesh, p, at.positions);
   for (const auto* held : {&s.one, &s.other})
-    for (const int v : *held) turns[v] = at.turns[v];
-  CHECK(distance(turns, at.turns) < 1e-10);
-  FrameTwin twin(s.mesh, p, at.turns);
-  for (const int v : s.one) twin.hold(v, p.row(v));
-  for (const int v : s.other) twin.hold(v, bending(s)(p.row(v)));
-  CHECK(distance(twin.solve(), at.positions) < 1e-11);
+    for (const int v : *held) rotations[v] = at.rotations[v];
+  CHECK(distance(rotations, at.rotations) < 1e-10);
+  ReferenceFrameSolver reference_solver(s.mesh, p, at.rotations);
+  for (const int v : s.one) reference_solver.fix(v, p.row(v));
+  for (const int v : s.other) reference_solver.fix(v, bending(s)(p.row(v)));
+  CHECK(distance(reference_solver.solve(), at.positions) < 1e-11);
 }
 
 TEST_CASE("softness tends to hard handles") {
   const Sample s = sample("sheet", sheet(12), 0.05, 3.95);
-  FrameHolds holds = two_handles(s);
-  const FramePlaces places = told({{}, bending(s)});
+  FrameConstraints constraints = two_handles(s);
+  const FrameTargets targets = prescribed({{}, bending(s)});
   const FrameOptions options{FrameOptions::Weights::Uniform, 3000, 1e-11};
-  FrameSolver hard(s.mesh, holds, options);
-  hard.alternate(s.frame(), places);
+  FrameSolver hard(s.mesh, constraints, options);
+  hard.alternate(s.frame(), targets);
   double before = 1e300;
-  for (const double softness : {1e1, 1e3, 1e5, 1e7}) {
-    holds.softness = softness;
-    FrameSolver soft(s.mesh, holds, options);
-    soft.alternate(s.frame(), places);
+  for (const double penalty_weight : {1e1, 1e3, 1e5, 1e7}) {
+    constraints.penalty_weight = penalty_weight;
+    FrameSolver soft(s.mesh, constraints, options);
+    soft.alternate(s.frame(), targets);
     const double apart = distance(soft.result().positions, hard.result().positions);
-    INFO("softness " << softness << ": " << apart);
+    INFO("softness " << penalty_weight << ": " << apart);
     CHECK(apart < 0.05 * before);
     before = apart;
   }
@@ -241,16 +245,16 @@ TEST_CASE("softness tends to hard handles") {
 
 TEST_CASE("frames are the same bits on one thread and two, and go on where they stopped") {
   const Sample s = sample("sheet", sheet(40), 0.05, 3.95);
-  FrameHolds holds = two_handles(s);
-  holds.features = {{"middle", nodes_where(s.frame(), [](const Vec3& x) {
-                       return (x - Vec3(2, 2, x.z())).norm() < 0.5;
-                     })}};
-  const FramePlaces places = told({{}, bending(s)});
-  const auto solved = [&](int threads, int rounds, int more) {
+  FrameConstraints constraints = two_handles(s);
+  constraints.features = {{"middle", nodes_where(s.frame(), [](const Vec3& x) {
+                             return (x - Vec3(2, 2, x.z())).norm() < 0.5;
+                           })}};
+  const FrameTargets targets = prescribed({{}, bending(s)});
+  const auto solved = [&](int threads, int iterations, int more) {
     const ThreadGuard guard(threads);
-    FrameSolver solver(s.mesh, holds, {FrameOptions::Weights::Uniform, rounds, 1e-12});
-    solver.alternate(s.frame(), places);
-    if (more > 0) CHECK_FALSE(solver.go_on(more));
+    FrameSolver solver(s.mesh, constraints, {FrameOptions::Weights::Uniform, iterations, 1e-12});
+    solver.alternate(s.frame(), targets);
+    if (more > 0) CHECK_FALSE(solver.iterate(more));
     return solver.result().positions;
   };
   const Points one = solved(1, 12, 0);
@@ -261,14 +265,14 @@ TEST_CASE("frames are the same bits on one thread and two, and go on where they 
 TEST_CASE("the rotations of a shape at rest give it back in one linear step") {
   for (const Sample& s : samples()) {
     FrameSolver solver(s.mesh, two_handles(s), {FrameOptions::Weights::Cotangent, 300, 1e-7});
-    const FramePlaces places = told({{}, bending(s, 0.4)});
-    solver.alternate(s.frame(), places);
+    const FrameTargets targets = prescribed({{}, bending(s, 0.4)});
+    solver.alternate(s.frame(), targets);
     const FrameShape at = solver.result();
-    solver.reconstruct(s.frame(), places, at.turns);
+    solver.reconstruct(s.frame(), targets, at.rotations);
     CHECK(distance(solver.result().positions, at.positions) < 3e-7 * s.mesh.size());
     // From another start it comes to the same shape.
-    solver.alternate(s.frame(), places, at.positions);
-    CHECK(solver.report().rounds <= 3);
+    solver.alternate(s.frame(), targets, at.positions);
+    CHECK(solver.report().iterations <= 3);
     CHECK(distance(solver.result().positions, at.positions) < 1e-6 * s.mesh.size());
   }
 }
@@ -276,8 +280,8 @@ TEST_CASE("the rotations of a shape at rest give it back in one linear step") {
 TEST_CASE("edges of sheets that meet are one edge between nodes, their weights added") {
   const TriangleMesh mesh = plate_with_wall(6).mesh;
   const size_t all = mesh.topology().edges().size();
-  const RingGraph plain = ring_graph(mesh.topology()),
-                  summed = ring_graph(mesh.topology(), std::vector<double>(all, 1));
+  const NodeGraph plain = node_graph(mesh.topology()),
+                  summed = node_graph(mesh.topology(), std::vector<double>(all, 1));
   REQUIRE(plain.edges.size() == node_edges(mesh).size());
   REQUIRE(all > plain.edges.size());
   double sum = 0;

@@ -5,10 +5,10 @@
 #include "batten/core/rotations.h"
 #include "batten/mesh/deform/form_feature_deformer.h"
 #include "batten/mesh/deform/similarity.h"
-#include "batten/mesh/features/proposals.h"
-#include "batten/mesh/prepare.h"
+#include "batten/mesh/features/feature_detection.h"
+#include "batten/mesh/prepared_mesh.h"
 #include "batten/mesh/selection.h"
-#include "batten/tests/catch.h"
+#include "batten/tests/support/catch.h"
 
 using namespace batten;
 
@@ -67,7 +67,7 @@ Selection end_of(const TriangleMesh& mesh, double x, bool above) {
   return vertices_beyond_plane(mesh, {x, 0, 0}, Vec3::UnitX() * (above ? 1 : -1));
 }
 
-Points moved(const TriangleMesh& mesh, const HandleMove& move) {
+Points moved(const TriangleMesh& mesh, const HandleTransform& move) {
   Points p(mesh.vertex_count(), 3);
   for (int v = 0; v < mesh.vertex_count(); ++v) p.row(v) = move(mesh.point(v)).transpose();
   return p;
@@ -78,36 +78,36 @@ Points moved(const TriangleMesh& mesh, const HandleMove& move) {
 TEST_CASE("a skin goes on past its stiffener, which ends there") {
   const PreparedMesh ready = prepare(stiffened());
   const MeshTopology& t = ready.mesh.topology();
-  CHECK(ready.diagnosis.joint_edge_count == kLong);
-  CHECK(ready.diagnosis.sheets == 2);
+  CHECK(ready.diagnosis.non_manifold_edge_count == kLong);
+  CHECK(ready.diagnosis.manifold_patches == 2);
   CHECK(ready.diagnosis.components == 1);
-  CHECK(ready.diagnosis.touching_node_count == 0);
+  CHECK(ready.diagnosis.non_manifold_node_count == 0);
   CHECK(t.node_count() == ready.mesh.points().rows() - (kLong + 1));
   CHECK(t.component_count() == 2);
   for (int v = t.node_count(); v < t.vertex_count(); ++v) {
     CHECK(ready.mesh.point(v) == ready.mesh.point(t.node_of(v)));
-    CHECK(t.together(v).size() == 2);
+    CHECK(t.coincident_vertices(v).size() == 2);
     CHECK(t.component()[v] != t.component()[t.node_of(v)]);
   }
   CHECK(area_of(ready.mesh) == Approx(kLong * (2 * kWide + kHigh)));
   // The outline of the plate is a rim; that of the stiffener runs along the plate.
   REQUIRE(t.boundary_loops().size() == 1);
   CHECK(t.boundary_loops()[0].size() == 2 * (kLong + 2 * kWide));
-  CHECK(t.joint_loops().size() == 1);
-  CHECK(propose_features(ready.mesh).empty());
+  CHECK(t.non_manifold_loops().size() == 1);
+  CHECK(detect_features(ready.mesh).empty());
 }
 
 TEST_CASE("at a joint all sheets end that do not clearly go on") {
-  const auto sheets = [](const std::vector<double>& angles) {
-    return prepare(star(angles, std::vector<int>(angles.size(), 2))).diagnosis.sheets;
+  const auto manifold_patches = [](const std::vector<double>& angles) {
+    return prepare(star(angles, std::vector<int>(angles.size(), 2))).diagnosis.manifold_patches;
   };
-  CHECK(sheets({0, 120, 240}) == 3);
-  CHECK(sheets({0, 180, 90, 270}) == 2);  // both plates of a cross
-  CHECK(sheets({0, 180, 20, 340}) == 3);  // and two stiffeners
-  CHECK(sheets({0, 150, 240}) == 2);      // bends by 30°
-  CHECK(sheets({0, 130, 240}) == 3);      // by 50°
-  CHECK(sheets({0, 175, 185}) == 3);      // which one goes on?
-  CHECK(sheets({0, 90}) == 1);            // two faces are one sheet however they bend
+  CHECK(manifold_patches({0, 120, 240}) == 3);
+  CHECK(manifold_patches({0, 180, 90, 270}) == 2);  // both plates of a cross
+  CHECK(manifold_patches({0, 180, 20, 340}) == 3);  // and two stiffeners
+  CHECK(manifold_patches({0, 150, 240}) == 2);      // bends by 30°
+  CHECK(manifold_patches({0, 130, 240}) == 3);      // by 50°
+  CHECK(manifold_patches({0, 175, 185}) == 3);      // which one goes on?
+  CHECK(manifold_patches({0, 90}) == 1);            // two faces are one sheet however they bend
 }
 
 TEST_CASE("parts that touch at a node are joined there") {
@@ -117,27 +117,27 @@ TEST_CASE("parts that touch at a node are joined there") {
   mesh.add_face(std::vector<int>{0, 1, 2});
   mesh.add_face(std::vector<int>{0, 3, 4});
   const PreparedMesh ready = prepare(mesh);
-  CHECK(ready.diagnosis.touching_nodes == std::vector<int>{0});
+  CHECK(ready.diagnosis.non_manifold_nodes == std::vector<int>{0});
   CHECK(ready.diagnosis.components == 1);
-  CHECK(ready.diagnosis.sheets == 2);
+  CHECK(ready.diagnosis.manifold_patches == 2);
   CHECK(ready.mesh.vertex_count() == 6);
-  CHECK(ready.mesh.topology().whole_nodes({0}) == std::vector<int>{0, 5});
+  CHECK(ready.mesh.topology().expand_to_nodes({0}) == std::vector<int>{0, 5});
   CHECK(ready.mesh.topology().nodes_of({5, 2}) == std::vector<int>{0, 2});
 }
 
 TEST_CASE("a sheet with one side is cut open, and deforms as one") {
   const PreparedMesh ready = prepare(moebius(24));
   CHECK(!ready.diagnosis.orientable);
-  CHECK(ready.diagnosis.sheets == 1);
-  CHECK(ready.diagnosis.touching_node_count == 0);
+  CHECK(ready.diagnosis.manifold_patches == 1);
+  CHECK(ready.diagnosis.non_manifold_node_count == 0);
   const TriangleMesh& mesh = ready.mesh;
   CHECK(mesh.vertex_count() == mesh.topology().node_count() + 2);
   DeformProblem problem;
   problem.fixed = {10, 11};
   problem.handles = {{"grip", {30, 31}}};
   FormFeatureDeformer deformer(mesh, problem);
-  HandleMove move;
-  move.shift = {0, 0, 1};
+  HandleTransform move;
+  move.translation = {0, 0, 1};
   const Points& p = deformer.deform({{move}, {}, {}, {}});
   for (int v = mesh.topology().node_count(); v < mesh.vertex_count(); ++v)
     CHECK(p.row(v) == p.row(mesh.topology().node_of(v)));
@@ -147,10 +147,10 @@ TEST_CASE("a sheet with one side is cut open, and deforms as one") {
 TEST_CASE("mathematics on joined sheets: rigid motions, and what is joined stays joined") {
   const PreparedMesh ready = prepare(stiffened());
   const TriangleMesh& mesh = ready.mesh;
-  HandleMove move;
+  HandleTransform move;
   move.about = {3, 1, 0};
-  move.turn = rotation_log({1, 2, -1}, 2.5);
-  move.shift = {1, -2, 3};
+  move.rotation_vector = to_rotation_vector({1, 2, -1}, 2.5);
+  move.translation = {1, -2, 3};
   DeformProblem problem;
   problem.handles = {{"left", end_of(mesh, 1, false)}, {"right", end_of(mesh, kLong - 1, true)}};
   problem.features = {{"middle of the stiffener", {}}};
@@ -160,11 +160,11 @@ TEST_CASE("mathematics on joined sheets: rigid motions, and what is joined stays
   const Points rigid = deformer.deform({{move, move}, {}, {}, {}});
   CHECK((rigid - moved(mesh, move)).cwiseAbs().maxCoeff() < 1e-9);
 
-  HandleMove bent;
+  HandleTransform bent;
   bent.about = {kLong, 0, 0};
-  bent.turn = rotation_log({0, -1, 0}, 0.5);
-  bent.shift = {-0.4, 0, 3};
-  const Points p = deformer.deform({{HandleMove{}, bent}, {}, {}, {}});
+  bent.rotation_vector = to_rotation_vector({0, -1, 0}, 0.5);
+  bent.translation = {-0.4, 0, 3};
+  const Points p = deformer.deform({{HandleTransform{}, bent}, {}, {}, {}});
   deformer.correct();
   CHECK(deformer.hard_residual() < 1e-14);
   for (int v = mesh.topology().node_count(); v < mesh.vertex_count(); ++v)
@@ -188,8 +188,8 @@ TEST_CASE("a stretch passes joints as if they were not there") {
   DeformProblem problem;
   problem.fixed = vertices_beyond_plane(mesh, {0, 1 - kWide, 0}, -Vec3::UnitY());
   problem.handles = {{"edge", vertices_beyond_plane(mesh, {0, kWide - 1, 0}, Vec3::UnitY())}};
-  HandleMove move;
-  move.shift = {0, 1, 0};
+  HandleTransform move;
+  move.translation = {0, 1, 0};
   FormFeatureDeformer deformer(mesh, problem);
   const Points p = deformer.deform({{move}, {}, {}, {}});
   const MeshTopology& t = mesh.topology();
@@ -212,5 +212,5 @@ TEST_CASE("distances and rings pass joints") {
   const MeshTopology& t = mesh.topology();
   const Selection near = grown(t, {nearest_vertex(mesh, {6, 1, 0})}, 2);
   CHECK(std::binary_search(near.begin(), near.end(), nearest_vertex(mesh, {6, 0, 1})));
-  CHECK(t.whole_nodes(near) == near);
+  CHECK(t.expand_to_nodes(near) == near);
 }

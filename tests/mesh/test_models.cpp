@@ -4,8 +4,8 @@
 #include <map>
 #include <set>
 
-#include "batten/tests/catch.h"
-#include "batten/tests/mesh_models.h"
+#include "batten/tests/support/catch.h"
+#include "batten/tests/support/mesh_models.h"
 
 using namespace batten_test;
 

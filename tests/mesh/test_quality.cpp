@@ -1,13 +1,13 @@
 // Element quality against formulas that can be read off.
-#include "batten/mesh/quality.h"
+#include "batten/mesh/element_quality.h"
 
 #include <cmath>
 #include <limits>
 #include <numbers>
 
-#include "batten/tests/catch.h"
-#include "batten/tests/mesh/sample_meshes.h"
-#include "batten/tests/refusal.h"
+#include "batten/tests/support/catch.h"
+#include "batten/tests/support/error_message.h"
+#include "batten/tests/support/sample_meshes.h"
 
 using namespace batten_test;
 
@@ -35,8 +35,8 @@ ElementQuality quality(const std::vector<Vec3>& p, bool second_order = false) {
 
 /// Somewhere else in space and of another size: measures must not care.
 std::vector<Vec3> moved(std::vector<Vec3> p) {
-  const Eigen::AngleAxisd turn(1.1, Vec3(1, -2, 0.5).normalized());
-  for (Vec3& x : p) x = 37 * (turn * x) + Vec3(100, -20, 5);
+  const Eigen::AngleAxisd rotation(1.1, Vec3(1, -2, 0.5).normalized());
+  for (Vec3& x : p) x = 37 * (rotation * x) + Vec3(100, -20, 5);
   return p;
 }
 
@@ -169,15 +169,15 @@ TEST_CASE("summaries: worst, mean, count, and what is not a number is worst") {
   CHECK(s.aspect.worst == Approx(6));
   CHECK(s.aspect.worst_face == 1);
   CHECK(s.aspect.mean == Approx(13.0 / 3));
-  CHECK(s.aspect.beyond == 2);
+  CHECK(s.aspect.violations == 2);
   CHECK(s.jacobian.worst == Approx(1));
-  CHECK(s.jacobian.beyond == 0);
+  CHECK(s.jacobian.violations == 0);
   CHECK(s.smallest_angle_degrees.worst == Approx(90));
   QualityLimits strict;
   strict.aspect = 0.5;
   strict.largest_angle_degrees = 80;
-  CHECK(summarize(shells, shells.points, strict).aspect.beyond == 3);
-  CHECK(summarize(shells, shells.points, strict).largest_angle_degrees.beyond == 3);
+  CHECK(summarize(shells, shells.points, strict).aspect.violations == 3);
+  CHECK(summarize(shells, shells.points, strict).largest_angle_degrees.violations == 3);
 
   Points broken = shells.points;
   broken(6, 1) = kNotANumber;
@@ -186,12 +186,12 @@ TEST_CASE("summaries: worst, mean, count, and what is not a number is worst") {
                                   b.largest_angle_degrees}) {
     CHECK(std::isnan(m.worst));
     CHECK(m.worst_face == 2);
-    CHECK(m.beyond >= 1);
+    CHECK(m.violations >= 1);
     CHECK(std::isfinite(m.mean));
   }
   CHECK(b.aspect.mean == Approx(3.5));
   CHECK(summarize(ShellMesh(), Points(0, 3)).aspect.worst_face == -1);
-  CHECK(refusal([&] { summarize(shells, Points::Zero(7, 3)); }) ==
+  CHECK(error_message([&] { summarize(shells, Points::Zero(7, 3)); }) ==
         "element quality: 7 points for 8 nodes");
 }
 
@@ -222,8 +222,8 @@ TEST_CASE("folds are found where the flat area changes its sign") {
 TEST_CASE("rigid motions, bending and other windings invert nothing") {
   const TriangleMesh mesh = flat_square(12, 0.2, 7);
   ShellMesh shells = shells_of(mesh);
-  const Mat3 turn = Eigen::AngleAxisd(3, Vec3(1, 2, 3).normalized()).toRotationMatrix();
-  CHECK(inverted_faces(shells, mesh.points(), mesh.points() * turn).empty());
+  const Mat3 rotation = Eigen::AngleAxisd(3, Vec3(1, 2, 3).normalized()).toRotationMatrix();
+  CHECK(inverted_faces(shells, mesh.points(), mesh.points() * rotation).empty());
   Points rolled = mesh.points();
   for (int v = 0; v < mesh.vertex_count(); ++v) {
     const double x = 5 * mesh.point(v).x();

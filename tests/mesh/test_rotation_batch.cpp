@@ -2,9 +2,9 @@
 
 #include "batten/core/dense.h"
 #include "batten/mesh/rotation_batch.h"
-#include "batten/mesh/rotation_of_faces.h"
-#include "batten/tests/catch.h"
-#include "batten/tests/mesh/sequence_laws.h"
+#include "batten/mesh/rotation_fitting.h"
+#include "batten/tests/support/catch.h"
+#include "batten/tests/support/random_motion.h"
 
 using namespace batten;
 using namespace batten_test;
@@ -13,7 +13,8 @@ namespace {
 
 /// P diag(s) Qᵀ with random rotations P and Q.
 Mat3 with_singular_values(Random& random, const Vec3& s) {
-  return random_turn(random) * s.asDiagonal() * random_turn(random).transpose();
+  return random_rotation_matrix(random) * s.asDiagonal() *
+         random_rotation_matrix(random).transpose();
 }
 
 /// σ2 + σ3, or σ2 - σ3 of a mirrored matrix, over |M|: how sharply M tells its rotation.
@@ -30,7 +31,7 @@ struct Errors {
   }
   void add(const Mat3& M, const Mat3& R) {
     const double scale = M.cwiseAbs().maxCoeff(), gap = gap_of(scale > 0 ? M / scale : M);
-    const Mat3 one = rotation_part(M);
+    const Mat3 one = nearest_rotation(M);
     count(rotation, gap * (R - one).norm());
     count(length, (R.transpose() * R - Mat3::Identity()).norm());
     count(length, std::abs(R.determinant() - 1));
@@ -44,7 +45,7 @@ Errors of_all(const std::vector<Mat3>& matrices) {
     RotationBatch M, R;
     for (int l = 0; l < RotationBatch::kLanes; ++l)
       M.set(l, matrices[std::min(first + l, matrices.size() - 1)]);
-    rotation_parts(M, R);
+    nearest_rotations(M, R);
     for (int l = 0; l < RotationBatch::kLanes; ++l) errors.add(M.get(l), R.get(l));
   }
   return errors;
@@ -86,16 +87,17 @@ TEST_CASE("rotation parts of a batch are those of its matrices") {
 
 TEST_CASE("batches hold what has no rotation of its own, and sizes past squares") {
   RotationBatch M, R;
-  const Mat3 turn = rotation_matrix(Vec3(0.1, 0.4, -0.2));
-  const std::vector<Mat3> matrices = {Mat3::Zero(),      Mat3::Identity(),
-                                      -Mat3::Identity(), 1e-200 * turn,
-                                      1e200 * turn,      turn,
-                                      -1e-160 * turn,    Vec3::UnitX() * Vec3::UnitY().transpose()};
+  const Mat3 rotation = rotation_matrix(Vec3(0.1, 0.4, -0.2));
+  const std::vector<Mat3> matrices = {
+      Mat3::Zero(),       Mat3::Identity(),
+      -Mat3::Identity(),  1e-200 * rotation,
+      1e200 * rotation,   rotation,
+      -1e-160 * rotation, Vec3::UnitX() * Vec3::UnitY().transpose()};
   for (int l = 0; l < RotationBatch::kLanes; ++l) M.set(l, matrices[l]);
-  rotation_parts(M, R);
+  nearest_rotations(M, R);
   for (int l = 0; l < RotationBatch::kLanes; ++l) {
     INFO("lane " << l << "\n" << R.get(l));
-    CHECK((R.get(l) - rotation_part(matrices[l])).norm() < 1e-14);
+    CHECK((R.get(l) - nearest_rotation(matrices[l])).norm() < 1e-14);
     CHECK(R.get(l).determinant() == Approx(1).epsilon(1e-14));
   }
   CHECK(R.get(0) == Mat3::Identity());
@@ -111,13 +113,13 @@ TEST_CASE("lanes of a batch know nothing of each other") {
     for (int l = 0; l < RotationBatch::kLanes; ++l) {
       alone.set(l, M);
       among.set(l, l % 3 == 0   ? Mat3::Zero().eval()
-                   : l % 3 == 1 ? random_turn(random)
+                   : l % 3 == 1 ? random_rotation_matrix(random)
                                 : Mat3(M * l));
     }
     const int lane = k % RotationBatch::kLanes;
     among.set(lane, M);
-    rotation_parts(alone, R);
-    rotation_parts(among, S);
+    nearest_rotations(alone, R);
+    nearest_rotations(among, S);
     CHECK(S.get(lane) == R.get(0));
   }
 }

@@ -4,9 +4,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "batten/tests/catch.h"
-#include "batten/tests/mesh/sample_meshes.h"
-#include "batten/tests/refusal.h"
+#include "batten/tests/support/catch.h"
+#include "batten/tests/support/error_message.h"
+#include "batten/tests/support/sample_meshes.h"
 
 using namespace batten_test;
 
@@ -55,7 +55,7 @@ TEST_CASE("selections by place hold what lies there and nothing else") {
   CHECK(vertices_beyond_plane(mesh, Vec3(0, 0.95, 0), Vec3(0, 7, 0)).size() == 11);
   CHECK(vertices_beyond_plane(mesh, Vec3(0.75, 0, 0), Vec3(-2, 0, 0), 0.2).size() == 22);
   CHECK(nearest_vertex(mesh, Vec3(0.52, 0.48, 5)) == 60);
-  CHECK(refusal([&] {
+  CHECK(error_message([&] {
           vertices_beyond_plane(mesh, Vec3(0, 0, 0), Vec3(0, 0, 0));
         }).find("direction") != std::string::npos);
 
@@ -82,19 +82,19 @@ TEST_CASE("rings, borders and sets") {
 
   const Selection square = vertices_in_box(mesh, Vec3(0.25, 0.25, 0), Vec3(0.75, 0.75, 0));
   Selection inner = vertices_in_box(mesh, Vec3(0.35, 0.35, 0), Vec3(0.65, 0.65, 0));
-  CHECK(border(topology, square) == without(square, inner));
+  CHECK(border(topology, square) == difference_of(square, inner));
   CHECK(border(topology, grown(topology, {60}, 100)).empty());
-  CHECK(united(inner, border(topology, square)) == square);
-  CHECK(common(square, inner) == inner);
+  CHECK(union_of(inner, border(topology, square)) == square);
+  CHECK(intersection_of(square, inner) == inner);
 
   const std::vector<int> triangles = triangles_touching(topology, {60});
   CHECK(triangles ==
         std::vector<int>(topology.triangles_of(60).begin(), topology.triangles_of(60).end()));
   CHECK(vertices_of_triangles(topology, triangles) == ring);
-  CHECK(refusal([&] {
+  CHECK(error_message([&] {
           grown(topology, {3, 121}, 1);
         }) == "vertex 121 does not exist: there are 121");
-  CHECK(refusal([&] { vertices_of_triangles(topology, {-1}); }) ==
+  CHECK(error_message([&] { vertices_of_triangles(topology, {-1}); }) ==
         "triangle -1 does not exist: there are 200");
 }
 
@@ -164,7 +164,7 @@ TEST_CASE("a row of sources is a curve") {
   // Around a hole: the distance from its edge, to a share of the spacing.
   for (const int steps : {32, 64}) {
     const double h = 2 * std::numbers::pi / steps;
-    const TriangleMesh ring = turned_profile(subdivided({{4, 0}, {1, 0}}, 2 * h), steps);
+    const TriangleMesh ring = revolved_profile(subdivided({{4, 0}, {1, 0}}, 2 * h), steps);
     std::vector<int> rim;
     for (int i = 0; i < steps; ++i) rim.push_back(ring.vertex_count() - steps + i);
     const VecX from_rim = geodesic_distances(ring, rim);
@@ -186,7 +186,7 @@ TEST_CASE("several sources: the nearest one counts") {
 }
 
 TEST_CASE("distances stop where they are told to, and at the end of a part") {
-  const TriangleMesh one = flat_square(20, 0.24, 13), mesh = beside(one, sphere(2));
+  const TriangleMesh one = flat_square(20, 0.24, 13), mesh = disjoint_union(one, sphere(2));
   const VecX all = geodesic_distances(mesh, {5}), near = geodesic_distances(mesh, {5}, 0.4);
   for (int v = 0; v < mesh.vertex_count(); ++v) {
     CHECK(std::isfinite(all[v]) == (v < one.vertex_count()));
@@ -198,8 +198,9 @@ TEST_CASE("distances stop where they are told to, and at the end of a part") {
     if (std::abs(d - 0.4) > 1e-12)
       CHECK(std::binary_search(within.begin(), within.end(), v) == (d < 0.4));
   }
-  CHECK(refusal([&] { geodesic_distances(mesh, {}); }).find("source") != std::string::npos);
-  CHECK(refusal([&] { geodesic_distances(mesh, {100000}); }).find("100000") != std::string::npos);
+  CHECK(error_message([&] { geodesic_distances(mesh, {}); }).find("source") != std::string::npos);
+  CHECK(error_message([&] { geodesic_distances(mesh, {100000}); }).find("100000") !=
+        std::string::npos);
 }
 
 TEST_CASE("distances are one number each way and never longer than along edges") {

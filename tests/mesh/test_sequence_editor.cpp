@@ -1,10 +1,10 @@
 // Edits that go through all frames: what they leave alone, and what they carry along.
 #include "batten/mesh/sequence/sequence_editor.h"
 
-#include "batten/tests/catch.h"
-#include "batten/tests/mesh/frame_twin.h"
-#include "batten/tests/refusal.h"
-#include "batten/tests/threads.h"
+#include "batten/tests/support/catch.h"
+#include "batten/tests/support/error_message.h"
+#include "batten/tests/support/reference_frame_solver.h"
+#include "batten/tests/support/thread_guard.h"
 
 using namespace batten;
 using namespace batten_test;
@@ -38,21 +38,21 @@ struct Moving {
     }
     return p;
   }
-  FrameHolds holds() const {
-    FrameHolds h;
+  FrameConstraints constraints() const {
+    FrameConstraints h;
     h.handles = {{"left", left}, {"right", right}};
     return h;
   }
   /// A motion of a handle about its centroid in a frame.
-  HandlePlace place(const std::vector<int>& handle, int frame, const Vec3& log,
-                    const Vec3& shift) const {
+  HandlePose pose(const std::vector<int>& handle, int frame, const Vec3& log,
+                  const Vec3& translation) const {
     const Vec3 c = centroid(sequence.frames[frame], handle);
-    return {RigidMotion::about(c, rotation_matrix(log), c + shift), false};
+    return {RigidMotion::about(c, rotation_matrix(log), c + translation), false};
   }
   SequenceKeyframe lifted(int frame, double height = 0.5, double angle = 0.3) const {
     return {frame,
-            {HandlePlace{},
-             place(right, frame, rotation_log(Vec3(0, 1, 0.2), angle), Vec3(0, 0, height))}};
+            {HandlePose{},
+             pose(right, frame, to_rotation_vector(Vec3(0, 1, 0.2), angle), Vec3(0, 0, height))}};
   }
 };
 
@@ -69,7 +69,7 @@ double largest(const std::vector<Points>& a, const std::vector<Points>& b) {
 
 std::vector<Points> edited_by(const Moving& m, std::vector<SequenceKeyframe> keys,
                               const SequenceEditOptions& options = {}) {
-  SequenceEditor editor(m.sequence, m.mesh, m.holds(), options);
+  SequenceEditor editor(m.sequence, m.mesh, m.constraints(), options);
   editor.set_keyframes(std::move(keys));
   return editor.frames();
 }
@@ -79,7 +79,7 @@ std::vector<Points> edited_by(const Moving& m, std::vector<SequenceKeyframe> key
 TEST_CASE("no keyframes change no bit, keyframes that change nothing change nothing") {
   const Moving m(12);
   CHECK(edited_by(m, {}) == m.sequence.frames);
-  const SequenceKeyframe still{5, {HandlePlace{}, HandlePlace{}}}, more{9, {{}, HandlePlace{}}};
+  const SequenceKeyframe still{5, {HandlePose{}, HandlePose{}}}, more{9, {{}, HandlePose{}}};
   const double one = largest(edited_by(m, {still}), m.sequence.frames),
                two = largest(edited_by(m, {more, still}), m.sequence.frames);
   INFO("one " << one << ", two " << two);
@@ -95,7 +95,7 @@ TEST_CASE("one rigid motion of all handles moves all frames by it") {
     std::vector<Points> wanted;
     for (const Points& p : m.sequence.frames) wanted.push_back(moved(motion, p));
     std::vector<SequenceKeyframe> keys;
-    for (int f = 0; f < 12; ++f) keys.push_back({f, {HandlePlace{motion}, HandlePlace{motion}}});
+    for (int f = 0; f < 12; ++f) keys.push_back({f, {HandlePose{motion}, HandlePose{motion}}});
     const double every = largest(edited_by(m, keys), wanted),
                  one = largest(edited_by(m, {keys[4]}), wanted);
     INFO("every frame " << every << ", one " << one);
@@ -108,7 +108,7 @@ TEST_CASE("frames outside of the influence keep their bits, parts of the frames 
   const Moving m(20);
   SequenceEditOptions options;
   options.influence = {4, 14};
-  SequenceEditor editor(m.sequence, m.mesh, m.holds(), options);
+  SequenceEditor editor(m.sequence, m.mesh, m.constraints(), options);
   editor.set_keyframes({m.lifted(9)});
   const std::vector<Points> all = editor.frames();
   for (int k = 0; k < 20; ++k) {
@@ -125,7 +125,7 @@ TEST_CASE("frames outside of the influence keep their bits, parts of the frames 
   });
   CHECK(next == 14);
   const ThreadGuard guard(2);
-  SequenceEditor other(m.sequence, m.mesh, m.holds(), options);
+  SequenceEditor other(m.sequence, m.mesh, m.constraints(), options);
   other.set_keyframes({m.lifted(9)});
   CHECK(other.frames() == all);
 }
@@ -134,15 +134,16 @@ TEST_CASE("a twist at one keyframe goes through all frames of a bar that bends")
   const Moving m(16);
   const double pi = std::numbers::pi;
   for (const auto smoothness :
-       {TrajectoryOptions::Smoothness::Smooth, TrajectoryOptions::Smoothness::Paper}) {
+       {TrajectoryOptions::Smoothness::Smooth, TrajectoryOptions::Smoothness::PiecewiseLinear}) {
     const Vec3 axis =
         centroid(m.sequence.frames[7], m.right) - centroid(m.sequence.frames[7], m.left);
     const SequenceKeyframe twist{
-        7, {HandlePlace{}, m.place(m.right, 7, rotation_log(axis, 150 * pi / 180), Vec3::Zero())}};
+        7,
+        {HandlePose{}, m.pose(m.right, 7, to_rotation_vector(axis, 150 * pi / 180), Vec3::Zero())}};
     SequenceEditOptions options;
     options.trajectories = smoothness;
-    options.frames.most_rounds = 400;
-    SequenceEditor editor(m.sequence, m.mesh, m.holds(), options);
+    options.frames.max_iterations = 400;
+    SequenceEditor editor(m.sequence, m.mesh, m.constraints(), options);
     editor.set_keyframes({twist});
     const auto frames = editor.frames();
     double at_key = 0;
@@ -164,10 +165,10 @@ TEST_CASE("a twist at one keyframe goes through all frames of a bar that bends")
         ++count;
       }
       // The far end has turned by 150° against the near one, beside what the sequence does.
-      const auto turn = [&](const std::vector<int>& handle) {
-        return trajectory_of({m.sequence.frames[k], frames[k]}, handle).turns[1];
+      const auto rotation = [&](const std::vector<int>& handle) {
+        return trajectory_of({m.sequence.frames[k], frames[k]}, handle).rotations[1];
       };
-      const Eigen::AngleAxisd apart(turn(m.left).transpose() * turn(m.right));
+      const Eigen::AngleAxisd apart(rotation(m.left).transpose() * rotation(m.right));
       CHECK(apart.angle() == Approx(150 * pi / 180).epsilon(1e-6));
     }
     INFO("handles bent " << shape << ", edges " << change << ", mean " << mean / count
@@ -198,7 +199,7 @@ TEST_CASE("keyframes come to the same shapes from every start") {
   for (int k = 4; k < 20; k += 2) keys.push_back(m.lifted(k, 0.3 + 0.01 * k));
   SequenceEditOptions options;
   options.frames.tolerance = 1e-8;
-  options.frames.most_rounds = 2000;
+  options.frames.max_iterations = 2000;
   const auto handles = edited_by(m, keys, options);
   options.start = SequenceEditOptions::Start::Neighbour;
   const double neighbour = largest(edited_by(m, keys, options), handles);
@@ -218,11 +219,11 @@ TEST_CASE("keyframes come to the same shapes from every start") {
 
 TEST_CASE("handles that a keyframe does not tell go along, features stay rigid in every frame") {
   const Moving m(12);
-  FrameHolds holds = m.holds();
-  holds.features = {{"middle", nodes_where(bar(14, 3, 3, 0.6).points(), [](const Vec3& x) {
-                       return std::abs(x.x() - 1.5) < 0.25;
-                     })}};
-  SequenceEditor editor(m.sequence, m.mesh, holds);
+  FrameConstraints constraints = m.constraints();
+  constraints.features = {{"middle", nodes_where(bar(14, 3, 3, 0.6).points(), [](const Vec3& x) {
+                             return std::abs(x.x() - 1.5) < 0.25;
+                           })}};
+  SequenceEditor editor(m.sequence, m.mesh, constraints);
   SequenceKeyframe key = m.lifted(6);
   key.handles[0].reset();
   editor.set_keyframes({key, m.lifted(9)});
@@ -233,8 +234,8 @@ TEST_CASE("handles that a keyframe does not tell go along, features stay rigid i
   CHECK(distance(frames[6], editor.keyframe_positions()[0]) < 1e-9);
   // A turn that is found at a keyframe is the handle's there.
   SequenceKeyframe free = m.lifted(6);
-  free.handles[1]->turns_freely = true;
-  SequenceEditor finds(m.sequence, m.mesh, holds);
+  free.handles[1]->free_rotation = true;
+  SequenceEditor finds(m.sequence, m.mesh, constraints);
   finds.set_keyframes({free});
   std::vector<Points> at_key;
   finds.frames(6, 6, [&](int, const Points& p) { at_key.push_back(p); });
@@ -242,9 +243,9 @@ TEST_CASE("handles that a keyframe does not tell go along, features stay rigid i
     CHECK((at_key[0].row(v) - finds.keyframe_positions()[0].row(v)).norm() < 1e-12);
   CHECK(distance(at_key[0], finds.keyframe_positions()[0]) < 1e-4);
   for (int k = 0; k < 12; ++k) {
-    CHECK(bent(m.sequence.frames[k], frames[k], holds.features[0].vertices) < 1e-12);
+    CHECK(bent(m.sequence.frames[k], frames[k], constraints.features[0].vertices) < 1e-12);
     for (size_t h = 0; h < 2; ++h)
-      CHECK((centroid(frames[k], holds.handles[h].vertices) -
+      CHECK((centroid(frames[k], constraints.handles[h].vertices) -
              Vec3(editor.trajectories()[h].centres.row(k)))
                 .norm() < 1e-12);
   }
@@ -256,25 +257,25 @@ TEST_CASE("an editor refuses keyframes that cannot be") {
   const Moving m(8);
   SequenceEditOptions options;
   options.influence = {2, 6};
-  SequenceEditor editor(m.sequence, m.mesh, m.holds(), options);
+  SequenceEditor editor(m.sequence, m.mesh, m.constraints(), options);
   const auto refused = [&](std::vector<SequenceKeyframe> keys) {
-    return refusal([&] { editor.set_keyframes(std::move(keys)); });
+    return error_message([&] { editor.set_keyframes(std::move(keys)); });
   };
   const SequenceKeyframe key = m.lifted(4);
   CHECK(refused({key}).empty());
   CHECK(refused({{8, key.handles}}).find("frame 9") != std::string::npos);
   CHECK(!refused({{-1, key.handles}}).empty());
   CHECK(refused({key, key}).find("frame 5 is a keyframe twice") != std::string::npos);
-  CHECK(refused({{4, {HandlePlace{}}}}).find("expected 2") != std::string::npos);
+  CHECK(refused({{4, {HandlePose{}}}}).find("expected 2") != std::string::npos);
   CHECK(refused({{4, {{}, {}}}}).find("tells no handle") != std::string::npos);
   CHECK(!refused({{1, key.handles}}).empty());
   // After a refusal the sequence is as it was given.
   CHECK(editor.frames() == m.sequence.frames);
-  CHECK(!refusal([&] { editor.frames(3, 8, [](int, const Points&) {}); }).empty());
-  CHECK(!refusal([&] { editor.frames(-1, 3, [](int, const Points&) {}); }).empty());
-  FrameHolds nothing = m.holds();
+  CHECK(!error_message([&] { editor.frames(3, 8, [](int, const Points&) {}); }).empty());
+  CHECK(!error_message([&] { editor.frames(-1, 3, [](int, const Points&) {}); }).empty());
+  FrameConstraints nothing = m.constraints();
   nothing.handles[1].vertices = {};
-  CHECK(!refusal([&] { SequenceEditor(m.sequence, m.mesh, nothing); }).empty());
+  CHECK(!error_message([&] { SequenceEditor(m.sequence, m.mesh, nothing); }).empty());
   nothing.handles[1].vertices = {100000};
-  CHECK(!refusal([&] { SequenceEditor(m.sequence, m.mesh, nothing); }).empty());
+  CHECK(!error_message([&] { SequenceEditor(m.sequence, m.mesh, nothing); }).empty());
 }

@@ -4,9 +4,9 @@
 
 #include "batten/mesh/sequence/trajectory_alignment.h"
 #include "batten/mesh/sequence/trajectory_filters.h"
-#include "batten/tests/catch.h"
-#include "batten/tests/mesh/sequence_laws.h"
-#include "batten/tests/refusal.h"
+#include "batten/tests/support/catch.h"
+#include "batten/tests/support/error_message.h"
+#include "batten/tests/support/random_motion.h"
 
 using namespace batten;
 using namespace batten_test;
@@ -27,8 +27,8 @@ Points straight(int frames) {
 
 /// A root, a body that hangs on it, an arm on the body.
 std::vector<FilteredHandle> body_and_arm(int frames) {
-  return {{"arm", {wandering(frames, 2), winding(frames, 3)}, 1, {}},
-          {"body", {wandering(frames, 4), winding(frames, 5)}, -1, {}}};
+  return {{"arm", {smooth_path(frames, 2), smooth_rotations(frames, 3)}, 1, {}},
+          {"body", {smooth_path(frames, 4), smooth_rotations(frames, 5)}, -1, {}}};
 }
 
 }  // namespace
@@ -40,7 +40,7 @@ TEST_CASE("filters multiply sinusoids by their response") {
       Points x(F, 3);
       for (int k = 0; k < F; ++k)
         x.row(k) << std::cos(omega * k), std::cos(omega * k + 1), -3 * std::sin(omega * k);
-      for (const Padding padding : {Padding::Mirrored, Padding::Turned}) {
+      for (const Padding padding : {Padding::Even, Padding::Odd}) {
         const Points away =
             (filter(x, padding) - filter.response(omega) * x).middleRows(40, F - 80);
         CHECK(away.cwiseAbs().maxCoeff() < 1e-10);
@@ -61,20 +61,20 @@ TEST_CASE("responses are those of the continuous kernels") {
     }
   CHECK(std::abs(SignalFilter::cartoon(4, 1).response(std::sqrt(2.0) / 4) - 1 -
                  2 / std::numbers::e) < 1e-7);
-  CHECK(refusal([] { SignalFilter::low_pass(0); }) ==
+  CHECK(error_message([] { SignalFilter::low_pass(0); }) ==
         "filter: sigma is 0, expected above 0, up to 1e5 frames");
 }
 
 TEST_CASE("filters keep constants, and even motion where the ends are turned over") {
   for (const int F : {1, 2, 3, 50}) {
     const Points constant = Points::Constant(F, 3, 0.1 + 1e3), line = straight(F);
-    for (const Padding padding : {Padding::Mirrored, Padding::Turned}) {
+    for (const Padding padding : {Padding::Even, Padding::Odd}) {
       CHECK(distance(SignalFilter::low_pass(3)(constant, padding), constant) < 1e-14);
       CHECK(distance(SignalFilter::cartoon(3, 2)(constant, padding), constant) < 1e-14);
       CHECK(SignalFilter::high_pass(3)(constant, padding).norm() < 1e-14);
     }
-    CHECK(distance(SignalFilter::low_pass(3)(line, Padding::Turned), line) < 1e-12);
-    CHECK(distance(SignalFilter::cartoon(3, 2)(line, Padding::Turned), line) < 1e-12);
+    CHECK(distance(SignalFilter::low_pass(3)(line, Padding::Odd), line) < 1e-12);
+    CHECK(distance(SignalFilter::cartoon(3, 2)(line, Padding::Odd), line) < 1e-12);
   }
 }
 
@@ -94,59 +94,61 @@ TEST_CASE("ends are mirrored as often as the kernel is long") {
     const double omega = pi * wave / (F - 1);
     Points x(F, 3);
     for (int k = 0; k < F; ++k) x.row(k).setConstant(std::sin(omega * k));
-    CHECK(distance(filter(x, Padding::Turned), filter.response(omega) * x) < 1e-13);
+    CHECK(distance(filter(x, Padding::Odd), filter.response(omega) * x) < 1e-13);
   }
 }
 
 TEST_CASE("rotations about one axis are filtered as their angles") {
   const int F = 60;
   const Vec3 axis = Vec3(1, -2, 0.5).normalized();
-  std::vector<Mat3> turns;
+  std::vector<Mat3> rotations;
   Points angles = Points::Zero(F, 3);
   for (int k = 0; k < F; ++k) {
     angles(k, 0) = 0.4 * k + std::sin(0.3 * k);
-    turns.push_back(rotation_matrix(rotation_log(axis, angles(k, 0))));
+    rotations.push_back(rotation_matrix(to_rotation_vector(axis, angles(k, 0))));
   }
   const SignalFilter filter = SignalFilter::cartoon(2);
-  const std::vector<Mat3> found = filter(turns, Padding::Turned);
-  const Points expected = filter(angles, Padding::Turned);
+  const std::vector<Mat3> found = filter(rotations, Padding::Odd);
+  const Points expected = filter(angles, Padding::Odd);
   for (int k = 0; k < F; ++k)
-    CHECK((found[k] - rotation_matrix(rotation_log(axis, expected(k, 0)))).norm() < 1e-12);
+    CHECK((found[k] - rotation_matrix(to_rotation_vector(axis, expected(k, 0)))).norm() < 1e-12);
 }
 
 TEST_CASE("rotations of many turns about any axes are filtered without jumps") {
   // A filter that hardly does anything hardly does anything, also where a full turn is passed.
-  const std::vector<Mat3> turns = winding(200, 3);
-  for (const Padding padding : {Padding::Mirrored, Padding::Turned}) {
-    CHECK(distance(SignalFilter(1, {1e-6, -1e-6})(turns, padding), turns) < 1e-5);
-    const std::vector<Mat3> found = SignalFilter::low_pass(0.8)(turns, padding);
+  const std::vector<Mat3> rotations = smooth_rotations(200, 3);
+  for (const Padding padding : {Padding::Even, Padding::Odd}) {
+    CHECK(distance(SignalFilter(1, {1e-6, -1e-6})(rotations, padding), rotations) < 1e-5);
+    const std::vector<Mat3> found = SignalFilter::low_pass(0.8)(rotations, padding);
     double farthest = 0;
-    for (int k = 6; k < 194; ++k) farthest = std::max(farthest, (found[k] - turns[k]).norm());
+    for (int k = 6; k < 194; ++k) farthest = std::max(farthest, (found[k] - rotations[k]).norm());
     CHECK(farthest < 0.1);
     // From either side.
-    const Mat3 a = winding(9, 1)[8], b = winding(9, 2)[8];
+    const Mat3 a = smooth_rotations(9, 1)[8], b = smooth_rotations(9, 2)[8];
     std::vector<Mat3> seen;
-    for (const Mat3& R : turns) seen.push_back(a * R * b);
+    for (const Mat3& R : rotations) seen.push_back(a * R * b);
     const std::vector<Mat3> other = SignalFilter::low_pass(0.8)(seen, padding);
-    for (size_t k = 0; k < turns.size(); ++k) CHECK((other[k] - a * found[k] * b).norm() < 1e-12);
+    for (size_t k = 0; k < rotations.size(); ++k)
+      CHECK((other[k] - a * found[k] * b).norm() < 1e-12);
   }
 }
 
 TEST_CASE("trajectories relative to others come back, and are still where they go along") {
   const int F = 40;
-  const Trajectory parent{wandering(F, 1), winding(F, 2)}, child{wandering(F, 3), winding(F, 4)};
+  const Trajectory parent{smooth_path(F, 1), smooth_rotations(F, 2)},
+      child{smooth_path(F, 3), smooth_rotations(F, 4)};
   CHECK(distance(composed(relative(child, parent), parent), child) < 1e-14);
   std::vector<RigidMotion> motions;
   for (int k = 0; k < F; ++k)
-    motions.push_back({parent.turns[k], parent.centres.row(k).transpose()});
-  Trajectory still{Points::Constant(F, 3, 0.7), std::vector<Mat3>(F, winding(2, 7)[1])};
+    motions.push_back({parent.rotations[k], parent.centres.row(k).transpose()});
+  Trajectory still{Points::Constant(F, 3, 0.7), std::vector<Mat3>(F, smooth_rotations(2, 7)[1])};
   CHECK(distance(relative(moved(motions, still), parent), still) < 1e-13);
 }
 
 TEST_CASE("filtered handles go along with their parents") {
   const int F = 50;
   std::vector<FilteredHandle> handles = body_and_arm(F);
-  const Trajectory root{wandering(F, 6), std::vector<Mat3>(F, Mat3::Identity())};
+  const Trajectory root{smooth_path(F, 6), std::vector<Mat3>(F, Mat3::Identity())};
   const SignalFilter nothing(1, {}), filter = SignalFilter::cartoon(2);
   const FilteredTrajectories same = filtered(root, handles, nothing);
   CHECK(distance(same.root, root) < 1e-14);
@@ -155,7 +157,7 @@ TEST_CASE("filtered handles go along with their parents") {
   std::vector<RigidMotion> motions;
   for (int k = 0; k < F; ++k)
     motions.push_back(
-        {handles[1].trajectory.turns[k], handles[1].trajectory.centres.row(k).transpose()});
+        {handles[1].trajectory.rotations[k], handles[1].trajectory.centres.row(k).transpose()});
   const Trajectory still{Points::Constant(F, 3, 0.7), std::vector<Mat3>(F, Mat3::Identity())};
   handles[0].trajectory = moved(motions, still);
   const FilteredTrajectories found = filtered(root, handles, filter);
@@ -171,8 +173,8 @@ TEST_CASE("filtering does not depend on the frame of reference") {
   Random random(11);
   const int F = 40;
   std::vector<FilteredHandle> handles = body_and_arm(F), seen = handles;
-  const Trajectory root{wandering(F, 6), winding(F, 7)};
-  const Similarity view{1, random_turn(random), random.point()};
+  const Trajectory root{smooth_path(F, 6), smooth_rotations(F, 7)};
+  const Similarity view{1, random_rotation_matrix(random), random.point()};
   for (FilteredHandle& handle : seen) handle.trajectory = aligned(handle.trajectory, view);
   const SignalFilter filter = SignalFilter::low_pass(2);
   const FilteredTrajectories a = filtered(root, handles, filter),
@@ -183,10 +185,10 @@ TEST_CASE("filtering does not depend on the frame of reference") {
 TEST_CASE("footprints are left as they were and blend into what is filtered") {
   const int F = 60;
   std::vector<FilteredHandle> handles = body_and_arm(F);
-  const Trajectory root{wandering(F, 6), winding(F, 7)};
+  const Trajectory root{smooth_path(F, 6), smooth_rotations(F, 7)};
   const SignalFilter filter = SignalFilter::cartoon(2);
   const FilteredTrajectories plain = filtered(root, handles, filter);
-  handles[0].footprints = {{20, 27, Vec3::Zero()}, {40, 45, Vec3::Zero()}};
+  handles[0].foot_contacts = {{20, 27, Vec3::Zero()}, {40, 45, Vec3::Zero()}};
   FilterOptions options;
   options.blend = 4;
   const FilteredTrajectories found = filtered(root, handles, filter, options);
@@ -195,79 +197,82 @@ TEST_CASE("footprints are left as they were and blend into what is filtered") {
     const Eigen::RowVector3d before = handles[0].trajectory.centres.row(k);
     const double left = (found.handles[0].centres.row(k) - before).norm(),
                  whole = (plain.handles[0].centres.row(k) - before).norm();
-    const double turned = (found.handles[0].turns[k] - handles[0].trajectory.turns[k]).norm();
+    const double turned =
+        (found.handles[0].rotations[k] - handles[0].trajectory.rotations[k]).norm();
     const int away = k < 34 ? std::max({20 - k, k - 27, 0}) : std::max({40 - k, k - 45, 0});
     if (away == 0) {
       CHECK(left == 0);
       CHECK(turned == 0);
     } else if (away > 4) {
       CHECK(left == whole);
-      CHECK(found.handles[0].turns[k] == plain.handles[0].turns[k]);
+      CHECK(found.handles[0].rotations[k] == plain.handles[0].rotations[k]);
     } else {
       const double t = away / 5.0;
       CHECK(std::abs(left - t * t * (3 - 2 * t) * whole) < 1e-13);
-      CHECK(turned < (plain.handles[0].turns[k] - handles[0].trajectory.turns[k]).norm());
+      CHECK(turned < (plain.handles[0].rotations[k] - handles[0].trajectory.rotations[k]).norm());
     }
   }
 }
 
 TEST_CASE("hierarchies that cannot be are refused by the handle's name") {
   const int F = 10;
-  const Trajectory root{wandering(F, 6), winding(F, 7)};
+  const Trajectory root{smooth_path(F, 6), smooth_rotations(F, 7)};
   const auto told = [&](auto change) {
     std::vector<FilteredHandle> handles = body_and_arm(F);
     change(handles);
-    return refusal([&] { filtered(root, handles, SignalFilter::low_pass(1)); });
+    return error_message([&] { filtered(root, handles, SignalFilter::low_pass(1)); });
   };
   CHECK(told([](auto& h) { h[1].parent = 2; }) == "body: its parent is none of the 2 handles");
   CHECK(told([](auto& h) { h[1].parent = 0; }) ==
         "arm: hangs on itself, or on handles in a circle");
   CHECK(told([](auto& h) {
-          h[0].trajectory = {wandering(9, 1), winding(9, 1)};
+          h[0].trajectory = {smooth_path(9, 1), smooth_rotations(9, 1)};
         }) == "arm: 9 frames, expected 10 as the root has");
   CHECK(told([](auto& h) {
-          h[0].footprints = {{3, 10, Vec3::Zero()}};
+          h[0].foot_contacts = {{3, 10, Vec3::Zero()}};
         }) == "arm: the footprint of frames 4-11 is not in the frames 1-10");
 }
 
 TEST_CASE("similar trajectories are aligned, rotations with them") {
   Random random(12);
-  const Trajectory t{wandering(35, 1), winding(35, 2)};
+  const Trajectory t{smooth_path(35, 1), smooth_rotations(35, 2)};
   for (const bool upright : {false, true}) {
     const Vec3 axis = random.point().normalized();
     AlignmentOptions options;
     if (upright) options.about = 3 * axis;
-    const Similarity s{0.4,
-                       upright ? rotation_matrix(rotation_log(axis, 2.2)) : random_turn(random),
-                       random.point()};
+    const Similarity s{
+        0.4,
+        upright ? rotation_matrix(to_rotation_vector(axis, 2.2)) : random_rotation_matrix(random),
+        random.point()};
     const Similarity found = alignment(t, aligned(t, s), options);
     CHECK(distance(aligned(t, found), aligned(t, s)) < 1e-13);
     CHECK(std::abs(found.scale - s.scale) < 1e-13);
     CHECK(found.max_error < 1e-13);
     // No other similarity of the same kind is nearer to something else.
-    Trajectory other{wandering(35, 9), winding(35, 2)};
+    Trajectory other{smooth_path(35, 9), smooth_rotations(35, 2)};
     const auto off = [&](const Similarity& by) {
       return (aligned(t, by).centres - other.centres).squaredNorm();
     };
     const Similarity best = alignment(t, other, options);
     for (int i = 0; i < 20; ++i) {
       const Vec3 about = upright ? axis : random.point();
-      const Mat3 R = rotation_matrix(rotation_log(about, i < 10 ? 1e-3 * random() : 3 * random()));
-      Similarity near{best.scale * (1 + 1e-3 * random()), R * best.R, best.shift};
-      near.shift += 1e-3 * random.point();
+      const Mat3 R =
+          rotation_matrix(to_rotation_vector(about, i < 10 ? 1e-3 * random() : 3 * random()));
+      Similarity near{best.scale * (1 + 1e-3 * random()), R * best.R, best.translation};
+      near.translation += 1e-3 * random.point();
       CHECK(off(best) < off(near));
     }
     options.scales = false;
     CHECK(alignment(t, other, options).scale == 1);
   }
   // Frames that are all seen turned and scaled have the aligned trajectory.
-  const Similarity s{2, random_turn(random), random.point()};
+  const Similarity s{2, random_rotation_matrix(random), random.point()};
   std::vector<Points> frames, seen;
   Points group(6, 3);
   for (int v = 0; v < 6; ++v) group.row(v) = random.point();
   for (int k = 0; k < 35; ++k) {
-    frames.push_back(moved({t.turns[k], t.centres.row(k).transpose()}, group));
-    seen.push_back(moved({s.R, s.shift}, Points(s.scale * frames.back())));
+    frames.push_back(moved({t.rotations[k], t.centres.row(k).transpose()}, group));
+    seen.push_back(moved({s.R, s.translation}, Points(s.scale * frames.back())));
   }
   const std::vector<int> all = {0, 1, 2, 3, 4, 5};
   CHECK(distance(trajectory_of(seen, all), aligned(trajectory_of(frames, all), s)) < 1e-13);
@@ -275,19 +280,19 @@ TEST_CASE("similar trajectories are aligned, rotations with them") {
 
 TEST_CASE("trajectories that do not say how to turn are shifted") {
   const Trajectory still{Points::Constant(5, 3, 2.0), std::vector<Mat3>(5, Mat3::Identity())};
-  const Trajectory t{wandering(8, 1), winding(8, 2)};
+  const Trajectory t{smooth_path(8, 1), smooth_rotations(8, 2)};
   const Similarity s = alignment(still, t);
   CHECK(s.R == Mat3::Identity());
   CHECK(s.scale == 1);
-  CHECK((s.shift - (t.centres.colwise().mean().transpose() - Vec3(2, 2, 2))).norm() < 1e-14);
+  CHECK((s.translation - (t.centres.colwise().mean().transpose() - Vec3(2, 2, 2))).norm() < 1e-14);
 }
 
 TEST_CASE("resampled trajectories keep their ends and even motion") {
   const int F = 12;
-  std::vector<Mat3> turns;
+  std::vector<Mat3> rotations;
   for (int k = 0; k < F; ++k)
-    turns.push_back(rotation_matrix(rotation_log(Vec3(1, 2, 3), 0.5 * k)));
-  const Trajectory even{straight(F), turns}, t{wandering(F, 1), winding(F, 2)};
+    rotations.push_back(rotation_matrix(to_rotation_vector(Vec3(1, 2, 3), 0.5 * k)));
+  const Trajectory even{straight(F), rotations}, t{smooth_path(F, 1), smooth_rotations(F, 2)};
   for (const Resampling how : {Resampling::Linear, Resampling::Hermite}) {
     CHECK(distance(resampled(t, F, how), t) == 0);
     for (const int frames : {1, 2, 5, 23, 34}) {
@@ -297,8 +302,8 @@ TEST_CASE("resampled trajectories keep their ends and even motion") {
         CHECK(
             (found.centres.row(k).transpose() - Vec3(1, 2, 3) - at * Vec3(0.1, -0.2, 0.3)).norm() <
             1e-13);
-        CHECK((found.turns[k] - rotation_matrix(rotation_log(Vec3(1, 2, 3), 0.5 * at))).norm() <
-              1e-13);
+        CHECK((found.rotations[k] - rotation_matrix(to_rotation_vector(Vec3(1, 2, 3), 0.5 * at)))
+                  .norm() < 1e-13);
       }
       CHECK((other.centres.row(0) - t.centres.row(0)).norm() < 1e-14);
       if (frames > 1) CHECK((other.centres.row(frames - 1) - t.centres.row(F - 1)).norm() < 1e-13);
@@ -308,12 +313,12 @@ TEST_CASE("resampled trajectories keep their ends and even motion") {
   const Trajectory finer = resampled(t, 2 * F - 1);
   for (int k = 0; k < F; ++k) CHECK((finer.centres.row(2 * k) - t.centres.row(k)).norm() < 1e-13);
   // Hermite is the better of the two for smooth motion.
-  const Trajectory fine{wandering(23, 1), winding(23, 2)};
+  const Trajectory fine{smooth_path(23, 1), smooth_rotations(23, 2)};
   Trajectory coarse;
   coarse.centres.resize(12, 3);
   for (int k = 0; k < 12; ++k) {
     coarse.centres.row(k) = fine.centres.row(2 * k);
-    coarse.turns.push_back(fine.turns[2 * k]);
+    coarse.rotations.push_back(fine.rotations[2 * k]);
   }
   CHECK(distance(resampled(coarse, 23), fine) <
         0.5 * distance(resampled(coarse, 23, Resampling::Linear), fine));

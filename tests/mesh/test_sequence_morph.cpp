@@ -1,12 +1,12 @@
 // Shapes that turn into others: blends, morphs, fits to other meshes; walks over the ground.
+#include "batten/mesh/aabb_tree.h"
 #include "batten/mesh/sequence/fit_to_target.h"
 #include "batten/mesh/sequence/morph.h"
-#include "batten/mesh/surface_search.h"
-#include "batten/mesh/sequence/travel.h"
-#include "batten/tests/catch.h"
-#include "batten/tests/mesh/frame_twin.h"
-#include "batten/tests/refusal.h"
-#include "batten/tests/threads.h"
+#include "batten/mesh/sequence/root_motion.h"
+#include "batten/tests/support/catch.h"
+#include "batten/tests/support/error_message.h"
+#include "batten/tests/support/reference_frame_solver.h"
+#include "batten/tests/support/thread_guard.h"
 
 using namespace batten;
 using namespace batten_test;
@@ -14,7 +14,7 @@ using namespace batten_test;
 namespace {
 
 /// A bar along x, wound about y by an angle from end to end.
-Points wound(const Points& p, double angle) {
+Points twisted(const Points& p, double angle) {
   Points q = p;
   const double bend = angle / 3 + 1e-9;
   for (int v = 0; v < p.rows(); ++v) {
@@ -62,9 +62,9 @@ int folds(const TriangleMesh& mesh, const Points& p) {
 
 TEST_CASE("a blend begins and ends with its shapes") {
   Random random(71);
-  const TriangleMesh mesh = beside(bar(10, 2, 3, 0.6), sphere(2));
+  const TriangleMesh mesh = disjoint_union(bar(10, 2, 3, 0.6), sphere(2));
   const Points p = mesh.points();
-  Points q = moved(random_motion(random), wound(p, 1.5));
+  Points q = moved(random_motion(random), twisted(p, 1.5));
   for (int v = 0; v < q.rows(); ++v) q.row(v) += 0.02 * random.point().transpose();
   ShapeBlend blend(mesh);
   CHECK(distance(blend.blend(p, q, 0), p) < 1e-13);
@@ -74,21 +74,21 @@ TEST_CASE("a blend begins and ends with its shapes") {
   CHECK(distance(blend.blend(q, p, 0.7), half) < 1e-6);
   const ThreadGuard guard(2);
   CHECK(blend.blend(p, q, 0.3) == half);
-  CHECK(!refusal([&] { blend.blend(p.topRows(3), q, 0.5); }).empty());
+  CHECK(!error_message([&] { blend.blend(p.topRows(3), q, 0.5); }).empty());
 }
 
 TEST_CASE("a turned copy is blended by turning") {
   Random random(72);
   const TriangleMesh mesh = bar(12, 3, 3, 0.6);
-  const Points p = moved({random_turn(random), Vec3(1, 2, 3)}, mesh.points());
+  const Points p = moved({random_rotation_matrix(random), Vec3(1, 2, 3)}, mesh.points());
   ShapeBlend blend(mesh);
   for (const double angle : {0.5, 2.0, 3.1}) {
-    const Vec3 log = rotation_log(random.point(), angle), shift = random.point();
+    const Vec3 log = to_rotation_vector(random.point(), angle), translation = random.point();
     const Vec3 c = mean_of(p);
-    const Points q = moved(RigidMotion::about(c, rotation_matrix(log), c + shift), p);
+    const Points q = moved(RigidMotion::about(c, rotation_matrix(log), c + translation), p);
     for (const double alpha : {0.25, 0.5, 0.9}) {
       const Points wanted =
-          moved(RigidMotion::about(c, rotation_matrix(alpha * log), c + alpha * shift), p);
+          moved(RigidMotion::about(c, rotation_matrix(alpha * log), c + alpha * translation), p);
       CHECK(distance(blend.blend(p, q, alpha), wanted) < 1e-12);
     }
     CHECK(edge_change(mesh, p, blend.blend(p, q, 0.5)) < 1e-12);
@@ -100,16 +100,16 @@ TEST_CASE("a turned copy is blended by turning") {
 TEST_CASE("a bar that winds by more than a half turn keeps its size half way") {
   const TriangleMesh mesh = bar(40, 3, 3, 0.3);
   ShapeBlend blend(mesh);
-  const Points p = mesh.points(), q = wound(p, 5);
+  const Points p = mesh.points(), q = twisted(p, 5);
   for (const double alpha : {0.2, 0.5, 0.8}) {
     const Points v = blend.blend(p, q, alpha);
     CHECK(folds(mesh, v) == 0);
-    const Points wanted = wound(p, alpha * 5);
+    const Points wanted = twisted(p, alpha * 5);
     // Compared up to a rigid motion: the blend's centroid goes straight.
     const Trajectory t =
         trajectory_of({wanted, v}, nodes_where(v, [](const Vec3&) { return true; }));
     const double apart =
-        distance(moved(RigidMotion::about(mean_of(wanted), t.turns[1], mean_of(v)), wanted), v);
+        distance(moved(RigidMotion::about(mean_of(wanted), t.rotations[1], mean_of(v)), wanted), v);
     INFO("alpha " << alpha << ": " << apart << ", edges " << edge_change(mesh, wanted, v));
     CHECK(apart < 0.02);
     CHECK(edge_change(mesh, wanted, v) < 0.06);
@@ -119,9 +119,9 @@ TEST_CASE("a bar that winds by more than a half turn keeps its size half way") {
 TEST_CASE("a morph is the source, then the blend, then the target") {
   const TriangleMesh mesh = bar(10, 2, 3, 0.6);
   std::vector<Points> a, b;
-  const RigidMotion apart{rotation_matrix(rotation_log(Vec3::UnitZ(), 0.8)), Vec3(4, -3, 0)};
+  const RigidMotion apart{rotation_matrix(to_rotation_vector(Vec3::UnitZ(), 0.8)), Vec3(4, -3, 0)};
   for (int k = 0; k < 12; ++k) {
-    Points p = wound(mesh.points(), 0.4 + 0.05 * k), q = wound(mesh.points(), 0.4 + 0.1 * k);
+    Points p = twisted(mesh.points(), 0.4 + 0.05 * k), q = twisted(mesh.points(), 0.4 + 0.1 * k);
     p.col(0).array() += 0.1 * k;
     q.col(0).array() += 0.1 * k;
     a.push_back(p);
@@ -132,13 +132,13 @@ TEST_CASE("a morph is the source, then the blend, then the target") {
   options.source = {3, 9};
   options.target = {0, 8};
   const MeshSequence result = morph(source, target, mesh, options);
-  CHECK(ground_alignment(b[0], b[0], Vec3::UnitZ()).shift.norm() < 1e-13);
+  CHECK(ground_alignment(b[0], b[0], Vec3::UnitZ()).translation.norm() < 1e-13);
   const RigidMotion align = ground_alignment(b[0], a[3], Vec3::UnitZ());
   // b[0] is a[0]'s bar elsewhere; a[3] is wound a little more.
   CHECK(distance(ground_alignment(b[0], a[0], Vec3::UnitZ()), apart.inverse()) < 1e-12);
-  CHECK(std::abs(align.turn(2, 2) - 1) < 1e-14);
+  CHECK(std::abs(align.rotation(2, 2) - 1) < 1e-14);
   const Points raised = b[0].rowwise() + Eigen::RowVector3d(0, 0, 0.7);
-  CHECK(std::abs(ground_alignment(raised, a[0], Vec3::UnitZ()).shift.z()) < 1e-13);
+  CHECK(std::abs(ground_alignment(raised, a[0], Vec3::UnitZ()).translation.z()) < 1e-13);
   REQUIRE(result.frame_count() == 3 + 8 + 3);
   check(result, "morph");
   for (int k = 0; k <= 3; ++k) {
@@ -162,7 +162,7 @@ TEST_CASE("a morph is the source, then the blend, then the target") {
                            const MorphInterval& until) {
     MorphOptions o;
     o.source = from, o.target = until;
-    return refusal([&] { morph(source, to, mesh, o); });
+    return error_message([&] { morph(source, to, mesh, o); });
   };
   CHECK(refused(target, {3, 9}, {0, 8}).empty());
   CHECK(refused(target, {3, 12}, {0, 8}).find("source") != std::string::npos);
@@ -174,7 +174,7 @@ TEST_CASE("a morph is the source, then the blend, then the target") {
 
 TEST_CASE("the nearest point of a mesh is the nearest of all its triangles") {
   const TriangleMesh mesh = sphere(2);
-  const SurfaceSearch search(mesh);
+  const AabbTree search(mesh);
   Random random(73);
   for (int k = 0; k < 300; ++k) {
     const Vec3 x = 2 * random.point();
@@ -207,7 +207,7 @@ TEST_CASE("the nearest point of a mesh is the nearest of all its triangles") {
     CHECK((from_weights - found->at).norm() < 1e-13);
     CHECK(search.nearest(x, normal)->distance == Approx(least_facing).epsilon(1e-12));
   }
-  CHECK_FALSE(SurfaceSearch(flat_square(2, 0, 1)).nearest(Vec3::Zero(), Vec3(0, 0, -1)));
+  CHECK_FALSE(AabbTree(flat_square(2, 0, 1)).nearest(Vec3::Zero(), Vec3(0, 0, -1)));
 }
 
 TEST_CASE("a mesh takes the shape of another one and follows it") {
@@ -222,7 +222,7 @@ TEST_CASE("a mesh takes the shape of another one and follows it") {
   const TriangleMesh target = ball.with_points(moved(there, shape));
   const TriangleMesh mesh = bar(12, 8, 2.4, 1.6);
   std::vector<LandmarkPair> landmarks;
-  const SurfaceSearch search(ball.with_points(shape));
+  const AabbTree search(ball.with_points(shape));
   for (const Vec3& d : {Vec3(1, 0, 0), Vec3(-1, 0, 0), Vec3(0, 1, 0), Vec3(0, -1, 0), Vec3(0, 0, 1),
                         Vec3(0, 0, -1)}) {
     int node = 0;
@@ -237,11 +237,11 @@ TEST_CASE("a mesh takes the shape of another one and follows it") {
   const TargetFit fit = fit_to_target(mesh, target, landmarks);
   const double size = target.size();
   INFO("mean " << fit.mean_distance / size << ", largest " << fit.largest_distance / size
-               << ", landmarks " << fit.landmark_distance / size << ", turned " << fit.turned_over);
+               << ", landmarks " << fit.landmark_distance / size << ", turned " << fit.inverted);
   CHECK(fit.mean_distance < 1e-3 * size);
   CHECK(fit.largest_distance < 1e-2 * size);
   CHECK(fit.landmark_distance < 1e-3 * size);
-  CHECK(fit.turned_over == 0);
+  CHECK(fit.inverted == 0);
 
   Random random(74);
   std::vector<Points> frames;
@@ -254,15 +254,17 @@ TEST_CASE("a mesh takes the shape of another one and follows it") {
   ShellMesh shells;
   for (const auto& t : mesh.triangles()) shells.add_face(t);
   shells.points = mesh.points();
-  const MeshSequence followed = followed_target(shells, fit.positions, moving, target, 2);
+  const MeshSequence followed = transfer_target_motion(shells, fit.positions, moving, target, 2);
   REQUIRE(followed.frame_count() == 5);
   CHECK(followed.times == moving.times);
   for (int k = 0; k < 5; ++k)
     CHECK(distance(followed.frames[k], moved(motions[k], fit.positions)) < 1e-12);
-  CHECK(!refusal([&] { followed_target(shells, fit.positions, moving, target, 5); }).empty());
+  CHECK(!error_message([&] {
+           transfer_target_motion(shells, fit.positions, moving, target, 5);
+         }).empty());
 
   const auto refused = [&](std::vector<LandmarkPair> pairs, const TargetFitOptions& o = {}) {
-    return refusal([&] { fit_to_target(mesh, target, pairs, o); });
+    return error_message([&] { fit_to_target(mesh, target, pairs, o); });
   };
   CHECK(refused({landmarks[0], landmarks[1]}).find("three") != std::string::npos);
   auto wrong = landmarks;
@@ -293,7 +295,7 @@ TEST_CASE("a walk on the spot goes as far as the foot that stands") {
   CHECK(stance_speed(frames, {a, b}, along, Vec3::UnitZ()) == Approx(0.25).epsilon(1e-12));
   CHECK(stance_speed(frames, {a, b}, -along, Vec3::UnitZ()) == Approx(-0.25).epsilon(1e-12));
   const MeshSequence walk = sequence_of(mesh, frames, 0.04);
-  const MeshSequence far = travelled(walk, 3, along, 0.25);
+  const MeshSequence far = with_root_motion(walk, 3, along, 0.25);
   REQUIRE(far.frame_count() == 3 * 16 + 1);
   check(far, "far");
   for (int k = 0; k < far.frame_count(); ++k) {
@@ -307,9 +309,11 @@ TEST_CASE("a walk on the spot goes as far as the foot that stands") {
   }
   // Open: all frames in every cycle.
   frames.pop_back();
-  CHECK(travelled(sequence_of(mesh, frames), 3, along, 0.25).frame_count() == 48);
-  CHECK(!refusal([&] { travelled(walk, 0, along, 1); }).empty());
-  CHECK(!refusal([&] { travelled(sequence_of(mesh, {frames[0]}), 2, along, 1); }).empty());
-  CHECK(!refusal([&] { stance_speed({frames[0]}, {a}, along, Vec3::UnitZ()); }).empty());
-  CHECK(!refusal([&] { stance_speed(frames, {}, along, Vec3::UnitZ()); }).empty());
+  CHECK(with_root_motion(sequence_of(mesh, frames), 3, along, 0.25).frame_count() == 48);
+  CHECK(!error_message([&] { with_root_motion(walk, 0, along, 1); }).empty());
+  CHECK(!error_message([&] {
+           with_root_motion(sequence_of(mesh, {frames[0]}), 2, along, 1);
+         }).empty());
+  CHECK(!error_message([&] { stance_speed({frames[0]}, {a}, along, Vec3::UnitZ()); }).empty());
+  CHECK(!error_message([&] { stance_speed(frames, {}, along, Vec3::UnitZ()); }).empty());
 }

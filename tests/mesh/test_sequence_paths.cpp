@@ -2,12 +2,12 @@
 #include <cmath>
 #include <numbers>
 
-#include "batten/mesh/sequence/footprints.h"
-#include "batten/mesh/sequence/path.h"
-#include "batten/tests/catch.h"
-#include "batten/tests/mesh/sample_meshes.h"
-#include "batten/tests/mesh/sequence_laws.h"
-#include "batten/tests/refusal.h"
+#include "batten/mesh/sequence/foot_contact.h"
+#include "batten/mesh/sequence/ground_path.h"
+#include "batten/tests/support/catch.h"
+#include "batten/tests/support/error_message.h"
+#include "batten/tests/support/random_motion.h"
+#include "batten/tests/support/sample_meshes.h"
 
 using namespace batten;
 using namespace batten_test;
@@ -51,37 +51,37 @@ Points straight_walk(int frames, const Vec3& step) {
 
 TEST_CASE("footprints are the intervals in which a handle stays put") {
   for (const double noise : {0.0, 0.01}) {
-    FootprintOptions options;
-    options.within = 0.021;
-    const std::vector<Footprint> found = find_footprints(steps(noise), options);
+    FootContactOptions options;
+    options.max_spread = 0.021;
+    const std::vector<FootContact> found = detect_foot_contacts(steps(noise), options);
     REQUIRE(found.size() == 3);
     const int first[] = {5, 25, 40}, last[] = {14, 31, 49};
     for (int i = 0; i < 3; ++i) {
       CHECK(found[i].first == first[i]);
       CHECK(found[i].last == last[i]);
       CHECK((found[i].at - steps(0).centres.row(first[i]).transpose()).norm() <= noise + 1e-14);
-      CHECK((found[i].turn - Mat3::Identity()).norm() < 1e-14);
+      CHECK((found[i].rotation - Mat3::Identity()).norm() < 1e-14);
     }
     options.frames = 8;
-    CHECK(find_footprints(steps(noise), options).size() == 2);
-    options.within = 100;
-    CHECK(find_footprints(steps(noise), options).size() == 1);
+    CHECK(detect_foot_contacts(steps(noise), options).size() == 2);
+    options.max_spread = 100;
+    CHECK(detect_foot_contacts(steps(noise), options).size() == 1);
     options.speed = 0.1;
-    CHECK(find_footprints(steps(noise), options).size() == 2);
+    CHECK(detect_foot_contacts(steps(noise), options).size() == 2);
   }
   // No two centroids of a footprint are farther apart, however slowly it slides.
   Trajectory slow{straight_walk(60, Vec3(0.01, 0, 0)), std::vector<Mat3>(60, Mat3::Identity())};
-  FootprintOptions options;
-  options.within = 0.05;
+  FootContactOptions options;
+  options.max_spread = 0.05;
   int last = -1;
-  for (const Footprint& f : find_footprints(slow, options)) {
+  for (const FootContact& f : detect_foot_contacts(slow, options)) {
     CHECK(f.first > last);
     last = f.last;
     for (int k = f.first; k <= f.last; ++k)
       CHECK((slow.centres.row(k) - slow.centres.row(f.first)).norm() <= 0.05);
   }
   CHECK(last > 0);
-  CHECK(!refusal([&] { find_footprints(slow, {}); }).empty());
+  CHECK(!error_message([&] { detect_foot_contacts(slow, {}); }).empty());
 }
 
 TEST_CASE("the lowest vertices of a handle are its sole in the mean") {
@@ -93,19 +93,19 @@ TEST_CASE("the lowest vertices of a handle are its sole in the mean") {
   CHECK(lowest_vertices({low, high}, {0, 1, 2, 3, 4}, Vec3::UnitZ(), 0.4) ==
         std::vector<int>{1, 3});
   CHECK(lowest_vertices({low}, {0, 2}, -Vec3::UnitZ(), 0.01) == std::vector<int>{2});
-  CHECK(!refusal([&] { lowest_vertices({low}, {5}, Vec3::UnitZ()); }).empty());
+  CHECK(!error_message([&] { lowest_vertices({low}, {5}, Vec3::UnitZ()); }).empty());
 }
 
 TEST_CASE("all frames of a moved footprint become keyframes that move the same way") {
   Random random(22);
   Trajectory t = steps(0.01);
-  t.turns.assign(50, random_turn(random));
-  FootprintOptions options;
-  options.within = 0.021;
-  const std::vector<Footprint> before = find_footprints(t, options);
-  std::vector<Footprint> after = before;
+  t.rotations.assign(50, random_rotation_matrix(random));
+  FootContactOptions options;
+  options.max_spread = 0.021;
+  const std::vector<FootContact> before = detect_foot_contacts(t, options);
+  std::vector<FootContact> after = before;
   std::vector<RigidMotion> motions;
-  for (Footprint& f : after) {
+  for (FootContact& f : after) {
     motions.push_back(random_motion(random));
     f = moved(motions.back(), f);
   }
@@ -121,8 +121,8 @@ TEST_CASE("all frames of a moved footprint become keyframes that move the same w
 
 TEST_CASE("footprints that cannot be are refused by name and frames") {
   const Vec3 a(1, 2, 3), b(1, 2, 3.5);
-  const auto told = [](const std::vector<Footprint>& all) {
-    return refusal([&] { check(all, 10, "left foot"); });
+  const auto told = [](const std::vector<FootContact>& all) {
+    return error_message([&] { check(all, 10, "left foot"); });
   };
   CHECK(told({{2, 5, a}, {6, 9, b}}).empty());
   CHECK(told({{2, 6, a}, {5, 9, a}}).empty());
@@ -135,7 +135,7 @@ TEST_CASE("footprints that cannot be are refused by name and frames") {
   CHECK(
       told({{2, 6, a}, {6, 9, a, rotation_matrix(Vec3(0, 0, 0.1))}}).find("different rotations") !=
       std::string::npos);
-  CHECK(!refusal([&] { keyframes_of({{2, 5, a}}, {{2, 6, a}}, 10, "left foot"); }).empty());
+  CHECK(!error_message([&] { keyframes_of({{2, 5, a}}, {{2, 6, a}}, 10, "left foot"); }).empty());
 }
 
 TEST_CASE("a terrain is the highest of all triangles on a vertical line") {
@@ -143,9 +143,9 @@ TEST_CASE("a terrain is the highest of all triangles on a vertical line") {
   const TriangleMesh low = sheet(12), shell = sphere(2);
   Points lifted = shell.points() * 0.8;
   lifted.rowwise() += Eigen::RowVector3d(2, 2, 1);
-  const TriangleMesh both = beside(low, shell.with_points(lifted));
+  const TriangleMesh both = disjoint_union(low, shell.with_points(lifted));
   const RigidMotion world = random_motion(random);
-  const Vec3 up = world.turn.col(2);
+  const Vec3 up = world.rotation.col(2);
   const Terrain terrain(both.with_points(moved(world, both.points())), 2 * up);
   for (int i = 0; i < 300; ++i) {
     const Vec3 p(random.between(-0.2, 4.2), random.between(-0.2, 4.2), 3 * random());
@@ -160,13 +160,13 @@ TEST_CASE("a terrain is the highest of all triangles on a vertical line") {
       const Vec3 L = flat.inverse() * Vec3(p.x(), p.y(), 1);
       if (L.minCoeff() > 0 && (!height || M.row(2) * L > *height)) height = M.row(2) * L;
     }
-    const auto found = terrain.place(world(p));
+    const auto found = terrain.surface_point(world(p));
     CHECK(found.has_value() == height.has_value());
     if (!found || !height) continue;
     CHECK((found->at - world(Vec3(p.x(), p.y(), *height))).norm() < 1e-12);
     CHECK(found->normal.dot(up) > 0);
   }
-  CHECK(!refusal([&] { Terrain(low, Vec3::Zero()); }).empty());
+  CHECK(!error_message([&] { Terrain(low, Vec3::Zero()); }).empty());
 }
 
 TEST_CASE(
@@ -178,10 +178,10 @@ TEST_CASE(
   Random random(24);
   for (int i = 0; i < 100; ++i) {
     const Vec3 p(0.6 * random(), 0.6 * random(), random());
-    const auto found = terrain.place(p);
+    const auto found = terrain.surface_point(p);
     REQUIRE(found);
     CHECK((found->normal - found->at.normalized()).norm() < 8e-3);
-    CHECK((found->normal - other.place(p)->normal).norm() < 1e-14);
+    CHECK((found->normal - other.surface_point(p)->normal).norm() < 1e-14);
   }
 }
 
@@ -191,39 +191,39 @@ TEST_CASE("footprints stand on a terrain upright or along its normal") {
   p << -5, -5, -2, 5, -5, 3, 5, 5, 4, -5, 5, -1;
   const Terrain slope(TriangleMesh(p, {{0, 1, 2}, {0, 2, 3}}));
   const Vec3 normal = Vec3(-0.5, -0.1, 1).normalized();
-  const Footprint f{3, 8, Vec3(1, 2, 7), rotation_matrix(Vec3(0.1, 0.2, 0.3))};
-  const Footprint upright = projected(f, slope, {0.3, false}, "foot");
+  const FootContact f{3, 8, Vec3(1, 2, 7), rotation_matrix(Vec3(0.1, 0.2, 0.3))};
+  const FootContact upright = projected(f, slope, {0.3, false}, "foot");
   CHECK((upright.at - Vec3(1, 2, 1.7 + 0.3)).norm() < 1e-14);
-  CHECK((upright.turn - f.turn).norm() < 1e-15);
-  const Footprint turned = projected(f, slope, {0.3, true}, "foot");
+  CHECK((upright.rotation - f.rotation).norm() < 1e-15);
+  const FootContact turned = projected(f, slope, {0.3, true}, "foot");
   CHECK((turned.at - Vec3(1, 2, 1.7) - 0.3 * normal).norm() < 1e-14);
-  const Mat3 R = turned.turn * f.turn.transpose();
+  const Mat3 R = turned.rotation * f.rotation.transpose();
   CHECK((R * Vec3::UnitZ() - normal).norm() < 1e-14);
   CHECK((R * Vec3::UnitZ().cross(normal) - Vec3::UnitZ().cross(normal)).norm() < 1e-14);
   CHECK(turned.first == 3);
   CHECK(turned.last == 8);
-  CHECK(refusal([&] {
+  CHECK(error_message([&] {
           projected({3, 8, Vec3(9, 0, 0)}, slope, {}, "left foot");
         }) == "left foot: the footprint of frames 4-9 has no terrain above or below it");
 }
 
 TEST_CASE("images of a footprint are averaged to one") {
   Random random(25);
-  const Footprint f{2, 5, random.point(), random_turn(random)};
+  const FootContact f{2, 5, random.point(), random_rotation_matrix(random)};
   const RigidMotion motion = random_motion(random);
-  const Footprint same = averaged({f}, std::vector(8, motion))[0];
+  const FootContact same = averaged({f}, std::vector(8, motion))[0];
   CHECK((same.at - moved(motion, f).at).norm() < 1e-14);
-  CHECK((same.turn - moved(motion, f).turn).norm() < 1e-14);
+  CHECK((same.rotation - moved(motion, f).rotation).norm() < 1e-14);
   // Motions that differ evenly about one: that one; frames outside do not count.
   std::vector<RigidMotion> motions(8, random_motion(random));
-  const Vec3 log(0.1, 0.2, -0.1), shift(1, 2, 3);
+  const Vec3 log(0.1, 0.2, -0.1), translation(1, 2, 3);
   for (int k = 2; k <= 5; ++k)
-    motions[k] = RigidMotion::about(f.at, rotation_matrix((k - 3.5) * log) * motion.turn,
-                                    motion(f.at) + (k - 3.5) * shift);
-  const Footprint mean = averaged({f}, motions)[0];
+    motions[k] = RigidMotion::about(f.at, rotation_matrix((k - 3.5) * log) * motion.rotation,
+                                    motion(f.at) + (k - 3.5) * translation);
+  const FootContact mean = averaged({f}, motions)[0];
   CHECK((mean.at - moved(motion, f).at).norm() < 1e-13);
-  CHECK((mean.turn - moved(motion, f).turn).norm() < 1e-13);
-  CHECK(!refusal([&] { averaged({f}, std::vector(5, motion)); }).empty());
+  CHECK((mean.rotation - moved(motion, f).rotation).norm() < 1e-13);
+  CHECK(!error_message([&] { averaged({f}, std::vector(5, motion)); }).empty());
 }
 
 TEST_CASE("one straight path on the line of another moves nothing") {
@@ -247,9 +247,10 @@ TEST_CASE("curves by their length: circles, ends that go straight on") {
   CHECK(std::abs(half.length() - 3 * pi) < 1e-4);
   for (double s = 0.5; s < 9; s += 0.37) {
     CHECK((half.at(s) - 3 * Vec3(std::cos(s / 3), std::sin(s / 3), 0)).norm() < 1e-4);
-    CHECK((half.frame(s).turn.col(0) - Vec3(-std::sin(s / 3), std::cos(s / 3), 0)).norm() < 1e-3);
-    CHECK((half.frame(s).turn * Vec3(1, 1, 1) - half.frame(s).turn.col(0) - Vec3::UnitZ() -
-           Vec3::UnitZ().cross(half.frame(s).turn.col(0)))
+    CHECK((half.frame(s).rotation.col(0) - Vec3(-std::sin(s / 3), std::cos(s / 3), 0)).norm() <
+          1e-3);
+    CHECK((half.frame(s).rotation * Vec3(1, 1, 1) - half.frame(s).rotation.col(0) - Vec3::UnitZ() -
+           Vec3::UnitZ().cross(half.frame(s).rotation.col(0)))
               .norm() < 1e-14);
     CHECK(std::abs(half.length_to(half.parameter(s)) - s) < 1e-14 * 9);
     // By length: steps are as long as they say.
@@ -258,14 +259,15 @@ TEST_CASE("curves by their length: circles, ends that go straight on") {
   for (const double s : {-2.0, half.length() + 2}) {
     const double end = s < 0 ? 0 : half.length();
     const RigidMotion at_end = half.frame(end), beyond = half.frame(s);
-    CHECK((beyond.shift - at_end.shift - (s - end) * at_end.turn.col(0)).norm() < 1e-13);
-    CHECK((beyond.turn - at_end.turn).norm() < 1e-13);
+    CHECK((beyond.translation - at_end.translation - (s - end) * at_end.rotation.col(0)).norm() <
+          1e-13);
+    CHECK((beyond.rotation - at_end.rotation).norm() < 1e-13);
   }
-  CHECK(refusal([] {
+  CHECK(error_message([] {
           GroundPath::through({Vec3(1, 2, 3), Vec3(0, 0, 0), Vec3(0, 0, 1)});
         }) == "path: points 2 and 3 are in one place of the ground");
-  CHECK(!refusal([] { GroundPath::through({Vec3(1, 2, 3)}); }).empty());
-  CHECK(!refusal([] { fit_path(Points::Ones(9, 3)); }).empty());
+  CHECK(!error_message([] { GroundPath::through({Vec3(1, 2, 3)}); }).empty());
+  CHECK(!error_message([] { fit_path(Points::Ones(9, 3)); }).empty());
 }
 
 TEST_CASE("curves through points bend evenly, and not at their ends") {
@@ -313,7 +315,7 @@ TEST_CASE("fitted curves give cubics back") {
 TEST_CASE("frames keep what they were beside and above their path") {
   Random random(26);
   const RigidMotion tilt = random_motion(random);
-  const Vec3 up = tilt.turn.col(2);
+  const Vec3 up = tilt.rotation.col(2);
   const Points c = walk(120, tilt);
   const FittedPath from = fit_path(c, {up, 3});
   std::vector<Vec3> points;
@@ -328,7 +330,7 @@ TEST_CASE("frames keep what they were beside and above their path") {
       const Vec3 at = c.row(k);
       CHECK((to.frame(scale * s).inverse()(motions[k](at)) - from.path.frame(s).inverse()(at))
                 .norm() < 1e-12);
-      CHECK((motions[k].turn * up - up).norm() < 1e-13);
+      CHECK((motions[k].rotation * up - up).norm() < 1e-13);
       CHECK(std::abs((motions[k](at) - at).dot(up)) < 1e-12);
     }
     CHECK((scale * from.lengths.back() > to.length() + 1) == (lengths == PathLengths::Absolute));
@@ -338,7 +340,7 @@ TEST_CASE("frames keep what they were beside and above their path") {
 }
 
 TEST_CASE("a path that is moved over the ground moves its frames as it was moved") {
-  const RigidMotion world{rotation_matrix(rotation_log(Vec3::UnitZ(), 2)), Vec3(5, -3, 0)};
+  const RigidMotion world{rotation_matrix(to_rotation_vector(Vec3::UnitZ(), 2)), Vec3(5, -3, 0)};
   const FittedPath from = fit_path(walk(120)), to = fit_path(walk(120, world));
   for (const RigidMotion& motion : path_motions(from, to.path))
     CHECK(distance(motion, world) < 1e-10);
@@ -350,12 +352,12 @@ TEST_CASE("fitted paths leave sway in the frames and come near with more pieces"
   Points c(F, 3);
   for (int k = 0; k < F; ++k) c.row(k) << 0.1 * k, 0.05 * std::sin(2 * pi * k / 10), 1;
   const FittedPath few = fit_path(c, {Vec3::UnitZ(), 4}), many = fit_path(c, {Vec3::UnitZ(), 80});
-  double beside = 0, near = 0;
+  double disjoint_union = 0, near = 0;
   for (int k = 0; k < F; ++k) {
-    beside = std::max(beside, std::abs(few.path.at(few.lengths[k]).y()));
+    disjoint_union = std::max(disjoint_union, std::abs(few.path.at(few.lengths[k]).y()));
     near = std::max(near, (many.path.at(many.lengths[k]) - Vec3(c(k, 0), c(k, 1), 0)).norm());
   }
-  CHECK(beside < 0.02);
+  CHECK(disjoint_union < 0.02);
   CHECK(near < 0.01);
   // Frames that stand still have one length, and do not draw the path.
   Points waiting(F + 100, 3);

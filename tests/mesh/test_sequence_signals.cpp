@@ -2,13 +2,13 @@
 
 #include "batten/core/dense.h"
 #include "batten/core/errors.h"
-#include "batten/core/work.h"
+#include "batten/core/op_counter.h"
 #include "batten/mesh/sequence/handle_trajectory.h"
-#include "batten/tests/allocations.h"
-#include "batten/tests/catch.h"
-#include "batten/tests/mesh/sample_meshes.h"
-#include "batten/tests/mesh/sequence_laws.h"
-#include "batten/tests/refusal.h"
+#include "batten/tests/support/allocations.h"
+#include "batten/tests/support/catch.h"
+#include "batten/tests/support/error_message.h"
+#include "batten/tests/support/random_motion.h"
+#include "batten/tests/support/sample_meshes.h"
 
 using namespace batten;
 using namespace batten_test;
@@ -29,8 +29,8 @@ struct Sampled {
 };
 
 Sampled sample(const std::vector<double>& keys, const std::vector<double>& values,
-               const std::vector<double>& at, KeyframeEnds ends, std::optional<double> from = {},
-               std::optional<double> to = {}) {
+               const std::vector<double>& at, KeyframeExtrapolation ends,
+               std::optional<double> from = {}, std::optional<double> to = {}) {
   constexpr double h = 1e-6;
   std::vector<double> times;
   for (const double t : at) times.insert(times.end(), {t - h, t, t + h});
@@ -69,18 +69,18 @@ TEST_CASE("rigid motions compose, turn back, and are found again in trajectories
   Trajectory still = t;
   for (int k = 0; k < 8; ++k) {
     still.centres.row(k) = t.centres.row(0);
-    still.turns[k].setIdentity();
+    still.rotations[k].setIdentity();
   }
   CHECK(distance(t, moved(motions, still)) < 1e-9);
   const std::vector<RigidMotion> found = motions_between(still, t);
   for (int k = 0; k < 8; ++k)
     CHECK((found[k](mesh.row(7).transpose()) - frames[k].row(7).transpose()).norm() < 1e-9);
-  CHECK(refusal([&] {
+  CHECK(error_message([&] {
           trajectory_of(frames, {3, 30});
         }) == "trajectory of vertex 31, frame 1 has 30");
   const std::vector<RigidMotion> again = motions_between(t, moved(motions, t));
-  for (int k = 0; k < 8; ++k) CHECK((again[k].turn - motions[k].turn).norm() < 1e-14);
-  CHECK(!refusal([&] { trajectory_of(frames, {}); }).empty());
+  for (int k = 0; k < 8; ++k) CHECK((again[k].rotation - motions[k].rotation).norm() < 1e-14);
+  CHECK(!error_message([&] { trajectory_of(frames, {}); }).empty());
 }
 
 TEST_CASE("weights of keyframes give the values there, and parabolas between inner ones") {
@@ -103,30 +103,30 @@ TEST_CASE("weights of keyframes give the values there, and parabolas between inn
     CHECK(std::abs(value(inner.row(k), {1, 1, 1, 1, 1}) - 1) < 1e-14);
   }
   const std::vector<double> everywhere = {-7, -1, -0.4, 0.3, 2, 3.7, 4.5, 9};
-  const KeyframeWeights linear(everywhere, keys, KeyframeEnds::Linear);
+  const KeyframeWeights linear(everywhere, keys, KeyframeExtrapolation::Linear);
   for (int k = 0; k < 8; ++k)
     CHECK(std::abs(value(linear.row(k), line) - (2 - everywhere[k])) < 1e-13);
 }
 
 TEST_CASE("values between keyframes have no kinks and are constant outside or zero") {
-  const Sampled s = sample(uneven, values, uneven, KeyframeEnds::None);
+  const Sampled s = sample(uneven, values, uneven, KeyframeExtrapolation::None);
   for (int m = 0; m < 5; ++m) CHECK(std::abs(s.left[m] - s.right[m]) < 1e-4);
   for (const int end : {0, 4}) CHECK(std::abs(s.left[end]) + std::abs(s.right[end]) < 1e-4);
-  const Sampled outside = sample(uneven, values, {-50, 60}, KeyframeEnds::None);
+  const Sampled outside = sample(uneven, values, {-50, 60}, KeyframeExtrapolation::None);
   CHECK(outside.value == std::vector<double>{values.front(), values.back()});
   const Sampled bump =
-      sample(uneven, values, {-2, -1, 0.3, 0.8, 3, 4.5, 6}, KeyframeEnds::None, -2, 6);
+      sample(uneven, values, {-2, -1, 0.3, 0.8, 3, 4.5, 6}, KeyframeExtrapolation::None, -2, 6);
   for (size_t i = 0; i < 7; ++i) CHECK(std::abs(bump.left[i] - bump.right[i]) < 1e-4);
   for (const size_t end : {size_t{0}, size_t{6}}) {
     CHECK(bump.value[end] == 0);
     CHECK(std::abs(bump.left[end]) + std::abs(bump.right[end]) < 1e-4);
   }
-  CHECK(sample(uneven, values, {-2.1, 7}, KeyframeEnds::None, -2, 6).value ==
+  CHECK(sample(uneven, values, {-2.1, 7}, KeyframeExtrapolation::None, -2, 6).value ==
         std::vector<double>{0, 0});
 }
 
 TEST_CASE("an influence ends flat also where the other end goes straight on") {
-  const Sampled s = sample(uneven, values, {-2, 4.5, 5, 7}, KeyframeEnds::Linear, -2);
+  const Sampled s = sample(uneven, values, {-2, 4.5, 5, 7}, KeyframeExtrapolation::Linear, -2);
   CHECK(s.value[0] == 0);
   CHECK(std::abs(s.left[0]) + std::abs(s.right[0]) < 1e-4);
   for (const size_t i : {1, 2, 3}) CHECK(std::abs(s.right[i] + 3.7 / 1.5) < 1e-4);
@@ -135,7 +135,8 @@ TEST_CASE("an influence ends flat also where the other end goes straight on") {
 TEST_CASE("keyframes that cannot be are refused by name") {
   const std::vector<double> t = frame_numbers(10);
   const auto told = [&](std::vector<int> keys, InfluenceInterval interval = {}) {
-    return refusal([&] { KeyframeWeights::of_frames(t, keys, KeyframeEnds::None, interval); });
+    return error_message(
+        [&] { KeyframeWeights::of_frames(t, keys, KeyframeExtrapolation::None, interval); });
   };
   CHECK(told({}) == "no keyframes");
   CHECK(told({3, 10}) == "keyframe 11 is not one of the frames 1-10");
@@ -152,27 +153,28 @@ TEST_CASE("keyframes that cannot be are refused by name") {
 TEST_CASE("logarithms follow rotations through many turns") {
   Random random(5);
   const Vec3 axis = random.point().normalized();
-  std::vector<Mat3> turns;
-  for (int k = 0; k < 40; ++k) turns.push_back(rotation_matrix(rotation_log(axis, 0.9 * k)));
-  const Points logs = followed_logs(turns);
+  std::vector<Mat3> rotations;
   for (int k = 0; k < 40; ++k)
-    CHECK((logs.row(k).transpose() - rotation_log(axis, 0.9 * k)).norm() < 1e-12);
+    rotations.push_back(rotation_matrix(to_rotation_vector(axis, 0.9 * k)));
+  const Points logs = unwrapped_logs(rotations);
+  for (int k = 0; k < 40; ++k)
+    CHECK((logs.row(k).transpose() - to_rotation_vector(axis, 0.9 * k)).norm() < 1e-12);
   // A full turn has no axis of its own.
-  CHECK((nearest_log(Mat3::Identity(), rotation_log(axis, 6)) -
-         rotation_log(axis, 2 * std::numbers::pi))
+  CHECK((nearest_log(Mat3::Identity(), to_rotation_vector(axis, 6)) -
+         to_rotation_vector(axis, 2 * std::numbers::pi))
             .norm() < 1e-14);
   // Every vertex by itself, and any logarithm is one of its rotation.
   std::vector<std::vector<Mat3>> at_keyframes(4);
   for (std::vector<Mat3>& of : at_keyframes)
-    for (int v = 0; v < 9; ++v) of.push_back(random_turn(random, 6));
-  const std::vector<Points> all = followed_logs(at_keyframes);
+    for (int v = 0; v < 9; ++v) of.push_back(random_rotation_matrix(random, 6));
+  const std::vector<Points> all = unwrapped_logs(at_keyframes);
   for (int v = 0; v < 9; ++v) {
     std::vector<Mat3> one;
     for (int m = 0; m < 4; ++m) {
       one.push_back(at_keyframes[m][v]);
       CHECK((rotation_matrix(all[m].row(v).transpose()) - one.back()).norm() < 1e-14);
     }
-    const Points followed = followed_logs(one);
+    const Points followed = unwrapped_logs(one);
     for (int m = 0; m < 4; ++m) CHECK(followed.row(m) == all[m].row(v));
     for (int m = 1; m < 4; ++m)
       CHECK((followed.row(m) - followed.row(m - 1)).norm() <
@@ -181,7 +183,7 @@ TEST_CASE("logarithms follow rotations through many turns") {
 }
 
 TEST_CASE("a twist of more than a turn is followed over the mesh") {
-  const TriangleMesh mesh = beside(sheet(30), sheet(9));
+  const TriangleMesh mesh = disjoint_union(sheet(30), sheet(9));
   const Vec3 axis = Vec3(1, 2, -1).normalized();
   std::vector<std::vector<Mat3>> at(3);
   const auto angle = [&](int m, int v) {
@@ -189,12 +191,12 @@ TEST_CASE("a twist of more than a turn is followed over the mesh") {
   };
   for (int m = 0; m < 3; ++m)
     for (int v = 0; v < mesh.vertex_count(); ++v)
-      at[m].push_back(rotation_matrix(rotation_log(axis, angle(m, v))));
-  const std::vector<Points> logs = followed_logs(at, mesh.topology());
+      at[m].push_back(rotation_matrix(to_rotation_vector(axis, angle(m, v))));
+  const std::vector<Points> logs = unwrapped_logs(at, mesh.topology());
   for (int m = 0; m < 3; ++m)
     for (int v = 0; v < mesh.vertex_count(); ++v)
-      CHECK((logs[m].row(v).transpose() - rotation_log(axis, angle(m, v))).norm() < 1e-12);
-  CHECK(refusal([&] { followed_logs(at, sheet(2).topology()); }) ==
+      CHECK((logs[m].row(v).transpose() - to_rotation_vector(axis, angle(m, v))).norm() < 1e-12);
+  CHECK(error_message([&] { unwrapped_logs(at, sheet(2).topology()); }) ==
         "1061 rotations for 9 vertices");
 }
 
@@ -209,25 +211,26 @@ TEST_CASE("interpolated rotations are exact at keyframes and the same in any fra
   Random random(6);
   const std::vector<int> keys = {2, 5, 6, 14};
   std::vector<Mat3> at;
-  for (int m = 0; m < 4; ++m) at.push_back(random_turn(random, 1.5));
+  for (int m = 0; m < 4; ++m) at.push_back(random_rotation_matrix(random, 1.5));
   const std::vector<double> times = frame_numbers(20);
-  const auto weights = KeyframeWeights::of_frames(times, keys, KeyframeEnds::Linear);
-  const std::vector<Mat3> turns = interpolated_turns(weights, at);
-  for (int m = 0; m < 4; ++m) CHECK(turns[keys[m]] == at[m]);
-  for (const Mat3& R : turns) {
+  const auto weights = KeyframeWeights::of_frames(times, keys, KeyframeExtrapolation::Linear);
+  const std::vector<Mat3> rotations = interpolated_rotations(weights, at);
+  for (int m = 0; m < 4; ++m) CHECK(rotations[keys[m]] == at[m]);
+  for (const Mat3& R : rotations) {
     CHECK((R.transpose() * R - Mat3::Identity()).norm() < 1e-14);
     CHECK(R.determinant() > 0);
   }
-  const Mat3 Q = random_turn(random);
+  const Mat3 Q = random_rotation_matrix(random);
   std::vector<Mat3> seen;
   for (const Mat3& R : at) seen.push_back(Q * R * Q.transpose());
-  const std::vector<Mat3> other = interpolated_turns(weights, seen);
-  for (int k = 0; k < 20; ++k) CHECK((other[k] - Q * turns[k] * Q.transpose()).norm() < 1e-12);
+  const std::vector<Mat3> other = interpolated_rotations(weights, seen);
+  for (int k = 0; k < 20; ++k) CHECK((other[k] - Q * rotations[k] * Q.transpose()).norm() < 1e-12);
   // Between two: along one axis, half of the angle in the middle.
   const auto pair = KeyframeWeights::of_frames(times, std::vector<int>{4, 10});
   const std::vector<Mat3> ends = {Mat3::Identity(),
-                                  rotation_matrix(rotation_log(Vec3(1, 2, 3), 2.5))};
-  CHECK((interpolated_turns(pair, ends)[7] - rotation_matrix(rotation_log(Vec3(1, 2, 3), 1.25)))
+                                  rotation_matrix(to_rotation_vector(Vec3(1, 2, 3), 2.5))};
+  CHECK((interpolated_rotations(pair, ends)[7] -
+         rotation_matrix(to_rotation_vector(Vec3(1, 2, 3), 1.25)))
             .norm() < 1e-14);
 }
 
@@ -235,13 +238,13 @@ TEST_CASE("interpolating a frame allocates nothing") {
   Random random(7);
   std::vector<std::vector<Mat3>> at(3);
   for (std::vector<Mat3>& of : at)
-    for (int v = 0; v < 100; ++v) of.push_back(random_turn(random, 1));
-  const std::vector<Points> logs = followed_logs(at);
+    for (int v = 0; v < 100; ++v) of.push_back(random_rotation_matrix(random, 1));
+  const std::vector<Points> logs = unwrapped_logs(at);
   const auto weights = KeyframeWeights::of_frames(frame_numbers(10), std::vector<int>{1, 4, 8});
   Points result(100, 3);
-  const WorkCount work;
+  const ScopedOpCount work;
   for (int k = 0; k < 10; ++k) interpolate_logs(weights.row(k), logs, result);
-  if (counts_allocations()) CHECK(work.of(Work::Allocation) == 0);
+  if (counts_allocations()) CHECK(work.of(OpCounter::Allocation) == 0);
   interpolate_logs(weights.row(4), logs, result);
   CHECK(result == logs[1]);
 }
@@ -249,21 +252,21 @@ TEST_CASE("interpolating a frame allocates nothing") {
 TEST_CASE("centroids after an edit are the minimum of the formula") {
   Random random(8);
   const int F = 17;
-  const Points c = wandering(F, 3);
-  const std::vector<Mat3> turns = winding(F, 4);
+  const Points c = smooth_path(F, 3);
+  const std::vector<Mat3> rotations = smooth_rotations(F, 4);
   const std::vector<int> keys = {3, 4, 11};
   Points at(3, 3);
   for (int m = 0; m < 3; ++m) at.row(m) = random.point();
   TrajectoryOptions options;
-  options.smoothness = Smoothness::Paper;
-  const Points found = edited_centres(c, turns, keys, at, options);
+  options.smoothness = Smoothness::PiecewiseLinear;
+  const Points found = edited_centres(c, rotations, keys, at, options);
   // Two rows a pair of neighbours, one with the rotation of each; keyframes by substitution.
   MatX A = MatX::Zero(2 * (F - 1), F), b(2 * (F - 1), 3);
   for (int k = 0; k + 1 < F; ++k)
     for (int j = 0; j < 2; ++j) {
       A(2 * k + j, k) = -1;
       A(2 * k + j, k + 1) = 1;
-      b.row(2 * k + j) = (c.row(k + 1) - c.row(k)) * turns[k + j].transpose();
+      b.row(2 * k + j) = (c.row(k + 1) - c.row(k)) * rotations[k + j].transpose();
     }
   for (int m = 0; m < 3; ++m) {
     b -= A.col(keys[m]) * at.row(m);
@@ -277,9 +280,9 @@ TEST_CASE("centroids after an edit are the minimum of the formula") {
 TEST_CASE("edits of trajectories keep what they should") {
   Random random(9);
   const int F = 30;
-  Trajectory t{wandering(F, 5), winding(F, 6)};
+  Trajectory t{smooth_path(F, 5), smooth_rotations(F, 6)};
   const RigidMotion motion = random_motion(random);
-  for (const Smoothness smoothness : {Smoothness::Paper, Smoothness::Smooth}) {
+  for (const Smoothness smoothness : {Smoothness::PiecewiseLinear, Smoothness::Smooth}) {
     TrajectoryOptions options;
     options.smoothness = smoothness;
     const std::vector<HandleKeyframe> none = {{2, {}}, {9, {}}, {20, {}}};
@@ -299,7 +302,7 @@ TEST_CASE("edits of trajectories keep what they should") {
       const int k = keyframe.frame;
       CHECK((local.centres.row(k).transpose() - keyframe.motion(t.centres.row(k).transpose()))
                 .norm() == 0);
-      CHECK((local.turns[k] - keyframe.motion.turn * t.turns[k]).norm() == 0);
+      CHECK((local.rotations[k] - keyframe.motion.rotation * t.rotations[k]).norm() == 0);
     }
     for (int k = 0; k < F; ++k)
       if (k <= 5 || k >= 21)
@@ -313,7 +316,7 @@ TEST_CASE("smooth edits have no kink where those of the paper have one") {
   // A still handle that is shifted in the middle: the change itself is seen, finely.
   const int F = 2001;
   Points still = Points::Zero(F, 3);
-  const std::vector<Mat3> turns(F, Mat3::Identity());
+  const std::vector<Mat3> rotations(F, Mat3::Identity());
   TrajectoryOptions options;
   options.influence = {200, 1800};
   options.times = frame_numbers(F);
@@ -323,9 +326,9 @@ TEST_CASE("smooth edits have no kink where those of the paper have one") {
   const auto jump = [&](const Points& p, int k) {
     return ((p.row(k + 1) - p.row(k)) - (p.row(k) - p.row(k - 1))).norm() * 100;
   };
-  const Points smooth = edited_centres(still, turns, {900, 1100}, at, options);
-  options.smoothness = Smoothness::Paper;
-  const Points paper = edited_centres(still, turns, {900, 1100}, at, options);
+  const Points smooth = edited_centres(still, rotations, {900, 1100}, at, options);
+  options.smoothness = Smoothness::PiecewiseLinear;
+  const Points paper = edited_centres(still, rotations, {900, 1100}, at, options);
   for (const int k : {200, 900, 1100, 1800}) {
     CHECK(jump(smooth, k) < 0.02);
     CHECK(jump(paper, k) > 0.1);
@@ -346,13 +349,14 @@ TEST_CASE("smooth edits have no kink where those of the paper have one") {
 }
 
 TEST_CASE("edits of trajectories that cannot be are refused") {
-  const Points c = wandering(5, 1);
-  const std::vector<Mat3> turns(5, Mat3::Identity());
+  const Points c = smooth_path(5, 1);
+  const std::vector<Mat3> rotations(5, Mat3::Identity());
   TrajectoryOptions options;
-  CHECK(refusal([&] { edited_centres(c, turns, {1}, Points(2, 3)); }) ==
+  CHECK(error_message([&] { edited_centres(c, rotations, {1}, Points(2, 3)); }) ==
         "2 centroids for 1 keyframes");
-  CHECK(refusal([&] { edited_centres(c, {}, {1}, Points(1, 3)); }) == "0 rotations for 5 frames");
+  CHECK(error_message([&] { edited_centres(c, {}, {1}, Points(1, 3)); }) ==
+        "0 rotations for 5 frames");
   options.times = {0, 1, 1, 2, 3};
-  CHECK(refusal([&] { edited_centres(c, turns, {1}, Points(1, 3), options); }) ==
+  CHECK(error_message([&] { edited_centres(c, rotations, {1}, Points(1, 3), options); }) ==
         "frame 3 has a time that is not after the one before");
 }

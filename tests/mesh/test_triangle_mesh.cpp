@@ -5,12 +5,12 @@
 #include <numbers>
 
 #include "batten/core/dense.h"
-#include "batten/mesh/operators.h"
-#include "batten/mesh/prepare.h"
-#include "batten/tests/catch.h"
-#include "batten/tests/mesh_models.h"
-#include "batten/tests/refusal.h"
-#include "batten/tests/sampling.h"
+#include "batten/mesh/differential_operators.h"
+#include "batten/mesh/prepared_mesh.h"
+#include "batten/tests/support/catch.h"
+#include "batten/tests/support/error_message.h"
+#include "batten/tests/support/mesh_models.h"
+#include "batten/tests/support/sampling.h"
 
 using namespace batten;
 using namespace batten_test;
@@ -109,7 +109,9 @@ TEST_CASE("topology: edges, fans, loops and parts count up") {
 
 TEST_CASE("topology refuses what is no oriented manifold, with the place") {
   using Triangles = std::vector<std::array<int, 3>>;
-  const auto why = [](int n, const Triangles& t) { return refusal([&] { MeshTopology(n, t); }); };
+  const auto why = [](int n, const Triangles& t) {
+    return error_message([&] { MeshTopology(n, t); });
+  };
   CHECK(why(3, {{0, 1, 3}}).find("names vertex 3 of 3") != std::string::npos);
   CHECK(why(3, {{0, 1, -1}}).find("names vertex -1 of 3") != std::string::npos);
   CHECK(why(3, {{0, 1, 1}}).find("has vertex 1 twice") != std::string::npos);
@@ -119,7 +121,9 @@ TEST_CASE("topology refuses what is no oriented manifold, with the place") {
   CHECK(why(0, {}).empty());
   Points nan = Points::Zero(3, 3);
   nan(1, 2) = NAN;
-  CHECK(refusal([&] { TriangleMesh(nan, {{0, 1, 2}}); }).find("vertex 1") != std::string::npos);
+  CHECK(error_message([&] {
+          TriangleMesh(nan, {{0, 1, 2}});
+        }).find("vertex 1") != std::string::npos);
 }
 
 TEST_CASE("preparation splits elements and repairs what is safe") {
@@ -154,13 +158,13 @@ TEST_CASE("preparation splits elements and repairs what is safe") {
   ShellMesh turned = dirty;
   turned.add_face(std::vector<int>{5, 4, 1, 2});
   const PreparedMesh ready = prepare(turned);
-  CHECK(ready.diagnosis.turned_faces == 1);
+  CHECK(ready.diagnosis.flipped_faces == 1);
   CHECK(ready.diagnosis.duplicate_faces == 2);
   CHECK(ready.diagnosis.collapsed_faces == 1);
   CHECK(ready.diagnosis.unused_nodes == 1);
   CHECK(ready.diagnosis.coincident_nodes == 1);
   const PreparedMesh two = prepare(shells_of(points, {{0, 1, 2, 3}, {1, 2, 5, 4}}));
-  CHECK(two.diagnosis.turned_faces == 1);
+  CHECK(two.diagnosis.flipped_faces == 1);
   CHECK(two.mesh.area_vector(2).z() > 0);
   CHECK(two.face_of_triangle == std::vector<int>{0, 0, 1, 1});
   CHECK(!two.notes.empty());
@@ -173,7 +177,7 @@ TEST_CASE("preparation splits elements and repairs what is safe") {
 
 TEST_CASE("preparation refuses what it cannot repair, and names the place") {
   const auto why = [](const ShellMesh& shells) {
-    return refusal([&] { prepare(shells, [](int v) { return "N" + std::to_string(v); }); });
+    return error_message([&] { prepare(shells, [](int v) { return "N" + std::to_string(v); }); });
   };
   const std::vector<Vec3> points = {{0, 0, 0},  {1, 0, 0}, {0, 1, 0},
                                     {0, -1, 0}, {0, 0, 1}, {2, 0, 0}};

@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "batten/tests/catch.h"
+#include "batten/tests/support/catch.h"
 
 namespace fs = std::filesystem;
 
@@ -19,37 +19,38 @@ namespace {
 const fs::path root = BATTEN_SOURCE_DIR;
 
 /// What a room may use: rooms, and libraries of others.
-struct Room {
-  std::set<std::string> rooms, foreign;
+struct Component {
+  std::set<std::string> components, foreign;
 };
 
-/// Rows "| `room` | holds | `room`, Library |", in which a room may use whatever the rooms that it
+/// Rows "| `component` | holds | `component`, Library |", in which a room may use whatever the rooms that it
 /// names may use; libraries only where they are named. "all above": every room before it.
-std::map<std::string, Room> read_rooms() {
+std::map<std::string, Component> read_components() {
   std::ifstream in(root / "docs/architecture.md");
   const std::regex row("^\\| `([a-z_/]+)` \\|.*\\| ([^|]*) \\|$"), word("[^, ][^,]*");
-  std::map<std::string, Room> rooms;
+  std::map<std::string, Component> components;
   for (std::string line; std::getline(in, line);) {
     std::smatch match;
     if (!std::regex_match(line, match, row)) continue;
-    Room room;
+    Component component;
     const std::string uses = match[2];
     for (std::sregex_iterator it(uses.begin(), uses.end(), word), end; it != end; ++it) {
       const std::string name = it->str();
       if (name == "all above")
-        for (const auto& [above, other] : rooms) room.rooms.insert(above);
+        for (const auto& [above, other] : components) component.components.insert(above);
       else if (name.front() != '`')
-        room.foreign.insert(name);
-      else if (const std::string used = name.substr(1, name.size() - 2); rooms.count(used)) {
-        room.rooms.insert(used);
-        room.rooms.insert(rooms.at(used).rooms.begin(), rooms.at(used).rooms.end());
+        component.foreign.insert(name);
+      else if (const std::string used = name.substr(1, name.size() - 2); components.count(used)) {
+        component.components.insert(used);
+        component.components.insert(components.at(used).components.begin(),
+                                    components.at(used).components.end());
       } else {
         FAIL("the row of " << match[1] << " uses " << used << ", which has no row above it");
       }
     }
-    rooms[match[1]] = room;
+    components[match[1]] = component;
   }
-  return rooms;
+  return components;
 }
 
 /// How include lines of other libraries begin.
@@ -70,10 +71,10 @@ const std::map<std::string, std::string> kForeign = {
 };
 
 /// The room of a file: the innermost folder that has a row.
-std::string room_of(std::string path, const std::map<std::string, Room>& rooms) {
+std::string component_of(std::string path, const std::map<std::string, Component>& components) {
   while (path.find('/') != std::string::npos) {
     path.erase(path.rfind('/'));
-    if (rooms.count(path)) return path;
+    if (components.count(path)) return path;
   }
   return path;
 }
@@ -106,25 +107,25 @@ std::string stem(const std::string& path) { return path.substr(0, path.rfind('.'
 }  // namespace
 
 TEST_CASE("include lines follow the table of rooms") {
-  const auto rooms = read_rooms();
-  REQUIRE(rooms.size() > 20);
-  for (const auto& [name, room] : rooms) REQUIRE(fs::is_directory(root / name));
+  const auto components = read_components();
+  REQUIRE(components.size() > 20);
+  for (const auto& [name, component] : components) REQUIRE(fs::is_directory(root / name));
   int lines = 0;
   for (const File& file : source_files()) {
-    const std::string name = room_of(file.path, rooms);
+    const std::string name = component_of(file.path, components);
     INFO(file.path << " is in the room " << name);
-    REQUIRE(rooms.count(name) == 1);
-    const Room& room = rooms.at(name);
+    REQUIRE(components.count(name) == 1);
+    const Component& component = components.at(name);
     for (const std::string& include : file.includes) {
       INFO("it includes " << include);
       if (include.rfind("batten/", 0) == 0) {
         ++lines;
-        const std::string used = room_of(include.substr(7), rooms);
-        CHECK((used == name || room.rooms.count(used) == 1));
+        const std::string used = component_of(include.substr(7), components);
+        CHECK((used == name || component.components.count(used) == 1));
       } else {
         for (const auto& [library, pattern] : kForeign)
           if (std::regex_search(include, std::regex("^" + pattern)))
-            CHECK(room.foreign.count(library) == 1);
+            CHECK(component.foreign.count(library) == 1);
       }
     }
   }

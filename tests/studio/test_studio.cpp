@@ -13,7 +13,7 @@
 #include "batten/apps/commands/documents/line_edits.h"
 #include "batten/apps/commands/documents/run_script.h"
 #include "batten/apps/studio/view/gizmo.h"
-#include "batten/apps/studio/view/texts.h"
+#include "batten/apps/studio/view/strings.h"
 #include "batten/tests/studio/window_case.h"
 
 using namespace batten;
@@ -54,7 +54,7 @@ TEST_CASE("a loop that is drawn becomes a surface, is pushed, undone, exported a
   CHECK(hand.document().regions.size() == 1);
   CHECK(hand.document().problem.empty());
 
-  hand.act(kCorner);
+  hand.act(kIsometric);
   hand.act(kPush);
   const Vec3 middle = middle_of(hand.view().actors());
   const int point = hand.view().actors().point_near(middle);
@@ -72,8 +72,8 @@ TEST_CASE("a loop that is drawn becomes a surface, is pushed, undone, exported a
   CHECK((hand.view().actors().point(point) - pushed).norm() < 1e-3);
 
   const auto folder = scratch("studio_drawn");
-  window.post({.verb = DocumentCommand::Verb::Export, .file = folder / "shape.step"});
-  window.post({.verb = DocumentCommand::Verb::Save, .file = folder / "shape.toml"});
+  window.post({.kind = DocumentCommand::CommandKind::Export, .file = folder / "shape.step"});
+  window.post({.kind = DocumentCommand::CommandKind::Save, .file = folder / "shape.toml"});
   REQUIRE(window.wait(120));
   CHECK(std::filesystem::file_size(folder / "shape.step") > 1000);
   CHECK_FALSE(hand.document().changed);
@@ -104,7 +104,7 @@ TEST_CASE("a line of the mouse is clicked and becomes a crease, a region is push
     if (join.line.starts_with("spine") && join.kind == "smooth") spine = join.line;
   REQUIRE_FALSE(spine.empty());
 
-  hand.act(kCorner);
+  hand.act(kIsometric);
   // A point of the line that the eye sees.
   std::vector<Vec3> points;
   const auto& shown = hand.document().shown_lines;
@@ -115,7 +115,7 @@ TEST_CASE("a line of the mouse is clicked and becomes a crease, a region is push
     hand.click(points[i]);
   CHECK(std::find(shown.begin(), shown.end(), spine) != shown.end());
   REQUIRE(window.tree().current().name == spine);
-  QPushButton* crease = window.chosen().button(kCrease);
+  QPushButton* crease = window.properties().button(kCrease);
   REQUIRE(crease);
   QTest::mouseClick(crease, Qt::LeftButton);
   REQUIRE(window.wait(120));
@@ -130,7 +130,7 @@ TEST_CASE("a line of the mouse is clicked and becomes a crease, a region is push
   hand.picture("mouse_pushed");
 
   const auto folder = scratch("studio_mouse");
-  window.post({.verb = DocumentCommand::Verb::Save, .file = folder / "mouse.toml"});
+  window.post({.kind = DocumentCommand::CommandKind::Save, .file = folder / "mouse.toml"});
   REQUIRE(window.wait());
   const std::string saved = contents_of(folder / "mouse.toml"),
                     before = contents_of(kExamples / "09-mouse/scene.toml");
@@ -165,7 +165,7 @@ TEST_CASE("what was done in the window gives the same bits as a script", "[studi
   hand.act(kUndo);
   hand.act(kRedo);
   hand.picture("door_script");
-  window.post({.verb = DocumentCommand::Verb::Export, .file = folder / "window.vtp"});
+  window.post({.kind = DocumentCommand::CommandKind::Export, .file = folder / "window.vtp"});
   REQUIRE(window.wait());
   {
     std::ofstream script(folder / "door.batten");
@@ -191,7 +191,7 @@ TEST_CASE("constraints in conflict are told, and the shape stays", "[studio]") {
            SceneText::word(middle.z()) + "]";
   };
   const auto pin = [&](const char* name, double out) {
-    window.post({.verb = DocumentCommand::Verb::Add,
+    window.post({.kind = DocumentCommand::CommandKind::Add,
                  .table = {"constraint", ""},
                  .text = std::string("{ name = \"") + name +
                          "\", type = \"point\", at = " + place(0) + ", to = " + place(out) + " }"});
@@ -239,7 +239,7 @@ TEST_CASE(
   WindowCase hand;
   MainWindow& window = *hand.window;
   const auto points = [&](const std::string& line) {
-    return stated_points(SceneText(hand.document().text), line);
+    return defining_points(SceneText(hand.document().text), line);
   };
   hand.act(kTop);
   hand.act(kDraw);
@@ -250,7 +250,7 @@ TEST_CASE(
   REQUIRE(points("line 1").size() == 5);
   hand.act(kSelect);
   window.action(kCombs)->setChecked(true);
-  window.tree().choose_line("line 1");
+  window.tree().select_line("line 1");
 
   const std::vector<Vec3> drawn = points("line 1");
   hand.drag(drawn[2], {0, -60});
@@ -258,13 +258,13 @@ TEST_CASE(
   CHECK(moved[2].y() > drawn[2].y() + 10);
   CHECK(moved[2].z() == drawn[2].z());
   for (const size_t i : {0U, 1U, 3U, 4U}) CHECK(moved[i] == drawn[i]);
-  CHECK(hand.view().chosen_point() == 2);
+  CHECK(hand.view().selected_point() == 2);
   hand.picture("line_points");
 
   hand.press(kSplit);
   CHECK(points("line 1").size() == 3);
   CHECK(points("line 2").size() == 3);
-  hand.press(kJoinLines);
+  hand.press(kJoinNext);
   CHECK(points("line 1") == moved);
   CHECK(points("line 2").empty());
   hand.press(kMirrors[1]);
@@ -300,9 +300,9 @@ TEST_CASE("the surface follows a point of a line while it is dragged", "[studio]
   MainWindow& window = *hand.window;
   const std::vector<Vec3> corners = hand.draw_sides();
   hand.act(kTop);
-  hand.act(kFit);
+  hand.act(kZoomToFit);
   const std::string before = hand.document().text;
-  window.tree().choose_line("side 1");
+  window.tree().select_line("side 1");
   const QPoint at = hand.view().pixel_of(corners[1]);
   QTest::mousePress(&hand.view(), Qt::LeftButton, {}, at);
   for (int i = 1; i <= 8; ++i) {
@@ -314,9 +314,9 @@ TEST_CASE("the surface follows a point of a line while it is dragged", "[studio]
   REQUIRE(hand.document().surface);
   QTest::mouseRelease(&hand.view(), Qt::LeftButton, {}, at + QPoint(48, -24));
   REQUIRE(window.wait());
-  const std::vector<Vec3> moved = stated_points(SceneText(hand.document().text), "side 1");
+  const std::vector<Vec3> moved = defining_points(SceneText(hand.document().text), "side 1");
   CHECK(moved[1].x() > 210);
-  CHECK(stated_points(SceneText(hand.document().text), "side 2")[0] == moved[1]);
+  CHECK(defining_points(SceneText(hand.document().text), "side 2")[0] == moved[1]);
   hand.act(kUndo);
   CHECK(hand.document().text == before);
   // A hand that lets go before the surface has followed: the next drag is followed again.
@@ -385,7 +385,7 @@ TEST_CASE("a key that the scene does not state yet is typed into the table", "[s
   const SceneTable skin{"skin", ""};
   for (QTreeWidgetItemIterator it(&window.tree()); *it; ++it)
     if ((*it)->text(0) == "skin") window.tree().setCurrentItem(*it);
-  QTableWidget& keys = window.chosen().keys();
+  QTableWidget& keys = window.properties().keys();
   const int last = keys.rowCount() - 1;
   REQUIRE(last > 0);
   keys.item(last, 0)->setText("element");
@@ -413,9 +413,9 @@ TEST_CASE("a distance is measured, and a plane cuts the shape open", "[studio]")
   const Vec3 a = lines.front().points.front(), b = lines.front().points.back();
   hand.click(a);
   hand.click(b);
-  CHECK(hand.view().words().contains(QString::number((b - a).norm(), 'g', 6)));
+  CHECK(hand.view().overlay_text().contains(QString::number((b - a).norm(), 'g', 6)));
   hand.key(Qt::Key_Escape);
-  CHECK(hand.view().words().isEmpty());
+  CHECK(hand.view().overlay_text().isEmpty());
   hand.act(kSelect);
   const QImage whole = hand.picture("car");
   window.action(kSection)->setChecked(true);
@@ -431,13 +431,13 @@ TEST_CASE("a place of the surface is held, and moved by its arrows", "[studio]")
   MainWindow& window = *hand.window;
   window.post(line_command("rim", {{0, 0, 0}, {200, 0, 0}, {200, 100, 0}, {0, 100, 0}, {0, 0, 0}}));
   REQUIRE(window.wait());
-  hand.act(kHold);
+  hand.act(kFixPoint);
   hand.click({100, 50, 0});
   CHECK(window.tree().current().name == "pin 1");
   REQUIRE(hand.view().gizmo().shown());
   const int point = hand.view().actors().point_near({100, 50, 0});
   const double before = hand.view().actors().point(point).z();
-  hand.drag(hand.view().gizmo().on_part(2), {0, -50});
+  hand.drag(hand.view().gizmo().point_on_part(2), {0, -50});
   const double lifted = hand.view().actors().point(point).z() - before;
   CHECK(lifted > 5);
   const auto& pin = hand.document().handles.front();
@@ -468,7 +468,7 @@ TEST_CASE("what a hand has begun is taken back before what it has done", "[studi
   CHECK(hand.document().text == before);
 
   // Escape ends a push, and the load goes.
-  hand.act(kCorner);
+  hand.act(kIsometric);
   hand.act(kPush);
   const int point = hand.view().actors().point_near({100, 50, 0});
   const QPoint at = hand.view().pixel_of({100, 50, 0});
@@ -504,18 +504,18 @@ TEST_CASE("lines that meet at a point are moved together, with Shift one alone",
   REQUIRE(hand.document().surface);
   const std::string before = hand.document().text;
   hand.act(kTop);
-  window.tree().choose_line("side 1");
+  window.tree().select_line("side 1");
   hand.drag(corners[1], {40, 30});
   CHECK(hand.document().surface);
   const SceneText scene(hand.document().text);
-  CHECK(stated_points(scene, "side 1").back() == stated_points(scene, "side 2").front());
-  CHECK((stated_points(scene, "side 1").back() - corners[1]).norm() > 10);
-  CHECK(stated_points(scene, "side 1").back().z() == 0);
+  CHECK(defining_points(scene, "side 1").back() == defining_points(scene, "side 2").front());
+  CHECK((defining_points(scene, "side 1").back() - corners[1]).norm() > 10);
+  CHECK(defining_points(scene, "side 1").back().z() == 0);
   hand.act(kUndo);
   CHECK(hand.document().text == before);
   CHECK(window.messages().isEmpty());
   // Delete takes the line when it was chosen after the point.
-  window.tree().choose_line("side 1");
+  window.tree().select_line("side 1");
   hand.act(kRemove);
   CHECK(hand.document().lines.size() == 3);
   REQUIRE(window.messages().size() == 1);

@@ -4,10 +4,10 @@
 
 #include "batten/apps/commands/documents/mesh_edits.h"
 #include "batten/apps/studio/view/gizmo.h"
-#include "batten/apps/studio/view/texts.h"
+#include "batten/apps/studio/view/strings.h"
 #include "batten/io/meshes/mesh_file.h"
-#include "batten/mesh/features/holes.h"
-#include "batten/mesh/prepare.h"
+#include "batten/mesh/features/hole_measure.h"
+#include "batten/mesh/prepared_mesh.h"
 #include "batten/tests/studio/window_case.h"
 
 using namespace batten;
@@ -43,34 +43,34 @@ TEST_CASE(
   hand.act(kLasso);
   lasso(hand, {-20, -20, 0}, {12, 420, 0});
   CHECK(window.tree().current().name == "painted 1");
-  hand.press(kUses[static_cast<int>(PartUse::Fixed)]);
+  hand.press(kPartUses[static_cast<int>(PartUse::Fixed)]);
   hand.act(kSelect);
   hand.act(kLasso);
   lasso(hand, {588, -20, 0}, {620, 420, 0});
   CHECK(window.tree().current().name == "painted 2");
-  hand.press(kUses[static_cast<int>(PartUse::Handle)]);
+  hand.press(kPartUses[static_cast<int>(PartUse::Handle)]);
   REQUIRE(hand.document().handles.size() == 1);
 
   hand.act(kSelect);
-  hand.act(kCorner);
+  hand.act(kIsometric);
   REQUIRE(hand.view().gizmo().shown());
   const Vec3 centre = hand.view().gizmo().centre();
-  hand.drag(hand.view().gizmo().on_part(2), {0, -70});
+  hand.drag(hand.view().gizmo().point_on_part(2), {0, -70});
   CHECK(hand.document().handles[0].shift.z() > 20);
   CHECK(hand.document().handles[0].shift.head<2>().isZero(0));
   CHECK((hand.view().gizmo().centre() - centre - hand.document().handles[0].shift).norm() < 1e-6);
-  const Vec3 ring = hand.view().gizmo().on_part(4);
+  const Vec3 ring = hand.view().gizmo().point_on_part(4);
   hand.drag(ring, {0, 30});
-  const Vec3 turn = hand.document().handles[0].turn;
-  CHECK(std::abs(turn.y()) > 3);
-  CHECK(turn.cross(Vec3::UnitY()).norm() < 1e-9);
+  const Vec3 rotation_vector = hand.document().handles[0].rotation_vector;
+  CHECK(std::abs(rotation_vector.y()) > 3);
+  CHECK(rotation_vector.cross(Vec3::UnitY()).norm() < 1e-9);
   INFO(window.messages().join("; ").toStdString());
   CHECK(window.messages().isEmpty());
   hand.picture("panel");
 
   const auto folder = scratch("studio_panel");
-  window.post({.verb = DocumentCommand::Verb::Export, .file = folder / "panel.bdf"});
-  window.post({.verb = DocumentCommand::Verb::Save, .file = folder / "panel.toml"});
+  window.post({.kind = DocumentCommand::CommandKind::Export, .file = folder / "panel.bdf"});
+  window.post({.kind = DocumentCommand::CommandKind::Save, .file = folder / "panel.toml"});
   REQUIRE(window.wait(120));
   const MeshFile before = MeshFile::read(kExamples / "11-panel/panel.bdf");
   const MeshFile after = MeshFile::read(folder / "panel.bdf");
@@ -87,9 +87,9 @@ TEST_CASE(
   }
   CHECK(round == 4);
   hand.act(kUndo);
-  CHECK(hand.document().handles[0].turn.isZero(0));
+  CHECK(hand.document().handles[0].rotation_vector.isZero(0));
   hand.open(folder / "panel.toml");
-  CHECK(hand.document().handles[0].turn == turn);
+  CHECK(hand.document().handles[0].rotation_vector == rotation_vector);
   CHECK(hand.document().problem.empty());
 }
 

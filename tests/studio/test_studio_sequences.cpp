@@ -4,7 +4,7 @@
 
 #include "batten/apps/commands/documents/sequence_edits.h"
 #include "batten/apps/studio/view/gizmo.h"
-#include "batten/apps/studio/view/texts.h"
+#include "batten/apps/studio/view/strings.h"
 #include "batten/tests/studio/window_case.h"
 
 using namespace batten;
@@ -32,9 +32,9 @@ TEST_CASE("a sequence is scrubbed, played, and bent in one frame by hand", "[stu
 
   window.timeline().slider().setValue(11);
   REQUIRE(window.wait());
-  window.tree().choose_region("left edge");
+  window.tree().select_region("left edge");
   REQUIRE(hand.view().gizmo().shown());
-  hand.drag(hand.view().gizmo().on_part(2), {0, -40});
+  hand.drag(hand.view().gizmo().point_on_part(2), {0, -40});
   REQUIRE(window.wait(120));
   CHECK(hand.document().timeline->keyframes == std::vector<int>{10, 20});
   const auto& handle = hand.document().handles[0];
@@ -52,10 +52,10 @@ TEST_CASE("a walk follows a path that is drawn", "[studio]") {
   hand.open(kExamples / "25-path/path.toml");
   REQUIRE(hand.document().timeline);
   // Without hills, which are below the old path only.
-  window.post({.verb = DocumentCommand::Verb::Remove, .table = {"step", "hills"}});
+  window.post({.kind = DocumentCommand::CommandKind::Remove, .table = {"step", "hills"}});
   REQUIRE(window.wait(120));
   hand.act(kTop);
-  hand.act(kFit);
+  hand.act(kZoomToFit);
   hand.act(kDraw);
   for (const Vec3& p : {Vec3(0, 0, 0), Vec3(2, 0, 0), Vec3(4, -0.6, 0), Vec3(5, -1.8, 0)})
     hand.click(p);
@@ -67,11 +67,11 @@ TEST_CASE("a walk follows a path that is drawn", "[studio]") {
   CHECK(path_of(scene).size() == 4);
   CHECK((path_of(scene)[3] - Vec3(5, -1.8, 0)).norm() < 0.1);
   hand.act(kSelect);
-  hand.act(kCorner);
-  hand.act(kFit);
+  hand.act(kIsometric);
+  hand.act(kZoomToFit);
   window.timeline().slider().setValue(hand.document().timeline->frames);
   REQUIRE(window.wait());
   CHECK(hand.view().actors().box()[0].y() < -1);  // the last frame has gone there
-  hand.act(kFit);
+  hand.act(kZoomToFit);
   hand.picture("path");
 }

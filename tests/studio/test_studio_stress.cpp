@@ -8,7 +8,7 @@
 
 #include "batten/apps/commands/documents/line_edits.h"
 #include "batten/apps/commands/documents/stress_edits.h"
-#include "batten/apps/studio/view/texts.h"
+#include "batten/apps/studio/view/strings.h"
 #include "batten/tests/studio/window_case.h"
 
 using namespace batten;
@@ -22,11 +22,11 @@ TEST_CASE("stresses of the door are seen beside the slider that shapes it", "[st
   REQUIRE(hand.document().has_stress);
   window.shading().setCurrentText(text(kShadings[static_cast<int>(Shading::Stress)]));
   REQUIRE(window.wait(120));
-  INFO(hand.view().words().toStdString());
+  INFO(hand.view().overlay_text().toStdString());
   const auto largest = [&] { return hand.view().actors().range()[0]; };
   const double before = largest();
   CHECK(before > 0);
-  CHECK(hand.view().words().contains("N/mm²"));
+  CHECK(hand.view().overlay_text().contains("N/mm²"));
   hand.picture("stress");
   QSlider* slider = window.sliders().slider("swell");
   REQUIRE(slider);
@@ -45,16 +45,16 @@ TEST_CASE("a drawn surface is clamped, loaded and its stress is seen", "[studio]
   REQUIRE(window.wait());
   REQUIRE(hand.document().surface);
   window.shading().setCurrentText(text(kShadings[static_cast<int>(Shading::Stress)]));
-  CHECK(hand.view().words() == text(kNoStress));
-  window.tree().choose_line("rim");
+  CHECK(hand.view().overlay_text() == text(kNoStress));
+  window.tree().select_line("rim");
   const std::string line = window.tree().current().name;
-  hand.press(kClamp);
+  hand.press(kClampEdge);
   CHECK(support_of(SceneText(hand.document().text), line) == "clamped");
-  window.tree().choose_region(hand.document().regions.front());
-  hand.press(kPressOn);
+  window.tree().select_region(hand.document().regions.front());
+  hand.press(kAddPressure);
   REQUIRE(window.wait(60));
   INFO(window.messages().join("; ").toStdString() << hand.document().text);
-  CHECK(hand.view().words().contains("N/mm²"));
+  CHECK(hand.view().overlay_text().contains("N/mm²"));
   CHECK(hand.view().actors().range()[0] > 0);
   hand.picture("stress_drawn");
   // Its support and its load stand in the model, each with its keys; Delete takes one away.
@@ -66,11 +66,11 @@ TEST_CASE("a drawn surface is clamped, loaded and its stress is seen", "[studio]
   REQUIRE(row("clamped"));
   REQUIRE(row("pressure"));
   window.tree().setCurrentItem(row("pressure"));
-  REQUIRE(window.chosen().keys().rowCount() == 3);
+  REQUIRE(window.properties().keys().rowCount() == 3);
   const double pressed = hand.view().actors().range()[0];
   for (int i = 0; i < 2; ++i)
-    if (window.chosen().keys().item(i, 0)->text() == "pressure")
-      window.chosen().keys().item(i, 1)->setText("0.002");
+    if (window.properties().keys().item(i, 0)->text() == "pressure")
+      window.properties().keys().item(i, 1)->setText("0.002");
   REQUIRE(window.wait(60));
   CHECK(std::abs(hand.view().actors().range()[0] / pressed - 2) < 1e-3);
   window.tree().setCurrentItem(row("pressure"));
@@ -78,10 +78,10 @@ TEST_CASE("a drawn surface is clamped, loaded and its stress is seen", "[studio]
   CHECK_FALSE(row("pressure"));
   hand.act(kUndo);
   REQUIRE(row("pressure"));
-  window.tree().choose_line("rim");
-  hand.press(kPin);
+  window.tree().select_line("rim");
+  hand.press(kPinEdge);
   CHECK(support_of(SceneText(hand.document().text), line) == "pinned");
-  hand.press(kNoSupport);  // then it would fly away
+  hand.press(kRemoveSupport);  // then it would fly away
   CHECK(window.messages().join("").contains("supports"));
   CHECK(support_of(SceneText(hand.document().text), line) == "pinned");
 }

@@ -12,8 +12,8 @@
 
 #include "batten/apps/commands/documents/line_edits.h"
 #include "batten/apps/studio/window/main_window.h"
-#include "batten/tests/catch.h"
-#include "batten/tests/reference.h"
+#include "batten/tests/support/catch.h"
+#include "batten/tests/support/test_data.h"
 
 namespace batten_test {
 
@@ -76,8 +76,8 @@ class WindowCase {
   }
   /// Presses a button of what is chosen, by its text.
   void press(const char* what) {
-    REQUIRE(window->chosen().button(what));
-    QTest::mouseClick(window->chosen().button(what), Qt::LeftButton);
+    REQUIRE(window->properties().button(what));
+    QTest::mouseClick(window->properties().button(what), Qt::LeftButton);
     REQUIRE(window->wait());
   }
   void click(const batten::Vec3& p) { click(view().pixel_of(p)); }

@@ -1,10 +1,10 @@
 // How much work a deformed mesh is: two factors at the start, one solve for every edit.
-#include "batten/core/work.h"
+#include "batten/core/op_counter.h"
 #include "batten/mesh/deform/form_feature_deformer.h"
-#include "batten/mesh/prepare.h"
-#include "batten/tests/allocations.h"
-#include "batten/tests/catch.h"
-#include "batten/tests/mesh_models.h"
+#include "batten/mesh/prepared_mesh.h"
+#include "batten/tests/support/allocations.h"
+#include "batten/tests/support/catch.h"
+#include "batten/tests/support/mesh_models.h"
 
 using namespace batten;
 using namespace batten_test;
@@ -21,24 +21,24 @@ TEST_CASE("a deformer factors when it is made, an edit is one solve and no alloc
   edit.handles = {{}};
   edit.handles[0].about = VertexCombination::mean_of(model.handle).at(mesh.points());
 
-  const WorkCount making;
+  const ScopedOpCount making;
   FormFeatureDeformer deformer(mesh, problem);
   deformer.deform(edit);
   INFO(making.text());
-  CHECK(making.of(Work::Analysis) == making.of(Work::Factorization));
-  CHECK(making.of(Work::Factorization) == 2);
+  CHECK(making.of(OpCounter::Analysis) == making.of(OpCounter::Factorization));
+  CHECK(making.of(OpCounter::Factorization) == 2);
   deformer.deform(edit);
 
-  const WorkCount work;
+  const ScopedOpCount work;
   constexpr int edits = 5;
   for (int event = 0; event < edits; ++event) {
-    edit.handles[0].shift.z() += 0.01;
+    edit.handles[0].translation.z() += 0.01;
     deformer.deform(edit);
   }
-  const std::int64_t allocations = work.of(Work::Allocation);
+  const std::int64_t allocations = work.of(OpCounter::Allocation);
   INFO(work.text());
-  CHECK(work.of(Work::Solve) == edits);
-  CHECK(work.of(Work::Factorization) == 0);
-  CHECK(work.of(Work::Analysis) == 0);
+  CHECK(work.of(OpCounter::Solve) == edits);
+  CHECK(work.of(OpCounter::Factorization) == 0);
+  CHECK(work.of(OpCounter::Analysis) == 0);
   if (counts_allocations()) CHECK(allocations == 0);
 }

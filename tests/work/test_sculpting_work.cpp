@@ -1,8 +1,8 @@
 // How much work a session is: a drag is one solve and nothing else.
-#include "batten/core/work.h"
-#include "batten/tests/allocations.h"
-#include "batten/tests/catch.h"
-#include "batten/tests/sculpting/session/session_scenes.h"
+#include "batten/core/op_counter.h"
+#include "batten/tests/support/allocations.h"
+#include "batten/tests/support/catch.h"
+#include "batten/tests/support/session_scenes.h"
 
 using namespace batten;
 using namespace batten_test;
@@ -10,29 +10,29 @@ using namespace batten_test;
 namespace {
 
 /// Nothing but solves.
-void check_solves_only(const WorkCount& work, int solves) {
+void check_solves_only(const ScopedOpCount& work, int solves) {
   INFO(work.text());
-  CHECK(work.of(Work::Solve) == solves);
-  CHECK(work.of(Work::Analysis) == 0);
-  CHECK(work.of(Work::Factorization) == 0);
-  CHECK(work.of(Work::AssembledElement) == 0);
-  CHECK(work.of(Work::Triangulation) == 0);
-  CHECK(work.of(Work::PlainFilling) == 0);
+  CHECK(work.of(OpCounter::Solve) == solves);
+  CHECK(work.of(OpCounter::Analysis) == 0);
+  CHECK(work.of(OpCounter::Factorization) == 0);
+  CHECK(work.of(OpCounter::AssembledElement) == 0);
+  CHECK(work.of(OpCounter::Triangulation) == 0);
+  CHECK(work.of(OpCounter::HoleTriangulation) == 0);
 }
 
 }  // namespace
 
 TEST_CASE("the first answer of a session: one assembly, one analysis, one factorization") {
   const RegionLayout layout = patch_layout(0.2);
-  const WorkCount work;
+  const ScopedOpCount work;
   SculptingSession session(layout, {});
   session.frame();
   INFO(work.text());
-  CHECK(work.of(Work::Analysis) == 1);
-  CHECK(work.of(Work::Factorization) == 1);
-  CHECK(work.of(Work::AssembledElement) == layout.mesh()->triangle_count());
-  CHECK(work.of(Work::Solve) == 1);
-  CHECK(work.of(Work::Triangulation) == 0);
+  CHECK(work.of(OpCounter::Analysis) == 1);
+  CHECK(work.of(OpCounter::Factorization) == 1);
+  CHECK(work.of(OpCounter::AssembledElement) == layout.mesh()->triangle_count());
+  CHECK(work.of(OpCounter::Solve) == 1);
+  CHECK(work.of(OpCounter::Triangulation) == 0);
 }
 
 TEST_CASE("a drag of a point is one solve an answer, and no allocation") {
@@ -41,17 +41,17 @@ TEST_CASE("a drag of a point is one solve an answer, and no allocation") {
   const int pin = session.parameters().index("pin.z");
   for (const double z : {0.31, 0.32, 0.33}) {
     session.set(pin, z);
-    session.answer();
+    session.solve_preview();
     session.frame();
   }
-  const WorkCount work;
+  const ScopedOpCount work;
   constexpr int answers = 10;
   for (int n = 0; n < answers; ++n) {
     session.set(pin, 0.3 + 0.01 * n);
-    session.answer();
+    session.solve_preview();
     session.frame();
   }
-  const std::int64_t allocations = work.of(Work::Allocation);
+  const std::int64_t allocations = work.of(OpCounter::Allocation);
   check_solves_only(work, answers);
   if (counts_allocations()) CHECK(allocations == 0);
 }
@@ -64,12 +64,12 @@ TEST_CASE("sliders of linear loads need no solve but their first") {
   // The first time that a slider moves, its response is solved for.
   for (const int slider : {push, lean, push, lean}) {
     session.set(slider, session.parameters().value(slider) + 1);
-    session.answer();
+    session.solve_preview();
   }
-  const WorkCount work;
+  const ScopedOpCount work;
   for (int n = 0; n < 10; ++n) {
     session.set(n % 2 ? push : lean, 0.1 * n);
-    session.answer();
+    session.solve_preview();
   }
   check_solves_only(work, 0);
 }
@@ -78,41 +78,41 @@ TEST_CASE("a slider of the material is a factorization, without analysis") {
   SculptingSession session(patch_layout(0.2), {});
   const int beta = session.parameters().index("beta");
   session.set(beta, 2);
-  session.answer();
-  const WorkCount work;
+  session.solve_preview();
+  const ScopedOpCount work;
   session.set(beta, 3);
-  session.answer();
+  session.solve_preview();
   INFO(work.text());
-  CHECK(work.of(Work::Factorization) == 1);
-  CHECK(work.of(Work::Analysis) == 0);
+  CHECK(work.of(OpCounter::Factorization) == 1);
+  CHECK(work.of(OpCounter::Analysis) == 0);
 }
 
 TEST_CASE("a constraint that comes is one solve, one that goes none, the factor stays") {
   SculptingSession session(patch_layout(0.2), {});
   session.add(Constraint{"first", Constraint::Point{{0.5, 0.7, 0.2}, {0.5, 0.7, 0.3}}});
-  session.settle();
-  const WorkCount coming;
+  session.solve_to_equilibrium();
+  const ScopedOpCount coming;
   session.add(Constraint{"second", Constraint::Point{{0.2, 0.3, 0.1}, {0.2, 0.3, 0.2}}});
   INFO(coming.text());
-  CHECK(coming.of(Work::Factorization) == 0);
-  CHECK(coming.of(Work::Analysis) == 0);
-  const WorkCount going;
+  CHECK(coming.of(OpCounter::Factorization) == 0);
+  CHECK(coming.of(OpCounter::Analysis) == 0);
+  const ScopedOpCount going;
   session.remove("second");
   INFO(going.text());
-  CHECK(going.of(Work::Factorization) == 0);
-  CHECK(going.of(Work::Analysis) == 0);
+  CHECK(going.of(OpCounter::Factorization) == 0);
+  CHECK(going.of(OpCounter::Analysis) == 0);
 }
 
 TEST_CASE("undo factors nothing") {
   SculptingSession session(patch_layout(0.2), {});
   const int beta = session.parameters().index("beta");
   session.set(beta, 2);
-  session.settle();
+  session.solve_to_equilibrium();
   session.add(Constraint{"pin", Constraint::Point{{0.5, 0.7, 0.2}, {0.5, 0.7, 0.3}}});
-  session.settle();
-  const WorkCount work;
+  session.solve_to_equilibrium();
+  const ScopedOpCount work;
   REQUIRE(session.undo());
   INFO(work.text());
-  CHECK(work.of(Work::Factorization) == 0);
-  CHECK(work.of(Work::Analysis) == 0);
+  CHECK(work.of(OpCounter::Factorization) == 0);
+  CHECK(work.of(OpCounter::Analysis) == 0);
 }

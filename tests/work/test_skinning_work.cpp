@@ -1,13 +1,13 @@
 // How much work skinning is: counts that no machine changes, so that work done twice fails here.
 #include "batten/benchmarks/cases.h"
-#include "batten/core/work.h"
+#include "batten/core/op_counter.h"
 #include "batten/skinning/domains/mesher.h"
 #include "batten/skinning/model/model_layout.h"
-#include "batten/skinning/region/quality.h"
+#include "batten/skinning/region/skin_quality.h"
 #include "batten/skinning/search/find_regions.h"
 #include "batten/skinning/surfaces/skin_network.h"
 #include "batten/skinning/surfaces/surface_model.h"
-#include "batten/tests/catch.h"
+#include "batten/tests/support/catch.h"
 
 using namespace batten;
 
@@ -24,16 +24,16 @@ std::vector<CharacterLine> pentagon() { return bench::lines_of(bench::pentagon()
 }  // namespace
 
 TEST_CASE("skinning a pentagon: one mesh, one assembly, one factorization, no filling") {
-  const WorkCount work;
+  const ScopedOpCount work;
   const ModelLayout layout(RegionLayout("pentagon", pentagon(), edges(0.2)));
-  const Points dofs = layout.least_energy({});
+  const Points dofs = layout.minimize_energy({});
   INFO(work.text());
-  CHECK(work.of(Work::Triangulation) == 1);
-  CHECK(work.of(Work::PlainFilling) == 0);
-  CHECK(work.of(Work::AssembledElement) == layout.mesh()->triangle_count());
-  CHECK(work.of(Work::Analysis) == 1);
-  CHECK(work.of(Work::Factorization) == 1);
-  CHECK(work.of(Work::Solve) == 1);
+  CHECK(work.of(OpCounter::Triangulation) == 1);
+  CHECK(work.of(OpCounter::HoleTriangulation) == 0);
+  CHECK(work.of(OpCounter::AssembledElement) == layout.mesh()->triangle_count());
+  CHECK(work.of(OpCounter::Analysis) == 1);
+  CHECK(work.of(OpCounter::Factorization) == 1);
+  CHECK(work.of(OpCounter::Solve) == 1);
 }
 
 TEST_CASE("an embedded line asks for one trial shape a round, and no second mesh") {
@@ -42,43 +42,43 @@ TEST_CASE("an embedded line asks for one trial shape a round, and no second mesh
   lines.push_back({"bow",
                    bezier_curve({-0.4, -0.3, 0.05}, {0, -0.5, 0.1}, {0.3, 0, 0.1}, {0.2, 0.4, 0.1}),
                    CharacterLine::Role::Inner});
-  const WorkCount work;
+  const ScopedOpCount work;
   const RegionLayout layout("pentagon", lines, edges(0.2));
   INFO(work.text());
-  CHECK(work.of(Work::Triangulation) == 1);
-  CHECK(work.of(Work::PlainFilling) == 0);
-  CHECK(work.of(Work::Analysis) == work.of(Work::Factorization));
+  CHECK(work.of(OpCounter::Triangulation) == 1);
+  CHECK(work.of(OpCounter::HoleTriangulation) == 0);
+  CHECK(work.of(OpCounter::Analysis) == work.of(OpCounter::Factorization));
   // The outline's own shape, on which the line is placed, and four looks at its gaps.
-  CHECK(work.of(Work::Factorization) <= 5);
+  CHECK(work.of(OpCounter::Factorization) <= 5);
 }
 
 TEST_CASE("measuring a region factors nothing and meshes nothing") {
   const ModelLayout layout(RegionLayout("pentagon", pentagon(), edges(0.2)));
-  const Points dofs = layout.least_energy({});
-  const WorkCount work;
+  const Points dofs = layout.minimize_energy({});
+  const ScopedOpCount work;
   measure(layout.skinned(0, dofs));
   INFO(work.text());
-  CHECK(work.of(Work::Factorization) == 0);
-  CHECK(work.of(Work::Triangulation) == 0);
-  CHECK(work.of(Work::PlainFilling) == 0);
-  CHECK(work.of(Work::AssembledElement) == 0);
+  CHECK(work.of(OpCounter::Factorization) == 0);
+  CHECK(work.of(OpCounter::Triangulation) == 0);
+  CHECK(work.of(OpCounter::HoleTriangulation) == 0);
+  CHECK(work.of(OpCounter::AssembledElement) == 0);
 }
 
 TEST_CASE("a model: one mesh and one shape a region, one factor a group of smooth joins") {
   if (!have_delaunay_mesher()) return;
   const std::vector<CharacterLine> lines = bench::wavy_grid(2, 2);
-  const CharacterLineNetwork network(lines);
+  const CurveNetwork network(lines);
   const FoundRegions found = find_regions(network);
   for (const bool smooth : {false, true}) {
     ModelOptions options;
     options.skin.edge_length = 0.2;
-    options.smooth_below_deg = smooth ? 180 : -1;
-    const WorkCount work;
+    options.crease_angle_deg = smooth ? 180 : -1;
+    const ScopedOpCount work;
     const SurfaceModel model = skin_network(network, found, options);
     INFO(work.text());
     REQUIRE(model.skinned().size() == 4);
-    CHECK(work.of(Work::Triangulation) == 4);
-    CHECK(work.of(Work::Factorization) == (smooth ? 5 : 4));
-    CHECK(work.of(Work::Analysis) == work.of(Work::Factorization));
+    CHECK(work.of(OpCounter::Triangulation) == 4);
+    CHECK(work.of(OpCounter::Factorization) == (smooth ? 5 : 4));
+    CHECK(work.of(OpCounter::Analysis) == work.of(OpCounter::Factorization));
   }
 }

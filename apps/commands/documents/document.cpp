@@ -7,7 +7,7 @@
 #include "batten/apps/commands/exchange/file_kinds.h"
 #include "batten/apps/commands/lines/line_files.h"
 #include "batten/io/files/input_file.h"
-#include "batten/io/scene/scene_words.h"
+#include "batten/io/scene/scene_parsing.h"
 
 namespace batten {
 
@@ -17,37 +17,37 @@ std::filesystem::path named_file(const std::filesystem::path& file) {
 
 namespace {
 
-using Verb = DocumentCommand::Verb;
+using CommandKind = DocumentCommand::CommandKind;
 
 std::string new_scene(const std::string& unit) {
   return "unit = " + SceneText::word(unit) + "\n\n[skin]\n";
 }
 
 /// A file as a scene anywhere names it.
-std::string path_word(const std::filesystem::path& file) {
+std::string path_to_toml(const std::filesystem::path& file) {
   return SceneText::word(std::filesystem::absolute(file).string());
 }
 
 /// What a scene is about: a sequence, a mesh, lines.
-enum class About { Lines, Mesh, Sequence };
-About about(const SceneText& text, const std::filesystem::path& file) {
+enum class ContentKind { Lines, Mesh, Sequence };
+ContentKind content_kind(const SceneText& text, const std::filesystem::path& file) {
   const toml::table root = parse_toml(text.text(), named_file(file), "a scene");
-  if (root.contains("sequence")) return About::Sequence;
-  return root.contains("mesh") || root.contains("edit") ? About::Mesh : About::Lines;
+  if (root.contains("sequence")) return ContentKind::Sequence;
+  return root.contains("mesh") || root.contains("edit") ? ContentKind::Mesh : ContentKind::Lines;
 }
 
 /// A scene around a file of lines, a mesh or a sequence.
 SceneText scene_around(const std::filesystem::path& file) {
   if (file_kind(file) == FileKind::Mesh) {
-    SceneText text("unit = \"mm\"\nmesh = " + path_word(file) + "\n");
+    SceneText text("unit = \"mm\"\nmesh = " + path_to_toml(file) + "\n");
     text.add("edit", "{ name = \"edit 1\" }");
     return text;
   }
   if (file_kind(file) == FileKind::Sequence)
-    return SceneText("unit = \"m\"\n\n[sequence]\nfile = " + path_word(file) + "\n");
+    return SceneText("unit = \"m\"\n\n[sequence]\nfile = " + path_to_toml(file) + "\n");
   require_input_file(file, "a file of lines");
   SceneText text(new_scene("mm"));
-  text.add("lines", "{ file = " + path_word(file) + " }");
+  text.add("lines", "{ file = " + path_to_toml(file) + " }");
   return text;
 }
 
@@ -61,50 +61,52 @@ Document::Document(Document&&) noexcept = default;
 Document& Document::operator=(Document&&) noexcept = default;
 
 void Document::apply(const DocumentCommand& command, const Progress& progress) {
-  told_.clear();
-  const bool goes_on = command.verb == Verb::Slide || command.verb == Verb::Answer ||
-                       command.verb == Verb::Step || command.verb == Verb::Settle;
-  if (content_->in_motion() && !goes_on) settle();
-  if (!goes_on) fresh_.clear();
-  if (command.verb != Verb::Slide && command.verb != Verb::Answer && command.verb != Verb::Move)
+  run_messages_.clear();
+  const bool keeps_state =
+      command.kind == CommandKind::SetSlider || command.kind == CommandKind::SolvePreview ||
+      command.kind == CommandKind::Step || command.kind == CommandKind::SolveToEquilibrium;
+  if (content_->in_motion() && !keeps_state) solve_to_equilibrium();
+  if (!keeps_state) new_load_.clear();
+  if (command.kind != CommandKind::SetSlider && command.kind != CommandKind::SolvePreview &&
+      command.kind != CommandKind::Move)
     dragged_.clear();
-  switch (command.verb) {
-    case Verb::Open:
+  switch (command.kind) {
+    case CommandKind::Open:
       return open(command.file, progress);
-    case Verb::Recover:
+    case CommandKind::Recover:
       return recover(command.file, progress);
-    case Verb::New:
+    case CommandKind::New:
       return start(SceneText(new_scene(command.key)), {}, progress);
-    case Verb::Add:
-    case Verb::Set:
-    case Verb::Erase:
-    case Verb::Remove:
+    case CommandKind::Add:
+    case CommandKind::Set:
+    case CommandKind::Erase:
+    case CommandKind::Remove:
       return edit(command, progress);
-    case Verb::Move:
+    case CommandKind::Move:
       return move(command.text, progress);
-    case Verb::Slide:
-      return slide(command.key, command.value, progress);
-    case Verb::Answer:
-      rests_ = content_->in_motion() || content_->answer();
+    case CommandKind::SetSlider:
+      return set_slider(command.key, command.value, progress);
+    case CommandKind::SolvePreview:
+      at_rest_ = content_->in_motion() || content_->solve_preview();
       return;
-    case Verb::Step:
+    case CommandKind::Step:
       return content_->step(command.value);
-    case Verb::Settle:
-      return settle();
-    case Verb::Undo:
-      return go(undo_, redo_, progress);
-    case Verb::Redo:
-      return go(redo_, undo_, progress);
-    case Verb::Save:
+    case CommandKind::SolveToEquilibrium:
+      return solve_to_equilibrium();
+    case CommandKind::Undo:
+      return restore(undo_, redo_, progress);
+    case CommandKind::Redo:
+      return restore(redo_, undo_, progress);
+    case CommandKind::Save:
       return save(command.file);
-    case Verb::Export:
-      keep_inputs(command.file);
-      if (!slid_.empty()) settle();
-      told_ = content_->export_shape(command.file, progress);
+    case CommandKind::Export:
+      require_inputs_preserved(command.file);
+      if (!changed_sliders_.empty()) solve_to_equilibrium();
+      run_messages_ = content_->export_shape(command.file, progress);
       return;
-    case Verb::Run:
-      if (!slid_.empty()) settle();
-      told_ = content_->run(command.file, progress);
+    case CommandKind::Run:
+      if (!changed_sliders_.empty()) solve_to_equilibrium();
+      run_messages_ = content_->run(command.file, progress);
       return;
   }
 }
@@ -114,7 +116,7 @@ void Document::open(const std::filesystem::path& file, const Progress& progress)
   const bool wrapped = kind == FileKind::Mesh || kind == FileKind::Sequence ||
                        line_file_kind(file) != LineFileKind::None;
   if (!wrapped)
-    return start(SceneText(input_bytes(file, "a scene, a mesh or a file of lines"), file), file,
+    return start(SceneText(read_input_file(file, "a scene, a mesh or a file of lines"), file), file,
                  progress);
   start(scene_around(file), {}, progress);
 }
@@ -124,7 +126,7 @@ void Document::start(SceneText text, const std::filesystem::path& file, const Pr
   Document other;
   other.file_ = file;
   other.saved_ = text.text();
-  other.become(std::move(text), progress);
+  other.rebuild(std::move(text), progress);
   const EditedShape* shape = other.shape();
   const bool unread = shape && shape->lines().empty() && !other.content().problem().empty();
   if (unread) throw InputError(other.content().problem());
@@ -132,45 +134,45 @@ void Document::start(SceneText text, const std::filesystem::path& file, const Pr
 }
 
 void Document::edit(const DocumentCommand& command, const Progress& progress) {
-  if (!slid_.empty()) settle();
+  if (!changed_sliders_.empty()) solve_to_equilibrium();
   SceneText next = text_;
   SceneTable added;
-  if (command.verb == Verb::Add) added = next.add(command.table.kind, command.text);
-  if (command.verb == Verb::Set)
-    next = with_one_shape(std::move(next), command.table, command.key, command.text);
-  if (command.verb == Verb::Erase) next.erase(command.table, command.key);
-  if (command.verb == Verb::Remove) next.remove(command.table);
+  if (command.kind == CommandKind::Add) added = next.add(command.table.kind, command.text);
+  if (command.kind == CommandKind::Set)
+    next = with_single_shape_key(std::move(next), command.table, command.key, command.text);
+  if (command.kind == CommandKind::Erase) next.erase(command.table, command.key);
+  if (command.kind == CommandKind::Remove) next.remove(command.table);
   const bool fresh = added.kind == "load" && next.value(added, "value") == "0";
   change(std::move(next), progress);
-  if (fresh) fresh_ = added.name;
+  if (fresh) new_load_ = added.name;
 }
 
 // Moves from one place that follow each other are one step: each begins from the text before the first.
-void Document::move(const std::string& places, const Progress& progress) {
-  if (!slid_.empty()) {
-    settle();
+void Document::move(const std::string& from_to, const Progress& progress) {
+  if (!changed_sliders_.empty()) {
+    solve_to_equilibrium();
     dragged_.clear();
   }
-  const std::vector<Vec3> way = listed_points(places);
-  const std::string from = way.empty() ? places : point_word(way.front());
-  const bool goes_on = dragged_ == from && !undo_.empty();
+  const std::vector<Vec3> way = parse_points(from_to);
+  const std::string from = way.empty() ? from_to : point_to_toml(way.front());
+  const bool keeps_state = dragged_ == from && !undo_.empty();
   SceneText next =
-      with_moved_point(goes_on ? SceneText(undo_.back(), file_) : SceneText(text_), places);
-  goes_on ? become(std::move(next), progress) : change(std::move(next), progress);
+      with_moved_point(keeps_state ? SceneText(undo_.back(), file_) : SceneText(text_), from_to);
+  keeps_state ? rebuild(std::move(next), progress) : change(std::move(next), progress);
   dragged_ = from;
 }
 
-void Document::slide(const std::string& parameter, double value, const Progress& progress) {
+void Document::set_slider(const std::string& parameter, double value, const Progress& progress) {
   if (content_->moves(parameter)) {
     content_->set(parameter, value);
-    slid_.insert(parameter);
+    changed_sliders_.insert(parameter);
     return;
   }
-  if (!slid_.empty()) settle();
+  if (!changed_sliders_.empty()) solve_to_equilibrium();
   content_->check(parameter, value);
   SceneText next = text_;
   next.set_parameter(parameter, value);
-  if (dragged_ == parameter) return become(std::move(next), progress);  // one step with the last
+  if (dragged_ == parameter) return rebuild(std::move(next), progress);  // one step with the last
   change(std::move(next), progress);
   dragged_ = parameter;
 }
@@ -178,14 +180,14 @@ void Document::slide(const std::string& parameter, double value, const Progress&
 // One step that can be undone.
 void Document::change(SceneText next, const Progress& progress) {
   std::string before = text_.text();
-  become(std::move(next), progress);
+  rebuild(std::move(next), progress);
   undo_.push_back(std::move(before));
   redo_.clear();
 }
 
-void Document::settle() {
+void Document::solve_to_equilibrium() {
   try {
-    content_->settle();
+    content_->solve_to_equilibrium();
   } catch (const Error&) {
     commit_values();  // those of the last answer that had a shape
     throw;
@@ -194,32 +196,32 @@ void Document::settle() {
 }
 
 // The text with the values that sliders have by now.
-SceneText Document::stated_values() const {
+SceneText Document::text_with_values() const {
   SceneText text = text_;
-  for (const std::string& name : slid_) text.set_parameter(name, content_->value(name));
+  for (const std::string& name : changed_sliders_) text.set_parameter(name, content_->value(name));
   return text;
 }
 
 void Document::commit_values() {
-  if (slid_.empty()) return fresh_.clear();
-  SceneText next = stated_values();
+  if (changed_sliders_.empty()) return new_load_.clear();
+  SceneText next = text_with_values();
   // A load that was added to be pushed: one step.
-  const bool of_last_step = slid_.size() == 1 && slid_.contains(fresh_);
-  slid_.clear();
-  fresh_.clear();
+  const bool of_last_step = changed_sliders_.size() == 1 && changed_sliders_.contains(new_load_);
+  changed_sliders_.clear();
+  new_load_.clear();
   if (next.text() == text_.text()) return;
-  content_->restate(next, file_);
+  content_->update_text(next, file_);
   if (!of_last_step) undo_.push_back(text_.text());
   redo_.clear();
   text_ = std::move(next);
 }
 
-void Document::go(std::vector<std::string>& from, std::vector<std::string>& to,
-                  const Progress& progress) {
-  if (!slid_.empty()) settle();
+void Document::restore(std::vector<std::string>& from, std::vector<std::string>& to,
+                       const Progress& progress) {
+  if (!changed_sliders_.empty()) solve_to_equilibrium();
   if (from.empty()) return;
   std::string before = text_.text();
-  become(SceneText(from.back(), file_), progress);
+  rebuild(SceneText(from.back(), file_), progress);
   from.pop_back();
   to.push_back(std::move(before));
 }
@@ -233,7 +235,7 @@ const EditedSequence* Document::sequence() const {
 const EditedMesh* Document::mesh() const { return dynamic_cast<const EditedMesh*>(content_.get()); }
 SculptingSession* Document::session() const { return shape() ? shape()->session() : nullptr; }
 
-void Document::become(SceneText text, const Progress& progress) {
+void Document::rebuild(SceneText text, const Progress& progress) {
   content_ = next_content(text, file_, progress);
   text_ = std::move(text);
 }
@@ -242,17 +244,17 @@ void Document::become(SceneText text, const Progress& progress) {
 std::shared_ptr<DocumentContent> Document::next_content(const SceneText& text,
                                                         const std::filesystem::path& file,
                                                         const Progress& progress) const {
-  const About what = about(text, file);
+  const ContentKind what = content_kind(text, file);
   std::shared_ptr<DocumentContent> content = content_;
-  const bool goes_on = what == About::Sequence ? sequence() != nullptr
-                       : what == About::Mesh   ? mesh() != nullptr
-                                               : shape() != nullptr;
-  if (!goes_on) {
-    if (what == About::Sequence) content = std::make_shared<EditedSequence>();
-    if (what == About::Mesh) content = std::make_shared<EditedMesh>();
-    if (what == About::Lines) content = std::make_shared<EditedShape>();
+  const bool keeps_state = what == ContentKind::Sequence ? sequence() != nullptr
+                           : what == ContentKind::Mesh   ? mesh() != nullptr
+                                                         : shape() != nullptr;
+  if (!keeps_state) {
+    if (what == ContentKind::Sequence) content = std::make_shared<EditedSequence>();
+    if (what == ContentKind::Mesh) content = std::make_shared<EditedMesh>();
+    if (what == ContentKind::Lines) content = std::make_shared<EditedShape>();
   }
-  content->become(text, file, progress);
+  content->rebuild(text, file, progress);
   return content;
 }
 
@@ -268,7 +270,7 @@ DocumentView view_of(const Document& document) {
   view.problem = document.content().problem();
   for (auto& [table, values] : document.text().all_values())
     view.tables.push_back({table, std::move(values)});
-  document.content().look_at(view);
+  document.content().fill_view(view);
   return view;
 }
 

@@ -43,16 +43,16 @@ class Document {
   const SceneText& text() const { return text_; }
   const std::filesystem::path& file() const { return file_; }  ///< empty: never saved
   /// Whether the text differs from the file, values of sliders that move included.
-  bool changed() const { return text_.text() != saved_ || !slid_.empty(); }
-  bool can_undo() const { return !undo_.empty() || !slid_.empty(); }
+  bool changed() const { return text_.text() != saved_ || !changed_sliders_.empty(); }
+  bool can_undo() const { return !undo_.empty() || !changed_sliders_.empty(); }
   bool can_redo() const { return !redo_.empty(); }
   /// Whether the last answer was at rest.
-  bool at_rest() const { return rests_; }
+  bool is_at_rest() const { return at_rest_; }
   /// The text as a file in `folder` would have it, below a line that names the document's file: what
   /// `recover` reads.
   std::string recovery_text(const std::filesystem::path& folder) const;
   /// What came of `run` and `export`: misses and warnings, one a line.
-  const std::string& told() const { return told_; }
+  const std::string& run_messages() const { return run_messages_; }
 
   const DocumentContent& content() const { return *content_; }
   bool draw(Frame& frame) { return content_->draw(frame); }
@@ -70,31 +70,32 @@ class Document {
   void open(const std::filesystem::path& file, const Progress& progress);
   void start(SceneText text, const std::filesystem::path& file, const Progress& progress);
   void edit(const DocumentCommand& command, const Progress& progress);
-  void move(const std::string& places, const Progress& progress);
-  void slide(const std::string& parameter, double value, const Progress& progress);
+  void move(const std::string& from_to, const Progress& progress);
+  void set_slider(const std::string& parameter, double value, const Progress& progress);
   void change(SceneText next, const Progress& progress);
-  void settle();
-  SceneText stated_values() const;
+  void solve_to_equilibrium();
+  SceneText text_with_values() const;
   void commit_values();
-  void go(std::vector<std::string>& from, std::vector<std::string>& to, const Progress& progress);
-  void become(SceneText text, const Progress& progress);
+  void restore(std::vector<std::string>& from, std::vector<std::string>& to,
+               const Progress& progress);
+  void rebuild(SceneText text, const Progress& progress);
   std::shared_ptr<DocumentContent> next_content(const SceneText& text,
                                                 const std::filesystem::path& file,
                                                 const Progress& progress) const;
   void save(const std::filesystem::path& file);
-  void keep_inputs(const std::filesystem::path& written) const;
+  void require_inputs_preserved(const std::filesystem::path& written) const;
   void recover(const std::filesystem::path& file, const Progress& progress);
 
   SceneText text_;
   std::filesystem::path file_;
   std::string saved_;
   std::shared_ptr<DocumentContent> content_;
-  std::string told_;
-  std::vector<std::string> undo_, redo_;  // texts
-  std::set<std::string> slid_;            // parameters that moved since the last settle
-  std::string dragged_;  // the parameter or point that the last step's edits were of
-  std::string fresh_;    // the load of the last step, which has no strength yet
-  bool rests_ = true;
+  std::string run_messages_;
+  std::vector<std::string> undo_, redo_;   // texts
+  std::set<std::string> changed_sliders_;  // parameters that moved since the last settle
+  std::string dragged_;   // the parameter or point that the last step's edits were of
+  std::string new_load_;  // the load of the last step, which has no strength yet
+  bool at_rest_ = true;
 };
 
 /// Looks at a document. O(facets' lines + tables · bytes).

@@ -4,7 +4,7 @@
 #include <optional>
 #include <sstream>
 
-#include "batten/apps/commands/runs/run_parts.h"
+#include "batten/apps/commands/runs/run_support.h"
 #include "batten/io/files/input_file.h"
 #include "batten/io/files/text.h"
 #include "batten/io/files/toml_table.h"
@@ -12,22 +12,32 @@
 namespace batten {
 namespace {
 
-using Verb = DocumentCommand::Verb;
+using CommandKind = DocumentCommand::CommandKind;
 
 /// The words of a command, one letter each: k kind, n name, y key, v the rest of the line, p
 /// parameter, x number, u unit, f file, F file that may be missing.
 struct Form {
-  Verb verb;
+  CommandKind kind;
   const char* word;
   const char* words;
 };
-constexpr Form kForms[] = {
-    {Verb::Open, "open", "f"},      {Verb::Recover, "recover", "f"}, {Verb::New, "new", "u"},
-    {Verb::Add, "add", "kv"},       {Verb::Set, "set", "knyv"},      {Verb::Erase, "erase", "kny"},
-    {Verb::Remove, "remove", "kn"}, {Verb::Move, "move", "v"},       {Verb::Slide, "slide", "px"},
-    {Verb::Answer, "answer", ""},   {Verb::Settle, "settle", ""},    {Verb::Step, "step", "x"},
-    {Verb::Undo, "undo", ""},       {Verb::Redo, "redo", ""},        {Verb::Save, "save", "F"},
-    {Verb::Run, "run", "f"},        {Verb::Export, "export", "f"}};
+constexpr Form kForms[] = {{CommandKind::Open, "open", "f"},
+                           {CommandKind::Recover, "recover", "f"},
+                           {CommandKind::New, "new", "u"},
+                           {CommandKind::Add, "add", "kv"},
+                           {CommandKind::Set, "set", "knyv"},
+                           {CommandKind::Erase, "erase", "kny"},
+                           {CommandKind::Remove, "remove", "kn"},
+                           {CommandKind::Move, "move", "v"},
+                           {CommandKind::SetSlider, "slide", "px"},
+                           {CommandKind::SolvePreview, "answer", ""},
+                           {CommandKind::SolveToEquilibrium, "settle", ""},
+                           {CommandKind::Step, "step", "x"},
+                           {CommandKind::Undo, "undo", ""},
+                           {CommandKind::Redo, "redo", ""},
+                           {CommandKind::Save, "save", "F"},
+                           {CommandKind::Run, "run", "f"},
+                           {CommandKind::Export, "export", "f"}};
 
 const char* meaning(char word) {
   switch (word) {
@@ -55,7 +65,7 @@ std::string quoted(const std::string& word) {
   const bool plain = !word.empty() && word != "-" && word.find_first_of(" \t\"#\\") == word.npos;
   return plain ? word : SceneText::word(word);
 }
-std::string name_word(const std::string& name) { return name.empty() ? "-" : quoted(name); }
+std::string quoted_name(const std::string& name) { return name.empty() ? "-" : quoted(name); }
 
 /// Takes words from the front of a line.
 class Line {
@@ -83,7 +93,7 @@ class Line {
 
  private:
   void skip() {
-    while (at_ < text_.size() && blank(text_[at_])) ++at_;
+    while (at_ < text_.size() && is_blank(text_[at_])) ++at_;
   }
   std::string in_quotes_word() {
     std::string word;
@@ -118,8 +128,8 @@ void take(DocumentCommand& command, char kind, const std::string& word, const Li
       command.text = word;
       break;
     case 'x': {
-      const std::optional<double> value = stated_number(word);
-      if (!value) line.fail(in_quotes(word), "a number");
+      const std::optional<double> value = parse_number(word);
+      if (!value) line.fail(quoted_excerpt(word), "a number");
       command.value = *value;
       break;
     }
@@ -133,17 +143,17 @@ void take(DocumentCommand& command, char kind, const std::string& word, const Li
 std::string script_line(const DocumentCommand& command) {
   std::string line;
   for (const Form& form : kForms) {
-    if (form.verb != command.verb) continue;
+    if (form.kind != command.kind) continue;
     line = form.word;
     for (const char* word = form.words; *word; ++word) {
       if (*word == 'F' && command.file.empty()) break;
       line += ' ';
       switch (*word) {
         case 'k':
-          line += name_word(command.table.kind);
+          line += quoted_name(command.table.kind);
           break;
         case 'n':
-          line += name_word(command.table.name);
+          line += quoted_name(command.table.name);
           break;
         case 'y':
         case 'p':
@@ -167,36 +177,36 @@ std::string script_line(const DocumentCommand& command) {
 
 DocumentCommand parse_command(const std::string& text, const std::string& where) {
   Line line(text, where);
-  const std::optional<std::string> verb = line.next();
+  const std::optional<std::string> kind = line.next();
   std::vector<std::string> verbs;
   for (const Form& form : kForms) verbs.emplace_back(form.word);
-  if (!verb) line.fail("nothing", one_of("", verbs));
+  if (!kind) line.fail("nothing", expected_one_of("", verbs));
   for (const Form& form : kForms) {
-    if (*verb != form.word) continue;
+    if (*kind != form.word) continue;
     DocumentCommand command;
-    command.verb = form.verb;
+    command.kind = form.kind;
     for (const char* word = form.words; *word; ++word) {
       const std::optional<std::string> found = *word == 'v' ? line.rest() : line.next();
       if (found && !found->empty())
         take(command, *word, *found, line);
       else if (*word != 'F')
-        line.fail("'" + *verb + "' without " + meaning(*word), meaning(*word));
+        line.fail("'" + *kind + "' without " + meaning(*word), meaning(*word));
     }
     if (const auto more = line.next())
-      line.fail(in_quotes(*more) + " behind '" + *verb + "'", "the end of the line");
+      line.fail(quoted_excerpt(*more) + " behind '" + *kind + "'", "the end of the line");
     return command;
   }
-  line.fail("the command " + in_quotes(*verb), one_of(*verb, verbs));
+  line.fail("the command " + quoted_excerpt(*kind), expected_one_of(*kind, verbs));
 }
 
-std::vector<PlacedCommand> read_script(const std::filesystem::path& file) {
-  std::istringstream lines(input_bytes(file, "a script"));
-  std::vector<PlacedCommand> commands;
+std::vector<LocatedCommand> read_script(const std::filesystem::path& file) {
+  std::istringstream lines(read_input_file(file, "a script"));
+  std::vector<LocatedCommand> commands;
   std::string line;
   for (int number = 1; std::getline(lines, line); ++number) {
     const std::string_view words = trimmed(line);
     if (words.empty() || words.front() == '#') continue;
-    const std::string where = place_prefix(file.string(), {number, 1});
+    const std::string where = format_location(file.string(), {number, 1});
     commands.push_back({parse_command(line, where), where});
     DocumentCommand& command = commands.back().command;
     if (!command.file.empty() && command.file.is_relative())

@@ -21,8 +21,8 @@ namespace batten {
 ///     remove KIND NAME             removes a table
 ///     move [[x, y, z], [x, y, z]]  a point from one place to another, of all lines that have it in
 ///                                  their points, so that they stay together; moves from one place
-///                                  that follow each other are one step to undo, until a `settle`
-///     slide PARAMETER VALUE        moves a slider; the shape follows by `answer` or `settle`
+///                                  that follow each other are one step to undo, until a `solve_to_equilibrium`
+///     slide PARAMETER VALUE        moves a slider; the shape follows by `answer` or `solve_to_equilibrium`
 ///     answer                       a quick answer, as in a drag
 ///     settle                       the shape at rest; ends a drag, which is one step to undo, or a motion;
 ///                                  a drag of a load that was added just before with value = 0 is
@@ -36,7 +36,7 @@ namespace batten {
 ///
 /// Paths are relative to the script's folder.
 struct DocumentCommand {
-  enum class Verb {
+  enum class CommandKind {
     Open,
     Recover,
     New,
@@ -45,9 +45,9 @@ struct DocumentCommand {
     Erase,
     Remove,
     Move,
-    Slide,
-    Answer,
-    Settle,
+    SetSlider,
+    SolvePreview,
+    SolveToEquilibrium,
     Step,
     Undo,
     Redo,
@@ -55,7 +55,7 @@ struct DocumentCommand {
     Run,
     Export
   };
-  Verb verb = Verb::Settle;
+  CommandKind kind = CommandKind::SolveToEquilibrium;
   SceneTable table = {};            ///< Add (its kind), Set, Erase, Remove
   std::string key = {};             ///< Set, Erase; Slide: the parameter; New: the unit
   std::string text = {};            ///< Add: the table in braces; Set: the value; Move: both places
@@ -64,8 +64,8 @@ struct DocumentCommand {
 
   /// Whether it changes the scene's text, and so can be undone.
   bool edits() const {
-    return verb == Verb::Add || verb == Verb::Set || verb == Verb::Erase || verb == Verb::Remove ||
-           verb == Verb::Move;
+    return kind == CommandKind::Add || kind == CommandKind::Set || kind == CommandKind::Erase ||
+           kind == CommandKind::Remove || kind == CommandKind::Move;
   }
 };
 
@@ -75,11 +75,11 @@ std::string script_line(const DocumentCommand& command);
 /// offered), words that are missing or too many, a number that is not finite.
 DocumentCommand parse_command(const std::string& line, const std::string& where);
 
-struct PlacedCommand {
+struct LocatedCommand {
   DocumentCommand command;
   std::string where;  ///< "FILE:LINE:1: "
 };
 /// Reads a script; empty lines and comments are left out. Throws InputError with the line.
-std::vector<PlacedCommand> read_script(const std::filesystem::path& file);
+std::vector<LocatedCommand> read_script(const std::filesystem::path& file);
 
 }  // namespace batten

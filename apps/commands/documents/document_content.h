@@ -12,11 +12,11 @@
 namespace batten {
 
 /// A place of a document's surface: the one nearest to a point of the present shape.
-struct DocumentPlace {
+struct SurfacePoint {
   std::string region;
   Vec3 present = Vec3::Zero(), normal = Vec3::Zero();
   /// Where it lies without loads: what a scene says as `at`.
-  Vec3 held = Vec3::Zero();
+  Vec3 unloaded = Vec3::Zero();
 };
 
 /// What a Document has made of its text. Each function either does what it says or throws and leaves
@@ -29,10 +29,10 @@ class DocumentContent {
   /// paths in it are relative to its folder. What cannot be made is no error where nothing was there
   /// before: then problem() says what is missing. Throws InputError, ConflictError, NoSolutionError,
   /// CancelledError.
-  virtual void become(const SceneText& text, const std::filesystem::path& file,
-                      const Progress& progress) = 0;
+  virtual void rebuild(const SceneText& text, const std::filesystem::path& file,
+                       const Progress& progress) = 0;
   /// The text states by now what is there: values that moved, or a file that it was saved to.
-  virtual void restate(const SceneText& text, const std::filesystem::path& file) = 0;
+  virtual void update_text(const SceneText& text, const std::filesystem::path& file) = 0;
   /// Why nothing could be made, in words; "" where something is there, or nothing to make it of.
   const std::string& problem() const { return problem_; }
 
@@ -43,9 +43,9 @@ class DocumentContent {
   virtual void set(const std::string&, double) {}
   virtual double value(const std::string&) const { return 0; }
   /// A quick answer to values that were set; whether it is at rest.
-  virtual bool answer() { return true; }
+  virtual bool solve_preview() { return true; }
   /// The shape at rest; a motion ends. Throws: then it has the last values that had a shape.
-  virtual void settle() {}
+  virtual void solve_to_equilibrium() {}
   /// One step of a motion from the present shape. One of another length than the last begins a new
   /// motion, with the velocity 0. Throws InputError where nothing can move, and for no length.
   virtual void step(double) {
@@ -58,14 +58,14 @@ class DocumentContent {
   /// Fills a frame; false where there is nothing to draw.
   virtual bool draw(Frame& frame) = 0;
   /// Throws InputError where there is no surface.
-  virtual DocumentPlace place(const Vec3&) const {
+  virtual SurfacePoint nearest_point(const Vec3&) const {
     throw InputError("found no surface on lines, expected one to act on");
   }
   /// Stresses or modes of the present shape; null where the scene asks for none. What cannot be
   /// analysed is told in words.
   virtual std::shared_ptr<const StressView> stress(Analysis) { return nullptr; }
   /// Adds to a view what is there, beside the text.
-  virtual void look_at(DocumentView& view) const = 0;
+  virtual void fill_view(DocumentView& view) const = 0;
   /// A few rows for a summary.
   virtual std::string rows() const = 0;
 

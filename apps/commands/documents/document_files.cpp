@@ -4,8 +4,8 @@
 #include <functional>
 
 #include "batten/apps/commands/documents/document.h"
+#include "batten/io/files/atomic_file.h"
 #include "batten/io/files/input_file.h"
-#include "batten/io/files/whole_file.h"
 
 namespace batten {
 namespace {
@@ -37,25 +37,25 @@ SceneText with_paths(SceneText text, const PathChange& change) {
 }
 
 /// Whether a path goes up so far that nobody would write it.
-bool far(const std::filesystem::path& relative) {
+bool is_outside(const std::filesystem::path& relative) {
   constexpr auto most = 2;
   return std::count(relative.begin(), relative.end(), std::filesystem::path("..")) > most;
 }
 
 /// The scene with its paths, which are relative to `from`, relative to `to`; absolute where they would go
 /// far up and a person may read them.
-SceneText moved(SceneText text, const std::filesystem::path& from, const std::filesystem::path& to,
-                bool for_people = true) {
+SceneText with_moved_paths(SceneText text, const std::filesystem::path& from,
+                           const std::filesystem::path& to, bool for_people = true) {
   return with_paths(std::move(text), [&](const std::filesystem::path& file) -> std::string {
     if (file.is_absolute()) return {};
     const std::filesystem::path full = (from / file).lexically_normal();
     const std::filesystem::path relative = full.lexically_relative(to);
-    return (for_people && far(relative) ? full : relative).string();
+    return (for_people && is_outside(relative) ? full : relative).string();
   });
 }
 
 /// The scene with paths of files in its folder, or below, as a person writes them.
-SceneText told_from(SceneText text, const std::filesystem::path& folder) {
+SceneText relative_to_folder(SceneText text, const std::filesystem::path& folder) {
   return with_paths(std::move(text), [&](const std::filesystem::path& file) -> std::string {
     const std::filesystem::path relative = file.lexically_relative(folder);
     const bool below = file.is_absolute() && !relative.empty() && *relative.begin() != "..";
@@ -70,22 +70,22 @@ std::filesystem::path folder_of(const std::filesystem::path& file) {
 }  // namespace
 
 void Document::save(const std::filesystem::path& to) {
-  if (!slid_.empty()) settle();
+  if (!changed_sliders_.empty()) solve_to_equilibrium();
   const std::filesystem::path& file = to.empty() ? file_ : to;
   if (file.empty()) throw InputError("found no file to save to, expected its name");
   SceneText text = text_;
   if (!file_.empty() && folder_of(file) != folder_of(file_))
-    text = moved(std::move(text), folder_of(file_), folder_of(file));
-  if (file_.empty()) text = told_from(std::move(text), folder_of(file));
-  write_whole_file(file, [&](std::ostream& out) { out << text.text(); });
+    text = with_moved_paths(std::move(text), folder_of(file_), folder_of(file));
+  if (file_.empty()) text = relative_to_folder(std::move(text), folder_of(file));
+  write_file_atomically(file, [&](std::ostream& out) { out << text.text(); });
   file_ = file;
   text_ = std::move(text);
   saved_ = text_.text();
-  content_->restate(text_, file_);
+  content_->update_text(text_, file_);
 }
 
 // What the scene reads is not written over: opened again, the scene would change the result once more.
-void Document::keep_inputs(const std::filesystem::path& written) const {
+void Document::require_inputs_preserved(const std::filesystem::path& written) const {
   std::error_code none;
   const std::filesystem::path folder = file_.empty() ? "" : folder_of(file_);
   with_paths(text_, [&](const std::filesystem::path& file) -> std::string {
@@ -98,24 +98,27 @@ void Document::keep_inputs(const std::filesystem::path& written) const {
 
 std::string Document::recovery_text(const std::filesystem::path& folder) const {
   const bool named = !file_.empty();
-  SceneText text = stated_values();
+  SceneText text = text_with_values();
   // Paths come back as they were only if they stay relative.
-  if (named) text = moved(std::move(text), folder_of(file_), folder_of(folder / "changes"), false);
+  if (named)
+    text =
+        with_moved_paths(std::move(text), folder_of(file_), folder_of(folder / "changes"), false);
   return kChangesOf + (named ? std::filesystem::absolute(file_).string() : "") + "\n" + text.text();
 }
 
 void Document::recover(const std::filesystem::path& from, const Progress& progress) {
-  const std::string bytes = input_bytes(from, "changes of a scene");
+  const std::string bytes = read_input_file(from, "changes of a scene");
   const size_t end = bytes.find('\n');
   if (!bytes.starts_with(kChangesOf) || end == std::string::npos)
     throw InputError(from.string() + ": found no line '" + kChangesOf + "…', expected it first");
   const size_t begin = std::string(kChangesOf).size();
   const std::filesystem::path file = bytes.substr(begin, end - begin);
   SceneText text(bytes.substr(end + 1), from);
-  if (!file.empty()) text = moved(std::move(text), folder_of(from), folder_of(file));
+  if (!file.empty()) text = with_moved_paths(std::move(text), folder_of(from), folder_of(file));
   start(std::move(text), file, progress);
   std::error_code none;
-  saved_ = !file.empty() && std::filesystem::exists(file, none) ? input_bytes(file, "a scene") : "";
+  saved_ =
+      !file.empty() && std::filesystem::exists(file, none) ? read_input_file(file, "a scene") : "";
 }
 
 }  // namespace batten

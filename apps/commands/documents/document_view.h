@@ -24,7 +24,7 @@ struct MeshView {
     Kind kind = Kind::Proposal;
     std::string name;
     std::string key = {};  ///< of a set: "set" or "property", the key of [[select]]
-    double across = 0;     ///< of a proposal: diameter of the circle of the same area
+    double diameter = 0;   ///< of a proposal: diameter of the circle of the same area
     std::vector<int> points;
   };
   std::vector<Part> parts;
@@ -40,21 +40,21 @@ enum class Analysis { None, Stress, Modes };
 /// swings.
 struct StressView {
   std::string problem;  ///< why there are none, in words; ""
-  std::string of_case;
-  double von_mises = 0, displacement = 0;  ///< the largest of all cases
-  double yield = 0;                        ///< 0: not said
-  double exaggeration = 1;                 ///< of displacements that are drawn
-  std::vector<float> values;               ///< equivalent stress at each display point
-  std::vector<float> moved;                ///< displacement, x, y, z one after the other
-  std::vector<double> hertz;               ///< of natural modes, slowest first
-  std::vector<std::vector<float>> swings;  ///< of each, as `moved`, the largest 1 long
+  std::string load_case;
+  double von_mises = 0, displacement = 0;       ///< the largest of all cases
+  double yield = 0;                             ///< 0: not said
+  double deformation_scale = 1;                 ///< of displacements that are drawn
+  std::vector<float> values;                    ///< equivalent stress at each display point
+  std::vector<float> moved;                     ///< displacement, x, y, z one after the other
+  std::vector<double> frequencies;              ///< of natural modes, slowest first
+  std::vector<std::vector<float>> mode_shapes;  ///< of each, as `moved`, the largest 1 long
 };
 
 /// A document at one moment. Points of the surface are in frames (sculpting/session/frame.h).
 struct DocumentView {
-  std::string title;   ///< the file's name, "untitled" before the first save
-  std::string folder;  ///< the name of its folder; "" before the first save
-  int opened = 0;      ///< changes where another document is opened
+  std::string title;        ///< the file's name, "untitled" before the first save
+  std::string folder;       ///< the name of its folder; "" before the first save
+  int document_number = 0;  ///< changes where another document is opened
   std::string unit, text;
   bool changed = false, can_undo = false, can_redo = false;
   std::string problem;  ///< why there is no surface, ""
@@ -84,19 +84,20 @@ struct DocumentView {
   int triangles = 0;
   double size = 0;
   bool has_stress = false;               ///< the scene says [stress]
-  std::vector<std::string> regions;      ///< of DisplayPattern::first_facet
-  std::vector<std::string> shown_lines;  ///< of DisplayPattern::lines
+  std::vector<std::string> regions;      ///< of DisplayTopology::first_facet
+  std::vector<std::string> shown_lines;  ///< of DisplayTopology::lines
   std::optional<NetworkReport> network;  ///< of a network: joins, choices, shells
-  std::vector<FlawReport> flaws;
+  std::vector<DefectReport> defects;
 
   // Of a mesh, and of a shape's constraints at points:
   std::shared_ptr<const MeshView> mesh;  ///< the same object as long as it says the same
   struct Handle {
     std::string name;            ///< EDIT.HANDLE: what its parameters begin with
     Vec3 centre = Vec3::Zero();  ///< where its centre is now
-    Vec3 shift = Vec3::Zero(), turn = Vec3::Zero();  ///< turn: along its axis, degrees long
-    bool moves = false;                              ///< it is of the last edit, or of a sequence
-    bool turns = true;            ///< a constraint has no turn, and its shift is where it is
+    Vec3 shift = Vec3::Zero(),
+         rotation_vector = Vec3::Zero();  ///< turn: along its axis, degrees long
+    bool moves = false;                   ///< it is of the last edit, or of a sequence
+    bool can_rotate = true;       ///< a constraint has no turn, and its shift is where it is
     std::vector<Vec3> path = {};  ///< its centre in all frames of a sequence
   };
   std::vector<Handle> handles;

@@ -4,13 +4,13 @@
 #include <new>
 
 #include "batten/apps/commands/documents/line_edits.h"
-#include "batten/apps/commands/runs/run_parts.h"
-#include "batten/io/files/whole_file.h"
+#include "batten/apps/commands/runs/run_support.h"
+#include "batten/io/files/atomic_file.h"
 
 namespace batten {
 namespace {
 
-using Verb = DocumentCommand::Verb;
+using CommandKind = DocumentCommand::CommandKind;
 using Clock = std::chrono::steady_clock;
 constexpr double kStep = 0.02;  // of a motion, s
 
@@ -36,16 +36,18 @@ void DocumentWorker::post(DocumentCommand command) {
   {
     const std::lock_guard lock(mutex_);
     // A slider that is let go: it swings on, but is seen and kept.
-    if (command.verb == Verb::Settle && moving_) command.verb = Verb::Answer;
-    if (command.verb == Verb::Slide)
+    if (command.kind == CommandKind::SolveToEquilibrium && simulating_)
+      command.kind = CommandKind::SolvePreview;
+    if (command.kind == CommandKind::SetSlider)
       for (auto it = tasks_.rbegin(); it != tasks_.rend(); ++it) {
-        if (it->question || it->frame >= 0 || it->command.verb != Verb::Slide) break;
+        if (it->query || it->frame >= 0 || it->command.kind != CommandKind::SetSlider) break;
         if (it->command.key != command.key) continue;
         it->command.value = command.value;
         return;
       }
     // A point that is dragged on: what waits is the newest place.
-    if (command.verb == Verb::Move && !tasks_.empty() && is_move_from(tasks_.back(), command)) {
+    if (command.kind == CommandKind::Move && !tasks_.empty() &&
+        is_move_from(tasks_.back(), command)) {
       tasks_.back().command.text = std::move(command.text);
       return;
     }
@@ -55,15 +57,16 @@ void DocumentWorker::post(DocumentCommand command) {
 }
 
 bool DocumentWorker::is_move_from(const Task& task, const DocumentCommand& move) {
-  if (task.question || task.frame >= 0 || task.command.verb != Verb::Move) return false;
-  const std::vector<Vec3> a = listed_points(task.command.text), b = listed_points(move.text);
+  if (task.query || task.frame >= 0 || task.command.kind != CommandKind::Move) return false;
+  const std::vector<Vec3> a = parse_points(task.command.text), b = parse_points(move.text);
   return !a.empty() && !b.empty() && a.front() == b.front();
 }
 
-void DocumentWorker::ask_place(const Vec3& near, std::function<void(const DocumentPlace&)> found) {
+void DocumentWorker::query_surface_point(const Vec3& near,
+                                         std::function<void(const SurfacePoint&)> found) {
   {
     const std::lock_guard lock(mutex_);
-    tasks_.push_back({{}, std::make_shared<Question>(Question{near, std::move(found)}), -1});
+    tasks_.push_back({{}, std::make_shared<PointQuery>(PointQuery{near, std::move(found)}), -1});
   }
   waiting_.notify_all();
 }
@@ -85,50 +88,50 @@ void DocumentWorker::cancel() {
   if (busy_) cancelled_ = true;
 }
 
-void DocumentWorker::forget_changes() {
+void DocumentWorker::discard_changes() {
   cancel();
-  forgotten_ = true;
+  discarded_ = true;
   std::error_code none;
   if (!recovery_.empty()) std::filesystem::remove(recovery_, none);
 }
 
 void DocumentWorker::analyse(Analysis what) {
   if (analysis_.exchange(what) == what || what == Analysis::None) return;
-  post({.verb = Verb::Answer});  // so that it is solved for
+  post({.kind = CommandKind::SolvePreview});  // so that it is solved for
 }
 
-void DocumentWorker::set_moving(bool on) {
+void DocumentWorker::set_simulating(bool on) {
   {
     const std::lock_guard lock(mutex_);
-    if (moving_ == on) return;
-    moving_ = on;
+    if (simulating_ == on) return;
+    simulating_ = on;
     next_step_ = Clock::now();
-    if (!on) tasks_.push_back({{.verb = Verb::Settle}, nullptr, -1});
+    if (!on) tasks_.push_back({{.kind = CommandKind::SolveToEquilibrium}, nullptr, -1});
   }
   waiting_.notify_all();
 }
 
-DocumentWorker::News DocumentWorker::take_news() {
-  News news;
-  std::vector<std::function<void()>> answers;
+DocumentWorker::Update DocumentWorker::take_update() {
+  Update update;
+  std::vector<std::function<void()>> callbacks;
   {
     const std::lock_guard lock(mutex_);
-    news.view = std::move(view_);
+    update.view = std::move(view_);
     view_ = nullptr;
-    news.stress = std::move(stress_);
+    update.stress = std::move(stress_);
     stress_ = nullptr;
-    news.messages.swap(messages_);
-    news.written.swap(written_);
-    answers.swap(answers_);
-    news.busy = busy_ || !tasks_.empty();
-    news.moving = moving_;
-    news.stage = stage_;
-    news.fraction = fraction_;
-    news.answer_ms = answer_ms_;
+    update.messages.swap(messages_);
+    update.written.swap(written_);
+    callbacks.swap(callbacks_);
+    update.busy = busy_ || !tasks_.empty();
+    update.simulating = simulating_;
+    update.stage = stage_;
+    update.fraction = fraction_;
+    update.update_ms = update_ms_;
   }
-  news.frame = frames_.latest();
-  for (const auto& answer : answers) answer();
-  return news;
+  update.frame = frames_.latest();
+  for (const auto& answer : callbacks) answer();
+  return update;
 }
 
 std::vector<std::string> DocumentWorker::script() const {
@@ -161,14 +164,14 @@ bool DocumentWorker::next(Task& task) {
     lock.lock();
   }
   const auto waits = [&] { return stopping_ || !tasks_.empty(); };
-  if (moving_)
+  if (simulating_)
     waiting_.wait_until(lock, next_step_, waits);
   else
-    waiting_.wait(lock, [&] { return waits() || moving_; });
+    waiting_.wait(lock, [&] { return waits() || simulating_; });
   if (stopping_) return false;
   cancelled_ = false;
   if (tasks_.empty()) {
-    task = {{.verb = Verb::Step, .value = kStep}, nullptr, -1};
+    task = {{.kind = CommandKind::Step, .value = kStep}, nullptr, -1};
     next_step_ = std::max(next_step_ + std::chrono::milliseconds(20), Clock::now());
     return true;
   }
@@ -180,8 +183,8 @@ bool DocumentWorker::next(Task& task) {
 
 void DocumentWorker::work() {
   for (Task task; next(task);) {
-    if (task.question) {
-      answer_question(task.question);
+    if (task.query) {
+      answer_query(task.query);
       continue;
     }
     if (task.frame >= 0) {
@@ -190,11 +193,11 @@ void DocumentWorker::work() {
       publish_view();
       continue;
     }
-    if (task.command.verb == Verb::Step) {
-      do_step(task.command);
+    if (task.command.kind == CommandKind::Step) {
+      run_motion_step(task.command);
       continue;
     }
-    if (task.command.verb != Verb::Slide) {
+    if (task.command.kind != CommandKind::SetSlider) {
       do_command(task.command);
       publish_frame();
       publish_view();
@@ -202,49 +205,50 @@ void DocumentWorker::work() {
     }
     const auto start = Clock::now();
     do_command(task.command);
-    if (another_slides(task.command.key)) continue;
-    answer_until_rest();
+    if (has_other_slider_move(task.command.key)) continue;
+    preview_until_converged();
     constexpr double keeps_up = 0.06;  // s
     std::shared_ptr<const StressView> stress;
     if (stress_s_ < keeps_up) stress = solved_stress();
     const double ms = 1e3 * seconds_since(start);
     const std::lock_guard lock(mutex_);
     if (stress) stress_ = std::move(stress);
-    answer_ms_ = answer_ms_ > 0 ? 0.8 * answer_ms_ + 0.2 * ms : ms;
+    update_ms_ = update_ms_ > 0 ? 0.8 * update_ms_ + 0.2 * ms : ms;
   }
 }
 
 // A hand may move several parameters at once: the shape follows when all have moved.
-bool DocumentWorker::another_slides(const std::string& parameter) {
-  slid_.insert(parameter);
+bool DocumentWorker::has_other_slider_move(const std::string& parameter) {
+  changed_sliders_.insert(parameter);
   const std::lock_guard lock(mutex_);
-  if (!tasks_.empty() && !tasks_.front().question && tasks_.front().frame < 0 &&
-      tasks_.front().command.verb == Verb::Slide && !slid_.contains(tasks_.front().command.key))
+  if (!tasks_.empty() && !tasks_.front().query && tasks_.front().frame < 0 &&
+      tasks_.front().command.kind == CommandKind::SetSlider &&
+      !changed_sliders_.contains(tasks_.front().command.key))
     return true;
-  slid_.clear();
+  changed_sliders_.clear();
   return false;
 }
 
 // A drag's answer, and more while nothing else waits and it has not converged.
-void DocumentWorker::answer_until_rest() {
+void DocumentWorker::preview_until_converged() {
   constexpr int most = 20;
-  const DocumentCommand answer{.verb = Verb::Answer};
+  const DocumentCommand answer{.kind = CommandKind::SolvePreview};
   for (int i = 0; i < most; ++i) {
     do_command(answer);
     publish_frame();
     wake_();
-    if (document_.at_rest()) return;
+    if (document_.is_at_rest()) return;
     const std::lock_guard lock(mutex_);
     if (!tasks_.empty() || stopping_) return;
   }
 }
 
-void DocumentWorker::do_step(const DocumentCommand& step) {
+void DocumentWorker::run_motion_step(const DocumentCommand& step) {
   const bool done = do_command(step);
   publish_frame();
   if (!done) {
     const std::lock_guard lock(mutex_);
-    moving_ = false;
+    simulating_ = false;
   }
   wake_();
 }
@@ -253,50 +257,53 @@ bool DocumentWorker::do_command(const DocumentCommand& command) {
   bool done = true;
   try {
     document_.apply(command, progress());
-    if (!document_.told().empty()) tell(command, document_.told(), false);
+    if (!document_.run_messages().empty()) report_message(command, document_.run_messages(), false);
   } catch (const NoSolutionError& e) {
     done = false;
-    tell(command, e.what(), true);  // and it is recorded: the shape went back
+    report_message(command, e.what(), true);  // and it is recorded: the shape went back
   } catch (const std::bad_alloc&) {
-    tell(command, "not enough memory", true);
+    report_message(command, "not enough memory", true);
     return false;
   } catch (const std::exception& e) {
-    tell(command, e.what(), true);
+    report_message(command, e.what(), true);
     return false;
   }
   const std::lock_guard lock(mutex_);
   script_.push_back(script_line(command));
-  if (command.verb == Verb::Save || command.verb == Verb::Export || command.verb == Verb::Run)
+  if (command.kind == CommandKind::Save || command.kind == CommandKind::Export ||
+      command.kind == CommandKind::Run)
     written_.push_back(command);
-  if (command.verb == Verb::Open || command.verb == Verb::New || command.verb == Verb::Recover) {
-    answer_ms_ = 0;
-    moving_ = false;  // another document rests
-    ++opened_;
+  if (command.kind == CommandKind::Open || command.kind == CommandKind::New ||
+      command.kind == CommandKind::Recover) {
+    update_ms_ = 0;
+    simulating_ = false;  // another document rests
+    ++document_number_;
   }
   return done;
 }
 
-void DocumentWorker::answer_question(const std::shared_ptr<Question>& question) {
+void DocumentWorker::answer_query(const std::shared_ptr<PointQuery>& query) {
   try {
-    const DocumentPlace place = document_.content().place(question->near);
+    const SurfacePoint nearest_point = document_.content().nearest_point(query->near);
     const std::lock_guard lock(mutex_);
-    answers_.push_back([question, place] { question->found(place); });
+    callbacks_.push_back([query, nearest_point] { query->found(nearest_point); });
   } catch (const Error&) {
     return;  // no surface there: nothing to find
   }
   wake_();
 }
 
-void DocumentWorker::tell(const DocumentCommand& command, const std::string& text, bool refused) {
+void DocumentWorker::report_message(const DocumentCommand& command, const std::string& text,
+                                    bool rejected) {
   const std::lock_guard lock(mutex_);
-  messages_.push_back({script_line(command), text, refused});
+  messages_.push_back({script_line(command), text, rejected});
 }
 
 void DocumentWorker::publish_frame() {
   try {
     if (document_.draw(frames_.writing())) frames_.publish();
   } catch (const std::exception& e) {
-    tell({}, e.what(), true);
+    report_message({}, e.what(), true);
   }
 }
 
@@ -314,8 +321,8 @@ std::shared_ptr<const StressView> DocumentWorker::solved_stress() {
 // With its stresses: news have both or none.
 void DocumentWorker::publish_view() {
   auto view = std::make_shared<DocumentView>(view_of(document_));
-  view->opened = opened_;
-  keep(*view);
+  view->document_number = document_number_;
+  write_recovery(*view);
   std::shared_ptr<const StressView> stress = solved_stress();
   {
     const std::lock_guard lock(mutex_);
@@ -325,18 +332,18 @@ void DocumentWorker::publish_view() {
   wake_();
 }
 
-void DocumentWorker::keep(const DocumentView& view) {
-  if (recovery_.empty() || forgotten_) return;
+void DocumentWorker::write_recovery(const DocumentView& view) {
+  if (recovery_.empty() || discarded_) return;
   const std::string now = view.changed ? document_.recovery_text(recovery_.parent_path()) : "";
-  if (now == kept_) return;
+  if (now == written_recovery_) return;
   try {
     if (now.empty())
       std::filesystem::remove(recovery_);
     else
-      write_whole_file(recovery_, [&](std::ostream& out) { out << now; });
-    kept_ = now;
+      write_file_atomically(recovery_, [&](std::ostream& out) { out << now; });
+    written_recovery_ = now;
   } catch (const std::exception& e) {
-    tell({}, std::string("the recovery file could not be written: ") + e.what(), true);
+    report_message({}, std::string("the recovery file could not be written: ") + e.what(), true);
   }
 }
 

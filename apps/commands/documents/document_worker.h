@@ -37,71 +37,71 @@ class DocumentWorker {
   DocumentWorker& operator=(const DocumentWorker&) = delete;
 
   void post(DocumentCommand command);
-  /// Asks for the place of the surface nearest to a point; `found` is called by take_news().
-  void ask_place(const Vec3& near, std::function<void(const DocumentPlace&)> found);
+  /// Asks for the place of the surface nearest to a point; `found` is called by take_update().
+  void query_surface_point(const Vec3& near, std::function<void(const SurfacePoint&)> found);
   /// Shows another frame of a sequence, counted from 0; of those that wait only the newest.
   void show_frame(int frame);
   /// The user does not want the changes: the recovery file goes, and there is none any more.
-  void forget_changes();
+  void discard_changes();
   /// What is solved for beside the shape: after each command, and in a drag as long as that keeps up
   /// with the hand.
   void analyse(Analysis what);
   /// Lets the shape move, one second of its time in a second of the clock where steps keep up. Sliders
   /// act on it; other commands end the motion first, and it begins anew from rest.
-  void set_moving(bool on);
+  void set_simulating(bool on);
   /// Stops the command that is being done, and forgets those that wait.
   void cancel();
 
   /// Something that was refused or missed, in words.
   struct Message {
     std::string command, text;
-    bool refused = true;  ///< false: done, but a promise was missed
+    bool rejected = true;  ///< false: done, but a promise was missed
   };
-  struct News {
+  struct Update {
     std::shared_ptr<const DocumentView> view;  ///< null: as before
-    const Frame* frame = nullptr;  ///< null: as before; valid until the next take_news()
+    const Frame* frame = nullptr;  ///< null: as before; valid until the next take_update()
     std::shared_ptr<const StressView> stress;  ///< null: as before; without values: none any more
     std::vector<Message> messages;
     std::vector<DocumentCommand> written;  ///< saves, exports and runs that were done
     bool busy = false;
     std::string stage;  ///< of what is being done
     double fraction = 0;
-    bool moving = false;   ///< steps of a motion are done; they do not count as busy
-    double answer_ms = 0;  ///< mean time of an answer and its frame in the last drag; 0: none yet
+    bool simulating = false;  ///< steps of a motion are done; they do not count as busy
+    double update_ms = 0;  ///< mean time of an answer and its frame in the last drag; 0: none yet
   };
-  News take_news();
+  Update take_update();
   /// What was done, one command a line.
   std::vector<std::string> script() const;
 
  private:
-  struct Question {
+  struct PointQuery {
     Vec3 near;
-    std::function<void(const DocumentPlace&)> found;
+    std::function<void(const SurfacePoint&)> found;
   };
   struct Task {
     DocumentCommand command;
-    std::shared_ptr<Question> question;  // instead of a command
-    int frame = -1;                      // to be shown, instead of a command
+    std::shared_ptr<PointQuery> query;  // instead of a command
+    int frame = -1;                     // to be shown, instead of a command
   };
   static bool is_move_from(const Task& task, const DocumentCommand& move);
   void work();
   bool next(Task& task);
   bool do_command(const DocumentCommand& command);
-  void do_step(const DocumentCommand& step);
-  void answer_until_rest();
-  bool another_slides(const std::string& parameter);
-  void answer_question(const std::shared_ptr<Question>& question);
+  void run_motion_step(const DocumentCommand& step);
+  void preview_until_converged();
+  bool has_other_slider_move(const std::string& parameter);
+  void answer_query(const std::shared_ptr<PointQuery>& query);
   void publish_frame();
   void publish_view();
   std::shared_ptr<const StressView> solved_stress();
-  void tell(const DocumentCommand& command, const std::string& text, bool refused);
-  void keep(const DocumentView& view);
+  void report_message(const DocumentCommand& command, const std::string& text, bool rejected);
+  void write_recovery(const DocumentView& view);
   Progress progress();
 
   std::function<void()> wake_;
   std::filesystem::path recovery_;
-  Document document_;           // of the worker's thread
-  std::set<std::string> slid_;  // since the last answer; of the worker's thread
+  Document document_;                      // of the worker's thread
+  std::set<std::string> changed_sliders_;  // since the last answer; of the worker's thread
   FrameExchange frames_;
   mutable std::mutex mutex_;
   std::condition_variable waiting_;
@@ -110,16 +110,16 @@ class DocumentWorker {
   std::shared_ptr<const StressView> stress_;
   std::vector<Message> messages_;
   std::vector<DocumentCommand> written_;
-  std::vector<std::function<void()>> answers_;
+  std::vector<std::function<void()>> callbacks_;
   std::vector<std::string> script_;
-  std::string stage_, kept_;
-  double fraction_ = 0, answer_ms_ = 0;
-  bool busy_ = false, moving_ = false;
-  int opened_ = 0;  // documents so far
+  std::string stage_, written_recovery_;
+  double fraction_ = 0, update_ms_ = 0;
+  bool busy_ = false, simulating_ = false;
+  int document_number_ = 0;  // documents so far
   std::chrono::steady_clock::time_point next_step_;
   double stress_s_ = 0;  // that the last stresses took; of the worker's thread
   std::atomic<Analysis> analysis_ = Analysis::None;
-  std::atomic<bool> cancelled_ = false, stopping_ = false, forgotten_ = false;
+  std::atomic<bool> cancelled_ = false, stopping_ = false, discarded_ = false;
   std::thread thread_;
 };
 

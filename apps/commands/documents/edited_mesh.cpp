@@ -4,12 +4,12 @@
 #include <iterator>
 
 #include "batten/apps/commands/meshes/run_deform.h"
-#include "batten/apps/commands/runs/run_parts.h"
-#include "batten/core/each_once.h"
-#include "batten/core/index.h"
+#include "batten/apps/commands/runs/run_support.h"
+#include "batten/core/isize.h"
+#include "batten/core/sorted_unique.h"
 #include "batten/io/files/length_units.h"
 #include "batten/io/files/text.h"
-#include "batten/io/scene/scene_words.h"
+#include "batten/io/scene/scene_parsing.h"
 
 namespace batten {
 namespace {
@@ -18,7 +18,7 @@ namespace {
 constexpr const char* kMadeOf[] = {"name", "output", "modes", "picture"};
 
 /// A scene's text without layout, numbers of handles, and what files are made.
-std::string words_of(const std::string& text) {
+std::string extract_topology_text(const std::string& text) {
   toml::table root = parse_toml(text, {}, "edits of a mesh");
   for (const char* kind : kMadeOf) root.erase(kind);
   if (toml::array* edits = root["edit"].as_array())
@@ -29,7 +29,7 @@ std::string words_of(const std::string& text) {
             if (toml::table* table = one.as_table())
               for (const char* number : {"translate", "rotate", "scale", "factor"})
                 table->erase(number);
-  return toml_words(root);
+  return to_toml(root);
 }
 
 /// The unit of a handle's number: a length, but for turns and scales.
@@ -38,10 +38,10 @@ std::string unit_of_move(const std::string& parameter, const std::string& length
   return parameter.ends_with(".scale") ? "" : length;
 }
 
-bool acts(const EditRule& edit) { return !edit.handles.empty() || !edit.fixed.empty(); }
+bool acts(const EditSpec& edit) { return !edit.handles.empty() || !edit.fixed.empty(); }
 
 /// Numbers of an edit, to see whether any changed.
-std::vector<double> numbers_of(const EditRule& edit) {
+std::vector<double> numbers_of(const EditSpec& edit) {
   std::vector<double> numbers;
   for (const auto& h : edit.handles) {
     for (const Vec3& v : {h.translate, h.axis}) numbers.insert(numbers.end(), v.begin(), v.end());
@@ -58,8 +58,8 @@ using Role = MeshView::Role;
 }  // namespace
 
 /// All that is made of one scene. Sessions refer to what stands above them.
-struct EditedMesh::Made {
-  Made(const DeformScene& s, std::shared_ptr<const MeshSource> mesh)
+struct EditedMesh::State {
+  State(const DeformScene& s, std::shared_ptr<const MeshSource> mesh)
       : scene(s),
         source(std::move(mesh)),
         select(scene, source->file, source->prepared.mesh),
@@ -70,14 +70,14 @@ struct EditedMesh::Made {
   /// Makes the edits from the first that is not there on, and does them.
   void edit(const DeformScene& now, const Progress& progress) {
     size_t number = 0;
-    for (const EditRule& rule : now.edits) {
+    for (const EditSpec& rule : now.edits) {
       if (!acts(rule)) continue;
       if (number++ < edits.size()) continue;
-      progress.at(rule.name, 0);
+      progress.update(rule.name, 0);
       auto session =
-          std::make_unique<EditSession>(scene, rule, kept, select, source->prepared, shape());
+          std::make_unique<EditSession>(scene, rule, shared, select, source->prepared, shape());
       DeformReport::Edit none;
-      session->settle(none);
+      session->solve_to_equilibrium(none);
       edits.push_back(std::move(session));
     }
   }
@@ -91,7 +91,7 @@ struct EditedMesh::Made {
   std::shared_ptr<const MeshSource> source;
   VertexSelector select;
   AttachedNodes attached;
-  Kept kept;
+  SharedConstraints shared;
   std::vector<std::unique_ptr<EditSession>> edits;
   std::unique_ptr<const MeshDisplay> display;
   std::vector<std::string> line_names;
@@ -102,33 +102,34 @@ struct EditedMesh::Made {
 EditedMesh::EditedMesh() = default;
 EditedMesh::~EditedMesh() = default;
 
-void EditedMesh::become(const SceneText& text, const std::filesystem::path& file,
-                        const Progress& progress) {
+void EditedMesh::rebuild(const SceneText& text, const std::filesystem::path& file,
+                         const Progress& progress) {
   const DeformScene scene = parse_deform_scene(text.text(), named_file(file), false);
-  const std::string words = words_of(text.text());
-  if (made_ && problem_.empty() && words == words_ && scene.mesh == scene_.mesh)
+  const std::string topology_text = extract_topology_text(text.text());
+  if (made_ && problem_.empty() && topology_text == topology_text_ && scene.mesh == scene_.mesh)
     set_numbers(scene);
   else
-    make(scene, words, !made_ || !problem_.empty(), progress);
+    make(scene, topology_text, !made_ || !problem_.empty(), progress);
 }
 
-void EditedMesh::restate(const SceneText& text, const std::filesystem::path& file) {
+void EditedMesh::update_text(const SceneText& text, const std::filesystem::path& file) {
   scene_ = parse_deform_scene(text.text(), named_file(file), false);
-  words_ = words_of(text.text());
+  topology_text_ = extract_topology_text(text.text());
 }
 
-void EditedMesh::make(const DeformScene& scene, const std::string& words, bool may_fail,
+void EditedMesh::make(const DeformScene& scene, const std::string& topology_text, bool may_fail,
                       const Progress& progress) {
-  progress.at("mesh", 0);
+  progress.update("mesh", 0);
   const bool same_mesh = made_ && scene.mesh == scene_.mesh;
-  auto made = std::make_unique<Made>(
+  auto made = std::make_unique<State>(
       scene,
       same_mesh ? made_->source : std::make_shared<const MeshSource>(read_source(scene.mesh)));
   std::string problem;
   try {
-    progress.at("features", 0);
+    progress.update("features", 0);
     made->select.proposals();
-    made->kept = gather(made->scene, made->select, made->attached, made->mesh());
+    made->shared =
+        gather_shared_constraints(made->scene, made->select, made->attached, made->mesh());
     made->edit(made->scene, progress);
   } catch (const CancelledError&) {
     throw;
@@ -140,7 +141,7 @@ void EditedMesh::make(const DeformScene& scene, const std::string& words, bool m
   made->show();
   made_ = std::move(made);
   scene_ = scene;
-  words_ = words;
+  topology_text_ = topology_text;
   problem_ = problem;
 }
 
@@ -148,14 +149,14 @@ void EditedMesh::make(const DeformScene& scene, const std::string& words, bool m
 // from another shape.
 void EditedMesh::set_numbers(const DeformScene& scene) {
   auto& edits = made_->edits;
-  std::vector<const EditRule*> rules;
-  for (const EditRule& rule : scene.edits)
+  std::vector<const EditSpec*> rules;
+  for (const EditSpec& rule : scene.edits)
     if (acts(rule)) rules.push_back(&rule);
   size_t first = 0;
   while (first < edits.size() && numbers_of(*rules[first]) == numbers_of(edits[first]->rule()))
     ++first;
   if (first < edits.size()) {
-    const EditRule before = edits[first]->rule();
+    const EditSpec before = edits[first]->rule();
     std::vector<std::unique_ptr<EditSession>> behind;
     std::move(edits.begin() + static_cast<long>(first) + 1, edits.end(),
               std::back_inserter(behind));
@@ -163,13 +164,13 @@ void EditedMesh::set_numbers(const DeformScene& scene) {
     try {
       DeformReport::Edit none;
       edits[first]->set(*rules[first]);
-      edits[first]->settle(none);
+      edits[first]->solve_to_equilibrium(none);
       made_->edit(scene, {});
     } catch (const Error&) {  // as it was
       DeformReport::Edit none;
       edits.resize(first + 1);
       edits[first]->set(before);
-      edits[first]->settle(none);
+      edits[first]->solve_to_equilibrium(none);
       std::move(behind.begin(), behind.end(), std::back_inserter(edits));
       throw;
     }
@@ -179,7 +180,7 @@ void EditedMesh::set_numbers(const DeformScene& scene) {
 
 bool EditedMesh::moves(const std::string& parameter) const {
   if (!made_ || made_->edits.empty()) return false;
-  const EditRule& last = made_->edits.back()->rule();
+  const EditSpec& last = made_->edits.back()->rule();
   return std::any_of(last.handles.begin(), last.handles.end(), [&](const auto& handle) {
     return parameter.starts_with(last.name + "." + handle.name + ".");
   });
@@ -196,7 +197,7 @@ void EditedMesh::set(const std::string& parameter, double value) {
 double EditedMesh::value(const std::string& parameter) const {
   for (const Parameter& p : scene_.parameters())
     if (p.name == parameter) return p.value;
-  for (const EditRule& edit : scene_.edits)
+  for (const EditSpec& edit : scene_.edits)
     for (const auto& handle : edit.handles)
       for (int i = 0; i < 3; ++i)
         if (parameter == edit.name + "." + handle.name + ".turn." + "xyz"[i])
@@ -204,30 +205,30 @@ double EditedMesh::value(const std::string& parameter) const {
   throw InputError("found no parameter '" + parameter + "'");
 }
 
-bool EditedMesh::answer() {
-  bool rests = true;
-  go_to_numbers([&](EditSession& last) {
-    last.answer();
-    rests = last.rests();
+bool EditedMesh::solve_preview() {
+  bool is_at_rest = true;
+  apply_numbers([&](EditSession& last) {
+    last.solve_preview();
+    is_at_rest = last.is_at_rest();
   });
-  return rests;
+  return is_at_rest;
 }
 
-void EditedMesh::settle() {
-  go_to_numbers([](EditSession& last) {
+void EditedMesh::solve_to_equilibrium() {
+  apply_numbers([](EditSession& last) {
     DeformReport::Edit none;
-    last.settle(none);
+    last.solve_to_equilibrium(none);
   });
 }
 
 // Numbers without a shape go back to the last that had one.
 template <class Function>
-void EditedMesh::go_to_numbers(const Function& go) {
+void EditedMesh::apply_numbers(const Function& go) {
   if (!made_ || made_->edits.empty()) return;
   EditSession& last = *made_->edits.back();
   const auto now = std::find_if(scene_.edits.begin(), scene_.edits.end(),
                                 [&](const auto& rule) { return rule.name == last.rule().name; });
-  const EditRule before = last.rule();
+  const EditSpec before = last.rule();
   try {
     last.set(*now);
     go(last);
@@ -248,31 +249,32 @@ const Points& EditedMesh::shape() const { return made_->shape(); }
 const MeshSource& EditedMesh::source() const { return *made_->source; }
 
 std::string EditedMesh::rows() const {
-  if (!problem_.empty()) return result_line("mesh", "without edits: " + problem_);
+  if (!problem_.empty()) return summary_line("mesh", "without edits: " + problem_);
   const ShellMesh& shells = made_->source->file.shells();
-  return result_line(
-      "mesh", counted(shells.node_count(), "node") + ", " + counted(shells.face_count(), "face") +
-                  ", " + counted(made_->kept.features.size(), "feature") + ", moved by " +
-                  number((shape() - made_->mesh().points()).rowwise().norm().maxCoeff()) + " " +
-                  scene_.unit + " at most");
+  return summary_line(
+      "mesh", format_count(shells.node_count(), "node") + ", " +
+                  format_count(shells.face_count(), "face") + ", " +
+                  format_count(made_->shared.features.size(), "feature") + ", moved by " +
+                  format_number((shape() - made_->mesh().points()).rowwise().norm().maxCoeff()) +
+                  " " + scene_.unit + " at most");
 }
 
 std::string EditedMesh::run(const std::filesystem::path& folder, const Progress& progress) {
   const DeformReport report = run_deform(scene_, folder, progress);
   std::string text;
-  for (const MissedPromise& one : report.missed) text += one.what + ": " + one.detail + "\n";
+  for (const FailedCheck& one : report.failed_checks) text += one.what + ": " + one.detail + "\n";
   return text;
 }
 
 std::string EditedMesh::export_shape(const std::filesystem::path& file, const Progress&) {
   const MeshFile& read = made_->source->file;
-  const Points places = of_nodes(shape(), read);
+  const Points places = node_positions(shape(), read);
   if (lower_extension(file) == lower_extension(scene_.mesh)) {
     const double rounding = read.write(file, places).largest;
     return rounding <= 1e-9 * made_->mesh().size()
                ? ""
-               : "the file's number fields round coordinates by up to " + number(rounding) + " " +
-                     scene_.unit + "\n";
+               : "the file's number fields round coordinates by up to " + format_number(rounding) +
+                     " " + scene_.unit + "\n";
   }
   ShellMesh shells = read.shells();
   shells.points = places;
@@ -282,26 +284,26 @@ std::string EditedMesh::export_shape(const std::filesystem::path& file, const Pr
 
 // -- what a window shows ----------------------------------------------------------------------------
 
-void EditedMesh::Made::show() {
+void EditedMesh::State::show() {
   std::vector<std::vector<int>> lines;
   const auto add_line = [&](std::vector<int> vertices, bool closed, const std::string& name) {
     if (closed && !vertices.empty()) vertices.push_back(vertices.front());
     lines.push_back(std::move(vertices));
     line_names.push_back(name);
   };
-  for (const FeatureProposal& p : select.proposals()) add_line(p.loop, true, p.name);
+  for (const DetectedFeature& p : select.proposals()) add_line(p.loop, true, p.name);
   for (const auto& loop : mesh().topology().boundary_loops())
     if (std::none_of(lines.begin(), lines.end(),
                      [&](const auto& line) { return line.front() == loop.front(); }))
       add_line(loop, true, "");
-  for (const auto& line : kept.lines) add_line(line, false, "");
+  for (const auto& line : shared.lines) add_line(line, false, "");
   display = std::make_unique<const MeshDisplay>(mesh(), lines);
 
   auto seen = std::make_shared<MeshView>();
   const MeshTopology& topology = mesh().topology();
   points_of.assign(topology.node_count(), {});
   const std::vector<int>& vertices = display->vertices();
-  for (int p = 0; p < count_of(vertices); ++p) {
+  for (int p = 0; p < isize(vertices); ++p) {
     const int node = topology.node_of(vertices[p]);
     points_of[node].push_back(p);
     seen->labels.push_back(source->file.node_label(node));
@@ -312,7 +314,7 @@ void EditedMesh::Made::show() {
   view = std::move(seen);
 }
 
-std::vector<int> EditedMesh::Made::points(const std::vector<int>& nodes) const {
+std::vector<int> EditedMesh::State::points(const std::vector<int>& nodes) const {
   std::vector<int> all;
   for (const int v : nodes) {
     const auto& some = points_of[mesh().topology().node_of(v)];
@@ -321,13 +323,13 @@ std::vector<int> EditedMesh::Made::points(const std::vector<int>& nodes) const {
   return all;
 }
 
-void EditedMesh::Made::show_parts(MeshView& seen) {
-  for (const FeatureProposal& p : select.proposals())
+void EditedMesh::State::show_parts(MeshView& seen) {
+  for (const DetectedFeature& p : select.proposals())
     seen.parts.push_back(
         {Part::Kind::Proposal, p.name, "", 2 * p.measure.equivalent_radius, points(p.vertices)});
-  for (const SelectRule& rule : scene.selections) try {
+  for (const SelectionSpec& rule : scene.selections) try {
       seen.parts.push_back(
-          {Part::Kind::Selection, rule.name, "", 0, points(select.of({rule.name, rule.place}))});
+          {Part::Kind::Selection, rule.name, "", 0, points(select.of({rule.name, rule.location}))});
     } catch (const InputError&) {
       continue;  // the problem names it
     }
@@ -339,22 +341,22 @@ void EditedMesh::Made::show_parts(MeshView& seen) {
         nodes.insert(nodes.end(), face.begin(), face.end());
       }
       seen.parts.push_back({Part::Kind::Set, set.name, property ? "property" : "set", 0,
-                            points(each_once(std::move(nodes)))});
+                            points(sorted_unique(std::move(nodes)))});
     }
 }
 
-void EditedMesh::Made::show_roles(MeshView& seen) const {
+void EditedMesh::State::show_roles(MeshView& seen) const {
   seen.roles.assign(display->vertices().size(), Role::Free);
   const auto mark = [&](const std::vector<int>& nodes, Role role) {
     for (const int p : points(nodes)) seen.roles[p] = role;
   };
-  for (const FormFeature& f : kept.features) mark(f.vertices, Role::Feature);
+  for (const FormFeature& f : shared.features) mark(f.vertices, Role::Feature);
   if (edits.empty()) return;
   mark(edits.back()->task().problem.fixed, Role::Fixed);
   for (const Handle& h : edits.back()->task().problem.handles) mark(h.vertices, Role::Handle);
 }
 
-void EditedMesh::look_at(DocumentView& view) const {
+void EditedMesh::fill_view(DocumentView& view) const {
   view.unit = scene_.unit;
   for (const Parameter& p : scene_.parameters())
     view.sliders.push_back({p.name, unit_of_move(p.name, view.unit), p.value, p.min, p.max, false});

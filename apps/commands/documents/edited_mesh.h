@@ -24,17 +24,17 @@ class EditedMesh : public DocumentContent {
  public:
   EditedMesh();
   ~EditedMesh() override;
-  void become(const SceneText& text, const std::filesystem::path& file,
-              const Progress& progress) override;
-  void restate(const SceneText& text, const std::filesystem::path& file) override;
+  void rebuild(const SceneText& text, const std::filesystem::path& file,
+               const Progress& progress) override;
+  void update_text(const SceneText& text, const std::filesystem::path& file) override;
   bool moves(const std::string& parameter) const override;
   void check(const std::string& parameter, double value) const override;
   void set(const std::string& parameter, double value) override;
   double value(const std::string& parameter) const override;
-  bool answer() override;
-  void settle() override;
+  bool solve_preview() override;
+  void solve_to_equilibrium() override;
   bool draw(Frame& frame) override;
-  void look_at(DocumentView& view) const override;
+  void fill_view(DocumentView& view) const override;
   std::string rows() const override;
   std::string run(const std::filesystem::path& folder, const Progress& progress) override;
   std::string export_shape(const std::filesystem::path& file, const Progress& progress) override;
@@ -44,16 +44,16 @@ class EditedMesh : public DocumentContent {
   const MeshSource& source() const;
 
  private:
-  struct Made;
-  void make(const DeformScene& scene, const std::string& words, bool may_fail,
+  struct State;
+  void make(const DeformScene& scene, const std::string& topology_text, bool may_fail,
             const Progress& progress);
   void set_numbers(const DeformScene& scene);
   template <class Function>
-  void go_to_numbers(const Function& go);
+  void apply_numbers(const Function& go);
 
   DeformScene scene_;
-  std::string words_;  // of the scene, without numbers of handles and what files are made
-  std::unique_ptr<Made> made_;
+  std::string topology_text_;  // of the scene, without numbers of handles and what files are made
+  std::unique_ptr<State> made_;
 };
 
 }  // namespace batten

@@ -2,12 +2,12 @@
 
 #include <algorithm>
 
-#include "batten/apps/commands/runs/run_parts.h"
+#include "batten/apps/commands/runs/run_support.h"
 #include "batten/apps/commands/sequences/run_sequence.h"
-#include "batten/core/index.h"
+#include "batten/core/isize.h"
 #include "batten/io/files/length_units.h"
 #include "batten/io/files/text.h"
-#include "batten/io/scene/scene_words.h"
+#include "batten/io/scene/scene_parsing.h"
 
 namespace batten {
 namespace {
@@ -18,30 +18,30 @@ using Part = MeshView::Part;
 }  // namespace
 
 /// What decides the frames that are read, the parts of the mesh, and each step.
-struct EditedSequence::Words {
-  Words() = default;
-  explicit Words(const std::string& text) {
+struct EditedSequence::Sections {
+  Sections() = default;
+  explicit Sections(const std::string& text) {
     toml::table root = parse_toml(text, {}, "edits of a sequence");
-    if (const toml::node* frames = root.get("sequence")) source = toml_words(*frames);
+    if (const toml::node* frames = root.get("sequence")) source = to_toml(*frames);
     if (const toml::array* list = root["step"].as_array())
-      for (const toml::node& step : *list) steps.push_back(toml_words(step));
+      for (const toml::node& step : *list) steps.push_back(to_toml(step));
     for (const char* kind : {"sequence", "step", "output", "picture", "name"}) root.erase(kind);
-    parts = toml_words(root);
+    parts = to_toml(root);
   }
   std::string source, parts;
   std::vector<std::string> steps;
 };
 
-struct EditedSequence::Made {
-  Made(const SequenceScene& s, std::shared_ptr<const PreparedSequence> read)
+struct EditedSequence::State {
+  State(const SequenceScene& s, std::shared_ptr<const PreparedSequence> read)
       : scene(s),
         input(std::move(read)),
-        file(MeshFile::counted_from_1(input->sequence.shells)),
+        file(MeshFile::from_shells(input->sequence.shells)),
         select(scene, file, input->mesh),
         parts(find_sequence_parts(scene, select)) {}
 
   const PreparedSequence& last() const { return after.empty() ? *input : *after.back().frames; }
-  void do_steps(const Progress& progress);
+  void apply_steps(const Progress& progress);
   void show();
   Points vertices(const Points& nodes) const;
   Vec3 centre(const Handle& handle, const Points& nodes) const {
@@ -49,7 +49,7 @@ struct EditedSequence::Made {
   }
 
   SequenceScene scene;
-  Words words;
+  Sections sections;
   std::shared_ptr<const PreparedSequence> input;
   MeshFile file;
   VertexSelector select;
@@ -67,27 +67,28 @@ struct EditedSequence::Made {
 EditedSequence::EditedSequence() = default;
 EditedSequence::~EditedSequence() = default;
 
-void EditedSequence::become(const SceneText& text, const std::filesystem::path& file,
-                            const Progress& progress) {
+void EditedSequence::rebuild(const SceneText& text, const std::filesystem::path& file,
+                             const Progress& progress) {
   const SequenceScene scene = parse_sequence_scene(text.text(), named_file(file));
-  const Words words(text.text());
+  const Sections sections(text.text());
   std::vector<std::string> notes;
-  progress.at("frames", 0);
-  const bool same_source =
-      made_ && words.source == made_->words.source && scene.source.path == made_->scene.source.path;
-  auto made = std::make_unique<Made>(
+  progress.update("frames", 0);
+  const bool same_source = made_ && sections.source == made_->sections.source &&
+                           scene.source.path == made_->scene.source.path;
+  auto made = std::make_unique<State>(
       scene, same_source ? made_->input
                          : std::make_shared<const PreparedSequence>(prepared_sequence(
                                read_sequence(scene.source.path, scene.source.options, progress),
-                               scene.at(scene.source.place), notes)));
-  made->words = words;
-  for (size_t k = 0; same_source && words.parts == made_->words.parts && k < made_->after.size() &&
-                     k < words.steps.size() && words.steps[k] == made_->words.steps[k];
+                               scene.at(scene.source.location), notes)));
+  made->sections = sections;
+  for (size_t k = 0;
+       same_source && sections.parts == made_->sections.parts && k < made_->after.size() &&
+       k < sections.steps.size() && sections.steps[k] == made_->sections.steps[k];
        ++k)
     made->after.push_back(made_->after[k]);
   std::string problem;
   try {
-    made->do_steps(progress);
+    made->apply_steps(progress);
   } catch (const CancelledError&) {
     throw;
   } catch (const Error& e) {
@@ -101,36 +102,37 @@ void EditedSequence::become(const SceneText& text, const std::filesystem::path& 
   frame_ = std::clamp(frame_, 0, frames().frame_count() - 1);
 }
 
-void EditedSequence::Made::do_steps(const Progress& progress) {
-  const ReadFrames read = [&](const SequenceSource& source) {
+void EditedSequence::State::apply_steps(const Progress& progress) {
+  const FrameReader read = [&](const SequenceSource& source) {
     return read_sequence(source.path, source.options, progress);
   };
   for (size_t k = after.size(); k < scene.steps.size(); ++k) {
-    const SequenceStep& step = scene.steps[k];
-    progress.at(step.name, static_cast<double>(k) / static_cast<double>(scene.steps.size()));
+    const SequenceOperation& step = scene.steps[k];
+    progress.update(step.name, static_cast<double>(k) / static_cast<double>(scene.steps.size()));
     const PreparedSequence& from = last();
-    const StepResult result = done_step(scene, step, from, parts, select, read, progress);
+    const StepResult result = run_step(scene, step, from, parts, select, read, progress);
     after.push_back(
-        {naming_step(scene, step, [&] { return collected(result, input->mesh, progress); }),
+        {with_step_context(scene, step,
+                           [&] { return collect_frames(result, input->mesh, progress); }),
          result.feet});
   }
 }
 
-Points EditedSequence::Made::vertices(const Points& nodes) const {
+Points EditedSequence::State::vertices(const Points& nodes) const {
   const MeshTopology& topology = input->mesh.topology();
   Points all(topology.vertex_count(), 3);
   for (int v = 0; v < topology.vertex_count(); ++v) all.row(v) = nodes.row(topology.node_of(v));
   return all;
 }
 
-void EditedSequence::Made::show() {
+void EditedSequence::State::show() {
   display =
       std::make_unique<const MeshDisplay>(input->mesh, input->mesh.topology().boundary_loops());
   auto seen = std::make_shared<MeshView>();
   const std::vector<int>& of = display->vertices();
   const MeshTopology& topology = input->mesh.topology();
   std::vector<std::vector<int>> points_of(topology.node_count());
-  for (int p = 0; p < count_of(of); ++p) {
+  for (int p = 0; p < isize(of); ++p) {
     const int node = topology.node_of(of[p]);
     points_of[node].push_back(p);
     seen->labels.push_back(node + 1);
@@ -148,14 +150,14 @@ void EditedSequence::Made::show() {
                      [&](const Part& other) { return other.name == name; }))
       seen->parts.push_back(std::move(one));
   };
-  for (const SelectRule& rule : scene.selections)
-    part(rule.name, select.of({rule.name, rule.place}), Role::Free);
+  for (const SelectionSpec& rule : scene.selections)
+    part(rule.name, select.of({rule.name, rule.location}), Role::Free);
   for (const FormFeature& f : parts.features) part(f.name, f.vertices, Role::Feature);
   for (const Handle& h : parts.handles) part(h.name, h.vertices, Role::Handle);
   view = std::move(seen);
 }
 
-void EditedSequence::restate(const SceneText& text, const std::filesystem::path& file) {
+void EditedSequence::update_text(const SceneText& text, const std::filesystem::path& file) {
   scene_ = parse_sequence_scene(text.text(), named_file(file));
 }
 
@@ -175,7 +177,7 @@ bool EditedSequence::draw(Frame& frame) {
 
 const MeshSequence& EditedSequence::frames() const { return made_->last().sequence; }
 
-void EditedSequence::look_at(DocumentView& view) const {
+void EditedSequence::fill_view(DocumentView& view) const {
   view.unit = scene_.unit;
   if (!made_) return;
   view.surface = true;
@@ -186,8 +188,9 @@ void EditedSequence::look_at(DocumentView& view) const {
   DocumentView::Timeline& timeline = view.timeline.emplace();
   timeline.frames = frames().frame_count();
   timeline.frame = frame_;
-  const SequenceStep::Keyframes* keys = nullptr;
-  if (!scene_.steps.empty()) keys = std::get_if<SequenceStep::Keyframes>(&scene_.steps.back().what);
+  const SequenceOperation::Keyframes* keys = nullptr;
+  if (!scene_.steps.empty())
+    keys = std::get_if<SequenceOperation::Keyframes>(&scene_.steps.back().what);
   for (size_t k = 0; keys && k < keys->keys.size(); ++k)
     timeline.keyframes.push_back(keys->keys[k].frame - 1);
   std::sort(timeline.keyframes.begin(), timeline.keyframes.end());
@@ -204,7 +207,7 @@ void EditedSequence::look_at(DocumentView& view) const {
       for (const auto& move : keys->keys[k].moves)
         if (keys->keys[k].frame == frame_ + 1 && move.handle.text == h.name) {
           handle.shift = move.translate;
-          handle.turn = move.degrees * move.axis;
+          handle.rotation_vector = move.degrees * move.axis;
         }
     handle.moves = true;
     view.handles.push_back(std::move(handle));
@@ -212,15 +215,16 @@ void EditedSequence::look_at(DocumentView& view) const {
 }
 
 std::string EditedSequence::rows() const {
-  if (!problem_.empty()) return result_line("sequence", problem_);
-  return result_line("sequence", counted(frames().frame_count(), "frame") + ", " +
-                                     counted(made_->input->sequence.node_count(), "node") + ", " +
-                                     counted(static_cast<long>(scene_.steps.size()), "step"));
+  if (!problem_.empty()) return summary_line("sequence", problem_);
+  return summary_line("sequence", format_count(frames().frame_count(), "frame") + ", " +
+                                      format_count(made_->input->sequence.node_count(), "node") +
+                                      ", " +
+                                      format_count(static_cast<long>(scene_.steps.size()), "step"));
 }
 
 std::string EditedSequence::run(const std::filesystem::path& folder, const Progress& progress) {
   std::string text;
-  for (const MissedPromise& one : run_sequence(scene_, folder, {}, progress).missed)
+  for (const FailedCheck& one : run_sequence(scene_, folder, {}, progress).failed_checks)
     text += one.what + ": " + one.detail + "\n";
   return text;
 }

@@ -18,13 +18,13 @@ class EditedSequence : public DocumentContent {
  public:
   EditedSequence();
   ~EditedSequence() override;
-  void become(const SceneText& text, const std::filesystem::path& file,
-              const Progress& progress) override;
-  void restate(const SceneText& text, const std::filesystem::path& file) override;
+  void rebuild(const SceneText& text, const std::filesystem::path& file,
+               const Progress& progress) override;
+  void update_text(const SceneText& text, const std::filesystem::path& file) override;
   void check(const std::string& parameter, double value) const override;
   void show_frame(int frame) override;
   bool draw(Frame& frame) override;
-  void look_at(DocumentView& view) const override;
+  void fill_view(DocumentView& view) const override;
   std::string rows() const override;
   std::string run(const std::filesystem::path& folder, const Progress& progress) override;
   std::string export_shape(const std::filesystem::path& file, const Progress& progress) override;
@@ -33,10 +33,10 @@ class EditedSequence : public DocumentContent {
   const MeshSequence& frames() const;
 
  private:
-  struct Words;
-  struct Made;
+  struct Sections;
+  struct State;
   SequenceScene scene_;
-  std::unique_ptr<Made> made_;
+  std::unique_ptr<State> made_;
   int frame_ = 0;  // that is shown, from 0
 };
 

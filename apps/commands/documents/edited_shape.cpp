@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "batten/apps/commands/lines/scene_lines.h"
-#include "batten/apps/commands/runs/run_parts.h"
+#include "batten/apps/commands/runs/run_support.h"
 #include "batten/apps/commands/shapes/run_scene.h"
 #include "batten/apps/commands/shapes/stress_files.h"
 #include "batten/io/files/text.h"
@@ -14,7 +14,7 @@ namespace batten {
 namespace {
 
 /// Models that are kept for undo.
-constexpr size_t kLately = 4;
+constexpr size_t kRecentModels = 4;
 
 std::vector<Vec3> points_of(const InputCurve& curve) {
   constexpr int pieces = 96;
@@ -38,49 +38,49 @@ std::string unit_of(const Scene& scene, const std::string& parameter) {
 
 }  // namespace
 
-void EditedShape::become(const SceneText& text, const std::filesystem::path& file,
-                         const Progress& progress) {
+void EditedShape::rebuild(const SceneText& text, const std::filesystem::path& file,
+                          const Progress& progress) {
   const Scene scene = parse_scene(text.text(), named_file(file), false);
-  const SceneParts parts = parts_of(text);
+  const SceneDependencies parts = scene_dependencies(text);
   const bool same_model = model_ && parts.model == parts_.model;
   bool made = false;
   if (session_ && same_model) try {
-      made = go_on(scene, parts);
+      made = continue_session(scene, parts);
     } catch (const Error&) {
-      remake(scene_, parts_, true, progress);  // as it was
+      rebuild_session(scene_, parts_, true, progress);  // as it was
       throw;
     }
   // What [skin] asks for in vain is refused; lines may make no surface yet.
-  if (!made) remake(scene, parts, !session_ || parts.lines != parts_.lines, progress);
+  if (!made) rebuild_session(scene, parts, !session_ || parts.lines != parts_.lines, progress);
   scene_ = scene;
   parts_ = parts;
   stress_.reset();
   pattern_.reset();  // until it is drawn
 }
 
-void EditedShape::restate(const SceneText& text, const std::filesystem::path& file) {
+void EditedShape::update_text(const SceneText& text, const std::filesystem::path& file) {
   scene_ = parse_scene(text.text(), named_file(file), false);
-  parts_ = parts_of(text);
+  parts_ = scene_dependencies(text);
 }
 
-bool EditedShape::go_on(const Scene& scene, const SceneParts& parts) {
+bool EditedShape::continue_session(const Scene& scene, const SceneDependencies& parts) {
   std::vector<std::string> less, more;
-  for (const auto& [name, words] : parts_.acting) {
-    const auto found = parts.acting.find(name);
-    if (found == parts.acting.end() || found->second != words) less.push_back(name);
+  for (const auto& [name, words] : parts_.session_parts) {
+    const auto found = parts.session_parts.find(name);
+    if (found == parts.session_parts.end() || found->second != words) less.push_back(name);
   }
-  for (const auto& [name, words] : parts.acting) {
-    const auto found = parts_.acting.find(name);
-    if (found == parts_.acting.end() || found->second != words) more.push_back(name);
+  for (const auto& [name, words] : parts.session_parts) {
+    const auto found = parts_.session_parts.find(name);
+    if (found == parts_.session_parts.end() || found->second != words) more.push_back(name);
   }
   // One change alone: it happens or the session is as it was.
   if (less.size() + more.size() > 1) return false;
   if (!more.empty()) {
     for (const SceneLoad& load : scene.loads)
-      if (more.front() == "load " + load.name && load.over_time.empty() &&
-          (load.type == SceneLoad::Type::Point || load.type == SceneLoad::Type::Pulls)) {
-        add_load(*session_, scene, model_->model.made, load, start_.held);
-        take_values(scene);
+      if (more.front() == "load " + load.name && load.keyframes.empty() &&
+          (load.type == SceneLoad::Type::Point || load.type == SceneLoad::Type::AttractorSprings)) {
+        add_load(*session_, scene, model_->model.made, load, start_.constrained);
+        apply_values(scene);
         return true;
       }
     return false;
@@ -91,55 +91,56 @@ bool EditedShape::go_on(const Scene& scene, const SceneParts& parts) {
     if (kind != "load" && kind != "weight") return false;
     session_->remove(less.front().substr(blank + 1));
   }
-  take_values(scene);
+  apply_values(scene);
   return true;
 }
 
-void EditedShape::take_values(const Scene& scene) {
-  for (const NamedValue& p : scene.named_values()) {
-    if (!p.follows.empty() || !p.over_time.empty() || !session_->parameters().has(p.name)) continue;
+void EditedShape::apply_values(const Scene& scene) {
+  for (const ScalarParameter& p : scene.named_values()) {
+    if (!p.rule_terms.empty() || !p.keyframes.empty() || !session_->parameters().has(p.name))
+      continue;
     if (session_->parameters().value(p.name) != p.value) session_->set(p.name, p.value);
   }
-  answer_ = session_->settle();
+  solve_report_ = session_->solve_to_equilibrium();
 }
 
 std::shared_ptr<const DocumentModel> EditedShape::model_for(const Scene& scene,
                                                             const std::string& of,
                                                             const Progress& progress) {
-  for (auto it = lately_.begin(); it != lately_.end(); ++it)
+  for (auto it = recent_models_.begin(); it != recent_models_.end(); ++it)
     if ((*it)->of == of) {
-      lately_.splice(lately_.begin(), lately_, it);
-      lines_ = lately_.front()->lines;
-      return lately_.front();
+      recent_models_.splice(recent_models_.begin(), recent_models_, it);
+      lines_ = recent_models_.front()->lines;
+      return recent_models_.front();
     }
-  progress.at("lines", 0);
+  progress.update("lines", 0);
   auto made = std::make_shared<DocumentModel>();
   made->of = of;
   made->lines = faired_lines(scene, progress).lines;
   lines_ = made->lines;
-  made->model = sculpt_model(make_model(scene, made->lines, progress), scene, progress);
-  lately_.push_front(made);
-  if (lately_.size() > kLately) lately_.pop_back();
+  made->model = sculpt_model(build_model(scene, made->lines, progress), scene, progress);
+  recent_models_.push_front(made);
+  if (recent_models_.size() > kRecentModels) recent_models_.pop_back();
   return made;
 }
 
-void EditedShape::remake(const Scene& scene, const SceneParts& parts, bool may_fail,
-                         const Progress& progress) {
+void EditedShape::rebuild_session(const Scene& scene, const SceneDependencies& parts, bool may_fail,
+                                  const Progress& progress) {
   const std::vector<CharacterLine> lines_before = lines_;
   std::shared_ptr<const DocumentModel> model;
   std::unique_ptr<SculptingSession> session;
-  SessionStart start;
-  Answer answer;
+  SessionReference start;
+  SolveReport report;
   std::string problem;
   try {
     lines_.clear();
     if (!scene.lines.empty()) {
       model = model_for(scene, parts.model, progress);
-      progress.at("session", 0);
+      progress.update("session", 0);
       session = std::make_unique<SculptingSession>(
-          make_session(*model->model.layout, scene, model->model.made, Expected::many_factors,
-                       progress, &start, model->model.fair.rest));
-      answer = session->settle();
+          make_session(*model->model.layout, scene, model->model.made, FactorReuse::many, progress,
+                       &start, model->model.fair.rest));
+      report = session->solve_to_equilibrium();
     }
   } catch (const CancelledError&) {
     lines_ = lines_before;
@@ -155,12 +156,12 @@ void EditedShape::remake(const Scene& scene, const SceneParts& parts, bool may_f
   model_ = std::move(model);
   session_ = std::move(session);
   start_ = std::move(start);
-  answer_ = answer;
+  solve_report_ = report;
   problem_ = std::move(problem);
 }
 
 bool EditedShape::moves(const std::string& parameter) const {
-  return session_ && is_live(scene_, parameter);
+  return session_ && is_session_parameter(scene_, parameter);
 }
 
 void EditedShape::check(const std::string& parameter, double value) const {
@@ -175,18 +176,18 @@ double EditedShape::value(const std::string& parameter) const {
   return session_->parameters().value(parameter);
 }
 
-bool EditedShape::answer() {
-  if (session_) answer_ = session_->answer();
-  return answer_.converged;
+bool EditedShape::solve_preview() {
+  if (session_) solve_report_ = session_->solve_preview();
+  return solve_report_.converged;
 }
 
-void EditedShape::settle() {
+void EditedShape::solve_to_equilibrium() {
   if (!session_) return;
   if (session_->in_motion()) {
     session_->stop_motion();
     session_->set_time(0);
   }
-  answer_ = session_->settle();
+  solve_report_ = session_->solve_to_equilibrium();
 }
 
 void EditedShape::step(double dt) {
@@ -195,7 +196,7 @@ void EditedShape::step(double dt) {
   if (!session_->in_motion() || dt != dt_)
     session_->start_motion({dt, motion.density, motion.damping, motion.theta});
   dt_ = dt;
-  answer_ = session_->step();
+  solve_report_ = session_->step();
 }
 
 bool EditedShape::draw(Frame& frame) {
@@ -203,10 +204,11 @@ bool EditedShape::draw(Frame& frame) {
   session_->draw(frame);
   if (pattern_ == frame.pattern) return true;
   pattern_ = frame.pattern;
-  const Surface held = session_->layout().surface(start_.held);
+  const Surface constrained = session_->layout().surface(start_.constrained);
   std::vector<float> points;
-  for (const Location& where : pattern_->places)
-    for (const double x : Vec3(held.position(where))) points.push_back(static_cast<float>(x));
+  for (const Location& where : pattern_->locations)
+    for (const double x : Vec3(constrained.position(where)))
+      points.push_back(static_cast<float>(x));
   unloaded_ = std::make_shared<const std::vector<float>>(std::move(points));
   return true;
 }
@@ -216,21 +218,21 @@ std::shared_ptr<const StressView> EditedShape::stress(Analysis what) {
   auto view = std::make_shared<StressView>();
   try {
     if (!stress_) stress_.emplace(scene_);
-    const MovingStress::Largest largest = stress_->at(session_->layout(), session_->dofs());
+    const StressEvaluator::MaxValues largest = stress_->at(session_->layout(), session_->dofs());
     if (what == Analysis::Modes) {
       constexpr int usual = 6;
       const int count = scene_.stress->modes > 0 ? scene_.stress->modes : usual;
-      MovingStress::Swings swings = stress_->swings(pattern_->places, count);
-      view->hertz = std::move(swings.hertz);
-      view->swings = std::move(swings.moved);
+      StressEvaluator::ModeShapes mode_shapes = stress_->mode_shapes(pattern_->locations, count);
+      view->frequencies = std::move(mode_shapes.frequencies);
+      view->mode_shapes = std::move(mode_shapes.displacements);
       return view;
     }
-    MovingStress::Field field = stress_->field(pattern_->places);
-    view->of_case = field.of_case;
+    StressEvaluator::Field field = stress_->field(pattern_->locations);
+    view->load_case = field.load_case;
     view->von_mises = largest.von_mises;
     view->displacement = largest.displacement;
     view->yield = scene_.stress->yield;
-    view->exaggeration = exaggeration(largest.displacement, session_->layout().size());
+    view->deformation_scale = deformation_scale(largest.displacement, session_->layout().size());
     view->values = std::move(field.von_mises);
     view->moved = std::move(field.displacement);
   } catch (const CancelledError&) {
@@ -242,21 +244,21 @@ std::shared_ptr<const StressView> EditedShape::stress(Analysis what) {
   return view;
 }
 
-DocumentPlace EditedShape::place(const Vec3& near) const {
+SurfacePoint EditedShape::nearest_point(const Vec3& near) const {
   if (!session_) throw InputError("found no surface, expected one to act on");
   const ModelLayout& layout = session_->layout();
   const ModelProjector present(layout, session_->dofs());
   const ModelProjector::Nearest found = present.nearest_inside(near);
-  const Location where = layout.in_model(found.at.region, found.where);
+  const Location where = layout.to_model_location(found.at.region, found.where);
   const SurfaceJet jet = layout.surface(session_->dofs()).jet(where);
   return {layout.region(found.at.region).name(), jet.x, jet.normal(),
-          layout.surface(start_.held).position(where)};
+          layout.surface(start_.constrained).position(where)};
 }
 
-void EditedShape::look_at(DocumentView& view) const {
+void EditedShape::fill_view(DocumentView& view) const {
   view.unit = scene_.unit;
-  for (const NamedValue& p : scene_.named_values()) {
-    const bool driven = !p.follows.empty() || !p.over_time.empty();
+  for (const ScalarParameter& p : scene_.named_values()) {
+    const bool driven = !p.rule_terms.empty() || !p.keyframes.empty();
     DocumentView::Slider slider{p.name, unit_of(scene_, p.name), p.value, p.min, p.max, driven};
     if (session_ && session_->parameters().has(p.name))
       slider.value = session_->parameters().value(p.name);
@@ -268,9 +270,9 @@ void EditedShape::look_at(DocumentView& view) const {
     if (session_ && pin.type == SceneConstraint::Type::Point &&
         session_->parameters().has(pin.name + ".x")) {
       DocumentView::Handle handle{pin.name};
-      handle.centre = goal_of(pin);
+      handle.centre = constraint_target(pin);
       handle.shift = handle.centre;
-      handle.turns = false;
+      handle.can_rotate = false;
       handle.moves = true;
       view.handles.push_back(std::move(handle));
     }
@@ -285,19 +287,20 @@ void EditedShape::look_at(DocumentView& view) const {
   view.has_stress = scene_.stress.has_value();
   for (const SkinnedRegion& region : session.regions()) {
     view.regions.push_back(region.name);
-    for (const LineRun& run : region.runs) view.shown_lines.push_back(run.line.name);
+    for (const EdgeAlignedLine& aligned_line : region.edge_aligned)
+      view.shown_lines.push_back(aligned_line.line.name);
     for (const EmbeddedLine& line : region.embedded) view.shown_lines.push_back(line.line.name);
   }
   const SculptModel& model = model_->model;
-  const MadeModel& made = model.made;
+  const BuiltModel& made = model.made;
   if (made.network)
     view.network = network_report(*made.network, *made.found, made.model, made.fit_tolerance,
                                   scene_.network.join_tolerance);
-  view.flaws = flaw_reports(made.model);
+  view.defects = defect_reports(made.model);
 }
 
 // Where a constraint holds the surface by now, or its direction.
-Vec3 EditedShape::goal_of(const SceneConstraint& one) const {
+Vec3 EditedShape::constraint_target(const SceneConstraint& one) const {
   Vec3 goal = one.goal;
   for (int i = 0; i < 3; ++i)
     if (const std::string name = one.name + "." + "xyz"[i];
@@ -314,7 +317,7 @@ void EditedShape::add_marks(DocumentView& view) const {
       view.marks.push_back({Mark::Kind::Load, load.at, load.direction});
   for (const SceneConstraint& one : scene_.constraints)
     if (one.type == SceneConstraint::Type::Normal)
-      view.marks.push_back({Mark::Kind::Normal, one.at, goal_of(one)});
+      view.marks.push_back({Mark::Kind::Normal, one.at, constraint_target(one)});
   if (!scene_.stress) return;
   for (const SceneStress::Load& load : scene_.stress->loads)
     if (load.type == SceneStress::Load::Type::Point)
@@ -327,14 +330,14 @@ void EditedShape::add_marks(DocumentView& view) const {
 
 std::string EditedShape::rows() const {
   if (!session_)
-    return result_line("surface", "none: " + (problem_.empty() ? "no lines" : problem_));
+    return summary_line("surface", "none: " + (problem_.empty() ? "no lines" : problem_));
   const ModelLayout& layout = session_->layout();
-  std::string text = result_line(
-      "surface", counted(layout.region_count(), "region") + ", " +
-                     counted(layout.mesh()->triangle_count(), "element") + ", energy " +
-                     number(session_->energy().stretching + session_->energy().bending));
-  for (const NamedValue& p : session_->parameters().all())
-    text += result_line("", p.name + " = " + number(session_->parameters().value(p.name)));
+  std::string text = summary_line(
+      "surface", format_count(layout.region_count(), "region") + ", " +
+                     format_count(layout.mesh()->triangle_count(), "element") + ", energy " +
+                     format_number(session_->energy().stretching + session_->energy().bending));
+  for (const ScalarParameter& p : session_->parameters().all())
+    text += summary_line("", p.name + " = " + format_number(session_->parameters().value(p.name)));
   return text;
 }
 

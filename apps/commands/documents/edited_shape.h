@@ -9,15 +9,15 @@
 
 #include "batten/apps/commands/documents/document_content.h"
 #include "batten/apps/commands/shapes/make_session.h"
-#include "batten/apps/commands/shapes/make_shape.h"
-#include "batten/apps/commands/shapes/stress_shape.h"
-#include "batten/io/scene/scene_parts.h"
+#include "batten/apps/commands/shapes/solved_shape.h"
+#include "batten/apps/commands/shapes/stress_analysis.h"
+#include "batten/io/scene/scene_dependencies.h"
 
 namespace batten {
 
 /// What the lines of a scene make, before anything acts on it.
 struct DocumentModel {
-  std::string of;  ///< SceneParts::model
+  std::string of;  ///< SceneDependencies::model
   std::vector<CharacterLine> lines;
   SculptModel model;
 };
@@ -31,21 +31,21 @@ struct DocumentModel {
 ///     lines, joins, [skin]           a new model; those that were made lately are kept
 class EditedShape : public DocumentContent {
  public:
-  void become(const SceneText& text, const std::filesystem::path& file,
-              const Progress& progress) override;
-  void restate(const SceneText& text, const std::filesystem::path& file) override;
+  void rebuild(const SceneText& text, const std::filesystem::path& file,
+               const Progress& progress) override;
+  void update_text(const SceneText& text, const std::filesystem::path& file) override;
   bool moves(const std::string& parameter) const override;
   void check(const std::string& parameter, double value) const override;
   void set(const std::string& parameter, double value) override;
   double value(const std::string& parameter) const override;
-  bool answer() override;
-  void settle() override;
+  bool solve_preview() override;
+  void solve_to_equilibrium() override;
   void step(double dt) override;
   bool in_motion() const override { return session_ && session_->in_motion(); }
   bool draw(Frame& frame) override;
-  DocumentPlace place(const Vec3& near) const override;
+  SurfacePoint nearest_point(const Vec3& near) const override;
   std::shared_ptr<const StressView> stress(Analysis what) override;
-  void look_at(DocumentView& view) const override;
+  void fill_view(DocumentView& view) const override;
   std::string rows() const override;
   std::string run(const std::filesystem::path& folder, const Progress& progress) override;
   std::string export_shape(const std::filesystem::path& file, const Progress& progress) override;
@@ -55,26 +55,27 @@ class EditedShape : public DocumentContent {
   SculptingSession* session() const { return session_.get(); }
 
  private:
-  void remake(const Scene& scene, const SceneParts& parts, bool may_fail, const Progress& progress);
-  bool go_on(const Scene& scene, const SceneParts& parts);
-  void take_values(const Scene& scene);
+  void rebuild_session(const Scene& scene, const SceneDependencies& parts, bool may_fail,
+                       const Progress& progress);
+  bool continue_session(const Scene& scene, const SceneDependencies& parts);
+  void apply_values(const Scene& scene);
   void add_marks(DocumentView& view) const;
-  Vec3 goal_of(const SceneConstraint& one) const;
+  Vec3 constraint_target(const SceneConstraint& one) const;
   std::shared_ptr<const DocumentModel> model_for(const Scene& scene, const std::string& of,
                                                  const Progress& progress);
 
   Scene scene_;
-  SceneParts parts_;
+  SceneDependencies parts_;
   std::vector<CharacterLine> lines_;
   std::shared_ptr<const DocumentModel> model_;
   std::unique_ptr<SculptingSession> session_;
-  SessionStart start_;
-  Answer answer_;
+  SessionReference start_;
+  SolveReport solve_report_;
   double dt_ = 0;                                       // of the steps of its motion
-  std::shared_ptr<const DisplayPattern> pattern_;       // that was drawn
+  std::shared_ptr<const DisplayTopology> pattern_;      // that was drawn
   std::shared_ptr<const std::vector<float>> unloaded_;  // its points without loads
-  std::optional<MovingStress> stress_;
-  std::list<std::shared_ptr<const DocumentModel>> lately_;
+  std::optional<StressEvaluator> stress_;
+  std::list<std::shared_ptr<const DocumentModel>> recent_models_;
 };
 
 }  // namespace batten

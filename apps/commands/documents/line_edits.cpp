@@ -5,22 +5,22 @@
 
 #include "batten/io/files/text.h"
 #include "batten/io/scene/scene_curves.h"
-#include "batten/io/scene/scene_words.h"
+#include "batten/io/scene/scene_parsing.h"
 
 namespace batten {
 namespace {
 
-using Verb = DocumentCommand::Verb;
+using CommandKind = DocumentCommand::CommandKind;
 
 std::string list_of(const std::vector<Vec3>& points) {
   std::vector<std::string> words;
-  for (const Vec3& p : points) words.push_back(point_word(p));
+  for (const Vec3& p : points) words.push_back(point_to_toml(p));
   return SceneText::list(words);
 }
 
 }  // namespace
 
-std::vector<Vec3> listed_points(const std::string& value) {
+std::vector<Vec3> parse_points(const std::string& value) {
   if (value.empty()) return {};
   const toml::table root = parse_toml("points = " + value, {}, "points");
   const toml::array* list = root["points"].as_array();
@@ -40,7 +40,7 @@ namespace {
 constexpr std::pair<LineKey, const char*> kLineKeys[] = {
     {LineKey::Points, "points"}, {LineKey::Bezier, "bezier"}, {LineKey::Arc, "arc"}};
 
-const char* word_of(LineKey key) {
+const char* key_name(LineKey key) {
   for (const auto& [one, word] : kLineKeys)
     if (one == key) return word;
   return "points";
@@ -52,13 +52,13 @@ LineKey line_key(const SceneText& scene, const std::string& line) {
   const SceneTable table{"line", line};
   if (!scene.has(table)) return LineKey::None;
   for (const auto& [key, word] : kLineKeys)
-    if (!listed_points(scene.value(table, word)).empty()) return key;
+    if (!parse_points(scene.value(table, word)).empty()) return key;
   return LineKey::None;
 }
 
-SceneText with_one_shape(SceneText scene, const SceneTable& table, const std::string& key,
-                         const std::string& value) {
-  const auto& shapes = shape_words();
+SceneText with_single_shape_key(SceneText scene, const SceneTable& table, const std::string& key,
+                                const std::string& value) {
+  const auto& shapes = shape_keys();
   const bool shape = std::find(shapes.begin(), shapes.end(), key) != shapes.end();
   if (table.kind == "line" && shape && scene.has(table))
     for (const auto& [other, words] : scene.values(table))
@@ -69,7 +69,7 @@ SceneText with_one_shape(SceneText scene, const SceneTable& table, const std::st
 }
 
 std::vector<DocumentCommand> tangent_edits(const SceneText& scene, const std::string& line) {
-  const std::vector<Vec3> points = stated_points(scene, line);
+  const std::vector<Vec3> points = defining_points(scene, line);
   if (line_key(scene, line) != LineKey::Points || points.size() != 2) return {};
   const Vec3 third = (points[1] - points[0]) / 3;
   const double size = 3 * third.norm();
@@ -79,72 +79,75 @@ std::vector<DocumentCommand> tangent_edits(const SceneText& scene, const std::st
                       LineKey::Bezier)};
 }
 
-std::string stated_line(const SceneText& scene, const std::string& name) {
+std::string defining_line(const SceneText& scene, const std::string& name) {
   if (scene.has({"line", name})) return name;
   const std::string whole = name.substr(0, std::min(name.size(), name.rfind('.')));
   return scene.has({"line", whole}) ? whole : "";
 }
 
-DocumentCommand move_command(const Vec3& from, const Vec3& to) {
-  return {.verb = Verb::Move, .text = list_of({from, to})};
+DocumentCommand move_point_command(const Vec3& from, const Vec3& to) {
+  return {.kind = CommandKind::Move, .text = list_of({from, to})};
 }
 
-SceneText with_moved_point(SceneText scene, const std::string& places) {
-  const std::vector<Vec3> way = listed_points(places);
+SceneText with_moved_point(SceneText scene, const std::string& from_to) {
+  const std::vector<Vec3> way = parse_points(from_to);
   if (way.size() != 2)
-    throw InputError("found '" + places + "', expected two places, [[x, y, z], [x, y, z]]");
+    throw InputError("found '" + from_to + "', expected two places, [[x, y, z], [x, y, z]]");
   bool any = false;
   const std::vector<SceneTable> tables = scene.tables();
   for (const SceneTable& table : tables) {
     if (table.kind != "line") continue;
-    std::vector<Vec3> points = stated_points(scene, table.name);
+    std::vector<Vec3> points = defining_points(scene, table.name);
     bool has = false;
     for (Vec3& p : points)
       if (p == way[0]) {
         p = way[1];
         has = true;
       }
-    if (has) scene.set(table, word_of(line_key(scene, table.name)), list_of(points));
+    if (has) scene.set(table, key_name(line_key(scene, table.name)), list_of(points));
     any |= has;
   }
   if (!any)
-    throw InputError("found no line with the point " + point_word(way[0]) + ", expected one");
+    throw InputError("found no line with the point " + point_to_toml(way[0]) + ", expected one");
   return scene;
 }
 
-std::vector<Vec3> stated_points(const SceneText& scene, const std::string& line) {
+std::vector<Vec3> defining_points(const SceneText& scene, const std::string& line) {
   const LineKey key = line_key(scene, line);
   return key == LineKey::None ? std::vector<Vec3>{}
-                              : listed_points(scene.value({"line", line}, word_of(key)));
+                              : parse_points(scene.value({"line", line}, key_name(key)));
 }
 
-std::string point_word(const Vec3& p) {
+std::string point_to_toml(const Vec3& p) {
   return SceneText::list({SceneText::word(p.x()), SceneText::word(p.y()), SceneText::word(p.z())});
 }
 
 Vec3 rounded_point(const Vec3& p, double size) {
   const double step = std::pow(10, std::floor(std::log10(std::max(size, 1e-12))) - 5);
   Vec3 r;
-  for (int i = 0; i < 3; ++i) r[i] = std::stod(number(std::round(p[i] / step) * step));
+  for (int i = 0; i < 3; ++i) r[i] = std::stod(format_number(std::round(p[i] / step) * step));
   return r;
 }
 
 DocumentCommand line_command(const std::string& name, const std::vector<Vec3>& points,
                              LineKey key) {
-  return {.verb = Verb::Add,
+  return {.kind = CommandKind::Add,
           .table = {"line", ""},
-          .text = "{ name = " + SceneText::word(name) + ", " + word_of(key) + " = " +
+          .text = "{ name = " + SceneText::word(name) + ", " + key_name(key) + " = " +
                   list_of(points) + " }"};
 }
 
 DocumentCommand points_edit(const std::string& line, const std::vector<Vec3>& points, LineKey key) {
-  return {.verb = Verb::Set, .table = {"line", line}, .key = word_of(key), .text = list_of(points)};
+  return {.kind = CommandKind::Set,
+          .table = {"line", line},
+          .key = key_name(key),
+          .text = list_of(points)};
 }
 
 std::vector<DocumentCommand> split_edits(const DocumentView& view, const std::string& line,
                                          int point) {
   const SceneText scene(view.text);
-  const std::vector<Vec3> points = stated_points(scene, line);
+  const std::vector<Vec3> points = defining_points(scene, line);
   if (line_key(scene, line) != LineKey::Points) return {};
   if (point < 1 || point + 1 >= static_cast<int>(points.size())) return {};
   const auto at = points.begin() + point;
@@ -154,14 +157,14 @@ std::vector<DocumentCommand> split_edits(const DocumentView& view, const std::st
 
 std::vector<DocumentCommand> join_line_edits(const DocumentView& view, const std::string& line) {
   const SceneText scene(view.text);
-  std::vector<Vec3> points = stated_points(scene, line);
+  std::vector<Vec3> points = defining_points(scene, line);
   if (points.size() < 2 || line_key(scene, line) != LineKey::Points) return {};
   std::string partner;
   std::vector<Vec3> joined;
   for (const SceneTable& table : scene.tables()) {
     if (table.kind != "line" || table.name == line) continue;
     if (line_key(scene, table.name) != LineKey::Points) continue;
-    std::vector<Vec3> other = stated_points(scene, table.name);
+    std::vector<Vec3> other = defining_points(scene, table.name);
     if (other.size() < 2) continue;
     for (int way = 0; way < 4; ++way) {
       if (way == 2) std::reverse(points.begin(), points.end());
@@ -176,13 +179,13 @@ std::vector<DocumentCommand> join_line_edits(const DocumentView& view, const std
     std::reverse(points.begin(), points.end());
   }
   if (partner.empty()) return {};
-  return {{.verb = Verb::Remove, .table = {"line", partner}}, points_edit(line, joined)};
+  return {{.kind = CommandKind::Remove, .table = {"line", partner}}, points_edit(line, joined)};
 }
 
 std::vector<DocumentCommand> mirror_edits(const DocumentView& view, const std::string& line,
                                           int axis) {
   const SceneText scene(view.text);
-  std::vector<Vec3> points = stated_points(scene, line);
+  std::vector<Vec3> points = defining_points(scene, line);
   const std::vector<Vec3> before = points;
   for (Vec3& p : points) p[axis] = p[axis] == 0 ? 0 : -p[axis];
   if (points == before) return {};  // it lies in the plane

@@ -10,7 +10,7 @@
 namespace batten {
 
 /// The [[line]] that a name of a line or of its piece between nodes ("rim.2") means; "" for none.
-std::string stated_line(const SceneText& scene, const std::string& name);
+std::string defining_line(const SceneText& scene, const std::string& name);
 
 /// The points of a [[line]] as its scene states them, by the key that has them; none where it is stated
 /// otherwise (a file, a circle), for those cannot be moved one by one.
@@ -21,12 +21,12 @@ enum class LineKey {
   Arc      ///< start, a point between, end
 };
 LineKey line_key(const SceneText& scene, const std::string& line);
-std::vector<Vec3> stated_points(const SceneText& scene, const std::string& line);
+std::vector<Vec3> defining_points(const SceneText& scene, const std::string& line);
 /// The points of a list as TOML writes it; none of anything else.
-std::vector<Vec3> listed_points(const std::string& value);
+std::vector<Vec3> parse_points(const std::string& value);
 
 /// A point as words, with no more digits than a hand can mean in a shape of this size: a millionth.
-std::string point_word(const Vec3& p);
+std::string point_to_toml(const Vec3& p);
 Vec3 rounded_point(const Vec3& p, double size);
 
 /// A line through points, as a new one or in the place of its points.
@@ -38,13 +38,13 @@ DocumentCommand points_edit(const std::string& line, const std::vector<Vec3>& po
 std::vector<DocumentCommand> tangent_edits(const SceneText& scene, const std::string& line);
 /// The scene after `set` of a key of a line: of what says its shape a line has one key, so that the one
 /// before goes.
-SceneText with_one_shape(SceneText scene, const SceneTable& table, const std::string& key,
-                         const std::string& value);
+SceneText with_single_shape_key(SceneText scene, const SceneTable& table, const std::string& key,
+                                const std::string& value);
 /// Moves a point of all lines that have it.
-DocumentCommand move_command(const Vec3& from, const Vec3& to);
+DocumentCommand move_point_command(const Vec3& from, const Vec3& to);
 /// The scene after such a command's text. Throws InputError: not two places, no line that has the
 /// first.
-SceneText with_moved_point(SceneText scene, const std::string& places);
+SceneText with_moved_point(SceneText scene, const std::string& from_to);
 /// Two lines instead of one, which meet at one of its inner points (counted from 0).
 std::vector<DocumentCommand> split_edits(const DocumentView& view, const std::string& line,
                                          int point);

@@ -3,26 +3,26 @@
 #include <algorithm>
 #include <cmath>
 
-#include "batten/core/index.h"
+#include "batten/core/isize.h"
 #include "batten/io/meshes/corner_normals.h"
 
 namespace batten {
 
 MeshDisplay::MeshDisplay(const TriangleMesh& mesh, const std::vector<std::vector<int>>& lines) {
   CornerNormals corners = corner_normals(mesh.points(), mesh.triangles());
-  auto pattern = std::make_shared<DisplayPattern>();
+  auto pattern = std::make_shared<DisplayTopology>();
   vertices_ = std::move(corners.nodes);
   pattern->facets = std::move(corners.of);
   std::vector<int> point_of(mesh.vertex_count(), -1);
-  for (int p = count_of(vertices_) - 1; p >= 0; --p) point_of[vertices_[p]] = p;
+  for (int p = isize(vertices_) - 1; p >= 0; --p) point_of[vertices_[p]] = p;
   for (const std::vector<int>& line : lines) {
     std::vector<int> points;
     for (const int v : line)
       if (point_of[v] >= 0) points.push_back(point_of[v]);
     pattern->lines.push_back({std::move(points)});
   }
-  pattern->first_facet = {0, count_of(pattern->facets)};
-  pattern->first_line = {0, count_of(pattern->lines)};
+  pattern->first_facet = {0, isize(pattern->facets)};
+  pattern->first_line = {0, isize(pattern->lines)};
   pattern_ = std::move(pattern);
 }
 

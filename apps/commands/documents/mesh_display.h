@@ -21,7 +21,7 @@ class MeshDisplay {
   const std::vector<int>& vertices() const { return vertices_; }  ///< of each display point
 
  private:
-  std::shared_ptr<const DisplayPattern> pattern_;
+  std::shared_ptr<const DisplayTopology> pattern_;
   std::vector<int> vertices_;
 };
 

@@ -3,13 +3,13 @@
 #include <algorithm>
 #include <sstream>
 
-#include "batten/apps/commands/runs/run_parts.h"
-#include "batten/core/words.h"
+#include "batten/apps/commands/runs/run_support.h"
+#include "batten/core/format.h"
 
 namespace batten {
 namespace {
 
-using Verb = DocumentCommand::Verb;
+using CommandKind = DocumentCommand::CommandKind;
 using Part = MeshView::Part;
 
 std::optional<SceneTable> last_edit(const SceneText& scene) {
@@ -25,7 +25,7 @@ std::vector<std::string> listed(const SceneText& scene, const char* key) {
   return edit ? scene.words(*edit, key) : std::vector<std::string>{};
 }
 
-bool lists(const SceneText& scene, const char* key, const std::string& part) {
+bool lists_part(const SceneText& scene, const char* key, const std::string& part) {
   const std::vector<std::string> words = listed(scene, key);
   return std::find(words.begin(), words.end(), part) != words.end();
 }
@@ -41,41 +41,45 @@ std::vector<std::string> without(const std::vector<std::string>& words, const Me
                                  const std::string& part) {
   std::vector<std::string> left;
   for (const std::string& word : words) {
-    if (!matches(word, part)) {
+    if (!matches_wildcard(word, part)) {
       left.push_back(word);
       continue;
     }
     for (const Part& one : mesh.parts)
-      if (matches(word, one.name) && one.name != part) left.push_back(one.name);
+      if (matches_wildcard(word, one.name) && one.name != part) left.push_back(one.name);
   }
   return left;
 }
 
-void let_go(const SceneText& scene, const MeshView& mesh, const std::string& part,
-            std::vector<DocumentCommand>& edits) {
+void release_part(const SceneText& scene, const MeshView& mesh, const std::string& part,
+                  std::vector<DocumentCommand>& edits) {
   for (const SceneTable& table : scene.tables()) {
     if (table == SceneTable{"feature", part})
-      edits.push_back({.verb = Verb::Remove, .table = table});
+      edits.push_back({.kind = CommandKind::Remove, .table = table});
     if (table.kind != "features") continue;
     const std::vector<std::string> words = scene.words(table, "of");
     const std::vector<std::string> left = without(words, mesh, part);
     if (left.empty())
-      edits.push_back({.verb = Verb::Remove, .table = table});
+      edits.push_back({.kind = CommandKind::Remove, .table = table});
     else if (left != words)
-      edits.push_back(
-          {.verb = Verb::Set, .table = table, .key = "of", .text = SceneText::word_list(left)});
+      edits.push_back({.kind = CommandKind::Set,
+                       .table = table,
+                       .key = "of",
+                       .text = SceneText::toml_string_list(left)});
   }
   if (const SceneTable handle = handle_of(scene, part); scene.has(handle))
-    edits.push_back({.verb = Verb::Remove, .table = handle});
+    edits.push_back({.kind = CommandKind::Remove, .table = handle});
   const auto edit = last_edit(scene);
   for (const char* key : {"fixed", "region"}) {
     std::vector<std::string> words = listed(scene, key);
     if (std::erase(words, part) == 0) continue;
     if (words.empty())
-      edits.push_back({.verb = Verb::Erase, .table = *edit, .key = key});
+      edits.push_back({.kind = CommandKind::Erase, .table = *edit, .key = key});
     else
-      edits.push_back(
-          {.verb = Verb::Set, .table = *edit, .key = key, .text = SceneText::word_list(words)});
+      edits.push_back({.kind = CommandKind::Set,
+                       .table = *edit,
+                       .key = key,
+                       .text = SceneText::toml_string_list(words)});
   }
 }
 
@@ -83,15 +87,15 @@ void let_go(const SceneText& scene, const MeshView& mesh, const std::string& par
 
 PartUse use_of(const SceneText& scene, const std::string& part) {
   if (scene.has(handle_of(scene, part))) return PartUse::Handle;
-  if (lists(scene, "fixed", part)) return PartUse::Fixed;
-  if (lists(scene, "region", part)) return PartUse::Interest;
+  if (lists_part(scene, "fixed", part)) return PartUse::Fixed;
+  if (lists_part(scene, "region", part)) return PartUse::Interest;
   for (const SceneTable& table : scene.tables()) {
     const std::vector<std::string> of =
         table.kind == "features" ? scene.words(table, "of") : std::vector<std::string>{};
-    const bool named =
-        std::any_of(of.begin(), of.end(), [&](const auto& word) { return matches(word, part); });
+    const bool named = std::any_of(of.begin(), of.end(),
+                                   [&](const auto& word) { return matches_wildcard(word, part); });
     if (named || table == SceneTable{"feature", part})
-      return scene.value(table, "keep") == "\"direction\"" ? PartUse::KeepsDirection
+      return scene.value(table, "keep") == "\"direction\"" ? PartUse::TranslationOnly
                                                            : PartUse::Rigid;
   }
   return PartUse::Free;
@@ -101,34 +105,37 @@ std::vector<DocumentCommand> use_edits(const SceneText& scene, const MeshView& m
                                        const std::string& part, PartUse use) {
   std::vector<DocumentCommand> edits;
   if (use_of(scene, part) == use) return edits;
-  let_go(scene, mesh, part, edits);
+  release_part(scene, mesh, part, edits);
   if (use == PartUse::Free) return edits;
   const std::string name = SceneText::word(part);
   for (const Part& one : mesh.parts)
     if (one.name == part && one.kind == Part::Kind::Set && !scene.has({"select", part}))
-      edits.push_back({.verb = Verb::Add,
+      edits.push_back({.kind = CommandKind::Add,
                        .table = {"select", ""},
                        .text = "{ name = " + name + ", " + one.key + " = " + name + " }"});
   const auto edit = last_edit(scene);
   const bool lists_it = use == PartUse::Fixed || use == PartUse::Interest;
   const bool moves = lists_it || use == PartUse::Handle;
   if (!edit && moves)
-    edits.push_back({.verb = Verb::Add, .table = {"edit", ""}, .text = "{ name = \"edit 1\" }"});
+    edits.push_back(
+        {.kind = CommandKind::Add, .table = {"edit", ""}, .text = "{ name = \"edit 1\" }"});
   if (lists_it) {
     const char* key = use == PartUse::Fixed ? "fixed" : "region";
     std::vector<std::string> words = listed(scene, key);
     words.push_back(part);
-    edits.push_back({.verb = Verb::Set,
+    edits.push_back({.kind = CommandKind::Set,
                      .table = edit ? *edit : SceneTable{"edit", "edit 1"},
                      .key = key,
-                     .text = SceneText::word_list(words)});
+                     .text = SceneText::toml_string_list(words)});
   } else if (use == PartUse::Handle) {
-    edits.push_back(
-        {.verb = Verb::Add, .table = {"edit.handle", ""}, .text = "{ name = " + name + " }"});
+    edits.push_back({.kind = CommandKind::Add,
+                     .table = {"edit.handle", ""},
+                     .text = "{ name = " + name + " }"});
   } else {
-    const std::string keep = use == PartUse::KeepsDirection ? ", keep = \"direction\"" : "";
-    edits.push_back(
-        {.verb = Verb::Add, .table = {"feature", ""}, .text = "{ name = " + name + keep + " }"});
+    const std::string keep = use == PartUse::TranslationOnly ? ", keep = \"direction\"" : "";
+    edits.push_back({.kind = CommandKind::Add,
+                     .table = {"feature", ""},
+                     .text = "{ name = " + name + keep + " }"});
   }
   return edits;
 }
@@ -139,8 +146,9 @@ DocumentCommand nodes_edit(const SceneText& scene, const std::string& name,
   for (const long label : labels) numbers.push_back(std::to_string(label));
   const std::string list = SceneText::list(numbers);
   const SceneTable table{"select", name};
-  if (scene.has(table)) return {.verb = Verb::Set, .table = table, .key = "nodes", .text = list};
-  return {.verb = Verb::Add,
+  if (scene.has(table))
+    return {.kind = CommandKind::Set, .table = table, .key = "nodes", .text = list};
+  return {.kind = CommandKind::Add,
           .table = {"select", ""},
           .text = "{ name = " + SceneText::word(name) + ", nodes = " + list + " }"};
 }

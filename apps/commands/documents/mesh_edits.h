@@ -12,7 +12,7 @@ namespace batten {
 
 /// What the vertices of a part are for. Interest: they are in the region of interest, and of all other
 /// vertices only handles move.
-enum class PartUse { Free, Fixed, Handle, Rigid, KeepsDirection, Interest };
+enum class PartUse { Free, Fixed, Handle, Rigid, TranslationOnly, Interest };
 
 /// What the last edit of a scene takes a part for.
 PartUse use_of(const SceneText& scene, const std::string& part);

@@ -3,14 +3,14 @@
 #include <sstream>
 
 #include "batten/apps/commands/documents/document.h"
-#include "batten/apps/commands/runs/run_parts.h"
+#include "batten/apps/commands/runs/run_support.h"
 
 namespace batten {
 ScriptReport run_script(const std::filesystem::path& script, const Progress& progress) {
   ScriptReport report;
   report.name = script.filename().string();
   Document document;
-  for (const PlacedCommand& one : read_script(script)) {
+  for (const LocatedCommand& one : read_script(script)) {
     ++report.commands;
     try {
       document.apply(one.command, progress);
@@ -21,11 +21,12 @@ ScriptReport run_script(const std::filesystem::path& script, const Progress& pro
     } catch (const InputError& e) {
       throw InputError(one.where + e.what());
     }
-    std::istringstream told(document.told());
-    for (std::string line; std::getline(told, line);)
-      report.missed.push_back({script_line(one.command), line});
-    for (const auto verb : {DocumentCommand::Verb::Save, DocumentCommand::Verb::Export})
-      if (one.command.verb == verb) report.files.push_back(one.command.file.string());
+    std::istringstream run_messages(document.run_messages());
+    for (std::string line; std::getline(run_messages, line);)
+      report.failed_checks.push_back({script_line(one.command), line});
+    for (const auto kind :
+         {DocumentCommand::CommandKind::Save, DocumentCommand::CommandKind::Export})
+      if (one.command.kind == kind) report.files.push_back(one.command.file.string());
   }
   report.shape = document.content().rows();
   return report;

@@ -5,7 +5,7 @@
 #include <string>
 
 #include "batten/core/progress.h"
-#include "batten/io/report/report_parts.h"
+#include "batten/io/report/run_report.h"
 
 namespace batten {
 
@@ -17,7 +17,7 @@ struct ScriptReport : RunReport {
 /// Does the commands of a script (document_command.h) on a document, one after the other. A shape
 /// that has no solution goes back to the last one that had, as in the window where the script was
 /// recorded, and is told in `warnings`; anything else that is refused ends the script. Misses of
-/// `run` and `export` are in `missed`. Throws InputError, ConflictError, NoSolutionError that begin
+/// `run` and `export` are in `failed_checks`. Throws InputError, ConflictError, NoSolutionError that begin
 /// with the script's line, CancelledError.
 ScriptReport run_script(const std::filesystem::path& script, const Progress& progress = {});
 

@@ -14,7 +14,7 @@ namespace batten {
 /// another kind, a keyframe where the step has none there.
 std::vector<DocumentCommand> keyframe_edits(const SceneText& scene, int frame,
                                             const std::string& handle, const Vec3& shift,
-                                            const Vec3& turn);
+                                            const Vec3& rotation_vector);
 
 /// What makes the whole sequence go along a curve through these points: a step of the kind `path`, or
 /// another curve for the last one of this kind.

@@ -2,12 +2,12 @@
 
 #include <algorithm>
 
-#include "batten/io/scene/scene_words.h"
+#include "batten/io/scene/scene_parsing.h"
 
 namespace batten {
 namespace {
 
-using Verb = DocumentCommand::Verb;
+using CommandKind = DocumentCommand::CommandKind;
 const SceneTable kStress{"stress", ""};
 
 /// Whether a list stands as a key of [stress], not in tables [[stress.KEY]] of its own.
@@ -31,20 +31,20 @@ std::vector<toml::table> list_of(const SceneText& scene, const std::string& key)
 }
 
 /// The same, each as words.
-std::vector<std::string> words_of_list(const SceneText& scene, const std::string& key) {
+std::vector<std::string> inline_tables(const SceneText& scene, const std::string& key) {
   std::vector<std::string> items;
-  for (const toml::table& table : list_of(scene, key)) items.push_back(toml_words(table));
+  for (const toml::table& table : list_of(scene, key)) items.push_back(to_toml(table));
   return items;
 }
 
 DocumentCommand list_edit(const std::string& key, const std::vector<std::string>& items) {
-  return {.verb = Verb::Set, .table = kStress, .key = key, .text = SceneText::list(items)};
+  return {.kind = CommandKind::Set, .table = kStress, .key = key, .text = SceneText::list(items)};
 }
 
 /// The tables of a list, with one of them replaced by words, or left out where there are none.
 std::vector<DocumentCommand> with_item(const SceneText& scene, const StressPart& part,
                                        const std::string& words) {
-  std::vector<std::string> items = words_of_list(scene, part.list);
+  std::vector<std::string> items = inline_tables(scene, part.list);
   if (part.item >= static_cast<int>(items.size())) return {};
   const auto item = items.begin() + part.item;
   if (words.empty())
@@ -72,14 +72,14 @@ std::vector<DocumentCommand> support_edits(const SceneText& scene, const std::st
       "{ line = " + SceneText::word(line) + ", kind = " + SceneText::word(kind) + " }";
   if (!scene.has(kStress)) {
     const bool metres = scene.value({}, "unit") == "\"m\"";
-    return {{.verb = Verb::Add,
+    return {{.kind = CommandKind::Add,
              .table = {"[stress]", ""},
              .text = std::string("{ thickness = ") + (metres ? "0.001" : "1") +
                      ", material = \"steel\", supports = [" + support + "] }"}};
   }
   std::vector<std::string> items;
   for (const toml::table& other : list_of(scene, "supports"))
-    if (!is_of(other, line)) items.push_back(toml_words(other));
+    if (!is_of(other, line)) items.push_back(to_toml(other));
   if (!in_braces(scene, "supports")) return {};
   if (!kind.empty()) items.push_back(support);
   return {list_edit("supports", items)};
@@ -88,7 +88,7 @@ std::vector<DocumentCommand> support_edits(const SceneText& scene, const std::st
 std::vector<DocumentCommand> stress_load_edits(const SceneText& scene, const std::string& load) {
   const bool stated = scene.has(kStress) && !scene.value(kStress, "loads").empty();
   if (!scene.has(kStress) || (stated && !in_braces(scene, "loads"))) return {};
-  std::vector<std::string> items = words_of_list(scene, "loads");
+  std::vector<std::string> items = inline_tables(scene, "loads");
   items.push_back(load);
   return {list_edit("loads", items)};
 }
@@ -102,7 +102,7 @@ std::vector<StressPart> stress_parts(const SceneText& scene) {
       StressPart part{list, item++, support ? "clamped" : "load", ""};
       for (const auto& [key, node] : table) {
         const std::string name(key.str());
-        part.values.emplace_back(name, toml_words(node));
+        part.values.emplace_back(name, to_toml(node));
         if (name == "kind") part.kind = node.value_or(part.kind);
         if (name == "line" || name == "region") part.of = node.value_or(std::string());
         constexpr const char* acting[] = {"pressure", "force",       "moment",
@@ -123,7 +123,7 @@ std::vector<DocumentCommand> stress_part_edits(const SceneText& scene, const Str
   toml::table changed = tables[static_cast<size_t>(part.item)];
   const toml::table given = parse_toml("value = " + value, {}, "a value");
   changed.insert_or_assign(key, *given.get("value"));
-  return with_item(scene, part, toml_words(changed));
+  return with_item(scene, part, to_toml(changed));
 }
 
 std::vector<DocumentCommand> remove_stress_part(const SceneText& scene, const StressPart& part) {

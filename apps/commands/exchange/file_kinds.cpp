@@ -14,7 +14,7 @@ namespace {
 /// Lines and meshes share endings: a mesh has faces, a Nastran deck grid points.
 bool is_mesh_file(const std::filesystem::path& file) {
   const std::string ending = lower_extension(file);
-  if (ending != ".obj" && ending != ".dat") return MeshFile::reads(file);
+  if (ending != ".obj" && ending != ".dat") return MeshFile::can_read(file);
   std::ifstream in(file);
   for (std::string row; std::getline(in, row);)
     if (ending == ".obj" ? row.starts_with("f ")

@@ -3,18 +3,18 @@
 #include <algorithm>
 #include <cmath>
 
-#include "batten/apps/commands/exchange/cad_words.h"
+#include "batten/apps/commands/exchange/cad_summary.h"
 #include "batten/apps/commands/exchange/file_kinds.h"
 #include "batten/apps/commands/lines/fair_lines.h"
-#include "batten/apps/commands/runs/run_parts.h"
-#include "batten/core/index.h"
-#include "batten/core/words.h"
-#include "batten/io/cad/cad_text.h"
+#include "batten/apps/commands/runs/run_support.h"
+#include "batten/core/format.h"
+#include "batten/core/isize.h"
+#include "batten/io/cad/cad_format.h"
 #include "batten/io/files/input_file.h"
 #include "batten/io/files/length_units.h"
 #include "batten/io/files/text.h"
 #include "batten/io/files/toml_table.h"
-#include "batten/io/lines/cad_calls.h"
+#include "batten/io/lines/cad_plugin.h"
 #include "batten/io/meshes/mesh_file.h"
 
 namespace batten {
@@ -31,11 +31,12 @@ std::string name_of(const fs::path& file) { return file.filename().string(); }
 double metres(const std::string& unit) { return unit.empty() ? 0 : unit_in_metres(unit); }
 
 void row(ConvertReport& report, const std::string& label, const std::string& text) {
-  report.text += result_line(label, text);
+  report.text += summary_line(label, text);
 }
 
-void miss(ConvertReport& report, const std::string& what, const std::string& detail) {
-  report.missed.push_back({what, detail});
+void report_failed_check(ConvertReport& report, const std::string& what,
+                         const std::string& detail) {
+  report.failed_checks.push_back({what, detail});
 }
 
 /// Adds files that were written beside the one that was asked for; returns what to say of them.
@@ -63,17 +64,21 @@ std::string unit_in_file(const fs::path& file, const std::string& unit) {
 
 void check_facets(ConvertReport& report, double chord, double deviation, int cracks, int unmeshed) {
   if (!(deviation <= chord))
-    miss(report, "convert.chord",
-         "is " + number(deviation) + ", promised at most " + number(chord));
+    report_failed_check(
+        report, "convert.chord",
+        "is " + format_number(deviation) + ", promised at most " + format_number(chord));
   if (cracks)
-    miss(report, "convert.cracks",
-         "are " + counted(cracks, "edge") + " between triangles, promised none");
-  if (unmeshed) miss(report, "convert.faces", counted(unmeshed, "face") + " got no triangle");
+    report_failed_check(
+        report, "convert.cracks",
+        "are " + format_count(cracks, "edge") + " between triangles, promised none");
+  if (unmeshed)
+    report_failed_check(report, "convert.faces",
+                        format_count(unmeshed, "face") + " got no triangle");
 }
 
-std::string chord_words(double deviation, double chord, double size, const std::string& unit) {
-  return "triangles within " + number(deviation) + " " + unit + " of the faces, chord " +
-         number(chord) + " " + unit + " (" + number(chord / size) + " of the size)";
+std::string describe_chord(double deviation, double chord, double size, const std::string& unit) {
+  return "triangles within " + format_number(deviation) + " " + unit + " of the faces, chord " +
+         format_number(chord) + " " + unit + " (" + format_number(chord / size) + " of the size)";
 }
 
 /// Whether the file that was written is what was read; `ending`: of the former.
@@ -82,8 +87,8 @@ void compare(ConvertReport& report, const CadConversion& c, const std::string& e
   const double scale = a.unit_in_metres / b.unit_in_metres;
   const auto same = [&](const std::string& what, int before, int after) {
     if (before != after)
-      miss(report, "convert." + what,
-           "are " + std::to_string(after) + ", promised " + std::to_string(before));
+      report_failed_check(report, "convert." + what,
+                          "are " + std::to_string(after) + ", promised " + std::to_string(before));
   };
   same("faces", a.faces, b.faces);
   same("solids", a.solids, b.solids);
@@ -92,20 +97,21 @@ void compare(ConvertReport& report, const CadConversion& c, const std::string& e
   const auto near = [&](const std::string& what, double before, double after, double loose) {
     const double most = 1e-6 * std::abs(before) + loose;
     if (!(std::abs(before - after) <= most))
-      miss(report, "convert." + what,
-           "is " + number(after) + ", promised " + number(before) + " within " + number(most));
+      report_failed_check(report, "convert." + what,
+                          "is " + format_number(after) + ", promised " + format_number(before) +
+                              " within " + format_number(most));
   };
   // Readers move trims within their tolerances.
-  const double loose = std::max(a.loose_area * scale * scale, b.loose_area);
+  const double loose = std::max(a.trim_uncertainty_area * scale * scale, b.trim_uncertainty_area);
   near("area", a.area * scale * scale, b.area, loose);
   near("volume", a.volume * std::pow(scale, 3), b.volume, loose * b.size);
   if (ending.starts_with(".br")) return;
   const bool step = ending.starts_with(".st");
-  if (step) same("products", count_of(a.products), count_of(b.products));
+  if (step) same("products", isize(a.products), isize(b.products));
   for (const auto& [what, before, after] :
        {std::tuple("names", &a.names, &b.names), std::tuple("colours", &a.colours, &b.colours)})
-    if (const std::string lost = lost_words(*before, *after, step); !lost.empty())
-      miss(report, std::string("convert.") + what, "are lost: " + lost);
+    if (const std::string lost = missing_names(*before, *after, step); !lost.empty())
+      report_failed_check(report, std::string("convert.") + what, "are lost: " + lost);
 }
 
 void cad_to_cad(const ConvertTask& task, ConvertReport& report) {
@@ -113,19 +119,19 @@ void cad_to_cad(const ConvertTask& task, ConvertReport& report) {
   options.unit_in_metres = metres(task.unit);
   options.ap242 = task.ap242;
   options.chord = task.chord;
-  const CadConversion c = cad_calls().convert_cad(task.from, task.to, options);
-  const std::string unit = unit_words(c.unit_in_metres);
+  const CadConversion c = cad_plugin().convert_cad(task.from, task.to, options);
+  const std::string unit = format_unit(c.unit_in_metres);
   const std::string ending = lower_extension(task.to);
-  row(report, "read", name_of(task.from) + ": " + contents_words(c.before));
+  row(report, "read", name_of(task.from) + ": " + contents_line(c.before));
   if (ending == ".glb") {
     row(report, "written",
         name_of(task.to) + ": " + std::to_string(c.triangles) +
             " triangles, in metres as glTF has it");
-    row(report, "", chord_words(c.deviation, c.chord, c.size, unit));
+    row(report, "", describe_chord(c.deviation, c.chord, c.size, unit));
     check_facets(report, c.chord, c.deviation, c.cracks, c.unmeshed);
     return;
   }
-  row(report, "written", name_of(task.to) + ": " + contents_words(c.after));
+  row(report, "written", name_of(task.to) + ": " + contents_line(c.after));
   const bool brep = ending.starts_with(".br");
   if (brep && unit != "mm")
     report.warnings.push_back("BREP states no unit: its numbers are in " + unit +
@@ -139,18 +145,18 @@ void cad_to_mesh(const ConvertTask& task, ConvertReport& report) {
   CadFacetOptions options;
   options.unit_in_metres = metres(task.unit);
   options.chord = task.chord;
-  const CadFacets f = cad_calls().facets_of_cad(task.from, options);
+  const CadFacets f = cad_plugin().tessellate_cad(task.from, options);
   std::vector<MeshSet> sets;
   for (const FacetGroup& group : f.groups)
     sets.push_back({group.name, "", {}, group.triangles, group.colour});
   const std::string beside = add_files(report, write_mesh(task.to, f.mesh, sets, f.unit_in_metres));
-  const std::string unit = unit_words(f.unit_in_metres);
-  row(report, "read", name_of(task.from) + ": " + contents_words(f.contents));
+  const std::string unit = format_unit(f.unit_in_metres);
+  row(report, "read", name_of(task.from) + ": " + contents_line(f.contents));
   row(report, "written",
-      name_of(task.to) + ": " + counted(f.mesh.face_count(), "triangle") + ", " +
-          counted(f.mesh.node_count(), "node") + ", in " + unit_in_file(task.to, unit) + ", " +
-          (f.free_edges ? counted(f.free_edges, "free edge") : "closed") + beside);
-  row(report, "", chord_words(f.deviation, f.chord, f.size, unit));
+      name_of(task.to) + ": " + format_count(f.mesh.face_count(), "triangle") + ", " +
+          format_count(f.mesh.node_count(), "node") + ", in " + unit_in_file(task.to, unit) + ", " +
+          (f.free_edges ? format_count(f.free_edges, "free edge") : "closed") + beside);
+  row(report, "", describe_chord(f.deviation, f.chord, f.size, unit));
   check_facets(report, f.chord, f.deviation, f.cracks, f.unmeshed);
   report.warnings = f.contents.notes;
 }
@@ -169,7 +175,7 @@ double factor_of(const ConvertTask& task) {
 }
 
 /// The unit of a mesh that goes to a kind of file that is in one unit always; 0 for other kinds.
-double stated_unit(const ConvertTask& task) {
+double declared_unit(const ConvertTask& task) {
   const std::string fixed = fixed_unit(task.to);
   if (fixed.empty()) return 0;
   const std::string kind = lower_extension(task.to) + " is in " + fixed;
@@ -203,14 +209,14 @@ std::vector<MeshSet> groups_of(const MeshFile& file) {
 }
 
 void mesh_to_mesh(const ConvertTask& task, ConvertReport& report) {
-  const double stated = stated_unit(task);
+  const double stated = declared_unit(task);
   const double factor = stated > 0 ? 1 : factor_of(task);
   const MeshFile file = MeshFile::read(task.from);
   ShellMesh mesh = file.shells();
   mesh.points *= factor;
   const std::string beside = add_files(report, write_mesh(task.to, mesh, groups_of(file), stated));
   const auto counts =
-      counted(mesh.node_count(), "node") + ", " + counted(mesh.face_count(), "face");
+      format_count(mesh.node_count(), "node") + ", " + format_count(mesh.face_count(), "face");
   row(report, "read", name_of(task.from) + ": " + file.format() + ", " + counts);
   const std::string to = stated > 0 ? fixed_unit(task.to) : task.unit;
   row(report, "written",
@@ -219,8 +225,8 @@ void mesh_to_mesh(const ConvertTask& task, ConvertReport& report) {
                                               : ", " + task.from_unit + " to " + to) +
           beside);
   report.warnings = file.warnings();
-  if (!file.others().empty())
-    report.warnings.push_back(counted(count_of(file.others()), "element") +
+  if (!file.other_elements().empty())
+    report.warnings.push_back(format_count(isize(file.other_elements()), "element") +
                               " beside shells are left out");
 }
 
@@ -228,23 +234,23 @@ void lines_to_lines(const ConvertTask& task, ConvertReport& report, const Progre
   const bool cad = file_kind(task.from) == FileKind::Cad;
   std::string unit = task.unit;
   if (unit.empty())
-    unit = cad ? unit_words(cad_calls().read_cad_contents(task.from).unit_in_metres)
+    unit = cad ? format_unit(cad_plugin().read_cad_contents(task.from).unit_in_metres)
            : task.from_unit.empty() ? "mm"
                                     : task.from_unit;
   const auto lines = read_source_file(task.from, task.from_unit, unit);
   std::vector<NamedCurve> curves;
   for (const FairedResult& line : fair_lines(lines, {}, progress)) curves.push_back(line.named());
   report.warnings = write_curves(task.to, curves, {unit_in_metres(unit), task.ap242});
-  row(report, "read", name_of(task.from) + ": " + counted(count_of(lines), "line"));
+  row(report, "read", name_of(task.from) + ": " + format_count(isize(lines), "line"));
   row(report, "written",
-      name_of(task.to) + ": " + counted(count_of(curves), "line") + ", in " + unit +
+      name_of(task.to) + ": " + format_count(isize(curves), "line") + ", in " + unit +
           (cad || !task.from_unit.empty() ? "" : ", the unit of points that say none"));
 }
 
 [[noreturn]] void refuse(const ConvertTask& task, const std::string& what,
                          const std::vector<std::string>& endings, const std::string& more = "") {
   throw InputError(task.to.string() + ": found the ending '" + task.to.extension().string() +
-                   "' for " + what + ", expected one of: " + listed(endings) + more);
+                   "' for " + what + ", expected one of: " + comma_separated(endings) + more);
 }
 
 std::vector<std::string> joined(std::vector<std::string> a, const std::vector<std::string>& b) {
@@ -260,7 +266,7 @@ void convert_cad_file(const ConvertTask& task, ConvertReport& report, const Prog
   if (!lines && !mesh)
     refuse(task, "a CAD file", joined(joined(cad, mesh_file_endings()), curve_file_endings()));
   // Endings that lines and meshes share go by what is in the file.
-  if (mesh && !(lines && cad_calls().read_cad_contents(task.from).faces == 0))
+  if (mesh && !(lines && cad_plugin().read_cad_contents(task.from).faces == 0))
     return cad_to_mesh(task, report);
   lines_to_lines(task, report, progress);
 }
@@ -298,7 +304,7 @@ ConvertReport run_convert(const ConvertTask& task, const Progress& progress) {
     default:
       throw InputError(task.from.string() + ": found the ending '" +
                        task.from.extension().string() + "', expected a CAD file (" +
-                       listed(cad_endings()) + "), a mesh or lines");
+                       comma_separated(cad_endings()) + "), a mesh or lines");
   }
   return report;
 }

@@ -5,7 +5,7 @@
 #include <string>
 
 #include "batten/core/progress.h"
-#include "batten/io/report/report_parts.h"
+#include "batten/io/report/run_report.h"
 
 namespace batten {
 
@@ -25,7 +25,7 @@ struct ConvertReport : RunReport {
 /// Converts
 ///
 ///   CAD (.step .stp .iges .igs .brep .brp)  to CAD and .glb: convert_cad(); to .stl .obj .ply .off
-///                                           .vtp .vtu .3mf: facets_of_cad(); to .csv .curves: its
+///                                           .vtp .vtu .3mf: tessellate_cad(); to .csv .curves: its
 ///                                           curves
 ///   a mesh, or a deck's shells              to .stl .obj .ply .off .vtp .vtu, and with
 ///                                           `from_unit` to .glb .3mf, which are in one unit

@@ -8,18 +8,18 @@
 #include <functional>
 #include <limits>
 
-#include "batten/apps/commands/lines/line_reading.h"
-#include "batten/apps/commands/runs/run_parts.h"
+#include "batten/apps/commands/lines/line_interpretation.h"
+#include "batten/apps/commands/runs/run_support.h"
 #include "batten/core/box.h"
-#include "batten/core/index.h"
+#include "batten/core/isize.h"
 #include "batten/core/parallel.h"
-#include "batten/fairing/point_row.h"
+#include "batten/fairing/point_sequence.h"
 
 namespace batten {
 namespace {
 
 /// What one stage does to one line.
-struct Work {
+struct LineStage {
   bool acts = false;
   std::optional<std::vector<int>> corners;  ///< points that the stage names as corners
 };
@@ -29,10 +29,10 @@ void for_each_line(size_t lines, const Progress& progress, const char* stage,
                    const std::function<void(size_t line)>& work) {
   constexpr size_t portion = 64;
   for (size_t first = 0; first < lines; first += portion) {
-    progress.at(stage, static_cast<double>(first) / static_cast<double>(lines));
+    progress.update(stage, static_cast<double>(first) / static_cast<double>(lines));
     const size_t count = std::min(portion, lines - first);
-    parallel_parts(static_cast<int>(count),
-                   [&](int part) { work(first + static_cast<size_t>(part)); });
+    parallel_for(static_cast<int>(count),
+                 [&](int part) { work(first + static_cast<size_t>(part)); });
   }
 }
 
@@ -40,21 +40,21 @@ class Fairing {
  public:
   Fairing(const std::vector<SourceLine>& lines, const FairingSettings& settings,
           const Progress& progress)
-      : lines_(lines), settings_(settings), met_(settings.stages.size()) {
+      : lines_(lines), settings_(settings), hit_(settings.stages.size()) {
     for (const SourceLine& line : lines) names_.push_back(line.name);
-    work_.assign(lines.size(), std::vector<Work>(settings.stages.size()));
-    for (size_t s = 0; s < settings.stages.size(); ++s) choose(s);
+    line_stages_.assign(lines.size(), std::vector<LineStage>(settings.stages.size()));
+    for (size_t s = 0; s < settings.stages.size(); ++s) select_lines(s);
     sampled_.resize(lines.size());
     for_each_line(lines.size(), progress, "reading lines",
-                  [&](size_t i) { sampled_[i] = sampled(lines[i], angle_of(i)); });
-    for (size_t s = 0; s < settings.stages.size(); ++s) place(s);
+                  [&](size_t i) { sampled_[i] = sample_line(lines[i], angle_of(i)); });
+    for (size_t s = 0; s < settings.stages.size(); ++s) resolve_points(s);
   }
 
   FairedResult faired(size_t index);
   /// Throws InputError for a brush that met no line; to be called after all lines.
   void check_brushes() const {
     for (size_t s = 0; s < settings_.stages.size(); ++s)
-      if (settings_.stages[s].brush && !met_[s])
+      if (settings_.stages[s].brush && !hit_[s])
         fail(s, "a brush that meets none of its lines", "'at' and 'radius' of a sphere around one");
   }
 
@@ -62,28 +62,28 @@ class Fairing {
   [[noreturn]] void fail(size_t stage, const std::string& found,
                          const std::string& expected) const {
     const FairStage& s = settings_.stages[stage];
-    throw InputError(place_prefix(settings_.file, s.place) + "in the stage '" + s.name +
+    throw InputError(format_location(settings_.file, s.location) + "in the stage '" + s.name +
                      "' found " + found + ", expected " + expected);
   }
 
   /// Which lines a stage is about.
-  void choose(size_t s) {
+  void select_lines(size_t s) {
     const FairStage& stage = settings_.stages[s];
-    for (size_t i = 0; i < lines_.size(); ++i) work_[i][s].acts = stage.lines.empty();
-    for (const PlacedWord& word : stage.lines) {
+    for (size_t i = 0; i < lines_.size(); ++i) line_stages_[i][s].acts = stage.lines.empty();
+    for (const LocatedString& word : stage.lines) {
       bool any = false;
       for (size_t i = 0; i < lines_.size(); ++i)
-        if (matches(word.text, names_[i])) any = work_[i][s].acts = true;
+        if (matches_wildcard(word.text, names_[i])) any = line_stages_[i][s].acts = true;
       if (!any)
-        throw InputError(place_prefix(settings_.file, word.place) + "found the line name '" +
-                         word.text + "', expected " + one_of(word.text, names_));
+        throw InputError(format_location(settings_.file, word.location) + "found the line name '" +
+                         word.text + "', expected " + expected_one_of(word.text, names_));
     }
   }
 
   /// The corner angle of the first stage of whole lines that acts on a line.
   double angle_of(size_t i) const {
     for (size_t s = 0; s < settings_.stages.size(); ++s)
-      if (work_[i][s].acts && !settings_.stages[s].local())
+      if (line_stages_[i][s].acts && !settings_.stages[s].local())
         return settings_.stages[s].options.corner_angle;
     return FairOptions{}.corner_angle;
   }
@@ -93,7 +93,7 @@ class Fairing {
     double best = std::numeric_limits<double>::infinity();
     std::pair<size_t, size_t> result{0, 0};
     for (size_t i = 0; i < lines_.size(); ++i) {
-      if (!work_[i][s].acts) continue;
+      if (!line_stages_[i][s].acts) continue;
       double sum = 0;
       size_t first = 0;
       for (const Vec3& p : places) {
@@ -114,19 +114,20 @@ class Fairing {
   }
 
   /// Corners and stretches go to the lines that are nearest to them.
-  void place(size_t s) {
+  void resolve_points(size_t s) {
     const FairStage& stage = settings_.stages[s];
     if (stage.corners) {
       for (size_t i = 0; i < lines_.size(); ++i)
-        if (work_[i][s].acts) work_[i][s].corners.emplace();
+        if (line_stages_[i][s].acts) line_stages_[i][s].corners.emplace();
       for (const Vec3& p : *stage.corners) {
         const auto [i, k] = nearest(s, {p});
-        work_[i][s].corners->push_back(static_cast<int>(k));
+        line_stages_[i][s].corners->push_back(static_cast<int>(k));
       }
     }
-    if (stage.stretch) {
-      const size_t chosen = nearest(s, {stage.stretch->from, stage.stretch->to}).first;
-      for (size_t i = 0; i < lines_.size(); ++i) work_[i][s].acts = work_[i][s].acts && i == chosen;
+    if (stage.segment) {
+      const size_t chosen = nearest(s, {stage.segment->from, stage.segment->to}).first;
+      for (size_t i = 0; i < lines_.size(); ++i)
+        line_stages_[i][s].acts = line_stages_[i][s].acts && i == chosen;
     }
   }
 
@@ -135,18 +136,18 @@ class Fairing {
     const double wavelength = stage.options.wavelength;
     if (stage.brush) {
       if (!(curve.closest_point(stage.brush->at).distance < stage.brush->radius)) return curve;
-      met_[s] = true;
+      hit_[s] = true;
       return fair_brush(curve, stage.brush->at, stage.brush->radius, wavelength);
     }
-    double from = curve.closest_point(stage.stretch->from).u;
-    double to = curve.closest_point(stage.stretch->to).u;
+    double from = curve.closest_point(stage.segment->from).u;
+    double to = curve.closest_point(stage.segment->to).u;
     // Closed: the shorter way around.
     const double length = curve.end() - curve.start();
     const bool swap =
         curve.closed() ? std::fmod(to - from + length, length) > length / 2 : to < from;
     if (swap) std::swap(from, to);
     if (from == to) fail(s, "a stretch without length", "two places along the line");
-    return fair_stretch(curve, from, to, wavelength);
+    return fair_interval(curve, from, to, wavelength);
   }
 
   FairOptions options_of(size_t line, size_t s) const;
@@ -154,9 +155,9 @@ class Fairing {
   /// them.
   FairOptions given_options(size_t line) const;
   /// Why a line cannot be faired, or "".
-  std::string why_not(size_t line) const;
-  CurvatureCurve least_curvature(size_t line, size_t s, const HermiteCurve& curve,
-                                 const std::vector<Vec3>& points) const;
+  std::string rejection_reason(size_t line) const;
+  CurvatureFairingResult least_curvature(size_t line, size_t s, const HermiteCurve& curve,
+                                         const std::vector<Vec3>& points) const;
   /// Does all stages of a line, from its first state on.
   void run_stages(size_t line, FairedResult& result);
 
@@ -164,14 +165,14 @@ class Fairing {
   const FairingSettings& settings_;
   std::vector<std::string> names_;
   std::vector<SampledLine> sampled_;
-  std::vector<std::vector<Work>> work_;  // of each line, of each stage
-  std::vector<std::atomic<bool>> met_;
+  std::vector<std::vector<LineStage>> line_stages_;  // of each line, of each stage
+  std::vector<std::atomic<bool>> hit_;
 };
 
 /// A curve with the same derivatives that hides that it is cubic, so that it is fitted, not kept.
-class AsFormula final : public InputCurve {
+class HermiteInputCurve final : public InputCurve {
  public:
-  explicit AsFormula(HermiteCurve curve) : curve_(curve_from_hermite(std::move(curve))) {}
+  explicit HermiteInputCurve(HermiteCurve curve) : curve_(curve_from_hermite(std::move(curve))) {}
   double start() const override { return curve_->start(); }
   double end() const override { return curve_->end(); }
   Vec3 evaluate(double t, int order) const override { return curve_->evaluate(t, order); }
@@ -187,18 +188,17 @@ std::vector<Vec3> at(const HermiteCurve& curve, const std::vector<double>& param
   return points;
 }
 
-HermiteCurve with_few_segments(const std::string& name, const HermiteCurve& curve,
-                               double tolerance) {
+HermiteCurve reduce_segments(const std::string& name, const HermiteCurve& curve, double tolerance) {
   FitOptions options;
   options.tolerance = tolerance;
   options.closed = curve.closed();
   // The curve has corners where its mesh says so, and turns smoothly elsewhere.
   options.corner_angle = curve.mesh().corners().empty() ? 180 : 1;
-  return fit_curve(name, std::make_shared<AsFormula>(curve), options);
+  return fit_curve(name, std::make_shared<HermiteInputCurve>(curve), options);
 }
 
-std::vector<double> to_the_new_length(std::vector<double> u, const HermiteCurve& from,
-                                      const HermiteCurve& to) {
+std::vector<double> rescale_parameters(std::vector<double> u, const HermiteCurve& from,
+                                       const HermiteCurve& to) {
   for (double& t : u)
     t = to.start() + (t - from.start()) / (from.end() - from.start()) * (to.end() - to.start());
   return u;
@@ -211,18 +211,18 @@ Deviation measured(const std::string& name, const HermiteCurve& curve, const Sam
     points.erase(points.begin() + outliers[k]);
     parameters.erase(parameters.begin() + outliers[k]);
   }
-  const PointRow row(name, points, 180, {}, curve.closed());
+  const PointSequence row(name, points, 180, {}, curve.closed());
   std::vector<double> t(static_cast<size_t>(row.count()));
   for (size_t i = parameters.size(); i-- > 0;) t[row.index[i]] = parameters[i];
   Deviation d = deviation_of(curve, row, t);
-  if (line.between.empty()) return d;
+  if (line.extra_points.empty()) return d;
   double sum = d.rms * d.rms * row.count();
-  for (const Vec3& p : line.between) {
+  for (const Vec3& p : line.extra_points) {
     const double distance = curve.closest_point(p).distance;
     d.max = std::max(d.max, distance);
     sum += distance * distance;
   }
-  d.rms = std::sqrt(sum / static_cast<double>(line.between.size() + row.points.size()));
+  d.rms = std::sqrt(sum / static_cast<double>(line.extra_points.size() + row.points.size()));
   return d;
 }
 
@@ -240,18 +240,19 @@ std::vector<double> chord_parameters(const HermiteCurve& curve, const std::vecto
 FairOptions Fairing::options_of(size_t line, size_t s) const {
   const FairStage& stage = settings_.stages[s];
   FairOptions options = stage.options;
-  options.hold_ends = stage.hold_ends.value_or(settings_.hold_ends);
-  options.corners = work_[line][s].corners ? work_[line][s].corners : sampled_[line].corners;
+  options.fix_ends = stage.fix_ends.value_or(settings_.fix_ends);
+  options.corners =
+      line_stages_[line][s].corners ? line_stages_[line][s].corners : sampled_[line].corners;
   if (!options.closed) options.closed = sampled_[line].closed;
   return options;
 }
 
-std::string Fairing::why_not(size_t line) const {
+std::string Fairing::rejection_reason(size_t line) const {
   const std::vector<Vec3>& points = sampled_[line].points;
   if (points.size() == 1) return "one point";
   if (!sampled_[line].has_length()) return "all its points in one place";
   if (!given_options(line).closed.value_or(false)) return "";
-  const PointRow row(names_[line], points, 180, {}, false);
+  const PointSequence row(names_[line], points, 180, {}, false);
   const bool repeated = (row.points.back() - row.points.front()).norm() <= 1e-12 * row.size;
   return row.count() - repeated < 3 ? "too few points for a closed curve" : "";
 }
@@ -261,24 +262,24 @@ FairOptions Fairing::given_options(size_t line) const {
   options.corners = sampled_[line].corners;
   options.closed = sampled_[line].closed;
   for (size_t s = 0; s < settings_.stages.size(); ++s)
-    if (work_[line][s].acts && !settings_.stages[s].local()) {
+    if (line_stages_[line][s].acts && !settings_.stages[s].local()) {
       options = options_of(line, s);
       break;
     }
   return options;
 }
 
-CurvatureCurve Fairing::least_curvature(size_t line, size_t s, const HermiteCurve& curve,
-                                        const std::vector<Vec3>& points) const {
+CurvatureFairingResult Fairing::least_curvature(size_t line, size_t s, const HermiteCurve& curve,
+                                                const std::vector<Vec3>& points) const {
   constexpr size_t most = 200;
   if (points.size() > most)
     fail(s, std::to_string(points.size()) + " points of '" + names_[line] + "'",
          "at most " + std::to_string(most) +
              " for 'minimum': the curve passes through all of them, their noise too");
-  const PointRow row(names_[line], points, 180, {}, curve.closed());
-  std::vector<CurvaturePoint> through;
+  const PointSequence row(names_[line], points, 180, {}, curve.closed());
+  std::vector<CurveThroughPoint> through;
   for (const Vec3& p : row.points) through.push_back({p});
-  CurvatureOptions options;
+  CurvatureFairingOptions options;
   options.functional = *settings_.stages[s].minimum;
   options.tolerance = 1e-6 * row.size;
   options.segments = std::max(16, 4 * row.count());
@@ -291,23 +292,24 @@ void Fairing::run_stages(size_t line, FairedResult& result) {
   HermiteCurve curve = result.states.front();
   std::vector<double> u = chord_parameters(curve, points);
   for (size_t s = 0; s < settings_.stages.size(); ++s) {
-    if (work_[line][s].acts && settings_.stages[s].local()) {
+    if (line_stages_[line][s].acts && settings_.stages[s].local()) {
       curve = local(s, curve);
       report.faired = true;
-    } else if (work_[line][s].acts && settings_.stages[s].minimum) {
-      const CurvatureCurve least = least_curvature(line, s, curve, at(curve, u));
-      u = to_the_new_length(std::move(u), curve, least.curve);
+    } else if (line_stages_[line][s].acts && settings_.stages[s].minimum) {
+      const CurvatureFairingResult least = least_curvature(line, s, curve, at(curve, u));
+      u = rescale_parameters(std::move(u), curve, least.curve);
       curve = least.curve;
       report.faired = true;
       report.rounds = least.rounds;
-      report.settled = least.converged;
+      report.converged = least.converged;
       report.max_residual = std::max(report.max_residual, least.max_residual);
-    } else if (work_[line][s].acts) {
+    } else if (line_stages_[line][s].acts) {
       FairOptions options = options_of(line, s);
       options.closed = curve.closed();
-      options.hold_ends = options.hold_ends && !curve.closed();
+      options.fix_ends = options.fix_ends && !curve.closed();
       const FairCurve fair = fair_points(
-          names_[line], report.faired ? at(curve, nearest_in_order(curve, points, u)) : points,
+          names_[line],
+          report.faired ? at(curve, closest_parameters_in_order(curve, points, u)) : points,
           options);
       curve = fair.curve;
       u = fair.parameters;
@@ -317,22 +319,22 @@ void Fairing::run_stages(size_t line, FairedResult& result) {
       }
       report.faired = true;
       report.wavelength = fair.wavelength;
-      report.freedom = fair.freedom;
+      report.effective_dofs = fair.effective_dofs;
       report.rounds = fair.rounds;
-      report.settled = fair.settled;
+      report.converged = fair.converged;
       report.max_residual = std::max(report.max_residual, fair.max_residual);
-      if (options.balance == FairOptions::Balance::Deviation &&
+      if (options.smoothing == FairOptions::Smoothing::Deviation &&
           fair.deviation.max > options.deviation)
-        report.too_far = {options.deviation, fair.deviation.max};
+        report.exceeded_deviation = {options.deviation, fair.deviation.max};
     }
     result.states.push_back(curve);
   }
   if (settings_.segments > 0) {
-    HermiteCurve few = with_few_segments(names_[line], curve, settings_.segments);
-    u = to_the_new_length(std::move(u), curve, few);
+    HermiteCurve few = reduce_segments(names_[line], curve, settings_.segments);
+    u = rescale_parameters(std::move(u), curve, few);
     result.states.back() = std::move(few);
   }
-  result.parameters = nearest_in_order(result.states.back(), points, u);
+  result.parameters = closest_parameters_in_order(result.states.back(), points, u);
 }
 
 FairedResult Fairing::faired(size_t index) {
@@ -342,16 +344,16 @@ FairedResult Fairing::faired(size_t index) {
   result.points = line.points;
   FairedLine& report = result.report;
   report.name = names_[index];
-  report.points = count_of(line.points);
-  const std::string why = why_not(index);
+  report.points = isize(line.points);
+  const std::string why = rejection_reason(index);
   if (!why.empty()) {
     result.warning = "line '" + report.name + "' has " + why + " and is passed through as it is";
     return result;
   }
-  report.size = box_around(line.points).diagonal().norm();
+  report.size = bounding_box(line.points).diagonal().norm();
 
   const auto start = std::chrono::steady_clock::now();
-  result.states.push_back(curve_as_given(report.name, line.points, given_options(index)));
+  result.states.push_back(interpolating_spline(report.name, line.points, given_options(index)));
   run_stages(index, result);
   report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 
@@ -374,12 +376,12 @@ NamedCurve FairedResult::named() const {
 
 std::string first_few(const std::vector<std::string>& names) {
   constexpr size_t few = 5;
-  if (names.size() <= few) return listed(names);
-  return listed({names.begin(), names.begin() + few}) + " and " +
+  if (names.size() <= few) return comma_separated(names);
+  return comma_separated({names.begin(), names.begin() + few}) + " and " +
          std::to_string(names.size() - few) + " more";
 }
 
-std::string passed_over(const FairedLine& line) {
+std::string describe_outliers(const FairedLine& line) {
   if (line.outliers.empty()) return "";
   std::vector<std::string> numbers;
   for (const int i : line.outliers) numbers.push_back(std::to_string(i + 1));

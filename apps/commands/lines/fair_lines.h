@@ -7,16 +7,16 @@
 #include "batten/apps/commands/lines/line_files.h"
 #include "batten/core/progress.h"
 #include "batten/io/lines/curve_files.h"
-#include "batten/io/report/report_parts.h"
+#include "batten/io/report/run_report.h"
 
 namespace batten {
 
 /// How lines are faired.
 struct FairingSettings {
   std::vector<FairStage> stages;
-  bool hold_ends = false;  ///< FairStage::hold_ends of stages that do not give it
-  double segments = 0;     ///< FairScene::segments
-  std::string file;        ///< the scene's file, for messages
+  bool fix_ends = false;  ///< FairStage::fix_ends of stages that do not give it
+  double segments = 0;    ///< FairScene::segments
+  std::string file;       ///< the scene's file, for messages
 };
 
 /// One line and what the stages made of it.
@@ -48,6 +48,6 @@ std::vector<FairedResult> fair_lines(const std::vector<SourceLine>& lines,
 /// Five of the names, and how many more there are.
 std::string first_few(const std::vector<std::string>& names);
 /// Says which points were passed over as outliers; "" for none.
-std::string passed_over(const FairedLine& line);
+std::string describe_outliers(const FairedLine& line);
 
 }  // namespace batten

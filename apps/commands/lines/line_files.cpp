@@ -3,19 +3,19 @@
 #include <algorithm>
 #include <map>
 
-#include "batten/core/index.h"
-#include "batten/core/words.h"
+#include "batten/core/format.h"
+#include "batten/core/isize.h"
 #include "batten/fairing/arc_length.h"
-#include "batten/fairing/curve_shapes.h"
-#include "batten/io/cad/cad_text.h"
+#include "batten/fairing/primitive_curves.h"
+#include "batten/io/cad/cad_format.h"
 #include "batten/io/files/input_file.h"
 #include "batten/io/files/length_units.h"
 #include "batten/io/files/text.h"
-#include "batten/io/lines/cad_calls.h"
+#include "batten/io/lines/cad_plugin.h"
 #include "batten/io/lines/drawing_lines.h"
 #include "batten/io/lines/point_lines.h"
 #include "batten/io/lines/sketch_graph.h"
-#include "batten/skinning/lines/line_fit.h"
+#include "batten/skinning/lines/smooth_segment.h"
 
 namespace batten {
 namespace {
@@ -25,18 +25,18 @@ const std::vector<std::string> kDrawingEndings = {".dxf", ".svg"};
 const std::vector<std::string> kSketchEndings = {".json"};
 
 std::string all_endings() {
-  return listed(kPointEndings) + ", " + listed(cad_endings()) + ", " + listed(kDrawingEndings) +
-         ", " + listed(kSketchEndings);
+  return comma_separated(kPointEndings) + ", " + comma_separated(cad_endings()) + ", " +
+         comma_separated(kDrawingEndings) + ", " + comma_separated(kSketchEndings);
 }
 
 /// Where messages about [[line]] and [[lines]] begin.
 struct SceneFile {
   std::string file, unit;
-  std::string at(const FilePlace& place) const { return place_prefix(file, place); }
+  std::string at(const SourceLocation& location) const { return format_location(file, location); }
 };
 
 std::vector<SourceLine> read_file(const SceneFile& scene, const SceneLine& source) {
-  const std::string at = scene.at(source.place);
+  const std::string at = scene.at(source.location);
   require_input_file(source.file, "a file of lines (" + all_endings() + ")", at);
   if (line_file_kind(source.file) == LineFileKind::None)
     throw InputError(at + "found the ending '" + source.file.extension().string() + "' of '" +
@@ -52,38 +52,38 @@ std::vector<SourceLine> read_file(const SceneFile& scene, const SceneLine& sourc
 }
 
 void check_names(const SceneFile& scene, const SceneLine& source,
-                 const std::vector<PlacedWord>& words, const std::vector<SourceLine>& lines) {
+                 const std::vector<LocatedString>& words, const std::vector<SourceLine>& lines) {
   std::vector<std::string> names;
   for (const auto& line : lines) names.push_back(line.name);
   for (const auto& word : words)
     if (std::find(names.begin(), names.end(), word.text) == names.end())
-      throw InputError(scene.at(word.place) + "found the line name '" + word.text +
+      throw InputError(scene.at(word.location) + "found the line name '" + word.text +
                        "', expected one of those in '" + source.file.string() +
-                       "': " + listed(names) + did_you_mean(word.text, names));
+                       "': " + comma_separated(names) + did_you_mean(word.text, names));
 }
 
-bool contains(const std::vector<PlacedWord>& words, const std::string& name) {
+bool contains(const std::vector<LocatedString>& words, const std::string& name) {
   return std::any_of(words.begin(), words.end(),
-                     [&](const PlacedWord& w) { return w.text == name; });
+                     [&](const LocatedString& w) { return w.text == name; });
 }
 
 std::vector<SourceLine> lines_of(const SceneFile& scene, const SceneLine& source) {
   if (source.file.empty()) {
     SourceLine line;
     line.name = source.name;
-    line.at = scene.at(source.place);
+    line.at = scene.at(source.location);
     line.points = source.points;
     line.curve = source.curve;
     line.corners = source.corners;
     line.role = source.role;
-    line.treatment = source.treatment;
-    line.holds = source.holds;
+    line.mesh_alignment = source.mesh_alignment;
+    line.constrains_surface = source.constrains_surface;
     return {line};
   }
   std::vector<SourceLine> lines = read_file(scene, source);
   if (!source.name.empty()) {
     if (lines.size() != 1)
-      throw InputError(scene.at(source.place) + "found " + std::to_string(lines.size()) +
+      throw InputError(scene.at(source.location) + "found " + std::to_string(lines.size()) +
                        " lines in '" + source.file.string() + "', expected one for the line '" +
                        source.name + "'; [[lines]] takes several");
     lines.front().name = source.name;
@@ -99,8 +99,8 @@ std::vector<SourceLine> lines_of(const SceneFile& scene, const SceneLine& source
     line.role = contains(source.inner, line.name)   ? CharacterLine::Role::Inner
                 : contains(source.holes, line.name) ? CharacterLine::Role::Hole
                                                     : source.role;
-    line.treatment = source.treatment;
-    line.holds = source.holds || line.role != CharacterLine::Role::Hole;
+    line.mesh_alignment = source.mesh_alignment;
+    line.constrains_surface = source.constrains_surface || line.role != CharacterLine::Role::Hole;
   }
   return lines;
 }
@@ -112,28 +112,28 @@ bool SampledLine::has_length() const {
                      [&](const Vec3& p) { return p != points.front(); });
 }
 
-SampledLine sampled(const SourceLine& line, double corner_angle) {
+SampledLine sample_line(const SourceLine& line, double corner_angle) {
   if (!line.curve) return {line.points, {}, {}, {}};
   const InputCurve& curve = *line.curve;
-  const auto stretches = cut_at_corners({line.name, line.curve}, std::min(corner_angle, 179.9));
+  const auto segments = split_at_corners({line.name, line.curve}, std::min(corner_angle, 179.9));
   std::vector<ArcLength> arcs;
   double total = 0;
-  for (const Stretch& s : stretches) {
+  for (const SmoothSegment& s : segments) {
     arcs.emplace_back(s.curve);
     total += arcs.back().total();
   }
   SampledLine result;
   result.corners.emplace();
   constexpr int finer = 4;
-  for (size_t k = 0; k < stretches.size(); ++k) {
-    const InputCurve& part = *stretches[k].curve;
-    const int spans = count_of(part.breaks()) - 1;
+  for (size_t k = 0; k < segments.size(); ++k) {
+    const InputCurve& part = *segments[k].curve;
+    const int spans = isize(part.breaks()) - 1;
     const int count = std::max({8, 8 * spans, static_cast<int>(200 * arcs[k].total() / total)});
-    if (k > 0) result.corners->push_back(count_of(result.points));
+    if (k > 0) result.corners->push_back(isize(result.points));
     for (int i = 0; i < finer * count; ++i) {
       const double s = arcs[k].total() * i / (finer * count);
       const Vec3 p = part.evaluate(i == 0 ? part.start() : arcs[k].parameter(s));
-      (i % finer == 0 ? result.points : result.between).push_back(p);
+      (i % finer == 0 ? result.points : result.extra_points).push_back(p);
     }
   }
   result.points.push_back(curve.evaluate(curve.end()));
@@ -178,8 +178,9 @@ std::vector<double> nearest(const HermiteCurve& curve, const std::vector<Vec3>& 
   return result;
 }
 
-std::vector<double> nearest_in_order(const HermiteCurve& curve, const std::vector<Vec3>& points,
-                                     const std::vector<double>& guess) {
+std::vector<double> closest_parameters_in_order(const HermiteCurve& curve,
+                                                const std::vector<Vec3>& points,
+                                                const std::vector<double>& guess) {
   std::vector<double> result = nearest(curve, points, guess);
   for (size_t i = 1; i < result.size(); ++i) result[i] = std::max(result[i], result[i - 1]);
   return result;
@@ -212,17 +213,18 @@ std::vector<SourceLine> read_drawn(const std::filesystem::path& file, const std:
                                    double model) {
   Drawing drawing = read_drawing(file);
   const double stated = unit.empty() ? drawing.unit_in_metres : unit_in_metres(unit);
-  const Placement to_model = scaled(Vec3::Zero(), stated > 0 ? stated / model : 1);
+  const AffineTransform to_model = scaling_about(Vec3::Zero(), stated > 0 ? stated / model : 1);
   std::vector<SourceLine> lines;
   for (DrawnLine& line : drawing.lines) {
     for (Vec3& p : line.points) p = to_model(p);
     lines.push_back({line.name, file.string() + ": ", std::move(line.points),
-                     line.curve ? placed(line.curve, to_model) : nullptr});
+                     line.curve ? transformed(line.curve, to_model) : nullptr});
   }
   for (const std::string& note : drawing.notes)
-    lines[0].read_as += (lines[0].read_as.empty() ? "" : "; ") + note;
+    lines[0].format_note += (lines[0].format_note.empty() ? "" : "; ") + note;
   if (stated == 0)
-    lines[0].read_as += std::string(lines[0].read_as.empty() ? "" : "; ") + "no unit stated";
+    lines[0].format_note +=
+        std::string(lines[0].format_note.empty() ? "" : "; ") + "no unit stated";
   return lines;
 }
 
@@ -238,16 +240,16 @@ std::vector<SourceLine> read_source_file(const std::filesystem::path& file, cons
     return lines;
   }
   if (line_file_kind(file) == LineFileKind::Cad) {
-    for (const CharacterLine& line : cad_calls().read_cad_lines(file, model, creases))
+    for (const CharacterLine& line : cad_plugin().read_cad_lines(file, model, creases))
       lines.push_back({line.name, file.string() + ": ", {}, line.curve});
     return lines;
   }
   if (line_file_kind(file) == LineFileKind::Drawing) return read_drawn(file, unit, model);
   for (NamedPoints& line :
        read_point_lines(file, unit.empty() ? 1 : unit_in_metres(unit) / model)) {
-    lines.push_back({line.name, place_prefix(file.string(), {line.first_line, 1}),
+    lines.push_back({line.name, format_location(file.string(), {line.first_line, 1}),
                      std::move(line.points), nullptr});
-    lines.back().read_as = line.read_as;
+    lines.back().format_note = line.format_note;
   }
   return lines;
 }
@@ -266,27 +268,27 @@ class Copies {
   }
 
  private:
-  SourceLine& named(const std::string& name, const FilePlace& place) {
+  SourceLine& named(const std::string& name, const SourceLocation& location) {
     std::vector<std::string> names;
     for (SourceLine& line : lines_) {
       if (line.name == name) return line;
       names.push_back(line.name);
     }
-    throw InputError(scene_.at(place) + "found a copy of '" + name +
-                     "', expected one of: " + listed(names) + did_you_mean(name, names));
+    throw InputError(scene_.at(location) + "found a copy of '" + name +
+                     "', expected one of: " + comma_separated(names) + did_you_mean(name, names));
   }
 
   void shape(const std::string& name, const SceneLine& copy, size_t depth) {
-    SourceLine& line = named(name, copy.place);
+    SourceLine& line = named(name, copy.location);
     if (line.curve || !line.points.empty()) return;
     if (depth > copies_.size())
-      throw InputError(scene_.at(copy.place) + "found that '" + name +
+      throw InputError(scene_.at(copy.location) + "found that '" + name +
                        "' is a copy of itself, expected a copy of another line");
     const auto of = copies_.find(copy.copy);
     if (of != copies_.end()) shape(copy.copy, *of->second, depth + 1);
-    const SourceLine& given = named(copy.copy, copy.place);
-    for (const Vec3& p : given.points) line.points.push_back(copy.placement(p));
-    if (given.curve) line.curve = placed(given.curve, copy.placement);
+    const SourceLine& given = named(copy.copy, copy.location);
+    for (const Vec3& p : given.points) line.points.push_back(copy.transform(p));
+    if (given.curve) line.curve = transformed(given.curve, copy.transform);
     line.corners = given.corners;
   }
 
@@ -301,13 +303,13 @@ std::vector<SourceLine> read_sources(const std::vector<SceneLine>& lines,
                                      const std::filesystem::path& file, const std::string& unit) {
   const SceneFile scene{file.string(), unit};
   std::vector<SourceLine> all;
-  std::map<std::string, FilePlace> places;
+  std::map<std::string, SourceLocation> places;
   std::map<std::string, const SceneLine*> copies;
   for (const SceneLine& source : lines)
     for (SourceLine& line : lines_of(scene, source)) {
-      const auto [it, added] = places.emplace(line.name, source.place);
+      const auto [it, added] = places.emplace(line.name, source.location);
       if (!added)
-        throw InputError(scene.at(source.place) + "found the line name '" + line.name +
+        throw InputError(scene.at(source.location) + "found the line name '" + line.name +
                          "' again (first in line " + std::to_string(it->second.line) +
                          "), expected each name once");
       if (!source.copy.empty()) copies.emplace(line.name, &source);
@@ -318,12 +320,12 @@ std::vector<SourceLine> read_sources(const std::vector<SceneLine>& lines,
 }
 
 std::vector<Vec3> scan_points(const Scene& scene, const SceneLoad& load) {
-  if (load.type != SceneLoad::Type::Scan) return {};
-  const std::string expected = "a file of points (" + listed(kPointEndings) + ")";
+  if (load.type != SceneLoad::Type::PointCloudSprings) return {};
+  const std::string expected = "a file of points (" + comma_separated(kPointEndings) + ")";
   if (line_file_kind(load.file) != LineFileKind::Points)
-    throw InputError(scene.at(load.place) + "found '" + load.file.string() + "', expected " +
+    throw InputError(scene.at(load.location) + "found '" + load.file.string() + "', expected " +
                      expected);
-  require_input_file(load.file, expected, scene.at(load.place));
+  require_input_file(load.file, expected, scene.at(load.location));
   std::vector<Vec3> points;
   for (const SourceLine& line : read_source_file(load.file, load.unit, scene.unit))
     points.insert(points.end(), line.points.begin(), line.points.end());
@@ -331,7 +333,8 @@ std::vector<Vec3> scan_points(const Scene& scene, const SceneLoad& load) {
 }
 
 CharacterLine character_line(const SourceLine& line, double corner_angle) {
-  return {line.name, line.as_curve(corner_angle), line.role, line.treatment, {}, line.holds};
+  return {line.name, line.as_curve(corner_angle), line.role, line.mesh_alignment,
+          {},        line.constrains_surface};
 }
 
 std::vector<CharacterLine> read_lines(const Scene& scene) {

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "batten/fem/curve.h"
+#include "batten/fem/hermite_curve.h"
 #include "batten/io/scene/scene.h"
 
 namespace batten {
@@ -23,10 +23,10 @@ struct SourceLine {
   std::vector<Vec3> points;                      ///< model units; empty when there is a curve
   std::shared_ptr<const InputCurve> curve;       ///< set for lines that are not given by points
   std::optional<std::vector<int>> corners = {};  ///< of `points`, stated; not given: found
-  std::string read_as = {};  ///< how its file was read, in words, where that is not obvious
+  std::string format_note = {};  ///< how its file was read, in words, where that is not obvious
   CharacterLine::Role role = CharacterLine::Role::Outline;
-  CharacterLine::Treatment treatment = CharacterLine::Treatment::Auto;
-  bool holds = true;
+  CharacterLine::MeshAlignment mesh_alignment = CharacterLine::MeshAlignment::Auto;
+  bool constrains_surface = true;
 
   /// The curve, or one through the points. Throws InputError as curve_through_points() does.
   std::shared_ptr<const InputCurve> as_curve(double corner_angle) const;
@@ -59,7 +59,7 @@ struct SampledLine {
   std::vector<Vec3> points;
   std::optional<std::vector<int>> corners;  ///< indices of the points at the curve's corners
   std::optional<bool> closed;               ///< whether the curve is closed
-  std::vector<Vec3> between;                ///< further points, to measure deviations
+  std::vector<Vec3> extra_points;           ///< further points, to measure deviations
 
   bool has_length() const;
 };
@@ -67,7 +67,7 @@ struct SampledLine {
 /// Samples a line. Points are kept as they are. A curve is sampled evenly by arc length in each of
 /// its stretches between corners (where it turns by more than `corner_angle` degrees): about 200
 /// points, or eight for each span of a spline. Throws InputError: a curve that is not finite.
-SampledLine sampled(const SourceLine& line, double corner_angle);
+SampledLine sample_line(const SourceLine& line, double corner_angle);
 
 /// The parameters of the curve's points nearest to `points`. Each is looked for around its `guess`
 /// (ascending). Those of points that go to and fro do too. O(points).
@@ -75,7 +75,8 @@ std::vector<double> nearest(const HermiteCurve& curve, const std::vector<Vec3>& 
                             const std::vector<double>& guess);
 
 /// The same, ascending in the order of `points`: none is before the one of an earlier point.
-std::vector<double> nearest_in_order(const HermiteCurve& curve, const std::vector<Vec3>& points,
-                                     const std::vector<double>& guess);
+std::vector<double> closest_parameters_in_order(const HermiteCurve& curve,
+                                                const std::vector<Vec3>& points,
+                                                const std::vector<double>& guess);
 
 }  // namespace batten

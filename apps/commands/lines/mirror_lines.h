@@ -18,8 +18,8 @@ void add_mirrored(const Scene& scene, std::vector<CharacterLine>& lines);
 
 /// The scene's words about joins and regions, and the same about the mirror images: of every join
 /// whose line has one, of every region that is not its own.
-std::vector<JoinWord> mirrored_joins(const Scene& scene, const std::vector<CharacterLine>& lines);
-std::vector<RegionWord> mirrored_regions(const Scene& scene,
+std::vector<JoinSpec> mirrored_joins(const Scene& scene, const std::vector<CharacterLine>& lines);
+std::vector<RegionSpec> mirrored_regions(const Scene& scene,
                                          const std::vector<CharacterLine>& lines);
 
 }  // namespace batten

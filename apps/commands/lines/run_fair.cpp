@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "batten/apps/commands/lines/fair_lines.h"
-#include "batten/apps/commands/runs/run_parts.h"
-#include "batten/core/index.h"
+#include "batten/apps/commands/runs/run_support.h"
+#include "batten/core/isize.h"
 #include "batten/io/files/length_units.h"
 #include "batten/io/pictures/curve_pictures.h"
 
@@ -88,7 +88,7 @@ std::string counts(const std::vector<HermiteCurve>& curves) {
 /// given, after each stage of whole lines, and after local stages that follow each other. Lines
 /// without length are dots. At least one result must have a curve.
 CombPicture comb_panels(const std::vector<FairedResult>& results, const FairScene& scene,
-                        const CombPictureRule& rule) {
+                        const CombPictureSpec& rule) {
   CombPicture picture;
   picture.unit = scene.unit;
   picture.view = rule.view;
@@ -105,7 +105,7 @@ CombPicture comb_panels(const std::vector<FairedResult>& results, const FairScen
     return picture.panels.back();
   };
   const auto& stages = scene.stages;
-  if (rule.show == CombPictureRule::Show::Combs) {
+  if (rule.show == CombPictureSpec::Show::Combs) {
     add(0, "before");
     add(stages.size(), "after");
   } else {
@@ -121,7 +121,7 @@ CombPicture comb_panels(const std::vector<FairedResult>& results, const FairScen
           panel.spheres.emplace_back(stages[k].brush->at, stages[k].brush->radius);
     }
   }
-  picture.scale_panel = count_of(picture.panels) - 1;
+  picture.scale_panel = isize(picture.panels) - 1;
   return picture;
 }
 
@@ -131,7 +131,7 @@ std::vector<FairedResult> fair(const FairScene& scene, FairReport& report, Stopw
   report.name = scene.name;
   report.unit = scene.unit;
   report.parameters = scene.parameters();
-  progress.at("lines", 0);
+  progress.update("lines", 0);
   const auto lines = read_sources(scene.lines, scene.file, scene.unit);
   watch.lap("lines");
   FairingSettings settings;
@@ -143,17 +143,18 @@ std::vector<FairedResult> fair(const FairScene& scene, FairReport& report, Stopw
   for (const FairedResult& result : results) {
     report.curves.push_back(result.report);
     if (!result.warning.empty()) report.warnings.push_back(result.warning);
-    if (!result.report.settled) restless.push_back(result.report.name);
+    if (!result.report.converged) restless.push_back(result.report.name);
     const FairedLine& line = result.report;
-    if (const std::string text = passed_over(line); !text.empty()) report.warnings.push_back(text);
+    if (const std::string text = describe_outliers(line); !text.empty())
+      report.warnings.push_back(text);
     constexpr double more = 3;     // than noise may move them
     constexpr double seen = 1e-6;  // of a line's size: less is not worth a word
     if (settings.segments == 0 && line.noise > 0 &&
         line.deviation.rms > std::max(more * line.noise, seen * line.size))
-      report.warnings.push_back("'" + line.name + "' has moved by " + number(line.deviation.rms) +
-                                " (root mean square), and its points' noise is about " +
-                                number(line.noise) + " " + scene.unit +
-                                ": a shorter wavelength or a smaller deviation keeps more of it");
+      report.warnings.push_back(
+          "'" + line.name + "' has moved by " + format_number(line.deviation.rms) +
+          " (root mean square), and its points' noise is about " + format_number(line.noise) + " " +
+          scene.unit + ": a shorter wavelength or a smaller deviation keeps more of it");
   }
   if (!restless.empty())
     report.warnings.push_back("parameters still moved in the last round: " + first_few(restless));
@@ -171,10 +172,10 @@ void write(const std::filesystem::path& path, const std::vector<FairedResult>& r
 }
 
 void draw(const std::filesystem::path& path, const std::vector<FairedResult>& results,
-          const FairScene& scene, const CombPictureRule& rule, FairReport& report,
+          const FairScene& scene, const CombPictureSpec& rule, FairReport& report,
           const std::string& name) {
   if (std::none_of(results.begin(), results.end(), [](const auto& r) { return r.has_curve(); })) {
-    report.missed.push_back({name, "is not drawn: no line has a length"});
+    report.failed_checks.push_back({name, "is not drawn: no line has a length"});
     return;
   }
   if (!can_draw(report, name)) return;
@@ -210,7 +211,7 @@ std::string summary(const FairReport& report) {
 
 std::string summary(const FairReport& report, const std::filesystem::path& folder) {
   std::string text = summary(report);
-  return text + result_ending(report, folder);
+  return text + summary_footer(report, folder);
 }
 
 FairReport run_fair(const FairScene& scene, const std::filesystem::path& folder,
@@ -219,14 +220,14 @@ FairReport run_fair(const FairScene& scene, const std::filesystem::path& folder,
   FairReport report;
   Stopwatch watch(report.timings);
   const auto results = fair(scene, report, watch, progress);
-  progress.at("files", 0);
+  progress.update("files", 0);
   for (const std::string& name : scene.outputs) write(out.file(name), results, scene, report, name);
   watch.lap("files");
-  for (const CombPictureRule& rule : scene.pictures)
+  for (const CombPictureSpec& rule : scene.pictures)
     draw(out.file(rule.file), results, scene, rule, report, rule.file);
   if (!scene.pictures.empty()) watch.lap("pictures");
   watch.total();
-  write_report(report, broken_promises(report), out, progress);
+  write_report(report, failed_checks(report), out, progress);
   out.commit();
   return report;
 }
@@ -234,11 +235,11 @@ FairReport run_fair(const FairScene& scene, const std::filesystem::path& folder,
 FairReport run_fair(const FairScene& scene, const FairFiles& files, const Progress& progress) {
   // Folders that are missing or not writable, found out before the work is done.
   for (const auto& path : {files.out, files.picture, files.report})
-    if (!path.empty()) WholeFile probe(path);
+    if (!path.empty()) AtomicFile probe(path);
   FairReport report;
   Stopwatch watch(report.timings);
   const auto results = fair(scene, report, watch, progress);
-  progress.at("files", 0);
+  progress.update("files", 0);
   write(files.out, results, scene, report, files.out.string());
   watch.lap("files");
   if (!files.picture.empty()) {
@@ -246,11 +247,11 @@ FairReport run_fair(const FairScene& scene, const FairFiles& files, const Progre
     watch.lap("pictures");
   }
   watch.total();
-  const auto broken = broken_promises(report);
-  report.missed.insert(report.missed.end(), broken.begin(), broken.end());
+  const auto broken = failed_checks(report);
+  report.failed_checks.insert(report.failed_checks.end(), broken.begin(), broken.end());
   if (!files.report.empty()) {
     report.files.push_back(files.report.string());
-    write_whole_file(files.report, [&](std::ostream& text) { text << to_json(report); });
+    write_file_atomically(files.report, [&](std::ostream& text) { text << to_json(report); });
   }
   return report;
 }

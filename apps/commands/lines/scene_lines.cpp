@@ -3,12 +3,12 @@
 #include <algorithm>
 
 #include "batten/apps/commands/lines/fair_lines.h"
-#include "batten/apps/commands/lines/line_reading.h"
+#include "batten/apps/commands/lines/line_interpretation.h"
 #include "batten/apps/commands/lines/mirror_lines.h"
 #include "batten/core/errors.h"
-#include "batten/core/index.h"
-#include "batten/core/words.h"
-#include "batten/skinning/network/network.h"
+#include "batten/core/format.h"
+#include "batten/core/isize.h"
+#include "batten/skinning/network/curve_network.h"
 
 namespace batten {
 namespace {
@@ -22,16 +22,16 @@ class SceneLines {
         texts_(sources_.size()) {}
 
   FairedLines run() && {
-    result_.surprises = scene_.notes;
+    result_.reading_notes = scene_.notes;
     if (!scene_.fairing.empty()) {
-      take(as_asked());
+      take(fair_as_requested());
     } else {
-      for (size_t i = 0; i < sources_.size(); ++i) add_as_given(i);
-      if (scene_.network.fair_trembling && only_outlines()) fair_trembling();
+      for (size_t i = 0; i < sources_.size(); ++i) add_unfaired(i);
+      if (scene_.network.fair_noisy_lines && only_outlines()) fair_noisy_lines();
     }
     add_mirrored(scene_, result_.lines);
     for (std::string& text : texts_)
-      if (!text.empty()) result_.surprises.push_back(std::move(text));
+      if (!text.empty()) result_.reading_notes.push_back(std::move(text));
     return std::move(result_);
   }
 
@@ -39,20 +39,23 @@ class SceneLines {
   FairingSettings settings() const {
     FairingSettings settings;
     settings.stages = scene_.fairing;
-    settings.hold_ends = true;
+    settings.fix_ends = true;
     settings.file = scene_.file.string();
     return settings;
   }
 
-  std::vector<FairedResult> as_asked() const { return fair_lines(sources_, settings(), progress_); }
+  std::vector<FairedResult> fair_as_requested() const {
+    return fair_lines(sources_, settings(), progress_);
+  }
 
-  void add_as_given(size_t i) {
+  void add_unfaired(size_t i) {
     result_.lines.push_back(character_line(sources_[i], scene_.skin.options.corner_angle));
-    texts_[i] = surprise(sources_[i], *result_.lines.back().curve);
+    texts_[i] = reading_note(sources_[i], *result_.lines.back().curve);
   }
 
   static CharacterLine faired_line(const SourceLine& source, const FairedResult& result) {
-    return {source.name, curve_from_hermite(result.states.back()), source.role, source.treatment};
+    return {source.name, curve_from_hermite(result.states.back()), source.role,
+            source.mesh_alignment};
   }
 
   void take(const std::vector<FairedResult>& results) {
@@ -61,12 +64,12 @@ class SceneLines {
       if (!result.warning.empty())
         throw InputError(sources_[i].at + result.warning + ", expected lines with a length");
       if (!result.report.faired) {
-        add_as_given(i);
+        add_unfaired(i);
         continue;
       }
       result_.lines.push_back(faired_line(sources_[i], result));
       result_.reports.push_back(result.report);
-      texts_[i] = passed_over(result.report);
+      texts_[i] = describe_outliers(result.report);
     }
   }
 
@@ -74,23 +77,23 @@ class SceneLines {
   bool only_outlines() const {
     return std::all_of(sources_.begin(), sources_.end(), [](const SourceLine& source) {
       return source.role == CharacterLine::Role::Outline &&
-             source.treatment == CharacterLine::Treatment::Auto;
+             source.mesh_alignment == CharacterLine::MeshAlignment::Auto;
     });
   }
 
   // Whether the ends of the lines meet no better than a hand draws.
-  bool by_hand() const {
+  bool is_freehand() const {
     constexpr double prepared = 0.5;
     NetworkOptions options;
     options.corner_angle = scene_.skin.options.corner_angle;
-    return CharacterLineNetwork(result_.lines, options, progress_).usual_share() < prepared;
+    return CurveNetwork(result_.lines, options, progress_).joined_fraction() < prepared;
   }
 
-  static bool trembles(const FairedLine& line, bool by_hand) {
+  static bool is_noisy(const FairedLine& line, bool is_freehand) {
     if (!line.faired || !line.before || !line.after) return false;
     constexpr int most_left = 3, fewest = 4;
     const int gone = line.before->extrema - line.after->extrema;
-    if (by_hand) return gone > 0;
+    if (is_freehand) return gone > 0;
     return line.noise > 0 && gone >= fewest &&
            most_left * line.after->extrema <= line.before->extrema;
   }
@@ -106,12 +109,12 @@ class SceneLines {
     return drawn;
   }
 
-  void fair_trembling() {
+  void fair_noisy_lines() {
     const auto [lines, numbers] = drawn();
     if (lines.empty()) return;
     FairingSettings all = settings();
     all.stages.emplace_back().options.corner_angle = scene_.skin.options.corner_angle;
-    const bool hand = by_hand();
+    const bool freehand = is_freehand();
     std::vector<FairedResult> faired;
     try {
       faired = fair_lines(lines, all, progress_);
@@ -122,16 +125,16 @@ class SceneLines {
     }
     std::vector<std::string> names;
     for (size_t k = 0; k < faired.size(); ++k) {
-      if (!trembles(faired[k].report, hand)) continue;
+      if (!is_noisy(faired[k].report, freehand)) continue;
       result_.lines[numbers[k]] = faired_line(lines[k], faired[k]);
       result_.reports.push_back(faired[k].report);
-      texts_[numbers[k]] = passed_over(faired[k].report);
+      texts_[numbers[k]] = describe_outliers(faired[k].report);
       names.push_back(lines[k].name);
     }
-    if (!names.empty()) result_.surprises.push_back(words_of_faired(names));
+    if (!names.empty()) result_.reading_notes.push_back(describe_faired(names));
   }
 
-  static std::string words_of_faired(const std::vector<std::string>& names) {
+  static std::string describe_faired(const std::vector<std::string>& names) {
     const bool one = names.size() == 1;
     return first_few(names) + (one ? " trembles and was faired" : " tremble and were faired") +
            " (trembling = \"keep\" in [skin] keeps " + (one ? "it" : "them") + " as given)";

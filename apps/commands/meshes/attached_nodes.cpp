@@ -3,31 +3,32 @@
 #include <algorithm>
 #include <map>
 
-#include "batten/core/each_once.h"
-#include "batten/core/index.h"
-#include "batten/mesh/attached/solids.h"
+#include "batten/core/isize.h"
+#include "batten/core/sorted_unique.h"
+#include "batten/mesh/attached/inverted_solids.h"
 #include "batten/mesh/deform/similarity.h"
-#include "batten/mesh/rotation_of_faces.h"
+#include "batten/mesh/rotation_fitting.h"
 
 namespace batten {
 
 AttachedNodes::AttachedNodes(const MeshFile& file, const TriangleMesh& mesh,
-                             const FollowOptions& options)
+                             const AttachmentOptions& options)
     : file_(file), mesh_(mesh), options_(options) {
   const MeshTopology& topology = mesh.topology();
   for (int v = 0; v < topology.node_count(); ++v)
     has_face_.push_back(!topology.neighbours(v).empty());
-  connections_ = batten::connections(file.others(), has_face_, options);
+  connections_ = batten::connections(file.other_elements(), has_face_, options);
   std::vector<char> taken = has_face_;
   for (const FormFeature& c : connections_)
     for (const int v : c.vertices) taken[v] = 1;
-  for (const OtherElement& e : file.others())
+  for (const NonShellElement& e : file.other_elements())
     for (const int v : e.nodes)
-      if (!taken[v]) open_.push_back(v);
-  open_ = each_once(std::move(open_));
+      if (!taken[v]) free_nodes_.push_back(v);
+  free_nodes_ = sorted_unique(std::move(free_nodes_));
 }
 
-void AttachedNodes::widen(std::vector<int>& region, const std::vector<Handle>& handles) const {
+void AttachedNodes::extend_region(std::vector<int>& region,
+                                  const std::vector<Handle>& handles) const {
   std::vector<char> in(has_face_.size(), 0);
   for (const int v : region) in[mesh_.topology().node_of(v)] = 1;
   for (const Handle& h : handles)
@@ -38,48 +39,49 @@ void AttachedNodes::widen(std::vector<int>& region, const std::vector<Handle>& h
         if (!has_face_[v] && !in[v]) region.push_back(v);
 }
 
-std::vector<Mat3> AttachedNodes::turns(const Points& before, const Points& after,
-                                       const std::vector<FormFeature>& features) const {
+std::vector<Mat3> AttachedNodes::rotations(const Points& before, const Points& after,
+                                           const std::vector<FormFeature>& features) const {
   const MeshTopology& topology = mesh_.topology();
-  std::vector<Mat3> turns(has_face_.size(), Mat3::Identity());
+  std::vector<Mat3> rotations(has_face_.size(), Mat3::Identity());
   std::vector<char> known(has_face_.size(), 0);
   for (const FormFeature& f : features) {
     const Mat3 R = fit_similarity(before, after, f.vertices).R;
     for (const int v : f.vertices) {
-      turns[v] = R;
+      rotations[v] = R;
       known[v] = 1;
     }
   }
   // Shells turn as the ring around the node does.
-  for (const OtherElement& e : file_.others())
+  for (const NonShellElement& e : file_.other_elements())
     for (const int node : e.nodes) {
       if (known[node] || !has_face_[node]) continue;
       known[node] = 1;
       std::vector<int> ring{node};
-      for (const int v : topology.together(node))
+      for (const int v : topology.coincident_vertices(node))
         ring.insert(ring.end(), topology.neighbours(v).begin(), topology.neighbours(v).end());
-      turns[node] = rotation_of_face(ring, before, after);
+      rotations[node] = rotation_of_face(ring, before, after);
     }
-  return turns;
+  return rotations;
 }
 
-void AttachedNodes::follow(const Points& before, Points& after,
-                           const std::vector<FormFeature>& features) const {
-  if (open_.empty()) return;
+void AttachedNodes::propagate_to_attached(const Points& before, Points& after,
+                                          const std::vector<FormFeature>& features) const {
+  if (free_nodes_.empty()) return;
   std::vector<char> placed = has_face_;
   for (const FormFeature& f : features)
     for (const int v : f.vertices) placed[v] = 1;
-  batten::follow(before, after, std::move(placed), turns(before, after, features), file_.others(),
-                 options_);
+  batten::propagate_to_attached(before, after, std::move(placed),
+                                rotations(before, after, features), file_.other_elements(),
+                                options_);
 }
 
 void AttachedNodes::measure_into(DeformReport& report, const Points& before,
                                  const Points& after) const {
-  const auto& others = file_.others();
+  const auto& other_elements = file_.other_elements();
   std::map<std::string, int> count;
-  for (const OtherElement& e : others) ++count[e.name];
+  for (const NonShellElement& e : other_elements) ++count[e.name];
   for (const auto& [name, elements] : count) report.attached.elements.emplace_back(name, elements);
-  report.attached.connections = count_of(connections_);
+  report.attached.connections = isize(connections_);
   for (const FormFeature& c : connections_) {
     // Zero-length bushes have no size of their own.
     const Similarity fit = fit_similarity(before, after, c.vertices, 1);
@@ -88,12 +90,13 @@ void AttachedNodes::measure_into(DeformReport& report, const Points& before,
     const double error = fit.max_error * std::max(box.diagonal().norm(), 0.0);
     if (error > report.attached.max_rigid_error || std::isnan(error)) {
       report.attached.max_rigid_error = error;
-      report.attached.least_rigid = c.name;
+      report.attached.worst_connection = c.name;
     }
   }
-  for (const int v : open_) report.attached.followed += before.row(v) != after.row(v);
-  for (const int e : inverted_solids(others, before, after))
-    report.attached.inverted_solids.push_back(others[e].label);
+  for (const int v : free_nodes_)
+    report.attached.moved_with_shells += before.row(v) != after.row(v);
+  for (const int e : inverted_solids(other_elements, before, after))
+    report.attached.inverted_solids.push_back(other_elements[e].label);
 }
 
 }  // namespace batten

@@ -8,13 +8,13 @@
 namespace batten {
 namespace {
 
-std::vector<MeshPicture::Part> parts_of(const ShellMesh& shells, const Kept& kept,
-                                        const Task& task) {
+std::vector<MeshPicture::Part> parts_of(const ShellMesh& shells, const SharedConstraints& shared,
+                                        const DeformTask& task) {
   std::vector<MeshPicture::Part> vertex(shells.node_count(), MeshPicture::Part::Body);
   for (const int v : task.problem.fixed) vertex[v] = MeshPicture::Part::Fixed;
   for (const auto& h : task.problem.handles)
     for (const int v : h.vertices) vertex[v] = MeshPicture::Part::Handle;
-  for (const auto& f : kept.features)
+  for (const auto& f : shared.features)
     for (const int v : f.vertices) vertex[v] = MeshPicture::Part::Feature;
   return parts_of_faces(shells, vertex);
 }
@@ -22,19 +22,19 @@ std::vector<MeshPicture::Part> parts_of(const ShellMesh& shells, const Kept& kep
 }  // namespace
 
 void draw_deformed(DeformReport& report, const DeformScene& scene, const MeshFile& file,
-                   const std::vector<Points>& states, const std::vector<Task>& tasks,
-                   const Kept& kept, const OutputFolder& out) {
+                   const std::vector<Points>& states, const std::vector<DeformTask>& tasks,
+                   const SharedConstraints& shared, const OutputFolder& out) {
   if (scene.pictures.empty()) return;
-  using Show = MeshPictureRule::Show;
-  const auto parts = parts_of(file.shells(), kept, tasks.front());
+  using Show = MeshPictureSpec::Show;
+  const auto parts = parts_of(file.shells(), shared, tasks.front());
   std::vector<Points> places;
-  for (const Points& state : states) places.push_back(of_nodes(state, file));
-  for (const MeshPictureRule& rule : scene.pictures) {
+  for (const Points& state : states) places.push_back(node_positions(state, file));
+  for (const MeshPictureSpec& rule : scene.pictures) {
     if (!can_draw(report, rule.file)) continue;
     MeshPicture look;
     look.shells = &file.shells();
     look.parts = parts;
-    look.lines = kept.lines;
+    look.lines = shared.lines;
     look.mesh = rule.mesh;
     look.azimuth = rule.azimuth;
     look.elevation = rule.elevation;

@@ -5,22 +5,22 @@
 #include <set>
 
 #include "batten/apps/commands/meshes/feature_relations.h"
-#include "batten/apps/commands/runs/run_parts.h"
+#include "batten/apps/commands/runs/run_support.h"
 #include "batten/constraints/shape/curve_constraints.h"
-#include "batten/core/index.h"
+#include "batten/core/isize.h"
 #include "batten/core/rotations.h"
 #include "batten/mesh/selection.h"
 
 namespace batten {
 namespace {
 
-ConstraintSet held_ends(const HermiteCurve& curve, CurveRule::Ends ends) {
+ConstraintSet end_constraints(const HermiteCurve& curve, CurveSpec::Ends ends) {
   ConstraintSet set(curve.mesh().dof_count());
-  if (curve.closed() || ends == CurveRule::Ends::Free) return set;
+  if (curve.closed() || ends == CurveSpec::Ends::Free) return set;
   CurveConstraints rows(curve.mesh(), set);
   for (const double u : {curve.start(), curve.end()}) {
     rows.point("ends", u, curve.evaluate(u));
-    if (ends == CurveRule::Ends::Clamped) rows.derivative("ends", u, curve.evaluate(u, 1));
+    if (ends == CurveSpec::Ends::Clamped) rows.derivative("ends", u, curve.evaluate(u, 1));
   }
   return set;
 }
@@ -33,151 +33,153 @@ double chain_length(const TriangleMesh& mesh, const std::vector<int>& chain, boo
 }
 
 /// Gathers form features: one by one, and many of a kind.
-void gather_features(const DeformScene& scene, VertexSelector& select, Kept& kept) {
+void gather_features(const DeformScene& scene, VertexSelector& select, SharedConstraints& shared) {
   const auto taken = [&](const std::string& name) {
-    return std::any_of(kept.features.begin(), kept.features.end(),
+    return std::any_of(shared.features.begin(), shared.features.end(),
                        [&](const auto& f) { return f.name == name; });
   };
-  for (const FeatureRule& rule : scene.features) {
+  for (const FeatureSpec& rule : scene.features) {
     if (!rule.name.empty()) {
-      kept.features.push_back({rule.name, select.of(rule.vertices), rule.kind});
+      shared.features.push_back({rule.name, select.of(rule.vertices), rule.kind});
       continue;
     }
-    for (const PlacedWord& word : rule.vertices)
-      for (const PlacedWord& name : select.matching(word)) {
+    for (const LocatedString& word : rule.vertices)
+      for (const LocatedString& name : select.matching(word)) {
         if (taken(name.text))
-          throw InputError(scene.at(word.place) + "found the feature '" + name.text +
+          throw InputError(scene.at(word.location) + "found the feature '" + name.text +
                            "' again, expected each once");
-        kept.features.push_back({name.text, select.of(name), rule.kind});
+        shared.features.push_back({name.text, select.of(name), rule.kind});
       }
   }
 }
 
 /// Gathers guides: of proposals their loops, of features and selections all vertices.
 void gather_guides(const DeformScene& scene, VertexSelector& select, const TriangleMesh& mesh,
-                   Kept& kept) {
-  for (const GuideRule& rule : scene.guides) {
+                   SharedConstraints& shared) {
+  for (const GuideSpec& rule : scene.guides) {
     std::vector<int> vertices;
-    if (const FeatureProposal* p = select.proposal(rule.of.text)) {
+    if (const DetectedFeature* p = select.proposal(rule.of.text)) {
       vertices = mesh.topology().nodes_of(p->loop);
     } else {
-      const auto feature = std::find_if(kept.features.begin(), kept.features.end(),
+      const auto feature = std::find_if(shared.features.begin(), shared.features.end(),
                                         [&](const auto& f) { return f.name == rule.of.text; });
-      vertices = feature != kept.features.end() ? feature->vertices : select.of(rule.of);
+      vertices = feature != shared.features.end() ? feature->vertices : select.of(rule.of);
     }
-    kept.guided.push_back(
+    shared.point_constraints.push_back(
         {rule.name, VertexCombination::mean_of(vertices), rule.kind, rule.direction});
-    kept.through.push_back(rule.through);
+    shared.through.push_back(rule.through);
   }
 }
 
 /// Gathers lines, as chains or as rigid features.
 void gather_lines(const DeformScene& scene, VertexSelector& select, const TriangleMesh& mesh,
-                  Kept& kept) {
-  for (const LineRule& rule : scene.lines) {
+                  SharedConstraints& shared) {
+  for (const LineSpec& rule : scene.lines) {
     const std::vector<int> chain = select.path(rule);
     const size_t different = std::set<int>(chain.begin(), chain.end()).size();
     if (different < 3 || (!rule.rigid && different < chain.size()))
-      throw InputError(scene.at(rule.place) + "the line '" + rule.name + "' has " +
+      throw InputError(scene.at(rule.location) + "the line '" + rule.name + "' has " +
                        std::to_string(different) + " different vertices of " +
                        std::to_string(chain.size()) + ", expected at least three, each once");
-    kept.lines.push_back(chain);
-    if (rule.closed) kept.lines.back().push_back(chain.front());
+    shared.lines.push_back(chain);
+    if (rule.closed) shared.lines.back().push_back(chain.front());
     if (rule.rigid) {
-      kept.features.push_back({rule.name, chain, FormFeature::Kind::Free});
+      shared.features.push_back({rule.name, chain, FormFeature::Kind::Free});
       continue;
     }
     const double width = rule.width > 0 ? rule.width : chain_length(mesh, chain, rule.closed) / 10;
-    kept.chains.push_back({rule.name, chain, rule.closed, width});
+    shared.chains.push_back({rule.name, chain, rule.closed, width});
   }
 }
 
 /// Gathers curves that shape themselves, each with the rows that hold the mesh to it.
 void gather_curves(const DeformScene& scene, VertexSelector& select, const TriangleMesh& mesh,
-                   Kept& kept) {
-  for (const CurveRule& rule : scene.curves) {
+                   SharedConstraints& shared) {
+  for (const CurveSpec& rule : scene.curves) {
     MeshCurve curve = shape_curve(scene, rule, select, mesh);
-    kept.lines.push_back(curve.vertices);
-    if (rule.line.closed) kept.lines.back().push_back(curve.vertices.front());
+    shared.lines.push_back(curve.vertices);
+    if (rule.line.closed) shared.lines.back().push_back(curve.vertices.front());
     for (size_t i = 0; i < curve.vertices.size(); ++i)
-      kept.rows.push_back({curve.name + ", vertex " + std::to_string(i + 1),
-                           {{{curve.vertices[i], 1.0}}},
-                           curve.targets[i],
-                           -1,
-                           std::nullopt});
-    kept.curves.push_back(std::move(curve));
+      shared.rows.push_back({curve.name + ", vertex " + std::to_string(i + 1),
+                             {{{curve.vertices[i], 1.0}}},
+                             curve.targets[i],
+                             -1,
+                             std::nullopt});
+    shared.curves.push_back(std::move(curve));
   }
 }
 
 /// Gathers single vertices that are pulled somewhere.
-void gather_pulls(const DeformScene& scene, VertexSelector& select, const TriangleMesh& mesh,
-                  Kept& kept) {
-  for (const PullRule& rule : scene.pulls) {
-    const int v =
-        rule.node ? select.vertex_of_label(*rule.node, rule.place) : nearest_vertex(mesh, *rule.at);
-    kept.rows.push_back({rule.name, {{{v, 1.0}}}, rule.to, -1, rule.weight});
+void gather_soft_constraints(const DeformScene& scene, VertexSelector& select,
+                             const TriangleMesh& mesh, SharedConstraints& shared) {
+  for (const PositionConstraintSpec& rule : scene.position_constraints) {
+    const int v = rule.node ? select.vertex_of_label(*rule.node, rule.location)
+                            : nearest_vertex(mesh, *rule.at);
+    shared.rows.push_back({rule.name, {{{v, 1.0}}}, rule.to, -1, rule.weight});
   }
 }
 
 /// Features that share a vertex become one.
-void note_merged(Kept& kept, int vertices) {
+void note_merged(SharedConstraints& shared, int vertices) {
   std::vector<int> owner(vertices, -1);
   std::set<std::pair<int, int>> pairs;
-  for (int f = 0; f < count_of(kept.features); ++f)
-    for (const int v : kept.features[f].vertices) {
+  for (int f = 0; f < isize(shared.features); ++f)
+    for (const int v : shared.features[f].vertices) {
       if (owner[v] >= 0 && owner[v] != f) pairs.insert({owner[v], f});
       owner[v] = f;
     }
   for (const auto& [a, b] : pairs)
-    kept.notes.push_back("the features '" + kept.features[a].name + "' and '" +
-                         kept.features[b].name + "' share vertices and move as one");
+    shared.notes.push_back("the features '" + shared.features[a].name + "' and '" +
+                           shared.features[b].name + "' share vertices and move as one");
 }
 
-HandleMove move_of(const EditRule::MovedHandle& h, const std::vector<int>& vertices,
-                   const TriangleMesh& mesh) {
-  HandleMove move;
+HandleTransform handle_move(const EditSpec::MovedHandle& h, const std::vector<int>& vertices,
+                            const TriangleMesh& mesh) {
+  HandleTransform move;
   move.about = h.about ? *h.about : VertexCombination::mean_of(vertices).at(mesh.points());
-  move.turn = rotation_log(h.axis, h.degrees * std::numbers::pi / 180);
-  move.shift = h.translate;
+  move.rotation_vector = to_rotation_vector(h.axis, h.degrees * std::numbers::pi / 180);
+  move.translation = h.translate;
   move.scale = h.scale;
   return move;
 }
 
 /// The scales of all features; turns are looked at, too: whether their features are there.
-std::vector<double> feature_scales(const DeformScene& scene, const EditRule& rule, const Kept& kept,
-                                   size_t features) {
+std::vector<double> feature_scales(const DeformScene& scene, const EditSpec& rule,
+                                   const SharedConstraints& shared, size_t features) {
   std::vector<std::string> names;
-  for (const auto& f : kept.features) names.push_back(f.name);
-  const auto require = [&](const PlacedWord& word, const std::string& what) {
+  for (const auto& f : shared.features) names.push_back(f.name);
+  const auto require = [&](const LocatedString& word, const std::string& what) {
     if (std::none_of(names.begin(), names.end(),
-                     [&](const auto& name) { return matches(word.text, name); }))
-      throw InputError(scene.at(word.place) + "found a " + what + " of '" + word.text +
-                       "', expected a feature: " + listed(names) + did_you_mean(word.text, names));
+                     [&](const auto& name) { return matches_wildcard(word.text, name); }))
+      throw InputError(scene.at(word.location) + "found a " + what + " of '" + word.text +
+                       "', expected a feature: " + comma_separated(names) +
+                       did_you_mean(word.text, names));
   };
   std::vector<double> scales(features, 1.0);
   for (const auto& s : rule.scales) {
     require(s.feature, "scale");
     for (size_t f = 0; f < names.size(); ++f)
-      if (matches(s.feature.text, names[f])) scales[f] = s.factor;
+      if (matches_wildcard(s.feature.text, names[f])) scales[f] = s.factor;
   }
-  for (const auto& t : rule.turns) require(t.feature, "turn");
+  for (const auto& t : rule.rotated_features) require(t.feature, "turn");
   return scales;
 }
 
 /// A point of the plane or line of each guide.
-std::vector<Vec3> guide_points(const DeformScene& scene, const EditRule& rule, const Kept& kept,
-                               const TriangleMesh& mesh) {
+std::vector<Vec3> guide_points(const DeformScene& scene, const EditSpec& rule,
+                               const SharedConstraints& shared, const TriangleMesh& mesh) {
   std::vector<std::string> names;
   std::vector<Vec3> points;
-  for (size_t k = 0; k < kept.guided.size(); ++k) {
-    names.push_back(kept.guided[k].name);
-    points.push_back(kept.through[k] ? *kept.through[k] : kept.guided[k].point.at(mesh.points()));
+  for (size_t k = 0; k < shared.point_constraints.size(); ++k) {
+    names.push_back(shared.point_constraints[k].name);
+    points.push_back(shared.through[k] ? *shared.through[k]
+                                       : shared.point_constraints[k].point.at(mesh.points()));
   }
   for (const auto& g : rule.guides) {
     const auto it = std::find(names.begin(), names.end(), g.guide.text);
     if (it == names.end())
-      throw InputError(scene.at(g.guide.place) + "found a move of the guide '" + g.guide.text +
-                       "', expected " + one_of(g.guide.text, names));
+      throw InputError(scene.at(g.guide.location) + "found a move of the guide '" + g.guide.text +
+                       "', expected " + expected_one_of(g.guide.text, names));
     points[it - names.begin()] = g.through;
   }
   return points;
@@ -185,7 +187,7 @@ std::vector<Vec3> guide_points(const DeformScene& scene, const EditRule& rule, c
 
 }  // namespace
 
-MeshCurve shape_curve(const DeformScene& scene, const CurveRule& rule, VertexSelector& select,
+MeshCurve shape_curve(const DeformScene& scene, const CurveSpec& rule, VertexSelector& select,
                       const TriangleMesh& mesh) {
   MeshCurve result;
   result.name = rule.line.name;
@@ -193,13 +195,13 @@ MeshCurve shape_curve(const DeformScene& scene, const CurveRule& rule, VertexSel
   std::vector<Vec3> points;
   for (const int v : result.vertices) points.push_back(mesh.point(v));
   FairOptions options = rule.fair;
-  options.drop_outliers = false;  // a mesh has no wrong digits
+  options.reject_outliers = false;  // a mesh has no wrong digits
   options.closed = rule.line.closed;
-  options.hold_ends = !rule.line.closed;
+  options.fix_ends = !rule.line.closed;
   try {
-    const HermiteCurve given = curve_as_given(rule.line.name, points, options);
+    const HermiteCurve given = interpolating_spline(rule.line.name, points, options);
     if (!rule.faired) {
-      options.balance = FairOptions::Balance::Wavelength;
+      options.smoothing = FairOptions::Smoothing::Wavelength;
       options.wavelength = 1e-6 * given.length();  // the curve through the vertices
     }
     const FairCurve fair = fair_points(rule.line.name, points, options);
@@ -211,7 +213,7 @@ MeshCurve shape_curve(const DeformScene& scene, const CurveRule& rule, VertexSel
       CurveMaterial material;
       material.alpha = {rule.alpha};
       material.beta = {rule.beta};
-      DeformableCurve deformable(fair.curve, held_ends(fair.curve, rule.ends), material,
+      DeformableCurve deformable(fair.curve, end_constraints(fair.curve, rule.ends), material,
                                  rule.loads);
       result.curve = deformable.solve();
     }
@@ -221,10 +223,10 @@ MeshCurve shape_curve(const DeformScene& scene, const CurveRule& rule, VertexSel
           std::max(result.largest_shift, (result.targets.back() - fair.curve.evaluate(u)).norm());
     }
   } catch (const NoSolutionError& e) {
-    throw NoSolutionError(scene.at(rule.line.place) + "the curve '" + rule.line.name +
+    throw NoSolutionError(scene.at(rule.line.location) + "the curve '" + rule.line.name +
                           "': " + e.what());
   } catch (const InputError& e) {
-    throw InputError(scene.at(rule.line.place) + e.what());
+    throw InputError(scene.at(rule.line.location) + e.what());
   }
   result.after = fairness(result.curve);
   return result;
@@ -237,59 +239,62 @@ double distance_from(const MeshCurve& curve, const Points& p) {
   return worst;
 }
 
-Kept gather(const DeformScene& scene, VertexSelector& select, const AttachedNodes& attached,
-            const TriangleMesh& mesh) {
-  Kept kept;
-  kept.attached = &attached;
-  gather_features(scene, select, kept);
-  gather_guides(scene, select, mesh, kept);
-  gather_lines(scene, select, mesh, kept);
-  for (const FormFeature& f : kept.features) kept.centres.push_back(centre_of(f, select, mesh));
-  gather_relations(scene, select, mesh, kept);
-  note_merged(kept, mesh.vertex_count());
-  gather_curves(scene, select, mesh, kept);
-  gather_pulls(scene, select, mesh, kept);
-  return kept;
+SharedConstraints gather_shared_constraints(const DeformScene& scene, VertexSelector& select,
+                                            const AttachedNodes& attached,
+                                            const TriangleMesh& mesh) {
+  SharedConstraints shared;
+  shared.attached = &attached;
+  gather_features(scene, select, shared);
+  gather_guides(scene, select, mesh, shared);
+  gather_lines(scene, select, mesh, shared);
+  for (const FormFeature& f : shared.features) shared.centres.push_back(centre_of(f, select, mesh));
+  gather_relations(scene, select, mesh, shared);
+  note_merged(shared, mesh.vertex_count());
+  gather_curves(scene, select, mesh, shared);
+  gather_soft_constraints(scene, select, mesh, shared);
+  return shared;
 }
 
-Task with_kept_centres(Task task, const Kept& kept, const Points& unscaled) {
-  for (size_t f = 0; f < kept.features.size(); ++f) {
-    task.problem.rows.push_back({"centre of " + kept.features[f].name, kept.centres[f],
-                                 kept.centres[f].at(unscaled), -1, std::nullopt});
+DeformTask with_fixed_centres(DeformTask task, const SharedConstraints& shared,
+                              const Points& unscaled) {
+  for (size_t f = 0; f < shared.features.size(); ++f) {
+    task.problem.rows.push_back({"centre of " + shared.features[f].name, shared.centres[f],
+                                 shared.centres[f].at(unscaled), -1, std::nullopt});
     if (!task.edit.targets.empty()) task.edit.targets.push_back(task.problem.rows.back().target);
   }
   return task;
 }
 
-DeformEdit edit_of(const DeformScene& scene, const EditRule& rule, const Kept& kept,
+DeformEdit edit_of(const DeformScene& scene, const EditSpec& rule, const SharedConstraints& shared,
                    const DeformProblem& problem, const TriangleMesh& mesh) {
   DeformEdit edit;
   for (size_t i = 0; i < rule.handles.size(); ++i)
-    edit.handles.push_back(move_of(rule.handles[i], problem.handles[i].vertices, mesh));
-  edit.feature_scales = feature_scales(scene, rule, kept, problem.features.size());
-  edit.guides = guide_points(scene, rule, kept, mesh);
+    edit.handles.push_back(handle_move(rule.handles[i], problem.handles[i].vertices, mesh));
+  edit.feature_scales = feature_scales(scene, rule, shared, problem.features.size());
+  edit.constraint_origins = guide_points(scene, rule, shared, mesh);
   return edit;
 }
 
-Task task_of(const DeformScene& scene, const EditRule& rule, const Kept& kept,
-             VertexSelector& select, const TriangleMesh& mesh) {
-  Task task;
+DeformTask make_deform_task(const DeformScene& scene, const EditSpec& rule,
+                            const SharedConstraints& shared, VertexSelector& select,
+                            const TriangleMesh& mesh) {
+  DeformTask task;
   task.problem.fixed = select.of(rule.fixed);
-  const std::vector<FormFeature>& connections = kept.attached->connections();
-  task.problem.features = kept.features;
+  const std::vector<FormFeature>& connections = shared.attached->connections();
+  task.problem.features = shared.features;
   task.problem.features.insert(task.problem.features.end(), connections.begin(), connections.end());
-  task.problem.same_turns = kept.same_turns;
-  task.problem.guided = kept.guided;
-  task.problem.chains = kept.chains;
-  task.problem.rows = kept.rows;
+  task.problem.shared_rotations = shared.shared_rotations;
+  task.problem.point_constraints = shared.point_constraints;
+  task.problem.chains = shared.chains;
+  task.problem.rows = shared.rows;
   task.problem.weighting = scene.weighting;
   for (const auto& h : rule.handles)
     task.problem.handles.push_back({h.name, select.of(h.vertices)});
   if (!rule.region.empty()) {
     task.problem.region = select.of(rule.region);
-    kept.attached->widen(*task.problem.region, task.problem.handles);
+    shared.attached->extend_region(*task.problem.region, task.problem.handles);
   }
-  task.edit = edit_of(scene, rule, kept, task.problem, mesh);
+  task.edit = edit_of(scene, rule, shared, task.problem, mesh);
   return task;
 }
 

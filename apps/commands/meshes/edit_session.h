@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "batten/apps/commands/meshes/deform_task.h"
-#include "batten/apps/commands/meshes/turn_estimate.h"
+#include "batten/apps/commands/meshes/feature_rotation_estimator.h"
 #include "batten/io/report/deform_report.h"
 #include "batten/mesh/deform/form_feature_deformer.h"
 
@@ -15,60 +15,60 @@ namespace batten {
 
 /// One [[edit]] on the shape that the edit before left. Factors are made once; after that
 ///
-///     answer()   a pair of triangular solves and a mesh's length of work: features turn as the sheet
+///     solve_preview()   a pair of triangular solves and a mesh's length of work: features turn as the sheet
 ///                beside them did in the answer before. Answers to the same numbers settle in a few;
-///                `rests()` says when
-///     settle()   the rounds until that rests, and the correction of roundings: what `batten deform`
+///                `is_at_rest()` says when
+///     solve_to_equilibrium()   the rounds until that rests, and the correction of roundings: what `batten deform`
 ///                gives
 ///
-/// settle() gives the same bits whatever was answered before it. Messages of what is thrown name the
+/// solve_to_equilibrium() gives the same bits whatever was answered before it. Messages of what is thrown name the
 /// edit and its place in the scene.
 class EditSession {
  public:
   /// The scene, what is kept and the mesh must stay. Throws InputError: a name that cannot be found, what no
   /// deformer can take; NoSolutionError.
-  EditSession(const DeformScene& scene, const EditRule& rule, const Kept& kept,
+  EditSession(const DeformScene& scene, const EditSpec& rule, const SharedConstraints& shared,
               VertexSelector& select, const PreparedMesh& prepared, const Points& before);
 
   /// The same edit with other numbers: shifts, turns and scales of handles, scales of features.
-  void set(const EditRule& rule);
-  const EditRule& rule() const { return rule_; }
+  void set(const EditSpec& rule);
+  const EditSpec& rule() const { return rule_; }
 
-  /// The shape in a drag. Throws as settle() does; the shape then stays.
-  const Points& answer();
+  /// The shape in a drag. Throws as solve_to_equilibrium() does; the shape then stays.
+  const Points& solve_preview();
   /// Whether features turned by less than 0.05 degrees in the last answer.
-  bool rests() const { return rests_; }
+  bool is_at_rest() const { return at_rest_; }
   /// The shape at rest: all vertices, with what hangs on them. `report` gets what it took. Throws
   /// InputError, ConflictError, NoSolutionError; the shape then stays.
-  const Points& settle(DeformReport::Edit& report);
+  const Points& solve_to_equilibrium(DeformReport::Edit& report);
 
   const Points& before() const { return mesh_.points(); }
-  /// The shape of the last answer() or settle().
+  /// The shape of the last solve_preview() or solve_to_equilibrium().
   const Points& shape() const { return shape_; }
-  const Task& task() const { return task_; }
+  const DeformTask& task() const { return task_; }
   /// Parts of the mesh that nothing moves or holds, in sentences.
   std::vector<std::string> notes() const { return deformer_->notes(); }
 
  private:
   template <class Function>
-  void naming(const Function& f) const;
+  void with_edit_context(const Function& f) const;
   void set_up();
   void keep_centres();
-  void settle_turns(std::optional<ShapeEstimate>& estimate, DeformReport::Edit& report);
+  void converge_rotations(std::optional<ShapeEstimate>& estimate, DeformReport::Edit& report);
 
   const DeformScene& scene_;
-  EditRule rule_;
-  const Kept& kept_;
+  EditSpec rule_;
+  const SharedConstraints& shared_;
   const PreparedMesh& prepared_;
   const TriangleMesh mesh_;
-  TurnFinder turns_;
-  Task task_;
+  FeatureRotationEstimator rotations_;
+  DeformTask task_;
   std::unique_ptr<FormFeatureDeformer> deformer_;
   bool centres_kept_ = false;  // rows of deformer_ hold the features' centres
   Points shape_;
   double set_up_s_ = 0;
   std::optional<ShapeEstimate> live_;  // of the last answer
-  bool rests_ = true;
+  bool at_rest_ = true;
 };
 
 }  // namespace batten

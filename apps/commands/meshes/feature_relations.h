@@ -1,7 +1,7 @@
 // What features of a deform scene keep between them, as rows and shared turns.
 #pragma once
 
-#include "batten/apps/commands/meshes/kept.h"
+#include "batten/apps/commands/meshes/shared_constraints.h"
 #include "batten/apps/commands/meshes/vertex_selector.h"
 
 namespace batten {
@@ -15,6 +15,6 @@ VertexCombination centre_of(const FormFeature& feature, VertexSelector& select,
 /// the place: no such feature, too few, features that are not what the relation keeps (axes apart,
 /// uneven steps, no mirror images).
 void gather_relations(const DeformScene& scene, VertexSelector& select, const TriangleMesh& mesh,
-                      Kept& kept);
+                      SharedConstraints& shared);
 
 }  // namespace batten

@@ -4,24 +4,25 @@
 #include <map>
 #include <set>
 
+#include "batten/core/disjoint_sets.h"
 #include "batten/core/errors.h"
-#include "batten/core/groups.h"
-#include "batten/core/index.h"
+#include "batten/core/isize.h"
 #include "batten/io/meshes/mesh_file.h"
-#include "batten/mesh/features/proposals.h"
-#include "batten/mesh/prepare.h"
-#include "batten/mesh/quality.h"
+#include "batten/mesh/element_quality.h"
+#include "batten/mesh/features/feature_detection.h"
+#include "batten/mesh/prepared_mesh.h"
 #include "batten/mesh/selection.h"
 
 namespace batten {
 namespace {
 
-std::string place(const Vec3& p) {
-  return "(" + number(p.x()) + ", " + number(p.y()) + ", " + number(p.z()) + ")";
+std::string format_position(const Vec3& p) {
+  return "(" + format_number(p.x()) + ", " + format_number(p.y()) + ", " + format_number(p.z()) +
+         ")";
 }
 
-std::string box_words(const Box3& box) {
-  return "from " + place(box.min()) + " to " + place(box.max());
+std::string describe_box(const Box3& box) {
+  return "from " + format_position(box.min()) + " to " + format_position(box.max());
 }
 
 std::string sets_text(const std::string& what, const std::vector<MeshFile::Set>& sets) {
@@ -37,12 +38,12 @@ std::string sets_text(const std::string& what, const std::vector<MeshFile::Set>&
 
 /// Parts with their boxes, and what elements that are no shells connect.
 std::string parts_text(const MeshFile& file, const TriangleMesh& mesh) {
-  const std::vector<int> part = parts_of_nodes(mesh.topology());
+  const std::vector<int> part = node_components(mesh.topology());
   const int count = part.empty() ? 0 : *std::max_element(part.begin(), part.end()) + 1;
-  if (count < 2 && file.others().empty()) return "";
+  if (count < 2 && file.other_elements().empty()) return "";
   std::vector<Box3> boxes(count);
   std::vector<int> nodes(count, 0), lowest(count, -1);
-  for (int v = 0; v < count_of(part); ++v) {
+  for (int v = 0; v < isize(part); ++v) {
     if (part[v] < 0) continue;
     boxes[part[v]].extend(mesh.point(v));
     ++nodes[part[v]];
@@ -51,30 +52,30 @@ std::string parts_text(const MeshFile& file, const TriangleMesh& mesh) {
   std::string text;
   for (int p = 0; p < count && count > 1; ++p)
     text += "  part " + std::to_string(p + 1) + ": " + std::to_string(nodes[p]) + " nodes, node " +
-            std::to_string(file.node_label(lowest[p])) + " …, " + box_words(boxes[p]) + "\n";
+            std::to_string(file.node_label(lowest[p])) + " …, " + describe_box(boxes[p]) + "\n";
   // Nodes of no shell hang together by their elements, and on all parts that these reach.
-  Groups hanging(part.size());
-  for (const OtherElement& e : file.others()) {
+  DisjointSets hanging(part.size());
+  for (const NonShellElement& e : file.other_elements()) {
     int first = -1;
     for (const int v : e.nodes)
       if (part[v] < 0) {
-        if (first >= 0) hanging.join(first, v);
+        if (first >= 0) hanging.unite(first, v);
         first = v;
       }
   }
   std::map<int, std::set<int>> reached;  // parts, by the lowest node of what hangs together
-  for (const OtherElement& e : file.others())
+  for (const NonShellElement& e : file.other_elements())
     for (const int v : e.nodes)
       for (const int u : e.nodes)
-        if (part[v] < 0 && part[u] >= 0) reached[hanging.of(v)].insert(part[u]);
+        if (part[v] < 0 && part[u] >= 0) reached[hanging.find(v)].insert(part[u]);
   std::map<std::set<int>, std::map<std::string, int>> between;  // parts, elements
-  for (const OtherElement& e : file.others()) {
+  for (const NonShellElement& e : file.other_elements()) {
     std::set<int> parts;
     for (const int v : e.nodes)
       if (part[v] >= 0)
         parts.insert(part[v]);
       else
-        parts.insert(reached[hanging.of(v)].begin(), reached[hanging.of(v)].end());
+        parts.insert(reached[hanging.find(v)].begin(), reached[hanging.find(v)].end());
     ++between[parts][e.name];
   }
   for (const auto& [parts, elements] : between) {
@@ -90,17 +91,17 @@ std::string parts_text(const MeshFile& file, const TriangleMesh& mesh) {
   return text;
 }
 
-std::string hole_words(const HoleMeasure& m) {
-  return "centre " + place(m.centre) +
-         (m.circular ? ", radius " + number(m.radius)
-                     : ", no circle, perimeter " + number(m.perimeter) + ", equivalent radius " +
-                           number(m.equivalent_radius));
+std::string describe_hole(const HoleMeasure& m) {
+  return "centre " + format_position(m.centre) +
+         (m.circular ? ", radius " + format_number(m.radius)
+                     : ", no circle, perimeter " + format_number(m.perimeter) +
+                           ", equivalent radius " + format_number(m.equivalent_radius));
 }
 
 }  // namespace
 
 std::string mesh_info(const std::filesystem::path& path, const std::string& unit,
-                      const ProposalOptions& proposals) {
+                      const FeatureDetectionOptions& proposals) {
   const MeshFile file = MeshFile::read(path);
   const ShellMesh& shells = file.shells();
   const MeshDiagnosis d = diagnose(shells);
@@ -120,18 +121,19 @@ std::string mesh_info(const std::filesystem::path& path, const std::string& unit
   }();
   const TriangleMesh& mesh = prepared.mesh;
   for (const auto& note : prepared.notes) text += "  " + note + "\n";
-  text += "  " + box_words(mesh.box()) + "\n" + parts_text(file, mesh);
+  text += "  " + describe_box(mesh.box()) + "\n" + parts_text(file, mesh);
   const QualitySummary q = summarize(shells, shells.points);
-  text += "  worst aspect " + number(q.aspect.worst) + ", warpage " +
-          number(q.warpage_degrees.worst) + " degrees, Jacobian " + number(q.jacobian.worst) + "\n";
+  text += "  worst aspect " + format_number(q.aspect.worst) + ", warpage " +
+          format_number(q.warpage_degrees.worst) + " degrees, Jacobian " +
+          format_number(q.jacobian.worst) + "\n";
   const auto& loops = mesh.topology().boundary_loops();
   for (size_t l = 0; l < loops.size(); ++l)
     text += "  loop " + std::to_string(l + 1) + ": " + std::to_string(loops[l].size()) +
-            " nodes, " + hole_words(measure_hole(mesh.points(), loops[l])) + "\n";
-  for (const auto& p : propose_features(mesh, proposals))
+            " nodes, " + describe_hole(measure_hole(mesh.points(), loops[l])) + "\n";
+  for (const auto& p : detect_features(mesh, proposals))
     text += "  feature '" + p.name +
             "': " + std::to_string(mesh.topology().nodes_of(p.vertices).size()) + " nodes, " +
-            hole_words(p.measure) + "\n";
+            describe_hole(p.measure) + "\n";
   return text;
 }
 

@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <string>
 
-#include "batten/mesh/features/proposals.h"
+#include "batten/mesh/features/feature_detection.h"
 
 namespace batten {
 
@@ -12,6 +12,6 @@ namespace batten {
 /// hangs on them, boundary loops and proposed features. `unit` is that of its lengths. Throws
 /// InputError.
 std::string mesh_info(const std::filesystem::path& path, const std::string& unit,
-                      const ProposalOptions& proposals = {});
+                      const FeatureDetectionOptions& proposals = {});
 
 }  // namespace batten

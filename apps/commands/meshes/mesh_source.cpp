@@ -15,7 +15,7 @@ MeshSource read_source(const std::filesystem::path& path) {
   }
 }
 
-Points of_nodes(const Points& vertices, const MeshFile& file) {
+Points node_positions(const Points& vertices, const MeshFile& file) {
   return vertices.topRows(file.shells().node_count());
 }
 

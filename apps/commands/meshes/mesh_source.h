@@ -4,7 +4,7 @@
 #include <filesystem>
 
 #include "batten/io/meshes/mesh_file.h"
-#include "batten/mesh/prepare.h"
+#include "batten/mesh/prepared_mesh.h"
 
 namespace batten {
 
@@ -18,6 +18,6 @@ struct MeshSource {
 MeshSource read_source(const std::filesystem::path& path);
 
 /// Places of the file's nodes: the mesh has more vertices where sheets meet.
-Points of_nodes(const Points& vertices, const MeshFile& file);
+Points node_positions(const Points& vertices, const MeshFile& file);
 
 }  // namespace batten

@@ -10,10 +10,10 @@
 #include "batten/apps/commands/meshes/deform_pictures.h"
 #include "batten/apps/commands/meshes/edit_session.h"
 #include "batten/apps/commands/meshes/mesh_source.h"
-#include "batten/apps/commands/runs/run_parts.h"
+#include "batten/apps/commands/runs/run_support.h"
 #include "batten/core/box.h"
-#include "batten/core/index.h"
-#include "batten/io/decks/shell_deck.h"
+#include "batten/core/isize.h"
+#include "batten/io/decks/modal_deck.h"
 #include "batten/io/vtk/shell_vtk.h"
 #include "batten/mesh/deform/similarity.h"
 
@@ -28,36 +28,37 @@ double largest_move(const Points& before, const Points& after, int* where = null
 }
 
 void measure_into(DeformReport& report, const MeshFile& file, const TriangleMesh& original,
-                  const Points& all_after, const Kept& kept) {
-  const Points before = of_nodes(original.points(), file), after = of_nodes(all_after, file);
+                  const Points& all_after, const SharedConstraints& shared) {
+  const Points before = node_positions(original.points(), file),
+               after = node_positions(all_after, file);
   const MeshTopology& topology = original.topology();
-  for (const FormFeature& f : kept.features) {
+  for (const FormFeature& f : shared.features) {
     const Similarity fit = fit_similarity(before, after, f.vertices);
     const double angle = Eigen::AngleAxisd(fit.R).angle() * 180 / std::numbers::pi;
     const auto centre = VertexCombination::mean_of(f.vertices);
     Box3 box;
     for (const int v : f.vertices) box.extend(before.row(v).transpose());
-    report.features.push_back({f.name, count_of(f.vertices), box.diagonal().norm(), fit.max_error,
+    report.features.push_back({f.name, isize(f.vertices), box.diagonal().norm(), fit.max_error,
                                fit.scale, angle, (centre.at(after) - centre.at(before)).norm()});
   }
-  for (const MeshCurve& c : kept.curves)
-    report.curves.push_back({c.name, count_of(c.vertices), c.curve.segment_count(), c.fairing,
+  for (const MeshCurve& c : shared.curves)
+    report.curves.push_back({c.name, isize(c.vertices), c.curve.segment_count(), c.fairing,
                              c.wavelength, c.largest_shift,
                              distance_from(c, after) / original.size(), c.before, c.after});
   std::vector<int> feature_of(before.rows(), -1);
-  for (size_t f = 0; f < kept.features.size(); ++f)
-    for (const int v : kept.features[f].vertices) feature_of[v] = static_cast<int>(f);
+  for (size_t f = 0; f < shared.features.size(); ++f)
+    for (const int v : shared.features[f].vertices) feature_of[v] = static_cast<int>(f);
   auto loops = topology.boundary_loops();
   for (auto& loop : loops)
     for (int& v : loop) v = topology.node_of(v);
   for (size_t l = 0; l < loops.size(); ++l) {
     DeformReport::Hole hole;
     hole.loop = static_cast<int>(l) + 1;
-    hole.vertices = count_of(loops[l]);
+    hole.vertices = isize(loops[l]);
     const int owner = feature_of[loops[l][0]];
     if (owner >= 0 && std::all_of(loops[l].begin(), loops[l].end(),
                                   [&](int v) { return feature_of[v] == owner; }))
-      hole.feature = kept.features[owner].name;
+      hole.feature = shared.features[owner].name;
     hole.before = measure_hole(before, loops[l]);
     hole.after = measure_hole(after, loops[l]);
     report.holes.push_back(hole);
@@ -79,8 +80,8 @@ void measure_into(DeformReport& report, const MeshFile& file, const TriangleMesh
 
 void write_modes(DeformReport& report, const DeformScene& scene, const MeshFile& file,
                  VertexSelector& select, const Points& after, const OutputFolder& out) {
-  const ModesRule& rule = *scene.modes;
-  ShellModes modes;
+  const ModesSpec& rule = *scene.modes;
+  ModalDeck modes;
   modes.thickness = rule.thickness;
   modes.young = rule.young;
   modes.poisson = rule.poisson;
@@ -93,20 +94,20 @@ void write_modes(DeformReport& report, const DeformScene& scene, const MeshFile&
     const std::string& name = deformed ? rule.after : rule.before;
     if (name.empty()) continue;
     if (deformed) shells.points = after;
-    write_shell_modes(out.file(name), shells, modes);
+    write_modal_deck(out.file(name), shells, modes);
     report.files.push_back(name);
   }
 }
 
 /// The deformed mesh with what was done to it as data.
 void write_result(const std::filesystem::path& path, const MeshFile& file, const Points& before,
-                  const Points& after, const Kept& kept) {
+                  const Points& after, const SharedConstraints& shared) {
   DeformedData data;
   data.displacement = after - before;
   data.feature.assign(before.rows(), -1);
-  for (size_t f = 0; f < kept.features.size(); ++f)
-    for (const int v : kept.features[f].vertices) data.feature[v] = static_cast<int>(f);
-  for (const auto& f : kept.features) data.feature_names.push_back(f.name);
+  for (size_t f = 0; f < shared.features.size(); ++f)
+    for (const int v : shared.features[f].vertices) data.feature[v] = static_cast<int>(f);
+  for (const auto& f : shared.features) data.feature_names.push_back(f.name);
   ShellMesh shells = file.shells();
   shells.points = after;
   write_deformed_vtp(path, shells, data);
@@ -125,48 +126,48 @@ class DeformRun {
         prepared_(source_.prepared),
         select_(make_selector()),
         attached_(file_, original(), scene.following),
-        kept_(gather_kept()) {}
+        shared_(gather_constraints()) {}
 
   /// Does the edits one after the other.
   void edit() {
     states_.push_back(original().points());
     for (size_t k = 0; k < scene_.edits.size(); ++k) {
-      progress_.at(scene_.edits[k].name,
-                   static_cast<double>(k) / static_cast<double>(scene_.edits.size()));
+      progress_.update(scene_.edits[k].name,
+                       static_cast<double>(k) / static_cast<double>(scene_.edits.size()));
       edit_once(scene_.edits[k]);
     }
     watch_.lap("edits");
   }
 
   void measure() {
-    progress_.at("measuring", 0);
-    measure_into(report_, file_, original(), states_.back(), kept_);
+    progress_.update("measuring", 0);
+    measure_into(report_, file_, original(), states_.back(), shared_);
     attached_.measure_into(report_, original().points(), states_.back());
     watch_.lap("measure");
   }
 
   void write() {
-    progress_.at("files", 0);
+    progress_.update("files", 0);
     if (!scene_.mesh_out.empty()) write_mesh();
     if (!scene_.vtp.empty()) {
-      write_result(out_.file(scene_.vtp), file_, of_nodes(states_.front(), file_),
-                   of_nodes(states_.back(), file_), kept_);
+      write_result(out_.file(scene_.vtp), file_, node_positions(states_.front(), file_),
+                   node_positions(states_.back(), file_), shared_);
       report_.files.push_back(scene_.vtp);
     }
     if (scene_.modes)
-      write_modes(report_, scene_, file_, select_, of_nodes(states_.back(), file_), out_);
+      write_modes(report_, scene_, file_, select_, node_positions(states_.back(), file_), out_);
     watch_.lap("files");
   }
 
   void draw() {
-    draw_deformed(report_, scene_, file_, states_, tasks_, kept_, out_);
+    draw_deformed(report_, scene_, file_, states_, tasks_, shared_, out_);
     watch_.lap("pictures");
   }
 
   /// Writes report.json and lets all files appear.
   DeformReport finish() {
     watch_.total();
-    write_report(report_, broken_promises(report_), out_, progress_);
+    write_report(report_, failed_checks(report_), out_, progress_);
     out_.commit();
     return std::move(report_);
   }
@@ -178,7 +179,7 @@ class DeformRun {
     report_.name = scene_.name;
     report_.unit = scene_.unit;
     report_.parameters = scene_.parameters();
-    progress_.at("mesh", 0);
+    progress_.update("mesh", 0);
     MeshSource source = read_source(scene_.mesh);
     report_.warnings = source.file.warnings();
     const std::vector<std::string>& notes = source.prepared.notes;
@@ -192,41 +193,41 @@ class DeformRun {
   }
 
   VertexSelector make_selector() {
-    progress_.at("features", 0);
+    progress_.update("features", 0);
     return VertexSelector(scene_, file_, original());
   }
 
-  Kept gather_kept() {
-    Kept kept = gather(scene_, select_, attached_, original());
-    report_.warnings.insert(report_.warnings.end(), kept.notes.begin(), kept.notes.end());
+  SharedConstraints gather_constraints() {
+    SharedConstraints shared = gather_shared_constraints(scene_, select_, attached_, original());
+    report_.warnings.insert(report_.warnings.end(), shared.notes.begin(), shared.notes.end());
     watch_.lap("features");
-    return kept;
+    return shared;
   }
 
-  void edit_once(const EditRule& rule) {
-    EditSession session(scene_, rule, kept_, select_, prepared_, states_.back());
+  void edit_once(const EditSpec& rule) {
+    EditSession session(scene_, rule, shared_, select_, prepared_, states_.back());
     DeformReport::Edit report;
-    states_.push_back(session.settle(report));
+    states_.push_back(session.solve_to_equilibrium(report));
     tasks_.push_back(session.task());
     report_.edits.push_back(report);
     if (!report.found)
       report_.warnings.push_back(rule.name + ": how the sheet turns did not settle in " +
-                                 std::to_string(report.rounds) + " rounds");
+                                 std::to_string(report.iterations) + " rounds");
     for (const auto& note : session.notes()) report_.warnings.push_back(rule.name + ": " + note);
   }
 
   /// The mesh in the format of its file.
   void write_mesh() {
-    const MeshWriteOptions options{scene_.wide_nodes, out_.folder()};
-    const Points places = of_nodes(states_.back(), file_);
+    const MeshWriteOptions options{scene_.large_field_nodes, out_.folder()};
+    const Points places = node_positions(states_.back(), file_);
     report_.rounding = file_.write(out_.file(scene_.mesh_out), places, options).largest;
     report_.files.push_back(scene_.mesh_out);
-    for (const auto& beside : file_.files_beside()) report_.files.push_back(beside.string());
+    for (const auto& beside : file_.included_files()) report_.files.push_back(beside.string());
     if (report_.rounding > 1e-9 * original().size())
       report_.warnings.push_back(scene_.mesh_out +
                                  ": the file's number fields round coordinates by up to " +
-                                 number(report_.rounding) + " " + scene_.unit +
-                                 (report_.format.starts_with("Nastran") && !scene_.wide_nodes
+                                 format_number(report_.rounding) + " " + scene_.unit +
+                                 (report_.format.starts_with("Nastran") && !scene_.large_field_nodes
                                       ? "; wide_nodes = true writes the moved nodes in wide fields"
                                       : ""));
   }
@@ -242,9 +243,9 @@ class DeformRun {
   const PreparedMesh& prepared_;
   VertexSelector select_;
   const AttachedNodes attached_;
-  const Kept kept_;
-  std::vector<Points> states_;  // before the first edit, and after each
-  std::vector<Task> tasks_;     // of each edit
+  const SharedConstraints shared_;
+  std::vector<Points> states_;     // before the first edit, and after each
+  std::vector<DeformTask> tasks_;  // of each edit
 };
 
 }  // namespace

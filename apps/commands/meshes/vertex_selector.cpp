@@ -7,27 +7,27 @@
 #include <queue>
 #include <sstream>
 
-#include "batten/apps/commands/runs/run_parts.h"
-#include "batten/core/index.h"
+#include "batten/apps/commands/runs/run_support.h"
+#include "batten/core/isize.h"
 #include "batten/io/files/input_file.h"
 #include "batten/mesh/features/stroke_cut.h"
-#include "batten/mesh/regions/saliency.h"
+#include "batten/mesh/regions/mesh_saliency.h"
 #include "batten/mesh/selection.h"
 
 namespace batten {
 namespace {
 
-const MeshFile::Set& set_named(const std::vector<MeshFile::Set>& sets, const PlacedWord& word,
+const MeshFile::Set& set_named(const std::vector<MeshFile::Set>& sets, const LocatedString& word,
                                const std::string& kind, const SceneSelections& scene) {
   std::vector<std::string> names;
   for (const auto& set : sets) {
     if (set.name == word.text || (!set.title.empty() && set.title == word.text)) return set;
     names.push_back(set.name);
   }
-  throw InputError(
-      scene.at(word.place) + "found the " + kind + " '" + word.text +
-      "', expected one of the mesh file: " + (names.empty() ? "it has none" : listed(names)) +
-      did_you_mean(word.text, names));
+  throw InputError(scene.at(word.location) + "found the " + kind + " '" + word.text +
+                   "', expected one of the mesh file: " +
+                   (names.empty() ? "it has none" : comma_separated(names)) +
+                   did_you_mean(word.text, names));
 }
 
 /// Gathers the nodes of a set, and those of its faces.
@@ -42,7 +42,7 @@ std::vector<int> with_faces(const MeshFile& file, const MeshFile::Set& set) {
 template <class VertexOfLabel>
 std::vector<int> vertices_of_file(const std::filesystem::path& file, const std::string& where,
                                   const VertexOfLabel& vertex_of_label) {
-  std::istringstream in(input_bytes(file, "numbers of nodes", where));
+  std::istringstream in(read_input_file(file, "numbers of nodes", where));
   std::vector<int> vertices;
   std::string line;
   for (int row = 1; std::getline(in, line); ++row) {
@@ -68,13 +68,13 @@ VertexSelector::VertexSelector(const SceneSelections& scene, const MeshFile& fil
                                const TriangleMesh& mesh)
     : scene_(scene), file_(file), mesh_(mesh) {}
 
-const std::vector<FeatureProposal>& VertexSelector::proposals() {
-  if (!proposed_) proposals_ = propose_features(mesh_, scene_.proposals);
+const std::vector<DetectedFeature>& VertexSelector::proposals() {
+  if (!proposed_) proposals_ = detect_features(mesh_, scene_.proposals);
   proposed_ = true;
   return proposals_;
 }
 
-const FeatureProposal* VertexSelector::proposal(const std::string& name) {
+const DetectedFeature* VertexSelector::proposal(const std::string& name) {
   for (const auto& p : proposals())
     if (p.name == name) return &p;
   return nullptr;
@@ -88,32 +88,32 @@ std::vector<std::string> VertexSelector::names() {
   return all;
 }
 
-std::vector<PlacedWord> VertexSelector::matching(const PlacedWord& word) {
+std::vector<LocatedString> VertexSelector::matching(const LocatedString& word) {
   if (word.text.find('*') == std::string::npos) return {word};
-  std::vector<PlacedWord> found;
+  std::vector<LocatedString> found;
   for (const auto& name : names())
-    if (matches(word.text, name) &&
-        std::find(under_way_.begin(), under_way_.end(), name) == under_way_.end())
-      found.push_back({name, word.place});
+    if (matches_wildcard(word.text, name) &&
+        std::find(in_progress_.begin(), in_progress_.end(), name) == in_progress_.end())
+      found.push_back({name, word.location});
   if (found.empty())
-    throw InputError(scene_.at(word.place) + "found '" + word.text +
-                     "' which no name matches, expected one of: " + listed(names()));
+    throw InputError(scene_.at(word.location) + "found '" + word.text +
+                     "' which no name matches, expected one of: " + comma_separated(names()));
   return found;
 }
 
-std::vector<int> VertexSelector::of(const std::vector<PlacedWord>& words) {
+std::vector<int> VertexSelector::of(const std::vector<LocatedString>& words) {
   std::vector<int> all;
-  for (const PlacedWord& word : words)
-    for (const PlacedWord& name : matching(word)) all = united(all, of(name));
+  for (const LocatedString& word : words)
+    for (const LocatedString& name : matching(word)) all = union_of(all, of(name));
   return all;
 }
 
-std::vector<int> VertexSelector::of(const PlacedWord& name) {
+std::vector<int> VertexSelector::of(const LocatedString& name) {
   if (const auto it = found_.find(name.text); it != found_.end()) return it->second;
-  if (std::find(under_way_.begin(), under_way_.end(), name.text) != under_way_.end())
-    throw InputError(scene_.at(name.place) + "found the selection '" + name.text +
+  if (std::find(in_progress_.begin(), in_progress_.end(), name.text) != in_progress_.end())
+    throw InputError(scene_.at(name.location) + "found the selection '" + name.text +
                      "' within itself, expected others");
-  under_way_.push_back(name.text);
+  in_progress_.push_back(name.text);
   std::vector<int> vertices;
   bool known = false;
   for (const auto& rule : scene_.selections)
@@ -127,84 +127,84 @@ std::vector<int> VertexSelector::of(const PlacedWord& name) {
       known = true;
     }
   if (!known) {
-    if (const FeatureProposal* p = proposal(name.text))
+    if (const DetectedFeature* p = proposal(name.text))
       vertices = p->vertices;
     else
-      throw InputError(scene_.at(name.place) + "found the name '" + name.text +
-                       "', expected a selection or a proposed feature: " + listed(names()) +
-                       did_you_mean(name.text, names()));
+      throw InputError(scene_.at(name.location) + "found the name '" + name.text +
+                       "', expected a selection or a proposed feature: " +
+                       comma_separated(names()) + did_you_mean(name.text, names()));
   }
   if (vertices.empty())
-    throw InputError(scene_.at(name.place) + "the selection '" + name.text +
+    throw InputError(scene_.at(name.location) + "the selection '" + name.text +
                      "' has no vertex, expected at least one");
-  under_way_.pop_back();
+  in_progress_.pop_back();
   return found_[name.text] = mesh_.topology().nodes_of(std::move(vertices));
 }
 
-int VertexSelector::vertex_of_label(long label, const FilePlace& place) const {
+int VertexSelector::vertex_of_label(long label, const SourceLocation& location) const {
   const auto node = file_.node_of_label(label);
   if (!node)
-    throw InputError(scene_.at(place) + "found node " + std::to_string(label) +
+    throw InputError(scene_.at(location) + "found node " + std::to_string(label) +
                      ", which the mesh does not have");
   return *node;
 }
 
-std::vector<int> VertexSelector::loop_of(const SelectRule& rule) const {
+std::vector<int> VertexSelector::loop_of(const SelectionSpec& rule) const {
   const auto& loops = mesh_.topology().boundary_loops();
-  if (*rule.loop > count_of(loops))
-    throw InputError(scene_.at(rule.place) + "found loop " + std::to_string(*rule.loop) +
+  if (*rule.loop > isize(loops))
+    throw InputError(scene_.at(rule.location) + "found loop " + std::to_string(*rule.loop) +
                      ", expected 1 to " + std::to_string(loops.size()));
   return loops[*rule.loop - 1];
 }
 
-std::vector<int> VertexSelector::salient_region(const SelectRule& rule) {
+std::vector<int> VertexSelector::salient_region(const SelectionSpec& rule) {
   if (saliency_.size() == 0) saliency_ = mesh_saliency(mesh_);
   const auto& s = *rule.salient;
   const int picked =
-      s.node ? vertex_of_label(*s.node, rule.place) : nearest_vertex(mesh_, *s.point);
+      s.node ? vertex_of_label(*s.node, rule.location) : nearest_vertex(mesh_, *s.point);
   try {
     return grown_region(mesh_, saliency_, picked, s.threshold);
   } catch (const InputError& e) {
-    throw InputError(scene_.at(rule.place) + "the selection '" + rule.name + "': " + e.what());
+    throw InputError(scene_.at(rule.location) + "the selection '" + rule.name + "': " + e.what());
   }
 }
 
-std::vector<int> VertexSelector::part_of(const SelectRule& rule) const {
-  const std::vector<int> parts = parts_of_nodes(mesh_.topology());
+std::vector<int> VertexSelector::part_of(const SelectionSpec& rule) const {
+  const std::vector<int> parts = node_components(mesh_.topology());
   std::vector<int> vertices;
-  for (int v = 0; v < count_of(parts); ++v)
+  for (int v = 0; v < isize(parts); ++v)
     if (parts[v] == *rule.part - 1) vertices.push_back(v);
   if (vertices.empty())
-    throw InputError(scene_.at(rule.place) + "found part " + std::to_string(*rule.part) +
+    throw InputError(scene_.at(rule.location) + "found part " + std::to_string(*rule.part) +
                      ", expected 1 to " +
                      std::to_string(*std::max_element(parts.begin(), parts.end()) + 1));
   return vertices;
 }
 
-std::vector<int> VertexSelector::within_distance(const SelectRule& rule) {
+std::vector<int> VertexSelector::within_distance(const SelectionSpec& rule) {
   const auto& g = *rule.geodesic;
-  const std::vector<int> from = g.node    ? std::vector<int>{vertex_of_label(*g.node, rule.place)}
+  const std::vector<int> from = g.node ? std::vector<int>{vertex_of_label(*g.node, rule.location)}
                                 : g.point ? std::vector<int>{nearest_vertex(mesh_, *g.point)}
                                           : of(g.of);
   return vertices_within(mesh_, from, g.distance);
 }
 
-std::vector<int> VertexSelector::listed_vertices(const SelectRule& rule) const {
-  const auto vertex = [&](long label) { return vertex_of_label(label, rule.place); };
+std::vector<int> VertexSelector::listed_vertices(const SelectionSpec& rule) const {
+  const auto vertex = [&](long label) { return vertex_of_label(label, rule.location); };
   std::vector<int> vertices;
   for (const long label : rule.nodes) vertices.push_back(vertex(label));
   if (rule.file.empty()) return vertices;
-  const auto more = vertices_of_file(rule.file, scene_.at(rule.place), vertex);
+  const auto more = vertices_of_file(rule.file, scene_.at(rule.location), vertex);
   vertices.insert(vertices.end(), more.begin(), more.end());
   return vertices;
 }
 
-std::vector<int> VertexSelector::select(const SelectRule& rule) {
+std::vector<int> VertexSelector::select(const SelectionSpec& rule) {
   std::vector<int> chosen;
   bool first = true;
   const auto meet = [&](std::vector<int> vertices) {
     vertices = mesh_.topology().nodes_of(std::move(vertices));
-    chosen = first ? std::move(vertices) : common(chosen, vertices);
+    chosen = first ? std::move(vertices) : intersection_of(chosen, vertices);
     first = false;
   };
   if (rule.box) meet(vertices_in_box(mesh_, rule.box->first, rule.box->second));
@@ -226,13 +226,13 @@ std::vector<int> VertexSelector::select(const SelectRule& rule) {
     std::iota(all.begin(), all.end(), 0);
     meet(all);
   }
-  if (!rule.except.empty()) chosen = without(chosen, of(rule.except));
+  if (!rule.except.empty()) chosen = difference_of(chosen, of(rule.except));
   return rule.grow > 0 ? grown(mesh_.topology(), chosen, rule.grow) : chosen;
 }
 
-std::vector<int> VertexSelector::cut(const CutRule& rule) {
+std::vector<int> VertexSelector::cut(const CutSpec& rule) {
   if (!rule.on.empty()) return stroke(rule);
-  const std::vector<int> vertices = mesh_.topology().whole_nodes(of(rule.band));
+  const std::vector<int> vertices = mesh_.topology().expand_to_nodes(of(rule.band));
   std::vector<char> in(mesh_.vertex_count(), 0);
   for (const int v : vertices) in[v] = 1;
   std::vector<int> band;
@@ -245,23 +245,24 @@ std::vector<int> VertexSelector::cut(const CutRule& rule) {
   try {
     return cut_feature(mesh_, band, options).vertices;
   } catch (const InputError& e) {
-    throw InputError(scene_.at(rule.place) + "the cut '" + rule.name + "': " + e.what());
+    throw InputError(scene_.at(rule.location) + "the cut '" + rule.name + "': " + e.what());
   }
 }
 
-std::vector<int> VertexSelector::stroke(const CutRule& rule) {
+std::vector<int> VertexSelector::stroke(const CutSpec& rule) {
   const MeshTopology& topology = mesh_.topology();
-  const auto on = topology.whole_nodes(of(rule.on)), beside = topology.whole_nodes(of(rule.beside));
+  const auto on = topology.expand_to_nodes(of(rule.on)),
+             beside = topology.expand_to_nodes(of(rule.beside));
   try {
     return stroke_cut(mesh_, on, beside, rule.options).vertices;
   } catch (const InputError& e) {
-    throw InputError(scene_.at(rule.place) + "the cut '" + rule.name + "': " + e.what());
+    throw InputError(scene_.at(rule.location) + "the cut '" + rule.name + "': " + e.what());
   }
 }
 
-std::vector<int> VertexSelector::path(const LineRule& rule) {
+std::vector<int> VertexSelector::path(const LineSpec& rule) {
   std::vector<int> stops;
-  for (const long label : rule.nodes) stops.push_back(vertex_of_label(label, rule.place));
+  for (const long label : rule.nodes) stops.push_back(vertex_of_label(label, rule.location));
   for (const Vec3& p : rule.through) stops.push_back(nearest_vertex(mesh_, p));
   if (!rule.nodes.empty()) return stops;
   if (rule.closed) stops.push_back(stops.front());
@@ -300,10 +301,10 @@ std::vector<int> VertexSelector::path(const LineRule& rule) {
         queue.emplace(longer, u);
       };
       for (const int u : topology.neighbours(v)) offer(u, d + cost(v, u));
-      for (const int u : topology.together(v)) offer(u, d);
+      for (const int u : topology.coincident_vertices(v)) offer(u, d);
     }
     if (!std::isfinite(distance[from]))
-      throw InputError(scene_.at(rule.place) + "the line '" + rule.name +
+      throw InputError(scene_.at(rule.location) + "the line '" + rule.name +
                        "' runs between parts of the mesh that are not connected");
     for (int v = from; v != goal; v = next[v]) way.push_back(next[v]);
   }

@@ -14,16 +14,16 @@ namespace batten {
 /// Reads a scene file and calls use(scene) with it: a SequenceScene, a DeformScene, a FairScene (lines
 /// alone) or a Scene, which is not constant. Throws what reading throws.
 template <class Use>
-auto with_scene_of(const std::filesystem::path& file, const Use& use) {
-  if (edits_a_sequence(file)) {
+auto visit_scene(const std::filesystem::path& file, const Use& use) {
+  if (is_sequence_scene(file)) {
     SequenceScene scene = read_sequence_scene(file);
     return use(scene);
   }
-  if (edits_a_mesh(file)) {
+  if (is_deform_scene(file)) {
     DeformScene scene = read_deform_scene(file);
     return use(scene);
   }
-  if (only_fairs(file)) {
+  if (is_fair_scene(file)) {
     FairScene scene = read_fair_scene(file);
     return use(scene);
   }
@@ -32,20 +32,20 @@ auto with_scene_of(const std::filesystem::path& file, const Use& use) {
 }
 
 /// Does everything that a scene asks for, into a folder: its report.
-inline SequenceReport run_any(const SequenceScene& scene, const std::filesystem::path& out,
-                              const Progress& progress) {
+inline SequenceReport run_any_scene(const SequenceScene& scene, const std::filesystem::path& out,
+                                    const Progress& progress) {
   return run_sequence(scene, out, {}, progress);
 }
-inline DeformReport run_any(const DeformScene& scene, const std::filesystem::path& out,
-                            const Progress& progress) {
+inline DeformReport run_any_scene(const DeformScene& scene, const std::filesystem::path& out,
+                                  const Progress& progress) {
   return run_deform(scene, out, progress);
 }
-inline FairReport run_any(const FairScene& scene, const std::filesystem::path& out,
-                          const Progress& progress) {
+inline FairReport run_any_scene(const FairScene& scene, const std::filesystem::path& out,
+                                const Progress& progress) {
   return run_fair(scene, out, progress);
 }
-inline Report run_any(const Scene& scene, const std::filesystem::path& out,
-                      const Progress& progress) {
+inline Report run_any_scene(const Scene& scene, const std::filesystem::path& out,
+                            const Progress& progress) {
   return run_scene(scene, out, progress);
 }
 

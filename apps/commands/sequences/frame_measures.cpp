@@ -18,7 +18,7 @@ void measure_parts(const std::vector<Part>& parts, const Points& before, const P
 
 }  // namespace
 
-void Bent::measure(const SequenceParts& parts, const Points& before, const Points& after) {
+void PartDeviation::measure(const SequenceParts& parts, const Points& before, const Points& after) {
   measure_parts(parts.features, before, after, features);
   measure_parts(parts.handles, before, after, handles);
 }
@@ -27,27 +27,28 @@ void FrameMeasures::add(int frame, const Points& p) {
   last_.push_back(p);
   if (last_.size() > 3) last_.pop_front();
   if (last_.size() == 3 && p.rows() > 0)
-    second_ = std::max(second_, (last_[2] - 2 * last_[1] + last_[0]).rowwise().norm().maxCoeff());
-  turned_over_ += folds(p);
+    max_second_difference_ = std::max(
+        max_second_difference_, (last_[2] - 2 * last_[1] + last_[0]).rowwise().norm().maxCoeff());
+  inverted_triangles_ += count_folded_triangles(p);
   for (size_t f = 0; f < feet_.size(); ++f)
     if (frame + 1 >= feet_[f].first && frame + 1 <= feet_[f].last)
       centres_[f].push_back(VertexCombination::mean_of(handle_vertices(feet_[f].handle)).at(p));
 }
 
-void FrameMeasures::fill(SequenceReport& report, const Bent& bent, double size) {
-  report.second_difference = second_;
-  report.turned_over = turned_over_;
+void FrameMeasures::fill(SequenceReport& report, const PartDeviation& deviation, double size) {
+  report.second_difference = max_second_difference_;
+  report.inverted_triangles = inverted_triangles_;
   for (size_t h = 0; h < parts_.handles.size(); ++h)
     report.handles.push_back(
-        {parts_.handles[h].name, count_of(parts_.handles[h].vertices), bent.handles[h]});
+        {parts_.handles[h].name, isize(parts_.handles[h].vertices), deviation.handles[h]});
   for (size_t f = 0; f < parts_.features.size(); ++f)
     report.features.push_back(
-        {parts_.features[f].name, count_of(parts_.features[f].vertices), bent.features[f]});
+        {parts_.features[f].name, isize(parts_.features[f].vertices), deviation.features[f]});
   for (size_t f = 0; f < feet_.size(); ++f) {
     Vec3 mean = Vec3::Zero();
     for (const Vec3& c : centres_[f]) mean += c / static_cast<double>(centres_[f].size());
     for (const Vec3& c : centres_[f])
-      feet_[f].slip = std::max(feet_[f].slip, (c - mean).norm() / size);
+      feet_[f].foot_skate = std::max(feet_[f].foot_skate, (c - mean).norm() / size);
   }
   report.feet = feet_;
 }
@@ -58,7 +59,7 @@ const std::vector<int>& FrameMeasures::handle_vertices(const std::string& name) 
   throw std::logic_error("a foot that is no handle");
 }
 
-long FrameMeasures::folds(const Points& p) const {
+long FrameMeasures::count_folded_triangles(const Points& p) const {
   const MeshTopology& topology = mesh_.topology();
   const auto normal = [&](int t) -> Vec3 {
     const auto& corners = topology.triangles()[t];

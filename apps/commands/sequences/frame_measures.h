@@ -10,9 +10,9 @@
 namespace batten {
 
 /// How far parts are from what they were before a step, in any frame.
-class Bent {
+class PartDeviation {
  public:
-  explicit Bent(const SequenceParts& parts)
+  explicit PartDeviation(const SequenceParts& parts)
       : features(parts.features.size(), 0), handles(parts.handles.size(), 0) {}
   void measure(const SequenceParts& parts, const Points& before, const Points& after);
 
@@ -27,23 +27,23 @@ class FrameMeasures {
       : mesh_(mesh), parts_(parts), feet_(std::move(feet)), centres_(feet_.size()) {}
 
   void add(int frame, const Points& p);
-  void fill(SequenceReport& report, const Bent& bent, double size);
+  void fill(SequenceReport& report, const PartDeviation& deviation, double size);
 
-  double second() const { return second_; }
-  long turned_over() const { return turned_over_; }
+  double max_second_difference() const { return max_second_difference_; }
+  long inverted_triangles() const { return inverted_triangles_; }
 
  private:
   const std::vector<int>& handle_vertices(const std::string& name) const;
   // Triangles that look against the mean of their neighbours.
-  long folds(const Points& p) const;
+  long count_folded_triangles(const Points& p) const;
 
   const TriangleMesh& mesh_;
   const SequenceParts& parts_;
   std::vector<SequenceReport::Foot> feet_;
   std::vector<std::vector<Vec3>> centres_;
   std::deque<Points> last_;
-  double second_ = 0;
-  long turned_over_ = 0;
+  double max_second_difference_ = 0;
+  long inverted_triangles_ = 0;
 };
 
 }  // namespace batten

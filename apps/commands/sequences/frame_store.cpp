@@ -5,8 +5,8 @@
 #include <sstream>
 
 #include "batten/core/errors.h"
+#include "batten/io/files/atomic_file.h"
 #include "batten/io/files/text.h"
-#include "batten/io/files/whole_file.h"
 #include "batten/io/meshes/mesh_file.h"
 
 namespace batten {
@@ -59,7 +59,7 @@ FrameStore::FrameStore(const fs::path& folder, const fs::path& hidden, const std
   const std::string ending = lower_extension(name);
   numbered_ = ending != ".pc2" && ending != ".mdd" && ending != ".glb";
   read_again_ = numbered_ && ending != ".stl";  // which has no nodes, only corners
-  whole_ = first == 0 && last + 1 == count_of(times);
+  whole_ = first == 0 && last + 1 == isize(times);
   const fs::path path = folder / name;
   if (!whole_ && (!numbered_ || ending == ".pvd"))
     throw InputError(path.string() + ": frames " + std::to_string(first + 1) + " to " +
@@ -84,7 +84,7 @@ FrameStore::FrameStore(const fs::path& folder, const fs::path& hidden, const std
     for (std::string file; std::getline(in, file);) left.push_back(file);
   }
   if (before == fingerprint) return;
-  for (int k = 0; k < count_of(times); ++k)
+  for (int k = 0; k < isize(times); ++k)
     if (fs::exists(writer_->file(k)) &&
         std::ranges::find(left, writer_->file(k).filename().string()) == left.end())
       throw InputError(writer_->file(k).string() +
@@ -95,14 +95,14 @@ FrameStore::FrameStore(const fs::path& folder, const fs::path& hidden, const std
   for (const std::string& file : left)  // there may be more of them than frames now
     if (without_number(file) == like) fs::remove(of_frames / fs::path(file).filename());
   std::erase_if(left, [&](const std::string& file) { return without_number(file) == like; });
-  write_whole_file(stamp, [&](std::ostream& out) {
+  write_file_atomically(stamp, [&](std::ostream& out) {
     out << fingerprint << "\n";
-    for (int k = 0; k < count_of(times); ++k) out << writer_->file(k).filename().string() << "\n";
+    for (int k = 0; k < isize(times); ++k) out << writer_->file(k).filename().string() << "\n";
     for (const std::string& file : left) out << file << "\n";  // of other names
   });
 }
 
-bool FrameStore::have(int frame) const { return read_again_ && writer_->have(frame); }
+bool FrameStore::has(int frame) const { return read_again_ && writer_->has(frame); }
 
 Points FrameStore::read(int frame) const {
   return MeshFile::read(writer_->file(frame)).shells().points;

@@ -38,7 +38,7 @@ class FrameStore {
              const std::string& name, const ShellMesh& shells, const std::vector<double>& times,
              int first, int last, const std::string& fingerprint);
 
-  bool have(int frame) const;
+  bool has(int frame) const;
   /// A frame that is there.
   Points read(int frame) const;
   void write(int frame, const Points& points);

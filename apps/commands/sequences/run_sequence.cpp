@@ -5,7 +5,7 @@
 #include <cmath>
 #include <utility>
 
-#include "batten/apps/commands/runs/run_parts.h"
+#include "batten/apps/commands/runs/run_support.h"
 #include "batten/apps/commands/sequences/frame_measures.h"
 #include "batten/apps/commands/sequences/frame_store.h"
 #include "batten/apps/commands/sequences/sequence_frames.h"
@@ -19,9 +19,9 @@ namespace {
 
 /// Whether each frame after a step comes from the one of its number. Of the others travel bends
 /// nothing, and a morph everything.
-bool keeps_frames(const SequenceStep& step) {
-  return !std::holds_alternative<SequenceStep::Travel>(step.what) &&
-         !std::holds_alternative<SequenceStep::Morph>(step.what);
+bool keeps_frames(const SequenceOperation& step) {
+  return !std::holds_alternative<SequenceOperation::RootMotion>(step.what) &&
+         !std::holds_alternative<SequenceOperation::Morph>(step.what);
 }
 
 /// One run of `batten sequence`.
@@ -34,8 +34,8 @@ class SequenceRun {
   SequenceReport operator()() {
     read();
     find_parts();
-    spare_input();
-    do_steps();
+    require_input_preserved();
+    apply_steps();
     write_frames();
     draw();
     finish();
@@ -47,7 +47,7 @@ class SequenceRun {
     report_.name = scene_.name;
     report_.unit = scene_.unit;
     current_ = std::make_shared<const PreparedSequence>(prepared_sequence(
-        read_frames(scene_.source), scene_.at(scene_.source.place), report_.warnings));
+        read_frames(scene_.source), scene_.at(scene_.source.location), report_.warnings));
     input_ = current_;
     const MeshSequence& s = current_->sequence;
     report_.file = scene_.source.path.filename().string();
@@ -56,18 +56,19 @@ class SequenceRun {
     report_.faces = s.shells.face_count();
     report_.size = size_of(s);
     fingerprint_.add("batten " BATTEN_VERSION "\n" +
-                     input_bytes(scene_.file, "edits of a sequence (.toml)"));
+                     read_input_file(scene_.file, "edits of a sequence (.toml)"));
     add_files(scene_.selections);
     for (const auto& step : scene_.steps) {
-      if (const auto* feet = std::get_if<SequenceStep::Footprints>(&step.what))
+      if (const auto* feet = std::get_if<SequenceOperation::FootContacts>(&step.what))
         fingerprint_.add_file(feet->terrain);
-      if (const auto* mix = std::get_if<SequenceStep::Mix>(&step.what)) add_files(mix->selections);
+      if (const auto* mix = std::get_if<SequenceOperation::Mix>(&step.what))
+        add_files(mix->selections);
     }
     watch_.lap("read");
   }
 
-  void add_files(const std::vector<SelectRule>& selections) {
-    for (const SelectRule& rule : selections)
+  void add_files(const std::vector<SelectionSpec>& selections) {
+    for (const SelectionSpec& rule : selections)
       if (!rule.file.empty()) fingerprint_.add_file(rule.file);
   }
 
@@ -78,19 +79,19 @@ class SequenceRun {
       fingerprint_.add(frames);
       return frames;
     } catch (const InputError& e) {
-      throw InputError(scene_.at(source.place) + e.what());
+      throw InputError(scene_.at(source.location) + e.what());
     }
   }
 
   void find_parts() {
-    file_.emplace(MeshFile::counted_from_1(input_->sequence.shells));
+    file_.emplace(MeshFile::from_shells(input_->sequence.shells));
     select_.emplace(scene_, *file_, input_->mesh);
     parts_ = find_sequence_parts(scene_, *select_);
     watch_.lap("parts");
   }
 
   /// A single file replaces what has its name.
-  void spare_input() const {
+  void require_input_preserved() const {
     std::filesystem::path out = out_.folder() / scene_.frames_out;
     const auto& source = scene_.source;
     std::error_code ignored;
@@ -104,15 +105,15 @@ class SequenceRun {
               ": the frames would overwrite the input, expected another folder or name");
   }
 
-  void do_steps() {
-    last_ = as_it_is(current_);
-    bent_.emplace(parts_);
+  void apply_steps() {
+    last_ = unchanged_result(current_);
+    deviation_.emplace(parts_);
     for (size_t k = 0; k < scene_.steps.size(); ++k) {
       if (k > 0) {
-        const auto before = std::exchange(current_, collected(last_, input_->mesh, progress_));
+        const auto before = std::exchange(current_, collect_frames(last_, input_->mesh, progress_));
         for (size_t f = 0; keeps_frames(scene_.steps[k - 1]) && f < before->sequence.frames.size();
              ++f)
-          bent_->measure(parts_, before->sequence.frames[f], current_->sequence.frames[f]);
+          deviation_->measure(parts_, before->sequence.frames[f], current_->sequence.frames[f]);
       }
       const auto start = std::chrono::steady_clock::now();
       last_ = step(scene_.steps[k]);
@@ -120,25 +121,25 @@ class SequenceRun {
       report_.steps.push_back(last_.report);
       for (const auto& w : last_.warnings) report_.warnings.push_back(last_.report.name + ": " + w);
       for (const auto& foot : last_.feet)
-        if (foot.slip_before > 0.05)
+        if (foot.foot_skate_before > 0.05)
           report_.warnings.push_back(
               last_.report.name + ": '" + foot.handle + "' counts as standing in frames " +
               std::to_string(foot.first) + " to " + std::to_string(foot.last) +
-              ", in which it moves by " + number(foot.slip_before) +
+              ", in which it moves by " + format_number(foot.foot_skate_before) +
               " of the size: is found = { within = … } too large?");
-      if (last_.report.not_at_rest > 0)
+      if (last_.report.unconverged_keyframes > 0)
         report_.warnings.push_back(
-            last_.report.name + ": " + std::to_string(last_.report.not_at_rest) + " of " +
+            last_.report.name + ": " + std::to_string(last_.report.unconverged_keyframes) + " of " +
             std::to_string(last_.report.keyframes) + " keyframes were not at rest after " +
-            std::to_string(last_.report.rounds) + " rounds: nodes still moved by " +
-            number(last_.report.last_change) + " of the size; rounds = … gives them more");
+            std::to_string(last_.report.iterations) + " rounds: nodes still moved by " +
+            format_number(last_.report.last_change) + " of the size; rounds = … gives them more");
     }
     watch_.lap("steps");
   }
 
-  StepResult step(const SequenceStep& rule) {
-    const ReadFrames read = [&](const SequenceSource& source) { return read_frames(source); };
-    return done_step(scene_, rule, *current_, parts_, *select_, read, progress_);
+  StepResult step(const SequenceOperation& rule) {
+    const FrameReader read = [&](const SequenceSource& source) { return read_frames(source); };
+    return run_step(scene_, rule, *current_, parts_, *select_, read, progress_);
   }
 
   /// glTF wants seconds.
@@ -156,11 +157,12 @@ class SequenceRun {
     if (scene_.steps.empty())
       last_.frames(first, last, take, progress_);
     else
-      naming_step(scene_, scene_.steps.back(), [&] { last_.frames(first, last, take, progress_); });
+      with_step_context(scene_, scene_.steps.back(),
+                        [&] { last_.frames(first, last, take, progress_); });
   }
 
   void write_frames() {
-    const int count = count_of(last_.times);
+    const int count = isize(last_.times);
     const auto [first, last] = task_.frames.value_or(std::pair(1, count));
     if (first < 1 || last < first || last > count)
       throw InputError("--frames " + std::to_string(first) + ":" + std::to_string(last) +
@@ -175,18 +177,18 @@ class SequenceRun {
     const auto look = [&](int k, const Points& p) {
       measures.add(k, p);
       if (!scene_.steps.empty() && keeps_frames(scene_.steps.back()))
-        bent_->measure(parts_, current_->sequence.frames[k], p);
+        deviation_->measure(parts_, current_->sequence.frames[k], p);
       if (std::binary_search(shown_.after.begin(), shown_.after.end(), k)) kept_.push_back(p);
     };
     for (int k = first - 1; k < last;) {
-      if (store.have(k)) {
+      if (store.has(k)) {
         look(k, store.read(k));
         ++report_.found;
         ++k;
         continue;
       }
       int end = k;
-      while (end + 1 < last && !store.have(end + 1)) ++end;
+      while (end + 1 < last && !store.has(end + 1)) ++end;
       make_frames(k, end, [&](int frame, const Points& p) {
         store.write(frame, p);
         look(frame, p);
@@ -194,11 +196,11 @@ class SequenceRun {
       k = end + 1;
     }
     report_.files = store.finish();
-    measures.fill(report_, *bent_, report_.size);
+    measures.fill(report_, *deviation_, report_.size);
     FrameMeasures before(input_->mesh, parts_, {});
     for (int k = 0; k < report_.frames_before; ++k) before.add(k, input_->sequence.frames[k]);
-    report_.second_difference_before = before.second();
-    report_.turned_over_before = before.turned_over();
+    report_.second_difference_before = before.max_second_difference();
+    report_.inverted_triangles_before = before.inverted_triangles();
     watch_.lap("frames");
   }
 
@@ -207,24 +209,26 @@ class SequenceRun {
     watch_.lap("pictures");
   }
 
-  std::vector<MissedPromise> broken() const {
-    std::vector<MissedPromise> missed;
+  std::vector<FailedCheck> failed_checks() const {
+    std::vector<FailedCheck> failed_checks;
     for (const auto& f : report_.features)
       if (!(f.max_rigid_error <= 1e-10))
-        missed.push_back({"features." + f.name, "is bent by " + number(f.max_rigid_error) +
-                                                    " of its size, promised at most 1e-10"});
+        failed_checks.push_back({"features." + f.name, "is bent by " +
+                                                           format_number(f.max_rigid_error) +
+                                                           " of its size, promised at most 1e-10"});
     for (const auto& f : report_.feet)
-      if (!(f.slip <= f.promised))
-        missed.push_back({"footprints." + f.handle,
-                          "slips by " + number(f.slip) + " of the size in frames " +
-                              std::to_string(f.first) + " to " + std::to_string(f.last) +
-                              ", promised at most " + number(f.promised)});
-    return missed;
+      if (!(f.foot_skate <= f.max_foot_skate))
+        failed_checks.push_back(
+            {"footprints." + f.handle, "slips by " + format_number(f.foot_skate) +
+                                           " of the size in frames " + std::to_string(f.first) +
+                                           " to " + std::to_string(f.last) + ", promised at most " +
+                                           format_number(f.max_foot_skate)});
+    return failed_checks;
   }
 
   void finish() {
     watch_.total();
-    write_report(report_, broken(), out_, progress_, task_.name_of("report.json"));
+    write_report(report_, failed_checks(), out_, progress_, task_.name_of("report.json"));
     out_.commit();
   }
 
@@ -239,7 +243,7 @@ class SequenceRun {
   std::optional<MeshFile> file_;
   std::optional<VertexSelector> select_;
   SequenceParts parts_;
-  std::optional<Bent> bent_;
+  std::optional<PartDeviation> deviation_;
   StepResult last_;
   ShownFrames shown_;
   std::vector<Points> kept_;

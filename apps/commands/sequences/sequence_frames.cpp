@@ -20,23 +20,23 @@ SequenceParts find_sequence_parts(const SequenceScene& scene, VertexSelector& se
   for (const auto& h : scene.handles) {
     parts.handles.push_back({h.name, select.of(h.vertices)});
     if (parts.handles.back().vertices.empty())
-      throw InputError(scene.at(h.place) + "the handle '" + h.name + "' has no nodes");
+      throw InputError(scene.at(h.location) + "the handle '" + h.name + "' has no nodes");
   }
   for (const auto& h : scene.handles)
     parts.parents.push_back(h.parent.text.empty() ? -1 : parts.handle(scene, h.parent));
-  for (const FeatureRule& rule : scene.features) {
+  for (const FeatureSpec& rule : scene.features) {
     if (!rule.name.empty()) {
       parts.features.push_back({rule.name, select.of(rule.vertices), rule.kind});
       continue;
     }
-    for (const PlacedWord& word : rule.vertices)
-      for (const PlacedWord& name : select.matching(word))
+    for (const LocatedString& word : rule.vertices)
+      for (const LocatedString& name : select.matching(word))
         parts.features.push_back({name.text, select.of(name), rule.kind});
   }
   return parts;
 }
 
-StepResult as_it_is(std::shared_ptr<const PreparedSequence> s) {
+StepResult unchanged_result(std::shared_ptr<const PreparedSequence> s) {
   StepResult result;
   result.shells = s->sequence.shells;
   result.times = s->sequence.times;
@@ -46,24 +46,25 @@ StepResult as_it_is(std::shared_ptr<const PreparedSequence> s) {
   return result;
 }
 
-StepResult done_step(const SequenceScene& scene, const SequenceStep& step,
-                     const PreparedSequence& from, const SequenceParts& parts,
-                     VertexSelector& select, const ReadFrames& read, const Progress& progress) {
-  const VerticesOf vertices_of = [&](const std::vector<PlacedWord>& names) {
+StepResult run_step(const SequenceScene& scene, const SequenceOperation& step,
+                    const PreparedSequence& from, const SequenceParts& parts,
+                    VertexSelector& select, const FrameReader& read, const Progress& progress) {
+  const VertexFinder vertices_of = [&](const std::vector<LocatedString>& names) {
     return select.of(names);
   };
-  return naming_step(
-      scene, step, [&] { return do_step(scene, step, from, parts, vertices_of, read, progress); });
+  return with_step_context(scene, step, [&] {
+    return apply_step(scene, step, from, parts, vertices_of, read, progress);
+  });
 }
 
-std::shared_ptr<const PreparedSequence> collected(const StepResult& result,
-                                                  const TriangleMesh& mesh,
-                                                  const Progress& progress) {
+std::shared_ptr<const PreparedSequence> collect_frames(const StepResult& result,
+                                                       const TriangleMesh& mesh,
+                                                       const Progress& progress) {
   MeshSequence sequence;
   sequence.shells = result.shells;
   sequence.times = result.times;
   result.frames(
-      0, count_of(result.times) - 1, [&](int, const Points& p) { sequence.frames.push_back(p); },
+      0, isize(result.times) - 1, [&](int, const Points& p) { sequence.frames.push_back(p); },
       progress);
   sequence.shells.points = sequence.frames.front();
   const MeshTopology& topology = mesh.topology();

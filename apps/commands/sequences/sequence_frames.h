@@ -20,22 +20,23 @@ PreparedSequence prepared_sequence(MeshSequence sequence, const std::string& whe
 SequenceParts find_sequence_parts(const SequenceScene& scene, VertexSelector& select);
 
 /// A step's result that is the sequence itself.
-StepResult as_it_is(std::shared_ptr<const PreparedSequence> sequence);
+StepResult unchanged_result(std::shared_ptr<const PreparedSequence> sequence);
 
-/// do_step(), whose errors name the step and its place.
-StepResult done_step(const SequenceScene& scene, const SequenceStep& step,
-                     const PreparedSequence& from, const SequenceParts& parts,
-                     VertexSelector& select, const ReadFrames& read, const Progress& progress);
+/// apply_step(), whose errors name the step and its place.
+StepResult run_step(const SequenceScene& scene, const SequenceOperation& step,
+                    const PreparedSequence& from, const SequenceParts& parts,
+                    VertexSelector& select, const FrameReader& read, const Progress& progress);
 
 /// All frames of a step's result. `mesh`: of any of the frames.
-std::shared_ptr<const PreparedSequence> collected(const StepResult& result,
-                                                  const TriangleMesh& mesh,
-                                                  const Progress& progress);
+std::shared_ptr<const PreparedSequence> collect_frames(const StepResult& result,
+                                                       const TriangleMesh& mesh,
+                                                       const Progress& progress);
 
 /// What `work` gives. Its errors name the step and its place.
 template <class Work>
-auto naming_step(const SequenceScene& scene, const SequenceStep& step, const Work& work) {
-  const std::string where = scene.at(step.place) + "the step '" + step.name + "': ";
+auto with_step_context(const SequenceScene& scene, const SequenceOperation& step,
+                       const Work& work) {
+  const std::string where = scene.at(step.location) + "the step '" + step.name + "': ";
   try {
     return work();
   } catch (const ConflictError& e) {

@@ -2,9 +2,9 @@
 
 #include <algorithm>
 
-#include "batten/core/words.h"
+#include "batten/core/format.h"
 #include "batten/io/files/text.h"
-#include "batten/mesh/prepare.h"
+#include "batten/mesh/prepared_mesh.h"
 
 namespace batten {
 
@@ -26,15 +26,16 @@ std::string sequence_info(const SequenceSource& source, const std::string& unit)
   const auto jerks = second_differences(s.frames);
   const double size = size_of(s),
                apart = (s.frames.back() - s.frames.front()).rowwise().norm().maxCoeff();
-  std::string text = std::to_string(s.frame_count()) + " frames from " + number(s.times.front()) +
-                     " to " + number(s.times.back()) + ", " + std::to_string(s.node_count()) +
-                     " nodes, " + std::to_string(s.shells.face_count()) + " faces in " +
-                     std::to_string(mesh.components) + (mesh.components == 1 ? " part" : " parts") +
-                     ", lengths in " + unit + "\n";
-  text += "  all frames from " + at(low) + " to " + at(high) + "\n";
+  std::string text =
+      std::to_string(s.frame_count()) + " frames from " + format_number(s.times.front()) + " to " +
+      format_number(s.times.back()) + ", " + std::to_string(s.node_count()) + " nodes, " +
+      std::to_string(s.shells.face_count()) + " faces in " + std::to_string(mesh.components) +
+      (mesh.components == 1 ? " part" : " parts") + ", lengths in " + unit + "\n";
+  text += "  all frames from " + format_point(low) + " to " + format_point(high) + "\n";
   if (s.frame_count() > 1)
-    text += "  nodes move by up to " + number(step) + " from frame to frame, second difference " +
-            number(*std::max_element(jerks.begin(), jerks.end())) +
+    text += "  nodes move by up to " + format_number(step) +
+            " from frame to frame, second difference " +
+            format_number(*std::max_element(jerks.begin(), jerks.end())) +
             (apart < 1e-6 * size ? "; the last frame is the first one again" : "") + "\n";
   return text;
 }

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "batten/core/each_once.h"
+#include "batten/core/sorted_unique.h"
 #include "batten/io/meshes/mesh_file.h"
 #include "batten/io/pictures/animation.h"
 #include "batten/io/pictures/mesh_pictures.h"
@@ -24,7 +24,7 @@ std::vector<int> spread(int first, int last, int count) {
 }
 
 /// A mesh and what stands around it, as one mesh for pictures.
-struct Stage {
+struct SceneGeometry {
   ShellMesh shells;
   std::vector<MeshPicture::Part> parts;
   Points ground;      // further nodes
@@ -37,34 +37,35 @@ struct Stage {
   }
 };
 
-Stage stage_for(const SequenceScene& scene, const ShellMesh& shells, const SequenceParts& parts) {
-  Stage stage;
-  stage.shells = shells;
+SceneGeometry stage_for(const SequenceScene& scene, const ShellMesh& shells,
+                        const SequenceParts& parts) {
+  SceneGeometry geometry;
+  geometry.shells = shells;
   std::vector<MeshPicture::Part> node(shells.node_count(), MeshPicture::Part::Body);
   for (const auto& h : parts.handles)
     for (const int v : h.vertices) node[v] = MeshPicture::Part::Handle;
   for (const auto& f : parts.features)
     for (const int v : f.vertices) node[v] = MeshPicture::Part::Feature;
-  stage.parts = parts_of_faces(shells, node);
-  stage.own_faces = shells.face_count();
-  stage.ground.resize(0, 3);
+  geometry.parts = parts_of_faces(shells, node);
+  geometry.own_faces = shells.face_count();
+  geometry.ground.resize(0, 3);
   for (const auto& step : scene.steps) {
-    const auto* feet = std::get_if<SequenceStep::Footprints>(&step.what);
+    const auto* feet = std::get_if<SequenceOperation::FootContacts>(&step.what);
     if (!feet || feet->terrain.empty()) continue;
     const ShellMesh terrain = MeshFile::read(feet->terrain).shells();
-    const auto from = static_cast<int>(shells.node_count() + stage.ground.rows());
-    Points ground(stage.ground.rows() + terrain.node_count(), 3);
-    ground << stage.ground, terrain.points;
-    stage.ground = std::move(ground);
+    const auto from = static_cast<int>(shells.node_count() + geometry.ground.rows());
+    Points ground(geometry.ground.rows() + terrain.node_count(), 3);
+    ground << geometry.ground, terrain.points;
+    geometry.ground = std::move(ground);
     for (int f = 0; f < terrain.face_count(); ++f) {
       std::vector<int> face(terrain.corners(f).begin(), terrain.corners(f).end());
       for (int& v : face) v += from;
-      stage.shells.add_face(face);
-      stage.parts.push_back(MeshPicture::Part::Fixed);
+      geometry.shells.add_face(face);
+      geometry.parts.push_back(MeshPicture::Part::Fixed);
     }
   }
-  stage.shells.points = stage.with_ground(shells.points);
-  return stage;
+  geometry.shells.points = geometry.with_ground(shells.points);
+  return geometry;
 }
 
 }  // namespace
@@ -79,8 +80,8 @@ ShownFrames shown_frames(const SequenceScene& scene, int before, int first, int 
     if (picture.show != Show::After) add(shown.before, spread(0, before - 1, picture.frames));
     if (picture.show != Show::Before) add(shown.after, spread(first, last, picture.frames));
   }
-  shown.before = each_once(std::move(shown.before));
-  shown.after = each_once(std::move(shown.after));
+  shown.before = sorted_unique(std::move(shown.before));
+  shown.after = sorted_unique(std::move(shown.after));
   return shown;
 }
 
@@ -90,7 +91,7 @@ namespace {
 struct Drawing {
   const SequenceReport& report;
   const SequenceScene& scene;
-  const Stage& stage;
+  const SceneGeometry& geometry;
   const ShownFrames& shown;
   std::vector<Points> before, after;  // nodes of the sequence only
 
@@ -105,7 +106,7 @@ struct Drawing {
   }
 };
 
-MeshPicture look_of(const SequenceScene& scene, const SequencePicture& rule) {
+MeshPicture picture_settings(const SequenceScene& scene, const SequencePicture& rule) {
   MeshPicture look;
   look.mesh = rule.mesh;
   look.azimuth = rule.azimuth;
@@ -121,10 +122,10 @@ std::vector<MeshPicture> one_by_one(const Drawing& d, const SequencePicture& rul
                                     bool numbered) {
   std::vector<MeshPicture> pictures;
   for (const int k : d.frames(rule, is_after)) {
-    MeshPicture look = look_of(d.scene, rule);
-    look.shells = &d.stage.shells;
-    look.parts = d.stage.parts;
-    look.points = d.stage.with_ground(d.at(is_after, k));
+    MeshPicture look = picture_settings(d.scene, rule);
+    look.shells = &d.geometry.shells;
+    look.parts = d.geometry.parts;
+    look.points = d.geometry.with_ground(d.at(is_after, k));
     if (numbered) look.title = (is_after ? "after, " : "before, ") + std::to_string(k + 1);
     pictures.push_back(std::move(look));
   }
@@ -134,31 +135,32 @@ std::vector<MeshPicture> one_by_one(const Drawing& d, const SequencePicture& rul
 /// All frames in one picture. `shells`: where its mesh is kept.
 MeshPicture all_together(const Drawing& d, const SequencePicture& rule, bool is_after,
                          ShellMesh& shells) {
-  MeshPicture look = look_of(d.scene, rule);
+  MeshPicture look = picture_settings(d.scene, rule);
   if (rule.show == SequencePicture::Show::Both) look.title = is_after ? "after" : "before";
   const auto nodes = static_cast<int>(d.at(is_after, d.frames(rule, is_after)[0]).rows());
   std::vector<Points> places;
   for (const int k : d.frames(rule, is_after)) {
-    const int shift = nodes * count_of(places);
+    const int shift = nodes * isize(places);
     places.push_back(d.at(is_after, k));
-    for (int f = 0; f < d.stage.own_faces; ++f) {
-      std::vector<int> face(d.stage.shells.corners(f).begin(), d.stage.shells.corners(f).end());
+    for (int f = 0; f < d.geometry.own_faces; ++f) {
+      std::vector<int> face(d.geometry.shells.corners(f).begin(),
+                            d.geometry.shells.corners(f).end());
       for (int& v : face) v += shift;
       shells.add_face(face);
-      look.parts.push_back(d.stage.parts[f]);
+      look.parts.push_back(d.geometry.parts[f]);
     }
   }
-  const int shift = nodes * (count_of(places) - 1);  // of the ground, which is there once
-  for (int f = d.stage.own_faces; f < d.stage.shells.face_count(); ++f) {
-    std::vector<int> face(d.stage.shells.corners(f).begin(), d.stage.shells.corners(f).end());
+  const int shift = nodes * (isize(places) - 1);  // of the ground, which is there once
+  for (int f = d.geometry.own_faces; f < d.geometry.shells.face_count(); ++f) {
+    std::vector<int> face(d.geometry.shells.corners(f).begin(), d.geometry.shells.corners(f).end());
     for (int& v : face) v += shift;
     shells.add_face(face);
-    look.parts.push_back(d.stage.parts[f]);
+    look.parts.push_back(d.geometry.parts[f]);
   }
-  look.points.resize(static_cast<long>(nodes) * count_of(places) + d.stage.ground.rows(), 3);
+  look.points.resize(static_cast<long>(nodes) * isize(places) + d.geometry.ground.rows(), 3);
   for (size_t k = 0; k < places.size(); ++k)
     look.points.middleRows(static_cast<long>(k) * nodes, nodes) = places[k];
-  look.points.bottomRows(d.stage.ground.rows()) = d.stage.ground;
+  look.points.bottomRows(d.geometry.ground.rows()) = d.geometry.ground;
   shells.points = look.points;
   look.shells = &shells;
   return look;
@@ -178,7 +180,7 @@ void animate(const Drawing& d, const SequencePicture& rule, const std::filesyste
     if (!left.empty()) one.push_back(left[std::min(k, left.size() - 1)]);
     if (!right.empty()) one.push_back(right[std::min(k, right.size() - 1)]);
     for (auto& picture : one) picture.also_in_view = in_view;
-    images.push_back(mesh_image(one, count_of(one), rule.size));
+    images.push_back(mesh_image(one, isize(one), rule.size));
   }
   write_gif(path, images, rule.seconds, rule.seconds);
 }
@@ -195,7 +197,7 @@ void draw_sheet(const Drawing& d, const SequencePicture& rule, const std::filesy
       continue;
     }
     auto row = one_by_one(d, rule, is_after, true);
-    columns = rule.show == Show::Both ? std::max(columns, count_of(row))
+    columns = rule.show == Show::Both ? std::max(columns, isize(row))
                                       : static_cast<int>(std::ceil(std::sqrt(row.size())));
     std::move(row.begin(), row.end(), std::back_inserter(pictures));
   }
@@ -218,8 +220,8 @@ void draw_sequence(SequenceReport& report, const SequenceScene& scene,
                    const std::vector<Points>& after, const SequenceTask& task,
                    const OutputFolder& out) {
   if (scene.pictures.empty()) return;
-  const Stage stage = stage_for(scene, shells, parts);
-  Drawing drawing{report, scene, stage, shown, {}, after};
+  const SceneGeometry geometry = stage_for(scene, shells, parts);
+  Drawing drawing{report, scene, geometry, shown, {}, after};
   for (const int k : shown.before) drawing.before.push_back(before.sequence.frames[k]);
   for (const SequencePicture& rule : scene.pictures) {
     const std::string file = task.name_of(rule.file);

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "batten/apps/commands/runs/run_parts.h"
+#include "batten/apps/commands/runs/run_support.h"
 #include "batten/apps/commands/sequences/sequence_task.h"
 #include "batten/apps/commands/sequences/step_result.h"
 

@@ -1,8 +1,8 @@
 #include <algorithm>
 
-#include "batten/apps/commands/runs/run_parts.h"
+#include "batten/apps/commands/runs/run_support.h"
 #include "batten/apps/commands/sequences/run_sequence.h"
-#include "batten/core/words.h"
+#include "batten/core/format.h"
 #include "batten/io/files/text.h"
 
 namespace batten {
@@ -34,14 +34,14 @@ std::vector<std::string> in_short(const std::vector<std::string>& files) {
 
 std::string summary(const SequenceReport& report, const std::filesystem::path& folder) {
   std::string text = report.name + "\n";
-  text += result_line("sequence", std::to_string(report.frames_before) + " frames, " +
-                                      std::to_string(report.nodes) + " nodes, " +
-                                      std::to_string(report.faces) + " faces");
+  text += summary_line("sequence", std::to_string(report.frames_before) + " frames, " +
+                                       std::to_string(report.nodes) + " nodes, " +
+                                       std::to_string(report.faces) + " faces");
   for (const auto& s : report.steps)
-    text += result_line("step", s.name + " (" + s.kind + "): " + std::to_string(s.frames) +
-                                    " frames, " + counted(s.keyframes, "keyframe") + ", " +
-                                    number(s.seconds) + " s");
-  text += result_line(
+    text += summary_line("step", s.name + " (" + s.kind + "): " + std::to_string(s.frames) +
+                                     " frames, " + format_count(s.keyframes, "keyframe") + ", " +
+                                     format_number(s.seconds) + " s");
+  text += summary_line(
       "frames",
       std::to_string(report.first) + " to " + std::to_string(report.last) + " of " +
           std::to_string(report.frames) +
@@ -49,25 +49,27 @@ std::string summary(const SequenceReport& report, const std::filesystem::path& f
   if (!report.feet.empty()) {
     double before = 0, after = 0;
     for (const auto& f : report.feet) {
-      before = std::max(before, f.slip_before);
-      after = std::max(after, f.slip);
+      before = std::max(before, f.foot_skate_before);
+      after = std::max(after, f.foot_skate);
     }
-    text += result_line("footprints", std::to_string(report.feet.size()) + ", slip " +
-                                          number(before) + " -> " + number(after) + " of the size");
+    text += summary_line("footprints", std::to_string(report.feet.size()) + ", slip " +
+                                           format_number(before) + " -> " + format_number(after) +
+                                           " of the size");
   }
   double rigid = 0;
   for (const auto& f : report.features) rigid = std::max(rigid, f.max_rigid_error);
   if (!report.features.empty())
-    text += result_line("features", std::to_string(report.features.size()) + ", rigid to " +
-                                        number(rigid) + " of their size");
-  text += result_line("smoothness",
-                      "largest second difference " + number(report.second_difference_before) +
-                          " -> " + number(report.second_difference) + " " + report.unit +
-                          ", triangles turned over " + std::to_string(report.turned_over_before) +
-                          " -> " + std::to_string(report.turned_over));
+    text += summary_line("features", std::to_string(report.features.size()) + ", rigid to " +
+                                         format_number(rigid) + " of their size");
+  text += summary_line("smoothness", "largest second difference " +
+                                         format_number(report.second_difference_before) + " -> " +
+                                         format_number(report.second_difference) + " " +
+                                         report.unit + ", triangles turned over " +
+                                         std::to_string(report.inverted_triangles_before) + " -> " +
+                                         std::to_string(report.inverted_triangles));
   RunReport shown = report;
   shown.files = in_short(report.files);
-  return text + result_ending(shown, folder);
+  return text + summary_footer(shown, folder);
 }
 
 }  // namespace batten

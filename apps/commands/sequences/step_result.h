@@ -25,7 +25,7 @@ struct SequenceParts {
   std::vector<FormFeature> features;
 
   /// Number of a handle. Throws InputError that offers the nearest.
-  int handle(const SequenceScene& scene, const PlacedWord& name) const;
+  int handle(const SequenceScene& scene, const LocatedString& name) const;
 };
 
 /// A sequence after a step: frames are made when they are asked for, so that the last step's need
@@ -37,7 +37,7 @@ struct StepResult {
   std::function<void(int first, int last, const std::function<void(int, const Points&)>& take,
                      const Progress& progress)>
       frames;
-  std::vector<SequenceReport::Foot> feet;  ///< that it planted; slip_before is known
+  std::vector<SequenceReport::Foot> feet;  ///< that it planted; foot_skate_before is known
   std::vector<std::string> warnings;
   SequenceReport::Step report;
 };

@@ -5,21 +5,21 @@
 #include "batten/apps/commands/exchange/run_convert.h"
 #include "batten/apps/commands/shapes/shape_files.h"
 #include "batten/core/errors.h"
+#include "batten/io/files/atomic_file.h"
 #include "batten/io/files/text.h"
-#include "batten/io/files/whole_file.h"
 
 namespace batten {
 namespace {
 
 /// A folder for a while.
-class PrivateFolder {
+class TemporaryFolder {
  public:
-  PrivateFolder() {
+  TemporaryFolder() {
     std::string name = (std::filesystem::temp_directory_path() / "batten_export_XXXXXX").string();
     if (!mkdtemp(name.data())) throw FileError(name + ": cannot be made");
     path_ = name;
   }
-  ~PrivateFolder() {
+  ~TemporaryFolder() {
     std::error_code ignored;
     std::filesystem::remove_all(path_, ignored);
   }
@@ -30,14 +30,14 @@ class PrivateFolder {
 };
 
 void copy_whole(const std::filesystem::path& from, const std::filesystem::path& to) {
-  WholeFile file(to);
+  AtomicFile file(to);
   std::filesystem::copy_file(from, file.temporary(),
                              std::filesystem::copy_options::overwrite_existing);
   file.commit();
 }
 
 /// The scene with one output only, and the name of that.
-std::string ask_for_one_output(Scene& scene, const std::string& ending) {
+std::string require_single_output(Scene& scene, const std::string& ending) {
   scene.step = scene.vtp = scene.vtu = scene.calculix = "";
   scene.compare.clear();
   if (ending.empty()) return "";
@@ -51,19 +51,19 @@ std::string ask_for_one_output(Scene& scene, const std::string& ending) {
 
 }  // namespace
 
-Report export_shape(const Scene& of, const MadeModel& made_before, const MadeShape& shape,
+Report export_shape(const Scene& of, const BuiltModel& made_before, const SolvedShape& shape,
                     const std::filesystem::path& file, const Progress& progress) {
-  const PrivateFolder folder;
+  const TemporaryFolder folder;
   const std::string ending = lower_extension(file);
   Scene scene = of;
-  const std::string output = ask_for_one_output(scene, ending);
+  const std::string output = require_single_output(scene, ending);
   if (!scene.calculix.empty() && !scene.stress)
     throw InputError(
         file.string() +
         ": found no [stress] in the scene, expected the thickness and material of a deck");
-  ShapeRun run(scene, folder.path());
+  RunContext run(scene, folder.path());
   run.report.parameters = scene.parameters();
-  MadeModel made = made_before;
+  BuiltModel made = made_before;
   run.tolerance = made.fit_tolerance;
   measure_into(run, made, shape, scene, progress);
   write_files(run, scene, made, shape, progress);
@@ -80,8 +80,8 @@ Report export_shape(const Scene& of, const MadeModel& made_before, const MadeSha
   task.from = written;
   task.to = file;
   const ConvertReport converted = run_convert(task, progress);
-  run.report.missed.insert(run.report.missed.end(), converted.missed.begin(),
-                           converted.missed.end());
+  run.report.failed_checks.insert(run.report.failed_checks.end(), converted.failed_checks.begin(),
+                                  converted.failed_checks.end());
   return std::move(run.report);
 }
 

@@ -1,7 +1,7 @@
 // Writes a finished shape to one file.
 #pragma once
 
-#include "batten/apps/commands/shapes/make_shape.h"
+#include "batten/apps/commands/shapes/solved_shape.h"
 #include "batten/core/progress.h"
 #include "batten/io/report/report.h"
 
@@ -17,7 +17,7 @@ namespace batten {
 /// No file: it is measured only. The report says what was measured; report.missed has the promises
 /// that are broken, those of the file too. Throws InputError for an ending that nothing writes
 /// and for a deck without [stress], and what run_scene() throws.
-Report export_shape(const Scene& scene, const MadeModel& made, const MadeShape& shape,
+Report export_shape(const Scene& scene, const BuiltModel& made, const SolvedShape& shape,
                     const std::filesystem::path& file, const Progress& progress = {});
 
 }  // namespace batten

@@ -5,7 +5,7 @@
 #include <map>
 #include <string>
 
-#include "batten/core/index.h"
+#include "batten/core/isize.h"
 
 namespace batten {
 namespace {
@@ -13,10 +13,11 @@ namespace {
 using Curves = std::map<std::string, HermiteCurve>;
 
 /// The curves of all lines of the regions, by their names.
-Curves curves_of_regions(const MadeModel& made) {
+Curves curves_of_regions(const BuiltModel& made) {
   Curves curves;
   for (const SkinnedRegion* region : made.model.skinned()) {
-    for (const LineRun& run : region->runs) curves.try_emplace(run.line.name, run.fitted);
+    for (const EdgeAlignedLine& aligned_line : region->edge_aligned)
+      curves.try_emplace(aligned_line.line.name, aligned_line.fitted);
     for (const EmbeddedLine& line : region->embedded)
       curves.try_emplace(line.line.name, line.fitted);
   }
@@ -41,8 +42,8 @@ class Chain {
   explicit Chain(const HermiteCurve& first) { add(first); }
 
   /// Whether the curve goes on where the chain ends, in its direction.
-  bool goes_on(const HermiteCurve& next) const {
-    return (start_of(next) - points_.back()).norm() <= one_place() &&
+  bool continues(const HermiteCurve& next) const {
+    return (start_of(next) - points_.back()).norm() <= merge_tolerance() &&
            parallel(slopes_.back(), next.slope_out(0));
   }
   void add(const HermiteCurve& next) {
@@ -58,7 +59,8 @@ class Chain {
   }
   /// One that comes back to its beginning in its direction is closed.
   HermiteCurve curve() const {
-    const bool closed = u_.size() > 2 && (points_.back() - points_.front()).norm() <= one_place() &&
+    const bool closed = u_.size() > 2 &&
+                        (points_.back() - points_.front()).norm() <= merge_tolerance() &&
                         parallel(slopes_.back(), slopes_.front()) &&
                         std::abs(slopes_.back().norm() / slopes_.front().norm() - 1) < 1e-6;
     const CurveMesh mesh(u_, closed);
@@ -71,25 +73,27 @@ class Chain {
   }
 
  private:
-  double one_place() const { return 1e-9 * (u_.back() - u_.front()) * slopes_.front().norm(); }
+  double merge_tolerance() const {
+    return 1e-9 * (u_.back() - u_.front()) * slopes_.front().norm();
+  }
   std::vector<double> u_;
   std::vector<Vec3> points_, slopes_;
 };
 
 /// An arc in the direction of its line, from a region where one has it.
-HermiteCurve along_line(const NetworkArc& arc, const Curves& of_regions) {
-  const auto found = of_regions.find(arc.name);
-  if (found == of_regions.end()) return arc.reversed ? arc.curve.backwards() : arc.curve;
+HermiteCurve edge_along_line(const NetworkEdge& edge, const Curves& of_regions) {
+  const auto found = of_regions.find(edge.name);
+  if (found == of_regions.end()) return edge.reversed ? edge.curve.backwards() : edge.curve;
   // Regions have it in the direction of their loops; that of a closed one is nobody's.
   const HermiteCurve& own = found->second;
   const bool turned =
-      (start_of(own) - start_of(arc.curve)).norm() > (start_of(own) - end_of(arc.curve)).norm();
-  return turned != arc.reversed ? own.backwards() : own;
+      (start_of(own) - start_of(edge.curve)).norm() > (start_of(own) - end_of(edge.curve)).norm();
+  return turned != edge.reversed ? own.backwards() : own;
 }
 
 }  // namespace
 
-std::vector<CubicSpline> line_curves(const MadeModel& made) {
+std::vector<CubicSpline> line_curves(const BuiltModel& made) {
   const Curves of_regions = curves_of_regions(made);
   std::vector<CubicSpline> splines;
   const auto add = [&](const std::string& name, const HermiteCurve& curve) {
@@ -99,17 +103,17 @@ std::vector<CubicSpline> line_curves(const MadeModel& made) {
     for (const auto& [name, curve] : of_regions) add(name, curve);
     return splines;
   }
-  for (int l = 0; l < count_of(made.network->lines()); ++l) {
+  for (int l = 0; l < isize(made.network->lines()); ++l) {
     const std::string& name = made.network->lines()[l].name;
     std::vector<Chain> chains;
     std::vector<std::array<int, 2>> numbers;  // of the first and the last arc of each
     int number = 0;
-    for (const int a : made.network->arcs_of(name)) {
-      const NetworkArc& arc = made.network->arcs()[a];
+    for (const int a : made.network->edges_of(name)) {
+      const NetworkEdge& edge = made.network->edges()[a];
       ++number;
-      if (arc.line != l) continue;  // of another line, which has it
-      const HermiteCurve curve = along_line(arc, of_regions);
-      if (!chains.empty() && chains.back().goes_on(curve)) {
+      if (edge.line != l) continue;  // of another line, which has it
+      const HermiteCurve curve = edge_along_line(edge, of_regions);
+      if (!chains.empty() && chains.back().continues(curve)) {
         chains.back().add(curve);
         numbers.back()[1] = number;
       } else {

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "batten/apps/commands/shapes/make_model.h"
+#include "batten/apps/commands/shapes/built_model.h"
 #include "batten/fem/cubic_splines.h"
 
 namespace batten {
@@ -14,6 +14,6 @@ namespace batten {
 /// 1e-6 radians): their parameters are scaled so that the slopes are the same. A line of a network
 /// that turns a corner, or of which another line has a piece, is several curves by the numbers of
 /// their arcs, NAME.1-3, NAME.4; one of a single region NAME.1, NAME.2, ….
-std::vector<CubicSpline> line_curves(const MadeModel& made);
+std::vector<CubicSpline> line_curves(const BuiltModel& made);
 
 }  // namespace batten

@@ -6,7 +6,7 @@
 
 #include "batten/apps/commands/lines/line_files.h"
 #include "batten/core/box.h"
-#include "batten/core/words.h"
+#include "batten/core/format.h"
 #include "batten/fairing/curve_fit.h"
 #include "batten/io/files/input_file.h"
 #include "batten/skinning/model/model_projector.h"
@@ -19,12 +19,12 @@ namespace {
 constexpr int kManyTriangles = 40'000;
 
 /// Places farther from the surface, over its size, are a mistake and no rounding.
-constexpr double kFar = 0.5;
+constexpr double kMaxRelativeDistance = 0.5;
 
 /// What the scene's words mean on one layout.
 class SceneOnLayout {
  public:
-  SceneOnLayout(const Scene& scene, const ModelLayout& layout, const MadeModel& made)
+  SceneOnLayout(const Scene& scene, const ModelLayout& layout, const BuiltModel& made)
       : scene_(scene), layout_(layout), made_(made) {
     for (const ModelLine& line : layout.lines()) names_.push_back(line.name);
   }
@@ -33,50 +33,51 @@ class SceneOnLayout {
     return std::find(names_.begin(), names_.end(), name) != names_.end();
   }
   /// The line, or the pieces into which corners and holes have cut it.
-  std::vector<std::string> pieces(const PlacedWord& word) const {
+  std::vector<std::string> segments(const LocatedString& word) const {
     if (has(word.text)) return {word.text};
     std::vector<std::string> parts;
     for (const auto& name : names_)
       if (is_part_of(name, word.text)) parts.push_back(name);
     if (parts.empty())
-      throw InputError(scene_.at(word.place) + "found the line '" + word.text +
-                       "', expected one of: " + listed(names_) + did_you_mean(word.text, names_));
+      throw InputError(scene_.at(word.location) + "found the line '" + word.text +
+                       "', expected one of: " + comma_separated(names_) +
+                       did_you_mean(word.text, names_));
     return parts;
   }
-  std::string line(const PlacedWord& word) const {
-    const std::vector<std::string> parts = pieces(word);
+  std::string line(const LocatedString& word) const {
+    const std::vector<std::string> parts = segments(word);
     if (has(word.text)) return word.text;
-    throw InputError(scene_.at(word.place) + "found the line '" + word.text +
-                     "', which is in pieces, expected one of: " + listed(parts));
+    throw InputError(scene_.at(word.location) + "found the line '" + word.text +
+                     "', which is in pieces, expected one of: " + comma_separated(parts));
   }
 
   Area area(const SceneArea& area) const {
     Area result = area.area;
     if (auto* near = std::get_if<Area::NearLine>(&result.where)) near->line = line(area.line);
-    for (const PlacedWord& word : area.regions) result.regions.push_back(region(word));
+    for (const LocatedString& word : area.regions) result.regions.push_back(region(word));
     return result;
   }
-  std::string region(const PlacedWord& word) const {
+  std::string region(const LocatedString& word) const {
     const std::vector<std::string> names = made_.region_names();
     if (std::find(names.begin(), names.end(), word.text) != names.end()) return word.text;
     for (const ModelRegion& other : made_.model.regions)
       if (other.plan.name == word.text)
-        throw InputError(scene_.at(word.place) + "found the region '" + word.text +
-                         "', which could not be skinned (" + other.why_not +
-                         "), expected one of: " + listed(names));
-    throw InputError(scene_.at(word.place) + "found the region '" + word.text + "', expected " +
-                     one_of(word.text, names));
+        throw InputError(scene_.at(word.location) + "found the region '" + word.text +
+                         "', which could not be skinned (" + other.rejection_reason +
+                         "), expected one of: " + comma_separated(names));
+    throw InputError(scene_.at(word.location) + "found the region '" + word.text + "', expected " +
+                     expected_one_of(word.text, names));
   }
 
   /// A line of the layout, or one from a file.
   HermiteCurve curve(const SceneLoad& load) const {
     if (has(load.curve.text)) return layout_.line(load.curve.text);
     if (line_file_kind(load.file) == LineFileKind::None) line(load.curve);  // no file: a wrong name
-    require_input_file(load.file, "a file of a line, or one of: " + listed(names_),
-                       scene_.at(load.place));
+    require_input_file(load.file, "a file of a line, or one of: " + comma_separated(names_),
+                       scene_.at(load.location));
     const auto lines = read_source_file(load.file, load.unit, scene_.unit);
     if (lines.size() != 1)
-      throw InputError(scene_.at(load.place) + "found " + std::to_string(lines.size()) +
+      throw InputError(scene_.at(load.location) + "found " + std::to_string(lines.size()) +
                        " lines in '" + load.file.string() + "', expected one");
     FitOptions options;
     options.corner_angle = scene_.skin.options.corner_angle;
@@ -104,20 +105,20 @@ class SceneOnLayout {
         return {load.name, Load::Point{load.at, load.direction}};
       case Type::Line:
         return {load.name, Load::Line{line(load.line), load.direction}};
-      case Type::Scan:
-        return {load.name, Load::Scan{scan_points(scene_, load)}};
-      case Type::Pulls:
+      case Type::PointCloudSprings:
+        return {load.name, Load::PointCloudSprings{scan_points(scene_, load)}};
+      case Type::AttractorSprings:
         break;
     }
-    Load::Pulls pulls = load.pulls;
-    if (!load.curve.text.empty()) pulls.target = Load::Pulls::Curve{curve(load)};
+    Load::AttractorSprings pulls = load.pulls;
+    if (!load.curve.text.empty()) pulls.target = Load::AttractorSprings::Curve{curve(load)};
     return {load.name, std::move(pulls)};
   }
 
-  WeightField weight(const SceneWeight& weight) const {
-    WeightField field{weight.name, weight.kind, area(weight.area), {}};
+  StiffnessField weight(const SceneStiffnessField& weight) const {
+    StiffnessField field{weight.name, weight.kind, area(weight.area), {}};
     if (!weight.along) return field;
-    if (const auto* word = std::get_if<PlacedWord>(&*weight.along))
+    if (const auto* word = std::get_if<LocatedString>(&*weight.along))
       field.along = line(*word);
     else
       field.along = std::get<Vec2>(*weight.along);
@@ -127,15 +128,15 @@ class SceneOnLayout {
  private:
   const Scene& scene_;
   const ModelLayout& layout_;
-  const MadeModel& made_;
+  const BuiltModel& made_;
   std::vector<std::string> names_;
 };
 
 /// The scene's parameters, without rules: these come when all parameters are there.
-std::map<std::string, NamedValue> values_of(const Scene& scene) {
-  std::map<std::string, NamedValue> values;
-  for (NamedValue p : scene.named_values()) {
-    p.follows.clear();
+std::map<std::string, ScalarParameter> values_of(const Scene& scene) {
+  std::map<std::string, ScalarParameter> values;
+  for (ScalarParameter p : scene.named_values()) {
+    p.rule_terms.clear();
     p.offset = 0;
     values.emplace(p.name, std::move(p));
   }
@@ -148,67 +149,70 @@ bool driven(const Scene& scene, const std::string& name) {
   return false;
 }
 
-class Maker {
+class SessionBuilder {
  public:
-  Maker(const ModelLayout& layout, const Scene& scene, const MadeModel& made, Expected expected,
-        const Progress& progress, RestShape rest)
+  SessionBuilder(const ModelLayout& layout, const Scene& scene, const BuiltModel& made,
+                 FactorReuse factor_reuse, const Progress& progress, RestShapeFunction rest)
       : scene_(scene),
         on_layout_(scene, layout, made),
         values_(values_of(scene)),
-        session_(layout, options(scene, layout.mesh()->triangle_count(), expected, std::move(rest)),
+        session_(layout,
+                 options(scene, layout.mesh()->triangle_count(), factor_reuse, std::move(rest)),
                  progress),
         unloaded_(session_.dofs()),
-        unloaded_places_(layout, unloaded_) {}
+        unloaded_projector_(layout, unloaded_) {}
 
   SculptingSession made() {
     using Type = SceneConstraint::Type;
     // What refers to the surface as it is comes first.
     for (const auto& c : scene_.constraints)
-      if (c.type == Type::LineNormal && c.as_it_is)
-        add(c.place, Constraint{c.name, Constraint::LineNormal{on_layout_.line(c.line), {}}});
-    for (const bool over_time : {false, true})
-      for (const SceneMove& move : scene_.moves)
-        if (!move.over_time.empty() == over_time) add_move(move);
+      if (c.type == Type::LineNormal && c.keep_tangent_planes)
+        add(c.location, Constraint{c.name, Constraint::LineNormal{on_layout_.line(c.line), {}}});
+    for (const bool keyframes : {false, true})
+      for (const SceneLineOffset& move : scene_.moves)
+        if (!move.keyframes.empty() == keyframes) add_move(move);
     for (const auto& c : scene_.constraints)
       if (c.type == Type::Point) add_point(c);
     for (const auto& c : scene_.constraints) {
       if (c.type == Type::Normal)
-        add(c.place, Constraint{c.name, Constraint::Normal{now(c), c.goal}});
+        add(c.location, Constraint{c.name, Constraint::Normal{now(c), c.goal}});
       else if (c.type == Type::Tangent)
-        add(c.place, Constraint{c.name, Constraint::Tangent{now(c), c.along, c.goal}});
-      else if (c.type == Type::LineNormal && !c.as_it_is)
-        add(c.place, Constraint{c.name, Constraint::LineNormal{on_layout_.line(c.line), c.goal}});
+        add(c.location, Constraint{c.name, Constraint::Tangent{now(c), c.along, c.goal}});
+      else if (c.type == Type::LineNormal && !c.keep_tangent_planes)
+        add(c.location,
+            Constraint{c.name, Constraint::LineNormal{on_layout_.line(c.line), c.goal}});
     }
     // Loads act where the surface under the constraints alone is nearest; they take effect with the
     // next answer only.
     if (!goals_.empty()) {
       for (const auto& [name, value] : goals_) session_.set(name, value);
-      session_.settle();
+      session_.solve_to_equilibrium();
     }
-    held_ = session_.dofs();
+    constrained_ = session_.dofs();
     for (const SceneLoad& load : scene_.loads)
-      add(load.named, on_layout_.load(load), {values_.at(load.name)});
-    for (const SceneWeight& weight : scene_.weights)
-      add(weight.named, on_layout_.weight(weight), {values_.at(weight.name)});
-    for (const NamedValue& slider : scene_.sliders) session_.add_parameter(values_.at(slider.name));
+      add(load.name_location, on_layout_.load(load), {values_.at(load.name)});
+    for (const SceneStiffnessField& weight : scene_.weights)
+      add(weight.name_location, on_layout_.weight(weight), {values_.at(weight.name)});
+    for (const ScalarParameter& slider : scene_.sliders)
+      session_.add_parameter(values_.at(slider.name));
     for (const auto& [name, value] : moves_) session_.set(name, value);
-    for (const NamedValue& p : scene_.named_values())
-      if (!p.follows.empty()) session_.drive(p.name, p.follows, p.offset);
+    for (const ScalarParameter& p : scene_.named_values())
+      if (!p.rule_terms.empty()) session_.set_rule(p.name, p.rule_terms, p.offset);
     return std::move(session_);
   }
-  SessionStart start() && { return {std::move(unloaded_), std::move(held_)}; }
+  SessionReference start() && { return {std::move(unloaded_), std::move(constrained_)}; }
 
  private:
-  static SessionOptions options(const Scene& scene, int triangles, Expected expected,
-                                RestShape rest) {
+  static SessionOptions options(const Scene& scene, int triangles, FactorReuse factor_reuse,
+                                RestShapeFunction rest) {
     SessionOptions options;
     options.rest = std::move(rest);
-    options.expected = expected;
+    options.factor_reuse = factor_reuse;
     options.material = scene.skin.material;
     options.isotropic_alpha = scene.skin.isotropic_alpha;
     options.isotropic_beta = scene.skin.isotropic_beta;
     options.units = scene.skin.units;
-    options.hold_corners = scene.skin.hold == SceneSkin::Hold::Corners;
+    options.fix_corners_only = scene.skin.boundary == SceneSkin::FixedBoundary::Corners;
     options.facets_per_edge = triangles > kManyTriangles ? 1 : 2;
     return options;
   }
@@ -216,37 +220,38 @@ class Maker {
   /// The present position of the place that is nearest on the unloaded surface. Constraints added
   /// before have moved it.
   Vec3 now(const SceneConstraint& c) const {
-    const auto was = unloaded_places_.nearest_inside(c.at);
+    const auto was = unloaded_projector_.nearest_inside(c.at);
     const double size = session_.layout().size();
-    if (!(was.distance <= kFar * size))
-      throw InputError(
-          scene_.at(c.place) + "found the constraint '" + c.name + "' " + number(was.distance) +
-          " away from the surface, expected a place on it (its size is " + number(size) + ")");
+    if (!(was.distance <= kMaxRelativeDistance * size))
+      throw InputError(scene_.at(c.location) + "found the constraint '" + c.name + "' " +
+                       format_number(was.distance) +
+                       " away from the surface, expected a place on it (its size is " +
+                       format_number(size) + ")");
     return session_.layout()
         .surface(session_.dofs())
-        .position(session_.layout().in_model(was.at.region, was.where));
+        .position(session_.layout().to_model_location(was.at.region, was.where));
   }
 
   /// Puts the place in the scene before the message of what the session refuses.
   template <class Thing>
-  void add(const FilePlace& place, const Thing& thing,
-           const std::vector<NamedValue>& parameters = {}) {
+  void add(const SourceLocation& location, const Thing& thing,
+           const std::vector<ScalarParameter>& parameters = {}) {
     try {
       session_.add(thing, parameters);
     } catch (const InputError& e) {
-      throw InputError(scene_.at(place) + e.what());
+      throw InputError(scene_.at(location) + e.what());
     }
   }
 
   /// The share of a piece over which it fades: as stated, or else so that it does not leave lines that
   /// stay where they are.
-  double fade_of(const SceneMove& move, const std::string& piece) const {
+  double blend_length(const SceneLineOffset& move, const std::string& segment) const {
     if (move.fade) return *move.fade;
     const ModelLayout& layout = session_.layout();
-    const HermiteCurve& curve = layout.line(piece);
+    const HermiteCurve& curve = layout.line(segment);
     std::set<std::string> moved;
-    for (const SceneMove& other : scene_.moves)
-      for (std::string& name : on_layout_.pieces(other.line)) moved.insert(std::move(name));
+    for (const SceneLineOffset& other : scene_.moves)
+      for (std::string& name : on_layout_.segments(other.line)) moved.insert(std::move(name));
     const auto stays = [&](const Vec3& end) {
       return std::any_of(layout.lines().begin(), layout.lines().end(), [&](const ModelLine& line) {
         return !moved.count(line.name) &&
@@ -261,58 +266,59 @@ class Maker {
   }
 
   /// Adds a move at 0, or at the nearest value of its range, so that it moves nothing yet.
-  void add_move(const SceneMove& move) {
-    NamedValue p = values_.at(move.name);
-    if (p.over_time.empty()) {
+  void add_move(const SceneLineOffset& move) {
+    ScalarParameter p = values_.at(move.name);
+    if (p.keyframes.empty()) {
       if (!driven(scene_, move.name)) moves_.emplace_back(move.name, p.value);
       p.value = std::clamp(0.0, p.min, p.max);
     }
     // The pieces of a line that is cut move together: all follow the first.
     std::string name = move.name;
     int number = 1;
-    for (const std::string& piece : on_layout_.pieces(move.line)) {
-      add(move.named, LineMove{name, piece, move.direction, fade_of(move, piece)}, {p});
+    for (const std::string& segment : on_layout_.segments(move.line)) {
+      add(move.name_location,
+          LineOffset{name, segment, move.direction, blend_length(move, segment)}, {p});
       name = move.name + "." + std::to_string(++number);
       p.name = name;
-      p.over_time.clear();
-      p.follows = {{move.name}};
+      p.keyframes.clear();
+      p.rule_terms = {{move.name}};
     }
   }
 
   void add_point(const SceneConstraint& c) {
     Vec3 goal = now(c);
-    std::vector<NamedValue> parameters;
+    std::vector<ScalarParameter> parameters;
     for (int i = 0; i < 3; ++i) {
-      NamedValue p = values_.at(c.name + "." + "xyz"[i]);
+      ScalarParameter p = values_.at(c.name + "." + "xyz"[i]);
       if (!driven(scene_, p.name)) goals_.emplace_back(p.name, p.value);
       p.value = goal[i] = std::clamp(goal[i], p.min, p.max);
       parameters.push_back(p);
     }
-    add(c.place, Constraint{c.name, Constraint::Point{now(c), goal}}, parameters);
+    add(c.location, Constraint{c.name, Constraint::Point{now(c), goal}}, parameters);
   }
 
   const Scene& scene_;
   SceneOnLayout on_layout_;
-  std::map<std::string, NamedValue> values_;
+  std::map<std::string, ScalarParameter> values_;
   SculptingSession session_;
-  Points unloaded_, held_;
-  ModelProjector unloaded_places_;
+  Points unloaded_, constrained_;
+  ModelProjector unloaded_projector_;
   // Set last, because what is added before refers to the surface without them.
   std::vector<std::pair<std::string, double>> goals_, moves_;
 };
 
 }  // namespace
 
-SculptingSession make_session(const ModelLayout& layout, const Scene& scene, const MadeModel& made,
-                              Expected expected, const Progress& progress, SessionStart* start,
-                              RestShape rest) {
+SculptingSession make_session(const ModelLayout& layout, const Scene& scene, const BuiltModel& made,
+                              FactorReuse factor_reuse, const Progress& progress,
+                              SessionReference* start, RestShapeFunction rest) {
   const std::string where = scene.at({});
-  if (!rest && scene.skin.has_rest() && scene.skin.hold == SceneSkin::Hold::Lines)
-    rest = [](const RestTask& task) { return rest_dofs(task.layout); };
+  if (!rest && scene.skin.has_rest() && scene.skin.boundary == SceneSkin::FixedBoundary::Lines)
+    rest = [](const RestShapeInput& task) { return rest_dofs(task.layout); };
   try {
-    Maker maker(layout, scene, made, expected, progress, std::move(rest));
-    SculptingSession session = maker.made();
-    if (start) *start = std::move(maker).start();
+    SessionBuilder builder(layout, scene, made, factor_reuse, progress, std::move(rest));
+    SculptingSession session = builder.made();
+    if (start) *start = std::move(builder).start();
     return session;
   } catch (const InputError& e) {
     const std::string message = e.what();
@@ -321,28 +327,29 @@ SculptingSession make_session(const ModelLayout& layout, const Scene& scene, con
   }
 }
 
-void add_load(SculptingSession& session, const Scene& scene, const MadeModel& made,
-              const SceneLoad& load, const Points& held) {
+void add_load(SculptingSession& session, const Scene& scene, const BuiltModel& made,
+              const SceneLoad& load, const Points& constrained) {
   const ModelLayout& layout = session.layout();
-  const ModelProjector places(layout, held);
+  const ModelProjector places(layout, constrained);
   const Surface present = layout.surface(session.dofs());
   const auto now = [&](const Vec3& at) {
     const ModelProjector::Nearest was = places.nearest_inside(at);
-    if (!(was.distance <= kFar * layout.size())) return at;  // which the session refuses
-    return present.position(layout.in_model(was.at.region, was.where));
+    if (!(was.distance <= kMaxRelativeDistance * layout.size()))
+      return at;  // which the session refuses
+    return present.position(layout.to_model_location(was.at.region, was.where));
   };
   Load added = SceneOnLayout(scene, layout, made).load(load);
   if (auto* point = std::get_if<Load::Point>(&added.kind)) point->at = now(point->at);
-  if (auto* pulls = std::get_if<Load::Pulls>(&added.kind))
+  if (auto* pulls = std::get_if<Load::AttractorSprings>(&added.kind))
     for (Vec3& at : pulls->at) at = now(at);
   try {
     session.add(added, {values_of(scene).at(load.name)});
   } catch (const InputError& e) {
-    throw InputError(scene.at(load.named) + e.what());
+    throw InputError(scene.at(load.name_location) + e.what());
   }
 }
 
-bool is_live(const Scene& scene, const std::string& parameter) {
+bool is_session_parameter(const Scene& scene, const std::string& parameter) {
   bool live = true;
   for_each_fair_parameter(scene.fairing,
                           [&](const std::string& name, double) { live &= name != parameter; });

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "batten/core/other_factor.h"
+#include "batten/core/linear_solver_backend.h"
 #include "batten/io/decks/calculix.h"
 #include "batten/io/report/report.h"
 
@@ -25,9 +25,9 @@ Report run_scene(const Scene& scene, const std::filesystem::path& folder,
 /// The same, and analyses the shape as the shell of [stress]: analyse(). Throws as run_scene(), and
 /// InputError for a scene without [stress].
 struct StressTask {
-  bool with_calculix = false;                           ///< asks CalculiX, too (ask_calculix())
+  bool with_calculix = false;  ///< asks CalculiX, too (check_with_calculix())
   ShellDeck::Element element = ShellDeck::Element::S6;  ///< of CalculiX
-  FactorMaker factors = {};                             ///< of its systems; empty: SparseCholesky
+  BackendFactory factors = {};                          ///< of its systems; empty: SparseCholesky
   double accuracy = 0;  ///< share of displacements; 0: edge_length as it is. accurate_scene()
 };
 Report run_stress(const Scene& scene, const std::filesystem::path& folder, const StressTask& task,

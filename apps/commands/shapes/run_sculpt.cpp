@@ -8,9 +8,9 @@
 #include "batten/apps/commands/shapes/make_session.h"
 #include "batten/apps/commands/shapes/shape_files.h"
 #include "batten/apps/commands/shapes/shape_series.h"
-#include "batten/apps/commands/shapes/stress_shape.h"
-#include "batten/core/index.h"
-#include "batten/io/files/whole_file.h"
+#include "batten/apps/commands/shapes/stress_analysis.h"
+#include "batten/core/isize.h"
+#include "batten/io/files/atomic_file.h"
 #include "batten/io/sessions/session_log.h"
 
 namespace batten {
@@ -24,7 +24,7 @@ struct SweepTask {
 };
 
 /// "name=from:to:count".
-SweepTask parsed_sweep(const std::string& text) {
+SweepTask parse_sweep(const std::string& text) {
   SweepTask sweep;
   sweep.where = "--sweep " + text + ": ";
   const auto fail = [&](const std::string& found) {
@@ -37,7 +37,7 @@ SweepTask parsed_sweep(const std::string& text) {
   for (size_t at = equals + 1; at <= text.size();) {
     const size_t colon = std::min(text.find(':', at), text.size());
     const std::string word = text.substr(at, colon - at);
-    const std::optional<double> value = stated_number(word);
+    const std::optional<double> value = parse_number(word);
     if (!value) fail("'" + word + "' for a number");
     numbers.push_back(*value);
     at = colon + 1;
@@ -45,10 +45,10 @@ SweepTask parsed_sweep(const std::string& text) {
   if (numbers.size() != 3) fail(std::to_string(numbers.size()) + " numbers");
   constexpr double most = 1000;
   if (numbers[2] != std::floor(numbers[2]) || numbers[2] < 2 || numbers[2] > most)
-    throw InputError(sweep.where + "found " + number(numbers[2]) +
+    throw InputError(sweep.where + "found " + format_number(numbers[2]) +
                      " values, expected a whole number from 2 to 1000");
   if (numbers[0] == numbers[1])
-    throw InputError(sweep.where + "found " + number(numbers[0]) +
+    throw InputError(sweep.where + "found " + format_number(numbers[0]) +
                      " twice, expected a range to go through");
   sweep.from = numbers[0];
   sweep.to = numbers[1];
@@ -57,7 +57,7 @@ SweepTask parsed_sweep(const std::string& text) {
 }
 
 /// "jumps:ROUNDS".
-int parsed_rounds(const std::string& text) {
+int parse_rounds(const std::string& text) {
   if (text.empty()) return 0;
   const std::string word = text.starts_with("jumps:") ? text.substr(6) : "";
   char* end = nullptr;
@@ -67,16 +67,17 @@ int parsed_rounds(const std::string& text) {
   return static_cast<int>(rounds);
 }
 
-int parsed_steps(const SculptTask& task) {
+int parse_steps(const SculptTask& task) {
   if (task.time == 0 && task.dt == 0) return 0;
   const auto fail = [](const std::string& found, const std::string& expected) {
     throw InputError("--time, --dt: found " + found + ", expected " + expected);
   };
   if (!(task.time > 0) || !(task.dt > 0) || !std::isfinite(task.time) || !std::isfinite(task.dt))
-    fail("the time " + number(task.time) + " in steps of " + number(task.dt), "both above 0");
+    fail("the time " + format_number(task.time) + " in steps of " + format_number(task.dt),
+         "both above 0");
   const double steps = task.time / task.dt;
   constexpr double most = 1e6;
-  if (steps > most) fail(number(steps) + " steps", "at most a million");
+  if (steps > most) fail(format_number(steps) + " steps", "at most a million");
   // The last step ends at the time, or is the first one after it.
   return std::max(1, static_cast<int>(std::ceil(steps * (1 - 1e-12))));
 }
@@ -84,7 +85,7 @@ int parsed_steps(const SculptTask& task) {
 double area_of(const Surface& surface) {
   const ParametricMesh& mesh = surface.mesh();
   const Trim* trim = surface.trim().get();
-  const TriangleRule whole = split_triangle(2);
+  const TriangleRule whole = split_triangle_rule(2);
   double area = 0;
   for (int t = 0; t < mesh.triangle_count(); ++t) {
     if (trim && trim->side(t) == Trim::Side::Outside) continue;
@@ -96,7 +97,7 @@ double area_of(const Surface& surface) {
   return area;
 }
 
-Report::Shape shape_now(const SculptingSession& session) {
+Report::Shape current_shape(const SculptingSession& session) {
   const SurfaceEnergy energy = session.energy();
   return {energy.stretching, energy.bending, area_of(session.layout().surface(session.dofs())),
           session.enclosed_volume(), session.residual()};
@@ -112,13 +113,13 @@ class SculptRun {
   Report done() {
     if (task_.stress && !scene_.stress)
       throw InputError(scene_.at({}) + "found no [stress], expected thickness, material, supports");
-    for (const std::string& text : task_.sweeps) sweeps_.push_back(parsed_sweep(text));
-    const int rounds = parsed_rounds(task_.refinement), steps = parsed_steps(task_);
+    for (const std::string& text : task_.sweeps) sweeps_.push_back(parse_sweep(text));
+    const int rounds = parse_rounds(task_.refinement), steps = parse_steps(task_);
     Stopwatch& watch = run_.watch;
     report_.sculpting = Report::Sculpting{};
     std::vector<Setting> settings;
-    for (Setting& s : parsed_settings(task_.settings)) {
-      if (is_live(scene_, s.name))
+    for (Setting& s : parse_settings(task_.settings)) {
+      if (is_session_parameter(scene_, s.name))
         settings.push_back(s);
       else
         scene_.set(s.name, s.value, s.where);
@@ -128,16 +129,16 @@ class SculptRun {
 
     model_ = sculpt_model(model_of(run_, scene_, progress_), scene_, progress_);
     watch.lap("layout");
-    progress_.at("session", 0);
-    session_.emplace(make_session(*model_.layout, scene_, model_.made, Expected::many_factors,
-                                  progress_, &start_, model_.fair.rest));
+    progress_.update("session", 0);
+    session_.emplace(make_session(*model_.layout, scene_, model_.made, FactorReuse::many, progress_,
+                                  &start_, model_.fair.rest));
     check_sweeps();
     watch.lap("session");
 
     session_->record(!task_.record.empty());
     if (!task_.replay.empty()) replay(log);
     for (const Setting& s : settings) set(s.name, s.value, s.where);
-    if (task_.replay.empty() || !settings.empty()) settle("settle");
+    if (task_.replay.empty() || !settings.empty()) solve_to_equilibrium("settle");
     for (int round = 0; round < rounds; ++round) refine();
     watch.lap("sculpt");
     for (const SweepTask& sweep : sweeps_) {
@@ -154,9 +155,9 @@ class SculptRun {
 
  private:
   std::string stem(const std::string& what) const {
-    const std::string name = scene_.vtp.empty() ? file_word(scene_.name)
+    const std::string name = scene_.vtp.empty() ? safe_file_name(scene_.name)
                                                 : std::filesystem::path(scene_.vtp).stem().string();
-    return name + "_" + file_word(what);
+    return name + "_" + safe_file_name(what);
   }
 
   void set(const std::string& name, double value, const std::string& where) {
@@ -171,7 +172,7 @@ class SculptRun {
   void check_sweeps() const {
     for (const SweepTask& sweep : sweeps_)
       for (const double value : {sweep.from, sweep.to}) {
-        if (!is_live(scene_, sweep.parameter))
+        if (!is_session_parameter(scene_, sweep.parameter))
           throw InputError(sweep.where + "found '" + sweep.parameter +
                            "', which is not a parameter of the session, expected a load, weight, "
                            "move, [[parameter]], goal of a point, or alpha or beta");
@@ -183,31 +184,32 @@ class SculptRun {
       }
   }
 
-  Answer settle(const std::string& what) {
-    progress_.at("sculpting", 0);
-    answer_ = session_->settle();
-    report_.sculpting->answers.push_back(
-        {what, answer_.iterations, answer_.change, answer_.factored});
-    return answer_;
+  SolveReport solve_to_equilibrium(const std::string& what) {
+    progress_.update("sculpting", 0);
+    solve_report_ = session_->solve_to_equilibrium();
+    report_.sculpting->solves.push_back(
+        {what, solve_report_.iterations, solve_report_.change, solve_report_.factored});
+    return solve_report_;
   }
 
   void replay(const std::vector<Operation>& log) {
-    progress_.at("replay", 0);
+    progress_.update("replay", 0);
     const int refused = session_->replay(log);
     if (refused > 0)
       report_.warnings.push_back(
           std::to_string(refused) + " of " + std::to_string(log.size()) +
           " operations of the log were refused: if they were not when it was "
           "recorded, it was recorded with another scene");
-    report_.sculpting->answers.push_back({"replay", count_of(log), 0, false});
+    report_.sculpting->solves.push_back({"replay", isize(log), 0, false});
   }
 
   void refine() {
     Refinement refinement;
-    refinement.where = Refinement::Jumps{};
+    refinement.where = Refinement::JumpIndicator{};
     const RefinementReport r = session_->refine(refinement);
     report_.sculpting->refinements.push_back({r.triangles_before, r.triangles, r.max_displacement,
-                                              r.energy_before, r.energy_carried, r.energy_settled});
+                                              r.energy_before, r.energy_transferred,
+                                              r.energy_at_equilibrium});
   }
 
   void do_sweep(const SweepTask& sweep) {
@@ -215,31 +217,33 @@ class SculptRun {
     Report::Sculpting::Sweep table{sweep.parameter, {}, ""};
     ShapeSeries series(scene_, stem(sweep.parameter), sweep.parameter, run_.out, sweep.count);
     for (int i = 0; i < sweep.count; ++i) {
-      progress_.at("sweep of " + sweep.parameter, static_cast<double>(i) / sweep.count);
+      progress_.update("sweep of " + sweep.parameter, static_cast<double>(i) / sweep.count);
       const double value = sweep.at(i);
       session_->set(sweep.parameter, value);
       try {
-        answer_ = session_->settle();
+        solve_report_ = session_->solve_to_equilibrium();
       } catch (const NoSolutionError& e) {
-        table.stopped = "at " + number(value) + ": " + e.what();
-        report_.missed.push_back({"sweep of " + sweep.parameter,
-                                  "stopped after " + std::to_string(i) + " of " +
-                                      std::to_string(sweep.count) + " values, " + table.stopped});
+        table.stopped = "at " + format_number(value) + ": " + e.what();
+        report_.failed_checks.push_back(
+            {"sweep of " + sweep.parameter, "stopped after " + std::to_string(i) + " of " +
+                                                std::to_string(sweep.count) + " values, " +
+                                                table.stopped});
         break;
       }
-      table.rows.push_back({value, shape_now(*session_), answer_.iterations, 0, stress_now()});
+      table.rows.push_back(
+          {value, current_shape(*session_), solve_report_.iterations, 0, current_stress()});
       series.add(report_, value, session_->regions());
     }
     report_.sculpting->sweeps.push_back(table);
     finish(series, false);
     session_->set(sweep.parameter, before);
-    settle("back from the sweep of " + sweep.parameter);
+    solve_to_equilibrium("back from the sweep of " + sweep.parameter);
   }
 
   // The largest values of all load cases.
-  std::optional<Report::Sculpting::Stress> stress_now() {
+  std::optional<Report::Sculpting::Stress> current_stress() {
     if (!task_.stress) return std::nullopt;
-    const MovingStress::Largest most = stress_.at(session_->layout(), session_->dofs());
+    const StressEvaluator::MaxValues most = stress_.at(session_->layout(), session_->dofs());
     return Report::Sculpting::Stress{most.displacement, most.von_mises};
   }
 
@@ -250,16 +254,16 @@ class SculptRun {
     const int stride = (steps + task_.frames - 1) / task_.frames;
     ShapeSeries series(scene_, stem("time"), "t", run_.out, steps / stride + 1);
     const auto add = [&](double time) {
-      table.rows.push_back({time, shape_now(*session_), 0, session_->total_energy(), {}});
+      table.rows.push_back({time, current_shape(*session_), 0, session_->total_energy(), {}});
       series.add(report_, time, session_->regions());
     };
     add(0);
     for (int i = 1; i <= steps; ++i) {
-      progress_.at("motion", static_cast<double>(i) / steps);
-      answer_ = session_->step();
+      progress_.update("motion", static_cast<double>(i) / steps);
+      solve_report_ = session_->step();
       const double residual = session_->residual();
       if (!(residual <= table.max_residual)) table.max_residual = residual;
-      if (i % stride == 0 || i == steps) add(answer_.time);
+      if (i % stride == 0 || i == steps) add(solve_report_.time);
     }
     report_.sculpting->motion = table;
     finish(series, true);
@@ -275,23 +279,23 @@ class SculptRun {
   }
 
   /// Dofs of what the lines alone make, on the mesh as it is now.
-  Points unloaded_now() const {
+  Points current_unloaded() const {
     if (start_.unloaded.rows() == session_->dofs().rows()) return start_.unloaded;
-    const Points bent = bent_shape(session_->layout(), scene_, progress_);
+    const Points bent = min_bending_shape(session_->layout(), scene_, progress_);
     if (!model_.fair.rest) return bent;
     const ConstraintSet rows = session_->layout().line_constraints();
     const Points fair =
-        RestShape(model_.fair.rest)({session_->layout(), rows, bent, {}, progress_});
+        RestShapeFunction(model_.fair.rest)({session_->layout(), rows, bent, {}, progress_});
     return fair.rows() > 0 ? fair : bent;
   }
 
   void write() {
-    progress_.at("measuring", 0);
-    for (const NamedValue& p : session_->parameters().all())
+    progress_.update("measuring", 0);
+    for (const ScalarParameter& p : session_->parameters().all())
       report_.parameters.push_back({p.name, session_->parameters().value(p.name), p.min, p.max});
-    report_.sculpting->shape = shape_now(*session_);
-    const ShapeFairing fairing = model_.fair.fairing ? *model_.fair.fairing : ShapeFairing{};
-    MadeShape shape = shape_of(*session_, scene_, unloaded_now(), answer_);
+    report_.sculpting->shape = current_shape(*session_);
+    const FairingSummary fairing = model_.fair.fairing ? *model_.fair.fairing : FairingSummary{};
+    SolvedShape shape = shape_of(*session_, scene_, current_unloaded(), solve_report_);
     shape.fairing = fairing;
     measure_into(run_, model_.made, shape, scene_, progress_);
     write_files(run_, scene_, model_.made, shape, progress_);
@@ -306,14 +310,14 @@ class SculptRun {
   Scene scene_;
   const SculptTask& task_;
   const Progress& progress_;
-  ShapeRun run_;
+  RunContext run_;
   Report& report_ = run_.report;
   SculptModel model_;
   std::vector<SweepTask> sweeps_;
   std::optional<SculptingSession> session_;
-  MovingStress stress_{scene_};
-  SessionStart start_;
-  Answer answer_;
+  StressEvaluator stress_{scene_};
+  SessionReference start_;
+  SolveReport solve_report_;
 };
 
 std::string row_text(const std::vector<std::string>& cells) {
@@ -365,18 +369,21 @@ std::string sculpt_summary(const Report& report, const std::filesystem::path& fo
   const auto& sculpting = *report.sculpting;
   const auto energy = [](const Report::Shape& shape) { return shape.stretching + shape.bending; };
   std::string text = report.name + "\n";
-  text += result_line("surface", std::to_string(s.triangles) + " triangles, " +
-                                     std::to_string(s.dofs) + " unknowns a coordinate, area " +
-                                     number(sculpting.shape.area) + " " + report.unit + "²");
-  text += result_line("energy", number(energy(sculpting.shape)) + " (bending " +
-                                    number(sculpting.shape.bending) + "), volume " +
-                                    number(sculpting.shape.volume) + " " + report.unit + "³");
-  text += result_line("constraints", "residual " + number(sculpting.shape.residual));
+  text +=
+      summary_line("surface", std::to_string(s.triangles) + " triangles, " +
+                                  std::to_string(s.dofs) + " unknowns a coordinate, area " +
+                                  format_number(sculpting.shape.area) + " " + report.unit + "²");
+  text +=
+      summary_line("energy", format_number(energy(sculpting.shape)) + " (bending " +
+                                 format_number(sculpting.shape.bending) + "), volume " +
+                                 format_number(sculpting.shape.volume) + " " + report.unit + "³");
+  text += summary_line("constraints", "residual " + format_number(sculpting.shape.residual));
   for (const auto& r : sculpting.refinements)
-    text += result_line("refined", std::to_string(r.triangles_before) + " -> " +
-                                       std::to_string(r.triangles) + " triangles, moved by " +
-                                       number(r.max_displacement) + " of the size, energy " +
-                                       number(r.energy_before) + " -> " + number(r.energy_settled));
+    text += summary_line("refined", std::to_string(r.triangles_before) + " -> " +
+                                        std::to_string(r.triangles) + " triangles, moved by " +
+                                        format_number(r.max_displacement) +
+                                        " of the size, energy " + format_number(r.energy_before) +
+                                        " -> " + format_number(r.energy_at_equilibrium));
   for (const auto& sweep : sculpting.sweeps) {
     std::vector<std::string> head = {sweep.parameter, "energy",     "area",
                                      "volume",        "iterations", "residual"};
@@ -385,31 +392,33 @@ std::string sculpt_summary(const Report& report, const std::filesystem::path& fo
     text += row_text(head);
     for (const auto& row : sweep.rows) {
       std::vector<std::string> words = {
-          number(row.value),        number(energy(row.shape)),      number(row.shape.area),
-          number(row.shape.volume), std::to_string(row.iterations), number(row.shape.residual)};
+          format_number(row.value),       format_number(energy(row.shape)),
+          format_number(row.shape.area),  format_number(row.shape.volume),
+          std::to_string(row.iterations), format_number(row.shape.residual)};
       if (row.stress)
-        words.insert(words.end(),
-                     {number(row.stress->displacement), number(row.stress->von_mises)});
+        words.insert(words.end(), {format_number(row.stress->displacement),
+                                   format_number(row.stress->von_mises)});
       text += row_text(words);
     }
     if (!sweep.stopped.empty()) text += "    stopped " + sweep.stopped + "\n";
   }
   if (sculpting.motion) {
     const auto& m = *sculpting.motion;
-    text += result_line("motion", std::to_string(m.steps) + " steps of " + number(m.dt) +
-                                      ", largest residual " + number(m.max_residual));
+    text += summary_line("motion", std::to_string(m.steps) + " steps of " + format_number(m.dt) +
+                                       ", largest residual " + format_number(m.max_residual));
     constexpr size_t most_rows = 12;
     const size_t stride = (m.rows.size() + most_rows - 1) / most_rows;
     text += row_text({"time", "total energy", "area", "volume", "residual"});
     for (size_t i = 0; i < m.rows.size(); ++i)
       if (i % stride == 0 || i + 1 == m.rows.size())
-        text += row_text({number(m.rows[i].value), number(m.rows[i].total_energy),
-                          number(m.rows[i].shape.area), number(m.rows[i].shape.volume),
-                          number(m.rows[i].shape.residual)});
+        text +=
+            row_text({format_number(m.rows[i].value), format_number(m.rows[i].total_energy),
+                      format_number(m.rows[i].shape.area), format_number(m.rows[i].shape.volume),
+                      format_number(m.rows[i].shape.residual)});
   }
   RunReport ending = report;
   ending.files = few(report.files);
-  return text + result_ending(ending, folder);
+  return text + summary_footer(ending, folder);
 }
 
 }  // namespace batten

@@ -5,7 +5,7 @@
 
 #include "batten/core/errors.h"
 #include "batten/io/files/length_units.h"
-#include "batten/io/lines/cad_calls.h"
+#include "batten/io/lines/cad_plugin.h"
 #include "batten/io/meshes/mesh_file.h"
 #include "batten/mesh/catmull_clark.h"
 
@@ -14,12 +14,12 @@ namespace {
 
 /// As many rounds as make the chords of the limit's quads short enough, or as 200,000 quads allow.
 ShellMesh limit_of(const MeshFile& file, double chord) {
-  constexpr int most_rounds = 8;
+  constexpr int max_rounds = 8;
   constexpr double most = 2e5;
   const ShellMesh& cage = file.shells();
   const CageTags& tags = file.cage_tags();
   ShellMesh fine = catmull_clark(cage, {1, tags});
-  for (int rounds = 2; rounds <= most_rounds && 4.0 * fine.face_count() <= most; ++rounds) {
+  for (int rounds = 2; rounds <= max_rounds && 4.0 * fine.face_count() <= most; ++rounds) {
     ShellMesh next = catmull_clark(cage, {rounds, tags});
     // The middles of the faces were made one after the other, behind the nodes that were there.
     double off = 0;
@@ -36,7 +36,7 @@ ShellMesh limit_of(const MeshFile& file, double chord) {
 
 void append_target(TargetFaces& all, const Scene& scene, const SceneTarget& target, double chord) {
   const double unit = unit_in_metres(scene.unit);
-  if (MeshFile::reads(target.file)) {
+  if (MeshFile::can_read(target.file)) {
     const double own = target.unit.empty() ? unit : unit_in_metres(target.unit);
     const MeshFile mesh = MeshFile::read(target.file);
     const ShellMesh& shells = mesh.shells();
@@ -50,7 +50,7 @@ void append_target(TargetFaces& all, const Scene& scene, const SceneTarget& targ
   options.unit_in_metres = unit;
   options.chord = chord;
   options.curved = true;
-  const CadFacets facets = cad_calls().facets_of_cad(target.file, options);
+  const CadFacets facets = cad_plugin().tessellate_cad(target.file, options);
   all.append(facets.mesh, 1, facets.normals, facets.faces);
 }
 
@@ -66,21 +66,21 @@ double target_tolerance(const Scene& scene, double size) {
 }
 
 TargetParts target_of(const Scene& scene, double size, const Progress& progress) {
-  constexpr double share = 0.25;  // of the tolerance
-  const double chord = share * target_tolerance(scene, size);
+  constexpr double fraction = 0.25;  // of the tolerance
+  const double chord = fraction * target_tolerance(scene, size);
   TargetFaces all;
   for (const SceneTarget& target : scene.targets) {
-    progress.at("read the target", 0);
+    progress.update("read the target", 0);
     try {
       append_target(all, scene, target, chord);
     } catch (const InputError& e) {
-      throw InputError(scene.at(target.place) + e.what());
+      throw InputError(scene.at(target.location) + e.what());
     }
   }
   try {
     return target_parts(all);
   } catch (const InputError& e) {
-    throw InputError(scene.at(scene.targets.front().place) + e.what());
+    throw InputError(scene.at(scene.targets.front().location) + e.what());
   }
 }
 

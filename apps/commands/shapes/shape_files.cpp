@@ -7,41 +7,42 @@
 #include <set>
 
 #include "batten/apps/commands/lines/scene_lines.h"
-#include "batten/apps/commands/runs/promises.h"
+#include "batten/apps/commands/runs/acceptance_checks.h"
 #include "batten/apps/commands/shapes/line_curves.h"
 #include "batten/apps/commands/shapes/stress_deck.h"
 #include "batten/core/box.h"
 #include "batten/core/errors.h"
-#include "batten/core/index.h"
+#include "batten/core/isize.h"
 #include "batten/io/decks/calculix.h"
 #include "batten/io/files/length_units.h"
 #include "batten/io/files/text.h"
-#include "batten/io/lines/cad_calls.h"
+#include "batten/io/lines/cad_plugin.h"
 #include "batten/io/vtk/vtk_files.h"
 
 namespace batten {
 
-ShapeRun::ShapeRun(const Scene& scene, const std::filesystem::path& folder)
+RunContext::RunContext(const Scene& scene, const std::filesystem::path& folder)
     : out(folder), watch(report.timings) {
   report.name = scene.name;
   report.unit = scene.unit;
   report.is_sculpted = scene.is_sculpted();
-  report.surface.hold = scene.skin.hold == SceneSkin::Hold::Corners ? "corners" : "lines";
-  report.surface.fair = scene.skin.fair_word();
+  report.surface.boundary =
+      scene.skin.boundary == SceneSkin::FixedBoundary::Corners ? "corners" : "lines";
+  report.surface.fair = scene.skin.fair_name();
 }
 
-void ShapeRun::finish(const Progress& progress) {
+void RunContext::finish(const Progress& progress) {
   watch.total();
-  write_report(report, broken_promises(report, tolerance), out, progress);
+  write_report(report, failed_checks(report, tolerance), out, progress);
 }
 
-MadeModel model_of(ShapeRun& run, const Scene& scene, const Progress& progress) {
-  progress.at("lines", 0);
+BuiltModel model_of(RunContext& run, const Scene& scene, const Progress& progress) {
+  progress.update("lines", 0);
   const FairedLines lines = faired_lines(scene, progress);
   run.report.curves = lines.reports;
-  run.report.surprises = lines.surprises;
+  run.report.reading_notes = lines.reading_notes;
   run.watch.lap("lines");
-  MadeModel made = make_model(scene, lines.lines, progress);
+  BuiltModel made = build_model(scene, lines.lines, progress);
   run.tolerance = made.fit_tolerance;
   run.watch.lap("model");
   return made;
@@ -52,10 +53,10 @@ namespace {
 // The root mean square is taken over the area of the surfaces.
 void compare_into(Report& report, const Scene& scene,
                   const std::vector<const SkinnedRegion*>& regions, const Progress& progress) {
-  const auto faces = cad_calls().read_cad_surfaces(scene.compare, unit_in_metres(scene.unit));
+  const auto faces = cad_plugin().read_cad_surfaces(scene.compare, unit_in_metres(scene.unit));
   if (faces.empty())
     throw InputError(scene.compare.string() + ": found no faces, expected some to compare with");
-  const TriangleRule whole = split_triangle(2);
+  const TriangleRule whole = split_triangle_rule(2);
   Report::Comparison c;
   c.file = scene.compare.filename().string();
   double squares = 0, area = 0;
@@ -66,15 +67,15 @@ void compare_into(Report& report, const Scene& scene,
     const Trim* trim = surface.trim().get();
     const ParametricMesh& mesh = surface.mesh();
     for (int t = 0; t < mesh.triangle_count(); ++t) {
-      progress.at("comparing",
-                  (static_cast<double>(r) + static_cast<double>(t) / mesh.triangle_count()) /
-                      static_cast<double>(regions.size()));
+      progress.update("comparing",
+                      (static_cast<double>(r) + static_cast<double>(t) / mesh.triangle_count()) /
+                          static_cast<double>(regions.size()));
       if (trim && trim->side(t) == Trim::Side::Outside) continue;
       const TriangleRule rule = trim && trim->side(t) == Trim::Side::Cut ? trim->rule(t, 2) : whole;
       for (long p = 0; p < rule.weights.size(); ++p) {
         if (!(rule.weights[p] > 0)) continue;
         const SurfaceJet jet = surface.jet({t, rule.L.row(p).transpose()});
-        const double nearest = cad_calls().distance(faces, jet.x, first);
+        const double nearest = cad_plugin().distance(faces, jet.x, first);
         const double weight = rule.weights[p] * mesh.shape(t).area * jet.area_vector().norm();
         squares += weight * nearest * nearest;
         area += weight;
@@ -95,10 +96,10 @@ using Regions = std::vector<const SkinnedRegion*>;
 
 /// Writes a file by `write`, which is given a list of the numbers of all regions. Where it refuses
 /// regions of a network and does not say which, each is tried alone, on a copy of the report. Those that
-/// can be written are: report.missed says what is not there.
+/// can be written are: report.failed_checks says what is not there.
 template <class Write>
-void write_what_can_be(Report& report, const OutputFolder& out, const std::string& file,
-                       const Regions& regions, bool of_network, const Write& write) {
+void write_valid_regions(Report& report, const OutputFolder& out, const std::string& file,
+                         const Regions& regions, bool of_network, const Write& write) {
   std::string why;
   std::vector<const SkinnedRegion*> unwritable;
   const auto refused = [&](const std::vector<int>& some, Report& into) {
@@ -132,10 +133,11 @@ void write_what_can_be(Report& report, const OutputFolder& out, const std::strin
                        : std::count(told.begin(), told.end(), regions[r]) == 0)
         rest.push_back(r);
       else
-        report.missed.push_back({file, "is without region '" + regions[r]->name + "': " + why});
+        report.failed_checks.push_back(
+            {file, "is without region '" + regions[r]->name + "': " + why});
     }
     if (rest.size() == good.size()) rest.clear();  // none of them is to blame alone
-    if (rest.empty()) report.missed.push_back({file, "is not written: " + of_all});
+    if (rest.empty()) report.failed_checks.push_back({file, "is not written: " + of_all});
     good = std::move(rest);
   }
   if (good.empty()) {
@@ -155,10 +157,10 @@ std::vector<Whole> picked(const std::vector<Whole>& all, const std::vector<int>&
 // No face can be fitted to a surface that turns over.
 Regions with_faces(Report& report, const SurfaceModel& model) {
   std::set<int> over;
-  for (const SurfaceFlaw& flaw : model.flaws)
-    if (flaw.kind == SurfaceFlaw::Kind::Jacobian) over.insert(flaw.regions[0]);
+  for (const SurfaceDefect& defect : model.defects)
+    if (defect.kind == SurfaceDefect::Kind::Jacobian) over.insert(defect.regions[0]);
   Regions regions;
-  for (int r = 0; r < count_of(model.regions); ++r) {
+  for (int r = 0; r < isize(model.regions); ++r) {
     const ModelRegion& region = model.regions[r];
     if (region.skinned && !over.count(r)) regions.push_back(&*region.skinned);
     if (region.skinned && over.count(r))
@@ -171,22 +173,23 @@ Regions with_faces(Report& report, const SurfaceModel& model) {
 StepReport exact_step(Report& report, const Scene& scene, const StepFileOptions& words,
                       const std::vector<const SkinnedRegion*>& regions,
                       const std::filesystem::path& file) {
-  const std::string warning = cad_calls().step_size_warning(regions);
+  const std::string warning = cad_plugin().step_size_warning(regions);
   if (!warning.empty())
     report.warnings.push_back(warning + "; step_form = \"face\" makes one face of each region");
   StepOptions options;
   options.file = words;
   options.z12_as_hct = true;
   const StepReport step =
-      cad_calls().write_step(file, regions, unit_in_metres(scene.unit), options);
+      cad_plugin().write_step(file, regions, unit_in_metres(scene.unit), options);
   if (step.unmeasured > 0)
-    report.missed.push_back(
+    report.failed_checks.push_back(
         {"step", "has " + std::to_string(step.unmeasured) + " places that could not be measured"});
   if (regions.front()->surface.kind() == TriangleElement::Z12)
     report.warnings.push_back(scene.step +
                               ": Z12 is rational and no STEP surface; written by HCT triangles "
                               "that share its edges, largest distance " +
-                              number(step.max_deviation.value_or(std::nan(""))) + " " + scene.unit);
+                              format_number(step.max_deviation.value_or(std::nan(""))) + " " +
+                              scene.unit);
   return step;
 }
 
@@ -198,7 +201,7 @@ StepReport face_step(Report& report, const Scene& scene, const StepFileOptions& 
   constexpr double usual = 1e-4;
   options.tolerance = scene.step_tolerance > 0 ? scene.step_tolerance : usual * report.surface.size;
   const StepReport step =
-      cad_calls().write_step_faces(file, regions, unit_in_metres(scene.unit), options);
+      cad_plugin().write_step_faces(file, regions, unit_in_metres(scene.unit), options);
   report.step->tolerance = options.tolerance;
   for (const StepPatch& patch : step.patches) {
     report.step->poles_u = std::max(report.step->poles_u, patch.poles_u);
@@ -214,21 +217,21 @@ void warn_of_joins(Report& report, const Scene& scene) {
   const Report::Step::Join* worst = nullptr;
   long missed = 0;
   for (const auto& join : step.joins) {
-    if (!join.missed) continue;
+    if (!join.exceeds_tolerance) continue;
     ++missed;
     if (!worst || join.angle_deg > worst->angle_deg) worst = &join;
   }
   if (!worst) return;
   report.warnings.push_back(scene.step + ": " + std::to_string(missed) + " of " +
-                            counted(count_of(step.joins), "smooth join") +
+                            format_count(isize(step.joins), "smooth join") +
                             (missed == 1 ? " meets" : " meet") + " at more than " +
-                            number(StepFaceOptions{}.join_deg) + " degrees in the file, '" +
-                            worst->line + "' at " + number(worst->angle_deg) +
+                            format_number(StepFaceOptions{}.join_deg) + " degrees in the file, '" +
+                            worst->line + "' at " + format_number(worst->angle_deg) +
                             " (report.json has all; step_form = \"exact\" has the surfaces' own " +
-                            number(worst->surface_deg) + ")");
+                            format_number(worst->surface_deg) + ")");
 }
 
-void write_step_into(Report& report, const Scene& scene, const MadeModel& made,
+void write_step_into(Report& report, const Scene& scene, const BuiltModel& made,
                      const Regions& regions, const OutputFolder& out) {
   using Form = Scene::StepForm;
   const bool cut = std::any_of(regions.begin(), regions.end(),
@@ -250,8 +253,8 @@ void write_step_into(Report& report, const Scene& scene, const MadeModel& made,
   if (scene.step_form == Form::Auto && !cut && regions.size() == 1 && !step.reached &&
       regions.front()->surface.mesh().triangle_count() <= few_triangles) {
     report.warnings.push_back("one face in '" + scene.step + "' would be " +
-                              number(step.max_deviation.value_or(std::nan(""))) + " " + scene.unit +
-                              " off the surface: it has three a triangle");
+                              format_number(step.max_deviation.value_or(std::nan(""))) + " " +
+                              scene.unit + " off the surface: it has three a triangle");
     s.form = "exact";
     s.tolerance = s.poles_u = s.poles_v = 0;
     s.faces_by_kind.clear();
@@ -260,9 +263,10 @@ void write_step_into(Report& report, const Scene& scene, const MadeModel& made,
   s.faces = step.faces;
   s.bytes = step.bytes;
   s.lines = step.curves;
-  if (step.curves != count_of(words.lines))
-    report.missed.push_back({"step.lines", "are " + std::to_string(step.curves) + ", promised " +
-                                               std::to_string(words.lines.size())});
+  if (step.curves != isize(words.lines))
+    report.failed_checks.push_back({"step.lines", "are " + std::to_string(step.curves) +
+                                                      ", promised " +
+                                                      std::to_string(words.lines.size())});
   s.max_deviation = step.max_deviation.value_or(std::nan(""));
   s.max_gap = step.max_gap;
   s.max_normal_jump_deg = s.form == "face" ? 0 : step.max_normal_jump_deg;
@@ -277,10 +281,10 @@ void write_step_into(Report& report, const Scene& scene, const MadeModel& made,
   s.joins.clear();
   for (const StepJoin& join : step.joins) {
     const bool of_surfaces = join.reached && join.angle_deg > StepFaceOptions{}.join_deg;
-    s.joins.push_back(
-        {join.line, join.regions, join.angle_deg, join.surface_deg, !join.reached,
-         of_surfaces ? "its surfaces meet at up to " + number(join.surface_deg) + " degrees there"
-                     : ""});
+    s.joins.push_back({join.line, join.regions, join.angle_deg, join.surface_deg, !join.reached,
+                       of_surfaces ? "its surfaces meet at up to " +
+                                         format_number(join.surface_deg) + " degrees there"
+                                   : ""});
   }
   s.max_join_deg = step.max_join_deg;
   warn_of_joins(report, scene);
@@ -291,8 +295,8 @@ void write_step_into(Report& report, const Scene& scene, const MadeModel& made,
   for (const auto& w : step.warnings) report.warnings.push_back(scene.step + ": " + w);
 }
 
-void write_vtk_files(Report& report, const Scene& scene, const MadeModel& made,
-                     const MadeShape& shape, const OutputFolder& out) {
+void write_vtk_files(Report& report, const Scene& scene, const BuiltModel& made,
+                     const SolvedShape& shape, const OutputFolder& out) {
   VtkOptions vtk;
   if (made.network) vtk.lines = vtk_lines(*made.network, made.model);
   // Displacements are from what the lines alone make.
@@ -304,13 +308,13 @@ void write_vtk_files(Report& report, const Scene& scene, const MadeModel& made,
   const Regions regions = shape.all();
   const auto write_vtk = [&](const std::string& file, const auto& write) {
     if (file.empty()) return;
-    write_what_can_be(report, out, file, regions, made.network.has_value(),
-                      [&](const std::vector<int>& which, Report&) {
-                        VtkOptions of_some = vtk;
-                        if (!vtk.references.empty())
-                          of_some.references = picked(vtk.references, which);
-                        write(out.file(file), picked(regions, which), of_some);
-                      });
+    write_valid_regions(report, out, file, regions, made.network.has_value(),
+                        [&](const std::vector<int>& which, Report&) {
+                          VtkOptions of_some = vtk;
+                          if (!vtk.references.empty())
+                            of_some.references = picked(vtk.references, which);
+                          write(out.file(file), picked(regions, which), of_some);
+                        });
   };
   write_vtk(scene.vtp, write_vtp);
   write_vtk(scene.vtu, write_vtu);
@@ -318,17 +322,17 @@ void write_vtk_files(Report& report, const Scene& scene, const MadeModel& made,
 
 }  // namespace
 
-void write_files(ShapeRun& run, const Scene& scene, const MadeModel& made, const MadeShape& shape,
-                 const Progress& progress) {
+void write_files(RunContext& run, const Scene& scene, const BuiltModel& made,
+                 const SolvedShape& shape, const Progress& progress) {
   if (shape.regions.empty()) return;
   Report& report = run.report;
   if (!scene.compare.empty()) {
     compare_into(report, scene, shape.all(), progress);
     run.watch.lap("compare");
   }
-  progress.at("files", 0);
+  progress.update("files", 0);
   if (!scene.vtp.empty() || !scene.vtu.empty()) {
-    progress.at("VTK", 0);
+    progress.update("VTK", 0);
     write_vtk_files(report, scene, made, shape, run.out);
     run.watch.lap("vtk");
   }
@@ -342,52 +346,55 @@ void write_files(ShapeRun& run, const Scene& scene, const MadeModel& made, const
     const ShellDeck deck =
         deck_of(scene, *made.model.layout, cases.empty() ? "" : cases[0], scene.calculix);
     const Regions regions = shape.all();
-    write_what_can_be(report, run.out, scene.calculix, regions, made.network.has_value(),
-                      [&](const std::vector<int>& which, Report&) {
-                        write_calculix(run.out.file(scene.calculix), picked(regions, which), deck);
-                      });
+    write_valid_regions(report, run.out, scene.calculix, regions, made.network.has_value(),
+                        [&](const std::vector<int>& which, Report&) {
+                          write_calculix(run.out.file(scene.calculix), picked(regions, which),
+                                         deck);
+                        });
     run.watch.lap("calculix");
   }
 }
 
-void write_step_file(ShapeRun& run, const Scene& scene, const MadeModel& made,
+void write_step_file(RunContext& run, const Scene& scene, const BuiltModel& made,
                      const Progress& progress) {
   if (scene.step.empty() || made.model.skinned().empty()) return;
-  progress.at("STEP", 0);
+  progress.update("STEP", 0);
   const Regions regions = with_faces(run.report, made.model);
   if (regions.empty()) {
-    run.report.missed.push_back(
+    run.report.failed_checks.push_back(
         {scene.step, "is not written: no region has a surface that does not turn over"});
     return;
   }
-  write_what_can_be(run.report, run.out, scene.step, regions, made.network.has_value(),
-                    [&](const std::vector<int>& which, Report& into) {
-                      write_step_into(into, scene, made, picked(regions, which), run.out);
-                    });
+  write_valid_regions(run.report, run.out, scene.step, regions, made.network.has_value(),
+                      [&](const std::vector<int>& which, Report& into) {
+                        write_step_into(into, scene, made, picked(regions, which), run.out);
+                      });
   run.watch.lap("step");
 }
 
-PictureScene picture_of(const PictureScene& look, const MadeModel& made, const MadeShape& shape) {
+PictureScene shape_picture(const PictureScene& look, const BuiltModel& made,
+                           const SolvedShape& shape) {
   PictureScene picture = look;
   picture.regions = shape.all();
   if (made.found)
-    for (const int a : made.found->bare) picture.loose.push_back(made.network->arcs()[a].curve);
+    for (const int a : made.found->unused_edges)
+      picture.extra_curves.push_back(made.network->edges()[a].curve);
   return picture;
 }
 
-void draw_pictures(ShapeRun& run, const Scene& scene, const MadeModel& made, const MadeShape& shape,
-                   const Progress& progress) {
+void draw_pictures(RunContext& run, const Scene& scene, const BuiltModel& made,
+                   const SolvedShape& shape, const Progress& progress) {
   Report& report = run.report;
   for (const auto& picture : scene.pictures) {
     if (!can_draw(report, picture.file)) continue;
-    progress.at("picture " + picture.file, 0);
+    progress.update("picture " + picture.file, 0);
     const Regions regions = shape.all();
-    write_what_can_be(report, run.out, picture.file, regions, made.network.has_value(),
-                      [&](const std::vector<int>& which, Report&) {
-                        PictureScene look = picture_of(picture.look, made, shape);
-                        look.regions = picked(regions, which);
-                        draw_picture(run.out.file(picture.file), look, picture.size);
-                      });
+    write_valid_regions(report, run.out, picture.file, regions, made.network.has_value(),
+                        [&](const std::vector<int>& which, Report&) {
+                          PictureScene look = shape_picture(picture.look, made, shape);
+                          look.regions = picked(regions, which);
+                          draw_picture(run.out.file(picture.file), look, picture.size);
+                        });
   }
 }
 

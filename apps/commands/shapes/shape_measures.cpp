@@ -7,30 +7,30 @@
 #include "batten/apps/commands/shapes/scene_target.h"
 #include "batten/apps/commands/shapes/shape_files.h"
 #include "batten/core/errors.h"
-#include "batten/core/index.h"
+#include "batten/core/format.h"
+#include "batten/core/isize.h"
 #include "batten/core/parallel.h"
-#include "batten/core/words.h"
 #include "batten/fairing/arc_length.h"
 #include "batten/fem/surface.h"
 #include "batten/io/files/text.h"
-#include "batten/skinning/lines/line_fit.h"
-#include "batten/skinning/surfaces/rest_departure.h"
+#include "batten/skinning/lines/smooth_segment.h"
+#include "batten/skinning/surfaces/rest_shape_deviation.h"
 
 namespace batten {
 namespace {
 
 // These keep the extreme value; NaN wins over numbers, so that the report shows it.
-void raise(double& most, double value) {
+void update_max(double& most, double value) {
   if (!(value <= most) && !std::isnan(most)) most = value;
 }
-void lower(double& least, double value) {
+void update_min(double& least, double value) {
   if (!(value >= least) && !std::isnan(least)) least = value;
 }
 
 /// Largest distance from samples of the user's line to the fitted curve.
 double deviation(const CharacterLine& line, const HermiteCurve& fitted) {
   const auto breaks = line.curve->breaks();
-  const int samples = std::clamp<int>(2000 / count_of(breaks), 4, 64);
+  const int samples = std::clamp<int>(2000 / isize(breaks), 4, 64);
   double largest = 0;
   for (size_t i = 0; i + 1 < breaks.size(); ++i)
     for (int k = 0; k <= samples; ++k) {
@@ -49,8 +49,8 @@ void warn_of_strain(Report& report) {
       q.min_jacobian_ratio >= least_jacobian)
     return;
   report.warnings.push_back(
-      "the flat domain is strained (shear " + number(q.max_shear) + ", strain " +
-      number(q.rms_strain) + ", Jacobian " + number(q.min_jacobian_ratio) +
+      "the flat domain is strained (shear " + format_number(q.max_shear) + ", strain " +
+      format_number(q.rms_strain) + ", Jacobian " + format_number(q.min_jacobian_ratio) +
       " of its median): the surface may be uneven there; another domain, settle = true, or inner "
       "lines with treatment = \"embedded\" may suit it better");
 }
@@ -63,13 +63,13 @@ SkinQuality worst_of(const SurfaceModel& model) {
     const SkinQuality& q = r.quality;
     if (first) worst.min_jacobian_ratio = q.min_jacobian_ratio;
     first = false;
-    raise(worst.max_line_residual, q.max_line_residual);
-    raise(worst.max_line_gap, q.max_line_gap);
-    raise(worst.max_line_deviation, q.max_line_deviation);
-    raise(worst.max_normal_jump_deg, q.max_normal_jump_deg);
-    lower(worst.min_jacobian_ratio, q.min_jacobian_ratio);
-    raise(worst.max_shear, q.max_shear);
-    raise(worst.rms_strain, q.rms_strain);
+    update_max(worst.max_line_residual, q.max_line_residual);
+    update_max(worst.max_line_gap, q.max_line_gap);
+    update_max(worst.max_line_deviation, q.max_line_deviation);
+    update_max(worst.max_normal_jump_deg, q.max_normal_jump_deg);
+    update_min(worst.min_jacobian_ratio, q.min_jacobian_ratio);
+    update_max(worst.max_shear, q.max_shear);
+    update_max(worst.rms_strain, q.rms_strain);
     worst.singular_nodes += q.singular_nodes;
   }
   worst.area = model.area;
@@ -77,17 +77,17 @@ SkinQuality worst_of(const SurfaceModel& model) {
 }
 
 void measure_region_lines(Report& report, const SkinnedRegion& region) {
-  for (const LineRun& run : region.runs)
+  for (const EdgeAlignedLine& run : region.edge_aligned)
     report.lines.push_back({run.line.name, run.line.role, false, ArcLength(run.line.curve).total(),
                             deviation(run.line, run.fitted), run.fitted.node_count()});
   for (const EmbeddedLine& e : region.embedded)
     report.lines.push_back({e.line.name, e.line.role, true, ArcLength(e.line.curve).total(),
-                            deviation(e.line, e.fitted), e.fitted.node_count(), count_of(e.points),
-                            line_gap(region.surface, e), e.line.holds});
+                            deviation(e.line, e.fitted), e.fitted.node_count(), isize(e.points),
+                            line_gap(region.surface, e), e.line.constrains_surface});
 }
 
 // Of an arc that several regions have: it counts as embedded where one of them has it so.
-void measure_arcs(Report& report, const MadeModel& made, const Scene& scene) {
+void measure_edges(Report& report, const BuiltModel& made, const Scene& scene) {
   struct Embedding {
     int points = 0;
     double gap = 0;
@@ -97,32 +97,32 @@ void measure_arcs(Report& report, const MadeModel& made, const Scene& scene) {
   for (const SkinnedRegion* region : made.model.skinned()) {
     for (const EmbeddedLine& e : region->embedded) {
       Embedding& of = embedded[e.line.name];
-      of.points = std::max(of.points, count_of(e.points));
-      raise(of.gap, line_gap(region->surface, e));
+      of.points = std::max(of.points, isize(e.points));
+      update_max(of.gap, line_gap(region->surface, e));
     }
     const auto note = [&](const std::string& name, const HermiteCurve& fitted) {
-      for (const SceneMove& move : scene.moves)
+      for (const SceneLineOffset& move : scene.moves)
         if (move.line.text == name) moved[name] = fitted.length();
     };
-    for (const LineRun& run : region->runs) note(run.line.name, run.fitted);
+    for (const EdgeAlignedLine& run : region->edge_aligned) note(run.line.name, run.fitted);
     for (const EmbeddedLine& e : region->embedded) note(e.line.name, e.fitted);
   }
-  const CharacterLineNetwork& network = *made.network;
-  std::vector<char> outline(network.arcs().size()), inner(outline.size());
+  const CurveNetwork& network = *made.network;
+  std::vector<char> outline(network.edges().size()), inner(outline.size());
   for (const ModelRegion& r : made.model.regions) {
-    for (const ArcLoop& loop : r.plan.loops)
-      for (const ArcUse& use : loop) outline[use.arc] = 1;
+    for (const EdgeLoop& loop : r.plan.loops)
+      for (const OrientedEdge& use : loop) outline[use.edge] = 1;
     for (const int a : r.plan.inner) inner[a] = 1;
   }
   for (size_t a = 0; a < outline.size(); ++a) {
     if (!outline[a] && !inner[a]) continue;
-    const NetworkArc& arc = network.arcs()[a];
+    const NetworkEdge& edge = network.edges()[a];
     Report::Line line{
-        arc.name,      outline[a] ? CharacterLine::Role::Outline : CharacterLine::Role::Inner,
-        false,         arc.length,
-        arc.deviation, arc.curve.node_count()};
-    if (const auto m = moved.find(arc.name); m != moved.end()) line.length = m->second;
-    if (const auto e = embedded.find(arc.name); e != embedded.end()) {
+        edge.name,      outline[a] ? CharacterLine::Role::Outline : CharacterLine::Role::Inner,
+        false,          edge.length,
+        edge.deviation, edge.curve.node_count()};
+    if (const auto m = moved.find(edge.name); m != moved.end()) line.length = m->second;
+    if (const auto e = embedded.find(edge.name); e != embedded.end()) {
       line.embedded = true;
       line.points = e->second.points;
       line.gap = e->second.gap;
@@ -131,8 +131,8 @@ void measure_arcs(Report& report, const MadeModel& made, const Scene& scene) {
   }
 }
 
-void measure_network(Report& report, const MadeModel& made, const Scene& scene) {
-  measure_arcs(report, made, scene);
+void measure_network(Report& report, const BuiltModel& made, const Scene& scene) {
+  measure_edges(report, made, scene);
   report.network = network_report(*made.network, *made.found, made.model, made.fit_tolerance,
                                   scene.network.join_tolerance);
   report.surface.max_smooth_join_deg = made.model.max_join_deg;
@@ -147,7 +147,7 @@ void measure_network(Report& report, const MadeModel& made, const Scene& scene) 
 }
 
 // What shells say of their normals, most said first, with the number of those that say so.
-std::string said_of_normals(const std::vector<ModelShell>& shells) {
+std::string describe_normals(const std::vector<ModelShell>& shells) {
   std::vector<std::pair<std::string, int>> said;
   for (const ModelShell& shell : shells) {
     const std::string text = shell.orientable
@@ -165,26 +165,27 @@ std::string said_of_normals(const std::vector<ModelShell>& shells) {
   std::string all;
   for (const auto& [text, count] : said)
     all += (all.empty() ? "" : ", ") + text +
-           (said.size() > 1 ? " (" + counted(count, "shell") + ")" : "");
+           (said.size() > 1 ? " (" + format_count(count, "shell") + ")" : "");
   return all;
 }
 
 // Where normals point, and how far what acts has moved the surface.
-void measure_sides(Report::Surface& s, const MadeModel& made, const MadeShape& shape) {
+void measure_sides(Report::Surface& s, const BuiltModel& made, const SolvedShape& shape) {
   SideIntegrals all;
   for (const SkinnedRegion& region : shape.regions) all.add(side_integrals({&region}));
   s.mean_normal = all.area_vector / all.area;
-  s.normals = made.network ? said_of_normals(made.model.shells) : normal_side(all, false).text();
+  s.normals = made.network ? describe_normals(made.model.shells) : normal_side(all, false).text();
   if (!shape.layout || shape.unloaded.rows() != shape.dofs.rows()) return;
   const DofMap dofs(*shape.layout->mesh());
   for (int v = 0; v < shape.layout->mesh()->vertex_count(); ++v)
-    raise(s.moved, (shape.dofs.row(dofs.vertex(v)) - shape.unloaded.row(dofs.vertex(v))).norm());
+    update_max(s.moved,
+               (shape.dofs.row(dofs.vertex(v)) - shape.unloaded.row(dofs.vertex(v))).norm());
 }
 
 void add_distances(const Distances& more, Report::Target& to) {
   const double squares = to.rms * to.rms * to.points + more.rms * more.rms * more.points;
   to.points += more.points;
-  to.beyond += more.beyond;
+  to.excluded += more.excluded;
   to.rms = to.points > 0 ? std::sqrt(squares / to.points) : 0;
   if (more.largest > to.max) {
     to.max = more.largest;
@@ -206,53 +207,55 @@ void measure_target(Report& report, const ModelFit& fit, const Scene& scene) {
   t.back_rms = fit.after.back.rms;
   t.back_max = fit.after.back.largest;
   t.back_points = fit.after.back.points;
-  t.back_beyond = fit.after.back.beyond;
-  t.rounds = fit.rounds;
-  t.halvings = fit.halvings;
+  t.back_excluded = fit.after.back.excluded;
+  t.iterations = fit.iterations;
+  t.refinements = fit.refinements;
   t.reached = fit.reached;
   const auto& lines = fit.layout->lines();
   for (size_t l = 0; l < lines.size(); ++l)
     if (fit.after.lines[l].largest > t.tolerance)
-      t.off_lines.push_back({lines[l].name, fit.after.lines[l].largest});
-  std::sort(t.off_lines.begin(), t.off_lines.end(),
-            [](const auto& a, const auto& b) { return a.off > b.off; });
+      t.line_distances.push_back({lines[l].name, fit.after.lines[l].largest});
+  std::sort(t.line_distances.begin(), t.line_distances.end(),
+            [](const auto& a, const auto& b) { return a.distance > b.distance; });
   for (int r = 0; r < fit.layout->region_count(); ++r)
     t.regions.emplace_back(fit.layout->region(r).name(), fit.after.regions[r].largest);
   if (!t.reached) {
     std::string why;
-    if (!t.off_lines.empty())
-      why = "; " + counted(count_of(t.off_lines), "line") + " are farther from it themselves, '" +
-            t.off_lines.front().name + "' by " + number(t.off_lines.front().off);
-    report.missed.push_back({"target", "is off by " + number(std::max(t.max, t.back_max)) +
-                                           ", promised at most " + number(t.tolerance) + why});
+    if (!t.line_distances.empty())
+      why = "; " + format_count(isize(t.line_distances), "line") +
+            " are farther from it themselves, '" + t.line_distances.front().name + "' by " +
+            format_number(t.line_distances.front().distance);
+    report.failed_checks.push_back(
+        {"target", "is off by " + format_number(std::max(t.max, t.back_max)) +
+                       ", promised at most " + format_number(t.tolerance) + why});
   }
   report.target = std::move(t);
 }
 
 // A surface may leave what its boundary curves mean because it was told to bend or to vary least, or
 // where smooth edges pull it. What inner curves, loads and targets ask for is no departure.
-void warn_of_departures(Report& report, const MadeShape& shape, const Scene& scene) {
+void warn_of_departures(Report& report, const SolvedShape& shape, const Scene& scene) {
   if (!shape.layout || scene.is_sculpted() || !scene.targets.empty() || shape.fairing.lofted ||
-      scene.skin.hold != SceneSkin::Hold::Lines)
+      scene.skin.boundary != SceneSkin::FixedBoundary::Lines)
     return;
   const ModelLayout& layout = *shape.layout;
   const bool free = scene.skin.fair != SceneSkin::Fair::Auto;
   std::vector<char> joined(shape.regions.size(), free);
   for (const JoinPlan& plan : layout.join_plans())
-    if (!plan.given_up())
+    if (!plan.rejected())
       for (const JoinSide& side : plan.join_line.sides) joined[side.region] = 1;
-  std::vector<std::optional<RestDeparture>> found(shape.regions.size());
-  parallel_parts(count_of(found), [&](int r) {
+  std::vector<std::optional<RestShapeDeviation>> found(shape.regions.size());
+  parallel_for(isize(found), [&](int r) {
     const SkinnedRegion& region = shape.regions[r];
     const auto inner = [](const auto& l) { return l.line.role == CharacterLine::Role::Inner; };
-    if (!joined[r] || std::any_of(region.runs.begin(), region.runs.end(), inner) ||
+    if (!joined[r] || std::any_of(region.edge_aligned.begin(), region.edge_aligned.end(), inner) ||
         std::any_of(region.embedded.begin(), region.embedded.end(), inner))
       return;
-    found[r] = departure_from_rest(layout.region(r), region);
+    found[r] = rest_shape_deviation(layout.region(r), region);
   });
-  for (int r = 0; r < count_of(found); ++r) {
+  for (int r = 0; r < isize(found); ++r) {
     if (!found[r]) continue;
-    const RestDeparture& d = *found[r];
+    const RestShapeDeviation& d = *found[r];
     const double thickness = scene.stress ? scene.stress->thickness : 0;
     const bool thick = thickness > 0 && d.distance > thickness;
     // Smooth edges are there to pull at thin sections.
@@ -261,9 +264,9 @@ void warn_of_departures(Report& report, const MadeShape& shape, const Scene& sce
     const bool sections = free && d.depth > 0 && d.distance > 0.5 * d.depth;
     report.warnings.push_back(
         "region '" + layout.region(r).name() + "' leaves the blend of its boundary curves by " +
-        number(d.distance) + " " + scene.unit + " at " + at(d.at) + ", which is " +
-        number(std::round(100 * d.distance / (sections ? d.depth : d.across))) + " % of the " +
-        (sections ? "depth of its sections" : "distance between its sides") +
+        format_number(d.distance) + " " + scene.unit + " at " + format_point(d.at) + ", which is " +
+        format_number(std::round(100 * d.distance / (sections ? d.depth : d.across))) +
+        " % of the " + (sections ? "depth of its sections" : "distance between its sides") +
         (thick ? " and more than its thickness: stresses are those of this shape; " : ": ") +
         (free ? "fair = \"auto\" keeps it there"
               : "smooth edges pull it there; [[join]] kind = \"crease\" leaves it"));
@@ -272,20 +275,20 @@ void warn_of_departures(Report& report, const MadeShape& shape, const Scene& sce
 
 }  // namespace
 
-void measure_into(ShapeRun& run, MadeModel& made, const MadeShape& shape, const Scene& scene,
+void measure_into(RunContext& run, BuiltModel& made, const SolvedShape& shape, const Scene& scene,
                   const Progress& progress) {
-  take_shape(made, shape, progress);
+  set_shape(made, shape, progress);
   Report& report = run.report;
   auto& s = report.surface;
   s.element = scene.skin.options.element == TriangleElement::HCT ? "hct" : "z12";
-  s.regions = count_of(shape.regions);
+  s.regions = isize(shape.regions);
   s.size = made.network ? made.network->size() : shape.layout->size();
   if (shape.layout) {
     s.triangles = shape.layout->mesh()->triangle_count();
     s.dofs = DofMap(*shape.layout->mesh()).count();
   }
   s.quality = worst_of(made.model);
-  report.flaws = flaw_reports(made.model);
+  report.defects = defect_reports(made.model);
   if (made.network) {
     measure_network(report, made, scene);
   } else {
@@ -301,22 +304,24 @@ void measure_into(ShapeRun& run, MadeModel& made, const MadeShape& shape, const 
   s.iterations = shape.iterations;
   s.last_change = shape.last_change;
   if (shape.fairing.surface) {
-    const VariationSurface& f = *shape.fairing.surface;
+    const MinimumVariationSurface& f = *shape.fairing.surface;
     s.fairing = {f.functional,     f.start_functional, f.max_move, f.iterations,
-                 f.factorizations, f.converged,        f.share,    {}};
-    s.fairing->asked = shape.fairing.asked;
+                 f.factorizations, f.converged,        f.fraction, {}};
+    s.fairing->requested = shape.fairing.requested;
     s.fairing->regions = shape.fairing.regions;
-    for (const KeptRegion& kept : shape.fairing.kept) {
-      s.fairing->kept.push_back(shape.layout->region(kept.region).name());
-      if (!shape.fairing.asked) continue;
-      report.warnings.push_back("region '" + s.fairing->kept.back() +
-                                "' is not faired and bends least: " + kept.why);
+    for (const UnchangedRegion& unchanged_regions : shape.fairing.unchanged_regions) {
+      s.fairing->unchanged_regions.push_back(shape.layout->region(unchanged_regions.region).name());
+      if (!shape.fairing.requested) continue;
+      report.warnings.push_back("region '" + s.fairing->unchanged_regions.back() +
+                                "' is not faired and bends least: " + unchanged_regions.why);
     }
-    if (!shape.fairing.not_faired.empty())
-      report.warnings.push_back("not faired, the surface bends least: " + shape.fairing.not_faired);
+    if (!shape.fairing.failure_reason.empty())
+      report.warnings.push_back("not faired, the surface bends least: " +
+                                shape.fairing.failure_reason);
     constexpr double far = 0.1;
-    if (shape.fairing.asked && f.max_move > far * s.size)
-      report.warnings.push_back("fairing moved the surface by " + number(f.max_move / s.size) +
+    if (shape.fairing.requested && f.max_move > far * s.size)
+      report.warnings.push_back("fairing moved the surface by " +
+                                format_number(f.max_move / s.size) +
                                 " of the size: its lines leave much of the shape open");
   }
   warn_of_departures(report, shape, scene);

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "batten/apps/commands/shapes/make_shape.h"
+#include "batten/apps/commands/shapes/solved_shape.h"
 #include "batten/io/pictures/animation.h"
 #include "batten/io/vtk/vtk_files.h"
 #include "batten/io/vtk/vtk_series.h"
@@ -72,14 +72,14 @@ void ShapeSeries::finish(Report& report, bool each, const Progress& progress) {
   for (size_t i = 0; i < shapes_.size(); ++i) {
     frames.push_back(picture.look);
     frames.back().regions = pointers(shapes_[i]);
-    frames.back().title = label_ + " = " + number(files_[i].first);
+    frames.back().title = label_ + " = " + format_number(files_[i].first);
   }
-  hold_view(frames);
+  share_view(frames);
   const PictureSize size = animation_size(picture.size);
   std::vector<Image> images;
   std::vector<PictureScene> panels;
   for (int i = 0; i < count(); ++i) {
-    progress.at("pictures of " + label_, static_cast<double>(i) / count());
+    progress.update("pictures of " + label_, static_cast<double>(i) / count());
     const PictureScene& frame = frames[i];
     const bool animated = is_chosen(i, count(), kMostAnimated);
     if (!each && is_chosen(i, count(), kMostPanels)) panels.push_back(frame);
@@ -93,7 +93,7 @@ void ShapeSeries::finish(Report& report, bool each, const Progress& progress) {
     if (animated) images.push_back(std::move(image));
   }
   if (!each) {
-    const int many = count_of(panels);
+    const int many = isize(panels);
     const int columns = columns_for(many), rows = (many + columns - 1) / columns;
     constexpr double sheet = 1500;
     const double height = sheet / columns * picture.size.height / picture.size.width * rows;

@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "batten/apps/commands/runs/run_parts.h"
-#include "batten/core/index.h"
+#include "batten/apps/commands/runs/run_support.h"
+#include "batten/core/isize.h"
 #include "batten/io/report/report.h"
 
 namespace batten {
@@ -20,7 +20,7 @@ class ShapeSeries {
 
   /// Adds a shape and writes its .vtp at once. Throws InputError.
   void add(Report& report, double value, std::vector<SkinnedRegion> regions);
-  int count() const { return count_of(files_); }
+  int count() const { return isize(files_); }
 
   /// Writes STEM.pvd, STEM.gif (of 120 shapes at most), and STEM.png with all shapes (48 at most)
   /// or, with `each`, one .png for each shape. All pictures have the same camera and the same

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <functional>
 
-#include "batten/apps/commands/shapes/stress_words.h"
+#include "batten/apps/commands/shapes/stress_setup.h"
 
 namespace batten {
 namespace {
@@ -26,10 +26,10 @@ class DeckOfScene {
     if (stress.young_across > 0) refuse({}, "an orthotropic material");
     for (const auto& of : stress.thicknesses) {
       if (of.region.text.empty()) refuse({}, "a thickness that fades");
-      region_named(layout_, scene_, of.region);
+      find_region(layout_, scene_, of.region);
       deck_.thicknesses.push_back({of.region.text, of.thickness});
     }
-    if (!stress.hinges.empty()) refuse(stress.hinges[0].place, "a hinge");
+    if (!stress.hinges.empty()) refuse(stress.hinges[0].location, "a hinge");
     for (const Support& support : stress.supports) add(support);
     for (const Load& load : stress.loads)
       if (load.load_case == load_case) add(load);
@@ -52,33 +52,34 @@ class DeckOfScene {
     std::function<Vec3(const Vec3& x, const Vec3& n)> force;
   };
 
-  [[noreturn]] void refuse(const FilePlace& place, const std::string& what) const {
-    throw InputError(scene_.at(place) + "found " + what + ", which '" + file_ +
+  [[noreturn]] void refuse(const SourceLocation& location, const std::string& what) const {
+    throw InputError(scene_.at(location) + "found " + what + ", which '" + file_ +
                      "' cannot hold; `batten stress` can");
   }
 
   void add(const Support& support) {
     using Kind = Support::Kind;
-    if (support.kind == Kind::Elastic) refuse(support.place, "springs");
-    if (support.kind == Kind::Symmetric) refuse(support.place, "a plane of symmetry");
-    if (support.point) refuse(support.place, "a support at a point");
+    if (support.kind == Kind::Elastic) refuse(support.location, "springs");
+    if (support.kind == Kind::Symmetric) refuse(support.location, "a plane of symmetry");
+    if (support.point) refuse(support.location, "a support at a point");
     ShellDeck::Support to;
     to.kind = support.kind == Kind::Clamped && !support.line.text.empty()
                   ? ShellDeck::Support::Kind::Clamped
                   : ShellDeck::Support::Kind::Pinned;
-    if (support.kind == Kind::Held) {
-      if (support.rotation) refuse(support.place, "a rotation that is held alone");
-      to.held = {false, false, false};
+    if (support.kind == Kind::Prescribed) {
+      if (support.rotation) refuse(support.location, "a rotation that is held alone");
+      to.constrained = {false, false, false};
       for (const Vec3& d : support.directions) {
         int c;
-        if (d.cwiseAbs().maxCoeff(&c) < d.norm()) refuse(support.place, "a direction off the axes");
-        to.held[c] = true;
+        if (d.cwiseAbs().maxCoeff(&c) < d.norm())
+          refuse(support.location, "a direction off the axes");
+        to.constrained[c] = true;
       }
     }
     to.box = support.box;
     to.displacement = support.displacement;
     if (!support.region.text.empty()) {
-      region_named(layout_, scene_, support.region);
+      find_region(layout_, scene_, support.region);
       to.region = support.region.text;
     }
     if (support.line.text.empty()) deck_.supports.push_back(to);
@@ -88,13 +89,13 @@ class DeckOfScene {
     }
   }
 
-  std::vector<std::string> lines_of(const PlacedWord& line) const {
+  std::vector<std::string> lines_of(const LocatedString& line) const {
     if (line.text.empty()) return {};
-    return lines_named(layout_, scene_, line);
+    return find_lines(layout_, scene_, line);
   }
 
   void add(const Load& load) {
-    if (!load.region.text.empty()) region_named(layout_, scene_, load.region);
+    if (!load.region.text.empty()) find_region(layout_, scene_, load.region);
     const Vec3 v = load.vector;
     const double value = load.value, level = load.level;
     const auto add_area = [&](const std::function<Vec3(const Vec3&, const Vec3&)>& force) {
@@ -126,7 +127,7 @@ class DeckOfScene {
           deck_.line_forces.push_back({name, v, load.box});
         return;
       case Load::Type::LineMoment:
-        refuse(load.place, "a moment along a line");
+        refuse(load.location, "a moment along a line");
     }
   }
 

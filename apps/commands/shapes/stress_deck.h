@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "batten/apps/commands/shapes/make_model.h"
+#include "batten/apps/commands/shapes/built_model.h"
 #include "batten/io/decks/calculix.h"
 
 namespace batten {

@@ -25,7 +25,7 @@ std::string stress_unit(const Scene& scene) {
 }  // namespace
 
 std::string stress_stem(const Scene& scene, const std::string& name) {
-  return file_word(scene.name) + "_" + file_word(name);
+  return safe_file_name(scene.name) + "_" + safe_file_name(name);
 }
 
 std::vector<SkinnedRegion> StressFiles::regions_of(const Points& dofs) const {
@@ -43,10 +43,10 @@ PictureScene StressFiles::view() const {
   return picture;
 }
 
-double exaggeration(double largest, double size) {
-  constexpr double share = 0.05;
+double deformation_scale(double largest, double size) {
+  constexpr double fraction = 0.05;
   if (!(largest > 0)) return 1;
-  const double wanted = share * size / largest;
+  const double wanted = fraction * size / largest;
   const double power = std::pow(10, std::floor(std::log10(wanted)));
   for (const double digit : {5.0, 2.0})
     if (wanted >= digit * power) return digit * power;
@@ -64,13 +64,13 @@ double StressFiles::largest(const Points& displacement) const {
 void StressFiles::write_case(const std::string& name, const Points& displacement, double largest,
                              const ShellStresses& stresses) {
   const auto at = [&](int r, const Location& where) {
-    return stresses.at(shell_.layout().in_model(r, where));
+    return stresses.at(shell_.layout().to_model_location(r, where));
   };
   const Surface moved = shell_.layout().surface(displacement);
   VtkOptions options;
   options.curvatures = false;
   options.fields.push_back({"Displacement", 3, [&](int r, const Location& where) -> VecX {
-                              return moved.position(shell_.layout().in_model(r, where));
+                              return moved.position(shell_.layout().to_model_location(r, where));
                             }});
   for (const auto& [side, height] :
        {std::pair<const char*, double>{"top", 1}, {"middle", 0}, {"bottom", -1}}) {
@@ -94,12 +94,12 @@ void StressFiles::write_case(const std::string& name, const Points& displacement
   run_.report.files.push_back(stress_stem(scene_, name) + ".vtu");
 
   if (!can_draw(run_.report, stress_stem(scene_, name) + ".png")) return;
-  const double times = exaggeration(largest, shell_.layout().size());
+  const double times = deformation_scale(largest, shell_.layout().size());
   const std::vector<SkinnedRegion> regions = regions_of(shell_.shape() + times * displacement);
   PictureScene picture = view();
   picture.regions = pointers(regions);
   picture.field = PictureScene::Field::Value;
-  picture.title = scene_.name + ": " + name + ", displacements × " + number(times);
+  picture.title = scene_.name + ": " + name + ", displacements × " + format_number(times);
   picture.value = {"Von Mises stress" + stress_unit(scene_) + ", the larger of both sides",
                    [&](int r, const Location& where) {
                      const ShellStress stress = at(r, where);
@@ -110,8 +110,8 @@ void StressFiles::write_case(const std::string& name, const Points& displacement
   run_.report.files.push_back(stress_stem(scene_, name) + ".png");
 }
 
-void StressFiles::write_motions(const std::string& kind, const std::vector<Points>& shapes,
-                                const std::vector<std::string>& captions) {
+void StressFiles::write_mode_shapes(const std::string& kind, const std::vector<Points>& shapes,
+                                    const std::vector<std::string>& captions) {
   std::vector<Surface> moved;
   for (const Points& shape : shapes)
     moved.push_back(shell_.layout().surface(shape / largest(shape)));
@@ -121,7 +121,8 @@ void StressFiles::write_motions(const std::string& kind, const std::vector<Point
     VtkOptions options;
     options.curvatures = false;
     options.fields.push_back({"Displacement", 3, [&](int r, const Location& where) -> VecX {
-                                return moved[k].position(shell_.layout().in_model(r, where));
+                                return moved[k].position(
+                                    shell_.layout().to_model_location(r, where));
                               }});
     const std::string file = stress_stem(scene_, kind) + "_" + std::to_string(k + 1) + ".vtu";
     write_vtu(run_.out.file(file), pointers(still), options);
@@ -146,7 +147,7 @@ void StressFiles::write_motions(const std::string& kind, const std::vector<Point
     picture.value = {"Displacement, of the largest",
                      [&, k, phase](int r, const Location& where) {
                        return std::abs(phase) *
-                              moved[k].position(shell_.layout().in_model(r, where)).norm();
+                              moved[k].position(shell_.layout().to_model_location(r, where)).norm();
                      },
                      1};
     return picture;
@@ -161,7 +162,7 @@ void StressFiles::write_motions(const std::string& kind, const std::vector<Point
     std::vector<PictureScene> phases;
     for (int i = 0; i < frames; ++i)
       phases.push_back(picture_at(k, std::sin(2 * std::numbers::pi * i / frames)));
-    hold_view(phases);
+    share_view(phases);
     std::vector<Image> images;
     for (const PictureScene& phase : phases) images.push_back(picture_image(phase, small));
     const std::string file = stress_stem(scene_, kind) + "_" + std::to_string(k + 1) + ".gif";

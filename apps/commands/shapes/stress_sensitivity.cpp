@@ -4,7 +4,7 @@
 #include <cmath>
 #include <set>
 
-#include "batten/apps/commands/shapes/stress_words.h"
+#include "batten/apps/commands/shapes/stress_setup.h"
 
 namespace batten {
 namespace {
@@ -17,9 +17,9 @@ struct Goal {
 };
 
 double step_of(const Parameter& p) {
-  constexpr double share = 1e-3;
+  constexpr double fraction = 1e-3;
   const double range = p.max - p.min;
-  return share * (std::isfinite(range) && range > 0 ? range : std::max(std::abs(p.value), 1.0));
+  return fraction * (std::isfinite(range) && range > 0 ? range : std::max(std::abs(p.value), 1.0));
 }
 
 // The scene with a parameter moved, or none where it may not be.
@@ -34,35 +34,35 @@ std::optional<Scene> moved(const Scene& scene, const Parameter& p, double by) {
 }
 
 // The derivative of the shape's dofs, from both sides where the parameter may go there.
-std::optional<Points> shape_change(const Scene& scene, const MadeModel& made,
-                                   const MadeShape& shape, const Parameter& p,
+std::optional<Points> shape_change(const Scene& scene, const BuiltModel& made,
+                                   const SolvedShape& shape, const Parameter& p,
                                    const Progress& progress) {
   const double step = step_of(p);
   const auto at = [&](double by) -> std::optional<Points> {
     const auto other = moved(scene, p, by);
     if (!other) return std::nullopt;
-    return make_shape(*shape.layout, *other, made, {{}, progress.cancelled}).dofs;
+    return solve_shape(*shape.layout, *other, made, {{}, progress.cancelled}).dofs;
   };
   const auto up = at(step), down = at(-step);
   if (up && down) return Points((*up - *down) / (2 * step));
   if (!up && !down) return std::nullopt;
-  const Points here = make_shape(*shape.layout, scene, made, {{}, progress.cancelled}).dofs;
+  const Points here = solve_shape(*shape.layout, scene, made, {{}, progress.cancelled}).dofs;
   return up ? Points((*up - here) / step) : Points((here - *down) / step);
 }
 
 }  // namespace
 
-void find_sensitivities(ShapeRun& run, const Scene& scene, const MadeModel& made,
-                        const MadeShape& shape, const Progress& progress) {
-  const ShellDefinition definition = shell_of(scene, *shape.layout, shape.dofs);
+void compute_sensitivities(RunContext& run, const Scene& scene, const BuiltModel& made,
+                           const SolvedShape& shape, const Progress& progress) {
+  const ShellDefinition definition = shell_definition(scene, *shape.layout, shape.dofs);
   const ShellModel shell(*shape.layout, shape.dofs, definition);
-  const auto loads = loads_of(scene, *shape.layout, shape.dofs, definition);
+  const auto loads = case_loads(scene, *shape.layout, shape.dofs, definition);
   std::vector<Goal> goals;
   for (const StressReport::Case& c : run.report.stress->cases) {
     const auto F = loads.find(c.name);
     if (c.combination || F == loads.end() || !(c.displacement > 0)) continue;
-    const ShellPlace place = nearest_place(*shape.layout, shape.dofs, c.displaced_at);
-    const Points G = point_force(*shape.layout, place, c.displaced.normalized());
+    const ShellLocation place = nearest_location(*shape.layout, shape.dofs, c.max_displacement_at);
+    const Points G = point_force(*shape.layout, place, c.displacement_vector.normalized());
     goals.push_back(
         {c, F->second, shell.solve(F->second), G, shell.adjoint(G), shell.adjoint(F->second)});
   }
@@ -71,7 +71,7 @@ void find_sensitivities(ShapeRun& run, const Scene& scene, const MadeModel& made
                           [&](const std::string& name, double) { of_lines.insert(name); });
   for (const Parameter& p : scene.parameters()) {
     if (of_lines.count(p.name)) continue;
-    progress.at("sensitivity to " + p.name, 0);
+    progress.update("sensitivity to " + p.name, 0);
     const auto change = shape_change(scene, made, shape, p, progress);
     if (!change) continue;
     const double largest = change->cwiseAbs().maxCoeff();
@@ -79,9 +79,10 @@ void find_sensitivities(ShapeRun& run, const Scene& scene, const MadeModel& made
     // A step of the shape that is small against the model, and large against rounding.
     const double step = 1e-5 * shape.layout->size() / largest;
     const Points up = shape.dofs + step * *change, down = shape.dofs - step * *change;
-    const auto up_loads = loads_of(scene, *shape.layout, up, definition),
-               down_loads = loads_of(scene, *shape.layout, down, definition);
-    const ShellSystem up_system = shell.system_of(up), down_system = shell.system_of(down);
+    const auto up_loads = case_loads(scene, *shape.layout, up, definition),
+               down_loads = case_loads(scene, *shape.layout, down, definition);
+    const ShellSystem up_system = shell.assemble_system(up),
+                      down_system = shell.assemble_system(down);
     for (const Goal& g : goals) {
       const auto derivative = [&](const Points& a, const Points& G) {
         return (shell.goal_change(g.u, g.F, a, G, up_system, up_loads.at(g.of.name)) -

@@ -10,7 +10,7 @@ namespace batten {
 /// report.stress->sensitivities. One adjoint solve a case and, for each parameter, two shapes and
 /// two stiffnesses on the same mesh, no factor of the shell. Parameters of [[fair]], driven ones and
 /// those that can move to neither side are passed over.
-void find_sensitivities(ShapeRun& run, const Scene& scene, const MadeModel& made,
-                        const MadeShape& shape, const Progress& progress);
+void compute_sensitivities(RunContext& run, const Scene& scene, const BuiltModel& made,
+                           const SolvedShape& shape, const Progress& progress);
 
 }  // namespace batten

@@ -5,23 +5,23 @@
 #include <map>
 
 #include "batten/core/errors.h"
-#include "batten/mesh/curved_mesh.h"
 #include "batten/mesh/features/feature_lines.h"
-#include "batten/mesh/flat_map.h"
-#include "batten/mesh/prepare.h"
+#include "batten/mesh/harmonic_map.h"
+#include "batten/mesh/pn_triangle_mesh.h"
+#include "batten/mesh/prepared_mesh.h"
 
 namespace batten {
 namespace {
 
 class MeshTarget : public TargetSurface {
  public:
-  explicit MeshTarget(CurvedMesh mesh) : mesh_(std::move(mesh)) {}
+  explicit MeshTarget(PnTriangleMesh mesh) : mesh_(std::move(mesh)) {}
 
   std::optional<Nearest> nearest(const Vec3& p, const Vec3& along) const override {
     const auto found =
         mesh_.nearest(p, along.isZero(0) ? std::optional<Vec3>() : std::optional<Vec3>(along));
     if (!found) return {};
-    return Nearest{found->at, found->normal, found->at_rim};
+    return Nearest{found->at, found->normal, found->on_boundary};
   }
 
   std::vector<Nearest> samples() const override {
@@ -35,7 +35,7 @@ class MeshTarget : public TargetSurface {
       const Vec3 u = flat.point(b) - flat.point(a), v = flat.point(c) - flat.point(a);
       const double longest = std::max({u.norm(), v.norm(), (v - u).norm()});
       const Vec3 normal = u.cross(v).normalized();
-      const CurvedTriangle triangle = mesh_.triangle(t);
+      const PnTriangle triangle = mesh_.triangle(t);
       const int n = std::clamp(static_cast<int>(std::ceil(longest / step)), 1, most);
       for (int i = 0; i < n; ++i)
         for (int j = 0; i + j < n; ++j) {
@@ -46,10 +46,10 @@ class MeshTarget : public TargetSurface {
     return points;
   }
 
-  Map over_plane(const std::function<Vec2(const Vec3&)>& rim) const override {
+  Parametrization parametrize(const std::function<Vec2(const Vec3&)>& rim) const override {
     try {
-      return [map = std::make_shared<FlatMap>(mesh_, rim)](const Vec2& place) {
-        return map->over(place);
+      return [map = std::make_shared<HarmonicMap>(mesh_, rim)](const Vec2& place) {
+        return map->surface_point(place);
       };
     } catch (const InputError&) {
       return {};  // closed, or in pieces
@@ -57,7 +57,7 @@ class MeshTarget : public TargetSurface {
   }
 
  private:
-  CurvedMesh mesh_;
+  PnTriangleMesh mesh_;
 };
 
 /// A triangle of a CAD face whose corners lie on a line: nothing is nearest to its inside.
@@ -71,16 +71,15 @@ bool is_needle(const ShellMesh& mesh, int f) {
 }
 
 /// The normals of curved faces at the corners of the triangles that they became.
-std::vector<CurvedTriangle::Corners> corner_normals(const TargetFaces& faces,
-                                                    const PreparedMesh& prepared) {
-  std::vector<CurvedTriangle::Corners> normals;
+std::vector<PnTriangle::Corners> corner_normals(const TargetFaces& faces,
+                                                const PreparedMesh& prepared) {
+  std::vector<PnTriangle::Corners> normals;
   if (std::none_of(faces.normals.begin(), faces.normals.end(), [](const auto& n) { return !!n; }))
     return normals;
   for (int t = 0; t < prepared.mesh.triangle_count(); ++t) {
     const Vec3 flat = prepared.mesh.area_vector(t).normalized();
     const int f = prepared.face_of_triangle[t];
-    CurvedTriangle::Corners& corners =
-        normals.emplace_back(CurvedTriangle::Corners{flat, flat, flat});
+    PnTriangle::Corners& corners = normals.emplace_back(PnTriangle::Corners{flat, flat, flat});
     if (!faces.normals[f]) continue;
     for (size_t c = 0; c < 3; ++c) {
       const int node = prepared.mesh.topology().node_of(prepared.mesh.triangles()[t][c]);
@@ -99,27 +98,27 @@ std::map<int, std::vector<int>> parts_of(const TargetFaces& faces, const Prepare
   std::map<int, std::vector<int>> parts;
   std::vector<int> number(prepared.mesh.triangle_count());
   bool meshes = false;
-  for (int t = 0; t < count_of(number); ++t)
+  for (int t = 0; t < isize(number); ++t)
     meshes |= (number[t] = faces.part[prepared.face_of_triangle[t]]) < 0;
   if (meshes) {
     const FeatureLines features = feature_lines(prepared.mesh);
-    for (int p = 0; p < count_of(features.patches); ++p)
+    for (int p = 0; p < isize(features.patches); ++p)
       for (const int t : features.patches[p].triangles)
         if (number[t] < 0) number[t] = faces.next_part + p;
   }
-  for (int t = 0; t < count_of(number); ++t) parts[number[t]].push_back(t);
+  for (int t = 0; t < isize(number); ++t) parts[number[t]].push_back(t);
   return parts;
 }
 
 /// Some triangles as a mesh of their own.
-CurvedMesh part_of(const CurvedMesh& whole, const std::vector<int>& triangles) {
+PnTriangleMesh part_of(const PnTriangleMesh& whole, const std::vector<int>& triangles) {
   TargetFaces part;
   std::map<int, int> number;
   std::vector<Vec3> points;
   for (const int t : triangles) {
     std::array<int, 3> corners = whole.mesh().triangles()[t];
     for (int& corner : corners) {
-      const auto [at, added] = number.try_emplace(corner, count_of(points));
+      const auto [at, added] = number.try_emplace(corner, isize(points));
       if (added) points.push_back(whole.mesh().point(corner));
       corner = at->second;
     }
@@ -127,16 +126,16 @@ CurvedMesh part_of(const CurvedMesh& whole, const std::vector<int>& triangles) {
     part.normals.emplace_back();
     if (whole.curved(t)) part.normals.back() = whole.normals(t);
   }
-  part.shells.points.resize(count_of(points), 3);
-  for (int i = 0; i < count_of(points); ++i) part.shells.points.row(i) = points[i];
+  part.shells.points.resize(isize(points), 3);
+  for (int i = 0; i < isize(points); ++i) part.shells.points.row(i) = points[i];
   const PreparedMesh prepared = prepare(part.shells);
-  return CurvedMesh(prepared.mesh, corner_normals(part, prepared));
+  return PnTriangleMesh(prepared.mesh, corner_normals(part, prepared));
 }
 
 }  // namespace
 
 void TargetFaces::append(const ShellMesh& more, double scale,
-                         const std::vector<CurvedTriangle::Corners>& corners,
+                         const std::vector<PnTriangle::Corners>& corners,
                          const std::vector<int>& faces) {
   const int first = shells.node_count();
   Points points(first + more.node_count(), 3);
@@ -157,7 +156,7 @@ void TargetFaces::append(const ShellMesh& more, double scale,
 
 TargetParts target_parts(const TargetFaces& faces) {
   const PreparedMesh prepared = prepare(faces.shells);
-  CurvedMesh whole(prepared.mesh, corner_normals(faces, prepared));
+  PnTriangleMesh whole(prepared.mesh, corner_normals(faces, prepared));
   TargetParts result;
   const auto parts = parts_of(faces, prepared);
   if (parts.size() > 1)

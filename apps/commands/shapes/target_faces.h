@@ -5,7 +5,7 @@
 #include <optional>
 #include <vector>
 
-#include "batten/mesh/curved_triangle.h"
+#include "batten/mesh/pn_triangle.h"
 #include "batten/mesh/shell_mesh.h"
 #include "batten/skinning/target/target_surface.h"
 
@@ -14,14 +14,14 @@ namespace batten {
 /// Faces of all targets.
 struct TargetFaces {
   ShellMesh shells;
-  std::vector<std::optional<CurvedTriangle::Corners>> normals;  ///< of triangles that bulge
+  std::vector<std::optional<PnTriangle::Corners>> normals;  ///< of triangles that bulge
   std::vector<int> part;  ///< number of each one's CAD face; -1: of a mesh
   int next_part = 0;
 
   TargetFaces() { shells.points.resize(0, 3); }
   /// `corners`: normals of triangles that bulge, or none; `faces`: the CAD face of each one, or none.
   void append(const ShellMesh& more, double scale,
-              const std::vector<CurvedTriangle::Corners>& corners = {},
+              const std::vector<PnTriangle::Corners>& corners = {},
               const std::vector<int>& faces = {});
 };
 

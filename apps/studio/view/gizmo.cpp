@@ -8,7 +8,7 @@
 #include <numbers>
 
 #include "batten/apps/studio/view/layer.h"
-#include "batten/apps/studio/view/window_points.h"
+#include "batten/apps/studio/view/screen_points.h"
 
 namespace batten::studio {
 namespace {
@@ -36,13 +36,13 @@ Gizmo::~Gizmo() = default;
 void Gizmo::set_palette(const Palette& palette) {
   const Rgb axes[] = {{0.86, 0.22, 0.20}, {0.20, 0.62, 0.24}, {0.16, 0.40, 0.86}};
   for (size_t part = 0; part < layers_.size(); ++part)
-    layers_[part]->set_colour(part < 6 ? axes[part % 3] : palette.chosen);
+    layers_[part]->set_colour(part < 6 ? axes[part % 3] : palette.selected);
 }
 
-void Gizmo::show(const Vec3& centre, double reach, bool turns) {
+void Gizmo::show(const Vec3& centre, double arrow_length, bool can_rotate) {
   centre_ = centre;
-  reach_ = reach;
-  turns_ = turns;
+  arrow_length_ = arrow_length;
+  can_rotate_ = can_rotate;
   shown_ = true;
   draw();
 }
@@ -57,7 +57,7 @@ void Gizmo::draw() {
   for (int part = 0; part < static_cast<int>(layers_.size()); ++part) {
     Layer& layer = *layers_[static_cast<size_t>(part)];
     const bool ring = part >= 3 && part < kBall;
-    layer.actor->SetVisibility(shown_ && (turns_ || !ring));
+    layer.actor->SetVisibility(shown_ && (can_rotate_ || !ring));
     layer.actor->PickableOff();
     if (part == kBall)
       layer.set_dots({centre_}, false, kBallSize);
@@ -69,30 +69,31 @@ void Gizmo::draw() {
 std::vector<Vec3> Gizmo::outline(int part) const {
   const Vec3 along = Vec3::Unit(part % 3);
   if (part < 3) {
-    const Vec3 tip = centre_ + reach_ * along;
-    const Vec3 side = 0.06 * reach_ * Vec3::Unit((part + 1) % 3), back = 0.14 * reach_ * along;
+    const Vec3 tip = centre_ + arrow_length_ * along;
+    const Vec3 side = 0.06 * arrow_length_ * Vec3::Unit((part + 1) % 3),
+               back = 0.14 * arrow_length_ * along;
     return {centre_, tip, tip - back + side, tip - back - side, tip};
   }
   std::vector<Vec3> ring;
   for (int i = 0; i <= kRingPieces; ++i) {
     const double t = 2 * std::numbers::pi * i / kRingPieces;
-    ring.push_back(centre_ + kRing * reach_ *
+    ring.push_back(centre_ + kRing * arrow_length_ *
                                  (std::cos(t) * Vec3::Unit((part + 1) % 3) +
                                   std::sin(t) * Vec3::Unit((part + 2) % 3)));
   }
   return ring;
 }
 
-Vec3 Gizmo::on_part(int part) const {
+Vec3 Gizmo::point_on_part(int part) const {
   const std::vector<Vec3> line = outline(part);
   return part < 3 ? Vec3(0.5 * (line[0] + line[1])) : line[kRingPieces / 8];
 }
 
-Vec2 Gizmo::at(const Vec3& p) const { return in_window(*renderer_, p); }
+Vec2 Gizmo::at(const Vec3& p) const { return to_screen(*renderer_, p); }
 
-Vec3 Gizmo::in_world(const Vec2& hand) const {
-  const double depth = display_of(*renderer_, start_).z();
-  return world_of(*renderer_, {hand.x(), hand.y(), depth});
+Vec3 Gizmo::in_world(const Vec2& pixel) const {
+  const double depth = to_display(*renderer_, start_).z();
+  return to_world(*renderer_, {pixel.x(), pixel.y(), depth});
 }
 
 Vec3 Gizmo::to_eye() const {
@@ -102,55 +103,55 @@ Vec3 Gizmo::to_eye() const {
 
 Vec3 Gizmo::axis() const { return Vec3::Unit(part_ % 3); }
 
-bool Gizmo::press(const Vec2& hand) {
+bool Gizmo::press(const Vec2& pixel) {
   part_ = -1;
   if (!shown_) return false;
   double least = kNear;
-  if ((at(centre_) - hand).norm() < kNear) {
+  if ((at(centre_) - pixel).norm() < kNear) {
     part_ = kBall;
     least = 0;
   }
   for (int part = 0; part < kBall; ++part) {
-    if (part >= 3 && !turns_) break;
+    if (part >= 3 && !can_rotate_) break;
     const std::vector<Vec3> line = outline(part);
     if (part < 3 && (at(line[1]) - at(line[0])).norm() < kShortArrow) continue;
     for (size_t i = 0; i + 1 < line.size(); ++i) {
-      const double d = distance_to_piece(hand, at(line[i]), at(line[i + 1])).first;
+      const double d = distance_to_segment(pixel, at(line[i]), at(line[i + 1])).first;
       if (d >= least) continue;
       least = d;
       part_ = part;
     }
   }
   start_ = centre_;
-  from_ = hand;
+  from_ = pixel;
   angle_ = 0;
-  last_angle_ = part_ >= 3 && part_ < kBall ? angle_of(hand) : 0;
+  last_angle_ = part_ >= 3 && part_ < kBall ? angle_of(pixel) : 0;
   return part_ >= 0;
 }
 
 // A ring that is seen as a line turns by how far the hand goes along it.
-double Gizmo::angle_of(const Vec2& hand) const {
+double Gizmo::angle_of(const Vec2& pixel) const {
   const double facing = axis().dot(to_eye());
-  const Vec2 arm = hand - at(start_);
+  const Vec2 arm = pixel - at(start_);
   if (std::abs(facing) > kFlatRing)
     return std::atan2(arm.y(), arm.x()) * kDegrees * (facing > 0 ? 1 : -1);
   const Vec3 tangent = axis().cross(to_eye()).normalized();
-  const Vec2 along = at(start_ + kRing * reach_ * tangent) - at(start_);
-  return (hand - at(start_)).dot(along) / along.squaredNorm() * kDegrees;
+  const Vec2 along = at(start_ + kRing * arrow_length_ * tangent) - at(start_);
+  return (pixel - at(start_)).dot(along) / along.squaredNorm() * kDegrees;
 }
 
-Gizmo::Motion Gizmo::move(const Vec2& hand) {
+Gizmo::Motion Gizmo::move(const Vec2& pixel) {
   Motion motion;
   if (part_ == kBall) {
-    motion.shift = in_world(hand) - in_world(from_);
+    motion.shift = in_world(pixel) - in_world(from_);
   } else if (part_ < 3) {
-    const Vec2 along = (at(start_ + reach_ * axis()) - at(start_)) / reach_;
-    motion.shift = (hand - from_).dot(along) / along.squaredNorm() * axis();
+    const Vec2 along = (at(start_ + arrow_length_ * axis()) - at(start_)) / arrow_length_;
+    motion.shift = (pixel - from_).dot(along) / along.squaredNorm() * axis();
   } else {
-    const double now = angle_of(hand);
+    const double now = angle_of(pixel);
     angle_ += std::remainder(now - last_angle_, 360.0);
     last_angle_ = now;
-    motion.turn = angle_ * axis();
+    motion.rotation_vector = angle_ * axis();
   }
   centre_ = start_ + motion.shift;
   draw();

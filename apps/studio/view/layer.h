@@ -22,7 +22,7 @@ namespace batten::studio {
 inline constexpr double kInFront = -66000;
 
 /// Whether a line that is drawn is the one of a name, or a piece of it between nodes ("rim.2").
-inline bool is_piece_of(const std::string& line, const std::string& name) {
+inline bool is_segment_of(const std::string& line, const std::string& name) {
   if (name.empty() || !line.starts_with(name)) return false;
   const std::string rest = line.substr(name.size());
   return rest.empty() || (rest.size() > 1 && rest[0] == '.' &&

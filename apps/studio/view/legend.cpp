@@ -10,10 +10,10 @@ namespace batten::studio {
 
 Legend::Legend(vtkRenderer* renderer) {
   constexpr int words_size = 15, numbers_size = 13;
-  words_->GetPositionCoordinate()->SetCoordinateSystemToNormalizedViewport();
-  words_->SetPosition(0.015, 0.965);
-  words_->GetTextProperty()->SetVerticalJustificationToTop();
-  words_->GetTextProperty()->SetFontSize(words_size);
+  text_->GetPositionCoordinate()->SetCoordinateSystemToNormalizedViewport();
+  text_->SetPosition(0.015, 0.965);
+  text_->GetTextProperty()->SetVerticalJustificationToTop();
+  text_->GetTextProperty()->SetFontSize(words_size);
   scale_->UnconstrainedFontSizeOn();
   scale_->SetNumberOfLabels(5);
   scale_->SetLabelFormat("%.3g");
@@ -26,14 +26,14 @@ Legend::Legend(vtkRenderer* renderer) {
   scale_->GetLabelTextProperty()->BoldOff();
   scale_->GetLabelTextProperty()->ShadowOff();
   scale_->VisibilityOff();
-  words_->PickableOff();
+  text_->PickableOff();
   scale_->PickableOff();
   title_->GetPositionCoordinate()->SetCoordinateSystemToNormalizedViewport();
   title_->SetPosition(0.015, 0.53);
   title_->GetTextProperty()->SetFontSize(numbers_size);
   title_->PickableOff();
   renderer->AddActor2D(title_);
-  renderer->AddActor2D(words_);
+  renderer->AddActor2D(text_);
   renderer->AddActor2D(scale_);
 }
 
@@ -41,12 +41,12 @@ Legend::~Legend() = default;
 
 void Legend::set_palette(const Palette& palette) {
   const Rgb& c = palette.text;
-  words_->GetTextProperty()->SetColor(c[0], c[1], c[2]);
+  text_->GetTextProperty()->SetColor(c[0], c[1], c[2]);
   title_->GetTextProperty()->SetColor(c[0], c[1], c[2]);
   scale_->GetLabelTextProperty()->SetColor(c[0], c[1], c[2]);
 }
 
-void Legend::set_words(const std::string& words) { words_->SetInput(words.c_str()); }
+void Legend::set_text(const std::string& overlay_text) { text_->SetInput(overlay_text.c_str()); }
 
 void Legend::set_scale(vtkLookupTable* table, const std::string& title) {
   scale_->SetVisibility(table != nullptr);

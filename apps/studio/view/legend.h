@@ -19,12 +19,12 @@ class Legend {
   explicit Legend(vtkRenderer* renderer);
   ~Legend();
   void set_palette(const Palette& palette);
-  void set_words(const std::string& words);
+  void set_text(const std::string& overlay_text);
   /// What the colours of a table stand for, with a title; null: no scale.
   void set_scale(vtkLookupTable* table, const std::string& title);
 
  private:
-  vtkNew<vtkTextActor> words_, title_;
+  vtkNew<vtkTextActor> text_, title_;
   vtkNew<vtkScalarBarActor> scale_;
 };
 

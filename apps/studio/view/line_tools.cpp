@@ -8,13 +8,13 @@
 #include "batten/apps/commands/documents/line_edits.h"
 #include "batten/apps/commands/documents/sequence_edits.h"
 #include "batten/apps/studio/view/shape_view.h"
-#include "batten/apps/studio/view/texts.h"
+#include "batten/apps/studio/view/strings.h"
 
 namespace batten::studio {
 namespace {
 
-constexpr double kGrab = 10;      // pixels
-constexpr qint64 kFollows = 400;  // ms: a surface that is made faster follows the hand
+constexpr double kGrab = 10;              // pixels
+constexpr qint64 kFollowsWithinMs = 400;  // ms: a surface that is made faster follows the hand
 
 }  // namespace
 
@@ -25,30 +25,30 @@ void ShapeView::show_line() {
   const bool shape = view_ && !view_->mesh && tool_ == Tool::Select;
   if (shape) {
     const SceneText scene(view_->text);
-    stated_ = stated_line(scene, chosen_);
-    line_points_ = stated_points(scene, stated_);
-    line_key_ = line_key(scene, stated_);
+    defining_line_ = defining_line(scene, selected_);
+    line_points_ = defining_points(scene, defining_line_);
+    line_key_ = line_key(scene, defining_line_);
   }
-  if (chosen_point_ >= static_cast<int>(line_points_.size())) chosen_point_ = -1;
+  if (selected_point_ >= static_cast<int>(line_points_.size())) selected_point_ = -1;
   show_dots();
   std::vector<Vec3> line;
   for (size_t i = 0; shape && combs_ && i < view_->lines.size(); ++i)
-    if (view_->lines[i].line == (stated_.empty() ? chosen_ : stated_))
+    if (view_->lines[i].line == (defining_line_.empty() ? selected_ : defining_line_))
       line = view_->lines[i].points;
   actors_->set_comb(line);
-  if (view_ && view_->timeline) show_trail();
+  if (view_ && view_->timeline) show_path();
 }
 
 // Control points are joined by their polygon.
 void ShapeView::show_dots() {
-  actors_->set_dots(line_points_, chosen_point_, line_key_ == LineKey::Bezier);
+  actors_->set_dots(line_points_, selected_point_, line_key_ == LineKey::Bezier);
 }
 
 // Where the shown handle goes in all frames, or the path that they follow, and where feet stand.
-void ShapeView::show_trail() {
+void ShapeView::show_path() {
   actors_->set_dots(view_->timeline->footprints, -1, false);
   const auto* handle = shown_handle();
-  actors_->set_trail(handle ? handle->path : path_of(SceneText(view_->text)));
+  actors_->set_path(handle ? handle->path : path_of(SceneText(view_->text)));
 }
 
 void ShapeView::set_combs(bool shown) {
@@ -59,11 +59,11 @@ void ShapeView::set_combs(bool shown) {
 
 // The stated point under the hand, or -1.
 int ShapeView::point_under(const QPoint& at) const {
-  const Vec3 hand = display(at);
+  const Vec3 pixel = display(at);
   double least = kGrab * devicePixelRatioF();
   int best = -1;
   for (size_t i = 0; i < line_points_.size(); ++i) {
-    const double d = (to_window(line_points_[i]) - hand).head<2>().norm();
+    const double d = (to_window(line_points_[i]) - pixel).head<2>().norm();
     if (d >= least) continue;
     least = d;
     best = static_cast<int>(i);
@@ -71,12 +71,12 @@ int ShapeView::point_under(const QPoint& at) const {
   return best;
 }
 
-bool ShapeView::press_point(const QPoint& at, bool alone) {
+bool ShapeView::press_point(const QPoint& at, bool detached) {
   if (tool_ != Tool::Select) return false;
   moved_point_ = point_under(at);
   if (moved_point_ < 0) return false;
-  chosen_point_ = moved_point_;
-  alone_ = alone;
+  selected_point_ = moved_point_;
+  detached_ = detached;
   awaits_move_ = false;
   point_before_ = line_points_[static_cast<size_t>(moved_point_)];
   show_dots();
@@ -88,7 +88,7 @@ bool ShapeView::press_point(const QPoint& at, bool alone) {
 void ShapeView::drag_point(const QPoint& at) {
   Vec3& p = line_points_[static_cast<size_t>(moved_point_)];
   const auto end = snapped(at);
-  p = end ? *end : rounded_by_hand(on_plane(at, point_before_));
+  p = end ? *end : rounded_to_pixel(on_plane(at, point_before_));
   show_dots();
   actors_->set_draft(line_points_);
   hooks_.hint(text(kPointAt).arg(p.x()).arg(p.y()).arg(p.z()));
@@ -97,12 +97,12 @@ void ShapeView::drag_point(const QPoint& at) {
   fitted_ = true;
   awaits_move_ = true;
   since_move_.start();
-  hooks_.post(move_command(point_before_, p));
+  hooks_.post(move_point_command(point_before_, p));
 }
 
 // Whether the surface can follow a dragged point now: it has followed the last move, and fast enough.
 bool ShapeView::follows_point() const {
-  return !alone_ && !awaits_move_ && view_->surface && move_ms_ < kFollows;
+  return !detached_ && !awaits_move_ && view_->surface && move_ms_ < kFollowsWithinMs;
 }
 
 // Lines that meet at the point stay together, but with Shift. What came of a drag is one step.
@@ -113,9 +113,9 @@ void ShapeView::release_point() {
   if (now == point_before_ && !since_move_.isValid()) return;
   since_move_.invalidate();
   awaits_move_ = false;
-  hooks_.post(alone_ ? points_edit(stated_, line_points_, line_key_)
-                     : move_command(point_before_, now));
-  hooks_.post({.verb = DocumentCommand::Verb::Settle});
+  hooks_.post(detached_ ? points_edit(defining_line_, line_points_, line_key_)
+                        : move_point_command(point_before_, now));
+  hooks_.post({.kind = DocumentCommand::CommandKind::SolveToEquilibrium});
 }
 
 // A double click on the chosen line puts a point there.
@@ -123,12 +123,12 @@ bool ShapeView::add_point(const QPoint& at) {
   if (tool_ != Tool::Select || line_points_.size() < 2 || line_key_ != LineKey::Points)
     return false;
   const auto found = std::find_if(view_->lines.begin(), view_->lines.end(),
-                                  [&](const auto& line) { return line.line == stated_; });
+                                  [&](const auto& line) { return line.line == defining_line_; });
   if (found == view_->lines.end()) return false;
-  const Vec3 hand = display(at);
+  const Vec3 pixel = display(at);
   const std::vector<Vec3>& curve = found->points;
   size_t nearest = 0;
-  const auto distance = [&](size_t i) { return (to_window(curve[i]) - hand).head<2>().norm(); };
+  const auto distance = [&](size_t i) { return (to_window(curve[i]) - pixel).head<2>().norm(); };
   for (size_t i = 0; i < curve.size(); ++i)
     if (distance(i) < distance(nearest)) nearest = i;
   if (distance(nearest) > 2 * kGrab) return false;
@@ -144,26 +144,26 @@ bool ShapeView::add_point(const QPoint& at) {
     place = place_of(line_points_[i], place);
     if (place <= nearest) before = i;
   }
-  chosen_point_ = static_cast<int>(before) + 1;
+  selected_point_ = static_cast<int>(before) + 1;
   std::vector<Vec3> points = line_points_;
-  points.insert(points.begin() + chosen_point_, rounded_by_hand(curve[nearest]));
+  points.insert(points.begin() + selected_point_, rounded_to_pixel(curve[nearest]));
   fitted_ = true;
-  hooks_.post(points_edit(stated_, points));
+  hooks_.post(points_edit(defining_line_, points));
   return true;
 }
 
 bool ShapeView::remove_point() {
-  if (chosen_point_ < 0 || line_points_.size() < 3 || line_key_ != LineKey::Points) return false;
+  if (selected_point_ < 0 || line_points_.size() < 3 || line_key_ != LineKey::Points) return false;
   std::vector<Vec3> points = line_points_;
-  points.erase(points.begin() + chosen_point_);
-  chosen_point_ = -1;
+  points.erase(points.begin() + selected_point_);
+  selected_point_ = -1;
   fitted_ = true;
-  hooks_.post(points_edit(stated_, points));
+  hooks_.post(points_edit(defining_line_, points));
   return true;
 }
 
 // As fine as a pixel.
-Vec3 ShapeView::rounded_by_hand(const Vec3& p) const {
+Vec3 ShapeView::rounded_to_pixel(const Vec3& p) const {
   const Vec3 at = to_window(p);
   const double pixel = (from_window(at + Vec3::UnitX()) - from_window(at)).norm();
   constexpr double digits = 1e5;

@@ -12,30 +12,31 @@
 #include "batten/apps/commands/documents/sequence_edits.h"
 #include "batten/apps/studio/view/gizmo.h"
 #include "batten/apps/studio/view/shape_view.h"
-#include "batten/apps/studio/view/texts.h"
+#include "batten/apps/studio/view/strings.h"
 
 namespace batten::studio {
 namespace {
 
-using Verb = DocumentCommand::Verb;
+using CommandKind = DocumentCommand::CommandKind;
 constexpr double kInDegrees = 180 / std::numbers::pi;
 constexpr double kBrush = 16;  // pixels
 
-Eigen::AngleAxisd rotation(const Vec3& turn) {
-  const double degrees = turn.norm();
-  return {degrees / kInDegrees, degrees > 0 ? Vec3(turn / degrees) : Vec3(Vec3::UnitZ())};
+Eigen::AngleAxisd angle_axis(const Vec3& rotation_vector) {
+  const double degrees = rotation_vector.norm();
+  return {degrees / kInDegrees,
+          degrees > 0 ? Vec3(rotation_vector / degrees) : Vec3(Vec3::UnitZ())};
 }
 
 /// A turn after another one, as vectors along their axes; whole turns about one axis add up.
-Vec3 turned_on(const Vec3& first, const Vec3& then) {
+Vec3 composed_rotation(const Vec3& first, const Vec3& then) {
   if (first.cross(then).norm() <= 1e-9 * first.norm() * then.norm()) return first + then;
-  const Eigen::AngleAxisd both(rotation(then).toRotationMatrix() *
-                               rotation(first).toRotationMatrix());
+  const Eigen::AngleAxisd both(angle_axis(then).toRotationMatrix() *
+                               angle_axis(first).toRotationMatrix());
   return both.angle() * kInDegrees * both.axis();
 }
 
 double to_step(double value, double step) {
-  return std::stod(number(std::round(value / step) * step));
+  return std::stod(format_number(std::round(value / step) * step));
 }
 
 /// Whether a point is inside of a closed polygon.
@@ -56,21 +57,21 @@ bool inside(const std::vector<Vec2>& polygon, const Vec2& p) {
 
 // The chosen handle's, or the first of the last edit.
 const DocumentView::Handle* ShapeView::shown_handle() const {
-  if (!view_ || (tool_ != Tool::Select && tool_ != Tool::Pin)) return nullptr;
+  if (!view_ || (tool_ != Tool::Select && tool_ != Tool::FixPoint)) return nullptr;
   const DocumentView::Handle* first = nullptr;
   for (const auto& handle : view_->handles) {
     if (!handle.moves) continue;
-    if (!first && handle.turns) first = &handle;
-    if (handle.name == chosen_ || handle.name.ends_with("." + chosen_)) return &handle;
+    if (!first && handle.can_rotate) first = &handle;
+    if (handle.name == selected_ || handle.name.ends_with("." + selected_)) return &handle;
   }
   return first;
 }
 
 void ShapeView::show_handle() {
   if (gizmo_->pressed()) return;
-  constexpr double reach = 0.16;  // of the size
+  constexpr double arrow_length = 0.16;  // of the size
   if (const auto* handle = shown_handle())
-    gizmo_->show(handle->centre, reach * view_->size, handle->turns);
+    gizmo_->show(handle->centre, arrow_length * view_->size, handle->can_rotate);
   else
     gizmo_->hide();
 }
@@ -78,40 +79,47 @@ void ShapeView::show_handle() {
 bool ShapeView::press_handle(const QPoint& at) {
   const auto* handle = shown_handle();
   if (!handle || !gizmo_->press(display(at).head<2>())) return false;
-  held_ = *handle;
+  dragged_handle_ = *handle;
   return true;
 }
 
 void ShapeView::drag_handle(const QPoint& at) {
   const Gizmo::Motion motion = gizmo_->move(display(at).head<2>());
   const double step = std::pow(10, std::floor(std::log10(std::max(view_->size, 1e-12))) - 4);
-  const auto slide = [&](const char* what, int i, double value, double& now) {
+  const auto set_slider = [&](const char* what, int i, double value, double& now) {
     if (value == now) return;
     now = value;
-    hooks_.post({.verb = Verb::Slide, .key = held_.name + what + "xyz"[i], .value = value});
+    hooks_.post({.kind = CommandKind::SetSlider,
+                 .key = dragged_handle_.name + what + "xyz"[i],
+                 .value = value});
   };
   const auto* start = shown_handle();
   if (!start) return;
-  const Vec3 shift = start->shift + motion.shift, turn = turned_on(start->turn, motion.turn);
+  const Vec3 shift = start->shift + motion.shift,
+             rotation_vector = composed_rotation(start->rotation_vector, motion.rotation_vector);
   if (view_->timeline) {  // its frames are made anew when the hand lets go
-    for (int i = 0; i < 3; ++i) held_.shift[i] = to_step(shift[i], step);
-    for (int i = 0; i < 3; ++i) held_.turn[i] = to_step(turn[i], 0.01);
+    for (int i = 0; i < 3; ++i) dragged_handle_.shift[i] = to_step(shift[i], step);
+    for (int i = 0; i < 3; ++i)
+      dragged_handle_.rotation_vector[i] = to_step(rotation_vector[i], 0.01);
     return redraw();
   }
   for (int i = 0; i < 3; ++i) {
-    if (motion.shift[i] != 0 || held_.shift[i] != start->shift[i])
-      slide(".", i, to_step(shift[i], step), held_.shift[i]);
-    if (!motion.turn.isZero(0) || held_.turn[i] != start->turn[i])
-      slide(".turn.", i, to_step(turn[i], 0.01), held_.turn[i]);
+    if (motion.shift[i] != 0 || dragged_handle_.shift[i] != start->shift[i])
+      set_slider(".", i, to_step(shift[i], step), dragged_handle_.shift[i]);
+    if (!motion.rotation_vector.isZero(0) ||
+        dragged_handle_.rotation_vector[i] != start->rotation_vector[i])
+      set_slider(".turn.", i, to_step(rotation_vector[i], 0.01),
+                 dragged_handle_.rotation_vector[i]);
   }
   redraw();
 }
 
 void ShapeView::release_handle() {
   gizmo_->release();
-  if (!view_->timeline) return hooks_.post({.verb = Verb::Settle});
-  for (DocumentCommand& edit : keyframe_edits(SceneText(view_->text), view_->timeline->frame + 1,
-                                              held_.name, held_.shift, held_.turn))
+  if (!view_->timeline) return hooks_.post({.kind = CommandKind::SolveToEquilibrium});
+  for (DocumentCommand& edit :
+       keyframe_edits(SceneText(view_->text), view_->timeline->frame + 1, dragged_handle_.name,
+                      dragged_handle_.shift, dragged_handle_.rotation_vector))
     hooks_.post(std::move(edit));
 }
 
@@ -126,10 +134,10 @@ void ShapeView::start_painting() {
   if (goes_on) return;
   painted_.assign(count, 0);
   painted_name_.clear();
-  if (nodes_of(scene, chosen_).empty() || use_of(scene, chosen_) != PartUse::Free) return;
-  painted_name_ = chosen_;
+  if (nodes_of(scene, selected_).empty() || use_of(scene, selected_) != PartUse::Free) return;
+  painted_name_ = selected_;
   for (const MeshView::Part& part : view_->mesh->parts)
-    for (size_t i = 0; part.name == chosen_ && i < part.points.size(); ++i)
+    for (size_t i = 0; part.name == selected_ && i < part.points.size(); ++i)
       painted_[static_cast<size_t>(part.points[i])] = 1;
 }
 
@@ -143,8 +151,8 @@ void ShapeView::paint(const QPoint& at, bool erases) {
 }
 
 void ShapeView::dab(const QPoint& at, bool erases) {
-  const Vec3 hand = display(at);
-  const auto p = actors_->surface_at(hand.x(), hand.y());
+  const Vec3 pixel = display(at);
+  const auto p = actors_->surface_at(pixel.x(), pixel.y());
   if (!p) return;
   const Vec3 side = to_window(*p) + Vec3(kBrush * devicePixelRatioF(), 0, 0);
   for (const int i : actors_->points_within(*p, (from_window(side) - *p).norm()))
@@ -183,15 +191,15 @@ void ShapeView::finish_stroke() {
   if (labels.empty()) return;
   if (painted_name_.empty()) painted_name_ = view_->free_name("painted");
   hooks_.post(nodes_edit(SceneText(view_->text), painted_name_, labels));
-  awaited_ = painted_name_;
+  created_ = painted_name_;
 }
 
 // What was painted, pinned or drawn is chosen as soon as the scene has it.
-void ShapeView::choose_awaited() {
+void ShapeView::select_created() {
   for (const char* kind : {"select", "constraint", "load", "weight", "line"}) {
-    if (awaited_.empty() || !view_->table({kind, awaited_})) continue;
-    const std::string name = std::exchange(awaited_, "");
-    kind == std::string("line") ? hooks_.chosen(name, "") : hooks_.chosen("", name);
+    if (created_.empty() || !view_->table({kind, created_})) continue;
+    const std::string name = std::exchange(created_, "");
+    kind == std::string("line") ? hooks_.selected(name, "") : hooks_.selected("", name);
   }
 }
 

@@ -42,7 +42,7 @@ ShapeActors::ShapeActors(vtkRenderer* renderer)
     : facets_(std::make_unique<Layer>(renderer, 2, 0)),
       lines_(std::make_unique<Layer>(renderer, -2, 2.5)),
       guides_(std::make_unique<Layer>(renderer, -1, 1.2)),
-      chosen_(std::make_unique<Layer>(renderer, -6, 5)),
+      selection_layer_(std::make_unique<Layer>(renderer, -6, 5)),
       draft_(std::make_unique<Layer>(renderer, kInFront, 3)),
       push_(std::make_unique<Layer>(renderer, kInFront, 3)),
       grid_(std::make_unique<Layer>(renderer, 4, 1)),
@@ -50,8 +50,8 @@ ShapeActors::ShapeActors(vtkRenderer* renderer)
       dot_(std::make_unique<Layer>(renderer, kInFront - 20, 1)),
       comb_(std::make_unique<Layer>(renderer, -4, 1.2)),
       marks_(std::make_unique<Layer>(renderer, kInFront + 20, 2)),
-      pins_(std::make_unique<Layer>(renderer, kInFront + 10, 1)),
-      held_(std::make_unique<Layer>(renderer, kInFront + 20, 2)),
+      fixed_points_layer_(std::make_unique<Layer>(renderer, kInFront + 10, 1)),
+      normals_layer_(std::make_unique<Layer>(renderer, kInFront + 20, 2)),
       supports_(std::make_unique<Layer>(renderer, -4, 5)),
       points_(vtkSmartPointer<vtkFloatArray>::New()),
       normals_(vtkSmartPointer<vtkFloatArray>::New()),
@@ -76,11 +76,11 @@ ShapeActors::ShapeActors(vtkRenderer* renderer)
 
 ShapeActors::~ShapeActors() = default;
 
-void ShapeActors::take(const DocumentView& view) {
+void ShapeActors::refresh(const DocumentView& view) {
   surface_ = view.surface;
   regions_ = view.regions;
   shown_lines_ = view.shown_lines;
-  loose_ = view.lines;
+  polylines_ = view.lines;
   mesh_ = view.mesh;
   unloaded_ = view.unloaded;
   size_ = view.size;
@@ -93,7 +93,7 @@ void ShapeActors::take(const DocumentView& view) {
   make_lines();
 }
 
-void ShapeActors::take(std::shared_ptr<const StressView> stress) {
+void ShapeActors::refresh(std::shared_ptr<const StressView> stress) {
   stress_ = std::move(stress);
   place_points();
   shade();
@@ -105,9 +105,9 @@ void ShapeActors::place_points() {
   if (shading_ == Shading::Stress && stress_ && stress_->moved.size() == frame_points_.size()) {
     float* x = points_->GetPointer(0);
     for (size_t i = 0; i < frame_points_.size(); ++i)
-      x[i] += static_cast<float>(stress_->exaggeration) * stress_->moved[i];
+      x[i] += static_cast<float>(stress_->deformation_scale) * stress_->moved[i];
   }
-  if (const auto* shape = swing_shape()) {
+  if (const auto* shape = mode_shape()) {
     constexpr double reach = 0.06;  // of the size
     float* x = points_->GetPointer(0);
     for (size_t i = 0; i < shape->size(); ++i)
@@ -119,10 +119,10 @@ void ShapeActors::place_points() {
 }
 
 // The mode that swings; null where none is shown.
-const std::vector<float>* ShapeActors::swing_shape() const {
-  if (shading_ != Shading::Modes || !stress_ || stress_->swings.empty()) return nullptr;
-  const size_t mode = std::min(static_cast<size_t>(mode_), stress_->swings.size() - 1);
-  const auto& shape = stress_->swings[mode];
+const std::vector<float>* ShapeActors::mode_shape() const {
+  if (shading_ != Shading::Modes || !stress_ || stress_->mode_shapes.empty()) return nullptr;
+  const size_t mode = std::min(static_cast<size_t>(mode_), stress_->mode_shapes.size() - 1);
+  const auto& shape = stress_->mode_shapes[mode];
   return shape.size() == frame_points_.size() ? &shape : nullptr;
 }
 
@@ -131,12 +131,12 @@ void ShapeActors::set_mode(int mode) {
   shade();
 }
 
-void ShapeActors::set_swing(double swing) {
+void ShapeActors::set_mode_phase(double swing) {
   swing_ = swing;
   place_points();
 }
 
-void ShapeActors::take(const Frame& frame) {
+void ShapeActors::refresh(const Frame& frame) {
   frame_points_ = frame.points;
   place_points();
   copy_into(*normals_, frame.normals);
@@ -190,7 +190,7 @@ void ShapeActors::make_lines() {
     lines_->data->SetLines(cells);
   } else {
     std::vector<std::vector<Vec3>> lines;
-    for (const auto& line : loose_) {
+    for (const auto& line : polylines_) {
       lines.push_back(line.points);
       line_names_.push_back(line.line);
     }
@@ -199,10 +199,11 @@ void ShapeActors::make_lines() {
   lines_->data->Modified();
   // Those beside the surface, and where its own lines came from.
   std::vector<std::vector<Vec3>> guides;
-  for (size_t i = 0; on_surface && i < loose_.size(); ++i) guides.push_back(loose_[i].points);
+  for (size_t i = 0; on_surface && i < polylines_.size(); ++i)
+    guides.push_back(polylines_[i].points);
   guides_->set_polylines(guides);
   show_supports();
-  choose(choice_);
+  select(selected_name_);
 }
 
 vtkSmartPointer<vtkCellArray> ShapeActors::cells_of_lines(
@@ -219,46 +220,46 @@ vtkSmartPointer<vtkCellArray> ShapeActors::cells_of_lines(
   return cells;
 }
 
-void ShapeActors::choose(const std::string& name) {
-  choice_ = name;
-  chosen_->data->SetPoints(lines_->data->GetPoints());
-  chosen_->data->SetLines(
-      cells_of_lines([&](const std::string& line) { return is_piece_of(line, name); }));
-  chosen_->data->Modified();
-  choose_facets();
+void ShapeActors::select(const std::string& name) {
+  selected_name_ = name;
+  selection_layer_->data->SetPoints(lines_->data->GetPoints());
+  selection_layer_->data->SetLines(
+      cells_of_lines([&](const std::string& line) { return is_segment_of(line, name); }));
+  selection_layer_->data->Modified();
+  select_facets();
   make_roles();
   shade();
 }
 
 // Those of a region, or of a part of a mesh.
-void ShapeActors::choose_facets() {
-  chosen_facets_.clear();
-  if (!pattern_ || choice_.empty()) return;
+void ShapeActors::select_facets() {
+  selected_facets_.clear();
+  if (!pattern_ || selected_name_.empty()) return;
   for (size_t r = 0; r < regions_.size() && r + 1 < pattern_->first_facet.size(); ++r)
     for (int f = pattern_->first_facet[r];
-         regions_[r] == choice_ && f < pattern_->first_facet[r + 1]; ++f)
-      chosen_facets_.push_back(f);
+         regions_[r] == selected_name_ && f < pattern_->first_facet[r + 1]; ++f)
+      selected_facets_.push_back(f);
   if (!mesh_is_drawn()) return;
-  std::vector<char> chosen(mesh_->roles.size(), 0);
+  std::vector<char> selected(mesh_->roles.size(), 0);
   for (const MeshView::Part& part : mesh_->parts)
-    if (part.name == choice_)
-      for (const int p : part.points) chosen[static_cast<size_t>(p)] = 1;
-  choose_within(chosen);
+    if (part.name == selected_name_)
+      for (const int p : part.points) selected[static_cast<size_t>(p)] = 1;
+  select_within(selected);
 }
 
-void ShapeActors::choose_within(const std::vector<char>& points) {
+void ShapeActors::select_within(const std::vector<char>& points) {
   for (size_t f = 0; f < pattern_->facets.size(); ++f) {
     const auto& facet = pattern_->facets[f];
     if (std::all_of(facet.begin(), facet.end(),
                     [&](int p) { return points[static_cast<size_t>(p)] != 0; }))
-      chosen_facets_.push_back(static_cast<int>(f));
+      selected_facets_.push_back(static_cast<int>(f));
   }
 }
 
 void ShapeActors::show_painted(const std::vector<char>& points) {
-  chosen_facets_.clear();
+  selected_facets_.clear();
   if (pattern_ && points.size() == static_cast<size_t>(points_->GetNumberOfTuples()))
-    choose_within(points);
+    select_within(points);
   make_roles();
   shade();
 }
@@ -276,18 +277,18 @@ void ShapeActors::colour() {
   facets_->set_colour(palette_.body);
   facets_->actor->GetProperty()->SetEdgeColor(palette_.line.data());
   lines_->set_colour(palette_.line);
-  chosen_->set_colour(palette_.chosen);
+  selection_layer_->set_colour(palette_.selected);
   Rgb guide{};
   for (size_t i = 0; i < 3; ++i) guide[i] = 0.5 * (palette_.line[i] + palette_.body[i]);
   guides_->set_colour(guide);
   draft_->set_colour(palette_.draft);
-  push_->set_colour(palette_.chosen);
+  push_->set_colour(palette_.selected);
   marks_->set_colour(palette_.draft);
-  pins_->set_colour(palette_.line);
-  held_->set_colour(palette_.line);
+  fixed_points_layer_->set_colour(palette_.line);
+  normals_layer_->set_colour(palette_.line);
   supports_->set_colour(palette_.line);
   dots_->set_colour(palette_.draft);
-  dot_->set_colour(palette_.chosen);
+  dot_->set_colour(palette_.selected);
   comb_->set_colour(palette_.draft);
   std::array<double, 3> grid{};
   for (size_t i = 0; i < 3; ++i) grid[i] = 0.8 * palette_.low[i] + 0.2 * palette_.line[i];
@@ -296,9 +297,9 @@ void ShapeActors::colour() {
 
 void ShapeActors::set_mesh(bool shown) { facets_->actor->GetProperty()->SetEdgeVisibility(shown); }
 
-void ShapeActors::set_cut(vtkPlane* plane) {
+void ShapeActors::set_clip_plane(vtkPlane* plane) {
   for (Layer* layer :
-       {facets_.get(), lines_.get(), guides_.get(), chosen_.get(), supports_.get()}) {
+       {facets_.get(), lines_.get(), guides_.get(), selection_layer_.get(), supports_.get()}) {
     layer->mapper->RemoveAllClippingPlanes();
     if (plane) layer->mapper->AddClippingPlane(plane);
   }

@@ -56,11 +56,11 @@ Palette Palette::dark() {
 
 vtkSmartPointer<vtkLookupTable> role_colours(const Palette& palette) {
   const Rgb colours[] = {
-      palette.body, {0.45, 0.48, 0.53}, {0.93, 0.62, 0.26}, {0.36, 0.66, 0.62}, palette.chosen};
+      palette.body, {0.45, 0.48, 0.53}, {0.93, 0.62, 0.26}, {0.36, 0.66, 0.62}, palette.selected};
   vtkNew<vtkLookupTable> table;
-  table->SetNumberOfTableValues(kChosenRole + 1);
-  table->SetTableRange(0, kChosenRole);
-  for (int i = 0; i <= kChosenRole; ++i)
+  table->SetNumberOfTableValues(kSelectedRole + 1);
+  table->SetTableRange(0, kSelectedRole);
+  for (int i = 0; i <= kSelectedRole; ++i)
     table->SetTableValue(i, colours[i][0], colours[i][1], colours[i][2]);
   return table.Get();
 }

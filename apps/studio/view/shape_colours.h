@@ -13,7 +13,7 @@ using Rgb = std::array<double, 3>;
 
 /// Colours of everything, light or dark.
 struct Palette {
-  Rgb low, high, body, line, chosen, draft, text;
+  Rgb low, high, body, line, selected, draft, text;
   static Palette light();
   static Palette dark();
 };
@@ -24,7 +24,7 @@ vtkSmartPointer<vtkLookupTable> stripes(double low, double high, int count, cons
 /// Colours that neighbours tell apart: hues by the golden angle.
 vtkSmartPointer<vtkLookupTable> region_colours(int count);
 /// The colours of facets by MeshView::Role, and behind them of what is chosen.
-inline constexpr int kChosenRole = 4;
+inline constexpr int kSelectedRole = 4;
 vtkSmartPointer<vtkLookupTable> role_colours(const Palette& palette);
 /// A table from -limit to the limit: from blue over white to red.
 vtkSmartPointer<vtkLookupTable> two_sided(double limit);

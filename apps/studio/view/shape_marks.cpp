@@ -43,11 +43,12 @@ void ShapeActors::set_draft(const std::vector<Vec3>& points) {
   draft_->set_dots(points, true, kDot);
 }
 
-void ShapeActors::set_dots(const std::vector<Vec3>& points, int chosen, bool joined) {
+void ShapeActors::set_dots(const std::vector<Vec3>& points, int selected, bool joined) {
   dots_->set_dots(points, joined, kDot);
-  const bool any = chosen >= 0 && chosen < static_cast<int>(points.size());
-  dot_->set_dots(any ? std::vector<Vec3>{points[static_cast<size_t>(chosen)]} : std::vector<Vec3>{},
-                 false, 1.4 * kDot);
+  const bool any = selected >= 0 && selected < static_cast<int>(points.size());
+  dot_->set_dots(
+      any ? std::vector<Vec3>{points[static_cast<size_t>(selected)]} : std::vector<Vec3>{}, false,
+      1.4 * kDot);
 }
 
 void ShapeActors::set_comb(const std::vector<Vec3>& curve) {
@@ -72,7 +73,7 @@ void ShapeActors::set_comb(const std::vector<Vec3>& curve) {
   comb_->set_polylines(lines);
 }
 
-void ShapeActors::set_trail(const std::vector<Vec3>& way) {
+void ShapeActors::set_path(const std::vector<Vec3>& way) {
   comb_->set_polylines(way.size() > 1 ? std::vector<std::vector<Vec3>>{way}
                                       : std::vector<std::vector<Vec3>>{});
 }
@@ -98,9 +99,9 @@ void ShapeActors::set_push(const std::optional<std::pair<Vec3, Vec3>>& from_to) 
 
 void ShapeActors::take_marks(const DocumentView& view) {
   stated_marks_ = view.marks;
-  pinned_.clear();
+  fixed_points_.clear();
   for (const auto& handle : view.handles)
-    if (!handle.turns) pinned_.push_back(handle.centre);
+    if (!handle.can_rotate) fixed_points_.push_back(handle.centre);
   supported_ = view.supported_lines;
   find_marks();
 }
@@ -122,19 +123,19 @@ void ShapeActors::find_marks() {
 void ShapeActors::place_marks() {
   using Kind = DocumentView::Mark::Kind;
   const double length = 0.07 * size_;
-  std::vector<std::vector<Vec3>> acting, held;
-  std::vector<Vec3> pins = pinned_;
+  std::vector<std::vector<Vec3>> acting, normal_arrows;
+  std::vector<Vec3> pins = fixed_points_;
   for (const auto& [number, mark] : marked_) {
     if (number >= points_->GetNumberOfTuples()) continue;
     const Vec3 at = point(number), reach = length * mark.along.stableNormalized();
     const bool acts = mark.kind == Kind::Load || mark.kind == Kind::Force;
     for (auto& line : acts ? arrow(at - reach, at) : arrow(at, at + reach))
-      (acts ? acting : held).push_back(std::move(line));
+      (acts ? acting : normal_arrows).push_back(std::move(line));
     if (!acts) pins.push_back(at);
   }
   marks_->set_polylines(acting);
-  held_->set_polylines(held);
-  pins_->set_dots(pins, false, kDot);
+  normals_layer_->set_polylines(normal_arrows);
+  fixed_points_layer_->set_dots(pins, false, kDot);
 }
 
 std::vector<Vec3> ShapeActors::mark_points() const {
@@ -147,7 +148,7 @@ std::vector<Vec3> ShapeActors::mark_points() const {
 void ShapeActors::show_supports() {
   const auto supports = [&](const std::string& line) {
     return std::any_of(supported_.begin(), supported_.end(),
-                       [&](const std::string& name) { return is_piece_of(line, name); });
+                       [&](const std::string& name) { return is_segment_of(line, name); });
   };
   supports_->data->SetPoints(lines_->data->GetPoints());
   supports_->data->SetLines(cells_of_lines(supports));

@@ -18,7 +18,7 @@ constexpr const char* kPaintedKinds[] = {"load", "weight"};
 SceneTable ShapeView::painted_table() const {
   const SceneText scene(view_->text);
   for (const char* kind : kPaintedKinds)
-    if (!chosen_.empty() && is_painted(scene, {kind, chosen_})) return {kind, chosen_};
+    if (!selected_.empty() && is_painted(scene, {kind, selected_})) return {kind, selected_};
   return {};
 }
 
@@ -28,7 +28,8 @@ void ShapeView::show_painted_area() {
   const SceneTable table = painted_table();
   if (table.kind.empty()) return;
   painted_.assign(static_cast<size_t>(actors_->point_count()), 0);
-  for (const Dab& dab : dabs_of(SceneText(view_->text), table)) mark_near(dab.at, dab.radius, true);
+  for (const BrushDab& dab : painted_dabs(SceneText(view_->text), table))
+    mark_near(dab.at, dab.radius, true);
   actors_->show_painted(painted_);
 }
 
@@ -52,21 +53,22 @@ void ShapeView::paint_area(const QPoint& at) {
   if (stroke_->asked > 0 && far < kBrushRadius / 2) return;
   const int steps = std::max(1, static_cast<int>(std::floor(2 * far / kBrushRadius)));
   for (int i = 1; i <= steps; ++i) {
-    const Vec3 hand = display(brushed_ + (at - brushed_) * i / steps);
-    const auto p = actors_->surface_at(hand.x(), hand.y());
+    const Vec3 pixel = display(brushed_ + (at - brushed_) * i / steps);
+    const auto p = actors_->surface_at(pixel.x(), pixel.y());
     if (!p) continue;
     const Vec3 side = to_window(*p) + Vec3(kBrushRadius * devicePixelRatioF(), 0, 0);
     const double radius = (from_window(side) - *p).norm();
     ++stroke_->asked;
-    hooks_.ask_place(*p, [this, stroke = stroke_, radius](const DocumentPlace& place) {
-      stroke->dabs.push_back(
-          {rounded_point(place.held, view_->size), rounded_point({radius, 0, 0}, view_->size).x()});
-      mark_near(place.held, radius, !stroke->erases);
-      actors_->show_painted(painted_);
-      redraw();
-      if (stroke->ended && static_cast<int>(stroke->dabs.size()) == stroke->asked)
-        take_stroke(*stroke);
-    });
+    hooks_.query_surface_point(
+        *p, [this, stroke = stroke_, radius](const SurfacePoint& surface_point) {
+          stroke->dabs.push_back({rounded_point(surface_point.unloaded, view_->size),
+                                  rounded_point({radius, 0, 0}, view_->size).x()});
+          mark_near(surface_point.unloaded, radius, !stroke->erases);
+          actors_->show_painted(painted_);
+          redraw();
+          if (stroke->ended && static_cast<int>(stroke->dabs.size()) == stroke->asked)
+            take_stroke(*stroke);
+        });
   }
   brushed_ = at;
 }
@@ -80,14 +82,14 @@ void ShapeView::end_stroke() {
 
 void ShapeView::take_stroke(const Stroke& stroke) {
   if (!stroke.table.kind.empty()) {
-    awaited_ = stroke.table.name;
+    created_ = stroke.table.name;
     for (DocumentCommand& edit :
          paint_edits(SceneText(view_->text), stroke.table, stroke.dabs, stroke.erases))
       hooks_.post(std::move(edit));
   } else if (!stroke.erases) {
-    awaited_ = view_->free_name("painted");
-    hooks_.post(new_paint(awaited_, paint_kind_, stroke.dabs));
-    hooks_.post({.verb = DocumentCommand::Verb::Settle});  // a step of its own
+    created_ = view_->free_name("painted");
+    hooks_.post(new_paint(created_, paint_kind_, stroke.dabs));
+    hooks_.post({.kind = DocumentCommand::CommandKind::SolveToEquilibrium});  // a step of its own
   }
 }
 

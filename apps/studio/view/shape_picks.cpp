@@ -7,8 +7,8 @@
 #include <limits>
 
 #include "batten/apps/studio/view/layer.h"
+#include "batten/apps/studio/view/screen_points.h"
 #include "batten/apps/studio/view/shape_actors.h"
-#include "batten/apps/studio/view/window_points.h"
 
 namespace batten::studio {
 namespace {
@@ -38,7 +38,7 @@ std::string ShapeActors::line_at(double x, double y) const {
   look_for(near, *lines_, line_names_);
   if (near.name.empty()) {
     std::vector<std::string> names;
-    for (const auto& line : loose_) names.push_back(line.line);
+    for (const auto& line : polylines_) names.push_back(line.line);
     look_for(near, *guides_, names);
   }
   return near.name;
@@ -61,9 +61,10 @@ void ShapeActors::look_for(NearLine& near, const Layer& layer,
     Vec2 before_at = Vec2::Zero();
     for (vtkIdType k = 0; k < count && !name.empty(); ++k) {
       const Vec3 p = Vec3::Map(points->GetPoint(of[k]));
-      const Vec2 at = in_window(*renderer_, p);
-      const auto [distance, share] = distance_to_piece(near.hand, k > 0 ? before_at : at, at);
-      const Vec3 found = k > 0 ? Vec3(before + share * (p - before)) : p;
+      const Vec2 at = to_screen(*renderer_, p);
+      const auto [distance, parameter] =
+          distance_to_segment(near.pixel, k > 0 ? before_at : at, at);
+      const Vec3 found = k > 0 ? Vec3(before + parameter * (p - before)) : p;
       if (distance < near.least && !(near.surface && (*near.surface - found).dot(eye) > behind)) {
         near.least = distance;
         near.name = name;
@@ -136,7 +137,7 @@ Vec3 ShapeActors::point(int number) const {
 
 std::array<Vec3, 2> ShapeActors::box() const {
   std::array<Vec3, 2> box{Vec3::Constant(1e300), Vec3::Constant(-1e300)};
-  for (const auto& line : loose_)
+  for (const auto& line : polylines_)
     for (const Vec3& p : line.points) {
       box[0] = box[0].cwiseMin(p);
       box[1] = box[1].cwiseMax(p);

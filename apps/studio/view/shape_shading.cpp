@@ -26,10 +26,10 @@ Vec3 triple(const float* values, int number) {
 }
 
 /// The value that so large a share of the magnitudes does not exceed.
-double quantile(std::vector<float> values, double share) {
+double quantile(std::vector<float> values, double fraction) {
   for (float& v : values) v = std::abs(v);
   const auto at =
-      values.begin() + static_cast<long>(share * static_cast<double>(values.size() - 1));
+      values.begin() + static_cast<long>(fraction * static_cast<double>(values.size() - 1));
   std::nth_element(values.begin(), at, values.end());
   return *at;
 }
@@ -44,12 +44,12 @@ void ShapeActors::set_shading(Shading shading) {
 
 void ShapeActors::shade() {
   const bool anything = pattern_ && points_->GetNumberOfTuples() > 0;
-  if (!anything || (shading_ == Shading::Plain && !mesh_ && chosen_facets_.empty()))
+  if (!anything || (shading_ == Shading::Shaded && !mesh_ && selected_facets_.empty()))
     facets_->mapper->ScalarVisibilityOff();
-  else if (shading_ == Shading::Plain)
+  else if (shading_ == Shading::Shaded)
     shade_facets(roles_, role_colours(palette_));
   else if ((shading_ == Shading::Stress && !shows_stress()) ||
-           (shading_ == Shading::Modes && !swing_shape()))
+           (shading_ == Shading::Modes && !mode_shape()))
     facets_->mapper->ScalarVisibilityOff();
   else if (shading_ == Shading::Regions)
     shade_facets(facet_regions_, region_colours(static_cast<int>(regions_.size())));
@@ -61,16 +61,16 @@ bool ShapeActors::shows_stress() const {
   return stress_ && stress_->values.size() == static_cast<size_t>(points_->GetNumberOfTuples());
 }
 
-bool ShapeActors::says_numbers() const {
-  return shading_ == Shading::Deviation || shading_ == Shading::Curvature ||
-         shading_ == Shading::Stretch || (shading_ == Shading::Stress && shows_stress()) ||
-         swing_shape();
+bool ShapeActors::has_scalar_field() const {
+  return shading_ == Shading::Displacement || shading_ == Shading::Curvature ||
+         shading_ == Shading::Strain || (shading_ == Shading::Stress && shows_stress()) ||
+         mode_shape();
 }
 
-vtkLookupTable* ShapeActors::scale() const { return says_numbers() ? table_.Get() : nullptr; }
+vtkLookupTable* ShapeActors::scale() const { return has_scalar_field() ? table_.Get() : nullptr; }
 
 std::optional<double> ShapeActors::value_at(const Vec3& p) const {
-  const int point = says_numbers() ? point_near(p) : -1;
+  const int point = has_scalar_field() ? point_near(p) : -1;
   if (point < 0) return std::nullopt;
   return scalars_->GetValue(point);
 }
@@ -109,7 +109,7 @@ void ShapeActors::make_roles() {
     }
     roles_->SetValue(i, role);
   }
-  for (const int facet : chosen_facets_) roles_->SetValue(facet, kChosenRole);
+  for (const int facet : selected_facets_) roles_->SetValue(facet, kSelectedRole);
   roles_->Modified();
 }
 
@@ -122,13 +122,13 @@ void ShapeActors::shade_points() {
   const Vec3 along = Vec3(1, 0.6, 0).normalized();
   if (shading_ == Shading::Curvature)
     measure_curvature(value);
-  else if (shading_ == Shading::Stretch)
-    measure_stretch(value);
+  else if (shading_ == Shading::Strain)
+    measure_strain(value);
   else if (shading_ == Shading::Stress)
     std::copy(stress_->values.begin(), stress_->values.end(), value);
   else if (shading_ == Shading::Modes)
     for (vtkIdType i = 0; i < n; ++i)
-      value[i] = static_cast<float>(triple(swing_shape()->data(), static_cast<int>(i)).norm());
+      value[i] = static_cast<float>(triple(mode_shape()->data(), static_cast<int>(i)).norm());
   else
     for (vtkIdType i = 0; i < n; ++i) {
       const int p = static_cast<int>(i);
@@ -163,7 +163,7 @@ vtkSmartPointer<vtkLookupTable> ShapeActors::table_of(const float* value, size_t
     case Shading::Contours:
       return stripes(*low, *high > *low ? *high : *low + 1, kBands, palette_.body, light);
     case Shading::Curvature:
-    case Shading::Stretch: {
+    case Shading::Strain: {
       // Ends and corners have values that would leave one colour for all the rest.
       const double limit = std::max(quantile(std::vector<float>(value, value + n), 0.98), 1e-30);
       range_[0] = limit;
@@ -216,7 +216,7 @@ void ShapeActors::measure_curvature(float* value) const {
 }
 
 // The largest strain of the facets at a point since the mesh was made, with its sign.
-void ShapeActors::measure_stretch(float* value) const {
+void ShapeActors::measure_strain(float* value) const {
   std::fill(value, value + points_->GetNumberOfTuples(), 0.0F);
   for (const auto& facet : pattern_->facets) {
     const auto frame_of = [&](const float* points) {

@@ -8,12 +8,12 @@
 #include "batten/apps/commands/documents/line_edits.h"
 #include "batten/apps/commands/documents/sequence_edits.h"
 #include "batten/apps/studio/view/shape_view.h"
-#include "batten/apps/studio/view/texts.h"
+#include "batten/apps/studio/view/strings.h"
 
 namespace batten::studio {
 namespace {
 
-using Verb = DocumentCommand::Verb;
+using CommandKind = DocumentCommand::CommandKind;
 constexpr double kSnap = 12;  // pixels
 
 }  // namespace
@@ -30,27 +30,28 @@ void ShapeView::start_push(const QPoint& at) {
   push->name = view_->free_name("push");
   push_ = push;
   const std::weak_ptr<Push> waiting = push;
-  hooks_.ask_place(*p, [this, waiting](const DocumentPlace& place) {
-    if (waiting.lock()) place_push(place);
+  hooks_.query_surface_point(*p, [this, waiting](const SurfacePoint& surface_point) {
+    if (waiting.lock()) start_load(surface_point);
   });
 }
 
 // The load is there, at 0; one unit of it then shows how far the surface gives way.
-void ShapeView::place_push(const DocumentPlace& place) {
+void ShapeView::start_load(const SurfacePoint& surface_point) {
   Push& push = *push_;
-  push.start = place.present;
-  push.normal = place.normal;
-  push.held = place.held;
-  push.point = actors_->point_near(place.present);
+  push.start = surface_point.present;
+  push.normal = surface_point.normal;
+  push.unloaded = surface_point.unloaded;
+  push.point = actors_->point_near(surface_point.present);
   push.start = actors_->point(push.point);
   push.placed = true;
   push.value = 1;
-  hooks_.post({.verb = Verb::Add,
+  hooks_.post({.kind = CommandKind::Add,
                .table = {"load", ""},
                .text = "{ name = " + SceneText::word(push.name) + ", type = \"point\", at = " +
-                       point_word(rounded_point(place.held, view_->size)) + ", direction = " +
-                       point_word(rounded_point(place.normal, 1)) + ", value = 0 }"});
-  hooks_.post({.verb = Verb::Slide, .key = push.name, .value = push.value});
+                       point_to_toml(rounded_point(surface_point.unloaded, view_->size)) +
+                       ", direction = " + point_to_toml(rounded_point(surface_point.normal, 1)) +
+                       ", value = 0 }"});
+  hooks_.post({.kind = CommandKind::SetSlider, .key = push.name, .value = push.value});
 }
 
 void ShapeView::follow_push() {
@@ -62,10 +63,10 @@ void ShapeView::follow_push() {
   if (push.compliance == 0 && std::abs(gone) > 1e-9 * view_->size)
     push.compliance = gone / push.value;
   if (push.compliance == 0) return;
-  const double value = std::stod(number(push.wanted / push.compliance));
+  const double value = std::stod(format_number(push.wanted / push.compliance));
   if (value == push.value) return;
   push.value = value;
-  hooks_.post({.verb = Verb::Slide, .key = push.name, .value = value});
+  hooks_.post({.kind = CommandKind::SetSlider, .key = push.name, .value = value});
 }
 
 // The load goes, and with it what it did.
@@ -73,53 +74,53 @@ void ShapeView::cancel_push() {
   const bool placed = push_->placed;
   const std::string name = push_->name;
   end_push();
-  if (placed) hooks_.post({.verb = Verb::Remove, .table = {"load", name}});
+  if (placed) hooks_.post({.kind = CommandKind::Remove, .table = {"load", name}});
 }
 
 void ShapeView::end_push() {
   const bool placed = push_->placed;
   push_.reset();
   actors_->set_push(std::nullopt);
-  if (placed) hooks_.post({.verb = Verb::Settle});
+  if (placed) hooks_.post({.kind = CommandKind::SolveToEquilibrium});
 }
 
 // The place of the surface is held where it is now, or its normal as it is.
-void ShapeView::pin(const QPoint& at, bool normal) {
+void ShapeView::fix_point(const QPoint& at, bool normal) {
   const Vec3 window = display(at);
   for (const auto& handle : view_->handles)  // it is held there: the click means that place
-    if (!normal && !handle.turns &&
+    if (!normal && !handle.can_rotate &&
         (to_window(handle.centre) - window).head<2>().norm() < kSnap * devicePixelRatioF())
-      return hooks_.chosen("", handle.name);
+      return hooks_.selected("", handle.name);
   const std::optional<Vec3> p = actors_->surface_at(window.x(), window.y());
   if (!p) return;
-  hooks_.ask_place(*p, [this, normal](const DocumentPlace& place) {
-    awaited_ = view_->free_name(normal ? "normal" : "pin");
+  hooks_.query_surface_point(*p, [this, normal](const SurfacePoint& surface_point) {
+    created_ = view_->free_name(normal ? "normal" : "pin");
     const double size = view_->size;
     const std::string what =
-        normal ? "\"normal\", direction = " + point_word(rounded_point(place.normal, 1))
-               : "\"point\", to = " + point_word(rounded_point(place.present, size));
-    hooks_.post({.verb = Verb::Add,
+        normal ? "\"normal\", direction = " + point_to_toml(rounded_point(surface_point.normal, 1))
+               : "\"point\", to = " + point_to_toml(rounded_point(surface_point.present, size));
+    hooks_.post({.kind = CommandKind::Add,
                  .table = {"constraint", ""},
-                 .text = "{ name = " + SceneText::word(awaited_) + ", type = " + what +
-                         ", at = " + point_word(rounded_point(place.held, size)) + " }"});
+                 .text = "{ name = " + SceneText::word(created_) + ", type = " + what + ", at = " +
+                         point_to_toml(rounded_point(surface_point.unloaded, size)) + " }"});
   });
 }
 
 // -- drawing ----------------------------------------------------------------------------------------
 
 std::optional<Vec3> ShapeView::snapped(const QPoint& at) const {
-  const Vec3 hand = display(at);
+  const Vec3 pixel = display(at);
   double least = kSnap * devicePixelRatioF();
   std::optional<Vec3> best;
   const auto offer = [&](const Vec3& p) {
-    const double d = (to_window(p) - hand).head<2>().norm();
+    const double d = (to_window(p) - pixel).head<2>().norm();
     if (d >= least) return;
     least = d;
     best = p;
   };
   if (view_)
     for (const auto& line : view_->lines) {
-      if (line.line == stated_ && tool_ == Tool::Select) continue;
+      if (line.line == defining_line_ && tool_ == Tool::Select) continue;
       offer(line.points.front());
       offer(line.points.back());
     }
@@ -129,17 +130,17 @@ std::optional<Vec3> ShapeView::snapped(const QPoint& at) const {
 
 Vec3 ShapeView::point_at(const QPoint& at) const {
   if (const auto end = snapped(at)) return *end;
-  const Vec3 hand = display(at);
-  if (view_ && view_->timeline) return rounded_by_hand(on_plane(at, Vec3::Zero()));  // the ground
-  if (const auto p = actors_->surface_at(hand.x(), hand.y())) return *p;
-  return rounded_by_hand(on_plane(at, draft_.empty() ? Vec3(Vec3::Zero()) : draft_.front()));
+  const Vec3 pixel = display(at);
+  if (view_ && view_->timeline) return rounded_to_pixel(on_plane(at, Vec3::Zero()));  // the ground
+  if (const auto p = actors_->surface_at(pixel.x(), pixel.y())) return *p;
+  return rounded_to_pixel(on_plane(at, draft_.empty() ? Vec3(Vec3::Zero()) : draft_.front()));
 }
 
 // In the plane that lines are drawn on, through a point; where that is seen from its edge, in the one
 // that faces the eye.
 Vec3 ShapeView::on_plane(const QPoint& at, const Vec3& through) const {
-  const Vec3 hand = display(at), near = from_window(hand);
-  const Vec3 along = (from_window(hand + Vec3::UnitZ()) - near).normalized();
+  const Vec3 pixel = display(at), near = from_window(pixel);
+  const Vec3 along = (from_window(pixel + Vec3::UnitZ()) - near).normalized();
   Vec3 normal = plane_ == DrawPlane::Xy   ? Vec3::UnitZ()
                 : plane_ == DrawPlane::Xz ? Vec3::UnitY()
                 : plane_ == DrawPlane::Yz ? Vec3::UnitX()
@@ -168,8 +169,8 @@ void ShapeView::measure_point(const QPoint& at) {
   if (draft_.size() > 1) {
     const Vec3 way = draft_[1] - draft_[0];
     const auto digits = [](double x) { return QString::number(x, 'g', 6); };
-    set_words(text(kDistance).arg(digits(way.norm()), shown(view_->unit), digits(way.x()),
-                                  digits(way.y()), digits(way.z())));
+    set_text(text(kDistance).arg(digits(way.norm()), shown(view_->unit), digits(way.x()),
+                                 digits(way.y()), digits(way.z())));
   }
   redraw();
 }
@@ -182,15 +183,15 @@ void ShapeView::finish_line() {
   if (points.size() < 2) return;
   fitted_ = true;  // the view stays while a hand draws
   if (view_->timeline) return hooks_.post(path_edit(SceneText(view_->text), points));
-  awaited_ = view_->free_name("line");
-  hooks_.post(line_command(awaited_, points));
+  created_ = view_->free_name("line");
+  hooks_.post(line_command(created_, points));
   hooks_.hint(text(kHintDraw));
 }
 
 void ShapeView::cancel_tool() {
   draft_.clear();
   actors_->set_draft({});
-  if (tool_ == Tool::Measure) set_words("");
+  if (tool_ == Tool::Measure) set_text("");
   if (push_) end_push();
   redraw();
 }

@@ -24,16 +24,16 @@
 
 #include "batten/apps/studio/view/gizmo.h"
 #include "batten/apps/studio/view/legend.h"
-#include "batten/apps/studio/view/texts.h"
-#include "batten/apps/studio/view/window_points.h"
+#include "batten/apps/studio/view/screen_points.h"
+#include "batten/apps/studio/view/strings.h"
 
 namespace batten::studio {
 namespace {
 
 constexpr int kSamples = 4, kStillAfter = 150;  // ms
 const Vec3 kFromCorner(1, 1.6, -0.9);           // the way the eye looks at first
-constexpr int kSwingEvery = 33;                 // ms
-constexpr double kSwingStep = 0.13;             // radians of a swing
+constexpr int kModeFrameMs = 33;                // ms
+constexpr double kModePhaseStep = 0.13;         // radians of a swing
 
 void add_light(vtkRenderer& renderer, double x, double y, double z, double intensity) {
   vtkNew<vtkLight> light;
@@ -62,19 +62,19 @@ ShapeView::ShapeView(QWidget* parent, Hooks hooks)
   actors_ = std::make_unique<ShapeActors>(renderer_);
   gizmo_ = std::make_unique<Gizmo>(renderer_);
   legend_ = std::make_unique<Legend>(renderer_);
-  still_ = new QTimer(this);
-  still_->setSingleShot(true);
-  still_->setInterval(kStillAfter);
-  QObject::connect(still_, &QTimer::timeout, this, [this] { redraw_still(); });
+  idle_timer_ = new QTimer(this);
+  idle_timer_->setSingleShot(true);
+  idle_timer_->setInterval(kStillAfter);
+  QObject::connect(idle_timer_, &QTimer::timeout, this, [this] { redraw_antialiased(); });
   swing_ = new QTimer(this);
-  swing_->setInterval(kSwingEvery);
+  swing_->setInterval(kModeFrameMs);
   QObject::connect(swing_, &QTimer::timeout, this, [this] {
-    actors_->set_swing(std::sin(kSwingStep * ++swung_));
+    actors_->set_mode_phase(std::sin(kModePhaseStep * ++mode_frame_));
     redraw();
   });
   cube_->SetParentRenderer(renderer_);
   cube_->On();
-  look(kFromCorner, Vec3::UnitZ());
+  look_along(kFromCorner, Vec3::UnitZ());
   setMouseTracking(true);
   setFocusPolicy(Qt::StrongFocus);
   setMinimumSize(320, 240);
@@ -97,23 +97,23 @@ void ShapeView::redraw() {
   legend_->set_scale(actors_->scale(), scale_title().toStdString());
   if (software_) {
     renderer_->UseFXAAOff();
-    still_->start();
+    idle_timer_->start();
   }
   window_->Render();
 }
 
-void ShapeView::redraw_still() {
+void ShapeView::redraw_antialiased() {
   renderer_->UseFXAAOn();
   window_->Render();
 }
 
-void ShapeView::take(const DocumentWorker::News& news) {
-  const bool other = news.view && (!view_ || view_->opened != news.view->opened);
+void ShapeView::refresh(const DocumentWorker::Update& news) {
+  const bool other = news.view && (!view_ || view_->document_number != news.view->document_number);
   if (news.view) {
     const bool was_empty = is_empty();
     view_ = news.view;
-    if (other || was_empty != is_empty()) say_hint();
-    actors_->take(*view_);
+    if (other || was_empty != is_empty()) show_hint();
+    actors_->refresh(*view_);
     if (other) fitted_ = false;
     const bool gone = !painted_name_.empty() && !view_->table({"select", painted_name_});
     if (view_->mesh && gone && !news.busy) painted_.clear();
@@ -121,12 +121,12 @@ void ShapeView::take(const DocumentWorker::News& news) {
     if (std::exchange(awaits_move_, false)) move_ms_ = since_move_.elapsed();
     if (other) move_ms_ = 0;
   }
-  if (news.frame) actors_->take(*news.frame);
-  if (news.stress) actors_->take(news.stress);
+  if (news.frame) actors_->refresh(*news.frame);
+  if (news.stress) actors_->refresh(news.stress);
   if (!news.view && !news.frame && !news.stress) return;
   const bool anything = !is_empty();
   if (!anything) fitted_ = false;
-  if (other && !anything) look(kFromCorner, Vec3::UnitZ());  // the ground, to draw on
+  if (other && !anything) look_along(kFromCorner, Vec3::UnitZ());  // the ground, to draw on
   if (!fitted_ && anything && draft_.empty()) {
     fitted_ = true;
     fit();
@@ -135,7 +135,7 @@ void ShapeView::take(const DocumentWorker::News& news) {
   if (news.view) {
     show_handle();
     show_line();
-    choose_awaited();
+    select_created();
     if (!stroke_) show_painted_area();
   }
   redraw();
@@ -154,18 +154,18 @@ void ShapeView::set_tool(Tool tool) {
   show_grid();
   show_handle();
   show_line();
-  say_hint();
+  show_hint();
 }
 
 // What can be done next.
-void ShapeView::say_hint() {
+void ShapeView::show_hint() {
   const bool mesh = view_ && view_->mesh;
   const bool empty = is_empty();
   const char* const hints[] = {mesh    ? kHintSelectMesh
                                : empty ? kHintEmpty
                                        : kHintSelect,
                                kHintPush,
-                               kHintPin,
+                               kHintFixPoint,
                                view_ && view_->timeline ? kHintPath : kHintDraw,
                                mesh ? kHintPaint : kHintPaintArea,
                                kHintLasso,
@@ -203,7 +203,7 @@ void ShapeView::set_dark(bool dark) {
 }
 
 void ShapeView::set_section(bool shown) {
-  actors_->set_cut(shown ? cut_.Get() : nullptr);
+  actors_->set_clip_plane(shown ? clip_plane_.Get() : nullptr);
   if (!shown) {
     section_->Off();
     return redraw();
@@ -234,7 +234,7 @@ void ShapeView::set_section(bool shown) {
 
 void ShapeView::follow_section() {
   if (auto* plane = vtkImplicitPlaneRepresentation::SafeDownCast(section_->GetRepresentation()))
-    plane->GetPlane(cut_);
+    plane->GetPlane(clip_plane_);
   redraw();
 }
 
@@ -244,29 +244,29 @@ QString ShapeView::scale_title() const {
   const auto [end, largest] = actors_->range();
   const bool mesh = view_ && view_->mesh;
   QString title;
-  if (shading == Shading::Deviation || shading == Shading::Stretch)
+  if (shading == Shading::Displacement || shading == Shading::Strain)
     title = text(mesh ? kSinceRead : kSinceOpened);
-  if (shading == Shading::Stress || shading == Shading::Curvature || shading == Shading::Stretch)
+  if (shading == Shading::Stress || shading == Shading::Curvature || shading == Shading::Strain)
     if (largest > 1.02 * end)
       title += (title.isEmpty() ? "" : "\n") + text(kLargest).arg(largest, 0, 'g', 3);
   return title;
 }
 
-void ShapeView::set_words(const QString& words) {
-  words_ = words;
-  legend_->set_words(words.toStdString());
+void ShapeView::set_text(const QString& overlay_text) {
+  text_ = overlay_text;
+  legend_->set_text(overlay_text.toStdString());
   redraw();
 }
 
 void ShapeView::set_paint(const std::string& kind) {
   paint_kind_ = kind;
-  if (view_ && !painted_table().kind.empty()) choose("");  // the next stroke makes one of this kind
+  if (view_ && !painted_table().kind.empty()) select("");  // the next stroke makes one of this kind
 }
 
-void ShapeView::set_swinging(bool on) {
-  swung_ = 0;
+void ShapeView::animate_mode(bool on) {
+  mode_frame_ = 0;
   on ? swing_->start() : swing_->stop();
-  actors_->set_swing(1);
+  actors_->set_mode_phase(1);
   redraw();
 }
 
@@ -285,10 +285,10 @@ void ShapeView::set_perspective(bool on) {
   fit();
 }
 
-void ShapeView::choose(const std::string& name) {
-  chosen_point_ = -1;
-  chosen_ = name;
-  actors_->choose(name);
+void ShapeView::select(const std::string& name) {
+  selected_point_ = -1;
+  selected_ = name;
+  actors_->select(name);
   show_painted_area();
   show_handle();
   show_line();
@@ -307,7 +307,7 @@ void ShapeView::fit() {
   redraw();
 }
 
-void ShapeView::look(const Vec3& direction, const Vec3& up) {
+void ShapeView::look_along(const Vec3& direction, const Vec3& up) {
   vtkCamera* camera = renderer_->GetActiveCamera();
   const Vec3 focus = Vec3::Map(camera->GetFocalPoint());
   const Vec3 at = focus - direction.normalized() * camera->GetDistance();

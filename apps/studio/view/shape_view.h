@@ -31,8 +31,8 @@ class Legend;
 enum class Tool {
   Select,  ///< a click chooses a line or region, a drag turns the view
   Push,  ///< a press on the surface is a point load along the normal: the surface follows the hand
-  Pin,   ///< a click on the surface holds it there; arrows then move the place
-  Draw,  ///< clicks are points of a line; a double click or Enter ends it
+  FixPoint,  ///< a click on the surface holds it there; arrows then move the place
+  Draw,      ///< clicks are points of a line; a double click or Enter ends it
   Paint,  ///< a brush, with Shift one that takes away: nodes of a mesh, or where a load or weight acts
   Lasso,   ///< the same with a line around them
   Measure  ///< two clicks: how far it is from one to the other
@@ -47,16 +47,16 @@ class ShapeView : public QVTKOpenGLNativeWidget {
  public:
   struct Hooks {
     std::function<void(DocumentCommand)> post;
-    std::function<void(const Vec3&, std::function<void(const DocumentPlace&)>)> ask_place;
-    std::function<void(const std::string& line, const std::string& region)> chosen;
+    std::function<void(const Vec3&, std::function<void(const SurfacePoint&)>)> query_surface_point;
+    std::function<void(const std::string& line, const std::string& region)> selected;
     std::function<void(const QString&)> hint;  ///< what can be done next, for the status bar
   };
   ShapeView(QWidget* parent, Hooks hooks);
   ~ShapeView() override;
 
-  void take(const DocumentWorker::News& news);
+  void refresh(const DocumentWorker::Update& news);
   void set_tool(Tool tool);
-  void say_hint();  ///< what can be done next
+  void show_hint();  ///< what can be done next
   Tool tool() const { return tool_; }
   void set_plane(DrawPlane plane);
   void set_shading(Shading shading);
@@ -66,30 +66,30 @@ class ShapeView : public QVTKOpenGLNativeWidget {
   /// What a brush makes where no load or weight is chosen: "pressure", "alpha" or "beta".
   void set_paint(const std::string& kind);
   /// Lets the natural mode swing that is shown, or stand at its largest.
-  void set_swinging(bool on);
+  void animate_mode(bool on);
   void set_mode(int mode);
   /// The curvature of the chosen line as a comb.
   void set_combs(bool shown);
   /// A plane that cuts away what is before it, with an arrow and a face to move it by.
   void set_section(bool shown);
   /// Words over the view.
-  void set_words(const QString& words);
-  const QString& words() const { return words_; }
+  void set_text(const QString& overlay_text);
+  const QString& overlay_text() const { return text_; }
   /// The chosen point of the chosen line, counted from 0; -1: none.
-  int chosen_point() const { return chosen_point_; }
+  int selected_point() const { return selected_point_; }
   /// The place of the surface that was clicked last; none before.
-  const std::optional<DocumentPlace>& clicked() const { return clicked_; }
+  const std::optional<SurfacePoint>& clicked() const { return clicked_; }
   /// Takes the chosen point out of its line; false where there is none.
   bool remove_point();
   /// A line, region or part of a mesh.
-  void choose(const std::string& name);
+  void select(const std::string& name);
   /// Shows all, from the direction in which the camera looks.
   void fit();
-  void look(const Vec3& direction, const Vec3& up);
+  void look_along(const Vec3& direction, const Vec3& up);
   void finish_line();
   /// Takes back what the hand has begun and not ended: a push, the last point of a line; false where
   /// there is no such thing.
-  bool take_back();
+  bool undo_pending();
   void cancel_tool();
 
   /// The point of the window, Qt's logical pixels, that shows a place: for tests and tours.
@@ -104,7 +104,7 @@ class ShapeView : public QVTKOpenGLNativeWidget {
  private:
   struct Push {
     std::string name;
-    Vec3 held, normal, start;
+    Vec3 unloaded, normal, start;
     int point = -1;         // of the display
     double value = 0;       // that the load has
     double compliance = 0;  // of the point along the normal; 0: not known yet
@@ -121,9 +121,9 @@ class ShapeView : public QVTKOpenGLNativeWidget {
   void click(const QPoint& at, bool shift);
   void show_value(const QPoint& at);
   void start_push(const QPoint& at);
-  void place_push(const DocumentPlace& place);
+  void start_load(const SurfacePoint& place);
   void follow_push();
-  void pin(const QPoint& at, bool normal);
+  void fix_point(const QPoint& at, bool normal);
   void end_push();
   void cancel_push();
   void draw_point(const QPoint& at);
@@ -141,12 +141,12 @@ class ShapeView : public QVTKOpenGLNativeWidget {
   void draw_lasso(const QPoint& at);
   void close_lasso(bool erases);
   void finish_stroke();
-  void choose_awaited();
+  void select_created();
   struct Stroke {
     SceneTable table;  // that it is painted of; none: a new one
     bool erases = false, ended = false;
     int asked = 0;  // of dabs
-    std::vector<Dab> dabs;
+    std::vector<BrushDab> dabs;
   };
   SceneTable painted_table() const;
   void show_painted_area();
@@ -157,15 +157,15 @@ class ShapeView : public QVTKOpenGLNativeWidget {
   void take_stroke(const Stroke& stroke);
   void show_line();
   void show_dots();
-  void show_trail();
+  void show_path();
   int point_under(const QPoint& at) const;
-  bool press_point(const QPoint& at, bool alone);
+  bool press_point(const QPoint& at, bool detached);
   void drag_point(const QPoint& at);
   void release_point();
   bool follows_point() const;
   Vec3 on_plane(const QPoint& at, const Vec3& through) const;
   bool add_point(const QPoint& at);
-  Vec3 rounded_by_hand(const Vec3& p) const;
+  Vec3 rounded_to_pixel(const Vec3& p) const;
   Vec3 to_window(const Vec3& p) const;  // renderer's pixels and depth
   Vec3 from_window(const Vec3& window) const;
   Vec3 display(const QPoint& at) const;
@@ -174,14 +174,14 @@ class ShapeView : public QVTKOpenGLNativeWidget {
   bool is_empty() const { return !view_ || (view_->lines.empty() && !view_->surface); }
   void follow_section();
   void redraw();
-  void redraw_still();
+  void redraw_antialiased();
 
   Hooks hooks_;
   vtkNew<vtkGenericOpenGLRenderWindow> window_;
   vtkNew<vtkRenderer> renderer_;
   vtkNew<vtkCameraOrientationWidget> cube_;
   vtkNew<vtkImplicitPlaneWidget2> section_;
-  vtkNew<vtkPlane> cut_;
+  vtkNew<vtkPlane> clip_plane_;
   std::unique_ptr<ShapeActors> actors_;
   std::shared_ptr<const DocumentView> view_;
   Tool tool_ = Tool::Select;
@@ -191,29 +191,29 @@ class ShapeView : public QVTKOpenGLNativeWidget {
   std::shared_ptr<Push> push_;
   std::unique_ptr<Gizmo> gizmo_;
   std::unique_ptr<Legend> legend_;
-  DocumentView::Handle held_;  // what the hand has moved the shown handle to
-  std::vector<char> painted_;  // of each display point
-  std::string painted_name_;   // of the selection that strokes add to
+  DocumentView::Handle dragged_handle_;  // what the hand has moved the shown handle to
+  std::vector<char> painted_;            // of each display point
+  std::string painted_name_;             // of the selection that strokes add to
   std::vector<QPoint> lasso_;
   std::shared_ptr<Stroke> stroke_;
   std::string paint_kind_ = "pressure";
-  std::optional<DocumentPlace> clicked_;
+  std::optional<SurfacePoint> clicked_;
   QTimer* swing_ = nullptr;
-  int swung_ = 0;                  // pictures since a mode began to swing
+  int mode_frame_ = 0;             // pictures since a mode began to swing
   std::vector<Vec3> line_points_;  // that the scene states of the chosen line
   LineKey line_key_ = LineKey::None;
-  int chosen_point_ = -1, moved_point_ = -1;
+  int selected_point_ = -1, moved_point_ = -1;
   Vec3 point_before_ = Vec3::Zero();  // where the moved one was
-  bool alone_ = false;                // it moves without lines that meet there
+  bool detached_ = false;             // it moves without lines that meet there
   bool awaits_move_ = false;          // the surface has not followed yet
   QElapsedTimer since_move_;
   qint64 move_ms_ = 0;  // that the surface took to follow the last time
   bool combs_ = false;
-  QString words_;
-  std::string chosen_, awaited_;
-  std::string stated_;  // the [[line]] that the chosen one is or is a piece of
+  QString text_;
+  std::string selected_, created_;
+  std::string defining_line_;  // the [[line]] that the chosen one is or is a piece of
   QPoint pressed_, brushed_;
-  QTimer* still_ = nullptr;
+  QTimer* idle_timer_ = nullptr;
   bool software_ = false;  // OpenGL on the processor
   bool left_ = false, moved_ = false, fitted_ = false, brushing_ = false;
 };

@@ -10,9 +10,9 @@
 
 #include "batten/apps/studio/view/gizmo.h"
 #include "batten/apps/studio/view/legend.h"
+#include "batten/apps/studio/view/screen_points.h"
 #include "batten/apps/studio/view/shape_view.h"
-#include "batten/apps/studio/view/texts.h"
-#include "batten/apps/studio/view/window_points.h"
+#include "batten/apps/studio/view/strings.h"
 
 namespace batten::studio {
 namespace {
@@ -26,8 +26,8 @@ Vec3 ShapeView::display(const QPoint& at) const {
   return {at.x() * ratio, (height() - 1 - at.y()) * ratio, 0};
 }
 
-Vec3 ShapeView::to_window(const Vec3& p) const { return display_of(*renderer_, p); }
-Vec3 ShapeView::from_window(const Vec3& window) const { return world_of(*renderer_, window); }
+Vec3 ShapeView::to_window(const Vec3& p) const { return to_display(*renderer_, p); }
+Vec3 ShapeView::from_window(const Vec3& window) const { return to_world(*renderer_, window); }
 
 QPoint ShapeView::pixel_of(const Vec3& p) const {
   const Vec3 window = to_window(p) / devicePixelRatioF();
@@ -133,13 +133,14 @@ bool ShapeView::move(QMouseEvent* event) {
   if (push_) {
     const Vec3 from = to_window(push_->start);
     const Vec3 along = to_window(push_->start + push_->normal) - from;
-    const Vec3 hand = display(event->pos()) - display(push_->from);
+    const Vec3 pixel = display(event->pos()) - display(push_->from);
     const Vec2 axis = along.head<2>();
     // Towards the eye a normal is a point in the window: up then is out.
     const double scale = renderer_->GetActiveCamera()->GetParallelScale() * 2 / height();
     constexpr double short_axis = 0.25;
-    push_->wanted = axis.norm() * scale > short_axis ? axis.dot(hand.head<2>()) / axis.squaredNorm()
-                                                     : hand.y() * scale;
+    push_->wanted = axis.norm() * scale > short_axis
+                        ? axis.dot(pixel.head<2>()) / axis.squaredNorm()
+                        : pixel.y() * scale;
     follow_push();
     return true;
   }
@@ -185,9 +186,9 @@ bool ShapeView::release(QMouseEvent* event) {
 
 // What the colour under the hand says.
 void ShapeView::show_value(const QPoint& at) {
-  if (!actors_->says_numbers()) return;
-  const Vec3 hand = display(at);
-  const auto p = actors_->surface_at(hand.x(), hand.y());
+  if (!actors_->has_scalar_field()) return;
+  const Vec3 pixel = display(at);
+  const auto p = actors_->surface_at(pixel.x(), pixel.y());
   const auto value = p ? actors_->value_at(*p) : std::nullopt;
   hooks_.hint(value ? QString::number(*value, 'g', 4) : QString());
 }
@@ -195,15 +196,16 @@ void ShapeView::show_value(const QPoint& at) {
 void ShapeView::click(const QPoint& at, bool shift) {
   if (tool_ == Tool::Draw) return draw_point(at);
   if (tool_ == Tool::Measure) return measure_point(at);
-  if (tool_ == Tool::Pin) return pin(at, shift);
+  if (tool_ == Tool::FixPoint) return fix_point(at, shift);
   const Vec3 p = display(at);
   const std::string line = actors_->line_at(p.x(), p.y());
   const std::string region = line.empty() ? actors_->region_at(p.x(), p.y()) : "";
-  choose(line.empty() ? region : line);
+  select(line.empty() ? region : line);
   if (const auto hit = actors_->surface_at(p.x(), p.y()); hit && !view_->mesh)
-    hooks_.ask_place(*hit, [this](const DocumentPlace& place) { clicked_ = place; });
-  hooks_.chosen(line, region);
-  if (!line.empty() && line_points_.empty() && !view_->mesh) hooks_.hint(text(kHintOfFile));
+    hooks_.query_surface_point(
+        *hit, [this](const SurfacePoint& surface_point) { clicked_ = surface_point; });
+  hooks_.selected(line, region);
+  if (!line.empty() && line_points_.empty() && !view_->mesh) hooks_.hint(text(kHintCurveFromFile));
 }
 
 bool ShapeView::key(int key) {
@@ -217,10 +219,10 @@ bool ShapeView::key(int key) {
     finish_line();
     return true;
   }
-  return key == Qt::Key_Backspace && take_back();
+  return key == Qt::Key_Backspace && undo_pending();
 }
 
-bool ShapeView::take_back() {
+bool ShapeView::undo_pending() {
   if (push_) {
     cancel_push();
     return true;

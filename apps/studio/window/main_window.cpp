@@ -16,14 +16,14 @@
 #include <QStatusBar>
 #include <cmath>
 
-#include "batten/apps/studio/view/texts.h"
-#include "batten/apps/studio/window/looks.h"
+#include "batten/apps/studio/view/strings.h"
+#include "batten/apps/studio/window/theme.h"
 #include "batten/io/files/text.h"
 
 namespace batten::studio {
 namespace {
 
-using Verb = DocumentCommand::Verb;
+using CommandKind = DocumentCommand::CommandKind;
 constexpr int kMessageHeight = 120;
 
 QDockWidget* dock(QMainWindow* window, const char* title, QWidget* content,
@@ -44,7 +44,7 @@ MainWindow::MainWindow(std::filesystem::path recovery) {
       [this] {
         if (!woken_.exchange(true))
           QMetaObject::invokeMethod(
-              this, [this] { take_news(); }, Qt::QueuedConnection);
+              this, [this] { take_update(); }, Qt::QueuedConnection);
       },
       std::move(recovery));
   setAcceptDrops(true);
@@ -67,41 +67,42 @@ void MainWindow::make_panels() {
   const auto post = [this](DocumentCommand command) { this->post(std::move(command)); };
   view_ = new ShapeView(this,
                         {[this](DocumentCommand command) {
-                           if (command.verb == Verb::Slide)
-                             sliders_->follow(command.key, command.value);
+                           if (command.kind == CommandKind::SetSlider)
+                             sliders_->show_live_value(command.key, command.value);
                            this->post(std::move(command));
                          },
-                         [this](const Vec3& near, std::function<void(const DocumentPlace&)> found) {
-                           worker_->ask_place(near, std::move(found));
+                         [this](const Vec3& near, std::function<void(const SurfacePoint&)> found) {
+                           worker_->query_surface_point(near, std::move(found));
                          },
                          [this](const std::string& line, const std::string& region) {
                            if (!line.empty())
-                             tree_->choose_line(line);
+                             tree_->select_line(line);
                            else if (!region.empty())
-                             tree_->choose_region(region);
+                             tree_->select_region(region);
                            else
-                             tree_->choose_nothing();
+                             tree_->clear_selection();
                          },
                          [this](const QString& hint) { statusBar()->showMessage(hint); }});
   setCentralWidget(view_);
   tree_ = new ModelTree(this, [this](const ModelTree::Item& item) {
-    chosen_->take(shown_, item);
+    properties_->refresh(shown_, item);
     using Kind = ModelTree::Item::Kind;
     const bool pin = item.table.kind == "constraint";
     const bool acts = pin || item.table.kind == "load" || item.table.kind == "weight";
-    const bool nothing = (item.kind == Kind::Table && !acts) || item.kind == Kind::Choice;
+    const bool nothing = (item.kind == Kind::Table && !acts) || item.kind == Kind::Alternative;
     std::string name = nothing ? "" : item.name;
     if (item.table.kind == "edit.handle") name = item.name.substr(item.name.rfind('.') + 1);
-    view_->choose(name);
+    view_->select(name);
   });
-  chosen_ = new ChosenPanel(
-      this, post, {[this] { return view_->chosen_point(); }, [this] { return view_->clicked(); }});
+  properties_ = new PropertyPanel(
+      this, post,
+      {[this] { return view_->selected_point(); }, [this] { return view_->clicked(); }});
   sliders_ = new SliderPanel(this, post);
   messages_ = new QListWidget;
   messages_->setWordWrap(true);
   timeline_ = new TimelinePanel(this, [this](int frame) { worker_->show_frame(frame); });
   dock(this, kModel, tree_, Qt::LeftDockWidgetArea);
-  dock(this, kChosen, chosen_, Qt::LeftDockWidgetArea);
+  dock(this, kProperties, properties_, Qt::LeftDockWidgetArea);
   dock(this, kSliders, sliders_, Qt::RightDockWidgetArea);
   frames_ = dock(this, kFrames, timeline_, Qt::BottomDockWidgetArea);
   QDockWidget* below = dock(this, kMessages, messages_, Qt::BottomDockWidgetArea);
@@ -122,9 +123,9 @@ QAction* MainWindow::add(QMenu* menu, const char* what, const QKeySequence& key,
 void MainWindow::make_menus() {
   QMenu* file = menuBar()->addMenu(text(kFile));
   add(file, kNew, QKeySequence::New, [this] {
-    if (!may_leave()) return;
+    if (!may_close()) return;
     touring_ = false;
-    post({.verb = Verb::New, .key = "mm"});
+    post({.kind = CommandKind::New, .key = "mm"});
   });
   add(file, kOpen, QKeySequence::Open, [this] { ask_open(); });
   recent_ = file->addMenu(text(kRecent));
@@ -135,58 +136,63 @@ void MainWindow::make_menus() {
   add(file, kExport, QKeySequence("Ctrl+E"), [this] { ask_export(); });
   add(file, kRun, {}, [this] {
     const QString folder = QFileDialog::getExistingDirectory(this, text(kRun), in_folder());
-    if (!folder.isEmpty()) post({.verb = Verb::Run, .file = folder.toStdString()});
+    if (!folder.isEmpty()) post({.kind = CommandKind::Run, .file = folder.toStdString()});
   });
   add(file, kSaveScript, {}, [this] { save_script(); });
   file->addSeparator();
   add(file, kQuit, QKeySequence::Quit, [this] { close(); });
   QMenu* edit = menuBar()->addMenu(text(kEdit));
   undo_ = add(edit, kUndo, QKeySequence::Undo, [this] {
-    if (!view_->take_back()) post({.verb = Verb::Undo});
+    if (!view_->undo_pending()) post({.kind = CommandKind::Undo});
   });
-  redo_ = add(edit, kRedo, QKeySequence::Redo, [this] { post({.verb = Verb::Redo}); });
-  add(edit, kRemove, QKeySequence::Delete, [this] { remove_chosen(); });
-  look_ = menuBar()->addMenu(text(kLook));
-  add(look_, kFit, QKeySequence("F"), [this] { view_->fit(); });
-  add(look_, kFront, QKeySequence("1"), [this] { view_->look(Vec3::UnitY(), Vec3::UnitZ()); });
-  add(look_, kSide, QKeySequence("2"), [this] { view_->look(-Vec3::UnitX(), Vec3::UnitZ()); });
-  add(look_, kTop, QKeySequence("3"), [this] { view_->look(-Vec3::UnitZ(), Vec3::UnitY()); });
-  add(look_, kCorner, QKeySequence("4"), [this] { view_->look({1, 1.6, -0.9}, Vec3::UnitZ()); });
-  look_->addSeparator();
+  redo_ = add(edit, kRedo, QKeySequence::Redo, [this] { post({.kind = CommandKind::Redo}); });
+  add(edit, kRemove, QKeySequence::Delete, [this] { remove_selected(); });
+  view_menu_ = menuBar()->addMenu(text(kViewMenu));
+  add(view_menu_, kZoomToFit, QKeySequence("F"), [this] { view_->fit(); });
+  add(view_menu_, kFront, QKeySequence("1"),
+      [this] { view_->look_along(Vec3::UnitY(), Vec3::UnitZ()); });
+  add(view_menu_, kSide, QKeySequence("2"),
+      [this] { view_->look_along(-Vec3::UnitX(), Vec3::UnitZ()); });
+  add(view_menu_, kTop, QKeySequence("3"),
+      [this] { view_->look_along(-Vec3::UnitZ(), Vec3::UnitY()); });
+  add(view_menu_, kIsometric, QKeySequence("4"), [this] {
+    view_->look_along({1, 1.6, -0.9}, Vec3::UnitZ());
+  });
+  view_menu_->addSeparator();
   const auto check = [this](const char* what, const QKeySequence& key,
                             std::function<void(bool)> act) {
-    QAction* action = look_->addAction(text(what));
+    QAction* action = view_menu_->addAction(text(what));
     action->setObjectName(what);
     action->setCheckable(true);
     action->setShortcut(key);
     QObject::connect(action, &QAction::toggled, this, std::move(act));
     return action;
   };
-  QMenu* panels = look_->addMenu(text(kPanels));
+  QMenu* panels = view_menu_->addMenu(text(kPanels));
   for (QDockWidget* one : findChildren<QDockWidget*>())
     if (one != frames_) panels->addAction(one->toggleViewAction());
   check(kPerspective, QKeySequence("5"), [this](bool on) { view_->set_perspective(on); });
-  check(kMesh, QKeySequence("M"), [this](bool on) { view_->set_mesh(on); });
+  check(kMeshEdges, QKeySequence("M"), [this](bool on) { view_->set_mesh(on); });
   check(kSection, QKeySequence("X"), [this](bool on) { view_->set_section(on); });
   check(kCombs, QKeySequence("C"), [this](bool on) { view_->set_combs(on); });
   add(menuBar()->addMenu(text(kHelp)), kTour, {}, [this] {
-    if (may_leave()) start_tour();
+    if (may_close()) start_tour();
   });
-  check(kDark, {}, [this](bool on) {
+  check(kDarkTheme, {}, [this](bool on) {
     set_dark(on);
   })->setChecked(QSettings().value("dark", false).toBool());
 }
 
 void MainWindow::make_status() {
   state_ = new QLabel;
-  answers_ = new QLabel;
+  update_rate_ = new QLabel;
   progress_ = new QProgressBar;
   progress_->setMaximumWidth(220);
   progress_->setRange(0, 100);
   stop_ = new QPushButton(text(kStop));
   stop_->setObjectName(kStop);
   QObject::connect(stop_, &QPushButton::clicked, this, [this] { worker_->cancel(); });
-  for (QWidget* part : std::initializer_list<QWidget*>{answers_, state_, progress_, stop_})
+  for (QWidget* part : std::initializer_list<QWidget*>{update_rate_, state_, progress_, stop_})
     statusBar()->addPermanentWidget(part);
   progress_->hide();
   stop_->hide();
@@ -197,7 +203,7 @@ void MainWindow::open(const std::filesystem::path& file) {
   touring_ = false;
   messages_->clear();
   problem_ = nullptr;
-  post({.verb = Verb::Open, .file = std::filesystem::absolute(file)});
+  post({.kind = CommandKind::Open, .file = std::filesystem::absolute(file)});
 }
 
 void MainWindow::start_tour() {
@@ -208,7 +214,7 @@ void MainWindow::start_tour() {
 }
 
 void MainWindow::recover(const std::filesystem::path& file) {
-  post({.verb = Verb::Recover, .file = file});
+  post({.kind = CommandKind::Recover, .file = file});
 }
 
 void MainWindow::post(DocumentCommand command) {
@@ -218,74 +224,75 @@ void MainWindow::post(DocumentCommand command) {
 
 // -- what came of it --------------------------------------------------------------------------------
 
-void MainWindow::take_news() {
+void MainWindow::take_update() {
   woken_ = false;
   if (!worker_) return;
-  const DocumentWorker::News news = worker_->take_news();
-  busy_ = news.busy;
-  if (motion_->isChecked() != news.moving) {
-    motion_->setChecked(news.moving);
+  const DocumentWorker::Update update = worker_->take_update();
+  busy_ = update.busy;
+  if (motion_->isChecked() != update.simulating) {
+    motion_->setChecked(update.simulating);
     show_tools();
-    view_->say_hint();
+    view_->show_hint();
   }
-  for (const DocumentCommand& done : news.written) {
-    if (done.verb == Verb::Save) touring_ = false;
-    const char* const what = done.verb == Verb::Save     ? kSaved
-                             : done.verb == Verb::Export ? kExported
-                                                         : kMade;
+  for (const DocumentCommand& done : update.written) {
+    if (done.kind == CommandKind::Save) touring_ = false;
+    const char* const what = done.kind == CommandKind::Save     ? kSaved
+                             : done.kind == CommandKind::Export ? kExported
+                                                                : kSceneRunDone;
     statusBar()->showMessage(
         text(what).arg(done.file.empty() ? shown(shown_->title) : shown(done.file.string())));
   }
   // What was said of earlier steps is grey when another one is done.
-  if (news.view && news.view->text != shown_->text)
+  if (update.view && update.view->text != shown_->text)
     for (int i = 0; i < messages_->count(); ++i)
       if (messages_->item(i) != problem_) {
         messages_->item(i)->setIcon({});
         messages_->item(i)->setForeground(palette().brush(QPalette::Disabled, QPalette::Text));
       }
-  for (const auto& message : news.messages) {
+  for (const auto& message : update.messages) {
     auto* item = new QListWidgetItem(shown(message.text), messages_);
     item->setToolTip(QString::fromStdString(message.command));
-    item->setIcon(style()->standardIcon(message.refused ? QStyle::SP_MessageBoxCritical
-                                                        : QStyle::SP_MessageBoxWarning));
+    item->setIcon(style()->standardIcon(message.rejected ? QStyle::SP_MessageBoxCritical
+                                                         : QStyle::SP_MessageBoxWarning));
     messages_->scrollToBottom();
   }
   constexpr int soon = 300;  // ms: until then numbers stay
-  const bool computing = news.frame && !news.stress && shown_->has_stress &&
+  const bool computing = update.frame && !update.stress && shown_->has_stress &&
                          shading_->currentIndex() == static_cast<int>(Shading::Stress) &&
                          !(stress_shown_.isValid() && stress_shown_.elapsed() < soon);
-  if (news.view) {
-    const bool more_handles = news.view->mesh && news.view->handles.size() > shown_->handles.size();
-    if (news.view->opened != shown_->opened) forget_hand();
-    shown_ = news.view;
+  if (update.view) {
+    const bool more_handles =
+        update.view->mesh && update.view->handles.size() > shown_->handles.size();
+    if (update.view->document_number != shown_->document_number) reset_tools();
+    shown_ = update.view;
     if (more_handles && !action(kSelect)->isChecked()) action(kSelect)->trigger();
     show_problem();
-    tree_->take(*shown_);
-    sliders_->take(*shown_);
-    timeline_->take(*shown_);
+    tree_->refresh(*shown_);
+    sliders_->refresh(*shown_);
+    timeline_->refresh(*shown_);
     frames_->setVisible(shown_->timeline.has_value());
-    chosen_->take(shown_, tree_->current());
-    view_->take(news);
+    properties_->refresh(shown_, tree_->current());
+    view_->refresh(update);
     show_tools();
     undo_->setEnabled(shown_->can_undo);
     redo_->setEnabled(shown_->can_redo);
     show_title();
   } else {
-    view_->take(news);
+    view_->refresh(update);
   }
-  if (computing) view_->set_words(text(kComputing));
-  if (news.stress && shown_->has_stress) {
+  if (computing) view_->set_text(text(kComputing));
+  if (update.stress && shown_->has_stress) {
     stress_shown_.start();
-    show_stress(*news.stress);
+    show_stress(*update.stress);
   }
-  if (news.view) show_missing_stress();
-  look_for_tour();
-  if (news.frame || !news.busy) timeline_->drawn();
-  show_state(news);
+  if (update.view) show_missing_stress();
+  update_tour();
+  if (update.frame || !update.busy) timeline_->frame_drawn();
+  show_state(update);
 }
 
 // What a hand has set for the document before.
-void MainWindow::forget_hand() {
+void MainWindow::reset_tools() {
   plane_->setCurrentIndex(0);
   statusBar()->clearMessage();
 }
@@ -311,21 +318,21 @@ void MainWindow::show_title() {
   setWindowModified(shown_->changed);
 }
 
-void MainWindow::show_state(const DocumentWorker::News& news) {
+void MainWindow::show_state(const DocumentWorker::Update& update) {
   state_->setText(shown_->surface
-                      ? shown(counted(static_cast<long>(shown_->regions.size()), "surface") + ", " +
-                              counted(shown_->triangles, "element"))
+                      ? shown(format_count(static_cast<long>(shown_->regions.size()), "surface") +
+                              ", " + format_count(shown_->triangles, "element"))
                       : text(kNoSurface));
-  answers_->clear();
-  if (news.moving)
-    answers_->setText(text(kMoves));
-  else if (news.answer_ms > 0)
-    answers_->setText(text(kAnswers).arg(std::lround(1000 / news.answer_ms)));
-  const bool long_work = news.busy && !news.stage.empty();
+  update_rate_->clear();
+  if (update.simulating)
+    update_rate_->setText(text(kSimulating));
+  else if (update.update_ms > 0)
+    update_rate_->setText(text(kUpdatesPerSecond).arg(std::lround(1000 / update.update_ms)));
+  const bool long_work = update.busy && !update.stage.empty();
   progress_->setVisible(long_work);
   stop_->setVisible(long_work);
-  progress_->setFormat(QString::fromStdString(news.stage) + " %p%");
-  progress_->setValue(static_cast<int>(100 * news.fraction));
+  progress_->setFormat(QString::fromStdString(update.stage) + " %p%");
+  progress_->setValue(static_cast<int>(100 * update.fraction));
 }
 
 QStringList MainWindow::messages() const {
@@ -342,7 +349,7 @@ bool MainWindow::wait(double seconds) {
   int idle = 0;
   while (idle < 3) {
     QApplication::processEvents(QEventLoop::AllEvents, 20);
-    take_news();
+    take_update();
     idle = busy_ ? 0 : idle + 1;
     if (timer.elapsed() > 1000 * seconds) return false;
   }
@@ -351,7 +358,7 @@ bool MainWindow::wait(double seconds) {
 
 void MainWindow::set_dark(bool dark) {
   QSettings().setValue("dark", dark);
-  use_look(*qApp, dark);
+  apply_theme(*qApp, dark);
   view_->set_dark(dark);
 }
 

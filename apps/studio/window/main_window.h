@@ -11,9 +11,9 @@
 
 #include "batten/apps/commands/documents/document_worker.h"
 #include "batten/apps/studio/view/shape_view.h"
-#include "batten/apps/studio/window/chosen_panel.h"
+#include "batten/apps/studio/window/input_event_filter.h"
 #include "batten/apps/studio/window/model_tree.h"
-#include "batten/apps/studio/window/quiet_input.h"
+#include "batten/apps/studio/window/property_panel.h"
 #include "batten/apps/studio/window/slider_panel.h"
 #include "batten/apps/studio/window/timeline_panel.h"
 #include "batten/apps/studio/window/tour.h"
@@ -48,7 +48,7 @@ class MainWindow : public QMainWindow {
   // For tests and tours: what the hand can reach.
   ShapeView& view() { return *view_; }
   SliderPanel& sliders() { return *sliders_; }
-  ChosenPanel& chosen() { return *chosen_; }
+  PropertyPanel& properties() { return *properties_; }
   ModelTree& tree() { return *tree_; }
   TimelinePanel& timeline() { return *timeline_; }
   QAction* action(const char* text) const;  ///< by its English text
@@ -73,51 +73,51 @@ class MainWindow : public QMainWindow {
   void make_tools();
   void make_panels();
   void make_status();
-  void take_news();
+  void take_update();
   void show_title();
   void show_tools();
-  void choose_shading(Shading shading);
-  void choose_mode(int mode);
-  void set_moving(bool on);
-  void look_for_tour();
+  void set_shading_mode(Shading shading);
+  void select_mode(int mode);
+  void set_simulating(bool on);
+  void update_tour();
   void show_stress(const StressView& stress);
   void show_modes(const StressView& stress);
   void show_missing_stress();
-  void forget_hand();
+  void reset_tools();
   QString in_folder(const QString& name = {}) const;
   void show_problem();
-  void show_state(const DocumentWorker::News& news);
+  void show_state(const DocumentWorker::Update& update);
   void save(bool as);
   void ask_export();
   QString stem() const;
   void ask_open();
   void save_script();
-  void remove_chosen();
+  void remove_selected();
   void note_recent(const QString& file);
   void fill_recent();
   void set_dark(bool dark);
-  bool may_leave();
+  bool may_close();
 
   std::unique_ptr<DocumentWorker> worker_;
   std::shared_ptr<const DocumentView> shown_ = std::make_shared<DocumentView>();
   ShapeView* view_ = nullptr;
   SliderPanel* sliders_ = nullptr;
-  ChosenPanel* chosen_ = nullptr;
+  PropertyPanel* properties_ = nullptr;
   ModelTree* tree_ = nullptr;
   TimelinePanel* timeline_ = nullptr;
   QDockWidget* frames_ = nullptr;
   QListWidget* messages_ = nullptr;
   QListWidgetItem* problem_ = nullptr;
-  QMenu *recent_ = nullptr, *look_ = nullptr;
+  QMenu *recent_ = nullptr, *view_menu_ = nullptr;
   QAction *undo_ = nullptr, *redo_ = nullptr;
-  QLabel *state_ = nullptr, *answers_ = nullptr;
+  QLabel *state_ = nullptr, *update_rate_ = nullptr;
   QProgressBar* progress_ = nullptr;
   QPushButton* stop_ = nullptr;
   QComboBox *shading_ = nullptr, *plane_ = nullptr, *paint_ = nullptr, *modes_ = nullptr;
   QAction *plane_bar_ = nullptr, *paint_bar_ = nullptr, *modes_bar_ = nullptr;  // their places
   QAction* motion_ = nullptr;
   QPointer<Tour> tour_;
-  QuietInput quiet_;
+  InputEventFilter input_filter_;
   QElapsedTimer stress_shown_;
   bool busy_ = false;
   bool touring_ = false;  // the open scene is the tour's door

@@ -7,7 +7,7 @@
 
 #include "batten/apps/commands/documents/mesh_edits.h"
 #include "batten/apps/commands/documents/stress_edits.h"
-#include "batten/apps/studio/view/texts.h"
+#include "batten/apps/studio/view/strings.h"
 
 namespace batten::studio {
 namespace {
@@ -41,15 +41,15 @@ QString degrees(double value) { return QString::number(value, 'g', 2) + "°"; }
 
 }  // namespace
 
-ModelTree::ModelTree(QWidget* parent, std::function<void(const Item&)> chosen)
-    : QTreeWidget(parent), chosen_(std::move(chosen)) {
+ModelTree::ModelTree(QWidget* parent, std::function<void(const Item&)> on_selected)
+    : QTreeWidget(parent), on_selected_(std::move(on_selected)) {
   setColumnCount(2);
   setHeaderHidden(true);
   setUniformRowHeights(true);
   header()->setSectionResizeMode(0, QHeaderView::ResizeToContents);
   setMinimumWidth(kWidth);
   QObject::connect(this, &QTreeWidget::currentItemChanged, this, [this](QTreeWidgetItem* item) {
-    if (!filling_ && item) chosen_(current());
+    if (!filling_ && item) on_selected_(current());
   });
 }
 
@@ -73,10 +73,10 @@ void ModelTree::add(QTreeWidgetItem* group, const QString& name, const QString& 
   row->setToolTip(1, wrong);
 }
 
-void ModelTree::take(const DocumentView& view) {
+void ModelTree::refresh(const DocumentView& view) {
   const Item before = current();
-  const bool other = opened_ != view.opened;
-  opened_ = view.opened;
+  const bool other = document_number_ != view.document_number;
+  document_number_ = view.document_number;
   filling_ = true;
   const int scrolled = verticalScrollBar()->value();
   for (int i = 0; i < topLevelItemCount(); ++i)
@@ -92,15 +92,15 @@ void ModelTree::take(const DocumentView& view) {
     const bool usual = i + 1 < topLevelItemCount() && item->childCount() <= few;
     item->setExpanded(open_.value(item->text(0), usual));
   }
-  choose_again(other ? Item{} : before);
+  restore_selection(other ? Item{} : before);
   verticalScrollBar()->setValue(other ? 0 : scrolled);
   filling_ = false;
   // What a mesh is opened for most.
-  if (other && view.mesh && !view.timeline) choose(Kind::Parts, "");
+  if (other && view.mesh && !view.timeline) select(Kind::Parts, "");
 }
 
 // What was chosen before the tree was filled anew.
-void ModelTree::choose_again(const Item& before) {
+void ModelTree::restore_selection(const Item& before) {
   if (before.kind == Kind::Table || before.kind == Kind::StressPart) {
     for (QTreeWidgetItemIterator it(this); *it; ++it) {
       const int number = (*it)->data(0, Qt::UserRole).toInt();
@@ -110,7 +110,7 @@ void ModelTree::choose_again(const Item& before) {
         setCurrentItem(*it);
     }
   } else if (before.kind != Kind::None) {
-    choose(before.kind, before.name);
+    select(before.kind, before.name);
   }
 }
 
@@ -125,8 +125,8 @@ void ModelTree::fill_shape(const DocumentView& view) {
   if (view.network)
     for (const auto& region : view.network->regions) {
       QStringList wrong;
-      if (!region.why_not.empty()) wrong << shown(region.why_not);
-      for (const std::string& flaw : region.flaws) wrong << shown(flaw);
+      if (!region.rejection_reason.empty()) wrong << shown(region.rejection_reason);
+      for (const std::string& defect : region.defects) wrong << shown(defect);
       const SceneTable table{"region", region.name};
       add(surfaces, shown(region.name), shown(region.shape.empty() ? region.domain : region.shape),
           {Kind::Region, region.name, view.table(table) ? table : SceneTable{}}, wrong.join("\n"));
@@ -142,13 +142,14 @@ void ModelTree::fill_shape(const DocumentView& view) {
       if (join.kind == "crease") detail += " " + degrees(join.max_deg);
       add(joins, shown(join.line), detail, {Kind::Join, join.line, {}}, shown(join.why));
     }
-    if (!view.network->choices.empty()) {
-      auto* choices = group(kChoices, static_cast<int>(view.network->choices.size()));
+    if (!view.network->ambiguous_regions.empty()) {
+      auto* ambiguous_regions =
+          group(kAlternatives, static_cast<int>(view.network->ambiguous_regions.size()));
       int number = 0;
-      for (const auto& choice : view.network->choices) {
-        Item item{Kind::Choice, "", {}, number};
-        add(choices, shown(choice.text), "", std::move(item));
-        choices->child(number++)->setToolTip(0, shown(choice.text));
+      for (const auto& choice : view.network->ambiguous_regions) {
+        Item item{Kind::Alternative, "", {}, number};
+        add(ambiguous_regions, shown(choice.text), "", std::move(item));
+        ambiguous_regions->child(number++)->setToolTip(0, shown(choice.text));
       }
     }
   }
@@ -156,21 +157,21 @@ void ModelTree::fill_shape(const DocumentView& view) {
 
 void ModelTree::fill_mesh(const DocumentView& view) {
   const SceneText scene(view.text);
-  auto* proposals = group(kParts, 0);
+  auto* proposals = group(kHolesAndCreases, 0);
   auto* selections = group(kSelections, 0);
   proposals->setData(0, Qt::UserRole, static_cast<int>(items_.size()));
   items_.push_back({Item::Kind::Parts, "", {}});
   for (const MeshView::Part& part : view.mesh->parts) {
     const bool proposal = part.kind == MeshView::Part::Kind::Proposal;
     const SceneTable table{"select", part.name};
-    const char* use = kUsed[static_cast<int>(use_of(scene, part.name))];
+    const char* use = kPartUseLabels[static_cast<int>(use_of(scene, part.name))];
     QString detail = *use       ? text(use)
-                     : proposal ? "⌀ " + QString::number(part.across, 'g', 3)
+                     : proposal ? "⌀ " + QString::number(part.diameter, 'g', 3)
                                 : QString();
     add(proposal ? proposals : selections, shown(part.name), detail,
         {Item::Kind::Part, part.name, view.table(table) ? table : SceneTable{}});
   }
-  auto* kept = group(kKept, 0);
+  auto* kept = group(kFeaturesAndConstraints, 0);
   auto* edits = group(view.timeline ? kSequenceSteps : kEdits, 0);
   for (const auto& table : view.tables) {
     const std::string& kind = table.name.kind;
@@ -188,7 +189,7 @@ void ModelTree::fill_mesh(const DocumentView& view) {
 }
 
 void ModelTree::fill_tables(const DocumentView& view) {
-  auto* acting = view.mesh ? nullptr : group(kActing, 0);
+  auto* acting = view.mesh ? nullptr : group(kLoadsAndConstraints, 0);
   auto* scene = group(kScene, 0);
   for (const auto& table : view.tables) {
     const std::string& kind = table.name.kind;
@@ -214,7 +215,7 @@ void ModelTree::fill_tables(const DocumentView& view) {
   scene->setText(1, "");
 }
 
-void ModelTree::choose(Item::Kind kind, const std::string& name) {
+void ModelTree::select(Item::Kind kind, const std::string& name) {
   for (QTreeWidgetItemIterator it(this); *it; ++it) {
     const int number = (*it)->data(0, Qt::UserRole).toInt();
     if (number < 0) continue;
@@ -226,24 +227,24 @@ void ModelTree::choose(Item::Kind kind, const std::string& name) {
   }
 }
 
-void ModelTree::choose_line(const std::string& line) {
+void ModelTree::select_line(const std::string& line) {
   const Item before = current();
-  choose(Item::Kind::Line, line);
-  if (current().kind != Kind::Line || current().name != line) choose(Kind::Join, line);
-  if (current().name == before.name && current().kind == before.kind) chosen_(current());
+  select(Item::Kind::Line, line);
+  if (current().kind != Kind::Line || current().name != line) select(Kind::Join, line);
+  if (current().name == before.name && current().kind == before.kind) on_selected_(current());
 }
 
-void ModelTree::choose_region(const std::string& region) {
+void ModelTree::select_region(const std::string& region) {
   const Item before = current();
-  choose(Item::Kind::Region, region);
-  if (current().name != region) choose(Item::Kind::Part, region);
-  if (current().name != region) choose(Item::Kind::Table, region);
-  if (current().name == before.name && current().kind == before.kind) chosen_(current());
+  select(Item::Kind::Region, region);
+  if (current().name != region) select(Item::Kind::Part, region);
+  if (current().name != region) select(Item::Kind::Table, region);
+  if (current().name == before.name && current().kind == before.kind) on_selected_(current());
 }
 
-void ModelTree::choose_nothing() {
+void ModelTree::clear_selection() {
   setCurrentItem(nullptr);
-  chosen_({});
+  on_selected_({});
 }
 
 ModelTree::Item ModelTree::current() const {

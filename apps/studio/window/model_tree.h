@@ -16,33 +16,33 @@ class ModelTree : public QTreeWidget {
  public:
   /// Something in the tree.
   struct Item {
-    enum class Kind { None, Line, Region, Join, Table, Choice, StressPart, Part, Parts };
+    enum class Kind { None, Line, Region, Join, Table, Alternative, StressPart, Part, Parts };
     Kind kind = Kind::None;
     std::string name;  ///< of a line, region, join's line or part of a mesh
     SceneTable table;  ///< where the scene says it; of a line or region it may have none
     int number = -1;   ///< of a close choice, or of a part of [stress] among stress_parts()
   };
-  ModelTree(QWidget* parent, std::function<void(const Item&)> chosen);
+  ModelTree(QWidget* parent, std::function<void(const Item&)> on_selected);
 
-  void take(const DocumentView& view);
-  void choose_line(const std::string& line);
-  void choose_region(const std::string& region);  ///< or a part of a mesh, or a table
-  void choose_nothing();
+  void refresh(const DocumentView& view);
+  void select_line(const std::string& line);
+  void select_region(const std::string& region);  ///< or a part of a mesh, or a table
+  void clear_selection();
   Item current() const;
 
  private:
   QTreeWidgetItem* group(const char* title, int count);
   void add(QTreeWidgetItem* group, const QString& name, const QString& detail, Item item,
            const QString& wrong = {});
-  void choose(Item::Kind kind, const std::string& name);
-  void choose_again(const Item& before);
+  void select(Item::Kind kind, const std::string& name);
+  void restore_selection(const Item& before);
   void fill_shape(const DocumentView& view);
   void fill_mesh(const DocumentView& view);
   void fill_tables(const DocumentView& view);
-  std::function<void(const Item&)> chosen_;
+  std::function<void(const Item&)> on_selected_;
   std::vector<Item> items_;
   QHash<QString, bool> open_;  // groups by their titles
-  int opened_ = 0;
+  int document_number_ = 0;
   bool filling_ = false;
 };
 

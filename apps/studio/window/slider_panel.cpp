@@ -8,12 +8,12 @@
 #include <algorithm>
 #include <cmath>
 
-#include "batten/apps/studio/view/texts.h"
+#include "batten/apps/studio/view/strings.h"
 
 namespace batten::studio {
 namespace {
 
-using Verb = DocumentCommand::Verb;
+using CommandKind = DocumentCommand::CommandKind;
 constexpr int kSteps = 2000, kNumberWidth = 124;
 
 bool same_rows(const DocumentView::Slider& a, const DocumentView::Slider& b) {
@@ -39,7 +39,7 @@ SliderPanel::SliderPanel(QWidget* parent, std::function<void(DocumentCommand)> p
   rebuild();
 }
 
-void SliderPanel::take(const DocumentView& view) {
+void SliderPanel::refresh(const DocumentView& view) {
   const bool same = view.sliders.size() == rows_.size() &&
                     std::equal(rows_.begin(), rows_.end(), view.sliders.begin(),
                                [](const Row& row, const auto& s) { return same_rows(row.of, s); });
@@ -57,7 +57,7 @@ void SliderPanel::take(const DocumentView& view) {
     if (!rows_[i].slider->isSliderDown()) show_value(rows_[i], view.sliders[i].value);
 }
 
-void SliderPanel::follow(const std::string& parameter, double value) {
+void SliderPanel::show_live_value(const std::string& parameter, double value) {
   for (Row& row : rows_)
     if (row.of.name == parameter && !row.slider->isSliderDown()) show_value(row, value);
 }
@@ -88,7 +88,7 @@ void SliderPanel::add_row(size_t i) {
   number->setKeyboardTracking(false);
   number->setEnabled(!rows_[i].of.driven);
   number->setFixedWidth(kNumberWidth);
-  quiet_.quieten(number);
+  input_filter_.watch(number);
   auto* slider = new QSlider(Qt::Horizontal);
   jump_to_press(slider);
   slider->setRange(0, kSteps);
@@ -100,33 +100,33 @@ void SliderPanel::add_row(size_t i) {
   column->addLayout(controls);
   rows_[i].slider = slider;
   rows_[i].number = number;
-  span(rows_[i], rows_[i].of.value);
+  extend_range(rows_[i], rows_[i].of.value);
   const std::string name = rows_[i].of.name;
   QObject::connect(slider, &QSlider::valueChanged, this, [this, i, name](int step) {
     if (showing_) return;
     Row& row = rows_[i];
     const double value = place_of(step, row.low, row.high);
-    post_({.verb = Verb::Slide, .key = name, .value = value});
+    post_({.kind = CommandKind::SetSlider, .key = name, .value = value});
     showing_ = true;
     row.number->setValue(value);
     showing_ = false;
-    if (!row.slider->isSliderDown()) post_({.verb = Verb::Settle});
+    if (!row.slider->isSliderDown()) post_({.kind = CommandKind::SolveToEquilibrium});
   });
   QObject::connect(slider, &QSlider::sliderReleased, this, [this, i] {
-    span(rows_[i], rows_[i].number->value());
-    post_({.verb = Verb::Settle});
+    extend_range(rows_[i], rows_[i].number->value());
+    post_({.kind = CommandKind::SolveToEquilibrium});
   });
   QObject::connect(number, QOverload<double>::of(&QDoubleSpinBox::valueChanged), this,
                    [this, name](double value) {
                      if (showing_) return;
-                     post_({.verb = Verb::Slide, .key = name, .value = value});
-                     post_({.verb = Verb::Settle});
+                     post_({.kind = CommandKind::SetSlider, .key = name, .value = value});
+                     post_({.kind = CommandKind::SolveToEquilibrium});
                    });
 }
 
 // The range of the slider: that of the parameter. Where it is open, as far again as the value is from 0, or for a
 // coordinate a quarter of the surface's size around it.
-void SliderPanel::span(Row& row, double value) {
+void SliderPanel::extend_range(Row& row, double value) {
   constexpr double usual = 10;
   const std::string& name = row.of.name;
   const bool coordinate = name.size() > 2 && name[name.size() - 2] == '.' && name.back() >= 'x';
@@ -138,7 +138,7 @@ void SliderPanel::span(Row& row, double value) {
 
 void SliderPanel::show_value(Row& row, double value) {
   showing_ = true;
-  if (value < row.low || value > row.high) span(row, value);
+  if (value < row.low || value > row.high) extend_range(row, value);
   row.slider->setValue(static_cast<int>(
       std::lround(kSteps * (value - row.low) / std::max(row.high - row.low, 1e-300))));
   row.number->setSingleStep((row.high - row.low) / 100);

@@ -7,7 +7,7 @@
 #include <QSpinBox>
 #include <QTimer>
 
-#include "batten/apps/studio/view/texts.h"
+#include "batten/apps/studio/view/strings.h"
 
 namespace batten::studio {
 namespace {
@@ -22,45 +22,46 @@ TimelinePanel::TimelinePanel(QWidget* parent, std::function<void(int)> show)
       play_(new QPushButton(text(kPlay))),
       slider_(new QSlider(Qt::Horizontal)),
       number_(new QSpinBox),
-      words_(new QLabel),
+      description_(new QLabel),
       clock_(new QTimer(this)) {
   auto* row = new QHBoxLayout(this);
-  auto* before = new QPushButton(text(kKeyBefore));
-  auto* behind = new QPushButton(text(kKeyBehind));
+  auto* before = new QPushButton(text(kPreviousKey));
+  auto* behind = new QPushButton(text(kNextKey));
   play_->setCheckable(true);
   play_->setShortcut(QKeySequence(Qt::Key_Space));
   for (QWidget* part :
-       std::initializer_list<QWidget*>{play_, before, behind, slider_, number_, words_})
+       std::initializer_list<QWidget*>{play_, before, behind, slider_, number_, description_})
     row->addWidget(part, part == slider_ ? 1 : 0);
   clock_->setInterval(kFrameTime);
   QObject::connect(clock_, &QTimer::timeout, this, [this] {
-    if (!waits_) ask(slider_->value() < slider_->maximum() ? slider_->value() + 1 : 1);
+    if (!frame_pending_)
+      request_frame(slider_->value() < slider_->maximum() ? slider_->value() + 1 : 1);
   });
   QObject::connect(play_, &QPushButton::toggled, this, [this](bool on) { play(on); });
   QObject::connect(before, &QPushButton::clicked, this, [this] { to_keyframe(-1); });
   QObject::connect(behind, &QPushButton::clicked, this, [this] { to_keyframe(1); });
   QObject::connect(slider_, &QSlider::valueChanged, this, [this](int frame) {
-    if (!showing_) ask(frame);
+    if (!showing_) request_frame(frame);
   });
   QObject::connect(number_, QOverload<int>::of(&QSpinBox::valueChanged), this, [this](int frame) {
-    if (!showing_) ask(frame);
+    if (!showing_) request_frame(frame);
   });
 }
 
-void TimelinePanel::take(const DocumentView& view) {
+void TimelinePanel::refresh(const DocumentView& view) {
   setVisible(view.timeline.has_value());
   if (!view.timeline) return play(false);
   showing_ = true;
   slider_->setRange(1, view.timeline->frames);
   number_->setRange(1, view.timeline->frames);
-  if (!waits_ && !slider_->isSliderDown()) {
+  if (!frame_pending_ && !slider_->isSliderDown()) {
     slider_->setValue(view.timeline->frame + 1);
     number_->setValue(view.timeline->frame + 1);
   }
   keyframes_ = view.timeline->keyframes;
   QStringList keys;
   for (const int key : keyframes_) keys << QString::number(key + 1);
-  words_->setText(keys.isEmpty() ? QString() : text(kKeyframes).arg(keys.join(", ")));
+  description_->setText(keys.isEmpty() ? QString() : text(kKeyframes).arg(keys.join(", ")));
   showing_ = false;
 }
 
@@ -69,16 +70,16 @@ void TimelinePanel::play(bool on) {
   on ? clock_->start() : clock_->stop();
 }
 
-bool TimelinePanel::plays() const { return clock_->isActive(); }
+bool TimelinePanel::is_playing() const { return clock_->isActive(); }
 
-void TimelinePanel::drawn() { waits_ = false; }
+void TimelinePanel::frame_drawn() { frame_pending_ = false; }
 
-void TimelinePanel::ask(int frame) {
+void TimelinePanel::request_frame(int frame) {
   showing_ = true;
   slider_->setValue(frame);
   number_->setValue(frame);
   showing_ = false;
-  waits_ = true;
+  frame_pending_ = true;
   show_(frame - 1);
 }
 
@@ -88,7 +89,7 @@ void TimelinePanel::to_keyframe(int way) {
   int best = -1;
   for (const int key : keyframes_)
     if ((key - now) * way > 0 && (best < 0 || (key - best) * way < 0)) best = key;
-  if (best >= 0) ask(best + 1);
+  if (best >= 0) request_frame(best + 1);
 }
 
 }  // namespace batten::studio

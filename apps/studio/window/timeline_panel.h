@@ -20,28 +20,28 @@ class TimelinePanel : public QWidget {
   /// `show`: another frame is asked for, from 0.
   TimelinePanel(QWidget* parent, std::function<void(int)> show);
 
-  void take(const DocumentView& view);
+  void refresh(const DocumentView& view);
   /// Plays until it is called again; a frame waits until the one before is drawn.
   void play(bool on);
-  bool plays() const;
+  bool is_playing() const;
   /// What was asked for is drawn.
-  void drawn();
+  void frame_drawn();
 
   // For tests and tours.
   QSlider& slider() { return *slider_; }
   QPushButton& play_button() { return *play_; }
 
  private:
-  void ask(int frame);
+  void request_frame(int frame);
   void to_keyframe(int way);
   std::function<void(int)> show_;
   QPushButton* play_;
   QSlider* slider_;
   QSpinBox* number_;
-  QLabel* words_;
+  QLabel* description_;
   QTimer* clock_;
   std::vector<int> keyframes_;
-  bool showing_ = false, waits_ = false;
+  bool showing_ = false, frame_pending_ = false;
 };
 
 }  // namespace batten::studio

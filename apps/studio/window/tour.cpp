@@ -9,7 +9,7 @@
 #include <QVBoxLayout>
 #include <iterator>
 
-#include "batten/apps/studio/view/texts.h"
+#include "batten/apps/studio/view/strings.h"
 
 namespace batten::studio {
 namespace {
@@ -20,38 +20,42 @@ constexpr int kCardWidth = 330, kMargin = 14;
 
 /// Words, and whether the step is done since it began.
 struct Tour::Step {
-  const char* words;
-  bool (*done)(const Sight& now, const Sight& start);
+  const char* description;
+  bool (*done)(const Observation& now, const Observation& start);
 };
 
 const Tour::Step Tour::steps[] = {
     {kTourStart, nullptr},
-    {kTourSlider, [](const Sight& now, const Sight& start) { return now.swell != start.swell; }},
-    {kTourPush, [](const Sight& now, const Sight& start) { return now.pushes > start.pushes; }},
-    {kTourZebra, [](const Sight& now, const Sight&) { return now.shading == Shading::Zebra; }},
-    {kTourStress, [](const Sight& now, const Sight&) { return now.shading == Shading::Stress; }},
-    {kTourUndo, [](const Sight& now, const Sight&) { return now.can_redo; }},
-    {kTourChoose, [](const Sight& now, const Sight&) { return now.line_chosen; }},
+    {kTourSlider,
+     [](const Observation& now, const Observation& start) { return now.swell != start.swell; }},
+    {kTourPush,
+     [](const Observation& now, const Observation& start) { return now.pushes > start.pushes; }},
+    {kTourZebra,
+     [](const Observation& now, const Observation&) { return now.shading == Shading::Zebra; }},
+    {kTourStress,
+     [](const Observation& now, const Observation&) { return now.shading == Shading::Stress; }},
+    {kTourUndo, [](const Observation& now, const Observation&) { return now.can_redo; }},
+    {kTourChoose, [](const Observation& now, const Observation&) { return now.line_selected; }},
     {kTourEnd, nullptr},
 };
 
 Tour::Tour(QWidget* view)
     : QFrame(view),
-      words_(new QLabel),
+      description_(new QLabel),
       count_(new QLabel),
       next_(new QPushButton(text(kTourNext))) {
   setObjectName("tour");
   setAutoFillBackground(true);
   setFrameShape(QFrame::StyledPanel);
   setFixedWidth(kCardWidth);
-  words_->setWordWrap(true);
+  description_->setWordWrap(true);
   auto* column = new QVBoxLayout(this);
   auto* row = new QHBoxLayout;
   auto* end = new QPushButton(text(kTourClose));
   row->addWidget(count_, 1);
   row->addWidget(end);
   row->addWidget(next_);
-  column->addWidget(words_);
+  column->addWidget(description_);
   column->addLayout(row);
   QObject::connect(next_, &QPushButton::clicked, this, [this] { show_step(step_ + 1); });
   QObject::connect(end, &QPushButton::clicked, this, [this] { deleteLater(); });
@@ -61,14 +65,13 @@ Tour::Tour(QWidget* view)
 }
 
 // In the lower right corner: words and scales of the view are on the left, its axes above.
-void Tour::place() {
+void Tour::reposition() {
   adjustSize();
-  move(parentWidget()->width() - width() - kMargin,
-       parentWidget()->height() - height() - kMargin);
+  move(parentWidget()->width() - width() - kMargin, parentWidget()->height() - height() - kMargin);
 }
 
 bool Tour::eventFilter(QObject* view, QEvent* event) {
-  if (event->type() == QEvent::Resize) place();
+  if (event->type() == QEvent::Resize) reposition();
   return QFrame::eventFilter(view, event);
 }
 
@@ -77,14 +80,14 @@ void Tour::show_step(int step) {
   if (step >= count) return deleteLater();
   step_ = step;
   start_ = now_;
-  words_->setText(text(steps[step].words));
+  description_->setText(text(steps[step].description));
   count_->setText(QString("%1 / %2").arg(step + 1).arg(count));
   next_->setText(text(step + 1 < count ? kTourNext : kTourDone));
-  place();
+  reposition();
 }
 
-void Tour::look(const Sight& sight) {
-  now_ = sight;
+void Tour::observe(const Observation& observation) {
+  now_ = observation;
   const Step& step = steps[step_];
   if (step.done && step.done(now_, start_)) show_step(step_ + 1);
 }

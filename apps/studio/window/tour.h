@@ -17,14 +17,14 @@ class Tour : public QFrame {
   explicit Tour(QWidget* view);
 
   /// What there is to be seen of what was tried.
-  struct Sight {
+  struct Observation {
     double swell = 0;  ///< the door's parameter
     int pushes = 0;    ///< point loads
-    bool can_redo = false, line_chosen = false;
-    Shading shading = Shading::Plain;
+    bool can_redo = false, line_selected = false;
+    Shading shading = Shading::Shaded;
   };
   /// Looks whether the step was done.
-  void look(const Sight& sight);
+  void observe(const Observation& observation);
   int step() const { return step_; }
   QPushButton& next() { return *next_; }
 
@@ -35,12 +35,12 @@ class Tour : public QFrame {
   struct Step;
   static const Step steps[];
   void show_step(int step);
-  void place();
-  QLabel* words_;
+  void reposition();
+  QLabel* description_;
   QLabel* count_;
   QPushButton* next_;
   int step_ = -1;
-  Sight now_, start_;  // and as the step began
+  Observation now_, start_;  // and as the step began
 };
 
 /// The file of the door: beside an installed program, or in the source.

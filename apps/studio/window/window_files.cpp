@@ -11,13 +11,13 @@
 #include <QSettings>
 
 #include "batten/apps/commands/documents/line_edits.h"
-#include "batten/apps/studio/view/texts.h"
+#include "batten/apps/studio/view/strings.h"
 #include "batten/apps/studio/window/main_window.h"
 
 namespace batten::studio {
 namespace {
 
-using Verb = DocumentCommand::Verb;
+using CommandKind = DocumentCommand::CommandKind;
 
 /// A menu's text as a title.
 QString title(const char* menu) { return text(menu).remove('&'); }
@@ -25,7 +25,7 @@ QString title(const char* menu) { return text(menu).remove('&'); }
 }  // namespace
 
 void MainWindow::ask_open() {
-  if (!may_leave()) return;
+  if (!may_close()) return;
   const QString file =
       QFileDialog::getOpenFileName(this, title(kOpen), in_folder(), text(kSceneFiles));
   if (!file.isEmpty()) open(file.toStdString());
@@ -33,13 +33,13 @@ void MainWindow::ask_open() {
 
 void MainWindow::save(bool as) {
   // The door of the tour is everybody's: it is saved elsewhere.
-  if (!as && !touring_ && shown_->title != "untitled") return post({.verb = Verb::Save});
+  if (!as && !touring_ && shown_->title != "untitled") return post({.kind = CommandKind::Save});
   QString file = QFileDialog::getSaveFileName(this, title(kSaveAs), in_folder(stem() + ".toml"),
                                               text(kSavedFiles));
   if (file.isEmpty()) return;
   if (!file.endsWith(".toml")) file += ".toml";
   note_recent(file);
-  post({.verb = Verb::Save, .file = file.toStdString()});
+  post({.kind = CommandKind::Save, .file = file.toStdString()});
 }
 
 // A name for what is written, without its ending.
@@ -56,7 +56,7 @@ void MainWindow::ask_export() {
   if (shown_->mesh) {
     const QString ending = QFileInfo(shown(shown_->regions.front())).suffix();
     kinds = text(kMeshFiles);
-    if (!shown_->timeline) kinds = text(kSameFormat).arg("." + ending) + ";;" + kinds;
+    if (!shown_->timeline) kinds = text(kOriginalFormat).arg("." + ending) + ";;" + kinds;
   }
   QString file = QFileDialog::getSaveFileName(this, title(kExport), in_folder(stem() + "-out"),
                                               kinds, &filter);
@@ -64,7 +64,7 @@ void MainWindow::ask_export() {
   const int star = filter.indexOf("*.");
   if (!file.contains('.') && star >= 0)
     file += filter.mid(star + 1, filter.indexOf(')') - star - 1);
-  post({.verb = Verb::Export, .file = file.toStdString()});
+  post({.kind = CommandKind::Export, .file = file.toStdString()});
 }
 
 void MainWindow::save_script() {
@@ -79,18 +79,18 @@ void MainWindow::save_script() {
   for (const std::string& line : worker_->script()) file.write((line + "\n").c_str());
 }
 
-void MainWindow::remove_chosen() {
+void MainWindow::remove_selected() {
   if (view_->remove_point()) return;
   ModelTree::Item item = tree_->current();
   if (item.kind == ModelTree::Item::Kind::Join)
-    item.table = {"line", stated_line(SceneText(shown_->text), item.name)};
+    item.table = {"line", defining_line(SceneText(shown_->text), item.name)};
   if (item.table.kind == "line" && item.table.name.empty()) return;  // of a file
-  if (const auto part = chosen_->chosen_stress()) {
+  if (const auto part = properties_->selected_stress_part()) {
     for (DocumentCommand& edit : remove_stress_part(SceneText(shown_->text), *part))
       post(std::move(edit));
     return;
   }
-  if (!item.table.kind.empty()) post({.verb = Verb::Remove, .table = item.table});
+  if (!item.table.kind.empty()) post({.kind = CommandKind::Remove, .table = item.table});
 }
 
 // A name in the folder of the last scene that was opened or saved; the home folder before.
@@ -113,12 +113,12 @@ void MainWindow::fill_recent() {
   recent_->clear();
   for (const QString& file : QSettings().value("recent").toStringList())
     QObject::connect(recent_->addAction(file), &QAction::triggered, this, [this, file] {
-      if (may_leave()) open(file.toStdString());
+      if (may_close()) open(file.toStdString());
     });
   recent_->setEnabled(!recent_->isEmpty());
 }
 
-bool MainWindow::may_leave() {
+bool MainWindow::may_close() {
   if (!shown_->changed) return true;
   const auto answer = QMessageBox::question(
       this, text(kProgram), text(kUnsaved).arg(QString::fromStdString(shown_->title)),
@@ -132,8 +132,8 @@ bool MainWindow::may_leave() {
 }
 
 void MainWindow::closeEvent(QCloseEvent* event) {
-  if (!may_leave()) return event->ignore();
-  worker_->forget_changes();
+  if (!may_close()) return event->ignore();
+  worker_->discard_changes();
   event->accept();
 }
 
@@ -143,7 +143,7 @@ void MainWindow::dragEnterEvent(QDragEnterEvent* event) {
 
 void MainWindow::dropEvent(QDropEvent* event) {
   const QString file = event->mimeData()->urls().value(0).toLocalFile();
-  if (!file.isEmpty() && may_leave()) open(file.toStdString());
+  if (!file.isEmpty() && may_close()) open(file.toStdString());
 }
 
 }  // namespace batten::studio

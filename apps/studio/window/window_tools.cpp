@@ -6,7 +6,7 @@
 #include <QToolBar>
 #include <algorithm>
 
-#include "batten/apps/studio/view/texts.h"
+#include "batten/apps/studio/view/strings.h"
 #include "batten/apps/studio/window/main_window.h"
 
 namespace batten::studio {
@@ -43,7 +43,7 @@ void MainWindow::make_tools() {
   };
   tool(kSelect, "S", Tool::Select)->setChecked(true);
   tool(kPush, "P", Tool::Push);
-  tool(kHold, "H", Tool::Pin);
+  tool(kFixPoint, "H", Tool::FixPoint);
   tool(kDraw, "D", Tool::Draw);
   tool(kMeasure, "K", Tool::Measure);
   tool(kPaint, "B", Tool::Paint);
@@ -68,33 +68,33 @@ void MainWindow::make_tools() {
   shading_ = new QComboBox;
   for (const char* shading : kShadings) shading_->addItem(text(shading));
   QObject::connect(shading_, QOverload<int>::of(&QComboBox::currentIndexChanged), this,
-                   [this](int index) { choose_shading(static_cast<Shading>(index)); });
+                   [this](int index) { set_shading_mode(static_cast<Shading>(index)); });
   bar->addWidget(shading_);
   modes_ = new QComboBox;
-  for (QComboBox* list : {plane_, paint_, shading_, modes_}) quiet_.quieten(list);
+  for (QComboBox* list : {plane_, paint_, shading_, modes_}) input_filter_.watch(list);
   modes_->setMinimumContentsLength(kModeLetters);
   QObject::connect(modes_, QOverload<int>::of(&QComboBox::currentIndexChanged), this,
-                   [this](int mode) { choose_mode(mode); });
+                   [this](int mode) { select_mode(mode); });
   modes_bar_ = bar->addWidget(modes_);
   modes_bar_->setVisible(false);
   bar->addSeparator();
-  motion_ = bar->addAction(text(kMotion));
-  motion_->setObjectName(kMotion);
+  motion_ = bar->addAction(text(kSimulate));
+  motion_->setObjectName(kSimulate);
   motion_->setCheckable(true);
   motion_->setShortcut(QKeySequence("T"));
-  motion_->setToolTip(text(kMotionTip));
-  QObject::connect(motion_, &QAction::triggered, this, [this](bool on) { set_moving(on); });
+  motion_->setToolTip(text(kSimulateTip));
+  QObject::connect(motion_, &QAction::triggered, this, [this](bool on) { set_simulating(on); });
 }
 
-void MainWindow::choose_shading(Shading shading) {
+void MainWindow::set_shading_mode(Shading shading) {
   const Analysis what = analysis_of(shading);
   worker_->analyse(what);
   view_->set_shading(shading);
-  view_->set_swinging(shading == Shading::Modes);
+  view_->animate_mode(shading == Shading::Modes);
   modes_bar_->setVisible(shading == Shading::Modes);
-  view_->set_words({});
+  view_->set_text({});
   show_missing_stress();
-  look_for_tour();
+  update_tour();
 }
 
 // Where stresses are to be shown and the scene asks for none.
@@ -102,13 +102,13 @@ void MainWindow::show_missing_stress() {
   const auto shading = static_cast<Shading>(shading_->currentIndex());
   if (shown_->has_stress || analysis_of(shading) == Analysis::None) return;
   modes_->clear();
-  view_->set_words(text(kNoStress));
+  view_->set_text(text(kNoStress));
 }
 
-void MainWindow::choose_mode(int mode) {
+void MainWindow::select_mode(int mode) {
   if (mode < 0) return;
   view_->set_mode(mode);
-  view_->set_words(text(kModeWords).arg(modes_->itemData(mode).toDouble(), 0, 'g', 4));
+  view_->set_text(text(kModeLegend).arg(modes_->itemData(mode).toDouble(), 0, 'g', 4));
 }
 
 // The list of modes, with the chosen one kept.
@@ -116,64 +116,65 @@ void MainWindow::show_modes(const StressView& stress) {
   const int before = std::max(0, modes_->currentIndex());
   modes_->blockSignals(true);
   modes_->clear();
-  for (size_t i = 0; i < stress.hertz.size(); ++i)
-    modes_->addItem(text(kModeOf).arg(i + 1).arg(stress.hertz[i], 0, 'g', 4), stress.hertz[i]);
+  for (size_t i = 0; i < stress.frequencies.size(); ++i)
+    modes_->addItem(text(kModeOf).arg(i + 1).arg(stress.frequencies[i], 0, 'g', 4),
+                    stress.frequencies[i]);
   modes_->setCurrentIndex(std::min(before, modes_->count() - 1));
   modes_->blockSignals(false);
-  choose_mode(modes_->currentIndex());
+  select_mode(modes_->currentIndex());
 }
 
-void MainWindow::look_for_tour() {
+void MainWindow::update_tour() {
   if (!tour_) return;
-  Tour::Sight sight;
+  Tour::Observation observation;
   for (const auto& slider : shown_->sliders)
-    if (slider.name == "swell") sight.swell = slider.value;
+    if (slider.name == "swell") observation.swell = slider.value;
   using Mark = DocumentView::Mark;
-  sight.pushes = static_cast<int>(
+  observation.pushes = static_cast<int>(
       std::count_if(shown_->marks.begin(), shown_->marks.end(),
                     [](const Mark& mark) { return mark.kind == Mark::Kind::Load; }));
-  sight.can_redo = shown_->can_redo;
-  sight.line_chosen = tree_->current().kind == ModelTree::Item::Kind::Line;
-  sight.shading = static_cast<Shading>(shading_->currentIndex());
-  tour_->look(sight);
+  observation.can_redo = shown_->can_redo;
+  observation.line_selected = tree_->current().kind == ModelTree::Item::Kind::Line;
+  observation.shading = static_cast<Shading>(shading_->currentIndex());
+  tour_->observe(observation);
 }
 
-void MainWindow::set_moving(bool on) {
-  worker_->set_moving(on);
+void MainWindow::set_simulating(bool on) {
+  worker_->set_simulating(on);
   motion_->setChecked(on);
   show_tools();
-  view_->say_hint();
-  if (on) statusBar()->showMessage(text(kHintMoving));
+  view_->show_hint();
+  if (on) statusBar()->showMessage(text(kHintSimulating));
 }
 
 void MainWindow::show_stress(const StressView& stress) {
   const auto digits = [](double value) { return QString::number(value, 'g', 3); };
-  if (!stress.problem.empty()) return view_->set_words(shown(stress.problem));
+  if (!stress.problem.empty()) return view_->set_text(shown(stress.problem));
   if (shading_->currentIndex() == static_cast<int>(Shading::Modes)) return show_modes(stress);
   const QString unit = shown_->unit == "m" ? "Pa" : shown_->unit == "mm" ? "N/mm²" : "";
-  QString words = text(kStressWords)
-                      .arg(digits(stress.von_mises), unit, shown(stress.of_case),
-                           digits(stress.displacement), shown(shown_->unit))
-                      .arg(stress.exaggeration);
+  QString overlay_text = text(kStressLegend)
+                             .arg(digits(stress.von_mises), unit, shown(stress.load_case),
+                                  digits(stress.displacement), shown(shown_->unit))
+                             .arg(stress.deformation_scale);
   if (stress.yield > 0 && stress.von_mises > 0)
-    words += text(kSafety).arg(digits(stress.yield / stress.von_mises));
-  view_->set_words(words);
+    overlay_text += text(kSafety).arg(digits(stress.yield / stress.von_mises));
+  view_->set_text(overlay_text);
 }
 
 // Shapes are pushed, held and drawn, meshes are encircled.
 void MainWindow::show_tools() {
   const bool mesh = shown_->mesh != nullptr, moves = motion_->isChecked();
-  for (const char* what : {kPush, kHold}) {
+  for (const char* what : {kPush, kFixPoint}) {
     QAction* tool = action(what);
     tool->setEnabled(!mesh && !moves);
     const QString key = " (" + tool->shortcut().toString() + ")";
-    tool->setToolTip(moves ? text(kRestFirst).arg(text(what)) : text(what) + key);
+    tool->setToolTip(moves ? text(kStopSimulationFirst).arg(text(what)) : text(what) + key);
   }
   action(kDraw)->setEnabled(!mesh || shown_->timeline);
   action(kLasso)->setEnabled(mesh);
   action(kPaint)->setEnabled(shown_->surface);
   motion_->setEnabled(moves || (shown_->surface && !mesh));
-  for (const char* what : {kPush, kHold, kDraw, kPaint, kLasso})
+  for (const char* what : {kPush, kFixPoint, kDraw, kPaint, kLasso})
     if (action(what)->isChecked() && !action(what)->isEnabled()) action(kSelect)->trigger();
 }
 

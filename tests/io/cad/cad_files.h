@@ -25,9 +25,9 @@
 
 #include "batten/io/cad/cad_parts.h"
 #include "batten/io/cad/cad_writer.h"
-#include "batten/io/files/in_child.h"
-#include "batten/tests/catch.h"
-#include "batten/tests/reference.h"
+#include "batten/io/files/sandboxed_read.h"
+#include "batten/tests/support/catch.h"
+#include "batten/tests/support/test_data.h"
 
 namespace batten_test {
 
@@ -35,9 +35,9 @@ using namespace batten;
 namespace fs = std::filesystem;
 
 /// While it lives, CAD files are read as the program reads them.
-struct ReadInChild {
-  ReadInChild() { read_in_child(true); }
-  ~ReadInChild() { read_in_child(false); }
+struct SandboxScope {
+  SandboxScope() { enable_sandboxed_read(true); }
+  ~SandboxScope() { enable_sandboxed_read(false); }
 };
 
 /// A part whose faces are "face 1", "face 2" …, red and green in turn.

@@ -99,28 +99,28 @@ inline std::vector<CharacterLine> octants() {
 }
 
 /// Regions by their lines; two loops are a ring.
-inline RegionOptions region_words(
+inline RegionSearchOptions region_specs(
     const std::vector<std::vector<std::vector<std::string>>>& regions) {
-  RegionOptions options;
+  RegionSearchOptions options;
   for (const auto& loops : regions) {
-    RegionWord word;
-    word.name = "r" + std::to_string(options.words.size());
+    RegionSpec word;
+    word.name = "r" + std::to_string(options.specs.size());
     word.loops = loops;
-    word.ring = loops.size() == 2;
-    options.words.push_back(word);
+    word.annulus = loops.size() == 2;
+    options.specs.push_back(word);
   }
   return options;
 }
 
-struct MadeModel {
-  CharacterLineNetwork network;
+struct BuiltModel {
+  CurveNetwork network;
   SurfaceModel model;
 };
 
-inline MadeModel make_model(const std::vector<CharacterLine>& lines,
-                            const RegionOptions& regions = {}, double edge_length = 0,
-                            const NetworkOptions& how = {}) {
-  CharacterLineNetwork network(lines, how);
+inline BuiltModel build_model(const std::vector<CharacterLine>& lines,
+                              const RegionSearchOptions& regions = {}, double edge_length = 0,
+                              const NetworkOptions& how = {}) {
+  CurveNetwork network(lines, how);
   ModelOptions options;
   options.skin.edge_length = edge_length > 0 ? edge_length : network.size() / 10;
   SurfaceModel model = skin_network(network, find_regions(network, regions), options);
@@ -129,25 +129,25 @@ inline MadeModel make_model(const std::vector<CharacterLine>& lines,
 
 /// The mouse of the examples. With `keel` two straight lines cut its flat side in four: one loop
 /// without corners is embedded.
-inline MadeModel mouse(double edge_length, bool keel) {
+inline BuiltModel mouse(double edge_length, bool keel) {
   const Scene scene = read_scene(std::string(BATTEN_SOURCE_DIR) + "/examples/09-mouse/scene.toml");
   NetworkOptions how;
   how.corner_angle = 60;
   std::vector<CharacterLine> lines;
   for (const SceneLine& line : scene.lines)
     lines.push_back({line.name, curve_through_points(line.name, line.points, how.corner_angle)});
-  RegionOptions words;
+  RegionSearchOptions specs;
   if (keel) {
     lines.push_back(straight("keel", {0, -52.25, 0}, {0, 52.25, 0}));
     lines.push_back(straight("beam", {26.56, 0, 0}, {-23.91, 0, 0}));
   } else {
-    words.words = scene.network.regions;
+    specs.specs = scene.network.regions;
   }
-  CharacterLineNetwork network(lines, how);
+  CurveNetwork network(lines, how);
   ModelOptions options;
   options.skin.edge_length = edge_length;
   options.joins = scene.network.joins;
-  SurfaceModel model = skin_network(network, find_regions(network, words), options);
+  SurfaceModel model = skin_network(network, find_regions(network, specs), options);
   return {std::move(network), std::move(model)};
 }
 

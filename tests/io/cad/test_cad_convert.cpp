@@ -12,16 +12,16 @@
 #include "batten/io/files/length_units.h"
 #include "batten/io/lines/cad_lines.h"
 #include "batten/tests/io/cad/cad_files.h"
-#include "batten/tests/refusal.h"
+#include "batten/tests/support/error_message.h"
 
 using namespace batten_test;
 using Catch::Matchers::Contains;
 
 namespace {
 
-std::map<std::string, int> faces_by_name(const std::vector<CadUse>& uses) {
+std::map<std::string, int> faces_by_name(const std::vector<CadAttribute>& uses) {
   std::map<std::string, int> result;
-  for (const CadUse& use : uses)
+  for (const CadAttribute& use : uses)
     if (use.faces > 0) result[use.name] = use.faces;
   return result;
 }
@@ -47,11 +47,12 @@ Handle(TDocStd_Document) pair_of_blocks(TopoDS_Shape& whole) {
   XCAFDoc_DocumentTool::LayerTool(document->Main())->SetLayer(block, "metal");
   const TDF_Label pair = shapes->NewShape();
   TDataStd_Name::Set(pair, "pair");
-  gp_Trsf turn, shift;
+  gp_Trsf turn, translation;
   turn.SetRotation(gp_Ax1(gp_Pnt(0, 0, 0), gp_Dir(0, 0, 1)), std::acos(-1.0) / 6);
-  shift.SetTranslation(gp_Vec(100, 20, 5));
+  translation.SetTranslation(gp_Vec(100, 20, 5));
   TDataStd_Name::Set(shapes->AddComponent(pair, block, TopLoc_Location()), "left");
-  TDataStd_Name::Set(shapes->AddComponent(pair, block, TopLoc_Location(shift * turn)), "right");
+  TDataStd_Name::Set(shapes->AddComponent(pair, block, TopLoc_Location(translation * turn)),
+                     "right");
   shapes->UpdateAssemblies();
   whole = XCAFDoc_ShapeTool::GetShape(pair);
   return document;
@@ -113,11 +114,11 @@ TEST_CASE(
     CHECK(c.products[0].name == "pair");
     CHECK(c.products[0].assembly);
     CHECK(c.products[1].name == "block");
-    CHECK(c.products[1].place == "left");
-    CHECK(c.products[2].place == "right");
-    CHECK(c.products[1].shift.isZero());
-    CHECK((c.products[2].shift - Vec3(100, 20, 5)).norm() < 1e-9);
-    CHECK(c.products[2].turn_deg == Approx(30));
+    CHECK(c.products[1].instance_name == "left");
+    CHECK(c.products[2].instance_name == "right");
+    CHECK(c.products[1].translation.isZero());
+    CHECK((c.products[2].translation - Vec3(100, 20, 5)).norm() < 1e-9);
+    CHECK(c.products[2].rotation_deg == Approx(30));
     CHECK(c.solids == 2);
     CHECK(faces_by_name(c.names).at("face 3") == 2);
     REQUIRE(c.layers.size() == 1);
@@ -145,7 +146,7 @@ TEST_CASE("the same part in mm, m and inches has the same geometry, and files de
       CHECK(c.after.unit_in_metres == Approx(metres).epsilon(1e-12));
       CHECK(c.after.unit_stated);
       check_same(c.before, c.after);
-      CHECK(unit_words(c.after.unit_in_metres) == word);
+      CHECK(format_unit(c.after.unit_in_metres) == word);
       const auto lines = read_cad_lines(file, 1e-3);
       REQUIRE(lines.size() >= reference.size());
       double largest = 0;
@@ -197,7 +198,7 @@ TEST_CASE("BREP is read wherever STEP is, and loses names only") {
   REQUIRE(faces.size() == 7);
   size_t first = 0;
   CHECK(distance(faces, Vec3(2, 1.5, 1), first) == Approx(0.5));  // from the axis of the hole
-  CHECK(measure_continuity(brep, 1e-3).rims == 0);
+  CHECK(measure_continuity(brep, 1e-3).free_edges == 0);
   // In inches its numbers are 25.4 times smaller; it cannot say so.
   CadConvertOptions inches;
   inches.unit_in_metres = 0.0254;
@@ -206,7 +207,7 @@ TEST_CASE("BREP is read wherever STEP is, and loses names only") {
 }
 
 TEST_CASE("BREP in binary form is read as its text is") {
-  const ReadInChild child;
+  const SandboxScope child;
   const fs::path folder = scratch("cad_binary");
   const TopoDS_Shape shape = drilled_block();
   written(folder / "text.brep", painted("block", shape));
@@ -233,15 +234,15 @@ TEST_CASE("a conversion that fails leaves nothing, and keeps an older file") {
   const fs::path folder = scratch("cad_refused");
   std::ofstream(folder / "bad.step") << "ISO-10303-21;\nHEADER;\nENDSEC;\nEND-ISO-10303-21;\n";
   std::ofstream(folder / "old.iges") << "old";
-  CHECK_THAT(refusal([&] { convert_cad(folder / "bad.step", folder / "old.iges"); }),
+  CHECK_THAT(error_message([&] { convert_cad(folder / "bad.step", folder / "old.iges"); }),
              Contains("bad.step"));
   CHECK(fs::file_size(folder / "old.iges") == 3);
   CHECK(std::distance(fs::directory_iterator(folder), fs::directory_iterator()) == 2);
   const fs::path step = written(folder / "a.step", painted("block", drilled_block()));
-  CHECK_THAT(refusal([&] { convert_cad(step, folder / "a.sldprt"); }), Contains("'.sldprt'"));
+  CHECK_THAT(error_message([&] { convert_cad(step, folder / "a.sldprt"); }), Contains("'.sldprt'"));
   CadConvertOptions fathoms;
   fathoms.unit_in_metres = 1.8288;
-  CHECK_THAT(refusal([&] { convert_cad(step, folder / "a.iges", fathoms); }),
+  CHECK_THAT(error_message([&] { convert_cad(step, folder / "a.iges", fathoms); }),
              Contains("expected one of um, mm"));
   CHECK_FALSE(fs::exists(folder / "a.iges"));
 }

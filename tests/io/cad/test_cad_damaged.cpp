@@ -5,10 +5,10 @@
 
 #include "batten/core/errors.h"
 #include "batten/io/cad/cad_convert.h"
-#include "batten/io/cad/facets_of_cad.h"
 #include "batten/io/cad/read_cad_contents.h"
+#include "batten/io/cad/tessellate_cad.h"
 #include "batten/tests/io/cad/cad_files.h"
-#include "batten/tests/refusal.h"
+#include "batten/tests/support/error_message.h"
 
 using namespace batten_test;
 
@@ -35,9 +35,9 @@ std::string ending_of(const std::string& kind) { return kind.substr(0, kind.find
 void check_refused(const fs::path& file, const std::string& bytes) {
   std::ofstream(file, std::ios::binary) << bytes;
   const fs::path out = file.parent_path() / "out.step";
-  for (const std::string& message :
-       {refusal([&] { read_cad_contents(file); }), refusal([&] { facets_of_cad(file); }),
-        refusal([&] { convert_cad(file, out); })}) {
+  for (const std::string& message : {error_message([&] { read_cad_contents(file); }),
+                                     error_message([&] { tessellate_cad(file); }),
+                                     error_message([&] { convert_cad(file, out); })}) {
     CHECK(message.find(file.filename().string()) != std::string::npos);
   }
   CHECK_FALSE(fs::exists(out));
@@ -46,7 +46,7 @@ void check_refused(const fs::path& file, const std::string& bytes) {
 }  // namespace
 
 TEST_CASE("CAD files that are cut short at fifty places are refused") {
-  const ReadInChild child;
+  const SandboxScope child;
   const fs::path folder = scratch("cad_cut");
   for (const std::string kind : {".step", ".iges", ".brep", ".brep binary"}) {
     const std::string whole = sound_bytes(folder, kind);
@@ -59,7 +59,7 @@ TEST_CASE("CAD files that are cut short at fifty places are refused") {
 }
 
 TEST_CASE("bytes at random, renamed text and impossible counts are refused as CAD") {
-  const ReadInChild child;
+  const SandboxScope child;
   const fs::path folder = scratch("cad_random");
   std::mt19937 random(7);
   for (const std::string ending : {".step", ".stp", ".iges", ".igs", ".brep", ".brp"}) {
@@ -86,7 +86,7 @@ TEST_CASE("bytes at random, renamed text and impossible counts are refused as CA
 }
 
 TEST_CASE("damaged bytes in sound CAD files are read or refused, and bring nothing down") {
-  const ReadInChild child;
+  const SandboxScope child;
   const fs::path folder = scratch("cad_damaged");
   std::mt19937 random(11);
   for (const std::string kind : {".step", ".iges", ".brep", ".brep binary"}) {
@@ -99,7 +99,7 @@ TEST_CASE("damaged bytes in sound CAD files are read or refused, and bring nothi
       const fs::path file = folder / ("bad" + ending);
       std::ofstream(file, std::ios::binary) << bytes;
       try {
-        const CadFacets facets = facets_of_cad(file);
+        const CadFacets facets = tessellate_cad(file);
         CHECK(facets.mesh.points.allFinite());
       } catch (const InputError& error) {
         CHECK(std::string(error.what()).find("bad" + ending) != std::string::npos);

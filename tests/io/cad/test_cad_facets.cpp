@@ -1,6 +1,6 @@
 // Triangles of CAD faces: closed where shapes are, as near as they are said to be, in groups by
 // name.
-#include "batten/io/cad/facets_of_cad.h"
+#include "batten/io/cad/tessellate_cad.h"
 
 #include <BRepBuilderAPI_MakeFace.hxx>
 #include <BRepFilletAPI_MakeFillet.hxx>
@@ -17,7 +17,7 @@
 #include "batten/io/cad/occ_settings.h"
 #include "batten/io/cad/read_cad_contents.h"
 #include "batten/tests/io/cad/cad_files.h"
-#include "batten/tests/refusal.h"
+#include "batten/tests/support/error_message.h"
 
 using namespace batten_test;
 using Catch::Matchers::Contains;
@@ -86,7 +86,7 @@ TEST_CASE("triangles of closed solids have no free edge and the solid's volume")
       const fs::path file = folder / (name + ending);
       INFO(file);
       ending == ".step" ? written(file, painted(name, shape)) : unsewn(file, shape);
-      const CadFacets facets = facets_of_cad(file);
+      const CadFacets facets = tessellate_cad(file);
       check_closed(facets);
       CHECK(facets.chord == Approx(1e-3 * facets.size));
       CHECK(facets.deviation <= facets.chord);
@@ -104,7 +104,7 @@ TEST_CASE("the deviation that is told is that of the sphere, and follows the cho
   for (const double chord : {0.3, 0.1, 0.03}) {
     CadFacetOptions options;
     options.chord = chord;
-    const CadFacets facets = facets_of_cad(file, options);
+    const CadFacets facets = tessellate_cad(file, options);
     double largest = 0;  // of many points of each triangle
     for (int f = 0; f < facets.mesh.face_count(); ++f) {
       const auto n = facets.mesh.face(f);
@@ -129,7 +129,7 @@ TEST_CASE("groups of triangles lie on the faces whose names they have") {
   CadPart part = painted("block", BRepPrimAPI_MakeBox(40, 30, 20).Shape());
   for (CadFace& face : part.faces) face.name.clear();
   part.faces[0].name = "left";  // x = 0 is the first of OpenCASCADE's box
-  const CadFacets facets = facets_of_cad(written(folder / "a.step", part));
+  const CadFacets facets = tessellate_cad(written(folder / "a.step", part));
   int all = 0;
   for (const FacetGroup& group : facets.groups) {
     all += static_cast<int>(group.triangles.size());
@@ -151,7 +151,7 @@ TEST_CASE("an open shell is free along its rims only, and faces apart are not jo
   builder.Add(two, BRepPrimAPI_MakeCylinder(10, 20).Face());
   builder.Add(
       two, BRepBuilderAPI_MakeFace(gp_Pln(gp_Pnt(100, 0, 0), gp_Dir(0, 0, 1)), 0, 5, 0, 5).Face());
-  const CadFacets facets = facets_of_cad(written(folder / "a.step", painted("two", two)));
+  const CadFacets facets = tessellate_cad(written(folder / "a.step", painted("two", two)));
   CHECK(facets.cracks == 0);
   CHECK(facets.free_edges > 20);
   CHECK(facets.unmeshed == 0);
@@ -173,7 +173,7 @@ TEST_CASE("instances of an assembly are meshed at their places, in the unit that
   const fs::path file = written(folder / "a.step", document, XCAFDoc_ShapeTool::GetShape(pair));
   CadFacetOptions metres;
   metres.unit_in_metres = 1;
-  const CadFacets facets = facets_of_cad(file, metres);
+  const CadFacets facets = tessellate_cad(file, metres);
   check_closed(facets);
   CHECK(facets.mesh.points.col(0).maxCoeff() == Approx(1.04));
   CHECK(facets.mesh.points.col(0).minCoeff() == Approx(0).margin(1e-12));
@@ -252,9 +252,10 @@ TEST_CASE("a chord that is no length, or far too small, is refused") {
   const fs::path file = written(folder / "a.step", painted("block", drilled_block()));
   CadFacetOptions options;
   options.chord = 1e-9;
-  CHECK_THAT(refusal([&] { facets_of_cad(file, options); }), Contains("expected 1e-7 of the size"));
+  CHECK_THAT(error_message([&] { tessellate_cad(file, options); }),
+             Contains("expected 1e-7 of the size"));
   options.chord = std::nan("");
-  CHECK_THAT(refusal([&] { facets_of_cad(file, options); }), Contains("chord"));
+  CHECK_THAT(error_message([&] { tessellate_cad(file, options); }), Contains("chord"));
 }
 
 TEST_CASE("curved triangles keep a chord with fewer, and bulge as the face does") {
@@ -263,12 +264,12 @@ TEST_CASE("curved triangles keep a chord with fewer, and bulge as the face does"
       written(folder / "a.step", painted("tube", BRepPrimAPI_MakeTorus(20, 6).Shape()));
   CadFacetOptions options;
   options.chord = 2e-3;
-  const CadFacets flat = facets_of_cad(file, options);
+  const CadFacets flat = tessellate_cad(file, options);
   options.curved = true;
-  const CadFacets curved = facets_of_cad(file, options);
+  const CadFacets curved = tessellate_cad(file, options);
   CHECK(flat.normals.empty());
-  REQUIRE(count_of(curved.normals) == curved.mesh.face_count());
-  REQUIRE(count_of(curved.faces) == curved.mesh.face_count());
+  REQUIRE(isize(curved.normals) == curved.mesh.face_count());
+  REQUIRE(isize(curved.faces) == curved.mesh.face_count());
   CHECK(curved.mesh.face_count() < flat.mesh.face_count() / 2);
   CHECK(curved.deviation <= options.chord);
   double off = 0, flat_off = 0;
@@ -276,9 +277,9 @@ TEST_CASE("curved triangles keep a chord with fewer, and bulge as the face does"
     return std::abs(Vec2(p.head<2>().norm() - 20, p.z()).norm() - 6);
   };
   for (int f = 0; f < curved.mesh.face_count(); ++f) {
-    CurvedTriangle::Corners p;
+    PnTriangle::Corners p;
     for (size_t c = 0; c < 3; ++c) p[c] = curved.mesh.points.row(curved.mesh.face(f)[c]);
-    const CurvedTriangle triangle(p, curved.normals[f]);
+    const PnTriangle triangle(p, curved.normals[f]);
     for (const Vec3& w :
          {Vec3(1, 1, 1), Vec3(1, 1, 0), Vec3(0, 1, 1), Vec3(1, 0, 1), Vec3(3, 1, 1)}) {
       off = std::max(off, distance(triangle.at(w / w.sum())));

@@ -1,5 +1,5 @@
 // The lines around the faces of CAD files, and creases inside of faces.
-#include "batten/io/lines/cad_loops.h"
+#include "batten/io/lines/cad_face_topology.h"
 
 #include <BRepBuilderAPI_MakeFace.hxx>
 #include <Geom_BSplineSurface.hxx>
@@ -19,12 +19,12 @@ namespace {
 
 /// Two flat strips that meet along y = x = 0 … by `degrees`, as one surface of degree 2 in u with a double knot.
 TopoDS_Shape folded(double degrees) {
-  const double turn = degrees * std::numbers::pi / 180;
+  const double angle = degrees * std::numbers::pi / 180;
   TColgp_Array2OfPnt poles(1, 5, 1, 2);
   for (int i = 0; i < 5; ++i)
     for (int j = 0; j < 2; ++j) {
       const double s = 5.0 * (i - 2);
-      const double x = s < 0 ? s : s * std::cos(turn), z = s < 0 ? 0 : s * std::sin(turn);
+      const double x = s < 0 ? s : s * std::cos(angle), z = s < 0 ? 0 : s * std::sin(angle);
       poles(i + 1, j + 1) = gp_Pnt(x, 30.0 * j, z);
     }
   TColStd_Array1OfReal u(1, 3), v(1, 2);
@@ -47,21 +47,21 @@ fs::path file_of(const std::string& name, const TopoDS_Shape& shape) {
 
 TEST_CASE("the loops of a block are the edges of its faces, which meet at right angles") {
   const fs::path file = file_of("block", BRepPrimAPI_MakeBox(10, 20, 30).Shape());
-  const CadFaceLoops found = read_cad_loops(file, 1e-3);
+  const CadFaceTopology found = read_cad_loops(file, 1e-3);
   REQUIRE(found.faces.size() == 6);
   std::map<std::string, int> uses;
-  for (const CadLoops& face : found.faces) {
+  for (const CadFaceBoundary& face : found.faces) {
     REQUIRE(face.loops.size() == 1);
     CHECK(face.loops[0].size() == 4);
     CHECK(face.inner.empty());
-    CHECK_FALSE(face.ring());
+    CHECK_FALSE(face.annulus());
     for (const std::string& line : face.loops[0]) ++uses[line];
   }
   const auto lines = read_cad_lines(file, 1e-3);
   REQUIRE(uses.size() == lines.size());
   for (const auto& line : lines) CHECK(uses[line.name] == 2);
   REQUIRE(found.joins.size() == 12);
-  for (const CadJoin& join : found.joins) CHECK(join.angle_deg == Approx(90));
+  for (const CadSharedEdge& join : found.joins) CHECK(join.angle_deg == Approx(90));
   CHECK(found.size == Approx(std::sqrt(1400)).epsilon(1e-3));
   CHECK(found.gap < 1e-9);
   // In metres.
@@ -72,10 +72,10 @@ TEST_CASE("a tube has two rims and a seam, a plate with a hole two loops, a ball
   const auto tube = read_cad_loops(file_of("tube", BRepPrimAPI_MakeCylinder(4, 25).Shape()), 1e-3);
   REQUIRE(tube.faces.size() == 3);
   int rings = 0;
-  for (const CadLoops& face : tube.faces) {
-    rings += face.ring();
-    CHECK(face.loops.size() == (face.ring() ? 2 : 1));
-    CHECK(face.inner.size() == (face.ring() ? 1 : 0));
+  for (const CadFaceBoundary& face : tube.faces) {
+    rings += face.annulus();
+    CHECK(face.loops.size() == (face.annulus() ? 2 : 1));
+    CHECK(face.inner.size() == (face.annulus() ? 1 : 0));
     for (const auto& loop : face.loops) CHECK(loop.size() == 1);
   }
   CHECK(rings == 1);
@@ -85,8 +85,8 @@ TEST_CASE("a tube has two rims and a seam, a plate with a hole two loops, a ball
       file_of("plate", BRepAlgoAPI_Cut(BRepPrimAPI_MakeBox(50, 40, 10).Shape(), hole).Shape()),
       1e-3);
   int holed = 0;
-  for (const CadLoops& face : plate.faces)
-    if (face.loops.size() == 2 && !face.ring()) {
+  for (const CadFaceBoundary& face : plate.faces)
+    if (face.loops.size() == 2 && !face.annulus()) {
       ++holed;
       CHECK(face.loops[0].size() == 4);  // the outer one first
       CHECK(face.loops[1].size() == 1);
@@ -102,9 +102,9 @@ TEST_CASE("a crease inside of a face is a line, with the angle by which the surf
   CHECK(read_cad_lines(file, 1e-3).size() == 4);
   const auto lines = read_cad_lines(file, 1e-3, true);
   CHECK(lines.size() == 7);  // two edges are cut, and the crease
-  const CadFaceLoops found = read_cad_loops(file, 1e-3);
+  const CadFaceTopology found = read_cad_loops(file, 1e-3);
   REQUIRE(found.faces.size() == 2);
-  for (const CadLoops& face : found.faces) {
+  for (const CadFaceBoundary& face : found.faces) {
     REQUIRE(face.loops.size() == 1);
     CHECK(face.loops[0].size() == 4);
   }

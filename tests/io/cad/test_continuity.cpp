@@ -16,8 +16,8 @@
 #include "batten/core/errors.h"
 #include "batten/io/cad/occ_settings.h"
 #include "batten/io/files/length_units.h"
-#include "batten/tests/catch.h"
-#include "batten/tests/reference.h"
+#include "batten/tests/support/catch.h"
+#include "batten/tests/support/test_data.h"
 
 using namespace batten;
 using Kind = EdgeContinuity::Kind;
@@ -25,16 +25,16 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// Two straight sides 20 long, half circles of radius 5 between them, 30 high: mm. `turn_deg`: by
+/// Two straight sides 20 long, half circles of radius 5 between them, 30 high: mm. `rotation_deg`: by
 /// how much the first side misses the arc's tangent.
-TopoDS_Shape obround(double turn_deg = 0) {
-  const double rise = 20 * std::tan(turn_deg * EIGEN_PI / 180);
+TopoDS_Shape obround(double rotation_deg = 0) {
+  const double rise = 20 * std::tan(rotation_deg * EIGEN_PI / 180);
   const gp_Pnt a(0, -5 - rise, 0), b(20, -5, 0), c(20, 5, 0), d(0, 5, 0);
   BRepBuilderAPI_MakeWire wire;
   wire.Add(BRepBuilderAPI_MakeEdge(a, b));
   wire.Add(BRepBuilderAPI_MakeEdge(GC_MakeArcOfCircle(b, gp_Pnt(25, 0, 0), c).Value()));
   wire.Add(BRepBuilderAPI_MakeEdge(c, d));
-  if (turn_deg == 0)
+  if (rotation_deg == 0)
     wire.Add(BRepBuilderAPI_MakeEdge(GC_MakeArcOfCircle(d, gp_Pnt(-5, 0, 0), a).Value()));
   else
     wire.Add(BRepBuilderAPI_MakeEdge(d, a));
@@ -67,8 +67,8 @@ TEST_CASE("edges of an obround are tangent and its curvature jumps by one over t
       const auto r = measure_continuity(written(name, obround()), unit_in_metres(unit));
       CHECK(r.faces == 6);
       CHECK(r.edges == 12);
-      CHECK(r.rims == 0);
-      CHECK(r.crowded == 0);
+      CHECK(r.free_edges == 0);
+      CHECK(r.non_manifold_edges == 0);
       CHECK(r.unmeasured == 0);
       CHECK(r.count(Kind::Crease) == 8);
       CHECK(r.count(Kind::Tangent) == 4);
@@ -109,7 +109,7 @@ TEST_CASE("a sphere's seam goes on with one curvature, a box has twelve creases 
       measure_continuity(written("sphere.step", BRepPrimAPI_MakeSphere(7.0).Shape()), 1e-3);
   CHECK(sphere.faces == 1);
   CHECK(sphere.count(Kind::Curvature) == 1);
-  CHECK(sphere.rims == 0);
+  CHECK(sphere.free_edges == 0);
   const auto box =
       measure_continuity(written("box.step", BRepPrimAPI_MakeBox(1.0, 2.0, 3.0).Shape()), 1e-3);
   CHECK(box.count(Kind::Crease) == 12);

@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "batten/io/cad/corner_twists.h"
-#include "batten/tests/catch.h"
+#include "batten/tests/support/catch.h"
 
 using namespace batten;
 

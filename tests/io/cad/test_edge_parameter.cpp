@@ -1,5 +1,5 @@
 // The parameter of shared edges: what readers of the file then find.
-#include "batten/io/cad/edge_parameter.h"
+#include "batten/io/cad/edge_reparametrization.h"
 
 #include <BRep_Builder.hxx>
 #include <BRep_Tool.hxx>
@@ -14,17 +14,17 @@
 
 #include "batten/io/cad/step_check.h"
 #include "batten/io/cad/step_face.h"
-#include "batten/tests/catch.h"
 #include "batten/tests/io/cad/bop_faults.h"
 #include "batten/tests/io/cad/step_models.h"
-#include "batten/tests/reference.h"
+#include "batten/tests/support/catch.h"
+#include "batten/tests/support/test_data.h"
 
 using namespace batten;
 using namespace batten_test;
 
 namespace {
 
-int faults(const MadeModel& made, const std::string& name, double tolerance) {
+int faults(const BuiltModel& made, const std::string& name, double tolerance) {
   StepFaceOptions options;
   options.tolerance = tolerance;
   const auto path = scratch("edge_parameter") / (name + ".step");
@@ -77,7 +77,7 @@ TEST_CASE("the largest gap comes to one of the reader's places, and no curve cha
   const WavyEdge made = wavy_edge({0, 0.01, -0.02, 0.005, 0.03, -0.01, 0.002, 0});
   double first, last;
   const Handle(Geom_Curve) before = BRep_Tool::Curve(made.edge, first, last);
-  show_largest_gaps(made.edge, 1e-7);
+  reparametrize_for_gap_check(made.edge, 1e-7);
   double from, to;
   const Handle(Geom_Curve) after = BRep_Tool::Curve(made.edge, from, to);
   CHECK(from == first);
@@ -87,17 +87,17 @@ TEST_CASE("the largest gap comes to one of the reader's places, and no curve cha
 
   constexpr int n = 22'000;
   double highest = 0, seen = 0, moved = 0;
-  const Handle(Geom2d_Curve) image = BRep_Tool::CurveOnSurface(made.edge, made.face, from, to);
+  const Handle(Geom2d_Curve) pcurve = BRep_Tool::CurveOnSurface(made.edge, made.face, from, to);
   for (int i = 0; i <= n; ++i) {
     const double share = double(i) / n;
     highest = std::max(highest, std::abs(after->Value(first + share * (last - first)).Z()));
     if (i % 1000 == 0)
       seen = std::max(seen, std::abs(after->Value(first + share * (last - first)).Z()));
     const double t = first + share * (last - first),
-                 s = first + new_share(share, w) * (last - first);
+                 s = first + reparametrized_fraction(share, w) * (last - first);
     moved = std::max(moved, before->Value(t).Distance(after->Value(s)));
     const gp_Pnt p = before->Value(t);
-    moved = std::max(moved, image->Value(s).Distance({p.X(), p.Y()}));
+    moved = std::max(moved, pcurve->Value(s).Distance({p.X(), p.Y()}));
   }
   CHECK(moved < 1e-13 * 20);
   CHECK(seen > (1 - 1e-9) * highest);
@@ -106,16 +106,16 @@ TEST_CASE("the largest gap comes to one of the reader's places, and no curve cha
 
 TEST_CASE("edges on their faces keep their parameter", "[edge_parameter]") {
   const WavyEdge made = wavy_edge({0, 1e-9, 0, 0, 2e-9, 0, 0, 0});
-  show_largest_gaps(made.edge, 1e-7);
+  reparametrize_for_gap_check(made.edge, 1e-7);
   double first, last;
   CHECK(parameter_weight(*BRep_Tool::Curve(made.edge, first, last)) == 1);
 }
 
 TEST_CASE("files whose faces share edges pass OpenCASCADE's check before boolean operations",
           "[edge_parameter]") {
-  CHECK(faults(make_model(octants()), "ball", 1e-3) == 0);
-  const RegionOptions regions = region_words({{{"low"}, {"high"}}, {{"low"}}, {{"high"}}});
-  CHECK(faults(make_model({oval_line("low", 0, 0), oval_line("high", 15, 1.0)}, regions, 4), "oval",
-               0.01) == 0);
+  CHECK(faults(build_model(octants()), "ball", 1e-3) == 0);
+  const RegionSearchOptions regions = region_specs({{{"low"}, {"high"}}, {{"low"}}, {{"high"}}});
+  CHECK(faults(build_model({oval_line("low", 0, 0), oval_line("high", 15, 1.0)}, regions, 4),
+               "oval", 0.01) == 0);
   CHECK(faults(mouse(8, false), "mouse", 0.015) == 0);
 }

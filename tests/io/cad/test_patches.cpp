@@ -1,9 +1,9 @@
 // Sets of B-spline patches as CAD files.
 #include "batten/io/cad/continuity.h"
 #include "batten/io/lines/cad_lines.h"
-#include "batten/tests/catch.h"
-#include "batten/tests/reference.h"
-#include "batten/tests/refusal.h"
+#include "batten/tests/support/catch.h"
+#include "batten/tests/support/error_message.h"
+#include "batten/tests/support/test_data.h"
 
 #include <fstream>
 
@@ -51,17 +51,18 @@ TEST_CASE("patches that touch share their edge, and meet as their poles say", "[
 }
 
 TEST_CASE("patches that cannot be are refused by their number", "[exchange]") {
-  const auto told = [](const std::string& text) {
-    return refusal([&] { read_cad_lines(put(text), 1e-3); });
+  const auto error_of = [](const std::string& text) {
+    return error_message([&] { read_cad_lines(put(text), 1e-3); });
   };
   const std::string good = two_patches();
-  CHECK_THAT(told(good.substr(0, good.size() / 2)), Contains("XML"));
-  CHECK_THAT(told(""), Contains("set.xml"));
-  CHECK_THAT(told("<xml></xml>"), Contains("no Geometry"));
-  CHECK_THAT(told(replaced(good, "2 3 0", "2 3")), Contains("patch 1: found 11 coordinates"));
-  CHECK_THAT(told(replaced(good, "3 0 1", "3 nan 1")), Contains("patch 2: found 'nan'"));
-  CHECK_THAT(told(replaced(good, "0 0 1 1", "0 1 0 1")), Contains("knots that fall"));
-  CHECK_THAT(told(replaced(good, "0 0 1 1", "0 0.5 1 1")), Contains("clamp"));
-  CHECK_THAT(told(replaced(good, "degree=\"1\"", "degree=\"99\"")), Contains("degree"));
-  CHECK_THAT(told(replaced(good, "geoDim=\"3\"", "geoDim=\"2\"")), Contains("three coordinates"));
+  CHECK_THAT(error_of(good.substr(0, good.size() / 2)), Contains("XML"));
+  CHECK_THAT(error_of(""), Contains("set.xml"));
+  CHECK_THAT(error_of("<xml></xml>"), Contains("no Geometry"));
+  CHECK_THAT(error_of(replaced(good, "2 3 0", "2 3")), Contains("patch 1: found 11 coordinates"));
+  CHECK_THAT(error_of(replaced(good, "3 0 1", "3 nan 1")), Contains("patch 2: found 'nan'"));
+  CHECK_THAT(error_of(replaced(good, "0 0 1 1", "0 1 0 1")), Contains("knots that fall"));
+  CHECK_THAT(error_of(replaced(good, "0 0 1 1", "0 0.5 1 1")), Contains("clamp"));
+  CHECK_THAT(error_of(replaced(good, "degree=\"1\"", "degree=\"99\"")), Contains("degree"));
+  CHECK_THAT(error_of(replaced(good, "geoDim=\"3\"", "geoDim=\"2\"")),
+             Contains("three coordinates"));
 }

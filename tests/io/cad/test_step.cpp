@@ -11,9 +11,9 @@
 #include <sstream>
 
 #include "batten/core/errors.h"
-#include "batten/tests/catch.h"
-#include "batten/tests/reference.h"
-#include "batten/tests/sampling.h"
+#include "batten/tests/support/catch.h"
+#include "batten/tests/support/sampling.h"
+#include "batten/tests/support/test_data.h"
 
 using namespace batten_test;
 namespace fs = std::filesystem;
@@ -47,7 +47,7 @@ Surface sheet(int n, double scale, TriangleElement kind = TriangleElement::HCT, 
 }
 
 /// Regions that have nothing but a surface.
-std::vector<SkinnedRegion> bare(const std::vector<const Surface*>& surfaces) {
+std::vector<SkinnedRegion> without_boundary(const std::vector<const Surface*>& surfaces) {
   std::vector<SkinnedRegion> regions;
   for (const Surface* surface : surfaces) regions.push_back({"sheet", *surface, {}, 1, {}, {}});
   return regions;
@@ -59,7 +59,7 @@ std::vector<const SkinnedRegion*> pointers(const std::vector<SkinnedRegion>& reg
 }
 StepReport write(const fs::path& file, const std::vector<const Surface*>& surfaces, double unit,
                  const StepOptions& options = {}) {
-  return write_step(file, pointers(bare(surfaces)), unit, options);
+  return write_step(file, pointers(without_boundary(surfaces)), unit, options);
 }
 
 void expect_exact(const StepReport& r, const Surface& surface) {
@@ -226,7 +226,8 @@ TEST_CASE("What is measured on a STEP file is what is in it", "[step]") {
   write(file, {&surface}, 1);
 
   SECTION("another surface is seen as a deviation") {
-    const double deviation = *check_step(file, 1, pointers(bare({&moved}))).max_deviation;
+    const double deviation =
+        *check_step(file, 1, pointers(without_boundary({&moved}))).max_deviation;
     CHECK(deviation > 0.005);  // moved by 0.01, and the sheet is inclined
     CHECK(deviation <= 0.01 + 1e-12);
   }
@@ -295,8 +296,8 @@ TEST_CASE("Above 10,000 triangles the size of the STEP file is told beforehand",
     return Surface(mesh, TriangleElement::HCT, Points::Zero(DofMap(*mesh).count(), 3));
   };
   const Surface at_limit = plane(70), above = plane(71);  // 9,800 and 10,082 triangles
-  CHECK(step_size_warning(pointers(bare({&at_limit}))).empty());
-  CHECK_THAT(step_size_warning(pointers(bare({&above}))),
+  CHECK(step_size_warning(pointers(without_boundary({&at_limit}))).empty());
+  CHECK_THAT(step_size_warning(pointers(without_boundary({&above}))),
              Catch::Contains("30246 faces and about 144 MB"));
   // The prediction holds on a file that is there.
   const Surface surface = sheet(6, 1);

@@ -10,10 +10,10 @@
 
 #include "batten/io/cad/step_check.h"
 #include "batten/io/cad/step_face.h"
-#include "batten/tests/catch.h"
 #include "batten/tests/io/cad/bop_faults.h"
 #include "batten/tests/io/cad/step_models.h"
-#include "batten/tests/reference.h"
+#include "batten/tests/support/catch.h"
+#include "batten/tests/support/test_data.h"
 
 using namespace batten;
 using namespace batten_test;
@@ -71,7 +71,8 @@ SkinnedRegion mapped(const SkinnedRegion& region, const Map& map, bool lines = t
   SkinnedRegion moved = region;
   moved.surface = mapped(region.surface, map);
   if (!lines) return moved;
-  for (LineRun& run : moved.runs) run.fitted = mapped(run.fitted, map);
+  for (EdgeAlignedLine& aligned_line : moved.edge_aligned)
+    aligned_line.fitted = mapped(aligned_line.fitted, map);
   for (EmbeddedLine& line : moved.embedded) line.fitted = mapped(line.fitted, map);
   return moved;
 }
@@ -128,9 +129,9 @@ constexpr double kRadius = 20, kHeight = 40;
 
 /// The tube between two circles, and its lids: regions 0, 1 (at z = kHeight) and 2 (the tube).
 std::vector<SkinnedRegion> can(double from = 0, double edge_length = 5) {
-  const MadeModel made =
-      make_model({circle_line("low", kRadius, 0), circle_line("high", kRadius, kHeight, from)},
-                 region_words({{{"low"}}, {{"high"}}, {{"low"}, {"high"}}}), edge_length);
+  const BuiltModel made =
+      build_model({circle_line("low", kRadius, 0), circle_line("high", kRadius, kHeight, from)},
+                  region_specs({{{"low"}}, {{"high"}}, {{"low"}, {"high"}}}), edge_length);
   std::vector<SkinnedRegion> regions;
   for (const SkinnedRegion* region : made.model.skinned()) regions.push_back(*region);
   REQUIRE(regions.size() == 3);
@@ -167,14 +168,14 @@ TEST_CASE("a tube alone keeps its two rims", "[step_analytic]") {
 }
 
 TEST_CASE("walls that face inwards are cylinders too", "[step_analytic]") {
-  const MadeModel made =
-      make_model({circle_line("low", 20, 0), circle_line("high", 20, 30, 2),
-                  circle_line("hole low", 8, 0), circle_line("hole high", 8, 30, 1)},
-                 region_words({{{"low"}, {"high"}},
-                               {{"hole low"}, {"hole high"}},
-                               {{"low"}, {"hole low"}},
-                               {{"high"}, {"hole high"}}}),
-                 3);
+  const BuiltModel made =
+      build_model({circle_line("low", 20, 0), circle_line("high", 20, 30, 2),
+                   circle_line("hole low", 8, 0), circle_line("hole high", 8, 30, 1)},
+                  region_specs({{{"low"}, {"high"}},
+                                {{"hole low"}, {"hole high"}},
+                                {{"low"}, {"hole low"}},
+                                {{"high"}, {"hole high"}}}),
+                  3);
   std::vector<SkinnedRegion> regions;
   for (const SkinnedRegion* region : made.model.skinned()) regions.push_back(*region);
   REQUIRE(regions.size() == 4);
@@ -211,7 +212,7 @@ TEST_CASE("a quarter of a vessel is a cylinder and a sphere without a pole", "[s
   };
   const Vec3 x = 10 * Vec3::UnitX(), y = 10 * Vec3::UnitY(), z = 10 * Vec3::UnitZ();
   const auto foot = quarter("foot", x, y);
-  const MadeModel made = make_model(
+  const BuiltModel made = build_model(
       {CharacterLine{"foot", curve_from_formula(0, pi / 2,
                                                 [](double t, int order) {
                                                   const Vec3 c(std::cos(t), std::sin(t), 0),
@@ -281,7 +282,7 @@ TEST_CASE("a bent can is a torus and a tapered one a cone", "[step_analytic]") {
 }
 
 TEST_CASE("a ball of eight octants is eight faces of one sphere", "[step_analytic]") {
-  const MadeModel made = make_model(octants(), {}, 0.2);
+  const BuiltModel made = build_model(octants(), {}, 0.2);
   std::vector<SkinnedRegion> regions;
   for (const SkinnedRegion* region : made.model.skinned())
     regions.push_back(mapped(

@@ -9,10 +9,10 @@
 
 #include "batten/core/errors.h"
 #include "batten/io/cad/step.h"
-#include "batten/tests/catch.h"
 #include "batten/tests/io/cad/step_models.h"
-#include "batten/tests/reference.h"
-#include "batten/tests/refusal.h"
+#include "batten/tests/support/catch.h"
+#include "batten/tests/support/error_message.h"
+#include "batten/tests/support/test_data.h"
 
 using namespace batten_test;
 namespace fs = std::filesystem;
@@ -32,8 +32,9 @@ int edges_along(const std::vector<const SkinnedRegion*>& regions, const std::str
           embedded.line.name == line &&
           (curve.position(0) - curve.evaluate(curve.end())).norm() == 0)
         most = std::max<size_t>(most, 2);
-    for (const LineRun& run : region->runs)
-      if (!is_cut(region) && run.line.name == line) most = std::max(most, run.edges.size());
+    for (const EdgeAlignedLine& aligned_line : region->edge_aligned)
+      if (!is_cut(region) && aligned_line.line.name == line)
+        most = std::max(most, aligned_line.edges.size());
   }
   return static_cast<int>(most);
 }
@@ -47,10 +48,11 @@ Count expected(const std::vector<const SkinnedRegion*>& regions) {
   std::set<std::string> lines;
   for (const SkinnedRegion* region : regions) {
     for (const auto& loop : region->boundary)
-      for (const BoundaryPiece& piece : loop) {
+      for (const BoundarySegment& piece : loop) {
         const auto i = static_cast<size_t>(piece.index);
-        lines.insert(piece.kind == BoundaryPiece::Kind::Run ? region->runs[i].line.name
-                                                            : region->embedded[i].line.name);
+        lines.insert(piece.kind == BoundarySegment::Kind::EdgeAligned
+                         ? region->edge_aligned[i].line.name
+                         : region->embedded[i].line.name);
       }
     if (is_cut(region)) {
       ++count.fitted;
@@ -59,7 +61,8 @@ Count expected(const std::vector<const SkinnedRegion*>& regions) {
     const ParametricMesh& mesh = region->surface.mesh();
     count.faces += 3 * mesh.triangle_count();
     count.edges += 3 * mesh.triangle_count() + mesh.edge_count();
-    for (const LineRun& run : region->runs) count.edges -= static_cast<int>(run.edges.size());
+    for (const EdgeAlignedLine& aligned_line : region->edge_aligned)
+      count.edges -= static_cast<int>(aligned_line.edges.size());
   }
   for (const std::string& line : lines) count.edges += edges_along(regions, line);
   count.faces += count.fitted;
@@ -68,7 +71,7 @@ Count expected(const std::vector<const SkinnedRegion*>& regions) {
 
 /// `within`: of the volume, relative; `apart`: of the curves that two regions have of one line,
 /// over the size.
-void expect_cut_solid(const StepReport& r, const MadeModel& made, double within,
+void expect_cut_solid(const StepReport& r, const BuiltModel& made, double within,
                       double apart = 1e-9) {
   REQUIRE(made.model.shells.size() == 1);
   const auto regions = made.model.skinned();
@@ -127,13 +130,13 @@ std::vector<CharacterLine> house(double height) {
   return lines;
 }
 
-RegionOptions surfaces(const std::vector<std::vector<std::string>>& loops) {
-  RegionOptions options;
+RegionSearchOptions surfaces(const std::vector<std::vector<std::string>>& loops) {
+  RegionSearchOptions options;
   for (const auto& loop : loops) {
-    RegionWord word;
-    word.name = "cut " + std::to_string(options.words.size() + 1);
+    RegionSpec word;
+    word.name = "cut " + std::to_string(options.specs.size() + 1);
     word.loops = {loop};
-    options.words.push_back(word);
+    options.specs.push_back(word);
   }
   return options;
 }
@@ -142,7 +145,7 @@ RegionOptions surfaces(const std::vector<std::vector<std::string>>& loops) {
 
 TEST_CASE("the whole mouse is one solid on its flat side too, which Gmsh opens",
           "[step_cut][mouse]") {
-  const MadeModel made = mouse(12, false);
+  const BuiltModel made = mouse(12, false);
   const fs::path file = cut_file("mouse");
   const StepReport r = write_step(file, made.model.skinned(), kMm, {.file = {.name = "mouse"}});
   expect_cut_solid(r, made, 1e-6);
@@ -160,7 +163,7 @@ TEST_CASE("the whole mouse is one solid on its flat side too, which Gmsh opens",
 }
 
 TEST_CASE("a curved side that is cut keeps its tolerance, whatever that is", "[step_cut]") {
-  const MadeModel made = make_model(house(3), surfaces({{"base"}}), 7);
+  const BuiltModel made = build_model(house(3), surfaces({{"base"}}), 7);
   const auto regions = made.model.skinned();
   REQUIRE(regions.size() == 9);
   REQUIRE(std::count_if(regions.begin(), regions.end(), is_cut) == 1);
@@ -175,11 +178,11 @@ TEST_CASE("a curved side that is cut keeps its tolerance, whatever that is", "[s
 TEST_CASE("two cut sides have the closed line between them in common as two edges", "[step_cut]") {
   std::vector<CharacterLine> lines = house(2);
   lines.push_back(wave("drain", 8, 1, 0.5, 2));
-  RegionOptions words = surfaces({{"base"}, {"drain"}});
-  words.words[0].loops.push_back({"drain"});
-  const MadeModel made = make_model(lines, words, 5);
+  RegionSearchOptions specs = surfaces({{"base"}, {"drain"}});
+  specs.specs[0].loops.push_back({"drain"});
+  const BuiltModel made = build_model(lines, specs, 5);
   for (const ModelRegion& region : made.model.regions) {
-    INFO(region.plan.name << ": " << region.why_not);
+    INFO(region.plan.name << ": " << region.rejection_reason);
     REQUIRE(region.skinned);
   }
   const auto regions = made.model.skinned();
@@ -190,8 +193,9 @@ TEST_CASE("two cut sides have the closed line between them in common as two edge
 }
 
 TEST_CASE("a ring ends in discs that are cut along closed lines", "[step_cut]") {
-  const MadeModel made = make_model({circle_line("low", 10, 0), circle_line("high", 10, 15, 1)},
-                                    region_words({{{"low"}, {"high"}}, {{"low"}}, {{"high"}}}), 3);
+  const BuiltModel made =
+      build_model({circle_line("low", 10, 0), circle_line("high", 10, 15, 1)},
+                  region_specs({{{"low"}, {"high"}}, {{"low"}}, {{"high"}}}), 3);
   const auto regions = made.model.skinned();
   REQUIRE(regions.size() == 3);
   REQUIRE(std::count_if(regions.begin(), regions.end(), is_cut) == 2);
@@ -204,17 +208,17 @@ TEST_CASE("a box with a hole through it is exact but for the two sides with the 
   std::vector<CharacterLine> lines = box({40, 30, 20}, "", {-20, -15, 0});
   lines.push_back(circle_line("low", 8, 0));
   lines.push_back(circle_line("high", 8, 20, 1));
-  RegionOptions words = region_words({{{"low"}, {"high"}}});
+  RegionSearchOptions specs = region_specs({{{"low"}, {"high"}}});
   for (const auto& [outline, hole] : std::vector<std::pair<std::vector<std::string>, std::string>>{
            {{"x0", "x1", "y0", "y2"}, "low"}, {{"x2", "x3", "y1", "y3"}, "high"}}) {
-    RegionWord word;
+    RegionSpec word;
     word.name = "side " + hole;
     word.loops = {outline, {hole}};
-    words.words.push_back(word);
+    specs.specs.push_back(word);
   }
-  const MadeModel made = make_model(lines, words, 4);
+  const BuiltModel made = build_model(lines, specs, 4);
   for (const ModelRegion& region : made.model.regions) {
-    INFO(region.plan.name << ": " << region.why_not);
+    INFO(region.plan.name << ": " << region.rejection_reason);
     REQUIRE(region.skinned);
   }
   const auto regions = made.model.skinned();
@@ -226,22 +230,22 @@ TEST_CASE("a box with a hole through it is exact but for the two sides with the 
 
 TEST_CASE("cut regions that cannot share edges with exact ones are refused", "[step_cut]") {
   const fs::path file = cut_file("refused");
-  const auto told = [&](const std::vector<const SkinnedRegion*>& regions,
-                        const StepOptions& options = {}) {
-    return refusal([&] { write_step(file, regions, kMm, options); });
+  const auto error_of = [&](const std::vector<const SkinnedRegion*>& regions,
+                            const StepOptions& options = {}) {
+    return error_message([&] { write_step(file, regions, kMm, options); });
   };
-  const MadeModel made = make_model(house(3), surfaces({{"base"}}), 8);
+  const BuiltModel made = build_model(house(3), surfaces({{"base"}}), 8);
   auto regions = made.model.skinned();
   const auto cut = std::find_if(regions.begin(), regions.end(), is_cut);
   REQUIRE(cut != regions.end());
-  CHECK_THAT(told({*cut}),
+  CHECK_THAT(error_of({*cut}),
              Catch::Contains("'" + (*cut)->name + "'") && Catch::Contains("step_form = \"face\""));
-  CHECK_THAT(told(regions, {.tolerance = -1}), Catch::Contains("tolerance"));
+  CHECK_THAT(error_of(regions, {.tolerance = -1}), Catch::Contains("tolerance"));
 
   SkinnedRegion nameless = **cut;
   nameless.embedded[0].line.name.clear();
   const SkinnedRegion* whole = std::exchange(*cut, &nameless);
-  CHECK_THAT(told(regions), Catch::Contains("without a name"));
+  CHECK_THAT(error_of(regions), Catch::Contains("without a name"));
   *cut = whole;
   CHECK(!fs::exists(file));
 }

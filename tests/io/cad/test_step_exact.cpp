@@ -7,11 +7,11 @@
 
 #include "batten/core/errors.h"
 #include "batten/io/cad/step.h"
-#include "batten/tests/catch.h"
 #include "batten/tests/io/cad/step_models.h"
-#include "batten/tests/reference.h"
-#include "batten/tests/refusal.h"
-#include "batten/tests/sampling.h"
+#include "batten/tests/support/catch.h"
+#include "batten/tests/support/error_message.h"
+#include "batten/tests/support/sampling.h"
+#include "batten/tests/support/test_data.h"
 
 using namespace batten_test;
 namespace fs = std::filesystem;
@@ -57,7 +57,7 @@ void expect_exact(const StepReport& r, const std::vector<const SkinnedRegion*>& 
   for (const SkinnedRegion* region : regions) area += region->surface.area();
   CHECK(r.area == Approx(area).epsilon(1e-6));
 }
-void expect_solid(const StepReport& r, const MadeModel& made, int euler, double apart = 1e-13) {
+void expect_solid(const StepReport& r, const BuiltModel& made, int euler, double apart = 1e-13) {
   REQUIRE(made.model.shells.size() == 1);
   expect_exact(r, made.model.skinned(), apart);
   CHECK(r.solids == 1);
@@ -77,8 +77,8 @@ SkinnedRegion patch(const std::function<SurfaceJet(const Vec2&)>& formula, int n
   SkinnedRegion region{"patch", interpolated(mesh, TriangleElement::HCT, formula), {}, 1, {}, {}};
   region.boundary.resize(1);
   for (int s = 0; s < 4; ++s) {
-    LineRun run;
-    run.line.name = names[static_cast<size_t>(s)];
+    EdgeAlignedLine aligned_line;
+    aligned_line.line.name = names[static_cast<size_t>(s)];
     Points x(n + 1, 3), d(n + 1, 3);
     for (int i = 0; i <= n; ++i) {
       const double t = double(i) / n;
@@ -86,14 +86,16 @@ SkinnedRegion patch(const std::function<SurfaceJet(const Vec2&)>& formula, int n
       const SurfaceJet jet = formula(uv);
       x.row(i) = jet.x;
       d.row(i) = s % 2 ? jet.x_v : jet.x_u;
-      run.parameters.push_back(t);
+      aligned_line.parameters.push_back(t);
       for (int v = 0; v < mesh->vertex_count(); ++v)
-        if ((mesh->vertices()[v] - uv).norm() < 1e-9) run.vertices.push_back(v);
-      if (i > 0) run.edges.push_back(mesh->edge_between(run.vertices[i - 1], run.vertices[i]));
+        if ((mesh->vertices()[v] - uv).norm() < 1e-9) aligned_line.vertices.push_back(v);
+      if (i > 0)
+        aligned_line.edges.push_back(
+            mesh->edge_between(aligned_line.vertices[i - 1], aligned_line.vertices[i]));
     }
-    run.fitted = HermiteCurve(run.parameters, x, d);
-    region.runs.push_back(run);
-    region.boundary[0].push_back({BoundaryPiece::Kind::Run, s, s >= 2});
+    aligned_line.fitted = HermiteCurve(aligned_line.parameters, x, d);
+    region.edge_aligned.push_back(aligned_line);
+    region.boundary[0].push_back({BoundarySegment::Kind::EdgeAligned, s, s >= 2});
   }
   return region;
 }
@@ -116,7 +118,7 @@ SurfaceJet strip(const Vec2& p, int half_turns) {
 }  // namespace
 
 TEST_CASE("a box is one exact solid, and its creases are no jumps of normals", "[step_exact]") {
-  const MadeModel made = make_model(box({40, 30, 20}), {}, 12);
+  const BuiltModel made = build_model(box({40, 30, 20}), {}, 12);
   const StepReport r =
       write_step(exact_file("box"), made.model.skinned(), kMm, {.file = {.name = "box"}});
   expect_solid(r, made, 2);
@@ -126,12 +128,12 @@ TEST_CASE("a box is one exact solid, and its creases are no jumps of normals", "
 }
 
 TEST_CASE("rings hang together along closed lines that begin at different angles", "[step_exact]") {
-  const MadeModel made =
-      make_model({circle_line("a", 10, 0), circle_line("b", 10, 15, 1), circle_line("c", 6, 0, 2),
-                  circle_line("d", 6, 15, 3)},
-                 region_words({{{"a"}, {"b"}}, {{"a"}, {"c"}}, {{"b"}, {"d"}}, {{"c"}, {"d"}}}), 6);
+  const BuiltModel made = build_model(
+      {circle_line("a", 10, 0), circle_line("b", 10, 15, 1), circle_line("c", 6, 0, 2),
+       circle_line("d", 6, 15, 3)},
+      region_specs({{{"a"}, {"b"}}, {{"a"}, {"c"}}, {{"b"}, {"d"}}, {{"c"}, {"d"}}}), 6);
   for (const ModelRegion& region : made.model.regions) {
-    INFO(region.plan.name << ": " << region.why_not);
+    INFO(region.plan.name << ": " << region.rejection_reason);
     REQUIRE(region.skinned);
   }
   // Rings fit their rims themselves.
@@ -143,7 +145,7 @@ TEST_CASE("two regions of a plate with a smooth line between them are one open s
   const auto arch = [](const std::string& name, double y) -> CharacterLine {
     return {name, curve_through_points(name, {{0, y, 0}, {10, y, 2}, {20, y, 3}})};
   };
-  const MadeModel made = make_model(
+  const BuiltModel made = build_model(
       {arch("left", 0), arch("middle", 10), arch("right", 20),
        straight("start 1", {0, 0, 0}, {0, 10, 0}), straight("start 2", {0, 20, 0}, {0, 10, 0}),
        straight("end 1", {20, 0, 3}, {20, 10, 3}), straight("end 2", {20, 10, 3}, {20, 20, 3})});
@@ -156,8 +158,8 @@ TEST_CASE("two regions of a plate with a smooth line between them are one open s
   CHECK(r.volume == 0);
   int rim = 0;
   for (const SkinnedRegion* region : regions)
-    for (const LineRun& run : region->runs)
-      if (run.line.name != "middle") rim += static_cast<int>(run.edges.size());
+    for (const EdgeAlignedLine& aligned_line : region->edge_aligned)
+      if (aligned_line.line.name != "middle") rim += static_cast<int>(aligned_line.edges.size());
   CHECK(r.free_edges == rim);
   CHECK(euler_number(r.file) == 1);
   CHECK(check_step(r.file, kMm).max_normal_jump_deg < 0.1);
@@ -181,9 +183,9 @@ TEST_CASE("a region meets itself along a line, with an outside or without", "[st
 }
 
 TEST_CASE("where three regions meet each is a shell of its own", "[step_exact]") {
-  RegionOptions regions;
-  regions.most_at_line = 3;
-  const MadeModel made = make_model(two_boxes(), regions, 5);
+  RegionSearchOptions regions;
+  regions.max_faces_per_edge = 3;
+  const BuiltModel made = build_model(two_boxes(), regions, 5);
   REQUIRE(made.model.regions.size() == 11);
   const StepReport r = write_step(exact_file("two_boxes"), made.model.skinned(), kMm);
   CHECK(r.valid);
@@ -196,7 +198,7 @@ TEST_CASE("where three regions meet each is a shell of its own", "[step_exact]")
 }
 
 TEST_CASE("the mouse is one exact solid, which Gmsh opens", "[step_exact][mouse]") {
-  const MadeModel made = mouse(12, true);
+  const BuiltModel made = mouse(12, true);
   REQUIRE(made.model.skinned().size() == 14);
   const fs::path file = exact_file("mouse");
   expect_solid(write_step(file, made.model.skinned(), kMm, {.file = {.name = "mouse"}}), made, 2);
@@ -211,8 +213,8 @@ TEST_CASE("the mouse is one exact solid, which Gmsh opens", "[step_exact][mouse]
 
 TEST_CASE("where two meshes meet on a line, vertices of each cut the edges of the other",
           "[step_exact]") {
-  const MadeModel made = make_model(box({40, 30, 20}), {}, 9);
-  const MadeModel finer = make_model(box({40, 30, 20}), {}, 4);
+  const BuiltModel made = build_model(box({40, 30, 20}), {}, 9);
+  const BuiltModel finer = build_model(box({40, 30, 20}), {}, 4);
   auto regions = made.model.skinned();
   regions[2] = finer.model.skinned()[2];
   const StepReport r = write_step(exact_file("two_meshes"), regions, kMm);
@@ -225,20 +227,20 @@ TEST_CASE("where two meshes meet on a line, vertices of each cut the edges of th
 
 TEST_CASE("regions that have no exact form are refused by name", "[step_exact]") {
   const fs::path file = exact_file("refused");
-  const auto told = [&](const std::vector<const SkinnedRegion*>& regions) {
-    return refusal([&] { write_step(file, regions, kMm); });
+  const auto error_of = [&](const std::vector<const SkinnedRegion*>& regions) {
+    return error_message([&] { write_step(file, regions, kMm); });
   };
-  const MadeModel a_box = make_model(box({4, 3, 2}));
+  const BuiltModel a_box = build_model(box({4, 3, 2}));
   auto regions = a_box.model.skinned();
   SkinnedRegion embeds = *regions[2];
   EmbeddedLine line;
-  line.line.name = regions[0]->runs[0].line.name;
-  line.fitted = regions[0]->runs[0].fitted;
+  line.line.name = regions[0]->edge_aligned[0].line.name;
+  line.fitted = regions[0]->edge_aligned[0].fitted;
   embeds.embedded.push_back(line);
   regions[2] = &embeds;
-  CHECK_THAT(told(regions), Catch::Contains("'" + line.line.name + "'") &&
-                                Catch::Contains("'" + embeds.name + "'") &&
-                                Catch::Contains("step_form = \"face\""));
+  CHECK_THAT(error_of(regions), Catch::Contains("'" + line.line.name + "'") &&
+                                    Catch::Contains("'" + embeds.name + "'") &&
+                                    Catch::Contains("step_form = \"face\""));
 
   CHECK(!fs::exists(file));
 }

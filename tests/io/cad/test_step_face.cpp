@@ -23,12 +23,12 @@
 #include "batten/fem/bicubic_patch.h"
 #include "batten/fem/spline_axis.h"
 #include "batten/io/cad/occ_settings.h"
-#include "batten/tests/catch.h"
-#include "batten/tests/embedded_grid.h"
-#include "batten/tests/reference.h"
-#include "batten/tests/refusal.h"
-#include "batten/tests/sampling.h"
-#include "batten/tests/threads.h"
+#include "batten/tests/support/catch.h"
+#include "batten/tests/support/embedded_grid.h"
+#include "batten/tests/support/error_message.h"
+#include "batten/tests/support/sampling.h"
+#include "batten/tests/support/test_data.h"
+#include "batten/tests/support/thread_guard.h"
 
 using namespace batten_test;
 namespace fs = std::filesystem;
@@ -73,21 +73,21 @@ Formula placed(const Formula& f, double scale, const Vec3& at = Vec3::Zero()) {
 }
 
 /// X(t) = x(c(t)) with the nodes of c.
-HermiteCurve lifted(const HermiteCurve& image, const Formula& f) {
-  Points dofs(image.dofs().rows(), 3);
-  for (int i = 0; i < image.node_count(); ++i) {
-    const SurfaceJet j = f(image.position(i).head<2>());
-    const Vec3 d = image.slope_out(i);
-    dofs.row(image.mesh().position_dof(i)) = j.x;
-    dofs.row(image.mesh().slope_out(i)) = d.x() * j.x_u + d.y() * j.x_v;
+HermiteCurve lifted(const HermiteCurve& pcurve, const Formula& f) {
+  Points dofs(pcurve.dofs().rows(), 3);
+  for (int i = 0; i < pcurve.node_count(); ++i) {
+    const SurfaceJet j = f(pcurve.position(i).head<2>());
+    const Vec3 d = pcurve.slope_out(i);
+    dofs.row(pcurve.mesh().position_dof(i)) = j.x;
+    dofs.row(pcurve.mesh().slope_out(i)) = d.x() * j.x_u + d.y() * j.x_v;
   }
-  return {image.mesh(), dofs};
+  return {pcurve.mesh(), dofs};
 }
 
 double size_of(const SkinnedRegion& region) {
   Eigen::AlignedBox3d box;
   for (const auto& loop : region.boundary)
-    for (const BoundaryPiece& piece : loop) {
+    for (const BoundarySegment& piece : loop) {
       const HermiteCurve curve = boundary_curve(region, piece);
       for (int i = 0; i < curve.node_count(); ++i) box.extend(curve.position(i));
     }
@@ -107,26 +107,26 @@ SkinnedRegion disc(const Formula& f, int n, int segments = 48,
   SkinnedRegion region{"disc", Surface(grid.mesh, kind, full.dofs(), grid.trim), {}, 1, {}, {}};
   region.embedded.push_back({{}, lifted(outline, f), outline, {}});
   region.embedded.push_back({{}, lifted(hole, f), hole, {}});
-  region.boundary = {{{BoundaryPiece::Kind::Embedded, 0, false}},
-                     {{BoundaryPiece::Kind::Embedded, 1, false}}};
+  region.boundary = {{{BoundarySegment::Kind::Embedded, 0, false}},
+                     {{BoundarySegment::Kind::Embedded, 1, false}}};
   region.size = size_of(region);
   return region;
 }
 
 /// The curve of the surface along a chain of mesh edges.
-LineRun run_along(const Surface& surface, const std::vector<int>& vertices) {
+EdgeAlignedLine edge_aligned_line(const Surface& surface, const std::vector<int>& vertices) {
   const ParametricMesh& mesh = surface.mesh();
-  LineRun run;
-  run.vertices = vertices;
+  EdgeAlignedLine aligned_line;
+  aligned_line.vertices = vertices;
   const int n = static_cast<int>(vertices.size());
   Points x(n, 3), d(n, 3);
   Vec2 along = Vec2::Zero();
   for (int i = 0; i + 1 < n; ++i) {
     const int e = mesh.edge_between(vertices[i], vertices[i + 1]);
-    run.edges.push_back(e);
+    aligned_line.edges.push_back(e);
     const Vec2 step = (mesh.edges()[e].low == vertices[i] ? 1 : -1) * mesh.edge_tangent(e);
-    if (i == 0) run.parameters.push_back(0);
-    run.parameters.push_back(run.parameters.back() + mesh.edge_length(e));
+    if (i == 0) aligned_line.parameters.push_back(0);
+    aligned_line.parameters.push_back(aligned_line.parameters.back() + mesh.edge_length(e));
     along = step;
   }
   for (int i = 0; i < n; ++i) {
@@ -136,8 +136,8 @@ LineRun run_along(const Surface& surface, const std::vector<int>& vertices) {
     x.row(i) = row(0);
     d.row(i) = along.x() * row(1) + along.y() * row(2);
   }
-  run.fitted = HermiteCurve(run.parameters, x, d);
-  return run;
+  aligned_line.fitted = HermiteCurve(aligned_line.parameters, x, d);
+  return aligned_line;
 }
 
 /// The unit square with its four sides as runs, of which one goes against the loop.
@@ -153,8 +153,8 @@ SkinnedRegion square(const Formula& f, int n) {
   }
   region.boundary.resize(1);
   for (int s = 0; s < 4; ++s) {
-    region.runs.push_back(run_along(region.surface, side[s]));
-    region.boundary[0].push_back({BoundaryPiece::Kind::Run, s, s == 2});
+    region.edge_aligned.push_back(edge_aligned_line(region.surface, side[s]));
+    region.boundary[0].push_back({BoundarySegment::Kind::EdgeAligned, s, s == 2});
   }
   region.size = size_of(region);
   return region;
@@ -190,7 +190,7 @@ TopoDS_Face face_of(const fs::path& file, const char* unit = "MM") {
 }
 
 /// What is wrong with a face in the eyes of OpenCASCADE's analysers and repairers.
-std::string complaints(const TopoDS_Face& face, double tolerance) {
+std::string validity_errors(const TopoDS_Face& face, double tolerance) {
   std::string text;
   if (!BRepCheck_Analyzer(face).IsValid()) text += "not valid; ";
   for (TopExp_Explorer it(face, TopAbs_WIRE); it.More(); it.Next()) {
@@ -276,7 +276,7 @@ void expect_face(const SkinnedRegion& region, const StepReport& r, const char* u
   CHECK(r.bytes == fs::file_size(r.file));
 
   const TopoDS_Face face = face_of(r.file, unit);
-  CHECK(complaints(face, coincidence) == "");
+  CHECK(validity_errors(face, coincidence) == "");
   CHECK(wires_of(face) == static_cast<int>(region.boundary.size()));
 
   // By other means than the report's: points, sides, normals, area.
@@ -336,7 +336,7 @@ TEST_CASE("A fitted patch of few poles is a bicubic surface exactly", "[step-fac
     return Vec3(p.x() + p.y() * p.y() * p.y(), p.y() - p.x() * p.x(),
                 p.x() * p.x() * p.x() * p.y());
   };
-  const auto rim = [](const PatchStep& longest) {
+  const auto rim = [](const BoundaryStep& longest) {
     std::vector<Vec2> points;
     for (double t = 0; t < 2 * pi; t += longest(points.back()).minCoeff())
       points.push_back(0.9 * Vec2(std::cos(t), std::sin(t)));
@@ -514,7 +514,7 @@ TEST_CASE("Where a surface leaves its line, the edge stays on the face", "[step-
   CHECK(r.line_gap == Approx(3e-4).epsilon(0.02));
   CHECK(r.max_gap <= 1e-7);
   CHECK(r.edge_deviation <= 1e-5);
-  CHECK(complaints(face_of(r.file), 1e-7) == "");
+  CHECK(validity_errors(face_of(r.file), 1e-7) == "");
   CHECK(off_face(face_of(r.file)) <= 1e-7);
 }
 
@@ -522,7 +522,7 @@ TEST_CASE("A tolerance that cannot be reached is reported and the file is there"
   const SkinnedRegion region = disc(wavy, 12);
   const fs::path file = scratch("step_face") / "disc.step";
   const StepReport r = write_step_faces(
-      file, {&region}, 1, {.tolerance = 1e-7, .most_poles = 24, .most_poles_in_all = 400});
+      file, {&region}, 1, {.tolerance = 1e-7, .max_poles = 24, .max_poles_total = 400});
   CHECK(!r.reached);
   CHECK(*r.max_deviation > 1e-7);
   CHECK(*r.max_deviation < 1e-3);
@@ -533,7 +533,7 @@ TEST_CASE("A tolerance that cannot be reached is reported and the file is there"
   // Few triangles ask for few poles, whatever the tolerance.
   const SkinnedRegion coarse = disc(wavy, 4);
   const StepReport few = write_step_faces(file.parent_path() / "few.step", {&coarse}, 1,
-                                          {.tolerance = 1e-9, .most_poles_a_triangle = 1});
+                                          {.tolerance = 1e-9, .max_poles_per_triangle = 1});
   CHECK(!few.reached);
   CHECK(few.patches[0].poles_u * few.patches[0].poles_v <= 6'000);
   const Handle(Geom_Surface) surface = BRep_Tool::Surface(face_of(file, "M"));
@@ -573,7 +573,7 @@ TEST_CASE("Corners of a closed boundary line are vertices of the face", "[step-f
       {},
       1,
       {{{}, space, outline, {}}},
-      {{{BoundaryPiece::Kind::Embedded, 0, false}}}};
+      {{{BoundarySegment::Kind::Embedded, 0, false}}}};
   const StepReport r =
       write_step_faces(scratch("step_face") / "lens.step", {&region}, 1, {.tolerance = 1e-4});
   CHECK(r.reached);
@@ -581,7 +581,7 @@ TEST_CASE("Corners of a closed boundary line are vertices of the face", "[step-f
   CHECK(r.edges == 2);
   CHECK(r.edge_deviation <= 1e-4);
   CHECK(off_face(face_of(r.file, "M")) <= 1e-10);
-  CHECK(complaints(face_of(r.file, "M"), 1e-4) == "");
+  CHECK(validity_errors(face_of(r.file, "M"), 1e-4) == "");
 }
 
 TEST_CASE("A ring is one face that closes in u, with a seam, holes beside it", "[step-face]") {
@@ -627,11 +627,11 @@ TEST_CASE("A ring is one face that closes in u, with a seam, holes beside it", "
   for (const bool with_hole : {false, true}) {
     CAPTURE(with_hole);
     SkinnedRegion region{"tube", surface, {}, 1, {}, {}};
-    for (const HermiteCurve& image : {low, high, hole}) {
-      if (image.closed() && !with_hole) continue;
+    for (const HermiteCurve& pcurve : {low, high, hole}) {
+      if (pcurve.closed() && !with_hole) continue;
       region.boundary.push_back(
-          {{BoundaryPiece::Kind::Embedded, static_cast<int>(region.embedded.size()), false}});
-      region.embedded.push_back({{}, lifted(image, tube), image, {}});
+          {{BoundarySegment::Kind::Embedded, static_cast<int>(region.embedded.size()), false}});
+      region.embedded.push_back({{}, lifted(pcurve, tube), pcurve, {}});
     }
     const StepReport r =
         write_step_faces(scratch("step_face") / "tube.step", {&region}, 1e-3, {.tolerance = 1e-4});
@@ -642,7 +642,7 @@ TEST_CASE("A ring is one face that closes in u, with a seam, holes beside it", "
     CHECK(off_face(face_of(r.file)) <= 1e-7);
     CHECK(r.free_edges == r.edges - 1);
     const TopoDS_Face face = face_of(r.file);
-    CHECK(complaints(face, 2e-4) == "");
+    CHECK(validity_errors(face, 2e-4) == "");
     // Where a rim does not begin at the seam it is cut there.
     CHECK(r.edges == 4 + 2 * with_hole);
     double area = 0;
@@ -656,11 +656,11 @@ TEST_CASE("A ring is one face that closes in u, with a seam, holes beside it", "
         area += tube({u, v}).area_vector().norm() * period / 2000 * (v1 - v0) / 200;
       }
     CHECK(r.area == Approx(area).epsilon(1e-3));
-    std::swap(region.embedded[1].image, region.embedded[0].image);
+    std::swap(region.embedded[1].pcurve, region.embedded[0].pcurve);
     std::swap(region.embedded[1].fitted, region.embedded[0].fitted);
     CHECK(write_step_faces(r.file, {&region}, 1e-3, {.tolerance = 1e-4}).reached);  // either first
     region.boundary[1][0].reversed = true;
-    CHECK(refusal([&] {
+    CHECK(error_message([&] {
             write_step_faces(r.file, {&region}, 1e-3, {.tolerance = 1e-4});
           }).find("-1 times around") != std::string::npos);
     const Vec3 normal = normal_of(face, {1.2, 0.1});
@@ -702,29 +702,30 @@ TEST_CASE("What cannot be a face is refused and leaves an older file alone", "[s
   const fs::path file = scratch("step_face") / "face.step";
   const SkinnedRegion good = disc(wavy, 8);
   std::ofstream(file) << "older";
-  const auto told = [&](const SkinnedRegion& region, double unit, double tolerance) {
-    return refusal([&] { write_step_faces(file, {&region}, unit, {.tolerance = tolerance}); });
+  const auto error_of = [&](const SkinnedRegion& region, double unit, double tolerance) {
+    return error_message(
+        [&] { write_step_faces(file, {&region}, unit, {.tolerance = tolerance}); });
   };
-  CHECK(refusal([&] { write_step_faces(file, {}, 1, {.tolerance = 1}); }).find("no region") !=
+  CHECK(error_message([&] { write_step_faces(file, {}, 1, {.tolerance = 1}); }).find("no region") !=
         std::string::npos);
-  CHECK(told(good, 1, 0).find("tolerance of 0") != std::string::npos);
-  CHECK(told(good, 1, std::nan("")).find("tolerance of") != std::string::npos);
-  CHECK(refusal([&] {
-          write_step_faces(file, {&good}, 1, {.tolerance = 1, .most_poles = 3});
+  CHECK(error_of(good, 1, 0).find("tolerance of 0") != std::string::npos);
+  CHECK(error_of(good, 1, std::nan("")).find("tolerance of") != std::string::npos);
+  CHECK(error_message([&] {
+          write_step_faces(file, {&good}, 1, {.tolerance = 1, .max_poles = 3});
         }).find("limit of 3 poles") != std::string::npos);
-  CHECK(told(good, 0.123, 1).find("model unit") != std::string::npos);
+  CHECK(error_of(good, 0.123, 1).find("model unit") != std::string::npos);
   SkinnedRegion bare = good;
   bare.boundary.clear();
-  CHECK(told(bare, 1, 1).find("'disc': no boundary") != std::string::npos);
+  CHECK(error_of(bare, 1, 1).find("'disc': no boundary") != std::string::npos);
   SkinnedRegion wrong = good;
   Points dofs = good.surface.dofs();
   dofs(7, 1) = std::nan("");
   wrong.surface = Surface(good.surface.shared_mesh(), TriangleElement::HCT, dofs);
-  CHECK(told(wrong, 1, 1).find("not finite") != std::string::npos);
+  CHECK(error_of(wrong, 1, 1).find("not finite") != std::string::npos);
   SkinnedRegion uneven = good;
-  uneven.embedded[1].image = uneven.embedded[1].image.with_parameter_times(2);
-  CHECK(told(uneven, 1, 1).find("its image in (u, v)") != std::string::npos);
-  CHECK(refusal([&] {
+  uneven.embedded[1].pcurve = uneven.embedded[1].pcurve.with_scaled_parameter(2);
+  CHECK(error_of(uneven, 1, 1).find("its image in (u, v)") != std::string::npos);
+  CHECK(error_message([&] {
           write_step_faces(file.parent_path() / "none" / "f.step", {&good}, 1, {.tolerance = 1e-3});
         }).find("none") != std::string::npos);
   std::string text;

@@ -9,9 +9,9 @@
 #include "batten/io/cad/face_measure.h"
 #include "batten/io/cad/step_face.h"
 #include "batten/io/lines/cad_lines.h"
-#include "batten/tests/catch.h"
 #include "batten/tests/io/cad/step_models.h"
-#include "batten/tests/reference.h"
+#include "batten/tests/support/catch.h"
+#include "batten/tests/support/test_data.h"
 
 using namespace batten_test;
 namespace fs = std::filesystem;
@@ -20,7 +20,7 @@ using Kind = EdgeContinuity::Kind;
 namespace {
 
 /// A vault of two regions: four sides and a ridge between, over which it is smooth; 20 long.
-MadeModel vault() {
+BuiltModel vault() {
   const auto arch = [](const std::string& name, double y, double from, double to) {
     return CharacterLine{name, curve_from_formula(from, to, [y](double x, int order) {
                            const double k = 0.25, h = 3 + 0.05 * y;
@@ -32,12 +32,12 @@ MadeModel vault() {
   const auto along = [](const std::string& name, double x) {
     return straight(name, {x, 0, 3 * std::cos(0.25 * x)}, {x, 12, 3.6 * std::cos(0.25 * x)});
   };
-  return make_model({arch("front left", 0, -8, 1), arch("front right", 0, 1, 8),
-                     arch("back left", 12, -8, 1), arch("back right", 12, 1, 8), along("left", -8),
-                     along("ridge", 1), along("right", 8)});
+  return build_model({arch("front left", 0, -8, 1), arch("front right", 0, 1, 8),
+                      arch("back left", 12, -8, 1), arch("back right", 12, 1, 8), along("left", -8),
+                      along("ridge", 1), along("right", 8)});
 }
 
-StepReport written(const fs::path& file, const MadeModel& made, double tolerance,
+StepReport written(const fs::path& file, const BuiltModel& made, double tolerance,
                    double join_deg = 0.1) {
   StepFaceOptions options;
   options.tolerance = tolerance;
@@ -46,7 +46,7 @@ StepReport written(const fs::path& file, const MadeModel& made, double tolerance
 }
 
 /// Largest distance of points of the surfaces from the nearest face of the file.
-double distance_from_file(const MadeModel& made, const fs::path& file) {
+double distance_from_file(const BuiltModel& made, const fs::path& file) {
   const auto faces = read_cad_surfaces(file, 1e-3);
   double largest = 0;
   size_t first = 0;
@@ -70,12 +70,12 @@ TEST_CASE(
     for (const double deg : degrees) {
       normals.of_face.push_back(2 * turned(deg));
       normals.of_surface.push_back(turned(0));
-      normals.wanted.push_back(3 * turned(0));
+      normals.target_normals.push_back(3 * turned(0));
     }
     return FaceNormals{{{"line", 0}, normals}};
   };
   const auto mend = [&](std::vector<double> one, std::vector<double> other) {
-    return angles_to_mend({side("one", std::move(one)), side("other", std::move(other))}, 0.1);
+    return correctable_angles({side("one", std::move(one)), side("other", std::move(other))}, 0.1);
   };
   const auto near = [](const std::vector<double>& found, double one, double other) {
     CHECK(found.size() == 2);
@@ -90,12 +90,12 @@ TEST_CASE(
 }
 
 TEST_CASE("two faces keep tolerance and tangent plane across a smooth join, at four tolerances") {
-  const MadeModel made = vault();
+  const BuiltModel made = vault();
   REQUIRE(made.model.skinned().size() == 2);
-  for (const double share : {1e-2, 1e-3, 1e-4, 1e-5}) {
-    INFO("tolerance " << share << " of the size");
+  for (const double fraction : {1e-2, 1e-3, 1e-4, 1e-5}) {
+    INFO("tolerance " << fraction << " of the size");
     const fs::path file = scratch("vault") / "vault.step";
-    const double tolerance = share * made.network.size();
+    const double tolerance = fraction * made.network.size();
     const StepReport report = written(file, made, tolerance);
     CHECK(report.valid);
     CHECK(report.reached);
@@ -108,7 +108,7 @@ TEST_CASE("two faces keep tolerance and tangent plane across a smooth join, at f
     CHECK(report.max_join_deg <= 0.1);
     // Another way to the same numbers: nearest points on the faces that are read.
     const ContinuityReport edges = measure_continuity(file, 1e-3);
-    CHECK(edges.rims == 6);
+    CHECK(edges.free_edges == 6);
     CHECK(edges.count(Kind::Crease) == 0);
     CHECK(edges.max_smooth_deg() <= 0.1);
     CHECK(edges.max_smooth_deg() <= report.max_join_deg + 0.01);
@@ -131,9 +131,9 @@ TEST_CASE("four faces around a smooth node meet as their surfaces do, with few p
                            return Vec3(0, 0, h * k * k * std::cos(k * t));
                          })};
   };
-  const MadeModel made =
-      make_model({line("south", 0, 0, 0), line("across", 0, 4.5, 2), line("north", 0, 10, 0),
-                  line("west", 1, 0, 0), line("along", 1, 5.5, 2), line("east", 1, 10, 0)});
+  const BuiltModel made =
+      build_model({line("south", 0, 0, 0), line("across", 0, 4.5, 2), line("north", 0, 10, 0),
+                   line("west", 1, 0, 0), line("along", 1, 5.5, 2), line("east", 1, 10, 0)});
   REQUIRE(made.model.skinned().size() == 4);
   const fs::path file = scratch("four_faces") / "four.step";
   const StepReport report = written(file, made, 1e-3 * made.network.size());
@@ -153,7 +153,7 @@ TEST_CASE("four faces around a smooth node meet as their surfaces do, with few p
 }
 
 TEST_CASE("creases stay creases and are no joins, and eleven regions are eleven faces") {
-  const MadeModel made = mouse(6, false);
+  const BuiltModel made = mouse(6, false);
   const fs::path file = scratch("mouse_joins") / "mouse.step";
   const StepReport report = written(file, made, 1e-3 * made.network.size());
   CHECK(report.faces == 11);
@@ -165,7 +165,7 @@ TEST_CASE("creases stay creases and are no joins, and eleven regions are eleven 
 }
 
 TEST_CASE("an angle that cannot be reached is said to be missed, within the limits of poles") {
-  const MadeModel made = mouse(6, false);
+  const BuiltModel made = mouse(6, false);
   const fs::path file = scratch("mouse_missed") / "mouse.step";
   const double tolerance = 1e-3 * made.network.size();
   const StepReport report = written(file, made, tolerance, 1e-6);

@@ -7,9 +7,9 @@
 #include "batten/io/cad/step.h"
 #include "batten/io/cad/step_face.h"
 #include "batten/io/lines/cad_lines.h"
-#include "batten/tests/catch.h"
 #include "batten/tests/io/cad/step_models.h"
-#include "batten/tests/reference.h"
+#include "batten/tests/support/catch.h"
+#include "batten/tests/support/test_data.h"
 
 using namespace batten;
 using namespace batten_test;
@@ -17,15 +17,15 @@ namespace fs = std::filesystem;
 
 namespace {
 
-std::vector<CubicSpline> splines_of(const MadeModel& made) {
+std::vector<CubicSpline> splines_of(const BuiltModel& made) {
   std::vector<CubicSpline> splines;
-  for (const NetworkArc& arc : made.network.arcs())
-    for (const CubicSpline& spline : cubic_splines("line " + arc.name, arc.curve))
+  for (const NetworkEdge& edge : made.network.edges())
+    for (const CubicSpline& spline : cubic_splines("line " + edge.name, edge.curve))
       splines.push_back(spline);
   return splines;
 }
 
-StepReport written(const MadeModel& made, const fs::path& file, const StepFileOptions& words,
+StepReport written(const BuiltModel& made, const fs::path& file, const StepFileOptions& words,
                    double unit) {
   StepFaceOptions options;
   options.file = words;
@@ -38,7 +38,7 @@ StepReport written(const MadeModel& made, const fs::path& file, const StepFileOp
 TEST_CASE("a STEP file holds lines beside the same faces, in any schema and unit", "[step_lines]") {
   const fs::path folder = scratch("step_lines");
   const double unit = GENERATE(1e-3, 0.0254);
-  const MadeModel made = make_model(box({4, 3, 2}), {}, 1);
+  const BuiltModel made = build_model(box({4, 3, 2}), {}, 1);
   StepFileOptions words;
   words.name = "box";
   const StepReport plain = written(made, folder / "plain.step", words, unit);
@@ -91,7 +91,7 @@ TEST_CASE("Gmsh meshes the faces of a file with lines as it does without", "[ste
     return;
   }
   const fs::path folder = scratch("step_lines_gmsh");
-  const MadeModel made = make_model(box({4, 3, 2}), {}, 1);
+  const BuiltModel made = build_model(box({4, 3, 2}), {}, 1);
   StepFileOptions words;
   words.lines = splines_of(made);
   const fs::path file = folder / "lines.step";

@@ -7,17 +7,17 @@
 #include <numbers>
 
 #include "batten/core/errors.h"
-#include "batten/tests/catch.h"
 #include "batten/tests/io/cad/step_models.h"
-#include "batten/tests/reference.h"
-#include "batten/tests/refusal.h"
+#include "batten/tests/support/catch.h"
+#include "batten/tests/support/error_message.h"
+#include "batten/tests/support/test_data.h"
 
 using namespace batten;
 using namespace batten_test;
 
 namespace {
 
-StepReport written(const MadeModel& made, const std::string& name, double tolerance) {
+StepReport written(const BuiltModel& made, const std::string& name, double tolerance) {
   StepFaceOptions options;
   options.tolerance = tolerance;
   return write_step_faces(scratch("step_model") / (name + ".step"), made.model.skinned(), kMm,
@@ -27,7 +27,7 @@ StepReport written(const MadeModel& made, const std::string& name, double tolera
 }  // namespace
 
 TEST_CASE("a box of twelve lines is one solid whose faces share the twelve edges", "[step_model]") {
-  const MadeModel made = make_model(box({40, 30, 20}));
+  const BuiltModel made = build_model(box({40, 30, 20}));
   const StepReport r = written(made, "box", 1e-3);
   CHECK(r.valid);
   CHECK(r.faces == 6);
@@ -46,12 +46,12 @@ TEST_CASE("a box of twelve lines is one solid whose faces share the twelve edges
 }
 
 TEST_CASE("without its lid a box is an open shell, whose free edges are the rim", "[step_model]") {
-  RegionOptions regions;
-  RegionWord word;
-  word.kind = RegionWord::Kind::Nothing;
+  RegionSearchOptions regions;
+  RegionSpec word;
+  word.kind = RegionSpec::Kind::NoSurface;
   word.loops = {{"x2", "x3", "y1", "y3"}};  // z = 20
-  regions.words.push_back(word);
-  const MadeModel made = make_model(box({40, 30, 20}), regions);
+  regions.specs.push_back(word);
+  const BuiltModel made = build_model(box({40, 30, 20}), regions);
   const StepReport r = written(made, "open_box", 1e-3);
   CHECK(r.valid);
   CHECK(r.faces == 5);
@@ -67,12 +67,12 @@ TEST_CASE("a solid beside an open shell is measured face by face in both forms",
   // The open shell comes first in the model, the solid first in the file.
   std::vector<CharacterLine> lines = box({40, 30, 20}, "a_");
   for (const CharacterLine& line : box({10, 10, 10}, "", {100, 0, 0})) lines.push_back(line);
-  RegionOptions regions;
-  RegionWord word;
-  word.kind = RegionWord::Kind::Nothing;
+  RegionSearchOptions regions;
+  RegionSpec word;
+  word.kind = RegionSpec::Kind::NoSurface;
   word.loops = {{"a_x2", "a_x3", "a_y1", "a_y3"}};
-  regions.words.push_back(word);
-  const MadeModel made = make_model(lines, regions, 40);
+  regions.specs.push_back(word);
+  const BuiltModel made = build_model(lines, regions, 40);
   REQUIRE(made.model.shells.size() == 2);
   CHECK_FALSE(made.model.shells[0].closed);
   const StepReport r = written(made, "box_and_open_box", 1e-3);
@@ -86,7 +86,7 @@ TEST_CASE("a solid beside an open shell is measured face by face in both forms",
 
 TEST_CASE("eight octants are a ball within the tolerance, and so are its volume and edges",
           "[step_model]") {
-  const MadeModel made = make_model(octants());
+  const BuiltModel made = build_model(octants());
   constexpr double tolerance = 1e-3;
   const StepReport r = written(made, "ball", tolerance);
   CHECK(r.valid);
@@ -107,11 +107,11 @@ TEST_CASE("eight octants are a ball within the tolerance, and so are its volume 
 
 TEST_CASE("a ring and two discs close, although the seam cuts circles away from their nodes",
           "[step_model]") {
-  const RegionOptions regions = region_words({{{"low"}, {"high"}}, {{"low"}}, {{"high"}}});
-  const MadeModel made =
-      make_model({circle_line("low", 10, 0), circle_line("high", 10, 15, 1.0)}, regions, 4);
+  const RegionSearchOptions regions = region_specs({{{"low"}, {"high"}}, {{"low"}}, {{"high"}}});
+  const BuiltModel made =
+      build_model({circle_line("low", 10, 0), circle_line("high", 10, 15, 1.0)}, regions, 4);
   for (const ModelRegion& region : made.model.regions) {
-    INFO(region.plan.name << ": " << region.why_not);
+    INFO(region.plan.name << ": " << region.rejection_reason);
     REQUIRE(region.skinned);
   }
   const StepReport r = written(made, "can", 0.01);
@@ -126,20 +126,20 @@ TEST_CASE("a ring and two discs close, although the seam cuts circles away from 
 
 TEST_CASE("rims of any shape are one edge for a ring and its lids, wherever they begin",
           "[step_model]") {
-  const RegionOptions regions = region_words({{{"low"}, {"high"}}, {{"low"}}, {{"high"}}});
-  const MadeModel made =
-      make_model({oval_line("low", 0, 0), oval_line("high", 15, 1.0)}, regions, 4);
+  const RegionSearchOptions regions = region_specs({{{"low"}, {"high"}}, {{"low"}}, {{"high"}}});
+  const BuiltModel made =
+      build_model({oval_line("low", 0, 0), oval_line("high", 15, 1.0)}, regions, 4);
   std::map<std::string, HermiteCurve> carried;
   for (const ModelRegion& region : made.model.regions) {
-    INFO(region.plan.name << ": " << region.why_not);
+    INFO(region.plan.name << ": " << region.rejection_reason);
     REQUIRE(region.skinned);
     for (const auto& loop : region.skinned->boundary)
-      for (const BoundaryPiece& piece : loop) {
-        const bool run = piece.kind == BoundaryPiece::Kind::Run;
-        const std::string name = run ? region.skinned->runs[piece.index].line.name
-                                     : region.skinned->embedded[piece.index].line.name;
-        const HermiteCurve& curve = run ? region.skinned->runs[piece.index].fitted
-                                        : region.skinned->embedded[piece.index].fitted;
+      for (const BoundarySegment& piece : loop) {
+        const bool aligned_line = piece.kind == BoundarySegment::Kind::EdgeAligned;
+        const std::string name = aligned_line ? region.skinned->edge_aligned[piece.index].line.name
+                                              : region.skinned->embedded[piece.index].line.name;
+        const HermiteCurve& curve = aligned_line ? region.skinned->edge_aligned[piece.index].fitted
+                                                 : region.skinned->embedded[piece.index].fitted;
         const auto [it, first] = carried.emplace(name, curve);
         if (first) continue;
         const auto off = [&](const HermiteCurve& other) {
@@ -161,9 +161,9 @@ TEST_CASE("rims of any shape are one edge for a ring and its lids, wherever they
 
 TEST_CASE("where three regions meet each is a shell of its own, and the report says so",
           "[step_model]") {
-  RegionOptions regions;
-  regions.most_at_line = 3;
-  const MadeModel made = make_model(two_boxes(), regions);
+  RegionSearchOptions regions;
+  regions.max_faces_per_edge = 3;
+  const BuiltModel made = build_model(two_boxes(), regions);
   REQUIRE(made.model.regions.size() == 11);
   const StepReport r = written(made, "two_boxes", 1e-3);
   CHECK(r.faces == 11);
@@ -174,10 +174,10 @@ TEST_CASE("where three regions meet each is a shell of its own, and the report s
 }
 
 TEST_CASE("models and tolerances that cannot be written are refused", "[step_model]") {
-  const MadeModel made = make_model(box({4, 3, 2}));
+  const BuiltModel made = build_model(box({4, 3, 2}));
   StepFaceOptions options;
   const auto write = [&](const std::vector<const SkinnedRegion*>& regions) {
-    return refusal(
+    return error_message(
         [&] { write_step_faces(scratch("step_model_refused") / "m.step", regions, kMm, options); });
   };
   auto regions = made.model.skinned();
@@ -185,12 +185,12 @@ TEST_CASE("models and tolerances that cannot be written are refused", "[step_mod
   options.tolerance = 1e-3;
   CHECK(write(regions).empty());
   // Another line of the same name.
-  const MadeModel other = make_model(box({4, 3, 1}));
+  const BuiltModel other = build_model(box({4, 3, 1}));
   regions.push_back(other.model.skinned()[0]);
   CHECK(write(regions).find("expected the same curve, or two names") != std::string::npos);
   regions.pop_back();
   SkinnedRegion nameless = *regions[0];
-  nameless.runs[0].line.name.clear();
+  nameless.edge_aligned[0].line.name.clear();
   regions[0] = &nameless;
   CHECK(write(regions).find("without a name") != std::string::npos);
   CHECK(write({}).find("no region") != std::string::npos);

@@ -13,12 +13,12 @@
 
 #include "batten/core/errors.h"
 #include "batten/skinning/domains/mesher.h"
-#include "batten/tests/catch.h"
-#include "batten/tests/dense_twin.h"
-#include "batten/tests/io/decks/calculix_decks.h"
-#include "batten/tests/reference.h"
-#include "batten/tests/sampling.h"
-#include "batten/tests/trimmed_regions.h"
+#include "batten/tests/support/calculix_decks.h"
+#include "batten/tests/support/catch.h"
+#include "batten/tests/support/dense_algebra.h"
+#include "batten/tests/support/sampling.h"
+#include "batten/tests/support/test_data.h"
+#include "batten/tests/support/trimmed_regions.h"
 
 using namespace batten_test;
 namespace fs = std::filesystem;
@@ -36,14 +36,16 @@ SkinnedRegion region_of(int n, const Shape& shape, const std::array<std::string,
   const std::array<std::array<int, 2>, 4> sides{
       {{0, 1}, {n * (n + 1), 1}, {0, n + 1}, {n, n + 1}}};  // first vertex, step
   for (size_t s = 0; s < 4; ++s) {
-    LineRun run;
-    run.line.name = names[s];
+    EdgeAlignedLine aligned_line;
+    aligned_line.line.name = names[s];
     for (int i = 0; i <= n; ++i) {
-      run.vertices.push_back(sides[s][0] + i * sides[s][1]);
-      run.parameters.push_back(i);
-      if (i > 0) run.edges.push_back(mesh->edge_between(run.vertices[i - 1], run.vertices[i]));
+      aligned_line.vertices.push_back(sides[s][0] + i * sides[s][1]);
+      aligned_line.parameters.push_back(i);
+      if (i > 0)
+        aligned_line.edges.push_back(
+            mesh->edge_between(aligned_line.vertices[i - 1], aligned_line.vertices[i]));
     }
-    region.runs.push_back(run);
+    region.edge_aligned.push_back(aligned_line);
   }
   return region;
 }
@@ -83,13 +85,13 @@ ShellDeck plate(double thickness) {
   return deck;
 }
 
-struct Answer {
+struct MaxDisplacement {
   double magnitude;
   int node;
   Vec3 moved;
 };
 
-Answer run_ccx(const fs::path& deck) {
+MaxDisplacement run_ccx(const fs::path& deck) {
   const std::string command =
       "python3 '" BATTEN_SOURCE_DIR "/scripts/ccx_max_displacement' '" + deck.string() + "'";
   FILE* pipe = popen(command.c_str(), "r");
@@ -97,13 +99,14 @@ Answer run_ccx(const fs::path& deck) {
   std::string line;
   for (int c = std::fgetc(pipe); c != EOF; c = std::fgetc(pipe)) line += static_cast<char>(c);
   REQUIRE(pclose(pipe) == 0);
-  Answer answer{};
+  MaxDisplacement max_displacement{};
   Vec3 at;
   const int found = std::sscanf(
-      line.c_str(), "%lf node %d at (%lf, %lf, %lf) moved (%lf, %lf, %lf)", &answer.magnitude,
-      &answer.node, &at[0], &at[1], &at[2], &answer.moved[0], &answer.moved[1], &answer.moved[2]);
+      line.c_str(), "%lf node %d at (%lf, %lf, %lf) moved (%lf, %lf, %lf)",
+      &max_displacement.magnitude, &max_displacement.node, &at[0], &at[1], &at[2],
+      &max_displacement.moved[0], &max_displacement.moved[1], &max_displacement.moved[2]);
   REQUIRE(found == 8);
-  return answer;
+  return max_displacement;
 }
 
 std::string message_of(const SkinnedRegion& region, const ShellDeck& deck) {
@@ -204,7 +207,7 @@ TEST_CASE("nodal loads carry the whole force at the right place", "[io][calculix
   // The moment, by the surface's own integral. The element's geometry is quadratic, as is this
   // surface up to 1e-5: they agree that well.
   Vec3 expected_moment = at.cross(Vec3(10, 0, 7));
-  const TriangleRule rule = split_triangle(8);
+  const TriangleRule rule = split_triangle_rule(8);
   for (int t = 0; t < region.surface.mesh().triangle_count(); ++t)
     for (long p = 0; p < rule.weights.size(); ++p) {
       const SurfaceJet j = region.surface.jet({t, rule.L.row(p).transpose()});
@@ -226,7 +229,7 @@ TEST_CASE("a clamped square plate bends as theory says, along the normal", "[io]
   deck.pressure = q;
   write_calculix(path, {&region}, deck);
   if (!have_ccx()) return;
-  const Answer pressure = run_ccx(path);
+  const MaxDisplacement pressure = run_ccx(path);
   CHECK(pressure.node == centre);
   // 16 x 16 of ccx's elements are 4.3 % too stiff, 32 x 32 1.3 %.
   CHECK(pressure.moved.z() == Approx(clamped).epsilon(0.05));
@@ -274,7 +277,7 @@ TEST_CASE("a clamped square plate bends as theory says, along the normal", "[io]
   deck.gravity.setZero();
   deck.point_forces = {{{a / 2 + 1, a / 2, 3}, {0, 0, 5}}};
   write_calculix(path, {&region}, deck);
-  const Answer point = run_ccx(path);
+  const MaxDisplacement point = run_ccx(path);
   CHECK(point.node == centre);
   CHECK(point.moved.z() == Approx(0.005612 * 5 * a * a / D).epsilon(0.04));
 
@@ -372,14 +375,14 @@ TEST_CASE("a plate with an embedded hole: sets on its lines, loads inside only",
   rhs[3] = -(particular(b, 3) + particular(b, 2) / b - particular(b, 1) / (b * b));
   const Eigen::Vector4d c = solve_dense(A, rhs);
   const double expected = particular(b, 0) + row(b, 0).dot(c);
-  const Answer answer = run_ccx(path);
-  CHECK(answer.moved.z() == Approx(expected).epsilon(0.08));
-  const Vec3 at = vector_of(nodes.at(static_cast<size_t>(answer.node) - 1), 1);
+  const MaxDisplacement max_displacement = run_ccx(path);
+  CHECK(max_displacement.moved.z() == Approx(expected).epsilon(0.08));
+  const Vec3 at = vector_of(nodes.at(static_cast<size_t>(max_displacement.node) - 1), 1);
   CHECK(at.norm() == Approx(b).epsilon(1e-3));
   deck.area_force = {};
   deck.pressure = q;
   write_calculix(path, {&region}, deck);
-  CHECK(run_ccx(path).moved.z() == Approx(answer.moved.z()).epsilon(2e-3));
+  CHECK(run_ccx(path).moved.z() == Approx(max_displacement.moved.z()).epsilon(2e-3));
 }
 
 TEST_CASE("decks that make no sense are refused in words", "[io][calculix]") {

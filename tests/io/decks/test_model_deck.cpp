@@ -6,17 +6,17 @@
 #include "batten/io/decks/calculix.h"
 #include "batten/io/lines/sketch_graph.h"
 #include "batten/io/scene/scene.h"
-#include "batten/sculpting/session/session.h"
+#include "batten/sculpting/session/sculpting_session.h"
 #include "batten/skinning/domains/mesher.h"
 #include "batten/skinning/search/find_regions.h"
 #include "batten/skinning/surfaces/skin_network.h"
 #include "batten/skinning/surfaces/surface_model.h"
-#include "batten/tests/catch.h"
-#include "batten/tests/io/decks/calculix_decks.h"
-#include "batten/tests/mouse_model.h"
-#include "batten/tests/reference.h"
-#include "batten/tests/refusal.h"
-#include "batten/tests/skinning/network/networks.h"
+#include "batten/tests/support/calculix_decks.h"
+#include "batten/tests/support/catch.h"
+#include "batten/tests/support/error_message.h"
+#include "batten/tests/support/mouse_model.h"
+#include "batten/tests/support/sample_networks.h"
+#include "batten/tests/support/test_data.h"
 
 using namespace batten_test;
 namespace fs = std::filesystem;
@@ -27,7 +27,7 @@ using Counts = std::map<int, int>;
 using Kind = ShellDeck::Support::Kind;
 
 SurfaceModel model_of(const std::vector<CharacterLine>& lines, double edge_length) {
-  const CharacterLineNetwork network(lines);
+  const CurveNetwork network(lines);
   ModelOptions options;
   options.skin.edge_length = edge_length;
   return skin_network(network, find_regions(network), options);
@@ -63,16 +63,16 @@ double area_of(const std::vector<const SkinnedRegion*>& regions) {
 
 /// How often a line is embedded, and runs, on boundaries.
 struct Sides {
-  int runs = 0, embedded = 0;
+  int edge_aligned = 0, embedded = 0;
 };
 std::map<std::string, Sides> sides_of(const std::vector<const SkinnedRegion*>& regions) {
   std::map<std::string, Sides> sides;
   for (const SkinnedRegion* region : regions)
     for (const auto& loop : region->boundary)
-      for (const BoundaryPiece& piece : loop) {
+      for (const BoundarySegment& piece : loop) {
         const auto i = static_cast<size_t>(piece.index);
-        if (piece.kind == BoundaryPiece::Kind::Run)
-          ++sides[region->runs[i].line.name].runs;
+        if (piece.kind == BoundarySegment::Kind::EdgeAligned)
+          ++sides[region->edge_aligned[i].line.name].edge_aligned;
         else
           ++sides[region->embedded[i].line.name].embedded;
       }
@@ -81,7 +81,7 @@ std::map<std::string, Sides> sides_of(const std::vector<const SkinnedRegion*>& r
 
 /// As ccx has to find them: as many elements at an edge as regions have the line on their boundary,
 /// two inside.
-void check_edges(const DeckMesh& mesh, const std::vector<const SkinnedRegion*>& regions) {
+void check_edges(const DeckMeshBuilder& mesh, const std::vector<const SkinnedRegion*>& regions) {
   std::map<int, int> rims;
   int on_rims = 0;
   for (const auto& [name, sides] : sides_of(regions)) {
@@ -93,8 +93,8 @@ void check_edges(const DeckMesh& mesh, const std::vector<const SkinnedRegion*>& 
     INFO("line '" << name << "'");
     const Counts counts = mesh.edges_in(set);
     REQUIRE(counts.size() == 1);
-    REQUIRE(counts.begin()->first == sides.runs + sides.embedded);
-    if (sides.runs + sides.embedded == 1) on_rims += counts.begin()->second;
+    REQUIRE(counts.begin()->first == sides.edge_aligned + sides.embedded);
+    if (sides.edge_aligned + sides.embedded == 1) on_rims += counts.begin()->second;
   }
   const Counts all = mesh.edges_by_count();
   CHECK((all.count(1) ? all.at(1) : 0) == on_rims);
@@ -105,7 +105,7 @@ void check_edges(const DeckMesh& mesh, const std::vector<const SkinnedRegion*>& 
 void check_reaction(const fs::path& path, double scale = 0) {
   if (!have_ccx()) return;
   const DeckForces forces(sections(path));
-  const Vec3 expected = forces.held - forces.all;
+  const Vec3 expected = forces.at_supports - forces.all;
   const Vec3 found = supporting_force(path);
   INFO("reaction " << found.transpose() << ", expected " << expected.transpose());
   CHECK((found - expected).norm() < 1e-6 * std::max(scale, forces.all.norm()));
@@ -122,7 +122,7 @@ std::vector<CharacterLine> cut_square(double a, double cut) {
 std::vector<std::string> rims_of(const std::vector<const SkinnedRegion*>& regions) {
   std::vector<std::string> rims;
   for (const auto& [name, sides] : sides_of(regions))
-    if (sides.runs + sides.embedded == 1) rims.push_back(name);
+    if (sides.edge_aligned + sides.embedded == 1) rims.push_back(name);
   return rims;
 }
 
@@ -139,7 +139,7 @@ TEST_CASE("a plate of two regions bends as one", "[io][calculix]") {
   ShellDeck deck = deck_of(t, rims_of(regions));
   deck.pressure = q;
   write_calculix(path, regions, deck);
-  const DeckMesh mesh(sections(path));
+  const DeckMeshBuilder mesh(sections(path));
   check_edges(mesh, regions);
   CHECK(mesh.closest_nodes() > 1e-3);
   const int vertices = static_cast<int>(mesh.nodes.size() - mesh.edges.size());
@@ -188,7 +188,7 @@ TEST_CASE("a creased box is a closed shell of elements", "[io][calculix]") {
   deck.area_force = everywhere(per_area);
   write_calculix(path, regions, deck);
   const auto rows = sections(path);
-  const DeckMesh mesh(rows);
+  const DeckMeshBuilder mesh(rows);
   check_edges(mesh, regions);
   CHECK(mesh.edges_by_count() == Counts{{2, static_cast<int>(mesh.edges.size())}});
   const Vec3 force = DeckForces(rows).all;
@@ -228,7 +228,7 @@ TEST_CASE("regions that have a line embedded take the nodes of those that have i
   const auto regions = model.skinned();
   REQUIRE(regions.size() == 3);
   const auto sides = sides_of(regions);
-  CHECK(sides.at("chord").runs == 1);
+  CHECK(sides.at("chord").edge_aligned == 1);
   CHECK(sides.at("chord").embedded == 1);
   CHECK(sides.at("bow").embedded >= 1);
   const fs::path path = scratch("half_disc") / "deck.inp";
@@ -237,15 +237,15 @@ TEST_CASE("regions that have a line embedded take the nodes of those that have i
   deck.area_force = everywhere(per_area);
   write_calculix(path, regions, deck);
   const auto rows = sections(path);
-  const DeckMesh mesh(rows);
+  const DeckMeshBuilder mesh(rows);
   check_edges(mesh, regions);
   CHECK(mesh.closest_nodes() > 1e-3);
   // The chord's nodes are exactly those of the run.
   for (const SkinnedRegion* region : regions)
-    for (const LineRun& run : region->runs)
-      if (run.line.name == "chord") {
-        CHECK(mesh.sets.at("CHORD").size() == 2 * run.vertices.size() - 1);
-        for (const int v : run.vertices) {
+    for (const EdgeAlignedLine& aligned_line : region->edge_aligned)
+      if (aligned_line.line.name == "chord") {
+        CHECK(mesh.sets.at("CHORD").size() == 2 * aligned_line.vertices.size() - 1);
+        for (const int v : aligned_line.vertices) {
           double least = 1;
           for (const int id : mesh.sets.at("CHORD"))
             least = std::min(
@@ -277,7 +277,7 @@ TEST_CASE("a line that is embedded on both sides has common nodes", "[io][calcul
   deck.area_force = everywhere(per_area);
   write_calculix(path, regions, deck);
   const auto rows = sections(path);
-  const DeckMesh mesh(rows);
+  const DeckMeshBuilder mesh(rows);
   check_edges(mesh, regions);
   CHECK(mesh.closest_nodes() > 1e-3);
   CHECK(DeckForces(rows).all.z() == Approx(q * pi * r * r).epsilon(1e-4));
@@ -308,7 +308,7 @@ TEST_CASE("regions that only touch at a corner share one node", "[io][calculix]"
   REQUIRE(regions.size() == 2);
   const fs::path path = scratch("corner") / "deck.inp";
   write_calculix(path, regions, deck_of(0.1, {"low 1"}));
-  const DeckMesh mesh(sections(path));
+  const DeckMeshBuilder mesh(sections(path));
   std::vector<int> common;
   for (const int id : mesh.sets.at("LOW_2"))
     if (mesh.sets.at("HIGH_1").count(id)) common.push_back(id);
@@ -320,11 +320,11 @@ TEST_CASE("regions that only touch at a corner share one node", "[io][calculix]"
 TEST_CASE("the sculpted mouse is one closed shell of elements that carries its load",
           "[io][calculix]") {
   if (!have_delaunay_mesher()) return;
-  const batten_test::Model made = batten_test::mouse(8);
+  const batten_test::NetworkModel made = batten_test::mouse(8);
   SculptingSession session(*made.model.layout, {});
   session.add(Load{"p", Load::Pressure{}}, {{.name = "p", .value = 30}});
-  session.add(LineMove{"m", "spine.3", {}, 0.4}, {{.name = "m", .value = 2}});
-  session.settle();
+  session.add(LineOffset{"m", "spine.3", {}, 0.4}, {{.name = "m", .value = 2}});
+  session.solve_to_equilibrium();
   const auto sculpted = session.regions();
   std::vector<const SkinnedRegion*> regions;
   for (const SkinnedRegion& region : sculpted) regions.push_back(&region);
@@ -341,7 +341,7 @@ TEST_CASE("the sculpted mouse is one closed shell of elements that carries its l
   deck.area_force = everywhere(per_area);
   write_calculix(path, regions, deck);
   const auto rows = sections(path);
-  const DeckMesh mesh(rows);
+  const DeckMeshBuilder mesh(rows);
   check_edges(mesh, regions);
   CHECK(mesh.edges_by_count() == Counts{{2, static_cast<int>(mesh.edges.size())}});
   const int vertices = static_cast<int>(mesh.nodes.size() - mesh.edges.size());
@@ -361,14 +361,14 @@ TEST_CASE("sketches become conforming shells", "[io][calculix]") {
     return;
   }
   INFO("sketch " << name);
-  const CharacterLineNetwork network(read_sketch_graph(file));
+  const CurveNetwork network(read_sketch_graph(file));
   ModelOptions how;
-  how.most_join_rounds = 0;
+  how.max_join_rounds = 0;
   const SurfaceModel model = skin_network(network, find_regions(network), how);
   // One of them as a session leaves it.
   SculptingSession session(*model.layout, {});
   session.add(Load{"p", Load::Pressure{}}, {{.name = "p", .value = name == "vacuum" ? 2.0 : 0}});
-  session.settle();
+  session.solve_to_equilibrium();
   const auto sculpted = session.regions();
   std::vector<const SkinnedRegion*> regions;
   for (const SkinnedRegion& region : sculpted) regions.push_back(&region);
@@ -383,7 +383,7 @@ TEST_CASE("sketches become conforming shells", "[io][calculix]") {
   deck.area_force = everywhere(per_area);
   write_calculix(path, regions, deck);
   const auto rows = sections(path);
-  check_edges(DeckMesh(rows), regions);
+  check_edges(DeckMeshBuilder(rows), regions);
   const Vec3 force = DeckForces(rows).all;
   CHECK((force - area_of(regions) * per_area).norm() < 1e-4 * force.norm());
   if (name == "vacuum") check_reaction(path);
@@ -397,7 +397,7 @@ TEST_CASE("decks of models that make no sense are refused in words", "[io][calcu
   const fs::path path = scratch("model_errors") / "deck.inp";
   const ShellDeck good = deck_of(0.1, {"cut"});
   const auto answer = [&](const std::vector<const SkinnedRegion*>& which, const ShellDeck& deck) {
-    return refusal([&] { write_calculix(path, which, deck); });
+    return error_message([&] { write_calculix(path, which, deck); });
   };
   CHECK_THAT(answer({}, good), Contains("no region"));
   ShellDeck deck = good;
@@ -412,8 +412,8 @@ TEST_CASE("decks of models that make no sense are refused in words", "[io][calcu
   CHECK_THAT(answer(regions, deck), Contains("not finite"));
   // Two lines of one name that are not one curve.
   SkinnedRegion other = *regions[1];
-  for (LineRun& run : other.runs)
-    if (run.line.name == "east") run.line.name = "west";
+  for (EdgeAlignedLine& aligned_line : other.edge_aligned)
+    if (aligned_line.line.name == "east") aligned_line.line.name = "west";
   CHECK_THAT(answer({regions[0], &other}, good),
              Contains("'west'") && Contains("apart, expected one curve"));
   CHECK_FALSE(fs::exists(path));

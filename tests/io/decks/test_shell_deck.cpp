@@ -1,5 +1,5 @@
 // Decks for frequencies hold the mesh as it is, and plates in ccx sound as plates do.
-#include "batten/io/decks/shell_deck.h"
+#include "batten/io/decks/modal_deck.h"
 
 #include <array>
 #include <cmath>
@@ -9,8 +9,8 @@
 #include <sstream>
 
 #include "batten/core/errors.h"
-#include "batten/tests/catch.h"
-#include "batten/tests/reference.h"
+#include "batten/tests/support/catch.h"
+#include "batten/tests/support/test_data.h"
 
 using namespace batten;
 namespace fs = std::filesystem;
@@ -50,8 +50,8 @@ std::vector<int> rim(int n) {
   return nodes;
 }
 
-ShellModes steel() {
-  ShellModes modes;
+ModalDeck steel() {
+  ModalDeck modes;
   modes.thickness = 1;
   modes.young = 210000;
   modes.poisson = 0.3;
@@ -63,7 +63,7 @@ ShellModes steel() {
 
 /// Frequency of a plate from λ = ω a² √(ρ t / D), as in Leissa's tables.
 double hertz(double lambda) {
-  const ShellModes m = steel();
+  const ModalDeck m = steel();
   const double D = m.young * std::pow(m.thickness, 3) / (12 * (1 - m.poisson * m.poisson));
   return lambda * std::sqrt(D / (m.density * m.thickness)) / (2 * std::numbers::pi * kSide * kSide);
 }
@@ -107,9 +107,9 @@ std::vector<double> frequencies(const fs::path& deck) {
   return found;
 }
 
-std::string message_of(const ShellMesh& mesh, const ShellModes& modes) {
+std::string message_of(const ShellMesh& mesh, const ModalDeck& modes) {
   try {
-    write_shell_modes(batten_test::scratch("modes_errors") / "deck.inp", mesh, modes);
+    write_modal_deck(batten_test::scratch("modes_errors") / "deck.inp", mesh, modes);
   } catch (const InputError& error) {
     return error.what();
   }
@@ -120,9 +120,9 @@ std::string message_of(const ShellMesh& mesh, const ShellModes& modes) {
 
 TEST_CASE("a clamped plate has the frequencies of theory", "[io][calculix]") {
   const fs::path path = batten_test::scratch("clamped modes") / "plate.inp";
-  ShellModes modes = steel();
+  ModalDeck modes = steel();
   modes.clamped = rim(14);
-  write_shell_modes(path, plate(14), modes);
+  write_modal_deck(path, plate(14), modes);
   CHECK(sections(path).count("** Rigid motions: 0") == 1);
   if (!have_ccx()) return;
   const std::array<double, 4> lambda{35.985, 73.394, 73.394, 108.22};
@@ -132,17 +132,17 @@ TEST_CASE("a clamped plate has the frequencies of theory", "[io][calculix]") {
     for (size_t i = 0; i < 4; ++i) CHECK(found[i] == Approx(hertz(lambda[i])).epsilon(tolerance));
   };
   check(0.02);
-  write_shell_modes(path, plate(14, true), modes);  // S6
+  write_modal_deck(path, plate(14, true), modes);  // S6
   check(0.05);
-  modes.elements = ShellModes::Elements::Linear;  // S4
+  modes.elements = ModalDeck::Elements::Linear;  // S4
   modes.clamped = rim(24);
-  write_shell_modes(path, plate(24), modes);
+  write_modal_deck(path, plate(24), modes);
   check(0.025);
 }
 
 TEST_CASE("rigid motions of a free plate are not counted", "[io][calculix]") {
   const fs::path path = batten_test::scratch("free modes") / "plate.inp";
-  write_shell_modes(path, plate(10), steel());
+  write_modal_deck(path, plate(10), steel());
   CHECK(sections(path).count("** Rigid motions: 6") == 1);
   if (!have_ccx()) return;
   const auto found = frequencies(path);
@@ -164,10 +164,10 @@ TEST_CASE("a deck has the mesh's own numbers", "[io][calculix]") {
   mesh.add_face(std::array{1, 1, 2, 2});
   mesh.add_face(std::array{3, 2, 6, 7, 8, 9}, true);
   mesh.add_face(std::array{10, 11, 12});
-  ShellModes modes = steel();
+  ModalDeck modes = steel();
   modes.clamped = {1, 2, 5};
   const fs::path path = batten_test::scratch("mixed modes") / "deck.inp";
-  write_shell_modes(path, mesh, modes);
+  write_modal_deck(path, mesh, modes);
   auto found = sections(path);
   CHECK(found.at("*ELEMENT,TYPE=S8R,ELSET=ALL") ==
         std::vector<std::string>{"1,1,2,3,4,14,15,8,16"});
@@ -180,8 +180,8 @@ TEST_CASE("a deck has the mesh's own numbers", "[io][calculix]") {
   CHECK(found.at("*FREQUENCY") == std::vector<std::string>{"10"});
   if (have_ccx()) CHECK(frequencies(path).size() == 4);
 
-  modes.elements = ShellModes::Elements::Linear;
-  write_shell_modes(path, mesh, modes);
+  modes.elements = ModalDeck::Elements::Linear;
+  write_modal_deck(path, mesh, modes);
   found = sections(path);
   CHECK(found.at("*ELEMENT,TYPE=S4,ELSET=ALL") == std::vector<std::string>{"1,1,2,3,4"});
   CHECK(found.at("*ELEMENT,TYPE=S3,ELSET=ALL") ==
@@ -192,19 +192,19 @@ TEST_CASE("a deck has the mesh's own numbers", "[io][calculix]") {
 TEST_CASE("decks for frequencies that make no sense are refused in words", "[io][calculix]") {
   using Catch::Matchers::Contains;
   const ShellMesh mesh = plate(2);
-  const ShellModes good = steel();
+  const ModalDeck good = steel();
   CHECK(message_of(mesh, good).empty());
   const auto with = [&](auto member, auto value) {
-    ShellModes modes = good;
+    ModalDeck modes = good;
     modes.*member = value;
     return message_of(mesh, modes);
   };
-  CHECK_THAT(with(&ShellModes::thickness, 0.0), Contains("thickness 0"));
-  CHECK_THAT(with(&ShellModes::young, std::nan("")), Contains("Young's modulus nan"));
-  CHECK_THAT(with(&ShellModes::density, -1.0), Contains("density -1"));
-  CHECK_THAT(with(&ShellModes::poisson, 0.5), Contains("Poisson's ratio 0.5"));
-  CHECK_THAT(with(&ShellModes::count, 0), Contains("0 frequencies"));
-  CHECK_THAT(with(&ShellModes::clamped, std::vector<int>{9}),
+  CHECK_THAT(with(&ModalDeck::thickness, 0.0), Contains("thickness 0"));
+  CHECK_THAT(with(&ModalDeck::young, std::nan("")), Contains("Young's modulus nan"));
+  CHECK_THAT(with(&ModalDeck::density, -1.0), Contains("density -1"));
+  CHECK_THAT(with(&ModalDeck::poisson, 0.5), Contains("Poisson's ratio 0.5"));
+  CHECK_THAT(with(&ModalDeck::count, 0), Contains("0 frequencies"));
+  CHECK_THAT(with(&ModalDeck::clamped, std::vector<int>{9}),
              Contains("clamped node 9") && Contains("nodes from 0 to 8"));
   CHECK_THAT(message_of(ShellMesh(), good), Contains("no faces"));
   ShellMesh bad = mesh;

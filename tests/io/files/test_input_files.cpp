@@ -10,16 +10,16 @@
 #include <new>
 
 #include "batten/core/errors.h"
-#include "batten/io/files/in_child.h"
 #include "batten/io/files/input_file.h"
 #include "batten/io/files/nesting.h"
+#include "batten/io/files/sandboxed_read.h"
 #include "batten/io/lines/cad_lines.h"
 #include "batten/io/lines/drawing_lines.h"
 #include "batten/io/lines/point_lines.h"
 #include "batten/io/meshes/mesh_file.h"
-#include "batten/tests/catch.h"
-#include "batten/tests/reference.h"
-#include "batten/tests/refusal.h"
+#include "batten/tests/support/catch.h"
+#include "batten/tests/support/error_message.h"
+#include "batten/tests/support/test_data.h"
 
 using namespace batten;
 using Catch::Matchers::Contains;
@@ -36,9 +36,9 @@ std::string repeated(const std::string& text, int times) {
 }
 
 // Reading in a child, until the end of a test.
-struct InChild {
-  InChild() { read_in_child(true); }
-  ~InChild() { read_in_child(false); }
+struct SandboxScope {
+  SandboxScope() { enable_sandboxed_read(true); }
+  ~SandboxScope() { enable_sandboxed_read(false); }
 };
 
 }  // namespace
@@ -47,13 +47,13 @@ TEST_CASE("only regular files are read") {
   const fs::path folder = batten_test::scratch("input_files");
   fs::create_directories(folder);
   const auto says = [&](const fs::path& path) {
-    return batten_test::refusal([&] { input_bytes(path, "a thing", "here: "); });
+    return batten_test::error_message([&] { read_input_file(path, "a thing", "here: "); });
   };
   const std::string bytes("a\0b\n\xff", 5);
   std::ofstream(folder / "file", std::ios::binary) << bytes;
-  CHECK(input_bytes(folder / "file", "a thing") == bytes);
+  CHECK(read_input_file(folder / "file", "a thing") == bytes);
   fs::create_symlink("file", folder / "link");
-  CHECK(input_bytes(folder / "link", "a thing") == bytes);
+  CHECK(read_input_file(folder / "link", "a thing") == bytes);
 
   CHECK(says(folder / "none") ==
         "here: " + (folder / "none").string() + ": found no such file, expected a thing");
@@ -67,46 +67,46 @@ TEST_CASE("only regular files are read") {
   CHECK_THAT(says(folder / "trip"), Contains("found links that lead in a circle"));
   // A file of holes, which takes no room on the disk.
   std::ofstream(folder / "large").put('x');
-  fs::resize_file(folder / "large", largest_input_file + 1);
+  fs::resize_file(folder / "large", kMaxInputFileSize + 1);
   CHECK_THAT(says(folder / "large"), Contains("found 2048 MB, more than the 2048 MB"));
   fs::remove(folder / "large");
 }
 
 TEST_CASE("text may be nested so deep and no deeper") {
   const auto says = [](const std::string& text) {
-    return batten_test::refusal([&] { require_shallow(text, "f"); });
+    return batten_test::error_message([&] { check_nesting_depth(text, "f"); });
   };
   for (const char* open : {"[", "{"}) {
-    CHECK_NOTHROW(require_shallow(repeated(open, deepest_nesting), "f"));
+    CHECK_NOTHROW(check_nesting_depth(repeated(open, kMaxNestingDepth), "f"));
     CHECK(
-        says("\n " + repeated(open, deepest_nesting + 1)) ==
+        says("\n " + repeated(open, kMaxNestingDepth + 1)) ==
         "f:2:66: found lists, tables or parts of a key in each other, expected 64 levels at most");
   }
-  CHECK_NOTHROW(require_shallow(repeated("a.", deepest_nesting) + "a = 1", "f"));
+  CHECK_NOTHROW(check_nesting_depth(repeated("a.", kMaxNestingDepth) + "a = 1", "f"));
   CHECK_THAT(says(repeated("a.", 65) + "a = 1"), Contains("f:1:130: "));
   // Side by side is not in each other, and neither is what stands in quotes or comments.
-  CHECK_NOTHROW(require_shallow("x = [" + repeated("[1.5, 2.5],\n", 1000) + "]", "f"));
+  CHECK_NOTHROW(check_nesting_depth("x = [" + repeated("[1.5, 2.5],\n", 1000) + "]", "f"));
   const std::string deep = repeated("[", 1000);
   for (const std::string& text :
        {"\"" + deep + "\"", "'" + deep + "'", "\"\"\"\n" + deep + "\n\"\"\"", "# " + deep,
         "\"\\\"" + deep + "\"", "'''" + deep + "'" + deep + "'''"})
-    CHECK_NOTHROW(require_shallow(text + "\nx = [1]", "f"));
+    CHECK_NOTHROW(check_nesting_depth(text + "\nx = [1]", "f"));
   CHECK_THAT(says("\"\" " + deep), Contains("64 levels"));
 
-  CHECK_NOTHROW(require_shallow_elements(repeated("<g a='>'>", 64), "f"));
-  CHECK_NOTHROW(require_shallow_elements(repeated("<g/><p>x</p><!-- <g> -->", 1000), "f"));
-  CHECK_THAT(batten_test::refusal([] { require_shallow_elements(repeated("<g>", 65), "f"); }),
+  CHECK_NOTHROW(check_xml_nesting_depth(repeated("<g a='>'>", 64), "f"));
+  CHECK_NOTHROW(check_xml_nesting_depth(repeated("<g/><p>x</p><!-- <g> -->", 1000), "f"));
+  CHECK_THAT(batten_test::error_message([] { check_xml_nesting_depth(repeated("<g>", 65), "f"); }),
              Contains("f:1:193: found elements in each other"));
 }
 
 TEST_CASE("a reader in a child process dies alone and says how") {
-  const InChild guard;
+  const SandboxScope guard;
   const fs::path file = seeds / "cad" / "two.step";
   const auto read = [&](const std::function<std::string()>& work) {
-    return bytes_from_child(file, "The library", work);
+    return sandboxed_read(file, "The library", work);
   };
   const auto says = [&](const std::function<std::string()>& work) {
-    return batten_test::refusal([&] { read(work); });
+    return batten_test::error_message([&] { read(work); });
   };
   CHECK(read([] { return std::string(3 << 20, 'x'); }) == std::string(3 << 20, 'x'));
   CHECK(read([] { return std::string(); }).empty());
@@ -146,7 +146,7 @@ TEST_CASE("what is read in a child is the same") {
   for (const char* name : {"two.step", "two.igs", "square.step"}) {
     CAPTURE(name);
     const auto here = read_cad_lines(seeds / "cad" / name, 1e-3);
-    const InChild guard;
+    const SandboxScope guard;
     const auto there = read_cad_lines(seeds / "cad" / name, 1e-3);
     REQUIRE(here.size() == there.size());
     for (size_t i = 0; i < here.size(); ++i) {
@@ -162,7 +162,7 @@ TEST_CASE("what is read in a child is the same") {
   for (const char* name : {"sheet.vtp", "binary.vtp", "sheet.vtu", "binary.vtu"}) {
     CAPTURE(name);
     const MeshFile here = MeshFile::read(seeds / "meshes" / name);
-    const InChild guard;
+    const SandboxScope guard;
     const MeshFile there = MeshFile::read(seeds / "meshes" / name);
     CHECK(here.shells().points == there.shells().points);
     REQUIRE(here.shells().face_count() == there.shells().face_count());
@@ -180,7 +180,8 @@ TEST_CASE("files are read and written the same whatever the process's locale is"
     std::string do_grouping() const override { return "\1"; }
   };
   const auto seen = [] {
-    std::string all = number(1234.5) + " " + number(-1e-9) + " " + number(1e300);
+    std::string all =
+        format_number(1234.5) + " " + format_number(-1e-9) + " " + format_number(1e300);
     const auto add = [&](const Vec3& p) {
       for (int k = 0; k < 3; ++k) all += " " + std::to_string(std::llround(1e6 * p[k]));
     };

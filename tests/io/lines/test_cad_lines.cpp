@@ -35,8 +35,8 @@
 
 #include "batten/core/errors.h"
 #include "batten/io/cad/occ_settings.h"
-#include "batten/tests/catch.h"
-#include "batten/tests/reference.h"
+#include "batten/tests/support/catch.h"
+#include "batten/tests/support/test_data.h"
 
 using namespace batten;
 namespace fs = std::filesystem;
@@ -306,7 +306,7 @@ TEST_CASE("The distance to a stored face is that to its nearest point, edges inc
       double nearest = 1e300;
       for (const auto& face : faces) {
         nearest = std::min(nearest, face.distance(p));
-        CHECK(face.at_least(p) <= face.distance(p) + 1e-12);
+        CHECK(face.distance_lower_bound(p) <= face.distance(p) + 1e-12);
       }
       CHECK(distance(faces, p, first) == nearest);
       CHECK(faces[first].distance(p) == nearest);

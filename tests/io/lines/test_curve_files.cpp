@@ -16,12 +16,12 @@
 #include "batten/io/lines/cad_lines.h"
 #include "batten/io/lines/point_lines.h"
 #include "batten/io/pictures/curve_pictures.h"
-#include "batten/tests/catch.h"
-#include "batten/tests/reference.h"
-#include "batten/tests/refusal.h"
+#include "batten/tests/support/catch.h"
+#include "batten/tests/support/error_message.h"
+#include "batten/tests/support/test_data.h"
 
 using namespace batten;
-using batten_test::refusal;
+using batten_test::error_message;
 namespace fs = std::filesystem;
 using Catch::Matchers::Contains;
 
@@ -133,7 +133,8 @@ TEST_CASE("a line of one point stays where it can, and is named where it cannot"
     const auto notes = write_curves(folder / file, curves);
     REQUIRE(notes.size() == 1);
     CHECK_THAT(notes[0], Contains("'dot' is left out") && Contains(file));
-    CHECK_THAT(refusal([&] { write_curves(folder / file, {kDot}); }), Contains("no line to write"));
+    CHECK_THAT(error_message([&] { write_curves(folder / file, {kDot}); }),
+               Contains("no line to write"));
   }
   CHECK(read_point_lines(folder / "a.csv").size() == curves.size() - 1);
 }
@@ -265,20 +266,22 @@ print(*sorted(gmsh.model.occ.getMass(*e) for e in gmsh.model.getEntities(1)), fi
 TEST_CASE("curve files are written whole or not at all", "[io][curves]") {
   const fs::path folder = batten_test::scratch("curve_whole");
   const auto curves = many();
-  CHECK_THAT(refusal([&] { write_curves(folder / "a.stp2", curves); }),
+  CHECK_THAT(error_message([&] { write_curves(folder / "a.stp2", curves); }),
              Contains("'.stp2'") && Contains("did you mean '.stp'"));
-  CHECK_THAT(refusal([&] { write_curves(folder / "a", curves); }), Contains("no ending"));
-  CHECK_THAT(refusal([&] { write_curves(folder / "a.step", curves, {0.123}); }), Contains("unit"));
+  CHECK_THAT(error_message([&] { write_curves(folder / "a", curves); }), Contains("no ending"));
+  CHECK_THAT(error_message([&] { write_curves(folder / "a.step", curves, {0.123}); }),
+             Contains("unit"));
   auto broken = curves;
   broken[1].parameters[3] = std::nan("");
   broken.push_back({"far", {}, {}, {{INFINITY, 0, 0}}});
   for (const std::string& ending : curve_file_endings()) {
     const fs::path file = folder / ("old" + ending);
     std::ofstream(file) << "old";
-    CHECK_THAT(refusal([&] { write_curves(file, broken); }),
+    CHECK_THAT(error_message([&] { write_curves(file, broken); }),
                Contains("cornered rail") || Contains("far"));
-    CHECK_FALSE(refusal([&] { write_curves(folder / "none" / ("a" + ending), curves); }).empty());
-    CHECK_FALSE(refusal([&] { write_curves(file, {}); }).empty());
+    CHECK_FALSE(
+        error_message([&] { write_curves(folder / "none" / ("a" + ending), curves); }).empty());
+    CHECK_FALSE(error_message([&] { write_curves(file, {}); }).empty());
     CHECK(std::string(std::istreambuf_iterator<char>(*std::make_unique<std::ifstream>(file)), {}) ==
           "old");
   }
@@ -291,17 +294,19 @@ TEST_CASE("curvature combs are drawn, the same each time, and nothing without a 
   const fs::path folder = batten_test::scratch("curve_combs");
   CombPicture picture;
   picture.unit = "mm";
-  CHECK_THAT(refusal([&] { draw_combs(folder / "a.png", picture); }), Contains("no panel"));
+  CHECK_THAT(error_message([&] { draw_combs(folder / "a.png", picture); }), Contains("no panel"));
   picture.panels = {{"wild", {any_curve(9, false, {4}, 7)}, {{0, 0, 0}}, {}},
                     {"round", {circle(20, 64)}, {}, {{{20, 0, 1}, 5}}}};
   picture.scale_panel = 2;
-  CHECK_THAT(refusal([&] { draw_combs(folder / "a.png", picture); }), Contains("scale panel"));
+  CHECK_THAT(error_message([&] { draw_combs(folder / "a.png", picture); }),
+             Contains("scale panel"));
   picture.scale_panel = 1;
   auto hollow = picture;
   hollow.panels[0].curves = {HermiteCurve()};
-  CHECK_THAT(refusal([&] { draw_combs(folder / "a.png", hollow); }), Contains("'wild'"));
+  CHECK_THAT(error_message([&] { draw_combs(folder / "a.png", hollow); }), Contains("'wild'"));
   if (!std::getenv("DISPLAY")) {
-    CHECK_THAT(refusal([&] { draw_combs(folder / "a.png", picture); }), Contains("no display"));
+    CHECK_THAT(error_message([&] { draw_combs(folder / "a.png", picture); }),
+               Contains("no display"));
     CHECK(fs::is_empty(folder));
     WARN("skipped: no display");
     return;

@@ -2,8 +2,8 @@
 #include "batten/core/errors.h"
 #include "batten/fairing/arc_length.h"
 #include "batten/io/lines/drawing_lines.h"
-#include "batten/tests/catch.h"
-#include "batten/tests/reference.h"
+#include "batten/tests/support/catch.h"
+#include "batten/tests/support/test_data.h"
 
 #include <numbers>
 
@@ -47,7 +47,7 @@ double off_circle(const DrawnLine& line, const Vec3& centre, double radius) {
   return worst;
 }
 bool near(const Vec3& a, const Vec3& b) { return (a - b).norm() < 1e-9; }
-std::string refusal(const fs::path& path) {
+std::string error_message(const fs::path& path) {
   try {
     read_drawing(path);
   } catch (const InputError& e) {
@@ -163,24 +163,25 @@ TEST_CASE("SVG: paths keep their curves, straight ones are points", "[io][drawin
 
 TEST_CASE("drawings that are damaged or empty are named", "[io][drawings]") {
   using Catch::Matchers::Contains;
-  CHECK_THAT(refusal(file_with("b.dxf", "AutoCAD Binary DXF\r\n")), Contains("binary DXF"));
-  CHECK_THAT(refusal(file_with("b.dxf", "0\nSECTION\n2\nENTITIES\n0\nLINE\n8\n0\n10\n1")),
+  CHECK_THAT(error_message(file_with("b.dxf", "AutoCAD Binary DXF\r\n")), Contains("binary DXF"));
+  CHECK_THAT(error_message(file_with("b.dxf", "0\nSECTION\n2\nENTITIES\n0\nLINE\n8\n0\n10\n1")),
              Contains("cut off"));
-  CHECK_THAT(refusal(file_with("b.dxf", "0\nSECTION\n2\nENTITIES\n0\nENDSEC\n0\nEOF\n")),
+  CHECK_THAT(error_message(file_with("b.dxf", "0\nSECTION\n2\nENTITIES\n0\nENDSEC\n0\nEOF\n")),
              Contains("found no line"));
-  CHECK_THAT(refusal(file_with("b.svg", "<svg><path d='M 0 0 L 1")), Contains("XML"));
-  CHECK_THAT(refusal(file_with("b.svg", "<svg><path id='p' d='M 0 0 L one'/></svg>")),
+  CHECK_THAT(error_message(file_with("b.svg", "<svg><path d='M 0 0 L 1")), Contains("XML"));
+  CHECK_THAT(error_message(file_with("b.svg", "<svg><path id='p' d='M 0 0 L one'/></svg>")),
              Contains("found d = 'M 0 0 L one' of a path with id 'p', expected path data"));
-  CHECK_THAT(refusal(file_with("b.svg", "<svg><rect id='r' width='wide' height='1'/></svg>")),
+  CHECK_THAT(error_message(file_with("b.svg", "<svg><rect id='r' width='wide' height='1'/></svg>")),
              Contains("found width = 'wide'"));
-  CHECK_THAT(refusal(file_with("b.svg", "<svg><rect x='inf' width='1' height='1'/></svg>")),
+  CHECK_THAT(error_message(file_with("b.svg", "<svg><rect x='inf' width='1' height='1'/></svg>")),
              Contains("found x = 'inf' of a rect"));
-  CHECK_THAT(
-      refusal(file_with("b.svg", "<svg><rect x='1e50' y='1e50' width='1' height='1'/></svg>")),
-      Contains("found no piece of a line"));
-  CHECK_THAT(refusal(file_with("b.svg", "<svg><polyline points='1,2 nan,4'/></svg>")),
+  CHECK_THAT(error_message(
+                 file_with("b.svg", "<svg><rect x='1e50' y='1e50' width='1' height='1'/></svg>")),
+             Contains("found no piece of a line"));
+  CHECK_THAT(error_message(file_with("b.svg", "<svg><polyline points='1,2 nan,4'/></svg>")),
              Contains("pairs of numbers"));
-  CHECK_THAT(refusal(file_with("b.svg", "<svg><g transform='spin(3)'><line x2='1'/></g></svg>")),
-             Contains("transform"));
-  CHECK_THAT(refusal(file_with("b.svg", "<html></html>")), Contains("found no <svg>"));
+  CHECK_THAT(
+      error_message(file_with("b.svg", "<svg><g transform='spin(3)'><line x2='1'/></g></svg>")),
+      Contains("transform"));
+  CHECK_THAT(error_message(file_with("b.svg", "<html></html>")), Contains("found no <svg>"));
 }

@@ -5,11 +5,11 @@
 #include <fstream>
 
 #include "batten/io/lines/point_lines.h"
-#include "batten/tests/catch.h"
-#include "batten/tests/refusal.h"
+#include "batten/tests/support/catch.h"
+#include "batten/tests/support/error_message.h"
 
 using namespace batten;
-using batten_test::refusal;
+using batten_test::error_message;
 
 namespace {
 
@@ -20,8 +20,8 @@ std::filesystem::path file_with(const std::string& text, const std::string& name
   return folder / name;
 }
 
-std::string answer_to(const std::string& text) {
-  return refusal([&] { read_sketch_graph(file_with(text, "bad.json")); });
+std::string error_message_of(const std::string& text) {
+  return error_message([&] { read_sketch_graph(file_with(text, "bad.json")); });
 }
 
 const std::string good = R"({
@@ -64,21 +64,24 @@ TEST_CASE("A stroke is one line, its pieces exactly those of the file") {
 }
 
 TEST_CASE("What is wrong with a sketch graph is said with its file and place") {
-  CHECK(refusal([] { read_sketch_graph("no/such.json"); }).find("no/such.json: ") == 0);
-  CHECK(answer_to("{").find("no JSON") != std::string::npos);
-  CHECK(answer_to("[]").find("\"segments\"") != std::string::npos);
-  CHECK(answer_to(R"({"segments": [], "strokes": []})").find("no stroke") != std::string::npos);
-  CHECK(answer_to(with("[7, 8]", "[7, 12]")).find("stroke 5: found segment 12") !=
+  CHECK(error_message([] { read_sketch_graph("no/such.json"); }).find("no/such.json: ") == 0);
+  CHECK(error_message_of("{").find("no JSON") != std::string::npos);
+  CHECK(error_message_of("[]").find("\"segments\"") != std::string::npos);
+  CHECK(error_message_of(R"({"segments": [], "strokes": []})").find("no stroke") !=
         std::string::npos);
-  CHECK(answer_to(with("[7, 8]", "[8, 7]")).find("stroke 5: ") != std::string::npos);
-  CHECK(answer_to(with("[1,0,0]", "[1,0]")).find("segment 7: found [1,0]") != std::string::npos);
-  CHECK(answer_to(with("[1,0,0]", "[1,0,null]")).find("segment 7: ") != std::string::npos);
-  CHECK(answer_to(with("[1,0,0],", "")).find("4 control points") != std::string::npos);
-  CHECK(answer_to(with("\"id\": 8", "\"id\": 7")).find("segment 7: found it twice") !=
+  CHECK(error_message_of(with("[7, 8]", "[7, 12]")).find("stroke 5: found segment 12") !=
         std::string::npos);
-  CHECK(answer_to(with("\"id\": 9", "\"id\": 5")).find("stroke 5: found it twice") !=
+  CHECK(error_message_of(with("[7, 8]", "[8, 7]")).find("stroke 5: ") != std::string::npos);
+  CHECK(error_message_of(with("[1,0,0]", "[1,0]")).find("segment 7: found [1,0]") !=
         std::string::npos);
-  CHECK(answer_to(with("\"id\": 8", "\"id\": \"8\"")).find("a segment: ") != std::string::npos);
+  CHECK(error_message_of(with("[1,0,0]", "[1,0,null]")).find("segment 7: ") != std::string::npos);
+  CHECK(error_message_of(with("[1,0,0],", "")).find("4 control points") != std::string::npos);
+  CHECK(error_message_of(with("\"id\": 8", "\"id\": 7")).find("segment 7: found it twice") !=
+        std::string::npos);
+  CHECK(error_message_of(with("\"id\": 9", "\"id\": 5")).find("stroke 5: found it twice") !=
+        std::string::npos);
+  CHECK(error_message_of(with("\"id\": 8", "\"id\": \"8\"")).find("a segment: ") !=
+        std::string::npos);
 }
 
 TEST_CASE("Rows that say CURVE begin and name lines of a point file") {
@@ -89,7 +92,7 @@ TEST_CASE("Rows that say CURVE begin and name lines of a point file") {
   CHECK(lines[1].name == "curve 12");
   CHECK(lines[0].points.size() == 2);
   CHECK(lines[1].points == std::vector<Vec3>{{0, 1, 0}, {1, 1, 0}, {2, 1, 5}});
-  CHECK(refusal([] {
+  CHECK(error_message([] {
           read_point_lines(file_with("CURVE 0\nCURVE 1\n0 0 0\n1 0 0\n", "b.txt"));
         }).find("b.txt:1:1: found a line of 0 points") != std::string::npos);
 }

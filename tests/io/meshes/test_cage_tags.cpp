@@ -2,9 +2,9 @@
 #include <fstream>
 
 #include "batten/io/meshes/mesh_file.h"
-#include "batten/tests/catch.h"
-#include "batten/tests/reference.h"
-#include "batten/tests/refusal.h"
+#include "batten/tests/support/catch.h"
+#include "batten/tests/support/error_message.h"
+#include "batten/tests/support/test_data.h"
 
 using namespace batten;
 using namespace batten_test;
@@ -82,7 +82,7 @@ TEST_CASE("tags that cannot be followed are named with file and line, and only o
     INFO(tag);
     const MeshFile file = cage("t corner 1/1/0 0 1\n" + tag + "\n");
     CHECK(file.shells().face_count() == 2);
-    const std::string message = refusal([&] { file.cage_tags(); });
+    const std::string message = error_message([&] { file.cage_tags(); });
     CHECK_THAT(message, Contains("cage.obj:10:") && Contains(why));
   }
 }

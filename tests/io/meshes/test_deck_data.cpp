@@ -1,7 +1,7 @@
 // Whole decks as engineers have them, where they are beside the project.
 #include <algorithm>
 
-#include "batten/tests/io/meshes/mesh_laws.h"
+#include "batten/tests/io/meshes/mesh_file_properties.h"
 
 using namespace batten_test;
 namespace fs = std::filesystem;
@@ -40,7 +40,7 @@ TEST_CASE("public decks: nothing moves and no byte changes, what moves is read a
     const MeshFile file = MeshFile::read(path);
     check_round_trip(path, moved(file, 1e-3, 3), 1e-2);
     MeshWriteOptions wide;
-    wide.wide_nodes = true;
+    wide.large_field_nodes = true;
     check_round_trip(path, moved(file, 1e-3, 3), 1e-9, wide);
     // What an edit that moves nothing leaves behind: the rounding of its sums.
     const auto target = mesh_scratch() / ("noise_" + path.filename().string());
@@ -63,10 +63,10 @@ TEST_CASE("public decks: every card of an element is there with its nodes", "[da
     const MeshFile file = MeshFile::read(path);
     const std::string text = bytes_of(path);
     std::map<std::string, long> found;
-    for (const OtherElement& element : file.others()) {
+    for (const NonShellElement& element : file.other_elements()) {
       ++found[element.name];
       CHECK(!element.nodes.empty());
-      if (element.kind == OtherElement::Kind::Average)
+      if (element.kind == NonShellElement::Kind::Interpolation)
         CHECK(element.weights.size() + 1 == element.nodes.size());
       if (element.name == "CHEXA") CHECK(element.nodes.size() == 8);
       if (element.name == "CBUSH") CHECK(element.nodes.size() == 2);

@@ -1,24 +1,25 @@
 // What decks have beside shells, by its nodes.
-#include "batten/tests/io/meshes/mesh_laws.h"
+#include "batten/tests/io/meshes/mesh_file_properties.h"
 
 using namespace batten_test;
 using Catch::Matchers::Contains;
-using Kind = OtherElement::Kind;
+using Kind = NonShellElement::Kind;
 
 namespace {
 
 /// "Kind name label: nodes by their numbers; weights" of each element.
-std::vector<std::string> told(const MeshFile& file) {
+std::vector<std::string> element_texts(const MeshFile& file) {
   static const std::map<Kind, std::string> kinds{
-      {Kind::Solid, "solid"},  {Kind::Beam, "beam"}, {Kind::Bush, "bush"},  {Kind::Rigid, "rigid"},
-      {Kind::Average, "mean"}, {Kind::Mass, "mass"}, {Kind::Other, "other"}};
+      {Kind::Solid, "solid"}, {Kind::Beam, "beam"},          {Kind::Bush, "bush"},
+      {Kind::Rigid, "rigid"}, {Kind::Interpolation, "mean"}, {Kind::Mass, "mass"},
+      {Kind::Other, "other"}};
   std::vector<std::string> all;
-  for (const OtherElement& element : file.others()) {
+  for (const NonShellElement& element : file.other_elements()) {
     std::string text =
         kinds.at(element.kind) + " " + element.name + " " + std::to_string(element.label) + ":";
     for (const int node : element.nodes) text += " " + std::to_string(file.node_label(node));
     if (!element.weights.empty()) text += ";";
-    for (const double weight : element.weights) text += " " + number(weight);
+    for (const double weight : element.weights) text += " " + format_number(weight);
     all.push_back(text);
   }
   return all;
@@ -35,7 +36,7 @@ std::string nastran_grids(int count) {
 }
 
 Lines nastran(const std::string& cards) {
-  return told(MeshFile::read(file_with("others.bdf", nastran_grids(30) + cards)));
+  return element_texts(MeshFile::read(file_with("others.bdf", nastran_grids(30) + cards)));
 }
 
 }  // namespace
@@ -112,7 +113,7 @@ TEST_CASE("Nastran: averages have their reference node first, then nodes with we
 TEST_CASE("Nastran: nodes of other elements that are not there are named with their place",
           "[io][decks]") {
   const auto says = [](const std::string& cards) {
-    return mistake("others_wrong.bdf", "GRID,1\nGRID,2\nGRID,3\nCTRIA3,1,1,1,2,3\n" + cards);
+    return read_error("others_wrong.bdf", "GRID,1\nGRID,2\nGRID,3\nCTRIA3,1,1,1,2,3\n" + cards);
   };
   CHECK(says("CBAR,10,1,1,99,0.,0.,1.\n") ==
         "5:6: found node 99 in CBAR 10, expected the number of a node");
@@ -133,7 +134,7 @@ std::string abaqus_nodes(int count) {
 }
 
 Lines abaqus(const std::string& text) {
-  return told(MeshFile::read(file_with("others.inp", abaqus_nodes(30) + text)));
+  return element_texts(MeshFile::read(file_with("others.inp", abaqus_nodes(30) + text)));
 }
 
 }  // namespace
@@ -183,8 +184,8 @@ TEST_CASE("Abaqus: connections by nodes, sets and surfaces", "[io][decks]") {
 TEST_CASE("Abaqus: nodes of other elements that are not there are named with their place",
           "[io][decks]") {
   const auto says = [](const std::string& text) {
-    return mistake("others_wrong.inp",
-                   "*NODE\n1,0,0,0\n2,1,0,0\n3,0,1,0\n*ELEMENT,TYPE=S3\n1,1,2,3\n" + text);
+    return read_error("others_wrong.inp",
+                      "*NODE\n1,0,0,0\n2,1,0,0\n3,0,1,0\n*ELEMENT,TYPE=S3\n1,1,2,3\n" + text);
   };
   CHECK(says("*ELEMENT,TYPE=B31\n7,1,99\n") ==
         "8:1: found node 99 in B31 7, expected the number of a node");
@@ -202,7 +203,7 @@ Lines dyna(const std::string& keyword, const std::string& text) {
   for (int i = 1; i <= 30; ++i)
     deck +=
         std::to_string(i) + "," + std::to_string(i % 5) + ".," + std::to_string(i / 5) + ".,0.\n";
-  return told(MeshFile::read(
+  return element_texts(MeshFile::read(
       file_with("others.k", deck + "*ELEMENT_SHELL\n1,1,1,2,7,6\n" + text + "*END\n")));
 }
 
@@ -252,9 +253,9 @@ TEST_CASE("LS-DYNA: beams, springs, masses and connections", "[io][decks]") {
               "rigid *CONSTRAINED_NODAL_RIGID_BODY 9: 2 1 3"});
   CHECK(dyna("*KEYWORD I10=Y", "*ELEMENT_BEAM\n        10         1         1         2\n") ==
         Lines{"beam *ELEMENT_BEAM 10: 1 2"});
-  CHECK(mistake("wrong.k",
-                "*NODE\n1,0,0,0\n2,1,0,0\n3,0,1,0\n*ELEMENT_SHELL\n1,1,1,2,3\n"
-                "*ELEMENT_BEAM\n7,1,1,99\n") ==
+  CHECK(read_error("wrong.k",
+                   "*NODE\n1,0,0,0\n2,1,0,0\n3,0,1,0\n*ELEMENT_SHELL\n1,1,1,2,3\n"
+                   "*ELEMENT_BEAM\n7,1,1,99\n") ==
         "8:1: found node 99 in *ELEMENT_BEAM 7, expected the number of a node");
 }
 
@@ -296,9 +297,9 @@ TEST_CASE("Radioss: nodes, shells, parts, groups and what is beside them", "[io]
   REQUIRE(file.sets().size() == 1);
   CHECK(file.sets()[0].title == "rim");
   CHECK(file.sets()[0].nodes == std::vector<int>{0, 1, 2});
-  CHECK(told(file) == Lines{"solid /BRICK 10: 1 2 3 4 20", "beam /BEAM 11: 1 2 20",
-                            "bush /SPRING 12: 1", "solid /TETRA10 13: 1 2 3 20",
-                            "rigid /RBODY 6: 20 1 2 3"});
+  CHECK(element_texts(file) == Lines{"solid /BRICK 10: 1 2 3 4 20", "beam /BEAM 11: 1 2 20",
+                                     "bush /SPRING 12: 1", "solid /TETRA10 13: 1 2 3 20",
+                                     "rigid /RBODY 6: 20 1 2 3"});
   CHECK(file.warnings() == Lines{"/ADMAS, 1 /BEAM, 1 /BRICK, 1 /RBODY, 1 /SPRING, 1 /TETRA10"});
 }
 
@@ -324,7 +325,7 @@ TEST_CASE("Radioss: only columns of coordinates change", "[io][decks]") {
 
 TEST_CASE("Radioss: what is not one model in its place is named", "[io][decks]") {
   const auto says = [](const std::string& text) {
-    return mistake("e.rad", "/NODE\n         1\n         2                 1.0\n" + text);
+    return read_error("e.rad", "/NODE\n         1\n         2                 1.0\n" + text);
   };
   CHECK(says("/TRANSFORM/TRA/1\n") ==
         "4:1: found '/TRANSFORM/TRA/1', expected one model with its nodes in their place");

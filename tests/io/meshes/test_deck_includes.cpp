@@ -1,7 +1,7 @@
 // Decks in several files: read as one, written beside one another.
 #include <algorithm>
 
-#include "batten/tests/io/meshes/mesh_laws.h"
+#include "batten/tests/io/meshes/mesh_file_properties.h"
 
 using namespace batten_test;
 using Catch::Matchers::Contains;
@@ -30,7 +30,7 @@ Files files_in(const fs::path& folder) {
 }
 
 /// The error of reading a tree, in which the folder is "@".
-std::string mistake_in(const Files& files, const std::string& main) {
+std::string read_error_in(const Files& files, const std::string& main) {
   const fs::path folder = folder_with("includes_wrong", files);
   try {
     MeshFile::read(folder / main);
@@ -94,7 +94,7 @@ TEST_CASE("included files are read in their place and written beside the deck", 
     for (long label = 1; label <= 4; ++label)
       CHECK(file.shells().points.row(*file.node_of_label(label)) ==
             Vec3(label == 2 || label == 3, label > 2, 0).transpose());
-    CHECK(file.files_beside().size() + 1 == files.size());
+    CHECK(file.included_files().size() + 1 == files.size());
     CHECK(file.warnings() == MeshFile::read(folder / main).warnings());
     // Nothing moves: the same bytes in all files.
     CHECK(file.write(out / main, file.shells().points).largest == 0);
@@ -120,38 +120,38 @@ TEST_CASE("included files are read in their place and written beside the deck", 
 TEST_CASE("included files: messages name the right file and line", "[io][decks]") {
   Files files = kNastran;
   files["parts/more/last.dat"] = "\nGRID,2,,1.x,0.,0.\n";
-  CHECK(mistake_in(files, "main.bdf") ==
+  CHECK(read_error_in(files, "main.bdf") ==
         "@/parts/more/last.dat:2:9: found '1.x', expected a number");
   files["parts/more/last.dat"] = "$\nGRID,1,,1.,0.,0.\n";
-  CHECK(mistake_in(files, "main.bdf") ==
+  CHECK(read_error_in(files, "main.bdf") ==
         "@/parts/more/last.dat:2:6: found node 1 a second time, the first is in line 2 of "
         "@/parts/nodes.bdf");
   files["parts/more/last.dat"] = "INCLUDE '../nodes.bdf'\n";
   CHECK(
-      mistake_in(files, "main.bdf") ==
+      read_error_in(files, "main.bdf") ==
       "@/main.bdf:4: @/parts/nodes.bdf:3: @/parts/more/last.dat:1: found @/parts/nodes.bdf, which "
       "includes itself, expected files that end");
   files["parts/more/last.dat"] = "$\nINCLUDE 'none.bdf'\n";
   CHECK(
-      mistake_in(files, "main.bdf") ==
+      read_error_in(files, "main.bdf") ==
       "@/main.bdf:4: @/parts/nodes.bdf:3: @/parts/more/last.dat:2: @/parts/more/none.bdf: found no "
       "such file, expected an included file");
   files["parts/more/last.dat"] = "INCLUDE 'none.bdf\n";
-  CHECK(mistake_in(files, "main.bdf") ==
+  CHECK(read_error_in(files, "main.bdf") ==
         "@/parts/more/last.dat:1:1: found 'INCLUDE 'none.bdf' without its second quote, expected "
         "one");
   Files abaqus = kAbaqus;
   abaqus["parts/element.inp"] = "1,1,2,3,9\n";
-  CHECK(mistake_in(abaqus, "main.inp") ==
+  CHECK(read_error_in(abaqus, "main.inp") ==
         "@/parts/element.inp:1:1: found node 9 in element 1, expected the number of a node");
   abaqus["parts/element.inp"] = "*INCLUDE,INPUT=main.inp\n";
-  CHECK_THAT(mistake_in(abaqus, "main.inp"), Contains("@/main.inp, which includes itself"));
+  CHECK_THAT(read_error_in(abaqus, "main.inp"), Contains("@/main.inp, which includes itself"));
   abaqus["parts/element.inp"] = "*INCLUDE\n";
-  CHECK(mistake_in(abaqus, "main.inp") ==
+  CHECK(read_error_in(abaqus, "main.inp") ==
         "@/parts/element.inp:1:1: found no name of a file, expected one");
   Files dyna = kDyna;
   dyna["lib/wide.k"] = "*KEYWORD I10=Y\n";
-  CHECK_THAT(mistake_in(dyna, "main.k"),
+  CHECK_THAT(read_error_in(dyna, "main.k"),
              Contains("@/lib/wide.k:1:1: found '*KEYWORD I10=Y' in a file that is included in "
                       "another format"));
 }
@@ -163,7 +163,7 @@ TEST_CASE("files that include others again and again have an end", "[io][decks]"
     files["f" + std::to_string(i) + ".bdf"] = next + next;
   }
   files["f30.bdf"] = "$\n";
-  CHECK_THAT(mistake_in(files, "f0.bdf"), Contains("found more files than are followed"));
+  CHECK_THAT(read_error_in(files, "f0.bdf"), Contains("found more files than are followed"));
 }
 
 TEST_CASE("included files outside of the deck's folder stay where they are", "[io][decks]") {
@@ -178,7 +178,7 @@ TEST_CASE("included files outside of the deck's folder stay where they are", "[i
           return warning.find("shared/node") != warning.npos &&
                  warning.find("looks for it under the same name") != warning.npos;
         }) == 2);
-  CHECK(file.files_beside().empty());
+  CHECK(file.included_files().empty());
   fs::create_directories(folder / "out");
   Points points = file.shells().points;
   points(0, 2) = 0.5;
@@ -226,14 +226,14 @@ TEST_CASE("LS-DYNA: *INCLUDE_TRANSFORM is followed where it changes nothing", "[
   const auto deck = [&](const std::string& cards) {
     return Files{{"main.k", nodes + cards + shell}, {"node.k", "*NODE\n3,0.,1.,0.\n"}};
   };
-  CHECK(mistake_in(deck(""), "main.k") == "no mistake");
-  CHECK(mistake_in(
+  CHECK(read_error_in(deck(""), "main.k") == "no mistake");
+  CHECK(read_error_in(
             deck("         0         0         0         0         0         0         0\n"
                  "         0\n       1.0       1.0       1.0         1         1\n         0\n"),
             "main.k") == "no mistake");
-  CHECK(mistake_in(deck("       100\n"), "main.k") ==
+  CHECK(read_error_in(deck("       100\n"), "main.k") ==
         "@/main.k:7:8: found '100' of *INCLUDE_TRANSFORM, expected a file that is included as it "
         "is");
-  CHECK_THAT(mistake_in(deck("0\n0\n1.,1.,.001\n"), "main.k"), Contains("found '.001' of"));
-  CHECK_THAT(mistake_in(deck("0\n0\n1.,1.,1.\n7\n"), "main.k"), Contains("found '7' of"));
+  CHECK_THAT(read_error_in(deck("0\n0\n1.,1.,.001\n"), "main.k"), Contains("found '.001' of"));
+  CHECK_THAT(read_error_in(deck("0\n0\n1.,1.,1.\n7\n"), "main.k"), Contains("found '7' of"));
 }

@@ -4,7 +4,7 @@
 #include <regex>
 #include <sstream>
 
-#include "batten/tests/io/meshes/mesh_laws.h"
+#include "batten/tests/io/meshes/mesh_file_properties.h"
 
 using namespace batten_test;
 using Catch::Matchers::Contains;
@@ -24,13 +24,13 @@ class OwnReader {
       if (values[0].starts_with("CORD")) systems_[std::stol(values[1])] = values;
     }
   }
-  Vec3 place(long grid) const {
+  Vec3 position(long grid) const {
     const auto& values = grids_.at(grid);
     return out_of(integer(values[2]), three(values, 3));
   }
-  std::map<long, Vec3> places() const {
+  std::map<long, Vec3> positions() const {
     std::map<long, Vec3> all;
-    for (const auto& [label, values] : grids_) all[label] = place(label);
+    for (const auto& [label, values] : grids_) all[label] = position(label);
     return all;
   }
 
@@ -50,9 +50,9 @@ class OwnReader {
     const auto& values = systems_.at(system);
     Vec3 a, b, c;
     if (values[0][4] == '1') {
-      a = place(integer(values[2]));
-      b = place(integer(values[3]));
-      c = place(integer(values[4]));
+      a = position(integer(values[2]));
+      b = position(integer(values[3]));
+      c = position(integer(values[4]));
     } else {
       a = out_of(integer(values[2]), three(values, 3));
       b = out_of(integer(values[2]), three(values, 6));
@@ -89,12 +89,13 @@ std::string deck_of_systems() {
   return text + "CTRIA3,1,1,101,102,103\nENDDATA\n";
 }
 
-void check_places(const MeshFile& file, const std::map<long, Vec3>& places, double within) {
-  REQUIRE(static_cast<int>(places.size()) == file.shells().node_count());
-  for (const auto& [label, place] : places) {
+void check_node_positions(const MeshFile& file, const std::map<long, Vec3>& positions,
+                          double within) {
+  REQUIRE(static_cast<int>(positions.size()) == file.shells().node_count());
+  for (const auto& [label, position] : positions) {
     INFO("node " << label);
     const Vec3 there = file.shells().points.row(*file.node_of_label(label)).transpose();
-    CHECK((there - place).norm() <= within);
+    CHECK((there - position).norm() <= within);
   }
 }
 
@@ -102,7 +103,8 @@ void check_places(const MeshFile& file, const std::map<long, Vec3>& places, doub
 
 TEST_CASE("Nastran: nodes of local systems have their place in the basic one", "[io][decks]") {
   const std::string text = deck_of_systems();
-  check_places(MeshFile::read(file_with("systems.bdf", text)), OwnReader(text).places(), 1e-12);
+  check_node_positions(MeshFile::read(file_with("systems.bdf", text)), OwnReader(text).positions(),
+                       1e-12);
   // By hand: turned by a quarter, on the pole, an angle that is exact.
   const MeshFile file = MeshFile::read(file_with(
       "exact.bdf",
@@ -128,10 +130,10 @@ TEST_CASE("Nastran: nodes that move are written in their own systems", "[io][dec
     const auto target = check_round_trip(path, points, 1e-11);
     std::map<long, Vec3> wanted;
     for (int i = 0; i < points.rows(); ++i) wanted[file.node_label(i)] = points.row(i).transpose();
-    const auto again = OwnReader(bytes_of(target)).places();
-    for (const auto& [label, place] : wanted) {
+    const auto again = OwnReader(bytes_of(target)).positions();
+    for (const auto& [label, position] : wanted) {
       INFO("node " << label);
-      CHECK((again.at(label) - place).norm() <= 1e-11);
+      CHECK((again.at(label) - position).norm() <= 1e-11);
     }
   }
 }
@@ -190,7 +192,7 @@ TEST_CASE(
 
 TEST_CASE("Nastran: systems that cannot be followed are named with their place", "[io][decks]") {
   const auto says = [](const std::string& text) {
-    return mistake(
+    return read_error(
         "no_system.bdf",
         "GRID,1,7,0.,0.,0.\nGRID,2,,1.,0.,0.\nGRID,3,,0.,1.,0.\nCTRIA3,1,1,1,2,3\n" + text);
   };

@@ -5,7 +5,7 @@
 #include <fstream>
 #include <sstream>
 
-#include "batten/tests/io/meshes/mesh_laws.h"
+#include "batten/tests/io/meshes/mesh_file_properties.h"
 
 using namespace batten_test;
 using Catch::Matchers::Contains;
@@ -340,7 +340,7 @@ TEST_CASE("Nastran: wide nodes keep the digits that small fields lose", "[io][de
     const Points points = moved(file, 0.3, 1);
     const double small = file.write(mesh_scratch() / "s.bdf", points).largest;
     MeshWriteOptions options;
-    options.wide_nodes = true;
+    options.large_field_nodes = true;
     const auto target = check_round_trip(path, points, 1e-4, options);
     CHECK(file.write(target, points, options).largest <= small);
     const std::string written = bytes_of(target);
@@ -395,7 +395,7 @@ TEST_CASE("Gmsh reads the nodes that were written to Nastran decks", "[io][decks
 }
 
 TEST_CASE("Nastran: mistakes are named with line and column", "[io][decks]") {
-  const auto says = [](const std::string& text) { return mistake("e.bdf", text); };
+  const auto says = [](const std::string& text) { return read_error("e.bdf", text); };
   const std::string grids =
       "GRID    1               0.      0.      0.\nGRID    2               1.      0.      0.\n"
       "GRID    3               0.      1.      0.\n";
@@ -512,7 +512,7 @@ TEST_CASE("CalculiX runs a deck that was written back", "[io][decks]") {
 }
 
 TEST_CASE("Abaqus: mistakes are named with line and column", "[io][decks]") {
-  const auto says = [](const std::string& text) { return mistake("e.inp", text); };
+  const auto says = [](const std::string& text) { return read_error("e.inp", text); };
   const std::string nodes = "*NODE\n1,0,0,0\n2,1,0,0\n3,0,1,0\n";
   CHECK(says("*NODE,SYSTEM=X\n1,0,0,0\n") == "1:1: found SYSTEM=X, expected R, C or S");
   CHECK(says(nodes + "*NGEN\n1,3,1\n") ==
@@ -652,7 +652,7 @@ TEST_CASE("LS-DYNA: second-order shells", "[io][decks]") {
 }
 
 TEST_CASE("LS-DYNA: mistakes are named with line and column", "[io][decks]") {
-  const auto says = [](const std::string& text) { return mistake("e.k", text); };
+  const auto says = [](const std::string& text) { return read_error("e.k", text); };
   const std::string nodes = "*KEYWORD\n*NODE\n1,0,0,0\n2,1,0,0\n3,0,1,0\n";
   CHECK(says(nodes + "*ELEMENT_SHELL\n1,1,1,2,9,9\n") ==
         "7:1: found node 9 in element 1, expected the number of a node");

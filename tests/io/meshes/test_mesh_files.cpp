@@ -5,7 +5,7 @@
 #include <limits>
 #include <set>
 
-#include "batten/tests/io/meshes/mesh_laws.h"
+#include "batten/tests/io/meshes/mesh_file_properties.h"
 
 using namespace batten_test;
 using Catch::Matchers::Contains;
@@ -207,7 +207,7 @@ TEST_CASE("OFF: headers and counts", "[io][mesh]") {
     CHECK(file.node_label(2) == 2);
     CHECK(file.warnings().size() == (header.find("NOFF") < header.npos ? 1 : 0));
   }
-  const auto says = [](const std::string& text) { return mistake("e.off", text); };
+  const auto says = [](const std::string& text) { return read_error("e.off", text); };
   CHECK(says("4OFF\n3 1 0\n") == "1:1: found '4OFF', expected OFF, COFF, NOFF, STOFF or CNOFF");
   CHECK(says("OFF BINARY\n") == "1:5: found a binary OFF file, expected text");
   CHECK(says("OFF\n4 1 0\n" + body) == "7:1: found 0 faces, expected 1");
@@ -225,7 +225,7 @@ TEST_CASE("OFF: headers and counts", "[io][mesh]") {
 }
 
 TEST_CASE("OBJ: mistakes are named with line and column", "[io][mesh]") {
-  const auto says = [](const std::string& text) { return mistake("e.obj", text); };
+  const auto says = [](const std::string& text) { return read_error("e.obj", text); };
   const std::string v = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
   CHECK(says(v + "f 1 2 4\n") == "4:7: found node number 4, expected 1 to 3 or -1 to -3");
   CHECK(says(v + "f 0 1 2\n") == "4:3: found node number 0, expected 1 to 3 or -1 to -3");
@@ -258,14 +258,15 @@ TEST_CASE("files that are no mesh files are named", "[io][mesh]") {
        {".obj", ".off", ".ply", ".stl", ".vtp", ".vtu", ".bdf", ".inp", ".k"}) {
     INFO(extension);
     CHECK_THAT(says(folder / ("none" + extension)), Contains("found no such file"));
-    CHECK_THAT(mistake("empty" + extension, ""), Contains("found an empty file, expected a mesh"));
-    CHECK_THAT(mistake("blank" + extension, " \r\n\n"), Contains("found an empty file"));
-    CHECK(mistake("utf16" + extension, std::string("\xFF\xFEv\0 \0\x31\0", 8)) != "no mistake");
+    CHECK_THAT(read_error("empty" + extension, ""),
+               Contains("found an empty file, expected a mesh"));
+    CHECK_THAT(read_error("blank" + extension, " \r\n\n"), Contains("found an empty file"));
+    CHECK(read_error("utf16" + extension, std::string("\xFF\xFEv\0 \0\x31\0", 8)) != "no mistake");
     std::string garbage;
     std::mt19937 random(5);
     for (int i = 0; i < 5000; ++i) garbage += static_cast<char>(random() % 256);
-    CHECK(mistake("garbage" + extension, garbage) != "no mistake");
-    CHECK(mistake("zeros" + extension, std::string(500, '\0')) != "no mistake");
+    CHECK(read_error("garbage" + extension, garbage) != "no mistake");
+    CHECK(read_error("zeros" + extension, std::string(500, '\0')) != "no mistake");
   }
   CHECK_THAT(says(folder), Contains("found a folder, expected a mesh"));
   CHECK_THAT(says(folder / "a.step"), Contains("'.step'") && Contains(".bdf"));
@@ -304,7 +305,7 @@ TEST_CASE("PLY: text and binary of either byte order", "[io][mesh]") {
   Points points = file.shells().points;
   points(2, 1) = 1e39;
   CHECK_THROWS_WITH(file.write(mesh_scratch() / "b.ply", points), Contains("does not fit"));
-  const auto says = [](const std::string& bytes) { return mistake("e.ply", bytes); };
+  const auto says = [](const std::string& bytes) { return read_error("e.ply", bytes); };
   const std::string head =
       "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float "
       "z\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 "
@@ -350,15 +351,16 @@ TEST_CASE("STL: corners become nodes, normals follow", "[io][mesh]") {
   const std::string after = bytes_of(check_round_trip(marked, moved(again, 0.3, 1), 1e-7));
   CHECK(after.substr(0, 84) == bytes.substr(0, 84));
   CHECK(after[84 + 48] == 'A');
-  CHECK_THAT(mistake("short.stl", bytes.substr(0, 150)), Contains("found"));
-  CHECK(mistake("e.stl", "solid\nfacet normal 0 0 1\nvertex 0 0 0\nendfacet\n") ==
+  CHECK_THAT(read_error("short.stl", bytes.substr(0, 150)), Contains("found"));
+  CHECK(read_error("e.stl", "solid\nfacet normal 0 0 1\nvertex 0 0 0\nendfacet\n") ==
         "4:1: found 'endfacet' after 1 corner, expected facets of three");
-  CHECK(mistake("e.stl", "solid\nfacet\nvertex 0 0 x\n") == "3:12: found 'x', expected a number");
+  CHECK(read_error("e.stl", "solid\nfacet\nvertex 0 0 x\n") ==
+        "3:12: found 'x', expected a number");
   std::string infinite = bytes;
   put(infinite, std::numeric_limits<float>::infinity(), false);
   infinite.replace(84 + 12, 4, infinite.substr(infinite.size() - 4));
   infinite.resize(bytes.size());
-  CHECK_THAT(mistake("inf.stl", infinite), Contains("triangle 0 is not finite"));
+  CHECK_THAT(read_error("inf.stl", infinite), Contains("triangle 0 is not finite"));
 }
 
 TEST_CASE("a mesh is the same in every format that can hold it", "[io][mesh]") {
@@ -494,8 +496,8 @@ TEST_CASE("VTP and VTU: other cells and data stay, normals go", "[io][mesh]") {
     // Cells that name nodes which are not there.
     std::string broken = surface ? vtp : vtu;
     broken.replace(broken.find("0 4"), 3, "0 6");
-    CHECK_THAT(mistake(surface ? "n.vtp" : "n.vtu", broken), Contains("found node number 6"));
-    CHECK_THAT(mistake(surface ? "n.vtu" : "n.vtp", surface ? vtp : vtu),
+    CHECK_THAT(read_error(surface ? "n.vtp" : "n.vtu", broken), Contains("found node number 6"));
+    CHECK_THAT(read_error(surface ? "n.vtu" : "n.vtp", surface ? vtp : vtu),
                Contains("VTK cannot read"));
     check_damage(surface ? ".vtp" : ".vtu", surface ? vtp : vtu, 300, false);
   }

@@ -18,9 +18,9 @@
 
 #include "batten/core/errors.h"
 #include "batten/io/meshes/mesh_file.h"
-#include "batten/tests/catch.h"
-#include "batten/tests/reference.h"
-#include "batten/tests/refusal.h"
+#include "batten/tests/support/catch.h"
+#include "batten/tests/support/error_message.h"
+#include "batten/tests/support/test_data.h"
 
 using namespace batten;
 using namespace batten_test;
@@ -189,13 +189,14 @@ TEST_CASE("where one of two files cannot be written there is none, and old ones 
   const fs::path folder = scratch("written_both");
   fs::create_directories(folder / "b.mtl");  // a folder has the name
   std::ofstream(folder / "b.obj") << "old";
-  CHECK_THAT(refusal([&] { write_mesh(folder / "b.obj", block(), sets()); }), Contains("b.mtl"));
+  CHECK_THAT(error_message([&] { write_mesh(folder / "b.obj", block(), sets()); }),
+             Contains("b.mtl"));
   CHECK(bytes_of(folder / "b.obj") == "old");
   CHECK(std::distance(fs::directory_iterator(folder), fs::directory_iterator()) == 2);
   std::vector<MeshSet> wrong = sets();
   wrong[0].colour = "red";
   for (const char* name : {"c.obj", "c.ply", "c.glb", "c.3mf"}) {
-    CHECK_THAT(refusal([&] { write_mesh(folder / name, block(), wrong, 1); }),
+    CHECK_THAT(error_message([&] { write_mesh(folder / name, block(), wrong, 1); }),
                Contains("the colour 'red'"));
     CHECK_FALSE(fs::exists(folder / name));
   }
@@ -271,13 +272,13 @@ TEST_CASE("3MF holds one closed object in millimetres, with materials", "[writte
 TEST_CASE("GLB and 3MF need a unit, and say so", "[written]") {
   const fs::path folder = scratch("written_units");
   for (const char* name : {"a.glb", "a.3mf"}) {
-    CHECK_THAT(refusal([&] { write_mesh(folder / name, block()); }),
+    CHECK_THAT(error_message([&] { write_mesh(folder / name, block()); }),
                Contains("expected one: files of this kind state it"));
     CHECK_FALSE(fs::exists(folder / name));
   }
   ShellMesh far = block();
   far.points(3, 0) = 1e39;
   for (const char* name : {"a.glb", "a.3mf"})
-    CHECK_THAT(refusal([&] { write_mesh(folder / name, far, {}, 1); }),
+    CHECK_THAT(error_message([&] { write_mesh(folder / name, far, {}, 1); }),
                Contains("node 3 is too large for single precision"));
 }

@@ -7,12 +7,12 @@
 
 #include "batten/io/pictures/animation.h"
 #include "batten/io/vtk/vtk_series.h"
-#include "batten/tests/catch.h"
-#include "batten/tests/reference.h"
-#include "batten/tests/refusal.h"
+#include "batten/tests/support/catch.h"
+#include "batten/tests/support/error_message.h"
+#include "batten/tests/support/test_data.h"
 
 using namespace batten;
-using batten_test::refusal;
+using batten_test::error_message;
 using Catch::Matchers::Contains;
 namespace fs = std::filesystem;
 
@@ -111,20 +111,21 @@ TEST_CASE("a GIF is read back frame by frame by another program", "[io][animatio
 
 TEST_CASE("animations that cannot be are refused and leave nothing", "[io][animation]") {
   const fs::path folder = batten_test::scratch("no_gif"), file = folder / "a.gif";
-  CHECK_THAT(refusal([&] { write_gif(file, {}, 1, 1); }), Contains("found no pictures"));
-  CHECK_THAT(refusal([&] {
+  CHECK_THAT(error_message([&] { write_gif(file, {}, 1, 1); }), Contains("found no pictures"));
+  CHECK_THAT(error_message([&] {
                write_gif(file, {disc(0), disc(0, 80)}, 1, 1);
              }),
              Contains("90 x 64 and 80 x 64"));
-  CHECK_THAT(refusal([&] {
+  CHECK_THAT(error_message([&] {
                write_gif(file, {Image{2, 2, {1, 2, 3}}}, 1, 1);
              }),
              Contains("with 3 bytes"));
-  CHECK_THAT(refusal([&] { write_gif(file, {disc(0)}, 0, 1); }), Contains("found 0 seconds"));
-  CHECK_THAT(refusal([&] { write_gif(file, {disc(0)}, 1, std::nan("")); }), Contains("found nan"));
-  CHECK_THAT(refusal([&] { write_gif(folder / "none" / "a.gif", {disc(0)}, 1, 1); }),
+  CHECK_THAT(error_message([&] { write_gif(file, {disc(0)}, 0, 1); }), Contains("found 0 seconds"));
+  CHECK_THAT(error_message([&] { write_gif(file, {disc(0)}, 1, std::nan("")); }),
+             Contains("found nan"));
+  CHECK_THAT(error_message([&] { write_gif(folder / "none" / "a.gif", {disc(0)}, 1, 1); }),
              Contains("does not exist"));
-  CHECK_THAT(refusal([&] { write_png(folder / "a.png", {}); }), Contains("0 x 0"));
+  CHECK_THAT(error_message([&] { write_png(folder / "a.png", {}); }), Contains("0 x 0"));
   CHECK(fs::is_empty(folder));
 }
 
@@ -140,14 +141,14 @@ TEST_CASE("a series has all digits of its values, in their direction", "[io][ser
   CHECK(values == std::vector<double>{-1, third, 1e30});
   CHECK_THAT(text, Contains("file=\"b&lt;&amp;&quot;>.vtp\""));
   write_pvd(file, {{3, "a"}, {2, "b"}, {0, "c"}});  // downwards, too
-  CHECK_THAT(refusal([&] { write_pvd(file, {}); }), Contains("no files"));
-  CHECK_THAT(refusal([&] {
+  CHECK_THAT(error_message([&] { write_pvd(file, {}); }), Contains("no files"));
+  CHECK_THAT(error_message([&] {
                write_pvd(file, {{0, "a"}, {0, "b"}});
              }),
              Contains("found the value 0"));
-  CHECK_THAT(refusal([&] {
+  CHECK_THAT(error_message([&] {
                write_pvd(file, {{0, "a"}, {1, "b"}, {0.5, "c"}});
              }),
              Contains("one direction"));
-  CHECK_THAT(refusal([&] { write_pvd(file, {{std::nan(""), "a"}}); }), Contains("nan"));
+  CHECK_THAT(error_message([&] { write_pvd(file, {{std::nan(""), "a"}}); }), Contains("nan"));
 }

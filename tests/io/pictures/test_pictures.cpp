@@ -17,11 +17,11 @@
 
 #include "batten/core/errors.h"
 #include "batten/skinning/domains/mesher.h"
-#include "batten/tests/catch.h"
-#include "batten/tests/reference.h"
-#include "batten/tests/refusal.h"
-#include "batten/tests/sampling.h"
-#include "batten/tests/trimmed_regions.h"
+#include "batten/tests/support/catch.h"
+#include "batten/tests/support/error_message.h"
+#include "batten/tests/support/sampling.h"
+#include "batten/tests/support/test_data.h"
+#include "batten/tests/support/trimmed_regions.h"
 
 using namespace batten_test;
 namespace fs = std::filesystem;
@@ -46,14 +46,16 @@ SkinnedRegion region(double height) {
   SkinnedRegion result{"dome", surface, {}, 1, {}, {}};
   const int sides[4][2] = {{0, 1}, {n * (n + 1), 1}, {0, n + 1}, {n, n + 1}};
   for (const auto& [first, step] : sides) {
-    LineRun run;
-    run.line.name = "side";
+    EdgeAlignedLine aligned_line;
+    aligned_line.line.name = "side";
     for (int i = 0; i <= n; ++i) {
-      run.vertices.push_back(first + i * step);
-      run.parameters.push_back(i);
-      if (i > 0) run.edges.push_back(mesh->edge_between(run.vertices[i - 1], run.vertices[i]));
+      aligned_line.vertices.push_back(first + i * step);
+      aligned_line.parameters.push_back(i);
+      if (i > 0)
+        aligned_line.edges.push_back(
+            mesh->edge_between(aligned_line.vertices[i - 1], aligned_line.vertices[i]));
     }
-    result.runs.push_back(run);
+    result.edge_aligned.push_back(aligned_line);
   }
   return result;
 }
@@ -89,7 +91,7 @@ bool blue(const Vec3& c) { return c[2] > 0.4 && c[2] > 1.6 * c[0]; }
 bool dark(const Vec3& c) { return c.maxCoeff() < 0.45; }
 
 bool have_display() {
-  const std::string why = refusal([] { require_display(); });
+  const std::string why = error_message([] { require_display(); });
   if (!why.empty()) WARN("pictures were not drawn: " << why);
   return why.empty();
 }
@@ -105,9 +107,9 @@ TEST_CASE("without a display, pictures say so and leave nothing", "[io][pictures
   PictureScene scene;
   scene.regions = {&dome};
   unsetenv("DISPLAY");
-  const std::string none = refusal([&] { draw_picture(folder / "a.png", scene); });
+  const std::string none = error_message([&] { draw_picture(folder / "a.png", scene); });
   setenv("DISPLAY", ":4711", 1);
-  const std::string wrong = refusal([&] { draw_picture(folder / "a.png", scene); });
+  const std::string wrong = error_message([&] { draw_picture(folder / "a.png", scene); });
   if (set)
     setenv("DISPLAY", display.c_str(), 1);
   else
@@ -122,18 +124,20 @@ TEST_CASE("pictures refuse values out of range", "[io][pictures]") {
   const fs::path path = batten_test::scratch("picture_errors") / "a.png";
   const SkinnedRegion dome = region(1);
   PictureScene scene;
-  CHECK_THAT(refusal([&] { draw_picture(path, scene); }), Contains("no region"));
+  CHECK_THAT(error_message([&] { draw_picture(path, scene); }), Contains("no region"));
   scene.regions = {&dome};
   scene.title = "Dome";
   scene.zoom = 0;
-  CHECK_THAT(refusal([&] { draw_picture(path, scene); }), Contains("'Dome'") && Contains("zoom 0"));
+  CHECK_THAT(error_message([&] { draw_picture(path, scene); }),
+             Contains("'Dome'") && Contains("zoom 0"));
   scene.zoom = 1;
   scene.elevation = 91;
-  CHECK_THAT(refusal([&] { draw_picture(path, scene); }), Contains("elevation 91"));
+  CHECK_THAT(error_message([&] { draw_picture(path, scene); }), Contains("elevation 91"));
   scene.elevation = 0;
-  CHECK_THAT(refusal([&] { draw_picture(path, scene, {1600, 10}); }), Contains("1600 x 10"));
-  CHECK_THAT(refusal([&] { draw_contact_sheet(path, {}, 2); }), Contains("at least one scene"));
-  CHECK_THAT(refusal([&] { draw_contact_sheet(path, {scene}, 0); }), Contains("0 columns"));
+  CHECK_THAT(error_message([&] { draw_picture(path, scene, {1600, 10}); }), Contains("1600 x 10"));
+  CHECK_THAT(error_message([&] { draw_contact_sheet(path, {}, 2); }),
+             Contains("at least one scene"));
+  CHECK_THAT(error_message([&] { draw_contact_sheet(path, {scene}, 0); }), Contains("0 columns"));
 }
 
 TEST_CASE("everything is in the frame, from wherever one looks", "[io][pictures]") {
@@ -253,10 +257,10 @@ TEST_CASE("a zebra has as many stripes as asked for, where the normals say", "[i
   scene.zebra = 10;
   scene.zebra_direction = {1, 0, 0};
   scene.field = PictureScene::Field::Mean;
-  CHECK_THAT(refusal([&] { draw_picture(path, scene); }), Contains("zebra and a field"));
+  CHECK_THAT(error_message([&] { draw_picture(path, scene); }), Contains("zebra and a field"));
   scene.field = PictureScene::Field::None;
   scene.zebra_direction.setZero();
-  CHECK_THAT(refusal([&] { draw_picture(path, scene); }), Contains("zebra direction"));
+  CHECK_THAT(error_message([&] { draw_picture(path, scene); }), Contains("zebra direction"));
   scene.zebra_direction = {1, 0, 0};
   if (!have_display()) return;
   draw_picture(path, scene, {640, 400});
@@ -318,7 +322,7 @@ TEST_CASE("ways to have surfaces show as sheets in their loops", "[io][pictures]
   const Vec3 a(0, 0, 0), b(4, 0, 0), c(4, 3, 0), d(0, 3, 0);
   LoopPicture picture;
   picture.lines = {side(a, b), side(c, b), side(c, d), side(a, d)};
-  picture.ways = {{"as it is", {picture.lines}}, {"or so", {}}};
+  picture.alternatives = {{"as it is", {picture.lines}}, {"or so", {}}};
   const fs::path path = batten_test::scratch("loop_pictures") / "ways.png";
   draw_loops(path, picture);
   const Picture sheet(path);
@@ -336,9 +340,9 @@ TEST_CASE("ways to have surfaces show as sheets in their loops", "[io][pictures]
   CHECK(sheets[2] == 0);
   CHECK(lines[1] > 1000);
   CHECK(lines[2] == 0);
-  picture.ways.pop_back();
-  picture.ways[0].loops.clear();
-  CHECK_FALSE(refusal([&] { draw_loops(path, picture); }).empty());
+  picture.alternatives.pop_back();
+  picture.alternatives[0].loops.clear();
+  CHECK_FALSE(error_message([&] { draw_loops(path, picture); }).empty());
 }
 
 TEST_CASE("a contact sheet holds every scene in its own place", "[io][pictures]") {
@@ -375,7 +379,7 @@ TEST_CASE("pictures of a series share camera, heights and colours", "[io][pictur
   scenes[0].regions = {&low};
   scenes[1].regions = {&high};
   scenes[1].azimuth = 70;  // the first one's counts
-  hold_view(scenes);
+  share_view(scenes);
   REQUIRE(scenes[0].in_view.size() == 8);
   CHECK(scenes[0].in_view == scenes[1].in_view);
   CHECK(scenes[1].azimuth == scenes[0].azimuth);
@@ -426,12 +430,13 @@ TEST_CASE("edges of one kind have its colour, their combs stand out by the curva
   EdgePicture picture;
   picture.title = "edges";
   picture.unit = "mm";
-  CHECK_THAT(refusal([&] { draw_edge_combs(file, picture); }),
+  CHECK_THAT(error_message([&] { draw_edge_combs(file, picture); }),
              Catch::Matchers::Contains("no edges"));
   EdgeComb edge;
   for (int k = 0; k <= 20; ++k) {
     edge.line.emplace_back(k, 0, 0);
-    for (auto& bends : edge.bends) bends.emplace_back(0, 0, -0.1);
+    for (auto& curvature_vectors : edge.curvature_vectors)
+      curvature_vectors.emplace_back(0, 0, -0.1);
   }
   picture.edges = {edge};
   if (!have_display()) return;
@@ -443,7 +448,8 @@ TEST_CASE("edges of one kind have its colour, their combs stand out by the curva
   CHECK(with_comb > 100);
   CHECK(count(picture, blue) == 0);
   EdgePicture flat = picture;
-  for (auto& bends : flat.edges[0].bends) bends.assign(21, Vec3::Zero());
+  for (auto& curvature_vectors : flat.edges[0].curvature_vectors)
+    curvature_vectors.assign(21, Vec3::Zero());
   CHECK(count(flat, red) < with_comb);
   picture.edges[0].kind = EdgeComb::Kind::Tangent;
   CHECK(count(picture, red) == 0);

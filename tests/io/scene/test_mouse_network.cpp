@@ -11,7 +11,7 @@
 #include "batten/skinning/search/find_regions.h"
 #include "batten/skinning/surfaces/skin_network.h"
 #include "batten/skinning/surfaces/surface_model.h"
-#include "batten/tests/catch.h"
+#include "batten/tests/support/catch.h"
 
 using namespace batten;
 
@@ -26,8 +26,8 @@ struct Line {
   bool closed() const { return points.front() == points.back(); }
 };
 
-struct Made {
-  CharacterLineNetwork network;
+struct MouseModel {
+  CurveNetwork network;
   FoundRegions found;
   SurfaceModel model;
 };
@@ -41,25 +41,25 @@ class Mouse {
   std::vector<Line> lines;
 
   /// `without`: what the scene says about this line is not said.
-  Made make(const std::vector<Line>& given, const std::string& without = "") const {
+  MouseModel make(const std::vector<Line>& given, const std::string& without = "") const {
     std::vector<CharacterLine> curves;
     for (const Line& line : given)
       curves.push_back({line.name, curve_through_points(line.name, line.points, kCorner)});
     NetworkOptions options;
     options.corner_angle = kCorner;
-    CharacterLineNetwork network(curves, options);
-    RegionOptions words;
-    for (const RegionWord& word : scene_.network.regions)
+    CurveNetwork network(curves, options);
+    RegionSearchOptions specs;
+    for (const RegionSpec& word : scene_.network.regions)
       if (std::none_of(word.loops.begin(), word.loops.end(), [&](const auto& loop) {
             return std::count(loop.begin(), loop.end(), without) > 0;
           }))
-        words.words.push_back(word);
-    FoundRegions found = find_regions(network, words);
+        specs.specs.push_back(word);
+    FoundRegions found = find_regions(network, specs);
     ModelOptions how;
     how.skin.edge_length = kEdge;
     how.material = scene_.skin.material;
-    how.most_join_rounds = 0;
-    for (const JoinWord& word : scene_.network.joins)
+    how.max_join_rounds = 0;
+    for (const JoinSpec& word : scene_.network.joins)
       if (word.line != without) how.joins.push_back(word);
     SurfaceModel model = skin_network(network, found, how);
     return {std::move(network), std::move(found), std::move(model)};
@@ -69,21 +69,21 @@ class Mouse {
   Scene scene_;
 };
 
-Vec3 middle(const NetworkArc& arc) { return arc.curve.evaluate(0.5 * arc.curve.end()); }
+Vec3 middle(const NetworkEdge& edge) { return edge.curve.evaluate(0.5 * edge.curve.end()); }
 
-using Plan = std::multiset<std::multiset<int>>;
+using RegionEdges = std::multiset<std::multiset<int>>;
 
 // Regions by their arcs, these by the arcs of `first` of the same line that lie nearest.
-Plan plan_of(const Made& made, const Made& first) {
+RegionEdges region_edges(const MouseModel& made, const MouseModel& first) {
   std::vector<int> same;
-  for (const NetworkArc& arc : made.network.arcs()) {
+  for (const NetworkEdge& edge : made.network.edges()) {
     int best = -1;
     double least = std::numeric_limits<double>::infinity();
-    for (size_t i = 0; i < first.network.arcs().size(); ++i) {
-      const NetworkArc& other = first.network.arcs()[i];
-      const double d = (middle(other) - middle(arc)).norm();
+    for (size_t i = 0; i < first.network.edges().size(); ++i) {
+      const NetworkEdge& other = first.network.edges()[i];
+      const double d = (middle(other) - middle(edge)).norm();
       if (first.network.lines()[static_cast<size_t>(other.line)].name !=
-              made.network.lines()[static_cast<size_t>(arc.line)].name ||
+              made.network.lines()[static_cast<size_t>(edge.line)].name ||
           d >= least)
         continue;
       best = static_cast<int>(i);
@@ -91,19 +91,20 @@ Plan plan_of(const Made& made, const Made& first) {
     }
     same.push_back(best);
   }
-  Plan plan;
+  RegionEdges plan;
   for (const NetworkRegion& region : made.found.regions) {
-    std::multiset<int> arcs;
-    for (const ArcLoop& loop : region.loops)
-      for (const ArcUse& use : loop) arcs.insert(same[static_cast<size_t>(use.arc)]);
-    plan.insert(std::move(arcs));
+    std::multiset<int> edges;
+    for (const EdgeLoop& loop : region.loops)
+      for (const OrientedEdge& use : loop) edges.insert(same[static_cast<size_t>(use.edge)]);
+    plan.insert(std::move(edges));
   }
   return plan;
 }
 
-bool whole(const Made& made) {
-  return made.model.flaws.empty() && made.model.shells.size() == 1 && made.model.shells[0].closed &&
-         made.model.shells[0].orientable && made.model.shells[0].volume > 0 &&
+bool whole(const MouseModel& made) {
+  return made.model.defects.empty() && made.model.shells.size() == 1 &&
+         made.model.shells[0].closed && made.model.shells[0].orientable &&
+         made.model.shells[0].volume > 0 &&
          made.model.skinned().size() == made.model.regions.size();
 }
 
@@ -129,31 +130,33 @@ double apart(const SurfaceModel& a, const SurfaceModel& b) {
   return most;
 }
 
-using FindingKind = NetworkFinding::Kind;
+using DiagnosticKind = NetworkDiagnostic::Kind;
 
 // Whether a finding of one of these kinds is about these lines.
-bool named(const Made& made, const std::vector<FindingKind>& kinds,
+bool named(const MouseModel& made, const std::vector<DiagnosticKind>& kinds,
            const std::vector<std::string>& lines) {
-  return std::any_of(
-      made.network.findings().begin(), made.network.findings().end(), [&](const auto& finding) {
-        return std::count(kinds.begin(), kinds.end(), finding.kind) > 0 &&
-               std::all_of(lines.begin(), lines.end(), [&](const std::string& line) {
-                 return std::count(finding.lines.begin(), finding.lines.end(), line) > 0;
-               });
-      });
+  return std::any_of(made.network.diagnostics().begin(), made.network.diagnostics().end(),
+                     [&](const auto& finding) {
+                       return std::count(kinds.begin(), kinds.end(), finding.kind) > 0 &&
+                              std::all_of(lines.begin(), lines.end(), [&](const std::string& line) {
+                                return std::count(finding.lines.begin(), finding.lines.end(),
+                                                  line) > 0;
+                              });
+                     });
 }
 
 // A dangling end, a rim, a choice, a region that failed: whatever the user is told.
-bool says_something(const Made& made) {
-  return !made.found.rims.empty() || !made.found.bare.empty() || !made.found.choices.empty() ||
-         !made.model.flaws.empty() || made.model.skinned().size() != made.model.regions.size() ||
-         std::any_of(made.network.findings().begin(), made.network.findings().end(),
+bool has_diagnostics(const MouseModel& made) {
+  return !made.found.free_edges.empty() || !made.found.unused_edges.empty() ||
+         !made.found.ambiguous_regions.empty() || !made.model.defects.empty() ||
+         made.model.skinned().size() != made.model.regions.size() ||
+         std::any_of(made.network.diagnostics().begin(), made.network.diagnostics().end(),
                      [](const auto& finding) { return !finding.repaired; });
 }
 
-class Changes {
+class RandomEdits {
  public:
-  explicit Changes(unsigned seed) : random_(seed) {}
+  explicit RandomEdits(unsigned seed) : random_(seed) {}
 
   double between(double a, double b) {
     return std::uniform_real_distribution<double>(a, b)(random_);
@@ -186,23 +189,23 @@ class Changes {
 
 void check_changes(int count, unsigned seed) {
   const Mouse mouse;
-  const Made first = mouse.make(mouse.lines);
+  const MouseModel first = mouse.make(mouse.lines);
   REQUIRE(first.found.regions.size() == 11);
   REQUIRE(whole(first));
-  const Plan plan = plan_of(first, first);
+  const RegionEdges plan = region_edges(first, first);
   const double tolerance = first.network.tolerance(), size = first.network.size();
 
   double most_apart = 0;
   int loose = 0;
   for (int i = 0; i < count; ++i) {
-    Changes change(seed + static_cast<unsigned>(i));
+    RandomEdits change(seed + static_cast<unsigned>(i));
     std::vector<Line> lines = mouse.lines;
     change.shuffle(lines);
     INFO("change " << i << " of kind " << i % 6 << ", seed " << seed);
     switch (i % 6) {
       case 0: {
-        const Made made = mouse.make(lines);
-        REQUIRE(plan_of(made, first) == plan);
+        const MouseModel made = mouse.make(lines);
+        REQUIRE(region_edges(made, first) == plan);
         most_apart = std::max(most_apart, apart(made.model, first.model));
         REQUIRE(most_apart <= 1e-12 * size);
         break;
@@ -212,27 +215,27 @@ void check_changes(int count, unsigned seed) {
           if (!line.closed())
             for (Vec3* end : {&line.points.front(), &line.points.back()})
               *end += change.between(0, 0.499) * tolerance * change.direction();
-        const Made made = mouse.make(lines);
-        REQUIRE(plan_of(made, first) == plan);
+        const MouseModel made = mouse.make(lines);
+        REQUIRE(region_edges(made, first) == plan);
         REQUIRE(whole(made));
         break;
       }
       case 2: {  // one end, almost by the tolerance
         change.move_end(change.open_line(lines), change.between(0.5, 0.99) * tolerance);
-        const Made made = mouse.make(lines);
-        REQUIRE(plan_of(made, first) == plan);
+        const MouseModel made = mouse.make(lines);
+        REQUIRE(region_edges(made, first) == plan);
         REQUIRE(whole(made));
         break;
       }
       case 3: {  // beyond it
         Line& line = change.open_line(lines);
         change.move_end(line, change.between(1.2, 20) * tolerance);
-        const Made made = mouse.make(lines);
+        const MouseModel made = mouse.make(lines);
         INFO("line '" << line.name << "'");
         // An end that went along another line meets it still.
-        const bool meets = plan_of(made, first) == plan && whole(made);
-        REQUIRE(
-            (meets || named(made, {FindingKind::NearMiss, FindingKind::Dangling}, {line.name})));
+        const bool meets = region_edges(made, first) == plan && whole(made);
+        REQUIRE((meets ||
+                 named(made, {DiagnosticKind::NearMiss, DiagnosticKind::Dangling}, {line.name})));
         loose += !meets;
         break;
       }
@@ -244,9 +247,10 @@ void check_changes(int count, unsigned seed) {
         copy.name += " again";
         lines.push_back(copy);
         change.shuffle(lines);
-        const Made made = mouse.make(lines, name);
+        const MouseModel made = mouse.make(lines, name);
         INFO("line '" << name << "'");
-        REQUIRE(named(made, {FindingKind::Duplicate, FindingKind::Overlap}, {name, copy.name}));
+        REQUIRE(
+            named(made, {DiagnosticKind::Duplicate, DiagnosticKind::Overlap}, {name, copy.name}));
         break;
       }
       default: {  // missing
@@ -254,10 +258,10 @@ void check_changes(int count, unsigned seed) {
         const std::string name = lines[gone].name;
         lines.erase(lines.begin() + static_cast<std::ptrdiff_t>(gone));
         INFO("line '" << name << "'");
-        const Made made = mouse.make(lines, name);
+        const MouseModel made = mouse.make(lines, name);
         // Another closed body, with fewer regions, or it is said what is open.
-        REQUIRE(plan_of(made, first) != plan);
-        REQUIRE((whole(made) || says_something(made)));
+        REQUIRE(region_edges(made, first) != plan);
+        REQUIRE((whole(made) || has_diagnostics(made)));
         if (name == "base" || name == "belt" || name == "seam")
           REQUIRE_THROWS_AS(mouse.make(lines), InputError);
       }

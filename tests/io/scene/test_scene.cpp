@@ -7,7 +7,7 @@
 #include "batten/io/report/report.h"
 #include "batten/io/scene/read_scene.h"
 #include "batten/io/scene/scene.h"
-#include "batten/tests/catch.h"
+#include "batten/tests/support/catch.h"
 
 using namespace batten;
 
@@ -20,7 +20,7 @@ points = [[0,0,0], [1,0,0], [1,1,0], [0,0,0]]
 )";
 
 /// The message that a scene is answered with, "" when it is accepted.
-std::string answer(const std::string& text) {
+std::string error_message_of(const std::string& text) {
   try {
     parse_scene(text, "s.toml");
   } catch (const InputError& e) {
@@ -29,8 +29,8 @@ std::string answer(const std::string& text) {
   return "";
 }
 
-void check_answer(const std::string& text, const std::vector<std::string>& parts) {
-  const std::string message = answer(text);
+void check_error(const std::string& text, const std::vector<std::string>& parts) {
+  const std::string message = error_message_of(text);
   for (const auto& part : parts) {
     INFO("message: " << message << "\nexpected in it: " << part);
     CHECK(message.find(part) != std::string::npos);
@@ -125,7 +125,7 @@ file = "sweep.png"
   CHECK(s.skin.material.alpha == 0.5 * Mat2::Identity());
   CHECK(s.skin.material.beta == Vec3(1, 2, 3));
   CHECK(s.skin.units == LoadUnits::Absolute);
-  CHECK(s.skin.hold == SceneSkin::Hold::Corners);
+  CHECK(s.skin.boundary == SceneSkin::FixedBoundary::Corners);
   CHECK(s.constraints[0].goal == Vec3(0, 0, 10));
   CHECK(s.constraints[1].goal == Vec3(0, 0, 1));
   CHECK(s.loads[0].type == SceneLoad::Type::Pressure);
@@ -156,7 +156,7 @@ TEST_CASE("what a scene leaves out has the documented default", "[scene]") {
   CHECK(s.skin.material.alpha.isZero());
   CHECK(s.skin.material.beta == Vec3::Ones());
   CHECK(s.skin.units == LoadUnits::Relative);
-  CHECK(s.skin.hold == SceneSkin::Hold::Lines);
+  CHECK(s.skin.boundary == SceneSkin::FixedBoundary::Lines);
   CHECK(s.parameters().size() == 2);
 }
 
@@ -211,82 +211,81 @@ max = 10
 }
 
 TEST_CASE("a wrong scene is answered with place, finding and remedy", "[scene]") {
-  check_answer("", {"s.toml:1:1: found an empty file"});
-  check_answer("  \n\t\n", {"s.toml:1:1: found an empty file"});
-  check_answer("unit = \"mm\"\nname = hood\n", {"s.toml:2:8: not TOML"});
-  check_answer("name = \"x\"\n", {"s.toml:1:1: found no 'unit' in the scene, expected 'unit'"});
-  check_answer("unit = \"mn\"\n",
-               {"s.toml:1:8: found the unit 'mn'", "mm, cm, m, in, ft", "did you mean 'mm'?"});
-  check_answer("unit = \"mm\"\n", {"found no lines, expected [[line]]"});
-  check_answer("unit = 3\n", {"s.toml:1:8: found 3 for 'unit', expected a text in quotes"});
-  check_answer("tolerence = 1\n" + kSmall,
-               {"s.toml:1:1: found key 'tolerence' in the scene", "did you mean 'tolerance'?"});
-  check_answer("tolerance = -1\n" + kSmall,
-               {"s.toml:1:13: found -1, expected a number above 0 for 'tolerance'"});
-  check_answer("tolerance = nan\n" + kSmall, {"s.toml:1:13: found nan (not a number)"});
-  check_answer("tolerance = \"fine\"\n" + kSmall, {"s.toml:1:13: found the text \"fine\""});
-  check_answer("corner_angle = 200\n" + kSmall, {"s.toml:1:16: found 200, expected less than 180"});
-  check_answer("line = 3\n" + kSmall.substr(0, 12), {"s.toml:1:8: found 3 for 'line'", "[[line]]"});
+  check_error("", {"s.toml:1:1: found an empty file"});
+  check_error("  \n\t\n", {"s.toml:1:1: found an empty file"});
+  check_error("unit = \"mm\"\nname = hood\n", {"s.toml:2:8: not TOML"});
+  check_error("name = \"x\"\n", {"s.toml:1:1: found no 'unit' in the scene, expected 'unit'"});
+  check_error("unit = \"mn\"\n",
+              {"s.toml:1:8: found the unit 'mn'", "mm, cm, m, in, ft", "did you mean 'mm'?"});
+  check_error("unit = \"mm\"\n", {"found no lines, expected [[line]]"});
+  check_error("unit = 3\n", {"s.toml:1:8: found 3 for 'unit', expected a text in quotes"});
+  check_error("tolerence = 1\n" + kSmall,
+              {"s.toml:1:1: found key 'tolerence' in the scene", "did you mean 'tolerance'?"});
+  check_error("tolerance = -1\n" + kSmall,
+              {"s.toml:1:13: found -1, expected a number above 0 for 'tolerance'"});
+  check_error("tolerance = nan\n" + kSmall, {"s.toml:1:13: found nan (not a number)"});
+  check_error("tolerance = \"fine\"\n" + kSmall, {"s.toml:1:13: found the text \"fine\""});
+  check_error("corner_angle = 200\n" + kSmall, {"s.toml:1:16: found 200, expected less than 180"});
+  check_error("line = 3\n" + kSmall.substr(0, 12), {"s.toml:1:8: found 3 for 'line'", "[[line]]"});
 }
 
 TEST_CASE("wrong lines are answered", "[scene]") {
   const std::string head = "unit = \"mm\"\n[[line]]\nname = \"a\"\n";
-  check_answer(head, {"s.toml:3:8: found the line 'a' without its shape",
-                      "expected one of: file, points, bezier"});
-  check_answer(head + "points = [[0,0,0]]\n", {"s.toml:4:10: found 1 points, expected 2"});
-  check_answer(head + "points = [[0,0,0],[1,2]]\n",
-               {"s.toml:4:19: found a list of 2 values, expected a list of points"});
-  check_answer(head + "points = [[0,0,0],[1,inf,2]]\n",
-               {"s.toml:4:22: found an infinite number, expected a number"});
-  check_answer(head + "bezier = [[0,0,0],[1,1,1]]\n",
-               {"found 2 points, expected 4 control points"});
-  check_answer(head + "points = [[0,0,0],[1,1,1]]\nfile = \"a.csv\"\n", {"more than one shape"});
-  check_answer(head + "file = \"a.csv\"\nrole = \"iner\"\n",
-               {"s.toml:5:8: found the word 'iner' for 'role'", "did you mean 'inner'?"});
-  check_answer(head + "points = [[0,0,0],[1,1,1]]\n[[line]]\nname = \"a\"\nfile = \"b.csv\"\n",
-               {"s.toml:6:8: found the line name 'a' again (first in line 3)"});
-  check_answer("unit = \"mm\"\n[[lines]]\nfile = \"a.iges\"\nonly = [\"x\"]\nskip = [\"y\"]\n",
-               {"s.toml:5:8: found both 'only' and 'skip'"});
+  check_error(head, {"s.toml:3:8: found the line 'a' without its shape",
+                     "expected one of: file, points, bezier"});
+  check_error(head + "points = [[0,0,0]]\n", {"s.toml:4:10: found 1 points, expected 2"});
+  check_error(head + "points = [[0,0,0],[1,2]]\n",
+              {"s.toml:4:19: found a list of 2 values, expected a list of points"});
+  check_error(head + "points = [[0,0,0],[1,inf,2]]\n",
+              {"s.toml:4:22: found an infinite number, expected a number"});
+  check_error(head + "bezier = [[0,0,0],[1,1,1]]\n", {"found 2 points, expected 4 control points"});
+  check_error(head + "points = [[0,0,0],[1,1,1]]\nfile = \"a.csv\"\n", {"more than one shape"});
+  check_error(head + "file = \"a.csv\"\nrole = \"iner\"\n",
+              {"s.toml:5:8: found the word 'iner' for 'role'", "did you mean 'inner'?"});
+  check_error(head + "points = [[0,0,0],[1,1,1]]\n[[line]]\nname = \"a\"\nfile = \"b.csv\"\n",
+              {"s.toml:6:8: found the line name 'a' again (first in line 3)"});
+  check_error("unit = \"mm\"\n[[lines]]\nfile = \"a.iges\"\nonly = [\"x\"]\nskip = [\"y\"]\n",
+              {"s.toml:5:8: found both 'only' and 'skip'"});
 }
 
 TEST_CASE("wrong sections are answered", "[scene]") {
-  check_answer(kSmall + "[skin]\nedge_lenght = 4\n",
-               {"s.toml:6:1: found key 'edge_lenght' in [skin]", "did you mean 'edge_length'?"});
-  check_answer(kSmall + "[skin]\nelement = \"HCT\"\n", {"expected one of: hct, z12"});
-  check_answer(kSmall + "[skin]\nrefine = 2\n", {"s.toml:6:10:", "only with mesher = \"fan\""});
-  check_answer(kSmall + "[skin]\nbeta = [1,1]\n",
-               {"found a list of 2 values, expected [b11, b12, b22]"});
-  check_answer(kSmall + "[skin]\nbeta = -1\n", {"s.toml:6:8:", "expected beta ≥ 0"});
-  check_answer(kSmall + "[skin]\nbeta = 0\n", {"expected alpha or beta above 0"});
-  check_answer(kSmall + "[skin]\nalpha = [1, 2, 1]\n", {"s.toml:6:9:", "expected alpha ≥ 0"});
-  check_answer(kSmall + "[[load]]\nname = \"p\"\ntype = \"pressure\"\nvalue = 3\nmax = 2\n",
-               {"s.toml:8:9: found 3, expected a value up to 2"});
-  check_answer(kSmall + "[[load]]\nname = \"p\"\ntype = \"uniform\"\nvalue = 3\n",
-               {"found no 'direction' in [[load]]"});
-  check_answer(kSmall + "[[load]]\nname = \"beta\"\ntype = \"pressure\"\nvalue = 3\n",
-               {"found the load name 'beta'"});
-  check_answer(kSmall +
-                   "[[constraint]]\nname = \"c\"\ntype = \"normal\"\nat = [0,0,0]\n"
-                   "direction = [0,0,0]\n",
-               {"s.toml:9:13: found [0, 0, 0], expected a direction"});
-  check_answer(kSmall +
-                   "[[constraint]]\nname = \"c\"\ntype = \"point\"\nat = [0,0,0]\n"
-                   "direction = [0,0,1]\nto = [0,0,0]\n",
-               {"'direction'", "it only where type = \"normal\" or \"tangent\""});
-  check_answer(kSmall + "[output]\nstep = \"../a.step\"\n", {"a file name without folders"});
-  check_answer(kSmall + "[output]\nstep = \"a.stl\"\n", {"a file name that ends in .step, .stp"});
-  check_answer(kSmall + "[output]\nvtp = \"a.vtp\"\ncalculix = \"a.inp\"\n",
-               {"expected a section [stress]"});
-  check_answer(kSmall + "[[picture]]\nfile = \"a.png\"\n[[picture]]\nfile = \"a.png\"\n",
-               {"found the file name 'a.png' again (first in line 6)"});
-  check_answer(kSmall + "[[picture]]\nfile = \"a.png\"\nmesh = 1\n", {"expected true or false"});
-  check_answer(kSmall + "[[sweep]]\nparameter = \"bta\"\nvalues = [1]\nfile = \"a.png\"\n",
-               {"s.toml:6:13: found parameter 'bta'", "did you mean 'beta'?"});
-  check_answer(kSmall + "[[sweep]]\nparameter = \"beta\"\nvalues = [1,-1]\nfile = \"a.png\"\n",
-               {"s.toml:7:10: found -1 for 'beta', expected a number from 0 up"});
-  check_answer(kSmall + "[stress]\nthickness = 1\nyoung = 1\npoisson = 0.5\n",
-               {"found 0.5, expected a number above -1 and below 0.5"});
-  check_answer(kSmall + "[stress]\nthickness = 1\nyoung = 1\n", {"found no supports"});
+  check_error(kSmall + "[skin]\nedge_lenght = 4\n",
+              {"s.toml:6:1: found key 'edge_lenght' in [skin]", "did you mean 'edge_length'?"});
+  check_error(kSmall + "[skin]\nelement = \"HCT\"\n", {"expected one of: hct, z12"});
+  check_error(kSmall + "[skin]\nrefine = 2\n", {"s.toml:6:10:", "only with mesher = \"fan\""});
+  check_error(kSmall + "[skin]\nbeta = [1,1]\n",
+              {"found a list of 2 values, expected [b11, b12, b22]"});
+  check_error(kSmall + "[skin]\nbeta = -1\n", {"s.toml:6:8:", "expected beta ≥ 0"});
+  check_error(kSmall + "[skin]\nbeta = 0\n", {"expected alpha or beta above 0"});
+  check_error(kSmall + "[skin]\nalpha = [1, 2, 1]\n", {"s.toml:6:9:", "expected alpha ≥ 0"});
+  check_error(kSmall + "[[load]]\nname = \"p\"\ntype = \"pressure\"\nvalue = 3\nmax = 2\n",
+              {"s.toml:8:9: found 3, expected a value up to 2"});
+  check_error(kSmall + "[[load]]\nname = \"p\"\ntype = \"uniform\"\nvalue = 3\n",
+              {"found no 'direction' in [[load]]"});
+  check_error(kSmall + "[[load]]\nname = \"beta\"\ntype = \"pressure\"\nvalue = 3\n",
+              {"found the load name 'beta'"});
+  check_error(kSmall +
+                  "[[constraint]]\nname = \"c\"\ntype = \"normal\"\nat = [0,0,0]\n"
+                  "direction = [0,0,0]\n",
+              {"s.toml:9:13: found [0, 0, 0], expected a direction"});
+  check_error(kSmall +
+                  "[[constraint]]\nname = \"c\"\ntype = \"point\"\nat = [0,0,0]\n"
+                  "direction = [0,0,1]\nto = [0,0,0]\n",
+              {"'direction'", "it only where type = \"normal\" or \"tangent\""});
+  check_error(kSmall + "[output]\nstep = \"../a.step\"\n", {"a file name without folders"});
+  check_error(kSmall + "[output]\nstep = \"a.stl\"\n", {"a file name that ends in .step, .stp"});
+  check_error(kSmall + "[output]\nvtp = \"a.vtp\"\ncalculix = \"a.inp\"\n",
+              {"expected a section [stress]"});
+  check_error(kSmall + "[[picture]]\nfile = \"a.png\"\n[[picture]]\nfile = \"a.png\"\n",
+              {"found the file name 'a.png' again (first in line 6)"});
+  check_error(kSmall + "[[picture]]\nfile = \"a.png\"\nmesh = 1\n", {"expected true or false"});
+  check_error(kSmall + "[[sweep]]\nparameter = \"bta\"\nvalues = [1]\nfile = \"a.png\"\n",
+              {"s.toml:6:13: found parameter 'bta'", "did you mean 'beta'?"});
+  check_error(kSmall + "[[sweep]]\nparameter = \"beta\"\nvalues = [1,-1]\nfile = \"a.png\"\n",
+              {"s.toml:7:10: found -1 for 'beta', expected a number from 0 up"});
+  check_error(kSmall + "[stress]\nthickness = 1\nyoung = 1\npoisson = 0.5\n",
+              {"found 0.5, expected a number above -1 and below 0.5"});
+  check_error(kSmall + "[stress]\nthickness = 1\nyoung = 1\n", {"found no supports"});
 }
 
 TEST_CASE("units are what they are in metres", "[scene]") {
@@ -300,7 +299,7 @@ TEST_CASE("a report says when a number could not be computed", "[report]") {
   report.name = "x";
   report.lines.push_back({"rim", CharacterLine::Role::Outline, false, 1, 0.25, 5});
   report.parameters.push_back({"p", 1, 0, std::numeric_limits<double>::infinity()});
-  CHECK(numbers_that_failed(report).empty());
+  CHECK(non_finite_numbers(report).empty());
   auto json = nlohmann::json::parse(to_json(report));
   CHECK(json["lines"]["max_deviation"] == 0.25);
   CHECK(json["missed_promises"].empty());
@@ -310,7 +309,7 @@ TEST_CASE("a report says when a number could not be computed", "[report]") {
   report.surface.quality.area = std::nan("");
   report.lines[0].deviation = std::nan("");
   std::vector<std::string> names;
-  for (const auto& m : numbers_that_failed(report)) names.push_back(m.what);
+  for (const auto& m : non_finite_numbers(report)) names.push_back(m.what);
   CHECK(names == std::vector<std::string>{"lines.max_deviation", "lines.each.rim.deviation",
                                           "surface.area"});
   json = nlohmann::json::parse(to_json(report));

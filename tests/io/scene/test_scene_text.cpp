@@ -1,8 +1,8 @@
 // Scenes changed in their text: what is edited changes, and not a letter of anything else.
 #include "batten/io/scene/read_scene.h"
-#include "batten/io/scene/scene_parts.h"
+#include "batten/io/scene/scene_dependencies.h"
 #include "batten/io/scene/scene_text.h"
-#include "batten/tests/catch.h"
+#include "batten/tests/support/catch.h"
 
 #include <algorithm>
 #include <cmath>
@@ -174,29 +174,29 @@ TEST_CASE("the parts of a scene tell values, what acts and the model apart", "[s
   const auto changed = [](const auto& edit) {
     SceneText scene(kScene);
     edit(scene);
-    return parts_of(scene);
+    return scene_dependencies(scene);
   };
-  const SceneParts before = parts_of(SceneText(kScene));
-  const SceneParts value = changed([](SceneText& s) { s.set_parameter("swell", 9); });
+  const SceneDependencies before = scene_dependencies(SceneText(kScene));
+  const SceneDependencies value = changed([](SceneText& s) { s.set_parameter("swell", 9); });
   CHECK(value.model == before.model);
-  CHECK(value.acting == before.acting);
-  const SceneParts goal = changed([](SceneText& s) { s.set_parameter("pin.x", 9); });
-  CHECK(goal.acting == before.acting);
-  const SceneParts type = changed([](SceneText& s) {
+  CHECK(value.session_parts == before.session_parts);
+  const SceneDependencies goal = changed([](SceneText& s) { s.set_parameter("pin.x", 9); });
+  CHECK(goal.session_parts == before.session_parts);
+  const SceneDependencies type = changed([](SceneText& s) {
     s.set({"load", "swell"}, "type", "\"gravity\"");
   });
   CHECK(type.model == before.model);
-  CHECK(type.acting != before.acting);
-  const SceneParts line = changed([](SceneText& s) {
+  CHECK(type.session_parts != before.session_parts);
+  const SceneDependencies line = changed([](SceneText& s) {
     s.set_item({"line", "rim"}, "points", 0, "[0, 0, 5]");
   });
   CHECK(line.model != before.model);
-  CHECK(line.acting == before.acting);
-  const SceneParts output = changed([](SceneText& s) {
+  CHECK(line.session_parts == before.session_parts);
+  const SceneDependencies output = changed([](SceneText& s) {
     s.set({"output", ""}, "step", "\"a.step\"");
   });
   CHECK(output.model == before.model);
-  CHECK(output.acting == before.acting);
+  CHECK(output.session_parts == before.session_parts);
 }
 
 TEST_CASE("every example can be edited and comes back as it was", "[scene_text]") {

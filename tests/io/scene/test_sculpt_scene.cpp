@@ -3,8 +3,8 @@
 
 #include "batten/io/scene/read_scene.h"
 #include "batten/io/scene/scene.h"
-#include "batten/tests/catch.h"
-#include "batten/tests/refusal.h"
+#include "batten/tests/support/catch.h"
+#include "batten/tests/support/error_message.h"
 
 using namespace batten;
 
@@ -26,7 +26,7 @@ beta = 2
 Scene scene_with(const std::string& text) { return parse_scene(kLines + text, "s.toml"); }
 
 void check_refusal(const std::string& text, const std::vector<std::string>& parts) {
-  const std::string message = batten_test::refusal([&] { scene_with(text); });
+  const std::string message = batten_test::error_message([&] { scene_with(text); });
   for (const auto& part : parts) {
     INFO(text << "\nmessage: " << message << "\nexpected in it: " << part);
     CHECK(message.find(part) != std::string::npos);
@@ -109,9 +109,9 @@ file = "points.csv"
   const SceneLoad& swell = s.loads[0];
   CHECK(swell.type == Type::Pressure);
   CHECK(swell.value == 5);
-  REQUIRE(swell.over_time.size() == 2);
-  CHECK(swell.over_time[1].time == 2);
-  CHECK(swell.over_time[1].value == 9);
+  REQUIRE(swell.keyframes.size() == 2);
+  CHECK(swell.keyframes[1].time == 2);
+  CHECK(swell.keyframes[1].value == 9);
   const auto& near = std::get<Area::NearLine>(swell.area.area.where);
   CHECK(near.line == "spine");
   CHECK(near.radius == 0.5);
@@ -125,15 +125,16 @@ file = "points.csv"
   CHECK(s.loads[2].direction == Vec3(0, 0, -1));
   CHECK(s.loads[3].type == Type::Line);
   CHECK(s.loads[3].line.text == "spine");
-  CHECK(s.loads[4].type == Type::Pulls);
+  CHECK(s.loads[4].type == Type::AttractorSprings);
   CHECK(s.loads[4].pulls.at.size() == 2);
-  CHECK(std::get<Load::Pulls::Places>(s.loads[4].pulls.target).to[1] == Vec3(2, 2, 5));
+  CHECK(std::get<Load::AttractorSprings::TargetPoints>(s.loads[4].pulls.target).to[1] ==
+        Vec3(2, 2, 5));
   CHECK(s.loads[4].pulls.rest_length == 0.25);
   CHECK(s.loads[4].pulls.falloff == 4);
   CHECK(s.loads[4].min == 0);
   CHECK(s.loads[5].curve.text == "spine");
-  CHECK(std::get<Load::Pulls::Plane>(s.loads[6].pulls.target).normal == Vec3(0, 0, 1));
-  CHECK(s.loads[7].type == Type::Scan);
+  CHECK(std::get<Load::AttractorSprings::Plane>(s.loads[6].pulls.target).normal == Vec3(0, 0, 1));
+  CHECK(s.loads[7].type == Type::PointCloudSprings);
   CHECK(s.loads[7].file == "points.csv");
   CHECK(s.is_sculpted());
 }
@@ -189,9 +190,9 @@ damping = 0
 theta = 0.5
 )");
   REQUIRE(s.weights.size() == 2);
-  CHECK(s.weights[0].kind == WeightField::Kind::Bending);
-  CHECK(std::get<PlacedWord>(*s.weights[0].along).text == "spine");
-  CHECK(s.weights[1].kind == WeightField::Kind::Stretching);
+  CHECK(s.weights[0].kind == StiffnessField::Kind::Bending);
+  CHECK(std::get<LocatedString>(*s.weights[0].along).text == "spine");
+  CHECK(s.weights[1].kind == StiffnessField::Kind::Stretching);
   CHECK((std::get<Vec2>(*s.weights[1].along) - Vec2(0.6, 0.8)).norm() < 1e-15);
   REQUIRE(s.moves.size() == 2);
   CHECK(*s.moves[0].direction == Vec3(0, 0, 1));
@@ -199,8 +200,8 @@ theta = 0.5
   CHECK(s.moves[0].max == 2);
   CHECK_FALSE(s.moves[1].direction);
   REQUIRE(s.constraints.size() == 2);
-  CHECK(s.constraints[0].as_it_is);
-  CHECK_FALSE(s.constraints[1].as_it_is);
+  CHECK(s.constraints[0].keep_tangent_planes);
+  CHECK_FALSE(s.constraints[1].keep_tangent_planes);
   CHECK(s.constraints[1].goal == Vec3(0, 0, 1));
   CHECK(s.motion.density == 2);
   CHECK(s.motion.damping == 0);
@@ -243,7 +244,8 @@ value = 0
   CHECK(value_of(s, "rib") == -1);
   s.set("bolder", 1, "");  // held to its range
   CHECK(value_of(s, "swell") == 150);
-  const std::string message = batten_test::refusal([&] { s.set("swell", 1, "--set swell=1: "); });
+  const std::string message =
+      batten_test::error_message([&] { s.set("swell", 1, "--set swell=1: "); });
   CHECK(message ==
         "--set swell=1: found a value for 'swell', expected one for 'bolder', which "
         "drives it");
@@ -253,11 +255,12 @@ TEST_CASE("a value over time is set to one that stands", "[scene][sculpt]") {
   Scene s = scene_with(
       "[[load]]\nname = \"swell\"\ntype = \"pressure\"\nvalue = [[-1, 0], [1, 4]]\nmax = 5\n");
   CHECK(value_of(s, "swell") == 2);
-  CHECK(s.named_values()[0].over_time.size() == 2);
+  CHECK(s.named_values()[0].keyframes.size() == 2);
   s.set("swell", 5, "");
   CHECK(value_of(s, "swell") == 5);
-  CHECK(s.named_values()[0].over_time.empty());
-  CHECK(batten_test::refusal([&] { s.set("swell", 6, ""); }).find("up to 5") != std::string::npos);
+  CHECK(s.named_values()[0].keyframes.empty());
+  CHECK(batten_test::error_message([&] { s.set("swell", 6, ""); }).find("up to 5") !=
+        std::string::npos);
 }
 
 TEST_CASE("mistakes in loads are answered with their place", "[scene][sculpt]") {

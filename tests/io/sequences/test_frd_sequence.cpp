@@ -3,8 +3,8 @@
 #include <map>
 
 #include "batten/io/decks/frd_results.h"
-#include "batten/tests/io/decks/calculix_decks.h"
-#include "batten/tests/io/sequences/sequence_laws.h"
+#include "batten/tests/io/sequences/sequence_file_helpers.h"
+#include "batten/tests/support/calculix_decks.h"
 
 using namespace batten_test;
 using Catch::Matchers::Contains;
@@ -114,7 +114,7 @@ std::string deck_of(const Kind& kind) {
                 : "*SOLID SECTION, ELSET=E, MATERIAL=M\n";
   for (const std::string amount : {"0.1", "0.2"}) {
     deck += "*STEP\n*STATIC\n*BOUNDARY\n";
-    for (int i = 1; i <= count_of(kind.corners); ++i) {
+    for (int i = 1; i <= isize(kind.corners); ++i) {
       const double x = kind.corners[i - 1][0];
       deck += std::to_string(i) + ",1,1," + (x > 0.5 ? amount : "0.") + "\n" + std::to_string(i) +
               ",2,3,0.\n";

@@ -2,7 +2,7 @@
 #include <nlohmann/json.hpp>
 #include <random>
 
-#include "batten/tests/io/sequences/sequence_laws.h"
+#include "batten/tests/io/sequences/sequence_file_helpers.h"
 
 using namespace batten_test;
 using Catch::Matchers::Contains;
@@ -238,10 +238,10 @@ TEST_CASE("clips are chosen by name or number") {
   CHECK(read_at(file, 1, "Run").frames[1](0, 0) == 1);
   CHECK(read_at(file, 1, "2").frames[1](0, 0) == 2);
   CHECK(read_at(file, 1, "1").frames[1](0, 0) == 2);  // a name before a number
-  CHECK_THAT(refusal([&] { read_at(file, 1, "Walk"); }),
+  CHECK_THAT(error_message([&] { read_at(file, 1, "Walk"); }),
              Contains("found no animation 'Walk', expected one of: 1 Run, 2 1"));
-  CHECK_THAT(refusal([&] { read_at(file, -1); }), Contains("expected a rate above 0"));
-  CHECK_THAT(refusal([&] { read_at(file, 1e9); }), Contains("1e+06 at most"));
+  CHECK_THAT(error_message([&] { read_at(file, -1); }), Contains("expected a rate above 0"));
+  CHECK_THAT(error_message([&] { read_at(file, 1e9); }), Contains("1e+06 at most"));
 }
 
 TEST_CASE("buffers are found in files, URIs and GLB") {
@@ -368,7 +368,7 @@ TEST_CASE("no damage to a GLB brings the reader down") {
       SequenceOptions options;
       options.last = 1;
       options.frames_per_second = 2;
-      refused += !refusal([&] { read_sequence(folder / "b.glb", options); }).empty();
+      refused += !error_message([&] { read_sequence(folder / "b.glb", options); }).empty();
     }
   INFO(refused << " of " << all);
   CHECK(refused > all / 4);

@@ -1,7 +1,7 @@
 // Numbered files, lists of files and point caches: what is a sequence and what is not.
 #include <limits>
 
-#include "batten/tests/io/sequences/sequence_laws.h"
+#include "batten/tests/io/sequences/sequence_file_helpers.h"
 
 using namespace batten_test;
 using Catch::Matchers::Contains;

@@ -9,7 +9,7 @@
 #include <vtkSTLReader.h>
 #include <vtkXMLPolyDataReader.h>
 
-#include "batten/tests/io/sequences/sequence_laws.h"
+#include "batten/tests/io/sequences/sequence_file_helpers.h"
 
 using namespace batten_test;
 using Catch::Matchers::Contains;
@@ -141,7 +141,7 @@ TEST_CASE("point caches are what their formats say") {
     CHECK(back.times == (name == "a.pc2" ? s.times : uneven.times));
     CHECK(faces_of(back.shells) == faces_of(s.shells));
   }
-  CHECK_THAT(refusal([&] { write_sequence(folder / "c.pc2", uneven); }),
+  CHECK_THAT(error_message([&] { write_sequence(folder / "c.pc2", uneven); }),
              Contains("found the time 1 of frame 2, expected evenly spaced times"));
   CHECK(names_in(folder) == std::set<std::string>{"a.obj", "a.pc2", "b.mdd", "b.obj"});
 }
@@ -202,7 +202,7 @@ TEST_CASE("single files appear whole or not at all") {
     {
       SequenceWriter writer(folder / name, s.shells, s.times);
       writer.write(0, s.frames[0]);
-      CHECK(!writer.have(0));
+      CHECK(!writer.has(0));
       CHECK(writer.file(1) == folder / name);
       CHECK(!fs::exists(folder / name));
       CHECK_THROWS_AS(writer.finish(), std::logic_error);
@@ -223,7 +223,7 @@ TEST_CASE("a run that was stopped goes on where it was") {
   SequenceWriter again(folder / "a_*.off", s.shells, s.times);
   std::vector<int> written;
   for (int k = 0; k < 4; ++k)
-    if (!again.have(k)) {
+    if (!again.has(k)) {
       written.push_back(k);
       again.write(k, s.frames[k]);
     }
@@ -249,7 +249,7 @@ TEST_CASE("writers refuse what they cannot write") {
   const MeshSequence s = wave(2);
   const fs::path folder = writer_folder("refused");
   const auto writing = [&](const std::string& name) {
-    return refusal([&] { write_sequence(folder / name, s); });
+    return error_message([&] { write_sequence(folder / name, s); });
   };
   CHECK_THAT(writing("a.obj"), Contains("found one file for all frames, expected a place for their "
                                         "numbers, as a_*.obj"));
@@ -261,7 +261,7 @@ TEST_CASE("writers refuse what they cannot write") {
   const auto refused = [&](const std::string& name, auto change) {
     MeshSequence bad = s;
     change(bad);
-    return refusal([&] { write_sequence(folder / name, bad); });
+    return error_message([&] { write_sequence(folder / name, bad); });
   };
   CHECK_THAT(refused("b_*.obj",
                      [](MeshSequence& b) {

@@ -4,12 +4,12 @@
 #include <fstream>
 
 #include "batten/io/sessions/session_log.h"
-#include "batten/tests/catch.h"
-#include "batten/tests/reference.h"
-#include "batten/tests/refusal.h"
+#include "batten/tests/support/catch.h"
+#include "batten/tests/support/error_message.h"
+#include "batten/tests/support/test_data.h"
 
 using namespace batten;
-using batten_test::refusal;
+using batten_test::error_message;
 using Catch::Matchers::Contains;
 using Kind = Operation::Kind;
 
@@ -29,44 +29,44 @@ HermiteCurve wavy(bool closed) {
   return {mesh, dofs};
 }
 
-NamedValue swell() {
-  NamedValue p;
+ScalarParameter swell() {
+  ScalarParameter p;
   p.name = "swell \"ä\"";
   p.value = 0.1;
   p.max = kThird;
   p.offset = -0.0;
-  p.over_time = {{0, 0.1}, {kThird, -7}};
+  p.keyframes = {{0, 0.1}, {kThird, -7}};
   return p;
 }
 
 std::vector<Operation> everything() {
   const Area::Painted::Stroke stroke{{kThird, 2, 3}, 0.7, -1};
-  Load::Pulls places, rail, floor;
+  Load::AttractorSprings places, rail, floor;
   places.at = rail.at = floor.at = {{1, kThird, 3}, {4, 5, 6}};
-  places.target = Load::Pulls::Places{{{0.1, 0.2, 0.3}, {7, 8, 9}}};
-  rail.target = Load::Pulls::Curve{wavy(true)};
+  places.target = Load::AttractorSprings::TargetPoints{{{0.1, 0.2, 0.3}, {7, 8, 9}}};
+  rail.target = Load::AttractorSprings::Curve{wavy(true)};
   rail.rest_length = kThird;
-  floor.target = Load::Pulls::Plane{{1, 2, 3}, {0, 0, 1}};
+  floor.target = Load::AttractorSprings::Plane{{1, 2, 3}, {0, 0, 1}};
   floor.falloff = 5;
-  NamedValue follower;
+  ScalarParameter follower;
   follower.name = "f";
-  follower.follows = {{"swell", kThird}, {"beta", -2}};
+  follower.rule_terms = {{"swell", kThird}, {"beta", -2}};
   follower.offset = 0.3;
   CharacterLine line{"crease",
                      curve_from_hermite(HermiteCurve(
                          {0, 1, 3}, (Points(3, 3) << 0, 0, 0, 1, kThird, 0, 3, 1, 0).finished(),
                          (Points(3, 3) << 1, 0, 0, 1, 1, 0, 1, 0, kThird).finished())),
-                     CharacterLine::Role::Inner, CharacterLine::Treatment::Embedded};
+                     CharacterLine::Role::Inner, CharacterLine::MeshAlignment::Embedded};
   using C = Constraint;
   return {
       {Kind::Set, 3, kThird, nullptr},
       {Kind::Set, 0, kTiny, nullptr},
       {Kind::Set, 1, kHuge, nullptr},
       {Kind::Set, 1, -0.0, nullptr},
-      {Kind::Settle, 0, 0, nullptr},
-      {Kind::Answer, 4, 1e-6, nullptr},
+      {Kind::SolveToEquilibrium, 0, 0, nullptr},
+      {Kind::SolvePreview, 4, 1e-6, nullptr},
       {Kind::Step, 0, 0, nullptr},
-      {Kind::Rest, 0, 0, nullptr},
+      {Kind::StopMotion, 0, 0, nullptr},
       {Kind::Undo, 0, 0, nullptr},
       {Kind::Redo, 0, 0, nullptr},
       edit(Operation::Add{Load{"swell", Load::Pressure{}}, {swell(), follower}}),
@@ -80,28 +80,28 @@ std::vector<Operation> everything() {
       edit(Operation::Add{Load{"s1", places}, {}}),
       edit(Operation::Add{Load{"s2", rail}, {}}),
       edit(Operation::Add{Load{"s3", floor}, {}}),
-      edit(Operation::Add{Load{"m", Load::Scan{{{1, 2, kThird}}}}, {}}),
-      edit(Operation::Add{WeightField{"w", WeightField::Kind::Bending, {}, {}}, {}}),
-      edit(Operation::Add{WeightField{"w2", WeightField::Kind::Stretching, {}, Vec2(kThird, 1)},
-                          {}}),
-      edit(Operation::Add{WeightField{"w3", WeightField::Kind::Bending, {}, "rim"}, {}}),
+      edit(Operation::Add{Load{"m", Load::PointCloudSprings{{{1, 2, kThird}}}}, {}}),
+      edit(Operation::Add{StiffnessField{"w", StiffnessField::Kind::Bending, {}, {}}, {}}),
+      edit(Operation::Add{
+          StiffnessField{"w2", StiffnessField::Kind::Stretching, {}, Vec2(kThird, 1)}, {}}),
+      edit(Operation::Add{StiffnessField{"w3", StiffnessField::Kind::Bending, {}, "rim"}, {}}),
       edit(Operation::Add{C{"c", C::Point{{1, 2, 3}, {4, kThird, 6}}}, {}}),
       edit(Operation::Add{C{"n", C::Normal{{1, 2, 3}, {0, 0, 1}}}, {}}),
       edit(Operation::Add{C{"t", C::Tangent{{1, 2, 3}, {0, 1}, {0, 0, 1}}}, {}}),
       edit(Operation::Add{C{"ln", C::LineNormal{"rim", {}}}, {}}),
       edit(Operation::Add{C{"ln2", C::LineNormal{"rim", Vec3(1, 0, kThird)}}, {}}),
-      edit(Operation::Add{LineMove{"rib", "rim", {}, kThird}, {}}),
-      edit(Operation::Add{LineMove{"rib2", "rim", Vec3(0, 0, 1), 0}, {}}),
+      edit(Operation::Add{LineOffset{"rib", "rim", {}, kThird}, {}}),
+      edit(Operation::Add{LineOffset{"rib2", "rim", Vec3(0, 0, 1), 0}, {}}),
       edit(Operation::Add{line, {}}),
       edit(Operation::Change{C{"c", C::Point{{1, 2, 3}, {0.1, 0.2, 0.3}}}}),
       edit(Operation::Remove{"c"}),
       edit(Operation::SetLine{"rim", wavy(false)}),
       edit(Refinement{Refinement::Brush{{stroke}}, kThird, 1000}),
-      edit(Refinement{Refinement::Jumps{kThird}, 0, 5}),
+      edit(Refinement{Refinement::JumpIndicator{kThird}, 0, 5}),
       edit(Motion{kThird, 2, 0.1, 0.5}),
       edit(Operation::AddParameter{swell()}),
-      edit(Operation::Drive{"swell", {{"bolder", kThird}}, -kThird}),
-      edit(Operation::Drive{"swell", {}, 0}),
+      edit(Operation::SetRule{"swell", {{"bolder", kThird}}, -kThird}),
+      edit(Operation::SetRule{"swell", {}, 0}),
       {Kind::Time, 0, kThird, nullptr},
   };
 }
@@ -130,16 +130,16 @@ TEST_CASE("a log of every operation is read back as it was", "[io][session_log]"
   CHECK(add.parameters[0].name == "swell \"ä\"");
   CHECK(add.parameters[0].min == -std::numeric_limits<double>::infinity());
   CHECK(add.parameters[0].max == kThird);
-  CHECK(add.parameters[0].over_time[1].time == kThird);
-  CHECK(add.parameters[1].follows[1].of == "beta");
+  CHECK(add.parameters[0].keyframes[1].time == kThird);
+  CHECK(add.parameters[1].rule_terms[1].of == "beta");
   const auto& set = std::get<Operation::SetLine>(*back[33].edit);
   CHECK(set.curve.dofs() == wavy(false).dofs());
   CHECK(set.curve.mesh().corners() == std::vector<int>{1});
-  const auto& rail =
-      std::get<Load::Pulls>(std::get<Load>(std::get<Operation::Add>(*back[17].edit).what).kind);
-  CHECK(std::get<Load::Pulls::Curve>(rail.target).curve.closed());
+  const auto& rail = std::get<Load::AttractorSprings>(
+      std::get<Load>(std::get<Operation::Add>(*back[17].edit).what).kind);
+  CHECK(std::get<Load::AttractorSprings::Curve>(rail.target).curve.closed());
   const auto& line = std::get<CharacterLine>(std::get<Operation::Add>(*back[30].edit).what);
-  CHECK(line.treatment == CharacterLine::Treatment::Embedded);
+  CHECK(line.mesh_alignment == CharacterLine::MeshAlignment::Embedded);
   const auto& given = std::get<CharacterLine>(std::get<Operation::Add>(*operations[30].edit).what);
   for (const double t : {0.0, 0.3, 1.0, 2.7, 3.0})
     CHECK(line.curve->evaluate(t) == given.curve->evaluate(t));
@@ -149,21 +149,23 @@ TEST_CASE("logs are files, whole or not at all", "[io][session_log]") {
   const auto folder = batten_test::scratch("session_log");
   write_session_log(folder / "a.jsonl", everything());
   CHECK(session_log_text(read_session_log(folder / "a.jsonl")) == session_log_text(everything()));
-  CHECK_THAT(refusal([&] { read_session_log(folder / "b.jsonl"); }), Contains("no such file"));
+  CHECK_THAT(error_message([&] { read_session_log(folder / "b.jsonl"); }),
+             Contains("no such file"));
   std::vector<Operation> bad = {{Kind::Set, 0, std::nan(""), nullptr}};
-  CHECK_THAT(refusal([&] { write_session_log(folder / "c.jsonl", bad); }), Contains("found nan"));
+  CHECK_THAT(error_message([&] { write_session_log(folder / "c.jsonl", bad); }),
+             Contains("found nan"));
   bad = {edit(Operation::Add{
       CharacterLine{"arc",
                     curve_from_formula(0, 1, [](double t, int) { return Vec3(t, t * t, 0); }),
-                    CharacterLine::Role::Inner, CharacterLine::Treatment::Auto},
+                    CharacterLine::Role::Inner, CharacterLine::MeshAlignment::Auto},
       {}})};
-  CHECK_THAT(refusal([&] { write_session_log(folder / "c.jsonl", bad); }),
+  CHECK_THAT(error_message([&] { write_session_log(folder / "c.jsonl", bad); }),
              Contains("'arc'") && Contains("not piecewise cubic"));
   bad = {edit(Operation::Add{
       CharacterLine{"bent", curve_through_points("bent", {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}}),
-                    CharacterLine::Role::Inner, CharacterLine::Treatment::Auto},
+                    CharacterLine::Role::Inner, CharacterLine::MeshAlignment::Auto},
       {}})};
-  CHECK_THAT(refusal([&] { write_session_log(folder / "c.jsonl", bad); }),
+  CHECK_THAT(error_message([&] { write_session_log(folder / "c.jsonl", bad); }),
              Contains("'bent'") && Contains("corner"));
   CHECK_FALSE(std::filesystem::exists(folder / "c.jsonl"));
 }
@@ -171,7 +173,7 @@ TEST_CASE("logs are files, whole or not at all", "[io][session_log]") {
 TEST_CASE("mistakes in a log are answered with their line", "[io][session_log]") {
   const std::string head = "{\"batten\":\"session\",\"version\":1}\n{\"do\":\"settle\"}\n";
   const auto says = [&](const std::string& line) {
-    return refusal([&] { parse_session_log(head + line + "\n", "log"); });
+    return error_message([&] { parse_session_log(head + line + "\n", "log"); });
   };
   CHECK(says("").empty());
   CHECK_THAT(says("{\"do\":\"set\",\"para"), Contains("log:3: found a line that is no JSON"));
@@ -193,10 +195,11 @@ TEST_CASE("mistakes in a log are answered with their line", "[io][session_log]")
   CHECK_THAT(says("{\"do\":\"set_line\",\"line\":\"a\",\"curve\":{\"parameters\":[0,1],\"closed\":"
                   "false,\"corners\":[],\"dofs\":[[0,0,0]]}}"),
              Contains("log:3: "));
-  CHECK_THAT(refusal([&] { parse_session_log("", "log"); }),
+  CHECK_THAT(error_message([&] { parse_session_log("", "log"); }),
              Contains("log:1: found an empty file"));
-  CHECK_THAT(refusal([&] { parse_session_log("{\"batten\":3}\n", "log"); }),
+  CHECK_THAT(error_message([&] { parse_session_log("{\"batten\":3}\n", "log"); }),
              Contains("log:1: found no log of a session"));
-  CHECK_THAT(refusal([&] { parse_session_log("{\"batten\":\"session\",\"version\":2}\n", "log"); }),
-             Contains("log:1: found another version"));
+  CHECK_THAT(
+      error_message([&] { parse_session_log("{\"batten\":\"session\",\"version\":2}\n", "log"); }),
+      Contains("log:1: found another version"));
 }

@@ -25,13 +25,13 @@
 #include <memory>
 
 #include "batten/core/errors.h"
-#include "batten/io/files/whole_file.h"
+#include "batten/io/files/atomic_file.h"
 #include "batten/skinning/domains/mesher.h"
-#include "batten/tests/catch.h"
-#include "batten/tests/reference.h"
-#include "batten/tests/refusal.h"
-#include "batten/tests/sampling.h"
-#include "batten/tests/trimmed_regions.h"
+#include "batten/tests/support/catch.h"
+#include "batten/tests/support/error_message.h"
+#include "batten/tests/support/sampling.h"
+#include "batten/tests/support/test_data.h"
+#include "batten/tests/support/trimmed_regions.h"
 
 using namespace batten_test;
 namespace fs = std::filesystem;
@@ -57,14 +57,16 @@ SkinnedRegion region(const std::string& name, double height) {
                                        [&](const Vec2& p) { return cubic(p.x(), p.y(), height); });
   SkinnedRegion result{name, surface, {}, 1, {}, {}};
   for (const bool diagonal : {false, true}) {
-    LineRun run;
-    run.line.name = diagonal ? "diagonal" : "south";
+    EdgeAlignedLine aligned_line;
+    aligned_line.line.name = diagonal ? "diagonal" : "south";
     for (int i = 0; i <= kN; ++i) {
-      run.vertices.push_back(diagonal ? (kN - i) * (kN + 2) : i);
-      run.parameters.push_back(i);
-      if (i > 0) run.edges.push_back(mesh->edge_between(run.vertices[i - 1], run.vertices[i]));
+      aligned_line.vertices.push_back(diagonal ? (kN - i) * (kN + 2) : i);
+      aligned_line.parameters.push_back(i);
+      if (i > 0)
+        aligned_line.edges.push_back(
+            mesh->edge_between(aligned_line.vertices[i - 1], aligned_line.vertices[i]));
     }
-    result.runs.push_back(run);
+    result.edge_aligned.push_back(aligned_line);
   }
   return result;
 }
@@ -279,11 +281,11 @@ TEST_CASE("VTP and VTU of an embedded region end at its boundary", "[io][vtk]") 
     // Points of the rim are the surface's over the curve.
     for (vtkIdType c = 2; c < 5; ++c) {
       CHECK(data.GetCellData()->GetArray("Line")->GetTuple1(c) == c);
-      const HermiteCurve& image = disc.embedded[static_cast<size_t>(c) - 2].image;
+      const HermiteCurve& pcurve = disc.embedded[static_cast<size_t>(c) - 2].pcurve;
       vtkCell& chain = *data.GetCell(c);
       for (vtkIdType p = 0; p < chain.GetNumberOfPoints(); ++p) {
         const Vec3 uv = tuple(data.GetPointData()->GetArray("uv"), chain.GetPointId(p));
-        CHECK(image.closest_point(uv).distance < 1e-14);
+        CHECK(pcurve.closest_point(uv).distance < 1e-14);
         Vec3 x;
         data.GetPoint(chain.GetPointId(p), x.data());
         CHECK((x - disc.surface.position(disc.surface.locate(uv.head<2>()))).norm() < 1e-13);
@@ -308,16 +310,16 @@ TEST_CASE("VTK files refuse what does not fit, and leave nothing behind", "[io][
   const SkinnedRegion a = region("hood", 0.3);
   const Surface other(std::make_shared<const ParametricMesh>(ParametricMesh::unit_square(1)),
                       TriangleElement::HCT, Points::Zero(17, 3));
-  CHECK_THAT(refusal([&] { write_vtp(path, {}); }), Contains("no region"));
-  CHECK_THAT(refusal([&] {
+  CHECK_THAT(error_message([&] { write_vtp(path, {}); }), Contains("no region"));
+  CHECK_THAT(error_message([&] {
                write_vtp(path, {&a}, {{&other}, 4});
              }),
              Contains("'hood'") && Contains("another mesh"));
-  CHECK_THAT(refusal([&] {
+  CHECK_THAT(error_message([&] {
                write_vtu(path, {&a, &a}, {{&other}, 4});
              }),
              Contains("found 1 reference"));
-  CHECK_THAT(refusal([&] { write_vtp(folder / "none" / "a.vtp", {&a}); }),
+  CHECK_THAT(error_message([&] { write_vtp(folder / "none" / "a.vtp", {&a}); }),
              Contains("none") && Contains("does not exist"));
   CHECK(files_in(folder) == 0);
 }
@@ -325,20 +327,20 @@ TEST_CASE("VTK files refuse what does not fit, and leave nothing behind", "[io][
 TEST_CASE("a file is written whole or not at all", "[io][whole_file]") {
   using Catch::Matchers::Contains;
   const fs::path folder = batten_test::scratch("whole"), path = folder / "note.tar.txt";
-  write_whole_file(path, [](std::ostream& out) { out << "first\n" << 0.5; });
+  write_file_atomically(path, [](std::ostream& out) { out << "first\n" << 0.5; });
   CHECK(bytes(path) == "first\n0.5");
 
   // A writer that fails leaves the old file and nothing else.
-  CHECK_THROWS_AS(write_whole_file(path,
-                                   [](std::ostream& out) {
-                                     out << "half";
-                                     throw CancelledError();
-                                   }),
+  CHECK_THROWS_AS(write_file_atomically(path,
+                                        [](std::ostream& out) {
+                                          out << "half";
+                                          throw CancelledError();
+                                        }),
                   CancelledError);
   CHECK(bytes(path) == "first\n0.5");
   CHECK(files_in(folder) == 1);
   {
-    WholeFile file(path);
+    AtomicFile file(path);
     CHECK(file.temporary().parent_path() == folder);
     CHECK(file.temporary().extension() == ".txt");
     std::ofstream(file.temporary()) << "second";
@@ -347,12 +349,12 @@ TEST_CASE("a file is written whole or not at all", "[io][whole_file]") {
     CHECK(bytes(path) == "second");
   }
   CHECK(files_in(folder) == 1);
-  { WholeFile abandoned(path); }
+  { AtomicFile abandoned(path); }
   CHECK(files_in(folder) == 1);
 
   // Through a link, the file it leads to is the one that changes.
   fs::create_symlink(path, folder / "link.txt");
-  write_whole_file(folder / "link.txt", [](std::ostream& out) { out << "third"; });
+  write_file_atomically(folder / "link.txt", [](std::ostream& out) { out << "third"; });
   CHECK(fs::is_symlink(folder / "link.txt"));
   CHECK(bytes(path) == "third");
 
@@ -362,8 +364,9 @@ TEST_CASE("a file is written whole or not at all", "[io][whole_file]") {
   const auto old_handler = std::signal(SIGXFSZ, SIG_IGN);
   const rlimit small{1000, before.rlim_max};
   setrlimit(RLIMIT_FSIZE, &small);
-  const std::string said = refusal(
-      [&] { write_whole_file(path, [](std::ostream& out) { out << std::string(100000, 'x'); }); });
+  const std::string said = error_message([&] {
+    write_file_atomically(path, [](std::ostream& out) { out << std::string(100000, 'x'); });
+  });
   setrlimit(RLIMIT_FSIZE, &before);
   std::signal(SIGXFSZ, old_handler);
   CHECK_THAT(said, Contains("note.tar.txt") && Contains("File too large"));
@@ -376,7 +379,9 @@ TEST_CASE("places where no file can be are named before the work", "[io][whole_f
   const fs::path folder = batten_test::scratch("places");
   std::ofstream(folder / "file") << "x";
   fs::create_directory(folder / "sub");
-  const auto says = [](const fs::path& path) { return refusal([&] { WholeFile file(path); }); };
+  const auto says = [](const fs::path& path) {
+    return error_message([&] { AtomicFile file(path); });
+  };
   CHECK_THAT(says(folder / "none" / "a.txt"), Contains("does not exist"));
   CHECK_THAT(says(folder / "file" / "a.txt"), Contains("is not a folder"));
   CHECK_THAT(says(folder / "sub"), Contains("a folder has this name"));
@@ -384,7 +389,9 @@ TEST_CASE("places where no file can be are named before the work", "[io][whole_f
   CHECK_THAT(says("/dev/null"), Contains("not a regular file"));
   CHECK_THAT(says("/proc/none.txt"), Contains("/proc/none.txt: cannot write this file: "));
 
-  const auto make = [](const fs::path& path) { return refusal([&] { make_output_folder(path); }); };
+  const auto make = [](const fs::path& path) {
+    return error_message([&] { make_output_folder(path); });
+  };
   CHECK(make(folder / "a" / "b" / "c").empty());
   CHECK(fs::is_directory(folder / "a" / "b" / "c"));
   CHECK(fs::is_empty(folder / "a" / "b" / "c"));

@@ -5,10 +5,10 @@
 
 #include "batten/constraints/shape/curve_constraints.h"
 #include "batten/core/errors.h"
-#include "batten/tests/catch.h"
-#include "batten/tests/refusal.h"
-#include "batten/tests/sampling.h"
-#include "batten/tests/sculpting/session/session_scenes.h"
+#include "batten/tests/support/catch.h"
+#include "batten/tests/support/error_message.h"
+#include "batten/tests/support/sampling.h"
+#include "batten/tests/support/session_scenes.h"
 
 using namespace batten_test;
 using Catch::Matchers::Contains;
@@ -57,7 +57,7 @@ TEST_CASE("without loads a curve keeps its shape, or bends straight when it has 
   DeformableCurve kept(shape, ends(shape), {}, loads());
   CHECK(difference(kept.solve(), shape) < 1e-12);
   CurveMaterial plain;
-  plain.keeps_shape = false;
+  plain.starts_unstressed = false;
   DeformableCurve straight(shape, ends(shape, false), plain, loads());
   const HermiteCurve line = straight.solve();
   for (int k = 0; k <= 20; ++k)
@@ -94,7 +94,7 @@ TEST_CASE("a spring pulls its point towards its end, to it when it is stiff") {
     before = distance;
   }
   CHECK(before < 1e-5);
-  curve.pull_to("spring", {5, 1, 1});
+  curve.set_spring_target("spring", {5, 1, 1});
   CHECK((curve.solve().evaluate(u) - Vec3(5, 1, 1)).norm() < 1e-5);
   CHECK(curve.constraints().max_residual(curve.solve().dofs()) < 1e-12);
 }
@@ -180,16 +180,16 @@ TEST_CASE("every mode of a bar moves as the scheme's own formula says") {
     ReleasedBar bar(2, 3);
     const double dt = 0.01;
     bar.curve.start_motion(dt, theta);
-    std::vector<ModeSteps> twin;
+    std::vector<ModeSteps> reference_curve;
     for (long k = 0; k < bar.start.rows(); ++k)
       for (int c = 0; c < 3; ++c)
-        twin.push_back({2, 3, bar.modes.lambda[k], dt, theta, bar.start(k, c)});
+        reference_curve.push_back({2, 3, bar.modes.lambda[k], dt, theta, bar.start(k, c)});
     double worst = 0;
     for (int n = 0; n < 100; ++n) {
       const MatX now = bar.of(bar.curve.step());
       for (long k = 0; k < bar.start.rows(); ++k)
         for (int c = 0; c < 3; ++c) {
-          ModeSteps& mode = twin[static_cast<size_t>(3 * k + c)];
+          ModeSteps& mode = reference_curve[static_cast<size_t>(3 * k + c)];
           mode.step();
           worst = std::max(worst, std::abs(now(k, c) - mode.x));
         }
@@ -252,11 +252,11 @@ TEST_CASE("a stiffness that changes in motion changes neither place nor speed") 
   curve.solve();  // a look at the static shape is no step
   curve.set("spring", 1e-9);
   const HermiteCurve after = curve.step();
-  DeformableCurve twin(shape, ends(shape), {}, loads());
-  twin.start_motion(0.01);
-  twin.set("wind", 30);
-  for (int i = 0; i < 21; ++i) twin.step();
-  CHECK(difference(after, twin.step()) < 1e-9);
+  DeformableCurve reference_curve(shape, ends(shape), {}, loads());
+  reference_curve.start_motion(0.01);
+  reference_curve.set("wind", 30);
+  for (int i = 0; i < 21; ++i) reference_curve.step();
+  CHECK(difference(after, reference_curve.step()) < 1e-9);
   CHECK(difference(after, before) > 1e-6);
   curve.set("spring", 50);
   const double energy = curve.energy();
@@ -267,15 +267,19 @@ TEST_CASE("a stiffness that changes in motion changes neither place nor speed") 
 TEST_CASE("curve loads that make no sense are refused by name") {
   const HermiteCurve shape = arch();
   DeformableCurve curve(shape, ends(shape), {}, loads());
-  CHECK_THAT(refusal([&] { curve.set("sprin", 1); }), Contains("did you mean 'spring'"));
-  CHECK_THAT(refusal([&] { curve.set("spring", -1); }),
+  CHECK_THAT(error_message([&] { curve.set("sprin", 1); }), Contains("did you mean 'spring'"));
+  CHECK_THAT(error_message([&] { curve.set("spring", -1); }),
              Contains("'spring'") && Contains("0 or more"));
-  CHECK_THAT(refusal([&] { curve.set("wind", NAN); }), Contains("'wind'") && Contains("finite"));
-  CHECK_THAT(refusal([&] { curve.pull_to("wind", {0, 0, 0}); }), Contains("no spring"));
-  CHECK_THAT(refusal([&] { curve.step(); }), Contains("motion"));
+  CHECK_THAT(error_message([&] { curve.set("wind", NAN); }),
+             Contains("'wind'") && Contains("finite"));
+  CHECK_THAT(error_message([&] {
+               curve.set_spring_target("wind", {0, 0, 0});
+             }),
+             Contains("no spring"));
+  CHECK_THAT(error_message([&] { curve.step(); }), Contains("motion"));
   auto twice = loads();
   twice.push_back(twice[0]);
-  CHECK_THAT(refusal([&] { DeformableCurve(shape, ends(shape), {}, twice); }),
+  CHECK_THAT(error_message([&] { DeformableCurve(shape, ends(shape), {}, twice); }),
              Contains("two loads") && Contains("'wind'"));
   CHECK_THROWS_AS(DeformableCurve(shape, ConstraintSet(3), {}, {}), InputError);
   DeformableCurve loose(shape, ConstraintSet(shape.mesh().dof_count()), {}, loads());

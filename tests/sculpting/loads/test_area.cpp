@@ -1,19 +1,19 @@
-#include "batten/fem/assembly.h"
-#include "batten/sculpting/loads/area.h"
+#include "batten/fem/surface_assembler.h"
+#include "batten/sculpting/loads/area_weights.h"
 
 #include <cmath>
 
 #include "batten/skinning/domains/mesher.h"
-#include "batten/tests/catch.h"
-#include "batten/tests/energy_twin.h"
-#include "batten/tests/refusal.h"
-#include "batten/tests/sampling.h"
-#include "batten/tests/skinning/shapes.h"
-#include "batten/tests/static_twin.h"
-#include "batten/tests/threads.h"
+#include "batten/tests/support/catch.h"
+#include "batten/tests/support/error_message.h"
+#include "batten/tests/support/reference_energy.h"
+#include "batten/tests/support/reference_static_solver.h"
+#include "batten/tests/support/sample_lines.h"
+#include "batten/tests/support/sampling.h"
+#include "batten/tests/support/thread_guard.h"
 
 using namespace batten_test;
-using namespace batten::twin;
+using namespace batten::reference_solver;
 using Catch::Matchers::Contains;
 
 namespace {
@@ -33,12 +33,12 @@ struct Skinned {
         shape(layout.region(sculpt(layout, layout.line_constraints(), {}, {}).dofs).surface) {}
 };
 
-double bump(double share) { return share < 1 ? std::pow(1 - share * share, 2) : 0; }
+double bump(double ratio) { return ratio < 1 ? std::pow(1 - ratio * ratio, 2) : 0; }
 
 // The mean of w(x) over a triangle by many points.
 template <class Weight>
 double mean(const Surface& shape, int t, const Weight& w) {
-  const TriangleRule rule = split_triangle(8);
+  const TriangleRule rule = split_triangle_rule(8);
   double sum = 0;
   for (long p = 0; p < rule.weights.size(); ++p)
     sum += rule.weights[p] * w(shape.position({t, rule.L.row(p).transpose()}));
@@ -165,16 +165,16 @@ TEST_CASE("resistance in a direction is a part of the energy, in either units") 
   CHECK(sum.bending == Approx(first.bending + second.bending).epsilon(1e-10));
   CHECK(sum.stretching == Approx(first.stretching + second.stretching).epsilon(1e-10));
   const double size = 20;
-  const auto scaled = on_unit_domain(along, LoadUnits::Absolute, size);
+  const auto scaled = scaled_to_unit_domain(along, LoadUnits::Absolute, size);
   CHECK(energy(assembler, scaled, q).bending ==
         Approx(first.bending / (size * size)).epsilon(1e-10));
-  CHECK(on_unit_domain(along, LoadUnits::Relative, size).beta_mixed == along.beta_mixed);
+  CHECK(scaled_to_unit_domain(along, LoadUnits::Relative, size).beta_mixed == along.beta_mixed);
 }
 
 TEST_CASE("what areas refuse is said in words") {
   const Skinned region(curved_polygon(4, 0.2, 0.15), fine(0.3));
   const auto said = [&](const Area& area) {
-    return refusal([&] { triangle_weights(area, region.layout, region.shape); });
+    return error_message([&] { triangle_weights(area, region.layout, region.shape); });
   };
   using Stroke = Area::Painted::Stroke;
   CHECK_THAT(said({Area::NearLine{"sde 2", 1}}), Contains("did you mean 'side"));
@@ -184,9 +184,9 @@ TEST_CASE("what areas refuse is said in words") {
   CHECK_THAT(said({Area::Painted{{Stroke{Vec3::Zero(), -1}}}}), Contains("radius of -1"));
   CHECK_THAT(said({Area::Painted{{Stroke{Vec3::Constant(std::nan("")), 1}}}}), Contains("finite"));
   CHECK_THAT(said({Area::Painted{{Stroke{Vec3::Zero(), 1, std::nan("")}}}}), Contains("finite"));
-  CHECK_THAT(refusal([&] { triangle_directions("sde 2", region.layout); }),
+  CHECK_THAT(error_message([&] { triangle_directions("sde 2", region.layout); }),
              Contains("did you mean 'side"));
   const Skinned other(curved_polygon(4, 0.2, 0.15), fine(0.15));
-  CHECK_THAT(refusal([&] { triangle_weights({}, region.layout, other.shape); }),
+  CHECK_THAT(error_message([&] { triangle_weights({}, region.layout, other.shape); }),
              Contains("triangles"));
 }

@@ -4,23 +4,23 @@
 
 #include "batten/core/errors.h"
 #include "batten/sculpting/loads/parameters.h"
-#include "batten/tests/allocations.h"
-#include "batten/tests/catch.h"
+#include "batten/tests/support/allocations.h"
+#include "batten/tests/support/catch.h"
 
 using namespace batten;
 using Catch::Matchers::Contains;
 
 namespace {
 
-NamedValue named(const std::string& name, double value = 0) {
-  NamedValue p;
+ScalarParameter named(const std::string& name, double value = 0) {
+  ScalarParameter p;
   p.name = name;
   p.value = value;
   return p;
 }
 
-NamedValue ranged(const std::string& name, double value, double min, double max) {
-  NamedValue p = named(name, value);
+ScalarParameter ranged(const std::string& name, double value, double min, double max) {
+  ScalarParameter p = named(name, value);
   p.min = min;
   p.max = max;
   return p;
@@ -32,9 +32,9 @@ TEST_CASE("one parameter drives several by linear rules, whatever their order", 
   Parameters all;
   // Followers first, so that the order of the rules is not the order of adding.
   for (const char* name : {"far", "near", "depth", "bolder", "finer"}) all.add(named(name));
-  all.drive("far", {{"near", 2}, {"finer", -1}}, 1);
-  all.drive("near", {{"bolder", 10}}, 3);
-  all.drive("depth", {{"bolder", -4}, {"bolder", 1}}, 0);
+  all.set_rule("far", {{"near", 2}, {"finer", -1}}, 1);
+  all.set_rule("near", {{"bolder", 10}}, 3);
+  all.set_rule("depth", {{"bolder", -4}, {"bolder", 1}}, 0);
   all.set("bolder", 0.5);
   CHECK(all.value("far") == 2 * 8 + 1);
   all.set("finer", 0.25);
@@ -45,11 +45,11 @@ TEST_CASE("one parameter drives several by linear rules, whatever their order", 
 
   CHECK_THROWS_WITH(all.set("near", 1), Contains("'near'") && Contains("follows 'bolder'"));
   CHECK_THROWS_WITH(all.remove("bolder"), Contains("'near' following it"));
-  all.drive("near", {}, 5);  // stands alone again
+  all.set_rule("near", {}, 5);  // stands alone again
   CHECK(all.value("far") == 10.75);
   all.set("near", 0);
   CHECK(all.value("far") == 0.75);
-  all.drive("depth", {}, 0);
+  all.set_rule("depth", {}, 0);
   all.remove("bolder");
   CHECK(all.count() == 4);
   CHECK(all.index("finer") == 3);
@@ -60,8 +60,8 @@ TEST_CASE("one parameter drives several by linear rules, whatever their order", 
 TEST_CASE("a follower is held to its own range", "[parameters]") {
   Parameters all;
   all.add(ranged("slider", 0, -10, 10));
-  NamedValue driven = ranged("pressure", 0, 0, 30);
-  driven.follows = {{"slider", 5}};
+  ScalarParameter driven = ranged("pressure", 0, 0, 30);
+  driven.rule_terms = {{"slider", 5}};
   driven.offset = 10;
   all.add(driven);
   CHECK(all.value("pressure") == 10);
@@ -76,14 +76,14 @@ TEST_CASE("a follower is held to its own range", "[parameters]") {
 TEST_CASE("a circle of rules is named and changes nothing", "[parameters]") {
   Parameters all;
   for (const char* name : {"a", "b", "c"}) all.add(named(name, 1));
-  all.drive("b", {{"a", 2}}, 0);
-  all.drive("c", {{"b", 2}}, 0);
-  CHECK_THROWS_WITH(all.drive("a", {{"c", 1}}, 0),
+  all.set_rule("b", {{"a", 2}}, 0);
+  all.set_rule("c", {{"b", 2}}, 0);
+  CHECK_THROWS_WITH(all.set_rule("a", {{"c", 1}}, 0),
                     Contains("'a' follows 'c' follows 'b' follows 'a'"));
-  CHECK_THROWS_WITH(all.drive("a", {{"a", 1}}, 0), Contains("'a' follows 'a'"));
-  CHECK_THROWS_WITH(all.drive("b", {{"aa", 1}}, 0), Contains("'aa'"));
-  CHECK_THROWS_AS(all.drive("b", {{"a", std::nan("")}}, 0), InputError);
-  CHECK_THROWS_AS(all.drive("b", {{"a", 1}}, std::nan("")), InputError);
+  CHECK_THROWS_WITH(all.set_rule("a", {{"a", 1}}, 0), Contains("'a' follows 'a'"));
+  CHECK_THROWS_WITH(all.set_rule("b", {{"aa", 1}}, 0), Contains("'aa'"));
+  CHECK_THROWS_AS(all.set_rule("b", {{"a", std::nan("")}}, 0), InputError);
+  CHECK_THROWS_AS(all.set_rule("b", {{"a", 1}}, std::nan("")), InputError);
   all.set("a", 3);
   CHECK(all.value("c") == 12);
 }
@@ -104,28 +104,28 @@ TEST_CASE("numbers that cannot be are refused with their range", "[parameters]")
   CHECK_THROWS_WITH(all.add(ranged("x", 0, 2, 1)), Contains("range from 2 to 1"));
   CHECK_THROWS_WITH(all.add(ranged("x", 3, 0, 1)), Contains("found 3"));
   CHECK_THROWS_AS(all.add(named("x", std::numeric_limits<double>::infinity())), InputError);
-  NamedValue timed = named("x");
-  timed.over_time = {{0, 1}, {2, 1}, {2, 3}};
+  ScalarParameter timed = named("x");
+  timed.keyframes = {{0, 1}, {2, 1}, {2, 3}};
   CHECK_THROWS_WITH(all.add(timed), Contains("ascend"));
-  timed.over_time = {{0, 1}, {2, 1}};
+  timed.keyframes = {{0, 1}, {2, 1}};
   timed.max = 0.5;
   CHECK_THROWS_WITH(all.add(timed), Contains("up to 0.5"));
   timed.max = 2;
-  timed.follows = {{"swell", 1}};
+  timed.rule_terms = {{"swell", 1}};
   CHECK_THROWS_WITH(all.add(timed), Contains("one of them"));
-  NamedValue early = named("y");
-  early.follows = {{"z", 1}};
+  ScalarParameter early = named("y");
+  early.rule_terms = {{"z", 1}};
   CHECK_THROWS_WITH(all.add(early), Contains("'z'"));
   CHECK(all.count() == 1);
 }
 
 TEST_CASE("values over time are linear between moments and constant outside", "[parameters]") {
   Parameters all;
-  NamedValue timed = named("swell");
-  timed.over_time = {{1, 10}, {2, 30}, {4, -10}};
+  ScalarParameter timed = named("swell");
+  timed.keyframes = {{1, 10}, {2, 30}, {4, -10}};
   all.add(timed);
-  NamedValue follower = named("depth");
-  follower.follows = {{"swell", 0.5}};
+  ScalarParameter follower = named("depth");
+  follower.rule_terms = {{"swell", 0.5}};
   all.add(follower);
   CHECK(all.value("swell") == 10);
   CHECK(all.value("depth") == 5);
@@ -148,11 +148,11 @@ TEST_CASE("values over time are linear between moments and constant outside", "[
 TEST_CASE("restored values are the same bits, and moments move again", "[parameters]") {
   Parameters all;
   all.add(named("a", 0.1));
-  NamedValue timed = named("t");
-  timed.over_time = {{0, 1}, {3, 2}};
+  ScalarParameter timed = named("t");
+  timed.keyframes = {{0, 1}, {3, 2}};
   all.add(timed);
   all.add(named("f"));
-  all.drive("f", {{"a", 1.0 / 3}, {"t", 0.7}}, 0.2);
+  all.set_rule("f", {{"a", 1.0 / 3}, {"t", 0.7}}, 0.2);
   all.set_time(1);
   const std::vector<double> before = all.values();
   all.set("a", 0.7);
@@ -174,19 +174,19 @@ TEST_CASE("setting, moving in time and restoring ask for no memory", "[parameter
   if (!batten_test::counts_allocations()) return;
   Parameters all;
   all.add(ranged("slider", 0, -1, 1));
-  NamedValue timed = named("t");
-  timed.over_time = {{0, 1}, {3, 2}};
+  ScalarParameter timed = named("t");
+  timed.keyframes = {{0, 1}, {3, 2}};
   all.add(timed);
   all.add(named("swell"));
-  all.drive("swell", {{"slider", 200}, {"t", 1}}, 6);
+  all.set_rule("swell", {{"slider", 200}, {"t", 1}}, 6);
   const std::vector<double> values = all.values();
   const int slider = all.index("slider");
-  const WorkCount work;
+  const ScopedOpCount work;
   for (int i = 0; i < 100; ++i) {
     all.set(slider, 0.01 * i);
     all.set("slider", -0.01 * i);
     all.set_time(0.03 * i);
     all.restore(values, 0);
   }
-  CHECK(work.of(Work::Allocation) == 0);
+  CHECK(work.of(OpCounter::Allocation) == 0);
 }

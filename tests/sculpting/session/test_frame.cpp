@@ -6,7 +6,7 @@
 #include <chrono>
 #include <thread>
 
-#include "batten/tests/catch.h"
+#include "batten/tests/support/catch.h"
 
 using namespace batten;
 

@@ -1,13 +1,13 @@
 // Sessions on models of several regions: joins that survive motion, lines that move all their
 // sides, and a model of one region that is that region.
 #include "batten/core/errors.h"
-#include "batten/fem/assembly.h"
+#include "batten/fem/surface_assembler.h"
 #include "batten/sculpting/statics/static_sculpt.h"
-#include "batten/skinning/region/quality.h"
-#include "batten/tests/kkt_twin.h"
-#include "batten/tests/catch.h"
-#include "batten/tests/patchwork.h"
-#include "batten/tests/sculpting/session/session_scenes.h"
+#include "batten/skinning/region/skin_quality.h"
+#include "batten/tests/support/catch.h"
+#include "batten/tests/support/kkt_solver.h"
+#include "batten/tests/support/session_scenes.h"
+#include "batten/tests/support/test_model_builder.h"
 
 using namespace batten_test;
 using Catch::Matchers::Contains;
@@ -20,17 +20,18 @@ double angle_at(const SculptingSession& session, const std::string& line) {
   const auto made = session.regions();
   std::vector<const SkinnedRegion*> all;
   for (const auto& r : made) all.push_back(&r);
-  return measure_join(all, plan->join_line, {plan->ends[0].open, plan->ends[1].open}).max_inside_deg;
+  return measure_join(all, plan->join_line, {plan->ends[0].open, plan->ends[1].open})
+      .max_inside_deg;
 }
 
 // Largest distance of the surfaces from a line, on every side of it.
 double off_line(const SculptingSession& session, const std::string& line) {
   double most = 0;
   for (const SkinnedRegion& region : session.regions())
-    for (const LineRun& run : region.runs)
-      if (run.line.name == line) {
+    for (const EdgeAlignedLine& aligned_line : region.edge_aligned)
+      if (aligned_line.line.name == line) {
         SkinnedRegion one = region;
-        one.runs = {run};
+        one.edge_aligned = {aligned_line};
         one.embedded.clear();
         most = std::max(most, measure(one).max_line_residual);
       }
@@ -38,18 +39,18 @@ double off_line(const SculptingSession& session, const std::string& line) {
 }
 
 ModelLayout two_octants(double h) {
-  const Patchwork p = octants(h);
+  const TestModelBuilder p = octants(h);
   return p.model({p.join_line("zx", 0, 1)});
 }
 
 // A box without its top and bottom: four walls, all edges creases, its corners at ±1.
-Patchwork walls(double h) {
-  Patchwork p;
+TestModelBuilder walls(double h) {
+  TestModelBuilder p;
   p.options.edge_length = h;
   p.size = 3.4;
   const Vec3 c[4] = {{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}};
   const auto line = [&](const std::string& name, const Vec3& a, const Vec3& b) {
-    p.add(given_line(name, curve_through_points(name, {a, b}), 2, h));
+    p.add(prescribed_line(name, curve_through_points(name, {a, b}), 2, h));
   };
   const Vec3 up(0, 0, 1);
   for (int i = 0; i < 4; ++i) {
@@ -75,7 +76,7 @@ TEST_CASE("a model of one region is the region: the same bits") {
   for (int i = 0; i < 2; ++i) {
     SculptingSession session(i ? model : ModelLayout(region), {});
     session.add(Load{"p", Load::Pressure{}}, {slider("p", 3)});
-    session.settle();
+    session.solve_to_equilibrium();
     shapes[i] = session.dofs();
   }
   CHECK(same_bits(shapes[0], shapes[1]));
@@ -88,7 +89,7 @@ TEST_CASE("two octants joined smoothly under pressure are symmetric, and converg
     SculptingSession pair(two_octants(h), {});
     const Points rest = pair.dofs();
     pair.add(Load{"p", Load::Pressure{}}, {slider("p", -20)});
-    pair.settle();
+    pair.solve_to_equilibrium();
     CHECK(difference(pair.dofs(), rest) > 0.05);
     const SkinnedRegion a = pair.region(0), b = pair.region(1);
     // Half a turn about x + z takes the octants into each other, and their meshes as well.
@@ -100,7 +101,7 @@ TEST_CASE("two octants joined smoothly under pressure are symmetric, and converg
     CHECK(lopsided < 1e-8);
     CHECK(angle_at(pair, "zx") < 0.1);
     // Where the ray through the middle of the octant meets it.
-    const Surface::Closest middle = a.surface.closest_point(Vec3(1, 1, 1).normalized());
+    const Surface::ClosestPoint middle = a.surface.closest_point(Vec3(1, 1, 1).normalized());
     tops.push_back(a.surface.position(middle.where));
   }
   const double coarse = (tops[1] - tops[0]).norm(), fine = (tops[2] - tops[1]).norm();
@@ -122,7 +123,7 @@ TEST_CASE("two regions that unfold into one plane, under pressure, are the one r
   };
   std::vector<double> apart;
   for (const double h : {0.4, 0.2, 0.1}) {
-    Patchwork p;
+    TestModelBuilder p;
     p.options.edge_length = h;
     for (const auto& [name, a, b] : {std::tuple<const char*, Vec2, Vec2>{"s1", {0, 0}, {1, 0}},
                                      {"s2", {1, 0}, {2, 0}},
@@ -131,10 +132,10 @@ TEST_CASE("two regions that unfold into one plane, under pressure, are the one r
                                      {"n1", {1, 1}, {0, 1}},
                                      {"w", {0, 1}, {0, 0}},
                                      {"middle", {1, 0}, {1, 1}}})
-      p.add(given_line(name, lifted(a, b), 4, h));
+      p.add(prescribed_line(name, lifted(a, b), 4, h));
     std::vector<CharacterLine> lines;
     for (auto [name, line] : p.lines) {
-      line.given.reset();
+      line.prescribed.reset();
       line.role = name == "middle" ? CharacterLine::Role::Inner : CharacterLine::Role::Outline;
       lines.push_back(line);
     }
@@ -148,7 +149,7 @@ TEST_CASE("two regions that unfold into one plane, under pressure, are the one r
     SculptingSession pair(p.model({p.join_line("middle", 0, 1)}), {}), one(whole, {});
     for (SculptingSession* session : {&pair, &one}) {
       session->add(Load{"p", Load::Pressure{}}, {slider("p", 400)});
-      session->settle();
+      session->solve_to_equilibrium();
     }
     const Surface all = one.region().surface;
     double most = 0, moved = 0;
@@ -171,9 +172,9 @@ TEST_CASE("a smooth join survives what is done to it, at every answer") {
   const double rest = angle_at(session, "zx");
   session.add(Load{"on one", Load::Pressure{Area{Area::Everywhere{}, {"region 1"}}}});
   session.add(Load{"on all", Load::Pressure{}});
-  session.add(WeightField{
-      "stiff", WeightField::Kind::Bending, {Area::Painted{{{Vec3(0.7, 0, 0.7), 0.5, 1}}}}, {}});
-  session.add(LineMove{"ridge", "zx", {}, 0.3});
+  session.add(StiffnessField{
+      "stiff", StiffnessField::Kind::Bending, {Area::Painted{{{Vec3(0.7, 0, 0.7), 0.5, 1}}}}, {}});
+  session.add(LineOffset{"ridge", "zx", {}, 0.3});
   const Vec3 at = session.region(0).surface.position({7});
   session.add(Constraint{"pin", Constraint::Point{at, at}});
   double worst = 0, off = 0;
@@ -184,17 +185,17 @@ TEST_CASE("a smooth join survives what is done to it, at every answer") {
   };
   for (int i = 1; i <= 4; ++i) {
     session.set("on one", 8 * i);
-    session.answer(1);
+    session.solve_preview(1);
     look();
     session.set("ridge", 0.02 * i);
-    session.answer(1);
+    session.solve_preview(1);
     look();
     session.set("stiff", 5 * i);
-    session.answer();
+    session.solve_preview();
     look();
     session.set("pin.x", at.x() + 0.01 * i);
     session.set("on all", -5 * i);
-    session.answer();
+    session.solve_preview();
     look();
   }
   session.start_motion({.dt = 0.05});
@@ -213,12 +214,12 @@ TEST_CASE("a smooth join survives what is done to it, at every answer") {
 
 TEST_CASE(
     "a pressure on one region leaves others to the join, and a load without a name is on all") {
-  const Patchwork p = walls(0.25);
+  const TestModelBuilder p = walls(0.25);
   SculptingSession session(p.model({}), {});
   const Points rest = session.dofs();
   session.add(Load{"one", Load::Pressure{Area{Area::Everywhere{}, {"region 2"}}}},
               {slider("one", 5)});
-  session.settle();
+  session.solve_to_equilibrium();
   for (int r = 0; r < 4; ++r) {
     const double moved =
         (session.layout().region_dofs(r, session.dofs()) - session.layout().region_dofs(r, rest))
@@ -231,7 +232,7 @@ TEST_CASE(
   }
   session.set("one", 0);
   session.add(Load{"all", Load::Pressure{}}, {slider("all", 5)});
-  session.settle();
+  session.solve_to_equilibrium();
   // The four walls are one another's images under a quarter turn.
   const auto made = session.regions();
   const auto bulge = [&](int r) {
@@ -249,33 +250,33 @@ TEST_CASE(
 }
 
 TEST_CASE("a shared crease moves with both regions, and along the normal it needs a direction") {
-  const Patchwork p = walls(0.25);
+  const TestModelBuilder p = walls(0.25);
   SculptingSession session(p.model({}), {});
-  CHECK_THROWS_WITH(session.add(LineMove{"m", "post 1", {}, 0.4}),
+  CHECK_THROWS_WITH(session.add(LineOffset{"m", "post 1", {}, 0.4}),
                     Contains("crease 'post 1'") && Contains("expected a direction"));
-  session.add(LineMove{"m", "post 1", Vec3(1, -1, 0), 0.4}, {slider("m", 0.2)});
-  session.settle();
+  session.add(LineOffset{"m", "post 1", Vec3(1, -1, 0), 0.4}, {slider("m", 0.2)});
+  session.solve_to_equilibrium();
   CHECK(off_line(session, "post 1") < 1e-12);
   int sides = 0;
   const HermiteCurve moved = session.line("post 1");
   for (const SkinnedRegion& region : session.regions())
-    for (const LineRun& run : region.runs) {
-      if (run.line.name != "post 1") continue;
+    for (const EdgeAlignedLine& aligned_line : region.edge_aligned) {
+      if (aligned_line.line.name != "post 1") continue;
       ++sides;
-      CHECK((run.fitted.evaluate(0.5) - moved.evaluate(0.5)).norm() < 1e-14);
+      CHECK((aligned_line.fitted.evaluate(0.5) - moved.evaluate(0.5)).norm() < 1e-14);
     }
   CHECK(sides == 2);
   CHECK((moved.evaluate(0.5 * moved.end()) - Vec3(1.2, -1.2, 0.5)).norm() < 1e-12);
   // All of it at once leaves the lines that end there behind: they are named.
-  session.add(LineMove{"n", "post 2", Vec3(1, 1, 0), 0});
+  session.add(LineOffset{"n", "post 2", Vec3(1, 1, 0), 0});
   session.set("n", 0.1);
-  CHECK_THROWS_AS(session.settle(), ConflictError);
+  CHECK_THROWS_AS(session.solve_to_equilibrium(), ConflictError);
 }
 
 TEST_CASE("refinement halves both sides of a line alike, and joins stay") {
   SculptingSession session(two_octants(0.4), {});
   session.add(Load{"p", Load::Pressure{}}, {slider("p", 10)});
-  session.settle();
+  session.solve_to_equilibrium();
   const double before = angle_at(session, "zx");
   const Vec3 place = session.line("zx").evaluate(0.8);
   const RefinementReport report = session.refine({Refinement::Brush{{{place, 0.3, 1}}}});
@@ -283,8 +284,8 @@ TEST_CASE("refinement halves both sides of a line alike, and joins stay") {
   const auto made = session.regions();
   std::vector<std::vector<double>> at;
   for (const SkinnedRegion& region : made)
-    for (const LineRun& run : region.runs)
-      if (run.line.name == "zx") at.push_back(run.parameters);
+    for (const EdgeAlignedLine& aligned_line : region.edge_aligned)
+      if (aligned_line.line.name == "zx") at.push_back(aligned_line.parameters);
   REQUIRE(at.size() == 2);
   CHECK(at[0] == at[1]);
   CHECK(at[0].size() > 4);
@@ -296,21 +297,22 @@ TEST_CASE("refinement halves both sides of a line alike, and joins stay") {
 
 TEST_CASE("a model held at its corners stays together along its lines") {
   SessionOptions options;
-  options.hold_corners = true;
+  options.fix_corners_only = true;
   for (const bool box : {false, true}) {
-    const Patchwork p = walls(0.25);
+    const TestModelBuilder p = walls(0.25);
     SculptingSession session(box ? p.model({}) : two_octants(0.2), options);
     session.add(Load{"p", Load::Pressure{}}, {slider("p", 1)});
-    session.settle();
+    session.solve_to_equilibrium();
     CHECK(session.residual() < 1e-12);
     // Positions on both sides of every line are the same, between vertices too.
     for (const ModelLine& line : session.layout().lines()) {
       if (line.sides.size() < 2) continue;
       const SkinnedRegion a = session.region(line.sides[0].region),
                           b = session.region(line.sides[1].region);
-      const LineRun& run = a.runs[static_cast<size_t>(line.sides[0].index)];
+      const EdgeAlignedLine& aligned_line =
+          a.edge_aligned[static_cast<size_t>(line.sides[0].index)];
       double apart = 0;
-      for (const int v : run.vertices) {
+      for (const int v : aligned_line.vertices) {
         const Vec3 x = a.surface.dofs().row(3 * v);
         apart = std::max(apart, b.surface.closest_point(x).distance);
       }
@@ -322,10 +324,10 @@ TEST_CASE("a model held at its corners stays together along its lines") {
 
 TEST_CASE("a model's answer is that of the KKT system") {
   const ModelLayout model = two_octants(0.4);
-  const ConstraintSet rows = independent(model.line_constraints());
+  const ConstraintSet rows = independent_constraints(model.line_constraints());
   const SurfaceAssembler assembler(*model.mesh(), model.element(), model.trim());
   SparseMatrix K = assembler.pattern();
-  assembler.stiffness(model.on_regions({SurfaceStiffness{}}), K);
+  assembler.stiffness(model.scale_to_regions({SurfaceStiffness{}}), K);
   const Points F = assembler.load(model.domain_scale()) * Vec3(0, 0, 3).transpose();
   const Points expected = solve_kkt(rows, K, F);
   StaticTask task;
@@ -336,12 +338,12 @@ TEST_CASE("a model's answer is that of the KKT system") {
 
 TEST_CASE("lines that turn the tangents at a node have their joins planned again at rest") {
   // A strip of two squares; its far sides are lifted, and the line between them turns with them.
-  Patchwork p;
+  TestModelBuilder p;
   const double h = 0.2;
   p.options.edge_length = h;
   p.size = 2;
   const auto line = [&](const std::string& name, Vec3 a, Vec3 b) {
-    p.add(given_line(name, curve_through_points(name, {a, 0.5 * (a + b), b}), 2, h));
+    p.add(prescribed_line(name, curve_through_points(name, {a, 0.5 * (a + b), b}), 2, h));
   };
   line("middle", {0, 0, 0}, {0, 1, 0});
   line("s1", {0, 0, 0}, {-1, 0, 0});
@@ -368,19 +370,19 @@ TEST_CASE("lines that turn the tangents at a node have their joins planned again
   for (const auto& [name, by] :
        {std::pair<const char*, double>{"s1", 0.5}, {"s2", -0.5}, {"n1", 0.2}, {"n2", -0.2}})
     session.set_line(name, bent(name, by));
-  const Answer answer = session.settle();
-  CHECK(session.layout().join_misfit(session.dofs()) < 1e-7);
+  const SolveReport answer = session.solve_to_equilibrium();
+  CHECK(session.layout().gluing_change(session.dofs()) < 1e-7);
   CHECK(angle_at(session, "middle") < 0.1);
   CHECK(answer.converged);
 }
 
 TEST_CASE("a node whose planes differ within the tolerance of joins is no reason to plan again") {
   // Two squares, the outer corner of one lifted: their planes differ by 0.05 degrees at a node.
-  Patchwork p;
+  TestModelBuilder p;
   const double h = 0.25, lift = std::tan(0.05 * pi / 180);
   p.options.edge_length = h;
   const auto line = [&](const std::string& name, Vec3 a, Vec3 b) {
-    p.add(given_line(name, curve_through_points(name, {a, b}), 2, h));
+    p.add(prescribed_line(name, curve_through_points(name, {a, b}), 2, h));
   };
   line("middle", {0, 0, 0}, {0, 1, 0});
   line("s1", {0, 0, 0}, {-1, 0, 0});
@@ -393,8 +395,8 @@ TEST_CASE("a node whose planes differ within the tolerance of joins is no reason
   p.region({"middle", "n2", "e", "s2"});
   const ModelLayout model = p.model({p.join_line("middle", 0, 1)});
   REQUIRE(model.join_plan("middle"));
-  CHECK(model.join_plan("middle")->ends[1].apart_deg == Approx(0.05).epsilon(1e-6));
+  CHECK(model.join_plan("middle")->ends[1].plane_angle_deg == Approx(0.05).epsilon(1e-6));
   SculptingSession session(model, {});
   session.add(Load{"p", Load::Pressure{}}, {slider("p", 1)});
-  CHECK_FALSE(session.settle().joins_planned);
+  CHECK_FALSE(session.solve_to_equilibrium().joins_planned);
 }

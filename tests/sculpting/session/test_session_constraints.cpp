@@ -1,12 +1,12 @@
 // Constraints that come, move and go while the surface is sculpted.
 #include "batten/constraints/affine_reduction.h"
-#include "batten/constraints/shape/embedded_rows.h"
-#include "batten/constraints/shape/shape_constraints.h"
+#include "batten/constraints/shape/embedded_line_constraints.h"
+#include "batten/constraints/shape/surface_constraints.h"
 #include "batten/core/errors.h"
-#include "batten/skinning/region/quality.h"
-#include "batten/tests/catch.h"
-#include "batten/tests/kkt_twin.h"
-#include "batten/tests/sculpting/session/session_scenes.h"
+#include "batten/skinning/region/skin_quality.h"
+#include "batten/tests/support/catch.h"
+#include "batten/tests/support/kkt_solver.h"
+#include "batten/tests/support/session_scenes.h"
 
 using namespace batten_test;
 using Catch::Matchers::Contains;
@@ -38,8 +38,8 @@ std::vector<ConstraintSet::CoupledEntry> along(const std::vector<ConstraintSet::
 
 // Vertex numbers of a fitted line.
 std::vector<int> vertices_of(const ModelLayout& layout, const std::string& line) {
-  for (const LineRun& run : layout.region(0).runs())
-    if (run.line.name == line) return run.vertices;
+  for (const EdgeAlignedLine& aligned_line : layout.region(0).edge_aligned())
+    if (aligned_line.line.name == line) return aligned_line.vertices;
   throw std::runtime_error("no run " + line);
 }
 
@@ -49,9 +49,9 @@ TEST_CASE("constraints added and removed at random: the answer of the independen
   const RegionLayout layout = patch_layout(0.35);
   SculptingSession session(layout, {});
   const Surface rest = shape_of(session);
-  const ConstraintSet lines = independent(layout.line_constraints());
+  const ConstraintSet lines = independent_constraints(layout.line_constraints());
   session.add(Load{"f", Load::Uniform{{0, 0.5, 2}, {}}}, {slider("f", 1)});
-  session.settle();
+  session.solve_to_equilibrium();
   const Matrices matrices(layout);
   const Points F = matrices.assembler.load(Vec3(layout.size() * Vec3(0, 0.5, 2)));
   struct Added {
@@ -70,15 +70,15 @@ TEST_CASE("constraints added and removed at random: the answer of the independen
       }))
         ++next;
       const Vec2 uv = places[next % places.size()];
-      const auto foot = shape_of(session).closest_point({uv.x(), uv.y(), 0.2});
-      const Vec3 at = shape_of(session).position(foot.where);
+      const auto foot_point = shape_of(session).closest_point({uv.x(), uv.y(), 0.2});
+      const Vec3 at = shape_of(session).position(foot_point.where);
       const std::string name = "c" + std::to_string(next % places.size());
       const Added a =
           n % 2 == 0
               ? Added{{name, Constraint::Point{at, at + Vec3(0.01, 0, 0.05 * random())}},
-                      foot.where}
+                      foot_point.where}
               : Added{{name, Constraint::Normal{at, Vec3(0.1 * random(), 0.1 * random(), 1)}},
-                      foot.where};
+                      foot_point.where};
       session.add(a.constraint);
       all.push_back(a);
     } else {
@@ -98,10 +98,10 @@ TEST_CASE("constraints added and removed at random: the answer of the independen
           set.add_coupled(c.name, along(row(layout, a.where, d), normal), 0);
       }
     }
-    const Points twin = solve_kkt(set, matrices.K, F);
+    const Points expected = solve_kkt(set, matrices.K, F);
     INFO("operation " << n << " with " << all.size()
-                      << " constraints: " << difference(twin, session.dofs()));
-    CHECK(difference(twin, session.dofs()) < 1e-7);
+                      << " constraints: " << difference(expected, session.dofs()));
+    CHECK(difference(expected, session.dofs()) < 1e-7);
     CHECK(session.residual() < 1e-12);
   }
   CHECK(difference(rest.dofs(), session.dofs()) > 0.01);
@@ -118,7 +118,7 @@ TEST_CASE("a point dragged by its parameters is at its goal, the others stay at 
     const double z = pa.z() + 0.02 * n;
     session.set("a.z", z);
     session.set("a.x", pa.x() + 0.005 * n);
-    const Answer answer = session.answer();
+    const SolveReport answer = session.solve_preview();
     CHECK(answer.iterations == 1);
     CHECK_FALSE(answer.factored);
     const Surface shape = shape_of(session);
@@ -138,7 +138,7 @@ TEST_CASE("a point dragged by its parameters is at its goal, the others stay at 
 TEST_CASE("normals and tangents hold where they were put") {
   SculptingSession session(patch_layout(0.25), {});
   session.add(Load{"f", Load::Uniform{{0, 0, 1}, {}}}, {slider("f", 2)});
-  session.settle();
+  session.solve_to_equilibrium();
   const Surface before = shape_of(session);
   const auto a = before.closest_point({0.4, 0.5, 0.3});
   const Vec3 n = Vec3(0.2, -0.1, 1).normalized(), tau(1, 0.2, 0.4);
@@ -148,7 +148,7 @@ TEST_CASE("normals and tangents hold where they were put") {
   session.add(Constraint{"t", Constraint::Tangent{leaning.position(b.where), {1, 0.5}, tau}});
   for (const double f : {2.0, -3.0}) {
     session.set("f", f);
-    session.settle();
+    session.solve_to_equilibrium();
     const Surface shape = shape_of(session);
     CHECK(shape.jet(a.where).normal().cross(n).norm() < 1e-9);
     const SurfaceJet jet = shape.jet(b.where);
@@ -162,7 +162,7 @@ TEST_CASE("a conflict names its constraints and leaves every bit as it was") {
   const Surface rest = shape_of(session);
   const Vec3 at = rest.position(rest.closest_point({0.4, 0.6, 0.3}).where);
   session.add(pin("first", at, at));
-  session.settle();
+  session.solve_to_equilibrium();
   const Points before = session.dofs();
   const auto names = session.names();
   const auto values = session.parameters().values();
@@ -189,7 +189,7 @@ TEST_CASE("a conflict names its constraints and leaves every bit as it was") {
   session.add(pin("again", where, at));
   CHECK(difference(before, session.dofs()) < 1e-11);
   session.set("again.z", at.z() + 0.1);
-  CHECK_THROWS_AS(session.answer(), ConflictError);
+  CHECK_THROWS_AS(session.solve_preview(), ConflictError);
   CHECK(difference(before, session.dofs()) < 1e-11);
   CHECK(session.parameters().value("again.z") == at.z());
 }
@@ -202,10 +202,10 @@ TEST_CASE("the rib: a line displaced along the normal, exactly, while its neighb
   // Isolation: the tangent planes along the rib stay as they are.
   session.add(Constraint{"plane", Constraint::LineNormal{"rib", {}}});
   CHECK(difference(session.dofs(), rest.dofs()) < 1e-9);
-  session.add(LineMove{"raise", "rib", {}, 0.25});
+  session.add(LineOffset{"raise", "rib", {}, 0.25});
   for (const double height : {0.03, 0.08, -0.05}) {
     session.set("raise", height);
-    const Answer answer = session.answer();
+    const SolveReport answer = session.solve_preview();
     CHECK(answer.iterations == 1);
     CHECK_FALSE(answer.factored);
     const Surface shape = shape_of(session);
@@ -247,7 +247,7 @@ TEST_CASE("the rib: a line displaced along the normal, exactly, while its neighb
     CHECK(quality.max_line_residual < 1e-10);
   }
   session.set("raise", 0);
-  session.answer();
+  session.solve_preview();
   CHECK(difference(session.dofs(), rest.dofs()) < 1e-9);
 }
 
@@ -258,7 +258,7 @@ TEST_CASE("without its tangent planes held, the surface turns at the rib, with t
     if (isolated) session.add(Constraint{"plane", Constraint::LineNormal{"rib", {}}});
     session.add(Load{"f", Load::Uniform{{0, 0, 1}, {Area::Painted{{{{1.3, 0.6, 0.2}, 0.6, 1}}}}}},
                 {slider("f", 40)});
-    session.settle();
+    session.solve_to_equilibrium();
     const Surface shape = shape_of(session);
     double most = 0;
     for (const int v : vertices_of(session.layout(), "rib")) {
@@ -313,9 +313,9 @@ TEST_CASE("an inner line added and taken away") {
         shape.closest_point(line.evaluate(line.start() + (line.end() - line.start()) * k / 40))
             .distance);
   CHECK(worst < 5e-3);
-  session.add(LineMove{"lift", "swage", Vec3(0, 0, 1), 0.2});
+  session.add(LineOffset{"lift", "swage", Vec3(0, 0, 1), 0.2});
   session.set("lift", 0.1);
-  session.answer();
+  session.solve_preview();
   CHECK(session.residual() < 1e-10);
   CHECK_THROWS_WITH(session.remove("swage"), Contains("'lift'"));
   session.remove("lift");

@@ -1,8 +1,8 @@
 // Motion of surfaces against closed forms.
 #include "batten/constraints/constrained_solver.h"
 #include "batten/core/errors.h"
-#include "batten/tests/catch.h"
-#include "batten/tests/sculpting/session/session_scenes.h"
+#include "batten/tests/support/catch.h"
+#include "batten/tests/support/session_scenes.h"
 
 using namespace batten_test;
 
@@ -21,7 +21,7 @@ struct Released {
   }
   void bend() {
     session.add(Load{"push", Load::Uniform{{0.3, -0.2, 1}, {}}}, {slider("push", 500)});
-    session.settle();
+    session.solve_to_equilibrium();
     session.remove("push");
   }
   void pull(double value) {
@@ -39,10 +39,10 @@ TEST_CASE("every mode of a plate moves as the scheme's own formula says") {
     const MatX start = modes.of(plate.session.dofs() - plate.still);
     const Motion motion{.dt = 0.002, .density = 2, .damping = 3, .theta = theta};
     plate.session.start_motion(motion);
-    std::vector<ModeSteps> twin;
+    std::vector<ModeSteps> reference_solver;
     for (long k = 0; k < start.rows(); ++k)
       for (int c = 0; c < 3; ++c)
-        twin.push_back(
+        reference_solver.push_back(
             {motion.density, motion.damping, modes.lambda[k], motion.dt, theta, start(k, c)});
     const double scale = start.cwiseAbs().maxCoeff();
     double worst = 0;
@@ -51,7 +51,7 @@ TEST_CASE("every mode of a plate moves as the scheme's own formula says") {
       const MatX now = modes.of(plate.session.dofs() - plate.still);
       for (long k = 0; k < start.rows(); ++k)
         for (int c = 0; c < 3; ++c) {
-          ModeSteps& mode = twin[static_cast<size_t>(3 * k + c)];
+          ModeSteps& mode = reference_solver[static_cast<size_t>(3 * k + c)];
           mode.step();
           worst = std::max(worst, std::abs(now(k, c) - mode.x));
         }
@@ -133,27 +133,27 @@ TEST_CASE("implicit Euler with a thousandfold step is the static answer at once"
   plate.session.step();
   const Points moved = plate.session.dofs();
   plate.session.stop_motion();
-  plate.session.settle();
+  plate.session.solve_to_equilibrium();
   CHECK(difference(moved, plate.session.dofs()) < 1e-9);
 }
 
 TEST_CASE("motion comes to rest at the static shape, and that is the independent one") {
   const RegionLayout layout = patch_layout(0.3);
   const Vec3 force(0.4, -0.1, 2);
-  const auto statics =
-      twin::sculpt(layout, layout.line_constraints(), {{"f", twin::UniformLoad{force}}}, {});
+  const auto statics = reference_solver::sculpt(layout, layout.line_constraints(),
+                                                {{"f", reference_solver::UniformLoad{force}}}, {});
   const Matrices matrices(layout);
   const Points direct = solve_constrained(layout.line_constraints(), matrices.K,
                                           matrices.assembler.load(Vec3(layout.size() * force)));
   SculptingSession session(layout, {});
   session.add(Load{"f", Load::Uniform{force, {}}}, {slider("f", 1)});
-  const Answer answer = session.settle();
-  CHECK(answer.converged);
+  const SolveReport report = session.solve_to_equilibrium();
+  CHECK(report.converged);
   CHECK(difference(session.dofs(), statics.dofs) < 1e-9 * layout.size());
   CHECK(difference(session.dofs(), direct) < 1e-9 * layout.size());
   const Points settled = session.dofs();
   session.set("f", 0);
-  session.settle();
+  session.solve_to_equilibrium();
   CHECK(difference(session.dofs(), settled) > 1e-4);
   session.set("f", 1);
   session.start_motion({.dt = 0.05, .damping = 20});
@@ -165,16 +165,16 @@ TEST_CASE("motion comes to rest at the static shape, and that is the independent
 TEST_CASE("values over time drive a motion: a ramp arrives where its end is settled") {
   const RegionLayout layout = square_layout(0.3);
   SculptingSession session(layout, {});
-  NamedValue ramp = slider("push");
-  ramp.over_time = {{0, 0}, {0.5, 4}};
+  ScalarParameter ramp = slider("push");
+  ramp.keyframes = {{0, 0}, {0.5, 4}};
   session.add(Load{"push", Load::Uniform{{0, 0, 1}, {}}}, {ramp});
-  session.settle();
+  session.solve_to_equilibrium();
   const Points start = session.dofs();
   session.start_motion({.dt = 0.02, .damping = 30});
   double before = 0;
   for (int n = 1; n <= 25; ++n) {
-    const Answer answer = session.step();
-    CHECK(answer.time == Approx(0.02 * n));
+    const SolveReport report = session.step();
+    CHECK(report.time == Approx(0.02 * n));
     CHECK(session.parameters().value("push") == Approx(8 * 0.02 * n));
     const double now = difference(session.dofs(), start);
     CHECK(now > before);
@@ -184,10 +184,10 @@ TEST_CASE("values over time drive a motion: a ramp arrives where its end is sett
   const Points moved = session.dofs();
   CHECK_THROWS_AS(session.set_time(0.25), InputError);
   session.stop_motion();
-  session.settle();
+  session.solve_to_equilibrium();
   CHECK(difference(session.dofs(), moved) < 1e-9);
   session.set_time(0.25);
-  session.settle();
+  session.solve_to_equilibrium();
   // Linear: half of the load, half of the way.
   CHECK(difference(2 * (session.dofs() - start), moved - start) < 1e-9);
 }
@@ -201,13 +201,13 @@ TEST_CASE("a load that grows evenly: the exact motion, second order in dt") {
     const Modes modes(session.layout().line_constraints(), Matrices(session.layout()).K,
                       Matrices(session.layout()).M);
     session.add(Load{"push", Load::Uniform{{0, 0, 1}, {}}}, {slider("push", 1000)});
-    session.settle();
+    session.solve_to_equilibrium();
     const double one = modes.of(session.dofs() - still)(0, 2);
     session.set("push", 0);
-    session.settle();
+    session.solve_to_equilibrium();
     session.remove("push");
-    NamedValue ramp = slider("push");
-    ramp.over_time = {{0, 0}, {10, 10000}};
+    ScalarParameter ramp = slider("push");
+    ramp.keyframes = {{0, 0}, {10, 10000}};
     session.add(Load{"push", Load::Uniform{{0, 0, 1}, {}}}, {ramp});
     const double omega = std::sqrt(modes.lambda[0]), end = 2.3 * 2 * pi / omega;
     session.start_motion({.dt = end / steps, .density = 1, .damping = 0, .theta = 0.5});

@@ -1,7 +1,7 @@
 // Undo, redo, record and replay: bit for bit.
 #include "batten/core/errors.h"
-#include "batten/tests/catch.h"
-#include "batten/tests/sculpting/session/session_scenes.h"
+#include "batten/tests/support/catch.h"
+#include "batten/tests/support/session_scenes.h"
 
 using namespace batten_test;
 
@@ -14,7 +14,7 @@ std::vector<std::function<void(SculptingSession&)>> story() {
   const auto then = [](auto&& work) {
     return [work](SculptingSession& s) {
       work(s);
-      s.settle();
+      s.solve_to_equilibrium();
     };
   };
   using S = SculptingSession;
@@ -31,14 +31,14 @@ std::vector<std::function<void(SculptingSession&)>> story() {
       }),
       then([](S& s) { s.set("pin.z", 0.5); }),
       then([](S& s) {
-        s.add(LineMove{"raise", "rib", Vec3(0, 0, 1), 0.2}, {slider("raise", 0.05)});
+        s.add(LineOffset{"raise", "rib", Vec3(0, 0, 1), 0.2}, {slider("raise", 0.05)});
       }),
       then([](S& s) { s.set("beta", 2); }),
       then([](S& s) {
-        s.add(WeightField{"w", WeightField::Kind::Bending, {Area::NearLine{"rib", 0.4}}, {}},
+        s.add(StiffnessField{"w", StiffnessField::Kind::Bending, {Area::NearLine{"rib", 0.4}}, {}},
               {slider("w", 5)});
       }),
-      then([](S& s) { s.refine({Refinement::Jumps{0.2}}); }),
+      then([](S& s) { s.refine({Refinement::JumpIndicator{0.2}}); }),
       then([](S& s) { s.set("p", -2); }),
       then([](S& s) {
         s.change(Constraint{"pin", Constraint::Point{{0.5, 0.6, 0.2}, {0.5, 0.6, 0.3}}});
@@ -87,7 +87,7 @@ TEST_CASE("undo and redo go through a whole story bit for bit") {
       REQUIRE(session.redo());
       INFO("stage " << k);
       // What was not settled when it was undone is settled again.
-      session.settle();
+      session.solve_to_equilibrium();
       CHECK(difference(session.dofs(), stages[k].dofs) < 1e-10);
       stages[k] = Snapshot(session);
     }
@@ -103,39 +103,39 @@ TEST_CASE("undo and redo go through a whole story bit for bit") {
 }
 
 TEST_CASE("after undo the surface can be sculpted on as if nothing had been") {
-  SculptingSession session(region(), {}), twin(region(), {});
-  for (SculptingSession* s : {&session, &twin}) {
+  SculptingSession session(region(), {}), reference_session(region(), {});
+  for (SculptingSession* s : {&session, &reference_session}) {
     s->add(Load{"f", Load::Uniform{{0, 0, 1}, {}}}, {slider("f", 1)});
-    s->settle();
+    s->solve_to_equilibrium();
   }
   session.add(Constraint{"pin", Constraint::Point{{0.4, 0.6, 0.2}, {0.4, 0.6, 0.4}}});
-  session.refine({Refinement::Jumps{0.3}});
+  session.refine({Refinement::JumpIndicator{0.3}});
   REQUIRE(session.undo());
   REQUIRE(session.undo());
-  for (SculptingSession* s : {&session, &twin}) {
+  for (SculptingSession* s : {&session, &reference_session}) {
     s->set("f", 2.5);
-    s->settle();
+    s->solve_to_equilibrium();
     s->add(Constraint{"pin", Constraint::Point{{0.6, 0.6, 0.2}, {0.6, 0.6, 0.4}}});
   }
-  CHECK(same_bits(session.dofs(), twin.dofs()));
+  CHECK(same_bits(session.dofs(), reference_session.dofs()));
   CHECK_FALSE(session.redo());
 }
 
 TEST_CASE("a drag of one parameter is undone as a whole, and so is a run of steps") {
   SculptingSession session(region(), {});
   session.add(Load{"f", Load::Uniform{{0, 0, 1}, {}}});
-  session.settle();
+  session.solve_to_equilibrium();
   const Points rest = session.dofs();
   for (int n = 1; n <= 30; ++n) {
     session.set("f", 0.1 * n);
-    session.answer();
+    session.solve_preview();
   }
   REQUIRE(session.undo());
   CHECK(same_bits(rest, session.dofs()));
   CHECK(session.parameters().value("f") == 0);
   REQUIRE(session.redo());
   CHECK(session.parameters().value("f") == Approx(3));
-  session.settle();
+  session.solve_to_equilibrium();
   session.start_motion({.dt = 0.01});
   session.set("f", 0);
   const Points before = session.dofs();
@@ -156,11 +156,11 @@ TEST_CASE("a recorded session plays again bit for bit") {
   }
   session.undo();
   session.undo();
-  session.settle();
+  session.solve_to_equilibrium();
   session.set("pin.z", 0.45);
   for (int n = 0; n < 10; ++n) {
     session.set("p", 3 * random());
-    session.answer(2, 1e-4);
+    session.solve_preview(2, 1e-4);
   }
   session.start_motion({.dt = 0.01});
   for (int n = 0; n < 10; ++n) session.step();
@@ -169,15 +169,15 @@ TEST_CASE("a recorded session plays again bit for bit") {
   CHECK_THROWS_AS(session.add(Constraint{"bad", Constraint::Point{{9, 9, 9}, {0, 0, 0}}}),
                   InputError);
   session.set("p", 1);
-  session.settle();
+  session.solve_to_equilibrium();
   SculptingSession again(region(), with_material(0.1, 1));
   again.replay(session.recorded());
   CHECK(Snapshot(session) == Snapshot(again));
   // And from there both go on alike.
   session.set("p", -1);
   again.set("p", -1);
-  session.answer(3, 1e-9);
-  again.answer(3, 1e-9);
+  session.solve_preview(3, 1e-9);
+  again.solve_preview(3, 1e-9);
   CHECK(same_bits(session.dofs(), again.dofs()));
 }
 
@@ -190,7 +190,7 @@ TEST_CASE("the history keeps to its bytes") {
   size_t most = 0;
   for (int n = 0; n < 200; ++n) {
     session.set(n % 2 ? "f" : "g", n);
-    session.answer();
+    session.solve_preview();
     most = std::max(most, session.history_bytes());
   }
   CHECK(most > (1 << 20));

@@ -1,9 +1,9 @@
 // Surfaces under a pressure that follows them, against converged references
 // (reference/inflation.py).
 #include "batten/core/errors.h"
-#include "batten/tests/catch.h"
-#include "batten/tests/reference.h"
-#include "batten/tests/sculpting/session/session_scenes.h"
+#include "batten/tests/support/catch.h"
+#include "batten/tests/support/session_scenes.h"
+#include "batten/tests/support/test_data.h"
 
 using namespace batten_test;
 using Catch::Matchers::Contains;
@@ -33,7 +33,7 @@ double error(SculptingSession& session, const nlohmann::json& reference, double 
   for (const auto& state : reference["states"]) {
     if (state["pressure"] > up_to) continue;
     session.set("p", state["pressure"]);
-    REQUIRE(session.settle().converged);
+    REQUIRE(session.solve_to_equilibrium().converged);
     const SurfaceEnergy energy = session.energy();
     const double volume = state["volume"], all = state["energy"];
     worst = std::max(worst, std::abs(session.enclosed_volume() / volume - 1));
@@ -51,13 +51,13 @@ TEST_CASE("a small pressure on a clamped disc is the plate of the handbook") {
   SculptingSession session = inflated(disc_layout(0.2), inflation("disc", "tangent plane", 0));
   const double p = 1e-4;
   session.set("p", p);
-  session.settle();
+  session.solve_to_equilibrium();
   CHECK(session.enclosed_volume() == Approx(p * pi / 192).epsilon(2e-3));
   const Surface shape = shape_of(session);
   const auto top = shape.closest_point({0, 0, 0});
   CHECK(shape.position(top.where).z() == Approx(p / 64).epsilon(2e-3));
   session.set("p", -p);
-  session.settle();
+  session.solve_to_equilibrium();
   CHECK(session.enclosed_volume() == Approx(-p * pi / 192).epsilon(2e-3));
 }
 
@@ -98,12 +98,12 @@ TEST_CASE("past the fold the session says how far it came, and stays there") {
   const double fold = reference["fold"]["pressure"];
   SculptingSession session = inflated(tube_layout(0.35), reference);
   session.set("p", 0.9 * fold);
-  session.settle();
+  session.solve_to_equilibrium();
   const Points good = session.dofs();
   session.set("p", 1.5 * fold);
   double reached = 0;
   try {
-    session.settle();
+    session.solve_to_equilibrium();
     FAIL("1.5 times the limit");
   } catch (const NoSolutionError& e) {
     const std::string text = e.what();
@@ -116,10 +116,10 @@ TEST_CASE("past the fold the session says how far it came, and stays there") {
   CHECK(same_bits(session.dofs(), good));
   // And on from there.
   session.set("p", 0.5 * fold);
-  CHECK(session.settle().converged);
+  CHECK(session.solve_to_equilibrium().converged);
   SculptingSession fresh = inflated(tube_layout(0.35), reference);
   fresh.set("p", 0.5 * fold);
-  fresh.settle();
+  fresh.solve_to_equilibrium();
   CHECK(difference(session.dofs(), fresh.dofs()) < 1e-9);
 }
 
@@ -130,9 +130,9 @@ TEST_CASE("a drag of pressure, warm from answer to answer, is what settling cold
   int iterations = 0, answers = 0;
   for (double p = 0; p <= 0.8 * fold; p += 0.02 * fold) {
     session.set("p", p);
-    Answer answer;
+    SolveReport answer;
     do {
-      answer = session.answer(4, 1e-9);
+      answer = session.solve_preview(4, 1e-9);
       iterations += answer.iterations;
     } while (!answer.converged);
     ++answers;
@@ -141,7 +141,7 @@ TEST_CASE("a drag of pressure, warm from answer to answer, is what settling cold
   const Points warm = session.dofs();
   SculptingSession cold = inflated(tube_layout(0.4), reference);
   cold.set("p", session.parameters().value("p"));
-  cold.settle();
+  cold.solve_to_equilibrium();
   CHECK(difference(warm, cold.dofs()) < 1e-7);
   INFO("iterations an answer: " << static_cast<double>(iterations) / answers);
   CHECK(iterations <= 9 * answers);

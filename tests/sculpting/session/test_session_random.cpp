@@ -1,5 +1,5 @@
 // Operations at random on the door.
-#include "batten/tests/sculpting/session/random_sculptor.h"
+#include "batten/tests/support/random_sculptor.h"
 
 using namespace batten_test;
 

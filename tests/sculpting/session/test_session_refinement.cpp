@@ -1,7 +1,7 @@
 // Refinement while sculpting.
 #include "batten/core/errors.h"
-#include "batten/tests/catch.h"
-#include "batten/tests/sculpting/session/session_scenes.h"
+#include "batten/tests/support/catch.h"
+#include "batten/tests/support/session_scenes.h"
 
 using namespace batten_test;
 
@@ -13,7 +13,7 @@ SculptingSession sculpted(double edge) {
               {slider("f", 20)});
   session.add(Load{"p", Load::Pressure{}}, {slider("p", 3)});
   session.add(Load{"finger", Load::Point{{1.2, 0.5, 0.2}, {0, 0, 1}}}, {slider("finger", 1)});
-  session.settle();
+  session.solve_to_equilibrium();
   session.add(Constraint{"pin", Constraint::Point{{1.2, 0.8, 0.2}, {1.2, 0.8, 0.3}}});
   session.add(Constraint{"plane", Constraint::LineNormal{"rib", {}}});
   return session;
@@ -29,16 +29,16 @@ double energy_of(const SculptingSession& session) {
 TEST_CASE("a refinement keeps the surface on every old edge, and says what it changed inside") {
   SculptingSession session(patch_layout(0.4), {});
   session.add(Load{"f", Load::Uniform{{0, 0, 1}, {}}}, {slider("f", 10)});
-  session.settle();
+  session.solve_to_equilibrium();
   const Surface before = shape_of(session);
   const double energy = energy_of(session);
-  const RefinementReport report = session.refine({Refinement::Jumps{0.5}});
+  const RefinementReport report = session.refine({Refinement::JumpIndicator{0.5}});
   CHECK(report.triangles_before == before.mesh().triangle_count());
   CHECK(report.triangles == session.layout().mesh()->triangle_count());
   CHECK(report.triangles > report.triangles_before);
   CHECK(report.energy_before == Approx(energy));
-  CHECK(report.energy_settled == Approx(energy_of(session)));
-  CHECK(report.energy_carried >= report.energy_settled * (1 - 1e-3) - 1e-12);
+  CHECK(report.energy_at_equilibrium == Approx(energy_of(session)));
+  CHECK(report.energy_transferred >= report.energy_at_equilibrium * (1 - 1e-3) - 1e-12);
   CHECK(report.max_displacement >= 0);
   CHECK(report.max_displacement < 0.01);
   CHECK(session.residual() < 1e-11);
@@ -70,15 +70,15 @@ TEST_CASE("loads and constraints go along: refined everywhere it is the session 
   const Surface a = shape_of(session), b = shape_of(finest);
   double worst = 0;
   for (const Vec2& p : {Vec2(0.3, 0.3), Vec2(0.5, 0.9), Vec2(1.2, 0.3), Vec2(1.3, 0.9)}) {
-    const auto foot = b.closest_point({p.x(), p.y(), 0.3});
-    worst = std::max(worst, a.closest_point(b.position(foot.where)).distance);
+    const auto foot_point = b.closest_point({p.x(), p.y(), 0.3});
+    worst = std::max(worst, a.closest_point(b.position(foot_point.where)).distance);
   }
   CHECK(worst < 5e-3);
   // Sliders go on.
   session.set("f", 0);
   session.set("p", 0);
   session.set("finger", 0);
-  CHECK(session.settle().converged);
+  CHECK(session.solve_to_equilibrium().converged);
 }
 
 TEST_CASE("the brush refines under its strokes only, down to the smallest edge") {
@@ -118,10 +118,10 @@ TEST_CASE("the brush refines under its strokes only, down to the smallest edge")
 TEST_CASE("jumps of curvature find where a finger presses") {
   SculptingSession session(square_layout(0.25, 2), {});
   session.add(Load{"finger", Load::Point{{0.4, 0.4, 0}, {0, 0, 1}}}, {slider("finger", 1)});
-  session.settle();
+  session.solve_to_equilibrium();
   double before = energy_of(session);
   for (int round = 0; round < 4; ++round) {
-    session.refine({Refinement::Jumps{0.2}});
+    session.refine({Refinement::JumpIndicator{0.2}});
     // More freedom under the same force: it gives way more, E = the force's work grows.
     CHECK(energy_of(session) > before);
     before = energy_of(session);
@@ -142,7 +142,7 @@ TEST_CASE("jumps of curvature find where a finger presses") {
 TEST_CASE("a motion goes on over a refinement") {
   SculptingSession session(square_layout(0.25), {});
   session.add(Load{"push", Load::Uniform{{0, 0, 1}, {}}}, {slider("push", 5)});
-  session.settle();
+  session.solve_to_equilibrium();
   session.set("push", 0);
   session.start_motion({.dt = 0.005, .damping = 1});
   for (int n = 0; n < 10; ++n) session.step();
@@ -162,9 +162,9 @@ TEST_CASE("refinements that make no sense are refused") {
   const Points before = session.dofs();
   CHECK_THROWS_AS(session.refine({Refinement::Brush{}}), InputError);
   CHECK_THROWS_AS(session.refine({Refinement::Brush{{{{0, 0, 0}, -1, 1}}}}), InputError);
-  CHECK_THROWS_AS(session.refine({Refinement::Jumps{0}}), InputError);
-  CHECK_THROWS_AS(session.refine({Refinement::Jumps{NAN}}), InputError);
-  CHECK_THROWS_AS(session.refine({Refinement::Jumps{}, -1}), InputError);
+  CHECK_THROWS_AS(session.refine({Refinement::JumpIndicator{0}}), InputError);
+  CHECK_THROWS_AS(session.refine({Refinement::JumpIndicator{NAN}}), InputError);
+  CHECK_THROWS_AS(session.refine({Refinement::JumpIndicator{}, -1}), InputError);
   CHECK_THROWS_AS(session.refine({Refinement::Brush{{{{0.5, 0.5, 0}, 5, 1}}}, 0, 10}), InputError);
   CHECK(same_bits(before, session.dofs()));
 }

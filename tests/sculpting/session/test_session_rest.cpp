@@ -1,8 +1,8 @@
 // Sessions that bend a rest shape: a fair one, or any other.
 #include "batten/core/errors.h"
 #include "batten/skinning/model/fair_shape.h"
-#include "batten/tests/catch.h"
-#include "batten/tests/sculpting/session/session_scenes.h"
+#include "batten/tests/support/catch.h"
+#include "batten/tests/support/session_scenes.h"
 
 using namespace batten;
 using namespace batten_test;
@@ -34,9 +34,9 @@ RegionLayout quarter_cylinder() {
 /// Rest shapes of least change of curvature, and how often they were asked for.
 SessionOptions fair_options(int& calls) {
   SessionOptions options = with_material(0, 1);
-  options.rest = [&calls](const RestTask& task) {
+  options.rest = [&calls](const RestShapeInput& task) {
     ++calls;
-    VariationOptions fair;
+    MinimumVariationOptions fair;
     if (task.near.rows() > 0) fair.starts = {task.near};
     return fair_shape(task.layout, task.bent, task.rows, fair, task.progress).dofs;
   };
@@ -79,7 +79,7 @@ TEST_CASE("linear loads bend a rest shape by as much as they bend any") {
   const Points fair_before = fair.dofs(), bent_before = bent.dofs();
   for (SculptingSession* session : {&fair, &bent}) {
     session->add(Load{"push", Load::Uniform{{1, 0, 2}}}, {slider("push", 0.5)});
-    session->settle();
+    session->solve_to_equilibrium();
   }
   const Points by = bent.dofs() - bent_before;
   CHECK(by.cwiseAbs().maxCoeff() > 1e-3);
@@ -87,14 +87,14 @@ TEST_CASE("linear loads bend a rest shape by as much as they bend any") {
   // A drag that superposes, a new material, and back.
   for (const double value : {0.1, 0.7, 0.5}) {
     fair.set("push", value);
-    fair.answer();
+    fair.solve_preview();
   }
   CHECK(difference(fair.dofs() - fair_before, by) < 1e-9);
   fair.set("beta", 2);
-  fair.settle();
+  fair.solve_to_equilibrium();
   CHECK(difference(fair.dofs() - fair_before, 0.5 * by) < 1e-9);
   fair.set("beta", 1);
-  fair.settle();
+  fair.solve_to_equilibrium();
   CHECK(difference(fair.dofs() - fair_before, by) < 1e-9);
   // Reactions balance the load: K acts on what is bent only.
   Vec3 sum = Vec3::Zero(), expected = Vec3::Zero();
@@ -111,12 +111,12 @@ TEST_CASE("at rest the surface is fair again, wherever its rows have gone meanwh
   CHECK(calls == 1);
   const auto at = [&](double z) {
     session.set("held.z", z);
-    session.answer();
+    session.solve_preview();
     CHECK(session.residual() < 1e-9);
     const int before = calls;
-    session.settle();
+    session.solve_to_equilibrium();
     CHECK(calls == before + 1);
-    session.settle();
+    session.solve_to_equilibrium();
     CHECK(calls == before + 1);
     CHECK(session.residual() < 1e-10);
     return session.dofs();
@@ -128,7 +128,7 @@ TEST_CASE("at rest the surface is fair again, wherever its rows have gone meanwh
   SculptingSession linear(quarter_cylinder(), fair_options(calls));
   linear.add(held);
   linear.set("held.z", 0.75);
-  linear.answer(20, 1e-12);
+  linear.solve_preview(20, 1e-12);
   CHECK(difference(linear.dofs(), there) > 1e-5);
   // Undo and redo bring the bits back, rest shape and all: nothing is made again.
   const Points now = session.dofs();
@@ -136,7 +136,7 @@ TEST_CASE("at rest the surface is fair again, wherever its rows have gone meanwh
   REQUIRE(session.undo());
   CHECK(difference(session.dofs(), now) > 1e-5);
   REQUIRE(session.redo());
-  session.settle();
+  session.solve_to_equilibrium();
   CHECK(difference(session.dofs(), now) < 1e-12);
   CHECK(calls == before);
 }
@@ -160,7 +160,7 @@ TEST_CASE(
     "a rest shape that cannot be made leaves the last good state, and none bends from nothing") {
   bool fails = false;
   SessionOptions options = with_material(0, 1);
-  options.rest = [&](const RestTask&) -> Points {
+  options.rest = [&](const RestShapeInput&) -> Points {
     if (fails) throw NoSolutionError("no such shape");
     return {};
   };
@@ -168,13 +168,13 @@ TEST_CASE(
   const SculptingSession plain(quarter_cylinder(), with_material(0, 1));
   CHECK(difference(session.dofs(), plain.dofs()) < 1e-12);
   session.add(held);
-  session.settle();
+  session.solve_to_equilibrium();
   const Points good = session.dofs();
   fails = true;
   session.set("held.z", 0.75);
-  CHECK_THROWS_AS(session.settle(), NoSolutionError);
+  CHECK_THROWS_AS(session.solve_to_equilibrium(), NoSolutionError);
   CHECK(difference(session.dofs(), good) < 1e-12);
   CHECK(session.parameters().value("held.z") == 0.7071);
-  options.rest = [](const RestTask&) { return Points(Points::Zero(3, 3)); };
+  options.rest = [](const RestShapeInput&) { return Points(Points::Zero(3, 3)); };
   CHECK_THROWS_AS(SculptingSession(quarter_cylinder(), options), InputError);
 }

@@ -1,17 +1,17 @@
 // What an answer remembers of the ones before, and what is good after one that failed.
 #include "batten/core/errors.h"
-#include "batten/sculpting/session/session.h"
-#include "batten/tests/catch.h"
-#include "batten/tests/sculpting/session/session_scenes.h"
+#include "batten/sculpting/session/sculpting_session.h"
+#include "batten/tests/support/catch.h"
+#include "batten/tests/support/session_scenes.h"
 
 using namespace batten_test;
 
 namespace {
 
 Load springs(const std::string& name, double falloff) {
-  Load::Pulls kind;
+  Load::AttractorSprings kind;
   kind.at = {{0.5, 0.5, 0}};
-  kind.target = Load::Pulls::Places{{{0.5, 0.5, 0.5}}};
+  kind.target = Load::AttractorSprings::TargetPoints{{{0.5, 0.5, 0.5}}};
   kind.falloff = falloff;
   Load load;
   load.name = name;
@@ -27,30 +27,30 @@ TEST_CASE("responses to loads go when springs become stiffer") {
   session.add(springs("k", 0));
   for (const double u : {1.0, 2.0}) {
     session.set("u", u);
-    session.answer();
+    session.solve_preview();
   }
   session.set("k", 100);
-  session.answer();
+  session.solve_preview();
   session.set("u", 3);
-  CHECK(session.answer().superposed);
+  CHECK(session.solve_preview().superposed);
   const Points answered = session.dofs();
-  session.settle();
+  session.solve_to_equilibrium();
   CHECK((answered - session.dofs()).cwiseAbs().maxCoeff() < 1e-10);
 }
 
 TEST_CASE("an unfinished answer keeps its own rows when something is added, and falls back whole") {
   SculptingSession session(patch_layout(0.2), {});
   session.add(Load{"p", Load::Pressure{}});
-  session.add(LineMove{"m", "rib", {}, 0.3});
+  session.add(LineOffset{"m", "rib", {}, 0.3});
   const Points good = session.dofs();
   session.set("m", 0.05);
   session.set("p", 5);
-  CHECK_FALSE(session.answer(1).converged);
+  CHECK_FALSE(session.solve_preview(1).converged);
   CHECK(session.residual() < 1e-12);
   session.add(Load{"u", Load::Uniform{{0, 0, 1}}});
   CHECK(session.residual() < 1e-12);
   session.set("p", 1e9);
-  CHECK_THROWS_AS(session.settle(), NoSolutionError);
+  CHECK_THROWS_AS(session.solve_to_equilibrium(), NoSolutionError);
   CHECK(session.parameters().value("m") == 0);
   CHECK(session.residual() < 1e-12);
   CHECK((session.dofs() - good).cwiseAbs().maxCoeff() == 0);
@@ -59,19 +59,19 @@ TEST_CASE("an unfinished answer keeps its own rows when something is added, and 
 TEST_CASE("after a failed answer parameters are in their ranges and rules hold") {
   SculptingSession session(patch_layout(0.2), {});
   session.add(Load{"p", Load::Pressure{}});
-  session.settle();
+  session.solve_to_equilibrium();
   session.add_parameter({.name = "q", .value = 3, .min = 1, .max = 10});
   session.add(Load{"r", Load::Uniform{{0, 0, 1}}}, {{.name = "r", .value = 2, .min = 1, .max = 5}});
   session.set("p", 1e9);
-  CHECK_THROWS_AS(session.settle(), NoSolutionError);
+  CHECK_THROWS_AS(session.solve_to_equilibrium(), NoSolutionError);
   CHECK(session.parameters().value("p") == 0);
   CHECK(session.parameters().value("q") == 3);
   CHECK(session.parameters().value("r") == 1);
-  session.drive("r", {{"q", 1}}, 0);
+  session.set_rule("r", {{"q", 1}}, 0);
   session.set("p", 1e9);
-  CHECK_THROWS_AS(session.settle(), NoSolutionError);
+  CHECK_THROWS_AS(session.solve_to_equilibrium(), NoSolutionError);
   CHECK(session.parameters().value("r") == session.parameters().value("q"));
-  CHECK(session.settle().converged);
+  CHECK(session.solve_to_equilibrium().converged);
 }
 
 TEST_CASE("a limit far below what was asked is found") {
@@ -80,7 +80,7 @@ TEST_CASE("a limit far below what was asked is found") {
   const auto reached = [&](double asked) {
     session.set("p", asked);
     try {
-      session.settle();
+      session.solve_to_equilibrium();
     } catch (const NoSolutionError& e) {
       const std::string text = e.what();
       return std::stod(text.substr(text.find('(') + 1));
@@ -125,7 +125,7 @@ TEST_CASE("a session replays its own record while it records") {
   session.add(Load{"p", Load::Pressure{}});
   for (int i = 0; i < 20; ++i) {
     session.set("p", 0.1 * i);
-    session.answer();
+    session.solve_preview();
   }
   const size_t done = session.recorded().size();
   session.replay(session.recorded());  // the load is there already: that one is refused

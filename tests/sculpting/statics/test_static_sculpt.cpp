@@ -1,13 +1,13 @@
 // Loads: what they mean, and that pressure follows the surface.
 #include "batten/core/errors.h"
-#include "batten/fem/assembly.h"
+#include "batten/fem/surface_assembler.h"
 #include "batten/skinning/domains/mesher.h"
-#include "batten/tests/catch.h"
-#include "batten/tests/skinning/shapes.h"
-#include "batten/tests/static_twin.h"
+#include "batten/tests/support/catch.h"
+#include "batten/tests/support/reference_static_solver.h"
+#include "batten/tests/support/sample_lines.h"
 
 using namespace batten_test;
-using namespace batten::twin;
+using namespace batten::reference_solver;
 using Catch::Matchers::Contains;
 
 namespace {

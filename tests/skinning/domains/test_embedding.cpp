@@ -3,18 +3,18 @@
 
 #include "batten/skinning/domains/mesher.h"
 #include "batten/skinning/layout/region_layout.h"
-#include "batten/skinning/region/quality.h"
-#include "batten/tests/random_outlines.h"
-#include "batten/tests/static_twin.h"
+#include "batten/skinning/region/skin_quality.h"
+#include "batten/tests/support/random_outlines.h"
+#include "batten/tests/support/reference_static_solver.h"
 
 using namespace batten_test;
-using namespace batten::twin;
+using namespace batten::reference_solver;
 using Catch::Matchers::Contains;
 
 namespace {
 
 using std::numbers::pi;
-using Treatment = CharacterLine::Treatment;
+using MeshAlignment = CharacterLine::MeshAlignment;
 
 CharacterLine ellipse(const std::string& name, Role role, const Vec3& centre, double a, double b,
                       double wave = 0, int waves = 3) {
@@ -33,14 +33,14 @@ CharacterLine arc(const std::string& name, const std::vector<Vec3>& points, Role
   return {name, curve_through_points(name, points), role};
 }
 
-struct Made {
+struct SculptedRegion {
   RegionLayout layout;
   SculptResult sculpt;
   SkinnedRegion region;
   SkinQuality quality;
-  Made(const std::vector<CharacterLine>& lines, const SkinOptions& options)
+  SculptedRegion(const std::vector<CharacterLine>& lines, const SkinOptions& options)
       : layout("region", lines, options),
-        sculpt(batten::twin::sculpt(layout, layout.line_constraints(), {}, {})),
+        sculpt(batten::reference_solver::sculpt(layout, layout.line_constraints(), {}, {})),
         region(layout.region(sculpt.dofs)),
         quality(measure(region)) {}
 };
@@ -52,7 +52,7 @@ SkinOptions fine(double edge, double tolerance) {
   return options;
 }
 
-void check_promises(const Made& made) {
+void check_quality(const SculptedRegion& made) {
   CHECK(made.quality.max_line_gap <= made.layout.tolerance());
   CHECK(made.quality.max_line_deviation <= made.layout.tolerance());
   CHECK(made.quality.max_line_residual < 1e-10);
@@ -98,12 +98,12 @@ std::vector<CharacterLine> rounded_rectangle(double a, double b, double r, bool 
 }  // namespace
 
 TEST_CASE("a disc: smooth outline, exact area and flatness") {
-  for (const TriangleElement kind : both_kinds) {
+  for (const TriangleElement kind : kBothElements) {
     SkinOptions options = fine(0.3, 1e-5);
     options.element = kind;
-    const Made made({ellipse("rim", Role::Outline, {0, 0, 0}, 1, 1)}, options);
-    check_promises(made);
-    CHECK(made.layout.domain() == SkinOptions::Domain::Plane);
+    const SculptedRegion made({ellipse("rim", Role::Outline, {0, 0, 0}, 1, 1)}, options);
+    check_quality(made);
+    CHECK(made.layout.domain() == SkinOptions::Domain::Projected);
     CHECK(made.layout.trim()->area() * 8 == Approx(pi).epsilon(1e-4));  // size 2 √2
     CHECK(made.quality.area == Approx(pi).epsilon(1e-4));
     CHECK(made.sculpt.energy.bending < 1e-9);  // a difference of large numbers
@@ -114,8 +114,9 @@ TEST_CASE("a disc: smooth outline, exact area and flatness") {
 TEST_CASE("a smaller tolerance costs triangles near the line only, and is kept") {
   int triangles = 0;
   for (const double tolerance : {1e-2, 1e-3, 1e-4, 1e-5}) {
-    const Made made({ellipse("rim", Role::Outline, {0, 0, 0}, 1, 0.7, 0.2)}, fine(0.25, tolerance));
-    check_promises(made);
+    const SculptedRegion made({ellipse("rim", Role::Outline, {0, 0, 0}, 1, 0.7, 0.2)},
+                              fine(0.25, tolerance));
+    check_quality(made);
     CHECK(made.layout.mesh()->triangle_count() >= triangles);
     triangles = made.layout.mesh()->triangle_count();
   }
@@ -151,18 +152,18 @@ TEST_CASE("holes, ribs, closed inner lines, crossings and junctions on one wavy 
   lines.push_back(
       arc("from rim", {rim, on(0.85, -0.02), on(0.75, -0.1), on(0.6, -0.2)}, Role::Inner));
   // Points of a sheet that is not of least energy: the lines cross within the tolerance only.
-  const Made made(lines, fine(0.12, 4e-3));
-  check_promises(made);
+  const SculptedRegion made(lines, fine(0.12, 4e-3));
+  check_quality(made);
   CHECK(made.layout.trim()->area() > 0);
   CHECK(made.region.boundary.size() == 2);
   // Where lines meet, one row holds the surface for both.
-  CHECK(AffineReduction(made.layout.line_constraints()).dropped_rows() == 0);
+  CHECK(AffineReduction(made.layout.line_constraints()).redundant_count() == 0);
 }
 
 TEST_CASE("a rounded rectangle as one line and as eight") {
   for (const bool one_line : {true, false}) {
-    const Made made(rounded_rectangle(1, 0.6, 0.25, one_line), fine(0.15, 1e-4));
-    check_promises(made);
+    const SculptedRegion made(rounded_rectangle(1, 0.6, 0.25, one_line), fine(0.15, 1e-4));
+    check_quality(made);
     CHECK(made.quality.area == Approx(4 * 0.6 - (4 - pi) * 0.0625).epsilon(1e-3));
     CHECK(made.layout.corners().empty());
   }
@@ -179,14 +180,14 @@ TEST_CASE("the same cornered region fitted and embedded is the same shape, withi
          Role::Outline});
   }
   SkinOptions options = fine(0.06, 1e-4);
-  const Made fitted(lines, options);
-  options.domain = SkinOptions::Domain::Plane;
-  const Made embedded(lines, options);
+  const SculptedRegion fitted(lines, options);
+  options.domain = SkinOptions::Domain::Projected;
+  const SculptedRegion embedded(lines, options);
   CHECK(fitted.layout.embedded().empty());
-  CHECK(embedded.layout.runs().empty());
+  CHECK(embedded.layout.edge_aligned().empty());
   CHECK(embedded.layout.corners().size() == 4);
-  check_promises(fitted);
-  check_promises(embedded);
+  check_quality(fitted);
+  check_quality(embedded);
   // Both minimise bending, over domains that differ by a few per cent.
   double largest = 0;
   for (double u = 0.1; u < 1; u += 0.2)
@@ -208,14 +209,14 @@ TEST_CASE("the same cornered region fitted and embedded is the same shape, withi
     double height[2];
     for (const bool cut : {false, true}) {
       SkinOptions o = fine(h, 1e-2);
-      o.domain = cut ? SkinOptions::Domain::Plane : SkinOptions::Domain::Polygon;
+      o.domain = cut ? SkinOptions::Domain::Projected : SkinOptions::Domain::Polygon;
       const RegionLayout layout("region", flat, o);
       SculptOptions absolute;
       absolute.units = LoadUnits::Absolute;
       const Surface surface =
           layout
-              .region(batten::twin::sculpt(layout, layout.line_constraints(),
-                                           {{"f", UniformLoad{{0, 0, 20}}}}, absolute)
+              .region(batten::reference_solver::sculpt(layout, layout.line_constraints(),
+                                                       {{"f", UniformLoad{{0, 0, 20}}}}, absolute)
                           .dofs)
               .surface;
       height[cut] = surface.position(surface.closest_point({0.65, 0.45, 0.05}).where).z();
@@ -244,7 +245,7 @@ TEST_CASE("an embedded region does not know its unit or its place") {
         scaled(ellipse("rim", Role::Outline, {0, 0, 0}, 1, 0.8, 0.2)),
         scaled(ellipse("hole", Role::Hole, {0.3, 0.1, 0.02}, 0.2, 0.15))};
   };
-  const Made metres(lines(1, {0, 0, 0}), fine(0.2, 1e-3)),
+  const SculptedRegion metres(lines(1, {0, 0, 0}), fine(0.2, 1e-3)),
       millimetres(lines(1000, {0, 0, 0}), fine(200, 1)),
       far(lines(1, {3e5, -2e5, 1e5}), fine(0.2, 1e-3));
   CHECK(metres.layout.mesh()->triangle_count() == millimetres.layout.mesh()->triangle_count());
@@ -268,15 +269,15 @@ TEST_CASE("a hole in a cornered region is embedded, its outline stays exact") {
     square.push_back(
         arc("side " + std::to_string(i), {corner[i], corner[(i + 1) % 4]}, Role::Outline));
   square.push_back(ellipse("hole", Role::Hole, {0.2, 0.1, 0.12}, 0.3, 0.2));
-  const Made made(square, fine(0.2, 1e-3));
-  check_promises(made);
+  const SculptedRegion made(square, fine(0.2, 1e-3));
+  check_quality(made);
   CHECK(made.layout.domain() == SkinOptions::Domain::Polygon);
-  CHECK(made.layout.runs().size() == 4);
+  CHECK(made.layout.edge_aligned().size() == 4);
   CHECK(made.quality.max_line_residual < 1e-14);
   CHECK(made.region.boundary.size() == 2);
   // The hole is empty, and smaller by what it takes away.
   square.pop_back();
-  const Made whole(square, fine(0.2, 1e-3));
+  const SculptedRegion whole(square, fine(0.2, 1e-3));
   CHECK(whole.quality.area - made.quality.area == Approx(pi * 0.06).epsilon(0.02));
 }
 
@@ -287,14 +288,14 @@ TEST_CASE("holes far smaller than an element do not disturb the surface") {
   for (int i = 0; i < 4; ++i)
     square.push_back(
         arc("side " + std::to_string(i), {corner[i], corner[(i + 1) % 4]}, Role::Outline));
-  const double whole = Made(square, fine(0.3, 2e-3)).sculpt.energy.bending;
+  const double whole = SculptedRegion(square, fine(0.3, 2e-3)).sculpt.energy.bending;
   for (const double slim : {1.0, 0.1})
     for (const double r : {1e-2, 1e-3, 1e-4, 1e-5}) {
       auto lines = square;
       lines.push_back(ellipse("hole", Role::Hole, {0.2, 0.3, 0.188}, r, slim * r));
-      const Made made(lines, fine(0.3, 2e-3));
+      const SculptedRegion made(lines, fine(0.3, 2e-3));
       INFO("r " << r << " slim " << slim << " energy " << made.sculpt.energy.bending / whole);
-      check_promises(made);
+      check_quality(made);
       CHECK(made.sculpt.energy.bending <= 1.3 * whole);
       Vec3 sum = Vec3::Zero();
       for (const auto& reaction : made.sculpt.reactions) sum += reaction.force;
@@ -310,10 +311,10 @@ TEST_CASE("an inner line from corner to corner is embedded, and refused when it 
     lines.push_back(
         arc("side " + std::to_string(i), {corner[i], corner[(i + 1) % 4]}, Role::Outline));
   lines.push_back(arc("diagonal", {corner[0], {0.5, 0.5, 0.05}, corner[2]}, Role::Inner));
-  const Made made(lines, fine(0.15, 1e-3));
-  check_promises(made);
+  const SculptedRegion made(lines, fine(0.15, 1e-3));
+  check_quality(made);
   CHECK(made.layout.embedded().size() == 1);
-  lines.back().treatment = Treatment::Fitted;
+  lines.back().mesh_alignment = MeshAlignment::EdgeAligned;
   CHECK_THROWS_WITH(RegionLayout("region", lines, {}), Contains("ends at a corner"));
 }
 
@@ -325,16 +326,16 @@ TEST_CASE("a wave between points that another line pushed out is still measured"
     a.emplace_back(x, 0, 0);
     b.emplace_back(x, 0.004, 0.01 * std::sin(60 * x));
   }
-  const Made made({ellipse("rim", Role::Outline, {0, 0, 0}, 1, 1), arc("a", a, Role::Inner),
-                   arc("b", b, Role::Inner)},
-                  fine(0.15, 2e-3));
+  const SculptedRegion made({ellipse("rim", Role::Outline, {0, 0, 0}, 1, 1),
+                             arc("a", a, Role::Inner), arc("b", b, Role::Inner)},
+                            fine(0.15, 2e-3));
   double found = 0;
   const TriangleLocator locator(made.region.surface.mesh());
   for (const EmbeddedLine& line : made.region.embedded)
     for (int i = 0; i < 3001; ++i) {
       const double t =
-          line.image.start() + (line.image.end() - line.image.start()) * (i + 0.5) / 3001;
-      const Vec3 c = line.image.evaluate(t);
+          line.pcurve.start() + (line.pcurve.end() - line.pcurve.start()) * (i + 0.5) / 3001;
+      const Vec3 c = line.pcurve.evaluate(t);
       found = std::max(found, (made.region.surface.position(locator.locate({c.x(), c.y()})) -
                                line.fitted.evaluate(t))
                                   .norm());
@@ -384,12 +385,12 @@ TEST_CASE("what embedding refuses is said in words") {
                             ellipse("third", Role::Outline, {0, 0, 0}, 0.2, 0.2)}),
                     Contains("3 loops"));
   auto fitted = rim;
-  fitted.treatment = Treatment::Fitted;
+  fitted.mesh_alignment = MeshAlignment::EdgeAligned;
   CHECK_THROWS_WITH(layout({fitted}), Contains("'rim' cannot be fitted"));
   SkinOptions polygon = fine(0.15, 1e-3);
   polygon.domain = SkinOptions::Domain::Polygon;
   CHECK_THROWS_WITH(layout({rim}, polygon), Contains("0 corner(s)"));
-  polygon.domain = SkinOptions::Domain::Ring;
+  polygon.domain = SkinOptions::Domain::Annulus;
   CHECK_THROWS_WITH(layout({rim}, polygon), Contains("a ring needs two loops"));
   // A loop that stands on edge somewhere has no image in its plane.
   CHECK_THROWS_WITH(layout({ellipse("rim", Role::Outline, {0, 0, 0}, 1, 1, 5, 2)}),
@@ -405,12 +406,12 @@ TEST_CASE("outlines at random: a surface that keeps what it reports, or a reason
     try {
       r = skin_at_random(random_lines(random));
     } catch (const Error& e) {
-      r.refusal = e.what();
+      r.error_message = e.what();
     }
-    INFO("seed " << seed << ": " << r.refusal << " reported " << r.reported << " found "
+    INFO("seed " << seed << ": " << r.error_message << " reported " << r.reported << " found "
                  << r.found);
-    if (!r.refusal.empty()) {
-      CHECK(r.refusal.size() > 20);
+    if (!r.error_message.empty()) {
+      CHECK(r.error_message.size() > 20);
       continue;
     }
     ++surfaces;

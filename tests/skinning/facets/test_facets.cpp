@@ -8,18 +8,18 @@
 #include <set>
 
 #include "batten/core/errors.h"
-#include "batten/core/plane.h"
+#include "batten/core/planar_geometry.h"
 #include "batten/skinning/domains/mesher.h"
-#include "batten/skinning/facets/model_facets.h"
-#include "batten/tests/catch.h"
-#include "batten/tests/refusal.h"
-#include "batten/tests/trimmed_regions.h"
+#include "batten/skinning/facets/model_elements.h"
+#include "batten/tests/support/catch.h"
+#include "batten/tests/support/error_message.h"
+#include "batten/tests/support/trimmed_regions.h"
 
 using namespace batten_test;
 
 namespace {
 
-std::vector<Vec2> places(const ParametricMesh& mesh, const std::vector<Location>& points) {
+std::vector<Vec2> positions(const ParametricMesh& mesh, const std::vector<Location>& points) {
   std::vector<Vec2> uv;
   for (const Location& p : points) uv.push_back(mesh.shape(p.triangle).point(p.L));
   return uv;
@@ -61,9 +61,11 @@ std::set<std::pair<int, int>> loop_edges(const SkinnedRegion& region,
                                          const std::vector<std::vector<std::vector<int>>>& lines) {
   std::set<std::pair<int, int>> edges;
   for (const auto& loop : region.boundary)
-    for (const BoundaryPiece& piece : loop) {
-      const auto& chains = lines[static_cast<size_t>(piece.index) +
-                                 (piece.kind == BoundaryPiece::Kind::Run ? 0 : region.runs.size())];
+    for (const BoundarySegment& piece : loop) {
+      const auto& chains =
+          lines[static_cast<size_t>(piece.index) + (piece.kind == BoundarySegment::Kind::EdgeAligned
+                                                        ? 0
+                                                        : region.edge_aligned.size())];
       REQUIRE(chains.size() == 1);
       for (size_t i = 0; i + 1 < chains[0].size(); ++i)
         edges.insert(piece.reversed ? std::pair{chains[0][i + 1], chains[0][i]}
@@ -76,7 +78,7 @@ std::set<std::pair<int, int>> loop_edges(const SkinnedRegion& region,
 
 TEST_CASE("a mesh with holes leaves them empty") {
   if (!have_delaunay_mesher()) return;
-  MeshTask task;
+  PlanarMeshInput task;
   task.edge_length = 0.1;
   task.keep_segments = GENERATE(false, true);
   const auto polygon = [&](std::vector<std::array<int, 2>>& segments, const Vec2& centre, double r,
@@ -118,15 +120,15 @@ TEST_CASE("a mesh with holes leaves them empty") {
 
 TEST_CASE("meshing stops when it is told to") {
   if (!have_delaunay_mesher()) return;
-  MeshTask task;
+  PlanarMeshInput task;
   task.points = {{0, 0}, {1, 0}, {1, 1}, {0, 1}};
   task.outline = {{0, 1}, {1, 2}, {2, 3}, {3, 0}};
   task.edge_length = 0.003;  // some 250,000 triangles
   task.keep_segments = GENERATE(false, true);
-  int asked = 0;
-  task.progress.cancelled = [&] { return ++asked == 3; };
+  int requested = 0;
+  task.progress.cancelled = [&] { return ++requested == 3; };
   CHECK_THROWS_AS(delaunay_mesh(task), CancelledError);
-  CHECK(asked == 3);
+  CHECK(requested == 3);
 }
 
 TEST_CASE("facets of a disc with a hole and a rib fill it and end at its lines") {
@@ -137,7 +139,7 @@ TEST_CASE("facets of a disc with a hole and a rib fill it and end at its lines")
   for (const int n : {1, 2, 3, 4, 8}) {
     INFO("n = " << n);
     const DisplayFacets f = facets(region, n);
-    const auto uv = places(region.surface.mesh(), f.tessellation.points);
+    const auto uv = positions(region.surface.mesh(), f.tessellation.points);
     const Count c = count(uv, f.tessellation.facets);
     CHECK(c.euler == 0);
     CHECK(c.smallest > 0);
@@ -153,8 +155,8 @@ TEST_CASE("facets of a disc with a hole and a rib fill it and end at its lines")
     for (size_t l = 0; l < 3; ++l) {
       REQUIRE(f.lines[l].size() == 1);
       for (const int p : f.lines[l][0])
-        away = std::max(away,
-                        region.embedded[l].image.closest_point({uv[p].x(), uv[p].y(), 0}).distance);
+        away = std::max(
+            away, region.embedded[l].pcurve.closest_point({uv[p].x(), uv[p].y(), 0}).distance);
     }
     CHECK(away < 1e-14);
     CHECK(f.lines[0][0].front() == f.lines[0][0].back());
@@ -178,11 +180,11 @@ TEST_CASE("quadratic facets have their middles on the lines and are turned the r
   const WavyDisc how = GENERATE(WavyDisc{}, WavyDisc{0.07, 0.3, 0.25, true},
                                 WavyDisc{0.15, 0.1, 0.001, true}, WavyDisc{0.3, 0.2, 0.55, true});
   const SkinnedRegion region = wavy_disc(how);
-  const QuadraticFacets q = quadratic_facets(region);
+  const QuadraticElements q = quadratic_elements(region);
   REQUIRE(q.nodes.size() == q.uv.size());
   REQUIRE(q.element.size() == q.triangles.size());
-  CHECK(!q.of_elements);
-  const auto uv = places(region.surface.mesh(), q.nodes);
+  CHECK(!q.is_element_mesh);
+  const auto uv = positions(region.surface.mesh(), q.nodes);
   double off = 0;
   for (size_t i = 0; i < uv.size(); ++i) off = std::max(off, (uv[i] - q.uv[i]).norm());
   CHECK(off < 4e-15);
@@ -219,14 +221,14 @@ TEST_CASE("quadratic facets have their middles on the lines and are turned the r
 
   double on_curve = 0, off_straight = 0;
   for (size_t l = 0; l < q.lines.size(); ++l) {
-    const HermiteCurve& image = region.embedded[l].image;
+    const HermiteCurve& pcurve = region.embedded[l].pcurve;
     CHECK(q.lines[l].size() >= (l < 2 ? 8 : 1));
     for (const auto& [a, b, m] : q.lines[l]) {
       CHECK(middle.at(std::minmax(a, b)) == m);
       middle.erase(std::minmax(a, b));
       for (const int node : {a, b, m})
         on_curve =
-            std::max(on_curve, image.closest_point({q.uv[node].x(), q.uv[node].y(), 0}).distance);
+            std::max(on_curve, pcurve.closest_point({q.uv[node].x(), q.uv[node].y(), 0}).distance);
       // The middle in the parameter: of a circle, in the arc.
       if (l < 2) CHECK((uv[m] - uv[a]).norm() == Approx((uv[m] - uv[b]).norm()).epsilon(1e-3));
     }
@@ -248,13 +250,13 @@ TEST_CASE("facets of fitted regions are their elements") {
                        {},
                        {}};
   const ParametricMesh& mesh = region.surface.mesh();
-  LineRun south;
+  EdgeAlignedLine south;
   for (int i = 0; i <= 4; ++i) {
     south.vertices.push_back(4 - i);
     south.parameters.push_back(i);
     if (i > 0) south.edges.push_back(mesh.edge_between(5 - i, 4 - i));
   }
-  region.runs.push_back(south);
+  region.edge_aligned.push_back(south);
   const DisplayFacets f = facets(region, 3);
   const Tessellation t = tessellate(mesh, 3);
   CHECK(f.tessellation.facets == t.facets);
@@ -265,14 +267,14 @@ TEST_CASE("facets of fitted regions are their elements") {
     same = same && f.tessellation.points[p].triangle == t.points[p].triangle &&
            f.tessellation.points[p].L == t.points[p].L;
   CHECK(same);
-  const auto uv = places(mesh, t.points);
+  const auto uv = positions(mesh, t.points);
   REQUIRE(f.lines.size() == 1);
   REQUIRE(f.lines[0].size() == 1);
   REQUIRE(f.lines[0][0].size() == 13);
   for (int k = 0; k <= 12; ++k)
     CHECK((uv[f.lines[0][0][k]] - Vec2(1 - k / 12.0, 0)).norm() < 1e-15);
-  const QuadraticFacets q = quadratic_facets(region);
-  CHECK(q.of_elements);
+  const QuadraticElements q = quadratic_elements(region);
+  CHECK(q.is_element_mesh);
   for (int e = 0; e < mesh.triangle_count(); ++e) {
     CHECK(q.element[e] == e);
     for (int i = 0; i < 3; ++i) {
@@ -289,15 +291,16 @@ TEST_CASE("fitted runs keep their vertices when a hole is embedded, ribs may cro
   // The unit square, its sides fitted, a hole, and a rib across both hole and a fitted inner run.
   const int n = 8;
   const auto mesh = std::make_shared<const ParametricMesh>(ParametricMesh::unit_square(n));
-  std::vector<LineRun> runs(5);
+  std::vector<EdgeAlignedLine> edge_aligned(5);
   const int starts[5] = {0, n, (n + 1) * (n + 1) - 1, n * (n + 1), n + 1};
   const int steps[5] = {1, n + 1, -1, -(n + 1), 1};
   for (size_t r = 0; r < 5; ++r)
     for (int i = 0; i <= n; ++i) {
-      runs[r].vertices.push_back(starts[r] + i * steps[r]);
-      runs[r].parameters.push_back(i);
+      edge_aligned[r].vertices.push_back(starts[r] + i * steps[r]);
+      edge_aligned[r].parameters.push_back(i);
       if (i > 0)
-        runs[r].edges.push_back(mesh->edge_between(runs[r].vertices[i - 1], runs[r].vertices[i]));
+        edge_aligned[r].edges.push_back(
+            mesh->edge_between(edge_aligned[r].vertices[i - 1], edge_aligned[r].vertices[i]));
     }
   const HermiteCurve hole = circle({0.55, 0.5}, 0.2, 8);
   const auto line = [](const Vec2& from, const Vec2& to) {
@@ -309,28 +312,32 @@ TEST_CASE("fitted runs keep their vertices when a hole is embedded, ribs may cro
   const std::vector<EmbeddedLine> embedded{
       line_on_sheet("hole", hole, 0.15), line_on_sheet("rib", line({0.4, 0}, {0.7, 0.95}), 0.15),
       line_on_sheet("free", line({0.1, 0.3}, {0.2, 0.9}), 0.15)};
-  using Kind = BoundaryPiece::Kind;
+  using Kind = BoundarySegment::Kind;
   SkinnedRegion region{
       "plate",
       interpolated(mesh, TriangleElement::HCT, [](const Vec2& p) { return sheet(p); }),
-      runs,
+      edge_aligned,
       1,
       embedded,
-      {{{Kind::Run, 0, false}, {Kind::Run, 1, false}, {Kind::Run, 2, false}, {Kind::Run, 3, false}},
+      {{{Kind::EdgeAligned, 0, false},
+        {Kind::EdgeAligned, 1, false},
+        {Kind::EdgeAligned, 2, false},
+        {Kind::EdgeAligned, 3, false}},
        {{Kind::Embedded, 0, true}}}};
-  for (LineRun& run : region.runs) {
-    const Vec3 from(mesh->vertices()[run.vertices.front()].x(),
-                    mesh->vertices()[run.vertices.front()].y(), 0),
-        to(mesh->vertices()[run.vertices.back()].x(), mesh->vertices()[run.vertices.back()].y(), 0);
+  for (EdgeAlignedLine& aligned_line : region.edge_aligned) {
+    const Vec3 from(mesh->vertices()[aligned_line.vertices.front()].x(),
+                    mesh->vertices()[aligned_line.vertices.front()].y(), 0),
+        to(mesh->vertices()[aligned_line.vertices.back()].x(),
+           mesh->vertices()[aligned_line.vertices.back()].y(), 0);
     Points x(2, 3), d(2, 3);
     x << from.transpose(), to.transpose();
     d << (to - from).transpose() / n, (to - from).transpose() / n;
-    run.fitted = HermiteCurve({0, static_cast<double>(n)}, x, d);
+    aligned_line.fitted = HermiteCurve({0, static_cast<double>(n)}, x, d);
   }
   region.surface = Surface(mesh, region.surface.kind(), region.surface.dofs(),
                            std::make_shared<Trim>(*mesh, boundary_loops(region)));
   const DisplayFacets f = facets(region, 3);
-  const auto uv = places(*mesh, f.tessellation.points);
+  const auto uv = positions(*mesh, f.tessellation.points);
   const Count c = count(uv, f.tessellation.facets);
   CHECK(c.euler == 0);
   CHECK(c.smallest > 0);
@@ -339,7 +346,7 @@ TEST_CASE("fitted runs keep their vertices when a hole is embedded, ribs may cro
   REQUIRE(f.lines.size() == 8);
   for (size_t r = 0; r < 5; ++r) {
     REQUIRE(f.lines[r].size() == 1);
-    for (const int v : runs[r].vertices) {
+    for (const int v : edge_aligned[r].vertices) {
       const auto& chain = f.lines[r][0];
       CHECK(std::any_of(chain.begin(), chain.end(),
                         [&](int p) { return (uv[p] - mesh->vertices()[v]).norm() < 1e-15; }));
@@ -348,10 +355,10 @@ TEST_CASE("fitted runs keep their vertices when a hole is embedded, ribs may cro
   // The rib: up to the hole, and beyond it; it crosses the run at v = 1/8 in one point of both.
   REQUIRE(f.lines[6].size() == 2);
   const auto& lower = f.lines[6][0];
-  const std::set<int> run(f.lines[4][0].begin(), f.lines[4][0].end());
+  const std::set<int> aligned_line(f.lines[4][0].begin(), f.lines[4][0].end());
   std::vector<int> common;
   for (const int p : lower)
-    if (run.count(p)) common.push_back(p);
+    if (aligned_line.count(p)) common.push_back(p);
   REQUIRE(common.size() == 1);
   CHECK((uv[common[0]] - Vec2(0.4 + 0.3 / 0.95 / 8, 0.125)).norm() < 1e-12);
   CHECK(std::abs((uv[lower.back()] - Vec2(0.55, 0.5)).norm() - 0.2) < 1e-3);
@@ -363,13 +370,13 @@ TEST_CASE("fitted runs keep their vertices when a hole is embedded, ribs may cro
   region.boundary.pop_back();
   region.surface = Surface(mesh, region.surface.kind(), region.surface.dofs());
   const DisplayFacets whole = facets(region, 2);
-  const auto whole_uv = places(*mesh, whole.tessellation.points);
+  const auto whole_uv = positions(*mesh, whole.tessellation.points);
   const Count all = count(whole_uv, whole.tessellation.facets);
   CHECK(all.euler == 1);
   CHECK(all.area == Approx(1).epsilon(1e-13));
   CHECK(all.rim == loop_edges(region, whole.lines));
   region.boundary.clear();
-  CHECK_THAT(refusal([&] { facets(region, 2); }), Catch::Matchers::Contains("no boundary"));
+  CHECK_THAT(error_message([&] { facets(region, 2); }), Catch::Matchers::Contains("no boundary"));
 }
 
 TEST_CASE("regions that share a line share its points") {
@@ -386,14 +393,14 @@ TEST_CASE("regions that share a line share its points") {
   Points dofs = inside.surface.dofs() / scale;
   for (int v = 0; v < mesh->vertex_count(); ++v) dofs.row(3 * v) *= scale;
   EmbeddedLine& rim = inside.embedded[0];
-  rim.image = HermiteCurve(rim.image.mesh(), scale * rim.image.dofs());
+  rim.pcurve = HermiteCurve(rim.pcurve.mesh(), scale * rim.pcurve.dofs());
   inside.surface = Surface(mesh, inside.surface.kind(), dofs,
                            std::make_shared<Trim>(*mesh, boundary_loops(inside)));
   const int n = GENERATE(1, 3);
   const double length = GENERATE(0.05, 0.2);
   const DisplayFacets a = facets(around, n, length), b = facets(inside, n, length);
-  const auto uv_a = places(around.surface.mesh(), a.tessellation.points),
-             uv_b = places(*mesh, b.tessellation.points);
+  const auto uv_a = positions(around.surface.mesh(), a.tessellation.points),
+             uv_b = positions(*mesh, b.tessellation.points);
   const auto &of_a = a.lines[1][0], &of_b = b.lines[0][0];
   REQUIRE(of_a.size() == of_b.size());
   CHECK(static_cast<double>(of_a.size() - 1) == Approx(n * 2 * pi * 0.5 / length).epsilon(0.5));
@@ -414,22 +421,24 @@ TEST_CASE("edges end where neighbours ask for it") {
   // Embedded lines: there and, as far as nothing folds, nowhere else.
   const SkinnedRegion region =
       sheet_region({circle({0, 0}, 1, 24), circle({0, 0}, 0.4, 8)}, {}, 0.2);
-  const HermiteCurve& rim = region.embedded[0].image;
-  LineStops stops;
-  stops.at.resize(2);
+  const HermiteCurve& rim = region.embedded[0].pcurve;
+  SubdivisionRequest subdivision;
+  subdivision.at.resize(2);
   constexpr int edges = 31;
   for (int k = 0; k <= edges; ++k)
-    stops.at[0].push_back(rim.start() + (rim.end() - rim.start()) * std::pow(k / 31.0, 1.2));
-  stops.at[0].back() = rim.end();
-  const QuadraticFacets asked = quadratic_facets(region, 0, stops), free = quadratic_facets(region);
-  REQUIRE(asked.lines[0].size() == edges);
+    subdivision.at[0].push_back(rim.start() + (rim.end() - rim.start()) * std::pow(k / 31.0, 1.2));
+  subdivision.at[0].back() = rim.end();
+  const QuadraticElements requested = quadratic_elements(region, 0, subdivision),
+                          free = quadratic_elements(region);
+  REQUIRE(requested.lines[0].size() == edges);
   for (size_t k = 0; k < edges; ++k) {
-    CHECK(asked.parameters[0][k][0] == stops.at[0][k]);
-    CHECK(asked.parameters[0][k][1] == stops.at[0][k + 1]);
-    const Vec3 there = rim.evaluate(stops.at[0][k]);
-    CHECK((asked.uv[static_cast<size_t>(asked.lines[0][k][0])] - there.head<2>()).norm() < 1e-14);
+    CHECK(requested.parameters[0][k][0] == subdivision.at[0][k]);
+    CHECK(requested.parameters[0][k][1] == subdivision.at[0][k + 1]);
+    const Vec3 there = rim.evaluate(subdivision.at[0][k]);
+    CHECK((requested.uv[static_cast<size_t>(requested.lines[0][k][0])] - there.head<2>()).norm() <
+          1e-14);
   }
-  CHECK(asked.parameters[1] == free.parameters[1]);
+  CHECK(requested.parameters[1] == free.parameters[1]);
 
   // A run keeps its vertices and gets the others; without others the elements stay as they are.
   const auto mesh = std::make_shared<const ParametricMesh>(ParametricMesh::unit_square(4));
@@ -439,21 +448,23 @@ TEST_CASE("edges end where neighbours ask for it") {
   SkinnedRegion square{"square", Surface(mesh, TriangleElement::HCT, dofs), {}, 1, {}, {{}}};
   const int first[] = {0, 4, 24, 20}, step[] = {1, 5, -1, -5};
   for (int s = 0; s < 4; ++s) {
-    LineRun run;
-    run.line.name = "side " + std::to_string(s);
+    EdgeAlignedLine aligned_line;
+    aligned_line.line.name = "side " + std::to_string(s);
     for (int i = 0; i <= 4; ++i) {
-      run.vertices.push_back(first[s] + i * step[s]);
-      run.parameters.push_back(0.25 * i);
-      if (i > 0) run.edges.push_back(mesh->edge_between(run.vertices[i - 1], run.vertices[i]));
+      aligned_line.vertices.push_back(first[s] + i * step[s]);
+      aligned_line.parameters.push_back(0.25 * i);
+      if (i > 0)
+        aligned_line.edges.push_back(
+            mesh->edge_between(aligned_line.vertices[i - 1], aligned_line.vertices[i]));
     }
-    square.runs.push_back(run);
-    square.boundary[0].push_back({BoundaryPiece::Kind::Run, s, false});
+    square.edge_aligned.push_back(aligned_line);
+    square.boundary[0].push_back({BoundarySegment::Kind::EdgeAligned, s, false});
   }
-  stops.at = {{}, {0, 0.25, 0.5, 0.75, 1}};
-  CHECK(quadratic_facets(square, 0, stops).of_elements);
-  stops.at[1].insert(stops.at[1].begin() + 2, 0.375);
-  const QuadraticFacets more = quadratic_facets(square, 0, stops);
-  CHECK_FALSE(more.of_elements);
+  subdivision.at = {{}, {0, 0.25, 0.5, 0.75, 1}};
+  CHECK(quadratic_elements(square, 0, subdivision).is_element_mesh);
+  subdivision.at[1].insert(subdivision.at[1].begin() + 2, 0.375);
+  const QuadraticElements more = quadratic_elements(square, 0, subdivision);
+  CHECK_FALSE(more.is_element_mesh);
   CHECK(more.lines[0].size() == 4);
   REQUIRE(more.lines[1].size() == 5);
   CHECK(more.parameters[1][1] == std::array{0.25, 0.375});
@@ -470,17 +481,17 @@ TEST_CASE("a model's facets are those of its regions with common nodes on common
   EmbeddedLine& rim = inside.embedded[0];
   rim.line.name = "hole";
   rim.fitted = rim.fitted.backwards();
-  rim.image = rim.image.backwards();
+  rim.pcurve = rim.pcurve.backwards();
   inside.boundary[0][0].reversed = !inside.boundary[0][0].reversed;
-  const ModelFacets both = model_facets({&around, &inside});
+  const ModelElements both = model_elements({&around, &inside});
   REQUIRE(both.regions.size() == 2);
   REQUIRE(both.lines.size() == 2);
   CHECK(both.lines[0].name == "rim");
   CHECK(both.lines[1].name == "hole");
   CHECK(both.lines[1].edges.size() == both.regions[0].lines[1].size());
   CHECK(both.regions[1].lines[0].size() == both.regions[0].lines[1].size());
-  CHECK(both.places.size() == both.regions[0].nodes.size() + both.regions[1].nodes.size() -
-                                  2 * both.lines[1].edges.size());
+  CHECK(both.positions.size() == both.regions[0].nodes.size() + both.regions[1].nodes.size() -
+                                     2 * both.lines[1].edges.size());
   std::map<std::array<int, 3>, int> edges;
   for (size_t r = 0; r < 2; ++r)
     for (const auto& t : both.regions[r].triangles)
@@ -496,13 +507,13 @@ TEST_CASE("a model's facets are those of its regions with common nodes on common
   CHECK(rims == static_cast<int>(both.lines[0].edges.size()));
   for (const auto& edge : both.lines[1].edges)
     for (const int node : edge) {
-      const Vec3& p = both.places[static_cast<size_t>(node)];
+      const Vec3& p = both.positions[static_cast<size_t>(node)];
       CHECK(std::abs(around.embedded[1].fitted.closest_point(p).distance) < 1e-12);
     }
 
-  // One region alone: as quadratic_facets has it.
-  const ModelFacets one = model_facets({&around});
-  const QuadraticFacets same = quadratic_facets(around);
+  // One region alone: as quadratic_elements has it.
+  const ModelElements one = model_elements({&around});
+  const QuadraticElements same = quadratic_elements(around);
   CHECK(one.regions[0].triangles == same.triangles);
   CHECK(one.regions[0].uv == same.uv);
   for (size_t i = 0; i < one.node[0].size(); ++i) CHECK(one.node[0][i] == static_cast<int>(i));
@@ -542,7 +553,7 @@ TEST_CASE("facets of random outlines with holes never fold") {
     const SkinnedRegion region = sheet_region(closed, {}, random.between(0.08, 0.4));
     for (const int n : {1, 2, 5}) {
       const DisplayFacets f = facets(region, n);
-      const auto uv = places(region.surface.mesh(), f.tessellation.points);
+      const auto uv = positions(region.surface.mesh(), f.tessellation.points);
       const Count c = count(uv, f.tessellation.facets);
       CHECK(c.smallest > 0);
       CHECK(c.euler == 1 - holes);
@@ -567,19 +578,19 @@ TEST_CASE("facets of regions with corners and cusps, and lines that touch wrongl
     const EmbeddedGrid grid(squares({-0.11, -0.53}, 0.1, 13, 11), domain);
     const Surface plain =
         interpolated(grid.mesh, TriangleElement::HCT, [](const Vec2& p) { return sheet(p); });
-    return SkinnedRegion{
-        "lens",
-        Surface(grid.mesh, plain.kind(), plain.dofs(), grid.trim),
-        {},
-        1,
-        {line_on_sheet("low", low, 0.15), line_on_sheet("high", high, 0.15)},
-        {{{BoundaryPiece::Kind::Embedded, 0, false}, {BoundaryPiece::Kind::Embedded, 1, true}}}};
+    return SkinnedRegion{"lens",
+                         Surface(grid.mesh, plain.kind(), plain.dofs(), grid.trim),
+                         {},
+                         1,
+                         {line_on_sheet("low", low, 0.15), line_on_sheet("high", high, 0.15)},
+                         {{{BoundarySegment::Kind::Embedded, 0, false},
+                           {BoundarySegment::Kind::Embedded, 1, true}}}};
   };
   for (const double degrees : {90.0, 30.0, 5.0}) {
     INFO(degrees << " degrees");
     const SkinnedRegion region = lens(degrees * pi / 180);
     const DisplayFacets f = facets(region, 3);
-    const auto uv = places(region.surface.mesh(), f.tessellation.points);
+    const auto uv = positions(region.surface.mesh(), f.tessellation.points);
     const Count c = count(uv, f.tessellation.facets);
     CHECK(c.euler == 1);
     CHECK(c.smallest > 0);
@@ -589,7 +600,7 @@ TEST_CASE("facets of regions with corners and cusps, and lines that touch wrongl
   // An outline through a hole.
   SkinnedRegion wrong = wavy_disc({});
   wrong.embedded[1] = line_on_sheet("hole", circle({0.9, 0}, 0.25, 8), 0.15);
-  CHECK_THAT(refusal([&] { facets(wrong, 1); }), Catch::Matchers::Contains("'rim'") &&
-                                                     Catch::Matchers::Contains("'hole'") &&
-                                                     Catch::Matchers::Contains("cross"));
+  CHECK_THAT(error_message([&] { facets(wrong, 1); }), Catch::Matchers::Contains("'rim'") &&
+                                                           Catch::Matchers::Contains("'hole'") &&
+                                                           Catch::Matchers::Contains("cross"));
 }

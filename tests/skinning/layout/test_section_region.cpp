@@ -5,9 +5,9 @@
 #include <numbers>
 
 #include "batten/core/errors.h"
-#include "batten/fairing/open_spline.h"
+#include "batten/fairing/not_a_knot_spline.h"
 #include "batten/skinning/model/loft_shape.h"
-#include "batten/tests/catch.h"
+#include "batten/tests/support/catch.h"
 
 using namespace batten;
 using Catch::Matchers::Contains;
@@ -45,7 +45,7 @@ TEST_CASE("open splines have cubics exactly, parabolas through three points, lin
   const std::vector<double> u{0, 0.3, 1.1, 1.5, 2.7};
   Points x(5, 3);
   for (int i = 0; i < 5; ++i) x.row(i) = cubic(u[static_cast<size_t>(i)]);
-  const Points m = open_spline_slopes(u, x);
+  const Points m = not_a_knot_slopes(u, x);
   for (int i = 0; i < 5; ++i)
     CHECK((Vec3(m.row(i)) - slope(u[static_cast<size_t>(i)])).norm() < 1e-12);
 
@@ -53,10 +53,10 @@ TEST_CASE("open splines have cubics exactly, parabolas through three points, lin
   Points p(3, 3);
   for (int i = 0; i < 3; ++i)
     p.row(i) << 1, three[static_cast<size_t>(i)], std::pow(three[static_cast<size_t>(i)], 2);
-  const Points parabola = open_spline_slopes(three, p);
+  const Points parabola = not_a_knot_slopes(three, p);
   for (int i = 0; i < 3; ++i)
     CHECK((Vec3(parabola.row(i)) - Vec3(0, 1, 2 * three[static_cast<size_t>(i)])).norm() < 1e-12);
-  const Points straight = open_spline_slopes({0, 2}, p.topRows(2));
+  const Points straight = not_a_knot_slopes({0, 2}, p.topRows(2));
   CHECK((straight.row(0) - (p.row(1) - p.row(0)) / 2).norm() < 1e-14);
   CHECK((straight.row(1) - straight.row(0)).norm() < 1e-14);
 }
@@ -80,7 +80,7 @@ TEST_CASE("a hull comes back from five sections in either direction, without rai
     return worst;
   };
   CHECK(error(loft) < 6e-3);  // that of the splines through five points
-  CHECK(error(model.least_energy({})) > 5 * error(loft));
+  CHECK(error(model.minimize_energy({})) > 5 * error(loft));
 }
 
 TEST_CASE("a ring through circles of a sphere is the sphere, also near its rims") {

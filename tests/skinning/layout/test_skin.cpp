@@ -2,14 +2,14 @@
 #include "batten/core/errors.h"
 #include "batten/core/parallel.h"
 #include "batten/skinning/domains/mesher.h"
-#include "batten/skinning/region/quality.h"
-#include "batten/tests/catch.h"
-#include "batten/tests/skinning/shapes.h"
-#include "batten/tests/static_twin.h"
-#include "batten/tests/threads.h"
+#include "batten/skinning/region/skin_quality.h"
+#include "batten/tests/support/catch.h"
+#include "batten/tests/support/reference_static_solver.h"
+#include "batten/tests/support/sample_lines.h"
+#include "batten/tests/support/thread_guard.h"
 
 using namespace batten_test;
-using namespace batten::twin;
+using namespace batten::reference_solver;
 using Catch::Matchers::Contains;
 
 namespace {
@@ -74,7 +74,7 @@ TEST_CASE("an inner line is held as exactly as the outline") {
   const SkinnedRegion region = skinned(lines, {}, {{"p", PressureLoad{30}}});
   check_skin(region, 1e-12);
   // The rib is inside: both its sides carry triangles.
-  for (const int e : region.runs.back().edges)
+  for (const int e : region.edge_aligned.back().edges)
     CHECK_FALSE(region.surface.mesh().edges()[e].boundary());
 }
 
@@ -85,11 +85,11 @@ TEST_CASE(
   const auto a = lines[0].curve->evaluate(0.3), b = lines[2].curve->evaluate(0.3);
   const auto rib = lines[4].curve;
   using Role = CharacterLine::Role;
-  using Treatment = CharacterLine::Treatment;
-  const auto gap_of = [](const std::vector<CharacterLine>& l, size_t runs) {
+  using MeshAlignment = CharacterLine::MeshAlignment;
+  const auto gap_of = [](const std::vector<CharacterLine>& l, size_t edge_aligned) {
     const RegionLayout layout("region", l, {});
-    CHECK(layout.runs().size() == runs);
-    CHECK(layout.embedded().size() == l.size() - runs);
+    CHECK(layout.edge_aligned().size() == edge_aligned);
+    CHECK(layout.embedded().size() == l.size() - edge_aligned);
     const SkinnedRegion region =
         layout.region(sculpt(layout, layout.line_constraints(), {}, {}).dofs);
     const SkinQuality q = measure(region);
@@ -107,15 +107,15 @@ TEST_CASE(
            {lines[1].curve->evaluate(0.5), rib->evaluate(0.5), lines[3].curve->evaluate(0.5)}, 180),
        Role::Inner});
   CHECK(gap_of(crossing, 5) > 0);
-  crossing.back().treatment = Treatment::Fitted;
+  crossing.back().mesh_alignment = MeshAlignment::EdgeAligned;
   CHECK_THROWS_WITH(RegionLayout("region", crossing, {}),
                     Contains("'second' cannot be fitted") && Contains("crosses line 'rib'"));
   auto embedded = lines;
-  embedded.back().treatment = Treatment::Embedded;
+  embedded.back().mesh_alignment = MeshAlignment::Embedded;
   gap_of(embedded, 4);
   auto loose = lines;
   loose.push_back({"loose", curve_through_points("loose", {a, Vec3(0.7 * a + 0.3 * b)}),
-                   Role::Inner, Treatment::Fitted});
+                   Role::Inner, MeshAlignment::EdgeAligned});
   CHECK_THROWS_WITH(RegionLayout("region", loose, {}),
                     Contains("'loose' cannot be fitted") && Contains("away from line"));
   // The same place at two heights.
@@ -160,7 +160,7 @@ TEST_CASE("lines that continue each other smoothly share one side") {
   options.tolerance = 1e-4;
   const RegionLayout layout("region", lines, options);
   CHECK(layout.corners().size() == 4);
-  CHECK(layout.runs().size() == 5);
+  CHECK(layout.edge_aligned().size() == 5);
   const auto region = layout.region(sculpt(layout, layout.line_constraints(), {}, {}).dofs);
   check_skin(region, 1e-4);
 }
@@ -197,7 +197,7 @@ TEST_CASE("the fan of a pentagon without refinement is the paper's five triangle
   const RegionLayout layout("pentagon", curved_polygon(5, 0, 0), options);
   CHECK(layout.mesh()->triangle_count() == 5);
   CHECK(DofMap(*layout.mesh()).count() == 28);
-  CHECK(layout.corner_constraints().rows().size() == 5);
+  CHECK(layout.corner_constraints().constraints().size() == 5);
   options.tolerance = 1e-8;
   const auto circle_arcs = [] {
     std::vector<CharacterLine> lines;

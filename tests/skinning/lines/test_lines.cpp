@@ -3,9 +3,9 @@
 
 #include "batten/core/errors.h"
 #include "batten/skinning/domains/polygon_fit.h"
-#include "batten/skinning/lines/line_fit.h"
-#include "batten/tests/catch.h"
-#include "batten/tests/skinning/shapes.h"
+#include "batten/skinning/lines/smooth_segment.h"
+#include "batten/tests/support/catch.h"
+#include "batten/tests/support/sample_lines.h"
 
 using namespace batten_test;
 using Catch::Matchers::Contains;
@@ -29,7 +29,7 @@ HermiteCurve fit(const std::shared_ptr<const InputCurve>& curve, double toleranc
   FitOptions options;
   options.tolerance = tolerance;
   options.corner_angle = 180;
-  options.even = true;
+  options.fixed_parameters = true;
   options.start = {curve->evaluate(curve->start()),
                    curve->evaluate(curve->start(), 1).normalized()};
   options.end = {curve->evaluate(curve->end()), curve->evaluate(curve->end(), 1).normalized()};
@@ -58,7 +58,7 @@ TEST_CASE("a curve through points passes them, is C2 between corners and breaks 
   CHECK((bow->evaluate(half) - Vec3(0.5, 0.75, 0)).norm() < 1e-12);
   const auto bent =
       curve_through_points("line", {{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {2, 1, 0}, {2, 2, 0}});
-  const auto parts = cut_at_corners({"line", bent}, 20);
+  const auto parts = split_at_corners({"line", bent}, 20);
   REQUIRE(parts.size() == 2);
   CHECK(parts[0].name == "line.1");
   CHECK((parts[0].curve->evaluate(parts[0].curve->end(), 1).normalized() - Vec3(1, 0, 0)).norm() <
@@ -107,15 +107,15 @@ TEST_CASE("a fit with given ends reaches its tolerance, with fourth-order econom
 
 TEST_CASE("piecewise cubics are kept, in their own parameter") {
   const auto curve = bezier_curve({0, 0, 0}, {1, 0, 1}, {2, 1, 1}, {3, 1, 0});
-  const auto exact = kept_as_given({"line", CharacterLine::Role::Outline, curve}, 0.1,
-                                   curve->evaluate(0), curve->evaluate(1));
+  const auto exact = reuse_cubic_input({"line", CharacterLine::Role::Outline, curve}, 0.1,
+                                       curve->evaluate(0), curve->evaluate(1));
   REQUIRE(exact);
   const HermiteCurve& kept = *exact;
   REQUIRE(kept.node_count() == 2);
   for (const double t : {0.1, 0.5, 0.77})
     CHECK((kept.evaluate(t * kept.end()) - curve->evaluate(t)).norm() < 1e-15);
-  CHECK(
-      !kept_as_given({"line", CharacterLine::Role::Outline, helix(1)}, 0.1, {1, 0, 0}, {1, 0, 1}));
+  CHECK(!reuse_cubic_input({"line", CharacterLine::Role::Outline, helix(1)}, 0.1, {1, 0, 0},
+                           {1, 0, 1}));
 }
 
 TEST_CASE("a polygon with consistent lengths and angles is found exactly") {

@@ -7,11 +7,11 @@
 #include "batten/benchmarks/analytic_shapes.h"
 #include "batten/core/errors.h"
 #include "batten/skinning/layout/region_layout.h"
-#include "batten/skinning/model/curvature_joins.h"
+#include "batten/skinning/model/curvature_continuity.h"
 #include "batten/skinning/model/join.h"
 #include "batten/skinning/model/loft_shape.h"
-#include "batten/tests/catch.h"
-#include "batten/tests/patchwork.h"
+#include "batten/tests/support/catch.h"
+#include "batten/tests/support/test_model_builder.h"
 
 using namespace batten;
 using Catch::Matchers::Contains;
@@ -26,19 +26,19 @@ double distance(const bench::AnalyticShape& shape, const Surface& surface) {
   return worst;
 }
 
-struct Made {
+struct FairedShape {
   ModelLayout model;
   Points bending;
-  VariationSurface fair;
+  MinimumVariationSurface fair;
   double before, after;  // distance to the formula, over the size
 };
-Made make(const bench::AnalyticShape& shape) {
+FairedShape make(const bench::AnalyticShape& shape) {
   SkinOptions options;
   options.edge_length = shape.coarse;
   options.tolerance = 0.01 * std::pow(shape.coarse, 4);
   ModelLayout model(RegionLayout(shape.name, shape.boundary(), options));
-  const Points bending = model.least_energy(SurfaceStiffness::isotropic(0, 1));
-  VariationSurface fair = fair_shape(model, bending, model.line_constraints());
+  const Points bending = model.minimize_energy(SurfaceStiffness::isotropic(0, 1));
+  MinimumVariationSurface fair = fair_shape(model, bending, model.line_constraints());
   const double before = distance(shape, model.surface(bending)) / model.size(),
                after = distance(shape, model.surface(fair.dofs)) / model.size();
   return {std::move(model), bending, std::move(fair), before, after};
@@ -74,7 +74,7 @@ TEST_CASE("boundary lines alone give back cylinders, spheres, tori and rings") {
                                             {"rings, equal", 5e-3, 2e-4},
                                             {"rings, unequal", 5e-3, 2e-4}}) {
     INFO(name);
-    const Made made = make(shape_named(name));
+    const FairedShape made = make(shape_named(name));
     CHECK(made.before > before);
     CHECK(made.after < after);
     CHECK(made.fair.converged);
@@ -101,7 +101,7 @@ TEST_CASE("a fair shape does not depend on unit or place") {
     SkinOptions options;
     options.edge_length = unit * shape.coarse;
     const ModelLayout model(RegionLayout("octant", lines, options));
-    const Points start = model.least_energy(SurfaceStiffness::isotropic(0, 1));
+    const Points start = model.minimize_energy(SurfaceStiffness::isotropic(0, 1));
     const Points fair = fair_shape(model, start, model.line_constraints()).dofs;
     return Points((fair - model.position_dofs() * place.transpose()) / unit);
   };
@@ -119,8 +119,8 @@ TEST_CASE("a long can between two circles is a cylinder, a frustum a cone") {
     options.edge_length = 12;
     const ModelLayout model(
         RegionLayout("can", {circle("low", low, 0), circle("high", high, height)}, options));
-    const Points bending = model.least_energy({});
-    const VariationSurface fair = fair_shape(model, bending, model.line_constraints());
+    const Points bending = model.minimize_energy({});
+    const MinimumVariationSurface fair = fair_shape(model, bending, model.line_constraints());
     const auto error = [&, low = low, high = high, height = height](const Points& dofs) {
       double worst = 0;
       const Surface surface = model.surface(dofs);
@@ -172,10 +172,11 @@ TEST_CASE("a loft is ruled between two sections, and holds its lines") {
 }
 
 TEST_CASE("joined octants are a sphere whose curvature goes on across the join") {
-  const batten_test::Patchwork patches = batten_test::octants(0.2);
+  const batten_test::TestModelBuilder patches = batten_test::octants(0.2);
   const JoinLine line = patches.join_line("zx", 0, 1);
   const ModelLayout model = patches.model({line});
-  const VariationSurface fair = fair_shape(model, model.least_energy({}), model.line_constraints());
+  const MinimumVariationSurface fair =
+      fair_shape(model, model.minimize_energy({}), model.line_constraints());
   double worst = 0;
   const Surface surface = model.surface(fair.dofs);
   for (int t = 0; t < surface.mesh().triangle_count(); ++t)
@@ -191,12 +192,12 @@ TEST_CASE("joined octants are a sphere whose curvature goes on across the join")
 namespace {
 
 // An octant over a quarter of a cylinder, side by side along "rim".
-batten_test::Patchwork cap_on_cylinder() {
+batten_test::TestModelBuilder cap_on_cylinder() {
   const Vec3 x = Vec3::UnitX(), y = Vec3::UnitY(), z = Vec3::UnitZ(), down = -1.2 * z;
-  batten_test::Patchwork p;
+  batten_test::TestModelBuilder p;
   p.options.edge_length = 0.2;
   const auto line = [&](const std::string& name, const std::shared_ptr<const InputCurve>& curve) {
-    p.add(batten_test::given_line(name, curve, 3, p.options.edge_length));
+    p.add(batten_test::prescribed_line(name, curve, 3, p.options.edge_length));
   };
   line("rim", batten_test::quarter(x, y));
   line("yz", batten_test::quarter(y, z));
@@ -212,9 +213,9 @@ batten_test::Patchwork cap_on_cylinder() {
   return p;
 }
 
-JoinQuality faired_join(const batten_test::Patchwork& patches, const JoinLine& join) {
+JoinQuality faired_join(const batten_test::TestModelBuilder& patches, const JoinLine& join) {
   const ModelLayout model = patches.model({join});
-  const Points dofs = fair_shape(model, model.least_energy({}), model.line_constraints()).dofs;
+  const Points dofs = fair_shape(model, model.minimize_energy({}), model.line_constraints()).dofs;
   const SkinnedRegion a = model.skinned(0, dofs), b = model.skinned(1, dofs);
   return measure_join({&a, &b}, join);
 }
@@ -222,50 +223,48 @@ JoinQuality faired_join(const batten_test::Patchwork& patches, const JoinLine& j
 }  // namespace
 
 TEST_CASE("a cap on a cylinder: the lines across the rim say that curvature jumps by the cap's") {
-  const batten_test::Patchwork patches = cap_on_cylinder();
+  const batten_test::TestModelBuilder patches = cap_on_cylinder();
   JoinLine join = patches.join_line("rim", 0, 1);
-  CHECK_FALSE(curvature_goes_on(patches.model({join}), patches.plan({join}).front()));
+  CHECK_FALSE(is_curvature_continuous(patches.model({join}), patches.plan({join}).front()));
   const JoinQuality quality = faired_join(patches, join);
   CHECK(quality.max_deg < 0.05);
   CHECK(quality.median_curvature_jump == Approx(1).epsilon(0.02));
 
   join.curvature = true;
-  CHECK(curvature_goes_on(patches.model({join}), patches.plan({join}).front()));
-  const JoinQuality asked = faired_join(patches, join);
-  CHECK(asked.max_deg < 0.05);
-  CHECK(asked.median_curvature_jump < 0.1);
+  CHECK(is_curvature_continuous(patches.model({join}), patches.plan({join}).front()));
+  const JoinQuality requested = faired_join(patches, join);
+  CHECK(requested.max_deg < 0.05);
+  CHECK(requested.median_curvature_jump < 0.1);
 }
 
 TEST_CASE("where curvature goes on, its jump is ten times smaller than where it may jump") {
   // A free form: two wavy strips side by side.
-  batten_test::Patchwork p;
+  batten_test::TestModelBuilder p;
   p.options.edge_length = 0.15;
   const auto wave = [&](const std::string& name, double y, double tilt) {
-    p.add(
-        batten_test::given_line(name,
-                                curve_from_formula(0, 1,
-                                                   [=](double t, int order) -> Vec3 {
-                                                     const double k = 2;
-                                                     if (order == 0)
-                                                       return {t, y, tilt * std::sin(k * t)};
-                                                     if (order == 1)
-                                                       return {1, 0, tilt * k * std::cos(k * t)};
-                                                     return {0, 0, -tilt * k * k * std::sin(k * t)};
-                                                   }),
-                                3, p.options.edge_length));
+    p.add(batten_test::prescribed_line(
+        name,
+        curve_from_formula(0, 1,
+                           [=](double t, int order) -> Vec3 {
+                             const double k = 2;
+                             if (order == 0) return {t, y, tilt * std::sin(k * t)};
+                             if (order == 1) return {1, 0, tilt * k * std::cos(k * t)};
+                             return {0, 0, -tilt * k * k * std::sin(k * t)};
+                           }),
+        3, p.options.edge_length));
   };
   const auto across = [&](const std::string& name, double x, double from, double z0, double z1) {
-    p.add(batten_test::given_line(name,
-                                  curve_from_formula(from, from + 1,
-                                                     [=](double t, int order) -> Vec3 {
-                                                       // One parabola for both strips, from z0 over y = -1 and 1 to z1 at 0.
-                                                       if (order == 0)
-                                                         return {x, t, z1 + (z0 - z1) * t * t};
-                                                       if (order == 1)
-                                                         return {0, 1, 2 * (z0 - z1) * t};
-                                                       return {0, 0, 2 * (z0 - z1)};
-                                                     }),
-                                  3, p.options.edge_length));
+    p.add(batten_test::prescribed_line(name,
+                                       curve_from_formula(from, from + 1,
+                                                          [=](double t, int order) -> Vec3 {
+                                                            // One parabola for both strips, from z0 over y = -1 and 1 to z1 at 0.
+                                                            if (order == 0)
+                                                              return {x, t, z1 + (z0 - z1) * t * t};
+                                                            if (order == 1)
+                                                              return {0, 1, 2 * (z0 - z1) * t};
+                                                            return {0, 0, 2 * (z0 - z1)};
+                                                          }),
+                                       3, p.options.edge_length));
   };
   const double s = std::sin(2.0);
   wave("low", -1, 0.1);
@@ -279,7 +278,7 @@ TEST_CASE("where curvature goes on, its jump is ten times smaller than where it 
   p.region({"low", "end1", "middle", "start1"});
   p.region({"middle", "end2", "high", "start2"});
   JoinLine join = p.join_line("middle", 0, 1);
-  CHECK(curvature_goes_on(p.model({join}), p.plan({join}).front()));
+  CHECK(is_curvature_continuous(p.model({join}), p.plan({join}).front()));
   const JoinQuality goes_on = faired_join(p, join);
   join.curvature = false;
   const JoinQuality jumps = faired_join(p, join);
@@ -288,20 +287,20 @@ TEST_CASE("where curvature goes on, its jump is ten times smaller than where it 
 }
 
 TEST_CASE("strength and largest move stop on the way, where every line holds too") {
-  const Made made = make(shape_named("cylinder 90"));
+  const FairedShape made = make(shape_named("cylinder 90"));
   const ConstraintSet rows = made.model.line_constraints();
-  VariationOptions half;
+  MinimumVariationOptions half;
   half.strength = 0.5;
-  const VariationSurface middle = fair_shape(made.model, made.bending, rows, half);
+  const MinimumVariationSurface middle = fair_shape(made.model, made.bending, rows, half);
   CHECK((middle.dofs - 0.5 * (made.bending + made.fair.dofs)).cwiseAbs().maxCoeff() < 1e-9);
   CHECK(middle.max_residual < 1e-10 * made.model.size());
   CHECK(middle.functional > made.fair.functional);
   CHECK(middle.functional < made.fair.start_functional);
-  VariationOptions little;
+  MinimumVariationOptions little;
   little.largest_move = 0.1 * made.fair.max_move;
-  const VariationSurface near = fair_shape(made.model, made.bending, rows, little);
+  const MinimumVariationSurface near = fair_shape(made.model, made.bending, rows, little);
   CHECK(near.max_move == Approx(little.largest_move));
-  CHECK(near.share == Approx(0.1));
+  CHECK(near.fraction == Approx(0.1));
   half.strength = 0;
   CHECK_THROWS_AS(fair_shape(made.model, made.bending, rows, half), InputError);
 }

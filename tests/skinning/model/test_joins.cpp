@@ -5,12 +5,12 @@
 #include <memory>
 #include <numbers>
 
-#include "batten/skinning/model/model_groups.h"
+#include "batten/skinning/model/region_group.h"
 #include "batten/skinning/model/rest_shape.h"
-#include "batten/skinning/region/quality.h"
+#include "batten/skinning/region/skin_quality.h"
 #include "batten/skinning/surfaces/embedded_joins.h"
-#include "batten/tests/catch.h"
-#include "batten/tests/patchwork.h"
+#include "batten/tests/support/catch.h"
+#include "batten/tests/support/test_model_builder.h"
 
 using namespace batten;
 using namespace batten_test;
@@ -25,15 +25,16 @@ struct Joined {
 };
 
 // `rests`: the surface bends least from the sweeps of its regions, instead of from nothing.
-Joined join(const Patchwork& p, const std::vector<JoinLine>& join_lines, bool rests = false) {
+Joined join(const TestModelBuilder& p, const std::vector<JoinLine>& join_lines,
+            bool rests = false) {
   Joined result;
   ModelLayout model = p.model(join_lines);
   if (rests) {
-    const ModelLayout apart(model.frame(), model.regions(), {});
-    model.plan_joins(apart.least_energy({}, rest_dofs(apart)));
+    const ModelLayout apart(model.metadata(), model.regions(), {});
+    model.plan_joins(apart.minimize_energy({}, rest_dofs(apart)));
   }
   result.plans = model.join_plans();
-  const Points dofs = model.least_energy({}, rests ? rest_dofs(model) : Points());
+  const Points dofs = model.minimize_energy({}, rests ? rest_dofs(model) : Points());
   for (int r = 0; r < model.region_count(); ++r) result.regions.push_back(model.skinned(r, dofs));
   std::vector<const SkinnedRegion*> all;
   for (const auto& r : result.regions) all.push_back(&r);
@@ -66,14 +67,14 @@ double wave(const Vec2& p) { return 0.2 * std::sin(2 * p.x() + 0.5) * std::cos(1
 TEST_CASE("octants of a sphere share tangent planes along their line, with h³ between vertices") {
   std::vector<double> worst;
   for (const double h : {0.4, 0.2, 0.1}) {
-    const Patchwork p = octants(h);
+    const TestModelBuilder p = octants(h);
     const auto result = join(p, {p.join_line("zx", 0, 1)});
-    REQUIRE(result.plans[0].why_not.empty());
+    REQUIRE(result.plans[0].rejection_reason.empty());
     CHECK_FALSE(result.plans[0].constant());
     for (const JoinEnd& end : result.plans[0].ends) {
       CHECK(end.gamma == Approx(1).epsilon(1e-9));
       CHECK(std::abs(end.delta) == Approx(2 / std::sqrt(3.0)).epsilon(1e-9));
-      CHECK(end.apart_deg < 1e-9);
+      CHECK(end.plane_angle_deg < 1e-9);
       CHECK_FALSE(end.open);
     }
     worst.push_back(result.worst);
@@ -86,11 +87,11 @@ TEST_CASE("octants of a sphere share tangent planes along their line, with h³ b
 
 TEST_CASE("regions that unfold into one plane are C1 across their line to rounding") {
   // Two squares of a bent sheet, not plane: right angles, so that γ and δ are constant.
-  Patchwork p;
+  TestModelBuilder p;
   p.options.edge_length = 0.2;
   const auto f = [](const Vec2& q) { return 0.2 * std::cos(std::numbers::pi * q.x()); };
   const auto flat = [&](const std::string& name, Vec2 a, Vec2 b) {
-    p.add(given_line(name, over(a, b, f), 2, 0.2));
+    p.add(prescribed_line(name, over(a, b, f), 2, 0.2));
   };
   flat("left", {0, 0}, {0, 1});
   flat("middle", {1, 0}, {1, 1});
@@ -102,17 +103,17 @@ TEST_CASE("regions that unfold into one plane are C1 across their line to roundi
   p.region({"bottom 1", "middle", "top 1", "left"});
   p.region({"bottom 2", "right", "top 2", "middle"});
   const auto result = join(p, {p.join_line("middle", 0, 1)});
-  REQUIRE(result.plans[0].why_not.empty());
+  REQUIRE(result.plans[0].rejection_reason.empty());
   CHECK(result.plans[0].constant());
   CHECK(result.worst < 1e-5);
 }
 
 TEST_CASE("two joined regions are what one region with an inner line is") {
   const double h = 0.1;
-  Patchwork p;
+  TestModelBuilder p;
   p.options.edge_length = h;
   const auto line = [&](const std::string& name, Vec2 a, Vec2 b) {
-    p.add(given_line(name, over(a, b, wave), 2, h));
+    p.add(prescribed_line(name, over(a, b, wave), 2, h));
   };
   line("left", {0, 0}, {0, 1});
   line("middle", {1, 0}, {1, 1});
@@ -124,20 +125,20 @@ TEST_CASE("two joined regions are what one region with an inner line is") {
   p.region({"bottom 1", "middle", "top 1", "left"});
   p.region({"bottom 2", "right", "top 2", "middle"});
   const auto joined = join(p, {p.join_line("middle", 0, 1)});
-  REQUIRE(joined.plans[0].why_not.empty());
+  REQUIRE(joined.plans[0].rejection_reason.empty());
   CHECK(joined.worst < 0.05);
 
   std::vector<CharacterLine> lines;
   for (const auto& [name, l] : p.lines) {
     CharacterLine copy = l;
-    copy.given.reset();
+    copy.prescribed.reset();
     copy.role = name == "middle" ? CharacterLine::Role::Inner : CharacterLine::Role::Outline;
     lines.push_back(copy);
   }
   SkinOptions options;
   options.edge_length = h;
   const RegionLayout whole("whole", lines, options);
-  const SkinnedRegion surface = whole.region(ModelLayout(whole).least_energy({}));
+  const SkinnedRegion surface = whole.region(ModelLayout(whole).minimize_energy({}));
   const auto far = [&](const SkinnedRegion& r) {
     double most = 0;
     for (int t = 0; t < r.surface.mesh().triangle_count(); t += 3)
@@ -153,10 +154,10 @@ TEST_CASE("two joined regions are what one region with an inner line is") {
 TEST_CASE("four regions around a crossing, three around a T-junction: smooth along all lines") {
   const double h = 0.15;
   for (const bool tee : {false, true}) {
-    Patchwork p;
+    TestModelBuilder p;
     p.options.edge_length = h;
     const auto line = [&](const std::string& name, Vec2 a, Vec2 b) {
-      p.add(given_line(name, over(a, b, wave), 2, h));
+      p.add(prescribed_line(name, over(a, b, wave), 2, h));
     };
     line("w1", {0, 0}, {0, 1});
     line("w2", {0, 1}, {0, 2});
@@ -169,8 +170,8 @@ TEST_CASE("four regions around a crossing, three around a T-junction: smooth alo
     line("v1", {0.9, 0}, {0.9, 1});
     // The pieces of one line have the same slope where they meet.
     const auto same_slope = [&](const std::string& a, const std::string& b) {
-      auto ga = std::make_shared<GivenCurve>(*p.lines.at(a).given),
-           gb = std::make_shared<GivenCurve>(*p.lines.at(b).given);
+      auto ga = std::make_shared<PrescribedCurve>(*p.lines.at(a).prescribed),
+           gb = std::make_shared<PrescribedCurve>(*p.lines.at(b).prescribed);
       const int last = ga->curve.node_count() - 1;
       Points da = ga->curve.dofs(), db = gb->curve.dofs();
       const long ia = ga->curve.mesh().slope_in(last), ib = gb->curve.mesh().slope_out(0);
@@ -179,8 +180,8 @@ TEST_CASE("four regions around a crossing, three around a T-junction: smooth alo
       db.row(ib) = mean;
       ga->curve = HermiteCurve(ga->curve.mesh(), da);
       gb->curve = HermiteCurve(gb->curve.mesh(), db);
-      p.lines.at(a).given = ga;
-      p.lines.at(b).given = gb;
+      p.lines.at(a).prescribed = ga;
+      p.lines.at(b).prescribed = gb;
     };
     same_slope("m1", "m2");
     same_slope("w1", "w2");
@@ -212,8 +213,9 @@ TEST_CASE("four regions around a crossing, three around a T-junction: smooth alo
     }
     const auto result = join(p, join_lines);
     for (const JoinPlan& plan : result.plans) {
-      INFO(plan.join_line.name << " " << plan.ends[0].apart_deg << " " << plan.ends[1].apart_deg);
-      CHECK(plan.why_not.empty());
+      INFO(plan.join_line.name << " " << plan.ends[0].plane_angle_deg << " "
+                               << plan.ends[1].plane_angle_deg);
+      CHECK(plan.rejection_reason.empty());
       CHECK_FALSE(plan.ends[0].open);
       CHECK_FALSE(plan.ends[1].open);
     }
@@ -225,10 +227,10 @@ TEST_CASE("four regions around a crossing, three around a T-junction: smooth alo
 TEST_CASE("a node without a tangent plane stays a crease, the line away from it is smooth") {
   // The far end of the shared line: its neighbours leave by 10 degrees to either side.
   const double h = 0.1, lift = std::tan(10 * std::numbers::pi / 180);
-  Patchwork p;
+  TestModelBuilder p;
   p.options.edge_length = h;
   const auto line = [&](const std::string& name, Vec3 a, Vec3 b) {
-    p.add(given_line(name, curve_through_points(name, {a, b}), 2, h));
+    p.add(prescribed_line(name, curve_through_points(name, {a, b}), 2, h));
   };
   line("middle", {0, 0, 0}, {0, 1, 0});
   line("s1", {0, 0, 0}, {-1, 0, 0});
@@ -241,10 +243,10 @@ TEST_CASE("a node without a tangent plane stays a crease, the line away from it 
   p.region({"middle", "n2", "e", "s2"});
   const auto result = join(p, {p.join_line("middle", 0, 1)});
   const JoinPlan& plan = result.plans[0];
-  REQUIRE(plan.why_not.empty());
+  REQUIRE(plan.rejection_reason.empty());
   CHECK_FALSE(plan.ends[0].open);
   CHECK(plan.ends[1].open);
-  CHECK(plan.ends[1].apart_deg == Approx(20).epsilon(1e-6));
+  CHECK(plan.ends[1].plane_angle_deg == Approx(20).epsilon(1e-6));
   std::vector<const SkinnedRegion*> all{&result.regions[0], &result.regions[1]};
   const JoinQuality angle = measure_join(all, p.join_line("middle", 0, 1), {false, true});
   CHECK(angle.max_deg == Approx(20).epsilon(1e-6));
@@ -253,10 +255,10 @@ TEST_CASE("a node without a tangent plane stays a crease, the line away from it 
 
 TEST_CASE("regions that double back on each other are not joined") {
   const double h = 0.2;
-  Patchwork p;
+  TestModelBuilder p;
   p.options.edge_length = h;
   const auto line = [&](const std::string& name, Vec3 a, Vec3 b) {
-    p.add(given_line(name, curve_through_points(name, {a, b}), 2, h));
+    p.add(prescribed_line(name, curve_through_points(name, {a, b}), 2, h));
   };
   line("middle", {0, 0, 0}, {0, 1, 0});
   line("s1", {0, 0, 0}, {1, 0, 0.2});
@@ -268,22 +270,23 @@ TEST_CASE("regions that double back on each other are not joined") {
   p.region({"middle", "n1", "e1", "s1"});
   p.region({"-middle", "n2", "e2", "s2"});
   const auto plans = p.plan({p.join_line("middle", 0, 1)});
-  CHECK_THAT(plans[0].why_not, Catch::Matchers::Contains("planes differ by 157"));
+  CHECK_THAT(plans[0].rejection_reason, Catch::Matchers::Contains("planes differ by 157"));
 }
 
 namespace {
 
 /// An arch over the shared line, on the wave.
-Vec3 bow(double t) {
+Vec3 gluing_correction(double t) {
   const Vec2 q(t, 0.5 * std::sin(std::numbers::pi * t));
   return Vec3(q.x(), q.y(), wave(q));
 }
 std::shared_ptr<const InputCurve> bow_on_wave() {
   return curve_from_formula(0, 1, [](double t, int order) -> Vec3 {
     constexpr double d = 1e-4;
-    if (order == 0) return bow(t);
-    if (order == 1) return (bow(t + d) - bow(t - d)) / (2 * d);
-    return (bow(t + d) - 2 * bow(t) + bow(t - d)) / (d * d);
+    if (order == 0) return gluing_correction(t);
+    if (order == 1) return (gluing_correction(t + d) - gluing_correction(t - d)) / (2 * d);
+    return (gluing_correction(t + d) - 2 * gluing_correction(t) + gluing_correction(t - d)) /
+           (d * d);
   });
 }
 
@@ -292,17 +295,17 @@ std::shared_ptr<const InputCurve> bow_on_wave() {
 TEST_CASE("a line that one region has embedded is smooth on averages") {
   std::vector<double> before, after, rested;
   for (const double h : {0.2, 0.1, 0.05}) {
-    Patchwork p;
+    TestModelBuilder p;
     p.options.edge_length = h;
     const auto line = [&](const std::string& name, Vec2 a, Vec2 b) {
-      p.add(given_line(name, over(a, b, wave), 2, h));
+      p.add(prescribed_line(name, over(a, b, wave), 2, h));
     };
     line("shared", {0, 0}, {1, 0});
     line("w", {0, 0}, {0, -1});
     line("s", {0, -1}, {1, -1});
     line("e", {1, -1}, {1, 0});
     // With two corners only, a region has no polygon.
-    p.add(given_line("bow", bow_on_wave(), 2, h));
+    p.add(prescribed_line("bow", bow_on_wave(), 2, h));
     // Along the shared line, and against it.
     p.region(h == 0.1 ? std::vector<std::string>{"bow", "shared"}
                       : std::vector<std::string>{"shared", "bow"});
@@ -311,8 +314,8 @@ TEST_CASE("a line that one region has embedded is smooth on averages") {
     const JoinLine join_line = p.join_line("shared", 0, 1);
     REQUIRE((join_line.sides[0].embedded && !join_line.sides[1].embedded));
     const auto result = join(p, {join_line});
-    INFO(result.plans[0].why_not);
-    REQUIRE(result.plans[0].why_not.empty());
+    INFO(result.plans[0].rejection_reason);
+    REQUIRE(result.plans[0].rejection_reason.empty());
     const SkinnedRegion a = p.layouts[0]->region(p.first[0]), b = p.layouts[1]->region(p.first[1]);
     before.push_back(measure_join({&a, &b}, join_line).mean_deg);
     after.push_back(result.angles[0].mean_deg);
@@ -330,15 +333,15 @@ TEST_CASE("a line that one region has embedded is smooth on averages") {
 namespace {
 
 /// Two regions beside a line: one of two corners, which has the line embedded, and a square.
-void add_bow_and_square(Patchwork& p, const std::shared_ptr<const InputCurve>& arch) {
+void add_bow_and_square(TestModelBuilder& p, const std::shared_ptr<const InputCurve>& arch) {
   const auto line = [&](const std::string& name, Vec2 a, Vec2 b) {
-    p.add(given_line(name, over(a, b, wave), 2, 0.2));
+    p.add(prescribed_line(name, over(a, b, wave), 2, 0.2));
   };
   line("shared", {0, 0}, {1, 0});
   line("w", {0, 0}, {0, -1});
   line("s", {0, -1}, {1, -1});
   line("e", {1, -1}, {1, 0});
-  p.add(given_line("bow", arch, 2, 0.2));
+  p.add(prescribed_line("bow", arch, 2, 0.2));
   p.region({"shared", "bow"});
   p.region({"w", "s", "e", "shared"});
 }
@@ -346,23 +349,23 @@ void add_bow_and_square(Patchwork& p, const std::shared_ptr<const InputCurve>& a
 }  // namespace
 
 TEST_CASE("an embedded line ends as a crease where the edge beside its end alone keeps an angle") {
-  Patchwork p;
+  TestModelBuilder p;
   p.options.edge_length = 0.2;
   add_bow_and_square(p, bow_on_wave());
   // Surfaces that bend from nothing meet at larger angles than those that rest in sweeps.
   const ModelLayout resting = p.model({p.join_line("shared", 0, 1)});
-  ModelFrame frame = resting.frame();
-  frame.rest = false;
-  const ModelLayout coarse(frame, resting.regions(), resting.join_plans());
+  ModelMetadata metadata = resting.metadata();
+  metadata.rest = false;
+  const ModelLayout coarse(metadata, resting.regions(), resting.join_plans());
   const SurfaceStiffness material;
-  const Points before = coarse.least_energy(material);
+  const Points before = coarse.minimize_energy(material);
   int opened = 0;
   for (const double limit : {0.3, 0.1, 0.03, 0.01, 0.003}) {
     CAPTURE(limit);
     const JoinedModel made = refine_embedded_joins(
         {std::make_shared<const ModelLayout>(coarse), before}, material, limit);
     const JoinPlan& plan = made.layout->join_plans()[0];
-    if (plan.given_up()) continue;
+    if (plan.rejected()) continue;
     const SkinnedRegion a = made.layout->skinned(0, made.dofs),
                         b = made.layout->skinned(1, made.dofs);
     const auto angle = [&](bool start, bool end) {
@@ -375,7 +378,8 @@ TEST_CASE("an embedded line ends as a crease where the edge beside its end alone
     if (end) CHECK(angle(start, false) > limit);
     if (!start && !end) continue;
     ++opened;
-    CHECK(std::max(plan.ends[0].apart_deg, plan.ends[1].apart_deg) >= angle(false, false));
+    CHECK(std::max(plan.ends[0].plane_angle_deg, plan.ends[1].plane_angle_deg) >=
+          angle(false, false));
     ModelLayout again = *made.layout;
     again.plan_joins(made.dofs);
     for (size_t e = 0; e < 2; ++e) {
@@ -388,13 +392,15 @@ TEST_CASE("an embedded line ends as a crease where the edge beside its end alone
 
 TEST_CASE(
     "refining the joins of one group leaves the model at least energy, and others as they were") {
-  Patchwork p;
+  TestModelBuilder p;
   p.options.edge_length = 0.2;
   const auto line = [&](const std::string& name, Vec2 a, Vec2 b) {
-    p.add(given_line(name, over(a, b, wave), 2, 0.2));
+    p.add(prescribed_line(name, over(a, b, wave), 2, 0.2));
   };
   add_bow_and_square(
-      p, curve_through_points("bow", {bow(0), bow(0.2), bow(0.4), bow(0.6), bow(0.8), bow(1)}));
+      p, curve_through_points(
+             "bow", {gluing_correction(0), gluing_correction(0.2), gluing_correction(0.4),
+                     gluing_correction(0.6), gluing_correction(0.8), gluing_correction(1)}));
   // Two more regions are joined along runs, far away.
   line("middle", {4, 0}, {4, 1});
   line("s1", {3, 0}, {4, 0});
@@ -407,23 +413,23 @@ TEST_CASE(
   p.region({"s2", "e2", "n2", "middle"});
   const ModelLayout coarse = p.model({p.join_line("shared", 0, 1), p.join_line("middle", 2, 3)});
   for (const JoinPlan& plan : coarse.join_plans()) {
-    INFO(plan.why_not);
-    REQUIRE(!plan.given_up());
+    INFO(plan.rejection_reason);
+    REQUIRE(!plan.rejected());
   }
-  const auto groups = groups_of(coarse.regions(), coarse.join_plans());
+  const auto groups = join_groups(coarse.regions(), coarse.join_plans());
   REQUIRE(groups.size() == 2);
   CHECK(groups[0].regions == std::vector<int>{0, 1});
   CHECK(groups[1].regions == std::vector<int>{2, 3});
   CHECK(groups[1].plans[0].join_line.sides[1].region == 1);
-  CHECK(same_task(groups[1], groups[1]));
-  CHECK(!same_task(groups[0], groups[1]));
+  CHECK(is_same_problem(groups[1], groups[1]));
+  CHECK(!is_same_problem(groups[0], groups[1]));
 
   const SurfaceStiffness material;
-  const Points before = coarse.least_energy(material, rest_dofs(coarse));
+  const Points before = coarse.minimize_energy(material, rest_dofs(coarse));
   const JoinedModel refined =
       refine_embedded_joins({std::make_shared<const ModelLayout>(coarse), before}, material, 1e-6);
   REQUIRE(refined.layout->mesh()->triangle_count() > coarse.mesh()->triangle_count());
-  const Points whole = refined.layout->least_energy(material, rest_dofs(*refined.layout));
+  const Points whole = refined.layout->minimize_energy(material, rest_dofs(*refined.layout));
   CHECK((refined.dofs - whole).cwiseAbs().maxCoeff() < 1e-8);
   for (const int r : {2, 3}) {
     CHECK(refined.layout->regions()[r] == coarse.regions()[r]);

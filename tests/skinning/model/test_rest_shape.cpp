@@ -7,16 +7,16 @@
 #include <numbers>
 #include <set>
 
-#include "batten/fairing/curve_shapes.h"
+#include "batten/fairing/primitive_curves.h"
 #include "batten/fem/surface_projector.h"
 #include "batten/skinning/model/boundary_sweep.h"
 #include "batten/skinning/model/rest_shape.h"
-#include "batten/skinning/region/quality.h"
+#include "batten/skinning/region/skin_quality.h"
 #include "batten/skinning/search/find_regions.h"
-#include "batten/skinning/surfaces/rest_departure.h"
+#include "batten/skinning/surfaces/rest_shape_deviation.h"
 #include "batten/skinning/surfaces/skin_network.h"
-#include "batten/tests/catch.h"
-#include "batten/tests/skinning/network/networks.h"
+#include "batten/tests/support/catch.h"
+#include "batten/tests/support/sample_networks.h"
 
 using namespace batten;
 using namespace batten_test;
@@ -24,7 +24,7 @@ using namespace batten_test;
 namespace {
 
 using std::numbers::pi;
-using Kind = MeasuredShape::Kind;
+using Kind = FittedPrimitive::Kind;
 using Lines = std::vector<CharacterLine>;
 
 CurvePlane level(double z) { return {Vec3(0, 0, z)}; }
@@ -43,9 +43,9 @@ Lines quarter(double low, double high, double height = 3) {
           straight("last", at(low, pi / 2, 0), at(high, pi / 2, height))};
 }
 
-SurfaceModel model_of(const Lines& lines, const RegionOptions& regions = {},
+SurfaceModel model_of(const Lines& lines, const RegionSearchOptions& regions = {},
                       ModelOptions options = {}) {
-  const CharacterLineNetwork network(lines);
+  const CurveNetwork network(lines);
   return skin_network(network, find_regions(network, regions), options);
 }
 
@@ -105,16 +105,16 @@ TEST_CASE("arcs of two radii about one axis are a piece of a cone") {
 
 TEST_CASE("a can between two circles is a cylinder of its volume") {
   Lines lines = {arc("low", 0, 20, 0, 2 * pi), arc("high", 40, 20, 0, 2 * pi)};
-  RegionOptions options;
+  RegionSearchOptions options;
   for (const char* name : {"low", "high"}) {
-    RegionWord lid;
+    RegionSpec lid;
     lid.loops = {{name}};
-    options.words.push_back(lid);
+    options.specs.push_back(lid);
   }
-  RegionWord wall;
+  RegionSpec wall;
   wall.loops = {{"low"}, {"high"}};
-  wall.ring = true;
-  options.words.push_back(wall);
+  wall.annulus = true;
+  options.specs.push_back(wall);
   const SurfaceModel model = model_of(lines, options);
   REQUIRE(model.shells.size() == 1);
   CHECK(model.shells[0].volume == Approx(pi * 400 * 40).epsilon(1e-3));
@@ -242,7 +242,7 @@ TEST_CASE("spheres come from three arcs, from two, and from strips up to the pol
 }
 
 TEST_CASE("a cylinder and a spherical head stay what they are when they are joined smoothly") {
-  // The rows of the join follow the shapes between its ends, too (JoinBow).
+  // The rows of the join follow the shapes between its ends, too (GluingCorrection).
   const auto meridian = [](double longitude) {
     return arc_through(on_sphere(longitude, 0), on_sphere(longitude, pi / 4),
                        on_sphere(longitude, pi / 2));
@@ -311,7 +311,7 @@ TEST_CASE("slopes of a sweep are the derivatives of its points") {
         const auto& corners = region.mesh()->triangles()[t];
         Vec2 uv = Vec2::Zero();
         for (int k = 0; k < 3; ++k) uv += L[k] / L.sum() * region.mesh()->vertices()[corners[k]];
-        const SurfaceSlope s = sweep->at(uv);
+        const FirstOrderJet s = sweep->at(uv);
         // Close to corners slopes change over less than the step.
         const bool at_corner = std::any_of(lines.begin(), lines.end(), [&](const auto& line) {
           const InputCurve& c = *line.curve;
@@ -322,7 +322,7 @@ TEST_CASE("slopes of a sweep are the derivatives of its points") {
           if (at_corner) break;
           const Vec2 step = h * Vec2::Unit(k);
           const Vec3 slope = (sweep->at(uv + step).x - sweep->at(uv - step).x) / (2 * h);
-          worst = std::max(worst, (s.by_uv.col(k) - slope).norm() / s.by_uv.norm());
+          worst = std::max(worst, (s.gradient.col(k) - slope).norm() / s.gradient.norm());
         }
       }
     }
@@ -334,7 +334,7 @@ TEST_CASE("a rest shape has the boundary curves, whatever the unit and the place
   const auto hump = [](double u, double v) {
     return Vec3(u, 1.5 * v, std::sin(pi * u) * (0.3 + 0.2 * v * v));
   };
-  const CharacterLineNetwork network(piece_of(hump));
+  const CurveNetwork network(piece_of(hump));
   const SurfaceModel model = skin_network(network, find_regions(network, {}), {});
   const Points rest = rest_dofs(*model.layout);
   REQUIRE(rest.rows() > 0);
@@ -478,7 +478,7 @@ double off_wing(const SkinnedRegion& region) {
 TEST_CASE("elements follow a nose along its whole span, however long it is") {
   for (const double span : {1.0, 4.0, 8.0}) {
     const Lines lines = wing(span);
-    const CharacterLineNetwork network(lines);
+    const CurveNetwork network(lines);
     const SurfaceModel model = model_of(lines);
     REQUIRE(model.skinned().size() == 1);
     CAPTURE(span, model.layout->mesh()->triangle_count());
@@ -522,7 +522,7 @@ TEST_CASE("the lines of a cone are smooth up to its apex, and that is no warning
 
 TEST_CASE("a surface that bends from nothing is far from what its curves mean, a sweep is not") {
   const SurfaceModel swept = model_of(quarter(2, 2));
-  const auto near = departure_from_rest(swept.layout->region(0), *swept.skinned()[0]);
+  const auto near = rest_shape_deviation(swept.layout->region(0), *swept.skinned()[0]);
   REQUIRE(near);
   CHECK_FALSE(near->is_large());
   CHECK(near->distance < 1e-10);
@@ -534,7 +534,7 @@ TEST_CASE("a surface that bends from nothing is far from what its curves mean, a
   bending.rest = false;
   const SurfaceModel tube = model_of(rims, {}, bending);
   REQUIRE(tube.skinned().size() == 1);
-  const auto far = departure_from_rest(tube.layout->region(0), *tube.skinned()[0]);
+  const auto far = rest_shape_deviation(tube.layout->region(0), *tube.skinned()[0]);
   REQUIRE(far);
   CHECK(far->is_large());
   CHECK(far->depth == Approx(2).epsilon(1e-3));
@@ -547,7 +547,7 @@ TEST_CASE("a surface that bends from nothing is far from what its curves mean, a
     pentagon.push_back(straight("side" + std::to_string(k), corner(k), corner(k + 1)));
   }
   const SurfaceModel five = model_of(pentagon);
-  CHECK_FALSE(departure_from_rest(five.layout->region(0), *five.skinned()[0]));
+  CHECK_FALSE(rest_shape_deviation(five.layout->region(0), *five.skinned()[0]));
   CHECK(has_many_sides(five.layout->region(0)));
   CHECK_FALSE(has_many_sides(swept.layout->region(0)));
 }

@@ -10,14 +10,14 @@
 #include <set>
 
 #include "batten/core/errors.h"
-#include "batten/fairing/curve_shapes.h"
+#include "batten/fairing/primitive_curves.h"
 #include "batten/skinning/search/region_search.h"
-#include "batten/tests/catch.h"
-#include "batten/tests/reference.h"
-#include "batten/tests/sampling.h"
-#include "batten/tests/skinning/network/networks.h"
+#include "batten/tests/support/catch.h"
+#include "batten/tests/support/sample_networks.h"
+#include "batten/tests/support/sampling.h"
+#include "batten/tests/support/test_data.h"
 #if BATTEN_TEST_IO
-#include "batten/tests/skinning/network/sketch_segments.h"
+#include "batten/tests/support/sketch_segments.h"
 #endif
 #if BATTEN_TEST_IO
 #include "batten/io/lines/sketch_graph.h"
@@ -33,8 +33,8 @@ using Lines = std::vector<CharacterLine>;
 using Names = std::vector<std::string>;
 
 // A circle or a part of one around `centre`, from a towards b (both as long as the radius).
-CharacterLine arc(const std::string& name, const Vec3& centre, const Vec3& a, const Vec3& b,
-                  double from = 0, double to = 2 * pi) {
+CharacterLine circular_arc(const std::string& name, const Vec3& centre, const Vec3& a,
+                           const Vec3& b, double from = 0, double to = 2 * pi) {
   return {name, curve_from_formula(from, to, [=](double t, int order) -> Vec3 {
             if (order == 0) return centre + a * std::cos(t) + b * std::sin(t);
             if (order == 1) return -a * std::sin(t) + b * std::cos(t);
@@ -58,54 +58,54 @@ Lines grid(int m, int n, const Height& height) {
   return lines;
 }
 
-Names names_of(const CharacterLineNetwork& network, const ArcLoop& loop) {
+Names names_of(const CurveNetwork& network, const EdgeLoop& loop) {
   Names names;
-  for (const ArcUse& use : loop) names.push_back(network.arcs()[use.arc].name);
+  for (const OrientedEdge& use : loop) names.push_back(network.edges()[use.edge].name);
   std::sort(names.begin(), names.end());
   return names;
 }
 
 // All loops of all regions, by the names of their arcs.
-std::multiset<Names> loops_of(const CharacterLineNetwork& network, const FoundRegions& found) {
+std::multiset<Names> loops_of(const CurveNetwork& network, const FoundRegions& found) {
   std::multiset<Names> all;
   for (const NetworkRegion& region : found.regions)
-    for (const ArcLoop& loop : region.loops) all.insert(names_of(network, loop));
+    for (const EdgeLoop& loop : region.loops) all.insert(names_of(network, loop));
   return all;
 }
 
 std::multiset<size_t> sides_of(const FoundRegions& found) {
   std::multiset<size_t> sides;
   for (const NetworkRegion& region : found.regions)
-    for (const ArcLoop& loop : region.loops) sides.insert(loop.size());
+    for (const EdgeLoop& loop : region.loops) sides.insert(loop.size());
   return sides;
 }
 
 // What must hold whatever was found.
-void check_sound(const CharacterLineNetwork& network, const FoundRegions& found, int most = 2) {
-  std::vector<int> uses(network.arcs().size(), 0);
+void check_consistent(const CurveNetwork& network, const FoundRegions& found, int most = 2) {
+  std::vector<int> uses(network.edges().size(), 0);
   std::set<std::string> names;
   for (const NetworkRegion& region : found.regions) {
     CHECK(names.insert(region.name).second);
-    for (const ArcLoop& loop : region.loops) {
+    for (const EdgeLoop& loop : region.loops) {
       REQUIRE_FALSE(loop.empty());
       for (size_t i = 0; i < loop.size(); ++i) {
-        const ArcUse &use = loop[i], &next = loop[(i + 1) % loop.size()];
-        CHECK(network.arcs()[use.arc].nodes[!use.reversed] ==
-              network.arcs()[next.arc].nodes[next.reversed]);
-        ++uses[use.arc];
+        const OrientedEdge &use = loop[i], &next = loop[(i + 1) % loop.size()];
+        CHECK(network.edges()[use.edge].nodes[!use.reversed] ==
+              network.edges()[next.edge].nodes[next.reversed]);
+        ++uses[use.edge];
       }
     }
     for (const int a : region.inner) uses[a] -= 100;
   }
-  std::vector<int> rims, bare;
+  std::vector<int> free_edges, unused_edges;
   for (size_t a = 0; a < uses.size(); ++a) {
     CHECK(uses[a] <= most);
-    if (uses[a] == 1) rims.push_back(static_cast<int>(a));
-    if (uses[a] == 0) bare.push_back(static_cast<int>(a));
+    if (uses[a] == 1) free_edges.push_back(static_cast<int>(a));
+    if (uses[a] == 0) unused_edges.push_back(static_cast<int>(a));
   }
-  CHECK(found.rims == rims);
-  CHECK(found.bare == bare);
-  for (const RegionChoice& choice : found.choices) {
+  CHECK(found.free_edges == free_edges);
+  CHECK(found.unused_edges == unused_edges);
+  for (const AmbiguousRegion& choice : found.ambiguous_regions) {
     CHECK(choice.alternatives.size() == choice.margins.size());
     CHECK(std::is_sorted(choice.margins.begin(), choice.margins.end()));
     CHECK_FALSE(choice.text.empty());
@@ -113,12 +113,12 @@ void check_sound(const CharacterLineNetwork& network, const FoundRegions& found,
   }
 }
 
-struct Found {
-  CharacterLineNetwork network;
+struct NetworkWithRegions {
+  CurveNetwork network;
   FoundRegions regions;
-  explicit Found(const Lines& lines, const RegionOptions& options = {})
+  explicit NetworkWithRegions(const Lines& lines, const RegionSearchOptions& options = {})
       : network(lines), regions(find_regions(network, options)) {
-    check_sound(network, regions, options.most_at_line);
+    check_consistent(network, regions, options.max_faces_per_edge);
   }
   std::multiset<Names> loops() const { return loops_of(network, regions); }
   std::multiset<size_t> sides() const { return sides_of(regions); }
@@ -130,16 +130,16 @@ std::multiset<size_t> all(size_t count, size_t sides) {
   return set;
 }
 
-RegionWord surface(std::vector<Names> loops, const std::string& name = "") {
-  RegionWord word;
+RegionSpec surface(std::vector<Names> loops, const std::string& name = "") {
+  RegionSpec word;
   word.name = name;
   word.loops = std::move(loops);
   return word;
 }
 
-RegionWord nothing(const Names& loop) {
-  RegionWord word;
-  word.kind = RegionWord::Kind::Nothing;
+RegionSpec no_surface(const Names& loop) {
+  RegionSpec word;
+  word.kind = RegionSpec::Kind::NoSurface;
   word.loops = {loop};
   return word;
 }
@@ -150,12 +150,12 @@ Lines torus(int m, int n, double big = 3, double small = 1) {
     const double a = 2 * pi * i / m;
     const Vec3 out(std::cos(a), std::sin(a), 0);
     lines.push_back(
-        arc("small" + std::to_string(i), big * out, small * out, small * Vec3::UnitZ()));
+        circular_arc("small" + std::to_string(i), big * out, small * out, small * Vec3::UnitZ()));
   }
   for (int j = 0; j < n; ++j) {
     const double a = 2 * pi * j / n, r = big + small * std::cos(a);
-    lines.push_back(arc("big" + std::to_string(j), Vec3(0, 0, small * std::sin(a)),
-                        r * Vec3::UnitX(), r * Vec3::UnitY()));
+    lines.push_back(circular_arc("big" + std::to_string(j), Vec3(0, 0, small * std::sin(a)),
+                                 r * Vec3::UnitX(), r * Vec3::UnitY()));
   }
   return lines;
 }
@@ -178,57 +178,58 @@ Lines stacked_boxes() {
 TEST_CASE("a grid has its cells, plane or curved, and nothing else") {
   const int m = GENERATE(1, 2, 5), n = GENERATE(1, 3);
   const double lift = GENERATE(0.0, 0.8);
-  const Found found(
+  const NetworkWithRegions found(
       grid(m, n, [&](double x, double y) { return lift * std::sin(x + 0.4) * std::cos(0.7 * y); }));
   CAPTURE(m, n, lift);
   CHECK(found.sides() == all(static_cast<size_t>(m * n), 4));
-  CHECK(found.regions.rims.size() == static_cast<size_t>(m * n == 1 ? 4 : 2 * (m + n)));
-  CHECK(found.regions.bare.empty());
+  CHECK(found.regions.free_edges.size() == static_cast<size_t>(m * n == 1 ? 4 : 2 * (m + n)));
+  CHECK(found.regions.unused_edges.empty());
   CHECK(found.regions.optimal);
-  if (lift == 0) CHECK(found.regions.choices.empty());
+  if (lift == 0) CHECK(found.regions.ambiguous_regions.empty());
 }
 
 TEST_CASE("a grid of a thousand arcs has its cells") {
-  const Found found(grid(22, 22, [](double x, double y) { return 0.02 * x * x - 0.03 * x * y; }));
+  const NetworkWithRegions found(
+      grid(22, 22, [](double x, double y) { return 0.02 * x * x - 0.03 * x * y; }));
   CHECK(found.sides() == all(22 * 22, 4));
   CHECK(found.regions.optimal);
 }
 
 TEST_CASE("a box has six faces, and five where the lid is said to be open") {
   const Lines lines = box_lines(Vec3::Zero(), Vec3(1, 1.3, 0.7));
-  const Found closed(lines);
+  const NetworkWithRegions closed(lines);
   CHECK(closed.sides() == all(6, 4));
-  CHECK(closed.regions.rims.empty());
-  RegionOptions open;
-  open.words = {nothing({"x3", "x4", "y2", "y4"})};
-  const Found without(lines, open);
+  CHECK(closed.regions.free_edges.empty());
+  RegionSearchOptions open;
+  open.specs = {no_surface({"x3", "x4", "y2", "y4"})};
+  const NetworkWithRegions without(lines, open);
   CHECK(without.sides() == all(5, 4));
-  CHECK(without.regions.rims.size() == 4);
-  CHECK(without.regions.choices.empty());  // the user has said it
+  CHECK(without.regions.free_edges.size() == 4);
+  CHECK(without.regions.ambiguous_regions.empty());  // the user has said it
 }
 
 TEST_CASE("closed surfaces of any genus are found closed") {
   SECTION("octants of a sphere") {
-    const Found found(sphere_lines());
+    const NetworkWithRegions found(sphere_lines());
     CHECK(found.sides() == all(8, 3));
-    CHECK(found.regions.rims.empty());
+    CHECK(found.regions.free_edges.empty());
     CHECK(found.regions.optimal);
   }
   SECTION("a torus, neither through the middle nor across the tube") {
     const int m = GENERATE(4, 6), n = GENERATE(3, 5);
-    const Found found(torus(m, n));
+    const NetworkWithRegions found(torus(m, n));
     CAPTURE(m, n);
     CHECK(found.sides() == all(static_cast<size_t>(m * n), 4));
-    CHECK(found.regions.rims.empty());
+    CHECK(found.regions.free_edges.empty());
   }
   SECTION("lunes between meridians: loops of two arcs") {
     Lines lines;
     for (int i = 0; i < 5; ++i) {
       const double a = 2 * pi * i / 5;
-      lines.push_back(arc("m" + std::to_string(i), Vec3::Zero(), Vec3::UnitZ(),
-                          Vec3(std::cos(a), std::sin(a), 0), 0, pi));
+      lines.push_back(circular_arc("m" + std::to_string(i), Vec3::Zero(), Vec3::UnitZ(),
+                                   Vec3(std::cos(a), std::sin(a), 0), 0, pi));
     }
-    CHECK(Found(lines).sides() == all(5, 2));
+    CHECK(NetworkWithRegions(lines).sides() == all(5, 2));
   }
 }
 
@@ -239,7 +240,7 @@ Lines prism(const Lines& outline) {
   for (const CharacterLine& line : outline) {
     const std::string name = "side" + std::to_string(++number);
     lines.push_back({name + " low", line.curve});
-    lines.push_back({name + " high", placed(line.curve, {Mat3::Identity(), Vec3::UnitZ()})});
+    lines.push_back({name + " high", transformed(line.curve, {Mat3::Identity(), Vec3::UnitZ()})});
     const Vec3 corner = line.curve->evaluate(line.curve->start());
     lines.push_back(straight(name + " edge", corner, corner + Vec3::UnitZ()));
   }
@@ -248,12 +249,12 @@ Lines prism(const Lines& outline) {
 
 TEST_CASE("solids with fillets are closed, cups are not") {
   SECTION("a D") {
-    const Found found(
+    const NetworkWithRegions found(
         prism({straight("a", {-2, -1, 0}, {0, -1, 0}),
-               arc("b", {0, 0, 0}, -Vec3::UnitY(), Vec3::UnitX(), 0, pi),
+               circular_arc("b", {0, 0, 0}, -Vec3::UnitY(), Vec3::UnitX(), 0, pi),
                straight("c", {0, 1, 0}, {-2, 1, 0}), straight("d", {-2, 1, 0}, {-2, -1, 0})}));
     CHECK(found.sides() == all(6, 4));
-    CHECK(found.regions.rims.empty());
+    CHECK(found.regions.free_edges.empty());
   }
   SECTION("a rectangle whose corners are rounded") {
     Lines outline;
@@ -262,21 +263,21 @@ TEST_CASE("solids with fillets are closed, cups are not") {
     const Vec3 out[] = {-y, x, y, -x};
     for (size_t k = 0; k < 4; ++k) {
       const Vec3 &a = 0.5 * out[k], &b = 0.5 * out[(k + 1) % 4];
-      outline.push_back(arc("round", centres[k], a, b, 0, pi / 2));
+      outline.push_back(circular_arc("round", centres[k], a, b, 0, pi / 2));
       outline.push_back(straight("flat", centres[k] + b, centres[(k + 1) % 4] + b));
     }
-    const Found found(prism(outline));
+    const NetworkWithRegions found(prism(outline));
     CHECK(found.regions.regions.size() == 10);
-    CHECK(found.regions.rims.empty());
+    CHECK(found.regions.free_edges.empty());
   }
   SECTION("a cup, whose rim is round all the way") {
     Lines outline;
     for (int k = 0; k < 4; ++k)
-      outline.push_back(
-          arc("round", Vec3::Zero(), Vec3::UnitX(), Vec3::UnitY(), k * pi / 2, (k + 1) * pi / 2));
-    const Found found(prism(outline));
+      outline.push_back(circular_arc("round", Vec3::Zero(), Vec3::UnitX(), Vec3::UnitY(),
+                                     k * pi / 2, (k + 1) * pi / 2));
+    const NetworkWithRegions found(prism(outline));
     CHECK(found.sides() == all(4, 4));
-    CHECK(found.regions.rims.size() == 8);
+    CHECK(found.regions.free_edges.size() == 8);
   }
 }
 
@@ -285,12 +286,12 @@ TEST_CASE("a chain with one wall inside of a plane face is a hole of it") {
   Lines circle;
   for (int k = 0; k < 2; ++k)
     circle.push_back(
-        arc("round", Vec3::Zero(), Vec3::UnitX(), Vec3::UnitY(), k * pi, (k + 1) * pi));
+        circular_arc("round", Vec3::Zero(), Vec3::UnitX(), Vec3::UnitY(), k * pi, (k + 1) * pi));
   const Lines hole = prism(circle);
   lines.insert(lines.end(), hole.begin(), hole.end());
-  const Found found(lines);
+  const NetworkWithRegions found(lines);
   CHECK(found.regions.regions.size() == 8);
-  CHECK(found.regions.rims.empty());
+  CHECK(found.regions.free_edges.empty());
   int holes = 0;
   for (const NetworkRegion& region : found.regions.regions)
     if (region.loops.size() == 2) {
@@ -303,7 +304,7 @@ TEST_CASE("a chain with one wall inside of a plane face is a hole of it") {
   lines.resize(12);
   lines.push_back(circle[0]);
   lines.push_back({"other half", circle[1].curve});
-  CHECK(Found(lines).sides() == all(6, 4));
+  CHECK(NetworkWithRegions(lines).sides() == all(6, 4));
 }
 
 TEST_CASE("sections of a wing get its skins, not its ribs") {
@@ -311,8 +312,8 @@ TEST_CASE("sections of a wing get its skins, not its ribs") {
   Lines lines;
   std::vector<Vec3> front, rear;
   for (int k = 0; k < 4; ++k) {
-    const double turn = 0.25 * k, chord = 2 - 0.3 * k;
-    const Vec3 x(std::cos(turn), 0, std::sin(turn)), z(-std::sin(turn), 0, std::cos(turn));
+    const double angle = 0.25 * k, chord = 2 - 0.3 * k;
+    const Vec3 x(std::cos(angle), 0, std::sin(angle)), z(-std::sin(angle), 0, std::cos(angle));
     for (const int side : {1, -1}) {
       std::vector<Vec3> points;
       for (int i = 0; i <= 24; ++i) {
@@ -328,22 +329,22 @@ TEST_CASE("sections of a wing get its skins, not its ribs") {
   }
   lines.push_back({"front", curve_through_points("front", front)});
   lines.push_back({"rear", curve_through_points("rear", rear)});
-  RegionOptions ends;
-  ends.words = {surface({{"upper0", "lower0"}}, "root"), surface({{"upper3", "lower3"}}, "tip")};
-  const Found found(lines, ends);
+  RegionSearchOptions ends;
+  ends.specs = {surface({{"upper0", "lower0"}}, "root"), surface({{"upper3", "lower3"}}, "tip")};
+  const NetworkWithRegions found(lines, ends);
   CHECK(found.regions.regions.size() == 8);
-  CHECK(found.regions.rims.empty());
-  CHECK(found.regions.bare.empty());
+  CHECK(found.regions.free_edges.empty());
+  CHECK(found.regions.unused_edges.empty());
 }
 
 TEST_CASE("two boxes that share a wall have it as a region where three may meet") {
   const Lines lines = stacked_boxes();
-  CHECK(Found(lines).sides() == all(10, 4));
-  RegionOptions options;
-  options.most_at_line = 3;
-  const Found found(lines, options);
+  CHECK(NetworkWithRegions(lines).sides() == all(10, 4));
+  RegionSearchOptions options;
+  options.max_faces_per_edge = 3;
+  const NetworkWithRegions found(lines, options);
   CHECK(found.sides() == all(11, 4));
-  CHECK(found.regions.rims.empty());
+  CHECK(found.regions.free_edges.empty());
 }
 
 TEST_CASE("the rim of an open shell is left open, and told") {
@@ -351,34 +352,35 @@ TEST_CASE("the rim of an open shell is left open, and told") {
   for (int i = 0; i < 4; ++i) {
     const double a = pi / 2 * i;
     const Vec3 out(std::cos(a), std::sin(a), 0), next(-std::sin(a), std::cos(a), 0);
-    lines.push_back(arc("rim" + std::to_string(i), Vec3::Zero(), out, next, 0, pi / 2));
-    lines.push_back(arc("rib" + std::to_string(i), Vec3::Zero(), out, Vec3::UnitZ(), 0, pi / 2));
+    lines.push_back(circular_arc("rim" + std::to_string(i), Vec3::Zero(), out, next, 0, pi / 2));
+    lines.push_back(
+        circular_arc("rib" + std::to_string(i), Vec3::Zero(), out, Vec3::UnitZ(), 0, pi / 2));
   }
-  const Found found(lines);
+  const NetworkWithRegions found(lines);
   CHECK(found.sides() == all(4, 3));
-  CHECK(found.regions.rims.size() == 4);
-  REQUIRE(found.regions.choices.size() == 1);
-  const RegionChoice& choice = found.regions.choices[0];
+  CHECK(found.regions.free_edges.size() == 4);
+  REQUIRE(found.regions.ambiguous_regions.size() == 1);
+  const AmbiguousRegion& choice = found.regions.ambiguous_regions[0];
   CHECK(choice.chosen.empty());
   CHECK(names_of(found.network, choice.alternatives[0][0]) ==
         Names{"rim0", "rim1", "rim2", "rim3"});
   CHECK_THAT(choice.text, Contains("left open"));
-  RegionOptions lid;
-  lid.words = {surface({{"rim2", "rim0", "rim3", "rim1"}}, "floor")};
-  const Found with(lines, lid);
+  RegionSearchOptions lid;
+  lid.specs = {surface({{"rim2", "rim0", "rim3", "rim1"}}, "floor")};
+  const NetworkWithRegions with(lines, lid);
   CHECK(with.regions.regions.size() == 5);
   CHECK(with.regions.regions[0].name == "floor");
-  CHECK(with.regions.regions[0].asked);
-  CHECK(with.regions.rims.empty());
+  CHECK(with.regions.regions[0].requested);
+  CHECK(with.regions.free_edges.empty());
 }
 
 TEST_CASE("one loop of many arcs is one region") {
   const int n = GENERATE(1, 2, 3, 12, 28);
   Lines lines;
   for (int i = 0; i < n; ++i)
-    lines.push_back(arc("a" + std::to_string(i), Vec3(0, 0, 0.1), Vec3(2, 0, 0.3), Vec3(0, 1, 0.3),
-                        2 * pi * i / n, 2 * pi * (i + 1) / n));
-  const Found found(lines);
+    lines.push_back(circular_arc("a" + std::to_string(i), Vec3(0, 0, 0.1), Vec3(2, 0, 0.3),
+                                 Vec3(0, 1, 0.3), 2 * pi * i / n, 2 * pi * (i + 1) / n));
+  const NetworkWithRegions found(lines);
   CAPTURE(n);
   CHECK(found.sides() == all(1, static_cast<size_t>(n)));
 }
@@ -392,7 +394,7 @@ TEST_CASE("a loop that is alone is a region even where every corner turns inward
     const Vec3 out = 0.2 * (p + q);
     lines.push_back({"lobe " + std::to_string(i), bezier_curve(p, p + out, q + out, q)});
   }
-  const Found found(lines);
+  const NetworkWithRegions found(lines);
   REQUIRE(found.regions.regions.size() == 1);
   CHECK(found.regions.regions[0].loops[0].size() == lobes);
 }
@@ -405,15 +407,15 @@ TEST_CASE("lines that hang into a region lie in it and others stay bare") {
   lines.push_back(straight("up", Vec3(0.5, 1, 0), Vec3(0.5, 0.7, 0.8)));
   lines.push_back({"curl", bezier_curve(Vec3(0.5, 0, 0), Vec3(0.5, 0.3, 0), Vec3(0.5, 0.5, 0.2),
                                         Vec3(0.5, 0.5, 0.7))});
-  const Found found(lines);
+  const NetworkWithRegions found(lines);
   REQUIRE(found.regions.regions.size() == 1);
-  std::set<std::string> inner, bare;
+  std::set<std::string> inner, unused_edges;
   for (const int a : found.regions.regions[0].inner)
-    inner.insert(found.network.lines()[found.network.arcs()[a].line].name);
-  for (const int a : found.regions.bare)
-    bare.insert(found.network.lines()[found.network.arcs()[a].line].name);
+    inner.insert(found.network.lines()[found.network.edges()[a].line].name);
+  for (const int a : found.regions.unused_edges)
+    unused_edges.insert(found.network.lines()[found.network.edges()[a].line].name);
   CHECK(inner == std::set<std::string>{"in", "twig"});
-  CHECK(bare == std::set<std::string>{"curl", "out", "up"});
+  CHECK(unused_edges == std::set<std::string>{"curl", "out", "up"});
 }
 
 TEST_CASE("a line between two loops is passed on both sides where one lies in the other") {
@@ -427,7 +429,7 @@ TEST_CASE("a line between two loops is passed on both sides where one lies in th
   Lines lines = square("outer", 2);
   for (const CharacterLine& line : square("inner", 1)) lines.push_back(line);
   lines.push_back(straight("bridge", Vec3(1, 1, 0), Vec3(2, 2, 0)));
-  const Found found(lines);
+  const NetworkWithRegions found(lines);
   CHECK(found.sides() == std::multiset<size_t>{4, 10});
   CHECK(found.loops().count({"inner0", "inner1", "inner2", "inner3"}) == 1);
 }
@@ -435,66 +437,71 @@ TEST_CASE("a line between two loops is passed on both sides where one lies in th
 TEST_CASE("two loops alone are a ring where they are like rims") {
   const Vec3 x = Vec3::UnitX(), y = Vec3::UnitY();
   SECTION("of a tube, tilted") {
-    const Found found({arc("low", Vec3(0, 0, 0), x, y),
-                       arc("high", Vec3(0.3, 0, 2), 1.4 * Vec3(1, 0, 0.2), 1.4 * y)});
+    const NetworkWithRegions found(
+        {circular_arc("low", Vec3(0, 0, 0), x, y),
+         circular_arc("high", Vec3(0.3, 0, 2), 1.4 * Vec3(1, 0, 0.2), 1.4 * y)});
     REQUIRE(found.regions.regions.size() == 1);
-    CHECK(found.regions.regions[0].ring);
+    CHECK(found.regions.regions[0].annulus);
     CHECK(found.regions.regions[0].loops.size() == 2);
-    REQUIRE(found.regions.choices.size() == 1);
-    CHECK(found.regions.choices[0].alternatives.size() == 2);
-    RegionOptions discs;
-    discs.words = {surface({{"low"}}), surface({{"high"}})};
-    const Found apart({arc("low", Vec3(0, 0, 0), x, y), arc("high", Vec3(0, 0, 2), x, y)}, discs);
+    REQUIRE(found.regions.ambiguous_regions.size() == 1);
+    CHECK(found.regions.ambiguous_regions[0].alternatives.size() == 2);
+    RegionSearchOptions discs;
+    discs.specs = {surface({{"low"}}), surface({{"high"}})};
+    const NetworkWithRegions apart(
+        {circular_arc("low", Vec3(0, 0, 0), x, y), circular_arc("high", Vec3(0, 0, 2), x, y)},
+        discs);
     CHECK(apart.regions.regions.size() == 2);
-    CHECK_FALSE(apart.regions.regions[0].ring);
+    CHECK_FALSE(apart.regions.regions[0].annulus);
   }
   SECTION("of an annulus") {
-    const Found found({arc("in", Vec3::Zero(), x, y), arc("out", Vec3::Zero(), 2 * x, 2 * y)});
+    const NetworkWithRegions found(
+        {circular_arc("in", Vec3::Zero(), x, y), circular_arc("out", Vec3::Zero(), 2 * x, 2 * y)});
     REQUIRE(found.regions.regions.size() == 1);
-    CHECK(found.regions.regions[0].ring);
+    CHECK(found.regions.regions[0].annulus);
   }
   SECTION("beside each other they are two discs") {
-    const Found found({arc("a", Vec3::Zero(), x, y), arc("b", Vec3(3, 0, 0), x, y)});
+    const NetworkWithRegions found(
+        {circular_arc("a", Vec3::Zero(), x, y), circular_arc("b", Vec3(3, 0, 0), x, y)});
     CHECK(found.sides() == all(2, 1));
   }
 }
 
 TEST_CASE("a loop on a region is no guess") {
   Lines lines = grid(2, 1, [](double, double) { return 0.0; });
-  lines.push_back(arc("eye", Vec3(0.5, 0.5, 0), Vec3(0.2, 0, 0), Vec3(0, 0.2, 0)));
-  const Found found(lines);
+  lines.push_back(circular_arc("eye", Vec3(0.5, 0.5, 0), Vec3(0.2, 0, 0), Vec3(0, 0.2, 0)));
+  const NetworkWithRegions found(lines);
   CHECK(found.sides() == all(2, 4));
-  CHECK(found.regions.bare.size() == 1);
-  REQUIRE(found.regions.choices.size() == 1);
-  CHECK_THAT(found.regions.choices[0].text, Contains("'eye'") && Contains("hole"));
+  CHECK(found.regions.unused_edges.size() == 1);
+  REQUIRE(found.regions.ambiguous_regions.size() == 1);
+  CHECK_THAT(found.regions.ambiguous_regions[0].text, Contains("'eye'") && Contains("hole"));
   // As the choice says: the outline and the hole.
-  RegionOptions options;
-  options.words.emplace_back();
-  for (const ArcLoop& loop : found.regions.choices[0].alternatives[0])
-    options.words[0].loops.push_back(names_of(found.network, loop));
-  const Found hole(lines, options);
+  RegionSearchOptions options;
+  options.specs.emplace_back();
+  for (const EdgeLoop& loop : found.regions.ambiguous_regions[0].alternatives[0])
+    options.specs[0].loops.push_back(names_of(found.network, loop));
+  const NetworkWithRegions hole(lines, options);
   REQUIRE(hole.regions.regions.size() == 2);
   CHECK(hole.regions.regions[0].loops.size() == 2);
-  CHECK(hole.regions.rims.size() == 7);
+  CHECK(hole.regions.free_edges.size() == 7);
 }
 
 TEST_CASE("what the user says comes first") {
   const Lines lines = grid(2, 1, [](double, double) { return 0.0; });
-  const Found plain(lines);
+  const NetworkWithRegions plain(lines);
   SECTION("one region instead of two: the line between them is inner") {
-    RegionOptions options;
-    options.words = {surface({{"v0", "h0", "v2", "h1"}}, "plate")};
-    options.words[0].inner = {"v1"};
-    const Found found(lines, options);
+    RegionSearchOptions options;
+    options.specs = {surface({{"v0", "h0", "v2", "h1"}}, "plate")};
+    options.specs[0].inner = {"v1"};
+    const NetworkWithRegions found(lines, options);
     REQUIRE(found.regions.regions.size() == 1);
     CHECK(found.regions.regions[0].inner.size() == 1);
-    CHECK(found.regions.bare.empty());
+    CHECK(found.regions.unused_edges.empty());
   }
   SECTION("no surface") {
-    RegionOptions options;
-    const ArcLoop& loop = plain.regions.regions[1].loops[0];
-    options.words = {nothing(names_of(plain.network, loop))};
-    const Found found(lines, options);
+    RegionSearchOptions options;
+    const EdgeLoop& loop = plain.regions.regions[1].loops[0];
+    options.specs = {no_surface(names_of(plain.network, loop))};
+    const NetworkWithRegions found(lines, options);
     REQUIRE(found.regions.regions.size() == 1);
     CHECK(found.loops() ==
           std::multiset<Names>{names_of(plain.network, plain.regions.regions[0].loops[0])});
@@ -502,12 +509,12 @@ TEST_CASE("what the user says comes first") {
 }
 
 TEST_CASE("words that fit nothing are refused in words") {
-  const CharacterLineNetwork network(box_lines(Vec3::Zero(), Vec3(1, 1, 1)));
-  const auto refused = [&](const std::vector<RegionWord>& words, const auto& text, int most = 2) {
-    RegionOptions options;
-    options.words = words;
-    options.most_at_line = most;
-    for (RegionWord& word : options.words) word.where = "scene.toml:8:1: ";
+  const CurveNetwork network(box_lines(Vec3::Zero(), Vec3(1, 1, 1)));
+  const auto refused = [&](const std::vector<RegionSpec>& specs, const auto& text, int most = 2) {
+    RegionSearchOptions options;
+    options.specs = specs;
+    options.max_faces_per_edge = most;
+    for (RegionSpec& word : options.specs) word.where = "scene.toml:8:1: ";
     CHECK_THROWS_WITH(find_regions(network, options), text);
     CHECK_THROWS_AS(find_regions(network, options), InputError);
   };
@@ -518,7 +525,7 @@ TEST_CASE("words that fit nothing are refused in words") {
   refused({surface({})}, Contains("no lines"));
   refused({surface({{}})}, Contains("no lines"));
   refused({surface({floor}), surface({floor})}, Contains("twice"));
-  refused({surface({floor}), nothing(floor)}, Contains("no surface"));
+  refused({surface({floor}), no_surface(floor)}, Contains("no surface"));
   refused({surface({floor})}, Contains("most_at_line"), 0);
   const auto all_edges = [&](char axis) {
     Names names;
@@ -526,10 +533,10 @@ TEST_CASE("words that fit nothing are refused in words") {
     return names;
   };
   refused({surface({all_edges('x')})}, Contains("loose"));
-  RegionWord ring = surface({floor});
-  ring.ring = true;
-  refused({ring}, Contains("two rims"));
-  RegionWord inner = surface({floor});
+  RegionSpec annulus = surface({floor});
+  annulus.annulus = true;
+  refused({annulus}, Contains("two rims"));
+  RegionSpec inner = surface({floor});
   inner.inner = {"x1"};
   refused({inner}, Contains("inner line and a border"));
 }
@@ -538,11 +545,11 @@ TEST_CASE("regions do not depend on the order or direction of lines, nor on smal
   Random random(17);
   const auto wavy = [](double x, double y) { return 0.3 * std::sin(2 * x) + 0.1 * y * y; };
   for (const Lines& lines : {grid(4, 3, wavy), sphere_lines(), stacked_boxes(), torus(5, 3)}) {
-    const auto expected = Found(lines).loops();
+    const auto expected = NetworkWithRegions(lines).loops();
     for (int round = 0; round < 4; ++round) {
       Lines other = lines;
       std::shuffle(other.begin(), other.end(), random.engine);
-      const Vec3 bend = 1e-4 * random.point();
+      const Vec3 nonplanarity = 1e-4 * random.point();
       for (CharacterLine& line : other) {
         const auto curve = line.curve;
         const double a = curve->start(), b = curve->end();
@@ -550,50 +557,51 @@ TEST_CASE("regions do not depend on the order or direction of lines, nor on smal
         line.curve = curve_from_formula(a, b, [=](double t, int order) -> Vec3 {
           const double s = back ? a + b - t : t;
           Vec3 x = curve->evaluate(s, order);
-          if (order == 0) x += bend.cwiseProduct(Vec3(std::sin(x.y()), std::sin(x.z()), x.x()));
+          if (order == 0)
+            x += nonplanarity.cwiseProduct(Vec3(std::sin(x.y()), std::sin(x.z()), x.x()));
           return back && order == 1 ? Vec3(-x) : x;
         });
       }
       // Pieces of a cut line are numbered along it: their names change when it is reversed.
-      const Found found(other);
+      const NetworkWithRegions found(other);
       CHECK(found.loops().size() == expected.size());
-      CHECK(found.sides() == Found(lines).sides());
-      const auto by_line = [](const Found& f) {
+      CHECK(found.sides() == NetworkWithRegions(lines).sides());
+      const auto by_line = [](const NetworkWithRegions& f) {
         std::multiset<Names> loops;
         for (const NetworkRegion& region : f.regions.regions) {
           Names names;
-          for (const ArcUse& use : region.loops[0])
-            names.push_back(f.network.lines()[f.network.arcs()[use.arc].line].name);
+          for (const OrientedEdge& use : region.loops[0])
+            names.push_back(f.network.lines()[f.network.edges()[use.edge].line].name);
           std::sort(names.begin(), names.end());
           loops.insert(names);
         }
         return loops;
       };
-      CHECK(by_line(found) == by_line(Found(lines)));
+      CHECK(by_line(found) == by_line(NetworkWithRegions(lines)));
     }
   }
 }
 
 TEST_CASE("a plane polygon costs its sides less two, and surfaces fold as they meet") {
-  const LoopPrices prices;
-  const auto network = [](const Lines& lines) { return RegionGraph(CharacterLineNetwork(lines)); };
+  const LoopCosts costs;
+  const auto network = [](const Lines& lines) { return RegionGraph(CurveNetwork(lines)); };
   SECTION("convex or not") {
     const std::vector<Vec3> corners{{0, 0, 0}, {3, 0, 0}, {3, 1, 0},
                                     {1, 1, 0}, {1, 2, 0}, {0, 2, 0}};
     Lines lines;
     for (size_t i = 0; i < corners.size(); ++i)
       lines.push_back(straight("l" + std::to_string(i), corners[i], corners[(i + 1) % 6]));
-    const TracedLoops traced = traced_loops(network(lines), prices, {});
+    const TracedLoops traced = trace_loops(network(lines), costs, {});
     REQUIRE(traced.loops.size() == 1);
     CHECK(traced.loops[0].cost == Approx(4).margin(1e-12));
-    CHECK(traced.loops[0].bend < 1e-12);
+    CHECK(traced.loops[0].nonplanarity < 1e-12);
   }
   SECTION(
       "faces of a box by a right angle, octants not at all, a loop upon itself by a half turn") {
     for (const bool box : {true, false}) {
       const RegionGraph graph =
           network(box ? box_lines(Vec3::Zero(), Vec3(1, 1, 1)) : sphere_lines());
-      const RegionSearch search = search_regions(graph, {}, prices, {});
+      const RegionSearchResult search = search_regions(graph, {}, costs, {});
       int met = 0;
       for (size_t c = 0; c < search.loops.size(); ++c)
         for (size_t d = c; d < search.loops.size(); ++d) {
@@ -601,7 +609,7 @@ TEST_CASE("a plane polygon costs its sides less two, and surfaces fold as they m
           const auto &a = search.loops[c], &b = search.loops[d];
           for (size_t i = 0; i < a.loop.size(); ++i)
             for (size_t j = 0; j < b.loop.size(); ++j) {
-              if (a.loop[i].arc != b.loop[j].arc) continue;
+              if (a.loop[i].edge != b.loop[j].edge) continue;
               CHECK(fold_deg(a, i, b, j) == Approx(c == d ? 180 : box ? 90 : 0).margin(0.5));
               met += c != d;
             }
@@ -614,60 +622,61 @@ TEST_CASE("a plane polygon costs its sides less two, and surfaces fold as they m
 TEST_CASE("frames are carried without turning") {
   // Around a circle the binormal stays.
   const RegionGraph graph(
-      CharacterLineNetwork({arc("c", Vec3::Zero(), Vec3(1, 0, 0), Vec3(0, 1, 0), 0, 1.5)}));
-  const RegionArc& arc = graph.arcs[0];
-  CHECK((arc.carried(false, Vec3::UnitZ()) - Vec3::UnitZ()).norm() < 1e-12);
-  CHECK(std::hypot(arc.turn_u, arc.turn_v) == Approx(1.5).epsilon(0.01));
-  CHECK((arc.carried(true, arc.carried(false, arc.u[0])) - arc.u[0]).norm() < 1e-12);
+      CurveNetwork({circular_arc("c", Vec3::Zero(), Vec3(1, 0, 0), Vec3(0, 1, 0), 0, 1.5)}));
+  const GraphEdge& edge = graph.edges[0];
+  CHECK((edge.parallel_transported(false, Vec3::UnitZ()) - Vec3::UnitZ()).norm() < 1e-12);
+  CHECK(std::hypot(edge.turning_u, edge.turning_v) == Approx(1.5).epsilon(0.01));
+  CHECK((edge.parallel_transported(true, edge.parallel_transported(false, edge.u[0])) - edge.u[0])
+            .norm() < 1e-12);
 }
 
 TEST_CASE("the selection is the best one") {
   Random random(5);
   for (int trial = 0; trial < 300; ++trial) {
-    Selection problem;
-    const int arcs = 6, items = 11;
-    problem.room.assign(arcs, 1 + trial % 3);
+    LoopSelectionProblem problem;
+    const int edges = 6, items = 11;
+    problem.capacity.assign(edges, 1 + trial % 3);
     for (int i = 0; i < items; ++i) {
-      Selection::Item item;
+      LoopSelectionProblem::Item item;
       item.gain = random.between(0, 3);
-      for (int a = 0; a < arcs; ++a)
+      for (int a = 0; a < edges; ++a)
         if (random() > 0.1) {
-          item.arcs.push_back(a);
+          item.edges.push_back(a);
           item.uses.push_back(random() > 0.8 ? 2 : 1);
         }
-      if (!item.arcs.empty()) problem.items.push_back(item);
+      if (!item.edges.empty()) problem.items.push_back(item);
     }
     const int n = static_cast<int>(problem.items.size());
     for (int i = 0; i < n; ++i)
       for (int j = i + 1; j < n; ++j)
-        for (const int a : problem.items[i].arcs)
-          if (std::count(problem.items[j].arcs.begin(), problem.items[j].arcs.end(), a))
+        for (const int a : problem.items[i].edges)
+          if (std::count(problem.items[j].edges.begin(), problem.items[j].edges.end(), a))
             problem.pairs.push_back({a, i, j, random.between(0, 1)});
     const auto value = [&](unsigned set) {
-      std::vector<int> used(arcs, 0);
+      std::vector<int> used(edges, 0);
       double sum = 0;
       for (int i = 0; i < n; ++i)
         if (set >> i & 1) {
           sum += problem.items[i].gain;
-          for (size_t k = 0; k < problem.items[i].arcs.size(); ++k)
-            used[problem.items[i].arcs[k]] += problem.items[i].uses[k];
+          for (size_t k = 0; k < problem.items[i].edges.size(); ++k)
+            used[problem.items[i].edges[k]] += problem.items[i].uses[k];
         }
       for (const auto& p : problem.pairs)
-        if ((set >> p.a & 1) && (set >> p.b & 1)) sum -= p.price;
-      for (int a = 0; a < arcs; ++a)
-        if (used[a] > problem.room[a]) return -HUGE_VAL;
+        if ((set >> p.a & 1) && (set >> p.b & 1)) sum -= p.pair_cost;
+      for (int a = 0; a < edges; ++a)
+        if (used[a] > problem.capacity[a]) return -HUGE_VAL;
       return sum;
     };
     double best = 0;
     for (unsigned set = 0; set < 1u << n; ++set) best = std::max(best, value(set));
-    const Selected found = select(problem);
+    const LoopSelection found = select_loops(problem);
     unsigned set = 0;
     for (int i = 0; i < n; ++i) set |= static_cast<unsigned>(found.chosen[i]) << i;
     CAPTURE(trial);
     CHECK(found.optimal);
     CHECK(found.value == Approx(best).margin(1e-9));
     CHECK(value(set) == Approx(best).margin(1e-9));
-    CHECK(select(problem, 0).bound >= best - 1e-9);
+    CHECK(select_loops(problem, 0).bound >= best - 1e-9);
   }
 }
 
@@ -680,18 +689,18 @@ TEST_CASE("regions of real sketches are those that a designer expects", "[data]"
     return;
   }
   const ExpectedSurfaces expected(reference("networks/" + name + ".json"));
-  const Found found(read_sketch_graph(file));
-  const auto of_arc = SketchSegments(file).of_arcs(RegionGraph(found.network));
-  const ExpectedSurfaces::Score score = expected.score(found.regions.regions, of_arc);
+  const NetworkWithRegions found(read_sketch_graph(file));
+  const auto of_edge = SketchSegments(file).of_edges(RegionGraph(found.network));
+  const ExpectedSurfaces::Score score = expected.score(found.regions.regions, of_edge);
   // Loops that lie on a region are left to the user, who is told.
-  std::set<int> offered = score.right;
-  for (const RegionChoice& choice : found.regions.choices)
+  std::set<int> offered = score.correct;
+  for (const AmbiguousRegion& choice : found.regions.ambiguous_regions)
     for (const auto& loops : choice.alternatives)
-      for (const ArcLoop& loop : loops)
-        if (const int which = expected.of(segments_along(loop, of_arc));
+      for (const EdgeLoop& loop : loops)
+        if (const int which = expected.of(segments_along(loop, of_edge));
             loops.size() == 1 && which >= 0)
           offered.insert(which);
-  CAPTURE(name, score.right.size(), score.wrong, offered.size(), score.expected);
+  CAPTURE(name, score.correct.size(), score.wrong, offered.size(), score.expected);
   CHECK(score.precision() >= 0.95);
   CHECK(score.recall() >= (name == "shield" ? 0.8 : 0.95));
   CHECK(static_cast<double>(offered.size()) >= 0.95 * score.expected);
@@ -707,7 +716,7 @@ TEST_CASE("all sketches are looked through without a crash", "[data]") {
   for (const auto& entry : std::filesystem::directory_iterator(folder))
     if (entry.path().extension() == ".json") {
       CAPTURE(entry.path().string());
-      const Found found(read_sketch_graph(entry.path()));
+      const NetworkWithRegions found(read_sketch_graph(entry.path()));
       CHECK(found.regions.regions.size() > 10);
     }
 }

@@ -2,27 +2,28 @@
 #include "batten/skinning/surfaces/fair_model.h"
 
 #include "batten/core/errors.h"
-#include "batten/tests/catch.h"
-#include "batten/tests/patchwork.h"
+#include "batten/tests/support/catch.h"
+#include "batten/tests/support/test_model_builder.h"
 
 using namespace batten;
 using Catch::Matchers::Contains;
 
 namespace {
 
-void straight(batten_test::Patchwork& p, const std::string& name, const Vec3& a, const Vec3& b) {
-  p.add(
-      batten_test::given_line(name, curve_through_points(name, {a, b}), 3, p.options.edge_length));
+void straight(batten_test::TestModelBuilder& p, const std::string& name, const Vec3& a,
+              const Vec3& b) {
+  p.add(batten_test::prescribed_line(name, curve_through_points(name, {a, b}), 3,
+                                     p.options.edge_length));
 }
 
 // An octant, and a quadrilateral beside it two sides of which pass close over each other.
-batten_test::Patchwork octant_and_bow_tie() {
+batten_test::TestModelBuilder octant_and_bow_tie() {
   const Vec3 x = Vec3::UnitX(), y = Vec3::UnitY(), z = Vec3::UnitZ();
-  batten_test::Patchwork p;
+  batten_test::TestModelBuilder p;
   p.options.edge_length = 0.2;
   for (const auto& [name, a, b] :
        {std::tuple<const char*, Vec3, Vec3>{"xy", x, y}, {"yz", y, z}, {"zx", z, x}})
-    p.add(batten_test::given_line(name, batten_test::quarter(a, b), 3, p.options.edge_length));
+    p.add(batten_test::prescribed_line(name, batten_test::quarter(a, b), 3, p.options.edge_length));
   p.region({"xy", "yz", "zx"});
   const Vec3 corner[4] = {{2, 0, 0}, {3, 0, 0}, {2, 1, 0}, {3, 1, 0.02}};
   for (int k = 0; k < 4; ++k)
@@ -31,12 +32,12 @@ batten_test::Patchwork octant_and_bow_tie() {
   return p;
 }
 
-SurfaceModel model_of(const batten_test::Patchwork& patches, const ModelLayout& layout) {
+SurfaceModel model_of(const batten_test::TestModelBuilder& patches, const ModelLayout& layout) {
   SurfaceModel model;
   for (size_t r = 0; r < patches.layouts.size(); ++r) {
     ModelRegion& region = model.regions.emplace_back();
     region.plan.name = layout.region(static_cast<int>(r)).name();
-    region.in_layout = static_cast<int>(r);
+    region.layout_index = static_cast<int>(r);
   }
   return model;
 }
@@ -44,13 +45,13 @@ SurfaceModel model_of(const batten_test::Patchwork& patches, const ModelLayout& 
 }  // namespace
 
 TEST_CASE("a region that turns over keeps its shape, the others are faired") {
-  const batten_test::Patchwork patches = octant_and_bow_tie();
+  const batten_test::TestModelBuilder patches = octant_and_bow_tie();
   const auto layout = std::make_shared<const ModelLayout>(patches.model({}));
-  const Points start = layout->least_energy({});
-  const FairedModel faired = fair_model(model_of(patches, *layout), layout, start, 0.1);
-  REQUIRE(faired.kept.size() == 1);
-  CHECK(faired.kept[0].region == 1);
-  CHECK_THAT(faired.kept[0].why, Contains("turns over"));
+  const Points start = layout->minimize_energy({});
+  const FairingResult faired = fair_model(model_of(patches, *layout), layout, start, 0.1);
+  REQUIRE(faired.unchanged_regions.size() == 1);
+  CHECK(faired.unchanged_regions[0].region == 1);
+  CHECK_THAT(faired.unchanged_regions[0].why, Contains("turns over"));
   CHECK(faired.surface.converged);
   CHECK((layout->region_dofs(1, faired.surface.dofs) - layout->region_dofs(1, start)).norm() <
         1e-12);
@@ -62,10 +63,10 @@ TEST_CASE("a region that turns over keeps its shape, the others are faired") {
 }
 
 TEST_CASE("a model of which every region turns over cannot be faired") {
-  batten_test::Patchwork patches = octant_and_bow_tie();
+  batten_test::TestModelBuilder patches = octant_and_bow_tie();
   patches.layouts.erase(patches.layouts.begin());
   patches.first.erase(patches.first.begin());
   const auto layout = std::make_shared<const ModelLayout>(patches.model({}));
-  const Points start = layout->least_energy({});
+  const Points start = layout->minimize_energy({});
   CHECK_THROWS_AS(fair_model(model_of(patches, *layout), layout, start, 0.1), NoSolutionError);
 }

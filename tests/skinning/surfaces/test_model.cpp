@@ -6,8 +6,8 @@
 #include "batten/skinning/search/find_regions.h"
 #include "batten/skinning/surfaces/skin_network.h"
 #include "batten/skinning/surfaces/surface_model.h"
-#include "batten/tests/catch.h"
-#include "batten/tests/skinning/network/networks.h"
+#include "batten/tests/support/catch.h"
+#include "batten/tests/support/sample_networks.h"
 
 using namespace batten;
 using namespace batten_test;
@@ -15,8 +15,8 @@ using namespace batten_test;
 namespace {
 
 SurfaceModel model_of(const std::vector<CharacterLine>& lines, ModelOptions options = {},
-                      const RegionOptions& regions = {}) {
-  const CharacterLineNetwork network(lines);
+                      const RegionSearchOptions& regions = {}) {
+  const CurveNetwork network(lines);
   return skin_network(network, find_regions(network, regions), options);
 }
 
@@ -33,11 +33,11 @@ TEST_CASE("a cube: six creased faces of a closed shell, area 6 and volume 1, nor
     CHECK(model.shells[0].orientable);
     CHECK(model.shells[0].area == Approx(6).epsilon(1e-9));
     CHECK(model.shells[0].volume == Approx(1).epsilon(1e-8));
-    CHECK(model.flaws.empty());
+    CHECK(model.defects.empty());
     REQUIRE(model.joins.size() == 12);
     for (const ModelJoin& join : model.joins) {
       CHECK(join.kind == ModelJoin::Kind::Crease);
-      CHECK(join.first_deg == Approx(90));
+      CHECK(join.initial_deg == Approx(90));
       CHECK(join.max_deg == Approx(90));
     }
     const Vec3 middle = moved + Vec3(0.5, 0.5, 0.5);
@@ -55,7 +55,7 @@ TEST_CASE("eight octants of a sphere become one smooth closed shell near it") {
   REQUIRE(model.regions.size() == 8);
   REQUIRE(model.shells.size() == 1);
   CHECK(model.shells[0].closed);
-  CHECK(model.flaws.empty());
+  CHECK(model.defects.empty());
   CHECK(model.max_join_deg < 0.1);
   for (const ModelJoin& join : model.joins) {
     CHECK(join.kind == ModelJoin::Kind::Smooth);
@@ -75,25 +75,25 @@ TEST_CASE("the user's word makes a crease of a smooth line and names what cannot
   ModelOptions options;
   options.skin.edge_length = 0.3;
   options.rest = false;  // sweeps are the sphere: nothing of a crease would be seen
-  options.joins = {{"xy", JoinWord::Kind::Crease, "scene:1: "}};
+  options.joins = {{"xy", JoinSpec::Kind::Crease, "scene:1: "}};
   const SurfaceModel model = model_of(sphere_lines(), options);
   int creases = 0;
   for (const ModelJoin& join : model.joins)
     if (join.kind == ModelJoin::Kind::Crease) {
       ++creases;
-      CHECK(join.asked);
+      CHECK(join.requested);
       CHECK(join.max_deg > 1);
     }
   CHECK(creases == 4);
 
-  options.joins = {{"no such line", JoinWord::Kind::Smooth, "scene:7: "}};
+  options.joins = {{"no such line", JoinSpec::Kind::Smooth, "scene:7: "}};
   CHECK_THROWS_WITH(model_of(sphere_lines(), options), Catch::Matchers::StartsWith("scene:7: "));
 
   // A box corner has no tangent plane.
-  options.joins = {{"z1", JoinWord::Kind::Smooth, ""}};
+  options.joins = {{"z1", JoinSpec::Kind::Smooth, ""}};
   const SurfaceModel box = model_of(box_lines(Vec3::Zero(), Vec3(1, 1, 1)), options);
   for (const ModelJoin& join : box.joins)
-    if (join.asked) {
+    if (join.requested) {
       CHECK((join.kind == ModelJoin::Kind::Crease || (join.open[0] && join.open[1])));
       CHECK((!join.why.empty() || !box.warnings.empty()));
     }
@@ -104,11 +104,11 @@ TEST_CASE("regions share the vertices of their lines, positions bit for bit") {
   std::map<std::string, std::vector<Vec3>> seen;
   int shared = 0;
   for (const SkinnedRegion* r : model.skinned())
-    for (const LineRun& run : r->runs) {
+    for (const EdgeAlignedLine& aligned_line : r->edge_aligned) {
       std::vector<Vec3> points;
-      for (const int v : run.vertices)
+      for (const int v : aligned_line.vertices)
         points.push_back(r->surface.dofs().row(r->surface.dof_map().vertex(v)));
-      const auto [it, first] = seen.emplace(run.line.name, points);
+      const auto [it, first] = seen.emplace(aligned_line.line.name, points);
       if (first) continue;
       ++shared;
       REQUIRE(it->second.size() == points.size());
@@ -156,18 +156,18 @@ TEST_CASE(
                            return -a * std::cos(t) - b * std::sin(t);
                          })};
   };
-  const auto word = [](std::vector<std::vector<std::string>> loops, bool ring = false) {
-    RegionWord w;
+  const auto word = [](std::vector<std::vector<std::string>> loops, bool annulus = false) {
+    RegionSpec w;
     w.loops = std::move(loops);
-    w.ring = ring;
+    w.annulus = annulus;
     return w;
   };
   const Vec3 x = Vec3::UnitX(), y = Vec3::UnitY(), z = Vec3::UnitZ();
   ModelOptions options;
-  options.smooth_below_deg = -1;
+  options.crease_angle_deg = -1;
   for (const double sense : {1.0, -1.0}) {
-    RegionOptions regions;
-    regions.words = {word({{"low"}, {"high"}}, true), word({{"low"}}), word({{"high"}})};
+    RegionSearchOptions regions;
+    regions.specs = {word({{"low"}, {"high"}}, true), word({{"low"}}), word({{"high"}})};
     const SurfaceModel can = model_of(
         {circle("low", Vec3::Zero(), x, y), circle("high", 2 * z, x, sense * y)}, options, regions);
     REQUIRE(can.shells.size() == 1);
@@ -176,12 +176,12 @@ TEST_CASE(
     CHECK(can.shells[0].volume == Approx(2 * pi).epsilon(0.2));
 
     std::vector<CharacterLine> lines;
-    RegionOptions rings;
+    RegionSearchOptions rings;
     for (int i = 0; i < 4; ++i) {
       const Vec3 out = std::cos(i * pi / 2) * x + std::sin(i * pi / 2) * y;
       lines.push_back(
           circle("c" + std::to_string(i), 2 * out, 0.7 * out, (i % 2 ? sense : 1) * 0.7 * z));
-      rings.words.push_back(
+      rings.specs.push_back(
           word({{"c" + std::to_string(i)}, {"c" + std::to_string((i + 1) % 4)}}, true));
     }
     const SurfaceModel torus = model_of(lines, options, rings);
@@ -191,18 +191,18 @@ TEST_CASE(
     CHECK(torus.shells[0].volume > 5);
 
     auto box = box_lines(Vec3::Zero(), Vec3(3, 3, 3));
-    RegionOptions pocket;
+    RegionSearchOptions pocket;
     for (CharacterLine line : box_lines(Vec3(1, 1, 2), Vec3(1, 1, 1))) {
       line.name = "p" + line.name;
       if (sense < 0 && line.name == "px3")
         line.curve = curve_through_points("px3", {Vec3(2, 1, 3), Vec3(1, 1, 3)});
       box.push_back(line);
     }
-    pocket.words = {word({{"x3", "x4", "y2", "y4"}, {"px3", "px4", "py2", "py4"}})};
-    RegionWord open;
-    open.kind = RegionWord::Kind::Nothing;
+    pocket.specs = {word({{"x3", "x4", "y2", "y4"}, {"px3", "px4", "py2", "py4"}})};
+    RegionSpec open;
+    open.kind = RegionSpec::Kind::NoSurface;
     open.loops = {{"px3", "px4", "py2", "py4"}};
-    pocket.words.push_back(open);
+    pocket.specs.push_back(open);
     const SurfaceModel model = model_of(box, options, pocket);
     CHECK(model.shells.size() == 1);
     CHECK(model.shells[0].volume == Approx(26).epsilon(1e-6));
@@ -222,8 +222,8 @@ TEST_CASE("a tube with a cut along it is a ring with a line on it") {
   const SurfaceModel model = model_of(
       {circle("low", 0), circle("high", 1), straight("cut", Vec3(0, 1, 0), Vec3(0, 1, 1))});
   REQUIRE(model.regions.size() == 1);
-  CHECK(model.regions[0].plan.ring);
-  INFO(model.regions[0].why_not);
+  CHECK(model.regions[0].plan.annulus);
+  INFO(model.regions[0].rejection_reason);
   REQUIRE(model.regions[0].skinned.has_value());
   CHECK(model.regions[0].skinned->embedded.size() == 1);
   CHECK(model.area == Approx(2 * std::numbers::pi).epsilon(0.05));

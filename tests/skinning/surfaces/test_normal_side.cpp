@@ -7,8 +7,8 @@
 #include "batten/skinning/search/find_regions.h"
 #include "batten/skinning/surfaces/normal_side.h"
 #include "batten/skinning/surfaces/skin_network.h"
-#include "batten/tests/catch.h"
-#include "batten/tests/skinning/network/networks.h"
+#include "batten/tests/support/catch.h"
+#include "batten/tests/support/sample_networks.h"
 
 using namespace batten;
 using namespace batten_test;
@@ -63,9 +63,9 @@ CharacterLine reversed(const CharacterLine& line) {
           })};
 }
 
-SurfaceModel model_of(const Lines& lines, const RegionOptions& regions = {}) {
+SurfaceModel model_of(const Lines& lines, const RegionSearchOptions& regions = {}) {
   ModelOptions options;
-  const CharacterLineNetwork network(lines);
+  const CurveNetwork network(lines);
   options.skin.edge_length = network.size() / 12;
   return skin_network(network, find_regions(network, regions), options);
 }
@@ -125,11 +125,11 @@ TEST_CASE("half cylinders, domes and canopies show their outside, up or down, ho
 }
 
 TEST_CASE("creases count: an open box points outwards") {
-  RegionOptions open;
-  RegionWord nothing;
-  nothing.kind = RegionWord::Kind::Nothing;
+  RegionSearchOptions open;
+  RegionSpec nothing;
+  nothing.kind = RegionSpec::Kind::NoSurface;
   nothing.loops = {{"x3", "x4", "y2", "y4"}};
-  open.words = {nothing};
+  open.specs = {nothing};
   for (const Lines& lines : drawn_otherwise(box_lines(Vec3::Zero(), Vec3(1, 1, 0.2)))) {
     const SurfaceModel model = model_of(lines, open);
     REQUIRE(model.regions.size() == 5);
@@ -167,11 +167,11 @@ TEST_CASE("the integrals of finished surfaces: M = πL of a tube, 4πR of a sphe
   CHECK(ball.central_moments().trace() == Approx(4 * pi).epsilon(0.05));
 
   // An open box has a quarter turn on each of eight edges: ½ · ½π · length.
-  RegionOptions open;
-  RegionWord nothing;
-  nothing.kind = RegionWord::Kind::Nothing;
+  RegionSearchOptions open;
+  RegionSpec nothing;
+  nothing.kind = RegionSpec::Kind::NoSurface;
   nothing.loops = {{"x3", "x4", "y2", "y4"}};
-  open.words = {nothing};
+  open.specs = {nothing};
   const auto box = model_of(box_lines(Vec3::Zero(), Vec3(1, 1, 1)), open);
   CHECK(side_integrals(box.skinned()).curvature == Approx(0.25 * pi * 8).epsilon(1e-6));
 }

@@ -5,8 +5,8 @@
 
 #include "batten/skinning/search/find_regions.h"
 #include "batten/skinning/surfaces/skin_network.h"
-#include "batten/tests/catch.h"
-#include "batten/tests/skinning/network/networks.h"
+#include "batten/tests/support/catch.h"
+#include "batten/tests/support/sample_networks.h"
 
 using namespace batten;
 using namespace batten_test;
@@ -38,13 +38,13 @@ TEST_CASE("wedges of nine lines have five faces, no flaw and the volume of the s
   for (const double degrees : {60.0, 30.0, 16.0, 10.0, 5.0, 2.0})
     for (const bool other_order : {false, true}) {
       INFO(degrees << " degrees");
-      const CharacterLineNetwork network(wedge_lines(degrees, other_order));
+      const CurveNetwork network(wedge_lines(degrees, other_order));
       const SurfaceModel model = skin_network(network, find_regions(network), options);
       REQUIRE(model.regions.size() == 5);
       REQUIRE(model.shells.size() == 1);
       CHECK(model.shells[0].closed);
       CHECK(model.shells[0].normals.text() == "outwards");
-      CHECK(model.flaws.empty());
+      CHECK(model.defects.empty());
       for (const ModelJoin& join : model.joins) CHECK(join.kind == ModelJoin::Kind::Crease);
       const double volume = 50 * 50 * std::tan(degrees * std::numbers::pi / 360) * 80;
       CHECK(model.shells[0].volume == Approx(volume).epsilon(1e-6));
@@ -78,11 +78,11 @@ TEST_CASE("a square-to-round adapter is the same at both ends, with arcs or one 
     if (one_circle) lines.push_back(arc("circle", 0, 2 * pi));
     ModelOptions options;
     options.skin.edge_length = 0.3;
-    const CharacterLineNetwork network(lines);
+    const CurveNetwork network(lines);
     const SurfaceModel model = skin_network(network, find_regions(network), options);
     std::vector<std::pair<ModelJoin::Kind, double>> result;
     for (const ModelJoin& join : model.joins)
-      if (join.line.starts_with("edge")) result.emplace_back(join.kind, join.first_deg);
+      if (join.line.starts_with("edge")) result.emplace_back(join.kind, join.initial_deg);
     return result;
   };
   for (const double radius : {0.7, 1.0, 1.3}) {

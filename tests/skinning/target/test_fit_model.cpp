@@ -7,11 +7,11 @@
 #include "batten/benchmarks/analytic_shapes.h"
 #include "batten/core/errors.h"
 #include "batten/core/parallel.h"
-#include "batten/mesh/curved_mesh.h"
-#include "batten/mesh/flat_map.h"
-#include "batten/tests/catch.h"
-#include "batten/tests/embedded_grid.h"
-#include "batten/tests/skinning/shapes.h"
+#include "batten/mesh/harmonic_map.h"
+#include "batten/mesh/pn_triangle_mesh.h"
+#include "batten/tests/support/catch.h"
+#include "batten/tests/support/embedded_grid.h"
+#include "batten/tests/support/sample_lines.h"
 
 using namespace batten;
 using namespace batten_test;
@@ -26,9 +26,9 @@ class FormulaTarget : public TargetSurface {
     formula_.closest(Vec3::Zero());  // makes its samples, once
   }
   std::optional<Nearest> nearest(const Vec3& p, const Vec3& along) const override {
-    const auto foot = formula_.closest(p);
-    if (!along.isZero(0) && foot.normal.dot(along) <= 0) return {};
-    return Nearest{foot.at, foot.normal, false};
+    const auto foot_point = formula_.closest(p);
+    if (!along.isZero(0) && foot_point.normal.dot(along) <= 0) return {};
+    return Nearest{foot_point.at, foot_point.normal, false};
   }
   std::vector<Nearest> samples() const override {
     std::vector<Nearest> points;
@@ -63,7 +63,7 @@ class Hill : public TargetSurface {
     const auto found =
         mesh_.nearest(p, along.isZero(0) ? std::optional<Vec3>() : std::optional<Vec3>(along));
     if (!found) return {};
-    return Nearest{found->at, found->normal, found->at_rim};
+    return Nearest{found->at, found->normal, found->on_boundary};
   }
   std::vector<Nearest> samples() const override {
     std::vector<Nearest> points;
@@ -74,7 +74,7 @@ class Hill : public TargetSurface {
   }
 
  private:
-  static CurvedMesh grid(double height) {
+  static PnTriangleMesh grid(double height) {
     constexpr int n = 40;
     Points points((n + 1) * (n + 1), 3);
     std::vector<std::array<int, 3>> triangles;
@@ -87,9 +87,9 @@ class Hill : public TargetSurface {
         triangles.push_back({a, a + 1, a + n + 2});
         triangles.push_back({a, a + n + 2, a + n + 1});
       }
-    return CurvedMesh(TriangleMesh(points, triangles));
+    return PnTriangleMesh(TriangleMesh(points, triangles));
   }
-  CurvedMesh mesh_;
+  PnTriangleMesh mesh_;
 };
 
 /// Most of the unit sphere, above a circle of radius 0.5 in the plane z = 0.
@@ -100,27 +100,29 @@ class Balloon : public TargetSurface {
     const auto found =
         mesh_.nearest(p, along.isZero(0) ? std::optional<Vec3>() : std::optional<Vec3>(along));
     if (!found) return {};
-    return Nearest{found->at, found->normal, found->at_rim};
+    return Nearest{found->at, found->normal, found->on_boundary};
   }
   std::vector<Nearest> samples() const override { return {*nearest({0, 0, 3}, Vec3::Zero())}; }
-  Map over_plane(const std::function<Vec2(const Vec3&)>& rim) const override {
+  Parametrization parametrize(const std::function<Vec2(const Vec3&)>& rim) const override {
     if (!mapped_) return {};
-    return [map = std::make_shared<FlatMap>(mesh_, rim)](const Vec2& p) { return map->over(p); };
+    return [map = std::make_shared<HarmonicMap>(mesh_, rim)](const Vec2& p) {
+      return map->surface_point(p);
+    };
   }
 
  private:
-  static CurvedMesh sphere() {
+  static PnTriangleMesh sphere() {
     constexpr int rings = 60, around = 60;
     const double last = std::numbers::pi - std::asin(0.5), below = std::cos(last);
     Points points(1 + rings * around, 3);
     points.row(0) << 0, 0, 1 - below;
     std::vector<std::array<int, 3>> triangles;
-    std::vector<CurvedTriangle::Corners> normals;
+    std::vector<PnTriangle::Corners> normals;
     for (int r = 1; r <= rings; ++r)
       for (int i = 0; i < around; ++i) {
-        const double down = last * r / rings, turn = 2 * std::numbers::pi * i / around;
+        const double down = last * r / rings, angle = 2 * std::numbers::pi * i / around;
         const int c = 1 + (r - 1) * around + i, d = 1 + (r - 1) * around + (i + 1) % around;
-        points.row(c) << std::sin(down) * std::cos(turn), std::sin(down) * std::sin(turn),
+        points.row(c) << std::sin(down) * std::cos(angle), std::sin(down) * std::sin(angle),
             std::cos(down) - below;
         const int a = r == 1 ? 0 : c - around, b = r == 1 ? 0 : d - around;
         triangles.push_back({a, c, d});
@@ -129,10 +131,10 @@ class Balloon : public TargetSurface {
     for (const auto& t : triangles)
       for (auto& corners = normals.emplace_back(); size_t k : {0, 1, 2})
         corners[k] = (Vec3(points.row(t[k])) + below * Vec3::UnitZ()).normalized();
-    return CurvedMesh(TriangleMesh(points, triangles), normals);
+    return PnTriangleMesh(TriangleMesh(points, triangles), normals);
   }
   bool mapped_;
-  CurvedMesh mesh_;
+  PnTriangleMesh mesh_;
 };
 
 /// Of two surfaces the nearer one.
@@ -183,11 +185,11 @@ TEST_CASE("a fit comes nearer by four where triangles are halved, and keeps its 
     const FormulaTarget target(shape.surface);
     ModelFitOptions options;
     options.tolerance = 1e-12;
-    options.most_halvings = 0;
+    options.max_refinements = 0;
     double off[2];
     for (const int k : {0, 1}) {
       const auto layout = layout_of(shape, shape.coarse / (1 + k));
-      const Points bent = layout->least_energy(SurfaceStiffness::isotropic(0, 1));
+      const Points bent = layout->minimize_energy(SurfaceStiffness::isotropic(0, 1));
       const ModelFit fit = fit_model(layout, bent, target, options);
       CHECK(residual(fit) < 1e-12);
       CHECK(fit.after.largest() < 0.05 * fit.before.largest());
@@ -204,12 +206,12 @@ TEST_CASE("triangles are halved until the tolerance is reached") {
   const bench::AnalyticShape shape = shape_named("torus quarter");
   const FormulaTarget target(shape.surface);
   const auto layout = layout_of(shape, shape.coarse);
-  const Points bent = layout->least_energy(SurfaceStiffness::isotropic(0, 1));
+  const Points bent = layout->minimize_energy(SurfaceStiffness::isotropic(0, 1));
   ModelFitOptions options;
   options.tolerance = 1e-5 * layout->size();
   const ModelFit fit = fit_model(layout, bent, target, options);
   CHECK(fit.reached);
-  CHECK(fit.halvings > 0);
+  CHECK(fit.refinements > 0);
   CHECK(fit.after.largest() <= options.tolerance);
   CHECK(fit.after.back.points == 400);
   CHECK(residual(fit) < 1e-12);
@@ -219,9 +221,9 @@ TEST_CASE("a fit has the same bits on one thread or two") {
   const bench::AnalyticShape shape = shape_named("sphere octant");
   const FormulaTarget target(shape.surface);
   const auto layout = layout_of(shape, shape.coarse);
-  const Points bent = layout->least_energy(SurfaceStiffness::isotropic(0, 1));
+  const Points bent = layout->minimize_energy(SurfaceStiffness::isotropic(0, 1));
   ModelFitOptions options;
-  options.most_halvings = 1;
+  options.max_refinements = 1;
   options.tolerance = 1e-7;
   Points found[2];
   for (const int threads : {1, 2}) {
@@ -234,9 +236,9 @@ TEST_CASE("a fit has the same bits on one thread or two") {
 
 TEST_CASE("where a target ends nothing pulls, and points there do not count") {
   const auto layout = unit_square();
-  const Points flat = layout->least_energy(SurfaceStiffness::isotropic(0, 1));
+  const Points flat = layout->minimize_energy(SurfaceStiffness::isotropic(0, 1));
   ModelFitOptions options;
-  options.most_halvings = 0;
+  options.max_refinements = 0;
   const ModelFit fit = fit_model(layout, flat, HalfPlane(), options);
   double near = 1, far = 0;
   for (int v = 0; v < layout->mesh()->vertex_count(); ++v) {
@@ -246,7 +248,7 @@ TEST_CASE("where a target ends nothing pulls, and points there do not count") {
   }
   CHECK(near > 0.045);
   CHECK(far < 0.02);  // of the 0.05: bending fades out there
-  CHECK(fit.before.regions[0].beyond > fit.before.regions[0].points / 2);
+  CHECK(fit.before.regions[0].excluded > fit.before.regions[0].points / 2);
 }
 
 TEST_CASE("a region whose lines lie on one part of the target is fitted to that part") {
@@ -254,7 +256,7 @@ TEST_CASE("a region whose lines lie on one part of the target is fitted to that 
   const Hill up(0.2), down(-0.2);
   const auto both = std::make_shared<NearerOf>(up, down);
   const auto layout = unit_square();
-  const Points flat = layout->least_energy(SurfaceStiffness::isotropic(0, 1));
+  const Points flat = layout->minimize_energy(SurfaceStiffness::isotropic(0, 1));
   for (const auto& [part, height] : {std::pair(&up, 0.2), std::pair(&down, -0.2)}) {
     ModelFitOptions options;
     options.tolerance = 2e-3;
@@ -275,7 +277,7 @@ TEST_CASE("a target deeper than it is wide is reached by its map") {
   skin.edge_length = 0.06;
   const auto layout = std::make_shared<const ModelLayout>(
       RegionLayout("disc", {{"rim", curve_from_hermite(circle({0, 0}, 0.5, 24))}}, skin));
-  const Points flat = layout->least_energy(SurfaceStiffness::isotropic(0, 1));
+  const Points flat = layout->minimize_energy(SurfaceStiffness::isotropic(0, 1));
   for (const bool mapped : {true, false}) {
     const auto balloon = std::make_shared<Balloon>(mapped);
     ModelFitOptions options;
@@ -296,13 +298,13 @@ TEST_CASE("a target deeper than it is wide is reached by its map") {
 }
 
 TEST_CASE("targets and tolerances that cannot be are refused") {
-  class Nothing : public TargetSurface {
+  class NoSurface : public TargetSurface {
     std::optional<Nearest> nearest(const Vec3&, const Vec3&) const override { return {}; }
     std::vector<Nearest> samples() const override { return {}; }
   };
   const auto layout = unit_square();
-  const Points flat = layout->least_energy(SurfaceStiffness::isotropic(0, 1));
-  CHECK_THROWS_WITH(fit_model(layout, flat, Nothing()), Contains("no point of the target"));
+  const Points flat = layout->minimize_energy(SurfaceStiffness::isotropic(0, 1));
+  CHECK_THROWS_WITH(fit_model(layout, flat, NoSurface()), Contains("no point of the target"));
   ModelFitOptions options;
   options.tolerance = std::nan("");
   CHECK_THROWS_WITH(fit_model(layout, flat, HalfPlane(), options), Contains("tolerance"));

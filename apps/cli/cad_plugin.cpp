@@ -1,0 +1,25 @@
+// The program's cad_plugin(): OpenCASCADE comes with a module, at the first call.
+#include "batten/io/lines/cad_plugin.h"
+#include "batten/apps/commands/runs/plugins.h"
+#include "batten/core/errors.h"
+#include "batten/core/parallel.h"
+
+namespace batten {
+
+const CadPlugin& cad_plugin() {
+  static const CadPlugin& calls = []() -> const CadPlugin& {
+    const std::string name = "batten_cad.so";
+    const auto file = find_plugin(name);
+    if (file.empty())
+      throw InputError(name + ": not found beside the program or in " BATTEN_LIBDIR
+                              "/batten, expected for CAD files");
+    const CadPlugin& plugin =
+        *reinterpret_cast<const CadPlugin* (*)()>(load_plugin(file, "batten_cad"))();
+    plugin.enable_sandboxed_read(is_sandboxed_read_enabled());
+    return plugin;
+  }();
+  calls.set_thread_count(thread_count());  // the module may have one of its own
+  return calls;
+}
+
+}  // namespace batten

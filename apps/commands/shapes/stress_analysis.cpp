@@ -1,0 +1,384 @@
+#include "batten/apps/commands/shapes/stress_analysis.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include "batten/analysis/models/shell_modes.h"
+#include "batten/analysis/models/shell_stresses.h"
+#include "batten/apps/commands/shapes/stress_files.h"
+#include "batten/apps/commands/shapes/stress_setup.h"
+
+namespace batten {
+namespace {
+
+/// One case or combination, and what the shell does under it.
+struct CaseResult {
+  StressReport::Case report;
+  Points load, displacement;
+  Location max_location;  // where it moves by most
+};
+
+std::vector<CaseResult> solve_cases(const Scene& scene, const ShellModel& shell,
+                                    const ShellDefinition& definition) {
+  const auto loads = case_loads(scene, shell.layout(), shell.shape(), definition);
+  std::vector<CaseResult> results;
+  for (const std::string& name : scene.stress->cases()) {
+    results.emplace_back();
+    results.back().report.name = name;
+    results.back().load = loads.at(name);
+  }
+  for (const SceneStress::Combination& sum : scene.stress->combinations) {
+    results.emplace_back();
+    results.back().report.name = sum.name;
+    results.back().report.combination = true;
+    results.back().load = Points::Zero(shell.shape().rows(), 3);
+    for (const auto& [load_case, factor] : sum.parts)
+      results.back().load += factor * loads.at(load_case.text);
+  }
+  if (results.empty()) {  // supports that move are enough
+    results.emplace_back();
+    results.back().report.name = "supports";
+    results.back().load = Points::Zero(shell.shape().rows(), 3);
+  }
+  for (CaseResult& a : results) a.displacement = shell.solve(a.load);
+  return results;
+}
+
+void measure_balance(const ShellModel& shell, CaseResult& a) {
+  StressReport::Case& c = a.report;
+  const Resultant load = resultant(shell.layout(), shell.shape(), a.load);
+  c.force = load.force;
+  Vec3 sum = load.force;
+  double size = 0;
+  for (const SupportReaction& r : shell.reactions(a.displacement, a.load)) {
+    c.reactions.push_back({r.support, r.resultant.force, r.resultant.moment});
+    sum += r.resultant.force;
+    size += r.resultant.force.norm();
+  }
+  size = std::max(size, load.force.norm());
+  c.equilibrium_residual = size > 0 ? sum.norm() / size : 0;
+  c.energy = shell.energy(a.displacement);
+}
+
+// At vertices inside of the trim, and in cut triangles at points of the rule of their inside.
+template <class Visit>
+void visit_sample_points(const Surface& surface, const Visit& visit) {
+  const Trim* trim = surface.trim().get();
+  for (int t = 0; t < surface.mesh().triangle_count(); ++t) {
+    if (trim && trim->side(t) == Trim::Side::Outside) continue;
+    if (!trim || trim->side(t) != Trim::Side::Cut) {
+      for (int i = 0; i < 3; ++i) visit(Location{t, Vec3::Unit(i)});
+      continue;
+    }
+    const TriangleRule rule = trim->rule(t, 1);
+    for (long p = 0; p < rule.weights.size(); ++p) visit(Location{t, rule.L.row(p).transpose()});
+  }
+}
+
+void measure_displacement(const ShellModel& shell, CaseResult& a) {
+  const Surface& surface = shell.assembler().surface();
+  const Surface moved = shell.layout().surface(a.displacement);
+  StressReport::Case& c = a.report;
+  visit_sample_points(surface, [&](const Location& where) {
+    const Vec3 u = moved.position(where);
+    if (!(u.norm() > c.displacement)) return;
+    c.displacement = u.norm();
+    a.max_location = where;
+    c.displacement_vector = u;
+    c.max_displacement_at = surface.position(where);
+    c.max_displacement_region =
+        shell.layout().region(shell.layout().region_of(where.triangle)).name();
+  });
+}
+
+// What is missing of the largest displacement, by the adjoint of it. Adds to `where`, which has an
+// entry for each triangle or none, the share that each has in that and in the error of the energy.
+void estimate_displacement_error(const ShellModel& shell, const ShellStresses& stresses,
+                                 CaseResult& a, VecX& where) {
+  StressReport::Case& c = a.report;
+  const auto add = [&](const VecX& parts) {
+    const double sum = parts.cwiseAbs().sum();
+    if (where.size() == parts.size() && sum > 0) where += parts.cwiseAbs() / sum;
+    return std::abs(parts.sum());
+  };
+  if (where.size() > 0) add(stresses.goal_error_per_triangle(stresses));
+  if (!(c.displacement > 0)) return;
+  const Vec3 direction = c.displacement_vector / c.displacement;
+  const Points adjoint =
+      shell.adjoint(point_force(shell.layout(), {{}, a.max_location, 0}, direction));
+  c.displacement_error = add(stresses.goal_error_per_triangle(ShellStresses(shell, adjoint)));
+}
+
+// √(twice the mean area of triangles) of a surface: the length of its edges.
+double edge_length(const ParametricMesh& mesh, const Surface& surface, int t) {
+  const double area =
+      mesh.shape(t).area * surface.jet({t, Vec3::Constant(1.0 / 3)}).area_vector().norm();
+  return std::sqrt(2 * area);
+}
+
+void measure_stress(const Scene& scene, const ShellModel& shell, const ShellDefinition& definition,
+                    const ShellStresses& stresses, StressReport::Case& c) {
+  const auto peak = stresses.peak();
+  c.stress = peak.value;
+  c.side = peak.height > 0 ? "top" : "bottom";
+  c.max_stress_at = peak.at;
+  c.max_stress_face_point = peak.at + 0.5 * peak.height * stresses.at(peak.where).thickness *
+                                          shell.assembler().surface().jet(peak.where).normal();
+  c.max_stress_region = shell.layout().region(shell.layout().region_of(peak.where.triangle)).name();
+  c.spread = peak.spread;
+  c.error = stresses.energy_norm_error();
+  if (scene.stress->yield > 0 && c.stress > 0) c.safety = scene.stress->yield / c.stress;
+  const Surface& surface = shell.assembler().surface();
+  constexpr double near = 3;  // edges
+  const double reach = near * edge_length(surface.mesh(), surface, peak.where.triangle);
+  const auto look = [&](const Vec3& p) { c.near_singularity |= (p - peak.at).norm() < reach; };
+  for (const SceneStress::Load& load : scene.stress->loads)
+    if (load.type == SceneStress::Load::Type::Point) look(load.point);
+  for (const PointSupport& support : definition.points)
+    look(surface.position(support.position.where));
+}
+
+// How thin the shell is against its radii, and how fine its elements are.
+void measure_theory(const ShellModel& shell, StressReport& report) {
+  const Surface& surface = shell.assembler().surface();
+  const Trim* trim = surface.trim().get();
+  for (int t = 0; t < surface.mesh().triangle_count(); ++t) {
+    if (trim && trim->side(t) == Trim::Side::Outside) continue;
+    const Curvatures bend = curvatures(surface.jet({t, Vec3::Constant(1.0 / 3)}));
+    const double k = std::max(std::abs(bend.k1), std::abs(bend.k2));
+    const double thickness = shell.assembler().section(t).thickness;
+    report.thickness_over_radius = std::max(report.thickness_over_radius, thickness * k);
+    report.edge_over_boundary_layer =
+        std::max(report.edge_over_boundary_layer,
+                 edge_length(surface.mesh(), surface, t) * std::sqrt(k / thickness));
+  }
+}
+
+void warn(const StressReport& s, std::vector<std::string>& warnings) {
+  constexpr double thin = 0.1, coarse = 1.5;
+  if (s.thickness_over_radius > thin)
+    warnings.push_back("the shell is up to " + format_number(s.thickness_over_radius) +
+                       " of its radius thick: thin shell theory is meant for 0.1 and less");
+  if (s.edge_over_boundary_layer > coarse)
+    warnings.push_back(
+        "elements are up to " + format_number(s.edge_over_boundary_layer) +
+        " times √(radius × thickness) long, above 1.5 they may be too stiff: a smaller edge_length "
+        "shows how much");
+  for (const std::string& motion : s.weakly_constrained_motions)
+    warnings.push_back("the supports hardly hold it: " + motion +
+                       ", which they resist by a lever of " +
+                       format_number(100 * s.smallest_lever) +
+                       " % of its size: the result hangs on exactly where they are");
+  for (const auto& c : s.cases)
+    if (c.near_singularity)
+      warnings.push_back("case '" + c.name +
+                         "': the largest stress is beside a point load or a "
+                         "point support, where it has no limit as elements get smaller");
+}
+
+std::string three_digits(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.3g", value);
+  return text;
+}
+
+void find_buckling(const Scene& scene, const ShellModel& shell, CaseResult& a, StressFiles& files) {
+  const ShellBuckling found = buckling(shell, a.displacement, scene.stress->buckling);
+  std::vector<std::string> captions;
+  for (const double factor : found.factors) {
+    a.report.buckling.push_back(factor);
+    captions.push_back(a.report.name + " buckles at " + three_digits(factor) + " times its load");
+  }
+  a.report.buckling_requested = true;
+  if (!captions.empty())
+    files.write_mode_shapes(a.report.name + " buckling", found.shapes, captions);
+}
+
+void find_modes(const Scene& scene, const ShellModel& shell, StressReport& report,
+                StressFiles& files) {
+  const ShellModes modes = natural_modes(shell, scene.stress->modes);
+  std::vector<std::string> captions;
+  for (const double f : modes.frequencies) {
+    report.frequencies.push_back(f);
+    captions.push_back(three_digits(f) + " Hz");
+  }
+  files.write_mode_shapes("modes", modes.shapes, captions);
+}
+
+// Solves and measures all cases, one after the other. each(shell, answer, stresses) may add to what
+// is reported of a case.
+template <class Each>
+StressReport solved(const Scene& scene, const ShellModel& shell, const ShellDefinition& definition,
+                    VecX& where, const Progress& progress, const Each& each) {
+  StressReport report;
+  report.material = scene.stress->material;
+  report.unknowns = shell.unknowns();
+  report.yield = scene.stress->yield;
+  report.weakly_constrained_motions = shell.rigid_body_modes().weakly_constrained;
+  report.smallest_lever = shell.rigid_body_modes().smallest_lever;
+  measure_theory(shell, report);
+  for (CaseResult& a : solve_cases(scene, shell, definition)) {
+    progress.update("stress of " + a.report.name, 0);
+    measure_balance(shell, a);
+    measure_displacement(shell, a);
+    const ShellStresses stresses(shell, a.displacement);
+    estimate_displacement_error(shell, stresses, a, where);
+    measure_stress(scene, shell, definition, stresses, a.report);
+    each(a, stresses);
+    report.cases.push_back(a.report);
+  }
+  return report;
+}
+
+}  // namespace
+
+StressEvaluator::MaxValues StressEvaluator::at(const ModelLayout& layout, const Points& dofs) {
+  if (shell_ && shell_->layout().mesh() == layout.mesh()) {
+    shell_->update_shape(dofs);
+  } else {
+    require_consistent_units(scene_);
+    definition_ = shell_definition(scene_, layout, dofs);
+    shell_.emplace(layout, dofs, definition_);
+  }
+  MaxValues largest;
+  displacement_.resize(0, 3);
+  for (CaseResult& a : solve_cases(scene_, *shell_, definition_)) {
+    measure_displacement(*shell_, a);
+    largest.displacement = std::max(largest.displacement, a.report.displacement);
+    const double peak = ShellStresses(*shell_, a.displacement).peak().value;
+    if (displacement_.size() > 0 && peak < largest.von_mises) continue;
+    largest.von_mises = peak;
+    governing_case_ = a.report.name;
+    displacement_ = std::move(a.displacement);
+  }
+  return largest;
+}
+
+StressEvaluator::Field StressEvaluator::field(const std::vector<Location>& places) const {
+  const ShellStresses stresses(*shell_, displacement_);
+  const Surface moved = shell_->layout().surface(displacement_);
+  Field field;
+  field.load_case = governing_case_;
+  for (const Location& where : places) {
+    const ShellStress stress = stresses.at(where);
+    const Vec3 u = moved.position(where);
+    field.von_mises.push_back(
+        static_cast<float>(std::max(von_mises(stress.at(1)), von_mises(stress.at(-1)))));
+    for (const double x : u) field.displacement.push_back(static_cast<float>(x));
+  }
+  return field;
+}
+
+StressEvaluator::ModeShapes StressEvaluator::mode_shapes(const std::vector<Location>& places,
+                                                         int count) const {
+  const ShellModes modes = natural_modes(*shell_, std::min(count, shell_->unknowns() / 2 - 1));
+  ModeShapes mode_shapes;
+  for (size_t m = 0; m < modes.shapes.size(); ++m) {
+    const Surface shape = shell_->layout().surface(modes.shapes[m]);
+    std::vector<float> moved;
+    double largest = 0;
+    for (const Location& where : places) {
+      const Vec3 u = shape.position(where);
+      largest = std::max(largest, u.norm());
+      for (const double x : u) moved.push_back(static_cast<float>(x));
+    }
+    for (float& x : moved) x = static_cast<float>(x / std::max(largest, 1e-300));
+    mode_shapes.frequencies.push_back(modes.frequencies[static_cast<long>(m)]);
+    mode_shapes.displacements.push_back(std::move(moved));
+  }
+  return mode_shapes;
+}
+
+StressReport stresses_of(const Scene& scene, const SolvedShape& shape, VecX& where,
+                         const BackendFactory& factors, const Progress& progress) {
+  require_consistent_units(scene);
+  const ShellDefinition definition = shell_definition(scene, *shape.layout, shape.dofs);
+  const ShellModel shell(*shape.layout, shape.dofs, definition,
+                         ShellModel::RigidBodyHandling::Refused, factors);
+  where = VecX::Zero(shape.layout->mesh()->triangle_count());
+  return solved(scene, shell, definition, where, progress,
+                [](CaseResult&, const ShellStresses&) {});
+}
+
+void analyse(RunContext& run, const Scene& scene, const SolvedShape& shape,
+             const BackendFactory& factors, const Progress& progress) {
+  if (!shape.layout) return;
+  require_consistent_units(scene);
+  progress.update("stress", 0);
+  const ShellDefinition definition = shell_definition(scene, *shape.layout, shape.dofs);
+  const ShellModel shell(*shape.layout, shape.dofs, definition,
+                         ShellModel::RigidBodyHandling::Refused, factors);
+  run.watch.lap("stress");
+  StressFiles files(run, scene, shell);
+  VecX ignored_indicators;
+  StressReport report = solved(
+      scene, shell, definition, ignored_indicators, progress,
+      [&](CaseResult& a, const ShellStresses& stresses) {
+        files.write_case(a.report.name, a.displacement, a.report.displacement, stresses);
+        constexpr double balanced = 1e-8;
+        if (!(a.report.equilibrium_residual <= balanced))
+          run.report.failed_checks.push_back(
+              {"stress.balance of " + a.report.name,
+               "is " + format_number(a.report.equilibrium_residual) + ", promised at most 1e-8"});
+        if (scene.stress->buckling > 0) find_buckling(scene, shell, a, files);
+      });
+  if (scene.stress->modes > 0) find_modes(scene, shell, report, files);
+  warn(report, run.report.warnings);
+  run.report.stress = std::move(report);
+  run.watch.lap("stress files");
+}
+
+namespace {
+
+std::string format_rounded_point(const Vec3& p) {
+  std::string text;
+  for (int c = 0; c < 3; ++c) text += (c ? ", " : "(") + three_digits(p[c]);
+  return text + ")";
+}
+
+}  // namespace
+
+std::string stress_summary(const StressReport& report, const std::string& unit) {
+  std::string text =
+      summary_line("stress", std::to_string(report.unknowns) + " unknowns" +
+                                 (report.material.empty() ? "" : ", " + report.material));
+  for (const auto& m : report.meshes)
+    text += summary_line(
+        &m == &report.meshes[0] ? "meshes" : "",
+        "edges of " + three_digits(m.edge_length) + " " + unit + ": " + std::to_string(m.unknowns) +
+            " unknowns, moves by " + three_digits(m.displacement) + ", von Mises " +
+            three_digits(m.stress) + ", error " + three_digits(100 * m.error) + " %");
+  for (const auto& c : report.cases) {
+    std::string stress = "von Mises " + three_digits(c.stress) + " at " +
+                         format_rounded_point(c.max_stress_at) + ", " + c.side + " of '" +
+                         c.max_stress_region + "', ± " + three_digits(c.spread);
+    if (c.safety > 0) stress += "; yield / stress " + three_digits(c.safety);
+    text += summary_line(c.combination ? "combination" : "case", "'" + c.name + "': " + stress);
+    if (c.calculix)
+      text += summary_line("", "CalculiX, " + c.calculix->elements + ": moves by " +
+                                   three_digits(c.calculix->displacement) + " " + unit +
+                                   ", there " + three_digits(c.calculix->displacement_there) +
+                                   "; von Mises " + three_digits(c.calculix->stress) + ", there " +
+                                   three_digits(c.calculix->stress_there));
+    if (c.buckling_requested)
+      text += summary_line(
+          "", c.buckling.empty() ? "does not buckle under this load"
+                                 : "buckles at " + three_digits(c.buckling[0]) + " times its load");
+    text += summary_line("", "moves by " + three_digits(c.displacement) + " " + unit + " at " +
+                                 format_rounded_point(c.max_displacement_at) + ", ± " +
+                                 three_digits(c.displacement_error) + "; error about " +
+                                 three_digits(100 * c.error) + " % in energy norm");
+  }
+  for (const auto& d : report.sensitivities)
+    text += summary_line(&d == &report.sensitivities[0] ? "sensitivity" : "",
+                         "by '" + d.parameter + "', case '" + d.load_case + "': moves by " +
+                             three_digits(d.displacement) + " " + unit +
+                             " more for each 1, the loads' work by " + three_digits(d.compliance));
+  std::string hertz;
+  for (const double f : report.frequencies) hertz += (hertz.empty() ? "" : ", ") + three_digits(f);
+  if (!hertz.empty()) text += summary_line("frequencies", hertz + " Hz");
+  return text;
+}
+
+}  // namespace batten

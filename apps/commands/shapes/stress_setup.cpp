@@ -1,0 +1,242 @@
+#include "batten/apps/commands/shapes/stress_setup.h"
+
+#include <algorithm>
+
+#include "batten/core/errors.h"
+#include "batten/sculpting/loads/area_weights.h"
+#include "batten/skinning/region/skin_quality.h"
+
+namespace batten {
+
+std::vector<std::string> find_lines(const ModelLayout& layout, const Scene& scene,
+                                    const LocatedString& line) {
+  std::vector<std::string> all, found;
+  for (const ModelLine& l : layout.lines()) {
+    all.push_back(l.name);
+    if (is_part_of(l.name, line.text)) found.push_back(l.name);
+  }
+  if (found.empty())
+    throw InputError(scene.at(line.location) + "found the line '" + line.text + "', expected " +
+                     expected_one_of(line.text, all));
+  return found;
+}
+
+int find_region(const ModelLayout& layout, const Scene& scene, const LocatedString& region) {
+  std::vector<std::string> names;
+  for (const auto& r : layout.regions()) {
+    if (r->name() == region.text) return isize(names);
+    names.push_back(r->name());
+  }
+  throw InputError(scene.at(region.location) + "found the region '" + region.text + "', expected " +
+                   expected_one_of(region.text, names));
+}
+
+void require_consistent_units(const Scene& scene) {
+  const SceneStress& s = *scene.stress;
+  const auto refuse = [&](const std::string& what, const std::string& expected) {
+    throw InputError(scene.at({}) + "[stress]: found " + what + " in a scene in " + scene.unit +
+                     ", expected " + expected);
+  };
+  constexpr double mpa_at_most = 5e6, tonnes_at_most = 1e-6, pascal_at_least = 1e5,
+                   kilograms_at_least = 1e-3;
+  if (scene.unit == "mm") {
+    if (s.young > mpa_at_most)
+      refuse("young = " + format_number(s.young), "N/mm² (steel: 210000), not Pa");
+    if (s.density > tonnes_at_most)
+      refuse("density = " + format_number(s.density), "t/mm³ (steel: 7.85e-9), not kg/m³");
+  }
+  if (scene.unit == "m") {
+    if (s.young < pascal_at_least && s.density > 0)
+      refuse("young = " + format_number(s.young), "Pa (steel: 210e9), not N/mm²");
+    if (s.density > 0 && s.density < kilograms_at_least)
+      refuse("density = " + format_number(s.density), "kg/m³ (steel: 7850), not t/mm³");
+  }
+}
+
+namespace {
+
+// The area that a scene means, once for each part of a line that is in parts.
+std::vector<Area> areas_of(const Scene& scene, const ModelLayout& layout, const SceneArea& area) {
+  Area common = area.area;
+  for (const LocatedString& region : area.regions) {
+    find_region(layout, scene, region);
+    common.regions.push_back(region.text);
+  }
+  auto* near = std::get_if<Area::NearLine>(&common.where);
+  if (!near) return {common};
+  std::vector<Area> areas;
+  for (const std::string& line : find_lines(layout, scene, area.line)) {
+    near->line = line;
+    areas.push_back(common);
+  }
+  return areas;
+}
+
+ShellLocation place_of(const Scene& scene, const ModelLayout& layout, const Points& shape,
+                       const Vec3& point, const SourceLocation& at) {
+  const ShellLocation location = nearest_location(layout, shape, point);
+  constexpr double far = 0.05;  // of the model
+  if (location.distance > far * layout.size())
+    throw InputError(scene.at(at) + "found a point " + format_number(location.distance) + " " +
+                     scene.unit + " away from the surface, expected one on it or near it");
+  return location;
+}
+
+ShellPart part_of(const Scene& scene, const ModelLayout& layout, const LocatedString& region,
+                  const std::optional<Box3>& box) {
+  ShellPart part;
+  if (!region.text.empty()) part.regions = {find_region(layout, scene, region)};
+  part.box = box;
+  return part;
+}
+
+void add_support(const Scene& scene, const ModelLayout& layout, const Points& shape,
+                 const SceneStress::Support& support, ShellDefinition& definition) {
+  using Kind = SceneStress::Support::Kind;
+  const ShellPart part = part_of(scene, layout, support.region, support.box);
+  if (support.kind == Kind::Elastic) {
+    ElasticSupport springs{support.description(), {}, "", part, support.springs,
+                           support.foundation};
+    if (support.point)
+      springs.position = place_of(scene, layout, shape, *support.point, support.location);
+    if (support.line.text.empty()) {
+      definition.elastic.push_back(springs);
+      return;
+    }
+    for (const std::string& line : find_lines(layout, scene, support.line)) {
+      springs.line = line;
+      definition.elastic.push_back(springs);
+    }
+    return;
+  }
+  const bool all = support.kind == Kind::Clamped || support.kind == Kind::Pinned;
+  const std::vector<Vec3> directions =
+      all ? std::vector<Vec3>{Vec3::UnitX(), Vec3::UnitY(), Vec3::UnitZ()} : support.directions;
+  if (support.point) {
+    definition.points.push_back({support.description(),
+                                 place_of(scene, layout, shape, *support.point, support.location),
+                                 directions, support.displacement});
+    return;
+  }
+  if (support.line.text.empty()) {
+    definition.areas.push_back({support.description(), part, directions, support.displacement});
+    return;
+  }
+  for (const std::string& line : find_lines(layout, scene, support.line))
+    definition.lines.push_back({support.description(), line, directions, support.displacement,
+                                support.rotation, support.box});
+}
+
+Points load_of(const Scene& scene, const ModelLayout& layout, const Points& shape,
+               const ShellDefinition& definition, const SceneStress::Load& load) {
+  using Type = SceneStress::Load::Type;
+  const ShellPart part = part_of(scene, layout, load.region, load.box);
+  const Vec3 v = load.vector;
+  const double value = load.value, level = load.level;
+  const auto along_lines = [&](const auto& one) {
+    Points sum = Points::Zero(shape.rows(), 3);
+    for (const std::string& line : find_lines(layout, scene, load.line)) sum += one(line);
+    return sum;
+  };
+  switch (load.type) {
+    case Type::Pressure:
+      return surface_traction(
+          layout, shape, [=](const Vec3&, const Vec3& n) -> Vec3 { return value * n; }, part);
+    case Type::AreaForce:
+      return surface_traction(
+          layout, shape, [=](const Vec3&, const Vec3&) { return v; }, part);
+    case Type::Hydrostatic:
+      return surface_traction(
+          layout, shape,
+          [=](const Vec3& x, const Vec3& n) -> Vec3 {
+            return value * std::max(0.0, level - x.z()) * n;
+          },
+          part);
+    case Type::Gravity:
+      return gravity_load(layout, shape, triangle_sections(layout, definition), v);
+    case Type::Point:
+      return point_force(layout, place_of(scene, layout, shape, load.point, load.location), v);
+    case Type::LineForce:
+      return along_lines(
+          [&](const std::string& line) { return line_force(layout, shape, line, v, load.box); });
+    case Type::LineMoment:
+      return along_lines([&](const std::string& line) {
+        return line_moment(layout, shape, line, value, load.box);
+      });
+  }
+  return {};
+}
+
+// Thicknesses of regions, then those that fade from them, one after the other.
+void set_thicknesses(const Scene& scene, const ModelLayout& layout, const Points& shape,
+                     ShellDefinition& definition) {
+  const auto& stated = scene.stress->thicknesses;
+  if (stated.empty()) return;
+  definition.sections.assign(static_cast<size_t>(layout.region_count()), definition.sections[0]);
+  for (const auto& of : stated)
+    if (!of.region.text.empty())
+      definition.sections[find_region(layout, scene, of.region)].thickness = of.thickness;
+  const Surface surface = layout.surface(shape);
+  const ParametricMesh& mesh = surface.mesh();
+  const VecX none = VecX::Zero(mesh.vertex_count());
+  VecX base = none, all;
+  for (int t = 0; t < mesh.triangle_count(); ++t)
+    for (const int v : mesh.triangles()[t])
+      base[v] = definition.sections[layout.region_of(t)].thickness;
+  all = base;
+  for (const auto& of : stated) {
+    if (!of.region.text.empty()) continue;
+    for (const Area& area : areas_of(scene, layout, of.area)) {
+      const VecX weights = triangle_weights(area, layout, surface);
+      VecX sum = none, count = none;
+      for (int t = 0; t < mesh.triangle_count(); ++t)
+        for (const int v : mesh.triangles()[t]) {
+          sum[v] += weights[t];
+          count[v] += 1;
+        }
+      for (long v = 0; v < all.size(); ++v)
+        if (count[v] > 0) all[v] += sum[v] / count[v] * (of.thickness - all[v]);
+    }
+  }
+  if (all != base) definition.nodal_thickness_offset = all - base;
+}
+
+}  // namespace
+
+ShellDefinition shell_definition(const Scene& scene, const ModelLayout& layout,
+                                 const Points& shape) {
+  const SceneStress& s = *scene.stress;
+  ShellDefinition definition;
+  const ShellMaterial material =
+      s.young_across > 0
+          ? ShellMaterial::orthotropic(s.young, s.young_across, s.poisson, s.shear, s.density)
+          : ShellMaterial::isotropic(s.young, s.poisson, s.density);
+  definition.sections = {{material, s.thickness, s.along}};
+  set_thicknesses(scene, layout, shape, definition);
+  for (const SceneStress::Support& support : s.supports)
+    add_support(scene, layout, shape, support, definition);
+  for (const LocatedString& hinge : s.hinges)
+    for (const std::string& line : find_lines(layout, scene, hinge)) {
+      if (layout.model_line(line).sides.size() < 2)
+        throw InputError(scene.at(hinge.location) + "found the hinge '" + line +
+                         "', which is a rim, expected a line of two regions");
+      definition.hinges.push_back(line);
+    }
+  return definition;
+}
+
+std::map<std::string, Points> case_loads(const Scene& scene, const ModelLayout& layout,
+                                         const Points& shape, const ShellDefinition& definition) {
+  std::map<std::string, Points> loads;
+  for (const SceneStress::Load& load : scene.stress->loads) {
+    Points& sum = loads.try_emplace(load.load_case, Points::Zero(shape.rows(), 3)).first->second;
+    try {
+      sum += load_of(scene, layout, shape, definition, load);
+    } catch (const EmptyPartError& e) {
+      throw InputError(scene.at(load.location) + e.what());
+    }
+  }
+  return loads;
+}
+
+}  // namespace batten

@@ -1,0 +1,40 @@
+// Points of the model in the window. Internal.
+#pragma once
+
+#include <vtkRenderer.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "batten/core/eigen.h"
+
+namespace batten::studio {
+
+/// The renderer's pixels, from the lower left corner, and the depth.
+inline Vec3 to_display(vtkRenderer& renderer, const Vec3& p) {
+  renderer.SetWorldPoint(p.x(), p.y(), p.z(), 1);
+  renderer.WorldToDisplay();
+  Vec3 window;
+  renderer.GetDisplayPoint(window.data());
+  return window;
+}
+inline Vec2 to_screen(vtkRenderer& renderer, const Vec3& p) {
+  return to_display(renderer, p).head<2>();
+}
+inline Vec3 to_world(vtkRenderer& renderer, const Vec3& window) {
+  double world[4];
+  renderer.SetDisplayPoint(window.data());
+  renderer.DisplayToWorld();
+  renderer.GetWorldPoint(world);
+  return Vec3(world[0], world[1], world[2]) / world[3];
+}
+
+/// The distance of a point from a piece of a line, and where along the piece it is nearest, 0 to 1.
+inline std::pair<double, double> distance_to_segment(const Vec2& p, const Vec2& a, const Vec2& b) {
+  const Vec2 along = b - a;
+  const double length = along.squaredNorm();
+  const double parameter = length > 0 ? std::clamp((p - a).dot(along) / length, 0.0, 1.0) : 0;
+  return {(p - a - parameter * along).norm(), parameter};
+}
+
+}  // namespace batten::studio

@@ -1,0 +1,197 @@
+#include "batten/constraints/reusable_factorization.h"
+
+#include <algorithm>
+
+#include "batten/core/elimination_order.h"
+#include "batten/core/errors.h"
+#include "batten/core/isize.h"
+
+namespace batten {
+namespace {
+
+// Vertices with free unknowns of their own are the nodes.
+struct Nodes {
+  std::vector<int> of_vertex;   // -1: none of its dofs is free
+  std::vector<int> of_unknown;  // -1: an edge's
+  int count = 0;
+};
+
+Nodes nodes_of(const std::vector<int>& free_dofs, const DofVertices& vertices) {
+  Nodes nodes;
+  for (const auto& ends : vertices)
+    nodes.of_vertex.resize(
+        std::max(nodes.of_vertex.size(), static_cast<size_t>(std::max(ends[0], ends[1])) + 1), -1);
+  for (const int dof : free_dofs) {
+    const auto [a, b] = vertices[dof];
+    int& node = nodes.of_vertex[a];
+    if (a == b && node < 0) node = nodes.count++;
+    nodes.of_unknown.push_back(a == b ? node : -1);
+  }
+  return nodes;
+}
+
+// Which nodes `reduced` couples: a lower triangle. The unknowns of a node follow one another.
+SparseMatrix graph_of(const SparseMatrix& reduced, const Nodes& nodes) {
+  std::vector<int> last(static_cast<size_t>(nodes.count), -1), starts, rows;
+  for (int j = 0; j < reduced.cols(); ++j) {
+    const int own = nodes.of_unknown[j];
+    if (own < 0) continue;
+    if (own == isize(starts)) {
+      starts.push_back(isize(rows));
+      rows.push_back(own);
+      last[own] = own;
+    }
+    for (SparseMatrix::InnerIterator it(reduced, j); it; ++it) {
+      const int other = nodes.of_unknown[it.row()];
+      if (other < 0 || last[other] == own) continue;
+      last[other] = own;
+      rows.push_back(other);
+    }
+  }
+  starts.push_back(isize(rows));
+  SparseMatrix graph(nodes.count, nodes.count);
+  graph.resizeNonZeros(static_cast<long>(rows.size()));
+  std::copy(starts.begin(), starts.end(), graph.outerIndexPtr());
+  for (size_t s = 0; s + 1 < starts.size(); ++s)
+    std::sort(rows.begin() + starts[s], rows.begin() + starts[s + 1]);
+  std::copy(rows.begin(), rows.end(), graph.innerIndexPtr());
+  std::fill_n(graph.valuePtr(), rows.size(), 1.0);
+  return graph;
+}
+
+}  // namespace
+
+std::vector<int> vertex_ordering(const AffineReduction& reduction, const SparseMatrix& reduced,
+                                 const DofVertices& vertices, FactorReuse factor_reuse) {
+  const std::vector<int>& free_dofs = reduction.free_dofs();
+  if (reduction.coupled() || static_cast<long>(vertices.size()) != reduction.D().rows())
+    throw InputError("vertices of " + std::to_string(vertices.size()) + " dofs for " +
+                     std::to_string(reduction.D().rows()));
+  const Nodes nodes = nodes_of(free_dofs, vertices);
+  const std::vector<int> order = elimination_order(graph_of(reduced, nodes), factor_reuse);
+  std::vector<int> position(order.size());
+  for (size_t i = 0; i < order.size(); ++i) position[order[i]] = static_cast<int>(i) + 1;
+  // An edge between vertices that have nothing free comes first of all, at place 0.
+  const auto position_of = [&](int dof) {
+    const auto [a, b] = vertices[dof];
+    const int node = nodes.of_vertex[a], other = nodes.of_vertex[b];
+    if (node < 0) return other < 0 ? 0 : position[other];
+    if (other < 0) return position[node];
+    return std::min(position[node], position[other]);
+  };
+  std::vector<int> starts(order.size() + 2, 0), unknowns(free_dofs.size());
+  for (const int dof : free_dofs) ++starts[static_cast<size_t>(position_of(dof)) + 1];
+  for (size_t i = 1; i < starts.size(); ++i) starts[i] += starts[i - 1];
+  for (size_t f = 0; f < free_dofs.size(); ++f)
+    unknowns[starts[position_of(free_dofs[f])]++] = static_cast<int>(f);
+  return unknowns;
+}
+
+void ReusableFactorization::check(const SparseMatrix& S) const {
+  if (reduction_->coupled())
+    throw InputError("rows that mix x, y and z do not belong into the reduction of a live system");
+  if (S.rows() != D().rows() || S.cols() != S.rows())
+    throw InputError("a matrix of " + std::to_string(S.rows()) + " × " + std::to_string(S.cols()) +
+                     " for " + std::to_string(D().rows()) + " dofs");
+}
+
+ReusableFactorization::ReusableFactorization(std::shared_ptr<const AffineReduction> reduction,
+                                             SparseMatrix S, const DofVertices& vertices,
+                                             FactorReuse factor_reuse)
+    : reduction_(std::move(reduction)) {
+  check(S);
+  prepare_expansion();
+  const SparseMatrix reduced = reduction_->reduce(S);
+  std::vector<int> order;
+  if (!vertices.empty()) order = vertex_ordering(*reduction_, reduced, vertices, factor_reuse);
+  factorize(S, reduced, &order);
+  S_ = std::move(S);
+}
+
+ReusableFactorization::ReusableFactorization(const ReusableFactorization& like, SparseMatrix S)
+    : reduction_(like.reduction_) {
+  check(S);
+  prepare_expansion();
+  const std::vector<int> order = like.factor_.order();
+  factorize(S, reduction_->reduce(S), &order);
+  S_ = std::move(S);
+}
+
+void ReusableFactorization::factorize(const SparseMatrix& S, const SparseMatrix& reduced,
+                                      const std::vector<int>* order) {
+  if (order) factor_.analyze(reduced, *order);
+  if (!factor_.factorize(reduced)) throw NoSolutionError(factor_.message());
+  // H = Dᵀ (S R).
+  const SparseMatrix& R = reduction_->rhs_to_particular();
+  H_.resize(free_count(), R.cols());
+  if (R.nonZeros() > 0)
+    H_ = SparseMatrix(D().transpose()) * SparseMatrix(columns_of_constrained(S) * R);
+}
+
+// Constrained dofs are few, and R has rows of no others: the rest of S is left out.
+SparseMatrix ReusableFactorization::columns_of_constrained(const SparseMatrix& S) const {
+  std::vector<char> constrained(static_cast<size_t>(S.cols()), 0);
+  for (const ConstrainedDof& row : constrained_dofs_) constrained[row.dof] = 1;
+  std::vector<Triplet> entries;
+  for (int j = 0; j < S.cols(); ++j)
+    for (SparseMatrix::InnerIterator it(S, j); it; ++it) {
+      if (it.row() < j) continue;
+      const int i = static_cast<int>(it.row());
+      if (constrained[j]) entries.emplace_back(i, j, it.value());
+      if (i != j && constrained[i]) entries.emplace_back(j, i, it.value());
+    }
+  SparseMatrix columns(S.rows(), S.cols());
+  columns.setFromTriplets(entries.begin(), entries.end());
+  return columns;
+}
+
+void ReusableFactorization::set_matrix(SparseMatrix S) {
+  if (S.nonZeros() != S_.nonZeros() || S.rows() != S_.rows())
+    throw InputError("a live system is given a matrix of another pattern");
+  try {
+    factorize(S, reduction_->reduce(S), nullptr);
+  } catch (...) {
+    factorize(S_, reduction_->reduce(S_), nullptr);
+    throw;
+  }
+  S_ = std::move(S);
+}
+
+void ReusableFactorization::start_load(const MatX& d, MatX& to) const {
+  to.setZero();
+  if (H_.nonZeros() > 0) to.noalias() -= H_ * d;
+}
+
+void ReusableFactorization::prepare_expansion() {
+  const Eigen::SparseMatrix<double, Eigen::RowMajor> rows = D();
+  std::vector<char> free(static_cast<size_t>(rows.rows()), 0);
+  for (const int dof : reduction_->free_dofs()) free[dof] = 1;
+  for (int dof = 0; dof < rows.rows(); ++dof) {
+    if (free[dof]) continue;
+    const int begin = isize(terms_);
+    for (Eigen::SparseMatrix<double, Eigen::RowMajor>::InnerIterator it(rows, dof); it; ++it)
+      terms_.emplace_back(static_cast<int>(it.col()), it.value());
+    constrained_dofs_.push_back({dof, begin, isize(terms_)});
+  }
+}
+
+void ReusableFactorization::expand(const MatX& y, const Points& e, Points& z) const {
+  const auto& free = reduction_->free_dofs();
+  for (int c = 0; c < 3; ++c) {
+    const double* from = y.col(c).data();
+    double* to = z.col(c).data();
+    for (size_t f = 0; f < free.size(); ++f) to[free[f]] = from[f];
+    for (const ConstrainedDof& row : constrained_dofs_) {
+      double sum = e(row.dof, c);
+      for (int k = row.begin; k < row.end; ++k) sum += terms_[k].second * from[terms_[k].first];
+      to[row.dof] = sum;
+    }
+  }
+}
+
+size_t ReusableFactorization::bytes() const {
+  return sizeof(double) * static_cast<size_t>(factor_.factor_entries()) +
+         12 * static_cast<size_t>(S_.nonZeros() + H_.nonZeros());
+}
+
+}  // namespace batten

@@ -1,0 +1,56 @@
+// Output files that are written whole or not at all.
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <iosfwd>
+#include <optional>
+
+#include "batten/core/errors.h"
+#include "batten/io/files/temporary_file_guard.h"
+
+namespace batten {
+
+/// The system does not let a file be written: no room, no permission. What fails with this fails
+/// for every file, not for one surface.
+class FileError : public InputError {
+ public:
+  using InputError::InputError;
+};
+
+/// An output file that is being written. Libraries write to temporary(), a name in the same folder
+/// with the same extension. commit() gives the file its real name in one step and replaces an older
+/// one. Without a commit the destructor removes it, and an older file stays as it was.
+class AtomicFile {
+ public:
+  /// Creates the temporary file, so that a folder that is missing or not writable is found out
+  /// before the work is done. Removes those that killed programs left for a file of this name.
+  /// Throws FileError with the file and the system's reason, also when `path` exists and is not a
+  /// regular file.
+  explicit AtomicFile(std::filesystem::path path);
+  ~AtomicFile();
+  AtomicFile(const AtomicFile&) = delete;
+  AtomicFile& operator=(const AtomicFile&) = delete;
+
+  const std::filesystem::path& path() const { return path_; }
+  const std::filesystem::path& temporary() const { return temporary_; }
+  /// Gives the file its real name. Call it once, after the writer has closed the file. Throws
+  /// FileError when the system refuses.
+  void commit();
+
+ private:
+  std::filesystem::path path_, temporary_;
+  std::optional<TemporaryFileGuard> guard_;
+};
+
+/// Writes a file, whole or not at all, with what `write` puts into the stream (numbers in the C
+/// locale, '\n' line ends). Throws FileError, also when the disk is full, and whatever `write`
+/// throws.
+void write_file_atomically(const std::filesystem::path& path,
+                           const std::function<void(std::ostream&)>& write);
+
+/// Makes sure that the folder exists, with all folders above it, and that files can be created in
+/// it. Throws FileError otherwise.
+void make_output_folder(const std::filesystem::path& path);
+
+}  // namespace batten

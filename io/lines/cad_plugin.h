@@ -1,0 +1,45 @@
+// What programs use of OpenCASCADE, as one table: linked in, or in a module that a program loads at
+// the first call. Internal.
+#pragma once
+
+#include "batten/core/parallel.h"
+#include "batten/io/cad/cad_convert.h"
+#include "batten/io/cad/continuity.h"
+#include "batten/io/cad/read_cad_contents.h"
+#include "batten/io/cad/step.h"
+#include "batten/io/cad/step_face.h"
+#include "batten/io/cad/tessellate_cad.h"
+#include "batten/io/files/sandboxed_read.h"
+#include "batten/io/lines/cad_face_topology.h"
+#include "batten/io/lines/cad_lines.h"
+#include "batten/io/lines/curve_cad.h"
+
+namespace batten {
+
+struct CadPlugin {
+  decltype(&batten::write_step) write_step;
+  decltype(&batten::write_step_faces) write_step_faces;
+  decltype(&batten::step_size_warning) step_size_warning;
+  decltype(&batten::check_step) check_step;
+  decltype(&batten::measure_continuity) measure_continuity;
+  decltype(&batten::read_cad_lines) read_cad_lines;
+  decltype(&batten::read_cad_surfaces) read_cad_surfaces;
+  decltype(&batten::read_cad_loops) read_cad_loops;
+  decltype(&batten::write_cad_curves) write_cad_curves;
+  decltype(&batten::read_cad_contents) read_cad_contents;
+  decltype(&batten::convert_cad) convert_cad;
+  decltype(&batten::tessellate_cad) tessellate_cad;
+  double (*distance)(const std::vector<CadSurface>& faces, const Vec3& p, size_t& first);
+  /// Of a module that has settings of its own, because its program's symbols do not come first.
+  decltype(&batten::enable_sandboxed_read) enable_sandboxed_read;
+  decltype(&batten::set_thread_count) set_thread_count;
+};
+
+/// The table of this program. A program that defines it itself, as `batten` does, leaves
+/// OpenCASCADE's 16 libraries out of its start, which take half of it.
+const CadPlugin& cad_plugin();
+
+/// The functions that are linked here.
+const CadPlugin& linked_cad_plugin();
+
+}  // namespace batten

@@ -1,0 +1,305 @@
+// Coordinates put back into the text that they were read from.
+#include "batten/io/meshes/text_mesh_content.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <ostream>
+#include <set>
+
+#include "batten/core/errors.h"
+#include "batten/core/isize.h"
+#include "batten/io/files/atomic_file.h"
+#include "batten/io/meshes/coordinate_field.h"
+
+namespace batten {
+namespace fs = std::filesystem;
+namespace {
+
+/// The text of one file with other coordinates.
+struct Output {
+  const MeshSourceText::Source* source;
+  std::string text;
+  size_t done = 0;  // end of what was taken over, in the source's text
+  int node = -1;    // one that changes
+
+  void replace(size_t begin, size_t end, const std::string& by) {
+    begin -= source->base;
+    text.append(source->text, done, begin - done);
+    text += by;
+    done = end - source->base;
+  }
+};
+
+/// The texts of a mesh file, and of the files that it includes, with other coordinates.
+class Rewriting {
+ public:
+  Rewriting(const TextMeshContent& mesh, const Points& points, bool large_field_nodes)
+      : mesh_(mesh),
+        points_(points),
+        large_field_nodes_(large_field_nodes),
+        size_(mesh.shells.points.size() ? mesh.shells.points.cwiseAbs().maxCoeff() : 0),
+        frames_(mesh.systems, mesh.file, [this](int node) { return written_position(node); }) {
+    for (const auto& source : mesh.file.sources()) outputs_.push_back({source.get(), "", 0, -1});
+  }
+
+  /// The coordinates of a node, by their order in the text.
+  void rewrite(int i) {
+    const Node node = choose(i);
+    measure(node);
+    if (!node.changes()) return;
+    check_not_fixed(i);
+    Output& output = outputs_[mesh_.file.source_index(node.fields[0].begin)];
+    output.node = i;
+    if (node.wide)
+      widen(node, output);
+    else
+      replace_fields(node, output);
+  }
+
+  std::vector<Output>& finish() {
+    for (Output& output : outputs_) output.text.append(output.source->text, output.done);
+    return outputs_;
+  }
+  const MeshRounding& rounding() const { return rounding_; }
+
+ private:
+  /// What is to be written of a node.
+  struct Node {
+    int index;
+    const std::array<Field, 3>& fields;
+    bool wide = false;
+    Vec3 local_coordinates = Vec3::Zero();  // as a reader will have them
+    std::array<std::string, 3> text{};
+    std::array<bool, 3> changed{};
+    bool changes() const { return changed[0] || changed[1] || changed[2]; }
+    /// Then all its open fields are written, together.
+    bool changes_open() const {
+      bool any = false;
+      for (size_t c = 0; c < 3; ++c) any |= changed[c] && fields[c].open;
+      return any;
+    }
+  };
+
+  Vec3 given_position(int i) const { return points_.row(i).transpose(); }
+  Vec3 read_coordinates(int i) const {
+    const Points& from =
+        mesh_.systems.any() ? mesh_.systems.local_coordinates : mesh_.shells.points;
+    return from.row(i).transpose();
+  }
+
+  Node choose(int i) {
+    Node node{i, mesh_.fields[static_cast<size_t>(i)]};
+    const Vec3 old = read_coordinates(i), position = given_position(i);
+    const int system = mesh_.systems.of(i);
+    node.local_coordinates = old;
+    if ((system < 0 ? old : frames_.of(system).position(old)) == position) return node;
+    Vec3 desired = position, rounding = Vec3::Constant(noise_of(node.fields[0].kind));
+    if (system >= 0) {
+      desired = frames_.of(system).local_coordinates(position, old);
+      rounding = frames_.of(system).rounding(position, rounding[0]);
+    }
+    node.wide = large_field_nodes_ && is_small_grid(node);
+    for (int c = 0; c < 3; ++c) {
+      node.text[c] = trimmed(old_text(node, c));
+      if (std::abs(desired[c] - old[c]) <= rounding[c]) continue;
+      const FieldKind kind = node.wide ? FieldKind::Nastran16 : node.fields[c].kind;
+      double written = 0;
+      const std::string text = format_field(desired[c], kind, written);
+      if (text.empty() || !std::isfinite(written))
+        mesh_.file.fail(node.fields[c].begin, "the coordinate " + format_number(desired[c]) +
+                                                  " does not fit into its field");
+      // What is there may be as near as the field allows.
+      if (std::abs(old[c] - desired[c]) <= std::abs(written - desired[c])) continue;
+      node.changed[c] = true;
+      node.local_coordinates[c] = written;
+      node.text[c] = text;
+    }
+    return node;
+  }
+
+  /// A deck keeps its text where an edit leaves nothing but the rounding of its sums behind.
+  double noise_of(FieldKind kind) const {
+    constexpr double kNoise = 1e-13;
+    return is_deck_field(kind) ? kNoise * size_ : 0;
+  }
+
+  Vec3 written_position(int i) {
+    const Vec3 local_coordinates = choose(i).local_coordinates;
+    const int system = mesh_.systems.of(i);
+    return system < 0 ? local_coordinates : frames_.of(system).position(local_coordinates);
+  }
+
+  void measure(const Node& node) {
+    const int system = mesh_.systems.of(node.index);
+    const Vec3 written =
+        system < 0 ? node.local_coordinates : frames_.of(system).position(node.local_coordinates);
+    const double error = (written - given_position(node.index)).cwiseAbs().maxCoeff();
+    if (error > rounding_.largest) rounding_ = {error, mesh_.node_labels.of(node.index)};
+  }
+
+  void check_not_fixed(int i) const {
+    const auto fixed_nodes = std::lower_bound(mesh_.fixed_nodes.begin(), mesh_.fixed_nodes.end(),
+                                              std::pair(i, std::string()));
+    if (fixed_nodes != mesh_.fixed_nodes.end() && fixed_nodes->first == i)
+      mesh_.file.fail(mesh_.fields[static_cast<size_t>(i)][0].begin,
+                      "node " + std::to_string(mesh_.node_labels.of(i)) + " cannot be moved: it " +
+                          fixed_nodes->second);
+  }
+
+  std::string_view old_text(const Node& node, int c) const {
+    return mesh_.file.part(node.fields[c].begin, node.fields[c].length);
+  }
+
+  /// The line of a node's first field, from its first to behind its last byte.
+  std::pair<size_t, size_t> line_of(const Node& node) const {
+    const MeshSourceText::Source& source = mesh_.file.source_of(node.fields[0].begin);
+    const size_t at = node.fields[0].begin - source.base;
+    const size_t before = source.text.rfind('\n', at);
+    const size_t begin = before == source.text.npos ? 0 : before + 1;
+    return {source.base + begin,
+            source.base + std::min(source.text.find('\n', at), source.text.size())};
+  }
+
+  /// Whether the node is a GRID in small fields without tabs.
+  bool is_small_grid(const Node& node) const {
+    const Field &x = node.fields[0], &z = node.fields[2];
+    if (x.kind != FieldKind::Nastran8) return false;
+    const auto [begin, end] = line_of(node);
+    const std::string_view line = mesh_.file.part(begin, z.begin + z.length - begin);
+    return x.begin - begin == 24 && line.find('\t') == line.npos;
+  }
+
+  void widen(const Node& node, Output& output) {
+    auto [begin, end] = line_of(node);
+    const bool carriage = end > begin && mesh_.file.part(end - 1, 1) == "\r";
+    end -= carriage;
+    output.replace(
+        begin, end,
+        large_field_grid(mesh_.file.part(begin, end - begin), node.text, carriage ? "\r\n" : "\n"));
+  }
+
+  void replace_fields(const Node& node, Output& output) {
+    // A file may have its y before its x.
+    std::array<int, 3> order{0, 1, 2};
+    std::stable_sort(order.begin(), order.end(),
+                     [&](int a, int b) { return node.fields[a].begin < node.fields[b].begin; });
+    for (const int c : order) {
+      const Field& field = node.fields[c];
+      if (!node.changed[c] && !(node.changes_open() && field.open)) continue;
+      std::string by = aligned(node.text[c], field, old_text(node, c));
+      if (field.open) by = std::string(field.gap, is_fixed_width(field.kind) ? ' ' : ',') + by;
+      output.replace(field.begin, field.begin + field.length, by);
+    }
+  }
+
+  const TextMeshContent& mesh_;
+  const Points& points_;
+  bool large_field_nodes_;
+  double size_;                     // largest coordinate
+  CoordinateFrameResolver frames_;  // as they will be read
+  std::vector<Output> outputs_;
+  MeshRounding rounding_;
+};
+
+/// Where each file is written: the first one to `path`, the others beside it; a file that was read
+/// twice once. Throws InputError for one that changes where it cannot be written.
+std::map<fs::path, const Output*> targets_of(const TextMeshContent& mesh, const fs::path& path,
+                                             const fs::path& destination_folder,
+                                             const std::vector<Output>& outputs) {
+  std::map<fs::path, const Output*> targets;
+  for (const Output& output : outputs) {
+    const bool main = &output == &outputs.front();
+    if (output.source->beside.empty()) {
+      if (output.node >= 0)
+        throw InputError(output.source->path.string() + ": node " +
+                         std::to_string(mesh.node_labels.of(output.node)) +
+                         " moves, but the file lies outside of the deck's folder or is included by "
+                         "a whole path: expected it in the folder, included by a relative name");
+      continue;
+    }
+    const fs::path target = main ? path : path.parent_path() / output.source->beside;
+    const auto there = targets.find(target);
+    if (there != targets.end() && there->second->source->path != output.source->path)
+      throw InputError(target.string() + ": found the name of an included file, expected another");
+    if (there == targets.end() || output.node >= 0) targets[target] = &output;
+  }
+  if (outputs.size() == 1) return targets;
+  std::set<fs::path> inputs;
+  std::error_code error;
+  for (const Output& output : outputs)
+    inputs.insert(fs::weakly_canonical(output.source->path, error));
+  const fs::path folder = destination_folder.empty() ? path.parent_path() : destination_folder;
+  for (const auto& [target, output] : targets) {
+    const fs::path last = folder / target.lexically_relative(path.parent_path());
+    if (inputs.contains(fs::weakly_canonical(last, error)))
+      throw InputError(last.string() +
+                       ": found a file of the deck that was read, expected another folder");
+  }
+  return targets;
+}
+
+void write_files(const std::map<fs::path, const Output*>& targets) {
+  std::vector<std::unique_ptr<AtomicFile>> files;
+  for (const auto& [target, output] : targets) {
+    if (targets.size() > 1 && target.has_parent_path()) make_output_folder(target.parent_path());
+    files.push_back(std::make_unique<AtomicFile>(target));
+    write_file_atomically(files.back()->temporary(), [&](std::ostream& stream) {
+      stream.write(output->text.data(), static_cast<std::streamsize>(output->text.size()));
+    });
+  }
+  for (const auto& file : files) file->commit();
+}
+
+}  // namespace
+
+MeshRounding TextMeshContent::write(const fs::path& path, const Points& points,
+                                    const MeshWriteOptions& options) const {
+  Rewriting rewriting(*this, points, options.large_field_nodes);
+  for (int i = 0; i < isize(fields); ++i) rewriting.rewrite(i);
+  write_files(targets_of(*this, path, options.destination_folder, rewriting.finish()));
+  return rewriting.rounding();
+}
+
+std::vector<fs::path> TextMeshContent::included_files() const {
+  std::vector<fs::path> names;
+  for (const auto& source : file.sources())
+    if (source->included_at != std::string::npos && !source->beside.empty() &&
+        std::find(names.begin(), names.end(), source->beside) == names.end())
+      names.push_back(source->beside);
+  return names;
+}
+
+void TextMeshContent::warn_about_unwritten_includes() {
+  std::vector<fs::path> said;
+  for (const auto& source : file.sources()) {
+    if (!source->beside.empty() || std::find(said.begin(), said.end(), source->path) != said.end())
+      continue;
+    said.push_back(source->path);
+    warnings.push_back(source->path.string() +
+                       " lies outside of the deck's folder or is included by a whole path: it is "
+                       "not written, and a deck that is written looks for it under the same name");
+  }
+}
+
+void nodes_to_global(TextMeshContent& mesh, NodeCoordinateSystems systems) {
+  Points& points = mesh.shells.points;
+  systems.local_coordinates = points;
+  mesh.systems = std::move(systems);
+  const NodeCoordinateSystems& all = mesh.systems;
+  std::function<Vec3(int)> position;
+  CoordinateFrameResolver frames(all, mesh.file, [&](int node) { return position(node); });
+  position = [&](int node) -> Vec3 {
+    const Vec3 local_coordinates = all.local_coordinates.row(node).transpose();
+    return all.of(node) < 0 ? local_coordinates
+                            : frames.of(all.of(node)).position(local_coordinates);
+  };
+  for (int i = 0; i < mesh.shells.node_count(); ++i) {
+    if (all.of(i) >= 0) points.row(i) = position(i).transpose();
+    if (!points.row(i).allFinite())
+      mesh.file.fail(mesh.fields[static_cast<size_t>(i)][0].begin,
+                     "found a node whose place is not finite");
+  }
+}
+
+}  // namespace batten

@@ -1,0 +1,160 @@
+#include "batten/mesh/pn_triangle_mesh.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "batten/core/errors.h"
+
+namespace batten {
+namespace {
+
+constexpr double kWeightTolerance = 1e-9;  // of weights
+
+/// Weights without those that rounding or an edge made negative.
+Vec3 clamped_to_triangle(Vec3 w) {
+  w = w.cwiseMax(0);
+  return w / w.sum();
+}
+
+Vec3 normal_of(const PnTriangle::Jet& jet, const Vec3& otherwise) {
+  const Vec3 n = jet.u.cross(jet.v);
+  const double length = n.norm();
+  return length > 0 ? Vec3(n / length) : otherwise;
+}
+
+}  // namespace
+
+/// Where a way to the surface ends in one triangle.
+struct PnTriangleMesh::FootPoint {
+  ClosestPoint found;
+  double distance = 0;
+  int exit_corner = -1;  // the corner opposite to the edge over which the way leaves
+};
+
+PnTriangleMesh::PnTriangleMesh(TriangleMesh mesh, std::vector<PnTriangle::Corners> normals)
+    : mesh_(std::move(mesh)), normals_(std::move(normals)), search_(mesh_) {
+  if (normals_.empty()) return;
+  if (isize(normals_) != mesh_.triangle_count())
+    throw InputError("normals of " + std::to_string(normals_.size()) + " triangles, expected " +
+                     std::to_string(mesh_.triangle_count()));
+  constexpr double straight = 1e-12;
+  for (int t = 0; t < mesh_.triangle_count(); ++t) {
+    const Vec3 flat = mesh_.area_vector(t).normalized();
+    const auto& n = normals_[t];
+    curved_.push_back(std::any_of(
+        n.begin(), n.end(), [&](const Vec3& corner) { return (corner - flat).norm() > straight; }));
+  }
+}
+
+PnTriangle PnTriangleMesh::triangle(int t) const {
+  const auto& [a, b, c] = mesh_.triangles()[t];
+  const Vec3 flat = mesh_.area_vector(t).normalized();
+  return {{mesh_.point(a), mesh_.point(b), mesh_.point(c)},
+          curved(t) ? normals_[t] : PnTriangle::Corners{flat, flat, flat}};
+}
+
+bool PnTriangleMesh::on_boundary(int t, const Vec3& weights) const {
+  for (int corner = 0; corner < 3; ++corner)
+    if (weights[corner] < kWeightTolerance && mesh_.topology().across(t, corner) < 0) return true;
+  return false;
+}
+
+PnTriangleMesh::FootPoint PnTriangleMesh::foot_point(int t, const Vec3& p, Vec3 w) const {
+  const PnTriangle surface = triangle(t);
+  constexpr int most_steps = 12;
+  constexpr double longest = 0.5, outside = -0.5, step_tolerance = 1e-12;  // of weights
+  for (int step = 0; step < most_steps; ++step) {
+    const auto jet = surface.jet(w);
+    const Vec3 miss = jet.x - p;
+    const Vec2 slope(jet.u.dot(miss), jet.v.dot(miss));
+    Mat2 flat, H;
+    flat << jet.u.dot(jet.u), jet.u.dot(jet.v), jet.u.dot(jet.v), jet.v.dot(jet.v);
+    H << jet.uu.dot(miss), jet.uv.dot(miss), jet.uv.dot(miss), jet.vv.dot(miss);
+    H += flat;
+    // Beyond the centre of curvature the way there is longest: Gauss and Newton's step leads down.
+    if (!(H.determinant() > 1e-3 * flat.determinant() && H.trace() > 0)) H = flat;
+    if (!(H.determinant() > 0)) break;
+    Vec2 move = -(H.inverse() * slope);
+    if (move.norm() > longest) move *= longest / move.norm();
+    w += Vec3(-move.sum(), move[0], move[1]);
+    if (w.minCoeff() < outside || move.norm() < step_tolerance) break;
+  }
+  int exit_corner = 0;
+  if (w.minCoeff(&exit_corner) < -kWeightTolerance) return foot_point_on_edge(t, exit_corner, p, w);
+  FootPoint foot_point;
+  w = clamped_to_triangle(w);
+  const auto jet = surface.jet(w);
+  foot_point.found = {t, w, jet.x, normal_of(jet, mesh_.area_vector(t).normalized()),
+                      on_boundary(t, w)};
+  foot_point.distance = (jet.x - p).norm();
+  return foot_point;
+}
+
+PnTriangleMesh::FootPoint PnTriangleMesh::foot_point_on_edge(int t, int corner, const Vec3& p,
+                                                             Vec3 w) const {
+  const PnTriangle surface = triangle(t);
+  const int from = (corner + 1) % 3, to = (corner + 2) % 3;
+  w[corner] = 0;
+  w = clamped_to_triangle(w);
+  constexpr int most_steps = 12;
+  constexpr double step_tolerance = 1e-12;
+  for (int step = 0; step < most_steps; ++step) {
+    const auto jet = surface.jet(w);
+    Vec3 direction = Vec3::Zero();
+    direction[from] = -1;
+    direction[to] = 1;
+    const Vec3 tangent = direction[1] * jet.u + direction[2] * jet.v, miss = jet.x - p;
+    const Vec3 bend = direction[1] * direction[1] * jet.uu +
+                      2 * direction[1] * direction[2] * jet.uv +
+                      direction[2] * direction[2] * jet.vv;
+    double H = tangent.squaredNorm() + bend.dot(miss);
+    if (!(H > 1e-3 * tangent.squaredNorm())) H = tangent.squaredNorm();
+    if (!(H > 0)) break;
+    const double at = std::clamp(w[to] - tangent.dot(miss) / H, 0.0, 1.0);
+    const double move = std::abs(at - w[to]);
+    w[to] = at;
+    w[from] = 1 - at;
+    if (move < step_tolerance) break;
+  }
+  FootPoint foot_point;
+  const auto jet = surface.jet(w);
+  foot_point.found = {t, w, jet.x, normal_of(jet, mesh_.area_vector(t).normalized()),
+                      on_boundary(t, w)};
+  foot_point.distance = (jet.x - p).norm();
+  foot_point.exit_corner = corner;
+  return foot_point;
+}
+
+std::optional<PnTriangleMesh::ClosestPoint> PnTriangleMesh::nearest(
+    const Vec3& p, const std::optional<Vec3>& side) const {
+  const auto first = search_.nearest(p, side);
+  if (!first) return {};
+  if (normals_.empty())
+    return ClosestPoint{first->triangle, first->weights, first->at,
+                        mesh_.area_vector(first->triangle).normalized(),
+                        on_boundary(first->triangle, first->weights)};
+  constexpr size_t max_triangles = 8;
+  std::vector<int> seen;
+  int t = first->triangle;
+  Vec3 weights = first->weights;
+  std::optional<FootPoint> best;
+  while (seen.size() < max_triangles) {
+    seen.push_back(t);
+    const FootPoint here = foot_point(t, p, weights);
+    if (best && side && !(here.found.normal.dot(*side) > 0)) break;
+    if (!best || here.distance < best->distance) best = here;
+    if (here.exit_corner < 0) break;
+    const int next = mesh_.topology().across(t, here.exit_corner);
+    if (next < 0 || std::find(seen.begin(), seen.end(), next) != seen.end()) break;
+    Vec3 there = Vec3::Zero();
+    for (int c = 0; c < 3; ++c)
+      for (int d = 0; d < 3; ++d)
+        if (mesh_.triangles()[t][c] == mesh_.triangles()[next][d]) there[d] = here.found.weights[c];
+    if (!(there.sum() > 0)) there.setConstant(1.0 / 3);
+    t = next;
+    weights = there;
+  }
+  return best->found;
+}
+
+}  // namespace batten

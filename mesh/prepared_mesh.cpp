@@ -1,0 +1,328 @@
+#include "batten/mesh/prepared_mesh.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <set>
+
+#include "batten/core/errors.h"
+#include "batten/core/isize.h"
+#include "batten/mesh/manifold_patches.h"
+
+namespace batten {
+namespace {
+
+constexpr size_t kMaxListed = 8;
+constexpr double kFlat = 1e-12;  // height over longest edge: below, a triangle has no area
+
+std::string counted(int count, const std::string& noun) {
+  return std::to_string(count) + " " + noun + (count == 1 ? "" : "s");
+}
+
+/// The corners of a face with each run of equal nodes as one.
+std::vector<int> without_repeats(std::span<const int> corners) {
+  std::vector<int> kept;
+  for (const int v : corners)
+    if (kept.empty() || kept.back() != v) kept.push_back(v);
+  while (kept.size() > 1 && kept.front() == kept.back()) kept.pop_back();
+  return kept;
+}
+
+bool has_distinct_corners(std::vector<int> corners) {
+  std::sort(corners.begin(), corners.end());
+  return corners.size() >= 3 && std::adjacent_find(corners.begin(), corners.end()) == corners.end();
+}
+
+/// Faces into triangles.
+class Splitter {
+ public:
+  explicit Splitter(const Points& points) : points_(points) {}
+
+  void split(std::span<const int> face, bool second_order, std::vector<std::array<int, 3>>& out) {
+    if (second_order) {
+      const size_t n = face.size() / 2;
+      const auto middle = [&](size_t i) { return face[n + i % n]; };
+      for (size_t i = 0; i < n; ++i) out.push_back({face[i], middle(i), middle(i + n - 1)});
+      std::vector<int> inner;
+      for (size_t i = 0; i < n; ++i) inner.push_back(middle(i));
+      split_polygon(inner, out);
+      return;
+    }
+    split_polygon(without_repeats(face), out);
+  }
+
+ private:
+  double quality(int a, int b, int c) const {
+    const Vec3 p = points_.row(a), q = points_.row(b), r = points_.row(c);
+    const double longest =
+        std::max({(q - p).squaredNorm(), (r - q).squaredNorm(), (p - r).squaredNorm()});
+    return longest > 0 ? (q - p).cross(r - p).norm() / longest : 0;
+  }
+
+  void split_polygon(const std::vector<int>& v, std::vector<std::array<int, 3>>& out) const {
+    const size_t n = v.size();
+    if (n == 3) {
+      out.push_back({v[0], v[1], v[2]});
+      return;
+    }
+    if (n == 4) {
+      const auto length = [&](int i, int j) {
+        return (points_.row(v[i]) - points_.row(v[j])).squaredNorm();
+      };
+      if (length(0, 2) <= length(1, 3)) {
+        out.push_back({v[0], v[1], v[2]});
+        out.push_back({v[0], v[2], v[3]});
+      } else {
+        out.push_back({v[0], v[1], v[3]});
+        out.push_back({v[1], v[2], v[3]});
+      }
+      return;
+    }
+    constexpr size_t most_sides = 10'000;
+    if (n > most_sides)
+      throw InputError("found a face of " + std::to_string(n) + " corners, expected at most " +
+                       std::to_string(most_sides));
+    // Cut off the best ear against the polygon's own normal, again and again: O(n²).
+    Vec3 normal = Vec3::Zero();
+    const Vec3 origin = points_.row(v[0]);
+    for (size_t i = 1; i + 1 < n; ++i)
+      normal += (points_.row(v[i]).transpose() - origin)
+                    .cross(points_.row(v[i + 1]).transpose() - origin);
+    std::vector<Ear> left(n);
+    for (size_t i = 0; i < n; ++i) left[i].corner = v[i];
+    for (size_t i = 0; i < n; ++i) measure(left, i, normal);
+    while (left.size() > 3) {
+      const size_t count = left.size();
+      const size_t best = static_cast<size_t>(
+          std::max_element(left.begin(), left.end(),
+                           [](const Ear& x, const Ear& y) { return x.score < y.score; }) -
+          left.begin());
+      const int clipped = left[best].corner;
+      out.push_back(
+          {left[(best + count - 1) % count].corner, clipped, left[(best + 1) % count].corner});
+      left.erase(left.begin() + static_cast<long>(best));
+      const size_t next = best % left.size(), before = (next + left.size() - 1) % left.size();
+      for (size_t i = 0; i < left.size(); ++i)
+        if (i == next || i == before || left[i].contained == clipped) measure(left, i, normal);
+    }
+    out.push_back({left[0].corner, left[1].corner, left[2].corner});
+  }
+
+  // A corner of what is left of a polygon, as the tip of a triangle that may be cut off.
+  struct Ear {
+    int corner;
+    double score = 0;
+    int contained = -1;  // a corner inside of it: it becomes better when that one is gone
+  };
+
+  void measure(std::vector<Ear>& left, size_t i, const Vec3& normal) const {
+    const size_t n = left.size();
+    const int a = left[(i + n - 1) % n].corner, b = left[i].corner, c = left[(i + 1) % n].corner;
+    const Vec3 p = points_.row(a), q = points_.row(b), r = points_.row(c);
+    const bool outwards = (q - p).cross(r - p).dot(normal) <= 0;
+    left[i].contained = outwards ? -1 : contained_corner(left, i, normal);
+    left[i].score = quality(a, b, c) - (outwards || left[i].contained >= 0 ? 10 : 0);
+  }
+
+  int contained_corner(const std::vector<Ear>& left, size_t i, const Vec3& normal) const {
+    const size_t n = left.size();
+    const Vec3 corner[3] = {points_.row(left[(i + n - 1) % n].corner), points_.row(left[i].corner),
+                            points_.row(left[(i + 1) % n].corner)};
+    for (size_t k = 0; k < n; ++k) {
+      if (k == i || k == (i + 1) % n || k == (i + n - 1) % n) continue;
+      const Vec3 p = points_.row(left[k].corner);
+      bool inside = true;
+      for (int e = 0; e < 3; ++e)
+        inside = inside && (corner[(e + 1) % 3] - corner[e]).cross(p - corner[e]).dot(normal) >= 0;
+      if (inside) return left[k].corner;
+    }
+    return -1;
+  }
+
+  const Points& points_;
+};
+
+/// The triangles that are left after repairs, and what was found on the way.
+struct MeshAnalysis {
+  std::vector<int> face_of;
+  ManifoldPatches manifold_patches;
+  MeshDiagnosis found;
+};
+
+template <class T>
+void append_limited(std::vector<T>& list, const T& item) {
+  if (list.size() < kMaxListed) list.push_back(item);
+}
+
+/// Throws InputError for indices out of range; notes nodes of no face, and bad ones.
+void check_nodes(const ShellMesh& shells, MeshDiagnosis& found) {
+  const int n = shells.node_count();
+  std::vector<char> used(n, 0);
+  for (int f = 0; f < shells.face_count(); ++f)
+    for (const int v : shells.face(f)) {
+      if (v < 0 || v >= n)
+        throw InputError("face " + std::to_string(f) + " names node " + std::to_string(v) + " of " +
+                         std::to_string(n));
+      used[v] = 1;
+    }
+  found.unused_nodes = static_cast<int>(std::count(used.begin(), used.end(), 0));
+  for (int v = 0; v < n; ++v)
+    if (used[v] && !shells.points.row(v).allFinite()) append_limited(found.non_finite_nodes, v);
+  if (!found.non_finite_nodes.empty()) return;
+  std::vector<std::array<double, 4>> places;
+  for (int v = 0; v < n; ++v)
+    if (used[v])
+      places.push_back({shells.points(v, 0), shells.points(v, 1), shells.points(v, 2), 1.0 * v});
+  std::sort(places.begin(), places.end());
+  for (size_t i = 1; i < places.size(); ++i)
+    found.coincident_nodes +=
+        std::equal(places[i].begin(), places[i].begin() + 3, places[i - 1].begin());
+}
+
+/// Which faces are collapsed, or have the nodes of an earlier one.
+std::vector<char> faces_to_drop(const ShellMesh& shells, MeshDiagnosis& found) {
+  std::vector<char> dropped(shells.face_count(), 0);
+  std::vector<std::pair<std::vector<int>, int>> keys;
+  for (int f = 0; f < shells.face_count(); ++f) {
+    if (!has_distinct_corners(without_repeats(shells.corners(f)))) {
+      dropped[f] = 1;
+      ++found.collapsed_faces;
+    }
+    std::vector<int> key(shells.corners(f).begin(), shells.corners(f).end());
+    std::sort(key.begin(), key.end());
+    key.erase(std::unique(key.begin(), key.end()), key.end());
+    keys.emplace_back(std::move(key), f);
+  }
+  std::sort(keys.begin(), keys.end());
+  for (size_t i = 1; i < keys.size(); ++i)
+    if (keys[i].first == keys[i - 1].first && !dropped[keys[i].second]) {
+      dropped[keys[i].second] = 1;
+      ++found.duplicate_faces;
+    }
+  return dropped;
+}
+
+/// Whether a triangle is too flat to have an area.
+bool has_no_area(const Points& points, const std::array<int, 3>& t) {
+  const Vec3 p = points.row(t[0]), q = points.row(t[1]), r = points.row(t[2]);
+  const double longest =
+      std::max({(q - p).squaredNorm(), (r - q).squaredNorm(), (p - r).squaredNorm()});
+  return !((q - p).cross(r - p).norm() > kFlat * longest);
+}
+
+void note_manifold_patches(MeshAnalysis& analysis) {
+  const ManifoldPatches& manifold_patches = analysis.manifold_patches;
+  MeshDiagnosis& found = analysis.found;
+  found.components = manifold_patches.component_count;
+  found.manifold_patches = manifold_patches.count;
+  found.orientable = manifold_patches.cut_edges == 0;
+  found.non_manifold_edge_count = isize(manifold_patches.non_manifold_edges);
+  for (const auto& edge : manifold_patches.non_manifold_edges)
+    append_limited(found.non_manifold_edges, edge);
+  found.non_manifold_node_count = isize(manifold_patches.non_manifold_nodes);
+  for (const int v : manifold_patches.non_manifold_nodes)
+    append_limited(found.non_manifold_nodes, v);
+  std::vector<int> faces;
+  for (size_t t = 0; t < manifold_patches.flipped.size(); ++t)
+    if (manifold_patches.flipped[t] && (faces.empty() || faces.back() != analysis.face_of[t]))
+      faces.push_back(analysis.face_of[t]);
+  found.flipped_faces = isize(faces);
+}
+
+MeshAnalysis examine(const ShellMesh& shells) {
+  MeshAnalysis analysis;
+  MeshDiagnosis& found = analysis.found;
+  check_nodes(shells, found);
+  if (!found.non_finite_nodes.empty()) return analysis;
+  const std::vector<char> dropped = faces_to_drop(shells, found);
+  Splitter splitter(shells.points);
+  std::vector<std::array<int, 3>> triangles;
+  for (int f = 0; f < shells.face_count(); ++f) {
+    if (dropped[f]) continue;
+    // A second-order element that lost a corner or a middle node is taken by its corners.
+    const std::vector<int> all(shells.face(f).begin(), shells.face(f).end());
+    const bool second = shells.second_order(f) && has_distinct_corners(all);
+    splitter.split(second ? shells.face(f) : shells.corners(f), second, triangles);
+    analysis.face_of.resize(triangles.size(), f);
+  }
+  for (const auto& t : triangles) found.zero_area_triangles += has_no_area(shells.points, t);
+  analysis.manifold_patches = find_manifold_patches(shells.points, std::move(triangles));
+  note_manifold_patches(analysis);
+  return analysis;
+}
+
+}  // namespace
+
+std::vector<std::vector<int>> polygons_of(const PreparedMesh& prepared) {
+  const auto& triangles = prepared.mesh.triangles();
+  std::vector<std::vector<int>> polygons;
+  for (size_t first = 0, end = 0; first < triangles.size(); first = end) {
+    std::map<int, int> after;  // along the outline: what runs both ways is inside
+    std::set<std::pair<int, int>> sides;
+    for (; end < triangles.size() &&
+           prepared.face_of_triangle[end] == prepared.face_of_triangle[first];
+         ++end)
+      for (int c = 0; c < 3; ++c) sides.insert({triangles[end][c], triangles[end][(c + 1) % 3]});
+    for (const auto& [a, b] : sides)
+      if (!sides.count({b, a})) after[a] = b;
+    std::vector<int> polygon{after.begin()->first};
+    while (after[polygon.back()] != polygon.front() && polygon.size() <= after.size())
+      polygon.push_back(after[polygon.back()]);
+    polygons.push_back(std::move(polygon));
+  }
+  return polygons;
+}
+
+MeshDiagnosis diagnose(const ShellMesh& shells) { return examine(shells).found; }
+
+PreparedMesh prepare(const ShellMesh& shells, const std::function<std::string(int)>& node_name) {
+  const auto name = [&](int v) { return node_name ? node_name(v) : std::to_string(v); };
+  MeshAnalysis analysis = examine(shells);
+  const MeshDiagnosis& d = analysis.found;
+  if (shells.face_count() == 0) throw InputError("found no faces, expected a surface mesh");
+  if (!d.non_finite_nodes.empty())
+    throw InputError("node " + name(d.non_finite_nodes[0]) +
+                     " has a coordinate that is not finite");
+  if (analysis.face_of.empty())
+    throw InputError("all " + counted(shells.face_count(), "face") +
+                     " have fewer than three different corners");
+  if (d.zero_area_triangles > 0) {
+    auto t =
+        *std::find_if(analysis.manifold_patches.triangles.begin(),
+                      analysis.manifold_patches.triangles.end(), [&](const auto& x) {
+                        return has_no_area(shells.points, analysis.manifold_patches.nodes_of(x));
+                      });
+    t = analysis.manifold_patches.nodes_of(t);
+    throw InputError("found " + counted(d.zero_area_triangles, "triangle") +
+                     " without area (the first has nodes " + name(t[0]) + ", " + name(t[1]) + ", " +
+                     name(t[2]) + ")");
+  }
+
+  std::vector<std::string> notes;
+  const auto add_note = [&](int count, const std::string& noun, const std::string& what) {
+    if (count > 0) notes.push_back(counted(count, noun) + " " + what);
+  };
+  add_note(d.collapsed_faces, "face", "with fewer than three different corners left out");
+  add_note(d.duplicate_faces, "face", "with the nodes of another face left out");
+  add_note(d.flipped_faces, "face", "turned to run as the neighbours do (in the computation only)");
+  add_note(d.unused_nodes, "node", "of no face");
+  add_note(d.coincident_nodes, "node", "at the place of another one: the surface is open there");
+  if (d.components > 1) notes.push_back("the mesh has " + std::to_string(d.components) + " parts");
+  if (d.non_manifold_edge_count > 0)
+    notes.push_back(counted(d.non_manifold_edge_count, "edge") +
+                    " of three faces or more (the first between nodes " +
+                    name(d.non_manifold_edges[0][0]) + " and " + name(d.non_manifold_edges[0][1]) +
+                    "): sheets end there, joined");
+  if (d.non_manifold_node_count > 0)
+    notes.push_back(counted(d.non_manifold_node_count, "node") +
+                    " where sheets touch (the first is node " + name(d.non_manifold_nodes[0]) +
+                    "): joined there");
+  if (!d.orientable)
+    notes.push_back("a sheet with one side only (as a Möbius strip) is cut open along " +
+                    counted(analysis.manifold_patches.cut_edges, "edge") + " in the computation");
+  TriangleMesh mesh(shells.points, std::move(analysis.manifold_patches.triangles),
+                    std::move(analysis.manifold_patches.duplicate_vertex_nodes));
+  return {std::move(mesh), std::move(analysis.face_of), d, std::move(notes)};
+}
+
+}  // namespace batten

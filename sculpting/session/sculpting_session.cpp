@@ -1,0 +1,288 @@
+#include "batten/sculpting/session/sculpting_session.h"
+
+#include <cmath>
+
+#include "batten/core/errors.h"
+#include "batten/sculpting/session/session_data.h"
+
+namespace batten {
+
+using detail::SessionDefinition;
+using Kind = Operation::Kind;
+
+// -- the session ----------------------------------------------------------------------------------
+
+SculptingSession::SculptingSession(ModelLayout layout, const SessionOptions& options,
+                                   const Progress& progress)
+    : data_(std::make_unique<Data>()) {
+  Data& d = *data_;
+  d.options = options;
+  if (!(options.tolerance > 0) || options.max_iterations < 1 || options.facets_per_edge < 1)
+    throw InputError("a session needs a tolerance above 0, and 1 or more iterations and facets");
+  Parameters& p = d.now.parameters;
+  const auto material = [&](const std::string& name, bool one, double uu, double uv, double vv) {
+    const double least = name == "alpha" ? -kInfinity : 0;
+    if (one) {
+      p.add({.name = name, .value = uu, .min = 0});
+      return;
+    }
+    p.add({.name = name + "_uu", .value = uu, .min = 0});
+    p.add({.name = name + "_uv", .value = uv, .min = least});
+    p.add({.name = name + "_vv", .value = vv, .min = 0});
+  };
+  const SurfaceStiffness& m = options.material;
+  material("alpha", options.isotropic_alpha, m.alpha(0, 0), m.alpha(0, 1), m.alpha(1, 1));
+  material("beta", options.isotropic_beta, m.beta[0], m.beta[1], m.beta[2]);
+  SessionDefinition def;
+  def.origin = layout.origin();
+  def.layout = std::make_shared<const ModelLayout>(std::move(layout));
+  def.units = options.units;
+  def.fix_corners_only = options.fix_corners_only;
+  def.factor_reuse = options.factor_reuse;
+  progress.update("solving", 0);
+  d.now.system = detail::build(std::move(def), p, nullptr);
+  d.engine.bind(*d.now.system);
+  d.update_value_names();
+  d.now.shape.x = d.now.shape.v = Points::Zero(d.now.system->dofs(), 3);
+  d.now.converged_x = d.now.shape.x;
+  d.solve_to_equilibrium();
+  d.progress = progress;
+  progress.update("solving", 1);
+}
+
+SculptingSession::~SculptingSession() = default;
+
+SculptingSession::SculptingSession(SculptingSession&&) noexcept = default;
+
+SculptingSession& SculptingSession::operator=(SculptingSession&&) noexcept = default;
+
+const Parameters& SculptingSession::parameters() const { return data_->now.parameters; }
+
+void SculptingSession::set(int parameter, double value) {
+  apply({.kind = Kind::Set, .index = parameter, .value = value});
+}
+
+namespace {
+
+Operation edit_of(Operation::Edit edit) {
+  return {.kind = Kind::Edit, .edit = std::make_shared<const Operation::Edit>(std::move(edit))};
+}
+
+}  // namespace
+
+void SculptingSession::add_parameter(ScalarParameter parameter) {
+  apply(edit_of(Operation::AddParameter{std::move(parameter)}));
+}
+
+void SculptingSession::set_rule(const std::string& parameter,
+                                std::vector<ScalarParameter::Term> rule_terms, double offset) {
+  apply(edit_of(Operation::SetRule{parameter, std::move(rule_terms), offset}));
+}
+
+void SculptingSession::add(Operation::Item thing, std::vector<ScalarParameter> parameters) {
+  apply(edit_of(Operation::Add{std::move(thing), std::move(parameters)}));
+}
+
+void SculptingSession::change(Constraint constraint) {
+  apply(edit_of(Operation::Change{std::move(constraint)}));
+}
+
+void SculptingSession::remove(const std::string& name) { apply(edit_of(Operation::Remove{name})); }
+
+void SculptingSession::set_line(const std::string& line, HermiteCurve curve) {
+  apply(edit_of(Operation::SetLine{line, std::move(curve)}));
+}
+
+HermiteCurve SculptingSession::line(const std::string& name) const { return data_->line(name); }
+
+std::vector<std::string> SculptingSession::names() const { return data_->names(); }
+
+SolveReport SculptingSession::solve_to_equilibrium() {
+  data_->record_operation({});
+  return data_->solve_to_equilibrium();
+}
+
+SolveReport SculptingSession::solve_preview(int max_iterations, double tolerance) {
+  Data& d = *data_;
+  d.record_operation({.kind = Kind::SolvePreview, .index = max_iterations, .value = tolerance});
+  if (d.now.in_motion)
+    throw InputError("an answer of a surface in motion: step() goes on, stop_motion() ends it");
+  return d.solve_preview(max_iterations, tolerance);
+}
+
+void SculptingSession::start_motion(const Motion& motion) { apply(edit_of(motion)); }
+
+SolveReport SculptingSession::step() {
+  Data& d = *data_;
+  d.record_operation({.kind = Kind::Step});
+  if (d.now.in_motion) d.push_history_once();
+  return d.step();
+}
+
+void SculptingSession::stop_motion() { apply({.kind = Kind::StopMotion}); }
+
+bool SculptingSession::in_motion() const { return data_->now.in_motion; }
+
+void SculptingSession::set_time(double time) { apply({.kind = Kind::Time, .value = time}); }
+
+bool SculptingSession::undo() {
+  data_->record_operation({.kind = Kind::Undo});
+  return data_->move_in_history(data_->undo_stack, data_->redo_stack);
+}
+
+bool SculptingSession::redo() {
+  data_->record_operation({.kind = Kind::Redo});
+  return data_->move_in_history(data_->redo_stack, data_->undo_stack);
+}
+
+void SculptingSession::record(bool on) {
+  data_->recording = on;
+  if (on) data_->record.reserve(data_->record.size() + detail::kRecordPage);
+}
+
+const std::vector<Operation>& SculptingSession::recorded() const { return data_->record; }
+
+void SculptingSession::apply(const Operation& op) {
+  Data& d = *data_;
+  switch (op.kind) {
+    case Kind::Set:
+      if (op.index < 0 || op.index >= d.now.parameters.count())
+        throw InputError("there is no parameter " + std::to_string(op.index));
+      d.record_operation(op);
+      d.change_values([&] { d.now.parameters.set(op.index, op.value); });
+      return;
+    case Kind::Time:
+      d.record_operation(op);
+      if (d.now.in_motion) throw InputError("the time of a motion goes on by its steps");
+      if (!std::isfinite(op.value)) throw InputError("a time that is not finite");
+      d.change_values([&] { d.now.parameters.set_time(op.value); });
+      return;
+    case Kind::SolveToEquilibrium:
+      solve_to_equilibrium();
+      return;
+    case Kind::SolvePreview:
+      solve_preview(op.index, op.value);
+      return;
+    case Kind::Step:
+      step();
+      return;
+    case Kind::StopMotion:
+      d.record_operation(op);
+      if (!d.now.in_motion) return;
+      d.push_history(d.snapshot());
+      d.now.in_motion = false;
+      d.now.shape.v.setZero();
+      return;
+    case Kind::Undo:
+      undo();
+      return;
+    case Kind::Redo:
+      redo();
+      return;
+    case Kind::Edit:
+      break;
+  }
+  if (!op.edit) throw InputError("an operation without its edit");
+  if (const auto* refinement = std::get_if<Refinement>(op.edit.get())) {
+    refine(*refinement);
+    return;
+  }
+  d.record_operation(op);
+  // The history gets the state before, once it is known that the edit can be done.
+  detail::SessionState before = d.snapshot();
+  try {
+    d.edit(*op.edit);
+  } catch (...) {
+    d.restore_state(std::move(before));
+    throw;
+  }
+  d.push_history(std::move(before));
+}
+
+int SculptingSession::replay(const std::vector<Operation>& operations) {
+  const std::vector<Operation> all = operations;  // it may be this session's own record
+  int refused = 0;
+  for (const Operation& op : all) {
+    try {
+      apply(op);
+    } catch (const Error&) {  // it threw then
+      ++refused;
+    }
+  }
+  return refused;
+}
+
+RefinementReport SculptingSession::refine(const Refinement& refinement) {
+  Data& d = *data_;
+  d.record_operation(edit_of(refinement));
+  detail::SessionState before = d.snapshot();
+  RefinementReport report;
+  try {
+    report = d.refine(refinement);
+  } catch (...) {
+    d.restore_state(std::move(before));
+    throw;
+  }
+  if (report.triangles != report.triangles_before) d.push_history(std::move(before));
+  return report;
+}
+
+const ModelLayout& SculptingSession::layout() const { return data_->layout(); }
+
+Points SculptingSession::dofs() const { return data_->absolute(data_->now.shape.x); }
+
+SkinnedRegion SculptingSession::region(int r) const { return data_->skinned_region(r); }
+
+std::vector<SkinnedRegion> SculptingSession::regions() const {
+  std::vector<SkinnedRegion> all;
+  for (int r = 0; r < layout().region_count(); ++r) all.push_back(region(r));
+  return all;
+}
+
+void SculptingSession::draw(Frame& to) { data_->draw(to); }
+
+const Frame& SculptingSession::frame() {
+  data_->draw(data_->frame);
+  return data_->frame;
+}
+
+double SculptingSession::residual() const {
+  Data& d = *data_;
+  return d.engine.residual(d.system(), d.now.shape_values, d.now.shape.x) / d.size();
+}
+
+SurfaceEnergy SculptingSession::energy() const {
+  Data& d = *data_;
+  d.read_values();
+  SurfaceEnergy energy = d.engine.elastic_energy(d.system(), d.values, d.now.shape.x);
+  energy.bending *= d.system().def.scale().energy_factor();
+  energy.stretching *= d.system().def.scale().energy_factor();
+  return energy;
+}
+
+double SculptingSession::total_energy() const {
+  Data& d = *data_;
+  d.read_values();
+  return d.engine.total_energy(d.system(), d.values, d.now.shape, d.now.in_motion) *
+         d.system().def.scale().energy_factor();
+}
+
+std::vector<Reaction> SculptingSession::reactions() const {
+  Data& d = *data_;
+  auto all = d.engine.reactions(d.system(), d.now.shape_values, d.now.shape.x);
+  for (auto& reaction : all) reaction.force *= d.system().def.scale().reaction_factor();
+  return all;
+}
+
+std::vector<ScanDistances> SculptingSession::scan_distances(const Points& before) const {
+  return data_->engine.scan_distances(data_->system(), before, dofs());
+}
+
+double SculptingSession::enclosed_volume() const {
+  Data& d = *data_;
+  return d.system().parts->pressure().volume(dofs(), {});
+}
+
+size_t SculptingSession::history_bytes() const { return data_->bytes(); }
+
+}  // namespace batten

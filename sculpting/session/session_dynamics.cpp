@@ -1,0 +1,167 @@
+
+#include "batten/sculpting/session/session_engine.h"
+
+namespace batten::detail {
+
+namespace {
+
+// The value of a parameter at the share θ of a step.
+double blended(const Motion& m, const std::vector<double>& from, const std::vector<double>& to,
+               int parameter) {
+  const auto p = static_cast<size_t>(parameter);
+  return m.theta * to[p] + (1 - m.theta) * from[p];
+}
+
+}  // namespace
+
+bool SessionEngine::prepare_motion(SessionSystem& system, const Motion& motion) {
+  const bool same = system.dynamics && system.motion.dt == motion.dt &&
+                    system.motion.density == motion.density &&
+                    system.motion.damping == motion.damping && system.motion.theta == motion.theta;
+  if (same && system.dynamics_coupling && system.dynamics_constraints == system.auxiliary)
+    return false;
+  if (!same) {
+    const double inertia = system.def.scale().inertia() *
+                           (motion.density / (motion.theta * motion.dt) + motion.damping);
+    SparseMatrix S =
+        inertia * system.parts->mass() + (motion.theta * motion.dt) * system.statics->matrix();
+    system.dynamics = std::make_shared<ReusableFactorization>(*system.statics, std::move(S));
+    system.motion = motion;
+  }
+  SparseMatrix U = SparseMatrix(system.reduction->D().transpose()) * system.auxiliary->A;
+  system.dynamics_coupling = std::make_shared<SchurComplementConstraints>(
+      system.dynamics->factor(), std::move(U), system.auxiliary->rows, kRedundantTolerance);
+  system.dynamics_constraints = system.auxiliary;
+  return true;
+}
+
+// Right-hand sides of the loose rows for one step: rates.
+void SessionEngine::set_dynamic_targets(SessionSystem& system, const std::vector<double>& from,
+                                        const std::vector<double>& to, const ShapeState& shape) {
+  const AuxiliaryConstraints& rows = *system.auxiliary;
+  if (rows.rows.empty()) return;
+  const Motion& m = system.motion;
+  const double ahead = (1 - m.theta) * m.dt;
+  ae_.noalias() = rows.A.transpose() * e_;
+  ax_.noalias() = rows.A.transpose() * shape.x;
+  av_.noalias() = rows.A.transpose() * shape.v;
+  long soft = 0;
+  for (size_t r = 0; r < rows.rows.size(); ++r) {
+    const auto& source = rows.sources[r];
+    const SchurComplementConstraints::Constraint& row = rows.rows[r];
+    const double at = row.evaluate(ax_), lines = row.evaluate(ae_);
+    double& g = g_[static_cast<long>(r)];
+    if (row.soft) {
+      const Vec3 p = ax_.row(row.point).transpose() + system.origin();
+      const double value = blended(m, from, to, source.parameter);
+      const SpringTarget pulled =
+          spring_target(system, source, value, p + ahead * av_.row(row.point).transpose());
+      wanted_stiffness_[soft++] = m.theta * m.dt * pulled.stiffness;
+      g = row.direction.dot(pulled.target - p) / (m.theta * m.dt) - lines;
+      continue;
+    }
+    const double goal = source.kind == AuxiliaryConstraints::Source::Goal
+                            ? to[source.parameter] - system.origin()[source.coordinate]
+                            : 0;
+    g = (goal - at) / m.dt - lines;
+  }
+  if (soft > 0) system.dynamics_coupling->set_stiffness(wanted_stiffness_);
+  if (!system.dynamics_coupling->redundant().empty()) {
+    const auto [missed, row] = system.dynamics_coupling->contradiction(g_);
+    if (missed * m.dt > kRhsConflictTolerance * system.layout().size())
+      throw_conflict(system, to, row);
+  }
+}
+
+void SessionEngine::step(SessionSystem& system, const std::vector<double>& from,
+                         const std::vector<double>& to, ShapeState& shape) {
+  const Motion& m = system.motion;
+  anchored_ = false;
+  rhs_values_.clear();  // e_ and ae_ become rates
+  const double area = system.def.scale().inertia();
+  ReusableFactorization& dynamics = *system.dynamics;
+
+  // Followers act on the shape half way through the step; with θ = 1 on the one at its beginning,
+  // so that a step of any length is stable.
+  const double ahead = (1 - m.theta) * m.dt;
+  // b = F - K x + ρ/(θ dt) M v.
+  multiply_symmetric(system.statics->matrix(), shape.x, product_);
+  F_ = -product_;
+  if (m.density > 0) {
+    multiply_symmetric(system.parts->mass(), shape.v, product_);
+    F_ += (area * m.density / (m.theta * m.dt)) * product_;
+  }
+  next_ = shape.x + ahead * shape.v;
+  for (size_t l = 0; l < system.loads.size(); ++l) {
+    const double v = blended(m, from, to, system.load_parameter[l]);
+    if (v == 0) continue;
+    const AssembledLoad& load = *system.loads[l];
+    if (load.F.rows() > 0) F_ += v * load.F;
+    if (std::holds_alternative<Load::Pressure>(system.def.loads[l]->load.kind))
+      system.parts->pressure().add(next_, load.weights, v * load.scale, F_);
+  }
+  if (system.scan_load.rows() > 0) F_ += system.scan_load;
+  if (system.rest_load.rows() > 0) F_ += system.rest_load;
+
+  // Lines move at the rate that takes them to their places at the end of the step.
+  line_rhs(system, from, rate_);
+  line_rhs(system, to, rhs_);
+  system.reduction->check(rhs_);
+  rate_ = (rhs_ - rate_) / m.dt;
+  if (system.reduction->rhs_to_particular().nonZeros() > 0)
+    e_.noalias() = system.reduction->rhs_to_particular() * rate_;
+  dynamics.start_load(rate_, y_);
+  dynamics.add_load(F_, y_);
+
+  set_dynamic_targets(system, from, to, shape);
+  dynamics.solve(y_);
+  system.dynamics_coupling->apply(y_, g_);
+  dynamics.expand(y_, e_, next_);
+  shape.x += m.dt * next_;
+  shape.v += (next_ - shape.v) / m.theta;
+}
+
+void SessionEngine::project(SessionSystem& system, const std::vector<double>& values,
+                            ShapeState& shape) {
+  anchored_ = false;
+  rhs_values_.clear();
+  // The right-hand sides are what the shape misses on its rows.
+  line_rhs(system, values, rhs_);
+  system.reduction->check(rhs_);
+  const auto correct = [&](Points& x, bool velocity) {
+    for (size_t r = 0; r < system.line_rows->constraints().size(); ++r) {
+      const auto& row = system.line_rows->constraints()[r];
+      Vec3 is = Vec3::Zero();
+      for (const auto& e : row.entries) is += e.coefficient * x.row(e.dof).transpose();
+      const Vec3 wanted = velocity ? Vec3::Zero() : Vec3(rhs_.row(static_cast<long>(r)));
+      rate_.row(static_cast<long>(r)) = wanted - is;
+    }
+    if (system.reduction->rhs_to_particular().nonZeros() > 0)
+      e_.noalias() = system.reduction->rhs_to_particular() * rate_;
+    system.statics->start_load(rate_, y_);
+    const AuxiliaryConstraints& rows = *system.auxiliary;
+    ae_.noalias() = rows.A.transpose() * e_;
+    ax_.noalias() = rows.A.transpose() * x;
+    for (size_t r = 0; r < rows.rows.size(); ++r) {
+      const auto& source = rows.sources[r];
+      const SchurComplementConstraints::Constraint& row = rows.rows[r];
+      double goal = 0;
+      if (!velocity && source.kind == AuxiliaryConstraints::Source::Goal)
+        goal = values[source.parameter] - system.origin()[source.coordinate];
+      g_[static_cast<long>(r)] = row.soft ? 0 : goal - row.evaluate(ax_) - row.evaluate(ae_);
+    }
+    if (!velocity && !system.coupling->redundant().empty()) {
+      const auto [missed, row] = system.coupling->contradiction(g_);
+      if (missed > kRhsConflictTolerance * system.layout().size())
+        throw_conflict(system, values, row);
+    }
+    system.statics->solve(y_);
+    system.coupling->apply(y_, g_);
+    system.statics->expand(y_, e_, next_);
+    x += next_;
+  };
+  correct(shape.x, false);
+  correct(shape.v, true);
+}
+
+}  // namespace batten::detail

@@ -1,0 +1,375 @@
+#include "batten/skinning/domains/annulus_domain.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "batten/core/errors.h"
+#include "batten/core/format.h"
+#include "batten/core/isize.h"
+#include "batten/skinning/domains/boundary_circle.h"
+#include "batten/skinning/domains/mesh_limits.h"
+
+namespace batten {
+namespace {
+
+// Sum of squared distances of points of rim A from those of B, which begins at k.
+double sum_of_squared_distances(const std::vector<Vec3>& a, const std::vector<Vec3>& b, int k,
+                                int direction) {
+  const int n = isize(a);
+  double sum = 0;
+  for (int i = 0; i < n; ++i) sum += (a[i] - b[(k + direction * i + n) % n]).squaredNorm();
+  return sum;
+}
+
+class AnnulusBuilder {
+ public:
+  AnnulusBuilder(const Outline& a, const Outline& b, const DomainInput& task)
+      : task_(task), circles_{BoundaryCircle(a), BoundaryCircle(b)} {}
+
+  RegionGeometry build() {
+    for (const BoundaryCircle& circle : circles_) require_smooth(circle.outline);
+    match();
+    for (BoundaryCircle& circle : circles_) fit(circle);
+    columns();
+    RegionGeometry geometry;
+    geometry.mesh = mesh();
+    geometry.boundary.resize(2);
+    for (const int r : {0, 1})
+      for (size_t i = 0; i < circles_[r].spans.size(); ++i) {
+        const int index = isize(geometry.edge_aligned);
+        const bool flipped = circles_[r].outline.segments[i].flipped;
+        geometry.boundary[r].push_back(
+            {BoundarySegment::Kind::EdgeAligned, index, flipped != (r == 1)});
+        geometry.edge_aligned.push_back(aligned_line(*geometry.mesh, r, i));
+      }
+    // Rim B is run against u; its first line stays first.
+    std::reverse(geometry.boundary[1].begin() + 1, geometry.boundary[1].end());
+    return geometry;
+  }
+
+ private:
+  void require_smooth(const Outline& circle) const {
+    if (circle.corners.empty()) return;
+    const auto& piece = circle.segments[circle.corners[0]];
+    throw InputError(
+        "the rims of a ring must be smooth, and one turns by more than " +
+        format_number(task_.options.corner_angle) + " degrees where line '" + piece.segment.name +
+        "' begins, " + format_point(piece.start) +
+        ". With a corner_angle above that turn it is rounded; or lines from rim to rim "
+        "cut the ring into regions with corners");
+  }
+
+  // Direction and start of rim B against rim A.
+  void match() {
+    constexpr int n = 256;
+    std::vector<Vec3> a(n), b(n);
+    for (int i = 0; i < n; ++i) {
+      a[i] = circles_[0].point(static_cast<double>(i) / n).x;
+      b[i] = circles_[1].point(static_cast<double>(i) / n).x;
+    }
+    const int direction = circles_have_same_direction(a, b) ? 1 : -1;
+    double least = std::numeric_limits<double>::infinity();
+    int start = 0;
+    for (int k = 0; k < n; ++k) {
+      const double sum = sum_of_squared_distances(a, b, k, direction);
+      // A tie stays with the first.
+      if (sum < least - 1e-9 * n * task_.size * task_.size) {
+        least = sum;
+        start = k;
+      }
+    }
+    if (direction < 0) {
+      circles_[1] = BoundaryCircle(reversed(circles_[1].outline));
+      start = (n - start) % n;
+    }
+    // Between samples: where the sum's slope changes sign.
+    const auto slope = [&](double phase) {
+      double sum = 0;
+      for (int i = 0; i < n; ++i) {
+        const auto span = circles_[1].point(phase + static_cast<double>(i) / n);
+        sum += (span.x - a[i]).dot(span.tangent);
+      }
+      return sum;
+    };
+    double low = (start - 1.0) / n, high = (start + 1.0) / n;
+    double phase = static_cast<double>(start) / n;
+    if (slope(low) < 0 && slope(high) > 0) {
+      for (int step = 0; step < 48; ++step) {
+        phase = 0.5 * (low + high);
+        (slope(phase) < 0 ? low : high) = phase;
+      }
+    }
+    phase = fractional_part(round_to_grid(phase));
+
+    double distance = 0;
+    for (int i = 0; i < n; ++i)
+      distance += (circles_[1].point(phase + static_cast<double>(i) / n).x - a[i]).norm() / n;
+    U_ = round_to_grid(0.5 * (circles_[0].length + circles_[1].length) / task_.size);
+    V_ = round_to_grid(distance / task_.size);
+    if (!(V_ > 1e-6 * U_))
+      throw InputError("the rims of a ring, with lines '" +
+                       circles_[0].outline.segments[0].segment.name + "' and '" +
+                       circles_[1].outline.segments[0].segment.name + "', coincide");
+    if (circles_[1].is_single_line() && !circles_[1].prescribed()) {
+      circles_[1] = circles_[1].with_seam_at(phase);
+    } else if (circles_[0].is_single_line() && !circles_[0].prescribed()) {
+      circles_[0] = circles_[0].with_seam_at(-phase);
+    } else {
+      for (auto& span : circles_[1].spans) span.from = fractional_part(span.from - phase);
+    }
+  }
+
+  // The curves as they are given, so that the regions beyond carry the same.
+  static void take_prescribed(BoundaryCircle& circle) {
+    for (size_t i = 0; i < circle.spans.size(); ++i) {
+      const auto& piece = circle.outline.segments[i];
+      const HermiteCurve along = piece.segment.prescribed_along(piece.flipped);
+      circle.spans[i].fitted = circle.is_single_line() ? as_closed_curve(along) : along;
+    }
+  }
+
+  void fit(BoundaryCircle& circle) const {
+    if (circle.prescribed()) return take_prescribed(circle);
+    FitOptions fit;
+    fit.tolerance = task_.tolerance;
+    fit.corner_angle = 180;
+    fit.fixed_parameters = true;
+    fit.bisection_only = true;
+    fit.closed = circle.is_single_line();
+    const size_t n = circle.spans.size();
+    for (size_t i = 0; i < n; ++i) {
+      if (n > 1) {
+        const LoopVertex start = loop_vertex_at(circle.outline, i),
+                         end = loop_vertex_at(circle.outline, (i + 1) % n);
+        fit.start = {start.position, start.outgoing};
+        fit.end = {end.position, end.incoming};
+      }
+      const SmoothSegment& line = circle.outline.segments[i].segment;
+      auto& span = circle.spans[i];
+      span.fitted = fit_curve(line.name, line.curve, fit);
+      // Stretched by the hair by which the share is rounded: speed goes on from line to line.
+      std::vector<double> u = span.fitted.parameters();
+      const double segment = span.length_fraction * circle.length / u.back();
+      for (double& x : u) x *= segment;
+      span.fitted = {CurveMesh(std::move(u), circle.is_single_line()), span.fitted.dofs()};
+    }
+  }
+
+  // Where the nodes of a rim, or the given vertices, lie, as fractions of it.
+  static std::vector<double> nodes(const BoundaryCircle& circle) {
+    std::vector<double> all;
+    for (size_t i = 0; i < circle.spans.size(); ++i) {
+      const BoundaryCircle::Span& p = circle.spans[i];
+      const auto& piece = circle.outline.segments[i];
+      const double end = p.fitted.end();
+      if (circle.prescribed()) {
+        for (const double vertex : piece.segment.prescribed->vertices)
+          if (const double t = piece.flipped ? end - vertex : vertex; t < end)
+            all.push_back(fractional_part(p.from + p.length_fraction * t / end));
+      } else {
+        for (int k = 0; k < p.fitted.segment_count(); ++k)
+          all.push_back(fractional_part(
+              p.from + p.length_fraction * round_to_grid(p.fitted.parameters()[k] / end)));
+      }
+    }
+    return all;
+  }
+
+  // A column of the mesh by its fractions on both rims; they may go past 1.
+  struct Column {
+    double at[2];
+  };
+
+  // A node on a rim, and the one on the other rim that shares its column.
+  struct Node {
+    double at;
+    int circle;
+    int partner;  // in the list of all nodes
+  };
+
+  // Width of columns, as a share of a rim: near-square cells, eight around at least.
+  double column_width() const {
+    const double h = std::min({task_.edge_length / task_.size, 2 * V_, U_ / 8}) / U_;
+    const double expected =
+        2 * U_ * V_ * task_.size * task_.size / (task_.edge_length * task_.edge_length);
+    require_mesh_size(std::max(expected, 2 / h), task_.edge_length, task_.size, "a ring");
+    return h;
+  }
+
+  // Nodes of both rims. Neighbours on different rims share a column: those that coincide first,
+  // then near ones.
+  std::vector<Node> paired_nodes(double h) const {
+    std::vector<Node> found;
+    for (int r = 0; r < 2; ++r)
+      for (const double f : nodes(circles_[r])) found.push_back({f, r, -1});
+    std::sort(found.begin(), found.end(), [](const Node& a, const Node& b) {
+      return a.at != b.at ? a.at < b.at : a.circle < b.circle;
+    });
+    const int n = isize(found);
+    constexpr double coincide = 1e-8;
+    for (const double reach : {coincide, 0.5 * h})
+      for (int i = 0; i < n; ++i) {
+        const int j = (i + 1) % n;
+        Node &a = found[i], &b = found[j];
+        if (a.circle == b.circle || a.partner >= 0 || b.partner >= 0) continue;
+        if (fractional_part(b.at - a.at) > reach) continue;
+        a.partner = j;
+        b.partner = i;
+      }
+    return found;
+  }
+
+  // Columns that end on nodes of both rims, the first again at the end.
+  static std::vector<Column> shared_columns(const std::vector<Node>& found) {
+    std::vector<Column> shared;
+    for (const Node& node : found)
+      if (node.circle == 0 && node.partner >= 0) {
+        const double other = found[node.partner].at;
+        shared.push_back({{node.at, node.at + std::remainder(other - node.at, 1.0)}});
+      }
+    if (shared.empty()) shared.push_back({{found[0].at, found[0].at}});
+    shared.push_back({{shared[0].at[0] + 1, shared[0].at[1] + 1}});
+    return shared;
+  }
+
+  void columns() {
+    const double h = column_width();
+    const std::vector<Node> found = paired_nodes(h);
+    const std::vector<Column> shared = shared_columns(found);
+    // Between two shared columns, nodes of one rim have their column's other end by proportion.
+    for (size_t k = 0; k + 1 < shared.size(); ++k) {
+      const Column &from = shared[k], &to = shared[k + 1];
+      const auto between = [&](double t) {
+        return Column{
+            {from.at[0] + t * (to.at[0] - from.at[0]), from.at[1] + t * (to.at[1] - from.at[1])}};
+      };
+      std::vector<double> spans = {0, 1};
+      for (const Node& node : found) {
+        if (node.partner >= 0) continue;
+        const int r = node.circle;
+        const double t = fractional_part(node.at - from.at[r]) / (to.at[r] - from.at[r]);
+        if (t > 0 && t < 1) spans.push_back(t);
+      }
+      std::sort(spans.begin(), spans.end());
+      spans.erase(std::unique(spans.begin(), spans.end()), spans.end());
+      for (size_t p = 0; p + 1 < spans.size(); ++p) {
+        const double width =
+            (spans[p + 1] - spans[p]) * std::max(to.at[0] - from.at[0], to.at[1] - from.at[1]);
+        const int cuts = std::max(1, static_cast<int>(std::ceil(width / h - 0.2)));
+        for (int c = 0; c < cuts; ++c)
+          columns_.push_back(between(spans[p] + (spans[p + 1] - spans[p]) * c / cuts));
+      }
+    }
+  }
+
+  std::shared_ptr<const ParametricMesh> mesh() const {
+    const int n = isize(columns_);
+    const int rows =
+        std::max(1, static_cast<int>(std::lround(V_ * task_.size / task_.edge_length)));
+    std::vector<Vec2> vertices;
+    for (int j = 0; j <= rows; ++j)
+      for (const Column& c : columns_) {
+        const double s = static_cast<double>(j) / rows;
+        const double f = fractional_part((1 - s) * c.at[0] + s * c.at[1]);
+        vertices.emplace_back(f * U_ < U_ ? f * U_ : 0, j == rows ? V_ : s * V_);
+      }
+    std::vector<ParametricMesh::Triangle> triangles;
+    for (int j = 0; j < rows; ++j)
+      for (int i = 0; i < n; ++i) {
+        const int a = j * n + i, b = j * n + (i + 1) % n, c = a + n, d = b + n;
+        if ((i + j) % 2) {
+          triangles.push_back({a, b, c});
+          triangles.push_back({b, d, c});
+        } else {
+          triangles.push_back({a, b, d});
+          triangles.push_back({a, d, c});
+        }
+      }
+    return std::make_shared<ParametricMesh>(std::move(vertices), std::move(triangles), U_);
+  }
+
+  EdgeAlignedLine aligned_line(const ParametricMesh& mesh, int r, size_t index) const {
+    const auto& line = circles_[r].outline.segments[index];
+    const BoundaryCircle::Span& p = circles_[r].spans[index];
+    const int n = isize(columns_);
+    const int row = r == 0 ? 0 : mesh.vertex_count() - n;
+    // The column of a joint, by its place on the rim.
+    const auto column_at = [&](double fraction) {
+      int best = 0;
+      for (int i = 1; i < n; ++i)
+        if (std::abs(std::remainder(columns_[i].at[r] - fraction, 1.0)) <
+            std::abs(std::remainder(columns_[best].at[r] - fraction, 1.0)))
+          best = i;
+      return best;
+    };
+    EdgeAlignedLine aligned_line;
+    aligned_line.line = {line.segment.name,
+                         line.flipped ? reversed(line.segment.curve) : line.segment.curve,
+                         line.segment.role};
+    aligned_line.fitted = line.flipped ? p.fitted.backwards() : p.fitted;
+    const int first = column_at(p.from), last = column_at(p.from + p.length_fraction);
+    const int count = last > first ? last - first : last - first + n;
+    for (int k = 0; k <= count; ++k) {
+      const int i = (first + k) % n;
+      aligned_line.vertices.push_back(row + i);
+      const double f = k == 0 ? 0
+                       : k == count
+                           ? 1
+                           : fractional_part(columns_[i].at[r] - p.from) / p.length_fraction;
+      aligned_line.parameters.push_back((line.flipped ? 1 - f : f) * p.fitted.end());
+    }
+    if (line.flipped) {
+      std::reverse(aligned_line.vertices.begin(), aligned_line.vertices.end());
+      std::reverse(aligned_line.parameters.begin(), aligned_line.parameters.end());
+    }
+    for (size_t k = 0; k + 1 < aligned_line.vertices.size(); ++k)
+      aligned_line.edges.push_back(
+          mesh.edge_between(aligned_line.vertices[k], aligned_line.vertices[k + 1]));
+    return aligned_line;
+  }
+
+  const DomainInput& task_;
+  BoundaryCircle circles_[2];
+  double U_ = 0, V_ = 0;
+  std::vector<Column> columns_;
+};
+
+}  // namespace
+
+bool circles_have_same_direction(const std::vector<Vec3>& a, const std::vector<Vec3>& b) {
+  const auto n = static_cast<double>(a.size());
+  const auto middle = [n](const std::vector<Vec3>& points) {
+    Vec3 sum = Vec3::Zero();
+    for (const Vec3& p : points) sum += p / n;
+    return sum;
+  };
+  const auto area = [](const std::vector<Vec3>& p, const Vec3& about) {
+    Vec3 sum = Vec3::Zero();
+    for (size_t i = 0; i < p.size(); ++i)
+      sum += (p[i] - about).cross(p[(i + 1) % p.size()] - about);
+    return sum;
+  };
+  const Vec3 ma = middle(a), mb = middle(b), axis = mb - ma, na = area(a, ma), nb = area(b, mb);
+  constexpr double clear = 0.2;
+  const double sa = na.dot(axis), sb = nb.dot(axis);
+  if (std::abs(sa) > clear * na.norm() * axis.norm() &&
+      std::abs(sb) > clear * nb.norm() * axis.norm())
+    return sa * sb > 0;
+  const auto least = [&](int direction) {
+    double sum = std::numeric_limits<double>::infinity();
+    for (int k = 0; k < isize(a); ++k)
+      sum = std::min(sum, sum_of_squared_distances(a, b, k, direction));
+    return sum;
+  };
+  const double alike = least(1), against = least(-1);
+  constexpr double tie = 1e-6;
+  if (std::abs(alike - against) < tie * (alike + against)) return na.dot(nb) >= 0;
+  return alike < against;
+}
+
+RegionGeometry make_annulus_geometry(const Outline& a, const Outline& b, const DomainInput& task) {
+  return AnnulusBuilder(a, b, task).build();
+}
+
+}  // namespace batten

@@ -1,0 +1,389 @@
+#include "batten/skinning/network/contacts.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <tuple>
+
+#include "batten/core/disjoint_sets.h"
+#include "batten/core/errors.h"
+#include "batten/core/isize.h"
+#include "batten/core/parallel.h"
+#include "batten/skinning/network/chord_tree.h"
+#include "batten/skinning/network/curve_distance.h"
+
+namespace batten::detail {
+namespace {
+
+// Something is a near miss up to this many tolerances, and this share of the size.
+constexpr double kNearMiss = 5, kNearMissOfSize = 0.04;
+
+class ContactSearch {
+ public:
+  ContactSearch(const std::vector<SampledCurve>& sampled_curves, double tolerance, double size)
+      : sampled_curves_(sampled_curves),
+        tolerance_(tolerance),
+        size_(size),
+        tree_(sampled_curves) {}
+
+  Contacts run() {
+    std::vector<Contact> found = between_chords();
+    for (const Contact& c : at_ends()) found.push_back(c);
+    std::sort(found.begin(), found.end(), [](const Contact& p, const Contact& q) {
+      return std::tie(p.a, p.b, p.sa, p.sb, p.ea, p.eb) <
+             std::tie(q.a, q.b, q.sa, q.sb, q.ea, q.eb);
+    });
+    std::vector<std::pair<size_t, size_t>> groups;
+    for (size_t begin = 0, end; begin < found.size(); begin = end) {
+      for (end = begin;
+           end < found.size() && found[end].a == found[begin].a && found[end].b == found[begin].b;)
+        ++end;
+      groups.emplace_back(begin, end);
+    }
+    std::vector<Contacts> parts(groups.size());
+    parallel_for(isize(groups), [&](int g) {
+      parts[g] = of_pair({found.begin() + static_cast<long>(groups[g].first),
+                          found.begin() + static_cast<long>(groups[g].second)});
+    });
+    Contacts all;
+    for (const Contacts& part : parts) {
+      all.joined.insert(all.joined.end(), part.joined.begin(), part.joined.end());
+      all.near_misses.insert(all.near_misses.end(), part.near_misses.begin(),
+                             part.near_misses.end());
+    }
+    return all;
+  }
+
+ private:
+  double reach() const {
+    return std::max(tolerance_, std::min(kNearMiss * tolerance_, kNearMissOfSize * size_));
+  }
+
+  // Of one strand: far enough along it, and bent back enough, to be two places.
+  bool apart(const Contact& c) const {
+    if (c.a != c.b) return true;
+    const double along = sampled_curves_[c.a].between(c.sa, c.sb);
+    return along >= 10 * tolerance_ && along > 3 * c.distance;
+  }
+
+  void set_lengths(Contact& c) const {
+    c.sa = sampled_curves_[c.a].arc_length->length_at(c.ta);
+    c.sb = sampled_curves_[c.b].arc_length->length_at(c.tb);
+  }
+
+  // Drawings by hand have up to 35 for a chord.
+  size_t most_pairs() const {
+    size_t chords = 0;
+    for (const SampledCurve& sampled_curve : sampled_curves_) chords += sampled_curve.sag.size();
+    return 100 * chords + 100'000;
+  }
+
+  std::vector<Contact> between_chords() const {
+    std::vector<std::pair<int, int>> pairs;
+    const size_t most = most_pairs();
+    tree_.for_each_near_pair(reach(), [&](int i, int j) {
+      if (worth_looking(i, j)) pairs.emplace_back(i, j);
+      if (pairs.size() > most)
+        throw InputError("network: found lines that lie within " + format_number(reach()) +
+                         " of each other, or of themselves, again and again, expected lines that "
+                         "meet in places (is a line drawn many times over?)");
+    });
+    std::sort(pairs.begin(), pairs.end());
+    constexpr size_t kChunk = 256;
+    const size_t chunks = (pairs.size() + kChunk - 1) / kChunk;
+    std::vector<std::vector<Contact>> parts(chunks);
+    parallel_for(static_cast<int>(chunks), [&](int part) {
+      const size_t begin = static_cast<size_t>(part) * kChunk;
+      for (size_t k = begin; k < std::min(begin + kChunk, pairs.size()); ++k) {
+        const Chord p = tree_.chord(pairs[k].first), q = tree_.chord(pairs[k].second);
+        const SampledCurve &a = sampled_curves_[p.sampled_curve],
+                           &b = sampled_curves_[q.sampled_curve];
+        Contact c{p.sampled_curve, q.sampled_curve};
+        double s = 0, t = 0;
+        chord_distance(a.x[p.segment], a.x[p.segment + 1], b.x[q.segment], b.x[q.segment + 1], s,
+                       t);
+        c.ta = a.t[p.segment] + s * (a.t[p.segment + 1] - a.t[p.segment]);
+        c.tb = b.t[q.segment] + t * (b.t[q.segment + 1] - b.t[q.segment]);
+        c.distance = nearest(a, bracket(a, p.segment), c.ta, b, bracket(b, q.segment), c.tb);
+        if (!(c.distance <= reach())) continue;
+        set_lengths(c);
+        if (c.a == c.b && c.sa > c.sb) std::swap(c.ta, c.tb), std::swap(c.sa, c.sb);
+        if (apart(c)) parts[part].push_back(c);
+      }
+    });
+    std::vector<Contact> all;
+    for (const auto& part : parts) all.insert(all.end(), part.begin(), part.end());
+    return all;
+  }
+
+  bool worth_looking(int i, int j) const {
+    const Chord p = tree_.chord(i), q = tree_.chord(j);
+    const SampledCurve &a = sampled_curves_[p.sampled_curve], &b = sampled_curves_[q.sampled_curve];
+    if (p.sampled_curve == q.sampled_curve) {
+      const double most = std::max(a.between(a.s[p.segment], a.s[q.segment + 1]),
+                                   a.between(a.s[p.segment + 1], a.s[q.segment]));
+      if (std::abs(p.segment - q.segment) < 2 || most < 10 * tolerance_) return false;
+    }
+    double s = 0, t = 0;
+    return chord_distance(a.x[p.segment], a.x[p.segment + 1], b.x[q.segment], b.x[q.segment + 1], s,
+                          t) <= reach() + a.sag[p.segment] + b.sag[q.segment];
+  }
+
+  // Of the ends of strands with all that is near.
+  std::vector<Contact> at_ends() const {
+    std::vector<Contact> all;
+    for (int k = 0; k < isize(sampled_curves_); ++k)
+      for (int end = 0; end < 2 && !sampled_curves_[k].closed; ++end) {
+        const Vec3 p = sampled_curves_[k].end_point(end);
+        for (const NearPoint& near_point : tree_.near_points(p, reach())) {
+          if (!(near_point.distance <= reach())) continue;
+          const SampledCurve& b = sampled_curves_[near_point.sampled_curve];
+          Contact c{k, near_point.sampled_curve};
+          c.ta = sampled_curves_[k].end_parameter(end);
+          c.ea = end;
+          c.tb = near_point.t;
+          c.distance = near_point.distance;
+          set_lengths(c);
+          for (int e = 0; e < 2 && !b.closed; ++e)
+            if (const double d = (p - b.end_point(e)).norm();
+                d <= std::max(tolerance_, c.distance) &&
+                std::abs(c.sb - (e ? b.length : 0)) <= 2 * tolerance_) {
+              c.eb = e;
+              c.tb = b.end_parameter(e);
+              c.sb = e ? b.length : 0;
+              c.distance = d;
+              break;
+            }
+          if (!apart(c)) continue;
+          if (c.a > c.b || (c.a == c.b && c.sa > c.sb)) {
+            std::swap(c.a, c.b);
+            std::swap(c.ta, c.tb);
+            std::swap(c.sa, c.sb);
+            std::swap(c.ea, c.eb);
+          }
+          all.push_back(c);
+        }
+      }
+    return all;
+  }
+
+  // Whether the strands stay within `limit` of each other between two contacts.
+  bool linked(const Contact& p, const Contact& q, double limit) const {
+    if (p.distance > limit || q.distance > limit) return false;
+    const double along_a = std::abs(q.sa - p.sa), along_b = std::abs(q.sb - p.sb);
+    if (std::abs(along_a - along_b) > 0.5 * std::max(along_a, along_b) + 4 * limit) return false;
+    if (std::max(along_a, along_b) < 1e-6 * tolerance_) return true;
+    const SampledCurve &a = sampled_curves_[p.a], &b = sampled_curves_[p.b];
+    const double low = std::min(p.tb, q.tb), high = std::max(p.tb, q.tb);
+    constexpr int kSamples = 6;
+    for (int k = 1; k < kSamples; ++k) {
+      const double f = static_cast<double>(k) / kSamples;
+      const Vec3 x = a.point(p.ta + f * (q.ta - p.ta));
+      const double t = b.closest_parameter(x, p.tb + f * (q.tb - p.tb), low, high);
+      if ((b.point(t) - x).norm() > limit) return false;
+    }
+    return true;
+  }
+
+  // Numbers of the intervals to which contacts of one pair belong; -1: farther than the limit.
+  std::vector<int> intervals(const std::vector<Contact>& contacts, double limit) const {
+    const int n = isize(contacts);
+    DisjointSets groups(n);
+    constexpr int kLookAhead = 12;  // contacts of one place come from up to nine pairs of chords
+    for (int i = 0; i < n; ++i)
+      for (int j = i + 1; j < std::min(n, i + kLookAhead); ++j)
+        if (groups.find(i) != groups.find(j) && linked(contacts[i], contacts[j], limit))
+          groups.unite(i, j);
+    std::vector<int> of(n);
+    for (int i = 0; i < n; ++i) of[i] = contacts[i].distance <= limit ? groups.find(i) : -1;
+    return of;
+  }
+
+  Contacts of_pair(const std::vector<Contact>& contacts) const {
+    Contacts result;
+    const std::vector<int> wide = intervals(contacts, reach()),
+                           narrow = intervals(contacts, tolerance_);
+    const int n = isize(contacts);
+    std::vector<char> joined(n, 0);
+    for (int i = 0; i < n; ++i) {
+      if (narrow[i] >= 0) joined[wide[i]] = 1;
+      if (narrow[i] != i) continue;
+      std::vector<Contact> members;
+      for (int j = i; j < n; ++j)
+        if (narrow[j] == i) members.push_back(contacts[j]);
+      add_interval(members, result.joined);
+    }
+    for (int i = 0; i < n; ++i) {
+      if (wide[i] != i || joined[i]) continue;
+      const Contact* best = nullptr;
+      const auto rank = [&](const Contact& c) {  // ends first, then the nearest
+        return std::tuple(c.ea < 0 && c.eb < 0, std::llround(c.distance / tolerance_ * 1e6));
+      };
+      for (int j = i; j < n; ++j)
+        if (wide[j] == i && (!best || rank(contacts[j]) < rank(*best))) best = &contacts[j];
+      result.near_misses.push_back(*best);
+    }
+    return result;
+  }
+
+  // What an interval of nearness comes to.
+  void add_interval(const std::vector<Contact>& members, std::vector<Contact>& out) const {
+    const size_t before = out.size();
+    for (const Contact& c : members) {
+      if (c.ea < 0 && c.eb < 0) continue;
+      const auto same =
+          std::find_if(out.begin() + static_cast<long>(before), out.end(), [&](const Contact& o) {
+            return (c.ea >= 0 && o.ea == c.ea) || (c.eb >= 0 && o.eb == c.eb);
+          });
+      if (same == out.end())
+        out.push_back(c);
+      else if (better(c, *same))
+        *same = c;
+    }
+    const auto [first, last] =
+        std::minmax_element(members.begin(), members.end(),
+                            [](const Contact& p, const Contact& q) { return p.sa < q.sa; });
+    const Contact middle = nearest_of(members);
+    Contact ends[2] = {middle, middle};
+    if (nearly_parallel(middle)) ends[0] = departure(*first, -1), ends[1] = departure(*last, 1);
+    if (run_along(ends[0], ends[1])) {
+      for (const Contact& c : ends)
+        if (std::none_of(out.begin() + static_cast<long>(before), out.end(), [&](const Contact& o) {
+              return std::abs(o.sa - c.sa) < 3 * tolerance_ ||
+                     std::abs(o.sb - c.sb) < 3 * tolerance_;
+            }))
+          out.push_back(c);
+    } else if (out.size() == before) {
+      out.push_back(middle);
+    }
+  }
+
+  bool nearly_parallel(const Contact& c) const {
+    const Vec3 a = sampled_curves_[c.a].curve->evaluate(c.ta, 1),
+               b = sampled_curves_[c.b].curve->evaluate(c.tb, 1);
+    constexpr double kParallelSine = 0.3;
+    return a.cross(b).norm() <= kParallelSine * a.norm() * b.norm();
+  }
+
+  // Ends that meet ends go before ends on lines, then the nearer.
+  bool better(const Contact& p, const Contact& q) const {
+    const auto rank = [&](const Contact& c) {
+      return std::tuple(-((c.ea >= 0) + (c.eb >= 0)), std::llround(c.distance / tolerance_ * 1e6));
+    };
+    return rank(p) < rank(q);
+  }
+
+  bool run_along(const Contact& first, const Contact& last) const {
+    const double along = std::min(last.sa - first.sa, std::abs(last.sb - first.sb));
+    if (along >= 3 * std::sqrt(tolerance_ * size_)) return true;
+    if (along < 5 * tolerance_) return false;
+    const SampledCurve &a = sampled_curves_[first.a], &b = sampled_curves_[first.b];
+    double mean = 0;
+    constexpr int kSamples = 8;
+    for (int k = 0; k < kSamples; ++k) {
+      const double f = (k + 0.5) / kSamples;
+      const Vec3 x = a.point(first.ta + f * (last.ta - first.ta));
+      const double t =
+          b.closest_parameter(x, first.tb + f * (last.tb - first.tb), std::min(first.tb, last.tb),
+                              std::max(first.tb, last.tb));
+      mean += (b.point(t) - x).norm() / kSamples;
+    }
+    constexpr double kCoinciding = 0.05;  // of the tolerance; half a touching parabola has 0.1
+    return mean <= kCoinciding * tolerance_;
+  }
+
+  // The last place, from a contact on along a, where b is within half of the tolerance.
+  Contact departure(const Contact& from, int way) const {
+    const SampledCurve &a = sampled_curves_[from.a], &b = sampled_curves_[from.b];
+    const double limit = std::max(0.5 * tolerance_, from.distance);
+    const double to = way > 0 ? a.t.back() : a.t.front();
+    const auto closest_parameter = [&](double ta, double tb) {
+      return b.closest_parameter(a.point(ta), tb, b.t.front(), b.t.back());
+    };
+    Contact inside = from;
+    inside.ea = inside.eb = -1;
+    const double step = (a.t.back() - a.t.front()) / 256;
+    double outside = to;
+    bool left = false;
+    for (int k = 0; k < 512 && inside.ta != to && !left; ++k) {
+      const double next = way > 0 ? std::min(inside.ta + step, to) : std::max(inside.ta - step, to);
+      const double tb = closest_parameter(next, inside.tb);
+      if ((a.point(next) - b.point(tb)).norm() > limit) {
+        outside = next;
+        left = true;
+      } else {
+        inside.ta = next;
+        inside.tb = tb;
+      }
+    }
+    for (int k = 0; k < 40 && left; ++k) {
+      const double middle = 0.5 * (inside.ta + outside), tb = closest_parameter(middle, inside.tb);
+      if ((a.point(middle) - b.point(tb)).norm() > limit) {
+        outside = middle;
+      } else {
+        inside.ta = middle;
+        inside.tb = tb;
+      }
+    }
+    set_lengths(inside);
+    inside.distance = (a.point(inside.ta) - b.point(inside.tb)).norm();
+    return inside;
+  }
+
+  // In the middle of those that are as near as the nearest.
+  Contact nearest_of(const std::vector<Contact>& members) const {
+    double least = members[0].distance;
+    for (const Contact& c : members) least = std::min(least, c.distance);
+    const Contact *low = nullptr, *high = nullptr;
+    for (const Contact& c : members) {
+      if (c.distance > least + 1e-3 * tolerance_) continue;
+      if (!low || c.sa < low->sa) low = &c;
+      if (!high || c.sa > high->sa) high = &c;
+    }
+    if (high->sa - low->sa <= 1e-6 * tolerance_) return *low;
+    Contact middle = *low;
+    const SampledCurve& b = sampled_curves_[middle.b];
+    middle.ta = 0.5 * (low->ta + high->ta);
+    const Vec3 x = sampled_curves_[middle.a].point(middle.ta);
+    middle.tb = b.closest_parameter(x, 0.5 * (low->tb + high->tb), std::min(low->tb, high->tb),
+                                    std::max(low->tb, high->tb));
+    set_lengths(middle);
+    middle.distance = (b.point(middle.tb) - x).norm();
+    return middle;
+  }
+
+  const std::vector<SampledCurve>& sampled_curves_;
+  double tolerance_, size_;
+  ChordTree tree_;
+};
+
+}  // namespace
+
+Contacts find_contacts(const std::vector<SampledCurve>& sampled_curves, double tolerance,
+                       double size) {
+  return ContactSearch(sampled_curves, tolerance, size).run();
+}
+
+std::vector<double> end_gaps(const std::vector<SampledCurve>& sampled_curves, double reach,
+                             const std::vector<Contact>& contacts) {
+  const ChordTree tree(sampled_curves);
+  std::vector<std::vector<std::pair<double, double>>> met(sampled_curves.size());  // where, how far
+  for (const Contact& c : contacts) {
+    met[c.a].emplace_back(c.sa, c.distance);
+    met[c.b].emplace_back(c.sb, c.distance);
+  }
+  std::vector<double> gaps;
+  for (const SampledCurve& sampled_curve : sampled_curves)
+    for (int end = 0; end < 2 && !sampled_curve.closed; ++end) {
+      if (sampled_curve.corner[end]) continue;
+      double& gap = gaps.emplace_back(std::numeric_limits<double>::infinity());
+      for (const NearPoint& near : tree.near_points(sampled_curve.end_point(end), reach))
+        if (sampled_curves[near.sampled_curve].line != sampled_curve.line && near.distance <= reach)
+          gap = std::min(gap, near.distance);
+      for (const auto& [s, distance] : met[&sampled_curve - sampled_curves.data()])
+        if (std::abs(s - (end ? sampled_curve.length : 0)) <= reach) gap = std::min(gap, distance);
+    }
+  return gaps;
+}
+
+}  // namespace batten::detail

@@ -1,0 +1,378 @@
+#include "batten/skinning/network/curve_network.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <tuple>
+
+#include "batten/core/disjoint_sets.h"
+#include "batten/core/errors.h"
+#include "batten/core/format.h"
+#include "batten/core/isize.h"
+#include "batten/core/parallel.h"
+#include "batten/skinning/network/edge_curve.h"
+#include "batten/skinning/network/network_nodes.h"
+
+namespace batten {
+namespace {
+
+using namespace detail;
+
+// Node numbers in canonical order; nodes without an arc get none.
+std::vector<int> canonical_nodes(const SampledCurves& sampled_curves, NetworkTopology& net) {
+  std::vector<char> used(net.nodes.size(), 0);
+  for (const CurveInterval& c : net.intervals)
+    for (const int n : c.nodes) used[n] = 1;
+  std::vector<std::pair<std::array<long long, 3>, int>> order;
+  for (int n = 0; n < isize(net.nodes); ++n)
+    if (used[n])
+      order.emplace_back(sort_key(net.nodes[n], sampled_curves.origin, sampled_curves.size), n);
+  std::sort(order.begin(), order.end());
+  std::vector<int> number(net.nodes.size(), -1);
+  for (size_t i = 0; i < order.size(); ++i) number[order[i].second] = static_cast<int>(i);
+  for (CurveInterval& c : net.intervals)
+    for (int& n : c.nodes) n = number[n];
+  std::vector<Vec3> nodes;
+  for (const auto& [key, n] : order) nodes.push_back(net.nodes[n]);
+  net.nodes = std::move(nodes);
+  return number;
+}
+
+struct EdgeDraft {
+  const CurveInterval* interval;
+  std::shared_ptr<const TrimmedCurve> input;
+  double length;
+  bool flipped;  // runs against its strand
+  std::array<int, 2> nodes;
+  std::array<long long, 3> middle;
+};
+
+EdgeDraft make_edge_draft(const SampledCurves& sampled_curves, const CurveInterval& interval,
+                          double size) {
+  const SampledCurve& sampled_curve = sampled_curves.sampled_curves[interval.sampled_curve];
+  const double period = sampled_curve.curve->end() - sampled_curve.curve->start();
+  const auto parameter = [&](double s) {
+    return s <= sampled_curve.length
+               ? sampled_curve.arc_length->parameter(s)
+               : sampled_curve.arc_length->parameter(s - sampled_curve.length) + period;
+  };
+  const auto point = [&](double f) {
+    double s = interval.s0 + f * (interval.s1 - interval.s0);
+    if (s > sampled_curve.length) s -= sampled_curve.length;
+    return sampled_curve.point(sampled_curve.arc_length->parameter(s));
+  };
+  // From the node that comes first; a closed one by places as far from either end.
+  bool flipped = interval.nodes[0] > interval.nodes[1];
+  if (interval.nodes[0] == interval.nodes[1])
+    for (const double f : {0.25, 0.125, 0.375, 1.0 / 3, 0.05, 0.2, 0.45})
+      if (const int c = compare(point(f), point(1 - f), 1e-9 * size); c != 0) {
+        flipped = c > 0;
+        break;
+      }
+  EdgeDraft draft{
+      &interval,
+      sampled_curve.curve->part(parameter(interval.s0), parameter(interval.s1), flipped),
+      interval.s1 - interval.s0,
+      flipped,
+      interval.nodes,
+      sort_key(point(0.5), sampled_curves.origin, size)};
+  if (flipped) std::swap(draft.nodes[0], draft.nodes[1]);
+  return draft;
+}
+
+// Away from the node.
+Vec3 outward_tangent(const EdgeDraft& draft, bool end) {
+  const TrimmedCurve& c = *draft.input;
+  return end ? Vec3(-tangent(c, c.end(), -1)) : tangent(c, c.start(), 1);
+}
+
+// Which ends go on in which: pieces of one strand first, then the straightest.
+void find_partners(const std::vector<EdgeDraft>& drafts, const std::vector<NetworkNode>& nodes,
+                   const SampledCurves& sampled_curves, double tangent_angle,
+                   std::vector<NetworkEdge>& edges) {
+  struct Pair {
+    int strange;  // 0: of one strand, where that was cut
+    long long angle_deg;
+    EdgeEnd p, q;
+  };
+  const auto position_along = [&](const EdgeEnd& e) {  // along its strand
+    const CurveInterval& c = *drafts[e.edge].interval;
+    const bool last = e.end != drafts[e.edge].flipped;
+    const double length = sampled_curves.sampled_curves[c.sampled_curve].length;
+    const double s = last ? c.s1 : c.s0;
+    return std::pair(last, s > length ? s - length : s);
+  };
+  for (const NetworkNode& node : nodes) {
+    std::vector<Vec3> direction;
+    for (const EdgeEnd& e : node.ends) direction.push_back(outward_tangent(drafts[e.edge], e.end));
+    std::vector<Pair> pairs;
+    for (size_t i = 0; i < node.ends.size(); ++i)
+      for (size_t j = i + 1; j < node.ends.size(); ++j) {
+        const EdgeEnd &p = node.ends[i], &q = node.ends[j];
+        const double angle_deg = degrees_between(direction[i], -direction[j]);
+        const auto [last_p, s_p] = position_along(p);
+        const auto [last_q, s_q] = position_along(q);
+        const int k = drafts[p.edge].interval->sampled_curve;
+        const SampledCurve& sampled_curve = sampled_curves.sampled_curves[k];
+        const bool one = k == drafts[q.edge].interval->sampled_curve && last_p != last_q &&
+                         sampled_curve.between(s_p, s_q) <= 1e-9 * sampled_curve.length &&
+                         (sampled_curve.closed || (s_p > 0 && s_p < sampled_curve.length));
+        if (one || angle_deg <= tangent_angle)
+          pairs.push_back({one ? 0 : 1, std::llround(angle_deg * (1 << 20)), p, q});
+      }
+    std::stable_sort(pairs.begin(), pairs.end(), [](const Pair& a, const Pair& b) {
+      return std::tie(a.strange, a.angle_deg) < std::tie(b.strange, b.angle_deg);
+    });
+    for (const Pair& pair : pairs) {
+      auto &p = edges[pair.p.edge].continuation[pair.p.end],
+           &q = edges[pair.q.edge].continuation[pair.q.end];
+      if (p.edge >= 0 || q.edge >= 0) continue;
+      p = pair.q;
+      q = pair.p;
+    }
+  }
+}
+
+// Unit tangents along the arcs at both ends; partners have one.
+std::vector<std::array<Vec3, 2>> end_tangents(const std::vector<EdgeDraft>& drafts,
+                                              const std::vector<NetworkEdge>& edges) {
+  std::vector<std::array<Vec3, 2>> along(edges.size());
+  for (size_t i = 0; i < edges.size(); ++i)
+    for (const bool end : {false, true})
+      along[i][end] = (end ? -1 : 1) * outward_tangent(drafts[i], end);
+  for (int i = 0; i < isize(edges); ++i)
+    for (const bool end : {false, true}) {
+      const EdgeEnd q = edges[i].continuation[end];
+      if (q.edge < 0 || std::tuple(q.edge, q.end) < std::tuple(i, end)) continue;
+      const Vec3 p_away = outward_tangent(drafts[i], end),
+                 q_away = outward_tangent(drafts[q.edge], q.end);
+      const Vec3 common = (p_away - q_away).normalized();  // away from the node, of p
+      along[i][end] = (end ? -1 : 1) * common;
+      along[q.edge][q.end] = (q.end ? 1 : -1) * common;
+    }
+  return along;
+}
+
+void report_disconnected_parts(const std::vector<NetworkEdge>& edges,
+                               const std::vector<NetworkNode>& nodes,
+                               const std::vector<CharacterLine>& lines,
+                               std::vector<NetworkDiagnostic>& diagnostics) {
+  DisjointSets groups(nodes.size());
+  for (const auto& edge : edges) groups.unite(edge.nodes[0], edge.nodes[1]);
+  std::map<int, std::vector<int>> parts;
+  for (size_t i = 0; i < edges.size(); ++i)
+    parts[groups.find(edges[i].nodes[0])].push_back(static_cast<int>(i));
+  int largest = -1;
+  for (const auto& [part, members] : parts)
+    if (largest < 0 || members.size() > parts[largest].size()) largest = part;
+  for (const auto& [part, members] : parts) {
+    if (part == largest) continue;
+    std::vector<std::string> names;
+    for (const int i : members)
+      if (const auto& name = lines[edges[i].line].name;
+          std::find(names.begin(), names.end(), name) == names.end())
+        names.push_back(name);
+    const Vec3& p = nodes[part].position;
+    std::string text = names.size() == 1 ? "line '" : "lines '";
+    constexpr size_t most = 4;
+    for (size_t i = 0; i < std::min(most, names.size()); ++i)
+      text += (i > 0 ? "', '" : "") + names[i];
+    text += names.size() > most ? "', … (" + std::to_string(names.size()) + " lines)" : "'";
+    diagnostics.push_back({NetworkDiagnostic::Kind::Disconnected, names, p, 0, false,
+                           text + " near " + format_point(p) +
+                               (names.size() == 1 ? " has" : " have") +
+                               " no connection to the rest of the network"});
+  }
+}
+
+void require_options(const NetworkOptions& options) {
+  const auto check = [](const char* name, double value, bool fits, const char* expected) {
+    if (!fits)
+      throw InputError(std::string("network: found ") + name + " = " + format_number(value) +
+                       ", expected " + expected);
+  };
+  for (const auto& [name, value] : {std::pair("tolerance", options.tolerance),
+                                    std::pair("fit_tolerance", options.fit_tolerance)})
+    check(name, value, std::isfinite(value) && value >= 0, "0 (a default) or more");
+  for (const auto& [name, value] : {std::pair("corner_angle", options.corner_angle),
+                                    std::pair("straight_angle", options.tangent_angle)})
+    check(name, value, value >= 0 && value <= 180, "degrees from 0 to 180");
+}
+
+// The share of gaps that are within a tolerance; 1 where there is no end.
+double fraction_within(const std::vector<double>& gaps, double tolerance) {
+  const auto within =
+      std::count_if(gaps.begin(), gaps.end(), [&](double gap) { return gap <= tolerance; });
+  return gaps.empty() ? 1 : static_cast<double>(within) / static_cast<double>(gaps.size());
+}
+
+// The tolerance that the hand behind these gaps needs; `usual` where they tell none.
+double tolerance_from_gaps(std::vector<double> gaps, double usual, double largest) {
+  if (fraction_within(gaps, largest) < 0.5) return usual;
+  std::sort(gaps.begin(), gaps.end());
+  const size_t meeting =
+      static_cast<size_t>(std::upper_bound(gaps.begin(), gaps.end(), largest) - gaps.begin());
+  const double most = gaps[(4 * meeting + 4) / 5 - 1], all = gaps[meeting - 1];
+  constexpr double kAlike = 2, kMargin = 1.4;  // a node takes the ends of a circle, not of a pair
+  return std::clamp(kMargin * (all <= kAlike * most ? all : most), usual, largest);
+}
+
+struct JoinTolerance {
+  double tolerance, joined_fraction = 1;
+};
+
+// The tolerance that was asked for or, without one, the usual one; where that joins less than half
+// of the places at which lines end or cross, the one that the gaps of their ends ask for.
+JoinTolerance find_join_tolerance(const std::vector<SampledCurve>& sampled_curves,
+                                  const NetworkOptions& options, double size) {
+  if (options.tolerance > 0.1 * size)
+    throw InputError("network: found tolerance = " + format_number(options.tolerance) +
+                     ", expected at most a tenth of the network's size, " + format_number(size));
+  if (options.tolerance > 0) return {options.tolerance};
+  const double usual = 1e-3 * size, largest = 2e-2 * size;
+  std::vector<double> gaps = end_gaps(sampled_curves, largest);
+  double fraction = fraction_within(gaps, usual);
+  if (fraction >= 0.5) return {usual, fraction};
+  // Lines that cross and run out a little have met: no hand's gap is what follows. Lines that cross
+  // far more often than they end were laid to cross, and their gaps there tell of no hand either.
+  const std::vector<Contact> met = find_contacts(sampled_curves, usual, size).joined;
+  gaps = end_gaps(sampled_curves, largest, met);
+  const auto crossing =
+      std::count_if(met.begin(), met.end(), [](const Contact& c) { return c.ea < 0 && c.eb < 0; });
+  std::vector<double> gaps_and_crossings = gaps;
+  gaps_and_crossings.resize(gaps.size() + static_cast<size_t>(crossing), 0.0);
+  fraction = fraction_within(gaps_and_crossings, usual);
+  return {fraction < 0.5 ? tolerance_from_gaps(gaps, usual, largest) : usual, fraction};
+}
+
+double fit_of(const NetworkOptions& options, double size) {
+  constexpr double kDefaultFit = 1e-4;  // of the size
+  return options.fit_tolerance > 0 ? options.fit_tolerance : kDefaultFit * size;
+}
+
+// Drafts of all arcs in canonical order.
+std::vector<EdgeDraft> draft_edges(const SampledCurves& sampled_curves,
+                                   const std::vector<CurveInterval>& intervals,
+                                   const std::vector<CharacterLine>& lines) {
+  std::vector<EdgeDraft> drafts;
+  for (const CurveInterval& interval : intervals)
+    drafts.push_back(make_edge_draft(sampled_curves, interval, sampled_curves.size));
+  const auto name_of = [&](const EdgeDraft& d) -> const std::string& {
+    return lines[sampled_curves.sampled_curves[d.interval->sampled_curve].line].name;
+  };
+  std::stable_sort(drafts.begin(), drafts.end(), [&](const EdgeDraft& a, const EdgeDraft& b) {
+    return std::tie(a.nodes, a.middle, name_of(a), a.interval->s0) <
+           std::tie(b.nodes, b.middle, name_of(b), b.interval->s0);
+  });
+  return drafts;
+}
+
+// Arcs without their curves, names and partners; their ends are added to the nodes.
+std::vector<NetworkEdge> make_edges(const std::vector<EdgeDraft>& drafts,
+                                    const SampledCurves& sampled_curves,
+                                    std::vector<NetworkNode>& nodes) {
+  std::vector<NetworkEdge> edges(drafts.size());
+  for (int i = 0; i < isize(drafts); ++i) {
+    NetworkEdge& edge = edges[i];
+    edge.line = sampled_curves.sampled_curves[drafts[i].interval->sampled_curve].line;
+    edge.reversed = drafts[i].input->backwards();
+    edge.input = drafts[i].input;
+    edge.nodes = drafts[i].nodes;
+    nodes[edge.nodes[0]].ends.push_back({i, false});
+    nodes[edge.nodes[1]].ends.push_back({i, true});
+  }
+  return edges;
+}
+
+// Names arcs along their lines; returns the arcs of each line, at the end those of other lines that
+// it shares.
+std::vector<std::vector<int>> name_edges(const std::vector<EdgeDraft>& drafts,
+                                         const std::vector<CharacterLine>& lines,
+                                         std::vector<NetworkEdge>& edges) {
+  std::vector<std::vector<int>> edges_of_line(lines.size());
+  for (int i = 0; i < isize(edges); ++i) edges_of_line[edges[i].line].push_back(i);
+  for (size_t k = 0; k < lines.size(); ++k) {
+    auto& of = edges_of_line[k];
+    std::sort(of.begin(), of.end(),
+              [&](int i, int j) { return drafts[i].input->first() < drafts[j].input->first(); });
+    for (size_t i = 0; i < of.size(); ++i)
+      edges[of[i]].name = lines[k].name + (of.size() > 1 ? "." + std::to_string(i + 1) : "");
+  }
+  for (int i = 0; i < isize(drafts); ++i)
+    for (const int line : drafts[i].interval->shared)
+      if (auto& of = edges_of_line[line]; std::find(of.begin(), of.end(), i) == of.end())
+        of.push_back(i);
+  return edges_of_line;
+}
+
+// Makes the curves of arcs, in parallel.
+void make_edge_curves(const std::vector<EdgeDraft>& drafts, const std::vector<NetworkNode>& nodes,
+                      double size, double tolerance, double fit, std::vector<NetworkEdge>& edges) {
+  const auto along = end_tangents(drafts, edges);
+  parallel_for(isize(edges), [&](int i) {
+    NetworkEdge& edge = edges[i];
+    EdgeCurve shape = make_edge_curve({drafts[i].input, nodes[edge.nodes[0]].position,
+                                       nodes[edge.nodes[1]].position, along[i][0], along[i][1]},
+                                      size, tolerance, fit);
+    edge.curve = std::move(shape.curve);
+    edge.length = shape.length;
+    edge.deviation = shape.deviation;
+  });
+}
+
+}  // namespace
+
+CurveNetwork::CurveNetwork(const std::vector<CharacterLine>& lines, const NetworkOptions& options,
+                           const Progress& progress)
+    : lines_(lines) {
+  require_options(options);
+  progress.update("network", 0);
+  const SampledCurves sampled_curves = make_sampled_curves(lines, options.corner_angle);
+  size_ = sampled_curves.size;
+  progress.update("network", 0.1);
+  const JoinTolerance meeting = find_join_tolerance(sampled_curves.sampled_curves, options, size_);
+  tolerance_ = meeting.tolerance;
+  joined_fraction_ = meeting.joined_fraction;
+  const Contacts contacts = find_contacts(sampled_curves.sampled_curves, tolerance_, size_);
+  progress.update("network", 0.5);
+  NetworkTopology net = make_nodes(sampled_curves, contacts, tolerance_, lines_, diagnostics_);
+  if (net.intervals.empty())
+    throw InputError("the network has no line longer than its tolerance, " +
+                     format_number(tolerance_));
+  canonical_nodes(sampled_curves, net);
+  for (const Vec3& p : net.nodes) nodes_.push_back({p, {}});
+
+  const std::vector<EdgeDraft> drafts = draft_edges(sampled_curves, net.intervals, lines_);
+  edges_ = make_edges(drafts, sampled_curves, nodes_);
+  edges_of_line_ = name_edges(drafts, lines_, edges_);
+  find_partners(drafts, nodes_, sampled_curves, options.tangent_angle, edges_);
+  progress.update("network", 0.6);
+  make_edge_curves(drafts, nodes_, size_, tolerance_, fit_of(options, size_), edges_);
+  report_disconnected_parts(edges_, nodes_, lines_, diagnostics_);
+  std::stable_sort(
+      diagnostics_.begin(), diagnostics_.end(),
+      [](const NetworkDiagnostic& a, const NetworkDiagnostic& b) { return a.kind < b.kind; });
+  progress.update("network", 1);
+}
+
+std::vector<int> CurveNetwork::edges_of(const std::string& name) const {
+  for (size_t k = 0; k < lines_.size(); ++k)
+    if (lines_[k].name == name) return edges_of_line_[k];
+  std::vector<std::string> names;
+  for (size_t i = 0; i < edges_.size(); ++i) {
+    if (edges_[i].name == name) return {static_cast<int>(i)};
+    names.push_back(edges_[i].name);
+  }
+  for (const auto& line : lines_) names.push_back(line.name);
+  const std::string meant = closest_match(name, names);
+  throw InputError("the network has no line '" + name + "'" +
+                   (meant.empty() ? "" : ": is '" + meant + "' meant?"));
+}
+
+Vec3 CurveNetwork::direction(const EdgeEnd& end) const {
+  const HermiteCurve& curve = edges_.at(end.edge).curve;
+  return end.end ? Vec3(-curve.slope_in(curve.node_count() - 1).normalized())
+                 : Vec3(curve.slope_out(0).normalized());
+}
+
+}  // namespace batten

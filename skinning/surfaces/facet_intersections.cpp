@@ -1,0 +1,321 @@
+#include "batten/skinning/surfaces/facet_intersections.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <iterator>
+#include <limits>
+#include <tuple>
+
+#include "batten/core/isize.h"
+#include "batten/core/parallel.h"
+#include "batten/core/planar_geometry.h"
+
+namespace batten {
+namespace {
+
+using Facet = std::array<int, 3>;
+using Corners = std::array<Vec3, 3>;
+
+struct Box {
+  Vec3 low, high, sum;
+  explicit Box(const Corners& c)
+      : low(c[0].cwiseMin(c[1]).cwiseMin(c[2])),
+        high(c[0].cwiseMax(c[1]).cwiseMax(c[2])),
+        sum(c[0] + c[1] + c[2]) {}
+  // A sum is finite only where all are: minima and maxima may lose a NaN.
+  bool is_finite() const { return sum.allFinite(); }
+  bool meets(const Box& other) const {
+    return (low.array() <= other.high.array()).all() && (other.low.array() <= high.array()).all();
+  }
+};
+
+double distance_to_segment(const Vec3& p, const Vec3& a, const Vec3& b) {
+  const Vec3 d = b - a;
+  const double s = std::clamp((p - a).dot(d) / std::max(d.squaredNorm(), 1e-300), 0.0, 1.0);
+  return (a + s * d - p).norm();
+}
+
+// Points at which edges of `x` pierce the inside of `y`, added to `found`.
+void pierce(const Corners& x, const Corners& y, std::vector<Vec3>& found) {
+  const Vec3 e1 = y[1] - y[0], e2 = y[2] - y[0], n = e1.cross(e2);
+  const double n2 = n.squaredNorm();
+  if (!(n2 > 0)) return;
+  constexpr double kMargin = 1e-9;
+  for (int i = 0; i < 3; ++i) {
+    const Vec3 &p = x[i], &q = x[(i + 1) % 3];
+    const double dp = n.dot(p - y[0]), dq = n.dot(q - y[0]);
+    const double least = kMargin * std::sqrt(n2) * (q - p).norm();
+    if (!((dp > least && dq < -least) || (dp < -least && dq > least))) continue;
+    const Vec3 at = p + dp / (dp - dq) * (q - p), d = at - y[0];
+    const double u = n.dot(d.cross(e2)) / n2, v = n.dot(e1.cross(d)) / n2;
+    if (u > kMargin && v > kMargin && u + v < 1 - kMargin) found.push_back(at);
+  }
+}
+
+// Overlap of two facets in one plane: a corner of one inside of the other, or edges that cross.
+void overlap(const Corners& x, const Corners& y, std::vector<Vec3>& found) {
+  const Vec3 n = (y[1] - y[0]).cross(y[2] - y[0]), m = (x[1] - x[0]).cross(x[2] - x[0]);
+  const double size = std::max(
+      {(y[1] - y[0]).norm(), (y[2] - y[0]).norm(), (x[1] - x[0]).norm(), (x[2] - x[0]).norm()});
+  constexpr double kSamePlane = 1e-7, kMargin = 1e-6;
+  if (!(n.norm() > 0) || !(m.norm() > 0)) return;
+  for (const Vec3& p : x)
+    if (std::abs(n.dot(p - y[0])) > kSamePlane * size * n.norm()) return;
+  const Vec3 e = (y[1] - y[0]).normalized(), f = n.normalized().cross(e);
+  const auto flat = [&](const Vec3& p) { return Vec2(e.dot(p - y[0]), f.dot(p - y[0])); };
+  std::array<Vec2, 3> a, b;
+  for (int i = 0; i < 3; ++i) a[i] = drop_z(x[i]), b[i] = drop_z(y[i]);
+  if (cross(a[1] - a[0], a[2] - a[0]) < 0) std::swap(a[1], a[2]);
+  const auto inside = [&](const std::array<Vec2, 3>& t, const Vec2& p) {
+    for (int i = 0; i < 3; ++i)
+      if (!(cross(t[(i + 1) % 3] - t[i], p - t[i]) > kMargin * size * size)) return false;
+    return true;
+  };
+  // Shrunk by a hair, so that edges along each other are no overlap.
+  const auto middle = [](const std::array<Vec2, 3>& t) { return Vec2((t[0] + t[1] + t[2]) / 3); };
+  const auto put = [&](const Vec2& p) { found.push_back(y[0] + p.x() * e + p.y() * f); };
+  const Vec2 ma = middle(a), mb = middle(b);
+  if (inside(b, ma)) return put(ma);
+  if (inside(a, mb)) return put(mb);
+  for (int i = 0; i < 3; ++i) {
+    if (inside(b, a[i])) return put(a[i]);
+    if (inside(a, b[i])) return put(b[i]);
+  }
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j) {
+      const Vec2 p = a[i], d = a[(i + 1) % 3] - p, q = b[j], g = b[(j + 1) % 3] - q;
+      const double det = cross(d, g);
+      if (std::abs(det) < kMargin * size * size) continue;
+      const double s = cross(q - p, g) / det, t = cross(q - p, d) / det;
+      constexpr double kInset = 1e-3;
+      if (s > kInset && s < 1 - kInset && t > kInset && t < 1 - kInset) return put(p + s * d);
+    }
+}
+
+bool have_common_point(const Facet& a, const Facet& b) {
+  for (const int v : a)
+    for (const int w : b)
+      if (v == w) return true;
+  return false;
+}
+
+// Points in which two facets pass through each other, put into `found`.
+void cross_pair(const Corners& a, const Corners& b, std::vector<Vec3>& found) {
+  found.clear();
+  pierce(a, b, found);
+  pierce(b, a, found);
+  if (found.empty()) overlap(a, b, found);
+}
+
+using Cell = std::array<int, 3>;
+
+// Cubes of one size over all facets, in slabs across the longest side.
+struct Grid {
+  Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity());
+  double side = 0;  // 0: no facet has an extent
+  int axis = 0, slabs = 1, cells_of_slab = 1;
+
+  explicit Grid(const std::vector<Vec3>& points, const std::vector<Facet>& facets) {
+    Vec3 high = -low;
+    double extent = 0, largest = 0;
+    for (const Facet& f : facets) {
+      const Box box({points[f[0]], points[f[1]], points[f[2]]});
+      if (!box.is_finite()) continue;
+      low = low.cwiseMin(box.low);
+      high = high.cwiseMax(box.high);
+      extent += (box.high - box.low).maxCoeff();
+      largest = std::max(largest, (box.high - box.low).maxCoeff());
+    }
+    if (!(extent > 0)) return;
+    constexpr double kMaxCells = 16;  // a side of the largest facet's box
+    side = std::max(1.5 * extent / static_cast<double>(facets.size()), largest / kMaxCells);
+    (high - low).maxCoeff(&axis);
+    constexpr int kFacetsOfSlab = 4096;
+    const int cells = at(high)[axis] + 1;
+    slabs = std::clamp(isize(facets) / kFacetsOfSlab, 1, cells);
+    cells_of_slab = (cells + slabs - 1) / slabs;
+  }
+  Cell at(const Vec3& p) const {
+    Cell cell;
+    for (int k = 0; k < 3; ++k)
+      cell[k] = static_cast<int>(std::clamp((p[k] - low[k]) / side, 0.0, 2097151.0));
+    return cell;
+  }
+  int slab_of(const Cell& cell) const { return cell[axis] / cells_of_slab; }
+  static std::uint64_t key(const Cell& c) {
+    return static_cast<std::uint64_t>(c[0]) << 42 | static_cast<std::uint64_t>(c[1]) << 21 |
+           static_cast<std::uint64_t>(c[2]);
+  }
+};
+
+// Two facets that pass through each other, and where.
+struct IntersectingPair {
+  int a, b;
+  std::vector<Vec3> found;
+};
+
+class Search {
+ public:
+  Search(const std::vector<Vec3>& points, const std::vector<Facet>& facets,
+         const std::vector<Facet>& joined)
+      : points_(points), facets_(facets), joined_(joined), grid_(points, facets) {}
+
+  std::vector<IntersectingPair> run() {
+    if (!(grid_.side > 0)) return {};
+    put_in_slabs();
+    std::vector<std::vector<IntersectingPair>> parts(static_cast<size_t>(grid_.slabs));
+    parallel_for(grid_.slabs, [&](int slab) { parts[slab] = in_slab(slab); });
+    std::vector<IntersectingPair> all;
+    for (auto& part : parts)
+      all.insert(all.end(), std::make_move_iterator(part.begin()),
+                 std::make_move_iterator(part.end()));
+    std::sort(all.begin(), all.end(), [](const IntersectingPair& x, const IntersectingPair& y) {
+      return std::tie(x.a, x.b) < std::tie(y.a, y.b);
+    });
+    return all;
+  }
+
+ private:
+  struct Entry {
+    std::uint64_t cell;
+    int slot;  // in the slab
+    bool operator<(const Entry& o) const { return std::tie(cell, slot) < std::tie(o.cell, o.slot); }
+  };
+
+  Corners corners(int f) const {
+    return {points_[facets_[f][0]], points_[facets_[f][1]], points_[facets_[f][2]]};
+  }
+
+  // Counts first, then writes: facets of each slab, ascending.
+  void put_in_slabs() {
+    first_.assign(static_cast<size_t>(grid_.slabs) + 1, 0);
+    const auto each = [&](const auto& put) {
+      for (int f = 0; f < isize(facets_); ++f) {
+        const Box box(corners(f));
+        if (!box.is_finite()) continue;
+        const int last = grid_.slab_of(grid_.at(box.high));
+        for (int s = grid_.slab_of(grid_.at(box.low)); s <= last; ++s) put(s, f);
+      }
+    };
+    each([&](int s, int) { ++first_[s + 1]; });
+    for (size_t s = 1; s < first_.size(); ++s) first_[s] += first_[s - 1];
+    std::vector<size_t> next(first_.begin(), first_.end() - 1);
+    of_slab_.resize(first_.back());
+    each([&](int s, int f) { of_slab_[next[s]++] = f; });
+  }
+
+  std::vector<IntersectingPair> in_slab(int slab) const {
+    const int* facets = of_slab_.data() + first_[slab];
+    const int count = static_cast<int>(first_[slab + 1] - first_[slab]);
+    std::vector<Box> boxes;
+    std::vector<Entry> entries;
+    for (int i = 0; i < count; ++i) {
+      boxes.emplace_back(corners(facets[i]));
+      Cell from = grid_.at(boxes[i].low), to = grid_.at(boxes[i].high);
+      from[grid_.axis] = std::max(from[grid_.axis], slab * grid_.cells_of_slab);
+      to[grid_.axis] = std::min(to[grid_.axis], (slab + 1) * grid_.cells_of_slab - 1);
+      for (int x = from[0]; x <= to[0]; ++x)
+        for (int y = from[1]; y <= to[1]; ++y)
+          for (int z = from[2]; z <= to[2]; ++z) entries.push_back({Grid::key({x, y, z}), i});
+    }
+    std::sort(entries.begin(), entries.end());
+    std::vector<IntersectingPair> all;
+    std::vector<Vec3> found;
+    const auto test = [&](std::uint64_t cell, int i, int j) {
+      // A pair is looked at in one cell: where both boxes begin.
+      if (!boxes[i].meets(boxes[j]) ||
+          Grid::key(grid_.at(boxes[i].low.cwiseMax(boxes[j].low))) != cell)
+        return;
+      if (have_common_point(joined_[facets[i]], joined_[facets[j]])) return;
+      cross_pair(corners(facets[i]), corners(facets[j]), found);
+      if (!found.empty()) all.push_back({facets[i], facets[j], found});
+    };
+    for (size_t begin = 0, end = 0; begin < entries.size(); begin = end) {
+      while (end < entries.size() && entries[end].cell == entries[begin].cell) ++end;
+      for (size_t i = begin; i < end; ++i)
+        for (size_t j = i + 1; j < end; ++j)
+          test(entries[begin].cell, entries[i].slot, entries[j].slot);
+    }
+    return all;
+  }
+
+  const std::vector<Vec3>& points_;
+  const std::vector<Facet>&facets_, &joined_;
+  Grid grid_;
+  std::vector<size_t> first_;  // place of each slab's first facet
+  std::vector<int> of_slab_;
+};
+
+// Free edges of each facet, and the points at their ends.
+struct FreeEdges {
+  const std::vector<Vec3>& points;
+  const std::vector<Facet>&facets, &joined;
+  std::vector<char> at_boundary;
+  std::vector<std::array<char, 3>> is_free;
+
+  FreeEdges(const std::vector<Vec3>& points, const std::vector<Facet>& facets,
+            const std::vector<Facet>& joined, const std::vector<int>& surface_of)
+      : points(points),
+        facets(facets),
+        joined(joined),
+        at_boundary(points.size(), 0),
+        is_free(joined.size()) {
+    for (const auto& [f, i] : boundary_sides(joined, surface_of)) {
+      is_free[f][i] = 1;
+      at_boundary[joined[f][i]] = at_boundary[joined[f][(i + 1) % 3]] = 1;
+    }
+  }
+
+  // Whether a point lies within `near` of a free edge of the facet, or of the end of one.
+  bool close_to(int f, const Vec3& p, double near) const {
+    for (int i = 0; i < 3; ++i) {
+      const Vec3 &a = points[facets[f][i]], &b = points[facets[f][(i + 1) % 3]];
+      if (is_free[f][i] && distance_to_segment(p, a, b) <= near) return true;
+      if (at_boundary[joined[f][i]] && (p - a).norm() <= near) return true;
+    }
+    return false;
+  }
+};
+
+}  // namespace
+
+std::vector<std::pair<int, int>> boundary_sides(const std::vector<Facet>& facets,
+                                                const std::vector<int>& surface_of) {
+  std::vector<std::array<int, 5>> sides;  // points, surface, facet, which side
+  for (int f = 0; f < isize(facets); ++f)
+    for (int i = 0; i < 3; ++i) {
+      const auto [v, w] = std::minmax(facets[f][i], facets[f][(i + 1) % 3]);
+      sides.push_back({v, w, surface_of.empty() ? 0 : surface_of[f], f, i});
+    }
+  std::sort(sides.begin(), sides.end());
+  const auto same = [&](size_t i, size_t j) {
+    return std::equal(sides[i].begin(), sides[i].begin() + 3, sides[j].begin());
+  };
+  std::vector<std::pair<int, int>> free;
+  for (size_t i = 0; i < sides.size(); ++i)
+    if ((i == 0 || !same(i - 1, i)) && (i + 1 == sides.size() || !same(i, i + 1)))
+      free.emplace_back(sides[i][3], sides[i][4]);
+  std::sort(free.begin(), free.end());
+  return free;
+}
+
+std::vector<FacetIntersection> facet_intersections(const std::vector<Vec3>& points,
+                                                   const std::vector<std::array<int, 3>>& facets,
+                                                   const std::vector<std::array<int, 3>>& joined,
+                                                   const std::vector<int>& surface_of,
+                                                   double near) {
+  const std::vector<IntersectingPair> passing = Search(points, facets, joined).run();
+  if (passing.empty()) return {};
+  const FreeEdges free_edges(points, facets, joined, surface_of);
+  std::vector<FacetIntersection> result;
+  for (const IntersectingPair& pair : passing) {
+    const bool touching = std::all_of(pair.found.begin(), pair.found.end(), [&](const Vec3& p) {
+      return free_edges.close_to(pair.a, p, near) && free_edges.close_to(pair.b, p, near);
+    });
+    if (!touching) result.push_back({pair.a, pair.b, pair.found[0]});
+  }
+  return result;
+}
+
+}  // namespace batten

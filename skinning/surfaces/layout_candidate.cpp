@@ -1,0 +1,307 @@
+#include "batten/skinning/surfaces/layout_candidate.h"
+
+#include <algorithm>
+#include <cmath>
+#include <exception>
+#include <limits>
+#include <optional>
+#include <utility>
+
+#include "batten/core/errors.h"
+#include "batten/core/format.h"
+#include "batten/core/isize.h"
+#include "batten/skinning/model/rest_shape.h"
+#include "batten/skinning/region/skin_quality.h"
+#include "batten/skinning/surfaces/surface_defects.h"
+
+namespace batten {
+namespace {
+
+using Domain = SkinOptions::Domain;
+constexpr double kMinJacobianRatio = 0.05, kMaxAreaRatio = 2;
+
+// One way to lay a region out.
+struct LayoutVariant {
+  std::string description;
+  Domain domain;
+  bool minimize_distortion = false;
+  double edge = 1;  // times the edge length that was asked for
+  bool convex = false;
+  bool rest = true;
+};
+
+std::vector<LayoutVariant> variants_after(const RegionRequest& request, Domain first) {
+  const LayoutVariant finer{"with edges half as long", request.skin.domain, false, 0.5};
+  if (request.skin.domain != Domain::Auto) return {finer};
+  std::vector<LayoutVariant> variants{{"as a settled polygon", Domain::Polygon, true}};
+  if (first != Domain::Projected) variants.push_back({"on a plane", Domain::Projected});
+  if (first != Domain::Developable) variants.push_back({"as a sheet", Domain::Developable});
+  variants.push_back(finer);
+  return variants;
+}
+
+struct ScoredCandidate {
+  LayoutCandidate candidate;
+  int defect_score = 0;
+  std::string why;  // the worst of it, for the user
+};
+
+// Whether a closer look is worth its time: elements that are sheared flat or turned against their
+// neighbours, an area that is too large.
+bool suspicious(const SkinnedRegion& region, double filling_area) {
+  const Surface& surface = region.surface;
+  const ParametricMesh& mesh = surface.mesh();
+  const Trim* trim = surface.trim().get();
+  const auto n = static_cast<size_t>(mesh.triangle_count());
+  std::vector<Vec3> middle(n, Vec3::Zero());
+  std::vector<double> sizes;
+  double least = std::numeric_limits<double>::infinity(), area = 0;
+  for (int t = 0; t < mesh.triangle_count(); ++t) {
+    if (trim && trim->side(t) == Trim::Side::Outside) continue;
+    middle[t] = surface.area_vector({t, Vec3::Constant(1.0 / 3)});
+    const double size = middle[t].norm();
+    sizes.push_back(size);
+    area += size * mesh.shape(t).area;
+    for (int k = 0; k < 3; ++k) {
+      const Vec3 corner = surface.area_vector({t, Vec3::Unit(k)});
+      least = std::min(least, corner.dot(middle[t]) / size);
+    }
+  }
+  if (sizes.empty() || !std::isfinite(area)) return true;
+  std::nth_element(sizes.begin(), sizes.begin() + isize(sizes) / 2, sizes.end());
+  constexpr double kLow = 0.15, kLarge = 1.8;  // above what is a flaw
+  if (!(least > kLow * sizes[sizes.size() / 2])) return true;
+  if (filling_area > 0 && area > kLarge * filling_area) return true;
+  return std::any_of(mesh.edges().begin(), mesh.edges().end(), [&](const auto& edge) {
+    if (edge.triangle[1] < 0) return false;
+    const Vec3 &a = middle[edge.triangle[0]], &b = middle[edge.triangle[1]];
+    return a.dot(b) < 0.5 * a.norm() * b.norm();  // by more than 60 degrees
+  });
+}
+
+std::pair<int, const char*> defect_score_of(SurfaceDefect::Kind kind) {
+  using Kind = SurfaceDefect::Kind;
+  if (kind == Kind::Jacobian) return {4, "it turns over"};
+  if (kind == Kind::Fold) return {2, "it folds"};
+  if (kind == Kind::Crossing) return {2, "it passes through itself"};
+  return {1, "it sags"};
+}
+
+// What is wrong with a region by itself. The first shape of one that will be drawn to a face says nothing.
+void score(ScoredCandidate& made, double filling_area) {
+  const RegionLayout& layout = *made.candidate.layout;
+  if (made.candidate.strategy.skin.convex && layout.domain() == Domain::Polygon) return;
+  const SkinnedRegion region = layout.region(made.candidate.shape);
+  if (layout.embedded().empty() && !suspicious(region, filling_area)) return;
+  SkinQuality quality = measure(region.surface);
+  for (const EmbeddedLine& line : region.embedded)
+    quality.max_line_gap = std::max(quality.max_line_gap, line_gap(region.surface, line));
+  constexpr double kFarOff = 20;  // plain fillings: this is no surface in these lines any more
+  if (!std::isfinite(quality.area) || (filling_area > 0 && quality.area > kFarOff * filling_area))
+    throw NoSolutionError("the surface runs far away from its lines");
+  const auto add = [&](int defect_score, const std::string& why) {
+    made.defect_score += defect_score;
+    if (made.why.empty()) made.why = why;
+  };
+  for (const SurfaceDefect& defect : find_defects({&region}, {quality}, {filling_area})) {
+    const auto [defect_score, why] = defect_score_of(defect.kind);
+    add(defect_score, why);
+  }
+  if (quality.min_jacobian_ratio < kMinJacobianRatio) add(1, "it nearly turns over");
+  if (quality.max_line_gap > layout.tolerance()) add(1, "it misses its lines");
+}
+
+RegionLayout layout_of(const RegionRequest& request, const LayoutStrategy& strategy) {
+  std::vector<CharacterLine> lines = request.lines;
+  if (!strategy.inner) lines.resize(lines.size() - static_cast<size_t>(request.inner));
+  return {request.name, lines, strategy.skin, request.progress};
+}
+
+LayoutCandidate laid_out(const RegionRequest& request, const SkinOptions& skin, bool inner,
+                         const ModelMetadata& metadata, const SurfaceStiffness& material) {
+  RegionLayout layout = layout_of(request, {skin, inner});
+  // Its mesh suits the shape that bends least from nothing: embedded lines may ask for more.
+  constexpr int kMaxRounds = 8;
+  double gap = std::numeric_limits<double>::infinity();
+  for (int round = 0;; ++round) {
+    LayoutCandidate candidate{
+        std::make_shared<const RegionLayout>(layout), {}, {}, {skin, inner}, {}};
+    const ModelLayout alone(metadata, {candidate.layout}, {});
+    candidate.rest = rest_dofs(alone);
+    candidate.shape = alone.minimize_energy(material, candidate.rest);
+    if (layout.embedded().empty() || round == kMaxRounds) return candidate;
+    const SkinnedRegion made = layout.region(candidate.shape);
+    const double before = std::exchange(gap, 0);
+    for (const EmbeddedLine& line : made.embedded)
+      gap = std::max(gap, line_gap(made.surface, line));
+    if (gap <= 0.9 * layout.tolerance() || !(gap < before) ||
+        !layout.refine(made.surface, 0.5 * layout.tolerance()))
+      return candidate;
+  }
+}
+
+class CandidateSearch {
+ public:
+  CandidateSearch(const RegionRequest& request, const ModelMetadata& metadata,
+                  const SurfaceStiffness& material)
+      : request_(request), metadata_(metadata), material_(material) {}
+
+  LayoutCandidate best() {
+    for (const bool inner : {true, false}) {
+      if (!inner && request_.inner == 0) break;
+      if (attempt_both({"", request_.skin.domain}, inner)) return taken();
+      const Domain first = best_ && best_->candidate.strategy.inner == inner
+                               ? best_->candidate.layout->domain()
+                               : Domain::Auto;
+      const LayoutVariant convex{"with corners as its face has them", request_.skin.domain, false,
+                                 1, true};
+      if (request_.skin.convex && first != Domain::Polygon && attempt(convex, inner))
+        return taken();
+      for (const LayoutVariant& strategy : variants_after(request_, first))
+        if (attempt_both(strategy, inner)) return taken();
+    }
+    if (!best_) std::rethrow_exception(first_error_);
+    return taken();
+  }
+
+ private:
+  // With the sweep between its sides and, since that may be what is wrong, without; but not where the
+  // surface is only large.
+  bool attempt_both(LayoutVariant strategy, bool inner) {
+    if (attempt(strategy, inner)) return true;
+    constexpr int kSeriousDefect = 2;
+    if (!last_has_rest_shape_ || last_defect_score_ < kSeriousDefect) return false;
+    strategy.rest = false;
+    strategy.description = strategy.description.empty()
+                               ? "by least bending from nothing"
+                               : strategy.description + ", by least bending from nothing";
+    return attempt(strategy, inner);
+  }
+
+  // Whether there is nothing wrong with it.
+  bool attempt(const LayoutVariant& strategy, bool inner) {
+    if (best_ && spent_ > request_.max_triangles && !strategy.description.empty()) return false;
+    ++count_;
+    std::string why;
+    last_has_rest_shape_ = false;
+    try {
+      SkinOptions skin = request_.skin;
+      skin.domain = strategy.domain;
+      skin.minimize_distortion = strategy.minimize_distortion;
+      skin.convex = strategy.convex;
+      skin.rest = strategy.rest;
+      skin.edge_length *= strategy.edge;
+      ScoredCandidate made{laid_out(request_, skin, inner, metadata_, material_), 0, ""};
+      score(made, request_.filling_area);
+      if (!inner) ++made.defect_score;
+      why = made.why;
+      spent_ += made.candidate.layout->mesh()->triangle_count();
+      const bool well = made.defect_score == (inner ? 0 : 1);
+      last_has_rest_shape_ = made.candidate.rest.rows() > 0;
+      last_defect_score_ = made.defect_score;
+      if (!best_ || made.defect_score < best_->defect_score) {
+        best_ = std::move(made);
+        best_variant_ = strategy.description;
+      }
+      if (well) return true;
+    } catch (const CancelledError&) {
+      throw;
+    } catch (const std::runtime_error& e) {
+      why = e.what();
+      spent_ += kTrianglesALine * isize(request_.lines);
+      if (!first_error_) first_error_ = std::current_exception();
+    }
+    if (count_ == 1) first_why_ = why;
+    return false;
+  }
+
+  LayoutCandidate taken() {
+    LayoutCandidate candidate = std::move(best_->candidate);
+    candidate.strategy.defect_score = best_->defect_score;
+    const int left = candidate.strategy.inner ? 0 : 1;
+    if (!candidate.strategy.inner)
+      candidate.warnings.push_back("its inner lines are left out: " + first_why_);
+    if (best_->defect_score > left)
+      candidate.warnings.push_back(std::to_string(count_) +
+                                   " ways to make it were tried, and in the best " + best_->why);
+    else if (candidate.strategy.inner && !best_variant_.empty())
+      candidate.warnings.push_back("it is made " + best_variant_ +
+                                   ", since the usual way failed: " + first_why_);
+    return candidate;
+  }
+
+  const RegionRequest& request_;
+  const ModelMetadata& metadata_;
+  const SurfaceStiffness& material_;
+  static constexpr int kTrianglesALine = 60;  // of a region that failed, about
+  int count_ = 0, spent_ = 0;
+  bool last_has_rest_shape_ = false;  // of the last attempt: whether it had a rest shape
+  int last_defect_score_ = 0;
+  std::optional<ScoredCandidate> best_;
+  std::string best_variant_, first_why_;
+  std::exception_ptr first_error_;
+};
+
+}  // namespace
+
+bool is_inverted_or_sagging(const SkinnedRegion& region, double filling_area) {
+  if (!suspicious(region, filling_area)) return false;
+  const SkinQuality quality = measure(region.surface);
+  return !(quality.min_jacobian_ratio >= kMinJacobianRatio) ||
+         (filling_area > 0 && quality.area > kMaxAreaRatio * filling_area);
+}
+
+LayoutCandidate best_layout(const RegionRequest& request, const ModelMetadata& metadata,
+                            const SurfaceStiffness& material) {
+  return CandidateSearch(request, metadata, material).best();
+}
+
+std::shared_ptr<const RegionLayout> lay_out(const RegionRequest& request,
+                                            const LayoutStrategy& strategy) {
+  return std::make_shared<const RegionLayout>(layout_of(request, strategy));
+}
+
+std::optional<LayoutCandidate> try_other_domain(const RegionRequest& request, Domain was,
+                                                const ModelMetadata& metadata,
+                                                const SurfaceStiffness& material) {
+  if (request.skin.domain != Domain::Auto) return std::nullopt;
+  for (const Domain next : {Domain::Projected, Domain::Developable}) {
+    if (was != Domain::Polygon && !(was == Domain::Projected && next == Domain::Developable))
+      continue;
+    SkinOptions skin = request.skin;
+    skin.domain = next;
+    skin.convex = false;
+    try {
+      ScoredCandidate made{laid_out(request, skin, true, metadata, material), 0, ""};
+      score(made, request.filling_area);
+      if (made.defect_score > 0) continue;
+      made.candidate.warnings.push_back(
+          std::string("it is made ") + (next == Domain::Projected ? "on a plane" : "as a sheet") +
+          ": in the usual way it would turn over or sag where it goes on "
+          "smoothly in its neighbours");
+      return std::move(made.candidate);
+    } catch (const CancelledError&) {
+      throw;
+    } catch (const std::runtime_error&) {  // the next one, then
+    }
+  }
+  return std::nullopt;
+}
+
+std::optional<LayoutCandidate> retry_layout(const RegionRequest& request,
+                                            const LayoutStrategy& strategy,
+                                            const ModelMetadata& metadata,
+                                            const SurfaceStiffness& material) {
+  ScoredCandidate made{laid_out(request, strategy.skin, strategy.inner, metadata, material),
+                       strategy.inner ? 0 : 1, ""};
+  try {
+    score(made, request.filling_area);
+  } catch (const NoSolutionError&) {  // it ran far away
+    return std::nullopt;
+  }
+  if (made.defect_score > strategy.defect_score) return std::nullopt;
+  made.candidate.strategy.defect_score = made.defect_score;
+  return std::move(made.candidate);
+}
+
+}  // namespace batten

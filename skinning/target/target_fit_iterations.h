@@ -1,0 +1,196 @@
+// One mesh of a fit: its matrices, and rounds on it. Internal.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "batten/constraints/constrained_solver.h"
+#include "batten/core/parallel_chunks.h"
+#include "batten/fem/surface_assembler.h"
+#include "batten/skinning/model/model_layout.h"
+#include "batten/skinning/target/target_surface.h"
+
+namespace batten {
+
+/// The rounds of fit_model() on one mesh.
+class TargetFitIterations {
+ public:
+  TargetFitIterations(std::shared_ptr<const ModelLayout> layout,
+                      std::vector<const TargetSurface*> targets, const TargetSurface& whole)
+      : layout_(std::move(layout)),
+        whole_(whole),
+        targets_(std::move(targets)),
+        // What lies outside of a trim has no springs: bending alone shapes it.
+        assembler_(*layout_->mesh(), layout_->element(), layout_->trim(), 1),
+        scale_(layout_->domain_scale()),
+        ones_(layout_->position_dofs()),
+        bending_factors_(layout_->mesh()->triangle_count(), 1.0),
+        mass_(assembler_.mass(scale_)) {
+    about_origin_ = ones_ * layout_->origin().transpose();
+  }
+
+  /// The same mesh with other rows: factorize() has to follow.
+  void set_layout(std::shared_ptr<const ModelLayout> layout) { layout_ = std::move(layout); }
+
+  /// Other rows or another ε: a factor.
+  void factorize(double epsilon) {
+    bending_ = assembler_.pattern();
+    std::vector<SurfaceStiffness> materials;
+    double mean = 0;
+    const int count = layout_->mesh()->triangle_count();
+    for (int t = 0; t < count; ++t) {
+      const double h2 = 2 * layout_->mesh()->shape(t).area * scale_of(t);
+      materials.push_back(SurfaceStiffness::isotropic(0, bending_factors_[t] * epsilon * h2 * h2));
+      mean += epsilon * h2 * h2 / count;
+    }
+    assembler_.stiffness(layout_->scale_to_regions(std::move(materials)), bending_);
+    bending_ += mean * layout_->join_stiffness();
+    const ConstraintSet rows = layout_->line_constraints().translated(ones_, layout_->origin());
+    if (solver_)
+      solver_->update(rows, mass_ + bending_);
+    else
+      solver_.emplace(rows, mass_ + bending_, layout_->dof_order());
+  }
+
+  /// One round from absolute dofs; regions that have a map are drawn to its points. The largest move of any
+  /// vertex is noted.
+  Points step(const Points& dofs, const std::vector<double>& sides,
+              const std::vector<TargetSurface::Parametrization>& parametrizations = {}) {
+    const Surface surface = layout_->surface(dofs);
+    const Points pull = assembler_.load(
+        [&](const Location& where, const Vec2& uv) -> Vec3 {
+          const int r = layout_->region_of(where.triangle);
+          const SurfaceJet jet = surface.jet(where);
+          return scale_of(where.triangle) *
+                 (!parametrizations.empty() && parametrizations[r]
+                      ? Vec3(parametrizations[r](uv) - jet.x)
+                      : pull_to_tangent_plane(jet, *targets_[r], sides[r]));
+        },
+        4);
+    const Points own = dofs - about_origin_;
+    const Points moved = solver_->solve(pull + mass_.selfadjointView<Eigen::Lower>() * own);
+    max_displacement_ = 0;
+    for (int v = 0; v < layout_->mesh()->vertex_count(); ++v)
+      max_displacement_ = std::max(max_displacement_, (moved.row(3 * v) - own.row(3 * v)).norm());
+    return moved + about_origin_;
+  }
+  const SparseMatrix& mass() const { return mass_; }
+  /// Triangles that turned over, and those around them, are held more firmly from the next factorize() on.
+  bool stiffen_inverted(const Points& dofs, const std::vector<double>& sides) {
+    const auto& mesh = *layout_->mesh();
+    const Surface surface = layout_->surface(dofs);
+    std::vector<char> marks(mesh.triangle_count(), 0);
+    parallel_for_each<64>(mesh.triangle_count(), [&](int t) {
+      marks[t] = is_inverted(surface, t, sides[layout_->region_of(t)]);
+    });
+    if (std::none_of(marks.begin(), marks.end(), [](char m) { return m; })) return false;
+    constexpr int rings = 2;
+    constexpr double stiffening = 100;
+    for (int ring = 0; ring < rings; ++ring) {
+      std::vector<char> touched(mesh.vertex_count(), 0);
+      for (int t = 0; t < mesh.triangle_count(); ++t)
+        for (const int v : mesh.triangles()[t]) touched[v] |= marks[t];
+      for (int t = 0; t < mesh.triangle_count(); ++t)
+        for (const int v : mesh.triangles()[t]) marks[t] |= touched[v];
+    }
+    for (int t = 0; t < mesh.triangle_count(); ++t)
+      if (marks[t]) bending_factors_[t] *= stiffening;
+    return true;
+  }
+  double max_displacement() const { return max_displacement_; }
+
+  /// Marks triangles that turn by more than 75 degrees or so from their middle on: too large for what they shall
+  /// follow, and turned over by any measure of their own.
+  static void mark_strongly_curved(const ModelLayout& layout, const Points& dofs,
+                                   std::vector<char>& marks) {
+    const Surface surface = layout.surface(dofs);
+    parallel_for_each<64>(isize(marks), [&](int t) {
+      if (!layout.trim() || layout.trim()->side(t) != Trim::Side::Outside)
+        marks[t] |= is_strongly_curved(surface, t);
+    });
+  }
+
+ private:
+  double scale_of(int triangle) const { return scale_.size() > 0 ? scale_[triangle] : 1; }
+  /// Whether a triangle turns so far within itself that it is no surface by its own measure: it is too large.
+  static bool is_strongly_curved(const Surface& surface, int t) {
+    constexpr double least = 0.25;  // of the area vector in the middle, along it
+    const Vec3 middle = surface.area_vector({t, Vec3::Constant(1.0 / 3)});
+    for (int corner = 0; corner < 3; ++corner)
+      for (const Vec3& L :
+           {Vec3(Vec3::Unit(corner)), Vec3(0.5 * (Vec3::Ones() - Vec3::Unit(corner)))})
+        if (surface.area_vector({t, L}).dot(middle) < least * middle.squaredNorm()) return true;
+    return false;
+  }
+
+  /// Whether a triangle looks away from the region's own part of the target somewhere; without a part, from its
+  /// own mean.
+  bool is_inverted(const Surface& surface, int t, double side) const {
+    constexpr double least = 0.05;  // of the mean area
+    constexpr int n = 4;
+    const TargetSurface& part = *targets_[layout_->region_of(t)];
+    std::vector<SurfaceJet> jets;
+    Vec3 sum = Vec3::Zero();
+    double mean = 0;
+    for (int i = 0; i <= n; ++i)
+      for (int j = 0; i + j <= n; ++j) {
+        const Vec3 L(double(i) / n, double(j) / n, double(n - i - j) / n);
+        jets.push_back(surface.jet({t, L}));
+        sum += jets.back().area_vector();
+        mean += jets.back().area_vector().norm();
+      }
+    mean /= isize(jets);
+    return std::any_of(jets.begin(), jets.end(), [&](const SurfaceJet& jet) {
+      const auto there = &part == &whole_ ? std::nullopt : part.nearest(jet.x, Vec3::Zero());
+      const Vec3 along = there ? Vec3(side * there->normal) : Vec3(sum.normalized());
+      return jet.area_vector().dot(along) < least * mean;
+    });
+  }
+
+  /// The nearest point whose normal is not against `along`, unless it is much farther than the nearest of
+  /// all: at the edges of thin walls that is on the other side.
+  static std::optional<TargetSurface::Nearest> same_side_as(const TargetSurface& target,
+                                                            const Vec3& x, const Vec3& along) {
+    const auto any = target.nearest(x, Vec3::Zero());
+    if (!any || any->normal.dot(along) > 0) return any;
+    constexpr double max_distance_ratio = 3;
+    const auto there = target.nearest(x, along);
+    if (there && (there->at - x).norm() > max_distance_ratio * (any->at - x).norm()) return {};
+    return there;
+  }
+
+  /// g: along the surface's normal to the plane that touches the target.
+  Vec3 pull_to_tangent_plane(const SurfaceJet& jet, const TargetSurface& target,
+                             double side) const {
+    const Vec3 n = jet.normal();
+    // Among the points of a region's own part none is on another side.
+    const auto there = &target == &whole_ ? same_side_as(target, jet.x, side * n)
+                                          : target.nearest(jet.x, Vec3::Zero());
+    if (!there) return Vec3::Zero();
+    const Vec3 offset = there->at - jet.x;
+    const double along = n.dot(offset), length = offset.norm();
+    constexpr double sideways = 0.5;  // of the way
+    if (there->at_boundary && (offset - along * n).norm() > sideways * length) return Vec3::Zero();
+    // Where normals differ much the plane is no guide: straight towards the point.
+    constexpr double min_cosine = 0.5;
+    const double cosine = n.dot(there->normal);
+    if (std::abs(cosine) < min_cosine) return along * n;
+    return std::clamp(offset.dot(there->normal) / cosine, -2 * length, 2 * length) * n;
+  }
+
+  std::shared_ptr<const ModelLayout> layout_;
+  const TargetSurface& whole_;
+  std::vector<const TargetSurface*> targets_;  // of each region
+  SurfaceAssembler assembler_;
+  VecX scale_, ones_;
+  std::vector<double> bending_factors_;  // of each triangle, times ε
+  Points about_origin_;
+  SparseMatrix mass_, bending_;
+  std::optional<ConstrainedSolver> solver_;
+  double max_displacement_ = 0;
+};
+
+}  // namespace batten

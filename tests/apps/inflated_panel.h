@@ -1,0 +1,23 @@
+// A scene that tests of documents work on.
+#pragma once
+
+#include <string>
+
+namespace batten_test {
+
+inline const std::string kInflatedPanel = R"(# A panel that swells.
+unit = "mm"
+[[line]]
+name = "rim"
+points = [[0,0,0], [400,0,0], [400,300,0], [0,300,0], [0,0,0]]
+
+[skin]
+edge_length = 40
+
+[[load]]
+name = "crown"
+type = "pressure"
+value = 3
+)";
+
+}  // namespace batten_test

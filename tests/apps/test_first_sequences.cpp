@@ -1,0 +1,278 @@
+// What people who meet batten sequence for the first time type: it does what they mean, or says what
+// it does not do.
+#include <algorithm>
+#include <cmath>
+
+#include "batten/io/sequences/sequence_files.h"
+#include "batten/tests/apps/cli_case.h"
+
+using namespace batten_test;
+using Catch::Matchers::Contains;
+
+namespace {
+
+/// A flag in the wind, frames of 8 × 4 squares as numbered files in a folder.
+void make_flag(const CliCase& c, const std::string& folder, int frames, double swing = 0.2) {
+  for (int k = 1; k <= frames; ++k) {
+    std::ostringstream text;
+    for (int j = 0; j <= 4; ++j)
+      for (int i = 0; i <= 8; ++i)
+        text << "v " << i << " " << swing * i * std::sin(0.6 * i - 0.4 * k) << " " << j << "\n";
+    for (int j = 0; j < 4; ++j)
+      for (int i = 0; i < 8; ++i) {
+        const int a = 9 * j + i + 1;
+        text << "f " << a << " " << a + 1 << " " << a + 10 << " " << a + 9 << "\n";
+      }
+    c.file(folder + "/flag_" + std::to_string(k) + ".obj", text.str());
+  }
+}
+
+/// An edit of that flag: its end is moved in frame 3.
+std::string scene(const std::string& source = "", const std::string& step = "",
+                  const std::string& out = "frames/f_*.obj",
+                  const std::string& move = "{ name = \"end\", translate = [0, 1, 0.5] }") {
+  return "unit = \"m\"\n[sequence]\nfile = \"flag\"\n" + source +
+         "\n[[select]]\nname = \"pole\"\nbox = [[-1, -9, -1], [0.5, 9, 9]]\n"
+         "[[select]]\nname = \"end\"\nbox = [[7.5, -9, -1], [9, 9, 9]]\n"
+         "[[handle]]\nname = \"end\"\n[[handle]]\nname = \"pole\"\n"
+         "[[step]]\nkind = \"keyframes\"\nfixed = [\"pole\"]\n" +
+         step + "\n[[step.keyframe]]\nframe = 3\nhandle = [" + move + "]\n[output]\nframes = \"" +
+         out + "\"\n";
+}
+
+CliResult edit(const CliCase& c, const std::string& text, const std::vector<std::string>& more = {},
+               const std::string& out = "out") {
+  c.file("s.toml", text);
+  std::vector<std::string> words = {"sequence", "s.toml", "--out", out};
+  words.insert(words.end(), more.begin(), more.end());
+  return c.run(words);
+}
+
+int files_in(const fs::path& folder) {
+  return static_cast<int>(
+      std::count_if(fs::directory_iterator(folder), fs::directory_iterator(),
+                    [](const auto& entry) { return entry.path().filename().string()[0] != '.'; }));
+}
+
+}  // namespace
+
+TEST_CASE("frames of an earlier run with more frames do not stay", "[sequence]") {
+  const CliCase c("sequence_stale");
+  make_flag(c, "flag", 9);
+  REQUIRE(edit(c, scene()).code == 0);
+  CHECK(files_in(c / "out/frames") == 9);
+  c.file("out/frames/f_100.obj", "of somebody else\n");
+  REQUIRE(edit(c, scene("frames = [2, 6]")).code == 0);
+  CHECK(files_in(c / "out/frames") == 6);
+  CHECK(fs::exists(c / "out/frames/f_0002.obj"));
+  CHECK_FALSE(fs::exists(c / "out/frames/f_0009.obj"));
+  CHECK(fs::exists(c / "out/frames/f_100.obj"));
+}
+
+TEST_CASE("frames are made again when the numbered files of a source change", "[sequence]") {
+  const CliCase c("sequence_source");
+  make_flag(c, "flag", 5);
+  const std::string mix =
+      "unit = \"m\"\n[sequence]\nfile = \"flag\"\n"
+      "[[select]]\nname = \"end\"\nbox = [[7.5, -9, -1], [9, 9, 9]]\n[[handle]]\nname = \"end\"\n"
+      "[[step]]\nkind = \"mix\"\nalign = \"shift\"\npair = [{ handle = \"end\" }]\n"
+      "[step.source]\nfile = \"other\"\n";
+  make_flag(c, "other", 5, 0.1);
+  REQUIRE(edit(c, mix).code == 0);
+  const std::string first = contents(c / "out/frames/frame_0002.obj");
+  REQUIRE(edit(c, mix).code == 0);
+  CHECK(report(c, "out")["sequence"]["found"] == 5);
+  make_flag(c, "other", 5, 0.4);
+  REQUIRE(edit(c, mix).code == 0);
+  CHECK(report(c, "out")["sequence"]["found"] == 0);
+  CHECK(contents(c / "out/frames/frame_0002.obj") != first);
+}
+
+TEST_CASE("frames that are there are measured like those that are made", "[sequence]") {
+  const CliCase c("sequence_again");
+  make_flag(c, "flag", 5);
+  for (const std::string ending : {"obj", "off", "ply", "stl", "STL", "vtp", "vtu"}) {
+    INFO(ending);
+    const std::string text = scene("", "", "f_*." + ending);
+    REQUIRE(edit(c, text, {}, ending).code == 0);
+    const auto made = report(c, ending);
+    fs::remove(c / (ending + "/f_0003." + ending));
+    REQUIRE(edit(c, text, {}, ending).code == 0);
+    const auto again = report(c, ending);
+    CHECK(again["turned_over"] == made["turned_over"]);
+    CHECK(again["smoothness"]["second_difference"].get<double>() ==
+          Approx(made["smoothness"]["second_difference"].get<double>()));
+    CHECK(files_in(c / ending) == 6);
+  }
+}
+
+TEST_CASE("the report lists files where they are", "[sequence]") {
+  const CliCase c("sequence_files");
+  make_flag(c, "flag", 4);
+  const auto listed = [&](const std::string& out, const std::vector<std::string>& more = {}) {
+    fs::remove_all(c / "out");
+    const CliResult r = edit(c, scene("", "", out), more);
+    INFO(r.err);
+    REQUIRE(r.code == 0);
+    const auto files = report(c, "out", more.empty() ? "report.json" : "report_2-3.json")["files"];
+    for (const std::string file : files) {
+      INFO(out << ": " << file);
+      CHECK(fs::is_regular_file(c / ("out/" + file)));
+    }
+    return files.size();
+  };
+  CHECK(listed("frames/f_*.obj") == 5);
+  CHECK(listed("frames/f_*.obj", {"--frames", "2:3"}) == 3);
+  CHECK(listed("frames") == 5);
+  CHECK(listed("flag.pvd") == 6);
+  CHECK(listed("sub/flag.glb") == 2);
+  CHECK(listed("sub/FLAG.PC2") == 3);
+}
+
+TEST_CASE("endings of single files count in capitals, too", "[sequence]") {
+  const CliCase c("sequence_capitals");
+  make_flag(c, "flag", 5);
+  REQUIRE(edit(c, scene("", "", "f.GLB")).code == 0);
+  const auto back = batten::read_sequence(c / "out/f.GLB");
+  CHECK(back.times.back() == Approx(4.0 / 24));
+  const CliResult r = edit(c, scene("", "", "f.PC2"), {"--frames", "1:2"}, "part");
+  CHECK(r.code == 1);
+  CHECK_THAT(r.err, Contains("as numbered files only"));
+}
+
+TEST_CASE("names that no frames can be written to are refused before the steps", "[sequence]") {
+  const CliCase c("sequence_names");
+  make_flag(c, "flag", 3);
+  c.fails(scene("", "", "f.gltf"), 1, {"s.toml:", "the extension '.gltf'"}, {}, "sequence");
+  c.fails(scene("", "", "f.obj"), 1, {"s.toml:", "a place for their numbers, as f_*.obj"}, {},
+          "sequence");
+  c.fails(scene("", "", "f_*.glb"), 1, {"s.toml:", "numbered files '.glb'"}, {}, "sequence");
+}
+
+TEST_CASE("keys that would do nothing are refused", "[sequence]") {
+  const CliCase c("sequence_keys");
+  make_flag(c, "flag", 3);
+  const auto refused = [&](const std::string& text, const std::string& why) {
+    c.fails(text, 1, {"s.toml:", why}, {}, "sequence");
+  };
+  const auto more = [](const std::string& step) { return scene() + "[[step]]\n" + step + "\n"; };
+  refused(scene("", "every = 5"), "key 'every' in a step of the kind 'keyframes'");
+  refused(more("kind = \"travel\"\nalong = [1, 0, 0]\nspeed = 1\nvolume = true"),
+          "holds no handles");
+  refused(more("kind = \"travel\"\nalong = [1, 0, 0]\nspeed = 1\nfixed = [\"pole\"]"),
+          "holds no handles");
+  refused(more("kind = \"path\"\nthrough = [[0, 0, 0], [1, 0, 0]]\nrounds = 9"),
+          "a path without feet");
+  refused(scene("", "", "f_*.obj", "{ name = \"end\", translate = [0, 1, 0] }, { name = \"end\" }"),
+          "the handle 'end' twice in a keyframe");
+  refused(scene("", "", "f_*.obj",
+                "{ name = \"end\", turn = \"free\", rotate = { axis = [0, 0, 1], degrees = 9 } }"),
+          "a handle that turns freely");
+}
+
+TEST_CASE("a handle whose nodes are fixed cannot be told to move", "[sequence]") {
+  const CliCase c("sequence_fixed");
+  make_flag(c, "flag", 4);
+  const std::string end = "{ name = \"end\", translate = [0, 1, 0] }, ";
+  const CliResult r =
+      edit(c, scene("", "", "f_*.obj", end + "{ name = \"pole\", translate = [1, 0, 0] }"));
+  CHECK(r.code == 1);
+  CHECK_THAT(r.err, Contains("'pole' is told to move, and all its nodes are in fixed"));
+  CHECK(edit(c, scene("", "", "f_*.obj", end + "{ name = \"pole\" }")).code == 0);
+  std::string wide = scene();
+  wide.replace(wide.find("[7.5,"), 5, "[-1,");  // the whole flag, its pole too
+  REQUIRE(edit(c, wide).code == 0);
+  CHECK_THAT(report(c, "out")["warnings"].dump(), Contains("5 of its 45 nodes are fixed"));
+}
+
+TEST_CASE("a sequence on the spot has no path, and that is said", "[sequence]") {
+  const CliCase c("sequence_spot");
+  make_flag(c, "flag", 4);
+  const std::string path =
+      "unit = \"m\"\n[sequence]\nfile = \"flag\"\n[[step]]\nkind = \"path\"\n"
+      "through = [[0, 0, 0], [10, 0, 0]]\n";
+  REQUIRE(edit(c, path).code == 0);
+  CHECK_THAT(report(c, "out")["warnings"].dump(), Contains("what moves on the spot has no path"));
+}
+
+TEST_CASE("glTF is read at its keys with 0 frames a second", "[sequence]") {
+  const CliCase c("sequence_keys_of_gltf");
+  make_flag(c, "flag", 5);
+  REQUIRE(edit(c, scene("", "", "f.glb")).code == 0);
+  fs::rename(c / "out/f.glb", c / "f.glb");
+  const CliResult r =
+      edit(c,
+           "unit = \"m\"\n[sequence]\nfile = \"f.glb\"\nframes_per_second = 0\n[output]\n"
+           "frames = \"f_*.obj\"\n");
+  INFO(r.err);
+  REQUIRE(r.code == 0);
+  CHECK(report(c, "out")["sequence"]["frames"] == 5);
+}
+
+TEST_CASE("a morph is no bend of features, and every other step is", "[sequence]") {
+  const CliCase c("sequence_morphed_features");
+  make_flag(c, "flag", 5);
+  make_flag(c, "other", 5, 0.1);
+  const std::string morph =
+      "unit = \"m\"\n[sequence]\nfile = \"flag\"\n"
+      "[[select]]\nname = \"end\"\nbox = [[7.5, -9, -1], [9, 9, 9]]\n[[handle]]\nname = \"end\"\n"
+      "[[select]]\nname = \"spot\"\nbox = [[2.5, -9, 0.5], [4.5, 9, 2.5]]\n"
+      "[[feature]]\nname = \"spot\"\n"
+      "[[step]]\nkind = \"morph\"\ntarget = { file = \"other\" }\n";
+  REQUIRE(edit(c, morph).code == 0);
+  // What bends a handle shows, also in a step that others follow.
+  const std::string bend =
+      "[[step]]\nkind = \"keyframes\"\n[[step.keyframe]]\nframe = 2\n"
+      "handle = [{ name = \"end\", translate = [0, 3, 0] }]\n"
+      "[[step]]\nkind = \"travel\"\nalong = [1, 0, 0]\nspeed = 1\ncycles = 2\n";
+  REQUIRE(edit(c, morph + bend).code == 0);
+  const auto j = report(c, "out");
+  CHECK(j["sequence"]["frames"] == 10);
+  CHECK(j["features"][0]["max_rigid_error"].get<double>() > 0);
+  CHECK(j["features"][0]["max_rigid_error"].get<double>() < 1e-12);
+}
+
+TEST_CASE("steps that would need more memory than there is are refused", "[sequence]") {
+  const CliCase c("sequence_memory");
+  make_flag(c, "flag", 4);
+  c.fails(scene() + "[[step]]\nkind = \"travel\"\nalong = [1, 0, 0]\nspeed = 1\ncycles = 1000000\n",
+          1, {"the step 'step-2'", "of memory"}, {"--memory", "1"}, "sequence");
+}
+
+TEST_CASE("feet do not slip between keyframes that are far apart", "[sequence]") {
+  const CliCase c("sequence_every");
+  for (const std::string name : {"walker.obj", "walker.pc2", "stairs.obj"})
+    fs::copy(fs::path(BATTEN_SOURCE_DIR "/examples/24-stairs") / name, c / name);
+  std::string text = contents(fs::path(BATTEN_SOURCE_DIR "/examples/24-stairs/stairs.toml"));
+  text = text.substr(0, text.find("[[picture]]"));
+  text.replace(text.find("rounds = 200"), 12, "every = 4");
+  const CliResult r = edit(c, text);
+  INFO(r.err);
+  REQUIRE(r.code == 0);
+  const auto j = report(c, "out");
+  CHECK(j["steps"][1]["keyframes"].get<int>() < 60);
+  for (const auto& f : j["footprints"]) CHECK(f["slip"].get<double>() < 1e-9);
+}
+
+TEST_CASE("the input is not overwritten", "[sequence]") {
+  const CliCase c("sequence_input");
+  make_flag(c, "flag", 4);
+  const std::string before = contents(c / "flag/flag_3.obj");
+  CliResult r = edit(c, scene("", "", "flag/flag_%d.obj"), {}, ".");
+  CHECK(r.code == 1);
+  CHECK_THAT(r.err, Contains("flag_1.obj: found a file that no run"));
+  CHECK(contents(c / "flag/flag_3.obj") == before);
+  REQUIRE(edit(c, scene("", "", "f.pc2")).code == 0);
+  const std::string cache = contents(c / "out/f.pc2");
+  r = edit(c, "unit = \"m\"\n[sequence]\nfile = \"out/f.pc2\"\n[output]\nframes = \"f.pc2\"\n");
+  CHECK(r.code == 1);
+  CHECK_THAT(r.err, Contains("would overwrite the input"));
+  CHECK(contents(c / "out/f.pc2") == cache);
+  // Frames of two names side by side are known again.
+  REQUIRE(edit(c, scene("", "", "f_*.obj")).code == 0);
+  REQUIRE(edit(c, scene("", "", "g_*.obj")).code == 0);
+  REQUIRE(edit(c, scene("", "", "f_*.obj")).code == 0);
+  REQUIRE(edit(c, scene("frames = [1, 3]", "", "f_*.obj")).code == 0);
+  CHECK(fs::exists(c / "out/g_0004.obj"));
+  CHECK_FALSE(fs::exists(c / "out/f_0004.obj"));
+}

@@ -1,0 +1,55 @@
+// Sessions inside of other programs: several at a time, and many one after the other.
+#include <thread>
+
+#include "batten/tests/support/random_sculptor.h"
+
+using namespace batten_test;
+
+namespace {
+
+// A patch that is pressed, pinned, refined and taken back: what a user does in a minute.
+Points sculpted(double force) {
+  SculptingSession session(ModelLayout(patch_layout(0.25)), small_history());
+  session.add(Load{"swell", Load::Pressure{}});
+  for (int n = 1; n <= 10; ++n) {
+    session.set("swell", 0.1 * n * force);
+    session.solve_preview(3, 1e-6);
+  }
+  const Surface shape = shape_of(session);
+  const Vec3 at = shape.position({0, Vec3::Constant(1.0 / 3)});
+  session.add(Constraint{"pin", Constraint::Point{at, at + 0.05 * Vec3::UnitZ()}});
+  session.solve_to_equilibrium();
+  session.undo();
+  session.redo();
+  session.solve_to_equilibrium();
+  return session.dofs();
+}
+
+}  // namespace
+
+TEST_CASE("sessions in threads of their own have the bits that each has alone") {
+  constexpr int threads = 4;
+  std::vector<Points> alone;
+  for (int k = 0; k < threads; ++k) alone.push_back(sculpted(1 + k));
+  CHECK_FALSE(same_bits(alone[0], alone[1]));
+  for (int round = 0; round < 5; ++round) {
+    std::vector<Points> beside(threads);
+    std::vector<std::thread> all;
+    for (int k = 0; k < threads; ++k) all.emplace_back([&, k] { beside[k] = sculpted(1 + k); });
+    for (std::thread& thread : all) thread.join();
+    for (int k = 0; k < threads; ++k) CHECK(same_bits(beside[k], alone[k]));
+  }
+}
+
+TEST_CASE("ten thousand sessions that were made and dropped leave no memory behind") {
+  size_t early = 0;
+  for (int n = 0; n < 10000; ++n) {
+    SculptingSession session(ModelLayout(square_layout(0.5)), small_history());
+    session.add(Load{"swell", Load::Pressure{}});
+    session.set("swell", 1);
+    session.solve_preview(1, 1e-6);
+    if (n == 1000) early = bytes_in_use();
+  }
+  // Less than a byte for each session.
+  CHECK(static_cast<double>(bytes_in_use()) <= static_cast<double>(early) + 8192);
+}

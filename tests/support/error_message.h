@@ -1,0 +1,21 @@
+// What a refused input is told.
+#pragma once
+
+#include <string>
+
+#include "batten/core/errors.h"
+
+namespace batten_test {
+
+/// The message of the InputError that `action` throws, or "".
+template <class Action>
+std::string error_message(const Action& action) {
+  try {
+    action();
+  } catch (const batten::InputError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+}  // namespace batten_test

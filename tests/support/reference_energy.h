@@ -1,0 +1,20 @@
+// Energies by whole matrices: the twin of what a session keeps count of.
+#pragma once
+
+#include "batten/fairing/surface_energy.h"
+#include "batten/fem/surface_assembler.h"
+
+namespace batten {
+
+/// Energies of dofs q (n×3) for a material on the domain of the assembler's mesh.
+inline SurfaceEnergy energy(const SurfaceAssembler& assembler, const SurfaceStiffness& material,
+                            const Points& q) {
+  const auto cost = [&](const SurfaceStiffness& part) {
+    const SparseMatrix K = assembler.stiffness(part);
+    return q.cwiseProduct(Points(K.selfadjointView<Eigen::Lower>() * q)).sum();
+  };
+  return {cost({material.alpha, Vec3::Zero()}),
+          cost({Mat2::Zero(), material.beta, material.beta_mixed})};
+}
+
+}  // namespace batten
