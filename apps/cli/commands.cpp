@@ -28,7 +28,7 @@ void add_schema(const Subcommand& subcommand, bool& ap242) {
       [&ap242](const std::string& word) { ap242 = word == "ap242"; }, "Of STEP: ap214 or ap242");
 }
 
-void add_step_options(const Subcommand& subcommand, StepFileOptions& step) {
+void add_step_options(const Subcommand& subcommand, StepFileArguments& step) {
   subcommand.flag("--step-lines", step.lines,
                   "The STEP file holds the lines too, as curves in a product 'lines'");
   add_schema(subcommand, step.ap242);

@@ -52,11 +52,11 @@ void add_common(const Subcommand& subcommand, CommonOptions& common);
 void add_unit(const Subcommand& subcommand, std::string& unit);
 
 /// What the STEP file of a surface holds and says.
-struct StepFileOptions {
+struct StepFileArguments {
   bool lines = false, ap242 = false;
 };
-/// Adds the options of StepFileOptions.
-void add_step_options(const Subcommand& subcommand, StepFileOptions& step);
+/// Adds the options of StepFileArguments.
+void add_step_options(const Subcommand& subcommand, StepFileArguments& step);
 /// Adds the schema of STEP files.
 void add_schema(const Subcommand& subcommand, bool& ap242);
 

@@ -12,7 +12,7 @@ struct FitArguments {
   std::vector<std::string> lines;
   double tolerance = 0, edge_length = 0, meet = 0;
   bool cage = false;
-  StepFileOptions step;
+  StepFileArguments step;
 };
 
 Scene scene_of(const FitArguments& a) {

@@ -18,7 +18,7 @@ struct LineArguments {
   double edge_length = 0, tolerance = 0, gap_tolerance = 0, pressure = 0;
   int contours = 0;
   bool network = false, exact_step = false;
-  StepFileOptions step;
+  StepFileArguments step;
 };
 
 Scene lines_scene(const LineArguments& a) {

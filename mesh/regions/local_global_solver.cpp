@@ -97,8 +97,7 @@ LocalGlobalSolver::LocalGlobalSolver(const TriangleMesh& mesh, DeformProblem pro
       points_(mesh.points()),
       constrained_vertex_(std::move(constraints.vertex)),
       constrained_handle_(std::move(constraints.handle)),
-      positions_(constraints.rows, AffineReduction::RhsMode::Deferred),
-      accelerator_(rows_.links.empty() ? positions_.free_count() : 3L * cell_count()) {
+      positions_(constraints.rows, AffineReduction::RhsMode::Deferred) {
   const RowMatrix reduced = reduced_matrix(rows_.A, positions_);
   B_ = reduced;
   if (positions_.free_count() > 0) {
@@ -116,6 +115,7 @@ LocalGlobalSolver::LocalGlobalSolver(const TriangleMesh& mesh, DeformProblem pro
   if (!rows_.links.empty())
     rotations_before_ = rotations_ = accelerated_ = MatX::Zero(3L * cell_count(), 3);
   now_ = constrained_part_ = residual_ = RowPoints::Zero(count, 3);
+  accelerator_.resize(accelerated_.rows());
   covariances_.assign(element_count(), Mat3::Zero());
   G_.assign(cell_count(), Mat3::Identity());
   G_before_ = G_;

@@ -7,10 +7,10 @@
 #include <vector>
 
 #include "batten/constraints/affine_reduction.h"
+#include "batten/core/anderson_accelerator.h"
 #include "batten/core/sparse_cholesky.h"
 #include "batten/mesh/deform/deform_problem.h"
 #include "batten/mesh/deform/deform_system.h"
-#include "batten/mesh/regions/anderson_accelerator.h"
 #include "batten/mesh/regions/iterative_deformer.h"
 
 namespace batten {
@@ -118,7 +118,7 @@ class LocalGlobalSolver {
 
   MatX rhs_, y_, load_, accelerated_;  // load_: right side, then the solution
   MatX rotations_before_, rotations_;  // with links: G_ as it went into a round and came out
-  AndersonAccelerator accelerator_;
+  AndersonAccelerator accelerator_{1e-5};
   RowPoints now_, constrained_part_, residual_;   // A p, A d0, what is left for the free vertices
   std::vector<Mat3> covariances_, G_, G_before_;  // of elements: Σ (A p) bᵀ; of cells
   std::vector<double> energy_parts_;              // of the energy, chunk by chunk

@@ -38,8 +38,7 @@ FrameSolverData::FrameSolverData(const TriangleMesh& mesh, FrameConstraints give
       options(opts),
       size(mesh.size()),
       graph(node_graph(mesh.topology(), edge_weights(mesh, opts.weights))),
-      unknowns((check_constraints(constraints, graph.nodes), frame_unknowns(graph, constraints))),
-      accelerator(unknowns.count) {
+      unknowns((check_constraints(constraints, graph.nodes), frame_unknowns(graph, constraints))) {
   if (constraints.preserve_volume) set_triangles(mesh);
   factorize();
   compute_handle_weights();
@@ -47,6 +46,7 @@ FrameSolverData::FrameSolverData(const TriangleMesh& mesh, FrameConstraints give
   const int n = graph.nodes;
   rest.setZero(n, 3), now.setZero(n, 3), offset.setZero(n, 3), loads.setZero(n, 3);
   y = rhs = accelerated = MatX::Zero(unknowns.count, 3);
+  accelerator.resize(unknowns.count);
   shape.positions.setZero(n, 3);
   shape.rotations.assign(n, Mat3::Identity());
   part_rotations.assign(unknowns.parts.size(), Mat3::Identity());

@@ -6,7 +6,7 @@
 
 #include "batten/constraints/schur_complement_constraints.h"
 #include "batten/core/sparse_cholesky.h"
-#include "batten/mesh/regions/anderson_accelerator.h"
+#include "batten/core/anderson_accelerator.h"
 #include "batten/mesh/regions/iterative_deformer.h"
 #include "batten/mesh/sequence/frame_constraints.h"
 #include "batten/mesh/sequence/frame_unknowns.h"
@@ -73,7 +73,7 @@ struct FrameSolverData {
   FrameTargets targets;
   RowPoints rest, now, offset, loads, gradient;  // of nodes
   MatX y, rhs, accelerated, volume_direction;    // of unknowns
-  AndersonAccelerator accelerator;
+  AndersonAccelerator accelerator{1e-5};
   std::vector<Mat3> part_rotations, handle_rotations;
   std::vector<Mat3> rotations_before, part_rotations_before, handle_rotations_before;
   std::vector<Vec3> part_rest, part_position, handle_rest;

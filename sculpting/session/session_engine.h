@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "batten/sculpting/session/anderson_accelerator.h"
+#include "batten/core/anderson_accelerator.h"
 #include "batten/sculpting/session/session_system.h"
 
 namespace batten::detail {

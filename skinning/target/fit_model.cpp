@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <string>
 
+#include "batten/core/anderson_accelerator.h"
 #include "batten/core/errors.h"
 #include "batten/skinning/region/skin_quality.h"
 #include "batten/skinning/surfaces/embedded_joins.h"
-#include "batten/skinning/target/anderson_accelerator.h"
 #include "batten/skinning/target/target_fit_iterations.h"
 #include "batten/skinning/target/target_parts.h"
 
@@ -15,6 +15,15 @@ namespace {
 
 // ε: from the first one by tens to the one that spreads parameters evenly, at last so little that it pulls nothing.
 constexpr double kInitialEpsilon = 100, kSmoothingEpsilon = 1e-3, kFinalEpsilon = 1e-5;
+
+// Numbers of the dofs that are positions, without derivatives.
+std::vector<int> indices_of_positions(const ModelLayout& layout) {
+  const VecX is_position = layout.position_dofs();
+  std::vector<int> indices;
+  for (int d = 0; d < isize(is_position); ++d)
+    if (is_position[d] != 0) indices.push_back(d);
+  return indices;
+}
 
 class ModelFitter {
  public:
@@ -143,10 +152,12 @@ class ModelFitter {
 
   void iterate(TargetFitIterations& iterations, double epsilon, int max_rounds) {
     iterations.factorize(epsilon_ = epsilon);
-    AndersonAccelerator accelerator(iterations.mass());
+    AndersonAccelerator accelerator(1e-5);
+    accelerator.resize(fit_.dofs.rows(), indices_of_positions(*fit_.layout));
     for (int step = 0; step < max_rounds; ++step) {
       progress_.update("fit to the target", double(step) / max_rounds);
-      fit_.dofs = accelerator.next(fit_.dofs, iterations.step(fit_.dofs, sides_));
+      const Points x = iterations.step(fit_.dofs, sides_);
+      if (!accelerator.accelerate(fit_.dofs, x, fit_.dofs)) fit_.dofs = x;
       ++fit_.iterations;
       if (iterations.max_displacement() < 0.1 * tolerance_) break;
     }

@@ -77,7 +77,6 @@ class TargetFitIterations {
       max_displacement_ = std::max(max_displacement_, (moved.row(3 * v) - own.row(3 * v)).norm());
     return moved + about_origin_;
   }
-  const SparseMatrix& mass() const { return mass_; }
   /// Triangles that turned over, and those around them, are held more firmly from the next factorize() on.
   bool stiffen_inverted(const Points& dofs, const std::vector<double>& sides) {
     const auto& mesh = *layout_->mesh();
