@@ -4,6 +4,7 @@
 #include <map>
 #include <numbers>
 
+#include "batten/fairing/curve_through_points.h"
 #include "batten/fem/surface_assembler.h"
 #include "batten/skinning/layout/region_layout.h"
 #include "batten/skinning/model/fair_shape.h"

@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <filesystem>
 
+#include "batten/fairing/curve_through_points.h"
 #include "batten/skinning/layout/section_region.h"
 #include "batten/skinning/model/loft_shape.h"
 #include "batten/tests/support/test_data.h"

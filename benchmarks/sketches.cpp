@@ -14,6 +14,7 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include "batten/fairing/curve_through_points.h"
 #include "batten/io/lines/point_lines.h"
 #include "batten/io/lines/sketch_graph.h"
 #include "batten/io/meshes/mesh_file.h"

@@ -1,4 +1,5 @@
-// Curves through points: lines, arcs, and splines between them.
+#include "batten/fairing/curve_through_points.h"
+
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
@@ -10,7 +11,6 @@
 #include "batten/core/isize.h"
 #include "batten/fairing/corners.h"
 #include "batten/fairing/fair_curve.h"
-#include "batten/fairing/input_curve.h"
 #include "batten/fairing/lines_and_arcs.h"
 
 namespace batten {

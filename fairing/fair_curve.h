@@ -9,21 +9,6 @@
 
 namespace batten {
 
-struct FairCurve {
-  HermiteCurve curve;              ///< u: arc length to a few digits
-  std::vector<double> parameters;  ///< nearest parameter of each point
-  std::vector<int> outliers;       ///< points that were passed over, ascending
-  Deviation deviation;             ///< of the others
-  double wavelength = 0;  ///< wavelength of the balance that was found; 0: nothing was smoothed
-  /// Standard deviation of the points across their line, estimated from their differences; 0 for
-  /// fewer than eleven points.
-  double noise = 0;
-  double effective_dofs = 0;  ///< effective degrees of freedom of one coordinate
-  int rounds = 0;
-  bool converged = false;   ///< parameters stood still within the rounds
-  double max_residual = 0;  ///< largest violation of a condition, measured, over the size
-};
-
 /// Fairs two points or more. Cost: O(points) a round; about 0.2 ms for a hundred points.
 /// Throws InputError (as fit_points; a condition of an open curve on a closed one; a deviation or
 /// wavelength that is not above 0), ConflictError when conditions contradict each other,

@@ -1,4 +1,4 @@
-// How a curve is faired, and what holds meanwhile.
+// How a curve is faired, what holds meanwhile, and what comes of it.
 #pragma once
 
 #include <optional>
@@ -65,6 +65,22 @@ struct FairOptions {
   bool fix_ends = false;  ///< the first and the last point of an open curve stay
   std::vector<CurveCondition> conditions;
   int max_rounds = 10;
+};
+
+/// A faired curve, and how it was found.
+struct FairCurve {
+  HermiteCurve curve;              ///< u: arc length to a few digits
+  std::vector<double> parameters;  ///< nearest parameter of each point
+  std::vector<int> outliers;       ///< points that were passed over, ascending
+  Deviation deviation;             ///< of the others
+  double wavelength = 0;  ///< wavelength of the balance that was found; 0: nothing was smoothed
+  /// Standard deviation of the points across their line, estimated from their differences; 0 for
+  /// fewer than eleven points.
+  double noise = 0;
+  double effective_dofs = 0;  ///< effective degrees of freedom of one coordinate
+  int rounds = 0;
+  bool converged = false;   ///< parameters stood still within the rounds
+  double max_residual = 0;  ///< largest violation of a condition, measured, over the size
 };
 
 }  // namespace batten

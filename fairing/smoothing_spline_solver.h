@@ -11,7 +11,7 @@
 
 #include "batten/constraints/affine_reduction.h"
 #include "batten/fairing/curvature_adaptive_wavelength.h"
-#include "batten/fairing/fair_curve.h"
+#include "batten/fairing/fair_options.h"
 #include "batten/fairing/penalised_least_squares.h"
 #include "batten/fairing/point_sequence.h"
 

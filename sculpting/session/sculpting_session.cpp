@@ -14,8 +14,8 @@ using Kind = Operation::Kind;
 
 SculptingSession::SculptingSession(ModelLayout layout, const SessionOptions& options,
                                    const Progress& progress)
-    : data_(std::make_unique<Data>()) {
-  Data& d = *data_;
+    : data_(std::make_unique<SessionData>()) {
+  SessionData& d = *data_;
   d.options = options;
   if (!(options.tolerance > 0) || options.max_iterations < 1 || options.facets_per_edge < 1)
     throw InputError("a session needs a tolerance above 0, and 1 or more iterations and facets");
@@ -103,7 +103,7 @@ SolveReport SculptingSession::solve_to_equilibrium() {
 }
 
 SolveReport SculptingSession::solve_preview(int max_iterations, double tolerance) {
-  Data& d = *data_;
+  SessionData& d = *data_;
   d.record_operation({.kind = Kind::SolvePreview, .index = max_iterations, .value = tolerance});
   if (d.now.in_motion)
     throw InputError("an answer of a surface in motion: step() goes on, stop_motion() ends it");
@@ -113,7 +113,7 @@ SolveReport SculptingSession::solve_preview(int max_iterations, double tolerance
 void SculptingSession::start_motion(const Motion& motion) { apply(edit_of(motion)); }
 
 SolveReport SculptingSession::step() {
-  Data& d = *data_;
+  SessionData& d = *data_;
   d.record_operation({.kind = Kind::Step});
   if (d.now.in_motion) d.push_history_once();
   return d.step();
@@ -143,7 +143,7 @@ void SculptingSession::record(bool on) {
 const std::vector<Operation>& SculptingSession::recorded() const { return data_->record; }
 
 void SculptingSession::apply(const Operation& op) {
-  Data& d = *data_;
+  SessionData& d = *data_;
   switch (op.kind) {
     case Kind::Set:
       if (op.index < 0 || op.index >= d.now.parameters.count())
@@ -213,7 +213,7 @@ int SculptingSession::replay(const std::vector<Operation>& operations) {
 }
 
 RefinementReport SculptingSession::refine(const Refinement& refinement) {
-  Data& d = *data_;
+  SessionData& d = *data_;
   d.record_operation(edit_of(refinement));
   detail::SessionState before = d.snapshot();
   RefinementReport report;
@@ -247,12 +247,12 @@ const Frame& SculptingSession::frame() {
 }
 
 double SculptingSession::residual() const {
-  Data& d = *data_;
+  SessionData& d = *data_;
   return d.engine.residual(d.system(), d.now.shape_values, d.now.shape.x) / d.size();
 }
 
 SurfaceEnergy SculptingSession::energy() const {
-  Data& d = *data_;
+  SessionData& d = *data_;
   d.read_values();
   SurfaceEnergy energy = d.engine.elastic_energy(d.system(), d.values, d.now.shape.x);
   energy.bending *= d.system().def.scale().energy_factor();
@@ -261,14 +261,14 @@ SurfaceEnergy SculptingSession::energy() const {
 }
 
 double SculptingSession::total_energy() const {
-  Data& d = *data_;
+  SessionData& d = *data_;
   d.read_values();
   return d.engine.total_energy(d.system(), d.values, d.now.shape, d.now.in_motion) *
          d.system().def.scale().energy_factor();
 }
 
 std::vector<Reaction> SculptingSession::reactions() const {
-  Data& d = *data_;
+  SessionData& d = *data_;
   auto all = d.engine.reactions(d.system(), d.now.shape_values, d.now.shape.x);
   for (auto& reaction : all) reaction.force *= d.system().def.scale().reaction_factor();
   return all;
@@ -279,7 +279,7 @@ std::vector<ScanDistances> SculptingSession::scan_distances(const Points& before
 }
 
 double SculptingSession::enclosed_volume() const {
-  Data& d = *data_;
+  SessionData& d = *data_;
   return d.system().parts->pressure().volume(dofs(), {});
 }
 

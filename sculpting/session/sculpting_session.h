@@ -15,6 +15,8 @@
 
 namespace batten {
 
+struct SessionData;
+
 /// A surface that the user shapes live.
 ///
 ///     SculptingSession session(layout, options);
@@ -165,8 +167,7 @@ class SculptingSession {
   size_t history_bytes() const;
 
  private:
-  struct Data;
-  std::unique_ptr<Data> data_;
+  std::unique_ptr<SessionData> data_;
 };
 
 }  // namespace batten

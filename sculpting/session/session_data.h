@@ -6,8 +6,10 @@
 #include <string>
 #include <vector>
 
+#include "batten/core/progress.h"
 #include "batten/fem/surface_transfer.h"
-#include "batten/sculpting/session/sculpting_session.h"
+#include "batten/sculpting/session/frame.h"
+#include "batten/sculpting/session/operation.h"
 #include "batten/sculpting/session/session_engine.h"
 
 namespace batten {
@@ -56,7 +58,7 @@ int index_of(const Items& things, const std::string& name) {
 
 }  // namespace detail
 
-struct SculptingSession::Data {
+struct SessionData {
   SessionOptions options;
   detail::SessionState now;
   std::deque<detail::SessionState> undo_stack, redo_stack;

@@ -4,7 +4,7 @@
 
 namespace batten {
 
-SkinnedRegion SculptingSession::Data::skinned_region(int r) {
+SkinnedRegion SessionData::skinned_region(int r) {
   SkinnedRegion region = layout().skinned(r, absolute(now.shape.x));
   const auto moved = [&](CharacterLine& line, HermiteCurve& fitted, bool embedded, size_t index) {
     const auto& moves = system().def.moves;
@@ -28,7 +28,7 @@ SkinnedRegion SculptingSession::Data::skinned_region(int r) {
   return region;
 }
 
-void SculptingSession::Data::draw(Frame& to) {
+void SessionData::draw(Frame& to) {
   if (display.mesh != layout().mesh()) {
     auto pattern = std::make_shared<DisplayTopology>();
     std::vector<Location>& locations = pattern->locations;

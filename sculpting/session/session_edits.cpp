@@ -9,7 +9,7 @@ namespace batten {
 
 using detail::SessionDefinition;
 
-void SculptingSession::Data::rebuild(SessionDefinition def) {
+void SessionData::rebuild(SessionDefinition def) {
   // Values by name: numbers of parameters change.
   struct Known {
     std::string name;
@@ -40,14 +40,14 @@ void SculptingSession::Data::rebuild(SessionDefinition def) {
 }
 
 // Of which parameter each value is.
-void SculptingSession::Data::update_value_names() {
+void SessionData::update_value_names() {
   value_names.clear();
   for (const ScalarParameter& p : now.parameters.all()) value_names.push_back(p.name);
 }
 
 // After the rows changed: on the static shape, bent from the rest shape as it is, or in motion as
 // near as can be.
-void SculptingSession::Data::solve_constrained() {
+void SessionData::solve_constrained() {
   read_values();
   if (!now.in_motion) {
     solve_to_equilibrium(false);
@@ -61,12 +61,12 @@ void SculptingSession::Data::solve_constrained() {
 }
 
 // After loads changed: the shape stays as it is, for the values that it was made with.
-void SculptingSession::Data::keep_shape() {
+void SessionData::keep_shape() {
   read_values();
   engine.prepare_matrix(system(), values);
 }
 
-void SculptingSession::Data::require_free_name(const std::string& name) {
+void SessionData::require_free_name(const std::string& name) {
   if (name.empty()) throw InputError("something that acts on the surface has no name");
   const SessionDefinition& d = system().def;
   if (detail::index_of(d.loads, name) >= 0 || detail::index_of(d.weights, name) >= 0 ||
@@ -75,7 +75,7 @@ void SculptingSession::Data::require_free_name(const std::string& name) {
     throw InputError("two things have the name '" + name + "'");
 }
 
-void SculptingSession::Data::add_parameters(const std::string& name,
+void SessionData::add_parameters(const std::string& name,
                                             std::vector<ScalarParameter> given,
                                             const std::vector<std::string>& wanted,
                                             const std::vector<double>& start) {
@@ -92,7 +92,7 @@ void SculptingSession::Data::add_parameters(const std::string& name,
   }
 }
 
-void SculptingSession::Data::add(const Load& load, const std::vector<ScalarParameter>& parameters) {
+void SessionData::add(const Load& load, const std::vector<ScalarParameter>& parameters) {
   require_free_name(load.name);
   SessionDefinition def = system().def;
   def.loads.push_back(
@@ -102,7 +102,7 @@ void SculptingSession::Data::add(const Load& load, const std::vector<ScalarParam
   keep_shape();
 }
 
-void SculptingSession::Data::add(const StiffnessField& weight,
+void SessionData::add(const StiffnessField& weight,
                                  const std::vector<ScalarParameter>& parameters) {
   require_free_name(weight.name);
   SessionDefinition def = system().def;
@@ -113,7 +113,7 @@ void SculptingSession::Data::add(const StiffnessField& weight,
   keep_shape();
 }
 
-void SculptingSession::Data::add(const Constraint& constraint,
+void SessionData::add(const Constraint& constraint,
                                  const std::vector<ScalarParameter>& parameters) {
   require_free_name(constraint.name);
   SessionDefinition def = system().def;
@@ -131,7 +131,7 @@ void SculptingSession::Data::add(const Constraint& constraint,
   solve_constrained();
 }
 
-void SculptingSession::Data::add(const LineOffset& move,
+void SessionData::add(const LineOffset& move,
                                  const std::vector<ScalarParameter>& parameters) {
   require_free_name(move.name);
   SessionDefinition def = system().def;
@@ -142,7 +142,7 @@ void SculptingSession::Data::add(const LineOffset& move,
   solve_constrained();
 }
 
-void SculptingSession::Data::add(const CharacterLine& line,
+void SessionData::add(const CharacterLine& line,
                                  const std::vector<ScalarParameter>& parameters) {
   if (!parameters.empty()) throw InputError("line '" + line.name + "' has no parameters");
   require_free_name(line.name);
@@ -152,7 +152,7 @@ void SculptingSession::Data::add(const CharacterLine& line,
   change_layout(std::move(layout));
 }
 
-void SculptingSession::Data::change(const Constraint& constraint) {
+void SessionData::change(const Constraint& constraint) {
   SessionDefinition def = system().def;
   const int at = detail::index_of(def.constraints, constraint.name);
   if (at < 0)
@@ -171,7 +171,7 @@ void SculptingSession::Data::change(const Constraint& constraint) {
   solve_constrained();
 }
 
-std::vector<std::string> SculptingSession::Data::names() {
+std::vector<std::string> SessionData::names() {
   std::vector<std::string> all;
   const SessionDefinition& d = system().def;
   for (const auto& p : d.loads) all.push_back(detail::name_of(*p));
@@ -184,12 +184,12 @@ std::vector<std::string> SculptingSession::Data::names() {
   return all;
 }
 
-std::string SculptingSession::Data::name_suggestion(const std::string& name) {
+std::string SessionData::name_suggestion(const std::string& name) {
   const std::string near = closest_match(name, names());
   return near.empty() ? "" : "; did you mean '" + near + "'?";
 }
 
-void SculptingSession::Data::remove(const std::string& name) {
+void SessionData::remove(const std::string& name) {
   SessionDefinition def = system().def;
   const int held = detail::index_of(def.constraints, name);
   const bool was_point = held >= 0 && std::holds_alternative<Constraint::Point>(
@@ -222,7 +222,7 @@ void SculptingSession::Data::remove(const std::string& name) {
   change_layout(std::move(layout));
 }
 
-void SculptingSession::Data::start_motion(const Motion& m) {
+void SessionData::start_motion(const Motion& m) {
   if (!(m.dt > 0) || !std::isfinite(m.dt))
     throw InputError("a time step of " + format_number(m.dt) + ": expected one above 0");
   if (!(m.density >= 0) || !(m.damping >= 0) || !(m.density + m.damping > 0) ||
@@ -239,12 +239,12 @@ void SculptingSession::Data::start_motion(const Motion& m) {
   engine.prepare_motion(system(), m);
 }
 
-double SculptingSession::Data::elastic_energy(const Points& x) {
+double SessionData::elastic_energy(const Points& x) {
   const SurfaceEnergy e = engine.elastic_energy(system(), values, x);
   return (e.stretching + e.bending) * system().def.scale().energy_factor();
 }
 
-void SculptingSession::Data::edit(const Operation::Edit& edit) {
+void SessionData::edit(const Operation::Edit& edit) {
   if (const auto* added = std::get_if<Operation::Add>(&edit))
     std::visit([&](const auto& what) { add(what, added->parameters); }, added->what);
   else if (const auto* changed = std::get_if<Operation::Change>(&edit))

@@ -7,7 +7,7 @@ namespace batten {
 
 using detail::SessionDefinition;
 
-void SculptingSession::Data::mark_converged() {
+void SessionData::mark_converged() {
   now.converged_x = now.shape.x;
   now.converged_rest = system().rest;
   now.converged_values = now.shape_values = values;
@@ -15,7 +15,7 @@ void SculptingSession::Data::mark_converged() {
 }
 
 // Goes back to parameters and shape of the last answer that converged.
-void SculptingSession::Data::restore_converged() {
+void SessionData::restore_converged() {
   if (now.converged_values.size() != static_cast<size_t>(now.parameters.count())) return;
   read_values();
   for (size_t p = 0; p < values.size(); ++p) {
@@ -37,7 +37,7 @@ void SculptingSession::Data::restore_converged() {
 
 // Goes from the last good values to these in steps, which are halved where the shape does not
 // settle.
-detail::SessionEngine::SolveStatus SculptingSession::Data::step_loads(
+detail::SessionEngine::SolveStatus SessionData::step_loads(
     const std::vector<double>& goal) {
   const std::vector<double> start = now.converged_values;
   Points reached_x = now.converged_x;
@@ -83,14 +83,14 @@ detail::SessionEngine::SolveStatus SculptingSession::Data::step_loads(
                         " iterations (more alpha or beta, or less pressure)");
 }
 
-bool SculptingSession::Data::has_scans() {
+bool SessionData::has_scans() {
   for (const auto& load : system().def.loads)
     if (std::holds_alternative<Load::PointCloudSprings>(load->load.kind)) return true;
   return false;
 }
 
 // Plans smooth joins again where moved lines have turned tangents at nodes, so that γ and δ change.
-bool SculptingSession::Data::plan_joins() {
+bool SessionData::plan_joins() {
   constexpr double same = 1e-7;
   if (layout().join_plans().empty() || system().def.fix_corners_only ||
       !(layout().gluing_change(absolute(now.shape.x)) > same))
@@ -103,7 +103,7 @@ bool SculptingSession::Data::plan_joins() {
   return true;
 }
 
-SolveReport SculptingSession::Data::solve_to_equilibrium(bool anew) {
+SolveReport SessionData::solve_to_equilibrium(bool anew) {
   SolveReport answer = solve_once(anew);
   constexpr int most_plans = 4;
   for (int i = 0; i < most_plans && plan_joins(); ++i) {
@@ -115,7 +115,7 @@ SolveReport SculptingSession::Data::solve_to_equilibrium(bool anew) {
   return answer;
 }
 
-SolveReport SculptingSession::Data::solve_once(bool anew) {
+SolveReport SessionData::solve_once(bool anew) {
   SolveReport answer;
   try {
     read_values();
@@ -157,7 +157,7 @@ SolveReport SculptingSession::Data::solve_once(bool anew) {
   return answer;
 }
 
-SolveReport SculptingSession::Data::solve_preview(int most, double tolerance) {
+SolveReport SessionData::solve_preview(int most, double tolerance) {
   SolveReport answer;
   read_values();
   try {
@@ -182,7 +182,7 @@ SolveReport SculptingSession::Data::solve_preview(int most, double tolerance) {
   return answer;
 }
 
-SolveReport SculptingSession::Data::step() {
+SolveReport SessionData::step() {
   if (!now.in_motion) throw InputError("a step of a surface that was not set in motion");
   SolveReport answer;
   // From the values that the shape has been made with.

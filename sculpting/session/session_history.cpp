@@ -12,13 +12,13 @@ constexpr size_t kMaxUndoSteps = 256;
 
 }  // namespace
 
-detail::SessionState SculptingSession::Data::snapshot() const {
+detail::SessionState SessionData::snapshot() const {
   detail::SessionState copy = now;
   copy.system = std::make_shared<SessionSystem>(*now.system);
   return copy;
 }
 
-void SculptingSession::Data::push_history(detail::SessionState before) {
+void SessionData::push_history(detail::SessionState before) {
   redo_stack.clear();
   undo_stack.push_back(std::move(before));
   coalesces = false;
@@ -28,13 +28,13 @@ void SculptingSession::Data::push_history(detail::SessionState before) {
 }
 
 // A step of the history, unless a drag or a motion goes on that has one already.
-void SculptingSession::Data::push_history_once() {
+void SessionData::push_history_once() {
   if (coalesces) return;
   push_history(snapshot());
   coalesces = true;
 }
 
-size_t SculptingSession::Data::bytes() const {
+size_t SessionData::bytes() const {
   std::set<const void*> seen;
   size_t sum = 0;
   for (const auto* list : {&undo_stack, &redo_stack})
@@ -44,7 +44,7 @@ size_t SculptingSession::Data::bytes() const {
   return sum;
 }
 
-void SculptingSession::Data::restore_state(detail::SessionState state) {
+void SessionData::restore_state(detail::SessionState state) {
   now = std::move(state);
   engine.bind(*now.system);
   update_value_names();
@@ -52,7 +52,7 @@ void SculptingSession::Data::restore_state(detail::SessionState state) {
   ++version;
 }
 
-bool SculptingSession::Data::move_in_history(std::deque<detail::SessionState>& from,
+bool SessionData::move_in_history(std::deque<detail::SessionState>& from,
                                              std::deque<detail::SessionState>& to) {
   if (from.empty()) return false;
   to.push_back(snapshot());
@@ -62,7 +62,7 @@ bool SculptingSession::Data::move_in_history(std::deque<detail::SessionState>& f
   return true;
 }
 
-void SculptingSession::Data::record_operation(const Operation& op) {
+void SessionData::record_operation(const Operation& op) {
   if (!recording) return;
   if (record.size() == record.capacity()) record.reserve(record.size() + detail::kRecordPage);
   record.push_back(op);

@@ -9,13 +9,13 @@ namespace batten {
 using detail::SessionDefinition;
 using detail::ShapeState;
 
-void SculptingSession::Data::require_lines(const char* what) {
+void SessionData::require_lines(const char* what) {
   if (system().def.fix_corners_only)
     throw InputError(std::string("lines cannot be ") + what + " here: only the corners are held");
 }
 
 // Carries dofs on the present layout over to the meshes of another one.
-SurfaceTransfer SculptingSession::Data::transferred(const ModelLayout& layout, const Points& dofs) {
+SurfaceTransfer SessionData::transferred(const ModelLayout& layout, const Points& dofs) {
   SurfaceTransfer all;
   std::vector<Points> each;
   for (int r = 0; r < layout.region_count(); ++r) {
@@ -31,7 +31,7 @@ SurfaceTransfer SculptingSession::Data::transferred(const ModelLayout& layout, c
 }
 
 // Carries over the shapes that loads, weight fields and constraints refer to.
-void SculptingSession::Data::transfer_reference_shapes(const ModelLayout& layout,
+void SessionData::transfer_reference_shapes(const ModelLayout& layout,
                                                        SessionDefinition& def) {
   std::vector<std::pair<detail::SharedPoints, detail::SharedPoints>> moved;
   const auto along = [&](detail::SharedPoints& on) {
@@ -58,7 +58,7 @@ void SculptingSession::Data::transfer_reference_shapes(const ModelLayout& layout
 }
 
 // Goes over to a layout with other meshes or other lines, and carries the shape over.
-SurfaceTransfer SculptingSession::Data::change_layout(ModelLayout layout) {
+SurfaceTransfer SessionData::change_layout(ModelLayout layout) {
   bool other_mesh = false;
   for (int r = 0; r < layout.region_count(); ++r)
     other_mesh = other_mesh || layout.region(r).mesh() != this->layout().region(r).mesh();
@@ -84,7 +84,7 @@ SurfaceTransfer SculptingSession::Data::change_layout(ModelLayout layout) {
   return made;
 }
 
-void SculptingSession::Data::require_unused(const std::string& line) {
+void SessionData::require_unused(const std::string& line) {
   const auto refuse = [&](const std::string& user) {
     throw InputError("line '" + line + "' cannot be removed: '" + user + "' refers to it");
   };
@@ -112,7 +112,7 @@ void SculptingSession::Data::require_unused(const std::string& line) {
     if (p->move.line == line) refuse(p->move.name);
 }
 
-void SculptingSession::Data::set_line(const std::string& name, const HermiteCurve& curve) {
+void SessionData::set_line(const std::string& name, const HermiteCurve& curve) {
   require_lines("edited");
   ModelLayout layout = this->layout();
   layout.set_line(name, curve);
@@ -122,7 +122,7 @@ void SculptingSession::Data::set_line(const std::string& name, const HermiteCurv
   solve_constrained();
 }
 
-HermiteCurve SculptingSession::Data::line(const std::string& name) {
+HermiteCurve SessionData::line(const std::string& name) {
   HermiteCurve curve = layout().line(name);
   const SessionDefinition& def = system().def;
   for (size_t i = 0; i < def.moves.size(); ++i)

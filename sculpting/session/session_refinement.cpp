@@ -55,7 +55,7 @@ std::vector<char> marks(const Refinement& refinement, const ModelLayout& layout,
 
 }  // namespace
 
-RefinementReport SculptingSession::Data::refine(const Refinement& refinement) {
+RefinementReport SessionData::refine(const Refinement& refinement) {
   RefinementReport report;
   report.triangles_before = layout().mesh()->triangle_count();
   Refinement wanted = refinement;

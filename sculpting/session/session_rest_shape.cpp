@@ -24,7 +24,7 @@ bool same_rows(const ConstraintSet& a, const ConstraintSet& b) {
 }  // namespace
 
 // The shape under the rows that bends least from a rest shape, while no load acts. Absolute.
-Points SculptingSession::Data::deformed_from(
+Points SessionData::deformed_from(
     std::shared_ptr<const detail::RestConfiguration> rest) {
   std::vector<double> unloaded = values;
   for (const int p : system().load_parameter) unloaded[p] = 0;
@@ -36,7 +36,7 @@ Points SculptingSession::Data::deformed_from(
 }
 
 // Makes the rest shape: where there is none yet, and `anew` also where rows have changed.
-void SculptingSession::Data::update_rest_shape(bool anew) {
+void SessionData::update_rest_shape(bool anew) {
   const auto last = system().rest;
   if (!options.rest || (last && !anew)) return;
   ConstraintSet rows = engine.all_rows(system(), values);

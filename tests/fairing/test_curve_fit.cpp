@@ -7,6 +7,7 @@
 #include "batten/fairing/corners.h"
 #include "batten/fairing/curve_fit.h"
 #include "batten/fairing/curve_fit_problem.h"
+#include "batten/fairing/curve_through_points.h"
 #include "batten/tests/support/catch.h"
 #include "batten/tests/support/error_message.h"
 #include "batten/tests/support/sampling.h"

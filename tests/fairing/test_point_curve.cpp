@@ -4,6 +4,7 @@
 
 #include "batten/core/errors.h"
 #include "batten/core/format.h"
+#include "batten/fairing/curve_through_points.h"
 #include "batten/fairing/input_curve.h"
 #include "batten/fairing/lines_and_arcs.h"
 #include "batten/tests/support/catch.h"

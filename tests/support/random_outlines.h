@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "batten/core/errors.h"
+#include "batten/fairing/curve_through_points.h"
 #include "batten/fem/triangle_locator.h"
 #include "batten/skinning/model/model_layout.h"
 #include "batten/skinning/region/skin_quality.h"

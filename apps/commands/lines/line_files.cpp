@@ -6,6 +6,7 @@
 #include "batten/core/format.h"
 #include "batten/core/isize.h"
 #include "batten/fairing/arc_length.h"
+#include "batten/fairing/curve_through_points.h"
 #include "batten/fairing/primitive_curves.h"
 #include "batten/io/cad/cad_format.h"
 #include "batten/io/files/input_file.h"

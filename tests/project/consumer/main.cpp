@@ -5,6 +5,8 @@
 #include <cmath>
 #include <cstdio>
 
+#include "batten/fairing/curve_through_points.h"
+
 int main() {
   using namespace batten;
   const std::vector<Vec3> corner = {{0, 0, 0}, {2, 0, 0}, {0, 1, 0}};

@@ -3,6 +3,7 @@
 #include "batten/constraints/shape/embedded_line_constraints.h"
 #include "batten/constraints/shape/surface_constraints.h"
 #include "batten/core/errors.h"
+#include "batten/fairing/curve_through_points.h"
 #include "batten/skinning/region/skin_quality.h"
 #include "batten/tests/support/catch.h"
 #include "batten/tests/support/kkt_solver.h"

@@ -11,6 +11,7 @@
 #include "batten/constraints/shape/surface_constraints.h"
 #include "batten/core/errors.h"
 #include "batten/core/format.h"
+#include "batten/fairing/curve_through_points.h"
 #include "batten/fem/nested_dissection.h"
 #include "batten/fem/triangle_locator.h"
 #include "batten/skinning/region/skin_quality.h"

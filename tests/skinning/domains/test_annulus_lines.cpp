@@ -5,6 +5,7 @@
 #include <set>
 
 #include "batten/core/planar_geometry.h"
+#include "batten/fairing/curve_through_points.h"
 #include "batten/fem/triangle_locator.h"
 #include "batten/skinning/domains/mesher.h"
 #include "batten/skinning/facets/facets.h"

@@ -1,6 +1,7 @@
 #include <catch2/catch.hpp>
 #include <numbers>
 
+#include "batten/fairing/curve_through_points.h"
 #include "batten/skinning/domains/mesher.h"
 #include "batten/skinning/layout/region_layout.h"
 #include "batten/skinning/region/skin_quality.h"

@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "batten/core/errors.h"
+#include "batten/fairing/curve_through_points.h"
 #include "batten/fairing/not_a_knot_spline.h"
 #include "batten/skinning/model/loft_shape.h"
 #include "batten/tests/support/catch.h"

@@ -3,6 +3,7 @@
 #include <numbers>
 
 #include "batten/core/errors.h"
+#include "batten/fairing/curve_through_points.h"
 #include "batten/fairing/primitive_curves.h"
 #include "batten/skinning/layout/region_layout.h"
 #include "batten/skinning/model/model_layout.h"

@@ -2,6 +2,7 @@
 #include <numbers>
 
 #include "batten/core/errors.h"
+#include "batten/fairing/curve_through_points.h"
 #include "batten/skinning/domains/polygon_fit.h"
 #include "batten/skinning/lines/smooth_segment.h"
 #include "batten/tests/support/catch.h"

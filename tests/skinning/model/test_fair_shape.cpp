@@ -6,6 +6,7 @@
 
 #include "batten/benchmarks/analytic_shapes.h"
 #include "batten/core/errors.h"
+#include "batten/fairing/curve_through_points.h"
 #include "batten/skinning/layout/region_layout.h"
 #include "batten/skinning/model/curvature_continuity.h"
 #include "batten/skinning/model/join.h"

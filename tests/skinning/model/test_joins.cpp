@@ -5,6 +5,7 @@
 #include <memory>
 #include <numbers>
 
+#include "batten/fairing/curve_through_points.h"
 #include "batten/skinning/model/region_group.h"
 #include "batten/skinning/model/rest_shape.h"
 #include "batten/skinning/region/skin_quality.h"

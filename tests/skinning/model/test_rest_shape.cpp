@@ -7,6 +7,7 @@
 #include <numbers>
 #include <set>
 
+#include "batten/fairing/curve_through_points.h"
 #include "batten/fairing/primitive_curves.h"
 #include "batten/fem/surface_projector.h"
 #include "batten/skinning/model/boundary_sweep.h"

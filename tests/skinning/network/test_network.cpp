@@ -10,6 +10,7 @@
 #include <set>
 
 #include "batten/core/format.h"
+#include "batten/fairing/curve_through_points.h"
 #include "batten/tests/support/catch.h"
 #include "batten/tests/support/error_message.h"
 

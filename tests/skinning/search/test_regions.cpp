@@ -10,6 +10,7 @@
 #include <set>
 
 #include "batten/core/errors.h"
+#include "batten/fairing/curve_through_points.h"
 #include "batten/fairing/primitive_curves.h"
 #include "batten/skinning/search/region_search.h"
 #include "batten/tests/support/catch.h"

@@ -2,6 +2,7 @@
 #include "batten/skinning/surfaces/fair_model.h"
 
 #include "batten/core/errors.h"
+#include "batten/fairing/curve_through_points.h"
 #include "batten/tests/support/catch.h"
 #include "batten/tests/support/test_model_builder.h"
 

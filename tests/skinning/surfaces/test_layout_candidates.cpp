@@ -5,6 +5,7 @@
 
 #include "batten/core/errors.h"
 #include "batten/fairing/curve_fit.h"
+#include "batten/fairing/curve_through_points.h"
 #include "batten/skinning/region/skin_quality.h"
 #include "batten/tests/support/catch.h"
 #include "batten/tests/support/error_message.h"

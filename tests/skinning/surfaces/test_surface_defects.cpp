@@ -4,6 +4,7 @@
 
 #include "batten/constraints/constrained_solver.h"
 #include "batten/core/errors.h"
+#include "batten/fairing/curve_through_points.h"
 #include "batten/fem/nested_dissection.h"
 #include "batten/fem/surface_assembler.h"
 #include "batten/skinning/surfaces/facet_intersections.h"
