@@ -5,10 +5,109 @@
 #include <vector>
 
 #include "batten/analysis/shell_section.h"
-#include "batten/analysis/shell_triangle.h"
 #include "batten/fem/element_pattern.h"
+#include "batten/fem/surface.h"
+#include "batten/elements/c1_triangle.h"
+#include "batten/elements/reference_triangle.h"
 
 namespace batten {
+
+// One point of a Kirchhoff-Love shell: its local axes, and strains from displacements there.
+
+/// Strains of the middle surface and changes of its curvature in local axes, each (11, 22, 2·12).
+/// At height z above the middle surface, along its normal, the strain is membrane + z · curvature.
+struct ShellStrain {
+  Vec3 membrane = Vec3::Zero(), curvature = Vec3::Zero();
+};
+
+/// The displacement U(u, v) and its derivatives at a point: columns w, u, v, uu, uv, vv.
+using DisplacementJet = Eigen::Matrix<double, 3, kDerivatives>;
+
+/// Geometry of a surface X(u, v) at one point. With e1 the direction `along` in the tangent plane,
+/// n the normal, e2 = n × e1, and s1, s2 lengths along e1, e2:
+///
+///     ε11 = e1·U,1    ε22 = e2·U,2    2ε12 = e1·U,2 + e2·U,1
+///     κ_αβ = -n·(U,αβ - Γ^γ_αβ U,γ)   (α, β over u, v), carried to e1, e2.
+///
+/// Linear theory of Kirchhoff and Love: normals stay straight and at right angles to the surface.
+/// Rigid motions have no strain. Source: docs/theory/shells.md.
+class ShellPoint {
+ public:
+  /// Throws InputError where x_u × x_v = 0.
+  ShellPoint(const SurfaceJet& jet, const Vec3& along);
+
+  const Vec3& e1() const { return e1_; }
+  const Vec3& e2() const { return e2_; }
+  const Vec3& normal() const { return n_; }
+  /// |x_u × x_v|: area of the surface for one of (u, v).
+  double jacobian() const { return jacobian_; }
+
+  /// Derivatives of functions along e1 and e2, from those along u and v; one column a function.
+  template <class U, class V>
+  auto along_axes(int axis, const U& f_u, const V& f_v) const {
+    return gradient_(axis, 0) * f_u + gradient_(axis, 1) * f_v;
+  }
+  /// Rows (11, 22, 2·12) of -κ/n: (f,αβ - Γ^γ_αβ f,γ) of the 12 functions of a triangle, in e1, e2.
+  Eigen::Matrix<double, 3, 12> bending_matrix(const Tabulation& functions) const;
+
+  ShellStrain strain(const DisplacementJet& U) const;
+
+ private:
+  Vec3 e1_, e2_, n_;
+  double jacobian_;
+  Eigen::Matrix<double, 2, 2> gradient_;     // (f,1; f,2) = gradient · (f,u; f,v)
+  Eigen::Matrix<double, 3, 2> christoffel_;  // Γ^u, Γ^v of uu, uv, vv
+  Mat3 voigt_;                               // (11, 22, 2·12) from (uu, uv, vv)
+};
+
+
+// One triangle of a shell at many points.
+
+/// Geometry, functions and displacements at places of which the reference functions are known
+/// (TabulatedRule): a fraction of the time of evaluating each anew.
+class ShellTriangle {
+ public:
+  using Dofs = Eigen::Matrix<double, 12, 3>;
+
+  ShellTriangle(const Surface& surface, int t, const Vec3& along)
+      : triangle_(surface.kind(), surface.mesh().shape(t)),
+        map_(triangle_.shape()),
+        shape_(triangle_.pull_back(surface.triangle_dofs(t))),
+        along_(along) {}
+
+  double parametric_area() const { return triangle_.shape().area; }
+  /// The dofs q of a displacement on this triangle, as jet() wants them.
+  Dofs reference(const Dofs& q) const { return triangle_.pull_back(q); }
+
+  DisplacementJet jet(const Dofs& reference, const ReferenceTabulation& functions) const {
+    const Eigen::Matrix<double, 3, 6> local = reference.transpose().lazyProduct(functions);
+    DisplacementJet jet;
+    jet.col(kW) = local.col(0);
+    jet.middleCols<2>(kU) = local.middleCols<2>(1).lazyProduct(map_.first.transpose());
+    jet.middleCols<3>(kUU) = local.middleCols<3>(3).lazyProduct(map_.second.transpose());
+    return jet;
+  }
+  ShellPoint point(const ReferenceTabulation& functions) const {
+    const DisplacementJet x = jet(shape_, functions);
+    return {{x.col(kW), x.col(kU), x.col(kV), x.col(kUU), x.col(kUV), x.col(kVV)}, along_};
+  }
+  /// The functions of the dofs themselves. P: pull_back_matrix(), once a triangle.
+  Mat12 pull_back_matrix() const { return triangle_.pull_back_matrix(); }
+  Tabulation functions(const Mat12& P, const ReferenceTabulation& f) const {
+    Tabulation local;
+    local.col(kW) = f.col(0);
+    local.middleCols<2>(kU) = f.middleCols<2>(1).lazyProduct(map_.first.transpose());
+    local.middleCols<3>(kUU) = f.middleCols<3>(3).lazyProduct(map_.second.transpose());
+    return P.transpose().lazyProduct(local);
+  }
+
+ private:
+  C1Triangle triangle_;
+  DerivativeMap map_;
+  Dofs shape_;
+  Vec3 along_;
+};
+
 
 /// The shell that a surface is: its displacements are in the surface's own C1 functions,
 /// U = Σ N_m q_m, so that the mesh of the design carries the analysis.

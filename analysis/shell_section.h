@@ -1,7 +1,12 @@
 // What a shell is made of: material and thickness.
 #pragma once
 
+#include <optional>
+#include <vector>
+
 #include "batten/core/eigen.h"
+#include "batten/core/geometry.h"
+#include "batten/core/errors.h"
 
 namespace batten {
 
@@ -40,5 +45,21 @@ struct ShellSection {
 /// Throws InputError for a thickness that is not above 0 everywhere, or a Q that is not symmetric and positive
 /// definite.
 void require_section(const ShellSection& section);
+
+
+// A part of the surface of a shell.
+
+/// A part of the surface of a model, on which something acts, or where something holds it.
+struct ShellPart {
+  std::vector<int> regions = {};  ///< none: all
+  std::optional<Box3> box =
+      {};  ///< what lies in it only; its border is met to a 32nd of an element
+};
+
+/// A part that holds nothing of the surface.
+class EmptyPartError : public InputError {
+ public:
+  using InputError::InputError;
+};
 
 }  // namespace batten

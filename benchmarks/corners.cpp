@@ -6,9 +6,9 @@
 #include <numbers>
 #include <random>
 
-#include "batten/core/format.h"
-#include "batten/core/isize.h"
-#include "batten/fairing/corners.h"
+#include "batten/core/geometry.h"
+#include "batten/core/containers.h"
+#include "batten/fairing/corners/corners.h"
 #include "bench.h"
 
 namespace {

@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "batten/fem/hermite_curve.h"
+#include "batten/fem/curves/hermite_curve.h"
 #include "batten/tests/support/test_data.h"
 
 namespace batten::bench {

@@ -12,9 +12,9 @@
 #include <numbers>
 #include <random>
 
-#include "batten/fairing/curve_fit.h"
-#include "batten/fairing/fair_curve.h"
-#include "batten/fairing/fairness.h"
+#include "batten/fairing/curves/curve_fit.h"
+#include "batten/fairing/curves/fair_curve.h"
+#include "batten/fairing/curves/fairness.h"
 #include "batten/tests/support/test_data.h"
 #include "bench.h"
 #include "curve_measures.h"

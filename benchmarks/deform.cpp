@@ -5,9 +5,9 @@
 #include <numbers>
 
 #include "batten/benchmarks/cgal_deform.h"
-#include "batten/core/rotations.h"
+#include "batten/core/geometry.h"
 #include "batten/mesh/deform/form_feature_deformer.h"
-#include "batten/mesh/deform/similarity.h"
+#include "batten/mesh/rotation_fitting.h"
 #include "batten/mesh/prepared_mesh.h"
 #include "batten/tests/support/kkt_deformation.h"
 #include "batten/tests/support/mesh_models.h"

@@ -9,7 +9,7 @@
 #include "batten/constraints/constrained_solver.h"
 #include "batten/constraints/reusable_factorization.h"
 #include "batten/core/errors.h"
-#include "batten/fem/nested_dissection.h"
+#include "batten/fem/parametric_mesh.h"
 #include "batten/fem/surface_assembler.h"
 #include "batten/skinning/model/model_projector.h"
 #include "batten/tests/support/mouse_model.h"

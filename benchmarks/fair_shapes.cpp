@@ -4,13 +4,12 @@
 #include <map>
 #include <numbers>
 
-#include "batten/fairing/curve_through_points.h"
+#include "batten/fairing/curves/curve_through_points.h"
 #include "batten/fem/surface_assembler.h"
 #include "batten/skinning/layout/region_layout.h"
-#include "batten/skinning/model/fair_shape.h"
+#include "batten/skinning/model/model_shapes.h"
 #include "batten/skinning/model/join.h"
-#include "batten/skinning/model/loft_shape.h"
-#include "batten/skinning/surfaces/fair_model.h"
+#include "batten/skinning/surfaces/skin_network.h"
 #include "batten/tests/support/random_outlines.h"
 #include "batten/tests/support/test_model_builder.h"
 

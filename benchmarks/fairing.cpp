@@ -4,8 +4,8 @@
 #include <numbers>
 #include <random>
 
-#include "batten/fairing/fair_curve.h"
-#include "batten/fairing/fairness.h"
+#include "batten/fairing/curves/fair_curve.h"
+#include "batten/fairing/curves/fairness.h"
 #include "bench.h"
 #include "curve_measures.h"
 

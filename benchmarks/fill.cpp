@@ -8,10 +8,10 @@
 #include <cmath>
 
 #include "batten/constraints/constrained_solver.h"
-#include "batten/fem/nested_dissection.h"
+#include "batten/fem/parametric_mesh.h"
 #include "batten/fem/surface_assembler.h"
 #include "batten/skinning/layout/region_layout.h"
-#include "batten/skinning/region/skin_quality.h"
+#include "batten/skinning/region/skinned_region.h"
 #include "bench.h"
 #include "cases.h"
 #include "occ_filling.h"

@@ -15,7 +15,7 @@
 #include <fstream>
 #include <map>
 
-#include "batten/core/format.h"
+#include "batten/core/geometry.h"
 #include "batten/skinning/search/find_regions.h"
 #include "batten/skinning/surfaces/skin_network.h"
 #include "batten/skinning/surfaces/surface_model.h"

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "batten/core/eigen.h"
-#include "batten/fem/hermite_curve.h"
+#include "batten/fem/curves/hermite_curve.h"
 #include "cases.h"
 
 namespace batten::bench {

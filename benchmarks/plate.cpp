@@ -9,7 +9,7 @@
 
 #include "batten/benchmarks/getfem_hct.h"
 #include "batten/constraints/constrained_solver.h"
-#include "batten/fem/nested_dissection.h"
+#include "batten/fem/parametric_mesh.h"
 #include "batten/fem/surface_assembler.h"
 #include "batten/tests/support/clamped_boundary.h"
 #include "bench.h"

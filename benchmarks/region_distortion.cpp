@@ -10,7 +10,6 @@
 #include "batten/mesh/regions/arap_deformer.h"
 #include "batten/mesh/regions/dual_laplacian_deformer.h"
 #include "batten/mesh/regions/feature_region_deformer.h"
-#include "batten/mesh/regions/mesh_saliency.h"
 #include "batten/mesh/selection.h"
 
 namespace batten::bench {

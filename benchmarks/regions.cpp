@@ -3,7 +3,7 @@
 #include <memory>
 
 #include "batten/benchmarks/cgal_deform.h"
-#include "batten/mesh/deform/similarity.h"
+#include "batten/mesh/rotation_fitting.h"
 #include "batten/mesh/prepared_mesh.h"
 #include "batten/mesh/regions/arap_deformer.h"
 #include "batten/mesh/regions/dual_laplacian_deformer.h"

@@ -5,9 +5,9 @@
 #include <cstdio>
 #include <filesystem>
 
-#include "batten/fairing/curve_through_points.h"
-#include "batten/skinning/layout/section_region.h"
-#include "batten/skinning/model/loft_shape.h"
+#include "batten/fairing/curves/curve_through_points.h"
+#include "batten/skinning/surfaces/section_region.h"
+#include "batten/skinning/model/model_shapes.h"
 #include "batten/tests/support/test_data.h"
 #include "bench.h"
 #include "occ_loft.h"

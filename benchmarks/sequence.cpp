@@ -5,7 +5,7 @@
 #include <numbers>
 
 #include "batten/benchmarks/cgal_deform.h"
-#include "batten/core/rotations.h"
+#include "batten/core/geometry.h"
 #include "batten/mesh/sequence/sequence_editor.h"
 #include "bench.h"
 

@@ -14,14 +14,13 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
-#include "batten/fairing/curve_through_points.h"
+#include "batten/fairing/curves/curve_through_points.h"
 #include "batten/io/lines/point_lines.h"
 #include "batten/io/lines/sketch_graph.h"
 #include "batten/io/meshes/mesh_file.h"
 #include "batten/skinning/domains/hole_triangulation.h"
 #include "batten/skinning/facets/facets.h"
 #include "batten/skinning/search/find_regions.h"
-#include "batten/skinning/surfaces/fair_model.h"
 #include "batten/skinning/surfaces/skin_network.h"
 #include "batten/skinning/surfaces/surface_model.h"
 #include "batten/tests/support/sketch_segments.h"

@@ -5,11 +5,11 @@
 // of the triad a = b + s c on one thread, measured beside every matrix.
 #include <Eigen/SparseCholesky>
 
-#include "batten/core/sparse_cholesky.h"
+#include "batten/core/solvers/sparse_cholesky.h"
 #include "batten/tests/support/solver_matrices.h"
 #include "bench.h"
 #ifdef BATTEN_BENCH_CHOLMOD
-#include "batten/core/supernodal_factor.h"
+#include "batten/core/solvers/supernodal_factor.h"
 #include "batten/tests/support/cholmod_solver.h"
 #endif
 

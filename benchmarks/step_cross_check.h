@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "batten/io/cad/step_report.h"
+#include "batten/io/step/step_report.h"
 #include "batten/skinning/region/skinned_region.h"
 
 namespace batten::bench {

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "batten/constraints/constraint_set.h"
-#include "batten/core/isize.h"
-#include "batten/core/sparse_cholesky.h"
+#include "batten/core/containers.h"
+#include "batten/core/solvers/sparse_cholesky.h"
 
 namespace batten {
 

@@ -2,9 +2,9 @@
 
 #include <algorithm>
 
-#include "batten/core/elimination_order.h"
+#include "batten/core/solvers/symbolic_analysis.h"
 #include "batten/core/errors.h"
-#include "batten/core/isize.h"
+#include "batten/core/containers.h"
 
 namespace batten {
 namespace {

@@ -5,8 +5,8 @@
 #include <utility>
 #include <vector>
 
-#include "batten/core/isize.h"
-#include "batten/core/sparse_cholesky.h"
+#include "batten/core/containers.h"
+#include "batten/core/solvers/sparse_cholesky.h"
 
 namespace batten {
 

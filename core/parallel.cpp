@@ -14,7 +14,7 @@
 #include <sched.h>
 #include <unistd.h>
 
-#include "batten/core/isize.h"
+#include "batten/core/containers.h"
 #endif
 
 namespace batten {

@@ -31,8 +31,7 @@
 
 #include "batten/core/eigen.h"
 #include "batten/elements/quadrature.h"
-#include "batten/elements/surface_stiffness.h"
-#include "batten/elements/triangle_shape.h"
+#include "batten/elements/reference_triangle.h"
 
 namespace batten {
 

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "batten/elements/hermite_segment.h"
-#include "batten/fem/curve_mesh.h"
+#include "batten/fem/curves/curve_mesh.h"
 #include "batten/fem/element_pattern.h"
 
 namespace batten {

@@ -5,7 +5,7 @@
 #include <functional>
 
 #include "batten/core/errors.h"
-#include "batten/core/isize.h"
+#include "batten/core/containers.h"
 #include "batten/core/parallel.h"
 #include "batten/core/simd.h"
 

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "batten/core/eigen.h"
-#include "batten/core/isize.h"
+#include "batten/core/containers.h"
 
 namespace batten {
 

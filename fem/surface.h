@@ -4,7 +4,6 @@
 #include <memory>
 #include <vector>
 
-#include "batten/fem/location.h"
 #include "batten/fem/parametric_mesh.h"
 #include "batten/fem/trim.h"
 

@@ -9,9 +9,10 @@
 #include <vector>
 
 #include "batten/fem/element_pattern.h"
-#include "batten/fem/location.h"
 #include "batten/fem/parametric_mesh.h"
 #include "batten/fem/trim.h"
+#include "batten/fem/curves/hermite_curve.h"
+#include "batten/fem/triangle_locator.h"
 
 namespace batten {
 
@@ -90,5 +91,18 @@ class SurfaceAssembler {
   std::vector<TriangleShape> shapes_;
   ElementPattern pattern_;
 };
+
+
+// A load along a line of the surface.
+
+/// ∫ N(c(t)) |X'(t)| dt, one number a dof: the load of a unit force per length of the line. Times a
+/// direction it is a load of the surface; position dofs add up to the line's length.
+/// `pcurve`: c(t) in (u, v), z = 0; `curve`: X(t) in space; both over the same parameters (EdgeAlignedLine:
+/// edge_aligned_pcurve and `fitted`; EmbeddedLine: `pcurve` and `fitted`). The line is cut where it passes
+/// from one cubic of an element to the next; six Gauss points on pieces no longer than half an
+/// element, right to 1e-8 and better. Throws InputError when the two curves have different
+/// intervals. O(length / element size), some microseconds each.
+VecX line_load(const ParametricMesh& mesh, TriangleElement kind, const TriangleLocator& locator,
+               const HermiteCurve& pcurve, const HermiteCurve& curve);
 
 }  // namespace batten

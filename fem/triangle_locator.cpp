@@ -4,9 +4,8 @@
 #include <cmath>
 #include <limits>
 
-#include "batten/core/box.h"
-#include "batten/core/isize.h"
-#include "batten/core/planar_geometry.h"
+#include "batten/core/geometry.h"
+#include "batten/core/containers.h"
 
 namespace batten {
 namespace {

@@ -4,7 +4,6 @@
 #include <array>
 #include <vector>
 
-#include "batten/fem/location.h"
 #include "batten/fem/parametric_mesh.h"
 
 namespace batten {

@@ -4,9 +4,8 @@
 #include <array>
 #include <map>
 
-#include "batten/core/box.h"
-#include "batten/core/isize.h"
-#include "batten/core/planar_geometry.h"
+#include "batten/core/geometry.h"
+#include "batten/core/containers.h"
 #include "batten/fem/triangle_locator.h"
 
 namespace batten {

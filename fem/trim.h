@@ -15,7 +15,7 @@
 #include <vector>
 
 #include "batten/elements/quadrature.h"
-#include "batten/fem/domain_loops.h"
+#include "batten/fem/curves/domain_loops.h"
 #include "batten/fem/parametric_mesh.h"
 
 namespace batten {

@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "batten/core/errors.h"
-#include "batten/core/isize.h"
+#include "batten/core/containers.h"
 
 namespace batten {
 namespace {

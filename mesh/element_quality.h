@@ -2,8 +2,10 @@
 #pragma once
 
 #include <vector>
+#include <span>
 
 #include "batten/mesh/shell_mesh.h"
+#include "batten/core/eigen.h"
 
 namespace batten {
 
@@ -72,5 +74,17 @@ QualitySummary summarize(const ShellMesh& shells, const Points& points,
 /// Rigid motions never make a face inverted. Throws InputError when there is not one point a node.
 /// O(faces · log faces).
 std::vector<int> inverted_faces(const ShellMesh& shells, const Points& before, const Points& after);
+
+
+// Solid elements that a change of shape turned inside out.
+
+/// Indices of the solids with a corner whose Jacobian (the volume that its three edges span) has
+/// another sign `after` than `before`, or none: tetrahedra, pyramids (but for the tip), wedges and
+/// hexahedra with their corners first. Corners without volume before do not count. O(elements).
+std::vector<int> inverted_solids(std::span<const NonShellElement> elements, const Points& before,
+                                 const Points& after);
+
+/// Whether the element is a solid whose corners are known by the number of its nodes.
+int corner_count(const NonShellElement& solid);
 
 }  // namespace batten

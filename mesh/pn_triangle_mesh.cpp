@@ -4,6 +4,8 @@
 #include <cmath>
 
 #include "batten/core/errors.h"
+#include "batten/constraints/constrained_solver.h"
+#include "batten/mesh/differential_operators.h"
 
 namespace batten {
 namespace {
@@ -155,6 +157,91 @@ std::optional<PnTriangleMesh::ClosestPoint> PnTriangleMesh::nearest(
     weights = there;
   }
   return best->found;
+}
+
+
+PnTriangle::PnTriangle(const Corners& points, const Corners& normals) {
+  Vec3 edges = Vec3::Zero(), middle = Vec3::Zero();
+  for (size_t c = 0; c < 3; ++c) b_[c] = points[c];
+  for (size_t c = 0; c < 3; ++c) {
+    const size_t d = (c + 1) % 3;
+    const Vec3 &p = points[c], &q = points[d];
+    b_[3 + 2 * c] = (2 * p + q - (q - p).dot(normals[c]) * normals[c]) / 3;
+    b_[4 + 2 * c] = (2 * q + p - (p - q).dot(normals[d]) * normals[d]) / 3;
+    edges += (b_[3 + 2 * c] + b_[4 + 2 * c]) / 6;
+    middle += p / 3;
+  }
+  b_[9] = edges + (edges - middle) / 2;
+}
+
+PnTriangle::Jet PnTriangle::jet(const Vec3& w) const {
+  const auto mean = [&w](const Vec3& a, const Vec3& b, const Vec3& c) -> Vec3 {
+    return w[0] * a + w[1] * b + w[2] * c;
+  };
+  // De Casteljau's scheme: three quadratic's points a side, then the corners of the tangent plane.
+  const Vec3 r00 = mean(b_[0], b_[3], b_[8]), r11 = mean(b_[4], b_[1], b_[5]),
+             r22 = mean(b_[7], b_[6], b_[2]), r01 = mean(b_[3], b_[4], b_[9]),
+             r12 = mean(b_[9], b_[5], b_[6]), r02 = mean(b_[8], b_[9], b_[7]);
+  const Vec3 q0 = mean(r00, r01, r02), q1 = mean(r01, r11, r12), q2 = mean(r02, r12, r22);
+  Jet jet;
+  jet.x = mean(q0, q1, q2);
+  jet.u = 3 * (q1 - q0);
+  jet.v = 3 * (q2 - q0);
+  jet.uu = 6 * (r11 - 2 * r01 + r00);
+  jet.vv = 6 * (r22 - 2 * r02 + r00);
+  jet.uv = 6 * (r12 - r01 - r02 + r00);
+  return jet;
+}
+
+namespace {
+
+SparseMatrix positive_laplacian(const TriangleMesh& mesh) {
+  constexpr double least = 0.01, most = 100;
+  const auto& edges = mesh.topology().edges();
+  const std::vector<double> cotangents = edge_cotangents(mesh);
+  std::vector<Eigen::Triplet<double>> entries;
+  for (size_t e = 0; e < edges.size(); ++e) {
+    // A triangle without area has no cotangent.
+    const double w = cotangents[e] > least ? std::min(cotangents[e], most) : least;
+    entries.emplace_back(edges[e].low, edges[e].low, w);
+    entries.emplace_back(edges[e].high, edges[e].high, w);
+    entries.emplace_back(edges[e].high, edges[e].low, -w);
+  }
+  SparseMatrix L(mesh.vertex_count(), mesh.vertex_count());
+  L.setFromTriplets(entries.begin(), entries.end());
+  return L;
+}
+
+TriangleMesh laid_flat(const TriangleMesh& mesh,
+                       const std::function<Vec2(const Vec3&)>& boundary_parameter) {
+  const MeshTopology& topology = mesh.topology();
+  if (topology.component_count() != 1)
+    throw InputError("a surface of " + std::to_string(topology.component_count()) +
+                     " sheets, expected one to lay flat");
+  ConstraintSet parameters(mesh.vertex_count());
+  for (int v = 0; v < mesh.vertex_count(); ++v) {
+    if (topology.on_boundary(v)) {
+      const Vec2 parameter = boundary_parameter(mesh.point(v));
+      parameters.fix("rim", v, {parameter.x(), parameter.y(), 0});
+    } else if (topology.neighbours(v).empty()) {
+      parameters.fix("apart", v, Vec3::Zero());
+    }
+  }
+  if (parameters.constraints().empty())
+    throw InputError("a closed surface, expected a rim to lay it flat");
+  return mesh.with_points(solve_constrained(parameters, positive_laplacian(mesh),
+                                            Points::Zero(mesh.vertex_count(), 3)));
+}
+
+}  // namespace
+
+HarmonicMap::HarmonicMap(const PnTriangleMesh& mesh,
+                         const std::function<Vec2(const Vec3&)>& boundary_parameter)
+    : mesh_(mesh), flat_(laid_flat(mesh.mesh(), boundary_parameter)), search_(flat_) {}
+
+Vec3 HarmonicMap::surface_point(const Vec2& parameter) const {
+  const auto found = search_.nearest({parameter.x(), parameter.y(), 0});
+  return mesh_.triangle(found->triangle).at(found->weights);
 }
 
 }  // namespace batten

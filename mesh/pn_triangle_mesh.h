@@ -3,12 +3,37 @@
 
 #include <optional>
 #include <vector>
+#include <array>
+#include <functional>
 
-#include "batten/mesh/aabb_tree.h"
-#include "batten/mesh/pn_triangle.h"
 #include "batten/mesh/triangle_mesh.h"
+#include "batten/core/eigen.h"
 
 namespace batten {
+
+// A triangle that bulges as its corners' normals say.
+
+/// The cubic Bézier triangle that begins at each corner in the corner's tangent plane, and whose inner
+/// control point gives back quadratics. A surface's points and unit normals at the corners of triangles of
+/// size h are met to O(h³), mostly O(h⁴); flat triangles to O(h²). With three equal normals across its plane
+/// it is the flat triangle. Source: Vlachos et al. 2001, "Curved PN triangles", section 3.1.
+class PnTriangle {
+ public:
+  using Corners = std::array<Vec3, 3>;
+  PnTriangle(const Corners& points, const Corners& normals);
+
+  /// Position and derivatives by the second and third barycentric coordinate.
+  struct Jet {
+    Vec3 x, u, v, uu, uv, vv;
+  };
+  Jet jet(const Vec3& weights) const;
+  Vec3 at(const Vec3& weights) const { return jet(weights).x; }
+
+ private:
+  // Control points by the corners that they are nearest to: 0, 1, 2, 001, 011, 112, 122, 220, 200, 012.
+  std::array<Vec3, 10> b_;
+};
+
 
 /// A triangle mesh whose triangles bulge as the normals at their corners say. Two triangles may have two
 /// normals at a common corner: there is an edge. May be asked from several threads.
@@ -46,6 +71,33 @@ class PnTriangleMesh {
   TriangleMesh mesh_;
   std::vector<PnTriangle::Corners> normals_;
   std::vector<char> curved_;
+  AabbTree search_;
+};
+
+
+// A piece of a surface laid out in a plane.
+
+/// A harmonic map of a mesh with a rim into the plane: places u_i of the vertices for which
+///
+///     Σ w_ij |u_i - u_j|²  over all edges is least, those on the rim are given;
+///
+/// w the cotangent weights, of 0.01 at least and 100 at most. Such weights turn no triangle over where the rim's
+/// places are convex; elsewhere few. Sources: Tutte 1963; Floater 1997, "Parametrization and smooth approximation
+/// of surface triangulations"; Pinkall and Polthier 1993 (the cotangents).
+class HarmonicMap {
+ public:
+  /// `boundary_parameter`: the place of each vertex on the rim, from its point. Throws InputError: a mesh without rim
+  /// or of several sheets. Costs one factor. The mesh has to outlive the map.
+  HarmonicMap(const PnTriangleMesh& mesh,
+              const std::function<Vec2(const Vec3&)>& boundary_parameter);
+
+  Vec2 parameter(int vertex) const { return flat_.point(vertex).head<2>(); }
+  /// The surface's point over a place, or over the nearest one that has any. A microsecond.
+  Vec3 surface_point(const Vec2& parameter) const;
+
+ private:
+  const PnTriangleMesh& mesh_;
+  TriangleMesh flat_;
   AabbTree search_;
 };
 

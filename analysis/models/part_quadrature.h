@@ -8,7 +8,7 @@
 #include <optional>
 #include <string>
 
-#include "batten/analysis/models/shell_part.h"
+#include "batten/analysis/shell_section.h"
 #include "batten/core/errors.h"
 #include "batten/elements/c1_triangle.h"
 #include "batten/elements/reference_triangle.h"

@@ -2,7 +2,6 @@
 
 #include <Eigen/Geometry>
 
-#include "batten/analysis/models/line_rotation.h"
 #include "batten/analysis/models/line_sides.h"
 #include "batten/analysis/models/part_quadrature.h"
 #include "batten/core/errors.h"

@@ -6,7 +6,6 @@
 #include <string>
 #include <vector>
 
-#include "batten/analysis/models/shell_part.h"
 #include "batten/analysis/shell_section.h"
 #include "batten/skinning/model/model_layout.h"
 

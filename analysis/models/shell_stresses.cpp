@@ -7,7 +7,7 @@
 #include <set>
 #include <utility>
 
-#include "batten/core/parallel_chunks.h"
+#include "batten/core/parallel.h"
 
 namespace batten {
 namespace {

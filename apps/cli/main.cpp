@@ -3,7 +3,6 @@
 #include <iostream>
 
 #include "batten/apps/cli/commands.h"
-#include "batten/apps/cli/terminal.h"
 #include "batten/core/memory.h"
 #include "batten/core/parallel.h"
 #include "batten/io/files/sandboxed_read.h"

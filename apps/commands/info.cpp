@@ -2,33 +2,65 @@
 
 #include <algorithm>
 #include <cmath>
+#include <fstream>
+#include <string>
+#include <filesystem>
+#include <functional>
 
-#include "batten/apps/commands/cad_info.h"
-#include "batten/apps/commands/exchange/file_kinds.h"
-#include "batten/apps/commands/lines/line_interpretation.h"
-#include "batten/apps/commands/lines/mirror_lines.h"
-#include "batten/apps/commands/meshes/mesh_info.h"
-#include "batten/apps/commands/sequences/sequence_info.h"
+#include "batten/apps/commands/lines/line_files.h"
+#include "batten/apps/commands/lines/scene_lines.h"
+#include "batten/apps/commands/meshes/mesh_source.h"
 #include "batten/apps/commands/shapes/built_model.h"
-#include "batten/core/dense.h"
+#include "batten/core/eigen.h"
 #include "batten/core/errors.h"
-#include "batten/core/format.h"
-#include "batten/fairing/arc_length.h"
-#include "batten/fairing/curve_fit.h"
-#include "batten/fairing/fair_curve.h"
+#include "batten/core/geometry.h"
+#include "batten/fairing/curves/input_curve.h"
+#include "batten/fairing/curves/curve_fit.h"
+#include "batten/fairing/curves/fair_curve.h"
 #include "batten/io/files/atomic_file.h"
 #include "batten/io/files/input_file.h"
-#include "batten/io/files/length_units.h"
 #include "batten/io/files/text.h"
 #include "batten/io/lines/cad_plugin.h"
-#include "batten/io/pictures/curve_pictures.h"
-#include "batten/io/pictures/display.h"
-#include "batten/io/pictures/loop_pictures.h"
+#include "batten/io/pictures/comb_pictures.h"
+#include "batten/io/pictures/image.h"
+#include "batten/io/pictures/pictures.h"
 #include "batten/io/scene/deform_scene.h"
 #include "batten/io/scene/fair_scene.h"
 #include "batten/io/scene/read_scene.h"
+#include "batten/io/meshes/mesh_file.h"
+#include "batten/io/scene/sequence_scene.h"
+#include "batten/mesh/prepared_mesh.h"
+#include "batten/apps/commands/exchange/cad_summary.h"
+#include "batten/io/cad/cad_format.h"
+#include "batten/io/files/sandboxed_read.h"
 
 namespace batten {
+
+// Describes the faces of CAD files, and draws how they meet.
+
+/// What a CAD file holds, and how its faces meet. `lines` gives the text about its lines, which is added where
+/// they are few or all that there is. Throws InputError.
+std::string cad_info(const std::filesystem::path& file, const std::string& unit,
+                     const std::function<std::string()>& lines);
+
+/// Draws the edges of a CAD file with combs of the curvature across them, on both sides. Returns false
+/// for a file that has no faces. Throws InputError.
+bool draw_face_edges(const std::filesystem::path& picture, const std::filesystem::path& file,
+                     const std::string& unit);
+
+
+// Describes deforming meshes in a few lines of text.
+
+/// Whether a file holds many frames by its ending: .glb .gltf .pc2 .mdd .pvd .frd.
+bool is_sequence_file(const std::filesystem::path& file);
+
+/// Frames, times, nodes, the box around all frames, parts, how far nodes move from frame to frame,
+/// jerks, and whether the last frame is the first one again. Throws InputError.
+std::string sequence_info(const SequenceSource& source, const std::string& unit);
+
+/// The same of a scene's sequence, its handles and features, and its steps.
+std::string sequence_info(const SequenceScene& scene);
+
 namespace {
 
 constexpr double kCorner = 20;  // degrees, as in a scene
@@ -303,6 +335,144 @@ std::string draw_alternatives(const std::filesystem::path& folder, const Scene& 
     draw_loops(folder / file, picture);
   }
   return text;
+}
+
+namespace {
+
+/// Lines and meshes share endings: a mesh has faces, a Nastran deck grid points.
+bool is_mesh_file(const std::filesystem::path& file) {
+  const std::string ending = lower_extension(file);
+  if (ending != ".obj" && ending != ".dat") return MeshFile::can_read(file);
+  std::ifstream in(file);
+  for (std::string row; std::getline(in, row);)
+    if (ending == ".obj" ? row.starts_with("f ")
+                         : row.starts_with("GRID") || row.starts_with("BEGIN BULK"))
+      return true;
+  return false;
+}
+
+}  // namespace
+
+FileKind file_kind(const std::filesystem::path& file) {
+  if (file.extension() == ".toml") return FileKind::Scene;
+  if (is_mesh_file(file)) return FileKind::Mesh;
+  if (is_sequence_file(file)) return FileKind::Sequence;
+  switch (line_file_kind(file)) {
+    case LineFileKind::None:
+      return FileKind::None;
+    case LineFileKind::Cad:
+      return FileKind::Cad;
+    default:
+      return FileKind::Lines;
+  }
+}
+
+
+bool is_sequence_file(const std::filesystem::path& file) {
+  static const std::vector<std::string> endings{".glb", ".gltf", ".pc2", ".mdd", ".pvd", ".frd"};
+  return std::find(endings.begin(), endings.end(), lower_extension(file)) != endings.end();
+}
+
+std::string sequence_info(const SequenceSource& source, const std::string& unit) {
+  const MeshSequence s = read_sequence(source.path, source.options);
+  const MeshDiagnosis mesh = diagnose(s.shells);
+  Vec3 low = s.frames.front().colwise().minCoeff(), high = s.frames.front().colwise().maxCoeff();
+  double step = 0;
+  for (size_t k = 0; k < s.frames.size(); ++k) {
+    low = low.cwiseMin(s.frames[k].colwise().minCoeff().transpose());
+    high = high.cwiseMax(s.frames[k].colwise().maxCoeff().transpose());
+    if (k > 0) step = std::max(step, (s.frames[k] - s.frames[k - 1]).rowwise().norm().maxCoeff());
+  }
+  const auto jerks = second_differences(s.frames);
+  const double size = size_of(s),
+               apart = (s.frames.back() - s.frames.front()).rowwise().norm().maxCoeff();
+  std::string text =
+      std::to_string(s.frame_count()) + " frames from " + format_number(s.times.front()) + " to " +
+      format_number(s.times.back()) + ", " + std::to_string(s.node_count()) + " nodes, " +
+      std::to_string(s.shells.face_count()) + " faces in " + std::to_string(mesh.components) +
+      (mesh.components == 1 ? " part" : " parts") + ", lengths in " + unit + "\n";
+  text += "  all frames from " + format_point(low) + " to " + format_point(high) + "\n";
+  if (s.frame_count() > 1)
+    text += "  nodes move by up to " + format_number(step) +
+            " from frame to frame, second difference " +
+            format_number(*std::max_element(jerks.begin(), jerks.end())) +
+            (apart < 1e-6 * size ? "; the last frame is the first one again" : "") + "\n";
+  return text;
+}
+
+std::string sequence_info(const SequenceScene& scene) {
+  std::string text = "edits '" + scene.name + "' of a sequence, unit " + scene.unit + "\n" +
+                     sequence_info(scene.source, scene.unit);
+  const auto list = [&](const std::string& what, const auto& things) {
+    if (things.empty()) return;
+    text += what + ":";
+    for (size_t i = 0; i < things.size(); ++i) text += (i ? ", " : " ") + things[i].name;
+    text += "\n";
+  };
+  list("handles", scene.handles);
+  list("steps", scene.steps);
+  return text;
+}
+
+namespace {
+
+// "" for a file without faces.
+std::string step_text(const std::filesystem::path& file, const std::string& unit) {
+  const StepReport step = cad_plugin().check_step(file, unit_in_metres(unit), {});
+  if (step.faces == 0) return "";
+  return std::to_string(step.faces) + " faces in " + std::to_string(step.shells) +
+         " shells, lengths in " + unit + "\n  " + (step.valid ? "valid" : "NOT valid") + ", area " +
+         format_number(step.area) + "\n";
+}
+
+EdgeComb comb_of(const EdgeContinuity& edge) {
+  using Kind = EdgeContinuity::Kind;
+  EdgeComb comb;
+  comb.kind = edge.kind == Kind::Crease    ? EdgeComb::Kind::Crease
+              : edge.kind == Kind::Tangent ? EdgeComb::Kind::Tangent
+                                           : EdgeComb::Kind::Curvature;
+  for (const EdgeCombSample& sample : edge.comb_samples) {
+    comb.line.push_back(sample.at);
+    for (size_t side = 0; side < 2; ++side)
+      comb.curvature_vectors[side].push_back(sample.curvature_vectors[side]);
+  }
+  return comb;
+}
+
+}  // namespace
+
+std::string cad_info(const std::filesystem::path& file, const std::string& unit,
+                     const std::function<std::string()>& lines) {
+  const CadContents contents = cad_plugin().read_cad_contents(file);
+  std::string text = contents_text(contents);
+  if (contents.faces == 0) return text + lines();
+  const CadFormat format = cad_format(file);
+  const ContinuityReport report =
+      cad_plugin().measure_continuity(file, unit_in_metres(unit), ContinuityOptions{});
+  text += format == CadFormat::Step
+              ? sandboxed_read(file, "OpenCASCADE", [&] { return step_text(file, unit); })
+              : std::to_string(report.faces) + " faces, lengths in " + unit + "\n";
+  text += continuity_text(report, ContinuityOptions{}, unit);
+  return format == CadFormat::Iges ? text + lines() : text;
+}
+
+bool draw_face_edges(const std::filesystem::path& picture, const std::filesystem::path& file,
+                     const std::string& unit) {
+  if (file_kind(file) != FileKind::Cad ||
+      cad_plugin().read_cad_surfaces(file, unit_in_metres(unit)).empty())
+    return false;
+  require_display();
+  ContinuityOptions options;
+  options.comb_samples = 40;
+  const ContinuityReport report =
+      cad_plugin().measure_continuity(file, unit_in_metres(unit), options);
+  EdgePicture drawing;
+  drawing.title = file.filename().string() + ": curvature across edges";
+  drawing.unit = unit;
+  for (const EdgeContinuity& edge : report.inner) drawing.edges.push_back(comb_of(edge));
+  drawing.free_edges = report.free_edge_lines;
+  draw_edge_combs(picture, drawing);
+  return true;
 }
 
 }  // namespace batten

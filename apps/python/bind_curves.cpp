@@ -2,10 +2,10 @@
 #include "batten/apps/python/arrays.h"
 #include "batten/apps/python/kernel_call.h"
 #include "batten/apps/python/scenes.h"
-#include "batten/fairing/curve_fit.h"
-#include "batten/fairing/fair_curve.h"
-#include "batten/fairing/fairness.h"
-#include "batten/io/files/length_units.h"
+#include "batten/fairing/curves/curve_fit.h"
+#include "batten/fairing/curves/fair_curve.h"
+#include "batten/fairing/curves/fairness.h"
+#include "batten/io/files/text.h"
 #include "batten/io/lines/curve_files.h"
 
 namespace batten::python {

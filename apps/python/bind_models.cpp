@@ -1,13 +1,12 @@
 // Models: lines as arrays or scenes, and the surface that they make.
 #include "batten/apps/commands/lines/line_files.h"
-#include "batten/apps/commands/shapes/export_shape.h"
 #include "batten/apps/commands/shapes/shape_files.h"
 #include "batten/apps/python/arrays.h"
 #include "batten/apps/python/kernel_call.h"
 #include "batten/apps/python/model.h"
 #include "batten/apps/python/scenes.h"
 #include "batten/core/errors.h"
-#include "batten/fairing/primitive_curves.h"
+#include "batten/fairing/curves/primitive_curves.h"
 #include "batten/io/scene/read_scene.h"
 
 namespace batten::python {

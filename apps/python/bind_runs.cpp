@@ -1,7 +1,7 @@
 // Whole runs of scenes: what the commands of the program do, with the report as a dict.
-#include "batten/apps/commands/exchange/file_kinds.h"
+#include "batten/apps/commands/info.h"
 #include "batten/apps/commands/exchange/run_convert.h"
-#include "batten/apps/commands/runs/run_file.h"
+#include "batten/apps/commands/run_any_scene.h"
 #include "batten/apps/python/kernel_call.h"
 #include "batten/apps/python/scenes.h"
 #include "batten/core/errors.h"

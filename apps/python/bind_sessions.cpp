@@ -1,13 +1,88 @@
 // Sessions: parameters in, points out.
+
 #include <cmath>
+#include <memory>
+#include <string>
+#include <vector>
+#include <atomic>
 
 #include "batten/apps/python/arrays.h"
 #include "batten/apps/python/scenes.h"
-#include "batten/apps/python/shared_session.h"
 #include "batten/core/errors.h"
 #include "batten/io/scene/read_scene.h"
+#include "batten/apps/commands/shapes/make_session.h"
+#include "batten/apps/commands/shapes/solved_shape.h"
+#include "batten/apps/commands/shapes/stress_analysis.h"
+#include "batten/apps/python/kernel_call.h"
+#include "batten/apps/python/model.h"
 
 namespace batten::python {
+
+// A sculpting session as Python holds it.
+
+/// A session, what it was made of, and the frames that Python looks at. Threads take turns. All
+/// functions but the constructor are called without the interpreter's lock.
+class SharedSession {
+ public:
+  /// Makes the session of a model's scene and settles it. Throws as sculpt_model(), make_session().
+  SharedSession(std::shared_ptr<const Model> model, const Progress& progress);
+
+  SharedSession(const SharedSession&) = delete;  // the session keeps where it is
+
+  /// Calls function(session) in this thread's turn. `changes`: it may move the surface. `progress`: asked
+  /// by the session during this call.
+  template <class Function>
+  auto with_session(bool changes, const Progress& progress, const Function& function) {
+    return serialize_([&] {
+      const ProgressScope scope(active_progress_, progress);
+      if (changes) stale_ = true;
+      return function(*session_);
+    });
+  }
+
+  SolveReport solve_to_equilibrium(const Progress& progress);
+  SolveReport solve_preview(int max_iterations, double tolerance, const Progress& progress);
+  /// Points and normals of the present shape. The frame stays as it is while somebody holds it; frames
+  /// that nobody holds are used again.
+  std::shared_ptr<const Frame> frame(const Progress& progress);
+  /// The present shape as a model with the session's values.
+  std::shared_ptr<const Model> model(const Progress& progress);
+
+  struct Stress {
+    StressEvaluator::MaxValues largest;
+    std::shared_ptr<const StressEvaluator::Field> field;
+  };
+  /// Of the shell of the scene's [stress], at the points of frame(). Throws InputError without it.
+  Stress stress(const Progress& progress);
+
+  const Scene& scene() const { return scene_; }
+
+ private:
+  /// Whom the session asks while a call lasts.
+  struct ProgressScope {
+    ProgressScope(const Progress*& of, const Progress& progress) : scope(of) { scope = &progress; }
+    ~ProgressScope() { scope = nullptr; }
+    ProgressScope(const ProgressScope&) = delete;
+    const Progress*& scope;
+  };
+  /// What the session keeps: it hands on to the call that is under way.
+  Progress forwarding_progress();
+  std::shared_ptr<const Frame> current_frame();
+
+  Scene scene_;
+  std::vector<CharacterLine> lines_;
+  std::shared_ptr<const SculptModel> model_;
+  const Progress* active_progress_ = nullptr;
+  SessionReference start_;
+  std::unique_ptr<SculptingSession> session_;
+  SolveReport solve_report_;
+  CallSerializer serialize_;
+  std::vector<std::shared_ptr<Frame>> frames_;
+  std::shared_ptr<const Frame> shown_;
+  bool stale_ = true;  // shown_ is not the present shape
+  std::optional<StressEvaluator> stress_;
+};
+
 namespace {
 
 using namespace py::literals;
@@ -359,6 +434,94 @@ void bind_sessions(py::module_& m) {
   bind_session_solves(c);
   bind_session_edits(c);
   bind_session_results(c);
+}
+
+
+SharedSession::SharedSession(std::shared_ptr<const Model> of, const Progress& progress)
+    : scene_(of->scene()), lines_(of->lines()) {
+  require_surface(*of);
+  const ProgressScope scope(active_progress_, progress);
+  model_ =
+      std::make_shared<const SculptModel>(sculpt_model(*of->made(), scene_, forwarding_progress()));
+  progress.update("session", 0);
+  session_ = std::make_unique<SculptingSession>(
+      make_session(*model_->layout, scene_, model_->made, FactorReuse::many, forwarding_progress(),
+                   &start_, model_->fair.rest));
+  solve_report_ = session_->solve_to_equilibrium();
+}
+
+Progress SharedSession::forwarding_progress() {
+  Progress progress;
+  progress.report = [this](std::string_view stage, double fraction) {
+    if (active_progress_ && active_progress_->report) active_progress_->report(stage, fraction);
+  };
+  progress.cancelled = [this] {
+    return active_progress_ && active_progress_->cancelled && active_progress_->cancelled();
+  };
+  return progress;
+}
+
+SolveReport SharedSession::solve_to_equilibrium(const Progress& progress) {
+  return with_session(true, progress, [&](SculptingSession& session) {
+    return solve_report_ = session.solve_to_equilibrium();
+  });
+}
+
+SolveReport SharedSession::solve_preview(int max_iterations, double tolerance,
+                                         const Progress& progress) {
+  return with_session(true, progress, [&](SculptingSession& session) {
+    return solve_report_ = session.solve_preview(max_iterations, tolerance);
+  });
+}
+
+std::shared_ptr<const Frame> SharedSession::current_frame() {
+  if (!stale_ && shown_) return shown_;
+  shown_.reset();
+  std::shared_ptr<Frame> free;
+  for (const auto& frame : frames_)
+    if (frame.use_count() == 1) free = frame;
+  std::atomic_thread_fence(std::memory_order_acquire);  // its last reader is done
+  if (!free) {
+    free = std::make_shared<Frame>();
+    constexpr size_t most_kept = 4;
+    if (frames_.size() < most_kept) frames_.push_back(free);
+  }
+  session_->draw(*free);
+  shown_ = free;
+  stale_ = false;
+  return shown_;
+}
+
+std::shared_ptr<const Frame> SharedSession::frame(const Progress& progress) {
+  return with_session(false, progress, [&](SculptingSession&) { return current_frame(); });
+}
+
+std::shared_ptr<const Model> SharedSession::model(const Progress& progress) {
+  return with_session(false, progress, [&](SculptingSession& session) {
+    SolvedShape shape = shape_of(session, scene_, start_.unloaded, solve_report_);
+    Scene scene = scene_;
+    for (const ScalarParameter& p : scene_.named_values())
+      if (p.rule_terms.empty() && p.keyframes.empty() && session.parameters().has(p.name))
+        scene.set(p.name, session.parameters().value(p.name), "");
+    auto made = std::make_shared<const BuiltModel>(model_->made);
+    return std::make_shared<const Model>(std::move(scene), lines_, std::move(made),
+                                         std::move(shape));
+  });
+}
+
+SharedSession::Stress SharedSession::stress(const Progress& progress) {
+  if (!scene_.stress)
+    throw InputError(scene_.name +
+                     ": found no [stress], expected thickness, material and supports");
+  return with_session(false, progress, [&](SculptingSession& session) {
+    const auto shown = current_frame();
+    if (!stress_) stress_.emplace(scene_);
+    Stress result;
+    result.largest = stress_->at(session.layout(), session.dofs());
+    result.field =
+        std::make_shared<StressEvaluator::Field>(stress_->field(shown->pattern->locations));
+    return result;
+  });
 }
 
 }  // namespace batten::python

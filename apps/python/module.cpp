@@ -1,4 +1,5 @@
 // The Python module `_batten`, which the package `batten` is made of.
+
 #include <filesystem>
 
 #include "batten/apps/commands/runs/plugins.h"
@@ -6,6 +7,7 @@
 #include "batten/core/errors.h"
 #include "batten/core/parallel.h"
 #include "batten/io/files/sandboxed_read.h"
+#include "batten/io/files/atomic_file.h"
 
 namespace batten::python {
 namespace {
@@ -40,6 +42,85 @@ PYBIND11_MODULE(_batten, m) {
   m.def("_find_modules", &find_plugins, py::arg("package"));
   m.def("set_threads", &set_threads, py::arg("count"),
         "How many threads the kernel uses; 0: all cores. Results do not depend on it.");
+}
+
+
+// The kernel's errors as exceptions of Python.
+
+namespace {
+
+/// The exception classes. They live as long as the interpreter.
+struct ErrorTypes {
+  PyObject *error = nullptr, *input = nullptr, *mesh = nullptr, *file = nullptr,
+           *conflict = nullptr, *no_solution = nullptr, *cancelled = nullptr;
+};
+ErrorTypes error_types;
+
+PyObject* new_error(py::module_& module, const char* name, const char* words,
+                    const py::object& bases) {
+  const std::string full = std::string("batten.") + name;
+  PyObject* type = PyErr_NewExceptionWithDoc(full.c_str(), words, bases.ptr(), nullptr);
+  if (!type) throw py::error_already_set();
+  module.add_object(name, type);
+  return type;
+}
+
+void raise_conflict(const ConflictError& error) {
+  py::list conflicts;
+  for (const ConflictError::Conflict& one : error.conflicts()) {
+    py::tuple names(one.names.size());
+    for (size_t i = 0; i < one.names.size(); ++i) names[i] = one.names[i];
+    conflicts.append(py::make_tuple(names, one.amount));
+  }
+  const py::object raised =
+      py::reinterpret_borrow<py::object>(error_types.conflict)(py::str(error.what()));
+  raised.attr("conflicts") = conflicts;
+  PyErr_SetObject(error_types.conflict, raised.ptr());
+}
+
+void translate(std::exception_ptr thrown) {
+  try {
+    if (thrown) std::rethrow_exception(thrown);
+  } catch (const ConflictError& error) {
+    raise_conflict(error);
+  } catch (const MeshError& error) {
+    PyErr_SetString(error_types.mesh, error.what());
+  } catch (const FileError& error) {
+    PyErr_SetString(error_types.file, error.what());
+  } catch (const InputError& error) {
+    PyErr_SetString(error_types.input, error.what());
+  } catch (const NoSolutionError& error) {
+    PyErr_SetString(error_types.no_solution, error.what());
+  } catch (const CancelledError& error) {
+    PyErr_SetString(error_types.cancelled, error.what());
+  } catch (const Error& error) {
+    PyErr_SetString(error_types.error, error.what());
+  }
+}
+
+}  // namespace
+
+void bind_errors(py::module_& m) {
+  const auto type = [](PyObject* of) { return py::reinterpret_borrow<py::object>(of); };
+  error_types.error =
+      new_error(m, "Error", "Base of all that Batten raises on purpose.", type(PyExc_Exception));
+  const py::object error = type(error_types.error);
+  error_types.input = new_error(
+      m, "InputError",
+      "The input is wrong: what was found, where, and what was expected. Also a ValueError.",
+      py::make_tuple(error, type(PyExc_ValueError)));
+  const py::object input = type(error_types.input);
+  error_types.mesh =
+      new_error(m, "MeshError", "A mesh that cannot be; lines that leave no room.", input);
+  error_types.file = new_error(m, "FileError", "The system does not let a file be written.", input);
+  error_types.conflict = new_error(
+      m, "ConflictError",
+      "Constraints contradict each other. `conflicts`: a list of ((name, …), amount), by how much.",
+      error);
+  error_types.no_solution =
+      new_error(m, "NoSolutionError", "A singular system, or a load past its limit.", error);
+  error_types.cancelled = new_error(m, "CancelledError", "The computation was stopped.", error);
+  py::register_exception_translator(translate);
 }
 
 }  // namespace batten::python

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <set>
 
-#include "batten/apps/commands/exchange/file_kinds.h"
+#include "batten/apps/commands/info.h"
 #include "batten/apps/commands/shapes/run_scene.h"
 #include "batten/apps/python/arrays.h"
 #include "batten/core/errors.h"

@@ -14,7 +14,7 @@
 #include "batten/apps/studio/view/strings.h"
 #include "batten/apps/studio/window/main_window.h"
 #include "batten/core/errors.h"
-#include "batten/io/pictures/display.h"
+#include "batten/io/pictures/image.h"
 
 namespace {
 

@@ -13,10 +13,10 @@
 #include <filesystem>
 #include <random>
 
-#include "batten/fairing/fair_curve.h"
-#include "batten/fairing/fairness.h"
+#include "batten/fairing/curves/fair_curve.h"
+#include "batten/fairing/curves/fairness.h"
 #include "batten/io/lines/curve_files.h"
-#include "batten/io/pictures/curve_pictures.h"
+#include "batten/io/pictures/comb_pictures.h"
 
 namespace {
 

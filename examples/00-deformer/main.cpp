@@ -15,11 +15,11 @@
 #include <numbers>
 #include <numeric>
 
-#include "batten/core/rotations.h"
+#include "batten/core/geometry.h"
 #include "batten/io/meshes/mesh_file.h"
 #include "batten/io/pictures/mesh_pictures.h"
 #include "batten/mesh/deform/form_feature_deformer.h"
-#include "batten/mesh/features/hole_measure.h"
+#include "batten/mesh/features/feature_detection.h"
 #include "batten/mesh/prepared_mesh.h"
 #include "batten/mesh/selection.h"
 

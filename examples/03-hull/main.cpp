@@ -13,11 +13,11 @@
 #include <exception>
 #include <filesystem>
 
-#include "batten/io/cad/step.h"
+#include "batten/io/step/step.h"
 #include "batten/io/pictures/pictures.h"
 #include "batten/io/vtk/vtk_files.h"
 #include "batten/sculpting/statics/static_sculpt.h"
-#include "batten/skinning/region/skin_quality.h"
+#include "batten/skinning/region/skinned_region.h"
 
 namespace {
 

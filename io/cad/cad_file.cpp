@@ -31,15 +31,53 @@
 #include <sstream>
 #include <stdexcept>
 #include <unordered_map>
+#include <HeaderSection_FileSchema.hxx>
+#include <IGESData_GlobalSection.hxx>
+#include <Interface_HArray1OfHAsciiString.hxx>
+#include <STEPConstruct_UnitContext.hxx>
+#include <StepGeom_GeomRepContextAndGlobUnitAssCtxAndGlobUncertaintyAssCtx.hxx>
+#include <StepGeom_GeometricRepresentationContextAndGlobalUnitAssignedContext.hxx>
+#include <StepRepr_GlobalUnitAssignedContext.hxx>
+#include <TColStd_HSequenceOfHAsciiString.hxx>
+#include <vtkSmartPointer.h>
+#include <vtkXMLDataElement.h>
+#include <vtkXMLUtilities.h>
+#include <BRepBndLib.hxx>
+#include <BRepBuilderAPI_MakeFace.hxx>
+#include <BRepBuilderAPI_Sewing.hxx>
+#include <Bnd_Box.hxx>
+#include <Geom_BSplineSurface.hxx>
+#include <TColStd_Array1OfInteger.hxx>
+#include <TColStd_Array1OfReal.hxx>
+#include <TColStd_Array2OfReal.hxx>
+#include <TColgp_Array2OfPnt.hxx>
+#include <TopoDS_Compound.hxx>
+#include <charconv>
+#include <cstring>
+#include <vector>
+#include <TopoDS_Shape.hxx>
+#include <filesystem>
+#include <string>
 
 #include "batten/core/errors.h"
 #include "batten/io/cad/occ_settings.h"
-#include "batten/io/cad/patch_file.h"
 #include "batten/io/files/input_file.h"
 #include "batten/io/files/sandboxed_read.h"
 #include "batten/io/files/text.h"
+#include "batten/core/containers.h"
+#include "batten/io/cad/continuity_report.h"
+#include "batten/io/vtk/vtk_message_capture.h"
 
 namespace batten {
+
+// Sets of tensor-product B-spline patches, as G+Smo writes them (.xml). Internal.
+
+/// Every TensorBSpline2 and TensorNurbs2 of three coordinates as a face on its whole domain; poles come with
+/// the first direction running fastest. Edges of patches that lie within 1e-5 of the size of each other are one.
+/// Throws InputError with the number of the patch: no patch at all, knots that do not rise, too few or too
+/// many poles, numbers that are none or not finite, weights that are not positive.
+TopoDS_Shape read_patches(const std::filesystem::path& file, const std::string& text);
+
 namespace {
 
 std::string trimmed(const Handle(TCollection_HAsciiString) & text) {
@@ -287,7 +325,7 @@ std::string to_bytes(const CadFile& cad) {
   return out.str();
 }
 
-CadFile from_bytes(const std::string& bytes) {
+CadFile cad_file_from_bytes(const std::string& bytes) {
   std::istringstream in(bytes);
   in.imbue(std::locale::classic());
   CadFile cad;
@@ -330,8 +368,244 @@ CadFile read_cad(const std::filesystem::path& file) {
   if (!is_sandboxed_read_enabled()) return read_cad_here(file);
   const CadFormat format = cad_format(file);
   check_cad_text(file, format);
-  return from_bytes(
+  return cad_file_from_bytes(
       sandboxed_read(file, "OpenCASCADE", [&] { return to_bytes(read_with_occ(file, format)); }));
+}
+
+namespace {
+
+std::string schema_of(const StepData_StepModel& model) {
+  const auto schema = Handle(HeaderSection_FileSchema)::DownCast(
+      model.HeaderEntity(STANDARD_TYPE(HeaderSection_FileSchema)));
+  if (schema.IsNull() || schema->NbSchemaIdentifiers() < 1) return "";
+  return schema->SchemaIdentifiersValue(1)->ToCString();
+}
+
+/// The units that an entity of the file assigns; null for other entities.
+Handle(StepRepr_GlobalUnitAssignedContext) units_of(const Handle(Standard_Transient) & entity) {
+  using Plain = StepGeom_GeometricRepresentationContextAndGlobalUnitAssignedContext;
+  using Uncertain = StepGeom_GeomRepContextAndGlobUnitAssCtxAndGlobUncertaintyAssCtx;
+  if (const auto plain = Handle(Plain)::DownCast(entity); !plain.IsNull())
+    return plain->GlobalUnitAssignedContext();
+  if (const auto uncertain = Handle(Uncertain)::DownCast(entity); !uncertain.IsNull())
+    return uncertain->GlobalUnitAssignedContext();
+  return Handle(StepRepr_GlobalUnitAssignedContext)::DownCast(entity);
+}
+
+}  // namespace
+
+CadHeader step_header(const StepData_StepModel& model) {
+  CadHeader header;
+  header.format = CadFormat::Step;
+  header.schema = schema_of(model);
+  for (int e = 1; e <= model.NbEntities(); ++e) {
+    const auto units = units_of(model.Value(e));
+    if (units.IsNull()) continue;
+    STEPConstruct_UnitContext context;
+    context.ComputeFactors(units);
+    if (!context.LengthDone()) continue;
+    const double metres = 1e-3 * context.LengthFactor();
+    if (!header.unit_stated)
+      header.unit_in_metres = metres;
+    else if (std::abs(metres - header.unit_in_metres) > 1e-9 * metres)
+      header.note = "its parts have several units of length: all are converted";
+    header.unit_stated = true;
+  }
+  if (!header.unit_stated) header.note = "it states no unit of length: taken as mm";
+  return header;
+}
+
+CadHeader iges_header(const IGESData_IGESModel& model) {
+  CadHeader header;
+  header.format = CadFormat::Iges;
+  const IGESData_GlobalSection& global = model.GlobalSection();
+  header.schema = std::to_string(global.IGESVersion());
+  const double millimetres = global.UnitValue();
+  header.unit_stated = millimetres > 0 && std::isfinite(millimetres);
+  header.unit_in_metres = header.unit_stated ? 1e-3 * millimetres : 0.0254;
+  if (!header.unit_stated) header.note = "it states no unit of length: taken as inches";
+  return header;
+}
+
+CadHeader brep_header() {
+  CadHeader header;
+  header.format = CadFormat::Brep;
+  header.note = "BREP has no unit of length: taken as mm";
+  return header;
+}
+
+CadHeader patches_header() {
+  CadHeader header;
+  header.format = CadFormat::Patches;
+  header.note = "sets of patches have no unit of length: taken as mm";
+  return header;
+}
+
+namespace {
+
+/// One direction: distinct knots with how often each comes.
+struct Knots {
+  int degree = 0;
+  std::vector<double> at;
+  std::vector<int> times;
+  int poles() const {
+    int sum = -degree - 1;
+    for (const int t : times) sum += t;
+    return sum;
+  }
+};
+
+class PatchReader {
+ public:
+  explicit PatchReader(std::string where) : where_(std::move(where)) {}
+
+  TopoDS_Face face(vtkXMLDataElement& geometry) const {
+    vtkXMLDataElement* basis = geometry.FindNestedElementWithName("Basis");
+    if (!basis) fail("no Basis", "one with two B-spline bases");
+    std::vector<double> weights;
+    if (vtkXMLDataElement* inner = basis->FindNestedElementWithName("Basis");
+        inner && !inner->GetAttribute("index")) {  // of a rational patch, beside its weights
+      if (vtkXMLDataElement* w = basis->FindNestedElementWithName("weights")) weights = numbers(*w);
+      basis = inner;
+    }
+    const Knots u = knots(*basis, "0"), v = knots(*basis, "1");
+    vtkXMLDataElement* coefs = geometry.FindNestedElementWithName("coefs");
+    if (!coefs || !coefs->GetAttribute("geoDim") || std::strcmp(coefs->GetAttribute("geoDim"), "3"))
+      fail("no coefs of three coordinates", "coefs geoDim=\"3\"");
+    const std::vector<double> x = numbers(*coefs);
+    const long count = static_cast<long>(u.poles()) * v.poles();
+    if (isize(x) != 3 * count)
+      fail(std::to_string(x.size()) + " coordinates", "3 for each of " + std::to_string(u.poles()) +
+                                                          " × " + std::to_string(v.poles()) +
+                                                          " poles");
+    if (!weights.empty() && isize(weights) != count)
+      fail(std::to_string(weights.size()) + " weights", "one for each pole");
+    return made(u, v, x, weights);
+  }
+
+ private:
+  [[noreturn]] void fail(const std::string& found, const std::string& expected) const {
+    throw InputError(where_ + "found " + found + ", expected " + expected);
+  }
+
+  std::vector<double> numbers(vtkXMLDataElement& element) const {
+    const char* text = element.GetCharacterData();
+    std::string_view rest = text ? text : "";
+    constexpr std::string_view blanks = " \t\r\n\f\v";
+    std::vector<double> values;
+    for (;;) {
+      rest.remove_prefix(std::min(rest.find_first_not_of(blanks), rest.size()));
+      if (rest.empty()) break;
+      const std::string_view word = rest.substr(0, rest.find_first_of(blanks));
+      double value = 0;
+      const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
+      if (error != std::errc() || end != word.data() + word.size() || !std::isfinite(value))
+        fail("'" + std::string(word.substr(0, 40)) + "'", "a finite number");
+      values.push_back(value);
+      rest.remove_prefix(word.size());
+    }
+    return values;
+  }
+
+  Knots knots(vtkXMLDataElement& bases, const char* index) const {
+    for (int k = 0; k < bases.GetNumberOfNestedElements(); ++k) {
+      vtkXMLDataElement* basis = bases.GetNestedElement(k);
+      const char* own = basis->GetAttribute("index");
+      if (!own || std::strcmp(own, index) != 0) continue;
+      vtkXMLDataElement* vector = basis->FindNestedElementWithName("KnotVector");
+      Knots knots;
+      if (!vector || !vector->GetScalarAttribute("degree", knots.degree) || knots.degree < 1 ||
+          knots.degree > Geom_BSplineSurface::MaxDegree())
+        fail("no KnotVector of a degree from 1 to 25 in basis " + std::string(index), "one");
+      for (const double value : numbers(*vector)) {
+        if (!knots.at.empty() && value < knots.at.back()) fail("knots that fall", "rising ones");
+        if (knots.at.empty() || value > knots.at.back()) {
+          knots.at.push_back(value);
+          knots.times.push_back(0);
+        }
+        ++knots.times.back();
+      }
+      check(knots);
+      return knots;
+    }
+    fail("no basis " + std::string(index), "two B-spline bases");
+  }
+
+  void check(const Knots& knots) const {
+    const int ends = knots.degree + 1;
+    bool sound = knots.at.size() >= 2 && knots.times.front() == ends && knots.times.back() == ends;
+    for (size_t k = 1; k + 1 < knots.times.size(); ++k)
+      sound = sound && knots.times[k] <= knots.degree;
+    if (!sound)
+      fail("knots that do not clamp their ends",
+           std::to_string(ends) + " equal ones at either end, fewer between");
+  }
+
+  TopoDS_Face made(const Knots& u, const Knots& v, const std::vector<double>& x,
+                   const std::vector<double>& weights) const {
+    TColgp_Array2OfPnt poles(1, u.poles(), 1, v.poles());
+    TColStd_Array2OfReal w(1, u.poles(), 1, v.poles());
+    for (int j = 0; j < v.poles(); ++j)
+      for (int i = 0; i < u.poles(); ++i) {
+        const size_t k = static_cast<size_t>(j) * u.poles() + i;
+        poles(i + 1, j + 1) = gp_Pnt(x[3 * k], x[3 * k + 1], x[3 * k + 2]);
+        w(i + 1, j + 1) = weights.empty() ? 1 : weights[k];
+        if (!(w(i + 1, j + 1) > 0)) fail("weight " + format_number(weights[k]), "one above 0");
+      }
+    const Handle(Geom_BSplineSurface) surface = new Geom_BSplineSurface(
+        poles, w, array<TColStd_Array1OfReal>(u.at), array<TColStd_Array1OfReal>(v.at),
+        array<TColStd_Array1OfInteger>(u.times), array<TColStd_Array1OfInteger>(v.times), u.degree,
+        v.degree);
+    constexpr double point = 1e-7;  // a side that is shorter is a point
+    BRepBuilderAPI_MakeFace maker(surface, point);
+    if (!maker.IsDone()) fail("a surface that has no face", "a sound patch");
+    return maker.Face();
+  }
+
+  template <class Array, class Values>
+  static Array array(const Values& values) {
+    Array result(1, isize(values));
+    for (int i = 0; i < isize(values); ++i) result(i + 1) = values[i];
+    return result;
+  }
+
+  std::string where_;
+};
+
+}  // namespace
+
+TopoDS_Shape read_patches(const std::filesystem::path& file, const std::string& text) {
+  check_xml_nesting_depth(text, file.string());
+  const auto root = [&] {
+    const VtkMessageCapture messages;
+    return vtkSmartPointer<vtkXMLDataElement>::Take(
+        vtkXMLUtilities::ReadElementFromString(text.c_str()));
+  }();
+  if (!root) throw InputError(file.string() + ": found no sound XML, expected patches of G+Smo");
+  TopoDS_Compound all;
+  BRep_Builder builder;
+  builder.MakeCompound(all);
+  int count = 0;
+  for (int k = 0; k < root->GetNumberOfNestedElements(); ++k) {
+    vtkXMLDataElement* geometry = root->GetNestedElement(k);
+    const char* type = geometry->GetAttribute("type");
+    if (std::strcmp(geometry->GetName(), "Geometry") != 0 || !type ||
+        (std::strcmp(type, "TensorBSpline2") != 0 && std::strcmp(type, "TensorNurbs2") != 0))
+      continue;
+    ++count;
+    const PatchReader reader(file.string() + ": patch " + std::to_string(count) + ": ");
+    builder.Add(all, reader.face(*geometry));
+  }
+  if (count == 0)
+    throw InputError(file.string() +
+                     ": found no Geometry of type TensorBSpline2 or TensorNurbs2, "
+                     "expected patches of G+Smo");
+  Bnd_Box box;
+  BRepBndLib::AddOptimal(all, box, false, false);
+  BRepBuilderAPI_Sewing sewing(ContinuityOptions{}.sewing * std::sqrt(box.SquareExtent()));
+  sewing.Add(all);
+  sewing.Perform();
+  return sewing.SewedShape();
 }
 
 }  // namespace batten

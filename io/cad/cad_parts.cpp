@@ -20,9 +20,19 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <BRep_Builder.hxx>
+#include <Geom_BSplineCurve.hxx>
+#include <TopoDS_Compound.hxx>
+#include <TopoDS_Edge.hxx>
+#include <TopoDS_Vertex.hxx>
+#include <BRepBuilderAPI_Sewing.hxx>
+#include <BRepGProp.hxx>
+#include <GProp_GProps.hxx>
+#include <vector>
 
-#include "batten/core/isize.h"
+#include "batten/core/containers.h"
 #include "batten/io/cad/cad_file.h"
+#include "batten/io/cad/occ_settings.h"
 
 namespace batten {
 namespace {
@@ -233,6 +243,108 @@ Handle(TDocStd_Document) document_of(const std::vector<CadPart>& parts, double u
       describe(shapes->AddSubShape(product, edge.edge), edge.name, edge.colour, XCAFDoc_ColorCurv);
   }
   return document;
+}
+
+namespace {
+
+TopoDS_Edge edge_of(const CubicSpline& spline, double tolerance) {
+  const int knots = isize(spline.knots);
+  TColgp_Array1OfPnt poles(1, isize(spline.poles));
+  TColStd_Array1OfReal values(1, knots);
+  TColStd_Array1OfInteger times(1, knots);
+  for (int i = 1; i <= poles.Length(); ++i) poles(i) = to_occ(spline.poles[i - 1]);
+  for (int i = 1; i <= knots; ++i) {
+    values(i) = spline.knots[i - 1];
+    times(i) = spline.multiplicities[i - 1];
+  }
+  BRep_Builder builder;
+  TopoDS_Vertex first, last;
+  builder.MakeVertex(first, to_occ(spline.poles.front()), tolerance);
+  if (spline.closed)
+    last = first;
+  else
+    builder.MakeVertex(last, to_occ(spline.poles.back()), tolerance);
+  TopoDS_Edge edge;
+  builder.MakeEdge(edge, new Geom_BSplineCurve(poles, values, times, 3), tolerance);
+  builder.Add(edge, first.Oriented(TopAbs_FORWARD));
+  builder.Add(edge, last.Oriented(TopAbs_REVERSED));
+  builder.Range(edge, spline.knots.front(), spline.knots.back());
+  return edge;
+}
+
+}  // namespace
+
+CadPart part_of_curves(const std::string& name, const std::vector<CubicSpline>& splines) {
+  double size = 0;
+  for (const CubicSpline& spline : splines) size = std::max(size, spline.size);
+  CadPart part;
+  part.name = name;
+  TopoDS_Compound compound;
+  BRep_Builder builder;
+  builder.MakeCompound(compound);
+  for (const CubicSpline& spline : splines) {
+    part.curves.push_back({edge_of(spline, 1e-9 * size), spline.name, ""});
+    builder.Add(compound, part.curves.back().edge);
+  }
+  part.shape = compound;
+  return part;
+}
+
+
+TopTools_IndexedMapOfShape free_edges_of(const TopoDS_Shape& shape) {
+  TopTools_IndexedMapOfShape edges, free_edges;
+  std::vector<int> uses;
+  for (TopExp_Explorer face(shape, TopAbs_FACE); face.More(); face.Next())
+    for (TopExp_Explorer edge(face.Current(), TopAbs_EDGE); edge.More(); edge.Next()) {
+      const auto number = static_cast<size_t>(edges.Add(edge.Current()));
+      uses.resize(std::max(uses.size(), number), 0);
+      ++uses[number - 1];  // a seam is there twice
+    }
+  for (int e = 1; e <= edges.Extent(); ++e)
+    if (uses[static_cast<size_t>(e) - 1] == 1 && !BRep_Tool::Degenerated(TopoDS::Edge(edges(e))))
+      free_edges.Add(edges(e));
+  return free_edges;
+}
+
+namespace {
+
+/// Closed shells look outwards.
+TopoDS_Shape outwards(const TopoDS_Shape& shape) {
+  const bool single = shape.ShapeType() != TopAbs_COMPOUND;
+  TopoDS_Compound result;
+  BRep_Builder builder;
+  builder.MakeCompound(result);
+  const auto turned = [](const TopoDS_Shape& part) {
+    if (part.ShapeType() != TopAbs_SHELL || !free_edges_of(part).IsEmpty()) return part;
+    GProp_GProps volume;
+    BRepGProp::VolumeProperties(part, volume);
+    return volume.Mass() < 0 ? part.Reversed() : part;
+  };
+  if (single) return turned(shape);
+  for (TopoDS_Iterator it(shape); it.More(); it.Next()) builder.Add(result, turned(it.Value()));
+  return result;
+}
+
+}  // namespace
+
+TopoDS_Shape sewn(const TopoDS_Shape& shape, double tolerance, std::vector<CadFace>* faces) {
+  BRepBuilderAPI_Sewing sewing(tolerance);
+  sewing.Add(shape);
+  sewing.Perform();
+  if (sewing.SewedShape().IsNull()) return shape;
+  const TopoDS_Shape result = outwards(sewing.SewedShape());
+  if (!faces) return result;
+  TopTools_IndexedMapOfShape found;  // with their orientations
+  TopExp::MapShapes(result, TopAbs_FACE, found);
+  std::vector<CadFace> kept;
+  for (const CadFace& face : *faces) {
+    const int at =
+        found.FindIndex(sewing.IsModifiedSubShape(face.face) ? sewing.ModifiedSubShape(face.face)
+                                                             : TopoDS_Shape(face.face));
+    if (at > 0) kept.push_back({TopoDS::Face(found(at)), face.name, face.colour, face.solid});
+  }
+  *faces = std::move(kept);
+  return result;
 }
 
 }  // namespace batten

@@ -7,8 +7,10 @@
 #include <TopoDS_Shape.hxx>
 #include <string>
 #include <vector>
+#include <TopTools_IndexedMapOfShape.hxx>
 
 #include "batten/io/cad/cad_contents.h"
+#include "batten/fem/curves/hermite_curve.h"
 
 namespace batten {
 
@@ -54,5 +56,26 @@ CadTree tree_of(const Handle(TDocStd_Document) & document);
 /// coordinates are in this unit.
 Handle(TDocStd_Document)
     document_of(const std::vector<CadPart>& parts, double unit_in_metres = 1e-3);
+
+
+// Curves as a part of a CAD document. Internal.
+
+/// A part of edges without faces: one for each spline, in their order and by their names, closed
+/// ones with one vertex. STEP has it as a product with a set of curves, which programs show as
+/// wires.
+CadPart part_of_curves(const std::string& name, const std::vector<CubicSpline>& splines);
+
+
+// Edges of CAD shapes that have one face only. Internal.
+
+/// The edges of a shape beside which one face lies, once; no seams, none without length. A closed
+/// shape has none. O(edges).
+TopTools_IndexedMapOfShape free_edges_of(const TopoDS_Shape& shape);
+
+/// The shape with edges within `tolerance` of each other made one; faces in `faces` become those of
+/// the result and keep their names; those that sewing drops are left out. Solids become shells, and
+/// closed shells look outwards.
+TopoDS_Shape sewn(const TopoDS_Shape& shape, double tolerance,
+                  std::vector<CadFace>* faces = nullptr);
 
 }  // namespace batten

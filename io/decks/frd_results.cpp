@@ -7,7 +7,7 @@
 #include <string>
 
 #include "batten/core/errors.h"
-#include "batten/core/isize.h"
+#include "batten/core/containers.h"
 #include "batten/io/files/input_file.h"
 #include "batten/io/files/toml_table.h"
 

@@ -5,7 +5,7 @@
 #include <map>
 #include <ostream>
 
-#include "batten/core/disjoint_sets.h"
+#include "batten/core/containers.h"
 #include "batten/core/errors.h"
 #include "batten/io/decks/ccx_deck.h"
 #include "batten/io/files/atomic_file.h"

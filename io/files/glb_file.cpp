@@ -1,6 +1,5 @@
 #include "batten/io/files/glb_file.h"
 
-#include "batten/io/files/byte_order.h"
 
 namespace batten {
 namespace {

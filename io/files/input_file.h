@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <string>
+#include <string_view>
 
 namespace batten {
 
@@ -25,5 +26,20 @@ std::uintmax_t input_file_size(const std::filesystem::path& file) noexcept;
 
 /// Bytes: 2³¹. What is made of a file takes several times its size.
 inline constexpr std::uintmax_t kMaxInputFileSize = std::uintmax_t{1} << 31;
+
+
+// How deep the lists and tables of a text lie in each other.
+
+/// Lists, tables and the parts of a dotted key may lie in each other so deep.
+inline constexpr int kMaxNestingDepth = 64;
+
+/// Throws InputError with the place in `file` at which a TOML or JSON text goes deeper than
+/// kMaxNestingDepth. Parsers, and destructors of what they made, call themselves at each level: text
+/// of some thousand brackets would take the whole stack. What stands in quotes or comments does not
+/// count. O(length).
+void check_nesting_depth(std::string_view text, const std::string& file);
+
+/// The same of the elements of an XML text. What stands in comments and quotes does not count.
+void check_xml_nesting_depth(std::string_view text, const std::string& file);
 
 }  // namespace batten

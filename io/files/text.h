@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace batten {
 
@@ -19,5 +20,16 @@ std::string lower_case(std::string text);
 std::string lower_extension(const std::filesystem::path& path);
 /// "1 point", "2 points"; "3 tori" with `many`.
 std::string format_count(long count, const std::string& noun, const std::string& many = "");
+
+
+// Units of length, as scenes and the command line name them.
+
+/// The names of length units: mm, cm, m, in, ft.
+const std::vector<std::string>& length_units();
+/// The length of a unit in metres. Throws InputError for another word.
+double unit_in_metres(const std::string& unit);
+/// The name of a unit that CAD files may have: those above and um, km, mi, mil, uin; "0.002 m" for
+/// another.
+std::string format_unit(double unit_in_metres);
 
 }  // namespace batten

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "batten/core/isize.h"
+#include "batten/core/containers.h"
 
 namespace batten {
 namespace {

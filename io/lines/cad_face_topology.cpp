@@ -21,10 +21,9 @@
 #include <map>
 #include <set>
 
-#include "batten/core/disjoint_sets.h"
-#include "batten/io/cad/continuity_shape.h"
+#include "batten/core/containers.h"
+#include "batten/io/cad/shape_continuity.h"
 #include "batten/io/lines/cad_edges.h"
-#include "batten/io/lines/heal_shape.h"
 
 namespace batten {
 namespace {

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "batten/skinning/lines/character_line.h"
+#include "batten/io/lines/named_lines.h"
 
 namespace batten {
 
@@ -53,5 +54,13 @@ double distance(const std::vector<CadSurface>& faces, const Vec3& p, size_t& fir
 /// does of files and entities.
 std::vector<CadSurface> read_cad_surfaces(const std::filesystem::path& file,
                                           double model_unit_in_metres);
+
+
+// Writes curves to STEP and IGES files. Internal.
+
+/// Writes CAD files, by their ending, for write_curves(). All lines have curves. Throws InputError:
+/// a unit that CAD files cannot have, a file that cannot be written; Error when OpenCASCADE fails.
+void write_cad_curves(const std::filesystem::path& path, const std::vector<NamedCurve>& curves,
+                      const CurveFileOptions& options);
 
 }  // namespace batten

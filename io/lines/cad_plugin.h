@@ -4,15 +4,11 @@
 
 #include "batten/core/parallel.h"
 #include "batten/io/cad/cad_convert.h"
-#include "batten/io/cad/continuity.h"
-#include "batten/io/cad/read_cad_contents.h"
-#include "batten/io/cad/step.h"
-#include "batten/io/cad/step_face.h"
-#include "batten/io/cad/tessellate_cad.h"
+#include "batten/io/cad/continuity_report.h"
+#include "batten/io/step/step.h"
 #include "batten/io/files/sandboxed_read.h"
 #include "batten/io/lines/cad_face_topology.h"
 #include "batten/io/lines/cad_lines.h"
-#include "batten/io/lines/curve_cad.h"
 
 namespace batten {
 

@@ -22,7 +22,7 @@
 #include "batten/io/files/text.h"
 #include "batten/io/files/toml_table.h"
 #include "batten/io/lines/cad_plugin.h"
-#include "batten/io/vtk/write_vtk_xml.h"
+#include "batten/io/vtk/vtk_files.h"
 
 namespace batten {
 namespace fs = std::filesystem;

@@ -5,8 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "batten/io/lines/curve_file_options.h"
-#include "batten/io/lines/named_curve.h"
+#include "batten/io/lines/named_lines.h"
 
 namespace batten {
 

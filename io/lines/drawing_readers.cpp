@@ -1,5 +1,13 @@
 #include "batten/io/lines/drawing_readers.h"
 
+#include <algorithm>
+
+#include "batten/io/lines/drawing.h"
+#include "batten/core/errors.h"
+#include "batten/io/files/input_file.h"
+#include "batten/io/files/text.h"
+#include "batten/io/lines/named_lines.h"
+
 namespace batten {
 
 std::shared_ptr<const InputCurve> straight_segment(const Vec3& a, const Vec3& b) {
@@ -18,6 +26,42 @@ void SkippedEntities::report_to(Drawing& drawing) const {
   for (const auto& [kind, count] : count_)
     text += (text.empty() ? "" : ", ") + std::to_string(count) + " " + kind;
   if (!text.empty()) drawing.notes.push_back("passed over: " + text);
+}
+
+
+Drawing read_drawing(const std::filesystem::path& path) {
+  const std::string ending = lower_extension(path);
+  if (ending != ".dxf" && ending != ".svg")
+    throw InputError(path.string() + ": found the ending '" + ending + "', expected .dxf or .svg");
+  require_input_file(path, "a drawing");
+  Drawing drawing = ending == ".dxf" ? read_dxf(path) : read_svg(path);
+  const auto finite = [](const Vec3& p) { return p.allFinite() && p.norm() < 1e100; };
+  size_t without_length = drawing.lines.size();
+  std::erase_if(drawing.lines, [](const DrawnLine& line) {
+    return !line.curve && std::all_of(line.points.begin(), line.points.end(),
+                                      [&](const Vec3& p) { return p == line.points[0]; });
+  });
+  without_length -= drawing.lines.size();
+  if (without_length > 0)
+    drawing.notes.push_back("passed over: " + std::to_string(without_length) +
+                            " lines without length");
+  if (drawing.lines.empty()) {
+    std::string notes;
+    for (const std::string& note : drawing.notes) notes += " (" + note + ")";
+    throw InputError(path.string() + ": found no line" + notes + ", expected some");
+  }
+  std::vector<std::string*> names;
+  for (DrawnLine& line : drawing.lines) {
+    const bool good = line.curve ? finite(line.curve->evaluate(line.curve->start())) &&
+                                       finite(line.curve->evaluate(line.curve->end()))
+                                 : std::all_of(line.points.begin(), line.points.end(), finite);
+    if (!good)
+      throw InputError(path.string() + ": found numbers in '" + line.name +
+                       "' that are not finite or too large, expected places");
+    names.push_back(&line.name);
+  }
+  make_names_unique(names, path.stem().string());
+  return drawing;
 }
 
 }  // namespace batten

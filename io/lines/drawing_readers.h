@@ -5,7 +5,7 @@
 #include <map>
 #include <string>
 
-#include "batten/fairing/primitive_curves.h"
+#include "batten/fairing/curves/primitive_curves.h"
 #include "batten/io/lines/drawing.h"
 
 namespace batten {

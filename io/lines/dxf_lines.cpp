@@ -7,11 +7,11 @@
 #include <sstream>
 
 #include "batten/core/errors.h"
-#include "batten/core/isize.h"
+#include "batten/core/containers.h"
 #include "batten/io/files/input_file.h"
 #include "batten/io/lines/drawing_readers.h"
 #include "batten/io/lines/text_rows.h"
-#include "batten/io/lines/unique_names.h"
+#include "batten/io/lines/named_lines.h"
 
 namespace batten {
 namespace {

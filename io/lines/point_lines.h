@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <vector>
 
-#include "batten/io/lines/named_points.h"
+#include "batten/io/lines/named_lines.h"
 
 namespace batten {
 

@@ -5,10 +5,8 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
-#include "batten/core/box.h"
-#include "batten/core/format.h"
+#include "batten/core/geometry.h"
 #include "batten/io/files/input_file.h"
-#include "batten/io/files/nesting.h"
 
 namespace batten {
 namespace {

@@ -16,11 +16,10 @@
 
 #include "batten/core/errors.h"
 #include "batten/io/files/input_file.h"
-#include "batten/io/files/nesting.h"
 #include "batten/io/files/toml_table.h"
 #include "batten/io/lines/drawing_readers.h"
 #include "batten/io/lines/text_rows.h"
-#include "batten/io/lines/unique_names.h"
+#include "batten/io/lines/named_lines.h"
 
 namespace batten {
 namespace {

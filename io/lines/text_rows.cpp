@@ -3,10 +3,12 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <cctype>
 
 #include "batten/core/errors.h"
 #include "batten/io/files/input_file.h"
 #include "batten/io/files/toml_table.h"
+#include "batten/core/containers.h"
 
 namespace batten {
 namespace fs = std::filesystem;
@@ -103,6 +105,196 @@ void split_at(std::string_view row, char separator, std::vector<std::string_view
     fields.push_back(trimmed(row.substr(start, end - start)));
     start = end + 1;
   }
+}
+
+namespace {
+
+using Fields = std::vector<std::string_view>;
+
+bool is_digit(char c) { return std::isdigit(static_cast<unsigned char>(c)); }
+bool is_letter(char c) { return std::isalpha(static_cast<unsigned char>(c)); }
+
+std::optional<double> number_of(std::string_view field) {
+  double value = 0;
+  if (field.starts_with('+')) field.remove_prefix(1);
+  const auto [end, error] = std::from_chars(field.data(), field.data() + field.size(), value);
+  if (error != std::errc() || end != field.data() + field.size() || !std::isfinite(value))
+    return {};
+  return value;
+}
+
+// Digits with one character at most that no number has.
+bool is_misspelt_number(std::string_view field) {
+  if (std::none_of(field.begin(), field.end(), is_digit)) return false;
+  return std::count_if(field.begin(), field.end(), [](char c) {
+           return !is_digit(c) && std::string_view("+-.,eE").find(c) == std::string_view::npos;
+         }) <= 1;
+}
+
+// 0, 1, 2 for x, y, z; -1 for other names.
+int axis_of(std::string_view field) {
+  const std::string name = lower_case(std::string(without_quotes(field)));
+  if (name.starts_with("points:") && name.size() == 8) return name[7] - '0';
+  if (name.empty() || name[0] < 'x' || name[0] > 'z') return -1;
+  if (name.size() > 1 && (is_letter(name[1]) || is_digit(name[1]))) return -1;
+  return name[0] - 'x';
+}
+
+// What divides a row of words, in which blanks may belong to them.
+char separator_of(std::string_view row) {
+  for (const char c : {';', '\t', ','})
+    if (row.find(c) != row.npos) return c;
+  return 0;
+}
+
+Fields fields_of(std::string_view row, char separator) {
+  Fields fields;
+  if (separator == 0)
+    split_fields(row, fields);
+  else
+    split_at(row, separator, fields);
+  return fields;
+}
+
+}  // namespace
+
+bool is_header(std::string_view row, bool first_row) {
+  Fields fields;
+  split_fields(row, fields);
+  std::erase_if(fields, [](std::string_view f) { return f.empty(); });
+  const long numbers = std::count_if(fields.begin(), fields.end(), starts_like_number);
+  const long words = isize(fields) - numbers;
+  const bool corner = fields_of(row, separator_of(row))[0].empty();  // of an offset table
+  if (words == 0) return first_row && (corner || (fields.size() == 1 && is_digits(fields[0])));
+  if (starts_like_number(fields[0]) &&
+      (words < numbers || (words == numbers && separator_of(row) != 0)))
+    return false;
+  if (fields.size() > 1 && std::all_of(fields.begin(), fields.end(), is_misspelt_number))
+    return false;
+  const auto axis = [](std::string_view f) { return f.size() == 1 && axis_of(f) >= 0; };
+  const bool axes = std::any_of(fields.begin(), fields.end(), axis);
+  // An offset table's corner may be such a letter: "x 0 1 2".
+  return !axes || numbers == 0 || (axis(fields[0]) && words == 1);
+}
+
+HeaderColumns parse_header_columns(std::string_view heading) {
+  HeaderColumns columns;
+  columns.separator = separator_of(heading);
+  const Fields names = fields_of(heading, columns.separator);
+  columns.count = names.size();
+  for (int i = 0; i < isize(names); ++i) {
+    const std::string_view name = without_quotes(names[static_cast<size_t>(i)]);
+    const int axis = axis_of(name);
+    if (axis >= 0 && axis < 3 && columns.axes[static_cast<size_t>(axis)] < 0)
+      columns.axes[static_cast<size_t>(axis)] = i;
+    else if (name == "line" || name == "name" || name == "curve")
+      columns.name = i;
+  }
+  return columns;
+}
+
+HeaderColumns header_columns(std::string_view heading, std::string_view row) {
+  const HeaderColumns columns = parse_header_columns(heading);
+  const Fields values = fields_of(row, columns.separator);
+  if (values.size() != columns.count) return {};
+  for (const int axis : columns.axes)
+    if (axis >= 0 && !starts_like_number(values[static_cast<size_t>(axis)])) return {};
+  return columns;
+}
+
+std::string header_name(std::string_view heading) {
+  return std::string(without_quotes(trimmed(heading)));
+}
+
+std::optional<OffsetTable> offset_table(std::string_view heading, std::string_view row) {
+  OffsetTable table;
+  table.separator_ = separator_of(heading);
+  const Fields words = fields_of(heading, table.separator_);
+  if (words.size() < 3 || words.size() != fields_of(row, table.separator_).size()) return {};
+  const std::string_view corner = without_quotes(words[0]);
+  if (number_of(corner)) return {};
+  for (size_t i = 1; i < words.size(); ++i) {
+    const std::optional<double> height = number_of(words[i]);
+    if (!height || (i > 1 && *height <= table.heights_.back())) return {};
+    table.heights_.push_back(*height);
+  }
+  const char first = corner.empty() ? ' ' : lower_case(std::string(corner))[0];
+  table.rows_are_waterlines_ = first == 'z' || first == 'w' || first == 'h';
+  return table;
+}
+
+std::vector<NamedPoints> OffsetTable::read(TextRows& rows, double scale) const {
+  std::vector<std::pair<double, NamedPoints>> stations;
+  if (rows_are_waterlines_)
+    for (const double x : heights_) stations.push_back({x, {}});
+  const size_t columns = heights_.size() + 1;
+  const auto add = [&](NamedPoints& line, const Vec3& p) {
+    if (line.points.empty()) line.first_line = rows.line();
+    line.points.push_back(scale * p);
+  };
+  do {
+    const std::string_view row = without_comment(rows.row());
+    if (row.find_first_not_of(" \t,;") == row.npos) continue;
+    const Fields fields = fields_of(row, separator_);
+    if (fields.size() != columns)
+      rows.fail(row.data(), "found " + format_count(isize(fields), "column") + ", expected " +
+                                std::to_string(columns) + " as in the first row");
+    const double along = rows.number_in(fields[0], "a number");
+    if (!rows_are_waterlines_) stations.push_back({along, {}});
+    for (size_t i = 1; i < columns; ++i) {
+      if (fields[i].empty() || fields[i] == "-") continue;
+      const double breadth = rows.number_in(fields[i], "a half breadth, or none");
+      if (rows_are_waterlines_)
+        add(stations[i - 1].second, Vec3(heights_[i - 1], breadth, along));
+      else
+        add(stations.back().second, Vec3(along, breadth, heights_[i - 1]));
+    }
+  } while (rows.next());
+  std::vector<NamedPoints> lines;
+  for (auto& [along, line] : stations) {
+    if (line.points.size() < 2) continue;
+    line.name = "station " + format_number(along);
+    if (lines.empty()) line.format_note = "of an offset table";
+    lines.push_back(std::move(line));
+  }
+  return lines;
+}
+
+void join_lednicer(std::vector<NamedPoints>& lines, double scale) {
+  if (lines.empty() || lines.size() > 3 || lines[0].points.empty()) return;
+  const Vec3 counts = lines[0].points[0] / scale;
+  const double upper = std::round(counts.x()), lower = std::round(counts.y());
+  if (upper < 2 || lower < 2 || std::abs(counts.x() - upper) > 1e-6 ||
+      std::abs(counts.y() - lower) > 1e-6)
+    return;
+  std::vector<Vec3> points;
+  for (const NamedPoints& line : lines)
+    points.insert(points.end(), line.points.begin(), line.points.end());
+  if (static_cast<double>(points.size()) != 1 + upper + lower) return;
+  const auto side = points.begin() + 1 + static_cast<long>(upper);
+  const double chord = (*(side - 1) - points[1]).norm();
+  // Both sides begin at the leading edge.
+  if (!((*side - points[1]).norm() < 0.05 * chord)) return;
+  std::vector<Vec3> around(points.begin() + 1, side);
+  std::reverse(around.begin(), around.end());
+  const bool same = (*side - points[1]).norm() < 1e-9 * chord;
+  around.insert(around.end(), side + (same ? 1 : 0), points.end());
+  const NamedPoints& first = lines.size() > 1 ? lines[1] : lines[0];
+  const std::string title = lines[0].format_note;
+  lines = {NamedPoints{lines[0].name, std::move(around), first.first_line,
+                       "both sides of an airfoil, joined at the leading edge" +
+                           (title.empty() ? "" : ", " + title)}};
+}
+
+std::string_view without_quotes(std::string_view field) {
+  field = trimmed(field);
+  if (field.size() > 1 && field.front() == '"' && field.back() == '"')
+    field = trimmed(field.substr(1, field.size() - 2));
+  return field;
+}
+
+bool is_digits(std::string_view field) {
+  return !field.empty() && std::all_of(field.begin(), field.end(), is_digit);
 }
 
 }  // namespace batten

@@ -5,7 +5,7 @@
 #include <numbers>
 #include <numeric>
 
-#include "batten/core/isize.h"
+#include "batten/core/containers.h"
 
 namespace batten {
 namespace {

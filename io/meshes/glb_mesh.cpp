@@ -6,12 +6,10 @@
 #include <ostream>
 
 #include "batten/core/errors.h"
-#include "batten/core/isize.h"
+#include "batten/core/containers.h"
 #include "batten/io/files/atomic_file.h"
-#include "batten/io/files/byte_order.h"
 #include "batten/io/files/glb_file.h"
 #include "batten/io/meshes/corner_normals.h"
-#include "batten/io/meshes/mesh_colour.h"
 #include "batten/io/meshes/mesh_content.h"
 
 namespace batten {

@@ -95,4 +95,12 @@ std::vector<std::array<int, 3>> triangles_of(const ShellMesh& mesh, int face);
 /// The count of nodes that no face has.
 int unused_nodes(const ShellMesh& mesh);
 
+
+// Colours of mesh files. Internal.
+
+/// Red, green and blue, 0 to 255, of "#rrggbb"; none for "". Throws InputError for another text.
+std::optional<std::array<int, 3>> mesh_colour(const std::string& hex);
+/// "#rrggbb" of such numbers.
+std::string hex_of(const std::array<int, 3>& colour);
+
 }  // namespace batten

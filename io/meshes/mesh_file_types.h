@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "batten/mesh/non_shell_element.h"
+#include "batten/mesh/shell_mesh.h"
 
 namespace batten {
 

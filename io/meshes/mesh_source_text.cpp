@@ -6,9 +6,13 @@
 #include <cmath>
 #include <cstring>
 #include <functional>
+#include <bit>
+#include <cstdlib>
+#include <limits>
 
 #include "batten/core/errors.h"
 #include "batten/io/files/input_file.h"
+#include "batten/core/containers.h"
 
 namespace batten {
 namespace fs = std::filesystem;
@@ -174,6 +178,256 @@ long MeshSourceText::integer(std::string_view field, const std::string& expected
     fail(field,
          "found " + (field.empty() ? "nothing" : quoted_excerpt(field)) + ", expected " + expected);
   return value;
+}
+
+
+// The characters that stand for a coordinate in a field of a file.
+
+namespace {
+
+/// Significant digits without zeros at the end, and the decimal exponent of the first one.
+struct Decimal {
+  std::string digits;
+  int exponent;
+};
+
+/// As few digits as give the double back, `most` at most; |value| > 0.
+Decimal decimal(double value, int most) {
+  char text[64];
+  auto end =
+      std::to_chars(text, text + sizeof text, std::abs(value), std::chars_format::scientific);
+  const auto split = [&] {
+    const std::string_view all(text, static_cast<size_t>(end.ptr - text));
+    const size_t e = all.find('e');
+    Decimal result{std::string(1, text[0]), std::atoi(std::string(all.substr(e + 1)).c_str())};
+    if (e > 2) result.digits += all.substr(2, e - 2);
+    while (result.digits.size() > 1 && result.digits.back() == '0') result.digits.pop_back();
+    return result;
+  };
+  Decimal shortest = split();
+  if (isize(shortest.digits) <= most) return shortest;
+  end = std::to_chars(text, text + sizeof text, std::abs(value), std::chars_format::scientific,
+                      most - 1);
+  return split();
+}
+
+/// digits · 10^exponent / 10^power with its point.
+std::string plain(const Decimal& d, int power) {
+  const int before = d.exponent - power + 1, count = isize(d.digits);
+  if (before <= 0) return "." + std::string(static_cast<size_t>(-before), '0') + d.digits;
+  if (before >= count)
+    return d.digits + std::string(static_cast<size_t>(before - count), '0') + ".";
+  return d.digits.substr(0, static_cast<size_t>(before)) + "." +
+         d.digits.substr(static_cast<size_t>(before));
+}
+
+}  // namespace
+
+std::string fixed_real(double value, int width, bool nastran) {
+  if (value == 0) return "0.";
+  const std::string sign = value < 0 ? "-" : "";
+  const int room = width - isize(sign);
+  const int e = decimal(value, 17).exponent;
+  std::string best;
+  double best_error = std::numeric_limits<double>::infinity();
+  const auto attempt = [&](int power, const std::string& exponent) {
+    // The point takes one character, and so do zeros between it and the digits.
+    const int most = room - isize(exponent) - 1 + std::min(0, e - power + 1);
+    if (most < 1) return;
+    const std::string text = sign + plain(decimal(value, most), power) + exponent;
+    double written = 0;
+    if (isize(text) > width || !parse_real(text, written)) return;
+    const double error = std::abs(written - value);
+    if (error < best_error || (error == best_error && text.size() < best.size())) {
+      best = text;
+      best_error = error;
+    }
+  };
+  attempt(0, "");
+  // Between 0.1 and where the digits fill the field, an exponent can only cost digits.
+  if (!best.empty() && e >= -1 && e < room - 2) return best;
+  // Moving the point can shorten the exponent: 1.234+10 is 12.345+9, 1.234-10 is .12345-9.
+  for (const int power : {e, e + 1, 9, 99, -9, -99}) {
+    const std::string digits = std::to_string(power);
+    attempt(power, nastran ? (power < 0 ? "" : "+") + digits : "e" + digits);
+  }
+  return best;
+}
+
+int width_of(FieldKind kind) {
+  switch (kind) {
+    case FieldKind::Nastran8:
+      return 8;
+    case FieldKind::Nastran16:
+    case FieldKind::NastranFree:
+    case FieldKind::Dyna16:
+    case FieldKind::DynaFree16:
+      return 16;
+    case FieldKind::Abaqus:
+    case FieldKind::Dyna20:
+    case FieldKind::DynaFree20:
+      return 20;
+    default:
+      return 0;
+  }
+}
+
+bool is_fixed_width(FieldKind kind) {
+  return kind == FieldKind::Nastran8 || kind == FieldKind::Nastran16 || kind == FieldKind::Dyna16 ||
+         kind == FieldKind::Dyna20;
+}
+
+namespace {
+
+bool nastran(FieldKind kind) {
+  return kind == FieldKind::Nastran8 || kind == FieldKind::Nastran16 ||
+         kind == FieldKind::NastranFree;
+}
+
+template <class Real>
+std::string bytes_of(double value, bool swapped, double& written) {
+  const Real real = static_cast<Real>(value);
+  written = static_cast<double>(real);
+  std::string bytes(sizeof real, '\0');
+  std::memcpy(bytes.data(), &real, sizeof real);
+  if (swapped != (std::endian::native == std::endian::big))
+    std::reverse(bytes.begin(), bytes.end());
+  return bytes;
+}
+
+}  // namespace
+
+std::string format_field(double value, FieldKind kind, double& written) {
+  switch (kind) {
+    case FieldKind::Float32:
+      return bytes_of<float>(value, false, written);
+    case FieldKind::Float64:
+      return bytes_of<double>(value, false, written);
+    case FieldKind::Float32Swapped:
+      return bytes_of<float>(value, true, written);
+    case FieldKind::Float64Swapped:
+      return bytes_of<double>(value, true, written);
+    case FieldKind::Free: {
+      char text[32];
+      written = value;
+      return {text, std::to_chars(text, text + sizeof text, value).ptr};
+    }
+    default:
+      break;
+  }
+  const std::string text = fixed_real(value, width_of(kind), nastran(kind));
+  parse_real(text, written);
+  return text;
+}
+
+std::string aligned(const std::string& text, const Field& field, std::string_view old) {
+  if (!is_fixed_width(field.kind)) return text;
+  const auto width = static_cast<size_t>(width_of(field.kind));
+  const bool left = !old.empty() && !is_blank(old.front());
+  if (!left) return std::string(width - text.size(), ' ') + text;
+  // A field that ends with the line needs no blanks behind it, one with a tab in it needs all.
+  const bool tab = old.find('\t') != old.npos;
+  const size_t to = field.open || tab ? width : std::min(width, old.size());
+  return text + std::string(to > text.size() ? to - text.size() : 0, ' ');
+}
+
+std::string large_field_grid(std::string_view line, const std::array<std::string, 3>& coordinates,
+                             const std::string& line_end) {
+  const std::string_view data = line.substr(0, line.find('$'));
+  const auto field = [&](size_t number) {
+    const size_t begin = 8 * number;
+    std::string text(begin < data.size() ? trimmed(data.substr(begin, 8)) : "");
+    return std::string(16 - text.size(), ' ') + text;
+  };
+  const auto right = [](const std::string& text) {
+    return std::string(16 - text.size(), ' ') + text;
+  };
+  std::string second = "*       " + right(coordinates[2]) + field(6) + field(7) + field(8);
+  second.resize(trimmed(second).size());
+  if (data.size() < line.size()) second += " " + std::string(line.substr(data.size()));
+  return "GRID*   " + field(1) + field(2) + right(coordinates[0]) + right(coordinates[1]) +
+         line_end + second;
+}
+
+
+// Files that include others.
+
+namespace fs = std::filesystem;
+namespace {
+
+// Files that include others twice, which do the same, would be read without end.
+constexpr size_t kMostFiles = 10000;
+constexpr int kDeepestInclude = 64;
+
+fs::path folder_of(const fs::path& file) {
+  return file.has_parent_path() ? file.parent_path() : fs::path(".");
+}
+
+fs::path true_path(const fs::path& file) {
+  std::error_code error;
+  const fs::path result = fs::weakly_canonical(file, error);
+  return error ? file.lexically_normal() : result;
+}
+
+/// From `folder` to a file in it or below; empty for one that lies elsewhere.
+fs::path inside(const fs::path& file, const fs::path& folder) {
+  const fs::path way = true_path(file).lexically_relative(true_path(folder));
+  return way.empty() || *way.begin() == ".." || *way.begin() == "." ? fs::path() : way;
+}
+
+/// Decks from elsewhere have the separators of elsewhere.
+std::string with_slashes(std::string name) {
+  std::replace(name.begin(), name.end(), '\\', '/');
+  return name;
+}
+
+}  // namespace
+
+std::string MeshSourceText::include_trace(size_t offset) const {
+  std::string text;
+  for (size_t at = offset; at != std::string::npos; at = source_of(at).included_at) {
+    const std::string line = line_name(at, at);
+    text = source_of(at).path.string() + ":" + line.substr(line.find(' ') + 1) + ": " + text;
+  }
+  return text;
+}
+
+void MeshSourceText::include(const std::string& name, std::string_view where,
+                             const std::vector<std::string>& folders) {
+  const size_t line = offset(where);
+  if (name.empty()) fail(line, "found no name of a file, expected one");
+  const fs::path root = folder_of(path()), here = folder_of(source_of(line).path);
+  fs::path found;
+  bool elsewhere = false;
+  for (const fs::path& named : {fs::path(name), fs::path(with_slashes(name))}) {
+    std::vector<std::pair<fs::path, bool>> tries{{here / named, false}, {root / named, false}};
+    for (const std::string& folder : folders)
+      tries.push_back({root / folder / named, fs::path(folder).is_absolute()});
+    for (const auto& [file, absolute] : tries) {
+      std::error_code error;
+      if (!found.empty() || !fs::exists(file, error)) continue;
+      found = file;
+      elsewhere = absolute || named.is_absolute();
+    }
+  }
+  if (found.empty()) found = here / with_slashes(name);
+  // Beside one another, names come out short: "parts/a.bdf" instead of "parts/../parts/a.bdf".
+  found = found.lexically_normal();
+  for (size_t at = line; at != std::string::npos; at = source_of(at).included_at)
+    if (true_path(source_of(at).path) == true_path(found))
+      throw InputError(include_trace(line) + "found " + found.string() +
+                       ", which includes itself, expected files that end");
+  if (depth() >= kDeepestInclude || sources_.size() >= kMostFiles)
+    throw InputError(include_trace(line) + "found more files than are followed (" +
+                     std::to_string(kMostFiles) + ", " + std::to_string(kDeepestInclude) +
+                     " deep)");
+  Source source{
+      found, read_input_file(found, "an included file", include_trace(line)), 0, line, {}};
+  if (position() + source.text.size() > kMaxInputFileSize)
+    throw InputError(include_trace(line) + "found more text than is read");
+  if (!elsewhere) source.beside = inside(found, root);
+  open_.push_back({current_, at_});
+  open(std::move(source), false);
 }
 
 }  // namespace batten

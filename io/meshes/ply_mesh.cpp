@@ -8,9 +8,9 @@
 #include <ostream>
 
 #include "batten/core/errors.h"
-#include "batten/core/isize.h"
+#include "batten/core/containers.h"
 #include "batten/io/files/atomic_file.h"
-#include "batten/io/meshes/mesh_colour.h"
+#include "batten/io/meshes/mesh_content.h"
 #include "batten/io/meshes/text_mesh_content.h"
 
 namespace batten {

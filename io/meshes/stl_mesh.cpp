@@ -7,7 +7,7 @@
 #include <unordered_map>
 
 #include "batten/core/errors.h"
-#include "batten/core/isize.h"
+#include "batten/core/containers.h"
 #include "batten/io/files/atomic_file.h"
 #include "batten/io/meshes/mesh_content.h"
 #include "batten/io/meshes/mesh_source_text.h"

@@ -7,9 +7,8 @@
 #include <string>
 
 #include "batten/core/errors.h"
-#include "batten/core/isize.h"
+#include "batten/core/containers.h"
 #include "batten/io/files/atomic_file.h"
-#include "batten/io/meshes/mesh_colour.h"
 #include "batten/io/meshes/mesh_content.h"
 
 namespace batten {

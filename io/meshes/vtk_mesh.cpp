@@ -26,12 +26,12 @@
 #include <optional>
 
 #include "batten/core/errors.h"
-#include "batten/core/isize.h"
+#include "batten/core/containers.h"
 #include "batten/io/files/sandboxed_read.h"
 #include "batten/io/meshes/mesh_content.h"
 #include "batten/io/meshes/mesh_source_text.h"
 #include "batten/io/vtk/vtk_message_capture.h"
-#include "batten/io/vtk/write_vtk_xml.h"
+#include "batten/io/vtk/vtk_files.h"
 
 namespace batten {
 namespace fs = std::filesystem;

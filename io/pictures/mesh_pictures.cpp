@@ -19,10 +19,10 @@
 #include <cmath>
 
 #include "batten/core/errors.h"
-#include "batten/core/isize.h"
+#include "batten/core/containers.h"
 #include "batten/io/pictures/canvas.h"
-#include "batten/io/pictures/colour_tables.h"
-#include "batten/io/vtk/shell_vtk.h"
+#include "batten/io/pictures/drawing_primitives.h"
+#include "batten/io/vtk/vtk_files.h"
 
 namespace batten {
 namespace {

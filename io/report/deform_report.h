@@ -4,11 +4,11 @@
 #include <string>
 #include <vector>
 
-#include "batten/fairing/curve_fit.h"
-#include "batten/fairing/fairness.h"
+#include "batten/fairing/curves/curve_fit.h"
+#include "batten/fairing/curves/fairness.h"
 #include "batten/io/report/run_report.h"
 #include "batten/mesh/element_quality.h"
-#include "batten/mesh/features/hole_measure.h"
+#include "batten/mesh/features/feature_detection.h"
 
 namespace batten {
 

@@ -4,8 +4,7 @@
 #include <map>
 #include <numbers>
 
-#include "batten/core/disjoint_sets.h"
-#include "batten/core/isize.h"
+#include "batten/core/containers.h"
 
 namespace batten {
 namespace {

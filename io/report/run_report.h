@@ -6,8 +6,8 @@
 #include <utility>
 #include <vector>
 
-#include "batten/fairing/curve_fit.h"
-#include "batten/fairing/fairness.h"
+#include "batten/fairing/curves/curve_fit.h"
+#include "batten/fairing/curves/fairness.h"
 #include "batten/io/scene/scene.h"
 
 namespace batten {

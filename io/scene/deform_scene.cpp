@@ -4,7 +4,7 @@
 
 #include "batten/core/errors.h"
 #include "batten/io/files/input_file.h"
-#include "batten/io/scene/selection_parsing.h"
+#include "batten/io/scene/scene_parsing.h"
 
 namespace batten {
 namespace {

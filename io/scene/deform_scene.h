@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "batten/fairing/fair_curve.h"
+#include "batten/fairing/curves/fair_curve.h"
 #include "batten/io/files/toml_table.h"
 #include "batten/io/pictures/image.h"
 #include "batten/io/pictures/pictures.h"

@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "batten/io/pictures/image.h"
-#include "batten/io/scene/fair_stages.h"
 #include "batten/io/scene/scene.h"
 
 namespace batten {

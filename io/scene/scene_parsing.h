@@ -10,6 +10,7 @@
 
 #include "batten/io/files/toml_table.h"
 #include "batten/io/pictures/image.h"
+#include "batten/io/scene/scene_selections.h"
 
 namespace batten {
 
@@ -69,5 +70,21 @@ std::string format_range(double min, double max);
 /// TOML, or nested too deeply (check_nesting_depth).
 toml::table parse_toml(const std::string& text, const std::filesystem::path& file,
                        const std::string& expected);
+
+
+// Functions by which scenes read selections and features. Internal.
+
+LocatedString read_string(const TomlTable& table, const std::string& key);
+/// Whole numbers of nodes. Throws InputError for others.
+long read_label(const TomlTable& table, const std::string& key, double value);
+std::vector<long> read_labels(const TomlTable& table, const std::string& key);
+
+/// [proposals]: what features are proposed.
+void read_proposals(const TomlTable& root, FeatureDetectionOptions& options);
+/// [[select]] and [[cut]], which share their names. Files are relative to `folder`.
+void read_selections(const TomlTable& root, const std::filesystem::path& folder,
+                     SceneSelections& scene);
+/// [[feature]] one by one, and [[features]], many of a kind. `taken`: names that are taken.
+std::vector<FeatureSpec> read_features(const TomlTable& root, UniqueNames& taken);
 
 }  // namespace batten

@@ -9,7 +9,7 @@
 
 #include "batten/io/files/toml_table.h"
 #include "batten/mesh/deform/deform_problem.h"
-#include "batten/mesh/features/cut_options.h"
+#include "batten/mesh/features/minimum_cut.h"
 #include "batten/mesh/features/feature_detection.h"
 
 namespace batten {

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "batten/io/files/length_units.h"
+#include "batten/io/files/text.h"
 
 namespace batten {
 
@@ -342,6 +342,33 @@ SceneStress read_stress(const TomlTable& table, const std::string& unit) {
   stress.sensitivities = table.boolean("sensitivities", false);
   stress.buckling = table.integer("buckling", 1, 0);
   return stress;
+}
+
+
+SceneArea read_area(const TomlTable& table) {
+  SceneArea area;
+  if (table.has("near") && table.has("paint"))
+    table.fail("paint", "both 'near' and 'paint'", "one of them");
+  if (table.has("near")) {
+    area.line = {table.text("near"), table.location("near")};
+    area.area.where = Area::NearLine{area.line.text, table.positive("radius")};
+  } else if (table.has("radius")) {
+    table.fail("radius", "'radius' without 'near'", "both, or 'paint'");
+  }
+  if (table.has("paint")) {
+    Area::Painted painted;
+    for (const TomlTable& t : table.tables("paint", {"at", "radius", "strength"}))
+      painted.strokes.push_back({t.vector("at"), t.positive("radius"), t.number("strength", 1)});
+    if (painted.strokes.empty())
+      table.fail("paint", "no strokes", "one or more: paint = [{at = […], radius = …}]");
+    area.area.where = painted;
+  }
+  if (table.has("regions")) {
+    area.regions = table.words("regions");
+    if (area.regions.empty())
+      table.fail("regions", "no regions", "names: regions = [\"a\", \"b\"]; all without the key");
+  }
+  return area;
 }
 
 }  // namespace batten

@@ -12,10 +12,9 @@
 #include "batten/io/pictures/image.h"
 #include "batten/io/scene/scene_selections.h"
 #include "batten/io/sequences/sequence_files.h"
-#include "batten/mesh/sequence/fit_to_target.h"
-#include "batten/mesh/sequence/foot_contact.h"
-#include "batten/mesh/sequence/ground_path.h"
 #include "batten/mesh/sequence/morph.h"
+#include "batten/mesh/sequence/trajectories/foot_contact.h"
+#include "batten/mesh/sequence/trajectories/ground_path.h"
 #include "batten/mesh/sequence/sequence_editor.h"
 
 namespace batten {

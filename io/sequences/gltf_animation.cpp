@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "batten/core/errors.h"
-#include "batten/core/isize.h"
+#include "batten/core/containers.h"
 #include "batten/io/files/toml_table.h"
 
 namespace batten {

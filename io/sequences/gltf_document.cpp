@@ -6,11 +6,9 @@
 #include <optional>
 
 #include "batten/core/errors.h"
-#include "batten/core/isize.h"
-#include "batten/io/files/byte_order.h"
+#include "batten/core/containers.h"
 #include "batten/io/files/glb_file.h"
 #include "batten/io/files/input_file.h"
-#include "batten/io/files/nesting.h"
 #include "batten/io/files/toml_table.h"
 
 namespace batten {

@@ -1,15 +1,263 @@
 // An animated glTF scene as frames.
+
 #include <algorithm>
 #include <cmath>
 #include <unordered_map>
+#include <array>
 
 #include "batten/core/errors.h"
-#include "batten/core/isize.h"
+#include "batten/core/containers.h"
 #include "batten/io/sequences/gltf_animation.h"
-#include "batten/io/sequences/gltf_surface.h"
-#include "batten/io/sequences/sequence_readers.h"
+#include "batten/io/sequences/sequence_files.h"
+#include "batten/mesh/shell_mesh.h"
 
 namespace batten {
+
+// The triangles of a glTF scene, and where they are at one moment. Internal.
+
+/// All triangles of the nodes that are shown, one part for each mesh and node, side by side.
+class GltfSurface {
+ public:
+  /// Keeps references. Throws InputError: no triangles, other counts of data than of vertices, an
+  /// index or joint that is not there, geometry that only an extension can read.
+  GltfSurface(const GltfDocument& document, const GltfNodes& nodes);
+
+  int vertex_count() const { return vertex_count_; }
+  /// Three vertices each.
+  const std::vector<std::array<int, 3>>& triangles() const { return triangles_; }
+  /// The vertices with the nodes at one moment: morph targets, then skins (of which the node's own
+  /// place is no part, as glTF has it), or the node's place.
+  Points at(const std::vector<GltfNode>& moment) const;
+
+ private:
+  struct Part {
+    int node = 0, skin = -1, first = 0;
+    Points base;
+    std::vector<long> targets;  // accessors
+    VecX weights;               // of targets, where the node has none
+    MatX joints, joint_weights;
+  };
+  struct Skin {
+    std::vector<int> joints;
+    std::vector<Mat4> inverse;
+  };
+  void add(int node);
+  void add_primitive(const GltfDocument::Json& primitive, Part part, const std::string& what);
+  void read_joints(const GltfDocument::Json& attributes, Part& part, const std::string& what) const;
+  std::vector<std::array<int, 3>> triangles_of(const GltfDocument::Json& primitive, int vertices,
+                                               const std::string& what) const;
+  const Skin& skin(int index);
+
+  const GltfDocument& document_;
+  const GltfNodes& nodes_;
+  std::vector<Part> parts_;
+  std::vector<Skin> skins_;
+  std::vector<std::array<int, 3>> triangles_;
+  int vertex_count_ = 0;
+};
+
+namespace {
+
+using Json = GltfDocument::Json;
+
+// Kinds of primitives.
+constexpr long kTriangles = 4, kStrip = 5, kFan = 6;
+
+const Json& member(const Json& object, const char* key) {
+  static const Json none = Json::object();
+  const auto found = object.find(key);
+  return found != object.end() && found->is_object() ? *found : none;
+}
+
+Points points_of(const GltfDocument& document, long accessor, Eigen::Index count,
+                 const std::string& what) {
+  Points points = document.accessor(accessor, 3);
+  if (count >= 0 && points.rows() != count)
+    document.fail("found " + std::to_string(points.rows()) + " elements of accessor " +
+                  std::to_string(accessor) + " in " + what + ", expected " + std::to_string(count) +
+                  " as its vertices");
+  if (!points.allFinite())
+    document.fail("found a coordinate that is not finite in accessor " + std::to_string(accessor) +
+                  " of " + what);
+  return points;
+}
+
+}  // namespace
+
+GltfSurface::GltfSurface(const GltfDocument& document, const GltfNodes& nodes)
+    : document_(document), nodes_(nodes) {
+  skins_.resize(static_cast<size_t>(document.count("skins")));
+  for (const int node : nodes.shown(document))
+    if (nodes.nodes[node].mesh >= 0) add(node);
+  if (triangles_.empty()) document.fail("found no triangles in the scene, expected some");
+}
+
+const GltfSurface::Skin& GltfSurface::skin(int index) {
+  const Json& json = document_.item("skins", index);
+  Skin& skin = skins_[static_cast<size_t>(index)];
+  if (!skin.joints.empty()) return skin;
+  const std::string what = "skin " + std::to_string(index);
+  skin.joints = document_.indices(json, "joints");
+  if (skin.joints.empty()) document_.fail("found no joints in " + what);
+  for (const int joint : skin.joints) document_.item("nodes", joint);
+  skin.inverse.assign(skin.joints.size(), Mat4::Identity());
+  if (!json.contains("inverseBindMatrices")) return skin;
+  const MatX matrices =
+      document_.accessor(document_.integer(json, "inverseBindMatrices", what), 16);
+  if (matrices.rows() < isize(skin.joints))
+    document_.fail("found " + std::to_string(matrices.rows()) + " matrices in " + what +
+                   ", expected " + std::to_string(skin.joints.size()) + " as it has joints");
+  for (int j = 0; j < isize(skin.joints); ++j)
+    skin.inverse[j] = matrices.row(j).transpose().reshaped(4, 4);
+  return skin;
+}
+
+void GltfSurface::add(int node) {
+  const int index = nodes_.nodes[node].mesh;
+  const Json& mesh = document_.item("meshes", index);
+  if (!mesh.contains("primitives") || !mesh["primitives"].is_array())
+    document_.fail("found no primitives in mesh " + std::to_string(index));
+  Part part;
+  part.node = node;
+  part.skin = nodes_.nodes[node].skin;
+  if (part.skin >= 0) skin(part.skin);
+  if (mesh.contains("weights") && mesh["weights"].is_array())
+    part.weights = document_.numbers(mesh, "weights", VecX::Zero(isize(mesh["weights"])));
+  int number = 0;
+  for (const Json& primitive : mesh["primitives"])
+    add_primitive(primitive, part,
+                  "primitive " + std::to_string(number++) + " of mesh " + std::to_string(index));
+}
+
+void GltfSurface::add_primitive(const Json& primitive, Part part, const std::string& what) {
+  if (!primitive.is_object()) document_.fail("found something else as " + what);
+  const long mode = document_.integer(primitive, "mode", kTriangles);
+  if (mode < kTriangles || mode > kFan) return;  // points and lines
+  const Json& attributes = member(primitive, "attributes");
+  const long position = document_.index(attributes, "POSITION");
+  const Json& extensions = member(primitive, "extensions");
+  for (const auto& [name, data] : extensions.items())
+    if (name == "KHR_draco_mesh_compression" &&
+        (position < 0 || !document_.item("accessors", position).contains("bufferView")))
+      document_.fail(what + " is compressed with " + name +
+                     ", which is not read: export it without");
+  if (position < 0) document_.fail("found no POSITION in " + what);
+  part.base = points_of(document_, position, -1, what);
+  if (primitive.contains("targets"))
+    for (const Json& target : primitive["targets"]) {
+      const long accessor = document_.index(target, "POSITION");
+      // Read once to know that it can be.
+      if (accessor >= 0) points_of(document_, accessor, part.base.rows(), what);
+      part.targets.push_back(accessor);
+    }
+  if (part.skin >= 0) read_joints(attributes, part, what);
+  part.first = vertex_count_;
+  const auto vertices = static_cast<int>(part.base.rows());
+  for (const auto& [a, b, c] : triangles_of(primitive, vertices, what))
+    triangles_.push_back({part.first + a, part.first + b, part.first + c});
+  if (vertex_count_ > 1000000000 - vertices) document_.fail("found too many vertices");
+  vertex_count_ += vertices;
+  parts_.push_back(std::move(part));
+}
+
+void GltfSurface::read_joints(const Json& attributes, Part& part, const std::string& what) const {
+  for (int set = 0;; ++set) {
+    const std::string j = "JOINTS_" + std::to_string(set), w = "WEIGHTS_" + std::to_string(set);
+    if (!attributes.contains(j) || !attributes.contains(w)) break;
+    const MatX joints = document_.accessor(document_.integer(attributes, j.c_str(), what), 4),
+               weights = document_.accessor(document_.integer(attributes, w.c_str(), what), 4);
+    if (joints.rows() != part.base.rows() || weights.rows() != part.base.rows())
+      document_.fail("found " + std::to_string(joints.rows()) + " joints and " +
+                     std::to_string(weights.rows()) + " weights in " + what + ", expected " +
+                     std::to_string(part.base.rows()) + " as its vertices");
+    part.joints.conservativeResize(part.base.rows(), 4 * set + 4);
+    part.joint_weights.conservativeResize(part.base.rows(), 4 * set + 4);
+    part.joints.rightCols(4) = joints;
+    part.joint_weights.rightCols(4) = weights;
+  }
+  if (part.joints.cols() == 0) {
+    part.skin = -1;
+    return;
+  }
+  const auto count = static_cast<double>(skins_[static_cast<size_t>(part.skin)].joints.size());
+  for (Eigen::Index i = 0; i < part.joints.rows(); ++i) {
+    // Some programs leave out weights of vertices that hang on the first joint alone.
+    const double sum = part.joint_weights.row(i).sum();
+    if (!std::isfinite(sum)) document_.fail("found a weight that is not finite in " + what);
+    if (sum > 0)
+      part.joint_weights.row(i) /= sum;
+    else
+      part.joint_weights(i, 0) = 1;
+    for (Eigen::Index k = 0; k < part.joints.cols(); ++k)
+      if (part.joint_weights(i, k) != 0 && !(part.joints(i, k) >= 0 && part.joints(i, k) < count))
+        document_.fail("found the joint " + std::to_string(static_cast<long>(part.joints(i, k))) +
+                       " of vertex " + std::to_string(i) + " in " + what + ", expected 0 to " +
+                       std::to_string(static_cast<long>(count) - 1));
+  }
+}
+
+std::vector<std::array<int, 3>> GltfSurface::triangles_of(const Json& primitive, int vertices,
+                                                          const std::string& what) const {
+  std::vector<int> corners;
+  if (primitive.contains("indices")) {
+    const long accessor = document_.integer(primitive, "indices", what);
+    const MatX indices = document_.accessor(accessor, 1);
+    for (Eigen::Index i = 0; i < indices.rows(); ++i) {
+      if (!(indices(i, 0) >= 0 && indices(i, 0) < vertices))
+        document_.fail("found the vertex " + std::to_string(static_cast<long>(indices(i, 0))) +
+                       " in accessor " + std::to_string(accessor) + " of " + what +
+                       ", expected 0 to " + std::to_string(vertices - 1));
+      corners.push_back(static_cast<int>(indices(i, 0)));
+    }
+  } else {
+    for (int i = 0; i < vertices; ++i) corners.push_back(i);
+  }
+  const long mode = document_.integer(primitive, "mode", kTriangles);
+  std::vector<std::array<int, 3>> triangles;
+  for (size_t i = 2; i < corners.size(); i += mode == kTriangles ? 3 : 1) {
+    if (mode == kFan)
+      triangles.push_back({corners[0], corners[i - 1], corners[i]});
+    else if (mode == kStrip && i % 2 == 1)
+      triangles.push_back({corners[i - 1], corners[i - 2], corners[i]});
+    else
+      triangles.push_back({corners[i - 2], corners[i - 1], corners[i]});
+  }
+  return triangles;
+}
+
+Points GltfSurface::at(const std::vector<GltfNode>& moment) const {
+  const std::vector<Mat4> world_transforms = nodes_.world_transforms(moment);
+  Points result(vertex_count_, 3);
+  for (const Part& part : parts_) {
+    Points points = part.base;
+    const VecX& weights =
+        moment[part.node].weights.size() > 0 ? moment[part.node].weights : part.weights;
+    for (Eigen::Index t = 0; t < std::min<Eigen::Index>(weights.size(), isize(part.targets)); ++t)
+      if (const long accessor = part.targets[t]; weights[t] != 0 && accessor >= 0)
+        points += weights[t] * document_.accessor(accessor, 3);
+    auto rows = result.middleRows(part.first, points.rows());
+    if (part.skin < 0) {
+      const Mat4& m = world_transforms[part.node];
+      rows = (points * m.topLeftCorner<3, 3>().transpose()).rowwise() +
+             m.topRightCorner<3, 1>().transpose();
+      continue;
+    }
+    const Skin& skin = skins_[static_cast<size_t>(part.skin)];
+    std::vector<Mat4> joints;
+    for (size_t j = 0; j < skin.joints.size(); ++j)
+      joints.push_back(world_transforms[skin.joints[j]] * skin.inverse[j]);
+    for (Eigen::Index i = 0; i < points.rows(); ++i) {
+      Mat4 sum = Mat4::Zero();
+      for (Eigen::Index k = 0; k < part.joints.cols(); ++k)
+        if (part.joint_weights(i, k) != 0)
+          sum += part.joint_weights(i, k) * joints[static_cast<size_t>(part.joints(i, k))];
+      const Vec3 p = points.row(i).transpose();
+      rows.row(i) = (sum.topLeftCorner<3, 3>() * p + sum.topRightCorner<3, 1>()).transpose();
+    }
+  }
+  return result;
+}
+
 namespace {
 
 constexpr double kMostFrames = 1e6;

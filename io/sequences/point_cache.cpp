@@ -5,14 +5,14 @@
 #include <optional>
 
 #include "batten/core/errors.h"
-#include "batten/core/isize.h"
-#include "batten/io/files/byte_order.h"
+#include "batten/core/containers.h"
+#include "batten/io/files/glb_file.h"
 #include "batten/io/files/input_file.h"
 #include "batten/io/files/text.h"
 #include "batten/io/files/toml_table.h"
 #include "batten/io/meshes/mesh_file.h"
 #include "batten/io/sequences/numbered_files.h"
-#include "batten/io/sequences/sequence_readers.h"
+#include "batten/io/sequences/sequence_files.h"
 
 namespace batten {
 namespace fs = std::filesystem;

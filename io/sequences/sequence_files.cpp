@@ -4,7 +4,8 @@
 
 #include "batten/core/errors.h"
 #include "batten/io/files/text.h"
-#include "batten/io/sequences/sequence_readers.h"
+#include "batten/core/containers.h"
+#include "batten/io/decks/frd_results.h"
 
 namespace batten {
 
@@ -30,6 +31,68 @@ MeshSequence read_sequence(const std::filesystem::path& path, const SequenceOpti
   MeshSequence sequence = read(path, options, progress);
   check(sequence, path.string());
   sequence.shells.points = sequence.frames.front();
+  return sequence;
+}
+
+
+// Results of CalculiX as frames: the skin of the model in each step.
+
+namespace {
+
+/// The skin's faces, and which nodes of the model its nodes are.
+struct Skin {
+  ShellMesh shells;
+  std::vector<int> nodes;
+};
+
+Skin skin_of(const FrdMesh& mesh, const std::string& name) {
+  std::vector<FrdFace> faces;
+  try {
+    faces = outer_faces(mesh);
+  } catch (const InputError& error) {
+    throw InputError(name + ": " + error.what());
+  }
+  if (faces.empty())
+    throw InputError(name + ": found no solids or shells with faces, expected some");
+  std::vector<int> number(mesh.labels.size(), -1);
+  for (const FrdFace& face : faces)
+    for (const int node : face.nodes) number[node] = 0;
+  Skin skin;
+  for (int i = 0; i < isize(number); ++i)
+    if (number[i] == 0) {
+      number[i] = isize(skin.nodes);
+      skin.nodes.push_back(i);
+    }
+  for (FrdFace& face : faces) {
+    for (int& node : face.nodes) node = number[node];
+    skin.shells.add_face(face.nodes, face.second_order);
+  }
+  skin.shells.points = mesh.points(skin.nodes, Eigen::all);
+  return skin;
+}
+
+}  // namespace
+
+MeshSequence read_frd_sequence(const std::filesystem::path& path, const SequenceOptions& options,
+                               const Progress& progress) {
+  progress.update("reading results", 0);
+  MeshSequence sequence;
+  Skin skin;
+  std::vector<double> values;
+  read_frd_steps(path, [&](const FrdMesh& mesh, double value, const Points& displacements) {
+    if (values.empty()) skin = skin_of(mesh, path.string());
+    progress.update("reading results", 0);
+    values.push_back(value);
+    const int k = isize(values);
+    if (k < options.first || (options.last > 0 && k > options.last)) return;
+    sequence.frames.push_back(Points(mesh.points + displacements)(skin.nodes, Eigen::all));
+  });
+  sequence.shells = std::move(skin.shells);
+  const FrameRange range = frame_range(options, isize(values), path.string());
+  bool ascend = true;
+  for (size_t k = 1; k < values.size(); ++k) ascend = ascend && values[k] > values[k - 1];
+  for (int k = range.first; k < range.first + range.count; ++k)
+    sequence.times.push_back(ascend ? values[static_cast<size_t>(k)] : k + 1);
   return sequence;
 }
 

@@ -2,12 +2,34 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
 
 #include "batten/core/progress.h"
-#include "batten/io/sequences/sequence_options.h"
 #include "batten/mesh/sequence/mesh_sequence.h"
 
 namespace batten {
+
+// What the reader of a sequence is told beside its path.
+
+/// How a sequence is read. Frames are counted from 1 in the order of their numbers or times.
+struct SequenceOptions {
+  /// A mesh file with the faces of a point cache. Empty: the mesh beside it that has its stem, the
+  /// first of the numbered files that begin with its stem, or the only mesh of its folder.
+  std::filesystem::path mesh;
+  /// The first and the last frame that are read; 0 as the last: up to the end. Only these are held
+  /// in memory, and of formats that let frames be passed over only these are read.
+  int first = 1, last = 0;
+  /// Whether numbers may be missing in a run of files.
+  bool allow_gaps = false;
+  /// glTF: an animation by its name or its number, counted from 1; empty: the first one.
+  std::string animation;
+  /// glTF: frames a second, from the first key of the animation to its last; 0: a frame at each key.
+  double frames_per_second = 24;
+  /// glTF: whether vertices that lie at one place in all frames (of the whole animation, up to 1e-6
+  /// of the size) are one node: seams of textures and of normals. Else the surface is cut there.
+  bool weld_seams = true;
+};
+
 
 /// Reads a deforming mesh. What `path` may be:
 ///
@@ -35,5 +57,25 @@ namespace batten {
 /// where `progress` asks for it. O(frames · size); memory: the frames, and one file.
 MeshSequence read_sequence(const std::filesystem::path& path, const SequenceOptions& options = {},
                            const Progress& progress = {});
+
+
+// The readers of sequences, one for each kind of file. Internal.
+
+/// Frames that are read, counted from 0.
+struct FrameRange {
+  int first = 0, count = 0;
+  bool has(int frame) const { return frame >= first && frame < first + count; }
+};
+
+/// The frames of `all` that the options ask for. Throws InputError when they are not there.
+FrameRange frame_range(const SequenceOptions& options, long all, const std::string& name);
+
+/// Points of a frame are one vertex where they lie this near to each other, over the size.
+inline constexpr double kWeldTolerance = 1e-6;
+
+using SequenceReader = MeshSequence(const std::filesystem::path&, const SequenceOptions&,
+                                    const Progress&);
+SequenceReader read_numbered_sequence, read_pvd_sequence, read_pc2_sequence, read_mdd_sequence,
+    read_gltf_sequence, read_frd_sequence;
 
 }  // namespace batten

@@ -5,7 +5,6 @@
 
 #include "batten/io/files/atomic_file.h"
 #include "batten/io/files/input_file.h"
-#include "batten/io/files/nesting.h"
 #include "batten/io/scene/scene_parsing.h"
 #include "batten/io/sessions/session_log_entities.h"
 

@@ -1,6 +1,6 @@
 #include "batten/io/sessions/session_log_entities.h"
 
-#include "batten/core/isize.h"
+#include "batten/core/containers.h"
 
 namespace batten::session_log {
 namespace {

@@ -16,18 +16,17 @@
 #include <vtkUnstructuredGrid.h>
 #include <vtkXMLPolyDataWriter.h>
 #include <vtkXMLUnstructuredGridWriter.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <map>
+#include <charconv>
 
 #include "batten/core/errors.h"
-#include "batten/core/isize.h"
+#include "batten/core/containers.h"
 #include "batten/core/parallel.h"
 #include "batten/io/files/atomic_file.h"
 #include "batten/io/vtk/vtk_message_capture.h"
-#include "batten/io/vtk/write_vtk_xml.h"
 #include "batten/skinning/facets/facets.h"
 
 namespace batten {
@@ -334,6 +333,98 @@ void write_vtu(const fs::path& path, const std::vector<const SkinnedRegion*>& re
   cells.give_to(*grid, regions);
   vtkNew<vtkXMLUnstructuredGridWriter> writer;
   write_vtk_xml(*writer, grid, path);
+}
+
+namespace {
+
+std::string all_digits(double value) {
+  std::array<char, 32> text;
+  const auto end = std::to_chars(text.data(), text.data() + text.size(), value).ptr;
+  return {text.data(), end};
+}
+
+std::string escaped(const std::string& text) {
+  std::string result;
+  for (const char c : text) {
+    if (c == '&')
+      result += "&amp;";
+    else if (c == '<')
+      result += "&lt;";
+    else if (c == '"')
+      result += "&quot;";
+    else
+      result += c;
+  }
+  return result;
+}
+
+}  // namespace
+
+void write_pvd(const std::filesystem::path& path, const std::vector<SeriesFile>& files) {
+  if (files.empty()) throw InputError(path.string() + ": found no files, expected a series");
+  for (size_t i = 0; i < files.size(); ++i) {
+    if (!std::isfinite(files[i].value))
+      throw InputError(path.string() + ": found the value " + format_number(files[i].value) +
+                       ", expected finite numbers");
+    if (i > 0 && !((files[i].value - files[i - 1].value) * (files[1].value - files[0].value) > 0))
+      throw InputError(path.string() + ": found the value " + format_number(files[i].value) +
+                       " after " + format_number(files[i - 1].value) +
+                       ", expected values in one direction");
+  }
+  write_file_atomically(path, [&](std::ostream& out) {
+    out << "<?xml version=\"1.0\"?>\n"
+           "<VTKFile type=\"Collection\" version=\"0.1\" byte_order=\"LittleEndian\">\n"
+           "  <Collection>\n";
+    for (const SeriesFile& f : files)
+      out << "    <DataSet timestep=\"" << all_digits(f.value) << "\" group=\"\" part=\"0\" file=\""
+          << escaped(f.file) << "\"/>\n";
+    out << "  </Collection>\n</VTKFile>\n";
+  });
+}
+
+
+vtkSmartPointer<vtkPolyData> shell_poly_data(const ShellMesh& shells, const Points& points) {
+  vtkNew<vtkPoints> nodes;
+  nodes->SetDataTypeToDouble();
+  for (long v = 0; v < points.rows(); ++v)
+    nodes->InsertNextPoint(points(v, 0), points(v, 1), points(v, 2));
+  vtkNew<vtkCellArray> cells;
+  for (int f = 0; f < shells.face_count(); ++f) {
+    const auto face = shells.face(f);
+    const size_t n = shells.corners(f).size();
+    cells->InsertNextCell(isize(face));
+    for (size_t i = 0; i < n; ++i) {
+      cells->InsertCellPoint(face[i]);
+      if (shells.second_order(f)) cells->InsertCellPoint(face[n + i]);
+    }
+  }
+  auto data = vtkSmartPointer<vtkPolyData>::New();
+  data->SetPoints(nodes);
+  data->SetPolys(cells);
+  return data;
+}
+
+void write_deformed_vtp(const std::filesystem::path& path, const ShellMesh& shells,
+                        const DeformedData& data) {
+  const auto poly = shell_poly_data(shells, shells.points);
+  vtkNew<vtkDoubleArray> displacement;
+  displacement->SetName("Displacement");
+  displacement->SetNumberOfComponents(3);
+  for (long v = 0; v < data.displacement.rows(); ++v)
+    displacement->InsertNextTuple3(data.displacement(v, 0), data.displacement(v, 1),
+                                   data.displacement(v, 2));
+  poly->GetPointData()->SetVectors(displacement);
+  vtkNew<vtkIntArray> feature;
+  feature->SetName("Feature");
+  for (const int f : data.feature) feature->InsertNextValue(f);
+  poly->GetPointData()->AddArray(feature);
+  vtkNew<vtkStringArray> names;
+  names->SetName("Feature_names");
+  for (const auto& name : data.feature_names) names->InsertNextValue(name.c_str());
+  poly->GetFieldData()->AddArray(names);
+
+  vtkNew<vtkXMLPolyDataWriter> writer;
+  write_vtk_xml(*writer, poly, path);
 }
 
 }  // namespace batten

@@ -8,6 +8,7 @@
 
 #include "batten/skinning/region/skinned_region.h"
 #include "batten/skinning/surfaces/surface_model.h"
+#include "batten/mesh/shell_mesh.h"
 
 template <class T>
 class vtkSmartPointer;
@@ -83,5 +84,60 @@ void write_vtp(const std::filesystem::path& path, const std::vector<const Skinne
 /// the element at their middles. Throws InputError as write_vtp().
 void write_vtu(const std::filesystem::path& path, const std::vector<const SkinnedRegion*>& regions,
                const VtkOptions& options = {});
+
+}  // namespace batten
+
+// Writes VTK's XML files. Internal.
+
+class vtkDataObject;
+class vtkXMLWriter;
+
+namespace batten {
+
+/// Writes `data` with the writer: binary appended, compressed. The file appears whole or not at
+/// all. Throws InputError when it cannot be written.
+void write_vtk_xml(vtkXMLWriter& writer, vtkDataObject* data, const std::filesystem::path& path);
+
+
+// Writes series of VTK files: one shape for each value of a parameter, or for each moment.
+
+/// One file of a series and the number that it stands for, which ParaView shows as its time.
+struct SeriesFile {
+  double value = 0;
+  std::string file;  ///< path relative to the .pvd file
+};
+
+/// Writes a .pvd file, by which ParaView opens and plays the whole series. Values have all their
+/// digits. The file appears whole or not at all. Throws InputError: no files, values that are not
+/// finite or do not ascend or descend strictly (ParaView would merge or reorder them), a file that
+/// cannot be written.
+void write_pvd(const std::filesystem::path& path, const std::vector<SeriesFile>& files);
+
+}  // namespace batten
+
+// Writes deformed shell meshes as VTK's files.
+
+template <class T>
+class vtkSmartPointer;
+class vtkPolyData;
+
+namespace batten {
+
+/// What a deformation did to each of the n nodes.
+struct DeformedData {
+  Points displacement;       ///< displacement of each node, n×3
+  std::vector<int> feature;  ///< index of each node's feature in feature_names, -1 for none
+  std::vector<std::string> feature_names;
+};
+
+/// The faces as polygons in VTK's data, in double precision. A face of second order is a polygon
+/// through all its nodes, in the order in which they lie around it.
+vtkSmartPointer<vtkPolyData> shell_poly_data(const ShellMesh& shells, const Points& points);
+
+/// Writes the mesh, its nodes at `shells.points`, as a .vtp file with point data Displacement and
+/// Feature and field data Feature_names. It appears whole or not at all. Throws InputError when it
+/// cannot be written.
+void write_deformed_vtp(const std::filesystem::path& path, const ShellMesh& shells,
+                        const DeformedData& data);
 
 }  // namespace batten

@@ -5,13 +5,10 @@
 #include <map>
 #include <set>
 
-#include "batten/core/disjoint_sets.h"
+#include "batten/core/containers.h"
 #include "batten/core/errors.h"
-#include "batten/core/isize.h"
-#include "batten/core/rotations.h"
-#include "batten/core/sorted_unique.h"
-#include "batten/core/sparse_cholesky.h"
-#include "batten/mesh/deform/similarity.h"
+#include "batten/core/geometry.h"
+#include "batten/core/solvers/sparse_cholesky.h"
 #include "batten/mesh/rotation_fitting.h"
 
 namespace batten {

@@ -8,7 +8,7 @@
 
 #include "batten/core/eigen.h"
 #include "batten/mesh/deform/deform_problem.h"
-#include "batten/mesh/non_shell_element.h"
+#include "batten/mesh/shell_mesh.h"
 
 namespace batten {
 

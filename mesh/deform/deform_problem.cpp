@@ -4,8 +4,8 @@
 #include <set>
 
 #include "batten/core/errors.h"
-#include "batten/core/isize.h"
-#include "batten/core/rotations.h"
+#include "batten/core/containers.h"
+#include "batten/core/geometry.h"
 
 namespace batten {
 namespace {

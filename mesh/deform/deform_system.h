@@ -7,6 +7,7 @@
 
 #include "batten/constraints/constraint_set.h"
 #include "batten/mesh/deform/deform_problem.h"
+#include "batten/constraints/affine_reduction.h"
 
 namespace batten {
 
@@ -87,5 +88,15 @@ struct DeformSystem {
 
 /// K_q: the cotangent Laplacian of the dofs, lower triangle.
 SparseMatrix laplacian_of(const DeformSystem& system, const TriangleMesh& mesh);
+
+
+// The reduced least-squares problem. Internal.
+
+/// The matrix B = A D, by rows.
+RowMatrix reduced_matrix(const RowMatrix& A, const AffineReduction& reduction);
+
+/// Lower triangle of Bᵀ B, column by column: for each row that meets the column, its entries from
+/// there on. `rows` is B by rows. On all cores, the same bits on one.
+SparseMatrix normal_matrix(const SparseMatrix& B, const RowMatrix& rows);
 
 }  // namespace batten

@@ -1,15 +1,126 @@
 #include "batten/mesh/deform/form_feature_deformer.h"
 
 #include <cmath>
+#include <algorithm>
+#include <numbers>
+#include <utility>
+#include <vector>
 
 #include "batten/core/errors.h"
-#include "batten/core/isize.h"
+#include "batten/core/containers.h"
 #include "batten/core/parallel.h"
-#include "batten/core/parallel_chunks.h"
-#include "batten/mesh/deform/form_feature_data.h"
-#include "batten/mesh/deform/normal_equations.h"
+#include "batten/mesh/deform/deform_system.h"
+#include "batten/core/geometry.h"
+#include "batten/mesh/rotation_fitting.h"
+#include "batten/constraints/affine_reduction.h"
+#include "batten/constraints/schur_complement_constraints.h"
+#include "batten/core/solvers/sparse_cholesky.h"
 
 namespace batten {
+
+// What FormFeatureDeformer consists of. Internal.
+
+// Inside of FormFeatureDeformer: the smooth field of rotations that curvature turns with.
+
+/// The logarithms of the rotations are harmonic, and linear in the turns of the handles: each
+/// handle's weight is solved for once, and an edit costs no solve.
+class RotationField {
+ public:
+  RotationField(const DeformSystem& system, long handles);
+
+  /// Finds the weights: one factor. Throws NoSolutionError.
+  void solve_weights(const DeformSystem& system, const TriangleMesh& mesh);
+
+  /// The logarithms of an edit (dofs × 3), Σ weights · turns. Allocates nothing. Throws
+  /// ConflictError when rows that are implied by others are contradicted.
+  void evaluate(const DeformSystem& system, const DeformEdit& edit, Points& logs);
+
+  /// Changes logs of evaluate() so that given dofs have their own, with all that turns as they do, and
+  /// the rest is harmonic between: one factor for one set of dofs. What handles and fixed vertices say
+  /// stays. Throws NoSolutionError.
+  void prescribe(const DeformSystem& system, const TriangleMesh& mesh,
+                 const std::vector<std::pair<int, Vec3>>& given, Points& logs);
+
+  /// Whether no handle turned in the last edit.
+  bool is_identity() const { return handle_rotations_.isZero(0); }
+
+ private:
+  void factorize_free(const DeformSystem& system, const TriangleMesh& mesh,
+                      std::vector<char> prescribed);
+
+  AffineReduction reduction_;
+  MatX weights_;           // dofs × handles
+  MatX handle_rotations_;  // handles × 3
+  MatX rhs_;               // right-hand sides of the rows
+  // What passes through given logarithms: which free unknowns are told, the numbers of the others, the
+  // reduced Laplacian, the factor of its rest.
+  std::vector<char> prescribed_;
+  std::vector<int> free_index_;
+  SparseMatrix reduced_;
+  SparseCholesky free_factor_;
+};
+
+
+struct FormFeatureData {
+  FormFeatureData(const TriangleMesh& mesh, DeformProblem problem);
+
+  void extract_constrained_columns();
+  void couple_point_constraints();
+  void set_targets(const DeformEdit& edit, const ShapeEstimate* estimate);
+  /// The target of a LinearConstraint's row, before it turns.
+  Vec3 unrotated_target(const DeformEdit& edit, long row) const;
+  /// Curvature in the estimate, where it knows all vertices of the row.
+  bool estimated_target(const ShapeEstimate& estimate, long row, Vec3& target) const;
+  /// Turns of features, curvature, lines and rows in the estimate.
+  Vec3 ring_rotation_vector(const ShapeEstimate& estimate, int dof) const;
+  void apply_estimated_rotations(const ShapeEstimate& estimate);
+  void check_estimate(const ShapeEstimate& estimate) const;
+  /// Solves with hard values, guides and targets as they are set.
+  const Points& solve(const DeformEdit& edit);
+  void set_hard_values(const DeformEdit& edit);
+  void set_point_constraints(const DeformEdit& edit);
+  void expand(const DeformEdit& edit);
+  double scale_of(const DeformEdit& edit, int scaled_by) const;
+  /// Where coupling row k wants its point, relative to the origin; a vector as it is.
+  Vec3 constraint_origin(const DeformEdit& edit, size_t k) const {
+    const VertexCombination& point = problem.point_constraints[constraint_of_equation[k]].point;
+    const Vec3 place = edit.constraint_origins.empty()
+                           ? point.at(mesh.points())
+                           : edit.constraint_origins[constraint_of_equation[k]];
+    return std::abs(point.sum()) < 0.5 ? place : Vec3(place - system.origin);
+  }
+  void add_point_equation(ConstraintSet& set, size_t k, double value) const;
+  /// r = b - A x, x the shape with the free unknowns at rest: the solution is then a change of shape,
+  /// and so are its errors.
+  void start_residual();
+  /// load = Bᵀ r.
+  void reduce_residual();
+  Vec3 rotation_vector_at(int dof) const { return q.row(dof).transpose(); }
+
+  TriangleMesh mesh;
+  DeformProblem problem;
+  DeformSystem system;
+  AffineReduction positions;
+  RotationField rotations;
+  SparseMatrix B;                   // A D
+  RowMatrix A_constrained_columns;  // the columns of A where d0 may be other than zero
+  SparseCholesky factor;
+  SchurComplementConstraints coupling;
+  std::vector<Vec3> equation_directions;    // of each coupling row
+  std::vector<int> constraint_of_equation;  // guided point of each coupling row
+  double size;
+
+  Points q, last_valid_q;     // logarithms, dofs × 3, of this edit and of the last good one
+  MatX rhs;                   // right-hand sides of the hard rows
+  VecX g;                     // of the coupling rows
+  RowPoints b, r, rest_rows;  // rest_rows = B y_rest
+  MatX y, y_rest, load, x;
+  Points result;
+  DeformEdit last;
+  bool solved = false;       // result is the answer to `last`
+  bool can_correct = false;  // and so are y, b, d0
+};
+
 namespace {
 
 DeformProblem checked(DeformProblem problem, const TriangleMesh& mesh) {
@@ -260,6 +371,323 @@ FormFeatureDeformer::ProblemMatrices FormFeatureDeformer::problem_matrices(const
     d.add_point_equation(s.constraints, static_cast<size_t>(k),
                          d.equation_directions[k].dot(d.constraint_origin(edit, k)));
   return s;
+}
+
+
+// Right-hand sides of an edit: where rows, handles, features and guides want to be.
+
+namespace {
+
+constexpr double kContradiction =
+    1e-9;  // of the size: guided points that cannot be where they should
+
+bool is_known(const ShapeEstimate& estimate, int vertex) {
+  return estimate.known.empty() || estimate.known[vertex];
+}
+
+}  // namespace
+
+double FormFeatureData::scale_of(const DeformEdit& edit, int scaled_by) const {
+  if (scaled_by < 0) return 1;
+  const auto features = isize(problem.features);
+  if (scaled_by >= features) return edit.handles[scaled_by - features].scale;
+  return edit.feature_scales.empty() ? 1 : edit.feature_scales[scaled_by];
+}
+
+Vec3 FormFeatureData::unrotated_target(const DeformEdit& edit, long row) const {
+  const LinearConstraint& constraint = problem.rows[system.linear_constraint_of_row[row]];
+  const Vec3 target =
+      edit.targets.empty() ? constraint.target : edit.targets[system.linear_constraint_of_row[row]];
+  return std::sqrt(*constraint.weight) * target;
+}
+
+bool FormFeatureData::estimated_target(const ShapeEstimate& estimate, long row,
+                                       Vec3& target) const {
+  if (row >= system.curvature_rows || estimate.use != ShapeEstimate::Use::Shape) return false;
+  Vec3 sum = Vec3::Zero();
+  for (RowMatrix::InnerIterator a(system.A, row); a; ++a) {
+    const int v = system.vertex[a.col()];
+    if (!is_known(estimate, v)) return false;
+    sum += a.value() * (estimate.positions.row(v) - system.origin.transpose()).transpose();
+  }
+  target = sum;
+  return true;
+}
+
+void FormFeatureData::set_targets(const DeformEdit& edit, const ShapeEstimate* estimate) {
+  const bool is_identity = rotations.is_identity() && !estimate;
+  parallel_chunks(b.rows(), [&](long first, long last) {
+    for (long i = first; i < last; ++i) {
+      Vec3 target = system.base.row(i).transpose();
+      int scaled_by = system.scaled_by[i];
+      if (estimate && estimated_target(*estimate, i, target)) {
+        if (scaled_by >= isize(problem.features)) scaled_by = -1;  // handles have theirs there
+      } else {
+        if (system.linear_constraint_of_row[i] >= 0) target = unrotated_target(edit, i);
+        const int rotates_with = system.rotates_with[i];
+        if (!is_identity && rotates_with >= 0)
+          target = rotated(rotation_vector_at(rotates_with), target);
+      }
+      if (system.linear_constraint_of_row[i] >= 0) {
+        // Positions are relative to the origin.
+        double sum = 0;
+        for (RowMatrix::InnerIterator a(system.A, i); a; ++a) sum += a.value();
+        target -= sum * system.origin;
+      }
+      b.row(i) = scale_of(edit, scaled_by) * target.transpose();
+    }
+  });
+}
+
+void FormFeatureData::check_estimate(const ShapeEstimate& e) const {
+  const auto fits = [](const char* what, size_t found, size_t expected) {
+    if (found != expected)
+      throw InputError("the estimate has " + std::to_string(found) + " " + what + ", expected " +
+                       std::to_string(expected));
+  };
+  fits("positions", static_cast<size_t>(e.positions.rows()),
+       static_cast<size_t>(mesh.vertex_count()));
+  if (!e.known.empty())
+    fits("known vertices", e.known.size(), static_cast<size_t>(mesh.vertex_count()));
+  if (!e.feature_rotations.empty())
+    fits("turns of features", e.feature_rotations.size(), problem.features.size());
+  if (!e.positions.allFinite()) throw InputError("the estimate has a position that is not finite");
+}
+
+Vec3 FormFeatureData::ring_rotation_vector(const ShapeEstimate& estimate, int dof) const {
+  const MeshTopology& topology = mesh.topology();
+  std::vector<int> ring{system.vertex[dof]};
+  for (const int v : topology.coincident_vertices(system.vertex[dof]))
+    ring.insert(ring.end(), topology.neighbours(v).begin(), topology.neighbours(v).end());
+  return to_rotation_vector(rotation_of_face(ring, mesh.points(), estimate.positions));
+}
+
+void FormFeatureData::apply_estimated_rotations(const ShapeEstimate& estimate) {
+  std::vector<std::pair<int, Vec3>> given;
+  for (size_t f = 0; f < estimate.feature_rotations.size(); ++f)
+    if (estimate.feature_rotations[f])
+      given.emplace_back(system.feature_dof[f], to_rotation_vector(*estimate.feature_rotations[f]));
+  rotations.prescribe(system, mesh, given, q);
+  if (estimate.use == ShapeEstimate::Use::Rotations) return;
+  // Lines and rows turn with the shape that all else has.
+  for (long i = system.curvature_rows; i < b.rows(); ++i)
+    if (const int d = system.rotates_with[i];
+        d >= 0 && is_known(estimate, system.vertex[d]) &&
+        system.constrained_by[system.vertex[d]] == DeformSystem::kFree)
+      q.row(d) = ring_rotation_vector(estimate, d);
+}
+
+void FormFeatureData::set_hard_values(const DeformEdit& edit) {
+  using Kind = DeformSystem::Value::Kind;
+  for (size_t k = 0; k < system.values.size(); ++k) {
+    const auto& value = system.values[k];
+    Vec3 d;
+    if (value.kind == Kind::Fixed) {
+      d = system.rest.row(value.vertex);
+    } else if (value.kind == Kind::Handle) {
+      d = edit.handles[value.source](mesh.point(value.vertex)) - system.origin;
+    } else if (value.kind == Kind::Feature) {
+      d = scale_of(edit, value.source) *
+          rotated(rotation_vector_at(system.feature_dof[value.source]),
+                  (system.rest.row(value.vertex) - system.rest.row(value.reference)).transpose());
+    } else if (value.kind == Kind::CoincidentVertices) {
+      d = Vec3::Zero();
+    } else {
+      const LinearConstraint& row = problem.rows[value.source];
+      d = edit.targets.empty() ? row.target : edit.targets[value.source];
+      if (row.rotates_with >= 0) d = rotated(rotation_vector_at(system.dof[row.rotates_with]), d);
+      double sum = 0;
+      for (const auto& e : row.combination.entries) sum += e.coefficient;
+      d -= sum * system.origin;
+    }
+    rhs.row(static_cast<long>(k)) = d;
+  }
+  positions.set_rhs(rhs);
+}
+
+void FormFeatureData::set_point_constraints(const DeformEdit& edit) {
+  for (size_t k = 0; k < constraint_of_equation.size(); ++k) {
+    double reached = equation_directions[k].dot(constraint_origin(edit, k));
+    for (const auto& e : problem.point_constraints[constraint_of_equation[k]].point.entries)
+      reached -=
+          e.coefficient * equation_directions[k].dot(positions.d0().row(system.dof[e.vertex]));
+    g[static_cast<long>(k)] = reached;
+  }
+  const auto [missed, row] = coupling.contradiction(g);
+  if (!(missed > kContradiction * size)) return;
+  // The elimination of all rows together names those that take part.
+  ConstraintSet all = system.positions;
+  for (size_t k = 0; k < constraint_of_equation.size(); ++k) add_point_equation(all, k, 0);
+  AffineReduction named(all, AffineReduction::RhsMode::Deferred);
+  MatX stacked(3 * rhs.rows() + g.size(), 1);
+  for (long k = 0; k < rhs.rows(); ++k) stacked.block<3, 1>(3 * k, 0) = rhs.row(k).transpose();
+  for (size_t k = 0; k < constraint_of_equation.size(); ++k)
+    stacked(3 * rhs.rows() + static_cast<long>(k), 0) =
+        equation_directions[k].dot(constraint_origin(edit, k));
+  named.set_rhs(stacked);
+  throw ConflictError({{{problem.point_constraints[constraint_of_equation[row]].name}, missed}});
+}
+
+
+RotationField::RotationField(const DeformSystem& system, long handles)
+    : reduction_(system.rotations, AffineReduction::RhsMode::Deferred),
+      handle_rotations_(MatX::Zero(handles, 3)),
+      rhs_(MatX::Zero(static_cast<long>(system.rotated_by.size()), 3)) {}
+
+// 1 on a handle's own vertices, 0 on everything else that is held, harmonic between.
+void RotationField::solve_weights(const DeformSystem& system, const TriangleMesh& mesh) {
+  const long handles = handle_rotations_.rows();
+  MatX indicator = MatX::Zero(static_cast<long>(system.rotated_by.size()), handles);
+  for (size_t r = 0; r < system.rotated_by.size(); ++r)
+    if (system.rotated_by[r] >= 0) indicator(static_cast<long>(r), system.rotated_by[r]) = 1;
+  weights_ = reduction_.particular_solution(indicator);
+  if (reduction_.free_count() == 0 || handles == 0) return;
+  const SparseMatrix L = laplacian_of(system, mesh);
+  const SparseMatrix reduced = reduction_.reduce(L);
+  SparseCholesky factor;
+  factor.analyze(reduced);
+  if (!factor.factorize(reduced))
+    throw NoSolutionError("the field of rotations: " + factor.message());
+  MatX load = reduction_.D().transpose() * MatX(L.selfadjointView<Eigen::Lower>() * -weights_);
+  factor.solve_in_place(load);
+  weights_.noalias() += reduction_.D() * load;
+}
+
+void RotationField::evaluate(const DeformSystem& system, const DeformEdit& edit, Points& logs) {
+  for (size_t h = 0; h < edit.handles.size(); ++h)
+    handle_rotations_.row(static_cast<long>(h)) = edit.handles[h].rotation_vector;
+  if (reduction_.redundant_count() > 0) {  // only they can contradict
+    for (size_t k = 0; k < system.rotated_by.size(); ++k)
+      if (const int h = system.rotated_by[k]; h >= 0)
+        rhs_.row(static_cast<long>(k)) = handle_rotations_.row(h);
+    try {
+      reduction_.set_rhs(rhs_);
+    } catch (const ConflictError& e) {
+      std::vector<ConflictError::Conflict> conflicts = e.conflicts();
+      for (auto& c : conflicts) {
+        c.amount *= 360 / std::numbers::pi;  // logarithms are half the angle
+        c.unit = " degrees of turn";
+      }
+      throw ConflictError(std::move(conflicts));
+    }
+  }
+  // By hand: Eigen's product may ask for memory.
+  parallel_chunks(logs.rows(), [&](long first, long last) {
+    for (int c = 0; c < 3; ++c) {
+      auto column = logs.col(c).segment(first, last - first);
+      column.setZero();
+      for (long h = 0; h < handle_rotations_.rows(); ++h)
+        if (handle_rotations_(h, c) != 0)
+          column += handle_rotations_(h, c) * weights_.col(h).segment(first, last - first);
+    }
+  });
+}
+
+void RotationField::factorize_free(const DeformSystem& system, const TriangleMesh& mesh,
+                                   std::vector<char> prescribed) {
+  if (prescribed == prescribed_) return;
+  prescribed_.clear();  // until the factor is there
+  free_index_.assign(prescribed.size(), -1);
+  int open = 0;
+  for (size_t c = 0; c < prescribed.size(); ++c)
+    if (!prescribed[c]) free_index_[c] = open++;
+  reduced_ = reduction_.reduce(laplacian_of(system, mesh));
+  std::vector<Triplet> entries;
+  for (int c = 0; c < reduced_.cols(); ++c)
+    for (SparseMatrix::InnerIterator e(reduced_, c); e; ++e)
+      if (free_index_[e.row()] >= 0 && free_index_[c] >= 0)
+        entries.emplace_back(free_index_[e.row()], free_index_[c], e.value());
+  if (open > 0) {
+    SparseMatrix rest(open, open);
+    rest.setFromTriplets(entries.begin(), entries.end());
+    free_factor_.analyze(rest);
+    if (!free_factor_.factorize(rest))
+      throw NoSolutionError("the field of rotations: " + free_factor_.message());
+  }
+  prescribed_ = std::move(prescribed);
+}
+
+void RotationField::prescribe(const DeformSystem& system, const TriangleMesh& mesh,
+                              const std::vector<std::pair<int, Vec3>>& given, Points& logs) {
+  const SparseMatrix& D = reduction_.D();
+  const RowMatrix by_rows = D;
+  MatX change = MatX::Zero(D.cols(), 3);
+  std::vector<char> prescribed(D.cols(), 0);
+  for (const auto& [dof, log] : given)
+    for (RowMatrix::InnerIterator e(by_rows, dof); e; ++e) {  // one at most: turns are only equal
+      if (prescribed[e.col()]) continue;
+      prescribed[e.col()] = 1;
+      change.row(e.col()) = log.transpose() - logs.row(dof);
+    }
+  factorize_free(system, mesh, std::move(prescribed));
+  const auto open = std::count(prescribed_.begin(), prescribed_.end(), 0);
+  MatX load = MatX::Zero(open, 3);
+  for (int c = 0; c < reduced_.cols(); ++c)
+    for (SparseMatrix::InnerIterator e(reduced_, c); e; ++e) {
+      const int i = free_index_[e.row()], j = free_index_[c];
+      if (i >= 0 && j < 0) load.row(i) -= e.value() * change.row(c);
+      if (i < 0 && j >= 0) load.row(j) -= e.value() * change.row(e.row());
+    }
+  if (open > 0) free_factor_.solve_in_place(load);
+  for (int c = 0; c < D.cols(); ++c)
+    if (free_index_[c] >= 0) change.row(c) = load.row(free_index_[c]);
+  logs += D * change;
+}
+
+
+// How far positions are from what a problem states, apart from the deformer's own rows.
+
+double hard_residual(const TriangleMesh& mesh, const DeformProblem& problem, const DeformEdit& edit,
+                     const Points& p, const Points& logs) {
+  double worst = 0;
+  const auto accumulate = [&](double off) {
+    // What is not a number is worse than everything.
+    if (!std::isnan(worst) && !(off <= worst)) worst = off;
+  };
+  const auto point = [&](int v) { return Vec3(p.row(v).transpose()); };
+  std::vector<char> may_move(mesh.vertex_count(), problem.region ? 0 : 1);
+  if (problem.region)
+    for (const int v : *problem.region) may_move[v] = 1;
+  for (size_t h = 0; h < problem.handles.size(); ++h)
+    for (const int v : problem.handles[h].vertices) {
+      may_move[v] = 1;
+      accumulate((point(v) - edit.handles[h](mesh.point(v))).norm());
+    }
+  for (const int v : problem.fixed) may_move[v] = 0;
+  for (int v = 0; v < mesh.vertex_count(); ++v)
+    if (!may_move[v]) accumulate((point(v) - mesh.point(v)).norm());
+
+  for (size_t f = 0; f < problem.features.size(); ++f) {
+    const double scale = edit.feature_scales.empty() ? 1 : edit.feature_scales[f];
+    const auto& feature = problem.features[f];
+    const Similarity fit = fit_similarity(mesh.points(), p, feature.vertices, scale);
+    const Vec3 first = mesh.point(feature.vertices[0]);
+    for (const int v : feature.vertices) {
+      accumulate((fit.scale * (fit.R * mesh.point(v)) + fit.translation - point(v)).norm());
+      if (feature.kind == FormFeature::Kind::TranslationOnly)
+        accumulate(
+            (scale * (mesh.point(v) - first) - (point(v) - point(feature.vertices[0]))).norm());
+    }
+  }
+  for (size_t k = 0; k < problem.point_constraints.size(); ++k) {
+    const PointConstraint& constraint = problem.point_constraints[k];
+    const Vec3 constraint_origin = edit.constraint_origins.empty()
+                                       ? constraint.point.at(mesh.points())
+                                       : edit.constraint_origins[k];
+    const Vec3 off = constraint.point.at(p) - constraint_origin,
+               n = constraint.direction.normalized();
+    accumulate(constraint.kind == PointConstraint::Kind::OnPlane ? std::abs(n.dot(off))
+                                                                 : n.cross(off).norm());
+  }
+  for (size_t k = 0; k < problem.rows.size(); ++k) {
+    const LinearConstraint& row = problem.rows[k];
+    if (row.weight) continue;
+    Vec3 target = edit.targets.empty() ? row.target : edit.targets[k];
+    if (row.rotates_with >= 0) target = rotated(logs.row(row.rotates_with).transpose(), target);
+    accumulate((row.combination.at(p) - target).norm());
+  }
+  const double size = mesh.size();
+  return size > 0 ? worst / size : worst;
 }
 
 }  // namespace batten

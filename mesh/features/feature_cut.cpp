@@ -4,7 +4,7 @@
 #include <string>
 
 #include "batten/core/errors.h"
-#include "batten/core/isize.h"
+#include "batten/core/containers.h"
 #include "batten/mesh/features/minimum_cut.h"
 #include "batten/mesh/selection.h"
 
@@ -159,6 +159,181 @@ class FeatureCutter {
 FeatureCut cut_feature(const TriangleMesh& mesh, const std::vector<int>& band,
                        const CutOptions& options) {
   return FeatureCutter(mesh, band, options).cut();
+}
+
+namespace {
+
+constexpr int kInside = 0, kOutside = 1, kBetween = 2;  // the first two are source and sink
+
+void check_stroke(const TriangleMesh& mesh, const std::string& name,
+                  const std::vector<int>& stroke) {
+  if (stroke.empty()) throw InputError(name + " has no vertices, expected at least one");
+  for (const int v : stroke) {
+    if (v < 0 || v >= mesh.vertex_count())
+      throw InputError(name + " names vertex " + std::to_string(v) + " of " +
+                       std::to_string(mesh.vertex_count()));
+    if (mesh.topology().component()[v] < 0)
+      throw InputError(name + " names vertex " + std::to_string(v) + ", which has no triangles");
+  }
+}
+
+/// kInside, kOutside or kBetween of each triangle.
+std::vector<int> marked(const TriangleMesh& mesh, const std::vector<int>& inside,
+                        const std::vector<int>& outside) {
+  const MeshTopology& topology = mesh.topology();
+  const auto& component = topology.component();
+  for (const auto* stroke : {&inside, &outside})
+    for (const int v : *stroke)
+      if (component[v] != component[inside[0]])
+        throw InputError("vertices " + std::to_string(inside[0]) + " and " + std::to_string(v) +
+                         " of the strokes lie in parts of the mesh that are not connected, "
+                         "expected one");
+  std::vector<int> in = inside;
+  std::sort(in.begin(), in.end());
+  for (const int v : outside)
+    if (std::binary_search(in.begin(), in.end(), v))
+      throw InputError("the strokes touch at vertex " + std::to_string(v) +
+                       ", expected triangles between them");
+  std::vector<int> mark(topology.triangle_count(), kBetween);
+  for (const int t : triangles_touching(topology, inside)) mark[t] = kInside;
+  for (const int t : triangles_touching(topology, outside)) {
+    if (mark[t] == kInside)
+      throw InputError("the strokes touch at triangle " + std::to_string(t) +
+                       ", expected triangles between them");
+    mark[t] = kOutside;
+  }
+  return mark;
+}
+
+}  // namespace
+
+FeatureCut stroke_cut(const TriangleMesh& mesh, const std::vector<int>& inside,
+                      const std::vector<int>& outside, const CutOptions& options) {
+  check(options);
+  check_stroke(mesh, "the stroke inside", inside);
+  check_stroke(mesh, "the stroke outside", outside);
+  const MeshTopology& topology = mesh.topology();
+  std::vector<int> node = marked(mesh, inside, outside);
+  int nodes = 2;
+  for (int& n : node)
+    if (n == kBetween) n = nodes++;
+  std::vector<DualEdge> graph_edges;
+  std::vector<int> edges;
+  const int part = topology.component()[inside[0]];
+  for (int i = 0; i < isize(topology.edges()); ++i) {
+    const auto& e = topology.edges()[i];
+    if (e.left < 0 || e.right < 0 || topology.component()[e.low] != part) continue;
+    graph_edges.push_back({node[e.left], node[e.right], 0});
+    edges.push_back(i);
+  }
+  const std::vector<double> capacities = cut_capacities(mesh, edges, options);
+  for (size_t i = 0; i < graph_edges.size(); ++i) graph_edges[i].capacity = capacities[i];
+
+  const std::vector<char> near = source_side(nodes, kInside, kOutside, graph_edges);
+  FeatureCut result{{}, {}, {}, 0};
+  std::vector<char> feature(topology.triangle_count(), 0);
+  for (int t = 0; t < topology.triangle_count(); ++t) {
+    feature[t] = near[node[t]];
+    if (feature[t]) result.triangles.push_back(t);
+  }
+  for (const DualEdge& graph_edge : graph_edges)
+    if (near[graph_edge.a] != near[graph_edge.b]) result.cost += graph_edge.capacity;
+  result.vertices = vertices_of_triangles(topology, result.triangles);
+  result.chains = border_chains(topology, feature);
+  return result;
+}
+
+namespace {
+
+// A side of a triangle: the edge opposite to `corner`.
+struct Side {
+  int triangle, corner;
+};
+
+class BorderWalk {
+ public:
+  BorderWalk(const MeshTopology& topology, const std::vector<char>& inside)
+      : topology_(topology), inside_(inside), taken_(3 * inside.size(), 0) {}
+
+  std::vector<BorderChain> chains() {
+    std::vector<Side> sides;
+    for (int t = 0; t < topology_.triangle_count(); ++t)
+      for (int c = 0; c < 3; ++c)
+        if (on_border({t, c})) sides.push_back({t, c});
+    std::vector<BorderChain> result;
+    for (const Side& side : sides)  // open chains from their first side
+      if (!taken(side) && previous(side).triangle < 0) result.push_back(walk(side));
+    for (const Side& side : sides)
+      if (!taken(side)) result.push_back(walk(side));
+    for (BorderChain& chain : result)
+      if (chain.closed) {
+        auto& v = chain.vertices;
+        std::rotate(v.begin(), std::min_element(v.begin(), v.end()), v.end());
+      }
+    std::sort(result.begin(), result.end(),
+              [](const BorderChain& a, const BorderChain& b) { return a.vertices < b.vertices; });
+    return result;
+  }
+
+ private:
+  char& taken(const Side& s) { return taken_[3 * s.triangle + s.corner]; }
+
+  // Sides are those of triangles inside, walked as the triangles outside run.
+  bool on_border(const Side& s) const {
+    if (!inside_[s.triangle]) return false;
+    const int other = topology_.across(s.triangle, s.corner);
+    return other >= 0 && !inside_[other];
+  }
+
+  int first(const Side& s) const { return topology_.triangles()[s.triangle][(s.corner + 2) % 3]; }
+  int last(const Side& s) const { return topology_.triangles()[s.triangle][(s.corner + 1) % 3]; }
+
+  int corner_of(int triangle, int vertex) const {
+    const auto& t = topology_.triangles()[triangle];
+    return static_cast<int>(std::find(t.begin(), t.end(), vertex) - t.begin());
+  }
+
+  // Turns around an end of a side through triangles inside up to the next border side; triangle -1
+  // where the mesh ends before. `step` is the side to leave a triangle by, seen from the vertex's
+  // corner: 1 turns around the last vertex, 2 around the first.
+  Side pivot(const Side& s, int vertex, int step) const {
+    for (int t = s.triangle;;) {
+      const Side exit{t, (corner_of(t, vertex) + step) % 3};
+      const int other = topology_.across(exit.triangle, exit.corner);
+      if (other < 0) return {-1, -1};
+      if (!inside_[other]) return exit;
+      t = other;
+    }
+  }
+  Side next(const Side& s) const { return pivot(s, last(s), 1); }
+  Side previous(const Side& s) const { return pivot(s, first(s), 2); }
+
+  BorderChain walk(Side side) {
+    BorderChain chain;
+    for (;;) {
+      taken(side) = 1;
+      chain.vertices.push_back(first(side));
+      const Side following = next(side);
+      if (following.triangle < 0) {
+        chain.vertices.push_back(last(side));
+        chain.closed = false;
+        return chain;
+      }
+      if (taken(following)) return chain;
+      side = following;
+    }
+  }
+
+  const MeshTopology& topology_;
+  const std::vector<char>& inside_;
+  std::vector<char> taken_;
+};
+
+}  // namespace
+
+std::vector<BorderChain> border_chains(const MeshTopology& topology,
+                                       const std::vector<char>& inside) {
+  return BorderWalk(topology, inside).chains();
 }
 
 }  // namespace batten

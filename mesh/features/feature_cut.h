@@ -3,11 +3,26 @@
 
 #include <vector>
 
-#include "batten/mesh/features/border_chain.h"
-#include "batten/mesh/features/cut_options.h"
+#include "batten/mesh/features/minimum_cut.h"
 #include "batten/mesh/triangle_mesh.h"
 
 namespace batten {
+
+// The border of a set of triangles as chains of vertices.
+
+struct BorderChain {
+  std::vector<int> vertices;  ///< each once in a closed chain that does not touch itself
+  bool closed = true;         ///< open chains start and end on the mesh's own boundary
+};
+
+/// Edges between a triangle inside and one outside, linked to chains that have the outside on their
+/// left, as boundary loops of MeshTopology have the surface. Edges of the mesh's own boundary are
+/// not part of it. `inside` holds a flag for each triangle. At a vertex where two parts of the set
+/// touch, chains go on along the part they came along, so that every chain belongs to one part.
+/// Closed chains start at their lowest vertex; chains are sorted. O(triangles).
+std::vector<BorderChain> border_chains(const MeshTopology& topology,
+                                       const std::vector<char>& inside);
+
 
 struct FeatureCut {
   std::vector<int> triangles;       ///< triangles of the feature, ascending
@@ -40,5 +55,23 @@ struct FeatureCut {
 /// 2004 by Boost.Graph (the flow).
 FeatureCut cut_feature(const TriangleMesh& mesh, const std::vector<int>& band,
                        const CutOptions& options = {});
+
+
+// Separating a form feature by two strokes of the mouse: one on it, one beside it.
+
+/// The cheapest set of edges between two strokes, at the price of edges of cut_feature(): the mean
+/// bend is over all edges of that part of the mesh. Triangles that touch `inside` are the feature's,
+/// those that touch `outside` are not; of several cheapest cuts the one nearest to the inside is
+/// taken. It works on closed solids as on panels.
+///
+/// Strokes: vertices, in any order. `feature_vertex` of the options is not looked at. Throws
+/// InputError: a stroke that is empty or out of range, strokes that touch each other (it says at
+/// which vertex or triangle), that lie in different parts of the mesh, η that are negative or not
+/// finite.
+///
+/// O(mesh) and the maximum flow between the strokes, which may grow with the square of the number
+/// of triangles where nothing bends.
+FeatureCut stroke_cut(const TriangleMesh& mesh, const std::vector<int>& inside,
+                      const std::vector<int>& outside, const CutOptions& options = {});
 
 }  // namespace batten

@@ -6,8 +6,7 @@
 #include <numbers>
 
 #include "batten/core/errors.h"
-#include "batten/core/isize.h"
-#include "batten/core/sorted_unique.h"
+#include "batten/core/containers.h"
 
 namespace batten {
 namespace {

@@ -1,11 +1,43 @@
 #include "batten/mesh/regions/dual_laplacian_deformer.h"
 
 #include <cmath>
+#include <algorithm>
+#include <array>
+#include <vector>
 
 #include "batten/core/errors.h"
-#include "batten/mesh/regions/dual_laplacian_energy.h"
+#include "batten/core/eigen.h"
+#include "batten/mesh/regions/local_global_solver.h"
 
 namespace batten {
+
+// Faces of any number of corners, their dual mesh and its rows. Internal.
+
+/// As in DualLaplacianOptions.
+struct DualLaplacianEnergyOptions {
+  bool edge_midpoints, fits_scale;
+  double membrane, checkerboard_penalty;
+};
+
+/// Face across each edge of each face (edge k: corner k to k+1), or -1. Throws InputError, see
+/// DualLaplacianDeformer.
+std::vector<std::vector<int>> face_adjacency(const std::vector<std::vector<int>>& faces,
+                                             int vertex_count);
+
+/// The triangles of a mesh as faces.
+std::vector<std::vector<int>> faces_of(const TriangleMesh& mesh);
+
+/// Twice the area of a polygon, times its mean normal.
+Vec3 area_vector(const std::vector<int>& face, const Points& points);
+
+/// Weights Σ w = 1, nearest to 1/k, with Σ w_j r_j upright on the plane of the r_j.
+VecX tangent_free_weights(const Eigen::Matrix3Xd& r);
+
+/// The rows of the energy of DualLaplacianDeformer, one element and one cell a face.
+ArapEnergy dual_laplacian_energy(const TriangleMesh& mesh,
+                                 const std::vector<std::vector<int>>& faces,
+                                 const DualLaplacianEnergyOptions& options);
+
 namespace {
 
 const DualLaplacianOptions& checked(const DualLaplacianOptions& options) {
@@ -60,6 +92,326 @@ const Points& DualLaplacianDeformer::positions() const { return data_->solver.po
 const IterationReport& DualLaplacianDeformer::report() const { return data_->solver.report(); }
 const std::vector<Mat3>& DualLaplacianDeformer::face_rotations() const {
   return data_->solver.rotations();
+}
+
+namespace {
+
+using Faces = std::vector<std::vector<int>>;
+using Terms = std::vector<std::pair<int, double>>;  // vertex, coefficient
+
+void check_faces(const Faces& faces, int vertex_count) {
+  for (size_t f = 0; f < faces.size(); ++f) {
+    const std::string name = "face " + std::to_string(f);
+    if (faces[f].size() < 3)
+      throw InputError(name + " has " + std::to_string(faces[f].size()) +
+                       " corners, expected three or more");
+    std::vector<int> corners = faces[f];
+    std::sort(corners.begin(), corners.end());
+    for (size_t k = 0; k < corners.size(); ++k) {
+      const std::string corner = "vertex " + std::to_string(corners[k]);
+      if (corners[k] < 0 || corners[k] >= vertex_count)
+        throw InputError(name + " names " + corner + " of " + std::to_string(vertex_count));
+      if (k > 0 && corners[k] == corners[k - 1])
+        throw InputError(name + " has " + corner + " twice, expected different corners");
+    }
+  }
+}
+
+void add_mean(Terms& terms, const std::vector<int>& vertices, double factor) {
+  for (const int v : vertices) terms.emplace_back(v, factor / static_cast<double>(vertices.size()));
+}
+
+/// Appends a row to A and its base; terms in any order.
+void append(ArapEnergy& rows, long r, Terms& terms, const Points& rest) {
+  std::stable_sort(terms.begin(), terms.end(),
+                   [](const auto& a, const auto& b) { return a.first < b.first; });
+  Vec3 base = Vec3::Zero();
+  rows.A.startVec(r);
+  for (size_t i = 0; i < terms.size();) {
+    const int v = terms[i].first;
+    double sum = 0;
+    for (; i < terms.size() && terms[i].first == v; ++i) sum += terms[i].second;
+    rows.A.insertBack(r, v) = sum;
+    base += sum * rest.row(v).transpose();
+  }
+  rows.base.row(r) = base.transpose();
+}
+
+class DualLaplacianAssembler {
+ public:
+  DualLaplacianAssembler(const TriangleMesh& mesh, const Faces& faces,
+                         const DualLaplacianEnergyOptions& options)
+      : faces_(faces), options_(options), size_(mesh.size()), n_(mesh.vertex_count()) {
+    across_ = face_adjacency(faces, n_);
+    rest_ = mesh.points().rowwise() - mesh.points().colwise().mean();
+    centres_.resize(static_cast<long>(faces.size()), 3);
+    for (size_t f = 0; f < faces.size(); ++f)
+      centres_.row(static_cast<long>(f)) = mean_of(faces[f]).transpose();
+  }
+
+  ArapEnergy rows() {
+    ArapEnergy rows;
+    long count = 0;
+    for (size_t f = 0; f < faces_.size(); ++f)
+      count += static_cast<long>(faces_[f].size()) + (has_laplacian(f) ? 1 : 0) +
+               checkerboard_row_count(f);
+    rows.A.resize(count, n_);
+    rows.base.resize(count, 3);
+    rows.mean.resize(static_cast<long>(faces_.size()), n_);
+    rows.fits_scale = options_.fits_scale;
+    long r = 0;
+    for (size_t f = 0; f < faces_.size(); ++f) {
+      const long first = r;
+      if (has_laplacian(f)) add_laplacian(rows, r, f);
+      if (options_.checkerboard_penalty > 0) add_checkerboard_rows(rows, r, f);
+      face_bending_.push_back({r, area(f), rows.base.middleRows(first, r - first).norm()});
+      add_edges(rows, r, f);
+      rows.row_start.push_back(static_cast<int>(r));
+      rows.cells.push_back(static_cast<int>(f));
+      auto corners = faces_[f];
+      std::sort(corners.begin(), corners.end());
+      rows.mean.startVec(static_cast<long>(f));
+      for (const int v : corners)
+        rows.mean.insertBack(static_cast<long>(f), v) = 1.0 / static_cast<double>(corners.size());
+    }
+    rows.A.finalize();
+    rows.mean.finalize();
+    scale_membrane_rows(rows);
+    return rows;
+  }
+
+ private:
+  Vec3 mean_of(const std::vector<int>& vertices) const {
+    Vec3 sum = Vec3::Zero();
+    for (const int v : vertices) sum += rest_.row(v).transpose();
+    return sum / static_cast<double>(vertices.size());
+  }
+
+  bool has_laplacian(size_t f) const {
+    return options_.edge_midpoints ||
+           std::find(across_[f].begin(), across_[f].end(), -1) == across_[f].end();
+  }
+
+  double area(size_t f) const { return area_vector(faces_[f], rest_).norm() / 2; }
+
+  void add_laplacian(ArapEnergy& rows, long& r, size_t f) {
+    const auto k = faces_[f].size();
+    const Vec3 own = centres_.row(static_cast<long>(f)).transpose();
+    Eigen::Matrix3Xd to(3, k);
+    const auto edge = [&](size_t j) {
+      return std::vector<int>{faces_[f][j], faces_[f][(j + 1) % k]};
+    };
+    for (size_t j = 0; j < k; ++j) {
+      const int other = across_[f][j];
+      to.col(static_cast<long>(j)) =
+          (other >= 0 ? Vec3(centres_.row(other).transpose()) : mean_of(edge(j))) - own;
+    }
+    const double c = to.colwise().squaredNorm().mean() / 4;
+    const VecX w = tangent_free_weights(to);
+    const double scale = c > 0 ? std::sqrt(area(f)) / c : 0;
+    terms_.clear();
+    for (size_t j = 0; j < k; ++j) {
+      const double weight = scale * w[static_cast<long>(j)];
+      if (across_[f][j] >= 0)
+        add_mean(terms_, faces_[across_[f][j]], weight);
+      else
+        add_mean(terms_, edge(j), weight);
+    }
+    add_mean(terms_, faces_[f], -scale);
+    append(rows, r++, terms_, rest_);
+  }
+
+  /// With the weight of μ_f = 1.
+  void add_edges(ArapEnergy& rows, long& r, size_t f) {
+    const auto k = faces_[f].size();
+    const double square = square_of_edges(f);
+    // A face of next to no area still holds its vertices together.
+    const double weight = std::sqrt(square > 0 ? std::max(area(f) / square, 1e-3) : 1e-3);
+    for (size_t j = 0; j < k; ++j) {
+      terms_ = {{faces_[f][j], -weight}, {faces_[f][(j + 1) % k], weight}};
+      append(rows, r++, terms_, rest_);
+    }
+  }
+
+  void scale_membrane_rows(ArapEnergy& rows) const {
+    double area = 0, bent = 0;
+    for (const FaceBending& b : face_bending_) {
+      area += b.area;
+      bent += std::sqrt(b.area) * b.curvature;
+    }
+    const double mean = area > 0 ? bent / area : 0, far = size_ > 0 ? 1 / size_ : 1;
+    for (size_t f = 0; f < face_bending_.size(); ++f) {
+      const double own = face_bending_[f].area > 0
+                             ? face_bending_[f].curvature / std::sqrt(face_bending_[f].area)
+                             : 0;
+      const double weight = std::sqrt(options_.membrane * (far * far + mean * mean + own * own));
+      for (long r = face_bending_[f].edges; r < rows.row_start[f + 1]; ++r) {
+        rows.base.row(r) *= weight;
+        for (RowMatrix::InnerIterator a(rows.A, r); a; ++a) a.valueRef() *= weight;
+      }
+    }
+  }
+
+  /// Neighbours, and the ways in which k corners can leave a plane.
+  long checkerboard_row_count(size_t f) const {
+    if (!(options_.checkerboard_penalty > 0)) return 0;
+    return std::count_if(across_[f].begin(), across_[f].end(), [](int g) { return g >= 0; }) +
+           static_cast<long>(faces_[f].size()) - 3;
+  }
+
+  /// The row of terms_ in units of curvature: over what a second derivative of 1 makes of it.
+  void add_curvature_row(ArapEnergy& rows, long& r, size_t f) {
+    Mat3 made = Mat3::Zero();
+    for (const auto& [vertex, coefficient] : terms_) {
+      const Vec3 u = (rest_.row(vertex) - centres_.row(static_cast<long>(f))).transpose();
+      made += coefficient / 2 * u * u.transpose();
+    }
+    const double weights = options_.checkerboard_penalty / static_cast<double>(faces_[f].size());
+    const double scale = made.norm() > 0 ? std::sqrt(weights * area(f)) / made.norm() : 0;
+    for (auto& [vertex, coefficient] : terms_) coefficient *= scale;
+    append(rows, r++, terms_, rest_);
+  }
+
+  void add_checkerboard_rows(ArapEnergy& rows, long& r, size_t f) {
+    const auto k = static_cast<long>(faces_[f].size());
+    const Vec3 n = area_vector(faces_[f], rest_).normalized();
+    const Vec3 own = centres_.row(static_cast<long>(f)).transpose();
+    const Vec3 e1 = n.unitOrthogonal(), e2 = n.cross(e1);
+    const auto flat = [&](const Vec3& p) { return Vec3(1, e1.dot(p - own), e2.dot(p - own)); };
+    MatX X(k, 3);
+    for (long j = 0; j < k; ++j) X.row(j) = flat(rest_.row(faces_[f][j]).transpose()).transpose();
+    const Svd svd = full_svd(X);
+    const MatX from_corners = least_squares(X, MatX::Identity(k, k));
+    // Beyond the plane: the rest of the mesh's vertices as the face's own plane would have them.
+    for (long j = 0; j < k; ++j) {
+      const int other = across_[f][j];
+      if (other < 0) continue;
+      std::vector<int> beyond;
+      for (const int v : faces_[other])
+        if (v != faces_[f][j] && v != faces_[f][(j + 1) % k]) beyond.push_back(v);
+      const Vec3 at = flat(mean_of(beyond));
+      const VecX weights = from_corners.transpose() * at;
+      terms_.clear();
+      add_mean(terms_, beyond, 1);
+      for (long i = 0; i < k; ++i) terms_.emplace_back(faces_[f][i], -weights[i]);
+      add_curvature_row(rows, r, f);
+    }
+    for (long d = 3; d < k; ++d) {
+      terms_.clear();
+      for (long i = 0; i < k; ++i) terms_.emplace_back(faces_[f][i], svd.U(i, d));
+      add_curvature_row(rows, r, f);
+    }
+  }
+
+  double square_of_edges(size_t f) const {
+    double sum = 0;
+    for (size_t j = 0; j < faces_[f].size(); ++j)
+      sum += (rest_.row(faces_[f][(j + 1) % faces_[f].size()]) - rest_.row(faces_[f][j]))
+                 .squaredNorm();
+    return sum;
+  }
+
+  /// The first edge row of a face, its area, and its curvature times the root of that.
+  struct FaceBending {
+    long edges;
+    double area, curvature;
+  };
+
+  const Faces& faces_;
+  const DualLaplacianEnergyOptions& options_;
+  double size_;
+  int n_;
+  Faces across_;
+  Points rest_, centres_;
+  Terms terms_;
+  std::vector<FaceBending> face_bending_;
+};
+
+}  // namespace
+
+Faces face_adjacency(const Faces& faces, int vertex_count) {
+  check_faces(faces, vertex_count);
+  struct Side {
+    std::array<int, 2> edge;  // lower vertex first
+    int face, number;
+  };
+  std::vector<Side> sides;
+  Faces across(faces.size());
+  for (size_t f = 0; f < faces.size(); ++f) {
+    across[f].assign(faces[f].size(), -1);
+    for (size_t k = 0; k < faces[f].size(); ++k) {
+      const auto [low, high] = std::minmax(faces[f][k], faces[f][(k + 1) % faces[f].size()]);
+      sides.push_back({{low, high}, static_cast<int>(f), static_cast<int>(k)});
+    }
+  }
+  std::stable_sort(sides.begin(), sides.end(),
+                   [](const Side& a, const Side& b) { return a.edge < b.edge; });
+  for (size_t i = 0; i + 1 < sides.size(); ++i) {
+    const Side &a = sides[i], &b = sides[i + 1];
+    if (a.edge != b.edge) continue;
+    if (i + 2 < sides.size() && sides[i + 2].edge == a.edge)
+      throw InputError("the edge of vertices " + std::to_string(a.edge[0]) + " and " +
+                       std::to_string(a.edge[1]) + " has more than two faces, expected two");
+    across[a.face][a.number] = b.face;
+    across[b.face][b.number] = a.face;
+  }
+  return across;
+}
+
+Faces faces_of(const TriangleMesh& mesh) {
+  Faces faces;
+  for (const auto& t : mesh.triangles()) faces.emplace_back(t.begin(), t.end());
+  return faces;
+}
+
+Vec3 area_vector(const std::vector<int>& face, const Points& points) {
+  const Vec3 from = points.row(face[0]).transpose();
+  Vec3 sum = Vec3::Zero();
+  for (size_t k = 1; k + 1 < face.size(); ++k)
+    sum +=
+        (points.row(face[k]).transpose() - from).cross(points.row(face[k + 1]).transpose() - from);
+  return sum;
+}
+
+VecX tangent_free_weights(const Eigen::Matrix3Xd& r) {
+  const long k = r.cols();
+  const VecX even = VecX::Constant(k, 1.0 / static_cast<double>(k));
+  const Vec3 mean = r.rowwise().mean();
+  const Eigen::Matrix3Xd centred = r.colwise() - mean;
+  const Svd svd = thin_svd(centred);
+  // The plane of the two largest directions; changes of w along the rows of V sum to 0.
+  VecX w = even;
+  for (int d = 0; d < 2; ++d) {
+    if (!(svd.values[d] > 1e-3 * svd.values[0])) return even;
+    const double off = svd.U.col(d).dot(mean);
+    w -= svd.V.col(d) * (off / svd.values[d]);
+  }
+  return w;
+}
+
+/// Faces of different sheets at a joint turn together, so that these keep their angles.
+void link_non_manifold_edges(const MeshTopology& topology, const Faces& faces, ArapEnergy& rows) {
+  if (topology.node_count() == topology.vertex_count()) return;
+  std::vector<std::pair<std::array<int, 2>, int>> sides;  // nodes of an edge, face
+  for (size_t f = 0; f < faces.size(); ++f)
+    for (size_t k = 0; k < faces[f].size(); ++k) {
+      const auto [low, high] = std::minmax(
+          {topology.node_of(faces[f][k]), topology.node_of(faces[f][(k + 1) % faces[f].size()])});
+      sides.push_back({{low, high}, static_cast<int>(f)});
+    }
+  std::sort(sides.begin(), sides.end());
+  for (size_t i = 0, end = 0; i < sides.size(); i = end) {
+    while (end < sides.size() && sides[end].first == sides[i].first) ++end;
+    for (size_t k = i + 1; k < end && end - i > 2; ++k)
+      rows.links.push_back({sides[i].second, sides[k].second, 1});
+  }
+}
+
+ArapEnergy dual_laplacian_energy(const TriangleMesh& mesh, const Faces& faces,
+                                 const DualLaplacianEnergyOptions& options) {
+  ArapEnergy rows = DualLaplacianAssembler(mesh, faces, options).rows();
+  if (!rows.fits_scale) link_non_manifold_edges(mesh.topology(), faces, rows);
+  return rows;
 }
 
 }  // namespace batten

@@ -4,13 +4,11 @@
 #include <cmath>
 #include <limits>
 
-#include "batten/core/disjoint_sets.h"
+#include "batten/core/containers.h"
 #include "batten/core/errors.h"
-#include "batten/core/parallel_chunks.h"
-#include "batten/core/rotations.h"
-#include "batten/core/sorted_unique.h"
-#include "batten/mesh/deform/normal_equations.h"
-#include "batten/mesh/rotation_batch.h"
+#include "batten/core/parallel.h"
+#include "batten/core/geometry.h"
+#include "batten/mesh/deform/deform_system.h"
 #include "batten/mesh/rotation_fitting.h"
 
 namespace batten {

@@ -8,7 +8,7 @@
 
 #include "batten/constraints/affine_reduction.h"
 #include "batten/core/anderson_accelerator.h"
-#include "batten/core/sparse_cholesky.h"
+#include "batten/core/solvers/sparse_cholesky.h"
 #include "batten/mesh/deform/deform_problem.h"
 #include "batten/mesh/deform/deform_system.h"
 #include "batten/mesh/regions/iterative_deformer.h"

@@ -6,8 +6,8 @@
 #include <numeric>
 
 #include "batten/core/errors.h"
-#include "batten/core/parallel_chunks.h"
-#include "batten/core/sorted_unique.h"
+#include "batten/core/parallel.h"
+#include "batten/core/containers.h"
 #include "batten/mesh/rotation_fitting.h"
 
 namespace batten {

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "batten/mesh/deform/deform_problem.h"
-#include "batten/mesh/sequence/rigid_motion.h"
+#include "batten/mesh/sequence/trajectories/rigid_motion.h"
 
 namespace batten {
 

@@ -1,14 +1,96 @@
 #include "batten/mesh/sequence/frame_solver.h"
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
+#include <array>
+#include <vector>
 
 #include "batten/core/errors.h"
 #include "batten/mesh/rotation_fitting.h"
-#include "batten/mesh/sequence/enclosed_volume.h"
-#include "batten/mesh/sequence/frame_solver_data.h"
-#include "batten/mesh/sequence/handle_rotations.h"
+#include "batten/mesh/sequence/local_global_steps.h"
+#include "batten/mesh/sequence/frame_unknowns.h"
+#include "batten/mesh/differential_operators.h"
+#include "batten/constraints/schur_complement_constraints.h"
+#include "batten/core/solvers/sparse_cholesky.h"
+#include "batten/core/anderson_accelerator.h"
+#include "batten/mesh/regions/iterative_deformer.h"
+#include "batten/mesh/sequence/frame_constraints.h"
 
 namespace batten {
+
+// Inside of FrameSolver: what a frame is solved with, and the state of the frame under way. Internal.
+
+struct FrameSolverData {
+  FrameSolverData(const TriangleMesh& mesh, FrameConstraints given, const FrameOptions& opts);
+
+  // Once (frame_set_up.cpp).
+  void set_triangles(const TriangleMesh& mesh);
+  void factorize();
+  // 1 on a handle, 0 on what else is held, harmonic between: how much of its turn a node takes.
+  void compute_handle_weights();
+  void couple_point_constraints();
+
+  // A frame's beginning (frame_solver.cpp).
+  void begin(const Points& frame, const FrameTargets& given);
+  void start_from_handles();
+  void start_from(const Points& start);
+  // Of parts that turn by themselves the mean of their nodes' turns; then where the parts stand.
+  void init_part_rotations();
+
+  // Rounds (frame_rounds.cpp).
+  // In the linear step: there each edge counts once, in E twice.
+  double half_penalty_weight() const { return 0.5 * constraints.penalty_weight.value_or(0); }
+  bool rotates_freely(size_t part) const;
+  // How far the nodes of a part stand from where its unknown alone, or the frame, has them.
+  void set_offsets(size_t k);
+  void set_point_constraints();
+  void update_positions();
+  void update_positions_at(MatX& other);
+  // The exact minimum over the rotation of a part whose centre and surroundings stand still.
+  void fit_part_rotation(size_t k);
+  Vec3 target(const FrameUnknowns::PenalizedNode& d) const;
+  void rotate_penalized_handles();
+  /// Positions from y, then the best turns; returns the energy.
+  double update_rotations();
+  void assign_part_rotations();
+  /// The best positions for the turns, into `rhs`.
+  void global_step();
+  // Along z = K⁻¹ ∂V, with ∂V of the shape before, so that at rest E has its least value among the
+  // shapes of this volume; in the first round of where the linear step went.
+  void restore_volume();
+  /// One round; returns the energy, which is not above the one before.
+  double iterate(double before);
+  void iterations(int most);
+  void finish() { shape.positions = now; }
+
+  FrameConstraints constraints;
+  FrameOptions options;
+  double size;
+  NodeGraph graph;
+  FrameUnknowns unknowns;
+  SparseCholesky factor;
+  MatX handle_weights;  // nodes × handles
+  SchurComplementConstraints constraint_origins;
+  std::vector<SchurComplementConstraints::Constraint> point_equations;
+  VecX point_equation_rhs;
+  std::vector<std::array<int, 3>> triangles;  // for the volume
+  double volume = 0;
+
+  FrameTargets targets;
+  RowPoints rest, now, offset, loads, gradient;  // of nodes
+  MatX y, rhs, accelerated, volume_direction;    // of unknowns
+  AndersonAccelerator accelerator{1e-5};
+  std::vector<Mat3> part_rotations, handle_rotations;
+  std::vector<Mat3> rotations_before, part_rotations_before, handle_rotations_before;
+  std::vector<Vec3> part_rest, part_position, handle_rest;
+  std::vector<char> rotation_from_part;  // nodes whose R_i is that of their part
+  std::vector<double> chunk_sums;
+  bool begun = false;
+  FrameShape shape;
+  IterationReport report;
+};
+
 
 void FrameSolverData::begin(const Points& frame, const FrameTargets& given) {
   if (frame.rows() != graph.nodes || !frame.allFinite())
@@ -144,5 +226,311 @@ long FrameSolver::factor_entries() const {
   return data_->unknowns.count > 0 ? data_->factor.factor_entries() : 0;
 }
 const std::vector<std::string>& FrameSolver::notes() const { return data_->unknowns.notes; }
+
+namespace {
+
+std::vector<double> edge_weights(const TriangleMesh& mesh, FrameOptions::Weights kind) {
+  if (kind == FrameOptions::Weights::Uniform) return {};
+  std::vector<double> weights = edge_cotangents(mesh);
+  double mean = 0;
+  for (const double w : weights) mean += std::max(w, 0.0) / static_cast<double>(weights.size());
+  for (double& w : weights) w = std::max(w, 0.1 * mean);
+  return weights;
+}
+
+void check_constraints(const FrameConstraints& constraints, int nodes) {
+  DeformProblem problem;
+  problem.fixed = constraints.fixed;
+  problem.handles = constraints.handles;
+  problem.features = constraints.features;
+  problem.point_constraints = constraints.point_constraints;
+  check(problem, nodes);
+  if (constraints.penalty_weight &&
+      !(*constraints.penalty_weight > 0 && std::isfinite(*constraints.penalty_weight)))
+    throw InputError("softness " + std::to_string(*constraints.penalty_weight) +
+                     ", expected a number above 0");
+}
+
+}  // namespace
+
+FrameSolverData::FrameSolverData(const TriangleMesh& mesh, FrameConstraints given,
+                                 const FrameOptions& opts)
+    : constraints(std::move(given)),
+      options(opts),
+      size(mesh.size()),
+      graph(node_graph(mesh.topology(), edge_weights(mesh, opts.weights))),
+      unknowns((check_constraints(constraints, graph.nodes), frame_unknowns(graph, constraints))) {
+  if (constraints.preserve_volume) set_triangles(mesh);
+  factorize();
+  compute_handle_weights();
+  couple_point_constraints();
+  const int n = graph.nodes;
+  rest.setZero(n, 3), now.setZero(n, 3), offset.setZero(n, 3), loads.setZero(n, 3);
+  y = rhs = accelerated = MatX::Zero(unknowns.count, 3);
+  accelerator.resize(unknowns.count);
+  shape.positions.setZero(n, 3);
+  shape.rotations.assign(n, Mat3::Identity());
+  part_rotations.assign(unknowns.parts.size(), Mat3::Identity());
+  part_rest.assign(unknowns.parts.size(), Vec3::Zero());
+  part_position = part_rest;
+  handle_rotations.assign(constraints.handles.size(), Mat3::Identity());
+  handle_rest.assign(constraints.handles.size(), Vec3::Zero());
+  rotation_from_part.assign(n, 0);
+}
+
+void FrameSolverData::set_triangles(const TriangleMesh& mesh) {
+  const MeshTopology& topology = mesh.topology();
+  if (!topology.boundary_loops().empty() || !topology.non_manifold_loops().empty())
+    throw InputError("the volume cannot be kept: the surface is not closed");
+  for (auto t : topology.triangles()) {
+    for (int& v : t) v = topology.node_of(v);
+    triangles.push_back(t);
+  }
+}
+
+void FrameSolverData::factorize() {
+  if (unknowns.count == 0) return;
+  const SparseMatrix K = frame_matrix(graph, unknowns, half_penalty_weight());
+  factor.analyze(K, FactorReuse::once);
+  if (!factor.factorize(K)) throw NoSolutionError("frames: " + factor.message());
+}
+
+void FrameSolverData::compute_handle_weights() {
+  const auto handles = static_cast<long>(constraints.handles.size());
+  handle_weights = MatX::Zero(graph.nodes, handles);
+  MatX loads_of = MatX::Zero(unknowns.count, handles);
+  for (const auto& part : unknowns.parts)
+    if (part.handle >= 0)
+      for (const int v : part.nodes) handle_weights(v, part.handle) = 1;
+  for (const auto& e : graph.edges) {
+    const int a = unknowns.unknown_of_node[e.a], b = unknowns.unknown_of_node[e.b];
+    if (a >= 0 && b < 0) loads_of.row(a) += e.weight * handle_weights.row(e.b);
+    if (b >= 0 && a < 0) loads_of.row(b) += e.weight * handle_weights.row(e.a);
+  }
+  for (const auto& d : unknowns.penalized_nodes)
+    if (const int a = unknowns.unknown_of_node[d.node]; a >= 0)
+      loads_of(a, d.handle) += half_penalty_weight();
+  if (unknowns.count > 0 && handles > 0) factor.solve_in_place(loads_of);
+  for (int v = 0; v < graph.nodes; ++v)
+    if (unknowns.unknown_of_node[v] >= 0)
+      handle_weights.row(v) = loads_of.row(unknowns.unknown_of_node[v]);
+}
+
+void FrameSolverData::couple_point_constraints() {
+  std::vector<SchurComplementConstraints::Constraint> rows;
+  std::vector<Triplet> entries;
+  for (int k = 0; k < isize(constraints.point_constraints); ++k) {
+    const PointConstraint& constraint = constraints.point_constraints[k];
+    for (const auto& entry : constraint.point.entries)
+      if (const int a = unknowns.unknown_of_node[entry.vertex]; a >= 0)
+        entries.emplace_back(a, k, entry.coefficient);
+    const Vec3 d = constraint.direction.normalized();
+    if (constraint.kind == PointConstraint::Kind::OnPlane) {
+      rows.push_back({k, d, 1});
+    } else {
+      const Vec3 across = d.unitOrthogonal();
+      rows.push_back({k, across, 1});
+      rows.push_back({k, d.cross(across), 1});
+    }
+  }
+  if (rows.empty()) return;
+  SparseMatrix U(unknowns.count, isize(constraints.point_constraints));
+  U.setFromTriplets(entries.begin(), entries.end());
+  point_equations = rows;
+  constraint_origins = SchurComplementConstraints(factor, std::move(U), std::move(rows));
+  point_equation_rhs.setZero(constraint_origins.constraint_count());
+}
+
+
+bool FrameSolverData::rotates_freely(size_t part) const {
+  const auto& p = unknowns.parts[part];
+  return p.handle >= 0 ? targets.handles[p.handle].free_rotation : p.may_rotate;
+}
+
+void FrameSolverData::set_offsets(size_t k) {
+  const auto& part = unknowns.parts[k];
+  const bool exact = part.handle >= 0 && !targets.handles[part.handle].free_rotation;
+  for (const int v : part.nodes) {
+    const Vec3 p = rest.row(v).transpose();
+    const Vec3 to = exact ? targets.handles[part.handle].motion(p)
+                          : Vec3(part_position[k] + part_rotations[k] * (p - part_rest[k]));
+    offset.row(v) = (to - p).transpose();
+    if (part.unknown >= 0) offset.row(v) -= (part_position[k] - part_rest[k]).transpose();
+  }
+}
+
+void FrameSolverData::set_point_constraints() {
+  if (constraint_origins.empty()) return;
+  for (int r = 0; r < constraint_origins.constraint_count(); ++r) {
+    const auto& row = point_equations[r];
+    const auto& point = constraints.point_constraints[row.point].point;
+    Vec3 rest_point = Vec3::Zero(), there = Vec3::Zero();
+    for (const auto& e : point.entries) {
+      rest_point += e.coefficient * rest.row(e.vertex).transpose();
+      there += e.coefficient * (rest.row(e.vertex) + offset.row(e.vertex)).transpose();
+    }
+    const Vec3 to =
+        targets.constraint_origins.empty() ? rest_point : targets.constraint_origins[row.point];
+    point_equation_rhs[r] = row.direction.dot(to - there);
+  }
+}
+
+void FrameSolverData::update_positions() {
+  for (int v = 0; v < graph.nodes; ++v) {
+    const int a = unknowns.unknown_of_node[v];
+    now.row(v) = rest.row(v) + offset.row(v);
+    if (a >= 0) now.row(v) += y.row(a);
+  }
+  for (size_t k = 0; k < unknowns.parts.size(); ++k)
+    if (const int a = unknowns.parts[k].unknown; a >= 0)
+      part_position[k] = part_rest[k] + y.row(a).transpose();
+}
+
+void FrameSolverData::fit_part_rotation(size_t k) {
+  const auto& part = unknowns.parts[k];
+  const Vec3 &c = part_position[k], &c0 = part_rest[k];
+  Mat3 M = Mat3::Zero();
+  for (const int e : part.edges) {
+    const auto& edge = graph.edges[e];
+    const bool low = unknowns.part_of_node[edge.a] == static_cast<int>(k);
+    const int i = low ? edge.a : edge.b, j = low ? edge.b : edge.a;
+    const Vec3 p = rest.row(i).transpose(), q = rest.row(j).transpose();
+    const Vec3 to = now.row(j).transpose() - c;
+    M += edge.weight *
+         (to * (q - c0).transpose() + (to + shape.rotations[j] * (p - q)) * (p - c0).transpose());
+  }
+  if (constraints.penalty_weight && part.handle < 0)
+    for (const auto& d : unknowns.penalized_nodes)
+      if (unknowns.part_of_node[d.node] == static_cast<int>(k))
+        M += *constraints.penalty_weight * (target(d) - c) *
+             (rest.row(d.node).transpose() - c0).transpose();
+  // Relative to the turn it has: where M does not tell, the part turns no further.
+  part_rotations[k] = nearest_rotation(M * part_rotations[k].transpose()) * part_rotations[k];
+  set_offsets(k);
+  for (const int v : part.nodes) {
+    const int a = unknowns.unknown_of_node[v];
+    now.row(v) = rest.row(v) + offset.row(v);
+    if (a >= 0) now.row(v) += y.row(a);
+  }
+}
+
+Vec3 FrameSolverData::target(const FrameUnknowns::PenalizedNode& d) const {
+  const Vec3 p = rest.row(d.node).transpose();
+  const HandlePose& pose = targets.handles[d.handle];
+  if (!pose.free_rotation) return pose.motion(p);
+  return pose.motion(handle_rest[d.handle]) +
+         handle_rotations[d.handle] * (p - handle_rest[d.handle]);
+}
+
+void FrameSolverData::rotate_penalized_handles() {
+  if (!constraints.penalty_weight) return;
+  for (size_t h = 0; h < constraints.handles.size(); ++h) {
+    if (!targets.handles[h].free_rotation) continue;
+    const Vec3 c = targets.handles[h].motion(handle_rest[h]);
+    handle_rotations[h] = best_rotation(constraints.handles[h].vertices, rest, handle_rest[h], now,
+                                        c, handle_rotations[h]);
+  }
+}
+
+double FrameSolverData::update_rotations() {
+  update_positions();
+  rotate_penalized_handles();
+  for (size_t k = 0; k < unknowns.parts.size(); ++k)
+    if (rotates_freely(k)) fit_part_rotation(k);
+  assign_part_rotations();
+  double energy = local_step(graph, rest, now, rotation_from_part, shape.rotations, chunk_sums);
+  for (const auto& d : unknowns.penalized_nodes)
+    energy += *constraints.penalty_weight * (now.row(d.node).transpose() - target(d)).squaredNorm();
+  return energy;
+}
+
+void FrameSolverData::assign_part_rotations() {
+  for (size_t k = 0; k < unknowns.parts.size(); ++k)
+    for (const int v : unknowns.parts[k].nodes)
+      if (rotation_from_part[v]) shape.rotations[v] = part_rotations[k];
+}
+
+void FrameSolverData::global_step() {
+  global_step_rhs(graph, rest, shape.rotations, loads);
+  for (const int e : unknowns.offset_edges) {
+    const auto& edge = graph.edges[e];
+    const Eigen::RowVector3d pull = edge.weight * (offset.row(edge.a) - offset.row(edge.b));
+    loads.row(edge.a) -= pull;
+    loads.row(edge.b) += pull;
+  }
+  for (const auto& d : unknowns.penalized_nodes)
+    loads.row(d.node) +=
+        half_penalty_weight() * (target(d).transpose() - rest.row(d.node) - offset.row(d.node));
+  rhs.setZero();
+  for (int v = 0; v < graph.nodes; ++v)
+    if (const int a = unknowns.unknown_of_node[v]; a >= 0) rhs.row(a) += loads.row(v);
+  if (unknowns.count > 0) factor.solve_in_place(rhs);
+  if (!constraint_origins.empty()) {
+    set_point_constraints();
+    constraint_origins.apply(rhs, point_equation_rhs);
+  }
+  if (constraints.preserve_volume) restore_volume();
+  if (!rhs.allFinite()) throw NoSolutionError("frames: positions are not finite");
+  report.last_change =
+      size > 0 && unknowns.count > 0 ? (rhs - y).rowwise().norm().maxCoeff() / size : 0;
+}
+
+void FrameSolverData::restore_volume() {
+  if (report.iterations == 0) update_positions_at(rhs);
+  volume_gradient(triangles, now, gradient);
+  volume_direction.setZero(unknowns.count, 3);
+  for (int v = 0; v < graph.nodes; ++v)
+    if (const int a = unknowns.unknown_of_node[v]; a >= 0)
+      volume_direction.row(a) += gradient.row(v);
+  if (unknowns.count > 0) factor.solve_in_place(volume_direction);
+  for (int step = 0; step < 5; ++step) {
+    update_positions_at(rhs);
+    volume_gradient(triangles, now, gradient);
+    double slope = 0;
+    for (int v = 0; v < graph.nodes; ++v)
+      if (const int a = unknowns.unknown_of_node[v]; a >= 0)
+        slope += gradient.row(v).dot(volume_direction.row(a));
+    const double volume_error = volume - enclosed_volume(triangles, now);
+    if (!(slope > 0) || std::abs(volume_error) < 1e-15 * std::abs(volume)) return;
+    rhs += volume_error / slope * volume_direction;
+  }
+}
+
+void FrameSolverData::update_positions_at(MatX& other) {
+  y.swap(other);
+  update_positions();
+  y.swap(other);
+}
+
+double FrameSolverData::iterate(double before) {
+  global_step();
+  const bool accelerate =
+      !constraints.preserve_volume && accelerator.accelerate(y, rhs, accelerated);
+  rotations_before = shape.rotations;
+  part_rotations_before = part_rotations;
+  handle_rotations_before = handle_rotations;
+  y.swap(accelerate ? accelerated : rhs);
+  double energy = update_rotations();
+  if (accelerate && !(energy <= before)) {
+    shape.rotations = rotations_before;
+    part_rotations = part_rotations_before;
+    handle_rotations = handle_rotations_before;
+    for (size_t k = 0; k < unknowns.parts.size(); ++k) set_offsets(k);
+    y.swap(rhs);
+    accelerator.reset();
+    energy = update_rotations();
+  }
+  return energy;
+}
+
+void FrameSolverData::iterations(int most) {
+  while (report.iterations < most && !report.converged) {
+    report.energies.push_back(iterate(report.energies.empty()
+                                          ? std::numeric_limits<double>::infinity()
+                                          : report.energies.back()));
+    if (++report.iterations == 1) accelerator.reset();  // its turns came from elsewhere
+    report.converged = report.last_change < options.tolerance;
+  }
+}
 
 }  // namespace batten

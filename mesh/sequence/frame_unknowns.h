@@ -5,7 +5,8 @@
 #include <vector>
 
 #include "batten/mesh/sequence/frame_constraints.h"
-#include "batten/mesh/sequence/node_graph.h"
+#include "batten/mesh/sequence/local_global_steps.h"
+#include "batten/mesh/deform/deform_system.h"
 
 namespace batten {
 
@@ -45,5 +46,21 @@ FrameUnknowns frame_unknowns(const NodeGraph& graph, const FrameConstraints& con
 /// each edge once.
 SparseMatrix frame_matrix(const NodeGraph& graph, const FrameUnknowns& unknowns,
                           double penalty_weight);
+
+
+// Turns of handles, for solvers over all nodes and over few. Internal.
+
+/// The mean of nodes; zero for none.
+Vec3 centre_of(const std::vector<int>& nodes, const RowPoints& p);
+
+/// The rotation that takes nodes about `from` best to where they are about `to`. `before`: the one they
+/// had; where nothing tells, they turn no further.
+Mat3 best_rotation(const std::vector<int>& nodes, const RowPoints& rest, const Vec3& from,
+                   const RowPoints& now, const Vec3& to, const Mat3& before);
+
+/// R of every node: the logarithms of the handles' turns, summed by its shares of them (nodes ×
+/// handles).
+void spread_rotations(const MatX& handle_weights, const std::vector<HandlePose>& handles,
+                      std::vector<Mat3>& rotations);
 
 }  // namespace batten

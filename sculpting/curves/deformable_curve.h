@@ -7,10 +7,9 @@
 #include <vector>
 
 #include "batten/constraints/constrained_solver.h"
-#include "batten/constraints/theta_integrator.h"
-#include "batten/fairing/surface_energy.h"
+#include "batten/elements/reference_triangle.h"
 #include "batten/fem/curve_assembler.h"
-#include "batten/fem/hermite_curve.h"
+#include "batten/fem/curves/hermite_curve.h"
 
 namespace batten {
 

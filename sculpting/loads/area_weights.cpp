@@ -4,10 +4,9 @@
 #include <cmath>
 #include <limits>
 
-#include "batten/core/box.h"
+#include "batten/core/geometry.h"
 #include "batten/core/errors.h"
-#include "batten/core/parallel_chunks.h"
-#include "batten/core/planar_geometry.h"
+#include "batten/core/parallel.h"
 #include "batten/elements/reference_triangle.h"
 
 namespace batten {

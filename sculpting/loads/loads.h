@@ -12,7 +12,7 @@
 #include <variant>
 #include <vector>
 
-#include "batten/fem/hermite_curve.h"
+#include "batten/fem/curves/hermite_curve.h"
 
 namespace batten {
 

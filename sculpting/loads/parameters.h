@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "batten/core/isize.h"
+#include "batten/core/containers.h"
 
 namespace batten {
 

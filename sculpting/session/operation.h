@@ -6,7 +6,7 @@
 #include <variant>
 #include <vector>
 
-#include "batten/fem/hermite_curve.h"
+#include "batten/fem/curves/hermite_curve.h"
 #include "batten/sculpting/loads/loads.h"
 #include "batten/sculpting/loads/parameters.h"
 #include "batten/sculpting/session/session_options.h"

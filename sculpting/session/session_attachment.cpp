@@ -2,8 +2,7 @@
 #include <cmath>
 
 #include "batten/core/errors.h"
-#include "batten/core/format.h"
-#include "batten/core/planar_geometry.h"
+#include "batten/core/geometry.h"
 #include "batten/sculpting/loads/area_weights.h"
 #include "batten/sculpting/session/session_system.h"
 #include "batten/skinning/model/model_projector.h"

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "batten/core/progress.h"
-#include "batten/fem/surface_transfer.h"
-#include "batten/sculpting/session/frame.h"
+#include "batten/fem/refinement.h"
+#include "batten/sculpting/session/session_results.h"
 #include "batten/sculpting/session/operation.h"
 #include "batten/sculpting/session/session_engine.h"
 

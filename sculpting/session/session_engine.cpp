@@ -1,6 +1,11 @@
 #include "batten/sculpting/session/session_engine.h"
 
-#include "batten/sculpting/session/displacement_weights.h"
+#include <cmath>
+#include <numbers>
+#include <algorithm>
+
+#include "batten/core/errors.h"
+#include "batten/skinning/model/model_projector.h"
 
 namespace batten::detail {
 
@@ -63,4 +68,579 @@ void SessionEngine::reset_acceleration() {
   anchored_ = false;
 }
 
+
+namespace {
+
+std::vector<SurfaceStiffness> materials(const SessionSystem& system,
+                                        const std::vector<double>& values) {
+  const auto at = [&](int p) { return values[p]; };
+  SurfaceStiffness base;
+  base.alpha = Mat2::Zero();
+  base.alpha(0, 0) = at(system.alpha[0]);
+  base.alpha(1, 1) = at(system.alpha[2]);
+  if (system.alpha[0] != system.alpha[1]) base.alpha(0, 1) = base.alpha(1, 0) = at(system.alpha[1]);
+  base.beta = Vec3(at(system.beta[0]), at(system.beta[1]), at(system.beta[2]));
+  const auto triangles = static_cast<size_t>(system.parts->mesh->triangle_count());
+  std::vector<SurfaceStiffness> all(system.weights.empty() ? 1 : triangles, base);
+  for (size_t w = 0; w < system.weights.size(); ++w) {
+    const double value = at(system.weight_parameter[w]);
+    if (value == 0) continue;
+    const AssembledStiffnessField& assembled = *system.weights[w];
+    const bool bends = system.def.weights[w]->weight.kind == StiffnessField::Kind::Bending;
+    for (size_t t = 0; t < triangles; ++t) {
+      // Regions without the line have no direction.
+      if (!assembled.directions.empty() && assembled.directions[t].isZero(0)) continue;
+      const double weight = value * assembled.weights[static_cast<long>(t)];
+      const double alpha = bends ? 0 : weight, beta = bends ? weight : 0;
+      all[t] += assembled.directions.empty()
+                    ? SurfaceStiffness::isotropic(alpha, beta)
+                    : SurfaceStiffness::directional(assembled.directions[t], alpha, beta);
+    }
+  }
+  for (SurfaceStiffness& m : all) {
+    if (!m.is_valid())
+      throw InputError("alpha must be positive semi-definite and beta not negative, everywhere");
+    m = system.def.scale().material(m);
+  }
+  return system.layout().scale_to_regions(std::move(all));
+}
+
+}  // namespace
+
+// Scans act on the matrix itself: Σ k N Nᵀ, and Σ k N p on the right.
+void SessionEngine::add_scans(SessionSystem& system, const std::vector<double>& values,
+                              SparseMatrix& K) {
+  const MeshData& parts = *system.parts;
+  system.scan_load.resize(0, 3);
+  for (size_t l = 0; l < system.loads.size(); ++l) {
+    const auto* scan = std::get_if<Load::PointCloudSprings>(&system.def.loads[l]->load.kind);
+    if (!scan || system.scan_foot_points[l].empty()) continue;
+    if (system.scan_load.rows() == 0) system.scan_load = Points::Zero(system.dofs(), 3);
+    const double value = values[system.load_parameter[l]];
+    if (!(value >= 0))
+      throw InputError("load '" + system.def.loads[l]->load.name + "' has springs of stiffness " +
+                       format_number(value) + ": it must not be below 0");
+    const double k = value / static_cast<double>(scan->points.size());
+    for (size_t i = 0; i < scan->points.size(); ++i) {
+      if (!system.scan_used[l][i]) continue;
+      const Location where = parts.at(system.scan_foot_points[l][i]);
+      const Vec12 N =
+          C1Triangle(parts.kind, parts.mesh->shape(where.triangle)).evaluate(where.L).col(kW);
+      const auto dof = parts.assembler.dofs().triangle(*parts.mesh, where.triangle);
+      for (int a = 0; a < 12; ++a) {
+        system.scan_load.row(dof[a]) += k * N[a] * (scan->points[i] - system.origin()).transpose();
+        for (int b = 0; b < 12; ++b)
+          if (dof[a] >= dof[b]) K.coeffRef(dof[a], dof[b]) += k * N[a] * N[b];
+      }
+    }
+  }
+  if (system.scan_load.rows() > 0)
+    system.scan_reduced = system.reduction->D().transpose() * system.scan_load;
+}
+
+// What ties regions along embedded lines, for the values.
+SparseMatrix SessionEngine::join_stiffness(const SessionSystem& system,
+                                           const std::vector<double>& values) {
+  const double beta = (values[system.beta[0]] + values[system.beta[2]]) / 2;
+  return system.def.scale().material(SurfaceStiffness::isotropic(0, beta)).beta[0] *
+         system.layout().join_stiffness();
+}
+
+// What holds the surface in its rest shape, as a load: K x_rest. `K` is without scans and joins.
+void SessionEngine::set_rest_load(SessionSystem& system, const SparseMatrix& K) {
+  const bool has_rest_shape = system.rest && system.rest->dofs.rows() > 0;
+  system.rest_load.resize(has_rest_shape ? system.dofs() : 0, 3);
+  system.rest_reduced.resize(0, 3);
+  if (!has_rest_shape) return;
+  multiply_symmetric(K, system.rest->dofs, system.rest_load);
+  system.rest_reduced = system.reduction->D().transpose() * system.rest_load;
+}
+
+void SessionEngine::set_rest_shape(SessionSystem& system,
+                                   std::shared_ptr<const RestConfiguration> rest) {
+  system.rest = std::move(rest);
+  anchored_ = false;
+  if (system.statics && system.scan_load.rows() == 0) {
+    const SparseMatrix joins = join_stiffness(system, system.matrix_values);
+    if (joins.nonZeros() > 0)
+      set_rest_load(system, system.statics->matrix() - joins);
+    else
+      set_rest_load(system, system.statics->matrix());
+  } else
+    invalidate_matrix(system);
+}
+
+// The matrix and its factor for the values.
+void SessionEngine::make_matrix(SessionSystem& system, const std::vector<double>& values) {
+  const MeshData& parts = *system.parts;
+  const auto all = materials(system, values);
+  SparseMatrix K = parts.assembler.pattern();
+  if (all.size() == 1)
+    parts.assembler.stiffness(all[0], K);
+  else
+    parts.assembler.stiffness(all, K);
+  set_rest_load(system, K);
+  K += join_stiffness(system, values);
+  add_scans(system, values, K);
+  // A factor that the history keeps must stay; one of our own takes other numbers in place.
+  if (system.statics && system.statics.use_count() == 1)
+    system.statics->set_matrix(std::move(K));
+  else
+    system.statics =
+        system.statics
+            ? std::make_shared<ReusableFactorization>(*system.statics, std::move(K))
+            : std::make_shared<ReusableFactorization>(system.reduction, std::move(K),
+                                                      parts.vertices, system.def.factor_reuse);
+  system.matrix_values = values;
+  system.dynamics.reset();
+  system.dynamics_coupling.reset();
+}
+
+// Whether two couplings of these would be equal, on one mesh and reduction. What their right-hand
+// sides come from may differ.
+bool same_rows(const AuxiliaryConstraints& a, const AuxiliaryConstraints& b) {
+  const auto same_matrix = [](const SparseMatrix& x, const SparseMatrix& y) {
+    const auto equal = [](const auto* p, const auto* q, long n) { return std::equal(p, p + n, q); };
+    return x.rows() == y.rows() && x.cols() == y.cols() && x.nonZeros() == y.nonZeros() &&
+           x.isCompressed() && y.isCompressed() &&
+           equal(x.outerIndexPtr(), y.outerIndexPtr(), x.cols() + 1) &&
+           equal(x.innerIndexPtr(), y.innerIndexPtr(), x.nonZeros()) &&
+           equal(x.valuePtr(), y.valuePtr(), x.nonZeros());
+  };
+  return &a == &b || (a.rows == b.rows && same_matrix(a.A, b.A));
+}
+
+// Makes the coupling of the rows beside the factor. `older` is on the same factor: solves of what
+// it has already are kept.
+void SessionEngine::couple(SessionSystem& system, const SchurComplementConstraints* older) {
+  const AuxiliaryConstraints& rows = *system.auxiliary;
+  std::vector<int> known(static_cast<size_t>(rows.A.cols()), -1);
+  if (older)
+    for (const auto& block : rows.blocks)
+      for (const auto& other : system.coupled_rows->blocks)
+        if (other.owner == block.owner &&
+            other.end_point - other.first_point == block.end_point - block.first_point)
+          for (int k = block.first_point; k < block.end_point; ++k)
+            known[k] = other.first_point + k - block.first_point;
+  SparseMatrix U = SparseMatrix(system.reduction->D().transpose()) * rows.A;
+  system.coupling =
+      older ? std::make_shared<SchurComplementConstraints>(system.statics->factor(), std::move(U),
+                                                           rows.rows, *older, known,
+                                                           kRedundantTolerance)
+            : std::make_shared<SchurComplementConstraints>(system.statics->factor(), std::move(U),
+                                                           rows.rows, kRedundantTolerance);
+  system.coupled_rows = system.auxiliary;
+  system.dynamics_coupling.reset();
+  stiffness_.setConstant(-1);
+}
+
+bool SessionEngine::prepare_matrix(SessionSystem& system, const std::vector<double>& values) {
+  bool fits = system.statics && system.matrix_values.size() == values.size();
+  for (size_t p = 0; fits && p < values.size(); ++p)
+    if (system.roles[p] & kMatrix) fits = values[p] == system.matrix_values[p];
+  if (fits && system.coupling && system.coupled_rows == system.auxiliary) return false;
+  anchored_ = false;
+  rhs_values_.clear();
+  response_is_known_.assign(response_is_known_.size(), 0);
+  if (!fits) make_matrix(system, values);
+  const std::shared_ptr<const SchurComplementConstraints> older = fits ? system.coupling : nullptr;
+  if (older && same_rows(*system.coupled_rows, *system.auxiliary))
+    system.coupled_rows = system.auxiliary;
+  else
+    couple(system, older.get());
+  return !fits;
+}
+
+SurfaceEnergy SessionEngine::elastic_energy(const SessionSystem& system,
+                                            const std::vector<double>& values, const Points& x) {
+  const bool has_rest_shape = system.rest && system.rest->dofs.rows() > 0;
+  const Points from_rest = has_rest_shape ? Points(x - system.rest->dofs) : x;
+  const auto part = [&](bool bends) {
+    auto all = materials(system, values);
+    all.resize(static_cast<size_t>(system.parts->mesh->triangle_count()), all[0]);
+    for (SurfaceStiffness& m : all) {
+      if (bends)
+        m.alpha.setZero();
+      else
+        m.beta = m.beta_mixed = Vec3::Zero();
+    }
+    SparseMatrix K = system.parts->assembler.pattern();
+    system.parts->assembler.stiffness(all, K);
+    multiply_symmetric(K, from_rest, product_);
+    return from_rest.cwiseProduct(product_).sum();
+  };
+  return {part(false), part(true)};
+}
+
+
+void SessionEngine::line_rhs(const SessionSystem& system, const std::vector<double>& values,
+                             MatX& rhs) const {
+  rhs = system.base_rhs;
+  for (size_t i = 0; i < system.offset_rhs.size(); ++i)
+    if (const double v = values[system.move_parameter[i]]; v != 0) rhs += v * *system.offset_rhs[i];
+}
+
+void SessionEngine::auxiliary_rhs(const SessionSystem& system, const std::vector<double>& values) {
+  const AuxiliaryConstraints& rows = *system.auxiliary;
+  if (rows.rows.empty()) return;
+  for (size_t r = 0; r < rows.rows.size(); ++r) {
+    const auto& source = rows.sources[r];
+    const SchurComplementConstraints::Constraint& row = rows.rows[r];
+    if (row.soft) continue;
+    const double goal = source.kind == AuxiliaryConstraints::Source::Goal
+                            ? values[source.parameter] - system.origin()[source.coordinate]
+                            : 0;
+    g_[static_cast<long>(r)] = goal - row.evaluate(ae_);
+  }
+  if (system.coupling->redundant().empty()) return;
+  const auto [missed, row] = system.coupling->contradiction(g_);
+  if (missed > kRhsConflictTolerance * system.layout().size()) throw_conflict(system, values, row);
+}
+
+ConstraintSet SessionEngine::all_rows(const SessionSystem& system,
+                                      const std::vector<double>& values) const {
+  ConstraintSet all(system.dofs());
+  MatX rhs;
+  line_rhs(system, values, rhs);
+  const auto& names = system.line_rows->names();
+  const auto& lines = system.line_rows->constraints();
+  for (size_t r = 0; r < lines.size(); ++r)
+    all.add(names[lines[r].name], lines[r].entries, rhs.row(static_cast<long>(r)));
+  const AuxiliaryConstraints& auxiliary = *system.auxiliary;
+  for (size_t r = 0; r < auxiliary.rows.size(); ++r) {
+    if (auxiliary.rows[r].soft) continue;
+    std::vector<ConstraintSet::CoupledEntry> entries;
+    auxiliary.rows[r].terms([&](int point, const Vec3& n) {
+      for (SparseMatrix::InnerIterator it(auxiliary.A, point); it; ++it)
+        entries.push_back({static_cast<int>(it.row()), it.value() * n});
+    });
+    const auto& source = auxiliary.sources[r];
+    const double goal = source.kind == AuxiliaryConstraints::Source::Goal
+                            ? values[source.parameter] - system.origin()[source.coordinate]
+                            : 0;
+    all.add_coupled(auxiliary.name_of(static_cast<int>(r)), std::move(entries), goal);
+  }
+  return all;
+}
+
+void SessionEngine::throw_conflict(const SessionSystem& system, const std::vector<double>& values,
+                                   int row) const {
+  // The elimination knows which rows make up another; it is asked only now.
+  const ConstraintSet all = all_rows(system, values);
+  const AuxiliaryConstraints& auxiliary = *system.auxiliary;
+  const AffineReduction check(all, AffineReduction::RhsMode::Given, kRedundantTolerance);
+  throw ConflictError({{{auxiliary.name_of(row), "the lines or constraints beside it"},
+                        system.coupling->contradiction(g_).first}});
+}
+
+void SessionEngine::prepare_rhs(SessionSystem& system, const std::vector<double>& values) {
+  // The right-hand sides of lines are made anew only when lines moved.
+  bool stands = rhs_values_.size() == values.size() && rhs_matrix_ == system.statics.get();
+  for (size_t p = 0; stands && p < values.size(); ++p)
+    stands = (system.roles[p] & kRhs) == 0 || values[p] == rhs_values_[p];
+  if (!stands) {
+    rhs_values_.clear();
+    line_rhs(system, values, rhs_);
+    system.reduction->check(rhs_);
+    if (system.reduction->rhs_to_particular().nonZeros() > 0)
+      e_.noalias() = system.reduction->rhs_to_particular() * rhs_;
+    system.statics->start_load(rhs_, hd_);
+    ae_.noalias() = system.auxiliary->A.transpose() * e_;
+    rhs_values_ = values;
+    rhs_matrix_ = system.statics.get();
+  }
+  auxiliary_rhs(system, values);
+  base_ = hd_;
+  add_linear(system, values, base_);
+}
+
+void SessionEngine::add_linear(const SessionSystem& system, const std::vector<double>& values,
+                               MatX& to) const {
+  for (size_t l = 0; l < system.loads.size(); ++l)
+    if (const double v = values[system.load_parameter[l]];
+        v != 0 && system.loads[l]->reduced.rows() > 0)
+      to += v * system.loads[l]->reduced;
+  if (system.scan_load.rows() > 0) to += system.scan_reduced;
+  if (system.rest_load.rows() > 0) to += system.rest_reduced;
+}
+
+namespace {
+
+// The point of a spring's target that is nearest to p.
+Vec3 nearest_of(const Load::AttractorSprings& springs, int spring, const Vec3& p) {
+  if (const auto* points = std::get_if<Load::AttractorSprings::TargetPoints>(&springs.target))
+    return points->to[spring];
+  if (const auto* curve = std::get_if<Load::AttractorSprings::Curve>(&springs.target))
+    return curve->curve.evaluate(curve->curve.closest_point(p).u);
+  const auto& plane = std::get<Load::AttractorSprings::Plane>(springs.target);
+  const Vec3 n = plane.normal.normalized();
+  return p - n.dot(p - plane.through) * n;
+}
+
+}  // namespace
+
+SessionEngine::SpringTarget SessionEngine::spring_target(const SessionSystem& system,
+                                                         const AuxiliaryConstraints::Source& source,
+                                                         double value, const Vec3& p) const {
+  const auto& placed = *system.def.loads[source.load];
+  const auto& springs = std::get<Load::AttractorSprings>(placed.load.kind);
+  Vec3 target = nearest_of(springs, source.spring, p);
+  const double distance = (p - target).norm();
+  double stiffness = value;
+  if (springs.falloff > 0) stiffness *= std::exp(-std::pow(distance / springs.falloff, 2));
+  if (springs.rest_length > 0 && distance > 0)
+    target += springs.rest_length / distance * (p - target);
+  return {stiffness, target};
+}
+
+void SessionEngine::set_spring_targets(SessionSystem& system, const std::vector<double>& values,
+                                       const Points& x) {
+  const AuxiliaryConstraints& rows = *system.auxiliary;
+  const auto& soft = system.coupling->soft();
+  if (soft.empty()) return;
+  ax_.noalias() = rows.A.transpose() * x;
+  for (size_t k = 0; k < soft.size(); ++k) {
+    const auto r = static_cast<size_t>(soft[k]);
+    const SchurComplementConstraints::Constraint& row = rows.rows[r];
+    const double value = values[rows.sources[r].parameter];
+    if (!(value >= 0))
+      throw InputError("springs '" + rows.name_of(soft[k]) + "' have the stiffness " +
+                       format_number(value) + ": it must not be below 0");
+    const Vec3 p = ax_.row(row.point).transpose() + system.origin();
+    const SpringTarget to = spring_target(system, rows.sources[r], value, p);
+    wanted_stiffness_[static_cast<long>(k)] = to.stiffness;
+    g_[static_cast<long>(r)] =
+        row.direction.dot(to.target - system.origin() - Vec3(ae_.row(row.point)));
+  }
+  if (wanted_stiffness_ != stiffness_) {
+    system.coupling->set_stiffness(wanted_stiffness_);
+    stiffness_ = wanted_stiffness_;
+    // Responses to loads were those of softer or stiffer springs.
+    response_is_known_.assign(response_is_known_.size(), 0);
+  }
+}
+
+// 2 ∫ φ(ρ) (ρ - r₀) dρ from r₀ to r: what a spring of stiffness 1 stores.
+double SessionEngine::spring_energy(const SessionSystem& system,
+                                    const AuxiliaryConstraints::Source& source,
+                                    const Vec3& p) const {
+  const auto& springs = std::get<Load::AttractorSprings>(system.def.loads[source.load]->load.kind);
+  const double r = (p - nearest_of(springs, source.spring, p)).norm(), rest = springs.rest_length,
+               falloff = springs.falloff;
+  if (falloff == 0) return (r - rest) * (r - rest);
+  const auto phi = [&](double at) { return std::exp(-(at / falloff) * (at / falloff)); };
+  return falloff * falloff * (phi(rest) - phi(r)) -
+         rest * falloff * std::sqrt(std::numbers::pi) *
+             (std::erf(r / falloff) - std::erf(rest / falloff));
+}
+
+
+namespace {
+
+// Changes below this share of the size that do not fall any more are rounding.
+constexpr double kRoundingFloor = 1e-9;
+// After a change above this times the size in one iteration no shape comes back.
+constexpr double kDivergence = 1e6;
+
+}  // namespace
+
+bool SessionEngine::is_linear(const SessionSystem& system,
+                              const std::vector<double>& values) const {
+  for (size_t l = 0; l < system.loads.size(); ++l) {
+    const auto p = static_cast<size_t>(system.load_parameter[l]);
+    const bool follows = std::holds_alternative<Load::Pressure>(system.def.loads[l]->load.kind) ||
+                         (system.roles[p] & kSpring && system.roles[p] & kPressure);
+    if (follows && values[p] != 0) return false;
+  }
+  return true;
+}
+
+void SessionEngine::map(SessionSystem& system, const std::vector<double>& values, const Points& x,
+                        Points& to) {
+  y_ = base_;
+  bool has_pressure = false;
+  for (size_t l = 0; l < system.loads.size(); ++l) {
+    if (!std::holds_alternative<Load::Pressure>(system.def.loads[l]->load.kind)) continue;
+    const double v = values[system.load_parameter[l]];
+    if (v == 0) continue;
+    if (!has_pressure) F_.setZero();
+    has_pressure = true;
+    system.parts->pressure().add(x, system.loads[l]->weights, v * system.loads[l]->scale, F_);
+  }
+  if (has_pressure) system.statics->add_load(F_, y_);
+  set_spring_targets(system, values, x);
+  system.statics->solve(y_);
+  system.coupling->apply(y_, g_);
+  system.statics->expand(y_, e_, to);
+}
+
+// Where only linear loads moved since the anchor, the answer is its shape and a response to each
+// load.
+bool SessionEngine::superpose(SessionSystem& system, const std::vector<double>& values, Points& x,
+                              SolveStatus& run) {
+  for (size_t p = 0; p < values.size(); ++p)
+    if (values[p] != anchor_values_[p] && (system.roles[p] & ~unsigned(kLinear)) != 0) return false;
+  if (x_is_anchor_) anchor_ = x;
+  x_is_anchor_ = false;
+  next_ = anchor_;
+  for (size_t l = 0; l < system.loads.size(); ++l) {
+    const auto p = static_cast<size_t>(system.load_parameter[l]);
+    if (system.loads[l]->reduced.rows() == 0 || values[p] == anchor_values_[p]) continue;
+    if (!response_is_known_[l]) {
+      // The answer to the load alone: rows at zero, springs as stiff as they are.
+      y_ = system.loads[l]->reduced;
+      system.statics->solve(y_);
+      g_.setZero();
+      system.coupling->apply(y_, g_);
+      responses_[l].resize(x.rows(), 3);
+      responses_[l].noalias() = system.reduction->D() * y_;
+      response_is_known_[l] = 1;
+      ++run.iterations;
+    }
+    next_ += (values[p] - anchor_values_[p]) * responses_[l];
+  }
+  run.change = change_between(next_, x) / system.layout().size();
+  x.swap(next_);
+  run.converged = run.superposed = true;
+  return true;
+}
+
+// In a drag the last answers tell how good the first guess is. It is then taken without a second
+// iteration, but for every fourth answer, which measures again.
+bool SessionEngine::accept_first_iterate(double first_change, double tolerance, SolveStatus& run) {
+  constexpr double careful = 5;
+  constexpr int most_unseen = 3;
+  const double expected = careful * contraction_ratio_ * first_change;
+  run.change_is_estimated = run.iterations == 1 && contraction_ratio_ > 0 &&
+                            unmeasured_count_ < most_unseen && expected <= tolerance;
+  unmeasured_count_ = run.change_is_estimated ? unmeasured_count_ + 1 : 0;
+  if (run.change_is_estimated) {
+    run.change = expected;
+    run.converged = true;
+  }
+  return run.change_is_estimated;
+}
+
+SessionEngine::SolveStatus SessionEngine::solve_preview(SessionSystem& system,
+                                                        const std::vector<double>& values,
+                                                        Points& x, int most, double tolerance,
+                                                        bool may_superpose) {
+  const double size = system.layout().size();
+  SolveStatus run;
+  const bool linear = is_linear(system, values);
+  if (linear && may_superpose && anchored_ && superpose(system, values, x, run)) return run;
+  anchored_ = false;
+  prepare_rhs(system, values);
+  accelerator_.begin();
+  double least_change = std::numeric_limits<double>::infinity();
+  int iterations_since_least = 0;
+  double first_change = 0;
+  while (run.iterations < most) {
+    map(system, values, x, next_);
+    ++run.iterations;
+    run.change = change_between(next_, x) / size;
+    if (!(run.change < kDivergence)) {  // NaN too
+      run.diverged = true;
+      accelerator_.clear();
+      return run;
+    }
+    // Rounding leaves a floor, higher on cut and graded meshes: there the change stops falling.
+    iterations_since_least = run.change < 0.5 * least_change ? 0 : iterations_since_least + 1;
+    if (iterations_since_least == 0) least_change = run.change;
+    const bool at_floor = iterations_since_least >= 4 && least_change <= kRoundingFloor;
+    run.converged = linear || run.change <= tolerance || at_floor;
+    if (run.iterations == 1) first_change = run.change;
+    if (run.iterations == 2 && may_superpose)
+      contraction_ratio_ = std::max(0.5 * contraction_ratio_, run.change / first_change);
+    // A last pair keeps the secants fresh for the next answer.
+    if (!run.converged || run.iterations > 1) accelerator_.add_iterate(x, next_);
+    if (!run.converged) accelerator_.extrapolate(next_);
+    x.swap(next_);
+    if (run.converged) break;
+    if (may_superpose)
+      accept_first_iterate(first_change, tolerance, run);
+    else
+      unmeasured_count_ = 0;
+    // A guess keeps the rows only as well as the differences that it is made of.
+    if (run.change_is_estimated || run.iterations == most) project_onto_constraints(system, x);
+    if (run.change_is_estimated) break;
+  }
+  if (linear) {
+    anchor_values_ = values;
+    anchored_ = x_is_anchor_ = true;
+  }
+  return run;
+}
+
+double SessionEngine::change_between(const Points& a, const Points& b) const {
+  double largest = 0, all = 0;
+  for (int c = 0; c < 3; ++c) {
+    largest =
+        std::max(largest, ((a.col(c) - b.col(c)).cwiseAbs().cwiseProduct(dof_weights_)).maxCoeff());
+    all += a.col(c).sum();
+  }
+  return std::isfinite(all) ? largest : std::numeric_limits<double>::quiet_NaN();
+}
+
+void SessionEngine::project_onto_constraints(const SessionSystem& system, Points& x) {
+  const auto& free = system.reduction->free_dofs();
+  for (int c = 0; c < 3; ++c)
+    for (size_t f = 0; f < free.size(); ++f) y_(static_cast<long>(f), c) = x(free[f], c);
+  system.coupling->project(y_, g_);
+  system.statics->expand(y_, e_, x);
+}
+
+bool SessionEngine::update_scan_foot_points(SessionSystem& system, const Points& x) {
+  bool moved = false;
+  for (size_t l = 0; l < system.loads.size(); ++l) {
+    const auto* scan = std::get_if<Load::PointCloudSprings>(&system.def.loads[l]->load.kind);
+    if (!scan) continue;
+    const ModelProjector projector(system.layout(),
+                                   x + system.parts->ones * system.origin().transpose());
+    auto& foot_points = system.scan_foot_points[l];
+    auto& used = system.scan_used[l];
+    const bool first = foot_points.empty();
+    foot_points.resize(scan->points.size());
+    used.resize(scan->points.size());
+    for (size_t i = 0; i < foot_points.size(); ++i) {
+      const Vec3& p = scan->points[i];
+      const auto closest = projector.nearest(p);
+      // On the rim the way to a point beyond it is not at right angles to the surface.
+      const SurfaceJet jet = projector.surface(closest.at.region).jet(closest.where);
+      const Vec3 across = p - jet.x;
+      const char use = closest.inside && (across.norm() <= 1e-9 * system.layout().size() ||
+                                          std::abs(across.normalized().dot(jet.normal())) > 0.7);
+      moved = moved || first || use != used[i] || closest.at.region != foot_points[i].region ||
+              !((closest.at.uv - foot_points[i].uv).norm() < 1e-6);
+      foot_points[i] = closest.at;
+      used[i] = use;
+    }
+  }
+  if (moved) invalidate_matrix(system);
+  return moved;
+}
+
 }  // namespace batten::detail
+
+namespace batten {
+
+VecX displacement_weights(const ParametricMesh& mesh, const Trim* trim) {
+  const DofMap dofs(mesh);
+  VecX weights = VecX::Zero(dofs.count());
+  constexpr double seen = 0.05;
+  for (int t = 0; t < mesh.triangle_count(); ++t) {
+    if (trim && trim->area_fraction(t) < seen) continue;
+    const double h = std::sqrt(2 * mesh.shape(t).area);
+    for (const int v : mesh.triangles()[t]) {
+      weights[dofs.vertex(v)] = 1;
+      for (const int derivative : {1, 2}) {
+        double& w = weights[dofs.vertex(v, derivative)];
+        w = std::max(w, h);
+      }
+    }
+    for (const int e : mesh.edges_of(t)) weights[dofs.edge(e)] = std::max(weights[dofs.edge(e)], h);
+  }
+  return weights;
+}
+
+}  // namespace batten

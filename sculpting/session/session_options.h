@@ -5,11 +5,10 @@
 #include <functional>
 
 #include "batten/constraints/constraint_set.h"
-#include "batten/core/factor_reuse.h"
+#include "batten/core/solvers/symbolic_analysis.h"
 #include "batten/core/progress.h"
-#include "batten/elements/surface_stiffness.h"
+#include "batten/elements/reference_triangle.h"
 #include "batten/skinning/model/model_layout.h"
-#include "batten/skinning/model/model_scale.h"
 
 namespace batten {
 

@@ -1,8 +1,16 @@
 #include "batten/sculpting/session/session_system.h"
 
 #include <algorithm>
+#include <cmath>
+#include <map>
 
-#include "batten/fem/nested_dissection.h"
+#include "batten/fem/parametric_mesh.h"
+#include "batten/constraints/shape/shape_constraints.h"
+#include "batten/core/errors.h"
+#include "batten/fem/surface_assembler.h"
+#include "batten/sculpting/loads/area_weights.h"
+#include "batten/core/containers.h"
+#include "batten/core/geometry.h"
 
 namespace batten::detail {
 
@@ -263,6 +271,324 @@ size_t bytes_of(const SessionSystem& system, std::set<const void*>& seen) {
          8 * static_cast<size_t>(system.rest->dofs.size() + system.rest->first.size()));
   return sum + 8 * static_cast<size_t>(system.base_rhs.size() + system.scan_load.size() +
                                        system.rest_load.size());
+}
+
+
+namespace {
+
+int position_of(const std::vector<std::string>& names, const std::string& name) {
+  const auto it = std::find(names.begin(), names.end(), name);
+  return it == names.end() ? -1 : static_cast<int>(it - names.begin());
+}
+
+}  // namespace
+
+// Right-hand sides of all rows when one line has another curve and all others are zero.
+MatX line_curve_rhs(const SessionSystem& system, const std::string& name,
+                    const HermiteCurve& curve) {
+  const ModelLayout& layout = system.layout();
+  const ModelLine& line = layout.model_line(name);
+  // In the order of the rows: region by region.
+  std::vector<LineSide> sides = line.sides;
+  std::sort(sides.begin(), sides.end(),
+            [](const LineSide& a, const LineSide& b) { return a.region < b.region; });
+  std::vector<Vec3> own;
+  for (const LineSide& side : sides) {
+    const RegionLayout& region = layout.region(side.region);
+    const ParametricMesh& mesh = *region.mesh();
+    const HermiteCurve along = layout.against(line, side) ? curve.backwards() : curve;
+    ConstraintSet set(DofMap(mesh).count());
+    const auto i = static_cast<size_t>(side.index);
+    if (side.embedded) {
+      const EmbeddedLine& embedded = region.embedded()[i];
+      EmbeddedLineConstraints(mesh, system.parts->kind, system.parts->locator(side.region), set)
+          .points(name, embedded.pcurve, along, embedded.points);
+    } else {
+      const EdgeAlignedLine& aligned_line = region.edge_aligned()[i];
+      SurfaceConstraints(mesh, system.parts->kind, set)
+          .curve(name, aligned_line.vertices, aligned_line.parameters, along,
+                 mesh.chain_vector(aligned_line.vertices));
+    }
+    for (const auto& row : set.constraints()) own.push_back(row.value);
+  }
+  MatX rhs = MatX::Zero(system.base_rhs.rows(), 3);
+  const auto& rows = system.line_rows->constraints();
+  const int index = position_of(system.line_rows->names(), name);
+  size_t next = 0;
+  for (size_t r = 0; r < rows.size(); ++r)
+    if (rows[r].name == index) {
+      if (next == own.size()) break;
+      rhs.row(static_cast<long>(r)) = own[next++];
+    }
+  if (next != own.size())
+    throw InputError("the rows of line '" + name + "' do not fit the layout's");
+  return rhs;
+}
+
+AssembledLoad assembled(const AttachedLoad& placed, const SessionSystem& system) {
+  AssembledLoad b;
+  const MeshData& parts = *system.parts;
+  const ModelScale scale = system.def.scale();
+  const auto weights = [&](const Area& area) {
+    return everywhere(area)
+               ? VecX()
+               : triangle_weights(area, system.layout(), surface_on(system.def, *placed.on));
+  };
+  if (const auto* p = std::get_if<Load::Pressure>(&placed.load.kind)) {
+    b.weights = weights(p->area);
+    parts.pressure();  // now, and not in the first answer
+    b.scale = scale.per_area();
+  } else if (const auto* u = std::get_if<Load::Uniform>(&placed.load.kind)) {
+    const Vec3 f = scale.per_domain_area() * u->direction;
+    VecX w = weights(u->area);
+    if (parts.domain_scale.size() > 0)
+      w = w.size() > 0 ? VecX(w.cwiseProduct(parts.domain_scale)) : parts.domain_scale;
+    if (w.size() == 0)
+      b.F = parts.assembler.load(f);
+    else
+      b.F = parts.assembler.load(w) * f.transpose();
+  } else if (const auto* g = std::get_if<Load::Gravity>(&placed.load.kind)) {
+    const Vec3 f = scale.per_area() * g->direction;
+    b.F = parts.assembler.area_load(surface_on(system.def, *placed.on)) * f.transpose();
+  } else if (const auto* f = std::get_if<Load::Point>(&placed.load.kind)) {
+    b.F = parts.assembler.point_load(parts.at(placed.foot_points[0]), scale.force() * f->direction);
+  } else if (const auto* l = std::get_if<Load::Line>(&placed.load.kind)) {
+    const LineSide& side = system.layout().model_line(l->line).sides.front();
+    b.F = system.layout().spread(side.region,
+                                 line_load(*system.layout().region(side.region).mesh(), parts.kind,
+                                           parts.locator(side.region), system.layout().pcurve(side),
+                                           system.layout().curve(side))) *
+          l->direction.transpose();
+  }
+  if (b.F.rows() > 0) b.reduced = system.reduction->D().transpose() * b.F;
+  return b;
+}
+
+AssembledStiffnessField assembled(const AttachedStiffnessField& placed,
+                                  const SessionSystem& system) {
+  AssembledStiffnessField b;
+  const StiffnessField& w = placed.weight;
+  const int triangles = system.parts->mesh->triangle_count();
+  b.weights = everywhere(w.area)
+                  ? VecX(VecX::Ones(triangles))
+                  : triangle_weights(w.area, system.layout(), surface_on(system.def, *placed.on));
+  if (!w.along) return b;
+  if (const auto* uv = std::get_if<Vec2>(&*w.along))
+    b.directions.assign(static_cast<size_t>(triangles), uv->normalized());
+  else
+    b.directions = triangle_directions(std::get<std::string>(*w.along), system.layout());
+  return b;
+}
+
+
+const std::string& AuxiliaryConstraints::name_of(int row) const {
+  for (const Block& block : blocks)
+    if (row < block.end_row) return block.name;
+  return blocks.back().name;
+}
+
+namespace {
+
+class AuxiliaryConstraintsBuilder {
+ public:
+  explicit AuxiliaryConstraintsBuilder(int dofs) : dofs_(dofs) {}
+  void begin(const void* owner, const std::string& name) {
+    points_here_.clear();
+    rows.blocks.push_back({owner, name, count_, count_, here(), here()});
+  }
+  void end() {
+    rows.blocks.back().end_point = count_;
+    rows.blocks.back().end_row = here();
+  }
+  using Terms = std::vector<std::pair<int, double>>;
+  // Points of one thing are shared by its rows.
+  int point(const Terms& terms) {
+    const auto [it, fresh] = points_here_.emplace(terms, count_);
+    if (fresh) {
+      for (const auto& [dof, value] : terms) entries_.emplace_back(dof, count_, value);
+      ++count_;
+    }
+    return it->second;
+  }
+  void add(int point, const Vec3& direction, double size, bool soft,
+           AuxiliaryConstraints::Source source) {
+    rows.rows.push_back({point, direction, size, soft});
+    rows.sources.push_back(source);
+  }
+  // Adds a coupled row: with one point when all its coefficients are parallel, otherwise with one
+  // for each coordinate.
+  void add(const ConstraintSet::CoupledConstraint& row) {
+    double largest = 0, size = 0;
+    Vec3 direction = Vec3::UnitX();
+    std::map<int, Vec3> sums;
+    for (const auto& e : row.entries)
+      sums.try_emplace(e.dof, Vec3::Zero()).first->second += e.coefficient;
+    for (const auto& [dof, n] : sums) {
+      size += n.squaredNorm();
+      if (n.norm() <= largest) continue;
+      largest = n.norm();
+      direction = n.normalized();
+    }
+    if (!(size > 0)) return;
+    const auto along = [&](const Vec3& d) {
+      Terms terms;
+      for (const auto& [dof, n] : sums)
+        if (const double part = n.dot(d); part != 0) terms.emplace_back(dof, part);
+      return terms;
+    };
+    const bool one = std::all_of(sums.begin(), sums.end(), [&](const auto& s) {
+      return (s.second - s.second.dot(direction) * direction).norm() <= 1e-13 * largest;
+    });
+    SchurComplementConstraints::Constraint made{-1, direction, std::sqrt(size)};
+    if (one) {
+      made.point = point(along(direction));
+    } else {
+      for (int c = 0; c < 3; ++c) {
+        const Terms terms = along(Vec3::Unit(c));
+        if (terms.empty()) continue;
+        if (made.point < 0) {
+          made.point = point(terms);
+          made.direction = Vec3::Unit(c);
+        } else {
+          made.further_terms.push_back({point(terms), Vec3::Unit(c)});
+        }
+      }
+    }
+    // The same row twice (edges of a line share their ends).
+    for (int r = rows.blocks.back().first_row; r < here(); ++r) {
+      const SchurComplementConstraints::Constraint& other = rows.rows[r];
+      if (one && other.further_terms.empty() && other.point == made.point &&
+          (other.direction - made.direction).norm() < 1e-12)
+        return;
+    }
+    rows.rows.push_back(std::move(made));
+    rows.sources.push_back({});
+  }
+  AuxiliaryConstraints take() {
+    rows.A.resize(dofs_, count_);
+    rows.A.setFromTriplets(entries_.begin(), entries_.end());
+    return std::move(rows);
+  }
+  AuxiliaryConstraints rows;
+
+ private:
+  int here() const { return isize(rows.rows); }
+  int dofs_, count_ = 0;
+  std::vector<Triplet> entries_;
+  std::map<Terms, int> points_here_;
+};
+
+std::vector<std::pair<int, double>> functional(const MeshData& parts, const ModelPoint& at) {
+  const Location where = parts.at(at);
+  const Vec12 N =
+      C1Triangle(parts.kind, parts.mesh->shape(where.triangle)).evaluate(where.L).col(kW);
+  const auto dof = parts.assembler.dofs().triangle(*parts.mesh, where.triangle);
+  std::vector<std::pair<int, double>> terms;
+  for (int a = 0; a < 12; ++a)
+    if (N[a] != 0) terms.emplace_back(dof[a], N[a]);
+  std::sort(terms.begin(), terms.end());
+  return terms;
+}
+
+double length_of(const std::vector<std::pair<int, double>>& terms) {
+  double sum = 0;
+  for (const auto& t : terms) sum += t.second * t.second;
+  return std::sqrt(sum);
+}
+
+void add_line_normal(const AttachedConstraint& placed, const SessionSystem& system,
+                     ConstraintSet& set) {
+  const MeshData& parts = *system.parts;
+  const ModelLayout& layout = system.layout();
+  const auto& along = std::get<Constraint::LineNormal>(placed.constraint.kind);
+  const std::string& name = placed.constraint.name;
+  std::optional<Surface> on;
+  if (placed.on) on.emplace(surface_on(system.def, *placed.on));
+  std::vector<LineSide> sides = layout.model_line(along.line).sides;
+  if (layout.join_plan(along.line)) sides.resize(1);
+  for (const LineSide& side : sides) {
+    const RegionLayout& region = layout.region(side.region);
+    const ParametricMesh& mesh = *region.mesh();
+    const auto normal_at = [&](const Vec2& uv) -> Vec3 {
+      return along.normal ? along.normal->normalized()
+                          : on->jet(parts.at({side.region, uv})).normal();
+    };
+    ConstraintSet own(DofMap(mesh).count());
+    const auto i = static_cast<size_t>(side.index);
+    if (side.embedded) {
+      const EmbeddedLine& line = region.embedded()[i];
+      EmbeddedLineConstraints(mesh, parts.kind, parts.locator(side.region), own)
+          .normal(name, line.pcurve, line.points,
+                  [&](double t) { return normal_at(drop_z(line.pcurve.evaluate(t))); });
+    } else {
+      const auto n = [&](int edge, double s) {
+        const auto& e = mesh.edges()[edge];
+        const Vec2 low = mesh.vertices()[e.low];
+        const Vec2 high = mesh.image_near(mesh.vertices()[e.high], low);
+        return normal_at(mesh.wrapped(low + s * (high - low)));
+      };
+      SurfaceConstraints(mesh, parts.kind, own)
+          .varying_normal(name, region.edge_aligned()[i].edges, n, true);
+    }
+    for (const auto& row : own.coupled_constraints()) {
+      auto entries = row.entries;
+      for (auto& e : entries) e.dof = layout.dof_offsets(side.region)(e.dof);
+      set.add_coupled(name, std::move(entries), row.value);
+    }
+  }
+}
+
+}  // namespace
+
+AuxiliaryConstraints build_auxiliary_constraints(const SessionSystem& system,
+                                                 const Parameters& parameters) {
+  AuxiliaryConstraintsBuilder all(system.dofs());
+  const MeshData& parts = *system.parts;
+  for (const auto& placed : system.def.constraints) {
+    const Constraint& c = placed->constraint;
+    all.begin(placed.get(), c.name);
+    if (std::holds_alternative<Constraint::Point>(c.kind)) {
+      const auto terms = functional(parts, placed->foot_point);
+      const int point = all.point(terms);
+      const char* axis[] = {".x", ".y", ".z"};
+      for (int k = 0; k < 3; ++k)
+        all.add(point, Vec3::Unit(k), length_of(terms), false,
+                {AuxiliaryConstraints::Source::Goal, parameters.index(c.name + axis[k]), k});
+    } else {
+      ConstraintSet set(system.dofs());
+      SurfaceConstraints shape(*parts.mesh, parts.kind, set);
+      if (const auto* normal = std::get_if<Constraint::Normal>(&c.kind))
+        shape.normal(c.name, parts.at(placed->foot_point), normal->normal);
+      else if (const auto* tangent = std::get_if<Constraint::Tangent>(&c.kind))
+        shape.tangent(c.name, parts.at(placed->foot_point), tangent->along, tangent->tau);
+      else
+        add_line_normal(*placed, system, set);
+      for (const auto& row : set.coupled_constraints()) all.add(row);
+    }
+    all.end();
+  }
+  for (size_t l = 0; l < system.def.loads.size(); ++l) {
+    const AttachedLoad& placed = *system.def.loads[l];
+    const auto* springs = std::get_if<Load::AttractorSprings>(&placed.load.kind);
+    if (!springs) continue;
+    all.begin(&placed, placed.load.name);
+    const auto* plane = std::get_if<Load::AttractorSprings::Plane>(&springs->target);
+    for (size_t i = 0; i < placed.foot_points.size(); ++i) {
+      const auto terms = functional(parts, placed.foot_points[i]);
+      const int point = all.point(terms);
+      AuxiliaryConstraints::Source source{AuxiliaryConstraints::Source::Spring,
+                                          system.load_parameter[l], -1, static_cast<int>(l),
+                                          static_cast<int>(i)};
+      if (plane) {
+        all.add(point, plane->normal.normalized(), length_of(terms), true, source);
+        continue;
+      }
+      for (source.coordinate = 0; source.coordinate < 3; ++source.coordinate)
+        all.add(point, Vec3::Unit(source.coordinate), length_of(terms), true, source);
+    }
+    all.end();
+  }
+  return all.take();
 }
 
 }  // namespace batten::detail

@@ -17,7 +17,6 @@
 #include "batten/sculpting/session/session_options.h"
 #include "batten/sculpting/session/session_results.h"
 #include "batten/skinning/model/model_layout.h"
-#include "batten/skinning/model/model_scale.h"
 
 namespace batten::detail {
 

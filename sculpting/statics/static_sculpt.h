@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "batten/core/progress.h"
-#include "batten/fairing/surface_energy.h"
+#include "batten/elements/reference_triangle.h"
 #include "batten/sculpting/loads/loads.h"
 #include "batten/sculpting/session/session_results.h"
 #include "batten/skinning/model/model_layout.h"

@@ -7,12 +7,11 @@
 #include <numeric>
 
 #include "batten/core/errors.h"
-#include "batten/core/format.h"
-#include "batten/core/isize.h"
-#include "batten/core/planar_geometry.h"
+#include "batten/core/geometry.h"
+#include "batten/core/containers.h"
 #include "batten/skinning/domains/domain_input.h"
 #include "batten/skinning/domains/hole_triangulation.h"
-#include "batten/skinning/domains/polygon_fit.h"
+#include "batten/skinning/region/polygon_fit.h"
 
 namespace batten {
 namespace {

@@ -8,8 +8,7 @@
 #include "batten/constraints/constraint_set.h"
 #include "batten/core/progress.h"
 #include "batten/skinning/domains/outline.h"
-#include "batten/skinning/region/region_geometry.h"
-#include "batten/skinning/region/skin_options.h"
+#include "batten/skinning/region/skinned_region.h"
 
 namespace batten {
 
@@ -129,5 +128,18 @@ void refine_by_curvature(RegionGeometry& geometry, const DomainInput& task);
 /// too small, or the mesh would have more than max_refined_triangles(); then it warns.
 bool refine_at_gaps(RegionGeometry& geometry, const Surface& surface, double target,
                     const DomainInput& task);
+
+
+// Inner lines end where a hole takes the surface away.
+
+/// Cuts inner lines at the rims of holes and drops what lies in a hole; a line of which several
+/// pieces are left becomes "name.1", "name.2", … Rim and line must meet within the task's join
+/// distance where they cross, seen along the mean normal of the hole. Given curves stay whole: a
+/// network has cut them. Cost: O(samples of lines × samples of rims).
+/// Throws InputError: a line that passes a rim farther away (with both names, place, distance and
+/// remedy), a line that lies in a hole from end to end.
+std::vector<SmoothSegment> split_at_holes(const std::vector<SmoothSegment>& inner,
+                                          const std::vector<Outline>& holes,
+                                          const DomainInput& task);
 
 }  // namespace batten

@@ -1,16 +1,14 @@
 #include <algorithm>
 #include <cmath>
 
-#include "batten/constraints/shape/embedded_line_constraints.h"
-#include "batten/constraints/shape/surface_constraints.h"
+#include "batten/constraints/shape/shape_constraints.h"
 #include "batten/core/errors.h"
-#include "batten/core/format.h"
-#include "batten/core/planar_geometry.h"
-#include "batten/fem/bisection.h"
+#include "batten/core/geometry.h"
+#include "batten/fem/refinement.h"
 #include "batten/fem/triangle_locator.h"
 #include "batten/skinning/domains/domain_input.h"
-#include "batten/skinning/domains/mesh_limits.h"
-#include "batten/skinning/region/skin_quality.h"
+#include "batten/skinning/domains/mesher.h"
+#include "batten/skinning/region/skinned_region.h"
 
 namespace batten {
 namespace {

@@ -3,12 +3,32 @@
 
 #include <memory>
 #include <vector>
+#include <string>
 
 #include "batten/core/progress.h"
 #include "batten/fem/parametric_mesh.h"
-#include "batten/skinning/domains/size_field.h"
+#include "batten/fem/triangle_locator.h"
 
 namespace batten {
+
+// How long the edges of elements may be at each place of a domain.
+
+/// Longest edges of elements over a domain, in its units: linear between the vertices of a background
+/// mesh, and outside of it as at its nearest point.
+class SizeField {
+ public:
+  /// One length, > 0, for each vertex of the background mesh.
+  SizeField(std::shared_ptr<const ParametricMesh> mesh, std::vector<double> lengths);
+
+  double at(const Vec2& uv) const;
+  double at_vertex(int vertex) const { return lengths_[vertex]; }
+
+ private:
+  std::shared_ptr<const ParametricMesh> mesh_;
+  TriangleLocator locator_;
+  std::vector<double> lengths_;
+};
+
 
 /// What is to be meshed: points that must become vertices, and segments between them that must
 /// become rows of edges. The segments of the outline form one closed counter-clockwise polygon,
@@ -40,5 +60,32 @@ bool have_delaunay_mesher();
 /// triangle in four, `refinements` times; segments of the outline are cut evenly. Throws InputError
 /// when the polygon is not star-shaped about its centre, or there are inner segments or holes.
 ParametricMesh fan_mesh(const PlanarMeshInput& task, int refinements);
+
+
+// Whether a mesh can be afforded, and a tolerance reached.
+
+/// Bytes that skinning takes at its highest for a mesh of so many triangles: mostly its factor,
+/// which grows as n log n.
+double bytes_for_triangles(double triangles);
+
+/// Throws InputError for a mesh that is too large: of more than two million triangles, or for which
+/// there is not enough memory (available_memory). The message says how much it would take, and which
+/// edge_length needs half of what there is. `what`: "a region", "a ring"; `edge_length`, `size` in model
+/// units.
+void require_mesh_size(double triangles, double edge_length, double size, const std::string& what);
+
+/// The same for all regions of a model together: at least 2 kB a triangle. What the factor of
+/// regions in one shape takes is asked for when it is planned (SparseCholesky).
+void require_model_size(double triangles, double edge_length, double size);
+
+inline constexpr double kMaxTriangles = 2e6;
+
+/// Returns how many triangles a region may have after those under its embedded lines were halved:
+/// 50,000, or ten times those of its size and edge length, (size/edge)².
+double max_refined_triangles(double edge_length, double size);
+
+/// Throws InputError for a tolerance of lines below 1e-9 of the size: shapes are not computed more
+/// exactly.
+void require_tolerance(double tolerance, double size);
 
 }  // namespace batten

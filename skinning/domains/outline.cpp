@@ -4,12 +4,13 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <optional>
 
-#include "batten/core/dense.h"
+#include "batten/core/eigen.h"
 #include "batten/core/errors.h"
-#include "batten/core/format.h"
-#include "batten/core/isize.h"
-#include "batten/skinning/domains/curve_crossing.h"
+#include "batten/core/geometry.h"
+#include "batten/core/containers.h"
+#include "batten/skinning/domains/hole_triangulation.h"
 
 namespace batten {
 namespace {
@@ -273,6 +274,224 @@ Outline reversed(const Outline& outline) {
     back.corners.push_back(static_cast<int>((n - static_cast<size_t>(c)) % n));
   std::sort(back.corners.begin(), back.corners.end());
   return back;
+}
+
+namespace {
+
+// How far a curve may lie from the chords of its polyline.
+double sag(const Vec3& a0, const Vec3& a1) { return 0.1 * (a1 - a0).norm(); }
+
+double segment_distance(const Vec3& a0, const Vec3& a1, const Vec3& b0, const Vec3& b1) {
+  const Vec3 da = a1 - a0, db = b1 - b0, r = a0 - b0;
+  const double a = da.squaredNorm(), e = db.squaredNorm(), f = db.dot(r), c = da.dot(r),
+               b = da.dot(db);
+  const double det = a * e - b * b;
+  double s = det > 1e-14 * a * e ? std::clamp((b * f - c * e) / det, 0.0, 1.0) : 0;
+  double t = e > 0 ? (b * s + f) / e : 0;
+  if (t < 0 || t > 1) {
+    t = std::clamp(t, 0.0, 1.0);
+    s = a > 0 ? std::clamp((b * t - c) / a, 0.0, 1.0) : 0;
+  }
+  return (Vec3(a0 + s * da) - Vec3(b0 + t * db)).norm();
+}
+
+// Two polylines of different curves come near each other at these segments: the curves' own
+// distance there, by Gauss-Newton on both parameters.
+std::pair<double, Vec3> curve_distance(const InputCurve& a, int i, const InputCurve& b, int j) {
+  const double step_a = (a.end() - a.start()) / kCurveChords,
+               step_b = (b.end() - b.start()) / kCurveChords;
+  const double low_a = a.start() + i * step_a, low_b = b.start() + j * step_b;
+  double s = low_a + 0.5 * step_a, t = low_b + 0.5 * step_b;
+  for (int k = 0; k < 20; ++k) {
+    const Vec3 d = a.evaluate(s) - b.evaluate(t), da = a.evaluate(s, 1), db = b.evaluate(t, 1);
+    Mat2 H;
+    H << da.dot(da), -da.dot(db), -da.dot(db), db.dot(db);
+    H.diagonal() *= 1 + 1e-12;
+    const Vec2 move = H.inverse() * Vec2(da.dot(d), -db.dot(d));
+    if (!move.allFinite()) break;
+    s = std::clamp(s - move[0], low_a - 0.5 * step_a, low_a + 1.5 * step_a);
+    t = std::clamp(t - move[1], low_b - 0.5 * step_b, low_b + 1.5 * step_b);
+    s = std::clamp(s, a.start(), a.end());
+    t = std::clamp(t, b.start(), b.end());
+  }
+  const Vec3 p = a.evaluate(s), q = b.evaluate(t);
+  return {(p - q).norm(), 0.5 * (p + q)};
+}
+
+}  // namespace
+
+std::vector<Vec3> polyline(const InputCurve& curve) {
+  std::vector<Vec3> points;
+  for (int i = 0; i <= kCurveChords; ++i)
+    points.push_back(
+        curve.evaluate(curve.start() + (curve.end() - curve.start()) * i / kCurveChords));
+  return points;
+}
+
+bool BoxedCurve::Box::meets(const Box& other, double distance) const {
+  return (low.array() <= other.high.array() + distance).all() &&
+         (other.low.array() <= high.array() + distance).all();
+}
+
+void BoxedCurve::Box::add(const Vec3& p, double around) {
+  low = low.cwiseMin((p.array() - around).matrix());
+  high = high.cwiseMax((p.array() + around).matrix());
+}
+
+BoxedCurve::BoxedCurve(const InputCurve& curve) : curve_(&curve), points_(polyline(curve)) {
+  for (int i = 0; i < kCurveChords; ++i)
+    for (const int k : {i, i + 1}) {
+      const double around = sag(points_[i], points_[i + 1]);
+      parts_[i / kChordsInBox].add(points_[k], around);
+      all_.add(points_[k], around);
+    }
+}
+
+bool BoxedCurve::chords_meet(int i, const BoxedCurve& other, int j, double distance) const {
+  const Vec3 &a0 = points_[i], &a1 = points_[i + 1], &b0 = other.points_[j],
+             &b1 = other.points_[j + 1];
+  return segment_distance(a0, a1, b0, b1) <= distance + (sag(a0, a1) + sag(b0, b1));
+}
+
+CurveCrossing BoxedCurve::crossing(const BoxedCurve& other, double distance,
+                                   const std::vector<Vec3>& common_ends, double skip) const {
+  if (!all_.meets(other.all_, distance)) return {};
+  for (int i = 0; i < kCurveChords; ++i) {
+    const Box& part = parts_[i / kChordsInBox];
+    if (!part.meets(other.all_, distance)) {
+      i += kChordsInBox - 1 - i % kChordsInBox;
+      continue;
+    }
+    for (int j = 0; j < kCurveChords; ++j) {
+      if (j % kChordsInBox == 0 && !part.meets(other.parts_[j / kChordsInBox], distance)) {
+        j += kChordsInBox - 1;
+        continue;
+      }
+      if (!chords_meet(i, other, j, distance)) continue;
+      const auto [d, where] = curve_distance(*curve_, i, *other.curve_, j);
+      if (d > distance) continue;
+      const Vec3 place = where;
+      if (std::none_of(common_ends.begin(), common_ends.end(),
+                       [&](const Vec3& e) { return (place - e).norm() < skip; }))
+        return {true, place};
+    }
+  }
+  return {};
+}
+
+CurveCrossing BoxedCurve::self_crossing(double distance) const {
+  const bool closed = (points_.front() - points_.back()).norm() <= distance;
+  for (int i = 0; i < kCurveChords; ++i)
+    for (int j = i + 4; j < kCurveChords; ++j) {
+      if (closed && i + kCurveChords - j < 4) continue;
+      if (!chords_meet(i, *this, j, distance)) continue;
+      if (const auto [d, where] = curve_distance(*curve_, i, *curve_, j); d <= distance)
+        return {true, where};
+    }
+  return {};
+}
+
+namespace {
+
+Vec3 area_vector(const Outline& outline) {
+  Vec3 area = Vec3::Zero();
+  const Vec3 origin = outline.segments[0].start;
+  for (const auto& piece : outline.segments) {
+    const auto p = polyline(*piece.segment.curve);
+    for (size_t i = 0; i + 1 < p.size(); ++i)
+      area += 0.5 * (p[i] - origin).cross(p[i + 1] - origin);
+  }
+  return area;
+}
+
+// Points of the loop, as many of each piece.
+struct LoopPoints {
+  std::vector<Vec3> x;  // over the size
+  int each;             // of a piece
+  double height;        // of all points above the loop's plane
+};
+
+LoopPoints sample_loop(const Outline& outline, const Vec3& normal) {
+  LoopPoints points;
+  points.each = static_cast<int>(std::clamp<size_t>(64 / outline.segments.size(), 2, 24));
+  double low = std::numeric_limits<double>::infinity(), high = -low;
+  for (const auto& piece : outline.segments) {
+    const InputCurve& c = *piece.segment.curve;
+    for (int k = 0; k < points.each; ++k) {
+      const Vec3 x = c.evaluate(c.start() + (c.end() - c.start()) * k / points.each) -
+                     outline.segments[0].start;
+      points.x.push_back(x / outline.size);
+      low = std::min(low, points.x.back().dot(normal));
+      high = std::max(high, points.x.back().dot(normal));
+    }
+  }
+  points.height = high - low;
+  return points;
+}
+
+// Whether the loop turns to the left at its corners: seen from its side where it is nearly plane and
+// the corner not upright on that plane, as where a wing's edge meets the nose of a section; else as a
+// filling has it (a strip around a cylinder faces all ways).
+std::vector<char> left_at_corners(const Outline& outline) {
+  const Vec3 normal = loop_normal(outline);
+  const LoopPoints points = sample_loop(outline, normal);
+  constexpr double nearly_plane = 0.2;  // of the size
+  constexpr double upright = 0.5;       // cosine of 60 degrees
+  constexpr size_t max_points = 400;
+  std::vector<double> facing;  // cosine of the angle between a corner's axis and the normal
+  for (const int c : outline.corners) {
+    const LoopVertex vertex = loop_vertex_at(outline, static_cast<size_t>(c));
+    facing.push_back(vertex.incoming.cross(vertex.outgoing).stableNormalized().dot(normal));
+  }
+  const auto needs_triangulation = [&](double cosine) {
+    return points.height >= nearly_plane || std::abs(cosine) < upright;
+  };
+  std::optional<HoleTriangulation> triangulation;
+  if (points.x.size() <= max_points &&
+      std::any_of(facing.begin(), facing.end(), needs_triangulation))
+    triangulation = developable_triangulation(points.x);
+  std::vector<TriangulationCorner> corner_data;
+  if (triangulation) corner_data = triangulation_corners(points.x, *triangulation);
+  std::vector<char> left;
+  for (size_t i = 0; i < facing.size(); ++i) {
+    const auto piece = static_cast<size_t>(outline.corners[i]);
+    const LoopVertex vertex = loop_vertex_at(outline, piece);
+    left.push_back(triangulation && needs_triangulation(facing[i])
+                       ? turns_left(vertex.incoming, vertex.outgoing,
+                                    corner_data[piece * static_cast<size_t>(points.each)])
+                       : facing[i] >= 0);
+  }
+  return left;
+}
+
+}  // namespace
+
+Vec3 loop_normal(const Outline& outline) {
+  const Vec3 area = area_vector(outline);
+  const double length = area.norm();
+  if (!encloses_area(outline))
+    throw InputError("the outline encloses no area seen from any side: it folds back on itself");
+  return area / length;
+}
+
+bool encloses_area(const Outline& outline) {
+  return enclosed_area(outline) >= 1e-6 * outline.size * outline.size;
+}
+
+double enclosed_area(const Outline& outline) { return area_vector(outline).norm(); }
+
+std::vector<double> corner_angles(const Outline& outline, bool convex) {
+  constexpr double pi = std::numbers::pi;
+  const std::vector<char> left =
+      convex ? std::vector<char>(outline.corners.size(), 1) : left_at_corners(outline);
+  std::vector<double> angles;
+  for (size_t i = 0; i < left.size(); ++i) {
+    const LoopVertex vertex = loop_vertex_at(outline, static_cast<size_t>(outline.corners[i]));
+    const double turning_angle = std::atan2(vertex.incoming.cross(vertex.outgoing).norm(),
+                                            vertex.incoming.dot(vertex.outgoing));
+    angles.push_back(left[i] ? pi - turning_angle : pi + turning_angle);
+  }
+  return angles;
 }
 
 }  // namespace batten

@@ -3,9 +3,12 @@
 
 #include <string>
 #include <vector>
+#include <array>
+#include <limits>
 
 #include "batten/core/eigen.h"
-#include "batten/skinning/lines/smooth_segment.h"
+#include "batten/skinning/lines/character_line.h"
+#include "batten/fairing/curves/input_curve.h"
 
 namespace batten {
 
@@ -55,5 +58,67 @@ void warn_about_rounded_kinks(const Outline& outline, double corner_angle,
 
 /// Returns the loop the other way around.
 Outline reversed(const Outline& outline);
+
+
+// Finds where input curves cross or touch.
+
+constexpr int kCurveChords = 48;
+
+/// Returns kCurveChords + 1 points of the curve, evenly over its parameter.
+std::vector<Vec3> polyline(const InputCurve& curve);
+
+/// Whether two curves come closer than a distance, and where.
+struct CurveCrossing {
+  bool found = false;
+  Vec3 where = Vec3::Zero();
+};
+
+/// A curve with its polyline in boxes: made once for tests against many others. The curve must
+/// outlive it.
+class BoxedCurve {
+ public:
+  explicit BoxedCurve(const InputCurve& curve);
+
+  /// Finds whether the other curve comes closer than `distance`, first by boxes and polylines, then
+  /// on the curves. Places within `skip` of the points `common_ends` do not count.
+  /// O(chords²), far less where boxes are apart.
+  CurveCrossing crossing(const BoxedCurve& other, double distance,
+                         const std::vector<Vec3>& common_ends, double skip) const;
+  /// Finds whether the curve comes closer than `distance` to itself; the place where a closed one
+  /// closes does not count.
+  CurveCrossing self_crossing(double distance) const;
+
+ private:
+  static constexpr int kChordsInBox = 8;
+  struct Box {
+    Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity()), high = -low;
+    bool meets(const Box& other, double distance) const;
+    void add(const Vec3& p, double around);
+  };
+  bool chords_meet(int i, const BoxedCurve& other, int j, double distance) const;
+
+  const InputCurve* curve_;
+  std::vector<Vec3> points_;
+  std::array<Box, kCurveChords / kChordsInBox> parts_;
+  Box all_;
+};
+
+
+// Computes the area that a loop of lines encloses, and its angles seen from that side.
+
+/// Returns the unit area vector of the loop: it points to the side from which the loop runs
+/// counter-clockwise. Throws InputError when it encloses no area seen from any side.
+Vec3 loop_normal(const Outline& outline);
+/// Returns whether it encloses an area seen from some side.
+bool encloses_area(const Outline& outline);
+/// Returns the area that it encloses seen from the side of loop_normal(), model units².
+double enclosed_area(const Outline& outline);
+
+/// Returns the interior angle at each corner, radians in (0, 2π); `convex`: in (0, π). Otherwise, whether the loop turns to the
+/// left or to the right there is seen from the loop's side, or from the side of its developable
+/// filling where the loop leaves its plane by more than a fifth of the size, or the corner stands
+/// upright on it within 30 degrees. Throws InputError when
+/// the loop encloses no area seen from any side. It takes microseconds, with a filling up to 10 ms.
+std::vector<double> corner_angles(const Outline& outline, bool convex);
 
 }  // namespace batten

@@ -1,15 +1,70 @@
 // Outlines with corners: lines on the sides of a polygon.
+
 #include <cmath>
 #include <numbers>
+#include <algorithm>
+#include <array>
+#include <limits>
+#include <optional>
+#include <map>
+#include <string>
+#include <vector>
 
-#include "batten/core/format.h"
-#include "batten/core/planar_geometry.h"
-#include "batten/skinning/domains/loop_area.h"
+#include "batten/core/geometry.h"
+#include "batten/skinning/domains/outline.h"
 #include "batten/skinning/domains/mesher.h"
-#include "batten/skinning/domains/polygon_domain.h"
-#include "batten/skinning/domains/polygon_fit.h"
+#include "batten/skinning/region/polygon_fit.h"
+#include "batten/core/errors.h"
+#include "batten/core/containers.h"
+#include "batten/skinning/domains/domain_input.h"
 
 namespace batten {
+
+// Inside of polygons: the straight lines of the domain on which their lines lie, before and after
+// the mesh.
+
+/// A stretch and its straight image in the domain, from `from` to `to`. Fractions run from 0 to 1
+/// with the parameter of the fitted curve.
+struct AlignedSegment {
+  CharacterLine line;
+  bool flipped = false;
+  HermiteCurve fitted;
+  Vec2 from, to;
+  std::vector<double> nodes;  ///< fractions that must be mesh vertices, 0 and 1 included
+  std::vector<int> points;    ///< of a given curve: its vertices in the mesh, by `nodes`
+  bool prescribed() const { return line.prescribed != nullptr; }
+  double fraction(double u) const { return (u - fitted.start()) / (fitted.end() - fitted.start()); }
+  Vec2 at(double fraction) const { return from + fraction * (to - from); }
+};
+
+/// The polygon and the strips that lie on it, in the region's own scale.
+struct PolygonDomain {
+  DomainInput task;  ///< its mesher is one that the build has
+  Outline outline;
+  std::vector<double> line_angles;  ///< at the corners, in space, radians
+  std::vector<Vec2> polygon;
+  std::vector<AlignedSegment>
+      aligned_segments;  ///< pieces of the outline in loop order, then inner lines
+  std::vector<SmoothSegment> aligned_inner;  ///< inner lines that are strips
+  /// All outline lines have given curves.
+  bool prescribed() const { return outline.segments[0].segment.prescribed != nullptr; }
+};
+
+/// Returns the C1 cubic curve of a stretch between two joints. `alone`: it is a whole side.
+HermiteCurve fit_aligned_segment(const PolygonDomain& domain, const SmoothSegment& s,
+                                 const LoopVertex& start, const LoopVertex& end, bool alone);
+
+/// Makes an inner line a straight run across the polygon. Returns "", or why it cannot be one.
+std::string add_inner_segment(PolygonDomain& domain, const SmoothSegment& s);
+
+/// Makes the mesh, with all strips on element edges. Throws InputError: too many triangles; what
+/// the mesher refuses.
+ParametricMesh mesh_polygon(PolygonDomain& domain);
+
+/// Returns the edges and vertices of that mesh on a strip.
+EdgeAlignedLine edge_aligned_line_on(const ParametricMesh& mesh,
+                                     const AlignedSegment& aligned_segment);
+
 namespace {
 
 void require_corners(const Outline& loop, double corner_angle) {
@@ -218,6 +273,334 @@ RegionGeometry make_polygon_geometry(const Outline& loop, const std::vector<Smoo
                                     domain.aligned_segments[p].flipped});
   geometry.corners = corners_of(domain);
   return geometry;
+}
+
+
+// Inner lines as straight runs across a polygon.
+
+namespace {
+
+bool segments_cross(const Vec2& a, const Vec2& b, const Vec2& c, const Vec2& d) {
+  constexpr double margin = 1e-9;
+  const double det = cross(b - a, d - c);
+  if (std::abs(det) < 1e-14) return false;
+  const double s = cross(c - a, d - c) / det, t = cross(c - a, b - a) / det;
+  return s > margin && s < 1 - margin && t > margin && t < 1 - margin;
+}
+
+// Where an inner line's end meets the outline: a node of a piece, new unless one is near.
+struct Junction {
+  size_t aligned_segment;
+  double fraction;
+  Vec2 uv;
+  Vec3 position;
+};
+
+std::optional<Junction> on_vertex(const PolygonDomain& domain, size_t piece, double fraction,
+                                  const Vec3& p, std::string& reason) {
+  const AlignedSegment& aligned_segment = domain.aligned_segments[piece];
+  const HermiteCurve& curve = aligned_segment.line.prescribed->curve;
+  for (const double u : aligned_segment.line.prescribed->vertices) {
+    const double along = (u - curve.start()) / (curve.end() - curve.start());
+    const double there = aligned_segment.flipped ? 1 - along : along;
+    const Vec3 position = curve.evaluate(u);
+    if ((position - p).norm() <= domain.task.gap_tolerance)
+      return Junction{piece, there, aligned_segment.at(there), position};
+  }
+  reason = "it ends between two vertices of line '" + aligned_segment.line.name + "', at " +
+           format_number(fraction) + " of it";
+  return std::nullopt;
+}
+
+std::optional<Junction> junction(const PolygonDomain& domain, int end, const Vec3& p,
+                                 std::string& reason) {
+  double nearest = std::numeric_limits<double>::infinity(), fraction = 0;
+  size_t found = 0;
+  for (size_t i = 0; i < domain.outline.segments.size(); ++i) {
+    const auto closest = domain.aligned_segments[i].fitted.closest_point(p);
+    if (closest.distance < nearest) {
+      nearest = closest.distance;
+      found = i;
+      fraction = domain.aligned_segments[i].fraction(closest.u);
+    }
+  }
+  const AlignedSegment& aligned_segment = domain.aligned_segments[found];
+  if (nearest > domain.task.gap_tolerance) {
+    reason = std::string("its ") + (end ? "end " : "start ") + format_point(p) + " is " +
+             format_number(nearest) + " away from line '" + aligned_segment.line.name +
+             "' (ends meet within " + format_number(domain.task.gap_tolerance) + ")";
+    return std::nullopt;
+  }
+  if (aligned_segment.prescribed()) return on_vertex(domain, found, fraction, p, reason);
+  const double snap = std::min(domain.task.gap_tolerance, 0.05 * domain.task.edge_length) /
+                      aligned_segment.fitted.end();
+  fraction = round_to_grid(fraction);
+  for (const double u : aligned_segment.fitted.parameters())
+    if (std::abs(u / aligned_segment.fitted.end() - fraction) < snap)
+      fraction = u / aligned_segment.fitted.end();
+  // The same number that the outline's own node gets.
+  return Junction{
+      found, fraction, aligned_segment.at(round_to_grid(fraction)),
+      aligned_segment.fitted.evaluate(round_to_grid(fraction) * aligned_segment.fitted.end())};
+}
+
+std::string rejection_reason(const PolygonDomain& domain, const SmoothSegment& s,
+                             const AlignedSegment& aligned_segment) {
+  const InputCurve& curve = *s.curve;
+  const std::vector<Vec3> ends = {curve.evaluate(curve.start()), curve.evaluate(curve.end())};
+  const BoxedCurve boxed(curve);
+  if (boxed.self_crossing(1e-7 * domain.task.size).found) return "it crosses itself";
+  for (const SmoothSegment& other : domain.aligned_inner)
+    if (const auto c = boxed.crossing(BoxedCurve(*other.curve), 1e-7 * domain.task.size, ends,
+                                      0.02 * domain.task.size);
+        c.found)
+      return "it crosses line '" + other.name + "' near " + format_point(c.where);
+  for (const AlignedSegment& other : domain.aligned_segments)
+    if (segments_cross(aligned_segment.from, aligned_segment.to, other.from, other.to))
+      return "it would cross line '" + other.line.name + "' in the flat domain";
+  const Vec2 middle = 0.5 * (aligned_segment.from + aligned_segment.to);
+  bool inside = false;
+  for (size_t i = 0, n = domain.polygon.size(); i < n; ++i) {
+    const Vec2 &a = domain.polygon[i], &b = domain.polygon[(i + 1) % n];
+    if ((a.y() > middle.y()) != (b.y() > middle.y()) &&
+        middle.x() < a.x() + (middle.y() - a.y()) / (b.y() - a.y()) * (b.x() - a.x()))
+      inside = !inside;
+  }
+  if (!inside) return "it would run along or outside the outline of the flat domain";
+  return "";
+}
+
+}  // namespace
+
+std::string add_inner_segment(PolygonDomain& domain, const SmoothSegment& s) {
+  const InputCurve& curve = *s.curve;
+  const Vec3 ends[2] = {curve.evaluate(curve.start()), curve.evaluate(curve.end())};
+  if ((ends[0] - ends[1]).norm() <= domain.task.gap_tolerance) return "it is closed";
+  AlignedSegment aligned_segment;
+  aligned_segment.line = s.line(false);
+  Vec3 on_outline[2];
+  std::array<std::optional<Junction>, 2> junctions;
+  for (int e = 0; e < 2; ++e) {
+    std::string reason;
+    junctions[e] = junction(domain, e, ends[e], reason);
+    if (!junctions[e]) return reason;
+    const Junction& j = *junctions[e];
+    const size_t n = domain.outline.segments.size();
+    if ((j.fraction <= 0 && domain.outline.is_corner(j.aligned_segment)) ||
+        (j.fraction >= 1 && domain.outline.is_corner((j.aligned_segment + 1) % n)))
+      return "it ends at a corner, where the two sides fix the surface's slopes already";
+    (e ? aligned_segment.to : aligned_segment.from) = junctions[e]->uv;
+    on_outline[e] = junctions[e]->position;
+  }
+  if (const std::string reason = rejection_reason(domain, s, aligned_segment); !reason.empty())
+    return reason;
+  const Vec3 t0 = curve.evaluate(curve.start(), 1).normalized(),
+             t1 = curve.evaluate(curve.end(), 1).normalized();
+  aligned_segment.fitted = s.prescribed ? s.prescribed->curve
+                                        : fit_aligned_segment(domain, s, {on_outline[0], t0, t0},
+                                                              {on_outline[1], t1, t1}, true);
+  for (const auto& j : junctions)
+    domain.aligned_segments[j->aligned_segment].nodes.push_back(j->fraction);
+  domain.aligned_inner.push_back(s);
+  domain.aligned_segments.push_back(std::move(aligned_segment));
+  return "";
+}
+
+
+// The mesh of a polygon, and the runs of element edges on its strips.
+
+namespace {
+
+// Exactly the given vertices, in the strip's direction.
+void fix_nodes(AlignedSegment& aligned_segment) {
+  const HermiteCurve& curve = aligned_segment.line.prescribed->curve;
+  const double span = curve.end() - curve.start();
+  aligned_segment.nodes.clear();
+  for (const double u : aligned_segment.line.prescribed->vertices) {
+    const double fraction = (u - curve.start()) / span;
+    aligned_segment.nodes.push_back(aligned_segment.flipped ? 1 - fraction : fraction);
+  }
+  if (aligned_segment.flipped)
+    std::reverse(aligned_segment.nodes.begin(), aligned_segment.nodes.end());
+}
+
+ParametricMesh delaunay(PolygonDomain& domain) {
+  PlanarMeshInput task;
+  task.edge_length = round_to_grid(domain.task.edge_length / domain.task.size);
+  task.keep_segments = domain.prescribed();
+  task.size_field = domain.task.options.size_field;
+  task.progress = domain.task.progress;
+  // Points that strips share (corners, joints, junctions) are one point.
+  std::map<std::pair<long long, long long>, int> known;
+  const auto add = [&](const Vec2& p) {
+    constexpr double cell = 1e11;
+    const std::pair key(std::llround(p.x() * cell), std::llround(p.y() * cell));
+    for (long long dx = -1; dx <= 1; ++dx)
+      for (long long dy = -1; dy <= 1; ++dy)
+        if (const auto it = known.find({key.first + dx, key.second + dy}); it != known.end())
+          return it->second;
+    task.points.push_back(p);
+    return known[key] = isize(task.points) - 1;
+  };
+  for (const Vec2& corner : domain.polygon) add(corner);
+  for (size_t i = 0; i < domain.aligned_segments.size(); ++i) {
+    AlignedSegment& s = domain.aligned_segments[i];
+    auto& segments = i < domain.outline.segments.size() ? task.outline : task.inner;
+    int last = add(s.from);
+    if (s.prescribed()) {
+      s.points = {last};
+      for (size_t k = 1; k < s.nodes.size(); ++k) {
+        const int next = add(k + 1 == s.nodes.size() ? s.to : s.at(s.nodes[k]));
+        if (next == last || (k > 1 && next == s.points.front()))
+          throw InputError("line '" + s.line.name +
+                           "' is given with vertices that lie on each other, near " +
+                           format_point(s.fitted.evaluate(s.fitted.start())));
+        segments.push_back({last, next});
+        s.points.push_back(last = next);
+      }
+      continue;
+    }
+    for (size_t k = 0; k + 1 < s.nodes.size(); ++k) {
+      const double a = s.nodes[k], b = s.nodes[k + 1];
+      const int cuts = std::max(
+          1,
+          static_cast<int>(std::ceil((b - a) * (s.to - s.from).norm() / task.edge_length - 0.2)));
+      for (int c = 1; c <= cuts; ++c) {
+        const double fraction = a + (b - a) * c / cuts;
+        const int next = fraction >= 1 ? add(s.to) : add(s.at(round_to_grid(fraction)));
+        if (next == last) continue;
+        segments.push_back({last, next});
+        last = next;
+      }
+    }
+  }
+  return delaunay_mesh(task);
+}
+
+bool cut_evenly(const AlignedSegment& s, int refinements) {
+  return std::all_of(s.nodes.begin(), s.nodes.end(), [&](double fraction) {
+    const double place = std::ldexp(fraction, refinements);
+    return std::abs(place - std::round(place)) < 1e-6;
+  });
+}
+
+ParametricMesh fan(const PolygonDomain& domain) {
+  if (domain.prescribed())
+    throw InputError("the fan mesher takes no given curves: use mesher = \"delaunay\"");
+  PlanarMeshInput task;
+  task.points = domain.polygon;
+  const int n = isize(domain.polygon);
+  double longest = 0;
+  for (int i = 0; i < n; ++i) {
+    task.outline.push_back({i, (i + 1) % n});
+    longest = std::max(longest, (domain.polygon[(i + 1) % n] - domain.polygon[i]).norm());
+  }
+  if (!domain.aligned_inner.empty())
+    throw InputError("the fan mesher takes no inner lines: use mesher = \"delaunay\"");
+  if (domain.outline.segments.size() != domain.polygon.size())
+    throw InputError("the fan mesher needs one line for each side between corners, and there are " +
+                     std::to_string(domain.outline.segments.size()) + " lines for " +
+                     std::to_string(n) + " sides: use mesher = \"delaunay\"");
+  int refinements = domain.task.options.fan_refinements;
+  if (refinements < 0) {
+    refinements = 0;
+    while (longest > 1.3 * round_to_grid(domain.task.edge_length / domain.task.size) *
+                         std::pow(2.0, refinements) &&
+           refinements < 9)
+      ++refinements;
+    for (const AlignedSegment& s : domain.aligned_segments)
+      while (!cut_evenly(s, refinements) && refinements < 9) ++refinements;
+  }
+  for (const AlignedSegment& s : domain.aligned_segments)
+    if (!cut_evenly(s, refinements))
+      throw InputError("line '" + s.line.name + "' needs nodes that a fan refined " +
+                       std::to_string(refinements) +
+                       " times does not have: raise the tolerance or the refinements, or use "
+                       "mesher = \"delaunay\"");
+  return fan_mesh(task, refinements);
+}
+
+void find_edges(const ParametricMesh& mesh, EdgeAlignedLine& aligned_line) {
+  for (size_t i = 0; i + 1 < aligned_line.vertices.size(); ++i) {
+    const int e = mesh.edge_between(aligned_line.vertices[i], aligned_line.vertices[i + 1]);
+    if (e < 0)
+      throw NoSolutionError("the mesher left line '" + aligned_line.line.name +
+                            "' without an edge at (" +
+                            format_number(mesh.vertices()[aligned_line.vertices[i]].x()) + ", " +
+                            format_number(mesh.vertices()[aligned_line.vertices[i]].y()) + ")");
+    aligned_line.edges.push_back(e);
+  }
+}
+
+}  // namespace
+
+ParametricMesh mesh_polygon(PolygonDomain& domain) {
+  double area = 0;
+  for (size_t i = 0, n = domain.polygon.size(); i < n; ++i)
+    area += 0.5 * cross(domain.polygon[i], domain.polygon[(i + 1) % n]);
+  // Equilateral triangles of that edge, or the fan's.
+  const bool counted = domain.task.options.mesher == SkinOptions::Mesher::Fan &&
+                       domain.task.options.fan_refinements >= 0;
+  const double expected =
+      counted ? static_cast<double>(domain.polygon.size()) *
+                    std::pow(4.0, domain.task.options.fan_refinements)
+              : area * domain.task.size * domain.task.size /
+                    (std::sqrt(3.0) / 4 * domain.task.edge_length * domain.task.edge_length);
+  if (counted && expected > kMaxTriangles)
+    throw InputError("a fan refined " + std::to_string(domain.task.options.fan_refinements) +
+                     " times has " + format_number(expected) + " triangles; at most " +
+                     format_number(kMaxTriangles) + " are allowed");
+  require_mesh_size(expected, domain.task.edge_length, domain.task.size, "a region");
+  for (AlignedSegment& s : domain.aligned_segments) {
+    if (s.prescribed()) {
+      fix_nodes(s);
+      continue;
+    }
+    for (const double u : s.fitted.parameters()) s.nodes.push_back(u / s.fitted.end());
+    std::sort(s.nodes.begin(), s.nodes.end());
+  }
+  return domain.task.options.mesher == SkinOptions::Mesher::Fan ? fan(domain) : delaunay(domain);
+}
+
+EdgeAlignedLine edge_aligned_line_on(const ParametricMesh& mesh,
+                                     const AlignedSegment& aligned_segment) {
+  if (aligned_segment.prescribed()) {
+    EdgeAlignedLine aligned_line{aligned_segment.line,
+                                 aligned_segment.line.prescribed->curve,
+                                 aligned_segment.points,
+                                 aligned_segment.line.prescribed->vertices,
+                                 {}};
+    if (aligned_segment.flipped)
+      std::reverse(aligned_line.vertices.begin(), aligned_line.vertices.end());
+    find_edges(mesh, aligned_line);
+    return aligned_line;
+  }
+  // Vertices on the strip, by their fraction along it.
+  const Vec2 d = aligned_segment.to - aligned_segment.from;
+  const double length = d.norm();
+  std::vector<std::pair<double, int>> on_segment;
+  for (int v = 0; v < mesh.vertex_count(); ++v) {
+    const Vec2 p = mesh.vertices()[v] - aligned_segment.from;
+    const double fraction = p.dot(d) / (length * length);
+    constexpr double near = 1e-11;
+    if (std::abs(cross(p, d)) / length < near && fraction > -near && fraction < 1 + near)
+      on_segment.emplace_back(std::clamp(fraction, 0.0, 1.0), v);
+  }
+  std::sort(on_segment.begin(), on_segment.end());
+  EdgeAlignedLine aligned_line;
+  aligned_line.line = aligned_segment.line;
+  aligned_line.fitted =
+      aligned_segment.flipped ? aligned_segment.fitted.backwards() : aligned_segment.fitted;
+  if (aligned_segment.flipped) {
+    std::reverse(on_segment.begin(), on_segment.end());
+    for (auto& [fraction, v] : on_segment) fraction = 1 - fraction;
+  }
+  for (const auto& [fraction, v] : on_segment) {
+    aligned_line.vertices.push_back(v);
+    aligned_line.parameters.push_back(fraction * aligned_segment.fitted.end());
+  }
+  find_edges(mesh, aligned_line);
+  return aligned_line;
 }
 
 }  // namespace batten

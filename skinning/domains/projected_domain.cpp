@@ -1,13 +1,12 @@
 #include <cmath>
 
 #include "batten/core/errors.h"
-#include "batten/core/format.h"
-#include "batten/core/isize.h"
-#include "batten/core/planar_geometry.h"
+#include "batten/core/geometry.h"
+#include "batten/core/containers.h"
 #include "batten/skinning/domains/domain_input.h"
-#include "batten/skinning/domains/loop_area.h"
-#include "batten/skinning/domains/mesh_limits.h"
-#include "batten/skinning/domains/polygon_fit.h"
+#include "batten/skinning/domains/outline.h"
+#include "batten/skinning/domains/mesher.h"
+#include "batten/skinning/region/polygon_fit.h"
 
 namespace batten {
 namespace {

@@ -6,10 +6,9 @@
 #include <optional>
 #include <set>
 
-#include "batten/core/box.h"
-#include "batten/core/disjoint_sets.h"
+#include "batten/core/geometry.h"
+#include "batten/core/containers.h"
 #include "batten/core/errors.h"
-#include "batten/core/isize.h"
 
 namespace batten {
 namespace {

@@ -6,8 +6,7 @@
 
 #include "batten/constraints/constraint_set.h"
 #include "batten/core/progress.h"
-#include "batten/skinning/region/region_geometry.h"
-#include "batten/skinning/region/skin_options.h"
+#include "batten/skinning/region/skinned_region.h"
 
 namespace batten {
 

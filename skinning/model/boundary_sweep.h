@@ -4,13 +4,54 @@
 #include <array>
 #include <optional>
 #include <vector>
+#include <memory>
 
 #include "batten/skinning/layout/region_layout.h"
-#include "batten/skinning/model/boundary_side.h"
 #include "batten/skinning/model/sweep.h"
-#include "batten/skinning/region/surface_interpolation.h"
+#include "batten/skinning/domains/surface_interpolation.h"
+#include "batten/fem/curves/hermite_curve.h"
+#include "batten/skinning/domains/mesher.h"
 
 namespace batten {
+
+// A side of a region: boundary curves from one corner to the next, by arc length. Internal.
+
+/// A chain of curves and of their images in (u, v), as a function of the fraction f of its arc
+/// length, 0 at its start and 1 at its end.
+class BoundarySide {
+ public:
+  struct Point {
+    Vec3 x, x_f;    ///< position and its derivative by f, model units
+    Vec2 uv, uv_f;  ///< image and its derivative by f
+  };
+
+  /// Adds a curve behind those added before. `pcurve` is over the parameters of `curve`, z = 0.
+  void add(HermiteCurve curve, HermiteCurve pcurve);
+
+  double length() const { return lengths_.empty() ? 0 : lengths_.back(); }  ///< model units
+  /// The point at a fraction of the length; beyond the ends the side goes on straight.
+  /// O(log segments).
+  Point at(double f) const;
+
+ private:
+  Point on(double length) const;
+
+  // A part of a segment. Arc length is tabulated at its ends.
+  struct Part {
+    int piece;
+    double from, to;  // parameters of the piece's curve
+    Vec3 c[4];        // x = c0 + c1 t + c2 t² + c3 t³, t from 0 to 1
+    double rates[2];  // dt/ds at both ends, times the length of the part
+
+    Vec3 position(double t) const { return c[0] + t * (c[1] + t * (c[2] + t * c[3])); }
+    Vec3 slope(double t) const { return c[1] + t * (2 * c[2] + 3 * t * c[3]); }
+    double length_to(double t) const;
+  };
+  std::vector<HermiteCurve> pcurves_;  // of the pieces
+  std::vector<Part> parts_;
+  std::vector<double> lengths_;  // arc length at the end of each part
+};
+
 
 /// Sweeps between the sides of a region with two, three or four corners, over its flat domain. Sides
 /// that go on within the corner angle are one side.
@@ -110,5 +151,22 @@ class BoundarySweep {
       projection_;     // the map from (s, t) to (u, v), instead of the Coons patch
   double extent_ = 1;  // of the domain
 };
+
+
+// Element sizes that resolve a region's rest shape. Internal.
+
+/// How far the elements of a region are from its rest shape.
+struct RestShapeError {
+  double largest = 0;  ///< model units; 0 where the rest shape is no sweep
+  /// Longest edges that resolve it, as far as is known; null where `largest` is within the tolerance.
+  std::shared_ptr<const SizeField> size_field;
+};
+
+/// Compares the interpolated rest shape with the sweep itself in the middle of each edge, where the
+/// error of a cubic is largest. Where it is above the tolerance (model units) edges of length h are to
+/// become h (tolerance / 2 error)^(1/4), at least h / 2; elsewhere they may be as long as `before` says,
+/// the sizes that the region was meshed with. One rest_dofs().
+RestShapeError rest_shape_error(const RegionLayout& region, double tolerance,
+                                const SizeField* before = nullptr);
 
 }  // namespace batten

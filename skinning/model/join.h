@@ -184,4 +184,11 @@ JoinQuality measure_join(const std::vector<const SkinnedRegion*>& regions,
                          const JoinLine& join_line, const std::array<bool, 2>& open = {},
                          int samples = 8);
 
+
+// The side by which a finished region has a line on its boundary.
+
+/// Returns the side by which a finished region has a line of this name on its boundary, or nothing
+/// when it has none. `region`: JoinSide::region of what is returned.
+std::optional<JoinSide> side_of(const SkinnedRegion& made, int region, const std::string& name);
+
 }  // namespace batten

@@ -7,8 +7,8 @@
 #include <memory>
 #include <vector>
 
-#include "batten/core/isize.h"
-#include "batten/core/planar_geometry.h"
+#include "batten/core/containers.h"
+#include "batten/core/geometry.h"
 #include "batten/fem/surface_assembler.h"
 #include "batten/fem/triangle_locator.h"
 #include "batten/skinning/model/join.h"

@@ -4,8 +4,9 @@
 #include <optional>
 
 #include "batten/core/errors.h"
-#include "batten/core/format.h"
+#include "batten/core/geometry.h"
 #include "batten/skinning/model/join_edge.h"
+#include "batten/skinning/model/join.h"
 
 namespace batten {
 namespace {
@@ -315,6 +316,19 @@ std::vector<JoinPlan> plan_joins(const std::vector<const RegionLayout*>& regions
   for (JoinPlan& plan : plans)
     if (of_aligned(plan)) planner.plan_gluing_correction(plan);
   return plans;
+}
+
+
+std::optional<JoinSide> side_of(const SkinnedRegion& made, int region, const std::string& name) {
+  for (const auto& loop : made.boundary)
+    for (const BoundarySegment& piece : loop) {
+      const auto i = static_cast<size_t>(piece.index);
+      const bool embedded = piece.kind == BoundarySegment::Kind::Embedded;
+      if ((embedded ? made.embedded[i].line : made.edge_aligned[i].line).name != name) continue;
+      const bool against = embedded && made.embedded[i].opposite_to_prescribed;
+      return JoinSide{region, embedded, piece.index, piece.reversed == against};
+    }
+  return std::nullopt;
 }
 
 }  // namespace batten

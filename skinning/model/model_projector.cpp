@@ -2,7 +2,7 @@
 
 #include <optional>
 
-#include "batten/core/isize.h"
+#include "batten/core/containers.h"
 
 namespace batten {
 

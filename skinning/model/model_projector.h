@@ -5,7 +5,7 @@
 #include <mutex>
 #include <vector>
 
-#include "batten/core/box.h"
+#include "batten/core/geometry.h"
 #include "batten/fem/surface_projector.h"
 #include "batten/skinning/model/model_layout.h"
 

@@ -5,11 +5,10 @@
 #include <cmath>
 #include <limits>
 
-#include "batten/core/format.h"
-#include "batten/core/isize.h"
-#include "batten/core/planar_geometry.h"
-#include "batten/fairing/not_a_knot_spline.h"
-#include "batten/skinning/region/surface_interpolation.h"
+#include "batten/core/geometry.h"
+#include "batten/core/containers.h"
+#include "batten/fairing/curves/curve_through_points.h"
+#include "batten/skinning/domains/surface_interpolation.h"
 
 namespace batten {
 

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "batten/fem/hermite_curve.h"
+#include "batten/fem/curves/hermite_curve.h"
 #include "batten/skinning/lines/character_line.h"
 
 namespace batten {

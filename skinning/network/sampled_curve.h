@@ -6,8 +6,8 @@
 #include <utility>
 #include <vector>
 
-#include "batten/core/isize.h"
-#include "batten/fairing/arc_length.h"
+#include "batten/core/containers.h"
+#include "batten/fairing/curves/input_curve.h"
 #include "batten/skinning/lines/character_line.h"
 
 namespace batten::detail {
@@ -88,5 +88,21 @@ std::array<long long, 3> sort_key(const Vec3& p, const Vec3& origin, double size
 /// are in the order of start, end and middle, equal ones in that of their lines' names. Of lines that
 /// are equal in every point, the first by name has strands.
 SampledCurves make_sampled_curves(const std::vector<CharacterLine>& lines, double corner_angle);
+
+
+// Inside of find_contacts: how far two strands are from each other, and where.
+
+/// Distance of two straight pieces a0 a1 and b0 b1; s and t in [0, 1] become the nearest places on
+/// them.
+double chord_distance(const Vec3& a0, const Vec3& a1, const Vec3& b0, const Vec3& b1, double& s,
+                      double& t);
+
+/// Parameters around a segment of a strand within which its nearest point is looked for.
+std::array<double, 2> bracket(const SampledCurve& sampled_curve, int segment);
+
+/// Distance of the nearest points of two curves within brackets, from ta and tb on, which become
+/// their parameters: Levenberg's steps on both; one that is pushed against its end stays there.
+double nearest(const SampledCurve& a, const std::array<double, 2>& range_a, double& ta,
+               const SampledCurve& b, const std::array<double, 2>& range_b, double& tb);
 
 }  // namespace batten::detail

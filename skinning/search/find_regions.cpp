@@ -7,9 +7,8 @@
 #include <utility>
 
 #include "batten/core/errors.h"
-#include "batten/core/format.h"
-#include "batten/core/isize.h"
-#include "batten/skinning/search/ambiguous_regions.h"
+#include "batten/core/geometry.h"
+#include "batten/core/containers.h"
 #include "batten/skinning/search/region_search.h"
 #include "batten/skinning/search/region_surfaces.h"
 

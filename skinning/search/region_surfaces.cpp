@@ -7,10 +7,10 @@
 #include <set>
 
 #include "batten/core/errors.h"
-#include "batten/core/format.h"
-#include "batten/core/isize.h"
+#include "batten/core/geometry.h"
+#include "batten/core/containers.h"
 #include "batten/skinning/domains/hole_triangulation.h"
-#include "batten/skinning/search/planar_loops.h"
+#include "batten/skinning/search/region_graph.h"
 
 namespace batten {
 namespace {

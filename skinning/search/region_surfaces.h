@@ -1,7 +1,7 @@
 // Takes found regions as rough surfaces, and finds which lines lie on them.
 #pragma once
 
-#include "batten/core/box.h"
+#include "batten/core/geometry.h"
 #include "batten/skinning/search/region_loops.h"
 
 namespace batten {

@@ -6,7 +6,7 @@
 
 #include "batten/core/progress.h"
 #include "batten/skinning/network/curve_network.h"
-#include "batten/skinning/region/skin_options.h"
+#include "batten/skinning/region/skinned_region.h"
 
 namespace batten {
 

@@ -1,4 +1,4 @@
-#include "batten/skinning/surfaces/facet_intersections.h"
+#include "batten/skinning/surfaces/surface_defects.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,9 +7,9 @@
 #include <limits>
 #include <tuple>
 
-#include "batten/core/isize.h"
+#include "batten/core/containers.h"
 #include "batten/core/parallel.h"
-#include "batten/core/planar_geometry.h"
+#include "batten/core/geometry.h"
 
 namespace batten {
 namespace {

@@ -9,7 +9,7 @@
 #include <numbers>
 #include <vector>
 
-#include "batten/core/isize.h"
+#include "batten/core/containers.h"
 
 namespace batten {
 namespace {

@@ -8,10 +8,10 @@
 #include <utility>
 
 #include "batten/core/errors.h"
-#include "batten/core/format.h"
-#include "batten/core/isize.h"
-#include "batten/skinning/model/rest_shape.h"
-#include "batten/skinning/region/skin_quality.h"
+#include "batten/core/geometry.h"
+#include "batten/core/containers.h"
+#include "batten/skinning/model/model_shapes.h"
+#include "batten/skinning/region/skinned_region.h"
 #include "batten/skinning/surfaces/surface_defects.h"
 
 namespace batten {

@@ -4,12 +4,11 @@
 #include <cmath>
 #include <map>
 
-#include "batten/core/format.h"
-#include "batten/core/isize.h"
+#include "batten/core/geometry.h"
+#include "batten/core/containers.h"
 #include "batten/core/parallel.h"
 #include "batten/skinning/model/join.h"
 #include "batten/skinning/region/skinned_region.h"
-#include "batten/skinning/surfaces/line_side.h"
 
 namespace batten {
 namespace {

@@ -5,11 +5,11 @@
 #include <limits>
 
 #include "batten/core/errors.h"
-#include "batten/core/format.h"
-#include "batten/core/isize.h"
+#include "batten/core/geometry.h"
+#include "batten/core/containers.h"
 #include "batten/core/parallel.h"
-#include "batten/skinning/domains/mesh_limits.h"
-#include "batten/skinning/model/rest_shape_error.h"
+#include "batten/skinning/domains/mesher.h"
+#include "batten/skinning/model/boundary_sweep.h"
 #include "batten/skinning/surfaces/normal_side.h"
 
 namespace batten {

@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
-#include "batten/skinning/domains/size_field.h"
+#include "batten/skinning/domains/mesher.h"
 #include "batten/skinning/surfaces/layout_candidate.h"
-#include "batten/skinning/surfaces/line_side.h"
+#include "batten/skinning/model/join.h"
 #include "batten/skinning/surfaces/orientation.h"
 #include "batten/skinning/surfaces/surface_model.h"
 

@@ -8,11 +8,10 @@
 #include <tuple>
 
 #include "batten/core/errors.h"
-#include "batten/core/format.h"
-#include "batten/core/isize.h"
+#include "batten/core/geometry.h"
+#include "batten/core/containers.h"
 #include "batten/core/parallel.h"
 #include "batten/skinning/facets/facets.h"
-#include "batten/skinning/surfaces/facet_intersections.h"
 #include "batten/skinning/surfaces/surface_defects.h"
 
 namespace batten {

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "batten/skinning/model/model_layout.h"
-#include "batten/skinning/region/skin_quality.h"
+#include "batten/skinning/region/skinned_region.h"
 #include "batten/skinning/search/regions.h"
 #include "batten/skinning/surfaces/fitted_primitive.h"
 #include "batten/skinning/surfaces/normal_side.h"

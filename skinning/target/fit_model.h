@@ -4,7 +4,7 @@
 #include <memory>
 
 #include "batten/core/progress.h"
-#include "batten/skinning/target/target_distances.h"
+#include "batten/skinning/target/target_surface.h"
 
 namespace batten {
 

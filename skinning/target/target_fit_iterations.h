@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "batten/constraints/constrained_solver.h"
-#include "batten/core/parallel_chunks.h"
+#include "batten/core/parallel.h"
 #include "batten/fem/surface_assembler.h"
 #include "batten/skinning/model/model_layout.h"
 #include "batten/skinning/target/target_surface.h"

@@ -5,7 +5,7 @@
 
 #include "batten/analysis/shell_assembler.h"
 #include "batten/constraints/constrained_solver.h"
-#include "batten/core/dense.h"
+#include "batten/core/eigen.h"
 #include "batten/core/errors.h"
 #include "batten/fem/surface_assembler.h"
 #include "batten/tests/support/catch.h"

@@ -4,7 +4,7 @@
 
 #include "batten/analysis/models/shell_modes.h"
 #include "batten/core/errors.h"
-#include "batten/skinning/model/rest_shape.h"
+#include "batten/skinning/model/model_shapes.h"
 #include "batten/tests/analysis/plates.h"
 #include "batten/tests/support/catch.h"
 

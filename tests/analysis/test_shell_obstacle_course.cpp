@@ -5,8 +5,8 @@
 #include <numbers>
 
 #include "batten/analysis/models/shell_stresses.h"
-#include "batten/core/dense.h"
-#include "batten/skinning/model/rest_shape.h"
+#include "batten/core/eigen.h"
+#include "batten/skinning/model/model_shapes.h"
 #include "batten/tests/support/catch.h"
 #include "batten/tests/support/sampling.h"
 #include "batten/tests/support/test_model_builder.h"

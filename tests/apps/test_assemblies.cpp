@@ -3,8 +3,8 @@
 #include <map>
 
 #include "batten/io/meshes/mesh_file.h"
-#include "batten/mesh/attached/inverted_solids.h"
-#include "batten/mesh/deform/similarity.h"
+#include "batten/mesh/element_quality.h"
+#include "batten/mesh/rotation_fitting.h"
 #include "batten/tests/apps/cli_case.h"
 #include "batten/tests/support/nastran_check.h"
 

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <thread>
 
-#include "batten/apps/cli/terminal.h"
+#include "batten/apps/cli/commands.h"
 #include "batten/apps/commands/runs/run_support.h"
 
 using namespace batten_test;

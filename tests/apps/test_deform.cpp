@@ -3,7 +3,7 @@
 #include <numbers>
 
 #include "batten/io/meshes/mesh_file.h"
-#include "batten/mesh/features/hole_measure.h"
+#include "batten/mesh/features/feature_detection.h"
 #include "batten/mesh/prepared_mesh.h"
 #include "batten/tests/apps/cli_case.h"
 #include "batten/tests/support/mesh_models.h"

@@ -4,10 +4,10 @@
 #include <fstream>
 #include <numbers>
 
-#include "batten/core/rotations.h"
+#include "batten/core/geometry.h"
 #include "batten/io/meshes/mesh_file.h"
 #include "batten/mesh/deform/form_feature_deformer.h"
-#include "batten/mesh/deform/similarity.h"
+#include "batten/mesh/rotation_fitting.h"
 #include "batten/mesh/element_quality.h"
 #include "batten/mesh/features/feature_detection.h"
 #include "batten/mesh/prepared_mesh.h"

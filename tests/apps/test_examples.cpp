@@ -7,7 +7,7 @@
 #include <map>
 #include <sstream>
 
-#include "batten/io/cad/step.h"
+#include "batten/io/step/step.h"
 #include "batten/io/lines/cad_lines.h"
 #include "batten/io/lines/point_lines.h"
 #include "batten/tests/support/catch.h"

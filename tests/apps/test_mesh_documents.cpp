@@ -2,7 +2,6 @@
 #include "batten/apps/commands/documents/document.h"
 #include "batten/apps/commands/documents/edited_mesh.h"
 #include "batten/apps/commands/documents/mesh_edits.h"
-#include "batten/apps/commands/documents/run_script.h"
 #include "batten/apps/commands/meshes/run_deform.h"
 #include "batten/tests/apps/cli_case.h"
 

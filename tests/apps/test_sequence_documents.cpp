@@ -1,7 +1,7 @@
 // Documents of deforming meshes: what batten sequence gives, edited and undone.
 #include "batten/apps/commands/documents/document.h"
 #include "batten/apps/commands/documents/edited_sequence.h"
-#include "batten/apps/commands/documents/sequence_edits.h"
+#include "batten/apps/commands/documents/mesh_edits.h"
 #include "batten/apps/commands/sequences/run_sequence.h"
 #include "batten/io/sequences/sequence_files.h"
 #include "batten/tests/apps/cli_case.h"

@@ -7,7 +7,7 @@
 #include <set>
 
 #include "batten/constraints/constrained_solver.h"
-#include "batten/core/dense.h"
+#include "batten/core/eigen.h"
 #include "batten/core/errors.h"
 #include "batten/tests/support/catch.h"
 #include "batten/tests/support/kkt_solver.h"

@@ -1,7 +1,7 @@
 #include <catch2/catch.hpp>
 
 #include "batten/constraints/constrained_solver.h"
-#include "batten/fem/bisection.h"
+#include "batten/fem/refinement.h"
 #include "batten/fem/surface_assembler.h"
 #include "batten/tests/support/embedded_grid.h"
 #include "batten/tests/support/error_message.h"

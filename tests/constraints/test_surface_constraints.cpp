@@ -1,4 +1,4 @@
-#include "batten/constraints/shape/surface_constraints.h"
+#include "batten/constraints/shape/shape_constraints.h"
 
 #include <Eigen/Geometry>
 #include <cmath>

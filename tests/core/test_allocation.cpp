@@ -1,5 +1,5 @@
 // The drag loop allocates nothing.
-#include "batten/core/sparse_cholesky.h"
+#include "batten/core/solvers/sparse_cholesky.h"
 #include "batten/tests/support/allocations.h"
 #include "batten/tests/support/catch.h"
 #include "batten/tests/support/solver_matrices.h"

@@ -1,4 +1,4 @@
-#include "batten/core/sparse_cholesky.h"
+#include "batten/core/solvers/sparse_cholesky.h"
 
 #include <cmath>
 

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "batten/core/simd.h"
-#include "batten/core/supernodal_factor.h"
+#include "batten/core/solvers/supernodal_factor.h"
 #include "batten/tests/support/catch.h"
 #include "batten/tests/support/solver_matrices.h"
 #include "batten/tests/support/thread_guard.h"

@@ -5,9 +5,9 @@
 
 #include "batten/core/errors.h"
 #include "batten/core/simd.h"
-#include "batten/core/sparse_cholesky.h"
-#include "batten/core/supernodal_factor.h"
-#include "batten/core/supernodal_solve.h"
+#include "batten/core/solvers/sparse_cholesky.h"
+#include "batten/core/solvers/supernodal_factor.h"
+#include "batten/core/solvers/supernodal_solve.h"
 #include "batten/tests/support/catch.h"
 #include "batten/tests/support/solver_matrices.h"
 #include "batten/tests/support/thread_guard.h"

@@ -1,4 +1,4 @@
-#include "batten/core/dense.h"
+#include "batten/core/eigen.h"
 #include "batten/elements/c1_triangle.h"
 
 #include <Eigen/Geometry>

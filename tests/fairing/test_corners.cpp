@@ -2,7 +2,7 @@
 #include <numbers>
 #include <random>
 
-#include "batten/fairing/corners.h"
+#include "batten/fairing/corners/corners.h"
 #include "batten/tests/support/catch.h"
 
 using namespace batten;

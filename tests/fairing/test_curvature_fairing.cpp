@@ -1,6 +1,6 @@
 // Least curvature: circles come out of points, elasticas out of clamped ends, spheres out of three
 // arcs, and neither unit nor place nor parameter matters.
-#include "batten/fairing/curvature_fairing.h"
+#include "batten/fairing/curvature/curvature_fairing.h"
 
 #include <Eigen/LU>
 #include <cmath>
@@ -8,10 +8,10 @@
 #include <numbers>
 
 #include "batten/constraints/constrained_solver.h"
-#include "batten/constraints/shape/surface_constraints.h"
+#include "batten/constraints/shape/shape_constraints.h"
 #include "batten/core/errors.h"
 #include "batten/core/parallel.h"
-#include "batten/fairing/surface_curvature.h"
+#include "batten/fairing/minimum_variation/surface_curvature.h"
 #include "batten/fem/surface_assembler.h"
 #include "batten/tests/support/catch.h"
 #include "batten/tests/support/clamped_boundary.h"

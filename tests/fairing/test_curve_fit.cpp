@@ -4,10 +4,10 @@
 #include <numbers>
 
 #include "batten/core/errors.h"
-#include "batten/fairing/corners.h"
-#include "batten/fairing/curve_fit.h"
-#include "batten/fairing/curve_fit_problem.h"
-#include "batten/fairing/curve_through_points.h"
+#include "batten/fairing/corners/corners.h"
+#include "batten/fairing/curves/curve_fit.h"
+#include "batten/fairing/curves/curve_fit_problem.h"
+#include "batten/fairing/curves/curve_through_points.h"
 #include "batten/tests/support/catch.h"
 #include "batten/tests/support/error_message.h"
 #include "batten/tests/support/sampling.h"

@@ -2,8 +2,8 @@
 #include <numbers>
 
 #include "batten/core/errors.h"
-#include "batten/fairing/arc_length.h"
-#include "batten/fairing/primitive_curves.h"
+#include "batten/fairing/curves/input_curve.h"
+#include "batten/fairing/curves/primitive_curves.h"
 #include "batten/tests/support/catch.h"
 
 using namespace batten;

@@ -4,12 +4,12 @@
 #include <numbers>
 #include <random>
 
-#include "batten/fairing/fair_curve.h"
+#include "batten/fairing/curves/fair_curve.h"
 
 #include "batten/core/errors.h"
-#include "batten/fairing/fairness.h"
-#include "batten/fairing/penalised_least_squares.h"
-#include "batten/fairing/point_sequence.h"
+#include "batten/fairing/curves/fairness.h"
+#include "batten/fairing/curves/penalised_least_squares.h"
+#include "batten/fairing/corners/point_sequence.h"
 #include "batten/tests/support/catch.h"
 #include "batten/tests/support/error_message.h"
 #include "batten/tests/support/sampling.h"

@@ -2,10 +2,10 @@
 #include <cmath>
 #include <numbers>
 
-#include "batten/fairing/fairness.h"
+#include "batten/fairing/curves/fairness.h"
 
-#include "batten/fairing/curve_fit.h"
-#include "batten/fairing/fair_curve.h"
+#include "batten/fairing/curves/curve_fit.h"
+#include "batten/fairing/curves/fair_curve.h"
 #include "batten/tests/support/catch.h"
 #include "batten/tests/support/sampling.h"
 

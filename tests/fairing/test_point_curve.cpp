@@ -3,10 +3,9 @@
 #include <numbers>
 
 #include "batten/core/errors.h"
-#include "batten/core/format.h"
-#include "batten/fairing/curve_through_points.h"
-#include "batten/fairing/input_curve.h"
-#include "batten/fairing/lines_and_arcs.h"
+#include "batten/core/geometry.h"
+#include "batten/fairing/curves/curve_through_points.h"
+#include "batten/fairing/curves/input_curve.h"
 #include "batten/tests/support/catch.h"
 
 using namespace batten;

@@ -3,13 +3,13 @@
 #include <cmath>
 #include <random>
 
-#include "batten/constraints/shape/surface_constraints.h"
+#include "batten/constraints/shape/shape_constraints.h"
 #include "batten/core/errors.h"
 #include "batten/core/parallel.h"
-#include "batten/fairing/augmented_lagrangian_constraints.h"
-#include "batten/fairing/minimum_variation_surface.h"
-#include "batten/fairing/normal_variation.h"
-#include "batten/fairing/variation_terms.h"
+#include "batten/fairing/minimum_variation/block_reduction.h"
+#include "batten/fairing/minimum_variation/minimum_variation_surface.h"
+#include "batten/fairing/minimum_variation/gauss_newton_system.h"
+#include "batten/fairing/minimum_variation/curvature_variation_terms.h"
 #include "batten/tests/support/catch.h"
 #include "batten/tests/support/dense_algebra.h"
 #include "batten/tests/support/error_message.h"

@@ -9,7 +9,7 @@
 
 #include "batten/core/errors.h"
 #include "batten/core/parallel.h"
-#include "batten/core/sparse_cholesky.h"
+#include "batten/core/solvers/sparse_cholesky.h"
 #include "batten/tests/support/catch.h"
 #include "batten/tests/support/sampling.h"
 #include "batten/tests/support/thread_guard.h"

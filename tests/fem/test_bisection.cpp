@@ -3,7 +3,7 @@
 #include <map>
 #include <set>
 
-#include "batten/fem/bisection.h"
+#include "batten/fem/refinement.h"
 #include "batten/tests/support/embedded_grid.h"
 #include "batten/tests/support/error_message.h"
 #include "batten/tests/support/sampling.h"

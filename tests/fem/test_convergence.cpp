@@ -2,7 +2,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "batten/core/sparse_cholesky.h"
+#include "batten/core/solvers/sparse_cholesky.h"
 #include "batten/fem/surface_assembler.h"
 #include "batten/tests/support/catch.h"
 #include "batten/tests/support/sampling.h"

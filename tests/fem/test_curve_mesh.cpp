@@ -3,12 +3,12 @@
 #include <set>
 
 #include "batten/constraints/constrained_solver.h"
-#include "batten/constraints/shape/curve_constraints.h"
-#include "batten/core/band_cholesky.h"
+#include "batten/constraints/shape/shape_constraints.h"
+#include "batten/core/solvers/band_cholesky.h"
 #include "batten/core/errors.h"
 #include "batten/elements/quadrature.h"
 #include "batten/fem/curve_assembler.h"
-#include "batten/fem/hermite_curve.h"
+#include "batten/fem/curves/hermite_curve.h"
 #include "batten/tests/support/catch.h"
 #include "batten/tests/support/error_message.h"
 #include "batten/tests/support/sampling.h"

@@ -1,4 +1,4 @@
-#include "batten/fem/hermite_curve.h"
+#include "batten/fem/curves/hermite_curve.h"
 
 #include <Eigen/Geometry>
 #include <cmath>

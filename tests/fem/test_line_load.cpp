@@ -1,4 +1,3 @@
-#include "batten/fem/line_load.h"
 #include "batten/fem/surface_assembler.h"
 
 #include "batten/core/errors.h"

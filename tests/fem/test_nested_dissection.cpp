@@ -1,5 +1,5 @@
 // Nested dissection: an order of all dofs that keeps the factor small.
-#include "batten/fem/nested_dissection.h"
+#include "batten/fem/parametric_mesh.h"
 
 #include <algorithm>
 #include <numeric>

@@ -7,7 +7,6 @@
 #include <string>
 
 #include "batten/core/errors.h"
-#include "batten/fem/nested_dissection.h"
 #include "batten/fem/surface.h"
 #include "batten/fem/triangle_locator.h"
 #include "batten/fem/trim.h"

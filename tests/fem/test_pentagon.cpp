@@ -5,8 +5,8 @@
 
 #include "batten/constraints/affine_reduction.h"
 #include "batten/constraints/constrained_solver.h"
-#include "batten/constraints/shape/surface_constraints.h"
-#include "batten/core/dense.h"
+#include "batten/constraints/shape/shape_constraints.h"
+#include "batten/core/eigen.h"
 #include "batten/fem/surface.h"
 #include "batten/fem/surface_assembler.h"
 #include "batten/tests/support/catch.h"

@@ -1,4 +1,4 @@
-#include "batten/fem/residual_indicator.h"
+#include "batten/fem/refinement.h"
 #include "batten/fem/surface_assembler.h"
 
 #include "batten/constraints/constrained_solver.h"

@@ -7,7 +7,7 @@
 #include <numbers>
 
 #include "batten/core/errors.h"
-#include "batten/fem/surface_evaluator.h"
+#include "batten/fem/surface_projector.h"
 #include "batten/tests/support/catch.h"
 #include "batten/tests/support/embedded_grid.h"
 #include "batten/tests/support/sampling.h"

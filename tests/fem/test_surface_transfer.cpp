@@ -1,6 +1,5 @@
-#include "batten/fem/surface_transfer.h"
+#include "batten/fem/refinement.h"
 
-#include "batten/fem/bisection.h"
 #include "batten/tests/support/catch.h"
 #include "batten/tests/support/sampling.h"
 #include "batten/tests/support/thread_guard.h"

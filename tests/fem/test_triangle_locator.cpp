@@ -1,6 +1,6 @@
 #include <catch2/catch.hpp>
 
-#include "batten/fem/bisection.h"
+#include "batten/fem/refinement.h"
 #include "batten/tests/support/embedded_grid.h"
 #include "batten/tests/support/sampling.h"
 

@@ -2,9 +2,9 @@
 #include <algorithm>
 #include <numbers>
 
-#include "batten/core/rotations.h"
+#include "batten/core/geometry.h"
 #include "batten/mesh/attached/attachment.h"
-#include "batten/mesh/attached/inverted_solids.h"
+#include "batten/mesh/element_quality.h"
 #include "batten/tests/support/catch.h"
 
 using namespace batten;

@@ -1,7 +1,6 @@
 // Control meshes, mean value coordinates, first shapes from few vertices, sessions of one frame.
 #include "batten/mesh/sequence/control_mesh.h"
 
-#include "batten/mesh/sequence/frame_session.h"
 #include "batten/mesh/sequence/subspace_solver.h"
 #include "batten/tests/support/catch.h"
 #include "batten/tests/support/error_message.h"

@@ -2,9 +2,9 @@
 #include <algorithm>
 #include <numbers>
 
-#include "batten/core/dense.h"
+#include "batten/core/eigen.h"
 #include "batten/core/errors.h"
-#include "batten/core/rotations.h"
+#include "batten/core/geometry.h"
 #include "batten/mesh/deform/form_feature_deformer.h"
 #include "batten/mesh/differential_operators.h"
 #include "batten/tests/support/catch.h"

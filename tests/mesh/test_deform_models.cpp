@@ -1,11 +1,11 @@
 // What the paper's figures show, on own models of the same kind, and the promises at full size.
 #include <numbers>
 
-#include "batten/core/rotations.h"
+#include "batten/core/geometry.h"
 #include "batten/mesh/deform/form_feature_deformer.h"
-#include "batten/mesh/deform/similarity.h"
+#include "batten/mesh/rotation_fitting.h"
 #include "batten/mesh/element_quality.h"
-#include "batten/mesh/features/hole_measure.h"
+#include "batten/mesh/features/feature_detection.h"
 #include "batten/mesh/prepared_mesh.h"
 #include "batten/tests/support/catch.h"
 #include "batten/tests/support/kkt_deformation.h"

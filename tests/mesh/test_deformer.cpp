@@ -3,11 +3,11 @@
 #include <numbers>
 
 #include "batten/constraints/constrained_solver.h"
-#include "batten/core/dense.h"
+#include "batten/core/eigen.h"
 #include "batten/core/errors.h"
-#include "batten/core/rotations.h"
+#include "batten/core/geometry.h"
 #include "batten/mesh/deform/form_feature_deformer.h"
-#include "batten/mesh/deform/similarity.h"
+#include "batten/mesh/rotation_fitting.h"
 #include "batten/mesh/differential_operators.h"
 #include "batten/tests/support/allocations.h"
 #include "batten/tests/support/catch.h"

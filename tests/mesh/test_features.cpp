@@ -7,7 +7,6 @@
 
 #include "batten/mesh/features/feature_cut.h"
 #include "batten/mesh/features/feature_detection.h"
-#include "batten/mesh/features/hole_measure.h"
 #include "batten/mesh/prepared_mesh.h"
 #include "batten/mesh/selection.h"
 #include "batten/tests/support/catch.h"

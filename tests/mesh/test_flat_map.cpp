@@ -1,5 +1,5 @@
 // Surfaces laid flat: nothing turns over, and what is flat stays as it is.
-#include "batten/mesh/harmonic_map.h"
+#include "batten/mesh/pn_triangle_mesh.h"
 
 #include <cmath>
 #include <numbers>

@@ -1,7 +1,7 @@
 // One frame, ring by ring as rigid as possible: what the alternation keeps, and what it reaches.
 #include "batten/mesh/sequence/frame_solver.h"
 
-#include "batten/mesh/sequence/node_graph.h"
+#include "batten/mesh/sequence/local_global_steps.h"
 #include "batten/tests/support/catch.h"
 #include "batten/tests/support/error_message.h"
 #include "batten/tests/support/reference_frame_solver.h"

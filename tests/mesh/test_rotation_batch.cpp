@@ -1,7 +1,6 @@
 // Rotation parts of many matrices at once: the same as one by one.
 
-#include "batten/core/dense.h"
-#include "batten/mesh/rotation_batch.h"
+#include "batten/core/eigen.h"
 #include "batten/mesh/rotation_fitting.h"
 #include "batten/tests/support/catch.h"
 #include "batten/tests/support/random_motion.h"

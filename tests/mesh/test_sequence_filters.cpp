@@ -2,8 +2,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "batten/mesh/sequence/trajectory_alignment.h"
-#include "batten/mesh/sequence/trajectory_filters.h"
+#include "batten/mesh/sequence/trajectories/handle_trajectory.h"
+#include "batten/mesh/sequence/trajectories/trajectory_filters.h"
 #include "batten/tests/support/catch.h"
 #include "batten/tests/support/error_message.h"
 #include "batten/tests/support/random_motion.h"

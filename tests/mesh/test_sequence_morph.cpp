@@ -1,8 +1,7 @@
 // Shapes that turn into others: blends, morphs, fits to other meshes; walks over the ground.
-#include "batten/mesh/aabb_tree.h"
-#include "batten/mesh/sequence/fit_to_target.h"
+#include "batten/mesh/triangle_mesh.h"
 #include "batten/mesh/sequence/morph.h"
-#include "batten/mesh/sequence/root_motion.h"
+#include "batten/mesh/sequence/mesh_sequence.h"
 #include "batten/tests/support/catch.h"
 #include "batten/tests/support/error_message.h"
 #include "batten/tests/support/reference_frame_solver.h"

@@ -2,8 +2,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "batten/mesh/sequence/foot_contact.h"
-#include "batten/mesh/sequence/ground_path.h"
+#include "batten/mesh/sequence/trajectories/foot_contact.h"
+#include "batten/mesh/sequence/trajectories/ground_path.h"
 #include "batten/tests/support/catch.h"
 #include "batten/tests/support/error_message.h"
 #include "batten/tests/support/random_motion.h"

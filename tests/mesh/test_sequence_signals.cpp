@@ -1,9 +1,9 @@
 // Rotations and centroids over time: the laws of mesh/sequence that need no deformer.
 
-#include "batten/core/dense.h"
+#include "batten/core/eigen.h"
 #include "batten/core/errors.h"
 #include "batten/core/op_counter.h"
-#include "batten/mesh/sequence/handle_trajectory.h"
+#include "batten/mesh/sequence/trajectories/handle_trajectory.h"
 #include "batten/tests/support/allocations.h"
 #include "batten/tests/support/catch.h"
 #include "batten/tests/support/error_message.h"

@@ -4,7 +4,7 @@
 #include <map>
 #include <numbers>
 
-#include "batten/core/dense.h"
+#include "batten/core/eigen.h"
 #include "batten/mesh/differential_operators.h"
 #include "batten/mesh/prepared_mesh.h"
 #include "batten/tests/support/catch.h"

@@ -88,7 +88,7 @@ std::vector<File> source_files() {
   const std::regex include_line("^\\s*#\\s*include\\s*[<\"]([^>\"]+)[>\"]");
   std::vector<File> files;
   for (const char* folder : {"core", "elements", "fem", "constraints", "analysis", "fairing",
-                             "skinning", "distributed", "sculpting", "mesh", "io", "apps"})
+                             "skinning", "sculpting", "mesh", "io", "apps"})
     for (const auto& entry : fs::recursive_directory_iterator(root / folder)) {
       if (entry.path().extension() != ".h" && entry.path().extension() != ".cpp") continue;
       File file{fs::relative(entry.path(), root).string(), {}};

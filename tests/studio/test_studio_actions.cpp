@@ -8,8 +8,8 @@
 #include <QTimer>
 
 #include "batten/apps/commands/documents/line_edits.h"
-#include "batten/apps/commands/documents/paint_edits.h"
-#include "batten/apps/commands/documents/run_script.h"
+#include "batten/apps/commands/documents/load_edits.h"
+#include "batten/apps/commands/documents/document.h"
 #include "batten/apps/studio/view/strings.h"
 #include "batten/tests/studio/window_case.h"
 

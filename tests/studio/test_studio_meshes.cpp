@@ -6,7 +6,7 @@
 #include "batten/apps/studio/view/gizmo.h"
 #include "batten/apps/studio/view/strings.h"
 #include "batten/io/meshes/mesh_file.h"
-#include "batten/mesh/features/hole_measure.h"
+#include "batten/mesh/features/feature_detection.h"
 #include "batten/mesh/prepared_mesh.h"
 #include "batten/tests/studio/window_case.h"
 

@@ -7,7 +7,7 @@
 #include <QTreeWidgetItemIterator>
 
 #include "batten/apps/commands/documents/line_edits.h"
-#include "batten/apps/commands/documents/stress_edits.h"
+#include "batten/apps/commands/documents/load_edits.h"
 #include "batten/apps/studio/view/strings.h"
 #include "batten/tests/studio/window_case.h"
 

@@ -7,8 +7,8 @@
 #include <numbers>
 
 #include "batten/constraints/affine_reduction.h"
-#include "batten/constraints/shape/embedded_line_constraints.h"
-#include "batten/fem/nested_dissection.h"
+#include "batten/constraints/shape/shape_constraints.h"
+#include "batten/fem/parametric_mesh.h"
 #include "batten/fem/surface.h"
 
 namespace batten_test {

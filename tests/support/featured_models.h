@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "batten/core/rotations.h"
-#include "batten/mesh/regions/feature_region.h"
+#include "batten/core/geometry.h"
+#include "batten/mesh/regions/feature_region_deformer.h"
 #include "batten/tests/support/region_meshes.h"
 
 namespace batten_test {

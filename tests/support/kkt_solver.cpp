@@ -3,7 +3,7 @@
 #include <Eigen/SparseLU>
 
 #include "batten/core/errors.h"
-#include "batten/core/isize.h"
+#include "batten/core/containers.h"
 
 namespace batten {
 

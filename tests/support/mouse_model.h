@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "batten/fairing/curve_through_points.h"
+#include "batten/fairing/curves/curve_through_points.h"
 #include "batten/io/scene/read_scene.h"
 #include "batten/io/scene/scene.h"
 #include "batten/skinning/search/find_regions.h"

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "batten/fairing/curve_fit.h"
+#include "batten/fairing/curves/curve_fit.h"
 #include "batten/skinning/layout/region_layout.h"
 #include "batten/tests/support/sample_lines.h"
 

@@ -4,8 +4,8 @@
 #include <numbers>
 #include <vector>
 
-#include "batten/core/rotations.h"
-#include "batten/mesh/sequence/rigid_motion.h"
+#include "batten/core/geometry.h"
+#include "batten/mesh/sequence/trajectories/rigid_motion.h"
 #include "batten/tests/support/sampling.h"
 
 namespace batten_test {

@@ -8,10 +8,10 @@
 #include <vector>
 
 #include "batten/core/errors.h"
-#include "batten/fairing/curve_through_points.h"
+#include "batten/fairing/curves/curve_through_points.h"
 #include "batten/fem/triangle_locator.h"
 #include "batten/skinning/model/model_layout.h"
-#include "batten/skinning/region/skin_quality.h"
+#include "batten/skinning/region/skinned_region.h"
 #include "batten/tests/support/sampling.h"
 
 namespace batten_test {

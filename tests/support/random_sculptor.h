@@ -10,7 +10,7 @@
 #endif
 
 #include "batten/core/errors.h"
-#include "batten/fairing/curve_through_points.h"
+#include "batten/fairing/curves/curve_through_points.h"
 #include "batten/skinning/model/model_projector.h"
 #include "batten/tests/support/catch.h"
 #include "batten/tests/support/session_scenes.h"

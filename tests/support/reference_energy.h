@@ -1,7 +1,7 @@
 // Energies by whole matrices: the twin of what a session keeps count of.
 #pragma once
 
-#include "batten/fairing/surface_energy.h"
+#include "batten/elements/reference_triangle.h"
 #include "batten/fem/surface_assembler.h"
 
 namespace batten {

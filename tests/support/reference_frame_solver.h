@@ -3,11 +3,11 @@
 
 #include <map>
 
-#include "batten/core/dense.h"
+#include "batten/core/eigen.h"
 #include "batten/mesh/prepared_mesh.h"
 #include "batten/mesh/rotation_fitting.h"
 #include "batten/mesh/sequence/frame_solver.h"
-#include "batten/mesh/sequence/rigid_motion.h"
+#include "batten/mesh/sequence/trajectories/rigid_motion.h"
 #include "batten/tests/support/random_motion.h"
 #include "batten/tests/support/sample_meshes.h"
 

@@ -6,12 +6,12 @@
 #include <optional>
 
 #include "batten/constraints/constrained_solver.h"
-#include "batten/core/dense.h"
+#include "batten/core/eigen.h"
 #include "batten/core/errors.h"
-#include "batten/fem/nested_dissection.h"
+#include "batten/fem/parametric_mesh.h"
 #include "batten/fem/surface_assembler.h"
 #include "batten/fem/surface_projector.h"
-#include "batten/sculpting/session/displacement_weights.h"
+#include "batten/sculpting/session/session_engine.h"
 #include "batten/tests/support/reference_energy.h"
 
 namespace batten::reference_solver {

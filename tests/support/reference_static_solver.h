@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "batten/constraints/affine_reduction.h"
-#include "batten/fairing/surface_energy.h"
+#include "batten/elements/reference_triangle.h"
 #include "batten/skinning/layout/region_layout.h"
 
 namespace batten::reference_solver {

@@ -6,7 +6,7 @@
 #include <map>
 #include <tuple>
 
-#include "batten/core/dense.h"
+#include "batten/core/eigen.h"
 #include "batten/mesh/deform/deform_problem.h"
 #include "batten/tests/support/sample_meshes.h"
 

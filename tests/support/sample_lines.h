@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "batten/fairing/curve_through_points.h"
+#include "batten/fairing/curves/curve_through_points.h"
 #include "batten/skinning/layout/region_layout.h"
 
 namespace batten_test {

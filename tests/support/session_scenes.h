@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "batten/fairing/curve_through_points.h"
+#include "batten/fairing/curves/curve_through_points.h"
 #include "batten/fem/surface_assembler.h"
 #include "batten/sculpting/session/sculpting_session.h"
 #include "batten/tests/support/reference_static_solver.h"

@@ -4,7 +4,7 @@
 #include <numbers>
 
 #include "batten/constraints/affine_reduction.h"
-#include "batten/fem/nested_dissection.h"
+#include "batten/fem/parametric_mesh.h"
 #include "batten/fem/surface_assembler.h"
 #include "batten/tests/support/clamped_boundary.h"
 #include "batten/tests/support/sampling.h"

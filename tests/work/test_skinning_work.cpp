@@ -3,7 +3,7 @@
 #include "batten/core/op_counter.h"
 #include "batten/skinning/domains/mesher.h"
 #include "batten/skinning/model/model_layout.h"
-#include "batten/skinning/region/skin_quality.h"
+#include "batten/skinning/region/skinned_region.h"
 #include "batten/skinning/search/find_regions.h"
 #include "batten/skinning/surfaces/skin_network.h"
 #include "batten/skinning/surfaces/surface_model.h"

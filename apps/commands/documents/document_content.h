@@ -7,7 +7,7 @@
 #include "batten/apps/commands/documents/document_view.h"
 #include "batten/core/progress.h"
 #include "batten/io/scene/scene_text.h"
-#include "batten/sculpting/session/frame.h"
+#include "batten/sculpting/session/session_results.h"
 
 namespace batten {
 

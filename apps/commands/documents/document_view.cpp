@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <optional>
 
-#include "batten/core/box.h"
+#include "batten/core/geometry.h"
 
 namespace batten {
 std::array<Vec3, 2> DocumentView::box() const {

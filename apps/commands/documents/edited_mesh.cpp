@@ -5,9 +5,7 @@
 
 #include "batten/apps/commands/meshes/run_deform.h"
 #include "batten/apps/commands/runs/run_support.h"
-#include "batten/core/isize.h"
-#include "batten/core/sorted_unique.h"
-#include "batten/io/files/length_units.h"
+#include "batten/core/containers.h"
 #include "batten/io/files/text.h"
 #include "batten/io/scene/scene_parsing.h"
 

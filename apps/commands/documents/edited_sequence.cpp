@@ -4,8 +4,7 @@
 
 #include "batten/apps/commands/runs/run_support.h"
 #include "batten/apps/commands/sequences/run_sequence.h"
-#include "batten/core/isize.h"
-#include "batten/io/files/length_units.h"
+#include "batten/core/containers.h"
 #include "batten/io/files/text.h"
 #include "batten/io/scene/scene_parsing.h"
 

@@ -7,7 +7,7 @@
 
 #include "batten/apps/commands/documents/document_content.h"
 #include "batten/apps/commands/documents/mesh_display.h"
-#include "batten/apps/commands/sequences/sequence_frames.h"
+#include "batten/apps/commands/sequences/sequence_steps.h"
 
 namespace batten {
 

@@ -11,7 +11,7 @@
 #include "batten/apps/commands/shapes/make_session.h"
 #include "batten/apps/commands/shapes/solved_shape.h"
 #include "batten/apps/commands/shapes/stress_analysis.h"
-#include "batten/io/scene/scene_dependencies.h"
+#include "batten/io/scene/scene_text.h"
 
 namespace batten {
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "batten/core/isize.h"
+#include "batten/core/containers.h"
 #include "batten/io/meshes/corner_normals.h"
 
 namespace batten {

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "batten/mesh/triangle_mesh.h"
-#include "batten/sculpting/session/frame.h"
+#include "batten/sculpting/session/session_results.h"
 
 namespace batten {
 

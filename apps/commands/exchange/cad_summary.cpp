@@ -2,9 +2,8 @@
 
 #include <algorithm>
 
-#include "batten/core/format.h"
-#include "batten/core/isize.h"
-#include "batten/io/files/length_units.h"
+#include "batten/core/geometry.h"
+#include "batten/core/containers.h"
 #include "batten/io/files/text.h"
 
 namespace batten {

@@ -4,14 +4,13 @@
 #include <cmath>
 
 #include "batten/apps/commands/exchange/cad_summary.h"
-#include "batten/apps/commands/exchange/file_kinds.h"
+#include "batten/apps/commands/info.h"
 #include "batten/apps/commands/lines/fair_lines.h"
 #include "batten/apps/commands/runs/run_support.h"
-#include "batten/core/format.h"
-#include "batten/core/isize.h"
+#include "batten/core/geometry.h"
+#include "batten/core/containers.h"
 #include "batten/io/cad/cad_format.h"
 #include "batten/io/files/input_file.h"
-#include "batten/io/files/length_units.h"
 #include "batten/io/files/text.h"
 #include "batten/io/files/toml_table.h"
 #include "batten/io/lines/cad_plugin.h"

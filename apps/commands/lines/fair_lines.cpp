@@ -8,12 +8,12 @@
 #include <functional>
 #include <limits>
 
-#include "batten/apps/commands/lines/line_interpretation.h"
+#include "batten/apps/commands/lines/line_files.h"
 #include "batten/apps/commands/runs/run_support.h"
-#include "batten/core/box.h"
-#include "batten/core/isize.h"
+#include "batten/core/geometry.h"
+#include "batten/core/containers.h"
 #include "batten/core/parallel.h"
-#include "batten/fairing/point_sequence.h"
+#include "batten/fairing/corners/point_sequence.h"
 
 namespace batten {
 namespace {

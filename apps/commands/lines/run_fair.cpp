@@ -7,9 +7,9 @@
 
 #include "batten/apps/commands/lines/fair_lines.h"
 #include "batten/apps/commands/runs/run_support.h"
-#include "batten/core/isize.h"
-#include "batten/io/files/length_units.h"
-#include "batten/io/pictures/curve_pictures.h"
+#include "batten/core/containers.h"
+#include "batten/io/files/text.h"
+#include "batten/io/pictures/comb_pictures.h"
 
 namespace batten {
 namespace {

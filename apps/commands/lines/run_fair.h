@@ -5,7 +5,7 @@
 #include <string>
 
 #include "batten/core/progress.h"
-#include "batten/io/report/fair_report.h"
+#include "batten/io/report/report.h"
 #include "batten/io/scene/fair_scene.h"
 
 namespace batten {

@@ -3,10 +3,8 @@
 #include <algorithm>
 #include <map>
 
-#include "batten/core/isize.h"
-#include "batten/core/sorted_unique.h"
-#include "batten/mesh/attached/inverted_solids.h"
-#include "batten/mesh/deform/similarity.h"
+#include "batten/core/containers.h"
+#include "batten/mesh/element_quality.h"
 #include "batten/mesh/rotation_fitting.h"
 
 namespace batten {

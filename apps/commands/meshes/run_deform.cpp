@@ -6,18 +6,29 @@
 #include <limits>
 #include <numbers>
 #include <utility>
+#include <vector>
 
-#include "batten/apps/commands/meshes/deform_pictures.h"
 #include "batten/apps/commands/meshes/edit_session.h"
 #include "batten/apps/commands/meshes/mesh_source.h"
 #include "batten/apps/commands/runs/run_support.h"
-#include "batten/core/box.h"
-#include "batten/core/isize.h"
+#include "batten/core/geometry.h"
+#include "batten/core/containers.h"
 #include "batten/io/decks/modal_deck.h"
-#include "batten/io/vtk/shell_vtk.h"
-#include "batten/mesh/deform/similarity.h"
+#include "batten/io/vtk/vtk_files.h"
+#include "batten/mesh/rotation_fitting.h"
+#include "batten/apps/commands/meshes/deform_task.h"
+#include "batten/io/report/deform_report.h"
+#include "batten/io/pictures/mesh_pictures.h"
 
 namespace batten {
+
+// Pictures of a deformed mesh.
+
+/// Draws the pictures of a scene. `states`: places of all vertices before the first edit and after each.
+void draw_deformed(DeformReport& report, const DeformScene& scene, const MeshFile& file,
+                   const std::vector<Points>& states, const std::vector<DeformTask>& tasks,
+                   const SharedConstraints& shared, const OutputFolder& out);
+
 namespace {
 
 double largest_move(const Points& before, const Points& after, int* where = nullptr) {
@@ -258,6 +269,134 @@ DeformReport run_deform(const DeformScene& scene, const std::filesystem::path& f
   run.write();
   run.draw();
   return run.finish();
+}
+
+namespace {
+
+std::vector<MeshPicture::Part> parts_of(const ShellMesh& shells, const SharedConstraints& shared,
+                                        const DeformTask& task) {
+  std::vector<MeshPicture::Part> vertex(shells.node_count(), MeshPicture::Part::Body);
+  for (const int v : task.problem.fixed) vertex[v] = MeshPicture::Part::Fixed;
+  for (const auto& h : task.problem.handles)
+    for (const int v : h.vertices) vertex[v] = MeshPicture::Part::Handle;
+  for (const auto& f : shared.features)
+    for (const int v : f.vertices) vertex[v] = MeshPicture::Part::Feature;
+  return parts_of_faces(shells, vertex);
+}
+
+}  // namespace
+
+void draw_deformed(DeformReport& report, const DeformScene& scene, const MeshFile& file,
+                   const std::vector<Points>& states, const std::vector<DeformTask>& tasks,
+                   const SharedConstraints& shared, const OutputFolder& out) {
+  if (scene.pictures.empty()) return;
+  using Show = MeshPictureSpec::Show;
+  const auto parts = parts_of(file.shells(), shared, tasks.front());
+  std::vector<Points> places;
+  for (const Points& state : states) places.push_back(node_positions(state, file));
+  for (const MeshPictureSpec& rule : scene.pictures) {
+    if (!can_draw(report, rule.file)) continue;
+    MeshPicture look;
+    look.shells = &file.shells();
+    look.parts = parts;
+    look.lines = shared.lines;
+    look.mesh = rule.mesh;
+    look.azimuth = rule.azimuth;
+    look.elevation = rule.elevation;
+    look.up = rule.up;
+    look.zoom = rule.zoom;
+    for (const Points& state : places) look.also_in_view.push_back(&state);
+    std::vector<MeshPicture> pictures;
+    const auto add = [&](size_t state, const std::string& title) {
+      look.points = places[state];
+      look.title = title;
+      pictures.push_back(look);
+    };
+    const std::string name = rule.title.empty() ? scene.name : rule.title;
+    int columns = 1;
+    if (rule.show == Show::BeforeAfter) {
+      add(0, name + ", before");
+      add(states.size() - 1, name + ", after");
+      columns = 2;
+    } else if (rule.show == Show::Steps) {
+      add(0, name + ", before");
+      for (size_t k = 1; k < states.size(); ++k) add(k, scene.edits[k - 1].name);
+      columns = static_cast<int>(std::ceil(std::sqrt(static_cast<double>(states.size()))));
+    } else {
+      if (rule.show == Show::Displacement) {
+        look.field = (places.back() - places.front()).rowwise().norm();
+        look.field_title = "Displacement, " + scene.unit;
+      }
+      look.also_in_view.clear();
+      add(states.size() - 1, name);
+    }
+    draw_meshes(out.file(rule.file), pictures, columns, rule.size);
+    report.files.push_back(rule.file);
+  }
+}
+
+
+// What `batten deform` prints.
+
+std::string summary(const DeformReport& report, const std::filesystem::path& folder) {
+  const std::string unit = " " + report.unit;
+  std::string text = report.name + "\n";
+  text += summary_line("mesh", std::to_string(report.nodes) + " nodes, " +
+                                   std::to_string(report.faces) + " faces, " + report.format);
+  for (const auto& e : report.edits)
+    text += summary_line("edit", e.name + ": " + std::to_string(e.unknowns) +
+                                     " unknowns a coordinate, largest displacement " +
+                                     format_number(e.largest_displacement) + unit + ", set-up " +
+                                     format_number(1000 * e.setup_s) + " ms, edit " +
+                                     format_number(1000 * e.edit_s) + " ms");
+  double residual = 0, rigid = 0;
+  for (const auto& e : report.edits) residual = std::max(residual, e.hard_residual);
+  for (const auto& f : report.features) rigid = std::max(rigid, f.max_rigid_error);
+  text += summary_line("held", "residual " + format_number(residual) + " of the size");
+  if (!report.features.empty())
+    text += summary_line("features", std::to_string(report.features.size()) + ", rigid to " +
+                                         format_number(rigid) + " of their size");
+  if (const auto& a = report.attached; !a.elements.empty()) {
+    std::string words;
+    for (const auto& [name, count] : a.elements)
+      words += (words.empty() ? "" : ", ") + std::to_string(count) + " " + name;
+    text += summary_line("attached", words + "; " + std::to_string(a.connections) +
+                                         " connections rigid to " +
+                                         format_number(a.max_rigid_error) + unit + ", " +
+                                         std::to_string(a.moved_with_shells) + " nodes followed");
+  }
+  for (const auto& c : report.curves)
+    text += summary_line("curve", c.name + ": " + std::to_string(c.vertices) +
+                                      " nodes, faired by " + format_number(c.fairing.max) + unit +
+                                      ", curvature extrema " + std::to_string(c.before.extrema) +
+                                      " -> " + std::to_string(c.after.extrema) + ", moved by " +
+                                      format_number(c.largest_shift) + unit + ", held to " +
+                                      format_number(c.max_residual));
+  if (!report.holes.empty()) {
+    int kept = 0, round = 0;
+    double radius = 0;
+    for (const auto& h : report.holes) {
+      if (h.feature.empty()) continue;
+      ++kept;
+      round += h.before.circular;
+      radius = std::max(radius, std::abs(h.after.radius - h.before.radius) / h.before.radius);
+    }
+    text += summary_line(
+        "holes", std::to_string(report.holes.size()) + " loops, " + std::to_string(kept) +
+                     " in features" +
+                     (kept == 0 ? ""
+                                : " (" + std::to_string(round) + " round), radii changed by " +
+                                      format_number(radius) + " of themselves at most"));
+  }
+  text += summary_line("quality", "aspect " + format_number(report.before.aspect.worst) + " -> " +
+                                      format_number(report.after.aspect.worst) + ", warpage " +
+                                      format_number(report.before.warpage_degrees.worst) + " -> " +
+                                      format_number(report.after.warpage_degrees.worst) +
+                                      " degrees, Jacobian " +
+                                      format_number(report.before.jacobian.worst) + " -> " +
+                                      format_number(report.after.jacobian.worst) + ", inverted " +
+                                      std::to_string(report.inverted.size()));
+  return text + summary_footer(report, folder);
 }
 
 }  // namespace batten

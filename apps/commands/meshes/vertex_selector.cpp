@@ -8,10 +8,9 @@
 #include <sstream>
 
 #include "batten/apps/commands/runs/run_support.h"
-#include "batten/core/isize.h"
+#include "batten/core/containers.h"
 #include "batten/io/files/input_file.h"
-#include "batten/mesh/features/stroke_cut.h"
-#include "batten/mesh/regions/mesh_saliency.h"
+#include "batten/mesh/features/feature_cut.h"
 #include "batten/mesh/selection.h"
 
 namespace batten {

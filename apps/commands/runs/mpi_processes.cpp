@@ -5,7 +5,7 @@
 
 #include "batten/apps/commands/runs/plugins.h"
 #include "batten/core/errors.h"
-#include "batten/distributed/module.h"
+#include "batten/core/solvers/petsc_module.h"
 
 namespace batten {
 

@@ -3,7 +3,7 @@
 
 #include <memory>
 
-#include "batten/core/linear_solver_backend.h"
+#include "batten/core/solvers/sparse_cholesky.h"
 
 namespace batten {
 

@@ -9,7 +9,7 @@
 #include <cmath>
 #include <cstdlib>
 
-#include "batten/io/pictures/display.h"
+#include "batten/io/pictures/image.h"
 
 namespace batten {
 namespace fs = std::filesystem;

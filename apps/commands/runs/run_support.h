@@ -13,7 +13,6 @@
 #include "batten/core/errors.h"
 #include "batten/core/progress.h"
 #include "batten/io/files/atomic_file.h"
-#include "batten/io/files/temporary_file_guard.h"
 #include "batten/io/report/run_report.h"
 
 namespace batten {

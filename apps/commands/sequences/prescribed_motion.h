@@ -4,7 +4,7 @@
 #include <memory>
 #include <vector>
 
-#include "batten/apps/commands/sequences/step_result.h"
+#include "batten/apps/commands/sequences/sequence_parts.h"
 
 namespace batten {
 

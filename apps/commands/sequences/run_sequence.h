@@ -6,12 +6,22 @@
 #include <string>
 #include <utility>
 
-#include "batten/apps/commands/sequences/sequence_task.h"
 #include "batten/core/progress.h"
 #include "batten/io/report/sequence_report.h"
 #include "batten/io/scene/sequence_scene.h"
 
 namespace batten {
+
+// What a run of `batten sequence` is asked beside its scene.
+
+struct SequenceTask {
+  /// Frames that this run makes, counted from 1: so that several runs share the work. None: all.
+  std::optional<std::pair<int, int>> frames;
+
+  /// The name of a file that each run of a part has for itself: "walk.png", or "walk_3-7.png".
+  std::string name_of(const std::filesystem::path& file) const;
+};
+
 
 /// Does the steps one after the other and writes the frames, report.json and pictures into the
 /// folder. Frames in numbered files appear one by one, each whole; where a run of the same scene

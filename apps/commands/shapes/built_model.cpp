@@ -3,17 +3,21 @@
 #include <algorithm>
 #include <iterator>
 #include <utility>
+#include <array>
+#include <cmath>
+#include <map>
+#include <string>
 
-#include "batten/apps/commands/lines/mirror_lines.h"
+#include "batten/apps/commands/lines/scene_lines.h"
 #include "batten/apps/commands/shapes/scene_target.h"
-#include "batten/core/box.h"
+#include "batten/core/geometry.h"
 #include "batten/core/errors.h"
-#include "batten/skinning/layout/section_region.h"
-#include "batten/skinning/model/rest_shape.h"
+#include "batten/skinning/surfaces/section_region.h"
+#include "batten/skinning/model/model_shapes.h"
 #include "batten/skinning/search/find_regions.h"
 #include "batten/skinning/surfaces/normal_side.h"
-#include "batten/skinning/surfaces/ordered_sections.h"
 #include "batten/skinning/surfaces/skin_network.h"
+#include "batten/core/containers.h"
 
 namespace batten {
 namespace {
@@ -244,6 +248,129 @@ BuiltModel build_model(const Scene& scene, const std::vector<CharacterLine>& lin
   if (regions.size() == 1 && !made.model.layout)
     throw InputError(scene.at({}) + made.model.regions[0].rejection_reason);
   return made;
+}
+
+namespace {
+
+using Curves = std::map<std::string, HermiteCurve>;
+
+/// The curves of all lines of the regions, by their names.
+Curves curves_of_regions(const BuiltModel& made) {
+  Curves curves;
+  for (const SkinnedRegion* region : made.model.skinned()) {
+    for (const EdgeAlignedLine& aligned_line : region->edge_aligned)
+      curves.try_emplace(aligned_line.line.name, aligned_line.fitted);
+    for (const EmbeddedLine& line : region->embedded)
+      curves.try_emplace(line.line.name, line.fitted);
+  }
+  return curves;
+}
+
+Vec3 start_of(const HermiteCurve& curve) { return curve.position(0); }
+Vec3 end_of(const HermiteCurve& curve) { return curve.evaluate(curve.end()); }
+Vec3 last_slope(const HermiteCurve& curve) {
+  return curve.slope_in(curve.closed() ? 0 : curve.node_count() - 1);
+}
+
+bool parallel(const Vec3& a, const Vec3& b) {
+  constexpr double radians = 1e-6;
+  return a.dot(b) > 0 && a.cross(b).norm() <= radians * a.norm() * b.norm();
+}
+
+/// Several curves, each of which begins where the one before ends, as one; C1 but for what their
+/// slopes differ by rounding.
+class Chain {
+ public:
+  explicit Chain(const HermiteCurve& first) { add(first); }
+
+  /// Whether the curve goes on where the chain ends, in its direction.
+  bool continues(const HermiteCurve& next) const {
+    return (start_of(next) - points_.back()).norm() <= merge_tolerance() &&
+           parallel(slopes_.back(), next.slope_out(0));
+  }
+  void add(const HermiteCurve& next) {
+    const double factor = points_.empty() ? 1 : next.slope_out(0).norm() / slopes_.back().norm();
+    const double shift = points_.empty() ? next.start() : u_.back() - factor * next.start();
+    const int nodes = next.closed() ? next.node_count() + 1 : next.node_count();
+    for (int i = points_.empty() ? 0 : 1; i < nodes; ++i) {
+      u_.push_back(shift + factor * next.parameters()[i]);
+      points_.push_back(next.position(i % next.node_count()));
+      slopes_.push_back(next.slope_out(i % next.node_count()) / factor);
+    }
+    if (!next.closed()) slopes_.back() = last_slope(next) / factor;
+  }
+  /// One that comes back to its beginning in its direction is closed.
+  HermiteCurve curve() const {
+    const bool closed = u_.size() > 2 &&
+                        (points_.back() - points_.front()).norm() <= merge_tolerance() &&
+                        parallel(slopes_.back(), slopes_.front()) &&
+                        std::abs(slopes_.back().norm() / slopes_.front().norm() - 1) < 1e-6;
+    const CurveMesh mesh(u_, closed);
+    Points dofs(mesh.dof_count(), 3);
+    for (int i = 0; i < mesh.node_count(); ++i) {
+      dofs.row(mesh.position_dof(i)) = points_[i].transpose();
+      dofs.row(mesh.slope_out(i)) = slopes_[i].transpose();
+    }
+    return {mesh, dofs};
+  }
+
+ private:
+  double merge_tolerance() const {
+    return 1e-9 * (u_.back() - u_.front()) * slopes_.front().norm();
+  }
+  std::vector<double> u_;
+  std::vector<Vec3> points_, slopes_;
+};
+
+/// An arc in the direction of its line, from a region where one has it.
+HermiteCurve edge_along_line(const NetworkEdge& edge, const Curves& of_regions) {
+  const auto found = of_regions.find(edge.name);
+  if (found == of_regions.end()) return edge.reversed ? edge.curve.backwards() : edge.curve;
+  // Regions have it in the direction of their loops; that of a closed one is nobody's.
+  const HermiteCurve& own = found->second;
+  const bool turned =
+      (start_of(own) - start_of(edge.curve)).norm() > (start_of(own) - end_of(edge.curve)).norm();
+  return turned != edge.reversed ? own.backwards() : own;
+}
+
+}  // namespace
+
+std::vector<CubicSpline> line_curves(const BuiltModel& made) {
+  const Curves of_regions = curves_of_regions(made);
+  std::vector<CubicSpline> splines;
+  const auto add = [&](const std::string& name, const HermiteCurve& curve) {
+    for (CubicSpline& spline : cubic_splines(name, curve)) splines.push_back(std::move(spline));
+  };
+  if (!made.network) {
+    for (const auto& [name, curve] : of_regions) add(name, curve);
+    return splines;
+  }
+  for (int l = 0; l < isize(made.network->lines()); ++l) {
+    const std::string& name = made.network->lines()[l].name;
+    std::vector<Chain> chains;
+    std::vector<std::array<int, 2>> numbers;  // of the first and the last arc of each
+    int number = 0;
+    for (const int a : made.network->edges_of(name)) {
+      const NetworkEdge& edge = made.network->edges()[a];
+      ++number;
+      if (edge.line != l) continue;  // of another line, which has it
+      const HermiteCurve curve = edge_along_line(edge, of_regions);
+      if (!chains.empty() && chains.back().continues(curve)) {
+        chains.back().add(curve);
+        numbers.back()[1] = number;
+      } else {
+        chains.emplace_back(curve);
+        numbers.push_back({number, number});
+      }
+    }
+    for (size_t k = 0; k < chains.size(); ++k) {
+      const auto [first, last] = numbers[k];
+      const std::string part =
+          "." + std::to_string(first) + (last > first ? "-" + std::to_string(last) : std::string());
+      add(name + (chains.size() > 1 ? part : std::string()), chains[k].curve());
+    }
+  }
+  return splines;
 }
 
 }  // namespace batten

@@ -11,7 +11,7 @@
 #include <cmath>
 #include <cstdlib>
 
-#include "batten/apps/commands/shapes/stress_deck.h"
+#include "batten/apps/commands/shapes/stress_setup.h"
 #include "batten/apps/commands/shapes/stress_files.h"
 #include "batten/io/decks/frd_results.h"
 

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "batten/apps/commands/shapes/shape_files.h"
-#include "batten/io/decks/calculix.h"
+#include "batten/io/decks/shell_deck.h"
 
 namespace batten {
 

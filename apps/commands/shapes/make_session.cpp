@@ -5,12 +5,11 @@
 #include <set>
 
 #include "batten/apps/commands/lines/line_files.h"
-#include "batten/core/box.h"
-#include "batten/core/format.h"
-#include "batten/fairing/curve_fit.h"
+#include "batten/core/geometry.h"
+#include "batten/fairing/curves/curve_fit.h"
 #include "batten/io/files/input_file.h"
 #include "batten/skinning/model/model_projector.h"
-#include "batten/skinning/model/rest_shape.h"
+#include "batten/skinning/model/model_shapes.h"
 
 namespace batten {
 namespace {

@@ -3,11 +3,15 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <set>
 
 #include "batten/analysis/models/shell_modes.h"
 #include "batten/analysis/models/shell_stresses.h"
 #include "batten/apps/commands/shapes/stress_files.h"
 #include "batten/apps/commands/shapes/stress_setup.h"
+#include "batten/fem/refinement.h"
+#include "batten/core/errors.h"
+#include "batten/skinning/surfaces/model_joins.h"
 
 namespace batten {
 namespace {
@@ -379,6 +383,170 @@ std::string stress_summary(const StressReport& report, const std::string& unit) 
   for (const double f : report.frequencies) hertz += (hertz.empty() ? "" : ", ") + three_digits(f);
   if (!hertz.empty()) text += summary_line("frequencies", hertz + " Hz");
   return text;
+}
+
+namespace {
+
+// A case with its goal: 1 at the place of its largest displacement, along it.
+struct Goal {
+  const StressReport::Case& of;
+  Points F, u, G;
+  Points of_G, of_F;  // adjoints
+};
+
+double step_of(const Parameter& p) {
+  constexpr double fraction = 1e-3;
+  const double range = p.max - p.min;
+  return fraction * (std::isfinite(range) && range > 0 ? range : std::max(std::abs(p.value), 1.0));
+}
+
+// The scene with a parameter moved, or none where it may not be.
+std::optional<Scene> moved(const Scene& scene, const Parameter& p, double by) {
+  try {
+    Scene other = scene;
+    other.set(p.name, p.value + by, "");
+    return other;
+  } catch (const InputError&) {
+    return std::nullopt;
+  }
+}
+
+// The derivative of the shape's dofs, from both sides where the parameter may go there.
+std::optional<Points> shape_change(const Scene& scene, const BuiltModel& made,
+                                   const SolvedShape& shape, const Parameter& p,
+                                   const Progress& progress) {
+  const double step = step_of(p);
+  const auto at = [&](double by) -> std::optional<Points> {
+    const auto other = moved(scene, p, by);
+    if (!other) return std::nullopt;
+    return solve_shape(*shape.layout, *other, made, {{}, progress.cancelled}).dofs;
+  };
+  const auto up = at(step), down = at(-step);
+  if (up && down) return Points((*up - *down) / (2 * step));
+  if (!up && !down) return std::nullopt;
+  const Points here = solve_shape(*shape.layout, scene, made, {{}, progress.cancelled}).dofs;
+  return up ? Points((*up - here) / step) : Points((here - *down) / step);
+}
+
+}  // namespace
+
+void compute_sensitivities(RunContext& run, const Scene& scene, const BuiltModel& made,
+                           const SolvedShape& shape, const Progress& progress) {
+  const ShellDefinition definition = shell_definition(scene, *shape.layout, shape.dofs);
+  const ShellModel shell(*shape.layout, shape.dofs, definition);
+  const auto loads = case_loads(scene, *shape.layout, shape.dofs, definition);
+  std::vector<Goal> goals;
+  for (const StressReport::Case& c : run.report.stress->cases) {
+    const auto F = loads.find(c.name);
+    if (c.combination || F == loads.end() || !(c.displacement > 0)) continue;
+    const ShellLocation place = nearest_location(*shape.layout, shape.dofs, c.max_displacement_at);
+    const Points G = point_force(*shape.layout, place, c.displacement_vector.normalized());
+    goals.push_back(
+        {c, F->second, shell.solve(F->second), G, shell.adjoint(G), shell.adjoint(F->second)});
+  }
+  std::set<std::string> of_lines;
+  for_each_fair_parameter(scene.fairing,
+                          [&](const std::string& name, double) { of_lines.insert(name); });
+  for (const Parameter& p : scene.parameters()) {
+    if (of_lines.count(p.name)) continue;
+    progress.update("sensitivity to " + p.name, 0);
+    const auto change = shape_change(scene, made, shape, p, progress);
+    if (!change) continue;
+    const double largest = change->cwiseAbs().maxCoeff();
+    if (!(largest > 0)) continue;
+    // A step of the shape that is small against the model, and large against rounding.
+    const double step = 1e-5 * shape.layout->size() / largest;
+    const Points up = shape.dofs + step * *change, down = shape.dofs - step * *change;
+    const auto up_loads = case_loads(scene, *shape.layout, up, definition),
+               down_loads = case_loads(scene, *shape.layout, down, definition);
+    const ShellSystem up_system = shell.assemble_system(up),
+                      down_system = shell.assemble_system(down);
+    for (const Goal& g : goals) {
+      const auto derivative = [&](const Points& a, const Points& G) {
+        return (shell.goal_change(g.u, g.F, a, G, up_system, up_loads.at(g.of.name)) -
+                shell.goal_change(g.u, g.F, a, G, down_system, down_loads.at(g.of.name))) /
+               (2 * step);
+      };
+      // Of the work Fᵀu itself: its own load is the goal, and changes too.
+      const double work =
+          derivative(g.of_F, g.F) +
+          (up_loads.at(g.of.name) - down_loads.at(g.of.name)).cwiseProduct(g.u).sum() / (2 * step);
+      run.report.stress->sensitivities.push_back(
+          {p.name, g.of.name, derivative(g.of_G, g.G), work});
+    }
+  }
+  run.watch.lap("sensitivities");
+}
+
+namespace {
+
+// Of the elements of a shape.
+double mean_edge(const SolvedShape& shape) {
+  double area = 0, triangles = 0;
+  for (const SkinnedRegion& region : shape.regions) {
+    const Surface& surface = region.surface;
+    for (int t = 0; t < surface.mesh().triangle_count(); ++t) {
+      area += surface.mesh().shape(t).area *
+              surface.jet({t, Vec3::Constant(1.0 / 3)}).area_vector().norm();
+      ++triangles;
+    }
+  }
+  return std::sqrt(2 * area / triangles);
+}
+
+StressReport::Mesh mesh_of(const StressReport& report, double edge_length) {
+  StressReport::Mesh mesh{edge_length, report.unknowns, 0, 0, 0};
+  for (const StressReport::Case& c : report.cases) {
+    mesh.displacement = std::max(mesh.displacement, c.displacement);
+    mesh.stress = std::max(mesh.stress, c.stress);
+    mesh.error = std::max(mesh.error, std::pow(c.error, 2));
+    if (c.displacement > 0)
+      mesh.error = std::max(mesh.error, c.displacement_error / c.displacement);
+  }
+  return mesh;
+}
+
+// The same surface on halved triangles.
+SolvedShape halved(const SolvedShape& shape, const std::vector<int>& triangles) {
+  std::vector<char> marks(static_cast<size_t>(shape.layout->mesh()->triangle_count()), 0);
+  for (const int t : triangles) marks[t] = 1;
+  ModelLayout finer = *shape.layout;
+  finer.refine(marks);
+  SolvedShape result = shape;
+  result.dofs = interpolate_onto(*shape.layout, shape.dofs, finer);
+  result.unloaded = interpolate_onto(*shape.layout, shape.unloaded, finer);
+  result.regions.clear();
+  for (int r = 0; r < finer.region_count(); ++r)
+    result.regions.push_back(finer.skinned(r, result.dofs));
+  result.layout = std::make_shared<const ModelLayout>(std::move(finer));
+  return result;
+}
+
+}  // namespace
+
+RefinedShape refine_adaptively(const Scene& scene, const SolvedShape& shape, double accuracy,
+                               const BackendFactory& factors, const Progress& progress) {
+  RefinedShape result{shape, {}, false};
+  if (!shape.layout) return result;
+  constexpr int most = 20;
+  constexpr double fraction = 0.7;  // of the error, in the triangles that are halved
+  SolvedShape next = shape;
+  for (int round = 0; round < most; ++round) {
+    progress.update("mesh " + std::to_string(round + 1), 0);
+    VecX where;
+    try {
+      const StressReport report = stresses_of(scene, next, where, factors, progress);
+      result.meshes.push_back(mesh_of(report, mean_edge(next)));
+      result.shape = next;
+      result.converged = result.meshes.back().error <= accuracy;
+      if (result.converged) break;
+      next = halved(next, dorfler_marking(where, fraction));
+    } catch (const InputError&) {
+      if (round == 0) throw;  // else it is what memory has room for
+      break;
+    }
+  }
+  return result;
 }
 
 }  // namespace batten

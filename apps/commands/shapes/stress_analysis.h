@@ -7,6 +7,9 @@
 
 #include "batten/analysis/models/shell_model.h"
 #include "batten/apps/commands/shapes/shape_files.h"
+#include "batten/apps/commands/shapes/solved_shape.h"
+#include "batten/core/solvers/sparse_cholesky.h"
+#include "batten/io/report/report.h"
 
 namespace batten {
 
@@ -61,5 +64,32 @@ class StressEvaluator {
 
 /// The lines of a summary about it.
 std::string stress_summary(const StressReport& report, const std::string& unit);
+
+
+// How stresses answer to the parameters of a scene.
+
+/// For each parameter that changes the shape: the derivatives of the largest displacement (at its
+/// place, along its direction) and of the compliance (the work of the loads) of every case, into
+/// report.stress->sensitivities. One adjoint solve a case and, for each parameter, two shapes and
+/// two stiffnesses on the same mesh, no factor of the shell. Parameters of [[fair]], driven ones and
+/// those that can move to neither side are passed over.
+void compute_sensitivities(RunContext& run, const Scene& scene, const BuiltModel& made,
+                           const SolvedShape& shape, const Progress& progress);
+
+
+// The mesh on which stresses are as exact as asked for.
+
+/// A finished shape on smaller elements: the same surface, on a mesh that is halved where the error
+/// estimate is large (dorfler_marking of what each triangle has in it), until displacements are exact to
+/// `accuracy` in all cases: the largest one, and the loads' work (error_estimate squared). Where that
+/// takes more than twenty rounds or more memory than there is, the last mesh that could be made:
+/// `converged` then says so. Throws as run_stress().
+struct RefinedShape {
+  SolvedShape shape;
+  std::vector<StressReport::Mesh> meshes;  ///< what each of them gave
+  bool converged = false;
+};
+RefinedShape refine_adaptively(const Scene& scene, const SolvedShape& shape, double accuracy,
+                               const BackendFactory& factors, const Progress& progress);
 
 }  // namespace batten

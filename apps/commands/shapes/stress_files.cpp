@@ -4,9 +4,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "batten/io/pictures/animation.h"
+#include "batten/io/pictures/image.h"
 #include "batten/io/vtk/vtk_files.h"
-#include "batten/io/vtk/vtk_series.h"
 
 namespace batten {
 namespace {

@@ -7,6 +7,7 @@
 
 #include "batten/analysis/models/shell_model.h"
 #include "batten/apps/commands/shapes/built_model.h"
+#include "batten/io/decks/shell_deck.h"
 
 namespace batten {
 
@@ -31,5 +32,13 @@ ShellDefinition shell_definition(const Scene& scene, const ModelLayout& layout,
 /// The loads of each case, by its name.
 std::map<std::string, Points> case_loads(const Scene& scene, const ModelLayout& layout,
                                          const Points& shape, const ShellDefinition& definition);
+
+
+// [stress] as a deck of CalculiX.
+
+/// The shell of a scene under one load case. Throws InputError with the place in the
+/// scene for what such a deck cannot hold; `file` names it.
+ShellDeck deck_of(const Scene& scene, const ModelLayout& layout, const std::string& load_case,
+                  const std::string& file);
 
 }  // namespace batten

@@ -11,7 +11,7 @@
 
 #include "batten/apps/commands/documents/document_view.h"
 #include "batten/apps/studio/view/shape_colours.h"
-#include "batten/sculpting/session/frame.h"
+#include "batten/sculpting/session/session_results.h"
 
 class vtkCellArray;
 class vtkFloatArray;

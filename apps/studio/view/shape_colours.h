@@ -2,8 +2,9 @@
 #pragma once
 
 #include <vtkSmartPointer.h>
-
 #include <array>
+#include <vtkNew.h>
+#include <string>
 
 class vtkLookupTable;
 
@@ -30,5 +31,29 @@ vtkSmartPointer<vtkLookupTable> role_colours(const Palette& palette);
 vtkSmartPointer<vtkLookupTable> two_sided(double limit);
 /// A table from 0 to the limit: from blue to red.
 vtkSmartPointer<vtkLookupTable> distances(double limit);
+
+}  // namespace batten::studio
+
+// Words and a scale of colours over the view.
+
+class vtkRenderer;
+class vtkScalarBarActor;
+class vtkTextActor;
+
+namespace batten::studio {
+
+class Legend {
+ public:
+  explicit Legend(vtkRenderer* renderer);
+  ~Legend();
+  void set_palette(const Palette& palette);
+  void set_text(const std::string& overlay_text);
+  /// What the colours of a table stand for, with a title; null: no scale.
+  void set_scale(vtkLookupTable* table, const std::string& title);
+
+ private:
+  vtkNew<vtkTextActor> text_, title_;
+  vtkNew<vtkScalarBarActor> scale_;
+};
 
 }  // namespace batten::studio

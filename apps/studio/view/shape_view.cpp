@@ -23,7 +23,7 @@
 #include <utility>
 
 #include "batten/apps/studio/view/gizmo.h"
-#include "batten/apps/studio/view/legend.h"
+#include "batten/apps/studio/view/shape_colours.h"
 #include "batten/apps/studio/view/screen_points.h"
 #include "batten/apps/studio/view/strings.h"
 

@@ -11,7 +11,7 @@
 
 #include "batten/apps/commands/documents/document_worker.h"
 #include "batten/apps/commands/documents/line_edits.h"
-#include "batten/apps/commands/documents/paint_edits.h"
+#include "batten/apps/commands/documents/load_edits.h"
 #include "batten/apps/studio/view/shape_actors.h"
 
 class QMouseEvent;

@@ -6,7 +6,7 @@
 #include <algorithm>
 
 #include "batten/apps/commands/documents/mesh_edits.h"
-#include "batten/apps/commands/documents/stress_edits.h"
+#include "batten/apps/commands/documents/load_edits.h"
 #include "batten/apps/studio/view/strings.h"
 
 namespace batten::studio {

@@ -8,15 +8,24 @@
 #include <QTableWidget>
 #include <QVBoxLayout>
 #include <algorithm>
+#include <QStringList>
+#include <string>
 
 #include "batten/apps/commands/documents/line_edits.h"
 #include "batten/apps/commands/documents/mesh_edits.h"
-#include "batten/apps/commands/documents/network_edits.h"
-#include "batten/apps/commands/documents/sequence_edits.h"
 #include "batten/apps/studio/view/strings.h"
-#include "batten/apps/studio/window/enum_values.h"
+#include "batten/io/scene/scene_text.h"
 
 namespace batten::studio {
+
+// The words that a key of a scene may have, for lists to choose from.
+
+/// The values, as TOML writes them, of a key that has a few: "true" and "false" where the value is one
+/// of these, the words that docs/scenes.md names else; none for all other keys. The value itself is
+/// always among them. `faired`: the scene's [skin] has fair = "variation", which knows more joins.
+QStringList enum_values(const SceneTable& table, const std::string& key, const std::string& value,
+                        bool faired);
+
 namespace {
 
 using CommandKind = DocumentCommand::CommandKind;
@@ -314,6 +323,48 @@ void PropertyPanel::add_button(const char* what,
 
 QPushButton* PropertyPanel::button(const char* what) const {
   return buttons_->findChild<QPushButton*>(what);
+}
+
+namespace {
+
+struct KeyValues {
+  const char *kinds, *key, *values;  // apart by blanks; kinds "": the top of a scene, "*": any
+};
+
+constexpr KeyValues kKeyValues[] = {
+    {"", "unit", "mm cm m in ft"},
+    {"line lines", "role", "outline hole inner"},
+    {"line lines", "treatment", "auto fitted embedded"},
+    {"region", "domain", "auto polygon plane sheet"},
+    {"join", "kind", "crease smooth"},
+    {"weight", "kind", "alpha beta"},
+    {"skin", "domain", "auto polygon plane sheet ring"},
+    {"skin", "mesher", "delaunay fan"},
+    {"skin", "units", "relative absolute"},
+    {"skin", "hold", "lines corners"},
+    {"skin", "fair", "auto bending variation loft"},
+    {"skin", "element", "hct z12"},
+    {"skin", "symmetry", "x y z"},
+    {"feature features", "keep", "shape direction"},
+    {"output", "step_form", "auto face exact"},
+};
+
+}  // namespace
+
+QStringList enum_values(const SceneTable& table, const std::string& key, const std::string& value,
+                        bool faired) {
+  if (value == "true" || value == "false") return {"true", "false"};
+  for (const KeyValues& one : kKeyValues) {
+    const QStringList kinds = QString(one.kinds).split(' ');
+    if (key != one.key || !kinds.contains(QString::fromStdString(table.kind))) continue;
+    const bool more = faired && table.kind == "join";
+    QStringList values;
+    for (const QString& word : (one.values + QString(more ? " tangent curvature" : "")).split(' '))
+      values << '"' + word + '"';
+    const QString now = QString::fromStdString(value);
+    return values.contains(now) ? values : QStringList{};
+  }
+  return {};
 }
 
 }  // namespace batten::studio

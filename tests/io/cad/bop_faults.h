@@ -5,7 +5,7 @@
 
 #include <filesystem>
 
-#include "batten/io/cad/step_check.h"
+#include "batten/io/step/step_check.h"
 
 namespace batten_test {
 

@@ -7,9 +7,8 @@
 #include <map>
 
 #include "batten/core/errors.h"
-#include "batten/io/cad/continuity.h"
-#include "batten/io/cad/read_cad_contents.h"
-#include "batten/io/files/length_units.h"
+#include "batten/io/cad/continuity_report.h"
+#include "batten/io/files/text.h"
 #include "batten/io/lines/cad_lines.h"
 #include "batten/tests/io/cad/cad_files.h"
 #include "batten/tests/support/error_message.h"

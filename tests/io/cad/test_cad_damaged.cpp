@@ -5,8 +5,6 @@
 
 #include "batten/core/errors.h"
 #include "batten/io/cad/cad_convert.h"
-#include "batten/io/cad/read_cad_contents.h"
-#include "batten/io/cad/tessellate_cad.h"
 #include "batten/tests/io/cad/cad_files.h"
 #include "batten/tests/support/error_message.h"
 

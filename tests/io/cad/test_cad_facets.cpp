@@ -1,6 +1,6 @@
 // Triangles of CAD faces: closed where shapes are, as near as they are said to be, in groups by
 // name.
-#include "batten/io/cad/tessellate_cad.h"
+#include "batten/io/cad/cad_convert.h"
 
 #include <BRepBuilderAPI_MakeFace.hxx>
 #include <BRepFilletAPI_MakeFillet.hxx>
@@ -13,9 +13,7 @@
 #include <numbers>
 
 #include "batten/core/errors.h"
-#include "batten/io/cad/cad_convert.h"
 #include "batten/io/cad/occ_settings.h"
-#include "batten/io/cad/read_cad_contents.h"
 #include "batten/tests/io/cad/cad_files.h"
 #include "batten/tests/support/error_message.h"
 

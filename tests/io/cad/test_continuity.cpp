@@ -1,5 +1,5 @@
 // How faces of CAD files meet: known solids, as STEP with shared edges and as IGES with none.
-#include "batten/io/cad/continuity.h"
+#include "batten/io/cad/continuity_report.h"
 
 #include <BRepBuilderAPI_MakeEdge.hxx>
 #include <BRepBuilderAPI_MakeFace.hxx>
@@ -15,7 +15,7 @@
 
 #include "batten/core/errors.h"
 #include "batten/io/cad/occ_settings.h"
-#include "batten/io/files/length_units.h"
+#include "batten/io/files/text.h"
 #include "batten/tests/support/catch.h"
 #include "batten/tests/support/test_data.h"
 

@@ -2,7 +2,7 @@
 #include <Eigen/Geometry>
 #include <cmath>
 
-#include "batten/io/cad/corner_twists.h"
+#include "batten/io/step/tangent_joins.h"
 #include "batten/tests/support/catch.h"
 
 using namespace batten;

@@ -1,5 +1,5 @@
 // The parameter of shared edges: what readers of the file then find.
-#include "batten/io/cad/edge_reparametrization.h"
+#include "batten/io/step/step_check.h"
 
 #include <BRep_Builder.hxx>
 #include <BRep_Tool.hxx>
@@ -12,8 +12,7 @@
 
 #include <algorithm>
 
-#include "batten/io/cad/step_check.h"
-#include "batten/io/cad/step_face.h"
+#include "batten/io/step/step.h"
 #include "batten/tests/io/cad/bop_faults.h"
 #include "batten/tests/io/cad/step_models.h"
 #include "batten/tests/support/catch.h"

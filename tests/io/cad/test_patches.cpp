@@ -1,5 +1,5 @@
 // Sets of B-spline patches as CAD files.
-#include "batten/io/cad/continuity.h"
+#include "batten/io/cad/continuity_report.h"
 #include "batten/io/lines/cad_lines.h"
 #include "batten/tests/support/catch.h"
 #include "batten/tests/support/error_message.h"

@@ -1,5 +1,5 @@
 // A STEP file is the surface: exactly, in one shell, in the model's own numbers.
-#include "batten/io/cad/step.h"
+#include "batten/io/step/step.h"
 
 #include <algorithm>
 #include <cctype>

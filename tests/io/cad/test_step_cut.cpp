@@ -8,7 +8,7 @@
 #include <set>
 
 #include "batten/core/errors.h"
-#include "batten/io/cad/step.h"
+#include "batten/io/step/step.h"
 #include "batten/tests/io/cad/step_models.h"
 #include "batten/tests/support/catch.h"
 #include "batten/tests/support/error_message.h"

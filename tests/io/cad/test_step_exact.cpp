@@ -6,8 +6,8 @@
 #include <cstdlib>
 
 #include "batten/core/errors.h"
-#include "batten/fairing/curve_through_points.h"
-#include "batten/io/cad/step.h"
+#include "batten/fairing/curves/curve_through_points.h"
+#include "batten/io/step/step.h"
 #include "batten/tests/io/cad/step_models.h"
 #include "batten/tests/support/catch.h"
 #include "batten/tests/support/error_message.h"

@@ -1,5 +1,5 @@
 // One trimmed B-spline face is the region within the tolerance, by what other readers see of it.
-#include "batten/io/cad/step_face.h"
+#include "batten/io/step/step.h"
 
 #include <BRepBuilderAPI_MakeVertex.hxx>
 #include <BRepCheck_Analyzer.hxx>
@@ -20,8 +20,8 @@
 #include <sstream>
 
 #include "batten/core/errors.h"
-#include "batten/fem/bicubic_patch.h"
-#include "batten/fem/spline_axis.h"
+#include "batten/fem/curves/bicubic_patch.h"
+#include "batten/fem/curves/spline_axis.h"
 #include "batten/io/cad/occ_settings.h"
 #include "batten/tests/support/catch.h"
 #include "batten/tests/support/embedded_grid.h"

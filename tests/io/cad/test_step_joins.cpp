@@ -5,9 +5,9 @@
 
 #include "batten/core/errors.h"
 #include "batten/fem/surface_projector.h"
-#include "batten/io/cad/continuity.h"
-#include "batten/io/cad/face_measure.h"
-#include "batten/io/cad/step_face.h"
+#include "batten/io/cad/continuity_report.h"
+#include "batten/io/step/face_measure.h"
+#include "batten/io/step/step.h"
 #include "batten/io/lines/cad_lines.h"
 #include "batten/tests/io/cad/step_models.h"
 #include "batten/tests/support/catch.h"

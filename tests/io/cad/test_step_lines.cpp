@@ -3,9 +3,8 @@
 #include <cstdlib>
 
 #include "batten/core/errors.h"
-#include "batten/io/cad/read_cad_contents.h"
-#include "batten/io/cad/step.h"
-#include "batten/io/cad/step_face.h"
+#include "batten/io/cad/cad_convert.h"
+#include "batten/io/step/step.h"
 #include "batten/io/lines/cad_lines.h"
 #include "batten/tests/io/cad/step_models.h"
 #include "batten/tests/support/catch.h"

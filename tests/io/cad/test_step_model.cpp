@@ -1,6 +1,5 @@
 // A model is one shell in the file: faces that use the same edges, closed where the model is.
-#include "batten/io/cad/step.h"
-#include "batten/io/cad/step_face.h"
+#include "batten/io/step/step.h"
 
 #include <cmath>
 #include <map>

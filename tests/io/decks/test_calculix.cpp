@@ -1,5 +1,5 @@
 // The deck says what the surface is, ccx runs it as written, and its plates bend as plates do.
-#include "batten/io/decks/calculix.h"
+#include "batten/io/decks/shell_deck.h"
 
 #include <Eigen/Geometry>
 #include <array>

@@ -3,7 +3,7 @@
 #include <numbers>
 
 #include "batten/core/errors.h"
-#include "batten/io/decks/calculix.h"
+#include "batten/io/decks/shell_deck.h"
 #include "batten/io/lines/sketch_graph.h"
 #include "batten/io/scene/scene.h"
 #include "batten/sculpting/session/sculpting_session.h"

@@ -15,7 +15,7 @@
 #include "batten/io/cad/occ_settings.h"
 #include "batten/io/lines/cad_lines.h"
 #include "batten/io/lines/point_lines.h"
-#include "batten/io/pictures/curve_pictures.h"
+#include "batten/io/pictures/comb_pictures.h"
 #include "batten/tests/support/catch.h"
 #include "batten/tests/support/error_message.h"
 #include "batten/tests/support/test_data.h"

@@ -1,7 +1,7 @@
 // Lines of drawings are what the drawing means: arcs exactly round, in place, in the stated unit.
 #include "batten/core/errors.h"
-#include "batten/fairing/arc_length.h"
-#include "batten/io/lines/drawing_lines.h"
+#include "batten/fairing/curves/input_curve.h"
+#include "batten/io/lines/drawing.h"
 #include "batten/tests/support/catch.h"
 #include "batten/tests/support/test_data.h"
 

@@ -5,8 +5,8 @@
 #include <nlohmann/json.hpp>
 #include <regex>
 
-#include "batten/io/pictures/animation.h"
-#include "batten/io/vtk/vtk_series.h"
+#include "batten/io/pictures/image.h"
+#include "batten/io/vtk/vtk_files.h"
 #include "batten/tests/support/catch.h"
 #include "batten/tests/support/error_message.h"
 #include "batten/tests/support/test_data.h"

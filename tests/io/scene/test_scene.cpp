@@ -3,7 +3,7 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
-#include "batten/io/files/length_units.h"
+#include "batten/io/files/text.h"
 #include "batten/io/report/report.h"
 #include "batten/io/scene/read_scene.h"
 #include "batten/io/scene/scene.h"

@@ -1,6 +1,5 @@
 // Scenes changed in their text: what is edited changes, and not a letter of anything else.
 #include "batten/io/scene/read_scene.h"
-#include "batten/io/scene/scene_dependencies.h"
 #include "batten/io/scene/scene_text.h"
 #include "batten/tests/support/catch.h"
 

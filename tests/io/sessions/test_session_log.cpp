@@ -3,7 +3,7 @@
 #include <cstring>
 #include <fstream>
 
-#include "batten/fairing/curve_through_points.h"
+#include "batten/fairing/curves/curve_through_points.h"
 #include "batten/io/sessions/session_log.h"
 #include "batten/tests/support/catch.h"
 #include "batten/tests/support/error_message.h"

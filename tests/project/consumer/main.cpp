@@ -5,7 +5,7 @@
 #include <cmath>
 #include <cstdio>
 
-#include "batten/fairing/curve_through_points.h"
+#include "batten/fairing/curves/curve_through_points.h"
 
 int main() {
   using namespace batten;

@@ -3,7 +3,7 @@
 
 #include "batten/sculpting/curves/deformable_curve.h"
 
-#include "batten/constraints/shape/curve_constraints.h"
+#include "batten/constraints/shape/shape_constraints.h"
 #include "batten/core/errors.h"
 #include "batten/tests/support/catch.h"
 #include "batten/tests/support/error_message.h"

@@ -1,5 +1,5 @@
 // Hand-over of frames from the thread that sculpts to the one that draws.
-#include "batten/sculpting/session/frame.h"
+#include "batten/sculpting/session/session_results.h"
 
 #include <algorithm>
 #include <atomic>

@@ -1,10 +1,10 @@
 // Sessions on models of several regions: joins that survive motion, lines that move all their
 // sides, and a model of one region that is that region.
 #include "batten/core/errors.h"
-#include "batten/fairing/curve_through_points.h"
+#include "batten/fairing/curves/curve_through_points.h"
 #include "batten/fem/surface_assembler.h"
 #include "batten/sculpting/statics/static_sculpt.h"
-#include "batten/skinning/region/skin_quality.h"
+#include "batten/skinning/region/skinned_region.h"
 #include "batten/tests/support/catch.h"
 #include "batten/tests/support/kkt_solver.h"
 #include "batten/tests/support/session_scenes.h"

@@ -1,10 +1,9 @@
 // Constraints that come, move and go while the surface is sculpted.
 #include "batten/constraints/affine_reduction.h"
-#include "batten/constraints/shape/embedded_line_constraints.h"
-#include "batten/constraints/shape/surface_constraints.h"
+#include "batten/constraints/shape/shape_constraints.h"
 #include "batten/core/errors.h"
-#include "batten/fairing/curve_through_points.h"
-#include "batten/skinning/region/skin_quality.h"
+#include "batten/fairing/curves/curve_through_points.h"
+#include "batten/skinning/region/skinned_region.h"
 #include "batten/tests/support/catch.h"
 #include "batten/tests/support/kkt_solver.h"
 #include "batten/tests/support/session_scenes.h"

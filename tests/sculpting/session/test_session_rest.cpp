@@ -1,7 +1,7 @@
 // Sessions that bend a rest shape: a fair one, or any other.
 #include "batten/core/errors.h"
-#include "batten/fairing/curve_through_points.h"
-#include "batten/skinning/model/fair_shape.h"
+#include "batten/fairing/curves/curve_through_points.h"
+#include "batten/skinning/model/model_shapes.h"
 #include "batten/tests/support/catch.h"
 #include "batten/tests/support/session_scenes.h"
 

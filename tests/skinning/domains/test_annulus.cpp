@@ -8,13 +8,13 @@
 #include <set>
 
 #include "batten/constraints/constrained_solver.h"
-#include "batten/constraints/shape/surface_constraints.h"
+#include "batten/constraints/shape/shape_constraints.h"
 #include "batten/core/errors.h"
-#include "batten/core/format.h"
-#include "batten/fairing/curve_through_points.h"
-#include "batten/fem/nested_dissection.h"
+#include "batten/core/geometry.h"
+#include "batten/fairing/curves/curve_through_points.h"
+#include "batten/fem/parametric_mesh.h"
 #include "batten/fem/triangle_locator.h"
-#include "batten/skinning/region/skin_quality.h"
+#include "batten/skinning/region/skinned_region.h"
 #include "batten/tests/support/catch.h"
 #include "batten/tests/support/sample_lines.h"
 #include "batten/tests/support/sampling.h"

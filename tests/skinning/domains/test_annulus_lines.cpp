@@ -4,13 +4,13 @@
 #include <numbers>
 #include <set>
 
-#include "batten/core/planar_geometry.h"
-#include "batten/fairing/curve_through_points.h"
+#include "batten/core/geometry.h"
+#include "batten/fairing/curves/curve_through_points.h"
 #include "batten/fem/triangle_locator.h"
 #include "batten/skinning/domains/mesher.h"
 #include "batten/skinning/facets/facets.h"
 #include "batten/skinning/layout/region_layout.h"
-#include "batten/skinning/region/skin_quality.h"
+#include "batten/skinning/region/skinned_region.h"
 #include "batten/tests/support/catch.h"
 #include "batten/tests/support/reference_static_solver.h"
 #include "batten/tests/support/sampling.h"

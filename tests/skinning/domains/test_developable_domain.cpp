@@ -3,10 +3,10 @@
 
 #include "batten/constraints/constrained_solver.h"
 #include "batten/core/errors.h"
-#include "batten/fairing/curve_through_points.h"
+#include "batten/fairing/curves/curve_through_points.h"
 #include "batten/fem/surface_assembler.h"
 #include "batten/skinning/domains/hole_triangulation.h"
-#include "batten/skinning/region/skin_quality.h"
+#include "batten/skinning/region/skinned_region.h"
 #include "batten/tests/support/catch.h"
 #include "batten/tests/support/sample_lines.h"
 

@@ -1,10 +1,10 @@
 #include <catch2/catch.hpp>
 #include <numbers>
 
-#include "batten/fairing/curve_through_points.h"
+#include "batten/fairing/curves/curve_through_points.h"
 #include "batten/skinning/domains/mesher.h"
 #include "batten/skinning/layout/region_layout.h"
-#include "batten/skinning/region/skin_quality.h"
+#include "batten/skinning/region/skinned_region.h"
 #include "batten/tests/support/random_outlines.h"
 #include "batten/tests/support/reference_static_solver.h"
 

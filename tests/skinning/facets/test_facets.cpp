@@ -8,7 +8,7 @@
 #include <set>
 
 #include "batten/core/errors.h"
-#include "batten/core/planar_geometry.h"
+#include "batten/core/geometry.h"
 #include "batten/skinning/domains/mesher.h"
 #include "batten/skinning/facets/model_elements.h"
 #include "batten/tests/support/catch.h"

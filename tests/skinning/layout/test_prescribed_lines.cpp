@@ -4,9 +4,9 @@
 
 #include "batten/constraints/constrained_solver.h"
 #include "batten/core/errors.h"
-#include "batten/fairing/curve_through_points.h"
+#include "batten/fairing/curves/curve_through_points.h"
 #include "batten/fem/surface_assembler.h"
-#include "batten/skinning/region/skin_quality.h"
+#include "batten/skinning/region/skinned_region.h"
 #include "batten/tests/support/catch.h"
 #include "batten/tests/support/prescribed_lines.h"
 

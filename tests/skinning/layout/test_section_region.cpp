@@ -1,13 +1,12 @@
 // Regions from sections alone.
-#include "batten/skinning/layout/section_region.h"
+#include "batten/skinning/surfaces/section_region.h"
 
 #include <cmath>
 #include <numbers>
 
 #include "batten/core/errors.h"
-#include "batten/fairing/curve_through_points.h"
-#include "batten/fairing/not_a_knot_spline.h"
-#include "batten/skinning/model/loft_shape.h"
+#include "batten/fairing/curves/curve_through_points.h"
+#include "batten/skinning/model/model_shapes.h"
 #include "batten/tests/support/catch.h"
 
 using namespace batten;

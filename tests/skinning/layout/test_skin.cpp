@@ -1,9 +1,9 @@
 // Regions as surfaces: the lines are held exactly, the surface is C1, and the unit does not matter.
 #include "batten/core/errors.h"
 #include "batten/core/parallel.h"
-#include "batten/fairing/curve_through_points.h"
+#include "batten/fairing/curves/curve_through_points.h"
 #include "batten/skinning/domains/mesher.h"
-#include "batten/skinning/region/skin_quality.h"
+#include "batten/skinning/region/skinned_region.h"
 #include "batten/tests/support/catch.h"
 #include "batten/tests/support/reference_static_solver.h"
 #include "batten/tests/support/sample_lines.h"

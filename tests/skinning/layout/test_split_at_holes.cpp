@@ -3,11 +3,11 @@
 #include <numbers>
 
 #include "batten/core/errors.h"
-#include "batten/fairing/curve_through_points.h"
-#include "batten/fairing/primitive_curves.h"
+#include "batten/fairing/curves/curve_through_points.h"
+#include "batten/fairing/curves/primitive_curves.h"
 #include "batten/skinning/layout/region_layout.h"
 #include "batten/skinning/model/model_layout.h"
-#include "batten/skinning/region/skin_quality.h"
+#include "batten/skinning/region/skinned_region.h"
 #include "batten/tests/support/catch.h"
 #include "batten/tests/support/error_message.h"
 

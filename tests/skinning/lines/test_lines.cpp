@@ -2,9 +2,9 @@
 #include <numbers>
 
 #include "batten/core/errors.h"
-#include "batten/fairing/curve_through_points.h"
-#include "batten/skinning/domains/polygon_fit.h"
-#include "batten/skinning/lines/smooth_segment.h"
+#include "batten/fairing/curves/curve_through_points.h"
+#include "batten/skinning/region/polygon_fit.h"
+#include "batten/skinning/lines/character_line.h"
 #include "batten/tests/support/catch.h"
 #include "batten/tests/support/sample_lines.h"
 

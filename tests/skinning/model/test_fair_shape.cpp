@@ -1,16 +1,14 @@
 // Shapes that lines alone give: spheres, cylinders, cones and tori come back.
-#include "batten/skinning/model/fair_shape.h"
+#include "batten/skinning/model/model_shapes.h"
 
 #include <cmath>
 #include <numbers>
 
 #include "batten/benchmarks/analytic_shapes.h"
 #include "batten/core/errors.h"
-#include "batten/fairing/curve_through_points.h"
+#include "batten/fairing/curves/curve_through_points.h"
 #include "batten/skinning/layout/region_layout.h"
-#include "batten/skinning/model/curvature_continuity.h"
 #include "batten/skinning/model/join.h"
-#include "batten/skinning/model/loft_shape.h"
 #include "batten/tests/support/catch.h"
 #include "batten/tests/support/test_model_builder.h"
 

@@ -5,11 +5,10 @@
 #include <memory>
 #include <numbers>
 
-#include "batten/fairing/curve_through_points.h"
-#include "batten/skinning/model/region_group.h"
-#include "batten/skinning/model/rest_shape.h"
-#include "batten/skinning/region/skin_quality.h"
-#include "batten/skinning/surfaces/embedded_joins.h"
+#include "batten/fairing/curves/curve_through_points.h"
+#include "batten/skinning/surfaces/model_joins.h"
+#include "batten/skinning/model/model_shapes.h"
+#include "batten/skinning/region/skinned_region.h"
 #include "batten/tests/support/catch.h"
 #include "batten/tests/support/test_model_builder.h"
 

@@ -7,14 +7,13 @@
 #include <numbers>
 #include <set>
 
-#include "batten/fairing/curve_through_points.h"
-#include "batten/fairing/primitive_curves.h"
+#include "batten/fairing/curves/curve_through_points.h"
+#include "batten/fairing/curves/primitive_curves.h"
 #include "batten/fem/surface_projector.h"
 #include "batten/skinning/model/boundary_sweep.h"
-#include "batten/skinning/model/rest_shape.h"
-#include "batten/skinning/region/skin_quality.h"
+#include "batten/skinning/model/model_shapes.h"
+#include "batten/skinning/region/skinned_region.h"
 #include "batten/skinning/search/find_regions.h"
-#include "batten/skinning/surfaces/rest_shape_deviation.h"
 #include "batten/skinning/surfaces/skin_network.h"
 #include "batten/tests/support/catch.h"
 #include "batten/tests/support/sample_networks.h"

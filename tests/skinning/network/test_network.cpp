@@ -9,8 +9,8 @@
 #include <random>
 #include <set>
 
-#include "batten/core/format.h"
-#include "batten/fairing/curve_through_points.h"
+#include "batten/core/geometry.h"
+#include "batten/fairing/curves/curve_through_points.h"
 #include "batten/tests/support/catch.h"
 #include "batten/tests/support/error_message.h"
 

@@ -1,13 +1,13 @@
 // The polygon that distorts a surface least.
-#include "batten/skinning/region/domain_distortion.h"
+#include "batten/skinning/region/polygon_fit.h"
 
 #include <Eigen/Dense>
 #include <numbers>
 
 #include "batten/core/errors.h"
-#include "batten/fairing/curve_through_points.h"
+#include "batten/fairing/curves/curve_through_points.h"
 #include "batten/skinning/domains/mesher.h"
-#include "batten/skinning/region/skin_quality.h"
+#include "batten/skinning/region/skinned_region.h"
 #include "batten/tests/support/catch.h"
 #include "batten/tests/support/reference_static_solver.h"
 #include "batten/tests/support/sample_lines.h"

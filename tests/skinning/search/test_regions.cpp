@@ -10,8 +10,8 @@
 #include <set>
 
 #include "batten/core/errors.h"
-#include "batten/fairing/curve_through_points.h"
-#include "batten/fairing/primitive_curves.h"
+#include "batten/fairing/curves/curve_through_points.h"
+#include "batten/fairing/curves/primitive_curves.h"
 #include "batten/skinning/search/region_search.h"
 #include "batten/tests/support/catch.h"
 #include "batten/tests/support/sample_networks.h"

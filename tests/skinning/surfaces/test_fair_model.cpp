@@ -1,8 +1,8 @@
 // Fairing a model makes nothing wrong: regions that it would spoil keep their shape.
-#include "batten/skinning/surfaces/fair_model.h"
+#include "batten/skinning/surfaces/skin_network.h"
 
 #include "batten/core/errors.h"
-#include "batten/fairing/curve_through_points.h"
+#include "batten/fairing/curves/curve_through_points.h"
 #include "batten/tests/support/catch.h"
 #include "batten/tests/support/test_model_builder.h"
 

@@ -3,7 +3,7 @@
 #include <map>
 #include <numbers>
 
-#include "batten/fairing/curve_through_points.h"
+#include "batten/fairing/curves/curve_through_points.h"
 #include "batten/skinning/search/find_regions.h"
 #include "batten/skinning/surfaces/skin_network.h"
 #include "batten/skinning/surfaces/surface_model.h"

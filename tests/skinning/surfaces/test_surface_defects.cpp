@@ -4,10 +4,9 @@
 
 #include "batten/constraints/constrained_solver.h"
 #include "batten/core/errors.h"
-#include "batten/fairing/curve_through_points.h"
-#include "batten/fem/nested_dissection.h"
+#include "batten/fairing/curves/curve_through_points.h"
+#include "batten/fem/parametric_mesh.h"
 #include "batten/fem/surface_assembler.h"
-#include "batten/skinning/surfaces/facet_intersections.h"
 #include "batten/skinning/surfaces/surface_defects.h"
 #include "batten/skinning/surfaces/surface_model.h"
 #include "batten/tests/support/catch.h"

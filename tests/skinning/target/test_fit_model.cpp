@@ -7,7 +7,6 @@
 #include "batten/benchmarks/analytic_shapes.h"
 #include "batten/core/errors.h"
 #include "batten/core/parallel.h"
-#include "batten/mesh/harmonic_map.h"
 #include "batten/mesh/pn_triangle_mesh.h"
 #include "batten/tests/support/catch.h"
 #include "batten/tests/support/embedded_grid.h"

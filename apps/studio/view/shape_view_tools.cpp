@@ -1,0 +1,452 @@
+// What the hand does to the document: pushing the surface, drawing lines.
+
+#include <vtkCamera.h>
+#include <vtkRenderer.h>
+#include <algorithm>
+#include <cmath>
+#include <utility>
+#include <QLineF>
+
+#include "batten/apps/commands/documents/line_edits.h"
+#include "batten/apps/commands/documents/mesh_edits.h"
+#include "batten/apps/studio/view/shape_view.h"
+#include "batten/apps/studio/view/strings.h"
+
+namespace batten::studio {
+namespace {
+
+using CommandKind = DocumentCommand::CommandKind;
+constexpr double kSnap = 12;  // pixels
+
+}  // namespace
+
+// -- pushing ----------------------------------------------------------------------------------------
+
+void ShapeView::start_push(const QPoint& at) {
+  const Vec3 window = display(at);
+  const std::optional<Vec3> p = actors_->surface_at(window.x(), window.y());
+  auto push = std::make_shared<Push>();
+  push->from = at;
+  push->start = *p;
+  push->normal = Vec3::UnitZ();
+  push->name = view_->free_name("push");
+  push_ = push;
+  const std::weak_ptr<Push> waiting = push;
+  hooks_.query_surface_point(*p, [this, waiting](const SurfacePoint& surface_point) {
+    if (waiting.lock()) start_load(surface_point);
+  });
+}
+
+// The load is there, at 0; one unit of it then shows how far the surface gives way.
+void ShapeView::start_load(const SurfacePoint& surface_point) {
+  Push& push = *push_;
+  push.start = surface_point.present;
+  push.normal = surface_point.normal;
+  push.unloaded = surface_point.unloaded;
+  push.point = actors_->point_near(surface_point.present);
+  push.start = actors_->point(push.point);
+  push.placed = true;
+  push.value = 1;
+  hooks_.post({.kind = CommandKind::Add,
+               .table = {"load", ""},
+               .text = "{ name = " + SceneText::word(push.name) + ", type = \"point\", at = " +
+                       point_to_toml(rounded_point(surface_point.unloaded, view_->size)) +
+                       ", direction = " + point_to_toml(rounded_point(surface_point.normal, 1)) +
+                       ", value = 0 }"});
+  hooks_.post({.kind = CommandKind::SetSlider, .key = push.name, .value = push.value});
+}
+
+void ShapeView::follow_push() {
+  if (!push_ || !push_->placed) return;
+  Push& push = *push_;
+  const Vec3 now = actors_->point(push.point);
+  const double gone = (now - push.start).dot(push.normal);
+  actors_->set_push(std::pair(push.start, now));
+  if (push.compliance == 0 && std::abs(gone) > 1e-9 * view_->size)
+    push.compliance = gone / push.value;
+  if (push.compliance == 0) return;
+  const double value = std::stod(format_number(push.wanted / push.compliance));
+  if (value == push.value) return;
+  push.value = value;
+  hooks_.post({.kind = CommandKind::SetSlider, .key = push.name, .value = value});
+}
+
+// The load goes, and with it what it did.
+void ShapeView::cancel_push() {
+  const bool placed = push_->placed;
+  const std::string name = push_->name;
+  end_push();
+  if (placed) hooks_.post({.kind = CommandKind::Remove, .table = {"load", name}});
+}
+
+void ShapeView::end_push() {
+  const bool placed = push_->placed;
+  push_.reset();
+  actors_->set_push(std::nullopt);
+  if (placed) hooks_.post({.kind = CommandKind::SolveToEquilibrium});
+}
+
+// The place of the surface is held where it is now, or its normal as it is.
+void ShapeView::fix_point(const QPoint& at, bool normal) {
+  const Vec3 window = display(at);
+  for (const auto& handle : view_->handles)  // it is held there: the click means that place
+    if (!normal && !handle.can_rotate &&
+        (to_window(handle.centre) - window).head<2>().norm() < kSnap * devicePixelRatioF())
+      return hooks_.selected("", handle.name);
+  const std::optional<Vec3> p = actors_->surface_at(window.x(), window.y());
+  if (!p) return;
+  hooks_.query_surface_point(*p, [this, normal](const SurfacePoint& surface_point) {
+    created_ = view_->free_name(normal ? "normal" : "pin");
+    const double size = view_->size;
+    const std::string what =
+        normal ? "\"normal\", direction = " + point_to_toml(rounded_point(surface_point.normal, 1))
+               : "\"point\", to = " + point_to_toml(rounded_point(surface_point.present, size));
+    hooks_.post({.kind = CommandKind::Add,
+                 .table = {"constraint", ""},
+                 .text = "{ name = " + SceneText::word(created_) + ", type = " + what + ", at = " +
+                         point_to_toml(rounded_point(surface_point.unloaded, size)) + " }"});
+  });
+}
+
+// -- drawing ----------------------------------------------------------------------------------------
+
+std::optional<Vec3> ShapeView::snapped(const QPoint& at) const {
+  const Vec3 pixel = display(at);
+  double least = kSnap * devicePixelRatioF();
+  std::optional<Vec3> best;
+  const auto offer = [&](const Vec3& p) {
+    const double d = (to_window(p) - pixel).head<2>().norm();
+    if (d >= least) return;
+    least = d;
+    best = p;
+  };
+  if (view_)
+    for (const auto& line : view_->lines) {
+      if (line.line == defining_line_ && tool_ == Tool::Select) continue;
+      offer(line.points.front());
+      offer(line.points.back());
+    }
+  if (draft_.size() > 1) offer(draft_.front());
+  return best;
+}
+
+Vec3 ShapeView::point_at(const QPoint& at) const {
+  if (const auto end = snapped(at)) return *end;
+  const Vec3 pixel = display(at);
+  if (view_ && view_->timeline) return rounded_to_pixel(on_plane(at, Vec3::Zero()));  // the ground
+  if (const auto p = actors_->surface_at(pixel.x(), pixel.y())) return *p;
+  return rounded_to_pixel(on_plane(at, draft_.empty() ? Vec3(Vec3::Zero()) : draft_.front()));
+}
+
+// In the plane that lines are drawn on, through a point; where that is seen from its edge, in the one
+// that faces the eye.
+Vec3 ShapeView::on_plane(const QPoint& at, const Vec3& through) const {
+  const Vec3 pixel = display(at), near = from_window(pixel);
+  const Vec3 along = (from_window(pixel + Vec3::UnitZ()) - near).normalized();
+  Vec3 normal = plane_ == DrawPlane::Xy   ? Vec3::UnitZ()
+                : plane_ == DrawPlane::Xz ? Vec3::UnitY()
+                : plane_ == DrawPlane::Yz ? Vec3::UnitX()
+                                          : along;
+  constexpr double grazing = 0.05;
+  if (std::abs(normal.dot(along)) < grazing) normal = along;
+  return near + along * ((through - near).dot(normal) / along.dot(normal));
+}
+
+void ShapeView::draw_point(const QPoint& at) {
+  const Vec3 p = point_at(at);
+  if (!draft_.empty() && p == draft_.back()) return;
+  const bool ends = !draft_.empty() && snapped(at).has_value();
+  draft_.push_back(p);
+  actors_->set_draft(draft_);
+  redraw();
+  if (ends) return finish_line();
+  hooks_.hint(text(kHintDrawing));
+}
+
+// The distance and how far it goes along x, y and z, in words over the view.
+void ShapeView::measure_point(const QPoint& at) {
+  if (draft_.size() > 1) draft_.clear();
+  draft_.push_back(point_at(at));
+  actors_->set_draft(draft_);
+  if (draft_.size() > 1) {
+    const Vec3 way = draft_[1] - draft_[0];
+    const auto digits = [](double x) { return QString::number(x, 'g', 6); };
+    set_text(text(kDistance).arg(digits(way.norm()), shown(view_->unit), digits(way.x()),
+                                 digits(way.y()), digits(way.z())));
+  }
+  redraw();
+}
+
+void ShapeView::finish_line() {
+  std::vector<Vec3> points = std::move(draft_);
+  draft_.clear();
+  actors_->set_draft({});
+  redraw();
+  if (points.size() < 2) return;
+  fitted_ = true;  // the view stays while a hand draws
+  if (view_->timeline) return hooks_.post(path_edit(SceneText(view_->text), points));
+  created_ = view_->free_name("line");
+  hooks_.post(line_command(created_, points));
+  hooks_.hint(text(kHintDraw));
+}
+
+void ShapeView::cancel_tool() {
+  draft_.clear();
+  actors_->set_draft({});
+  if (tool_ == Tool::Measure) set_text("");
+  if (push_) end_push();
+  redraw();
+}
+
+
+// What the hand does to a chosen line: its points are moved, added, taken away and faired.
+
+namespace {
+
+constexpr double kGrab = 10;              // pixels
+constexpr qint64 kFollowsWithinMs = 400;  // ms: a surface that is made faster follows the hand
+
+}  // namespace
+
+// The points of the chosen line that the scene states, as dots; its curvature as a comb.
+void ShapeView::show_line() {
+  if (moved_point_ >= 0) return;
+  line_points_.clear();
+  const bool shape = view_ && !view_->mesh && tool_ == Tool::Select;
+  if (shape) {
+    const SceneText scene(view_->text);
+    defining_line_ = defining_line(scene, selected_);
+    line_points_ = defining_points(scene, defining_line_);
+    line_key_ = line_key(scene, defining_line_);
+  }
+  if (selected_point_ >= static_cast<int>(line_points_.size())) selected_point_ = -1;
+  show_dots();
+  std::vector<Vec3> line;
+  for (size_t i = 0; shape && combs_ && i < view_->lines.size(); ++i)
+    if (view_->lines[i].line == (defining_line_.empty() ? selected_ : defining_line_))
+      line = view_->lines[i].points;
+  actors_->set_comb(line);
+  if (view_ && view_->timeline) show_path();
+}
+
+// Control points are joined by their polygon.
+void ShapeView::show_dots() {
+  actors_->set_dots(line_points_, selected_point_, line_key_ == LineKey::Bezier);
+}
+
+// Where the shown handle goes in all frames, or the path that they follow, and where feet stand.
+void ShapeView::show_path() {
+  actors_->set_dots(view_->timeline->footprints, -1, false);
+  const auto* handle = shown_handle();
+  actors_->set_path(handle ? handle->path : path_of(SceneText(view_->text)));
+}
+
+void ShapeView::set_combs(bool shown) {
+  combs_ = shown;
+  show_line();
+  redraw();
+}
+
+// The stated point under the hand, or -1.
+int ShapeView::point_under(const QPoint& at) const {
+  const Vec3 pixel = display(at);
+  double least = kGrab * devicePixelRatioF();
+  int best = -1;
+  for (size_t i = 0; i < line_points_.size(); ++i) {
+    const double d = (to_window(line_points_[i]) - pixel).head<2>().norm();
+    if (d >= least) continue;
+    least = d;
+    best = static_cast<int>(i);
+  }
+  return best;
+}
+
+bool ShapeView::press_point(const QPoint& at, bool detached) {
+  if (tool_ != Tool::Select) return false;
+  moved_point_ = point_under(at);
+  if (moved_point_ < 0) return false;
+  selected_point_ = moved_point_;
+  detached_ = detached;
+  awaits_move_ = false;
+  point_before_ = line_points_[static_cast<size_t>(moved_point_)];
+  show_dots();
+  redraw();
+  return true;
+}
+
+// In the plane that lines are drawn on, or on the end of another line.
+void ShapeView::drag_point(const QPoint& at) {
+  Vec3& p = line_points_[static_cast<size_t>(moved_point_)];
+  const auto end = snapped(at);
+  p = end ? *end : rounded_to_pixel(on_plane(at, point_before_));
+  show_dots();
+  actors_->set_draft(line_points_);
+  hooks_.hint(text(kPointAt).arg(p.x()).arg(p.y()).arg(p.z()));
+  redraw();
+  if (!follows_point()) return;
+  fitted_ = true;
+  awaits_move_ = true;
+  since_move_.start();
+  hooks_.post(move_point_command(point_before_, p));
+}
+
+// Whether the surface can follow a dragged point now: it has followed the last move, and fast enough.
+bool ShapeView::follows_point() const {
+  return !detached_ && !awaits_move_ && view_->surface && move_ms_ < kFollowsWithinMs;
+}
+
+// Lines that meet at the point stay together, but with Shift. What came of a drag is one step.
+void ShapeView::release_point() {
+  const Vec3 now = line_points_[static_cast<size_t>(std::exchange(moved_point_, -1))];
+  actors_->set_draft({});
+  fitted_ = true;
+  if (now == point_before_ && !since_move_.isValid()) return;
+  since_move_.invalidate();
+  awaits_move_ = false;
+  hooks_.post(detached_ ? points_edit(defining_line_, line_points_, line_key_)
+                        : move_point_command(point_before_, now));
+  hooks_.post({.kind = DocumentCommand::CommandKind::SolveToEquilibrium});
+}
+
+// A double click on the chosen line puts a point there.
+bool ShapeView::add_point(const QPoint& at) {
+  if (tool_ != Tool::Select || line_points_.size() < 2 || line_key_ != LineKey::Points)
+    return false;
+  const auto found = std::find_if(view_->lines.begin(), view_->lines.end(),
+                                  [&](const auto& line) { return line.line == defining_line_; });
+  if (found == view_->lines.end()) return false;
+  const Vec3 pixel = display(at);
+  const std::vector<Vec3>& curve = found->points;
+  size_t nearest = 0;
+  const auto distance = [&](size_t i) { return (to_window(curve[i]) - pixel).head<2>().norm(); };
+  for (size_t i = 0; i < curve.size(); ++i)
+    if (distance(i) < distance(nearest)) nearest = i;
+  if (distance(nearest) > 2 * kGrab) return false;
+  // Between the stated points that come before and after it along the curve.
+  const auto place_of = [&](const Vec3& p, size_t from) {
+    size_t best = from;
+    for (size_t i = from; i < curve.size(); ++i)
+      if ((curve[i] - p).squaredNorm() < (curve[best] - p).squaredNorm()) best = i;
+    return best;
+  };
+  size_t before = 0, place = 0;
+  for (size_t i = 0; i + 1 < line_points_.size(); ++i) {
+    place = place_of(line_points_[i], place);
+    if (place <= nearest) before = i;
+  }
+  selected_point_ = static_cast<int>(before) + 1;
+  std::vector<Vec3> points = line_points_;
+  points.insert(points.begin() + selected_point_, rounded_to_pixel(curve[nearest]));
+  fitted_ = true;
+  hooks_.post(points_edit(defining_line_, points));
+  return true;
+}
+
+bool ShapeView::remove_point() {
+  if (selected_point_ < 0 || line_points_.size() < 3 || line_key_ != LineKey::Points) return false;
+  std::vector<Vec3> points = line_points_;
+  points.erase(points.begin() + selected_point_);
+  selected_point_ = -1;
+  fitted_ = true;
+  hooks_.post(points_edit(defining_line_, points));
+  return true;
+}
+
+// As fine as a pixel.
+Vec3 ShapeView::rounded_to_pixel(const Vec3& p) const {
+  const Vec3 at = to_window(p);
+  const double pixel = (from_window(at + Vec3::UnitX()) - from_window(at)).norm();
+  constexpr double digits = 1e5;
+  return rounded_point(p, digits * pixel);
+}
+
+
+// Painting where loads and weights act on a surface.
+
+namespace {
+
+constexpr double kBrushRadius = 22;  // pixels
+constexpr const char* kPaintedKinds[] = {"load", "weight"};
+
+}  // namespace
+
+// The chosen load or weight, where a brush paints it.
+SceneTable ShapeView::painted_table() const {
+  const SceneText scene(view_->text);
+  for (const char* kind : kPaintedKinds)
+    if (!selected_.empty() && is_painted(scene, {kind, selected_})) return {kind, selected_};
+  return {};
+}
+
+// What is painted of the chosen load or weight has the colour of what is chosen.
+void ShapeView::show_painted_area() {
+  if (!view_ || view_->mesh) return;
+  const SceneTable table = painted_table();
+  if (table.kind.empty()) return;
+  painted_.assign(static_cast<size_t>(actors_->point_count()), 0);
+  for (const BrushDab& dab : painted_dabs(SceneText(view_->text), table))
+    mark_near(dab.at, dab.radius, true);
+  actors_->show_painted(painted_);
+}
+
+void ShapeView::mark_near(const Vec3& unloaded, double radius, bool on) {
+  for (const int i : actors_->unloaded_within(unloaded, radius))
+    if (static_cast<size_t>(i) < painted_.size()) painted_[static_cast<size_t>(i)] = on ? 1 : 0;
+}
+
+void ShapeView::start_stroke(bool erases) {
+  stroke_ = std::make_shared<Stroke>();
+  stroke_->table = painted_table();
+  stroke_->erases = erases;
+  if (painted_.size() != static_cast<size_t>(actors_->point_count()) || stroke_->table.kind.empty())
+    painted_.assign(static_cast<size_t>(actors_->point_count()), 0);
+}
+
+// Dabs lie half a radius apart; each asks where the surface is without loads, and the stroke ends when
+// all answers are there.
+void ShapeView::paint_area(const QPoint& at) {
+  const double far = QLineF(brushed_, at).length();
+  if (stroke_->asked > 0 && far < kBrushRadius / 2) return;
+  const int steps = std::max(1, static_cast<int>(std::floor(2 * far / kBrushRadius)));
+  for (int i = 1; i <= steps; ++i) {
+    const Vec3 pixel = display(brushed_ + (at - brushed_) * i / steps);
+    const auto p = actors_->surface_at(pixel.x(), pixel.y());
+    if (!p) continue;
+    const Vec3 side = to_window(*p) + Vec3(kBrushRadius * devicePixelRatioF(), 0, 0);
+    const double radius = (from_window(side) - *p).norm();
+    ++stroke_->asked;
+    hooks_.query_surface_point(
+        *p, [this, stroke = stroke_, radius](const SurfacePoint& surface_point) {
+          stroke->dabs.push_back({rounded_point(surface_point.unloaded, view_->size),
+                                  rounded_point({radius, 0, 0}, view_->size).x()});
+          mark_near(surface_point.unloaded, radius, !stroke->erases);
+          actors_->show_painted(painted_);
+          redraw();
+          if (stroke->ended && static_cast<int>(stroke->dabs.size()) == stroke->asked)
+            take_stroke(*stroke);
+        });
+  }
+  brushed_ = at;
+}
+
+void ShapeView::end_stroke() {
+  const std::shared_ptr<Stroke> stroke = std::exchange(stroke_, nullptr);
+  stroke->ended = true;
+  if (stroke->asked > 0 && static_cast<int>(stroke->dabs.size()) == stroke->asked)
+    take_stroke(*stroke);
+}
+
+void ShapeView::take_stroke(const Stroke& stroke) {
+  if (!stroke.table.kind.empty()) {
+    created_ = stroke.table.name;
+    for (DocumentCommand& edit :
+         paint_edits(SceneText(view_->text), stroke.table, stroke.dabs, stroke.erases))
+      hooks_.post(std::move(edit));
+  } else if (!stroke.erases) {
+    created_ = view_->free_name("painted");
+    hooks_.post(new_paint(created_, paint_kind_, stroke.dabs));
+    hooks_.post({.kind = DocumentCommand::CommandKind::SolveToEquilibrium});  // a step of its own
+  }
+}
+
+}  // namespace batten::studio

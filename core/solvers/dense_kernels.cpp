@@ -1,0 +1,273 @@
+#include "batten/core/solvers/dense_kernels.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+
+#include "batten/core/simd.h"
+
+namespace batten {
+namespace {
+
+template <class Vector>
+constexpr int lanes_of = sizeof(Vector) / sizeof(double);
+// Columns of a tile. With three vectors of rows, the sums and what makes them fill the registers:
+// 32 of 512 bits, else 16.
+template <class Vector>
+constexpr int columns_of = lanes_of<Vector> == 8 ? 8 : 4;
+
+template <class Vector>
+BATTEN_INLINE void load(Vector& v, const double* from) {
+  std::memcpy(&v, from, sizeof v);
+}
+template <class Vector>
+BATTEN_INLINE void store(const Vector& v, double* to) {
+  std::memcpy(to, &v, sizeof v);
+}
+
+// sum_ji -= Σ_k a_ik b_jk, i: H vectors of rows. A processor foresees no walk from column to column,
+// each on a page of its own.
+template <class Vector, int H, int W>
+BATTEN_INLINE void subtract(const double* a, long a_stride, const double* b, long b_stride,
+                            long depth, Vector (&sum)[W][H]) {
+  for (long k = 0; k < depth; ++k, a += a_stride, b += b_stride) {
+    const char* ahead = reinterpret_cast<const char*>(a + 12 * a_stride);
+    for (int line = 0; line < static_cast<int>(H * sizeof(Vector) + 63) / 64; ++line)
+      __builtin_prefetch(ahead + 64 * line);
+    Vector ak[H];
+#pragma GCC unroll 8
+    for (int h = 0; h < H; ++h) load(ak[h], a + h * lanes_of<Vector>);
+#pragma GCC unroll 8
+    for (int j = 0; j < W; ++j)
+#pragma GCC unroll 8
+      for (int h = 0; h < H; ++h) sum[j][h] -= ak[h] * b[j];
+  }
+}
+
+// `rows` rows of a block, the last of its vector filled up with zeros.
+template <class Vector>
+BATTEN_INLINE void gather_rows(const double* from, long stride, int rows, long columns,
+                               double* to) {
+  constexpr int lanes = lanes_of<Vector>;
+  std::fill(to, to + lanes * columns, 0.0);
+  for (long k = 0; k < columns; ++k)
+    for (int i = 0; i < rows; ++i) to[k * lanes + i] = from[k * stride + i];
+}
+template <class Vector>
+BATTEN_INLINE void scatter_rows(const double* from, double* to, long stride, int rows, long first,
+                                long end) {
+  for (long k = first; k < end; ++k)
+    for (int i = 0; i < rows; ++i) to[k * stride + i] = from[k * lanes_of<Vector> + i];
+}
+
+#define BATTEN_CALL [&](auto number) __attribute__((always_inline))
+
+// call(column, width) for tiles of all columns.
+template <int W, class Call>
+BATTEN_INLINE void for_tiles(int first, int end, const Call& call) {
+  int column = first;
+  for (; column + W <= end; column += W) call(column, std::integral_constant<int, W>());
+  dispatch_constant<W - 1>(
+      end - column, BATTEN_CALL { call(column, number); });
+}
+
+// call(row, height) for strips of three vectors of rows, then two or one; returns the rows done.
+template <class Vector, class Call>
+BATTEN_INLINE int for_strips(int first, int end, const Call& call) {
+  constexpr int lanes = lanes_of<Vector>;
+  int row = first;
+  for (; row + 3 * lanes <= end; row += 3 * lanes) call(row, std::integral_constant<int, 3>());
+  const int vectors = (end - row) / lanes;
+  dispatch_constant<2>(
+      vectors, BATTEN_CALL { call(row, number); });
+  return row + vectors * lanes;
+}
+
+template <class Vector, int H, int W>
+BATTEN_INLINE void product_tile(const ScatteredProduct& p, const double* a, long a_stride, int row,
+                                int column) {
+  constexpr int lanes = lanes_of<Vector>;
+  Vector sum[W][H] = {};
+  subtract(a, a_stride, p.b + column, p.stride, p.depth, sum);
+  for (int h = 0; h < H; ++h) {
+    const int* place = p.row_positions + row + h * lanes;
+    const int rows = std::min(lanes, p.rows - row - h * lanes);
+    const bool together = rows == lanes && place[lanes - 1] - place[0] == lanes - 1;
+#pragma GCC unroll 8
+    for (int j = 0; j < W; ++j) {
+      double* c = p.c + p.column_positions[column + j] * p.c_stride;
+      if (together) {
+        Vector old;
+        load(old, c + place[0]);
+        store(old + sum[j][h], c + place[0]);
+      } else {
+        double s[lanes];
+        store(sum[j][h], s);
+        for (int i = 0; i < rows; ++i) c[place[i]] += s[i];
+      }
+    }
+  }
+}
+
+template <class Vector, int H>
+BATTEN_INLINE void product_strip(const ScatteredProduct& p, const double* a, long a_stride,
+                                 int row) {
+  // Columns that are right of every row of the strip belong to the upper triangle.
+  const int last = p.row_positions[std::min(row + H * lanes_of<Vector>, p.rows) - 1];
+  int end = p.columns;
+  while (end > 0 && p.column_positions[end - 1] > last) --end;
+  for_tiles<columns_of<Vector>>(
+      0, end, [&](int column, auto W) __attribute__((always_inline)) {
+        product_tile<Vector, H, W()>(p, a, a_stride, row, column);
+      });
+}
+
+template <class Vector>
+BATTEN_INLINE void product(const ScatteredProduct& p, double* scratch) {
+  const int row = for_strips<Vector>(
+      0, p.rows, [&](int first, auto H) __attribute__((always_inline)) {
+        product_strip<Vector, H()>(p, p.a + first, p.stride, first);
+      });
+  if (row == p.rows) return;
+  gather_rows<Vector>(p.a + row, p.stride, p.rows - row, p.depth, scratch);
+  product_strip<Vector, 1>(p, scratch, lanes_of<Vector>, row);
+}
+
+// x L_JJᵀ = x - (columns before J) L_J,beforeᵀ for rows of x and the W columns J from `first` on.
+template <class Vector, int H, int W>
+BATTEN_INLINE void solve_tile(const double* block, long stride, int first, const double* inverse,
+                              double* x, long x_stride) {
+  constexpr int lanes = lanes_of<Vector>;
+  Vector sum[W][H];
+  double* to = x + first * x_stride;
+#pragma GCC unroll 8
+  for (int j = 0; j < W; ++j)
+#pragma GCC unroll 8
+    for (int h = 0; h < H; ++h) load(sum[j][h], to + j * x_stride + h * lanes);
+  subtract(x, x_stride, block + first, stride, first, sum);
+  const double* L = block + first + first * stride;
+#pragma GCC unroll 8
+  for (int k = 0; k < W; ++k)
+#pragma GCC unroll 8
+    for (int h = 0; h < H; ++h) {
+      sum[k][h] *= inverse[k];
+      store(sum[k][h], to + k * x_stride + h * lanes);
+#pragma GCC unroll 8
+      for (int j = k + 1; j < W; ++j) sum[j][h] -= sum[k][h] * L[j + k * stride];
+    }
+}
+
+template <class Vector, int H>
+BATTEN_INLINE void solve_strip(const double* block, long stride, int first, int end,
+                               const double* inverse, double* x, long x_stride) {
+  for_tiles<columns_of<Vector>>(
+      first, end, [&](int column, auto W) __attribute__((always_inline)) {
+        solve_tile<Vector, H, W()>(block, stride, column, inverse + (column - first), x, x_stride);
+      });
+}
+
+template <class Vector>
+BATTEN_INLINE void solve(double* block, long stride, int first_row, int end_row, int first, int end,
+                         double* scratch) {
+  double inverse[kBlockColumns];
+  for (int k = first; k < end; ++k) inverse[k - first] = 1 / block[k + k * stride];
+  const int row = for_strips<Vector>(
+      first_row, end_row, [&](int strip, auto H) __attribute__((always_inline)) {
+        solve_strip<Vector, H()>(block, stride, first, end, inverse, block + strip, stride);
+      });
+  if (row == end_row) return;
+  gather_rows<Vector>(block + row, stride, end_row - row, end, scratch);
+  solve_strip<Vector, 1>(block, stride, first, end, inverse, scratch, lanes_of<Vector>);
+  scatter_rows<Vector>(scratch, block + row, stride, end_row - row, first, end);
+}
+
+// The pivots of a tile, whose columns are one vector each. Returns the first that fails, or `count`.
+template <class Vector>
+BATTEN_INLINE int factor_tile(Vector (&x)[lanes_of<Vector>], int count) {
+  for (int k = 0; k < count; ++k) {
+    const double pivot = x[k][k];
+    if (!(pivot > 0)) return k;
+    const double root = std::sqrt(pivot), inverse = 1 / root;
+    x[k] *= inverse;
+    x[k][k] = root;
+    for (int j = k + 1; j < count; ++j) x[j] -= x[k] * x[k][j];
+  }
+  return count;
+}
+
+// As many columns at a time as a vector has lanes: the rows of their triangle are one vector.
+template <class Vector>
+BATTEN_INLINE int triangle(double* block, long stride, int first, int end, double* scratch) {
+  constexpr int lanes = lanes_of<Vector>;
+  for (int column = first; column < end; column += lanes) {
+    const int count = std::min(lanes, end - column);
+    gather_rows<Vector>(block + column, stride, count, column + count, scratch);
+    Vector x[lanes] = {};
+    for (int j = 0; j < count; ++j) load(x[j], scratch + (column + j) * lanes);
+    Vector sum[lanes][1];
+    for (int j = 0; j < lanes; ++j) sum[j][0] = x[j];
+    subtract(scratch, lanes, scratch, lanes, column, sum);
+    for (int j = 0; j < lanes; ++j) x[j] = sum[j][0];
+    const int good = factor_tile(x, count);
+    if (good < count) return column + good;
+    for (int j = 0; j < count; ++j)
+      for (int i = j; i < count; ++i) block[column + i + (column + j) * stride] = x[j][i];
+    solve<Vector>(block, stride, column + count, end, column, column + count, scratch);
+  }
+  return -1;
+}
+
+#undef BATTEN_CALL
+
+using Vector2 = double __attribute__((vector_size(16)));
+using Vector4 = double __attribute__((vector_size(32)));
+using Vector8 = double __attribute__((vector_size(64)));
+
+struct Kernels {
+  void (*product)(const ScatteredProduct&, double*);
+  int (*triangle)(double*, long, int, int, double*);
+  void (*solve)(double*, long, int, int, int, int, double*);
+};
+
+#define BATTEN_KERNELS(name, attribute, Vector)                                                    \
+  attribute void product_##name(const ScatteredProduct& p, double* scratch) {                      \
+    product<Vector>(p, scratch);                                                                   \
+  }                                                                                                \
+  attribute int triangle_##name(double* block, long stride, int first, int end, double* scratch) { \
+    return triangle<Vector>(block, stride, first, end, scratch);                                   \
+  }                                                                                                \
+  attribute void solve_##name(double* block, long stride, int first_row, int end_row, int first,   \
+                              int end, double* scratch) {                                          \
+    solve<Vector>(block, stride, first_row, end_row, first, end, scratch);                         \
+  }                                                                                                \
+  constexpr Kernels name = {product_##name, triangle_##name, solve_##name};
+
+BATTEN_KERNELS(with_128_bits, , Vector2)
+#ifdef BATTEN_WIDE_VECTORS
+BATTEN_KERNELS(with_256_bits, BATTEN_256_BITS, Vector4)
+BATTEN_KERNELS(with_512_bits, BATTEN_512_BITS, Vector8)
+#endif
+#undef BATTEN_KERNELS
+
+const Kernels& kernels() {
+#ifdef BATTEN_WIDE_VECTORS
+  return select_kernels(with_128_bits, with_256_bits, with_512_bits);
+#else
+  return select_kernels(with_128_bits);
+#endif
+}
+
+}  // namespace
+
+void subtract_product(const ScatteredProduct& product, double* scratch) {
+  kernels().product(product, scratch);
+}
+int factor_triangle(double* block, long stride, int first, int end, double* scratch) {
+  return kernels().triangle(block, stride, first, end, scratch);
+}
+void solve_rows(double* block, long stride, int first_row, int end_row, int first, int end,
+                double* scratch) {
+  kernels().solve(block, stride, first_row, end_row, first, end, scratch);
+}
+
+}  // namespace batten

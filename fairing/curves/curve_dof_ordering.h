@@ -1,0 +1,60 @@
+// The dofs of a curve in an order of small bandwidth. Internal.
+#pragma once
+
+#include <algorithm>
+#include <cstdlib>
+#include <vector>
+
+#include "batten/core/solvers/band_cholesky.h"
+#include "batten/elements/hermite_segment.h"
+#include "batten/fem/curves/curve_mesh.h"
+
+namespace batten {
+
+/// An open curve's dofs follow each other already: bandwidth 3. A closed one is folded flat, so
+/// that nodes 0, n-1, 1, n-2, … follow each other.
+class CurveDofOrdering {
+ public:
+  /// `pairs`: the dofs of two segments beside a node that is no corner depend on each other too.
+  explicit CurveDofOrdering(const CurveMesh& mesh, bool pairs = false) : mesh_(mesh) {
+    if (mesh.closed()) fold();
+    for (int s = 0; s < mesh.segment_count(); ++s) {
+      const auto dof = mesh.segment_dofs(s);
+      const int after = (s + 1) % mesh.segment_count();
+      const bool joined = pairs && (mesh.closed() || after > 0) && !mesh.is_corner(after);
+      const auto other = joined ? mesh.segment_dofs(after) : dof;
+      for (const int a : dof) {
+        for (const int b : dof)
+          band_ = std::max(band_, std::abs(banded_index(a) - banded_index(b)));
+        for (const int b : other)
+          band_ = std::max(band_, std::abs(banded_index(a) - banded_index(b)));
+      }
+    }
+  }
+
+  int banded_index(int dof) const { return banded_index_.empty() ? dof : banded_index_[dof]; }
+  void reset(BandCholesky& A) const { A.reset(mesh_.dof_count(), band_); }
+  void add(BandCholesky& A, int segment, const HermiteSegment::Matrix& K) const {
+    const auto dof = mesh_.segment_dofs(segment);
+    for (int a = 0; a < 4; ++a)
+      for (int b = 0; b <= a; ++b) A.add(banded_index(dof[a]), banded_index(dof[b]), K(a, b));
+  }
+
+ private:
+  void fold() {
+    banded_index_.resize(mesh_.dof_count());
+    int next = 0;
+    for (int i = 0; i < mesh_.node_count(); ++i) {
+      const int node = i % 2 == 0 ? i / 2 : mesh_.node_count() - 1 - i / 2;
+      for (int d = std::min(mesh_.slope_in(node), mesh_.position_dof(node));
+           d <= mesh_.slope_out(node); ++d)
+        banded_index_[d] = next++;
+    }
+  }
+
+  const CurveMesh& mesh_;
+  std::vector<int> banded_index_;
+  int band_ = 3;
+};
+
+}  // namespace batten

@@ -1,0 +1,236 @@
+#include "batten/fairing/curves/fair_curve.h"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <numbers>
+
+#include "batten/fairing/curves/smoothing_spline_solver.h"
+#include "batten/core/errors.h"
+#include "batten/fairing/curves/curve_dof_ordering.h"
+
+namespace batten {
+
+namespace {
+
+NoiseLevel known_of(const FairOptions& options) {
+  if (options.smoothing == FairOptions::Smoothing::Noise) return {options.noise, 0};
+  if (options.smoothing == FairOptions::Smoothing::Wavelength) return {0, options.wavelength};
+  return {};
+}
+
+}  // namespace
+
+FairCurve fair_points(const std::string& name, const std::vector<Vec3>& points,
+                      const FairOptions& options) {
+  const PointSequence sequence(
+      name, points, options.corner_angle, options.corners, options.closed,
+      options.reject_outliers ? PointSequence::Outliers::Drop : PointSequence::Outliers::Keep,
+      known_of(options));
+  check(name, options, sequence.closed);
+  return SmoothingSplineSolver(name, points, sequence, options).run();
+}
+
+HermiteCurve interpolating_spline(const std::string& name, const std::vector<Vec3>& points,
+                                  const FairOptions& options) {
+  const PointSequence sequence(name, points, options.corner_angle, options.corners, options.closed);
+  const CurveMesh mesh(sequence.chord, sequence.closed, sequence.corners);
+  std::vector<Spring> springs;
+  std::vector<std::pair<int, Vec3>> fixed_dofs;
+  for (int i = 0; i < sequence.count(); ++i) {
+    springs.push_back({mesh.locate(sequence.chord[i]), sequence.points[i]});
+    fixed_dofs.emplace_back(mesh.position_dof(i), sequence.points[i]);
+  }
+  constexpr double mu = 1e8;  // C2, to some digits
+  const FairingEnergy energy(mesh, {}, 0, mu);
+  return {mesh,
+          PenalisedLeastSquares(mesh, springs, energy, fixed_dofs).solve(1e-6 * sequence.length())};
+}
+
+
+// Local fairing: a stretch, a brush.
+
+namespace {
+
+// Segments of one run of a curve, which may cross the seam: the first, and how many.
+struct Run {
+  int first, count;
+};
+
+// Runs of segments that are touched; all segments of a closed curve but one node at most.
+std::vector<Run> runs_of(const HermiteCurve& curve, const std::vector<char>& touched) {
+  const int n = curve.segment_count();
+  std::vector<Run> runs;
+  int start = 0;
+  if (curve.closed()) {
+    while (start < n && touched[start]) ++start;
+    start %= n;
+  }
+  for (int i = 0; i < n; ++i) {
+    const int s = (start + i) % n;
+    if (!touched[s]) continue;
+    if (!runs.empty() && (runs.back().first + runs.back().count) % n == s && runs.back().count < n)
+      ++runs.back().count;
+    else
+      runs.push_back({s, 1});
+  }
+  return runs;
+}
+
+double length_of(const HermiteCurve& curve, int segment) {
+  double length = 0;
+  for (int i = 0; i < 4; ++i)
+    length +=
+        0.25 * curve.mesh().length(segment) * curve.evaluate({segment, (i + 0.5) / 4}, 1).norm();
+  return length;
+}
+
+// The dofs of one run, faired; nodes at its ends stay.
+void fair_run(const HermiteCurve& curve, const Run& run,
+              const std::function<double(double)>& strength, double wavelength, Points& dofs) {
+  const CurveMesh& whole = curve.mesh();
+  const int nodes = whole.node_count();
+  std::vector<double> u = {0};
+  std::vector<int> corners;
+  double length = 0;
+  for (int k = 0; k < run.count; ++k) {
+    const int s = (run.first + k) % whole.segment_count();
+    if (k > 0 && whole.is_corner(s)) corners.push_back(k);
+    u.push_back(u.back() + whole.length(s));
+    length += length_of(curve, s);
+  }
+  // φ and the wavelength live on arc length; u runs at about `speed`.
+  const double speed = length / u.back();
+  const double lambda = std::pow(wavelength / (2 * std::numbers::pi * speed), 4);
+  const CurveMesh mesh(u, false, corners);
+  const CurveDofOrdering band(mesh);
+  BandCholesky A;
+  band.reset(A);
+  Points right = Points::Zero(mesh.dof_count(), 3);
+  std::vector<int> outer(mesh.dof_count());  // dofs of the whole curve
+  const auto global = [&](int segment) {
+    return whole.segment_dofs((run.first + segment) % whole.segment_count());
+  };
+  for (int k = 0; k < run.count; ++k) {
+    const int s = (run.first + k) % whole.segment_count();
+    const HermiteSegment segment(mesh.length(k));
+    const HermiteSegment::Matrix M = segment.mass();
+    const double a = whole.parameters()[s], h = whole.length(s);
+    band.add(A, k,
+             M + segment.bending(
+                     {lambda * std::pow(strength(a), 4), lambda * std::pow(strength(a + h), 4)}));
+    const auto local = mesh.segment_dofs(k), all = global(k);
+    Eigen::Matrix<double, 4, 3> q;
+    for (int i = 0; i < 4; ++i) {
+      q.row(i) = curve.dofs().row(all[i]);
+      outer[local[i]] = all[i];
+    }
+    const Eigen::Matrix<double, 4, 3> goal = M * q;
+    for (int i = 0; i < 4; ++i) right.row(band.banded_index(local[i])) += goal.row(i);
+  }
+  std::vector<int> kept = {mesh.position_dof(0), mesh.position_dof(mesh.node_count() - 1)};
+  // At the end of an open curve the slope is free.
+  if (curve.closed() || run.first > 0) kept.push_back(mesh.slope_out(0));
+  if (curve.closed() || run.first + run.count < nodes - 1)
+    kept.push_back(mesh.slope_in(mesh.node_count() - 1));
+  for (const int d : kept)
+    A.fix(band.banded_index(d), curve.dofs().row(outer[d]).transpose(), right);
+  if (!A.factorize()) throw NoSolutionError("a stretch of a curve cannot be faired");
+  A.solve(right);
+  for (int d = 0; d < mesh.dof_count(); ++d)
+    if (std::find(kept.begin(), kept.end(), d) == kept.end())
+      dofs.row(outer[d]) = right.row(band.banded_index(d));
+}
+
+HermiteCurve fair_where(const HermiteCurve& curve, const std::vector<char>& touched,
+                        const std::function<double(double)>& strength, double extent,
+                        double wavelength) {
+  if (!(wavelength > 0) || !std::isfinite(wavelength))
+    throw InputError("local fairing: found the wavelength " + format_number(wavelength) +
+                     ", expected a length above 0");
+  // Nodes fine enough for the shortest wave that stays, and for φ.
+  const std::vector<Run> coarse = runs_of(curve, touched);
+  std::vector<double> added;
+  for (const Run& run : coarse)
+    for (int k = 0; k < run.count; ++k) {
+      const int s = (run.first + k) % curve.segment_count();
+      constexpr int per_wave = 24, per_stretch = 72, most = 4000;
+      const int pieces = static_cast<int>(std::clamp(
+          std::ceil(length_of(curve, s) / std::min(wavelength / per_wave, extent / per_stretch)),
+          1.0, 1.0 * most));
+      for (int i = 1; i < pieces; ++i)
+        added.push_back(curve.parameters()[s] + curve.mesh().length(s) * i / pieces);
+    }
+  const HermiteCurve fine = curve.with_nodes(added);
+  Points dofs = fine.dofs();
+  for (const Run& run : coarse) {
+    // The same stretch of the fine curve: all of what the coarse segments were.
+    const auto node = [&](int coarse_node) {
+      const double u = curve.parameters()[coarse_node];
+      return static_cast<int>(
+          std::lower_bound(fine.parameters().begin(), fine.parameters().end(), u) -
+          fine.parameters().begin());
+    };
+    const int first = node(run.first), behind = run.first + run.count;
+    const int last = behind <= curve.segment_count()
+                         ? node(behind)
+                         : node(behind - curve.segment_count()) + fine.segment_count();
+    fair_run(fine, {first, last - first}, strength, wavelength, dofs);
+  }
+  return {fine.mesh(), dofs};
+}
+
+}  // namespace
+
+HermiteCurve fair_interval(const HermiteCurve& curve, double from, double to, double wavelength) {
+  const double whole = curve.end() - curve.start();
+  double extent = to - from;
+  if (curve.closed() && extent < 0) extent += whole;
+  if (!(extent > 0) || !std::isfinite(from) || !std::isfinite(to))
+    throw InputError("local fairing: found a stretch from " + format_number(from) + " to " +
+                     format_number(to) +
+                     ", expected two parameters of the curve, the second above the first");
+  if (!curve.closed() && (from >= curve.end() || to <= curve.start()))
+    throw InputError("local fairing: found a stretch from " + format_number(from) + " to " +
+                     format_number(to) + " of a curve from " + format_number(curve.start()) +
+                     " to " + format_number(curve.end()));
+  std::vector<char> touched(curve.segment_count(), 0);
+  for (int s = 0; s < curve.segment_count(); ++s)
+    for (const double turn : {-whole, 0.0, whole})
+      if (turn == 0 || curve.closed())
+        touched[s] |=
+            from + turn < curve.parameters()[s + 1] && from + extent + turn > curve.parameters()[s];
+  const auto strength = [&](double u) {
+    double into = u - from;
+    if (curve.closed()) into -= whole * std::floor(into / whole);
+    const double x = 2 * into / extent - 1;
+    return std::abs(x) < 1 ? (1 - x * x) * (1 - x * x) : 0.0;
+  };
+  const double middle = curve.evaluate(from + 0.5 * extent, 1).norm();
+  return fair_where(curve, touched, strength, extent * (middle > 0 ? middle : 1), wavelength);
+}
+
+HermiteCurve fair_brush(const HermiteCurve& curve, const Vec3& centre, double radius,
+                        double wavelength) {
+  if (!(radius > 0) || !std::isfinite(radius) || !centre.allFinite())
+    throw InputError("local fairing: found a brush of radius " + format_number(radius) +
+                     ", expected a length above 0");
+  const CurvePoint nearest = curve.closest_point(centre);
+  if (!(nearest.distance < radius))
+    throw InputError("local fairing: the curve does not meet the brush; it is " +
+                     format_number(nearest.distance) + " away from its centre, and the radius is " +
+                     format_number(radius));
+  const auto strength = [&](double u) {
+    const double x = (curve.evaluate(u) - centre).squaredNorm() / (radius * radius);
+    return x < 1 ? (1 - x) * (1 - x) : 0.0;
+  };
+  std::vector<char> touched(curve.segment_count(), 0);
+  constexpr int samples = 32;
+  for (int s = 0; s < curve.segment_count(); ++s)
+    for (int k = 0; k <= samples && !touched[s]; ++k)
+      touched[s] = strength(curve.parameters()[s] + curve.mesh().length(s) * k / samples) > 0;
+  touched[curve.mesh().locate(nearest.u).segment] = 1;
+  return fair_where(curve, touched, strength, 2 * radius, wavelength);
+}
+
+}  // namespace batten

@@ -1,0 +1,307 @@
+#include "batten/fem/curves/hermite_curve.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "batten/core/errors.h"
+#include "batten/elements/hermite_segment.h"
+#include "batten/elements/quadrature.h"
+#include "batten/core/geometry.h"
+
+namespace batten {
+namespace {
+
+Points interleaved(const std::vector<double>& parameters, const Points& positions,
+                   const Points& derivatives) {
+  const auto n = static_cast<long>(parameters.size());
+  if (n < 2) throw InputError("a curve needs at least two nodes");
+  if (positions.rows() != n || derivatives.rows() != n)
+    throw InputError("a curve with " + std::to_string(n) + " parameters, " +
+                     std::to_string(positions.rows()) + " positions and " +
+                     std::to_string(derivatives.rows()) + " derivatives");
+  Points dofs(2 * n, 3);
+  for (long i = 0; i < n; ++i) {
+    dofs.row(2 * i) = positions.row(i);
+    dofs.row(2 * i + 1) = derivatives.row(i);
+  }
+  return dofs;
+}
+
+}  // namespace
+
+HermiteCurve::HermiteCurve(CurveMesh mesh, Points dofs)
+    : mesh_(std::move(mesh)), dofs_(std::move(dofs)) {
+  if (dofs_.rows() != mesh_.dof_count())
+    throw InputError(std::to_string(dofs_.rows()) + " dofs for a curve that has " +
+                     std::to_string(mesh_.dof_count()));
+  if (!dofs_.allFinite()) throw InputError("a curve node is not finite");
+}
+
+HermiteCurve::HermiteCurve(std::vector<double> parameters, const Points& positions,
+                           const Points& derivatives)
+    : HermiteCurve(CurveMesh(parameters), interleaved(parameters, positions, derivatives)) {}
+
+Vec3 HermiteCurve::evaluate(CurveMesh::SegmentPoint at, int order) const {
+  const auto H = HermiteSegment(mesh_.length(at.segment)).evaluate(at.s, order);
+  const auto dof = mesh_.segment_dofs(at.segment);
+  return (H[0] * dofs_.row(dof[0]) + H[1] * dofs_.row(dof[1]) + H[2] * dofs_.row(dof[2]) +
+          H[3] * dofs_.row(dof[3]))
+      .transpose();
+}
+
+Vec3 HermiteCurve::evaluate(double u, int order) const { return evaluate(mesh_.locate(u), order); }
+
+double HermiteCurve::curvature(double u) const {
+  const Vec3 d1 = evaluate(u, 1), d2 = evaluate(u, 2);
+  const double speed = d1.norm();
+  return speed > 0 ? d1.cross(d2).norm() / (speed * speed * speed) : 0;
+}
+
+double HermiteCurve::length() const {
+  static const SegmentRule rule = gauss_legendre(8);
+  double length = 0;
+  for (int i = 0; i < segment_count(); ++i)
+    for (long p = 0; p < rule.s.size(); ++p)
+      length += mesh_.length(i) * rule.weights[p] *
+                evaluate(CurveMesh::SegmentPoint{i, rule.s[p]}, 1).norm();
+  return length;
+}
+
+namespace {
+
+using Quintic = std::array<double, 6>;  // Bernstein coefficients
+
+// A zero of the polynomial in [low, high], where its sign changes once.
+double zero_between(const Quintic& power, double low, double high, bool rising) {
+  double s = 0.5 * (low + high);
+  for (int step = 0; step < 80; ++step) {
+    double g = power[5], slope = 0;
+    for (int k = 4; k >= 0; --k) {
+      slope = slope * s + g;
+      g = g * s + power[k];
+    }
+    ((g > 0) == rising ? high : low) = s;
+    double next = s - g / slope;
+    if (!(next > low && next < high)) next = 0.5 * (low + high);
+    if (std::abs(next - s) <= 1e-16) break;
+    s = next;
+  }
+  return s;
+}
+
+// Calls visit(s) at every zero of the polynomial in [0, 1]; touching zeros may come twice.
+template <class Visit>
+void zeros(const Quintic& power, Quintic b, double low, double high, int depth,
+           const Visit& visit) {
+  int changes = 0;
+  for (int i = 0; i < 5; ++i) changes += (b[i] > 0) != (b[i + 1] > 0);
+  if (changes == 0) return;
+  if (changes == 1 || depth == 50) {
+    visit(changes == 1 ? zero_between(power, low, high, b[5] > 0) : 0.5 * (low + high));
+    return;
+  }
+  Quintic first = b;  // de Casteljau at the middle: `first` and, in place, the second half
+  for (int k = 1; k < 6; ++k) {
+    for (int i = 0; i < 6 - k; ++i) b[i] = 0.5 * (b[i] + b[i + 1]);
+    first[k] = b[0];
+  }
+  const double middle = 0.5 * (low + high);
+  zeros(power, first, low, middle, depth + 1, visit);
+  zeros(power, b, middle, high, depth + 1, visit);
+}
+
+}  // namespace
+
+CurvePoint HermiteCurve::closest_point(const Vec3& p) const {
+  CurvePoint best{start(), std::numeric_limits<double>::infinity()};
+  for (int n = 0; n < node_count(); ++n)
+    if (const double d = (position(n) - p).norm(); d < best.distance) best = {parameters()[n], d};
+  for (int s = 0; s < segment_count(); ++s) {
+    const auto dof = mesh_.segment_dofs(s);
+    const double h = mesh_.length(s);
+    const Vec3 a = dofs_.row(dof[0]).transpose() - p, b = dofs_.row(dof[2]).transpose() - p,
+               da = h * dofs_.row(dof[1]), db = h * dofs_.row(dof[3]);
+    // The segment lies within the hull of its Bézier points.
+    const Vec3 q = a + da / 3, r = b - db / 3, middle = 0.25 * (a + q + r + b);
+    double reach = 0;
+    for (const Vec3& c : {a, q, r, b}) reach = std::max(reach, (c - middle).squaredNorm());
+    if (middle.norm() - std::sqrt(reach) >= best.distance) continue;
+    // (X - p)·X' in powers of s, and its zeros.
+    const Vec3 c1 = da, c2 = 3 * (b - a) - 2 * da - db, c3 = 2 * (a - b) + da + db;
+    const Quintic power = {a.dot(c1),
+                           c1.dot(c1) + 2 * a.dot(c2),
+                           3 * c1.dot(c2) + 3 * a.dot(c3),
+                           2 * c2.dot(c2) + 4 * c1.dot(c3),
+                           5 * c2.dot(c3),
+                           3 * c3.dot(c3)};
+    constexpr double over_binomial[6] = {1, 1 / 5.0, 1 / 10.0, 1 / 10.0, 1 / 5.0, 1};
+    constexpr int pascal[6][6] = {{1},          {1, 1},          {1, 2, 1},
+                                  {1, 3, 3, 1}, {1, 4, 6, 4, 1}, {1, 5, 10, 10, 5, 1}};
+    Quintic bernstein{};
+    for (int i = 0; i < 6; ++i)
+      for (int k = 0; k <= i; ++k) bernstein[i] += pascal[i][k] * over_binomial[k] * power[k];
+    zeros(power, bernstein, 0, 1, 0, [&](double x) {
+      const double d = (evaluate(CurveMesh::SegmentPoint{s, x}) - p).norm();
+      if (d < best.distance) best = {parameters()[s] + x * h, d};
+    });
+  }
+  return best;
+}
+
+HermiteCurve HermiteCurve::with_nodes(std::vector<double> added) const {
+  std::erase_if(added, [&](double u) { return !(u > start()) || !(u < end()); });
+  std::sort(added.begin(), added.end());
+  std::vector<double> u = {start()};
+  std::vector<int> corners, old_node;  // old_node: of the new nodes, or -1
+  auto next = added.begin();
+  old_node.push_back(0);
+  for (int i = 0; i < segment_count(); ++i) {
+    for (; next != added.end() && *next < parameters()[i + 1]; ++next)
+      if (*next > u.back()) {
+        u.push_back(*next);
+        old_node.push_back(-1);
+      }
+    u.push_back(parameters()[i + 1]);
+    old_node.push_back(i + 1);
+  }
+  for (size_t i = 0; i + closed() < old_node.size(); ++i)
+    if (old_node[i] >= 0 && mesh_.is_corner(old_node[i])) corners.push_back(static_cast<int>(i));
+  CurveMesh mesh(std::move(u), closed(), std::move(corners));
+  Points dofs(mesh.dof_count(), 3);
+  for (int i = 0; i < mesh.node_count(); ++i) {
+    const int old = old_node[i];
+    const double at = mesh.parameters()[i];
+    dofs.row(mesh.position_dof(i)) = old < 0 ? evaluate(at) : position(old);
+    dofs.row(mesh.slope_in(i)) = old < 0 ? evaluate(at, 1) : slope_in(old);
+    dofs.row(mesh.slope_out(i)) = old < 0 ? evaluate(at, 1) : slope_out(old);
+  }
+  return {std::move(mesh), std::move(dofs)};
+}
+
+HermiteCurve HermiteCurve::with_scaled_parameter(double factor) const {
+  std::vector<double> u = parameters();
+  for (double& x : u) x *= factor;
+  Points dofs = dofs_;
+  for (int n = 0; n < node_count(); ++n) {
+    dofs.row(mesh_.slope_out(n)) /= factor;
+    if (mesh_.is_corner(n)) dofs.row(mesh_.slope_in(n)) /= factor;
+  }
+  return {CurveMesh(std::move(u), closed(), mesh_.corners()), std::move(dofs)};
+}
+
+HermiteCurve HermiteCurve::backwards() const {
+  std::vector<double> u;
+  for (auto it = parameters().rbegin(); it != parameters().rend(); ++it)
+    u.push_back(start() + end() - *it);
+  const auto other = [&](int node) {
+    return closed() ? (node_count() - node) % node_count() : node_count() - 1 - node;
+  };
+  std::vector<int> corners;
+  for (const int c : mesh_.corners()) corners.push_back(other(c));
+  std::sort(corners.begin(), corners.end());
+  const CurveMesh mesh(u, closed(), corners);
+  Points dofs(mesh.dof_count(), 3);
+  for (int i = 0; i < mesh.node_count(); ++i) {
+    dofs.row(mesh.position_dof(i)) = position(other(i)).transpose();
+    dofs.row(mesh.slope_in(i)) = -slope_out(other(i)).transpose();
+    dofs.row(mesh.slope_out(i)) = -slope_in(other(i)).transpose();
+  }
+  return {mesh, dofs};
+}
+
+namespace {
+
+/// One segment with its place on the stretch's parameter line.
+struct SmoothPiece {
+  double begin = 0, end = 0;
+  std::array<Vec3, 4> bezier;
+
+  /// The symmetric function of three parameters that is the cubic where all three are equal.
+  Vec3 blossom(const std::array<double, 3>& u) const {
+    std::array<Vec3, 4> b = bezier;
+    for (size_t level = 0; level < 3; ++level) {
+      const double t = (u[level] - begin) / (end - begin);
+      for (size_t i = 0; i + level < 3; ++i) b[i] = (1 - t) * b[i] + t * b[i + 1];
+    }
+    return b[0];
+  }
+  Vec3 second_at_begin() const {
+    return 6 / ((end - begin) * (end - begin)) * (bezier[0] - 2 * bezier[1] + bezier[2]);
+  }
+  Vec3 second_at_end() const {
+    return 6 / ((end - begin) * (end - begin)) * (bezier[1] - 2 * bezier[2] + bezier[3]);
+  }
+};
+
+SmoothPiece piece_of(const HermiteCurve& curve, int segment, double shift) {
+  const int next = (segment + 1) % curve.node_count();
+  const double begin = curve.parameters()[segment], end = curve.parameters()[segment + 1];
+  const double third = (end - begin) / 3;
+  const Vec3 a = curve.position(segment), b = curve.position(next);
+  return {begin + shift,
+          end + shift,
+          {a, a + third * curve.slope_out(segment), b - third * curve.slope_in(next), b}};
+}
+
+/// How often the knot between two pieces is needed.
+int multiplicity(const SmoothPiece& before, const SmoothPiece& after, double size) {
+  const double h = std::max(before.end - before.begin, after.end - after.begin);
+  const Vec3 jump = after.second_at_begin() - before.second_at_end();
+  return jump.norm() * h * h <= 1e-13 * size ? 1 : 2;
+}
+
+CubicSpline spline_of(const std::vector<SmoothPiece>& pieces) {
+  CubicSpline spline;
+  Box3 box;
+  for (const SmoothPiece& p : pieces)
+    for (const Vec3& b : p.bezier) box.extend(b);
+  spline.size = box.diagonal().norm();
+
+  std::vector<double> all;  // knots, as often as they count
+  std::vector<size_t> piece_after;
+  const auto add = [&](double knot, int times, size_t piece) {
+    spline.knots.push_back(knot);
+    spline.multiplicities.push_back(times);
+    all.insert(all.end(), static_cast<size_t>(times), knot);
+    piece_after.insert(piece_after.end(), static_cast<size_t>(times), piece);
+  };
+  add(pieces.front().begin, 4, 0);
+  for (size_t i = 1; i < pieces.size(); ++i)
+    add(pieces[i].begin, multiplicity(pieces[i - 1], pieces[i], spline.size), i);
+  add(pieces.back().end, 4, pieces.size());
+  for (size_t i = 0; i + 4 < all.size(); ++i) {
+    // The pole's own three knots: any piece of positive length beside the middle one will do.
+    size_t interval = i + 1;
+    if (all[interval] == all[interval + 1]) interval = i + 2;
+    if (all[interval] == all[interval + 1]) interval = i == 0 ? 3 : i;
+    spline.poles.push_back(
+        pieces[piece_after[interval]].blossom({all[i + 1], all[i + 2], all[i + 3]}));
+  }
+  return spline;
+}
+
+}  // namespace
+
+std::vector<CubicSpline> cubic_splines(const std::string& name, const HermiteCurve& curve) {
+  const int segments = curve.segment_count();
+  const auto& corners = curve.mesh().corners();
+  const int first = curve.closed() && !corners.empty() ? corners.front() : 0;
+  std::vector<std::vector<SmoothPiece>> stretches(1);
+  for (int k = 0; k < segments; ++k) {
+    const int segment = (first + k) % segments;
+    if (k > 0 && curve.mesh().is_corner(segment)) stretches.emplace_back();
+    const double shift = first + k >= segments ? curve.end() - curve.start() : 0;
+    stretches.back().push_back(piece_of(curve, segment, shift));
+  }
+  std::vector<CubicSpline> splines;
+  for (const auto& pieces : stretches) {
+    splines.push_back(spline_of(pieces));
+    splines.back().name = name + (stretches.size() > 1 ? "." + std::to_string(splines.size()) : "");
+  }
+  splines.front().closed = curve.closed() && corners.empty();
+  return splines;
+}
+
+}  // namespace batten

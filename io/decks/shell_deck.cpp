@@ -1,0 +1,511 @@
+#include "batten/io/decks/shell_deck.h"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <cmath>
+#include <cstdio>
+#include <map>
+#include <optional>
+#include <ostream>
+#include <set>
+#include <functional>
+#include <utility>
+#include <vector>
+
+#include "batten/core/errors.h"
+#include "batten/io/decks/ccx_deck.h"
+#include "batten/io/files/atomic_file.h"
+#include "batten/skinning/facets/model_elements.h"
+#include "batten/fem/triangle_locator.h"
+#include "batten/elements/quadrature.h"
+
+namespace batten {
+
+// Elements and nodal forces of decks of CalculiX. Internal: not installed.
+
+/// Elements of one type on the nodes of six-node triangles, and on more where the type needs them.
+struct DeckDiscretization {
+  std::vector<Vec3> positions;  ///< of the nodes: those of the triangles come first
+  std::vector<std::vector<std::vector<int>>> by_region;  ///< nodes of each element of each region
+  /// S8R: the node in the middle between a corner of a triangle and the middle of its edge.
+  std::map<std::pair<int, int>, int> quarters;
+
+  /// The ends of a line's edges, then the nodes between them, each once.
+  std::vector<int> nodes_on(const std::vector<std::array<int, 3>>& edges) const;
+};
+DeckDiscretization deck_elements(const std::vector<const SkinnedRegion*>& regions,
+                                 const ModelElements& model, ShellDeck::Element element);
+
+/// Area, line and point forces on the nodes, from 0.
+std::map<int, Vec3> deck_forces(const std::vector<const SkinnedRegion*>& regions,
+                                const ModelElements& model, const ShellDeck& deck);
+
+namespace {
+
+// The three quads of each triangle, between its corners, the middles of its edges and its centre.
+class TriangleToQuads {
+ public:
+  explicit TriangleToQuads(DeckDiscretization& elements) : elements_(elements) {}
+
+  void add_region(const SkinnedRegion& region, const QuadraticElements& facets,
+                  const std::vector<int>& node) {
+    surface_ = &region.surface;
+    const TriangleLocator locator(surface_->mesh());
+    locator_ = &locator;
+    std::vector<std::vector<int>> quads;
+    for (const auto& t : facets.triangles) {
+      std::array<Vec2, 6> uv;
+      for (int i = 0; i < 6; ++i)
+        uv[i] = surface_->mesh().image_near(facets.uv[t[i]], facets.uv[t[0]]);
+      // The triangle is quadratic in (u, v), as its edges on curved lines are.
+      const auto at = [&](const Vec3& L) -> Vec2 {
+        Vec2 p = Vec2::Zero();
+        for (int i = 0; i < 3; ++i)
+          p += L[i] * (2 * L[i] - 1) * uv[i] + 4 * L[i] * L[(i + 1) % 3] * uv[3 + i];
+        return p;
+      };
+      const auto middle = [&](int i) -> Vec3 {  // of the edge from corner i
+        return 0.5 * (Vec3::Unit(i) + Vec3::Unit((i + 1) % 3));
+      };
+      const Vec3 centre = Vec3::Constant(1.0 / 3);
+      const int at_centre = added(at(centre));
+      std::array<int, 3> spoke;  // between the centre and the middle of an edge
+      for (int i = 0; i < 3; ++i) spoke[i] = added(at(0.5 * (centre + middle(i))));
+      for (int i = 0; i < 3; ++i) {
+        const int before = (i + 2) % 3;  // the edge that ends at corner i
+        const int corner = node[t[i]], next = node[t[3 + i]], last = node[t[3 + before]];
+        quads.push_back({corner, next, at_centre, last,
+                         quarter(corner, next, at(0.5 * (Vec3::Unit(i) + middle(i)))), spoke[i],
+                         spoke[before],
+                         quarter(corner, last, at(0.5 * (Vec3::Unit(i) + middle(before))))});
+      }
+    }
+    elements_.by_region.push_back(std::move(quads));
+  }
+
+ private:
+  int added(const Vec2& uv) {
+    elements_.positions.push_back(
+        surface_->position(locator_->locate(surface_->mesh().wrapped(uv))));
+    return static_cast<int>(elements_.positions.size()) - 1;
+  }
+  // One for both triangles, and both regions, of an edge.
+  int quarter(int corner, int middle, const Vec2& uv) {
+    const auto known = elements_.quarters.find({corner, middle});
+    if (known != elements_.quarters.end()) return known->second;
+    return elements_.quarters[{corner, middle}] = added(uv);
+  }
+
+  DeckDiscretization& elements_;
+  const Surface* surface_ = nullptr;
+  const TriangleLocator* locator_ = nullptr;
+};
+
+}  // namespace
+
+std::vector<int> DeckDiscretization::nodes_on(const std::vector<std::array<int, 3>>& edges) const {
+  std::vector<int> nodes;
+  const auto add = [&](int node) {
+    if (std::find(nodes.begin(), nodes.end(), node) == nodes.end()) nodes.push_back(node);
+  };
+  for (const auto& edge : edges) {
+    add(edge[0]);
+    add(edge[1]);
+  }
+  for (const auto& edge : edges) {
+    add(edge[2]);
+    for (const int end : {edge[0], edge[1]}) {
+      const auto between = quarters.find({end, edge[2]});
+      if (between != quarters.end()) add(between->second);
+    }
+  }
+  return nodes;
+}
+
+DeckDiscretization deck_elements(const std::vector<const SkinnedRegion*>& regions,
+                                 const ModelElements& model, ShellDeck::Element element) {
+  DeckDiscretization elements;
+  elements.positions = model.positions;
+  TriangleToQuads quads(elements);
+  for (size_t r = 0; r < regions.size(); ++r) {
+    if (element == ShellDeck::Element::S8R) {
+      quads.add_region(*regions[r], model.regions[r], model.node[r]);
+      continue;
+    }
+    std::vector<std::vector<int>> all;
+    for (const auto& t : model.regions[r].triangles) {
+      std::vector<int> n;
+      for (const int i : t) n.push_back(model.node[r][i]);
+      if (element == ShellDeck::Element::S6) {
+        all.push_back(n);
+      } else {
+        for (int i = 0; i < 3; ++i) all.push_back({n[i], n[3 + i], n[3 + (i + 2) % 3]});
+        all.push_back({n[3], n[4], n[5]});
+      }
+    }
+    elements.by_region.push_back(std::move(all));
+  }
+  return elements;
+}
+
+namespace {
+
+// ∬ N f dA of each node, N the quadratic shape functions, dA of the true surface.
+template <class Force>
+Points area_forces(const Surface& surface, const QuadraticElements& facets, const Force& f) {
+  static const TriangleRule split = split_triangle_rule(6), whole = symmetric_triangle_rule(8);
+  const TriangleRule& rule = facets.is_element_mesh ? split : whole;
+  std::optional<TriangleLocator> locator;
+  if (!facets.is_element_mesh) locator.emplace(surface.mesh());
+  Points forces = Points::Zero(static_cast<long>(facets.nodes.size()), 3);
+  for (size_t t = 0; t < facets.triangles.size(); ++t) {
+    const auto& n = facets.triangles[t];
+    for (long p = 0; p < rule.weights.size(); ++p) {
+      const Vec3 L = rule.L.row(p).transpose();
+      const double N[6] = {L[0] * (2 * L[0] - 1), L[1] * (2 * L[1] - 1), L[2] * (2 * L[2] - 1),
+                           4 * L[0] * L[1],       4 * L[1] * L[2],       4 * L[2] * L[0]};
+      Location where{static_cast<int>(t), L};
+      double parametric;
+      if (locator) {
+        // The element's place in (u, v) is quadratic as well.
+        Vec2 at = Vec2::Zero(), d0 = Vec2::Zero(), d1 = Vec2::Zero();  // along L0 - L2, L1 - L2
+        const double N0[6] = {4 * L[0] - 1, 0,         1 - 4 * L[2],
+                              4 * L[1],     -4 * L[1], 4 * (L[2] - L[0])},
+                     N1[6] = {0,        4 * L[1] - 1,      1 - 4 * L[2],
+                              4 * L[0], 4 * (L[2] - L[1]), -4 * L[0]};
+        for (int a = 0; a < 6; ++a) {
+          const Vec2 uv = surface.mesh().image_near(facets.uv[n[a]], facets.uv[n[0]]);
+          at += N[a] * uv;
+          d0 += N0[a] * uv;
+          d1 += N1[a] * uv;
+        }
+        parametric = 0.5 * (d0.x() * d1.y() - d0.y() * d1.x());
+        where = locator->locate(at);
+      } else {
+        parametric = surface.mesh().shape(where.triangle).area;
+      }
+      const SurfaceJet jet = surface.jet(where);
+      const Vec3 area = rule.weights[p] * parametric * jet.area_vector();
+      if (!(area.norm() > 0)) continue;
+      const Vec3 force = area.norm() * f(jet.x, area.normalized());
+      for (int a = 0; a < 6; ++a) forces.row(n[a]) += N[a] * force.transpose();
+    }
+  }
+  return forces;
+}
+
+// Along the parabolas of a line's edges.
+void add_line_force(const ModelElements& model, const ShellDeck::LineForce& force,
+                    const std::function<Vec3&(int)>& at) {
+  constexpr int points = 4;
+  static const SegmentRule rule = gauss_legendre(points);
+  for (const auto& line : model.lines) {
+    if (line.name != force.line) continue;
+    for (const auto& [a, b, m] : line.edges)
+      for (int p = 0; p < points; ++p) {
+        const double s = rule.s[p];
+        const double N[3] = {(1 - s) * (1 - 2 * s), s * (2 * s - 1), 4 * s * (1 - s)},
+                     d[3] = {4 * s - 3, 4 * s - 1, 4 - 8 * s};
+        Vec3 x = Vec3::Zero(), along = Vec3::Zero();
+        for (int k = 0; k < 3; ++k) {
+          const Vec3& place = model.positions[k == 0 ? a : k == 1 ? b : m];
+          x += N[k] * place;
+          along += d[k] * place;
+        }
+        if (force.box && !force.box->contains(x)) continue;
+        const Vec3 f = rule.weights[p] * along.norm() * force.per_length;
+        at(a) += N[0] * f;
+        at(b) += N[1] * f;
+        at(m) += N[2] * f;
+      }
+  }
+}
+
+}  // namespace
+
+std::map<int, Vec3> deck_forces(const std::vector<const SkinnedRegion*>& regions,
+                                const ModelElements& model, const ShellDeck& deck) {
+  std::map<int, Vec3> force;
+  const auto at = [&](int node) -> Vec3& {
+    return force.try_emplace(node, Vec3::Zero()).first->second;
+  };
+  for (size_t r = 0; r < regions.size() && deck.area_force; ++r) {
+    const Points forces = area_forces(
+        regions[r]->surface, model.regions[r],
+        [&](const Vec3& x, const Vec3& n) { return deck.area_force(regions[r]->name, x, n); });
+    // At vertices of flat triangles the integral is zero; what is left there is rounding.
+    const double rounding = 1e-14 * forces.cwiseAbs().maxCoeff();
+    for (long i = 0; i < forces.rows(); ++i)
+      if (forces.row(i).cwiseAbs().maxCoeff() > rounding)
+        at(model.node[r][i]) += forces.row(i).transpose();
+  }
+  for (const auto& f : deck.line_forces) add_line_force(model, f, at);
+  for (const auto& f : deck.point_forces) {
+    const auto nearest = std::min_element(
+        model.positions.begin(), model.positions.end(), [&](const Vec3& a, const Vec3& b) {
+          return (a - f.at).squaredNorm() < (b - f.at).squaredNorm();
+        });
+    at(static_cast<int>(nearest - model.positions.begin())) += f.force;
+  }
+  return force;
+}
+
+namespace fs = std::filesystem;
+namespace {
+
+using Regions = std::vector<const SkinnedRegion*>;
+
+/// Names of sets, unlike each other and unlike NALL and ALL.
+class SetNames {
+ public:
+  /// `kind`: what comes before a name that does not begin with a letter.
+  std::string of(const std::string& text, const std::string& kind) {
+    constexpr size_t longest = 80;
+    std::string name;
+    for (const char c : text) {
+      const auto byte = static_cast<unsigned char>(c);
+      name += byte < 128 && std::isalnum(byte) ? static_cast<char>(std::toupper(byte)) : '_';
+    }
+    if (name.empty() || !std::isalpha(static_cast<unsigned char>(name[0]))) name = kind + name;
+    name = name.substr(0, longest);
+    std::string unique = name;
+    for (int i = 2; !taken_.insert(unique).second; ++i) {
+      const std::string suffix = "_" + std::to_string(i);
+      unique = name.substr(0, longest - suffix.size()) + suffix;
+    }
+    return unique;
+  }
+
+ private:
+  std::set<std::string> taken_{"ALL", "NALL"};
+};
+
+/// The names of lines, each once, region after region: runs, then embedded lines.
+std::vector<std::string> line_names(const Regions& regions) {
+  std::vector<std::string> names;
+  const auto add = [&](const std::string& name) {
+    if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
+  };
+  for (const SkinnedRegion* region : regions) {
+    for (const EdgeAlignedLine& aligned_line : region->edge_aligned) add(aligned_line.line.name);
+    for (const EmbeddedLine& embedded : region->embedded) add(embedded.line.name);
+  }
+  return names;
+}
+
+/// The nearest name, or all of them behind `what`.
+std::string not_among(const std::string& found, const std::vector<std::string>& names,
+                      const std::string& what) {
+  const std::string nearest = closest_match(found, names);
+  std::string all;
+  for (const auto& name : names) all += (all.empty() ? "" : ", ") + name;
+  return nearest.empty() ? what + all : "did you mean '" + nearest + "'?";
+}
+
+void check(const Regions& regions, const ShellDeck& deck) {
+  if (regions.empty()) throw InputError("stress deck: found no region, expected one or more");
+  const bool one = regions.size() == 1;
+  const std::string who = one ? "stress deck of region '" + regions[0]->name + "': "
+                              : "stress deck of " + std::to_string(regions.size()) + " regions: ";
+  const auto expect = [&](bool good, const std::string& what, double found,
+                          const std::string& expected) {
+    if (!good)
+      throw InputError(who + "found " + what + " " + format_number(found) + ", expected " +
+                       expected);
+  };
+  const auto above_zero = [](double x) { return std::isfinite(x) && x > 0; };
+  expect(above_zero(deck.thickness), "thickness", deck.thickness, "a length above 0");
+  expect(above_zero(deck.young), "Young's modulus", deck.young, "a number above 0");
+  expect(deck.poisson > -1 && deck.poisson < 0.5, "Poisson's ratio", deck.poisson,
+         "a number between -1 and 0.5");
+  expect(std::isfinite(deck.density) && deck.density >= 0, "density", deck.density,
+         "0 or a number above it");
+  expect(deck.gravity.isZero(0) || deck.density > 0, "gravity but density", deck.density,
+         "a density above 0");
+  expect(std::isfinite(deck.pressure), "pressure", deck.pressure, "a finite number");
+  for (const auto& t : deck.thicknesses)
+    expect(above_zero(t.thickness), "thickness", t.thickness, "a length above 0");
+  bool finite = deck.gravity.allFinite();
+  for (const auto& f : deck.line_forces) finite = finite && f.per_length.allFinite();
+  for (const auto& f : deck.point_forces)
+    finite = finite && f.at.allFinite() && f.force.allFinite();
+  for (const auto& p : deck.pressures) finite = finite && std::isfinite(p.pressure);
+  if (!finite) throw InputError(who + "found a load that is not finite");
+  if (deck.supports.empty())
+    throw InputError(who + "found no support, expected at least one line that is held");
+  const auto expect_line = [&](const std::string& line, const std::string& what) {
+    const std::vector<std::string> lines = line_names(regions);
+    if (std::find(lines.begin(), lines.end(), line) == lines.end())
+      throw InputError(who + "found a " + what + " on the line '" + line + "', which " +
+                       (one ? "the region does not have; " : "no region has; ") +
+                       not_among(line, lines, one ? "its lines are: " : "their lines are: "));
+  };
+  const auto expect_region = [&](const std::string& region, const std::string& what) {
+    std::vector<std::string> names;
+    for (const SkinnedRegion* r : regions) names.push_back(r->name);
+    if (std::find(names.begin(), names.end(), region) == names.end())
+      throw InputError(who + "found a " + what + " on the region '" + region +
+                       "', which the model does not have; " +
+                       not_among(region, names, "its regions are: "));
+  };
+  for (const auto& support : deck.supports) {
+    if (!support.line.empty()) expect_line(support.line, "support");
+    if (!support.region.empty()) expect_region(support.region, "support");
+  }
+  for (const auto& f : deck.line_forces) expect_line(f.line, "force");
+  for (const auto& p : deck.pressures) expect_region(p.region, "pressure");
+  for (const auto& t : deck.thicknesses) expect_region(t.region, "thickness");
+}
+
+/// Where several pressures are on an element, ccx takes the last one: each element gets one sum.
+void write_pressures(std::ostream& out, const Regions& regions,
+                     const std::vector<std::string>& sets, const ShellDeck& deck) {
+  if (deck.pressures.empty()) {
+    if (deck.pressure != 0) out << "*DLOAD\nALL,P," << ccx_number(deck.pressure) << '\n';
+    return;
+  }
+  for (size_t r = 0; r < regions.size(); ++r) {
+    double sum = deck.pressure;
+    for (const auto& p : deck.pressures)
+      if (p.region == regions[r]->name) sum += p.pressure;
+    if (sum != 0) out << "*DLOAD\n" << sets[r] << ",P," << ccx_number(sum) << '\n';
+  }
+}
+
+void write_loads(std::ostream& out, const Regions& regions, const ModelElements& model,
+                 const std::vector<std::string>& sets, const ShellDeck& deck) {
+  const auto forces = deck_forces(regions, model, deck);
+  if (!forces.empty()) {
+    out << "*CLOAD\n";
+    for (const auto& [node, force] : forces)
+      for (int i = 0; i < 3; ++i)
+        if (force[i] != 0) out << node + 1 << ',' << i + 1 << ',' << ccx_number(force[i]) << '\n';
+  }
+  write_pressures(out, regions, sets, deck);
+  if (const double g = deck.gravity.norm(); g > 0)
+    out << "*DLOAD\nALL,GRAV," << ccx_number(g) << ',' << ccx_vector(deck.gravity / g) << '\n';
+}
+
+const char* type_name(ShellDeck::Element element) {
+  return element == ShellDeck::Element::S3    ? "S3"
+         : element == ShellDeck::Element::S8R ? "S8R"
+                                              : "S6";
+}
+
+/// The nodes of a support that is not all of a line.
+std::vector<int> supported_nodes(const Regions& regions, const ModelElements& model,
+                                 const DeckDiscretization& elements,
+                                 const ShellDeck::Support& support) {
+  if (!support.line.empty() && !support.box) return {};
+  std::set<int> nodes;
+  const auto add = [&](int node) {
+    if (!support.box || support.box->contains(elements.positions[node])) nodes.insert(node);
+  };
+  for (const auto& line : model.lines)
+    if (line.name == support.line)
+      for (const int node : elements.nodes_on(line.edges)) add(node);
+  for (size_t r = 0; r < regions.size() && support.line.empty(); ++r)
+    if (support.region.empty() || regions[r]->name == support.region)
+      for (const auto& element : elements.by_region[r])
+        for (const int node : element) add(node);
+  if (nodes.empty())
+    throw InputError("stress deck: found a support that holds no node, expected a larger box");
+  return {nodes.begin(), nodes.end()};
+}
+
+void write_support(std::ostream& out, const std::string& set, const ShellDeck::Support& support) {
+  const bool clamped = support.kind == ShellDeck::Support::Kind::Clamped;
+  if (support.constrained == std::array<bool, 3>{true, true, true} &&
+      support.displacement.isZero(0)) {
+    out << set << ",1," << (clamped ? 6 : 3) << '\n';
+    return;
+  }
+  for (int c = 0; c < 3; ++c) {
+    if (!support.constrained[c]) continue;
+    out << set << ',' << c + 1 << ',' << c + 1;
+    if (support.displacement[c] != 0) out << ',' << ccx_number(support.displacement[c]);
+    out << '\n';
+  }
+  if (clamped) out << set << ",4,6\n";
+}
+
+void write_sections(std::ostream& out, const Regions& regions, const std::vector<std::string>& sets,
+                    const ShellDeck& deck) {
+  const auto write = [&](const std::string& set, double thickness) {
+    out << "*SHELL SECTION,ELSET=" << set << ",MATERIAL=SHELL\n" << ccx_number(thickness) << '\n';
+  };
+  if (deck.thicknesses.empty()) return write("ALL", deck.thickness);
+  for (size_t r = 0; r < regions.size(); ++r) {
+    double thickness = deck.thickness;
+    for (const auto& t : deck.thicknesses)
+      if (t.region == regions[r]->name) thickness = t.thickness;
+    write(sets[r], thickness);
+  }
+}
+
+}  // namespace
+
+void write_calculix(const fs::path& path, const Regions& regions, const ShellDeck& deck) {
+  check(regions, deck);
+  const ModelElements model = model_elements(regions);
+  const DeckDiscretization elements = deck_elements(regions, model, deck.element);
+  std::vector<std::vector<int>> constrained;
+  for (const auto& support : deck.supports)
+    constrained.push_back(supported_nodes(regions, model, elements, support));
+  const bool one = regions.size() == 1;
+  SetNames names;
+  std::vector<std::string> line_sets, region_sets;
+  for (const auto& line : model.lines) line_sets.push_back(names.of(line.name, "LINE_"));
+  for (const SkinnedRegion* region : regions)
+    region_sets.push_back(one ? "ALL" : names.of(region->name, "REGION_"));
+  write_file_atomically(path, [&](std::ostream& out) {
+    out << "** "
+        << (one ? "Region " + one_line(regions[0]->name)
+                : "Model of " + std::to_string(regions.size()) + " regions")
+        << ", written by Batten\n";
+    if (!deck.units.empty()) out << "** Units: " << one_line(deck.units) << '\n';
+    out << "*NODE,NSET=NALL\n";
+    for (size_t i = 0; i < elements.positions.size(); ++i)
+      out << i + 1 << ',' << ccx_vector(elements.positions[i]) << '\n';
+    out << "*ELEMENT,TYPE=" << type_name(deck.element) << ",ELSET=ALL\n";
+    std::vector<size_t> first{1};  // element of each region, and behind the last
+    for (const auto& of_region : elements.by_region) {
+      for (size_t e = 0; e < of_region.size(); ++e) {
+        out << first.back() + e << ',';
+        write_ccx_ids(out, of_region[e]);
+      }
+      first.push_back(first.back() + of_region.size());
+    }
+    for (size_t r = 0; r < regions.size() && !one; ++r)
+      out << "** Region " << one_line(regions[r]->name) << "\n*ELSET,ELSET=" << region_sets[r]
+          << ",GENERATE\n"
+          << first[r] << ',' << first[r + 1] - 1 << ",1\n";
+    for (size_t l = 0; l < model.lines.size(); ++l) {
+      out << "** Line " << one_line(model.lines[l].name) << "\n*NSET,NSET=" << line_sets[l] << '\n';
+      write_ccx_ids(out, elements.nodes_on(model.lines[l].edges));
+    }
+    out << "*MATERIAL,NAME=SHELL\n*ELASTIC\n"
+        << ccx_number(deck.young) << ',' << ccx_number(deck.poisson) << '\n';
+    if (deck.density > 0) out << "*DENSITY\n" << ccx_number(deck.density) << '\n';
+    write_sections(out, regions, region_sets, deck);
+    for (size_t k = 0; k < constrained.size(); ++k) {
+      if (constrained[k].empty()) continue;
+      out << "*NSET,NSET=SUPPORT_" << k + 1 << '\n';
+      write_ccx_ids(out, constrained[k]);
+    }
+    out << "*BOUNDARY\n";
+    for (size_t k = 0; k < deck.supports.size(); ++k) {
+      if (!constrained[k].empty())
+        write_support(out, "SUPPORT_" + std::to_string(k + 1), deck.supports[k]);
+      for (size_t l = 0; l < model.lines.size() && constrained[k].empty(); ++l)
+        if (model.lines[l].name == deck.supports[k].line)
+          write_support(out, line_sets[l], deck.supports[k]);
+    }
+    out << "*STEP\n*STATIC\n";
+    write_loads(out, regions, model, region_sets, deck);
+    out << "*NODE FILE\nU\n*EL FILE\nS\n*END STEP\n";
+  });
+}
+
+}  // namespace batten

@@ -1,0 +1,239 @@
+#include "batten/io/meshes/decks/abaqus_connections.h"
+
+#include <algorithm>
+#include <unordered_set>
+
+#include "batten/core/errors.h"
+
+namespace batten {
+
+using Kind = NonShellElement::Kind;
+
+bool AbaqusConnections::read(const Keyword& keyword, AbaqusLines& lines) {
+  const std::string& name = keyword.name;
+  if (name == "RIGID BODY") {
+    read_rigid_body(keyword, lines);
+  } else if (name == "MPC") {
+    read_mpc(keyword, lines);
+  } else if (name == "EQUATION") {
+    read_equation(keyword, lines);
+  } else if (name == "COUPLING") {
+    coupling_ = keyword;
+  } else if (name == "KINEMATIC" || name == "DISTRIBUTING") {
+    Connection& connection = add(name == "KINEMATIC" ? Kind::Rigid : Kind::Interpolation, keyword);
+    connection.first.push_back({By::Nodes, coupling_.value("REF NODE")});
+    connection.rest.push_back({By::Surface, coupling_.value("SURFACE")});
+  } else if (name == "KINEMATIC COUPLING") {
+    Connection& connection = add(Kind::Rigid, keyword);
+    connection.first.push_back({By::Nodes, keyword.value("REF NODE")});
+    read_coupling_data(connection, false, lines);
+  } else if (name == "DISTRIBUTING COUPLING") {
+    Connection& connection = add(Kind::Interpolation, keyword);
+    connection.first.push_back({By::Faces, keyword.value("ELSET")});
+    read_coupling_data(connection, true, lines);
+  } else if (name == "SURFACE") {
+    read_surface(keyword, lines);
+  } else {
+    return false;
+  }
+  while (lines.next_data()) {
+  }
+  return true;
+}
+
+void AbaqusConnections::add_coupling_node(std::string_view elset, long node) {
+  coupling_nodes_[upper(elset)] = node;
+}
+
+AbaqusConnections::Connection& AbaqusConnections::add(Kind kind, const Keyword& keyword) {
+  deck_.count_other_element("*" + keyword.name);
+  connections_.push_back({kind, "*" + keyword.name, keyword.line, {}, {}});
+  return connections_.back();
+}
+
+void AbaqusConnections::read_rigid_body(const Keyword& keyword, AbaqusLines&) {
+  Connection& connection = add(Kind::Rigid, keyword);
+  connection.first.push_back({By::Nodes, keyword.value("REF NODE")});
+  for (const char* set : {"NSET", "PIN NSET", "TIE NSET"})
+    if (keyword.has(set)) connection.rest.push_back({By::Nodes, keyword.value(set)});
+  if (keyword.has("ELSET")) connection.rest.push_back({By::Faces, keyword.value("ELSET")});
+}
+
+void AbaqusConnections::read_mpc(const Keyword& keyword, AbaqusLines& lines) {
+  while (lines.next_data()) {
+    const std::vector<std::string_view> values = comma_values(lines.line());
+    const std::string type = upper(values[0]);
+    // The last node is the independent one.
+    const bool rigid = type == "BEAM" || type == "LINK" || type == "PIN" || type == "TIE";
+    Connection& connection = add(rigid ? Kind::Rigid : Kind::Other, keyword);
+    connection.where = lines.line();
+    for (size_t i = 1; i < values.size(); ++i)
+      if (!values[i].empty() && values[i] != "0") connection.rest.push_back({By::Nodes, values[i]});
+    if (!rigid || connection.rest.empty()) continue;
+    connection.first.push_back(connection.rest.back());
+    connection.rest.pop_back();
+  }
+}
+
+void AbaqusConnections::read_equation(const Keyword& keyword, AbaqusLines& lines) {
+  while (lines.next_data()) {
+    const std::string_view where = lines.line();
+    const long terms = file_.integer(comma_values(where)[0], "the count of terms of an equation");
+    Connection& connection = add(Kind::Other, keyword);
+    connection.where = where;
+    for (long i = 0; i < terms;) {
+      if (!lines.next_data()) file_.fail(where, "found an equation that ends before its last term");
+      // Four terms a line: node, freedom, factor.
+      const std::vector<std::string_view> values = comma_values(lines.line());
+      for (size_t k = 0; k < values.size() && i < terms; k += 3) {
+        if (values[k].empty()) continue;
+        connection.rest.push_back({By::Nodes, values[k]});
+        ++i;
+      }
+    }
+  }
+}
+
+void AbaqusConnections::read_coupling_data(Connection& connection, bool weights,
+                                           AbaqusLines& lines) {
+  while (lines.next_data()) {
+    const std::vector<std::string_view> values = comma_values(lines.line());
+    double weight = 1;
+    if (weights && values.size() > 1 && !values[1].empty()) weight = file_.real(values[1]);
+    connection.rest.push_back({By::Nodes, values[0], weight});
+  }
+}
+
+void AbaqusConnections::read_surface(const Keyword& keyword, AbaqusLines& lines) {
+  Surface& surface = surfaces_[upper(keyword.value("NAME"))];
+  surface.of_nodes = upper(keyword.value("TYPE")) == "NODE";
+  while (lines.next_data()) {
+    const std::vector<std::string_view> values = comma_values(lines.line());
+    surface.parts.push_back({values[0], values.size() > 1 ? upper(values[1]) : ""});
+  }
+}
+
+/// Finds the nodes that words of a deck name.
+class AbaqusConnections::Finder {
+ public:
+  Finder(const AbaqusConnections& all, const TextMeshContent& mesh, const Sets& sets)
+      : all_(all), mesh_(mesh), sets_(sets) {}
+
+  /// False: not all of them are there.
+  bool find(const Term& term) {
+    weight_ = term.weight;
+    switch (term.by) {
+      case By::Nodes:
+        return add_nodes(term.word);
+      case By::Faces:
+        return add_faces(term.word, "");
+      default:
+        return add_surface(term.word);
+    }
+  }
+  bool find(const std::vector<Term>& terms) {
+    return std::all_of(terms.begin(), terms.end(), [&](const Term& term) { return find(term); });
+  }
+  std::vector<int> nodes;
+  std::vector<double> weights;
+
+ private:
+  void add(int node) {
+    if (!seen_.insert(node).second) return;
+    nodes.push_back(node);
+    weights.push_back(weight_);
+  }
+
+  /// "instance.5" and "instance.set" name what is in the only instance.
+  static std::string_view local(std::string_view word) {
+    const size_t dot = word.rfind('.');
+    return dot == word.npos ? word : word.substr(dot + 1);
+  }
+
+  bool add_nodes(std::string_view word) {
+    long label = 0;
+    if (parse_integer(local(word), label)) {
+      const auto node = mesh_.node_labels.find(label);
+      if (node) add(*node);
+      return node.has_value();
+    }
+    const auto set = sets_(upper(local(word)), false);
+    if (!set) return false;
+    for (const int node : *set) add(node);
+    return true;
+  }
+
+  /// All nodes of faces, or those of one of their edges: "E2".
+  bool add_faces(std::string_view word, const std::string& side) {
+    const std::string name = upper(local(word));
+    if (const auto node = all_.coupling_nodes_.find(name); node != all_.coupling_nodes_.end()) {
+      const auto index = mesh_.node_labels.find(node->second);
+      if (index) add(*index);
+      return index.has_value();
+    }
+    long label = 0;
+    std::optional<std::vector<int>> faces;
+    if (parse_integer(local(word), label)) {
+      const auto face = mesh_.face_labels.find(label);
+      faces = face ? std::vector<int>{*face} : std::vector<int>();  // none of a solid
+    } else {
+      faces = sets_(name, true);
+    }
+    if (!faces) return false;
+    const bool edge = side.size() == 2 && side[0] == 'E' && side[1] >= '1' && side[1] <= '4';
+    std::vector<int> found;
+    for (const int f : *faces) {
+      const auto all = mesh_.shells.face(f), corners = mesh_.shells.corners(f);
+      const auto k = static_cast<size_t>(edge ? side[1] - '1' : 0);
+      if (!edge) {
+        found.insert(found.end(), all.begin(), all.end());
+      } else if (k < corners.size()) {
+        found.push_back(corners[k]);
+        found.push_back(corners[(k + 1) % corners.size()]);
+        if (mesh_.shells.second_order(f)) found.push_back(all[corners.size() + k]);
+      }
+    }
+    std::sort(found.begin(), found.end());
+    found.erase(std::unique(found.begin(), found.end()), found.end());
+    for (const int node : found) add(node);
+    return true;
+  }
+
+  bool add_surface(std::string_view word) {
+    const auto surface = all_.surfaces_.find(upper(local(word)));
+    if (surface == all_.surfaces_.end()) return false;
+    for (const auto& [part, side] : surface->second.parts)
+      if (!(surface->second.of_nodes ? add_nodes(part) : add_faces(part, side))) return false;
+    return true;
+  }
+
+  const AbaqusConnections& all_;
+  const TextMeshContent& mesh_;
+  const Sets& sets_;
+  std::unordered_set<int> seen_;
+  double weight_ = 1;
+};
+
+void AbaqusConnections::finish(TextMeshContent& mesh, const Sets& sets, bool all_here) const {
+  for (const Connection& connection : connections_) {
+    Finder first(*this, mesh, sets), rest(*this, mesh, sets);
+    if (!first.find(connection.first) || !rest.find(connection.rest)) {
+      if (all_here)
+        file_.fail(connection.where, "found " + connection.name +
+                                         " with nodes that are not there, expected nodes and sets "
+                                         "of the deck");
+      continue;
+    }
+    NonShellElement element{connection.kind, connection.name, 0, first.nodes, {}};
+    // Of several independent nodes none leads.
+    if (first.nodes.size() != 1) element.kind = Kind::Other;
+    for (size_t i = 0; i < rest.nodes.size(); ++i) {
+      if (first.nodes.size() == 1 && rest.nodes[i] == first.nodes[0]) continue;
+      element.nodes.push_back(rest.nodes[i]);
+      if (element.kind == Kind::Interpolation) element.weights.push_back(rest.weights[i]);
+    }
+    if (!element.nodes.empty()) mesh.other_elements.push_back(std::move(element));
+  }
+}
+
+}  // namespace batten

@@ -1,0 +1,537 @@
+// Abaqus and CalculiX input: nodes, elements and connections of one part; everything else stays
+// text.
+
+#include <algorithm>
+#include <set>
+#include <array>
+#include <map>
+#include <string_view>
+#include <string>
+#include <Eigen/Geometry>
+#include <numbers>
+
+#include "batten/core/errors.h"
+#include "batten/io/meshes/decks/abaqus_connections.h"
+#include "batten/io/meshes/decks/abaqus_lines.h"
+#include "batten/io/meshes/decks/deck_mesh_builder.h"
+#include "batten/io/meshes/mesh_file_types.h"
+#include "batten/core/containers.h"
+
+namespace batten {
+
+// Where the nodes of an Abaqus part are: systems of coordinates and the part's instance. Internal.
+
+class AbaqusCoordinates {
+ public:
+  explicit AbaqusCoordinates(MeshSourceText& file) : file_(file) {}
+
+  /// *SYSTEM: its lines of data say in which system *NODE gives coordinates from now on.
+  void read_system(const Keyword& keyword, AbaqusLines& lines);
+  /// *INSTANCE of the part: its lines of data move all nodes, then turn them about a line.
+  void read_instance(AbaqusLines& lines);
+  /// Whether the instance is somewhere else than the part.
+  bool is_instance_transformed() const { return moves_; }
+  /// The index of the system of the nodes that follow, with the value of SYSTEM=; -1: global.
+  int system_of(const Keyword& node_keyword);
+  /// Moves the nodes of a finished mesh to their places. `systems`: of each node, as system_of()
+  /// gave them.
+  void transform_nodes(TextMeshContent& mesh, std::vector<int> systems) const;
+
+  /// *PARAMETER: numbers by name, which stand in "<name>".
+  void read_parameters(AbaqusLines& lines);
+  /// The number that a coordinate stands for; `parameter` says whether it is one by name.
+  double real(std::string_view value, bool& parameter) const;
+
+ private:
+  MeshSourceText& file_;
+  CoordinateFrame frame_;  // of *SYSTEM
+  bool local_ = false;
+  std::vector<CoordinateSystemDefinition> plans_;
+  std::map<std::string, double> parameters_;
+  Mat3 rotation_ = Mat3::Identity();
+  Vec3 translation_ = Vec3::Zero();
+  bool moves_ = false;
+};
+
+namespace {
+
+/// The numbers of a line of data; those that are left out are 0.
+std::vector<double> reals(const MeshSourceText& file, std::string_view line) {
+  std::vector<double> values;
+  for (const std::string_view value : comma_values(line)) values.push_back(file.real(value, true));
+  return values;
+}
+
+Vec3 three(std::vector<double> values, size_t first) {
+  values.resize(std::max(values.size(), first + 3));
+  return {values[first], values[first + 1], values[first + 2]};
+}
+
+}  // namespace
+
+void AbaqusCoordinates::read_system(const Keyword& keyword, AbaqusLines& lines) {
+  frame_ = {};
+  local_ = false;
+  if (!lines.next_data()) return;
+  local_ = true;
+  const std::vector<double> first = reals(file_, lines.line());
+  frame_.origin = three(first, 0);
+  // Without a point on its x axis it is only moved, without one in its plane xy turned about z.
+  if (first.size() <= 3) {
+    lines.next_data();
+    return;
+  }
+  const Vec3 x = three(first, 3) - frame_.origin;
+  const bool plane = lines.next_data();
+  const Vec3 in_plane = plane ? Vec3(three(reals(file_, lines.line()), 0) - frame_.origin)
+                              : Vec3(Vec3::UnitZ().cross(x));
+  const Vec3 z = x.cross(in_plane);
+  if (!(z.norm() > 1e-12 * x.norm() * in_plane.norm()))
+    file_.fail(keyword.line, "found a *SYSTEM whose points lie on a line");
+  frame_.axes.col(0) = x.normalized();
+  frame_.axes.col(2) = z.normalized();
+  frame_.axes.col(1) = frame_.axes.col(2).cross(frame_.axes.col(0));
+  if (plane) lines.next_data();
+}
+
+void AbaqusCoordinates::read_instance(AbaqusLines& lines) {
+  if (!lines.next_data()) return;
+  moves_ = true;
+  translation_ = three(reals(file_, lines.line()), 0);
+  if (!lines.next_data()) return;
+  const std::vector<double> line = reals(file_, lines.line());
+  const Vec3 a = three(line, 0), axis = three(line, 3) - a;
+  if (line.size() < 7 || !(axis.norm() > 0))
+    file_.fail(lines.line(), "found a turn of an instance, expected two points and an angle");
+  rotation_ =
+      Eigen::AngleAxisd(line[6] * std::numbers::pi / 180, axis.normalized()).toRotationMatrix();
+  translation_ = rotation_ * (translation_ - a) + a;
+  lines.next_data();
+}
+
+int AbaqusCoordinates::system_of(const Keyword& keyword) {
+  const std::string name = upper(keyword.value("SYSTEM"));
+  CoordinateFrame frame = frame_;
+  if (name == "C")
+    frame.kind = CoordinateFrame::Kind::Cylindrical;
+  else if (name == "S")
+    frame.kind = CoordinateFrame::Kind::Latitude;
+  else if (!name.empty() && name != "R")
+    file_.fail(keyword.line, "found SYSTEM=" + name + ", expected R, C or S");
+  if (!local_ && frame.kind == CoordinateFrame::Kind::Rectangular) return -1;
+  CoordinateSystemDefinition plan;
+  plan.where = file_.offset(keyword.line);
+  plan.given = frame;
+  plans_.push_back(plan);
+  return isize(plans_) - 1;
+}
+
+void AbaqusCoordinates::transform_nodes(TextMeshContent& mesh, std::vector<int> systems) const {
+  if (!moves_ && std::all_of(systems.begin(), systems.end(), [](int s) { return s < 0; })) return;
+  NodeCoordinateSystems all;
+  all.plans = plans_;
+  if (moves_) {
+    all.plans.push_back({});
+    all.plans.back().given = CoordinateFrame();
+    for (int& system : systems)
+      if (system < 0) system = isize(plans_);
+    for (CoordinateSystemDefinition& plan : all.plans) {
+      plan.given->origin = rotation_ * plan.given->origin + translation_;
+      plan.given->axes = rotation_ * plan.given->axes;
+    }
+  }
+  all.of_node = std::move(systems);
+  nodes_to_global(mesh, std::move(all));
+}
+
+void AbaqusCoordinates::read_parameters(AbaqusLines& lines) {
+  while (lines.next_data()) {
+    const std::string_view line = lines.line().substr(0, lines.line().find('#'));
+    const size_t equals = line.find('=');
+    if (equals == line.npos) continue;
+    const std::string_view text = trimmed(line.substr(equals + 1));
+    const std::string name = upper(trimmed(line.substr(0, equals)));
+    double value = 0;
+    const auto other = parameters_.find(upper(text));
+    if (parse_real(text, value))
+      parameters_[name] = value;
+    else if (other != parameters_.end())
+      parameters_[name] = other->second;
+    else
+      parameters_.erase(name);  // an expression
+  }
+}
+
+double AbaqusCoordinates::real(std::string_view value, bool& parameter) const {
+  if (!value.starts_with('<')) return file_.real(value, true);
+  parameter = true;
+  const std::string name = upper(trimmed(value.substr(1, value.find('>') - 1)));
+  const auto found = parameters_.find(name);
+  if (found == parameters_.end())
+    file_.fail(value, "found " + quoted_excerpt(value) +
+                          ", expected a number or a parameter before it "
+                          "that is given as a number");
+  return found->second;
+}
+
+
+// Element types of Abaqus and CalculiX. Internal.
+
+/// What an element of a type is. Corners and middle nodes of a face, or the nodes of another
+/// element; `count` is 0 for types that are not known.
+struct AbaqusElement {
+  bool face = false;
+  int corners = 0, middle = 0;
+  NonShellElement::Kind kind = NonShellElement::Kind::Other;
+  int count = 0;
+  bool direction = false;  ///< a further node may say how a beam is turned
+};
+AbaqusElement abaqus_element(const std::string& type);
+
+namespace {
+
+using Kind = NonShellElement::Kind;
+
+struct Start {
+  std::string_view name;
+  Kind kind;
+  int count;
+  bool direction = false;
+};
+
+/// Types by how they begin; letters behind that say how they are integrated. The longer one of two
+/// that begin the same stands first.
+constexpr std::array kStarts{
+    Start{"C3D10", Kind::Solid, 10},      Start{"C3D15", Kind::Solid, 15},
+    Start{"C3D20", Kind::Solid, 20},      Start{"C3D27", Kind::Solid, 20},
+    Start{"C3D4", Kind::Solid, 4},        Start{"C3D5", Kind::Solid, 5},
+    Start{"C3D6", Kind::Solid, 6},        Start{"C3D8", Kind::Solid, 8},
+    Start{"SC6", Kind::Solid, 6},         Start{"SC8", Kind::Solid, 8},
+    Start{"CSS8", Kind::Solid, 8},        Start{"COH3D6", Kind::Solid, 6},
+    Start{"COH3D8", Kind::Solid, 8},      Start{"B21", Kind::Beam, 2, true},
+    Start{"B22", Kind::Beam, 3, true},    Start{"B23", Kind::Beam, 2, true},
+    Start{"B31", Kind::Beam, 2, true},    Start{"B32", Kind::Beam, 3, true},
+    Start{"B33", Kind::Beam, 2, true},    Start{"PIPE31", Kind::Beam, 2, true},
+    Start{"PIPE32", Kind::Beam, 3, true}, Start{"FRAME3D", Kind::Beam, 2, true},
+    Start{"RB3D2", Kind::Beam, 2},        Start{"T2D2", Kind::Beam, 2},
+    Start{"T3D2", Kind::Beam, 2},         Start{"T3D3", Kind::Beam, 3},
+    Start{"CONN3D2", Kind::Bush, 2},      Start{"CONN2D2", Kind::Bush, 2},
+    Start{"SPRING1", Kind::Bush, 1},      Start{"SPRING", Kind::Bush, 2},
+    Start{"DASHPOT1", Kind::Bush, 1},     Start{"DASHPOT", Kind::Bush, 2},
+    Start{"GAP", Kind::Bush, 2},          Start{"JOINTC", Kind::Bush, 2},
+    Start{"MASS", Kind::Mass, 1},         Start{"ROTARYI", Kind::Mass, 1},
+    Start{"DCOUP3D", Kind::Other, 1},     Start{"R3D3", Kind::Other, 3},
+    Start{"R3D4", Kind::Other, 4}};
+
+const std::map<std::string, std::array<int, 2>> kFaces{
+    {"S3", {3, 0}},     {"S3R", {3, 0}},   {"S3RS", {3, 0}},  {"STRI3", {3, 0}}, {"S4", {4, 0}},
+    {"S4R", {4, 0}},    {"S4RS", {4, 0}},  {"S4RSW", {4, 0}}, {"S4R5", {4, 0}},  {"S6", {3, 3}},
+    {"STRI65", {3, 3}}, {"S8", {4, 4}},    {"S8R", {4, 4}},   {"S8R5", {4, 4}},  {"M3D3", {3, 0}},
+    {"M3D4", {4, 0}},   {"M3D4R", {4, 0}}, {"M3D6", {3, 3}},  {"M3D8", {4, 4}},  {"M3D8R", {4, 4}},
+    {"CPS3", {3, 0}},   {"CPS4", {4, 0}},  {"CPS4R", {4, 0}}, {"CPS4I", {4, 0}}, {"CPS6", {3, 3}},
+    {"CPS6M", {3, 3}},  {"CPS8", {4, 4}},  {"CPS8R", {4, 4}}};
+
+}  // namespace
+
+AbaqusElement abaqus_element(const std::string& type) {
+  AbaqusElement element;
+  if (const auto face = kFaces.find(type); face != kFaces.end()) {
+    element.face = true;
+    element.corners = face->second[0];
+    element.middle = face->second[1];
+    element.count = element.corners + element.middle;
+    return element;
+  }
+  for (const Start& start : kStarts)
+    if (type.starts_with(start.name)) {
+      element.kind = start.kind;
+      element.count = start.count;
+      element.direction = start.direction;
+      break;
+    }
+  return element;
+}
+
+namespace {
+
+/// A set as it is written: numbers and names of sets before it.
+struct RawSet {
+  std::string_view name;
+  bool of_nodes;
+  std::vector<LabelRange> ranges;
+  std::vector<std::pair<std::string, std::string_view>> names;
+};
+
+class AbaqusReader {
+ public:
+  explicit AbaqusReader(TextMeshContent& mesh)
+      : mesh_(mesh),
+        file_(mesh.file),
+        lines_(mesh.file),
+        deck_(mesh),
+        coordinate_systems_(mesh.file),
+        connections_(mesh.file, deck_) {}
+
+  void read() {
+    while (const auto keyword = lines_.next_keyword()) {
+      handle(*keyword);
+      while (lines_.next_data()) {
+      }
+    }
+    finish();
+  }
+
+ private:
+  void handle(const Keyword& keyword) {
+    const std::string& name = keyword.name;
+    static const std::set<std::string> generators{"NGEN", "NFILL", "NCOPY",
+                                                  "NMAP", "ELGEN", "ELCOPY"};
+    if (generators.contains(name))
+      file_.fail(keyword.line, "found *" + name + ", expected nodes and elements written out");
+    // In an assembly, nodes and sets are those of the assembly, or say of which instance they are.
+    const bool here = !in_assembly_ || parts_ == 0;
+    if (name == "PART") {
+      if (++parts_ > 1) file_.fail(keyword.line, "found a second *PART, expected one flat part");
+    } else if (name == "INSTANCE") {
+      if (++instances_ > 1)
+        file_.fail(keyword.line,
+                   "found a second *INSTANCE, expected one: nodes would be in two places");
+      coordinate_systems_.read_instance(lines_);
+    } else if (name == "ASSEMBLY" || name == "END ASSEMBLY") {
+      in_assembly_ = name == "ASSEMBLY";
+    } else if (name == "NODE" && here) {
+      nodes(keyword);
+    } else if (name == "ELEMENT" && here) {
+      elements(keyword);
+    } else if (name == "SYSTEM" && here) {
+      coordinate_systems_.read_system(keyword, lines_);
+    } else if (name == "PARAMETER") {
+      coordinate_systems_.read_parameters(lines_);
+    } else if ((name == "NSET" || name == "ELSET") && (here || keyword.has("INSTANCE"))) {
+      set(keyword, name == "NSET");
+    } else if (name == "SHELL SECTION" || name == "SHELL GENERAL SECTION" ||
+               name == "MEMBRANE SECTION" || name == "SOLID SECTION") {
+      sections_.push_back(keyword.value("ELSET"));
+    } else if (name == "NODE" || name == "ELEMENT") {
+      ++assembly_blocks_;
+    } else {
+      connections_.read(keyword, lines_);
+    }
+  }
+
+  void nodes(const Keyword& keyword) {
+    lines_.follow_input(keyword);
+    const int system = coordinate_systems_.system_of(keyword);
+    RawSet* const set = new_set(keyword.value("NSET"), true);
+    while (lines_.next_data()) {
+      const std::string_view data = lines_.line();
+      std::array<Field, 3> fields;
+      const DeckLine line(data);
+      const std::string_view label = line.free() ? line.value(0, 0, 0) : trimmed(data);
+      const long number = file_.integer(label, "a node number");
+      line.fields(file_, 1, 0, FieldKind::Abaqus, FieldKind::Abaqus, fields);
+      if (!line.free())  // nothing but the number
+        for (int c = 0; c < 3; ++c)
+          fields[c] = {file_.offset(data) + data.size(), 0, FieldKind::Abaqus, true, 1};
+      std::array<double, 3> xyz{};
+      for (int c = 0; c < 3 && line.free(); ++c) {
+        bool parameter = false;
+        xyz[c] = coordinate_systems_.real(line.value(c + 1, 0, 0), parameter);
+        if (parameter)
+          mesh_.fixed_nodes.push_back({isize(systems_), "has a coordinate that is the parameter " +
+                                                            std::string(line.value(c + 1, 0, 0))});
+      }
+      deck_.add_node(number, label, xyz, fields);
+      systems_.push_back(system);
+      if (set) set->ranges.push_back({number, number});
+    }
+  }
+
+  void elements(const Keyword& keyword) {
+    lines_.follow_input(keyword);
+    const std::string type = upper(keyword.value("TYPE"));
+    if (type.empty()) file_.fail(keyword.line, "found *ELEMENT without TYPE=, expected one");
+    RawSet* const set = new_set(keyword.value("ELSET"), false);
+    const AbaqusElement element = abaqus_element(type);
+    while (lines_.next_data()) {
+      if (element.face) {
+        const std::vector<std::string_view> values = record(type, element.count);
+        face(element, values);
+        if (set) set->ranges.push_back({face_label_, face_label_});
+      } else if (element.count > 0) {
+        other(element, type, record(type, element.count), keyword.value("ELSET"));
+      } else {
+        deck_.count_other_element(type);
+        while (trimmed(lines_.line()).ends_with(',') && lines_.next_data()) {
+        }
+      }
+    }
+  }
+
+  /// The number of an element and its nodes, `count` at least. A line goes on when it ends with a
+  /// comma, whatever blanks follow.
+  std::vector<std::string_view> record(const std::string& type, int count) {
+    const std::string_view start = lines_.line();
+    std::vector<std::string_view> values;
+    for (;;) {
+      for (const std::string_view value : comma_values(lines_.line())) values.push_back(value);
+      if (isize(values) > count) return values;
+      const bool goes_on = values.back().empty();
+      if (goes_on) values.pop_back();
+      if (!goes_on || !lines_.next_data())
+        file_.fail(start, "found " + format_count(isize(values) - 1, "node") +
+                              " of an element of type " + type + ", expected " +
+                              std::to_string(count));
+    }
+  }
+
+  void face(const AbaqusElement& element, const std::vector<std::string_view>& values) {
+    face_label_ = file_.integer(values[0], "an element number");
+    std::array<long, 8> nodes{};
+    for (int i = 0; i < element.count; ++i)
+      nodes[i] = file_.integer(values[i + 1], "a node number");
+    const auto corners = static_cast<size_t>(element.corners);
+    deck_.add_shell(face_label_, values[0], "", {nodes.data(), corners},
+                    {nodes.data() + corners, static_cast<size_t>(element.middle)});
+  }
+
+  void other(const AbaqusElement& element, const std::string& type,
+             const std::vector<std::string_view>& values, std::string_view elset) {
+    DeckElement read{element.kind, type, file_.integer(values[0], "an element number"),
+                     values[0],    {},   {}};
+    const int count = element.count + (element.direction ? 1 : 0);
+    for (int i = 1; i <= count && i < isize(values); ++i)
+      if (!values[i].empty()) read.nodes.push_back(file_.integer(values[i], "a node number"));
+    if (type == "DCOUP3D" && !read.nodes.empty())
+      connections_.add_coupling_node(elset, read.nodes[0]);
+    deck_.add_element(std::move(read));
+  }
+
+  RawSet* new_set(std::string_view name, bool of_nodes) {
+    if (name.empty()) return nullptr;
+    raw_sets_.push_back(std::make_unique<RawSet>(RawSet{name, of_nodes, {}, {}}));
+    return raw_sets_.back().get();
+  }
+
+  void set(const Keyword& keyword, bool of_nodes) {
+    const std::string_view name = keyword.value(of_nodes ? "NSET" : "ELSET");
+    if (name.empty()) file_.fail(keyword.line, "found a set without a name, expected one");
+    RawSet& set = *new_set(name, of_nodes);
+    if (of_nodes && keyword.has("ELSET")) {
+      // The nodes of a set of elements.
+      set.names.push_back({"E" + upper(keyword.value("ELSET")), keyword.line});
+    }
+    while (lines_.next_data()) {
+      std::vector<std::string_view> values = comma_values(lines_.line());
+      std::erase_if(values, [](std::string_view value) { return value.empty(); });
+      if (values.empty()) continue;
+      if (keyword.has("GENERATE")) {
+        LabelRange range{file_.integer(values[0], "a number"), 0};
+        range.last = values.size() > 1 ? file_.integer(values[1], "a number") : range.first;
+        if (values.size() > 2) range.step = file_.integer(values[2], "a step");
+        if (range.step <= 0) file_.fail(values.back(), "found a step below 1");
+        set.ranges.push_back(range);
+        continue;
+      }
+      for (std::string_view value : values) {
+        long label = 0;
+        // "instance.5" and "instance.set" name what is in the only instance.
+        const size_t dot = value.rfind('.');
+        const std::string_view last = dot == value.npos ? value : value.substr(dot + 1);
+        if (parse_integer(last, label))
+          set.ranges.push_back({label, label});
+        else
+          set.names.push_back({(of_nodes ? "N" : "E") + upper(last), value});
+      }
+    }
+  }
+
+  void finish() {
+    deck_.finish();
+    coordinate_systems_.transform_nodes(mesh_, systems_);
+    std::map<std::string, std::vector<int>> known;
+    std::map<std::string, size_t> position;
+    std::vector<MeshSet> sets;
+    for (const auto& raw : raw_sets_) {
+      std::vector<int> members =
+          raw->of_nodes ? deck_.nodes_of(raw->ranges) : deck_.faces_of(raw->ranges);
+      for (const auto& [name, where] : raw->names) {
+        const auto found = known.find(name);
+        if (found == known.end())
+          file_.fail(where, "found " + quoted_excerpt(name.substr(1)) +
+                                ", expected a number or the name of a set before it");
+        if (raw->of_nodes && name[0] == 'E') {
+          for (const int f : found->second)
+            members.insert(members.end(), mesh_.shells.face(f).begin(), mesh_.shells.face(f).end());
+        } else {
+          members.insert(members.end(), found->second.begin(), found->second.end());
+        }
+      }
+      // Several blocks may add to one set.
+      const std::string key = (raw->of_nodes ? "N" : "E") + upper(raw->name);
+      std::vector<int>& all = known[key];
+      all.insert(all.end(), members.begin(), members.end());
+      std::sort(all.begin(), all.end());
+      all.erase(std::unique(all.begin(), all.end()), all.end());
+      if (position.try_emplace(key, sets.size()).second)
+        sets.push_back({std::string(raw->name), {}, {}, {}});
+    }
+    for (const auto& [key, index] : position)
+      (key[0] == 'N' ? sets[index].nodes : sets[index].faces) = known[key];
+    for (MeshSet& set : sets)
+      if (!set.nodes.empty() || !set.faces.empty()) mesh_.sets.push_back(std::move(set));
+    properties(known);
+    connections_.finish(
+        mesh_,
+        [&](const std::string& name, bool faces) -> std::optional<std::vector<int>> {
+          const auto found = known.find((faces ? "E" : "N") + name);
+          return found == known.end() ? std::nullopt : std::optional(found->second);
+        },
+        parts_ == 0);
+    warn();
+  }
+
+  void properties(const std::map<std::string, std::vector<int>>& known) {
+    std::set<std::string> taken;
+    for (const std::string_view name : sections_) {
+      const auto found = known.find("E" + upper(name));
+      if (found == known.end() || found->second.empty() || !taken.insert(found->first).second)
+        continue;
+      mesh_.properties.push_back({std::string(name), {}, {}, found->second});
+    }
+  }
+
+  void warn() {
+    deck_.warn_about_other_elements();
+    mesh_.warn_about_unwritten_includes();
+    if (file_.ends_in_mid_line())
+      mesh_.warnings.push_back("the file ends in mid-line: it may be cut short");
+    if (assembly_blocks_ > 0)
+      mesh_.warnings.push_back("nodes and elements of the assembly itself are not read");
+  }
+
+  TextMeshContent& mesh_;
+  MeshSourceText& file_;
+  AbaqusLines lines_;
+  DeckMeshBuilder deck_;
+  AbaqusCoordinates coordinate_systems_;
+  AbaqusConnections connections_;
+  std::vector<int> systems_;  // of each node
+  std::vector<std::unique_ptr<RawSet>> raw_sets_;
+  std::vector<std::string_view> sections_;
+  long face_label_ = 0;
+  int parts_ = 0, instances_ = 0, assembly_blocks_ = 0;
+  bool in_assembly_ = false;
+};
+
+}  // namespace
+
+std::unique_ptr<MeshContent> read_abaqus_deck(const std::filesystem::path& path) {
+  auto mesh = std::make_unique<TextMeshContent>(MeshSourceText(path));
+  mesh->format = "Abaqus input";
+  mesh->extensions = {".inp"};
+  AbaqusReader(*mesh).read();
+  return mesh;
+}
+
+}  // namespace batten

@@ -1,0 +1,253 @@
+// OpenRadioss starter decks: nodes, elements and groups of nodes; everything else stays text.
+#include <algorithm>
+#include <map>
+#include <set>
+
+#include "batten/core/errors.h"
+#include "batten/io/meshes/decks/deck_mesh_builder.h"
+
+namespace batten {
+namespace {
+
+using Kind = NonShellElement::Kind;
+
+constexpr int kWidth = 10;  // of all fields but real numbers
+
+/// Elements by their keyword: the nodes behind the number in its line, or in `more` further lines.
+struct BlockLayout {
+  Kind kind;
+  int nodes, more = 0;
+};
+const std::map<std::string, BlockLayout>& block_layouts() {
+  static const std::map<std::string, BlockLayout> all{
+      {"BRICK", {Kind::Solid, 8}},     {"TETRA4", {Kind::Solid, 4}}, {"PENTA6", {Kind::Solid, 6}},
+      {"BEAM", {Kind::Beam, 3}},       {"TRUSS", {Kind::Beam, 2}},   {"SPRING", {Kind::Bush, 3}},
+      {"TETRA10", {Kind::Solid, 0, 1}}};
+  return all;
+}
+
+class RadiossReader {
+ public:
+  explicit RadiossReader(TextMeshContent& mesh) : mesh_(mesh), file_(mesh.file), deck_(mesh) {}
+
+  void read() {
+    bool ended = false;
+    while (!ended && next_block()) {
+      const std::vector<std::string> words = words_of(line_);
+      ended = words[0] == "END" && file_.depth() == 0;
+      const bool of_included = words[0] == "END" && !ended;
+      if (of_included) file_.leave_file();
+      keyword_ = line_;
+      line_ = {};
+      if (!of_included) handle(words);
+    }
+    finish();
+    if (!ended) mesh_.warnings.push_back("the deck has no /END: it may be cut short");
+  }
+
+ private:
+  struct Group {
+    std::string name, title;
+    std::vector<LabelRange> nodes;
+  };
+  struct Body {
+    std::string name;
+    long label, node, group;
+  };
+
+  /// The next line that is not a comment; those that include a file are followed.
+  bool next(std::string_view& line) {
+    while (file_.next(line)) {
+      if (line.starts_with("#include")) {
+        file_.include(std::string(trimmed(line.substr(8))), line);
+        continue;
+      }
+      if (!line.starts_with('#') && !line.starts_with('$')) return true;
+    }
+    line = {};
+    return false;
+  }
+  bool next_block() {
+    while (!line_.starts_with('/'))
+      if (!next(line_)) return false;
+    return true;
+  }
+  /// The next line of data of this block; line_ is the one that ends them.
+  bool next_data() {
+    if (line_.starts_with('/')) return false;
+    while (next(line_)) {
+      if (line_.starts_with('/')) return false;
+      if (!trimmed(line_).empty()) return true;
+    }
+    return false;
+  }
+
+  /// "/SHELL/7" as SHELL, 7.
+  static std::vector<std::string> words_of(std::string_view line) {
+    std::vector<std::string> words;
+    for (std::string_view rest = trimmed(line).substr(1);;) {
+      const size_t slash = rest.find('/');
+      words.push_back(upper(trimmed(rest.substr(0, slash))));
+      if (slash == rest.npos) break;
+      rest.remove_prefix(slash + 1);
+    }
+    words.resize(std::max<size_t>(words.size(), 3));
+    return words;
+  }
+
+  void handle(const std::vector<std::string>& words) {
+    const std::string& name = words[0];
+    if (name == "BEGIN") return begin();
+    if (name == "NODE" || name == "CNODE") return nodes();
+    if (name == "SHELL") return shells(words[1], 4);
+    if (name == "SH3N") return shells(words[1], 3);
+    if (name == "PART") return title_of(titles_[words[1]]);
+    if (name == "GRNOD" && (words[1] == "NODE" || words[1] == "NODENS" || words[1] == "GENE"))
+      return group(words[2], words[1] == "GENE");
+    if (name == "RBODY" && words[1] != "LAGMUL") return body("/RBODY", words[1], 6);
+    if (name == "RBE2") return body("/RBE2", words[1], 3);
+    if (name == "TRANSFORM" || name.empty())
+      file_.fail(keyword_, "found " + quoted_excerpt(keyword_) +
+                               ", expected one model with its nodes in their place");
+    if (const auto layout = block_layouts().find(name); layout != block_layouts().end())
+      return elements(name, layout->second);
+    static const std::set<std::string> format_count{"BRIC20", "SHEL16", "QUAD",  "TRIA",
+                                                    "XELEM",  "SPHCEL", "ADMAS", "RBE3"};
+    if (format_count.contains(name)) deck_.count_other_element("/" + name, 0);
+  }
+
+  std::string_view field(int i) const { return DeckLine(line_).value(i, i * kWidth, kWidth); }
+  long number(int i, const char* expected = "a node number") const {
+    return field(i).empty() ? 0 : file_.integer(field(i), expected);
+  }
+
+  /// Old versions have narrower fields.
+  void begin() {
+    std::string title;
+    title_of(title);
+    if (!next_data()) return;
+    long version = 0;
+    if (parse_integer(field(0), version) && version < 51)
+      file_.fail(field(0), "found input of version " + std::to_string(version) +
+                               ", expected 51 or later, whose fields have 10 columns");
+  }
+
+  /// A title may be empty.
+  void title_of(std::string& title) {
+    if (!line_.starts_with('/') && next(line_) && !line_.starts_with('/')) title = trimmed(line_);
+  }
+
+  void nodes() {
+    while (next_data()) {
+      const DeckLine line(line_);
+      const int real = width_of(FieldKind::Dyna20);
+      const std::string_view label = line.value(0, 0, kWidth);
+      std::array<double, 3> xyz;
+      for (int c = 0; c < 3; ++c)
+        xyz[c] = file_.real(line.value(c + 1, kWidth + c * real, real), true);
+      std::array<Field, 3> fields;
+      line.fields(file_, 1, kWidth, FieldKind::Dyna20, FieldKind::DynaFree20, fields);
+      deck_.add_node(file_.integer(label, "a node number"), label, xyz, fields);
+    }
+  }
+
+  void shells(const std::string& part, size_t corners) {
+    while (next_data()) {
+      const std::string_view label = field(0);
+      const long element = file_.integer(label, "an element number");
+      std::array<long, 4> n{};
+      for (size_t i = 0; i < corners; ++i) n[i] = number(static_cast<int>(i) + 1);
+      if (n[0] == 0 || n[1] == 0 || n[2] == 0)
+        file_.fail(label, "found element " + std::string(label) + " of fewer than 3 nodes");
+      const bool triangle = n[3] == 0 || n[3] == n[2];
+      deck_.add_shell(element, label, part, {n.data(), triangle ? 3u : 4u});
+    }
+  }
+
+  void elements(const std::string& name, const BlockLayout& layout) {
+    while (next_data()) {
+      DeckElement element{layout.kind, "/" + name, 0, field(0), {}, {}};
+      element.label = file_.integer(field(0), "an element number");
+      const auto add = [&](int i) {
+        // Solids of fewer corners repeat some.
+        const long node = number(i);
+        auto& all = element.nodes;
+        if (node != 0 && std::find(all.begin(), all.end(), node) == all.end()) all.push_back(node);
+      };
+      for (int i = 1; i <= layout.nodes; ++i) add(i);
+      for (int more = 0; more < layout.more; ++more) {
+        if (!next_data()) file_.fail(element.where, "found an element without its nodes");
+        for (int i = 0; i < 10; ++i) add(i);
+      }
+      deck_.add_element(std::move(element));
+    }
+  }
+
+  void group(const std::string& name, bool ranges) {
+    Group group{name, "", {}};
+    title_of(group.title);
+    std::vector<long> numbers;
+    while (next_data())
+      for (int i = 0; i < 10; ++i)
+        if (const long n = number(i); n > 0) numbers.push_back(n);
+    const size_t step = ranges ? 2 : 1;
+    for (size_t i = 0; i + step <= numbers.size(); i += step)
+      group.nodes.push_back({numbers[i], numbers[i + step - 1]});
+    groups_.push_back(std::move(group));
+  }
+
+  void body(const std::string& name, const std::string& label, int group_field) {
+    Body body{name, 0, 0, 0};
+    parse_integer(label, body.label);
+    std::string title;
+    title_of(title);
+    if (!next_data()) return;
+    body.node = number(0);
+    body.group = number(group_field, "the number of a group");
+    deck_.count_other_element(name);
+    bodies_.push_back(body);
+  }
+
+  void finish() {
+    deck_.finish();
+    for (MeshSet& property : mesh_.properties)
+      if (const auto title = titles_.find(property.name); title != titles_.end())
+        property.title = title->second;
+    for (const Body& body : bodies_) {
+      NonShellElement element{Kind::Rigid, body.name, body.label, {}, {}};
+      const auto main = mesh_.node_labels.find(body.node);
+      if (main) element.nodes.push_back(*main);
+      for (const Group& group : groups_)
+        if (group.name == std::to_string(body.group))
+          for (const int node : deck_.nodes_of(group.nodes))
+            if (!main || node != *main) element.nodes.push_back(node);
+      if (!element.nodes.empty()) mesh_.other_elements.push_back(std::move(element));
+    }
+    for (const Group& group : groups_) {
+      MeshSet set{group.name, group.title, deck_.nodes_of(group.nodes), {}};
+      if (!set.nodes.empty()) mesh_.sets.push_back(std::move(set));
+    }
+    deck_.warn_about_other_elements();
+    mesh_.warn_about_unwritten_includes();
+  }
+
+  TextMeshContent& mesh_;
+  MeshSourceText& file_;
+  DeckMeshBuilder deck_;
+  std::string_view line_, keyword_;
+  std::map<std::string, std::string> titles_;
+  std::vector<Group> groups_;
+  std::vector<Body> bodies_;
+};
+
+}  // namespace
+
+std::unique_ptr<MeshContent> read_radioss_deck(const std::filesystem::path& path) {
+  auto mesh = std::make_unique<TextMeshContent>(MeshSourceText(path));
+  mesh->format = "Radioss starter";
+  mesh->extensions = {".rad"};
+  RadiossReader(*mesh).read();
+  return mesh;
+}
+
+}  // namespace batten

@@ -1,0 +1,259 @@
+#include "batten/mesh/sequence/trajectories/foot_contact.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numeric>
+
+#include "batten/core/errors.h"
+#include "batten/core/containers.h"
+#include "batten/mesh/rotation_fitting.h"
+
+namespace batten {
+namespace {
+
+/// "frames 3-8".
+std::string frames_of(const FootContact& f) {
+  return "frames " + std::to_string(f.first + 1) + "-" + std::to_string(f.last + 1);
+}
+
+Mat3 mean(const std::vector<Mat3>& rotations) {
+  return mean_rotation(rotations, std::vector<double>(rotations.size(), 1.0));
+}
+
+/// From each frame the last one of an interval that still counts as one place.
+std::vector<int> last_frames_of_contact(const Points& c, const FootContactOptions& options) {
+  const int n = static_cast<int>(c.rows());
+  std::vector<int> last(n);
+  for (int first = 0, end = 0; first < n; ++first) {
+    end = std::max(end, first);
+    for (; end + 1 < n && (c.row(end + 1) - c.row(end)).norm() <= options.speed; ++end) {
+      bool near = true;
+      for (int k = first; k <= end && near; ++k)
+        near = (c.row(end + 1) - c.row(k)).norm() <= options.max_spread;
+      if (!near) break;
+    }
+    last[first] = end;
+  }
+  return last;
+}
+
+FootContact mean_contact(const Trajectory& t, int first, int last) {
+  FootContact f{first, last, t.centres.middleRows(first, last - first + 1).colwise().mean(), {}};
+  f.rotation = mean({t.rotations.begin() + first, t.rotations.begin() + last + 1});
+  return f;
+}
+
+}  // namespace
+
+std::vector<int> lowest_vertices(const std::vector<Points>& frames,
+                                 const std::vector<int>& vertices, const Vec3& up,
+                                 double fraction) {
+  if (vertices.empty() || frames.empty()) throw InputError("lowest of no vertices");
+  std::vector<double> height(vertices.size(), 0);
+  for (size_t k = 0; k < frames.size(); ++k)
+    for (size_t i = 0; i < vertices.size(); ++i) {
+      if (vertices[i] < 0 || vertices[i] >= frames[k].rows())
+        throw InputError("frame " + std::to_string(k + 1) + " has no vertex " +
+                         std::to_string(vertices[i] + 1));
+      height[i] += frames[k].row(vertices[i]).dot(up);
+    }
+  std::vector<size_t> order(vertices.size());
+  std::iota(order.begin(), order.end(), 0);
+  std::stable_sort(order.begin(), order.end(),
+                   [&](size_t a, size_t b) { return height[a] < height[b]; });
+  const double count = std::ceil(fraction * static_cast<double>(vertices.size()) - 1e-9);
+  order.resize(
+      static_cast<size_t>(std::clamp<double>(count, 1, static_cast<double>(order.size()))));
+  std::vector<int> lowest;
+  for (const size_t i : order) lowest.push_back(vertices[i]);
+  std::sort(lowest.begin(), lowest.end());
+  return lowest;
+}
+
+std::vector<FootContact> detect_foot_contacts(const Trajectory& trajectory,
+                                              const FootContactOptions& options) {
+  if (!(options.max_spread > 0) || !(options.speed > 0) || options.frames < 1)
+    throw InputError("footprints: `within`, `speed` and `frames` must be above 0");
+  const std::vector<int> last = last_frames_of_contact(trajectory.centres, options);
+  std::vector<FootContact> found;
+  std::vector<std::pair<int, int>> open = {{0, trajectory.frame_count() - 1}};
+  while (!open.empty()) {
+    const auto [from, to] = open.back();
+    open.pop_back();
+    int first = from, longest = 0;
+    for (int k = from; k <= to; ++k)
+      if (const int length = std::min(last[k], to) - k + 1; length > longest) {
+        first = k;
+        longest = length;
+      }
+    if (longest < options.frames) continue;
+    found.push_back(mean_contact(trajectory, first, first + longest - 1));
+    open.push_back({from, first - 1});
+    open.push_back({first + longest, to});
+  }
+  std::sort(found.begin(), found.end(),
+            [](const FootContact& a, const FootContact& b) { return a.first < b.first; });
+  return found;
+}
+
+FootContact moved(const RigidMotion& motion, const FootContact& contact) {
+  FootContact result = contact;
+  result.at = motion(contact.at);
+  result.rotation = motion.rotation * contact.rotation;
+  return result;
+}
+
+FootContact projected(const FootContact& contact, const Terrain& terrain,
+                      const ContactPose& contact_pose, const std::string& name) {
+  const std::optional<Terrain::SurfacePoint> surface_point = terrain.surface_point(contact.at);
+  if (!surface_point)
+    throw InputError(name + ": the footprint of " + frames_of(contact) +
+                     " has no terrain above or below it");
+  FootContact result = contact;
+  const Vec3 direction = contact_pose.rotations ? surface_point->normal : terrain.up();
+  result.at = surface_point->at + contact_pose.clearance * direction;
+  result.rotation = Eigen::Quaterniond::FromTwoVectors(terrain.up(), direction) * contact.rotation;
+  return result;
+}
+
+std::vector<FootContact> averaged(const std::vector<FootContact>& foot_contacts,
+                                  const std::vector<RigidMotion>& motions) {
+  std::vector<FootContact> result;
+  for (const FootContact& f : foot_contacts) {
+    check({f}, isize(motions), "averaged");
+    Vec3 at = Vec3::Zero();
+    std::vector<Mat3> rotations;
+    for (int k = f.first; k <= f.last; ++k) {
+      at += motions[k](f.at) / (f.last - f.first + 1);
+      rotations.push_back(motions[k].rotation);
+    }
+    result.push_back({f.first, f.last, at, mean(rotations) * f.rotation});
+  }
+  return result;
+}
+
+void check(const std::vector<FootContact>& foot_contacts, int frames, const std::string& name) {
+  double size = 0;
+  for (const FootContact& f : foot_contacts) {
+    if (f.last < f.first)
+      throw InputError(name + ": the footprint of " + frames_of(f) + " ends before it begins");
+    if (f.first < 0 || f.last >= frames)
+      throw InputError(name + ": the footprint of " + frames_of(f) + " is not in the frames 1-" +
+                       std::to_string(frames));
+    size = std::max(size, f.at.cwiseAbs().maxCoeff());
+  }
+  for (size_t i = 0; i < foot_contacts.size(); ++i)
+    for (size_t j = 0; j < i; ++j) {
+      const FootContact &a = foot_contacts[j], &b = foot_contacts[i];
+      if (a.last < b.first || b.last < a.first) continue;
+      const double apart = (a.at - b.at).norm();
+      const std::string overlap =
+          name + ": the footprints of " + frames_of(a) + " and " + frames_of(b) + " overlap ";
+      if (apart > 1e-9 * size)
+        throw InputError(overlap + "at places that are " + format_number(apart) + " apart");
+      if ((a.rotation - b.rotation).norm() > 1e-9)
+        throw InputError(overlap + "with different rotations");
+    }
+}
+
+std::vector<HandleKeyframe> keyframes_of(const std::vector<FootContact>& from,
+                                         const std::vector<FootContact>& to, int frames,
+                                         const std::string& name) {
+  check(to, frames, name);
+  if (from.size() != to.size())
+    throw InputError(name + ": " + std::to_string(to.size()) + " footprints after an edit, " +
+                     std::to_string(from.size()) + " before it");
+  std::map<int, RigidMotion> motions;
+  for (size_t i = 0; i < to.size(); ++i) {
+    const FootContact &a = from[i], &b = to[i];
+    if (a.first != b.first || a.last != b.last)
+      throw InputError(name + ": a footprint of " + frames_of(a) + " became one of " +
+                       frames_of(b));
+    for (int k = b.first; k <= b.last; ++k)
+      motions.emplace(k, RigidMotion::about(a.at, b.rotation * a.rotation.transpose(), b.at));
+  }
+  std::vector<HandleKeyframe> keyframes;
+  for (const auto& [frame, motion] : motions) keyframes.push_back({frame, motion});
+  return keyframes;
+}
+
+namespace {
+
+Vec3 unit_up(const Vec3& up) {
+  if (!(up.norm() > 0) || !up.allFinite()) throw InputError("terrain: up is no direction");
+  return up.normalized();
+}
+
+}  // namespace
+
+Terrain::Terrain(TriangleMesh mesh, const Vec3& up) : mesh_(std::move(mesh)), up_(unit_up(up)) {
+  across_[0] = up_.unitOrthogonal();
+  across_[1] = up_.cross(across_[0]);
+  const MeshTopology& topology = mesh_.topology();
+  normals_ = Points::Zero(topology.node_count(), 3);
+  Box2 box;
+  bool seen = false;
+  for (int t = 0; t < mesh_.triangle_count(); ++t) {
+    const Vec3 area = mesh_.area_vector(t);
+    seen = seen || area.dot(up_) != 0;
+    for (const int v : mesh_.triangles()[t]) {
+      normals_.row(topology.node_of(v)) += (area.dot(up_) < 0 ? -1 : 1) * area.transpose();
+      box.extend(to_plane(mesh_.point(v)));
+    }
+  }
+  if (!seen) throw InputError("terrain: no triangle is seen from above");
+  cells_ = std::clamp(static_cast<int>(std::sqrt(mesh_.triangle_count())), 1, 4096);
+  low_ = box.min();
+  step_ = box.sizes() / cells_;
+  // Counted, then written: the triangles of cell c are list_[start_[c]] … .
+  start_.assign(static_cast<size_t>(cells_) * cells_ + 1, 0);
+  for (const bool counts : {true, false}) {
+    for (int t = mesh_.triangle_count() - 1; t >= 0; --t) {
+      Box2 around;
+      for (const int v : mesh_.triangles()[t]) around.extend(to_plane(mesh_.point(v)));
+      for (int j = cell(around.min().y(), 1); j <= cell(around.max().y(), 1); ++j)
+        for (int i = cell(around.min().x(), 0); i <= cell(around.max().x(), 0); ++i) {
+          int& at = start_[static_cast<size_t>(j) * cells_ + i];
+          if (counts)
+            ++at;
+          else
+            list_[--at] = t;
+        }
+    }
+    if (!counts) break;
+    for (size_t c = 1; c < start_.size(); ++c) start_[c] += start_[c - 1];
+    list_.resize(start_.back());
+  }
+}
+
+int Terrain::cell(double x, int axis) const {
+  return static_cast<int>(
+      std::clamp(std::floor((x - low_[axis]) / step_[axis]), 0.0, cells_ - 1.0));
+}
+
+std::optional<Terrain::SurfacePoint> Terrain::surface_point(const Vec3& p) const {
+  const Vec2 q = to_plane(p);
+  if (!q.allFinite()) return {};
+  const size_t c = static_cast<size_t>(cell(q.y(), 1)) * cells_ + cell(q.x(), 0);
+  std::optional<SurfacePoint> highest;
+  for (int i = start_[c]; i < start_[c + 1]; ++i) {
+    const std::array<int, 3>& corners = mesh_.triangles()[list_[i]];
+    Vec2 corner[3];
+    for (int j = 0; j < 3; ++j) corner[j] = to_plane(mesh_.point(corners[j])) - q;
+    Vec3 L(cross(corner[1], corner[2]), cross(corner[2], corner[0]), cross(corner[0], corner[1]));
+    if (L.sum() == 0) continue;
+    L /= L.sum();
+    if (!(L.minCoeff() >= -1e-12)) continue;  // so that no line falls between two triangles
+    Vec3 at = Vec3::Zero(), normal = Vec3::Zero();
+    for (int j = 0; j < 3; ++j) {
+      at += L[j] * mesh_.point(corners[j]);
+      normal += L[j] * normals_.row(mesh_.topology().node_of(corners[j])).transpose().normalized();
+    }
+    if (!highest || at.dot(up_) > highest->at.dot(up_))
+      highest = SurfacePoint{at, normal.normalized()};
+  }
+  return highest;
+}
+
+}  // namespace batten

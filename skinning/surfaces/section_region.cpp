@@ -1,0 +1,261 @@
+#include "batten/skinning/surfaces/section_region.h"
+
+#include <algorithm>
+#include <cmath>
+#include <deque>
+#include <limits>
+#include <utility>
+
+#include "batten/core/geometry.h"
+#include "batten/core/containers.h"
+#include "batten/core/errors.h"
+#include "batten/fairing/curves/curve_through_points.h"
+
+namespace batten {
+namespace {
+
+constexpr double kSectionCorner = 20;    // degrees, of a closed section where it begins
+constexpr double kMaxLateralOffset = 1;  // of the larger radius: else sections lie side by side
+
+// What is compared of two sections.
+struct Section {
+  Vec3 middle = Vec3::Zero();  // mean of its points
+  Vec3 direction;              // of an open one: from its start to its end
+  std::vector<Vec3> points;
+};
+
+// The single arc of each line; empty where a line is cut or meets another one.
+std::vector<int> isolated_edges(const CurveNetwork& network) {
+  std::vector<int> edge_of(network.lines().size(), -1), ends(network.nodes().size(), 0);
+  for (int a = 0; a < isize(network.edges()); ++a) {
+    const NetworkEdge& edge = network.edges()[a];
+    if (edge_of[edge.line] >= 0) return {};
+    edge_of[edge.line] = a;
+    for (const int node : edge.nodes) ++ends[node];
+  }
+  for (const int a : edge_of)
+    if (a < 0) return {};
+  for (const int a : edge_of) {
+    const NetworkEdge& edge = network.edges()[a];
+    const int alone = edge.nodes[0] == edge.nodes[1] ? 2 : 1;
+    if (ends[edge.nodes[0]] != alone || ends[edge.nodes[1]] != alone) return {};
+  }
+  return edge_of;
+}
+
+Section section_of(const NetworkEdge& edge) {
+  constexpr int kSamples = 64;
+  Section section;
+  for (int k = 0; k < kSamples; ++k)
+    section.points.push_back(edge.curve.evaluate(edge.curve.end() * (k + 0.5) / kSamples));
+  for (const Vec3& p : section.points) section.middle += p / kSamples;
+  section.direction = edge.curve.evaluate(edge.curve.end()) - edge.curve.evaluate(0);
+  return section;
+}
+
+// From the two nearest sections on, each time the nearest one to either end.
+std::vector<int> chain(const std::vector<Section>& sections) {
+  const int n = isize(sections);
+  const auto distance = [&](int a, int b) {
+    return (sections[a].middle - sections[b].middle).norm();
+  };
+  int first = 0, second = 1;
+  for (int a = 0; a < n; ++a)
+    for (int b = a + 1; b < n; ++b)
+      if (distance(a, b) < distance(first, second)) first = a, second = b;
+  std::deque<int> row{first, second};
+  while (isize(row) < n) {
+    int best = -1;
+    bool front = false;
+    double least = std::numeric_limits<double>::infinity();
+    for (int k = 0; k < n; ++k) {
+      if (std::find(row.begin(), row.end(), k) != row.end()) continue;
+      for (const bool at_front : {true, false})
+        if (const double d = distance(k, at_front ? row.front() : row.back()); d < least)
+          least = d, best = k, front = at_front;
+    }
+    if (front)
+      row.push_front(best);
+    else
+      row.push_back(best);
+  }
+  // From the line that was given first on, of the two at the ends.
+  if (row.front() > row.back()) std::reverse(row.begin(), row.end());
+  return {row.begin(), row.end()};
+}
+
+// Normal of the plane of a closed section, and the mean distance of its points from their middle.
+std::pair<Vec3, double> plane_of(const Section& section) {
+  Vec3 normal = Vec3::Zero();
+  double radius = 0;
+  for (size_t i = 0; i < section.points.size(); ++i) {
+    const Vec3 p = section.points[i] - section.middle;
+    normal += p.cross(section.points[(i + 1) % section.points.size()] - section.middle);
+    radius += p.norm() / static_cast<double>(section.points.size());
+  }
+  return {normal.normalized(), radius};
+}
+
+bool closed_face(const Section& one, const Section& two) {
+  constexpr double kMinSpacing = 0.05;  // of the smaller radius: nearer planes are one
+  constexpr double kMaxAngleDeg = 60;   // degrees between the planes
+  const auto [normal, radius] = plane_of(one);
+  auto [other, other_radius] = plane_of(two);
+  if (normal.dot(other) < 0) other = -other;
+  if (degrees_between(normal, other) > kMaxAngleDeg) return false;
+  const Vec3 along = (normal + other).normalized(), apart = two.middle - one.middle;
+  const double aside = (apart - apart.dot(along) * along).norm();
+  return aside < std::max(radius, other_radius) * kMaxLateralOffset &&
+         std::abs(apart.dot(along)) > kMinSpacing * std::min(radius, other_radius);
+}
+
+bool open_face(const Section& one, const Section& two) {
+  constexpr double kMaxAngleDeg = 45;                     // degrees
+  constexpr double kMaxShift = 0.5, kMaxLengthRatio = 5;  // of lengths
+  const double a = one.direction.norm(), b = two.direction.norm();
+  if (!(a > 0 && b > 0) || std::max(a, b) > kMaxLengthRatio * std::min(a, b)) return false;
+  const double angle_deg = degrees_between(one.direction, two.direction);
+  if (std::min(angle_deg, 180 - angle_deg) > kMaxAngleDeg) return false;
+  const Vec3 apart = two.middle - one.middle;
+  return std::abs(apart.dot(one.direction)) / a < kMaxShift * std::max(a, b);
+}
+
+}  // namespace
+
+std::vector<CharacterLine> ordered_sections(const CurveNetwork& network) {
+  const std::vector<int> edges = isolated_edges(network);
+  if (edges.size() < 2) return {};
+  const auto closed = [&](int a) {
+    return network.edges()[a].nodes[0] == network.edges()[a].nodes[1];
+  };
+  const auto count = std::count_if(edges.begin(), edges.end(), closed);
+  if (count != 0 && count != static_cast<long>(edges.size())) return {};
+  const bool corners = have_corner_at_seam(network.lines(), kSectionCorner);
+  if (count == 2 && !corners) return {};
+  for (const CharacterLine& line : network.lines())
+    if (line.role != CharacterLine::Role::Outline) return {};
+  std::vector<Section> sections;
+  for (const int a : edges) sections.push_back(section_of(network.edges()[a]));
+  const std::vector<int> order = chain(sections);
+  for (size_t k = 0; k + 1 < order.size(); ++k) {
+    const int a = order[k], b = order[k + 1];
+    if (count > 0 ? !closed_face(sections[a], sections[b]) : !open_face(sections[a], sections[b]))
+      return {};
+  }
+  std::vector<CharacterLine> row;
+  for (const int k : order) row.push_back(network.lines()[k]);
+  return row;
+}
+
+namespace {
+
+struct Ends {
+  Vec3 start, end;
+};
+
+Ends ends_of(const CharacterLine& line) {
+  return {line.curve->evaluate(line.curve->start()), line.curve->evaluate(line.curve->end())};
+}
+
+bool is_closed(const CharacterLine& line) {
+  const auto [start, end] = ends_of(line);
+  const double middle = 0.5 * (line.curve->start() + line.curve->end());
+  constexpr double same = 1e-9;
+  return (start - end).norm() <= same * (line.curve->evaluate(middle) - start).norm();
+}
+
+CharacterLine rail(const std::string& name, const std::vector<Vec3>& points) {
+  std::vector<double> u{0};
+  Points x(static_cast<long>(points.size()), 3);
+  for (size_t i = 0; i < points.size(); ++i) {
+    x.row(static_cast<long>(i)) = points[i];
+    if (i > 0) u.push_back(u.back() + (points[i] - points[i - 1]).norm());
+  }
+  CharacterLine line;
+  line.name = name;
+  line.curve = curve_from_hermite(HermiteCurve(u, x, not_a_knot_slopes(u, x)));
+  return line;
+}
+
+}  // namespace
+
+std::vector<CharacterLine> section_lines(std::vector<CharacterLine> sections) {
+  if (sections.size() < 2)
+    throw InputError("found " + std::to_string(sections.size()) +
+                     " section, expected two or more, or rails beside it");
+  const bool closed = is_closed(sections.front());
+  std::vector<Vec3> starts, ends;
+  for (CharacterLine& section : sections) {
+    const bool outer = &section == &sections.front() || &section == &sections.back();
+    section.role = outer ? CharacterLine::Role::Outline : CharacterLine::Role::Inner;
+    if (is_closed(section) != closed)
+      throw InputError("the section '" + section.name + "' is " + (closed ? "open" : "closed") +
+                       ", '" + sections.front().name + "' is " + (closed ? "closed" : "open") +
+                       ": expected all alike");
+    auto [start, end] = ends_of(section);
+    if (!starts.empty() && (start - starts.back()).norm() + (end - ends.back()).norm() >
+                               (end - starts.back()).norm() + (start - ends.back()).norm())
+      std::swap(start, end);
+    if (!closed && !starts.empty() && (start == starts.back() || end == ends.back()))
+      throw InputError("the section '" + section.name + "' ends where the one before it does, " +
+                       "expected a place of its own: no rail can run there");
+    starts.push_back(start);
+    ends.push_back(end);
+  }
+  if (closed) return sections;
+  sections.push_back(rail("rail 1", starts));
+  sections.push_back(rail("rail 2", ends));
+  return sections;
+}
+
+bool have_corner_at_seam(const std::vector<CharacterLine>& sections, double corner_angle) {
+  return !sections.empty() &&
+         std::all_of(sections.begin(), sections.end(), [&](const CharacterLine& line) {
+           const InputCurve& curve = *line.curve;
+           return is_closed(line) && degrees_between(curve.evaluate(curve.start(), 1),
+                                                     curve.evaluate(curve.end(), 1)) > corner_angle;
+         });
+}
+
+std::vector<CharacterLine> corner_rails(const std::vector<CharacterLine>& sections) {
+  if (sections.size() < 2)
+    throw InputError("found " + std::to_string(sections.size()) + " section, expected two or more");
+  std::vector<Vec3> corners, noses;
+  for (const CharacterLine& line : sections) {
+    const InputCurve& curve = *line.curve;
+    corners.push_back(curve.evaluate(curve.start()));
+    constexpr int samples = 400;
+    double most = 0;
+    noses.push_back(corners.back());
+    for (int k = 1; k < samples; ++k) {
+      const Vec3 p = curve.evaluate(curve.start() + (curve.end() - curve.start()) * k / samples);
+      if (const double d = (p - corners.back()).norm(); d > most) most = d, noses.back() = p;
+    }
+  }
+  return {rail("rail 1", corners), rail("rail 2", noses)};
+}
+
+RegionLayout section_region(const std::string& name, std::vector<CharacterLine> sections,
+                            SkinOptions options, const Progress& progress) {
+  const std::vector<CharacterLine> lines = section_lines(std::move(sections));
+  options.sections = true;
+  if (!is_closed(lines.back())) {
+    options.corner_angle = std::min(options.corner_angle, 2.0);
+    if (options.domain == SkinOptions::Domain::Auto) options.domain = SkinOptions::Domain::Polygon;
+  }
+  if (options.edge_length == 0) {
+    Vec3 low = lines[0].curve->evaluate(lines[0].curve->start()), high = low;
+    constexpr int samples = 64;
+    for (const CharacterLine& line : lines)
+      for (int i = 0; i <= samples; ++i) {
+        const double f = static_cast<double>(i) / samples;
+        const Vec3 p = line.curve->evaluate((1 - f) * line.curve->start() + f * line.curve->end());
+        low = low.cwiseMin(p);
+        high = high.cwiseMax(p);
+      }
+    options.edge_length = (high - low).norm() / 33;
+  }
+  return RegionLayout(name, lines, options, progress);
+}
+
+}  // namespace batten
