@@ -145,11 +145,11 @@ const Points& ThetaIntegrator::step(const Points& F) {
 }
 
 double ThetaIntegrator::kinetic() const {
-  return options_.density * v_.cwiseProduct(product(M_, v_)).sum();
+  return 0.5 * options_.density * v_.cwiseProduct(product(M_, v_)).sum();
 }
 
 double ThetaIntegrator::potential(const Points& F) const {
-  return x_.cwiseProduct(product(K_, x_) - 2 * F).sum();
+  return x_.cwiseProduct(0.5 * product(K_, x_) - F).sum();
 }
 
 }  // namespace batten

@@ -40,16 +40,17 @@ auto bounding_box(const PointRange& points) {
 /// that a field of logarithms winds as far as it was asked to. Source: Masuda et al. 2006, eq.
 /// 6, 7.
 inline Vec3 to_rotation_vector(const Vec3& axis, double angle) {
-  return axis.normalized() * (angle / 2);
+  return axis.normalized() * angle;
 }
 /// The shortest logarithm of a rotation matrix.
 inline Vec3 to_rotation_vector(const Mat3& R) {
-  const Eigen::AngleAxisd turn(R);
-  return to_rotation_vector(turn.axis(), turn.angle());
+  const Eigen::AngleAxisd rotation(R);
+  return to_rotation_vector(rotation.axis(), rotation.angle());
 }
 
 /// The vector R(q) x: one sine, one cosine, two cross products.
-inline Vec3 rotated(const Vec3& q, const Vec3& x) {
+inline Vec3 rotated(const Vec3& rotation_vector, const Vec3& x) {
+  const Vec3 q = rotation_vector / 2;
   const double half = q.norm();
   // sin(h)/h; below 1e-8 the next term is under the last digit.
   const double s = half > 1e-8 ? std::sin(half) / half : 1.0;
@@ -59,9 +60,9 @@ inline Vec3 rotated(const Vec3& q, const Vec3& x) {
 }
 
 /// The matrix R(q).
-inline Mat3 rotation_matrix(const Vec3& q) {
+inline Mat3 rotation_matrix(const Vec3& rotation_vector) {
   Mat3 R;
-  for (int c = 0; c < 3; ++c) R.col(c) = rotated(q, Vec3::Unit(c));
+  for (int c = 0; c < 3; ++c) R.col(c) = rotated(rotation_vector, Vec3::Unit(c));
   return R;
 }
 

@@ -565,7 +565,7 @@ void RotationField::evaluate(const DeformSystem& system, const DeformEdit& edit,
     } catch (const ConflictError& e) {
       std::vector<ConflictError::Conflict> conflicts = e.conflicts();
       for (auto& c : conflicts) {
-        c.amount *= 360 / std::numbers::pi;  // logarithms are half the angle
+        c.amount *= 180 / std::numbers::pi;
         c.unit = " degrees of turn";
       }
       throw ConflictError(std::move(conflicts));

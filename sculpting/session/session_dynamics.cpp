@@ -302,7 +302,7 @@ double SessionEngine::total_energy(const SessionSystem& system, const std::vecto
     energy +=
         system.def.scale().inertia() * system.motion.density * shape.v.cwiseProduct(product_).sum();
   }
-  return energy;
+  return 0.5 * energy;
 }
 
 }  // namespace batten::detail

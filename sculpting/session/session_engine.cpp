@@ -267,7 +267,7 @@ SurfaceEnergy SessionEngine::elastic_energy(const SessionSystem& system,
     SparseMatrix K = system.parts->assembler.pattern();
     system.parts->assembler.stiffness(all, K);
     multiply_symmetric(K, from_rest, product_);
-    return from_rest.cwiseProduct(product_).sum();
+    return 0.5 * from_rest.cwiseProduct(product_).sum();
   };
   return {part(false), part(true)};
 }

@@ -140,14 +140,14 @@ bool has_simple_projection(const Outline& loop, const DomainInput& task) {
     for (int i = 0; i < samples; ++i) {
       const double step = (c.end() - c.start()) / samples;
       const Vec3 slope = c.evaluate(c.start() + (i + 0.5) * step, 1);
-      if (!(drop_z(slope).norm() >= least * slope.norm())) return false;
-      polygon.push_back(drop_z(c.evaluate(c.start() + i * step)));
+      if (!(flat(slope).norm() >= least * slope.norm())) return false;
+      polygon.push_back(flat(c.evaluate(c.start() + i * step)));
     }
   }
   for (const int c : loop.corners) {
     const LoopVertex vertex = loop_vertex_at(loop, static_cast<size_t>(c));
-    const Vec2 in = drop_z(vertex.incoming).normalized(),
-               out = drop_z(vertex.outgoing).normalized();
+    const Vec2 in = flat(vertex.incoming).normalized(),
+               out = flat(vertex.outgoing).normalized();
     const double in_space = vertex.incoming.cross(vertex.outgoing).norm(),
                  in_plane = std::abs(cross(in, out));
     if (in_space < least * in_plane || in_plane < least * in_space) return false;

@@ -65,7 +65,7 @@ void overlap(const Corners& x, const Corners& y, std::vector<Vec3>& found) {
   const Vec3 e = (y[1] - y[0]).normalized(), f = n.normalized().cross(e);
   const auto flat = [&](const Vec3& p) { return Vec2(e.dot(p - y[0]), f.dot(p - y[0])); };
   std::array<Vec2, 3> a, b;
-  for (int i = 0; i < 3; ++i) a[i] = drop_z(x[i]), b[i] = drop_z(y[i]);
+  for (int i = 0; i < 3; ++i) a[i] = flat(x[i]), b[i] = flat(y[i]);
   if (cross(a[1] - a[0], a[2] - a[0]) < 0) std::swap(a[1], a[2]);
   const auto inside = [&](const std::array<Vec2, 3>& t, const Vec2& p) {
     for (int i = 0; i < 3; ++i)

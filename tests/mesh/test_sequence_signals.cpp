@@ -178,7 +178,7 @@ TEST_CASE("logarithms follow rotations through many turns") {
     for (int m = 0; m < 4; ++m) CHECK(followed.row(m) == all[m].row(v));
     for (int m = 1; m < 4; ++m)
       CHECK((followed.row(m) - followed.row(m - 1)).norm() <
-            std::hypot(std::numbers::pi / 2, 2 * std::numbers::pi));
+            std::hypot(std::numbers::pi, 4 * std::numbers::pi));
   }
 }
 

@@ -11,7 +11,7 @@ inline SurfaceEnergy energy(const SurfaceAssembler& assembler, const SurfaceStif
                             const Points& q) {
   const auto cost = [&](const SurfaceStiffness& part) {
     const SparseMatrix K = assembler.stiffness(part);
-    return q.cwiseProduct(Points(K.selfadjointView<Eigen::Lower>() * q)).sum();
+    return 0.5 * q.cwiseProduct(Points(K.selfadjointView<Eigen::Lower>() * q)).sum();
   };
   return {cost({material.alpha, Vec3::Zero()}),
           cost({Mat2::Zero(), material.beta, material.beta_mixed})};

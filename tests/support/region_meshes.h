@@ -110,7 +110,7 @@ struct Bar {
   /// The end turned about the bar's axis.
   static std::vector<HandleTransform> twist(double degrees) {
     HandleTransform move;
-    move.rotation_vector = {degrees * std::numbers::pi / 360, 0, 0};
+    move.rotation_vector = {degrees * std::numbers::pi / 180, 0, 0};
     return {move};
   }
 };

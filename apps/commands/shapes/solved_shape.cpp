@@ -63,7 +63,7 @@ double bending_energy(const ModelLayout& layout, const Points& dofs, const Scene
   materials.resize(static_cast<size_t>(layout.mesh()->triangle_count()), materials[0]);
   assembler.stiffness(materials, K);
   const Points q = dofs - layout.position_dofs() * layout.origin().transpose();
-  const double energy = q.cwiseProduct(Points(K.selfadjointView<Eigen::Lower>() * q)).sum();
+  const double energy = 0.5 * q.cwiseProduct(Points(K.selfadjointView<Eigen::Lower>() * q)).sum();
   return std::max(0.0, energy) / (layout.size() * layout.size());
 }
 

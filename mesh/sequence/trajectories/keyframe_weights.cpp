@@ -174,17 +174,17 @@ std::vector<double> frame_numbers(int frames) {
 }
 
 Vec3 nearest_log(const Mat3& rotation, const Vec3& previous) {
-  constexpr double pi = std::numbers::pi;
+  constexpr double full_turn = 2 * std::numbers::pi;
   const Vec3 shortest = to_rotation_vector(rotation);
-  const double half = shortest.norm(), before = previous.norm();
+  const double angle = shortest.norm(), before = previous.norm();
   const auto whole = [](double rotations) { return std::floor(rotations + 0.5); };
-  if (half < 5e-13) {
-    const double k = whole(before / pi);
-    return k > 0 ? Vec3(k * pi / before * previous) : shortest;
+  if (angle < 1e-12) {
+    const double k = whole(before / full_turn);
+    return k > 0 ? Vec3(k * full_turn / before * previous) : shortest;
   }
-  const Vec3 axis = shortest / half;
-  const double k = whole((previous.dot(axis) - half) / pi);
-  return k == 0 ? shortest : Vec3((half + k * pi) * axis);
+  const Vec3 axis = shortest / angle;
+  const double k = whole((previous.dot(axis) - angle) / full_turn);
+  return k == 0 ? shortest : Vec3((angle + k * full_turn) * axis);
 }
 
 Points unwrapped_logs(std::span<const Mat3> rotations) {
