@@ -139,8 +139,8 @@ BATTEN_INLINE double square(const Lane* m, int l) {
   return sum;
 }
 
-/// `well`: 1 where the denominator is large enough.
-BATTEN_CLONES void markley(const Lane* M, Lane* R, double* well) {
+/// `is_accurate`: 1 where the denominator is large enough.
+BATTEN_CLONES void markley(const Lane* M, Lane* R, double* is_accurate) {
   alignas(64) Lane m[9], c[9], s[6], det, cof, lambda;
   for (int l = 0; l < L; ++l) {
     const double scale = 1 / std::sqrt(square(M, l));
@@ -160,7 +160,7 @@ BATTEN_CLONES void markley(const Lane* M, Lane* R, double* well) {
     const double x = lambda[l], k = 0.5 * (x * x - 1), zeta = k * x - det[l];
     const double f = 4 * k * k - 8 * x * det[l] - 4 * cof[l];
     const bool good = zeta > 0.05 && std::abs(f) < 1e-13;
-    well[l] = good ? 1 : 0;
+    is_accurate[l] = good ? 1 : 0;
     // M Mᵀ is symmetric: 00 01 02 11 12 22.
     for (int r = 0, e = 0; r < 3; ++r)
       for (int q = r; q < 3; ++q, ++e)
@@ -189,10 +189,10 @@ BATTEN_CLONES void markley(const Lane* M, Lane* R, double* well) {
 }  // namespace
 
 void nearest_rotations(const RotationBatch& M, RotationBatch& R) {
-  alignas(64) double well[L];
-  markley(M.a, R.a, well);
+  alignas(64) double is_accurate[L];
+  markley(M.a, R.a, is_accurate);
   for (int l = 0; l < L; ++l)
-    if (well[l] != 1) R.set(l, nearest_rotation(M.get(l)));  // not finite where M = 0
+    if (is_accurate[l] != 1) R.set(l, nearest_rotation(M.get(l)));  // not finite where M = 0
 }
 
 void rotations_of_triangles(std::span<const std::array<int, 3>> triangles,

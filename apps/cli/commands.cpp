@@ -409,7 +409,7 @@ Command add_fair(CommandLine& program, CommonOptions& common) {
   subcommand
       .option("lines", a.file, "Lines: .curves .csv .txt .xyz .dat .obj .iges .step .dxf .svg")
       .required();
-  subcommand.option("--out", a.out, "File to write: " + comma_separated(curve_file_endings()))
+  subcommand.option("--out", a.out, "File to write: " + comma_separated(curve_file_extensions()))
       .required();
   const CommandOption noise =
       subcommand.option("--noise", a.noise,

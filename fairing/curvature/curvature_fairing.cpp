@@ -38,7 +38,7 @@ void check(const CurvatureFairingOptions& o) {
   require(o.max_iterations > 0, "most_iterations", o.max_iterations, "1 or more");
 }
 
-void check(const HermiteCurve& start, const std::vector<FixedCurvePoint>& holds,
+void check(const HermiteCurve& start, const std::vector<FixedCurvePoint>& fixed_points,
            const std::vector<CurveSpring>& springs) {
   if (start.node_count() < 2) throw InputError("a curve to be faired has no nodes");
   if (!start.mesh().corners().empty())
@@ -47,7 +47,7 @@ void check(const HermiteCurve& start, const std::vector<FixedCurvePoint>& holds,
     if (!spring.point.allFinite() || !(spring.stiffness > 0) || !std::isfinite(spring.stiffness))
       throw InputError("a spring needs a finite point and a stiffness above 0");
   const auto held =
-      std::count_if(holds.begin(), holds.end(), [](const auto& h) { return h.position; });
+      std::count_if(fixed_points.begin(), fixed_points.end(), [](const auto& h) { return h.position; });
   if (held < 2 && springs.size() < 2)
     throw InputError("a curve needs two held points or two springs, or it could move away");
 }
@@ -75,10 +75,10 @@ struct Nodes {
   std::vector<int> node_of;
 };
 
-Nodes place_nodes(const HermiteCurve& start, const std::vector<FixedCurvePoint>& holds,
+Nodes place_nodes(const HermiteCurve& start, const std::vector<FixedCurvePoint>& fixed_points,
                   int segments) {
   std::vector<double> cuts = {start.start(), start.end()};
-  for (const FixedCurvePoint& hold : holds) {
+  for (const FixedCurvePoint& hold : fixed_points) {
     if (!(hold.u >= start.start() && hold.u <= start.end()))
       throw InputError("a curve is held at u = " + format_number(hold.u) + ", outside its " +
                        format_number(start.start()) + " to " + format_number(start.end()));
@@ -111,7 +111,7 @@ Nodes place_nodes(const HermiteCurve& start, const std::vector<FixedCurvePoint>&
     for (int k = 0; k < count[s]; ++k)
       nodes.u.push_back(cuts[s] + (cuts[s + 1] - cuts[s]) * k / count[s]);
   nodes.u.push_back(cuts.back());
-  for (const FixedCurvePoint& hold : holds)
+  for (const FixedCurvePoint& hold : fixed_points)
     nodes.node_of.push_back(static_cast<int>(
         std::lower_bound(nodes.u.begin(), nodes.u.end(), hold.u) - nodes.u.begin()));
   return nodes;
@@ -221,14 +221,14 @@ QuinticCurve in_model_units(const QuinticCurve& curve, const Frame& frame) {
 // One curve on its way to the least functional.
 class CurvatureFairing {
  public:
-  CurvatureFairing(const HermiteCurve& start, const std::vector<FixedCurvePoint>& holds,
+  CurvatureFairing(const HermiteCurve& start, const std::vector<FixedCurvePoint>& fixed_points,
                    const std::vector<CurveSpring>& springs, const CurvatureFairingOptions& options)
       : start_(start),
-        holds_(holds),
+        holds_(fixed_points),
         springs_(springs),
         options_(options),
         frame_(start),
-        nodes_(place_nodes(start, holds, options.segments)) {
+        nodes_(place_nodes(start, fixed_points, options.segments)) {
     problem_.curve = quintic_start(start, frame_, nodes_);
     problem_.functional = options.functional;
     problem_.length_weight = options.length_weight;
@@ -236,9 +236,9 @@ class CurvatureFairing {
     problem_.max_iterations = options.max_iterations;
     problem_.fixed_position.assign(problem_.curve.node_count(), 0);
     problem_.fixed_tangent.assign(problem_.curve.node_count(), 0);
-    for (size_t i = 0; i < holds.size(); ++i) {
-      if (holds[i].position) problem_.fixed_position[nodes_.node_of[i]] = 1;
-      if (holds[i].tangent) problem_.fixed_tangent[nodes_.node_of[i]] = 1;
+    for (size_t i = 0; i < fixed_points.size(); ++i) {
+      if (fixed_points[i].position) problem_.fixed_position[nodes_.node_of[i]] = 1;
+      if (fixed_points[i].tangent) problem_.fixed_tangent[nodes_.node_of[i]] = 1;
     }
   }
 
@@ -345,12 +345,12 @@ double curvature_functional(const QuinticCurve& curve, CurveFunctional functiona
 }
 
 CurvatureFairingResult fair_curvature(const HermiteCurve& start,
-                                      const std::vector<FixedCurvePoint>& holds,
+                                      const std::vector<FixedCurvePoint>& fixed_points,
                                       const std::vector<CurveSpring>& springs,
                                       const CurvatureFairingOptions& options) {
   check(options);
-  check(start, holds, springs);
-  return CurvatureFairing(start, holds, springs, options).run();
+  check(start, fixed_points, springs);
+  return CurvatureFairing(start, fixed_points, springs, options).run();
 }
 
 namespace {
@@ -415,13 +415,13 @@ CurvatureFairingResult minimum_curvature_curve(const std::vector<CurveThroughPoi
   for (long i = 0; i + 1 < n + (closed ? 1 : 0); ++i)
     u.push_back(u.back() + arc_over(at(i + 1) - at(i), t[i], t[(i + 1) % n]));
   Points dofs(2 * n, 3);
-  std::vector<FixedCurvePoint> holds;
+  std::vector<FixedCurvePoint> fixed_points;
   for (long i = 0; i < n; ++i) {
     dofs.row(2 * i) = at(i);
     dofs.row(2 * i + 1) = t[i];
-    holds.push_back({u[i], true, given(i)});
+    fixed_points.push_back({u[i], true, given(i)});
   }
-  return fair_curvature(HermiteCurve(CurveMesh(u, closed), dofs), holds, {}, options);
+  return fair_curvature(HermiteCurve(CurveMesh(u, closed), dofs), fixed_points, {}, options);
 }
 
 }  // namespace batten

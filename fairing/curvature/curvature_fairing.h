@@ -74,7 +74,7 @@ double curvature_functional(const QuinticCurve& curve, CurveFunctional functiona
 /// a spring that is not finite. NoSolutionError: the curve grows without bound. Cost: about
 /// O(segments · iterations), 20 µs each; fifty to a few hundred iterations.
 CurvatureFairingResult fair_curvature(const HermiteCurve& start,
-                                      const std::vector<FixedCurvePoint>& holds,
+                                      const std::vector<FixedCurvePoint>& fixed_points,
                                       const std::vector<CurveSpring>& springs,
                                       const CurvatureFairingOptions& options);
 

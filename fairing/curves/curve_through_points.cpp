@@ -255,8 +255,8 @@ namespace {
 
 constexpr double on_it = 5e-5;       // of the chord
 constexpr double same_way = 0.5;     // degrees
-constexpr double most_turn = 75;     // degrees, at a point of an arc
-constexpr double most_uneven = 2.5;  // chords of an arc that few points tell
+constexpr double kMaxTurn = 75;     // degrees, at a point of an arc
+constexpr double kMaxChordRatio = 2.5;  // chords of an arc that few points tell
 
 struct Circle {
   Vec3 centre, axis;  // points go around the axis counterclockwise
@@ -358,7 +358,7 @@ class LineArcSearch {
       const double out = d.dot(circle->axis);
       if (std::abs(out) > near || std::abs(d.norm() - circle->radius) > near) return false;
       if (i == a || i == b) continue;
-      if (turning_angle(i) > most_turn || axis(i).dot(circle->axis) <= 0) return false;
+      if (turning_angle(i) > kMaxTurn || axis(i).dot(circle->axis) <= 0) return false;
     }
     return true;
   }
@@ -398,7 +398,7 @@ class LineArcSearch {
   // Whether few points are an arc: all there are, or one that goes on along both chords beside it.
   bool is_certain_arc(int a, int b) const {
     for (int i = a; i + 1 < b; ++i)
-      if (std::max(chord(i), chord(i + 1)) > most_uneven * std::min(chord(i), chord(i + 1)))
+      if (std::max(chord(i), chord(i + 1)) > kMaxChordRatio * std::min(chord(i), chord(i + 1)))
         return false;
     if (a == 0 && b == last_) return true;
     constexpr double clear = 10;  // degrees: chords of dense points always leave along each other

@@ -320,15 +320,15 @@ NormalVariation::NormalVariation(const BlockReduction& reduction, const Surface&
     : reduction_(reduction), unknown_of_(reduction.dof_count(), -1) {
   const int n = reduction.dof_count();
   const NormalField field(start);
-  std::vector<Vec3> ways(n, Vec3::Zero());  // of a unit step along the free coordinates
+  std::vector<Vec3> free_displacement(n, Vec3::Zero());  // of a unit step along the free coordinates
   for (int f = 0; f < reduction.free_count(); ++f) {
     const int row = reduction.free_rows()[f], dof = row % n;
     const double step = field.normal(dof)[row / n];
-    for (int c = 0; c < 3; ++c) ways[dof][c] += reduction.D().coeff(c * n + dof, f) * step;
+    for (int c = 0; c < 3; ++c) free_displacement[dof][c] += reduction.D().coeff(c * n + dof, f) * step;
   }
   for (int dof = 0; dof < n; ++dof)
-    if (const double length = ways[dof].norm();
-        length > 0.1 && field.normal(dof).dot(ways[dof]) > 0.5 * length)
+    if (const double length = free_displacement[dof].norm();
+        length > 0.1 && field.normal(dof).dot(free_displacement[dof]) > 0.5 * length)
       unknown_of_[dof] = count_++;
 }
 

@@ -66,7 +66,7 @@ class Descent {
       run([&] { return normal.at(surface_); }, normal.reduced_rows(multiplier_constraints_.rows()),
           1, 2e-3, options, progress, result);
     if (reduction_.free_count() > 0) {
-      parametrization_weight_ = least_evenness;
+      parametrization_weight_ = kMinParametrizationWeight;
       damping_ = least_damping;
       run([&] { return reduction_.D(); }, multiplier_constraints_.reduced_rows(),
           reduction_.coupled() ? 1 : 3, 5e-4, options, progress, result);
@@ -79,7 +79,7 @@ class Descent {
     double predicted_decrease = 0;              ///< the most of any try
     double gain = 0, gain_ratio = 0, move = 0;  ///< kept: gain over promise, 0 for a part of a step
   };
-  static constexpr double least_evenness = 0.3, least_damping = 1e-4;
+  static constexpr double kMinParametrizationWeight = 0.3, least_damping = 1e-4;
   static constexpr double kPoorGainRatio = 0.25;       // share of the promise
   static constexpr double kNegligibleDecrease = 0.03;  // of the functional: not worth a step
 
@@ -127,7 +127,7 @@ class Descent {
     const double factor = gain_ratio < 0.6 ? 1 : k > 0 ? 0.5 : gain_ratio < 0.9 ? 0.3 : 0.1;
     damping_ = std::max(least_damping, factor * damping_);
     if (parametrization_weight_ > 0)
-      parametrization_weight_ = std::max(least_evenness, factor * parametrization_weight_);
+      parametrization_weight_ = std::max(kMinParametrizationWeight, factor * parametrization_weight_);
   }
 
   DampingWeights weights() const { return {damping_, damping_ + parametrization_weight_}; }

@@ -192,7 +192,7 @@ void refuse_not_finite(const std::filesystem::path& file, const std::vector<std:
 
 }  // namespace
 
-const std::vector<std::string>& cad_endings() {
+const std::vector<std::string>& cad_extensions() {
   static const std::vector<std::string> endings = {".iges", ".igs", ".step", ".stp",
                                                    ".brep", ".brp", ".xml"};
   return endings;

@@ -11,7 +11,7 @@ namespace batten {
 enum class CadFormat { Step, Iges, Brep, Patches };
 
 /// Endings of CAD files, with their dots.
-const std::vector<std::string>& cad_endings();
+const std::vector<std::string>& cad_extensions();
 
 /// The format that a file's ending says. Throws InputError for another ending.
 CadFormat cad_format(const std::filesystem::path& file);

@@ -79,7 +79,7 @@ void mesh_faces(const TopoDS_Shape& shape, const Deflection& deflection) {
 }
 
 /// Meshes with holes are worse than rough ones.
-std::tuple<int, int, double> worth(const CadFacets& f) {
+std::tuple<int, int, double> defect_key(const CadFacets& f) {
   return {f.unmeshed, f.cracks, f.deviation};
 }
 
@@ -115,7 +115,7 @@ CadFacets mesh_parts(const std::vector<CadPart>& parts, double size, double chor
     mesh_faces(all, last = deflection);
     CadFacets made = number_facets(parts, all, curved);
     const bool whole = made.unmeshed == 0 && made.cracks == 0;
-    const bool better = round == 0 || worth(made) < worth(facets);
+    const bool better = round == 0 || defect_key(made) < defect_key(facets);
     const double deviation = made.deviation;
     if (better) {
       facets = std::move(made);
@@ -355,11 +355,11 @@ CadFacets number_facets(const std::vector<CadPart>& parts, const TopoDS_Shape& s
 namespace {
 
 /// A surface within its own range of parameters.
-struct Sheet {
+struct BoundedSurface {
   Handle(Geom_Surface) surface;
   double u0 = 0, u1 = 0, v0 = 0, v1 = 0;
 
-  explicit Sheet(const TopoDS_Face& face) : surface(BRep_Tool::Surface(face)) {
+  explicit BoundedSurface(const TopoDS_Face& face) : surface(BRep_Tool::Surface(face)) {
     if (!surface.IsNull()) surface->Bounds(u0, u1, v0, v1);
   }
 
@@ -442,7 +442,7 @@ std::vector<PnTriangle::Corners> corner_normals(const TopoDS_Face& face,
                                                 const Poly_Triangulation& mesh,
                                                 const std::vector<Vec3>& at) {
   constexpr double inwards = 1e-6;  // of the way to the triangle's middle
-  const Sheet sheet(face);
+  const BoundedSurface sheet(face);
   const bool known = !sheet.surface.IsNull() && mesh.HasUVNodes();
   std::vector<PnTriangle::Corners> normals;
   for (int t = 1; t <= mesh.NbTriangles(); ++t) {
@@ -467,7 +467,7 @@ std::vector<PnTriangle::Corners> corner_normals(const TopoDS_Face& face,
 double surface_deviation(const TopoDS_Face& face, const Poly_Triangulation& mesh,
                          const std::vector<Vec3>& at,
                          const std::vector<PnTriangle::Corners>& normals) {
-  const Sheet sheet(face);
+  const BoundedSurface sheet(face);
   if (sheet.surface.IsNull() || !mesh.HasUVNodes()) return 0;
   if (GeomAdaptor_Surface(sheet.surface).GetType() == GeomAbs_Plane) return 0;
   double largest = 0;

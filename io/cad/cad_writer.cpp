@@ -80,9 +80,9 @@ void name_iges(IGESCAFControl_Writer& writer, const TopoDS_Shape& shape, const s
   if (!writer.TransferProcess()->FindTypedTransient(finder, STANDARD_TYPE(IGESData_IGESEntity),
                                                     entity))
     return;
-  entity->SetLabel(occ_text(name.substr(0, 8)));
+  entity->SetLabel(occ_string(name.substr(0, 8)));
   const Handle(IGESBasic_Name) property = new IGESBasic_Name;
-  property->Init(1, occ_text(name));
+  property->Init(1, occ_string(name));
   entity->AddProperty(property);
   writer.AddEntity(property);
 }
@@ -108,9 +108,9 @@ std::string iges_of(const Handle(TDocStd_Document) & document, const TopoDS_Shap
       largest = std::max({largest, std::abs(p.X()), std::abs(p.Y()), std::abs(p.Z())});
   IGESData_GlobalSection header = writer.Model()->GlobalSection();
   header.SetMaxCoord(largest * 1e-3 / options.unit_in_metres);
-  header.SetAuthorName(occ_text(""));
-  header.SetSendName(occ_text(options.name));
-  header.SetFileName(occ_text(options.name));
+  header.SetAuthorName(occ_string(""));
+  header.SetSendName(occ_string(options.name));
+  header.SetFileName(occ_string(options.name));
   writer.Model()->SetGlobalSection(header);
   std::ostringstream out;
   out.imbue(std::locale::classic());
@@ -177,11 +177,11 @@ std::string cad_unit(double model_unit_in_metres) {
 void write_step_text(STEPControl_Writer& writer, const StepHeader& header, std::ostream& out) {
   name_curves(*writer.Model());
   APIHeaderSection_MakeHeader made(writer.Model());
-  made.SetName(occ_text(header.name));
-  made.SetAuthorValue(1, occ_text(header.author));
-  made.SetOrganizationValue(1, occ_text(""));
-  made.SetDescriptionValue(1, occ_text(header.description));
-  made.SetOriginatingSystem(occ_text("Batten"));
+  made.SetName(occ_string(header.name));
+  made.SetAuthorValue(1, occ_string(header.author));
+  made.SetOrganizationValue(1, occ_string(""));
+  made.SetDescriptionValue(1, occ_string(header.description));
+  made.SetOriginatingSystem(occ_string("Batten"));
   StepData_StepWriter text(writer.Model());
   // Enough digits to read the same number back. (Its zero suppression, which would make the file
   // smaller, cuts exponents off numbers as long as these.)
@@ -207,7 +207,7 @@ void write_parts(const std::filesystem::path& path, const std::vector<CadPart>& 
   for (int e = 1; e <= model.NbEntities(); ++e)
     if (const auto found = Handle(StepBasic_Product)::DownCast(model.Value(e)); !found.IsNull()) {
       if (next == parts.size()) throw Error(path.string() + ": more products than parts");
-      const auto name = occ_text(parts[next++].name);
+      const auto name = occ_string(parts[next++].name);
       found->SetId(name);
       found->SetName(name);
     }

@@ -40,7 +40,7 @@ OccSettings::OccSettings() : lock_(process_mutex()) {
 
 OccSettings::~OccSettings() {
   // Backwards: of a setting that was changed twice, the first value is the one from before.
-  for (auto it = texts_.rbegin(); it != texts_.rend(); ++it)
+  for (auto it = strings_.rbegin(); it != strings_.rend(); ++it)
     Interface_Static::SetCVal(it->first.c_str(), it->second.c_str());
   for (auto it = integers_.rbegin(); it != integers_.rend(); ++it)
     Interface_Static::SetIVal(it->first.c_str(), it->second);
@@ -61,7 +61,7 @@ void OccSettings::keep(const char* name) {
       reals_.emplace_back(name, Interface_Static::RVal(name));
       break;
     default:
-      texts_.emplace_back(name, Interface_Static::CVal(name));
+      strings_.emplace_back(name, Interface_Static::CVal(name));
   }
 }
 

@@ -47,7 +47,7 @@ class OccSettings {
   void keep(const char* name);
 
   std::unique_lock<std::recursive_mutex> lock_;
-  std::vector<std::pair<std::string, std::string>> texts_;
+  std::vector<std::pair<std::string, std::string>> strings_;
   std::vector<std::pair<std::string, int>> integers_;
   std::vector<std::pair<std::string, double>> reals_;
   double cascade_unit_;  // millimetres
@@ -62,7 +62,7 @@ inline gp_Pnt to_occ(const Vec3& p) { return {p.x(), p.y(), p.z()}; }
 inline Vec3 from_occ(const gp_XYZ& p) { return {p.X(), p.Y(), p.Z()}; }
 inline Vec3 from_occ(const gp_Pnt& p) { return from_occ(p.XYZ()); }
 
-inline Handle(TCollection_HAsciiString) occ_text(const std::string& text) {
+inline Handle(TCollection_HAsciiString) occ_string(const std::string& text) {
   return new TCollection_HAsciiString(text.c_str());
 }
 

@@ -42,13 +42,13 @@ struct Side {
 };
 
 /// What a face is like at a point of its edge.
-struct Jet {
+struct EdgeJet {
   Vec3 at, normal;
   double curvature = 0;  ///< across the edge
 };
 
 /// The face at its point nearest to `p`, from the parameter line on; `along`: the edge's direction.
-std::optional<Jet> jet_of(const Side& side, double parameter, const Vec3& p, const Vec3& along) {
+std::optional<EdgeJet> edge_jet(const Side& side, double parameter, const Vec3& p, const Vec3& along) {
   gp_Pnt2d uv = side.line->Value(parameter);
   gp_Pnt at;
   gp_Vec du, dv, duu, dvv, duv;
@@ -64,7 +64,7 @@ std::optional<Jet> jet_of(const Side& side, double parameter, const Vec3& p, con
   }
   side.surface->D2(uv.X(), uv.Y(), at, du, dv, duu, dvv, duv);
   const Vec3 a = from_occ(du.XYZ()), b = from_occ(dv.XYZ());
-  Jet jet{from_occ(at.XYZ()), a.cross(b), 0};
+  EdgeJet jet{from_occ(at.XYZ()), a.cross(b), 0};
   if (!(jet.normal.norm() > 1e-12 * a.norm() * b.norm())) return std::nullopt;
   jet.normal.normalize();
   const Vec3 across = jet.normal.cross(along).normalized();
@@ -108,8 +108,8 @@ std::optional<EdgeContinuity> measured(const TopoDS_Edge& edge, const Side& a, c
     curve->D1(t, p, tangent);
     const Vec3 at = from_occ(p.XYZ()), along = from_occ(tangent.XYZ());
     if (!(along.norm() > 0)) return std::nullopt;
-    const auto one = jet_of(a, t, at, along.normalized()),
-               other = jet_of(b, t, at, along.normalized());
+    const auto one = edge_jet(a, t, at, along.normalized()),
+               other = edge_jet(b, t, at, along.normalized());
     if (!one || !other) return std::nullopt;
     result.gap = std::max(result.gap, (one->at - other->at).norm());
     // Tangent planes have no side: normals of unsewn faces may be opposite.

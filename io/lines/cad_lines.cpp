@@ -391,9 +391,9 @@ void write_iges_curves(const fs::path& path, const std::vector<CubicSpline>& spl
     for (const Vec3& p : spline.poles) largest = std::max(largest, p.cwiseAbs().maxCoeff());
     const auto curve = iges_curve(spline);
     // The directory has room for eight letters; the property for all of them.
-    curve->SetLabel(occ_text(spline.name.substr(0, 8)));
+    curve->SetLabel(occ_string(spline.name.substr(0, 8)));
     const Handle(IGESBasic_Name) name = new IGESBasic_Name;
-    name->Init(1, occ_text(spline.name));
+    name->Init(1, occ_string(spline.name));
     curve->AddProperty(name);
     if (!writer.AddEntity(name) || !writer.AddEntity(curve))
       throw Error(path.string() + ": OpenCASCADE cannot turn the curves into IGES");
@@ -401,9 +401,9 @@ void write_iges_curves(const fs::path& path, const std::vector<CubicSpline>& spl
   IGESData_GlobalSection header = writer.Model()->GlobalSection();
   header.SetMaxCoord(largest);
   header.SetResolution(1e-9 * largest);
-  header.SetAuthorName(occ_text(""));
-  header.SetSendName(occ_text(path.stem().string()));
-  header.SetFileName(occ_text(path.filename().string()));
+  header.SetAuthorName(occ_string(""));
+  header.SetSendName(occ_string(path.stem().string()));
+  header.SetFileName(occ_string(path.filename().string()));
   writer.Model()->SetGlobalSection(header);
   write_file_atomically(path, [&](std::ostream& out) {
     if (!print_iges(writer, out)) throw Error(path.string() + ": OpenCASCADE cannot write it");

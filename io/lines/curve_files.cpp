@@ -187,7 +187,7 @@ std::vector<std::string> leave_out(const fs::path& path, std::vector<NamedCurve>
 
 }  // namespace
 
-const std::vector<std::string>& curve_file_endings() {
+const std::vector<std::string>& curve_file_extensions() {
   static const std::vector<std::string> endings = {".curves", ".csv", ".obj",  ".vtp",
                                                    ".step",   ".stp", ".iges", ".igs"};
   return endings;
@@ -196,7 +196,7 @@ const std::vector<std::string>& curve_file_endings() {
 std::vector<std::string> write_curves(const fs::path& path, const std::vector<NamedCurve>& curves,
                                       const CurveFileOptions& options) {
   const std::string ending = lower_extension(path);
-  const auto& endings = curve_file_endings();
+  const auto& endings = curve_file_extensions();
   if (std::find(endings.begin(), endings.end(), ending) == endings.end())
     throw InputError(path.string() + ": found " +
                      (ending.empty() ? "no ending" : "the ending '" + ending + "'") +

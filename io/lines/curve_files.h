@@ -10,7 +10,7 @@
 namespace batten {
 
 /// Endings of files, with their dots, that write_curves() knows.
-const std::vector<std::string>& curve_file_endings();
+const std::vector<std::string>& curve_file_extensions();
 
 /// Writes all curves into one file, which appears whole or not at all. Its ending says the kind.
 ///

@@ -131,7 +131,7 @@ std::vector<NamedPoints> read_curves(TextRows& rows, double scale) {
   std::vector<NamedPoints> lines;
   std::vector<std::string_view> fields;
   long missing = 0;
-  const auto promised = [&] {
+  const auto announced = [&] {
     const auto& line = lines.back();
     return format_count(static_cast<long>(line.points.size()), "point") + ", expected " +
            std::to_string(missing + static_cast<long>(line.points.size())) + " as line " +
@@ -146,7 +146,7 @@ std::vector<NamedPoints> read_curves(TextRows& rows, double scale) {
       continue;
     }
     split_fields(row, fields);
-    if (fields[0] == "v") rows.fail(row.data(), "found the next line after " + promised());
+    if (fields[0] == "v") rows.fail(row.data(), "found the next line after " + announced());
     if (fields.size() != 3)
       rows.fail(row.data(), "found " + format_count(static_cast<long>(fields.size()), "number") +
                                 ", expected 3 (x y z)");
@@ -157,7 +157,7 @@ std::vector<NamedPoints> read_curves(TextRows& rows, double scale) {
   }
   if (missing > 0)
     throw InputError(rows.path().string() + ":" + std::to_string(rows.line()) +
-                     ":1: found the end of the file after " + promised());
+                     ":1: found the end of the file after " + announced());
   return lines;
 }
 

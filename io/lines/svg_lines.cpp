@@ -25,7 +25,7 @@ namespace batten {
 namespace {
 
 constexpr double kPixel = 0.0254 / 96;  // metres
-constexpr double kFullTurnDeg = 2 * std::numbers::pi;
+constexpr double kTwoPi = 2 * std::numbers::pi;
 
 Vec3 in_plane(const Geom::Point& p) { return {p.x(), p.y(), 0}; }
 
@@ -142,8 +142,8 @@ std::shared_ptr<const InputCurve> piece_of(const Geom::Curve& curve) {
     const double c = std::cos(arc->rotationAngle()), s = std::sin(arc->rotationAngle());
     const CurvePlane plane{in_plane(arc->center()), Vec3(c, s, 0), Vec3(-s, c, 0)};
     double from = arc->initialAngle(), to = arc->finalAngle();
-    if (arc->sweep() && to <= from) to += kFullTurnDeg;
-    if (!arc->sweep() && to >= from) to -= kFullTurnDeg;
+    if (arc->sweep() && to <= from) to += kTwoPi;
+    if (!arc->sweep() && to >= from) to -= kTwoPi;
     return ellipse_arc(plane, arc->ray(Geom::X), arc->ray(Geom::Y), from, to);
   }
   const auto* bezier = dynamic_cast<const Geom::BezierCurve*>(&curve);
@@ -220,7 +220,7 @@ class SvgReader {
       const double a = coordinate(e, circle ? "r" : "rx"), b = coordinate(e, circle ? "r" : "ry");
       if (!(a > 0 && b > 0)) return passed_over_.add(kind + " without size");
       const CurvePlane plane{at("cx", "cy"), Vec3::UnitX(), Vec3::UnitY()};
-      add({name, {}, ellipse_arc(plane, a, b, 0, kFullTurnDeg)}, here);
+      add({name, {}, ellipse_arc(plane, a, b, 0, kTwoPi)}, here);
     } else if (kind == "rect") {
       rect(e, here, name);
     }

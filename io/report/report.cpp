@@ -294,7 +294,7 @@ Json json_of(const Report::Comparison& c) {
           {"rms_relative", c.rms_relative}};
 }
 
-Json json_of(const ScanDistances& s) {
+Json json_of(const PointCloudDistances& s) {
   return {{"name", s.name},
           {"points", s.points},
           {"left_out", s.left_out},

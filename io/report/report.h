@@ -246,7 +246,7 @@ struct Report : RunReport {
   std::optional<Sculpting> sculpting;  ///< set by `batten sculpt`
   std::optional<StressReport> stress;  ///< set by `batten stress`
   bool is_sculpted = false;            ///< Scene::is_sculpted(); not in the file
-  std::vector<ScanDistances> scans;
+  std::vector<PointCloudDistances> scans;
 };
 
 /// The numbers of the report that are not finite, by their names in the file ("surface.area").

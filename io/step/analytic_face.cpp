@@ -100,7 +100,7 @@ class AnalyticPlanner {
   }
 
   std::optional<AnalyticFace> face() {
-    if (inner_.empty() || runs_along_itself()) return std::nullopt;
+    if (inner_.empty() || has_two_sided_line()) return std::nullopt;
     switch (shape_.kind) {
       case ShapeKind::Plane:
         return open_face(Vec3::UnitX());
@@ -120,7 +120,7 @@ class AnalyticPlanner {
 
  private:
   // A line with the region on both sides would be two edges in one place.
-  bool runs_along_itself() const {
+  bool has_two_sided_line() const {
     std::map<std::string, int> uses;
     for (const FaceLoop& loop : boundary_.loops)
       for (const FaceBoundarySegment& s : loop)

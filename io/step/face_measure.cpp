@@ -212,7 +212,7 @@ struct JoinSides {
                       other ? angle_between_planes(one->of_surface[k], other->of_surface[k]) : 0.0};
   }
   /// How far a side's face is from the common normal, degrees; 0: it is no fitted face.
-  double from_wanted(size_t side, size_t k) const {
+  double angle_from_target(size_t side, size_t k) const {
     const JoinNormals* normals = this->normals[side];
     return normals ? angle_between_planes(normals->of_face[k], normals->target_normals[k]) : 0;
   }
@@ -338,9 +338,9 @@ std::vector<double> correctable_angles(const std::vector<FaceNormals>& faces, do
       if (!angles || !angles->exceeds_tolerance(join_deg)) continue;
       for (const size_t side : {0, 1}) {
         if (!beside.normals[side]) continue;
-        const double other = beside.from_wanted(1 - side, k);
+        const double other = beside.angle_from_target(1 - side, k);
         // As if the other side missed as much.
-        const double mine = other > join_deg ? 2 * beside.from_wanted(side, k) : angles->of_faces;
+        const double mine = other > join_deg ? 2 * beside.angle_from_target(side, k) : angles->of_faces;
         double& most = largest[beside.faces[side]];
         if (mine > join_deg) most = std::max(most, mine);
       }
@@ -357,7 +357,7 @@ std::vector<double> angles_from_target(const std::vector<FaceNormals>& faces, do
       for (const size_t side : {0, 1})
         if (beside.normals[side]) {
           double& most = largest[beside.faces[side]];
-          most = std::max(most, beside.from_wanted(side, k));
+          most = std::max(most, beside.angle_from_target(side, k));
         }
     }
   return largest;

@@ -279,7 +279,7 @@ StepReport measured_faces(const std::filesystem::path& path, const FittedFaces& 
   std::iota(region_of_face.begin(), region_of_face.end(), 0);
   StepReport report;
   measure_patches(report, faces, made, plan, options,
-                  [&] { report = fit_primitive(shape, region_of_face); });
+                  [&] { report = measure_shape(shape, region_of_face); });
   report.bytes = input_file_size(path);
   report.continuity = shape_continuity(shape, report.size);
   report.area = report.continuity->area;

@@ -269,7 +269,7 @@ MeasuredShapes shapes_within(const StepPlan& plan, const StepFaceOptions& option
     // What is measured on the file lies between the samples.
     constexpr double most = 0.95;
     const double size = kInfinity;
-    found[k] = fit_primitive(region,
+    found[k] = measure_shape(region,
                              std::min(most * options.tolerance, primitive_tolerance(region, size)));
   });
   for (size_t k = 0; k < found.size(); ++k)

@@ -265,7 +265,7 @@ TopoDS_Shape read_step(const std::filesystem::path& path) {
   return shape;
 }
 
-StepReport fit_primitive(const TopoDS_Shape& shape, const std::vector<int>& region_of_face) {
+StepReport measure_shape(const TopoDS_Shape& shape, const std::vector<int>& region_of_face) {
   StepReport report;
   report.faces = count(shape, TopAbs_FACE);
   TopTools_IndexedMapOfShape edges;
@@ -293,7 +293,7 @@ StepReport measured_file(const std::filesystem::path& path,
   const auto expected = as_written(regions, count(shape, TopAbs_FACE));
   std::vector<int> region_of_face;
   for (const SubTriangle& sub : expected) region_of_face.push_back(sub.region);
-  StepReport report = fit_primitive(shape, region_of_face);
+  StepReport report = measure_shape(shape, region_of_face);
   report.file = path;
   report.bytes = input_file_size(path);
   if (!regions.empty()) {

@@ -20,7 +20,7 @@ TopoDS_Shape read_step(const std::filesystem::path& path);
 /// regions.
 /// `region_of_face`: the region of each face, in the file's order; faces beyond its end are one
 /// region.
-StepReport fit_primitive(const TopoDS_Shape& shape, const std::vector<int>& region_of_face);
+StepReport measure_shape(const TopoDS_Shape& shape, const std::vector<int>& region_of_face);
 
 /// Measures a file as check_step() does, but without the patches, in the unit of the present
 /// OccSettings. `fitted` gets the faces of cut regions, in their order; none when write_step() did

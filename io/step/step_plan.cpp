@@ -50,7 +50,7 @@ class Planner {
     std::vector<char> done(regions_.size());
     for (int r = 0; r < isize(regions_); ++r)
       if (!done[r]) {
-        const std::vector<int> group = hanging_together(r);
+        const std::vector<int> group = connected_regions(r);
         for (const int k : group) done[k] = 1;
         add_shells(group);
       }
@@ -126,7 +126,7 @@ class Planner {
       }
   }
 
-  std::vector<int> hanging_together(int first) const {
+  std::vector<int> connected_regions(int first) const {
     std::set<int> group{first};
     for (size_t before = 0; before != group.size();) {
       before = group.size();

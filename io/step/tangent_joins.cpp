@@ -100,9 +100,9 @@ struct Corner {
   Vec3 sum = Vec3::Zero();
   std::vector<std::pair<Join*, int>> ends;
 };
-using Place = std::pair<std::string, int>;  // a cut of a line; "" and a number of the plan's
+using EndPointId = std::pair<std::string, int>;  // a cut of a line; "" and a number of the plan's
 
-Place end_point_of(const StepPlan& plan, const LineSegmentId& piece, bool end) {
+EndPointId end_point_of(const StepPlan& plan, const LineSegmentId& piece, bool end) {
   const StepLine& line = plan.lines.at(piece.first);
   const int cut = piece.second + (end ? 1 : 0);
   if (cut == 0 || cut == isize(line.cuts) + 1) return {"", line.places[cut > 0]};
@@ -110,7 +110,7 @@ Place end_point_of(const StepPlan& plan, const LineSegmentId& piece, bool end) {
 }
 
 /// A face has one plane at its corner: all joins there get it, fading out along them.
-void agree(const Corner& corner) {
+void unify_normals(const Corner& corner) {
   constexpr double fade = 0.3;  // of a join
   for (const auto& [join, k] : corner.ends) {
     const Vec3 end = join->common[static_cast<size_t>(k)];
@@ -124,9 +124,9 @@ void agree(const Corner& corner) {
   }
 }
 
-void agree_at_corners(const StepPlan& plan, std::map<LineSegmentId, Join>& joins) {
+void unify_normals_at_corners(const StepPlan& plan, std::map<LineSegmentId, Join>& joins) {
   constexpr double alike_deg = 5;
-  std::map<Place, std::vector<Corner>> corners;
+  std::map<EndPointId, std::vector<Corner>> corners;
   for (auto& [piece, join] : joins)
     for (const bool end : {false, true}) {
       const int k = end ? kPieces : 0;
@@ -141,7 +141,7 @@ void agree_at_corners(const StepPlan& plan, std::map<LineSegmentId, Join>& joins
       corner->ends.emplace_back(&join, k);
     }
   for (const auto& [place, here] : corners)
-    for (const Corner& corner : here) agree(corner);
+    for (const Corner& corner : here) unify_normals(corner);
 }
 
 /// The end of a join at its first place, or at its last one, with derivatives of parabolas; none where
@@ -259,7 +259,7 @@ void find_tangent_joins(const StepPlan& plan, const std::vector<TangentSide>& si
     smooth(join);
     joins.emplace(piece, std::move(join));
   }
-  agree_at_corners(plan, joins);
+  unify_normals_at_corners(plan, joins);
   match_twists(sides, joins, tolerance);
   for (auto& [piece, join] : joins) set_normal_corrections(join);
 }

@@ -22,12 +22,12 @@ void add_gradients(const TriangleMesh& mesh, ArapEnergy& rows) {
     std::sort(v.begin(), v.end());  // columns ascend; the normal's sign cancels
     const Vec3 a = mesh.point(v[0]), b = mesh.point(v[1]), c = mesh.point(v[2]);
     const Vec3 across = (b - a).cross(c - a);
-    const double twice = across.norm();
-    if (!(twice > 0))
+    const double double_area = across.norm();
+    if (!(double_area > 0))
       throw InputError("triangle " + std::to_string(t) + " has no area, expected some");
-    const Vec3 n = across / twice, first = (b - a).normalized(), second = n.cross(first);
-    const Vec3 slope[3] = {n.cross(c - b) / twice, n.cross(a - c) / twice, n.cross(b - a) / twice};
-    const double weight = std::sqrt(twice / 2);
+    const Vec3 n = across / double_area, first = (b - a).normalized(), second = n.cross(first);
+    const Vec3 slope[3] = {n.cross(c - b) / double_area, n.cross(a - c) / double_area, n.cross(b - a) / double_area};
+    const double weight = std::sqrt(double_area / 2);
     for (int k = 0; k < 2; ++k) {
       const long r = 2L * t + k;
       const Vec3& along = k == 0 ? first : second;

@@ -277,7 +277,7 @@ std::vector<Reaction> SculptingSession::reactions() const {
   return all;
 }
 
-std::vector<ScanDistances> SculptingSession::scan_distances(const Points& before) const {
+std::vector<PointCloudDistances> SculptingSession::scan_distances(const Points& before) const {
   return data_->engine.scan_distances(data_->system(), before, dofs());
 }
 

@@ -161,7 +161,7 @@ class SculptingSession {
   std::vector<Reaction> reactions() const;
   /// Returns for each Load::PointCloudSprings how far its points are from the surface, and from `before`,
   /// another shape on the layout to compare with.
-  std::vector<ScanDistances> scan_distances(const Points& before) const;
+  std::vector<PointCloudDistances> scan_distances(const Points& before) const;
   double enclosed_volume() const;  ///< ⅓ ∬ x·(x_u × x_v)
   size_t history_bytes() const;
 

@@ -269,7 +269,7 @@ AttachedOffset attach(const LineOffset& move, const SessionDefinition& def,
   const double step = 1e-4 * span / nodes.segment_count();
   Points dofs = Points::Zero(mesh.dof_count(), 3);
   // Of the direction: differences stay on one side where the line ends or turns a corner.
-  const auto turning = [&](double t, int side) -> Vec3 {
+  const auto direction_derivative = [&](double t, int side) -> Vec3 {
     if (move.direction) return Vec3::Zero();
     if (side == 0) {
       const double before = mesh.closed() && t == start ? mesh.end() : t;
@@ -280,7 +280,7 @@ AttachedOffset attach(const LineOffset& move, const SessionDefinition& def,
   };
   const auto slope = [&](double t, int side) -> Vec3 {
     const Vec2 p = profile(t);
-    return p[1] * direction(t) + p[0] * turning(t, side);
+    return p[1] * direction(t) + p[0] * direction_derivative(t, side);
   };
   for (int n = 0; n < mesh.node_count(); ++n) {
     const double t = mesh.parameters()[n];

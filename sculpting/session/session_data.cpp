@@ -561,7 +561,7 @@ detail::SessionEngine::SolveStatus SessionData::step_loads(
                         " iterations (more alpha or beta, or less pressure)");
 }
 
-bool SessionData::has_scans() {
+bool SessionData::has_point_clouds() {
   for (const auto& load : system().def.loads)
     if (std::holds_alternative<Load::PointCloudSprings>(load->load.kind)) return true;
   return false;
@@ -601,7 +601,7 @@ SolveReport SessionData::solve_once(bool anew) {
     constexpr int max_rounds = 20;
     for (int round = 0; round < max_rounds; ++round) {
       if (progress.cancelled && progress.cancelled()) throw CancelledError();
-      const bool scans = has_scans();
+      const bool scans = has_point_clouds();
       if (scans && !engine.update_scan_foot_points(system(), now.shape.x) && round > 0) break;
       answer.factored |= engine.prepare_matrix(system(), values);
       Points from = now.shape.x;

@@ -109,7 +109,7 @@ struct SessionData {
   void mark_converged();
   void restore_converged();
   detail::SessionEngine::SolveStatus step_loads(const std::vector<double>& goal);
-  bool has_scans();
+  bool has_point_clouds();
   bool plan_joins();
   Points deformed_from(std::shared_ptr<const detail::RestConfiguration> rest);
   void update_rest_shape(bool anew);

@@ -106,7 +106,7 @@ void SessionEngine::step(SessionSystem& system, const std::vector<double>& from,
     if (std::holds_alternative<Load::Pressure>(system.def.loads[l]->load.kind))
       system.parts->pressure().add(next_, load.weights, v * load.scale, F_);
   }
-  if (system.scan_load.rows() > 0) F_ += system.scan_load;
+  if (system.point_cloud_load.rows() > 0) F_ += system.point_cloud_load;
   if (system.rest_load.rows() > 0) F_ += system.rest_load;
 
   // Lines move at the rate that takes them to their places at the end of the step.
@@ -212,7 +212,7 @@ std::vector<Reaction> SessionEngine::reactions(const SessionSystem& system,
       system.parts->pressure().add(x, system.loads[l]->weights, -v * system.loads[l]->scale,
                                    product_);
   }
-  if (system.scan_load.rows() > 0) product_ -= system.scan_load;
+  if (system.point_cloud_load.rows() > 0) product_ -= system.point_cloud_load;
   if (system.rest_load.rows() > 0) product_ -= system.rest_load;
   const AuxiliaryConstraints& rows = *system.auxiliary;
   for (size_t r = 0; r < rows.rows.size(); ++r) {
@@ -233,10 +233,10 @@ std::vector<Reaction> SessionEngine::reactions(const SessionSystem& system,
   return all;
 }
 
-std::vector<ScanDistances> SessionEngine::scan_distances(const SessionSystem& system,
+std::vector<PointCloudDistances> SessionEngine::scan_distances(const SessionSystem& system,
                                                          const Points& before,
                                                          const Points& now) const {
-  std::vector<ScanDistances> all;
+  std::vector<PointCloudDistances> all;
   std::optional<ModelProjector> on_before, on_now;
   for (size_t l = 0; l < system.loads.size(); ++l) {
     const auto* scan = std::get_if<Load::PointCloudSprings>(&system.def.loads[l]->load.kind);
@@ -245,7 +245,7 @@ std::vector<ScanDistances> SessionEngine::scan_distances(const SessionSystem& sy
       on_before.emplace(system.layout(), before);
       on_now.emplace(system.layout(), now);
     }
-    ScanDistances s;
+    PointCloudDistances s;
     s.name = system.def.loads[l]->load.name;
     s.points = isize(scan->points);
     for (size_t i = 0; i < scan->points.size(); ++i) {
@@ -282,7 +282,7 @@ double SessionEngine::total_energy(const SessionSystem& system, const std::vecto
       product_ -= (2.0 / 3) * F_;
     }
   }
-  if (system.scan_load.rows() > 0) product_ -= 2 * system.scan_load;
+  if (system.point_cloud_load.rows() > 0) product_ -= 2 * system.point_cloud_load;
   if (system.rest_load.rows() > 0) product_ -= 2 * system.rest_load;
   double energy = shape.x.cwiseProduct(product_).sum();
   if (system.rest_load.rows() > 0) energy += system.rest->dofs.cwiseProduct(system.rest_load).sum();

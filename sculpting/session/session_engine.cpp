@@ -108,14 +108,14 @@ std::vector<SurfaceStiffness> materials(const SessionSystem& system,
 }  // namespace
 
 // Scans act on the matrix itself: Σ k N Nᵀ, and Σ k N p on the right.
-void SessionEngine::add_scans(SessionSystem& system, const std::vector<double>& values,
+void SessionEngine::add_point_clouds(SessionSystem& system, const std::vector<double>& values,
                               SparseMatrix& K) {
   const MeshData& parts = *system.parts;
-  system.scan_load.resize(0, 3);
+  system.point_cloud_load.resize(0, 3);
   for (size_t l = 0; l < system.loads.size(); ++l) {
     const auto* scan = std::get_if<Load::PointCloudSprings>(&system.def.loads[l]->load.kind);
     if (!scan || system.scan_foot_points[l].empty()) continue;
-    if (system.scan_load.rows() == 0) system.scan_load = Points::Zero(system.dofs(), 3);
+    if (system.point_cloud_load.rows() == 0) system.point_cloud_load = Points::Zero(system.dofs(), 3);
     const double value = values[system.load_parameter[l]];
     if (!(value >= 0))
       throw InputError("load '" + system.def.loads[l]->load.name + "' has springs of stiffness " +
@@ -128,14 +128,14 @@ void SessionEngine::add_scans(SessionSystem& system, const std::vector<double>& 
           C1Triangle(parts.kind, parts.mesh->shape(where.triangle)).evaluate(where.L).col(kW);
       const auto dof = parts.assembler.dofs().triangle(*parts.mesh, where.triangle);
       for (int a = 0; a < 12; ++a) {
-        system.scan_load.row(dof[a]) += k * N[a] * (scan->points[i] - system.origin()).transpose();
+        system.point_cloud_load.row(dof[a]) += k * N[a] * (scan->points[i] - system.origin()).transpose();
         for (int b = 0; b < 12; ++b)
           if (dof[a] >= dof[b]) K.coeffRef(dof[a], dof[b]) += k * N[a] * N[b];
       }
     }
   }
-  if (system.scan_load.rows() > 0)
-    system.scan_reduced = system.reduction->D().transpose() * system.scan_load;
+  if (system.point_cloud_load.rows() > 0)
+    system.point_cloud_reduced = system.reduction->D().transpose() * system.point_cloud_load;
 }
 
 // What ties regions along embedded lines, for the values.
@@ -160,7 +160,7 @@ void SessionEngine::set_rest_shape(SessionSystem& system,
                                    std::shared_ptr<const RestConfiguration> rest) {
   system.rest = std::move(rest);
   anchored_ = false;
-  if (system.statics && system.scan_load.rows() == 0) {
+  if (system.statics && system.point_cloud_load.rows() == 0) {
     const SparseMatrix joins = join_stiffness(system, system.matrix_values);
     if (joins.nonZeros() > 0)
       set_rest_load(system, system.statics->matrix() - joins);
@@ -181,7 +181,7 @@ void SessionEngine::make_matrix(SessionSystem& system, const std::vector<double>
     parts.assembler.stiffness(all, K);
   set_rest_load(system, K);
   K += join_stiffness(system, values);
-  add_scans(system, values, K);
+  add_point_clouds(system, values, K);
   // A factor that the history keeps must stay; one of our own takes other numbers in place.
   if (system.statics && system.statics.use_count() == 1)
     system.statics->set_matrix(std::move(K));
@@ -360,7 +360,7 @@ void SessionEngine::add_linear(const SessionSystem& system, const std::vector<do
     if (const double v = values[system.load_parameter[l]];
         v != 0 && system.loads[l]->reduced.rows() > 0)
       to += v * system.loads[l]->reduced;
-  if (system.scan_load.rows() > 0) to += system.scan_reduced;
+  if (system.point_cloud_load.rows() > 0) to += system.point_cloud_reduced;
   if (system.rest_load.rows() > 0) to += system.rest_reduced;
 }
 

@@ -75,7 +75,7 @@ class SessionEngine {
   std::vector<Reaction> reactions(const SessionSystem& system, const std::vector<double>& values,
                                   const Points& x);
   /// Returns the distances of each scan from two shapes in absolute coordinates.
-  std::vector<ScanDistances> scan_distances(const SessionSystem& system, const Points& before,
+  std::vector<PointCloudDistances> scan_distances(const SessionSystem& system, const Points& before,
                                             const Points& now) const;
   /// Returns xᵀKx - 2Fᵀx and the energy of springs, plus ρ vᵀMv in motion.
   double total_energy(const SessionSystem& system, const std::vector<double>& values,
@@ -83,7 +83,7 @@ class SessionEngine {
 
  private:
   void make_matrix(SessionSystem& system, const std::vector<double>& values);
-  void add_scans(SessionSystem& system, const std::vector<double>& values, SparseMatrix& K);
+  void add_point_clouds(SessionSystem& system, const std::vector<double>& values, SparseMatrix& K);
   static SparseMatrix join_stiffness(const SessionSystem& system,
                                      const std::vector<double>& values);
   static void set_rest_load(SessionSystem& system, const SparseMatrix& K);

@@ -21,7 +21,7 @@ struct Reaction {
 
 /// How far the points of a scan are from the surface, model units. Points beyond the rim are left
 /// out.
-struct ScanDistances {
+struct PointCloudDistances {
   std::string name;
   int points = 0, left_out = 0;
   double before_max = 0, before_rms = 0;  ///< of the shape to compare with

@@ -180,7 +180,7 @@ void build_loads(SessionSystem& system, const SessionSystem* older, bool same_me
 void keep_matrix_values(SessionSystem& system, const SessionSystem& older,
                         const Parameters& parameters) {
   const SessionDefinition& d = system.def;
-  const bool same_matrix = older.def.weights == d.weights && older.scan_load.rows() == 0 &&
+  const bool same_matrix = older.def.weights == d.weights && older.point_cloud_load.rows() == 0 &&
                            std::none_of(d.loads.begin(), d.loads.end(), [](const auto& l) {
                              return std::holds_alternative<Load::PointCloudSprings>(l->load.kind);
                            });
@@ -269,7 +269,7 @@ size_t bytes_of(const SessionSystem& system, std::set<const void*>& seen) {
   if (system.rest)
     once(system.rest.get(),
          8 * static_cast<size_t>(system.rest->dofs.size() + system.rest->first.size()));
-  return sum + 8 * static_cast<size_t>(system.base_rhs.size() + system.scan_load.size() +
+  return sum + 8 * static_cast<size_t>(system.base_rhs.size() + system.point_cloud_load.size() +
                                        system.rest_load.size());
 }
 

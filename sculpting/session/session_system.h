@@ -178,8 +178,8 @@ struct SessionSystem {
   Motion motion;                      ///< of `dynamics`
   std::vector<std::vector<ModelPoint>> scan_foot_points;  ///< of each load; empty but for scans
   std::vector<std::vector<char>> scan_used;               ///< whether each point of a scan pulls
-  Points scan_load;                               ///< Σ k N p of the scans at matrix_values
-  MatX scan_reduced;                              ///< Dᵀ scan_load
+  Points point_cloud_load;                               ///< Σ k N p of the scans at matrix_values
+  MatX point_cloud_reduced;                              ///< Dᵀ point_cloud_load
   std::shared_ptr<const RestConfiguration> rest;  ///< null: not made
   Points rest_load;                               ///< K rest; no rows: none
   MatX rest_reduced;                              ///< Dᵀ rest_load

@@ -36,7 +36,7 @@ struct SculptResult {
   double last_change = 0;  ///< change of the shape in the last iteration, over the size
   std::vector<Reaction> reactions;
   double max_constraint_residual = 0;  ///< largest residual of all rows, over the size
-  std::vector<ScanDistances>
+  std::vector<PointCloudDistances>
       scans;  ///< one for each Load::PointCloudSprings; before: the lines alone
 };
 

@@ -607,16 +607,16 @@ void embed_on_annulus(const Surface& surface, const std::vector<Outline>& holes,
     // Where lines cross, nearest points keep them together.
     EmbeddedLine& line = geometry.embedded[i];
     const double near = 10 * task.gap_tolerance;
-    bool alone = true;
-    for (size_t j = 0; j < geometry.embedded.size() && alone; ++j) {
+    bool reparametrise = true;
+    for (size_t j = 0; j < geometry.embedded.size() && reparametrise; ++j) {
       const InputCurve &a = *line.line.curve, &b = *geometry.embedded[j].line.curve;
       std::vector<Vec3> ends;
       for (const double s : {a.start(), a.end()})
         for (const double t : {b.start(), b.end()})
           if ((a.evaluate(s) - b.evaluate(t)).norm() <= near) ends.push_back(a.evaluate(s));
-      alone = j == i || !BoxedCurve(a).crossing(BoxedCurve(b), near, ends, 20 * near).found;
+      reparametrise = j == i || !BoxedCurve(a).crossing(BoxedCurve(b), near, ends, 20 * near).found;
     }
-    embed_across_seam(line, surface, projector, locator, alone);
+    embed_across_seam(line, surface, projector, locator, reparametrise);
   }
 }
 

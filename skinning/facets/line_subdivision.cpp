@@ -53,13 +53,13 @@ LineSubdivision::LineSubdivision(const SkinnedRegion& region, double edge_length
       on_boundary_[line_of(piece)] = 1;
       min_edges_[line_of(piece)] = (min_loop_edges + isize(loop) - 1) / isize(loop);
     }
-  same_ = 1e-7 * bounding_box(mesh.vertices()).diagonal().norm();
+  merge_tolerance_ = 1e-7 * bounding_box(mesh.vertices()).diagonal().norm();
   const MeanEdge mean = mean_edge(region.surface);
   if (!(edge_length > 0)) edge_length = mean.space;
   size_ = mean.uv * (edge_length / mean.space);
-  space_ = edge_length;
+  edge_length_ = edge_length;
   if (has_seam()) cut_open();
-  place_fixed_stops();
+  add_fixed_points();
   find_crossings();
   subdivide();
 }
@@ -84,7 +84,7 @@ bool LineSubdivision::on_seam(int node) const {
 
 const SubdivisionPoint* LineSubdivision::fixed_near(size_t line, const Vec2& p) const {
   for (const SubdivisionPoint& point : subdivisions_[line])
-    if ((near(nodes_[point.node], p) - p).norm() <= same_) return &point;
+    if ((near(nodes_[point.node], p) - p).norm() <= merge_tolerance_) return &point;
   return nullptr;
 }
 
@@ -157,7 +157,7 @@ void LineSubdivision::cut_open() {
   on_boundary_.push_back(0);
 }
 
-void LineSubdivision::place_fixed_stops() {
+void LineSubdivision::add_fixed_points() {
   std::map<int, int> node_of_vertex;
   const ParametricMesh& mesh = region_.surface.mesh();
   for (size_t r = 0; r < region_.edge_aligned.size(); ++r)
@@ -177,7 +177,7 @@ void LineSubdivision::place_fixed_stops() {
         const Vec2 p = lines_[l].at(t);
         int node = -1;
         for (size_t i = 0; node < 0 && i < nodes_.size(); ++i)
-          if ((near(nodes_[i], p) - p).norm() <= same_) node = static_cast<int>(i);
+          if ((near(nodes_[i], p) - p).norm() <= merge_tolerance_) node = static_cast<int>(i);
         fix(l, t, node >= 0 ? node : new_node(p));
       }
     }
@@ -189,7 +189,7 @@ void LineSubdivision::place_fixed_stops() {
       for (size_t m = 0; m < lines_.size(); ++m) {
         if (m == l || fixed_near(m, p)) continue;
         const CurvePoint there = closest(lines_[m], p);
-        if (there.distance > same_) continue;
+        if (there.distance > merge_tolerance_) continue;
         fix(m, there.u, node);
         if (!on_boundary_[l] && lines_[l].embedded()) nodes_[node] = lines_[m].at(there.u);
       }
@@ -205,8 +205,8 @@ void LineSubdivision::find_crossings() {
       double first = 0, last = 0;
       if (has_seam()) {
         const auto a = lines_[l].u_range(), b = lines_[m].u_range();
-        first = std::ceil((a.first - b.second - same_) / period());
-        last = std::floor((a.second - b.first + same_) / period());
+        first = std::ceil((a.first - b.second - merge_tolerance_) / period());
+        last = std::floor((a.second - b.first + merge_tolerance_) / period());
       }
       for (double k = first; k <= last; ++k)
         for (size_t i = 0; i < lines_[l].arc_count(); ++i)
@@ -221,8 +221,8 @@ void LineSubdivision::intersect_segments(size_t l, size_t i, double s0, double s
   PlanarCubic b = lines_[m].arc(j, t0, t1);
   for (Vec2& p : b.b) p.x() += du;
   const Box2 of_a = bounding_box(a.b), of_b = bounding_box(b.b);
-  if ((of_a.max() - of_b.min()).minCoeff() < -same_ ||
-      (of_b.max() - of_a.min()).minCoeff() < -same_)
+  if ((of_a.max() - of_b.min()).minCoeff() < -merge_tolerance_ ||
+      (of_b.max() - of_a.min()).minCoeff() < -merge_tolerance_)
     return;
   constexpr int deepest = 6;
   if (depth < deepest) {
@@ -246,7 +246,7 @@ void LineSubdivision::intersect_segments(size_t l, size_t i, double s0, double s
   if (s < -tolerance || s > 1 + tolerance || t < -tolerance || t > 1 + tolerance) return;
   s = std::clamp(s, 0.0, 1.0);
   t = std::clamp(t, 0.0, 1.0);
-  if ((a.at(s) - b.at(t)).norm() > same_) return;
+  if ((a.at(s) - b.at(t)).norm() > merge_tolerance_) return;
   const SubdivisionPoint *on_l = fixed_near(l, a.at(s)), *on_m = fixed_near(m, b.at(t));
   if (on_l && on_m) return;
   const double at_l = lines_[l].parameter(i, s0 + s * (s1 - s0)),
@@ -272,7 +272,7 @@ void LineSubdivision::subdivide() {
 // A fixed stop takes the place of one that is near; ends and corners are fixed themselves.
 void LineSubdivision::subdivide_embedded(size_t l) {
   std::vector<SubdivisionPoint> all;
-  for (const double t : subdivide_line(*lines_[l].embedded(), space_, min_edges_[l]))
+  for (const double t : subdivide_line(*lines_[l].embedded(), edge_length_, min_edges_[l]))
     all.push_back({t, -1, false});
   for (const SubdivisionPoint& fixed : subdivisions_[l]) {
     const auto next = std::lower_bound(all.begin(), all.end(), fixed, before);

@@ -131,7 +131,7 @@ class LineSubdivision {
   // which are one again afterwards. The seam begins at the vertex of the first rim for which it
   // runs least along other lines, and crosses no hole.
   void cut_open();
-  void place_fixed_stops();
+  void add_fixed_points();
   void find_crossings();
   // Finds crossings of two arcs by halving them; the second line is moved by du.
   void intersect_segments(size_t l, size_t i, double s0, double s1, size_t m, size_t j, double t0,
@@ -147,7 +147,7 @@ class LineSubdivision {
   std::vector<FacetLine> lines_;
   std::vector<char> on_boundary_;
   std::vector<int> min_edges_;
-  double same_ = 0, size_ = 0, space_ = 0;
+  double merge_tolerance_ = 0, size_ = 0, edge_length_ = 0;
   std::vector<Vec2> nodes_;
   std::vector<std::vector<SubdivisionPoint>> subdivisions_;
 };

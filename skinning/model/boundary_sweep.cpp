@@ -170,7 +170,7 @@ void BoundarySweep::sample(Patch& patch) const {
   for (int i = 0; i <= kGrid; ++i)
     for (int j = 0; j <= kGrid; ++j) {
       patch.at.emplace_back(i / double(kGrid), j / double(kGrid));
-      patch.uv.push_back(square(patch, patch.at.back()).uv);
+      patch.uv.push_back(evaluate_map(patch, patch.at.back()).uv);
     }
 }
 
@@ -208,7 +208,7 @@ bool BoundarySweep::is_graph() const {
   for (const Patch& patch : patches_)
     for (int i = 0; i < kGrid; ++i)
       for (int j = 0; j < kGrid; ++j) {
-        const PatchPoint here = square(patch, {(i + 0.5) / kGrid, (j + 0.5) / kGrid});
+        const PatchPoint here = evaluate_map(patch, {(i + 0.5) / kGrid, (j + 0.5) / kGrid});
         const Jet x = jet(patch, here);
         const double shadow = here.jacobian.determinant();
         const double area = scale * x.by_u.cross(x.by_v).norm();
@@ -255,7 +255,7 @@ bool BoundarySweep::compute_weights() {
 }
 
 // The Coons patch of the images, or the projection of the sweeps, and all that is known at its place.
-BoundarySweep::PatchPoint BoundarySweep::square(const Patch& patch, const Vec2& st) const {
+BoundarySweep::PatchPoint BoundarySweep::evaluate_map(const Patch& patch, const Vec2& st) const {
   const double s = st[0], t = st[1];
   PatchPoint q{st, {}, {}, edges(patch, st)};
   if (projection_) {
@@ -289,7 +289,7 @@ Vec2 BoundarySweep::start(const Patch& patch, const Vec2& uv) const {
     const double in = at_left ? 1.0 / kGrid : 1 - 1.0 / kGrid;
     double least = std::numeric_limits<double>::infinity();
     for (int j = 0; j <= kGrid; ++j) {
-      const Vec2 beside = square(patch, {in, j / double(kGrid)}).uv;
+      const Vec2 beside = evaluate_map(patch, {in, j / double(kGrid)}).uv;
       const Vec2 corner = at_left ? patch.left.uv : patch.right.uv;
       const Vec2 direction = (beside - corner).normalized();
       const double off = (uv - corner - direction.dot(uv - corner) * direction).norm();
@@ -308,7 +308,7 @@ BoundarySweep::PatchPoint BoundarySweep::invert_map(const Patch& patch, const Ve
                                                     const Vec2& from) const {
   const Vec2 low(patch.left.side < 0 ? 1e-9 : -kBeyond, -kBeyond),
       high(patch.right.side < 0 ? 1 - 1e-9 : 1 + kBeyond, 1 + kBeyond);
-  PatchPoint here = square(patch, from);
+  PatchPoint here = evaluate_map(patch, from);
   for (int round = 0; round < 25; ++round) {
     const Vec2 miss = uv - here.uv;
     if (miss.norm() < 1e-14 * extent_) break;
@@ -318,7 +318,7 @@ BoundarySweep::PatchPoint BoundarySweep::invert_map(const Patch& patch, const Ve
     bool better = false;
     for (double f = 1; f > 1e-3 && !better; f /= 2) {
       const Vec2 next = (here.st + f * step).cwiseMax(low).cwiseMin(high);
-      PatchPoint there = square(patch, next);
+      PatchPoint there = evaluate_map(patch, next);
       if (!((uv - there.uv).norm() < miss.norm())) continue;
       here = std::move(there);
       better = true;
@@ -364,16 +364,16 @@ Vec2 BoundarySweep::parameters(const Patch& patch, const Vec2& st) const {
   return projection_ ? st : warped(patch, st);
 }
 
-BoundarySweep::Jet BoundarySweep::jet(const Patch& patch, const PatchPoint& square) const {
+BoundarySweep::Jet BoundarySweep::jet(const Patch& patch, const PatchPoint& evaluate_map) const {
   if (projection_ || (!patch.fan_left && !patch.fan_right))
-    return jet(patch, square.st, square.edges);
-  const Vec2 st = warped(patch, square.st);
+    return jet(patch, evaluate_map.st, evaluate_map.edges);
+  const Vec2 st = warped(patch, evaluate_map.st);
   const Jet j = jet(patch, st, edges(patch, st));
   constexpr double h = 1e-5;
   const Vec2 by_s =
-      (warped(patch, square.st + Vec2(h, 0)) - warped(patch, square.st - Vec2(h, 0))) / (2 * h);
+      (warped(patch, evaluate_map.st + Vec2(h, 0)) - warped(patch, evaluate_map.st - Vec2(h, 0))) / (2 * h);
   const Vec2 by_t =
-      (warped(patch, square.st + Vec2(0, h)) - warped(patch, square.st - Vec2(0, h))) / (2 * h);
+      (warped(patch, evaluate_map.st + Vec2(0, h)) - warped(patch, evaluate_map.st - Vec2(0, h))) / (2 * h);
   return {j.x, by_s[0] * j.by_u + by_s[1] * j.by_v, by_t[0] * j.by_u + by_t[1] * j.by_v};
 }
 
@@ -396,11 +396,11 @@ BoundarySweep::Jet BoundarySweep::jet(const Patch& patch, const Vec2& st, const 
 }
 
 // The slopes of one sweep by (u, v).
-FirstOrderJet BoundarySweep::slopes_at(const Patch& patch, const PatchPoint& square) const {
-  const Jet j = jet(patch, square);
+FirstOrderJet BoundarySweep::slopes_at(const Patch& patch, const PatchPoint& evaluate_map) const {
+  const Jet j = jet(patch, evaluate_map);
   Eigen::Matrix<double, 3, 2> by_st;
   by_st << j.by_u, j.by_v;
-  return {j.x, by_st * square.jacobian.inverse()};
+  return {j.x, by_st * evaluate_map.jacobian.inverse()};
 }
 
 // The point of one sweep nearest to the mean of all, from (s, t) on, and its slopes: with J the sweep's
@@ -475,21 +475,21 @@ FirstOrderJet BoundarySweep::at(const Vec2& uv) const {
     return slopes_of_blend(uv);
   }
   const Patch& patch = patches_.front();
-  const PatchPoint square = invert_map(patch, uv);
+  const PatchPoint evaluate_map = invert_map(patch, uv);
   constexpr double kOutside = 1e-9, kAtCorner = 1e-3;
-  if ((uv - square.uv).norm() > kOutside * extent_)
+  if ((uv - evaluate_map.uv).norm() > kOutside * extent_)
     // Beyond a corner that is a rail, too, where (s, t) end.
     for (const bool right : {false, true}) {
       const Edge& edge = right ? patch.right : patch.left;
-      const double from = right ? 1 - square.st[0] : square.st[0];
+      const double from = right ? 1 - evaluate_map.st[0] : evaluate_map.st[0];
       if (edge.side >= 0 || from > kAtCorner) continue;
       if (auto corner = at_corner(edge.uv)) {
         corner->x += corner->gradient * (uv - edge.uv);
         return *corner;
       }
     }
-  FirstOrderJet s = slopes_at(patch, square);
-  s.x += s.gradient * (uv - square.uv);
+  FirstOrderJet s = slopes_at(patch, evaluate_map);
+  s.x += s.gradient * (uv - evaluate_map.uv);
   return s;
 }
 

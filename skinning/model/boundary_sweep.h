@@ -129,7 +129,7 @@ class BoundarySweep {
   bool is_graph() const;
   void use_projection();
   BoundarySide::Point point(const Edge& edge, double f) const;
-  PatchPoint square(const Patch& patch, const Vec2& st) const;
+  PatchPoint evaluate_map(const Patch& patch, const Vec2& st) const;
   PatchPoint invert_map(const Patch& patch, const Vec2& uv) const;
   PatchPoint invert_map(const Patch& patch, const Vec2& uv, const Vec2& from) const;
   Vec2 start(const Patch& patch, const Vec2& uv) const;
@@ -137,9 +137,9 @@ class BoundarySweep {
   static Vec2 warped(const Patch& patch, const Vec2& st);
   Vec2 parameters(const Patch& patch, const Vec2& st) const;
   static Jet jet(const Patch& patch, const Vec2& st, const Edges& edges);
-  Jet jet(const Patch& patch, const PatchPoint& square) const;
+  Jet jet(const Patch& patch, const PatchPoint& evaluate_map) const;
   Edges edges(const Patch& patch, const Vec2& st) const;
-  FirstOrderJet slopes_at(const Patch& patch, const PatchPoint& square) const;
+  FirstOrderJet slopes_at(const Patch& patch, const PatchPoint& evaluate_map) const;
   FirstOrderJet projected(const Patch& patch, Vec2 st, const FirstOrderJet& mean) const;
   FirstOrderJet slopes_of_blend(const Vec2& uv) const;
   std::optional<FirstOrderJet> at_corner(const Vec2& uv) const;

@@ -76,8 +76,8 @@ Sweep::Sweep(const Curve& c0, const Curve& c1, const Curve& r0, const Curve& r1)
   constexpr double kMaxTwist = 130 * std::numbers::pi / 180;
   const double twist = turn * smooth_step(std::abs(turn), std::numbers::pi, kMaxTwist) *
                        smooth_step(alike / std::max({bulge0, bulge1, 1e-24}), kStraight, kBulged);
-  quarter_ = std::clamp(twist, -kQuarter, kQuarter);
-  twist_ = twist - quarter_;
+  slerp_angle_ = std::clamp(twist, -kQuarter, kQuarter);
+  twist_ = twist - slerp_angle_;
   to_first_ = rotation(e, -twist_) * back;
   const Mat3 untwist = rotation(e, -twist);
   double sum = 0;
@@ -91,11 +91,11 @@ Mat3 Sweep::transport(double v, const Vec3& e) const {
 }
 
 Sweep::Weights Sweep::across(double v) const {
-  const double sine = std::sin(quarter_);
+  const double sine = std::sin(slerp_angle_);
   if (std::abs(sine) < 1e-6) return {1 - v, v, -1, 1};
-  const double from = (1 - v) * quarter_, to = v * quarter_;
-  return {std::sin(from) / sine, std::sin(to) / sine, -quarter_ * std::cos(from) / sine,
-          quarter_ * std::cos(to) / sine};
+  const double from = (1 - v) * slerp_angle_, to = v * slerp_angle_;
+  return {std::sin(from) / sine, std::sin(to) / sine, -slerp_angle_ * std::cos(from) / sine,
+          slerp_angle_ * std::cos(to) / sine};
 }
 
 Sweep::Jet Sweep::at(double v, const PointAndSlope& c0, const PointAndSlope& c1,

@@ -115,7 +115,7 @@ void find_partners(const std::vector<EdgeDraft>& drafts, const std::vector<Netwo
                    const SampledCurves& sampled_curves, double tangent_angle,
                    std::vector<NetworkEdge>& edges) {
   struct Pair {
-    int strange;  // 0: of one strand, where that was cut
+    int different_curve;  // 0: of one strand, where that was cut
     long long angle_deg;
     EdgeEnd p, q;
   };
@@ -145,7 +145,7 @@ void find_partners(const std::vector<EdgeDraft>& drafts, const std::vector<Netwo
           pairs.push_back({one ? 0 : 1, std::llround(angle_deg * (1 << 20)), p, q});
       }
     std::stable_sort(pairs.begin(), pairs.end(), [](const Pair& a, const Pair& b) {
-      return std::tie(a.strange, a.angle_deg) < std::tie(b.strange, b.angle_deg);
+      return std::tie(a.different_curve, a.angle_deg) < std::tie(b.different_curve, b.angle_deg);
     });
     for (const Pair& pair : pairs) {
       auto &p = edges[pair.p.edge].continuation[pair.p.end],

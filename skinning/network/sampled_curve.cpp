@@ -272,7 +272,7 @@ double SampledCurve::closest_parameter(const Vec3& p, double t, double low, doub
   double best = t, nearest = std::numeric_limits<double>::infinity();
   for (int k = 0; k < 40; ++k) {
     const Vec3 d = point(t) - p, d1 = curve->evaluate(t, 1);
-    const double distance = d.norm(), g = d.dot(d1), kMaxSagRatio = d1.squaredNorm();
+    const double distance = d.norm(), g = d.dot(d1), speed_squared = d1.squaredNorm();
     if (distance < nearest) {
       nearest = distance;
       best = t;

@@ -155,7 +155,7 @@ std::set<int> RegionMaker::refine_for_rest_shapes(std::set<int> examine) {
   std::set<int> beside;
   if (!options_.rest || options_.skin.edge_length > 0) return beside;
   constexpr int kMaxRounds = 8;
-  constexpr double edges_per_size = 0.4;  // of the tolerance: fitted curves take some, too
+  constexpr double kToleranceFraction = 0.4;  // of the tolerance: fitted curves take some, too
   // Waves of curves that were drawn by hand are not worth their elements, noses of wings are.
   constexpr double kMinError = 10;  // of the tolerance
   // Triangles that come to all of these regions. Drawings of many regions are not to be much slower.
@@ -164,7 +164,7 @@ std::set<int> RegionMaker::refine_for_rest_shapes(std::set<int> examine) {
   std::vector<std::shared_ptr<const RegionLayout>> now(model_.regions.size());
   std::vector<int> before(now.size(), 0);  // triangles
   std::vector<int> in_vain(now.size(), 0);
-  std::vector<double> kMinTrialTriangles(now.size(), std::numeric_limits<double>::infinity());
+  std::vector<double> least_error(now.size(), std::numeric_limits<double>::infinity());
   for (const int r : examine) sizes_[r].reset();
   for (int round = 0; round < kMaxRounds && !examine.empty(); ++round) {
     const std::vector<int> which(examine.begin(), examine.end());
@@ -178,13 +178,13 @@ std::set<int> RegionMaker::refine_for_rest_shapes(std::set<int> examine) {
       if (round == 0) before[r] = triangles;
       if (triangles > before[r] + each) return;
       const RestShapeError error =
-          rest_shape_error(*layout, edges_per_size * tolerance_, sizes_[r].get());
+          rest_shape_error(*layout, kToleranceFraction * tolerance_, sizes_[r].get());
       if (round == 0 && !(error.largest > kMinError * tolerance_)) return;
       // Where shorter edges do not help twice, the shape itself has a corner.
       constexpr double kWorthwhileRatio = 0.8;
-      in_vain[r] = error.largest <= kWorthwhileRatio * kMinTrialTriangles[r] ? 0 : in_vain[r] + 1;
+      in_vain[r] = error.largest <= kWorthwhileRatio * least_error[r] ? 0 : in_vain[r] + 1;
       if (in_vain[r] == (error.largest <= tolerance_ ? 1 : 2)) return;
-      kMinTrialTriangles[r] = std::min(kMinTrialTriangles[r], error.largest);
+      least_error[r] = std::min(least_error[r], error.largest);
       sizes[i] = error.size_field;
       now[r] = layout;
     });

@@ -57,7 +57,7 @@ class ModelMaker {
     model_.joins = std::move(classification.joins);
     join_lines_ = std::move(classification.join_lines);
     join_of_ = std::move(classification.join_of);
-    has_facets_.resize(model_.regions.size());
+    tessellated_.resize(model_.regions.size());
     // 4. and 5. Solve joined regions together, and measure.
     join();
     return std::move(model_);
@@ -279,9 +279,9 @@ class ModelMaker {
     std::vector<std::string> why(model_.regions.size());
     parallel_for(isize(why), [&](int r) {
       const auto& made = model_.regions[r].skinned;
-      if (!made || made->surface.shared_mesh() == has_facets_[r]) return;
+      if (!made || made->surface.shared_mesh() == tessellated_[r]) return;
       why[r] = facet_error(*made);
-      if (why[r].empty()) has_facets_[r] = made->surface.shared_mesh();
+      if (why[r].empty()) tessellated_[r] = made->surface.shared_mesh();
     });
     for (size_t r = 0; r < why.size(); ++r) {
       if (why[r].empty()) continue;
@@ -378,7 +378,7 @@ class ModelMaker {
   SurfaceModel model_;
   RegionMaker regions_;
   std::vector<Points> dofs_;                                       // of the regions
-  std::vector<std::shared_ptr<const ParametricMesh>> has_facets_;  // of each region: has some
+  std::vector<std::shared_ptr<const ParametricMesh>> tessellated_;  // of each region: has some
   // Groups that were solved and their shapes, by their first region, to be taken again where nothing
   // has changed.
   std::map<int, std::pair<RegionGroup, std::vector<Points>>> solved_;

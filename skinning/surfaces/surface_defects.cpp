@@ -191,7 +191,7 @@ std::vector<int> welded(const std::vector<Vec3>& points, const std::vector<int>&
 }
 
 // All facets with points on shared lines welded.
-struct Soup {
+struct FacetSoup {
   std::vector<Vec3> points;
   std::vector<std::array<int, 3>> facets;  // welded
   std::vector<std::array<int, 3>> own;     // the same as they lie
@@ -208,9 +208,9 @@ struct Soup {
   double near = 0;
 };
 
-Soup soup_of(const Regions& regions, const std::vector<SkinQuality>& qualities,
+FacetSoup soup_of(const Regions& regions, const std::vector<SkinQuality>& qualities,
              const std::vector<Shell>& shells) {
-  Soup soup;
+  FacetSoup soup;
   std::vector<Vec3> boundary;    // points on the edges of one facet
   std::vector<int> at_boundary;  // their numbers
   std::vector<int> of_boundary;  // their regions
@@ -277,7 +277,7 @@ using Meetings = std::map<EdgeKey, std::vector<MetEdge>>;  // by regions
 
 // Into the surface of a facet, at right angles to its edge: in its tangent plane, or where that is
 // not known in the facet.
-std::array<Vec3, 3> into_surface(const Soup& soup, const Soup::BoundaryEdge& boundary) {
+std::array<Vec3, 3> into_surface(const FacetSoup& soup, const FacetSoup::BoundaryEdge& boundary) {
   const auto [a, b] = boundary.by;
   const Vec3 along = (soup.points[b] - soup.points[a]).normalized();
   Vec3 chord = Vec3::Zero();
@@ -293,7 +293,7 @@ std::array<Vec3, 3> into_surface(const Soup& soup, const Soup::BoundaryEdge& bou
   return into;
 }
 
-Meetings meetings_of(const std::vector<Shell>& shells, const Soup& soup) {
+Meetings meetings_of(const std::vector<Shell>& shells, const FacetSoup& soup) {
   Meetings meetings;
   const auto no_area = [&](size_t f) {
     return shells[soup.region[f]].normals[soup.facet[f]].isZero();
@@ -302,7 +302,7 @@ Meetings meetings_of(const std::vector<Shell>& shells, const Soup& soup) {
     for (size_t j = i + 1; j < soup.boundary.size() && soup.boundary[j].by == soup.boundary[i].by;
          ++j) {
       const auto [a, b] = soup.boundary[i].by;
-      const Soup::BoundaryEdge *first = &soup.boundary[i], *second = &soup.boundary[j];
+      const FacetSoup::BoundaryEdge *first = &soup.boundary[i], *second = &soup.boundary[j];
       if (soup.region[first->facet] > soup.region[second->facet]) std::swap(first, second);
       const int r = soup.region[first->facet], s = soup.region[second->facet];
       if (r == s || a == b || no_area(first->facet) || no_area(second->facet)) continue;
@@ -319,8 +319,8 @@ Meetings meetings_of(const std::vector<Shell>& shells, const Soup& soup) {
 // region has another curve, and both span its tangent plane.
 class ExpectedWedges {
  public:
-  explicit ExpectedWedges(const Soup& soup) : soup_(soup) {
-    for (const Soup::BoundaryEdge& boundary : soup.boundary) {
+  explicit ExpectedWedges(const FacetSoup& soup) : soup_(soup) {
+    for (const FacetSoup::BoundaryEdge& boundary : soup.boundary) {
       boundary_[{soup.region[boundary.facet], boundary.by.first}].push_back(boundary.by.second);
       boundary_[{soup.region[boundary.facet], boundary.by.second}].push_back(boundary.by.first);
     }
@@ -414,12 +414,12 @@ class ExpectedWedges {
     });
   }
 
-  const Soup& soup_;
+  const FacetSoup& soup_;
   std::map<std::pair<int, int>, std::vector<int>> boundary_;  // by region and point: its neighbours
 };
 
 // Where regions meet along a line: the wedge between them, against what the curves ask for.
-void look_at_joins(const Regions& regions, const Soup& soup, const Meetings& meetings,
+void look_at_joins(const Regions& regions, const FacetSoup& soup, const Meetings& meetings,
                    std::vector<SurfaceDefect>& defects) {
   constexpr double fraction = 0.5;            // of what is asked for
   constexpr double kLiesOn = 0.05;            // degrees: then they lie on each other
@@ -465,7 +465,7 @@ void look_at_joins(const Regions& regions, const Soup& soup, const Meetings& mee
 // pass through each other where the surfaces do not.
 class SharpEdgeFilter {
  public:
-  SharpEdgeFilter(const std::vector<Shell>& shells, const Soup& soup, const Meetings& meetings)
+  SharpEdgeFilter(const std::vector<Shell>& shells, const FacetSoup& soup, const Meetings& meetings)
       : soup_(soup), sag_(soup.facets.size(), 0) {
     for (const auto& [pair, edges] : meetings)
       for (const MetEdge& e : edges)
@@ -524,12 +524,12 @@ class SharpEdgeFilter {
       }
   }
 
-  const Soup& soup_;
+  const FacetSoup& soup_;
   std::map<EdgeKey, std::vector<const MetEdge*>> lines_;  // sharp ones, by regions
   std::vector<double> sag_;                               // of each facet
 };
 
-void look_at_crossings(const Regions& regions, const std::vector<Shell>& shells, const Soup& soup,
+void look_at_crossings(const Regions& regions, const std::vector<Shell>& shells, const FacetSoup& soup,
                        const Meetings& meetings, std::vector<SurfaceDefect>& defects) {
   double edge = 0;
   for (const Shell& shell : shells) edge = std::max(edge, shell.edge);
@@ -584,7 +584,7 @@ std::vector<SurfaceDefect> find_defects(const std::vector<const SkinnedRegion*>&
     look_at_inner_folds(regions, r, shells[i], defects);
     look_at_area(regions, r, shells[i], qualities[i].area, filling_areas[i], defects);
   }
-  const Soup soup = soup_of(regions, qualities, shells);
+  const FacetSoup soup = soup_of(regions, qualities, shells);
   const Meetings meetings = meetings_of(shells, soup);
   look_at_joins(regions, soup, meetings, defects);
   look_at_crossings(regions, shells, soup, meetings, defects);

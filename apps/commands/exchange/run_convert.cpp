@@ -259,11 +259,11 @@ std::vector<std::string> joined(std::vector<std::string> a, const std::vector<st
 }
 
 void convert_cad_file(const ConvertTask& task, ConvertReport& report, const Progress& progress) {
-  const auto cad = joined(cad_endings(), {".glb"});
+  const auto cad = joined(cad_extensions(), {".glb"});
   if (has(cad, task.to)) return cad_to_cad(task, report);
-  const bool lines = has(curve_file_endings(), task.to), mesh = has(mesh_file_endings(), task.to);
+  const bool lines = has(curve_file_extensions(), task.to), mesh = has(mesh_file_endings(), task.to);
   if (!lines && !mesh)
-    refuse(task, "a CAD file", joined(joined(cad, mesh_file_endings()), curve_file_endings()));
+    refuse(task, "a CAD file", joined(joined(cad, mesh_file_endings()), curve_file_extensions()));
   // Endings that lines and meshes share go by what is in the file.
   if (mesh && !(lines && cad_plugin().read_cad_contents(task.from).faces == 0))
     return cad_to_mesh(task, report);
@@ -287,7 +287,7 @@ ConvertReport run_convert(const ConvertTask& task, const Progress& progress) {
       convert_cad_file(task, report, progress);
       break;
     case FileKind::Mesh:
-      if (has(cad_endings(), task.to))
+      if (has(cad_extensions(), task.to))
         throw InputError(
             task.to.string() +
             ": a mesh is not made into CAD faces by `convert`: each triangle would be a "
@@ -297,13 +297,13 @@ ConvertReport run_convert(const ConvertTask& task, const Progress& progress) {
       mesh_to_mesh(task, report);
       break;
     case FileKind::Lines:
-      if (!has(curve_file_endings(), task.to)) refuse(task, "lines", curve_file_endings());
+      if (!has(curve_file_extensions(), task.to)) refuse(task, "lines", curve_file_extensions());
       lines_to_lines(task, report, progress);
       break;
     default:
       throw InputError(task.from.string() + ": found the ending '" +
                        task.from.extension().string() + "', expected a CAD file (" +
-                       comma_separated(cad_endings()) + "), a mesh or lines");
+                       comma_separated(cad_extensions()) + "), a mesh or lines");
   }
   return report;
 }

@@ -25,7 +25,7 @@ const std::vector<std::string> kDrawingEndings = {".dxf", ".svg"};
 const std::vector<std::string> kSketchEndings = {".json"};
 
 std::string all_endings() {
-  return comma_separated(kPointEndings) + ", " + comma_separated(cad_endings()) + ", " +
+  return comma_separated(kPointEndings) + ", " + comma_separated(cad_extensions()) + ", " +
          comma_separated(kDrawingEndings) + ", " + comma_separated(kSketchEndings);
 }
 
@@ -192,7 +192,7 @@ LineFileKind line_file_kind(const std::filesystem::path& file) {
     return std::find(endings.begin(), endings.end(), ending) != endings.end();
   };
   return has(kPointEndings)     ? LineFileKind::Points
-         : has(cad_endings())   ? LineFileKind::Cad
+         : has(cad_extensions())   ? LineFileKind::Cad
          : has(kDrawingEndings) ? LineFileKind::Drawing
          : has(kSketchEndings)  ? LineFileKind::Sketch
                                 : LineFileKind::None;

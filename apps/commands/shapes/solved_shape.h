@@ -71,7 +71,7 @@ struct SolvedShape {
   double last_change = 0, max_constraint_residual = 0;
   double max_normal_constraint_deg = 0;  ///< largest error of normals that [[constraint]] holds
   std::vector<Reaction> reactions;
-  std::vector<ScanDistances> scans;
+  std::vector<PointCloudDistances> scans;
   bool joins_planned = false;  ///< Answer::joins_planned
   FairingSummary fairing;      ///< where the scene asks for a fair shape
 

@@ -274,7 +274,7 @@ TEST_CASE("curve files are written whole or not at all", "[io][curves]") {
   auto broken = curves;
   broken[1].parameters[3] = std::nan("");
   broken.push_back({"far", {}, {}, {{INFINITY, 0, 0}}});
-  for (const std::string& ending : curve_file_endings()) {
+  for (const std::string& ending : curve_file_extensions()) {
     const fs::path file = folder / ("old" + ending);
     std::ofstream(file) << "old";
     CHECK_THAT(error_message([&] { write_curves(file, broken); }),
@@ -286,7 +286,7 @@ TEST_CASE("curve files are written whole or not at all", "[io][curves]") {
           "old");
   }
   CHECK(std::distance(fs::directory_iterator(folder), {}) ==
-        static_cast<long>(curve_file_endings().size()));
+        static_cast<long>(curve_file_extensions().size()));
 }
 
 TEST_CASE("curvature combs are drawn, the same each time, and nothing without a curve",
