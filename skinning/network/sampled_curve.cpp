@@ -281,8 +281,8 @@ double SampledCurve::closest_parameter(const Vec3& p, double t, double low, doub
       t = 0.5 * (t + best);
       continue;
     }
-    if (!(kMaxSagRatio > 0)) break;
-    const double slope = std::max(kMaxSagRatio + d.dot(curve->evaluate(t, 2)), 0.25 * kMaxSagRatio);
+    if (!(speed_squared > 0)) break;
+    const double slope = std::max(speed_squared + d.dot(curve->evaluate(t, 2)), 0.25 * speed_squared);
     const double next = std::clamp(t - g / slope, low, high);
     if (std::abs(next - t) <= 1e-15 * (curve->end() - curve->start())) break;
     t = next;
