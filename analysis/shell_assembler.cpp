@@ -28,7 +28,7 @@ const TabulatedRule& whole_rule(TriangleElement kind) {
   return kind == TriangleElement::HCT ? hct : z12;
 }
 
-// Products of cubics are of degree 6.
+// Products of two cubics have degree 6.
 constexpr int kMassDegree = 6;
 const TabulatedRule& mass_rule(TriangleElement kind) {
   static const TabulatedRule hct(TriangleElement::HCT, split_triangle_rule(kMassDegree)),
@@ -68,15 +68,15 @@ void ShellAssembler::for_each_point(int t, const TabulatedRule& points, const Vi
   }
 }
 
-// K = BᵀB, six rows of B a point: Lᵀ ε √(w t) and Lᵀ κ √(w t³/12), with Q = L Lᵀ and w the area of
-// the point. A product of matrices is several times as fast as its terms one by one.
+// K = BᵀB with six rows of B per point: Lᵀ ε √(w t) and Lᵀ κ √(w t³/12), with Q = L Lᵀ and the area
+// w of the point. One matrix product is several times as fast as summing the terms one by one.
 void ShellAssembler::add(int t, const TabulatedRule& rule, double factor, ElementMatrix& K) const {
   const ShellSection& s = section(t);
   const Mat3 Lt = Eigen::LLT<Mat3>(s.material.Q).matrixU();
   constexpr int points = 18;
   Eigen::Matrix<double, 6 * points, 36> B;
   int rows = 0;
-  double sign = 1;  // rules of cut triangles may have weights below 0
+  double sign = 1;  // rules of cut triangles may have negative weights
   const auto add_rows = [&] {
     if (rows > 0) K.selfadjointView<Eigen::Lower>().rankUpdate(B.topRows(rows).transpose(), sign);
     rows = 0;

@@ -1,4 +1,4 @@
-// Stiffness of Kirchhoff-Love shells on C1 triangles.
+// Kirchhoff-Love shell analysis on C1 triangles: strains, stiffness, mass and stress resultants.
 #pragma once
 
 #include <functional>
@@ -12,44 +12,50 @@
 
 namespace batten {
 
-// One point of a Kirchhoff-Love shell: its local axes, and strains from displacements there.
+// Local axes and strains at one point of a Kirchhoff-Love shell.
 
-/// Strains of the middle surface and changes of its curvature in local axes, each (11, 22, 2·12).
-/// At height z above the middle surface, along its normal, the strain is membrane + z · curvature.
+/// Membrane strains and curvature changes of the middle surface in local axes, each as
+/// (11, 22, 2·12). At height z above the middle surface, along its normal, the strain is membrane +
+/// z · curvature.
 struct ShellStrain {
   Vec3 membrane = Vec3::Zero(), curvature = Vec3::Zero();
 };
 
-/// The displacement U(u, v) and its derivatives at a point: columns w, u, v, uu, uv, vv.
+/// Displacement U(u, v) and its derivatives at a point: columns w, u, v, uu, uv, vv.
 using DisplacementJet = Eigen::Matrix<double, 3, kDerivatives>;
 
-/// Geometry of a surface X(u, v) at one point. With e1 the direction `along` in the tangent plane,
-/// n the normal, e2 = n × e1, and s1, s2 lengths along e1, e2:
+/// Geometry of a surface X(u, v) at one point. The local axes are e1 (the direction `along`,
+/// projected onto the tangent plane), e2 = n × e1 and the normal n; s1, s2 are lengths along e1,
+/// e2:
 ///
 ///     ε11 = e1·U,1    ε22 = e2·U,2    2ε12 = e1·U,2 + e2·U,1
-///     κ_αβ = -n·(U,αβ - Γ^γ_αβ U,γ)   (α, β over u, v), carried to e1, e2.
+///     κ_αβ = -n·(U,αβ - Γ^γ_αβ U,γ)   (α, β over u, v), transformed to e1, e2.
 ///
-/// Linear theory of Kirchhoff and Love: normals stay straight and at right angles to the surface.
-/// Rigid motions have no strain. Source: docs/theory/shells.md.
+/// This is the linear Kirchhoff-Love theory: normals stay straight and perpendicular to the
+/// surface. Rigid-body motions cause no strain. Reference: docs/theory/shells.md.
 class ShellPoint {
  public:
-  /// Throws InputError where x_u × x_v = 0.
+  /// `jet`: position and derivatives of the surface; `along`: direction of e1, zero for x_u. Throws
+  /// InputError if x_u × x_v = 0.
   ShellPoint(const SurfaceJet& jet, const Vec3& along);
 
   const Vec3& e1() const { return e1_; }
   const Vec3& e2() const { return e2_; }
   const Vec3& normal() const { return n_; }
-  /// |x_u × x_v|: area of the surface for one of (u, v).
+  /// Jacobian |x_u × x_v|: surface area per area of (u, v).
   double jacobian() const { return jacobian_; }
 
-  /// Derivatives of functions along e1 and e2, from those along u and v; one column a function.
+  /// Derivatives of functions along e1 (axis 0) or e2 (axis 1), from those with respect to u and v;
+  /// one column per function.
   template <class U, class V>
   auto along_axes(int axis, const U& f_u, const V& f_v) const {
     return gradient_(axis, 0) * f_u + gradient_(axis, 1) * f_v;
   }
-  /// Rows (11, 22, 2·12) of -κ/n: (f,αβ - Γ^γ_αβ f,γ) of the 12 functions of a triangle, in e1, e2.
+  /// Curvature operator of the 12 shape functions in local axes, without the factor -n: rows
+  /// (11, 22, 2·12) of f,αβ - Γ^γ_αβ f,γ.
   Eigen::Matrix<double, 3, 12> bending_matrix(const Tabulation& functions) const;
 
+  /// Strains caused by a displacement at this point.
   ShellStrain strain(const DisplacementJet& U) const;
 
  private:
@@ -61,10 +67,11 @@ class ShellPoint {
 };
 
 
-// One triangle of a shell at many points.
+// Fast evaluation of one shell triangle at many points.
 
-/// Geometry, functions and displacements at places of which the reference functions are known
-/// (TabulatedRule): a fraction of the time of evaluating each anew.
+/// Geometry, shape functions and displacements of one triangle at points whose reference functions
+/// are tabulated (TabulatedRule). This takes a fraction of the time of evaluating each point from
+/// scratch.
 class ShellTriangle {
  public:
   using Dofs = Eigen::Matrix<double, 12, 3>;
@@ -75,10 +82,12 @@ class ShellTriangle {
         shape_(triangle_.pull_back(surface.triangle_dofs(t))),
         along_(along) {}
 
+  /// Area of the triangle in (u, v).
   double parametric_area() const { return triangle_.shape().area; }
-  /// The dofs q of a displacement on this triangle, as jet() wants them.
+  /// Reference dofs of a displacement with dofs q on this triangle, the input of jet().
   Dofs reference(const Dofs& q) const { return triangle_.pull_back(q); }
 
+  /// Displacement and its derivatives at a point, from reference dofs and tabulated functions.
   DisplacementJet jet(const Dofs& reference, const ReferenceTabulation& functions) const {
     const Eigen::Matrix<double, 3, 6> local = reference.transpose().lazyProduct(functions);
     DisplacementJet jet;
@@ -87,11 +96,12 @@ class ShellTriangle {
     jet.middleCols<3>(kUU) = local.middleCols<3>(3).lazyProduct(map_.second.transpose());
     return jet;
   }
+  /// Geometry of the surface at a tabulated point.
   ShellPoint point(const ReferenceTabulation& functions) const {
     const DisplacementJet x = jet(shape_, functions);
     return {{x.col(kW), x.col(kU), x.col(kV), x.col(kUU), x.col(kUV), x.col(kVV)}, along_};
   }
-  /// The functions of the dofs themselves. P: pull_back_matrix(), once a triangle.
+  /// Shape functions of the element's dofs. P: pull_back_matrix(), computed once per triangle.
   Mat12 pull_back_matrix() const { return triangle_.pull_back_matrix(); }
   Tabulation functions(const Mat12& P, const ReferenceTabulation& f) const {
     Tabulation local;
@@ -109,67 +119,77 @@ class ShellTriangle {
 };
 
 
-/// The shell that a surface is: its displacements are in the surface's own C1 functions,
-/// U = Σ N_m q_m, so that the mesh of the design carries the analysis.
+/// Kirchhoff-Love shell on a C1 surface. Displacements use the shape functions of the surface
+/// itself, U = Σ N_m q_m, so the design mesh is also the analysis mesh.
 ///
 ///     K = ∬ (t εᵀ Q ε + t³/12 κᵀ Q κ) J du dv         K q = F,  F = ∬ N f J du dv
 ///
-/// K mixes x, y and z: it is 3n×3n over the stacked dofs [x; y; z] of n dofs a coordinate. Loads of
-/// SurfaceAssembler are loads here too: point_load, area_load (a force per area), pressure_load (a
-/// pressure along the normal). Supports are a ConstraintSet of Kind::Coupled for ConstrainedSolver.
-/// With a trim, the inside counts, and `outside` times the rest, as in SurfaceAssembler.
+/// K couples x, y and z: it is 3n×3n over the stacked dofs [x; y; z], with n dofs per coordinate.
+/// Loads of SurfaceAssembler can be used: point_load(), area_load() (force per area),
+/// pressure_load() (pressure along the normal). Supports are a ConstraintSet of Kind::Coupled for
+/// ConstrainedSolver. With a trim, the inside counts fully and the rest of the mesh with the factor
+/// `outside`, as in SurfaceAssembler.
 ///
-/// Rules: HCT 6 points on each sub-triangle, Z12 six-Duffy with m = 4; ordinary rules are
-/// inconsistent on Z12. On coarse meshes of curved shells membrane stiffness locks bending:
-/// 8 elements a quarter are the least, 16 are good. Source: docs/theory/shells.md.
+/// Quadrature: HCT with 6 points on each sub-triangle, Z12 with the six-Duffy rule m = 4, because
+/// ordinary rules are inconsistent for Z12. Coarse meshes of curved shells show membrane locking:
+/// use at least 8 elements per quarter circle, better 16. Reference: docs/theory/shells.md.
 class ShellAssembler {
  public:
-  /// `sections`: one, or one for each triangle. Throws InputError: another count, a section that is
-  /// none (require_section), a surface without a normal somewhere.
+  /// `sections`: one for all triangles, or one per triangle. Throws InputError for another number
+  /// of sections, an invalid section (require_section()), or a surface without a normal at some
+  /// point.
   ShellAssembler(Surface surface, std::vector<ShellSection> sections, double outside = 1e-6);
 
-  /// Another shape of the same mesh. Throws InputError for another mesh.
+  /// Replaces the shape; the mesh must be the same. Throws InputError otherwise.
   void update_shape(Surface surface);
 
-  /// The lower triangle of K. O(triangles), on all threads; the same bits on one.
+  /// Stiffness matrix K (lower triangle). Cost: O(triangles), on all threads; results are
+  /// bit-identical for any number of them.
   SparseMatrix stiffness() const;
 
-  /// M = ∬ ρ t N Nᵀ J du dv, the lower triangle of one coordinate, n×n: the same for x, y and z. Of a
-  /// trimmed surface the inside counts only. Rotary inertia is left out, as thin shells have it.
+  /// Mass matrix M = ∬ ρ t N Nᵀ J du dv of one coordinate (lower triangle, n×n), the same for x, y
+  /// and z. On a trimmed surface only the inside counts. Rotary inertia is neglected, as usual for
+  /// thin shells.
   SparseMatrix mass() const;
-  /// G = ∬ (N11 N,1 N,1ᵀ + N22 N,2 N,2ᵀ + N12 (N,1 N,2ᵀ + N,2 N,1ᵀ)) J du dv with the membrane forces
-  /// of a displacement q, likewise: the energy ½ uᵀ G u that these forces give up or take where the
-  /// shell moves on by u. Throws InputError for another number of dofs.
+  /// Geometric stiffness G = ∬ (N11 N,1 N,1ᵀ + N22 N,2 N,2ᵀ + N12 (N,1 N,2ᵀ + N,2 N,1ᵀ)) J du dv of
+  /// one coordinate, with the membrane forces of a displacement q. ½ uᵀ G u is the energy that
+  /// these forces add when the shell is displaced further by u (negative if they release energy).
+  /// Throws InputError if q has the wrong number of dofs.
   SparseMatrix geometric_stiffness(const Points& q) const;
 
-  /// What a displacement q (n×3) does at one place. Throws InputError for another number of dofs.
+  /// Strains caused by a displacement q (n×3) at one point. Throws InputError if q has the wrong
+  /// number of dofs.
   ShellStrain strain(const Points& q, const Location& where) const;
-  /// Stress (σ11, σ22, σ12) at the height z above the middle surface, -t/2 … t/2.
+  /// Stress (σ11, σ22, σ12) at height z above the middle surface, -t/2 … t/2.
   Vec3 stress(const Points& q, const Location& where, double z) const;
-  /// Forces (N11, N22, N12) and moments (M11, M22, M12) per length.
+  /// Stress resultants: membrane forces (N11, N22, N12) and moments (M11, M22, M12) per length.
   struct Resultants {
     Vec3 forces, moments;
   };
   Resultants resultants(const Points& q, const Location& where) const;
-  /// Those of a strain at a place.
+  /// Stress resultants for a given strain at a point.
   Resultants resultants(int triangle, const Vec3& L, const ShellStrain& strain) const;
-  /// The point with its local axes, in which strains, stresses and resultants are.
+  /// The point with its local axes, to which strains, stresses and resultants refer.
   ShellPoint point(const Location& where) const;
 
-  /// Calls visit at the points of the stiffness's rule that are inside of a triangle, with the area
-  /// that each stands for: point.strain(triangle.jet(triangle.reference(q), functions)) is what q does
-  /// there, in a tenth of the time of strain().
+  /// Calls `visit` at the quadrature points of the stiffness that are inside of a trim, with the
+  /// surface area that each point represents.
+  ///
+  /// The strain of q there is point.strain(triangle.jet(triangle.reference(q), functions)), which
+  /// takes a tenth of the time of strain().
   using PointVisitor =
       std::function<void(const ShellTriangle& triangle, const ReferenceTabulation& functions,
                          const ShellPoint& point, const Vec3& L, double area)>;
   void for_each_quadrature_point(int triangle, const PointVisitor& visit) const;
-  /// The same at points of another rule, and in cut triangles of their rule of a degree.
+  /// The same at the points of another rule `whole`, and on cut triangles at those of the trim's
+  /// rule of the given degree.
   void for_each_quadrature_point(int triangle, const TabulatedRule& whole, int degree,
                                  const PointVisitor& visit) const;
-  /// Dofs of a displacement on one triangle.
+  /// Dofs of a displacement on one triangle (12×3).
   Eigen::Matrix<double, 12, 3> dofs_on(const Points& q, int triangle) const;
 
   const Surface& surface() const { return surface_; }
+  /// Section of a triangle.
   const ShellSection& section(int triangle) const {
     return sections_[sections_.size() == 1 ? 0 : static_cast<size_t>(triangle)];
   }
@@ -183,7 +203,8 @@ class ShellAssembler {
   int cut_degree() const;
   // Adds the integral over a rule, times `factor`, to the lower triangle of K.
   void add(int triangle, const TabulatedRule& rule, double factor, ElementMatrix& K) const;
-  // A matrix of one coordinate, integrated over the inside; add(triangle, rule, K) of a part.
+  // Integrates a matrix of one coordinate over the inside; add(triangle, rule, K) adds the
+  // contribution of a triangle.
   SparseMatrix integrate_inside(const std::function<void(int triangle, const TabulatedRule& rule,
                                                          ScalarMatrix& K)>& add) const;
 

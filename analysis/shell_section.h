@@ -1,4 +1,4 @@
-// What a shell is made of: material and thickness.
+// Shell sections: material and thickness, and parts of a shell surface.
 #pragma once
 
 #include <optional>
@@ -10,53 +10,55 @@
 
 namespace batten {
 
-/// A linear elastic material in plane stress:
+/// Linear elastic material in plane stress:
 ///
-///     (σ11, σ22, σ12) = Q (ε11, ε22, 2ε12)      in two directions 1 and 2 at right angles.
+///     (σ11, σ22, σ12) = Q (ε11, ε22, 2ε12)      in two perpendicular directions 1 and 2.
 ///
-/// Units follow the model's: with mm and N, moduli and stresses are in MPa and density in t/mm³.
+/// Units are those of the model: with mm and N, moduli and stresses are in MPa and density in
+/// t/mm³.
 struct ShellMaterial {
   Mat3 Q = Mat3::Zero();
   double density = 0;
 
-  /// Q = E/(1-ν²) [1 ν 0; ν 1 0; 0 0 (1-ν)/2]. Throws InputError unless E > 0 and -1 < ν < 1/2.
+  /// Isotropic material with Young's modulus E and Poisson's ratio ν: Q = E/(1-ν²) [1 ν 0; ν 1 0; 0
+  /// 0 (1-ν)/2]. Throws InputError unless E > 0 and -1 < ν < 1/2.
   static ShellMaterial isotropic(double E, double nu, double density = 0);
-  /// Moduli E1, E2 along 1 and 2, ν12 = -ε22/ε11 under stress along 1, shear modulus G12:
-  /// Q11 = E1/(1-ν12 ν21), Q22 = E2/(1-ν12 ν21), Q12 = ν12 Q22, Q33 = G12, ν21 = ν12 E2/E1. Throws
-  /// InputError unless all moduli are above 0 and ν12² < E1/E2.
+  /// Orthotropic material: moduli E1, E2 along 1 and 2, Poisson's ratio ν12 = -ε22/ε11 under stress
+  /// along 1, shear modulus G12. Q11 = E1/(1-ν12 ν21), Q22 = E2/(1-ν12 ν21), Q12 = ν12 Q22,
+  /// Q33 = G12, ν21 = ν12 E2/E1. Throws InputError unless all moduli are positive and ν12² < E1/E2.
   static ShellMaterial orthotropic(double E1, double E2, double nu12, double G12,
                                    double density = 0);
 };
 
-/// A material, and how thick it is.
+/// Material and thickness of a shell.
 struct ShellSection {
   ShellMaterial material;
   double thickness = 0;
-  /// Direction 1 of the material is this one, projected onto the surface; zero: along x_u. Where the
-  /// surface is at right angles to it, along x_u too.
+  /// Direction 1 of the material, projected onto the surface. If it is zero or perpendicular to the
+  /// surface, direction 1 is x_u.
   Vec3 along = Vec3::Zero();
-  /// What is added to the thickness at the three corners of a triangle, linear between them.
+  /// Added to the thickness at the three vertices of a triangle, linear in between.
   Vec3 thickness_offset = Vec3::Zero();
 
-  /// The thickness at a place of its triangle.
+  /// Thickness at barycentric L of the triangle.
   double thickness_at(const Vec3& L) const { return thickness + thickness_offset.dot(L); }
 };
 
-/// Throws InputError for a thickness that is not above 0 everywhere, or a Q that is not symmetric and positive
+/// Throws InputError if the thickness is not positive everywhere, or Q is not symmetric positive
 /// definite.
 void require_section(const ShellSection& section);
 
 
-// A part of the surface of a shell.
+// Parts of a shell surface.
 
-/// A part of the surface of a model, on which something acts, or where something holds it.
+/// Part of the surface of a model, to which a load or support is applied.
 struct ShellPart {
-  std::vector<int> regions = {};  ///< none: all
+  std::vector<int> regions = {};  ///< region indices; empty: all regions
   std::optional<Box3> box =
-      {};  ///< what lies in it only; its border is met to a 32nd of an element
+      {};  ///< restricts the part to a box; its border is resolved to 1/32 of an element
 };
 
-/// A part that holds nothing of the surface.
+/// Thrown if a part contains nothing of the surface.
 class EmptyPartError : public InputError {
  public:
   using InputError::InputError;

@@ -13,15 +13,18 @@
 namespace batten {
 namespace {
 
-constexpr double kPart = 1e-9;               // of a row: a smaller share has no part in a conflict
-constexpr double kNoise = 1e-14;             // of the same: rounding of terms that cancel
-constexpr double kNegligible = 1e-16;        // of a pivot: shares decay from row to row of a chain
-constexpr double kConflictTolerance = 1e-9;  // of the right-hand sides that take part
-constexpr double kRhsNoise = 1e-12;          // of the largest right-hand side of all rows
+// Relative weight below which an equation takes no part in a conflict.
+constexpr double kPart = 1e-9;
+// Relative to the largest coefficient: cancellation error.
+constexpr double kNoise = 1e-14;
+// Relative to the pivot: coefficients decay along a chain of equations.
+constexpr double kNegligible = 1e-16;
+constexpr double kConflictTolerance = 1e-9;  // relative to the right-hand sides involved
+constexpr double kRhsNoise = 1e-12;          // relative to the largest right-hand side of all
 
 using Terms = std::vector<std::pair<int, double>>;  // sorted by index
 
-// target += s · source, both sorted.
+// target += s · source; both are sorted.
 void add_scaled(Terms& target, double s, const Terms& source) {
   Terms sum;
   sum.reserve(target.size() + source.size());
@@ -42,19 +45,19 @@ void add_scaled(Terms& target, double s, const Terms& source) {
   target = std::move(sum);
 }
 
-// The left side of an equation. `history` says which of the given rows it is made of, and with
-// that how its right-hand side follows from theirs.
+// Left-hand side of an equation. `history` is its linear combination of the given equations, which
+// also determines its right-hand side.
 struct Equation {
   Terms terms;
   Terms history;
   int source = 0, name = 0;
 };
 
-// Gauss-Jordan elimination, one row after the other. Each pivot row expresses its pivot by columns
-// that are not pivots.
+// Gauss-Jordan elimination, one equation at a time. Each pivot equation expresses its pivot column
+// by columns that are not pivots.
 class Elimination {
  public:
-  // `given`: all rows that will come.
+  // `given`: all equations that will be added.
   Elimination(int columns, const std::vector<Equation>& given, double dependent)
       : pivot_row_(columns, -1), used_by_(columns), given_(given), dependent_(dependent) {}
 
@@ -101,7 +104,7 @@ class Elimination {
 
   const std::vector<int>& pivot_row() const { return pivot_row_; }
   const std::vector<Equation>& rows() const { return rows_; }
-  /// Rows whose left side the others imply.
+  // Equations whose left-hand side is implied by the others.
   const std::vector<Equation>& redundant() const { return redundant_; }
 
  private:
@@ -118,14 +121,15 @@ class Elimination {
       if (pivot_row_[t.first] < 0) used_by_[t.first].push_back(user);
   }
   std::vector<int> pivot_row_;
-  std::vector<std::vector<int>> used_by_;  // rows that mention a column; may list former users
+  // Pivot equations that contain a column; may list former ones.
+  std::vector<std::vector<int>> used_by_;
   std::vector<Equation> rows_, redundant_;
   const std::vector<Equation>& given_;
-  double dependent_;  // of a row's largest coefficient: smaller is no pivot
+  double dependent_;  // relative to the largest coefficient: smaller is no pivot
 };
 
-// The scalar equations of a set: n columns, or 3n columns when it is coupled. Each is divided by
-// its largest coefficient, kept as its weight in `history`.
+// Scalar equations of a constraint set with n columns, or 3n if it is coupled. Each equation is
+// divided by its largest coefficient; this scaling is stored in `history`.
 std::vector<Equation> equations_of(const ConstraintSet& set) {
   const int n = set.dof_count();
   std::vector<Equation> all;
@@ -158,7 +162,7 @@ std::vector<Equation> equations_of(const ConstraintSet& set) {
   return all;
 }
 
-// Right-hand sides of those equations: three columns, or one when the set is coupled.
+// Right-hand sides of those equations: three columns, or one if the set is coupled.
 MatX right_hand_sides(const ConstraintSet& set) {
   const auto rows = static_cast<long>(set.constraints().size());
   const auto coupled_constraints = static_cast<long>(set.coupled_constraints().size());
@@ -174,10 +178,10 @@ MatX right_hand_sides(const ConstraintSet& set) {
   return rhs;
 }
 
-// Names and size of the contradiction in one implied row.
+// Names of the constraints that take part in a redundant equation, and its scaling.
 struct Contradiction {
   std::vector<std::string> names;
-  double own_weight = 1;  // back to the units of the row as it was given
+  double own_weight = 1;  // converts to the units of the original equation
 };
 
 Contradiction contradiction(const Equation& row, const std::vector<std::string>& names,
@@ -199,7 +203,7 @@ AffineReduction::AffineReduction(const ConstraintSet& constraints, RhsMode value
     : coupled_(constraints.coupled()), dof_count_(constraints.dof_count()) {
   const int columns = coupled_ ? 3 * dof_count_ : dof_count_;
   const std::vector<Equation> given = equations_of(constraints);
-  // Short rows first: what they fix disappears from the longer ones.
+  // Short equations first: the dofs that they fix disappear from the longer ones.
   std::vector<int> order(given.size());
   std::iota(order.begin(), order.end(), 0);
   std::stable_sort(order.begin(), order.end(),
@@ -309,7 +313,7 @@ std::vector<int> AffineReduction::choose_ordering(const SparseMatrix& reduced,
 
 namespace {
 
-// K x; K of one coordinate, or of all three stacked.
+// K x, for K of one coordinate or of all three stacked.
 Points times(const SparseMatrix& K, const Points& x) {
   const auto symmetric = K.selfadjointView<Eigen::Lower>();
   if (K.cols() == x.rows()) return symmetric * x;
@@ -337,7 +341,7 @@ Points reaction_forces(const SparseMatrix& K, const Points& x, const Points& F) 
 
 namespace {
 
-// Rows of the stacked system, [x; y; z]; the uncoupled ones three times.
+// Constraint matrix of the stacked system [x; y; z]; uncoupled equations appear three times.
 SparseMatrix stacked_rows(const std::vector<Equation>& equations, const ConstraintSet& set) {
   const int n = set.dof_count();
   const int copies = set.coupled() ? 1 : 3;
@@ -358,8 +362,8 @@ std::vector<NamedReaction> named_reactions(const ConstraintSet& set, const Point
   const std::vector<Equation> equations = equations_of(set);
   const SparseMatrix C = stacked_rows(equations, set);
   SparseMatrix normal = C * SparseMatrix(C.transpose());
-  // Redundant rows make this singular: a shift far below the entries picks the smallest
-  // multipliers.
+  // Redundant constraints make this matrix singular. A shift far below the entries selects the
+  // multipliers with the smallest norm.
   constexpr double shift = 1e-11;
   for (int i = 0; i < normal.rows(); ++i) normal.coeffRef(i, i) += shift;
   SparseCholesky cholesky;
@@ -383,13 +387,13 @@ std::vector<NamedReaction> named_reactions(const ConstraintSet& set, const Point
 }
 
 
-// DᵀKD of an AffineReduction.
+// Reduced matrix DᵀKD.
 
 namespace {
 
 using RowMatrix = Eigen::SparseMatrix<double, Eigen::RowMajor, int>;
 
-// Rows and columns of the free dofs alone.
+// Rows and columns of the free dofs.
 SparseMatrix submatrix(const SparseMatrix& K, const std::vector<int>& free_dofs) {
   std::vector<int> free_of(K.rows(), -1);
   for (size_t f = 0; f < free_dofs.size(); ++f) free_of[free_dofs[f]] = static_cast<int>(f);
@@ -411,7 +415,8 @@ struct Columns {
   std::vector<double> values;
 };
 
-// A sparse sum of multiples of rows, of which the part from one index on is wanted.
+// Accumulates a sparse sum of multiples of matrix rows; only entries from a given column on are
+// kept.
 class ColumnSum {
  public:
   explicit ColumnSum(long size) : values_(size, 0.0), present_(size, 0) {}
@@ -447,8 +452,9 @@ class ColumnSum {
   std::vector<int> rows_;
 };
 
-// Asks for the memory of n columns, whose entries nobody has counted, when some of them are made:
-// as columns, in the matrix made of them, and in the pattern that a factor is planned with.
+// Checks the memory for n columns while some of them are computed, because the number of entries is
+// not known in advance. Counts the columns, the final matrix, and the pattern for the symbolic
+// analysis, in bytes per entry.
 void require_room(const Columns& made, long column, long n) {
   constexpr double as_column = 12, later = 12 + 8;
   const double entries = static_cast<double>(made.rows.size()) * static_cast<double>(n) /
@@ -459,7 +465,8 @@ void require_room(const Columns& made, long column, long n) {
                      " entries; a larger edge_length makes fewer)");
 }
 
-// The lower triangle of A + GᵀT + TᵀG; A is lower too. Column by column, on all threads.
+// Lower triangle of A + GᵀT + TᵀG, where A is a lower triangle too. Computed column by column, on
+// all threads.
 SparseMatrix with_products(const SparseMatrix& A, const RowMatrix& G, const RowMatrix& T) {
   const SparseMatrix G_columns(G), T_columns(T);
   const long n = A.cols();
@@ -511,8 +518,7 @@ SparseMatrix AffineReduction::reduce(const SparseMatrix& K) const {
     throw InputError("a matrix of " + std::to_string(K.rows()) + " unknowns under constraints on " +
                      std::to_string(dof_count_) + " dofs a coordinate");
   if (selection_ && stacked == coupled_) return submatrix(K, free_dofs_);
-  // With the dofs apart, free ones f and others p = G f:
-  // DᵀKD = K_ff + GᵀT + TᵀG, T = K_pf + ½ K_pp G.
+  // With free dofs f and constrained dofs p = G f: DᵀKD = K_ff + GᵀT + TᵀG, T = K_pf + ½ K_pp G.
   const int columns = static_cast<int>(D_.rows()), free = free_count();
   std::vector<int> free_of(columns, -1), other_of(columns, -1);
   for (int f = 0; f < free; ++f) free_of[free_dofs_[f]] = f;
@@ -523,7 +529,7 @@ SparseMatrix AffineReduction::reduce(const SparseMatrix& K) const {
   for (int f = 0; f < free; ++f)
     for (SparseMatrix::InnerIterator it(D_, f); it; ++it)
       if (const int p = other_of[it.row()]; p >= 0) g.emplace_back(p, f, it.value());
-  // Free dofs keep their order, so K_ff is written column by column.
+  // Free dofs keep their order, so K_ff can be written column by column.
   SparseMatrix K_ff(free, free);
   K_ff.reserve(K.nonZeros() * (coupled_ && !stacked ? 3 : 1));
   for (int b = 0; b < columns; ++b) {

@@ -1,4 +1,4 @@
-// Hard constraints by elimination: x = D y + d0.
+// Hard linear constraints by elimination of dofs: x = D y + d0.
 #pragma once
 
 #include <string>
@@ -11,84 +11,93 @@
 
 namespace batten {
 
-/// All x that satisfy C x = d, written as x = D y + d0 with free y. Minimising
-/// E = xᵀK x - 2 Fᵀx over them is then the smaller, unconstrained problem
+/// Parametrisation x = D y + d0 of all solutions of the linear constraints C x = d, with free
+/// unknowns y. Minimising E = xᵀK x - 2 Fᵀx under the constraints becomes the smaller,
+/// unconstrained problem
 ///
 ///     (Dᵀ K D) y = Dᵀ (F - K d0)
 ///
-/// which keeps K symmetric positive definite and holds the constraints to rounding whatever the
-/// solve does. Source: Celniker and Gossard 1991, section 6 (X = D Y + D0, DᵀAD).
+/// The reduced matrix stays symmetric positive definite, and constraints are satisfied to rounding,
+/// whatever the accuracy of the solve. Reference: [Celniker1991], section 6 (X = D Y + D0, DᵀAD).
 ///
-/// D comes from sparse Gauss-Jordan elimination of the rows, each pivoting on its largest
-/// coefficient: constrained dofs become combinations of the free ones, free dofs stay themselves.
-/// A row that others imply is dropped; one that contradicts them is reported with the names of all
-/// constraints that take part and the amount.
+/// D results from sparse Gauss-Jordan elimination of the constraint equations; each pivots on its
+/// largest coefficient. Constrained dofs become linear combinations of the free ones. Redundant
+/// constraints are dropped. Contradictions are reported with the names of all constraints involved
+/// and the amount.
 ///
-/// Uncoupled sets: D is n×m and serves x, y, z at once (one matrix, three right-hand sides).
-/// A set with coupled rows: the unknowns are stacked, [x; y; z], D is 3n×m (one system of up to
-/// 3n).
+/// Uncoupled sets: D is n×m and is shared by x, y and z (one matrix, three right-hand sides). Sets
+/// with coupled constraints: the unknowns are stacked as [x; y; z] and D is 3n×m (one system with
+/// up to 3n unknowns).
 ///
-/// Which inputs may change without a new factor: F and the right-hand sides d (set_values(): D is
-/// the same).
+/// F and the right-hand sides d may change without a new factorization: set_values() and set_rhs()
+/// leave D unchanged.
 class AffineReduction {
  public:
   enum class RhsMode {
-    Given,    ///< d0 follows from the values in the set: throws ConflictError
-    Deferred  ///< set_rhs() will tell them; d0 is zero till then
+    Given,    ///< d0 from the values in the set; throws ConflictError
+    Deferred  ///< d0 is zero until set_rhs() is called
   };
-  /// A row of which no more than `dependent` of its largest coefficient is left is implied.
+  /// Eliminates the constraints. A constraint is redundant if, after elimination, its largest
+  /// remaining coefficient is at most `dependent` times its original largest coefficient. Throws
+  /// ConflictError for contradicting values (RhsMode::Given only).
   explicit AffineReduction(const ConstraintSet& constraints, RhsMode values = RhsMode::Given,
                            double dependent = 1e-9);
 
+  /// Whether the unknowns of x, y and z are stacked.
   bool coupled() const { return coupled_; }
-  /// Unknowns that stay free: of each coordinate, or of all three when coupled.
+  /// Number of dofs of one coordinate, and number of free unknowns: per coordinate, or of all three
+  /// if coupled.
   int dof_count() const { return dof_count_; }
   int free_count() const { return static_cast<int>(D_.cols()); }
-  /// The dof behind each free unknown (0 … n-1, or 0 … 3n-1 of [x; y; z] when coupled).
+  /// The dof of each free unknown (0 … n-1, or 0 … 3n-1 of [x; y; z] if coupled).
   const std::vector<int>& free_dofs() const { return free_dofs_; }
-  /// Rows that were implied by others.
+  /// Number of constraints that are implied by others.
   int redundant_count() const { return isize(redundant_); }
-  /// Which ones, as set_rhs() counts them.
+  /// Indices of the redundant constraints, ascending, in the numbering of the rows of set_rhs().
   std::vector<int> redundant() const;
 
+  /// The matrix D: n×m, or 3n×m if coupled.
   const SparseMatrix& D() const { return D_; }
-  /// n×3, or 3n×1 when coupled.
+  /// The particular solution d0: n×3, or 3n×1 if coupled.
   const MatX& d0() const { return d0_; }
 
-  /// Other right-hand sides for the same rows (their coefficients are not looked at again): only d0
-  /// changes. A sparse product, and a look at each row that others imply: ConflictError when it is
-  /// contradicted now (d0 then stays as it was).
+  /// Sets new right-hand sides for the same constraints, which changes d0 only; the coefficients
+  /// are not read again. Throws ConflictError if a redundant constraint is now contradicted; d0 is
+  /// then unchanged. Cost: a sparse product and a check of each redundant constraint.
   void set_values(const ConstraintSet& same_rows);
-  /// The same with the right-hand sides as a matrix, one row for each row of the set: its value
-  /// (×3). When coupled (×1): three rows for each uncoupled row, then one for each coupled one.
+  /// Like set_values(), with the right-hand sides as a matrix: one row per constraint with its
+  /// value (×3). If coupled (×1): three rows per uncoupled constraint, followed by one row per
+  /// coupled constraint. Throws InputError if the number of rows is wrong.
   void set_rhs(const MatX& rhs);
-  /// The ConflictError of set_rhs(), without setting anything. Allocates nothing when there is
-  /// none.
+  /// Throws the ConflictError that set_rhs() would throw, without changing anything. Allocates
+  /// nothing if there is no conflict.
   void check(const MatX& rhs) const;
-  /// The d0 of any right-hand sides, in as many columns as they have. Contradictions are not looked
-  /// for.
+  /// d0 for the given right-hand sides, with as many columns as `rhs`. Contradictions are not
+  /// detected.
   MatX particular_solution(const MatX& rhs) const { return rhs_to_particular_ * rhs; }
-  /// d0 = rhs_to_particular() · right-hand sides.
+  /// The matrix that maps right-hand sides to d0.
   const SparseMatrix& rhs_to_particular() const { return rhs_to_particular_; }
 
-  /// An order of all n dofs as an order of the free unknowns, for SparseCholesky::analyze.
+  /// Converts an elimination order of all n dofs into one of the free unknowns, for
+  /// SparseCholesky::analyze().
   std::vector<int> ordering_of_free(const std::vector<int>& dof_order) const;
-  /// The order to factor DᵀKD in: that of the dofs, or none (AMD) where rows along curves tie dofs
-  /// together across the parts that an order of the mesh keeps apart.
+  /// Elimination order for DᵀKD: that of the dofs, or an empty one (AMD) if the constraints cause
+  /// much fill. This happens if constraints along curves connect dofs that `dof_order` keeps in
+  /// separate parts.
   std::vector<int> choose_ordering(const SparseMatrix& reduced, const SparseMatrix& K,
                                    const std::vector<int>& dof_order) const;
 
-  /// Dᵀ K D, lower triangle, from the lower triangle of the n×n matrix K of one coordinate; when
-  /// coupled also from a 3n×3n one over [x; y; z]. Throws InputError for another size.
+  /// Dᵀ K D (lower triangle), from the lower triangle of the n×n matrix K of one coordinate. If
+  /// coupled, K may also be a 3n×3n matrix over [x; y; z]. Throws InputError for other sizes.
   SparseMatrix reduce(const SparseMatrix& K) const;
-  /// Dᵀ (F - K d0): free_count × 3, or × 1 when coupled.
+  /// Dᵀ (F - K d0): free_count × 3, or × 1 if coupled.
   MatX reduce_load(const SparseMatrix& K, const Points& F) const;
   /// x = D y + d0, always n×3.
   Points expand(const MatX& y) const;
 
  private:
   bool coupled_;
-  // A row that the others imply: Σ shares · right-hand sides has to vanish.
+  // Redundant constraint: Σ weights · right-hand sides must vanish.
   struct RedundantConstraint {
     int row;
     std::vector<std::pair<int, double>> weights;
@@ -96,25 +105,29 @@ class AffineReduction {
     double own_weight;
   };
   int dof_count_;
-  bool selection_ = true;  // D only picks dofs
+  bool selection_ = true;  // D contains only ones: it selects the free dofs
   std::vector<int> free_dofs_;
   std::vector<RedundantConstraint> redundant_;
   SparseMatrix D_, rhs_to_particular_;  // d0 = rhs_to_particular_ · right-hand sides
   MatX d0_;
 };
 
-/// Forces that the constraints exert on the dofs: r = K x - F, n×3. Zero on free dofs. K is n×n, or
-/// 3n×3n over [x; y; z].
-/// In the sense of the energy E = xᵀKx - 2Fᵀx = 2 (½xᵀKx - Fᵀx): r is the force of the second form.
+/// Reaction forces r = K x - F that the constraints exert on the dofs, n×3; zero at unconstrained
+/// dofs. K is n×n, or 3n×3n over [x; y; z].
+///
+/// Scaling: E = xᵀKx - 2Fᵀx = 2 (½xᵀKx - Fᵀx), and r is the force that belongs to the expression in
+/// parentheses.
 Points reaction_forces(const SparseMatrix& K, const Points& x, const Points& F);
 
-/// The share of each named constraint in the reaction: Σ over its rows of multiplier · row, n×3.
-/// The multipliers solve Cᵀ λ = r in the least-squares sense; they are unique when no row is
-/// redundant, otherwise the smallest are taken. Sum over names: r.
+/// Contribution of one named constraint to the reaction: Σ Lagrange multiplier · coefficients over
+/// its equations, n×3.
 struct NamedReaction {
   std::string name;
   Points forces;
 };
+/// Splits the reaction forces r among the named constraints; the contributions sum to r. //
+/// Lagrange multipliers solve Cᵀ λ = r in the least-squares sense. They are unique unless
+/// constraints are redundant; then the solution with the smallest norm is used.
 std::vector<NamedReaction> named_reactions(const ConstraintSet& constraints,
                                            const Points& reaction);
 

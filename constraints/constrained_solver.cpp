@@ -49,7 +49,7 @@ Points ConstrainedSolver::solve(const Points& F) const {
     load += reduction_.D().transpose() * Eigen::Map<const VecX>(F.data(), F.size());
   else
     load += reduction_.D().transpose() * F;
-  // A coordinate without load and without values to hold stays zero.
+  // A coordinate without load and without prescribed values stays zero.
   std::vector<long> loaded;
   for (long c = 0; c < load.cols(); ++c)
     if (!load.col(c).isZero(0)) loaded.push_back(c);

@@ -1,4 +1,5 @@
-// Systems under hard constraints: reduced, factored once, solved for many loads.
+// Solvers for linear systems with hard constraints: static solution for many loads, and implicit
+// time integration.
 #pragma once
 
 #include <memory>
@@ -9,29 +10,34 @@
 
 namespace batten {
 
-/// Reduce, factor, solve, expand in one call. Throws ConflictError, NoSolutionError.
+/// Solves K x = F under constraints in one call: reduces, factors, solves and expands. Throws
+/// ConflictError for contradicting constraints and NoSolutionError for a singular system.
 Points solve_constrained(const ConstraintSet& constraints, const SparseMatrix& K, const Points& F);
 
-/// The same with the factor kept, for many loads.
+/// Constrained linear system with a stored factorization, for many loads.
 class ConstrainedSolver {
  public:
-  /// `dof_order`: all n dofs in a fill-reducing order (nested_dissection_order of a mesh), or none.
-  /// Throws ConflictError, NoSolutionError.
-  /// `factor`: what factors DᵀKD; none: SparseCholesky.
+  /// Reduces and factors K (lower triangle).
+  ///
+  /// `dof_order`: fill-reducing elimination order of all n dofs, for example
+  /// nested_dissection_order() of the mesh; empty: automatic. `factor`: solver for DᵀKD; null:
+  /// SparseCholesky. Throws ConflictError, NoSolutionError.
   ConstrainedSolver(const ConstraintSet& constraints, SparseMatrix K,
                     const std::vector<int>& dof_order = {},
                     std::unique_ptr<LinearSolverBackend> factor = nullptr);
-  /// Other numbers: those of a shape that has moved. Where the pattern of DᵀKD is the same, as it
-  /// mostly is, nothing is analysed again. After a throw only update() may be called.
+  /// Replaces constraints and matrix, for example after the shape has moved. If the pattern of DᵀKD
+  /// is unchanged, which is usual, the symbolic analysis is reused. If it throws, the only valid
+  /// call afterwards is update().
   void update(const ConstraintSet& constraints, SparseMatrix K);
-  /// One pair of triangular solves.
+  /// Solution x (n×3) for the load F (n×3). Cost: one pair of triangular solves.
   Points solve(const Points& F) const;
-  /// The same for coupled systems whose soft motions are 1e8 times as soft as their stiff ones, such as
-  /// thin shells: one step of iterative refinement, its residual F - K q in long double. What 16 digits
-  /// of K tell is then right to some 10 digits, whatever factored it. Costs two solves and a product.
-  /// Throws InputError for a K that is not 3n×3n.
+  /// Like solve(), with one step of iterative refinement whose residual F - K q is computed in long
+  /// double. Use it for coupled systems whose soft modes are 1e8 times softer than their stiff
+  /// ones, such as thin shells. The result is accurate to about 10 digits, relative to the matrix K
+  /// as stored with 16 digits, whichever solver factored it. Cost: two solves and one product.
+  /// Throws InputError if K is not 3n×3n.
   Points solve_refined(const Points& F) const;
-  /// The same on free unknowns: DᵀKD y = b, b becomes y.
+  /// Solves DᵀKD y = b in place for free unknowns: b is overwritten by y.
   void solve_reduced(Eigen::Ref<MatX> b) const;
   const AffineReduction& reduction() const { return reduction_; }
   const SparseMatrix& K() const { return K_; }
@@ -43,46 +49,52 @@ class ConstrainedSolver {
   SparseMatrix K_;
   std::vector<int> dof_order_;
   SparseCholesky cholesky_;
-  std::unique_ptr<LinearSolverBackend> backend_;  // in its place
+  std::unique_ptr<LinearSolverBackend> backend_;  // used instead of cholesky_ if not null
   MatX fixed_part_;                               // -Dᵀ K d0
 };
 
 
-// Motion of a curve or a surface under loads, in implicit steps.
+// Implicit time integration of a curve or surface under loads.
 
-/// M (ρ ẍ + μ ẋ) + K x = F with the constraints of a set, x = D y + d0:
+/// Theta method for M (ρ ẍ + μ ẋ) + K x = F under linear constraints, x = D y + d0:
 ///
-///     v_θ = θ v₁ + (1 - θ) v₀                    the velocity that a step goes with
+///     v_θ = θ v₁ + (1 - θ) v₀                    velocity used for the step
 ///     [ρ/(θ dt) M + μ M + θ dt K] v_θ = F - K x₀ + ρ/(θ dt) M v₀        reduced by D
 ///     x₁ = x₀ + dt v_θ
 ///
-/// Unconditionally stable for θ from ½ to 1. θ = 1 (implicit Euler, first order) takes energy out
-/// of what the step cannot resolve and reaches the static solution in one step as dt → ∞; θ = ½
-/// (the trapezoidal rule, second order) keeps energy exactly: it changes by the work of F minus 2 μ
-/// dt v_θᵀ M v_θ in each step, in the sense E = xᵀKx + ρ vᵀMv of the project's energies (twice the
-/// physical ones). One factor while K, M, ρ, μ, dt, θ and the constraint rows stand; a step is one
-/// pair of triangular solves. Source: Celniker and Gossard 1991, section 3 (ρ ẅ + μ ẇ + L w = f).
+/// It is unconditionally stable for ½ ≤ θ ≤ 1. θ = 1 (implicit Euler, first order) damps modes that
+/// the step cannot resolve, and reaches the static solution in one step as dt → ∞. θ = ½
+/// (trapezoidal rule, second order) preserves the energy balance exactly: per step, the energy
+/// changes by the work of F minus 2 μ dt v_θᵀ M v_θ. Energies here are E = xᵀKx + ρ vᵀMv, as
+/// everywhere in Batten; they are twice the physical ones.
+///
+/// One factorization serves as long as K, M, ρ, μ, dt, θ and the constraint coefficients are
+/// unchanged; a step is one pair of triangular solves. Reference: [Celniker1991], section 3
+/// (ρ ẅ + μ ẇ + L w = f).
 class ThetaIntegrator {
  public:
   struct Options {
-    double density = 1;  ///< ρ ≥ 0
+    double density = 1;  ///< ρ ≥ 0; ρ and μ not both 0
     double damping = 1;  ///< μ ≥ 0
     double dt = 0;       ///< > 0
     double theta = 1;    ///< ½ … 1
   };
-  /// K, M: lower triangles of one coordinate. Throws InputError on sizes that differ, options
-  /// outside of their range, ConflictError, NoSolutionError.
+  /// `K`, `M`: lower triangles of the stiffness and mass matrices of one coordinate. The motion
+  /// starts at rest, at d0 (see start()). Throws InputError if sizes differ or options are out of
+  /// range; ConflictError, NoSolutionError.
   ThetaIntegrator(const ConstraintSet& constraints, SparseMatrix K, SparseMatrix M,
                   const Options& options);
 
-  /// Positions (n×3) that keep the constraints, and velocities that keep their homogeneous rows.
+  /// Sets the initial state. Positions x (n×3) must satisfy the constraints, velocities v (n×3) the
+  /// homogeneous constraints. Throws InputError for other sizes.
   void start(Points x, Points v);
-  /// One step under the load F (n×3).
+  /// Performs one step under the load F (n×3) and returns the new positions.
   const Points& step(const Points& F);
 
   const Points& positions() const { return x_; }
   const Points& velocities() const { return v_; }
-  /// ρ vᵀMv, and xᵀKx - 2 Fᵀx: their sum never grows under a constant F.
+  /// Kinetic energy ρ vᵀMv, and potential energy xᵀKx - 2 Fᵀx. Their sum never increases under a
+  /// constant F.
   double kinetic() const;
   double potential(const Points& F) const;
 

@@ -17,7 +17,7 @@ void check_dof(const std::string& name, int dof, int count) {
 }  // namespace
 
 int ConstraintSet::name_index(const std::string& name) {
-  // Rows of one constraint come one after the other, so the last name is the likely one.
+  // Equations of one constraint are added consecutively, so search from the end.
   for (auto i = isize(names_) - 1; i >= 0; --i)
     if (names_[i] == name) return i;
   names_.push_back(name);
@@ -64,7 +64,7 @@ double ConstraintSet::max_residual(const Points& q) const {
     Vec3 sum = -row.value;
     for (const auto& e : row.entries) sum += e.coefficient * q.row(e.dof).transpose();
     for (const double x : sum)
-      if (!(std::abs(x) <= worst)) worst = std::abs(x);  // not a number counts as the worst
+      if (!(std::abs(x) <= worst)) worst = std::abs(x);  // NaN counts as the largest
   }
   for (const auto& row : coupled_constraints_) {
     double sum = -row.value;

@@ -8,15 +8,15 @@
 
 namespace batten {
 
-/// Constraints on n unknowns for each of x, y, z, gathered one by one:
+/// Collection of linear constraints on n dofs per coordinate x, y, z:
 ///
-///     uncoupled   Σ_m a_m q_m = d          the same coefficients for x, y and z, three right-hand
+///     uncoupled   Σ_m a_m q_m = d          same coefficients for x, y and z, three right-hand
 ///                                          sides (a point, a fixed dof)
-///     coupled     Σ_m a_m · q_m = d        a_m a 3-vector: one equation that mixes x, y and z (a
-///                                          normal, a plane)
+///     coupled     Σ_m a_m · q_m = d        a_m is a 3-vector: one equation that combines x, y
+///                                          and z (a normal, a plane)
 ///
-/// Rows that belong together share a name, which errors and reports use. Nothing is checked until
-/// AffineReduction looks at all of them together.
+/// Equations that belong to one constraint share a name, which is used in error messages and
+/// reports. Compatibility of the constraints is checked only by AffineReduction.
 class ConstraintSet {
  public:
   struct Entry {
@@ -27,40 +27,46 @@ class ConstraintSet {
     int dof;
     Vec3 coefficient;
   };
+  /// One uncoupled constraint: three equations with the same coefficients.
   struct Constraint {
     int name;  ///< index into names()
     std::vector<Entry> entries;
     Vec3 value;
   };
+  /// One coupled constraint: a single equation.
   struct CoupledConstraint {
     int name;
     std::vector<CoupledEntry> entries;
     double value;
   };
 
-  /// Whether the set is coupled from the start: so it is for a matrix that mixes x, y and z itself.
+  /// Whether the set is coupled from the start. Use Coupled if the system matrix itself couples x,
+  /// y and z.
   enum class Kind { Uncoupled, Coupled };
   explicit ConstraintSet(int dof_count, Kind kind = Kind::Uncoupled)
       : dof_count_(dof_count), kind_(kind) {}
 
   int dof_count() const { return dof_count_; }
+  /// Whether any equation, or the system matrix, couples x, y and z.
   bool coupled() const { return kind_ == Kind::Coupled || !coupled_constraints_.empty(); }
   const std::vector<Constraint>& constraints() const { return constraints_; }
   const std::vector<CoupledConstraint>& coupled_constraints() const { return coupled_constraints_; }
   const std::vector<std::string>& names() const { return names_; }
 
-  /// q_dof = value.
+  /// Adds q_dof = value.
   void fix(const std::string& name, int dof, const Vec3& value);
-  /// Throws InputError on a dof out of range, or a number that is not finite.
+  /// Adds an uncoupled or a coupled constraint. Throws InputError if a dof is out of range or a
+  /// number is not finite.
   void add(const std::string& name, std::vector<Entry> entries, const Vec3& value);
   void add_coupled(const std::string& name, std::vector<CoupledEntry> entries, double value);
 
-  /// The same constraints on q - constant·byᵀ instead of q, for a vector `constant` of n numbers:
-  /// with 1 at the position dofs of a surface, the constraints on the surface moved by -by. Far
-  /// from the origin, solving the moved problem saves the digits that the coordinates would take.
+  /// The same constraints for the unknown q - constant·byᵀ instead of q, with an n-vector
+  /// `constant`. If `constant` is 1 at the position dofs of a surface, these are the constraints on
+  /// the surface translated by -by. Far from the origin, solving the translated problem avoids the
+  /// loss of digits due to large coordinates.
   ConstraintSet translated(const VecX& constant, const Vec3& by) const;
 
-  /// Largest |row - value| at dofs q (n×3), over all rows.
+  /// Largest residual |Σ a_m q_m - d| over all equations for dofs q (n×3).
   double max_residual(const Points& q) const;
 
  private:

@@ -9,10 +9,10 @@
 namespace batten {
 namespace {
 
-// Vertices with free unknowns of their own are the nodes.
+// Nodes of the graph: vertices with at least one free dof of their own.
 struct Nodes {
   std::vector<int> of_vertex;   // -1: none of its dofs is free
-  std::vector<int> of_unknown;  // -1: an edge's
+  std::vector<int> of_unknown;  // -1: belongs to an edge
   int count = 0;
 };
 
@@ -30,7 +30,8 @@ Nodes nodes_of(const std::vector<int>& free_dofs, const DofVertices& vertices) {
   return nodes;
 }
 
-// Which nodes `reduced` couples: a lower triangle. The unknowns of a node follow one another.
+// Graph of the nodes that `reduced` couples, as a lower triangle. The unknowns of a node are
+// consecutive.
 SparseMatrix graph_of(const SparseMatrix& reduced, const Nodes& nodes) {
   std::vector<int> last(static_cast<size_t>(nodes.count), -1), starts, rows;
   for (int j = 0; j < reduced.cols(); ++j) {
@@ -71,7 +72,7 @@ std::vector<int> vertex_ordering(const AffineReduction& reduction, const SparseM
   const std::vector<int> order = elimination_order(graph_of(reduced, nodes), factor_reuse);
   std::vector<int> position(order.size());
   for (size_t i = 0; i < order.size(); ++i) position[order[i]] = static_cast<int>(i) + 1;
-  // An edge between vertices that have nothing free comes first of all, at place 0.
+  // Edges between vertices without free dofs come first, at position 0.
   const auto position_of = [&](int dof) {
     const auto [a, b] = vertices[dof];
     const int node = nodes.of_vertex[a], other = nodes.of_vertex[b];
@@ -128,7 +129,7 @@ void ReusableFactorization::factorize(const SparseMatrix& S, const SparseMatrix&
     H_ = SparseMatrix(D().transpose()) * SparseMatrix(columns_of_constrained(S) * R);
 }
 
-// Constrained dofs are few, and R has rows of no others: the rest of S is left out.
+// Restricts S to the columns of constrained dofs: they are few, and R is zero in all other rows.
 SparseMatrix ReusableFactorization::columns_of_constrained(const SparseMatrix& S) const {
   std::vector<char> constrained(static_cast<size_t>(S.cols()), 0);
   for (const ConstrainedDof& row : constrained_dofs_) constrained[row.dof] = 1;

@@ -1,4 +1,4 @@
-// What is solved at every event of a drag: one matrix, many right-hand sides.
+// Factored constrained systems for interactive use: fixed matrix, changing right-hand sides.
 #pragma once
 
 #include <array>
@@ -9,68 +9,74 @@
 
 namespace batten {
 
-/// Of each dof: its vertex, twice; of a dof of an edge: the two ends.
+/// For each dof the two vertices that it belongs to: the same vertex twice, or the two ends of an
+/// edge for an edge dof.
 using DofVertices = std::vector<std::array<int, 2>>;
 
-/// An order to factor `reduced` = DᵀKD in, for SparseCholesky::analyze: vertices are ordered in the
-/// graph of those that `reduced` couples (elimination_order), each with all of its dofs, and the
-/// dof of an edge comes right behind the end that is eliminated first. A graph with a sixth of the
-/// unknowns is ordered in a tenth of the time, and because vertices and edges stay together the
-/// factor is smaller than in an order of the unknowns: by a fifth to a quarter against AMD on
-/// sheets, by half where rows along curves tie dofs together. O(entries of `reduced`), and the
-/// order of the vertices. Throws InputError: vertices of another number of dofs; a coupled
-/// reduction.
+/// Elimination order for `reduced` = DᵀKD, for SparseCholesky::analyze(). It orders the graph of
+/// vertices that `reduced` couples (elimination_order()), each vertex with all of its dofs. The dof
+/// of an edge follows directly after the end that is eliminated first.
+///
+/// This graph has a sixth of the unknowns and is ordered in a tenth of the time. Because vertices
+/// and edges stay together, the factor is also smaller than with an order of the unknowns: by a
+/// fifth to a quarter compared with AMD on surface meshes, by half if constraints along curves
+/// connect many dofs. Cost: O(entries of `reduced`) and the ordering of the vertices. Throws
+/// InputError if `vertices` has a wrong size or the reduction is coupled.
 std::vector<int> vertex_ordering(const AffineReduction& reduction, const SparseMatrix& reduced,
                                  const DofVertices& vertices, FactorReuse factor_reuse);
 
-/// z minimises tr(zᵀ S z) - 2 tr(bᵀ z) under C z = d: with z = D y + R d (AffineReduction of
-/// uncoupled rows, R = rhs_to_particular()),
+/// Minimises tr(zᵀ S z) - 2 tr(bᵀ z) under C z = d, for a fixed matrix S and changing b and d. With
+/// z = D y + R d (AffineReduction of uncoupled constraints, R = rhs_to_particular()):
 ///
 ///     N y = Dᵀ b - H d,     N = Dᵀ S D,     H = Dᵀ S R
 ///
-/// N is factored once; b and d may change at every event for the price of a pair of triangular
-/// solves, a product with D and one with H, which is as sparse as the rows are local. x = K⁻¹F and
-/// implicit steps are both of this form. What the rows of a Coupling add stands between solve() and
-/// expand().
+/// N is factored once. Changing b or d costs a pair of triangular solves, a product with D and one
+/// with H, which is sparse because constraints are local. Both K x = F and implicit time steps have
+/// this form. SchurComplementConstraints::apply(), if used, is called between solve() and expand().
 class ReusableFactorization {
  public:
-  /// S: lower triangle, of one coordinate. Factored in the vertex_ordering of `vertices`; without any,
-  /// in AMD's of the unknowns. Throws InputError: coupled rows; NoSolutionError.
+  /// `S`: lower triangle of the matrix of one coordinate. It is factored in the vertex_ordering()
+  /// of `vertices`, or with AMD if `vertices` is empty. Throws InputError if constraints are
+  /// coupled or sizes differ, NoSolutionError if N is singular.
   ReusableFactorization(std::shared_ptr<const AffineReduction> reduction, SparseMatrix S,
                         const DofVertices& vertices, FactorReuse factor_reuse = FactorReuse::many);
-  /// For the rows of another system, in its order: S must have the pattern of its matrix.
+  /// Factors another matrix S under the same constraints, in the elimination order of `like`. S
+  /// must have the pattern of like.matrix().
   ReusableFactorization(const ReusableFactorization& like, SparseMatrix S);
 
-  /// Other numbers in the same pattern: the analysis stays. Throws InputError: another pattern;
-  /// NoSolutionError (the system is then as it was).
+  /// Replaces the values of S; the symbolic analysis is reused. Throws InputError if the pattern
+  /// differs, NoSolutionError if N is singular (the previous matrix is then restored).
   void set_matrix(SparseMatrix S);
 
   const SparseMatrix& matrix() const { return S_; }
   const AffineReduction& reduction() const { return *reduction_; }
   const SparseCholesky& factor() const { return factor_; }
+  /// The matrix H = Dᵀ S R.
   const SparseMatrix& H() const { return H_; }
-  /// Free unknowns and dofs of one coordinate.
+  /// Number of free unknowns of one coordinate.
   int free_count() const { return reduction_->free_count(); }
 
-  /// to = -H d, or 0 when there are no rows. d: rows × 3.
+  /// Starts a right-hand side: to = -H d, or 0 if there are no constraints. d: constraints × 3.
   void start_load(const MatX& d, MatX& to) const;
-  /// to += Dᵀ b.
+  /// Adds a load: to += Dᵀ b.
   void add_load(const Points& b, MatX& to) const { to.noalias() += D().transpose() * b; }
-  /// y in place of its right-hand side.
+  /// Solves in place: the right-hand side is overwritten by y.
   void solve(MatX& y) const { factor_.solve_in_place(y); }
-  /// z = D y + e. `e`: R d, n×3, zero at free dofs. z has n rows already.
+  /// z = D y + e, with e = R d (n×3, zero at free dofs). z must already have n rows.
   void expand(const MatX& y, const Points& e, Points& z) const;
 
+  /// Memory of the factor and of the matrices, in bytes.
   size_t bytes() const;
 
  private:
   const SparseMatrix& D() const { return reduction_->D(); }
-  // `reduced`: DᵀSD; `order` of the free unknowns, or null: analysed already.
+  // `reduced`: DᵀSD; `order`: order of the free unknowns, or null if already analysed.
   void factorize(const SparseMatrix& S, const SparseMatrix& reduced, const std::vector<int>* order);
   void check(const SparseMatrix& S) const;
   SparseMatrix columns_of_constrained(const SparseMatrix& S) const;
   std::shared_ptr<const AffineReduction> reduction_;
-  // D without its ones: constrained dofs by free unknowns.
+  // Row of D of a constrained dof: entries begin … end-1 of terms_. Rows of free dofs are ones and
+  // are not stored.
   struct ConstrainedDof {
     int dof, begin, end;
   };

@@ -37,8 +37,8 @@ void SchurComplementConstraints::prepare(const SparseCholesky& factor,
   express_redundant(redundant_coefficients);
 }
 
-// The hard rows, each over its size, as columns; x, y, z of an unknown lie side by side. Rows along a
-// line then make a band.
+// Hard constraints, each divided by its size, as columns. The x, y, z coefficients of an unknown
+// are adjacent, so that constraints along a curve form a band matrix.
 SparseMatrix SchurComplementConstraints::hard_constraint_matrix(
     const std::vector<int>& hard) const {
   std::vector<Eigen::Triplet<double>> entries;
@@ -52,7 +52,8 @@ SparseMatrix SchurComplementConstraints::hard_constraint_matrix(
             entries.emplace_back(3 * it.row() + c, static_cast<int>(k), scale * it.value() * n[c]);
     });
   }
-  // Eigen's QR reads beyond a matrix that is wider than high (3.4.0): zeros make it high.
+  // Eigen's SparseQR (3.4.0) reads out of bounds if the matrix is wider than high; zero rows avoid
+  // this.
   const auto count = static_cast<long>(hard.size());
   SparseMatrix G(std::max<long>(3 * U_.rows(), count), count);
   G.setFromTriplets(entries.begin(), entries.end());
@@ -69,7 +70,7 @@ std::vector<VecX> SchurComplementConstraints::orthogonalise(double dependent) {
   qr.compute(hard_constraint_matrix(hard));
   if (qr.info() != Eigen::Success)
     throw NoSolutionError("the rows of guided points cannot be reduced");
-  // Columns of R: those that are independent of the ones before, then the rest.
+  // SparseQR permutes columns: independent ones first, then the remaining ones.
   Eigen::RowVectorXi order(static_cast<long>(hard.size()));
   for (size_t k = 0; k < hard.size(); ++k) order[static_cast<long>(k)] = hard[k];
   order = order * qr.colsPermutation();
@@ -104,7 +105,7 @@ void SchurComplementConstraints::solve_points(const SparseCholesky& factor,
     else
       unknown.push_back(k);
   if (U_.rows() == 0) return;
-  // Block by block: a copy of all would be as large as Z.
+  // In blocks: a copy of all columns would be as large as Z.
   constexpr size_t kSolveColumns = 256;
   for (size_t first = 0; first < unknown.size(); first += kSolveColumns) {
     const auto count = static_cast<long>(std::min(kSolveColumns, unknown.size() - first));
@@ -141,7 +142,8 @@ void SchurComplementConstraints::form_schur_complement() {
 void SchurComplementConstraints::express_redundant(
     const std::vector<VecX>& redundant_coefficients) {
   const auto rank = static_cast<long>(independent_.size());
-  // A row that is shares · Q is shares · R⁻¹ times the independent rows.
+  // A constraint with coefficients a with respect to Q equals a · R⁻¹ times the independent
+  // constraints.
   redundant_coefficients_ = MatX::Zero(static_cast<long>(redundant_.size()), rank);
   for (size_t i = 0; i < redundant_.size(); ++i) {
     VecX coefficients = VecX::Zero(rank);
@@ -235,7 +237,7 @@ void SchurComplementConstraints::project(Eigen::Ref<MatX> y, const VecX& g) cons
   const auto lower = R_.triangularView<Eigen::Lower>();
   const auto upper = R_.transpose().triangularView<Eigen::Upper>();
   auto hard_part = scratch_.head(rank);
-  // Rounding is gone in a step, the second one is for safety.
+  // One pass removes all but rounding errors; the second one is for safety.
   for (int pass = 0; pass < 2; ++pass) {
     residual_of_hard(y, g);
     lower.solveInPlace(hard_part);

@@ -1,4 +1,5 @@
-// Rows that come and go on a factor that stays: hard ones, which may mix x, y and z, and springs.
+// Constraints and springs that are added to or removed from a factored system without refactoring
+// (Schur complement, Woodbury formula).
 #pragma once
 
 #include <Eigen/Cholesky>
@@ -10,25 +11,29 @@
 
 namespace batten {
 
-/// Rows n_k · (u_kᵀ y) = g_k over the unknowns y (m×3), where y minimises tr(yᵀ N y) - 2 tr(fᵀ y),
-/// and soft rows, which add s_k (n_k · (u_kᵀ y) - g_k)² to that instead. With y⁰ = N⁻¹ f, z_k = N⁻¹
-/// u_k and G the rows as one matrix:
+/// Additional constraints n_k · (u_kᵀ y) = g_k on the unknowns y (m×3) that minimise tr(yᵀ N y) - 2
+/// tr(fᵀ y), where N is factored. Hard constraints are satisfied exactly and may couple x, y and z.
+/// Soft constraints (springs) add s_k (n_k · (u_kᵀ y) - g_k)² to the minimised function. With
+/// y⁰ = N⁻¹ f, z_k = N⁻¹ u_k and the constraint matrix G:
 ///
 ///     y = y⁰ - Σ_k z_k λ_k n_kᵀ,     (S + C) λ = G y⁰ - g,     S_kl = (n_k · n_l) u_kᵀ z_l
 ///
-/// C = 0 for hard rows and 1/s_k for soft ones (the Schur complement of the saddle point system;
-/// for soft rows the Woodbury formula). Then y is projected onto the hard rows along G itself,
-/// which leaves rounding only. G = R Q, Q of orthonormal rows, R lower triangular: S is solved as R
-/// (R⁻¹ S R⁻ᵀ) Rᵀ, so that nearly equal rows do no harm; soft rows are scaled by √s_k, so that s_k
-/// may be 0 or huge. Hard rows that others imply (what is left of one is below 1e-9 of its size
-/// before the reduction) are left out; contradiction() tells when their right-hand sides do not
-/// fit.
+/// C = 0 for hard constraints (S is the Schur complement of the saddle-point system) and 1/s_k for
+/// soft ones (Woodbury formula). Finally, y is projected onto the hard constraints along G itself,
+/// which leaves only rounding errors.
 ///
-/// Cost: one solve for each different point at construction, a sparse QR of the rows and O(rows³) for
-/// S; points × m numbers are kept. apply() is as many axpys on m numbers and a triangular solve with
-/// as many rows.
+/// With G = R Q, Q with orthonormal rows and R lower triangular, S is solved as R (R⁻¹ S R⁻ᵀ) Rᵀ,
+/// so that nearly dependent constraints do no harm. Soft constraints are scaled by √s_k, so that
+/// s_k may be 0 or very large. Redundant hard constraints are left out: those with a remainder
+/// below 1e-9 of their size before the reduction. contradiction() detects incompatible right-hand
+/// sides of redundant constraints.
+///
+/// Cost of construction: one solve per distinct point (column of U), a sparse QR factorization of
+/// the constraints, and O(constraints³) for S. Memory: points × m numbers. apply() costs one axpy
+/// of length m per constraint, and a triangular solve of the size of S.
 class SchurComplementConstraints {
  public:
+  /// One constraint or spring: Σ over its terms of n · (uᵀ y) = g.
   struct Constraint {
     struct Term {
       int point;       ///< column of U
@@ -37,9 +42,9 @@ class SchurComplementConstraints {
     };
     int point;
     Vec3 direction;
-    double size;        ///< length of the row's coefficients before the reduction
-    bool soft = false;  ///< stiffness 0 till set_stiffness()
-    /// Further terms, for a row whose direction is not the same for all unknowns: Σ n · (uᵀ y).
+    double size;        ///< norm of the coefficients before the reduction
+    bool soft = false;  ///< spring with stiffness 0 until set_stiffness()
+    /// Further terms n · (uᵀ y) of a constraint whose direction n is not the same for all unknowns.
     std::vector<Term> further_terms = {};
 
     bool operator==(const Constraint&) const = default;
@@ -49,7 +54,7 @@ class SchurComplementConstraints {
       visit(point, direction);
       for (const Term& t : further_terms) visit(t.point, t.direction);
     }
-    /// The row for values uᵀ y of the points (points × 3).
+    /// Left-hand side of the constraint for the values uᵀ y of all points (points × 3).
     double evaluate(const MatX& points) const {
       double sum = 0;
       terms([&](int p, const Vec3& n) {
@@ -59,60 +64,69 @@ class SchurComplementConstraints {
     }
   };
   SchurComplementConstraints() = default;
-  /// U: m × points, sparse. A hard row is implied when less than `dependent` of its size is left.
-  /// Throws NoSolutionError.
+  /// `factor`: Cholesky factor of N. `U`: sparse matrix m × points, whose columns are the u_k. A
+  /// hard constraint is redundant if less than `dependent` of its size remains. Throws
+  /// NoSolutionError.
   SchurComplementConstraints(const SparseCholesky& factor, SparseMatrix U,
                              std::vector<Constraint> constraints, double dependent = 1e-9);
-  /// The same, with the solves of an older coupling on the same factor: `reused_columns` is for each column
-  /// of U the column of `previous` that equals it, or -1.
+  /// Like the constructor above, but reuses solves of an older object on the same factor.
+  /// `reused_columns`: for each column of U, the equal column of `previous`, or -1.
   SchurComplementConstraints(const SparseCholesky& factor, SparseMatrix U,
                              std::vector<Constraint> constraints,
                              const SchurComplementConstraints& previous,
                              const std::vector<int>& reused_columns, double dependent = 1e-9);
 
   bool empty() const { return constraints_.empty(); }
+  /// Number of constraints, hard and soft; number of points (columns of U).
   int constraint_count() const { return isize(constraints_); }
   int points() const { return static_cast<int>(U_.cols()); }
-  /// Soft rows, ascending, as set_stiffness() counts them.
+  /// Indices of the soft constraints, ascending, in the order of set_stiffness().
   const std::vector<int>& soft() const { return soft_; }
-  /// Hard rows that the others do not imply, and those they do; ascending.
+  /// Indices of the independent and of the redundant hard constraints, ascending.
   const std::vector<int>& independent() const { return independent_; }
   const std::vector<int>& redundant() const { return redundant_; }
-  /// Largest amount by which implied rows are contradicted, for these right-hand sides, and the row
-  /// where (-1: there is no implied row).
+  /// Largest violation of a redundant constraint for the right-hand sides g, and the index of that
+  /// constraint (-1 if no constraint is redundant).
   std::pair<double, int> contradiction(const VecX& g) const;
-  /// s_k ≥ 0 of each soft row. O(rows³), dense; allocates nothing.
+  /// Sets the stiffness s_k ≥ 0 of each soft constraint. Cost: O(constraints³), dense; allocates
+  /// nothing. Throws InputError for a wrong size or a negative value.
   void set_stiffness(const VecX& stiffness);
-  /// y⁰ becomes y. g: one number for each row. Allocates nothing.
+  /// Applies all constraints: y⁰ is overwritten by y. g: one right-hand side per constraint.
+  /// Allocates nothing.
   void apply(Eigen::Ref<MatX> y, const VecX& g) const;
-  /// y onto the hard rows along G: the nearest that holds them. apply() ends with it.
+  /// Projects y along G onto the hard constraints: computes the nearest y that satisfies them.
+  /// Called at the end of apply().
   void project(Eigen::Ref<MatX> y, const VecX& g) const;
+  /// Memory of the dense matrices, in bytes.
   size_t bytes() const;
 
  private:
   void prepare(const SparseCholesky& factor, const SchurComplementConstraints* previous,
                const std::vector<int>& reused_columns, double dependent);
   SparseMatrix hard_constraint_matrix(const std::vector<int>& hard) const;
-  // Sorts the rows into soft, independent and implied ones and makes R. Returns of each implied row
-  // its shares of the rows of Q.
+  // Sorts the constraints into soft, independent and redundant ones and computes R. Returns the
+  // coefficients of each redundant constraint with respect to the rows of Q.
   std::vector<VecX> orthogonalise(double dependent);
   void solve_points(const SparseCholesky& factor, const SchurComplementConstraints* previous,
-                    const std::vector<int>& reused_columns);  // makes Z
+                    const std::vector<int>& reused_columns);  // computes Z
   void form_schur_complement();
   void express_redundant(const std::vector<VecX>& redundant_coefficients);
   double evaluate(const Constraint& row, const Eigen::Ref<const MatX>& y) const;
-  void residual_of_hard(const Eigen::Ref<const MatX>& y, const VecX& g) const;  // into scratch_
+  // Result in scratch_.
+  void residual_of_hard(const Eigen::Ref<const MatX>& y, const VecX& g) const;
   std::vector<Constraint> constraints_;
   std::vector<int> independent_, redundant_, soft_;
-  MatX redundant_coefficients_;  // implied × independent
+  MatX redundant_coefficients_;  // redundant × independent
   SparseMatrix U_;
   MatX Z_;
-  MatX R_;       // of the independent rows
-  MatX S_;       // independent rows times R⁻¹ from both sides, then soft ones as they are
+  MatX R_;       // of the independent constraints
+  // R⁻¹ S R⁻ᵀ for the independent hard constraints, followed by the soft ones, unscaled.
+  MatX S_;
   VecX roots_;   // √s_k
-  MatX scaled_;  // S_ with soft rows scaled, plus 1 on their diagonal
-  Eigen::LLT<MatX> schur_ = Eigen::LLT<MatX>(MatX(0, 0));  // copies read its state
-  mutable VecX scratch_;  // one number a row, so that apply() allocates nothing
+  MatX scaled_;  // S_ with soft rows and columns scaled, plus 1 on their diagonal
+  // Initialised, because copies read its state.
+  Eigen::LLT<MatX> schur_ = Eigen::LLT<MatX>(MatX(0, 0));
+  mutable VecX scratch_;  // one number per constraint, so that apply() allocates nothing
 };
 
 }  // namespace batten

@@ -24,7 +24,7 @@ void AndersonAccelerator::resize(long rows, std::vector<int> sample) {
   last_g_.resize(rows, 3);
 }
 
-// from -= Σ coefficients_k dg_k, by blocks that stay in the cache.
+// from -= Σ coefficients_k dg_k, in blocks that fit in the cache.
 void AndersonAccelerator::subtract_combination(const double* coefficients,
                                                Eigen::Ref<Points> from) const {
   constexpr long block = 2048;
@@ -55,7 +55,7 @@ void AndersonAccelerator::add_iterate(const Eigen::Ref<const Points>& x,
       df = f_ - last_f_;
       const double before = std::sqrt(dot(df, df));
       std::fill(coefficients, coefficients + kDepth, 0);
-      for (int pass = 0; pass < 2; ++pass)  // the second one makes them orthogonal to rounding
+      for (int pass = 0; pass < 2; ++pass)  // the second pass makes them orthogonal to rounding
         for (int k = 0; k < count_; ++k) {
           const double coefficient = dot(df_[slot(k)], df);
           df -= coefficient * df_[slot(k)];

@@ -9,43 +9,47 @@ namespace batten {
 
 /// Anderson acceleration of a fixed-point iteration x ← g(x) of n×3 values.
 ///
-/// It keeps the differences Δf, Δg of up to six successive iterates, f = g(x) - x, with the Δf made
-/// orthonormal as they come, and proposes the combination that would leave the smallest f if g were
-/// affine:
+/// With the residual f = g(x) - x, it stores the differences Δf, Δg of up to six successive
+/// iterates. Each new Δf is orthonormalised against the stored ones. The accelerator proposes the
+/// combination that would minimise |f| if g were affine:
 ///
 ///     x_next = g - Σ_k (Δf_k · f) Δg_k
 ///
-/// f may be restricted to a sample of the dofs (the positions of vertices, say), which costs less and
-/// gives positions and derivatives one scale. The oldest difference is dropped when a seventh comes, and
-/// when less than `independence` of the newest one is linearly independent of the others. The differences
-/// may be kept from one right-hand side to the next one: while the operator hardly changes they remain valid,
-/// and a drag converges in two iterations instead of eight.
+/// f may be restricted to a sample of the dofs, for example the positions of vertices. This costs
+/// less and avoids mixing the different scales of positions and derivatives. The oldest difference
+/// is dropped when a seventh is added. It is also dropped if less than the fraction `independence`
+/// of the newest Δf is linearly independent of the stored ones.
 ///
-/// Nothing guarantees that x_next is better than g: where that matters, the caller compares energies.
-/// Costs O(n) per iterate and difference; memory is allocated in resize() only.
-/// Reference: [Anderson1965], [WalkerNi2011].
+/// The differences may be kept when the right-hand side changes: they remain valid while the
+/// operator hardly changes. An interactive drag then converges in two iterations instead of eight.
+///
+/// x_next is not guaranteed to be better than g: if that matters, the caller must compare energies.
+/// Cost: O(n) per iterate and stored difference; only resize() allocates memory. Reference:
+/// [Anderson1965], [WalkerNi2011].
 class AndersonAccelerator {
  public:
-  /// `independence`: between 0 and 1. Large values (0.3) suit differences that stem from other right-hand
-  /// sides, whose errors would be amplified; small ones (1e-5) a single iteration.
+  /// `independence`: smallest fraction of a new Δf, between 0 and 1, that must be linearly
+  /// independent of the stored ones. Large values (0.3) suit differences kept from other right-hand
+  /// sides, because their errors would be amplified. Small values (1e-5) suit a single iteration.
   explicit AndersonAccelerator(double independence = 0.3) : independence_(independence) {}
 
-  /// Reserves memory for iterates of `rows` rows and drops all differences. `sample`: rows at which f is
-  /// measured; empty: all.
+  /// Allocates memory for iterates with `rows` rows and drops all differences. `sample`: rows at
+  /// which f is measured (empty: all rows).
   void resize(long rows, std::vector<int> sample = {});
   /// Drops all differences and the last iterate.
   void reset() { count_ = 0, has_last_ = false; }
-  /// Drops the differences, but keeps the last iterate.
+  /// Drops all differences but keeps the last iterate.
   void clear() { count_ = 0; }
-  /// Begins another iteration: no difference is formed with the iterate before.
+  /// Starts a new iteration: the next iterate forms no difference with the previous one. The stored
+  /// differences are kept.
   void begin() { has_last_ = false; }
 
-  /// Adds an iterate x and g = g(x), both rows×3.
+  /// Adds an iterate x and its image g = g(x), both rows×3.
   void add_iterate(const Eigen::Ref<const Points>& x, const Eigen::Ref<const Points>& g);
-  /// Turns g, the one that was added last, into x_next.
+  /// Replaces g, which must be the image added last, by x_next.
   void extrapolate(Eigen::Ref<Points> g) const;
-  /// Adds an iterate and sets `next` to x_next. Returns false, and leaves `next` alone, without any
-  /// difference, that is for the first iterate after reset().
+  /// Adds an iterate and writes x_next to `next`. If there is no difference yet (first iterate
+  /// after reset()), it returns false and leaves `next` unchanged.
   template <class Matrix>
   bool accelerate(const Matrix& x, const Matrix& g, Matrix& next) {
     add_iterate(x, g);
@@ -62,7 +66,7 @@ class AndersonAccelerator {
 
   double independence_;
   std::vector<int> sample_;
-  std::vector<Points> df_, dg_;  // newest at slot(count_ - 1)
+  std::vector<Points> df_, dg_;  // the newest is at slot(count_ - 1)
   Points f_, last_f_, last_g_;
   int first_ = 0, count_ = 0;
   bool has_last_ = false;

@@ -1,4 +1,4 @@
-// How many things a container holds, as a number that indices are compared with.
+// Small utilities for containers: signed size, sorted unique lists, and disjoint sets (union-find).
 #pragma once
 
 #include <algorithm>
@@ -8,17 +8,19 @@
 
 namespace batten {
 
-/// The size of a container as int, as everything in the kernel is numbered: meshes, dofs and lines
-/// stay below 2³¹, and what could exceed it is refused where it is made.
+/// Size of a container as a signed int, the index type used throughout Batten.
+///
+/// Meshes, dof sets and curves have fewer than 2³¹ elements; anything larger is rejected when it is
+/// created.
 template <class Container>
 constexpr int isize(const Container& container) {
   return static_cast<int>(container.size());
 }
 
 
-// Lists of numbers in order.
+// Sorted lists of integers.
 
-/// The numbers ascending, each once.
+/// Sorts `values` in ascending order and removes duplicates.
 inline std::vector<int> sorted_unique(std::vector<int> values) {
   std::sort(values.begin(), values.end());
   values.erase(std::unique(values.begin(), values.end()), values.end());
@@ -26,22 +28,23 @@ inline std::vector<int> sorted_unique(std::vector<int> values) {
 }
 
 
-// Disjoint sets of numbers.
+// Disjoint sets of integers.
 
-/// Disjoint sets of the numbers 0 … count - 1: at first each number is a group of its own. A group
-/// is known by its lowest number, whatever the order in which it was joined.
+/// Disjoint sets (union-find) of the integers 0 … count - 1; initially each is a set of its own.
+///
+/// The representative of a set is its lowest element, whatever the order of the unions.
 class DisjointSets {
  public:
   explicit DisjointSets(size_t count) : parent_(count) {
     std::iota(parent_.begin(), parent_.end(), 0);
   }
 
-  /// Lowest number in the group of i. Nearly O(1).
+  /// Lowest element of the set that contains i. Nearly O(1) (path halving).
   int find(int i) {
     while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
     return i;
   }
-  /// The groups of i and j become one.
+  /// Merges the sets of i and j.
   void unite(int i, int j) {
     const int p = find(i), q = find(j);
     parent_[std::max(p, q)] = std::min(p, q);

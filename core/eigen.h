@@ -1,4 +1,4 @@
-// Eigen types under one set of names, and infinity.
+// Short names for the Eigen types used in Batten, and decompositions of small dense matrices.
 #pragma once
 
 #include <Eigen/Core>
@@ -17,63 +17,72 @@ using Mat2 = Eigen::Matrix2d;
 using Mat3 = Eigen::Matrix3d;
 using MatX = Eigen::MatrixXd;
 
-/// n points or n dof triples, one a row: columns are x, y, z. Column-major, so that the three
-/// coordinates are three right-hand sides of one factor.
+/// n points, or n dofs with three components each: one row per point, columns x, y, z. Stored by
+/// columns, so that the coordinates are three right-hand sides of one linear system.
 using Points = Eigen::Matrix<double, Eigen::Dynamic, 3>;
 
-/// Compressed columns, 32-bit indices. Symmetric matrices are kept by their lower triangle only,
-/// and every function that takes one says so.
+/// Sparse matrix in compressed-column format with 32-bit indices. Symmetric matrices are stored as
+/// their lower triangle only; every function that takes one documents this.
 using SparseMatrix = Eigen::SparseMatrix<double, Eigen::ColMajor, int>;
 using Triplet = Eigen::Triplet<double, int>;
 
-/// Larger than every number.
+/// Positive infinity.
 inline constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 
-// Decompositions of small dense matrices. They are Eigen's, compiled once: in every source that used
-// Eigen's own they would take seconds to compile.
+// Decompositions of small dense matrices. These wrap Eigen's decompositions, which are instantiated
+// in one source file only: in every file that used them directly they would add seconds of
+// compilation time.
 
-/// A = U diag(values) Vᵀ, the largest value first. O(m n²) for m ≥ n.
+/// Singular value decomposition A = U diag(values) Vᵀ, values in descending order. Cost: O(m n²)
+/// for m ≥ n.
 struct Svd {
   MatX U;
   VecX values;
   MatX V;
 };
-Svd thin_svd(const MatX& A);  ///< U is m × k and V n × k, with k = min(m, n)
-Svd full_svd(const MatX& A);  ///< U is m × m and V n × n
+Svd thin_svd(const MatX& A);  ///< U is m × k and V is n × k, k = min(m, n)
+Svd full_svd(const MatX& A);  ///< U is m × m and V is n × n
 
+/// Singular value decomposition of a 3×3 matrix, values in descending order.
 struct Svd3 {
   Mat3 U;
   Vec3 values;
   Mat3 V;
 };
-Svd3 svd(const Mat3& A);  ///< allocates nothing
+Svd3 svd(const Mat3& A);  ///< allocates no memory
 
-/// A = vectors diag(values) vectorsᵀ of a symmetric A, of which the lower triangle is read; the smallest
-/// value first. O(n³).
+/// Eigendecomposition A = vectors diag(values) vectorsᵀ of a symmetric matrix, values in ascending
+/// order. Only the lower triangle of A is read. Cost: O(n³).
 struct SymmetricEigen {
   VecX values;
   MatX vectors;
 };
 SymmetricEigen symmetric_eigen(const MatX& A);
+/// Eigenvalues only, in ascending order.
 VecX symmetric_eigenvalues(const MatX& A);
 
+/// Eigendecomposition of a symmetric 3×3 matrix, values in ascending order.
 struct SymmetricEigen3 {
   Vec3 values;
   Mat3 vectors;
 };
 SymmetricEigen3 symmetric_eigen(const Mat3& A);
 
-/// x of least norm among those of least |A x - b|, column by column. O(m n²).
+/// Least-squares solution of A x = b with minimum norm, for each column of b. Cost: O(m n²) for an
+/// m×n matrix A.
 MatX least_squares(const MatX& A, const MatX& b);
 
-/// Where points are, and how they spread: the eigenvalues and eigenvectors of Σ (p - mean)(p - mean)ᵀ. The
-/// first axis is the normal of the best plane, the last the direction of the best line.
+/// Principal axes of a point set: the eigenvalues (ascending) and eigenvectors of the scatter
+/// matrix Σ (p - mean)(p - mean)ᵀ. The first axis is the normal of the best-fit plane, the last one
+/// the direction of the best-fit line.
 struct PrincipalAxes {
   Vec3 mean = Vec3::Zero();
   Vec3 values = Vec3::Zero();
   Mat3 axes = Mat3::Identity();
 };
+/// Computes the principal axes of `points`. Without points the mean and values are 0 and the axes
+/// the identity.
 PrincipalAxes principal_axes(std::span<const Vec3> points);
 
 }  // namespace batten

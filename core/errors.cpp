@@ -24,7 +24,7 @@ ConflictError::ConflictError(std::vector<Conflict> conflicts, const std::string&
     : Error(where + describe(conflicts)), conflicts_(std::move(conflicts)) {}
 
 std::string format_number(double value) {
-  // Whatever locale the process has.
+  // std::to_chars does not depend on the locale of the process.
   char text[32];
   return {text, std::to_chars(text, text + sizeof text, value, std::chars_format::general, 6).ptr};
 }

@@ -1,4 +1,4 @@
-// Small geometry of the (u, v) plane.
+// Elementary geometry: cross product, bounding boxes, rotations, formatting of points, and angles.
 #pragma once
 
 #include <type_traits>
@@ -11,19 +11,20 @@
 
 namespace batten {
 
-/// Area of the parallelogram of a and b, positive when b lies to the left of a.
+/// z component of a × b: the signed area of the parallelogram, positive if b lies to the left of a.
 inline double cross(const Vec2& a, const Vec2& b) { return a.x() * b.y() - a.y() * b.x(); }
 
-/// A point or direction of a curve in the plane z = 0.
+/// Projects a point or direction onto the plane z = 0.
 inline Vec2 drop_z(const Vec3& p) { return {p.x(), p.y()}; }
 
 
-// Boxes along the axes.
+// Axis-aligned bounding boxes.
 
 using Box2 = Eigen::AlignedBox2d;
 using Box3 = Eigen::AlignedBox3d;
 
-/// The smallest box around points of the plane or of space; without points the empty one.
+/// Smallest axis-aligned box that contains the points (2D or 3D). The box is empty if there are no
+/// points.
 template <class PointRange>
 auto bounding_box(const PointRange& points) {
   using Point = std::decay_t<decltype(*points.begin())>;
@@ -33,33 +34,35 @@ auto bounding_box(const PointRange& points) {
 }
 
 
-// Rotations as logarithms of unit quaternions.
+// Rotations represented by logarithms of unit quaternions.
 
-/// The logarithm q of a unit quaternion stands for the turn by 2|q| about q/|q|; q = 0 is no turn.
-/// It is not reduced: a turn by 350° and one by -10° are different logarithms of one rotation, so
-/// that a field of logarithms winds as far as it was asked to. Source: Masuda et al. 2006, eq.
-/// 6, 7.
+/// Logarithm q of the unit quaternion that rotates by `angle` (radians) about `axis`.
+///
+/// Note the half angle: q has length angle/2 and represents the rotation by 2|q| about q/|q|; q = 0
+/// is the identity. The angle is not reduced: rotations by 350° and by -10° are the same rotation
+/// but have different logarithms. A field of logarithms can therefore wind several times.
+/// Reference: [Masuda2006], eq. 6 and 7.
 inline Vec3 to_rotation_vector(const Vec3& axis, double angle) {
   return axis.normalized() * angle;
 }
-/// The shortest logarithm of a rotation matrix.
+/// Shortest logarithm of a rotation matrix R.
 inline Vec3 to_rotation_vector(const Mat3& R) {
   const Eigen::AngleAxisd rotation(R);
   return to_rotation_vector(rotation.axis(), rotation.angle());
 }
 
-/// The vector R(q) x: one sine, one cosine, two cross products.
+/// Rotates x by the quaternion logarithm q. Cost: one sine, one cosine and two cross products.
 inline Vec3 rotated(const Vec3& rotation_vector, const Vec3& x) {
   const Vec3 q = rotation_vector / 2;
   const double half = q.norm();
-  // sin(h)/h; below 1e-8 the next term is under the last digit.
+  // sin(h)/h; below 1e-8 the next term of the series is smaller than the last digit.
   const double s = half > 1e-8 ? std::sin(half) / half : 1.0;
   const Vec3 v = s * q;
   const Vec3 t = v.cross(x);
   return x + 2 * (std::cos(half) * t + v.cross(t));
 }
 
-/// The matrix R(q).
+/// Rotation matrix R(q) of a quaternion logarithm q.
 inline Mat3 rotation_matrix(const Vec3& rotation_vector) {
   Mat3 R;
   for (int c = 0; c < 3; ++c) R.col(c) = rotated(rotation_vector, Vec3::Unit(c));
@@ -67,16 +70,18 @@ inline Mat3 rotation_matrix(const Vec3& rotation_vector) {
 }
 
 
-// Points in messages, and angles, said the same way everywhere.
+// Text of points in messages, and angles between vectors.
 
-/// The text "(x, y, z)" of a point; what is only rounding beside the largest coordinate is 0.
+/// Formats a point as "(x, y, z)". Components that are only rounding errors compared with the
+/// largest coordinate (below 1e-14 of it) are written as 0.
 inline std::string format_point(const Vec3& p) {
   const double rounding = 1e-14 * p.cwiseAbs().maxCoeff();
   const auto word = [&](double x) { return format_number(std::abs(x) <= rounding ? 0.0 : x); };
   return "(" + word(p.x()) + ", " + word(p.y()) + ", " + word(p.z()) + ")";
 }
 
-/// Angle between two vectors of any length, degrees in [0, 180]; exact to rounding near 0 and 180.
+/// Angle between two vectors of any length, in degrees in [0, 180]. Accurate to rounding also near
+/// 0 and 180.
 inline double degrees_between(const Vec3& a, const Vec3& b) {
   return std::atan2(a.cross(b).norm(), a.dot(b)) * 180 / std::numbers::pi;
 }

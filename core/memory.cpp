@@ -22,7 +22,8 @@ std::atomic<double> memory_limit = 0;
 constexpr double kUnlimited = std::numeric_limits<double>::infinity();
 
 #if defined(__unix__)
-// Bytes behind a word of a file of "Word:   123 kB"; endless where it is not there.
+// Value, in bytes, of a field in a file with lines of the form "Field: 123 kB"; infinite if the
+// field is missing.
 double kilobytes(const char* file, const std::string& field) {
   std::ifstream in(file);
   for (std::string found; in >> found;)

@@ -1,23 +1,26 @@
-// How much memory a computation may ask for, so that it can say no before it starts.
+// Memory limit of the process, and checks that reject a computation before it runs out of memory.
 #pragma once
 
 #include <string>
 
 namespace batten {
 
-/// States the memory that this process may have, bytes; 0: what the system has. Of the whole
-/// process: batten's --memory.
+/// Limits the memory of the whole process to `bytes` (option --memory of batten). 0, the default:
+/// no limit other than the system's.
 void set_memory_limit(double bytes);
 
-/// Bytes that may still be asked for: of what set_memory_limit() stated, or that the system says are
-/// available, less than a limit of the process on its addresses where it has one. Infinite where
-/// the system does not tell. 20 µs.
+/// Memory in bytes that this process may still allocate. Takes about 20 µs.
+///
+/// This is the limit of set_memory_limit() minus the memory in use, or, without such a limit, what
+/// the system reports as available. A limit on the address space of the process (RLIMIT_AS) is
+/// respected too. Infinite if the system reports nothing.
 double available_memory();
 
-/// Throws InputError "WHAT needs 14 GB of memory, and 6 GB are there" where that is so.
+/// Throws InputError "WHAT needs 14 GB of memory, and 6 GB are there" if `bytes` exceeds
+/// available_memory().
 void require_memory(double bytes, const std::string& what);
 
-/// Whole bytes in words: "14 GB", "300 MB".
+/// Formats a number of bytes for messages: "14 GB" (one decimal at most), "300 MB".
 std::string format_bytes(double bytes);
 
 }  // namespace batten

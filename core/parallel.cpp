@@ -22,13 +22,15 @@ namespace {
 
 std::atomic<int> requested_threads{0};
 
-// Threads that sleep between calls: starting new ones would cost more than many a solve, and
-// memory. A call never waits for a sleeper, only for those that took a part. Never destroyed: its
-// threads end with the process, whatever runs in the destructors of others.
+// Pool of threads that sleep between calls, because starting new threads would cost more than many
+// a solve, and memory. A call never waits for a sleeping thread, only for those that took a part.
+// The pool is never destroyed: its threads end with the process, even if destructors of other
+// objects still use it.
 class Pool {
  public:
-  // False: another call is under way (perhaps the caller's own), or this is a forked process, which
-  // has none of the threads. Take all parts yourself.
+  // Runs `work` on the caller and on up to `helpers` threads. Returns false if another call is
+  // active (perhaps the caller's own) or if this is a forked process, which has none of the
+  // threads. The caller must then do all the work itself.
   bool run(int helpers, const std::function<void()>& work) {
     if (process_ != this_process() || busy_.exchange(true)) return false;
     {
@@ -55,12 +57,12 @@ class Pool {
     try {
       while (isize(threads_) < count) threads_.emplace_back([this] { serve(); });
     } catch (const std::system_error&) {
-      // The system gives no more: those that are there will do.
+      // The system provides no more threads: continue with those that exist.
     }
   }
 
-  // A system that has slept tends to wake a thread on the core of its waker, where it waits for
-  // the caller to pause: a drag at 60 events a second would run on one core.
+  // After an idle period, the system tends to wake a thread on the core of its waker, where it
+  // waits until the caller pauses. A drag at 60 events per second would then use one core only.
   void avoid_core_of_caller() {
 #if defined(__linux__)
     cpu_set_t others;
@@ -111,7 +113,7 @@ class Pool {
 }  // namespace
 
 int core_count() {
-  // Asking costs microseconds.
+  // The query takes microseconds, so it is done once.
   static const int cores = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
   return cores;
 }

@@ -1,4 +1,4 @@
-// The few cores of one machine, used without changing a single bit of the result.
+// Multithreading on one machine, with results that are bit-identical for any number of threads.
 #pragma once
 
 #include <functional>
@@ -7,26 +7,28 @@
 
 namespace batten {
 
-/// Number of cores of this machine that the process may use.
+/// Number of CPU cores that the process may use.
 int core_count();
 
-/// How many threads Batten uses; the number of cores unless set. Results never depend on it: work
-/// is split so that every sum is taken in the same order whoever takes it.
+/// Number of threads that Batten uses (default: the number of cores). Results do not depend on it:
+/// work is split such that every sum is accumulated in the same order by any number of threads.
 int thread_count();
-/// Sets the number of threads, 1 or more; 0 returns to the number of cores.
+/// Sets the number of threads, 1 or more; 0 restores the default, the number of cores.
 void set_thread_count(int count);
 
-/// Calls `work(part)` for part = 0 … parts-1, each once, on up to thread_count() threads, and
-/// returns when all are done. The first exception thrown by a part is thrown again here. The
-/// threads are kept for the next call and sleep meanwhile. A call from a part, beside another call,
-/// or in a forked process does all parts itself.
+/// Calls `work(part)` once for each part = 0 … parts-1 on up to thread_count() threads, and returns
+/// when all calls have finished.
+///
+/// The first exception thrown by a part is rethrown here. The threads are kept for the next call
+/// and sleep in between. Nested calls, calls concurrent with another one, and calls in a forked
+/// process run all parts in the calling thread.
 void parallel_for(int parts, const std::function<void(int part)>& work);
 
 
-// Loops over many small things, on several threads.
+// Parallel loops over many small items.
 
-/// Calls work(first, last) for pieces of 0 … count - 1, each a thread's at a time; allocates
-/// nothing.
+/// Calls work(first, last) in parallel for consecutive ranges [first, last) of 0 … count - 1, with
+/// at most `chunk` items each. Ranges do not depend on the number of threads. Allocates nothing.
 template <int chunk = 4096, class Work>
 void parallel_chunks(long count, const Work& work) {
   const int parts = static_cast<int>((count + chunk - 1) / chunk);
@@ -39,7 +41,7 @@ void parallel_chunks(long count, const Work& work) {
   });
 }
 
-/// The same one by one: calls work(i).
+/// Calls work(i) in parallel for i = 0 … count - 1, in chunks of `chunk` items.
 template <int chunk, class Work>
 void parallel_for_each(int count, const Work& work) {
   parallel_chunks<chunk>(count, [&](long first, long last) {
@@ -48,9 +50,10 @@ void parallel_for_each(int count, const Work& work) {
 }
 
 
-// Waiting for another thread that will be done soon. Internal.
+// Waiting for another thread that is about to finish.
 
-/// A short while without sleep, then the core is offered to others at every turn.
+/// Spin-wait with back-off: the first 2,000 waits only pause the processor, later ones yield the
+/// core to other threads.
 class SpinWait {
  public:
   void wait() {

@@ -1,4 +1,4 @@
-// How a long computation tells where it is, and how it is stopped.
+// Progress reports and cancellation of long computations.
 #pragma once
 
 #include <functional>
@@ -8,18 +8,21 @@
 
 namespace batten {
 
-/// What the caller of a long computation hands down; an empty one reports nothing, never cancels.
+/// Progress and cancellation callbacks for long computations. Both are optional: without them
+/// nothing is reported and the computation cannot be cancelled.
 struct Progress {
-  /// Called with the name of the stage and the fraction of it that is done, 0 to 1.
+  /// Called with the name of the current stage and its completed fraction, 0 to 1.
   std::function<void(std::string_view stage, double fraction)> report;
-  /// Asked now and then, by several threads at once; true stops the computation with CancelledError.
+  /// Polled regularly, possibly by several threads at once. If it returns true, the computation
+  /// stops with CancelledError.
   std::function<bool()> cancelled;
 
+  /// Reports progress. Throws CancelledError if the computation was cancelled.
   void update(std::string_view stage, double fraction) const {
     throw_if_cancelled();
     if (report) report(stage, fraction);
   }
-  /// Throws CancelledError where the computation is to stop.
+  /// Throws CancelledError if the computation was cancelled.
   void throw_if_cancelled() const {
     if (cancelled && cancelled()) throw CancelledError();
   }

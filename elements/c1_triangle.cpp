@@ -33,7 +33,8 @@ Tabulation C1Triangle::reference_at(const Vec3& L) const {
   return local;
 }
 
-// lazyProduct: Eigen's general product packs its operands first, which takes longer than these.
+// lazyProduct(): Eigen's general product packs its operands first, which takes longer than these
+// small products.
 Tabulation C1Triangle::evaluate(const Vec3& L) const {
   return pull_back_matrix().transpose().lazyProduct(reference_at(L));
 }

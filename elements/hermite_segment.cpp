@@ -7,7 +7,8 @@ namespace {
 
 using Matrix = HermiteSegment::Matrix;
 
-// The matrix for a weight that rises towards the other end: nodes swapped, slopes reversed.
+// Matrix for the weight that increases towards the other end: nodes swapped, signs of slopes
+// reversed.
 Matrix reversed(const Matrix& K) {
   Matrix R;
   constexpr int other[4] = {2, 3, 0, 1};

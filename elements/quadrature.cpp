@@ -8,8 +8,9 @@
 namespace batten {
 namespace {
 
-// A symmetric rule by its orbits: centroid (one point), {a, a, 1-2a} (three), {a, b, 1-a-b} (six).
-// Closed forms where there are some, otherwise Dunavant's classical rules.
+// One orbit of a symmetric rule: the centroid (one point), {a, a, 1-2a} (three points) or {a, b,
+// 1-a-b} (six points). Rules use closed forms if they exist, otherwise the values of
+// [Dunavant1985].
 struct Orbit {
   double weight, a, b;
 };

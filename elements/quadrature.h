@@ -1,43 +1,51 @@
-// Quadrature rules on one segment and one triangle.
+// Quadrature rules on a segment and on a triangle.
 //
-// Triangle rules give barycentric points L (one a row) and weights that sum to 1: multiply by the
-// triangle's area. Segment rules live on [0, 1], weights sum to 1: multiply by the length.
+// Triangle rules consist of barycentric points L and weights that sum to 1; multiply by the area of
+// the triangle. Segment rules are defined on [0, 1] with weights that sum to 1; multiply by the
+// length.
 #pragma once
 
 #include "batten/core/eigen.h"
 
 namespace batten {
 
+/// Quadrature rule on the segment [0, 1].
 struct SegmentRule {
   VecX s;        ///< points in (0, 1)
   VecX weights;  ///< sum to 1
 };
 
+/// Quadrature rule on a triangle.
 struct TriangleRule {
-  Points L;      ///< barycentric coordinates, one point a row
+  Points L;      ///< barycentric coordinates, one point per row
   VecX weights;  ///< sum to 1
 };
 
-/// The Gauss-Legendre rule with n points, exact to degree 2n-1. n ≥ 1; cost O(n²), computed by
-/// Newton's method on the Legendre recurrence to the last bits.
+/// Gauss-Legendre rule with n ≥ 1 points, exact for polynomials up to degree 2n-1. Throws
+/// InputError if n < 1. The nodes are computed to the last bits by Newton's method on the Legendre
+/// recurrence. Cost: O(n²).
 SegmentRule gauss_legendre(int n);
 
-/// Symmetric rule with positive weights, exact to `degree` = 1, 2, 4, 5, 6 or 8 (1, 3, 6, 7, 12, 16
-/// points; other degrees up to 8 give the next one). Throws InputError above 8.
-/// For polynomials only: on the rational functions of the Z12 triangle these rules converge
-/// algebraically at best (12 % error in the bending stiffness at degree 6).
+/// Symmetric triangle rule with positive weights, exact for polynomials up to `degree`.
+///
+/// There are rules of degree 1, 2, 4, 5, 6 and 8, with 1, 3, 6, 7, 12 and 16 points; for other
+/// degrees up to 8 the next higher rule is returned. Throws InputError above 8. For polynomials
+/// only: for the rational functions of the Z12 triangle, these rules converge algebraically at best
+/// (12 % error of the bending stiffness at degree 6).
 TriangleRule symmetric_triangle_rule(int degree);
 
-/// The symmetric rule of `degree` on each of the three sub-triangles (V_j, V_k, centroid): exact
+/// Symmetric rule of `degree` on each of the three sub-triangles (V_j, V_k, centroid). It is exact
 /// for the piecewise polynomials of the HCT triangle. Points are ordered by sub-triangle.
 TriangleRule split_triangle_rule(int degree);
 
-/// Six-Duffy rule with 6 m² points for the Z12 triangle, whose functions are singular at the
-/// vertices only. The triangle is split into the six triangles (V_i, midpoint of an edge at V_i,
-/// centroid); on each, m×m Gauss points (r, t) of the unit square are mapped to barycentric
-/// (1-r, r(1-t), rt), which collapses an edge into V_i and makes the integrand smooth there.
-/// Error of the bending stiffness of a well-shaped triangle: m = 3: 6e-4, 5: 8e-7, 7: 5e-10,
-/// 10: 8e-15.
+/// Six-Duffy rule with 6 m² points for the Z12 triangle, whose functions are singular only at the
+/// vertices.
+///
+/// The triangle is split into six triangles (V_i, midpoint of an edge at V_i, centroid). On each of
+/// them, m×m Gauss points (r, t) of the unit square are mapped to barycentric (1-r, r(1-t), rt).
+/// This Duffy transformation collapses an edge into V_i and makes the integrand smooth there
+/// ([Duffy1982]). Relative error of the bending stiffness of a well-shaped triangle: m = 3: 6e-4,
+/// 5: 8e-7, 7: 5e-10, 10: 8e-15.
 TriangleRule six_duffy_rule(int m);
 
 }  // namespace batten

@@ -12,10 +12,10 @@
 
 namespace batten {
 
-// Reference functions of the rational triangle Z12.
+// Shape functions of the rational triangle Z12.
 
-/// reference_functions() of Z12 at barycentric L; at a vertex second derivatives are the limits
-/// along the bisecting direction.
+// reference_functions() of Z12 at barycentric L. At a vertex, second derivatives are the limits
+// along the bisecting direction.
 ReferenceTabulation z12_functions(const Vec3& L);
 
 namespace {
@@ -49,7 +49,7 @@ std::array<Eigen::Matrix<double, 10, 12>, 3> make_hct_ordinates() {
   return ordinates;
 }
 
-// sum = ordinatesᵀ (12 × 10) times cubics (10 × columns), all column-major.
+// sum = ordinatesᵀ (12 × 10) times cubics (10 × columns), all stored by columns.
 BATTEN_CLONES void combine_cubics(const double* ordinates, const double* cubics, int columns,
                                   double* sum) {
   for (int c = 0; c < columns; ++c) {
@@ -116,7 +116,7 @@ ReferenceTensors make_tensors(TriangleElement kind) {
   return T;
 }
 
-// One side of the congruence: K ← Pᵀ K on rows, then the transpose is taken.
+// One side of the congruence transformation: K ← Pᵀ K. The caller transposes and applies it again.
 inline __attribute__((always_inline)) void congruence_half(const DofTransformCoefficients& P,
                                                            double* K) {
   const auto axpy = [&](int to, double s, int from) {
@@ -166,8 +166,8 @@ BATTEN_CLONES void combine_and_map(const double (*tensors)[144], const double* s
   for (int e = 0; e < 144; ++e) K[e] = sum[e];
 }
 
-// K = Σ_p rows_pᵀ C_p rows_p, C_p = blockdiag(2×2, 3×3) given as 4 + 9 numbers a point; then Pᵀ K
-// P.
+// K = Σ_p rows_pᵀ C_p rows_p with C_p = blockdiag(2×2, 3×3), given as 4 + 9 values per point; then
+// K ← Pᵀ K P.
 BATTEN_CLONES void accumulate_and_map(int points, const double* rows, const double* C,
                                       const DofTransformCoefficients& P, double* K) {
   alignas(64) double sum[144] = {};
@@ -247,7 +247,7 @@ DofTransformCoefficients::DofTransformCoefficients(const TriangleShape& t) {
     gradient[i][3] = t.b[j];
     const double length2 = t.b[i] * t.b[i] + t.c[i] * t.c[i];
     altitude[i] = t.edge_sign[i] * 2 * t.area / std::sqrt(length2);
-    // V_i - M_i = ((V_i - V_j) + (V_i - V_k))/2 against the edge vector (c_i, -b_i).
+    // V_i - M_i = ((V_i - V_j) + (V_i - V_k))/2, projected onto the edge vector (c_i, -b_i).
     slant[i] = 0.5 * ((t.c[j] - t.c[k]) * t.c[i] + (t.b[j] - t.b[k]) * t.b[i]) / length2;
   }
 }
@@ -379,7 +379,7 @@ bool SurfaceStiffness::is_valid() const {
 
 namespace {
 
-// Value, gradient and Hessian of one function of (L1, L2, L3) treated as independent.
+// Value, gradient and Hessian of a function of (L1, L2, L3), treated as independent variables.
 struct Jet {
   double value = 0;
   Vec3 gradient = Vec3::Zero();
@@ -410,7 +410,8 @@ Row6 reduced(const Jet& f) {
   return r;
 }
 
-// e_i = p(L_i) g(L_j) g(L_k), p = x(1+x), g = x²/(1-x). 1 - L_k is taken as L_i + L_j.
+// Rational bubble e_i = p(L_i) g(L_j) g(L_k), p = x(1+x), g = x²/(1-x). 1 - L_k is evaluated as L_i
+// + L_j.
 Jet rational_bubble(int i, const Vec3& L) {
   constexpr double at_vertex = 1e-12;
   const int j = (i + 1) % 3, k = (i + 2) % 3;
@@ -442,7 +443,7 @@ Jet rational_bubble(int i, const Vec3& L) {
   return p * (g(j) * g(k));
 }
 
-// Raw functions f1 f2 f3 f12 f13 f23 f21 f31 f32 e1 e2 e3.
+// Raw functions of the space, in the order f1 f2 f3 f12 f13 f23 f21 f31 f32 e1 e2 e3.
 std::array<Jet, 12> z12_raw(const Vec3& L) {
   const Jet x[3] = {variable(0, L), variable(1, L), variable(2, L)};
   const Jet half_bubble = 0.5 * (x[0] * x[1] * x[2]);
@@ -462,7 +463,8 @@ std::array<Jet, 12> z12_raw(const Vec3& L) {
   return raw;
 }
 
-// Columns: coefficients of N̂_a over the raw functions, the inverse of "reference dofs of raw".
+// Columns: coefficients of N̂_a in the raw functions; the inverse of the matrix of reference dofs
+// of the raw functions.
 const Mat12& z12_coefficients() {
   static const Mat12 coefficients = [] {
     Mat12 dofs_of_raw;

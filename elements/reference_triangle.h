@@ -1,5 +1,5 @@
-// Reference functions N̂(L) of the two C1 triangles and their integrals: shared by single elements
-// and by assembly. See c1_triangle.h for the dofs.
+// Reference shape functions N̂(L) of the C1 triangles, their integrals, and the surface energy.
+// Used by single elements and by assembly. See c1_triangle.h for the dofs.
 #pragma once
 
 #include <functional>
@@ -11,16 +11,18 @@
 
 namespace batten {
 
-// Resistance of a surface to stretching and bending.
+// Stretching and bending stiffness of a surface.
 
-/// Material of the energy
+/// Coefficients of the surface energy
 ///
 ///     E = ∬ (a11 w_u² + 2 a12 w_u w_v + a22 w_v² + b11 w_uu² + 2 b12 w_uv² + b22 w_vv²
-///            + 2 m1 w_uu w_uv + 2 m2 w_uu w_vv + 2 m3 w_uv w_vv) du dv,
+///            + 2 m1 w_uu w_uv + 2 m2 w_uu w_vv + 2 m3 w_uv w_vv) du dv.
 ///
-/// beta = (b11, b12, b22), beta_mixed = (m1, m2, m3), zero but for resistance in a direction of its
-/// own. Valid: alpha and [[b11 m1 m2], [m1 2 b12 m3], [m2 m3 b22]] positive semi-definite.
-/// b11 = b12 = b22 without mixed terms is the rotation-invariant bending energy.
+/// alpha = [[a11 a12], [a12 a22]] is the stretching (membrane) stiffness and beta = (b11, b12, b22)
+/// the bending stiffness. beta_mixed = (m1, m2, m3) is nonzero only for anisotropic stiffness, see
+/// directional(). Valid coefficients: alpha and [[b11 m1 m2], [m1 2 b12 m3], [m2 m3 b22]] are
+/// positive semi-definite. The bending energy is rotation-invariant for b11 = b12 = b22 without
+/// mixed terms.
 struct SurfaceStiffness {
   Mat2 alpha = Mat2::Zero();
   Vec3 beta = Vec3::Ones();
@@ -29,8 +31,8 @@ struct SurfaceStiffness {
   static SurfaceStiffness isotropic(double alpha, double beta) {
     return {alpha * Mat2::Identity(), Vec3::Constant(beta)};
   }
-  /// alpha w_t² + beta w_tt²: resistance in one direction t of (u, v) only. Throws InputError when
-  /// t is not of length 1.
+  /// Stiffness alpha w_t² + beta w_tt² in one direction t of (u, v) only. Throws InputError if t is
+  /// not a unit vector.
   static SurfaceStiffness directional(const Vec2& t, double alpha, double beta);
 
   SurfaceStiffness& operator+=(const SurfaceStiffness& other);
@@ -40,16 +42,18 @@ struct SurfaceStiffness {
   }
   friend SurfaceStiffness operator*(double factor, SurfaceStiffness m) { return m *= factor; }
 
-  /// The matrix of the bending energy over (w_uu, w_uv, w_vv).
+  /// The 3×3 matrix of the bending energy with respect to (w_uu, w_uv, w_vv).
   Mat3 bending() const;
-  /// Whether all is finite, and alpha and bending() are positive semi-definite to 1e-12 of their
-  /// size.
+  /// Whether all coefficients are finite, and alpha and bending() are positive semi-definite up to
+  /// 1e-12 of their norms.
   bool is_valid() const;
 };
 
 
-// The shape of a parametric triangle, and how its functions are tabulated.
+// Shape of a parametric triangle, and tabulated shape functions.
 
+/// The two C1 triangle elements: Hsieh-Clough-Tocher and the rational triangle of Celniker and
+/// Gossard.
 enum class TriangleElement { HCT, Z12 };
 
 using Vec12 = Eigen::Matrix<double, 12, 1>;
@@ -58,60 +62,64 @@ using Mat12 = Eigen::Matrix<double, 12, 12>;
 /// Columns of a tabulation: value and derivatives up to order two.
 enum Derivative { kW = 0, kU, kV, kUU, kUV, kVV, kDerivatives };
 
-/// The twelve functions at a point: row a is that of dof a, columns w, w_u, w_v, w_uu, w_uv, w_vv.
+/// The twelve shape functions at one point. Row a belongs to dof a; the columns are w, w_u, w_v,
+/// w_uu, w_uv, w_vv.
 using Tabulation = Eigen::Matrix<double, 12, kDerivatives>;
 
-/// The shape of one parametric triangle: everything an element needs to know of it.
+/// Shape of one parametric triangle: all geometric data that an element needs.
 struct TriangleShape {
+  /// Vertices in (u, v), and the sign of each edge's normal dof (see c1_triangle.h).
   std::array<Vec2, 3> vertex;
   std::array<double, 3> edge_sign{1, 1, 1};
   std::array<double, 3> b{}, c{};  ///< b_i = v_j - v_k, c_i = u_k - u_j
   double area = 0;
 
-  /// Counter-clockwise vertices. Throws MeshError when the area is not > 0 or a number is not
-  /// finite.
+  /// Vertices must be in counter-clockwise order. Throws MeshError if the area is not positive or a
+  /// coordinate is not finite.
   TriangleShape(const Vec2& v1, const Vec2& v2, const Vec2& v3,
                 const std::array<double, 3>& signs = {1, 1, 1});
 
+  /// The point with barycentric coordinates L.
   Vec2 point(const Vec3& L) const { return L[0] * vertex[0] + L[1] * vertex[1] + L[2] * vertex[2]; }
-  /// Barycentric coordinates of a point, which may lie outside.
+  /// Barycentric coordinates of a point, which may lie outside of the triangle.
   Vec3 barycentric(const Vec2& p) const;
 };
 
-/// Reference functions at one point. Row a: N̂_a. Columns: value, then derivatives in the reduced
-/// variables (L1, L2), L3 = 1-L1-L2: N, ∂1, ∂2, ∂11, ∂12, ∂22.
+/// Reference functions at one point. Row a contains N̂_a and its derivatives in the reduced
+/// variables (L1, L2), L3 = 1-L1-L2: columns N, ∂1, ∂2, ∂11, ∂12, ∂22.
 using ReferenceTabulation = Eigen::Matrix<double, 12, 6>;
 
 
+/// Reference functions and their derivatives up to order two at barycentric L.
 ReferenceTabulation reference_functions(TriangleElement kind, const Vec3& L);
-/// The two columns of first derivatives of the same, in a third of the time.
+/// First derivatives of the reference functions only, (∂1, ∂2), in a third of the time.
 Eigen::Matrix<double, 12, 2> reference_gradients(TriangleElement kind, const Vec3& L);
 
-/// Rows of the ten Bézier ordinates of HCT sub-triangle `sub` over the reference dofs.
+/// Matrix that maps the reference dofs to the ten Bézier ordinates of HCT sub-triangle `sub`.
 const Eigen::Matrix<double, 10, 12>& hct_ordinates(int sub);
 
-/// Integrals over a triangle of area 1, in the reference dofs.
+/// Integrals over a triangle of area 1 with respect to the reference dofs.
 struct ReferenceTensors {
-  /// Row-major 12×12 each. 0-2: stretching 11, 12 + 21, 22; 3-8: bending 11·11, 12·12, 22·22,
-  /// 11·12 + 12·11, 11·22 + 22·11, 12·22 + 22·12.
+  /// Nine row-major 12×12 matrices. 0-2: stretching 11, 12 + 21, 22; 3-8: bending 11·11, 12·12,
+  /// 22·22, 11·12 + 12·11, 11·22 + 22·11, 12·22 + 22·12.
   alignas(64) double stiffness[9][144];
   Mat12 mass;
   Vec12 load;
 };
 
-/// Computed once, at first use, by an exact rule (HCT) or six-Duffy with m = 14 (Z12): entries are
-/// right to about 1e-15.
+/// Reference tensors of an element type. They are computed at first use by an exact rule (HCT) or
+/// by six-Duffy with m = 14 (Z12); entries are accurate to about 1e-15.
 const ReferenceTensors& reference_tensors(TriangleElement kind);
 
-/// Derivatives in (u, v) from those in (L1, L2): rows u, v of the gradient map and uu, uv, vv of
-/// the second-derivative map.
+/// Converts derivatives with respect to (L1, L2) into derivatives with respect to (u, v). The rows
+/// are u, v for first derivatives and uu, uv, vv for second derivatives.
 struct DerivativeMap {
   Eigen::Matrix<double, 2, 2> first;   ///< (w_u, w_v) = first · (∂1, ∂2)
   Eigen::Matrix<double, 3, 3> second;  ///< (w_uu, w_uv, w_vv) = second · (∂11, ∂12, ∂22)
   explicit DerivativeMap(const TriangleShape& shape);
 };
 
-/// A rule with the reference functions tabulated at its points.
+/// Quadrature rule with the reference functions tabulated at its points.
 struct TabulatedRule {
   TriangleRule rule;
   std::vector<ReferenceTabulation> functions;
@@ -119,7 +127,8 @@ struct TabulatedRule {
   TabulatedRule(TriangleElement kind, TriangleRule r);
 };
 
-/// TriangleShape reduced to the numbers of P: 2×2 gradient maps, edge altitudes, mid-edge slants.
+/// The entries of the dof transformation P of a triangle: 2×2 gradient maps, altitudes over the
+/// edges, and slants of the medians.
 struct DofTransformCoefficients {
   double gradient[3][4];  ///< row-major [to next; to previous] × [u, v]
   double altitude[3];     ///< edge_sign · 2A / edge length
@@ -127,25 +136,28 @@ struct DofTransformCoefficients {
   explicit DofTransformCoefficients(const TriangleShape& shape);
 };
 
-/// Stiffness K (144 doubles) for constant material: the inner loop of assembly.
+/// Computes the element stiffness K (144 doubles) for a constant material. This is the inner loop
+/// of assembly.
 void constant_stiffness(const ReferenceTensors& tensors, const TriangleShape& shape,
                         const SurfaceStiffness& material, double* K);
 
-/// Stiffness K (144 doubles) for a material that varies with L, by the given rule.
+/// Computes the element stiffness K (144 doubles) for a material that varies with L, by quadrature.
 void variable_stiffness(const TabulatedRule& points, const TriangleShape& shape,
                         const std::function<SurfaceStiffness(const Vec3& L)>& material, double* K);
 
 
-// What bending and stretching cost, and in which units.
+// Energies and their units.
 
-/// Relative (default): alpha, beta and loads are pure numbers on the region scaled to size 1, so
-/// that the same region in mm and in m is the same shape under the same numbers. Absolute: alpha is
-/// force/length, beta force·length, uniform loads and pressure force/length², point loads force,
-/// all in the model's length unit.
+/// Units of stiffness and loads.
+///
+/// - Relative (default): alpha, beta and loads are dimensionless numbers on the region scaled to
+///   size 1. The same region in mm and in m then has the same shape for the same numbers.
+/// - Absolute: alpha is force/length, beta force·length, uniform loads and pressure force/length²,
+///   point loads force, all in the length unit of the model.
 enum class LoadUnits { Relative, Absolute };
 
-/// The material on a domain that is the region over its size (u = length / size). Stretching is
-/// free of scale in two dimensions; bending carries 1/size² in absolute units.
+/// Converts a material to the domain scaled to size 1 (u = length / size). Stretching does not
+/// depend on the scale in two dimensions; bending is divided by size² in absolute units.
 inline SurfaceStiffness scaled_to_unit_domain(const SurfaceStiffness& material, LoadUnits units,
                                               double size) {
   SurfaceStiffness scaled = material;
@@ -156,9 +168,10 @@ inline SurfaceStiffness scaled_to_unit_domain(const SurfaceStiffness& material, 
   return scaled;
 }
 
+/// Energy of a surface, split into its two terms.
 struct SurfaceEnergy {
-  double stretching = 0;  ///< ∬ alpha part of the energy, sum over x, y, z
-  double bending = 0;     ///< ∬ beta part
+  double stretching = 0;  ///< ∬ of the alpha terms, summed over x, y, z
+  double bending = 0;     ///< ∬ of the beta terms
 };
 
 }  // namespace batten

@@ -1,8 +1,8 @@
-// Stiffness, mass and loads of whole curves.
+// Assembles stiffness, mass and load of a deformable curve.
 //
-// Energy of one coordinate: E = ∫ (alpha w_u² + beta w_uu² - 2 f w) du = qᵀK q - 2 Fᵀq, so the
-// minimum satisfies K q = F. x, y and z share K. Matrices are symmetric, kept by their LOWER
-// triangle.
+// The energy of one coordinate is E = ∫ (alpha w_u² + beta w_uu² - 2 f w) du = qᵀK q - 2 Fᵀq, so
+// the minimum satisfies K q = F. x, y and z share K. Matrices are symmetric and stored as their
+// LOWER triangle.
 #pragma once
 
 #include <vector>
@@ -13,26 +13,29 @@
 
 namespace batten {
 
+/// Assembles matrices and load vectors of a curve from its cubic Hermite segments.
 class CurveAssembler {
  public:
-  /// A coefficient along a curve: one for all segments, or one for each; within a segment constant
-  /// or linear.
+  /// Coefficient along the curve, constant or linear within a segment: one entry for all segments,
+  /// or one per segment.
   using Coefficient = std::vector<HermiteSegment::Linear>;
 
   explicit CurveAssembler(CurveMesh mesh);
 
   const CurveMesh& mesh() const { return mesh_; }
+  /// Matrix with the sparsity pattern of the curve and zero entries.
   SparseMatrix pattern() const { return pattern_.zero(); }
-  /// Stiffness ∫ alpha H_u H_uᵀ + beta H_uu H_uuᵀ, exact. Throws InputError on a wrong count.
+  /// Stiffness ∫ alpha H_u H_uᵀ + beta H_uu H_uuᵀ, exact. Throws InputError if a coefficient has
+  /// the wrong number of entries.
   void stiffness(const Coefficient& alpha, const Coefficient& beta, SparseMatrix& K) const;
   SparseMatrix stiffness(const Coefficient& alpha, const Coefficient& beta) const;
-  /// Mass ∫ weight H Hᵀ: one weight for all segments, or one for each. Throws InputError on a wrong
-  /// count.
+  /// Mass ∫ weight H Hᵀ. `weight`: one value for all segments, or one per segment; throws
+  /// InputError otherwise.
   SparseMatrix mass(const std::vector<double>& weight = {1}) const;
-  /// Load ∫ H f, f given at u_0 … u_m (rows) and linear between them: exact. Throws InputError on a
-  /// wrong count.
+  /// Load ∫ H f, exact. f: values at u_0 … u_m (rows), linear in between. Throws InputError if the
+  /// number of rows is wrong.
   Points load(const Points& f) const;
-  /// Load of a force at one point.
+  /// Load of a point force at parameter u.
   Points point_load(double u, const Vec3& force) const;
 
  private:

@@ -12,7 +12,7 @@
 namespace batten {
 namespace {
 
-constexpr int chunk = 4096;  // places, or rows, of one part
+constexpr int chunk = 4096;  // locations or rows per task
 
 int parts_of(int count) { return (count + chunk - 1) / chunk; }
 
@@ -40,7 +40,7 @@ struct Task {
   float *points, *normals;
 };
 
-// Places from … to-1 of a group.
+// Evaluates locations from … to-1 of a group.
 template <int vertices, int edges>
 BATTEN_INLINE void evaluate_group(const Task& task, int from, int to) {
   constexpr int numbers = 1 + vertices + edges, parts = 3 * vertices - 1 + edges;
@@ -97,8 +97,8 @@ DisplayPoints::DisplayPoints(const ParametricMesh& mesh, TriangleElement kind,
   for (int p = 0; p < count_; ++p) {
     const auto& [t, L] = where[p];
     require_inside(where[p], p, mesh.triangle_count());
-    // Barycentric coordinates that are exactly 0 say where a place is; what they leave out has
-    // coefficients of 0 (c1_triangle.h).
+    // Barycentric coordinates that are exactly 0 identify a vertex or an edge. Dofs that are left
+    // out there have zero coefficients (c1_triangle.h).
     std::array<int, 3> ends{};
     int count = 0;
     for (int i = 0; i < 3; ++i)
@@ -108,7 +108,7 @@ DisplayPoints::DisplayPoints(const ParametricMesh& mesh, TriangleElement kind,
     group.numbers.push_back(p);
     for (int i = 0; i < count; ++i)
       group.numbers.push_back(dofs.vertex(mesh.triangles()[t][ends[i]]));
-    std::vector<int> local;  // edges whose slope counts
+    std::vector<int> local;  // edges whose normal derivative contributes
     if (count == 2) local = {3 - ends[0] - ends[1]};
     if (count == 3) local = {0, 1, 2};
     for (const int e : local) group.numbers.push_back(dofs.edge(mesh.edges_of(t)[e]));

@@ -17,7 +17,7 @@ std::vector<int> equal_starts(int per_element, int entries) {
   return starts;
 }
 
-// Elements of each dof, as places in the list of the elements' dofs.
+// Elements of each dof, as positions in the concatenated list of element dofs.
 class ElementsOfDofs {
  public:
   ElementsOfDofs(int dof_count, const std::vector<int>& starts, const std::vector<int>& dofs)
@@ -44,7 +44,7 @@ class ElementsOfDofs {
     return true;
   }
 
-  /// Calls visit(element, d's number in it) for each element of d.
+  // Calls visit(element, local index of d) for each element of d.
   template <class Visit>
   void for_each(int d, const Visit& visit) const {
     for (int s = start_[d]; s < start_[d + 1]; ++s) {
@@ -53,8 +53,8 @@ class ElementsOfDofs {
     }
   }
 
-  /// d and the dofs above it that share an element with it, ascending. `place` is -1 for all on
-  /// entry, and 0 for those on return.
+  // Collects d and the higher dofs that share an element with it, ascending. `place` must be -1 for
+  // all dofs on entry and is 0 for the collected ones on return.
   void collect_rows(int d, std::vector<int>& place, std::vector<int>& rows) const {
     rows.assign(1, d);
     place[d] = 0;
@@ -70,8 +70,8 @@ class ElementsOfDofs {
 
  private:
   const std::vector<int>&starts_, &dofs_;
-  std::vector<int> element_of_;    // of each place in the list
-  std::vector<int> start_, uses_;  // of each dof
+  std::vector<int> element_of_;    // for each position in the list
+  std::vector<int> start_, uses_;  // for each dof
 };
 
 }  // namespace
@@ -100,7 +100,7 @@ ElementPattern::ElementPattern(int dof_count, std::vector<int> starts, std::vect
   std::vector<int> place(dof_count, -1), rows;
   for (int d = 0; d < dof_count; ++d) {
     if (elements.same(d - 1, d))
-      rows.erase(rows.begin());  // the column before without its diagonal entry
+      rows.erase(rows.begin());  // the previous column without its diagonal entry
     else
       elements.collect_rows(d, place, rows);
     append_column(rows, place);
@@ -195,7 +195,7 @@ void ElementPattern::assemble(const std::function<void(int, double*)>& element,
         scatter_all(e, K.data());
         continue;
       }
-      // An entry belongs to the owner of its column, the lower of its two dofs.
+      // An entry belongs to the owner of its column, the lower one of its two dofs.
       const int* position = &position_[first_pair_[e]];
       const int* dof = &dofs_[starts_[e]];
       const int n = size_of(e);

@@ -1,4 +1,4 @@
-// The pattern of an assembled symmetric matrix and the places where element entries go.
+// Sparsity pattern of assembled symmetric matrices, with a precomputed scatter of element matrices.
 #pragma once
 
 #include <functional>
@@ -9,25 +9,29 @@
 
 namespace batten {
 
-/// Built once for a list of elements, used for every matrix over them. Holds the lower triangle.
-/// Filling it on several threads gives the same bits as on one: every entry belongs to one thread,
-/// which adds its contributions in the order of the elements.
+/// Sparsity pattern (lower triangle) of a list of elements; built once and used for all matrices
+/// over these elements.
+///
+/// Parallel assembly gives bit-identical results for any number of threads: every matrix entry
+/// belongs to one thread, which adds its contributions in the order of the elements.
 class ElementPattern {
  public:
-  /// dofs: `per_element` global dofs of each element, one element after the other.
+  /// Elements of equal size. `dofs`: `per_element` global dofs for each element, one element after
+  /// the other.
   ElementPattern(int dof_count, int per_element, std::vector<int> dofs);
-  /// Elements of different sizes: element e has dofs[starts[e]] … dofs[starts[e+1] - 1].
+  /// Elements of different sizes: element e has the dofs dofs[starts[e]] … dofs[starts[e+1] - 1].
   ElementPattern(int dof_count, std::vector<int> starts, std::vector<int> dofs);
 
   int element_count() const { return isize(starts_) - 1; }
+  /// Number of dofs of an element.
   int size_of(int element) const { return starts_[element + 1] - starts_[element]; }
 
-  /// A matrix of this pattern with zero entries.
+  /// Zero matrix with this pattern.
   SparseMatrix zero() const;
 
-  /// Adds up the elements' matrices into `matrix`, which must have this pattern and is set to zero
-  /// first. `element(e, K)` writes the symmetric matrix of element e, size_of(e)² doubles; it is
-  /// called from several threads, and more than once for elements that threads share.
+  /// Assembles the element matrices into `matrix`, which must have this pattern and is first set to
+  /// zero. `element(e, K)` writes the symmetric matrix of element e, size_of(e)² doubles. It is
+  /// called from several threads, and more than once for elements at the border between threads.
   void assemble(const std::function<void(int element, double* K)>& element,
                 SparseMatrix& matrix) const;
 
@@ -36,22 +40,24 @@ class ElementPattern {
     std::vector<int> elements;  // ascending
     std::vector<char> shared;   // some entries belong to another part
   };
-  // place: of each of these dofs, then, in the matrix values.
+  // Appends the rows of a column. On return, `place` holds for each of these dofs the index of its
+  // entry in the matrix values.
   void append_column(const std::vector<int>& rows, std::vector<int>& place);
-  // Those of element e in the column of its dof b, from the places of the column's rows.
+  // Stores the positions of the entries of element e in the column of its dof b, from the positions
+  // of the rows of that column.
   void locate_entries(int e, int b, const std::vector<int>& place);
   std::vector<Part> split(int parts) const;
-  // The part that adds up the column of a dof. Elements that bring no new dof, such as edges after
-  // their triangles, do not count.
+  // Part that accumulates the column of a dof. Elements that add no new dofs, such as edges listed
+  // after their triangles, are not counted.
   int owner(int dof, int parts) const;
 
   std::vector<int> starts_, dofs_;
   std::vector<long> first_pair_;    // of each element, in position_
-  int largest_ = 0;                 // dofs of an element
+  int largest_ = 0;                 // dofs of the largest element
   std::vector<int> position_;       // [element][pair a ≥ b] → index into the matrix values
   std::vector<int> column_, row_;   // pattern: column starts, rows
-  std::vector<int> first_element_;  // of each dof
-  int first_elements_ = 1;          // those that bring new dofs come before this one
+  std::vector<int> first_element_;  // first element of each dof
+  int first_elements_ = 1;          // elements that add new dofs come before this one
 };
 
 }  // namespace batten

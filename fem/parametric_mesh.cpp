@@ -53,7 +53,7 @@ ParametricMesh::ParametricMesh(std::vector<Vec2> vertices, std::vector<Triangle>
         e = edge_count();
         edges_.push_back({low, high, {t, -1}, {i, -1}});
         edges_from_[low].push_back(e);
-        // Three such edges could close around the tube.
+        // Three longer edges could form a closed loop around the tube.
         constexpr double margin = 1e-9;
         if (period_ > 0 && std::abs(edge_vector(e).x()) > (1 - margin) * period_ / 3)
           throw MeshError("edge " + std::to_string(low) + "-" + std::to_string(high) + " spans " +
@@ -136,7 +136,7 @@ Vec2 ParametricMesh::image_near(const Vec2& p, const Vec2& anchor) const {
 Vec2 ParametricMesh::wrapped(Vec2 p) const {
   if (period_ == 0) return p;
   p.x() -= period_ * std::floor(p.x() / period_);
-  if (!(p.x() < period_)) p.x() = 0;  // a hair below zero
+  if (!(p.x() < period_)) p.x() = 0;  // can result from rounding slightly below zero
   return p;
 }
 
@@ -233,14 +233,14 @@ class Dissection {
  private:
   static constexpr int kLeaf = 6;  // triangles
 
-  // Vertices and edges as one list: edges after all vertices.
+  // Visits vertices and edges in one numbering: edges follow all vertices.
   template <class Visit>
   void for_each_entity(int triangle, const Visit& visit) const {
     for (const int v : mesh_.triangles()[triangle]) visit(v);
     for (const int e : mesh_.edges_of(triangle)) visit(mesh_.vertex_count() + e);
   }
 
-  // Filled from the end: separators first, so that they are eliminated last.
+  // Filled from the end: separators are placed first, so that they are eliminated last.
   void place(int entity) {
     if (seen_[entity]) return;
     seen_[entity] = 1;
@@ -278,9 +278,9 @@ class Dissection {
     split(cut, end);
   }
 
-  // Centres beside a line leave a ragged boundary: a triangle with two neighbours across changes
-  // sides, till there is none. On unstructured meshes that takes a third of the separator away.
-  // Returns where the second half begins.
+  // Splitting by centroids leaves a ragged boundary. A triangle with two neighbours in the other
+  // half changes sides, until there is none. On unstructured meshes this reduces the separator by a
+  // third. Returns where the second half begins.
   int straightened(int begin, int middle, int end) {
     half_stamp_ += 2;
     for (int i = begin; i < end; ++i) half_[triangles_[i]] = half_stamp_ + (i >= middle);
@@ -315,7 +315,7 @@ class Dissection {
   std::vector<Vec2> centre_;
   std::vector<char> seen_;  // vertices, then edges
   std::vector<int> side_;
-  std::vector<int> half_;  // of triangles
+  std::vector<int> half_;  // half of each triangle
   std::vector<int> order_;
   int next_ = 0, stamp_ = 0, half_stamp_ = 0;
 };

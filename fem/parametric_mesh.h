@@ -1,4 +1,4 @@
-// Triangle meshes of the (u, v) plane, with the edges that carry dofs.
+// Triangle meshes in the (u, v) plane, with numbered edges and dofs.
 #pragma once
 
 #include <array>
@@ -10,70 +10,76 @@
 
 namespace batten {
 
-/// A conforming mesh of counter-clockwise triangles. Immutable.
+/// Conforming mesh of counter-clockwise triangles in the (u, v) plane. Immutable.
 ///
 ///            V_i              Edge i of a triangle is opposite its vertex i and runs V_j → V_k,
-///            /\               (i, j, k) cyclic. In the mesh an edge runs from its lower vertex
-///    edge k /  \ edge j       number to its higher one, which fixes the sign of its normal
-///          /____\             (c1_triangle.h). Edges are numbered in the order in which the
-///       V_j edge i V_k        triangles name them first.
+///            /\               (i, j, k) cyclic. In the mesh, an edge runs from its lower vertex
+/// edge k / \ edge j index to the higher one, which fixes the sign of its normal
+///          /____\             (c1_triangle.h). Edges are numbered in the order in which they
+///       V_j edge i V_k        first occur in the triangles.
 ///
-/// A mesh may be periodic in u: (u + period, v) is the same point as (u, v), as on a tube. Vertices
-/// keep u in [0, period), triangles and edges that cross the seam are placed as if it were not
-/// there: within half a period of their first vertex (edges: of the lower one).
+/// A mesh may be periodic in u, as on a tube: (u + period, v) is the same point as (u, v). Vertices
+/// have u in [0, period). Triangles and edges that cross the seam are unwrapped: their vertices are
+/// shifted to within half a period of their first vertex (edges: of the lower vertex).
 class ParametricMesh {
  public:
   using Triangle = std::array<int, 3>;
   struct Edge {
-    int low, high;    ///< vertices, low < high
-    int triangle[2];  ///< the triangles beside it; triangle[1] is -1 on the boundary
-    int local[2];     ///< its number 0..2 in each
+    int low, high;    ///< vertex indices, low < high
+    int triangle[2];  ///< adjacent triangles; triangle[1] is -1 on the boundary
+    int local[2];     ///< local index 0..2 of the edge in each
     bool boundary() const { return triangle[1] < 0; }
   };
 
-  /// Throws MeshError: a vertex index out of range, a triangle that is not counter-clockwise, an
-  /// edge with more than two triangles or twice in the same direction, a vertex in no triangle.
-  /// With a period: a u outside of [0, period), an edge that spans a third of the period or more
-  /// (which way around it runs would be a guess).
+  /// Throws MeshError if a vertex index is out of range, a triangle is not counter-clockwise, an
+  /// edge has more than two triangles or occurs twice in the same direction, or a vertex belongs to
+  /// no triangle. For periodic meshes also if u is outside of [0, period), or if an edge spans a
+  /// third of the period or more, because its direction around the tube would be ambiguous.
+  /// `period`: 0 for a mesh that is not periodic.
   ParametricMesh(std::vector<Vec2> vertices, std::vector<Triangle> triangles, double period = 0);
 
-  /// The components of all meshes, one after the other: vertices, edges and triangles of each
-  /// follow those before it, in their order. O(all).
+  /// Disjoint union of meshes: vertices, edges and triangles of each mesh follow those of the
+  /// previous ones, in their original order. Cost: O(size of all meshes).
   static ParametricMesh concatenated(const std::vector<const ParametricMesh*>& meshes);
 
   int vertex_count() const { return isize(vertices_); }
   int edge_count() const { return isize(edges_); }
   int triangle_count() const { return isize(triangles_); }
-  /// The period in u of a mesh of one component; 0: the mesh is not periodic.
+  /// Period in u of a single mesh; 0 if it is not periodic.
   double period() const { return period_; }
 
   const std::vector<Vec2>& vertices() const { return vertices_; }
   const std::vector<Triangle>& triangles() const { return triangles_; }
   const std::vector<Edge>& edges() const { return edges_; }
+  /// The three edges of a triangle; edge i is opposite vertex i.
   const Triangle& edges_of(int triangle) const { return triangle_edges_[triangle]; }
   /// Edge between two vertices, or -1.
   int edge_between(int a, int b) const;
 
-  /// +1 where the edge runs along the triangle's own direction, -1 where it runs against it.
+  /// Sign +1 if the edge has the counter-clockwise direction of the triangle, otherwise -1.
   double edge_sign(int triangle, int local) const {
     const auto& t = triangles_[triangle];
     return t[(local + 1) % 3] < t[(local + 2) % 3] ? 1 : -1;
   }
+  /// Shape of a triangle, unwrapped across the seam of a periodic mesh.
   TriangleShape shape(int triangle) const;
-  /// Unit vector from the lower to the higher end, and that vector turned by +90°.
+  /// Unit vector from the lower to the higher vertex of an edge, and this vector rotated by +90°.
   Vec2 edge_tangent(int edge) const;
   Vec2 edge_normal(int edge) const;
   double edge_length(int edge) const;
-  /// The image of p that is nearest to `anchor` in u; p itself without a period.
+  /// Periodic image of p whose u is nearest to that of `anchor`; p itself if the mesh is not
+  /// periodic.
   Vec2 image_near(const Vec2& p, const Vec2& anchor) const;
-  /// The image of p with u in [0, period); p itself without a period.
+  /// Periodic image of p with u in [0, period); p itself if the mesh is not periodic.
   Vec2 wrapped(Vec2 p) const;
-  /// Way from the first vertex of a chain of edges to the last: (period, 0) once around.
+  /// Vector from the first to the last vertex of a chain of edges, summed along the chain:
+  /// (period, 0) for a chain once around a periodic mesh.
   Vec2 chain_vector(const std::vector<int>& chain) const;
 
-  /// n×n squares over [0,1]², each cut along its (0,0)-(1,1) diagonal: the mesh of the benchmarks.
+  /// Mesh of n×n squares on [0,1]², each divided by its (0,0)-(1,1) diagonal. Used by benchmarks
+  /// and tests.
   static ParametricMesh unit_square(int n);
-  /// The mesh with each triangle cut into four by the midpoints of its edges.
+  /// Uniform refinement: each triangle is divided into four by its edge midpoints.
   ParametricMesh refined() const;
 
  private:
@@ -82,30 +88,31 @@ class ParametricMesh {
     double period;
   };
   ParametricMesh() = default;
-  // From the lower end to the higher.
+  // From the lower vertex to the higher one.
   Vec2 edge_vector(int edge) const;
   double period_at(int vertex) const;
 
   std::vector<Vec2> vertices_;
   std::vector<Triangle> triangles_;
   double period_ = 0;
-  std::vector<Component> components_;  // of several, ascending; empty for one
+  std::vector<Component> components_;  // of a concatenated mesh, ascending; else empty
   std::vector<Triangle> triangle_edges_;
   std::vector<Edge> edges_;
   std::vector<std::vector<int>> edges_from_;  // by lower vertex
 };
 
-/// Numbers of the unknowns of one coordinate: 3v + {0: w, 1: w_u, 2: w_v} at vertex v, and
-/// 3·vertices + e for w_n at edge e.
+/// Numbering of the dofs of one coordinate: 3v + {0: w, 1: w_u, 2: w_v} at vertex v, and 3·vertices
+/// + e for the normal derivative w_n at edge e.
 class DofMap {
  public:
   explicit DofMap(const ParametricMesh& mesh)
       : edge_start_(3 * mesh.vertex_count()), count_(edge_start_ + mesh.edge_count()) {}
 
   int count() const { return count_; }
+  /// Dof of vertex v: `derivative` is 0 for w, 1 for w_u, 2 for w_v.
   int vertex(int v, int derivative = 0) const { return 3 * v + derivative; }
   int edge(int e) const { return edge_start_ + e; }
-  /// Dofs of a triangle in the order of the element's dofs.
+  /// The 12 dofs of a triangle in the order of the element dofs.
   std::array<int, 12> triangle(const ParametricMesh& mesh, int t) const;
 
  private:
@@ -113,25 +120,26 @@ class DofMap {
 };
 
 
-// A point on the triangles of a mesh.
+// Points on a mesh.
 
-/// A point of a surface mesh: triangle and barycentric coordinates in it.
+/// A point of a surface mesh: triangle and barycentric coordinates.
 struct Location {
   int triangle = 0;
   Vec3 L = Vec3::Constant(1.0 / 3);
 };
 
 
-// Fill-reducing orders of a surface's dofs: one from its geometry, and what another needs.
+// Fill-reducing elimination orders of the dofs of a surface.
 
-/// Nested dissection: the triangles are halved by their centres across the longer side of their
-/// box, again and again; the dofs that both halves touch come last, those of the halves before
-/// them, each ordered the same way. O(triangles · log triangles), far cheaper than finding an order
-/// from the matrix, and with less fill on large meshes. Result: all dofs, the first to eliminate
-/// first.
+/// Elimination order of all dofs by nested dissection of the mesh, first eliminated first.
+///
+/// The triangles are bisected recursively by their centroids, across the longer side of their
+/// bounding box. Dofs that touch both halves form the separator and come last, after those of the
+/// halves, which are ordered in the same way. Cost: O(triangles · log triangles). This is much
+/// cheaper than ordering the matrix graph and gives less fill on large meshes.
 std::vector<int> nested_dissection_order(const ParametricMesh& mesh);
 
-/// Of each dof its vertex, twice, or the two ends of its edge: what vertex_ordering needs.
+/// For each dof its vertex, twice, or the two ends of its edge: the input of vertex_ordering().
 std::vector<std::array<int, 2>> dof_vertices(const ParametricMesh& mesh);
 
 }  // namespace batten

@@ -28,7 +28,7 @@ void fill_tensor(TriangleElement kind, const TriangleRule& rule, double* T) {
     for (int b = 1; b < 12; ++b)
       for (int c = b + 1; c < 12; ++c, row += 12) {
         const double cross = N(b, 1) * N(c, 2) - N(b, 2) * N(c, 1);
-        // Weights sum to 1, and dL1 dL2 to a half.
+        // Weights sum to 1; the area of the reference triangle in (L1, L2) is 1/2.
         for (int a = 0; a < 12; ++a) row[a] += 0.5 * rule.weights[p] * cross * N(a, 0);
       }
   }
@@ -48,8 +48,7 @@ const double* reference_tensor(TriangleElement kind) {
   return kind == TriangleElement::HCT ? hct.data() : z12.data();
 }
 
-// Forces of four triangles side by side, added to F: places x and forces F have three numbers for
-// each dof.
+// Adds the forces of four triangles to F. Positions x and forces F have three numbers per dof.
 BATTEN_CLONES void add_forces(const double* numbers, const int* dof, const double* weights,
                               int count, const double* T, const double* x, double* F) {
   constexpr int lanes = 4;
@@ -116,7 +115,8 @@ BATTEN_CLONES void add_forces(const double* numbers, const int* dof, const doubl
       for (int c = 0; c < 3; ++c) F[3 * dof[lanes * a + l] + c] += f[a][c][l];
 }
 
-// Bits of x and y taken in turns: numbers near each other belong to points near each other.
+// Morton code: interleaves the bits of x and y, so that points with similar codes are close
+// together.
 uint64_t morton_code(uint32_t x, uint32_t y) {
   uint64_t sum = 0;
   for (int bit = 0; bit < 16; ++bit)
@@ -144,7 +144,7 @@ std::vector<int> morton_order(const ParametricMesh& mesh) {
 
 }  // namespace
 
-// Lays triangles out in batches and parts.
+// Groups triangles into batches and parts.
 class PressureOperator::PartBuilder {
  public:
   PartBuilder(PressureOperator& made, const ParametricMesh& mesh)
@@ -195,7 +195,7 @@ class PressureOperator::PartBuilder {
   PressureOperator& made_;
   const ParametricMesh& mesh_;
   DofMap dofs_;
-  std::vector<int> local_;  // of each global dof, in the part; -1: not in it
+  std::vector<int> local_;  // local index of each global dof in the part, or -1
 };
 
 PressureOperator::PressureOperator(const ParametricMesh& mesh, TriangleElement kind,

@@ -17,8 +17,9 @@ namespace {
 constexpr int kGauss = 3;
 using Second = Eigen::Matrix<double, 12, 3>;  // ∂11, ∂12, ∂22 of the reference functions
 
-// Second derivatives along the edges, and along the spokes from either side: [edge i][Gauss point
-// from V_i+1 to V_i+2], [spoke from V_i][side: the sub-triangles i+1, i+2][Gauss point from V_i].
+// Second derivatives along the edges, and along the spokes from either side. Indices:
+// [edge i][Gauss point from V_i+1 to V_i+2]; [spoke from V_i][side: sub-triangle i+1,
+// i+2][Gauss point from V_i].
 struct Tables {
   SegmentRule gauss = gauss_legendre(kGauss);
   Second edge[3][kGauss];
@@ -36,7 +37,8 @@ struct Tables {
         edge[i][g] = second(kind, on_edge[i][g]);
         if (kind != TriangleElement::HCT) continue;
         for (const int side : {0, 1}) {
-          // Linear in the sub-triangle: from two points inside of it, one twice as far in.
+          // Second derivatives are linear in the sub-triangle: extrapolate from two points inside
+          // of it, one twice as far in as the other.
           const int sub = (i + 1 + side) % 3;
           const Vec3 inwards =
               (Vec3::Unit((sub + 1) % 3) + Vec3::Unit((sub + 2) % 3) + centre) / 3 - on_spoke[i][g];
@@ -100,7 +102,7 @@ VecX residual_indicator(const Surface& surface) {
     const int i = edge.local[0], k = edge.local[1];
     const double length = mesh.edge_length(e);
     double jump2 = 0;
-    // The two triangles run along the edge in opposite directions.
+    // The two triangles traverse the edge in opposite directions.
     for (int g = 0; g < kGauss; ++g)
       if (counts(t, shape, table.on_edge[i][g]))
         jump2 += table.gauss.weights[g] *
@@ -114,8 +116,8 @@ VecX residual_indicator(const Surface& surface) {
 
 namespace {
 
-// Which edge is longest must be the same for all triangles and whatever the rounding: among edges
-// that are equally long, to 1e-9, the one of lowest number.
+// The longest edge must be the same for all triangles, whatever the rounding: among edges of equal
+// length, to 1e-9, the one with the lowest index.
 int longest_edge(const ParametricMesh& mesh, int t) {
   const auto& edges = mesh.edges_of(t);
   double longest = 0;
@@ -127,7 +129,7 @@ int longest_edge(const ParametricMesh& mesh, int t) {
   return best;
 }
 
-// The triangles, cut at the midpoints of their edges (-1: none), the longest one first.
+// Bisects triangles at the midpoints of their edges (-1: none), the longest edge first.
 std::vector<ParametricMesh::Triangle> halves_of(const ParametricMesh& mesh,
                                                 const std::vector<int>& longest,
                                                 const std::vector<int>& midpoint) {
@@ -141,7 +143,7 @@ std::vector<ParametricMesh::Triangle> halves_of(const ParametricMesh& mesh,
       triangles.push_back(v);
       continue;
     }
-    // (V_i, V_j, M) carries edge k, (V_i, M, V_k) edge j.
+    // (V_i, V_j, M) contains edge k, (V_i, M, V_k) edge j.
     if (const int n = midpoint[e[k]]; n >= 0) {
       triangles.push_back({v[i], n, m});
       triangles.push_back({n, v[j], m});
@@ -168,7 +170,7 @@ Bisection bisected(const ParametricMesh& mesh, const std::vector<char>& marked) 
   std::vector<char> split(mesh.edge_count(), 0);
   for (int t = 0; t < mesh.triangle_count(); ++t) longest[t] = longest_edge(mesh, t);
 
-  // A triangle with a halved edge halves its longest one too.
+  // A triangle with a bisected edge also bisects its longest edge.
   std::vector<int> pending;
   const auto halve = [&](int e) {
     if (split[e]) return;
@@ -219,7 +221,7 @@ Submesh extract_submesh(const ParametricMesh& mesh, const std::vector<int>& want
 
 namespace {
 
-// What the new mesh has in common with the old one: its number there, or -1.
+// Entities that the new mesh shares with the old one: old index, or -1.
 struct SharedEntities {
   std::vector<int> vertex, edge;
   std::vector<char> triangle;
@@ -249,11 +251,11 @@ struct SharedEntities {
   }
 };
 
-// By how much each new triangle lies off the old surface, at six points.
+// Distance of each new triangle from the old surface, the largest of six points.
 std::vector<double> displacements(const Surface& from, const ParametricMesh& to,
                                   const SharedEntities& shared, const TriangleLocator& locator,
                                   const Points& new_dofs) {
-  // The centroids of the three sub-triangles, and points between those and the edges' middles.
+  // The centroids of the three sub-triangles, and points between those and the edge midpoints.
   static const TriangleRule samples = [] {
     TriangleRule points{Points(6, 3), VecX::Constant(6, 1.0 / 6)};
     for (int i = 0; i < 3; ++i) {
@@ -304,7 +306,7 @@ SurfaceTransfer interpolate_onto(const Surface& from, const ParametricMesh& to) 
   parallel_for_each<256>(to.edge_count(), [&](int e) {
     const auto& edge = to.edges()[e];
     if (const int old = shared.edge[e]; old >= 0) {
-      // The normal goes with the direction from the lower number to the higher.
+      // The direction of the normal depends on the order of the vertex indices.
       const double sign = shared.vertex[edge.low] < shared.vertex[edge.high] ? 1 : -1;
       result.dofs.row(dofs.edge(e)) = sign * from.dofs().row(from.dof_map().edge(old));
       return;

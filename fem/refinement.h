@@ -1,4 +1,5 @@
-// Where a mesh is too coarse: jumps of curvature across edges.
+// Adaptive mesh refinement: error indicator, Dörfler marking, bisection, and transfer of the
+// surface.
 #pragma once
 
 #include <algorithm>
@@ -10,24 +11,27 @@
 
 namespace batten {
 
-/// An estimate of the bending energy's error, one η_T² for each triangle:
+/// Residual error indicator for the bending energy: η_T² for each triangle T,
 ///
 ///     η_T² = ½ Σ_edges of T  h_e ∫_e |[x_nn]|² ds  +  Σ_spokes of T  h_s ∫_s |[x_nn]|² ds
 ///
 /// [x_nn] is the jump of the second normal derivative, a vector. A C1 surface has no other jumps of
-/// second derivatives, and so [x_nn] is also the jump of x_uu + x_vv, which is what is computed.
-/// Spokes are the inner edges of HCT triangles. All in (u, v), unit beta: x² over domain length².
-/// Zero for a cubic; O(h⁴) in sum on a smooth shape, as the energy's error. With a trim, only what
-/// is inside counts; edges of the mesh's boundary have no jump. Integrals by three Gauss points:
-/// exact for HCT. O(triangles), about a microsecond each.
-/// Source: residual estimator of the plate, Verfürth 1996, with the edge term that dominates.
+/// second derivatives, so it equals the jump of x_uu + x_vv, which is what is computed. Spokes are
+/// the inner edges of HCT triangles, from the vertices to the centroid. All lengths are in (u, v)
+/// and beta is 1; the unit is x² over domain length².
+///
+/// The indicator is zero for a cubic. On smooth shapes its sum is O(h⁴), like the error of the
+/// energy. With a trim, only the part inside counts; boundary edges have no jump. Integrals use
+/// three Gauss points, which is exact for HCT. Cost: O(triangles), about a microsecond each.
+/// Reference: [Verfurth1996], residual estimator for plates; only the dominant edge term is used.
 VecX residual_indicator(const Surface& surface);
 
 
-// The few large among many values.
+// Marking.
 
-/// Indices of the largest values, the largest first, that make at least this share of the sum
-/// together; equal ones in their order. Values are 0 or above; without a sum above 0 there are none.
+/// Dörfler (bulk) marking: smallest set of indices whose values hold at least `fraction` of the
+/// total sum, largest values first. Ties are in ascending order of index. Values must be ≥ 0; if
+/// all are zero, the result is empty.
 template <class Values>
 std::vector<int> dorfler_marking(const Values& values, double fraction) {
   std::vector<int> order(static_cast<size_t>(values.size()));
@@ -44,44 +48,52 @@ std::vector<int> dorfler_marking(const Values& values, double fraction) {
 
 // Local refinement of a conforming mesh.
 
-/// A finer mesh. Old vertices keep their numbers; new ones follow, in the order of the edges that
-/// they halve.
+/// Refined mesh. Old vertices keep their indices; new ones follow, in the order of the bisected
+/// edges.
 struct Bisection {
   ParametricMesh mesh;
   std::vector<int> midpoint;  ///< new vertex at the middle of each old edge, or -1
 };
 
-/// Halves the marked triangles across their longest edges, and so many others that the mesh stays
-/// conforming (Rivara 1984). Angles do not fall below half of the smallest angle of the first mesh,
-/// however often it is called; right isosceles triangles keep their shape. Triangles that are
-/// halved stand, as two to four, where they stood. O(triangles) and a few sweeps.
+/// Bisects the marked triangles across their longest edges, and as many others as are needed to
+/// keep the mesh conforming ([Rivara1984]).
+///
+/// `marked`: one flag per triangle. Angles never fall below half of the smallest angle of the first
+/// mesh, however often this is called; right isosceles triangles keep their shape. The two to four
+/// children of a triangle take its position in the list of triangles. Throws InputError if `marked`
+/// has the wrong size. Cost: O(triangles) and a few sweeps.
 Bisection bisected(const ParametricMesh& mesh, const std::vector<char>& marked);
 
-/// The mesh of these triangles alone, vertices in their old order.
+/// Part of a mesh; vertices keep their relative order.
 struct Submesh {
   ParametricMesh mesh;
-  std::vector<int> vertex;  ///< number in the part of each old vertex, or -1
+  std::vector<int> vertex;  ///< new index of each old vertex, or -1
 };
+/// Extracts a mesh that consists of the given triangles only.
 Submesh extract_submesh(const ParametricMesh& mesh, const std::vector<int>& triangles);
 
 
-// A surface carried over to another mesh of the same domain.
+// Transfer of a surface to another mesh of the same domain.
 
+/// Result of interpolate_onto().
 struct SurfaceTransfer {
-  Points dofs;                  ///< dofs of the new mesh, dofs × 3
-  double max_displacement = 0;  ///< largest |new - old| at the same (u, v), model units
+  Points dofs;                  ///< dofs of the new mesh, n×3
+  double max_displacement = 0;  ///< largest |new - old| at the same (u, v), in model units
 };
 
-/// The dofs of `to` that interpolate the surface: value and gradient at the vertices, slope across
-/// the edges at their midpoints. `to` lies in the same domain and covers no more of it (a mesh
-/// after bisected(), with or without part_of()); points outside take the nearest triangle.
+/// Interpolates a surface onto another mesh: values and gradients at the vertices of `to`, normal
+/// derivatives at its edge midpoints.
 ///
-/// Vertices, edges and triangles that both meshes have keep their dofs to the last bit. Where edges
-/// are halves of old ones, shape and slope across stay exactly as they were; a cubic stays as it
-/// was everywhere. Elsewhere, an old element and its children are different piecewise cubics:
-/// positions move by O(h³) of the jumps of curvature inside the old element, O(h⁴) on smooth
-/// shapes. `max_displacement` is taken at six points inside of each new triangle. O(triangles log
-/// triangles); some ten microseconds for each that is new, on several threads.
+/// `to` must lie in the same domain and not extend beyond it, for example the result of bisected(),
+/// with or without extract_submesh(). Points outside are evaluated in the nearest triangle.
+/// Vertices, edges and triangles that both meshes share keep their dofs to the last bit. Along
+/// edges that are halves of old ones, position and normal derivative are preserved exactly. Cubics
+/// are preserved everywhere.
+///
+/// Elsewhere, an old element and its children are different piecewise cubics: positions change by
+/// O(h³) times the curvature jumps inside the old element, and by O(h⁴) on smooth shapes.
+/// `max_displacement` is measured at six points inside each new triangle. Cost:
+/// O(triangles log triangles), about ten microseconds per new triangle, on several threads.
 SurfaceTransfer interpolate_onto(const Surface& from, const ParametricMesh& to);
 
 }  // namespace batten

@@ -77,7 +77,7 @@ SurfaceJet Surface::jet(const Location& where) const {
 
 namespace {
 
-/// x_u × x_v at many places of one triangle.
+/// Evaluates x_u × x_v at many points of one triangle.
 class AreaVector {
  public:
   AreaVector(const Surface& surface, int triangle, const TriangleShape& shape)
@@ -125,7 +125,7 @@ Location Surface::locate(const Vec2& uv) const {
 
 double Surface::area() const {
   static const TriangleRule rule = split_triangle_rule(6);
-  // At the same places of every triangle the reference functions are the same.
+  // The reference functions at the quadrature points are the same for all triangles.
   std::vector<Eigen::Matrix<double, 12, 2>> slopes;
   for (long p = 0; p < rule.weights.size(); ++p)
     slopes.push_back(reference_gradients(kind_, rule.L.row(p).transpose()));
@@ -146,8 +146,8 @@ double Surface::area() const {
     for (long p = 0; p < points.weights.size(); ++p)
       sum += shape.area * points.weights[p] * area_vector(points.L.row(p).transpose()).norm();
   };
-  // Of the rule on cut triangles: its cones do not see where the cubics of a triangle meet, so that
-  // a higher one would not be more exact.
+  // Degree of the rule on cut triangles. Its cones do not follow the borders between the cubics of
+  // a triangle, so a higher degree would not be more accurate.
   constexpr int degree = 4;
   for (int t = 0; t < mesh_->triangle_count(); ++t)
     if (!trim_ || trim_->side(t) == Trim::Side::Inside)
@@ -178,7 +178,7 @@ Tessellation tessellate(const ParametricMesh& mesh, int n) {
   if (n < 1) throw InputError("a tessellation needs at least one facet a triangle");
   Tessellation result;
   result.points.resize(mesh.vertex_count());
-  std::vector<int> edge_start(mesh.edge_count(), -1);  // n-1 points, from the lower end
+  std::vector<int> edge_start(mesh.edge_count(), -1);  // n-1 points per edge, from the lower end
   for (int t = 0; t < mesh.triangle_count(); ++t) {
     const auto &v = mesh.triangles()[t], &e = mesh.edges_of(t);
     for (int i = 0; i < 3; ++i) {
@@ -193,7 +193,7 @@ Tessellation tessellate(const ParametricMesh& mesh, int n) {
         result.points.push_back(where);
       }
     }
-    // The lattice point with barycentric numerators a[0] + a[1] + a[2] = n.
+    // Lattice point with barycentric numerators a[0] + a[1] + a[2] = n.
     const int inner_start = isize(result.points);
     int inner = 0;
     std::vector<int> lattice((n + 1) * (n + 1));
@@ -230,8 +230,8 @@ Tessellation tessellate(const ParametricMesh& mesh, int n) {
 
 namespace {
 
-// A value that comes from slivers only says little: the neighbours' mean instead, from vertices
-// with support outwards.
+// Values computed from slivers only are unreliable: replaces them by the mean of their neighbours,
+// starting from vertices with sufficient support.
 void smooth_thin_support(const ParametricMesh& mesh, const Trim& trim,
                          std::vector<Eigen::Vector2d>& value) {
   std::vector<double> support(mesh.vertex_count(), 0);
@@ -263,7 +263,7 @@ void smooth_thin_support(const ParametricMesh& mesh, const Trim& trim,
 
 std::vector<Curvatures> recovered_curvatures(const Surface& surface, const Tessellation& points) {
   const ParametricMesh& mesh = surface.mesh();
-  std::vector<Eigen::Vector2d> sum(mesh.vertex_count(), Eigen::Vector2d::Zero());  // mean, gauss
+  std::vector<Eigen::Vector2d> sum(mesh.vertex_count(), Eigen::Vector2d::Zero());  // mean, Gaussian
   std::vector<double> weight(mesh.vertex_count(), 0);
   const Trim* trim = surface.trim().get();
   for (int t = 0; t < mesh.triangle_count(); ++t)
@@ -301,9 +301,9 @@ std::vector<Curvatures> recovered_curvatures(const Surface& surface, const Tesse
 
 namespace {
 
-// A sample from which the nearest point is looked for.
+// Sample from which the nearest point is searched.
 struct Start {
-  double distance, spacing;  // spacing: largest distance from the samples beside it
+  double distance, spacing;  // largest distance from the samples beside it
   Location where;
 };
 
@@ -312,8 +312,8 @@ Vec3 clamped_barycentric(Vec3 L) {
   return L / L.sum();
 }
 
-// Every sample of a triangle that none of its neighbours beats may lead to the nearest point.
-// Visits all samples, with whether it is such a one.
+// Samples of a triangle that are nearer to p than all neighbouring samples may lead to the nearest
+// point. Visits all samples, with a flag for these.
 template <class Visit>
 void sample_triangle(const Surface& surface, int t, const Vec3& p, const Visit& visit) {
   constexpr int n = 4;
@@ -338,7 +338,7 @@ void sample_triangle(const Surface& surface, int t, const Vec3& p, const Visit& 
     }
 }
 
-// Newton's method inside of a triangle; offers every place that it passes.
+// Newton's method within a triangle; offers every location on its path.
 template <class Offer>
 void descend(const Surface& surface, const Location& from, const Vec3& p, const Offer& offer) {
   const int t = from.triangle;
@@ -356,7 +356,7 @@ void descend(const Surface& surface, const Location& from, const Vec3& p, const 
     const bool convex = full(0, 0) > 0 && full.determinant() > 1e-3 * G.determinant();
     const Vec2 move = -(convex ? full : G).ldlt().solve(g);
     if (!move.allFinite()) return;
-    // A step that leads farther away is halved.
+    // A step that increases the distance is halved.
     Vec3 next = L;
     double length = 1;
     for (; length > 1e-3; length *= 0.5) {
@@ -370,7 +370,7 @@ void descend(const Surface& surface, const Location& from, const Vec3& p, const 
   }
 }
 
-// The nearest place on each edge of a triangle, a cubic curve.
+// Finds the nearest point on each edge of a triangle, a cubic curve.
 template <class Offer>
 void search_edges(const Surface& surface, int t, const Vec3& p, const Offer& offer) {
   const TriangleShape shape = surface.mesh().shape(t);

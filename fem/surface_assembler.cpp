@@ -235,7 +235,7 @@ Points SurfaceAssembler::pressure_load(const Points& q) const {
     if (is_cut(t)) part.emplace(kind_, trim_->rule(t, 7));
     const TabulatedRule& points = part ? *part : whole;
     const ElementLoad local = reference_dofs(t, q);
-    // x_u × x_v times the area of the triangle is half of ∂1x × ∂2x: the map's determinant is
+    // x_u × x_v times the area of the triangle is half of ∂1x × ∂2x: the determinant of the map is
     // 1/(2A).
     for (size_t p = 0; p < points.functions.size(); ++p) {
       const auto& N = points.functions[p];
@@ -259,20 +259,20 @@ Points SurfaceAssembler::point_load(const Location& where, const Vec3& force) co
 
 namespace {
 
-// Which cubic of which element a parameter of the line is on.
+// The cubic of an element that contains a parameter of the curve.
 struct Cubic {
   int triangle, sub;
   bool operator==(const Cubic&) const = default;
 };
 
-// The cubics that a line with this image passes through.
+// Splits a curve at the borders of the cubics that it passes through.
 class ElementCrossings {
  public:
   ElementCrossings(const ParametricMesh& mesh, TriangleElement kind, const TriangleLocator& locator,
                    const HermiteCurve& pcurve)
       : mesh_(mesh), kind_(kind), locator_(locator), pcurve_(pcurve) {}
 
-  /// From sample to sample, and where the cubic changes.
+  // Parameters of the samples, and those at which the cubic changes.
   std::vector<double> cut(const std::vector<double>& samples) const {
     std::vector<double> cuts{samples.front()};
     for (size_t i = 0; i + 1 < samples.size(); ++i) {
@@ -304,7 +304,7 @@ class ElementCrossings {
     return {on.triangle, sub};
   }
 
-  /// Short steps: half of the element that the line is in.
+  // Step towards `end`, at most half of the current element.
   double step_towards(double end, double t, const Cubic& here) const {
     const double h = std::sqrt(2 * mesh_.shape(here.triangle).area),
                  speed = drop_z(pcurve_.evaluate(t, 1)).norm(), rest = end - t;
@@ -349,7 +349,7 @@ VecX line_load(const ParametricMesh& mesh, TriangleElement kind, const TriangleL
   static const SegmentRule gauss = gauss_legendre(6);
   const DofMap dofs(mesh);
   VecX F = VecX::Zero(dofs.count());
-  // Near a vertex, the rational functions of Z12 are not smooth at the element's own scale.
+  // Near a vertex, the rational functions of Z12 vary on a scale below the element size.
   const int parts = kind == TriangleElement::HCT ? 1 : 8;
   for (size_t i = 0; i + 1 < cuts.size(); ++i)
     for (long g = 0; g < parts * gauss.s.size(); ++g) {

@@ -1,7 +1,8 @@
-// Stiffness, mass and loads of whole surfaces.
+// Assembles stiffness, mass and loads of a surface.
 //
-// Energy of one coordinate: E = qᵀK q - 2 Fᵀq, so the minimum satisfies K q = F. x, y and z share
-// K; loads and dofs have one column for each. Matrices are symmetric, kept by their LOWER triangle.
+// The energy of one coordinate is E = qᵀK q - 2 Fᵀq, so the minimum satisfies K q = F. x, y and z
+// share K; loads and dofs have one column per coordinate. Matrices are symmetric and stored as
+// their LOWER triangle.
 #pragma once
 
 #include <functional>
@@ -18,50 +19,51 @@ namespace batten {
 
 class Surface;
 
+/// Assembles matrices and load vectors of C1 triangle elements over a parametric mesh.
 class SurfaceAssembler {
  public:
   using MaterialField = std::function<SurfaceStiffness(const Vec2& uv)>;
   using LoadField = std::function<Vec3(const Location& where, const Vec2& uv)>;
 
-  /// Keeps a reference to the mesh. With a trim, all integrals run over the inside only; stiffness
-  /// also over `outside` times the rest of the mesh, which keeps the matrix well conditioned
-  /// however small a cut is and changes results less than the mesh does (docs/theory/domains.md).
-  /// O(triangles).
+  /// Keeps a reference to the mesh. With a trim, all integrals are restricted to the inside. The
+  /// stiffness also includes the rest of the mesh, multiplied by `outside`: this keeps the matrix
+  /// well conditioned however small the cuts are, and changes results by less than the
+  /// discretisation error (docs/theory/domains.md). Cost: O(triangles).
   SurfaceAssembler(const ParametricMesh& mesh, TriangleElement kind,
                    std::shared_ptr<const Trim> trim = nullptr, double outside = 1e-6);
 
-  /// A matrix of the right pattern, for the functions below that write into one.
+  /// Zero matrix with the right sparsity pattern, for the functions below that write into a matrix.
   SparseMatrix pattern() const { return pattern_.zero(); }
 
-  /// Stiffness of a constant material: exact, no quadrature.
+  /// Stiffness for a constant material: exact, without quadrature.
   void stiffness(const SurfaceStiffness& material, SparseMatrix& K) const;
-  /// Stiffness of one material for each triangle: exact, no quadrature. Throws InputError on a
-  /// wrong count.
+  /// Stiffness for one material per triangle: exact, without quadrature. Throws InputError for a
+  /// wrong number of materials.
   void stiffness(const std::vector<SurfaceStiffness>& materials, SparseMatrix& K) const;
-  /// Stiffness of a material that varies inside triangles, by C1Triangle::default_quadrature. The field
-  /// is called from several threads.
+  /// Stiffness for a material that varies inside triangles, by C1Triangle::default_quadrature().
+  /// The field is called from several threads.
   void stiffness(const MaterialField& material, SparseMatrix& K) const;
   SparseMatrix stiffness(const SurfaceStiffness& material) const;
 
-  /// Mass ∬ w N Nᵀ, w constant in each triangle; none: 1 everywhere. Throws InputError on a wrong
-  /// count.
+  /// Mass ∬ w N Nᵀ, w constant in each triangle; empty: w = 1. Throws InputError for a wrong number
+  /// of weights.
   SparseMatrix mass(const VecX& triangle_weights = VecX()) const;
-  /// Load ∬ N f of a constant f: exact.
+  /// Load ∬ N f for a constant f: exact.
   Points load(const Vec3& f) const;
-  /// Load ∬ N f of an f that varies: HCT by the symmetric rule of `degree` (0 to 8; 6 is exact for
-  /// cubic f) on each sub-triangle, Z12 by six-Duffy with m = 5. f is called from several threads.
+  /// Load ∬ N f for a variable f. HCT: symmetric rule of `degree` (0 to 8; 6 is exact for cubic f)
+  /// on each sub-triangle. Z12: six-Duffy rule with m = 5. f is called from several threads.
   Points load(const LoadField& f, int degree = 6) const;
-  /// Load ∬ w N, w constant in each triangle, one number a dof: exact on whole triangles. Throws
-  /// InputError on a wrong count.
+  /// Load ∬ w N with w constant in each triangle, one number per dof: exact on uncut triangles.
+  /// Throws InputError for a wrong number of weights.
   VecX load(const VecX& triangle_weights) const;
-  /// ∬ N |x_u × x_v| du dv for a surface on this mesh: a unit load per area of the surface, one
-  /// number a dof. Not a polynomial: by the rules of pressure_load. Throws InputError for a surface
-  /// with another number of dofs.
+  /// Load ∬ N |x_u × x_v| du dv of a unit force per area of a surface on this mesh, one number per
+  /// dof. The integrand is not polynomial; the quadrature rules are those of pressure_load().
+  /// Throws InputError if the surface has a different number of dofs.
   VecX area_load(const Surface& surface) const;
-  /// ∬ N (x_u × x_v) du dv for the surface with dofs q: the load of a unit pressure that follows
-  /// the surface's normal. HCT: exact. By quadrature; PressureOperator is ten times as fast.
+  /// Load ∬ N (x_u × x_v) du dv of a unit pressure along the normal of the surface with dofs q.
+  /// Computed by quadrature, exact for HCT; PressureOperator is ten times as fast.
   Points pressure_load(const Points& q) const;
-  /// Load of a force at one point of the surface.
+  /// Load of a point force on the surface.
   Points point_load(const Location& where, const Vec3& force) const;
 
   const ParametricMesh& mesh() const { return mesh_; }
@@ -74,11 +76,12 @@ class SurfaceAssembler {
   void check_weights(const VecX& triangle_weights) const;
   // ∬ N over the part of a triangle that is inside.
   Vec12 unit_load(int triangle) const;
-  // Sum of the elements' loads, each in reference dofs.
+  // Assembles element loads that are given in reference dofs.
   Points gather(const std::function<void(int triangle, ElementLoad& reference)>& element) const;
 
   using MaterialAt = std::function<SurfaceStiffness(const Vec3& L)>;
-  // The share inside of a whole element matrix: K becomes `outside` K + (1 - outside) K inside.
+  // Restricts the matrix of a whole element to its inside: K becomes `outside` K + (1 - outside)
+  // K_inside.
   void cut(int triangle, const MaterialAt& material, double* K) const;
   bool is_cut(int t) const { return trim_ && trim_->side(t) == Trim::Side::Cut; }
   bool is_outside(int t) const { return trim_ && trim_->side(t) == Trim::Side::Outside; }
@@ -93,15 +96,18 @@ class SurfaceAssembler {
 };
 
 
-// A load along a line of the surface.
+// Line load on a surface.
 
-/// ∫ N(c(t)) |X'(t)| dt, one number a dof: the load of a unit force per length of the line. Times a
-/// direction it is a load of the surface; position dofs add up to the line's length.
-/// `pcurve`: c(t) in (u, v), z = 0; `curve`: X(t) in space; both over the same parameters (EdgeAlignedLine:
-/// edge_aligned_pcurve and `fitted`; EmbeddedLine: `pcurve` and `fitted`). The line is cut where it passes
-/// from one cubic of an element to the next; six Gauss points on pieces no longer than half an
-/// element, right to 1e-8 and better. Throws InputError when the two curves have different
-/// intervals. O(length / element size), some microseconds each.
+/// Load ∫ N(c(t)) |X'(t)| dt of a unit force per length along a curve on the surface, one number
+/// per dof. Multiply by a direction to get a load vector; the position dofs sum to the length of
+/// the curve.
+///
+/// `pcurve`: c(t) in (u, v), with z = 0; `curve`: X(t) in space, over the same parameter interval.
+/// For an EdgeAlignedLine these are edge_aligned_pcurve() and `fitted`, for an EmbeddedLine
+/// `pcurve` and `fitted`. The curve is split where it passes from one element cubic to the next.
+/// Six Gauss points are used on pieces no longer than half an element; the error is 1e-8 or less.
+/// Throws InputError if the parameter intervals differ. Cost: O(length / element size), some
+/// microseconds each.
 VecX line_load(const ParametricMesh& mesh, TriangleElement kind, const TriangleLocator& locator,
                const HermiteCurve& pcurve, const HermiteCurve& curve);
 

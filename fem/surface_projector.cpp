@@ -39,12 +39,13 @@ Surface::ClosestPoint SurfaceProjector::nearest(const Vec3& p, const Location& s
     G << jet.x_u.dot(jet.x_u), jet.x_u.dot(jet.x_v), jet.x_u.dot(jet.x_v), jet.x_v.dot(jet.x_v);
     H << jet.x_uu.dot(d), jet.x_uv.dot(d), jet.x_uv.dot(d), jet.x_vv.dot(d);
     H += G;
-    // Newton's step where the distance is convex, otherwise Gauss-Newton's.
+    // Newton step if the distance is convex, otherwise a Gauss-Newton step.
     const bool convex = H(0, 0) > 0 && H.determinant() > 1e-2 * G.determinant();
     const Vec2 move = -(convex ? H : G).ldlt().solve(Vec2(jet.x_u.dot(d), jet.x_v.dot(d)));
     if (!move.allFinite()) break;
     const Vec2 uv = mesh.shape(where.triangle).point(where.L);
-    // A step that leads farther away is halved; at the rim of the mesh it ends on the rim.
+    // A step that increases the distance is halved; at the boundary of the mesh it ends on the
+    // boundary.
     double moved = 0;
     for (double part = 1; part > 1e-3; part *= 0.5) {
       const Location next = locator_.locate(uv + part * move);

@@ -1,4 +1,4 @@
-// Nearest points of one surface for many points in space.
+// Fast closest-point projection of many points onto a surface.
 #pragma once
 
 #include <vector>
@@ -8,17 +8,21 @@
 
 namespace batten {
 
-/// Finds nearest points by Newton's steps across the elements, which begin at the nearest of the
-/// surface's vertices and centroids or at a start that is known. Points are those of the whole
-/// mesh, whether a trim has them inside or not. Surface::closest_point looks everywhere, and takes
-/// hundreds of times as long. Keeps a reference to the surface. A few microseconds a point, and
-/// O(triangles) for the nearest sample.
+/// Projects points in space onto a surface by Newton's method across elements. It starts at the
+/// nearest of the surface's vertices and centroids, or at a known location nearby.
+///
+/// Points of the whole mesh are candidates, whether inside of a trim or not.
+/// Surface::closest_point() searches everywhere and takes hundreds of times as long. Keeps a
+/// reference to the surface. Cost: a few microseconds per point, plus O(triangles) to find the
+/// nearest sample.
 class SurfaceProjector {
  public:
   explicit SurfaceProjector(const Surface& surface);
 
+  /// Nearest point to p, starting from the nearest sample.
   Surface::ClosestPoint nearest(const Vec3& p) const;
-  /// The nearest point from a start in the neighbourhood, as for points of a line in their order.
+  /// Nearest point to p, starting from a known location nearby, for example that of the previous
+  /// point on a curve.
   Surface::ClosestPoint nearest(const Vec3& p, const Location& start) const;
 
  private:
@@ -29,16 +33,17 @@ class SurfaceProjector {
 };
 
 
-// Points of a surface at many places. Internal.
+// Fast evaluation of a fixed surface.
 
-/// The places and positions of a surface, as it was when this was made: of HCT triangles by the Bézier
-/// ordinates of their three cubics, 90 numbers a triangle, which Surface::position() makes anew at each place.
+/// Copy of a surface prepared for many evaluations. For HCT triangles it stores the Bézier
+/// ordinates of their three cubics, 90 numbers per triangle, which Surface::position() recomputes
+/// at each point.
 class SurfaceEvaluator {
  public:
   explicit SurfaceEvaluator(Surface surface);
 
   const Surface& surface() const { return surface_; }
-  /// As TriangleLocator::locate().
+  /// Like TriangleLocator::locate().
   Location locate(const Vec2& uv) const { return locator_.locate(uv); }
   Vec3 position(const Location& where) const;
   Vec3 position(const Vec2& uv) const { return position(locate(uv)); }
@@ -46,7 +51,7 @@ class SurfaceEvaluator {
  private:
   Surface surface_;
   TriangleLocator locator_;
-  std::vector<Eigen::Matrix<double, 3, 10>> cubics_;  // three of each triangle; none of Z12
+  std::vector<Eigen::Matrix<double, 3, 10>> cubics_;  // three per triangle; empty for Z12
 };
 
 }  // namespace batten

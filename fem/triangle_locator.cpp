@@ -10,7 +10,7 @@
 namespace batten {
 namespace {
 
-// Rounding puts points of a shared edge a hair outside of both triangles.
+// Tolerance: rounding may put a point of a shared edge slightly outside of both triangles.
 constexpr double kHair = 1e-13;
 
 }  // namespace
@@ -21,7 +21,7 @@ TriangleLocator::TriangleLocator(const ParametricMesh& mesh) : mesh_(mesh) {
     for (const int v : triangle)
       box.extend(mesh.image_near(mesh.vertices()[v], mesh.vertices()[triangle[0]]));
   low_ = box.min();
-  // About two triangles a bucket.
+  // About two triangles per bucket.
   const Vec2 extent = box.sizes().cwiseMax(1e-300);
   cell_ = std::sqrt(extent.x() * extent.y() * 2 / mesh.triangle_count());
   cell_ = std::max(cell_, extent.maxCoeff() / 4096);
@@ -77,7 +77,7 @@ Location TriangleLocator::locate(const Vec2& uv) const {
   return best.where;
 }
 
-// A lower bound: less by far more than its rounding.
+// Lower bound of the distance, reduced by far more than its rounding error.
 double TriangleLocator::distance_to_bucket(int row, int column, const Vec2& uv) const {
   const Vec2 corner = low_ + cell_ * Vec2(column, row);
   const Vec2 q = uv.cwiseMax(corner).cwiseMin(corner + Vec2(cell_, cell_));
@@ -89,7 +89,7 @@ bool TriangleLocator::misses(int triangle, const Vec2& uv) const {
   const auto& [a, b, c] = corners_[triangle];
   const Vec2 to_a = a - uv, to_b = b - uv, to_c = c - uv;
   const double of_c = cross(to_a, to_b), of_a = cross(to_b, to_c), of_b = cross(to_c, to_a);
-  // The exact test allows a hair, of which this one is less sure.
+  // The exact test has tolerance kHair; this test is less accurate, so its tolerance is larger.
   return std::min({of_a, of_b, of_c}) < -1e3 * kHair * (of_a + of_b + of_c);
 }
 
@@ -120,7 +120,7 @@ TriangleLocator::Found TriangleLocator::search(const Vec2& uv, double nearest) c
   const size_t own = static_cast<size_t>(r0) * columns_ + c0;
   for (int i = start_[own]; i < start_[own + 1]; ++i)
     if (!misses(triangles_[i], uv) && look(triangles_[i])) return {best, 0};
-  // Outside: rings of buckets around the point, until nothing nearer can come.
+  // Outside of the mesh: search rings of buckets around the point, until nothing nearer can follow.
   for (int ring = 0; ring <= std::max(columns_, rows_); ++ring) {
     if (nearest <= (ring - 1) * cell_) break;
     for (int r = std::max(0, r0 - ring); r <= std::min(rows_ - 1, r0 + ring); ++r) {

@@ -1,4 +1,4 @@
-// Which triangle of a parametric mesh holds a point.
+// Point location in a parametric mesh.
 #pragma once
 
 #include <array>
@@ -8,17 +8,18 @@
 
 namespace batten {
 
-/// Finds triangles by buckets over a mesh: O(1) a point. Keeps a reference to the mesh. On a mesh
-/// that is periodic in u, triangles lie where shape() places them.
+/// Finds the triangle that contains a point, with a uniform grid of buckets: O(1) per point. Keeps
+/// a reference to the mesh. On a mesh that is periodic in u, triangles are unwrapped as in
+/// ParametricMesh::shape().
 class TriangleLocator {
  public:
   explicit TriangleLocator(const ParametricMesh& mesh);
 
-  /// The triangle that holds (u, v) and the barycentric coordinates in it. Outside of the mesh: the
-  /// nearest point of it. On an edge or vertex: the triangle of lowest number. u comes around where
-  /// the mesh is periodic.
+  /// Triangle that contains (u, v), and the barycentric coordinates. Outside of the mesh: the
+  /// nearest point of the mesh. On an edge or vertex: the triangle with the lowest index. On a
+  /// periodic mesh, u is taken modulo the period.
   Location locate(const Vec2& uv) const;
-  /// Triangles whose box meets a box, ascending; u does not come around.
+  /// Triangles whose bounding box intersects a box, ascending. Periodicity is not considered.
   std::vector<int> near(const Vec2& low, const Vec2& high) const;
 
  private:
@@ -26,9 +27,9 @@ class TriangleLocator {
     Location where;
     double distance;  // 0 inside
   };
-  // The nearest point of a triangle within `nearest`; where.triangle is -1 when there is none.
+  // Nearest point of the mesh within the distance `nearest`; where.triangle is -1 if there is none.
   Found search(const Vec2& uv, double nearest) const;
-  // Whether a triangle is clearly not the one.
+  // Quick rejection: true if the triangle certainly does not contain the point.
   bool misses(int triangle, const Vec2& uv) const;
   double distance_to_bucket(int row, int column, const Vec2& uv) const;
   int column(double u) const;
@@ -37,7 +38,7 @@ class TriangleLocator {
   Vec2 low_;
   double cell_ = 1;
   int columns_ = 1, rows_ = 1;
-  std::vector<int> start_, triangles_;        // of each bucket
+  std::vector<int> start_, triangles_;        // triangles of each bucket
   std::vector<std::array<Vec2, 3>> corners_;  // of each triangle
 };
 

@@ -35,7 +35,7 @@ struct Piece {
   PlanarCubic side;
 };
 
-// The boundary of a sub-triangle's part inside.
+// Boundary of the inside part of a sub-triangle.
 class ClippedSubtriangle {
  public:
   ClippedSubtriangle(const std::array<Vec2, 3>& S, const DomainLoops& loops,
@@ -46,11 +46,12 @@ class ClippedSubtriangle {
   }
 
   const std::vector<Piece>& boundary() const { return pieces_; }
-  /// An arc passes through the sub-triangle.
+  // Whether an arc passes through the sub-triangle.
   bool touched() const { return touched_; }
 
  private:
-  // An arc along an edge belongs to neither side; the edge then bounds the part.
+  // Relative tolerances. An arc along an edge belongs to neither side; the edge then bounds the
+  // part.
   static constexpr double kOnEdge = 1e-12, kInward = 1e-10;
   enum class Position { Outside, Inside, AlongEdge };
 
@@ -63,7 +64,7 @@ class ClippedSubtriangle {
     return (p - S_[e]).dot(d) / d.squaredNorm();
   }
 
-  // Its parts between the edges' lines: inside, or along an edge.
+  // Adds the pieces of an arc between the lines of the edges: inside, or along an edge.
   void add_segment(const PlanarCubic& segment) {
     const std::vector<double> t = cut_by_edges(segment);
     for (size_t i = 0; i + 1 < t.size(); ++i) {
@@ -84,7 +85,8 @@ class ClippedSubtriangle {
     }
   }
 
-  // Ascending, with the ends; marks the places on the edges.
+  // Parameters at which an arc crosses the lines of the edges, ascending, with the ends. Records
+  // the crossings on the edges.
   std::vector<double> cut_by_edges(const PlanarCubic& segment) {
     std::vector<double> t{0, 1};
     for (int e = 0; e < 3; ++e) {
@@ -99,8 +101,8 @@ class ClippedSubtriangle {
     return t;
   }
 
-  // No height changes its sign between `from` and `to`, but all may vanish somewhere (an arc that
-  // touches the edge): the largest tells.
+  // Position of the piece from `from` to `to`. No height changes its sign there, but all may vanish
+  // at a point (an arc that touches the edge), so the largest value decides.
   Position find_position(const PlanarCubic& segment, double from, double to, int& along) const {
     Position position = Position::Inside;
     for (int e = 0; e < 3; ++e) {
@@ -118,7 +120,7 @@ class ClippedSubtriangle {
     return position;
   }
 
-  // Its parts between the marks that are inside the loops.
+  // Adds the pieces of an edge between its breakpoints that are inside of the loops.
   void add_edge(int e) {
     const Vec2 a = S_[e], d = S_[(e + 1) % 3] - a;
     std::vector<double>& breakpoints = breakpoints_[e];
@@ -136,7 +138,7 @@ class ClippedSubtriangle {
     }
   }
 
-  // A point of an edge, moved inwards where an arc lies along it.
+  // A point of an edge, moved inwards if an arc lies along the edge there.
   Vec2 beside_segments(int e, double s, Vec2 point) const {
     const Vec2 centre = (S_[0] + S_[1] + S_[2]) / 3;
     for (const auto& [low, high] : covered_[e])
@@ -151,12 +153,12 @@ class ClippedSubtriangle {
   const DomainLoops& loops_;
   double twice_;
   std::array<std::vector<double>, 3> breakpoints_;                 // along each edge
-  std::array<std::vector<std::pair<double, double>>, 3> covered_;  // by an arc along it
+  std::array<std::vector<std::pair<double, double>>, 3> covered_;  // by an arc along the edge
   std::vector<Piece> pieces_;
   bool touched_ = false;
 };
 
-// Triangles that an arc may meet, by the boxes of its parts.
+// Triangles that an arc may intersect, by the bounding boxes of its pieces.
 void collect(const TriangleLocator& locator, const PlanarCubic& segment, double part_size,
              int depth, std::vector<int>& found) {
   const Box2 box = bounding_box(segment.b);
@@ -169,7 +171,7 @@ void collect(const TriangleLocator& locator, const PlanarCubic& segment, double 
   for (const int t : locator.near(box.min() - margin, box.max() + margin)) found.push_back(t);
 }
 
-// Of each triangle that arcs may meet: these, ascending.
+// For each triangle that arcs may intersect, these arcs in ascending order.
 std::map<int, std::vector<int>> find_segments_near(const ParametricMesh& mesh,
                                                    const DomainLoops& loops) {
   const TriangleLocator locator(mesh);
@@ -188,8 +190,8 @@ std::map<int, std::vector<int>> find_segments_near(const ParametricMesh& mesh,
   return segments_near;
 }
 
-// Triangles that no arc comes near, and that hang together by edges, lie on one side: one of them
-// is asked for all.
+// Connected triangles that no arc comes near lie on the same side, so one of them is tested for
+// all.
 std::vector<char> far_inside(const ParametricMesh& mesh, const DomainLoops& loops,
                              const std::vector<char>& near) {
   constexpr char unknown = 2;
@@ -216,7 +218,7 @@ std::vector<char> far_inside(const ParametricMesh& mesh, const DomainLoops& loop
 }
 
 // On a mesh that is periodic in u: the loops and their images one period to either side, which
-// covers the places of all triangles.
+// covers all unwrapped triangles.
 DomainLoops with_periodic_images(const DomainLoops& loops, double period) {
   if (period == 0 || loops.loops().empty()) return loops;
   std::vector<DomainLoops::Loop> all;
@@ -272,7 +274,8 @@ void Trim::cut_triangle(int t, const TriangleShape& shape,
     const std::vector<Piece>& pieces = part.boundary();
     touched = touched || part.touched();
     if (pieces.empty()) continue;
-    // From an end of an arc, the cone of that arc is a sliver and the others are positive.
+    // If the apex is an end of an arc, the cone of that arc is a sliver and the others are
+    // positive.
     const Vec2 apex = part.touched() ? pieces[0].side.b[0] : S[0];
     for (const Piece& p : pieces) {
       const double area = twice_area(apex, p.straight, p.side);

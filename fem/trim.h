@@ -1,14 +1,16 @@
-// A mesh cut by the loops that bound a region: which part of which triangle counts.
+// Trimmed mesh: classification of triangles by the loops that bound a region, and cut-cell
+// quadrature.
 //
-// The grid ignores the loops. Integrals run over the part of each triangle that is inside, by the
-// divergence theorem: with any point P of a convex sub-triangle S,
+// The mesh does not follow the loops. Integrals extend over the part of each triangle that is
+// inside, by the divergence theorem. With any point P of a convex sub-triangle S,
 //
 //   ∫ f dA  =  Σ over the boundary of (S ∩ region)  ∫₀¹∫₀¹ f(P + r (c(t) - P)) r (c - P) × c' dr dt
 //    S∩region
 //
-// cones from P over straight edge parts and over the cubic arcs themselves. No subdivision, no
-// chords: exact for polynomials f up to a stated degree. Weights may be negative where an arc bends
-// towards P; all points lie in S.
+// the region is decomposed into cones from P over straight edge parts and over the cubic arcs
+// themselves. There is no subdivision and no polygonal approximation: the rules are exact for
+// polynomials f up to a given degree. Weights may be negative where an arc bends towards P; all
+// points lie in S.
 #pragma once
 
 #include <memory>
@@ -20,13 +22,15 @@
 
 namespace batten {
 
+/// Region of a parametric mesh that is bounded by loops of cubic curves.
 class Trim {
  public:
+  /// Position of a triangle relative to the region; `Cut` if the loops pass through it.
   enum class Side : char { Outside, Inside, Cut };
 
-  /// Cuts a mesh by loops. On a mesh that is periodic in u a loop is given once, beginning with u
-  /// in [0, period), and cuts on both sides of the seam. O(triangles + arcs · triangles that they
-  /// cross).
+  /// Cuts a mesh by loops. On a mesh that is periodic in u, each loop is given once, beginning with
+  /// u in [0, period), and cuts on both sides of the seam. Cost: O(triangles + arcs · triangles
+  /// that they cross).
   Trim(const ParametricMesh& mesh, DomainLoops domain_loops);
 
   /// The loops; on a mesh that is periodic in u also their images one period to either side.
@@ -34,22 +38,22 @@ class Trim {
   Side side(int triangle) const { return side_[triangle]; }
   /// Triangles that the loops pass through, ascending.
   const std::vector<int>& cut_triangles() const { return cut_triangles_; }
-  /// Share of the triangle's area that is inside, 0 to 1.
+  /// Fraction of the triangle's area that is inside, 0 to 1.
   double area_fraction(int triangle) const { return area_fraction_[triangle]; }
-  /// Area inside, in (u, v). Equals that of the given loops where the mesh covers the region.
+  /// Area inside, in (u, v). It equals the area of the given loops if the mesh covers the region.
   double area() const { return area_; }
 
-  /// Barycentric points and weights over the part inside, whose weights sum to share(triangle):
-  /// multiply by the triangle's area. Exact for polynomials of `degree` on each sub-triangle
-  /// (V_j, V_k, centroid). Points are ordered by sub-triangle.
+  /// Quadrature rule on the inside of a triangle: barycentric points, and weights that sum to
+  /// area_fraction(triangle); multiply by the area of the triangle. Exact for polynomials of
+  /// `degree` on each sub-triangle (V_j, V_k, centroid). Points are ordered by sub-triangle.
   TriangleRule rule(int triangle, int degree) const;
 
-  /// Trims of meshes side by side (ParametricMesh::side_by_side), null ones for meshes that are
-  /// whole. It has no loops(): these belong to the (u, v) of each.
+  /// Union of the trims of several meshes, see ParametricMesh::concatenated(); null for untrimmed
+  /// meshes. The result has no loops(), because these belong to the (u, v) plane of each mesh.
   static Trim concatenated(const std::vector<const Trim*>& trims,
                            const std::vector<const ParametricMesh*>& meshes);
 
-  /// This trim for a mesh that holds only these triangles, in this order.
+  /// This trim for a mesh that consists of the given triangles only, in this order.
   Trim restricted(const std::vector<int>& triangles) const;
 
  private:
@@ -60,7 +64,7 @@ class Trim {
     bool straight;
     PlanarCubic side;
   };
-  // By the arcs that come near it.
+  // Cuts a triangle by the arcs near it.
   void cut_triangle(int triangle, const TriangleShape& shape,
                     const std::vector<PlanarCubic>& segments);
 

@@ -19,29 +19,30 @@ Key key(int a, int b) { return std::minmax(a, b); }
 constexpr double kPermanent = std::numeric_limits<double>::infinity();
 
 double sharpness_of(double given) { return given >= kInfinitelySharp ? kPermanent : given; }
-/// The sharpness that is left after a round.
+/// Sharpness at the next level.
 double remaining_sharpness(double sharpness) { return std::max(sharpness - 1, 0.0); }
 
-/// Where a round moves a smooth node of n edges; `sum`: of the far ends and of the means of the
-/// faces.
+/// Smooth rule: new position of a node with n edges. `sum`: the far ends of the edges plus the
+/// centroids of the faces.
 Vec3 smooth_moved(const Vec3& at, double n, const Vec3& sum) {
   return at * (n - 2) / n + sum / (n * n);
 }
-/// Its limit among quads; sums of the far ends and of the corners across.
+/// Smooth limit position in a quad mesh. `ends`: sum of the far ends of the edges; `across`: sum of
+/// the diagonally opposite corners.
 Vec3 smooth_limit(const Vec3& at, double n, const Vec3& ends, const Vec3& across) {
   return (n * n * at + 4 * ends + across) / (n * (n + 5));
 }
 
-/// An edge at a node: its far end.
+/// An edge at a node: its far end and its sharpness.
 struct RingEdge {
   Vec3 end;
   double sharp = 0;
 };
 
-/// A node and the edges at it.
+/// A node and its edges: all that its subdivision rule depends on.
 struct CentreVertex {
   Vec3 at;
-  double corner = 0;  // its own sharpness
+  double corner = 0;  // sharpness of the node itself
   std::vector<RingEdge> ring_edges;
 
   enum class Rule { Smooth, Crease, Corner };
@@ -57,7 +58,8 @@ struct CentreVertex {
       ring_edge.sharp = remaining_sharpness(ring_edge.sharp);
     return next;
   }
-  /// By its rule: itself, (a + m v + b)/(m + 2) along its crease, or `smooth`.
+  /// Applies the rule of the node: its position (corner), (a + m v + b)/(m + 2) along its crease,
+  /// or `smooth`.
   Vec3 apply_rule(double m, const Vec3& smooth) const {
     if (rule() != Rule::Crease) return rule() == Rule::Corner ? at : smooth;
     Vec3 ends = Vec3::Zero();
@@ -65,7 +67,7 @@ struct CentreVertex {
       if (ring_edge.sharp > 0) ends += ring_edge.end;
     return (ends + m * at) / (m + 2);
   }
-  /// The mean of all sharpness that a round ends, at most 1.
+  /// Blending factor: mean of all sharpnesses at this node that end at this level, at most 1.
   double blend_fraction() const {
     double sum = 0;
     int count = 0;
@@ -78,7 +80,7 @@ struct CentreVertex {
     for (const RingEdge& ring_edge : ring_edges) add(ring_edge.sharp);
     return count == 0 ? 1 : std::min(sum / count, 1.0);
   }
-  /// Where a round moves it; `centres`: the sum of the means of its faces.
+  /// Position after one level; `centres`: sum of the centroids of its faces.
   Vec3 moved(const Vec3& centres) const {
     const double n = static_cast<double>(ring_edges.size());
     Vec3 sum = centres;
@@ -91,13 +93,13 @@ struct CentreVertex {
   }
 };
 
-/// The new node on an edge; `smooth`: where it is without any sharpness.
+/// The new node on an edge; `smooth`: the edge point without sharpness.
 Vec3 edge_point(const Vec3& a, const Vec3& b, double sharp, const Vec3& smooth) {
   const double weight = std::min(sharp, 1.0);
   return weight * (a + b) / 2 + (1 - weight) * smooth;
 }
 
-/// A node with the quads around it, which are all that its limit depends on.
+/// A node with the quads around it, which determine its limit position.
 struct OneRing {
   struct RingFace {
     std::array<int, 2> ring_edges;
@@ -118,7 +120,7 @@ struct OneRing {
 
   void subdivide() {
     std::vector<Vec3> beside(centre_vertex.ring_edges.size(),
-                             Vec3::Zero());  // means of the faces, summed
+                             Vec3::Zero());  // per edge: sum of the centroids of the two faces
     Vec3 all = Vec3::Zero();
     for (RingFace& ring_face : ring_faces) {
       const auto& [a, b] = ring_face.ring_edges;
@@ -139,7 +141,7 @@ struct OneRing {
   }
 
   Vec3 limit() {
-    constexpr int most = 60;  // halves its size each time
+    constexpr int most = 60;  // levels; each one halves the ring
     for (int level = 0; level < most && !has_stable_rule(); ++level) subdivide();
     Vec3 ends = Vec3::Zero(), across = Vec3::Zero();
     for (const RingEdge& ring_edge : centre_vertex.ring_edges) ends += ring_edge.end;
@@ -150,7 +152,7 @@ struct OneRing {
   }
 };
 
-/// A polygon mesh with its edges.
+/// A polygon mesh with its edges, and sharpnesses of edges and nodes.
 class Cage {
  public:
   Cage(Points points, std::vector<std::vector<int>> faces, const CageTags& tags)
@@ -195,7 +197,7 @@ class Cage {
     return Cage(std::move(points), std::move(quads), tags);
   }
 
-  /// Of quads.
+  /// The limit surface. All faces must be quads.
   ShellMesh limit() const {
     ShellMesh mesh;
     mesh.points.resize(points_.rows(), 3);
@@ -229,7 +231,7 @@ class Cage {
     for (size_t v = 0; v < corners_.size(); ++v)
       if (faces_at_[v].size() == 1 || ends_joint(v)) corners_[v] = kPermanent;
   }
-  /// Whether the one edge at a node that has other than two faces ends there.
+  /// True if exactly one edge with a face count other than two ends at the node.
   bool ends_joint(size_t v) const {
     return std::count_if(edges_at_[v].begin(), edges_at_[v].end(),
                          [&](int e) { return edges_[e].faces.size() != 2; }) == 1;
@@ -265,7 +267,7 @@ class Cage {
     for (const int e : edges_at_[v]) sum += far_end(e, v);
     return sum;
   }
-  /// The place of a node in one of its faces.
+  /// Index of the node among the corners of face f.
   long corner_index(int f, int v) const {
     return std::find(faces_[f].begin(), faces_[f].end(), v) - faces_[f].begin();
   }
@@ -311,7 +313,7 @@ class Cage {
   std::vector<Edge> edges_;
   std::map<Key, int> number_;
   std::vector<std::vector<int>> edges_at_, faces_at_;
-  std::vector<double> corners_;  // sharpness of the nodes
+  std::vector<double> corners_;  // sharpness per node
 };
 
 void check_sharpness(double sharpness) {

@@ -1,4 +1,5 @@
-// Catmull-Clark subdivision of polygon cages, and points of the limit surface.
+// Catmull-Clark subdivision of polygon cages with semi-sharp creases, evaluated on the limit
+// surface.
 #pragma once
 
 #include <limits>
@@ -8,55 +9,61 @@
 
 namespace batten {
 
-/// From this sharpness on an edge or a node is sharp for good.
+/// Edges and nodes of at least this sharpness are infinitely sharp.
 constexpr double kInfinitelySharp = 10;
 
-/// An edge of a cage that is sharp for so many rounds; none is smooth, kInfinitelySharp stays
-/// sharp.
+/// A semi-sharp crease edge. `sharpness` is the number of subdivision levels during which the
+/// crease rule applies: 0 is smooth, kInfinitelySharp and above never decays.
 struct CageCrease {
-  int a = 0, b = 0;  ///< its nodes
+  int a = 0, b = 0;  ///< its end nodes, 0-based
   double sharpness = kInfinitelySharp;
 };
-/// A node that stays where it is for so many rounds.
+/// A semi-sharp corner: the node keeps its position for `sharpness` subdivision levels.
 struct CageCorner {
   int node = 0;
   double sharpness = kInfinitelySharp;
 };
-/// What of a cage is sharp beside its rims. Where several say something of one edge or node, the
-/// last one counts.
+/// Creases and corners of a cage, in addition to its boundary. If several entries name the same
+/// edge or node, the last one counts.
 struct CageTags {
   std::vector<CageCrease> creases;
   std::vector<CageCorner> corners;
 };
 
+/// Options of catmull_clark().
 struct CatmullClarkOptions {
-  int levels = 4;  ///< each makes four quads of a quad, n of a polygon with n corners
+  int levels = 4;  ///< at least 1; each level splits a polygon of n corners into n quads
   CageTags tags = {};
 };
 
-/// The limit surface of a cage as quads whose nodes lie on it. With f the means of the faces around a node v
-/// of n edges and e the ends of these edges, a round moves v, and its limit is,
+/// Subdivides a cage and projects the nodes to the limit surface. The result is a quad mesh.
 ///
-///     v' = v (n - 2)/n + Σ e/n² + Σ f/n²,     v∞ = (n² v + 4 Σ e + Σ d)/(n (n + 5)),
+/// For a node v with n edges, e denotes the far ends of these edges, f the centroids of the faces
+/// around v, and d the corners diagonally opposite to v in the quads. One level moves v to v', and
+/// its limit position is v∞:
 ///
-/// d the corners across the quads. A regular part is a bicubic B-spline. Edges with other than two
-/// faces (rims, and where three faces meet) are sharp for good, and a node of one face only is a
-/// corner. Where edges are sharp
+///     v' = v (n - 2)/n + Σ e/n² + Σ f/n²,     v∞ = (n² v + 4 Σ e + Σ d)/(n (n + 5))
 ///
-///     two meet in v         v' = (a + 6v + b)/8, v∞ = (a + 4v + b)/6 with a, b their far ends
-///     three and more, or v is a corner        v' = v
-///     one                   v' as if there were none; v∞ is taken after 60 further rounds around v
+/// Regular regions are bicubic B-splines. Edges with one face (the boundary) or with three or more
+/// faces are infinitely sharp. A node of a single face is an infinitely sharp corner. With sharp
+/// edges at v these rules apply:
 ///
-/// A sharpness s is s - 1 in the next round. Of 0 < s < 1 the new node of an edge is s times its
-/// middle plus 1 - s times the smooth one; and where a round ends the sharpness of edges at v, or
-/// of v, so that another rule follows, v' is the mean of both rules by the mean sharpness that
-/// ends. So the limit is exact for any number of rounds: where some sharpness is left, v goes on
-/// with its own faces until there is none.
+///     two sharp edges         v' = (a + 6v + b)/8, v∞ = (a + 4v + b)/6 with a, b their far ends
+///     three or more, or v is a corner        v' = v
+///     one sharp edge          v' as in the smooth case; v∞ is taken after 60 further levels
 ///
-/// Faces come in the order of the cage's: 4^k for each quad after k rounds. Second-order faces
-/// count by their corners. Throws InputError: a round below 1, more than 4,000,000 quads, a crease
-/// that is no edge, a corner that is no node, a sharpness below 0. O(quads). Source: Catmull and
-/// Clark 1978; limits: Halstead, Kass and DeRose 1993; sharpness: DeRose, Kass and Truong 1998.
+/// A sharpness s becomes s - 1 at the next level. For 0 < s < 1, the new node of an edge is s times
+/// its midpoint plus (1 - s) times the smooth edge point. If the sharpness of edges at v, or of v
+/// itself, ends at a level such that another rule applies afterwards, v' blends both rules. The
+/// blending factor is the mean of the sharpnesses that end. The limit is therefore exact for any
+/// number of levels: if some sharpness is left, the one-ring of v is subdivided further until none
+/// is.
+///
+/// Faces are ordered like those of the cage: each cage quad gives 4^k consecutive quads after k
+/// levels. Second-order faces are treated as polygons of their corners. Throws InputError: fewer
+/// than one level, more than 4,000,000 quads, a crease that is not an edge, a corner that is not a
+/// node, a negative sharpness. O(quads). Sources: [CatmullClark1978]; limit positions:
+/// [HalsteadKassDeRose1993]; semi-sharp creases: [DeRoseKassTruong1998].
 ShellMesh catmull_clark(const ShellMesh& cage, const CatmullClarkOptions& options = {});
 
 }  // namespace batten

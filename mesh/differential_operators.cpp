@@ -35,7 +35,7 @@ SparseMatrix cotangent_laplacian(const TriangleMesh& mesh) {
     diagonal[topology.edges()[e].low] += weight[e];
     diagonal[topology.edges()[e].high] += weight[e];
   }
-  // Edges are sorted by (low, high): column low of the lower triangle, row high.
+  // Edges are sorted by (low, high), so they fill column `low` of the lower triangle in row order.
   L.reserve(static_cast<long>(weight.size()) + n);
   size_t e = 0;
   for (int v = 0; v < n; ++v) {
@@ -62,7 +62,7 @@ VecX mixed_areas(const TriangleMesh& mesh) {
       for (int c = 0; c < 3; ++c) area[v[c]] += whole / (c == obtuse ? 2 : 4);
       continue;
     }
-    for (int c = 0; c < 3; ++c) {  // edge opposite to c: a quarter of |e|² ½cot to either end
+    for (int c = 0; c < 3; ++c) {  // edge opposite to c: each end gets |e|² · ½ cot / 4
       const int a = v[(c + 1) % 3], b = v[(c + 2) % 3];
       const double part = (mesh.point(a) - mesh.point(b)).squaredNorm() * half(c, t) / 4;
       area[a] += part;

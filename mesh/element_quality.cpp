@@ -22,7 +22,7 @@ double angle_between(const Vec3& a, const Vec3& b) {
   return std::atan2(a.cross(b).norm(), a.dot(b));
 }
 
-// Corners of a face in space, without those that repeat the one before.
+// Corner positions of a face, without corners that repeat the previous one.
 void corners_of(const ShellMesh& shells, const Points& points, int face, std::vector<Vec3>& p) {
   const auto nodes = shells.corners(face);
   p.clear();
@@ -39,7 +39,7 @@ Vec3 area_vector(const std::vector<Vec3>& p) {
 
 double ratio(double smallest, double largest) { return largest > 0 ? smallest / largest : 0; }
 
-// Derivatives of the shape functions along ξ and η at one node: a row each node.
+// Derivatives of the shape functions with respect to ξ and η at one point: one row per node.
 using ShapeDerivatives = Eigen::Matrix<double, Eigen::Dynamic, 2>;
 
 ShapeDerivatives quadratic_triangle(double xi, double eta) {
@@ -63,7 +63,8 @@ ShapeDerivatives serendipity_quad(double xi, double eta) {
     d(i, 0) = 0.25 * s * (1 + t * eta) * (2 * s * xi + t * eta);
     d(i, 1) = 0.25 * t * (1 + s * xi) * (s * xi + 2 * t * eta);
   }
-  // ½ (1 - ξ²)(1 + t η) below and above, ½ (1 + s ξ)(1 - η²) right and left
+  // ½ (1 - ξ²)(1 + t η) for the bottom and top midside nodes, ½ (1 + s ξ)(1 - η²) for right and
+  // left.
   d.row(4) << -xi * (1 - eta), -0.5 * (1 - xi * xi);
   d.row(5) << 0.5 * (1 - eta * eta), -eta * (1 + xi);
   d.row(6) << -xi * (1 + eta), 0.5 * (1 - xi * xi);
@@ -105,7 +106,7 @@ double second_order_jacobian(const ShellMesh& shells, const Points& points, int 
   return ratio(smallest, largest);
 }
 
-// The measures of a face whose corners are at p.
+// All measures of a face with corners p.
 ElementQuality measure(const ShellMesh& shells, const Points& points, int face,
                        const std::vector<Vec3>& p) {
   for (const int node : shells.face(face))
@@ -166,7 +167,7 @@ void check_size(const ShellMesh& shells, const Points& points) {
                      std::to_string(shells.node_count()) + " nodes");
 }
 
-// One measure over all faces; `sign` is +1 where large values are bad.
+// Accumulates one measure over all faces; `sign`: +1 if large values are bad, -1 if small ones are.
 class MeasureAccumulator {
  public:
   explicit MeasureAccumulator(double sign) : sign_(sign) {}
@@ -196,7 +197,7 @@ class MeasureAccumulator {
   MeasureSummary summary_;
 };
 
-// Two faces of one edge, and whether they run through it in opposite directions.
+// Two faces that share an edge; `same_winding`: they traverse it in opposite directions.
 struct Hinge {
   int first, second;
   bool same_winding;
@@ -303,7 +304,7 @@ std::vector<int> inverted_faces(const ShellMesh& shells, const Points& before,
 
 namespace {
 
-/// The three neighbours of each corner, right-handed in a sound element.
+/// A corner and its three neighbours, right-handed in a valid element.
 using Corner = std::array<int, 4>;
 constexpr std::array<Corner, 4> kTetrahedron{
     {{0, 1, 2, 3}, {1, 2, 0, 3}, {2, 0, 1, 3}, {3, 1, 0, 2}}};

@@ -1,4 +1,5 @@
-// Quality of shell elements, in the terms of FE preprocessors.
+// Quality measures of shell elements as used by FE preprocessors, and detection of inverted
+// elements.
 #pragma once
 
 #include <vector>
@@ -9,27 +10,27 @@
 
 namespace batten {
 
-/// Measures of one face with corners p_1 … p_k, without repeated ones (a quad whose last two nodes
-/// are one is a triangle). N = ½ Σ p_i × p_i+1 is its area vector, n = N/|N|.
+/// Quality measures of one face. The corners p_1 … p_k are taken without repetition (a quad whose
+/// last two nodes coincide is a triangle). N = ½ Σ p_i × p_i+1 is the area vector, n = N/|N|.
 ///
-/// - aspect: longest edge over shortest width, times ½ cot(π/2k) for odd k or cot(π/k) for even k,
-///   so that equilateral triangles, squares and all regular polygons have 1. The width at an edge
-///   is the largest distance of a corner from the edge's line. Triangle: (√3/2) · longest edge /
-///   shortest height. Infinite when flattened.
-/// - warpage: angle between the normals of the two halves of a quad, for the diagonal where it is
-///   larger; 0 for triangles; k > 4: the largest angle between the normals of two corners. A corner
-///   that points inwards has its normal turned round, so its face has a warpage above 90.
-/// - jacobian: smallest over largest Jacobian. At a corner it is n · (e_i × e_i-1), e_i the edges
-///   from the corner to its neighbours: 1 for triangles and parallelograms. Faces of second order:
-///   n · (x_ξ × x_η) of the quadratic or serendipity element at all its nodes. ≤ 0 is a bad
-///   element; 0 when no Jacobian is positive, and for flattened triangles (height below 10⁻¹² of
-///   the longest edge).
-/// - smallest, largest angle: between edges at a corner, 0 to 360, above 180 where the corner's
-///   normal points against n.
+/// - aspect: longest edge over smallest width, times ½ cot(π/2k) for odd k or cot(π/k) for even k.
+///   It is 1 for all regular polygons. The width at an edge is the largest distance of a corner
+///   from the line of the edge. For triangles it is (√3/2) · longest edge / shortest height.
+///   Infinite for degenerate faces.
+/// - warpage: for quads, the angle between the normals of the two triangles, for the diagonal that
+///   gives the larger one. 0 for triangles. For k > 4, the largest angle between the normals of two
+///   corners. A re-entrant corner has a reversed normal, so its face has a warpage above 90.
+/// - jacobian: smallest over largest Jacobian. At a corner it is n · (e_i × e_i-1), with e_i the
+///   edges from the corner to its neighbours; the ratio is 1 for triangles and parallelograms. For
+///   second-order faces it is n · (x_ξ × x_η) of the quadratic or serendipity element at all its
+///   nodes. Values ≤ 0 mean an invalid element. The ratio is 0 if no Jacobian is positive, and for
+///   degenerate triangles (height below 10⁻¹² of the longest edge).
+/// - smallest and largest angle: between the edges at a corner, 0 to 360. Above 180 if the normal
+///   of the corner points against n.
 ///
-/// Fewer than three different corners: infinite aspect, Jacobian and angles 0. A coordinate that is
-/// not a number makes all five not numbers. Aspect, warpage and angles of faces of second order are
-/// those of their corners.
+/// With fewer than three distinct corners, aspect is infinite, Jacobian and angles are 0. If a
+/// coordinate is not finite, all five measures are NaN. Aspect, warpage and angles of second-order
+/// faces are computed from the corners only. Angles and warpage are in degrees.
 struct ElementQuality {
   double aspect, warpage_degrees, jacobian, smallest_angle_degrees, largest_angle_degrees;
 };
@@ -37,54 +38,57 @@ struct ElementQuality {
 /// Quality of one face of `shells` with its nodes at `points`.
 ElementQuality quality_of(const ShellMesh& shells, const Points& points, int face);
 
-/// Limits beyond which an element is counted as bad.
+/// Limits beyond which an element counts as bad. Angles are in degrees.
 struct QualityLimits {
   double aspect = 5, warpage_degrees = 15, jacobian = 0.5;
   double smallest_triangle_angle_degrees = 20, largest_triangle_angle_degrees = 120;
   double smallest_angle_degrees = 45, largest_angle_degrees = 135;  ///< quads and polygons
 };
 
-/// One measure over all faces. What is not a number is worse than everything and beyond the limit.
+/// Summary of one measure over all faces. NaN counts as worse than any value and as a violation.
 struct MeasureSummary {
   double worst = 0;
-  int worst_face = -1;  ///< the lowest of equally bad ones; -1 without faces
+  int worst_face = -1;  ///< face with the worst value (lowest index of ties); -1 without faces
   double mean = 0;      ///< mean of the finite values
-  int violations = 0;   ///< faces beyond the limit
+  int violations = 0;   ///< number of faces beyond the limit
 };
 
+/// Summary of all measures over all faces.
 struct QualitySummary {
   int faces = 0;
   MeasureSummary aspect, warpage_degrees, jacobian, smallest_angle_degrees, largest_angle_degrees;
 };
 
-/// Quality of all faces with the nodes at `points`. Throws InputError when there is not one point a
-/// node. O(faces).
+/// Computes the quality of all faces with the nodes at `points`. Throws InputError unless there is
+/// one point per node. O(faces).
 QualitySummary summarize(const ShellMesh& shells, const Points& points,
                          const QualityLimits& limits = {});
 
-/// Faces that a change of shape spoilt, ascending:
+/// Faces that a deformation inverted or folded, ascending:
 ///
-/// - those whose Jacobian measure was positive `before` and is not `after` (zero, negative or not a
-///   number): quads that fold in themselves, triangles that lost their area;
-/// - folds: two faces share an edge (of no third face), the angle between their normals was below
-///   90 degrees before and is above 120 after, normals taken as if both were wound the same way.
-///   Of the two the one with more such edges is listed, both when they have equally many: a single
-///   triangle turned over is listed, its three neighbours are not.
+/// - Faces whose Jacobian measure was positive `before` and is not positive `after` (zero, negative
+///   or NaN). These are quads that fold onto themselves and triangles that lost their area.
+/// - Folds: two faces share an edge (with no third face), the angle between their normals was below
+///   90 degrees before and is above 120 after. The normals are taken as if both faces had the same
+///   orientation. Of the two faces, the one with more such edges is listed, or both if the numbers
+///   are equal. So a single flipped triangle is listed, but its three neighbours are not.
 ///
-/// Rigid motions never make a face inverted. Throws InputError when there is not one point a node.
+/// Rigid motions never cause an entry. Throws InputError unless there is one point per node.
 /// O(faces · log faces).
 std::vector<int> inverted_faces(const ShellMesh& shells, const Points& before, const Points& after);
 
 
-// Solid elements that a change of shape turned inside out.
+// Solid elements inverted by a deformation.
 
-/// Indices of the solids with a corner whose Jacobian (the volume that its three edges span) has
-/// another sign `after` than `before`, or none: tetrahedra, pyramids (but for the tip), wedges and
-/// hexahedra with their corners first. Corners without volume before do not count. O(elements).
+/// Indices of solids that a deformation inverted. At some corner the Jacobian (triple product of
+/// the three edges) changes its sign from `before` to `after`, or becomes 0. Supports tetrahedra,
+/// pyramids (except at the apex), wedges and hexahedra, whose corner nodes come first. Corners that
+/// had no volume before are ignored. O(elements).
 std::vector<int> inverted_solids(std::span<const NonShellElement> elements, const Points& before,
                                  const Points& after);
 
-/// Whether the element is a solid whose corners are known by the number of its nodes.
+/// Number of corners of a solid (4, 5, 6 or 8), deduced from its number of nodes; 0 for other
+/// elements and unknown node counts.
 int corner_count(const NonShellElement& solid);
 
 }  // namespace batten

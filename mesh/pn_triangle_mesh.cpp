@@ -10,9 +10,10 @@
 namespace batten {
 namespace {
 
-constexpr double kWeightTolerance = 1e-9;  // of weights
+constexpr double kWeightTolerance = 1e-9;  // tolerance on barycentric coordinates
 
-/// Weights without those that rounding or an edge made negative.
+/// Barycentric coordinates with negative entries (rounding, or beyond an edge) set to 0, and
+/// rescaled to sum 1.
 Vec3 clamped_to_triangle(Vec3 w) {
   w = w.cwiseMax(0);
   return w / w.sum();
@@ -26,11 +27,12 @@ Vec3 normal_of(const PnTriangle::Jet& jet, const Vec3& otherwise) {
 
 }  // namespace
 
-/// Where a way to the surface ends in one triangle.
+/// Result of the closest-point iteration in one triangle.
 struct PnTriangleMesh::FootPoint {
   ClosestPoint found;
   double distance = 0;
-  int exit_corner = -1;  // the corner opposite to the edge over which the way leaves
+  int exit_corner = -1;  // corner opposite to the edge through which the iteration left; -1: it
+                         // stayed inside
 };
 
 PnTriangleMesh::PnTriangleMesh(TriangleMesh mesh, std::vector<PnTriangle::Corners> normals)
@@ -64,7 +66,8 @@ bool PnTriangleMesh::on_boundary(int t, const Vec3& weights) const {
 PnTriangleMesh::FootPoint PnTriangleMesh::foot_point(int t, const Vec3& p, Vec3 w) const {
   const PnTriangle surface = triangle(t);
   constexpr int most_steps = 12;
-  constexpr double longest = 0.5, outside = -0.5, step_tolerance = 1e-12;  // of weights
+  // Limits in barycentric coordinates.
+  constexpr double longest = 0.5, outside = -0.5, step_tolerance = 1e-12;
   for (int step = 0; step < most_steps; ++step) {
     const auto jet = surface.jet(w);
     const Vec3 miss = jet.x - p;
@@ -73,7 +76,8 @@ PnTriangleMesh::FootPoint PnTriangleMesh::foot_point(int t, const Vec3& p, Vec3 
     flat << jet.u.dot(jet.u), jet.u.dot(jet.v), jet.u.dot(jet.v), jet.v.dot(jet.v);
     H << jet.uu.dot(miss), jet.uv.dot(miss), jet.uv.dot(miss), jet.vv.dot(miss);
     H += flat;
-    // Beyond the centre of curvature the way there is longest: Gauss and Newton's step leads down.
+    // Beyond the centre of curvature the Hessian is not positive definite: use the Gauss-Newton
+    // step, which still descends.
     if (!(H.determinant() > 1e-3 * flat.determinant() && H.trace() > 0)) H = flat;
     if (!(H.determinant() > 0)) break;
     Vec2 move = -(H.inverse() * slope);
@@ -178,7 +182,7 @@ PnTriangle::Jet PnTriangle::jet(const Vec3& w) const {
   const auto mean = [&w](const Vec3& a, const Vec3& b, const Vec3& c) -> Vec3 {
     return w[0] * a + w[1] * b + w[2] * c;
   };
-  // De Casteljau's scheme: three quadratic's points a side, then the corners of the tangent plane.
+  // De Casteljau's algorithm: control points of the three quadratics, then of the tangent plane.
   const Vec3 r00 = mean(b_[0], b_[3], b_[8]), r11 = mean(b_[4], b_[1], b_[5]),
              r22 = mean(b_[7], b_[6], b_[2]), r01 = mean(b_[3], b_[4], b_[9]),
              r12 = mean(b_[9], b_[5], b_[6]), r02 = mean(b_[8], b_[9], b_[7]);
@@ -201,7 +205,7 @@ SparseMatrix positive_laplacian(const TriangleMesh& mesh) {
   const std::vector<double> cotangents = edge_cotangents(mesh);
   std::vector<Eigen::Triplet<double>> entries;
   for (size_t e = 0; e < edges.size(); ++e) {
-    // A triangle without area has no cotangent.
+    // A triangle of zero area has no cotangent; the comparison then fails and `least` is used.
     const double w = cotangents[e] > least ? std::min(cotangents[e], most) : least;
     entries.emplace_back(edges[e].low, edges[e].low, w);
     entries.emplace_back(edges[e].high, edges[e].high, w);

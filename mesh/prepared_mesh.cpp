@@ -13,38 +13,40 @@
 
 namespace batten {
 
-// Triangles of any shells as sheets that are manifolds. Internal.
+// Decomposition of any triangles into manifold patches.
 
-/// Sheets as prepare() says: which faces go on past a joint, and where a sheet with one side is cut.
+/// Manifold patches as defined by PreparedMesh: continued across or ending at non-manifold edges,
+/// and oriented or cut open.
 struct ManifoldPatches {
-  std::vector<std::array<int, 3>> triangles;  ///< by vertices, neighbours running opposite ways
-  std::vector<int> duplicate_vertex_nodes;    ///< node of each vertex beyond the nodes
-  std::vector<char> flipped;                  ///< triangles that run the other way than they did
-  int count = 0;                              ///< sheets
-  int component_count = 0;                    ///< parts that have no node in common
-  int cut_edges = 0;                          ///< where sheets with one side were cut open
-  std::vector<std::array<int, 2>> non_manifold_edges;  ///< of three triangles or more
-  std::vector<int> non_manifold_nodes;                 ///< where sheets meet, at no end of a joint
+  std::vector<std::array<int, 3>> triangles;  ///< by vertices; neighbours are consistently oriented
+  std::vector<int> duplicate_vertex_nodes;    ///< node of each vertex from the node count on
+  std::vector<char> flipped;                  ///< per triangle: 1 if its orientation was reversed
+  int count = 0;                              ///< number of patches
+  int component_count = 0;  ///< number of connected components (parts that share no node)
+  int cut_edges = 0;  ///< edges along which non-orientable patches were cut open
+  std::vector<std::array<int, 2>> non_manifold_edges;  ///< edges with three or more triangles
+  std::vector<int> non_manifold_nodes;  ///< where patches touch, except at ends of such edges
 
-  /// A triangle by its nodes.
+  /// A triangle as node indices.
   std::array<int, 3> nodes_of(std::array<int, 3> triangle) const;
   int vertex_count = 0;
 };
 
-/// Triangles by nodes, no corner twice. O(triangles · log triangles).
+/// Decomposes triangles, given as nodes without repeated corners. O(triangles · log triangles).
 ManifoldPatches find_manifold_patches(const Points& points,
                                       std::vector<std::array<int, 3>> triangles);
 
 namespace {
 
 constexpr size_t kMaxListed = 8;
-constexpr double kFlat = 1e-12;  // height over longest edge: below, a triangle has no area
+constexpr double kFlat = 1e-12;  // height over longest edge; below it a triangle counts as having
+                                 // no area
 
 std::string counted(int count, const std::string& noun) {
   return std::to_string(count) + " " + noun + (count == 1 ? "" : "s");
 }
 
-/// The corners of a face with each run of equal nodes as one.
+/// The corners of a face with consecutive repetitions removed.
 std::vector<int> without_repeats(std::span<const int> corners) {
   std::vector<int> kept;
   for (const int v : corners)
@@ -58,7 +60,7 @@ bool has_distinct_corners(std::vector<int> corners) {
   return corners.size() >= 3 && std::adjacent_find(corners.begin(), corners.end()) == corners.end();
 }
 
-/// Faces into triangles.
+/// Splits faces into triangles.
 class Splitter {
  public:
   explicit Splitter(const Points& points) : points_(points) {}
@@ -107,7 +109,8 @@ class Splitter {
     if (n > most_sides)
       throw InputError("found a face of " + std::to_string(n) + " corners, expected at most " +
                        std::to_string(most_sides));
-    // Cut off the best ear against the polygon's own normal, again and again: O(n²).
+    // Ear clipping: repeatedly cut off the ear of best quality, with respect to the normal of the
+    // polygon. O(n²).
     Vec3 normal = Vec3::Zero();
     const Vec3 origin = points_.row(v[0]);
     for (size_t i = 1; i + 1 < n; ++i)
@@ -133,11 +136,13 @@ class Splitter {
     out.push_back({left[0].corner, left[1].corner, left[2].corner});
   }
 
-  // A corner of what is left of a polygon, as the tip of a triangle that may be cut off.
+  // A corner of the remaining polygon as a candidate ear, the tip of a triangle that may be cut
+  // off.
   struct Ear {
     int corner;
     double score = 0;
-    int contained = -1;  // a corner inside of it: it becomes better when that one is gone
+    int contained = -1;  // a corner inside the ear; the ear is measured again when that one is
+                         // clipped
   };
 
   void measure(std::vector<Ear>& left, size_t i, const Vec3& normal) const {
@@ -167,7 +172,7 @@ class Splitter {
   const Points& points_;
 };
 
-/// The triangles that are left after repairs, and what was found on the way.
+/// The triangles left after repairs, and the diagnosis.
 struct MeshAnalysis {
   std::vector<int> face_of;
   ManifoldPatches manifold_patches;
@@ -179,7 +184,8 @@ void append_limited(std::vector<T>& list, const T& item) {
   if (list.size() < kMaxListed) list.push_back(item);
 }
 
-/// Throws InputError for indices out of range; notes nodes of no face, and bad ones.
+/// Throws InputError for indices out of range. Counts unused and coincident nodes and lists nodes
+/// that are not finite.
 void check_nodes(const ShellMesh& shells, MeshDiagnosis& found) {
   const int n = shells.node_count();
   std::vector<char> used(n, 0);
@@ -204,7 +210,7 @@ void check_nodes(const ShellMesh& shells, MeshDiagnosis& found) {
         std::equal(places[i].begin(), places[i].begin() + 3, places[i - 1].begin());
 }
 
-/// Which faces are collapsed, or have the nodes of an earlier one.
+/// Flags faces that are collapsed or duplicate an earlier face.
 std::vector<char> faces_to_drop(const ShellMesh& shells, MeshDiagnosis& found) {
   std::vector<char> dropped(shells.face_count(), 0);
   std::vector<std::pair<std::vector<int>, int>> keys;
@@ -227,7 +233,7 @@ std::vector<char> faces_to_drop(const ShellMesh& shells, MeshDiagnosis& found) {
   return dropped;
 }
 
-/// Whether a triangle is too flat to have an area.
+/// True if a triangle is too flat to have an area.
 bool has_no_area(const Points& points, const std::array<int, 3>& t) {
   const Vec3 p = points.row(t[0]), q = points.row(t[1]), r = points.row(t[2]);
   const double longest =
@@ -264,7 +270,7 @@ MeshAnalysis examine(const ShellMesh& shells) {
   std::vector<std::array<int, 3>> triangles;
   for (int f = 0; f < shells.face_count(); ++f) {
     if (dropped[f]) continue;
-    // A second-order element that lost a corner or a middle node is taken by its corners.
+    // A second-order element with a repeated corner or midside node is split by its corners only.
     const std::vector<int> all(shells.face(f).begin(), shells.face(f).end());
     const bool second = shells.second_order(f) && has_distinct_corners(all);
     splitter.split(second ? shells.face(f) : shells.corners(f), second, triangles);
@@ -282,7 +288,8 @@ std::vector<std::vector<int>> polygons_of(const PreparedMesh& prepared) {
   const auto& triangles = prepared.mesh.triangles();
   std::vector<std::vector<int>> polygons;
   for (size_t first = 0, end = 0; first < triangles.size(); first = end) {
-    std::map<int, int> after;  // along the outline: what runs both ways is inside
+    std::map<int, int> after;  // next vertex along the outline; sides traversed in both directions
+                               // are interior
     std::set<std::pair<int, int>> sides;
     for (; end < triangles.size() &&
            prepared.face_of_triangle[end] == prepared.face_of_triangle[first];
@@ -356,10 +363,10 @@ namespace {
 struct Side {
   std::array<int, 2> edge;  ///< low, high
   int triangle;
-  bool forward;  ///< the triangle runs low → high
+  bool forward;  ///< the triangle traverses low → high
 };
 
-/// Whether two triangles that share an edge share one that ends at v.
+/// True if two triangles, which have a common edge, have one that ends at v.
 bool share_edge_at(int v, const std::array<int, 3>& x, const std::array<int, 3>& y) {
   const auto in_y = [&](int w) { return std::find(y.begin(), y.end(), w) != y.end(); };
   return in_y(v) && std::any_of(x.begin(), x.end(), [&](int w) { return w != v && in_y(w); });
@@ -382,10 +389,10 @@ class ManifoldPatchFinder {
   }
 
  private:
-  /// The triangle across an edge, in the same sheet.
+  /// Adjacency across an edge within a patch.
   struct Link {
     int other;
-    bool flipped;  ///< it runs through the edge in the same direction
+    bool flipped;  ///< both triangles traverse the edge in the same direction
   };
 
   void link_all() {
@@ -425,8 +432,8 @@ class ManifoldPatchFinder {
     }
   }
 
-  /// Which two of the triangles at a joint are one sheet that goes on; -1 for none, or where it is
-  /// not clear.
+  /// The two triangles at a non-manifold edge that continue the same patch; {-1, -1} if there are
+  /// none or the choice is ambiguous.
   std::array<int, 2> continuing_pair(const std::vector<Side>& sides) const {
     const Vec3 from = points_.row(sides[0].edge[0]), to = points_.row(sides[0].edge[1]);
     const Vec3 along = (to - from).normalized();
@@ -454,8 +461,8 @@ class ManifoldPatchFinder {
     return best;
   }
 
-  /// Turns triangles so that neighbours run through their common edge in opposite directions. Where
-  /// that cannot be, the sheet is cut open.
+  /// Orients the triangles so that neighbours traverse their common edge in opposite directions.
+  /// Cuts the patch open where that is impossible.
   void orient() {
     std::vector<int> flip(nodes_.size(), -1), stack;
     for (size_t seed = 0; seed < flip.size(); ++seed) {
@@ -494,8 +501,8 @@ class ManifoldPatchFinder {
     });
   }
 
-  /// Fans are triangles around a node that are linked by edges at it. The first keeps the node as
-  /// its vertex, all others get one of their own.
+  /// Finds the fans: triangles around a node that are linked by edges at it. The first fan keeps
+  /// the node as its vertex, each further fan gets a new vertex.
   void split_fans() {
     const auto node_count = static_cast<int>(points_.rows());
     std::vector<std::vector<int>> around(node_count);
@@ -541,9 +548,9 @@ class ManifoldPatchFinder {
 
   const Points& points_;
   ManifoldPatches& manifold_patches_;
-  std::vector<std::array<int, 3>> nodes_;   // of the triangles
-  std::vector<std::vector<Link>> links_;    // of the triangles
-  std::vector<char> on_non_manifold_edge_;  // nodes of edges where a sheet ends
+  std::vector<std::array<int, 3>> nodes_;   // of each triangle
+  std::vector<std::vector<Link>> links_;    // of each triangle
+  std::vector<char> on_non_manifold_edge_;  // per node: 1 if it lies on an edge where a patch ends
 };
 
 }  // namespace

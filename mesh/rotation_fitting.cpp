@@ -40,8 +40,9 @@ Mat3 nearest_rotation(const Mat3& M) {
   const Mat3 c = cofactors(unit);
   const double det = unit.col(0).dot(c.col(0)), flat = c.norm();
   if (det < -1e-10 || flat < 1e-4) return rotation_by_svd(M);
-  // The cofactors have the same singular vectors and det P det Q times the products of the other
-  // two singular values: added, they make a flat matrix regular and do not change its rotation.
+  // The cofactor matrix has the same singular vectors. Its singular values are the products of the
+  // other two, times det P det Q. Adding it makes a rank-2 matrix regular without changing its
+  // rotation.
   Mat3 X = unit + c;
   for (int round = 0; round < 30; ++round) {
     const Mat3 inverse = cofactors(X) / X.col(0).dot(X.col(1).cross(X.col(2)));  // X⁻ᵀ
@@ -49,9 +50,9 @@ Mat3 nearest_rotation(const Mat3& M) {
     const Mat3 next = 0.5 * (scale * X + inverse / scale);
     const double change = (next - X).norm();
     X = next;
-    if (change < 1e-8) break;  // quadratic: the next would be below rounding
+    if (change < 1e-8) break;  // convergence is quadratic: the next change would be below rounding
   }
-  // One step without scaling takes rounding out of the columns.
+  // A final unscaled step removes the rounding errors of the columns.
   return 0.5 * (X + cofactors(X) / X.col(0).dot(X.col(1).cross(X.col(2))));
 }
 
@@ -73,7 +74,7 @@ Mat3 rotation_of_face(std::span<const int> corners, const Points& before, const 
   if (corners.empty()) return Mat3::Identity();
   if (const auto H = deformation_gradient(corners, before, after)) return nearest_rotation(*H);
   const auto count = static_cast<double>(corners.size());
-  // Relative to the first corner: far from the origin the means would lose digits.
+  // Relative to the first corner: far from the origin, plain sums would lose digits.
   const Vec3 from = before.row(corners[0]), to = after.row(corners[0]);
   Vec3 mean_before = Vec3::Zero(), mean_after = Vec3::Zero();
   for (const int v : corners) {
@@ -139,7 +140,7 @@ BATTEN_INLINE double square(const Lane* m, int l) {
   return sum;
 }
 
-/// `is_accurate`: 1 where the denominator is large enough.
+/// Markley's formula for all lanes. `is_accurate`: 1 if the denominator is large enough, otherwise 0.
 BATTEN_CLONES void markley(const Lane* M, Lane* R, double* is_accurate) {
   alignas(64) Lane m[9], c[9], s[6], det, cof, lambda;
   for (int l = 0; l < L; ++l) {
@@ -148,7 +149,8 @@ BATTEN_CLONES void markley(const Lane* M, Lane* R, double* is_accurate) {
     cofactors(m, c, l);
     det[l] = m[0][l] * c[0][l] + m[1][l] * c[1][l] + m[2][l] * c[2][l];
     cof[l] = square(c, l);
-    lambda[l] = 1.7320508075688772;  // σ1 + σ2 + σ3 ≤ √3 |m|: Newton descends to the largest root
+    lambda[l] = 1.7320508075688772;  // σ1 + σ2 + σ3 ≤ √3 |m|: Newton's method descends to the
+                                     // largest root
   }
   for (int round = 0; round < 8; ++round)
     for (int l = 0; l < L; ++l) {
@@ -161,7 +163,7 @@ BATTEN_CLONES void markley(const Lane* M, Lane* R, double* is_accurate) {
     const double f = 4 * k * k - 8 * x * det[l] - 4 * cof[l];
     const bool good = zeta > 0.05 && std::abs(f) < 1e-13;
     is_accurate[l] = good ? 1 : 0;
-    // M Mᵀ is symmetric: 00 01 02 11 12 22.
+    // M Mᵀ is symmetric, stored as 00 01 02 11 12 22.
     for (int r = 0, e = 0; r < 3; ++r)
       for (int q = r; q < 3; ++q, ++e)
         s[e][l] = m[3 * r][l] * m[3 * q][l] + m[3 * r + 1][l] * m[3 * q + 1][l] +
@@ -177,7 +179,8 @@ BATTEN_CLONES void markley(const Lane* M, Lane* R, double* is_accurate) {
           ((k + 1) * d + x * c[6 + col][l] - (s[2][l] * a + s[4][l] * b + s[5][l] * d)) * inverse;
     }
   }
-  // A step of the polar iteration, R ← (R + R⁻ᵀ) / 2, takes the rounding of lengths and angles.
+  // One step of the polar iteration, R ← (R + R⁻ᵀ) / 2, removes rounding errors of lengths and
+  // angles.
   for (int l = 0; l < L; ++l) {
     cofactors(R, c, l);
     det[l] = 1 / (R[0][l] * c[0][l] + R[1][l] * c[1][l] + R[2][l] * c[2][l]);
@@ -192,7 +195,7 @@ void nearest_rotations(const RotationBatch& M, RotationBatch& R) {
   alignas(64) double is_accurate[L];
   markley(M.a, R.a, is_accurate);
   for (int l = 0; l < L; ++l)
-    if (is_accurate[l] != 1) R.set(l, nearest_rotation(M.get(l)));  // not finite where M = 0
+    if (is_accurate[l] != 1) R.set(l, nearest_rotation(M.get(l)));  // M = 0: R is not finite
 }
 
 void rotations_of_triangles(std::span<const std::array<int, 3>> triangles,
@@ -224,7 +227,7 @@ Similarity fit(const Points& before, const Points& after, const std::vector<int>
   Similarity best;
   if (vertices.empty()) return best;
   const auto weight = [&](size_t i) { return weights.empty() ? 1.0 : weights[i]; };
-  // Sums relative to the first vertex: far from the origin they would lose digits.
+  // Sums relative to the first vertex: far from the origin, plain sums would lose digits.
   const Vec3 from = before.row(vertices[0]), to = after.row(vertices[0]);
   double total = 0;
   for (size_t i = 0; i < vertices.size(); ++i) total += weight(i);
@@ -249,7 +252,7 @@ Similarity fit(const Points& before, const Points& after, const std::vector<int>
   Vec3 sign = Vec3::Ones();
   if ((U * V.transpose()).determinant() < 0) sign[2] = -1;
   best.R = U * sign.asDiagonal() * V.transpose();
-  // Points on one line: of all rotations that fit the smallest.
+  // Collinear points: take the smallest of all rotations that fit.
   if (values[1] <= 1e-12 * values[0])
     best.R = Eigen::Quaterniond::FromTwoVectors(V.col(0), U.col(0)).matrix();
   best.scale = scale ? *scale : spread > 0 ? values.dot(sign) / spread : 1;

@@ -1,4 +1,5 @@
-// The rotation of a face between two shapes of a mesh, and means of rotations.
+// Rotations and similarities fitted to deformations: polar decomposition, rotation of a face, means
+// of rotations, Procrustes fits.
 #pragma once
 
 #include <optional>
@@ -10,49 +11,52 @@
 
 namespace batten {
 
-/// The rotation that M has the largest share of: max tr(Rᵀ M) over R with det R = +1.
+/// Rotation nearest to a matrix (orthogonal Procrustes problem).
 ///
-/// With M = P Σ Qᵀ it is R = P diag(1, 1, det P det Qᵀ) Qᵀ, the last sign with the smallest singular
-/// value: M = H of full rank and det H > 0 gives its polar part; a flat M (rank 2) is completed by
-/// the normal; of a mirrored one the weakest direction is turned back. Of rank 1 the smallest
-/// rotation between the two lines; of rank 0 the identity. Never a reflection.
+/// It maximises tr(Rᵀ M) over R with det R = +1. With the SVD M = P Σ Qᵀ, R = P diag(1, 1, det P
+/// det Qᵀ) Qᵀ; the last sign belongs to the smallest singular value. For full rank and det M > 0
+/// this is the rotation of the polar decomposition. A matrix of rank 2 is completed by the normal.
+/// If det M < 0, the direction of the smallest singular value is flipped. For rank 1 the result is
+/// the smallest rotation between the two lines, for rank 0 or non-finite entries the identity. The
+/// result is never a reflection.
 ///
-/// Exact to about 1e-16 over the gap of the singular values, 4e-16 where M is well shaped. 0.3 µs
-/// (a Newton iteration for the polar part), 0.8 µs for what is nearly mirrored or of rank 1.
-/// Source: Higham 1986 (the iteration); Umeyama 1991 (the sign).
+/// Accuracy: about 1e-16 divided by the gap of the singular values, 4e-16 for well-conditioned M.
+/// Cost: 0.3 µs (Newton iteration for the polar decomposition), 0.8 µs for matrices that are nearly
+/// reflected or nearly of rank 1. Sources: [Higham1986] (iteration); [Umeyama1991] (sign).
 Mat3 nearest_rotation(const Mat3& M);
 
-/// The rotation of a face from `before` to `after`: with the corners relative to their mean, u_j and
-/// u'_j as columns of U and U',
+/// Rotation of a face from `before` to `after`. Let the columns of U and U' be the corners relative
+/// to their centroid, before and after:
 ///
 ///     H = U' U⁺,   R = nearest_rotation(H)
 ///
-/// U⁺ is the pseudo-inverse. A plane face has no direction across it, so H has rank 2 and the normal
-/// goes to the normal. A face whose corners lie on one line, before or after, turns by the smallest
-/// rotation of that line; one that lies in a point does not turn. Directions of the face that are
-/// below 1e-12 of its longest count as none. O(corners). Source: Hu, Song, Cao, section II B.
+/// U⁺ is the pseudo-inverse. A planar face has no extent across its plane, so H has rank 2 and R
+/// maps the normal to the normal. A face whose corners are collinear, before or after, gets the
+/// smallest rotation of that line; one that is a point gets the identity. Singular values of U
+/// below 1e-12 of the largest one count as zero. O(corners). Source: [Hu2012], section II B.
 Mat3 rotation_of_face(std::span<const int> corners, const Points& before, const Points& after);
 
-/// H of a triangle that is not nearly a line: edges go to edges, E and F their columns, so H = F (Eᵀ
-/// E)⁻¹ Eᵀ. None for others.
+/// Deformation gradient H of a triangle, which maps its edge vectors E to F: H = F (Eᵀ E)⁻¹ Eᵀ.
+/// Empty if the face is not a triangle or nearly collinear before.
 std::optional<Mat3> deformation_gradient(std::span<const int> corners, const Points& before,
                                          const Points& after);
 
-/// min_R Σ w_i ‖R - R_i‖² over rotations, ‖·‖ Frobenius: nearest_rotation(Σ w_i R_i). Weights are areas,
-/// 0 or more; no rotations: the identity. Throws InputError when there are not as many weights.
+/// L2 mean of rotations: min_R Σ w_i ‖R - R_i‖² with the Frobenius norm, which is
+/// nearest_rotation(Σ w_i R_i). Weights (areas, for example) must be non-negative. No rotations:
+/// the identity. Throws InputError if the numbers of weights and rotations differ.
 Mat3 mean_rotation(std::span<const Mat3> rotations, std::span<const double> weights);
 
-/// min_R Σ w_i ‖R - R_i‖: the unsquared norm, which up to half of the weight anywhere else does not
-/// carry away. Weiszfeld's iteration from the mean above: R ← mean of weights w_i / ‖R - R_i‖, which
-/// never raises the sum; distances count as 1e-12 at least. Ends when R moves by less than 1e-14 or
-/// after 1000 rounds (where most R_i are one rotation it ends there after a few tens). Source:
-/// Hartley, Trumpf, Dai, Li 2013, section 5.
+/// L1 mean (geometric median) of rotations: min_R Σ w_i ‖R - R_i‖. It is robust: outliers with up
+/// to half of the weight do not carry it away. Computed by Weiszfeld's iteration from
+/// mean_rotation(): R ← mean with weights w_i / ‖R - R_i‖, which never increases the sum; distances
+/// are at least 1e-12. Stops when R changes by less than 1e-14 or after 1000 iterations (a few tens
+/// if most R_i are equal). Source: [Hartley2013], section 5.
 Mat3 median_rotation(std::span<const Mat3> rotations, std::span<const double> weights);
 
 
-// Rotation parts of many matrices at once.
+// Nearest rotations of many matrices at once (SIMD).
 
-/// Matrices side by side: entry (r, c) of matrix l is a[3 r + c][l].
+/// Eight matrices in structure-of-arrays layout: entry (r, c) of matrix `lane` is a[3 r + c][lane].
 struct RotationBatch {
   static constexpr int kLanes = 8;
   alignas(64) double a[9][kLanes];
@@ -69,7 +73,7 @@ struct RotationBatch {
   }
 };
 
-/// nearest_rotation() (mesh/rotation_fitting.h) of each matrix M. The largest root of
+/// Nearest rotation (see nearest_rotation()) of each matrix M of a batch. The largest root of
 ///
 ///     (λ² - |M|²)² - 8 λ det M - 4 |cof M|² = 0
 ///
@@ -77,36 +81,38 @@ struct RotationBatch {
 ///
 ///     R = [(κ + |M|²) M + λ cof M - M Mᵀ M] / (κ λ - det M)
 ///
-/// which holds for flat matrices (σ3 = 0) and mirrored ones (det M < 0) as it stands. Matrices
-/// whose denominator (σ1 + σ2)(σ2 ± σ3)(σ3 ± σ1) is small go to nearest_rotation() itself. Exact to 1e-14
-/// where the shape is good. 15 to 30 ns a matrix. Source: Markley 1993 (FOAM).
+/// These formulas also hold for rank-2 matrices (σ3 = 0) and reflected ones (det M < 0). If the
+/// denominator (σ1 + σ2)(σ2 ± σ3)(σ3 ± σ1) is small, nearest_rotation() is called instead.
+/// Accuracy: 1e-14 for well-conditioned matrices. Cost: 15 to 30 ns per matrix. Source:
+/// [Markley1993] (FOAM).
 void nearest_rotations(const RotationBatch& M, RotationBatch& R);
 
-/// rotation_of_face() (mesh/rotation_fitting.h) of those of a mesh's triangles whose numbers are `which`,
-/// eight at once; `rotations` has room for as many. 50 ns each.
+/// rotation_of_face() for selected triangles of a mesh, eight at a time. `which`: triangle indices.
+/// `rotations`: output, one entry per index in `which`. Costs 50 ns per triangle.
 void rotations_of_triangles(std::span<const std::array<int, 3>> triangles,
                             std::span<const int> which, const Points& before, const Points& after,
                             std::span<Mat3> rotations);
 
 
-// The best similarity between two shapes of the same points.
+// Similarity fits (Procrustes).
 
-/// x → scale · R x + shift.
+/// Similarity transformation x → scale · R x + translation.
 struct Similarity {
   double scale = 1;
   Mat3 R = Mat3::Identity();
   Vec3 translation = Vec3::Zero();
-  double max_error = 0;  ///< largest distance left, over the size (box diagonal) of the first shape
+  double max_error = 0;  ///< largest residual of the fit, relative to the box diagonal of `before`
 };
 
-/// Least-squares similarity from `before` to `after` on the given vertices, det R = +1. The scale
-/// is fitted unless given. Source: Umeyama 1991. For points on one line R is the
-/// smallest of the rotations that fit. O(vertices).
+/// Least-squares similarity that maps `before` to `after` on the given vertices, with det R = +1.
+/// This overload also fits the scale. For collinear points R is the smallest rotation that fits;
+/// without vertices the result is the identity. O(vertices). Source: [Umeyama1991].
 Similarity fit_similarity(const Points& before, const Points& after,
                           const std::vector<int>& vertices);
+/// The same with a prescribed scale.
 Similarity fit_similarity(const Points& before, const Points& after,
                           const std::vector<int>& vertices, double scale);
-/// `weights`: one for each of the vertices, at least 0, not all of them 0.
+/// The same with weights: one per vertex, non-negative, not all of them 0.
 Similarity fit_similarity(const Points& before, const Points& after,
                           const std::vector<int>& vertices, double scale,
                           const std::vector<double>& weights);

@@ -14,7 +14,7 @@
 namespace batten {
 namespace {
 
-// One flag for each of `count` things; refuses numbers out of range.
+// One flag for each of `count` items; throws InputError for indices out of range.
 std::vector<char> flags(int count, const std::vector<int>& numbers, const char* what) {
   std::vector<char> result(count, 0);
   for (const int i : numbers) {
@@ -37,7 +37,7 @@ std::vector<int> indices_of(const std::vector<char>& flags) {
   return result;
 }
 
-// Vertices that have triangles and whose place satisfies a condition.
+// Vertices that have triangles and whose position satisfies a condition.
 template <class Condition>
 Selection vertices_where(const TriangleMesh& mesh, const Condition& condition) {
   Selection result;
@@ -46,7 +46,7 @@ Selection vertices_where(const TriangleMesh& mesh, const Condition& condition) {
   return result;
 }
 
-// Distances along the surface by fronts through triangles.
+// Fast marching with virtual sources; see geodesic_distances().
 class FastMarching {
  public:
   FastMarching(const TriangleMesh& mesh, const std::vector<int>& sources, double farthest)
@@ -61,7 +61,8 @@ class FastMarching {
         distance_[v] = 0;
         queue_.push({0, v});
       }
-    // A front may reach a vertex sooner than one of the corners that it passed between.
+    // A vertex may be reached earlier than one of the two corners between which the front passed.
+    // So go on for one more edge length.
     double longest = 0;
     if (std::isfinite(farthest))
       for (const auto& e : mesh.topology().edges())
@@ -79,8 +80,8 @@ class FastMarching {
   VecX take() { return std::move(distance_); }
 
  private:
-  // Vertices are taken once or twice where triangles are sound; where nearly all are obtuse, some
-  // would be taken thousands of times for the last digits.
+  // On well-shaped meshes vertices are processed once or twice. Where nearly all triangles are
+  // obtuse, some would be processed thousands of times for the last digits.
   static constexpr int kMostTimes = 20;
 
   void pass_on(int v) {
@@ -104,7 +105,7 @@ class FastMarching {
     queue_.push({d, v});
   }
 
-  // The front that passes between a and b and then reaches c, in the plane of the triangle:
+  // Front that passes between a and b and reaches c, in the plane of the triangle:
   // a = (0, 0), b = (length, 0), c above.
   void origin(int a, int b, int c) {
     const Vec3 ab = mesh_.point(b) - mesh_.point(a), ac = mesh_.point(c) - mesh_.point(a);
@@ -130,7 +131,8 @@ class FastMarching {
 
   using Entry = std::pair<double, int>;
   const TriangleMesh& mesh_;
-  std::vector<char> source_, unfolded_;  // straight: the front here started from an edge
+  std::vector<char> source_, unfolded_;  // unfolded_: the front that reached the vertex started
+                                         // from an edge
   std::vector<int> taken_;
   VecX distance_;
   std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue_;
@@ -267,13 +269,13 @@ int nearest_vertex(const TriangleMesh& mesh, const Vec3& point) {
 
 namespace {
 
-constexpr double kEpsilon = 0.003;  // of the box diagonal
-constexpr int kScales = 5;          // σ = 2ε … 6ε
-// All widths that are needed, in ε: 2 … 6 and their doubles.
+constexpr double kEpsilon = 0.003;  // fraction of the box diagonal
+constexpr int kScales = 5;          // number of scales, σ = 2ε … 6ε
+// All widths that occur, in units of ε: 2 … 6 and their doubles.
 constexpr std::array<int, 8> kWidths = {2, 3, 4, 5, 6, 8, 10, 12};
 constexpr std::array<int, kScales> kNarrow = {0, 1, 2, 3, 4}, kWide = {2, 4, 5, 6, 7};
 
-/// The vertices of a mesh in cubes of one size.
+/// Uniform grid over the vertices of a mesh, for neighbourhood queries.
 class SpatialGrid {
  public:
   SpatialGrid(const Points& points, double size) : points_(points), size_(size) {
@@ -283,13 +285,13 @@ class SpatialGrid {
     for (int v = 0; v < points.rows(); ++v) entries_.push_back({key(cell_of(v)), v});
     std::sort(entries_.begin(), entries_.end());
   }
-  /// Calls visit(j, |p_j - p_i|²) for all vertices in the cubes around that of i.
+  /// Calls visit(j, |p_j - p_i|²) for all vertices in the 27 cells around the cell of i.
   template <class Visit>
   void around(int i, const Visit& visit) const {
     const auto [x, y, z] = cell_of(i);
     for (long a = std::max(0L, x - 1); a <= std::min(count_[0] - 1, x + 1); ++a)
       for (long b = std::max(0L, y - 1); b <= std::min(count_[1] - 1, y + 1); ++b) {
-        // Cubes along z follow each other.
+        // Cells along z are contiguous.
         const long first = key({a, b, std::max(0L, z - 1)});
         const long last = key({a, b, std::min(count_[2] - 1, z + 1)});
         for (auto it = std::lower_bound(entries_.begin(), entries_.end(), std::pair(first, -1));
@@ -312,10 +314,10 @@ class SpatialGrid {
   double size_;
   Vec3 low_, high_;
   std::array<long, 3> count_{};
-  std::vector<std::pair<long, int>> entries_;  // cube, vertex
+  std::vector<std::pair<long, int>> entries_;  // cell key, vertex
 };
 
-/// δ_i · n_i.
+/// Mean curvature δ_i · n_i of each vertex.
 VecX mean_curvatures(const TriangleMesh& mesh, const VecX& area) {
   Points normal = Points::Zero(mesh.vertex_count(), 3);
   for (int t = 0; t < mesh.triangle_count(); ++t)
@@ -330,7 +332,7 @@ VecX mean_curvatures(const TriangleMesh& mesh, const VecX& area) {
   return C;
 }
 
-/// (1 - m̄)², m̄ the mean of the local maxima of a map whose maximum is 1, without that one.
+/// Itti's weight (1 - m̄)² of a map: m̄ is the mean of its local maxima except the global one.
 double normalization_weight(const TriangleMesh& mesh, const VecX& map) {
   int highest = -1;
   double sum = 0;

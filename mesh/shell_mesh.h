@@ -1,4 +1,5 @@
-// Shell elements as files hold them: triangles, quads, polygons, second-order elements.
+// Shell elements as read from files: triangles, quads, polygons and second-order elements. Also
+// other elements by their nodes.
 #pragma once
 
 #include <span>
@@ -10,17 +11,17 @@
 
 namespace batten {
 
-/// Shell elements: nodes and faces, nothing checked. Nodes may belong to no face; faces may repeat
-/// a node (a quad whose last two nodes are one is how FE decks write a triangle), be wound either
-/// way, lie double: prepare() looks into that.
+/// Shell elements as nodes and faces, without any checks. Nodes may belong to no face. Faces may
+/// repeat a node (FE decks write a triangle as a quad whose last two nodes coincide), be
+/// inconsistently oriented, or be duplicated. prepare() resolves all of that.
 ///
 /// A linear face is a polygon: its nodes in order. A second-order face lists its corners, then the
-/// middle nodes of the edges 12, 23, …, as S6 and S8 do.
+/// midside nodes of the edges 12, 23, …, like the elements S6 and S8.
 class ShellMesh {
  public:
-  Points points;  ///< n×3
+  Points points;  ///< node coordinates, n×3
 
-  /// Appends a face; `second_order` needs 6 or 8 nodes.
+  /// Appends a face. `second_order` requires 6 or 8 nodes.
   void add_face(std::span<const int> nodes, bool second_order = false) {
     nodes_.insert(nodes_.end(), nodes.begin(), nodes.end());
     start_.push_back(isize(nodes_));
@@ -29,11 +30,11 @@ class ShellMesh {
 
   int node_count() const { return static_cast<int>(points.rows()); }
   int face_count() const { return isize(second_order_); }
-  /// All nodes of a face.
+  /// All nodes of a face, midside nodes included.
   std::span<const int> face(int f) const {
     return {nodes_.data() + start_[f], static_cast<size_t>(start_[f + 1] - start_[f])};
   }
-  /// The corners of a face.
+  /// The corner nodes of a face.
   std::span<const int> corners(int f) const {
     return face(f).first(face(f).size() / (second_order_[f] ? 2 : 1));
   }
@@ -45,25 +46,25 @@ class ShellMesh {
 };
 
 
-// Elements of a deck that are no shells, as far as their nodes go.
+// Elements other than shells.
 
-/// An element of a deck that is no shell, or a connection of nodes, by its nodes. Where the deck
-/// leaves a node out (an end to the ground, a middle node), it is not there.
+/// An element of a deck that is not a shell, or a connector, by its nodes. Nodes that the deck
+/// omits (a grounded end, a midside node) are omitted here too.
 struct NonShellElement {
   enum class Kind {
-    Solid,  ///< corners, then middle nodes, in the deck's order
-    Beam,   ///< bars and beams too: the ends, then a node that gives its direction, if there is one
-    Bush,   ///< springs, dampers, gaps, fasteners: as a beam
-    Rigid,  ///< the independent node first
-    Interpolation,  ///< the reference node first, which follows the others
-    Mass,           ///< one node
-    Other           ///< something else
+    Solid,  ///< corners, then midside nodes, in the order of the deck
+    Beam,   ///< bars and beams: both ends, then the orientation node, if there is one
+    Bush,   ///< springs, dampers, gaps, fasteners: nodes as for Beam
+    Rigid,  ///< rigid body element (RBE2, say); the independent node comes first
+    Interpolation,  ///< interpolation (RBE3) element; the dependent reference node comes first
+    Mass,           ///< point mass: one node
+    Other           ///< any other element
   };
   Kind kind = Kind::Other;
-  std::string name;             ///< as the deck calls it: CHEXA, RBE2, C3D8, *MPC, …
-  long label = 0;               ///< its number; 0 without one
-  std::vector<int> nodes;       ///< indices of the mesh's nodes
-  std::vector<double> weights;  ///< Average: one for each node but the first
+  std::string name;             ///< name in the deck: CHEXA, RBE2, C3D8, *MPC, …
+  long label = 0;               ///< element number; 0 if it has none
+  std::vector<int> nodes;       ///< indices of nodes of the mesh
+  std::vector<double> weights;  ///< Interpolation: one per node except the first
 };
 
 }  // namespace batten

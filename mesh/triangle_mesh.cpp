@@ -47,11 +47,11 @@ MeshTopology::MeshTopology(int node_count, std::vector<std::array<int, 3>> trian
 void MeshTopology::find_edges() {
   struct Side {
     int low, high, triangle, corner;  // the edge is opposite to the corner
-    bool forward;                     // the triangle runs low → high
+    bool forward;                     // the triangle traverses low → high
   };
   std::vector<Side> sides;
   sides.reserve(3 * triangles_.size());
-  // By counting at the low end, so that only short lists are left to sort.
+  // Bucket the sides by their lower vertex, so that only short lists remain to be sorted.
   std::vector<int> start(vertex_count_ + 1, 0);
   for (const auto& t : triangles_)
     for (int c = 0; c < 3; ++c) ++start[std::min(t[(c + 1) % 3], t[(c + 2) % 3]) + 1];
@@ -98,7 +98,8 @@ void MeshTopology::find_edges() {
   std::partial_sum(neighbour_start_.begin(), neighbour_start_.end(), neighbour_start_.begin());
   neighbours_.resize(2 * edges_.size());
   next.assign(neighbour_start_.begin(), neighbour_start_.end() - 1);
-  // Edges come by (low, high): first the lower neighbours of a vertex ascend, then the higher ones.
+  // Edges are sorted by (low, high): so the lower neighbours of a vertex ascend, then the higher
+  // ones.
   for (const Edge& e : edges_) neighbours_[next[e.high]++] = e.low;
   for (const Edge& e : edges_) neighbours_[next[e.low]++] = e.high;
 }
@@ -118,7 +119,7 @@ void MeshTopology::find_fans() {
   for (int t = 0; t < triangle_count(); ++t)
     for (const int v : triangles_[t]) triangles_of_[next[v]++] = t;
 
-  // A fan has as many edges as triangles when it closes, one more when it does not.
+  // A closed fan has as many edges as triangles, an open fan one more.
   on_boundary_.assign(vertex_count_, 0);
   std::vector<int> open_ends(vertex_count_, 0);
   for (const Edge& e : edges_)
@@ -130,7 +131,7 @@ void MeshTopology::find_fans() {
   for (int v = 0; v < vertex_count_; ++v) {
     const auto own = triangles_of(v);
     if (own.empty()) continue;
-    // Walk the fan from its open end, or from anywhere when it closes.
+    // Walk the fan from its open end, or from any triangle if it is closed.
     const auto corner_in = [&](int t) {
       return triangles_[t][0] == v ? 0 : triangles_[t][1] == v ? 1 : 2;
     };
@@ -186,7 +187,7 @@ std::vector<char> MeshTopology::non_manifold_edges() const {
 }
 
 void MeshTopology::find_loops() {
-  // The surface lies on the left of the boundary: as its one triangle runs.
+  // The surface is on the left of the boundary, so a boundary edge runs like its only triangle.
   std::vector<int> after(vertex_count_, -1);
   std::vector<char> into_joint(vertex_count_, 0);
   const std::vector<char> joint = non_manifold_edges();
@@ -278,7 +279,7 @@ double TriangleMesh::length(const std::vector<int>& closed_loop) const {
 
 namespace {
 
-/// Barycentric coordinates of the nearest point of a triangle. Source: Ericson 2005, 5.1.5.
+/// Barycentric coordinates of the point of a triangle closest to p. Source: [Ericson2005], 5.1.5.
 Vec3 nearest_in_triangle(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c) {
   const Vec3 ab = b - a, ac = c - a, ap = p - a;
   const double d1 = ab.dot(ap), d2 = ac.dot(ap);
@@ -302,8 +303,9 @@ Vec3 nearest_in_triangle(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3
   return {va / sum, vb / sum, vc / sum};
 }
 
-constexpr int kLeafSize = 4;  // triangles
-constexpr int kDeepest = 64;  // halves of more triangles than there can be
+constexpr int kLeafSize = 4;  // triangles per leaf
+constexpr int kDeepest = 64;  // capacity of the traversal stack: halvings of more triangles than an
+                              // int can count
 
 }  // namespace
 
@@ -354,12 +356,12 @@ std::optional<AabbTree::ClosestPoint> AabbTree::nearest(const Vec3& p,
     const Vec3 w = nearest_in_triangle(p, mesh_.point(a), mesh_.point(b), mesh_.point(c));
     const Vec3 q = w[0] * mesh_.point(a) + w[1] * mesh_.point(b) + w[2] * mesh_.point(c);
     const double distance2 = (q - p).squaredNorm();
-    // One without area may have no nearest point.
+    // The comparison is false for NaN: a degenerate triangle may have no closest point.
     if (!(distance2 < least || (distance2 == least && t < best.triangle))) return;
     least = distance2;
     best = {t, q, w, 0};
   };
-  // The nearer half first; what is farther than the best point is passed over when its turn comes.
+  // Depth first, nearer child first; boxes farther than the best point are skipped when popped.
   std::array<std::pair<double, int>, kDeepest> later;
   size_t count = 0;
   later[count++] = {nodes_[0].distance2(p), 0};

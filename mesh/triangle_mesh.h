@@ -1,4 +1,5 @@
-// Triangle meshes that deformers work on: oriented sheets, with or without boundary, that may meet.
+// Triangle meshes with their connectivity (non-manifold meshes as joined manifold patches), and an
+// AABB tree for closest-point queries.
 #pragma once
 
 #include <array>
@@ -13,65 +14,75 @@
 
 namespace batten {
 
-/// The neighbours of vertices, edges and triangles: found once, shared by all shapes of a mesh.
+/// Connectivity of a triangle mesh: vertices, edges, triangles and their neighbours. Computed once
+/// and shared by all shapes (point sets) of the mesh.
 ///
-/// Every edge has one or two triangles, which run through it in opposite directions; the triangles
-/// around a vertex form one fan. Vertices without triangles are allowed and have no neighbours.
+/// Each manifold patch is oriented. Every edge has one or two triangles, which traverse it in
+/// opposite directions, and the triangles around a vertex form one fan. Vertices without triangles
+/// are allowed and have no neighbours.
 ///
-/// Built-up structures are several such sheets: where a sheet ends at another one (a T-joint) or
-/// touches it at a point, each has a vertex of its own there. These vertices are one node: they have
-/// one place and go together. Vertices 0 … node_count() - 1 are the nodes themselves, the others
-/// stand for one of them.
+/// Non-manifold meshes (built-up structures) are represented as several manifold patches. Where a
+/// patch ends at another one (a T-joint) or touches it at a point, each patch has its own vertex
+/// there. These coincident vertices belong to one node: they share one position and move together.
+/// Vertices 0 … node_count() - 1 are the nodes themselves; each further vertex is a duplicate of
+/// one of them.
 class MeshTopology {
  public:
   struct Edge {
     int low, high;    ///< vertices, low < high
-    int left, right;  ///< triangle that runs low → high, and the other one; -1 where there is none
+    int left, right;  ///< triangle that traverses low → high, and the opposite one; -1: none
   };
 
-  /// `duplicate_vertex_nodes`: the node of each vertex from node_count on. Throws InputError that names the
-  /// nodes: an index out of range, a corner twice in a triangle, an edge of more than two triangles
-  /// or of two that run the same way, a vertex whose triangles form several fans.
-  /// O(triangles · log triangles).
+  /// Builds the connectivity from triangles, given as vertex triples in counter-clockwise order.
+  /// `duplicate_vertex_nodes`: the node of each vertex from `node_count` on. Throws InputError,
+  /// naming the nodes: a vertex index out of range, a repeated corner in a triangle, an edge with
+  /// more than two triangles or with two of the same direction, a vertex whose triangles form
+  /// several fans. O(triangles · log triangles).
   MeshTopology(int node_count, std::vector<std::array<int, 3>> triangles,
                std::vector<int> duplicate_vertex_nodes = {});
 
   int vertex_count() const { return vertex_count_; }
+  /// Number of nodes, that is, of distinct positions: vertex_count() without the duplicates.
   int node_count() const { return vertex_count_ - isize(duplicate_vertex_nodes_); }
+  /// The node that a vertex belongs to: itself, or the node that it duplicates.
   int node_of(int vertex) const {
     return vertex < node_count() ? vertex : duplicate_vertex_nodes_[vertex - node_count()];
   }
-  /// All vertices of the node that a vertex is one of, ascending: itself alone in most places.
+  /// All vertices of the node that `vertex` belongs to, ascending. On manifold meshes only
+  /// `vertex`.
   std::span<const int> coincident_vertices(int vertex) const {
     return part(coincident_vertices_, coincident_start_, node_of(vertex));
   }
-  /// The vertices with all that go together with them; the nodes of vertices. Ascending, each once.
+  /// The vertices together with all vertices coincident with them. Ascending, without repetition.
   std::vector<int> expand_to_nodes(std::vector<int> vertices) const;
+  /// The nodes that the vertices belong to. Ascending, without repetition.
   std::vector<int> nodes_of(std::vector<int> vertices) const;
   int triangle_count() const { return isize(triangles_); }
   const std::vector<std::array<int, 3>>& triangles() const { return triangles_; }
   /// The edges, sorted by (low, high).
   const std::vector<Edge>& edges() const { return edges_; }
-  /// Edges opposite to the three corners of a triangle.
+  /// Indices of the edges opposite to the three corners of a triangle.
   const std::array<int, 3>& edges_of(int triangle) const { return edges_of_[triangle]; }
-  /// The one-ring N(i), ascending.
+  /// The one-ring N(i): vertices connected to `vertex` by an edge, ascending.
   std::span<const int> neighbours(int vertex) const {
     return part(neighbours_, neighbour_start_, vertex);
   }
+  /// Triangles around a vertex, ascending.
   std::span<const int> triangles_of(int vertex) const {
     return part(triangles_of_, triangle_start_, vertex);
   }
-  /// Triangle on the other side of the edge opposite to `corner`, or -1.
+  /// The triangle across the edge opposite to `corner` (0, 1 or 2), or -1 at the boundary.
   int across(int triangle, int corner) const;
 
-  /// Closed chains of boundary vertices, the surface on their left; each starts at its lowest
-  /// vertex, the loops are sorted by it. Those that run along another sheet somewhere are no rims
-  /// and come apart, in non_manifold_loops().
+  /// Boundary loops as closed chains of vertices, with the surface on their left. Each loop starts
+  /// at its lowest vertex, and the loops are sorted by it. Loops with an edge shared with another
+  /// patch (a non-manifold edge) are not free boundaries; they are in non_manifold_loops().
   const std::vector<std::vector<int>>& boundary_loops() const { return loops_; }
   const std::vector<std::vector<int>>& non_manifold_loops() const { return non_manifold_loops_; }
+  /// True if the vertex lies on an edge with only one triangle, non-manifold edges included.
   bool on_boundary(int vertex) const { return on_boundary_[vertex] != 0; }
-  /// Number of the sheet of each vertex, which its edges connect; -1 for vertices without triangles.
-  /// Sheets are numbered in the order of their lowest vertices.
+  /// Index of the manifold patch (edge-connected component) of each vertex; -1 for vertices without
+  /// triangles. Patches are numbered in the order of their lowest vertices.
   const std::vector<int>& component() const { return component_; }
   int component_count() const { return component_count_; }
 
@@ -86,7 +97,8 @@ class MeshTopology {
   void find_components();
 
   void find_coincident_vertices();
-  /// Whether each edge joins the same nodes as another one; empty where none does.
+  /// Per edge: 1 if another edge joins the same two nodes. Empty for meshes without duplicate
+  /// vertices.
   std::vector<char> non_manifold_edges() const;
 
   int vertex_count_, component_count_ = 0;
@@ -98,15 +110,16 @@ class MeshTopology {
   std::vector<char> on_boundary_;
 };
 
-/// A topology and a position for each vertex: a value, cheap to copy but for the points.
+/// A triangle mesh: connectivity and one position per vertex. It has value semantics; copies share
+/// the connectivity and copy only the points.
 class TriangleMesh {
  public:
-  /// One point for each node. Throws InputError: what MeshTopology throws, a coordinate that is not
-  /// finite.
+  /// Builds a mesh from one point per node (n×3). Throws InputError if MeshTopology does, or if a
+  /// coordinate is not finite.
   TriangleMesh(Points points, std::vector<std::array<int, 3>> triangles,
                std::vector<int> duplicate_vertex_nodes = {});
-  /// The same mesh in another shape: one point for each vertex. Throws InputError on another number
-  /// of points.
+  /// The same connectivity with other positions, one point per vertex (n×3). Throws InputError if
+  /// the number of points differs or a coordinate is not finite.
   TriangleMesh with_points(Points points) const;
 
   const Points& points() const { return points_; }
@@ -115,11 +128,13 @@ class TriangleMesh {
   int vertex_count() const { return topology_->vertex_count(); }
   int triangle_count() const { return topology_->triangle_count(); }
   const std::vector<std::array<int, 3>>& triangles() const { return topology_->triangles(); }
-  /// Area vector of a triangle: twice its area times its unit normal.
+  /// Area vector of a triangle: its unit normal times twice its area.
   Vec3 area_vector(int triangle) const;
-  /// The box around all vertices that have triangles, and its diagonal.
+  /// Bounding box of all vertices that have triangles.
   Box3 box() const;
+  /// Diagonal of box(), the reference length of relative tolerances; 0 without triangles.
   double size() const;
+  /// Length of a closed polygon through these vertices; the first is not repeated.
   double length(const std::vector<int>& closed_loop) const;
 
  private:
@@ -129,29 +144,31 @@ class TriangleMesh {
 };
 
 
-// The nearest point of a triangle mesh. Internal.
+// Closest points on a triangle mesh.
 
-/// A tree of boxes around triangles, halved at the median of their middles. O(triangles log triangles) once;
-/// a search looks at some dozens of boxes, about a microsecond near the surface. It may be asked from several
-/// threads.
+/// Bounding-volume hierarchy (AABB tree) for closest-point queries on a triangle mesh. Nodes are
+/// split at the median of the triangle centroids. Construction costs O(triangles · log triangles).
+/// A query visits some dozens of boxes, about 1 µs for points near the surface. Queries are
+/// thread-safe.
 class AabbTree {
  public:
   explicit AabbTree(const TriangleMesh& mesh);
 
   struct ClosestPoint {
     int triangle = -1;
-    Vec3 at = Vec3::Zero(), weights = Vec3::Zero();  ///< barycentric
+    Vec3 at = Vec3::Zero(), weights = Vec3::Zero();  ///< closest point; barycentric coordinates
     double distance = 0;
   };
-  /// Of triangles whose normal has a positive share of `normal`, where it is given; none: no such
-  /// triangle. Of several at the same distance the lowest.
+  /// The point of the mesh that is closest to p. If `normal` is given, only triangles whose normal
+  /// has a positive dot product with it are considered. Empty if there is no such triangle. Ties go
+  /// to the triangle with the lowest index.
   std::optional<ClosestPoint> nearest(const Vec3& p, const std::optional<Vec3>& normal = {}) const;
 
  private:
   struct Node {
     Vec3 low, high;
-    int first = 0, last = 0;  // of order_
-    int right = -1;           // the left half is the next node; none: a leaf
+    int first = 0, last = 0;  // range in order_
+    int right = -1;           // index of the right child; -1: leaf. The left child is the next node
     double distance2(const Vec3& p) const {
       return (low - p).cwiseMax(p - high).cwiseMax(0).squaredNorm();
     }
@@ -159,7 +176,7 @@ class AabbTree {
   int build(int first, int last, const std::vector<Vec3>& centroids);
 
   TriangleMesh mesh_;
-  std::vector<int> order_;  // triangles, those of a node side by side
+  std::vector<int> order_;  // triangle indices; those of a node are contiguous
   std::vector<Node> nodes_;
 };
 

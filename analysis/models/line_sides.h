@@ -1,4 +1,5 @@
-// Lines of a model as its regions have them, on the numbers of the whole model. Internal.
+// Curves shared by regions of a model: the sides of a curve, and constraints and springs along it,
+// in the dofs of the whole model.
 #pragma once
 
 #include <algorithm>
@@ -15,7 +16,8 @@
 
 namespace batten {
 
-// Keeps what JoinEdge needs of a model; the sides it returns live no longer.
+// Creates the sides of curves of a model (JoinEdge) with their dofs. The returned sides refer to
+// data of this object and must not outlive it.
 class LineSides {
  public:
   explicit LineSides(const ModelLayout& model)
@@ -23,8 +25,9 @@ class LineSides {
         dof_offsets_(all_numbers(model)),
         sides_(regions_, dof_offsets_) {}
 
+  // The side of a curve that belongs to one region.
   JoinEdge operator()(const JoinSide& side) { return sides_(side); }
-  // The first side of a line.
+  // The first side of a curve.
   JoinEdge operator()(const ModelLine& line) {
     const LineSide& first = line.sides[0];
     return sides_({first.region, first.embedded, first.index, true});
@@ -49,7 +52,7 @@ class LineSides {
   JoinEdgeFactory sides_;
 };
 
-// The functions of the triangle that holds a place of the model, there.
+// Shape functions at a location of the model, as coefficients of its dofs.
 inline ConstraintEntries shape_functions_at(const ModelLayout& model, const Location& where) {
   const ParametricMesh& mesh = *model.mesh();
   const Tabulation N = C1Triangle(model.element(), mesh.shape(where.triangle)).evaluate(where.L);
@@ -59,7 +62,7 @@ inline ConstraintEntries shape_functions_at(const ModelLayout& model, const Loca
   return entries;
 }
 
-// The place of the surface at a fraction of a line.
+// Point of the surface at a fraction f in [0, 1] of a curve.
 inline Vec3 point_on_line(const JoinEdge& side, const Points& shape, double f) {
   ConstraintEntries entries;
   side.add_at(f, 0, 0, 1, entries);
@@ -68,9 +71,9 @@ inline Vec3 point_on_line(const JoinEdge& side, const Points& shape, double f) {
   return x;
 }
 
-// Calls visit(f, dl) at points of a line, dl being the length that each stands for: eight between
-// stations of either side, from end to end. (Points where a line is held do not reach its corners,
-// which are points of other lines.)
+// Calls visit(f, dl) at points along a whole curve: eight between neighbouring stations of either
+// side. dl: the length that each point represents. (Points at which embedded curves are constrained
+// do not include the corners, which are points of other curves.)
 template <class Visit>
 void for_each_line_point(const JoinEdge& a, const JoinEdge& b, const Visit& visit) {
   std::vector<double> at = a.stations();
@@ -93,7 +96,8 @@ void for_each_line_point(const JoinEdge& a, const JoinEdge& b, const Visit& visi
   }
 }
 
-// Stiffness per length of the stiff springs of a line, of the section and the edge length there.
+// Penalty stiffness per length for springs along a curve, from the section and the local edge
+// length.
 struct SpringStiffness {
   double displacement, rotation, edge;
 
@@ -109,17 +113,19 @@ struct SpringStiffness {
 };
 
 
-// The rotation of a shell about a line, as rows on the dofs of one side. Internal.
+// Rotation of a shell about a curve, as a linear form of the dofs of one side.
 
 using CoupledEntries = std::vector<ConstraintSet::CoupledEntry>;
 
-// ω of shell_ties.h, a form of the displacement's dofs; each function adds factor · ω to a row.
+// The rotation ω of shell_ties.h as a linear form of the displacement dofs. Each function adds
+// factor · ω to the coefficients `row`.
 class LineRotation {
  public:
   LineRotation(const JoinEdge& side, const Points& shape) : side_(side), shape_(shape) {}
 
   void at_vertex(int k, double factor, CoupledEntries& row) const;
-  void at_edge_midpoint(int k, double factor, CoupledEntries& row) const;  // of the k-th edge
+  // At the midpoint of the k-th edge.
+  void at_edge_midpoint(int k, double factor, CoupledEntries& row) const;
   void at_fraction(double f, double factor, CoupledEntries& row) const;
 
  private:
@@ -130,17 +136,18 @@ class LineRotation {
   const Points& shape_;
 };
 
-// The part of a place along a direction, as a row.
+// Component of a position along a direction, as coefficients of the dofs.
 inline CoupledEntries along(const Vec3& direction, const ConstraintEntries& position) {
   CoupledEntries row;
   for (const auto& e : position) row.push_back({e.dof, e.coefficient * direction});
   return row;
 }
 
-// Directions of a support at length 1. Throws InputError: none, or one of length zero.
+// Normalises the directions of a support. Throws InputError if there are none or one has zero
+// length.
 std::vector<Vec3> unit_directions(const std::string& support, const std::vector<Vec3>& directions);
 
-// Adds a row whose entries may name a dof more than once.
+// Adds a coupled constraint whose entries may contain a dof more than once.
 void add_summed(const std::string& name, const CoupledEntries& entries, double value,
                 ConstraintSet& set);
 

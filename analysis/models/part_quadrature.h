@@ -1,4 +1,4 @@
-// Integrals over a part of a model's surface. Internal.
+// Quadrature over a part of a model's surface: selected regions, inside of trims and of a box.
 #pragma once
 
 #include <Eigen/Geometry>
@@ -17,8 +17,9 @@
 
 namespace batten {
 
-// Points of a triangle inside of a box: of a rule where all of it is, else of parts of it, down to a
-// 32nd of the triangle at the box's border.
+// Quadrature rule on the part of a triangle inside of a box. It is the given rule if the whole
+// triangle is inside; otherwise the triangle is subdivided, down to 1/32 of its size at the border
+// of the box.
 class BoxQuadrature {
  public:
   BoxQuadrature(const Surface& surface, const Box3& box) : surface_(surface), box_(box) {}
@@ -60,7 +61,7 @@ class BoxQuadrature {
     }
     int in = 0;
     for (const Vec3& L : corners) in += holds(triangle, L);
-    constexpr int sure = 3;  // smaller boxes may lie between the corners
+    constexpr int sure = 3;  // at lower depths, the box may lie between the corners
     if (depth >= sure && (in == 0 || in == 3) && holds(triangle, middle) == (in == 3)) {
       static const TriangleRule rule = symmetric_triangle_rule(4);
       for (long p = 0; p < rule.weights.size() && in == 3; ++p)
@@ -80,10 +81,10 @@ class BoxQuadrature {
   const Box3& box_;
 };
 
-// One point of a part, and the functions of its triangle there.
+// Quadrature point of a part, with the shape functions of its triangle.
 struct PartPoint {
   Location where;
-  Vec3 x, area;  // dA n
+  Vec3 x, area;  // position, and area vector dA n
   const std::array<int, 12>& dofs;
   Vec12 functions;
 
@@ -94,9 +95,9 @@ struct PartPoint {
   }
 };
 
-// Calls visit(PartPoint) at points of a part, inside of the trims: those of the rule `whole`, in
-// triangles that are cut those of the trim's rule of a degree. Throws InputError for a region out of
-// range.
+// Calls visit(PartPoint) at the quadrature points of a part, inside of trims. Uncut triangles use
+// the rule `whole`, cut ones the trim's rule of the given degree. Throws InputError if a region is
+// out of range.
 template <class Visit>
 void for_each_part_point(const ModelLayout& model, const Surface& surface, const ShellPart& part,
                          const TabulatedRule& whole, int degree, const Visit& visit) {

@@ -186,7 +186,7 @@ void add_support(const ModelLayout& model, const Points& shape,
 
 namespace {
 
-// Springs of one place: along the axes, and along n.
+// Adds the springs at one point: along the axes, and along n.
 void add_at(const ElasticSupport& support, const ConstraintEntries& position, double weight,
             const Vec3& n, ShellSprings& springs) {
   const auto add = [&](const Vec3& direction, double stiffness) {

@@ -1,4 +1,4 @@
-// What a shell is made of and how it is held.
+// Definition of a shell model: sections, supports and hinges.
 #pragma once
 
 #include <string>
@@ -11,40 +11,42 @@
 
 namespace batten {
 
-// Springs that hold a shell.
+// Elastic supports.
 
-/// Springs that hold a shell at a place, per length of a line or per area of a part.
+/// Elastic support by springs: at a point, per length of a curve, or per area (Winkler foundation).
 struct ElasticSupport {
   std::string name;
-  std::optional<ShellLocation> position;  ///< of a point; else
-  std::string line;  ///< of a line, as far as it lies in the part's box; "": an area
+  std::optional<ShellLocation> position;  ///< for a point support
+  std::string line;  ///< for a curve, as far as it lies in the part's box; empty: an area
   ShellPart part;
-  Vec3 stiffness = Vec3::Zero();  ///< along x, y, z: force over displacement, or per length or area
-  double normal = 0;              ///< of an area: along its normal (an elastic foundation)
+  /// Along x, y, z: force per displacement, or this per length or area.
+  Vec3 stiffness = Vec3::Zero();
+  double normal = 0;              ///< for an area: along its normal (elastic foundation)
 };
 
-/// Adds its springs. Throws InputError: no such line or region, stiffness below 0 or none, a part that
-/// holds nothing.
+/// Adds the springs of an elastic support to `springs`. Throws InputError if a curve or region does
+/// not exist, if a stiffness is negative or all are zero, or if the part is empty.
 void add_elastic_support(const ModelLayout& model, const Points& shape,
                          const ElasticSupport& support, ShellSprings& springs);
 
 
-// Supports of a shell along the lines of its model.
+// Rigid supports along curves, at points and on areas.
 
-/// What holds a shell along one line: the displacement in some directions, the rotation about the
-/// line.
+/// Support along one curve: constrains the displacement in given directions, and optionally the
+/// rotation about the curve.
 ///
 ///     clamped      directions x, y, z; rotation
 ///     pinned       directions x, y, z
 ///     symmetric    the normal of the plane; rotation (the surface meets the plane at right angles)
 ///     diaphragm    the two directions in the wall
 struct LineSupport {
-  std::string name;  ///< of its rows
+  std::string name;  ///< identifies its constraints
   std::string line;
-  std::vector<Vec3> directions;      ///< any length but zero
-  Vec3 displacement = Vec3::Zero();  ///< of the line, in those directions
+  std::vector<Vec3> directions;      ///< of any length except zero
+  Vec3 displacement = Vec3::Zero();  ///< prescribed, in those directions
   bool rotation = false;
-  /// What of the line lies in it only, held by springs, as embedded lines are.
+  /// If set, only the part of the curve in this box is supported, by springs as for embedded
+  /// curves.
   std::optional<Box3> box = {};
 
   static LineSupport clamped(const std::string& line);
@@ -52,55 +54,60 @@ struct LineSupport {
   static LineSupport symmetric(const std::string& line, const Vec3& normal);
 };
 
-/// Adds a support to shell_ties(). On a run it is rows, which hold everywhere in its directions, and
-/// the rotation at vertices and in the middles of edges; on an embedded line it is springs, as ties
-/// are. Other regions of the line follow by their ties. Throws InputError: no such line (with the
-/// nearest name), a direction of length zero, nothing to hold, a box that holds nothing of it.
+/// Adds a support along a curve to shell_ties().
+///
+/// On a curve along element edges, displacements are constrained exactly on the whole curve, and
+/// the rotation at vertices and edge midpoints. On an embedded curve, penalty springs are used, as
+/// for ties. Other regions at the curve follow by their ties. Throws InputError if the curve does
+/// not exist (names the closest match), a direction has zero length, nothing is constrained, or the
+/// box contains nothing of the curve.
 void add_support(const ModelLayout& model, const Points& shape,
                  const std::vector<ShellSection>& sections, const LineSupport& support,
                  ShellTies& ties);
 
 
-/// What holds a shell at one place of its surface: the displacement in some directions.
+/// Support at one point of the surface: constrains the displacement in given directions.
 struct PointSupport {
   std::string name;
   ShellLocation position;
-  std::vector<Vec3> directions;      ///< any length but zero
-  Vec3 displacement = Vec3::Zero();  ///< in those directions
+  std::vector<Vec3> directions;      ///< of any length except zero
+  Vec3 displacement = Vec3::Zero();  ///< prescribed, in those directions
 };
 
-/// What holds a part of a shell's area: the displacement in some directions, and so the rotation. By
-/// stiff springs, per area those of an embedded line over the length of an edge (shell_ties.h).
+/// Support on a part of the area: constrains the displacement in given directions, and thereby the
+/// rotation. It uses penalty springs: their stiffness per area is that of an embedded curve,
+/// divided by the length of an element edge (shell_ties.h).
 struct AreaSupport {
   std::string name;
   ShellPart part;
-  std::vector<Vec3> directions;      ///< any length but zero
-  Vec3 displacement = Vec3::Zero();  ///< in those directions
+  std::vector<Vec3> directions;      ///< of any length except zero
+  Vec3 displacement = Vec3::Zero();  ///< prescribed, in those directions
 };
 
-/// All of a shell but its shape and its loads.
+/// Complete definition of a shell, except its shape and its loads.
 struct ShellDefinition {
-  std::vector<ShellSection> sections;  ///< one, or one for each region
+  std::vector<ShellSection> sections;  ///< one for all, or one per region
   std::vector<LineSupport> lines;
   std::vector<PointSupport> points;
-  std::vector<std::string> hinges;  ///< lines about which regions turn freely
+  std::vector<std::string> hinges;  ///< curves about which regions rotate freely
   std::vector<ElasticSupport> elastic = {};
   std::vector<AreaSupport> areas = {};
-  /// Added to the thickness at each vertex of the model's mesh, linear between them; none: nothing.
+  /// Added to the thickness at each vertex of the model's mesh, linear in between; empty: nothing.
   VecX nodal_thickness_offset = {};
 };
 
-/// The sections of a model: one, or one for each triangle of its mesh. Throws InputError: sections or
-/// thicknesses of another number, what require_section() throws.
+/// Sections of the triangles of a model: one for all, or one per triangle of its mesh. Throws
+/// InputError if the number of sections or thickness offsets is wrong, or a section is invalid
+/// (require_section()).
 std::vector<ShellSection> triangle_sections(const ModelLayout& model,
                                             const ShellDefinition& definition);
 
-/// Everything that ties regions to each other and holds them. Throws InputError: what shell_ties() and
-/// add_support() throw, directions of length zero, parts that hold nothing, negative stiffness.
+/// All ties between regions, and all supports. Throws InputError as shell_ties() and add_support()
+/// do, and if directions have zero length, parts are empty, or stiffness is negative.
 ShellTies shell_ties(const ModelLayout& model, const Points& shape,
                      const ShellDefinition& definition);
 
-/// Names of the supports, each once: the parts of a line that is cut at corners are one support.
+/// Names of all supports, each once: pieces of a curve that is split at corners form one support.
 std::vector<std::string> support_names(const ShellDefinition& definition);
 
 }  // namespace batten

@@ -29,7 +29,7 @@ const TabulatedRule& load_rule(TriangleElement kind) {
                        corner(box.max()) + ", expected a box that holds a part of it");
 }
 
-// Σ force(place) over a part, on the functions there.
+// Sums force(point) over a part, weighted with the shape functions.
 template <class Force>
 Points integrate_over_area(const ModelLayout& model, const Points& shape, const ShellPart& part,
                            const Force& force) {
@@ -49,7 +49,7 @@ Points integrate_over_area(const ModelLayout& model, const Points& shape, const 
   return F;
 }
 
-// Calls visit(side, f, dl) along a line.
+// Calls visit(side, f, dl) along a curve.
 template <class Visit>
 void along_line(const ModelLayout& model, const Points& shape, const std::string& line,
                 const std::optional<Box3>& box, const Visit& visit) {

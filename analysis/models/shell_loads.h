@@ -1,4 +1,4 @@
-// Loads on the shell of a model.
+// Loads on the shell of a model, and their resultants.
 #pragma once
 
 #include <functional>
@@ -11,49 +11,53 @@
 
 namespace batten {
 
-// Each returns F, n×3 over the dofs of the model, whose work with a displacement q is Σ F_m · q_m.
-// `shape`: absolute dofs of the middle surface. Sums of loads are loads.
+// Each function returns a load vector F, n×3 over the dofs of the model; its work with a
+// displacement q is Σ F_m · q_m. `shape`: absolute dofs of the middle surface. Load vectors can be
+// added.
 
-/// Force per area of the surface at a place x with the unit normal n = x_u × x_v / |x_u × x_v|.
+/// Force per area at a point x of the surface with unit normal n = x_u × x_v / |x_u × x_v|.
 using SurfaceTraction = std::function<Vec3(const Vec3& x, const Vec3& n)>;
 
-/// F = ∬ N f(x, n) dA over the inside of a part. A pressure p is f = p n (it pushes along the
-/// normal). By quadrature, of degree 6 or better; f is called on one thread. Throws InputError for a
-/// region out of range; EmptyPartError: a box that holds no place of the surface.
+/// Surface traction F = ∬ N f(x, n) dA over the inside of a part. A pressure p is f = p n
+/// (it acts along the normal). Quadrature has degree 6 or higher; f is called on one thread. Throws
+/// InputError if a region is out of range, EmptyPartError if the box contains nothing of the
+/// surface.
 Points surface_traction(const ModelLayout& model, const Points& shape, const SurfaceTraction& force,
                         const ShellPart& part = {});
 
-/// F = ∬ N ρ t a dA: the weight of the shell under an acceleration a. `sections`: one, or one for
-/// each triangle of the model's mesh.
+/// Gravity load F = ∬ N ρ t a dA for an acceleration a. `sections`: one for all, or one per
+/// triangle of the model's mesh.
 Points gravity_load(const ModelLayout& model, const Points& shape,
                     const std::vector<ShellSection>& sections, const Vec3& acceleration);
 
-/// F of a force per length along a line, or along what of it lies in a box. Throws InputError: no
-/// such line (with the nearest name); EmptyPartError: a box that holds nothing of it.
+/// Load of a force per length along a curve, or along the part of it in a box. Throws InputError if
+/// the curve does not exist (names the closest match), EmptyPartError if the box contains nothing
+/// of it.
 Points line_force(const ModelLayout& model, const Points& shape, const std::string& line,
                   const Vec3& per_length, const std::optional<Box3>& box = {});
 
-/// F of a moment per length about the line's own direction, right-handed, on its first side. Throws
-/// as line_force().
+/// Load of a moment per length about the tangent of a curve, right-handed, applied to its first
+/// side. Throws as line_force() does.
 Points line_moment(const ModelLayout& model, const Points& shape, const std::string& line,
                    double per_length, const std::optional<Box3>& box = {});
 
-/// A place of the surface, for forces and supports.
+/// Point of the shell surface, for forces and supports.
 struct ShellLocation {
   ModelPoint at;
   Location where;       ///< in the mesh of the model
-  double distance = 0;  ///< from the point that was asked for
+  double distance = 0;  ///< from the point that was searched for
 };
-/// The place inside of the model's trims that is nearest to p.
+/// Nearest point to p on the surface, inside of the model's trims.
 ShellLocation nearest_location(const ModelLayout& model, const Points& shape, const Vec3& p);
 
-/// F of a force at one place.
+/// Load of a point force.
 Points point_force(const ModelLayout& model, const ShellLocation& position, const Vec3& force);
 
-/// Resultant of a load: its force, and its moment about the origin.
+/// Resultant of a load: total force, and moment about the origin.
 struct Resultant {
   Vec3 force = Vec3::Zero(), moment = Vec3::Zero();
 };
+/// Computes the resultant of a load vector F.
 Resultant resultant(const ModelLayout& model, const Points& shape, const Points& F);
 
 }  // namespace batten

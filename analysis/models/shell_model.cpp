@@ -11,7 +11,7 @@
 namespace batten {
 namespace {
 
-// Ties and supports, and how many motions they leave.
+// Ties and supports; throws if they leave motions unconstrained, unless these are allowed.
 ShellTies checked_ties(const ModelLayout& layout, const Points& shape,
                        const ShellDefinition& definition, ShellModel::RigidBodyHandling free,
                        RigidBodyModes& motions) {
@@ -26,7 +26,7 @@ ShellTies checked_ties(const ModelLayout& layout, const Points& shape,
 
 VecX stacked(const Points& q) { return Eigen::Map<const VecX>(q.data(), q.size()); }
 
-// K with its springs, and of a shell that is not held a little mass in each coordinate.
+// K with its springs, and a small multiple of the mass in each coordinate for unsupported shells.
 SparseMatrix stiffness_of(const ShellAssembler& assembler, const ShellSprings& springs,
                           double shift) {
   SparseMatrix K = assembler.stiffness();
@@ -46,7 +46,7 @@ SparseMatrix stiffness_of(const ShellAssembler& assembler, const ShellSprings& s
   return K + all;
 }
 
-// (2π f)² of bending waves as long as the shell, or so.
+// Roughly (2π f)² of bending waves as long as the shell.
 double shift_of(const ShellSection& section, double size) {
   const ShellMaterial& m = section.material;
   return m.Q(0, 0) * std::pow(section.thickness, 2) / (12 * m.density * std::pow(size, 4));
@@ -106,7 +106,7 @@ std::vector<SupportReaction> ShellModel::reactions(const Points& q, const Points
   const VecX positions = layout_.position_dofs();
   std::vector<SupportReaction> result;
   for (const std::string& name : supports_) result.push_back({name, {}});
-  // Of a support's name; ties have none.
+  // Resultant of the support with this name; ties are not supports and give null.
   const auto resultant_of = [&](const std::string& name) -> Resultant* {
     const auto found = std::find(supports_.begin(), supports_.end(), name);
     return found == supports_.end() ? nullptr : &result[found - supports_.begin()].resultant;
@@ -142,7 +142,7 @@ double ShellModel::goal_change(const Points& u, const Points& F, const Points& a
   const Points here = residual_forces(u, F),
                there = reaction_forces(other.K, u, other_F + other.ties.springs.load());
   double change = a.cwiseProduct(here - there).sum();
-  // Rows of the other shape, on displacements that keep those of this one.
+  // Constraints of the other shape, applied to displacements that satisfy those of this shape.
   const auto& rhs_to_particular = solver_.reduction().rhs_to_particular();
   const VecX of_u = rhs_to_particular.transpose() * stacked(here),
              of_a = rhs_to_particular.transpose() *
@@ -176,9 +176,10 @@ double ShellModel::energy(const Points& q) const {
 
 namespace {
 
-using Motion = Eigen::Matrix<double, 6, 1>;  // (t, ω S): translation of the centre, turn times size
+// (t, ω S): translation of the centre, rotation times size.
+using Motion = Eigen::Matrix<double, 6, 1>;
 
-// Bodies that stay rigid, one for each region, or one of all.
+// Rigid bodies, one per region, or one for the whole model.
 class RigidBodies {
  public:
   RigidBodies(const ModelLayout& model, const Points& shape)
@@ -201,7 +202,8 @@ class RigidBodies {
   const Vec3& centre() const { return centre_; }
   double size() const { return size_; }
 
-  // Adds a row's part to AᵀA, where A is what rows make of motions.
+  // Adds the contribution of a constraint to AᵀA, where A maps rigid-body motions to constraint
+  // values.
   void add_row(const std::vector<ConstraintSet::CoupledEntry>& entries, MatX& AtA) const {
     std::map<int, Motion> parts;
     for (const auto& e : entries) {
@@ -235,7 +237,7 @@ std::string format_vector(Vec3 v) {
   return text + "]";
 }
 
-// Of a unit vector and its opposite the one whose largest component is positive.
+// The direction v or -v whose largest component is positive, normalised.
 Vec3 pointing_up(Vec3 v) {
   v.normalize();
   Eigen::Index largest = 0;
@@ -255,18 +257,18 @@ std::string describe(const Motion& motion, const Vec3& centre, double size) {
          format_vector(through);
 }
 
-// An orthonormal basis of `space` without the direction `removed`, which lies in it.
+// Orthonormal basis of the part of `space` that is orthogonal to `removed`, a vector in it.
 MatX without(const MatX& space, const VecX& removed) {
   const MatX rest = space - removed * (removed.transpose() * space);
   return thin_svd(rest).U.leftCols(space.cols() - 1);
 }
 
-// Unit vectors of all bodies moving as one.
+// Unit vectors of all bodies moving together.
 MatX uniform_motions(int bodies) {
   return Eigen::Matrix<double, 6, 6>::Identity().replicate(bodies, 1) / std::sqrt(bodies);
 }
 
-// The motions of a space, first those of all bodies as one.
+// Describes the motions in a space, first those of all bodies together.
 std::vector<std::string> describe_motions(const ModelLayout& model, const RigidBodies& bodies,
                                           MatX space) {
   std::vector<std::string> found;
@@ -280,7 +282,7 @@ std::vector<std::string> describe_motions(const ModelLayout& model, const RigidB
       found.push_back("all of it can slide along " + format_vector(Vec3::Unit(c)));
       space = without(space, all.col(c));
     }
-  // Further motions of all as one: where the two spaces meet.
+  // Other motions of all bodies together: the intersection of the two spaces.
   while (space.cols() > 0) {
     const VecX shared = thin_svd(space.transpose() * all).V.col(0);
     const VecX v = all * shared;
@@ -319,7 +321,7 @@ RigidBodyModes find_rigid_body_modes(const ModelLayout& model, const Points& sha
 
   const SymmetricEigen eigen = symmetric_eigen(AtA);
   const VecX& values = eigen.values;
-  constexpr double none = 1e-10, little = 1e-4;  // squares of what resists
+  constexpr double none = 1e-10, little = 1e-4;  // squares of the relative resistance
   const auto below = [&](double limit) {
     return std::lower_bound(values.begin(), values.end(), limit) - values.begin();
   };

@@ -1,4 +1,4 @@
-// The regions of a model as one shell that is held and can be solved.
+// Linear static analysis of a model as one supported shell.
 #pragma once
 
 #include <string>
@@ -11,109 +11,120 @@
 
 namespace batten {
 
-// The motions that supports leave to a shell, or nearly so.
+// Rigid-body modes and mechanisms.
 
-/// Motions in which each region stays rigid, in words: "all of it can slide along [0, 0, 1]", "region
-/// 'lid' can turn about the axis along … through …".
+/// Unsupported and nearly unsupported rigid-body modes and mechanisms, in which each region stays
+/// rigid. They are described as text: "all of it can slide along [0, 0, 1]", "region 'lid' can turn
+/// about the axis along … through …".
 struct RigidBodyModes {
-  /// Nothing resists these: rows and springs do by less than 1e-5 of what they do to others.
+  /// Motions that nothing resists: the resistance of constraints and springs is less than 1e-5 of
+  /// that to other motions.
   std::vector<std::string> unconstrained;
-  /// These are resisted, but by supports that lie within a hundredth of the shell's size of where they
-  /// would not be: three points almost in one line.
+  /// Motions that are barely resisted: the supports lie within 1 % of the shell's size of a
+  /// configuration that would not resist them, for example three almost collinear points.
   std::vector<std::string> weakly_constrained;
   double smallest_lever =
-      0;  ///< the smallest lever of them, over the shell's size (root of mean square)
+      0;  ///< smallest lever arm (RMS) of these motions, relative to the size of the shell
 };
 
-/// O(rows + (6 regions)³); models of more than 500 regions are looked at as one body.
+/// Finds the motions that ties and supports do not resist. Cost: O(constraints + (6 regions)³);
+/// models with more than 500 regions are treated as one body.
 RigidBodyModes find_rigid_body_modes(const ModelLayout& model, const Points& shape,
                                      const ShellTies& ties);
 
 
-/// What a support does to the shell.
+/// Reaction of a support.
 struct SupportReaction {
   std::string support;
-  Resultant resultant;  ///< on the shell; moment about the origin
+  Resultant resultant;  ///< acts on the shell; moment about the origin
 };
 
-/// K with its springs, 3n×3n, and what ties and holds, of one shape.
+/// Assembled system of one shape: ties and supports, and the stiffness K with springs, 3n×3n.
 struct ShellSystem {
   ShellTies ties;
   SparseMatrix K;
 };
 
-/// Linear statics of a model: K q = F under the rows of its joins and supports, one factor for all
-/// loads.
+/// Linear static analysis of a model: K q = F with the constraints of ties and supports, and one
+/// factorization for all loads.
 ///
 ///     const ShellModel shell(layout, shape, {{{ShellMaterial::isotropic(210e3, 0.3), 1.5}},
 ///                                            {LineSupport::clamped("hinges")}});
 ///     const Points q = shell.solve(point_force(layout, nearest_location(layout, shape, knob), push));
 ///
-/// Costs one stiffness and one factor of up to 3n unknowns; solve() one pair of triangular solves.
+/// Construction assembles one stiffness matrix and factors up to 3n unknowns; solve() costs one
+/// pair of triangular solves.
 class ShellModel {
  public:
-  /// `shape`: absolute dofs of the middle surface. Throws InputError: what triangle_sections() and
-  /// shell_ties() throw; ConflictError: supports
-  /// that contradict each other; NoSolutionError: motions that nothing resists, each named.
-  ///
-  /// Free::Shifted takes a shell that is not held, for its vibrations: its stiffness is K + shift() M,
-  /// and no other function knows of that.
+  /// Handling of rigid-body modes. Refused: the constructor throws. Shifted: allows an unsupported
+  /// shell, for its vibrations; the factored stiffness is K + shift() M, and no other function
+  /// takes this into account.
   enum class RigidBodyHandling { Refused, Shifted };
-  /// `backend_factory`: what factors its systems; empty: SparseCholesky.
+  /// Assembles and factors the system. `shape`: absolute dofs of the middle surface.
+  /// `backend_factory`: creates the linear solver; empty: SparseCholesky. Throws InputError as
+  /// triangle_sections() and shell_ties() do, ConflictError if supports contradict each other,
+  /// NoSolutionError if there are unconstrained motions (the message names each).
   ShellModel(ModelLayout layout, Points shape, const ShellDefinition& definition,
              RigidBodyHandling free = RigidBodyHandling::Refused,
              const BackendFactory& backend_factory = {});
 
-  /// The same shell in another shape, while a slider moves: sections and supports stay, supports at
-  /// points at their places of the material. Costs the numbers of a stiffness and of a factor; their
-  /// patterns are kept. Throws as the constructor; after a throw only move() may be called.
+  /// Updates the shell to another shape, for example while a slider moves. Sections and supports
+  /// are unchanged; point supports stay at the same material points. Only the numeric assembly and
+  /// factorization are repeated. Throws as the constructor does; after an exception, only
+  /// update_shape() may be called.
   void update_shape(Points shape);
 
-  /// The displacement, n×3. Throws InputError for a load of another size.
+  /// Displacement q (n×3) for the load F. Throws InputError for a load of the wrong size.
   Points solve(const Points& F) const;
-  /// What every support does to the shell, each name once. Their sum balances the load to
-  /// rounding: λ of its rows, from K q - F = Cᵀ λ, and the pull of its springs.
+  /// Reaction of every support, each name once. They balance the load to rounding. A reaction
+  /// consists of the Lagrange multipliers λ of the constraints, from K q - F = Cᵀ λ, and the forces
+  /// of the springs.
   std::vector<SupportReaction> reactions(const Points& q, const Points& F) const;
-  /// The system of another shape on the same layout: one stiffness, no factor.
+  /// Assembles the system for another shape on the same layout: one stiffness matrix, no
+  /// factorization.
   ShellSystem assemble_system(const Points& shape) const;
-  /// By how much Gᵀu changes when the system becomes `other`, and the load other_F: to first order,
+  /// First-order change of the goal functional Gᵀu if the system becomes `other` and the load
+  /// `other_F`:
   ///
   ///     aᵀ (δF - δK u) + λ(u)ᵀ δC a + λ(a)ᵀ δC u,      u = solve(F),  a = adjoint(G)
   ///
-  /// with λ the multipliers of the rows. G: a goal, as a load (point_force() of 1 for a displacement,
-  /// F for the compliance, without δF in it). Costs a few sparse products.
+  /// with the Lagrange multipliers λ of the constraints C. G: the goal as a load vector
+  /// (point_force() of 1 for a displacement; F for the compliance, without its change δF). Cost: a
+  /// few sparse products.
   double goal_change(const Points& u, const Points& F, const Points& a, const Points& G,
                      const ShellSystem& other, const Points& other_F) const;
-  /// K a = G under supports that do not move.
+  /// Adjoint solution: K a = G with homogeneous supports.
   Points adjoint(const Points& G) const;
-  /// ½ qᵀ K q, without what springs of embedded lines hold
+  /// Strain energy ½ qᵀ K q, without the energy in springs along embedded curves.
   double energy(const Points& q) const;
 
   const ModelLayout& layout() const { return layout_; }
   const Points& shape() const { return shape_; }
   const ShellAssembler& assembler() const { return assembler_; }
+  /// Section of a region.
   const ShellSection& section(int region) const {
     const auto& sections = definition_.sections;
     return sections[sections.size() == 1 ? 0 : static_cast<size_t>(region)];
   }
   const ConstrainedSolver& solver() const { return solver_; }
-  /// Motions that nothing resists, or little; and what was added of the mass because of the first.
+  /// Unsupported and nearly unsupported motions, and the factor of the mass matrix that was added
+  /// because of the former (0: none).
   const RigidBodyModes& rigid_body_modes() const { return rigid_body_modes_; }
   double shift() const { return shift_; }
-  /// Free unknowns of the system that is solved.
+  /// Number of free unknowns of the factored system.
   int unknowns() const { return solver_.reduction().free_count(); }
 
  private:
-  // Of ties_ and assembler_.
+  // Stiffness of assembler_ with the springs of ties_.
   SparseMatrix stiffness();
-  // K q - F with the springs' own load: what rows do.
+  // K q - F including the load of the springs: the forces of the constraints.
   Points residual_forces(const Points& q, const Points& F) const;
 
   ModelLayout layout_;
   Points shape_;
   ShellDefinition definition_;
   RigidBodyHandling rigid_body_handling_;
-  std::vector<ShellSection> sections_;  // one, or one for each triangle
+  std::vector<ShellSection> sections_;  // one for all, or one per triangle
   std::vector<std::string> supports_;
   RigidBodyModes rigid_body_modes_;
   double shift_ = 0;

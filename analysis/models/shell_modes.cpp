@@ -12,7 +12,7 @@
 namespace batten {
 namespace {
 
-// y = Dᵀ A D x for a matrix A of one coordinate that acts on x, y and z alike.
+// Product y = Dᵀ A D x for a matrix A of one coordinate, applied to x, y and z.
 class ReducedProduct {
  public:
   using Scalar = double;
@@ -32,7 +32,7 @@ class ReducedProduct {
   const SparseMatrix &D_, &A_;
 };
 
-// y = DᵀKD x, and its inverse by the factor.
+// Product y = DᵀKD x, and its inverse by the factor.
 class ReducedStiffness {
  public:
   using Scalar = double;
@@ -59,8 +59,8 @@ struct EigenPairs {
   std::vector<Points> vectors;
 };
 
-// The largest μ of A u = μ K u, or those of largest magnitude. None where the iteration does not
-// end.
+// Eigenpairs of A u = μ K u with the largest μ, or with the largest magnitude. Empty if the
+// iteration does not converge.
 std::optional<EigenPairs> largest_eigenpairs(const ConstrainedSolver& solver, const SparseMatrix& A,
                                              int count, Spectra::SortRule which) {
   const int n = solver.reduction().free_count();
@@ -69,7 +69,7 @@ std::optional<EigenPairs> largest_eigenpairs(const ConstrainedSolver& solver, co
                      " unknowns, expected 1 or more, and fewer than half of the unknowns");
   ReducedProduct product(solver.reduction(), A);
   ReducedStiffness stiffness(solver);
-  // Room for pairs of equal values, as symmetric shells have them.
+  // Additional dimensions for multiple eigenvalues, which occur on symmetric shells.
   const int krylov_dimension = std::min(n, 2 * count + 20);
   Spectra::SymGEigsSolver<ReducedProduct, ReducedStiffness, Spectra::GEigsMode::RegularInverse>
       lanczos(product, stiffness, count, krylov_dimension);
@@ -82,7 +82,8 @@ std::optional<EigenPairs> largest_eigenpairs(const ConstrainedSolver& solver, co
   pairs.values = lanczos.eigenvalues();
   const MatX vectors = lanczos.eigenvectors();
   for (long k = 0; k < vectors.cols(); ++k) {
-    const VecX q = solver.reduction().D() * vectors.col(k);  // without what supports impose
+    // Homogeneous part, without prescribed displacements.
+    const VecX q = solver.reduction().D() * vectors.col(k);
     pairs.vectors.push_back(Eigen::Map<const Points>(q.data(), A.rows(), 3));
   }
   return pairs;
@@ -123,8 +124,8 @@ ShellBuckling buckling(const ShellModel& shell, const Points& q, int count) {
   const SparseMatrix G = -shell.assembler().geometric_stiffness(q);
   auto found = largest_eigenpairs(shell.solver(), G, count, Spectra::SortRule::LargestAlge);
   if (!found) {
-    // Where nothing buckles the largest μ is 0, of infinitely many shapes: then those that are not
-    // near 0 are below it.
+    // If nothing buckles, the largest μ is 0 with infinitely many eigenvectors. All eigenvalues
+    // that are not near 0 are then negative, which the search by magnitude confirms.
     found = largest_eigenpairs(shell.solver(), G, count, Spectra::SortRule::LargestMagn);
     if (!found || found->values[0] > 0) throw_not_converged(count);
   }

@@ -1,4 +1,4 @@
-// Natural frequencies and buckling loads of a shell.
+// Natural frequencies, mode shapes and linear buckling of a shell.
 #pragma once
 
 #include <vector>
@@ -7,29 +7,34 @@
 
 namespace batten {
 
-/// Ways in which a shell vibrates, slowest first.
+/// Natural vibration modes of a shell, lowest frequency first.
 struct ShellModes {
-  VecX frequencies;            ///< 1/time: Hz, where the unit of time is the second
-  std::vector<Points> shapes;  ///< displacements (n×3) of mass 1: Σ over x, y, z of qᵀ M q
-  int rigid_body_count = 0;    ///< of them: motions without strain, of a shell that is not held
+  VecX frequencies;            ///< in 1/time: Hz if the unit of time is the second
+  std::vector<Points> shapes;  ///< mass-normalised mode shapes (n×3): Σ over x, y, z of qᵀ M q = 1
+  int rigid_body_count = 0;    ///< number of leading rigid-body modes (unsupported shell)
 };
 
-/// K q = (2π f)² M q for the lowest `count` frequencies, besides rigid motions: those of a shell that
-/// is not held (ShellModel::Free::Shifted) come first. Lanczos
-/// iteration by Spectra on the inverse (shift and invert, implicitly restarted): some 3 · count
-/// solves with the shell's factor. Throws InputError: no density in some section, count not above 0
-/// or half of the unknowns; NoSolutionError when the iteration does not end.
+/// Computes the lowest `count` natural frequencies and modes, K q = (2π f)² M q, in addition to
+/// rigid-body modes. For an unsupported shell (ShellModel::RigidBodyHandling::Shifted), the latter
+/// come first.
+///
+/// Uses the implicitly restarted Lanczos iteration of Spectra in shift-and-invert mode: about
+/// 3 · count solves with the factor of the shell. Throws InputError if a section has no density, or
+/// if count is not positive or at least half of the unknowns; NoSolutionError if the iteration does
+/// not converge.
 ShellModes natural_modes(const ShellModel& shell, int count);
 
 /// Load factors at which a shell buckles, smallest first.
 struct ShellBuckling {
-  VecX factors;                ///< of the load; fewer than asked for where the others are negative
-  std::vector<Points> shapes;  ///< displacements (n×3), the largest of 1 model unit
+  /// Multiples of the load; fewer than requested if the others are negative.
+  VecX factors;
+  std::vector<Points> shapes;  ///< buckling modes (n×3); the largest displacement is 1 model unit
 };
 
-/// Linear buckling under the load whose displacement is q = shell.solve(F): (K + λ G(q)) u = 0 for
-/// the smallest λ > 0, where G is ShellAssembler::geometric_stiffness(). Prestress by bending does not
-/// count, nor what the shell moved before. Throws InputError for a count as above.
+/// Linear buckling under the load whose displacement is q = shell.solve(F): solves (K + λ G(q))
+/// u = 0 for the smallest λ > 0, with G from ShellAssembler::geometric_stiffness(). Bending
+/// prestress and displacements before buckling are neglected. `count`: number of load factors.
+/// Throws InputError for an invalid count, as natural_modes() does.
 ShellBuckling buckling(const ShellModel& shell, const Points& q, int count);
 
 }  // namespace batten

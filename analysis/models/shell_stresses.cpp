@@ -26,7 +26,7 @@ Mat3 unpacked(const Six& p) {
   return a;
 }
 
-// From (11, 22, 12) in the axes of a point.
+// Tensor in space from (11, 22, 12) in the local axes of a point.
 Mat3 in_space(const Vec3& s, const ShellPoint& at) {
   const Vec3 &a = at.e1(), &b = at.e2();
   return s[0] * a * a.transpose() + s[1] * b * b.transpose() +
@@ -64,7 +64,7 @@ ShellStress ShellStresses::raw(const Location& where) const {
           shell_.assembler().section(where.triangle).thickness_at(where.L)};
 }
 
-// At the centroids of sub-triangles; in a triangle that is cut, at points of its inside.
+// Samples are at the centroids of sub-triangles; in a cut triangle, at points of its inside.
 void ShellStresses::take_samples() {
   const ShellAssembler& shell = shell_.assembler();
   TriangleRule centroids{Eigen::Matrix<double, 3, 3>::Constant(4.0 / 9),
@@ -88,7 +88,7 @@ void ShellStresses::take_samples() {
   });
 }
 
-// 1, x, y, x²/2, xy, y²/2 at a place relative to a vertex, in units of the patch.
+// 1, x, y, x²/2, xy, y²/2 at a position relative to a vertex, in units of the patch size.
 ShellStresses::Monomials ShellStresses::monomials(const Vec2& d, double size) {
   const double x = d.x() / size, y = d.y() / size;
   Monomials row;
@@ -96,7 +96,8 @@ ShellStresses::Monomials ShellStresses::monomials(const Vec2& d, double size) {
   return row;
 }
 
-// The triangles around each vertex that have samples; with those around them where they are few.
+// Patches: the triangles around each vertex that have samples, extended by their neighbours if
+// there are too few.
 std::vector<std::vector<int>> ShellStresses::patches() const {
   const ParametricMesh& mesh = shell_.assembler().surface().mesh();
   std::vector<std::vector<int>> around(mesh.vertices().size());
@@ -135,7 +136,8 @@ void ShellStresses::fit() {
       A += sample->weight * row * row.transpose();
       b += sample->weight * row * sample->parts.transpose();
     }
-    // Where samples do not tell a coefficient (slivers, corners of one triangle) it is small.
+    // Regularisation: coefficients that the samples do not determine (slivers, corners with a
+    // single triangle) become small.
     constexpr double lean = 1e-6;
     A.diagonal().tail<5>().array() += lean * A(0, 0);
     polynomial.coefficients = A.ldlt().solve(b);
@@ -171,7 +173,8 @@ ShellStress ShellStresses::at(const Location& where, const Vec3& normal) const {
 
 namespace {
 
-using Six = Eigen::Matrix<double, 6, 1>;  // (N11, N22, N12, M11, M22, M12) in the axes of a point
+// (N11, N22, N12, M11, M22, M12) in the local axes of a point.
+using Six = Eigen::Matrix<double, 6, 1>;
 
 Six in_axes(const ShellStress& s, const ShellPoint& at) {
   Six six;
@@ -185,7 +188,7 @@ Six six_of(const ShellAssembler::Resultants& r) {
   return six;
 }
 
-// The work of stresses a on the strains of b, per area.
+// Work per area of stresses a on the strains of b.
 double work(const Six& a, const Six& b, const Mat3& compliance, double t) {
   return a.head<3>().dot(compliance * b.head<3>()) / t +
          a.tail<3>().dot(compliance * b.tail<3>()) * 12 / (t * t * t);
@@ -193,8 +196,9 @@ double work(const Six& a, const Six& b, const Mat3& compliance, double t) {
 
 }  // namespace
 
-// The samples are where elements are at their best: the rule of the stiffness sees the rest, as the
-// false membrane forces of elements that lock. `adjoint` may be this one.
+// Samples are at points where elements are most accurate. The quadrature of the stiffness also
+// captures other errors, such as the spurious membrane forces of locking elements. `adjoint` may be
+// this object.
 ShellStresses::Energies ShellStresses::energies(const ShellStresses& adjoint) const {
   const ShellAssembler& shell = shell_.assembler();
   const int count = shell.surface().mesh().triangle_count();

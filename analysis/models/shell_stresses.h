@@ -1,4 +1,4 @@
-// Stresses of a shell, recovered from its displacement, and how sure they are.
+// Stress recovery of a shell from its displacement, with error estimates.
 #pragma once
 
 #include <array>
@@ -9,54 +9,60 @@
 
 namespace batten {
 
-/// Symmetric tensors in the tangent plane at one place, in space.
+/// Stress resultants at one point: symmetric tensors in the tangent plane, in space coordinates.
 struct ShellStress {
-  Mat3 forces = Mat3::Zero();   ///< N, force per length
-  Mat3 moments = Mat3::Zero();  ///< M, moment per length; stretches the top where positive
+  Mat3 forces = Mat3::Zero();   ///< membrane forces N, force per length
+  Mat3 moments = Mat3::Zero();  ///< moments M, moment per length; positive: tension at the top
   double thickness = 0;
 
-  /// Stress at a height above the middle surface, as a share of half the thickness: 1 is the top,
-  /// where the normal points, -1 the bottom. σ = N/t + height · 6 M/t²
+  /// Stress at a height above the middle surface, relative to half of the thickness: 1 is the top
+  /// (where the normal points), -1 the bottom. σ = N/t + height · 6 M/t².
   Mat3 at(double height) const {
     return forces / thickness + height * 6 / (thickness * thickness) * moments;
   }
 };
 
-/// The equivalent stress √(σ1² - σ1 σ2 + σ2²) of a plane stress.
+/// Von Mises equivalent stress √(σ1² - σ1 σ2 + σ2²) of a plane stress.
 double von_mises(const Mat3& stress);
-/// The principal stresses σ1 ≥ σ2 of a plane stress.
+/// Principal stresses σ1 ≥ σ2 of a plane stress.
 std::array<double, 2> principal(const Mat3& stress);
 
-/// Stresses jump a little from element to element. Here they are taken at the centroids of the
-/// three cubics of each triangle (Z12: of the same sub-triangles), and a quadratic over (u, v) is
-/// fitted to those around each vertex (Zienkiewicz and Zhu 1992): never across lines of regions, so
-/// that jumps at creases and steps of thickness stay. Inside of a triangle its three quadratics are
-/// blended. O(triangles), on all threads; error() and missing() as much again. Keeps references to the
-/// shell and to q.
+/// Recovered stresses of a shell: superconvergent patch recovery ([ZienkiewiczZhu1992]).
+///
+/// Raw stresses jump between elements. They are evaluated at the centroids of the three cubics of
+/// each triangle (Z12: of the same sub-triangles), and a quadratic in (u, v) is fitted to those
+/// around each vertex. Patches never extend across curves between regions, so that jumps at creases
+/// and thickness steps are preserved. Inside a triangle, the three quadratics of its vertices are
+/// blended.
+///
+/// Cost: O(triangles), on all threads; energy_norm_error() and goal_error() cost as much again.
+/// Keeps references to the shell and to q.
 class ShellStresses {
  public:
+  /// Recovers the stresses of the displacement q (n×3).
   ShellStresses(const ShellModel& shell, const Points& q);
 
-  /// At a place of the model's mesh.
+  /// Recovered stress at a location of the model's mesh.
   ShellStress at(const Location& where) const;
-  /// What the elements themselves have there, without recovery.
+  /// Raw stress of the element at a location, without recovery.
   ShellStress raw(const Location& where) const;
 
-  /// √(energy of the stresses' jumps / energy): the relative error in energy norm by Zienkiewicz and
-  /// Zhu (1987), by the rule of the stiffness, which also sees the false membrane forces of elements
-  /// that lock. The error of a displacement under its own load is about its square.
+  /// Estimated relative error in the energy norm, √(energy of the stress jumps / energy)
+  /// ([ZienkiewiczZhu1987]). It uses the quadrature of the stiffness, which also captures the
+  /// spurious membrane forces of locking elements. The relative error of a displacement under its
+  /// own load is about the square of this.
   double energy_norm_error() const;
-  /// What is missing of a goal Gᵀq, about: the work of these jumps with those of `adjoint`, the
-  /// stresses of ShellModel::adjoint(G) on the same shell (Oden and Prudhomme 2001).
+  /// Estimated error of a goal functional Gᵀq: the work of the stress jumps with those of
+  /// `adjoint`, the stresses of ShellModel::adjoint(G) on the same shell ([OdenPrudhomme2001]).
   double goal_error(const ShellStresses& adjoint) const;
-  /// The same of each triangle: where smaller elements pay.
+  /// Contributions of the triangles to goal_error(), for adaptive refinement.
   VecX goal_error_per_triangle(const ShellStresses& adjoint) const;
 
-  /// The largest equivalent stress at a vertex inside, top or bottom.
+  /// Largest von Mises stress at a vertex inside of the trim, at the top or bottom.
   struct Peak {
     double value = 0;
     double height = 1;  ///< 1: top, -1: bottom
-    double spread = 0;  ///< largest difference of the raw stresses around from it
+    double spread = 0;  ///< largest deviation of the surrounding raw stresses from it
     Location where;
     Vec3 at = Vec3::Zero();
   };
@@ -70,7 +76,7 @@ class ShellStresses {
     double weight;  // area of the surface
     Parts parts;
   };
-  // Of one vertex: a quadratic of the place relative to it.
+  // Fit at one vertex: a quadratic in the position relative to it.
   struct Polynomial {
     Eigen::Matrix<double, 6, kParts> coefficients;
     double size = 0;
@@ -80,7 +86,7 @@ class ShellStresses {
   void take_samples();
   std::vector<std::vector<int>> patches() const;
   void fit();
-  // Of each triangle: the work of these jumps with those of `adjoint`, and of the own stresses.
+  // Per triangle: work of the stress jumps with those of `adjoint`, and of the stresses themselves.
   struct Energies {
     VecX goal_error, all;
   };
@@ -92,7 +98,8 @@ class ShellStresses {
   const ShellModel& shell_;
   const Points& q_;
   std::vector<std::vector<Sample>> samples_;            // of each triangle
-  std::vector<std::optional<Polynomial>> at_vertices_;  // none where nothing is inside
+  // Empty if nothing around the vertex is inside.
+  std::vector<std::optional<Polynomial>> at_vertices_;
   Peak peak_;
 };
 

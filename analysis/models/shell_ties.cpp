@@ -27,7 +27,7 @@ void tie_rotations(const std::string& name, const JoinEdge& a, const JoinEdge& b
   }
 }
 
-// stiffness(f): of the stiffer side.
+// Adds the springs along a curve. stiffness(f): that of the stiffer side.
 template <class Stiffness>
 void add_springs(const std::string& name, const JoinEdge& a, const JoinEdge& b, const Points& shape,
                  bool hinge, const Stiffness& stiffness, ShellSprings& springs) {
@@ -104,7 +104,7 @@ void ShellSprings::add(const std::string& name, const Entries& entries, double s
 }
 
 SparseMatrix ShellSprings::stiffness() const {
-  // Many springs lie in one triangle, or pair of triangles, and have the same dofs.
+  // Many springs lie in the same triangle, or pair of triangles, and have the same dofs.
   std::map<std::vector<int>, MatX> blocks;
   for (const Spring& spring : springs_) {
     std::vector<int> dofs;

@@ -1,4 +1,4 @@
-// What makes one shell of the regions of a model.
+// Tie constraints between adjacent regions of a model, and springs.
 #pragma once
 
 #include <string>
@@ -10,12 +10,15 @@
 
 namespace batten {
 
-// Springs that hold a shell: soft ones, and stiff ones where no rows can hold it exactly.
+// Springs that support or connect a shell: soft ones, and stiff ones (penalty) where exact
+// constraints are not possible.
 
-/// The energy ½ Σ k (Σ a_m · q_m - value)², each term a quadrature point of a line or an area, k its
-/// stiffness per length or area times the length or area that it stands for. On lines that cross
-/// elements anyhow rows would be too many or too few; springs a thousand times as stiff as the
-/// elements beside them are neither (shell_ties.h).
+/// Collection of springs with the energy ½ Σ k (Σ a_m · q_m - value)².
+///
+/// Each term is a quadrature point of a curve or an area; k is its stiffness per length or area,
+/// times the length or area that the point represents. On curves that cross elements anywhere,
+/// exact constraints would be too many or too few. Springs that are a thousand times as stiff as
+/// the adjacent elements avoid both (see shell_ties()).
 class ShellSprings {
  public:
   using Entries = std::vector<ConstraintSet::CoupledEntry>;
@@ -26,17 +29,17 @@ class ShellSprings {
   };
 
   explicit ShellSprings(int dof_count) : dof_count_(dof_count) {}
-  /// Entries that name a dof again are added up.
+  /// Adds a spring. Entries with the same dof are summed.
   void add(const std::string& name, const Entries& entries, double stiffness, double value);
 
   bool empty() const { return springs_.empty(); }
   const std::vector<Spring>& springs() const { return springs_; }
   const std::vector<std::string>& names() const { return names_; }
-  /// Lower triangle, 3n×3n over [x; y; z].
+  /// Stiffness matrix (lower triangle), 3n×3n over [x; y; z].
   SparseMatrix stiffness() const;
-  /// Σ k value a_m, n×3: what pulls towards the values.
+  /// Load vector Σ k value a_m (n×3), which pulls towards the values.
   Points load() const;
-  /// The pull of a spring under q: its force on the shell is pull · a_m at each dof.
+  /// Force of a spring under q; its force on the shell is pull · a_m at each dof.
   static double pull(const Spring& spring, const Points& q);
 
  private:
@@ -46,31 +49,34 @@ class ShellSprings {
 };
 
 
-/// Rows that hold exactly, and springs along embedded lines.
+/// Exact constraints, and springs along embedded curves.
 struct ShellTies {
   ConstraintSet constraints;
   ShellSprings springs;
 };
 
-/// Ties under which regions move as one shell along the lines that they share, "joined line NAME":
-/// places and slopes along the line are the same, and so is the rotation ω about it,
+/// Creates the ties between regions that share a curve, so that they deform as one shell;
+/// constraints are named "joined line NAME". Positions and derivatives along the curve are equal on
+/// both sides, and so is the rotation ω about it,
 ///
 ///     ω = -(n · U_y - b/|x_t| n · U_t)/a,     y = a (τ × n) + b τ,  τ = x_t/|x_t|,
 ///
-/// with y a direction into the region and U its displacement: moments are carried over creases as
-/// over smooth joins, whatever their angle, also where three regions or more meet. Along `hinges`
-/// regions share places and slopes only.
+/// where y is a direction into the region and U its displacement. Moments are thus transferred
+/// across creases as across smooth joins, whatever their angle, also if three or more regions meet.
+/// Along `hinges`, regions share positions and derivatives only.
 ///
-/// Of two runs these are rows: ω is the same at the vertices and in the middles of edges. Where a
-/// region has the line embedded, springs along it tie places and ω, per length
+/// If the curve follows element edges on both sides, the ties are exact constraints, with ω equal
+/// at vertices and edge midpoints. If the curve is embedded in a region, springs along it tie
+/// positions and ω. Their stiffness per length is
 ///
-///     α Q11 t/h  and  α Q11 t³/(12 h),     α = 1000, h the length of an element's edge,
+///     α Q11 t/h  and  α Q11 t³/(12 h),     α = 1000, h the length of an element edge,
 ///
-/// so that they give a thousandth of what an element gives (Herrema, Johnson, Proserpio, Wu, Kiendl,
-/// Hsu 2019: penalty coupling of Kirchhoff-Love shells on meshes that do not match). Everything is
-/// on the dofs of the model; `shape`: absolute dofs; `sections`: one, or one for each region. Throws
-/// InputError for a hinge that is no line of the model, or has one region only. Source:
-/// docs/theory/shells.md.
+/// so that they deform by a thousandth of what an element does (penalty coupling of Kirchhoff-Love
+/// shells on non-matching meshes, [Herrema2019]).
+///
+/// Everything refers to the dofs of the model. `shape`: absolute dofs of the middle surface;
+/// `sections`: one for all, or one per region. Throws InputError if a hinge is not a curve of the
+/// model or has one region only. Reference: docs/theory/shells.md.
 ShellTies shell_ties(const ModelLayout& model, const Points& shape,
                      const std::vector<ShellSection>& sections,
                      const std::vector<std::string>& hinges = {});

@@ -1,4 +1,4 @@
-// The program's cad_plugin(): OpenCASCADE comes with a module, at the first call.
+// cad_plugin() of the command-line program: loads the OpenCASCADE module at the first call.
 #include "batten/io/lines/cad_plugin.h"
 #include "batten/apps/commands/runs/plugins.h"
 #include "batten/core/errors.h"
@@ -18,7 +18,7 @@ const CadPlugin& cad_plugin() {
     plugin.enable_sandboxed_read(is_sandboxed_read_enabled());
     return plugin;
   }();
-  calls.set_thread_count(thread_count());  // the module may have one of its own
+  calls.set_thread_count(thread_count());  // the module may have a thread count of its own
   return calls;
 }
 

@@ -6,7 +6,7 @@
 namespace batten {
 namespace {
 
-// CLI::PositiveNumber, in words and without infinity.
+// Like CLI::PositiveNumber, but rejects infinity.
 const CLI::Validator kPositive(
     [](std::string& text) {
       double value = 0;

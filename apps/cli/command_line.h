@@ -1,5 +1,6 @@
-// What a command line may say. CLI11 reads it, in words.cpp only: its templates take ten seconds to compile
-// in every source that sees them.
+// Command-line parser: subcommands and options. A facade for CLI11, which only command_line.cpp
+// includes, because its templates add ten seconds of compile time to every source that includes
+// them.
 #pragma once
 
 #include <filesystem>
@@ -16,35 +17,43 @@ class Option;
 
 namespace batten {
 
-/// One option, flag or argument. What it is told returns it again, so that calls can be chained. A value
-/// that breaks a rule ends the program with kBadInput and a message that names the option.
+/// An option, flag or positional argument of a subcommand.
+///
+/// Each method adds a rule and returns the option, so that calls can be chained. If a value
+/// violates a rule, parse() returns ParseResult::Invalid with a message that names the option.
 class CommandOption {
  public:
   explicit CommandOption(CLI::Option* option) : option_(option) {}
 
+  /// The option must be given.
   CommandOption required() const;
-  /// It may be there several times, each with one value.
+  /// The option may be given several times, each time with one value.
   CommandOption allow_repeated() const;
-  /// So many values follow it.
+  /// The option takes exactly `values` values.
   CommandOption count(int values) const;
-  /// The help says its default.
+  /// Shows the default value in the help.
   CommandOption show_default() const;
-  CommandOption hidden() const;                       ///< the help does not list it
-  CommandOption needs(CommandOption other) const;     ///< it makes sense beside the other one only
-  CommandOption excludes(CommandOption other) const;  ///< the two contradict each other
-  CommandOption positive() const;                     ///< a finite number above 0
+  CommandOption hidden() const;                       ///< not listed in the help
+  CommandOption needs(CommandOption other) const;  ///< only allowed together with the other option
+  /// Not allowed together with the other option.
+  CommandOption excludes(CommandOption other) const;
+  CommandOption positive() const;                     ///< the value must be finite and above 0
+  /// The value must lie in [least, most].
   CommandOption in_range(int least, int most) const;
   CommandOption in_range(double least, double most) const;
+  /// The value must be one of these texts.
   CommandOption one_of(const std::vector<std::string>& values) const;
-  /// It may be written in another way.
+  /// Accepts the text `other` as a synonym for `value`.
   CommandOption with_alias(const std::string& other, const std::string& value) const;
 
  private:
   CLI::Option* option_;
 };
 
-/// The words of one command. Names begin with dashes, or are those of arguments, which go by their order.
-/// Variables must outlive it; they are set while the command line is read.
+/// A subcommand and its options.
+///
+/// Names that begin with dashes are options; other names are positional arguments, in the order in
+/// which they are added. The variables are set by CommandLine::parse() and must outlive it.
 class Subcommand {
  public:
   explicit Subcommand(CLI::App* app) : app_(app) {}
@@ -58,28 +67,31 @@ class Subcommand {
                        const std::string& description) const;
   CommandOption option(const char* name, std::vector<double>& values,
                        const std::string& description) const;
+  /// Adds an option without a value; `value` becomes true if it is given.
   CommandOption flag(const char* name, bool& value, const std::string& description) const;
-  /// A text of its own form; `parse_value` returns what is wrong with it, "" if nothing is.
+  /// Adds an option with a syntax of its own. `parse_value` returns an error message, or "" if the
+  /// text is valid.
   CommandOption parsed_option(const char* name,
                               std::function<std::string(const std::string&)> parse_value,
                               const std::string& description) const;
-  /// One of several texts, in any case.
+  /// Adds an option that takes one of several texts, case-insensitive.
   CommandOption enum_option(const char* name, const std::vector<std::string>& values,
                             std::function<void(const std::string&)> parse_value,
                             const std::string& description) const;
-  /// One of several named numbers, by its name in any case or by itself.
+  /// Adds an option that takes one of several named numbers: the name (case-insensitive) or the
+  /// number.
   CommandOption indexed_enum_option(const char* name, const std::map<std::string, int>& values,
                                     std::function<void(int)> parse_value,
                                     const std::string& description) const;
 
-  /// Whether the command line has this command.
+  /// True if the subcommand was given on the command line.
   bool given() const;
 
  private:
   CLI::App* app_;
 };
 
-/// The commands of a program, one of which must be given.
+/// The command line of a program with subcommands, exactly one of which must be given.
 class CommandLine {
  public:
   CommandLine(const char* name, const char* description, const char* version, const char* footer);
@@ -87,13 +99,15 @@ class CommandLine {
   CommandLine(const CommandLine&) = delete;
   CommandLine& operator=(const CommandLine&) = delete;
 
+  /// Adds a subcommand.
   Subcommand command(const char* name, const char* description);
 
   enum class ParseResult {
-    Command,    ///< a command is to be run
-    HelpShown,  ///< help or version was asked for, and printed
-    Invalid     ///< something is wrong, and was said on standard error
+    Command,    ///< a subcommand was given: run it
+    HelpShown,  ///< help or version was requested and printed
+    Invalid     ///< invalid command line; the message was printed to standard error
   };
+  /// Parses the command line and sets the variables of all options.
   ParseResult parse(int argc, char** argv);
 
  private:

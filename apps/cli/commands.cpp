@@ -61,7 +61,7 @@ void add_step_options(const Subcommand& subcommand, StepFileArguments& step) {
 int print_result(const RunReport& report, const std::string& text, const CommonOptions& common) {
   end_progress();
   if (!common.quiet) std::cout << text;
-  constexpr size_t most = 10;  // of a kind: the report has all
+  constexpr size_t most = 10;  // lines per kind; the report lists all
   const auto list = [&](const char* label, const auto& items, const auto& text_of) {
     for (size_t i = 0; i < std::min(items.size(), most); ++i)
       std::cerr << label << ": " << text_of(items[i]) << "\n";
@@ -78,14 +78,14 @@ namespace {
 
 std::atomic<bool> signal_came = false;
 std::atomic<bool> bar_is_drawn = false;
-sem_t signals;  // one up for each signal: all that a handler may do
+sem_t signals;  // incremented per signal; sem_post() is async-signal-safe
 
 void count_signal(int) {
   signal_came = true;
   sem_post(&signals);
 }
 
-// Waits for a signal and for the work to stop; ends the program where it does not.
+// Waits for a signal, then up to 0.3 s for another one; then ends the program.
 void watch(int exit_code) {
   while (sem_wait(&signals) != 0) {
   }
@@ -106,7 +106,7 @@ void draw(std::string_view stage, double fraction) {
   fraction = std::clamp(fraction, 0.0, 1.0);
   const int done = static_cast<int>(fraction * kWidth);
   const std::string bar = std::string(done, '#') + std::string(kWidth - done, '.');
-  // "\033[K" wipes what a longer line before left.
+  // "\033[K" erases the rest of a longer previous line.
   std::fprintf(stderr, "\r[%s] %3.0f %%  %.*s\033[K", bar.c_str(), 100 * fraction,
                static_cast<int>(std::min<size_t>(stage.size(), 40)), stage.data());
   std::fflush(stderr);
@@ -131,7 +131,8 @@ Progress terminal_progress(bool quiet) {
   progress.report = [next = Clock::now() + std::chrono::seconds(1), last = std::string()](
                         std::string_view stage, double fraction) mutable {
     const auto now = Clock::now();
-    // A new stage shows at once when there is a bar already: it may be a long one without steps.
+    // If a bar is drawn already, a new stage shows at once: it may be a long one without progress
+    // steps.
     if (now < next && !(bar_is_drawn && stage != last)) return;
     draw(stage, fraction);
     last = stage;
@@ -146,7 +147,7 @@ void end_progress() {
 }
 
 
-// The words of `batten run` and `batten stress`.
+// `batten run` and `batten stress`.
 
 namespace {
 
@@ -224,7 +225,7 @@ Command add_stress(CommandLine& program, CommonOptions& common) {
 }
 
 
-// The words of `batten sculpt`.
+// `batten sculpt`.
 
 namespace {
 
@@ -279,7 +280,7 @@ Command add_sculpt(CommandLine& program, CommonOptions& common) {
 }
 
 
-// The words of `batten run-script`.
+// `batten run-script`.
 
 Command add_run_script(CommandLine& program, CommonOptions& common) {
   const auto file = std::make_shared<std::string>();
@@ -298,7 +299,7 @@ Command add_run_script(CommandLine& program, CommonOptions& common) {
 }
 
 
-// The words of `batten deform` and `batten sequence`.
+// `batten deform` and `batten sequence`.
 
 namespace {
 
@@ -356,7 +357,7 @@ Command add_sequence(CommandLine& program, CommonOptions& common) {
 }
 
 
-// The words of `batten fair`.
+// `batten fair`.
 
 namespace {
 
@@ -455,7 +456,7 @@ Command add_fair(CommandLine& program, CommonOptions& common) {
 }
 
 
-// The words of `batten skin`, `batten info` and `batten view`, which take files of lines.
+// `batten skin`, `batten info` and `batten view`, which take files of curves.
 
 namespace {
 
@@ -600,7 +601,7 @@ Command add_view(CommandLine& program, CommonOptions& common) {
 }
 
 
-// The words of `batten convert`.
+// `batten convert`.
 
 Command add_convert(CommandLine& program, CommonOptions& common) {
   const auto task = std::make_shared<ConvertTask>();
@@ -633,7 +634,7 @@ Command add_convert(CommandLine& program, CommonOptions& common) {
 }
 
 
-// The words of `batten fit`.
+// `batten fit`.
 
 namespace {
 

@@ -1,4 +1,4 @@
-// The words of the program's commands: each in a file of its own, what they share here.
+// The subcommands of the `batten` program, their common options, and the terminal.
 #pragma once
 
 #include <functional>
@@ -10,30 +10,37 @@
 
 namespace batten {
 
-/// Exit codes, docs/conventions.md.
+/// Exit codes of the program (docs/conventions.md).
 enum ExitCode {
+  /// Success: all checks passed.
   kDone = 0,
+  /// Invalid input or command line (InputError).
   kBadInput = 1,
+  /// Contradictory constraints (ConflictError).
   kConflict = 2,
+  /// Singular problem, load beyond its limit, or out of memory (NoSolutionError).
   kNoSolution = 3,
+  /// Results were written, but a check failed.
   kCheckFailed = 4,
+  /// Cancelled by the user (CancelledError).
   kCancelled = 130
 };
 
-/// What every long command takes.
+/// Options that all long-running subcommands have in common.
 struct CommonOptions {
   int threads = 0;
   double memory = 0;
   bool quiet = false;
 };
 
-/// A command: its words, and what it does once they are read. It returns the exit code.
+/// A subcommand, and the function that runs it after the command line was parsed. `run` returns the
+/// exit code.
 struct Command {
   Subcommand subcommand;
   std::function<int()> run;
 };
 
-/// Each adds one command to the program, or two that share their words. `common` must outlive it.
+/// Each of these adds one subcommand to the program. `common` must outlive the returned Command.
 Command add_run(CommandLine& program, CommonOptions& common);
 Command add_stress(CommandLine& program, CommonOptions& common);
 Command add_sculpt(CommandLine& program, CommonOptions& common);
@@ -47,39 +54,39 @@ Command add_fit(CommandLine& program, CommonOptions& common);
 Command add_info(CommandLine& program);
 Command add_view(CommandLine& program, CommonOptions& common);
 
-/// Adds the options of CommonOptions.
+/// Adds the options of CommonOptions to a subcommand.
 void add_common(const Subcommand& subcommand, CommonOptions& common);
-/// Adds the unit of lengths.
+/// Adds the option --unit (length unit).
 void add_unit(const Subcommand& subcommand, std::string& unit);
 
-/// What the STEP file of a surface holds and says.
+/// Options of STEP export: curves of the input lines in the file; schema AP242 instead of AP214.
 struct StepFileArguments {
   bool lines = false, ap242 = false;
 };
 /// Adds the options of StepFileArguments.
 void add_step_options(const Subcommand& subcommand, StepFileArguments& step);
-/// Adds the schema of STEP files.
+/// Adds the option --schema (AP214 or AP242).
 void add_schema(const Subcommand& subcommand, bool& ap242);
 
-/// Prints the text of a result, its warnings and the promises that it missed; returns the exit
-/// code.
+/// Prints the text of a result (unless quiet), its warnings and its failed checks. Returns
+/// kCheckFailed if a check failed, otherwise kDone.
 int print_result(const RunReport& report, const std::string& text, const CommonOptions& common);
 
 
-// The program's terminal: it shows progress and takes the user's wish to stop.
+// Terminal: progress bar and interrupts.
 
-/// Makes Ctrl-C, SIGTERM and SIGHUP ask the work to stop. Some libraries cannot be stopped: after a
-/// third of a second, or at the second signal, a thread of its own removes what is unfinished and
-/// ends the program with this exit code.
+/// Makes Ctrl-C, SIGTERM and SIGHUP request cancellation. Some libraries cannot be cancelled.
+/// Therefore, 0.3 s later or at the second signal, a separate thread removes unfinished files and
+/// ends the program with `exit_code`.
 void catch_interrupts(int exit_code);
-/// Whether one of these signals came.
+/// True if one of these signals has arrived.
 bool interrupted();
 
-/// A progress that stops the work after an interrupt and draws a bar on standard error once the
-/// work takes more than a second. It draws none when `quiet`, or when standard error is not a
+/// Progress callbacks that cancel the work after an interrupt, and draw a bar on standard error if
+/// the work takes more than a second. No bar is drawn if `quiet` is set or standard error is not a
 /// terminal.
 Progress terminal_progress(bool quiet);
-/// Removes the bar.
+/// Removes the progress bar.
 void end_progress();
 
 }  // namespace batten

@@ -1,4 +1,4 @@
-// batten: the command line.
+// batten: the command-line program.
 #include <csignal>
 #include <iostream>
 
@@ -50,7 +50,7 @@ Exit codes:
   4 done, but a promise was missed (which, by how much: see the report)   130 cancelled
 )";
 
-/// Reads the command line and does what it says.
+/// Parses the command line and runs the subcommand. Returns the exit code.
 int command(int argc, char** argv) {
   CommonOptions common;
   CommandLine program("batten", "Batten: continuous surfaces that shape themselves", kVersion,
@@ -64,13 +64,13 @@ int command(int argc, char** argv) {
   if (parse != CommandLine::ParseResult::Command)
     return parse == CommandLine::ParseResult::HelpShown ? kDone : kBadInput;
   catch_interrupts(kCancelled);
-  std::signal(SIGXFSZ, SIG_IGN);  // writers tell of a file that may not grow
+  std::signal(SIGXFSZ, SIG_IGN);  // writers then report files that exceed the size limit
   enable_sandboxed_read(true);
   set_thread_count(common.threads);
   set_memory_limit(1e9 * common.memory);
   for (const Command& one : commands)
     if (one.subcommand.given()) return one.run();
-  return kBadInput;  // not reached: a command is required
+  return kBadInput;  // not reached: a subcommand is required
 }
 
 }  // namespace
@@ -98,7 +98,8 @@ int main(int argc, char** argv) {
     code = kNoSolution;
     message = std::string("unexpected: ") + e.what();
   }
-  if (interrupted() && !message.empty()) {  // a file that was removed may have stopped it too
+  // The error may only be due to a file removed after the interrupt.
+  if (interrupted() && !message.empty()) {
     code = kCancelled;
     message = CancelledError().what();
   }

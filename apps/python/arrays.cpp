@@ -14,7 +14,7 @@ std::string format_shape(const py::array& array) {
   return array.ndim() == 0 ? "a single value" : "an array of " + words;
 }
 
-/// The object as an array whose numbers are of one of these kinds (numpy's letters).
+/// Converts to an array whose dtype is of one of these kinds (NumPy's kind letters).
 py::array array_from(py::handle given, const std::string& what, const std::string& kinds,
                      const std::string& expected) {
   const py::array array = py::array::ensure(given);
@@ -38,11 +38,12 @@ double finite(double value, const std::string& what, py::ssize_t row) {
                    " (from 0), expected finite numbers");
 }
 
-/// An array of whole numbers, as 64 bits.
+/// Converts to an array of 64-bit integers.
 py::array_t<long long> integers_from(py::handle given, const std::string& what,
                                      const std::string& expected) {
   py::array array = py::array::ensure(given);
-  if (array && array.size() == 0) return py::array_t<long long>(0);  // [] has no whole numbers
+  // NumPy gives [] the type float.
+  if (array && array.size() == 0) return py::array_t<long long>(0);
   array = array_from(given, what, "iu", expected);
   return py::array_t<long long, py::array::forcecast>(array);
 }

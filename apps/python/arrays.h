@@ -1,4 +1,4 @@
-// Arrays of numpy from and to the kernel's numbers.
+// Conversions between NumPy arrays and the kernel's types.
 #pragma once
 
 #include <array>
@@ -12,15 +12,15 @@
 
 namespace batten::python {
 
-/// The numbers of an array or of anything that numpy makes one of. Throws InputError that begins with
-/// `what` and says what was found and what was expected:
+/// Convert an array, or anything that NumPy can convert to one. They throw InputError, with a
+/// message that starts with `what` and gives the found and the expected value. Accepted input:
 ///
-///     points      n×3, whole or floating-point numbers, finite
-///     vector      three such numbers
-///     numbers     n such numbers
-///     indices     n whole numbers from 0 to count-1, or a mask of `count` truth values
-///     triangles   m×3 whole numbers, not below 0
-///     truth       True or False, or None: not said
+///     points_from          n×3 integers or floats, finite
+///     vector_from          three such numbers
+///     numbers_from         n such numbers
+///     indices_from         n integers from 0 to count - 1, or a mask of `count` booleans
+///     triangles_from       m×3 integers, not negative
+///     optional_bool_from   True or False, or None: no value
 Points points_from(py::handle given, const std::string& what);
 Vec3 vector_from(py::handle given, const std::string& what);
 std::vector<double> numbers_from(py::handle given, const std::string& what);
@@ -29,11 +29,11 @@ std::vector<std::array<int, 3>> triangles_from(py::handle given, const std::stri
 
 std::optional<bool> optional_bool_from(const py::object& given, const std::string& what);
 
-/// Rows of a point matrix.
+/// Rows of a point matrix as vectors.
 std::vector<Vec3> rows_of(const Points& points);
 
-/// An array on memory that `owner` keeps: nothing is copied, and the array keeps the owner. It cannot
-/// be written to. `strides` in bytes.
+/// A read-only array that views memory of `owner` without copying, and keeps the owner alive.
+/// `strides` are in bytes.
 template <class Number>
 py::array array_view(std::shared_ptr<const void> owner, const Number* data,
                      std::vector<py::ssize_t> shape, std::vector<py::ssize_t> strides) {
@@ -45,7 +45,7 @@ py::array array_view(std::shared_ptr<const void> owner, const Number* data,
   return array;
 }
 
-/// The same for n rows of `columns` numbers that lie one row after the other.
+/// The same for n contiguous rows of `columns` numbers each.
 template <class Number>
 py::array rows_view(std::shared_ptr<const void> owner, const Number* data, py::ssize_t rows,
                     py::ssize_t columns) {
@@ -53,12 +53,12 @@ py::array rows_view(std::shared_ptr<const void> owner, const Number* data, py::s
   return array_view(std::move(owner), data, {rows, columns}, {columns * size, size});
 }
 
-/// An n×3 array of a point matrix (column after column in memory), which it takes over.
+/// An n×3 array that takes ownership of a (column-major) point matrix.
 py::array array_of(Points points);
-/// An array of numbers, which it takes over.
+/// One-dimensional arrays that take ownership of the numbers.
 py::array array_of(std::vector<double> numbers);
 py::array array_of(std::vector<int> numbers);
-/// An array of triangles, m×3, which it takes over.
+/// An m×3 array that takes ownership of the triangles.
 py::array array_of(std::vector<std::array<int, 3>> triangles);
 
 }  // namespace batten::python

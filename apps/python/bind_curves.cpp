@@ -1,4 +1,4 @@
-// Curves: fair ones, fitted ones, and how fair they are.
+// Binds curves: fairing, fitting and fairness measures.
 #include "batten/apps/python/arrays.h"
 #include "batten/apps/python/kernel_call.h"
 #include "batten/apps/python/scenes.h"

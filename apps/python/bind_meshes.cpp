@@ -1,4 +1,4 @@
-// Meshes: of files and of arrays.
+// Binds meshes, deformers and mesh edits.
 
 #include <memory>
 #include <numbers>
@@ -22,18 +22,18 @@
 
 namespace batten::python {
 
-// A mesh as Python holds it.
+// Meshes.
 
-/// A mesh of a file, or of arrays, ready for deformers. It does not change.
+/// A mesh from a file or from arrays, prepared for deformers. Immutable.
 struct MeshObject {
   MeshSource source;
   bool of_file = false;
 };
 
-/// A mesh of points n×3 and triangles m×3. Throws InputError, MeshError.
+/// Makes a mesh from points n×3 and triangles m×3. Throws InputError, MeshError.
 std::shared_ptr<MeshObject> mesh_of_arrays(const py::object& points, const py::object& triangles);
 
-/// The Mesh that was given, or that of points and triangles.
+/// The given Mesh object, or a mesh from points and triangles.
 std::shared_ptr<const MeshObject> mesh_from(const py::object& mesh_or_points,
                                             const py::object& triangles);
 
@@ -201,13 +201,13 @@ Returns the largest rounding of a coordinate, model units. Raises InputError, Fi
 }
 
 
-// Deformers: meshes whose features keep their shape.
+// Deformers that preserve the shape of features.
 
 namespace {
 
 using namespace py::literals;
 
-/// How a handle moves, as Python says it: `about` None is the mean of its vertices.
+/// The class Move: motion of a handle. If `about` is None, the centre is the mean of its vertices.
 struct MoveObject {
   HandleTransform move;
   bool about_mean = true;
@@ -238,7 +238,7 @@ std::vector<Named> named_from(const py::dict& given, const std::string& what, in
   return all;
 }
 
-/// One move for each handle, in their order; handles without one stay.
+/// Converts a dict to one move per handle, in the order of the handles; missing ones do not move.
 std::vector<HandleTransform> moves_from(const py::dict& given, const std::vector<Handle>& handles,
                                         const TriangleMesh& mesh) {
   std::vector<HandleTransform> moves(handles.size());
@@ -260,7 +260,7 @@ std::vector<HandleTransform> moves_from(const py::dict& given, const std::vector
   return moves;
 }
 
-/// A deformer that keeps form features, and the places that it found last.
+/// A form-feature deformer, with its problem.
 struct DeformerObject {
   std::shared_ptr<const MeshObject> mesh;
   DeformProblem problem;
@@ -283,7 +283,7 @@ std::vector<double> scales_from(const py::dict& given, const std::vector<FormFea
   return scales;
 }
 
-/// Places of the nodes, which are the first vertices.
+/// Positions of the mesh nodes, which are the first vertices.
 Points nodes_of(const Points& vertices, const MeshObject& mesh) {
   return node_positions(vertices, mesh.source.file);
 }
@@ -332,7 +332,7 @@ py::array positions_of(const DeformerPtr& of) {
                     {size, points.rows() * size});
 }
 
-/// A deformer that keeps feature regions in the result of any other one.
+/// A deformer that preserves feature regions in the result of any other deformer.
 struct RegionsObject {
   std::shared_ptr<const MeshObject> mesh;
   std::vector<Handle> handles;
@@ -451,16 +451,16 @@ Hard regions are rigid exactly; `soft` ones nearly, by `weight`. Raises InputErr
 }
 
 
-// Edits of a mesh that a scene says, with numbers that go on changing.
+// Interactive edits of a mesh, defined by a deform scene.
 
 namespace {
 
 using namespace py::literals;
 
-/// A deform scene that is worked on. Functions take turns.
+/// A deform scene with its current parameter values. Calls from several threads are serialised.
 struct MeshEditObject {
   EditedMesh edited;
-  std::vector<std::string> names;  // of all parameters
+  std::vector<std::string> names;  // names of all parameters
   std::shared_ptr<MeshObject> mesh;
   CallSerializer serialize;
 

@@ -1,4 +1,4 @@
-// Models: lines as arrays or scenes, and the surface that they make.
+// Binds models: curves as arrays, or scenes, and the surfaces that they produce.
 #include "batten/apps/commands/lines/line_files.h"
 #include "batten/apps/commands/shapes/shape_files.h"
 #include "batten/apps/python/arrays.h"

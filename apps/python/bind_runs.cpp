@@ -1,4 +1,4 @@
-// Whole runs of scenes: what the commands of the program do, with the report as a dict.
+// Binds complete runs of scenes, like the commands of the program, with the report as a dict.
 #include "batten/apps/commands/info.h"
 #include "batten/apps/commands/exchange/run_convert.h"
 #include "batten/apps/commands/run_any_scene.h"
@@ -12,7 +12,7 @@ namespace {
 
 using namespace py::literals;
 
-/// Does everything that a scene asks for, with these values where it has parameters.
+/// Runs a scene with the given parameter values and returns its report.
 template <class AnyScene>
 py::object report_of(AnyScene& scene, const py::object& out, const py::object& values,
                      const py::object& progress) {

@@ -1,4 +1,4 @@
-// Deforming meshes: their frames as arrays.
+// Binds sequences of deforming meshes, with their frames as arrays.
 #include "batten/apps/python/arrays.h"
 #include "batten/apps/python/kernel_call.h"
 #include "batten/apps/python/scenes.h"

@@ -1,4 +1,4 @@
-// Sessions: parameters in, points out.
+// Binds sculpting sessions: parameters in, points out.
 
 #include <cmath>
 #include <memory>
@@ -18,19 +18,20 @@
 
 namespace batten::python {
 
-// A sculpting session as Python holds it.
+// Thread-safe sessions.
 
-/// A session, what it was made of, and the frames that Python looks at. Threads take turns. All
-/// functions but the constructor are called without the interpreter's lock.
+/// A sculpting session with its scene and the frames that Python views. Calls from several threads
+/// are serialised. All functions except the constructor must be called without the GIL.
 class SharedSession {
  public:
-  /// Makes the session of a model's scene and settles it. Throws as sculpt_model(), make_session().
+  /// Creates the session of a model's scene and solves it to equilibrium. Throws as sculpt_model()
+  /// and make_session().
   SharedSession(std::shared_ptr<const Model> model, const Progress& progress);
 
-  SharedSession(const SharedSession&) = delete;  // the session keeps where it is
+  SharedSession(const SharedSession&) = delete;  // the session refers to members by address
 
-  /// Calls function(session) in this thread's turn. `changes`: it may move the surface. `progress`: asked
-  /// by the session during this call.
+  /// Calls function(session) exclusively. `changes`: the call may move the surface. `progress`:
+  /// polled by the session during the call.
   template <class Function>
   auto with_session(bool changes, const Progress& progress, const Function& function) {
     return serialize_([&] {
@@ -42,30 +43,31 @@ class SharedSession {
 
   SolveReport solve_to_equilibrium(const Progress& progress);
   SolveReport solve_preview(int max_iterations, double tolerance, const Progress& progress);
-  /// Points and normals of the present shape. The frame stays as it is while somebody holds it; frames
-  /// that nobody holds are used again.
+  /// Points and normals of the current shape. The frame does not change while it is referenced;
+  /// unreferenced frames are reused.
   std::shared_ptr<const Frame> frame(const Progress& progress);
-  /// The present shape as a model with the session's values.
+  /// The current shape as a Model, with the parameter values of the session.
   std::shared_ptr<const Model> model(const Progress& progress);
 
   struct Stress {
     StressEvaluator::MaxValues largest;
     std::shared_ptr<const StressEvaluator::Field> field;
   };
-  /// Of the shell of the scene's [stress], at the points of frame(). Throws InputError without it.
+  /// Stresses of the shell defined by [stress] in the scene, at the points of frame(). Throws
+  /// InputError if there is no [stress].
   Stress stress(const Progress& progress);
 
   const Scene& scene() const { return scene_; }
 
  private:
-  /// Whom the session asks while a call lasts.
+  /// Sets the progress callbacks for the duration of a call.
   struct ProgressScope {
     ProgressScope(const Progress*& of, const Progress& progress) : scope(of) { scope = &progress; }
     ~ProgressScope() { scope = nullptr; }
     ProgressScope(const ProgressScope&) = delete;
     const Progress*& scope;
   };
-  /// What the session keeps: it hands on to the call that is under way.
+  /// Callbacks that the session keeps; they forward to those of the current call.
   Progress forwarding_progress();
   std::shared_ptr<const Frame> current_frame();
 
@@ -79,7 +81,7 @@ class SharedSession {
   CallSerializer serialize_;
   std::vector<std::shared_ptr<Frame>> frames_;
   std::shared_ptr<const Frame> shown_;
-  bool stale_ = true;  // shown_ is not the present shape
+  bool stale_ = true;  // shown_ does not show the current shape
   std::optional<StressEvaluator> stress_;
 };
 
@@ -87,11 +89,11 @@ namespace {
 
 using namespace py::literals;
 
-/// What Python calls a session: the live one, and its topology as an array, made once.
+/// The Python class Session: the shared session, and its triangles as an array, made once.
 struct SessionObject {
   std::unique_ptr<SharedSession> shared;
   py::object triangles;
-  std::shared_ptr<const DisplayTopology> pattern;  // of these
+  std::shared_ptr<const DisplayTopology> pattern;  // topology from which `triangles` was made
 };
 
 std::unique_ptr<SessionObject> new_session(const py::object& source, const py::object& values,
@@ -114,7 +116,7 @@ std::unique_ptr<SessionObject> new_session(const py::object& source, const py::o
   return session;
 }
 
-/// Calls function(session) without the interpreter's lock, in this thread's turn.
+/// Calls function(session) exclusively and without the GIL.
 template <class Function>
 auto call_without_gil(const SessionObject& of, bool changes, const Function& function) {
   return KernelCall()(
@@ -480,7 +482,7 @@ std::shared_ptr<const Frame> SharedSession::current_frame() {
   std::shared_ptr<Frame> free;
   for (const auto& frame : frames_)
     if (frame.use_count() == 1) free = frame;
-  std::atomic_thread_fence(std::memory_order_acquire);  // its last reader is done
+  std::atomic_thread_fence(std::memory_order_acquire);  // pairs with the release of its last reader
   if (!free) {
     free = std::make_shared<Frame>();
     constexpr size_t most_kept = 4;

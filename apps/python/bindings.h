@@ -1,4 +1,4 @@
-// What the sources of the Python module `_batten` share: one function for each group of names.
+// Declares the binding functions of the Python module `_batten`, one per group of names.
 #pragma once
 
 #include <pybind11/numpy.h>
@@ -9,7 +9,8 @@ namespace batten::python {
 
 namespace py = pybind11;
 
-/// Each adds its classes and functions to the module. Errors come first: others throw them.
+/// Each adds its classes and functions to the module. bind_errors() must come first, because the
+/// others throw these exceptions.
 void bind_errors(py::module_& module);
 void bind_curves(py::module_& module);
 void bind_models(py::module_& module);

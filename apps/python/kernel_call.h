@@ -1,4 +1,4 @@
-// A call from Python into the kernel: without the interpreter's lock, and stopped by Ctrl-C.
+// Calls from Python into the kernel: without the GIL, and cancellable by Ctrl-C.
 #pragma once
 
 #include <atomic>
@@ -12,20 +12,22 @@
 
 namespace batten::python {
 
-/// One long call. The kernel runs without the interpreter's lock, so that other threads of Python go
-/// on, and asks now and then whether it shall stop:
+/// A long call into the kernel.
 ///
-///     Ctrl-C                        PyErr_CheckSignals(), every 50 ms: KeyboardInterrupt
-///     progress(stage, fraction)     called where it is given; what it raises stops the computation
-///                                   and is what the call raises
+/// The kernel runs without the GIL (global interpreter lock), so other Python threads continue. It
+/// polls for cancellation:
 ///
-/// Made and run by a thread that holds the interpreter's lock.
+///     Ctrl-C                        PyErr_CheckSignals(), every 50 ms; raises KeyboardInterrupt
+///     progress(stage, fraction)     the user's callback, if given; an exception that it raises
+///                                   cancels the computation and is raised by the call
+///
+/// Must be constructed and called by a thread that holds the GIL.
 class KernelCall {
  public:
-  /// `progress`: a callable, or None. Throws InputError for anything else.
+  /// `progress`: a callable or None. Throws InputError for anything else.
   explicit KernelCall(py::object progress = py::none());
 
-  /// Calls function(progress) without the lock. What it returns must not be Python's.
+  /// Calls function(progress) without the GIL. The result must not be a Python object.
   template <class Function>
   auto operator()(const Function& function) {
     try {
@@ -43,15 +45,15 @@ class KernelCall {
 
   py::object callback_;
   Progress progress_;
-  std::exception_ptr python_error_;  // by Python code; with the lock
+  std::exception_ptr python_error_;  // exception raised by Python code; access with the GIL
   std::atomic<std::chrono::steady_clock::rep> asked_{0};
 };
 
-/// Lets one thread after the other use an object whose calls run without the interpreter's lock.
+/// Serialises the calls of several threads on one object. The calls run without the GIL.
 class CallSerializer {
  public:
-  /// Calls function() in this thread's turn, to be used without the interpreter's lock. Throws Error
-  /// where the thread has the turn already: a progress function that uses its own object.
+  /// Calls function() while no other thread is in a call. Use it without the GIL. Throws Error if
+  /// this thread is in a call already, as when a progress callback uses its own object.
   template <class Function>
   auto operator()(const Function& function) {
     if (owner_.load() == std::this_thread::get_id())

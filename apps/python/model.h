@@ -1,4 +1,4 @@
-// A scene and the shape that it makes, as Python holds it.
+// The Python class Model: a scene and the surface that it produces.
 #pragma once
 
 #include <memory>
@@ -11,23 +11,24 @@
 
 namespace batten::python {
 
-/// Facets of all regions, side by side: what write_vtp() writes, bit by bit.
+/// Facets of all regions in common arrays; bit-identical to the output of write_vtp().
 struct FacetArrays {
-  std::vector<double> points, normals;  ///< x, y, z one after the other
+  std::vector<double> points, normals;  ///< x, y, z of each point in turn
   std::vector<std::array<int, 3>> triangles;
-  std::vector<int> regions;  ///< of each triangle
+  std::vector<int> regions;  ///< region of each triangle
 };
 
-/// A scene, its model and one shape of it. It does not change; copies of what it is made of share.
+/// A scene, its model and one shape of it. Immutable; copies share their data.
 class Model {
  public:
-  /// Makes the model of the scene's lines and its shape. Throws what run_scene() throws.
+  /// Builds the model of the scene's lines and solves for its shape. Throws as run_scene() does.
   static std::shared_ptr<const Model> of_scene(const Scene& scene, const Progress& progress);
-  /// Another shape of the same lines.
+  /// Wraps another shape of the same lines.
   Model(Scene scene, std::vector<CharacterLine> lines, std::shared_ptr<const BuiltModel> made,
         SolvedShape shape);
 
-  /// The shape under other values of the scene's parameters.
+  /// Computes the shape for other values of the scene's parameters. The model is reused if only
+  /// session parameters change.
   std::shared_ptr<const Model> with_values(
       const std::vector<std::pair<std::string, double>>& values, const Progress& progress) const;
 
@@ -36,22 +37,22 @@ class Model {
   const std::shared_ptr<const BuiltModel>& made() const { return made_; }
   const SolvedShape& shape() const { return shape_; }
 
-  /// Made at first use, by any thread.
+  /// Facets of the shape; computed at first use, thread-safe.
   std::shared_ptr<const FacetArrays> facets() const;
-  /// The measures of the shape (export_shape() without a file), made at first use.
+  /// Measured quality of the shape (export_shape() without files); computed at first use.
   const Report& report(const Progress& progress) const;
 
  private:
   Scene scene_;
   std::vector<CharacterLine> lines_;
-  std::shared_ptr<const BuiltModel> made_;  // as its lines make it
+  std::shared_ptr<const BuiltModel> made_;  // before any session
   SolvedShape shape_;
   mutable std::mutex mutex_;
   mutable std::shared_ptr<const FacetArrays> facets_;
   mutable std::optional<Report> report_;
 };
 
-/// Throws InputError where no region has a surface.
+/// Throws InputError if no region has a surface.
 void require_surface(const Model& model);
 
 }  // namespace batten::python

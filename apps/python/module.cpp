@@ -1,4 +1,4 @@
-// The Python module `_batten`, which the package `batten` is made of.
+// The extension module `_batten`, the base of the Python package `batten`.
 
 #include <filesystem>
 
@@ -12,7 +12,7 @@
 namespace batten::python {
 namespace {
 
-/// Says where the module of OpenCASCADE lies: beside this one in a build, or as installed.
+/// Registers the folders of plugins (OpenCASCADE): next to this module in a build, or as installed.
 void find_plugins(const std::string& package) {
   add_plugin_folder(package);
   add_plugin_folder(std::filesystem::path(package) / BATTEN_PYTHON_TO_LIBDIR);
@@ -28,7 +28,7 @@ void set_threads(int count) {
 PYBIND11_MODULE(_batten, m) {
   m.doc() = "Batten: continuous surfaces that shape themselves. Import `batten`.";
   m.attr("__version__") = BATTEN_VERSION;
-  // Damaged files of other libraries' formats bring down a child process, not the interpreter.
+  // Read foreign formats in a child process: damaged files could crash the interpreter.
   enable_sandboxed_read(true);
   bind_errors(m);
   bind_curves(m);
@@ -45,11 +45,11 @@ PYBIND11_MODULE(_batten, m) {
 }
 
 
-// The kernel's errors as exceptions of Python.
+// The kernel's errors as Python exceptions.
 
 namespace {
 
-/// The exception classes. They live as long as the interpreter.
+/// The exception classes. They are never released.
 struct ErrorTypes {
   PyObject *error = nullptr, *input = nullptr, *mesh = nullptr, *file = nullptr,
            *conflict = nullptr, *no_solution = nullptr, *cancelled = nullptr;

@@ -24,8 +24,9 @@ double number_above_0(const py::object& given, const std::string& what) {
                    ", expected a number above 0");
 }
 
-/// The text of a scene without lines: its unit, and the words. These keep their place in messages where they
-/// begin with an empty line, as texts in triple quotes do.
+/// TOML text of a scene without curves: the unit, then the user's text. Line numbers in messages
+/// are those of the user's text if it begins with an empty line, as triple-quoted strings usually
+/// do.
 std::string text_of(const SkinArguments& words) {
   if (words.unit.find_first_of("\"\\\n") != std::string::npos)
     throw InputError("unit: found '" + words.unit + "', expected mm, cm, m, in or ft");

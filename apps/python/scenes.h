@@ -1,4 +1,4 @@
-// Scenes from what Python gives: files, texts, and lines as arrays.
+// Creates scenes from Python arguments: files, TOML texts, and curves as arrays.
 #pragma once
 
 #include <string>
@@ -10,33 +10,34 @@
 
 namespace batten::python {
 
-/// Lines as arrays, and what is said of them.
+/// Arguments of a scene whose curves are given as arrays.
 struct SkinArguments {
   std::string name, unit, words;
   py::object tolerance, edge_length, corner_angle;  ///< numbers above 0, or None
-  py::iterable inner, holes, smooth, crease;        ///< names of lines
+  py::iterable inner, holes, smooth, crease;        ///< curve names
 };
 
-/// A scene of lines by their names: points n×3, or a Curve. `words`: text of a scene, which says
-/// everything but lines and the unit. Throws InputError.
+/// Creates a scene from a dict of curves by name, each an n×3 array of points or a Curve. `words`:
+/// further settings; its text is TOML with everything but curves and the unit. Throws InputError.
 Scene scene_of_arrays(const py::dict& lines, const SkinArguments& words);
 
-/// A scene of a file: a scene's, or the curves of a file.
+/// Reads a scene file, or makes a scene of the curves in a curve file.
 Scene scene_of_file(const std::string& file);
 
-/// Parameters by name, from a dict or None. Throws InputError on what is no number.
+/// Parameter values by name, from a dict or None. Throws InputError for values that are not
+/// numbers.
 std::vector<std::pair<std::string, double>> values_from(const py::object& given);
 
-/// Sets these in any kind of scene.
+/// Sets the parameter values in any kind of scene.
 template <class AnyScene>
 void set_values(AnyScene& scene, const py::object& given) {
   for (const auto& [name, value] : values_from(given)) scene.set(name, value, "");
 }
 
-/// A JSON text as Python's dicts and lists.
+/// Converts a JSON text to Python dicts and lists.
 py::object json_object(const std::string& text);
 
-/// The file's name of a str or an os.PathLike. Throws InputError.
+/// Converts a str or an os.PathLike to a file name. Throws InputError.
 std::string path_from(const py::object& given);
 
 }  // namespace batten::python

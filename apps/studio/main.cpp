@@ -1,4 +1,4 @@
-// batten-studio: the window in which shapes are made.
+// batten-studio: the graphical editor.
 #include <QVTKOpenGLNativeWidget.h>
 #include <QApplication>
 #include <QDir>
@@ -20,12 +20,12 @@ namespace {
 
 using namespace batten::studio;
 
-/// The file that keeps changes of this window, and the lock that says the window lives. Changes that
-/// windows which were killed left are offered once.
+/// Recovery file for the changes of this window, and a lock that shows that the window is alive.
+/// Changes that killed windows have left are offered once.
 struct Recovery {
   QString file;
   std::unique_ptr<QLockFile> lock;
-  QString left;  // by a window that is no more
+  QString left;  // recovery file of a killed window; empty: none
 };
 
 Recovery recovery() {
@@ -36,7 +36,7 @@ Recovery recovery() {
     const QString file = folder.filePath(QString("changes-%1.toml").arg(number));
     auto lock = std::make_unique<QLockFile>(file + ".lock");
     lock->setStaleLockTime(0);
-    if (!lock->tryLock(0)) continue;  // of a window that is open
+    if (!lock->tryLock(0)) continue;  // in use by another window
     if (QFile::exists(file) && found.left.isEmpty()) found.left = file;
     found.file = file;
     found.lock = std::move(lock);

@@ -239,7 +239,8 @@ void SurfaceConstraints::varying_normal(const std::string& name, const std::vect
     const Vec3 middle = unit(name, "normal", n(e, 0.5));
     set_.add_coupled(name, {{dofs_.edge(e), middle}}, 0);
     if (edge_curve_is_fixed) continue;
-    // Tangential slope at the middle of the cubic: 3/2 (w_b - w_a)/length - (w_t,a + w_t,b)/4.
+    // Tangential derivative at the midpoint of the cubic: 3/2 (w_b - w_a)/length -
+    // (w_t,a + w_t,b)/4.
     std::vector<ConstraintSet::CoupledEntry> row = {
         {dofs_.vertex(edge.high), 1.5 / length * middle},
         {dofs_.vertex(edge.low), -1.5 / length * middle}};
@@ -251,8 +252,8 @@ void SurfaceConstraints::varying_normal(const std::string& name, const std::vect
 
 namespace {
 
-// The size of a triangle to a line through it: h = √(2 area), but the length of an edge that the
-// line runs along: there it meets the dofs of that edge alone, and a longer edge has no more.
+// Element size along a curve: h = √(2 area), or the length of an edge that the curve runs along. In
+// that case the curve only involves the dofs of this edge, and a longer edge has no more of them.
 double size_along(const TriangleShape& shape, const Vec3& L, const Vec2& direction) {
   constexpr double beside = 0.1, parallel = 0.1;
   double h = std::sqrt(2 * shape.area);
@@ -271,7 +272,7 @@ std::vector<double> embedded_point_parameters(const ParametricMesh& mesh,
                                               const HermiteCurve& pcurve,
                                               const PointSpacing& spacing,
                                               std::vector<double> required) {
-  // ∫ ds/h along the line, sampled so finely that every triangle is seen.
+  // ∫ ds/h along the curve, sampled finely enough to see every triangle.
   const auto density = [&](double t) {
     const Location where = locator.locate(drop_z(pcurve.evaluate(t)));
     const Vec2 slope = drop_z(pcurve.evaluate(t, 1));
@@ -300,7 +301,7 @@ std::vector<double> embedded_point_parameters(const ParametricMesh& mesh,
                       density(from + (to - from) * (i + 0.5) / samples) * (to - from) / samples);
       if (samples >= 8 * sum.back() || samples >= 1 << 20) break;
     }
-    // A loop needs three points at least to be a loop.
+    // A closed curve needs at least three points.
     const int fewest = pcurve.closed() && breaks.size() == 2 ? 6 : 1;
     const int steps =
         std::max(fewest, static_cast<int>(std::ceil(sum.back() / spacing.step - 1e-9)));

@@ -6,7 +6,7 @@
 namespace batten {
 namespace {
 
-// [j]: entry (i, j).
+// Row i of a band matrix, offset such that [j] is the entry (i, j).
 template <class Rows>
 auto* row_of(Rows& rows, int i, int band) {
   return rows.data() + static_cast<size_t>(i + 1) * band;
@@ -36,7 +36,7 @@ void BandCholesky::fix(int i, const Vec3& value, Points& b) {
 }
 
 bool BandCholesky::factorize() {
-  // The diagonal keeps the reciprocals: the loops have products only.
+  // The diagonal stores the reciprocals of L's diagonal, so that the loops need no divisions.
   for (int i = 0; i < n_; ++i) {
     const int first = std::max(0, i - band_);
     double* const row = row_of(rows_, i, band_);
@@ -55,7 +55,7 @@ bool BandCholesky::factorize() {
 }
 
 void BandCholesky::solve(Points& b) const {
-  // The three columns side by side: each alone is a chain of operations that wait for each other.
+  // The three columns are solved together: each one alone is a chain of dependent operations.
   double *const x = b.col(0).data(), *const y = b.col(1).data(), *const z = b.col(2).data();
   for (int i = 0; i < n_; ++i) {
     const double* const row = row_of(rows_, i, band_);
@@ -81,19 +81,19 @@ void BandCholesky::solve(Points& b) const {
 }
 
 double BandCholesky::trace_of_inverse_times(const BandCholesky& B) const {
-  // Z = A⁻¹ inside the band, row by row as the factor: L_jj Z_ij = δ_ij / L_jj - Σ_k L_kj Z_ik, k >
-  // j.
+  // Z = A⁻¹ inside the band, computed row by row like the factor: L_jj Z_ij = δ_ij / L_jj - Σ_k
+  // L_kj Z_ik, k > j.
   std::vector<double> inverse(rows_.size()), column(static_cast<size_t>(band_) + 1);
   double trace = 0;
   for (int j = n_ - 1; j >= 0; --j) {
     const int last = std::min(n_ - 1, j + band_);
-    const double diagonal = entry(j, j);  // its reciprocal
+    const double diagonal = entry(j, j);  // reciprocal of L_jj
     for (int k = j + 1; k <= last; ++k) column[static_cast<size_t>(k - j)] = entry(k, j);
     const double* const L = column.data() - j;
     for (int i = last; i >= j; --i) {
       double sum = i == j ? diagonal : 0;
       double* const row = row_of(inverse, i, band_);
-      // Z_ik stands in row i up to the diagonal, behind it in row k; Z_jk is new and stands there.
+      // Z_ik is stored in row i up to the diagonal and in row k beyond it.
       for (int k = j + 1; k <= i; ++k) sum -= L[k] * row[k];
       for (int k = std::max(i, j) + 1; k <= last; ++k) sum -= L[k] * row_of(inverse, k, band_)[i];
       row[j] = sum * diagonal;

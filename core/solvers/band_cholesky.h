@@ -1,4 +1,4 @@
-// Cholesky factor of a matrix whose entries lie near the diagonal: curves.
+// Cholesky factorization of symmetric positive definite band matrices, as they arise from curves.
 #pragma once
 
 #include <vector>
@@ -7,31 +7,36 @@
 
 namespace batten {
 
-/// A = L Lᵀ, symmetric positive definite, entries up to `band` places below the diagonal. O(n
-/// band²) to factor, O(n band) a solve: microseconds for a curve of a hundred segments, where a
-/// general sparse factor spends longer on its order. One object may be used again for another size.
+/// Cholesky factorization A = L Lᵀ of a symmetric positive definite matrix with half-bandwidth
+/// `band`.
+///
+/// Cost: O(n band²) for the factorization, O(n band) per solve. For a curve of a hundred segments
+/// this takes microseconds; a general sparse solver would spend longer on the ordering alone. An
+/// object may be reused for matrices of other sizes.
 class BandCholesky {
  public:
-  /// Begins a matrix of n unknowns with all entries zero.
+  /// Resets to a zero matrix with n unknowns and half-bandwidth `band`.
   void reset(int n, int band);
   int size() const { return n_; }
 
-  /// A(i, j) += value, for |i - j| ≤ band. Before factorize() only.
+  /// A(i, j) += value, for |i - j| ≤ band. Only before factorize(). Each off-diagonal pair is
+  /// stored once, so call it for either (i, j) or (j, i).
   void add(int i, int j, double value) { (i >= j ? entry(i, j) : entry(j, i)) += value; }
-  /// A += factor B, of the same size and band, not factored either.
+  /// A += factor B. B must have the same size and bandwidth; neither matrix may be factorized.
   void add(const BandCholesky& B, double factor);
-  /// A(i, i), before factorize().
+  /// Diagonal entry A(i, i). Only before factorize().
   double diagonal(int i) const { return entry(i, i); }
-  /// x_i = value from now on: moves column i to the right-hand side b (n×3). Before factorize()
-  /// only, after everything was added.
+  /// Prescribes x_i = value: moves column i to the right-hand side b (n×3). Only before factorize()
+  /// and after all entries were added.
   void fix(int i, const Vec3& value, Points& b);
 
-  /// Factors A. Returns false when A is not positive definite.
+  /// Computes the factorization in place. Returns false if A is not positive definite.
   bool factorize();
-  /// b becomes x with A x = b.
+  /// Solves A x = b in place: b (n×3) is overwritten by x. Requires factorize().
   void solve(Points& b) const;
-  /// trace(A⁻¹ B), B of the same size and band, not factored: by the recursion of Takahashi, Fagan,
-  /// Chin 1973 on the entries of the inverse inside the band. O(n band²).
+  /// trace(A⁻¹ B). Requires factorize(); B has the same size and bandwidth and must not be
+  /// factorized. It uses the recursion of [Takahashi1973] for the entries of the inverse inside the
+  /// band. Cost: O(n band²).
   double trace_of_inverse_times(const BandCholesky& B) const;
 
  private:
@@ -42,7 +47,7 @@ class BandCholesky {
     return rows_[static_cast<size_t>(i) * (band_ + 1) + band_ + j - i];
   }
   int n_ = 0, band_ = 0;
-  std::vector<double> rows_;  // row i: columns i - band … i
+  std::vector<double> rows_;  // row i holds columns i - band … i
 };
 
 }  // namespace batten

@@ -11,8 +11,8 @@ namespace {
 
 template <class Vector>
 constexpr int lanes_of = sizeof(Vector) / sizeof(double);
-// Columns of a tile. With three vectors of rows, the sums and what makes them fill the registers:
-// 32 of 512 bits, else 16.
+// Columns of a tile. With three row vectors per tile, the sums and their operands fill the vector
+// registers: 32 registers of 512 bits, otherwise 16.
 template <class Vector>
 constexpr int columns_of = lanes_of<Vector> == 8 ? 8 : 4;
 
@@ -25,8 +25,8 @@ BATTEN_INLINE void store(const Vector& v, double* to) {
   std::memcpy(to, &v, sizeof v);
 }
 
-// sum_ji -= Σ_k a_ik b_jk, i: H vectors of rows. A processor foresees no walk from column to column,
-// each on a page of its own.
+// sum_ji -= Σ_k a_ik b_jk, where i runs over H vectors of rows. Explicit prefetching helps because
+// hardware prefetchers do not follow accesses from column to column, each on a different page.
 template <class Vector, int H, int W>
 BATTEN_INLINE void subtract(const double* a, long a_stride, const double* b, long b_stride,
                             long depth, Vector (&sum)[W][H]) {
@@ -44,7 +44,7 @@ BATTEN_INLINE void subtract(const double* a, long a_stride, const double* b, lon
   }
 }
 
-// `rows` rows of a block, the last of its vector filled up with zeros.
+// Copies `rows` rows of a block to `to`, padded with zeros to the length of a vector.
 template <class Vector>
 BATTEN_INLINE void gather_rows(const double* from, long stride, int rows, long columns,
                                double* to) {
@@ -62,7 +62,7 @@ BATTEN_INLINE void scatter_rows(const double* from, double* to, long stride, int
 
 #define BATTEN_CALL [&](auto number) __attribute__((always_inline))
 
-// call(column, width) for tiles of all columns.
+// Calls call(column, width) for tiles that cover all columns.
 template <int W, class Call>
 BATTEN_INLINE void for_tiles(int first, int end, const Call& call) {
   int column = first;
@@ -71,7 +71,8 @@ BATTEN_INLINE void for_tiles(int first, int end, const Call& call) {
       end - column, BATTEN_CALL { call(column, number); });
 }
 
-// call(row, height) for strips of three vectors of rows, then two or one; returns the rows done.
+// Calls call(row, height) for strips of three row vectors, then of two or one. Returns the first
+// row that does not fill a vector.
 template <class Vector, class Call>
 BATTEN_INLINE int for_strips(int first, int end, const Call& call) {
   constexpr int lanes = lanes_of<Vector>;
@@ -112,7 +113,7 @@ BATTEN_INLINE void product_tile(const ScatteredProduct& p, const double* a, long
 template <class Vector, int H>
 BATTEN_INLINE void product_strip(const ScatteredProduct& p, const double* a, long a_stride,
                                  int row) {
-  // Columns that are right of every row of the strip belong to the upper triangle.
+  // Columns to the right of all rows of the strip belong to the upper triangle and are skipped.
   const int last = p.row_positions[std::min(row + H * lanes_of<Vector>, p.rows) - 1];
   int end = p.columns;
   while (end > 0 && p.column_positions[end - 1] > last) --end;
@@ -133,7 +134,8 @@ BATTEN_INLINE void product(const ScatteredProduct& p, double* scratch) {
   product_strip<Vector, 1>(p, scratch, lanes_of<Vector>, row);
 }
 
-// x L_JJᵀ = x - (columns before J) L_J,beforeᵀ for rows of x and the W columns J from `first` on.
+// x L_JJᵀ = x - (columns before J) L_J,beforeᵀ, for rows of x and the W columns J that begin at
+// `first`.
 template <class Vector, int H, int W>
 BATTEN_INLINE void solve_tile(const double* block, long stride, int first, const double* inverse,
                               double* x, long x_stride) {
@@ -181,7 +183,8 @@ BATTEN_INLINE void solve(double* block, long stride, int first_row, int end_row,
   scatter_rows<Vector>(scratch, block + row, stride, end_row - row, first, end);
 }
 
-// The pivots of a tile, whose columns are one vector each. Returns the first that fails, or `count`.
+// Cholesky factorization of a tile; each column is one vector. Returns the first column whose pivot
+// fails, or `count`.
 template <class Vector>
 BATTEN_INLINE int factor_tile(Vector (&x)[lanes_of<Vector>], int count) {
   for (int k = 0; k < count; ++k) {
@@ -195,7 +198,8 @@ BATTEN_INLINE int factor_tile(Vector (&x)[lanes_of<Vector>], int count) {
   return count;
 }
 
-// As many columns at a time as a vector has lanes: the rows of their triangle are one vector.
+// Processes as many columns at a time as a vector has lanes, so that each column of their triangle
+// is one vector.
 template <class Vector>
 BATTEN_INLINE int triangle(double* block, long stride, int first, int end, double* scratch) {
   constexpr int lanes = lanes_of<Vector>;

@@ -1,44 +1,48 @@
-// Dense blocks of a Cholesky factorization: products, pivots, and the rows below them. Internal.
+// Dense block operations of the supernodal Cholesky factorization: products, pivots, and solves.
 #pragma once
 
 namespace batten {
 
-/// Blocks are stored column by column, `stride` numbers from one column to the next. Every entry is
-/// the sum of its products in ascending order of k, one after the other, in whichever tile of a
-/// block it is computed: how rows are split among threads does not change a bit.
+/// Number of doubles that `scratch` must hold for a block with `columns` columns.
 ///
-/// Tiles of 24×8 numbers (12×4 in 256 bits, 6×4 in 128) stay in registers. Rows that do not fill a
-/// register are copied to `scratch`, which has room for scratch_size numbers of the deepest block:
-/// nothing is read or written but the block itself.
+/// Blocks are stored by columns, with `stride` doubles from one column to the next. Every entry is
+/// the sum of its products in ascending order of k, in whichever tile of a block it is computed.
+/// The result therefore does not depend on how the rows are divided among threads, to the last bit.
+///
+/// Tiles of 24×8 entries (12×4 with 256-bit vectors, 6×4 with 128-bit ones) are kept in registers.
+/// Rows that do not fill a register are copied to `scratch`, so that nothing outside of the block
+/// is read or written.
 constexpr long scratch_size(long columns) { return 8 * columns; }
 
-/// A product of two sets of rows of one block, added to rows and columns of another.
+/// Product of two sets of rows of one block, subtracted from scattered rows and columns of another
+/// block.
 struct ScatteredProduct {
-  const double* a;              // the first of the rows i
-  const double* b;              // the first of the rows j
-  long stride, depth;           // of the block they are in
-  int rows, columns;            // how many i and j
-  const int* row_positions;     // where each i belongs in c, ascending
-  const int* column_positions;  // where each j belongs in c, ascending
+  const double* a;              // first of the rows i
+  const double* b;              // first of the rows j
+  long stride, depth;           // stride and number of columns of their block
+  int rows, columns;            // number of rows i and of rows j
+  const int* row_positions;     // row of each i in c, ascending
+  const int* column_positions;  // column of each j in c, ascending
+  // Target block and its stride.
   double* c;
   long c_stride;
 };
 
-/// c(place of i, place of j) -= Σ_k a(i, k) b(j, k). Of c's lower triangle; above it anything may
-/// be left.
+/// Subtracts the product: c(row of i, column of j) -= Σ_k a(i, k) b(j, k). Only the lower triangle
+/// of c is meaningful; entries above it may receive any value.
 void subtract_product(const ScatteredProduct& product, double* scratch);
 
-/// Rows and columns first … end-1 of `block` become those of L in L Lᵀ, the columns before them
-/// being L's already. Returns the first column whose pivot is not positive, or -1; what follows
-/// such a pivot is left unfinished.
+/// Computes rows and columns first … end-1 of the Cholesky factor L in place; the columns before
+/// `first` must already be those of L. Returns the first column whose pivot is not positive, or -1.
+/// The columns after such a pivot are not finished.
 int factor_triangle(double* block, long stride, int first, int end, double* scratch);
 
-/// The columns first … end-1 of some rows below that triangle become those of L. end - first is at
-/// most kBlockColumns.
+/// Computes the columns first … end-1 of L for the rows first_row … end_row-1 below that triangle.
+/// end - first is at most kBlockColumns.
 void solve_rows(double* block, long stride, int first_row, int end_row, int first, int end,
                 double* scratch);
 
-/// Columns that are finished together: 24 rows of them stay in the first cache.
+/// Number of columns that are computed together: 24 rows of them fit in the L1 cache.
 inline constexpr int kBlockColumns = 96;
 
 }  // namespace batten

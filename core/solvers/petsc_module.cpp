@@ -1,4 +1,5 @@
-// Distributed systems by PETSc: Cholesky's factor of MUMPS, spread over the processes of mpirun.
+// Distributed linear systems with PETSc: Cholesky factorization by MUMPS, distributed over the
+// processes of mpirun.
 #include <petscksp.h>
 #include <unistd.h>
 
@@ -17,20 +18,22 @@ struct System {
   Mat A = nullptr;
   KSP solver = nullptr;
   Vec b = nullptr, x = nullptr;
-  std::vector<int> first;  // row of each process, and behind the last
+  std::vector<int> first;  // first row of each process, then n
 };
 
 int rank = 0, size = 1;
 std::map<int, System> systems;
 std::string failure;
 
-// Rows first … last - 1 of the upper triangle, which are the columns of the lower one.
+// Rows first … last - 1 of the upper triangle in compressed-row format. They are the columns of the
+// lower triangle.
 struct Rows {
   std::vector<PetscInt> start, column;
   std::vector<PetscScalar> value;
 };
 
-// Processes that wait for process 0 leave their core to it.
+// Broadcasts a message from process 0. Waiting processes sleep in between, so that process 0 can
+// use their cores.
 void broadcast(int* message, int count) {
   MPI_Request request;
   MPI_Ibcast(message, count, MPI_INT, 0, PETSC_COMM_WORLD, &request);
@@ -59,7 +62,7 @@ Rows receive_rows(int count) {
   return rows;
 }
 
-// Of process 0: sends each its rows and returns its own.
+// Called in process 0: sends each process its rows and returns those of process 0.
 Rows scatter_rows(const std::vector<int>& first, const int* outer, const int* inner,
                   const double* values) {
   Rows own;
@@ -78,7 +81,7 @@ Rows scatter_rows(const std::vector<int>& first, const int* outer, const int* in
   return own;
 }
 
-// In all processes. Returns whether it is positive definite.
+// Called in all processes. Returns whether the matrix is positive definite.
 bool factor(System& system, int n, const Rows& rows) {
   const PetscInt own = system.first[rank + 1] - system.first[rank];
   MatCreate(PETSC_COMM_WORLD, &system.A);
@@ -115,7 +118,7 @@ std::vector<int> shares(int n) {
   return first;
 }
 
-// In all processes; b: of process 0.
+// Called in all processes; `b` is used in process 0 only.
 void solve_one(System& system, double* b) {
   std::vector<int> counts, starts(system.first.begin(), system.first.end() - 1);
   for (int r = 0; r < size; ++r) counts.push_back(system.first[r + 1] - system.first[r]);

@@ -11,9 +11,9 @@
 namespace batten {
 namespace {
 
-// Of the places of all entries: tells one pattern from another.
+// Hash of the positions of all entries, which distinguishes sparsity patterns.
 std::uint64_t pattern_hash(const SparseMatrix& A) {
-  std::uint64_t hash = 14695981039346656037u;  // FNV-1a over whole numbers
+  std::uint64_t hash = 14695981039346656037u;  // FNV-1a applied to integers
   const auto add = [&](std::uint64_t value) { hash = (hash ^ value) * 1099511628211u; };
   for (int c = 0; c < A.outerSize(); ++c) {
     for (SparseMatrix::InnerIterator e(A, c); e; ++e) add(static_cast<std::uint64_t>(e.row()));
@@ -27,7 +27,7 @@ std::uint64_t pattern_hash(const SparseMatrix& A) {
 struct SparseCholesky::Data {
   SupernodalFactor factor;
   SupernodalSolve solve;
-  long n = -1;  // of the matrix that was analysed
+  long n = -1;  // rows of the analysed matrix; -1: none
   std::uint64_t pattern = 0;
   bool factored = false;
   std::string message;
@@ -38,7 +38,7 @@ struct SparseCholesky::Data {
                        std::to_string(A.cols()) + " matrix: it must be square");
     n = -1;
     factored = false;
-    solve = {};  // until there is a factor
+    solve = {};  // invalid until there is a new factor
     count(OpCounter::Analysis);
     if (A.rows() > 0) factor.analyze(A, order, factor_reuse);
     n = A.rows();

@@ -1,4 +1,4 @@
-// Sparse Cholesky factor that is computed once and used many times.
+// Sparse Cholesky solver whose factor is computed once and used for many solves.
 #pragma once
 
 #include <memory>
@@ -12,24 +12,26 @@
 
 namespace batten {
 
-/// A = L Lᵀ of a symmetric positive definite matrix, of which only the lower triangle is read.
+/// Sparse Cholesky factorization A = L Lᵀ of a symmetric positive definite matrix; only the lower
+/// triangle of A is read.
 ///
 ///     SparseCholesky cholesky;
-///     cholesky.analyze(A);          // ordering and pattern: once for one pattern
-///     if (!cholesky.factorize(A))   // numbers: again whenever the numbers change
+///     cholesky.analyze(A);          // symbolic: once per sparsity pattern
+///     if (!cholesky.factorize(A))   // numeric: again whenever the values change
 ///       throw NoSolutionError(cholesky.message());
 ///     x = b;
 ///     cholesky.solve_in_place(x);   // one pair of triangular solves for all columns of b
 ///
-/// CHOLMOD orders the unknowns and finds the supernodes where it is there, and the numbers are
-/// Batten's own; otherwise the factor is Eigen's, which takes several times as long from 10,000
-/// unknowns on. The solve is Batten's own over either: limited by memory, on several cores when the
-/// factor has more than 500,000 entries in a tree with branches. Factor and solve have the same bits
-/// on one thread as on many (docs/theory/solver.md).
+/// If CHOLMOD is available, it provides the ordering and the supernodes, and Batten computes the
+/// numeric values. Otherwise Eigen computes the factor, which takes several times as long from
+/// 10,000 unknowns on. Batten's own triangular solves are used in both cases. They are limited by
+/// memory bandwidth and run on several cores if the factor has more than 500,000 entries and its
+/// elimination tree has branches. Factors and solutions are bit-identical for any number of threads
+/// (docs/theory/solver.md).
 ///
-/// Memory: the factor once, 8 bytes an entry, and 8 an entry of A (over Eigen: 20 bytes an entry).
-/// Movable, not copyable; what was moved from can be assigned to or destroyed. One thread at a
-/// time, solves included; different objects in different threads do not meet.
+/// Memory: 8 bytes per entry of the factor and 8 per entry of A; with Eigen, 20 bytes per entry of
+/// the factor. Movable, not copyable; a moved-from object can only be assigned to or destroyed. Not
+/// thread-safe, not even for solves; different objects may be used in different threads.
 class SparseCholesky {
  public:
   SparseCholesky();
@@ -37,53 +39,59 @@ class SparseCholesky {
   SparseCholesky(SparseCholesky&&) noexcept;
   SparseCholesky& operator=(SparseCholesky&&) noexcept;
 
-  /// Orders the unknowns and finds the pattern of the factor. Throws InputError unless A is square,
-  /// and for a factor that memory cannot hold (available_memory; over CHOLMOD).
+  /// Symbolic analysis: orders the unknowns and computes the sparsity pattern of the factor.
+  /// `factor_reuse` selects the ordering. Throws InputError if A is not square or if memory cannot
+  /// hold the factor (see available_memory(); checked with CHOLMOD only).
   void analyze(const SparseMatrix& A, FactorReuse factor_reuse = FactorReuse::once);
-  /// The same in a given order: unknowns, the first to eliminate first (nested dissection of a
-  /// mesh). An empty order: AMD. Throws InputError unless it names every unknown once.
+  /// Symbolic analysis with a given elimination order, for example a nested dissection of the mesh:
+  /// `order` lists the unknowns, first eliminated first. An empty order selects AMD. Throws
+  /// InputError if `order` is not a permutation of all unknowns.
   void analyze(const SparseMatrix& A, const std::vector<int>& order);
-  /// Whether A has the pattern that was analysed: factorize() takes it. O(entries).
+  /// Whether A has the analysed sparsity pattern, so that factorize() accepts it. Cost: O(entries).
   bool has_pattern_of(const SparseMatrix& A) const;
-  /// The order that was found or given, of use for another matrix of the same pattern; needs a
-  /// successful factorize().
+  /// Elimination order that was found or given, which can be reused for another matrix with the
+  /// same pattern. Throws NoSolutionError before a successful factorize().
   std::vector<int> order() const;
 
-  /// Factors A, whose pattern is the one that was analysed (otherwise InputError). Over CHOLMOD's
-  /// pattern it uses several cores, and a second time allocates next to nothing. Returns false
-  /// when A is not positive definite; message() then says at which unknown and what that means.
+  /// Numeric factorization of A. If nothing was analysed yet, analyze(A) is called first. Throws
+  /// InputError if the pattern differs from the analysed one. With CHOLMOD's pattern it uses
+  /// several cores, and later calls allocate next to nothing. Returns false if A is not positive
+  /// definite; message() then names the unknown and the probable cause.
   bool factorize(const SparseMatrix& A);
 
-  /// b, n×k, becomes x with A x = b. Needs a successful factorize(), otherwise NoSolutionError;
-  /// InputError when b has other than n rows. Allocates nothing, but for the first solve of all,
-  /// which starts the threads, and the first of more than four columns. Eight columns take
-  /// 1.1 to 1.3 times as long as four, and one as long as four.
+  /// Solves A x = b in place: b (n×k) is overwritten by x. Throws NoSolutionError without a
+  /// successful factorize(), InputError if b does not have n rows. It allocates memory only for the
+  /// first solve in the program, which starts the threads, and for the first solve with more than
+  /// four columns. One column takes as long as four; eight take 1.1 to 1.3 times as long.
   void solve_in_place(Eigen::Ref<MatX> b) const;
+  /// Solution of A x = b for all columns of b; like solve_in_place(), but allocates the result.
   MatX solve(const Eigen::Ref<const MatX>& b) const;
 
-  /// The part of the factor that a solve has to visit when b is zero outside the rows `nonzero` and
-  /// only the rows `wanted` of x are needed; no list: all rows. Make it once, use it in every
-  /// solve: making it costs a fraction of a solve.
+  /// Computes the part of the factor that a partial solve must visit, if b is zero outside of the
+  /// rows `nonzero` and only the rows `wanted` of x are needed. A missing list means all rows.
+  /// Compute it once and use it in every such solve: it costs a fraction of a solve.
   ///
-  /// By linearity a right-hand side that changes in few rows is such a case: x changes by the
-  /// solution for the change of b. Forward, the solve visits the elimination tree from the rows
-  /// `nonzero` to the root, backward from the root to the rows `wanted`: half the work when one of
-  /// the two is a small region, almost nothing when both are. SolveSubset::entries tells how much of
-  /// the 2 factor_entries() is left. Source: Gilbert, Peierls 1988.
+  /// By linearity, a right-hand side that changes in few rows is such a case: x changes by the
+  /// solution for the change of b. The forward solve visits the elimination tree from the rows
+  /// `nonzero` to the root, the backward solve from the root to the rows `wanted`. This is half the
+  /// work if one of the two is a small region, and almost nothing if both are. SolveSubset::entries
+  /// gives the remaining work, compared with 2 factor_entries() for a full solve. Throws
+  /// NoSolutionError without a successful factorize(). Reference: [GilbertPeierls1988].
   SolveSubset subset(const std::optional<std::vector<int>>& nonzero,
                      const std::optional<std::vector<int>>& wanted) const;
-  /// Solves through that part: x may be read outside the rows `wanted`, but holds nothing
-  /// meaningful there. The rows `wanted` equal those of a full solve in every digit. InputError
-  /// when the part was made for another analysis.
+  /// Partial solve in place, restricted to `subset`. b must be zero outside of `nonzero`. The rows
+  /// `wanted` of x are bit-identical to those of a full solve; the other rows are meaningless.
+  /// Throws InputError if the subset belongs to another analysis.
   void solve_in_place(const SolveSubset& subset, Eigen::Ref<MatX> b) const;
 
-  /// Why the last factorize() failed, or "".
+  /// Why the last factorize() failed; empty after success.
   const std::string& message() const;
 
-  /// Entries of the factor that a solve reads, twice (zeros of supernodes included).
+  /// Number of entries of the factor, including explicit zeros in supernodes. A solve reads each
+  /// entry twice.
   long factor_entries() const;
 
-  /// "CHOLMOD" or "Eigen".
+  /// Library that provides the ordering: "CHOLMOD" or "Eigen".
   static const char* backend();
 
  private:
@@ -91,37 +99,38 @@ class SparseCholesky {
   std::unique_ptr<Data> data_;
 };
 
-/// One correction step for a least-squares problem min |A x - b|² that was solved by its normal
-/// equations, AᵀA x = Aᵀb with `normal` the factor of AᵀA:
+/// Improves the solution of a least-squares problem min |A x - b|² that was solved by its normal
+/// equations AᵀA x = Aᵀb, by one correction step:
 ///
 ///     x += (AᵀA)⁻¹ Aᵀ (b - A x)
 ///
-/// The normal equations square the condition number: x is then wrong by about 1e-16 cond(A)². The
-/// residual b - A x, unlike Aᵀb - AᵀA x, has lost nothing to the product AᵀA, and one step with it
-/// gives the accuracy of an orthogonal factorization (Björck 1987, corrected seminormal equations).
-/// For systems that move at every event of a mouse: offered for the moment it is released. Costs
-/// one solve and two products with A.
+/// The normal equations square the condition number: the error of x is about 1e-16 cond(A)². The
+/// residual b - A x, unlike Aᵀb - AᵀA x, is not affected by the rounding errors of AᵀA. One step
+/// with it gives the accuracy of an orthogonal factorization (corrected seminormal equations,
+/// [Bjorck1987]). In interactive use, call it when the mouse is released. Cost: one solve and two
+/// products with A.
 ///
-/// A: m×n, b: m×k, x: n×k (otherwise InputError). Returns the largest change of an entry of x over
-/// the largest entry of x.
+/// `normal`: factor of AᵀA. A: m×n, b: m×k, x: n×k; throws InputError for other shapes. Returns the
+/// largest change of an entry of x, divided by the largest entry of x.
 double refine_least_squares(const SparseCholesky& normal, const SparseMatrix& A,
                             const Eigen::Ref<const MatX>& b, Eigen::Ref<MatX> x);
 
 
-// A factor that another program part keeps in place of SparseCholesky.
+// Interface for other linear solvers.
 
-/// Factors a symmetric positive definite matrix and solves with it, where SparseCholesky does not:
-/// on several machines (docs/distributed.md).
+/// Interface for solvers of symmetric positive definite systems that replace SparseCholesky, for
+/// example on several machines (docs/distributed.md).
 class LinearSolverBackend {
  public:
   virtual ~LinearSolverBackend() = default;
-  /// A: the lower triangle. Throws NoSolutionError when A is not positive definite.
+  /// Factors A, of which only the lower triangle is stored. Throws NoSolutionError if A is not
+  /// positive definite.
   virtual void factorize(const SparseMatrix& A) = 0;
-  /// b, n×k, becomes x with A x = b.
+  /// Solves A x = b in place: b (n×k) is overwritten by x.
   virtual void solve_in_place(Eigen::Ref<MatX> b) const = 0;
 };
 
-/// Makes one for each system; empty: SparseCholesky.
+/// Creates one backend for each linear system. If empty, SparseCholesky is used.
 using BackendFactory = std::function<std::unique_ptr<LinearSolverBackend>()>;
 
 }  // namespace batten

@@ -1,5 +1,5 @@
-// The factorization behind SparseCholesky: Batten's numbers over CHOLMOD's pattern, or Eigen's where
-// CHOLMOD is absent.
+// Supernodal factorization behind SparseCholesky: numeric factorization by Batten on CHOLMOD's
+// pattern, or by Eigen if CHOLMOD is not available.
 #pragma once
 
 #include <memory>
@@ -12,24 +12,27 @@
 
 namespace batten {
 
-/// P A Pᵀ = L Lᵀ as dense blocks. Internal: one of supernodal_factor_cholmod.cpp and
-/// supernodal_factor_eigen.cpp is built.
+/// Factorization P A Pᵀ = L Lᵀ in dense supernodal blocks. Implementation detail of SparseCholesky:
+/// either supernodal_factor_cholmod.cpp or supernodal_factor_eigen.cpp is compiled.
 class SupernodalFactor {
  public:
   SupernodalFactor();
   ~SupernodalFactor();
 
-  /// A.rows() > 0. `order` may be empty.
+  /// Symbolic analysis of A, which must have at least one row. `order`: elimination order, or empty
+  /// for an automatic one.
   void analyze(const SparseMatrix& A, const std::vector<int>& order, FactorReuse factor_reuse);
 
-  /// Why it failed, or "".
+  /// Numeric factorization. Returns the error message, or "" on success.
   std::string factorize(const SparseMatrix& A);
 
-  /// After a successful factorize(). The same until the next analyze().
+  /// Pattern of the factor and elimination order. Valid after a successful factorize(), unchanged
+  /// until the next analyze().
   SupernodalPattern pattern() const;
   const int* order() const;
 
-  /// The numbers of the last factorize(), which may be overwritten: the next one starts anew.
+  /// Values of the last factorize(). The caller may overwrite them: the next factorize() recomputes
+  /// all of them.
   double* values();
 
   static const char* backend();
@@ -39,14 +42,14 @@ class SupernodalFactor {
   std::unique_ptr<Data> data_;
 };
 
-/// The sentence for a pivot that is not positive.
+/// Error message for a pivot that is not positive; `unknown`: index of the unknown.
 inline std::string not_positive_definite(long unknown) {
   return "the matrix is not positive definite at unknown " + std::to_string(unknown) +
          ": some motion costs no energy (are enough points held, and beta > 0?)";
 }
 
-/// A pivot this small against its diagonal entry is rounding: bending problems of 100,000 unknowns
-/// stay above 1e-10.
+/// Relative pivot threshold: a pivot below this fraction of its diagonal entry is rounding error.
+/// Bending problems with 100,000 unknowns stay above 1e-10.
 inline constexpr double kSingularPivot = 1e-14;
 
 }  // namespace batten

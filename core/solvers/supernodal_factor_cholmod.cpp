@@ -11,9 +11,9 @@
 namespace batten {
 namespace {
 
-// The first unknown whose pivot is nothing beside its diagonal entry, or not a number; -1: none.
-// The ratio is independent of the scale of the unknowns, and about 1e-16 when a motion costs
-// nothing but rounding let the factor through.
+// First unknown whose pivot is negligible compared with its diagonal entry, or not a number; -1:
+// none. The ratio does not depend on the scale of the unknowns. It is about 1e-16 if some motion
+// costs no energy and the factorization succeeded only because of rounding.
 long singular_unknown(const SupernodalPattern& L, const int* order, const double* values,
                       const SparseMatrix& A) {
   const VecX diagonal = A.diagonal();
@@ -34,7 +34,7 @@ cholmod_sparse view(const SparseMatrix& A) {
   v.nzmax = static_cast<size_t>(A.nonZeros());
   v.p = const_cast<int*>(A.outerIndexPtr());
   v.nz = const_cast<int*>(A.innerNonZeroPtr());
-  static int no_index = 0;  // CHOLMOD takes no null, not even for no entries
+  static int no_index = 0;  // CHOLMOD rejects null pointers even if there are no entries
   static double no_value = 0;
   v.i = v.nzmax > 0 ? const_cast<int*>(A.innerIndexPtr()) : &no_index;
   v.x = v.nzmax > 0 ? const_cast<double*>(A.valuePtr()) : &no_value;
@@ -51,7 +51,7 @@ cholmod_sparse view(const SparseMatrix& A) {
 
 struct SupernodalFactor::Data {
   cholmod_common common;
-  cholmod_factor* factor = nullptr;  // its pattern alone
+  cholmod_factor* factor = nullptr;  // symbolic only
   SupernodalFactorization numbers;
 
   Data() {
@@ -81,10 +81,11 @@ void SupernodalFactor::analyze(const SparseMatrix& A, const std::vector<int>& or
   data_->numbers = {};
   cholmod_free_factor(&data_->factor, &common);
   cholmod_sparse a = view(A);
-  // Small factors are faster with fewer, fuller supernodes: a third at 3,000 unknowns, a tenth at
-  // 100,000, where the zeros they store would cost more in every solve than they save.
+  // Small factors are faster with fewer, fuller supernodes: by a third at 3,000 unknowns, by a
+  // tenth at 100,000. At 100,000, however, the zeros that they store cost more in every solve than
+  // they save.
   constexpr long small = 20000;
-  constexpr size_t columns[2][3] = {{4, 16, 48}, {16, 32, 64}};  // the first: CHOLMOD's
+  constexpr size_t columns[2][3] = {{4, 16, 48}, {16, 32, 64}};  // first row: CHOLMOD's defaults
   constexpr double zeros[2][3] = {{0.8, 0.1, 0.05}, {0.9, 0.2, 0.1}};
   const int merge = A.rows() < small ? 1 : 0;
   std::copy_n(columns[merge], 3, common.nrelax);
@@ -94,13 +95,13 @@ void SupernodalFactor::analyze(const SparseMatrix& A, const std::vector<int>& or
   common.method[0].ordering = given ? CHOLMOD_GIVEN : CHOLMOD_AMD;
   constexpr long kMinUnknownsForMetis = 10000;
   if (!given && factor_reuse == FactorReuse::many && A.rows() >= kMinUnknownsForMetis) {
-    // Both are tried and the factor with fewer entries is kept.
+    // CHOLMOD tries both and keeps the factor with fewer entries.
     common.nmethods = 2;
     common.method[1].ordering = CHOLMOD_METIS;
   }
   data_->factor = cholmod_analyze_p(&a, given, nullptr, 0, &common);
   if (!data_->factor) throw NoSolutionError(data_->failure());
-  // Said before the numbers are made, not by the system that ends the program in the midst of it.
+  // Check memory before the numeric factorization: otherwise the system might kill the program.
   constexpr size_t large = size_t{1} << 24;
   if (data_->factor->xsize > large)
     require_memory(8.0 * static_cast<double>(data_->factor->xsize),
@@ -133,14 +134,14 @@ std::vector<int> elimination_order(const SparseMatrix& graph, FactorReuse factor
   cholmod_common common;
   cholmod_start(&common);
   common.print = 0;
-  common.supernodal = CHOLMOD_SIMPLICIAL;  // the cheapest analysis: only the order is of use
+  common.supernodal = CHOLMOD_SIMPLICIAL;  // the cheapest analysis: only the order is used
   constexpr long kMinNodesForDissection = 1000;
   const bool dissect = factor_reuse == FactorReuse::many && graph.rows() >= kMinNodesForDissection;
   common.nmethods = 1;
   common.method[0].ordering = dissect ? CHOLMOD_NESDIS : CHOLMOD_AMD;
   cholmod_sparse a = view(graph);
   cholmod_factor* factor = cholmod_analyze(&a, &common);
-  if (!factor && dissect) {  // a CHOLMOD without METIS
+  if (!factor && dissect) {  // CHOLMOD was built without METIS
     common.method[0].ordering = CHOLMOD_AMD;
     factor = cholmod_analyze(&a, &common);
   }

@@ -14,10 +14,10 @@ namespace {
 
 using Permutation = Eigen::PermutationMatrix<Eigen::Dynamic, Eigen::Dynamic, int>;
 
-// The column above each in the elimination tree of a lower triangle, or -1. Liu 1986.
+// Parent of each column in the elimination tree of a lower triangle, or -1. Reference: [Liu1986].
 std::vector<int> elimination_tree(const SparseMatrix& lower) {
   const auto n = static_cast<int>(lower.rows());
-  const SparseMatrix upper = lower.transpose();  // its columns are the rows
+  const SparseMatrix upper = lower.transpose();  // its columns are the rows of `lower`
   std::vector<int> parent(n, -1), ancestor(n, -1);
   for (int row = 0; row < n; ++row)
     for (SparseMatrix::InnerIterator e(upper, row); e && e.row() < row; ++e)
@@ -29,7 +29,7 @@ std::vector<int> elimination_tree(const SparseMatrix& lower) {
   return parent;
 }
 
-// The nodes of a forest, children before their parents and every subtree without a gap.
+// Postorder of a forest: children before their parents, every subtree contiguous.
 std::vector<int> postorder(const std::vector<int>& parent) {
   const auto n = isize(parent);
   std::vector<int> first_child(n, -1), next_sibling(n, -1), order, path;
@@ -56,7 +56,7 @@ std::vector<int> postorder(const std::vector<int>& parent) {
 
 struct SupernodalFactor::Data {
   Eigen::SimplicialLDLT<SparseMatrix, Eigen::Lower, Eigen::NaturalOrdering<int>> ldlt;
-  std::vector<int> order;  // the unknown behind each row
+  std::vector<int> order;  // unknown of each row of L
   std::vector<int> columns, row_starts, rows, value_starts;
   std::vector<double> values;
 
@@ -90,7 +90,8 @@ void SupernodalFactor::analyze(const SparseMatrix& A, const std::vector<int>& or
   d.ldlt.analyzePattern(d.permuted(A));
 }
 
-// Neighbouring columns of L belong together when the rows of one are the next column and its rows.
+// Merges neighbouring columns of L into supernodes: the rows of the first must be the next column
+// and its rows.
 void SupernodalFactor::Data::find_supernodes() {
   const SparseMatrix& L = ldlt.matrixL().nestedExpression();
   const int* start = L.outerIndexPtr();
@@ -114,7 +115,7 @@ void SupernodalFactor::Data::find_supernodes() {
     row_starts.push_back(isize(rows));
     value_starts.push_back(static_cast<int>(size));
   }
-  columns = std::move(first_columns);  // complete, or still empty
+  columns = std::move(first_columns);  // assigned at the end: either complete or still empty
 }
 
 void SupernodalFactor::Data::fill_blocks() {

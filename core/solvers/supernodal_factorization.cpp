@@ -34,7 +34,7 @@ SupernodalFactorization::SupernodalFactorization(const SupernodalPattern& patter
   values_ = std::make_unique_for_overwrite<double[]>(pattern.value_starts[pattern.count]);
 }
 
-// Sorted by supernode, so that each is filled while it is in the cache.
+// Entries are sorted by supernode, so that each supernode is filled while it is in the cache.
 void SupernodalFactorization::find_entries(const int* order, const SparseMatrix& A) {
   const int n = pattern_.columns[pattern_.count];
   std::vector<int> row_of(n), supernode_of(n), local_row(n);
@@ -71,7 +71,8 @@ void SupernodalFactorization::find_entries(const int* order, const SparseMatrix&
   }
 }
 
-// Each supernode's rows below, cut where they go from the columns of one supernode to another's.
+// Splits the rows below each supernode where they pass from the columns of one supernode to those
+// of another.
 void SupernodalFactorization::find_updates() {
   const int n = pattern_.columns[pattern_.count];
   std::vector<int> supernode_of(n);
@@ -119,12 +120,12 @@ std::vector<long> SupernodalFactorization::flops() const {
 }
 
 int SupernodalFactorization::factorize(const SparseMatrix& A) {
-  if (!A.isCompressed()) {  // the entries are counted
+  if (!A.isCompressed()) {  // entries are addressed by their index in the compressed storage
     SparseMatrix compressed = A;
     compressed.makeCompressed();
     return factorize(compressed);
   }
-  // Less is done before another thread has woken.
+  // Operations; with less work, the computation is over before another thread has woken.
   constexpr long kMinWorkPerThread = 10000000;
   const int threads = flops_ < kMinWorkPerThread ? 1 : std::min(thread_count(), core_count());
   *failed_ = kNoColumn;
@@ -187,7 +188,8 @@ void SupernodalFactorization::execute(const FactorTask& task, const double* a, W
 }
 
 void SupernodalFactorization::factor_supernode(int s, const double* a, Workspace& work) {
-  // What fails does so at the lowest column of all, which nothing above it can change.
+  // If the factorization fails, the lowest failing column counts, and later supernodes cannot
+  // change it.
   if (*failed_ < pattern_.columns[s]) return;
   assemble(s, a);
   update(s, 0, rows(s), work);
@@ -245,7 +247,8 @@ class Planner {
   Planner(const SupernodalPattern& pattern, const std::vector<int>& parents,
           const std::vector<long>& flops)
       : pattern_(pattern), parents_(parents), flops_(flops) {
-    // Pieces are about a 24th of the whole; less than this is soon waited for.
+    // Blocks are about 1/24 of the total work. Waiting for a block with fewer operations than this
+    // takes little time.
     constexpr long little = 2000000;
     most_flops_ = std::max(std::accumulate(flops.begin(), flops.end(), 0L) / 100, little);
   }
@@ -254,7 +257,7 @@ class Planner {
     const std::vector<int> columns(pattern_.columns, pattern_.columns + pattern_.count + 1);
     const std::vector<TreeBlock> pieces = partition_elimination_tree(parents_, columns, flops_);
     std::vector<int> piece_of(parents_.size()), level(pieces.size(), 0);
-    std::vector<std::vector<int>> done(pieces.size());  // the last tasks of the pieces below
+    std::vector<std::vector<int>> done(pieces.size());  // last tasks of the blocks below each one
     for (int p = 0; p < isize(pieces); ++p)
       std::fill(piece_of.begin() + pieces[p].first, piece_of.begin() + pieces[p].end, p);
     for (int p = 0; p < isize(pieces); ++p) {
@@ -268,7 +271,7 @@ class Planner {
         for (const int task : begin_) link(child, task);
       begin_.clear();
       for (int t = before; t < isize(tasks_); ++t) place_.push_back({level[p], t - before});
-      // A subtree may have several roots, which are under the same piece.
+      // A subtree may have several roots; they have the same parent block.
       if (const int s = parents_[end - 1]; s >= 0) {
         const int parent = piece_of[s];
         done[parent].push_back(isize(tasks_) - 1);
@@ -288,8 +291,8 @@ class Planner {
     ++tasks_[after].pending_count;
   }
 
-  // Blocks of columns, each a triangle and then the rows below it, range by range: a range has had
-  // its updates, and then one block after the other.
+  // Splits a large supernode into blocks of columns, each with a triangle and then ranges of rows
+  // below it. Each range first receives its updates, and then one block of columns after the other.
   void split(int s) {
     const int width = pattern_.columns[s + 1] - pattern_.columns[s];
     const int rows = pattern_.row_starts[s + 1] - pattern_.row_starts[s];
@@ -300,7 +303,7 @@ class Planner {
     const int ranges = isize(starts);
     starts.push_back(rows);
 
-    std::vector<int> last;  // task on each range
+    std::vector<int> last;  // last task on each range
     const int assemble = add(Step::assemble, s, s + 1);
     for (int r = 0; r < ranges; ++r) {
       last.push_back(add(Step::update, s, s + 1));
@@ -323,7 +326,7 @@ class Planner {
     for (int b = 0; b < blocks; ++b)
       for (int r = b + 1; r < ranges; ++r) {
         follow(r, Step::rows, b);
-        // The next triangle is taken early: others are at work on the rows meanwhile.
+        // Schedule the next triangle early, while other threads work on the rows.
         if (b + 1 < blocks && r == std::min(b + 2, ranges - 1))
           follow(b + 1, Step::triangle, b + 1);
       }
@@ -331,7 +334,7 @@ class Planner {
     for (int r = 0; r < ranges; ++r) link(last[r], done);
   }
 
-  // By levels, and within a level the steps of several supernodes side by side.
+  // Sorts tasks by level; within a level, the steps of several supernodes alternate.
   std::vector<FactorTask> in_order() {
     std::vector<int> order(tasks_.size()), number(tasks_.size());
     std::iota(order.begin(), order.end(), 0);
@@ -351,8 +354,8 @@ class Planner {
   const std::vector<long>& flops_;
   long most_flops_;
   std::vector<FactorTask> tasks_;
-  std::vector<int> begin_;                  // tasks of a piece that need the pieces below
-  std::vector<std::pair<int, int>> place_;  // level and number in the piece
+  std::vector<int> begin_;                  // tasks of a block that need the blocks below
+  std::vector<std::pair<int, int>> place_;  // level, and index in the block
 };
 
 }  // namespace

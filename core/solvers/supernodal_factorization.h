@@ -1,4 +1,4 @@
-// The numbers of a supernodal Cholesky factor, on several cores. Internal.
+// Numeric supernodal Cholesky factorization on several cores.
 #pragma once
 
 #include <atomic>
@@ -10,66 +10,72 @@
 
 namespace batten {
 
-// The steps of a numeric factorization, for several threads. Internal.
+// Tasks of a parallel numeric factorization.
 
-/// What one thread does at a time: whole supernodes one after the other, or a step of one large
-/// supernode. Rows and columns are counted within the supernode.
+/// Unit of work of one thread: several whole supernodes one after the other, or one step of a large
+/// supernode. Row and column indices are relative to the supernode.
 struct FactorTask {
   enum class Step { factor_supernode, assemble, update, triangle, rows, done };
   Step step;
   int supernode, end_supernode;
-  int first_row = 0, end_row = 0;        // update, rows
-  int first_column = 0, end_column = 0;  // triangle, rows
-  int pending_count = 0;                 // for so many other tasks
+  int first_row = 0, end_row = 0;        // for update and rows
+  int first_column = 0, end_column = 0;  // for triangle and rows
+  int pending_count = 0;                 // number of tasks that must finish first
   std::vector<int> next = {};            // tasks that wait for this one
 };
 
-/// The tasks in an order in which each comes after those that it waits for, so that threads which
-/// take them one after the other never wait for a task that nobody has. Work is cut where
-/// partition_elimination_tree cuts the elimination tree, by `flops` of each supernode; a piece of one large
-/// supernode becomes a task for each 96 rows, of its updates and of each 96 columns. Depends on the
-/// pattern alone. O(supernodes) and a little for each task.
+/// Creates the tasks of a factorization in an order in which each task comes after those that it
+/// waits for. Threads that take tasks in this order never wait for a task that no thread has taken.
+///
+/// Work is split by partition_elimination_tree(), weighted by `flops` of each supernode. A block
+/// that is one large supernode is split further, into tasks of 96 rows for its updates and for each
+/// 96 columns. `parents`: parent of each supernode in the elimination tree, or -1. The result
+/// depends on the pattern only. Cost: O(supernodes), plus a small amount per task.
 std::vector<FactorTask> plan_factorization(const SupernodalPattern& pattern,
                                            const std::vector<int>& parents,
                                            const std::vector<long>& flops);
 
 
-/// P A Pᵀ = L Lᵀ for a pattern that is known. Supernode by supernode, from the leaves of the
-/// elimination tree to its roots (left-looking):
+/// Numeric factorization P A Pᵀ = L Lᵀ for a known pattern. It is left-looking and proceeds
+/// supernode by supernode, from the leaves of the elimination tree to its roots:
 ///
 ///     L_s := entries of A;  L_s -= L_d(rows of s and below) L_d(rows of s)ᵀ for each d below s
 ///     L_s's triangle = its Cholesky factor;  L_s's rows below := rows · triangle⁻ᵀ
 ///
-/// Which d reach s, and where each entry of A belongs, is found once for a pattern: factorize()
-/// makes nothing but numbers, and allocates nothing but for more threads than before. Large
-/// supernodes are shared among the threads by rows. Every entry takes its updates in ascending
-/// order of d, each the sum over d's columns in their order: the same bits on one thread as on many.
+/// The supernodes d that update s, and the position of each entry of A, are computed once per
+/// pattern. factorize() computes values only and allocates memory only if it uses more threads than
+/// before. The rows of large supernodes are distributed over the threads. Every entry receives its
+/// updates in ascending order of d, each summed over the columns of d in their order: results are
+/// bit-identical for any number of threads.
 ///
-/// Cost: Σ (rows of a column of L)² operations. Memory: 8 bytes an entry of L, 8 an entry of A.
-/// Source: Ng, Peyton 1993; tasks: Hogg, Reid, Scott 2010.
+/// Cost: Σ (rows of a column of L)² operations. Memory: 8 bytes per entry of L and 8 per entry of
+/// A. Reference: [NgPeyton1993]; tasks: [Hogg2010].
 class SupernodalFactorization {
  public:
   SupernodalFactorization() = default;
 
-  /// `pattern` outlives this. `order`: the unknown behind each row of L. Of `A` the lower triangle
-  /// is read, and only its pattern. O(entries of A and rows of the pattern).
+  /// Prepares the factorization. `pattern` must outlive this object. `order`: the unknown of each
+  /// row of L. Only the pattern of the lower triangle of A is read. Cost: O(entries of A and rows
+  /// of the pattern).
   SupernodalFactorization(const SupernodalPattern& pattern, const int* order,
                           const SparseMatrix& A);
 
-  /// Returns the first column whose pivot is not positive (or not a number), or -1.
+  /// Computes the values for A. Returns the first column whose pivot is not positive (or NaN), or
+  /// -1 on success.
   int factorize(const SparseMatrix& A);
 
+  /// Values of L, in the layout of the pattern.
   double* values() { return values_.get(); }
   const double* values() const { return values_.get(); }
 
  private:
-  // Rows first … end-1 of a supernode below are columns of this one.
+  // Rows first … end-1 of the descendant `from`, which are columns of this supernode.
   struct Update {
     int from, first, end;
   };
   struct Workspace {
-    std::vector<int> local_row;   // of a row of L in the supernode at hand
-    std::vector<int> local_rows;  // of a supernode's rows in another
+    std::vector<int> local_row;   // index of a row of L in the current supernode
+    std::vector<int> local_rows;  // rows of one supernode as indices in another
     std::vector<double> scratch;
   };
 
@@ -90,17 +96,18 @@ class SupernodalFactorization {
   void triangle(int s, int first_column, int end_column, Workspace& work);
 
   SupernodalPattern pattern_;
+  // Entries of A that belong to each supernode, and their positions in its block.
   std::vector<int> entry_starts_, entries_,
-      targets_;  // A's entries of each supernode, their places
+      targets_;
   std::vector<int> update_starts_;
   std::vector<Update> updates_;
   std::vector<FactorTask> tasks_;
   long flops_ = 0;
   int max_rows_ = 0, max_columns_ = 0;
   std::unique_ptr<double[]> values_;
-  std::vector<Workspace> work_;                  // of each thread
-  std::unique_ptr<std::atomic<int>[]> pending_;  // of each task: what it waits for
-  std::unique_ptr<std::atomic<int>> failed_;     // the first column known to fail
+  std::vector<Workspace> work_;                  // one per thread
+  std::unique_ptr<std::atomic<int>[]> pending_;  // unfinished predecessors of each task
+  std::unique_ptr<std::atomic<int>> failed_;     // lowest column known to fail
 };
 
 }  // namespace batten

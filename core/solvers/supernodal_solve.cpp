@@ -78,7 +78,7 @@ void SupernodalSolve::partition_into_chunks() {
   link_chunks(sizes);
 }
 
-// Parents, children, the order for several threads.
+// Finds parents and children of chunks, and the schedule for several threads.
 void SupernodalSolve::link_chunks(const std::vector<long>& sizes) {
   const auto chunks = isize(chunks_);
   std::vector<int> chunk_of(parents_.size()), level(chunks, 0);
@@ -98,17 +98,19 @@ void SupernodalSolve::link_chunks(const std::vector<long>& sizes) {
     children_.insert(children_.end(), children[c].begin(), children[c].end());
     chunks_[c].end_child = isize(children_);
   }
-  std::vector<long> path(chunks, 0);  // entries that are read one after the other, whoever helps
+  // Entries that must be read sequentially, whatever the number of threads.
+  std::vector<long> path(chunks, 0);
   long longest = 0;
   for (int c = 0; c < chunks; ++c) {
     path[c] += sizes[c];
     longest = std::max(longest, path[c]);
     if (const int p = chunks_[c].parent; p >= 0) path[p] = std::max(path[p], path[c]);
   }
-  // Handing a chunk over costs about as much as reading this many entries.
+  // Passing a chunk to another thread costs about as much as reading this many entries.
   constexpr long kMinEntriesPerChunk = 10000;
   splits_ = 3 * longest < 2 * entries_ && entries_ >= kMinEntriesPerChunk * chunks;
-  // Level by level, so that nobody has to wait long; any order from children to parents would do.
+  // Level by level, so that no thread waits long. Any order from children to parents would be
+  // valid.
   schedule_.resize(chunks);
   std::iota(schedule_.begin(), schedule_.end(), 0);
   std::stable_sort(schedule_.begin(), schedule_.end(),
@@ -137,7 +139,7 @@ void SupernodalSolve::find_boundaries(const int* rows) {
       targets_[i] = rows[i] < chunk.end_column ? rows[i] : place[rows[i]];
     for (const int row : boundary) place[row] = -1;
   }
-  // A row that a chunk passes on is the parent's own or is passed on again.
+  // A boundary row of a child is either a column of the parent or in the parent's own boundary.
   boundary_targets_.resize(all.size());
   for (const Chunk& chunk : chunks_) {
     for (int e = chunk.first_boundary; e < chunk.end_boundary; ++e) place[all[e]] = n_ + e;
@@ -156,7 +158,7 @@ void SupernodalSolve::pack(double* values) {
   const auto pack_chunk = [&](int c) {
     const Chunk& chunk = chunks_[c];
     std::vector<double> block;
-    // Never ahead of what is still to be read.
+    // In-place packing: the write position never overtakes the values that are still to be read.
     double* to = values + value_starts_[chunk.first_supernode];
     for (int s = chunk.first_supernode; s < chunk.end_supernode; ++s) {
       const long r = row_starts_[s + 1] - row_starts_[s], w = columns_[s + 1] - columns_[s];
@@ -169,14 +171,14 @@ void SupernodalSolve::pack(double* values) {
   values_ = values;
 }
 
-// One group of right-hand sides, through all chunks.
+// Solve for one group of right-hand sides, through all chunks.
 template <class Row>
 class SupernodalSolve::GroupSolve {
  public:
   GroupSolve(const SupernodalSolve& all, const SolveSubset* subset, double* x, long stride,
              int columns)
       : all_(all), subset_(subset), x_(x), stride_(stride), columns_(columns) {
-    // Vectors start at multiples of their size.
+    // Vectors must be aligned to their size.
     const auto address = reinterpret_cast<std::uintptr_t>(all.work_.get());
     work_ = reinterpret_cast<Row*>((address + sizeof(Row) - 1) / sizeof(Row) * sizeof(Row));
     packed_ = {all.columns_.data(), all.row_starts_.data(), all.packed_starts_.data(),
@@ -189,8 +191,8 @@ class SupernodalSolve::GroupSolve {
     for (int c = count - 1; c >= 0; --c) backward(c);
   }
 
-  // One list for both sweeps: the schedule and then the schedule from its end. Whoever takes an
-  // item waits for what it depends on, which was taken before it.
+  // Both sweeps use one task list: the schedule, followed by the schedule in reverse order. A
+  // thread that takes a task waits for its predecessors, which were taken before it.
   void sweep_parallel(int threads) const {
     const int count = all_.chunk_count();
     for (int c = 0; c < count; ++c)
@@ -246,7 +248,7 @@ class SupernodalSolve::GroupSolve {
                all_.order_.data() + chunk.first_column, columns_, x_, stride_);
   }
 
-  // After its children.
+  // Runs after all children of the chunk.
   void forward_when_ready(int c) const {
     wait_for(c, 0);
     forward(c);
@@ -255,7 +257,7 @@ class SupernodalSolve::GroupSolve {
       all_.pending_[parent].fetch_sub(1, std::memory_order_acq_rel);
   }
 
-  // After its parent; without one, after its own way forward.
+  // Runs after the parent's backward sweep, or, for a root, after its own forward sweep.
   void backward_when_ready(int c) const {
     if (const int parent = all_.chunks_[c].parent; parent >= 0)
       wait_for(parent, kBackwardDone);
@@ -355,10 +357,11 @@ long SupernodalSolve::block_entries(int s) const {
 }
 
 int SupernodalSolve::threads_for(long entries) const {
-  // Waking a thread takes up to 50 µs, and its caches are cold: less is not worth it.
+  // Entries; waking a thread takes up to 50 µs and its caches are cold, so less work is not worth
+  // it.
   constexpr long kMinWorkPerThread = 500000;
   if (!splits_ || entries < kMinWorkPerThread) return 1;
-  // A thread without a core would only make the others wait.
+  // A thread without a core of its own would only make the others wait.
   return std::min({thread_count(), core_count(), chunk_count()});
 }
 
@@ -377,7 +380,7 @@ class TreePartitioner {
       : parents_(parents),
         columns_(columns),
         entries_(entries),
-        // So many pieces keep a few threads busy.
+        // 24 blocks are enough to keep a few threads busy.
         max_entries_(std::max(std::accumulate(entries.begin(), entries.end(), 0L) / 24, 16384L)),
         first_(parents.size()),
         below_(entries),
@@ -422,7 +425,7 @@ class TreePartitioner {
            columns_[s + 1] - columns_[first_[s]] <= kMaxColumns;
   }
 
-  // Whether the last piece can take this one in.
+  // Whether the last block can be merged with this one.
   bool fits(const TreeBlock& block) const {
     return !blocks_.empty() && blocks_.back().entries + block.entries <= max_entries_ &&
            columns_[block.end] - columns_[blocks_.back().first] <= kMaxColumns;
@@ -450,13 +453,13 @@ class TreePartitioner {
     }
   }
 
-  // The rows of so many columns stay in a second-level cache.
+  // The work vector of this many columns fits in the L2 cache.
   static constexpr int kMaxColumns = 8192;
   const std::vector<int>& parents_;
   const std::vector<int>& columns_;
   const std::vector<long>& entries_;
   const long max_entries_;
-  std::vector<int> first_;   // supernode of each subtree
+  std::vector<int> first_;   // first supernode of each subtree
   std::vector<long> below_;  // entries of each subtree
   std::vector<long> largest_child_;
   std::vector<TreeBlock> blocks_;

@@ -1,4 +1,4 @@
-// Triangular solves with a supernodal Cholesky factor at the speed of memory.
+// Triangular solves with a supernodal Cholesky factor, limited only by memory bandwidth.
 #pragma once
 
 #include <atomic>
@@ -12,74 +12,80 @@
 
 namespace batten {
 
-/// Where the numbers of a factor L are. A supernode is a run of columns with the same rows below
-/// them, stored as one dense block, column by column: its own columns (a lower triangle, what is
-/// above the diagonal is not read) and then the rows below.
+/// Layout of a supernodal factor L. A supernode is a set of consecutive columns with the same rows
+/// below them. It is stored by columns as one dense block: first its own columns (a lower triangle;
+/// entries above the diagonal are not read), then the rows below.
 struct SupernodalPattern {
-  int count = 0;                      // of supernodes
-  const int* columns = nullptr;       // count+1: the first column of each, and n
-  const int* row_starts = nullptr;    // count+1: where its rows start in `rows`
-  const int* rows = nullptr;          // ascending in each supernode; its own columns come first
-  const int* value_starts = nullptr;  // count+1: where its block starts in the values
+  int count = 0;                      // number of supernodes
+  const int* columns = nullptr;       // count+1: first column of each, then n
+  const int* row_starts = nullptr;    // count+1: first index in `rows` of each
+  // Rows of each supernode, ascending; its own columns come first.
+  const int* rows = nullptr;
+  const int* value_starts = nullptr;  // count+1: offset of each block in the values
 };
 
-/// x with L Lᵀ x = b, in place, for any number of right-hand sides; P the order of the unknowns:
-/// what is solved is A x = b with Pᵀ-permuted rows, A = Pᵀ L Lᵀ P.
+/// In-place solution of A x = b with the factor A = Pᵀ L Lᵀ P, for any number of right-hand sides.
+/// P is the permutation of the unknowns.
 ///
-/// The solve reads every entry of L twice and does next to nothing with it, so it is as fast as
-/// memory is read. Four things bring it there (docs/theory/solver.md has the measurements):
+/// A solve reads every entry of L twice and does very little arithmetic with it, so memory
+/// bandwidth limits its speed. Four techniques reach that limit (measurements in
+/// docs/theory/solver.md):
 ///
-/// - each row of x holds 4 (or 8) right-hand sides side by side, one vector register;
-/// - blocks are repacked in panels of 8 rows, column by column, and moved together: in both sweeps
-///   eight registers take a panel's rows and L is one stream without gaps;
-/// - the backward sweep walks that stream strictly from its end to its start, because a processor
-///   reads ahead only of a walk that keeps one direction;
-/// - the elimination tree is cut in chunks. A chunk adds to its own unknowns and, for the unknowns
-///   of its ancestors, to a small vector of its own, which the chunk above collects in a fixed
-///   order: chunks of different subtrees go to different threads, and the bits are the same on one
-///   thread as on many.
+/// - Each row of x holds 4 (or 8) right-hand sides side by side in one vector register.
+/// - Blocks are repacked in panels of 8 rows, stored by columns, without gaps between blocks. In
+///   both sweeps, eight registers hold the rows of a panel, and L is read as one contiguous stream.
+/// - The backward sweep reads that stream strictly from end to start, because hardware prefetchers
+///   follow only accesses in one direction.
+/// - The elimination tree is partitioned into chunks. A chunk adds to its own unknowns and, for
+///   unknowns of its ancestors, to a small vector of its own, which the parent chunk accumulates in
+///   a fixed order. Chunks of different subtrees can run on different threads, and results are
+///   bit-identical for any number of threads.
 ///
-/// Not for several threads at once: it owns the vectors of one solve.
-/// Source of supernodes and tree: Ng, Peyton 1993; Davis, Direct Methods for Sparse Linear Systems,
-/// 2006, chapter 4. Collecting in the parent: the multifrontal method, Duff, Reid 1983.
+/// Not thread-safe: an object owns the work vectors of one solve. References: supernodes and
+/// elimination tree [NgPeyton1993], [Davis2006] chapter 4; accumulation in the parent
+/// (multifrontal method) [DuffReid1983].
 class SupernodalSolve {
  public:
   SupernodalSolve() = default;
 
-  /// `order`: the unknown behind each row of L. Supernodes must be in a postorder of their tree.
-  /// O(rows of the pattern). Allocates what solve() needs for 4 right-hand sides.
+  /// Prepares solves for `pattern`. `order`: the unknown of each row of L. Supernodes must be in a
+  /// postorder of their elimination tree. Cost: O(rows of the pattern). Allocates what solve()
+  /// needs for 4 right-hand sides.
   SupernodalSolve(const SupernodalPattern& pattern, const int* order);
 
-  /// Repacks the blocks in place: the values are no longer the factor's own layout. The values have
-  /// the pattern of the constructor; they must outlive the solves. One read and one write of the
-  /// factor.
+  /// Repacks the blocks in place and uses them in later solves; afterwards `values` no longer has
+  /// the layout of the factor. The values must have the pattern of the constructor and outlive the
+  /// solves. Cost: one read and one write of the factor.
   void pack(double* values);
 
-  /// x = b on entry, the solution on return. Right-hand sides go through in groups of 8 and 4.
-  /// Allocates nothing, except for the first solve of more than 4.
+  /// Solves in place: x holds b on entry and the solution on return. Right-hand sides are processed
+  /// in groups of 8 and 4. Allocates memory only in the first solve with more than 4 columns.
   void solve(Eigen::Ref<MatX> x) const;
 
-  /// What a solve needs when b is zero outside the rows `nonzero` and only the rows `wanted` of x
-  /// are of interest (nothing given: all rows). Forward: the supernodes of `nonzero` and their
-  /// ancestors; backward: those of `wanted` and their ancestors. InputError: no such row.
+  /// Supernodes that a partial solve visits if b is zero outside of the rows `nonzero` and only the
+  /// rows `wanted` of x are needed (no list: all rows). The forward sweep visits the supernodes of
+  /// `nonzero` and their ancestors, the backward sweep those of `wanted` and their ancestors.
+  /// Throws InputError if a row is out of range.
   SolveSubset subset(const std::optional<std::vector<int>>& nonzero,
                      const std::optional<std::vector<int>>& wanted) const;
 
-  /// The same solve, through that part only. x must be zero outside of the part's `nonzero`; what
-  /// it holds outside of `wanted` afterwards is unspecified. InputError: a part of another pattern.
+  /// Partial solve restricted to `subset`. x must be zero outside of the rows `nonzero`; on return,
+  /// rows outside of `wanted` are unspecified. Throws InputError if the subset belongs to another
+  /// pattern.
   void solve(const SolveSubset& subset, Eigen::Ref<MatX> x) const;
 
-  /// Entries of L that a sweep reads: the lower triangles and the rows below.
+  /// Entries of L that one sweep reads: the lower triangles and the rows below.
   long entries() const { return entries_; }
+  /// Number of chunks into which the elimination tree is partitioned.
   int chunk_count() const { return isize(chunks_); }
-  /// Threads that a solve uses which reads so many entries in each sweep: one unless they and the
-  /// tree are worth more, never more than cores.
+  /// Number of threads for a solve whose sweeps read `entries` entries each. It is one if the work
+  /// is too small or the tree has too few branches, and never more than the number of cores.
   int threads_for(long entries) const;
 
  private:
-  // A connected piece of the tree, or neighbours in it: consecutive supernodes, the columns they
-  // own, and the rows of ancestors that they change, kept in the chunk's stretch of the work
-  // vector.
+  // Part of the elimination tree: a connected block, or neighbouring subtrees. It consists of
+  // consecutive supernodes, the columns that they own, and the rows of ancestors that they change
+  // (the boundary), which are stored in the chunk's section of the work vector.
   struct Chunk {
     int first_supernode, end_supernode;
     int first_column, end_column;
@@ -101,43 +107,46 @@ class SupernodalSolve {
 
   int n_ = 0;
   long entries_ = 0, analysis_ = 0;
-  std::vector<int> order_;  // unknown of each row
+  std::vector<int> order_;  // unknown of each row of L
   std::vector<int> columns_, row_starts_, value_starts_;
   std::vector<long> packed_starts_;
-  std::vector<int> parents_;  // supernode above each, or -1
-  std::vector<int> targets_;  // place of each row of a supernode in the work vector
+  std::vector<int> parents_;  // parent of each supernode, or -1
+  std::vector<int> targets_;  // position of each row of a supernode in the work vector
   std::vector<Chunk> chunks_;
   std::vector<int> children_;
-  std::vector<int> boundary_targets_;  // place of each boundary row in the parent chunk's part
+  // Position of each boundary row in the parent chunk's section.
+  std::vector<int> boundary_targets_;
   std::vector<int> schedule_;          // chunks, the deepest first
-  bool splits_ = false;                // are there subtrees for two threads?
+  bool splits_ = false;                // whether subtrees are worth several threads
   const double* values_ = nullptr;
-  mutable std::unique_ptr<double[]> work_;  // a row of lanes for each column and boundary row
+  mutable std::unique_ptr<double[]> work_;  // one Row for each column and boundary row
   mutable int work_lanes_ = 0;
-  mutable std::unique_ptr<std::atomic<int>[]> pending_;  // of each chunk: what it waits for
+  // Unfinished chunks that each chunk waits for.
+  mutable std::unique_ptr<std::atomic<int>[]> pending_;
 };
 
 
-// Cuts the elimination tree of a factor in pieces for several threads. Internal.
+// Partition of the elimination tree for several threads.
 
-/// Consecutive supernodes that one thread takes: a connected piece of the tree, or neighbouring
-/// subtrees under the same piece.
+/// Consecutive supernodes that are processed by one thread: a connected block of the tree, or
+/// neighbouring subtrees with the same parent block.
 struct TreeBlock {
-  int first, end;  ///< supernodes
-  long entries;    ///< of L, in its blocks
-  bool subtree;    ///< no piece is below it
+  int first, end;  ///< supernodes first … end-1
+  long entries;    ///< entries of L in them
+  bool subtree;    ///< true if no block is below it
 };
 
-/// The pieces, children before parents. `parents`: supernode above each, or -1; `columns`: first
-/// column of each, and n; `entries`: of each block. In three steps:
+/// Partitions the elimination tree into blocks, children before parents. `parents`: parent of each
+/// supernode, or -1; `columns`: first column of each supernode, then n; `entries`: entries of L (or
+/// another measure of work) in each supernode. There are three steps:
 ///
-///     1. measure: what hangs below each supernode
-///     2. gather: a subtree that is small enough becomes one piece. A supernode above such subtrees
-///        is a piece of its own, which takes in the little pieces right before it, and along a
-///        spine (one large child, little ones beside it) also the piece of that child
-///     3. join neighbouring subtrees under the same piece
+/// 1. Measure: compute the total work of the subtree below each supernode.
+/// 2. Gather: a subtree that is small enough becomes one block. A supernode above such subtrees is
+///    a block of its own, which absorbs the small blocks right before it. Along a spine (one large
+///    child with small siblings), it also absorbs the block of that child.
+/// 3. Merge neighbouring subtrees with the same parent block.
 ///
-/// Depends on the tree alone, not on the number of threads. O(supernodes).
+/// The result depends on the tree only, not on the number of threads. Cost: O(supernodes).
 std::vector<TreeBlock> partition_elimination_tree(const std::vector<int>& parents,
                                                   const std::vector<int>& columns,
                                                   const std::vector<long>& entries);

@@ -10,18 +10,19 @@ namespace {
 constexpr int panel = kPanelRows;
 constexpr int kPrefetchBytes = 8192;
 
-// Where the packed lower triangle of w columns ends: panels of `height` × (columns up to them).
+// Size of the packed lower triangle of w columns: panels of `height` × (columns up to their
+// diagonal).
 BATTEN_INLINE long triangle_size(long w) {
   const long full = w / panel, rest = w % panel;
   return panel * panel * full * (full + 1) / 2 + rest * w;
 }
 
-// `Vector`: a whole row, or half or quarter of one where registers are narrow; the panel is then
-// gone through again for each, while it is in the first cache.
+// Number of vectors per row. `Vector` is a whole row, or half or a quarter of one if registers are
+// narrow. In that case the panel is read again for each part, while it is in the L1 cache.
 template <class Vector, class Row>
 constexpr int vectors_of = sizeof(Row) / sizeof(Vector);
 
-// acc_i = Σ_k L_ik x_k of a panel of H rows.
+// acc_i = Σ_k L_ik x_k for a panel of H rows.
 template <int H, class Vector, class Row>
 BATTEN_INLINE void multiply(const double* L, long columns, const Row* x, Row* acc) {
   constexpr int vectors = vectors_of<Vector, Row>;
@@ -38,7 +39,7 @@ BATTEN_INLINE void multiply(const double* L, long columns, const Row* x, Row* ac
   }
 }
 
-// x_k -= Σ_i L_ik y_i of a panel of H rows, from its last column to its first.
+// x_k -= Σ_i L_ik y_i for a panel of H rows, from its last column to its first.
 template <int H, class Vector, class Row>
 BATTEN_INLINE void multiply_transposed(const double* L, long columns, Row* x, const Row* y) {
   constexpr int vectors = vectors_of<Vector, Row>;
@@ -50,7 +51,7 @@ BATTEN_INLINE void multiply_transposed(const double* L, long columns, Row* x, co
     for (long k = columns - 1; k >= 0; --k) {
       Lk -= H;
       __builtin_prefetch(reinterpret_cast<const char*>(Lk) - kPrefetchBytes);
-      Vector even = xv[k * vectors], odd{};  // two chains: half the wait for each sum
+      Vector even = xv[k * vectors], odd{};  // two accumulators halve the dependency chain
       for (int i = 0; i < H; ++i) {
         if (i % 2)
           odd += Lk[i] * yv[i];
@@ -62,7 +63,7 @@ BATTEN_INLINE void multiply_transposed(const double* L, long columns, Row* x, co
   }
 }
 
-// T x = x - acc with the H×H lower triangle T, its diagonal inverted.
+// Solves T x = x - acc in place with the H×H lower triangle T, whose diagonal is inverted.
 template <int H, class Row>
 BATTEN_INLINE void solve_triangle(const double* T, Row* x, Row* acc) {
   for (int i = 0; i < H; ++i) {
@@ -114,7 +115,7 @@ BATTEN_INLINE void backward_diagonal(const double* L, long before, Row* x) {
 
 #define BATTEN_CALL [&](auto height) __attribute__((always_inline))
 
-// `visit`: the supernodes to visit, or null for all.
+// `visit`: flag per supernode, or null to visit all.
 template <class Vector, class Row>
 BATTEN_INLINE void forward(const PackedSupernodes& all, int first, int end, const char* visit,
                            Row* work) {
@@ -182,8 +183,8 @@ struct Sweeps {
   Sweep<Row8> forward8, backward8;
 };
 
-// The sweeps for one generation of vector units: `attribute` for the compiler, Vector4 and Vector8
-// for a row of 4 and of 8.
+// Sweeps for one generation of vector units. `attribute`: target for the compiler; Vector4,
+// Vector8: vector types for rows of 4 and 8.
 #define BATTEN_SWEEPS(name, attribute, Vector4, Vector8)                           \
   attribute void forward4_##name(const PackedSupernodes& all, int first, int end,  \
                                  const char* visit, Row4* work) {                  \

@@ -1,4 +1,4 @@
-// An order of a graph's nodes that keeps the fill of an elimination small.
+// Fill-reducing elimination orders, and the subsets of a factor that partial solves visit.
 #pragma once
 
 #include <vector>
@@ -7,37 +7,41 @@
 
 namespace batten {
 
-// How often a factor will be used.
+// Expected reuse of a factorization.
 
-/// What the effort for a good order of the unknowns is measured against.
+/// Expected reuse of a factorization, which selects the effort spent on a fill-reducing order.
 ///
-/// One factor: AMD. Many factorizations of one pattern, or thousands of solves: from 10,000
-/// unknowns on METIS is tried beside AMD and the factor with fewer entries is kept. Measured on
-/// sheets, METIS costs ten times AMD's analysis; at 100,000 unknowns it saves a quarter of every
-/// factorization and a sixth of every solve and has paid after 10 factorizations or 400 solves,
-/// at 14,000 unknowns after 40 or 800, below that hardly ever. An order that the caller knows from
-/// the geometry (nested_dissection_order) costs next to nothing and is as good. Eigen's factor has AMD
-/// only.
+/// - `once`: AMD.
+/// - `many`: many factorizations of one pattern, or thousands of solves. From 10,000 unknowns on,
+///   METIS is tried in addition to AMD, and the factor with fewer entries is kept.
+///
+/// Measured on surface meshes, METIS takes ten times as long as an analysis with AMD. At 100,000
+/// unknowns it saves a quarter of every factorization and a sixth of every solve, and pays off
+/// after 10 factorizations or 400 solves. At 14,000 unknowns it pays off after 40 or 800, below
+/// that hardly ever. An order that the caller knows from the geometry (nested_dissection_order())
+/// costs next to nothing and is as good. Without CHOLMOD only AMD is available.
 enum class FactorReuse { once, many };
 
 
-/// The nodes of a graph, the first to eliminate first. `graph`: lower triangle, diagonal included;
-/// its values are not looked at. One factor: AMD. Many factors: nested dissection (METIS) with
-/// minimum degree below it, which takes four times as long and pays from about 1,000 nodes on, so
-/// smaller graphs get AMD. Where CHOLMOD or its METIS is absent: AMD. Throws NoSolutionError when
-/// there is not enough memory.
+/// Fill-reducing elimination order of the nodes of a graph, first eliminated first.
+///
+/// `graph`: lower triangle of the adjacency matrix including the diagonal; its values are ignored.
+/// For `once` the order is AMD. For `many` it is nested dissection (METIS) with minimum degree on
+/// the leaves, which takes four times as long and pays off from about 1,000 nodes on. Smaller
+/// graphs get AMD, as do all if CHOLMOD or its METIS is missing. Throws NoSolutionError if memory
+/// runs out.
 std::vector<int> elimination_order(const SparseMatrix& graph, FactorReuse factor_reuse);
 
 
-// The part of a triangular solve that is worth doing.
+// Partial triangular solves.
 
-/// Which supernodes of a factor a solve visits; made by SparseCholesky::part for one analysis.
+/// Supernodes that a partial solve visits; created by SparseCholesky::subset() for one analysis.
 struct SolveSubset {
-  /// Entries of the factor that both sweeps read together; a full solve reads 2 factor_entries().
+  /// Entries of the factor that both sweeps read together. A full solve reads 2 factor_entries().
   long entries = 0;
 
-  long analysis = 0;  // for which it was made
-  // Of each supernode, and of each chunk of them: is it visited?
+  long analysis = 0;  // identifies the analysis it belongs to
+  // Flags: whether each supernode, and each chunk of supernodes, is visited by a sweep.
   std::vector<char> forward, backward, chunk_forward, chunk_backward;
 };
 

@@ -16,67 +16,79 @@
 
 namespace batten {
 
-// Whether two arms that meet at a point are nearer to noisy points than a smooth curve. Internal.
+// Likelihood-ratio test: do two polynomial arms that meet at a point fit noisy points significantly
+// better than one smooth polynomial?
 
 class CornerLikelihoodTest {
  public:
-  /// With χ² the sum of squared distances across the curve over the noise squared: by how much
-  /// that of the best smooth curve (a polynomial in the points' number, up to the third degree
-  /// beside straight arms, to the fifth beside parabolic ones) is above that of two arms that meet
-  /// at point `corner` (a row of `points`), over max(1, χ²/dof) of the latter and times the turn
-  /// over 50 degrees (0.7 to 2): noise seldom makes sharp turns.
-  /// Where they turn by more than 75 degrees, distances along the curve count too, over those along
-  /// the arms: a curve that turns so far on the spot is slow there, and points are not. 0 where the arms meet at
-  /// `least_turn` degrees or less, are no good fit themselves, or gain no more than `least`; -1
-  /// where parabolic arms fit so badly that longer ones will too.
-  /// `noise` > 0. Remembers the matrices of each size: later calls cost O(points).
+  /// Gain in χ² of two arms that meet at point `corner` (a row of `points`) over the best smooth
+  /// curve.
+  ///
+  /// χ² is the sum of squared distances across the curve over the noise squared. The smooth curve
+  /// is a polynomial in the point index, of up to the third degree against straight arms and up to
+  /// the fifth against parabolic ones. The difference in χ² is divided by max(1, χ²/dof) of the
+  /// arms. It is multiplied by the turning angle over 50 degrees (0.7 to 2), because noise seldom
+  /// makes sharp turns.
+  ///
+  /// If the arms turn by more than 75 degrees, distances along the curve count too, relative to
+  /// those along the arms: a curve that turns so far at one point is slow there, and the points are
+  /// not.
+  ///
+  /// Returns 0 if the arms turn by `least_turn` degrees or less, fit badly themselves, or gain no
+  /// more than `least`. Returns -1 if parabolic arms fit so badly that longer ones will too.
+  /// `noise` > 0. The matrices of each size are cached: later calls cost O(points).
   double gain(const Points& points, int corner, double noise, double least_turn, double least = 0);
 
  private:
   struct Shape {
-    MatX values, slopes, inverse;  // inverseᵀ points: the coefficients of least squares
+    MatX values, slopes, inverse;  // inverseᵀ points: the least-squares coefficients
   };
   struct Fit {
-    double chi = 0;    // across the curve
-    double along = 0;  // squares along it, likewise over the noise squared
+    double chi = 0;    // squared distances across the curve over the noise squared
+    double along = 0;  // squared distances along it, also over the noise squared
     Points coefficients;
   };
-  // Polynomials up to `degree`; with arms ≥ 0, on both sides of that point.
+  // Least-squares basis of polynomials up to `degree`. With corner ≥ 0: one polynomial on each side
+  // of that point.
   const Shape& shape(int count, int corner, int degree);
   static Fit fit(const Shape& shape, const Points& points, double noise);
-  // What arms can do and no polynomial up to 2 degree + 1 can: an orthonormal basis, one column a
-  // function, and by how much they lower χ², distances along the curve included.
+  // The part of the arms that no polynomial up to 2 degree + 1 can represent, as an orthonormal
+  // basis with one column per function.
   const MatX& kinks(int count, int corner, int degree);
+  // Upper bound of the decrease of χ² by kinks(), distances along the curve included.
   double max_gain(const Points& points, int corner, int degree, double noise);
 
   std::map<std::array<int, 3>, Shape> shapes_;
   std::map<std::array<int, 3>, MatX> kinks_;
-  std::map<int, MatX> polynomials_;  // orthonormal, up to the fifth degree, by count
+  std::map<int, MatX> polynomials_;  // orthonormal, up to the fifth degree, by number of points
 };
 
 namespace {
 
-constexpr int kFewPoints = 11;            // points, too few to tell noise
-constexpr double kMinTurnFewPoints = 20;  // degrees, at least
-constexpr double kMinTurnAtEnd = 60;      // where one side is a single chord
-constexpr double kSharpTurn = 75;         // always a corner
-constexpr double kPolygonTurn = 50;       // at every point: no smooth loop has so few
-constexpr double kUnevenTurn = 40;        // and more: a corner between sides of
-constexpr double kUnevenRatio = 2.5;      // this ratio
-constexpr double kCertainGain = 24;       // a gain as no noise has in some hundred places
-constexpr int kMaxArm = 60;               // points of an arm
-constexpr double kStandardErrors = 5;     // standard errors that are no chance
+constexpr int kFewPoints = 11;            // with at most this many points, noise cannot be
+                                          // estimated
+constexpr double kMinTurnFewPoints = 20;  // degrees, minimum for lists of few points
+constexpr double kMinTurnAtEnd = 60;      // degrees, minimum if one side is a single chord
+constexpr double kSharpTurn = 75;         // degrees, always a corner
+constexpr double kPolygonTurn = 50;       // degrees; a closed list with this turning angle at every
+                                          // point is a polygon
+constexpr double kUnevenTurn = 40;        // degrees, a corner if the adjacent chords have
+constexpr double kUnevenRatio = 2.5;      // at least this length ratio
+constexpr double kCertainGain = 24;       // gain that noise does not reach at some hundred
+                                          // candidates
+constexpr int kMaxArm = 60;               // points per arm
+constexpr double kStandardErrors = 5;     // number of standard errors that counts as significant
 
 double degrees(double radians) { return radians * 180 / std::numbers::pi; }
 
-// A row whose numbers go around where it is closed.
+// Points with cyclic indices if the list is closed.
 class CyclicSequence {
  public:
   CyclicSequence(const std::vector<Vec3>& points, bool closed)
       : points_(points), closed_(closed), count_(isize(points)) {}
   int count() const { return count_; }
   bool closed() const { return closed_; }
-  // Whether point i has neighbours so many places before and behind.
+  // True if index i exists.
   bool has(int i) const { return closed_ || (i >= 0 && i < count_); }
   bool inside(int i) const { return has(i - 1) && has(i + 1); }
   int number(int i) const { return ((i % count_) + count_) % count_; }
@@ -92,7 +104,7 @@ class CyclicSequence {
   int count_;
 };
 
-// Corners of one row.
+// Finds the corners of one list of points.
 class CornerSearch {
  public:
   CornerSearch(const std::vector<Vec3>& points, bool closed, double angle)
@@ -109,7 +121,7 @@ class CornerSearch {
       return found;
     }
     if (sequence_.count() <= kFewPoints) return find_by_turning_angle();
-    // Corners are no noise: it is estimated again without them.
+    // Corners must not count as noise: it is estimated again without them.
     constexpr int max_rounds = 4;
     for (int round = 0; round < max_rounds; ++round) {
       if (round > 0) {
@@ -126,14 +138,14 @@ class CornerSearch {
     return found;
   }
 
-  // Whether a closed list turns so much at every point that it can only be a polygon.
+  // True if a closed list turns so much at every point that it can only be a polygon.
   bool is_polygon() const {
     return sequence_.closed() &&
            std::all_of(turning_angles_.begin(), turning_angles_.end(),
                        [](double turning_angle) { return turning_angle >= kPolygonTurn; });
   }
 
-  // Whether turns of `angle` between neighbours may be noise.
+  // True if turns of `angle` between neighbouring chords may be noise.
   bool is_noisy() const {
     std::vector<double> steps;
     for (int i = 0; i + 1 < sequence_.count(); ++i) steps.push_back(sequence_.step(i));
@@ -146,8 +158,8 @@ class CornerSearch {
     return step > 0 ? degrees(noise_ * std::sqrt(6.0) / step) : 360;
   }
 
-  // The turn beside point i, on one side, and what it would be there if it went on growing as it
-  // does. Negative: nothing is known.
+  // Turning angle at the neighbour of a point on one side, and its extrapolation to the point
+  // itself. Negative: unknown.
   struct Beside {
     double turning_angle = -1, grown = -1;
   };
@@ -174,7 +186,7 @@ class CornerSearch {
     const Beside left = beside(i, -1), right = beside(i, 1);
     const double next = std::max(left.turning_angle, right.turning_angle),
                  grown = std::max(left.grown, right.grown);
-    // Towards a nose turns grow from both sides.
+    // Towards the nose of an airfoil the turning angles grow from both sides.
     const bool nose =
         std::min(left.grown, right.grown) > 0.8 * turning_angle && next < 0.5 * turning_angle;
     if (turning_angle > kSharpTurn) return !nose;
@@ -190,7 +202,8 @@ class CornerSearch {
            turning_angle - grown > kStandardErrors * error;
   }
 
-  // Half of a section ends at its nose: turns grow steadily towards the last chord.
+  // True if i is next to an end and the turning angles grow steadily towards it: half of an airfoil
+  // section, which ends at its nose.
   bool ends_in_nose(int i) const {
     const int side = !sequence_.inside(i - 1) ? 1 : -1;
     if (sequence_.inside(i - side)) return false;
@@ -212,7 +225,8 @@ class CornerSearch {
     return found;
   }
 
-  // Adds those that arms on both sides tell, the surest first; arms end at corners.
+  // Adds corners found by the likelihood test, the most significant first. Arms end at corners
+  // found so far.
   std::vector<int> find_in_noise(std::vector<int> found) {
     struct ArmGain {
       int before, behind;
@@ -241,7 +255,7 @@ class CornerSearch {
     }
   }
 
-  // The surest place near one that long arms have told.
+  // The best corner near one that long arms have found.
   int refined(int i, const std::vector<int>& found) {
     int best = i;
     double most = 0;
@@ -258,7 +272,7 @@ class CornerSearch {
     return best;
   }
 
-  // Points from i to the next corner or end.
+  // Number of points from i to the next corner or end, at most kMaxArm.
   int reach(int i, int side, const std::vector<int>& found) const {
     int k = 0;
     while (
@@ -268,17 +282,18 @@ class CornerSearch {
     return std::binary_search(found.begin(), found.end(), i) ? 0 : k;
   }
 
-  // Lengths of arms that are tried.
+  // Next arm length to be tried.
   static int longer(int m) { return m + std::max(1, m / 4); }
-  // From place to place at which arms so long are tried first: they see a corner from afar.
+  // Spacing of the candidates for arms of m points; long arms detect a corner even from a distance.
   static int stride(int m) { return std::max(1, m / 6); }
 
-  // For each length of arms the points at which a corner may be: the straight lines of least squares
-  // through both arms turn by half of the angle at least, and by nearly as much as anywhere near.
+  // Marks, for each arm length, the points that may be corners: the least-squares lines through
+  // both arms turn by at least half of the angle, and by nearly as much as anywhere nearby.
   void find_likely() {
     likely_.clear();
     const int n = sequence_.count(), margin = sequence_.closed() ? kMaxArm : 0;
-    std::vector<Vec3> sum(1, Vec3::Zero()), moment = sum;  // of the points, and of k times them
+    std::vector<Vec3> sum(1, Vec3::Zero()), moment = sum;  // prefix sums of the points and of index
+                                                           // times point
     for (int k = -margin; k < n + margin; ++k) {
       sum.push_back(sum.back() + sequence_.at(k) - sequence_.at(0));
       moment.push_back(moment.back() + k * (sequence_.at(k) - sequence_.at(0)));
@@ -329,11 +344,11 @@ class CornerSearch {
   CyclicSequence sequence_;
   double angle_, noise_ = 0;
   std::vector<double> turning_angles_;
-  std::vector<std::vector<char>> likely_;  // by length of arms and point
+  std::vector<std::vector<char>> likely_;  // indexed by arm length and point
   CornerLikelihoodTest arms_;
 };
 
-// Points that all but repeat the one before say nothing about directions.
+// Skips points that nearly coincide with the previous one: their chords have no reliable direction.
 std::vector<int> distinct(const std::vector<Vec3>& points) {
   std::vector<int> kept;
   const int n = isize(points);
@@ -378,7 +393,7 @@ std::vector<int> find_corners(const std::vector<Vec3>& points, bool closed, doub
 
 namespace {
 
-// Takes from a column its parts along orthonormal ones, and gives it length 1.
+// Orthogonalises a column against orthonormal ones and normalises it.
 void orthonormalize(const Eigen::Ref<const MatX>& Q, Eigen::Ref<VecX> column) {
   for (long k = 0; k < Q.cols(); ++k) column -= Q.col(k).dot(column) * Q.col(k);
   const double size = column.norm();
@@ -406,7 +421,7 @@ const CornerLikelihoodTest::Shape& CornerLikelihoodTest::shape(int count, int co
       s.values(i, column) = power;
     }
   }
-  // Six columns over [-1, 1] at most: their squares keep enough digits.
+  // At most six columns over [-1, 1]: the normal equations keep enough digits.
   s.inverse = MatX(s.values.transpose().lazyProduct(s.values))
                   .ldlt()
                   .solve(s.values.transpose())
@@ -419,7 +434,7 @@ CornerLikelihoodTest::Fit CornerLikelihoodTest::fit(const Shape& shape, const Po
   Fit fit;
   fit.coefficients.resize(shape.values.cols(), 3);
   Points off = points, velocity = Points::Zero(points.rows(), 3);
-  // By columns: Eigen's kernels for large products would take longer to begin than these take.
+  // By columns: the overhead of Eigen's kernels for large products would exceed these products.
   for (long c = 0; c < shape.values.cols(); ++c)
     for (int k = 0; k < 3; ++k) {
       const double x = shape.inverse.col(c).dot(points.col(k));
@@ -483,7 +498,7 @@ double CornerLikelihoodTest::gain(const Points& points, int corner, double noise
   for (const int degree : {1, 2}) {
     const int dof = count - 1 - 2 * degree;
     if (dof < 2) continue;
-    // Distances across the curve alone may gain a little more.
+    // Distances across the curve alone may gain a little more than the bound.
     if (sharpest * (slack * max_gain(points, corner, degree, noise) + few) <= best) continue;
     const Fit arms = fit(shape(count, corner, degree), points, noise);
     const double good = 1.3 * dof + 3 * std::sqrt(2.0 * dof);
@@ -497,7 +512,7 @@ double CornerLikelihoodTest::gain(const Points& points, int corner, double noise
     const double of_along = turning_angle > sharp ? 1 / std::max(1.0, arms.along / dof) : 0;
     const auto misfit = [&](const Fit& fit) { return fit.chi + of_along * fit.along; };
     double gain = std::numeric_limits<double>::infinity();
-    // Further degrees can only take from the gain.
+    // Higher degrees can only reduce the gain.
     for (int d = degree + 1; d <= 2 * degree + 1 && d < count - 1 && gain > best; ++d)
       gain = std::min(gain, sharpness *
                                 (misfit(fit(shape(count, -1, d), points, noise)) - misfit(arms)) /

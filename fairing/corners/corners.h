@@ -1,4 +1,4 @@
-// Corners of lines that are given by points.
+// Corner detection in polylines: finds the points at which a sampled curve changes direction.
 #pragma once
 
 #include <vector>
@@ -7,29 +7,44 @@
 
 namespace batten {
 
-/// Points at which a line turns a corner, ascending, the ends of an open list not among them.
-/// `closed`: the list goes on from its last point to its first, which it does not repeat.
+/// Finds the corners of a polyline.
 ///
-/// A corner **stands out**: its turn, by more than `angle` degrees, is at least 2.2 times as large
-/// as the turns beside it, and more than these would be there if they went on growing as they do,
-/// up to threefold from point to point. So an arc of five points has none, though it turns by 45
-/// degrees at each. A turn of more than 75 degrees is one in any case, unless the turns grow towards
-/// it from both sides as towards the nose of a wing, and so is one of more than 40 where one side is
-/// 2.5 times as long as the other: squares and chamfers are given by their corners. In lists of
-/// eleven points or fewer a corner turns by 20 degrees at least, is three times as large, and turns
-/// by 60 where one side of it is a single chord. In longer lists turns that grow steadily over four
-/// points up to the last chord, to 75 degrees, are half of a nose and no corner.
+/// Call it before fitting or fairing, because fits are C1 between corners only.
 ///
-/// A closed list that turns by 50 degrees or more at every point is a polygon: all of its points are
-/// corners (a circle is given by eight points, which turn by 45, or more).
+/// `points`: samples in order. `closed`: the list continues from its last point to its first, which
+/// it must not repeat. `angle`: smallest turning angle of a corner, degrees; 180 or more: no
+/// corners. `block_size`: if it is above 1, corners are searched among means of that many
+/// consecutive points; use it where neighbouring points are known to share their noise (correlated
+/// noise).
 ///
-/// Where points are noisy, so that `angle` could be noise, arms of up to sixty points tell on either side:
-/// two parabolas that meet at a corner have to be nearer to the points than any one polynomial, up
-/// to the fifth degree, by more than chance would let them. The noise is estimated from third and
-/// fifth differences across the line. At most about three hundred points are looked at then: means
-/// of neighbours stand for more.
+/// Returns indices of `points`, ascending, without the end points of an open list.
 ///
-/// `block_size`: of so many points means tell corners, where neighbours are known to share their noise.
+/// The turning angle at a point is the angle between the chords before and behind it. A point with
+/// a turning angle above `angle` is a corner if it **stands out** from its neighbours. Its turning
+/// angle must be at least 2.2 times as large as those at the adjacent points. It must also exceed
+/// their extrapolation: what they would be there if they kept growing at their rate, by a factor of
+/// at most 3 per point. An arc of five points, for example, has no corner although it turns by 45
+/// degrees at each point. Further rules:
+///
+/// - A turning angle above 75 degrees is always a corner, unless the angles grow towards it from
+///   both sides, as at the nose of an airfoil.
+/// - A turning angle above 40 degrees is a corner if one adjacent chord is 2.5 times as long as the
+///   other. Squares and chamfers are given by their corners.
+/// - In lists of eleven points or fewer, a corner turns by at least 20 degrees and by three times
+///   as much as its neighbours. It turns by at least 60 degrees where one side of it is a single
+///   chord.
+/// - Turning angles that grow steadily over four points up to the last chord, to at most 75
+///   degrees, are half of a nose and no corner.
+///
+/// A closed list that turns by 50 degrees or more at every point is a polygon: all of its points
+/// are corners. (A circle therefore needs eight points, which turn by 45 degrees, or more.)
+///
+/// If the points are so noisy that turns of `angle` could be noise, a likelihood test finds the
+/// corners that turning angles do not show. It compares two polynomial arms that meet at the
+/// candidate, straight or parabolic and of up to sixty points each, with single polynomials of up
+/// to the fifth degree. The arms must fit significantly better. The noise is estimated from third
+/// and fifth differences across the curve. At most about three hundred points are tested; longer
+/// lists are replaced by means of neighbouring points.
 ///
 /// Cost: O(points); with noise up to some tens of milliseconds.
 std::vector<int> find_corners(const std::vector<Vec3>& points, bool closed, double angle,

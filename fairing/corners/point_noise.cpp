@@ -14,8 +14,8 @@
 namespace batten {
 namespace {
 
-// Sizes, across the chord, of the differences with these weights at all places without a corner
-// between their ends, over the weights' norm.
+// Normalised sizes, perpendicular to the chord, of the finite differences with these weights at all
+// positions without a corner inside their stencil.
 std::vector<double> differences(const std::vector<Vec3>& points, bool closed,
                                 const std::vector<int>& corners,
                                 const std::vector<double>& weights) {
@@ -31,7 +31,8 @@ std::vector<double> differences(const std::vector<Vec3>& points, bool closed,
     if (cornered) continue;
     Vec3 d = Vec3::Zero();
     for (int k = 0; k < m; ++k) d += weights[k] * points[(i + k) % n];
-    // A chord of a few points would be noise itself.
+    // The chord extends beyond the stencil, because the chord of a few points would be noise
+    // itself.
     constexpr int beyond = 3;
     const int first = closed ? i - beyond + n : std::max(i - beyond, 0),
               last = closed ? i + m - 1 + beyond : std::min(i + m - 1 + beyond, n - 1);
@@ -52,7 +53,8 @@ double estimate_noise(const std::vector<Vec3>& points, bool closed,
        {std::vector<double>{1, -3, 3, -1}, std::vector<double>{1, -5, 10, -10, 5, -1}}) {
     std::vector<double> sizes = differences(points, closed, corners, weights);
     if (isize(sizes) < fewest) continue;
-    // Of |Gaussian|. In short lists corners that are not known yet touch up to half of all places.
+    // Quantile of |Gaussian|. In short lists, corners that are not known yet affect up to half of
+    // all positions.
     const bool is_long = sizes.size() > 40 || !corners.empty();
     const double fraction = is_long ? 0.5 : 0.1, quantile = is_long ? 0.6745 : 0.1257;
     const auto at = sizes.begin() + static_cast<long>(fraction * static_cast<double>(sizes.size()));
@@ -64,7 +66,7 @@ double estimate_noise(const std::vector<Vec3>& points, bool closed,
 
 namespace {
 
-// The first point of block b, and behind the last block the number of points.
+// The first point of block b; for b = blocks, the number of points.
 long first_of(long b, long blocks, long points) { return b * points / blocks; }
 
 double path_length(const std::vector<Vec3>& points, int apart) {
@@ -95,7 +97,7 @@ std::vector<Vec3> block_means(const std::vector<Vec3>& points, int each) {
 std::vector<double> averaged_chord_length(const std::vector<Vec3>& points, int each, bool closed) {
   const long n = isize(points), blocks = n / each;
   const std::vector<Vec3> mean = block_means(points, each);
-  std::vector<double> length{0}, middle;  // at each mean: the way, the number of its middle point
+  std::vector<double> length{0}, middle;  // per block: path length, middle index
   for (long b = 0; b < blocks; ++b) {
     if (b > 0) length.push_back(length.back() + (mean[b] - mean[b - 1]).norm());
     middle.push_back(0.5 *
@@ -130,8 +132,9 @@ int averaging_block_size(const std::vector<Vec3>& points) {
 namespace {
 
 constexpr int side = 3;                // neighbours on either side
-constexpr double kOutlierScore = 4.5;  // times the noise
-constexpr double kInlierScore = 4;     // what points beside outliers may stand out by
+constexpr double kOutlierScore = 4.5;  // score above which a point is an outlier, in standard
+                                       // deviations
+constexpr double kInlierScore = 4;     // largest score that the points near an outlier may keep
 
 class OutlierSearch {
  public:
@@ -144,7 +147,7 @@ class OutlierSearch {
     constexpr double least = 1e-9;
     const double size = bounding_box(points_).diagonal().norm();
     if (noise_ <= least * size || along_ <= least * size) return {};
-    // What differences of high order do not see is shape.
+    // If high-order differences do not see it, it is shape and not noise.
     constexpr double some = 0.3;
     if (estimate_noise(points_, closed_) < some * noise_) return {};
     for (int i = 0; i < count_; ++i) heights.push_back(outlier_score(i));
@@ -166,8 +169,8 @@ class OutlierSearch {
   int number(int i) const { return closed_ ? ((i % count_) + count_) % count_ : i; }
   bool has(int i) const { return closed_ || (i >= 0 && i < count_); }
 
-  // From the medians of what is off the line: noise is the same in both directions across it, or
-  // lies in the plane of the line.
+  // From the medians of the residuals. The noise is isotropic across the curve, or it lies in the
+  // plane of the curve.
   void find_noise() {
     std::vector<double> sizes, along;
     Mat3 spread = Mat3::Zero();
@@ -183,7 +186,7 @@ class OutlierSearch {
       std::nth_element(values.begin(), middle, values.end());
       return *middle;
     };
-    // Medians of the sizes of one and of two Gaussian numbers.
+    // Medians of the norm of one and of two Gaussian variables.
     constexpr double in_plane = 0.6745, in_space = 1.1774, flat = 0.02;
     const Vec3 shares = symmetric_eigen(spread).values;
     const bool plane = shares[0] <= flat * shares.sum();
@@ -191,16 +194,17 @@ class OutlierSearch {
     along_ = median(along) / in_plane;
   }
 
-  // Times the noise. What is off along the line is less of a sign: points may be spaced unevenly.
+  // In standard deviations. Residuals along the curve count less, because points may be spaced
+  // unevenly.
   double outlier_score(int i) const {
     constexpr double less = 0.6;
     const LineResidual off = line_residual(i);
     return std::max(off.across.norm() / noise_, less * off.along / along_);
   }
 
-  // From the parabola through the neighbours that are left to point i, across the line and along
-  // it, over what noise makes of it: each coordinate has the standard deviation of the noise. 0
-  // beside an end.
+  // Residual of point i from the least-squares parabola through the inliers around it, across the
+  // curve and along it. It is normalised so that each coordinate has the standard deviation of the
+  // noise. 0 beside an end.
   struct LineResidual {
     Vec3 across = Vec3::Zero();
     double along = 0;
@@ -224,7 +228,7 @@ class OutlierSearch {
     const Mat3 normal = V.transpose() * V;
     const VecX weights = V * normal.inverse().col(0);
     Vec3 off = points_[i] - near.topRows(found).transpose() * weights;
-    Vec3 along = Vec3::Zero();  // of the straight line of least squares
+    Vec3 along = Vec3::Zero();  // direction of the least-squares line
     for (int k = 0; k < found; ++k) along += powers(k, 1) * near.row(k).transpose();
     along -= powers.col(1).head(found).mean() * near.topRows(found).colwise().sum().transpose();
     along.stableNormalize();
@@ -233,7 +237,7 @@ class OutlierSearch {
     return {off - part * along, std::abs(part)};
   }
 
-  // Points that are left, so many places around i.
+  // Inliers within `reach` positions around i.
   std::vector<int> inliers_around(int i, int reach) const {
     std::vector<int> near;
     for (int k = i - reach; k <= i + reach; ++k)
@@ -241,8 +245,9 @@ class OutlierSearch {
     return near;
   }
 
-  // Whether the line turns at place i, where some points have been taken out, by more than noise
-  // lets the straight lines through five points on either side turn: what is out was a corner.
+  // True if the curve turns at point i, around which points have been removed, by more than noise
+  // explains. The turn is between the least-squares lines through five points on either side. The
+  // removed points were then a corner.
   bool turns_at(int i) const {
     constexpr int arm = 5;
     constexpr double least_turn = 25, errors = 3;
@@ -270,7 +275,8 @@ class OutlierSearch {
            least_turn + errors * error * 180 / std::numbers::pi;
   }
 
-  // Takes the fewest points around i, three at most, without which nobody there stands out.
+  // Rejects the smallest set of points around i, at most three, without which no point there stands
+  // out.
   void reject_around(int i) {
     constexpr size_t most = 8;
     std::vector<int> near = inliers_around(i, 2 * side);
@@ -307,7 +313,7 @@ class OutlierSearch {
   bool closed_;
   int count_;
   std::vector<char> inlier_;
-  double noise_ = 0, along_ = 0;  // standard deviations across the line, and along it
+  double noise_ = 0, along_ = 0;  // standard deviations across and along the curve
 };
 
 }  // namespace

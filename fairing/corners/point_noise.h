@@ -1,4 +1,5 @@
-// How noisy the points of a line are. Internal.
+// Noise of sampled curves: its standard deviation, averages of neighbouring points, and outliers.
+// Internal.
 #pragma once
 
 #include <vector>
@@ -7,42 +8,56 @@
 
 namespace batten {
 
-/// Standard deviation of points across their line, which is taken for a smooth one between
-/// `corners` (ascending): from third and fifth differences across the chord below them, the lesser
-/// of the two, by their median, so that a few more corners make no noise. What varies along the
-/// line is no noise: points may be spaced as they like. 0 for fewer than eleven points.
+/// Estimates the standard deviation of the points across their curve, which is assumed to be smooth
+/// between `corners` (ascending indices).
+///
+/// It uses third and fifth differences of the points, perpendicular to the chord below them, and
+/// takes the smaller of both estimates. Each is a median, so that a few undetected corners do not
+/// count as noise. Variation along the curve is not noise: the points may be spaced unevenly. Model
+/// units; 0 for fewer than eleven points.
 double estimate_noise(const std::vector<Vec3>& points, bool closed,
                       const std::vector<int>& corners = {});
 
 
-// Means of neighbouring points, where steps from point to point are noise. Internal.
+// Averages of neighbouring points, for samples whose steps from point to point are mostly noise.
 
-/// Whether the way from point to point is much longer than that from every fourth to the next.
+/// True if the polyline through all points is much longer than the one through every fourth point.
+/// Always false for fewer than 16 points.
 bool is_zigzag(const std::vector<Vec3>& points);
 
-/// Of how many points means have to be so that those of twice as many make no much shorter way: 1
-/// where steps are progress. Never so many that fewer than 16 means are left. O(points log points).
+/// Smallest block size for block_means() beyond which doubling the block hardly shortens the path.
+///
+/// It is 1 if steps from point to point are progress along the curve rather than noise. At least 16
+/// means always remain. O(points log points).
 int averaging_block_size(const std::vector<Vec3>& points);
 
-/// Means of blocks of so many points each; what is left over widens the blocks.
+/// Means of blocks of `each` consecutive points. If `each` does not divide the number of points,
+/// some blocks are larger.
 std::vector<Vec3> block_means(const std::vector<Vec3>& points, int each);
 
-/// The way along means of so many points, at each point, from the first: the halves of the first and
-/// the last block go on as fast as beside them. `closed`: one more entry, the whole.
+/// Arc length along block_means(), interpolated at each point and starting at 0 for the first.
+///
+/// Beyond the centres of the first and the last block it is extrapolated with the adjacent slope.
+/// `closed`: one more entry, the total length.
 std::vector<double> averaged_chord_length(const std::vector<Vec3>& points, int each, bool closed);
 
 
-// Points that are off their line farther than its noise explains. Internal.
+// Outliers: points farther from their curve than its noise explains.
 
-/// Outliers among points given in an order, ascending; never an end of an open list, nothing in
-/// lists of fewer than twenty points or without noise.
+/// Finds outliers among points given in order; their indices, ascending.
 ///
-/// A point stands out by its distance from the parabola of least squares through three neighbours
-/// on either side, in standard deviations of what all points have there across the line; along the
-/// line 0.6 as much, because points may be spaced unevenly. An **outlier** stands out by more than
-/// 4.5, and without it, or without two or three such points near each other, nobody near does by
-/// more than 4, and the line does not turn there. So corners and tight bends have none. More than a tenth of all points are no
-/// outliers. Cost: O(points).
+/// The end points of an open list are never outliers. The result is empty for lists of fewer than
+/// twenty points and for points without noise.
+///
+/// The score of a point is its distance from the least-squares parabola through three neighbours on
+/// either side. It is measured in standard deviations of the same residual over all points. Across
+/// the curve it counts fully; along the curve it counts 0.6 times, because points may be spaced
+/// unevenly.
+///
+/// An **outlier** has a score above 4.5. In addition, once it is removed (alone or with one or two
+/// other outliers nearby), no point near it may keep a score above 4, and the curve may not turn
+/// there. Corners and tight bends are therefore not outliers. If more than a tenth of all points
+/// qualify, none is an outlier. Cost: O(points).
 std::vector<int> find_outliers(const std::vector<Vec3>& points, bool closed);
 
 }  // namespace batten

@@ -37,7 +37,7 @@ PointSequence::PointSequence(const std::string& name, const std::vector<Vec3>& g
                      ", expected one above 0, up to 180 degrees");
   size = bounding_box(given).diagonal().norm();
   if (!(size > 0)) throw InputError(line + " has zero length: all points are the same");
-  // Points nearer than parameters can be told apart are one.
+  // Points closer than parameters can be distinguished count as one.
   double path_length = 0;
   for (size_t i = 1; i < given.size(); ++i) path_length += (given[i] - given[i - 1]).norm();
   const double same = std::max(1e-12 * size, 4e-9 * path_length);
@@ -93,7 +93,7 @@ void PointSequence::reject_outliers(const std::optional<std::vector<int>>& given
   points = std::move(kept);
 }
 
-// Of so many points means are free of the tremor.
+// Block size whose means are free of correlated noise (tremor).
 int PointSequence::block_size(const NoiseLevel& known) const {
   constexpr double more = 1.6, waves = 4;
   if (!(known.size > more * estimate_noise(points, closed)) && !(known.wavelength > 0)) return 1;
@@ -104,7 +104,7 @@ int PointSequence::block_size(const NoiseLevel& known) const {
 }
 
 std::vector<double> PointSequence::averaged_chord() const {
-  constexpr double much = 0.3;  // of a step
+  constexpr double much = 0.3;  // fraction of a step
   if (estimate_noise(points, closed) < much * length() / count() && !is_zigzag(points))
     return chord;
   const int each = averaging_block_size(points);
@@ -121,7 +121,7 @@ double PointSequence::curvature(int i) const {
 
 double sagitta_bound(double chord, double curvature) {
   constexpr double generous = 1.5;
-  const double half = std::min(0.5 * chord * curvature, 1.0);  // sine of half the arc's angle
+  const double half = std::min(0.5 * chord * curvature, 1.0);  // sine of half of the arc's angle
   return curvature > 0 ? generous * half * half / (1 + std::sqrt(1 - half * half)) / curvature : 0;
 }
 
@@ -159,16 +159,16 @@ Deviation deviation_of(const HermiteCurve& curve, const PointSequence& row,
 
 namespace {
 
-// Mean gap of the places around place i.
+// Mean gap of the parameters around index i.
 double gap_around(const std::vector<double>& places, size_t i) {
   constexpr size_t reach = 4;
   const size_t from = i < reach ? 0 : i - reach, to = std::min(i + reach, places.size() - 1);
   return (places[to] - places[from]) / static_cast<double>(std::max<size_t>(to - from, 1));
 }
 
-// The forced nodes, and those of the wanted ones that are not nearer to others than a share of the
-// gaps around them; both ascending. Where noise throws feet together nodes would be so near that
-// curvature changes between them lose their digits.
+// Merges the forced nodes with those of the wanted ones that are farther from others than a
+// fraction of the gaps around them; both ascending. Foot points that noise pushes together would
+// give nodes so close that curvature changes between them lose their digits.
 std::vector<double> merged_nodes(const std::vector<double>& nodes,
                                  const std::vector<double>& wanted, double fraction, double least) {
   std::vector<double> merged;
@@ -195,7 +195,7 @@ std::vector<double> with_middles(const std::vector<double>& nodes) {
   return all;
 }
 
-// All nodes; the second half of a mirrored curve has those of the first.
+// All nodes. If mirrored, the second half has the mirror images of those of the first.
 std::vector<double> all_nodes(const PointSequence& sequence, const std::vector<double>& u,
                               double length, std::vector<double> forced, bool mirrored,
                               int max_knots) {
@@ -209,11 +209,11 @@ std::vector<double> all_nodes(const PointSequence& sequence, const std::vector<d
     for (auto* all : {&forced, &wanted})
       for (double& at : *all) at = std::min(at, length - at);
   forced.push_back(end);
-  constexpr int few = 11;  // points that are all passed through, or nearly
-  // The forced ones first; of the others those that are not too near.
-  // (What acts between nodes acts there too; a corner and the mirror image of its partner are one.)
+  constexpr int few = 11;  // with fewer points, all are interpolated, or nearly
+  // The forced nodes first, then those of the others that are not too close to them. (What acts
+  // between nodes acts there too; a corner and the mirror image of its partner are one.)
   const double spacing = length / std::min(sequence.count(), max_knots);
-  // Corners and their mirror images need room.
+  // Corners and their mirror images need more distance.
   const double same = (mirrored ? 1 : 2e-4) * spacing;
   std::sort(forced.begin(), forced.end());
   std::vector<double> nodes;
@@ -224,7 +224,7 @@ std::vector<double> all_nodes(const PointSequence& sequence, const std::vector<d
   std::vector<double> merged =
       merged_nodes(nodes, wanted, sequence.count() < few && !mirrored ? 0.02 : 0.3, 2e-4 * spacing);
   if (max_knots > sequence.count()) merged = with_middles(merged);
-  // A closed curve has three segments at least: the longest ones are halved.
+  // A closed curve needs at least three segments: the longest ones are halved.
   while (sequence.closed && merged.size() < 4) {
     size_t longest = 0;
     for (size_t k = 0; k + 1 < merged.size(); ++k)

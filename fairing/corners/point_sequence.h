@@ -1,4 +1,5 @@
-// Points in an order: what fits and fairing make of a user's list first. Internal.
+// Cleaned-up input of curve fits and of fairing: distinct points in order, with chord lengths and
+// corners. Internal.
 #pragma once
 
 #include <optional>
@@ -11,33 +12,41 @@
 
 namespace batten {
 
-/// What is known of the points' noise, in model units; 0: nothing.
+/// What the caller knows about the noise of the points, in model units; 0: unknown.
 struct NoiseLevel {
-  double size = 0;        ///< root mean square across the line
-  double wavelength = 0;  ///< shorter waves are noise
+  double size = 0;        ///< RMS of the noise across the curve
+  double wavelength = 0;  ///< waves shorter than this are noise
 };
 
-/// Distinct neighbours, chord lengths, corners. The list of a closed curve does not repeat its
-/// first point.
+/// Points of one curve in order, without coincident neighbours, with chord lengths and corners. The
+/// list of a closed curve does not repeat its first point.
 struct PointSequence {
   std::vector<Vec3> points;
-  std::vector<int> index;     ///< place of each given point in `points`; -1: an outlier
-  std::vector<double> chord;  ///< from the first point; one more entry when closed: the whole
-  std::vector<int> corners;   ///< ascending; ends of an open row not among them
+  std::vector<int> index;     ///< index in `points` of each input point; -1: outlier
+  std::vector<double> chord;  ///< chord length from the first point; closed: one more entry, the
+                              ///< total
+  std::vector<int> corners;   ///< indices in `points`, ascending; without the ends of an open curve
   bool closed = false;
   double size = 0;  ///< diagonal of the bounding box
 
-  enum class Outliers { Keep, Drop };  ///< Drop: as find_outliers(), given corners excepted
+  enum class Outliers { Keep, Drop };  ///< Drop: removes find_outliers(), but keeps given corners
 
-  /// `chord`, or where steps are noise rather than progress, the way along means (point_means.h).
+  /// `chord`, or, if steps are mostly noise, the length along averaged points:
+  /// averaged_chord_length().
   std::vector<double> averaged_chord() const;
   double length() const { return chord.back(); }
   int count() const { return isize(points); }
-  /// Curvature of the circle through point i and both neighbours; 0 where there are not both.
+  /// Curvature of the circle through point i and its two neighbours; 0 at the ends of an open
+  /// curve.
   double curvature(int i) const;
 
-  /// Where points run to and fro and their known noise is more than neighbours tell, a tremor,
-  /// means of neighbours tell corners. Throws InputError as fit_points() says.
+  /// Prepares the points of the curve `name` (used in messages only).
+  ///
+  /// `corner_angle`: degrees, see find_corners(). `given_corners`: input indices of the corners; if
+  /// it is set, corners are not searched. `is_closed`: if it is not set, the curve is closed when
+  /// its last point equals its first. `known`: where the points zigzag and this noise exceeds the
+  /// estimate from neighbours (correlated noise), corners are searched among averaged points.
+  /// Throws InputError under the same conditions as fit_points().
   PointSequence(const std::string& name, const std::vector<Vec3>& given, double corner_angle,
                 const std::optional<std::vector<int>>& given_corners, std::optional<bool> is_closed,
                 Outliers outliers = Outliers::Keep, const NoiseLevel& known = {});
@@ -47,38 +56,45 @@ struct PointSequence {
   void reject_outliers(const std::optional<std::vector<int>>& given_corners);
 };
 
-/// Throws InputError when it is not a length above 0.
+/// Throws InputError unless `tolerance` is a finite length above 0.
 void check_tolerance(const std::string& name, double tolerance);
-/// fit_points() of a row; parameters are those of its points.
+/// Implements fit_points() for a prepared sequence. The returned parameters are those of its
+/// points, not of the input points.
 CurveFit fit_point_sequence(const std::string& name, PointSequence sequence,
                             const FitOptions& options);
 
-/// How far the curve may be from a chord between two points: as far as the tallest arc between
-/// them, and half as much again, for it may bend more there. `curvature`: the larger of the curvatures
-/// at both points.
+/// Largest permitted distance of a curve from the chord between two adjacent points.
+///
+/// It is 1.5 times the sagitta of the circular arc of this `curvature` over the chord; the factor
+/// allows for a stronger bend in between. `curvature`: the larger of the curvatures at both points,
+/// 1/length.
 double sagitta_bound(double chord, double curvature);
-/// The curve is looked at in so many equal parts of every gap.
+/// number of equal parts per gap between points at which the curve is checked
 constexpr int kSamplesPerGap = 8;
-/// Deviation::between at one place of one gap: by how much `x` is farther from the chord a b than
-/// `sagitta`.
+/// Contribution of one curve point to Deviation::between: by how much `x` is farther from the chord
+/// a b than `sagitta`; at least 0.
 double chord_excess(const Vec3& x, const Vec3& a, const Vec3& b, double sagitta);
 
-/// Deviation of a curve from a row whose point i belongs to parameter t[i].
+/// Measures the deviation of a curve from a sequence. t[i] is the curve parameter of point i.
 Deviation deviation_of(const HermiteCurve& curve, const PointSequence& sequence,
                        const std::vector<double>& t);
 
 
-// Inside of fair_points: where the faired curve has nodes.
+// Node placement for fair_points().
 
+/// Mesh of a curve to be faired.
 struct KnotPlacement {
-  CurveMesh mesh;                ///< over [0, length]
-  std::vector<int> corner_node;  ///< of each corner of the row
+  CurveMesh mesh;                ///< nodes over [0, length]
+  std::vector<int> corner_node;  ///< node of each corner of the sequence
 };
 
-/// A node at every parameter of `forced`, and at every point that is not too near to another node:
-/// of more than `max_knots` points at every second, or third, …; of fewer half way between, too.
-/// u: of the points, in [0, length]. Where the curve is `mirrored`, its second half has the mirror
-/// images of the nodes of the first.
+/// Places the nodes of a curve to be faired: one at every parameter of `forced`, and one at every
+/// point that is not too close to another node.
+///
+/// If there are more than `max_knots` points, only every second (third, …) point gets a node. If
+/// there are fewer, the midpoints between them get nodes too. `u`: parameters of the points, in [0,
+/// length]. `mirrored`: the nodes of the second half are the mirror images of those of the first
+/// half.
 KnotPlacement place_knots(const PointSequence& sequence, const std::vector<double>& u,
                           double length, std::vector<double> forced, bool mirrored, int max_knots);
 

@@ -14,11 +14,11 @@
 namespace batten {
 namespace {
 
-// Rounds end when arc lengths and parametric lengths agree to the first (its square times the
-// evenness is what is left of their effect) and nearest points of springs stand still to the
-// second.
+// Limits for ending the rounds. kEven: relative difference of arc length and parametric length (its
+// square times parametrization_weight is what remains of their effect). kStill: motion of the foot
+// points of springs.
 constexpr double kEven = 1e-4, kStill = 1e-5;
-// Stiffness of a spring along the curve over that across it, a root.
+// Stiffness of a spring along the curve over that across it; enters squared.
 constexpr double kAlong = 0.3;
 
 void check(const CurvatureFairingOptions& o) {
@@ -52,7 +52,7 @@ void check(const HermiteCurve& start, const std::vector<FixedCurvePoint>& fixed_
     throw InputError("a curve needs two held points or two springs, or it could move away");
 }
 
-// The box of a curve: its centre becomes the origin, its diagonal 1.
+// Bounding box of a curve: its centre becomes the origin and its diagonal 1.
 struct Frame {
   Vec3 origin;
   double size;
@@ -69,9 +69,10 @@ struct Frame {
   }
 };
 
-// Nodes at the holds and evenly between; node_of: of each hold.
+// Node parameters: at the fixed points and evenly spaced between them. node_of: node of each fixed
+// point.
 struct Nodes {
-  std::vector<double> u;  // the end of a closed curve included
+  std::vector<double> u;  // including the end of a closed curve
   std::vector<int> node_of;
 };
 
@@ -97,7 +98,7 @@ Nodes place_nodes(const HermiteCurve& start, const std::vector<FixedCurvePoint>&
     throw InputError(std::to_string(segments) + " segments, expected at least " +
                      std::to_string(least) + ": one between held points");
 
-  // One more, again and again, for the span whose segments are longest.
+  // Adds one segment at a time to the span whose segments are longest.
   std::vector<int> count(spans, 1);
   const auto piece = [&](int s) { return (cuts[s + 1] - cuts[s]) / count[s]; };
   for (int n = spans; n < segments; ++n) {
@@ -117,8 +118,8 @@ Nodes place_nodes(const HermiteCurve& start, const std::vector<FixedCurvePoint>&
   return nodes;
 }
 
-// With the curve's positions, tangents and curvature vectors (mean of both sides) at the nodes,
-// over arc length, of size 1.
+// The initial quintic curve of size 1 over arc length. Its nodes have the positions, tangents and
+// curvature vectors (mean of both sides) of the start.
 QuinticCurve quintic_start(const HermiteCurve& start, const Frame& frame, const Nodes& nodes) {
   static const SegmentRule rule = gauss_legendre(16);
   std::vector<double> s = {0};
@@ -152,8 +153,8 @@ double total_length(const QuinticCurve& curve) {
   return sum;
 }
 
-// Arc lengths become the parametric lengths. Returns the largest relative change; the shape changes
-// by as little.
+// Reparametrises by arc length. Returns the largest relative change; the shape changes by as
+// little.
 double make_even(QuinticCurve& curve) {
   std::vector<double> u = {0};
   double change = 0;
@@ -182,9 +183,10 @@ double nearest_parameter(const QuinticCurve& curve, const Vec3& p) {
   return closest_on_curve([&](double at, int order) { return curve.evaluate(at, order); }, u, p).u;
 }
 
-// Springs at the nearest points. Along the curve they are weak, so that points slide; at the
-// nearest point of the result they have no such part, but without it a step would slide far along
-// tangents that are not yet those of the result. Returns how far the nearest points moved.
+// Attaches the springs at the foot points. Along the curve they are weak, so that points can slide.
+// At the foot points of the final curve this component vanishes; without it, a step would slide far
+// along tangents that are not yet those of the result. Returns the largest displacement of a foot
+// point.
 double move_springs(const std::vector<CurveSpring>& given, const Frame& frame,
                     CurvatureMinimization& problem) {
   const QuinticCurve& curve = problem.curve;
@@ -206,7 +208,8 @@ double move_springs(const std::vector<CurveSpring>& given, const Frame& frame,
   return before.empty() ? (given.empty() ? 0 : 1) : moved;
 }
 
-// Back to model units, with what is held bit for bit.
+// Transforms back to model units; fixed positions are bit-identical to the start only after
+// finish_curves().
 QuinticCurve in_model_units(const QuinticCurve& curve, const Frame& frame) {
   std::vector<double> u = curve.parameters();
   for (double& x : u) x *= frame.size;
@@ -218,7 +221,7 @@ QuinticCurve in_model_units(const QuinticCurve& curve, const Frame& frame) {
   return {u, dofs, curve.closed()};
 }
 
-// One curve on its way to the least functional.
+// Runs the rounds of fair_curvature() for one curve.
 class CurvatureFairing {
  public:
   CurvatureFairing(const HermiteCurve& start, const std::vector<FixedCurvePoint>& fixed_points,
@@ -261,7 +264,8 @@ class CurvatureFairing {
     while (result_.rounds < options_.max_rounds && !still_now) {
       minimize_once(start_length);
       QuinticCurve even = problem_.curve;
-      // Few segments cannot be as even as that: then it is enough that they get no more so.
+      // A curve of few segments cannot become as even as kEven: it suffices that it stops
+      // improving.
       const double change = make_even(even);
       const bool even_now = change < kEven || change > 0.5 * last_change;
       last_change = change;
@@ -284,7 +288,7 @@ class CurvatureFairing {
           "the curve grows without bound: larger curves bend less (give it a length_weight)");
   }
 
-  // In model units, with what is held bit for bit; and the cubics.
+  // Transforms to model units, restores fixed positions bit for bit, and approximates by cubics.
   void finish_curves() {
     const QuinticCurve curve = in_model_units(problem_.curve, frame_);
     Points dofs = curve.dofs();
@@ -310,7 +314,7 @@ class CurvatureFairing {
   }
 
   void measure_deviation() {
-    constexpr int samples = 37;  // not those that cubics() looked at
+    constexpr int samples = 37;  // differs from the samples of cubics()
     const HermiteCurve& cubics = result_.curve;
     for (int i = 0; i < cubics.segment_count(); ++i)
       for (int k = 1; k < samples; ++k) {
@@ -355,20 +359,20 @@ CurvatureFairingResult fair_curvature(const HermiteCurve& start,
 
 namespace {
 
-// Direction at the middle of three points of the circle through them.
+// Tangent at the middle of three points to the circle through them.
 Vec3 circle_tangent(const Vec3& a, const Vec3& b, const Vec3& c) {
   const Vec3 e = b - a, f = c - b;
   const Vec3 t = e / e.squaredNorm() + f / f.squaredNorm();
   return t.norm() > 1e-9 / e.norm() ? t.normalized() : f.normalized();
 }
 
-// That of the circle through two points with one end's direction.
+// Tangent at the other end of a circular arc over the chord, given the tangent t at one end.
 Vec3 mirrored(const Vec3& chord, const Vec3& t) {
   const Vec3 c = chord.normalized();
   return 2 * t.dot(c) * c - t;
 }
 
-// Length of the arc over a chord with these directions at its ends, which bound it to three chords.
+// Length of the circular arc over a chord with these end tangents; at most three chords.
 double arc_over(const Vec3& chord, const Vec3& t0, const Vec3& t1) {
   const double length = chord.norm();
   const auto angle = [&](const Vec3& t) { return std::atan2(t.cross(chord).norm(), t.dot(chord)); };

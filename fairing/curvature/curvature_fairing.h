@@ -1,5 +1,5 @@
-// Curves of least curvature, and of least change of curvature: fairing without springs to bend
-// against.
+// Fairing of curves by minimising the curvature integral or its variation (minimum-energy and
+// minimum-variation curves), without the smoothing springs of fair_points().
 #pragma once
 
 #include <optional>
@@ -9,85 +9,104 @@
 
 namespace batten {
 
+/// Options of fair_curvature() and minimum_curvature_curve().
 struct CurvatureFairingOptions {
   CurveFunctional functional = CurveFunctional::Variation;
-  /// Largest distance of the returned cubics from the quintic curve; model units, above 0.
+  /// Maximum distance of the returned cubics from the quintic curve; model units, above 0.
   double tolerance = 0;
-  /// Quintic segments, at least one between held points. The error of the minimising curve falls
-  /// with the sixth power (Energy: about the same).
+  /// Number of quintic segments; at least one between adjacent fixed points. The error of the
+  /// minimising curve falls with the sixth power of this number (Energy: about the same).
   int segments = 16;
-  /// Adds length_weight · length, both of the curve scaled to size 1; ≥ 0.
+  /// Adds length_weight · length to the functional, both of the curve scaled to size 1; ≥ 0.
   double length_weight = 0;
-  /// Weight of ∫ (d ln|X'| / du)² du on the curve scaled to size 1, above 0. The functionals leave
-  /// the parameter free; this keeps the speed even. Every shape has a parameter of even speed, so
-  /// it hardly acts on the shape: docs/theory/curvature-fairing.md.
+  /// Weight of ∫ (d ln|X'| / du)² du on the curve scaled to size 1, above 0. The functionals do not
+  /// depend on the parametrisation; this term keeps the speed uniform. Every shape has a
+  /// parametrisation of uniform speed, so the term hardly affects the shape:
+  /// docs/theory/curvature-fairing.md.
   double parametrization_weight = 1e-3;
-  int max_rounds = 12;       ///< parameters made even and springs moved, see below
-  int max_iterations = 500;  ///< iterations of Ceres in a round
+  int max_rounds = 12;       ///< maximum number of outer rounds, each with reparametrisation and
+                             ///< new foot points
+  int max_iterations = 500;  ///< maximum number of Ceres iterations per round
 };
 
-/// A parameter of the starting curve at which it is held.
+/// A point of the starting curve, given by its parameter, at which position or direction is fixed.
 struct FixedCurvePoint {
+  /// Parameter of the starting curve.
   double u = 0;
-  bool position = true;  ///< stays where it is
-  bool tangent = false;  ///< keeps its direction; its speed is free and positive
+  bool position = true;  ///< the position is fixed
+  bool tangent = false;  ///< the direction is fixed; the speed is free and positive
 };
 
-/// Draws the nearest point of the curve to `point`: adds stiffness · distance², both of the curve
-/// scaled to size 1. Near an open end the end is drawn.
+/// A spring that pulls the closest point of the curve towards `point`. It adds stiffness ·
+/// distance² to the functional, both of the curve scaled to size 1. If the closest point is an end
+/// of an open curve, the spring pulls that end.
 struct CurveSpring {
   Vec3 point;
-  double stiffness = 1;  ///< pure number, above 0
+  double stiffness = 1;  ///< dimensionless, above 0
 };
 
+/// Result of fair_curvature(): the curve and how it was reached.
 struct CurvatureFairingResult {
-  HermiteCurve curve;              ///< C1 cubics, u arc length to a few digits
-  QuinticCurve quintic;            ///< what was minimised, C2, same u
-  std::vector<double> parameters;  ///< parameter of each hold, in their order
-  double deviation = 0;            ///< distance of the cubics from the quintic curve, measured
-  double functional = 0;           ///< functional of the quintic curve: 1/length or 1/length³
-  double start_functional = 0;     ///< functional of the quintic curve it began with
-  double max_residual = 0;         ///< largest violation of a hold: distance / size, sine of angle
-  int iterations = 0;              ///< iterations of Ceres in all rounds
+  HermiteCurve curve;              ///< C1 cubics; u is arc length to a few digits
+  QuinticCurve quintic;            ///< the minimising C2 curve, over the same u
+  std::vector<double> parameters;  ///< parameter of each fixed point, in input order
+  double deviation = 0;            ///< maximum distance between cubics and quintic curve, measured
+                                   ///< on samples
+  double functional = 0;           ///< functional of `quintic`: 1/length (Energy) or 1/length³
+                                   ///< (Variation)
+  double start_functional = 0;     ///< functional of the initial quintic curve
+  double max_residual = 0;         ///< largest violation of a fixed point: distance / size, or sine
+                                   ///< of the angle
+  int iterations = 0;              ///< Ceres iterations, all rounds
   int rounds = 0;
-  bool converged = false;  ///< the last round, and the parameters stood still
+  bool converged = false;  ///< the last round converged and parameters and foot points no longer
+                           ///< moved
 };
 
-/// Whether this build has Ceres. Without it the two functions below throw InputError.
+/// True if this build includes Ceres. Without it, fair_curvature() and minimum_curvature_curve()
+/// throw InputError.
 bool have_curvature_fairing();
 
-/// The functional of a curve, by `points` Gauss points in each segment: 8 give it to 1e-9 of itself
-/// where segments turn by less than 45°.
+/// Computes the functional of a curve with `points` Gauss points per segment. With 8 points the
+/// relative error is 1e-9 if each segment turns by less than 45°.
 double curvature_functional(const QuinticCurve& curve, CurveFunctional functional, int points = 10);
 
-/// Fairs a curve: minimises the functional (and what springs and length_weight add) over quintic
-/// C2 curves with a node at each hold and even nodes between, starting from the given curve, by
-/// Levenberg and Marquardt's method and then BFGS (Ceres). A local minimum, one downhill from the
-/// start.
-/// Cubics would not do: they are C1, jumps of their curvature at nodes cost nothing, and refinement
-/// makes that worse. Between rounds, parametric lengths become arc lengths and springs move to the
-/// nearest points, until both stand still. Works on the curve moved to the origin and scaled to
-/// size 1 (the diagonal of its box).
+/// Fairs a curve: minimises the functional, plus the terms of springs and length_weight, over
+/// quintic C2 curves.
 ///
-/// Throws InputError: no Ceres, tolerance not above 0, a corner in the curve, a hold outside it or
-/// twice at one place, fewer segments than the holds need, neither two held points nor two springs,
-/// a spring that is not finite. NoSolutionError: the curve grows without bound. Cost: about
+/// The curve gets a node at each fixed point and evenly spaced nodes between them. The minimisation
+/// starts from `start` and uses Levenberg-Marquardt and then BFGS (Ceres). The result is a local
+/// minimum, reached downhill from the start.
+///
+/// Cubics would not suffice: they are only C1, so curvature jumps at their nodes cost nothing, and
+/// refinement makes this worse. Between rounds, the curve is reparametrised by arc length and the
+/// springs move to the closest points of the curve. The rounds end when neither changes any more.
+/// Internally the curve is translated to the origin and scaled to size 1 (diagonal of its bounding
+/// box).
+///
+/// Throws InputError if Ceres is missing, the tolerance is not above 0, the curve has a corner, a
+/// fixed point is outside the curve or given twice, or there are fewer segments than the fixed
+/// points need. It also throws InputError if there are neither two fixed positions nor two springs,
+/// or a spring is not finite. Throws NoSolutionError if the curve grows without bound. Cost: about
 /// O(segments · iterations), 20 µs each; fifty to a few hundred iterations.
 CurvatureFairingResult fair_curvature(const HermiteCurve& start,
                                       const std::vector<FixedCurvePoint>& fixed_points,
                                       const std::vector<CurveSpring>& springs,
                                       const CurvatureFairingOptions& options);
 
-/// A point that the curve passes through exactly, and its direction there if that is given.
+/// A point that the curve interpolates exactly, and optionally its tangent direction there.
 struct CurveThroughPoint {
   Vec3 position;
   std::optional<Vec3> tangent = {};  ///< along the curve; its length does not matter
 };
 
-/// The curve of least functional through points in their order (closed: back to the first). Starts
-/// from cubics with the given tangents, others those of the circle through neighbouring points.
-/// Throws InputError as above, and: fewer than two points (closed: three), points that equal the
-/// one before, a tangent of length zero, a number that is not finite.
+/// Computes the curve of smallest functional through points in the given order.
+///
+/// `closed`: the curve returns to the first point. The initial curve consists of cubics with the
+/// given tangents; missing tangents are those of the circle through neighbouring points. Throws
+/// InputError as fair_curvature() does. It also throws InputError for fewer than two points
+/// (closed: three), for a point that equals the one before it, for a tangent of length zero, and
+/// for a number that is not finite.
 CurvatureFairingResult minimum_curvature_curve(const std::vector<CurveThroughPoint>& points,
                                                bool closed, const CurvatureFairingOptions& options);
 

@@ -1,4 +1,5 @@
-// Private to curvature fairing: the smooth problem that Ceres solves, and its densities.
+// Smooth minimisation problem of curvature fairing, which Ceres solves, and its integrands.
+// Internal.
 #pragma once
 
 #include <vector>
@@ -7,8 +8,9 @@
 
 namespace batten {
 
-/// A vector whose square is the functional's density in u, from X', X'', X''': with v = |X'| and
-/// P = I - X'X'ᵀ/v²,
+/// Computes the vector whose square is the integrand of the functional with respect to u.
+///
+/// d1, d2, d3 are X', X'', X'''. With v = |X'| and P = I - X'X'ᵀ/v²:
 ///
 ///     Energy      √v P X'' / v²                                    κN
 ///     Variation   √v P (X''' - 3 X'·X''/v² X'') / v³               κ'N + κτB
@@ -28,19 +30,21 @@ Eigen::Matrix<T, 3, 1> curvature_root(CurveFunctional functional, const Eigen::M
   return r * scale;
 }
 
-/// The relative change of speed, (ln v)' : zero where the speed is even.
+/// Relative change of speed, (ln v)'; zero if the speed is uniform.
 template <class T>
 T speed_change(const Eigen::Matrix<T, 3, 1>& d1, const Eigen::Matrix<T, 3, 1>& d2) {
   return d1.dot(d2) / d1.dot(d1);
 }
 
-/// Minimise over the dofs of `curve` (its parameters stay)
+/// A minimisation problem over the dofs of `curve`, whose node parameters stay fixed:
 ///
-///     ∫ |root|² du + length_weight ∫ |X'| du + evenness ∫ (ln |X'|)'² du
+///     ∫ |root|² du + length_weight ∫ |X'| du + parametrization_weight ∫ (ln |X'|)'² du
 ///     + Σ |S (X(at) - point)|²
 ///
-/// with some positions constant and some X' of constant direction.
+/// where `root` is curvature_root(). Some positions are constant, and some X' have a constant
+/// direction.
 struct CurvatureMinimization {
+  /// Term |S (X(at) - point)|².
   struct Spring {
     CurveMesh::SegmentPoint at;
     Vec3 point;
@@ -49,18 +53,20 @@ struct CurvatureMinimization {
   QuinticCurve curve;
   CurveFunctional functional = CurveFunctional::Variation;
   double length_weight = 0, parametrization_weight = 0;
-  std::vector<char> fixed_position, fixed_tangent;  ///< what each node holds
+  std::vector<char> fixed_position, fixed_tangent;  ///< per node: 1 if the position, or the
+                                                    ///< direction of X', is fixed
   std::vector<Spring> springs;
   int max_iterations = 0;
 };
 
+/// Solution of a CurvatureMinimization.
 struct CurvatureMinimizationResult {
   Points dofs;
   int iterations = 0;
   bool converged = false;
 };
 
-/// Throws InputError in a build without Ceres.
+/// Minimises from the dofs of `problem.curve`. Throws InputError in a build without Ceres.
 CurvatureMinimizationResult minimize(const CurvatureMinimization& problem);
 
 }  // namespace batten

@@ -13,13 +13,13 @@
 namespace batten {
 namespace {
 
-// More points change no digit of the results that the tests look at.
+// Quadrature points per segment; more points change no digit of the tested results.
 constexpr int kGaussPoints = 8;
 
-// Speeds begin at 1. Steps that lead out of these bounds are refused, so that nothing overflows.
+// Speeds start at 1. Steps beyond these bounds are rejected to avoid overflow.
 bool sensible(double speed_squared) { return speed_squared > 1e-8 && speed_squared < 1e8; }
 
-// Residuals of one segment over the six blocks X, X', X'' of its ends.
+// Residuals of one segment with respect to the six blocks X, X', X'' of its ends.
 class SegmentCost : public ceres::CostFunction {
  public:
   SegmentCost(const CurvatureMinimization& problem, int segment)
@@ -39,7 +39,7 @@ class SegmentCost : public ceres::CostFunction {
   }
 
   bool Evaluate(double const* const* blocks, double* residuals, double** jacobians) const override {
-    using Jet = ceres::Jet<double, 9>;  // over X', X'', X'''
+    using Jet = ceres::Jet<double, 9>;  // value with derivatives with respect to X', X'', X'''
     using Jet3 = Eigen::Matrix<Jet, 3, 1>;
     for (size_t p = 0; p < points_.size(); ++p) {
       const Point& point = points_[p];
@@ -75,7 +75,7 @@ class SegmentCost : public ceres::CostFunction {
  private:
   struct Point {
     double root_weight = 0;
-    Eigen::Matrix<double, 6, 3> H;  // of X', X'', X'''
+    Eigen::Matrix<double, 6, 3> H;  // derivatives of the basis functions for X', X'', X'''
   };
   int rows_each() const { return length_weight_ > 0 ? 5 : 4; }
 
@@ -105,7 +105,8 @@ class SpringCost : public ceres::SizedCostFunction<3, 3, 3, 3, 3, 3, 3> {
   CurvatureMinimization::Spring spring_;
 };
 
-// The ray of positive multiples of a vector: x ⊕ δ = x (δ + √(1 + δ²)), which no step overflows.
+// Manifold of the positive multiples of a vector: x ⊕ δ = x (δ + √(1 + δ²)), for which no step
+// overflows.
 class Ray : public ceres::Manifold {
  public:
   int AmbientSize() const override { return 3; }
@@ -131,9 +132,9 @@ class Ray : public ceres::Manifold {
   }
 };
 
-// The nonconstant blocks of a problem, moved by z in the metric of its Gauss-Newton matrix at x⁰:
-// x = x⁰ ⊕ L⁻ᵀ z with J⁰ᵀJ⁰ = L Lᵀ. In z that matrix is the unit matrix, and what the true one has
-// besides is of low rank but for small parts, which BFGS learns in a few steps.
+// The non-constant blocks of a problem, preconditioned by their Gauss-Newton matrix at x⁰: x = x⁰ ⊕
+// L⁻ᵀ z with J⁰ᵀJ⁰ = L Lᵀ. In z this matrix is the identity. The true Hessian differs from it by a
+// low-rank matrix plus small terms, which BFGS learns in a few steps.
 class InGaussNewtonMetric : public ceres::FirstOrderFunction {
  public:
   explicit InGaussNewtonMetric(ceres::Problem& problem) : problem_(problem) {
@@ -165,8 +166,8 @@ class InGaussNewtonMetric : public ceres::FirstOrderFunction {
       double* block = evaluate_.parameter_blocks[b];
       Eigen::Map<Vec3> x(block);
       const int size = problem_.ParameterBlockTangentSize(block);
-      // Along a ray the logarithm: gradients in it are those that Ceres gives. A step to a hundred
-      // times the speed is refused.
+      // On a ray the step is logarithmic, so that gradients are those of Ceres. A step to more than
+      // a hundred times the speed is rejected.
       if (size == 1 && !(std::abs(delta[at]) < 5)) return false;
       if (size == 1)
         x = base_[b] * std::exp(delta[at]);
@@ -198,7 +199,7 @@ class InGaussNewtonMetric : public ceres::FirstOrderFunction {
 
 using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>;
 
-// The blocks of `problem` are the rows of x.
+// Adds residuals and constraints to `problem`; its parameter blocks are the rows of x.
 void set_up(const CurvatureMinimization& given, RowMajor& x, ceres::Problem& problem) {
   const auto blocks = [&](int segment) {
     std::vector<double*> all;
@@ -216,7 +217,6 @@ void set_up(const CurvatureMinimization& given, RowMajor& x, ceres::Problem& pro
   }
 }
 
-// By Levenberg and Marquardt's method.
 void solve_levenberg_marquardt(int max_iterations, ceres::Problem& problem,
                                CurvatureMinimizationResult& minimum) {
   ceres::Solver::Options options;
@@ -234,10 +234,10 @@ void solve_levenberg_marquardt(int max_iterations, ceres::Problem& problem,
   minimum.converged = summary.termination_type == ceres::CONVERGENCE;
 }
 
-// By BFGS, from a point near the minimum.
+// Continues with L-BFGS, from a point near the minimum.
 void solve_bfgs(int max_iterations, ceres::Problem& problem, CurvatureMinimizationResult& minimum) {
   auto* metric = new InGaussNewtonMetric(problem);
-  const ceres::GradientProblem in_metric(metric);  // owns it
+  const ceres::GradientProblem in_metric(metric);  // takes ownership of `metric`
   if (!metric->regular()) return;
   ceres::GradientProblemSolver::Options descent;
   descent.line_search_direction_type = ceres::LBFGS;
@@ -263,8 +263,8 @@ CurvatureMinimizationResult minimize(const CurvatureMinimization& given) {
   RowMajor x = given.curve.dofs();
   ceres::Problem problem;
   set_up(given, x, problem);
-  // Levenberg and Marquardt's method comes near from far; close to a minimum with curvature left it
-  // gains a constant factor a step, and BFGS takes over.
+  // Levenberg-Marquardt converges well from far away. Close to a minimum with remaining curvature
+  // it gains only a constant factor per step, and BFGS takes over.
   constexpr int least_squares_steps = 40;
   CurvatureMinimizationResult minimum;
   solve_levenberg_marquardt(std::min(least_squares_steps, given.max_iterations), problem, minimum);

@@ -11,13 +11,13 @@
 namespace batten {
 namespace {
 
-// Coefficients of s⁰ … s⁵ on [0, 1].
+// Coefficients of s⁰ … s⁵ on [0, 1], one row per basis function.
 constexpr double kCoefficients[6][6] = {
     {1, 0, 0, -10, 15, -6}, {0, 1, 0, -6, 8, -3}, {0, 0, 0.5, -1.5, 1.5, -0.5},
     {0, 0, 0, 10, -15, 6},  {0, 0, 0, -4, 7, -3}, {0, 0, 0, 0.5, -1, 0.5},
 };
 
-// Largest distance between a piece of a quintic segment and the cubic with the same ends.
+// Largest distance between a piece of a quintic segment and its cubic Hermite interpolant.
 double cubic_error(const QuinticCurve& curve, int segment, double from, double to) {
   const HermiteSegment cubic((to - from) * curve.length(segment));
   const Vec3 x0 = curve.evaluate({segment, from}), x1 = curve.evaluate({segment, to});
@@ -33,7 +33,7 @@ double cubic_error(const QuinticCurve& curve, int segment, double from, double t
   return error;
 }
 
-// The samples miss the true maximum by less than this part of it.
+// The samples may miss up to 2 % of the true maximum.
 constexpr double kBetweenSamples = 0.98;
 
 int pieces_needed(const QuinticCurve& curve, int segment, double tolerance) {
@@ -44,7 +44,7 @@ int pieces_needed(const QuinticCurve& curve, int segment, double tolerance) {
       error = std::max(error, cubic_error(curve, segment, static_cast<double>(i) / pieces,
                                           static_cast<double>(i + 1) / pieces));
     if (error <= kBetweenSamples * tolerance) return pieces;
-    // The error falls with the fourth power of the length; the first guesses stay below it.
+    // The error falls with the fourth power of the length; the first guesses are deliberately low.
     const double guess = pieces * std::pow(error / tolerance, 0.25);
     pieces = std::max(pieces + 1, static_cast<int>(std::min(0.9 * guess, most + 1.0)));
   }

@@ -1,4 +1,5 @@
-// A piecewise quintic Hermite curve in space: C2, so that its curvature is continuous.
+// Piecewise quintic Hermite curves in space (C2, continuous curvature), and the curvature
+// functionals that they minimise.
 #pragma once
 
 #include <vector>
@@ -8,19 +9,20 @@
 
 namespace batten {
 
-/// The six functions of a quintic segment of parametric length h, or their derivative of `order` 0
-/// to 3 with respect to u = s h, s in [0, 1]. They belong to X, X', X'' at the start, then at the
-/// end.
+/// Evaluates the six basis functions of a quintic Hermite segment, or their derivatives.
+///
+/// h: parametric length of the segment. The derivative of `order` 0 to 3 is taken with respect to u
+/// = s h, s in [0, 1]. The functions multiply X, X', X'' at the start, then at the end.
 Eigen::Matrix<double, 6, 1> quintic_functions(double h, double s, int order = 0);
 
-/// Nodes u_0 < … < u_m with X, dX/du and d²X/du², quintic between, C2 everywhere. A closed curve
-/// comes back at u_m to node 0. A value.
+/// A C2 curve of quintic Hermite segments between nodes u_0 < … < u_m, with X, dX/du and d²X/du² as
+/// dofs of each node. A closed curve returns to node 0 at u_m. Immutable value type.
 class QuinticCurve {
  public:
   QuinticCurve() = default;
-  /// dofs: three rows a node, X, X', X''. Throws InputError: fewer than two segments of a closed
-  /// curve or one of an open one, parameters that do not increase, dofs that are not finite or not
-  /// three rows a node.
+  /// `dofs`: three rows per node, X, X', X''. Throws InputError if an open curve has no segment or
+  /// a closed one fewer than two, if the parameters do not increase, or if the dofs are not finite
+  /// or not three rows per node.
   QuinticCurve(std::vector<double> parameters, Points dofs, bool closed = false);
 
   int segment_count() const { return mesh_.segment_count(); }
@@ -29,42 +31,47 @@ class QuinticCurve {
   const std::vector<double>& parameters() const { return mesh_.parameters(); }
   const Points& dofs() const { return dofs_; }
   double length(int segment) const { return mesh_.length(segment); }
-  /// Node at the end of a segment.
+  /// Node at the end of a segment; 0 for the last segment of a closed curve.
   int node_after(int segment) const { return segment + 1 == node_count() ? 0 : segment + 1; }
-  /// The segment of a parameter, clamped to an open curve, come around on a closed one.
+  /// Segment that contains a parameter. The parameter is clamped to the range of an open curve and
+  /// wrapped on a closed one.
   CurveMesh::SegmentPoint locate(double u) const { return mesh_.locate(u); }
 
   /// Position (order 0) or derivative of order 1 to 3 with respect to u.
   Vec3 evaluate(CurveMesh::SegmentPoint at, int order = 0) const;
   Vec3 evaluate(double u, int order = 0) const { return evaluate(locate(u), order); }
-  /// Length of one segment, to 1e-12 when it turns by less than a quarter of a circle.
+  /// Arc length of one segment, accurate to 1e-12 if the segment turns by less than a quarter of a
+  /// circle.
   double arc_length(int segment) const;
 
-  /// C1 cubics over the same parameter: each segment is cut in as many equal pieces as it takes to
-  /// bring the cubic with the same ends and end derivatives within `tolerance` of it, measured at
-  /// the same u. Error of a piece of length h: h⁴ |X''''| / 384. Throws InputError when a segment
-  /// would need more than 10,000.
+  /// Approximates the curve by C1 cubics over the same parameter.
+  ///
+  /// Each segment is divided into equal pieces, as many as needed for the cubic Hermite interpolant
+  /// of each piece to be within `tolerance`, measured at the same u. The error of a piece of length
+  /// h is h⁴ |X''''| / 384. Throws InputError if a segment would need more than 10,000 pieces.
   HermiteCurve cubics(double tolerance) const;
 
  private:
-  CurveMesh mesh_;  // of its dofs nothing is used
+  CurveMesh mesh_;  // only its parameters are used, not its dof numbering
   Points dofs_;
 };
 
 
-// What curves of least curvature minimise.
+// Functionals of curvature fairing.
 
-/// What a curve minimises. Both depend on the shape alone, not on its parameter.
+/// Functional that a faired curve minimises. Both depend on the shape only, not on the
+/// parametrisation.
 enum class CurveFunctional {
-  /// ∫ κ² ds, unit 1/length: the minimum energy curve, a thin elastic rod that may slide through
-  /// its points. Its length is free, and where the ends have to turn back (a U-turn, a loop) ever
-  /// larger curves cost ever less: then there is no minimum, and fair_curvature() says so. A
-  /// `length_weight` gives it one.
+  /// ∫ κ² ds, unit 1/length: the minimum-energy curve, a thin elastic rod that can slide through
+  /// its points. Its length is free. If the ends have to turn back (a U-turn, a loop), larger and
+  /// larger curves cost less and less. Then there is no minimum, and fair_curvature() throws
+  /// NoSolutionError; a `length_weight` restores a minimum.
   Energy,
-  /// ∫ κ'² + κ²τ² ds, unit 1/length³: the minimum variation curve (Moreton, Séquin 1992), κ' the
-  /// change of curvature along the curve, τ its torsion. That is the part of d(κN)/ds normal to the
-  /// curve: (dκ/ds)² of a plane curve, 0 for circles and lines only, and smooth through inflections
-  /// where κ and N alone are not. (All of d(κN)/ds would cost κ⁴ more, also on circles.)
+  /// ∫ κ'² + κ²τ² ds, unit 1/length³: the minimum-variation curve [MoretonSequin1992]. κ' is the
+  /// derivative of curvature by arc length, τ the torsion. The integrand is the square of the part
+  /// of d(κN)/ds normal to the curve. It is (dκ/ds)² for a plane curve, vanishes only for circles
+  /// and straight lines, and is smooth through inflections, where κ and N alone are not. (The full
+  /// d(κN)/ds would cost κ⁴ more, also on circles.)
   Variation
 };
 

@@ -1,4 +1,4 @@
-// The dofs of a curve in an order of small bandwidth. Internal.
+// Small-bandwidth ordering of a curve's dofs, for banded Cholesky. Internal.
 #pragma once
 
 #include <algorithm>
@@ -11,11 +11,14 @@
 
 namespace batten {
 
-/// An open curve's dofs follow each other already: bandwidth 3. A closed one is folded flat, so
-/// that nodes 0, n-1, 1, n-2, … follow each other.
+/// Permutes the dofs of a curve mesh to a small bandwidth. Keeps a reference to the mesh.
+///
+/// An open curve is already ordered: bandwidth 3. A closed curve is folded flat, so that its nodes
+/// follow each other in the order 0, n-1, 1, n-2, ….
 class CurveDofOrdering {
  public:
-  /// `pairs`: the dofs of two segments beside a node that is no corner depend on each other too.
+  /// `pairs`: also allows entries between the dofs of two adjacent segments whose common node is no
+  /// corner, as jump terms at nodes need them.
   explicit CurveDofOrdering(const CurveMesh& mesh, bool pairs = false) : mesh_(mesh) {
     if (mesh.closed()) fold();
     for (int s = 0; s < mesh.segment_count(); ++s) {
@@ -32,8 +35,11 @@ class CurveDofOrdering {
     }
   }
 
+  /// Index of a mesh dof in the banded matrix.
   int banded_index(int dof) const { return banded_index_.empty() ? dof : banded_index_[dof]; }
+  /// Sets A to zero with the size and bandwidth of this ordering.
   void reset(BandCholesky& A) const { A.reset(mesh_.dof_count(), band_); }
+  /// Adds the 4×4 matrix of a segment to A.
   void add(BandCholesky& A, int segment, const HermiteSegment::Matrix& K) const {
     const auto dof = mesh_.segment_dofs(segment);
     for (int a = 0; a < 4; ++a)

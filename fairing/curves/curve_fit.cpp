@@ -17,10 +17,10 @@ namespace batten {
 namespace {
 
 using Problem = CurveFitProblem;
-using Corners = std::vector<double>;  // parameters
+using Corners = std::vector<double>;  // curve parameters
 
-// Parameters of nodes are rounded to this fraction of the whole: the same line in mm and in m is
-// then cut in the same places, and a mesh can have a vertex exactly there.
+// Node parameters are rounded to this fraction of the whole. The same curve in mm and in m is then
+// split at the same positions, and a mesh can have a vertex exactly there.
 double on_grid(double u, double whole) {
   constexpr double grid = 1 << 30;
   return std::round(u / whole * grid) / grid * whole;
@@ -34,9 +34,10 @@ std::vector<int> corner_nodes(const std::vector<double>& knots, const Corners& c
   return nodes;
 }
 
-// ---- more nodes ------------------------------------------------------------------------------
+// -- insertion of nodes ---------------------------------------------------------------------------
 
-// Where to put a node into segment s: at the point that halves the squared distances; or half way.
+// Parameter for a new node in segment s: at the point that halves the sum of squared distances, or
+// at the midpoint if `halve`.
 std::optional<double> split_of(const Problem& fit, const HermiteCurve& curve, int s, int first,
                                int behind, bool halve) {
   const double a = fit.mesh.parameters()[s], b = fit.mesh.parameters()[s + 1];
@@ -44,7 +45,7 @@ std::optional<double> split_of(const Problem& fit, const HermiteCurve& curve, in
   std::vector<double> inside, sum = {0};
   for (int i = first; i < behind; ++i) {
     const FitPoint& p = fit.points[i];
-    // A point that was parted at before has moved a little since.
+    // A point at which the curve was split earlier has moved a little since.
     constexpr double apart = 0.05;
     const double gap_behind = i + 1 < fit.count() ? fit.points[i + 1].gap : fit.points[0].gap;
     if (p.t - a <= std::max(1e-3 * (b - a), apart * p.gap) ||
@@ -56,13 +57,13 @@ std::optional<double> split_of(const Problem& fit, const HermiteCurve& curve, in
   if (inside.empty()) return std::nullopt;
   const auto half =
       std::lower_bound(sum.begin() + 1, sum.end(), 0.5 * sum.back()) - sum.begin() - 1;
-  // Not so near to an end that the rest has nothing to fit.
+  // Not so close to an end that the remaining piece has nothing to fit.
   const auto n = static_cast<long>(inside.size());
   return inside[std::clamp<long>(half, n / 4, n - 1 - n / 4)];
 }
 
-// The mesh with a node more in every segment that misses the tolerance; empty when none of them
-// has a point to part it.
+// The mesh with an additional node in every segment that misses the tolerance; empty if none of
+// them has a point to split it at.
 std::vector<double> split_mesh(const Problem& fit, bool halve) {
   const std::vector<int> first = fit.first_points();
   const HermiteCurve curve(fit.mesh, fit.dofs);
@@ -73,13 +74,13 @@ std::vector<double> split_mesh(const Problem& fit, bool halve) {
       if (const auto at = split_of(fit, curve, s, first[s], first[s + 1], halve))
         u.push_back(on_grid(*at, fit.mesh.end()));
   std::sort(u.begin(), u.end());
-  u.erase(std::unique(u.begin(), u.end()), u.end());  // the grid is as fine as parameters get
+  u.erase(std::unique(u.begin(), u.end()), u.end());  // the grid is as fine as parameters can be
   if (u.size() == before) return {};
   return u;
 }
 
-// A node at every point, parameters by chord length: the spline of least bending through all
-// points. False when that was done before.
+// Interpolates all points: a node at every point, parameters by chord length, least bending.
+// Returns false if that was done before.
 bool interpolate(Problem& fit, const PointSequence& row, const Corners& corners) {
   if (std::all_of(fit.points.begin(), fit.points.end(),
                   [](const FitPoint& p) { return p.fixed_parameter; }))
@@ -100,9 +101,9 @@ bool interpolate(Problem& fit, const PointSequence& row, const Corners& corners)
   return true;
 }
 
-// Where the spline through all points still swings out: there the slopes are held too, to the mean
-// direction of the chords beside and not faster than the parameter, which bounds every bulge by a
-// third of its chord. False when that was done before.
+// Fallback if the spline through all points still oscillates: fixes the slopes there too. They get
+// the mean direction of the adjacent chords and at most unit speed, which bounds every bulge by a
+// third of its chord. Returns false if that was done before.
 bool clamp_slopes(Problem& fit) {
   const int n = fit.count(), nodes = fit.mesh.node_count();
   bool changed = false;
@@ -110,7 +111,7 @@ bool clamp_slopes(Problem& fit) {
     if (fit.segment_errors[s] <= fit.tolerance) continue;
     for (const int node : {s, (s + 1) % nodes}) {
       NodeConstraint& node_constraints =
-          fit.node_constraints[node];  // there is one for each point, and so for each node
+          fit.node_constraints[node];  // there is one per point, and thus per node
       if (node_constraints.slope_in || node_constraints.slope_out || fit.mesh.is_corner(node))
         continue;
       if (!fit.closed && (node == 0 || node == n - 1)) continue;
@@ -125,21 +126,22 @@ bool clamp_slopes(Problem& fit) {
   return changed;
 }
 
-// ---- fewer nodes -----------------------------------------------------------------------------
+// -- removal of nodes -----------------------------------------------------------------------------
 
 std::vector<NodeConstraint>::const_iterator first_constraint(const Problem& fit, double u) {
   return std::lower_bound(fit.node_constraints.begin(), fit.node_constraints.end(), u,
                           [](const NodeConstraint& h, double at) { return h.u < at; });
 }
 
-// A part of a fit between two nodes, which keep position and slope. Nodes between them are gone.
+// A part of a fit between two nodes that keep position and slope, from which the nodes in between
+// are removed.
 struct Window {
-  int a, b;         // nodes
-  double from, to;  // parameters of the first node that is gone, and of the last
-  int first_point;  // of its points in those of the whole; negative: before the seam
+  int a, b;         // first and last node of the part
+  double from, to;  // parameters of the first and the last removed node
+  int first_point;  // index of its first point in the whole fit; negative: before the seam
   Problem part;
 
-  // Without `removed` nodes from `node` on; or with one in their place.
+  // Removes `removed` nodes from `node` on, or replaces them by one node.
   Window(const Problem& fit, int node, int removed, std::optional<double> instead,
          const Corners& corners)
       : a(std::max(0, node - reach)),
@@ -161,7 +163,7 @@ struct Window {
   }
 
   bool removes(double u) const { return u >= from && u <= to; }
-  // What is reached over the tolerance.
+  // Fits the part; returns its error over the tolerance, at least 1.
   double fitted() {
     constexpr int rounds = 6;
     part.iterate(rounds);
@@ -169,10 +171,10 @@ struct Window {
   }
 
  private:
-  static constexpr int reach = 2;  // segments
+  static constexpr int reach = 2;  // number of segments on either side
 
   void take_points(const Problem& fit, double start, double end) {
-    // With the points before and behind: the gaps to them count too.
+    // Includes the points before and behind, because the gaps to them count too.
     const int n = fit.count();
     first_point = fit.first_from(start) - 1;
     int behind = fit.first_behind(end) + 1;
@@ -201,7 +203,7 @@ struct Window {
   }
 };
 
-// The fit with these windows in it, which are in order and share ends at most.
+// Inserts these windows into the fit. They are in order and share at most end nodes.
 void put_back(Problem& fit, const Corners& corners, const std::vector<Window>& windows) {
   struct Source {
     const CurveMesh* mesh;
@@ -258,8 +260,8 @@ bool is_removable(const Problem& fit, int node) {
   return true;
 }
 
-// Of many nodes every fourth one is tried at a time, and those that may go go together, until few
-// do: one by one, a long segment would take in the points of a straight line one after the other.
+// For many nodes: tries every fourth node in parallel and removes all that can go, until few can.
+// One at a time, a long segment would absorb the points of a straight line one after the other.
 void remove_knots_in_parallel(Problem& fit, const Corners& corners) {
   constexpr int many = 200, side_by_side = 4;
   constexpr double few = 0.95;
@@ -283,11 +285,11 @@ void remove_knots_in_parallel(Problem& fit, const Corners& corners) {
   }
 }
 
-// Takes nodes out where their neighbourhood can be fitted without them: a window of segments is
-// solved again, everything outside stays.
+// Removes nodes without which their neighbourhood can still be fitted: a window of segments is
+// solved again, everything outside stays unchanged.
 void remove_knots(Problem& fit, const Corners& corners) {
-  // Takes out one node; or two, for one at that place between them. Returns what is reached over
-  // the tolerance: they are gone when that is not above 1.
+  // Removes one node, or replaces two by one at the relative position `instead`. Returns the error
+  // over the tolerance; the nodes are removed if it is at most 1.
   const auto attempt = [&](int node, int removed, std::optional<double> instead) {
     Window window(fit, node, removed, instead, corners);
     if (fit.closed && window.b - window.a == fit.mesh.segment_count() &&
@@ -306,13 +308,14 @@ void remove_knots(Problem& fit, const Corners& corners) {
       gone = reached <= 1 || (reached < nearly && (attempt(node, 2, 0.2) <= 1 ||  //
                                                    attempt(node, 2, 0.8) <= 1));
     }
-    if (gone) node = std::max(0, node - 2);  // those before it anew
+    if (gone) node = std::max(0, node - 2);  // tries the previous nodes again
   }
 }
 
-// ---- all of it -------------------------------------------------------------------------------
+// -- the whole fit --------------------------------------------------------------------------------
 
-// Points at their chord lengths, what the user holds, and the first mesh: from corner to corner.
+// Initial problem: points at their chord lengths, the user's constraints, and one segment from
+// corner to corner.
 Problem problem_of(const PointSequence& row, const FitOptions& options, const Corners& corners) {
   Problem fit;
   const double least = 4e-15 * (row.points[0].cwiseAbs().maxCoeff() + row.size);
@@ -339,7 +342,7 @@ Problem problem_of(const PointSequence& row, const FitOptions& options, const Co
                                 end(options.start, fit.points.front(), 0));
     fit.node_constraints.push_back(end(options.end, fit.points.back(), row.length()));
   } else if (knots.size() < 5) {
-    // A closed curve begins with four segments at least.
+    // A closed curve starts with at least four segments.
     for (size_t i = 0; knots.size() < 5; i += 2) {
       if (i + 1 >= knots.size()) i = 0;
       knots.insert(knots.begin() + static_cast<long>(i) + 1, 0.5 * (knots[i] + knots[i + 1]));
@@ -368,8 +371,8 @@ CurveFit fit_point_sequence(const std::string& name, PointSequence row, const Fi
   for (fit.iterate(rounds); !fit.done(); fit.iterate(rounds)) {
     std::vector<double> u = split_mesh(fit, options.bisection_only);
     if (u.empty() || fit.node_constraints.size() == fit.points.size()) {
-      // What fails has no point left to part it: the curve goes through its points (halves stay
-      // halves, and say that they are too far).
+      // Segments that fail have no point left to split at: interpolate the points instead. Meshes
+      // by bisection stay as they are and are reported as too far off.
       if (options.bisection_only || (!interpolate(fit, row, corners) && !clamp_slopes(fit))) break;
       continue;
     }
@@ -409,7 +412,7 @@ CurveFit fit_points(const std::string& name, const std::vector<Vec3>& points,
 }
 
 
-// Fits of input curves: exact where they are cubic, by samples otherwise.
+// Fits of input curves: exact if they are piecewise cubic, otherwise by samples.
 
 namespace {
 
@@ -427,7 +430,7 @@ double seam_degrees(const InputCurve& curve) {
   return degrees_between(curve.evaluate(curve.end() - e, 1), curve.evaluate(curve.start() + e, 1));
 }
 
-// Largest distance from the curve of points of the input between the samples that were fitted.
+// Largest distance of the input from the fitted curve, between the fitted samples.
 double between_samples(const InputCurve& input, const ArcLength& arc, const CurveFit& fit,
                        const std::vector<double>& s) {
   double worst = 0;
@@ -445,7 +448,7 @@ double between_samples(const InputCurve& input, const ArcLength& arc, const Curv
   return worst;
 }
 
-// Derivatives by t on either side of each break of a piecewise cubic curve.
+// Derivatives with respect to t on either side of each break of a piecewise cubic curve.
 struct BreakSlopes {
   std::vector<Vec3> before, after;
   double chords = 0;  // sum of the distances between breaks
@@ -455,8 +458,8 @@ struct BreakSlopes {
     const size_t n = t.size();
     for (size_t i = 0; i + 1 < n; ++i) after[i] = curve.evaluate(t[i], 1);
     for (size_t i = 1; i < n; ++i) {
-      // At its end a piece has the derivative that follows from three points and the one at its
-      // start.
+      // The end derivative of a cubic piece follows from three of its points and its start
+      // derivative.
       const double h = t[i] - t[i - 1];
       const Vec3 a = curve.evaluate(t[i - 1]), m = curve.evaluate(t[i - 1] + 0.5 * h),
                  b = curve.evaluate(t[i]);
@@ -468,7 +471,7 @@ struct BreakSlopes {
   }
 };
 
-// The curve over a mesh whose segment i is scale[i] times as long as the piece of the input.
+// The curve over a mesh whose segment i is scale[i] times as long as piece i of the input.
 HermiteCurve scaled_pieces(const InputCurve& curve, const std::vector<double>& t,
                            const BreakSlopes& slopes, const CurveMesh& mesh,
                            const std::vector<double>& scale) {
@@ -494,8 +497,8 @@ std::optional<HermiteCurve> exact_curve(const InputCurve& curve, double corner_a
   const auto n = isize(t);
   const BreakSlopes slopes(curve, t);
   const auto &before = slopes.before, &after = slopes.after;
-  // Where the direction goes on, the parameter of the next segment is scaled so that the speed
-  // does.
+  // If the direction is continuous, the parameter of the next segment is scaled so that the speed
+  // is continuous too.
   constexpr double same_direction = 1e-5;  // degrees
   std::vector<double> u = {0}, scale = {1};
   std::vector<int> corners;
@@ -523,7 +526,7 @@ std::optional<HermiteCurve> exact_curve(const InputCurve& curve, double corner_a
     else
       closed = turn <= same_direction && std::abs(speeds - 1) < 1e-9;
   }
-  // And all of it so that u has the length of the curve.
+  // Scales all of it so that u ranges over the length of the curve.
   const HermiteCurve exact = scaled_pieces(curve, t, slopes, CurveMesh(u, closed, corners), scale);
   const double stretch = ArcLength(curve_from_hermite(exact)).total() / exact.end();
   if (!(stretch > 0)) return std::nullopt;
@@ -539,7 +542,7 @@ HermiteCurve fit_curve(const std::string& name, std::shared_ptr<const InputCurve
   const ArcLength arc(curve);
   const double total = arc.total();
   const bool closed = options.closed.value_or(comes_back(*curve, total));
-  // Corners are samples; between them samples lie evenly.
+  // Corners are samples; the others are distributed between them.
   std::vector<double> ends = {0};
   const std::vector<double> breaks = curve->breaks();
   for (size_t i = 1; i + 1 < breaks.size(); ++i)
@@ -549,7 +552,7 @@ HermiteCurve fit_curve(const std::string& name, std::shared_ptr<const InputCurve
   const bool seam = closed && seam_degrees(*curve) > options.corner_angle;
 
   FitOptions half = options;
-  half.tolerance = 0.5 * options.tolerance;  // the rest is for what lies between the samples
+  half.tolerance = 0.5 * options.tolerance;  // the rest is for deviations between the samples
   constexpr int most_samples = 1 << 14;
   for (int per_line = 64 + 8 * isize(breaks);; per_line *= 2) {
     std::vector<double> s;
@@ -559,7 +562,7 @@ HermiteCurve fit_curve(const std::string& name, std::shared_ptr<const InputCurve
       const double part = ends[k + 1] - ends[k];
       const int n = std::max(8, static_cast<int>(per_line * part / total));
       if (k > 0) corners.push_back(isize(s));
-      // Half of them evenly by length, half by the input's own parameter, which often runs slowly
+      // Half of them are even by length, half by the input's own parameter, which often runs slowly
       // where the curve bends.
       const double from = arc.parameter(ends[k]), to = arc.parameter(ends[k + 1]);
       std::vector<double> stretch;
@@ -580,7 +583,7 @@ HermiteCurve fit_curve(const std::string& name, std::shared_ptr<const InputCurve
     if (sequence.chord.size() == s.size()) sequence.chord = s;
     const CurveFit fit = fit_point_sequence(name, sequence, half);
     const double off = std::max(fit.deviation.max, between_samples(*curve, arc, fit, s));
-    constexpr double sure = 0.9;  // a peak may lie between the points that were looked at
+    constexpr double sure = 0.9;  // a maximum may lie between the checked points
     if (off <= sure * options.tolerance) return fit.curve;
     if (2 * per_line > most_samples)
       throw InputError("line '" + name + "' is not within " + format_number(options.tolerance) +

@@ -1,4 +1,4 @@
-// From points and input curves to few C1 cubic segments: the one curve fit of the kernel.
+// Fits C1 curves of few cubic segments to points or to input curves, within a tolerance.
 #pragma once
 
 #include <memory>
@@ -12,30 +12,35 @@
 
 namespace batten {
 
-/// Fits a curve that is C1 between corners, through the first and the last point and the corners
-/// exactly, not farther than the tolerance from the points, both ways (Deviation::max and
-/// ::between). Segments get a node more where they miss the tolerance, points move to the nearest
-/// parameter after every solve, nodes that are not needed are taken out again. u is close to arc
+/// Fits a curve through ordered points, C1 between corners, with few cubic segments.
+///
+/// The curve interpolates the first point, the last point and the corners. It is within the
+/// tolerance of the points in both directions (Deviation::max and ::between). Segments that miss
+/// the tolerance are split. After every solve, each point's parameter moves to its foot point (the
+/// closest point on the curve). Nodes that are not needed are removed again. u is close to arc
 /// length.
 ///
-/// Two points or more; points that repeat the one before them are passed over. Cost: about
-/// O(points · rounds), microseconds for a stroke of ten points.
-/// Throws InputError: fewer than two distinct points, a number that is not finite, a tolerance that
-/// is not above 0, a corner that is not a point, `max_segments` reached. `name` is used in
-/// messages.
+/// `name` is used in messages. Takes two points or more; points that repeat the one before them are
+/// skipped. Cost: about O(points · rounds), microseconds for a stroke of ten points. Throws
+/// InputError for fewer than two distinct points, a number that is not finite, a tolerance that is
+/// not above 0, or a corner index that is not a point, and if `max_segments` is reached.
 CurveFit fit_points(const std::string& name, const std::vector<Vec3>& points,
                     const FitOptions& options);
 
-/// The input itself when it is piecewise cubic: corners where its direction turns by more than
-/// `corner_angle`, C1 elsewhere (the parameter of each segment is scaled so that the speed goes on,
-/// and u to the length of the curve). None when it is not, or has a kink below the angle.
+/// Converts an input curve to a Hermite curve without approximation; nullopt if that is impossible.
+///
+/// It is possible if the input is piecewise cubic and has no kink of at most `corner_angle`
+/// degrees. Larger kinks become corners. Elsewhere the curve is C1: the parameter of each segment
+/// is scaled so that the speed is continuous, and u is scaled to the length of the curve.
 std::optional<HermiteCurve> exact_curve(const InputCurve& curve, double corner_angle);
 
-/// exact_curve() where there is one; otherwise, or when ends are given, nodes halved, u is to run
-/// evenly or the curve to be open though it comes back, a fit to samples of the input, evenly by
-/// arc length, so dense that the tolerance holds between them too. u is roughly arc length; with
-/// options.even, it is so within the tolerance. Throws InputError when the tolerance cannot be
-/// reached.
+/// Fits a Hermite curve to an input curve within options.tolerance.
+///
+/// Returns exact_curve() if it exists and no option forbids it: given ends, `bisection_only`,
+/// `fixed_parameters`, or a `closed` that differs. Otherwise it fits samples of the input, dense
+/// enough that the tolerance also holds between them. Half of them are evenly spaced by arc length,
+/// half by the parameter of the input. u is roughly arc length; with options.fixed_parameters it is
+/// arc length within the tolerance. Throws InputError if the tolerance cannot be reached.
 HermiteCurve fit_curve(const std::string& name, std::shared_ptr<const InputCurve> curve,
                        const FitOptions& options);
 

@@ -50,8 +50,8 @@ void CurveFitProblem::iterate(int max_rounds) {
     measure();
     const double now = worst();
     if (now <= tolerance) return;
-    // A round gains a factor of two or so, and later ones less. Feet on a curve that is far away
-    // say nothing about the next mesh: then the parameters stay.
+    // A round gains about a factor of two, later rounds less. Foot points on a curve that is far
+    // away are useless for the next mesh: the parameters then stay.
     const bool far = now > too_far * tolerance,
                is_diverging = far || now * std::pow(now / best, max_rounds - 1 - round) > tolerance;
     stalled = now > noticeable * best ? stalled + 1 : 0;
@@ -76,8 +76,9 @@ void CurveFitProblem::solve() {
   for (int s = 0; s < mesh.segment_count(); ++s) {
     const double h = mesh.length(s);
     const auto dof = mesh.segment_dofs(s);
-    // A little bending holds what the points leave free; later that of the change only, so that it
-    // pulls the result nowhere. It is HermiteSegment::bending(k h³), without its generality.
+    // A little bending regularises what the points leave free. In later rounds it acts on the
+    // change only, so that it does not bias the result. It is HermiteSegment::bending(k h³),
+    // specialised.
     constexpr double little = 1e-8;
     const double k = little * std::max(first[s + 1] - first[s], 1), kh = k * h, khh = kh * h;
     HermiteSegment::Matrix K;
@@ -126,7 +127,7 @@ void CurveFitProblem::make_cubics() {
   }
 }
 
-// One step of Newton's method towards the nearest point, in order.
+// One Newton step towards the foot point for each parameter, in order.
 void CurveFitProblem::move_parameters() {
   moves_.assign(points.size(), 0.0);
   if (fixed_parameters) return;
@@ -143,16 +144,17 @@ void CurveFitProblem::move_parameters() {
   }
 }
 
-// The next solve moves the curve on in the same direction.
+// Extrapolation: the next solve will move the curve on in the same direction.
 void CurveFitProblem::extrapolate_parameters() {
   constexpr double part = 0.6;
   for (int i = 0; i < count(); ++i)
     if (moves_[i] != 0) move(i, part * moves_[i]);
 }
 
-// Half the way to a neighbour at most, or to the end. Returns how far.
+// Moves a parameter by at most half the distance to its neighbour or to the end. Returns the
+// change.
 double CurveFitProblem::move(int i, double change) {
-  // Points keep this part of their distance in u, so that the curve does not race between them.
+  // Points keep this fraction of their distance in u, so that the speed stays bounded.
   constexpr double least_gap = 0.4;
   FitPoint& p = points[i];
   const FitPoint *before = i > 0 ? &p - 1 : nullptr, *after = i + 1 < count() ? &p + 1 : nullptr;
@@ -181,8 +183,8 @@ void CurveFitProblem::measure() {
       if (s > 0 && p.t == mesh.parameters()[s])
         segment_errors[s - 1] = std::max(segment_errors[s - 1], distance);
     }
-    // A bulge to one side shows at either place, and one to both; its peak is looked for when all
-    // else is well.
+    // A bulge to one side shows at either sample, an S-shaped one at both. Its peak is searched
+    // only when everything else is within the tolerance.
     const bool near = distance <= tolerance;
     if (near && near_before) measure_gap(i, {3, 5}, s);
     near_before = near;
@@ -193,8 +195,9 @@ void CurveFitProblem::measure() {
   for (int i = closed ? 0 : 1; i < count(); ++i) s = measure_gap(i, {1, 2, 4, 6, 7}, s);
 }
 
-// Between two points that are near enough the curve must not bulge: looks there in the gap before
-// point i. Returns the segment of the last place; `s`: one not far from the first.
+// Checks the gap before point i for bulges between two points that are close enough. `places`:
+// sample numbers of kSamplesPerGap. `s`: a segment near the first sample. Returns the segment of
+// the last sample.
 int CurveFitProblem::measure_gap(int i, std::initializer_list<int> places, int s) {
   const FitPoint &b = points[i], &a = i > 0 ? points[i - 1] : points.back();
   const double room = tolerance + b.sagitta, from = i > 0 ? a.t : a.t - period();

@@ -1,4 +1,4 @@
-// The least-squares problem of the curve fit, on one mesh. Internal.
+// Least-squares fit of a curve to points on one given mesh, with moving point parameters. Internal.
 #pragma once
 
 #include <algorithm>
@@ -12,40 +12,46 @@
 #include "batten/fem/curves/curve_mesh.h"
 
 namespace batten {
+/// A point to be fitted.
 
 struct FitPoint {
   Vec3 x;
-  double t = 0;  ///< its parameter; outside of the mesh: only seen as the end of a gap
-  bool fixed_parameter = false;  ///< t stays: corners, ends
-  double gap = 0;                ///< distance from the point before it
-  double sagitta = 0;            ///< sagitta_bound() of that gap
+  double t = 0;  ///< curve parameter; outside the mesh: used only as the end of a gap
+  bool fixed_parameter = false;  ///< t does not move: corners, ends
+  double gap = 0;                ///< distance from the previous point
+  double sagitta = 0;            ///< largest permitted bulge in that gap, see sagitta_bound()
 };
 
-/// What a node may not change: its position, a slope.
+/// Fixed position and slopes of the node at parameter u; unset values are free.
 struct NodeConstraint {
   double u;
   std::optional<Vec3> position, slope_in, slope_out;
-  bool removable = false;  ///< with its node
+  bool removable = false;  ///< may be removed together with its node
 };
 
-/// Points with their parameters, a mesh, what is held on it; and the curve on that mesh that is
-/// nearest to the points. What is below is set from outside; then set_mesh(), then iterate().
+/// The least-squares curve through points on a given mesh, with node constraints.
+///
+/// Set the public members, then call set_mesh(), then iterate().
 class CurveFitProblem {
  public:
-  std::vector<FitPoint> points;                  ///< t ascending
-  std::vector<NodeConstraint> node_constraints;  ///< u ascending
-  bool closed = false;            ///< the mesh; the gap from the last point to the first counts too
-  bool fixed_parameters = false;  ///< parameters stay
+  std::vector<FitPoint> points;                  ///< points in order of ascending t
+  std::vector<NodeConstraint> node_constraints;  ///< constraints in order of ascending u
+  bool closed = false;            ///< closed mesh: the gap from the last point to the first counts
+                                  ///< too
+  bool fixed_parameters = false;  ///< no point parameter moves
   double tolerance = 0;
 
   CurveMesh mesh;
-  Points dofs;                         ///< empty before the first solve
-  std::vector<double> segment_errors;  ///< error of each segment after the last iterate()
+  Points dofs;                         ///< solution; empty before the first solve
+  std::vector<double> segment_errors;  ///< maximum error per segment after the last iterate()
 
+  /// Sets the mesh and discards the dofs. `corners`: node indices.
   void set_mesh(std::vector<double> knots, const std::vector<int>& corners);
 
-  /// Solves and moves the parameters to the nearest points, until all is within the tolerance, or
-  /// it does not get there in so many rounds; the best state stays.
+  /// Alternates between solving and moving the parameters to the foot points.
+  ///
+  /// It stops when all errors are within the tolerance, or when they cannot get there in
+  /// `max_rounds`. Keeps the best state.
   void iterate(int max_rounds);
   double worst() const { return *std::max_element(segment_errors.begin(), segment_errors.end()); }
   bool done() const { return worst() <= tolerance; }
@@ -53,10 +59,10 @@ class CurveFitProblem {
   int count() const { return isize(points); }
   double period() const { return mesh.end() - mesh.start(); }
   Vec3 dof(int d) const { return dofs.row(d).transpose(); }
-  /// Index of the first point that is not before u, and of the first behind it.
+  /// Index of the first point with t ≥ u, and of the first with t > u.
   int first_from(double u) const;
   int first_behind(double u) const;
-  /// Index of the first point of each segment, and of the one behind the last segment.
+  /// Index of the first point of each segment, then one past the last point of the last segment.
   std::vector<int> first_points() const;
 
  private:
@@ -80,7 +86,7 @@ class CurveFitProblem {
   }
 
   std::vector<Cubic> cubics_;
-  std::vector<double> moves_;  // of the parameters, in the last round
+  std::vector<double> moves_;  // change of each parameter in the last round
   BandCholesky A_;
   Points rhs_;
 };

@@ -16,9 +16,9 @@
 namespace batten {
 namespace {
 
-// Slopes of the C2 cubic spline through rows first … last of the points over u. An end whose slope is
-// given keeps it; at others the last piece is a parabola, so that the end is curved as the points
-// beside it are. Two points without slopes: straight.
+// Computes the slopes of the C2 cubic spline through rows first … last of the points x over u.
+// Given end slopes are kept. At other ends the last piece is a parabola, so that the end has the
+// curvature of the adjacent points. Two points without slopes: straight.
 void spline_slopes(const std::vector<double>& u, const Points& x, long first, long last,
                    bool given_first, bool given_last, Points& slope) {
   const long n = last - first + 1;
@@ -27,8 +27,8 @@ void spline_slopes(const std::vector<double>& u, const Points& x, long first, lo
         ((x.row(last) - x.row(first)) / (u[last] - u[first])).replicate(2, 1);
     return;
   }
-  // Tridiagonal system for the slopes m: continuity of the second derivative; at open ends
-  // m0 + m1 = 2 (x1 - x0)/h.
+  // Tridiagonal system for the slopes m: continuity of the second derivative; at open ends m0 + m1
+  // = 2 (x1 - x0)/h.
   std::vector<double> diagonal(n), upper(n), lower(n);
   Points right(n, 3);
   for (long i = 0; i < n; ++i) {
@@ -67,12 +67,12 @@ struct SmoothSegment {
   Points slopes;
 };
 
-// The cubic between two points with unit slopes that turn by `angle` is an arc's to 4e-6 of the
-// radius at 45 degrees if its parameter has this length.
+// Parameter length for which the cubic between two points with unit slopes that turn by `angle`
+// approximates an arc, to 4e-6 of the radius at 45 degrees.
 double arc_length(double chord, double angle) { return chord / std::pow(std::cos(angle / 4), 2); }
 
-// Runs of lines and arcs have their tangents, what is between them is a spline that begins and ends
-// along them. `closed`: the first point is the last, and a run begins there.
+// Interpolates one part: lines and arcs keep their tangents, and splines continue them in between.
+// `closed`: the first point is the last, and a run begins there.
 SmoothSegment interpolate_segment(const std::vector<Vec3>& p, const std::vector<LineOrArc>& runs,
                                   bool closed) {
   const long n = std::ssize(p);
@@ -111,8 +111,8 @@ SmoothSegment interpolate_segment(const std::vector<Vec3>& p, const std::vector<
   return part;
 }
 
-// A curve with these corners, which have two slopes. Open, or closed when its last point, which is
-// its first, is no corner.
+// Builds a curve with these corners, each of which has two slopes. It is open, or closed if its
+// last point, which equals its first, is no corner.
 class CurveBuilder {
  public:
   CurveBuilder(std::vector<Vec3> points, std::vector<int> corners, bool closed)
@@ -153,7 +153,7 @@ class CurveBuilder {
     return i > last ? i - last : i;
   }
 
-  // Puts in what is between points a and b, which may lie beyond the seam.
+  // Stores the part between points a and b, which may cross the seam.
   void put(int a, const SmoothSegment& part) {
     prepare();
     const int last = isize(p_) - 1;
@@ -174,12 +174,12 @@ class CurveBuilder {
     put(a, interpolate_segment(row, find_lines_and_arcs(row), false));
   }
 
-  // A loop without a corner that has a line or an arc in it; false when there is none.
+  // Handles a loop without corners that contains a line or an arc; returns false if there is none.
   bool closed_segment() {
     const int last = isize(p_) - 1;
     const std::vector<LineOrArc> runs = find_lines_and_arcs(p_);
     if (runs.empty()) return false;
-    // From the beginning of a run that does not go on across the seam.
+    // Starts at the beginning of a run that does not continue across the seam.
     const int a = runs.size() > 1 ? runs[1].first : runs[0].first;
     const std::vector<Vec3> row = points(a, a + last);
     std::vector<LineOrArc> again = find_lines_and_arcs(row);
@@ -196,7 +196,7 @@ class CurveBuilder {
   Points in_, out_;
 };
 
-// Stated or found; ascending, 0 for the seam of a list that comes back.
+// Given or detected corners, ascending; 0 stands for the seam of a closed list.
 std::vector<int> corners_among(const std::string& name, const std::vector<Vec3>& points,
                                bool is_closed, double corner_angle,
                                const std::optional<std::vector<int>>& corners) {
@@ -240,7 +240,7 @@ std::shared_ptr<const InputCurve> curve_through_points(
                        (n == 2 ? ": the line has zero length" : ""));
   const bool is_closed = n > 3 && (points.front() - points.back()).norm() < 1e-9 * size;
   std::vector<int> found = corners_among(name, points, is_closed, corner_angle, corners);
-  // A seam that is a corner is an open curve's two ends.
+  // If the seam is a corner, the curve is treated as an open one that ends where it starts.
   const bool closed = is_closed && (found.empty() || found.front() != 0);
   std::erase(found, 0);
   if (auto curve = CurveBuilder(points, found, closed).make())
@@ -253,13 +253,13 @@ std::shared_ptr<const InputCurve> curve_through_points(
 
 namespace {
 
-constexpr double on_it = 5e-5;       // of the chord
-constexpr double same_way = 0.5;     // degrees
-constexpr double kMaxTurn = 75;     // degrees, at a point of an arc
-constexpr double kMaxChordRatio = 2.5;  // chords of an arc that few points tell
+constexpr double on_it = 5e-5;       // distance from a line or arc, as a fraction of the chord
+constexpr double same_way = 0.5;     // angle between directions that count as equal, degrees
+constexpr double kMaxTurn = 75;     // largest turning angle at a point of an arc, degrees
+constexpr double kMaxChordRatio = 2.5;  // largest ratio of adjacent chords, for arcs of few points
 
 struct Circle {
-  Vec3 centre, axis;  // points go around the axis counterclockwise
+  Vec3 centre, axis;  // the points run counter-clockwise about the axis
   double radius = 0;
   Vec3 tangent(const Vec3& p) const { return axis.cross(p - centre).normalized(); }
 };
@@ -314,8 +314,8 @@ class LineArcSearch {
     return true;
   }
 
-  // How far a run from i goes: point by point, later in steps that double and halve again, so that
-  // thousands of points on one line take no time.
+  // Last index of a run that starts at i. Extends it point by point, then by doubling and halving
+  // steps, so that thousands of collinear points take no time.
   template <class Fits>
   int farthest(int i, const Fits& fits) const {
     int end = i + 1;
@@ -329,21 +329,21 @@ class LineArcSearch {
     return end;
   }
 
-  // The last point of the straight run that begins at i; i itself if there is none.
+  // Last point of the straight run that begins at i; i itself if there is none.
   int straight_from(int i) {
     const int end = farthest(i, [this](int a, int b) { return is_straight(a, b); });
     if (end - i < 2) return i;
     const bool inflects = end - i == 2 && i > 0 && end < last_ && axis(i).dot(axis(end)) < 0;
     if (inflects) return i;
-    // Dense points of any curve are nearly straight: a line turns at its ends, and nowhere else.
+    // Dense points of any curve are nearly straight: a line turns at its ends and nowhere else.
     double inside = 0, beside = 0;
     for (int k = i + 1; k < end; ++k) inside = std::max(inside, turning_angle(k));
     for (const int k : {i, end})
       if (k > 0 && k < last_) beside = std::max(beside, turning_angle(k));
     constexpr double least = 0.5;                         // degrees
-    const double fraction = end - i == 2 ? 0.001 : 0.05;  // three points are soon nearly on a line
+    const double fraction = end - i == 2 ? 0.001 : 0.05;  // three points are easily collinear
     if (beside > least && inside < fraction * beside) return end;
-    // What begins later on the same line ends there too.
+    // Runs that begin later on the same line end there too.
     next_line_start_ = std::max(next_line_start_, end - 1);
     return i;
   }
@@ -368,7 +368,7 @@ class LineArcSearch {
     constexpr int sure = 4;  // chords
     if (end - i < 2) return i;
     if (!ends_bending(i, end)) {
-      // What begins later on it bends as much at its beginning as behind.
+      // Runs that begin later on it have the same curvature at their beginning as behind.
       next_arc_start_ = std::max(next_arc_start_, end - 1);
       return i;
     }
@@ -380,28 +380,28 @@ class LineArcSearch {
     const Vec3 a = p_[i] - p_[i - 1], b = p_[i + 1] - p_[i];
     return 2 * a.cross(b).norm() / (a.norm() * b.norm() * (a + b).norm());
   }
-  // Dense points of any curve are nearly on a circle. An arc bends as much at all its points, and
-  // otherwise at its ends.
+  // Dense points of any curve are nearly on a circle. An arc has the same curvature at all of its
+  // points and a different one at its ends.
   bool ends_bending(int a, int b) const {
     double least = std::numeric_limits<double>::infinity(), most = 0;
     for (int k = a + 1; k < b; ++k) {
       least = std::min(least, curvature_at(k));
       most = std::max(most, curvature_at(k));
     }
-    constexpr double even = 1.02, other = 0.2;  // ratio; share
+    constexpr double even = 1.02, other = 0.2;  // ratio; fraction
     if (most > even * least) return false;
     for (const int k : {a, b})
       if (k > 0 && k < last_ && std::abs(curvature_at(k) / most - 1) < other) return false;
     return true;
   }
 
-  // Whether few points are an arc: all there are, or one that goes on along both chords beside it.
+  // True if few points are an arc: the whole sequence, or tangent to both adjacent chords.
   bool is_certain_arc(int a, int b) const {
     for (int i = a; i + 1 < b; ++i)
       if (std::max(chord(i), chord(i + 1)) > kMaxChordRatio * std::min(chord(i), chord(i + 1)))
         return false;
     if (a == 0 && b == last_) return true;
-    constexpr double clear = 10;  // degrees: chords of dense points always leave along each other
+    constexpr double clear = 10;  // degrees: chords of dense points are always tangent
     for (int i = a + 1; i < b; ++i)
       if (turning_angle(i) < clear) return false;
     const Circle circle = *circle_through(p_[a], p_[(a + b) / 2], p_[b]);
@@ -423,8 +423,8 @@ class LineArcSearch {
     pieces_.push_back(std::move(run));
   }
 
-  // Where two runs share a point they have one tangent, or the longer one leaves a chord to what is
-  // between them.
+  // Gives two runs that share a point the same tangent there. If their tangents differ, the longer
+  // run gives up its last chord to the spline in between.
   void match_tangents() {
     for (size_t k = 0; k + 1 < pieces_.size(); ++k) {
       LineOrArc &a = pieces_[k], &b = pieces_[k + 1];
@@ -444,7 +444,7 @@ class LineArcSearch {
 
   const std::vector<Vec3>& p_;
   int last_;
-  int next_line_start_ = 0, next_arc_start_ = 0;  // such runs begin there or later
+  int next_line_start_ = 0, next_arc_start_ = 0;  // such runs cannot begin earlier
   std::vector<LineOrArc> pieces_;
 };
 
@@ -463,7 +463,7 @@ Points not_a_knot_slopes(const std::vector<double>& u, const Points& x) {
   const auto step = [&](long i) {
     return u[static_cast<size_t>(i) + 1] - u[static_cast<size_t>(i)];
   };
-  // The second derivative goes on.
+  // Rows of the system: continuity of the second derivative.
   for (long i = 1; i + 1 < n; ++i)
     for (const long s : {i - 1, i}) {
       const double h = step(s);
@@ -471,7 +471,7 @@ Points not_a_knot_slopes(const std::vector<double>& u, const Points& x) {
       A(i, 2 * s + 1 - i) += 1 / h;
       b.row(i) += 3 / (h * h) * (x.row(s + 1) - x.row(s));
     }
-  // x_uuu = 6 (m0 + m1)/h² - 12 (x1 - x0)/h³ on segment s.
+  // Adds the third derivative on segment s: x_uuu = 6 (m0 + m1)/h² - 12 (x1 - x0)/h³.
   const auto add_third = [&](long row, long s, double sign) {
     const double h = step(s);
     A(row, s) += sign * 6 / (h * h);

@@ -1,4 +1,4 @@
-// The curve through points, as a user gives them: lines, arcs, and splines between them.
+// Interpolates points by a curve of straight lines, circular arcs and cubic splines.
 #pragma once
 
 #include <memory>
@@ -11,58 +11,69 @@
 
 namespace batten {
 
-/// A curve through points, in their order, C1 between corners. Between corners it is
+/// Interpolates points in the given order by a curve that is C1 between corners.
 ///
-/// - straight, or an arc, where points lie on a line or on a circle (find_lines_and_arcs()): exactly
-///   straight, and off the circle by 4e-6 of the radius where points are 45 degrees apart (it grows
-///   with the sixth power);
-/// - elsewhere the C2 cubic spline over chord lengths. It begins and ends along lines and arcs; at
-///   corners and ends its last piece is a parabola: three points give one unless they are an arc's.
+/// Between corners it consists of
 ///
-/// Corners are the points of `corners` (numbers from 0), or found where it is not given: they turn by
-/// `corner_angle` degrees at least and stand out, as find_corners() says.
+/// - straight lines and circular arcs, wherever points lie on one (find_lines_and_arcs()). Lines
+///   are exact. Arcs are off the circle by 4e-6 of the radius if the points are 45 degrees apart;
+///   this error grows with the sixth power of that angle.
+/// - C2 cubic splines over chord length elsewhere. A spline continues adjacent lines and arcs
+///   tangentially. At corners and ends its last piece is a parabola, so three points give a
+///   parabola unless they are recognised as an arc.
 ///
-/// A point list whose last point equals its first is closed, smooth across the seam too, unless
-/// that is a corner. The slope is 1 where lines and arcs are. Throws InputError: fewer than two
+/// `corners`: point indices (from 0). If it is unset, corners are detected by find_corners() with
+/// the smallest turning angle `corner_angle`, degrees. `name` is used in messages.
+///
+/// If the last point equals the first, the curve is closed. It is smooth across the seam, unless
+/// that is a corner. The speed |dX/du| is 1 on lines and arcs. Throws InputError for fewer than two
 /// points, a number that is not finite, two successive points that coincide (closer than 1e-9 of
-/// the size), all points in one place, a stated corner that is not among the points. `name` is used
-/// in messages. Cost: O(points), and what find_corners() takes.
+/// the size), points that all coincide, and a given corner that is not among the points. Cost:
+/// O(points), plus that of find_corners().
 std::shared_ptr<const InputCurve> curve_through_points(
     const std::string& name, const std::vector<Vec3>& points, double corner_angle = 20,
     const std::optional<std::vector<int>>& corners = {});
 
 
-// Straight stretches and arcs among points that are given in an order. Internal.
+// Recognition of straight lines and circular arcs among ordered points. Internal.
 
-/// Points first … last of a row that lie on a straight line or on a circular arc, and the unit
-/// tangents there.
+/// Points first … last of a sequence that lie on a straight line or on a circular arc, with the
+/// unit tangents at these points.
 struct LineOrArc {
   int first = 0, last = 0;
   std::vector<Vec3> tangents;
 };
 
-/// The runs of an open row without corners, ascending; neighbours may share a point, at which they
-/// have the same tangent then. Points are on a line or circle within 5e-5 of the run's chord.
+/// Finds the straight lines and circular arcs in an open sequence of points without corners.
+///
+/// Returns them in ascending order. Neighbours may share a point and then have the same tangent
+/// there. Points lie on a line or circle if they are within 5e-5 of its chord.
 ///
 /// Dense points of any smooth curve are nearly on lines and circles, and a spline through them is
-/// better left alone. So a straight run turns at one of its ends by half a degree and twenty times
-/// as much as inside (three points: a thousand times), and an arc bends the same (2 %) at all its
-/// points, and by a fifth more or less at its ends.
+/// better. Therefore further conditions apply:
 ///
-/// Straight: three points or more, not three at an inflection, with turns of opposite sign before
-/// and behind: symmetric curves have such. Arc: five points or more, or fewer, but three, if they
-/// are the whole row or if they turn by ten degrees and the chord before and the one behind leave
-/// along the arc: any four points that are symmetric are on a circle. No arc turns by more than 75 degrees at a point.
+/// - At one of its ends, a straight line turns by at least half a degree and by twenty times as
+///   much as inside (three points: a thousand times).
+/// - An arc has the same curvature, within 2 %, at all of its points, and a curvature that differs
+///   by at least a fifth at its ends.
+/// - A line has three points or more. Three points at an inflection, with turns of opposite sign
+///   before and behind, are not a line, because symmetric curves have such points.
+/// - An arc has five points or more. Three or four points are an arc if they are the whole
+///   sequence. They are also an arc if they turn by ten degrees and the chords before and behind
+///   continue the arc tangentially. (Any four symmetric points are on a circle.)
+/// - No arc turns by more than 75 degrees at a point.
 std::vector<LineOrArc> find_lines_and_arcs(const std::vector<Vec3>& points);
 
 
-// Cubic splines whose ends are not flat.
+// Cubic splines without zero end curvature.
 
-/// Slopes dx/du of the C2 cubic spline through points x (rows) over ascending u whose third
-/// derivative goes on across the first and the last inner knot ("not a knot"): cubics stay as they
-/// are; three points make a parabola, two a straight line. Ends of natural splines have no
-/// curvature, these have that of the points. Two points or more. O(points³), some microseconds for
-/// ten.
+/// Computes the slopes dx/du of the not-a-knot cubic spline through points x (one per row) over
+/// ascending u.
+///
+/// The spline is C2, and its third derivative is continuous at the first and the last inner knot.
+/// Cubics are reproduced; three points give a parabola, two a straight line. Natural splines have
+/// zero curvature at their ends, whereas these have that of the points. Takes two points or more.
+/// O(points³), some microseconds for ten points.
 Points not_a_knot_slopes(const std::vector<double>& u, const Points& x);
 
 }  // namespace batten

@@ -41,23 +41,23 @@ HermiteCurve interpolating_spline(const std::string& name, const std::vector<Vec
     springs.push_back({mesh.locate(sequence.chord[i]), sequence.points[i]});
     fixed_dofs.emplace_back(mesh.position_dof(i), sequence.points[i]);
   }
-  constexpr double mu = 1e8;  // C2, to some digits
+  constexpr double mu = 1e8;  // makes second derivatives continuous to some digits
   const FairingEnergy energy(mesh, {}, 0, mu);
   return {mesh,
           PenalisedLeastSquares(mesh, springs, energy, fixed_dofs).solve(1e-6 * sequence.length())};
 }
 
 
-// Local fairing: a stretch, a brush.
+// Local fairing: an interval, a brush.
 
 namespace {
 
-// Segments of one run of a curve, which may cross the seam: the first, and how many.
+// Consecutive segments of a curve, possibly across the seam: the first, and their number.
 struct Run {
   int first, count;
 };
 
-// Runs of segments that are touched; all segments of a closed curve but one node at most.
+// Groups the touched segments into runs. If a whole closed curve is touched, one node stays fixed.
 std::vector<Run> runs_of(const HermiteCurve& curve, const std::vector<char>& touched) {
   const int n = curve.segment_count();
   std::vector<Run> runs;
@@ -85,7 +85,7 @@ double length_of(const HermiteCurve& curve, int segment) {
   return length;
 }
 
-// The dofs of one run, faired; nodes at its ends stay.
+// Fairs the dofs of one run; the nodes at its ends stay fixed.
 void fair_run(const HermiteCurve& curve, const Run& run,
               const std::function<double(double)>& strength, double wavelength, Points& dofs) {
   const CurveMesh& whole = curve.mesh();
@@ -99,7 +99,7 @@ void fair_run(const HermiteCurve& curve, const Run& run,
     u.push_back(u.back() + whole.length(s));
     length += length_of(curve, s);
   }
-  // φ and the wavelength live on arc length; u runs at about `speed`.
+  // φ and the wavelength refer to arc length; u runs at about `speed`.
   const double speed = length / u.back();
   const double lambda = std::pow(wavelength / (2 * std::numbers::pi * speed), 4);
   const CurveMesh mesh(u, false, corners);
@@ -107,7 +107,7 @@ void fair_run(const HermiteCurve& curve, const Run& run,
   BandCholesky A;
   band.reset(A);
   Points right = Points::Zero(mesh.dof_count(), 3);
-  std::vector<int> outer(mesh.dof_count());  // dofs of the whole curve
+  std::vector<int> outer(mesh.dof_count());  // dof of the whole curve for each dof of the run
   const auto global = [&](int segment) {
     return whole.segment_dofs((run.first + segment) % whole.segment_count());
   };
@@ -148,7 +148,7 @@ HermiteCurve fair_where(const HermiteCurve& curve, const std::vector<char>& touc
   if (!(wavelength > 0) || !std::isfinite(wavelength))
     throw InputError("local fairing: found the wavelength " + format_number(wavelength) +
                      ", expected a length above 0");
-  // Nodes fine enough for the shortest wave that stays, and for φ.
+  // Nodes dense enough for the shortest wave that remains, and for φ.
   const std::vector<Run> coarse = runs_of(curve, touched);
   std::vector<double> added;
   for (const Run& run : coarse)
@@ -164,7 +164,7 @@ HermiteCurve fair_where(const HermiteCurve& curve, const std::vector<char>& touc
   const HermiteCurve fine = curve.with_nodes(added);
   Points dofs = fine.dofs();
   for (const Run& run : coarse) {
-    // The same stretch of the fine curve: all of what the coarse segments were.
+    // The same interval of the refined curve: everything that the coarse segments were.
     const auto node = [&](int coarse_node) {
       const double u = curve.parameters()[coarse_node];
       return static_cast<int>(

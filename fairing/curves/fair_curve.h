@@ -1,4 +1,4 @@
-// Curves that fair themselves: springs to the data balanced against bending.
+// Fairing of noisy curves: smoothing splines through points, and local fairing of existing curves.
 #pragma once
 
 #include <string>
@@ -9,29 +9,35 @@
 
 namespace batten {
 
-/// Fairs two points or more. Cost: O(points) a round; about 0.2 ms for a hundred points.
-/// Throws InputError (as fit_points; a condition of an open curve on a closed one; a deviation or
-/// wavelength that is not above 0), ConflictError when conditions contradict each other,
-/// NoSolutionError when fairing leaves no curve (a loop shorter than the wavelength).
+/// Fairs ordered points: balances their distances from a curve against its bending, see
+/// FairOptions.
+///
+/// Takes two points or more; `name` is used in messages. Cost: O(points) per round, about 0.2 ms
+/// for a hundred points. Throws InputError under the conditions of fit_points(), for a condition of
+/// an open curve on a closed one, and for a noise, deviation or wavelength that is not above 0.
+/// Throws ConflictError if conditions contradict each other. Throws NoSolutionError if nothing is
+/// left of the curve (a loop shorter than the wavelength).
 FairCurve fair_points(const std::string& name, const std::vector<Vec3>& points,
                       const FairOptions& options = {});
 
-/// The curve through the points as they are, before any fairing: C2 between corners.
+/// Interpolates the points without fairing; C2 between corners. For comparison with fair_points().
 HermiteCurve interpolating_spline(const std::string& name, const std::vector<Vec3>& points,
                                   const FairOptions& options = {});
 
-/// Local fairing. Minimises ∫ |X - X⁰|² + (φ(u) wavelength / 2π)⁴ |X_uu|² du (u in arc length) over
-/// the segments that the stretch touches, φ falling smoothly from 1 in its middle to 0 at its ends:
-/// the wave that keeps half of its height grows from nothing to `wavelength`. The nodes at the ends
-/// of those segments keep position and slope: outside nothing changes, not a bit. Inside, nodes are
-/// added first, without a change of shape, as many as the wavelength needs. At the end of an open
-/// curve the slope is free.
+/// Fairs a part of a curve; the rest stays bit-identical.
 ///
-/// The stretch goes from parameter `from` to `to` (on closed curves across the seam when to <
-/// from). Throws InputError when that is no part of the curve, or wavelength is not above 0.
+/// Minimises ∫ |X - X⁰|² + (φ(u) wavelength / 2π)⁴ |X_uu|² du (u in arc length) over the segments
+/// that the interval touches. φ falls smoothly from 1 in the middle of the interval to 0 at its
+/// ends. The wave that keeps half of its height thus grows from nothing to `wavelength`. The nodes
+/// at the ends of these segments keep position and slope; only at the end of an open curve is the
+/// slope free. Before the solve, nodes are inserted without a change of shape, as many as the
+/// wavelength needs.
+///
+/// The interval goes from parameter `from` to `to`; on closed curves it crosses the seam if to <
+/// from. Throws InputError if it is not a part of the curve, or if `wavelength` is not above 0.
 HermiteCurve fair_interval(const HermiteCurve& curve, double from, double to, double wavelength);
-/// A brush: every stretch inside the sphere, φ falling from 1 at its centre to 0 at `radius`. A
-/// sphere that the curve does not meet: InputError.
+/// Fairs a curve inside a sphere (a brush), as fair_interval() does, with φ falling from 1 at the
+/// centre to 0 at `radius`. Throws InputError if the curve does not meet the sphere.
 HermiteCurve fair_brush(const HermiteCurve& curve, const Vec3& centre, double radius,
                         double wavelength);
 

@@ -11,7 +11,7 @@ namespace batten {
 
 FairingEnergy::FairingEnergy(const CurveMesh& mesh, const std::vector<double>& wavelength_factor,
                              double alpha, double mu) {
-  const auto fourth = [&](int at) {  // power of the ease at a parameter of the mesh
+  const auto fourth = [&](int at) {  // fourth power of r at a parameter of the mesh
     const double r = wavelength_factor.empty() ? 1 : wavelength_factor[static_cast<size_t>(at)];
     return r * r * r * r;
   };
@@ -37,7 +37,7 @@ FairingEnergy::FairingEnergy(const CurveMesh& mesh, const std::vector<double>& w
     bending_.push_back(part);
     if (alpha > 0) bending_.back().free.col(1).setZero();
 
-    const int after = (s + 1) % segments;  // segment, and the node before it
+    const int after = (s + 1) % segments;  // next segment, and the node before it
     if ((after == 0 && !mesh.closed()) || mesh.is_corner(after)) continue;
     const auto behind = mesh.segment_dofs(after);
     part.count = 6;
@@ -65,7 +65,7 @@ void FairingEnergy::subtract(const std::vector<Part>& parts, double factor, cons
 
 namespace {
 
-// Unit tangents inside of segments, so never at a corner, in the order of u.
+// Unit tangents at points inside of segments, thus never at a corner; ascending u.
 struct Tangents {
   std::vector<double> u;
   std::vector<Vec3> t;
@@ -80,7 +80,7 @@ struct Tangents {
         t.push_back(curve.evaluate(CurveMesh::SegmentPoint{s, f}, 1).normalized());
       }
   }
-  // Of a closed curve without corners: once more before and after.
+  // For a closed curve without corners: repeats the tangents before and after.
   void repeat(double length) {
     const std::vector<double> own = u;
     const std::vector<Vec3> tangents = t;
@@ -94,8 +94,8 @@ struct Tangents {
   }
 };
 
-// The turn from one tangent to another over the way between, by halves, so that half a circle is
-// not taken for none.
+// Turning angle between two tangents per parameter length, as a sum of two halves so that a half
+// circle is not mistaken for no turn.
 double turning_rate(const Tangents& tangents, size_t from, size_t to) {
   const double parameter_length = tangents.u[to] - tangents.u[from];
   const size_t middle = (from + to) / 2;
@@ -112,7 +112,7 @@ CurvatureAdaptiveWavelength::CurvatureAdaptiveWavelength(
   Tangents tangents(curve);
   u_ = tangents.u;
   const double length = curve.end() - curve.start();
-  std::vector<double> stops = {-INFINITY};  // windows end there
+  std::vector<double> stops = {-INFINITY};  // parameters at which averaging windows end
   for (const int corner : curve.mesh().corners())
     stops.push_back(curve.parameters()[static_cast<size_t>(corner)]);
   stops.push_back(INFINITY);
@@ -124,7 +124,7 @@ CurvatureAdaptiveWavelength::CurvatureAdaptiveWavelength(
   for (const double u : u_) {
     const double reach = 0.25 * wavelength * before.at((u - curve.start()) / length);
     const auto stop = std::upper_bound(stops.begin(), stops.end(), u);
-    // A turn takes a few tangents.
+    // Always includes at least one tangent on either side.
     constexpr long fewest = 1;
     const long here = first_from(u);
     const long from = std::max(std::min(first_from(u - reach), here - fewest),
@@ -140,7 +140,7 @@ CurvatureAdaptiveWavelength::CurvatureAdaptiveWavelength(
     sum += factors_[i] * (b - a) / 2;
   }
   const double mean = sum / length;
-  constexpr double usual = 1.2;  // what noise makes of an even curve
+  constexpr double usual = 1.2;  // ratio that noise produces on a curve of constant curvature
   for (double& e : factors_)
     e = mean > 0 ? std::pow(std::max(1.0, e / (usual * mean)), -5 / 12.0) : 1;
   if (std::all_of(factors_.begin(), factors_.end(), [](double e) { return e == 1; }))
@@ -164,7 +164,7 @@ std::vector<double> CurvatureAdaptiveWavelength::of(const CurveMesh& mesh) const
   const double length = mesh.end() - mesh.start();
   for (const double u : mesh.parameters())
     wavelength_factor.push_back(at((u - mesh.start()) / length));
-  // A closed curve goes on where it begins.
+  // On a closed curve, first and last parameter are the same point.
   if (mesh.closed())
     wavelength_factor.front() = wavelength_factor.back() =
         (wavelength_factor.front() + wavelength_factor.back()) / 2;

@@ -10,7 +10,7 @@ namespace {
 
 struct CurvatureSample {
   double speed = 0;
-  Vec3 curvature = Vec3::Zero();  // vector, towards the inside
+  Vec3 curvature = Vec3::Zero();  // curvature vector, towards the centre of curvature
   double change = 0;              // |dκ/ds|, κ = |curvature|
 };
 
@@ -33,7 +33,8 @@ struct Counts {
   int extrema = 0, inflections = 0;
 };
 
-// Goes along the samples, more than once if asked: a counter that keeps its state.
+// Counts extrema and inflections along the samples. It keeps its state, so that a second lap can
+// follow.
 class WaveCounter {
  public:
   explicit WaveCounter(double threshold) : threshold_(threshold) {}
@@ -50,7 +51,7 @@ class WaveCounter {
     turn(sign_ * curvature.norm());
   }
 
-  // An extremum counts when the curvature has come back from it by more than the threshold.
+  // An extremum counts once the curvature has come back from it by more than the threshold.
   void turn(double k) {
     if (first_) high_ = low_ = k;
     first_ = false;
@@ -71,7 +72,7 @@ class WaveCounter {
   double threshold_, sign_ = 1, high_ = 0, low_ = 0;
   int direction_ = 0;
   bool first_ = true;
-  Vec3 last_ = Vec3::Zero();  // the last that is large enough to have a direction
+  Vec3 last_ = Vec3::Zero();  // last sample large enough to have a direction
 };
 
 bool cut_before(const HermiteCurve& curve, int segment) {
@@ -108,7 +109,7 @@ Fairness fairness(const HermiteCurve& curve) {
           curvature_sample(curve, {s, static_cast<double>(k) / per_segment}).curvature);
       result.largest_curvature = std::max(result.largest_curvature, samples[s].back().norm());
     }
-  // Below it are waves that nobody sees, and rounding of the coordinates.
+  // Smaller waves are invisible, or come from rounding of the coordinates.
   double threshold =
       std::max(0.01 * result.largest_curvature, result.length > 0 ? 1e-6 / result.length : 0);
   for (int s = 0; s < segments; ++s) {
@@ -119,7 +120,7 @@ Fairness fairness(const HermiteCurve& curve) {
   }
   int first = 0;
   while (first < segments && !cut_before(curve, first)) ++first;
-  const bool around = first == segments;  // a closed curve without corners: the second lap counts
+  const bool around = first == segments;  // closed curve without corners: the second lap counts
   WaveCounter counter(threshold);
   Counts before;
   for (int lap = 0; lap < (around ? 2 : 1); ++lap) {

@@ -17,7 +17,7 @@ class Hermite final : public InputCurve {
   double start() const override { return curve_.start(); }
   double end() const override { return curve_.end(); }
   Vec3 evaluate(double t, int order) const override {
-    // Not around the seam of a closed curve.
+    // Avoids wrapping at the seam of a closed curve.
     if (t >= curve_.end()) return curve_.evaluate({curve_.segment_count() - 1, 1}, order);
     return curve_.evaluate(t, order);
   }
@@ -107,7 +107,7 @@ double speed_integral(const InputCurve& curve, double a, double b) {
   return length_rule().weights.dot(speeds(curve, a, b)) * (b - a);
 }
 
-// Coefficients 1, x, … of the polynomial through values at the Gauss points of [0, 1].
+// Coefficients of 1, x, … of the polynomial that interpolates values at the Gauss points of [0, 1].
 Speeds polynomial(const Speeds& values) {
   using Square = Eigen::Matrix<double, kPoints, kPoints>;
   static const Square inverse = [] {
@@ -119,7 +119,8 @@ Speeds polynomial(const Speeds& values) {
   return inverse * values;
 }
 
-// Where on [0, 1] the integral of the polynomial through `speed` is `fraction` of the whole.
+// Solves for x in [0, 1]: the integral of the interpolant of `speed` from 0 to x is `fraction` of
+// the whole.
 double inverse_of_integral(const Speeds& speed, double fraction) {
   constexpr double rounding = 1e-13;
   if (speed.maxCoeff() - speed.minCoeff() <= rounding * speed.maxCoeff()) return fraction;
@@ -144,7 +145,7 @@ double inverse_of_integral(const Speeds& speed, double fraction) {
 
 }  // namespace
 
-// Halves a panel until two halves agree with the whole.
+// Bisects a panel until the sum of both halves agrees with the whole.
 void ArcLength::add_panels(const Panel& whole, double total, int depth) {
   const double middle = 0.5 * (whole.start + whole.end);
   const auto half = [&](double a, double b) {
@@ -175,7 +176,7 @@ ArcLength::ArcLength(std::shared_ptr<const InputCurve> curve) : curve_(std::move
   for (const Panel& span : spans) add_panels(span, total, 0);
 }
 
-// The panel in which the value of a start, of parameters or of lengths, lies.
+// The panel that contains the value; `start` selects parameters or lengths.
 const ArcLength::Panel& ArcLength::panel_at(double value, double Panel::*start) const {
   const auto after =
       std::upper_bound(panels_.begin() + 1, panels_.end(), value,
@@ -202,8 +203,8 @@ double ArcLength::parameter(double s) const {
         (speed_integral(*curve_, a, t) - rest) / std::max(speed, 1e-3 * panel.length / (b - a));
     const double before = t;
     t = std::clamp(t - dt, a, b);
-    // The error after a step goes with the square of the step. A short piece of a long curve has
-    // parameters much larger than their range.
+    // The error after a step is quadratic in the step. On a short piece of a long curve, parameters
+    // are much larger than their range.
     const double rounding = 4e-16 * std::max(std::abs(a), std::abs(b));
     const double small = std::max({1e-15 * (last - first), rounding, 1e-8 * (b - a)});
     if (std::abs(t - before) <= small) break;

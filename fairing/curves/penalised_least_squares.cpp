@@ -154,7 +154,7 @@ Vec3 PenalisedLeastSquares::at(const Points& q, const Spring& spring) const {
 
 double PenalisedLeastSquares::effective_dofs() const {
   double trace = A_.trace_of_inverse_times(spring_band_);
-  // A held place is one degree of freedom, however many springs act there.
+  // A fixed dof counts as one degree of freedom, however many springs act there.
   for (const auto& [dof, value] : fixed_dofs_)
     trace += 1 - spring_band_.diagonal(band_.banded_index(dof));
   return trace;
@@ -179,7 +179,7 @@ double PenalisedLeastSquares::gcv_score(double wavelength, double most) {
 double golden_section_minimum(const std::function<double(double)>& f, double low, double high,
                               int samples) {
   double best = low, best_value = std::numeric_limits<double>::infinity();
-  // From the fairest on, so that of equal ones the fairest wins.
+  // Starts at the largest argument (the fairest curve), so that it wins among equal values.
   for (int i = samples; i >= 0; --i) {
     const double x = low + (high - low) * i / samples, value = f(x);
     if (value < best_value) {

@@ -1,4 +1,5 @@
-// Springs against the energy of a curve on one mesh: the inner problem of fairing. Internal.
+// Penalised least squares on one curve mesh: springs to the data against the fairing energy.
+// Internal.
 #pragma once
 
 #include <functional>
@@ -11,7 +12,7 @@
 
 namespace batten {
 
-/// Arc length along a Hermite curve, at its nodes and inside its segments. Keeps a reference.
+/// Arc length along a Hermite curve, at nodes and inside segments. Keeps a reference to the curve.
 class HermiteArcLength {
  public:
   explicit HermiteArcLength(const HermiteCurve& curve);
@@ -24,43 +25,47 @@ class HermiteArcLength {
   std::vector<double> at_node_;
 };
 
-/// Draws the curve at one parameter towards a place.
+/// Spring that pulls the curve at one parameter towards a point.
 struct Spring {
   CurveMesh::SegmentPoint at;
   Vec3 goal;
 };
 
-/// The least of Σ |X(u_i) - goal_i|² + a FairingEnergy, for any wavelength of it. Keeps references.
+/// Minimises Σ |X(u_i) - goal_i|² + FairingEnergy for any smoothing wavelength. Keeps references to
+/// its arguments.
 class PenalisedLeastSquares {
  public:
-  /// `fixed_dofs`: dofs and their values.
+  /// `fixed_dofs`: pairs of a dof and its prescribed value.
   PenalisedLeastSquares(const CurveMesh& mesh, const std::vector<Spring>& springs,
                         const FairingEnergy& energy, std::vector<std::pair<int, Vec3>> fixed_dofs);
 
-  /// Dofs of the curve of least energy. Throws NoSolutionError where the wavelength is so large
-  /// that the springs are lost in rounding.
+  /// Dofs of the minimising curve. Throws NoSolutionError if the wavelength is so large that the
+  /// springs are lost in rounding.
   Points solve(double wavelength);
-  /// Trace of the influence matrix of the last solve().
+  /// Effective dofs per coordinate: trace of the influence matrix of the last solve(). Every fixed
+  /// dof counts 1.
   double effective_dofs() const;
-  /// Root mean square by which a curve is off the springs' goals.
+  /// RMS distance of the curve from the goals of the springs.
   double rms_residual(const Points& dofs) const;
-  /// Generalised cross-validation of one wavelength. Each degree of freedom counts more than once
-  /// where there are points enough; infinite where points move by more than `most` (root mean
-  /// square), or solve() would throw.
+  /// Generalised cross-validation score of a wavelength; smaller is better.
+  ///
+  /// From six points on, each degree of freedom counts more than once, up to 1.3 times from 20
+  /// points on. The score is infinite if the points move by more than `most` (RMS), or if solve()
+  /// would throw.
   double gcv_score(double wavelength, double most);
 
-  /// The whole matrix at a wavelength, and the springs' load about `origin`, in the mesh's order of
-  /// dofs.
+  /// System matrix for a wavelength, and the load of the springs relative to `origin`; both in the
+  /// dof order of the mesh.
   SparseMatrix matrix(double wavelength) const;
   Points load(const Vec3& origin) const;
-  /// Load minus matrix times `dofs`, with more digits than these two have.
+  /// Load minus matrix times `dofs`, accurate to more digits than matrix() and load() would give.
   Points residual(double wavelength, const Points& dofs) const;
 
  private:
   bool try_solve(double wavelength, Points& q);
   Vec3 at(const Points& dofs, const Spring& spring) const;
-  // What multiplies the two parts of the energy.
-  double bending_fraction(double wavelength) const;  // FairingEnergy's b
+  // Factors of the parts of the energy.
+  double bending_fraction(double wavelength) const;  // b of FairingEnergy
   double variation_weight(double wavelength) const;
   double bending_weight(double wavelength) const;
 
@@ -69,15 +74,15 @@ class PenalisedLeastSquares {
   std::vector<FairingEnergy::Part> spring_parts_;
   const FairingEnergy& energy_;
   std::vector<std::pair<int, Vec3>> fixed_dofs_;
-  Vec3 origin_;     // of the unknowns: far from it digits would be lost
+  Vec3 origin_;     // the unknowns are relative to it, to save digits
   double density_;  // springs per length
   CurveDofOrdering band_;
   BandCholesky spring_band_, variation_band_, bending_band_, A_;
   Points load_, rhs_;
 };
 
-/// Where f is smallest over [low, high]: `samples` values, then golden sections. Of equal values
-/// the one at the larger place wins.
+/// Minimises f over [low, high]: evaluates `samples` + 1 values, then refines by golden-section
+/// search. Among equal values, the largest argument wins.
 double golden_section_minimum(const std::function<double(double)>& f, double low, double high,
                               int samples);
 

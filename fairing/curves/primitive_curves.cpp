@@ -73,7 +73,7 @@ class TransformedCurve final : public InputCurve {
   AffineTransform transform_;
 };
 
-// Cubics of 15 degrees or less with unit slopes at their ends: off the circle by 1e-8 of its radius.
+// Cubics of at most 15 degrees with unit end slopes: off the circle by 1e-8 of its radius.
 std::shared_ptr<const InputCurve> circle_arc(const CurvePlane& plane, double radius, double from,
                                              double to) {
   const double sweep = to - from;
@@ -179,7 +179,7 @@ std::shared_ptr<const InputCurve> rectangle(const CurvePlane& plane, double widt
   };
   const double sx[] = {1, 1, -1, -1}, sy[] = {-1, 1, 1, -1};
   for (int k = 0; k < 4; ++k) {
-    const bool upright = k % 2 == 1;  // the side behind corner k is level
+    const bool upright = k % 2 == 1;  // the side behind corner k is horizontal
     const double cx = sx[k] * (w - r), cy = sy[k] * (h - r);
     line_to(upright ? at(sx[k] * w, cy) : at(cx, sy[k] * h));
     if (r > 0) {
@@ -222,19 +222,19 @@ std::shared_ptr<const InputCurve> transformed(std::shared_ptr<const InputCurve> 
 }
 
 
-// B-splines by their poles.
+// NURBS curves.
 
 namespace {
 
 using Homogeneous = Eigen::Vector4d;
 
-// A polynomial B-spline in homogeneous coordinates and its two derivatives.
+// A B-spline in homogeneous coordinates (rational if needed) and its two derivatives.
 class Spline final : public InputCurve {
  public:
   Spline(int degree, std::vector<Homogeneous> poles, std::vector<double> knots, bool rational)
       : degree_(degree), knots_(std::move(knots)), rational_(rational) {
     poles_[0] = std::move(poles);
-    // Poles of derivatives, over the same knots without the outermost ones.
+    // Poles of the derivatives, over the same knots without the outermost ones.
     for (int d = 1; d <= 2 && d <= degree; ++d) {
       const auto& p = poles_[d - 1];
       for (int i = 0; i + 1 < isize(p); ++i) {
@@ -270,7 +270,7 @@ class Spline final : public InputCurve {
     if (p < 0) return Homogeneous::Zero();
     const auto& poles = poles_[derivative];
     const double* knots = knots_.data() + derivative;
-    int k = p;  // the span [knot k, knot k+1) that has t
+    int k = p;  // span [knot k, knot k+1) that contains t
     while (k + 1 < isize(poles) && t >= knots[k + 1]) ++k;
     std::array<Homogeneous, 10> d;
     for (int i = 0; i <= p; ++i) d[i] = poles[k - p + i];
@@ -306,7 +306,7 @@ void check_knots(int degree, int poles, const std::vector<double>& knots) {
     if (!(knots[i] <= knots[i + 1]))
       throw InputError("found the knot " + format_number(knots[i + 1]) + " behind " +
                        format_number(knots[i]) + ", expected knots that do not descend");
-  // An inner knot as often as the degree still leaves the curve in one piece.
+  // An inner knot of multiplicity `degree` still leaves the curve connected.
   const double first = knots[degree], last = knots[knots.size() - 1 - degree];
   for (size_t i = 0; i + degree < knots.size(); ++i)
     if (knots[i] == knots[i + degree] && knots[i] > first && knots[i] < last)

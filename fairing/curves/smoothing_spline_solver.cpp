@@ -19,7 +19,7 @@ SmoothingSplineSolver::SmoothingSplineSolver(const std::string& name,
   begin();
 }
 
-// Parameters from chords.
+// Initial parameters from chord lengths.
 void SmoothingSplineSolver::begin() {
   u_ = sequence_.averaged_chord();
   length_ = u_.back();
@@ -30,7 +30,8 @@ void SmoothingSplineSolver::begin() {
   if (const CurveCondition* plane = symmetry()) centre(*plane);
 }
 
-// Moves the parameters so that the curve crosses the plane half way; a closed one starts there too.
+// Adjusts the parameters so that the curve crosses the symmetry plane at half of its length; a
+// closed curve also starts at the plane.
 void SmoothingSplineSolver::centre(const CurveCondition& plane) {
   std::vector<double> crossings;
   for (int i = 0; i < (sequence_.closed ? count_ : count_ - 1); ++i) {
@@ -60,7 +61,7 @@ void SmoothingSplineSolver::centre(const CurveCondition& plane) {
   }
 }
 
-// Parameters at which there has to be a node.
+// Parameters at which nodes are required.
 std::vector<double> SmoothingSplineSolver::required_knots() {
   std::vector<double> forced = {0};
   for (const int c : sequence_.corners) forced.push_back(u_[c]);
@@ -91,9 +92,9 @@ std::vector<double> SmoothingSplineSolver::required_knots() {
   return forced;
 }
 
-// A point whose foot is the end of the line, though it is not the end itself, has no spring: it
-// would draw the end towards itself in every round, and what lies beside an end says nothing about
-// where that ends. So it is at corners.
+// Points whose foot point is an end of the curve, without being the end point themselves, get no
+// spring. Such a point would pull the end towards itself in every round, and it does not determine
+// where the curve ends. The same holds at corners.
 std::vector<Spring> SmoothingSplineSolver::springs() const {
   std::vector<Spring> springs;
   for (int i = 0; i < count_; ++i) {
@@ -105,7 +106,7 @@ std::vector<Spring> SmoothingSplineSolver::springs() const {
   return springs;
 }
 
-// Whether a parameter is that of an end or of a corner.
+// True if the parameter is that of an end or of a corner.
 bool SmoothingSplineSolver::at_end_or_corner(double u) const {
   const double same = 1e-9 * length_;
   if (!sequence_.closed && (u < same || u > length_ - same)) return true;
@@ -121,18 +122,18 @@ std::vector<std::pair<int, Vec3>> SmoothingSplineSolver::fixed_dofs() const {
           {mesh_.position_dof(mesh_.node_count() - 1), sequence_.points.back()}};
 }
 
-// Whether the rounds are over. Keeps the round that is the answer, if the last one is not.
+// True if the rounds are over. Stores the best round, in case the last one is not.
 bool SmoothingSplineSolver::is_finished(FairCurve& result, double wavelength, double change) {
   const auto keep = [&](double score) {
     best_ = {curve_, foot_parameters_, constrained_at_, length_, wavelength, result.effective_dofs,
              score};
   };
-  // Parameters stand still when they move by little of what is smoothed anyway.
+  // Converged: parameters move by little compared with what is smoothed anyway.
   result.converged =
       result.rounds > 1 && change * length_ < std::max(1e-4 * length_, 0.01 * wavelength);
   if (options_.smoothing == FairOptions::Smoothing::Deviation) {
     const double worst = deviation_of(curve_, sequence_, foot_parameters_).max;
-    // Spikes grow from round to round, until nothing of the line is left.
+    // Spikes grow from round to round until nothing of the curve is left.
     if (has_spikes() && !best_.foot_parameters.empty()) return true;
     if (worst <= std::max(best_.score, options_.deviation)) keep(worst);
     if (worst > options_.deviation) {
@@ -142,7 +143,7 @@ bool SmoothingSplineSolver::is_finished(FairCurve& result, double wavelength, do
       return result.rounds >= options_.max_rounds + more_rounds;
     }
   } else if (result.rounds >= kWavelengthSearches) {
-    // Feet that move farther and farther run off with the curve.
+    // Foot points that move farther and farther indicate divergence.
     constexpr double farther = 3;
     if (change > farther * best_.score) return true;
     if (change <= best_.score) keep(change);
@@ -169,15 +170,15 @@ FairCurve SmoothingSplineSolver::run() {
     solve_at_wavelength(smoothing, wavelength);
     result.effective_dofs = smoothing.effective_dofs();
     if (estimates_noise() && min_wavelength_ < 0.5 * sequence_.length() && has_spikes()) {
-      // Through points that go to and fro the curve would run off between them.
+      // Between points that zigzag, the curve would oscillate.
       min_wavelength_ = std::max(2 * min_wavelength_, 4 * sequence_.length() / count_);
       wavelength = 0;
       result.rounds = 0;
       begin();
       continue;
     }
-    // More nodes than the balance makes use of, but not so many that long waves lose their digits.
-    // Where all points are passed through, two a point bring the curvature that they tell.
+    // Uses more nodes than the smoothing can make use of, but not so many that long waves lose
+    // their digits. If all points are interpolated, two nodes per point reproduce their curvature.
     const bool through =
         estimates_noise() && is_unconstrained() && result.effective_dofs > 0.5 * count_;
     const int enough = through ? count_ + 1 : count_;
@@ -217,7 +218,8 @@ FairCurve SmoothingSplineSolver::run() {
 }
 
 
-// Largest distance of a point from the curve at its parameter, across the tangent.
+// Largest distance of a point from the curve at its parameter, perpendicular to the tangent (at
+// corners: the full distance).
 double SmoothingSplineSolver::max_normal_distance(const Points& q) const {
   const HermiteCurve curve(mesh_, q);
   double worst = 0;
@@ -231,21 +233,23 @@ double SmoothingSplineSolver::max_normal_distance(const Points& q) const {
   return worst;
 }
 
-// Root mean square by which noise may have moved the points: what moves them farther was none.
+// RMS by which noise may have moved the points; larger moves are not noise.
 double SmoothingSplineSolver::max_rms_move() const {
-  constexpr double any = 0.025, none = 1e-6;  // of the size
-  constexpr int fewest = 11;                  // points of which estimate_noise() knows something
+  constexpr double any = 0.025, none = 1e-6;  // both are fractions of the size
+  constexpr int fewest = 11;                  // number of points below which estimate_noise()
+                                              // returns 0
   if (count_ < fewest) return any * sequence_.size;
   return std::min(any * sequence_.size, 2 * noise_ + none * sequence_.size);
 }
 
-// The longest wavelength that fits, of those that are long, fit not, or are short and fit.
+// The longest wavelength for which `fits` holds, by bisection: short waves are assumed to fit, long
+// ones not.
 double SmoothingSplineSolver::longest_wavelength(const std::function<bool(double)>& fits) const {
   const auto can = [&](double wavelength) {
     try {
       return fits(wavelength);
     } catch (const NoSolutionError&) {
-      return false;  // so long a wave leaves nothing of the springs
+      return false;  // the wave is so long that nothing of the springs remains
     }
   };
   const double coarsest = 2 * length_;
@@ -265,12 +269,12 @@ double SmoothingSplineSolver::choose_wavelength(PenalisedLeastSquares& smoothing
   const double finest = shortest_wavelength(), coarsest = 2 * length_;
   switch (options_.smoothing) {
     case FairOptions::Smoothing::Wavelength:
-      // Beyond twice an open line's length all of it is smoothed but a parabola.
+      // Beyond twice the length of an open curve, everything but a parabola is smoothed away.
       return sequence_.closed ? options_.wavelength : std::min(options_.wavelength, coarsest);
     case FairOptions::Smoothing::CrossValidation: {
-      constexpr int fewest = 6;  // points from which something can be learned about noise
+      constexpr int fewest = 6;  // with fewer points, nothing can be learned about noise
       if (count_ < fewest) return min_wavelength_;
-      // Where points lie unevenly the finest wave already moves what has no noise.
+      // If points are spaced unevenly, even the shortest wave may move points that have no noise.
       if (smoothing.rms_residual(smoothing.solve(finest)) > max_rms_move()) return min_wavelength_;
       const double low = before > 0 ? std::max(finest, before / 3) : finest,
                    high = before > 0 ? std::min(coarsest, before * 3) : coarsest;
@@ -301,7 +305,7 @@ void SmoothingSplineSolver::reduce_conditions() {
   ConstraintSet set(mesh_.dof_count());
   for (const auto& [dof, value] : fixed_dofs()) set.fix("ends", dof, value);
   add_rows(options_.conditions, at_, mesh_, set);
-  // About a point of the curve, so that far from the origin no digits are lost.
+  // Relative to a point of the curve, to keep digits far from the origin.
   positions_ = VecX::Zero(mesh_.dof_count());
   for (int n = 0; n < mesh_.node_count(); ++n) positions_[mesh_.position_dof(n)] = 1;
   reduction_.emplace(set.translated(positions_, sequence_.points.front()));
@@ -319,7 +323,8 @@ Points SmoothingSplineSolver::solve(PenalisedLeastSquares& smoothing, double wav
     return reduction_->expand(cholesky.solve(reduction_->reduce_load(matrix, load)));
   };
   Points q = answer(K, smoothing.load(origin)) + positions_ * origin.transpose();
-  // Where conditions act depends on the last digits of the curve.
+  // Iterative refinement, because the positions of conditions depend on the last digits of the
+  // curve.
   const SparseMatrix none(K.rows(), K.cols());
   const Points fixed =
       reduction_->expand(MatX::Zero(reduction_->free_count(), reduction_->coupled() ? 1 : 3));
@@ -329,8 +334,8 @@ Points SmoothingSplineSolver::solve(PenalisedLeastSquares& smoothing, double wav
   return q;
 }
 
-// Solves again with every direction held where the curve is nearest to its place in the end, not
-// where it was before.
+// Solves again until every tangent condition acts at the point of the final curve that is closest
+// to its `at`, instead of that of the previous curve.
 void SmoothingSplineSolver::iterate_tangent_conditions(PenalisedLeastSquares& smoothing,
                                                        double wavelength) {
   const auto move = [&] {
@@ -343,7 +348,7 @@ void SmoothingSplineSolver::iterate_tangent_conditions(PenalisedLeastSquares& sm
     }
     return most;
   };
-  // In the end rounding moves them to and fro: the best stays.
+  // In the end rounding moves the parameters back and forth: the best ones are kept.
   constexpr int most_moves = 40;
   constexpr double still = 1e-14;
   double least = std::numeric_limits<double>::infinity();
@@ -365,8 +370,8 @@ void SmoothingSplineSolver::iterate_tangent_conditions(PenalisedLeastSquares& sm
   at_ = best_at;
 }
 
-// Moves every point's parameter to the nearest point of the curve and to arc length; returns the
-// largest change over the length.
+// Moves the parameter of every point to its foot point and to arc length. Returns the largest
+// change relative to the length.
 double SmoothingSplineSolver::project_points(bool first) {
   const HermiteArcLength arc(curve_);
   foot_parameters_.resize(count_);
@@ -400,9 +405,9 @@ double SmoothingSplineSolver::project_points(bool first) {
   }
   if (!(arc.total() > 1e-6 * sequence_.size))
     throw NoSolutionError("line '" + name_ + "' shrinks to a point when faired");
-  // Under a stated balance a closed curve that shrinks would shrink faster and faster if the
-  // parameter shrank with it: it keeps the length of the points, or, where that is mostly noise, of
-  // the first curve.
+  // If the smoothing is stated, a closed curve that shrinks would shrink faster and faster if the
+  // parameter shrank with it. The parameter range therefore stays the length of the points or, if
+  // that is mostly noise, of the first curve.
   if (options_.smoothing == FairOptions::Smoothing::CrossValidation ||
       (first && is_zigzag(sequence_.points)))
     length_ = arc.total();
@@ -416,14 +421,15 @@ double SmoothingSplineSolver::project_points(bool first) {
   return change;
 }
 
-// The same curve and feet, u scaled to the length.
+// Scales u, and the foot points, to the arc length.
 void SmoothingSplineSolver::reparametrize_by_arc_length() {
   const double scale = HermiteArcLength(curve_).total() / length_;
   for (double& x : foot_parameters_) x *= scale;
   curve_ = curve_.with_scaled_parameter(scale);
 }
 
-// The curve of one round. Where digits are too few for so long a wave, of one that they suffice for.
+// Computes the curve of one round. If the precision does not suffice for the wavelength, the
+// wavelength is reduced until it does.
 void SmoothingSplineSolver::solve_at_wavelength(PenalisedLeastSquares& smoothing,
                                                 double& wavelength) {
   constexpr double shorter = 0.8;
@@ -519,7 +525,7 @@ double max_residual(const std::vector<CurveCondition>& conditions,
         worst = std::max(worst, curve.closest_point(c.at).distance / size);
         break;
       case Type::Tangent: {
-        // The direction where it is held, and how far that is from the nearest point.
+        // Direction where it was imposed, and its distance from the closest point.
         const Vec3 tangent = curve.evaluate(constrained_at[k], 1).normalized();
         const Vec3 nearest = curve.evaluate(curve.closest_point(c.at).u);
         worst = std::max({worst, tangent.cross(c.direction.normalized()).norm(),
@@ -528,7 +534,7 @@ double max_residual(const std::vector<CurveCondition>& conditions,
       }
       case Type::ZeroEndCurvature:
         for (const double s : {0.0, 1.0}) {
-          // By how much it would bend the last segment.
+          // Curvature times length², the amount by which it bends the last segment.
           const int segment = s > 0 ? curve.segment_count() - 1 : 0;
           const double h = curve.mesh().length(segment);
           worst = std::max(worst, h * h * curve.evaluate({segment, s}, 2).norm() / size);

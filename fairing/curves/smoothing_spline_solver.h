@@ -1,5 +1,5 @@
-// The rounds of fair_points(): nodes, springs, wavelength, curve, feet, until parameters stand still.
-// Internal.
+// Iterative solver of fair_points(): placement of nodes, springs, choice of wavelength, solve and
+// foot points, repeated until the parameters no longer move. Internal.
 #pragma once
 
 #include <functional>
@@ -18,9 +18,7 @@
 
 namespace batten {
 
-/// One fairing of one line. Keeps references. Its parts: rounds, nodes and springs in
-/// fair_rounds.cpp; the wavelength in fair_search.cpp; one curve, and where its points are nearest,
-/// in fair_solve.cpp.
+/// Fairs one curve, see FairOptions. Keeps references to its arguments.
 class SmoothingSplineSolver {
  public:
   SmoothingSplineSolver(const std::string& name, const std::vector<Vec3>& given,
@@ -30,10 +28,10 @@ class SmoothingSplineSolver {
 
  private:
   using Type = CurveCondition::Type;
-  double spacing() const { return length_ / std::min(count_, max_knots_); }  // of nodes
-  // So short that nothing is smoothed, and the system still positive definite in floating point.
+  double spacing() const { return length_ / std::min(count_, max_knots_); }  // spacing of the nodes
+  // So short that nothing is smoothed, while the system stays positive definite in floating point.
   double negligible_wavelength() const { return 0.1 * spacing(); }
-  // Shorter waves than noisy points can show would be spikes between them.
+  // Waves shorter than noisy points can resolve would be spikes between them.
   double shortest_wavelength() const {
     const double gap = length_ / count_;
     constexpr double noisy = 0.05;
@@ -44,13 +42,13 @@ class SmoothingSplineSolver {
       if (c.type == Type::Symmetry) return &c;
     return nullptr;
   }
-  // Whether the balance is between noise and shape, rather than a length that must be kept.
+  // True if the wavelength is chosen by noise, rather than stated or bound by a deviation.
   bool estimates_noise() const {
     return options_.smoothing == FairOptions::Smoothing::CrossValidation ||
            options_.smoothing == FairOptions::Smoothing::Noise;
   }
   static constexpr int kWavelengthSearches =
-      4;  // rounds in which the balance is sought; it then stays
+      4;  // the wavelength is searched in this many rounds and then kept
   void begin();
   bool is_finished(FairCurve& result, double wavelength, double change);
   bool has_spikes() const {
@@ -81,51 +79,55 @@ class SmoothingSplineSolver {
   const FairOptions& options_;
   const int count_;
   double length_ = 0;
-  double noise_ = 0;                    // standard deviation across the line
-  std::vector<double> u_;               // of the points, in [0, length_]
-  std::vector<double> at_;              // where the conditions act, or unused
-  std::vector<double> constrained_at_;  // those of the last solve
+  double noise_ = 0;                    // standard deviation across the curve
+  std::vector<double> u_;               // parameters of the points, in [0, length_]
+  std::vector<double> at_;              // parameters of the conditions; unused entries are
+                                        // arbitrary
+  std::vector<double> constrained_at_;  // at_ of the last solve
   static constexpr int kMinKnots = 64;
   int max_knots_ = kMinKnots;
   double tolerance_factor_ =
-      1;  // of the stated deviation, so that it holds after the last projection
+      1;  // factor of the stated deviation, so that it holds after the last projection
   CurveMesh mesh_;
-  std::vector<int> corner_node_;         // of each corner of the row
-  HermiteCurve curve_;                   // of the last round
-  std::vector<double> foot_parameters_;  // of each point, on it
-  double min_wavelength_ = 0;            // that leaves no spikes
+  std::vector<int> corner_node_;         // node of each corner of the sequence
+  HermiteCurve curve_;                   // faired curve of the last round
+  std::vector<double> foot_parameters_;  // foot point of each point on curve_
+  double min_wavelength_ = 0;            // shortest wavelength that leaves no spikes
   struct Iterate {
     HermiteCurve curve;
     std::vector<double> foot_parameters, constrained_at;
     double length = 0, wavelength = 0, effective_dofs = 0;
     double score = std::numeric_limits<double>::infinity();
   };
-  // Under a stated deviation: the last round that keeps it, or the one that comes nearest, by its
-  // deviation. Else the one in which parameters moved least, by how far.
+  // If a deviation is stated: the last round that satisfies it, or the one that comes closest;
+  // score: its deviation. Otherwise the round in which the parameters moved least; score: by how
+  // far.
   Iterate best_;
   CurvatureAdaptiveWavelength
-      wavelength_factor_;  // of the last round; even where the balance is stated
-  // Of the conditions, for one mesh.
+      wavelength_factor_;  // local wavelength factor of the last round; 1 everywhere if a
+                           // wavelength or deviation is stated
+  // Reduction of the conditions to free unknowns, on the current mesh.
   std::optional<AffineReduction> reduction_;
-  VecX positions_;  // 1 at position dofs
+  VecX positions_;  // per dof: 1 for positions, 0 for slopes
 };
 
 
-// Inside of fair_points: what has to hold while a curve is faired.
+// Conditions of fairing as linear constraints.
 
-/// Throws InputError, which names the line, for options out of their range and for conditions that
-/// have no meaning or do not fit a closed line.
+/// Throws InputError, naming the curve, for options out of range and for conditions that are
+/// invalid or do not fit a closed curve.
 void check(const std::string& name, const FairOptions& options, bool closed);
 
 /// Signed distance of p from the plane of a condition.
 double signed_distance(const CurveCondition& plane, const Vec3& p);
 
-/// Adds the rows of all conditions; at[k]: parameter of condition k, where it has one.
+/// Adds the constraint equations of all conditions to a set. at[k]: curve parameter of condition k,
+/// if it has one.
 void add_rows(const std::vector<CurveCondition>& conditions, const std::vector<double>& at,
               const CurveMesh& mesh, ConstraintSet& set);
 
-/// Largest violation of a condition, measured on the finished curve: distance over the size, angles
-/// in radians. constrained_at[k]: parameter at which condition k was held.
+/// Largest violation of a condition, measured on the finished curve: distance relative to the size,
+/// angles in radians. constrained_at[k]: parameter at which condition k was imposed.
 double max_residual(const std::vector<CurveCondition>& conditions,
                     const std::vector<double>& constrained_at, const HermiteCurve& curve,
                     double size);

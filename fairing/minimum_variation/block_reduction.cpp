@@ -65,8 +65,10 @@ Points BlockReduction::expand(const VecX& y) const {
 
 namespace {
 
-// Rows along element edges have up to eight.
+// Smallest number of dofs of a constraint that is imposed by multipliers; constraints along element
+// edges have up to eight.
 constexpr size_t kMany = 9;
+// Stiffness of the penalty over that of the unknowns that it acts on.
 constexpr double kTimes = 1e4;
 
 ConstraintSet part_of(const ConstraintSet& constraints, bool many) {
@@ -116,11 +118,13 @@ AugmentedLagrangianConstraints::AugmentedLagrangianConstraints(const ConstraintS
   block_rows_.resize(3 * count, 3 * each);
   block_rows_.setFromTriplets(entries.begin(), entries.end());
 
-  // Whole triangles: where a line leaves little of one inside, that would move too easily.
+  // Bending energy of whole triangles: one of which the trim leaves little inside would otherwise
+  // move too easily.
   const SparseMatrix K =
       SurfaceAssembler(surface.mesh(), surface.kind()).stiffness(SurfaceStiffness::isotropic(0, 1));
   SparseMatrix N = D.transpose() * SparseMatrix(K.selfadjointView<Eigen::Lower>()) * D;
-  constexpr double least = 1e-10;  // of the diagonal: keeps it definite where nothing else does
+  constexpr double least = 1e-10;  // fraction of the diagonal: keeps the matrix definite where
+                                   // nothing else does
   const VecX diagonal = N.diagonal();
   weights_ = penalty_weights(B_, diagonal, kTimes);
   N += SparseMatrix(B_.transpose() * weights_.asDiagonal() * B_);
@@ -163,7 +167,7 @@ MatX solve_augmented_lagrangian(const SparseCholesky& factor, const MatX& g, con
     MatX left = B * s;
     if (residual.rows() > 0) left += residual;
     const double largest = left.cwiseAbs().maxCoeff();
-    // Rounding leaves a floor.
+    // Stops at the tolerance, or when rounding prevents further progress.
     if (!(largest > enough * s.cwiseAbs().maxCoeff()) || !(largest < 0.5 * last)) break;
     last = largest;
     force += weights.asDiagonal() * left;

@@ -9,13 +9,13 @@ namespace {
 using Mat9 = Eigen::Matrix<double, 9, 9>;
 using Weights47 = Eigen::Matrix<double, kCurvatureVariationResiduals - 1, 7>;
 
-// Columns of derivatives by their indices, each 0 or 1.
+// Column numbers of the derivatives by their indices, each 0 or 1.
 constexpr int first(int a) { return a; }
 constexpr int second(int a, int b) { return 2 + a + b; }
 constexpr int third(int a, int b, int c) { return 5 + a + b + c; }
 
-// The jet in other directions: Y = X T with Y_a = Σ_i M_ai X_i, and likewise for two and three
-// indices.
+// Transforms the jet to other directions: Y = X T with Y_a = Σ_i M_ai X_i, and likewise for two and
+// three indices.
 Mat9 contraction(const Mat2& M) {
   Mat9 T = Mat9::Zero();
   for (int a = 0; a < 2; ++a)
@@ -43,13 +43,13 @@ Mat2 metric(const Jet3& jet) {
   return X.transpose() * X;
 }
 
-// The inverse of the symmetric root of a symmetric positive 2×2 matrix.
+// Inverse of the symmetric square root of a symmetric positive definite 2×2 matrix.
 Mat2 inverse_root(const Mat2& g) {
   const double root = std::sqrt(g.determinant());
   return ((g + root * Mat2::Identity()) / std::sqrt(g.trace() + 2 * root)).inverse();
 }
 
-// II and Γ of an orthonormal frame.
+// II, Γ and C in an orthonormal frame.
 struct Local {
   Vec3 n;
   double II[2][2];
@@ -73,7 +73,7 @@ struct Local {
   }
 };
 
-// The seven forms [C; II] → the residuals but the last.
+// Matrix from the seven components [C; II] to all residuals but the last.
 Weights47 residual_weights(const CurvatureVariationWeights& w) {
   const double s = w.principal, rest = std::sqrt(std::max(0.0, 1 - s * s));
   const double form = std::sqrt(w.second_form);
@@ -89,7 +89,7 @@ Weights47 residual_weights(const CurvatureVariationWeights& w) {
 
 using Slopes = Eigen::Matrix<double, 3, 9>;  // derivative of one number by each column of Y
 
-// δg_lm = δY_l·Y_m + Y_l·δY_m, times a factor.
+// Adds factor · δg_lm = factor · (δY_l·Y_m + Y_l·δY_m).
 void add_metric(const Jet3& Y, int l, int m, double factor, Slopes& to) {
   to.col(l) += factor * Y.col(m);
   to.col(m) += factor * Y.col(l);
@@ -106,7 +106,7 @@ Slopes second_form_slopes(const Jet3& Y, const Local& at, int a, int b) {
   return to;
 }
 
-// Subtracts the slopes of Γ^l_xy II_lz, summed over l.
+// Subtracts the derivatives of Γ^l_xy II_lz, summed over l.
 void subtract_product(const Jet3& Y, const Local& at, int x, int y, int z, Slopes& to) {
   for (int l = 0; l < 2; ++l) {
     const double II = at.II[l][z], gamma = at.gamma[l][x][y];
@@ -140,7 +140,7 @@ Slopes change_slopes(const Jet3& Y, const Local& at, int a, int b, int c) {
 Mat2 principal_frame(const Jet3& jet) {
   const Vec3 u = jet.col(0), v = jet.col(1);
   const double a = u.norm(), b = v.dot(u) / a, c = u.cross(v).norm() / a;
-  Mat2 M;  // Y_1 along X_u
+  Mat2 M;  // frame with Y_1 along X_u
   M << 1 / a, 0, -b / (a * c), 1 / c;
   const Local at(jet.lazyProduct(contraction(M)));
   const double angle = 0.5 * std::atan2(2 * at.II[0][1], at.II[0][0] - at.II[1][1]);
@@ -194,7 +194,7 @@ CurvatureVariationJacobian curvature_variation_jacobian(const Jet3& jet, const M
   all.row(7) =
       root * std::sqrt(weights.gauss) *
       (forms.II[2] * slopes.row(4) + forms.II[0] * slopes.row(6) - 2 * forms.II[1] * slopes.row(5));
-  // √J: half of ½ tr δg.
+  // Derivative of √J: half of ½ tr δg.
   Slopes area = Slopes::Zero();
   for (int a = 0; a < 2; ++a) area.col(a) = 0.5 * Y.col(a);
   const Eigen::Matrix<double, 9, 3> area_by_jet = T.lazyProduct(area.transpose());

@@ -21,7 +21,7 @@ CurvatureVariationTerms::CurvatureVariationTerms(const Surface& start, double ga
       weights_(start.mesh().triangle_count(), 1),
       frames_(9 * static_cast<size_t>(start.mesh().triangle_count())),
       twists_(start.mesh().triangle_count(), Vec3::Zero()) {
-  constexpr double outside = 1e-6;  // of a trimmed surface; keeps the matrix definite
+  constexpr double outside = 1e-6;  // weight outside of a trim; keeps the matrix definite
   for (int t = 0; t < isize(weights_); ++t) {
     if (start.trim()) weights_[t] = std::max(outside, start.trim()->area_fraction(t));
     if (!frozen.empty() && frozen[t]) weights_[t] = 0;
@@ -59,7 +59,7 @@ void CurvatureVariationTerms::set_frames(const Surface& surface) {
   }
   if (!std::isfinite(sum))
     throw InputError("the surface to be faired has a point without a normal");
-  // A hundredth of the mean curvature is no difference of principal curvatures.
+  // Principal curvatures that differ by less than a hundredth of the mean curvature count as equal.
   const double floor = 1e-4 * sum / area;
   for (size_t p = 0; p < frames_.size(); ++p) {
     const double square = split[p] * split[p];
@@ -159,13 +159,13 @@ double CurvatureVariationTerms::triangle_value(const Surface& surface, int t) co
 namespace {
 
 // Writes the residuals of one triangle, with their derivatives by the reference dofs, then by the
-// triangle's own.
+// triangle's own dofs.
 class ResidualWriter {
  public:
   ResidualWriter(const TriangleDofs& q, double weight, TriangleResiduals& rows)
       : q_(q), root_(std::sqrt(weight)), rows_(rows) {}
 
-  // The change of curvature at one of the nine points, and the rows that keep steps small.
+  // The curvature variation at one of the nine points, and the damping rows.
   void add_change(const Table3& N, const Mat2& frame, const CurvatureVariationWeights& weights,
                   const DampingWeights& step, double size) {
     const Jet3 jet = q_.transpose().lazyProduct(N);
@@ -182,7 +182,7 @@ class ResidualWriter {
     rows_.count += kCurvatureVariationResiduals;
 
     const Vec3 area = jet.col(0).cross(jet.col(1));
-    // Steps are held outside of a trim as inside: the matrix stays definite there.
+    // Damping acts outside of a trim as inside: the matrix stays definite there.
     const double J = area.norm(), per_size = std::sqrt(kPointWeight * J) / size;
     const Vec3 n = area / J, t = (jet.leftCols<2>() * frame.row(0).transpose()).normalized();
     if (step.normal > 0) add_second(N, frame, std::sqrt(step.normal) * per_size * n);
@@ -211,7 +211,7 @@ class ResidualWriter {
         -root * (w.along * w.Y1 + w.twist * w.Y2), Y2);
   }
 
-  // By the triangle's own dofs: P takes these to q.
+  // Transforms the derivatives to the triangle's own dofs, from which P gives q.
   void finish(const Mat12& P) {
     const int count = rows_.count;
     alignas(64) double own[12][TriangleResiduals::most];
@@ -227,7 +227,7 @@ class ResidualWriter {
   }
 
  private:
-  // A row n_c along_a + m_c beside_a.
+  // Adds a row n_c along_a + m_c beside_a.
   void add(double r, const Vec3& n, const Vec12& along, const Vec3& m = Vec3::Zero(),
            const Vec12& beside = Vec12::Zero()) {
     for (int c = 0; c < 3; ++c)
@@ -236,7 +236,7 @@ class ResidualWriter {
     rows_.r[rows_.count++] = r;
   }
 
-  // Second derivatives along the frame, in direction w: w·X_11, √2 w·X_12, w·X_22.
+  // Adds rows for the second derivatives along the frame in direction w: w·X_11, √2 w·X_12, w·X_22.
   void add_second(const Table3& N, const Mat2& M, const Vec3& w) {
     for (int a = 0; a < 2; ++a)
       for (int b = a; b < 2; ++b) {
@@ -275,7 +275,7 @@ namespace {
 
 using EdgeRow = Eigen::Matrix<double, kEdgeDofs, 1>;
 
-// Both sides of an interior edge.
+// Dofs and geometry of both sides of an interior edge.
 class EdgePair {
  public:
   EdgePair(const Surface& surface, int e) {
@@ -313,13 +313,13 @@ class EdgePair {
 
   Eigen::Matrix<double, kEdgeDofs, 3> q;
 
-  // Second derivative across the edge at Gauss point k, first side less second, over the dofs of
-  // both.
+  // Jump of the second derivative across the edge at Gauss point k, first side minus second, over
+  // the dofs of both.
   EdgeRow jump(size_t k) const {
     const auto& tables = HctTables::get();
     EdgeRow all = EdgeRow::Zero();
     for (size_t side = 0; side < 2; ++side) {
-      // The edges run against each other.
+      // The edge has opposite directions on its two sides.
       const auto& point = tables.edges[local_[side]][side == 0 ? k : 1 - k];
       const Vec12 reference = point.second * second_derivative_weights(across_[side]);
       const Vec12 own = P_[side].transpose().lazyProduct(reference);
@@ -339,7 +339,7 @@ class EdgePair {
   }
 
  private:
-  std::array<int, 12> slot_;  // of the second side's dofs
+  std::array<int, 12> slot_;  // index of each dof of the second side
   Mat12 P_[2];
   Vec2 across_[2];
   int local_[2];
@@ -385,13 +385,13 @@ void CurvatureVariationTerms::edge(const Surface& surface, int e, EdgeResiduals&
 
 namespace {
 
-// The forms on both sides of a point, and what the jumps of curvature and of the tangent plane
-// count there.
+// Second fundamental forms on both sides of a join point, and the weighted jumps of curvature and
+// of the tangent plane.
 template <class Point>
 struct Sides {
   EdgeSecondForm forms[2];
-  double root, jump;    // of curvature
-  double stiff, angle;  // of the tangent plane
+  double root, jump;    // weight (square root) and jump of the curvature
+  double stiff, angle;  // weight (square root) and jump angle of the tangent plane
 
   Sides(const Point& point, const TriangleDofs* q, const std::array<double, 2>& areas,
         double jumps) {
@@ -400,14 +400,14 @@ struct Sides {
       const auto side = static_cast<size_t>(s);
       const LocalJet jet = q[s].transpose().lazyProduct(point.N[side]);
       forms[s] = edge_second_form(jet, point.direction[side]);
-      // Of the third beside the line, if the triangle is equilateral.
+      // Altitude of the third beside the line, relative to √area, for an equilateral triangle.
       constexpr double altitude = 0.439;
       thickness += altitude / 2 * std::sqrt(areas[side] * jet.col(0).cross(jet.col(1)).norm());
       speed += 0.5 * (jet.leftCols<2>() * point.direction[side]).norm();
     }
     root = std::sqrt(jumps * point.weight * speed / thickness);
     jump = forms[0].across - point.sign * forms[1].across;
-    constexpr double first = 10;  // the tangent plane comes before the curvature
+    constexpr double first = 10;  // the tangent plane has priority over the curvature
     stiff = first * root / thickness;
     angle = forms[0].n.dot(forms[1].Y2);
     if (!point.curvature) root = 0;
@@ -467,7 +467,7 @@ void CurvatureVariationTerms::join(const Surface& surface, int j, JoinResiduals&
     const EdgeSecondForm& f = sides.forms[s];
     const auto& N = join.N[static_cast<size_t>(s)];
     const double root = sides.root * (s == 0 ? 1 : -join.sign);
-    // The second side turns to the first one's normal, or that normal turns.
+    // The normal on the second side changes relative to the first one, or vice versa.
     const double tilt = s == 1 ? sides.stiff : -sides.stiff * sides.forms[1].Y2.dot(f.Y2);
     const Vec3 turn = -2 * (f.twist * f.Y1 + f.across * f.Y2);
     const Vec3& n = sides.forms[0].n;

@@ -15,12 +15,12 @@ namespace {
 typedef double Lanes __attribute__((vector_size(64), aligned(8), may_alias));
 constexpr int kLanes = 8;
 
-// y += factor x, `parts` times eight numbers.
+// Computes y += factor x for `parts` groups of eight numbers.
 BATTEN_INLINE void add_multiple(double factor, const Lanes* x, Lanes* y, int parts) {
   for (int p = 0; p < parts; ++p) y[p] += factor * x[p];
 }
 
-// The products of four columns with two others.
+// Inner products of `across` columns with `along` others.
 template <int across, int along>
 BATTEN_INLINE void block(const Lanes* const* a, const Lanes* const* b, int parts, int n,
                          double* K) {
@@ -35,7 +35,8 @@ BATTEN_INLINE void block(const Lanes* const* a, const Lanes* const* b, int parts
     }
 }
 
-// K = JᵀJ of n columns, each `parts` times eight numbers; K is n×n, n a multiple of four.
+// Computes K = JᵀJ of n columns, each with `parts` groups of eight numbers; K is n×n, n a multiple
+// of four.
 BATTEN_CLONES void square(const Lanes* columns, int stride, int parts, int n, double* K) {
   for (int i = 0; i < n; i += 2)
     for (int j = 0; j <= i; j += 4) {
@@ -50,7 +51,7 @@ struct Multiple {
   int from, to;
   double factor;
 };
-// Columns of `to` are sums of multiples of those of `from`.
+// Adds multiples of columns of `from` to columns of `to`.
 BATTEN_CLONES void combine(const Multiple* multiples, size_t count, const Lanes* from, Lanes* to,
                            int stride, int parts) {
   for (size_t k = 0; k < count; ++k)
@@ -58,14 +59,14 @@ BATTEN_CLONES void combine(const Multiple* multiples, size_t count, const Lanes*
                  to + multiples[k].to * stride, parts);
 }
 
-// Zeros up to the next multiple of eight rows.
+// Fills with zeros up to the next multiple of eight rows.
 template <class Rows>
 void pad(Rows& rows) {
   const int end = (rows.count + kLanes - 1) / kLanes * kLanes;
   for (auto& column : rows.J) std::fill(column + rows.count, column + end, 0.0);
 }
 
-// K = JᵀJ of n columns of two rows each, both triangles.
+// Computes K = JᵀJ of n columns with two rows each; both triangles of K are set.
 BATTEN_CLONES void square_two_rows(const double* columns, int stride, int n, double* first,
                                    double* second, double* K) {
   for (int i = 0; i < n; ++i) {
@@ -76,7 +77,7 @@ BATTEN_CLONES void square_two_rows(const double* columns, int stride, int n, dou
     for (int j = 0; j < n; ++j) K[i * n + j] = first[i] * first[j] + second[i] * second[j];
 }
 
-// K = Tᵀ A T for the symmetric A of m columns; half: m×n numbers.
+// Computes K = Tᵀ A T for a symmetric A of m columns; scratch `half`: m×n numbers.
 BATTEN_CLONES void reduce_square(const Multiple* multiples, size_t count, const double* A, int m,
                                  int stride, int n, double* half, double* K) {
   std::fill_n(half, m * n, 0.0);
@@ -94,7 +95,7 @@ struct Scratch {
   std::vector<Multiple> multiples;
 };
 
-// Copies the lower triangle of the square, and mirrors it.
+// Copies the lower triangle of the square and mirrors it.
 void copy_square(const double* square, int stride, int n, double* K) {
   for (int i = 0; i < n; ++i)
     for (int j = 0; j <= i; ++j) K[i * n + j] = K[j * n + i] = square[i * stride + j];
@@ -174,7 +175,7 @@ void GaussNewtonSystem::reduce(const Rows& rows, int element, const RowMatrix& T
     scratch.square.resize(static_cast<size_t>(padded) * padded);
     square(columns, stride, parts, padded, scratch.square.data());
     copy_square(scratch.square.data(), padded, n, K);
-  } else {  // a line's rows tie many unknowns to the element
+  } else {  // a constraint connects many unknowns to the element
     static_assert(own % 4 == 0);
     scratch.square.resize(2 * own * own);
     double* mirrored = scratch.square.data() + own * own;
@@ -221,7 +222,8 @@ double GaussNewtonSystem::assemble(const CurvatureVariationTerms& terms, const S
             for (int j = 0; j < n; ++j) K[i * n + j] = w * b[i] * b[j];
           return;
         }
-        const bool first = taken[e].exchange(1) == 0;  // elements that threads share come twice
+        const bool first = taken[e].exchange(1) == 0;  // elements shared by two threads are visited
+                                                       // twice
         const auto add = [&](auto& rows) {
           pad(rows);
           reduce(rows, e, T, first, K);
@@ -254,8 +256,8 @@ double GaussNewtonSystem::assemble(const CurvatureVariationTerms& terms, const S
 
 namespace {
 
-// N and its slopes: along u and v at vertices, across the edge at its midpoint. Second derivatives
-// have a value for each triangle; the slopes are their means.
+// Normals N and their derivatives: along u and v at vertices, across the edge at its midpoint.
+// Second derivatives differ between adjacent triangles; the slopes are averaged.
 struct NormalField {
   std::vector<Vec3> vertex, by_u, by_v, edge, across;
 
@@ -292,7 +294,7 @@ struct NormalField {
     }
   }
 
-  // Where a dof is.
+  // Normal at the vertex or edge of a dof.
   const Vec3& normal(int dof) const {
     const int edges = 3 * isize(vertex);
     return dof < edges ? vertex[dof / 3] : edge[dof - edges];
@@ -301,7 +303,7 @@ struct NormalField {
  private:
   using Slopes = Eigen::Matrix<double, 3, 2>;
 
-  // n_a = -Σ_b (g⁻¹ II)_ba X_b.
+  // Derivatives of the normal by the Weingarten equations: n_a = -Σ_b (g⁻¹ II)_ba X_b.
   static Vec3 normal_at(const SurfaceJet& jet, Slopes& slopes) {
     const Vec3 n = jet.normal();
     Slopes X;
@@ -320,7 +322,8 @@ NormalVariation::NormalVariation(const BlockReduction& reduction, const Surface&
     : reduction_(reduction), unknown_of_(reduction.dof_count(), -1) {
   const int n = reduction.dof_count();
   const NormalField field(start);
-  std::vector<Vec3> free_displacement(n, Vec3::Zero());  // of a unit step along the free coordinates
+  std::vector<Vec3> free_displacement(n, Vec3::Zero());  // displacement of each dof by a unit step along its
+                                            // free coordinates
   for (int f = 0; f < reduction.free_count(); ++f) {
     const int row = reduction.free_rows()[f], dof = row % n;
     const double step = field.normal(dof)[row / n];
@@ -373,7 +376,7 @@ RowMatrix NormalVariation::at(const Surface& surface) const {
       if (slope > 0) add(3 * v, (slope == 1 ? field.by_u : field.by_v)[v][c]);
     } else {
       const int e = dof - edges;
-      // φ at the midpoint, by Hermite's cubic along the edge.
+      // φ at the midpoint, by the cubic Hermite interpolant along the edge.
       const Vec2 edge_step = mesh.edge_length(e) / 8 * mesh.edge_tangent(e);
       const double across = field.across[e][c];
       for (const auto& [v, sign] :

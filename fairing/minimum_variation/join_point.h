@@ -1,4 +1,4 @@
-// Points of lines at which two parts of a surface join smoothly.
+// Sample points on lines along which two separately meshed parts of a surface join smoothly.
 #pragma once
 
 #include <array>
@@ -8,15 +8,17 @@
 
 namespace batten {
 
-/// Two places of a surface that are one point of a line at which two of its parts, meshed apart,
-/// join smoothly.
+/// Two parametric locations that represent the same point of a line along which two separately
+/// meshed parts of a surface join smoothly.
 struct JoinPoint {
   std::array<Location, 2> at;
-  /// The line's slope in the (u, v) of each part, per unit of one parameter for both.
+  /// Direction of the line in the (u, v) of each part: its derivative with respect to one line
+  /// parameter common to both.
   std::array<Vec2, 2> direction;
-  double weight = 0;      ///< of this point in an integral over that parameter
-  bool curvature = true;  ///< whether the jump of curvature counts
-  bool tangent = true;    ///< whether that of the tangent plane does; not where constraints hold it
+  double weight = 0;      ///< quadrature weight with respect to that parameter
+  bool curvature = true;  ///< true: penalise the jump of curvature
+  bool tangent = true;    ///< true: penalise the jump of the tangent plane; false where constraints
+                          ///< already enforce it
 };
 
 }  // namespace batten

@@ -15,7 +15,7 @@
 namespace batten {
 namespace {
 
-// The largest move of a vertex along the normal.
+// Largest move of a vertex along the normal of `from`.
 double normal_move(const Surface& from, const Surface& to) {
   double most = 0;
   for (int v = 0; v < from.mesh().vertex_count(); ++v) {
@@ -27,7 +27,7 @@ double normal_move(const Surface& from, const Surface& to) {
   return most;
 }
 
-// An order for the factor of A; `copies`: its unknowns are so many times the same ones.
+// Elimination order for A. `copies`: the unknowns are that many copies of the same ones.
 std::vector<int> order_of(const SparseMatrix& A, int copies) {
   const int each = static_cast<int>(A.rows()) / copies;
   std::vector<int> all;
@@ -36,11 +36,11 @@ std::vector<int> order_of(const SparseMatrix& A, int copies) {
   return all;
 }
 
-// First along the normals, with a third of the unknowns, then along all ways: (u, v) must run
-// smoothly over the shape before the elements come near to it.
+// Gauss-Newton descent: first along the normals, with a third of the unknowns, then in all
+// directions. (u, v) must run smoothly over the shape before the elements can approximate it.
 class Descent {
  public:
-  /// Reduction and rows must outlive it.
+  /// `reduction` and `multiplier_constraints` must outlive this object.
   Descent(const Surface& start, const BlockReduction& reduction,
           const AugmentedLagrangianConstraints& multiplier_constraints,
           const MinimumVariationOptions& options)
@@ -76,12 +76,14 @@ class Descent {
  private:
   struct Step {
     bool taken = false;
-    double predicted_decrease = 0;              ///< the most of any try
-    double gain = 0, gain_ratio = 0, move = 0;  ///< kept: gain over promise, 0 for a part of a step
+    double predicted_decrease = 0;              ///< largest predicted decrease of all tries
+    double gain = 0, gain_ratio = 0, move = 0;  ///< gain_ratio: gain / predicted decrease; 0 for a
+                                                ///< shortened step
   };
   static constexpr double kMinParametrizationWeight = 0.3, least_damping = 1e-4;
-  static constexpr double kPoorGainRatio = 0.25;       // share of the promise
-  static constexpr double kNegligibleDecrease = 0.03;  // of the functional: not worth a step
+  static constexpr double kPoorGainRatio = 0.25;       // smallest gain ratio of a good step
+  static constexpr double kNegligibleDecrease = 0.03;  // fraction of the functional; a smaller
+                                                       // decrease is not worth a step
 
   // Steps until one moves the shape by less than `move_tolerance` of its size, or gains little.
   template <class Basis>
@@ -93,19 +95,19 @@ class Descent {
     SparseCholesky cholesky;
     cholesky.analyze(equations.matrix(), order_of(equations.matrix(), copies));
     const double length = terms_.length();
-    int stagnant_steps = 0;  // steps in a row that gained little
+    int stagnant_steps = 0;  // consecutive steps that gained little
     result.converged = false;
     while (result.iterations < options.max_iterations && !result.converged) {
       progress.update("fairing", static_cast<double>(result.iterations) / options.max_iterations);
       const Step step = descend(equations, cholesky, result);
       if (!step.taken) {
         result.converged =
-            step.predicted_decrease < kNegligibleDecrease * value_;  // otherwise it is stuck
+            step.predicted_decrease < kNegligibleDecrease * value_;  // otherwise no step was found
         return;
       }
       ++result.iterations;
       terms_.set_frames(surface_);
-      // Other frames may take back what the step gained in its own.
+      // In new frames, part of the gain may be lost.
       const bool gained_little = step.gain < kNegligibleDecrease * value_ &&
                                  value_ - terms_.value(surface_) < kNegligibleDecrease * value_;
       stagnant_steps = gained_little ? stagnant_steps + 1 : 0;
@@ -121,7 +123,7 @@ class Descent {
     parametrization_weight_ = std::min(4 * parametrization_weight_, 100.0);
   }
 
-  // After a step that was taken at the try k and kept this share of its promise.
+  // Adapts damping to a step that was accepted at try k with this gain ratio.
   void decrease_damping(double gain_ratio, int k) {
     if (gain_ratio < kPoorGainRatio) return increase_damping();
     const double factor = gain_ratio < 0.6 ? 1 : k > 0 ? 0.5 : gain_ratio < 0.9 ? 0.3 : 0.1;
@@ -149,7 +151,7 @@ class Descent {
       const VecX displacement = equations.step(cholesky);
       const double predicted_decrease = -equations.gradient().dot(displacement);
       step.predicted_decrease = std::max(step.predicted_decrease, predicted_decrease);
-      // A part of the step costs a value, another step a factor.
+      // A shortened step costs an evaluation, a new step a factorization.
       for (double part = 1; part > 0.1; part /= 2) {
         const Surface next = stepped(part * displacement);
         step.gain = value_ - terms_.value(next);

@@ -1,4 +1,4 @@
-// Surfaces whose curvature changes least: fair surfaces from their lines alone.
+// Minimum-variation surfaces (MVS): fair surfaces that are determined by their boundary curves.
 #pragma once
 
 #include <limits>
@@ -11,60 +11,69 @@
 
 namespace batten {
 
+/// Options of minimize_curvature_variation().
 struct MinimumVariationOptions {
-  /// Weight of K² over that of the change of curvature. 1e-3; between two rims 100, which makes a
-  /// cylinder or cone of all the barrels that change nothing.
+  /// Weight of K² (Gaussian curvature) over that of the curvature variation. Default 1e-3. For
+  /// annular domains use 100: it selects the cylinder or cone among all barrel-shaped surfaces of
+  /// zero curvature variation.
   double gauss = 1e-3;
-  /// Weight of the jumps of curvature across element edges; 0.2 to 20 give the same shapes.
+  /// Weight of curvature jumps across element edges; 0.2 to 20 give the same shapes.
   double jumps = 2;
-  /// Vertices of each side of the outline in order, from corner to corner. Along sides whose
-  /// normals do not turn about them, and whose curvature is constant, twist is resisted: this tells
-  /// a torus from its neighbours. None: no such term.
+  /// Vertices of each boundary side in order, from corner to corner. Twist is penalised along sides
+  /// of constant curvature whose normals do not rotate about them. This distinguishes a torus from
+  /// its neighbours. Empty: no such term.
   std::vector<std::vector<int>> sides;
-  /// Points of smooth joins across which curvature goes on: there its jump counts as across element
-  /// edges. None: it may jump, as between a cap and a cylinder.
+  /// Points of smooth joins with continuous curvature: jumps of curvature are penalised there as
+  /// across element edges. Empty: curvature may jump, as between a cap and a cylinder.
   std::vector<JoinPoint> joins;
-  /// By triangle: those that keep their shape and count nothing. Empty: none.
+  /// Per triangle: 1 if it keeps its shape and contributes nothing to the functional. Empty: none.
   std::vector<char> frozen;
-  /// Dofs of surfaces to go downhill from: the one that costs least is taken. None: the start.
+  /// Dofs of alternative starting surfaces; the minimisation begins at the one of smallest
+  /// functional. Empty: at `start`.
   std::vector<Points> starts;
   int max_iterations = 40;
-  /// How much of the way from the start to the result is gone, 0 to 1, and the largest move of a
-  /// vertex along the normal, model units. Every row holds on all of the way.
+  /// `strength`: fraction of the displacement from the start to the minimum that is applied, above
+  /// 0, at most 1. `largest_move`: limit of the move of any vertex along the normal, model units.
+  /// Constraints hold for every fraction.
   double strength = 1, largest_move = std::numeric_limits<double>::infinity();
 };
 
+/// Result of minimize_curvature_variation().
 struct MinimumVariationSurface {
-  Points dofs;                  ///< n×3
-  double fraction = 1;          ///< of the way from the start that was gone
-  double functional = 0;        ///< E of this surface, 1/length²
-  double start_functional = 0;  ///< E of the start
-  double max_move = 0;          ///< largest move of a vertex along the start's normal, model units
-  double max_residual = 0;      ///< largest violation of a constraint, model units
-  int iterations = 0;           ///< steps that were taken
+  Points dofs;                  ///< dofs of the surface, n×3
+  double fraction = 1;          ///< fraction of the displacement from the start that was applied
+  double functional = 0;        ///< functional E of this surface, 1/length²
+  double start_functional = 0;  ///< functional E of the start
+  double max_move = 0;          ///< maximum move of a vertex along the normal of the start, model
+                                ///< units
+  double max_residual = 0;      ///< maximum violation of a constraint, model units
+  int iterations = 0;           ///< number of accepted Gauss-Newton steps
   int factorizations = 0;
-  /// The last step hardly moved the shape, or no step gains three hundredths of the functional, or
-  /// two in a row did not.
+  /// True if the last step hardly moved the shape, or no step can gain 3 % of the functional, or
+  /// two consecutive steps gained less than that.
   bool converged = false;
 };
 
-/// Minimises over the dofs that meet the constraints, downhill from `start` (moves and strength are
-/// measured from it):
+/// Computes a minimum-variation surface [MoretonSequin1992]: minimises the variation of curvature
+/// over the dofs that satisfy the constraints.
+///
+/// The minimisation goes downhill from `start`, from which moves and strength are measured:
 ///
 ///     E = ∫ (change of curvature)² dA + jumps · Σ_edges ∫ (jump of curvature)²/h ds + twist
 ///
-/// The first term is that of curvature_variation_residuals(): it vanishes on spheres, cylinders, cones and tori
-/// (Dupin cyclides), so that their boundary lines alone give these shapes. Elements are C1 and
-/// their third derivatives live inside the thirds of HCT triangles; jumps across edges and spokes
-/// complete them, as in interior penalty methods. Source: Moreton, Sequin 1992.
+/// The first term is that of curvature_variation_residuals(). It vanishes on spheres, cylinders,
+/// cones and tori (Dupin cyclides), so their boundary curves alone reproduce these shapes. Elements
+/// are C1, and their third derivatives exist only inside the thirds of HCT triangles. The jumps
+/// across edges and spokes complete them, as in interior penalty methods.
 ///
-/// Gauss-Newton steps in principal frames that stand still during a step. Tangential change is
-/// damped about the present surface and so leaves no trace in the shape.
-/// docs/fairness.md has the measurements.
+/// Uses Gauss-Newton steps in principal frames that are kept constant during a step. Tangential
+/// changes are damped about the current surface, so the damping leaves no trace in the final shape.
+/// Measurements: docs/fairness.md.
 ///
-/// Throws InputError: a Z12 surface, constraints for another mesh, a start without area or without
-/// normal somewhere; ConflictError; NoSolutionError; CancelledError. Cost: 4 to 15 factorizations
-/// of three times as many unknowns as one coordinate has.
+/// Throws InputError for a Z12 surface, for constraints on another mesh, and for a start without
+/// area or without a normal somewhere. Also throws ConflictError, NoSolutionError and
+/// CancelledError. Cost: 4 to 15 factorizations with three times as many unknowns as one coordinate
+/// has.
 MinimumVariationSurface minimize_curvature_variation(const Surface& start,
                                                      const ConstraintSet& constraints,
                                                      const MinimumVariationOptions& options = {},

@@ -23,9 +23,9 @@ using Vector = Eigen::Matrix<T, 3, 1>;
 
 using LocalJet = Eigen::Matrix<double, 3, 5>;  // columns X_u, X_v, X_uu, X_uv, X_vv
 
-// √J (S11, √2 S12, S22), then `parametrization_weight` (a root) times the tangential parts of what the second
-// derivatives differ by from those of the anchor. d: X_u … X_vv. The frame is e1 along X_u,
-// e2 = n × e1: X_u = a e1, X_v = b e1 + c e2.
+// Residuals √J (S11, √2 S12, S22), then `parametrization_weight` (its square root) times the
+// tangential parts of the change of the second derivatives from those of the anchor. d: X_u … X_vv.
+// The frame is e1 along X_u, e2 = n × e1: X_u = a e1, X_v = b e1 + c e2.
 template <class T>
 void residuals_at(const Vector<T> d[5], const LocalJet& anchor, double parametrization_weight,
                   T r[kResiduals]) {
@@ -52,12 +52,14 @@ void residuals_at(const Vector<T> d[5], const LocalJet& anchor, double parametri
 using ElementMatrix = Eigen::Matrix<double, kElement, kElement>;
 
 struct Element {
-  double functional = 0, total = 0;             // without and with the evenness
-  Eigen::Matrix<double, kElement, 1> gradient;  // of total / 2, in the order [x; y; z]
-  ElementMatrix normal;                         // JᵀJ
+  double functional = 0, total = 0;             // functional without and with the parametrisation
+                                                // term
+  Eigen::Matrix<double, kElement, 1> gradient;  // half of the gradient of `total`, in the order [x;
+                                                // y; z]
+  ElementMatrix normal;                         // Gauss-Newton matrix JᵀJ
 };
 
-// Sums over the quadrature points of one triangle. `derivatives`: also gradient and normal.
+// Integrates over one triangle. `derivatives`: also gradient and normal matrix.
 Element integrate(const Surface& surface, const Surface& anchor, int triangle,
                   double parametrization_weight, bool derivatives) {
   Element sum;
@@ -137,7 +139,7 @@ VecX gathered_gradient(const Surface& surface, const std::vector<Element>& eleme
   return g;
 }
 
-// Dᵀ A D of the lower triangle of A; lower triangle.
+// Lower triangle of Dᵀ A D, from the lower triangle of A.
 SparseMatrix reduced(const SparseMatrix& A, const SparseMatrix& D) {
   const SparseMatrix full = A.selfadjointView<Eigen::Lower>();
   const SparseMatrix AD = full * D;
@@ -150,7 +152,7 @@ double parameter_area(const ParametricMesh& mesh) {
   return sum;
 }
 
-// The surface over the free unknowns y, [x; y; z] = D y + d0, and steps downhill on it.
+// Levenberg-Marquardt over the free unknowns y, [x; y; z] = D y + d0.
 class LevenbergMarquardt {
  public:
   LevenbergMarquardt(const Surface& start, const ConstraintSet& constraints,
@@ -183,7 +185,7 @@ class LevenbergMarquardt {
   const Surface& surface() const { return surface_; }
   int iterations() const { return iterations_; }
 
-  // Minimises with the present surface as anchor. False when the iterations do not do.
+  // Minimises with the current surface as anchor. Returns false if the iterations do not suffice.
   bool minimize(int max_iterations) {
     const Surface anchor = surface_;
     while (iterations_ < max_iterations) {
@@ -198,7 +200,8 @@ class LevenbergMarquardt {
         if (!cholesky_.factorize(normal + damping_ * bending_))
           throw NoSolutionError(cholesky_.message());
         const VecX step = -cholesky_.solve(g);
-        constexpr double small = 1e-11;  // of the functional: far below what a round gains
+        constexpr double small = 1e-11;  // fraction of the functional, far below the gain of a
+                                         // round
         if (-g.dot(step) <= small * now) return true;
         const Surface next = at(y_ + step);
         better = total(integrate(next, anchor, root_, false)) < now;
@@ -247,7 +250,7 @@ SurfaceCurvatureResult fair_curvature(const Surface& start, const ConstraintSet&
     throw InputError("evenness, tolerance, most_rounds and most_iterations must be above 0");
   check_fairing_input(start, constraints);
 
-  // Near the origin, where coordinates keep their digits.
+  // Relative to a point of the surface, so that coordinates keep their digits.
   VecX ones = VecX::Zero(start.dof_map().count());
   for (int v = 0; v < start.mesh().vertex_count(); ++v) ones[start.dof_map().vertex(v)] = 1;
   const Vec3 origin = start.dofs().row(start.dof_map().vertex(0));

@@ -1,4 +1,5 @@
-// Surfaces of least curvature: ∫ κ1² + κ2² dA over C1 triangles, held by linear constraints.
+// Fairing of surfaces by minimising ∫ κ1² + κ2² dA (a Willmore-type energy) over C1 triangles under
+// linear constraints.
 #pragma once
 
 #include "batten/constraints/constraint_set.h"
@@ -6,51 +7,59 @@
 
 namespace batten {
 
-/// ∫ κ1² + κ2² dA, a pure number: it depends on the shape alone, not on its size, place or
-/// parameter. 0: a plane (or any surface flat everywhere); 2 A/R² on a sphere of radius R, 8π on
-/// the whole one. It is 4∫H² dA - 2∫K dA, and where the boundary and the normals along it are given
-/// ∫K is fixed too (Gauss, Bonnet): then it has the minima of the Willmore energy ∫H² dA.
+/// Computes ∫ κ1² + κ2² dA, a dimensionless number that depends on the shape only, not on size,
+/// position or parametrisation.
 ///
-/// Computed by C1Triangle::default_quadrature: degree 4 on the thirds of HCT triangles, six-Duffy on Z12.
-/// Infinite where x_u × x_v vanishes. `gradient`, when given: derivative with respect to the dofs,
-/// n×3.
+/// It is 0 for a plane (or any surface flat everywhere), 2 A/R² on a sphere of radius R and 8π on
+/// the whole sphere. It equals 4∫H² dA - 2∫K dA. If the boundary and the normals along it are
+/// given, ∫K is fixed as well (Gauss-Bonnet). Then its minima are those of the Willmore energy ∫H²
+/// dA.
+///
+/// The quadrature is that of C1Triangle::default_quadrature: degree 4 on the thirds of HCT
+/// triangles, six-Duffy on Z12. The result is infinite if x_u × x_v vanishes. `gradient`, if given:
+/// set to the derivative with respect to the dofs, n×3.
 double curvature_functional(const Surface& surface, Points* gradient = nullptr);
 
+/// Options of fair_curvature() for surfaces.
 struct SurfaceCurvatureOptions {
-  /// Weight, above 0, of ∬ |tangential part of the change of X_uu, X_uv, X_vv|² du dv in a round,
-  /// made free of unit by the areas of domain and start. The functional leaves free how (u, v) runs
-  /// over the shape; this keeps it where the start has it. 0.1 to 0.001: larger ones take more
-  /// rounds, smaller ones more iterations.
+  /// Weight, above 0, of ∬ |tangential part of the change of X_uu, X_uv, X_vv|² du dv per round,
+  /// made dimensionless by the areas of domain and start. The functional does not depend on how (u,
+  /// v) runs over the shape; this term keeps it as in the start. Use 0.1 to 0.001: larger values
+  /// take more rounds, smaller ones more iterations.
   double parametrization_weight = 1e-2;
-  /// Done when a round lowers the functional by less than this part of it.
+  /// Relative decrease of the functional per round below which the iteration has converged.
   double tolerance = 1e-6;
   int max_rounds = 20;
-  int max_iterations = 300;  ///< iterations of all rounds together
+  int max_iterations = 300;  ///< maximum number of iterations of all rounds together
 };
 
+/// Result of fair_curvature() for surfaces.
 struct SurfaceCurvatureResult {
-  Points dofs;                  ///< n×3
-  double functional = 0;        ///< functional of this surface
-  double start_functional = 0;  ///< functional of the start, moved to meet the constraints
-  double max_residual = 0;      ///< largest violation of a constraint, model units
+  Points dofs;                  ///< dofs of the surface, n×3
+  double functional = 0;        ///< value of the functional for this surface
+  double start_functional = 0;  ///< functional of the start after projection onto the constraints
+  double max_residual = 0;      ///< maximum violation of a constraint, model units
   int iterations = 0, rounds = 0;
   bool converged = false;
 };
 
-/// Minimises the functional over the dofs that meet the constraints, downhill from `start` (its
-/// free dofs; the others follow). Boundary curves and normals are rows of SurfaceConstraints; a good
-/// start is the surface of least linear bending under the same rows.
+/// Minimises curvature_functional() over the dofs that satisfy the constraints, downhill from
+/// `start`.
 ///
-/// Rounds of Levenberg and Marquardt's method on the residuals √dA (S11, √2 S12, S22), S the shape
-/// operator in an orthonormal frame at the quadrature points, with the linear bending energy as
-/// damping and sparse Cholesky. Each round adds the weight on tangential change against the surface
-/// it began with: where rounds stand still, that term is zero, and the shape owes it nothing. Needs
-/// no Ceres.
+/// Only the free dofs of `start` are used; the others follow from the constraints. Boundary curves
+/// and normals are imposed by SurfaceConstraints. A good start is the surface of least linear
+/// bending under the same constraints.
 ///
-/// Throws InputError: options that are not above 0, constraints for another mesh, a start without
-/// area or without normal somewhere; ConflictError: contradicting constraints; NoSolutionError:
-/// constraints that leave the surface free to move away. Cost: tens of iterations of about 0.1 ms
-/// a triangle (HCT; Z12 1 ms).
+/// Each round uses Levenberg-Marquardt on the residuals √dA (S11, √2 S12, S22), with the shape
+/// operator S in an orthonormal frame at the quadrature points. The linear bending energy serves as
+/// damping; the solver is sparse Cholesky. Each round penalises tangential change against the
+/// surface at its beginning. When the rounds no longer change anything, this term is zero and does
+/// not affect the shape. Does not need Ceres.
+///
+/// Throws InputError for options that are not above 0, for constraints on another mesh, and for a
+/// start without area or without a normal somewhere. Throws ConflictError for contradictory
+/// constraints and NoSolutionError if the constraints do not keep the surface from moving away.
+/// Cost: tens of iterations of about 0.1 ms per triangle (HCT; Z12 1 ms).
 SurfaceCurvatureResult fair_curvature(const Surface& start, const ConstraintSet& constraints,
                                       const SurfaceCurvatureOptions& options = {});
 

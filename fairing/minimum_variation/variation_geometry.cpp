@@ -6,7 +6,7 @@
 namespace batten {
 namespace {
 
-const Vec2 kCorner[3] = {{1, 0}, {0, 1}, {0, 0}};  // V_i in (L1, L2)
+const Vec2 kCorner[3] = {{1, 0}, {0, 1}, {0, 0}};  // vertices V_i in (L1, L2)
 
 }  // namespace
 
@@ -29,7 +29,8 @@ CurvatureJump curvature_jump(const LocalSlopes& X, const Vec3& jump, const Vec2&
   CurvatureJump j;
   const Vec3 area = X.col(0).cross(X.col(1));
   const double J = area.norm(), length = (X * direction).norm();
-  const double width = J * std::abs(cross(direction, across)) / length;  // of one unit of `across`
+  // Width in space of one unit of `across`.
+  const double width = J * std::abs(cross(direction, across)) / length;
   const double altitude = J * thickness / length;
   j.n = area / J;
   j.weight = std::sqrt(0.5 * jumps * length / altitude) / (width * width);
@@ -72,7 +73,8 @@ LocalJet local_jet(const TriangleDofs& q, const HctTables::EdgePoint& point) {
 
 namespace {
 
-// Points ⅔ ⅙ ⅙ of a third: from them follow all second derivatives, which are linear there.
+// Barycentric coordinates of a point in a third. At points (⅔, ⅙, ⅙), values determine all second
+// derivatives, which are linear there.
 Vec3 in_triangle(int third, const Vec3& mu) {
   Vec3 L = Vec3::Constant(mu[2] / 3);
   L[(third + 1) % 3] += mu[0];
@@ -116,7 +118,7 @@ const std::array<double, 3> HctTables::gauss3 = {0.5 - 0.5 * std::sqrt(0.6), 0.5
 const std::array<double, 3> HctTables::weight3 = {5.0 / 18, 8.0 / 18, 5.0 / 18};
 
 HctTables::HctTables() {
-  const Vec2 corner[3] = {{1, 0}, {0, 1}, {0, 0}};  // (L1, L2)
+  const Vec2 corner[3] = {{1, 0}, {0, 1}, {0, 0}};  // vertices in (L1, L2)
   const Vec2 centre(1.0 / 3, 1.0 / 3);
   for (int s = 0; s < 3; ++s) {
     const TriangleShape third(corner[(s + 1) % 3], corner[(s + 2) % 3], centre);

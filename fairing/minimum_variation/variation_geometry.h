@@ -1,5 +1,5 @@
-// What the variation of curvature looks at on one triangle, in its (L1, L2): jumps of curvature and
-// twist of the normal. Internal.
+// Geometry of the minimum-variation terms on one triangle in its (L1, L2): basis-function tables,
+// curvature jumps and twist of the normal. Internal.
 #pragma once
 
 #include <array>
@@ -10,22 +10,22 @@
 
 namespace batten {
 
-// The reference functions of the HCT triangle with three derivatives, tabulated where the variation
-// of curvature looks at them. Internal.
-
-/// Derivatives are with respect to (L1, L2), L3 = 1 - L1 - L2. Third s is (V_j, V_k, centre),
-/// (s, j, k) cyclic; edge i lies in third i, spoke i runs from V_i to the centre.
+/// Basis functions of the reference HCT triangle with three derivatives, tabulated at the
+/// quadrature points.
+///
+/// Derivatives are with respect to (L1, L2), L3 = 1 - L1 - L2. Third s is (V_j, V_k, centre), (s,
+/// j, k) cyclic. Edge i lies in third i; spoke i runs from V_i to the centre.
 struct HctTables {
   using Slopes = Eigen::Matrix<double, 12, 2>;
   using Second = Eigen::Matrix<double, 12, 3>;
-  /// Gauss points on [0, 1], weights ½; and three of them, with their weights.
+  /// Two Gauss points on [0, 1], weights ½; and three Gauss points with their weights.
   static const std::array<double, 2> gauss;
   static const std::array<double, 3> gauss3, weight3;
 
-  std::array<Table3, 9> inside;  ///< three points of each third; weights 1/9 of the area
+  std::array<Table3, 9> inside;  ///< three points per third; weights 1/9 of the area
   struct Spoke {
     Slopes slopes;
-    Second jump;  ///< second derivatives on third i+1 less those on third i+2
+    Second jump;  ///< second derivatives on third i+1 minus those on third i+2
   };
   std::array<std::array<Spoke, 2>, 3> spokes;
   struct EdgePoint {
@@ -47,33 +47,36 @@ using TriangleDofs = Eigen::Matrix<double, 12, 3>;
 using LocalJet = Eigen::Matrix<double, 3, 5>;  ///< X_1, X_2, X_11, X_12, X_22
 using LocalSlopes = Eigen::Matrix<double, 3, 2>;
 
-inline constexpr double kPointWeight = 1.0 / 18;  ///< of nine points in a triangle of area ½
+inline constexpr double kPointWeight = 1.0 / 18;  ///< weight of each of nine points in a triangle
+                                                  ///< of area ½
 
-/// The matrix that takes a triangle's dofs to those of the reference functions.
+/// Maps the dofs of a triangle to those of the reference functions.
 Mat12 reference_map(const Surface& surface, int t);
 
-/// Edge i from V_j to V_k, spoke i from V_i to the centre.
+/// Directions in (L1, L2): edge i from V_j to V_k, spoke i from V_i to the centre.
 Vec2 edge_direction(int i);
 Vec2 spoke_direction(int i);
 /// Weights of ∂11, ∂12, ∂22 in the second derivative along a direction.
 Vec3 second_derivative_weights(const Vec2& direction);
-/// The same in the second derivative along rows a and b of M.
+/// Weights of ∂11, ∂12, ∂22 in the mixed second derivative along rows a and b of M.
 Vec3 mixed_derivative_weights(const Mat2& M, int a, int b);
 
-/// The jump of curvature across a line at a Gauss point: value = weight n·jump, `jump` that of the
-/// second derivative along a direction beside the line.
+/// Weighted jump of curvature across a line at a Gauss point: value = weight n·jump. `jump` is the
+/// jump of the second derivative in a direction across the line.
 struct CurvatureJump {
   double weight, value;
   Vec3 n;
   Vec2 slopes;  ///< the derivative of n·jump by X_a is slopes[a] n
 };
-/// `direction`: the whole line; `across`: the direction beside it; `thickness`: mean area of the thirds
-/// beside the line, over that of a triangle, twice; `jumps`: MinimumVariationOptions::jumps.
+/// `direction`: of the line over its full length. `across`: the direction across it. `thickness`:
+/// mean area of the two thirds beside the line over the area of the triangle. `jumps`:
+/// MinimumVariationOptions::jumps.
 CurvatureJump curvature_jump(const LocalSlopes& X, const Vec3& jump, const Vec2& direction,
                              const Vec2& across, double thickness, double jumps);
 inline constexpr double kSpokeThickness = 1.0 / 3;
 
-/// The second fundamental form beside a line: 1 is its unit tangent, 2 the perpendicular to that.
+/// Second fundamental form at a line: index 1 is its unit tangent, index 2 the perpendicular
+/// direction in the tangent plane.
 struct EdgeSecondForm {
   double along, twist, across;  ///< II_11, II_12, II_22
   Vec3 n, Y1, Y2;

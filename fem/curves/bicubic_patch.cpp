@@ -16,10 +16,9 @@
 
 namespace batten {
 
-// Samples of a surface in the cells of a bicubic spline, and the spline of least squares.
-// Internal to bicubic_patch.cpp.
+// Samples of a surface by cells of a bicubic spline, and the least-squares spline.
 
-/// Samples by cell: cell i · v.intervals() + j.
+// Samples by cell, with index i · v.intervals() + j.
 class CellSamples {
  public:
   struct Sample {
@@ -29,30 +28,32 @@ class CellSamples {
   };
   struct Tangent {
     double s, t;    // in its cell
-    Vec3 x_s, x_t;  // derivatives by s and t
+    Vec3 x_s, x_t;  // derivatives with respect to s and t
   };
 
-  /// n×n in each cell, at the given places of [0, 1], and places and tangents of the rim, nearer to each
-  /// other than `step`, of the shortest side of all cells or a third of their own cell's.
+  // Takes n×n samples per cell at the given `points` in [0, 1], and points and tangents on the
+  // boundary with spacing below `step`. The unit of `step` is the shortest side of all cells, or a
+  // third of the point's own cell if that is longer.
   CellSamples(const PatchTarget& target, const SplineAxis& u, const SplineAxis& v,
               const std::vector<double>& points, double step);
   const std::vector<Sample>& of(size_t cell) const { return cells_[cell]; }
   const std::vector<Tangent>& tangents(size_t cell) const { return tangents_[cell]; }
-  /// Whether all places of the cell are inside: its samples begin with these, by s, then by t.
+  // Whether all samples of the cell are inside. They are then stored first, ordered by s, then by
+  // t.
   bool full(size_t cell) const { return full_[cell] != 0; }
 
-  /// Mean square of the second derivatives in units of the cells, by differences; of samples at
-  /// four even places a quarter apart.
+  // Mean square of the second derivatives in cell units, by finite differences of samples at four
+  // equidistant points a quarter apart.
   double bending() const;
 
  private:
   std::vector<std::vector<Sample>> cells_;
   std::vector<std::vector<Tangent>> tangents_;
-  std::vector<char> full_;  // all places of the cell are inside
+  std::vector<char> full_;  // all samples of the cell are inside
 };
 
-/// With the strongest bending that costs no more than a hundredth of the goal. Throws
-/// NoSolutionError: numbers that are not finite.
+// Fits with the strongest bending term that costs at most a hundredth of the goal. Throws
+// NoSolutionError if numbers are not finite.
 BicubicPatch fit_to_samples(const SplineAxis& u, const SplineAxis& v, const CellSamples& samples,
                             const PatchGoal& goal);
 
@@ -70,7 +71,7 @@ Vec3 position_in(const BicubicPatch& patch, int i, int j, double s, double t) {
   return x;
 }
 
-/// Normal of the patch at a place of a cell, of any length.
+// Normal of the patch at a point of a cell, not normalised.
 Vec3 normal_in(const BicubicPatch& patch, int i, int j, double s, double t) {
   const Vec4 Nu = patch.u.basis(i, s), Nv = patch.v.basis(j, t), Nu_s = patch.u.basis(i, s, 1),
              Nv_t = patch.v.basis(j, t, 1);
@@ -83,7 +84,7 @@ Vec3 normal_in(const BicubicPatch& patch, int i, int j, double s, double t) {
   return x_s.cross(x_t);
 }
 
-/// Changes the poles as little as possible so that the patch passes through its fixed points.
+// Changes the poles as little as possible such that the patch interpolates its fixed points.
 void pass_through_fixed(BicubicPatch& patch, const PatchTarget& target) {
   const long n = static_cast<long>(target.fixed.size());
   if (n == 0) return;
@@ -103,23 +104,23 @@ void pass_through_fixed(BicubicPatch& patch, const PatchTarget& target) {
   }
   Eigen::SparseMatrix<double> N(n, patch.poles.rows());
   N.setFromTriplets(entries.begin(), entries.end());
-  // Lines that begin where others end give a point twice.
+  // Curves with common ends produce the same point twice, so the matrix may be singular.
   const Eigen::MatrixXd square = (N * N.transpose()).eval().toDense();
   patch.poles += N.transpose() *
                  Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd>(square).solve(residual);
 }
 
-/// Errors of each cell.
+// Errors of each cell.
 struct CellErrors {
   std::vector<double> distance;   // |S - x|
-  std::vector<double> angle_deg;  // between normals, where tangent planes count
+  std::vector<double> angle_deg;  // between normals, at prescribed tangent planes
 
   double most(const std::vector<double>& of) const {
     return *std::max_element(of.begin(), of.end());
   }
 };
 
-/// Raises what is there to the largest errors at the samples.
+// Raises the errors to the largest ones at the given samples.
 void accumulate_max_errors(const BicubicPatch& patch, const CellSamples& samples,
                            CellErrors& errors) {
   const int n = patch.v.intervals();
@@ -141,8 +142,8 @@ void accumulate_max_errors(const BicubicPatch& patch, const CellSamples& samples
   });
 }
 
-/// h⁴ times the fourth derivative in each cell, in u (`along` 0) or v (1), from the jumps of the
-/// third at its sides.
+// h⁴ times the fourth derivative in each cell, in u (`along` 0) or v (1), from the jumps of the
+// third derivative at its sides.
 std::vector<double> fourth_differences(const BicubicPatch& patch, int along) {
   const SplineAxis& axis = along == 0 ? patch.u : patch.v;
   const SplineAxis& across = along == 0 ? patch.v : patch.u;
@@ -177,12 +178,12 @@ std::vector<double> fourth_differences(const BicubicPatch& patch, int along) {
   return result;
 }
 
-/// New knots: `factor` of an old interval is how many new ones it should hold.
+// New knots; `factor`: number of new intervals that each old interval should contain.
 SplineAxis redistributed(const SplineAxis& axis, std::vector<double> factor, double growth,
                          int most) {
   const int n = axis.intervals();
   for (int k = 0; k < n; ++k) factor[k] /= axis.length(k);
-  // Neighbours of the uniform kind: an interval is at most about twice the one beside it.
+  // Graded spacing: an interval is at most about twice as long as its neighbours.
   for (int sweep = 0; sweep < (axis.periodic() ? 2 : 1); ++sweep) {
     for (int k = axis.periodic() ? 0 : 1; k < n; ++k)
       factor[k] = std::max(factor[k], factor[(k + n - 1) % n] / 2);
@@ -211,7 +212,7 @@ SplineAxis uniform(double low, double high, int intervals, bool periodic) {
   return SplineAxis(std::move(knots), periodic);
 }
 
-/// Fits round by round, each on the knots that the errors of the one before ask for.
+// Adaptive iteration: each fit uses knots derived from the errors of the previous one.
 class PatchSearch {
  public:
   PatchSearch(const PatchTarget& target, const PatchGoal& goal, const PatchLimits& limits,
@@ -246,8 +247,8 @@ class PatchSearch {
   }
 
  private:
-  /// Of the fits that reach the deviation and not the angle, the one with the fewest poles that comes
-  /// within half of the way to the smallest angle: more poles would buy little.
+  // Among the fits that reach the deviation but not the angle, the one with the fewest poles whose
+  // angle is within half of the range to the smallest angle; more poles would gain little.
   PatchFit fewest_poles_fit() const {
     if (within_deviation_.empty()) return best_;
     const auto less = [](const PatchFit& a, const PatchFit& b) {
@@ -263,7 +264,7 @@ class PatchSearch {
   }
 
   void fit() {
-    constexpr double step = 0.25;  // along the rim
+    constexpr double step = 0.25;  // along the boundary
     const CellSamples fitted(target_, u_, v_, {0.125, 0.375, 0.625, 0.875}, step);
     const CellSamples others(target_, u_, v_, {0, 0.5}, 0.7 * step);
     patch_ = fit_to_samples(u_, v_, fitted, goal_);
@@ -296,14 +297,14 @@ class PatchSearch {
 
   bool should_stop() {
     if (best_.reached) return !reached_ || goal_ratio_ > 0.3 || ++reductions_ > 2;
-    // Angles that finer knots do not lower are those of the surface's own kinks.
+    // If finer knots do not reduce the angle, it is due to kinks of the target surface itself.
     const double patience = deviation_ <= goal_.deviation ? 2.5 : 12;
     return static_cast<double>(patch_.poles.rows()) > patience * static_cast<double>(progress_);
   }
 
-  // Where, and in which direction, the next knots go.
+  // Computes where, and in which direction, new knots are needed.
   void compute_knot_density(int iteration) {
-    constexpr double aim = 0.6;  // of the goal
+    constexpr double aim = 0.6;  // fraction of the goal
     const auto in_u = fourth_differences(patch_, 0), in_v = fourth_differences(patch_, 1);
     const double least = reached_ || (iteration <= 4 && !given_start_) ? 0.6 : 1.0;
     factor_u_.assign(static_cast<size_t>(u_.intervals()), least);
@@ -324,7 +325,7 @@ class PatchSearch {
       }
   }
 
-  // False when the limits leave no better knots.
+  // Returns false if the limits permit no better knots.
   bool redistribute_knots() {
     const auto finer = [&](double growth) {
       return std::pair{redistributed(u_, factor_u_, growth, limits_.max_poles_per_direction - 3),
@@ -353,15 +354,15 @@ class PatchSearch {
   SplineAxis u_, v_;
   PatchFit best_;
   double best_goal_ratio_ = 0;
-  std::vector<PatchFit> within_deviation_;  // those that reach the deviation
+  std::vector<PatchFit> within_deviation_;  // fits that reach the deviation
   double lowest_goal_ratio_ = 0;
-  long progress_ = 1;  // poles when the miss last fell
+  long progress_ = 1;  // poles when the error last decreased
   int reductions_ = 0;
-  // Of the round.
+  // State of the current iteration.
   BicubicPatch patch_;
   CellErrors errors_;
   double deviation_ = 0, angle_deg_ = 0;
-  double goal_ratio_ = 0;  // the larger of the two over its goal
+  double goal_ratio_ = 0;  // the larger of the two errors, relative to its goal
   bool reached_ = false, progressed_ = false;
   std::vector<double> factor_u_, factor_v_;
 };
@@ -391,7 +392,7 @@ namespace {
 using Vec4 = Eigen::Vector4d;
 using Mat4 = Eigen::Matrix4d;
 
-/// ∫₀¹ of products of the derivatives on one interval.
+// ∫₀¹ of products of the derivatives on one interval.
 Mat4 gram(const SplineAxis& axis, int interval, int derivative) {
   Mat4 G = Mat4::Zero();
   constexpr double node[4] = {0.06943184420297371, 0.33000947820757187, 0.66999052179242813,
@@ -405,7 +406,8 @@ Mat4 gram(const SplineAxis& axis, int interval, int derivative) {
   return G;
 }
 
-/// Cells within three of one that has samples: only these have functions in common with it.
+// Flags the cells within three cells of one that has samples: only these share basis functions with
+// it.
 std::vector<char> near_samples(const CellSamples& samples, const SplineAxis& u,
                                const SplineAxis& v) {
   const int m = u.intervals(), n = v.intervals();
@@ -425,7 +427,7 @@ std::vector<char> near_samples(const CellSamples& samples, const SplineAxis& u,
   return near;
 }
 
-/// The normal equations of samples and bending.
+// Normal equations of samples and bending.
 class PatchEquations {
  public:
   PatchEquations(const SplineAxis& u, const SplineAxis& v, const CellSamples& samples,
@@ -438,7 +440,7 @@ class PatchEquations {
         unknowns_(u.functions() * columns_),
         entries_(static_cast<size_t>(unknowns_)),
         poles_(Points::Zero(unknowns_, 3)) {
-    // Far from the samples it only has to be stiff beside what is near them.
+    // Far from the samples, the spline only has to be stiff compared with the part near them.
     const double bending_outside = 1e4 * bending;
     const auto near = near_samples(samples, u, v);
     std::vector<Grams> gram_v;
@@ -456,7 +458,7 @@ class PatchEquations {
     }
   }
 
-  /// None when the matrix is singular to rounding.
+  // Returns nothing if the matrix is singular to rounding.
   std::optional<BicubicPatch> solve() && {
     const SparseMatrix K = matrix();
     SparseCholesky cholesky;
@@ -484,7 +486,7 @@ class PatchEquations {
 
   static constexpr double sample_weight = 1.0 / 16;
 
-  /// The first 16 samples of a cell that is full: products of four places each way.
+  // Adds the first 16 samples of a full cell: a tensor product of four points per direction.
   void add_full_cell(const CellSamples::Sample* samples, int i, int j) {
     Mat4 U = Mat4::Zero(), V = Mat4::Zero();
     for (int k = 0; k < 4; ++k) {
@@ -565,21 +567,22 @@ class PatchEquations {
   const CellSamples& samples_;
   const PatchGoal& goal_;
   int columns_, unknowns_;
-  // The symmetric matrix by functions' distance: (i, j) with (i + di, j + dj), di, dj in -3 … 3.
+  // Symmetric matrix by distance of the functions: entries of (i, j) with (i + di, j + dj), di, dj
+  // in -3 … 3.
   std::vector<std::array<double, 49>> entries_;
   Points poles_;  // the right-hand side, then the solution
-  // Of one cell.
+  // Contribution of one cell.
   Eigen::Matrix<double, 16, 16> A_;
   Eigen::Matrix<double, 16, 3> b_;
 };
 
-/// The cells in which places of the rim lie.
+// Cells that contain boundary points.
 class BoundaryCells {
  public:
   struct CellPoint {
     size_t cell;
-    double s, t;  // in it
-    Vec2 size;    // of it
+    double s, t;  // coordinates in the cell
+    Vec2 size;    // size of the cell
   };
   BoundaryCells(const SplineAxis& u, const SplineAxis& v)
       : u_(u), v_(v), shortest_(std::min(shortest_interval(u), shortest_interval(v))) {}
@@ -592,9 +595,10 @@ class BoundaryCells {
             (b - v_.knots()[j]) / v_.length(j),
             {u_.length(i), v_.length(j)}};
   }
-  /// A share of the shortest side of all cells: faces meet along their rims, so these count for more than
-  /// what is inside where cells are coarse. No less than that share of a third of the place's own cell:
-  /// where knots crowd elsewhere, most of the work would be the rim's.
+  // `fraction` of the shortest side of all cells. Faces meet along their boundaries, so accuracy
+  // there counts more than inside if cells are coarse. The step is at least that fraction of a
+  // third of the point's own cell; otherwise, if knots are dense elsewhere, most of the work would
+  // be spent on the boundary.
   Vec2 longest_step(const Vec2& uv, double fraction) const {
     constexpr double most_crowded = 3;
     return fraction * (at(uv).size / most_crowded).cwiseMax(shortest_);
@@ -642,7 +646,8 @@ CellSamples::CellSamples(const PatchTarget& target, const SplineAxis& u, const S
     cells_[at.cell].push_back({at.s, at.t, x[k]});
   }
   if (!target.tangents) return;
-  // What is moved to its fixed points afterwards turns: here the fit passes through them by itself.
+  // Interpolating the fixed points afterwards would change the tangent planes. With a large weight,
+  // the fit itself almost passes through them.
   constexpr double fixed_weight = 1e4;
   for (const Vec2& uv : target.fixed) {
     const BoundaryCells::CellPoint at = cells.at(uv);

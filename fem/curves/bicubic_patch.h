@@ -1,17 +1,20 @@
-// One tensor-product bicubic B-spline for a surface that is known inside a region of (u, v).
-// Internal.
+// Least-squares fit of a tensor-product bicubic B-spline to a surface that is known inside a region
+// of (u, v).
 //
 //   min  Σ |S(u_k, v_k) - x_k|² / 16  +  ε ∑ over cells of the bending of S in the cell's own units
-//        + Σ w (|S_s - x_s|² + |S_t - x_t|²) / 16   where tangent planes count; s, t in the cell's units;
-//          w = (goal of the deviation / (goal of the angle · |x_s|))², 4 to 1000: both miss as much of theirs
+//        + Σ w (|S_s - x_s|² + |S_t - x_t|²) / 16   at prescribed tangent planes, with s, t in the
+//          cell's units; w = (deviation goal / (angle goal · |x_s|))², limited to 4 … 1000, so that
+//          both errors are weighted relative to their goals
 //
-// Samples: 16 in each cell of the knots as far as they are inside, and the region's rim. The
-// bending carries the spline across the part of the rectangle that is outside of the region; ε is
-// so small that it costs a hundredth of the goal (1e-10 to 1e-6). Knots are simple (S is
-// C2) and lie where the errors are: each round, from the error e of every cell and the jumps of
-// x_uuu and x_vvv at its sides (which tell the directions apart), new knots with a density ~ (e /
-// goal)^¼ / h in each direction. At the fixed points the spline is the surface: the least change of
-// the poles that makes it so is added, min Σ |ΔP|², N ΔP = x - S.
+// Samples: 16 per knot cell, as far as they are inside, and points on the boundary of the region.
+// The bending term extends the spline over the part of the rectangle outside of the region. ε is so
+// small that it costs a hundredth of the goal (1e-10 to 1e-6).
+//
+// Knots are simple (S is C2) and adapted to the errors. Each iteration uses the error e of every
+// cell, and the jumps of x_uuu and x_vvv at its sides, which distinguish the two directions. New
+// knots have a density ~ (e / goal)^¼ / h in each direction. Finally S interpolates the surface at
+// the fixed points: the smallest change of the poles that achieves this is added, min Σ |ΔP|², N
+// ΔP = x - S.
 #pragma once
 
 #include <functional>
@@ -22,67 +25,74 @@
 
 namespace batten {
 
-// A bicubic B-spline, and the surface that it should come near to. Internal.
+// Bicubic B-spline, and the target surface of a fit.
 
-/// The spline S(u, v).
+/// Bicubic B-spline surface S(u, v).
 struct BicubicPatch {
   SplineAxis u, v;
-  Points poles;  ///< of function i of u and j of v: row i · v.functions() + j
+  Points poles;  ///< pole of function i of u and j of v: row i · v.functions() + j
 
   Vec3 position(const Vec2& uv) const;
-  Vec3 normal(const Vec2& uv) const;  ///< along S_u × S_v, of any length
+  Vec3 normal(const Vec2& uv) const;  ///< along S_u × S_v, not normalised
 };
 
-/// What a fit may miss.
+/// Tolerances of a fit.
 struct PatchGoal {
+  /// Largest distance from the target, in model units, > 0.
   double deviation = 0;
-  double angle_deg = 180;  ///< where tangent planes count
+  double angle_deg = 180;  ///< largest angle between tangent planes, degrees
 };
 
-/// A place on the rim, and derivatives that span the tangent plane which the spline is to have there.
+/// A point on the boundary of the region, and derivatives that span the tangent plane prescribed
+/// there.
 struct PatchTangent {
   Vec2 uv;
   Vec3 x_u, x_v;
 };
 
-/// The longest steps in u and in v to take along the rim from a place: shares of the cell there.
+/// Longest steps in u and in v to take along the boundary from a point, relative to the cell there.
 using BoundaryStep = std::function<Vec2(const Vec2&)>;
 
-/// A surface that is known inside a region of (u, v).
+/// Target of a fit: a surface that is known inside a region of (u, v).
 struct PatchTarget {
-  std::function<bool(const Vec2&)> inside;    ///< called from several threads, as is the next
-  std::function<Vec3(const Vec2&)> position;  ///< asked for inside and on the rim
-  /// Points along the rim, none farther from the next than the step there.
+  std::function<bool(const Vec2&)> inside;    ///< thread-safe, as is `position`
+  std::function<Vec3(const Vec2&)> position;  ///< defined inside and on the boundary
+  /// Points along the boundary; consecutive points are no farther apart than the step there.
   std::function<std::vector<Vec2>(const BoundaryStep& longest)> boundary;
-  Vec2 low, high;  ///< box around the region; of a periodic one high - low in u is the period
+  Vec2 low, high;  ///< bounding box of the region; if periodic, high - low in u is the period
   bool periodic = false;         ///< in u
-  std::vector<Vec2> fixed = {};  ///< where the spline passes through the surface: corners
-  /// Places along those parts of the rim where tangent planes count, likewise; null: nowhere.
+  std::vector<Vec2> fixed = {};  ///< points that the spline interpolates: corners
+  /// Points along those parts of the boundary where tangent planes are prescribed, likewise; null:
+  /// none.
   std::function<std::vector<PatchTangent>(const BoundaryStep& longest)> tangents = {};
 };
 
 
+/// Result of fit_bicubic_patch().
 struct PatchFit {
   BicubicPatch patch;
-  /// Largest |S - x| at points inside and on the rim that were not fitted.
+  /// Largest |S - x| at check points, inside and on the boundary, that were not fitted.
   double deviation = 0;
-  double angle_deg = 0;  ///< largest angle from the target's tangent planes, at such places
+  double angle_deg = 0;  ///< largest angle to the prescribed tangent planes, at such points
   bool reached = false;  ///< deviation and angle are at most their goals
 };
 
+/// Limits on the size of a fit.
 struct PatchLimits {
-  int max_poles_per_direction = 400;  ///< poles
+  int max_poles_per_direction = 400;  ///< poles in u or in v
   int max_poles = 60'000;
-  /// Intervals along the longer side of the first fit, 2 or more: a bend much shorter than one lies
-  /// between its samples and is not seen.
+  /// Intervals along the longer side of the first fit, 2 or more. Features much shorter than one
+  /// interval lie between its samples and are missed.
   int initial_intervals = 8;
 };
 
-/// The fit with the fewest poles that was found for a deviation and an angle of at most `goal`, both
-/// > 0; where none reaches it, within the limits or because finer knots no longer help, the one
-/// that comes nearest.
-/// x near the origin keeps the digits. About 3 µs a cell and round, and one sparse factor each.
-/// With `start`, its knots are the first.
+/// Fits a bicubic B-spline with as few poles as possible whose deviation and angle are at most
+/// `goal`, both > 0.
+///
+/// If the goal is not reached, within the limits or because finer knots no longer help, the best
+/// fit found is returned. Coordinates should be near the origin, to keep accuracy. `start`: a patch
+/// whose knots are used first, or null. Cost: about 3 µs per cell and iteration, plus one sparse
+/// factorization per iteration.
 PatchFit fit_bicubic_patch(const PatchTarget& target, const PatchGoal& goal,
                            const PatchLimits& limits = {}, const BicubicPatch* start = nullptr);
 

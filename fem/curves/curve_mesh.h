@@ -1,4 +1,4 @@
-// The parameter line of a deformable curve: segments, how their ends are joined, and the dofs.
+// Mesh of a deformable curve: parameters, segments, corners and dof numbering.
 #pragma once
 
 #include <algorithm>
@@ -10,21 +10,22 @@
 namespace batten {
 
 /// Segments between parameters u_0 < u_1 < … < u_m, each with its own parametric length. A closed
-/// curve comes back at u_m to node 0. Where segments meet, position and dX/du are shared (C1),
-/// except at corners, where only the position is: a corner has one slope for each side.
+/// curve returns to node 0 at u_m. At a node, adjacent segments share position and dX/du (C1). At a
+/// corner they share only the position, and each side has its own derivative.
 ///
-/// Dofs of one coordinate, numbered along the curve, so that a segment's four follow each other:
+/// Dofs of one coordinate are numbered along the curve, so that the four dofs of a segment are
+/// consecutive:
 ///
 ///     smooth node     w, w_u          also the first node of an open curve
-///     corner          w_u of the segment before, w, w_u of the segment after
+///     corner          w_u of the previous segment, w, w_u of the next segment
 ///
-/// An open curve without corners: w, w_u of node i are dofs 2i, 2i + 1.
+/// On an open curve without corners, w and w_u of node i are dofs 2i, 2i + 1.
 class CurveMesh {
  public:
   CurveMesh() = default;
-  /// `corners`: nodes, the first and the last of an open curve not among them; node 0 of a closed
-  /// one is its seam. Throws InputError: fewer than two parameters (closed: three), parameters that
-  /// are not finite or do not increase, a corner that is not such a node.
+  /// `corners`: node indices, without the first and last node of an open curve; node 0 of a closed
+  /// curve is its seam. Throws InputError if there are fewer than two parameters (closed: three),
+  /// if they are not finite or not increasing, or if a corner is not a valid node.
   explicit CurveMesh(std::vector<double> parameters, bool closed = false,
                      std::vector<int> corners = {});
 
@@ -32,7 +33,8 @@ class CurveMesh {
   int node_count() const { return segment_count() + (closed_ ? 0 : 1); }
   int dof_count() const { return 2 * node_count() + isize(corners_); }
   bool closed() const { return closed_; }
-  /// Parameters u_0 … u_m of the nodes; a closed curve has one more, u_m, for node 0.
+  /// Parameters u_0 … u_m of the nodes. A closed curve has one more parameter than nodes: u_m is
+  /// node 0 again.
   const std::vector<double>& parameters() const { return parameters_; }
   /// Nodes that are corners, ascending.
   const std::vector<int>& corners() const { return corners_; }
@@ -46,20 +48,23 @@ class CurveMesh {
   double length(int segment) const { return parameters_[segment + 1] - parameters_[segment]; }
 
   int position_dof(int node) const { return first_dof(node) + is_corner(node); }
-  /// Slope dofs of the segment that ends at the node, and of the one that begins there.
+  /// Dofs of dX/du of the segment that ends at the node, and of the one that begins there. They are
+  /// equal unless the node is a corner.
   int slope_in(int node) const { return first_dof(node) + !is_corner(node); }
   int slope_out(int node) const { return position_dof(node) + 1; }
   /// Dofs of a segment in the order of HermiteSegment.
   std::array<int, 4> segment_dofs(int segment) const;
 
+  /// Segment and local coordinate of a point of the curve.
   struct SegmentPoint {
     int segment = 0;
     double s = 0;  ///< in [0, 1]
   };
-  /// Place of a parameter u, which is clamped to an open curve and comes around on a closed one. A
-  /// node is in the segment that begins there, the end of an open curve in the last one.
+  /// Segment and local coordinate of parameter u, which is clamped on an open curve and wrapped on
+  /// a closed one. A node belongs to the segment that begins there, the end of an open curve to the
+  /// last segment.
   SegmentPoint locate(double u) const;
-  /// The parameter within [start(), end()] that u stands for: clamped, or come around.
+  /// Parameter in [start(), end()] that corresponds to u: clamped, or wrapped on a closed curve.
   double wrapped(double u) const;
 
  private:

@@ -44,13 +44,13 @@ DomainLoops::DomainLoops(std::vector<Loop> loops, Background background)
         throw InputError("a loop of the domain is open at (" +
                          format_number(segments_[a].b[3].x()) + ", " +
                          format_number(segments_[a].b[3].y()) + ")");
-      next.b[0] = segments_[a].b[3];  // the ray must not slip through
+      next.b[0] = segments_[a].b[3];  // exactly equal, so that a ray cannot pass between the arcs
     }
   for (size_t a = 0; a < segments_.size(); ++a) {
     const PlanarCubic& segment = segments_[a];
     const BernsteinCubic v{
         {segment.b[0].y(), segment.b[1].y(), segment.b[2].y(), segment.b[3].y()}};
-    // In short parts, few points lie in the box of one and need its cubic.
+    // Short parts have small boxes, so that few points need an evaluation of the cubic.
     constexpr int cuts = 8;
     std::vector<double> t{0};
     const auto parts = v.monotone_parts();
@@ -110,7 +110,7 @@ bool DomainLoops::contains(const Vec2& p) const {
 }
 
 double DomainLoops::area() const {
-  // ½ ∮ (u dv - v du): of degree 5 in t.
+  // ½ ∮ (u dv - v du), of degree 5 in t.
   constexpr double node = 0.7745966692414834;
   double twice = 0;
   for (const PlanarCubic& segment : segments_)

@@ -1,4 +1,4 @@
-// Regions of the (u, v) plane that cubic curves bound.
+// Regions of the (u, v) plane bounded by loops of cubic curves.
 #pragma once
 
 #include <vector>
@@ -12,9 +12,9 @@
 
 namespace batten {
 
-// One cubic arc in the (u, v) plane, and where it meets a straight line.
+// Planar cubic arcs, and their intersections with straight lines.
 
-/// A cubic c(t), t in [0, 1], by its Bézier points.
+/// Cubic c(t), t in [0, 1], in the plane, by its Bézier points.
 struct PlanarCubic {
   std::array<Vec2, 4> b;
 
@@ -26,7 +26,7 @@ struct PlanarCubic {
     const double s = 1 - t;
     return 3 * (s * s * (b[1] - b[0]) + 2 * s * t * (b[2] - b[1]) + t * t * (b[3] - b[2]));
   }
-  /// The part from t0 to t1 as an arc of its own; its ends are at(t0) and at(t1).
+  /// Subarc from t0 to t1, reparametrised to [0, 1]; its ends are at(t0) and at(t1).
   PlanarCubic part(double t0, double t1) const {
     const double h = (t1 - t0) / 3;
     const Vec2 p = at(t0), q = at(t1);
@@ -34,7 +34,7 @@ struct PlanarCubic {
   }
 };
 
-/// A cubic in one variable by its Bernstein coefficients.
+/// Cubic polynomial in one variable on [0, 1], by its Bernstein coefficients.
 struct BernsteinCubic {
   std::array<double, 4> b;
 
@@ -46,7 +46,7 @@ struct BernsteinCubic {
     const double s = 1 - t;
     return 3 * (s * s * (b[1] - b[0]) + 2 * s * t * (b[2] - b[1]) + t * t * (b[3] - b[2]));
   }
-  /// 0, the turning points inside (0, 1), 1: monotone between neighbours.
+  /// Breakpoints of monotone intervals: 0, the extrema inside (0, 1), and 1.
   std::vector<double> monotone_parts() const {
     std::vector<double> t{0};
     const double d0 = b[1] - b[0], d1 = b[2] - b[1], d2 = b[3] - b[2];
@@ -61,7 +61,8 @@ struct BernsteinCubic {
     t.push_back(1);
     return t;
   }
-  /// The zero of a monotone part whose ends have different signs: Newton's method between bounds.
+  /// Zero in a monotone interval whose ends have different signs, by Newton's method with
+  /// bisection.
   double zero(double low, double high) const {
     const bool rises = at(high) > at(low);
     double t = 0.5 * (low + high);
@@ -88,56 +89,56 @@ struct BernsteinCubic {
   }
 };
 
-/// The arcs of a curve in the plane (z = 0), one for each of its segments.
+/// The arcs of a curve in the plane z = 0, one per segment.
 class HermiteCurve;
 std::vector<PlanarCubic> planar_cubics(const HermiteCurve& curve);
 
 
-/// What lies to the left of closed loops: an outside loop runs counter-clockwise, a hole clockwise.
-/// Loops must not cross. Immutable.
+/// Region to the left of closed loops: an outer loop runs counter-clockwise, a hole clockwise.
+/// Loops must not intersect. Immutable.
 ///
-/// Curves of the plane are HermiteCurves with z = 0. A loop is one closed curve, or several open
-/// ones end to end.
+/// A loop is one closed HermiteCurve with z = 0, or several open ones joined end to end.
 class DomainLoops {
  public:
   using Loop = std::vector<HermiteCurve>;
-  /// What is far away: outside of the region, or inside of it (there are holes only, and something
-  /// else bounds the region).
+  /// Side of points far away: Outside of the region, or Inside (there are only holes, and the
+  /// region is bounded by something else).
   enum class Background { Outside, Inside };
 
-  /// A region without loops: the whole plane, or nothing.
+  /// Region without loops: the whole plane, or nothing.
   explicit DomainLoops(Background background = Background::Inside)
       : background_(background), box_(Vec2(0, 0)) {}
-  /// Throws InputError: a curve that leaves the plane z = 0, pieces of a loop that do not meet end
-  /// to end (within 1e-9 of the box of all loops), an empty loop.
+  /// Throws InputError if a curve leaves the plane z = 0, if consecutive curves of a loop do not
+  /// meet (within 1e-9 of the bounding box of all loops), or if a loop is empty.
   explicit DomainLoops(std::vector<Loop> loops, Background background = Background::Outside);
 
   const std::vector<Loop>& loops() const { return loops_; }
-  /// All segments, loop after loop, with exactly shared ends.
+  /// All arcs, loop after loop; the common ends of arcs are bit-identical.
   const std::vector<PlanarCubic>& segments() const { return segments_; }
   Background background() const { return background_; }
 
-  /// Whether p is inside, by the winding number of a ray against the cubics themselves: exact to
-  /// rounding; on a curve either answer. O(segments at the height of p).
+  /// Whether p is inside, by the winding number of a ray intersected with the cubics themselves:
+  /// exact to rounding. For points on a curve, either result is possible. Cost:
+  /// O(arcs at the v of p).
   bool contains(const Vec2& p) const;
-  /// Area that is enclosed; with Around::Inside, minus the area of the holes. Exact.
+  /// Enclosed area; with Background::Inside, minus the area of the holes. Exact.
   double area() const;
   Vec2 low() const { return box_.min(); }
   Vec2 high() const { return box_.max(); }
 
  private:
-  // A part of an arc on which v is monotone.
+  // Part of an arc on which v is monotone.
   struct Monotone {
     int segment;
     double t0, t1, v0, v1, u_low, u_high;
   };
   void sort_into_bands();
-  size_t band(double v) const;  // never falls with v
+  size_t band(double v) const;  // monotone in v
   Background background_;
   std::vector<Loop> loops_;
   std::vector<PlanarCubic> segments_;
   std::vector<Monotone> monotone_;
-  // The numbers of the parts that reach into each band of v: from bands_[i] to bands_[i + 1].
+  // Indices of the parts that intersect each band of v, from bands_[i] to bands_[i + 1].
   std::vector<int> in_bands_;
   std::vector<size_t> bands_ = {0, 0};
   Box2 box_;

@@ -73,7 +73,7 @@ namespace {
 
 using Quintic = std::array<double, 6>;  // Bernstein coefficients
 
-// A zero of the polynomial in [low, high], where its sign changes once.
+// Zero of the polynomial in [low, high], where its sign changes once.
 double zero_between(const Quintic& power, double low, double high, bool rising) {
   double s = 0.5 * (low + high);
   for (int step = 0; step < 80; ++step) {
@@ -91,7 +91,7 @@ double zero_between(const Quintic& power, double low, double high, bool rising) 
   return s;
 }
 
-// Calls visit(s) at every zero of the polynomial in [0, 1]; touching zeros may come twice.
+// Calls visit(s) at every zero of the polynomial in [0, 1]; double zeros may be visited twice.
 template <class Visit>
 void zeros(const Quintic& power, Quintic b, double low, double high, int depth,
            const Visit& visit) {
@@ -102,7 +102,8 @@ void zeros(const Quintic& power, Quintic b, double low, double high, int depth,
     visit(changes == 1 ? zero_between(power, low, high, b[5] > 0) : 0.5 * (low + high));
     return;
   }
-  Quintic first = b;  // de Casteljau at the middle: `first` and, in place, the second half
+  // De Casteljau subdivision at the middle: `first` half, and the second half in place.
+  Quintic first = b;
   for (int k = 1; k < 6; ++k) {
     for (int i = 0; i < 6 - k; ++i) b[i] = 0.5 * (b[i] + b[i + 1]);
     first[k] = b[0];
@@ -123,7 +124,7 @@ CurvePoint HermiteCurve::closest_point(const Vec3& p) const {
     const double h = mesh_.length(s);
     const Vec3 a = dofs_.row(dof[0]).transpose() - p, b = dofs_.row(dof[2]).transpose() - p,
                da = h * dofs_.row(dof[1]), db = h * dofs_.row(dof[3]);
-    // The segment lies within the hull of its Bézier points.
+    // The segment lies in the convex hull of its Bézier points.
     const Vec3 q = a + da / 3, r = b - db / 3, middle = 0.25 * (a + q + r + b);
     double reach = 0;
     for (const Vec3& c : {a, q, r, b}) reach = std::max(reach, (c - middle).squaredNorm());
@@ -154,7 +155,7 @@ HermiteCurve HermiteCurve::with_nodes(std::vector<double> added) const {
   std::erase_if(added, [&](double u) { return !(u > start()) || !(u < end()); });
   std::sort(added.begin(), added.end());
   std::vector<double> u = {start()};
-  std::vector<int> corners, old_node;  // old_node: of the new nodes, or -1
+  std::vector<int> corners, old_node;  // old node of each new node, or -1
   auto next = added.begin();
   old_node.push_back(0);
   for (int i = 0; i < segment_count(); ++i) {
@@ -213,12 +214,13 @@ HermiteCurve HermiteCurve::backwards() const {
 
 namespace {
 
-/// One segment with its place on the stretch's parameter line.
+// One segment, and its interval on the parameter line of the smooth piece.
 struct SmoothPiece {
   double begin = 0, end = 0;
   std::array<Vec3, 4> bezier;
 
-  /// The symmetric function of three parameters that is the cubic where all three are equal.
+  // Blossom (polar form) of the cubic: the symmetric function of three parameters that equals the
+  // cubic if all three are equal.
   Vec3 blossom(const std::array<double, 3>& u) const {
     std::array<Vec3, 4> b = bezier;
     for (size_t level = 0; level < 3; ++level) {
@@ -245,7 +247,7 @@ SmoothPiece piece_of(const HermiteCurve& curve, int segment, double shift) {
           {a, a + third * curve.slope_out(segment), b - third * curve.slope_in(next), b}};
 }
 
-/// How often the knot between two pieces is needed.
+// Required multiplicity of the knot between two segments.
 int multiplicity(const SmoothPiece& before, const SmoothPiece& after, double size) {
   const double h = std::max(before.end - before.begin, after.end - after.begin);
   const Vec3 jump = after.second_at_begin() - before.second_at_end();
@@ -259,7 +261,7 @@ CubicSpline spline_of(const std::vector<SmoothPiece>& pieces) {
     for (const Vec3& b : p.bezier) box.extend(b);
   spline.size = box.diagonal().norm();
 
-  std::vector<double> all;  // knots, as often as they count
+  std::vector<double> all;  // knots, repeated by multiplicity
   std::vector<size_t> piece_after;
   const auto add = [&](double knot, int times, size_t piece) {
     spline.knots.push_back(knot);
@@ -272,7 +274,8 @@ CubicSpline spline_of(const std::vector<SmoothPiece>& pieces) {
     add(pieces[i].begin, multiplicity(pieces[i - 1], pieces[i], spline.size), i);
   add(pieces.back().end, 4, pieces.size());
   for (size_t i = 0; i + 4 < all.size(); ++i) {
-    // The pole's own three knots: any piece of positive length beside the middle one will do.
+    // Blossom at the three knots of the pole; any segment of positive length next to the middle
+    // knot can be used.
     size_t interval = i + 1;
     if (all[interval] == all[interval + 1]) interval = i + 2;
     if (all[interval] == all[interval + 1]) interval = i == 0 ? 3 : i;

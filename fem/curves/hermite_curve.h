@@ -1,4 +1,4 @@
-// A piecewise cubic Hermite curve in space.
+// Piecewise cubic Hermite curve in space.
 #pragma once
 
 #include <vector>
@@ -12,18 +12,21 @@
 
 namespace batten {
 
-// The point of a curve that is nearest to another point.
+// Closest point of a curve.
 
+/// Parameter of a point of a curve, and its distance from a given point.
 struct CurvePoint {
   double u = 0;
   double distance = 0;
 };
 
-/// The nearest point of a curve. It is looked for from each parameter of `u` (ascending; the curve
-/// is smooth between neighbours) at which the distance is a local minimum: by Newton's method on
-/// (X - p)·X' = 0, by bisection where it leaves the two neighbours. `evaluate(u, order)` takes
-/// orders 0 to 2. A minimum narrower than the samples is missed. `at_u`: the points there, for
-/// many calls.
+/// Closest point of any curve, from samples.
+///
+/// Starts at each parameter of `u` whose distance is a local minimum of the samples, with Newton's
+/// method on (X - p)·X' = 0 and bisection as a safeguard. A minimum narrower than the spacing of
+/// the samples is missed. `evaluate(u, order)`: the curve and its derivatives, order 0 to 2. `u`:
+/// ascending; the curve must be smooth between neighbours. `at_u`: the points at `u`, precomputed
+/// for many calls.
 template <class Evaluate>
 CurvePoint closest_on_curve(const Evaluate& evaluate, const std::vector<double>& u,
                             const std::vector<Vec3>& at_u, const Vec3& p) {
@@ -42,7 +45,7 @@ CurvePoint closest_on_curve(const Evaluate& evaluate, const std::vector<double>&
       (g > 0 ? high : low) = x;
       if (const double reached = d.norm(); reached < best.distance) best = {x, reached};
       double next = x - g / slope;
-      // Rounding may put the last steps a hair outside of the bracket: those end the search.
+      // Rounding may put the last steps slightly outside of the bracket; they end the search.
       const bool done = slope > 0 && std::abs(next - x) <= 1e-14 * (u.back() - u.front());
       if (!(slope > 0) || !(next >= low) || !(next <= high)) next = 0.5 * (low + high);
       if (done || next == x) break;
@@ -51,6 +54,7 @@ CurvePoint closest_on_curve(const Evaluate& evaluate, const std::vector<double>&
   }
   return best;
 }
+/// The same for a single call; evaluates the samples.
 template <class Evaluate>
 CurvePoint closest_on_curve(const Evaluate& evaluate, const std::vector<double>& u, const Vec3& p) {
   std::vector<Vec3> at_u;
@@ -60,15 +64,16 @@ CurvePoint closest_on_curve(const Evaluate& evaluate, const std::vector<double>&
 }
 
 
-/// A mesh and its dofs (CurveMesh, n×3): position and derivative dX/du at the nodes, cubic between,
-/// C1 but for corners. u is in model units when the curve was fitted by arc length. A value.
+/// Piecewise cubic curve, given by a mesh and its dofs (CurveMesh, n×3): positions and derivatives
+/// dX/du at the nodes. It is C1 except at corners. u is in model units if the curve was fitted by
+/// arc length. A value type.
 class HermiteCurve {
  public:
   HermiteCurve() = default;
-  /// Throws InputError when the dofs are not finite or not as many as the mesh has.
+  /// Throws InputError if the dofs are not finite or do not match the mesh.
   HermiteCurve(CurveMesh mesh, Points dofs);
-  /// Open and without corners. Throws InputError: fewer than two nodes, parameters not strictly
-  /// increasing, numbers not finite, counts that differ.
+  /// Open curve without corners. Throws InputError if there are fewer than two nodes, parameters
+  /// are not strictly increasing, numbers are not finite, or counts differ.
   HermiteCurve(std::vector<double> parameters, const Points& positions, const Points& derivatives);
 
   const CurveMesh& mesh() const { return mesh_; }
@@ -85,24 +90,25 @@ class HermiteCurve {
   Vec3 slope_in(int node) const { return dofs_.row(mesh_.slope_in(node)); }
   Vec3 slope_out(int node) const { return dofs_.row(mesh_.slope_out(node)); }
 
-  /// Position (order 0) or derivative of order 1 to 3 with respect to u. u is clamped to an open
-  /// curve and comes around on a closed one; at a node, the segment that begins there answers.
+  /// Position (order 0) or derivative of order 1 to 3 with respect to u. u is clamped on an open
+  /// curve and wrapped on a closed one. At a node, the segment that begins there is evaluated.
   Vec3 evaluate(double u, int order = 0) const;
-  /// Position or derivative at s in [0, 1] of a segment.
+  /// Position or derivative with respect to u at local coordinate s in [0, 1] of a segment.
   Vec3 evaluate(CurveMesh::SegmentPoint at, int order = 0) const;
-  /// Curvature, unit 1/length; 0 on a straight piece.
+  /// Curvature in 1/length; 0 on straight pieces.
   double curvature(double u) const;
+  /// Arc length.
   double length() const;
-  /// The nearest point of the curve: of all zeros of (X - p)·X', found by subdivision, so that none
-  /// is missed. O(segments), exact to rounding.
+  /// Closest point of the curve. All zeros of (X - p)·X' are found by subdivision, so none is
+  /// missed. Cost: O(segments); exact to rounding.
   CurvePoint closest_point(const Vec3& p) const;
 
-  /// The same curve with further nodes at the given parameters (those that are nodes, or outside,
-  /// are passed over). Segments without a new node keep their bits.
+  /// The same curve with additional nodes at the given parameters. Parameters that are nodes
+  /// already, or outside of the curve, are ignored. Segments without a new node are bit-identical.
   HermiteCurve with_nodes(std::vector<double> parameters) const;
-  /// The same curve run from its end to its start, over the same parameter interval.
+  /// The same curve traversed in the opposite direction, over the same parameter interval.
   HermiteCurve backwards() const;
-  /// The same shape with `factor` times the parameter, slopes over it. factor > 0.
+  /// The same shape with parameters multiplied by `factor` > 0; derivatives are divided by it.
   HermiteCurve with_scaled_parameter(double factor) const;
 
  private:
@@ -111,21 +117,22 @@ class HermiteCurve {
 };
 
 
-// Hermite curves as B-splines, without a change of shape.
+// Exact conversion of Hermite curves to B-splines.
 
-/// A clamped cubic B-spline: `knots` increase, the first and the last four times, an inner one
-/// twice where the curve is C1 only, once where it is C2 to rounding (1e-13 of its size).
+/// Clamped cubic B-spline. The first and last knots have multiplicity four. Inner knots are double
+/// where the curve is only C1, and simple where it is C2 to rounding (1e-13 of its size).
 struct CubicSpline {
   std::string name;
-  std::vector<double> knots;  ///< the curve's own u
+  std::vector<double> knots;  ///< ascending, in the curve's own parameter u
   std::vector<int> multiplicities;
   std::vector<Vec3> poles;
-  bool closed = false;  ///< comes back to its first pole, smoothly
-  double size = 0;      ///< diagonal of the box around its poles
+  bool closed = false;  ///< returns smoothly to its first pole
+  double size = 0;      ///< diagonal of the bounding box of its poles
 };
 
-/// Each stretch between corners, in their order along the curve; named `name`, or name.1, name.2,
-/// … when there are several. A closed curve with corners begins at its first corner. O(segments).
+/// Converts each smooth piece between corners to a B-spline, in their order along the curve. They
+/// are named `name`, or name.1, name.2, … if there are several. A closed curve with corners begins
+/// at its first corner. Cost: O(segments).
 std::vector<CubicSpline> cubic_splines(const std::string& name, const HermiteCurve& curve);
 
 }  // namespace batten

@@ -11,7 +11,7 @@ namespace {
 using Vec4 = Eigen::Vector4d;
 using Mat4 = Eigen::Matrix4d;
 
-/// Powers of s of the four functions on interval k, by the recursion of Cox and de Boor.
+// Power coefficients in s of the four functions on interval k, by the Cox-de Boor recursion.
 Mat4 powers_on(const std::vector<double>& t, size_t k) {
   const size_t m = k + 3;  // t[m] to t[m + 1] is the interval
   const double a = t[m], h = t[m + 1] - t[m];

@@ -1,4 +1,5 @@
-// What is in a CAD file: products and their places, names, colours, layers, unit, counts.
+// Summary of a CAD file (product structure, names, colours, layers, unit, counts) and its triangle
+// mesh.
 #pragma once
 
 #include <string>
@@ -11,77 +12,78 @@
 
 namespace batten {
 
-/// One place of a product: an assembly, a part of it, or a shape that stands alone. A product that
-/// is used three times is there three times.
+/// One instance in the product structure: an assembly, a part of one, or a free shape. A product
+/// that is used three times is listed three times.
 struct CadProduct {
-  std::string name;           ///< of the product; "" for none
-  std::string instance_name;  ///< the name of this instance where it has another one
-  int level = 0;              ///< how deep it is in the assembly, 0 at the top
+  std::string name;           ///< product name; "" if it has none
+  std::string instance_name;  ///< name of this instance if it differs from `name`, else ""
+  int level = 0;              ///< depth in the assembly tree, 0 at the top
   bool assembly = false;
-  Vec3 translation = Vec3::Zero();        ///< where its origin lies in the whole, the file's unit
-  double rotation_deg = 0;                ///< by how much it is turned in the whole
-  std::string colour;                     ///< its own, "#rrggbb"; "" for none
-  int solids = 0, faces = 0, curves = 0;  ///< 0 of an assembly
+  Vec3 translation = Vec3::Zero();        ///< global position of its origin, in the file's unit
+  double rotation_deg = 0;                ///< rotation angle of its global placement, ≥ 0
+  std::string colour;                     ///< own colour as "#rrggbb"; "" if it has none
+  int solids = 0, faces = 0, curves = 0;  ///< counts within the part; 0 for an assembly
 };
 
-/// A name, colour or layer, and what has it.
+/// A name, colour or layer, and the number of entities of each kind that have it.
 struct CadAttribute {
   std::string name;
-  int products = 0;  ///< of a layer
+  int products = 0;  ///< products on this layer; used for layers only
   int solids = 0;    ///< solids and shells within a product
   int faces = 0;
   int edges = 0;   ///< edges of faces
   int curves = 0;  ///< edges that belong to no face
 };
 
-/// What is in a CAD file. Lengths are in the file's own unit; instances count each.
+/// Summary of a CAD file. Lengths are in the file's own unit. Every instance of a shape is counted.
 struct CadContents {
   std::string format;            ///< "STEP AP214", "IGES", "BREP", …
-  double unit_in_metres = 1e-3;  ///< of the lengths in the file
-  bool unit_stated = false;      ///< whether the file says it
+  double unit_in_metres = 1e-3;  ///< length unit of the file
+  bool unit_stated = false;      ///< true if the file declares its unit
   std::vector<std::string> notes;
   std::vector<CadProduct> products;
-  std::vector<CadAttribute> names;    ///< of all but products, in the file's order
-  std::vector<CadAttribute> colours;  ///< "#rrggbb" as faces and curves have it, own or inherited
+  std::vector<CadAttribute> names;    ///< names of everything but products, in file order
+  std::vector<CadAttribute> colours;  ///< "#rrggbb", own or inherited colours of faces and curves
   std::vector<CadAttribute> layers;
   int solids = 0, shells = 0, faces = 0, edges = 0;
-  int closed_shells = 0;  ///< shells without a rim
+  int closed_shells = 0;  ///< shells without free edges
   int curves = 0;         ///< edges that belong to no face
   double area = 0;
-  double trim_uncertainty_area =
-      0;              ///< lengths of edges times their tolerances: by so much trims are not known
-  double volume = 0;  ///< of all solids, unit³
-  double size = 0;    ///< diagonal of the box around all
+  /// Sum over all edges of length × edge tolerance: the uncertainty of `area` due to trimming.
+  double trim_uncertainty_area = 0;
+  double volume = 0;  ///< total volume of all solids, unit³
+  double size = 0;    ///< diagonal of the bounding box
 };
 
 
-// Triangles of CAD faces, and what was measured on them.
+// Triangle mesh of the faces of a CAD file.
 
-/// The triangles of the faces that have this name and colour.
+/// The triangles of all faces with the same name and colour.
 struct FacetGroup {
-  std::string name;    ///< of the faces, else of their solid, of their part, "part 1" …
-  std::string colour;  ///< "#rrggbb"; "" for none
+  /// Name of the face, else of its solid, else of its part, else "part 1", "part 2" …
+  std::string name;
+  std::string colour;  ///< "#rrggbb"; "" if it has none
   std::vector<int> triangles;
 };
 
-/// Triangles of all faces of a file, and what was measured on them. Lengths are in the unit asked
-/// for.
+/// Triangle mesh of all faces of a file, with quality measures. Lengths are in the requested unit.
 struct CadFacets {
-  ShellMesh mesh;  ///< triangles; normals outwards where the file's faces have them so
-  /// Where curved ones were asked for: the faces' unit normals at the corners of each triangle.
+  ShellMesh mesh;  ///< triangles, oriented like the faces of the file (outwards for a solid)
+  /// Unit surface normals at the corners of each triangle; only if curved triangles were requested.
   std::vector<PnTriangle::Corners> normals;
-  std::vector<int> faces;  ///< the face of each triangle, numbered from 0
+  std::vector<int> faces;  ///< 0-based face index of each triangle
   std::vector<FacetGroup> groups;
-  CadContents contents;  ///< of the file, in its own unit
+  CadContents contents;  ///< summary of the file, in its own unit
   double unit_in_metres = 1e-3;
   double size = 0, chord = 0;
-  /// Largest distance found: of seven points of each triangle, curved where these were asked for, from
-  /// its face's surface, and of three points of an edge's curve from each chord along it.
+  /// Largest measured distance between mesh and model. It is sampled at seven points per triangle
+  /// (on the curved triangle if requested) against the surface of the face, and at three points per
+  /// chord along each edge.
   double deviation = 0;
-  int shells = 0;      ///< what hangs together by edges, in the file once its faces are sewn
-  int free_edges = 0;  ///< edges of one triangle: along the rims of open shapes
-  int cracks = 0;      ///< those elsewhere: there should be none
-  int unmeshed = 0;    ///< faces that got no triangle
+  int shells = 0;      ///< shells (connected sets of faces) of the file, after sewing
+  int free_edges = 0;  ///< mesh edges with one triangle that lie on free edges of the model
+  int cracks = 0;      ///< all other mesh edges with one triangle; should be 0
+  int unmeshed = 0;    ///< faces that could not be meshed
 };
 
 }  // namespace batten

@@ -35,29 +35,30 @@
 
 namespace batten {
 
-// The contents of a CAD file on their way out of a child process. Internal.
+// Transfer of CadContents out of a child process.
 
-/// As JSON, and back. Throws InputError for numbers that were not finite.
+/// Serialises contents as JSON, and parses them. Throws InputError for numbers that were not
+/// finite.
 std::string to_bytes(const CadContents& contents);
 CadContents contents_from_bytes(const std::string& bytes);
 
 
-// What is in a CAD file that was read, counted and measured. Internal.
+// Counts and measures the contents of a file.
 
-/// The contents of a file that was read here. Throws what OpenCASCADE does.
+/// Summarises a file that was read in this process. Throws the exceptions of OpenCASCADE.
 CadContents contents_of(const CadFile& cad);
 
 namespace fs = std::filesystem;
 namespace {
 
-/// The unit of the file that is written. BREP states none: programs take its numbers for
-/// millimetres.
+/// The unit of the output. BREP declares none; other programs assume millimetres.
 double unit_of(const CadConvertOptions& options, const fs::path& to, double unit_of_source) {
   if (options.unit_in_metres > 0) return options.unit_in_metres;
   return lower_extension(to).starts_with(".br") ? 1e-3 : unit_of_source;
 }
 
-/// What `work` makes of a file, in a child: it sends the contents and what else is asked for.
+/// Reads a file in a child process. Returns its serialised contents, followed by the result of
+/// `work`.
 template <class Work>
 std::string read_sandboxed(const fs::path& from, const Work& work) {
   return sandboxed_read(
@@ -76,7 +77,8 @@ std::string read_sandboxed(const fs::path& from, const Work& work) {
       20);
 }
 
-/// Takes the contents off the front of what read_sandboxed() sent.
+/// Removes the contents from the front of the bytes that read_sandboxed() returned, and parses
+/// them.
 CadContents take_contents(std::string& bytes) {
   const size_t end = bytes.find('\n'), length = std::stoul(bytes.substr(0, end));
   const CadContents contents = contents_from_bytes(bytes.substr(end + 1, length));
@@ -84,7 +86,7 @@ CadContents take_contents(std::string& bytes) {
   return contents;
 }
 
-/// What IGES cannot hold.
+/// Adds a note for each kind of data that IGES cannot store.
 void add_iges_notes(CadConversion& c) {
   int edges = 0;
   for (const CadAttribute& use : c.before.names) edges += use.edges;
@@ -119,7 +121,7 @@ CadConversion to_cad(const fs::path& from, const fs::path& to, const CadConvertO
         result.before.products.size() > 1 || !result.before.layers.empty())
       result.notes.push_back(
           "BREP holds shapes only: names, colours, layers and products are lost");
-    // It is read back as millimetres whatever its numbers are.
+    // BREP is read back as millimetres, whatever the unit of its numbers.
     result.after.unit_in_metres = result.unit_in_metres;
     result.after.notes.clear();
   }
@@ -139,7 +141,8 @@ void write_glb(const CadFile& cad, const JoinedParts& joined, const fs::path& fi
 
 CadConversion to_glb(const fs::path& from, const fs::path& to, const CadConvertOptions& options) {
   AtomicFile file(to);
-  const TemporaryFileGuard beside(file.temporary().string() + ".bin.tmp");  // the writer's own
+  // Temporary file of OpenCASCADE's glTF writer.
+  const TemporaryFileGuard beside(file.temporary().string() + ".bin.tmp");
   std::string bytes = read_sandboxed(from, [&](const CadFile& cad) {
     const JoinedParts joined = joined_parts(cad);
     const CadFacets facets =
@@ -178,7 +181,7 @@ CadConversion convert_cad(const fs::path& from, const fs::path& to,
 
 namespace {
 
-// ---- out of a child process -----------------------------------------------------------------
+// ---- transfer out of a child process ---------------------------------------------------------
 
 class Bytes {
  public:
@@ -282,7 +285,7 @@ void scale(CadFacets& f, double factor) {
   for (double* length : {&f.size, &f.chord, &f.deviation}) *length *= factor;
 }
 
-/// In millimetres.
+/// Meshes a file that was read in this process, in millimetres.
 CadFacets tessellate_file(const std::filesystem::path& file, const CadFile& cad, double chord,
                           bool curved) {
   const JoinedParts joined = joined_parts(cad);
@@ -411,7 +414,7 @@ CadContents contents_of(const CadFile& cad) {
   }
   Bnd_Box box;
   BRepBndLib::AddOptimal(cad.shape, box, false, false);
-  const double unit = 1e-3 / c.unit_in_metres;  // a millimetre in the file's unit
+  const double unit = 1e-3 / c.unit_in_metres;  // one millimetre in the file's unit
   c.size = box.IsVoid() ? 0 : std::sqrt(box.SquareExtent()) * unit;
   for (double* area : {&c.area, &c.trim_uncertainty_area}) *area *= unit * unit;
   c.volume *= unit * unit * unit;
@@ -442,14 +445,14 @@ NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(CadContents, format, unit_in_metres, unit_sta
                                    closed_shells, curves, area, trim_uncertainty_area, volume, size)
 
 std::string to_bytes(const CadContents& contents) {
-  // Names of damaged files may be no UTF-8.
+  // Names in damaged files may be invalid UTF-8.
   return nlohmann::json(contents).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
 }
 
 CadContents contents_from_bytes(const std::string& bytes) {
   try {
     return nlohmann::json::parse(bytes).get<CadContents>();
-  } catch (const nlohmann::json::exception&) {  // numbers that are not finite become null
+  } catch (const nlohmann::json::exception&) {  // JSON stores non-finite numbers as null
     throw InputError("OpenCASCADE measures sizes that are not finite");
   }
 }

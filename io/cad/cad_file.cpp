@@ -70,12 +70,12 @@
 
 namespace batten {
 
-// Sets of tensor-product B-spline patches, as G+Smo writes them (.xml). Internal.
+// Reads tensor-product B-spline patches in the XML format of G+Smo.
 
-/// Every TensorBSpline2 and TensorNurbs2 of three coordinates as a face on its whole domain; poles come with
-/// the first direction running fastest. Edges of patches that lie within 1e-5 of the size of each other are one.
-/// Throws InputError with the number of the patch: no patch at all, knots that do not rise, too few or too
-/// many poles, numbers that are none or not finite, weights that are not positive.
+/// Reads every TensorBSpline2 and TensorNurbs2 with three coordinates as an untrimmed face. The
+/// first direction of the poles runs fastest. Patch edges within 1e-5 of the model size of each
+/// other are sewn. Throws InputError with the number of the patch: no patch, decreasing knots, a
+/// wrong number of poles, invalid or non-finite numbers, weights that are not positive.
 TopoDS_Shape read_patches(const std::filesystem::path& file, const std::string& text);
 
 namespace {
@@ -97,10 +97,11 @@ std::string label_of(const Handle(Standard_Transient) & entity) {
   return "";
 }
 
-/// The labels of entities, by the shapes that were made of them. A shape may lie in several places.
+/// The labels of entities, keyed by the shape made from each. One shape may occur at several
+/// locations.
 using Labels = std::unordered_map<const Standard_Transient*, std::string>;
 
-// In one pass: TransferReader looks through all entities for each shape.
+// One pass over all entities; TransferReader would search all of them for each shape.
 Labels labels_of(const Handle(Transfer_TransientProcess) & made) {
   Labels labels;
   for (int i = 1; i <= made->NbMapped(); ++i) {
@@ -112,9 +113,8 @@ Labels labels_of(const Handle(Transfer_TransientProcess) & made) {
   return labels;
 }
 
-/// Gives the faces, edges, shells and solids of all products the names of the entities that they
-/// were made of. (OpenCASCADE's own way, read.stepcaf.subshapes.name, breaks down over sound
-/// files.)
+/// Names the faces, edges, shells and solids of all products after the entities that they were made
+/// from. (OpenCASCADE's own option, read.stepcaf.subshapes.name, crashes on valid files.)
 void name_parts(const Handle(TDocStd_Document) & document, const Labels& labels) {
   const auto shapes = XCAFDoc_DocumentTool::ShapeTool(document->Main());
   TDF_LabelSequence products;
@@ -151,7 +151,7 @@ void map_shapes(CadFile& cad) {
   TopExp::MapShapes(cad.shape, TopAbs_FACE, cad.faces);
 }
 
-/// Flag 5: a curve in some parameter plane.
+/// True for IGES use flag 5: a curve in the parameter plane of a surface.
 bool in_a_parameter_plane(const Handle(Standard_Transient) & root) {
   const auto iges = Handle(IGESData_IGESEntity)::DownCast(root);
   return !iges.IsNull() && iges->UseFlag() == 5;
@@ -165,7 +165,7 @@ void refuse_without_roots(XSControl_Reader& reader, const std::filesystem::path&
                      " and no shape among them; expected curves or surfaces");
 }
 
-/// IGES, root by root, so that what cannot be converted is named.
+/// Converts an IGES file root by root, so that an error message can name the entity that failed.
 void transfer_iges(IGESCAFControl_Reader& reader, const std::filesystem::path& file, CadFile& cad) {
   BRep_Builder builder;
   TopTools_IndexedMapOfShape left_out;
@@ -187,7 +187,7 @@ void transfer_iges(IGESCAFControl_Reader& reader, const std::filesystem::path& f
     }
   }
   refuse_without_roots(reader, file, cad);
-  // What is converted already is only given its attributes.
+  // Already converted entities are not converted again; they only get their attributes.
   if (!reader.Transfer(cad.document)) return;
   const auto shapes = XCAFDoc_DocumentTool::ShapeTool(cad.document->Main());
   TDF_LabelSequence labels;
@@ -236,8 +236,8 @@ bool is_finite(const gp_Pnt& p) {
   return std::isfinite(p.X()) && std::isfinite(p.Y()) && std::isfinite(p.Z());
 }
 
-/// Whether vertices, and curves and surfaces at a few places, are at finite points: bytes may be
-/// any numbers.
+/// True if vertices, and sample points of curves and surfaces, are finite. Coordinates in binary
+/// files may be arbitrary bit patterns.
 bool is_finite(const TopoDS_Shape& shape) {
   TopTools_IndexedMapOfShape parts;
   for (const auto type : {TopAbs_VERTEX, TopAbs_EDGE, TopAbs_FACE})
@@ -294,11 +294,11 @@ void read_patch_set(const std::filesystem::path& file, CadFile& cad) {
   cad.labels.resize(static_cast<size_t>(cad.edges.Extent()));
 }
 
-// The shapes and labels of a file whose text was looked at.
+// Reads shapes and labels of a file that passed check_cad_text().
 CadFile read_with_occ(const std::filesystem::path& file, CadFormat format) {
   OccSettings occ;
   occ.set_unit("MM");
-  // One line an entity, corners in it or not; the default cuts splines at their corners.
+  // One edge per entity, even with corners in it; by default OpenCASCADE splits splines at corners.
   occ.set("read.iges.bspline.continuity", 0);
   CadFile cad;
   BRep_Builder().MakeCompound(cad.shape);
@@ -315,7 +315,7 @@ CadFile read_with_occ(const std::filesystem::path& file, CadFormat format) {
   return cad;
 }
 
-// The order of edges in the map is that of the shape, and survives.
+// Serialising the shape preserves the order of its edges, and with it the order of the labels.
 std::string to_bytes(const CadFile& cad) {
   std::ostringstream out;
   out.imbue(std::locale::classic());
@@ -353,7 +353,7 @@ CadFile cad_file_from_bytes(const std::string& bytes) {
 Handle(TDocStd_Document) new_document(double unit_in_metres) {
   const Handle(TDocStd_Document) document = new TDocStd_Document("BinXCAF");
   XCAFDoc_DocumentTool::Set(document->Main());
-  XCAFDoc_ShapeTool::SetAutoNaming(false);  // no names that nobody gave
+  XCAFDoc_ShapeTool::SetAutoNaming(false);  // no automatic names
   XCAFDoc_DocumentTool::SetLengthUnit(document, unit_in_metres);
   return document;
 }
@@ -381,7 +381,7 @@ std::string schema_of(const StepData_StepModel& model) {
   return schema->SchemaIdentifiersValue(1)->ToCString();
 }
 
-/// The units that an entity of the file assigns; null for other entities.
+/// The unit context of an entity; null if the entity is none.
 Handle(StepRepr_GlobalUnitAssignedContext) units_of(const Handle(Standard_Transient) & entity) {
   using Plain = StepGeom_GeometricRepresentationContextAndGlobalUnitAssignedContext;
   using Uncertain = StepGeom_GeomRepContextAndGlobUnitAssCtxAndGlobUncertaintyAssCtx;
@@ -443,7 +443,7 @@ CadHeader patches_header() {
 
 namespace {
 
-/// One direction: distinct knots with how often each comes.
+/// A knot vector: distinct knots and their multiplicities.
 struct Knots {
   int degree = 0;
   std::vector<double> at;
@@ -464,7 +464,8 @@ class PatchReader {
     if (!basis) fail("no Basis", "one with two B-spline bases");
     std::vector<double> weights;
     if (vtkXMLDataElement* inner = basis->FindNestedElementWithName("Basis");
-        inner && !inner->GetAttribute("index")) {  // of a rational patch, beside its weights
+        // Of a rational patch: nested, with the weights beside it.
+        inner && !inner->GetAttribute("index")) {
       if (vtkXMLDataElement* w = basis->FindNestedElementWithName("weights")) weights = numbers(*w);
       basis = inner;
     }
@@ -556,7 +557,7 @@ class PatchReader {
         poles, w, array<TColStd_Array1OfReal>(u.at), array<TColStd_Array1OfReal>(v.at),
         array<TColStd_Array1OfInteger>(u.times), array<TColStd_Array1OfInteger>(v.times), u.degree,
         v.degree);
-    constexpr double point = 1e-7;  // a side that is shorter is a point
+    constexpr double point = 1e-7;  // below this length, mm, a side counts as degenerate
     BRepBuilderAPI_MakeFace maker(surface, point);
     if (!maker.IsDone()) fail("a surface that has no face", "a sound patch");
     return maker.Face();

@@ -29,7 +29,7 @@ std::vector<std::string> lines_of(const std::filesystem::path& file) {
   return lines;
 }
 
-/// The number in columns [from, from + width), or -1.
+/// The number in columns [from, from + width), counted from 0; -1 if there is none.
 long field(const std::string& line, size_t from, size_t width) {
   if (line.size() <= from) return -1;
   char* end = nullptr;
@@ -38,8 +38,8 @@ long field(const std::string& line, size_t from, size_t width) {
   return end == text.c_str() ? -1 : value;
 }
 
-/// Lines of 80 columns, a section's letter in column 73 and the number in the section after it; the
-/// last line counts the lines of the others.
+/// Checks an IGES file: lines of 80 columns, with the section letter in column 73 and the number
+/// within the section after it. The last line holds the line counts of the other sections.
 void check_iges(const std::filesystem::path& file, const std::vector<std::string>& lines) {
   const std::string sections = "SGDPT";
   std::array<size_t, 5> first{}, count{};
@@ -102,7 +102,8 @@ constexpr const char* kBrepSections[] = {
     "Locations", "Curve2ds",       "Curves", "Polygon3D", "PolygonOnTriangulations",
     "Surfaces",  "Triangulations", "TShapes"};
 
-/// The same sections are in the binary form; numbers and shapes are bytes between them.
+/// Checks a binary BREP file. It has the same sections as the text form, with binary data in
+/// between.
 void check_binary_brep(const std::filesystem::path& file, const std::string& bytes) {
   size_t at = 0;
   for (const std::string name : kBrepSections) {
@@ -114,7 +115,7 @@ void check_binary_brep(const std::filesystem::path& file, const std::string& byt
     at = found + name.size() + 1;
     char* end = nullptr;
     const long count = std::strtol(bytes.c_str() + at, &end, 10);
-    // Each item takes a byte or more.
+    // Each item takes at least one byte.
     if (end == bytes.c_str() + at || count < 0 || count > static_cast<long>(bytes.size() - at))
       throw InputError(file.string() + ": found '" + bytes.substr(at, end - bytes.c_str() - at) +
                        "' as the count of " + name + " at byte " + std::to_string(at) +
@@ -123,7 +124,7 @@ void check_binary_brep(const std::filesystem::path& file, const std::string& byt
   }
 }
 
-/// A section "NAME COUNT", from line `from` on; its line.
+/// Finds the section "NAME COUNT" from line `from` on, and returns the index of its line.
 size_t brep_section(const std::filesystem::path& file, const std::vector<std::string>& lines,
                     size_t from, const std::string& name, long& count) {
   for (size_t i = from; i < lines.size(); ++i) {
@@ -131,7 +132,7 @@ size_t brep_section(const std::filesystem::path& file, const std::vector<std::st
     char* end = nullptr;
     const std::string text = lines[i].substr(name.size() + 1);
     count = std::strtol(text.c_str(), &end, 10);
-    // Each item takes a line or more.
+    // Each item takes at least one line.
     if (end == text.c_str() || count < 0 || count > static_cast<long>(lines.size() - i))
       refuse(
           file, i + 1,
@@ -143,8 +144,8 @@ size_t brep_section(const std::filesystem::path& file, const std::vector<std::st
          "the file ends without its section " + name + "; expected one: it is cut short");
 }
 
-/// The first lines name the format. Sections follow each other, each with a count; the list of each
-/// shape ends with '*', and the whole shape stands behind the last.
+/// Checks a BREP text file. One of its first lines names the format, followed by sections, each
+/// with a count. The list of each shape ends with '*', and the root shape follows the last.
 void check_brep_text(const std::filesystem::path& file, const std::vector<std::string>& lines) {
   const auto first = std::find_if(
       lines.begin(), lines.begin() + std::min<long>(4, lines.size()),
@@ -156,7 +157,7 @@ void check_brep_text(const std::filesystem::path& file, const std::vector<std::s
   long count = 0;
   for (const char* name : kBrepSections) at = brep_section(file, lines, at, name, count);
   long shapes = 0;
-  bool whole = false;  // something stands behind the last '*'
+  bool whole = false;  // true if text follows the last '*'
   for (size_t i = at + 1; i < lines.size(); ++i)
     for (const char c : lines[i]) {
       shapes += c == '*';
@@ -169,7 +170,8 @@ void check_brep_text(const std::filesystem::path& file, const std::vector<std::s
                "; expected all: the file is cut short");
 }
 
-/// OpenCASCADE reads 'nan' as a number. Words in quotes are text, in IGES those between blanks, too.
+/// Refuses 'nan' and 'inf', which OpenCASCADE reads as numbers. Quoted text is skipped; in IGES, so
+/// are words within text.
 void refuse_not_finite(const std::filesystem::path& file, const std::vector<std::string>& lines,
                        CadFormat format) {
   const std::string between = format == CadFormat::Iges ? "(,);" : "(,); \t\r";
@@ -214,7 +216,7 @@ bool is_binary_brep(const std::string& bytes) {
 }
 
 void check_cad_text(const std::filesystem::path& file, CadFormat format) {
-  if (format == CadFormat::Patches) return;  // an XML reader sees what is cut short
+  if (format == CadFormat::Patches) return;  // the XML reader detects truncation
   if (format == CadFormat::Brep)
     if (const std::string bytes = read_input_file(file, "a BREP file"); is_binary_brep(bytes))
       return check_binary_brep(file, bytes);

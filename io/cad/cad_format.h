@@ -1,4 +1,4 @@
-// The kinds of CAD files, and whether one is whole. Internal; needs no OpenCASCADE.
+// Recognises CAD file formats and detects truncated files. Internal; does not need OpenCASCADE.
 #pragma once
 
 #include <filesystem>
@@ -7,21 +7,21 @@
 
 namespace batten {
 
-/// The formats of CAD files.
+/// CAD file formats. `Patches`: spline patches of G+Smo (.xml), which are only read.
 enum class CadFormat { Step, Iges, Brep, Patches };
 
-/// Endings of CAD files, with their dots.
+/// File extensions of CAD files, with the dot.
 const std::vector<std::string>& cad_extensions();
 
-/// The format that a file's ending says. Throws InputError for another ending.
+/// The format that corresponds to the file's extension. Throws InputError for an unknown extension.
 CadFormat cad_format(const std::filesystem::path& file);
 
-/// Whether the bytes of a BREP file are its binary form.
+/// True if the content of a BREP file is in the binary form.
 bool is_binary_brep(const std::string& bytes);
 
-/// Throws InputError, with the line (of binary files the byte), for a file that is not of this
-/// format or is cut short where its text shows that: OpenCASCADE reads what it can of one, and says
-/// nothing. O(size).
+/// Checks that a file has the given format and is complete, as far as its text shows. Throws
+/// InputError with the line (for binary files: the byte). This check is needed because OpenCASCADE
+/// silently reads the intact part of a truncated file. O(file size).
 void check_cad_text(const std::filesystem::path& file, CadFormat format);
 
 }  // namespace batten

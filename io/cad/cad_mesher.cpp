@@ -49,8 +49,8 @@ double size_of(const TopoDS_Shape& shape) {
   return box.IsVoid() ? 0 : std::sqrt(box.SquareExtent());
 }
 
-/// Faces of IGES files are parts of their own: they become one, with faces that have the parts'
-/// names.
+/// Merges all parts into one; unnamed faces get the name of their part. (Each face of an IGES file
+/// is a part of its own.)
 void make_one(std::vector<CadPart>& parts) {
   CadPart all;
   all.shape = together(parts);
@@ -64,7 +64,7 @@ void make_one(std::vector<CadPart>& parts) {
   parts = {all};
 }
 
-/// Largest distances of chords from edges, and of flat triangles from faces.
+/// Largest distance of chords from edges, and of flat triangles from faces, mm.
 struct Deflection {
   double edges, faces;
 };
@@ -78,7 +78,7 @@ void mesh_faces(const TopoDS_Shape& shape, const Deflection& deflection) {
   BRepMesh_IncrementalMesh(shape, how);
 }
 
-/// Meshes with holes are worse than rough ones.
+/// Sort key of a mesh, smaller is better: holes are worse than a large deviation.
 std::tuple<int, int, double> defect_key(const CadFacets& f) {
   return {f.unmeshed, f.cracks, f.deviation};
 }
@@ -96,7 +96,7 @@ JoinedParts joined_parts(const CadFile& cad) {
     if (free_edges == 0) continue;
     std::vector<CadFace> faces = part.faces;
     const TopoDS_Shape shape = sewn(part.shape, ContinuityOptions{}.sewing * result.size, &faces);
-    if (free_edges_of(shape).Extent() >= free_edges) continue;  // nothing lies on anything else
+    if (free_edges_of(shape).Extent() >= free_edges) continue;  // sewing joined nothing
     part.shape = shape;
     part.faces = std::move(faces);
     result.sewn = true;
@@ -108,7 +108,7 @@ CadFacets mesh_parts(const std::vector<CadPart>& parts, double size, double chor
   const TopoDS_Compound all = together(parts);
   if (!(chord > 0)) chord = 1e-3 * size;
   CadFacets facets;
-  // Flat triangles are off by h², curved ones by h⁴.
+  // The error of flat triangles is O(h²), that of curved ones O(h⁴).
   Deflection deflection = {chord, curved ? std::max(chord, 0.1 * std::sqrt(chord * size)) : chord};
   Deflection last = deflection, best = deflection;
   for (int round = 0; round < 5; ++round) {
@@ -123,8 +123,8 @@ CadFacets mesh_parts(const std::vector<CadPart>& parts, double size, double chor
     }
     if (whole && deviation <= chord) break;
     if (whole && !better && round > 1) break;
-    // Faces whose borders cross each other in the plane of parameters may do so no more when these
-    // are finer.
+    // If the discretised boundary of a face intersects itself in the parameter plane, a finer one
+    // may not.
     const double finer = whole ? std::clamp(0.9 * chord / deviation, 0.1, 0.7) : 0.7;
     deflection.edges *= std::max(finer, curved ? 0.7 : 0.1);
     deflection.faces *= curved ? std::sqrt(finer) : finer;
@@ -137,7 +137,7 @@ CadFacets mesh_parts(const std::vector<CadPart>& parts, double size, double chor
 
 namespace {
 
-/// An edge of the mesh, by its nodes.
+/// An edge of the mesh, as a pair of nodes.
 using Link = std::pair<int, int>;
 struct LinkHash {
   size_t operator()(const Link& l) const {
@@ -155,7 +155,7 @@ class Numbering {
     of_vertex_.assign(static_cast<size_t>(vertices_.Extent()), -1);
   }
 
-  /// Adds the triangles of a face; false where it has none.
+  /// Adds the triangles of a face; false if it has none.
   bool add(const TopoDS_Face& face) {
     TopLoc_Location location;
     const Handle(Poly_Triangulation) mesh = BRep_Tool::Triangulation(face, location);
@@ -171,7 +171,7 @@ class Numbering {
       if (ids[i] < 0) ids[i] = new_node(at[i]);
       const Vec3& node_position = points_[static_cast<size_t>(ids[i])];
       if (at[i] == node_position) continue;
-      // Where faces differ by their tolerances, the first one says where the common node is.
+      // Faces differ by their tolerances; the first one determines the common node position.
       at[i] = node_position;
       mesh->SetNode(static_cast<int>(i) + 1,
                     gp_Pnt(at[i].x(), at[i].y(), at[i].z()).Transformed(move.Inverted()));
@@ -198,8 +198,8 @@ class Numbering {
 
   int face_count() const { return face_count_; }
 
-  /// The mesh, without triangles of equal nodes and nodes without a triangle; the face of each
-  /// triangle comes into `faces`.
+  /// Builds the mesh without degenerate triangles and unused nodes. `faces` gets the face of each
+  /// triangle.
   CadFacets finish(std::vector<int>& faces) {
     DisjointSets same(points_.size());
     for (const auto& [a, b] : equal_) same.unite(a, b);
@@ -230,7 +230,7 @@ class Numbering {
     return facets;
   }
 
-  /// Chords along these edges may be free: beside them lies one face.
+  /// Declares the edges with one adjacent face; mesh edges along them are not cracks.
   void set_free_edges(const TopTools_IndexedMapOfShape& free_edges) {
     for (int r = 1; r <= free_edges.Extent(); ++r)
       free_edges_.push_back(edges_.FindIndex(free_edges(r)) - 1);
@@ -250,7 +250,7 @@ class Numbering {
     return node;
   }
 
-  /// Nodes along an edge of a face get the edge's numbers; at its ends its vertices'.
+  /// Assigns the shared node numbers along an edge of a face; at its ends, those of its vertices.
   void assign_edge_nodes(const TopoDS_Edge& edge, const Handle(Poly_Triangulation) & mesh,
                          const TopLoc_Location& location, std::vector<int>& ids,
                          const std::vector<Vec3>& at) {
@@ -271,7 +271,7 @@ class Numbering {
                                          : new_node(at[local(k)]));
       if (!point) deviation_ = std::max(deviation_, chord_deviation(edge, *chain, at));
     }
-    if (isize(nodes) != count) return;  // a crack, which is counted
+    if (isize(nodes) != count) return;  // a crack, counted later
     for (int k = 0; k < count; ++k) {
       int& id = ids[local(k)];
       if (id < 0)
@@ -308,7 +308,7 @@ class Numbering {
   std::vector<std::array<int, 3>> triangles_;
   std::vector<PnTriangle::Corners> normals_;
   std::vector<int> faces_, free_edges_;
-  std::vector<std::pair<int, int>> equal_;  // nodes in one place
+  std::vector<std::pair<int, int>> equal_;  // pairs of coincident nodes
   bool curved_;
   int face_count_ = 0;
   double deviation_ = 0;
@@ -354,7 +354,7 @@ CadFacets number_facets(const std::vector<CadPart>& parts, const TopoDS_Shape& s
 
 namespace {
 
-/// A surface within its own range of parameters.
+/// A surface restricted to its parameter range.
 struct BoundedSurface {
   Handle(Geom_Surface) surface;
   double u0 = 0, u1 = 0, v0 = 0, v1 = 0;
@@ -363,7 +363,7 @@ struct BoundedSurface {
     if (!surface.IsNull()) surface->Bounds(u0, u1, v0, v1);
   }
 
-  /// Of unit length; zero where the surface is singular.
+  /// Unit normal; zero if the surface is singular there.
   Vec3 normal(const Vec2& uv) const {
     gp_Pnt at;
     gp_Vec du, dv;
@@ -371,8 +371,9 @@ struct BoundedSurface {
     return from_occ(du.XYZ()).cross(from_occ(dv.XYZ())).normalized();
   }
 
-  /// Distance from `p` to the surface near (u, v): Gauss-Newton steps, shorter and steeper ones
-  /// where they lead away (the parameters of many CAD surfaces are far from even).
+  /// Distance from `p` to the surface, with Gauss-Newton steps from (u, v). Steps that increase the
+  /// distance are damped (Levenberg-Marquardt), because many CAD surfaces are parametrised very
+  /// unevenly.
   double distance(Vec2 uv, const Vec3& p) const {
     gp_Pnt at;
     gp_Vec du, dv;
@@ -411,7 +412,7 @@ struct BoundedSurface {
   }
 };
 
-/// The corners of a triangle.
+/// The corners of a triangle, in space and in parameters.
 struct Facet {
   std::array<Vec3, 3> point;
   std::array<Vec2, 3> uv;
@@ -427,7 +428,7 @@ struct Facet {
   }
 };
 
-/// Barycentric coordinates of the points that are looked at.
+/// Barycentric coordinates of the sample points of a triangle.
 constexpr std::array<std::array<double, 3>, 7> kPoints = {{{1 / 3.0, 1 / 3.0, 1 / 3.0},
                                                            {0.5, 0.5, 0},
                                                            {0, 0.5, 0.5},
@@ -441,7 +442,7 @@ constexpr std::array<std::array<double, 3>, 7> kPoints = {{{1 / 3.0, 1 / 3.0, 1 
 std::vector<PnTriangle::Corners> corner_normals(const TopoDS_Face& face,
                                                 const Poly_Triangulation& mesh,
                                                 const std::vector<Vec3>& at) {
-  constexpr double inwards = 1e-6;  // of the way to the triangle's middle
+  constexpr double inwards = 1e-6;  // fraction of the path to the triangle's centroid
   const BoundedSurface sheet(face);
   const bool known = !sheet.surface.IsNull() && mesh.HasUVNodes();
   std::vector<PnTriangle::Corners> normals;
@@ -484,7 +485,7 @@ double surface_deviation(const TopoDS_Face& face, const Poly_Triangulation& mesh
       }
       if (curved) p = curved->at({w[0], w[1], w[2]});
       double distance = sheet.distance(uv, p);
-      // A search may end where the surface comes near only there: corners lead elsewhere.
+      // The search may end in a local minimum; starts at the corners may find a nearer one.
       for (size_t c = 0; c < 3 && distance > largest; ++c)
         distance = std::min(distance, sheet.distance(facet.uv[c], p));
       largest = std::max(largest, distance);

@@ -50,7 +50,7 @@ std::string name_of(const TDF_Label& label) {
   return utf8(name->Get());
 }
 
-/// The colours of a shape: of its faces and of its curves.
+/// The colours that a shape gives to its faces and to its curves; "" for none.
 struct Colours {
   std::string surface, curve;
   Colours over(const Colours& inherited) const {
@@ -65,7 +65,7 @@ std::string hex(const Quantity_Color& colour) {
   return text;
 }
 
-/// What the document says of a shape within a part.
+/// Attributes of a subshape of a part in the document.
 struct Attributes {
   std::string name;
   Colours colours;
@@ -108,7 +108,8 @@ class Walker {
     }
   }
 
-  /// A label that is an instance, an assembly or a shape; `place`: of what it is in.
+  /// Visits a label that is an instance, an assembly or a shape. `place`: the placement of its
+  /// parent.
   void visit(TDF_Label label, TopLoc_Location place, Colours inherited, int level) {
     CadProduct product;
     product.level = level;
@@ -163,7 +164,7 @@ class Walker {
     CadPart result;
     result.name = of.name.empty() ? of.instance_name : of.name;
     result.shape = shape.Moved(place);
-    // A face or an edge that is a product of its own has the product's name.
+    // A product that is a single face or edge gives its name to it.
     const bool single = shape.ShapeType() == TopAbs_FACE || shape.ShapeType() == TopAbs_EDGE;
     if (single && !within.IsBound(shape)) within.Bind(shape, {result.name, {}});
     collect(shape, place, within, colours, "", result);
@@ -176,8 +177,8 @@ class Walker {
 
   using Within = NCollection_DataMap<TopoDS_Shape, Attributes, TopTools_ShapeMapHasher>;
 
-  /// Adds the faces and lone curves of a shape; edges below faces are not looked at. `solid`: the
-  /// name of what it is in.
+  /// Adds the faces and free curves of a shape; edges of faces are not visited. `solid`: the name
+  /// of the innermost named shape that contains it.
   void collect(const TopoDS_Shape& shape, const TopLoc_Location& place, const Within& within,
                const Colours& inherited, const std::string& solid, CadPart& part) const {
     const Attributes* own = within.Seek(shape);
@@ -298,7 +299,7 @@ TopTools_IndexedMapOfShape free_edges_of(const TopoDS_Shape& shape) {
     for (TopExp_Explorer edge(face.Current(), TopAbs_EDGE); edge.More(); edge.Next()) {
       const auto number = static_cast<size_t>(edges.Add(edge.Current()));
       uses.resize(std::max(uses.size(), number), 0);
-      ++uses[number - 1];  // a seam is there twice
+      ++uses[number - 1];  // a seam occurs twice
     }
   for (int e = 1; e <= edges.Extent(); ++e)
     if (uses[static_cast<size_t>(e) - 1] == 1 && !BRep_Tool::Degenerated(TopoDS::Edge(edges(e))))
@@ -308,7 +309,7 @@ TopTools_IndexedMapOfShape free_edges_of(const TopoDS_Shape& shape) {
 
 namespace {
 
-/// Closed shells look outwards.
+/// Orients closed shells outwards.
 TopoDS_Shape outwards(const TopoDS_Shape& shape) {
   const bool single = shape.ShapeType() != TopAbs_COMPOUND;
   TopoDS_Compound result;
@@ -334,7 +335,7 @@ TopoDS_Shape sewn(const TopoDS_Shape& shape, double tolerance, std::vector<CadFa
   if (sewing.SewedShape().IsNull()) return shape;
   const TopoDS_Shape result = outwards(sewing.SewedShape());
   if (!faces) return result;
-  TopTools_IndexedMapOfShape found;  // with their orientations
+  TopTools_IndexedMapOfShape found;  // keeps the orientation of each face
   TopExp::MapShapes(result, TopAbs_FACE, found);
   std::vector<CadFace> kept;
   for (const CadFace& face : *faces) {

@@ -1,4 +1,4 @@
-// The parts of a CAD document at their places, with names and colours of their faces. Internal.
+// The placed parts of a CAD document, with names and colours of their faces, and sewing. Internal.
 #pragma once
 
 #include <TDocStd_Document.hxx>
@@ -14,67 +14,68 @@
 
 namespace batten {
 
-/// A face at its place. Names and colour are "" for none; a colour may be inherited.
+/// A placed face. Name and colour are "" if there is none; the colour may be inherited.
 struct CadFace {
   TopoDS_Face face;
   std::string name, colour;
-  std::string solid = {};  ///< the name of the solid or shell that it is in
+  std::string solid = {};  ///< name of the solid or shell that contains it; "" if it has none
 };
 
-/// A curve: an edge at its place.
+/// A curve: a placed edge.
 struct CadCurveItem {
   TopoDS_Edge edge;
   std::string name, colour;
 };
 
-/// A solid or shell within a part, at its place.
+/// A placed solid or shell within a part.
 struct CadBody {
   TopoDS_Shape shape;
   std::string name;
 };
 
-/// One instance of a shape that is no assembly.
+/// One instance of a shape that is not an assembly.
 struct CadPart {
-  std::string name;    ///< of its product, or of its instance where that says more; "" for none
-  TopoDS_Shape shape;  ///< at its place
+  std::string name;    ///< of the product, else of the instance; "" if neither has one
+  TopoDS_Shape shape;  ///< placed in the global frame
   std::vector<CadFace> faces;
-  std::vector<CadBody> bodies;       ///< those within it that have a name
-  std::vector<CadCurveItem> curves;  ///< those that belong to no face
-  std::vector<CadCurveItem> edges;   ///< those of faces that have a name, each once
+  std::vector<CadBody> bodies;       ///< the named solids and shells within the part
+  std::vector<CadCurveItem> curves;  ///< edges that belong to no face
+  std::vector<CadCurveItem> edges;   ///< named edges of faces, each listed once
 };
 
+/// All instances of a document.
 struct CadTree {
-  std::vector<CadProduct> products;  ///< all, assemblies too, from the top down; shifts in mm
+  std::vector<CadProduct> products;  ///< parts and assemblies, depth first; translations in mm
   std::vector<CadPart> parts;
   std::vector<CadAttribute> layers;
 };
 
-/// All instances of a document. O(shapes).
+/// Collects all instances of a document. O(number of shapes).
 CadTree tree_of(const Handle(TDocStd_Document) & document);
 
-/// A document with a product for each part: faces have the names and colours that are given,
-/// coordinates are in this unit.
+/// Creates a document with one product per part, in the given length unit. Names and colours of
+/// faces and curves are those in `parts`.
 Handle(TDocStd_Document)
     document_of(const std::vector<CadPart>& parts, double unit_in_metres = 1e-3);
 
 
-// Curves as a part of a CAD document. Internal.
+// Curves as a part of a CAD document.
 
-/// A part of edges without faces: one for each spline, in their order and by their names, closed
-/// ones with one vertex. STEP has it as a product with a set of curves, which programs show as
-/// wires.
+/// Creates a part of free edges: one for each spline, in the same order and with the same names. A
+/// closed spline gets one vertex. In STEP this becomes a product with a geometric curve set, which
+/// CAD programs show as wires.
 CadPart part_of_curves(const std::string& name, const std::vector<CubicSpline>& splines);
 
 
-// Edges of CAD shapes that have one face only. Internal.
+// Free edges of CAD shapes, and sewing.
 
-/// The edges of a shape beside which one face lies, once; no seams, none without length. A closed
-/// shape has none. O(edges).
+/// The free edges of a shape: those with exactly one adjacent face, each listed once. Seams and
+/// degenerate edges are not included. A closed shape has none. O(edges).
 TopTools_IndexedMapOfShape free_edges_of(const TopoDS_Shape& shape);
 
-/// The shape with edges within `tolerance` of each other made one; faces in `faces` become those of
-/// the result and keep their names; those that sewing drops are left out. Solids become shells, and
-/// closed shells look outwards.
+/// Sews edges that lie within `tolerance` of each other. `faces` is updated to the resulting faces,
+/// which keep their names; faces that sewing drops are removed from it. Solids become shells.
+/// Closed shells are oriented outwards.
 TopoDS_Shape sewn(const TopoDS_Shape& shape, double tolerance,
                   std::vector<CadFace>* faces = nullptr);
 

@@ -45,7 +45,7 @@
 namespace batten {
 namespace {
 
-/// Products without a name get the file's: OpenCASCADE would give them its own.
+/// Gives products without a name that of the file; OpenCASCADE would generate names.
 void name_products(const Handle(TDocStd_Document) & document, const std::string& name) {
   const auto shapes = XCAFDoc_DocumentTool::ShapeTool(document->Main());
   TDF_LabelSequence products;
@@ -72,7 +72,8 @@ std::string step_of(const Handle(TDocStd_Document) & document, const CadWriteOpt
   return out.str();
 }
 
-/// The directory has room for eight letters; the property for all of them.
+/// Sets the name of an IGES entity. The label in its directory entry holds eight characters, so a
+/// name property holds the full name.
 void name_iges(IGESCAFControl_Writer& writer, const TopoDS_Shape& shape, const std::string& name) {
   if (name.empty()) return;
   const auto finder = TransferBRep::ShapeMapper(writer.TransferProcess(), shape);
@@ -92,7 +93,7 @@ std::string iges_of(const Handle(TDocStd_Document) & document, const TopoDS_Shap
   occ.set("write.iges.unit", cad_unit(options.unit_in_metres).c_str());
   occ.set("write.iges.brep.mode", 1);
   IGESCAFControl_Writer writer;
-  writer.SetNameMode(false);  // it knows those of products only
+  writer.SetNameMode(false);  // it would write the names of products only
   if (!writer.Transfer(document)) throw Error("OpenCASCADE cannot turn the shapes into IGES");
   for (const CadPart& part : tree_of(document).parts) {
     name_iges(writer, part.shape, part.name);
@@ -150,8 +151,8 @@ std::string cad_text(const Handle(TDocStd_Document) & document, const TopoDS_Sha
 
 namespace {
 
-/// OpenCASCADE makes a set of each curve that belongs to no face, and names that: readers take a
-/// curve's name.
+/// Copies the names of free curves from the curve sets in which OpenCASCADE wraps them to the
+/// curves themselves. Readers use the name of the curve.
 void name_curves(const StepData_StepModel& model) {
   for (int e = 1; e <= model.NbEntities(); ++e) {
     const auto set = Handle(StepShape_GeometricCurveSet)::DownCast(model.Value(e));
@@ -183,8 +184,8 @@ void write_step_text(STEPControl_Writer& writer, const StepHeader& header, std::
   made.SetDescriptionValue(1, occ_string(header.description));
   made.SetOriginatingSystem(occ_string("Batten"));
   StepData_StepWriter text(writer.Model());
-  // Enough digits to read the same number back. (Its zero suppression, which would make the file
-  // smaller, cuts exponents off numbers as long as these.)
+  // Enough digits to read the same number back. (OpenCASCADE's zero suppression, which would make
+  // the file smaller, truncates the exponents of numbers as long as these.)
   text.FloatWriter().SetFormat("%#.17G");
   text.SendModel(Handle(StepData_Protocol)::DownCast(writer.WS()->Protocol()));
   text.Print(out);
@@ -193,15 +194,15 @@ void write_step_text(STEPControl_Writer& writer, const StepHeader& header, std::
 void write_parts(const std::filesystem::path& path, const std::vector<CadPart>& parts,
                  const StepFileProperties& properties, OccSettings& occ) {
   occ.set("write.step.schema", properties.ap242 ? "AP242DIS" : "AP214IS");
-  occ.set("write.step.assembly", 0);  // one product a part, not one for each shell or curve
+  occ.set("write.step.assembly", 0);  // one product per part, instead of one per shell or curve
   occ.set("write.stepcaf.subshapes.name", 1);
   occ.set("write.surfacecurve.mode", 1);
-  occ.set("write.precision.mode", 2);  // the value given next
+  occ.set("write.precision.mode", 2);  // use the value set in the next line
   occ.set("write.precision.val", properties.tolerance);
   STEPCAFControl_Writer writer;
   if (!writer.Transfer(document_of(parts, occ.unit_in_metres()), STEPControl_AsIs))
     throw Error(path.string() + ": OpenCASCADE cannot turn the shapes into STEP");
-  // OpenCASCADE counts the products of a process in their names.
+  // OpenCASCADE appends a process-wide product counter to the names; restore them.
   const auto& model = *writer.ChangeWriter().Model();
   size_t next = 0;
   for (int e = 1; e <= model.NbEntities(); ++e)

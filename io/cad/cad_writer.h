@@ -1,4 +1,4 @@
-// Writes CAD documents as text. Internal.
+// Writes CAD documents to STEP, IGES and BREP. Internal.
 #pragma once
 
 #include <string>
@@ -13,21 +13,23 @@
 
 namespace batten {
 
+/// Options of cad_text().
 struct CadWriteOptions {
   CadFormat format = CadFormat::Step;
-  bool ap242 = false;            ///< of STEP, instead of AP214
-  double unit_in_metres = 1e-3;  ///< of the file
-  std::string name;              ///< of the file, in its header
+  bool ap242 = false;            ///< STEP only: AP242 instead of AP214
+  double unit_in_metres = 1e-3;  ///< length unit of the file
+  std::string name;              ///< name in the file header
 };
 
-/// The text of a file with all products of a document and their attributes, of BREP the shape.
-/// Throws InputError for a unit that such files cannot have, Error when OpenCASCADE fails.
+/// The text of a CAD file with all products of a document and their attributes (BREP: only
+/// `shape`). Throws InputError for a unit that CAD files cannot declare, Error if OpenCASCADE
+/// fails.
 std::string cad_text(const Handle(TDocStd_Document) & document, const TopoDS_Shape& shape,
                      const CadWriteOptions& options);
 
 }  // namespace batten
 
-// Writes a STEP file once OpenCASCADE has its contents. Internal.
+// Writes a STEP file from a filled OpenCASCADE writer.
 
 class STEPControl_Writer;
 
@@ -35,50 +37,52 @@ namespace batten {
 
 class OccSettings;
 
+/// Text fields in the header of a STEP file.
 struct StepHeader {
   std::string name, author, description;
 };
 
-/// OpenCASCADE's name of a length unit that CAD files can have. Throws InputError.
+/// OpenCASCADE's name of a length unit. Throws InputError if CAD files cannot declare the unit.
 std::string cad_unit(double model_unit_in_metres);
 
-/// The distance within which OpenCASCADE takes points for one when it reads a file: 1e-7 mm, in
-/// model units.
+/// The distance below which OpenCASCADE treats points as coincident when it reads a file: 1e-7 mm,
+/// converted to model units.
 inline double reader_coincidence(double model_unit_in_metres) {
   return 1e-10 / model_unit_in_metres;
 }
 
-/// Puts the file's text, with this header, with all digits of its numbers and with the names of
-/// curves, into a stream.
+/// Writes the text of a STEP file to a stream, with this header, with all digits of its numbers and
+/// with the names of curves.
 void write_step_text(STEPControl_Writer& writer, const StepHeader& header, std::ostream& out);
 
-/// What a STEP file says of itself.
+/// Header data of a STEP file.
 struct StepFileProperties {
   StepHeader header;
-  bool ap242 = false;    ///< instead of AP214
-  double tolerance = 0;  ///< that it declares, model units
+  bool ap242 = false;    ///< AP242 instead of AP214
+  double tolerance = 0;  ///< declared in the file as its uncertainty, model units
 };
 
-/// Writes each part as a product in the unit of `occ`, with the names and colours of its faces, the
-/// names of their edges, and its curves. The file appears whole or not at all. Throws Error when
-/// OpenCASCADE fails, InputError when the file cannot be written.
+/// Writes each part as a product, in the unit of `occ`, with names and colours of faces, names of
+/// edges, and curves. The file is written atomically. Throws Error if OpenCASCADE fails, InputError
+/// if the file cannot be written.
 void write_parts(const std::filesystem::path& path, const std::vector<CadPart>& parts,
                  const StepFileProperties& properties, OccSettings& occ);
 
-/// Writes a part with faces and, where there are any, the lines as a part of their own, as
-/// write_parts() does.
+/// Writes a part with faces and, if `options` has any, the lines as a separate product "lines".
+/// Otherwise as write_parts().
 void write_surfaces(const std::filesystem::path& path, const CadPart& part,
                     const StepFileOptions& options, double tolerance, OccSettings& occ);
 
-/// The name and colour of the faces of a region: colours only tell regions apart.
+/// The face of a region with its name and a colour. The colour only distinguishes regions; a single
+/// region gets none.
 CadFace face_of_region(const TopoDS_Face& face, const std::string& region, size_t number,
                        size_t regions);
 
 
-// The text of IGES files. Internal.
+// The text of IGES files.
 
-/// Completes the model of a writer and prints it with digits that come back as the same numbers. Returns false
-/// where OpenCASCADE cannot.
+/// Completes the writer's IGES model and prints it with enough digits for an exact round trip.
+/// Returns false if OpenCASCADE fails.
 bool print_iges(IGESControl_Writer& writer, std::ostream& out);
 
 }  // namespace batten

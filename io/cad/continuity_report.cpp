@@ -1,4 +1,5 @@
-// Words of a report only: nothing of OpenCASCADE, so that programs that load it as a module need not ask it.
+// Formats continuity reports. Does not use OpenCASCADE, so that programs that load it as a plug-in
+// can format reports without it.
 #include <algorithm>
 
 #include "batten/core/geometry.h"
@@ -61,7 +62,7 @@ std::string continuity_text(const ContinuityReport& r, const ContinuityOptions& 
   if (const auto* edge = r.worst(Kind::Tangent))
     text += "  tangent edges meet within " + format_number(edge->angle_deg) +
             " degrees, G1 limit " + format_number(options.angle_deg) + where(*edge) + "\n";
-  const EdgeContinuity* nearly = nullptr;  // creases that were meant as smooth
+  const EdgeContinuity* nearly = nullptr;  // crease that was probably meant to be smooth
   for (const auto& edge : r.inner)
     if (edge.kind == Kind::Crease && edge.angle_deg < 3 &&
         (!nearly || edge.angle_deg > nearly->angle_deg))

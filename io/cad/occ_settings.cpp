@@ -29,7 +29,7 @@ void demand(bool done, const char* name) {
 }  // namespace
 
 OccSettings::OccSettings() : lock_(process_mutex()) {
-  // The settings exist from here on.
+  // This creates the settings.
   STEPCAFControl_Controller::Init();
   IGESControl_Controller::Init();
   cascade_unit_ = UnitsMethods::GetCasCadeLengthUnit();
@@ -39,7 +39,7 @@ OccSettings::OccSettings() : lock_(process_mutex()) {
 }
 
 OccSettings::~OccSettings() {
-  // Backwards: of a setting that was changed twice, the first value is the one from before.
+  // In reverse order: if a setting was changed twice, the first saved value is the original one.
   for (auto it = strings_.rbegin(); it != strings_.rend(); ++it)
     Interface_Static::SetCVal(it->first.c_str(), it->second.c_str());
   for (auto it = integers_.rbegin(); it != integers_.rend(); ++it)

@@ -1,4 +1,4 @@
-// OpenCASCADE's process-wide settings, changed for one task only.
+// Scoped access to OpenCASCADE's process-wide settings, and conversions to its types.
 #pragma once
 
 #include <Message_SequenceOfPrinters.hxx>
@@ -13,9 +13,9 @@
 
 namespace batten {
 
-/// While such an object exists, OpenCASCADE's translators have the settings given by set() and
-/// print nothing. Its destructor restores settings, unit and printers. The settings belong to the
-/// whole process, so only one thread at a time can have such an object (others wait).
+/// RAII guard for OpenCASCADE's process-wide translator settings. While it exists, the settings
+/// given to set() apply and OpenCASCADE prints nothing. The destructor restores settings, unit and
+/// message printers. Only one thread at a time can have such an object; other threads wait.
 ///
 ///     OccSettings occ;
 ///     occ.set("xstep.cascade.unit", "MM");
@@ -27,20 +27,20 @@ class OccSettings {
   OccSettings(const OccSettings&) = delete;
   OccSettings& operator=(const OccSettings&) = delete;
 
-  /// Changes a setting. Throws std::logic_error when OpenCASCADE does not know it or refuses the
+  /// Changes a setting. Throws std::logic_error if OpenCASCADE has no such setting or rejects the
   /// value.
   void set(const char* name, const char* value);
   void set(const char* name, int value);
   void set(const char* name, double value);
 
-  /// Sets the unit ("MM", "M", "INCH" …) of the coordinates that OpenCASCADE reads into and writes
-  /// from. Files that are written have the same unit, so that coordinates are not converted.
+  /// Sets the unit ("MM", "M", "INCH" …) of coordinates in memory, for reading and writing. Written
+  /// files declare the same unit, so that coordinates are not converted.
   void set_unit(const std::string& name);
-  /// The unit that was set; a millimetre before.
+  /// The unit that was set; by default a millimetre.
   double unit_in_metres() const { return unit_in_metres_; }
 
-  /// OpenCASCADE's name of a length unit, or "" for a unit that STEP files of OpenCASCADE cannot
-  /// have. Known: UM, MM, CM, M, KM, INCH, FT, MI, MIL, UIN.
+  /// OpenCASCADE's name of a length unit: UM, MM, CM, M, KM, INCH, FT, MI, MIL or UIN. "" for any
+  /// other unit, which STEP files of OpenCASCADE cannot declare.
   static std::string unit_name(double unit_in_metres);
 
  private:
@@ -50,13 +50,13 @@ class OccSettings {
   std::vector<std::pair<std::string, std::string>> strings_;
   std::vector<std::pair<std::string, int>> integers_;
   std::vector<std::pair<std::string, double>> reals_;
-  double cascade_unit_;  // millimetres
+  double cascade_unit_;  // the previous unit of OpenCASCADE, in millimetres
   double unit_in_metres_ = 1e-3;
   Message_SequenceOfPrinters printers_;
 };
 
 
-// Points and texts as OpenCASCADE has them.
+// Converts points and strings to and from OpenCASCADE's types.
 
 inline gp_Pnt to_occ(const Vec3& p) { return {p.x(), p.y(), p.z()}; }
 inline Vec3 from_occ(const gp_XYZ& p) { return {p.X(), p.Y(), p.Z()}; }

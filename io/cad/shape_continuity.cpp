@@ -34,20 +34,21 @@ namespace {
 
 constexpr int kFewPoints = 17, kMostPoints = 401;
 
-/// A face beside an edge.
+/// A face adjacent to an edge.
 struct Side {
   Handle(Geom_Surface) surface;
   Handle(Geom2d_Curve) line;
   int face = 0;
 };
 
-/// What a face is like at a point of its edge.
+/// Position, unit normal and curvature of a face at a point of its edge.
 struct EdgeJet {
   Vec3 at, normal;
-  double curvature = 0;  ///< across the edge
+  double curvature = 0;  ///< normal curvature across the edge
 };
 
-/// The face at its point nearest to `p`, from the parameter line on; `along`: the edge's direction.
+/// Evaluates the face at its closest point to `p`, with Newton steps that start on the pcurve.
+/// `along`: unit tangent of the edge.
 std::optional<EdgeJet> edge_jet(const Side& side, double parameter, const Vec3& p, const Vec3& along) {
   gp_Pnt2d uv = side.line->Value(parameter);
   gp_Pnt at;
@@ -79,7 +80,8 @@ std::optional<EdgeJet> edge_jet(const Side& side, double parameter, const Vec3& 
   return jet;
 }
 
-/// Between the knots of splines angles go up and down: four points for each that an edge may cross.
+/// The number of sample points: four for each knot interval that the edge may cross, because the
+/// angle oscillates between the knots of splines.
 int points_along(const Side& a, const Side& b) {
   int knots = 0;
   for (const Side* side : {&a, &b})
@@ -88,7 +90,7 @@ int points_along(const Side& a, const Side& b) {
   return std::clamp(4 * knots, kFewPoints, kMostPoints);
 }
 
-/// One edge with two sides; none where it cannot be measured.
+/// Measures an edge with two adjacent faces; nullopt if that is impossible.
 std::optional<EdgeContinuity> measured(const TopoDS_Edge& edge, const Side& a, const Side& b,
                                        double size, const ContinuityOptions& options) {
   double first, last;
@@ -112,7 +114,7 @@ std::optional<EdgeContinuity> measured(const TopoDS_Edge& edge, const Side& a, c
                other = edge_jet(b, t, at, along.normalized());
     if (!one || !other) return std::nullopt;
     result.gap = std::max(result.gap, (one->at - other->at).norm());
-    // Tangent planes have no side: normals of unsewn faces may be opposite.
+    // Compare unoriented planes: normals of unsewn faces may be opposite.
     const double cosine = one->normal.dot(other->normal), same = cosine < 0 ? -1 : 1;
     const double angle = std::atan2(one->normal.cross(other->normal).norm(), std::abs(cosine)) *
                          180 / std::numbers::pi;
@@ -163,7 +165,7 @@ Box3 box_of(const TopTools_IndexedMapOfShape& edges) {
   return box;
 }
 
-/// Narrower than a thousandth of its length: its area over its perimeter says so.
+/// True if the face is narrower than a thousandth of its length, estimated from area and perimeter.
 bool is_sliver(const TopoDS_Face& face, double area) {
   GProp_GProps length;
   BRepGProp::LinearProperties(face, length);
@@ -251,16 +253,16 @@ ContinuityReport measure_continuity(const std::filesystem::path& file, double mo
     throw InputError(file.string() + ": a unit, an angle or a share that is not above 0");
   const CadFile cad = read_cad(file);
   if (cad.faces.Extent() == 0) throw InputError(file.string() + ": found no faces, expected some");
-  const OccSettings occ;  // after a child that may have read the file
+  const OccSettings occ;  // only now: read_cad() may have forked a child process
   try {
     const double size = box_of(cad.edges).diagonal().norm();
     ContinuityReport report = shape_continuity(
         options.sewing > 0 ? sewn(cad.shape, options.sewing * size) : TopoDS_Shape(cad.shape), size,
         options);
-    TopTools_IndexedMapOfShape solids;  // sewing leaves shells of them
+    TopTools_IndexedMapOfShape solids;  // sewing turns solids into shells
     TopExp::MapShapes(cad.shape, TopAbs_SOLID, solids);
     report.solids = solids.Extent();
-    const double unit = 1e-3 / model_unit_in_metres;  // a millimetre in model units
+    const double unit = 1e-3 / model_unit_in_metres;  // one millimetre in model units
     report.size *= unit;
     report.area *= unit * unit;
     for (auto& edge : report.inner) {

@@ -1,4 +1,4 @@
-// How the faces of a shape meet. Internal.
+// Measures the continuity between the faces of an OpenCASCADE shape. Internal.
 #pragma once
 
 #include <TopoDS_Shape.hxx>
@@ -9,12 +9,12 @@
 
 namespace batten {
 
-/// The areas of the faces of a shape, in their order, by OpenCASCADE, on all threads: integrals over the
-/// knots of each.
+/// The area of each face of a shape, in order. OpenCASCADE integrates between the knots of each
+/// face. Uses all threads.
 std::vector<double> face_areas(const TopoDS_Shape& shape);
 
-/// Measures a shape as measure_continuity() does a file, without sewing, in the shape's own unit and on
-/// all threads. `size`: the diagonal of the box around its edges.
+/// Measures a shape as measure_continuity() does a file, but without sewing and in the shape's own
+/// unit. `size`: diagonal of the bounding box of its edges. Uses all threads.
 ContinuityReport shape_continuity(const TopoDS_Shape& shape, double size,
                                   const ContinuityOptions& options = {});
 

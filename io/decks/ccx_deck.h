@@ -1,4 +1,4 @@
-// Writes numbers and lists of decks of CalculiX. Internal: not installed.
+// Formats numbers and lists for CalculiX decks. Internal: not installed.
 #pragma once
 
 #include <iosfwd>
@@ -9,17 +9,16 @@
 
 namespace batten {
 
-/// A number with as many digits as fit into 20 characters; its relative error is 1e-13 at most.
-/// (ccx reads 20 characters and silently drops the rest, exponents included.)
+/// Formats a number with as many digits as fit into 20 characters; the relative error is at most
+/// 1e-13. (ccx reads 20 characters and silently ignores the rest, exponents included.)
 std::string ccx_number(double value);
-/// A vector as "x,y,z".
+/// Formats a vector as "x,y,z".
 std::string ccx_vector(const Vec3& v);
 
-/// A text for a comment: each control character, as of line ends, becomes a blank.
+/// A text for a comment line: control characters such as line ends are replaced by blanks.
 std::string one_line(std::string text);
 
-/// Writes the numbers of nodes or elements, which `ids` counts from 0 and ccx from 1, up to 16 in a
-/// row.
+/// Writes node or element numbers, up to 16 per row. `ids` are 0-based; ccx numbers are 1-based.
 void write_ccx_ids(std::ostream& out, std::span<const int> ids);
 
 }  // namespace batten

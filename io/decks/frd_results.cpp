@@ -14,12 +14,12 @@
 namespace batten {
 namespace {
 
-// A line is " -1", ten columns of a number, twelve for each value.
+// A data line consists of " -1", a number of ten columns, and values of twelve columns each.
 constexpr size_t kKey = 3, kNumber = 10, kValue = 12;
-// Columns of a step's head, "  100CL", and of an element's, " -1".
+// Column positions in a step header, "  100CL", and in an element header, " -1".
 constexpr size_t kStepValue = 12, kType = 13, kTypeWidth = 5;
 
-// Trimmed, in any locale.
+// Parses a number, ignoring surrounding blanks, independent of the locale.
 template <class Value>
 Value parsed(std::string_view text, const std::string& at) {
   while (!text.empty() && text.front() == ' ') text.remove_prefix(1);
@@ -31,7 +31,7 @@ Value parsed(std::string_view text, const std::string& at) {
   return value;
 }
 
-/// Walks through a .frd file; who reads it derives from this.
+/// Parses a .frd file. Derived classes implement the callbacks.
 class FrdParser {
  public:
   explicit FrdParser(const std::filesystem::path& path) : path_(path) {}
@@ -78,7 +78,7 @@ class FrdParser {
   virtual void nodes_end() {}
   virtual void elements_end() {}
   virtual void step_end(double) {}
-  /// The place in the file, as messages begin.
+  /// The current position in the file, as a prefix of messages.
   std::string at() const { return format_location(path_.string(), {row_, 1}); }
 
  private:
@@ -88,7 +88,7 @@ class FrdParser {
     return std::string_view(line).substr(std::min(begin, line.size()), length);
   }
 
-  /// The last number of a block's head says how it is written: 0 and 1 are text.
+  /// The last number of a block header is the format: 0 and 1 are text.
   void require_text(const std::string& line) const {
     const size_t last = line.find_last_not_of(" \r");
     if (last != line.npos && last >= 72 && (line[last] == '2' || line[last] == '3'))
@@ -194,15 +194,16 @@ class FrdStepsParser : public FrdParser {
   Points displacements_;
 };
 
-/// Faces of an element type, as local nodes: corners, then middle nodes; seen from outside they run
-/// counter-clockwise. `nodes`: how many the element has.
+/// The faces of an element type, as local nodes: corners, then mid-side nodes, counter-clockwise as
+/// seen from outside. `nodes`: number of nodes of the element.
 struct ElementFaces {
   size_t nodes;
   bool second_order, solid;
   std::vector<std::vector<int>> faces;
 };
 
-/// In .frd the middle nodes of the edges from below to above come before those above.
+/// Face tables by element type. In .frd, the mid-side nodes of the vertical edges come before those
+/// of the top face.
 const ElementFaces* faces_of(int type) {
   static const std::map<int, ElementFaces> all{
       {1,
@@ -262,7 +263,8 @@ FrdMesh read_frd_steps(const std::filesystem::path& path, const FrdStep& step) {
 
 std::vector<FrdFace> outer_faces(const FrdMesh& mesh) {
   std::vector<FrdFace> faces;
-  std::map<std::vector<int>, int> times;  // by sorted corners: how many solids have the face
+  // Number of solids that have the face with these sorted corners.
+  std::map<std::vector<int>, int> times;
   const auto corners_of = [](const FrdFace& face) {
     const auto count = static_cast<long>(face.nodes.size()) / (face.second_order ? 2 : 1);
     std::vector<int> corners(face.nodes.begin(), face.nodes.begin() + count);

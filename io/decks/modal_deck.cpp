@@ -46,11 +46,11 @@ void check(const ShellMesh& mesh, const ModalDeck& modes) {
   }
 }
 
-/// The elements of a deck.
+/// The nodes and elements of the deck.
 class Elements {
  public:
   Elements(const ShellMesh& mesh, const ModalDeck& modes) : points_(mesh.points) {
-    // Nodes in the middle of edges that are there already are used by linear neighbours too.
+    // Collect existing mid-side nodes first, because adjacent linear faces must use them too.
     for (int f = 0; f < mesh.face_count(); ++f) {
       const auto nodes = mesh.face(f);
       const size_t k = nodes.size() / 2;
@@ -90,7 +90,7 @@ class Elements {
 
   const std::vector<int>& clamped() const { return clamped_; }
 
-  /// Six for each connected piece without a clamped node.
+  /// Number of rigid-body modes: six for each connected component without a clamped node.
   int rigid_motions() const {
     DisjointSets pieces(static_cast<size_t>(node_count()));
     for (const auto& [size, list] : by_type_)
@@ -143,8 +143,9 @@ class Elements {
 
   const Points& points_;
   std::vector<Vec3> added_;
-  std::map<std::pair<int, int>, int> middle_;       // of edges, lower end first
-  std::map<size_t, std::vector<Element>> by_type_;  // by their number of nodes
+  // Mid-side node of each edge (lower node, higher node).
+  std::map<std::pair<int, int>, int> middle_;
+  std::map<size_t, std::vector<Element>> by_type_;  // by number of nodes
   std::vector<int> used_, clamped_;
 };
 

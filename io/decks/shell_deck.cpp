@@ -22,28 +22,30 @@
 
 namespace batten {
 
-// Elements and nodal forces of decks of CalculiX. Internal: not installed.
+// Elements and nodal forces of CalculiX decks.
 
-/// Elements of one type on the nodes of six-node triangles, and on more where the type needs them.
+/// Elements of one type, built on the nodes of six-node triangles and additional nodes if the type
+/// needs them.
 struct DeckDiscretization {
-  std::vector<Vec3> positions;  ///< of the nodes: those of the triangles come first
-  std::vector<std::vector<std::vector<int>>> by_region;  ///< nodes of each element of each region
-  /// S8R: the node in the middle between a corner of a triangle and the middle of its edge.
+  std::vector<Vec3> positions;  ///< positions of the nodes; those of the triangles come first
+  std::vector<std::vector<std::vector<int>>> by_region;  ///< nodes of each element, by region
+  /// S8R: the node halfway between a triangle corner (first) and the midpoint of its edge (second).
   std::map<std::pair<int, int>, int> quarters;
 
-  /// The ends of a line's edges, then the nodes between them, each once.
+  /// The end nodes of a line's edges, then the nodes in between, each once.
   std::vector<int> nodes_on(const std::vector<std::array<int, 3>>& edges) const;
 };
+/// Builds the elements of a deck from six-node triangles.
 DeckDiscretization deck_elements(const std::vector<const SkinnedRegion*>& regions,
                                  const ModelElements& model, ShellDeck::Element element);
 
-/// Area, line and point forces on the nodes, from 0.
+/// Nodal loads equivalent to the area, line and point forces, by 0-based node index.
 std::map<int, Vec3> deck_forces(const std::vector<const SkinnedRegion*>& regions,
                                 const ModelElements& model, const ShellDeck& deck);
 
 namespace {
 
-// The three quads of each triangle, between its corners, the middles of its edges and its centre.
+// Splits each triangle into three quads between its corners, edge midpoints and centre.
 class TriangleToQuads {
  public:
   explicit TriangleToQuads(DeckDiscretization& elements) : elements_(elements) {}
@@ -58,19 +60,19 @@ class TriangleToQuads {
       std::array<Vec2, 6> uv;
       for (int i = 0; i < 6; ++i)
         uv[i] = surface_->mesh().image_near(facets.uv[t[i]], facets.uv[t[0]]);
-      // The triangle is quadratic in (u, v), as its edges on curved lines are.
+      // The map to (u, v) is quadratic, like the edges on curved lines.
       const auto at = [&](const Vec3& L) -> Vec2 {
         Vec2 p = Vec2::Zero();
         for (int i = 0; i < 3; ++i)
           p += L[i] * (2 * L[i] - 1) * uv[i] + 4 * L[i] * L[(i + 1) % 3] * uv[3 + i];
         return p;
       };
-      const auto middle = [&](int i) -> Vec3 {  // of the edge from corner i
+      const auto middle = [&](int i) -> Vec3 {  // midpoint of the edge that starts at corner i
         return 0.5 * (Vec3::Unit(i) + Vec3::Unit((i + 1) % 3));
       };
       const Vec3 centre = Vec3::Constant(1.0 / 3);
       const int at_centre = added(at(centre));
-      std::array<int, 3> spoke;  // between the centre and the middle of an edge
+      std::array<int, 3> spoke;  // halfway between the centre and an edge midpoint
       for (int i = 0; i < 3; ++i) spoke[i] = added(at(0.5 * (centre + middle(i))));
       for (int i = 0; i < 3; ++i) {
         const int before = (i + 2) % 3;  // the edge that ends at corner i
@@ -90,7 +92,7 @@ class TriangleToQuads {
         surface_->position(locator_->locate(surface_->mesh().wrapped(uv))));
     return static_cast<int>(elements_.positions.size()) - 1;
   }
-  // One for both triangles, and both regions, of an edge.
+  // Shared by both triangles, and both regions, of an edge.
   int quarter(int corner, int middle, const Vec2& uv) {
     const auto known = elements_.quarters.find({corner, middle});
     if (known != elements_.quarters.end()) return known->second;
@@ -151,7 +153,8 @@ DeckDiscretization deck_elements(const std::vector<const SkinnedRegion*>& region
 
 namespace {
 
-// ∬ N f dA of each node, N the quadratic shape functions, dA of the true surface.
+// Consistent nodal loads ∬ N f dA, with quadratic shape functions N and the area element dA of the
+// true surface.
 template <class Force>
 Points area_forces(const Surface& surface, const QuadraticElements& facets, const Force& f) {
   static const TriangleRule split = split_triangle_rule(6), whole = symmetric_triangle_rule(8);
@@ -168,8 +171,9 @@ Points area_forces(const Surface& surface, const QuadraticElements& facets, cons
       Location where{static_cast<int>(t), L};
       double parametric;
       if (locator) {
-        // The element's place in (u, v) is quadratic as well.
-        Vec2 at = Vec2::Zero(), d0 = Vec2::Zero(), d1 = Vec2::Zero();  // along L0 - L2, L1 - L2
+        // The map of the element to (u, v) is quadratic as well.
+        // Derivatives along L0 - L2, L1 - L2.
+        Vec2 at = Vec2::Zero(), d0 = Vec2::Zero(), d1 = Vec2::Zero();
         const double N0[6] = {4 * L[0] - 1, 0,         1 - 4 * L[2],
                               4 * L[1],     -4 * L[1], 4 * (L[2] - L[0])},
                      N1[6] = {0,        4 * L[1] - 1,      1 - 4 * L[2],
@@ -195,7 +199,7 @@ Points area_forces(const Surface& surface, const QuadraticElements& facets, cons
   return forces;
 }
 
-// Along the parabolas of a line's edges.
+// Adds a line force, integrated along the parabolic edges of the line.
 void add_line_force(const ModelElements& model, const ShellDeck::LineForce& force,
                     const std::function<Vec3&(int)>& at) {
   constexpr int points = 4;
@@ -234,7 +238,7 @@ std::map<int, Vec3> deck_forces(const std::vector<const SkinnedRegion*>& regions
     const Points forces = area_forces(
         regions[r]->surface, model.regions[r],
         [&](const Vec3& x, const Vec3& n) { return deck.area_force(regions[r]->name, x, n); });
-    // At vertices of flat triangles the integral is zero; what is left there is rounding.
+    // At the vertices of flat triangles the integral vanishes; drop the rounding error.
     const double rounding = 1e-14 * forces.cwiseAbs().maxCoeff();
     for (long i = 0; i < forces.rows(); ++i)
       if (forces.row(i).cwiseAbs().maxCoeff() > rounding)
@@ -256,10 +260,10 @@ namespace {
 
 using Regions = std::vector<const SkinnedRegion*>;
 
-/// Names of sets, unlike each other and unlike NALL and ALL.
+/// Generates distinct set names, also distinct from NALL and ALL.
 class SetNames {
  public:
-  /// `kind`: what comes before a name that does not begin with a letter.
+  /// `kind`: prefix for names that do not begin with a letter.
   std::string of(const std::string& text, const std::string& kind) {
     constexpr size_t longest = 80;
     std::string name;
@@ -281,7 +285,8 @@ class SetNames {
   std::set<std::string> taken_{"ALL", "NALL"};
 };
 
-/// The names of lines, each once, region after region: runs, then embedded lines.
+/// The names of all lines, without duplicates, region after region: edge-aligned lines, then
+/// embedded ones.
 std::vector<std::string> line_names(const Regions& regions) {
   std::vector<std::string> names;
   const auto add = [&](const std::string& name) {
@@ -294,7 +299,7 @@ std::vector<std::string> line_names(const Regions& regions) {
   return names;
 }
 
-/// The nearest name, or all of them behind `what`.
+/// The end of a message: the most similar name, or else `what` followed by all names.
 std::string not_among(const std::string& found, const std::vector<std::string>& names,
                       const std::string& what) {
   const std::string nearest = closest_match(found, names);
@@ -358,7 +363,7 @@ void check(const Regions& regions, const ShellDeck& deck) {
   for (const auto& t : deck.thicknesses) expect_region(t.region, "thickness");
 }
 
-/// Where several pressures are on an element, ccx takes the last one: each element gets one sum.
+/// If an element has several pressures, ccx uses the last one only, so write their sum.
 void write_pressures(std::ostream& out, const Regions& regions,
                      const std::vector<std::string>& sets, const ShellDeck& deck) {
   if (deck.pressures.empty()) {
@@ -393,7 +398,7 @@ const char* type_name(ShellDeck::Element element) {
                                               : "S6";
 }
 
-/// The nodes of a support that is not all of a line.
+/// The nodes of a support that does not cover a whole line.
 std::vector<int> supported_nodes(const Regions& regions, const ModelElements& model,
                                  const DeckDiscretization& elements,
                                  const ShellDeck::Support& support) {
@@ -469,7 +474,7 @@ void write_calculix(const fs::path& path, const Regions& regions, const ShellDec
     for (size_t i = 0; i < elements.positions.size(); ++i)
       out << i + 1 << ',' << ccx_vector(elements.positions[i]) << '\n';
     out << "*ELEMENT,TYPE=" << type_name(deck.element) << ",ELSET=ALL\n";
-    std::vector<size_t> first{1};  // element of each region, and behind the last
+    std::vector<size_t> first{1};  // first element number of each region, and one past the last
     for (const auto& of_region : elements.by_region) {
       for (size_t e = 0; e < of_region.size(); ++e) {
         out << first.back() + e << ',';

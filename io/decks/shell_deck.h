@@ -1,4 +1,4 @@
-// A shell problem as decks of FE programs state it.
+// Writes a linear static shell problem as a CalculiX (ccx) input deck.
 #pragma once
 
 #include <array>
@@ -14,39 +14,45 @@
 
 namespace batten {
 
-/// A linear static shell problem on a model of one or more regions. The user chooses the units,
-/// which must fit together (mm, N and MPa need density in t/mm³ and gravity in mm/s²).
+/// A linear static shell problem on a model of one or more regions. The units are up to the user
+/// but must be consistent (mm, N and MPa need the density in t/mm³ and gravity in mm/s²).
 struct ShellDeck {
+  /// Shell element type of the deck.
   enum class Element {
     S6,  ///< six-node triangles
-    S3,  ///< four three-node triangles in place of each
-    S8R  ///< three eight-node quads in place of each
+    S3,  ///< each triangle is split into four three-node triangles
+    S8R  ///< each triangle is split into three eight-node quads
   };
+  /// Support (displacement boundary condition) on a line or on an area.
   struct Support {
     enum class Kind {
       Pinned,  ///< no displacement
       Clamped  ///< no displacement, no rotation
     };
-    std::string line;  ///< name of a character line of the model; "": an area
+    std::string line;  ///< name of a character line of the model; "": the support is on an area
     Kind kind = Kind::Pinned;
-    std::string region = {};                               ///< of an area; "": of all
-    std::optional<Box3> box = {};                          ///< the nodes in it only
-    std::array<bool, 3> constrained = {true, true, true};  ///< x, y, z of the displacement
+    std::string region = {};  ///< region of an area support; "": all regions
+    std::optional<Box3> box = {};  ///< restricts the support to nodes in this box
+    /// Constrained components x, y, z of the displacement.
+    std::array<bool, 3> constrained = {true, true, true};
+    /// Prescribed value of the constrained components.
     Vec3 displacement = Vec3::Zero();
   };
   struct PointForce {
-    Vec3 at;  ///< the nearest node takes the force
+    Vec3 at;  ///< applied at the closest node
     Vec3 force;
   };
 
   struct Pressure {
     std::string region;   ///< name of a region of the model
-    double pressure = 0;  ///< force per area; positive pushes along its x_u × x_v
+    double pressure = 0;  ///< force per area; positive acts along the region's x_u × x_v
   };
+  /// Thickness of one region.
   struct Thickness {
     std::string region;
     double thickness = 0;
   };
+  /// Force per length along a line, optionally only inside a box.
   struct LineForce {
     std::string line;
     Vec3 per_length;
@@ -55,13 +61,13 @@ struct ShellDeck {
 
   Element element = Element::S6;
   double thickness = 0, young = 0, poisson = 0;
-  std::vector<Thickness> thicknesses;  ///< of single regions
-  double density = 0;                  ///< needed by gravity only
-  std::string units;                   ///< units as a comment in the deck: "mm, N, MPa"
-  std::vector<Support> supports;       ///< one or more
-  double pressure = 0;  ///< force per area on all regions; positive pushes along x_u × x_v
-  std::vector<Pressure> pressures;  ///< further pressures on single regions
-  /// Force per area at a place x with the normal n of the region of a name; none: no such force.
+  std::vector<Thickness> thicknesses;  ///< override `thickness` for individual regions
+  double density = 0;                  ///< needed for gravity only
+  std::string units;                   ///< units, for a comment in the deck: "mm, N, MPa"
+  std::vector<Support> supports;       ///< at least one
+  double pressure = 0;  ///< force per area on all regions; positive acts along x_u × x_v
+  std::vector<Pressure> pressures;  ///< additional pressures on individual regions
+  /// Force per area at point x with normal n in the named region; empty: no such force.
   std::function<Vec3(const std::string& region, const Vec3& x, const Vec3& n)> area_force;
   std::vector<LineForce> line_forces;
   std::vector<PointForce> point_forces;
@@ -69,33 +75,35 @@ struct ShellDeck {
 };
 
 
-// Writes skinned regions as an input deck of CalculiX (ccx) with shell elements.
+// Writes skinned regions as shell elements.
 
-/// Writes `path` (.inp) for `ccx -i <path without .inp>`. The file appears whole or not at all.
+/// Writes `path` (.inp) for `ccx -i <path without .inp>`. The file is written atomically.
 ///
-/// Each element becomes one S6 triangle (or its parts, of other types) of its vertices and the
-/// surface's points at the parametric midpoints of its edges. The surface is the middle surface;
-/// normals are x_u × x_v of each region.
-/// In a deck of one region, node numbers are mesh vertex + 1, then vertex_count + edge + 1; element
-/// numbers are triangle + 1. The elements of a region with embedded lines are its quadratic_elements:
-/// the deck is the region inside of its boundary, with nodes on its lines.
+/// Each element becomes one S6 triangle (or is split, for other types). Its nodes are the vertices
+/// and the surface points at the parametric midpoints of the edges. The surface is the mid-surface
+/// of the shell; normals have the direction of each region's x_u × x_v. In a deck with one region,
+/// node numbers are mesh vertex + 1, then vertex_count + edge + 1; element numbers are triangle +
+/// 1. The elements of a region with embedded lines are its quadratic_elements(): they cover the
+/// region inside its boundary and have nodes on its lines.
 ///
-/// Several regions are one shell (model_elements()). They share the nodes on a line that they share,
-/// which lie where a region that has the line as a run has them; where lines meet there is one
-/// node. Nodes and elements are numbered region after region, a shared node where it first comes.
-/// Where regions meet at a crease, ccx joins the thick elements of both sides rigidly. Loads act on
-/// all regions.
+/// Several regions form one shell (model_elements()). They share the nodes on their common lines.
+/// These lie where a region to which the line is edge-aligned has them. If lines meet at a point,
+/// there is one node. Nodes and elements are numbered region by region; a shared node is numbered
+/// at its first occurrence. If regions meet at a crease, ccx joins the thick elements of both sides
+/// rigidly. Loads act on all regions.
 ///
-/// The deck has the node set NALL, the element set ALL, one node set for each line of the model
-/// (also for rims of holes and ribs) and, with several regions, one element set for each. Their
-/// names are in capitals, with '_' for all but letters and digits, and a number behind where two
-/// would be the same. Area and line forces become nodal loads, by the quadratic shape functions on
-/// the true surface. Supports in boxes have node sets SUPPORT_1, …. Numbers have the 20 characters that ccx reads: their relative error is 1e-13 at most.
+/// The deck has the node set NALL, the element set ALL, and one node set for each line of the model
+/// (including boundaries of holes, and ribs). With several regions it also has one element set per
+/// region. Names of sets are in capitals, with '_' for every character other than letters and
+/// digits, and a number appended if two would be equal. Area and line forces become consistent
+/// nodal loads, with the quadratic shape functions on the true surface. Supports in boxes have node
+/// sets SUPPORT_1, …. Numbers have the 20 characters that ccx reads, so their relative error is at
+/// most 1e-13.
 ///
-/// Throws InputError: no region, thickness, Young's modulus not above 0, Poisson's ratio not in
-/// (-1, 0.5), a density below 0 or gravity without density, numbers that are not finite, no
-/// support, one that holds no node, a line or region that the model does not have (with the nearest name), what
-/// model_elements() throws, a file that cannot be written.
+/// Throws InputError: no region; thickness or Young's modulus not above 0; Poisson's ratio not in
+/// (-1, 0.5); a density below 0, or gravity without density; non-finite numbers; no support, or one
+/// without nodes; an unknown line or region (with the most similar name); the errors of
+/// model_elements(); a file that cannot be written.
 void write_calculix(const std::filesystem::path& path,
                     const std::vector<const SkinnedRegion*>& regions, const ShellDeck& deck);
 

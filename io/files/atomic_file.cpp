@@ -24,8 +24,8 @@ namespace {
   throw FileError(path.string() + ": cannot write this file: " + reason);
 }
 
-/// A temporary name that no other process or thread uses, because it has the process number and a
-/// counter; the dot in front hides it from "*".
+/// A temporary name that no other process or thread uses: it contains the process id and a counter.
+/// The leading dot hides it from "*".
 fs::path temporary_name(const fs::path& folder, const std::string& stem,
                         const std::string& extension) {
   static std::atomic<int> counter{0};
@@ -33,7 +33,7 @@ fs::path temporary_name(const fs::path& folder, const std::string& stem,
                    extension);
 }
 
-/// Removes what temporary_name() gave to processes that were killed.
+/// Removes the temporary files of processes that no longer exist.
 void remove_orphans(const fs::path& folder, const std::string& stem, const std::string& extension) {
   const std::string begin = "." + stem + ".";
   std::error_code error, ignored;
@@ -52,7 +52,7 @@ void remove_orphans(const fs::path& folder, const std::string& stem, const std::
   }
 }
 
-/// 0, or errno.
+/// Creates an empty file. Returns 0 or errno.
 int create(const fs::path& path) {
   const int file = ::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
   if (file < 0) return errno;
@@ -68,14 +68,14 @@ AtomicFile::AtomicFile(fs::path path) : path_(std::move(path)) {
   const fs::file_status found = fs::status(path_, error);
   if (fs::is_directory(found)) fail(path_, "a folder has this name");
   if (fs::exists(found) && !fs::is_regular_file(found)) fail(path_, "it is not a regular file");
-  // Renaming onto a link would replace the link, not the file it leads to.
+  // Renaming to the name of a symbolic link would replace the link, not its target.
   fs::path target = fs::exists(found) ? fs::canonical(path_, error) : path_;
   if (error) target = path_;
   const fs::path folder = target.has_parent_path() ? target.parent_path() : fs::path(".");
   const fs::file_status above = fs::status(folder, error);
   if (!fs::exists(above)) fail(path_, "the folder " + folder.string() + " does not exist");
   if (!fs::is_directory(above)) fail(path_, folder.string() + " is not a folder");
-  // Long names must leave room for what is added to them.
+  // Truncate long names, so that the suffix fits.
   const std::string stem = target.stem().string().substr(0, 100),
                     extension = target.extension().string();
   remove_orphans(folder, stem, extension);
@@ -134,13 +134,13 @@ struct Registry {
   std::vector<const TemporaryFileGuard*> list;
 };
 
-// It is never destroyed: the program may end while a thread still uses it.
+// Never destroyed: the program may terminate while a thread still uses it.
 Registry& registry() {
   static auto* const all = new Registry;
   return *all;
 }
 
-// The folder that the process is in may change, or be gone.
+// The absolute path, because the working directory may change or be removed.
 fs::path anchored(const fs::path& path) {
   std::error_code error;
   fs::path whole = fs::absolute(path, error);
@@ -167,7 +167,7 @@ void TemporaryFileGuard::discard() const {
     fs::remove(path_, error);
     return;
   }
-  // A thread that still writes may add a file while its folder is removed.
+  // A thread that is still writing may add files while their folder is being removed.
   constexpr int most_times = 20;
   for (int i = 0; i < most_times && fs::exists(fs::symlink_status(path_, error)); ++i)
     fs::remove_all(path_, error);
@@ -180,7 +180,7 @@ void commit_files(const std::function<void()>& move) {
 
 void remove_temporary_files() {
   Registry& all = registry();
-  all.finishing.lock();  // and never unlocked
+  all.finishing.lock();  // never unlocked
   const std::lock_guard lock(all.changing);
   for (auto one = all.list.rbegin(); one != all.list.rend(); ++one) (*one)->discard();
 }

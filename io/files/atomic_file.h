@@ -1,4 +1,4 @@
-// Output files that are written whole or not at all.
+// Atomic output files: complete or not written at all.
 #pragma once
 
 #include <filesystem>
@@ -10,15 +10,16 @@
 
 namespace batten {
 
-// Files and folders that are being written, for a program that has to end before they are finished.
+// Registry of temporary files and folders, for programs that must terminate before these are
+// finished.
 
-/// While it lives, remove_temporary_files() removes a path. Instances may be made in any thread, and
-/// before there is anything at the path.
+/// While a guard exists, remove_temporary_files() removes its path. Guards may be created in any
+/// thread, and before the path exists.
 class TemporaryFileGuard {
  public:
   enum class Content {
-    Remove,  ///< a file, or a folder with all that is in it
-    Keep     ///< a folder, if nothing is in it
+    Remove,  ///< a file, or a folder with its contents
+    Keep     ///< a folder, only if it is empty
   };
   explicit TemporaryFileGuard(std::filesystem::path path, Content content = Content::Remove);
   ~TemporaryFileGuard();
@@ -33,31 +34,31 @@ class TemporaryFileGuard {
   Content content_;
 };
 
-/// Calls `move`, which gives finished files their names; remove_temporary_files() waits until it is done.
+/// Calls `move`, which must rename finished files to their final names. remove_temporary_files()
+/// waits until it returns.
 void commit_files(const std::function<void()>& move);
 
-/// Removes what is unfinished, the last one first. The program has to end after that, without
-/// destructors (std::_Exit): other threads may still write, but nothing is finished any more, since
-/// commit_files() no longer returns.
+/// Removes all unfinished files and folders, the last one first. The program must then terminate
+/// without running destructors (std::_Exit). Other threads may still write, but they cannot finish
+/// any file, because commit_files() no longer returns.
 void remove_temporary_files();
 
 
-/// The system does not let a file be written: no room, no permission. What fails with this fails
-/// for every file, not for one surface.
+/// Thrown if the system does not permit a file to be written: disk full, no permission. It is not
+/// specific to one surface: later files will fail for the same reason.
 class FileError : public InputError {
  public:
   using InputError::InputError;
 };
 
-/// An output file that is being written. Libraries write to temporary(), a name in the same folder
-/// with the same extension. commit() gives the file its real name in one step and replaces an older
-/// one. Without a commit the destructor removes it, and an older file stays as it was.
+/// An output file in progress. Libraries write to temporary(), a name in the same folder with the
+/// same extension. commit() renames it to its final name in one step and replaces an existing file.
+/// Without commit(), the destructor removes the temporary file, and an existing file is unchanged.
 class AtomicFile {
  public:
-  /// Creates the temporary file, so that a folder that is missing or not writable is found out
-  /// before the work is done. Removes those that killed programs left for a file of this name.
-  /// Throws FileError with the file and the system's reason, also when `path` exists and is not a
-  /// regular file.
+  /// Creates the temporary file, so that a missing or read-only folder is detected before the work
+  /// is done. Removes temporary files of `path` that killed processes left behind. Throws FileError
+  /// with the file and the system's reason, also if `path` exists and is not a regular file.
   explicit AtomicFile(std::filesystem::path path);
   ~AtomicFile();
   AtomicFile(const AtomicFile&) = delete;
@@ -65,8 +66,8 @@ class AtomicFile {
 
   const std::filesystem::path& path() const { return path_; }
   const std::filesystem::path& temporary() const { return temporary_; }
-  /// Gives the file its real name. Call it once, after the writer has closed the file. Throws
-  /// FileError when the system refuses.
+  /// Renames the file to its final name. Call it once, after the writer has closed the file. Throws
+  /// FileError if the system refuses.
   void commit();
 
  private:
@@ -74,14 +75,13 @@ class AtomicFile {
   std::optional<TemporaryFileGuard> guard_;
 };
 
-/// Writes a file, whole or not at all, with what `write` puts into the stream (numbers in the C
-/// locale, '\n' line ends). Throws FileError, also when the disk is full, and whatever `write`
-/// throws.
+/// Writes a file atomically with what `write` puts into the stream (numbers in the C locale, '\n'
+/// line ends). Throws FileError, also if the disk is full, and whatever `write` throws.
 void write_file_atomically(const std::filesystem::path& path,
                            const std::function<void(std::ostream&)>& write);
 
-/// Makes sure that the folder exists, with all folders above it, and that files can be created in
-/// it. Throws FileError otherwise.
+/// Creates the folder with its parents if necessary, and verifies that files can be created in it.
+/// Throws FileError otherwise.
 void make_output_folder(const std::filesystem::path& path);
 
 }  // namespace batten

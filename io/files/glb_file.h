@@ -1,4 +1,4 @@
-// The frame of binary glTF files. Internal.
+// Helpers for binary glTF (GLB) files. Internal.
 #pragma once
 
 #include <cstdint>
@@ -7,14 +7,14 @@
 
 namespace batten {
 
-/// How a GLB file begins, and its two parts.
+/// The magic number of GLB files and the types of their chunks.
 enum GlbConstant : std::uint32_t {
   kGlbMagic = 0x46546C67,
   kJsonChunk = 0x4E4F534A,
   kBinaryChunk = 0x004E4942
 };
 
-/// What glTF calls kinds of numbers, and of what buffers are for.
+/// glTF's codes of component types and buffer targets.
 enum GltfConstant {
   kFloat = 5126,
   kUnsignedInt = 5125,
@@ -22,17 +22,17 @@ enum GltfConstant {
   kIndexBuffer = 34963
 };
 
-/// What stands before the binary part of a GLB file: its head, the JSON part filled up to fours
-/// with blanks, and the head of the binary part, whose size is a multiple of four. Both together
-/// have less than 4 GB.
+/// Everything before the binary data of a GLB file: file header, JSON chunk (padded with blanks to
+/// a multiple of four bytes), and header of the binary chunk. `binary_size` must be a multiple of
+/// four. The whole file must be smaller than 4 GB.
 std::string glb_header(std::string json, size_t binary_size);
-/// The size of what glb_header() returns for a text of this size.
+/// The size of the result of glb_header() for a JSON text of this size.
 size_t glb_header_size(size_t json_size);
 
 
-// Numbers as bytes of either order. Internal.
+// Conversion of numbers to and from bytes, in either byte order.
 
-/// The whole number of `Size` bytes at an address; little end first unless `big_endian`.
+/// The unsigned integer at an address; little-endian unless `big_endian`.
 template <class Unsigned>
 Unsigned load_unsigned(const char* bytes, bool big_endian = false) {
   Unsigned value = 0;

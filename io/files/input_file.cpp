@@ -13,7 +13,7 @@
 namespace batten {
 namespace {
 
-// What stands in the way of reading a file, or nullptr.
+// Why a file cannot be read, judged by its type; nullptr if it can.
 const char* obstacle(const struct stat& found) {
   if (S_ISDIR(found.st_mode)) return "a folder";
   if (S_ISFIFO(found.st_mode)) return "a pipe";
@@ -37,12 +37,12 @@ const char* reason_of(int error) {
   }
 }
 
-// A file that is open for reading.
+// A file opened for reading.
 class OpenFile {
  public:
   OpenFile(const std::filesystem::path& file, const std::string& expected, const std::string& where)
       : name_(where + file.string()), expected_(expected) {
-    // A pipe is looked at before it is opened: opening one waits for its other end.
+    // Check the type before opening, because opening a pipe waits for its other end.
     struct stat found {};
     if (::stat(file.c_str(), &found) != 0) fail(reason_of(errno));
     if (const char* what = obstacle(found)) fail(std::string("found ") + what);
@@ -60,7 +60,7 @@ class OpenFile {
   OpenFile(const OpenFile&) = delete;
   OpenFile& operator=(const OpenFile&) = delete;
 
-  // A file that grows meanwhile is read as long as it was.
+  // The contents. If the file grows meanwhile, only the original size is read.
   std::string bytes() const {
     std::string all(size_, '\0');
     size_t done = 0;
@@ -108,7 +108,7 @@ std::uintmax_t input_file_size(const std::filesystem::path& file) noexcept {
 
 namespace {
 
-// The place behind a text in quotes that begins at `at`, or the end of the text.
+// The position after a quoted string that begins at `at`, or the end of the text.
 size_t behind_quotes(std::string_view text, size_t at) {
   const char quote = text[at];
   const std::string_view three = quote == '"' ? "\"\"\"" : "'''";
@@ -119,7 +119,7 @@ size_t behind_quotes(std::string_view text, size_t at) {
     else if (text.substr(i).starts_with(closing))
       return i + closing.size();
     else if (closing.size() == 1 && text[i] == '\n')
-      return i;  // not closed: the parser will say so
+      return i;  // unterminated: the parser will report it
   }
   return text.size();
 }

@@ -25,16 +25,16 @@ namespace {
 std::atomic<bool> sandbox_enabled = false;
 
 #if defined(__SANITIZE_ADDRESS__)
-constexpr bool kMemoryIsLimited = false;  // the sanitizer takes terabytes of addresses for itself
+constexpr bool kMemoryIsLimited = false;  // the sanitizer reserves terabytes of address space
 #else
 constexpr bool kMemoryIsLimited = true;
 #endif
 
-// What a child sends first: how it ended.
+// First byte that the child sends: the outcome.
 enum class Outcome : char { Bytes = 'b', Refused = 'r', NoMemory = 'm', Failed = 'f' };
 
 struct Limits {
-  rlim_t seconds, bytes;  // of the processor, of memory
+  rlim_t seconds, bytes;  // processor time, memory
   rlim_t by_the_clock() const { return 4 * seconds; }
 };
 
@@ -44,7 +44,7 @@ Limits limits_for(const std::filesystem::path& file, int times) {
           (rlim_t{1} << 30) + static_cast<rlim_t>(200 * 1048576 * megabytes)};
 }
 
-// Bytes of addresses that this process has.
+// Size of the address space of this process in bytes.
 rlim_t addresses_in_use() {
   long pages = 0;
   if (std::FILE* file = std::fopen("/proc/self/statm", "re")) {
@@ -72,7 +72,7 @@ bool write_all(int to, const char* bytes, size_t count) {
   return true;
 }
 
-// The child: reads, sends the outcome and the bytes, and ends without destructors.
+// Runs in the child: reads, sends the outcome and the bytes, and exits without destructors.
 [[noreturn]] void run_child(int to, pid_t parent, const Limits& limits,
                             const std::function<std::string()>& read) {
   ::prctl(PR_SET_PDEATHSIG, SIGKILL);
@@ -85,8 +85,8 @@ bool write_all(int to, const char* bytes, size_t count) {
   ::sigprocmask(SIG_SETMASK, &none, nullptr);
   limit(RLIMIT_CORE, 0);
   limit(RLIMIT_CPU, limits.seconds);
-  // A lock that another thread held when the process was copied is never opened: waiting for it
-  // uses no processor time.
+  // A lock that another thread held during the fork is never released, and waiting for it uses no
+  // processor time. So elapsed time must be limited, too.
   ::alarm(static_cast<unsigned>(limits.by_the_clock()));
   if (kMemoryIsLimited) limit(RLIMIT_AS, addresses_in_use() + limits.bytes);
   if (const int nothing = ::open("/dev/null", O_RDWR); nothing >= 0) {
@@ -95,7 +95,7 @@ bool write_all(int to, const char* bytes, size_t count) {
   }
   Outcome outcome = Outcome::Bytes;
   std::string bytes;
-  sandbox_enabled = false;  // what it calls reads here
+  sandbox_enabled = false;  // nested reads run in this process
   try {
     bytes = read();
   } catch (const InputError& error) {

@@ -1,4 +1,4 @@
-// Small things that all readers of text need.
+// String helpers for readers of text files, and units of length.
 #pragma once
 
 #include <filesystem>
@@ -8,28 +8,28 @@
 
 namespace batten {
 
-/// A blank other than a line end.
+/// True for white space other than a line feed.
 inline bool is_blank(char c) {
   return c == ' ' || c == '\t' || c == '\r' || c == '\f' || c == '\v';
 }
-/// Without blanks at both ends.
+/// The text without white space at both ends.
 std::string_view trimmed(std::string_view text);
-/// ASCII letters only.
+/// Converts ASCII letters to lower case.
 std::string lower_case(std::string text);
-/// ".obj" for "a.OBJ".
+/// The extension in lower case: ".obj" for "a.OBJ".
 std::string lower_extension(const std::filesystem::path& path);
-/// "1 point", "2 points"; "3 tori" with `many`.
+/// "1 point", "2 points"; with an irregular plural in `many`: "3 tori".
 std::string format_count(long count, const std::string& noun, const std::string& many = "");
 
 
-// Units of length, as scenes and the command line name them.
+// Units of length, as named in scenes and on the command line.
 
-/// The names of length units: mm, cm, m, in, ft.
+/// The names of the supported length units: mm, cm, m, in, ft.
 const std::vector<std::string>& length_units();
-/// The length of a unit in metres. Throws InputError for another word.
+/// The length of a unit in metres. Throws InputError for an unknown name.
 double unit_in_metres(const std::string& unit);
-/// The name of a unit that CAD files may have: those above and um, km, mi, mil, uin; "0.002 m" for
-/// another.
+/// The name of a length unit, including those that only CAD files may have: um, km, mi, mil, uin.
+/// For any other length the result looks like "0.002 m".
 std::string format_unit(double unit_in_metres);
 
 }  // namespace batten

@@ -13,7 +13,7 @@ SourceLocation location_of(const toml::source_region& source) {
   return {static_cast<int>(source.begin.line), static_cast<int>(source.begin.column)};
 }
 
-/// A value in words, as short as it can be recognised.
+/// A short description of a value, for messages.
 std::string describe(const toml::node& node) {
   if (const auto* s = node.as_string()) return "the text \"" + s->get() + "\"";
   if (const auto* b = node.as_boolean()) return b->get() ? "true" : "false";

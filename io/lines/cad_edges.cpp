@@ -36,7 +36,7 @@ Handle(Geom_Curve) curve_of(const TopoDS_Edge& edge, double& start, double& end)
   if (BRep_Tool::Degenerated(edge)) return {};
   Handle(Geom_Curve) curve = BRep_Tool::Curve(edge, start, end);
   if (curve.IsNull()) {
-    // An edge that is stored as a parameter curve only.
+    // An edge that has only a pcurve.
     if (!BRepLib::BuildCurve3d(edge)) return {};
     curve = BRep_Tool::Curve(edge, start, end);
   }
@@ -75,7 +75,8 @@ bool has_crease(const TopoDS_Face& face) {
   return !surface.IsNull() && surface->Continuity() == GeomAbs_C0;
 }
 
-/// Edges are cut where their curves in the parameter plane are: rough ones are made anew from the curves in space.
+/// Splitting uses the pcurves of the edges. Replaces inaccurate pcurves by projections of the 3D
+/// curves.
 void project_edges(const TopoDS_Face& face) {
   for (TopExp_Explorer e(face, TopAbs_EDGE); e.More(); e.Next()) {
     const TopoDS_Edge edge = TopoDS::Edge(e.Current());
@@ -92,7 +93,8 @@ void project_edges(const TopoDS_Face& face) {
   }
 }
 
-/// The shape that another one became; `became` says what its edges are now.
+/// Replaces the shape of `cad`. `became` maps an old edge to the new edges, which inherit its
+/// label.
 void replace(CadFile& cad, const TopoDS_Shape& shape,
              const std::function<TopoDS_Shape(const TopoDS_Shape&)>& became) {
   TopoDS_Compound whole;

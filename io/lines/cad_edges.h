@@ -1,4 +1,4 @@
-// Curves and names of the edges of CAD files. Internal.
+// Curves and names of the edges of CAD files, and shape healing. Internal.
 #pragma once
 
 #include <Geom_Curve.hxx>
@@ -10,20 +10,22 @@
 
 namespace batten {
 
-/// The edge's curve where it lies in space, or null for an edge without length.
+/// The edge's 3D curve with its parameter range, in the global frame; null for an edge of length
+/// zero.
 Handle(Geom_Curve) curve_of(const TopoDS_Edge& edge, double& start, double& end);
 
-/// The names of a file's edges as lines, in its order: read_cad_lines() says which; "" for those without
-/// length.
+/// The names of the edges of a file, in file order, as documented at read_cad_lines(); "" for edges
+/// of length zero.
 std::vector<std::string> edge_names(const CadFile& cad);
 
 
-// CAD files as a model is fitted to them. Internal.
+// Prepares CAD files for fitting a model to them.
 
-/// Faces of which each has edges of its own, as those of IGES files, share them where they lie within 1e-5 of the
-/// size of each other. Then faces are divided along the curves where their own surface is only continuous (knots
-/// as multiple as the degree): there it may turn as sharply as at an edge, and a line is needed. Parts of an edge
-/// keep its label. Other faces and edges stay as they are.
+/// Merges coincident edges and splits faces at creases. Faces that have edges of their own, as in
+/// IGES files, share edges that lie within 1e-5 of the model size of each other. Faces are then
+/// split along the curves where their surface is only C0 (knots as multiple as the degree). There
+/// the surface may have an angle like at an edge, so a line is needed. Parts of a split edge keep
+/// its label. Other faces and edges do not change.
 void heal_shape(CadFile& cad);
 
 }  // namespace batten

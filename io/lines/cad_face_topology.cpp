@@ -28,7 +28,8 @@
 namespace batten {
 namespace {
 
-/// The edges of a wire, those without length and seams left out, as chains that hang together.
+/// Groups the edges of a wire into connected chains. Degenerate edges are skipped; seams are added
+/// to `seams`.
 std::vector<std::vector<int>> chains_of(const TopoDS_Wire& wire, const TopoDS_Face& face,
                                         const CadFile& cad, const std::vector<std::string>& names,
                                         std::set<int>& seams) {
@@ -57,7 +58,7 @@ std::vector<std::vector<int>> chains_of(const TopoDS_Wire& wire, const TopoDS_Fa
   return result;
 }
 
-/// By how much the wire turns from one edge to the next, seen from the face's side, radians.
+/// Turning angle from one edge to the next, as seen against the face normal, radians.
 double turning_angle(const BRepAdaptor_Curve& from, bool from_reversed, const BRepAdaptor_Curve& to,
                      bool to_reversed, const gp_Vec& normal) {
   gp_Pnt at;
@@ -69,9 +70,10 @@ double turning_angle(const BRepAdaptor_Curve& from, bool from_reversed, const BR
   return std::atan2(normal.Dot(in.Crossed(out)), in.Dot(out));
 }
 
-/// The face's normal near the end of an edge, not on it: at poles it has none.
+/// The normal of the face near the end of an edge. It is not evaluated at the end, because it is
+/// undefined at poles.
 gp_Vec normal_near_end(const TopoDS_Edge& edge, const TopoDS_Face& face) {
-  constexpr double back = 0.01;  // of the edge
+  constexpr double back = 0.01;  // fraction of the edge
   double start, end;
   const Handle(Geom2d_Curve) curve = BRep_Tool::CurveOnSurface(edge, face, start, end);
   if (curve.IsNull()) return {0, 0, 0};
@@ -119,7 +121,7 @@ CadFaceBoundary loops_of(const TopoDS_Face& face, const CadFile& cad,
   return result;
 }
 
-/// Between the ends of curves at a common vertex.
+/// The largest distance between curve ends at a common vertex.
 double largest_gap(const CadFile& cad) {
   TopTools_IndexedMapOfShape vertices;
   TopExp::MapShapes(cad.shape, TopAbs_VERTEX, vertices);

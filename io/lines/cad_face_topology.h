@@ -1,4 +1,4 @@
-// The loops of lines around the faces of CAD files.
+// Reads the loops of lines around the faces of CAD files, and the edges that faces share.
 #pragma once
 
 #include <filesystem>
@@ -7,32 +7,35 @@
 
 namespace batten {
 
-/// The lines around a face, by the names that read_cad_lines() gives them with creases.
+/// The boundary loops of a face. The lines have the names that read_cad_lines() gives them with
+/// `creases`.
 struct CadFaceBoundary {
-  std::string name;                             ///< "face 1" … by its place in the file
-  std::vector<std::vector<std::string>> loops;  ///< the outer one first
-  std::vector<std::string> inner;               ///< lines on which a face meets itself: seams
-  bool convex = false;  ///< one loop, all of whose corners turn the face's own way
-  bool annulus() const { return !inner.empty() && loops.size() == 2; }  ///< a tube's two rims
+  std::string name;                             ///< "face 1", "face 2" … in file order
+  /// Names of the lines of each loop; the outer loop first.
+  std::vector<std::vector<std::string>> loops;
+  std::vector<std::string> inner;               ///< seams: lines along which the face meets itself
+  bool convex = false;  ///< one loop without re-entrant corners (tolerance 0.1 rad)
+  /// A tube with two boundary circles.
+  bool annulus() const { return !inner.empty() && loops.size() == 2; }
 };
 
-/// A line between two faces.
+/// A line shared by two faces.
 struct CadSharedEdge {
   std::string line;
-  double angle_deg = 0;  ///< largest angle between the faces along it, as EdgeContinuity's
+  double angle_deg = 0;  ///< largest angle between the faces along it; see EdgeContinuity
 };
 
-/// All faces of a file, in its order, those with creases inside as their smooth parts.
+/// All faces of a file, in file order. Faces with creases are split into their smooth parts.
 struct CadFaceTopology {
   std::vector<CadFaceBoundary> faces;
   std::vector<CadSharedEdge> joins;
-  double size = 0;  ///< diagonal of the box around their lines, model units
-  double gap = 0;   ///< between ends of lines that meet in one vertex, the largest
+  double size = 0;  ///< diagonal of the bounding box of all lines, model units
+  double gap = 0;   ///< largest distance between line ends that meet in one vertex, model units
 };
 
-/// The loops of all faces of a file. A closed face (a sphere, a torus) has none. Where faces
-/// that meet have edges of their own, as trimmed surfaces of IGES files do, the loops have different lines in
-/// one place. Throws InputError as read_cad_lines() does of files and entities.
+/// Reads the loops of all faces of a file. A closed face (sphere, torus) has none. Adjacent faces
+/// of IGES files may have edges of their own. If these cannot be merged, the loops have different,
+/// coincident lines. Throws InputError as read_cad_lines() does for files and entities.
 CadFaceTopology read_cad_loops(const std::filesystem::path& file, double model_unit_in_metres);
 
 }  // namespace batten

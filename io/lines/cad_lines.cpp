@@ -110,7 +110,7 @@ class CadCurve : public InputCurve {
   }
 
   void add_knots(const Geom_BSplineCurve& spline) {
-    // An edge on a periodic spline may run over the seam.
+    // An edge on a periodic spline may extend across the seam.
     const double period = spline.IsPeriodic() ? spline.Period() : 0;
     const int period_count =
         period > 0 ? static_cast<int>((end_ - spline.FirstParameter()) / period) : 0;
@@ -163,15 +163,15 @@ struct CadSurface::Data {
   struct Edge {
     Handle(Geom_Curve) curve;
     double start, end;
-    std::vector<Sample> samples;  // parameter in u
+    std::vector<Sample> samples;  // parameter stored in u
   };
 
-  double scale = 1;  // from millimetres
+  double scale = 1;  // converts from millimetres
   Box3 box;          // millimetres
   TopoDS_Face face;
   Handle(Geom_Surface) surface;
   double u0 = 0, u1 = 0, v0 = 0, v1 = 0;
-  std::vector<Sample> samples;  // inside the face
+  std::vector<Sample> samples;  // inside the trimmed face
   std::vector<Edge> edges;
 
   void build();
@@ -185,7 +185,7 @@ struct CadSurface::Data {
 
 namespace {
 
-/// The most samples of a direction with this many polynomial pieces.
+/// The number of samples in a direction with this many polynomial pieces, 17 to 65.
 int sample_count(int pieces) { return std::clamp(4 * pieces + 1, 17, 65); }
 
 }  // namespace
@@ -230,7 +230,7 @@ void CadSurface::Data::build() {
 
 namespace {
 
-/// The few samples nearest to p, nearest first.
+/// The `most` samples closest to p, nearest first.
 template <typename Sample>
 std::vector<const Sample*> nearest(const std::vector<Sample>& samples, const Vec3& p, size_t most) {
   std::vector<std::pair<double, const Sample*>> order;
@@ -258,8 +258,8 @@ double CadSurface::Data::to_inside(const Vec3& p) const {
       const Vec3 r = from_occ(x.XYZ()) - p;
       const Vec3 a = from_occ(xu.XYZ()), b = from_occ(xv.XYZ());
       const double distance = r.norm();
-      if (distance >
-          previous * (1 + 1e-14)) {  // too long a step: go half way back, Gauss-Newton from there
+      // The step was too long: go half-way back, and continue with Gauss-Newton.
+      if (distance > previous * (1 + 1e-14)) {
         u = (u + last_u) / 2;
         v = (v + last_v) / 2;
         damping = 1;
@@ -299,7 +299,7 @@ double CadSurface::Data::to_edges(const Vec3& p, double limit) const {
   double best = limit;
   for (const Edge& edge : edges)
     for (const Sample* s : nearest(edge.samples, p, 2)) {
-      // The minimum lies within one sample's step; Newton kept inside that bracket.
+      // The minimum lies within one sampling step; keep Newton's method inside that bracket.
       const double step = (edge.end - edge.start) / static_cast<double>(edge.samples.size() - 1);
       double low = std::max(edge.start, s->u - step), high = std::min(edge.end, s->u + step);
       double t = s->u;
@@ -371,7 +371,7 @@ Handle(IGESGeom_BSplineCurve) iges_curve(const CubicSpline& spline) {
   for (size_t k = 0; k < spline.knots.size(); ++k)
     all.insert(all.end(), static_cast<size_t>(spline.multiplicities[k]), spline.knots[k]);
   const int count = isize(spline.poles);
-  // IGES counts knots from -degree and poles from 0.
+  // IGES numbers knots from -degree and poles from 0.
   const Handle(TColStd_HArray1OfReal) knots = new TColStd_HArray1OfReal(-3, count);
   const Handle(TColStd_HArray1OfReal) weights = new TColStd_HArray1OfReal(0, count - 1, 1.0);
   const Handle(TColgp_HArray1OfXYZ) poles = new TColgp_HArray1OfXYZ(0, count - 1);
@@ -390,7 +390,8 @@ void write_iges_curves(const fs::path& path, const std::vector<CubicSpline>& spl
   for (const CubicSpline& spline : splines) {
     for (const Vec3& p : spline.poles) largest = std::max(largest, p.cwiseAbs().maxCoeff());
     const auto curve = iges_curve(spline);
-    // The directory has room for eight letters; the property for all of them.
+    // The label in the directory entry holds eight characters; the name property holds the full
+    // name.
     curve->SetLabel(occ_string(spline.name.substr(0, 8)));
     const Handle(IGESBasic_Name) name = new IGESBasic_Name;
     name->Init(1, occ_string(spline.name));

@@ -2,7 +2,7 @@
 
 namespace batten {
 
-// Apart from linked_cad_plugin(), so that a program with a cad_plugin() of its own does not link it.
+// In its own file, so that a program that defines cad_plugin() itself does not link this one.
 const CadPlugin& cad_plugin() { return linked_cad_plugin(); }
 
 }  // namespace batten

@@ -1,5 +1,5 @@
-// What programs use of OpenCASCADE, as one table: linked in, or in a module that a program loads at
-// the first call. Internal.
+// Function table of everything that programs use of OpenCASCADE. It is either linked in, or in a
+// plug-in module that a program loads at the first call. Internal.
 #pragma once
 
 #include "batten/core/parallel.h"
@@ -12,6 +12,7 @@
 
 namespace batten {
 
+/// The functions of the plug-in; each member has the name of the function it points to.
 struct CadPlugin {
   decltype(&batten::write_step) write_step;
   decltype(&batten::write_step_faces) write_step_faces;
@@ -26,16 +27,17 @@ struct CadPlugin {
   decltype(&batten::convert_cad) convert_cad;
   decltype(&batten::tessellate_cad) tessellate_cad;
   double (*distance)(const std::vector<CadSurface>& faces, const Vec3& p, size_t& first);
-  /// Of a module that has settings of its own, because its program's symbols do not come first.
+  /// Forward settings to a module that has global variables of its own, because the program's
+  /// symbols do not take precedence over those of the module.
   decltype(&batten::enable_sandboxed_read) enable_sandboxed_read;
   decltype(&batten::set_thread_count) set_thread_count;
 };
 
-/// The table of this program. A program that defines it itself, as `batten` does, leaves
-/// OpenCASCADE's 16 libraries out of its start, which take half of it.
+/// The function table of this program. A program may define this function itself, as `batten` does.
+/// Then it starts without loading OpenCASCADE's 16 libraries, which take half of the start-up time.
 const CadPlugin& cad_plugin();
 
-/// The functions that are linked here.
+/// The table of the functions linked into this program or module.
 const CadPlugin& linked_cad_plugin();
 
 }  // namespace batten

@@ -28,7 +28,7 @@ namespace batten {
 namespace fs = std::filesystem;
 namespace {
 
-/// As few digits as come back as the same number.
+/// The shortest decimal representation that reads back as the same number.
 std::string exact(double value) {
   std::array<char, 32> digits;
   const auto end = std::to_chars(digits.data(), digits.data() + digits.size(), value).ptr;
@@ -39,7 +39,7 @@ std::string row_of(const Vec3& p, const char* between) {
   return exact(p.x()) + between + exact(p.y()) + between + exact(p.z()) + "\n";
 }
 
-/// Names stand in one row of a text file.
+/// Replaces control characters by blanks: a name must fit on one line of a text file.
 std::string one_row(std::string name) {
   std::replace_if(
       name.begin(), name.end(), [](unsigned char c) { return c < 32 || c == 127; }, ' ');
@@ -76,7 +76,8 @@ void write_obj(std::ostream& out, const std::vector<NamedCurve>& lines) {
 
 // ---- VTP ------------------------------------------------------------------------------------
 
-/// κ towards the centre of the circle of curvature; zero where the curve stands still.
+/// Curvature vector κ·n, towards the centre of curvature; zero where the derivative of the curve
+/// vanishes.
 Vec3 curvature_vector(const HermiteCurve& curve, CurveMesh::SegmentPoint at) {
   const Vec3 d = curve.evaluate(at, 1), dd = curve.evaluate(at, 2);
   const double speed = d.squaredNorm();
@@ -102,7 +103,7 @@ class PolylineTable {
     else
       for (const Vec3& p : line.points) add_point(p, 0, Vec3::Zero());
     const vtkIdType count = points_->GetNumberOfPoints() - first;
-    // VTK's polylines have two points or more: a single one comes twice.
+    // VTK polylines need at least two points, so a single one is repeated.
     lines_->InsertNextCell(std::max(2, static_cast<int>(count)));
     for (vtkIdType i = 0; i < count; ++i) lines_->InsertCellPoint(first + i);
     if (count == 1) lines_->InsertCellPoint(first);
@@ -154,7 +155,7 @@ class PolylineTable {
   vtkNew<vtkIntArray> closed_;
 };
 
-// ---- what goes into which file --------------------------------------------------------------
+// ---- selection by format ---------------------------------------------------------------------
 
 void check(const fs::path& path, const NamedCurve& line) {
   const auto refuse = [&](const std::string& what) {
@@ -169,7 +170,7 @@ void check(const fs::path& path, const NamedCurve& line) {
       refuse("found the parameter " + format_number(u) + ", expected a finite one");
 }
 
-/// Removes the lines that this kind of file cannot hold, and returns a sentence for each.
+/// Removes the lines that the format cannot store, and returns a sentence for each.
 std::vector<std::string> leave_out(const fs::path& path, std::vector<NamedCurve>& lines,
                                    const std::function<bool(const NamedCurve&)>& fits,
                                    const std::string& expected) {

@@ -9,31 +9,30 @@
 
 namespace batten {
 
-/// Endings of files, with their dots, that write_curves() knows.
+/// File extensions that write_curves() supports, with the dot.
 const std::vector<std::string>& curve_file_extensions();
 
-/// Writes all curves into one file, which appears whole or not at all. Its ending says the kind.
+/// Writes all curves to one file, atomically. The extension selects the format:
 ///
 ///   .curves .csv .obj   The points on the curves at `parameters`, so that a faired file has as
-///                       many points as before (less those that fairing moved to the place of
-///                       their neighbour). read_point_lines() reads the digits back as the
-///                       same numbers. Names are comments in .csv and `o` records in .obj; .curves
-///                       has none.
-///   .vtp                A polyline of 400 points or more for each curve (at jumps of curvature two
-///                       in one place). Point data: u, Curvature, Curvature_vector (towards the
-///                       centre); cell data: Name, Closed. A single point is a cell of that point
-///                       twice.
-///   .step .stp          Each C1 stretch between corners as one exact B-spline of degree 3 over the
-///   .iges .igs          curve's own u, named NAME or NAME.1, NAME.2, …; closed smooth curves are
-///                       closed B-splines. The file declares the model's unit.
+///                       many points as its input (minus those that fairing moved onto their
+///                       neighbour). read_point_lines() reads back exactly the same numbers. Names
+///                       are comments in .csv and `o` records in .obj; .curves has no names.
+///   .vtp                A polyline of at least 400 points for each curve (two coincident points
+///                       at jumps of the curvature). Point data: u, Curvature, Curvature_vector
+///                       (towards the centre of curvature); cell data: Name, Closed. A single
+///                       point is a cell that contains the point twice.
+///   .step .stp          Each C1 segment between corners as one exact B-spline of degree 3 over
+///   .iges .igs          the curve's own u, named NAME or NAME.1, NAME.2, …; smooth closed curves
+///                       are closed B-splines. The file declares the model unit.
 ///
-/// Returns a sentence for each line that was left out because this kind of file cannot hold it: a
-/// line of one point in .csv and .obj, a line without a curve in CAD files. Takes about 1 µs for
-/// each point of text, 20 µs for each segment of CAD.
+/// Returns a sentence for each line that was left out because the format cannot store it: a line of
+/// one point in .csv and .obj, a line without a curve in CAD files. Takes about 1 µs per point of
+/// text, 20 µs per curve segment in CAD files.
 ///
-/// Throws InputError: nothing to write (also when all was left out), another ending, a unit that
-/// CAD files cannot have, parameters or points that are not finite, a file that cannot be written;
-/// Error when OpenCASCADE fails.
+/// Throws InputError: nothing to write (also if everything was left out), an unknown extension, a
+/// unit that CAD files cannot declare, non-finite parameters or points, a file that cannot be
+/// written. Throws Error if OpenCASCADE fails.
 std::vector<std::string> write_curves(const std::filesystem::path& path,
                                       const std::vector<NamedCurve>& curves,
                                       const CurveFileOptions& options = {});

@@ -1,4 +1,4 @@
-// The lines of a drawing.
+// Reads the lines of DXF and SVG drawings.
 #pragma once
 
 #include <memory>
@@ -10,35 +10,37 @@
 
 namespace batten {
 
-/// One line of a drawing.
+/// One line of a drawing: either points or a curve.
 struct DrawnLine {
-  std::string name;          ///< unique in the file
-  std::vector<Vec3> points;  ///< of a polyline, in the drawing's numbers; else there is a curve
+  std::string name;          ///< unique within the file
+  std::vector<Vec3> points;  ///< of a polyline, in drawing units; empty if there is a curve
   std::shared_ptr<const InputCurve> curve = {};
 };
 
+/// The lines of a drawing file.
 struct Drawing {
   std::vector<DrawnLine> lines;
-  double unit_in_metres = 0;       ///< 0: the file does not say
-  std::vector<std::string> notes;  ///< what was passed over, in words
+  double unit_in_metres = 0;       ///< 0: unknown, the file declares no unit
+  std::vector<std::string> notes;  ///< descriptions of skipped entities
 };
 
 
-// Reads lines of drawings: DXF and SVG.
+// Reads DXF and SVG drawings.
 
-/// Reads a drawing; its extension says the format.
+/// Reads a drawing. The extension selects the format:
 ///
 ///   .dxf   LINE, ARC, CIRCLE, ELLIPSE, LWPOLYLINE and POLYLINE (with bulges: arcs), SPLINE, in
-///          space or in planes of their own (extrusion), and what INSERT places of blocks. Names:
-///          the layer's, on layer 0 the file's, with _1, _2, … when there are several. Unit:
-///          $INSUNITS. Text form only. Read by dxflib.
-///   .svg   path, line, polyline, polygon, rect, circle, ellipse, with all transforms, in z = 0 with
-///          y upwards. Names: label (Inkscape), else id, else the file's. Unit: that of width and
-///          viewBox, else pixels of 1/96 inch. Paths are read by lib2geom.
+///          space or in their own planes (extrusion), and the contents of blocks placed by INSERT.
+///          Names: the layer, or the file name for layer 0; with _1, _2, … if there are several.
+///          Unit: $INSUNITS. Text form only. Read with dxflib.
+///   .svg   path, line, polyline, polygon, rect, circle, ellipse, with all transforms, in the plane
+///          z = 0 with y upwards. Names: label (Inkscape), else id, else the file name. Unit: that
+///          of width and viewBox, else pixels of 1/96 inch. Paths are read with lib2geom.
 ///
-/// Polylines without arcs are points, of which corners are found as in tables; what is round is
-/// kept as it is. Text, hatches, dimensions, images and clones are passed over, and named in
-/// `notes`. Throws InputError: a file that cannot be read, is damaged or cut off, or has no line.
+/// Polylines without arcs are returned as points; corners in them are detected as in point tables.
+/// Curved entities are kept exactly. Text, hatches, dimensions, images and clones are skipped and
+/// listed in `notes`. Throws InputError: a file that cannot be read, is damaged or truncated, or
+/// contains no line.
 Drawing read_drawing(const std::filesystem::path& path);
 
 }  // namespace batten

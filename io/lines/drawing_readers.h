@@ -1,4 +1,4 @@
-// What readers of drawings share.
+// Shared helpers of the DXF and SVG readers.
 #pragma once
 
 #include <filesystem>
@@ -10,19 +10,20 @@
 
 namespace batten {
 
+/// The format-specific parts of read_drawing().
 Drawing read_dxf(const std::filesystem::path& path);
 Drawing read_svg(const std::filesystem::path& path);
 
-/// A straight piece.
+/// A straight line from `a` to `b`, as a cubic.
 std::shared_ptr<const InputCurve> straight_segment(const Vec3& a, const Vec3& b);
-/// The line at another place.
+/// The line under an affine transformation.
 DrawnLine transformed(const DrawnLine& line, const AffineTransform& transform);
 
-/// What a drawing has and no line comes of: kinds and how many.
+/// Counts entities that cannot be converted to lines, by kind.
 class SkippedEntities {
  public:
   void add(const std::string& kind) { ++count_[kind]; }
-  /// A sentence, or none.
+  /// Adds a sentence that lists them to the notes of a drawing; nothing if there are none.
   void report_to(Drawing& drawing) const;
 
  private:

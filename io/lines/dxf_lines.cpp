@@ -18,7 +18,7 @@ namespace {
 
 double radians(double degrees) { return degrees * std::numbers::pi / 180; }
 
-// AutoCAD's arbitrary axes: where x lies in a plane of which only the normal is known.
+// The x axis of a plane given by its normal only: AutoCAD's arbitrary axis algorithm.
 CurvePlane plane_with_normal(const Vec3& given) {
   const Vec3 n = given.norm() > 0 ? given.normalized() : Vec3::UnitZ();
   const bool near_z = std::abs(n.x()) < 1.0 / 64 && std::abs(n.y()) < 1.0 / 64;
@@ -42,7 +42,8 @@ struct Block {
   std::vector<Insert> inserts;
 };
 
-// Collects what dxflib finds. Polylines and splines come in pieces and end where the next begins.
+// Collects the entities that dxflib finds. dxflib reports polylines and splines in parts; they end
+// where the next entity begins.
 class Collector : public DL_CreationAdapter {
  public:
   std::map<std::string, Block> blocks;
@@ -201,7 +202,8 @@ class Collector : public DL_CreationAdapter {
     for (size_t i = 0; i + 1 < vertices_.size(); ++i) {
       const Vec3 &a = vertices_[i], &b = vertices_[i + 1];
       if (a == b) continue;
-      // A bulge is tan(angle / 4); above 0 the arc goes to the left, so it lies on the right.
+      // A bulge is tan(angle / 4). If it is positive, the arc turns left, so it lies to the right
+      // of its chord.
       const Vec3 right(b.y() - a.y(), a.x() - b.x(), 0);
       const bool bent = std::abs(bulges_[i]) > 1e-9;
       any_round = any_round || bent;
@@ -240,7 +242,7 @@ class Collector : public DL_CreationAdapter {
 
 constexpr size_t kMostLines = 1000000;
 
-// Lines of a block and of the blocks that it inserts.
+// Adds the lines of a block and of the blocks that it inserts, recursively.
 void collect(const Collector& all, const Block& block, const AffineTransform& transform,
              const std::string& layer, int depth, std::vector<DrawnLine>& lines) {
   constexpr int deepest = 16;
@@ -266,7 +268,7 @@ std::string text_of(const std::filesystem::path& path) {
     throw InputError(path.string() + ": found a binary DXF file, expected one in text form");
   if (text.starts_with("AC10"))
     throw InputError(path.string() + ": found a DWG file, expected DXF");
-  // dxflib reads no further, for ever, where a line is longer than its buffer.
+  // dxflib loops forever on a line that is longer than its buffer.
   size_t row = 1, begin = 0;
   for (; begin < text.size(); ++row) {
     const size_t end = std::min(text.find('\n', begin), text.size());

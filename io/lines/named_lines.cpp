@@ -14,7 +14,8 @@ namespace batten {
 std::vector<Vec3> NamedCurve::written_points() const {
   if (!has_curve()) return points;
   std::vector<Vec3> on_curve;
-  constexpr double one_place = 1e-12;  // of the range of u, which is the length to a few digits
+  // Relative to the range of u, which is approximately the length.
+  constexpr double one_place = 1e-12;
   for (const double u : parameters) {
     const Vec3 p = curve.evaluate(u);
     if (on_curve.empty() ||
@@ -44,7 +45,7 @@ void make_names_unique(const std::vector<std::string*>& names, const std::string
 
 namespace {
 
-/// An end of a segment; one that is no line's end has line -1.
+/// One end of a segment; `line` is -1 if there is none.
 struct End {
   int line = -1;
   bool last = false;
@@ -72,7 +73,7 @@ class SegmentChainer {
  private:
   struct Endpoint {
     int uses = 0;           // by any line
-    std::vector<End> ends;  // of segments
+    std::vector<End> ends;  // of segments only
   };
 
   bool is_segment(int k) const { return lines_[k].points.size() == 2; }
@@ -118,7 +119,7 @@ class SegmentChainer {
   }
 
   std::vector<NamedPoints> lines_;
-  std::vector<std::array<End, 2>> next_;  // which end of which segment goes on at an end
+  std::vector<std::array<End, 2>> next_;  // the segment end that continues each segment end
   std::vector<char> taken_;
 };
 

@@ -1,4 +1,4 @@
-// A curve with a name and points.
+// Named curves and named polylines, and helpers for names and segments.
 #pragma once
 
 #include <string>
@@ -9,56 +9,59 @@
 
 namespace batten {
 
-/// A line by its name: a curve or, where none could be made (of a single point, for example), its
-/// points only.
+/// A line with a name: a curve, or only its points if no curve could be made (for example from a
+/// single point).
 struct NamedCurve {
   std::string name;
-  HermiteCurve curve;              ///< the curve; without segments: none
-  std::vector<double> parameters;  ///< u of the points that .curves, .csv and .obj files get
-  std::vector<Vec3> points;        ///< points of a line without a curve
+  HermiteCurve curve;              ///< has no segments if there is no curve
+  /// Parameters u of the points written to .curves, .csv and .obj files.
+  std::vector<double> parameters;
+  std::vector<Vec3> points;        ///< only for a line without a curve
 
   bool has_curve() const { return curve.segment_count() > 0; }
-  /// The points of the curve at `parameters`, those that follow each other in one place once (no
-  /// reader takes them twice); without a curve, `points`.
+  /// The points of the curve at `parameters`, without consecutive coincident points (readers expect
+  /// distinct points). Without a curve: `points`.
   std::vector<Vec3> written_points() const;
 };
 
 
-// A line of points as it stood in a file.
+// Polylines as they are in a file.
 
-/// One line of a file: its points in their order, two or more (.curves: one or more).
+/// One line of a file: its points in order, two or more (.curves: one or more).
 struct NamedPoints {
-  std::string name;          ///< unique in the file
+  std::string name;          ///< unique within the file
   std::vector<Vec3> points;  ///< model units
-  int first_line = 0;        ///< row of the file where it starts, counted from 1, for messages
-  std::string format_note =
-      {};  ///< in words, of a file's first line: title, columns, decimal commas
+  int first_line = 0;        ///< 1-based row of the file where it starts, for messages
+  /// Set for the first line of a file: how the file was interpreted: title, columns, decimal
+  /// commas.
+  std::string format_note = {};
 };
 
 
-// Options of curve files for CAD.
+// Options for writing curves to CAD files.
 
-/// What STEP and IGES files of curves declare; other files have no place for it.
+/// Header data of STEP and IGES files of curves. Other formats ignore it.
 struct CurveFileOptions {
-  double unit_in_metres = 1e-3;  ///< the model's unit, which the file declares
-  bool ap242 = false;            ///< of STEP, instead of AP214
+  double unit_in_metres = 1e-3;  ///< model unit, which the file declares
+  bool ap242 = false;            ///< STEP only: AP242 instead of AP214
 };
 
 
-// Names of lines from files.
+// Names of lines.
 
-/// Empty names become `other`; names that are there several times get _1, _2, … in their order.
+/// Replaces empty names by `other`, and appends _1, _2, … to names that occur several times, in
+/// order.
 void make_names_unique(const std::vector<std::string*>& names, const std::string& other);
 
 
-// Lines from their segments.
+// Chaining of segments.
 
-/// Chains lines of two points into the lines that they are segments of, as programs write them that
-/// know edges only (`l 1 2`, `l 2 3`, …). Two segments of one name are joined where they alone have
-/// a point and the line turns by less than 60 degrees there: the sides of a hexagon stay six lines.
-/// Points are the same where their coordinates are. A chain lies where its first segment lay in the
-/// list, runs as that one does, and repeats its first point when it is closed. All other lines
-/// are as given. O(n log n).
+/// Joins lines of two points into longer polylines. Some programs write each edge as a separate
+/// line (`l 1 2`, `l 2 3`, …). Two segments of one name are joined at a point that belongs to no
+/// other line of that name, if the direction changes by less than 60 degrees there. So the sides of
+/// a hexagon stay six lines. Points are identical if their coordinates are. A chain takes the
+/// position in the list and the direction of its first segment, and repeats its first point if it
+/// is closed. All other lines are unchanged. O(n log n).
 std::vector<NamedPoints> chain_segments(std::vector<NamedPoints> lines);
 
 }  // namespace batten

@@ -17,20 +17,20 @@
 
 namespace batten {
 
-// Reads tables of points: a point a row, offset tables, airfoils.
+// Point tables: one point per row, offset tables, airfoils.
 
-/// The lines of a table, as read_point_lines() says for .csv, .txt, .xyz and .dat; those without a
-/// name of their own have none yet. Throws InputError.
+/// Reads the lines of a .csv, .txt, .xyz or .dat table as documented at read_point_lines(). Lines
+/// that the file does not name get an empty name. Throws InputError.
 std::vector<NamedPoints> read_point_table(TextRows& rows, double scale);
 
 namespace fs = std::filesystem;
 namespace {
 
-/// Words of an OBJ record, which goes on in the next row after a backslash.
+/// The words of an OBJ record. A backslash continues the record in the next row.
 class ObjTokens {
  public:
   explicit ObjTokens(TextRows& rows) : rows_(rows), rest_(without_comment(rows.row())) {}
-  /// Empty at the end of the record.
+  /// The next word; empty at the end of the record.
   std::string_view next() {
     for (;;) {
       while (!rest_.empty() && is_blank(rest_.front())) rest_.remove_prefix(1);
@@ -79,7 +79,7 @@ std::vector<NamedPoints> read_obj(TextRows& rows, double scale) {
       NamedPoints result{name, {}, line};
       const long count = static_cast<long>(vertices.size());
       for (std::string_view word = words.next(); !word.empty(); word = words.next()) {
-        // "vertex/texture": the first number is meant.
+        // Of "vertex/texture", use the first number.
         const std::string_view digits = word.substr(0, word.find('/'));
         long index = 0;
         const auto [end, error] =
@@ -108,7 +108,7 @@ std::vector<NamedPoints> read_obj(TextRows& rows, double scale) {
   return chain_segments(std::move(lines));
 }
 
-/// The count of a row "v N".
+/// Parses the number of points N in a row "v N".
 long announced_points(const TextRows& rows, std::string_view row) {
   std::vector<std::string_view> words;
   split_fields(row, words);
@@ -194,14 +194,15 @@ namespace {
 
 using Fields = std::vector<std::string_view>;
 
-// How the rows of a table are divided.
+// The column layout of a table.
 struct Columns {
-  char separator = 0;           // 0: as split_fields()
-  bool decimal_commas = false;  // "1,5" is one and a half
-  long count = 0;               // 0: not known yet
-  int line = 0;                 // the row that says so
-  HeaderColumns named;          // by a header row
-  std::optional<long> number;   // of the point before, where the first of four columns counts them
+  char separator = 0;           // 0: as in split_fields()
+  bool decimal_commas = false;  // "1,5" means one and a half
+  long count = 0;               // number of columns; 0: not known yet
+  int line = 0;                 // the row that determined the layout
+  HeaderColumns named;          // columns named by a header row
+  // Index of the previous point, if the first of four columns counts the points.
+  std::optional<long> number;
 };
 
 void split(std::string_view row, char separator, Fields& fields) {
@@ -209,7 +210,8 @@ void split(std::string_view row, char separator, Fields& fields) {
   split_at(row, separator, fields);
 }
 
-// Whether all fields are numbers written with decimal commas: one of them has a comma at least.
+// True if the fields are numbers with decimal commas, at least one of them. `each`: every field
+// must have a comma.
 bool has_decimal_commas(const Fields& fields, bool each) {
   bool any = false;
   for (std::string_view f : fields) {
@@ -225,7 +227,7 @@ bool has_decimal_commas(const Fields& fields, bool each) {
   return any;
 }
 
-// A number of points, which a double and a long hold.
+// True for a number of points that both double and long can represent.
 bool is_count(std::string_view field) {
   constexpr size_t most_digits = 15;
   return field.size() <= most_digits && is_digits(field);
@@ -239,7 +241,7 @@ class PointTable {
     while (rows_.next()) {
       const std::string_view row = without_comment(rows_.row());
       if (row.find_first_not_of(" \t,;") == row.npos) {
-        // A row with nothing but a comment does not end a line.
+        // A row that contains only a comment does not end a line.
         if (rows_.row().find_first_of("#/") == std::string_view::npos) new_line_ = true;
         continue;
       }
@@ -259,7 +261,7 @@ class PointTable {
   }
 
  private:
-  // "CURVE 3" begins a line and names it.
+  // A row "CURVE 3" starts a line and names it.
   bool starts_curve(std::string_view row) {
     split_fields(row, fields_);
     if (fields_.size() != 2 || fields_[0] != "CURVE") return false;
@@ -268,7 +270,7 @@ class PointTable {
     return true;
   }
 
-  // Words may stand beside the numbers in columns that nobody asked for.
+  // Rows with named columns may contain words in other columns, so they are not headings.
   bool is_heading_here(std::string_view row) const {
     if (columns_.count == 0)
       return !header_columns(heading_, row) && is_header(row, heading_.empty());
@@ -277,11 +279,11 @@ class PointTable {
 
   void take_header(std::string_view row) {
     if (columns_.count == 0) {
-      // A row of units may follow the names of columns.
+      // A row of units may follow the column names.
       if (!parse_header_columns(heading_)) heading_ = row;
       return;
     }
-    // Headings of blocks name them; then the first names the first one.
+    // Headings name the blocks that follow them; so the title names the first block.
     if (!title_.empty() && lines_.front().name.empty()) lines_.front().name = title_;
     next_name_ = header_name(row);
   }
@@ -313,7 +315,7 @@ class PointTable {
     if (columns_.decimal_commas) how_ += std::string(how_.empty() ? "" : ", ") + "decimal commas";
   }
 
-  // Between semicolons, tabs or blanks a comma inside a number is a decimal one.
+  // Between semicolons, tabs or blanks, a comma inside a number is a decimal comma.
   void choose_decimal_commas(std::string_view row) {
     if (columns_.separator == ',') return;
     const bool semicolons = row.find(';') != row.npos;
@@ -331,7 +333,7 @@ class PointTable {
       first = 1;
       const long next = ++*columns_.number;
       if (fields_.size() == 4 && value(fields_[0]) != static_cast<double>(next)) {
-        // Each line may count its own points.
+        // Each line may restart the count of its points.
         if (!new_line_ || !is_count(fields_[0]))
           rows_.fail(
               row.data(),
@@ -410,7 +412,7 @@ class PointTable {
   TextRows& rows_;
   double scale_;
   Columns columns_;
-  std::string_view heading_;  // the last row of words
+  std::string_view heading_;  // the last row of words before the numbers
   std::string title_, next_name_, how_;
   Fields fields_;
   std::vector<NamedPoints> lines_;

@@ -1,4 +1,4 @@
-// Reads lines that are given as points in text files.
+// Reads lines of points from text files.
 #pragma once
 
 #include <filesystem>
@@ -8,36 +8,36 @@
 
 namespace batten {
 
-/// Reads the lines of a file. Its extension says the format.
+/// Reads the lines of a file. The extension selects the format:
 ///
-///   .csv .txt .xyz .dat   One point a row, 2 or 3 numbers with commas, semicolons, tabs or blanks
-///                         between them (2: z = 0). Commas inside numbers are decimal ones where
-///                         semicolons, tabs or blanks are between the numbers. '#' and '//' start
-///                         comments. Rows of words before the numbers are titles, digits in them or
-///                         not. A header that names x, y, z (two of them at least) says which
-///                         columns are meant, others are passed over; a column "line", "name" or
-///                         "curve" says which line a point is of. Of four columns without a header
-///                         the first may count the points. Blank rows, or rows of separators only,
-///                         separate lines; a row of words after them names the next. Names: the
-///                         file's name, with _1, _2, … when there are several lines. A row
-///                         `CURVE 3` begins a line too, and names it "curve 3".
-///                         Offset tables (OffsetTable) give a line for each station, Lednicer's
+///   .csv .txt .xyz .dat   One point per row: 2 or 3 numbers separated by commas, semicolons, tabs
+///                         or blanks (2: z = 0). If the numbers are separated by semicolons, tabs
+///                         or blanks, a comma inside a number is a decimal comma. '#' and '//'
+///                         start comments. Rows of words before the numbers are titles, also if
+///                         they contain digits. A header that names x, y, z (at least two of them)
+///                         selects the columns; others are skipped. A column "line", "name" or
+///                         "curve" assigns each point to a line. Without a header, the first of
+///                         four columns may be the index of the point. Blank rows, or rows of
+///                         separators only, separate lines; a row of words after them names the
+///                         next line. Names: the file name, with _1, _2, … if there are several
+///                         lines. A row `CURVE 3` also starts a line and names it "curve 3".
+///                         Offset tables (OffsetTable) give one line per station, Lednicer
 ///                         airfoils (join_lednicer) one line around both sides.
-///   .obj                  `v` and `l` records, indices from 1 or negative (from the end); each `l`
+///   .obj                  `v` and `l` records, indices from 1 or negative (from the end). Each `l`
 ///                         record is one line, named after the last `o` or `g` record before it
-///                         (numbered when several share the name), else after the file. Records of
-///                         two vertices are chained into lines (chain_segments()). Everything else
-///                         in the file is passed over.
+///                         (numbered if several have the same name), else after the file. Records
+///                         of two vertices are chained into lines (chain_segments()). All other
+///                         records are skipped.
 ///   .curves               Drawn strokes: a row `v N`, then N rows of three numbers, and so on;
-///                         blank rows and comments between are passed over. Names are made as for
-///                         .csv. A stroke may be a single point, because drawn sketches have some.
+///                         blank rows and comments in between are skipped. Names as for .csv. A
+///                         stroke may be a single point, because drawn sketches contain such
+///                         strokes.
 ///
-/// Points that repeat the one before them are kept. A UTF-8 byte-order mark and CRLF line ends are
-/// accepted. `file_unit_over_model_unit` multiplies all numbers. Reads about 3 million points a
-/// second, with the whole file in memory.
-/// Throws InputError, "file:line:column: found X, expected Y": also for another extension, a file
-/// that is missing or without points, a line of one point (not in .curves), numbers that are not
-/// finite, a unit factor not above 0.
+/// Repeated points are kept. A UTF-8 byte-order mark and CRLF line ends are accepted.
+/// `file_unit_over_model_unit` multiplies all coordinates. Reads about 3 million points per second;
+/// the whole file is held in memory. Throws InputError, "file:line:column: found X, expected Y":
+/// also for an unknown extension, a missing file, a file without points, a line of one point
+/// (except in .curves), non-finite numbers, and a unit factor that is not above 0.
 std::vector<NamedPoints> read_point_lines(const std::filesystem::path& path,
                                           double file_unit_over_model_unit = 1);
 

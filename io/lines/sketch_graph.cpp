@@ -14,7 +14,7 @@ namespace {
 using Json = nlohmann::json;
 using Bezier = std::array<Vec3, 4>;
 
-/// Bézier pieces one after the other, piece i over [i, i+1].
+/// A piecewise cubic Bézier curve, with piece i over [i, i+1].
 class PolyBezier final : public InputCurve {
  public:
   explicit PolyBezier(std::vector<Bezier> pieces) : pieces_(std::move(pieces)) {}
@@ -49,7 +49,8 @@ class Reader {
     try {
       json_ = Json::parse(text);
     } catch (const Json::exception& e) {
-      // "[json.exception.parse_error.101] parse error at line 1, column 2: …"
+      // Strips the prefix of e.g. "[json.exception.parse_error.101] parse error at line 1, column
+      // 2: …".
       const std::string what = e.what();
       const size_t close = what.find("] ");
       fail("", "found no JSON: " + (close == what.npos ? what : what.substr(close + 2)));

@@ -24,12 +24,12 @@
 namespace batten {
 namespace {
 
-constexpr double kPixel = 0.0254 / 96;  // metres
+constexpr double kPixel = 0.0254 / 96;  // CSS pixel in metres
 constexpr double kTwoPi = 2 * std::numbers::pi;
 
 Vec3 in_plane(const Geom::Point& p) { return {p.x(), p.y(), 0}; }
 
-// "svg:path" is a path.
+// Element name without namespace: "svg:path" is a path.
 std::string kind_of(vtkXMLDataElement* element) {
   const std::string name = element->GetName() ? element->GetName() : "";
   return name.substr(name.find(':') + 1);
@@ -48,14 +48,14 @@ std::string attribute(vtkXMLDataElement* element, const char* key) {
                    ", expected " + expected);
 }
 
-// Numbers with commas, blanks or words between them.
+// Extracts numbers separated by commas, blanks or words.
 std::vector<double> numbers_of(std::string_view text) {
   std::vector<double> numbers;
   for (size_t i = 0; i < text.size();) {
     double value = 0;
     const char* first = text.data() + i + (text[i] == '+');
     const auto [end, error] = std::from_chars(first, text.data() + text.size(), value);
-    // "inf" and "nan" are words.
+    // "inf" and "nan" count as words
     const bool good = error == std::errc() && std::isfinite(value);
     if (good) numbers.push_back(value);
     i = good ? static_cast<size_t>(end - text.data()) : i + 1;
@@ -63,7 +63,7 @@ std::vector<double> numbers_of(std::string_view text) {
   return numbers;
 }
 
-// In metres, or none: not given, or in percent. A bare number is in pixels.
+// Parses a length, in metres. A bare number is in pixels. nullopt if it is missing or a percentage.
 std::optional<double> length_of(const std::string& text) {
   double value = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
@@ -86,7 +86,7 @@ double coordinate(vtkXMLDataElement* element, const char* key, double fallback =
   return *metres / kPixel;
 }
 
-// One word of a transform, with its numbers.
+// One transform function with its arguments.
 AffineTransform transform_name(vtkXMLDataElement* element, const std::string& word,
                                const std::vector<double>& n) {
   const size_t count = n.size();
@@ -129,7 +129,7 @@ AffineTransform transform_of(vtkXMLDataElement* element) {
     if (open == text.npos || close == text.npos || close < open)
       fail(element, "transform", "words with numbers in brackets");
     const std::string word(trimmed(std::string_view(text).substr(i, open - i)));
-    // What stands last acts first.
+    // The last transform in the list is applied first.
     all =
         transform_name(element, word, numbers_of(std::string_view(text).substr(open, close - open)))
             .then(all);
@@ -166,7 +166,7 @@ class SvgReader {
   }
 
  private:
-  // y upwards from the page's lower edge.
+  // Sets the unit, and maps the page to coordinates with y upwards from its lower edge.
   AffineTransform page_of(vtkXMLDataElement* root) {
     std::vector<double> box = numbers_of(attribute(root, "viewBox"));
     const auto width = length_of(attribute(root, "width"));
@@ -236,7 +236,7 @@ class SvgReader {
       const CurvePlane plane{centre, Vec3::UnitX(), Vec3::UnitY()};
       return add({name, {}, rectangle(plane, w, h, 0)}, here);
     }
-    // Elliptic corners are round ones, stretched.
+    // Elliptical corners are circular ones, scaled in y.
     const double a = std::min(rx, w / 2), stretch = std::min(ry, h / 2) / a;
     AffineTransform own;
     own.A(1, 1) = stretch;
@@ -244,7 +244,7 @@ class SvgReader {
     add({name, {}, rectangle({}, w, h / stretch, a)}, own.then(here));
   }
 
-  // A path of straight pieces is points; each of its parts is a line.
+  // Adds each subpath as a line: as points if all its segments are straight, else as a curve.
   void path(vtkXMLDataElement* e, const AffineTransform& here, const std::string& name) {
     Geom::PathVector parts;
     try {
@@ -289,7 +289,7 @@ Drawing read_svg(const std::filesystem::path& path) {
   check_xml_nesting_depth(read_input_file(path, "a drawing"), path.string());
   vtkNew<vtkXMLDataParser> parser;
   parser->SetFileName(path.string().c_str());
-  // VTK prints errors that nobody listens to.
+  // Suppress VTK's error output.
   parser->AddObserver(vtkCommand::ErrorEvent, vtkNew<vtkCallbackCommand>());
   if (!parser->Parse() || !parser->GetRootElement())
     throw InputError(path.string() + ": found no well-formed XML, expected an SVG drawing");

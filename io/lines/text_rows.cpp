@@ -39,7 +39,7 @@ void TextRows::fail(const char* where, const std::string& message) const {
 double TextRows::number_in(std::string_view field, const std::string& expected) const {
   double value = 0;
   const char *first = field.data(), *last = first + field.size();
-  // from_chars knows no leading plus.
+  // from_chars does not accept a leading plus
   const bool plus = field.size() > 1 && field[0] == '+' && field[1] != '-' && field[1] != '+';
   const auto [end, error] = std::from_chars(first + plus, last, value);
   if (error == std::errc::result_out_of_range)
@@ -123,7 +123,7 @@ std::optional<double> number_of(std::string_view field) {
   return value;
 }
 
-// Digits with one character at most that no number has.
+// True for a field of digits in which at most one character cannot occur in a number.
 bool is_misspelt_number(std::string_view field) {
   if (std::none_of(field.begin(), field.end(), is_digit)) return false;
   return std::count_if(field.begin(), field.end(), [](char c) {
@@ -131,7 +131,7 @@ bool is_misspelt_number(std::string_view field) {
          }) <= 1;
 }
 
-// 0, 1, 2 for x, y, z; -1 for other names.
+// The axis index 0, 1, 2 for x, y, z; -1 for other names.
 int axis_of(std::string_view field) {
   const std::string name = lower_case(std::string(without_quotes(field)));
   if (name.starts_with("points:") && name.size() == 8) return name[7] - '0';
@@ -140,7 +140,7 @@ int axis_of(std::string_view field) {
   return name[0] - 'x';
 }
 
-// What divides a row of words, in which blanks may belong to them.
+// The separator of a row of words that may contain blanks; 0: none found.
 char separator_of(std::string_view row) {
   for (const char c : {';', '\t', ','})
     if (row.find(c) != row.npos) return c;
@@ -164,7 +164,8 @@ bool is_header(std::string_view row, bool first_row) {
   std::erase_if(fields, [](std::string_view f) { return f.empty(); });
   const long numbers = std::count_if(fields.begin(), fields.end(), starts_like_number);
   const long words = isize(fields) - numbers;
-  const bool corner = fields_of(row, separator_of(row))[0].empty();  // of an offset table
+  // Empty corner of an offset table.
+  const bool corner = fields_of(row, separator_of(row))[0].empty();
   if (words == 0) return first_row && (corner || (fields.size() == 1 && is_digits(fields[0])));
   if (starts_like_number(fields[0]) &&
       (words < numbers || (words == numbers && separator_of(row) != 0)))
@@ -173,7 +174,7 @@ bool is_header(std::string_view row, bool first_row) {
     return false;
   const auto axis = [](std::string_view f) { return f.size() == 1 && axis_of(f) >= 0; };
   const bool axes = std::any_of(fields.begin(), fields.end(), axis);
-  // An offset table's corner may be such a letter: "x 0 1 2".
+  // The corner of an offset table may be such a letter: "x 0 1 2".
   return !axes || numbers == 0 || (axis(fields[0]) && words == 1);
 }
 
@@ -273,7 +274,7 @@ void join_lednicer(std::vector<NamedPoints>& lines, double scale) {
   if (static_cast<double>(points.size()) != 1 + upper + lower) return;
   const auto side = points.begin() + 1 + static_cast<long>(upper);
   const double chord = (*(side - 1) - points[1]).norm();
-  // Both sides begin at the leading edge.
+  // Both sides must begin at the leading edge.
   if (!((*side - points[1]).norm() < 0.05 * chord)) return;
   std::vector<Vec3> around(points.begin() + 1, side);
   std::reverse(around.begin(), around.end());

@@ -1,4 +1,5 @@
-// The rows of a text file of numbers, and their places for messages.
+// Row-by-row access to text files of numbers, with positions for messages, and the headings of
+// tables.
 #pragma once
 
 #include <cstddef>
@@ -14,22 +15,22 @@
 
 namespace batten {
 
-/// The text of one file, gone through row by row. Throws InputError: a file that is missing, a
-/// folder, empty, or in UTF-16. A UTF-8 byte-order mark is passed over.
+/// The text of one file, read row by row. Throws InputError for a missing file, a folder, an empty
+/// file, and UTF-16 text. A UTF-8 byte-order mark is skipped.
 class TextRows {
  public:
   explicit TextRows(const std::filesystem::path& path);
 
-  /// Moves to the next row; false at the end.
+  /// Advances to the next row; false at the end.
   bool next();
-  /// The row without its line end; comments are still in it.
+  /// The current row without its line end; comments are included.
   std::string_view row() const { return std::string_view(text_).substr(begin_, end_ - begin_); }
-  int line() const { return line_; }  ///< from 1
+  int line() const { return line_; }  ///< 1-based row number
   const std::filesystem::path& path() const { return path_; }
 
-  /// Throws InputError, "file:line:column: message"; `where` points into the row.
+  /// Throws InputError, "file:line:column: message". `where` must point into the row.
   [[noreturn]] void fail(const char* where, const std::string& message) const;
-  /// The number that `field`, a part of the row, is. Throws InputError with its place.
+  /// Parses `field`, a part of the row, as a number. Throws InputError with its position.
   double number_in(std::string_view field, const std::string& expected) const;
 
  private:
@@ -39,48 +40,55 @@ class TextRows {
   int line_ = 0;
 };
 
-/// Without '#' and '//' comments, and trimmed.
+/// The row without '#' and '//' comments, trimmed.
 std::string_view without_comment(std::string_view row);
-/// Fields of a row: blanks, with at most one comma or semicolon among them, separate.
+/// Splits a row into fields separated by blanks, with at most one comma or semicolon among them.
 void split_fields(std::string_view row, std::vector<std::string_view>& fields);
-/// Fields between separators, trimmed; ' ': any blanks.
+/// Splits a row at `separator` and trims the fields. ' ': any number of blanks.
 void split_at(std::string_view row, char separator, std::vector<std::string_view>& fields);
-/// Whether the field begins like a number, or is "nan" or "inf".
+/// True if the field begins like a number, or is "nan" or "inf".
 bool starts_like_number(std::string_view field);
 
 
-// What rows of words above the numbers of a table say: titles, names of columns, offset tables,
-// airfoils.
+// Headings of tables: titles, column names, offset tables, airfoils.
 
-/// Whether a row is a heading: words, which may hold digits ("NACA 2412", "MH 32  8.7%"), and in
-/// the first row of a file a number alone, or the corner of an offset table that is empty. A row of
-/// numbers with a mistake in it ("1, 2, x", "l.0 0.5") is none, nor one that names an axis beside a
-/// number.
+/// True if a row is a heading. A heading consists of words, which may contain digits ("NACA 2412",
+/// "MH 32  8.7%"). In the first row of a file it may also be a single number, or an offset table's
+/// header with an empty corner. A row of numbers with a typing error ("1, 2, x", "l.0 0.5") is not
+/// a heading, nor is a row with an axis name next to a number.
 bool is_header(std::string_view row, bool first_row);
 
-/// The columns that a header names: x, y, z ("X [mm]", ParaView's "Points:0"), two of them at
-/// least, the others 0; and "line", "name" or "curve", of which each change begins a line.
+/// The columns that a header names. At least two of x, y, z are needed ("X [mm]", ParaView's
+/// "Points:0"); a missing coordinate is 0. A change in the column "line", "name" or "curve" starts
+/// a new line.
 struct HeaderColumns {
-  char separator = 0;  ///< 0: blanks, commas and semicolons alike
+  char separator = 0;  ///< 0: blanks, commas and semicolons
+  /// Column index of x, y and z; -1: none.
   std::array<int, 3> axes = {-1, -1, -1};
-  int name = -1;  ///< -1: none
+  int name = -1;  ///< index of the name column; -1: none
+  /// Total number of columns.
   size_t count = 0;
+  /// True if at least two axes are named.
   explicit operator bool() const { return (axes[0] >= 0) + (axes[1] >= 0) + (axes[2] >= 0) > 1; }
 };
+/// Parses a header row.
 HeaderColumns parse_header_columns(std::string_view heading);
-/// None when the heading has another number of columns than `row`, or no numbers are in these.
+/// As parse_header_columns(), but empty if `row` has another number of columns or no numbers in the
+/// named ones.
 HeaderColumns header_columns(std::string_view heading, std::string_view row);
 
-/// A heading as a name: without quotes and blanks at its ends.
+/// The heading as a name: without surrounding quotes and blanks.
 std::string header_name(std::string_view heading);
 
-/// A table of half breadths: above it a word (or nothing) and ascending heights of waterlines; each
-/// row a station's place along the ship and its half breadths, empty or "-" where there is no hull.
-/// When the word begins with "z", "w" or "h", rows are waterlines and columns stations.
+/// A table of the half-breadths of a ship's hull. Its header is a word (or nothing), followed by
+/// ascending heights of waterlines. Each row is the position of a station along the ship, followed
+/// by its half-breadths; "-" or empty if there is no hull. If the word begins with "z", "w" or "h",
+/// rows are waterlines and columns are stations.
 class OffsetTable {
  public:
-  /// Reads on from the row at which `rows` stands. A line for each station: points (x, half
-  /// breadth, z), upwards. Stations with fewer than two points are left out. Throws InputError.
+  /// Reads on from the current row of `rows`. Returns one line per station with points (x,
+  /// half-breadth, z), upwards. Stations with fewer than two points are left out. Throws
+  /// InputError.
   std::vector<NamedPoints> read(TextRows& rows, double scale) const;
 
  private:
@@ -89,14 +97,17 @@ class OffsetTable {
   bool rows_are_waterlines_ = false;
   std::vector<double> heights_;
 };
+/// Recognises an offset table by its header and the first row below it.
 std::optional<OffsetTable> offset_table(std::string_view heading, std::string_view row);
 
-/// Lednicer's airfoils: a row with the numbers of points of both sides, then the upper and the
-/// lower side, each from the leading edge. They become one line, from the trailing edge over the
-/// upper side to the leading edge and back, as in Selig's format. Other lines are left as they are.
+/// Converts an airfoil in Lednicer's format to a single line. The format is a row with the numbers
+/// of points of both sides, followed by the upper and the lower side, each from the leading edge.
+/// The result runs from the trailing edge over the upper side to the leading edge and back, as in
+/// Selig's format. Other lines are not changed.
 void join_lednicer(std::vector<NamedPoints>& lines, double scale);
 
+/// The field without surrounding quotes and blanks.
 std::string_view without_quotes(std::string_view field);
-bool is_digits(std::string_view field);  ///< digits only
+bool is_digits(std::string_view field);  ///< true for a non-empty field of digits only
 
 }  // namespace batten

@@ -92,18 +92,18 @@ LogJson json_of(const Operation& operation) {
   return json_of(*operation.edit);
 }
 
-/// The object of one operation, with the line of the log it comes from.
+/// The JSON object of one operation, with its position in the log.
 struct OperationObject {
   const LogJson& json;
   const std::string& where;
-  /// Expects "do" and these keys.
+  /// The object, checked to have no other keys than "do" and these.
   LogObject with(std::vector<std::string> keys) const {
     keys.emplace_back("do");
     return LogObject(json, where, "the operation", keys);
   }
 };
 
-/// Reads "do", whatever other keys there are.
+/// The value of "do"; other keys are not checked.
 std::string operation_name(const OperationObject& operation) {
   if (!operation.json.is_object() || !operation.json.contains("do"))
     throw InputError(operation.where + "found no \"do\", expected {\"do\": …}");
@@ -112,7 +112,8 @@ std::string operation_name(const OperationObject& operation) {
   return LogObject(operation.json, operation.where, "the operation", all).text("do");
 }
 
-/// Reads what edits nothing: numbers, settling, steps, undo. None if `word` is not one of these.
+/// Parses an operation without edit data: parameter values, solves, time steps, undo. nullopt for
+/// other names.
 std::optional<Operation> simple_operation_of(const std::string& word,
                                              const OperationObject& operation) {
   using Kind = Operation::Kind;
@@ -139,7 +140,7 @@ std::optional<Operation> simple_operation_of(const std::string& word,
   return std::nullopt;
 }
 
-/// Reads what is added: one thing, and its parameters.
+/// Parses an addition: one entity with its parameters.
 Operation::Add addition_of(const OperationObject& operation) {
   const std::vector<std::string> kinds = {"load", "weight", "constraint", "move", "line"};
   std::vector<std::string> keys = kinds;
@@ -156,7 +157,7 @@ Operation::Add addition_of(const OperationObject& operation) {
   return {what(), parameters_of(o)};
 }
 
-/// Reads where triangles are halved, and how far.
+/// Parses a mesh refinement: where and how far triangles are bisected.
 Refinement refinement_of(const OperationObject& operation) {
   const LogObject o = operation.with({"strokes", "share", "smallest", "most_triangles"});
   Refinement refinement;
@@ -169,7 +170,7 @@ Refinement refinement_of(const OperationObject& operation) {
   return refinement;
 }
 
-/// Reads an edit. None if `word` is not one.
+/// Parses an edit. nullopt for other names.
 std::optional<Operation::Edit> edit_of(const std::string& word, const OperationObject& operation) {
   if (word == "add") return addition_of(operation);
   if (word == "change") return Operation::Change{constraint_of(operation.with({"constraint"}))};
@@ -192,7 +193,7 @@ std::optional<Operation::Edit> edit_of(const std::string& word, const OperationO
   return std::nullopt;
 }
 
-/// Reads any operation.
+/// Parses any operation.
 Operation operation_of(const LogJson& json, const std::string& where) {
   const OperationObject operation{json, where};
   const std::string word = operation_name(operation);

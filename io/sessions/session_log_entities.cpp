@@ -51,7 +51,7 @@ Area area_of(const LogObject& object) {
   return area;
 }
 
-/// The nodes of a piecewise cubic C1 line.
+/// Converts a piecewise cubic C1 line to its nodes.
 HermiteCurve nodes_of(const CharacterLine& line) {
   const auto refuse = [&](const std::string& what) {
     throw InputError("session log: found the line '" + line.name + "', which " + what +
@@ -66,7 +66,7 @@ HermiteCurve nodes_of(const CharacterLine& line) {
     positions.row(k) = curve.evaluate(at[i]);
     slopes.row(k) = curve.evaluate(at[i], 1);
     if (i == 0) continue;
-    // The cubic that starts like this piece and ends where it ends must end with its slope.
+    // The cubic with this piece's start derivatives and end position must end with its slope.
     const double h = at[i] - at[i - 1];
     const Vec3 start = slopes.row(k - 1), bend = curve.evaluate(at[i - 1], 2);
     const Vec3 chord = (positions.row(k) - positions.row(k - 1)) / h;

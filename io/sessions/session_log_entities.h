@@ -1,5 +1,5 @@
-// Writes and reads the parts of a session's log as JSON: loads, weights, constraints, moves, lines,
-// parameters. Internal.
+// JSON serialisation of the entities in a session log: loads, stiffness fields, constraints, line
+// offsets, lines, parameters. Internal.
 #pragma once
 
 #include <string>
@@ -18,11 +18,12 @@
 
 namespace batten {
 
-// Reads and writes the JSON of a session's log. Messages about mistakes say their line. Internal.
+// JSON access with error messages that state the line of the log.
 
+/// JSON that keeps the order of keys.
 using LogJson = nlohmann::ordered_json;
 
-/// A number as JSON. Throws InputError when it is not finite, which JSON cannot hold.
+/// A number as JSON. Throws InputError if it is not finite, because JSON cannot represent it.
 inline LogJson json_number(double value) {
   if (!std::isfinite(value))
     throw InputError("session log: found " + format_number(value) +
@@ -33,12 +34,12 @@ inline LogJson json_vector(const Vec3& v) {
   return {json_number(v[0]), json_number(v[1]), json_number(v[2])};
 }
 
-/// One JSON object of the log. Its functions read the value of a key and throw InputError with the
-/// line, what was found and what was expected.
+/// A JSON object of the log. Its functions read the value of a key. They throw InputError with the
+/// line of the log, the value found and the value expected.
 class LogObject {
  public:
-  /// Keeps a reference to `json`. `where` is "FILE:LINE: "; `what` names the object in messages.
-  /// Throws InputError when it is not an object, or has a key that is not in `keys`.
+  /// Keeps a reference to `json`. `where`: "FILE:LINE: "; `what`: name of the object in messages.
+  /// Throws InputError if it is not an object, or has a key that is not in `keys`.
   LogObject(const LogJson& json, std::string where, std::string what,
             const std::vector<std::string>& keys)
       : json_(json), where_(std::move(where)), what_(std::move(what)) {
@@ -135,7 +136,7 @@ class LogObject {
 
 namespace batten::session_log {
 
-/// A function object for std::visit, made of one function for each kind.
+/// Combines one function object per alternative into a visitor for std::visit.
 template <class... Cases>
 struct Overloaded : Cases... {
   using Cases::operator()...;
@@ -143,6 +144,7 @@ struct Overloaded : Cases... {
 template <class... Cases>
 Overloaded(Cases...) -> Overloaded<Cases...>;
 
+// Serialise the entities of a session as JSON.
 LogJson json_of(const std::vector<Area::Painted::Stroke>& strokes);
 LogJson json_of(const HermiteCurve& curve);
 LogJson json_of(const Load& load);
@@ -154,7 +156,7 @@ LogJson json_of(const CharacterLine& line);
 LogJson json_of(const std::vector<ScalarParameter::Term>& terms);
 LogJson json_of(const ScalarParameter& parameter);
 
-// These read what the parent holds under `key`, or under the key named behind them. They throw
+// Parse the value of `key` in `parent`, or of the key named in the trailing comment. They throw
 // InputError with the line of the log.
 std::vector<Area::Painted::Stroke> strokes_of(const LogObject& parent, const std::string& key);
 std::vector<ScalarParameter::Term> terms_of(const LogObject& parent, const std::string& key);
@@ -165,7 +167,7 @@ Constraint constraint_of(const LogObject& parent);      // "constraint"
 LineOffset move_of(const LogObject& parent);            // "move"
 CharacterLine line_of(const LogObject& parent);         // "line"
 ScalarParameter parameter_of(const LogObject& parent);  // "parameter"
-/// Reads "parameters"; none when the key is missing.
+/// Parses "parameters"; empty if the key is missing.
 std::vector<ScalarParameter> parameters_of(const LogObject& parent);
 
 }  // namespace batten::session_log

@@ -26,14 +26,15 @@ using Closing = AnalyticFace::Closing;
 using ShapeKind = FittedPrimitive::Kind;
 using std::numbers::pi;
 
-constexpr double kPoleMargin = 5 * pi / 180;  ///< of a pole from the boundary, radians
-constexpr double kSeamMargin = 2 * pi / 180;  ///< of a seam from a patch that does not close
-constexpr double kOneVertex =
-    1e-7;  ///< of the face's size: a seam this near to a vertex begins there
-constexpr double kShortEdge = 0.02;     ///< of a rim: a seam does not cut off less
-constexpr int kSamplesPerSegment = 64;  ///< along a stretch of the boundary
+constexpr double kPoleMargin = 5 * pi / 180;  ///< least angle of a pole from the boundary, radians
+/// Least angle of a seam from a patch that does not close.
+constexpr double kSeamMargin = 2 * pi / 180;
+/// Relative to the face's size: a seam this close to a vertex starts at the vertex.
+constexpr double kOneVertex = 1e-7;
+constexpr double kShortEdge = 0.02;  ///< least fraction of a boundary circle that a seam cuts off
+constexpr int kSamplesPerSegment = 64;  ///< along a boundary segment
 
-/// Points of a loop, in its direction.
+/// Sample points of a loop, in its direction.
 std::vector<Vec3> loop_points(const FaceLoop& loop) {
   std::vector<Vec3> points;
   for (const FaceBoundarySegment& s : loop)
@@ -51,7 +52,7 @@ std::vector<Vec3> inner_points(const Surface& surface) {
   return points;
 }
 
-/// How often a closed chain of points runs around, in u and in v.
+/// The winding numbers of a closed polyline in u and v.
 Eigen::Vector2i winding_of(const AnalyticSurface& surface, const std::vector<Vec3>& points) {
   const Vec2 begin = surface.parameters(points.front(), Vec2::Zero());
   Vec2 uv = begin;
@@ -64,7 +65,7 @@ Eigen::Vector2i winding_of(const AnalyticSurface& surface, const std::vector<Vec
   return winding;
 }
 
-/// ½ ∮ (x - c) × dx.
+/// The vector area of a loop: ½ ∮ (x - c) × dx.
 Vec3 loop_area(const std::vector<Vec3>& points) {
   const Vec3 c = points.front();
   Vec3 area = Vec3::Zero();
@@ -119,7 +120,7 @@ class AnalyticPlanner {
   }
 
  private:
-  // A line with the region on both sides would be two edges in one place.
+  // A line with the region on both sides would become two coincident edges.
   bool has_two_sided_line() const {
     std::map<std::string, int> uses;
     for (const FaceLoop& loop : boundary_.loops)
@@ -147,7 +148,7 @@ class AnalyticPlanner {
     return face;
   }
 
-  /// A face none of whose loops runs around; u = 0 is opposite to its middle.
+  /// A face without winding loops; u = 0 is opposite to its middle.
   std::optional<AnalyticFace> open_face(const Vec3& reference) const {
     if (!(reference.norm() > 0)) return std::nullopt;
     AnalyticFace face = made(reference);
@@ -156,7 +157,7 @@ class AnalyticPlanner {
       if (!winding_of(face.surface, loop).isZero()) return std::nullopt;
     if (periods.x() <= 0) return face;
     face.near.x() = pi;
-    double around = 0, ahead = 0;  // mean direction in v
+    double around = 0, ahead = 0;  // components of the mean direction in v
     for (const Vec3& p : all_) {
       const Vec2 uv = face.surface.parameters(p, face.near);
       if (uv.x() < kSeamMargin || uv.x() > 2 * pi - kSeamMargin) {
@@ -174,7 +175,8 @@ class AnalyticPlanner {
     return face;
   }
 
-  /// A patch of a sphere that an axis passes by: the one whose poles and seam are the farthest away.
+  /// A patch of a sphere without a pole in it. Chooses the axis whose poles are farthest from the
+  /// patch.
   std::optional<AnalyticFace> open_sphere() {
     Vec3 middle = Vec3::Zero();
     for (const Vec3& p : all_) middle += (p - shape_.origin).normalized();
@@ -201,7 +203,7 @@ class AnalyticPlanner {
     return found;
   }
 
-  /// A face with a seam. Rims are the loops that run around.
+  /// A face with a seam. Its boundary circles are the loops that wind around.
   std::optional<AnalyticFace> closed_face() {
     AnalyticFace face = made(shape_.axis.unitOrthogonal());
     std::vector<size_t> wound_loops;
@@ -225,7 +227,7 @@ class AnalyticPlanner {
         return std::nullopt;
     } else if (wound_loops.size() == 1 && shape_.kind == ShapeKind::Sphere) {
       face.closing = Closing::Pole;
-      // The surface is to the left of its loop: around the north pole, seen from outside.
+      // The face lies to the left of its loop: around the north pole, seen from outside.
       if ((flipped_ ? -1 : 1) * face.winding[wound_loops[0]] < 0) {
         shape_.axis = -shape_.axis;
         AnalyticFace turned = made(shape_.axis.unitOrthogonal());
@@ -259,7 +261,8 @@ class AnalyticPlanner {
     double t;
   };
 
-  /// Where a rim meets a seam: at a vertex (no cut), at one place between vertices, or not as it should.
+  /// True if a boundary circle meets the seam properly: at one vertex (no cut), or at one point
+  /// between vertices, which is added to `cuts`.
   bool meets(const AnalyticSurface& surface, int wound, const FaceLoop& rim, double seam,
              std::vector<Cut>& cuts) const {
     const auto angle = [&](const Vec3& p) {
@@ -355,7 +358,7 @@ class AnalyticPlanner {
       of_line.push_back(cut.segment->line_parameter(cut.t));
       std::sort(of_line.begin(), of_line.end());
     }
-    if (wound == 0) {  // u = 0 is the seam
+    if (wound == 0) {  // make the seam u = 0
       const Vec3 p = face.surface.position({face.seam, 0}) - shape_.origin;
       face.surface = AnalyticSurface(shape_, p - p.dot(shape_.axis) * shape_.axis, middle_);
       face.seam = 0;
@@ -420,7 +423,7 @@ double nearest_period(double angle, double near) {
   return angle + whole * std::round((near - angle) / whole);
 }
 
-/// A C1 cubic through points with derivatives, as a B-spline with double knots.
+/// A C1 cubic through points with given derivatives, as a B-spline with double knots.
 Handle(Geom2d_BSplineCurve)
     hermite_spline(const std::vector<double>& t, const std::vector<Vec2>& uv,
                    const std::vector<Vec2>& slopes) {
@@ -510,7 +513,7 @@ bool AnalyticSurface::singular(const Vec3& p, double distance) const {
          (p - shape_.origin).cross(shape_.axis).norm() <= distance;
 }
 
-// The derivative of parameters() along a curve; in u 0 on the axis.
+// The derivative of parameters() along a curve; on the axis that of u is 0.
 Vec2 AnalyticSurface::slopes(const Vec3& p, const Vec3& slope) const {
   const Vec3 q = p - origin_;
   const double x = q.dot(x_), y = q.dot(y_), h = q.dot(shape_.axis);
@@ -548,7 +551,7 @@ Handle(Geom2d_BSplineCurve) AnalyticSurface::pcurve(const Geom_Curve& curve, dou
   }
   t.insert(t.begin(), first);
   t.push_back(last);
-  // Steps of less than half a turn, also on a circle of one piece.
+  // Steps of less than half a revolution, also on a circle given as one piece.
   constexpr int fewest = 8;
   const int pieces_each = (fewest + isize(t) - 2) / (isize(t) - 1);
   std::vector<double> split;
@@ -563,7 +566,7 @@ Handle(Geom2d_BSplineCurve) AnalyticSurface::pcurve(const Geom_Curve& curve, dou
     uv.assign(t.size(), Vec2::Zero());
     d.assign(t.size(), Vec2::Zero());
     Vec2 before = near;
-    // u of a pole or apex at the beginning is that a little further on.
+    // If the curve starts at a pole or apex, take u from a point slightly further along it.
     const double start = backwards ? last : first, end = backwards ? first : last;
     constexpr double little = 1e-4;
     const double apex = little * (shape_.radius + shape_.major_radius);

@@ -1,4 +1,5 @@
-// How the boundary of a region lies on an analytic surface: seams, poles, and which way it runs. Internal.
+// Regions as faces on analytic surfaces (plane, cylinder, sphere, cone, torus): surface parameters,
+// pcurves, seams and poles. Internal.
 #pragma once
 
 #include <map>
@@ -13,72 +14,80 @@
 
 namespace batten {
 
-// A plane, cylinder, sphere, cone or torus as a surface of OpenCASCADE, and curves in its parameters. Internal.
+// Analytic surfaces and curves in their parameters.
 
-/// Parameters (u, v) are those of OpenCASCADE and of STEP: of a plane lengths along two axes; of all others u is the
-/// angle about the axis, from a reference direction, and v the height (cylinder), the latitude (sphere), the length
-/// along the straight lines (cone), or the angle around the tube, from outside (torus).
+/// A plane, cylinder, sphere, cone or torus as an OpenCASCADE surface. Its parameters (u, v) are
+/// those of OpenCASCADE and STEP. For a plane, they are lengths along two axes. For all others, u
+/// is the angle about the axis, counted from a reference direction. v is the height (cylinder), the
+/// latitude (sphere), the length along the rulings (cone), or the angle around the tube, 0 on its
+/// outside (torus).
 class AnalyticSurface {
  public:
-  /// `shape`: any primitive but FittedPrimitive::Kind::Free. u = 0 in the direction of `reference` from the axis.
-  /// `middle`: a point of the surface, where a cone has v = 0.
+  /// `shape`: any primitive except FittedPrimitive::Kind::Free. `reference`: direction of u = 0,
+  /// seen from the axis. `middle`: a point of the surface; on a cone, v = 0 there.
   AnalyticSurface(const FittedPrimitive& shape, const Vec3& reference, const Vec3& middle);
 
   const FittedPrimitive& shape() const { return shape_; }
   Handle(Geom_Surface) geometry() const { return geometry_; }
-  /// Periods in u and v; 0: none.
+  /// Periods in u and v; 0 if the direction is not periodic.
   Vec2 periods() const;
 
-  /// Parameters of the nearest point, both angles within half a period of `near`. At an apex or pole u is that of `near`.
+  /// Parameters of the closest point. Each periodic parameter lies within half a period of `near`.
+  /// On the axis (apex, pole) u is that of `near`.
   Vec2 parameters(const Vec3& p, const Vec2& near) const;
+  /// The point at the given parameters.
   Vec3 position(const Vec2& uv) const;
-  /// Whether p is the apex of a cone, or a pole of a sphere, within `distance`.
+  /// True if p is within `distance` of the apex of a cone or of a pole of a sphere.
   bool singular(const Vec3& p, double distance) const;
 
-  /// The curve's image in the parameters over [first, last], a C1 cubic B-spline, within `tolerance` of the points nearest
-  /// to the curve (model units). It starts within half a period of `near` (ends there when `backwards`, where the curve is
-  /// followed from its end), and continues from there; `near` becomes its other end.
+  /// The pcurve of `curve` over [first, last]: a C1 cubic B-spline. It is refined until it deviates
+  /// by at most `tolerance` (model units) from the closest points to `curve`. It starts within half
+  /// a period of `near` and is continuous from there. If `backwards`, the curve is followed from
+  /// its end, and the pcurve ends there instead. `near` is updated to the other end.
   Handle(Geom2d_BSplineCurve) pcurve(const Geom_Curve& curve, double first, double last,
                                      bool backwards, double tolerance, Vec2& near) const;
 
  private:
   Vec2 slopes(const Vec3& p, const Vec3& slope) const;
   FittedPrimitive shape_;
-  Vec3 x_, y_, origin_;  // origin_: where v = 0, on the axis
+  Vec3 x_, y_, origin_;  // origin_: point of the axis where v = 0
   double radius_ = 0;    // of a cone at v = 0
   Handle(Geom_Surface) geometry_;
 };
 
-/// The primitive that a surface of OpenCASCADE is; Kind::Free for any other.
+/// Recognises the primitive of an OpenCASCADE surface; Kind::Free for any other surface.
 FittedPrimitive shape_of(const Handle(Geom_Surface) & surface);
 
 
 /// A region as a face on a plane, cylinder, sphere, cone or torus.
 struct AnalyticFace {
+  /// How the boundary loops wind around the surface.
   enum class Closing {
-    None,  ///< every loop comes back to the parameters that it began with
-    AroundU,  ///< two loops run once around in u, in opposite directions: the face closes at a seam of constant u
+    None,  ///< no loop winds around: each returns to its start parameters
+    AroundU,  ///< two loops wind once around in u, in opposite directions; the seam has constant u
     AroundV,  ///< the same in v, around the tube of a torus
-    Pole      ///< one loop runs around the north pole of a sphere, which the face holds
+    Pole      ///< one loop winds around the north pole of a sphere, which lies inside the face
   };
   AnalyticSurface surface;
   Closing closing = Closing::None;
-  double seam = 0;           ///< the parameter (u, or v) of the seam
-  bool flipped = false;      ///< whether the region's normal points inwards
-  Vec2 near = Vec2::Zero();  ///< about where parameters of loops begin that run around nothing
-  std::vector<int>
-      winding;  ///< of each loop: how often it runs around, in the direction of its region
+  double seam = 0;           ///< u (AroundV: v) of the seam
+  bool flipped = false;      ///< true if the region's normal is opposite to that of the surface
+  Vec2 near = Vec2::Zero();  ///< parameters near which loops that do not wind around are placed
+  /// Winding number of each loop, in the direction in which the region traverses it.
+  std::vector<int> winding;
 
-  /// The place in a loop that runs around where it meets the seam: the number of the stretch that begins there.
+  /// For a loop that winds around: the index of the segment that starts at the seam.
   size_t seam_segment(const FaceLoop& loop) const;
 };
 
-/// The regions that are to be analytic faces: what was measured of them.
+/// Primitives fitted to the regions that are candidates for analytic faces.
 using MeasuredShapes = std::map<const SkinnedRegion*, FittedPrimitive>;
+/// The analytic face of each region that gets one.
 using AnalyticFaces = std::map<const SkinnedRegion*, AnalyticFace>;
 
-/// Plans the analytic faces of a file, and adds to `plan` where their seams cut lines. Erases regions from `shapes` that
-/// cannot be one: a boundary that runs around in another way, that passes a pole, or leaves no place for a seam.
+/// Plans the analytic faces of a file. Adds cuts to `plan` where their seams intersect lines.
+/// Removes from `shapes` each region that cannot be an analytic face: its boundary winds around in
+/// an unsupported manner, passes too close to a pole, or leaves no position for a seam.
 /// O(boundary).
 AnalyticFaces analytic_faces(StepPlan& plan, MeasuredShapes& shapes);
 

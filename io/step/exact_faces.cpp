@@ -19,9 +19,10 @@ namespace {
 using Ordinates = Eigen::Matrix<double, 10, 3>;
 enum { kJ = 0, kK = 1, kC = 2, kJJK = 3, kJKK = 4, kKKC = 5, kKCC = 6, kJCC = 7, kJJC = 8 };
 
-/// Bézier points of the bicubic that is the cubic with the given ordinates; row 4 i + j belongs to
-/// s^i t^j. Through the power basis: p = Σ a_mn s^m t^n, a_mn by differences of the ordinates. On
-/// the sides s = 0 and t = 0 the rows are the ordinates themselves, to the last bit.
+/// Maps the 10 Bézier ordinates of a cubic triangle to the 16 control points of the same surface as
+/// a bicubic. Row 4 i + j belongs to s^i t^j. It goes through the power basis: p = Σ a_mn s^m t^n,
+/// with a_mn from differences of the ordinates. On the sides s = 0 and t = 0 the control points
+/// equal the ordinates exactly.
 const Eigen::Matrix<double, 16, 10>& bicubic_from_triangle() {
   static const Eigen::Matrix<double, 16, 10> matrix = [] {
     constexpr int binomial[4][4] = {{1, 0, 0, 0}, {1, 1, 0, 0}, {1, 2, 1, 0}, {1, 3, 3, 1}};
@@ -71,9 +72,9 @@ Handle(Geom2d_BSplineCurve) parameter_line(const gp_Pnt2d& from, const gp_Pnt2d&
   return new Geom2d_BSplineCurve(poles, unit_knots(), end_knots(2), 1);
 }
 
-using Cubic = Eigen::Matrix<double, 4, 3>;  // its Bézier points
+using Cubic = Eigen::Matrix<double, 4, 3>;  // Bézier points
 
-/// The cubic between two of its parameters.
+/// The restriction of a cubic to [from, to].
 Cubic part_of(const Cubic& whole, double from, double to) {
   if (from == 0 && to == 1) return whole;
   Cubic part;
@@ -88,7 +89,7 @@ Cubic part_of(const Cubic& whole, double from, double to) {
   return part;
 }
 
-/// Faces of regions, whose vertices and edges are made once.
+/// Makes the faces of regions; each shared vertex and edge is made once.
 class FacesMaker {
  public:
   FacesMaker(const StepPlan& plan, double size)
@@ -108,7 +109,7 @@ class FacesMaker {
     return std::move(faces_);
   }
 
-  /// Puts the vertices and edges along lines into `shared`, once all faces are made.
+  /// Copies the vertices and edges along lines to `shared`. Call it after all faces are made.
   void share(SharedEdges& shared) const {
     for (const auto& [name, chain] : numbering_.lines()) {
       const int n = isize(chain.edges);
@@ -128,7 +129,7 @@ class FacesMaker {
     return result;
   }
 
-  /// The cubic with these Bézier points, parameter 0 to 1 from `a` to `b`.
+  /// The cubic edge with these Bézier points, parametrised over [0, 1] from `a` to `b`.
   TopoDS_Edge edge(const TopoDS_Vertex& a, const TopoDS_Vertex& b, const Cubic& points) {
     TColgp_Array1OfPnt poles(1, 4);
     double length = 0;
@@ -159,16 +160,16 @@ class FacesMaker {
     for (int& v : corner) v = numbers.vertices[v];
 
     const TopoDS_Vertex centroid = vertex(net[0].row(kC));
-    std::array<TopoDS_Edge, 3> spoke;  // of corner i, towards the centroid
+    std::array<TopoDS_Edge, 3> spoke;  // from corner i to the centroid
     for (int i = 0; i < 3; ++i) {
-      const Ordinates& b = net[(i + 2) % 3];  // corner i is its V_j
+      const Ordinates& b = net[(i + 2) % 3];  // in which corner i is V_j
       Cubic points;
       points << b.row(kJ), b.row(kJJC), b.row(kJCC), b.row(kC);
       spoke[i] = edge(vertices_[corner[i]], centroid, points);
     }
     for (int s = 0; s < 3; ++s) {
       const int j = (s + 1) % 3, k = (s + 2) % 3, e = mesh.edges_of(t)[s];
-      const bool along = mesh.edge_sign(t, s) > 0;  // edges run from the lower vertex
+      const bool along = mesh.edge_sign(t, s) > 0;  // mesh edges start at the lower vertex index
       Cubic points;
       points << net[s].row(kJ), net[s].row(kJJK), net[s].row(kJKK), net[s].row(kK);
       if (!along) points = points.colwise().reverse().eval();
@@ -182,13 +183,14 @@ class FacesMaker {
     }
   }
 
-  /// An edge on a side, which is t = 0 of its face.
+  /// An edge on the triangle's side, which is t = 0 in its face.
   struct SideEdge {
     TopoDS_Edge edge;
-    double from, to;  // s at its start, end
+    double from, to;  // parameter s at its start and end
   };
 
-  /// From V_j to V_k. `points`: of the whole side, from the lower vertex; `along`: that is V_j.
+  /// The edges from V_j to V_k. `points`: of the whole side, from the lower vertex index; `along`:
+  /// true if that vertex is V_j.
   std::vector<SideEdge> side_edges(const SideSubdivision& pieces, const Cubic& points, bool along) {
     std::vector<SideEdge> side;
     for (size_t i = 0; i < pieces.edges.size(); ++i) {
@@ -245,7 +247,7 @@ class FacesMaker {
 
   struct MadeEdge {
     TopoDS_Edge edge;
-    int start = 0;  // number of its vertex
+    int start = 0;  // index of its start vertex
   };
 
   const StepPlan& plan_;
@@ -254,7 +256,7 @@ class FacesMaker {
   BRep_Builder builder_;
   std::vector<TopoDS_Vertex> vertices_;
   std::vector<MadeEdge> edges_;
-  std::vector<TopoDS_Face> faces_;  // of the region at hand
+  std::vector<TopoDS_Face> faces_;  // of the current region
 };
 
 }  // namespace
@@ -276,7 +278,7 @@ std::vector<int> add(int count, std::vector<int>& all) {
   all.insert(all.end(), numbers.begin(), numbers.end());
   return numbers;
 }
-/// The line's parameters at the vertices of a run.
+/// The line's parameters at the vertices of an edge-aligned line.
 std::vector<double> on_line(const StepLine& line, const EdgeAlignedLine& aligned_line,
                             double distance) {
   const HermiteCurve &curve = *line.curve, &fitted = aligned_line.fitted;
@@ -316,7 +318,7 @@ int ExactFaceNumbering::root(int vertex) const {
   return vertex;
 }
 
-// Makes two vertices one; the lower number stays.
+// Union of two vertices; the lower index becomes the root.
 void ExactFaceNumbering::unite(int a, int b) {
   a = root(a);
   b = root(b);
@@ -344,7 +346,7 @@ void ExactFaceNumbering::join(const EdgeAlignedLine& aligned_line, SharedEntityI
   std::vector<double> places{line.curve->start()};
   places.insert(places.end(), line.cuts.begin(), line.cuts.end());
   places.push_back(line.curve->end());
-  std::vector<int> at;  // places of the run's vertices
+  std::vector<int> at;  // index in `places` of each vertex of the aligned line
   for (const double t : on_line(line, aligned_line, plan_.distance)) {
     const auto next = std::lower_bound(places.begin() + 1, places.end() - 1, t);
     at.push_back(static_cast<int>(next - places.begin()) - (*next - t > t - *(next - 1)));
@@ -369,7 +371,8 @@ void cut_at_vertices(StepPlan& plan) {
       if (region->surface.trim() || aligned_line.line.name.empty()) continue;
       StepLine& line = plan.lines.at(aligned_line.line.name);
       const double span = line.curve->end() - line.curve->start();
-      // Vertices of two regions in one place are one, whatever rounding did to their parameters.
+      // Vertices of two regions at the same point count as one, even if their parameters differ by
+      // rounding.
       const double hair = plan.distance / line.curve->length() * span;
       const auto at = on_line(line, aligned_line, plan.distance);
       std::vector<double> added;

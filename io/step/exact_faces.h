@@ -1,4 +1,4 @@
-// Makes the CAD faces that are exactly the surfaces of regions. Internal.
+// Converts HCT regions to CAD faces that represent their surfaces exactly. Internal.
 #pragma once
 
 #include <TopoDS_Face.hxx>
@@ -11,48 +11,49 @@
 
 namespace batten {
 
-using RegionFaces = std::vector<std::vector<TopoDS_Face>>;  ///< faces of each StepPlan::regions
+/// The faces of each region in StepPlan::regions.
+using RegionFaces = std::vector<std::vector<TopoDS_Face>>;
 
-/// Makes three bicubic faces for each triangle, triangle by triangle (step.h). Regions that
-/// embedded lines cut get none. Vertices and edges exist once: lines of one name have the same
-/// ones, and ends of lines in the same place are one vertex. Edges along lines end at the plan's
-/// cuts, so that a side of a triangle may be several edges. `shared`, unless null, gets the
-/// vertices and edges along lines, for other faces and for their names. `size` is that of the
-/// model; tolerances are 1e-9 of it.
+/// Makes three bicubic faces per triangle, in the order of the triangles (see step.h). Trimmed
+/// regions get none. Each vertex and edge exists once: lines with the same name share them, and
+/// coincident line ends share one vertex. Edges along lines end at the cuts of the plan, so one
+/// side of a triangle may consist of several edges. `shared`, unless null, receives the vertices
+/// and edges along lines, for other faces and for their names. `size`: size of the model;
+/// tolerances are 1e-9 of it.
 ///
-/// Call cut_at_vertices() first. Throws InputError for an edge without length.
+/// Call cut_at_vertices() first. Throws InputError for an edge of length zero.
 RegionFaces exact_faces(const StepPlan& plan, double size, SharedEdges* shared);
 
 
-// Numbers the vertices and edges that exact faces have in common. Internal.
+// Numbering of the vertices and edges that exact faces share.
 
-/// The pieces of a side of a triangle, from its lower vertex number to the higher: one edge, or
-/// several where vertices of other triangles lie on it.
+/// Subdivision of one side of a triangle, from its lower vertex index to the higher one. It is one
+/// edge, or several if vertices of other triangles lie on the side.
 struct SideSubdivision {
-  std::vector<int> vertices, edges;  // numbers
-  std::vector<double> fractions;     // place of each vertex on the side, from 0 to 1
+  std::vector<int> vertices, edges;  // global indices
+  std::vector<double> fractions;     // position of each vertex on the side, 0 to 1
 };
 
-/// The numbers that a region's vertices and edges have among those of all regions.
+/// Global indices of a region's vertices and edges.
 struct SharedEntityIds {
   std::vector<int> vertices, edges;
-  std::map<int, SideSubdivision> on_lines;  // edges along named lines, which `edges` does not tell
+  std::map<int, SideSubdivision> on_lines;  // sides along named lines; replaces `edges` there
 };
 
-/// The numbers of vertices and edges along a line, from its start.
+/// Global indices of the vertices and edges along a line, from its start.
 struct LineEntityIds {
   std::vector<int> vertices, edges;
 };
 
-/// Numbers vertices and edges of all regions. Vertices and edges in the same place of lines with
-/// the same name get one number; so do ends of lines in the same place. Edges along lines end at
-/// the plan's cuts (cut_at_vertices). Regions that embedded lines cut share no numbers.
+/// Assigns global indices to the vertices and edges of all regions. Coincident vertices and edges
+/// on lines with the same name get the same index, and so do coincident ends of lines. Edges along
+/// lines end at the cuts of the plan (cut_at_vertices()). Trimmed regions share no indices.
 class ExactFaceNumbering {
  public:
-  /// Numbers everything and keeps a reference to the plan.
+  /// Numbers all vertices and edges. Keeps a reference to `plan`.
   explicit ExactFaceNumbering(const StepPlan& plan);
 
-  /// The numbers of each StepPlan::regions.
+  /// The indices for each region of StepPlan::regions.
   const std::vector<SharedEntityIds>& regions() const { return numbers_; }
   const std::map<std::string, LineEntityIds>& lines() const { return lines_; }
   size_t vertex_count() const { return vertices_.size(); }
@@ -65,14 +66,15 @@ class ExactFaceNumbering {
   void join(const EdgeAlignedLine& aligned_line, SharedEntityIds& own);
 
   const StepPlan& plan_;
-  std::vector<int> vertices_;  // of each vertex, a lower number that it is one with, or its own
+  // Union-find parents of the vertices: a lower index, or the own one for a root.
+  std::vector<int> vertices_;
   std::vector<int> edges_;
   std::map<std::string, LineEntityIds> lines_;
   std::map<int, int> end_points_;
   std::vector<SharedEntityIds> numbers_;
 };
 
-/// Adds cuts to the plan's lines where triangles of exact faces have vertices on them.
+/// Adds a cut to the plan's lines at each triangle vertex of an exact face.
 void cut_at_vertices(StepPlan& plan);
 
 }  // namespace batten

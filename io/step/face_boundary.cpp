@@ -9,7 +9,7 @@
 namespace batten {
 namespace {
 
-constexpr double kHair = 1e-9;  // of a parameter interval
+constexpr double kHair = 1e-9;  // relative to a parameter interval
 
 const std::string& line_name(const SkinnedRegion& region, const BoundarySegment& piece) {
   const auto i = static_cast<size_t>(piece.index);
@@ -17,7 +17,7 @@ const std::string& line_name(const SkinnedRegion& region, const BoundarySegment&
                                                           : region.embedded.at(i).line.name;
 }
 
-/// The part of a curve from one parameter to a later one, between which it is smooth.
+/// The restriction of a curve to [from, to], within which it must be smooth.
 HermiteCurve part(const HermiteCurve& whole, double from, double to) {
   const HermiteCurve curve = whole.with_nodes({from, to});
   std::vector<double> u;
@@ -38,10 +38,10 @@ HermiteCurve part(const HermiteCurve& whole, double from, double to) {
   return {u, positions, derivatives};
 }
 
-/// The stretch cut at parameters; the whole one when none is inside.
+/// Splits the segment at the given parameters; returns it unchanged if none lies inside.
 FaceLoop cut(const FaceBoundarySegment& whole, std::vector<double> at) {
   const double start = whole.curve.start(), end = whole.curve.end(), hair = kHair * (end - start);
-  // Rounding leaves no slivers beside nodes.
+  // Snap to nearby nodes, so that rounding leaves no slivers beside them.
   for (double& t : at)
     for (const HermiteCurve* curve : {&whole.curve, &whole.pcurve})
       for (const double node : curve->parameters())
@@ -72,8 +72,8 @@ HermiteCurve shifted(const HermiteCurve& pcurve, double du) {
   return {pcurve.mesh(), std::move(dofs)};
 }
 
-/// Finds in which direction the stretch runs along its line, and the line's parameter on it. A
-/// stretch has the direction of its loop, whatever that of the line is.
+/// Determines the direction of the segment along its line, and the map to the line's parameter. A
+/// segment has the direction of its loop, whatever the direction of the line.
 void parameter_on_line(FaceBoundarySegment& whole, const StepPlan& common,
                        const std::string& region) {
   const auto found = common.lines.find(whole.line);
@@ -83,7 +83,7 @@ void parameter_on_line(FaceBoundarySegment& whole, const StepPlan& common,
                      "lines in common");
   const HermiteCurve& line = *found->second.curve;
   whole.reversed = direction_along(whole.curve, line, common.distance) < 0;
-  // Regions have other parameters where they fitted the line themselves.
+  // A region that fitted the line itself has another parametrisation.
   whole.scale = (line.end() - line.start()) / (whole.curve.end() - whole.curve.start());
   if (whole.reversed) whole.scale = -whole.scale;
   whole.shared = found->second.sides > 1;
@@ -121,7 +121,7 @@ FaceLoop loop_of(const SkinnedRegion& region, const std::vector<BoundarySegment>
   return loop;
 }
 
-/// Where a stretch crosses lines of constant u: parameters, ascending.
+/// The parameters at which a segment crosses the given u, ascending within each cubic.
 std::vector<double> crossings(const FaceBoundarySegment& segment, double u) {
   std::vector<double> found;
   const auto arcs = planar_cubics(segment.pcurve);
@@ -134,7 +134,8 @@ std::vector<double> crossings(const FaceBoundarySegment& segment, double u) {
   return found;
 }
 
-/// A loop around a ring that begins where it crosses u = seam (mod period), shifted in u to there.
+/// Rotates a loop around an annulus to start where it crosses u = seam (mod period), and shifts it
+/// in u accordingly. Empty if it does not cross.
 FaceLoop begun_at(const FaceLoop& loop, double seam, double period) {
   const bool forward = loop.back().last().x() > loop.front().first().x();
   const double begin = forward ? seam : seam + period;
@@ -245,7 +246,7 @@ void FaceBoundary::add_cuts(StepPlan& plan) const {
       }
 }
 
-/// Chooses a seam that meets no hole, where the first loop begins if that is possible.
+/// Chooses a seam that meets no hole, at the start of the first loop if possible.
 void FaceBoundary::unroll(const std::string& name) {
   const double start = loops[0].front().first().x();
   const auto winding = [&](const FaceLoop& loop) {
@@ -291,7 +292,8 @@ void cut_lines(StepPlan& plan, const std::vector<const SkinnedRegion*>& regions,
                                      : FaceBoundary::AnnulusBoundary::AtSeam)
         .add_cuts(plan);
   for (auto& [name, line] : plan.lines) {
-    // Readers make closed curves periodic, and change rational ones by that: see edge_parameter.h.
+    // Readers make closed curves periodic, which changes rational ones; see
+    // reparametrize_for_gap_check() in step_check.h.
     if (line.cuts.empty() && line.sides > 1 && line.places[0] == line.places[1])
       line.cuts.push_back((line.curve->start() + line.curve->end()) / 2);
     std::sort(line.cuts.begin(), line.cuts.end());

@@ -1,4 +1,4 @@
-// The boundary of a region, in the pieces that a CAD face has as edges. Internal.
+// The boundary of a region, split into the segments that become edges of a CAD face. Internal.
 #pragma once
 
 #include <optional>
@@ -11,52 +11,59 @@
 
 namespace batten {
 
-/// A smooth part of the boundary, in the direction of its loop.
+/// A smooth segment of the boundary, oriented along its loop.
 struct FaceBoundarySegment {
-  HermiteCurve curve, pcurve;   ///< in space and in (u, v), over the same parameters
+  HermiteCurve curve, pcurve;   ///< in space and in (u, v), over the same parameter range
   std::string line;             ///< name of its line
-  bool reversed = false;        ///< whether the loop runs against the line
-  double shift = 0, scale = 1;  ///< t of the line = shift + scale · t of the stretch
-  bool shared = false;          ///< whether the line has another side
-  /// From the surface's unit normal to the one that the faces on both sides are to have, at even shares
-  /// of the parameter; none where the surfaces meet at an angle. Empty until find_tangent_joins() sets it.
+  bool reversed = false;        ///< true if the loop traverses the line backwards
+  /// Parameter on the line = shift + scale · parameter on the segment.
+  double shift = 0, scale = 1;
+  bool shared = false;          ///< true if the line has more than one adjacent side
+  /// Corrections to add to the surface's unit normal to get the common target normal of both
+  /// adjacent faces, at evenly spaced parameters. nullopt where the surfaces meet at an angle.
+  /// Empty until find_tangent_joins() sets them.
   std::vector<std::optional<Vec3>> normal_corrections = {};
 
   Vec2 uv(double t) const { return drop_z(pcurve.evaluate(t)); }
   Vec2 first() const { return drop_z(pcurve.position(0)); }
   Vec2 last() const { return drop_z(pcurve.evaluate({pcurve.segment_count() - 1, 1.0})); }
   double line_parameter(double t) const { return shift + scale * t; }
-  /// Between the nearest of `normal_corrections`; none where one of them is none.
+  /// Linear interpolation of `normal_corrections`; nullopt if one of the two neighbours is.
   std::optional<Vec3> normal_correction(double t) const;
 };
+/// The segments of one closed boundary loop, in order.
 using FaceLoop = std::vector<FaceBoundarySegment>;
 
-/// All loops of a region's boundary.
+/// All boundary loops of a region.
 struct FaceBoundary {
-  std::vector<FaceLoop> loops;  ///< of a ring, the first two make one wire with the seam
-  double period = 0;            ///< the mesh's period in u; 0 when the region is not a ring
-  double seam = 0;              ///< u of a ring's seam
+  std::vector<FaceLoop> loops;  ///< for an annulus, the first two form one wire with the seam
+  double period = 0;            ///< of the mesh in u; 0 if the region is not an annulus
+  double seam = 0;              ///< u of the annulus's seam
   DomainLoops domain;
 
-  /// Whether a ring's rims are cut, and begin, where the seam of its (u, v) meets them.
+  /// How the two boundary circles of an annulus are handled. AtSeam: they start at the seam of (u,
+  /// v) and are cut there. Whole: they are not cut.
   enum class AnnulusBoundary { AtSeam, Whole };
 
-  /// Cuts the region's lines at corners, at the cuts of `common`, and where the seam of a ring
-  /// meets them (Rims::AtSeam). Throws InputError as write_step_faces() does of boundaries, and for a
-  /// line without a name when `common` is given.
+  /// Splits the region's lines at corners and at the cuts of `common`. The boundary circles of an
+  /// annulus are also split at the seam (AnnulusBoundary::AtSeam). Throws InputError as
+  /// write_step_faces() does for invalid boundaries, and for a line without a name if `common` is
+  /// given.
   explicit FaceBoundary(const SkinnedRegion& region, const StepPlan* common = nullptr,
                         AnnulusBoundary boundary_cut = AnnulusBoundary::AtSeam);
 
+  /// True if (u, v) lies inside the boundary.
   bool contains(Vec2 uv) const;
-  /// Adds to the plan where this boundary cuts lines, besides their ends.
+  /// Adds to the plan the interior parameters at which this boundary cuts its lines.
   void add_cuts(StepPlan& plan) const;
 
  private:
   void unroll(const std::string& name);
 };
 
-/// Adds to the plan where the boundaries of these regions cut lines, so that all regions cut them
-/// at the same places. Rims of the regions in `whole` stay whole. Throws InputError as FaceBoundary.
+/// Adds to the plan the cuts that the boundaries of these regions make, so that all regions cut
+/// their lines at the same points. Boundary circles of the regions in `whole` are not cut. Throws
+/// InputError as FaceBoundary does.
 void cut_lines(StepPlan& plan, const std::vector<const SkinnedRegion*>& regions,
                const std::set<const SkinnedRegion*>& whole = {});
 

@@ -78,7 +78,7 @@ Handle(Geom2d_BSplineCurve) to_flat_occ(const CubicSpline& spline) {
   return new Geom2d_BSplineCurve(poles, t, times, 3);
 }
 
-/// The same spline over other parameters.
+/// The same spline reparametrised to [first, last].
 CubicSpline over(CubicSpline spline, double first, double last) {
   const double from = spline.knots.front(), to = spline.knots.back();
   for (double& k : spline.knots) k = first + (k - from) / (to - from) * (last - first);
@@ -86,8 +86,8 @@ CubicSpline over(CubicSpline spline, double first, double last) {
   return spline;
 }
 
-/// The curve S(l(t)) of a surface along a line of its parameters, within a tolerance, moved from the
-/// origin to a place.
+/// The curve S(l(t)) on a surface along a pcurve, approximated within `tolerance`, and then
+/// translated by `location`.
 Handle(Geom_BSplineCurve)
     curve_on_surface(const Handle(Geom_Surface) & surface, const Handle(Geom2d_BSplineCurve) & line,
                      double tolerance, const gp_Pnt& location) {
@@ -106,7 +106,7 @@ Vec3 end_of(const HermiteCurve& curve) { return curve.evaluate({curve.segment_co
 
 }  // namespace
 
-// ---- what faces have in common --------------------------------------------------------------
+// ---- shared edges and vertices --------------------------------------------------------------
 
 int SharedEdges::cut_of(const FaceBoundarySegment& segment, bool end) const {
   const double at = segment.line_parameter(end ? segment.curve.end() : segment.curve.start());
@@ -154,7 +154,8 @@ FaceMaker::FaceMaker(const SkinnedRegion& region, const StepFaceOptions& options
   for (const FaceLoop& loop : boundary_.loops)
     for (const FaceBoundarySegment& segment : loop) box_.extend(box_of(segment.curve));
   size_ = box_.diagonal().norm();
-  // The faces on both sides may miss the common plane, in any direction.
+  // The tangent planes on both sides may miss the common one in any direction, so the errors add
+  // up.
   goal_ = {0.9 * options.tolerance, 0.4 * options.join_deg};
 }
 
@@ -214,13 +215,13 @@ TopoDS_Face FaceMaker::make(double coincidence, SharedEdges* shared) {
 }
 
 double FaceMaker::widened(double distance) {
-  // Between the samples the distance may be a little larger.
+  // The distance may be slightly larger between the samples.
   const double tolerance = std::max(1e-9 * size_, 1.02 * distance);
   widest_ = std::max(widest_, tolerance);
   return tolerance;
 }
 
-// The vertex where two stretches meet, at the end of `before` and the start of `after`.
+// The vertex between two segments: the end of `before` and the start of `after`.
 TopoDS_Vertex FaceMaker::vertex(const FaceBoundarySegment& before,
                                 const FaceBoundarySegment& after) {
   const bool of_lines = before.shared || after.shared;
@@ -246,7 +247,7 @@ TopoDS_Vertex FaceMaker::vertex(const FaceBoundarySegment& before,
   return result;
 }
 
-// The edge of a stretch, forward along the loop. A shared edge that is made here runs along its
+// The edge of a segment, oriented along the loop. A shared edge that is made here runs along its
 // line.
 TopoDS_Edge FaceMaker::edge(const FaceBoundarySegment& segment, const TopoDS_Vertex& a,
                             const TopoDS_Vertex& b) {
@@ -258,7 +259,8 @@ TopoDS_Edge FaceMaker::edge(const FaceBoundarySegment& segment, const TopoDS_Ver
   TopoDS_Edge* result = &mine;
   if (shared_) {
     result = &shared_->edge(segment);
-    // A line on both sides of one face is two edges: readers do not agree about slits.
+    // A line with one face on both sides becomes two edges, because readers do not agree about
+    // slits.
     if (!result->IsNull() && used_.count(result->TShape().get())) result = &mine;
     if (!result->IsNull() && result->Orientation() == TopAbs_REVERSED) reversed = !reversed;
   }
@@ -312,7 +314,7 @@ void FaceMaker::finish(TopoDS_Edge& edge, const TopoDS_Vertex& a, const TopoDS_V
   builder_.SameParameter(edge, true);
 }
 
-// Edges of a loop; the vertices at which it begins and ends are the same.
+// The edges of a closed loop.
 std::vector<TopoDS_Edge> FaceMaker::edges(const FaceLoop& loop) {
   const size_t n = loop.size();
   std::vector<TopoDS_Vertex> vertices;
@@ -352,7 +354,7 @@ void FaceMaker::add_annulus() {
                              curve->Value(to.y()).Distance(BRep_Tool::Pnt(b)));
   TopoDS_Edge seam;
   builder_.MakeEdge(seam, curve, widened(0));
-  // The loop meets the seam on the right side first, and runs forward along it there.
+  // The loop meets the seam on the right side first, and traverses it forward there.
   builder_.UpdateEdge(seam, line(right), line(left), face_, widened(0));
   widened(distance);
   finish(seam, a, b, from.y(), to.y());
@@ -373,7 +375,7 @@ void FaceMaker::make_analytic() {
   surface_ = analytic_->surface.geometry();
   widest_ = 1e-9 * size_;
   builder_.MakeFace(face_, surface_, widest_);
-  // A face lies to the left of its wires, seen from the side of the surface's own normal.
+  // A face lies to the left of its wires, seen against the normal of the surface.
   struct BoundaryCircle {
     std::vector<TopoDS_Edge> edges;
     Vec2 start = Vec2::Zero();
@@ -386,8 +388,8 @@ void FaceMaker::make_analytic() {
     wire.Closed(true);
     return wire;
   };
-  std::map<int, BoundaryCircle>
-      boundary_circles;  // by how they run around, as the surface's normal sees them
+  // By winding number as seen from the surface's normal.
+  std::map<int, BoundaryCircle> boundary_circles;
   std::vector<TopoDS_Wire> holes;
   for (size_t k = 0; k < boundary_.loops.size(); ++k) {
     const int winding = analytic_->winding[k];
@@ -419,8 +421,8 @@ void FaceMaker::make_analytic() {
     add({TopoDS::Edge(seam.Oriented(TopAbs_FORWARD)), TopoDS::Edge(point.Oriented(TopAbs_REVERSED)),
          TopoDS::Edge(seam.Oriented(TopAbs_REVERSED))});
   } else if (analytic_->closing != Closing::None) {
-    // u: along the lower rim, up the seam, back along the upper one, down the seam. v, which the tube of a torus
-    // closes in: up the rim at the larger u, and so on.
+    // Around u: along the lower circle, up the seam, back along the upper circle, down the seam.
+    // Around v (tube of a torus): the same, beginning with the circle at the larger u.
     const bool around_u = analytic_->closing == Closing::AroundU;
     const BoundaryCircle &low = boundary_circles.at(around_u ? 1 : -1),
                          &high = boundary_circles.at(around_u ? -1 : 1);
@@ -443,7 +445,8 @@ void FaceMaker::make_analytic() {
 Handle(Geom2d_BSplineCurve) FaceMaker::analytic_pcurve(const FaceBoundarySegment&,
                                                        const Geom_Curve& curve, double first,
                                                        double last, bool reversed) {
-  // Little against the tolerance, which the edge is off the surface by; finer images make large files.
+  // Small compared with the tolerance by which the edge misses the surface; finer pcurves would
+  // make large files.
   const double tolerance = std::max(0.2 * coincidence_, 1e-3 * options_.tolerance);
   const Handle(Geom2d_BSplineCurve) pcurve =
       analytic_->surface.pcurve(curve, first, last, reversed, tolerance, near_);
@@ -452,8 +455,8 @@ Handle(Geom2d_BSplineCurve) FaceMaker::analytic_pcurve(const FaceBoundarySegment
   return pcurve;
 }
 
-// Edges of a loop of an analytic face, which begins at the seam when it runs around. A loop that passes an apex gets an
-// edge without length there.
+// The edges of a loop of an analytic face. A loop that winds around starts at the seam. A loop that
+// passes an apex gets a degenerate edge there.
 std::vector<TopoDS_Edge> FaceMaker::analytic_edges(FaceLoop loop, int winding) {
   near_ = analytic_->near;
   if (winding != 0) {
@@ -512,7 +515,8 @@ TopoDS_Edge FaceMaker::degenerate_edge(const TopoDS_Vertex& at, const Vec2& from
   return edge;
 }
 
-// The seam from a vertex at `from` to one where the other parameter is `to`.
+// The seam from vertex `a`, with parameters `from`, to vertex `b`, where the other parameter is
+// `to`.
 TopoDS_Edge FaceMaker::analytic_seam(const TopoDS_Vertex& a, const TopoDS_Vertex& b,
                                      const Vec2& from, double to) {
   constexpr double whole = 2 * std::numbers::pi;
@@ -525,13 +529,14 @@ TopoDS_Edge FaceMaker::analytic_seam(const TopoDS_Vertex& a, const TopoDS_Vertex
   const Vec3 off_p = p - from_occ(line->Value(low)), off_q = q - from_occ(line->Value(to));
   double first = low, last = to, tolerance = std::max(off_p.norm(), off_q.norm());
   if (tolerance > coincidence_) {
-    // Through the vertices: beside them it would meet the neighbouring faces outside of the vertices' tolerance.
+    // Let the seam pass through the vertices. Otherwise it would meet the neighbouring faces
+    // outside the tolerance of the vertices.
     if (!Handle(Geom_Line)::DownCast(line).IsNull()) {
       first = 0;
       last = (q - p).norm();
       line = new Geom_Line(to_occ(p), gp_Dir(to_occ(q - p).XYZ()));
     } else {
-      constexpr int pieces = 64;  // of a circle's arc: to 1e-9 of the radius
+      constexpr int pieces = 64;  // per circular arc: accurate to 1e-9 of the radius
       std::vector<double> t;
       Points x(pieces + 1, 3), slopes(pieces + 1, 3);
       for (int k = 0; k <= pieces; ++k) {
@@ -564,13 +569,14 @@ TopoDS_Edge FaceMaker::analytic_seam(const TopoDS_Vertex& a, const TopoDS_Vertex
 }
 
 
-// The fit of a FaceMaker: its target, tangent planes along joins, and how far it goes for them.
+// The fit of a FaceMaker: its target, its tangent planes along joins, and the effort spent on them.
 
 namespace {
 
-/// Parameters of an arc, each in the middle of a step that is no longer than allowed where it begins.
+/// Parameters along an arc, at the middle of consecutive steps. No step is longer than `longest` at
+/// its start.
 std::vector<double> parameters_along(const PlanarCubic& arc, const BoundaryStep& longest) {
-  Vec2 fastest = Vec2::Zero();  // |dc/dt| is nowhere larger
+  Vec2 fastest = Vec2::Zero();  // upper bound of |dc/dt|
   for (const size_t k : {0, 1, 2})
     fastest = fastest.cwiseMax(3 * (arc.b[k + 1] - arc.b[k]).cwiseAbs());
   std::vector<double> sample_parameters;
@@ -593,7 +599,8 @@ bool FaceMaker::refine(double deviation, double angle_deg) {
                      failed_angles_ < most_failures;
   if (!far && !askew) return false;
   const PatchFit before = fit_;
-  // What is missed lies between the samples of the fit: its own measures are to fall in proportion.
+  // The error lies between the samples of the fit, so tighten the goals in proportion to the
+  // measured excess.
   constexpr double at_once = 0.02;
   const auto tighten = [](double& goal, double requested) {
     goal = std::max(std::min(goal, requested), at_once * goal);
@@ -631,7 +638,7 @@ std::vector<PatchTangent> FaceMaker::tangents(const BoundaryStep& longest) const
           if (!normal_correction) continue;
           const Vec2 uv = arcs[k].at(s);
           const SurfaceJet jet = near_origin_.surface().jet(near_origin_.locate(uv));
-          // Where the surface comes to a point its planes turn without end.
+          // Near a degenerate corner the tangent planes rotate without limit.
           if (!(jet.area_vector().norm() > 1e-3 * jet.x_u.norm() * jet.x_v.norm())) continue;
           const Vec3 n_both = (jet.normal() + *normal_correction).normalized();
           found.push_back(
@@ -684,7 +691,8 @@ void FaceMaker::fit(const BicubicPatch* start) {
     for (const FaceBoundarySegment& segment : loop)
       tangent = tangent || !segment.normal_corrections.empty();
   if (tangent) {
-    // A few poles a triangle follow what a surface's elements mean; more of them follow their kinks.
+    // A few poles per triangle follow the surface that the elements approximate; more would follow
+    // their kinks.
     constexpr int fewest = 3'000, a_triangle = 8;
     PatchLimits for_angle = limits;
     for_angle.max_poles = std::min(
@@ -693,7 +701,8 @@ void FaceMaker::fit(const BicubicPatch* start) {
     target.tangents = [&](const BoundaryStep& longest) { return tangents(longest); };
     fit_ = fit_bicubic_patch(target, goal_, for_angle, start);
     if (!fit_.reached && fit_.deviation > goal_.deviation) {
-      // The deviation alone tells which knots it needs: from these on the angle may be within reach.
+      // First find the knots that the deviation alone needs; from there the angle may be within
+      // reach.
       fit_ = fit_bicubic_patch(target, {goal_.deviation}, limits, start);
       for_angle.max_poles =
           std::max(for_angle.max_poles, static_cast<int>(4 * fit_.patch.poles.rows()));

@@ -1,4 +1,4 @@
-// Makes one region into a trimmed B-spline face of OpenCASCADE. Internal.
+// Makes a trimmed B-spline face, or an analytic face, of OpenCASCADE from a region. Internal.
 #pragma once
 
 #include <BRep_Builder.hxx>
@@ -25,21 +25,21 @@
 
 namespace batten {
 
-/// The edges and vertices that several faces have in common: one edge for each piece of a line
-/// between cuts, one vertex for each place where such pieces end. Each is null until it is set.
+/// Edges and vertices shared by several faces: one edge per piece of a line between two cuts, one
+/// vertex per point where such pieces end. Each is null until it is set.
 class SharedEdges {
  public:
-  /// Keeps a reference to the plan.
+  /// Keeps a reference to `plan`.
   explicit SharedEdges(const StepPlan& plan) : plan_(plan) {}
 
-  /// The vertex at the start, or at the end, of a stretch along its loop; and the stretch's edge.
+  /// The vertex at the start or end of a segment (along its loop), and the edge of the segment.
   TopoDS_Vertex& vertex(const FaceBoundarySegment& segment, bool end);
   TopoDS_Edge& edge(const FaceBoundarySegment& segment);
-  /// The vertex at a cut of the line. Cuts count from 1; 0 is the line's start, and the number
-  /// after the last cut its end.
+  /// The vertex at a cut of the line. Cuts are counted from 1; 0 is the start of the line, and the
+  /// number after the last cut is its end.
   TopoDS_Vertex& vertex(const std::string& line, int cut);
-  /// The edge that ends at this cut, or at the line's end. Its orientation says whether it runs
-  /// along the line.
+  /// The edge that ends at this cut, or at the end of the line. Its orientation is forward if it
+  /// runs along the line.
   TopoDS_Edge& edge(const std::string& line, int cut) { return edges_[{line, cut}]; }
   /// All edges, with the names of their lines.
   std::vector<CadCurveItem> along_lines() const;
@@ -49,14 +49,15 @@ class SharedEdges {
   const StepPlan& plan_;
   std::map<int, TopoDS_Vertex> end_points_;
   std::map<std::pair<std::string, int>, TopoDS_Vertex> vertices_;  // by line and cut
-  std::map<std::pair<std::string, int>, TopoDS_Edge> edges_;       // by line and the cut at its end
+  // By line and the cut at the edge's end.
+  std::map<std::pair<std::string, int>, TopoDS_Edge> edges_;
 };
 
-/// Fits a B-spline surface to a region and makes a face of it.
+/// Fits a B-spline surface to a region and makes a trimmed face of it.
 class FaceMaker {
  public:
-  /// Keeps references to region and options, and to `analytic`, the analytic face that it is to be (null:
-  /// a B-spline). Throws InputError as FaceBoundary.
+  /// Keeps references to `region`, `options` and `analytic`. `analytic`: the analytic face to make;
+  /// null: a B-spline face. Throws InputError as FaceBoundary does.
   FaceMaker(const SkinnedRegion& region, const StepFaceOptions& options,
             const StepPlan* common = nullptr, const AnalyticFace* analytic = nullptr);
 
@@ -64,36 +65,41 @@ class FaceMaker {
   const FaceBoundary& boundary() const { return boundary_; }
   FaceBoundary& boundary() { return boundary_; }
   double size() const { return size_; }
-  /// The largest tolerance of edges and vertices, once the face is made; model units.
+  /// The largest tolerance of edges and vertices once the face has been made, model units.
   double tolerance() const { return widest_; }
   const AnalyticFace* analytic() const { return analytic_; }
+  /// Number of knot cells of the fit; 64 for an analytic face.
   int cells() const;
+  /// Point of the region's surface at (u, v).
   Vec3 position(const Vec2& uv) const;
-  Vec3 normal(const Vec2& uv) const;  ///< zero where the surface is singular
-  /// Returns the last fit, moved to the origin; and a point of it, model units.
+  /// Unit normal of the region; zero if the surface is singular.
+  Vec3 normal(const Vec2& uv) const;
+  /// The last fit, relative to the centre of the region's bounding box; and a point of the face, in
+  /// model coordinates.
   const BicubicPatch& patch() const { return fit_.patch; }
   Vec3 fitted_position(const Vec2& uv) const;
-  Vec3 fitted_normal(const Vec2& uv) const;  ///< of any length and side
-  /// Counts of poles; 0 of an analytic face.
+  Vec3 fitted_normal(const Vec2& uv) const;  ///< not normalised; its side is undefined
+  /// Number of poles in each direction; 0 for an analytic face.
   int poles_u() const { return analytic_ ? 0 : fit_.patch.u.functions(); }
   int poles_v() const { return analytic_ ? 0 : fit_.patch.v.functions(); }
   double fitted_angle_deg() const { return fit_.angle_deg; }  ///< PatchFit::angle_deg
 
-  /// Fits the surface, with its tangent planes where the boundary has turns; where these cannot be
-  /// reached, as near as they come. O(poles); seconds for large regions.
+  /// Fits the surface, including its tangent planes along joins with normal corrections. If these
+  /// cannot be reached, the fit comes as close as possible. O(poles); takes seconds for large
+  /// regions.
   void fit();
 
-  /// Fits anew, with more poles, after the face of a file was measured at this deviation from the region,
-  /// and at this angle across its smooth joins. Returns false, and keeps the last fit, when none
-  /// reaches its goal.
+  /// Refits with more poles, given measurements of the last face. `deviation`: measured distance
+  /// from the region; `angle_deg`: measured angle across its smooth joins. Returns false and keeps
+  /// the last fit if nothing needs to be improved or no finer fit is better.
   bool refine(double deviation, double angle_deg);
 
-  /// The edges of the last face along lines, with the names of these.
+  /// The edges of the last face that lie on lines, with the names of the lines.
   const std::vector<CadCurveItem>& along_lines() const { return along_lines_; }
 
-  /// Makes the face of the last fit. Its edges along lines with another side are those of `shared`,
-  /// or its own when that is null: they are the lines. All others are curves of the face itself,
-  /// within `coincidence` of it, model units.
+  /// Makes the face of the last fit. Edges on lines with another adjacent side are exactly the
+  /// lines; they are those of `shared`, or new ones if `shared` is null. All other edges are curves
+  /// on the face itself, approximated within `coincidence` (model units).
   TopoDS_Face make(double coincidence, SharedEdges* shared = nullptr);
 
  private:
@@ -126,18 +132,18 @@ class FaceMaker {
   Box3 box_;
   double size_ = 0, widest_ = 0;
   PatchGoal goal_;
-  int failed_angles_ = 0;  // refinements that did not reach one
+  int failed_angles_ = 0;  // number of refinements that missed the angle
   double coincidence_ = 0;
   PatchFit fit_;
   BRep_Builder builder_;
   const AnalyticFace* analytic_ = nullptr;
-  Vec2 near_ = Vec2::Zero();  // where the next stretch of an analytic face begins
-  std::vector<std::array<Vec2, 2>> pcurve_ends_;  // first and last parameters of its stretches
+  Vec2 near_ = Vec2::Zero();  // where the next pcurve of an analytic face starts
+  std::vector<std::array<Vec2, 2>> pcurve_ends_;  // first and last parameters of its pcurves
   Handle(Geom_Surface) surface_;
-  Handle(Geom_BSplineSurface) surface_near_origin_;  // rounding is less at the origin
+  Handle(Geom_BSplineSurface) surface_near_origin_;  // less rounding error near the origin
   TopoDS_Face face_;
   SharedEdges* shared_ = nullptr;
-  std::set<const void*> used_;  // edges that the face has
+  std::set<const void*> used_;  // edges already in the face
   std::vector<CadCurveItem> along_lines_;
 };
 

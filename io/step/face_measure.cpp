@@ -21,28 +21,28 @@
 namespace batten {
 namespace {
 
-/// An edge of the file, along the loop.
+/// An edge of the file, parametrised along the loop.
 struct FileEdge {
   Handle(Geom_Curve) curve;
   Handle(Geom2d_Curve) line;
   double first, last;
-  bool backwards;     // against the loop
-  double weight = 1;  // of its parameter
-  /// The parameter at a share of the parameter that the edge was made with.
+  bool backwards;     // true if it runs against the loop
+  double weight = 1;  // see parameter_weight()
+  /// The parameter that corresponds to a fraction of the edge's original parameter range.
   double at(double fraction) const {
     return first +
            reparametrized_fraction(backwards ? 1 - fraction : fraction, weight) * (last - first);
   }
 };
 
-/// Edges of the file's face that are no seam, and how far any edge is from the face and from its
-/// vertices.
+/// The edges of a face of the file, without seams. `gap`: the largest distance of any edge from the
+/// face and from its vertices.
 struct FileEdges {
   std::vector<FileEdge> edges;
   double gap = 0;
 };
 
-/// Reads the edges of a face; none if one of them lacks its curve.
+/// Reads the edges of a face; nullopt if one of them has no curve.
 std::optional<FileEdges> edges_of_face(const TopoDS_Face& face, const Geom_Surface& surface,
                                        int knots) {
   FileEdges found;
@@ -54,7 +54,7 @@ std::optional<FileEdges> edges_of_face(const TopoDS_Face& face, const Geom_Surfa
     double first, last;
     e.curve = BRep_Tool::Curve(edge, e.first, e.last);
     e.line = BRep_Tool::CurveOnSurface(edge, face, first, last);
-    // Readers put edges without length where lines meet at a tangent.
+    // Readers insert degenerate edges where lines meet at a tangent.
     if (BRep_Tool::Degenerated(edge)) continue;
     if (e.curve.IsNull() || e.line.IsNull()) return std::nullopt;
     e.weight = parameter_weight(*e.curve);
@@ -73,9 +73,9 @@ std::optional<FileEdges> edges_of_face(const TopoDS_Face& face, const Geom_Surfa
   return found;
 }
 
-/// Points of the file's face, by the cells of its knots, that are inside of its trim. (Close to the
-/// border the region's own loops decide: they are far quicker, and how near the two borders are is
-/// measured elsewhere.)
+/// Sample points inside the trim of the file's face, by its knot cells. (Close to the boundary, the
+/// region's own loops decide whether a point is inside. They are much faster, and the distance
+/// between the two boundaries is measured elsewhere.)
 std::vector<Vec2> points_of_face(const TopoDS_Face& face, const Geom_BSplineSurface& surface,
                                  const std::vector<FileEdge>& edges, const FaceMaker& made) {
   std::vector<double> u, v;
@@ -98,8 +98,8 @@ std::vector<Vec2> points_of_face(const TopoDS_Face& face, const Geom_BSplineSurf
                       });
 }
 
-/// How far an edge of the file is from the line, or from the region's rim where no other region has
-/// the line, at the same share of the parameter.
+/// Distance of an edge of the file from the line, at the same fraction of the parameter. If no
+/// other region has the line, the distance from the region's own boundary.
 double apart(const FileEdge& e, const FaceBoundarySegment& segment, double fraction,
              const FaceMaker& made) {
   const double start = segment.curve.start(), end = segment.curve.end();
@@ -108,7 +108,7 @@ double apart(const FileEdge& e, const FaceBoundarySegment& segment, double fract
   return (p - (segment.shared ? segment.curve.evaluate(t) : made.position(segment.uv(t)))).norm();
 }
 
-/// Finds the unused edge of the file that is nearest to a boundary curve; their count if all are
+/// The index of the unused file edge that is closest to a boundary segment; edges.size() if all are
 /// used.
 size_t nearest_edge(const std::vector<FileEdge>& edges, const std::vector<char>& used,
                     const FaceBoundarySegment& segment, const FaceMaker& made) {
@@ -125,8 +125,7 @@ size_t nearest_edge(const std::vector<FileEdge>& edges, const std::vector<char>&
   return mine;
 }
 
-/// Measures a boundary curve against its edge of the file at n + 1 places, and adds them to
-/// `points`.
+/// Measures a boundary segment against its file edge at n + 1 points, and adds these to `points`.
 void measure_segment(const FaceBoundarySegment& segment, const FileEdge& edge, int n,
                      const FaceMaker& made, StepPatch& report, std::vector<Vec2>& points) {
   const double start = segment.curve.start(), end = segment.curve.end();
@@ -144,8 +143,8 @@ void measure_segment(const FaceBoundarySegment& segment, const FileEdge& edge, i
   }
 }
 
-/// Normals along a stretch with turns, from one end of its line to the other; `of_face` tells that of the
-/// face at a share of the stretch and at its place in (u, v).
+/// The normals along a segment with normal corrections, in the direction of its line. `of_face`
+/// returns the normal of the face, given the fraction of the segment and (u, v).
 template <class Function>
 JoinNormals normals_along(const FaceBoundarySegment& segment, const FaceMaker& made,
                           const Function& of_face) {
@@ -178,7 +177,7 @@ FaceNormals normals_along_joins(const FaceMaker& made, const StepPlan& plan,
   return normals;
 }
 
-/// The normal of the file's face; zero where it comes to a point.
+/// The normal of the file's face; zero if it is singular.
 Vec3 normal_of_file(const FileEdge& edge, const Geom_Surface& surface, double fraction) {
   const gp_Pnt2d uv = edge.line->Value(edge.at(fraction));
   gp_Pnt p;
@@ -189,21 +188,22 @@ Vec3 normal_of_file(const FileEdge& edge, const Geom_Surface& surface, double fr
   return flat ? Vec3(across.X(), across.Y(), across.Z()) : Vec3(Vec3::Zero());
 }
 
-/// Angles at a place of a join, degrees.
+/// Angles at one point of a join, degrees.
 struct JoinAngles {
   double of_faces, of_surfaces;
-  /// Faces near to surfaces that meet by more can do no better.
+  /// Only points where the surfaces themselves meet within `join_deg` count: faces close to them
+  /// cannot do better.
   bool exceeds_tolerance(double join_deg) const {
     return of_faces > join_deg && of_surfaces <= join_deg;
   }
 };
 
-/// The faces beside a piece of a line, by their numbers.
+/// The faces adjacent to a piece of a line, by index.
 struct JoinSides {
   std::array<size_t, 2> faces{};
-  std::array<const JoinNormals*, 2> normals{};  // null: that side is no fitted face
+  std::array<const JoinNormals*, 2> normals{};  // null: no fitted face on that side
 
-  /// None where a side has no normal.
+  /// nullopt if a side has no normal.
   std::optional<JoinAngles> angles(size_t k) const {
     const auto& [one, other] = normals;
     const Vec3& n = other ? other->of_face[k] : one->target_normals[k];
@@ -211,7 +211,8 @@ struct JoinSides {
     return JoinAngles{angle_between_planes(one->of_face[k], n),
                       other ? angle_between_planes(one->of_surface[k], other->of_surface[k]) : 0.0};
   }
-  /// How far a side's face is from the common normal, degrees; 0: it is no fitted face.
+  /// Angle between a side's face and the common target normal, degrees; 0 if that side has no
+  /// fitted face.
   double angle_from_target(size_t side, size_t k) const {
     const JoinNormals* normals = this->normals[side];
     return normals ? angle_between_planes(normals->of_face[k], normals->target_normals[k]) : 0;
@@ -235,8 +236,8 @@ std::map<LineSegmentId, JoinSides> sides_of(const std::vector<FaceNormals>& face
 bool has_area_of_region(const TopoDS_Face& face, const FaceMaker& made) {
   GProp_GProps found;
   BRepGProp::SurfaceProperties(face, found);
-  constexpr double fraction =
-      0.01;  // another part of the surface, or all of it, is off by far more
+  // Another part of the surface, or all of it, would differ by far more.
+  constexpr double fraction = 0.01;
   const double area = made.region().surface.area();
   return std::abs(found.Mass() - area) <= fraction * area;
 }
@@ -253,7 +254,7 @@ FaceNormals measure_face(const TopoDS_Face& face, const FaceMaker& made, const S
           ? shape.kind != made.analytic()->surface.shape().kind || !has_area_of_region(face, made)
           : spline.IsNull())
     return normals;
-  constexpr int as_fine = 32;  // an analytic face has no knots
+  constexpr int as_fine = 32;  // in place of the knots that an analytic face does not have
   const int knots = analytic ? as_fine : spline->NbUKnots() + spline->NbVKnots();
   const double begin = made.boundary().seam, period = made.boundary().period;
   const auto off_file = [&](const Vec2& uv) {
@@ -264,8 +265,8 @@ FaceNormals measure_face(const TopoDS_Face& face, const FaceMaker& made, const S
   };
   std::vector<Vec2> points = points_of_region(made);
 
-  // Boundary curves, each with the edge of the file that is nearest to it at the same share of the
-  // parameter.
+  // Measure each boundary segment against the file edge that is closest to it at equal fractions of
+  // the parameter.
   const auto found = edges_of_face(face, *surface, knots);
   if (!found) return normals;
   const std::vector<FileEdge>& edges = found->edges;
@@ -339,7 +340,7 @@ std::vector<double> correctable_angles(const std::vector<FaceNormals>& faces, do
       for (const size_t side : {0, 1}) {
         if (!beside.normals[side]) continue;
         const double other = beside.angle_from_target(1 - side, k);
-        // As if the other side missed as much.
+        // If the other side is also off, count this side's error twice.
         const double mine = other > join_deg ? 2 * beside.angle_from_target(side, k) : angles->of_faces;
         double& most = largest[beside.faces[side]];
         if (mine > join_deg) most = std::max(most, mine);

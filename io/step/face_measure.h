@@ -1,4 +1,4 @@
-// Measures faces of a STEP file that was read back against their regions. Internal.
+// Measures the faces of a STEP file that was read back against their regions. Internal.
 #pragma once
 
 #include <TopoDS_Face.hxx>
@@ -16,45 +16,51 @@
 
 namespace batten {
 
-/// A face beside a piece of a line, at even places along it.
+/// Normals of one face along a piece of a line, at evenly spaced parameters.
 struct JoinNormals {
   std::string region;
   std::vector<Vec3> of_face;  ///< not normalised; zero where the surfaces meet at an angle
   std::vector<Vec3> of_surface,
-      target_normals;  ///< normals of the surface, and those that both faces are to have
+      target_normals;  ///< unit normals of the surface, and the common target normals of both faces
 };
+/// The normals of one face along its smooth joins, by piece of line.
 using FaceNormals = std::map<LineSegmentId, JoinNormals>;
 
-/// Measures a face of the file against the region that it was made of, all of `patch` but its names
-/// and poles. Returns its normals along smooth joins; the plan says which piece of a line a stretch is.
+/// Measures a face of the file against the region it was made from. Sets all of `patch` except
+/// names and poles. Returns the normals of the face along smooth joins. `plan` identifies the
+/// pieces of lines.
 FaceNormals measure_face(const TopoDS_Face& face, const FaceMaker& made, const StepPlan& plan,
                          StepPatch& patch);
 
-/// Whether an analytic face is as large as its region, and so the part of its surface that it should be.
+/// True if the area of an analytic face equals that of its region within 1 %. Otherwise the face is
+/// the wrong part of its surface.
 bool has_area_of_region(const TopoDS_Face& face, const FaceMaker& made);
 
-/// The same normals of the last fit, before there is a file; before there is a fit those of an analytic face,
-/// or of the surface.
+/// As measure_face(), but returns the normals of the last fit, before a file exists.
+/// normals_before_fit() returns those of an analytic face, or of the region's surface, before there
+/// is a fit.
 FaceNormals normals_of_fit(const FaceMaker& made, const StepPlan& plan);
 FaceNormals normals_before_fit(const FaceMaker& made, const StepPlan& plan);
 
-/// The joins between faces, by line. Where a side is no fitted face, the angle is
-/// that from the normals that were wanted.
+/// The joins between faces, by line. If one side has no fitted face, the angle is measured from the
+/// target normals.
 std::vector<StepJoin> joins_between(const std::vector<FaceNormals>& faces, double join_deg);
 
-/// The largest angle across the joins of each face that miss `join_deg`, degrees, as far as a better face
-/// could mend it: what the other face alone is off by, farther than that from the wanted normal, does
-/// not count. 0: nothing is missed.
+/// For each face, the largest angle at smooth joins that exceeds `join_deg` and that a better face
+/// could reduce, in degrees. Errors of the other face alone (farther than `join_deg` from its
+/// target normal) do not count. 0 if there is none.
 std::vector<double> correctable_angles(const std::vector<FaceNormals>& faces, double join_deg);
 
-/// The largest angle of each face from the normals that are wanted along its joins, degrees, wherever the
-/// surfaces meet by `join_deg` at most: what it misses alone, however good the other face is.
+/// For each face, the largest angle between its normals and the target normals along its joins, in
+/// degrees. Points where the surfaces meet by more than `join_deg` are skipped. This is the error
+/// of the face alone, whatever the other face does.
 std::vector<double> angles_from_target(const std::vector<FaceNormals>& faces, double join_deg);
 
 
-// Points of a region and of a fitted face, at which the two are compared. Internal.
+// Sample points at which a region and its fitted face are compared.
 
-/// Largest of many values, computed on all threads.
+/// The maximum of value(0) … value(count - 1), computed on all threads; non-finite values count as
+/// infinity. 0 if count is 0.
 template <class Function>
 double largest(size_t count, const Function& value) {
   const int parts = static_cast<int>(std::min<size_t>(count, 64));
@@ -69,16 +75,18 @@ double largest(size_t count, const Function& value) {
   return parts > 0 ? *std::max_element(of.begin(), of.end()) : 0;
 }
 
-/// Points of the region's surface, by triangles: n² of each.
+/// Sample points of the region's surface in (u, v): about n²/2 per triangle, those inside the
+/// boundary.
 std::vector<Vec2> points_of_region(const FaceMaker& made);
 
-/// The knots of a surface in both directions, and which of their cells a border passes through.
+/// The grid of knot cells of a spline surface, with the cells that the boundary passes through.
 class KnotCells {
  public:
   KnotCells(std::vector<double> u, std::vector<double> v)
       : u_(std::move(u)), v_(std::move(v)), passed_((u_.size() - 1) * (v_.size() - 1), 0) {}
 
-  /// A piece of the border, short against the cells.
+  /// Marks the cells in the bounding box of a boundary piece, which must be short compared with the
+  /// cells.
   void pass(const Vec2& a, const Vec2& b) {
     const auto [i0, i1] = range(u_, a.x(), b.x());
     const auto [j0, j1] = range(v_, a.y(), b.y());
@@ -86,8 +94,8 @@ class KnotCells {
       for (size_t j = j0; j <= j1; ++j) passed_[i * (v_.size() - 1) + j] = 1;
   }
 
-  /// n² points of each cell that are inside: `near_border` tells of a point in a cell that
-  /// the border passes, `elsewhere` of any other; neighbours that the border leaves alone are asked once.
+  /// Sample points inside the boundary, n² per cell. `near_border` decides for each point in a
+  /// marked cell, `elsewhere` once per run of unmarked cells.
   template <class NearBorder, class Elsewhere>
   std::vector<Vec2> points(const NearBorder& near_border, const Elsewhere& elsewhere) const {
     const int n = u_.size() * v_.size() > 10'000 ? 2 : 3;

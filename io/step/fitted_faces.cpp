@@ -25,8 +25,8 @@
 namespace batten {
 namespace {
 
-/// Finer fits until one is as near as was promised between its samples too, so that files of
-/// many regions are seldom written twice.
+/// Refines the fit until it meets the tolerance between its sample points, too. This avoids writing
+/// files of many regions twice.
 void fit_to_tolerance(FaceMaker& made, double tolerance) {
   constexpr int most_fits = 5;
   for (int i = 0; i < most_fits; ++i) {
@@ -47,7 +47,7 @@ void fit_to_tolerance(FaceMaker& made, double tolerance) {
       }
     const auto contains = [&](const Vec2& p) { return made.boundary().contains(p); };
     for (const Vec2& uv : cells.points(contains, contains)) points.push_back(uv);
-    // The file is measured at other places than these.
+    // The file will be measured at other points.
     constexpr double margin = 1.02;
     const double deviation =
         margin * largest(points.size(), [&](size_t k) {
@@ -57,7 +57,7 @@ void fit_to_tolerance(FaceMaker& made, double tolerance) {
   }
 }
 
-/// Finer fits of the faces beside joins whose angle is missed between the samples of both.
+/// Refines the faces at joins whose angle is missed between the sample points.
 void fit_joins_to_tolerance(const FittedFaces& made, const StepPlan& plan,
                             const StepFaceOptions& options) {
   constexpr int max_rounds = 3;
@@ -74,7 +74,7 @@ void fit_joins_to_tolerance(const FittedFaces& made, const StepPlan& plan,
   }
 }
 
-/// A region that is no fitted face, beside one.
+/// An adjacent region that has no fitted face.
 struct NeighbourSide {
   FaceBoundary boundary;
   TriangleLocator locator;
@@ -102,7 +102,8 @@ void find_joins(const FittedFaces& made, const StepPlan& plan, double tolerance)
   find_tangent_joins(plan, sides, tolerance);
 }
 
-/// Whether a region's analytic face is one by itself: a sound boundary, and the part of the surface that the region is.
+/// True if a region's analytic face is valid by itself and covers the part of the surface that the
+/// region covers.
 bool is_valid_alone(FaceMaker& made) {
   try {
     const TopoDS_Face face = made.make(1e-9 * made.size());
@@ -114,7 +115,7 @@ bool is_valid_alone(FaceMaker& made) {
   }
 }
 
-/// The regions whose analytic faces alone miss a smooth join.
+/// The regions whose analytic faces miss a smooth join whatever the other face is.
 std::vector<const SkinnedRegion*> analytic_off_joins(const FittedFaces& made, const StepPlan& plan,
                                                      double join_deg) {
   std::vector<const SkinnedRegion*> off;
@@ -128,7 +129,7 @@ std::vector<const SkinnedRegion*> analytic_off_joins(const FittedFaces& made, co
   return off;
 }
 
-/// Whether a face of the file lies on the surface that was fitted to a region.
+/// True if a face of the file has the surface that was fitted to a region.
 bool lies_on_region(const TopoDS_Face& face, const FaceMaker& made) {
   if (made.analytic())
     return shape_of(BRep_Tool::Surface(face)).kind == made.analytic()->surface.shape().kind;
@@ -143,7 +144,8 @@ bool lies_on_region(const TopoDS_Face& face, const FaceMaker& made) {
          hair * made.size();
 }
 
-/// Where a region's face comes back as several or not at all: says which regions these are.
+/// Throws UnwritableRegions, with the names of the regions whose face was read back as several
+/// faces or not at all.
 void require_as_written(const std::vector<TopoDS_Face>& faces, const FittedFaces& made) {
   if (faces.size() == made.size()) return;
   std::vector<const SkinnedRegion*> other;
@@ -156,7 +158,7 @@ void require_as_written(const std::vector<TopoDS_Face>& faces, const FittedFaces
     other.push_back(&maker->region());
     names += (names.empty() ? " ('" : ", '") + maker->region().name + "'";
   }
-  // From a face that is not known again on, none can be told.
+  // Faces after an unrecognised one cannot be assigned to regions.
   if (next < faces.size()) other.clear();
   throw UnwritableRegions("OpenCASCADE reads " + std::to_string(faces.size()) + " faces where " +
                               std::to_string(made.size()) + " were written" +
@@ -216,8 +218,8 @@ StepReport refined(const FittedFaces& made, const StepFaceOptions& options,
   for (int round = 0; round < max_rounds; ++round) {
     report = written();
     bool again = false;
-    // Finer knots mend what lies between samples, not an angle that is the surface's own: a file that misses
-    // one of those is not made three times as large for the others.
+    // Finer knots reduce errors between the samples, but not an angle that the surface itself has.
+    // If a join misses by far, the file is not made three times as large for the others.
     const bool angles =
         round < most_for_angles && report.max_join_deg <= far_off * options.join_deg;
     for (size_t k = 0; k < made.size(); ++k)

@@ -1,4 +1,4 @@
-// Fits faces, and measures them on the STEP file read back. Internal.
+// Fits faces to regions, and measures them on the STEP file that is read back. Internal.
 #pragma once
 
 #include <filesystem>
@@ -11,35 +11,36 @@
 
 namespace batten {
 
+/// One FaceMaker per region; see fitted_faces().
 using FittedFaces = std::vector<std::unique_ptr<FaceMaker>>;
 
-/// Fits a face to every region that is none of `analytic`, on all threads. `options`, `analytic` and the regions must
-/// outlive the result. Regions whose analytic face alone is not valid, or misses a smooth join, are put into `failed`,
-/// and nothing is fitted then.
+/// Fits a face to every region without an analytic face, on all threads. `options`, `analytic` and
+/// the regions must outlive the result. Regions whose analytic face is invalid by itself, or misses
+/// a smooth join, are added to `failed`; in that case nothing is fitted.
 FittedFaces fitted_faces(const std::vector<const SkinnedRegion*>& regions, const StepPlan& plan,
                          const StepFaceOptions& options, const AnalyticFaces& analytic = {},
                          std::vector<const SkinnedRegion*>* failed = nullptr);
 
-/// Writes a file and measures it, and again with finer fits of the faces that miss the tolerance or
-/// an angle, as long as that helps: six times at most. `written` makes all faces, writes them and returns
-/// the report with patches in the order of `made`.
+/// Writes a file and measures it. Repeats this with finer fits of the faces that miss the tolerance
+/// or an angle, as long as that helps, six times at most. `written` makes and writes all faces, and
+/// returns the report with the patches in the order of `made`.
 StepReport refined(const FittedFaces& made, const StepFaceOptions& options,
                    const std::function<StepReport()>& written);
 
-/// Measures the `faces` of the file read back against the regions of `made`, on all threads, and
-/// adds the patches to the report. `rest` measures the rest of the report meanwhile.
+/// Measures the `faces` of a file read back against the regions of `made`, on all threads, and adds
+/// the patches to the report. `rest` runs in parallel and measures the rest of the report.
 void measure_patches(StepReport& report, const std::vector<TopoDS_Face>& faces,
                      const FittedFaces& made, const StepPlan& plan, const StepFaceOptions& options,
                      const std::function<void()>& rest = {});
 
-/// Reads the file back and measures each face, in the order of `made`, against its region: all of a
-/// StepReport but file and warnings. `beside` is work for another thread while the file is read.
-/// Throws Error when the file has another number of faces.
+/// Reads the file back and measures each face, in the order of `made`, against its region. Sets
+/// everything in StepReport except `file` and `warnings`. `beside` runs on another thread while the
+/// file is read. Throws UnwritableRegions if the file has a different number of faces.
 StepReport measured_faces(const std::filesystem::path& path, const FittedFaces& made,
                           const StepPlan& plan, const StepFaceOptions& options,
                           const std::function<void()>& beside);
 
-/// Throws InputError for a tolerance or a limit of poles out of its range.
+/// Throws InputError if the tolerance or a limit on poles is out of range.
 void check_options(const std::filesystem::path& path, const StepFaceOptions& options);
 
 }  // namespace batten

@@ -28,8 +28,8 @@ constexpr const char* kFace = "expected step_form = \"face\", which makes one fa
 
 bool is_cut(const SkinnedRegion& region) { return region.surface.trim() != nullptr; }
 
-/// Diagonal of the box around all vertices of the meshes; of cut regions, whose meshes reach
-/// farther, around their lines.
+/// Diagonal of the bounding box of all mesh vertices. For trimmed regions, whose meshes extend
+/// beyond the boundary, that of their lines.
 double size_of(const std::vector<const SkinnedRegion*>& regions) {
   Box3 box;
   for (const SkinnedRegion* region : regions) {
@@ -45,9 +45,9 @@ double size_of(const std::vector<const SkinnedRegion*>& regions) {
   return box.diagonal().norm();
 }
 
-/// Throws InputError for regions that have no exact form.
+/// Throws InputError for regions that have no exact STEP form.
 void check_exact(const std::vector<const SkinnedRegion*>& regions, bool z12_as_hct) {
-  std::map<std::string, std::string> edge_aligned;  // of a line: a region
+  std::map<std::string, std::string> edge_aligned;  // line name → a region aligned to it
   std::string cut;
   for (const SkinnedRegion* region : regions) {
     if (is_cut(*region)) {
@@ -78,10 +78,10 @@ void check_exact(const std::vector<const SkinnedRegion*>& regions, bool z12_as_h
   }
 }
 
-/// Exact faces, and fitted ones of cut regions, that share vertices and edges.
+/// A file of exact faces, and fitted ones of trimmed regions, which share vertices and edges.
 class ModelFile {
  public:
-  /// Plans the file and fits faces. Keeps a reference to the options.
+  /// Plans the file and fits faces. Keeps a reference to `options`.
   ModelFile(const std::vector<const SkinnedRegion*>& regions, double model_unit_in_metres,
             const StepOptions& options)
       : options_(options),
@@ -100,7 +100,7 @@ class ModelFile {
 
   const StepPlan& plan() const { return plan_; }
 
-  /// The report lacks the plan's warnings.
+  /// Writes and measures the file. The report does not contain the plan's warnings.
   StepReport write(const std::filesystem::path& path, OccSettings& occ) const {
     return refined(fitted_, face_options_, [&] {
       const bool valid = save(path, occ);
@@ -115,7 +115,8 @@ class ModelFile {
   }
 
  private:
-  /// Whether OpenCASCADE finds nothing wrong with fitted faces: readers repair silently.
+  /// Writes the file. Returns false if OpenCASCADE finds an error in fitted faces. This must be
+  /// checked here, because readers repair silently.
   bool save(const std::filesystem::path& path, OccSettings& occ) const {
     SharedEdges shared(plan_);
     SharedEdges* common = plan_.joined && !cut_.empty() ? &shared : nullptr;
@@ -213,7 +214,7 @@ StepReport check_step(const std::filesystem::path& file, double model_unit_in_me
 
 namespace {
 
-/// Writes the faces as they are, and returns them.
+/// Writes the current faces, and returns their shape.
 TopoDS_Shape save(const std::filesystem::path& path, const StepPlan& plan, const FittedFaces& made,
                   double coincidence, const StepFaceOptions& options, OccSettings& occ) {
   SharedEdges shared(plan);
@@ -232,8 +233,8 @@ TopoDS_Shape save(const std::filesystem::path& path, const StepPlan& plan, const
   });
   const TopoDS_Shape& shape = part.shape;
   reparametrize_for_gap_check(shape, coincidence);
-  // Readers that see no better than 1e-7 of the unit would compute every border of a file anew that
-  // claims more; in a tiny model that would be too much.
+  // Some readers resolve only 1e-7 of the unit. If the file declared a smaller tolerance, they
+  // would recompute every boundary. In a tiny model, 1e-7 would be too large.
   constexpr double seen = 1e-7, little = 1e-5;
   double tolerance = coincidence, least = seen;
   for (const auto& maker : made) {
@@ -245,7 +246,7 @@ TopoDS_Shape save(const std::filesystem::path& path, const StepPlan& plan, const
   return shape;
 }
 
-/// Whether all lines of all boundaries have names.
+/// True if all boundary lines have names.
 bool lines_have_names(const StepPlan& plan) {
   for (const SkinnedRegion* region : plan.regions)
     for (const auto& loop : region->boundary)
@@ -259,14 +260,14 @@ bool lines_have_names(const StepPlan& plan) {
   return true;
 }
 
-/// The regions that are planes, cylinders, … within the tolerance.
+/// The regions that are planes, cylinders … within the tolerance.
 MeasuredShapes shapes_within(const StepPlan& plan, const StepFaceOptions& options) {
   MeasuredShapes shapes;
   if (!options.analytic || !lines_have_names(plan)) return shapes;
   std::vector<FittedPrimitive> found(plan.regions.size());
   parallel_for(isize(found), [&](int k) {
     const SkinnedRegion& region = *plan.regions[k];
-    // What is measured on the file lies between the samples.
+    // The file is measured between the samples used here.
     constexpr double most = 0.95;
     const double size = kInfinity;
     found[k] = measure_shape(region,
@@ -278,7 +279,8 @@ MeasuredShapes shapes_within(const StepPlan& plan, const StepFaceOptions& option
   return shapes;
 }
 
-/// Plans the analytic faces, and cuts all lines. Shapes that cannot be one are erased.
+/// Plans the analytic faces and cuts all lines. Regions that cannot be analytic faces are removed
+/// from `shapes`.
 AnalyticFaces planned_faces(StepPlan& plan, MeasuredShapes& shapes) {
   const StepPlan before = plan;
   while (true) {
@@ -293,7 +295,7 @@ AnalyticFaces planned_faces(StepPlan& plan, MeasuredShapes& shapes) {
   }
 }
 
-/// The regions whose analytic faces are at fault for what is missed in a file.
+/// The regions whose analytic faces cause a check of the file to fail.
 std::vector<const SkinnedRegion*> failed_faces(const FittedFaces& made, const StepReport& report) {
   std::vector<const SkinnedRegion*> failed;
   for (size_t k = 0; k < made.size(); ++k) {
@@ -317,7 +319,7 @@ StepReport write_step_faces(const std::filesystem::path& path,
   OccSettings occ;
   occ.set_unit(unit);
   try {
-    // Regions whose analytic faces fail become B-splines, and the file is written anew.
+    // Regions whose analytic faces fail become B-splines, and the file is written again.
     MeasuredShapes shapes = shapes_within(planned, options);
     StepReport report;
     while (true) {
@@ -330,7 +332,7 @@ StepReport write_step_faces(const std::filesystem::path& path,
           report = refined(made, options, [&] {
             const TopoDS_Shape shape = save(file.temporary(), plan, made,
                                             reader_coincidence(model_unit_in_metres), options, occ);
-            // The file read back would not tell of all that is wrong: readers repair silently.
+            // Check the shape itself, because the reader silently repairs errors.
             bool valid = false;
             StepReport measured = measured_faces(file.temporary(), made, plan, options, [&] {
               valid = BRepCheck_Analyzer(shape).IsValid();

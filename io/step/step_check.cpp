@@ -41,7 +41,7 @@ namespace {
 
 constexpr int kEdgePoints = 9;
 
-/// A face seen along one of its edges.
+/// A face as seen from one of its edges.
 struct Side {
   Handle(Geom_Surface) surface;
   Handle(Geom2d_Curve) line;
@@ -52,7 +52,7 @@ struct Side {
     const gp_Pnt2d uv = line->Value(parameter);
     return surface->Value(uv.X(), uv.Y());
   }
-  /// Outward unit normal, or zero where there is none.
+  /// Outward unit normal; zero if the surface is singular there.
   Vec3 normal(double parameter) const {
     const gp_Pnt2d uv = line->Value(parameter);
     gp_Pnt p;
@@ -64,7 +64,7 @@ struct Side {
   }
 };
 
-/// The faces beside each edge, in the order of `edges`.
+/// The adjacent faces of each edge, in the order of `edges`.
 std::vector<std::vector<Side>> sides_of(const TopTools_IndexedMapOfShape& edges,
                                         const TopoDS_Shape& shape,
                                         const std::vector<int>& region_of_face) {
@@ -141,12 +141,13 @@ void measure_shells(const TopoDS_Shape& shape, StepReport& report) {
     TopExp::MapShapesAndAncestors(it.Current(), TopAbs_EDGE, TopAbs_FACE, faces_of_edge);
     bool closed = true;
     for (int e = 1; e <= faces_of_edge.Extent(); ++e)
-      closed = closed && faces_of_edge(e).Extent() == 2;  // a seam's face comes twice
+      closed = closed && faces_of_edge(e).Extent() == 2;  // a seam counts its face twice
     report.closed_shells += closed;
   }
 }
 
-/// Points inside the face, as a grid over the box of its parameters; the box's middle if none is.
+/// Sample points inside the face, on a grid over its parameter box; the centre of the box if no
+/// point is inside.
 std::vector<gp_Pnt2d> points_inside(const TopoDS_Face& face) {
   constexpr int n = 5;
   double u0, u1, v0, v1;
@@ -162,8 +163,8 @@ std::vector<gp_Pnt2d> points_inside(const TopoDS_Face& face) {
   return points;
 }
 
-/// Largest distance between the face, read as sub-triangle `sub` of a triangle, and the surface at
-/// the same barycentric coordinates: never less than the distance to the nearest point.
+/// Largest distance between a face that is sub-triangle `sub` of a triangle and the surface at the
+/// same barycentric coordinates. It is an upper bound of the distance to the closest point.
 double matched_deviation(const Handle(Geom_Surface) & face, const Surface& surface, int triangle,
                          int sub) {
   constexpr int n = 4;
@@ -186,12 +187,13 @@ bool on_unit_square(const TopoDS_Face& face) {
   return std::abs(u0) + std::abs(u1 - 1) + std::abs(v0) + std::abs(v1 - 1) < 1e-6;
 }
 
-/// What a face of write_step is. The one of a cut region has no triangle: -1.
+/// The origin of a face of write_step(). The face of a trimmed region has triangle -1.
 struct SubTriangle {
   int region, triangle, sub;
 };
 
-/// Faces of write_step come back in their order. Empty where there are not as many.
+/// The origin of each face, if write_step() wrote the file: faces keep their order. Empty if their
+/// number differs.
 std::vector<SubTriangle> as_written(const std::vector<const SkinnedRegion*>& regions, int faces) {
   std::vector<SubTriangle> expected;
   for (int r = 0; r < isize(regions); ++r) {
@@ -209,8 +211,8 @@ std::vector<SubTriangle> as_written(const std::vector<const SkinnedRegion*>& reg
   return expected;
 }
 
-/// The largest distance of exact faces from their surfaces. As long as they agree in their order,
-/// no search for the nearest point is needed.
+/// The largest distance of exact faces from their surfaces. If faces and triangles match in order,
+/// no closest-point search is needed.
 double deviation(const TopoDS_Shape& shape, const std::vector<const SkinnedRegion*>& regions,
                  const std::vector<SubTriangle>& expected, double size) {
   double worst = 0;
@@ -313,13 +315,13 @@ StepReport measured_file(const std::filesystem::path& path,
 
 namespace {
 
-/// A curve of the faces of an edge.
+/// The pcurve of an edge on one of its faces.
 struct FaceCurve {
   Handle(Geom_Surface) surface;
   Handle(Geom2d_BSplineCurve) line;
 };
 
-/// An edge of B-splines over one range.
+/// An edge whose curves are B-splines over one parameter range.
 struct SplineEdge {
   Handle(Geom_BSplineCurve) curve;
   std::vector<FaceCurve> on_faces;
@@ -341,7 +343,8 @@ BRep_ListOfCurveRepresentation& curves_of(const TopoDS_Shape& edge) {
   return Handle(BRep_TEdge)::DownCast(edge.TShape())->ChangeCurves();
 }
 
-/// Reads an edge; without a curve if it is closed, a seam, moved, or has another form.
+/// Reads an edge. The result has no curve if the edge is closed, a seam, has a placement, or other
+/// curve types.
 SplineEdge spline_edge(const TopoDS_Shape& shape) {
   SplineEdge edge;
   for (const Handle(BRep_CurveRepresentation) & representation : curves_of(shape)) {
@@ -366,7 +369,8 @@ SplineEdge spline_edge(const TopoDS_Shape& shape) {
   return same ? edge : SplineEdge{};
 }
 
-/// The share between a and b at which the gap is largest, if it has one maximum there.
+/// Golden-section search: the fraction between a and b at which the gap is largest, if it has one
+/// maximum there.
 double largest_between(const SplineEdge& edge, double a, double b) {
   const double golden = (std::sqrt(5.0) - 1) / 2;
   double low = b - golden * (b - a), high = a + golden * (b - a);
@@ -385,7 +389,8 @@ double largest_between(const SplineEdge& edge, double a, double b) {
   return (a + b) / 2;
 }
 
-/// Where an edge is farthest from its faces, and how far; roughly where that is below `least`.
+/// The position of the largest distance between an edge and its faces, and that distance. Only
+/// approximate if it is below `least`.
 struct Gap {
   double fraction = 0, size = 0;
 };
@@ -404,7 +409,7 @@ Gap largest_gap(const SplineEdge& edge, double least) {
   const auto take = [&](double fraction) {
     if (const double size = edge.gap(fraction); size > found.size) found = {fraction, size};
   };
-  // A maximum between samples is a little higher than they are.
+  // A maximum between samples is slightly larger than they are.
   for (int i = 0; i <= n; ++i) {
     if (gaps[i] < 0.9 * highest || (i > 0 && gaps[i - 1] > gaps[i]) ||
         (i < n && gaps[i + 1] > gaps[i]))
@@ -415,7 +420,7 @@ Gap largest_gap(const SplineEdge& edge, double least) {
   return found;
 }
 
-/// w such that the reader's nearest inner place comes to be at this share.
+/// The weight w that moves this fraction to the reader's closest interior sample point.
 double weight_for(double fraction) {
   constexpr int spans = 22;
   const double s = std::clamp(std::round(fraction * spans), 1.0, spans - 1.0) / spans;
@@ -471,7 +476,8 @@ void reparametrize_for_gap_check(const TopoDS_Shape& shape, double least) {
     const SplineEdge edge = spline_edge(edges(k + 1));
     if (edge.curve.IsNull() || edge.on_faces.empty()) return;
     const Gap gap = largest_gap(edge, least);
-    // A gap at an end is seen; one very near to an end would take a very uneven parameter.
+    // The reader samples the ends. A maximum very close to an end would need a very uneven
+    // parametrisation.
     constexpr double near_end = 0.001;
     if (gap.size <= least || gap.fraction < near_end || gap.fraction > 1 - near_end) return;
     change_parameter(edges(k + 1), edge, weight_for(gap.fraction));

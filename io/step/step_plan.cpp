@@ -17,7 +17,8 @@
 namespace batten {
 namespace {
 
-/// One side of a line: the region there, and whether its loop runs along (+1) the line or against.
+/// One side of a line: the adjacent region, and +1 if its loop runs along the line, -1 if against
+/// it.
 struct LineSide {
   int region, orientation;
 };
@@ -59,8 +60,8 @@ class Planner {
   }
 
  private:
-  // OpenCASCADE resolves 1e-7 mm. In larger files its edges leave their faces by 1e-4 of the size,
-  // reading takes minutes, or it gives up.
+  // OpenCASCADE resolves 1e-7 mm. In larger files, edges deviate from their faces by 1e-4 of the
+  // size, reading takes minutes, or it fails.
   void require_size(double unit_in_metres) const {
     constexpr double most_metres = 2e4;
     const double size = box_.isEmpty() ? 0 : box_.diagonal().norm();
@@ -164,7 +165,8 @@ class Planner {
     plan_.shells.push_back(std::move(shell));
   }
 
-  // STEP files list solids before other shells: faces come back in the order of the plan then.
+  // STEP files list solids before other shells. With the same order in the plan, faces are read
+  // back in the order of the plan.
   void put_solids_first() {
     std::stable_partition(plan_.shells.begin(), plan_.shells.end(),
                           [](const StepShell& shell) { return shell.solid; });
@@ -177,7 +179,7 @@ class Planner {
       }
   }
 
-  /// ⅓ ∬ x · (x_u × x_v).
+  /// The enclosed volume: ⅓ ∬ x · (x_u × x_v).
   double volume(const std::vector<int>& group) const {
     double sum = 0;
     for (const int r : group) {
@@ -195,7 +197,8 @@ class Planner {
   Box3 box_;
   StepPlan plan_;
   std::map<std::string, std::vector<LineSide>> sides_;
-  std::vector<char> open_;  // a region whose boundary has more than named lines
+  // True for a region with a boundary line that has no name, or without boundary.
+  std::vector<char> open_;
 };
 
 }  // namespace
@@ -212,7 +215,7 @@ int direction_along(const HermiteCurve& curve, const HermiteCurve& line, double 
     };
     const Vec3 x = at(curve, fraction);
     apart[0] = std::max(apart[0], (x - at(line, fraction)).norm());
-    // At its end a closed curve is at its start again.
+    // The end of a closed curve coincides with its start.
     apart[1] = std::max(apart[1], (x - at(line, 1 - fraction)).norm());
   }
   if (!(std::min(apart[0], apart[1]) <= distance)) return 0;

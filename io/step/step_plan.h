@@ -1,4 +1,4 @@
-// Plans what regions have in common in a STEP file: lines, the places where they end, and shells.
+// Plans what the regions of a STEP file share: lines, the points where lines end, and shells.
 // Internal.
 #pragma once
 
@@ -15,42 +15,44 @@
 
 namespace batten {
 
-/// A line of one region or of several.
+/// A line of one or more regions.
 struct StepLine {
-  const HermiteCurve* curve = nullptr;  ///< its curve in the first region that has it
-  std::array<int, 2> places{};    ///< numbers of its start and end; ends in one place have the same
-  int sides = 0;                  ///< how many regions lie beside it; a line inside one has two
+  const HermiteCurve* curve = nullptr;  ///< the curve in the first region that has it
+  /// Point indices of its start and end; coincident ends have the same index.
+  std::array<int, 2> places{};
+  int sides = 0;  ///< number of adjacent region sides; a line inside a region has two
   std::vector<double> cuts = {};  ///< parameters where all edges along it end, ascending
 };
 
-/// Regions that make one shell.
+/// Regions that form one shell.
 struct StepShell {
   std::vector<int> regions;  ///< indices into StepPlan::regions
   bool solid = false;
 };
 
-/// The regions of a STEP file, and what they have in common.
+/// The regions of a STEP file, and what they share.
 struct StepPlan {
-  std::vector<const SkinnedRegion*> regions;  ///< all regions, shell by shell, solids first
+  std::vector<const SkinnedRegion*> regions;  ///< ordered shell by shell, solids first
   std::vector<StepShell> shells;
-  std::map<std::string, StepLine> lines;  ///< all lines with a name, of boundaries and inside
-  bool joined = false;                    ///< whether any line is there twice
-  double distance = 0;  ///< largest distance of points, or of lines, that are one; model units
+  std::map<std::string, StepLine> lines;  ///< all named lines, of boundaries and inside regions
+  bool joined = false;                    ///< true if any line occurs twice
+  /// Largest distance at which points or lines count as coincident, model units.
+  double distance = 0;
   std::vector<std::string> warnings;
 };
 
-/// Plans a file. Regions with a line of the same name are one shell. It is a solid when every line
-/// of it has two sides, which run against each other, and its normals point outwards. Regions with
-/// three sides at a line, or without a common outside, are a shell each, and a warning says so.
-/// Throws InputError: no region, dofs that are not finite, a size above 20 km, different curves
-/// of one name.
+/// Plans a file. Regions with a line of the same name form one shell. It is a solid if every line
+/// has two sides with opposite directions and the normals point outwards. Regions that meet at a
+/// non-manifold line, or cannot be oriented consistently, become a shell each, with a warning.
+/// Throws InputError: no region, non-finite dofs, a size above 20 km, different curves under one
+/// name.
 StepPlan step_plan(const std::vector<const SkinnedRegion*>& regions, double unit_in_metres);
 
-/// Returns +1 when `curve` is `line`, -1 when it is the line run backwards, 0 when it is neither.
-/// Points at equal shares of the parameters are compared, within `distance`.
+/// +1 if `curve` equals `line`, -1 if it equals the reversed line, 0 otherwise. Points at equal
+/// fractions of the parameter ranges are compared, within `distance`.
 int direction_along(const HermiteCurve& curve, const HermiteCurve& line, double distance);
 
-/// Makes the shells and solids of a plan. `add` puts a region's faces into its shell.
+/// Builds the shells and solids of a plan. `add` puts the faces of a region into its shell.
 TopoDS_Shape assembled(const StepPlan& plan,
                        const std::function<void(int region, TopoDS_Shell& shell)>& add);
 

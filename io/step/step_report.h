@@ -1,4 +1,4 @@
-// The numbers measured on a STEP file.
+// Measurements of a STEP file.
 #pragma once
 
 #include <array>
@@ -15,89 +15,97 @@
 
 namespace batten {
 
-/// The fitted face of one region. Lengths are in model units. check_step() sets region and
-/// deviation only (a few points of the face, against the nearest points of the surface).
+/// Measurements of the fitted face of one region. Lengths are in model units. check_step() sets
+/// only `region` and `deviation` (sampled at a few points of the face, with closest points of the
+/// surface).
 struct StepPatch {
   std::string region;
-  /// Largest distance found between the face of the file and the surface, inside the trim: at
-  /// points of the face, at points of the surface, and along the boundary. It is taken at equal
-  /// (u, v), so the nearest points are never farther apart.
+  /// Largest distance between the face in the file and the surface, inside the trim. It is sampled
+  /// at points of the face, points of the surface, and along the boundary. Points are compared at
+  /// equal (u, v), so this is an upper bound of the distance between closest points.
   double deviation = 0;
-  bool reached = false;  ///< whether deviation ≤ tolerance
-  double join_deg = 0;   ///< the largest angle of its missed joins that a better face could mend
-  /// Largest distance between the face and an edge or vertex of the file. Edges whose line no other
-  /// region has lie on the face within what readers take for one point (1e-7 mm). Others are the
-  /// lines themselves; they are off by line_gap and the fit.
+  bool reached = false;  ///< true if deviation ≤ tolerance
+  /// Largest angle at joins that miss the limit and that a better face could reduce.
+  double join_deg = 0;
+  /// Largest distance between the face and an edge or vertex of the file. Edges whose line belongs
+  /// to no other region lie on the face within 1e-7 mm, the distance at which readers treat points
+  /// as coincident. All others are exactly the lines; they deviate by line_gap and by the error of
+  /// the fit.
   double edge_gap = 0;
-  /// Largest distance between the boundary curves and the surface of the region itself.
+  /// Largest distance between the boundary curves and the region's own surface.
   double line_gap = 0;
-  /// Distance of the file's edges from lines that regions have in common (rounding), and from the
-  /// region's own rim elsewhere (the fit).
+  /// Largest distance of the file's edges from lines shared by regions (rounding), and from the
+  /// region's own boundary elsewhere (error of the fit).
   double edge_deviation = 0;
-  int poles_u = 0, poles_v = 0;  ///< of a B-spline; 0 of an analytic face
-  /// "plane", "cylinder", "sphere", "cone", "torus" of an analytic face; "B-spline".
+  int poles_u = 0, poles_v = 0;  ///< for a B-spline; 0 for an analytic face
+  /// "plane", "cylinder", "sphere", "cone" or "torus" for an analytic face; else "B-spline".
   std::string surface = "B-spline";
 };
 
-/// A line along which the surfaces of two regions are tangent, and their faces in the file.
+/// A smooth join: a line along which the surfaces of two regions are tangent, measured between
+/// their faces in the file.
 struct StepJoin {
   std::string line;
   std::array<std::string, 2> regions;
-  double surface_deg = 0;  ///< largest angle between the surfaces, where they are tangent
+  double surface_deg = 0;  ///< largest angle between the surfaces where they are tangent
   double angle_deg = 0;    ///< largest angle between the faces there
-  /// Whether the angle is at most StepFaceOptions::join_deg wherever that between the surfaces is: where
-  /// these meet by more than that, faces near to both can do no better.
+  /// True if the angle is at most StepFaceOptions::join_deg at all points where the angle between
+  /// the surfaces is. Where the surfaces meet by more than that, faces close to both cannot do
+  /// better.
   bool reached = false;
 };
 
-/// What is in a STEP file, measured on the file that OpenCASCADE reads back from disk (it silently
-/// repairs directions of curves and loops while it reads). Lengths are in model units.
+/// Measurements of a STEP file that OpenCASCADE reads back from disk. (While reading, it silently
+/// repairs orientations of curves and loops.) Lengths are in model units.
 struct StepReport {
   std::filesystem::path file;
   std::uintmax_t bytes = 0;
   int shells = 0, solids = 0;
-  int closed_shells = 0;  ///< shells without a free edge
+  int closed_shells = 0;  ///< shells without free edges
   int faces = 0;
-  int edges = 0;       ///< of faces
-  int curves = 0;      ///< edges without a face: lines that the file holds beside the faces
-  int free_edges = 0;  ///< edges with one face only: the rims, but not seams
-  /// Whether OpenCASCADE's checks passed (BRepCheck_Analyzer). They also pass at a gap, because
-  /// reading widens the edge's tolerance over it; max_gap shows it.
+  int edges = 0;       ///< edges of faces
+  int curves = 0;      ///< edges without a face: lines written in addition to the faces
+  int free_edges = 0;  ///< edges with one face only; seams do not count
+  /// True if OpenCASCADE's checks pass (BRepCheck_Analyzer). They also pass if there is a gap,
+  /// because the reader widens the tolerance of the edge to cover it. max_gap shows the gap.
   bool valid = false;
-  double size = 0;  ///< diagonal of the box around all edges
+  double size = 0;  ///< diagonal of the bounding box of all edges
   double area = 0;
-  double volume = 0;  ///< volume of all solids, model units³; of exact faces to 1e-12
-  /// Largest distance between an edge and the faces beside it (9 points an edge, more on fitted
-  /// faces), and between a vertex and the ends of its edges. Over `size` it is a relative gap.
+  /// Total volume of all solids, model units³; accurate to 1e-12 for exact faces.
+  double volume = 0;
+  /// Largest distance between an edge and its adjacent faces (9 points per edge, more on fitted
+  /// faces), and between a vertex and the ends of its edges. Divide it by `size` for a relative
+  /// gap.
   double max_gap = 0;
-  /// Largest angle between the outward normals of two faces of one region along their edge, 9
-  /// points an edge. When the file's regions are not known, all its faces count as one region.
+  /// Largest angle between the outward normals of two faces of one region along their common edge,
+  /// 9 points per edge. If the regions of the file are unknown, all faces count as one region.
   double max_normal_jump_deg = 0;
-  /// Largest distance of points of the faces (15 each; StepPatch::deviation) from the regions'
-  /// surfaces; set only when these were given. In a report of write_step() it is that of the exact
-  /// faces; `patches` has the fitted ones.
+  /// Largest distance of sample points of the faces from the regions' surfaces (15 points per face;
+  /// for fitted faces see StepPatch::deviation). Set only if regions were given. In a report of
+  /// write_step() it refers to the exact faces; `patches` has the fitted ones.
   std::optional<double> max_deviation;
   double max_tolerance = 0;  ///< largest tolerance of edges and vertices after reading
-  /// Count of places where one of these could not be measured: an edge without a parameter line on
-  /// its face, a point where the surface is singular.
+  /// Number of points at which one of these could not be measured: an edge without a pcurve on its
+  /// face, or a singular point of a surface.
   int unmeasured = 0;
-  /// How faces meet along every edge of the file, in model units; set by the writers only.
+  /// Continuity across every edge of the file, in model units; set by the writers, and by
+  /// check_step() if it is given regions.
   std::optional<ContinuityReport> continuity;
   std::vector<std::string> warnings;
 
   // For fitted faces only:
-  double tolerance = 0;  ///< the tolerance asked for
-  bool reached = true;   ///< whether every face reaches it, and every join its angle
-  double line_gap = 0, edge_deviation = 0;  ///< the largest of the faces
-  std::vector<StepPatch> patches;           ///< each fitted face, in the order of the file
-  std::vector<StepJoin> joins;  ///< smooth joins that have a fitted face on one side or on both
-  double max_join_deg = 0;      ///< the largest angle_deg of these
+  double tolerance = 0;  ///< requested tolerance
+  bool reached = true;   ///< true if every face meets the tolerance and every join its angle
+  double line_gap = 0, edge_deviation = 0;  ///< maxima over the faces
+  std::vector<StepPatch> patches;           ///< fitted faces, in file order
+  std::vector<StepJoin> joins;  ///< smooth joins with a fitted face on at least one side
+  double max_join_deg = 0;      ///< largest `angle_deg` of the joins
 };
 
 
-// What the writers of STEP files say of regions that they cannot write.
+// Errors of the writers of STEP files.
 
-/// Regions whose faces no reader would find in the file as they are.
+/// Thrown if the faces of these regions are not read back from the file as they were written.
 class UnwritableRegions : public Error {
  public:
   UnwritableRegions(const std::string& what, std::vector<const SkinnedRegion*> regions)

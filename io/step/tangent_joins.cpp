@@ -16,23 +16,23 @@
 namespace batten {
 namespace {
 
-constexpr int kPieces = 256;      // of a stretch
-constexpr double kNearby = 0.03;  // of a stretch, on either side: what normals are smoothed over
+constexpr int kPieces = 256;      // samples per segment
+constexpr double kNearby = 0.03;  // half-width of the smoothing window, as a fraction of a segment
 
-/// A piece of a line, and its two sides.
+/// A piece of a line with its two sides.
 struct Join {
   std::array<FaceBoundarySegment*, 2> segments;
   std::array<const TangentSide*, 2> sides;
-  double same = 1;                               // -1: the normals of the sides are opposite
-  std::vector<std::array<Vec3, 2>> of_surfaces;  // along the line, zero: the sides are no planes
-  std::vector<Vec3> common;                      // seen from the first side
+  double same = 1;                               // -1: the normals of the two sides are opposite
+  std::vector<std::array<Vec3, 2>> of_surfaces;  // at points along the line; zero: not tangent
+  std::vector<Vec3> common;                      // common normals, oriented as on the first side
 
-  /// Of a place along the line: its number along the stretch.
+  /// Converts the index of a point along the line to the index along the segment of a side.
   int index(int side, int k) const {
     return segments[static_cast<size_t>(side)]->reversed ? kPieces - k : k;
   }
   double sign(int side) const { return side == 0 ? 1 : same; }  // of a side's normal
-  /// Of the line, at a place along it.
+  /// The position of a point along the line.
   Vec3 position(int k) const {
     const HermiteCurve& curve = segments[0]->curve;
     const int i = index(0, k);
@@ -62,8 +62,8 @@ void compare_sides(Join& join) {
   }
 }
 
-/// Surfaces that meet at a crease may pass a common plane on the way from one angle to another: that is
-/// no tangent stretch.
+/// Discards short tangent stretches: surfaces that meet at a crease may pass through a common plane
+/// where the sign of the angle changes.
 void drop_crossings(Join& join) {
   constexpr int shortest = kPieces / 16;
   for (int k = 0, first = 0; k <= kPieces + 1; ++k) {
@@ -74,8 +74,9 @@ void drop_crossings(Join& join) {
   }
 }
 
-/// The common normals, without what is shorter than a face's knots can follow: parabolas through what
-/// is nearby. (Surfaces that bend sharply at a corner have the tip of their bend in one element.)
+/// Computes the common normals by local quadratic regression, which removes features shorter than
+/// the knots of a face can follow. (A surface that bends sharply at a corner has the tip of its
+/// bend in one element.)
 void smooth(Join& join) {
   const int reach = static_cast<int>(kNearby * kPieces);
   join.common.assign(kPieces + 1, Vec3::Zero());
@@ -95,12 +96,13 @@ void smooth(Join& join) {
   }
 }
 
-/// Ends of joins in one place, whose planes are one but for what smoothing did.
+/// Ends of joins that meet at one point and whose tangent planes agree, except for changes by
+/// smoothing.
 struct Corner {
   Vec3 sum = Vec3::Zero();
   std::vector<std::pair<Join*, int>> ends;
 };
-using EndPointId = std::pair<std::string, int>;  // a cut of a line; "" and a number of the plan's
+using EndPointId = std::pair<std::string, int>;  // a cut of a line, or "" and a point index of the plan
 
 EndPointId end_point_of(const StepPlan& plan, const LineSegmentId& piece, bool end) {
   const StepLine& line = plan.lines.at(piece.first);
@@ -109,7 +111,8 @@ EndPointId end_point_of(const StepPlan& plan, const LineSegmentId& piece, bool e
   return {piece.first, cut};
 }
 
-/// A face has one plane at its corner: all joins there get it, fading out along them.
+/// Gives all joins at a corner the same normal, because a face has one tangent plane there. The
+/// correction fades out along each join.
 void unify_normals(const Corner& corner) {
   constexpr double fade = 0.3;  // of a join
   for (const auto& [join, k] : corner.ends) {
@@ -144,8 +147,8 @@ void unify_normals_at_corners(const StepPlan& plan, std::map<LineSegmentId, Join
     for (const Corner& corner : here) unify_normals(corner);
 }
 
-/// The end of a join at its first place, or at its last one, with derivatives of parabolas; none where
-/// the surfaces are not tangent there.
+/// The first or last end of a join, with derivatives by quadratic interpolation; nullopt if the
+/// surfaces are not tangent there.
 std::optional<TwistEnd> end_of(const Join& join, bool last) {
   constexpr int step = 4;
   const auto at = [&](int i) { return last ? kPieces - i : i; };
@@ -160,10 +163,11 @@ std::optional<TwistEnd> end_of(const Join& join, bool last) {
   return TwistEnd{(along - along.dot(n) * n).normalized(), n, slope - slope.dot(n) * n};
 }
 
-/// Turns the normals near an end about the line, by rate · s (1 - s/S)² at the length s from there. The
-/// face is off its surface by about rate S² / 25 then, which may be a third of the tolerance.
+/// Rotates the normals near an end about the line, by rate · s (1 - s/S)² at arc length s from the
+/// end. This moves the face off its surface by about rate S² / 25, which may be up to a third of
+/// the tolerance.
 void twist(Join& join, bool last, double rate, double tolerance) {
-  constexpr double part = 8, longest = 0.4;  // of the join
+  constexpr double part = 8, longest = 0.4;  // longest: fraction of the join
   const double reach = std::min(longest * (join.position(0) - join.position(kPieces)).norm(),
                                 std::sqrt(part * tolerance / std::abs(rate)));
   const auto at = [&](int i) { return last ? kPieces - i : i; };
@@ -177,7 +181,7 @@ void twist(Join& join, bool last, double rate, double tolerance) {
   }
 }
 
-/// Makes normals turn along joins so that faces can have one twist in a corner.
+/// Rotates the normals along joins so that each face can have a single twist in its corners.
 void match_twists(const std::vector<TangentSide>& sides, std::map<LineSegmentId, Join>& joins,
                   double tolerance) {
   std::map<const FaceBoundarySegment*, std::pair<Join*, int>> join_of;
@@ -255,7 +259,7 @@ void find_tangent_joins(const StepPlan& plan, const std::vector<TangentSide>& si
     drop_crossings(join);
     int tangent = 0;
     for (int k = 0; k <= kPieces; ++k) tangent += join.tangent(k);
-    if (2 * tangent < kPieces) continue;  // a crease that begins or ends as a tangent
+    if (2 * tangent < kPieces) continue;  // a crease that is tangent at its beginning or end only
     smooth(join);
     joins.emplace(piece, std::move(join));
   }
@@ -266,7 +270,7 @@ void find_tangent_joins(const StepPlan& plan, const std::vector<TangentSide>& si
 
 namespace {
 
-/// Rows of the least squares, one after the other: coefficients of the unknowns, right-hand sides.
+/// Rows of the least-squares problem: coefficients of the unknowns, and right-hand sides.
 struct TwistEquations {
   std::vector<Triplet> entries;
   std::vector<double> rhs;
@@ -275,7 +279,8 @@ struct TwistEquations {
   void close(double value) { rhs.push_back(value); }
 };
 
-/// n' + c n × t + B t = 0 for both ends, in a frame of the corner's plane; B = (p q; q r).
+/// Adds n' + c n × t + B t = 0 for both ends, in a frame of the corner's tangent plane; B = (p q; q
+/// r).
 void add_corner(TwistEquations& equations, const std::vector<TwistEnd>& ends,
                 const TwistCorner& corner, int p) {
   const TwistEnd& first = ends[corner.ends[0]];

@@ -1,4 +1,5 @@
-// Where the surfaces beside a line have one tangent plane, which their faces are to keep. Internal.
+// Finds the lines along which adjacent surfaces are tangent, and the common normals that their
+// faces must have. Internal.
 #pragma once
 
 #include <functional>
@@ -12,51 +13,59 @@
 
 namespace batten {
 
-/// Surfaces that meet by less than this are tangent: networks join smoothly within 0.1 degrees.
+/// Surfaces that meet at less than this angle, degrees, count as tangent: networks join smoothly
+/// within 0.1 degrees.
 constexpr double kTangentDeg = 0.2;
 
-/// One of the sides of lines: a region's boundary, and the unit normal of its surface at (u, v).
+/// A side of lines: the boundary of a region, and the unit normal of its surface at (u, v).
 struct TangentSide {
   FaceBoundary* boundary;
   std::function<Vec3(const Vec2& uv)> normal;
 };
 
-/// A piece of a line between two of the plan's cuts: the line's name, and how many cuts are before.
+/// A piece of a line between two cuts of the plan: the name of the line, and the number of cuts
+/// before the piece.
 using LineSegmentId = std::pair<std::string, int>;
 LineSegmentId segment_id_of(const StepPlan& plan, const FaceBoundarySegment& segment);
 
-/// Sets the turns of all stretches that two sides have in common: to normals between those of the two
-/// surfaces, smooth along the line and one for all joins that meet in a place. O(stretches).
+/// Sets the normal corrections of all segments that are shared by two sides. The common normals lie
+/// between those of the two surfaces, are smooth along the line, and agree for all joins that meet
+/// at a point. `tolerance`: allowed deviation of the faces, model units. O(segments).
 void find_tangent_joins(const StepPlan& plan, const std::vector<TangentSide>& sides,
                         double tolerance);
 
-/// The angle between two planes by their normals, degrees in [0, 90]: a plane has no side.
+/// The angle between two planes given by their normals, degrees in [0, 90]; the signs of the
+/// normals do not matter.
 double angle_between_planes(const Vec3& a, const Vec3& b);
 
 
-// Twists of faces at the nodes where smooth joins meet. Internal.
+// Twist compatibility of faces at the vertices where smooth joins meet.
 
-/// The end of a smooth join at a node: the direction of its line from there, the unit normal of both
-/// faces, and the derivative of that normal by length along the line.
+/// The end of a smooth join at a vertex: the unit tangent of its line, pointing away from the
+/// vertex, the unit normal of both faces, and the derivative of that normal with respect to arc
+/// length.
 struct TwistEnd {
   Vec3 along, normal, slope;
 };
 
-/// The corner of a face between two ends of joins, and +1, or -1 where the face's normal is opposite to
-/// that of the end.
+/// The corner of a face between the ends of two joins. `sign`: -1 if the face's normal is opposite
+/// to that of the end, else +1.
 struct TwistCorner {
   std::array<int, 2> ends;
   std::array<double, 2> sign;
 };
 
-/// A face with one curvature in its corner has the same twist from both sides: n₁'·t₂ = n₂'·t₁. (Surfaces
-/// of C1 elements need not: there the angle of a C2 spline decreases with its first knot interval only.)
-/// Returns for each end the rate c by which its normals are to turn about their line, n' + c n × t, so that
-/// this holds in all corners of a node, as far as it can, with small c:
+/// Twist rates that make the joins at each vertex compatible with C2 faces. In the corner of a face
+/// with continuous curvature, both sides imply the same twist: n₁'·t₂ = n₂'·t₁. Surfaces of C1
+/// elements need not satisfy this. Then the angle error of a C2 spline decreases only with the size
+/// of its first knot interval. Returns for each end the rate c by which its normals rotate about
+/// the line, n' + c n × t. The rates are small and satisfy the condition in all corners as well as
+/// possible:
 ///
-///   min Σ over corners and their two ends |n' + c n × t + B t|² + ε Σ c²,  B symmetric, one a corner
+///   min Σ over corners and their two ends |n' + c n × t + B t|² + ε Σ c²,
+///   with one symmetric 2×2 matrix B (Weingarten map) per corner
 ///
-/// One sparse factor of size 3 corners + ends.
+/// Costs one sparse factorisation of size 3 corners + ends.
 std::vector<double> matching_twists(const std::vector<TwistEnd>& ends,
                                     const std::vector<TwistCorner>& corners);
 

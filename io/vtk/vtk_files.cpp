@@ -56,7 +56,7 @@ vtkSmartPointer<Array> array(const char* name, int components) {
   return a;
 }
 
-/// Points of one region with their data.
+/// The points of one region, with their data.
 struct RegionPoints {
   struct Point {
     Vec3 x, normal;
@@ -64,9 +64,9 @@ struct RegionPoints {
     Vec3 displacement = Vec3::Zero();
   };
   std::vector<Point> points;
-  std::vector<Curvatures> point_curvatures;  // none, or of each point
-  bool moved = false;                        // against a reference
-  std::vector<std::vector<VecX>> fields;     // of each field, of each point
+  std::vector<Curvatures> point_curvatures;  // empty, or one per point
+  bool moved = false;                        // there is a reference surface
+  std::vector<std::vector<VecX>> fields;     // by field, then by point
 
   RegionPoints() = default;
   RegionPoints(int region, const Surface& surface, const Tessellation& tessellation,
@@ -88,7 +88,7 @@ struct RegionPoints {
   }
 };
 
-/// Points of all regions with their data.
+/// The points of all regions, with their data.
 struct PointTable {
   vtkNew<vtkPoints> points;
   vtkSmartPointer<vtkDoubleArray> normals = array<vtkDoubleArray>("Normals", 3);
@@ -107,7 +107,7 @@ struct PointTable {
       fields.push_back(array<vtkDoubleArray>(field.name.c_str(), field.components));
   }
 
-  /// Index of the first point added.
+  /// Appends points. Returns the index of the first one.
   vtkIdType add(const RegionPoints& more) {
     const vtkIdType first = points->GetNumberOfPoints();
     for (const Curvatures& bend : more.point_curvatures) {
@@ -139,7 +139,7 @@ struct PointTable {
   }
 };
 
-/// Which region, element and line each cell is.
+/// Region, element and line index of each cell.
 struct CellTable {
   vtkSmartPointer<vtkIntArray> region = array<vtkIntArray>("Region", 1);
   vtkSmartPointer<vtkIntArray> triangle = array<vtkIntArray>("Triangle", 1);
@@ -189,7 +189,7 @@ struct CellTable {
   }
 };
 
-/// The index under which each region's lines are written; -1: another region has it already.
+/// Assigns indices to the lines of the regions; -1 if another region has written the line already.
 class LineIndex {
  public:
   explicit LineIndex(const std::vector<VtkLine>& lines) : of_model_(!lines.empty()) {
@@ -222,9 +222,9 @@ void write_vtk_xml(vtkXMLWriter& writer, vtkDataObject* data, const fs::path& pa
   writer.SetFileName(file.temporary().c_str());
   writer.SetDataModeToAppended();
   if (vtkPolyData::SafeDownCast(data)) {
-    writer.SetCompressorTypeToLZ4();  // a third of zlib's time, for files a fifth larger
+    writer.SetCompressorTypeToLZ4();  // takes a third of zlib's time, for files a fifth larger
   } else {
-    writer.SetCompressorTypeToZLib();  // which other programs that read VTU know
+    writer.SetCompressorTypeToZLib();  // other programs that read VTU support it
     writer.SetCompressionLevel(1);
   }
   if (!writer.Write() || !messages.first_error().empty())

@@ -1,4 +1,5 @@
-// Writes surfaces as VTK's files, for ParaView and other programs that read them.
+// Writes surfaces, deformed shell meshes and time series as VTK files, for ParaView and other
+// programs.
 #pragma once
 
 #include <filesystem>
@@ -16,43 +17,46 @@ class vtkPolyData;
 
 namespace batten {
 
-/// A line of a model of several regions.
+/// A line of a model with several regions.
 struct VtkLine {
   std::string name;
-  /// ModelJoin::Kind as a number: 0 rim, 1 crease, 2 smooth, 3 branching; -1 for a line inside of a
-  /// region.
+  /// ModelJoin::Kind as a number: 0 free edge, 1 crease, 2 smooth, 3 branching (non-manifold); -1
+  /// for a line inside a region.
   int join = -1;
-  double angle_deg = 0;  ///< largest angle between the normals across it
+  double angle_deg = 0;  ///< largest angle between the surface normals across the line, degrees
 };
 
-/// The lines of a network that its regions have: those of loops, then inner ones.
+/// Lists the lines of a network that the model's regions use: boundary lines first, then inner
+/// lines.
 std::vector<VtkLine> vtk_lines(const CurveNetwork& network, const SurfaceModel& model);
 
-/// Further data of points: a name, so many numbers, and their values at places of a region's mesh.
-/// It is asked on several threads.
+/// An additional point data array: name, number of components, and a function that evaluates it at
+/// a location in a region's mesh. The function is called from several threads.
 struct VtkField {
   std::string name;
   int components = 1;
   std::function<VecX(int region, const Location& where)> at;
 };
 
+/// Options of to_poly_data(), write_vtp() and write_vtu().
 struct VtkOptions {
-  /// Surfaces from which displacements are measured: none, or one for each region, on the same
+  /// Reference surfaces from which displacements are measured: none, or one per region, on the same
   /// mesh.
   std::vector<const Surface*> references;
-  /// Facets along each edge of an element or, in a region with embedded lines, of its
-  /// quadratic_elements; VTP only. 0: 4, or fewer so that there are at most 400,000 facets.
+  /// Number of facets along each element edge; in a region with embedded lines, along each edge of
+  /// its quadratic_elements(). VTP only. 0: 4, or fewer to keep the total at 400,000 facets or
+  /// less.
   int facets_per_edge = 0;
-  bool curvatures = true;  ///< whether the arrays of curvatures are written
+  bool curvatures = true;  ///< write the curvature arrays
   std::vector<VtkField> fields = {};
-  /// The lines of a model, each written once, from the first region that has a line of its name.
-  /// None: the lines of each region are written.
+  /// The lines of a model. Each is written once, from the first region that has a line of its name.
+  /// Empty: all lines of each region are written.
   std::vector<VtkLine> lines = {};
 };
 
-/// The regions as facets, and their character lines as polylines through the same points. Facets
-/// end exactly at embedded boundaries (skinning/facets/facets.h); regions that share such a line
-/// share its points there.
+/// Converts regions to facets, and their character lines to polylines through the same points.
+/// Facets end exactly at embedded boundaries (skinning/facets/facets.h). Regions that share such a
+/// line have the same points on it.
 ///
 ///   point data  Normals (unit, exact, x_u × x_v; zero where the surface is singular),
 ///               Mean_curvature, Gauss_curvature, K1 ≥ K2 (recovered_curvatures), uv (u, v, 0),
@@ -60,62 +64,63 @@ struct VtkOptions {
 ///   cell data   Region (index), Triangle (element of the region, -1 on lines), Line (index, -1 on
 ///               facets); with options.lines also Join (VtkLine::join) and Join_angle (degrees),
 ///               both -1 on facets
-///   field data  Region_names, Line_names (text; runs and embedded lines, region after region; or
-///               those of options.lines)
+///   field data  Region_names, Line_names (text; edge-aligned and embedded lines, region after
+///               region; or those of options.lines)
 ///
-/// Along a line that regions share, each has points of its own at the same places, because normals,
-/// curvatures and u, v belong to the region.
+/// Along a shared line, each region has its own coincident points, because normals, curvatures and
+/// u, v belong to the region.
 ///
-/// Cells are in VTK's order: first the lines, then the facets. Points are doubles. O(facets).
-/// Throws InputError: no region, references that do not match, and what facets() throws.
+/// Cells are in VTK's order: first the lines, then the facets. Coordinates are doubles. O(facets).
+/// Throws InputError: no region, references that do not match, and the errors of facets().
 vtkSmartPointer<vtkPolyData> to_poly_data(const std::vector<const SkinnedRegion*>& regions,
                                           const VtkOptions& options = {});
 
-/// Writes to_poly_data() as a .vtp file: XML, binary appended, compressed. It appears whole or not
-/// at all. The same regions give the same bytes. Throws InputError as to_poly_data() does, and when
-/// the file cannot be written.
+/// Writes to_poly_data() as a .vtp file: XML, binary appended, compressed, written atomically. The
+/// output is reproducible bit by bit. Throws InputError as to_poly_data() does, and if the file
+/// cannot be written.
 void write_vtp(const std::filesystem::path& path, const std::vector<const SkinnedRegion*>& regions,
                const VtkOptions& options = {});
 
-/// Writes the finite elements as a .vtu file: one VTK_QUADRATIC_TRIANGLE for each element, in their
-/// order (nodes: vertices, then the surface's points at the parametric midpoints of the edges 12,
-/// 23, 31), then one VTK_QUADRATIC_EDGE for each element edge of a line. The data are those of
-/// to_poly_data(). A region with embedded lines has its quadratic_elements as elements; Triangle is
-/// the element at their middles. Throws InputError as write_vtp().
+/// Writes the finite elements as a .vtu file. Each element becomes a VTK_QUADRATIC_TRIANGLE, in
+/// order. Its nodes are the vertices, then the surface points at the parametric midpoints of the
+/// edges 12, 23, 31. Each element edge on a line becomes a VTK_QUADRATIC_EDGE. The data arrays are
+/// those of to_poly_data(). In a region with embedded lines, the elements are its
+/// quadratic_elements(), and Triangle is the mesh element at their centre. Throws InputError as
+/// write_vtp().
 void write_vtu(const std::filesystem::path& path, const std::vector<const SkinnedRegion*>& regions,
                const VtkOptions& options = {});
 
 }  // namespace batten
 
-// Writes VTK's XML files. Internal.
+// Writes VTK XML files.
 
 class vtkDataObject;
 class vtkXMLWriter;
 
 namespace batten {
 
-/// Writes `data` with the writer: binary appended, compressed. The file appears whole or not at
-/// all. Throws InputError when it cannot be written.
+/// Writes `data` with the given writer: binary appended, compressed, atomically. Throws InputError
+/// if the file cannot be written.
 void write_vtk_xml(vtkXMLWriter& writer, vtkDataObject* data, const std::filesystem::path& path);
 
 
-// Writes series of VTK files: one shape for each value of a parameter, or for each moment.
+// Time series of VTK files.
 
-/// One file of a series and the number that it stands for, which ParaView shows as its time.
+/// One file of a series, with its parameter value or time, which ParaView shows as its time.
 struct SeriesFile {
   double value = 0;
   std::string file;  ///< path relative to the .pvd file
 };
 
-/// Writes a .pvd file, by which ParaView opens and plays the whole series. Values have all their
-/// digits. The file appears whole or not at all. Throws InputError: no files, values that are not
-/// finite or do not ascend or descend strictly (ParaView would merge or reorder them), a file that
-/// cannot be written.
+/// Writes a .pvd file, with which ParaView opens and plays the series. Values are written with full
+/// precision. The file is written atomically. Throws InputError: no files, values that are not
+/// finite or not strictly monotonic (ParaView would merge or reorder them), a file that cannot be
+/// written.
 void write_pvd(const std::filesystem::path& path, const std::vector<SeriesFile>& files);
 
 }  // namespace batten
 
-// Writes deformed shell meshes as VTK's files.
+// Writes deformed shell meshes.
 
 template <class T>
 class vtkSmartPointer;
@@ -123,20 +128,20 @@ class vtkPolyData;
 
 namespace batten {
 
-/// What a deformation did to each of the n nodes.
+/// Result of a deformation for each of the n nodes.
 struct DeformedData {
   Points displacement;       ///< displacement of each node, n×3
-  std::vector<int> feature;  ///< index of each node's feature in feature_names, -1 for none
+  std::vector<int> feature;  ///< index into feature_names for each node; -1 for none
   std::vector<std::string> feature_names;
 };
 
-/// The faces as polygons in VTK's data, in double precision. A face of second order is a polygon
-/// through all its nodes, in the order in which they lie around it.
+/// Converts the faces to VTK polygons, in double precision. A second-order face becomes a polygon
+/// through all its nodes, in cyclic order.
 vtkSmartPointer<vtkPolyData> shell_poly_data(const ShellMesh& shells, const Points& points);
 
-/// Writes the mesh, its nodes at `shells.points`, as a .vtp file with point data Displacement and
-/// Feature and field data Feature_names. It appears whole or not at all. Throws InputError when it
-/// cannot be written.
+/// Writes the mesh with its nodes at `shells.points` as a .vtp file, with point data Displacement
+/// and Feature and field data Feature_names. The file is written atomically. Throws InputError if
+/// it cannot be written.
 void write_deformed_vtp(const std::filesystem::path& path, const ShellMesh& shells,
                         const DeformedData& data);
 

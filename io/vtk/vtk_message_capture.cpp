@@ -14,8 +14,8 @@ std::mutex& capture_mutex() {
 
 }  // namespace
 
-// The streams' locale is the process's: it is changed only where numbers have no points there, and
-// for one without a name, so that the C library's stays.
+// Streams use the global C++ locale. It is changed only if its numbers do not use plain decimal
+// points. The new locale has no name, so that setting it does not change the C library's locale.
 ClassicLocaleScope::ClassicLocaleScope() : own_(newlocale(LC_ALL_MASK, "C", nullptr)) {
   before_in_c_ = uselocale(own_);
   const auto& numbers = std::use_facet<std::numpunct<char>>(before_);
@@ -35,7 +35,7 @@ class VtkMessageCapture::Listener : public vtkOutputWindow {
   void DisplayText(const char*) override {}
   void DisplayErrorText(const char* text) override {
     if (!first.empty()) return;
-    // "ERROR: In file, line n\nclass (address): message"
+    // VTK's format: "ERROR: In file, line n\nclass (address): message"
     std::string_view message = text ? text : "";
     if (const size_t at = message.find("): "); at != message.npos) message = message.substr(at + 3);
     first = trimmed(message.substr(0, message.find('\n')));

@@ -1,4 +1,4 @@
-// What VTK says while it reads or writes. Internal.
+// Captures VTK's messages and sets the C locale while VTK reads or writes. Internal.
 #pragma once
 
 #include <vtkLogger.h>
@@ -13,8 +13,8 @@
 
 namespace batten {
 
-/// Numbers have points in this thread, whatever locale the process has, as long as such an object
-/// exists: VTK writes and reads numbers by streams that know the process's locale only.
+/// While such an object exists, this thread uses decimal points, whatever the locale of the
+/// process. VTK reads and writes numbers with streams that use the process's locale.
 class ClassicLocaleScope {
  public:
   ClassicLocaleScope();
@@ -27,16 +27,16 @@ class ClassicLocaleScope {
   locale_t own_, before_in_c_;
 };
 
-/// Takes VTK's messages as long as it exists, and keeps the first error. Otherwise errors would
-/// fill the terminal, and some are the only sign that a part of a file was passed over. VTK has one
-/// place for all messages, so there is one such object at a time (others wait).
+/// Suppresses VTK's messages while it exists, and stores the first error. Errors would otherwise
+/// fill the terminal, and some are the only sign that part of a file was skipped. VTK has one
+/// global message handler, so only one such object can exist at a time; other threads wait.
 class VtkMessageCapture {
  public:
   VtkMessageCapture();
   ~VtkMessageCapture();
   VtkMessageCapture(const VtkMessageCapture&) = delete;
   VtkMessageCapture& operator=(const VtkMessageCapture&) = delete;
-  /// Its sentence, or "" while there was none.
+  /// The text of the first error; "" if there was none.
   const std::string& first_error() const;
 
  private:

@@ -16,7 +16,8 @@ namespace {
 
 using Kind = NonShellElement::Kind;
 
-/// K x = b, by a factor; where that of a large solid would fill the memory, by conjugate gradients.
+/// Solves K x = b by Cholesky factorization. Above 100,000 unknowns it uses conjugate gradients,
+/// because the factor of a large solid would exhaust the memory.
 class LaplaceSolver {
  public:
   explicit LaplaceSolver(const SparseMatrix& K) : K_(K) {
@@ -74,11 +75,12 @@ class AttachmentPropagator {
   struct Motion {
     Mat3 R = Mat3::Identity();
     Vec3 translation = Vec3::Zero();
-    bool is_identity = false;  ///< nothing moved: no digit may change
+    bool is_identity = false;  ///< nothing moved: coordinates must stay bit-identical
     Vec3 operator()(const Vec3& p) const { return R * p + translation; }
   };
 
-  /// The best motion of placed nodes. Where their places leave it open, their rotations decide.
+  /// Best rigid motion of known nodes. If their positions leave it undetermined, their rotations
+  /// decide.
   Motion motion_of(const std::vector<int>& nodes, const std::vector<double>& weights = {}) const {
     if (std::all_of(nodes.begin(), nodes.end(),
                     [&](int v) { return after_.row(v) == before_.row(v); }))
@@ -110,7 +112,7 @@ class AttachmentPropagator {
     placed_[node] = 1;
   }
 
-  /// Rigid elements and averages of nodes that are placed. Returns whether there was one.
+  /// Moves rigid and interpolation elements whose nodes are known. Returns true if there was one.
   bool move_rigid_elements() {
     bool any = false;
     for (const NonShellElement* e : elements_) {
@@ -139,10 +141,10 @@ class AttachmentPropagator {
     return true;
   }
 
-  // ---- what else hangs on placed nodes ---------------------------------------------------------
+  // ---- other elements connected to known nodes --------------------------------------------------
 
   struct Body {
-    std::vector<int> nodes, anchors;  ///< open ones; placed ones that they hang on
+    std::vector<int> nodes, anchors;  ///< unknown nodes; known nodes that they are connected to
     bool rigid = false;
     Motion motion;
   };
@@ -151,7 +153,7 @@ class AttachmentPropagator {
     return e.kind != Kind::Rigid && e.kind != Kind::Interpolation && e.nodes.size() > 1;
   }
 
-  /// Returns whether there was something.
+  /// Moves all bodies connected to known nodes. Returns true if there was one.
   bool deform_all() {
     bodies_.clear();
     body_of_.assign(placed_.size(), -1);
@@ -178,7 +180,7 @@ class AttachmentPropagator {
           first = v;
         }
     }
-    std::map<int, Body> found;  // by the lowest open node
+    std::map<int, Body> found;  // by the lowest unknown node
     for (const NonShellElement* e : elements_) {
       if (!joins(*e)) continue;
       const auto open =
@@ -203,7 +205,7 @@ class AttachmentPropagator {
     double weight;
   };
 
-  /// All pairs of nodes of one element of which one is to be placed.
+  /// All pairs of nodes of one element of which at least one is unknown.
   std::vector<Edge> edges_of(const std::vector<int>& row) const {
     std::vector<Edge> edges;
     for (const NonShellElement* e : elements_) {
@@ -212,7 +214,7 @@ class AttachmentPropagator {
         for (size_t j = 0; j < i; ++j) {
           const int a = e->nodes[j], b = e->nodes[i];
           if (a == b || (row[a] < 0 && row[b] < 0)) continue;
-          // Nodes at one place stay together, but for a singular weight.
+          // Coincident nodes stay together, without a singular weight.
           const double square =
               std::max((before_.row(a) - before_.row(b)).squaredNorm(), 1e-12 * scale_);
           edges.push_back({a, b, scale_ / square});
@@ -241,7 +243,7 @@ class AttachmentPropagator {
     const auto motion_at = [&](const Edge& e) -> const Motion& {
       return bodies_[body_of_[row[e.a] >= 0 ? e.a : e.b]].motion;
     };
-    // Logarithms relative to the body's motion.
+    // Logarithms of the rotations relative to the motion of the body.
     MatX q = MatX::Zero(n, 3);
     const auto log_at = [&](const Edge& e, int v) {
       return to_rotation_vector(motion_at(e).R.transpose() * rotations_[v]);
@@ -250,7 +252,7 @@ class AttachmentPropagator {
       if (row[other] < 0) q.row(row[open]) += e.weight * log_at(e, other).transpose();
     });
     solver.solve_in_place(q, MatX::Zero(n, 3));
-    // Places relative to it.
+    // Positions relative to the motion of the body.
     MatX y = MatX::Zero(n, 3);
     for_open_ends(edges, row, [&](const Edge& e, int open, int other) {
       const Motion& motion = motion_at(e);
@@ -292,7 +294,7 @@ class AttachmentPropagator {
   const AttachmentOptions& options_;
   std::vector<const NonShellElement*> elements_;
   std::vector<Body> bodies_;
-  std::vector<int> body_of_;  // of each open node, or -1
+  std::vector<int> body_of_;  // body of each unknown node, or -1
   double scale_ = 1;
   std::vector<int> result_;
 };

@@ -65,7 +65,8 @@ DeformProblem expand_to_nodes(DeformProblem problem, const MeshTopology& topolog
 }
 
 void check(const DeformProblem& problem, int count) {
-  std::set<std::pair<std::string, std::string>> names;  // a feature and a handle may share one
+  std::set<std::pair<std::string, std::string>> names;  // a feature and a handle may have the same
+                                                        // name
   const auto check_name = [&](const std::string& kind, const std::string& name) {
     if (name.empty()) throw InputError("found a " + kind + " without name");
     if (!names.insert({kind, name}).second)
@@ -126,7 +127,7 @@ void check(const DeformProblem& problem, const DeformEdit& edit) {
       throw InputError("the edit has " + std::to_string(found) + " " + what + ", expected " +
                        std::to_string(expected));
   };
-  // Squares of larger numbers would not be finite.
+  // The squares of larger numbers would overflow.
   const auto is_usable = [](const Vec3& v) { return (v.array().abs() < 1e100).all(); };
   count("moves of handles", edit.handles.size(), problem.handles.size());
   if (!edit.feature_scales.empty())

@@ -1,4 +1,5 @@
-// What a deformation holds, moves and keeps: the part that is factored once.
+// Definition of a deformation problem (constraints, handles, form features) and of an edit that
+// drives it.
 #pragma once
 
 #include <optional>
@@ -17,110 +18,123 @@ struct VertexCombination {
   };
   std::vector<Entry> entries;
 
-  /// The mean of vertices: a hole's centre from its rim.
+  /// The mean of some vertices, such as the centre of a hole from its boundary loop.
   static VertexCombination mean_of(const std::vector<int>& vertices);
+  /// Value of the combination for given vertex positions (n×3).
   Vec3 at(const Points& points) const;
   double sum() const;  ///< Σ a_m
 };
 
-/// Vertices that the user moves by one similarity.
+/// Vertices that the user moves together by one similarity transformation.
 struct Handle {
   std::string name;
   std::vector<int> vertices;
 };
 
-/// Vertices that keep their shape exactly, up to one similarity p_i = s R p_i⁰ + t.
+/// Vertices that keep their shape exactly, up to one similarity p_i = s R p_i⁰ + t. Equation
+/// numbers: [Masuda2006].
 struct FormFeature {
   enum class Kind {
-    Free,            ///< turns with the rotation field, one rotation for all its vertices (eq. 11)
-    TranslationOnly  ///< moves, does not turn (eq. 12)
+    Free,  ///< rotates with the rotation field; one rotation for all its vertices (eq. 11)
+    TranslationOnly  ///< translates but does not rotate (eq. 12)
   };
   std::string name;
   std::vector<int> vertices;
   Kind kind = Kind::Free;
 };
 
-/// A point of the mesh (a hole's centre) that stays on a plane or a line (eq. 13, 14); or a vector
-/// between such points, which stays on one through the origin.
+/// Keeps a point of the mesh (the centre of a hole) on a plane or a line (eq. 13, 14 in
+/// [Masuda2006]). A difference of points (a vector) is kept on a plane or line of directions.
 struct PointConstraint {
   enum class Kind { OnPlane, OnLine };
   std::string name;
-  VertexCombination point;  ///< coefficients sum to 1; of a vector to 0
+  VertexCombination point;  ///< coefficients sum to 1 for a point, to 0 for a vector
   Kind kind = Kind::OnPlane;
-  Vec3 direction = Vec3::UnitZ();  ///< normal of the plane, or direction of the line
+  Vec3 direction = Vec3::UnitZ();  ///< normal of the plane, or direction of the line; any length
+                                   ///< above 0
 };
 
-/// A line of vertices that keeps its own shape in the soft sense: its curvature vectors
+/// A chain of vertices that keeps its shape approximately (soft). Its curvature vectors
 ///
 ///     κ_k = [ (p_{k+1} - p_k)/l_k - (p_k - p_{k-1})/l_{k-1} ] / a_k,    a_k = (l_k + l_{k-1})/2
 ///
-/// turn with the rotation field, weighted by √(a_k width): it resists like a strip of the surface
-/// of that width. A line that should stay rigid is a FormFeature.
+/// rotate with the rotation field and are weighted by √(a_k width). The chain resists bending like
+/// a strip of the surface of that width. Use a FormFeature for a chain that must stay rigid.
 struct CharacterChain {
   std::string name;
-  std::vector<int> vertices;  ///< three or more, in their order
+  std::vector<int> vertices;  ///< three or more, in their order along the chain
   bool closed = false;
-  double width = 0;  ///< model units
+  double width = 0;  ///< above 0, in model units
 };
 
-/// Σ a_m p_m = target, or R(q_v) target when it turns with the field at a vertex.
+/// Linear constraint Σ a_m p_m = target; or = R(q_v) target if it rotates with the field at a
+/// vertex v.
 struct LinearConstraint {
   std::string name;
   VertexCombination combination;
   Vec3 target = Vec3::Zero();
-  int rotates_with = -1;         ///< vertex, or -1
-  std::optional<double> weight;  ///< soft: adds ½ weight |…|² to the energy; none: hard
+  int rotates_with = -1;         ///< vertex v, or -1: does not rotate
+  std::optional<double> weight;  ///< set: soft, adds ½ weight |…|² to the energy; empty: hard
 };
 
+/// Everything about a deformation that does not change during an edit; the system is factored once
+/// for it. All indices are vertices, unless stated otherwise.
 struct DeformProblem {
   enum class Weighting {
-    Area,  ///< rows times √A_i: AᵀA is the bilaplacian ¼ L_c M⁻¹ L_c, independent of the mesh
-    Uniform  ///< rows as they are, as in the paper
+    Area,  ///< rows times √A_i: AᵀA is the bilaplacian ¼ L_c M⁻¹ L_c, mesh-independent
+    Uniform  ///< unweighted rows, as in the paper
   };
 
   std::vector<int> fixed;
   std::vector<Handle> handles;
   std::vector<FormFeature> features;
-  /// Features that turn alike, by their numbers: one rotation for all of a list.
+  /// Groups of features that share one rotation, as indices into `features`.
   std::vector<std::vector<int>> shared_rotations;
   std::vector<PointConstraint> point_constraints;
   std::vector<CharacterChain> chains;
   std::vector<LinearConstraint> rows;
-  /// Region of interest: only these vertices move, and those of handles. None: all. At its edge the
-  /// shape joins smoothly: the two rings of vertices outside are held and their curvature counts.
+  /// Region of interest: only these vertices and those of handles move. Empty: all vertices move.
+  /// The shape joins smoothly at the border of the region: the two rings of vertices outside are
+  /// fixed, but their curvature counts.
   std::optional<std::vector<int>> region;
   Weighting weighting = Weighting::Area;
 };
 
-/// How one handle moves: p = about + s R(turn) (p⁰ - about) + shift.
+/// Transformation of one handle: p = about + s R(rotation_vector) (p⁰ - about) + translation.
 struct HandleTransform {
   Vec3 about = Vec3::Zero();
   Vec3 rotation_vector =
-      Vec3::Zero();  ///< logarithm of the unit quaternion (core/rotations.h): not reduced
+      Vec3::Zero();  ///< quaternion logarithm, i.e. axis · angle/2 (core/geometry.h); not reduced
+                     ///< to less than a full turn
   Vec3 translation = Vec3::Zero();
-  double scale = 1;  ///< above 0
+  double scale = 1;  ///< scale s, above 0
+  /// Position of a handle vertex that is at p in the undeformed mesh.
   Vec3 operator()(const Vec3& p) const;
 };
 
-/// What may change from one event of the mouse to the next, without a new factor.
+/// The data that may change at every mouse event without a new factorization.
 struct DeformEdit {
-  std::vector<HandleTransform> handles;  ///< one for each handle
-  std::vector<double> feature_scales;    ///< s_f, one for each feature, above 0; empty: all 1
+  std::vector<HandleTransform> handles;  ///< one per handle
+  std::vector<double> feature_scales;    ///< s_f, one per feature, above 0; empty: all 1
   std::vector<Vec3>
-      constraint_origins;     ///< a point of each plane or line; empty: where the points are now;
-                              ///< of vectors, the vector
-  std::vector<Vec3> targets;  ///< right-hand side of each row; empty: as in the problem
+      constraint_origins;     ///< a point of each plane or line (for vectors: the vector); empty:
+                              ///< the undeformed position of each constrained point
+  std::vector<Vec3> targets;  ///< right-hand side of each linear constraint; empty: as in the
+                              ///< problem
 };
 
-/// The problem with fixed vertices, handles, features and region as whole nodes: what holds or moves
-/// one vertex of a node holds or moves all (MeshTopology::expand_to_nodes).
+/// Extends fixed vertices, handles, features and region to all coincident vertices of their nodes,
+/// see MeshTopology::expand_to_nodes(). Whatever fixes or moves one vertex of a node then applies
+/// to all.
 DeformProblem expand_to_nodes(DeformProblem problem, const MeshTopology& topology);
 
-/// Throw InputError on what no deformer can take, with the name of the part: vertices out of range,
-/// an empty handle or feature, no name or one twice within its kind, a guided point whose
-/// coefficients do not sum to 1 or 0, a number of no feature, a direction of length zero, nothing fixed and no handle; numbers
-/// that are missing, not finite or above 1e100, a scale not above 0.
+/// Checks the problem. Throws InputError, naming the object: vertices out of range, an empty handle
+/// or feature, a missing or repeated name within its kind, a point constraint whose coefficients
+/// sum neither to 1 nor to 0, a feature index out of range, a direction of length zero, no fixed
+/// vertex, handle or region.
 void check(const DeformProblem& problem, int vertex_count);
+/// Checks an edit. Throws InputError, naming the object: missing entries, values that are not
+/// finite or above 1e100, a scale not above 0.
 void check(const DeformProblem& problem, const DeformEdit& edit);
 
 }  // namespace batten

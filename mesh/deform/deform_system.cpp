@@ -13,7 +13,7 @@
 namespace batten {
 namespace {
 
-/// Visits the vertices of all rows that the user wrote.
+/// Visits the vertices of all point constraints, chains and linear constraints.
 template <class Visit>
 void for_each_constrained_vertex(const DeformProblem& problem, const Visit& visit) {
   for (const auto& g : problem.point_constraints)
@@ -26,7 +26,7 @@ void for_each_constrained_vertex(const DeformProblem& problem, const Visit& visi
   }
 }
 
-/// ½ (cot α + cot β) of the edges at each vertex.
+/// Cotangent weights ½ (cot α + cot β) of the edges at each vertex.
 class OneRingWeights {
  public:
   explicit OneRingWeights(const TriangleMesh& mesh) : start_(mesh.vertex_count() + 1, 0) {
@@ -34,8 +34,8 @@ class OneRingWeights {
     for (int v = 0; v < mesh.vertex_count(); ++v)
       start_[v + 1] = start_[v] + static_cast<int>(topology.neighbours(v).size());
     weight_.resize(start_.back());
-    // In the order of neighbours(v): lower ones first, then the higher ones, both in the order of
-    // the edges.
+    // In the order of neighbours(v): first the lower ones, then the higher ones, both in edge
+    // order.
     const std::vector<double> of_edge = edge_cotangents(mesh);
     std::vector<int> next(start_.begin(), start_.end() - 1);
     for (size_t e = 0; e < of_edge.size(); ++e)
@@ -43,7 +43,7 @@ class OneRingWeights {
     for (size_t e = 0; e < of_edge.size(); ++e)
       weight_[next[topology.edges()[e].low]++] = of_edge[e];
   }
-  /// Of the edge to neighbour k of v.
+  /// Weight of the edge from v to its neighbour k.
   double at(int v, size_t k) const { return weight_[start_[v] + static_cast<int>(k)]; }
 
  private:
@@ -98,7 +98,7 @@ void DeformSystem::order_features() {
   std::vector<std::vector<std::pair<int, int>>> shared(count);  // other feature, vertex
   for (size_t a = 0, b = 0; a < members.size(); a = b) {
     while (b < members.size() && members[b].first == members[a].first) ++b;
-    // A chain through all that meet here joins them as well as all pairs would.
+    // A chain through all features that meet here connects them as well as all pairs would.
     for (size_t k = a + 1; k < b; ++k) {
       shared[members[k - 1].second].emplace_back(members[k].second, members[a].first);
       shared[members[k].second].emplace_back(members[k - 1].second, members[a].first);
@@ -133,7 +133,8 @@ void DeformSystem::find_constrained(const MeshTopology& topology, const DeformPr
     for (const int v : problem.handles[h].vertices)
       if (constrained_by[v] < 0) constrained_by[v] = static_cast<int>(h);
 
-  // What nothing holds or moves stays. A row holds a part unless it is a difference within it.
+  // Parts without constraints stay. A linear constraint fixes a part unless its coefficients there
+  // sum to zero (a difference within the part).
   std::vector<char> is_constrained(part_count_, 0);
   for (int v = 0; v < n; ++v)
     if (constrained_by[v] != kFree) is_constrained[part_[v]] = 1;
@@ -173,7 +174,7 @@ void DeformSystem::number_dofs(const MeshTopology& topology, const DeformProblem
   for (const auto& vertices : feature_vertices_)
     for (const int v : vertices) part[v] = 1;
   for_each_constrained_vertex(problem, [&](int v) { part[v] = 1; });
-  // Held twice: the reduction finds out whether that is a conflict.
+  // Vertices constrained twice: the reduction decides whether that is a conflict.
   std::vector<int> times(n, 0);
   for (const int v : sorted_unique(problem.fixed)) times[v] = 1;
   for (const auto& h : problem.handles)
@@ -213,7 +214,7 @@ std::vector<DeformSystem::SoftRow> DeformSystem::soft_constraint_rows(
   for (size_t r = 0; r < problem.rows.size(); ++r) {
     const LinearConstraint& row = problem.rows[r];
     if (!row.weight) continue;
-    // The right-hand side comes with each edit.
+    // The right-hand side is set at each edit.
     SoftRow soft_rows{{},
                       Vec3::Zero(),
                       row.rotates_with < 0 ? -1 : dof[row.rotates_with],
@@ -385,7 +386,7 @@ void DeformSystem::add_hard_rows(const MeshTopology& topology, const DeformProbl
     values.push_back({Value::Kind::Row, static_cast<int>(r), -1, -1});
   }
 
-  // A part that only rows of positions hold does not turn.
+  // A part that only position constraints hold does not rotate.
   std::vector<char> is_determined(part_count_, 0);
   for (const auto& row : rotations.constraints())
     if (row.entries.size() == 1) is_determined[part_[vertex[row.entries[0].dof]]] = 1;

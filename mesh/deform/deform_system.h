@@ -1,4 +1,4 @@
-// From a DeformProblem to numbered unknowns, soft rows and hard rows. Internal.
+// Assembles a DeformProblem: numbering of unknowns, soft rows and hard constraints.
 #pragma once
 
 #include <string>
@@ -14,42 +14,44 @@ namespace batten {
 using RowMatrix = Eigen::SparseMatrix<double, Eigen::RowMajor, int>;
 using RowPoints = Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>;
 
-/// The vertices that take part, "dofs": those that move, and those held ones that a row of a moving
-/// vertex reaches. Positions are relative to `origin`, so that large coordinates cost no digits.
+/// Dofs and constraint equations of a DeformProblem. The dofs are the vertices that move, and the
+/// constrained vertices that occur in a row of a moving vertex. Positions are relative to `origin`,
+/// so that large coordinates do not cost digits.
 struct DeformSystem {
-  /// The problem is one that check() takes, with whole nodes.
+  /// `problem` must have passed check() and expand_to_nodes().
   DeformSystem(const TriangleMesh& mesh, const DeformProblem& problem);
 
-  /// What holds a vertex that is in no handle; kFree: nothing does.
+  /// Source of the constraint of a vertex that is in no handle; kFree: unconstrained, kUnconnected:
+  /// in a part without constraints, kOutside: outside the region of interest.
   enum ConstraintSource { kFree = -4, kUnconnected = -3, kOutside = -2, kFixed = -1 };
 
   Vec3 origin;
   Points rest;                      ///< all vertices of the mesh, relative to origin
-  std::vector<int> constrained_by;  ///< handle of each vertex of the mesh, or a Holder
+  std::vector<int> constrained_by;  ///< per mesh vertex: its handle, or a ConstraintSource
   std::vector<int> vertex;          ///< vertex of each dof, ascending
   std::vector<int> dof;             ///< dof of each vertex, or -1
-  int moving = 0;                   ///< dofs that are not held
+  int moving = 0;                   ///< number of dofs that are unconstrained
   std::vector<std::string> notes;
 
-  // Soft rows A p = b, those of curvature first; row r has the target scale · R(q) base.
+  // Soft rows A p = b, the curvature rows first. Row r has the target scale · R(q) base.
   RowMatrix A;  ///< rows × dofs
   long curvature_rows = 0;
   RowPoints base;
-  std::vector<int> rotates_with;  ///< dof, or -1
-  std::vector<int> scaled_by;     ///< feature, or feature count + handle, or -1
+  std::vector<int> rotates_with;  ///< dof whose rotation applies to the row, or -1
+  std::vector<int> scaled_by;     ///< feature, or feature count + handle, or -1: not scaled
   std::vector<int>
-      linear_constraint_of_row;  ///< number of the LinearConstraint that the base comes from, or -1
+      linear_constraint_of_row;  ///< index of the LinearConstraint that defines the base, or -1
 
-  // Hard rows.
+  // Hard constraints.
   struct Value {
     enum class Kind { Fixed, Handle, Feature, Row, CoincidentVertices } kind;
-    int source;             ///< handle, feature, row
-    int vertex, reference;  ///< Feature: vertex - reference
+    int source;             ///< index of the handle, feature or linear constraint; otherwise -1
+    int vertex, reference;  ///< Feature: the row is vertex - reference
   };
   ConstraintSet positions, rotations;
-  std::vector<Value> values;     ///< right-hand side of each row of `positions`
+  std::vector<Value> values;     ///< kind of right-hand side of each row of `positions`
   std::vector<int> rotated_by;   ///< handle of each row of `rotations`, or -1: zero
-  std::vector<int> feature_dof;  ///< a dof of each feature
+  std::vector<int> feature_dof;  ///< one dof of each feature
   int feature_constraints = 0;
 
  private:
@@ -58,31 +60,33 @@ struct DeformSystem {
   void find_constrained(const MeshTopology& topology, const DeformProblem& problem);
   void number_dofs(const MeshTopology& topology, const DeformProblem& problem);
   void add_soft_rows(const TriangleMesh& mesh, const DeformProblem& problem);
-  /// Vertices whose curvature the deformation may change.
+  /// Vertices at which the deformation may change the curvature.
   std::vector<int> curved_vertices(const MeshTopology& topology) const;
   void add_curvature_rows(const TriangleMesh& mesh, const std::vector<int>& vertices,
                           DeformProblem::Weighting weighting);
-  /// Feature or handle whose scale the curvature at a vertex has, as scaled_by.
+  /// Feature or handle that scales the curvature at a vertex, encoded as in scaled_by.
   int scale_of(int vertex) const;
   /// A soft row of a chain or of a LinearConstraint.
   struct SoftRow {
     std::vector<std::pair<int, double>> terms;  // dof, coefficient
     Vec3 base;
-    int rotates_with, scaled_by, target;  // as above
+    int rotates_with, scaled_by, target;  // as the members above; target: as
+                                          // linear_constraint_of_row
   };
   std::vector<SoftRow> soft_constraint_rows(const DeformProblem& problem) const;
   void add_chain(const CharacterChain& chain, DeformProblem::Weighting weighting,
                  std::vector<SoftRow>& rows) const;
   void add_hard_rows(const MeshTopology& topology, const DeformProblem& problem);
   std::vector<std::vector<int>> feature_vertices_;  // sorted
-  std::vector<int> feature_of_;                     // of each vertex, or -1
-  /// Number of the part of the mesh that a vertex is in. What no edge joins, but a node or a
-  /// feature, is one part; a vertex without triangles that is in no feature is a part of its own.
+  std::vector<int> feature_of_;                     // per vertex, or -1
+  /// Index of the part of the mesh that each vertex belongs to. Components joined by a node or a
+  /// feature are one part. A vertex without triangles that is in no feature is a part of its own.
   std::vector<int> part_;
   int part_count_ = 0;
-  /// Features that share vertices one after the other, each with a vertex to refer to: of the first
-  /// the highest of all, of the others one that they share with an earlier one. Every row then
-  /// eliminates its own vertex at once.
+  /// Order of the features such that those that share vertices follow each other, and a reference
+  /// vertex for each. The reference of the first one is its highest vertex; each further one refers
+  /// to a vertex shared with an earlier one. Every row can then eliminate its own vertex
+  /// immediately.
   std::vector<int> feature_order_, reference_;
 };
 
@@ -90,13 +94,14 @@ struct DeformSystem {
 SparseMatrix laplacian_of(const DeformSystem& system, const TriangleMesh& mesh);
 
 
-// The reduced least-squares problem. Internal.
+// Normal equations of the reduced least-squares problem.
 
-/// The matrix B = A D, by rows.
+/// The matrix B = A D in row-major order.
 RowMatrix reduced_matrix(const RowMatrix& A, const AffineReduction& reduction);
 
-/// Lower triangle of Bᵀ B, column by column: for each row that meets the column, its entries from
-/// there on. `rows` is B by rows. On all cores, the same bits on one.
+/// Lower triangle of Bᵀ B. Column c sums, over the rows of B that meet it, their entries from
+/// column c on. `rows`: B in row-major order. Parallel, with bit-identical results for any number
+/// of threads.
 SparseMatrix normal_matrix(const SparseMatrix& B, const RowMatrix& rows);
 
 }  // namespace batten

@@ -18,30 +18,30 @@
 
 namespace batten {
 
-// What FormFeatureDeformer consists of. Internal.
+// Implementation of FormFeatureDeformer.
 
-// Inside of FormFeatureDeformer: the smooth field of rotations that curvature turns with.
+// The smooth rotation field that rotates the curvature vectors.
 
-/// The logarithms of the rotations are harmonic, and linear in the turns of the handles: each
-/// handle's weight is solved for once, and an edit costs no solve.
+/// The logarithms of the rotations are harmonic and linear in the handle rotations. The weights of
+/// each handle are therefore computed once, and an edit needs no solve.
 class RotationField {
  public:
   RotationField(const DeformSystem& system, long handles);
 
-  /// Finds the weights: one factor. Throws NoSolutionError.
+  /// Computes the weights with one factorization. Throws NoSolutionError.
   void solve_weights(const DeformSystem& system, const TriangleMesh& mesh);
 
-  /// The logarithms of an edit (dofs × 3), Σ weights · turns. Allocates nothing. Throws
-  /// ConflictError when rows that are implied by others are contradicted.
+  /// Logarithms for an edit (dofs × 3), Σ weights · handle rotations. Does not allocate. Throws
+  /// ConflictError if redundant rows contradict each other.
   void evaluate(const DeformSystem& system, const DeformEdit& edit, Points& logs);
 
-  /// Changes logs of evaluate() so that given dofs have their own, with all that turns as they do, and
-  /// the rest is harmonic between: one factor for one set of dofs. What handles and fixed vertices say
-  /// stays. Throws NoSolutionError.
+  /// Modifies the logs of evaluate(): given dofs, and all that rotate with them, get prescribed
+  /// values, and the rest is harmonic in between. Costs one factorization per set of dofs. Values
+  /// from handles and fixed vertices are unchanged. Throws NoSolutionError.
   void prescribe(const DeformSystem& system, const TriangleMesh& mesh,
                  const std::vector<std::pair<int, Vec3>>& given, Points& logs);
 
-  /// Whether no handle turned in the last edit.
+  /// True if no handle rotated in the last edit.
   bool is_identity() const { return handle_rotations_.isZero(0); }
 
  private:
@@ -52,8 +52,8 @@ class RotationField {
   MatX weights_;           // dofs × handles
   MatX handle_rotations_;  // handles × 3
   MatX rhs_;               // right-hand sides of the rows
-  // What passes through given logarithms: which free unknowns are told, the numbers of the others, the
-  // reduced Laplacian, the factor of its rest.
+  // Data of prescribe(): the prescribed free unknowns, the numbering of the others, the reduced
+  // Laplacian, and the factor of its remaining part.
   std::vector<char> prescribed_;
   std::vector<int> free_index_;
   SparseMatrix reduced_;
@@ -67,21 +67,24 @@ struct FormFeatureData {
   void extract_constrained_columns();
   void couple_point_constraints();
   void set_targets(const DeformEdit& edit, const ShapeEstimate* estimate);
-  /// The target of a LinearConstraint's row, before it turns.
+  /// Target of a LinearConstraint row before it is rotated.
   Vec3 unrotated_target(const DeformEdit& edit, long row) const;
-  /// Curvature in the estimate, where it knows all vertices of the row.
+  /// Curvature in the estimate. Returns false if the estimate does not know all vertices of the
+  /// row.
   bool estimated_target(const ShapeEstimate& estimate, long row, Vec3& target) const;
-  /// Turns of features, curvature, lines and rows in the estimate.
+  /// Best rotation of the one-ring of a dof in the estimate.
   Vec3 ring_rotation_vector(const ShapeEstimate& estimate, int dof) const;
+  /// Applies the rotations of features and, with Use::Shape, of chains and linear constraints from
+  /// the estimate.
   void apply_estimated_rotations(const ShapeEstimate& estimate);
   void check_estimate(const ShapeEstimate& estimate) const;
-  /// Solves with hard values, guides and targets as they are set.
+  /// Solves with the hard values, point constraints and targets that are currently set.
   const Points& solve(const DeformEdit& edit);
   void set_hard_values(const DeformEdit& edit);
   void set_point_constraints(const DeformEdit& edit);
   void expand(const DeformEdit& edit);
   double scale_of(const DeformEdit& edit, int scaled_by) const;
-  /// Where coupling row k wants its point, relative to the origin; a vector as it is.
+  /// Target of point equation k, relative to the origin; a vector is not shifted.
   Vec3 constraint_origin(const DeformEdit& edit, size_t k) const {
     const VertexCombination& point = problem.point_constraints[constraint_of_equation[k]].point;
     const Vec3 place = edit.constraint_origins.empty()
@@ -90,8 +93,8 @@ struct FormFeatureData {
     return std::abs(point.sum()) < 0.5 ? place : Vec3(place - system.origin);
   }
   void add_point_equation(ConstraintSet& set, size_t k, double value) const;
-  /// r = b - A x, x the shape with the free unknowns at rest: the solution is then a change of shape,
-  /// and so are its errors.
+  /// r = b - A x, with x the shape that has the free unknowns at rest. The solution, and its
+  /// rounding errors, are then changes of the shape.
   void start_residual();
   /// load = Bᵀ r.
   void reduce_residual();
@@ -103,22 +106,22 @@ struct FormFeatureData {
   AffineReduction positions;
   RotationField rotations;
   SparseMatrix B;                   // A D
-  RowMatrix A_constrained_columns;  // the columns of A where d0 may be other than zero
+  RowMatrix A_constrained_columns;  // columns of A where d0 may be nonzero
   SparseCholesky factor;
   SchurComplementConstraints coupling;
-  std::vector<Vec3> equation_directions;    // of each coupling row
-  std::vector<int> constraint_of_equation;  // guided point of each coupling row
+  std::vector<Vec3> equation_directions;    // direction of each point equation
+  std::vector<int> constraint_of_equation;  // point constraint of each point equation
   double size;
 
-  Points q, last_valid_q;     // logarithms, dofs × 3, of this edit and of the last good one
-  MatX rhs;                   // right-hand sides of the hard rows
-  VecX g;                     // of the coupling rows
+  Points q, last_valid_q;     // logarithms, dofs × 3, of this edit and of the last successful one
+  MatX rhs;                   // right-hand sides of the hard constraints
+  VecX g;                     // right-hand sides of the point equations
   RowPoints b, r, rest_rows;  // rest_rows = B y_rest
   MatX y, y_rest, load, x;
   Points result;
   DeformEdit last;
-  bool solved = false;       // result is the answer to `last`
-  bool can_correct = false;  // and so are y, b, d0
+  bool solved = false;       // result is the solution for `last`
+  bool can_correct = false;  // and y, b, d0 belong to it
 };
 
 namespace {
@@ -169,7 +172,7 @@ FormFeatureData::FormFeatureData(const TriangleMesh& given, DeformProblem stated
 
 void FormFeatureData::extract_constrained_columns() {
   const auto dofs = static_cast<long>(system.vertex.size());
-  // d0 vanishes on dofs that stay free.
+  // d0 vanishes on the dofs that remain free.
   std::vector<char> is_constrained(dofs, 1);
   for (const int d : positions.free_dofs()) is_constrained[d] = 0;
   A_constrained_columns.resize(system.A.rows(), dofs);
@@ -247,7 +250,7 @@ void FormFeatureData::expand(const DeformEdit& edit) {
   x.noalias() = positions.D() * y;
   x += positions.d0();
   for (int v = 0; v < mesh.vertex_count(); ++v) {
-    // What is held is where it was told to be, to the last bit.
+    // Constrained vertices are exactly at their prescribed positions, to the last bit.
     if (const int h = system.constrained_by[v]; h == DeformSystem::kFree)
       result.row(v) = x.row(system.dof[v]) + system.origin.transpose();
     else if (h >= 0)
@@ -306,7 +309,7 @@ double FormFeatureDeformer::correct() {
   FormFeatureData& d = *data_;
   if (!d.can_correct) throw InputError("there is no edit to correct, expected deform() before");
   if (d.positions.free_count() == 0 || d.size == 0) return 0;
-  // What is left of b - A x, in the rows' own accuracy.
+  // Residual b - A x, computed with the accuracy of the original rows.
   d.start_residual();
   for (long c = 0; c < d.B.cols(); ++c)
     for (SparseMatrix::InnerIterator e(d.B, c); e; ++e)
@@ -374,12 +377,12 @@ FormFeatureDeformer::ProblemMatrices FormFeatureDeformer::problem_matrices(const
 }
 
 
-// Right-hand sides of an edit: where rows, handles, features and guides want to be.
+// Right-hand sides of an edit: targets of rows, handles, features and point constraints.
 
 namespace {
 
 constexpr double kContradiction =
-    1e-9;  // of the size: guided points that cannot be where they should
+    1e-9;  // relative to the mesh size: larger residuals of point equations are conflicts
 
 bool is_known(const ShapeEstimate& estimate, int vertex) {
   return estimate.known.empty() || estimate.known[vertex];
@@ -421,7 +424,8 @@ void FormFeatureData::set_targets(const DeformEdit& edit, const ShapeEstimate* e
       Vec3 target = system.base.row(i).transpose();
       int scaled_by = system.scaled_by[i];
       if (estimate && estimated_target(*estimate, i, target)) {
-        if (scaled_by >= isize(problem.features)) scaled_by = -1;  // handles have theirs there
+        if (scaled_by >= isize(problem.features)) scaled_by = -1;  // the estimate already contains
+                                                                   // the scale of handles
       } else {
         if (system.linear_constraint_of_row[i] >= 0) target = unrotated_target(edit, i);
         const int rotates_with = system.rotates_with[i];
@@ -469,7 +473,7 @@ void FormFeatureData::apply_estimated_rotations(const ShapeEstimate& estimate) {
       given.emplace_back(system.feature_dof[f], to_rotation_vector(*estimate.feature_rotations[f]));
   rotations.prescribe(system, mesh, given, q);
   if (estimate.use == ShapeEstimate::Use::Rotations) return;
-  // Lines and rows turn with the shape that all else has.
+  // Chains and linear constraints rotate with the estimated shape, like everything else.
   for (long i = system.curvature_rows; i < b.rows(); ++i)
     if (const int d = system.rotates_with[i];
         d >= 0 && is_known(estimate, system.vertex[d]) &&
@@ -515,7 +519,7 @@ void FormFeatureData::set_point_constraints(const DeformEdit& edit) {
   }
   const auto [missed, row] = coupling.contradiction(g);
   if (!(missed > kContradiction * size)) return;
-  // The elimination of all rows together names those that take part.
+  // Eliminating all rows together finds and names the constraints that contradict each other.
   ConstraintSet all = system.positions;
   for (size_t k = 0; k < constraint_of_equation.size(); ++k) add_point_equation(all, k, 0);
   AffineReduction named(all, AffineReduction::RhsMode::Deferred);
@@ -534,7 +538,7 @@ RotationField::RotationField(const DeformSystem& system, long handles)
       handle_rotations_(MatX::Zero(handles, 3)),
       rhs_(MatX::Zero(static_cast<long>(system.rotated_by.size()), 3)) {}
 
-// 1 on a handle's own vertices, 0 on everything else that is held, harmonic between.
+// Weights: 1 on the own vertices of a handle, 0 on all other constrained ones, harmonic in between.
 void RotationField::solve_weights(const DeformSystem& system, const TriangleMesh& mesh) {
   const long handles = handle_rotations_.rows();
   MatX indicator = MatX::Zero(static_cast<long>(system.rotated_by.size()), handles);
@@ -556,7 +560,7 @@ void RotationField::solve_weights(const DeformSystem& system, const TriangleMesh
 void RotationField::evaluate(const DeformSystem& system, const DeformEdit& edit, Points& logs) {
   for (size_t h = 0; h < edit.handles.size(); ++h)
     handle_rotations_.row(static_cast<long>(h)) = edit.handles[h].rotation_vector;
-  if (reduction_.redundant_count() > 0) {  // only they can contradict
+  if (reduction_.redundant_count() > 0) {  // only redundant rows can be contradicted
     for (size_t k = 0; k < system.rotated_by.size(); ++k)
       if (const int h = system.rotated_by[k]; h >= 0)
         rhs_.row(static_cast<long>(k)) = handle_rotations_.row(h);
@@ -571,7 +575,7 @@ void RotationField::evaluate(const DeformSystem& system, const DeformEdit& edit,
       throw ConflictError(std::move(conflicts));
     }
   }
-  // By hand: Eigen's product may ask for memory.
+  // Explicit loop: Eigen's product may allocate.
   parallel_chunks(logs.rows(), [&](long first, long last) {
     for (int c = 0; c < 3; ++c) {
       auto column = logs.col(c).segment(first, last - first);
@@ -586,7 +590,7 @@ void RotationField::evaluate(const DeformSystem& system, const DeformEdit& edit,
 void RotationField::factorize_free(const DeformSystem& system, const TriangleMesh& mesh,
                                    std::vector<char> prescribed) {
   if (prescribed == prescribed_) return;
-  prescribed_.clear();  // until the factor is there
+  prescribed_.clear();  // invalid until the factorization is complete
   free_index_.assign(prescribed.size(), -1);
   int open = 0;
   for (size_t c = 0; c < prescribed.size(); ++c)
@@ -614,7 +618,8 @@ void RotationField::prescribe(const DeformSystem& system, const TriangleMesh& me
   MatX change = MatX::Zero(D.cols(), 3);
   std::vector<char> prescribed(D.cols(), 0);
   for (const auto& [dof, log] : given)
-    for (RowMatrix::InnerIterator e(by_rows, dof); e; ++e) {  // one at most: turns are only equal
+    for (RowMatrix::InnerIterator e(by_rows, dof); e; ++e) {  // at most one entry: rotations are
+                                                              // only equated
       if (prescribed[e.col()]) continue;
       prescribed[e.col()] = 1;
       change.row(e.col()) = log.transpose() - logs.row(dof);
@@ -635,13 +640,13 @@ void RotationField::prescribe(const DeformSystem& system, const TriangleMesh& me
 }
 
 
-// How far positions are from what a problem states, apart from the deformer's own rows.
+// Constraint violation, evaluated independently of the deformer's own rows.
 
 double hard_residual(const TriangleMesh& mesh, const DeformProblem& problem, const DeformEdit& edit,
                      const Points& p, const Points& logs) {
   double worst = 0;
   const auto accumulate = [&](double off) {
-    // What is not a number is worse than everything.
+    // NaN counts as the worst value.
     if (!std::isnan(worst) && !(off <= worst)) worst = off;
   };
   const auto point = [&](int v) { return Vec3(p.row(v).transpose()); };

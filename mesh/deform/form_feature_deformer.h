@@ -1,4 +1,4 @@
-// Deformation of a triangle mesh whose form features keep their shape exactly.
+// Interactive mesh deformation that keeps the shape of form features exactly [Masuda2006].
 #pragma once
 
 #include <memory>
@@ -12,29 +12,30 @@
 
 namespace batten {
 
-// A deformed shape that an edit with features may follow.
+// Estimate of the deformed shape, as guidance for FormFeatureDeformer.
 
-/// A shape that another deformer found for the same edit, without features: it has turned the sheet
-/// where the handles' turns alone do not say how it turns.
+/// A shape that another deformer computed for the same edit without features. It provides the
+/// rotation of the surface where the rotations of the handles alone do not determine it.
 struct ShapeEstimate {
   Points positions;         ///< n×3
-  std::vector<char> known;  ///< vertices that it knows the places of; empty: all
+  std::vector<char> known;  ///< per vertex: nonzero if its position is valid; empty: all are
   enum class Use {
-    Rotations,  ///< only its features' turns count: the field is harmonic between them, the handles and
-                ///< what is fixed, and turns the curvature of the rest shape
-    Shape       ///< curvature is the estimate's own: without features the result is the estimate
+    Rotations,  ///< only the rotations of features are used; the rotation field is harmonic between
+                ///< them, handles and fixed vertices, and rotates the curvature of the rest shape
+    Shape       ///< curvature is that of the estimate: without features the result is the estimate
   } use = Use::Rotations;
-  /// The turn of each feature, the same for features that share vertices; none: as the harmonic field
-  /// has it. Those that handles or fixed vertices hold, or that keep their direction, do as these say.
+  /// Rotation of each feature; none: that of the harmonic field. Features that share vertices must
+  /// have the same rotation. Features with TranslationOnly or with handle or fixed vertices ignore
+  /// these rotations.
   std::vector<std::optional<Mat3>> feature_rotations;
 };
 
 
 struct FormFeatureData;
 
-/// Masuda, Yoshioka, Furukawa 2006: mean-curvature vectors δ_i = L(p_i⁰) are kept in the
-/// least-squares sense while they turn with a smooth field of rotations; handles, fixed vertices
-/// and form features hold exactly:
+/// Form-feature preserving deformation [Masuda2006]. Mean-curvature vectors δ_i = L(p_i⁰) are kept
+/// in the least-squares sense and rotate with a smooth field of rotations. Handles, fixed vertices
+/// and form features are satisfied exactly:
 ///
 ///     min ½ |A p - b|²   subject to   C p = d
 ///
@@ -42,76 +43,82 @@ struct FormFeatureData;
 ///     w_i = √A_i (or 1)
 ///     s   = scale of the feature or handle that vertex i belongs to, otherwise 1
 ///
-/// L_c, A_i: mesh/differential_operators.h, of the mesh as it was given. The logarithms q_i of the rotations are
-/// the harmonic field with q = 0 on fixed vertices and on features that keep their direction, q =
-/// turn on handles, and one q for each free feature. It is linear in the turns of the handles, so
-/// that each handle's weight is solved for once and an edit costs no solve for rotations.
+/// L_c, A_i: see mesh/differential_operators.h, of the undeformed mesh. The logarithms q_i of the
+/// rotations form a harmonic field. It has q = 0 on fixed vertices and on features that keep their
+/// direction, the rotation of the handle on handles, and one q per free feature. The field is
+/// linear in the handle rotations, so the weights of each handle are computed once and an edit
+/// needs no solve for rotations.
 ///
 /// Hard constraints are eliminated (AffineReduction): a feature of any size leaves three unknowns,
-/// its translation. x, y and z share one factor. Rows of guided points (on a plane, on a line) mix
-/// them; there are few, and they are satisfied by the Schur complement on that factor and a
-/// projection after it, exactly to rounding.
+/// its translation. x, y and z share one factorization. Point constraints (on a plane, on a line)
+/// couple x, y and z. There are few of them; they are imposed by a Schur complement on that factor
+/// and a final projection, exactly to rounding.
 ///
 /// Redundant constraints are dropped. Features that share vertices merge, features that touch a
-/// handle go with it, features that touch the fixed region stay. Where that is impossible the
-/// ConflictError names those that contradict each other: at construction never, for it depends on
-/// the edit.
+/// handle move with it, features that touch the fixed region stay. If that is impossible, a
+/// ConflictError names the contradicting constraints. It is never thrown at construction, since it
+/// depends on the edit.
 ///
-/// Cost: one sparse Cholesky factor at construction; an edit is one pair of triangular solves and a
-/// few sparse products, without allocation. Memory: the factor, and one number for each vertex that
-/// takes part and each handle. A row over k vertices of their own fills k² entries of the matrix:
-/// means of hundreds of vertices belong into a feature or a guide.
+/// Cost: one sparse Cholesky factorization at construction. An edit costs one pair of triangular
+/// solves and a few sparse products, without allocation. Memory: the factor, and one number per
+/// participating vertex and handle. A soft linear constraint over k vertices adds k² matrix
+/// entries, so means of hundreds of vertices should be features or point constraints.
 class FormFeatureDeformer {
  public:
-  /// Throws InputError (check() in deform_problem.h; a chain whose vertices coincide).
-  /// NoSolutionError when the factorization fails.
+  /// Throws InputError (see check() in deform_problem.h; a chain with coincident neighbours) or
+  /// NoSolutionError (the factorization fails).
   FormFeatureDeformer(const TriangleMesh& mesh, DeformProblem problem);
   ~FormFeatureDeformer();
   FormFeatureDeformer(FormFeatureDeformer&&) noexcept;
   FormFeatureDeformer& operator=(FormFeatureDeformer&&) noexcept;
 
-  /// All vertices after the edit. Every edit starts from the mesh as it was given. Throws
-  /// InputError (numbers missing, not finite, a scale not above 0) and ConflictError; the positions
-  /// then stay as they were.
+  /// Positions of all vertices after the edit, which is always applied to the undeformed mesh.
+  /// Throws InputError (missing or non-finite numbers, a scale not above 0) or ConflictError;
+  /// positions() is then unchanged.
   const Points& deform(const DeformEdit& edit);
-  /// The same with an estimate V' of the shape: its features' turns stand for the field's, which
-  /// costs a factor of the Laplacian; with Use::Shape, where it is known, rows are A p = s A V' (Hu,
-  /// Song, Cao 2012, eq. 5 with the estimate's own right side). Throws InputError too when sizes do
-  /// not fit or numbers are not finite, NoSolutionError.
+  /// The same, guided by an estimate V' of the shape. The rotations of its features replace those
+  /// of the field, which costs a factorization of the Laplacian. With Use::Shape, the rows are
+  /// A p = s A V' wherever the estimate is known ([Hu2012], eq. 5, with the right-hand side of the
+  /// estimate). Also throws InputError if sizes do not match or numbers are not finite, and
+  /// NoSolutionError.
   const Points& deform(const DeformEdit& edit, const ShapeEstimate& estimate);
-  /// One correction step after deform(), for the moment the mouse is released: the normal equations
-  /// square the condition number (refine_least_squares). Costs about one more deform(). Returns
-  /// the largest change of a coordinate over the size of the mesh. Throws InputError when there was
-  /// no deform() before it, or the last one failed.
+  /// Performs one step of iterative refinement after deform(), for example when the mouse is
+  /// released. It recovers the accuracy that the normal equations lose, since they square the
+  /// condition number (refine_least_squares). Costs about as much as deform(). Returns the largest
+  /// change of a coordinate relative to the mesh size. Throws InputError if there was no successful
+  /// deform() before.
   double correct();
 
   const Points& positions() const;
-  /// Logarithms q_i of the rotations of the last edit, n×3.
+  /// Logarithms q_i (axis · angle/2) of the rotations of the last edit, n×3.
   Points rotation_logs() const;
-  /// Largest violation in positions(), hard_residual() below: measured from the problem as it was
-  /// stated, not from the solver's rows.
+  /// Largest constraint violation of positions(), see the free function hard_residual(). It is
+  /// measured with the problem as stated, not with the rows of the solver.
   double hard_residual() const;
 
   const TriangleMesh& mesh() const;
   const DeformProblem& problem() const;
-  /// Parts of the mesh that nothing moves or holds, in sentences; they stay.
+  /// Notes in plain sentences about parts of the mesh without constraints, which stay.
   const std::vector<std::string>& notes() const;
 
+  /// Sizes of the linear system, for reports.
   struct Counts {
-    int moving = 0;            ///< vertices whose position is solved for
-    int unknowns = 0;          ///< free unknowns of one coordinate, after the reduction
-    int soft_equations = 0;    ///< rows of A for one coordinate
-    int hard_constraints = 0;  ///< rows of C for one coordinate, features included
+    int moving = 0;            ///< vertices whose positions are solved for
+    int unknowns = 0;          ///< free unknowns per coordinate after the reduction
+    int soft_equations = 0;    ///< rows of A, per coordinate
+    int hard_constraints = 0;  ///< rows of C, per coordinate, features included
+    /// Rows of C that belong to features, per coordinate.
     int feature_constraints = 0;
-    int redundant_count = 0;  ///< hard rows that others imply
-    int point_equations = 0;  ///< rows of guided points
+    int redundant_count = 0;  ///< redundant rows of C
+    int point_equations = 0;  ///< equations of point constraints
+    /// Number of nonzeros of the Cholesky factor.
     long factor_entries = 0;
   };
   Counts counts() const;
 
-  /// The problem of an edit as plain data, for checking: minimise ½|A x - b|² over the positions x
-  /// (k×3) of the k vertices listed, relative to `origin`, subject to the constraints. Redundant
-  /// rows are left out.
+  /// The problem of an edit as explicit matrices, for verification. Minimise ½|A x - b|² over the
+  /// positions x (k×3) of the k `vertices`, relative to `origin`, subject to `constraints`.
+  /// Redundant constraints are omitted.
   struct ProblemMatrices {
     std::vector<int> vertices;
     Vec3 origin;
@@ -125,9 +132,10 @@ class FormFeatureDeformer {
   std::unique_ptr<FormFeatureData> data_;
 };
 
-/// Largest violation of what the problem states at positions p (n×3) with the field's logarithms
-/// (n×3): a fixed vertex or one outside the region, a handle, a feature against its own best
-/// similarity of the stated scale, a guided point, a hard row; over the size of the mesh.
+/// Largest violation of the hard constraints of a problem at positions p (n×3), relative to the
+/// mesh size. `logs`: logarithms of the rotation field (n×3). Covers vertices that are fixed or
+/// outside the region, handles, features (compared with their best-fitting similarity of the
+/// prescribed scale), point constraints and hard linear constraints.
 double hard_residual(const TriangleMesh& mesh, const DeformProblem& problem, const DeformEdit& edit,
                      const Points& p, const Points& logs);
 

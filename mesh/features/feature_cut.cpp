@@ -11,7 +11,8 @@
 namespace batten {
 namespace {
 
-constexpr int kBandPart = 0;  // parts are 1, 2, …; -1 in other parts of the mesh
+constexpr int kBandPart = 0;  // part_ of triangles in the band; the parts beside it are 1, 2, …;
+                              // -1: other components of the mesh
 
 class FeatureCutter {
  public:
@@ -25,7 +26,8 @@ class FeatureCutter {
 
   FeatureCut cut() {
     const std::vector<DualEdge> graph_edges = dual_edges();
-    // Nodes: the source, the sink, then the band.
+    // Graph nodes: the source (feature side), the sink (panel side), then the triangles of the
+    // band.
     const std::vector<char> near = source_side(2 + isize(band_), 0, 1, graph_edges);
     FeatureCut result{{}, {}, {}, 0};
     std::vector<char> inside(topology_.triangle_count(), 0);
@@ -70,7 +72,8 @@ class FeatureCutter {
     return topology_.component()[topology_.triangles()[triangle][0]];
   }
 
-  // What is left of the band's component when the band is taken out.
+  // Finds the edge-connected parts of the band's component without the band. Throws unless there
+  // are two.
   void find_parts() {
     std::vector<int> sizes, stack;
     for (int seed = 0; seed < topology_.triangle_count(); ++seed) {
@@ -149,8 +152,9 @@ class FeatureCutter {
   const TriangleMesh& mesh_;
   const MeshTopology& topology_;
   const CutOptions& options_;
-  std::vector<int> band_, band_number_;  // its triangles; of a triangle its place among them
-  std::vector<int> part_;                // of triangles
+  std::vector<int> band_, band_number_;  // triangles of the band; per triangle its index in band_,
+                                         // or -1
+  std::vector<int> part_;                // per triangle
   int component_ = 0, feature_part_ = 0;
 };
 
@@ -163,7 +167,8 @@ FeatureCut cut_feature(const TriangleMesh& mesh, const std::vector<int>& band,
 
 namespace {
 
-constexpr int kInside = 0, kOutside = 1, kBetween = 2;  // the first two are source and sink
+constexpr int kInside = 0, kOutside = 1, kBetween = 2;  // graph nodes of the source and the sink;
+                                                        // mark of the triangles between them
 
 void check_stroke(const TriangleMesh& mesh, const std::string& name,
                   const std::vector<int>& stroke) {
@@ -177,7 +182,7 @@ void check_stroke(const TriangleMesh& mesh, const std::string& name,
   }
 }
 
-/// kInside, kOutside or kBetween of each triangle.
+/// kInside, kOutside or kBetween for each triangle.
 std::vector<int> marked(const TriangleMesh& mesh, const std::vector<int>& inside,
                         const std::vector<int>& outside) {
   const MeshTopology& topology = mesh.topology();
@@ -278,7 +283,7 @@ class BorderWalk {
  private:
   char& taken(const Side& s) { return taken_[3 * s.triangle + s.corner]; }
 
-  // Sides are those of triangles inside, walked as the triangles outside run.
+  // Sides belong to triangles inside and are traversed in the direction of the triangles outside.
   bool on_border(const Side& s) const {
     if (!inside_[s.triangle]) return false;
     const int other = topology_.across(s.triangle, s.corner);
@@ -293,9 +298,10 @@ class BorderWalk {
     return static_cast<int>(std::find(t.begin(), t.end(), vertex) - t.begin());
   }
 
-  // Turns around an end of a side through triangles inside up to the next border side; triangle -1
-  // where the mesh ends before. `step` is the side to leave a triangle by, seen from the vertex's
-  // corner: 1 turns around the last vertex, 2 around the first.
+  // Rotates around an end of a side, through triangles inside, up to the next border side. The
+  // result has triangle -1 if the mesh ends before that. `step`: offset from the corner at the
+  // vertex to the corner opposite to the exit side. 1 rotates around the last vertex, 2 around the
+  // first.
   Side pivot(const Side& s, int vertex, int step) const {
     for (int t = s.triangle;;) {
       const Side exit{t, (corner_of(t, vertex) + step) % 3};

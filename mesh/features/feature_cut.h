@@ -1,4 +1,5 @@
-// Separating a form feature from a panel by a minimum cut through a band that the user marked.
+// Separates a form feature from a panel by a minimum cut through a band of triangles or between two
+// strokes.
 #pragma once
 
 #include <vector>
@@ -10,67 +11,70 @@ namespace batten {
 
 // The border of a set of triangles as chains of vertices.
 
+/// A chain of border edges, as vertices.
 struct BorderChain {
-  std::vector<int> vertices;  ///< each once in a closed chain that does not touch itself
-  bool closed = true;         ///< open chains start and end on the mesh's own boundary
+  std::vector<int> vertices;  ///< closed chains do not repeat the first vertex; each vertex occurs
+                              ///< once unless the chain touches itself
+  bool closed = true;         ///< open chains start and end on the boundary of the mesh
 };
 
-/// Edges between a triangle inside and one outside, linked to chains that have the outside on their
-/// left, as boundary loops of MeshTopology have the surface. Edges of the mesh's own boundary are
-/// not part of it. `inside` holds a flag for each triangle. At a vertex where two parts of the set
-/// touch, chains go on along the part they came along, so that every chain belongs to one part.
-/// Closed chains start at their lowest vertex; chains are sorted. O(triangles).
+/// Links the edges between triangles inside and outside a set to chains. The outside is on the left
+/// of each chain, as the surface is on the left of MeshTopology::boundary_loops(). Boundary edges
+/// of the mesh are not included. `inside`: one flag per triangle. At a vertex where two parts of
+/// the set touch, a chain continues along its own part, so every chain belongs to one part. Closed
+/// chains start at their lowest vertex; the chains are sorted. O(triangles).
 std::vector<BorderChain> border_chains(const MeshTopology& topology,
                                        const std::vector<char>& inside);
 
 
+/// Result of a minimum cut: the feature side and the edges of the cut.
 struct FeatureCut {
   std::vector<int> triangles;       ///< triangles of the feature, ascending
   std::vector<int> vertices;        ///< corners of these triangles, ascending
-  std::vector<BorderChain> chains;  ///< edges of the cut; the panel on their left
-  double cost;                      ///< Σ capacities of these edges
+  std::vector<BorderChain> chains;  ///< edges of the cut; the panel is on their left
+  double cost;                      ///< cost of the cut: the sum of the costs of its edges
 };
 
-/// The cheapest set of edges that separates the two sides of a band of triangles, where an edge of
-/// length l whose triangles' normals differ by the angle a costs
+/// Separates a form feature by the minimum cut through a band of triangles, which the user marked
+/// around it. An edge of length l whose two triangle normals include the angle a costs
 ///
 ///     l / (1 + d / mean d),   d = η (1 - cos a)
 ///
-/// and the mean is over all edges of the band that have two triangles, those to the sides included.
-/// Where d does not vary, the shortest cut wins: a mean below that of angles of a tenth of a degree
-/// (bends that small are rounding of files) counts as that. The length makes the cost of a cut
-/// independent of the mesh. Of several cheapest cuts the one nearest to the feature is taken,
-/// whatever finds it.
+/// The mean is taken over all edges with two triangles of which at least one lies in the band. If d
+/// is constant, the shortest cut wins. A mean below that of angles of 0.1° (rounding in files) is
+/// raised to that value. The factor l makes the cost of a cut independent of the mesh. Among
+/// several minimum cuts, the one nearest to the feature is taken, whatever flow algorithm is used.
 ///
-/// `band`: triangles, in any order. With them taken out, their part of the mesh must fall into
-/// exactly two (joined by edges): the feature's side and the panel's. Throws InputError that says
-/// what was found instead ("the band leaves 3 parts of 10, 400 and 22 triangles, expected 2"), for
-/// an empty band, one that lies in several parts of the mesh, numbers out of range, a feature
-/// vertex that is not on one side only, η that are negative or not finite.
+/// `band`: triangle indices, in any order. Without them, their part of the mesh must fall into
+/// exactly two edge-connected parts: the feature side and the panel side. Throws InputError and
+/// states what was found instead ("the band leaves 3 parts of 10, 400 and 22 triangles, expected
+/// 2"). It also throws for an empty band, a band in several parts of the mesh, indices out of
+/// range, a feature vertex that is not on exactly one side, and an η that is negative or not
+/// finite.
 ///
-/// Capacities are whole numbers of 2⁻⁵² of their sum, so that the cut is exact and repeats.
-/// O(mesh) and the maximum flow in the band: 2 ms for 10,000 triangles with a crease among them,
-/// but 0.3 s for as many without any bend, and growing with their square. Source: Katz and Tal 2003
-/// (capacities); Masuda, Yoshioka and Furukawa 2007, section 4.3 (the band); Boykov and Kolmogorov
-/// 2004 by Boost.Graph (the flow).
+/// Capacities are rounded to integer multiples of 2⁻⁵² of their sum, so the cut is exact and
+/// reproducible. Cost: O(mesh) plus the maximum flow in the band. The flow takes 2 ms for 10,000
+/// triangles with a crease among them, but 0.3 s for as many without any bend, growing
+/// quadratically. Sources: [KatzTal2003] (capacities); [Masuda2007], section 4.3 (band);
+/// [BoykovKolmogorov2004], from Boost.Graph (flow).
 FeatureCut cut_feature(const TriangleMesh& mesh, const std::vector<int>& band,
                        const CutOptions& options = {});
 
 
-// Separating a form feature by two strokes of the mouse: one on it, one beside it.
+// Separating a form feature by two strokes, one on it and one beside it.
 
-/// The cheapest set of edges between two strokes, at the price of edges of cut_feature(): the mean
-/// bend is over all edges of that part of the mesh. Triangles that touch `inside` are the feature's,
-/// those that touch `outside` are not; of several cheapest cuts the one nearest to the inside is
-/// taken. It works on closed solids as on panels.
+/// Separates a form feature by the minimum cut between two strokes. The cost of edges is that of
+/// cut_feature(), with the mean of d over all edges of this part of the mesh. Triangles that touch
+/// `inside` belong to the feature, those that touch `outside` do not. Among several minimum cuts,
+/// the one nearest to `inside` is taken. Works on closed solids as well as on panels.
 ///
-/// Strokes: vertices, in any order. `feature_vertex` of the options is not looked at. Throws
-/// InputError: a stroke that is empty or out of range, strokes that touch each other (it says at
-/// which vertex or triangle), that lie in different parts of the mesh, η that are negative or not
-/// finite.
+/// `inside`, `outside`: vertex indices, in any order. `options.feature_vertex` is ignored. Throws
+/// InputError: a stroke that is empty or out of range, strokes that touch each other (the message
+/// names the vertex or triangle) or lie in different parts of the mesh, an η that is negative or
+/// not finite.
 ///
-/// O(mesh) and the maximum flow between the strokes, which may grow with the square of the number
-/// of triangles where nothing bends.
+/// Cost: O(mesh) plus the maximum flow between the strokes, which may grow quadratically with the
+/// number of triangles where the surface is flat.
 FeatureCut stroke_cut(const TriangleMesh& mesh, const std::vector<int>& inside,
                       const std::vector<int>& outside, const CutOptions& options = {});
 

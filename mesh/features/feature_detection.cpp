@@ -16,8 +16,8 @@
 namespace batten {
 namespace {
 
-// Numbers 0, 1, … of the connected groups of triangles; -1 for those that are left out. Groups are
-// numbered by their lowest triangles.
+// Index 0, 1, … of the connected group of each triangle; -1 for triangles that are not members.
+// Groups are numbered by their lowest triangles.
 struct TriangleGroups {
   std::vector<int> of;
   int count = 0;
@@ -47,7 +47,7 @@ TriangleGroups groups_of(const MeshTopology& topology, const Member& member, con
   return groups;
 }
 
-// The triangle that runs a → b, or -1.
+// The triangle that traverses a → b, or -1.
 int triangle_along(const MeshTopology& topology, int a, int b) {
   for (const int t : topology.triangles_of(a))
     for (int c = 0; c < 3; ++c)
@@ -92,7 +92,7 @@ class FeatureDetector {
   }
 
  private:
-  // What the panel surrounds along one closed chain.
+  // A region surrounded by the panel along one closed chain.
   struct EnclosedPatch {
     std::vector<int> vertices, crease;
     int triangles;
@@ -112,8 +112,8 @@ class FeatureDetector {
                                    normal[e.left].dot(normal[e.right])) > angle);
   }
 
-  // The longest loop of each sheet; of equally long ones the first. One that runs along another
-  // sheet may be the outline, but no hole.
+  // Finds the longest loop of each manifold patch (the first of equally long ones). A non-manifold
+  // loop may be the outline of a patch, but never a hole.
   void find_outer_loops() {
     const auto& loops = topology_.boundary_loops();
     outer_.assign(loops.size(), 0);
@@ -145,7 +145,8 @@ class FeatureDetector {
     return p;
   }
 
-  // The patches around a loop up to their outermost crease, or none.
+  // Vertices of the first enclosed region around a loop that lies within `near` and contains no
+  // other hole, or empty.
   Selection enclosed_around(const std::vector<int>& loop, const Selection& near,
                             const std::vector<EnclosedPatch>& enclosed) const {
     for (const EnclosedPatch& patch : enclosed) {
@@ -164,7 +165,7 @@ class FeatureDetector {
     return {};
   }
 
-  // Everything between a loop and the first closed crease around it, or none.
+  // Everything between a loop and the first closed crease around it, or empty.
   Selection flange_around(const std::vector<int>& loop, const Selection& near) const {
     const std::vector<int> ring = triangles_touching(topology_, loop);
     Selection sorted_loop = loop;
@@ -198,7 +199,7 @@ class FeatureDetector {
     return vertices_of_triangles(topology_, {reached.begin(), reached.end()});
   }
 
-  // Groups of patches that the panel surrounds, by the lowest vertices of their creases.
+  // Regions that the panel surrounds, sorted by the lowest vertices of their creases.
   std::vector<EnclosedPatch> enclosed_patches() const {
     std::vector<EnclosedPatch> result;
     const TriangleGroups patches = groups_of(
@@ -217,7 +218,7 @@ class FeatureDetector {
       std::vector<std::vector<int>> members(groups.count);
       for (int t = 0; t < mesh_.triangle_count(); ++t)
         if (groups.of[t] >= 0) members[groups.of[t]].push_back(t);
-      bool panel_grew = false;  // panel within a flange first
+      bool panel_grew = false;  // first add the panel inside flanges
       for (const auto& group : members) {
         double area = 0;
         for (const int t : group) area += area_[t];
@@ -242,7 +243,7 @@ class FeatureDetector {
     return result;
   }
 
-  // The groups with one closed crease around them.
+  // Adds the regions that are bounded by exactly one closed crease.
   void add_surrounded(const TriangleGroups& groups, const std::vector<char>& inside,
                       const std::vector<std::vector<int>>& members,
                       std::vector<EnclosedPatch>& result) const {
@@ -260,7 +261,7 @@ class FeatureDetector {
             {vertices_of_triangles(topology_, members[g]), around[g]->vertices, isize(members[g])});
   }
 
-  // The next creases inwards: what touches the panel becomes panel.
+  // Moves on to the next creases inwards: patches that touch the panel become panel.
   void grow_panel(const TriangleGroups& patches, const std::vector<char>& inside,
                   std::vector<char>& panel) const {
     std::vector<char> outermost(patches.count, 0);
@@ -285,9 +286,9 @@ class FeatureDetector {
   const TriangleMesh& mesh_;
   const MeshTopology& topology_;
   const FeatureDetectionOptions& options_;
-  std::vector<double> area_;                       // of triangles
-  std::vector<char> crease_, outer_;               // of edges, of boundary loops
-  std::vector<const std::vector<int>*> outlines_;  // one of each sheet that has a border
+  std::vector<double> area_;                       // per triangle
+  std::vector<char> crease_, outer_;               // per edge; per boundary loop
+  std::vector<const std::vector<int>*> outlines_;  // longest loop of each patch that has a boundary
 };
 
 }  // namespace
@@ -306,7 +307,7 @@ struct Circle {
 
 using PlanePoints = Eigen::Matrix<double, Eigen::Dynamic, 2>;
 
-// |x|² = 2 m·x + c with R² = c + |m|².
+// Algebraic fit: |x|² = 2 m·x + c with R² = c + |m|².
 Circle algebraic_circle(const PlanePoints& x) {
   MatX A(x.rows(), 3);
   A << 2 * x, VecX::Ones(x.rows());
@@ -319,7 +320,8 @@ VecX radii(const PlanePoints& x, const Vec2& centre) {
   return (x.rowwise() - centre.transpose()).rowwise().norm();
 }
 
-// Least squares in the distances, by Gauss-Newton; steps that do not help are halved.
+// Geometric fit: least squares of the distances by Gauss-Newton. Steps that do not reduce the sum
+// are halved.
 Circle geometric_circle(const PlanePoints& x, Circle circle) {
   const auto cost = [&](const Circle& c) {
     return (radii(x, c.centre).array() - c.radius).square().sum();

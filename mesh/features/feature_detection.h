@@ -1,5 +1,5 @@
-// Form features that a panel shows by itself: its holes with their rims, and what closed creases
-// enclose.
+// Detects form features of a panel: holes with their flanges, and regions enclosed by closed
+// creases.
 #pragma once
 
 #include <string>
@@ -10,89 +10,100 @@
 
 namespace batten {
 
-// Where a hole is, how large, how round and how flat.
+// Position, size, roundness and flatness of a hole.
 
-/// Place, size and shape of a hole. Lengths are in the unit of the points.
+/// Position, size and shape of a hole. Lengths are in the unit of the points.
 struct HoleMeasure {
-  Vec3 centre;       ///< centre of the circle
-  Vec3 axis;         ///< unit normal of the plane, on the side of the mesh's normals
-  double radius;     ///< radius of the circle
-  double roundness;  ///< largest | |x_i - centre| - radius | in the plane
+  Vec3 centre;       ///< centre of the fitted circle
+  Vec3 axis;         ///< unit normal of the fitted plane, on the side of the mesh normals
+  double radius;     ///< radius of the fitted circle
+  double roundness;  ///< largest | |x_i - centre| - radius | within the plane
   double flatness;   ///< largest distance of a vertex from the plane
   double perimeter;  ///< length of the closed polygon
-  /// Radius of the circle of the same area as the polygon in the plane: what a slotted or hexagonal
-  /// hole is as large as.
+  /// Radius of the circle with the same area as the polygon in the plane; the size of slotted or
+  /// hexagonal holes.
   double equivalent_radius;
-  /// Whether it has five vertices or more, roundness up to the given share of the radius, and
-  /// encloses half of the circle's area or more. Four vertices never tell: every rectangle has a
-  /// circle through its corners; a slender loop lies on a short arc of a large circle.
+  /// True if the loop has at least five vertices, its roundness is at most `circular_tolerance` ×
+  /// radius, and it encloses at least half of the area of the circle. Four vertices are never
+  /// sufficient, since every rectangle has a circumscribed circle. The area test excludes slender
+  /// loops, which lie on a short arc of a large circle.
   bool circular;
 };
 
-/// The circle nearest to a closed loop of vertices.
+/// Fits a plane and a circle to a closed loop of vertices.
 ///
-/// Plane: through the centroid of the vertices, its normal the right singular vector of the least
-/// singular value of the centred points (least sum of squared distances). Circle in this plane:
-/// first the algebraic fit, |x|² = 2 m·x + c in the least-squares sense, from it by Gauss-Newton
-/// the geometric one, min Σ (|x_i - m| - R)². Both are exact for points on a circle, to rounding.
+/// The plane passes through the centroid of the vertices. Its normal is the right singular vector
+/// of the smallest singular value of the centred points (total least squares). The circle in this
+/// plane starts from the algebraic fit, |x|² = 2 m·x + c in the least-squares sense. Gauss-Newton
+/// iterations then give the geometric fit, min Σ (|x_i - m| - R)². For points on a circle both are
+/// exact to rounding.
 ///
-/// The axis points to where the loop runs clockwise: for loops of MeshTopology, which have the
-/// surface on their left, that is the side of the mesh's normals. A loop keeps its direction when
-/// the mesh deforms, so axes before and after are comparable.
+/// Seen from the tip of the axis, the loop runs clockwise. For loops of MeshTopology, which have
+/// the surface on their left, this is the side of the mesh normals. A deformation does not change
+/// the direction of a loop, so axes before and after are comparable.
 ///
-/// Loops that are no circles (door openings) have a measure, too: the best circle, whose roundness
-/// says how far it is off. Throws InputError for fewer than three vertices, numbers out of range,
+/// Loops that are not circular (door openings) are measured as well; `roundness` then states the
+/// deviation from the best circle. `circular_tolerance`: limit for `circular`, relative to the
+/// radius, default 0.02. Throws InputError for fewer than three vertices, indices out of range, or
 /// a coordinate that is not finite. O(loop).
 HoleMeasure measure_hole(const Points& points, const std::vector<int>& loop,
                          double circular_tolerance = 0.02);
 
 
+/// Options of detect_features().
 struct FeatureDetectionOptions {
-  /// An edge is a crease where the normals of its two triangles differ by more than this.
+  /// An edge is a crease if the normals of its two triangles differ by more than this angle, in
+  /// degrees; between 0 and 180.
   double crease_degrees = 20;
-  /// The crease around a hole is looked for up to so many rings of vertices from its loop.
+  /// Largest number of vertex rings around a hole in which its enclosing crease is searched.
   int flange_rings = 8;
-  /// Width of a rim without a crease, along the surface; 0: one ring of triangles.
+  /// Width of the flange around a hole without an enclosing crease, as geodesic distance. 0: one
+  /// ring of triangles.
   double flange_width = 0;
-  /// Every boundary loop is a hole, not all but the longest of each part of the mesh.
+  /// True: every boundary loop is a hole. False: the longest loop of each patch is its outline.
   bool outer_loops = false;
-  /// Patches of fewer triangles are noise: a single vertex that sticks out has six or so.
+  /// Regions with fewer triangles are noise; a single vertex that sticks out has about six.
   int min_triangles = 10;
-  /// Creases inside of creases are proposed too (the floor of a cavity inside its upper edge).
+  /// True: creases inside other creases are detected too, such as the floor of a pocket inside its
+  /// upper edge.
   bool nested = false;
 };
 
+/// A detected form feature.
 struct DetectedFeature {
   enum class Kind { Hole, Crease };
   Kind kind;
   std::string name;            ///< "hole-1", "crease-1"
-  std::vector<int> vertices;   ///< ascending: the feature, to be kept as it is
-  std::vector<int> loop;       ///< the hole's edge, or the crease; the panel on its left
-  HoleMeasure measure;         ///< place, size and shape of the loop
-  bool flange_ends_at_crease;  ///< holes: the rim goes up to a closed crease; creases: true
+  std::vector<int> vertices;   ///< vertices of the feature, which keeps its shape, ascending
+  std::vector<int> loop;       ///< boundary of the hole (the surface is on its left), or the crease
+                               ///< (the panel is on its left)
+  HoleMeasure measure;         ///< position, size and shape of the loop
+  bool flange_ends_at_crease;  ///< holes: the flange extends to a closed crease; creases: always
+                               ///< true
 };
 
-/// Holes first, then creases, each kind numbered by the lowest vertex of its loop.
+/// Detects the form features of a panel. Holes come first, then creases; each kind is numbered in
+/// the order of the lowest vertices of the loops.
 ///
-/// Creases: the mesh falls into patches at its crease edges. The panel is the patches at the
-/// longest boundary loop; what is left falls into groups of patches, and a group that the panel
-/// surrounds along one closed chain of edges is a feature: its outermost crease with everything
-/// inside, holes, too. A group with more than half of the area is no feature but panel within a
-/// flange: its largest patch is added to the panel. Creases that do not close enclose nothing and
-/// propose nothing, nor do strips between two parts of the panel (the wall of a flange).
+/// Creases: the crease edges divide the mesh into patches. The patches at the longest boundary loop
+/// form the panel; the others are grouped into connected regions. A region surrounded by the panel
+/// along one closed chain of edges is a feature: its outermost crease and everything inside, holes
+/// included. A region with more than half of the area is not a feature but panel inside a flange;
+/// its largest patch is added to the panel. Creases that are not closed enclose nothing and give no
+/// feature. Neither do strips between two parts of the panel, such as the web of a flange.
 ///
-/// Holes: all boundary loops but the longest of each sheet, each with its rim, the
-/// flange around it. The rim is, the first that there is within `flange_rings` rings:
-/// - everything up to the outermost closed crease, when that holds no other hole; this crease is
-///   not proposed a second time;
-/// - everything up to the first closed crease: all triangles that can be reached from the loop
-///   without crossing a crease, when they reach no other boundary;
-/// - one ring of triangles, or all vertices up to `flange_width`.
+/// Holes: every boundary loop except the longest of each manifold patch, together with the flange
+/// around it. The flange is the first of these that exists within `flange_rings` rings:
+/// - Everything up to the outermost closed crease, if that encloses no other hole. This crease is
+///   not reported a second time.
+/// - Everything up to the first closed crease: all triangles that are reachable from the loop
+///   without crossing a crease, if they reach no other boundary.
+/// - One ring of triangles, or all vertices within `flange_width`.
 ///
-/// Creases that are rounded off by many small elements (no edge above `crease_degrees`) are not
-/// seen: that is what cut_feature is for.
+/// Creases rounded off by many small elements (no edge above `crease_degrees`) are not detected;
+/// use cut_feature() for those.
 ///
-/// Throws InputError on a crease angle outside (0, 180). O(n log n).
+/// Throws InputError if the crease angle is outside (0, 180). O(n log n).
 std::vector<DetectedFeature> detect_features(const TriangleMesh& mesh,
                                              const FeatureDetectionOptions& options = {});
 

@@ -54,7 +54,7 @@ class LineFinder {
       if (!at_[v].empty() && ends_at(v))
         for (const int e : at_[v])
           if (!used_[e]) lines.push_back(along(v, e));
-    for (int e = 0; e < isize(edges_); ++e)  // loops without a corner
+    for (int e = 0; e < isize(edges_); ++e)  // closed lines without a corner
       if (!used_[e]) {
         lines.push_back(along(edges_[e].low, e));
         lines.back().closed = true;
@@ -70,7 +70,8 @@ class LineFinder {
   Vec3 normal(int triangle) const { return mesh_.area_vector(triangle).normalized(); }
   int other(int e, int v) const { return edges_[e].low == v ? edges_[e].high : edges_[e].low; }
 
-  /// A vertex where lines begin and end: not two edges, a rim and a crease, or a corner.
+  /// True if lines end at this vertex: it has not two feature edges, joins boundary and crease, or
+  /// is a corner.
   bool ends_at(int v) const {
     if (at_[v].size() != 2) return true;
     const int a = at_[v][0], b = at_[v][1];
@@ -105,7 +106,7 @@ class LineFinder {
     return length < options_.min_length * mesh_.size();
   }
 
-  /// Triangles that hang together without crossing a line.
+  /// Finds the sets of triangles that are connected without crossing a line.
   std::vector<FeaturePatch> patches() {
     const MeshTopology& topology = mesh_.topology();
     patch_of_.assign(topology.triangle_count(), -1);
@@ -139,9 +140,9 @@ class LineFinder {
                        [&](int t) { return (normal(t) - n).norm() < straight; });
   }
 
-  /// Follows the border with the patch on its left.
+  /// Follows the border of a patch with the patch on its left.
   void find_loops(FeaturePatch& patch, int own) {
-    std::map<int, std::vector<std::pair<int, int>>> from;  // vertex → ends and edges
+    std::map<int, std::vector<std::pair<int, int>>> from;  // vertex → (end vertex, edge)
     for (const int t : patch.triangles)
       for (int i = 0; i < 3; ++i) {
         const int e = mesh_.topology().edges_of(t)[i];
@@ -178,9 +179,9 @@ class LineFinder {
   const TriangleMesh& mesh_;
   const FeatureLineOptions& options_;
   const std::vector<MeshTopology::Edge>& edges_;
-  std::vector<std::vector<int>> at_;  // feature edges of each vertex
+  std::vector<std::vector<int>> at_;  // feature edges at each vertex
   std::vector<char> used_;
-  std::vector<int> line_of_, patch_of_;  // of edges, of triangles; -1 for none
+  std::vector<int> line_of_, patch_of_;  // per edge, per triangle; -1: none
 };
 
 }  // namespace

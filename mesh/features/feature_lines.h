@@ -1,4 +1,4 @@
-// The lines along which a mesh has edges: its creases and its rims.
+// Feature lines of a mesh: its creases and boundaries, and the patches that they enclose.
 #pragma once
 
 #include <vector>
@@ -7,39 +7,46 @@
 
 namespace batten {
 
+/// Options of feature_lines().
 struct FeatureLineOptions {
-  /// An edge is a crease where the normals of its two triangles differ by more than this.
+  /// An edge is a crease if the normals of its two triangles differ by more than this angle, in
+  /// degrees; between 0 and 180.
   double crease_degrees = 30;
-  /// A line ends where its edges turn by more than this.
+  /// A line ends at a vertex where its direction changes by more than this angle, in degrees;
+  /// between 0 and 180.
   double corner_degrees = 45;
-  /// Chains of creases that end in the open and are shorter than this, of the mesh's size, are noise.
+  /// Crease chains with a dangling end that are shorter than this are noise; relative to the size
+  /// of the mesh.
   double min_length = 0.02;
 };
 
 /// A chain of crease edges, or of edges at the boundary.
 struct FeatureLine {
-  std::vector<int> vertices;  ///< along it; of a closed one the first is not repeated
-  std::vector<int> edges;     ///< of the mesh, along it
+  std::vector<int> vertices;  ///< in their order; closed lines do not repeat the first vertex
+  std::vector<int> edges;     ///< mesh edges in their order
   bool closed = false;
-  bool boundary = false;  ///< of the boundary
+  bool boundary = false;  ///< true: boundary line; false: crease
 };
 
-/// A part of the mesh that lines enclose.
+/// A patch of the mesh enclosed by feature lines.
 struct FeaturePatch {
   std::vector<int> triangles;  ///< ascending
   std::vector<std::vector<int>>
-      loops;  ///< lines around it, by their numbers, each loop in order; the longest first
-  std::vector<int> inner;  ///< lines with this patch on both sides
-  bool flat = false;       ///< its triangles lie in one plane
+      loops;  ///< lines around the patch, as indices; each loop in order, the longest loop first
+  std::vector<int> inner;  ///< indices of lines that have this patch on both sides
+  bool flat = false;       ///< all triangles lie in one plane
 };
 
+/// Result of feature_lines().
 struct FeatureLines {
   std::vector<FeatureLine> lines;
-  std::vector<FeaturePatch> patches;  ///< by their lowest triangle
+  std::vector<FeaturePatch> patches;  ///< sorted by their lowest triangle
 };
 
-/// The creases and rims, and what they enclose: creases and rims are cut where more or fewer than two of them meet and at corners, sorted by their lowest vertex. Creases that are rounded off by many small triangles are not seen. O(edges). Throws
-/// InputError for angles outside (0, 180).
+/// Finds the feature lines of a mesh and the patches that they enclose. Lines are split at corners
+/// and at vertices where the number of crease and boundary edges is not two. They are sorted by
+/// their lowest vertex. Creases rounded off by many small triangles are not detected. Throws
+/// InputError for angles outside (0, 180). O(edges).
 FeatureLines feature_lines(const TriangleMesh& mesh, const FeatureLineOptions& options = {});
 
 }  // namespace batten

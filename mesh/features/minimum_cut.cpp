@@ -11,12 +11,12 @@
 namespace batten {
 namespace {
 
-// The bend of an edge, η (1 - cos a).
+// d = η (1 - cos a) of an edge, with the η of its kind.
 double bending(const TriangleMesh& mesh, const MeshTopology::Edge& e, const CutOptions& options) {
   const Vec3 left = mesh.area_vector(e.left), right = mesh.area_vector(e.right);
   const double norms = left.norm() * right.norm();
   if (!(norms > 0)) return 0;
-  // The tip of the right triangle above the left one: the surface bends towards its normal.
+  // Concave if the opposite vertex of the right triangle lies above the plane of the left one.
   const auto& corners = mesh.topology().triangles()[e.right];
   const int opposite_vertex = *std::find_if(corners.begin(), corners.end(),
                                             [&](int v) { return v != e.low && v != e.high; });

@@ -10,7 +10,7 @@
 namespace batten {
 namespace {
 
-/// Two rows a triangle: √A times the derivatives along two directions of its plane.
+/// Two rows per triangle: √A times the derivatives along two orthogonal directions in its plane.
 void add_gradients(const TriangleMesh& mesh, ArapEnergy& rows) {
   const int count = mesh.triangle_count();
   rows.A.resize(2L * count, mesh.vertex_count());
@@ -19,7 +19,7 @@ void add_gradients(const TriangleMesh& mesh, ArapEnergy& rows) {
   rows.cells_of_element = 3;
   for (int t = 0; t < count; ++t) {
     auto v = mesh.triangles()[t];
-    std::sort(v.begin(), v.end());  // columns ascend; the normal's sign cancels
+    std::sort(v.begin(), v.end());  // columns ascend; the sign of the normal cancels
     const Vec3 a = mesh.point(v[0]), b = mesh.point(v[1]), c = mesh.point(v[2]);
     const Vec3 across = (b - a).cross(c - a);
     const double double_area = across.norm();

@@ -11,29 +11,29 @@
 
 namespace batten {
 
-// Faces of any number of corners, their dual mesh and its rows. Internal.
+// Polygonal faces, their dual mesh, and the rows of the energy.
 
-/// As in DualLaplacianOptions.
+/// Counterparts of the fields of DualLaplacianOptions.
 struct DualLaplacianEnergyOptions {
   bool edge_midpoints, fits_scale;
   double membrane, checkerboard_penalty;
 };
 
-/// Face across each edge of each face (edge k: corner k to k+1), or -1. Throws InputError, see
-/// DualLaplacianDeformer.
+/// The face across each edge of each face (edge k joins corners k and k+1), or -1. Throws
+/// InputError as described at DualLaplacianDeformer.
 std::vector<std::vector<int>> face_adjacency(const std::vector<std::vector<int>>& faces,
                                              int vertex_count);
 
 /// The triangles of a mesh as faces.
 std::vector<std::vector<int>> faces_of(const TriangleMesh& mesh);
 
-/// Twice the area of a polygon, times its mean normal.
+/// Unit mean normal of a polygon times twice its area.
 Vec3 area_vector(const std::vector<int>& face, const Points& points);
 
-/// Weights Σ w = 1, nearest to 1/k, with Σ w_j r_j upright on the plane of the r_j.
+/// Weights with Σ w = 1, nearest to 1/k, such that Σ w_j r_j is normal to the plane of the r_j.
 VecX tangent_free_weights(const Eigen::Matrix3Xd& r);
 
-/// The rows of the energy of DualLaplacianDeformer, one element and one cell a face.
+/// The energy of DualLaplacianDeformer as rows, with one element and one cell per face.
 ArapEnergy dual_laplacian_energy(const TriangleMesh& mesh,
                                  const std::vector<std::vector<int>>& faces,
                                  const DualLaplacianEnergyOptions& options);
@@ -121,7 +121,8 @@ void add_mean(Terms& terms, const std::vector<int>& vertices, double factor) {
   for (const int v : vertices) terms.emplace_back(v, factor / static_cast<double>(vertices.size()));
 }
 
-/// Appends a row to A and its base; terms in any order.
+/// Appends a row to A and its value on the rest shape to the base. Terms may be in any order and
+/// repeat vertices.
 void append(ArapEnergy& rows, long r, Terms& terms, const Points& rest) {
   std::stable_sort(terms.begin(), terms.end(),
                    [](const auto& a, const auto& b) { return a.first < b.first; });
@@ -221,11 +222,11 @@ class DualLaplacianAssembler {
     append(rows, r++, terms_, rest_);
   }
 
-  /// With the weight of μ_f = 1.
+  /// Adds the membrane rows, weighted for μ_f = 1.
   void add_edges(ArapEnergy& rows, long& r, size_t f) {
     const auto k = faces_[f].size();
     const double square = square_of_edges(f);
-    // A face of next to no area still holds its vertices together.
+    // A face of nearly zero area still holds its vertices together.
     const double weight = std::sqrt(square > 0 ? std::max(area(f) / square, 1e-3) : 1e-3);
     for (size_t j = 0; j < k; ++j) {
       terms_ = {{faces_[f][j], -weight}, {faces_[f][(j + 1) % k], weight}};
@@ -252,14 +253,16 @@ class DualLaplacianAssembler {
     }
   }
 
-  /// Neighbours, and the ways in which k corners can leave a plane.
+  /// Number of primal rows: one per neighbour, and one per mode in which the k corners leave a
+  /// plane.
   long checkerboard_row_count(size_t f) const {
     if (!(options_.checkerboard_penalty > 0)) return 0;
     return std::count_if(across_[f].begin(), across_[f].end(), [](int g) { return g >= 0; }) +
            static_cast<long>(faces_[f].size()) - 3;
   }
 
-  /// The row of terms_ in units of curvature: over what a second derivative of 1 makes of it.
+  /// Appends the row in terms_ in units of curvature: divided by its value for unit second
+  /// derivatives.
   void add_curvature_row(ArapEnergy& rows, long& r, size_t f) {
     Mat3 made = Mat3::Zero();
     for (const auto& [vertex, coefficient] : terms_) {
@@ -282,7 +285,8 @@ class DualLaplacianAssembler {
     for (long j = 0; j < k; ++j) X.row(j) = flat(rest_.row(faces_[f][j]).transpose()).transpose();
     const Svd svd = full_svd(X);
     const MatX from_corners = least_squares(X, MatX::Identity(k, k));
-    // Beyond the plane: the rest of the mesh's vertices as the face's own plane would have them.
+    // Corners beyond each edge, minus the values that the affine function through the corners of
+    // the face predicts.
     for (long j = 0; j < k; ++j) {
       const int other = across_[f][j];
       if (other < 0) continue;
@@ -311,7 +315,7 @@ class DualLaplacianAssembler {
     return sum;
   }
 
-  /// The first edge row of a face, its area, and its curvature times the root of that.
+  /// Index of the first edge row of a face, its area, and its curvature times √area.
   struct FaceBending {
     long edges;
     double area, curvature;
@@ -379,7 +383,7 @@ VecX tangent_free_weights(const Eigen::Matrix3Xd& r) {
   const Vec3 mean = r.rowwise().mean();
   const Eigen::Matrix3Xd centred = r.colwise() - mean;
   const Svd svd = thin_svd(centred);
-  // The plane of the two largest directions; changes of w along the rows of V sum to 0.
+  // Work in the plane of the two largest singular values. Changes of w along columns of V sum to 0.
   VecX w = even;
   for (int d = 0; d < 2; ++d) {
     if (!(svd.values[d] > 1e-3 * svd.values[0])) return even;
@@ -389,7 +393,8 @@ VecX tangent_free_weights(const Eigen::Matrix3Xd& r) {
   return w;
 }
 
-/// Faces of different sheets at a joint turn together, so that these keep their angles.
+/// Links faces of different patches at non-manifold edges, so that they rotate together and keep
+/// their angles.
 void link_non_manifold_edges(const MeshTopology& topology, const Faces& faces, ArapEnergy& rows) {
   if (topology.node_count() == topology.vertex_count()) return;
   std::vector<std::pair<std::array<int, 2>, int>> sides;  // nodes of an edge, face

@@ -19,25 +19,25 @@
 
 namespace batten {
 
-// Inside of FeatureRegionDeformer: rows, unknowns and their factor. Internal.
+// Linear system of FeatureRegionDeformer: rows, unknowns and factorization.
 
-/// The rows (5), with the rows (6) of soft regions under them; fixed vertices, handles and hard
-/// regions eliminated.
+/// Rows (5), followed by rows (6) for soft regions. Fixed vertices, handles and hard regions are
+/// eliminated.
 class FeatureRegionSystem {
  public:
-  /// `faces`, `corners`: of each region.
+  /// `faces`, `corners`: triangles and vertices of each region.
   FeatureRegionSystem(const TriangleMesh& mesh, const DeformProblem& problem,
                       const std::vector<std::string>& names,
                       const std::vector<std::vector<int>>& faces,
                       const std::vector<std::vector<int>>& corners,
                       const FeatureRegionOptions& options);
 
-  /// Handle that holds a vertex of the mesh, or a DeformSystem::Holder.
+  /// Handle that constrains a vertex of the mesh, or a DeformSystem::ConstraintSource.
   int constrained_by(int vertex) const { return system_.constrained_by[vertex]; }
   int unknowns() const { return positions_.free_count(); }
 
-  /// Solves for `result` (all vertices). `face_rotation(region, k)`: scale times rotation of face k of a soft
-  /// region; `scaled_rotations`: the same of whole regions.
+  /// Solves for `result` (all vertices). `face_rotation(region, k)`: scale times rotation of face k
+  /// of a soft region. `scaled_rotations`: scale times rotation of each region.
   template <class FaceRotation>
   void solve(const Points& estimate, const DeformEdit& edit, const std::vector<double>& scales,
              const std::vector<Mat3>& scaled_rotations, const FaceRotation& face_rotation,
@@ -53,7 +53,7 @@ class FeatureRegionSystem {
 
  private:
   struct EdgeEquation {
-    int region, face;  // face: its place in the region
+    int region, face;  // face: index within the region
     int from, to;      // dofs
     double weight;
     Vec3 base;
@@ -65,10 +65,10 @@ class FeatureRegionSystem {
   void set_curvature_targets(const Points& estimate, const std::vector<double>& scales);
   void solve_positions(const DeformEdit& edit, Points& result);
 
-  Points points_;  // of the mesh as it was given
+  Points points_;  // of the undeformed mesh
   FeatureRegionOptions options_;
   DeformSystem system_;
-  std::vector<int> region_of_row_;  // of the rows (5): whose scale they have, or -1
+  std::vector<int> region_of_row_;  // per row of (5): the region whose scale applies, or -1
   std::vector<EdgeEquation> edges_;
   AffineReduction positions_;
   RowMatrix A_;
@@ -132,9 +132,9 @@ struct FeatureRegionDeformer::Data {
   FeatureRegionOptions options;
   std::vector<std::string> names;
   Lists faces, corners;
-  std::optional<FeatureRegionSystem> system, soft;  // soft: for deform_per_face() of hard regions
-  std::vector<int> group_of;                        // lowest region of those that turn as one
-  std::vector<int> constrained_by;  // of each group's lowest region: handle, kFixed, or kFree
+  std::optional<FeatureRegionSystem> system, soft;  // soft: for deform_per_face() with hard regions
+  std::vector<int> group_of;                        // lowest region of those that rotate together
+  std::vector<int> constrained_by;  // per group, at its lowest region: handle, kFixed, or kFree
 
   DeformEdit edit;
   std::vector<std::vector<Mat3>> face_rotations;
@@ -223,7 +223,7 @@ Mat3 FeatureRegionDeformer::Data::mean_of_group(int group) const {
 }
 
 void FeatureRegionDeformer::Data::fit_region_rotations() {
-  std::vector<const Mat3*> prescribed(regions.size(), nullptr);  // of each group
+  std::vector<const Mat3*> prescribed(regions.size(), nullptr);  // per group
   for (size_t r = 0; r < regions.size(); ++r)
     if (regions[r].rotation && !prescribed[group_of[r]])
       prescribed[group_of[r]] = &*regions[r].rotation;
@@ -317,7 +317,7 @@ int FeatureRegionDeformer::unknowns() const { return data_->system->unknowns(); 
 
 namespace {
 
-/// Hard regions are form features; what they turn by is told at each edit.
+/// Adds hard regions as form features; their rotations are set at each edit.
 DeformProblem with_features(DeformProblem problem, const std::vector<std::string>& names,
                             const std::vector<std::vector<int>>& corners,
                             FeatureRegionOptions::Kind kind) {
@@ -361,7 +361,7 @@ void FeatureRegionSystem::add_edges(const TriangleMesh& mesh,
           std::sqrt(weight * std::max(mesh.area_vector(faces[r][k]).norm() / 2 / square, 1e-3));
       for (int c = 0; c < 3; ++c) {
         const int a = v[c], b = v[(c + 1) % 3], from = system_.dof[a], to = system_.dof[b];
-        if (from >= 0 && to >= 0)  // otherwise both are held
+        if (from >= 0 && to >= 0)  // otherwise both are constrained
           edges_.push_back({static_cast<int>(r), static_cast<int>(k), from, to, w,
                             w * (mesh.point(b) - mesh.point(a))});
       }

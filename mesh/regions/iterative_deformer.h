@@ -1,4 +1,4 @@
-// What the deformers that work in rounds have in common.
+// Common interface of the iterative deformers.
 #pragma once
 
 #include <span>
@@ -8,26 +8,31 @@
 
 namespace batten {
 
+/// Convergence of an iterative deformer in the last edit.
 struct IterationReport {
   int iterations = 0;
-  double last_change = 0;  ///< largest move of a vertex in the last round, over the mesh's size
-  bool converged = false;  ///< last_change came below the tolerance within the rounds allowed
-  /// The energy after each round, model units: it never rises but by rounding (1e-12 of the first).
+  double last_change = 0;  ///< largest displacement of a vertex in the last iteration, relative to
+                           ///< the mesh size
+  bool converged = false;  ///< last_change fell below the tolerance within max_iterations
+  /// Energy after each iteration, in model units. It never increases except by rounding (1e-12 of
+  /// the first value).
   std::vector<double> energies;
 };
 
-/// A shape of a mesh for given moves of its handles, found in rounds.
+/// Computes the shape of a mesh iteratively for given transformations of its handles.
 class IterativeDeformer {
  public:
   virtual ~IterativeDeformer() = default;
 
-  /// All vertices after the moves, one for each handle. Starts from the rest shape turned along
-  /// with the handles (each class says how), not from the last answer: the same moves give the same
-  /// bits. Throws InputError (numbers missing, not finite, a scale not above 0), ConflictError (a
-  /// vertex held twice in two places), NoSolutionError (positions that are not finite).
+  /// Positions of all vertices after the moves; one move per handle. The iteration starts from the
+  /// rest shape with interpolated handle rotations (see each class), not from the last result:
+  /// equal moves give bit-identical results. Throws InputError (missing or non-finite numbers, a
+  /// scale not above 0), ConflictError (a vertex constrained to two different positions) or
+  /// NoSolutionError (positions that are not finite).
   virtual const Points& deform(std::span<const HandleTransform> moves) = 0;
-  /// The same from a first guess (n×3) of the free vertices: another estimate, or the last answer
-  /// of a drag. Throws InputError on another number of points or one that is not finite.
+  /// The same, starting from an initial guess (n×3) for the free vertices: another estimate, or the
+  /// previous result during a drag. Throws InputError if the number of points is wrong or one is
+  /// not finite.
   virtual const Points& deform(std::span<const HandleTransform> moves, const Points& guess) = 0;
 
   virtual const Points& positions() const = 0;

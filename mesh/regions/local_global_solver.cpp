@@ -16,7 +16,7 @@ namespace {
 
 constexpr int kChunk = 512;
 
-/// Lists of things by owner: those of owner o are item[start[o]] … item[start[o+1] - 1].
+/// Groups items by owner: those of owner o are item[start[o]] … item[start[o+1] - 1].
 template <class ForEach>
 void group_by_owner(int owners, std::vector<int>& start, std::vector<int>& item,
                     const ForEach& for_each) {
@@ -143,7 +143,7 @@ void LocalGlobalSolver::gather_cells() {
 }
 
 void LocalGlobalSolver::colour_cells() {
-  std::vector<int> link;  // of each cell
+  std::vector<int> link;  // per cell
   group_by_owner(cell_count(), link_start_, link, [&](const auto& visit) {
     for (size_t k = 0; k < rows_.links.size(); ++k) {
       visit(rows_.links[k].a, static_cast<int>(k));
@@ -151,7 +151,7 @@ void LocalGlobalSolver::colour_cells() {
     }
   });
   if (rows_.links.empty()) return;
-  std::vector<int> colour(cell_count(), -1), taken;  // taken: by which cell last
+  std::vector<int> colour(cell_count(), -1), taken;  // taken: last cell that excluded the colour
   for (int c = 0; c < cell_count(); ++c) {
     for (int k = link_start_[c]; k < link_start_[c + 1]; ++k) {
       const auto& l = rows_.links[link[k]];
@@ -169,7 +169,8 @@ void LocalGlobalSolver::colour_cells() {
   });
 }
 
-// 1 on a handle's own vertices, 0 on everything else that is held, min |A q|² between.
+// Interpolation weights of the handles: 1 on the own vertices of a handle, 0 on all other
+// constrained ones, min |A q|² elsewhere.
 void LocalGlobalSolver::spread_rotations() {
   const auto handles = static_cast<long>(problem_.handles.size());
   MatX indicator = MatX::Zero(rhs_.rows(), handles);
@@ -241,7 +242,7 @@ Mat3 LocalGlobalSolver::cell_covariance(int c) const {
   return M;
 }
 
-// A few cells at a time; none of them sees another.
+// Local step for up to eight cells, none of which depends on another.
 template <class CellOf>
 void LocalGlobalSolver::local_step_batch(int count, const CellOf& cell_of) {
   RotationBatch M, R;
@@ -298,7 +299,8 @@ double LocalGlobalSolver::energy() {
       double sum = 0;
       for (long c = first; c < last; ++c)
         for (int k = link_start_[c]; k < link_start_[c + 1]; ++k)
-          sum += link_weight_[k] * (G_[c] - G_[linked_[k]]).squaredNorm() / 2;  // seen twice
+          // each link is visited from both ends
+          sum += link_weight_[k] * (G_[c] - G_[linked_[k]]).squaredNorm() / 2;
       energy_parts_[first / kChunk] += sum;
     });
   double total = 0;
@@ -347,7 +349,7 @@ double LocalGlobalSolver::iterate_with_links(double energy_before) {
     return update_rotations();
   };
   double now = iteration();
-  if (!(now <= energy_before)) {  // mixed turns led astray
+  if (!(now <= energy_before)) {  // the accelerated rotations increased the energy
     G_ = G_before_;
     accelerator_.reset();
     now = iteration();
@@ -393,12 +395,14 @@ const Points& LocalGlobalSolver::deform(std::span<const HandleTransform> moves, 
     report_.energies.push_back(iterate(report_.energies.empty()
                                            ? std::numeric_limits<double>::infinity()
                                            : report_.energies.back()));
-    if (++report_.iterations == 1) accelerator_.reset();  // its turns came from elsewhere
+    if (++report_.iterations == 1) accelerator_.reset();  // the initial rotations are not those of
+                                                          // a previous iteration
     report_.converged = report_.last_change < tolerance;
   }
-  if (!rows_.links.empty()) G_ = G_before_;  // those that belong to the positions
+  if (!rows_.links.empty()) G_ = G_before_;  // the rotations that belong to the positions, not the
+                                             // accelerated ones
   result_ = p_.rowwise() + origin_.transpose();
-  // What is held is where it was told to be, to the last bit.
+  // Constrained vertices are exactly at their prescribed positions, to the last bit.
   for (size_t k = 0; k < constrained_vertex_.size(); ++k) {
     const Vec3 at = points_.row(constrained_vertex_[k]).transpose();
     result_.row(constrained_vertex_[k]) =

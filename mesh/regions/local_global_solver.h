@@ -1,4 +1,4 @@
-// The alternation that the deformers of this room share. Internal.
+// Local/global solver for ARAP-type energies, shared by the iterative deformers.
 #pragma once
 
 #include <span>
@@ -15,20 +15,22 @@
 
 namespace batten {
 
-/// Rows that vectors of the rest shape are kept by while they turn:
+/// ARAP-type energy: rows that keep vectors of the rest shape up to a rotation of each cell,
 ///
 ///     E(p, G) = ½ Σ_e 1/m Σ_{c of e} Σ_{r of e} |(A p)_r - G_c b_r|²
 ///             + ½ Σ_links λ_ij |G_i - G_j|²
 ///
-/// e: elements, each with a run of rows and m cells; G_c: the rotation of a cell, or with
-/// `fits_scale` a rotation times a scale of 0 or more (then m = 1 and no links).
+/// e: an element with a contiguous range of rows and m cells. G_c: the rotation of a cell; with
+/// `fits_scale` a rotation times a scale ≥ 0 (which requires m = 1 and no links).
 struct ArapEnergy {
   RowMatrix A;                       ///< rows × vertices
-  RowPoints base;                    ///< b
-  std::vector<int> row_start = {0};  ///< the rows of element e: row_start[e] … row_start[e+1]
-  int cells_of_element = 1;
-  std::vector<int> cells;  ///< of each element, cells_of_element each
-  RowMatrix mean;          ///< cells × vertices: whose turns a cell takes at the start
+  RowPoints base;                    ///< b, the rows applied to the rest shape
+  std::vector<int> row_start = {0};  ///< rows of element e: row_start[e] … row_start[e+1] - 1
+  int cells_of_element = 1;  ///< m
+  std::vector<int> cells;  ///< cells of each element, cells_of_element each
+  RowMatrix mean;          ///< cells × vertices: averages the initial rotations of the vertices for
+                           ///< each cell
+  /// Penalty λ_ij on the difference of the rotations of two cells.
   struct Link {
     int a, b;
     double weight;
@@ -37,23 +39,28 @@ struct ArapEnergy {
   bool fits_scale = false;
 };
 
-/// The problem of fixed vertices and handles alone.
+/// A DeformProblem with fixed vertices and handles only.
 DeformProblem handle_problem(std::vector<int> fixed, std::vector<Handle> handles);
 
-/// Minimises E by turns: over G with p as it is, cell by cell, then over p with G as it is, one
-/// solve with the factor of AᵀA. Both are exact minima of the same energy, so it cannot rise. Rounds
-/// are mixed (mixing.h) as long as that leads lower than they stood, otherwise the plain one is
-/// taken. Cells that links join are taken colour by colour, so that each sees the newest rotations of the
-/// others and threads change nothing.
+/// Minimises E by local/global alternation: over G with p fixed, cell by cell, then over p with G
+/// fixed, one solve with the factor of AᵀA. Both steps are exact minimisations of the same energy,
+/// so it cannot increase. Iterates are combined by Anderson acceleration
+/// (core/anderson_accelerator.h) if that lowers the energy; otherwise the plain step is taken.
+/// Linked cells are processed colour by colour. Each one therefore uses the newest rotations of its
+/// neighbours, and results do not depend on the number of threads.
 ///
-/// Start: the logarithms of the handles' turns spread by min |A q|², with the same factor.
+/// Initial rotations: the logarithms of the handle rotations, interpolated by min |A q|² with the
+/// same factor.
 class LocalGlobalSolver {
  public:
-  /// Fixed vertices and handles of `constraints` are eliminated; what no row joins to any of them stays.
-  /// Throws InputError (check() in deform_problem.h), NoSolutionError that begins with `error_prefix`.
+  /// Eliminates the fixed vertices and handles of `constraints`. Parts that no row connects to any
+  /// of them stay. Throws InputError (see check() in deform_problem.h) or NoSolutionError, whose
+  /// message begins with `error_prefix`.
   LocalGlobalSolver(const TriangleMesh& mesh, DeformProblem constraints, ArapEnergy rows,
                     const std::string& error_prefix);
 
+  /// Minimises E for given handle transformations. `guess`: initial positions (n×3), or null for
+  /// the rest shape with interpolated rotations.
   const Points& deform(std::span<const HandleTransform> moves, const Points* guess,
                        int max_iterations, double tolerance);
   const Points& positions() const { return result_; }
@@ -62,7 +69,7 @@ class LocalGlobalSolver {
   int unknowns() const { return positions_.free_count(); }
 
  private:
-  /// Hard rows, one a held vertex; whoever holds it: a handle, or -1.
+  /// Hard constraints: one row per constrained vertex, and its handle, or -1.
   struct Constraints {
     ConstraintSet rows;
     std::vector<int> vertex, handle;
@@ -78,11 +85,13 @@ class LocalGlobalSolver {
   void set_constraint_rhs();
   void start(const Points* guess);
   void global_step();
-  /// One round to the next y_ and G_; returns the energy there, which is not above the one before.
+  /// One iteration to the next y_ and G_. Returns the new energy, which is not above the previous
+  /// one.
   double iterate(double energy_before);
-  /// The same where links let turns see each other: then turns are mixed, and not positions.
+  /// Iteration with links: here rotations depend on each other, so they are accelerated instead of
+  /// positions.
   double iterate_with_links(double energy_before);
-  /// Positions from y_, what the rows see of them, the best turns; returns the energy.
+  /// Sets positions from y_, evaluates the rows and fits the rotations. Returns the energy.
   double update_rotations();
   void evaluate_rows();
   void local_step();
@@ -101,27 +110,27 @@ class LocalGlobalSolver {
   std::string error_prefix_;
   double size_;
   Vec3 origin_;
-  Points points_;  // of the mesh as it was given
+  Points points_;  // of the undeformed mesh
   std::vector<std::pair<int, int>>
-      coincident_vertices_;  // vertices that have the place of a free one
+      coincident_vertices_;  // pairs (constrained vertex, free vertex at the same node)
   std::vector<int> constrained_vertex_, constrained_handle_;
   AffineReduction positions_;
   SparseMatrix B_;  // A D
   SparseCholesky factor_;
-  MatX weights_;  // cells × handles: of the handles' turns
+  MatX weights_;  // cells × handles: interpolation weights of the handle rotations
 
-  std::vector<int> element_start_, elements_;  // of each cell
-  std::vector<int> link_start_, linked_;       // of each cell
+  std::vector<int> element_start_, elements_;  // per cell
+  std::vector<int> link_start_, linked_;       // per cell
   std::vector<double> link_weight_;
   std::vector<int> colour_start_, coloured_;  // cells by colour; empty without links
-  std::vector<double> base_square_;           // Σ |b|² of each element
+  std::vector<double> base_square_;           // Σ |b|² per element
 
-  MatX rhs_, y_, load_, accelerated_;  // load_: right side, then the solution
-  MatX rotations_before_, rotations_;  // with links: G_ as it went into a round and came out
+  MatX rhs_, y_, load_, accelerated_;  // load_: right-hand side, then the solution
+  MatX rotations_before_, rotations_;  // with links: G_ before and after an iteration
   AndersonAccelerator accelerator_{1e-5};
-  RowPoints now_, constrained_part_, residual_;   // A p, A d0, what is left for the free vertices
-  std::vector<Mat3> covariances_, G_, G_before_;  // of elements: Σ (A p) bᵀ; of cells
-  std::vector<double> energy_parts_;              // of the energy, chunk by chunk
+  RowPoints now_, constrained_part_, residual_;   // A p, A d0, target of the free unknowns
+  std::vector<Mat3> covariances_, G_, G_before_;  // per element Σ (A p) bᵀ; per cell
+  std::vector<double> energy_parts_;              // partial energies, one per chunk
   RowPoints p_;                                   // relative to origin_
   Points result_;
   IterationReport report_;

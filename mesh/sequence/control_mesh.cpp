@@ -15,13 +15,15 @@ namespace {
 
 using std::numbers::pi;
 
-/// Adds the shares of one triangle's corners. Returns whether x lies on it: then `w` is whole.
+/// Adds the contributions of one triangle to the weights of its corners. Returns true if x lies on
+/// the triangle; `w` is then complete.
 bool add_triangle(const Eigen::Matrix<double, Eigen::Dynamic, 3>& u, const VecX& d,
                   const std::array<int, 3>& t, double size, VecX& w) {
   double angle[3], half = 0;
   for (int i = 0; i < 3; ++i) {
     const auto &p = u.row(t[(i + 1) % 3]), &q = u.row(t[(i + 2) % 3]);
-    angle[i] = 2 * std::atan2((p - q).norm(), (p + q).norm());  // to the last digit near π too
+    angle[i] = 2 * std::atan2((p - q).norm(), (p + q).norm());  // accurate to the last digit near π
+                                                                // too
     half += angle[i] / 2;
   }
   if (pi - half < 1e-9) {  // on the triangle: barycentric coordinates
@@ -39,7 +41,8 @@ bool add_triangle(const Eigen::Matrix<double, Eigen::Dynamic, 3>& u, const VecX&
         2 * std::sin(half) * std::sin(half - angle[i]) / (sine[(i + 1) % 3] * sine[(i + 2) % 3]) -
         1;
     s[i] = side * std::sqrt(std::max(0.0, 1 - c[i] * c[i]));
-    if (!(std::abs(s[i]) > 1e-9)) return false;  // in the triangle's plane, beside it: no share
+    if (!(std::abs(s[i]) > 1e-9)) return false;  // in the plane of the triangle but outside it: no
+                                                 // contribution
   }
   for (int i = 0; i < 3; ++i) {
     const int j = (i + 1) % 3, k = (i + 2) % 3;

@@ -56,7 +56,7 @@ TriangleMesh control_mesh(const TriangleMesh& mesh, const ControlMeshOptions& op
     faces.push_back({static_cast<std::size_t>(t[0]), static_cast<std::size_t>(t[1]),
                      static_cast<std::size_t>(t[2])});
   const double size = mesh.size();
-  // The number of vertices goes with 1 / alpha²: a few secant steps on that.
+  // The number of vertices is proportional to 1 / alpha²: take a few secant steps on that.
   double alpha = size / 6;
   for (int trial = 0; trial < 8; ++trial) {
     const Surface wrap = wrapped(points, faces, alpha, options.distance * size);

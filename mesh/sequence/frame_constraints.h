@@ -1,4 +1,4 @@
-// What a frame of a sequence holds, and what is told of it.
+// Constraints, options and targets for the deformation of single frames of a sequence.
 #pragma once
 
 #include <optional>
@@ -9,42 +9,49 @@
 
 namespace batten {
 
-/// What all frames of an edit hold. Numbers are nodes of the mesh, in every frame the same.
+/// Constraints common to all frames of an edit. Indices are nodes of the mesh, the same in every
+/// frame.
 struct FrameConstraints {
-  std::vector<int> fixed;                ///< nodes that stay where the frame has them
-  std::vector<Handle> handles;           ///< parts whose places are told, frame by frame
-  std::vector<FormFeature> features;     ///< parts that keep their shape exactly and go along
-  std::optional<double> penalty_weight;  ///< λ: handles are drawn to their places by this weight
-                                         ///< instead of being held there; above 0
-  /// Nodes or means of nodes on a plane, or on a line such as a screen ray. Held exactly. The points
-  /// of a plane or line are told frame by frame.
+  std::vector<int> fixed;                ///< nodes that keep the position they have in the frame
+  std::vector<Handle> handles;           ///< groups of nodes whose poses are prescribed per frame
+  std::vector<FormFeature> features;     ///< groups of nodes that keep their shape exactly and move
+                                         ///< along
+  std::optional<double> penalty_weight;  ///< λ > 0: handles are soft constraints with this penalty
+                                         ///< weight; empty: they are hard constraints
+  /// Points that stay exactly on a plane or a line (such as a viewing ray). A point is a node or a
+  /// mean of nodes. The origins of planes and lines are prescribed per frame.
   std::vector<PointConstraint> point_constraints;
-  bool preserve_volume = false;  ///< the closed surface encloses as much as in the frame
+  bool preserve_volume = false;  ///< keep the enclosed volume of the frame; the surface must be
+                                 ///< closed
 };
 
+/// Options of FrameSolver.
 struct FrameOptions {
   enum class Weights {
-    Uniform,   ///< w_ij = 1, as in the paper: one matrix for all frames
-    Cotangent  ///< of the first frame, at least a tenth of their mean
+    Uniform,   ///< w_ij = 1, as in the paper; one matrix for all frames
+    Cotangent  ///< cotangents of the mesh given at construction, raised to at least 0.1 of their
+               ///< mean
   } weights = Weights::Uniform;
   int max_iterations = 100;
-  double tolerance = 1e-5;  ///< of the mesh's size: rounds end when no node moves by more
+  double tolerance = 1e-5;  ///< the iteration stops when no node moves by more, relative to the
+                            ///< mesh size
 };
 
-/// Where a handle is in one frame.
+/// Prescribed pose of a handle in one frame.
 struct HandlePose {
-  RigidMotion motion;          ///< from where the frame has it to where it should be
-  bool free_rotation = false;  ///< only the place of its centroid counts; the turn is found, from
-                               ///< that of the motion on
+  RigidMotion motion;          ///< from the position in the frame to the prescribed one
+  bool free_rotation = false;  ///< only the position of the centroid is prescribed; the rotation is
+                               ///< found, starting from that of `motion`
 };
 
-/// What is told of one frame.
+/// Prescribed handle poses and constraint origins of one frame.
 struct FrameTargets {
-  std::vector<HandlePose> handles;       ///< one for each handle
-  std::vector<Vec3> constraint_origins;  ///< a point of each plane or line
+  std::vector<HandlePose> handles;       ///< one per handle
+  std::vector<Vec3> constraint_origins;  ///< a point of each plane or line; empty: the constrained
+                                         ///< points in the frame
 };
 
-/// A frame after an edit.
+/// Shape of a frame after an edit.
 struct FrameShape {
   Points positions;             ///< nodes × 3
   std::vector<Mat3> rotations;  ///< R_i of every node

@@ -19,47 +19,50 @@
 
 namespace batten {
 
-// Inside of FrameSolver: what a frame is solved with, and the state of the frame under way. Internal.
+// Implementation of FrameSolver: the linear system and the state of the current frame.
 
 struct FrameSolverData {
   FrameSolverData(const TriangleMesh& mesh, FrameConstraints given, const FrameOptions& opts);
 
-  // Once (frame_set_up.cpp).
+  // Set-up, once per solver.
   void set_triangles(const TriangleMesh& mesh);
   void factorize();
-  // 1 on a handle, 0 on what else is held, harmonic between: how much of its turn a node takes.
+  // Interpolation weights of handle rotations: 1 on the handle, 0 on other constrained nodes,
+  // harmonic in between.
   void compute_handle_weights();
   void couple_point_constraints();
 
-  // A frame's beginning (frame_solver.cpp).
+  // Start of a frame.
   void begin(const Points& frame, const FrameTargets& given);
   void start_from_handles();
   void start_from(const Points& start);
-  // Of parts that turn by themselves the mean of their nodes' turns; then where the parts stand.
+  // Sets parts with free rotation to the mean rotation of their nodes, then sets the offsets of all
+  // parts.
   void init_part_rotations();
 
-  // Rounds (frame_rounds.cpp).
-  // In the linear step: there each edge counts once, in E twice.
+  // Iterations.
+  // λ/2: each edge counts once in the global step, but twice in E.
   double half_penalty_weight() const { return 0.5 * constraints.penalty_weight.value_or(0); }
   bool rotates_freely(size_t part) const;
-  // How far the nodes of a part stand from where its unknown alone, or the frame, has them.
+  // Sets the offsets of the nodes of a part: their displacement beyond that of the part's unknown.
   void set_offsets(size_t k);
   void set_point_constraints();
   void update_positions();
   void update_positions_at(MatX& other);
-  // The exact minimum over the rotation of a part whose centre and surroundings stand still.
+  // Exact minimum over the rotation of a part, with its centre and surroundings fixed.
   void fit_part_rotation(size_t k);
   Vec3 target(const FrameUnknowns::PenalizedNode& d) const;
   void rotate_penalized_handles();
-  /// Positions from y, then the best turns; returns the energy.
+  /// Sets positions from y, then fits the rotations. Returns the energy.
   double update_rotations();
   void assign_part_rotations();
-  /// The best positions for the turns, into `rhs`.
+  /// Best positions for the current rotations, stored in `rhs`.
   void global_step();
-  // Along z = K⁻¹ ∂V, with ∂V of the shape before, so that at rest E has its least value among the
-  // shapes of this volume; in the first round of where the linear step went.
+  // Corrects the volume along z = K⁻¹ ∂V. ∂V is taken at the previous shape, so that the converged
+  // shape minimises E among shapes of this volume. In the first iteration it is taken at the result
+  // of the linear step.
   void restore_volume();
-  /// One round; returns the energy, which is not above the one before.
+  /// One iteration. Returns the energy, which is not above the previous one.
   double iterate(double before);
   void iterations(int most);
   void finish() { shape.positions = now; }
@@ -78,13 +81,13 @@ struct FrameSolverData {
   double volume = 0;
 
   FrameTargets targets;
-  RowPoints rest, now, offset, loads, gradient;  // of nodes
-  MatX y, rhs, accelerated, volume_direction;    // of unknowns
+  RowPoints rest, now, offset, loads, gradient;  // per node
+  MatX y, rhs, accelerated, volume_direction;    // per unknown
   AndersonAccelerator accelerator{1e-5};
   std::vector<Mat3> part_rotations, handle_rotations;
   std::vector<Mat3> rotations_before, part_rotations_before, handle_rotations_before;
   std::vector<Vec3> part_rest, part_position, handle_rest;
-  std::vector<char> rotation_from_part;  // nodes whose R_i is that of their part
+  std::vector<char> rotation_from_part;  // nodes whose R_i is the rotation of their part
   std::vector<double> chunk_sums;
   bool begun = false;
   FrameShape shape;
@@ -404,7 +407,7 @@ void FrameSolverData::fit_part_rotation(size_t k) {
       if (unknowns.part_of_node[d.node] == static_cast<int>(k))
         M += *constraints.penalty_weight * (target(d) - c) *
              (rest.row(d.node).transpose() - c0).transpose();
-  // Relative to the turn it has: where M does not tell, the part turns no further.
+  // Relative to the current rotation: directions that M does not determine are not rotated further.
   part_rotations[k] = nearest_rotation(M * part_rotations[k].transpose()) * part_rotations[k];
   set_offsets(k);
   for (const int v : part.nodes) {
@@ -528,7 +531,8 @@ void FrameSolverData::iterations(int most) {
     report.energies.push_back(iterate(report.energies.empty()
                                           ? std::numeric_limits<double>::infinity()
                                           : report.energies.back()));
-    if (++report.iterations == 1) accelerator.reset();  // its turns came from elsewhere
+    if (++report.iterations == 1) accelerator.reset();  // the initial rotations are not those of a
+                                                        // previous iteration
     report.converged = report.last_change < options.tolerance;
   }
 }

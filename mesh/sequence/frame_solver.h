@@ -1,4 +1,4 @@
-// One frame of a sequence, deformed as rigidly as possible ring by ring.
+// As-rigid-as-possible (ARAP) deformation of one frame of a sequence.
 #pragma once
 
 #include <memory>
@@ -12,57 +12,63 @@ namespace batten {
 
 struct FrameSolverData;
 
-/// With p the positions of a frame and v those after an edit,
+/// ARAP deformation of single frames. Let p be the positions of a frame and v those after the edit.
+/// The energy
 ///
 ///     E = Σ_i Σ_{j∈N(i)} w_ij |(v_j - v_i) - R_i (p_j - p_i)|²  (+ λ Σ_{handles} |v_h - u_h|²)
 ///
-/// is minimised by turns over the rotations, R_i = nearest_rotation(Σ_j w_ij (v_j - v_i)(p_j - p_i)ᵀ),
-/// and over the positions, a linear system whose matrix depends on w_ij and on what is held only. So
-/// it is factored once, here, for all rounds and frames. Nothing raises E; a round may be mixed with
-/// those before it where that leads lower (Anderson). Rings count edges between nodes: sheets
-/// that meet are one there, and joints of any kind do no harm.
+/// is minimised by local/global alternation. The local step fits the rotations,
+/// R_i = nearest_rotation(Σ_j w_ij (v_j - v_i)(p_j - p_i)ᵀ). The global step solves a linear system
+/// for the positions. Its matrix depends only on w_ij and on the set of constrained nodes, so it is
+/// factored once for all iterations and frames. E never increases. Iterates are combined by
+/// Anderson acceleration if that lowers E. One-rings consist of edges between nodes, so patches
+/// that meet are connected and non-manifold edges do no harm.
 ///
-/// A feature is one rigid part: its rotation is the exact minimum over all edges that leave it, its
-/// centre three unknowns. Handles that turn freely find their rotation in the same way. Features that
-/// share nodes are one part; those that share nodes with a handle go with it, those with a fixed
-/// node stay. What hangs on nothing that is held stays.
+/// A feature is one rigid part. Its rotation is the exact minimum over all edges that leave it, and
+/// its centre gives three unknowns. Handles with free rotation find their rotation in the same way.
+/// Features that share nodes are one part. Features that share nodes with a handle move with it;
+/// those with a fixed node stay. Parts of the mesh without constraints stay.
 ///
-/// `preserve_volume`: after each linear step one multiplier along the gradient of the volume, by
-/// Newton's method; E may rise while the volume is not yet reached.
+/// `preserve_volume`: after each global step, one Lagrange multiplier along the volume gradient is
+/// determined by Newton's method. E may increase until the volume is reached.
 ///
-/// Cost: a factor of the nodes at construction; 2 to 3 ms for a round on 10,000 nodes. Memory: the
-/// factor, some 50 numbers a node. One thread at a time per solver; it uses several itself.
-/// Source: Xu et al. 2007, eq. 1 to 3; Sorkine and Alexa 2007.
+/// Cost: one factorization at construction; 2 to 3 ms per iteration for 10,000 nodes. Memory: the
+/// factor, some 50 numbers per node. A solver must not be used by several threads at once; it uses
+/// several threads itself. Sources: [Xu2007], eq. 1 to 3; [SorkineAlexa2007].
 class FrameSolver {
  public:
-  /// `mesh`: topology, and positions where weights come from them. Throws InputError (check() in
-  /// deform_problem.h; a softness not above 0, a volume of a surface that is not closed),
-  /// NoSolutionError.
+  /// `mesh`: connectivity, and positions for cotangent weights. Throws InputError (see check() in
+  /// deform_problem.h; a penalty weight not above 0; volume preservation for a surface that is not
+  /// closed) or NoSolutionError (the factorization fails).
   FrameSolver(const TriangleMesh& mesh, FrameConstraints constraints,
               const FrameOptions& options = {});
   ~FrameSolver();
   FrameSolver(FrameSolver&&) noexcept;
   FrameSolver& operator=(FrameSolver&&) noexcept;
 
-  /// Alternates from the rest shape turned along with the handles (their turns' logarithms spread
-  /// harmonically) until it is at rest; result() then. Throws InputError: numbers missing or not
-  /// finite, another number of points; ConflictError: a node that two handles hold in two places.
+  /// Iterates to convergence; the result is in result(). The initial shape is the frame with
+  /// interpolated handle rotations (their logarithms are harmonic). Throws InputError (missing or
+  /// non-finite numbers, a wrong number of points) or ConflictError (two handles prescribe
+  /// different positions of a node).
   void alternate(const Points& frame, const FrameTargets& targets);
-  /// The same from positions: of a neighbour, of a coarser solution, or those of the drag so far.
+  /// The same from initial positions, such as those of a neighbouring frame, of a coarser solution,
+  /// or of the drag so far.
   void alternate(const Points& frame, const FrameTargets& targets, const Points& start);
-  /// Goes on from where it stands, for so many rounds at most: a drag shows a shape in between. Needs
-  /// a shape. Returns whether it is at rest.
+  /// Continues from the current shape for at most `iterations` iterations, for example to display
+  /// shapes during a drag. Throws InputError before the first alternate() or reconstruct(). Returns
+  /// true if the iteration has converged.
   bool iterate(int iterations);
-  /// The linear step alone: rotations as given, one a node; then `iterations` rounds. Parts that turn
-  /// freely start with the mean of their nodes' rotations.
+  /// Performs only the global step with given rotations, one per node, then `iterations`
+  /// iterations. Parts with free rotation start with the mean rotation of their nodes.
   void reconstruct(const Points& frame, const FrameTargets& targets,
                    const std::vector<Mat3>& rotations, int iterations = 0);
 
   const FrameShape& result() const;
   const IterationReport& report() const;
-  int unknowns() const;  ///< of one coordinate
+  int unknowns() const;  ///< number of unknowns per coordinate
+  /// Number of nonzeros of the Cholesky factor.
   long factor_entries() const;
-  /// Sentences about parts of the mesh that nothing holds.
+  /// Notes in plain sentences about parts of the mesh without constraints.
   const std::vector<std::string>& notes() const;
 
  private:

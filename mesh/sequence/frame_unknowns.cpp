@@ -10,7 +10,7 @@
 namespace batten {
 namespace {
 
-/// Features that share nodes, and what else they share nodes with.
+/// Merged features that share nodes, and the constraints on any of these nodes.
 struct FeatureGroup {
   std::vector<int> nodes;
   std::string name;
@@ -75,7 +75,7 @@ FrameUnknowns frame_unknowns(const NodeGraph& graph, const FrameConstraints& con
       for (const int v : group.nodes)
         if (handle_of[v] < 0) handle_of[v] = group.handle;
   }
-  // A handle's node that is fixed stays: the handle then has nothing to say there.
+  // Nodes of a handle that are also fixed stay; the handle does not affect them.
   const auto add_part = [&](FrameUnknowns::RigidPart part) {
     for (const int v : part.nodes) u.part_of_node[v] = isize(u.parts);
     u.parts.push_back(std::move(part));
@@ -93,7 +93,7 @@ FrameUnknowns frame_unknowns(const NodeGraph& graph, const FrameConstraints& con
     if (!group.is_fixed && group.handle < 0)
       add_part({group.name, group.nodes, -1, 0, group.may_rotate, {}});
 
-  // What nothing holds stays.
+  // Parts without constraints stay.
   DisjointSets connected(graph.nodes);
   for (const auto& e : graph.edges) connected.unite(e.a, e.b);
   for (const auto& part : u.parts)

@@ -1,4 +1,4 @@
-// What is solved for in a frame: nodes, rigid parts, and what is held. Internal.
+// Unknowns of a frame: nodes, rigid parts and constraints.
 #pragma once
 
 #include <string>
@@ -10,56 +10,60 @@
 
 namespace batten {
 
-/// Displacements of all nodes are x_i = y_u(i) + o_i: y the unknowns, o an offset that only nodes of
-/// rigid parts (the turn about their centre) and held ones (where they are) have.
+/// Numbering of the unknowns. The displacement of node i is x_i = y_u(i) + o_i, with unknowns y and
+/// offsets o. Only nodes of rigid parts (rotation about the centre) and constrained nodes
+/// (prescribed displacement) have an offset.
 struct FrameUnknowns {
-  /// Nodes that move as one rigid body: a feature, or a handle that is held.
+  /// A group of nodes that moves as one rigid body: a feature, or a handle with hard constraints.
   struct RigidPart {
     std::string name;
     std::vector<int> nodes;
-    int handle = -1;         ///< whose place is told, or -1
-    int unknown = -1;        ///< of its centre's displacement; -1: held
+    int handle = -1;         ///< handle whose pose is prescribed, or -1
+    int unknown = -1;        ///< unknown of the displacement of its centre; -1: prescribed
     bool may_rotate = true;  ///< false: a feature that keeps its direction
-    std::vector<int> edges;  ///< of the graph, that leave it
+    std::vector<int> edges;  ///< edges of the graph that leave the part
   };
-  /// A node of a handle that is drawn to its place, not held there.
+  /// A node of a handle with soft constraints (penalty).
   struct PenalizedNode {
     int node, handle;
   };
   std::vector<int> unknown_of_node;  ///< u(i), or -1
+  /// Number of unknowns.
   int count = 0;
   std::vector<RigidPart> parts;
-  std::vector<int> part_of_node;               ///< or -1
-  std::vector<PenalizedNode> penalized_nodes;  ///< empty without softness
+  std::vector<int> part_of_node;               ///< part of each node, or -1
+  std::vector<PenalizedNode> penalized_nodes;  ///< empty for hard constraints
   std::vector<int>
-      offset_edges;  ///< edges of the graph with an offset at an end and an unknown at one
-  std::vector<std::string> notes;  ///< about what nothing holds
+      offset_edges;  ///< edges of the graph with an offset at one end and an unknown at one end
+  std::vector<std::string> notes;  ///< about parts of the mesh without constraints
   struct Shared {
-    int node, one, other;  ///< a node of two handles
+    int node, one, other;  ///< a node that belongs to two handles
   };
   std::vector<Shared> shared;
 };
 
+/// Numbers the unknowns of a graph with constraints.
 FrameUnknowns frame_unknowns(const NodeGraph& graph, const FrameConstraints& constraints);
 
-/// The matrix of the linear step, lower triangle: Σ w_ij (x_i - x_j)² + s Σ x_h² over the unknowns,
-/// each edge once.
+/// Matrix of the global step, lower triangle: Σ w_ij (x_i - x_j)² + s Σ x_h² over the unknowns.
+/// Each edge counts once; s is `penalty_weight`, h runs over the penalised nodes.
 SparseMatrix frame_matrix(const NodeGraph& graph, const FrameUnknowns& unknowns,
                           double penalty_weight);
 
 
-// Turns of handles, for solvers over all nodes and over few. Internal.
+// Rotations of handles, for the full and the subspace solver.
 
-/// The mean of nodes; zero for none.
+/// Centroid of nodes; zero if there are none.
 Vec3 centre_of(const std::vector<int>& nodes, const RowPoints& p);
 
-/// The rotation that takes nodes about `from` best to where they are about `to`. `before`: the one they
-/// had; where nothing tells, they turn no further.
+/// Best rotation of nodes from their positions relative to `from` to those relative to `to`.
+/// `before`: the current rotation; directions that the nodes do not determine are not rotated
+/// further.
 Mat3 best_rotation(const std::vector<int>& nodes, const RowPoints& rest, const Vec3& from,
                    const RowPoints& now, const Vec3& to, const Mat3& before);
 
-/// R of every node: the logarithms of the handles' turns, summed by its shares of them (nodes ×
-/// handles).
+/// Sets R of every node from the logarithms of the handle rotations, combined with `handle_weights`
+/// (nodes × handles).
 void spread_rotations(const MatX& handle_weights, const std::vector<HandlePose>& handles,
                       std::vector<Mat3>& rotations);
 

@@ -17,7 +17,7 @@ struct RingArrays {
   const double *weight, *rest, *now;
 };
 
-/// M of up to eight rings from `first` on, and Σ w (|e|² + |e⁰|²) of each.
+/// M of up to eight rings, starting at node `first`, and Σ w (|e|² + |e⁰|²) of each.
 BATTEN_CLONES void local_step_chunk(const RingArrays& ring_arrays, int first, int count,
                                     double (*M)[kLanes], double* squares) {
   for (int l = 0; l < count; ++l) {
@@ -52,7 +52,7 @@ BATTEN_CLONES void global_step_rhs_chunk(const RingArrays& ring_arrays, const do
       const double w = ring_arrays.weight[k], *S = rotations + 9L * j,
                    *q = ring_arrays.rest + 3L * j;
       const double a = w * (p[0] - q[0]), b = w * (p[1] - q[1]), c = w * (p[2] - q[2]);
-      // Columns of Mat3 follow each other.
+      // Mat3 is stored by columns.
       sum[0] += (0.5 * (R[0] + S[0]) - 1) * a + 0.5 * ((R[3] + S[3]) * b + (R[6] + S[6]) * c);
       sum[1] += (0.5 * (R[4] + S[4]) - 1) * b + 0.5 * ((R[1] + S[1]) * a + (R[7] + S[7]) * c);
       sum[2] += (0.5 * (R[8] + S[8]) - 1) * c + 0.5 * ((R[2] + S[2]) * a + (R[5] + S[5]) * b);
@@ -61,7 +61,7 @@ BATTEN_CLONES void global_step_rhs_chunk(const RingArrays& ring_arrays, const do
   }
 }
 
-/// Whether all edges of a ring lie on one line, before or after: M has no second direction.
+/// True if all edges of a ring are collinear, before or after: M has rank 1.
 bool on_one_line(const Mat3& M) {
   const double flat = M.col(0).cross(M.col(1)).squaredNorm() +
                       M.col(1).cross(M.col(2)).squaredNorm() +
@@ -86,7 +86,7 @@ double local_step(const NodeGraph& graph, const RowPoints& rest, const RowPoints
       const int count = static_cast<int>(std::min<long>(kLanes, end - first));
       for (auto& entry : M.a)
         for (double& lane : entry) lane = 0;
-      M.a[0][0] = 1;  // lanes past the end hold something regular
+      M.a[0][0] = 1;  // unused lanes get a regular matrix
       local_step_chunk(ring_arrays, static_cast<int>(first), count, M.a, squares);
       nearest_rotations(M, R);
       for (int l = 0; l < count; ++l) {
@@ -148,7 +148,7 @@ NodeGraph node_graph(const MeshTopology& topology, const std::vector<double>& we
     graph.neighbour[next[from]] = to;
     graph.weight[next[from]++] = w;
   };
-  // Sorted by (a, b): lower neighbours come first when they are entered first.
+  // Edges are sorted by (a, b), so neighbours ascend if the lower ones are entered first.
   for (const auto& e : graph.edges) add(e.b, e.a, e.weight);
   for (const auto& e : graph.edges) add(e.a, e.b, e.weight);
   return graph;
@@ -173,7 +173,8 @@ Vec3 at(const RowPoints& p, int v) { return p.row(v).transpose(); }
 
 double enclosed_volume(const std::vector<std::array<int, 3>>& triangles, const RowPoints& p) {
   if (triangles.empty()) return 0;
-  const Vec3 from = at(p, triangles.front()[0]);  // far from the origin digits would be lost
+  const Vec3 from = at(p, triangles.front()[0]);  // relative to a node: far from the origin digits
+                                                  // would be lost
   double sum = 0;
   for (const auto& t : triangles)
     sum += (at(p, t[0]) - from).dot((at(p, t[1]) - from).cross(at(p, t[2]) - from));
@@ -184,7 +185,7 @@ void volume_gradient(const std::vector<std::array<int, 3>>& triangles, const Row
                      RowPoints& gradient) {
   gradient.setZero(p.rows(), 3);
   for (const auto& t : triangles) {
-    // A third of the area vector: the sum over a closed fan does not depend on the origin.
+    // A third of the area vector: its sum over a closed fan does not depend on the origin.
     const Vec3 contribution = (at(p, t[1]) - at(p, t[0])).cross(at(p, t[2]) - at(p, t[0])) / 6;
     for (const int v : t) gradient.row(v) += contribution.transpose();
   }

@@ -25,7 +25,8 @@ struct ShapeBlend::Data {
     for (int v = 0; v < n; ++v) component[v] = groups.find(v);
     find_breadth_first_order();
     std::vector<Triplet> entries = laplacian_entries(graph);
-    // One node of each component is tied to its place, which the centroid then overrides.
+    // One node of each component is fixed to make the matrix regular; centre() then sets the
+    // centroid.
     for (int v = 0; v < n; ++v)
       if (component[v] == v) entries.emplace_back(v, v, 1.0);
     SparseMatrix K(n, n);
@@ -38,7 +39,7 @@ struct ShapeBlend::Data {
     part = rest = rotations;
   }
 
-  // Nodes in an order in which each but the first of a component follows a neighbour.
+  // Orders the nodes such that each one, except the first of a component, follows a neighbour.
   void find_breadth_first_order() {
     std::vector<char> seen(graph.nodes, 0);
     std::queue<int> next;
@@ -84,7 +85,7 @@ struct ShapeBlend::Data {
     return result;
   }
 
-  // The displacement from the straight blend has no mean in any component.
+  // Shifts each component so that its displacement from the linear blend has zero mean.
   void centre() {
     std::vector<Vec3> sum(graph.nodes, Vec3::Zero());
     std::vector<int> count(graph.nodes, 0);
@@ -122,7 +123,8 @@ const Points& ShapeBlend::blend(const Points& p, const Points& q, double alpha) 
 RigidMotion ground_alignment(const Points& q, const Points& p, const Vec3& up) {
   const Vec3 n = up.normalized(), a = n.unitOrthogonal(), b = n.cross(a);
   const Vec3 cq = q.colwise().mean(), cp = p.colwise().mean();
-  double along = 0, across = 0;  // cosine and sine of the turn that fits best, times a length²
+  double along = 0, across = 0;  // cosine and sine of the best rotation angle, times a squared
+                                 // length
   for (long v = 0; v < q.rows(); ++v) {
     const Vec3 u = q.row(v).transpose() - cq, w = p.row(v).transpose() - cp;
     along += u.dot(a) * w.dot(a) + u.dot(b) * w.dot(b);
@@ -136,7 +138,7 @@ RigidMotion ground_alignment(const Points& q, const Points& p, const Vec3& up) {
 
 namespace {
 
-/// Positions and time at t of an interval.
+/// Positions at parameter t of an interval.
 Points sample(const MeshSequence& s, const MorphInterval& interval, double t) {
   const double from = s.times[interval.first], to = s.times[interval.last];
   const double time = from + t * (to - from);
@@ -215,7 +217,7 @@ MeshSequence morph(const MeshSequence& source, const MeshSequence& target, const
 
 namespace {
 
-constexpr double kLandmarkWeight = 1000;  // of the mean weight at a node
+constexpr double kLandmarkWeight = 1000;  // relative to the mean weight at a node
 
 class NonRigidRegistration {
  public:
@@ -271,7 +273,7 @@ class NonRigidRegistration {
       global_step_rhs(graph_, p_, rotations_, loads_);
       for (int v = 0; v < graph_.nodes; ++v)
         if (nearest_[v]) loads_.row(v) += at_node[v] * (nearest_[v]->transpose() - p_.row(v));
-      // Where nothing of the target faces a node, its weight pulls it to where it is.
+      // If no part of the target faces a node, its weight attracts it to its current position.
       for (int v = 0; v < graph_.nodes; ++v)
         if (!nearest_[v]) loads_.row(v) += at_node[v] * (now_.row(v) - p_.row(v));
       x_ = loads_;
@@ -391,9 +393,9 @@ MeshSequence transfer_target_motion(const ShellMesh& shells, const Points& fitte
   const AabbTree search(there);
   struct SurfaceBinding {
     std::array<int, 3> corners;
-    Vec3 weights, offset;  // arm: what is left, along the triangle's own axes
+    Vec3 weights, offset;  // offset: the remaining distance in the axes of the triangle
   };
-  // Columns: an edge, across it, the normal; of unit length.
+  // Columns: a unit vector along an edge, one across it, and the normal.
   const auto axes = [](const TriangleMesh& mesh, const std::array<int, 3>& t) {
     Mat3 A;
     A.col(0) = (mesh.point(t[1]) - mesh.point(t[0])).normalized();

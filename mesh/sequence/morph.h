@@ -1,4 +1,4 @@
-// One deforming mesh turns gradually into another.
+// Morphing between deforming meshes, and non-rigid registration of a mesh to a target.
 #pragma once
 
 #include <functional>
@@ -11,17 +11,19 @@
 
 namespace batten {
 
-/// Between two shapes p and q of one mesh: of each ring the rotation R_i from p to q, and what is
-/// left of its edges when that is taken off; at α in [0, 1] the edges
+/// Rotation-aware blend between two shapes p and q of one mesh. R_i is the rotation of each
+/// one-ring from p to q; the remaining stretch of its edges is interpolated linearly. For α between
+/// 0 and 1 the edges
 ///
 ///     e_ij = R_i^α [ (1 - α) (p_j - p_i) + α R_iᵀ (q_j - q_i) ]
 ///
-/// met in the least-squares sense. At α = 0 that is p and at 1 q, to rounding. R_i^α goes by its
-/// logarithm, that of neighbours the nearest to each other, so that parts that turn far turn together
-/// and keep their size. The centroid of each sheet goes straight.
+/// are reproduced in the least-squares sense. α = 0 gives p and α = 1 gives q, to rounding. R_i^α
+/// is computed by the logarithm; logarithms of neighbours are chosen nearest to each other, so that
+/// parts with large rotations rotate together and keep their size. The centroid of each component
+/// moves on a straight line.
 ///
-/// One factor for all shapes and α. A blend costs two solves' worth of ring work and one solve:
-/// about 3 ms on 10,000 nodes. Source: Xu et al. 2007, section on morphing; Alexa et al. 2000.
+/// One factorization serves all shapes and α. A blend costs about two local steps and one solve:
+/// about 3 ms for 10,000 nodes. Sources: [Xu2007], section on morphing; [Alexa2000].
 class ShapeBlend {
  public:
   explicit ShapeBlend(const TriangleMesh& mesh);
@@ -29,7 +31,8 @@ class ShapeBlend {
   ShapeBlend(ShapeBlend&&) noexcept;
   ShapeBlend& operator=(ShapeBlend&&) noexcept;
 
-  /// Throws InputError on other numbers of nodes, NoSolutionError.
+  /// Blends p (α = 0) and q (α = 1), nodes × 3 each. Throws InputError if the numbers of nodes
+  /// differ, or NoSolutionError.
   const Points& blend(const Points& p, const Points& q, double alpha);
 
  private:
@@ -37,76 +40,88 @@ class ShapeBlend {
   std::unique_ptr<Data> data_;
 };
 
+/// An interval of frames.
 struct MorphInterval {
-  int first = 0, last = 0;  ///< frames of a sequence, from 0; last after first
+  int first = 0, last = 0;  ///< 0-based frames of a sequence; last > first
 };
 
-/// Throws InputError, with `which` in it, on an interval that is not in the sequence.
+/// Throws InputError, naming the sequence by `which`, if the interval is not within the sequence.
 void check(const MorphInterval& interval, const MeshSequence& sequence, const char* which);
 
+/// Options of morph().
 struct MorphOptions {
+  /// Intervals of the source and the target sequence that are blended.
   MorphInterval source, target;
-  int frames = 0;  ///< of the morph, its ends included; 0: the mean of both intervals
-  /// What takes the target to the source; none: the rigid motion that fits the two frames where the
-  /// intervals start best (about `up` only, and along the ground).
+  int frames = 0;  ///< number of frames of the morph, both ends included; 0: the mean of both
+                   ///< intervals
+  /// Rigid motion from the target to the source. None: the best fit between the first frames of
+  /// both intervals, restricted to rotations about `up` and horizontal translations.
   std::optional<RigidMotion> alignment;
   Vec3 up = Vec3::UnitZ();
 };
 
-/// The source until its interval starts, the morph, the target from where its interval ends on.
-/// In the morph t goes evenly from 0 to 1; both sequences are sampled at t of their intervals
-/// (between frames: linearly in time), and blended by α = 3t² - 2t³, so that the change begins and
-/// ends gently. The first frame of the morph is the source's, the last the aligned target's.
+/// Morphs one sequence into another. The result is the source up to its interval, the morph, and
+/// the target after its interval. In the morph, t runs evenly from 0 to 1. Both sequences are
+/// sampled at t of their intervals (linearly in time between frames) and blended with α = 3t² -
+/// 2t³, so the change starts and ends smoothly. The first frame of the morph is that of the source,
+/// the last one that of the aligned target.
 ///
-/// Throws InputError: sequences of other connectivity, intervals that are not in them.
+/// `mesh`: the common connectivity. Throws InputError: sequences with different connectivity,
+/// intervals outside the sequences.
 MeshSequence morph(const MeshSequence& source, const MeshSequence& target, const TriangleMesh& mesh,
                    const MorphOptions& options, const Progress& progress = {});
 
-/// The rotation about `up` and the shift that take q to p best, heights as they are.
+/// Best rotation about `up` and horizontal translation that take q to p; heights are not changed.
 RigidMotion ground_alignment(const Points& q, const Points& p, const Vec3& up);
 
 
-// A mesh takes the shape of another one, whose triangles are others.
+// Non-rigid registration: a mesh takes the shape of another one with different triangles.
 
+/// A pair of corresponding points for fit_to_target().
 struct LandmarkPair {
-  int node = 0;            ///< of the mesh that is fitted
-  Vec3 at = Vec3::Zero();  ///< its place on the target
+  int node = 0;            ///< node of the mesh that is fitted
+  Vec3 at = Vec3::Zero();  ///< corresponding position on the target
 };
 
+/// Options of fit_to_target().
 struct TargetFitOptions {
-  int stages = 8;      ///< each lets the mesh come nearer to the target, and forgets what it was
-  int iterations = 6;  ///< in each stage
+  int stages = 8;      ///< number of stages; each relaxes the shape and increases the weight of the
+                       ///< target
+  int iterations = 6;  ///< iterations per stage
   double initial_weight =
-      0.01;  ///< weight of the target in the first stage, of the mean weight at a node
-  double final_weight = 10;  ///< and in the last
+      0.01;  ///< μ in the first stage, relative to the mean weight at a node
+  double final_weight = 10;  ///< μ in the last stage
 };
 
+/// Result of fit_to_target().
 struct TargetFit {
   Points positions;
-  double mean_distance = 0, largest_distance = 0;  ///< of nodes from the target, model units
-  double landmark_distance = 0;                    ///< largest distance of a landmark
-  int inverted = 0;  ///< triangles whose normal is against that of the target beside them
+  double mean_distance = 0, largest_distance = 0;  ///< distance of nodes from the target, model
+                                                   ///< units
+  double landmark_distance = 0;                    ///< largest distance of a landmark, model units
+  int inverted = 0;  ///< number of triangles whose normal points against that of the nearby target
 };
 
-/// The nodes of `mesh` onto the surface of `target`: first the similarity that fits the landmarks
-/// best, then
+/// Registers `mesh` to the surface of `target`. The best similarity of the landmarks is followed by
+/// iterations for
 ///
 ///     min ½ Σ_i Σ_j |(v_j - v_i) - R_i (p_j - p_i)|² + μ Σ_i |v_i - c_i|² + Λ Σ_landmarks |v - u|²
 ///
-/// c_i: the nearest point of the target whose normal is within 90° of the node's. μ grows stage by
-/// stage; each stage starts with the shape before as p. Rounds find R_i, then c_i, then v. Landmarks
-/// are held at the end by their weight; give at least four, not in one plane.
+/// c_i is the nearest point of the target whose normal is within 90° of that of the node. μ
+/// increases from stage to stage, and each stage takes the previous shape as p. Each iteration
+/// computes R_i, then c_i, then v. Landmarks are imposed by the large weight Λ. Give at least four
+/// that are not coplanar.
 ///
-/// Throws InputError: fewer than three landmarks, a node that is not there, no triangles.
-/// O(stages · (factor + rounds · nodes · log triangles)). Source: Xu et al. 2007, section on
-/// morphing; Amberg, Romdhani, Vetter 2007 (stages).
+/// Throws InputError: fewer than three landmarks, a node out of range, no triangles. O(stages ·
+/// (factorization + iterations · nodes · log triangles)). Sources: [Xu2007], section on morphing;
+/// [Amberg2007] (stages).
 TargetFit fit_to_target(const TriangleMesh& mesh, const TriangleMesh& target,
                         const std::vector<LandmarkPair>& landmarks,
                         const TargetFitOptions& options = {}, const Progress& progress = {});
 
-/// The fitted mesh follows the target through its frames: each node keeps its place in the triangle
-/// of the target that it is nearest to at the frame of the fit (barycentric, and along the normal).
-/// `frame`: where `fitted` was fitted.
+/// Lets the fitted mesh follow the frames of the target. Each node keeps its position relative to
+/// the triangle of the target that is nearest to it in frame `frame`: barycentric coordinates, and
+/// an offset in the axes of the triangle. `fitted`: node positions as registered to that frame.
 MeshSequence transfer_target_motion(const ShellMesh& shells, const Points& fitted,
                                     const MeshSequence& target, const TriangleMesh& target_mesh,
                                     int frame);

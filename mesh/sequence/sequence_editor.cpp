@@ -14,9 +14,9 @@
 
 namespace batten {
 
-// Frame solvers for several threads. Internal.
+// Frame solvers for several threads.
 
-/// Solvers that are alike, one for each thread that asks at the same time.
+/// A pool of equal solvers: one for each thread that needs one at the same time.
 class SolverPool {
  public:
   SolverPool(const TriangleMesh& mesh, FrameConstraints constraints, const FrameOptions& options)
@@ -24,7 +24,7 @@ class SolverPool {
     free_.push_back(std::make_unique<FrameSolver>(mesh, constraints_, options_));
     notes_ = free_.front()->notes();
   }
-  /// Calls use(solver) with one that nobody else has meanwhile.
+  /// Runs `use` with a solver borrowed exclusively from the pool.
   template <class Use>
   void with(const Use& use) {
     std::unique_ptr<FrameSolver> solver;
@@ -53,9 +53,9 @@ class SolverPool {
 
 namespace {
 
-/// Keyframes of a run that start from each other.
+/// Length of a chain of keyframes that start from each other (Start::Neighbour).
 constexpr int kChunkLength = 8;
-/// Frames that are solved before they are handed on: more would only take memory.
+/// Number of frames solved before they are passed to the callback; more would only use memory.
 constexpr int kBatchSize = 16;
 
 std::string frame_name(int frame) { return "frame " + std::to_string(frame + 1); }
@@ -101,7 +101,7 @@ struct SequenceEditor::Data {
     }
   }
 
-  /// The solver whose handles are those that a keyframe tells.
+  /// The solvers for the set of handles that a keyframe prescribes.
   SolverPool& pool_for(const std::vector<char>& keyframed) {
     if (std::all_of(keyframed.begin(), keyframed.end(), [](char t) { return t != 0; }))
       return full_pool;
@@ -165,7 +165,7 @@ struct SequenceEditor::Data {
     reports[k] = solver.report();
   }
 
-  // Step 1 and the subspace solutions: one frame after the other, for W is large.
+  // Step 1 and the subspace solutions. Frames are processed one by one, since W is large.
   void start_from_control_mesh(const Progress& progress) {
     starts.clear();
     if (options.start != SequenceEditOptions::Start::Subspace) return;
@@ -208,7 +208,7 @@ struct SequenceEditor::Data {
     }
   }
 
-  // As it was told, or where the keyframe took it.
+  // The prescribed motion of a handle, or the fitted one if it is not prescribed exactly.
   RigidMotion motion_at(size_t k, size_t h) const {
     const auto& pose = keyframes[k].handles[h];
     if (pose && !pose->free_rotation && !constraints.penalty_weight) return pose->motion;
@@ -221,7 +221,7 @@ struct SequenceEditor::Data {
     std::vector<int> at;
     for (const auto& key : keyframes) at.push_back(key.frame);
     weights = KeyframeWeights::of_frames(sequence->times, at, options.ends, options.influence);
-    // Rotations are of nodes; where sheets meet the topology has more vertices than these.
+    // Rotations are per node; if patches meet, the topology has more vertices than nodes.
     const MeshTopology& topology = mesh.topology();
     logs = topology.node_count() == topology.vertex_count() ? unwrapped_logs(rotations, topology)
                                                             : unwrapped_logs(rotations);
@@ -251,12 +251,12 @@ struct SequenceEditor::Data {
   mutable SolverPool full_pool;
   std::map<std::vector<char>, std::unique_ptr<SolverPool>> partial_pools;
   std::vector<SequenceKeyframe> keyframes;
-  std::vector<std::vector<Mat3>> rotations;  // of keyframes, until their logarithms are known
+  std::vector<std::vector<Mat3>> rotations;  // of keyframes, until their logarithms are computed
   std::vector<Points> positions, starts, logs;
   std::vector<IterationReport> reports;
   std::optional<KeyframeWeights> weights;
   std::vector<Trajectory> before, after;
-  std::vector<std::vector<RigidMotion>> motions;  // of each handle, of each frame
+  std::vector<std::vector<RigidMotion>> motions;  // per handle, per frame
 };
 
 SequenceEditor::SequenceEditor(const MeshSequence& sequence, const TriangleMesh& mesh,

@@ -1,4 +1,4 @@
-// Edits that go through all frames of a sequence.
+// Keyframe edits that are propagated through all frames of a sequence.
 #pragma once
 
 #include <functional>
@@ -14,76 +14,87 @@
 
 namespace batten {
 
-/// A frame in which at least one handle is told where to be.
+/// A keyframe: a frame in which the pose of at least one handle is prescribed.
 struct SequenceKeyframe {
-  int frame = 0;  ///< from 0
-  /// One for each handle; none: the handle goes where this frame takes it.
+  int frame = 0;  ///< 0-based
+  /// One per handle. Empty: the handle is unconstrained in this keyframe and moves with the
+  /// solution.
   std::vector<std::optional<HandlePose>> handles;
 };
 
+/// Options of SequenceEditor.
 struct SequenceEditOptions {
   FrameOptions frames;
   enum class Start {
-    Handles,   ///< the handles' turns, spread
-    Subspace,  ///< few vertices of a control mesh around the first frame, following it
-    Neighbour  ///< the keyframe before: for keyframes close to each other
+    Handles,   ///< start from the interpolated rotations of the handles
+    Subspace,  ///< start from a subspace solution with a control mesh around the first frame that
+               ///< follows the frames
+    Neighbour  ///< start from the previous keyframe; for keyframes close to each other
   } start = Start::Handles;
-  ControlMeshOptions control;  ///< for Subspace
+  ControlMeshOptions control;  ///< for Start::Subspace
   TrajectoryOptions::Smoothness trajectories = TrajectoryOptions::Smoothness::Smooth;
   KeyframeExtrapolation ends = KeyframeExtrapolation::None;
-  InfluenceInterval influence;  ///< frames outside stay as they are, to the last bit
-  int iterations_between = 0;   ///< of the alternation, in every frame after its linear step
+  InfluenceInterval influence;  ///< frames outside it remain bit-identical
+  int iterations_between = 0;   ///< ARAP iterations in every frame after its linear step
 };
 
-/// Xu et al. 2007, section 5: over all frames k at once
+/// Keyframe editing of mesh sequences [Xu2007], section 5. Over all frames k, it minimises
 ///
 ///     Σ_k Σ_i ‖L v_i^k - R_i^k δ_i^k‖² + Σ_k Σ_i ‖ΔR_i^k‖² + Σ_k ‖C V^k - U^k‖²               (4)
 ///
-/// solved in the paper's order, each step by its own class:
+/// in the order of the paper; each step has its own class or function:
 ///   1. control meshes of all frames                    ControlMeshTransfer (Start::Subspace only)
 ///   2. keyframes by alternation                        FrameSolver::alternate
 ///   3. rotations of all nodes in all frames            KeyframeWeights, interpolate_logs
 ///   4. handles in all frames, each moving rigidly      edited (handle_trajectory.h)
 ///   5. all frames, one linear step each                FrameSolver::reconstruct
 ///
-/// In step 2 only the handles told at a keyframe are held; in step 5 all are. Frames whose keyframes
-/// change nothing come back to 1e-14 of the size; without keyframes to the last bit.
+/// In step 2 only the handles prescribed at a keyframe are constrained, in step 5 all of them.
+/// Frames whose keyframes change nothing are reproduced to 1e-14 of the size; without keyframes
+/// they are bit-identical.
 ///
-/// Cost: a factor for each set of handles that are told together and each thread; keyframes and
-/// frames in parallel, the same bits on any number of threads. A frame of 10,000 nodes takes 1 to 2
-/// ms, a round at a keyframe 2 to 3 ms. Memory beside the sequence: 24 bytes a node and keyframe.
+/// Cost: one factorization per set of handles that occur together in keyframes, and per thread.
+/// Keyframes and frames are processed in parallel, with bit-identical results for any number of
+/// threads. For 10,000 nodes a frame takes 1 to 2 ms, an iteration at a keyframe 2 to 3 ms. Memory
+/// besides the sequence: 24 bytes per node and keyframe.
 class SequenceEditor {
  public:
-  /// Keeps a reference to `sequence`. `mesh`: its first frame (prepare). Throws InputError and
-  /// NoSolutionError as FrameSolver.
+  /// Keeps a reference to `sequence`. `mesh`: its first frame, converted by prepare(). Throws
+  /// InputError and NoSolutionError like FrameSolver.
   SequenceEditor(const MeshSequence& sequence, const TriangleMesh& mesh,
                  FrameConstraints constraints, const SequenceEditOptions& options = {});
   ~SequenceEditor();
   SequenceEditor(SequenceEditor&&) noexcept;
   SequenceEditor& operator=(SequenceEditor&&) noexcept;
 
-  /// Steps 1 to 4. Keyframes in any order. Throws InputError: a frame that is not there or twice, a
-  /// keyframe that tells no handle or another number of them, one outside of the influence; what
-  /// FrameSolver throws; CancelledError. Then there are no keyframes.
+  /// Performs steps 1 to 4. The keyframes may be in any order. Throws InputError (a frame out of
+  /// range or repeated; a keyframe with no prescribed handle or a wrong number of handles; a
+  /// keyframe outside the influence interval), whatever FrameSolver throws, and CancelledError.
+  /// After an exception there are no keyframes.
   void set_keyframes(std::vector<SequenceKeyframe> keyframes, const Progress& progress = {});
-  /// Motions of each handle in each frame, for step 5 instead of what step 4 interpolates: handles
-  /// that are told where to be in all frames do not stray between keyframes. After set_keyframes(),
-  /// until the next one. Throws InputError: another number of handles or frames.
+  /// Replaces the interpolated handle motions of step 4 by given ones, per handle and frame.
+  /// Handles whose poses are known in all frames then do not deviate between keyframes. Call it
+  /// after set_keyframes(), whose next call discards the motions. Throws InputError if the number
+  /// of handles or frames differs.
   void set_motions(std::vector<std::vector<RigidMotion>> motions);
-  /// Step 5 for frames first … last: calls take(frame, positions) in order. Throws what take throws,
-  /// CancelledError.
+  /// Performs step 5 for frames `first` … `last` and calls take(frame, positions) in order. Throws
+  /// InputError for frames out of range, whatever `take` throws, and CancelledError.
   void frames(int first, int last, const std::function<void(int, const Points&)>& take,
               const Progress& progress = {}) const;
-  /// All of them.
+  /// Performs step 5 for all frames.
   std::vector<Points> frames(const Progress& progress = {}) const;
 
-  /// The keyframes in order, their shapes after step 2, and how the alternation went.
+  /// The keyframes, sorted by frame.
   const std::vector<SequenceKeyframe>& keyframes() const;
+  /// Node positions at the keyframes after step 2.
   const std::vector<Points>& keyframe_positions() const;
+  /// Convergence of step 2 at the keyframes.
   const std::vector<IterationReport>& keyframe_reports() const;
-  /// Of each handle, in the sequence and after step 4.
+  /// Trajectory of each handle in the original sequence.
   const std::vector<Trajectory>& trajectories_before() const;
+  /// Trajectory of each handle after step 4.
   const std::vector<Trajectory>& trajectories() const;
+  /// Notes in plain sentences about parts of the mesh without constraints.
   const std::vector<std::string>& notes() const;
 
  private:

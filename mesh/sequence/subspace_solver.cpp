@@ -28,7 +28,7 @@ struct SubspaceSolver::Data {
     d = control.points();
   }
 
-  // Nodes that are drawn somewhere: a handle's number, or -1 where the node stays.
+  // Visits the penalised nodes with the index of their handle, or -1 if the node is fixed.
   template <class Visit>
   void for_each_penalized(const Visit& visit) const {
     for (const int v : constraints.fixed) visit(v, -1);
@@ -41,7 +41,8 @@ struct SubspaceSolver::Data {
       throw InputError("a frame or a control mesh of another size");
     rest = frame;
     W = mean_value_coordinates(control.with_points(control_points), frame);
-    // Wᵀ K W as Σ w (W_a - W_b)ᵀ (W_a - W_b) would be m² an edge; K W first is m an edge.
+    // Assembling Wᵀ K W as Σ w (W_a - W_b)ᵀ (W_a - W_b) would cost m² per edge; K W first costs m
+    // per edge.
     MatX KW = MatX::Zero(W.rows(), W.cols());
     parallel_chunks<256>(graph.nodes, [&](long first, long last) {
       for (long i = first; i < last; ++i)
@@ -114,7 +115,8 @@ struct SubspaceSolver::Data {
   SubspaceOptions options;
   NodeGraph graph;
   double lambda = 0;
-  MatX W, handle_weights;  // share: nodes × handles, of the handles' turns
+  MatX W, handle_weights;  // handle_weights: nodes × handles, interpolation weights of the handle
+                           // rotations
   Eigen::LLT<MatX> factor;
   RowPoints rest, now;
   Points d0, d, result;

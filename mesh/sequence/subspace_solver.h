@@ -1,4 +1,5 @@
-// A first shape of a frame from a few control vertices.
+// Subspace deformation of a frame by a control mesh, as preview or initial shape, and an
+// interactive session.
 #pragma once
 
 #include <memory>
@@ -8,36 +9,39 @@
 
 namespace batten {
 
+/// Options of SubspaceSolver.
 struct SubspaceOptions {
-  int iterations = 8;
-  double penalty_weight = 100;  ///< λ of handles and fixed nodes, in the mean weight at a node
+  int iterations = 8;  ///< ARAP iterations of a solve, at least 1
+  double penalty_weight = 100;  ///< λ of handles and fixed nodes, relative to the mean weight at a
+                                ///< node
 };
 
-/// The energy of FrameSolver (w_ij = 1), minimised over the vertices d of a control mesh with v = W
-/// d, W their mean value coordinates in the frame:
+/// Subspace ARAP solver. The energy of FrameSolver (with w_ij = 1) is minimised over the vertices d
+/// of a control mesh, with v = W d. W are their mean value coordinates in the frame:
 ///
 ///     min_d ½ E(W d) + λ Σ_h |(W d)_h - u_h|²
 ///
-/// Few unknowns move the whole mesh smoothly, so a few rounds get where the alternation over all
-/// nodes needs hundreds. Handles are only drawn to their places, features are not rigid: a start for
-/// FrameSolver::alternate, or a shape to be shown while that runs.
+/// The few unknowns move the whole mesh smoothly, so a few iterations suffice where the alternation
+/// over all nodes needs hundreds. Handles are only soft constraints and features are not rigid. The
+/// result is an initial shape for FrameSolver::alternate(), or a preview while that runs.
 ///
-/// Cost: W (mean_value_coordinates) and a dense m×m factor a frame; a round is two products with W.
-/// Memory: W, nodes × m. Source: Huang et al. 2006; Xu et al. 2007, eq. 6.
+/// Cost: W (see mean_value_coordinates()) and a dense m×m factorization per frame; an iteration
+/// costs two products with W. Memory: W, nodes × m. Sources: [Huang2006]; [Xu2007], eq. 6.
 class SubspaceSolver {
  public:
-  /// Throws InputError: a control mesh that is not closed, options out of range, nothing held.
+  /// Throws InputError: a control mesh that is not closed, options out of range, no constraints.
   SubspaceSolver(const TriangleMesh& mesh, FrameConstraints constraints, TriangleMesh control,
                  const SubspaceOptions& options = {});
   ~SubspaceSolver();
   SubspaceSolver(SubspaceSolver&&) noexcept;
   SubspaceSolver& operator=(SubspaceSolver&&) noexcept;
 
-  /// The frame that is edited, and the control vertices there. NoSolutionError.
+  /// Sets the frame to be edited and the control vertices for it. Throws NoSolutionError.
   void set_frame(const Points& frame, const Points& control);
-  /// All nodes for these places. Needs a frame. Throws InputError on another number of places.
+  /// Positions of all nodes for given handle targets. Requires set_frame(). Throws InputError if
+  /// the number of targets is wrong.
   const Points& solve(const FrameTargets& targets);
-  /// Control vertices of the last answer.
+  /// Control vertices of the last solution.
   const Points& control() const;
 
  private:
@@ -46,35 +50,37 @@ class SubspaceSolver {
 };
 
 
-// One frame edited live: an answer at once, better ones on demand.
+// Interactive editing of one frame: a preview at once, refinement on demand.
 
-/// A keyframe under the mouse. solve_preview() moves few vertices of a control mesh and so the whole shape
-/// smoothly; refine() goes on from there with the alternation over all nodes, which repairs what the
-/// control mesh folded, and holds handles and features exactly.
+/// Interactive session for a keyframe. solve_preview() moves the few vertices of a control mesh and
+/// with them the whole shape smoothly. refine() continues with the ARAP iteration over all nodes.
+/// It removes folds caused by the control mesh and satisfies handles and features exactly.
 ///
-///     FrameSession session(mesh, holds, control_mesh(mesh));
+///     FrameSession session(mesh, constraints, control_mesh(mesh));
 ///     session.set_frame(frame);
-///     show(session.solve_preview(places));            // at every event of the mouse
-///     while (!session.refine(5)) show(session.positions());   // when it rests
+///     show(session.solve_preview(targets));                   // at every mouse event
+///     while (!session.refine(5)) show(session.positions());   // when the mouse rests
 ///
-/// Cost: set_frame() as SubspaceSolver's; solve_preview() 10 to 50 ms on 10,000 nodes; a round of refine() 2
-/// to 3 ms.
+/// Cost: set_frame() as SubspaceSolver::set_frame(); solve_preview() 10 to 50 ms for 10,000 nodes;
+/// 2 to 3 ms per iteration of refine().
 class FrameSession {
  public:
-  /// `control`: around `mesh`, in its own shape. Throws as FrameSolver and SubspaceSolver.
+  /// `control`: control mesh around `mesh` in its given shape. Throws like FrameSolver and
+  /// SubspaceSolver.
   FrameSession(const TriangleMesh& mesh, FrameConstraints constraints, TriangleMesh control,
                const FrameOptions& frames = {}, const SubspaceOptions& subspace = {});
   ~FrameSession();
 
-  /// The control mesh goes along as ControlMeshTransfer says. Throws InputError on another number of
-  /// nodes.
+  /// Sets the frame to be edited; ControlMeshTransfer moves the control mesh along. Throws
+  /// InputError if the number of nodes differs.
   void set_frame(const Points& frame);
-  /// Needs a frame. Throws InputError, ConflictError.
+  /// Solves in the subspace. Requires set_frame(). Throws InputError and ConflictError.
   const Points& solve_preview(const FrameTargets& targets);
-  /// Needs an answer. Returns whether the shape is at rest.
+  /// Performs up to `iterations` ARAP iterations. Requires solve_preview(). Returns true if
+  /// converged.
   bool refine(int iterations);
   const Points& positions() const;
-  const IterationReport& report() const;  ///< of the refinement
+  const IterationReport& report() const;  ///< of refine()
 
  private:
   struct Data;

@@ -31,7 +31,7 @@ void check_value(const CurveLoad& load) {
                      ": expected 0 or more");
 }
 
-// Lower triangle of weight H Hᵀ at one parameter.
+// Adds the lower triangle of weight H Hᵀ at one parameter.
 void add_spring(const CurveMesh& mesh, double u, double weight, SparseMatrix& K) {
   const auto at = mesh.locate(u);
   const auto H = HermiteSegment(mesh.length(at.segment)).evaluate(at.s);
@@ -79,7 +79,7 @@ DeformableCurve::DeformableCurve(HermiteCurve shape, ConstraintSet constraints,
   current_ = shape_.dofs() - positions_ * origin_.transpose();
 }
 
-// Relative numbers become those of the curve as it is by powers of its length.
+// Factor that converts relative values to those of the actual curve: a power of its length.
 double DeformableCurve::scale(int power) const {
   if (material_.units == LoadUnits::Absolute) return 1;
   return std::pow(shape_.end() - shape_.start(), power);

@@ -1,4 +1,4 @@
-// A deformable curve: named loads give it its shape.
+// Deformable curves: physically based curve modelling with named loads, statics and dynamics.
 #pragma once
 
 #include <optional>
@@ -15,15 +15,15 @@ namespace batten {
 
 /// A load on a curve. Its `value` is a parameter that sliders and --set change by the load's name.
 struct CurveLoad {
-  /// The force value · direction acts all along the curve, per length of its parameter u.
+  /// Distributed force value · direction along the whole curve, per length of its parameter u.
   struct Uniform {
     Vec3 direction;
   };
-  /// The force value · direction acts at the point of the curve that is nearest to `at`.
+  /// Point force value · direction at the curve point closest to `at`.
   struct Force {
     Vec3 at, direction;
   };
-  /// A spring of stiffness value ≥ 0 pulls the curve's point nearest to `at` to the place `to`.
+  /// Spring of stiffness value ≥ 0 from the curve point closest to `at` to the fixed point `to`.
   struct Spring {
     Vec3 at, to;
   };
@@ -32,54 +32,63 @@ struct CurveLoad {
   std::variant<Uniform, Force, Spring> kind;
 };
 
-/// What the curve resists to loads and motion.
+/// Material of a deformable curve: stiffness, density and damping.
 struct CurveMaterial {
+  /// alpha: stretching stiffness, beta: bending stiffness.
   CurveAssembler::Coefficient alpha = {0}, beta = {1};
-  /// Relative: alpha, beta, loads, density and damping are pure numbers on the curve scaled to
-  /// length 1, so that the same curve in mm and in m takes the same shape. Absolute: alpha is a
-  /// force, beta force·length², a spring force/length.
+  /// Relative: alpha, beta, loads, density and damping are dimensionless and refer to the curve
+  /// scaled to length 1, so that the same curve in mm and in m takes the same shape. Absolute:
+  /// alpha is a force, beta is force·length², a spring stiffness is force/length.
   LoadUnits units = LoadUnits::Relative;
-  /// True: the shape that the curve is made with has no energy. False: a straight line has none
-  /// (a point, where alpha is above 0).
+  /// True: the initial shape has zero energy. False: a straight line has zero energy (a point, if
+  /// alpha is above 0).
   bool starts_unstressed = true;
-  double density = 1, damping = 1;  ///< ρ and μ of a motion, ≥ 0
+  double density = 1, damping = 1;  ///< density ρ and damping μ of the motion, ≥ 0
 };
 
-/// The deformable curve of Celniker and Gossard 1991: the minimum of
+/// The deformable curve of [Celniker1991]: the minimum of
 ///
 ///     E = ∫ alpha |Y_u|² + beta |Y_uu|² du + Σ k |X(u_k) - to_k|² - 2 ∫ f·X du - 2 Σ F·X(u_i)
 ///
-/// under constraints that hold exactly; Y = X, or X minus the shape it was made with
-/// (starts_unstressed). Positions are taken relative to a point of the curve, so that a curve far from
-/// the origin loses no digits. Loads that only change the right-hand side cost one solve; another
-/// stiffness of a spring costs a factor of a banded matrix.
+/// under constraints that hold exactly. Y is X minus the initial shape if `starts_unstressed`,
+/// otherwise X.
+///
+/// Positions are taken relative to a point of the curve, so that a curve far from the origin keeps
+/// its accuracy. Loads that change only the right-hand side cost one solve. A changed spring
+/// stiffness costs the factorization of a banded matrix.
 class DeformableCurve {
  public:
-  /// `constraints` are on the dofs of the shape's mesh (CurveConstraints). Throws InputError
-  /// (counts, numbers that are not finite, two loads of one name, a negative stiffness). solve()
-  /// and start_motion() throw ConflictError, and NoSolutionError when nothing holds the curve.
+  /// `constraints` are on the dofs of the mesh of `shape` (CurveConstraints).
+  ///
+  /// Throws InputError for wrong counts, numbers that are not finite, two loads of the same name,
+  /// and a negative stiffness. solve() and start_motion() throw ConflictError for contradictory
+  /// constraints, and NoSolutionError if neither constraints nor springs support the curve.
   DeformableCurve(HermiteCurve shape, ConstraintSet constraints, CurveMaterial material,
                   std::vector<CurveLoad> loads);
 
   const std::vector<CurveLoad>& loads() const { return loads_; }
-  /// Sets the value of a load. Throws InputError: an unknown name (the nearest is offered), a value
-  /// that is not finite, a negative stiffness.
+  /// Sets the value of a load. Throws InputError for an unknown name (the message suggests the
+  /// closest one), a value that is not finite, and a negative stiffness.
   void set(const std::string& load, double value);
-  /// Sets the place that a spring pulls to. Throws InputError: no such spring, a place that is not
+  /// Sets the fixed end of a spring. Throws InputError if there is no such spring or `to` is not
   /// finite.
   void set_spring_target(const std::string& spring, const Vec3& to);
 
-  /// Returns the shape at rest under the present loads.
+  /// Computes the equilibrium shape under the current loads.
   HermiteCurve solve();
 
-  /// Starts a motion, with velocity 0, from the present shape (the last one solved or reached), or
-  /// from the shape at rest when the present one does not keep the constraints. Values of loads may
-  /// change between steps.
+  /// Starts a motion with velocity 0 from the current shape, which is the last one solved or
+  /// reached.
+  ///
+  /// If the current shape violates the constraints, the motion starts from the equilibrium shape
+  /// instead. Values of loads may change between steps. `dt`: time step; `theta`: θ of the implicit
+  /// scheme.
   void start_motion(double dt, double theta = 1);
-  /// Makes one implicit step. Throws InputError when there was no start_motion().
+  /// Advances the motion by one implicit time step. Throws InputError if start_motion() was not
+  /// called.
   HermiteCurve step();
-  /// Returns kinetic plus potential energy, which never grows under constant loads. Throws
-  /// InputError when there was no start_motion().
+  /// Kinetic plus potential energy; it never grows under constant loads. Throws InputError if
+  /// start_motion() was not called.
   double energy();
 
   const ConstraintSet& constraints() const { return constraints_; }
@@ -96,10 +105,10 @@ class DeformableCurve {
   ConstraintSet constraints_, about_origin_;
   CurveMaterial material_;
   std::vector<CurveLoad> loads_;
-  std::vector<double> at_;  // parameters of the loads
+  std::vector<double> at_;  // curve parameters of the loads
   CurveAssembler assembler_;
   Vec3 origin_;
-  VecX positions_;  // 1 at position dofs
+  VecX positions_;  // per dof: 1 for positions, 0 for slopes
   SparseMatrix bending_;
   std::optional<ConstrainedSolver> solver_;
   std::optional<ThetaIntegrator> steps_;

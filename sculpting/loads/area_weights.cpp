@@ -12,7 +12,7 @@
 namespace batten {
 namespace {
 
-constexpr int kPoints = 7;  // a triangle
+constexpr int kPoints = 7;  // number of quadrature points per triangle
 using TrianglePoints = Eigen::Matrix<double, kPoints, 3>;
 
 double bump(double distance2, double radius) {
@@ -32,7 +32,7 @@ double distance2_to_chord(const Vec3& p, const Vec3& a, const Vec3& b) {
   return (a + s * d - p).squaredNorm();
 }
 
-// Chords of a curve that leave it by no more than `sagitta`.
+// Polyline whose chords deviate from the curve by at most `sagitta`.
 std::vector<Vec3> polyline_of(const HermiteCurve& curve, double sagitta) {
   std::vector<Vec3> chain{curve.evaluate({0, 0.0})};
   for (int s = 0; s < curve.segment_count(); ++s) {
@@ -74,7 +74,7 @@ class DistanceToPolyline {
   }
 
  private:
-  static constexpr size_t kBlock = 8;  // chords
+  static constexpr size_t kBlock = 8;  // chords per bounding box
   std::vector<Vec3> chain_;
   double radius_;
   std::vector<Box3> boxes_;
@@ -85,7 +85,7 @@ void require_radius(double radius, const std::string& what) {
     throw InputError(what + ": a radius of " + format_number(radius) + ", expected above 0");
 }
 
-// Means of weights(points of a triangle), 7 numbers, over every triangle.
+// Mean over every triangle of the 7 values weights(points of the triangle).
 template <class Weights>
 VecX triangle_means(const Surface& reference, const Weights& weights) {
   constexpr int degree = 5;
@@ -160,7 +160,7 @@ VecX triangle_weights(const Area& area, const ModelLayout& layout, const Surface
 namespace {
 
 std::vector<Vec2> directions_along(const HermiteCurve& pcurve, const ParametricMesh& mesh) {
-  constexpr int cuts = 16;  // a segment
+  constexpr int cuts = 16;  // chords per segment
   std::vector<Vec2> chain{drop_z(pcurve.evaluate({0, 0.0}))};
   for (int s = 0; s < pcurve.segment_count(); ++s)
     for (int k = 1; k <= cuts; ++k)

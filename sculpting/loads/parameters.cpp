@@ -94,7 +94,8 @@ void Parameters::set_rule(const std::string& name, std::vector<ScalarParameter::
   ScalarParameter& driven = all_[index(name)];
   check(name, rule_terms, offset);
   if (rule_terms.empty()) expect_in_range(driven, offset);
-  // Whoever `name` is to follow must not follow it, by however many steps.
+  // None of the parameters that `name` is to depend on may depend on `name`, directly or
+  // indirectly.
   std::vector<std::string> way = {name};
   const auto look = [&](const auto& self, const std::vector<ScalarParameter::Term>& terms) -> void {
     for (const auto& term : terms) {

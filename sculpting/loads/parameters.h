@@ -1,4 +1,5 @@
-// Named numbers that shape a surface: sliders, values over time, and rules between them.
+// Named scalar parameters of a model: sliders, keyframed values, and linear rules between
+// parameters.
 #pragma once
 
 #include <limits>
@@ -11,16 +12,16 @@
 
 namespace batten {
 
-/// A number with a name and a range. It has one source: the user's hand (`value`), time, or other
-/// parameters.
+/// A named number with a range. Its value comes from one source: the user (`value`), keyframes over
+/// time, or a rule of other parameters.
 struct ScalarParameter {
-  /// One term of a rule: it adds factor times the value of another parameter.
+  /// One term of a rule: adds factor times the value of the parameter `of`.
   struct Term {
     std::string of;
     double factor = 1;
   };
-  /// A value at one time. Values are linear between moments, and constant before the first and
-  /// after the last.
+  /// A value at one time. Values are interpolated linearly between keyframes, and constant before
+  /// the first and after the last.
   struct Keyframe {
     double time, value;
   };
@@ -28,9 +29,9 @@ struct ScalarParameter {
   double value = 0;
   double min = -std::numeric_limits<double>::infinity();
   double max = std::numeric_limits<double>::infinity();
-  std::vector<Keyframe> keyframes = {};  ///< ascending; none: the value stands
-  /// value = offset + Σ factor · parameter; none: the value is its own. So one slider can move many
-  /// parameters.
+  std::vector<Keyframe> keyframes = {};  ///< ascending times; empty: the value is constant in time
+  /// Rule value = offset + Σ factor · parameter, with which one slider can drive many parameters.
+  /// Empty: no rule.
   std::vector<Term> rule_terms = {};
   double offset = 0;
 };
@@ -38,62 +39,68 @@ struct ScalarParameter {
 /// The parameters of one model, in the order in which they were added. Copies are independent.
 class Parameters {
  public:
-  /// Adds a parameter. Throws InputError: no name or one that is taken, numbers that are not
-  /// finite, min > max, a value or a moment outside of the range, moments that do not ascend, a
-  /// parameter that has moments and follows others too, or that follows one that is not there yet.
+  /// Adds a parameter.
+  ///
+  /// Throws InputError for an empty or duplicate name, numbers that are not finite, min > max, a
+  /// value or keyframe out of range, and keyframes that do not ascend. Also throws if a parameter
+  /// has both keyframes and a rule, or if its rule refers to a parameter that does not exist yet.
   void add(ScalarParameter parameter);
-  /// Removes a parameter. Throws InputError: an unknown name, or one that another parameter
-  /// follows.
+  /// Removes a parameter. Throws InputError for an unknown name and for a parameter that the rule
+  /// of another one uses.
   void remove(const std::string& name);
-  /// Makes a parameter that is there already follow others; it loses its own value and moments.
-  /// Without any to follow it stands alone again, with the offset as its value. Throws InputError:
-  /// unknown names, a circle (its members are named), numbers that are not finite, an offset
-  /// outside of the range for a parameter that stands alone.
+  /// Sets the rule of an existing parameter, which loses its own value and keyframes.
+  ///
+  /// Empty `rule_terms` remove the rule; the offset then becomes the value. Throws InputError for
+  /// unknown names, a cyclic rule (the message names its members), numbers that are not finite, and
+  /// an offset out of range for a parameter without rule.
   void set_rule(const std::string& name, std::vector<ScalarParameter::Term> rule_terms,
                 double offset);
 
   int count() const { return isize(all_); }
   const std::vector<ScalarParameter>& all() const { return all_; }
   bool has(const std::string& name) const { return index_.count(name) > 0; }
-  /// Returns the number of a parameter. Throws InputError: an unknown name (the nearest is
-  /// offered).
+  /// Index of a parameter. Throws InputError for an unknown name (the message suggests the closest
+  /// one).
   int index(const std::string& name) const;
 
-  /// Sets a parameter by hand; time moves it no more, until restore(). Throws InputError: a number
-  /// that is not finite or out of range, a parameter that follows others (they are named).
-  /// O(followers), allocates nothing.
+  /// Sets a parameter to a user value. Its keyframes no longer act, until restore().
+  ///
+  /// Throws InputError for a number that is not finite or out of range, and for a parameter with a
+  /// rule (the message names the parameters that drive it). O(dependent parameters), allocates
+  /// nothing.
   void set(int index, double value);
   void set(const std::string& name, double value) { set(index(name), value); }
 
-  /// Returns the current value: that set by hand, that of the present time, or that of its rule,
-  /// held to its own range.
+  /// Current value: the one set by the user, that of the keyframes at the current time, or that of
+  /// the rule, clamped to the parameter's range.
   double value(int index) const { return current_[index]; }
   double value(const std::string& name) const { return value(index(name)); }
   const std::vector<double>& values() const { return current_; }
 
   double time() const { return time_; }
-  /// Sets the time, and with it the parameters that have moments and were not set by hand. Returns
-  /// whether any value changed.
-  /// Throws InputError on a time that is not finite. Allocates nothing.
+  /// Sets the time, and with it all parameters with keyframes that the user has not set. Returns
+  /// true if any value changed. Throws InputError for a time that is not finite. Allocates nothing.
   bool set_time(double time);
 
-  /// Restores values that values() once gave for the same parameters, and that time. Parameters
-  /// with moments whose value is that of the time follow it again, others count as set by hand.
-  /// Throws InputError when there are not as many. Allocates nothing.
+  /// Restores values that values() returned earlier for the same parameters, and the time.
+  ///
+  /// Keyframed parameters whose value is that of the time follow it again; others count as set by
+  /// the user. Throws InputError for a wrong number of values. Allocates nothing.
   void restore(const std::vector<double>& values, double time);
 
  private:
   struct Rule {
     int follower;
-    std::vector<std::pair<int, double>> terms;  // parameter, factor
+    std::vector<std::pair<int, double>> terms;  // parameter index, factor
   };
   double at_time(int i) const;
   void follow();
   void order_rules();
   std::vector<ScalarParameter> all_;
   std::unordered_map<std::string, int> index_;
-  std::vector<Rule> rules_;     // each after those of the parameters that it follows
-  std::vector<char> user_set_;  // of parameters with moments: time does not move them
+  std::vector<Rule> rules_;     // sorted so that each rule comes after those of the parameters it
+                                // uses
+  std::vector<char> user_set_;  // per keyframed parameter: set by the user, so keyframes do not act
   std::vector<double> current_;
   double time_ = 0;
 };

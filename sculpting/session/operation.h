@@ -1,4 +1,5 @@
-// The operations on a session, as data, and what an answer reports.
+// Operations on a sculpting session as data (for recording and replay), and the reports of solves
+// and refinements.
 #pragma once
 
 #include <memory>
@@ -14,52 +15,59 @@
 
 namespace batten {
 
-/// How an answer was reached.
+/// Result of a solve: convergence and cost.
 struct SolveReport {
   bool converged = true;
-  int iterations = 0;       ///< pairs of triangular solves
-  double change = 0;        ///< change of the last iteration, over the model's size
-  bool superposed = false;  ///< only linear loads moved: a sum of known shapes
-  /// The answer stopped after its first iteration: `change` is not measured but is five times what
-  /// the answers before let expect. Every fourth answer makes a second iteration and measures it.
+  int iterations = 0;       ///< number of iterations; each costs a pair of triangular solves
+  double change = 0;        ///< change of the last iteration, relative to the model size
+  bool superposed = false;  ///< only linear loads changed: the shape is a sum of known shapes
+  /// The solve stopped after its first iteration. `change` is then not measured, but five times the
+  /// value expected from previous solves. Every fourth solve makes a second iteration and measures
+  /// it.
   bool change_is_estimated = false;
-  bool factored = false;  ///< a new factor was needed
-  /// settle() planned smooth joins again, because moved lines had turned the tangents at nodes.
+  bool factored = false;  ///< a new factorization was needed
+  /// solve_to_equilibrium() planned smooth joins again, because moved lines had rotated the
+  /// tangents at nodes.
   bool joins_planned = false;
-  double time = 0;  ///< time of the motion, or of the values
+  double time = 0;  ///< current time of the motion or of the keyframes
 };
 
-/// Says which triangles are halved, and the limits of that.
+/// Selects the triangles to be refined by bisection, and the limits of the refinement.
 struct Refinement {
   struct Brush {
-    std::vector<Area::Painted::Stroke> strokes;  ///< triangles that have a point inside of one
+    std::vector<Area::Painted::Stroke> strokes;  ///< triangles that contain a point inside one of
+                                                 ///< these are refined
   };
+  /// Dörfler marking by the jump estimator residual_indicator() [Dorfler1996].
   struct JumpIndicator {
-    double fraction = 0.3;  ///< the halved triangles carry this share of the sum of all jumps
+    double fraction = 0.3;  ///< the marked triangles carry this fraction of the sum of all
+                            ///< indicators
   };
   std::variant<Brush, JumpIndicator> where;
-  /// A triangle is halved only when its longest edge in space is longer than twice this; model
+  /// A triangle is refined only if its longest edge in space is longer than twice this. Model
   /// units; 0: size / 2000.
   double smallest = 0;
-  int max_triangles = 200000;  ///< a refinement that would make more throws InputError
+  int max_triangles = 200000;  ///< throws InputError if the refinement would exceed it
 };
 
-/// What a refinement did.
+/// Result of a refinement.
 struct RefinementReport {
   int triangles_before = 0, triangles = 0;
-  double max_displacement = 0;  ///< largest move of the surface when it was carried over, before it
-                                ///< settled again; over the size
+  /// Largest displacement of the surface by the transfer to the new mesh, before the new
+  /// equilibrium was computed, relative to the size.
+  double max_displacement = 0;
   double energy_before = 0, energy_transferred = 0,
-         energy_at_equilibrium = 0;  ///< stretching and bending
+         energy_at_equilibrium = 0;  ///< stretching and bending energy
 };
 
-/// One operation on a session, with all that replay() needs.
+/// One operation on a session, with all data that replay() needs.
 struct Operation {
   using Item = std::variant<Load, StiffnessField, Constraint, LineOffset, CharacterLine>;
   struct Add {
     Item what;
-    std::vector<ScalarParameter> parameters;  ///< start values and ranges
+    std::vector<ScalarParameter> parameters;  ///< start values and ranges of the item's parameters
   };
+  /// Replaces the constraint of the same name.
   struct Change {
     Constraint constraint;
   };
@@ -91,8 +99,8 @@ struct Operation {
     Redo,
     Edit
   } kind = Kind::SolveToEquilibrium;
-  int index = 0;     ///< Set: parameter; SolvePreview: most iterations
-  double value = 0;  ///< Set; SolvePreview: tolerance; Time
+  int index = 0;     ///< Set: parameter index; SolvePreview: maximum number of iterations
+  double value = 0;  ///< Set: value; SolvePreview: tolerance; Time: time
   std::shared_ptr<const Edit> edit = {};
 };
 

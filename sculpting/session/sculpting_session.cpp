@@ -13,8 +13,6 @@ namespace batten {
 using detail::SessionDefinition;
 using Kind = Operation::Kind;
 
-// -- the session ----------------------------------------------------------------------------------
-
 SculptingSession::SculptingSession(ModelLayout layout, const SessionOptions& options,
                                    const Progress& progress)
     : data_(std::make_unique<SessionData>()) {
@@ -191,7 +189,7 @@ void SculptingSession::apply(const Operation& op) {
     return;
   }
   d.record_operation(op);
-  // The history gets the state before, once it is known that the edit can be done.
+  // The previous state is added to the history only if the edit succeeds.
   detail::SessionState before = d.snapshot();
   try {
     d.edit(*op.edit);
@@ -203,12 +201,13 @@ void SculptingSession::apply(const Operation& op) {
 }
 
 int SculptingSession::replay(const std::vector<Operation>& operations) {
-  const std::vector<Operation> all = operations;  // it may be this session's own record
+  const std::vector<Operation> all = operations;  // a copy, because it may be this session's own
+                                                  // record
   int refused = 0;
   for (const Operation& op : all) {
     try {
       apply(op);
-    } catch (const Error&) {  // it threw then
+    } catch (const Error&) {  // it threw when it was recorded, too
       ++refused;
     }
   }
@@ -312,7 +311,7 @@ void SessionData::push_history(detail::SessionState before) {
     undo_stack.pop_front();
 }
 
-// A step of the history, unless a drag or a motion goes on that has one already.
+// Adds a step to the history, unless an ongoing drag or motion already has one.
 void SessionData::push_history_once() {
   if (coalesces) return;
   push_history(snapshot());
@@ -371,7 +370,7 @@ SkinnedRegion SessionData::skinned_region(int r) {
   for (size_t i = 0; i < region.embedded.size(); ++i) {
     EmbeddedLine& line = region.embedded[i];
     moved(line.line, line.fitted, true, i);
-    // An image of the same nodes.
+    // The pcurve needs the same nodes.
     if (line.pcurve.parameters() != line.fitted.parameters())
       line.pcurve = line.pcurve.with_nodes(line.fitted.parameters());
   }

@@ -1,4 +1,4 @@
-// Live sculpting: loads, dynamics and constraints that can change at any moment.
+// Interactive sculpting of surfaces: loads, dynamics and constraints that can change at any time.
 #pragma once
 
 #include <memory>
@@ -16,47 +16,49 @@ namespace batten {
 
 struct SessionData;
 
-/// A surface that the user shapes live.
+/// An interactive sculpting session on a region or a whole model.
 ///
 ///     SculptingSession session(layout, options);
 ///     session.add(Load{"swell", Load::Pressure{}}, {{.name = "swell", .max = 300}});
 ///     session.solve_to_equilibrium();
 ///     while (dragging) {
 ///       session.set("swell", slider);
-///       session.solve_preview();              // one or a few pairs of triangular solves
+///       session.solve_preview();       // one or a few pairs of triangular solves
 ///       draw(session.frame());         // points and exact normals
 ///     }
 ///
-/// It is a region or a whole model: lines that regions share move them together, smooth joins stay
-/// smooth whatever acts (their rows stand among those of the lines), creases stay creases. Moves
-/// that turn the tangents of lines at a node leave the joins there less smooth, because their rows
-/// are those of the lines before; solve_to_equilibrium() plans them again.
+/// Lines that regions share move them together. Smooth joins stay smooth under all loads, because
+/// their constraints are imposed together with those of the lines; creases stay creases. If a line
+/// offset rotates the tangents of lines at a node, the joins there become less smooth, because
+/// their constraints still refer to the old lines. solve_to_equilibrium() plans these joins again.
 ///
-/// The state is dofs, velocities, time and parameter values. What they are made with (mesh, K,
-/// factor, rows) is shared and immutable, so undo() and redo() put back pointers: the shape comes
-/// back with the same bits, and nothing is factored.
+/// The state consists of dofs, velocities, time and parameter values. The data behind it (mesh, K,
+/// factor, constraints) is shared and immutable. undo() and redo() therefore only restore pointers:
+/// the shape is bit-identical and nothing is factored.
 ///
-/// What a change costs (docs/theory/sculpting.md has the measurements):
+/// Cost of a change (measurements: docs/theory/sculpting.md):
 ///
 ///     value of linear loads only         a sum of vectors (superposed; one solve at a first move)
 ///     right-hand side of a constraint,   one pair of triangular solves
-///       line or move
-///     pressure, pulls that are not       one pair for each iteration, which starts from the
-///       linear                             last shape
-///     a geometric constraint added       one solve for each new point; removed: none
-///     alpha, beta                        numbers of the factor again, its analysis kept
-///     lines added or removed, refinement everything of the mesh
+///       line or line offset
+///     pressure, nonlinear attractor      one pair per iteration; iterations start from the
+///       springs                            last shape
+///     a geometric constraint added       one solve per new point; removed: none
+///     alpha, beta                        numeric factorization; the symbolic analysis is reused
+///     lines added or removed, refinement everything on the mesh
 ///
-/// set(), solve_preview() and step() allocate nothing once each kind of answer was given (but for the
-/// history's first entry of a drag, and the record's pages). Every change either happens or throws
-/// and leaves the last good state: ConflictError names the constraints in conflict.
+/// set(), solve_preview() and step() do not allocate memory once each kind of solve has run, except
+/// for the first history entry of a drag and the pages of the record. Every change either succeeds
+/// or throws and leaves the last good state; ConflictError names the constraints in conflict.
 ///
-/// One thread at a time may call it; a viewer's thread takes frames through FrameExchange.
+/// Only one thread at a time may call the session. A viewer's thread receives frames through
+/// FrameExchange.
 class SculptingSession {
  public:
-  /// Makes a session on which nothing acts but the lines, and settles it. The session keeps
-  /// `progress` and asks it in its long answers, too. Throws InputError, ConflictError,
-  /// NoSolutionError.
+  /// Creates a session without loads and solves it to equilibrium under its lines.
+  ///
+  /// The session keeps `progress` and also uses it during long solves. Throws InputError,
+  /// ConflictError and NoSolutionError.
   SculptingSession(ModelLayout layout, const SessionOptions& options,
                    const Progress& progress = {});
   ~SculptingSession();
@@ -65,102 +67,116 @@ class SculptingSession {
 
   // -- parameters ---------------------------------------------------------------------------------
   const Parameters& parameters() const;
-  /// Sets a parameter by hand; it acts from the next solve_preview(), step() or solve_to_equilibrium() on. Throws
-  /// InputError as Parameters::set().
+  /// Sets a parameter to a user value. It takes effect at the next solve_preview(), step() or
+  /// solve_to_equilibrium(). Throws InputError as Parameters::set() does.
   void set(const std::string& parameter, double value) {
     set(parameters().index(parameter), value);
   }
   void set(int parameter, double value);
-  /// Adds a parameter for others to follow.
+  /// Adds a parameter that the rules of others can use.
   void add_parameter(ScalarParameter parameter);
-  /// Makes a parameter follow others, or stand alone again: Parameters::set_rule().
+  /// Sets or removes the rule of a parameter: Parameters::set_rule().
   void set_rule(const std::string& parameter, std::vector<ScalarParameter::Term> rule_terms,
                 double offset);
 
-  // -- what acts on the surface -------------------------------------------------------------------
-  /// Adds something that acts, on the surface as it is; a line is an inner one, embedded where the
-  /// surface is nearest to it. `parameters`: start value, range and moments of the parameters that
-  /// come with it, by name; those not given start at 0, the goal of a point at Point::goal. Loads
-  /// and weight fields act from the next answer on; constraints, moves and lines hold at once (the
-  /// surface settles). Throws InputError: a name that is taken, places far from the surface (half
-  /// the size), numbers out of range; ConflictError.
+  // -- loads, stiffness fields, constraints and lines --------------------------------------------
+  /// Adds a load, stiffness field, constraint, line offset or inner line to the current surface.
+  ///
+  /// A line is embedded where the surface is closest to it. `parameters`: start values, ranges and
+  /// keyframes of the item's parameters, by name. Missing ones start at 0, and the goal of a point
+  /// constraint at Point::goal. Loads and stiffness fields take effect at the next solve.
+  /// Constraints, offsets and lines hold at once: the surface is solved to equilibrium.
+  ///
+  /// Throws InputError for a name that is taken, points far from the surface (half the size), and
+  /// numbers out of range. Throws ConflictError if the new constraint contradicts others.
   void add(Operation::Item thing, std::vector<ScalarParameter> parameters = {});
-  /// Gives the constraint of this name another place, goal or direction. It stays of one kind.
+  /// Changes the point, goal or direction of the constraint of this name. Its type must stay the
+  /// same.
   void change(Constraint constraint);
-  /// Removes a load, weight field, constraint, move or embedded inner line. Throws InputError: no
-  /// such name, or one that others refer to.
+  /// Removes a load, stiffness field, constraint, offset or embedded inner line. Throws InputError
+  /// if there is no such item or if others refer to it.
   void remove(const std::string& name);
-  /// Gives a line another shape, over the same parameters and nodes as layout().line(). Only
-  /// right-hand sides change; the surface settles.
+  /// Gives a line another shape over the same parameters and nodes as layout().line(). Only
+  /// right-hand sides change; the surface is solved to equilibrium.
   void set_line(const std::string& line, HermiteCurve curve);
-  /// Returns the line as the surface has it: the layout's, and what moves add to it.
+  /// Current curve of a line: that of the layout plus its offsets.
   HermiteCurve line(const std::string& name) const;
-  std::vector<std::string> names() const;  ///< of everything that remove() knows
+  std::vector<std::string> names() const;  ///< of all items that remove() accepts
 
-  // -- answers ------------------------------------------------------------------------------------
-  /// Finds the shape at rest under all that acts, to the session's tolerance. Throws
-  /// NoSolutionError, with the values reached, when pressure is past its limit; parameters and
-  /// shape are then those of the last answer that converged.
+  // -- solves
+  // ---------------------------------------------------------------------------------------
+  /// Computes the equilibrium shape under all loads, to the session's tolerance.
+  ///
+  /// Throws NoSolutionError, with the values reached, if the pressure exceeds its limit load.
+  /// Parameters and shape are then those of the last converged solve.
   SolveReport solve_to_equilibrium();
-  /// Does the same for a drag: it stops at the tolerance, over the size (a hundredth of a pixel),
-  /// or after so many iterations. When it has not converged, the next call goes on from there.
+  /// Approximate equilibrium for use during a drag.
+  ///
+  /// Stops when the change falls below `tolerance`, relative to the size (the default is a
+  /// hundredth of a pixel), or after `max_iterations`. If it has not converged, the next call
+  /// continues from there.
   SolveReport solve_preview(int max_iterations = 4, double tolerance = 1e-5);
-  /// Starts a motion from the present shape with velocity 0; step() then goes on in time. Throws
-  /// InputError: numbers that Motion does not allow, density and damping both 0.
+  /// Starts a motion with velocity 0 from the current shape; step() then advances it in time.
+  /// Throws InputError for numbers that Motion does not allow, for example density and damping both
+  /// 0.
   void start_motion(const Motion& motion);
-  /// Makes one implicit step of dt; values over time go on with it.
+  /// Advances the motion by one implicit time step dt, and keyframed parameters with it.
   SolveReport step();
   void stop_motion();
   bool in_motion() const;
-  /// Sets the time for values over time, for the answers that follow. Throws InputError in motion.
+  /// Sets the time of keyframed parameters for the following solves. Throws InputError in motion.
   void set_time(double time);
 
   // -- history ------------------------------------------------------------------------------------
-  /// Puts the state back by one step of the history. One edit is a step; so are all set() since the
-  /// last solve_to_equilibrium() or edit (a drag of one slider or of several), and all steps of a motion in a
-  /// row. Returns false when there is nothing to undo.
+  /// Undoes one step of the history. Returns false if there is nothing to undo.
+  ///
+  /// One edit is a step. All set() since the last solve_to_equilibrium() or edit are one step (a
+  /// drag of one slider or of several), and so are all consecutive steps of a motion.
   bool undo();
   bool redo();
-  /// Switches the record of operations on or off; at first it is off. It grows by pages of 4,096
-  /// operations. Those that throw are recorded too.
+  /// Switches the recording of operations on or off; it is initially off. The record grows by pages
+  /// of 4,096 operations. Operations that throw are recorded as well.
   void record(bool on);
   const std::vector<Operation>& recorded() const;
-  void apply(const Operation& operation);  ///< does one operation, as its own function does
-  /// Does all operations again and passes over those that throw, as they did when they were
-  /// recorded; returns how many threw. On a session made from the same input the result is the same
-  /// bit for bit.
+  void apply(const Operation& operation);  ///< executes one operation like its own function
+  /// Executes a recorded sequence of operations and returns how many threw.
+  ///
+  /// Operations that throw are skipped, as they were when they were recorded. On a session made
+  /// from the same input, the result is bit-identical.
   int replay(const std::vector<Operation>& operations);
 
   // -- refinement ---------------------------------------------------------------------------------
-  /// Halves triangles, carries the shape and all that acts over to the new mesh, and settles again.
-  /// Throws InputError: strokes, shares or sizes out of range, too many triangles.
+  /// Refines triangles by bisection, transfers the shape and all loads and constraints to the new
+  /// mesh, and solves to equilibrium. Throws InputError for strokes, fractions or sizes out of
+  /// range, and for too many triangles.
   RefinementReport refine(const Refinement& refinement);
 
   // -- results ------------------------------------------------------------------------------------
   const ModelLayout& layout() const;
   Points dofs() const;
-  SkinnedRegion region(int r = 0) const;  ///< with lines as they are moved
+  SkinnedRegion region(int r = 0) const;  ///< with its lines at their current positions
   std::vector<SkinnedRegion> regions() const;
-  /// Returns points and normals of the present shape, in a buffer that the next call overwrites.
+  /// Points and normals of the current shape, in a buffer that the next call overwrites.
   const Frame& frame();
-  /// Writes the same into a frame of the caller's, FrameExchange::writing(). Its `moved` says
-  /// whether the shape has changed since the last frame() or draw().
+  /// Writes the same into a frame of the caller (FrameExchange::writing()). `moved` is true if the
+  /// shape has changed since the last frame() or draw().
   void draw(Frame& to);
-  /// Returns the largest residual of all rows, over the size, under the values of the last answer.
+  /// Largest residual of all constraints under the values of the last solve, relative to the size.
   double residual() const;
-  /// Returns the elastic energy of the present shape, on the domain scaled to size 1; over size² in
-  /// relative units.
+  /// Elastic energy of the current shape on the domain scaled to size 1; in relative units over
+  /// size².
   SurfaceEnergy energy() const;
-  /// Returns, under the values as they are set, elastic energy - 2 Fᵀx of the loads, plus the
-  /// energy of springs, and in motion kinetic energy, in the units of energy(). It never grows
-  /// under loads that are constant and do not follow. Pressure p counts with -2 p V (V: the
-  /// enclosed volume), which is its potential where the rim is held.
+  /// Total energy under the current parameter values, in the units of energy(): elastic energy - 2
+  /// Fᵀx of the loads, plus the energy of springs and, in motion, kinetic energy.
+  ///
+  /// It never grows under constant loads that do not follow the surface. Pressure p contributes -2
+  /// p V (V: the enclosed volume), which is its potential if the boundary is fixed.
   double total_energy() const;
-  /// Returns the force with which each line and constraint holds the surface at rest. It factors a
-  /// matrix of the rows.
+  /// Reaction force of each line and constraint at equilibrium. Factors a matrix of the
+  /// constraints.
   std::vector<Reaction> reactions() const;
-  /// Returns for each Load::PointCloudSprings how far its points are from the surface, and from `before`,
-  /// another shape on the layout to compare with.
+  /// Distances of the points of each Load::PointCloudSprings from the current surface and, for
+  /// comparison, from `before`, another shape on the layout.
   std::vector<PointCloudDistances> scan_distances(const Points& before) const;
   double enclosed_volume() const;  ///< ⅓ ∬ x·(x_u × x_v)
   size_t history_bytes() const;

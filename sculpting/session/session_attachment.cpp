@@ -20,12 +20,12 @@ void require_direction(const std::string& name, const Vec3& direction) {
   if (!(direction.norm() > 0)) throw InputError("'" + name + "' has a direction of no length");
 }
 
-// A surface through a line has normals at right angles to it only.
+// Throws unless the normal is perpendicular to the line, as for any surface through it.
 void require_normal_to_line(const std::string& name, const Vec3& normal, const std::string& line,
                             const HermiteCurve& curve) {
   require_direction(name, normal);
   constexpr int samples = 64;
-  constexpr double most = 1;  // degrees
+  constexpr double most = 1;  // largest deviation from the right angle, degrees
   double worst = 0;
   Vec3 where = Vec3::Zero();
   for (int k = 0; k <= samples; ++k) {
@@ -43,12 +43,13 @@ void require_normal_to_line(const std::string& name, const Vec3& normal, const s
                      "all of the line, or none (the tangent planes then stay as they are)");
 }
 
-// Where the surface is nearest to a place in space.
+// Closest location of the surface to a point in space.
 ModelPoint foot_point(const std::string& name, const Vec3& at, const ModelProjector& projector,
                       double size) {
   require_finite(name, at.allFinite());
   const auto closest = projector.nearest_inside(at);
-  constexpr double far = 0.5;  // of the size: no rounding, a mistake
+  constexpr double far = 0.5;  // fraction of the size; a larger distance is no rounding but an
+                               // input error
   if (!(closest.distance <= far * size))
     throw InputError("'" + name + "': the surface is " + format_number(closest.distance) +
                      " away from where it should act (the region's size is " + format_number(size) +
@@ -59,7 +60,8 @@ ModelPoint foot_point(const std::string& name, const Vec3& at, const ModelProjec
 SharedPoints shared(const Surface& surface) { return std::make_shared<Points>(surface.dofs()); }
 
 void check_area(const Area& area, const SessionDefinition& def, const Surface& surface) {
-  if (!everywhere(area)) triangle_weights(area, *def.layout, surface);  // throws what is wrong
+  // Called only to throw InputError if the area is invalid.
+  if (!everywhere(area)) triangle_weights(area, *def.layout, surface);
 }
 
 }  // namespace
@@ -172,7 +174,7 @@ AttachedConstraint attach(const Constraint& c, const SessionDefinition& def,
 
 namespace {
 
-// The normals of a surface along a line: the mean of those on its sides.
+// Surface normals along a line: the mean of those on its sides.
 class NormalsAlong {
  public:
   NormalsAlong(const ModelLayout& layout, const ModelLine& line, const Surface& surface)
@@ -224,7 +226,7 @@ void check(const LineOffset& move, const SessionDefinition& def) {
                      "', which has no normal to move along: expected a direction");
 }
 
-// The profile at a parameter of a line of this span, and its derivative.
+// Profile of an offset at a parameter of a line, and its derivative.
 Vec2 profile_of(const LineOffset& move, double t, double start, double span) {
   const double s = (t - start) / span, edge = std::min(s, 1 - s);
   if (!(move.fade > 0) || edge >= move.fade) return {1, 0};
@@ -233,13 +235,13 @@ Vec2 profile_of(const LineOffset& move, double t, double start, double span) {
           (s < 0.5 ? 1 : -1) * 30 * r * r * (1 - r) * (1 - r) / (move.fade * span)};
 }
 
-// The line with nodes of its own, where it is long between its nodes.
+// Inserts nodes where the line is long between its nodes.
 HermiteCurve with_more_nodes(const LineOffset& move, const ModelLayout& layout,
                              const LineSide& first, const HermiteCurve& fitted) {
   const double start = fitted.start(), span = fitted.end() - start;
   std::vector<double> more;
   constexpr int at_least = 32;
-  // On element edges it is one cubic between vertices.
+  // On element edges the line is one cubic between vertices.
   const bool on_edges = !first.embedded;
   if (on_edges) more = layout.region(first.region).edge_aligned()[first.index].parameters;
   for (int k = 1; k < at_least && !on_edges; ++k) more.push_back(start + span * k / at_least);
@@ -268,7 +270,8 @@ AttachedOffset attach(const LineOffset& move, const SessionDefinition& def,
   const CurveMesh& mesh = nodes.mesh();
   const double step = 1e-4 * span / nodes.segment_count();
   Points dofs = Points::Zero(mesh.dof_count(), 3);
-  // Of the direction: differences stay on one side where the line ends or turns a corner.
+  // Derivative of the direction by finite differences, one-sided where the line ends or has a
+  // corner.
   const auto direction_derivative = [&](double t, int side) -> Vec3 {
     if (move.direction) return Vec3::Zero();
     if (side == 0) {

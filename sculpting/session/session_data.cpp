@@ -14,7 +14,7 @@ namespace batten {
 using detail::SessionDefinition;
 
 void SessionData::rebuild(SessionDefinition def) {
-  // Values by name: numbers of parameters change.
+  // Values are matched by name, because parameter indices change.
   struct Known {
     std::string name;
     double good, shape;
@@ -26,7 +26,7 @@ void SessionData::rebuild(SessionDefinition def) {
   now.system = detail::build(std::move(def), now.parameters, now.system.get());
   engine.bind(system());
   update_value_names();
-  // What is new has not acted on the shape yet.
+  // New parameters have not acted on the shape yet.
   const auto& parameters = now.parameters.all();
   now.converged_values.resize(parameters.size());
   now.shape_values.resize(parameters.size());
@@ -43,14 +43,14 @@ void SessionData::rebuild(SessionDefinition def) {
   }
 }
 
-// Of which parameter each value is.
+// Updates the parameter name of each value.
 void SessionData::update_value_names() {
   value_names.clear();
   for (const ScalarParameter& p : now.parameters.all()) value_names.push_back(p.name);
 }
 
-// After the rows changed: on the static shape, bent from the rest shape as it is, or in motion as
-// near as can be.
+// Call after the constraints changed. In statics, computes the equilibrium shape, deformed from the
+// present rest shape. In motion, projects onto the constraints.
 void SessionData::solve_constrained() {
   read_values();
   if (!now.in_motion) {
@@ -64,7 +64,7 @@ void SessionData::solve_constrained() {
   mark_converged();
 }
 
-// After loads changed: the shape stays as it is, for the values that it was made with.
+// Call after loads changed: the shape stays as it is, and belongs to the old values.
 void SessionData::keep_shape() {
   read_values();
   engine.prepare_matrix(system(), values);
@@ -277,7 +277,7 @@ void SessionData::require_lines(const char* what) {
     throw InputError(std::string("lines cannot be ") + what + " here: only the corners are held");
 }
 
-// Carries dofs on the present layout over to the meshes of another one.
+// Transfers dofs from the current layout to the meshes of another one.
 SurfaceTransfer SessionData::transferred(const ModelLayout& layout, const Points& dofs) {
   SurfaceTransfer all;
   std::vector<Points> each;
@@ -293,7 +293,7 @@ SurfaceTransfer SessionData::transferred(const ModelLayout& layout, const Points
   return all;
 }
 
-// Carries over the shapes that loads, weight fields and constraints refer to.
+// Transfers the shapes to which loads, stiffness fields and constraints refer.
 void SessionData::transfer_reference_shapes(const ModelLayout& layout,
                                                        SessionDefinition& def) {
   std::vector<std::pair<detail::SharedPoints, detail::SharedPoints>> moved;
@@ -320,7 +320,7 @@ void SessionData::transfer_reference_shapes(const ModelLayout& layout,
   follow(def.constraints);
 }
 
-// Goes over to a layout with other meshes or other lines, and carries the shape over.
+// Replaces the layout by one with other meshes or lines and transfers the shape.
 SurfaceTransfer SessionData::change_layout(ModelLayout layout) {
   bool other_mesh = false;
   for (int r = 0; r < layout.region_count(); ++r)
@@ -398,7 +398,7 @@ HermiteCurve SessionData::line(const std::string& name) {
 
 namespace {
 
-// Triangles that a refinement halves.
+// Selects the triangles to be refined.
 std::vector<char> marks(const Refinement& refinement, const ModelLayout& layout,
                         const Surface& surface, const std::vector<double>& jumps) {
   const ParametricMesh& mesh = *layout.mesh();
@@ -453,7 +453,7 @@ RefinementReport SessionData::refine(const Refinement& refinement) {
   const Surface surface = this->surface();
   std::vector<double> jumps;
   if (std::holds_alternative<Refinement::JumpIndicator>(wanted.where)) {
-    // In the units of the whole model: a region's own count (S/s_r)².
+    // In the units of the whole model; a region's own indicator is scaled by (S/s_r)².
     for (int r = 0; r < layout().region_count(); ++r) {
       const VecX own = residual_indicator(skinned_region(r).surface);
       const double scale = layout().domain_scale().size() > 0
@@ -492,7 +492,7 @@ void SessionData::mark_converged() {
   now.fresh.assign(values.size(), 0);
 }
 
-// Goes back to parameters and shape of the last answer that converged.
+// Restores parameters and shape of the last converged solve.
 void SessionData::restore_converged() {
   if (now.converged_values.size() != static_cast<size_t>(now.parameters.count())) return;
   read_values();
@@ -500,7 +500,7 @@ void SessionData::restore_converged() {
     const ScalarParameter& own = now.parameters.all()[p];
     if (!now.fresh[p])
       values[p] = now.converged_values[p];
-    else if (system().roles[p] != detail::kNothing)  // as near to no action as its range lets it
+    else if (system().roles[p] != detail::kNothing)  // as close to no effect as its range allows
       values[p] = std::clamp(now.converged_values[p], own.min, own.max);
   }
   now.parameters.restore(values, now.parameters.time());
@@ -513,15 +513,16 @@ void SessionData::restore_converged() {
   engine.prepare_matrix(system(), values);
 }
 
-// Goes from the last good values to these in steps, which are halved where the shape does not
-// settle.
+// Load stepping from the last converged values to `goal`. Steps are halved if the solve does not
+// converge.
 detail::SessionEngine::SolveStatus SessionData::step_loads(
     const std::vector<double>& goal) {
   const std::vector<double> start = now.converged_values;
   Points reached_x = now.converged_x;
   double reached = 0, step = 0.5;
   detail::SessionEngine::SolveStatus total;
-  constexpr double smallest = 1.0 / 256, nothing = 1e-9;  // of what was reached; of the way
+  constexpr double smallest = 1.0 / 256, nothing = 1e-9;  // minimum step: fraction of the value
+                                                          // reached; fraction of the total
   while (reached < 1) {
     if (progress.cancelled && progress.cancelled()) throw CancelledError();
     const double target = std::min(1.0, reached + step);
@@ -567,7 +568,8 @@ bool SessionData::has_point_clouds() {
   return false;
 }
 
-// Plans smooth joins again where moved lines have turned tangents at nodes, so that γ and δ change.
+// Plans smooth joins again if moved lines have rotated the tangents at nodes, so that the gluing
+// functions γ and δ change.
 bool SessionData::plan_joins() {
   constexpr double same = 1e-7;
   if (layout().join_plans().empty() || system().def.fix_corners_only ||
@@ -663,7 +665,7 @@ SolveReport SessionData::solve_preview(int most, double tolerance) {
 SolveReport SessionData::step() {
   if (!now.in_motion) throw InputError("a step of a surface that was not set in motion");
   SolveReport answer;
-  // From the values that the shape has been made with.
+  // Starts from the values for which the shape was computed.
   before = now.shape_values;
   const double time = now.parameters.time();
   now.parameters.set_time(time + now.motion.dt);
@@ -708,7 +710,8 @@ bool same_rows(const ConstraintSet& a, const ConstraintSet& b) {
 
 }  // namespace
 
-// The shape under the rows that bends least from a rest shape, while no load acts. Absolute.
+// Shape under the constraints that bends least from a rest shape, without loads. Absolute
+// coordinates.
 Points SessionData::deformed_from(
     std::shared_ptr<const detail::RestConfiguration> rest) {
   std::vector<double> unloaded = values;
@@ -720,7 +723,7 @@ Points SessionData::deformed_from(
   return absolute(x);
 }
 
-// Makes the rest shape: where there is none yet, and `anew` also where rows have changed.
+// Computes the rest shape if there is none yet or, with `anew`, if the constraints have changed.
 void SessionData::update_rest_shape(bool anew) {
   const auto last = system().rest;
   if (!options.rest || (last && !anew)) return;

@@ -1,4 +1,4 @@
-// Inside of a sculpting session: its state, its history, and its operations.
+// Implementation of a sculpting session: its state, history and operations. Internal.
 #pragma once
 
 #include <deque>
@@ -15,23 +15,24 @@
 namespace batten {
 namespace detail {
 
-// All that undo puts back.
+// Everything that undo restores.
 struct SessionState {
   std::shared_ptr<SessionSystem> system;
   Parameters parameters;
   ShapeState shape;
   bool in_motion = false;
   Motion motion;
-  std::vector<double> shape_values;  // values of the parameters when the shape was made
-  // The last answer that converged.
+  std::vector<double> shape_values;  // parameter values for which the shape was computed
+  // The last converged solve.
   Points converged_x;
   std::shared_ptr<const RestConfiguration> converged_rest;
   std::vector<double> converged_values;
-  std::vector<char> fresh;  // parameters that have not acted on the shape yet: good at 0
+  std::vector<char> fresh;  // parameters that have not acted on the shape yet: their converged
+                            // value is 0
 };
 
 inline constexpr const char* kAxes[] = {".x", ".y", ".z"};
-inline constexpr size_t kRecordPage = 4096;  // of a record
+inline constexpr size_t kRecordPage = 4096;  // operations per page of a record
 
 struct SessionDisplay {
   std::shared_ptr<const ParametricMesh> mesh;
@@ -62,7 +63,7 @@ struct SessionData {
   SessionOptions options;
   detail::SessionState now;
   std::deque<detail::SessionState> undo_stack, redo_stack;
-  bool coalesces = false;  // what is set or stepped now belongs to the last step of the history
+  bool coalesces = false;  // the current set() or step() belongs to the last history step
   bool recording = false;
   std::vector<Operation> record;
   detail::SessionEngine engine;
@@ -70,7 +71,7 @@ struct SessionData {
   std::vector<std::string> value_names;
   detail::SessionDisplay display;
   Frame frame;
-  long frames = 0, version = 0, shown = -1;  // the version of the shape that was drawn
+  long frames = 0, version = 0, shown = -1;  // shown: version of the shape that was drawn last
   Progress progress;
 
   detail::SessionSystem& system() { return *now.system; }
@@ -90,8 +91,8 @@ struct SessionData {
   bool move_in_history(std::deque<detail::SessionState>& from,
                        std::deque<detail::SessionState>& to);
   void record_operation(const Operation& op);
-  // Changes values of parameters, as one step of the history for a whole drag; a value that is
-  // refused leaves no step.
+  // Changes parameter values; a whole drag is one step of the history. A rejected value leaves no
+  // step.
   template <class Change>
   void change_values(const Change& change) {
     if (coalesces) {
@@ -104,7 +105,7 @@ struct SessionData {
     coalesces = true;
   }
 
-  // -- answers ------------------------------------------------------------------------------------
+  // -- solves -----------------------------------------------------------------------------------
   void read_values() { values = now.parameters.values(); }
   void mark_converged();
   void restore_converged();

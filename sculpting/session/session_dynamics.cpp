@@ -11,7 +11,7 @@ namespace batten::detail {
 
 namespace {
 
-// The value of a parameter at the share θ of a step.
+// Value of a parameter at the fraction θ of a time step.
 double blended(const Motion& m, const std::vector<double>& from, const std::vector<double>& to,
                int parameter) {
   const auto p = static_cast<size_t>(parameter);
@@ -41,7 +41,7 @@ bool SessionEngine::prepare_motion(SessionSystem& system, const Motion& motion) 
   return true;
 }
 
-// Right-hand sides of the loose rows for one step: rates.
+// Right-hand sides of the auxiliary constraints for one step, as rates.
 void SessionEngine::set_dynamic_targets(SessionSystem& system, const std::vector<double>& from,
                                         const std::vector<double>& to, const ShapeState& shape) {
   const AuxiliaryConstraints& rows = *system.auxiliary;
@@ -83,14 +83,14 @@ void SessionEngine::step(SessionSystem& system, const std::vector<double>& from,
                          const std::vector<double>& to, ShapeState& shape) {
   const Motion& m = system.motion;
   anchored_ = false;
-  rhs_values_.clear();  // e_ and ae_ become rates
+  rhs_values_.clear();  // cleared because e_ and ae_ become rates
   const double area = system.def.scale().inertia();
   ReusableFactorization& dynamics = *system.dynamics;
 
-  // Followers act on the shape half way through the step; with θ = 1 on the one at its beginning,
-  // so that a step of any length is stable.
+  // Follower loads act on the shape at (1 - θ) dt into the step. With θ = 1 that is its beginning,
+  // so that steps of any length are stable.
   const double ahead = (1 - m.theta) * m.dt;
-  // b = F - K x + ρ/(θ dt) M v.
+  // Right-hand side b = F - K x + ρ/(θ dt) M v.
   multiply_symmetric(system.statics->matrix(), shape.x, product_);
   F_ = -product_;
   if (m.density > 0) {
@@ -109,7 +109,7 @@ void SessionEngine::step(SessionSystem& system, const std::vector<double>& from,
   if (system.point_cloud_load.rows() > 0) F_ += system.point_cloud_load;
   if (system.rest_load.rows() > 0) F_ += system.rest_load;
 
-  // Lines move at the rate that takes them to their places at the end of the step.
+  // Lines move at the rate that takes them to their positions at the end of the step.
   line_rhs(system, from, rate_);
   line_rhs(system, to, rhs_);
   system.reduction->check(rhs_);
@@ -131,7 +131,7 @@ void SessionEngine::project(SessionSystem& system, const std::vector<double>& va
                             ShapeState& shape) {
   anchored_ = false;
   rhs_values_.clear();
-  // The right-hand sides are what the shape misses on its rows.
+  // The right-hand sides are the residuals of the shape in the constraints.
   line_rhs(system, values, rhs_);
   system.reduction->check(rhs_);
   const auto correct = [&](Points& x, bool velocity) {
@@ -274,7 +274,8 @@ double SessionEngine::total_energy(const SessionSystem& system, const std::vecto
   for (size_t l = 0; l < system.loads.size(); ++l) {
     const double v = values[system.load_parameter[l]];
     if (system.loads[l]->F.rows() > 0 && v != 0) product_ -= 2 * v * system.loads[l]->F;
-    // Where the rim is held, ⅔ Fᵀx is twice p V: the potential of the pressure, without a half.
+    // If the boundary is fixed, ⅔ Fᵀx is twice p V: the potential of the pressure, without the
+    // factor ½.
     if (std::holds_alternative<Load::Pressure>(system.def.loads[l]->load.kind) && v != 0) {
       F_.setZero();
       system.parts->pressure().add(shape.x, system.loads[l]->weights, v * system.loads[l]->scale,
@@ -293,7 +294,7 @@ double SessionEngine::total_energy(const SessionSystem& system, const std::vecto
     for (SparseMatrix::InnerIterator it(rows.A, rows.rows[r].point); it; ++it)
       p += it.value() * shape.x.row(it.row()).transpose();
     const double value = values[rows.sources[r].parameter];
-    // One potential a spring, not a row.
+    // The potential counts once per spring, not once per constraint.
     if (rows.sources[r].coordinate <= 0)
       energy += value * spring_energy(system, rows.sources[r], p);
   }

@@ -107,7 +107,8 @@ std::vector<SurfaceStiffness> materials(const SessionSystem& system,
 
 }  // namespace
 
-// Scans act on the matrix itself: Σ k N Nᵀ, and Σ k N p on the right.
+// Point-cloud springs act on the matrix: they add Σ k N Nᵀ to it and Σ k N p to the right-hand
+// side.
 void SessionEngine::add_point_clouds(SessionSystem& system, const std::vector<double>& values,
                               SparseMatrix& K) {
   const MeshData& parts = *system.parts;
@@ -138,7 +139,7 @@ void SessionEngine::add_point_clouds(SessionSystem& system, const std::vector<do
     system.point_cloud_reduced = system.reduction->D().transpose() * system.point_cloud_load;
 }
 
-// What ties regions along embedded lines, for the values.
+// Stiffness that connects regions along embedded lines, for these values.
 SparseMatrix SessionEngine::join_stiffness(const SessionSystem& system,
                                            const std::vector<double>& values) {
   const double beta = (values[system.beta[0]] + values[system.beta[2]]) / 2;
@@ -146,7 +147,7 @@ SparseMatrix SessionEngine::join_stiffness(const SessionSystem& system,
          system.layout().join_stiffness();
 }
 
-// What holds the surface in its rest shape, as a load: K x_rest. `K` is without scans and joins.
+// Load K x_rest, which keeps the surface in its rest shape. `K` excludes point clouds and joins.
 void SessionEngine::set_rest_load(SessionSystem& system, const SparseMatrix& K) {
   const bool has_rest_shape = system.rest && system.rest->dofs.rows() > 0;
   system.rest_load.resize(has_rest_shape ? system.dofs() : 0, 3);
@@ -170,7 +171,7 @@ void SessionEngine::set_rest_shape(SessionSystem& system,
     invalidate_matrix(system);
 }
 
-// The matrix and its factor for the values.
+// Assembles and factors the matrix for these values.
 void SessionEngine::make_matrix(SessionSystem& system, const std::vector<double>& values) {
   const MeshData& parts = *system.parts;
   const auto all = materials(system, values);
@@ -182,7 +183,8 @@ void SessionEngine::make_matrix(SessionSystem& system, const std::vector<double>
   set_rest_load(system, K);
   K += join_stiffness(system, values);
   add_point_clouds(system, values, K);
-  // A factor that the history keeps must stay; one of our own takes other numbers in place.
+  // A factor shared with the history must not change; one that is not shared is refactored in
+  // place.
   if (system.statics && system.statics.use_count() == 1)
     system.statics->set_matrix(std::move(K));
   else
@@ -196,8 +198,8 @@ void SessionEngine::make_matrix(SessionSystem& system, const std::vector<double>
   system.dynamics_coupling.reset();
 }
 
-// Whether two couplings of these would be equal, on one mesh and reduction. What their right-hand
-// sides come from may differ.
+// True if the couplings of both would be equal on the same mesh and reduction. The sources of their
+// right-hand sides may differ.
 bool same_rows(const AuxiliaryConstraints& a, const AuxiliaryConstraints& b) {
   const auto same_matrix = [](const SparseMatrix& x, const SparseMatrix& y) {
     const auto equal = [](const auto* p, const auto* q, long n) { return std::equal(p, p + n, q); };
@@ -210,8 +212,8 @@ bool same_rows(const AuxiliaryConstraints& a, const AuxiliaryConstraints& b) {
   return &a == &b || (a.rows == b.rows && same_matrix(a.A, b.A));
 }
 
-// Makes the coupling of the rows beside the factor. `older` is on the same factor: solves of what
-// it has already are kept.
+// Computes the Schur complement of the auxiliary constraints. `older`, on the same factor: its
+// solves are reused.
 void SessionEngine::couple(SessionSystem& system, const SchurComplementConstraints* older) {
   const AuxiliaryConstraints& rows = *system.auxiliary;
   std::vector<int> known(static_cast<size_t>(rows.A.cols()), -1);
@@ -325,7 +327,8 @@ ConstraintSet SessionEngine::all_rows(const SessionSystem& system,
 
 void SessionEngine::throw_conflict(const SessionSystem& system, const std::vector<double>& values,
                                    int row) const {
-  // The elimination knows which rows make up another; it is asked only now.
+  // The elimination finds which constraints imply the redundant one; it runs only in case of
+  // conflict.
   const ConstraintSet all = all_rows(system, values);
   const AuxiliaryConstraints& auxiliary = *system.auxiliary;
   const AffineReduction check(all, AffineReduction::RhsMode::Given, kRedundantTolerance);
@@ -334,7 +337,7 @@ void SessionEngine::throw_conflict(const SessionSystem& system, const std::vecto
 }
 
 void SessionEngine::prepare_rhs(SessionSystem& system, const std::vector<double>& values) {
-  // The right-hand sides of lines are made anew only when lines moved.
+  // Right-hand sides of lines are recomputed only if lines moved.
   bool stands = rhs_values_.size() == values.size() && rhs_matrix_ == system.statics.get();
   for (size_t p = 0; stands && p < values.size(); ++p)
     stands = (system.roles[p] & kRhs) == 0 || values[p] == rhs_values_[p];
@@ -366,7 +369,7 @@ void SessionEngine::add_linear(const SessionSystem& system, const std::vector<do
 
 namespace {
 
-// The point of a spring's target that is nearest to p.
+// The point of a spring's target that is closest to p.
 Vec3 nearest_of(const Load::AttractorSprings& springs, int spring, const Vec3& p) {
   if (const auto* points = std::get_if<Load::AttractorSprings::TargetPoints>(&springs.target))
     return points->to[spring];
@@ -415,12 +418,12 @@ void SessionEngine::set_spring_targets(SessionSystem& system, const std::vector<
   if (wanted_stiffness_ != stiffness_) {
     system.coupling->set_stiffness(wanted_stiffness_);
     stiffness_ = wanted_stiffness_;
-    // Responses to loads were those of softer or stiffer springs.
+    // Load responses were computed for other spring stiffnesses.
     response_is_known_.assign(response_is_known_.size(), 0);
   }
 }
 
-// 2 ∫ φ(ρ) (ρ - r₀) dρ from r₀ to r: what a spring of stiffness 1 stores.
+// Energy of a spring of stiffness 1: 2 ∫ φ(ρ) (ρ - r₀) dρ from r₀ to r.
 double SessionEngine::spring_energy(const SessionSystem& system,
                                     const AuxiliaryConstraints::Source& source,
                                     const Vec3& p) const {
@@ -437,9 +440,9 @@ double SessionEngine::spring_energy(const SessionSystem& system,
 
 namespace {
 
-// Changes below this share of the size that do not fall any more are rounding.
+// Fraction of the size: smaller changes that no longer decrease are rounding.
 constexpr double kRoundingFloor = 1e-9;
-// After a change above this times the size in one iteration no shape comes back.
+// Factor of the size: after a larger change in one iteration, the solve has diverged.
 constexpr double kDivergence = 1e6;
 
 }  // namespace
@@ -474,8 +477,8 @@ void SessionEngine::map(SessionSystem& system, const std::vector<double>& values
   system.statics->expand(y_, e_, to);
 }
 
-// Where only linear loads moved since the anchor, the answer is its shape and a response to each
-// load.
+// Superposition: if only linear loads changed since the anchor, the solution is the anchor shape
+// plus a response per load.
 bool SessionEngine::superpose(SessionSystem& system, const std::vector<double>& values, Points& x,
                               SolveStatus& run) {
   for (size_t p = 0; p < values.size(); ++p)
@@ -487,7 +490,8 @@ bool SessionEngine::superpose(SessionSystem& system, const std::vector<double>& 
     const auto p = static_cast<size_t>(system.load_parameter[l]);
     if (system.loads[l]->reduced.rows() == 0 || values[p] == anchor_values_[p]) continue;
     if (!response_is_known_[l]) {
-      // The answer to the load alone: rows at zero, springs as stiff as they are.
+      // Response to this load alone: zero right-hand sides of the constraints, current spring
+      // stiffnesses.
       y_ = system.loads[l]->reduced;
       system.statics->solve(y_);
       g_.setZero();
@@ -505,8 +509,8 @@ bool SessionEngine::superpose(SessionSystem& system, const std::vector<double>& 
   return true;
 }
 
-// In a drag the last answers tell how good the first guess is. It is then taken without a second
-// iteration, but for every fourth answer, which measures again.
+// During a drag, previous solves predict the error of the first iterate. If it is small enough, no
+// second iteration is made, except in every fourth solve, which measures again.
 bool SessionEngine::accept_first_iterate(double first_change, double tolerance, SolveStatus& run) {
   constexpr double careful = 5;
   constexpr int most_unseen = 3;
@@ -539,12 +543,13 @@ SessionEngine::SolveStatus SessionEngine::solve_preview(SessionSystem& system,
     map(system, values, x, next_);
     ++run.iterations;
     run.change = change_between(next_, x) / size;
-    if (!(run.change < kDivergence)) {  // NaN too
+    if (!(run.change < kDivergence)) {  // written so that it is also true for NaN
       run.diverged = true;
       accelerator_.clear();
       return run;
     }
-    // Rounding leaves a floor, higher on cut and graded meshes: there the change stops falling.
+    // Rounding limits the accuracy, more on cut and graded meshes: the change then stops
+    // decreasing.
     iterations_since_least = run.change < 0.5 * least_change ? 0 : iterations_since_least + 1;
     if (iterations_since_least == 0) least_change = run.change;
     const bool at_floor = iterations_since_least >= 4 && least_change <= kRoundingFloor;
@@ -552,7 +557,7 @@ SessionEngine::SolveStatus SessionEngine::solve_preview(SessionSystem& system,
     if (run.iterations == 1) first_change = run.change;
     if (run.iterations == 2 && may_superpose)
       contraction_ratio_ = std::max(0.5 * contraction_ratio_, run.change / first_change);
-    // A last pair keeps the secants fresh for the next answer.
+    // The last pair keeps the Anderson history up to date for the next solve.
     if (!run.converged || run.iterations > 1) accelerator_.add_iterate(x, next_);
     if (!run.converged) accelerator_.extrapolate(next_);
     x.swap(next_);
@@ -561,7 +566,7 @@ SessionEngine::SolveStatus SessionEngine::solve_preview(SessionSystem& system,
       accept_first_iterate(first_change, tolerance, run);
     else
       unmeasured_count_ = 0;
-    // A guess keeps the rows only as well as the differences that it is made of.
+    // An extrapolated iterate satisfies the constraints only as accurately as its differences do.
     if (run.change_is_estimated || run.iterations == most) project_onto_constraints(system, x);
     if (run.change_is_estimated) break;
   }
@@ -605,7 +610,7 @@ bool SessionEngine::update_scan_foot_points(SessionSystem& system, const Points&
     for (size_t i = 0; i < foot_points.size(); ++i) {
       const Vec3& p = scan->points[i];
       const auto closest = projector.nearest(p);
-      // On the rim the way to a point beyond it is not at right angles to the surface.
+      // At the boundary, the vector to a point beyond it is not perpendicular to the surface.
       const SurfaceJet jet = projector.surface(closest.at.region).jet(closest.where);
       const Vec3 across = p - jet.x;
       const char use = closest.inside && (across.norm() <= 1e-9 * system.layout().size() ||

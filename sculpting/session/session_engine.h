@@ -1,4 +1,5 @@
-// Inside of a sculpting session: computes its answers. It owns working storage only.
+// Numerical engine of a sculpting session: solves, time steps and measurements. It owns only
+// working storage. Internal.
 #pragma once
 
 #include <vector>
@@ -9,32 +10,36 @@
 
 namespace batten::detail {
 
-/// The positions and velocities of all dofs, n×3, are relative to the definition's origin.
+/// Positions and velocities of all dofs, n×3, relative to the definition's origin.
 struct ShapeState {
   Points x, v;
 };
 
-// A hard row is implied when lines and the other rows leave less of it than this share of its size:
-// only a surface full of waves could meet it by itself.
+// A hard constraint is redundant if the lines and the other constraints leave less of it than this
+// fraction of its size. Only a heavily oscillating surface could satisfy the rest independently.
 inline constexpr double kRedundantTolerance = 1e-5;
-// Right-hand sides of implied rows must agree with the other rows to this, over the size.
+// Right-hand sides of redundant constraints must agree with the others within this fraction of the
+// size.
 inline constexpr double kRhsConflictTolerance = 5e-11;
 
-/// Answers, steps and measures on one system.
+/// Solves, time steps and measurements on one system.
 class SessionEngine {
  public:
-  /// Makes storage for another system, and forgets what was learnt on the last one.
+  /// Allocates storage for another system and discards what was learnt about the previous one.
   void bind(const SessionSystem& system);
-  /// Forgets responses and secants, because the state was put back.
+  /// Discards load responses and the Anderson history, because the state was restored.
   void reset_acceleration();
 
-  /// Makes the matrix and its factor for these values of parameters, and the coupling for the
-  /// system's rows. Returns whether there was something to factor. Throws InputError (a material
-  /// that is none, a negative stiffness), NoSolutionError.
+  /// Assembles and factors the matrix for these parameter values, and the Schur complement of the
+  /// auxiliary constraints.
+  ///
+  /// Returns true if something had to be factored. Throws InputError for an invalid material or a
+  /// negative stiffness, and NoSolutionError.
   bool prepare_matrix(SessionSystem& system, const std::vector<double>& values);
 
-  /// Iterates to the shape at rest from x, which becomes the answer. When it does not converge, or
-  /// runs off, Run says so; x holds the last iterate unless it ran off.
+  /// Iterates from x towards the equilibrium shape, which is returned in x.
+  ///
+  /// SolveStatus tells whether it converged or diverged. x is the last iterate, unless it diverged.
   struct SolveStatus {
     bool converged = false, diverged = false, superposed = false, change_is_estimated = false;
     int iterations = 0;
@@ -42,42 +47,42 @@ class SessionEngine {
   };
   SolveStatus solve_preview(SessionSystem& system, const std::vector<double>& values, Points& x,
                             int most, double tolerance, bool may_superpose);
-  /// Whether no load follows under these values: one iteration is then enough.
+  /// True if no follower load acts under these values: one iteration is then enough.
   bool is_linear(const SessionSystem& system, const std::vector<double>& values) const;
 
-  /// Moves the feet of scans to the nearest places of the surface. Returns whether one moved by
-  /// more than 1e-6 in (u, v); the matrix has to be prepared again then.
+  /// Moves the foot points of point-cloud springs to the closest surface points. Returns true if
+  /// one moved by more than 1e-6 in (u, v); prepare_matrix() must then be called again.
   bool update_scan_foot_points(SessionSystem& system, const Points& x);
-  /// Notes that the system's matrix no longer fits.
+  /// Marks the system's matrix as out of date.
   static void invalidate_matrix(SessionSystem& system) { system.matrix_values.clear(); }
 
-  /// Gives the system a rest shape, or takes it away (null); prepare_matrix() has to follow.
+  /// Sets or (null) removes the rest shape of the system; prepare_matrix() must follow.
   void set_rest_shape(SessionSystem& system, std::shared_ptr<const RestConfiguration> rest);
-  /// Returns all rows, of lines and others, with their names and their values now.
+  /// All constraints, of lines and others, with their names and current values.
   ConstraintSet all_rows(const SessionSystem& system, const std::vector<double>& values) const;
 
-  /// Makes the matrix of motion and its factor, and their coupling. Returns whether there was
-  /// something to make.
+  /// Assembles and factors the matrix of motion and its Schur complement. Returns true if something
+  /// had to be computed.
   bool prepare_motion(SessionSystem& system, const Motion& motion);
-  /// Makes one step, from the values at its beginning to those at its end.
+  /// Makes one time step, given the parameter values at its beginning and at its end.
   void step(SessionSystem& system, const std::vector<double>& from, const std::vector<double>& to,
             ShapeState& shape);
-  /// Moves a shape onto the present rows, by the displacement of least energy, and takes from the
-  /// velocities what the rows do not allow.
+  /// Projects a shape onto the current constraints by the displacement of least energy, and removes
+  /// from the velocities what the constraints do not allow.
   void project(SessionSystem& system, const std::vector<double>& values, ShapeState& shape);
 
-  /// Returns the largest residual of all rows, model units.
+  /// Largest residual of all constraints, model units.
   double residual(const SessionSystem& system, const std::vector<double>& values, const Points& x);
-  /// Returns the energies of stretching and of bending of a shape, on the domain of size 1.
+  /// Stretching and bending energy of a shape on the domain of size 1.
   SurfaceEnergy elastic_energy(const SessionSystem& system, const std::vector<double>& values,
                                const Points& x);
-  /// Returns the reaction of each name among lines and constraints, on the domain of size 1.
+  /// Reaction of each line and constraint by name, on the domain of size 1.
   std::vector<Reaction> reactions(const SessionSystem& system, const std::vector<double>& values,
                                   const Points& x);
-  /// Returns the distances of each scan from two shapes in absolute coordinates.
+  /// Distances of the points of each point cloud from two shapes in absolute coordinates.
   std::vector<PointCloudDistances> scan_distances(const SessionSystem& system, const Points& before,
                                             const Points& now) const;
-  /// Returns xᵀKx - 2Fᵀx and the energy of springs, plus ρ vᵀMv in motion.
+  /// xᵀKx - 2Fᵀx plus the energy of springs; in motion also ρ vᵀMv.
   double total_energy(const SessionSystem& system, const std::vector<double>& values,
                       const ShapeState& shape, bool dynamics);
 
@@ -117,37 +122,40 @@ class SessionEngine {
   MatX rhs_, rate_, hd_, base_, y_;
   VecX dof_weights_;
   Points e_, next_, F_, product_;
-  MatX ae_, ax_, av_;  // functionals of the loose rows on e, x and v: points × 3
+  MatX ae_, ax_, av_;  // functionals of the auxiliary constraints on e, x and v: points × 3
   VecX g_, stiffness_, wanted_stiffness_;
   AndersonAccelerator accelerator_;
-  // In drags: largest ratio, lately, of the change of the second iteration to that of the first; 0:
-  // not known.
+  // During drags: largest recent ratio of the change in the second iteration to that in the first;
+  // 0: unknown.
   double contraction_ratio_ = 0;
-  int unmeasured_count_ = 0;  // answers since it was measured
-  // Superposition.
+  int unmeasured_count_ = 0;  // number of solves since contraction_ratio_ was measured
+  // Superposition of linear loads.
   std::vector<Points> responses_;
   std::vector<char> response_is_known_;
   Points anchor_;
   std::vector<double> anchor_values_;
-  bool anchored_ = false, x_is_anchor_ = false;  // x is copied to anchor_ when a slider begins
-  // The values that right_, e_, hd_ and ae_ were made for; empty: none.
+  bool anchored_ = false, x_is_anchor_ = false;  // true: x is copied to anchor_ when a slider
+                                                 // begins to move
+  // Parameter values for which rhs_, e_, hd_ and ae_ were computed; empty: none.
   std::vector<double> rhs_values_;
   const ReusableFactorization* rhs_matrix_ = nullptr;
 };
 
-/// Computes out = S x, with S symmetric and given by its lower triangle.
+/// Computes out = S x for a symmetric matrix S given by its lower triangle.
 void multiply_symmetric(const SparseMatrix& S, const Points& x, Points& out);
 
 }  // namespace batten::detail
 
 namespace batten {
 
-// Weighs the dofs by how much a change of each one moves the surface. Internal.
+// Norm for the convergence test.
 
-/// Returns one number for each dof; |Δq| times it is a length in model units. It is 1 for
-/// positions, and for slopes √(2 area) of the largest triangle of the domain that has the dof. It
-/// is 0 for dofs that belong only to triangles of which less than a twentieth lies inside of the
-/// trim: rounding moves these, and they change nothing that is seen.
+/// Diagonal weights that turn changes of dofs into lengths: |Δq| times its weight is a length in
+/// model units.
+///
+/// The weight is 1 for positions. For slopes it is √(2 area) of the largest triangle of the domain
+/// that has the dof. It is 0 for dofs that belong only to triangles of which less than a twentieth
+/// lies inside the trim: rounding moves these, and they change nothing visible.
 VecX displacement_weights(const ParametricMesh& mesh, const Trim* trim);
 
 }  // namespace batten

@@ -2,16 +2,16 @@
 
 namespace batten {
 
-// Each of the three frames is with the writer, with the reader, or in the middle. Who hands a frame
-// over swaps it with the middle one, and the exchange says whether the other side has seen it.
+// Each of the three frames belongs to the writer, to the reader, or to the middle. Publishing or
+// taking a frame swaps it with the middle one; a bit tells whether the reader has seen that one.
 
 namespace {
 constexpr int unread = 4;
 }
 
 void FrameExchange::publish() {
-  // Release: what was written is there before the reader gets the frame. Acquire: what the reader
-  // did with the frame that comes back is done.
+  // Release: the written data is visible before the reader gets the frame. Acquire: the reader is
+  // done with the frame that comes back.
   write_ = middle_.exchange(write_ | unread, std::memory_order_acq_rel) & ~unread;
 }
 

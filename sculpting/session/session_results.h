@@ -1,4 +1,5 @@
-// What is known of a shape beside its dofs.
+// Results of a session besides its dofs: reactions, point-cloud distances, and display frames for a
+// viewer's thread.
 #pragma once
 
 #include <string>
@@ -12,60 +13,61 @@
 
 namespace batten {
 
-/// The force with which a named line or constraint holds the surface: the sum of its reaction over
-/// the position dofs, in the units of the loads.
+/// Reaction force of a named line or constraint on the surface: the sum over its position dofs, in
+/// the units of the loads.
 struct Reaction {
   std::string name;
   Vec3 force = Vec3::Zero();
 };
 
-/// How far the points of a scan are from the surface, model units. Points beyond the rim are left
-/// out.
+/// Distances of a point cloud from the surface, model units. Points beyond the boundary are
+/// excluded.
 struct PointCloudDistances {
   std::string name;
   int points = 0, left_out = 0;
-  double before_max = 0, before_rms = 0;  ///< of the shape to compare with
+  double before_max = 0, before_rms = 0;  ///< distances from the comparison shape
   double max = 0, rms = 0;
 };
 
 
-// Display points of a moving surface, and how they reach a viewer's thread.
+// Display points of a moving surface, and their transfer to a viewer's thread.
 
-/// The facets and lines that connect display points. It changes with the mesh only.
+/// Facets and lines that connect the display points. It changes only with the mesh.
 struct DisplayTopology {
   std::vector<std::array<int, 3>> facets;
-  std::vector<std::vector<std::vector<int>>> lines;  ///< DisplayFacets::lines, region after region
-  /// The place of each point in the model's mesh; none where no model is behind it.
+  std::vector<std::vector<std::vector<int>>> lines;  ///< point indices: DisplayFacets::lines,
+                                                     ///< region by region
+  /// Location of each point in the model's mesh; empty if there is no model.
   std::vector<Location> locations;
-  /// The number of each region's first facet and first line, and behind the last region.
+  /// Index of the first facet and the first line of each region, and one past the last region.
   std::vector<int> first_facet, first_line;
 };
 
-/// A frame holds the display points of one moment for a viewer.
+/// Display points and normals of one moment.
 struct Frame {
-  std::vector<float> points, normals;  ///< x, y, z one after the other
+  std::vector<float> points, normals;  ///< coordinates x, y, z of one point after the other
   std::shared_ptr<const DisplayTopology> pattern;
-  long number = 0;        ///< counts frames
-  bool moved = false;     ///< points or normals differ from the frame that was drawn before
-  bool remeshed = false;  ///< the pattern differs from that which this frame had before
+  long number = 0;        ///< frame counter
+  bool moved = false;     ///< points or normals differ from those of the previous frame
+  bool remeshed = false;  ///< the pattern differs from the one this frame had before
 };
 
-/// Passes frames from one writer's thread to one reader's thread. Three frames are in use, so that
-/// neither of the two ever waits; the reader gets the newest frame that is complete.
+/// Lock-free triple buffer that passes frames from one writer thread to one reader thread. Neither
+/// ever waits, and the reader gets the newest complete frame.
 class FrameExchange {
  public:
-  /// Writer: returns the frame to fill. Its buffers keep their size from use to use.
+  /// Writer: the frame to fill. Its buffers keep their capacity.
   Frame& writing() { return frames_[write_]; }
-  /// Writer: hands the filled frame over.
+  /// Writer: publishes the filled frame.
   void publish();
-  /// Reader: returns the newest frame, or null when latest() has returned it before. It stays valid
-  /// until the next latest().
+  /// Reader: the newest frame, or null if latest() has already returned it. It stays valid until
+  /// the next call.
   const Frame* latest();
 
  private:
   std::array<Frame, 3> frames_;
   int write_ = 0, read_ = 1;
-  std::atomic<int> middle_{2};  // bit 2: not read yet
+  std::atomic<int> middle_{2};  // index of the frame in the middle; bit 2: not read yet
 };
 
 }  // namespace batten

@@ -79,7 +79,7 @@ bool same_coefficients(const ConstraintSet& a, const ConstraintSet& b) {
                     });
 }
 
-// Rows of lines: the same coefficients when only curves changed.
+// Assembles the constraints of lines; reuses the coefficients if only curves changed.
 void build_line_constraints(SessionSystem& system, const SessionSystem* older, bool same_mesh,
                             bool same_lines) {
   const ModelLayout& layout = system.layout();
@@ -101,7 +101,7 @@ void build_line_constraints(SessionSystem& system, const SessionSystem* older, b
   }
 }
 
-// Which parameter moves what, by name.
+// Looks up the parameter indices of loads, fields and offsets by name.
 void find_parameters(SessionSystem& system, const Parameters& parameters) {
   const SessionDefinition& d = system.def;
   for (const auto& load : d.loads)
@@ -122,7 +122,8 @@ void find_parameters(SessionSystem& system, const Parameters& parameters) {
   system.beta = three("beta", {"_uu", "_uv", "_vv"});
 }
 
-// Notes what each parameter acts on. The loose rows are made before, because goals act on them.
+// Records what each parameter acts on. Must follow the auxiliary constraints, whose goals are
+// parameters.
 void assign_roles(SessionSystem& system, const Parameters& parameters) {
   const SessionDefinition& d = system.def;
   system.roles.assign(static_cast<size_t>(parameters.count()), kNothing);
@@ -137,7 +138,7 @@ void assign_roles(SessionSystem& system, const Parameters& parameters) {
     if (source.kind == AuxiliaryConstraints::Source::Goal) give(source.parameter, kGoal);
 }
 
-// What acts, as far as it is not there already.
+// Assembles loads, stiffness fields and offsets, or reuses those of the older system.
 void build_loads(SessionSystem& system, const SessionSystem* older, bool same_mesh,
                  bool same_lines) {
   const SessionDefinition& d = system.def;
@@ -149,7 +150,7 @@ void build_loads(SessionSystem& system, const SessionSystem* older, bool same_me
         if (theirs[j] == mine[i]) return made[j];
     return nullptr;
   };
-  // A line load follows its line's curve.
+  // A line load depends on its line's curve.
   const auto keeps = [&](const AttachedLoad& load) {
     return same_reduction && (same_lines || !std::holds_alternative<Load::Line>(load.load.kind));
   };
@@ -176,7 +177,7 @@ void build_loads(SessionSystem& system, const SessionSystem* older, bool same_me
   }
 }
 
-// Keeps the numbers of the matrix when all that it is made of is the same.
+// Keeps the values of the matrix if everything that it is made from is unchanged.
 void keep_matrix_values(SessionSystem& system, const SessionSystem& older,
                         const Parameters& parameters) {
   const SessionDefinition& d = system.def;
@@ -185,7 +186,7 @@ void keep_matrix_values(SessionSystem& system, const SessionSystem& older,
                              return std::holds_alternative<Load::PointCloudSprings>(l->load.kind);
                            });
   if (!same_matrix || older.matrix_values.empty()) return;
-  // Values by name: numbers of parameters may have changed.
+  // Values are matched by name, because parameter indices may have changed.
   system.matrix_values.assign(static_cast<size_t>(parameters.count()), 0);
   const auto take = [&](int mine, int theirs) {
     system.matrix_values[mine] = older.matrix_values[theirs];
@@ -198,7 +199,7 @@ void keep_matrix_values(SessionSystem& system, const SessionSystem& older,
     take(system.weight_parameter[i], older.weight_parameter[i]);
 }
 
-// Takes over what was factored on the same reduction.
+// Reuses what was factored for the same reduction.
 void keep_systems(SessionSystem& system, const SessionSystem& older, const Parameters& parameters) {
   const SessionDefinition& d = system.def;
   system.statics = older.statics;
@@ -213,7 +214,8 @@ void keep_systems(SessionSystem& system, const SessionSystem& older, const Param
   keep_matrix_values(system, older, parameters);
   system.rest_load = older.rest_load;
   system.rest_reduced = older.rest_reduced;
-  system.coupling = older.coupling;  // for its solves; the session makes it anew
+  system.coupling = older.coupling;  // reused only for its solves; the session recomputes the
+                                     // couplings
   system.dynamics_coupling = older.dynamics_coupling;
   system.coupled_rows = older.coupled_rows;
   system.dynamics_constraints = older.dynamics_constraints;
@@ -283,12 +285,12 @@ int position_of(const std::vector<std::string>& names, const std::string& name) 
 
 }  // namespace
 
-// Right-hand sides of all rows when one line has another curve and all others are zero.
+// Right-hand sides of all constraints if one line has another curve and all others are zero.
 MatX line_curve_rhs(const SessionSystem& system, const std::string& name,
                     const HermiteCurve& curve) {
   const ModelLayout& layout = system.layout();
   const ModelLine& line = layout.model_line(name);
-  // In the order of the rows: region by region.
+  // In the order of the constraints: region by region.
   std::vector<LineSide> sides = line.sides;
   std::sort(sides.begin(), sides.end(),
             [](const LineSide& a, const LineSide& b) { return a.region < b.region; });
@@ -336,7 +338,7 @@ AssembledLoad assembled(const AttachedLoad& placed, const SessionSystem& system)
   };
   if (const auto* p = std::get_if<Load::Pressure>(&placed.load.kind)) {
     b.weights = weights(p->area);
-    parts.pressure();  // now, and not in the first answer
+    parts.pressure();  // computed now rather than during the first solve
     b.scale = scale.per_area();
   } else if (const auto* u = std::get_if<Load::Uniform>(&placed.load.kind)) {
     const Vec3 f = scale.per_domain_area() * u->direction;
@@ -401,7 +403,7 @@ class AuxiliaryConstraintsBuilder {
     rows.blocks.back().end_row = here();
   }
   using Terms = std::vector<std::pair<int, double>>;
-  // Points of one thing are shared by its rows.
+  // The constraints of one item share its points.
   int point(const Terms& terms) {
     const auto [it, fresh] = points_here_.emplace(terms, count_);
     if (fresh) {
@@ -415,8 +417,8 @@ class AuxiliaryConstraintsBuilder {
     rows.rows.push_back({point, direction, size, soft});
     rows.sources.push_back(source);
   }
-  // Adds a coupled row: with one point when all its coefficients are parallel, otherwise with one
-  // for each coordinate.
+  // Adds a coupled constraint: with one point if all its coefficients are parallel, otherwise with
+  // one point per coordinate.
   void add(const ConstraintSet::CoupledConstraint& row) {
     double largest = 0, size = 0;
     Vec3 direction = Vec3::UnitX();
@@ -454,7 +456,7 @@ class AuxiliaryConstraintsBuilder {
         }
       }
     }
-    // The same row twice (edges of a line share their ends).
+    // Skips duplicates (edges of a line share their ends).
     for (int r = rows.blocks.back().first_row; r < here(); ++r) {
       const SchurComplementConstraints::Constraint& other = rows.rows[r];
       if (one && other.further_terms.empty() && other.point == made.point &&

@@ -1,5 +1,6 @@
-// Inside of a sculpting session: what acts on the surface, placed in its domain, and the systems
-// that are made of it. Everything is shared and, but for working storage, immutable.
+// Assembled systems of a sculpting session: loads and constraints attached to the surface, and the
+// matrices made from them. Everything is shared and, apart from working storage, immutable.
+// Internal.
 #pragma once
 
 #include <memory>
@@ -20,34 +21,34 @@
 
 namespace batten::detail {
 
-/// All that depends on the mesh alone.
+/// Data that depends on the mesh only.
 struct MeshData {
   explicit MeshData(const ModelLayout& layout);
   int dofs() const { return assembler.dofs().count(); }
-  // These two are made when they are asked for.
+  // Computed on first use.
   const SparseMatrix& mass() const;
   const PressureOperator& pressure() const;
   Location at(const ModelPoint& point) const;
   const TriangleLocator& locator(int region) const { return *locators[region]; }
   size_t bytes() const;
 
-  std::shared_ptr<const ParametricMesh> mesh;  ///< of the model
+  std::shared_ptr<const ParametricMesh> mesh;  ///< mesh of the whole model
   std::shared_ptr<const Trim> trim;
   std::vector<std::shared_ptr<const ParametricMesh>> region_meshes;
   TriangleElement kind;
   SurfaceAssembler assembler;
-  std::vector<std::unique_ptr<TriangleLocator>> locators;  ///< of each region
-  std::vector<int> first_triangle;                         ///< of each region
+  std::vector<std::unique_ptr<TriangleLocator>> locators;  ///< one locator per region
+  std::vector<int> first_triangle;  ///< index of the first triangle of each region
   VecX domain_scale;                                       ///< ModelLayout::domain_scale
   DofVertices vertices;
-  VecX ones;  ///< 1 at position dofs
+  VecX ones;  ///< per dof: 1 for positions, 0 for derivatives
  private:
   mutable SparseMatrix mass_;
   mutable std::unique_ptr<PressureOperator> pressure_;
 };
 
-// What acts, placed on the surface: `foot_points` are places of the domain; `on` are the dofs of the shape
-// that areas, normals and the surface's area are taken from, null where none are needed.
+// Items attached to the surface. `foot_points`: locations in the domain. `on`: dofs of the shape
+// from which areas, normals and the surface area are taken; null if not needed.
 using SharedPoints = std::shared_ptr<const Points>;
 struct AttachedLoad {
   Load load;
@@ -65,24 +66,25 @@ struct AttachedConstraint {
 };
 struct AttachedOffset {
   LineOffset move;
-  HermiteCurve displacement;  ///< for the value 1, over the line's parameters
+  HermiteCurve displacement;  ///< displacement for the value 1, over the parameters of the line
 };
 
-/// All that acts, on one layout.
+/// Everything that acts on one layout.
 struct SessionDefinition {
   std::shared_ptr<const ModelLayout> layout;
   LoadUnits units = LoadUnits::Relative;
   bool fix_corners_only = false;
   FactorReuse factor_reuse = FactorReuse::many;
   ModelScale scale() const { return {units, layout->size()}; }
-  Vec3 origin = Vec3::Zero();  ///< shapes are kept relative to this point, also when lines move
+  Vec3 origin = Vec3::Zero();  ///< shapes are relative to this point, which stays the same when
+                               ///< lines move
   std::vector<std::shared_ptr<const AttachedLoad>> loads;
   std::vector<std::shared_ptr<const AttachedStiffnessField>> weights;
   std::vector<std::shared_ptr<const AttachedConstraint>> constraints;
   std::vector<std::shared_ptr<const AttachedOffset>> moves;
 };
 
-// Each places one thing on a surface (absolute coordinates). They throw InputError.
+// Attach one item to a surface (absolute coordinates). They throw InputError.
 AttachedLoad attach(const Load& load, const SessionDefinition& on, const Surface& surface);
 AttachedStiffnessField attach(const StiffnessField& weight, const SessionDefinition& on,
                               const Surface& surface);
@@ -97,31 +99,32 @@ inline bool everywhere(const Area& area) {
   return std::holds_alternative<Area::Everywhere>(area.where) && area.regions.empty();
 }
 
-/// Returns a + factor · b, with the nodes of both.
+/// a + factor · b, on the union of both node sets.
 HermiteCurve sum(const HermiteCurve& a, const HermiteCurve& b, double factor);
 
-/// What one load is on one mesh, for the value 1.
+/// One load assembled on one mesh, for the value 1.
 struct AssembledLoad {
-  Points F;      ///< load vector of linear loads, n×3; empty otherwise
-  MatX reduced;  ///< DᵀF
-  VecX weights;  ///< of pressure: one for each triangle; empty: 1 everywhere
+  Points F;      ///< load vector of linear loads, n×3; empty for other loads
+  MatX reduced;  ///< load vector reduced to the free unknowns, DᵀF
+  VecX weights;  ///< area weights of pressure, one per triangle; empty: 1 everywhere
   double scale = 1;
 };
-/// What one weight field is on one mesh, for the value 1.
+/// One stiffness field assembled on one mesh, for the value 1.
 struct AssembledStiffnessField {
   VecX weights;
-  std::vector<Vec2> directions;  ///< empty: all directions
+  std::vector<Vec2> directions;  ///< direction in (u, v) per triangle; empty: isotropic
 };
 
-/// The rows that stand beside the reduction: those of constraints and springs.
+/// Constraints and springs that are imposed by a Schur complement instead of the reduction.
 struct AuxiliaryConstraints {
   struct Source {
-    enum Kind { Zero, Goal, Spring } kind = Zero;  ///< what the right-hand side comes from
-    int parameter = -1;  ///< Goal: the parameter that is the goal; Spring: that of its load
-    int coordinate = 0;  ///< Goal, Spring: 0 … 2; -1: along the row's direction
+    enum Kind { Zero, Goal, Spring } kind = Zero;  ///< what determines the right-hand side
+    int parameter = -1;  ///< Goal: index of the parameter that holds the goal; Spring: index of the
+                         ///< parameter of its load
+    int coordinate = 0;  ///< Goal, Spring: 0 … 2; -1: along the direction of the constraint
     int load = -1, spring = -1;
   };
-  /// The columns of A and the rows that one constraint or load has.
+  /// Columns of A and constraints that belong to one constraint or load.
   struct Block {
     const void* owner;
     std::string name;
@@ -134,7 +137,7 @@ struct AuxiliaryConstraints {
   const std::string& name_of(int row) const;
 };
 
-/// Which part of a system a parameter acts on; a sum of these.
+/// Bit set of the parts of a system on which a parameter acts.
 enum Role : unsigned {
   kNothing = 0,
   kLinear = 1,
@@ -145,67 +148,70 @@ enum Role : unsigned {
   kMatrix = 32
 };
 
-/// A rest shape and the rows that it was made under. Dofs are relative to the definition's origin.
+/// A rest shape and the constraints under which it was computed. Dofs are relative to the
+/// definition's origin.
 struct RestConfiguration {
-  Points dofs;   ///< no rows: there is none
-  Points first;  ///< the first one on this mesh
+  Points dofs;   ///< dofs of the rest shape; no rows: there is none
+  Points first;  ///< the first rest shape on this mesh
   ConstraintSet rows;
 };
 
-/// A definition, and all that is made of it on its mesh.
+/// A definition and everything assembled from it on its mesh.
 struct SessionSystem {
   SessionDefinition def;
   std::shared_ptr<const MeshData> parts;
-  // Lines.
-  std::shared_ptr<const ConstraintSet> line_rows;  ///< relative to `origin`
+  // Constraints of lines.
+  std::shared_ptr<const ConstraintSet> line_rows;  ///< coordinates are relative to `origin`
   std::shared_ptr<const AffineReduction> reduction;
-  MatX base_rhs;  ///< right-hand sides without moves, rows × 3
-  std::vector<std::shared_ptr<const MatX>> offset_rhs;  ///< of each move, for the value 1
-  // What acts.
+  MatX base_rhs;  ///< right-hand sides without offsets, constraints × 3
+  std::vector<std::shared_ptr<const MatX>> offset_rhs;  ///< one matrix per offset, for the value 1
+  // Loads and constraints.
   std::vector<std::shared_ptr<const AssembledLoad>> loads;
   std::vector<std::shared_ptr<const AssembledStiffnessField>> weights;
   std::shared_ptr<const AuxiliaryConstraints> auxiliary;
-  // The parameter of each load, weight field and move, and those of alpha and beta (uu, uv, vv).
+  // Parameter index of each load, stiffness field and offset, and of alpha and beta (uu, uv, vv).
   std::vector<int> load_parameter, weight_parameter, move_parameter;
   std::array<int, 3> alpha, beta;
-  std::vector<unsigned> roles;  ///< Role of each parameter
-  // Systems; their numbers belong to matrix_values.
+  std::vector<unsigned> roles;  ///< Role bits of each parameter
+  // Factored systems; their values belong to matrix_values.
   std::shared_ptr<ReusableFactorization> statics, dynamics;
   std::shared_ptr<SchurComplementConstraints> coupling, dynamics_coupling;
   std::shared_ptr<const AuxiliaryConstraints> coupled_rows,
-      dynamics_constraints;           ///< rows of the couplings
-  std::vector<double> matrix_values;  ///< of all parameters, when statics was made
-  Motion motion;                      ///< of `dynamics`
-  std::vector<std::vector<ModelPoint>> scan_foot_points;  ///< of each load; empty but for scans
-  std::vector<std::vector<char>> scan_used;               ///< whether each point of a scan pulls
-  Points point_cloud_load;                               ///< Σ k N p of the scans at matrix_values
-  MatX point_cloud_reduced;                              ///< Dᵀ point_cloud_load
-  std::shared_ptr<const RestConfiguration> rest;  ///< null: not made
-  Points rest_load;                               ///< K rest; no rows: none
-  MatX rest_reduced;                              ///< Dᵀ rest_load
+      dynamics_constraints;           ///< auxiliary constraints for which the couplings were
+                                      ///< computed
+  std::vector<double> matrix_values;  ///< all parameter values for which `statics` was computed
+  Motion motion;                      ///< motion for which `dynamics` was computed
+  std::vector<std::vector<ModelPoint>> scan_foot_points;  ///< foot points of each load's point
+                                                          ///< cloud; empty for other loads
+  std::vector<std::vector<char>> scan_used;  ///< per point of a point cloud: 1 if it pulls
+  Points point_cloud_load;                               ///< Σ k N p of the point clouds at matrix_values
+  MatX point_cloud_reduced;                              ///< reduced load Dᵀ point_cloud_load
+  std::shared_ptr<const RestConfiguration> rest;  ///< current rest shape; null: not computed
+  Points rest_load;                               ///< load K x_rest; no rows: no rest shape
+  MatX rest_reduced;                              ///< reduced load Dᵀ rest_load
 
   const ModelLayout& layout() const { return *def.layout; }
   const Vec3& origin() const { return def.origin; }
   int dofs() const { return parts->dofs(); }
 };
 
-// Parts of build(): each makes one thing that acts for a system of which mesh and lines are there.
+// Steps of build(): each assembles one item for a system whose mesh and lines exist.
 AssembledLoad assembled(const AttachedLoad& placed, const SessionSystem& system);
 AssembledStiffnessField assembled(const AttachedStiffnessField& placed,
                                   const SessionSystem& system);
 AuxiliaryConstraints build_auxiliary_constraints(const SessionSystem& system,
                                                  const Parameters& parameters);
-/// Returns the right-hand sides of all rows of lines for this curve on one line and zero on all
-/// others.
+/// Right-hand sides of all line constraints if line `name` is this curve and all other lines are
+/// zero.
 MatX line_curve_rhs(const SessionSystem& system, const std::string& name,
                     const HermiteCurve& curve);
 
-/// Builds what differs from `older` (null: everything), but no matrix and no factor; those of
-/// `older` are kept when they fit. Throws InputError, ConflictError.
+/// Builds what differs from `older` (null: everything), except matrices and factors; those of
+/// `older` are reused if they fit. Throws InputError and ConflictError.
 std::shared_ptr<SessionSystem> build(SessionDefinition def, const Parameters& parameters,
                                      const SessionSystem* older);
 
-/// Returns the bytes of all parts of a system that are not in `seen`, and adds them to it.
+/// Memory in bytes of all parts of a system that are not in `seen`; adds them to `seen`.
 size_t bytes_of(const SessionSystem& system, std::set<const void*>& seen);
 
 }  // namespace batten::detail

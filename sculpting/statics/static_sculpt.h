@@ -1,4 +1,4 @@
-// Makes the shape at rest of a region or a whole model under lines, constraints and loads.
+// Static solve: equilibrium shape of a region or model under lines, constraints and loads.
 #pragma once
 
 #include <vector>
@@ -11,39 +11,44 @@
 
 namespace batten {
 
-/// A load that acts, with the value of its parameter.
+/// A load together with the value of its parameter.
 struct AppliedLoad {
   Load load;
   double value = 0;
 };
 
-/// One load case: what acts, and how it is solved.
+/// One load case: loads, constraints, material, and solver settings.
 struct StaticTask {
   std::vector<AppliedLoad> loads;
-  std::vector<Constraint> constraints;  ///< the goal of a point is Point::goal
-  SurfaceStiffness material;            ///< alpha, beta, in the units below
+  std::vector<Constraint> constraints;  ///< the goal of a point constraint is Point::goal
+  SurfaceStiffness material;            ///< alpha and beta in the units below
   LoadUnits units = LoadUnits::Relative;
-  bool fix_corners_only = false;  ///< holds the corners only, instead of the lines
-  double tolerance = 1e-12;       ///< as SessionOptions
-  int max_iterations = 60;        ///< as SessionOptions
+  bool fix_corners_only = false;  ///< true: constrains only the corners instead of the lines
+  double tolerance = 1e-12;       ///< convergence tolerance, see SessionOptions
+  int max_iterations = 60;        ///< maximum number of iterations, see SessionOptions
 };
 
-/// The shape, and what was measured on it.
+/// Equilibrium shape and its measurements.
 struct SculptResult {
   Points dofs;
-  SurfaceEnergy energy;  ///< on the domain scaled to size 1; over size² in relative units
+  SurfaceEnergy energy;  ///< elastic energy on the domain scaled to size 1; in relative units over
+                         ///< size²
   int iterations = 0;
-  double last_change = 0;  ///< change of the shape in the last iteration, over the size
+  double last_change = 0;  ///< change of the shape in the last iteration, relative to the size
   std::vector<Reaction> reactions;
-  double max_constraint_residual = 0;  ///< largest residual of all rows, over the size
+  double max_constraint_residual = 0;  ///< largest residual of all constraints, relative to the
+                                       ///< size
   std::vector<PointCloudDistances>
-      scans;  ///< one for each Load::PointCloudSprings; before: the lines alone
+      scans;  ///< one entry per Load::PointCloudSprings; "before" is the shape under the lines
+              ///< alone
 };
 
-/// Settles a SculptingSession that keeps no history. Places of loads are looked for on the shape
-/// under lines and constraints, those of each constraint under the lines and the constraints before
-/// it. Throws InputError on bad numbers, ConflictError, and NoSolutionError when the pressure is
-/// past its limit, with the values that were reached.
+/// Computes the equilibrium shape of one load case with a SculptingSession that keeps no history.
+///
+/// Points of application of loads are located on the shape under lines and constraints. Those of
+/// each constraint are located on the shape under the lines and the previous constraints. Throws
+/// InputError for invalid numbers, ConflictError for contradictory constraints, and
+/// NoSolutionError, with the values reached, if the pressure exceeds its limit load.
 SculptResult sculpt(const ModelLayout& layout, const StaticTask& task,
                     const Progress& progress = {});
 

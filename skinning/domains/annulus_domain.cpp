@@ -16,7 +16,7 @@
 namespace batten {
 namespace {
 
-// Sum of squared distances of points of rim A from those of B, which begins at k.
+// Sum of squared distances between the points of circle A and those of circle B, which begins at k.
 double sum_of_squared_distances(const std::vector<Vec3>& a, const std::vector<Vec3>& b, int k,
                                 int direction) {
   const int n = isize(a);
@@ -46,7 +46,7 @@ class AnnulusBuilder {
             {BoundarySegment::Kind::EdgeAligned, index, flipped != (r == 1)});
         geometry.edge_aligned.push_back(aligned_line(*geometry.mesh, r, i));
       }
-    // Rim B is run against u; its first line stays first.
+    // Circle B runs against u; its first line stays first.
     std::reverse(geometry.boundary[1].begin() + 1, geometry.boundary[1].end());
     return geometry;
   }
@@ -63,7 +63,7 @@ class AnnulusBuilder {
         "cut the ring into regions with corners");
   }
 
-  // Direction and start of rim B against rim A.
+  // Chooses the direction and the start point of circle B relative to circle A.
   void match() {
     constexpr int n = 256;
     std::vector<Vec3> a(n), b(n);
@@ -76,7 +76,7 @@ class AnnulusBuilder {
     int start = 0;
     for (int k = 0; k < n; ++k) {
       const double sum = sum_of_squared_distances(a, b, k, direction);
-      // A tie stays with the first.
+      // Ties go to the first candidate.
       if (sum < least - 1e-9 * n * task_.size * task_.size) {
         least = sum;
         start = k;
@@ -86,7 +86,7 @@ class AnnulusBuilder {
       circles_[1] = BoundaryCircle(reversed(circles_[1].outline));
       start = (n - start) % n;
     }
-    // Between samples: where the sum's slope changes sign.
+    // Between samples: the zero of the sum's derivative, by bisection.
     const auto slope = [&](double phase) {
       double sum = 0;
       for (int i = 0; i < n; ++i) {
@@ -123,7 +123,7 @@ class AnnulusBuilder {
     }
   }
 
-  // The curves as they are given, so that the regions beyond carry the same.
+  // Uses prescribed curves unchanged, so that the adjacent regions carry the same curves.
   static void take_prescribed(BoundaryCircle& circle) {
     for (size_t i = 0; i < circle.spans.size(); ++i) {
       const auto& piece = circle.outline.segments[i];
@@ -151,7 +151,8 @@ class AnnulusBuilder {
       const SmoothSegment& line = circle.outline.segments[i].segment;
       auto& span = circle.spans[i];
       span.fitted = fit_curve(line.name, line.curve, fit);
-      // Stretched by the hair by which the share is rounded: speed goes on from line to line.
+      // Scaled by the rounding factor of the length fraction, so that the speed is continuous from
+      // line to line.
       std::vector<double> u = span.fitted.parameters();
       const double segment = span.length_fraction * circle.length / u.back();
       for (double& x : u) x *= segment;
@@ -159,7 +160,7 @@ class AnnulusBuilder {
     }
   }
 
-  // Where the nodes of a rim, or the given vertices, lie, as fractions of it.
+  // Nodes of a circle, or its prescribed vertices, as fractions of the circle.
   static std::vector<double> nodes(const BoundaryCircle& circle) {
     std::vector<double> all;
     for (size_t i = 0; i < circle.spans.size(); ++i) {
@@ -179,19 +180,19 @@ class AnnulusBuilder {
     return all;
   }
 
-  // A column of the mesh by its fractions on both rims; they may go past 1.
+  // A column of the mesh: its fractions on both circles, which may exceed 1.
   struct Column {
     double at[2];
   };
 
-  // A node on a rim, and the one on the other rim that shares its column.
+  // A node on one circle, and the node of the other circle in the same column.
   struct Node {
     double at;
     int circle;
-    int partner;  // in the list of all nodes
+    int partner;  // index in the list of all nodes; -1: none
   };
 
-  // Width of columns, as a share of a rim: near-square cells, eight around at least.
+  // Width of columns as a fraction of the circle: near-square cells, at least eight around.
   double column_width() const {
     const double h = std::min({task_.edge_length / task_.size, 2 * V_, U_ / 8}) / U_;
     const double expected =
@@ -200,8 +201,8 @@ class AnnulusBuilder {
     return h;
   }
 
-  // Nodes of both rims. Neighbours on different rims share a column: those that coincide first,
-  // then near ones.
+  // Collects the nodes of both circles. Neighbours on different circles are paired to share a
+  // column: first those that coincide, then those within half a column.
   std::vector<Node> paired_nodes(double h) const {
     std::vector<Node> found;
     for (int r = 0; r < 2; ++r)
@@ -223,7 +224,7 @@ class AnnulusBuilder {
     return found;
   }
 
-  // Columns that end on nodes of both rims, the first again at the end.
+  // Columns that end on nodes of both circles; the first is repeated at the end.
   static std::vector<Column> shared_columns(const std::vector<Node>& found) {
     std::vector<Column> shared;
     for (const Node& node : found)
@@ -240,7 +241,8 @@ class AnnulusBuilder {
     const double h = column_width();
     const std::vector<Node> found = paired_nodes(h);
     const std::vector<Column> shared = shared_columns(found);
-    // Between two shared columns, nodes of one rim have their column's other end by proportion.
+    // Between two shared columns, a node of one circle gets the other end of its column by linear
+    // interpolation.
     for (size_t k = 0; k + 1 < shared.size(); ++k) {
       const Column &from = shared[k], &to = shared[k + 1];
       const auto between = [&](double t) {
@@ -297,7 +299,7 @@ class AnnulusBuilder {
     const BoundaryCircle::Span& p = circles_[r].spans[index];
     const int n = isize(columns_);
     const int row = r == 0 ? 0 : mesh.vertex_count() - n;
-    // The column of a joint, by its place on the rim.
+    // The column at a fraction of the circle.
     const auto column_at = [&](double fraction) {
       int best = 0;
       for (int i = 1; i < n; ++i)
@@ -376,11 +378,11 @@ RegionGeometry make_annulus_geometry(const Outline& a, const Outline& b, const D
 }
 
 
-// Inner lines of rings: images that run on over the seam.
+// Inner lines of annular domains: pcurves that continue across the seam.
 
 namespace {
 
-// The same closed curve, cut open at its start.
+// The same closed curve, opened at its start.
 HermiteCurve cut_open(const HermiteCurve& closed) {
   const int n = closed.segment_count();
   Points x(n + 1, 3), slope(n + 1, 3);
@@ -391,7 +393,8 @@ HermiteCurve cut_open(const HermiteCurve& closed) {
   return {closed.parameters(), x, slope};
 }
 
-// Nearest points of a curve, one after the other, u running on where the strip begins anew.
+// Tracks closest points along a curve. u continues across the seam instead of jumping by the
+// period.
 class ClosestPointTracker {
  public:
   ClosestPointTracker(const Surface& surface, const SurfaceProjector& projector,
@@ -405,9 +408,9 @@ class ClosestPointTracker {
     return uv_;
   }
   Vec3 foot_point() const { return surface_.position(where_); }
-  // The slope in (u, v) of the nearest points of a curve that has this slope at the last point or,
-  // with a speed, as fast as that in space. Beside the surface nearest points are faster or slower
-  // than the curve: J'J du + (x - p)·(x_uu …) du = J' dp.
+  // The slope in (u, v) of the closest points of a curve with this `slope` at the last point. If
+  // `speed` is given, the result is scaled to that speed on the surface. Off the surface, closest
+  // points move faster or slower than the curve: J'J du + (x - p)·(x_uu …) du = J' dp.
   Vec2 pull(const Vec3& slope, std::optional<double> speed = {}) const {
     const SurfaceJet jet = surface_.jet(where_);
     Eigen::Matrix<double, 3, 2> J;
@@ -417,7 +420,7 @@ class ClosestPointTracker {
     Mat2 H;
     H << jet.x_uu.dot(off), jet.x_uv.dot(off), jet.x_uv.dot(off), jet.x_vv.dot(off);
     H += G;
-    constexpr double far = 0.1;  // near a centre of curvature nearest points run away
+    constexpr double far = 0.1;  // near a centre of curvature the closest point is ill-conditioned
     const bool near = H(0, 0) > 0 && H.determinant() > far * G.determinant();
     const Vec2 d = (near ? H : G).ldlt().solve(J.transpose() * slope);
     return speed ? Vec2(*speed / std::max((J * d).norm(), 1e-300) * d) : d;
@@ -432,11 +435,12 @@ class ClosestPointTracker {
   Vec3 p_ = Vec3::Zero();
 };
 
-// A curve sampled together with its nearest points: lengths of both so far.
+// Samples of a curve and of its closest points: parameters and cumulative arc lengths
+// (`path_length` on the surface, `length` of the curve).
 struct Samples {
   std::vector<double> t, path_length, length;
 
-  // The parameter at which the way is this long; a closed line's goes on around.
+  // The parameter at which the path on the surface has this length; periodic for closed lines.
   double at(double target, bool closed) const {
     const double span = t.back() - t.front();
     const double periods = closed ? std::floor(target / path_length.back()) : 0;
@@ -449,8 +453,8 @@ struct Samples {
         1.0);
     return t[k - 1] + part * (t[k] - t[k - 1]) + periods * span;
   }
-  // Mean of the way over what it would be if it were even: a closed line is turned by that, so that
-  // it does not matter where it begins.
+  // Mean of the path length minus its value for proportional spacing. Closed lines are shifted by
+  // it, so that the result does not depend on where they begin.
   double offset() const {
     double sum = 0;
     for (size_t k = 1; k < t.size(); ++k) {
@@ -462,8 +466,9 @@ struct Samples {
   }
 };
 
-// Where each node of the image takes its place from: the node's own parameter or, `evenly`, the
-// parameter at which the way on the surface has the share that the node has of the curve's length.
+// For each node of the pcurve, the curve parameter whose closest point it gets. That is the node's
+// own parameter. With `evenly` it is the parameter at which the path on the surface has the node's
+// fraction of the curve's length.
 std::vector<double> source_parameters(const std::vector<double>& nodes, const Samples& s,
                                       bool closed, bool evenly) {
   if (!evenly || !(s.path_length.back() > 0)) return nodes;
@@ -482,8 +487,9 @@ std::vector<double> source_parameters(const std::vector<double>& nodes, const Sa
   return from;
 }
 
-// The line's image, its nodes at the parameters of `line.image`, beginning where that begins. A
-// closed line that runs around the ring has no closed image: both are cut open.
+// Replaces the line's pcurve by one that may cross the seam. Parameters of its nodes and its start
+// point stay as in `line.pcurve`. A closed line that runs around the annulus has no closed pcurve:
+// both curves are cut open.
 void embed_across_seam(EmbeddedLine& line, const Surface& surface,
                        const SurfaceProjector& projector, const TriangleLocator& locator,
                        bool evenly) {
@@ -491,7 +497,7 @@ void embed_across_seam(EmbeddedLine& line, const Surface& surface,
   const HermiteCurve curve = line.fitted;
   const std::vector<double> nodes = line.pcurve.parameters();
   const Location start = locator.locate(drop_z(line.pcurve.position(0)));
-  constexpr int each = 16;  // samples a segment
+  constexpr int each = 16;  // samples per segment
   Samples samples{{nodes[0]}, {0}, {0}};
   ClosestPointTracker tracker(surface, projector, start);
   Vec3 x = curve.evaluate(nodes[0]);
@@ -520,7 +526,7 @@ void embed_across_seam(EmbeddedLine& line, const Surface& surface,
   ClosestPointTracker again(surface, projector, start);
   double here = nodes[0], shift = 0;
   for (int i = 0; i < pcurve.node_count(); ++i) {
-    // In small steps: a long one might end on another sheet.
+    // Small steps, because a long one might jump to another part of the surface.
     const double to = from[i], before = here;
     const double step = span / static_cast<double>(samples.t.size() - 1);
     const int steps = std::max(1, static_cast<int>(std::ceil(std::abs(to - before) / step)));
@@ -532,12 +538,13 @@ void embed_across_seam(EmbeddedLine& line, const Surface& surface,
     const Vec3 slope = curve.evaluate(nodes[i], 1);
     const Vec2 d =
         evenly ? again.pull(curve.evaluate(to, 1), scale * slope.norm()) : again.pull(slope);
-    if (i == 0) shift = mesh.wrapped(c).x() - c.x();  // the line begins within one period
+    // Shifted by whole periods, so that the line begins in [0, U).
+    if (i == 0) shift = mesh.wrapped(c).x() - c.x();
     dofs.row(pcurve.position_dof(i)) << round_to_grid(c.x() + shift), round_to_grid(c.y()), 0;
     dofs.row(pcurve.slope_out(i)) = round_slope_to_grid({d.x(), d.y(), 0}, span);
   }
   if (curve.closed() && around != 0) {
-    // It ends where it begins, once around.
+    // It ends at its start point, one period further.
     const int end = pcurve.node_count() - 1;
     dofs.row(pcurve.position_dof(end)) = dofs.row(pcurve.position_dof(0));
     dofs(pcurve.position_dof(end), 0) += around * mesh.period();
@@ -546,7 +553,8 @@ void embed_across_seam(EmbeddedLine& line, const Surface& surface,
   line.pcurve = {pcurve, std::move(dofs)};
 }
 
-// A hole does not reach around: on the same strip cut open opposite to it, it is like any other.
+// Embeds a hole. A hole that does not run around the annulus can be embedded as on any domain,
+// after the seam has been moved to the opposite side.
 void embed_hole(const Outline& hole, const Surface& surface, const SurfaceProjector& projector,
                 const DomainInput& task, RegionGeometry& geometry) {
   const ParametricMesh& mesh = surface.mesh();
@@ -554,7 +562,7 @@ void embed_hole(const Outline& hole, const Surface& surface, const SurfaceProjec
     const Location at = projector.nearest(p).where;
     return mesh.shape(at.triangle).point(at.L);
   };
-  // The middle of the range of u.
+  // Range of u that the hole covers.
   Vec2 uv = uv_of(hole.segments[0].start);
   double low = uv.x(), high = low;
   constexpr int samples = 32;
@@ -600,11 +608,11 @@ void embed_on_annulus(const Surface& surface, const std::vector<Outline>& holes,
   const SurfaceProjector projector(surface);
   for (const Outline& hole : holes) embed_hole(hole, surface, projector, task, geometry);
   const size_t before = geometry.embedded.size();
-  // Fits the lines; what it says of images that cross the seam is not used.
+  // Fits the lines. The pcurves are replaced below, because they may be wrong across the seam.
   embed_on_surface(surface, {}, inner, task, geometry);
   const TriangleLocator locator(surface.mesh());
   for (size_t i = before; i < geometry.embedded.size(); ++i) {
-    // Where lines cross, nearest points keep them together.
+    // Lines that cross others keep the plain closest points, so that they meet in the domain too.
     EmbeddedLine& line = geometry.embedded[i];
     const double near = 10 * task.gap_tolerance;
     bool reparametrise = true;

@@ -1,4 +1,4 @@
-// Rings: regions between two smooth closed rims, as tubes, skirts and annuli.
+// Annular domains: regions between two smooth closed curves, such as tubes, skirts and annuli.
 #pragma once
 
 #include <cmath>
@@ -9,57 +9,67 @@
 
 namespace batten {
 
-/// Returns whether two rims run in one direction around the ring between them. `a`, `b`: the same
-/// number of points, evenly around each rim. Through a tube they do when their area vectors point
-/// to the same side along the way from rim to rim. Where these do not decide (an annulus), they do
-/// when points at equal shares of the rims lie nearer together than they would with one rim turned
-/// over, from the best start in both cases. O(n²).
+/// Tests whether two boundary circles run in the same direction around the annulus between them.
+/// `a`, `b`: the same number of points, evenly spaced around each circle.
+///
+/// For a tube the answer is yes if the area vectors point to the same side along the axis from
+/// circle to circle. If the area vectors do not decide (a flat annulus), two sums of squared
+/// distances at equal fractions of arc length are compared: with one circle reversed and not
+/// reversed, each with the best start point. O(n²).
 bool circles_have_same_direction(const std::vector<Vec3>& a, const std::vector<Vec3>& b);
 
-/// Makes a strip that is periodic in u: rim A along v = 0, in the direction of its first line, rim
-/// B along v = V. It has no singular point, and the rims are straight runs of element edges:
+/// Builds a strip that is periodic in u. Circle A lies on v = 0, in the direction of its first
+/// line; circle B lies on v = V. The domain has no singular point, and both circles are straight
+/// chains of element edges:
 ///
-///   U = mean length of the rims / size          u runs evenly with the arc length of each rim
+///   U = mean length of the circles / size          u is proportional to arc length on each circle
 ///   V = mean distance of matched points / size
 ///
-/// Points of equal u are matched: of the two directions of rim B and all its starts, those that
-/// make the sum of squared distances between points at equal fractions of arc length least, so that
-/// the strip is not twisted. Both rims become closed C1 cubic curves within the tolerance, whose
-/// nodes lie on columns of the mesh. A rim of one line may begin anywhere: one of them is cut where
-/// it matches the start of the other, and both begin at u = 0. Where lines join on both rims, the
-/// columns tilt by up to half an edge so that each ends on a joint.
+/// Points of equal u are matched. So that the strip is not twisted, circle B gets the direction of
+/// circles_have_same_direction(). Its start point minimises the sum of squared distances between
+/// points at equal fractions of arc length. Both circles become closed C1 cubic curves within the
+/// tolerance, whose nodes lie on columns of the mesh. A circle of one line may begin anywhere: its
+/// seam is moved to match the start of the other one, and both begin at u = 0. If both circles
+/// consist of several lines, the columns tilt by up to half an edge, so that each column ends at a
+/// line's end point.
 ///
-/// The mesh: right triangles, rows × columns with cells as near to squares of the wished edge as
-/// the lines' nodes allow, diagonals alternating.
+/// The mesh has right triangles in rows × columns, with alternating diagonals. The cells are as
+/// close to squares of side `task.edge_length` as the nodes of the lines allow.
 ///
-/// `a`, `b`: loops without corners, as make_loops() finds them. The parts have a mesh, one run for
-/// each line (those of rim A first, along each rim; the vertices of a rim that is one closed line
-/// name the first one again at the end) and two boundary loops: rim A with u, rim B against it.
-/// Throws InputError in words for the user: a rim with a corner, rims that coincide, an edge length
-/// that means more than 2 million triangles. Cost: O(columns · rows).
+/// `a`, `b`: loops without corners from make_loops(). The result has a mesh, one edge-aligned line
+/// per input line (those of circle A first, in order along each circle), and two boundary loops:
+/// circle A in the direction of u, circle B against it. If a circle is one closed line, its list of
+/// vertices repeats the first vertex at the end.
+///
+/// Throws InputError, with a message for the user: a circle with a corner, circles that coincide,
+/// an edge length that leads to more than 2 million triangles. Cost: O(columns · rows).
 RegionGeometry make_annulus_geometry(const Outline& a, const Outline& b, const DomainInput& task);
 
-/// Embeds holes and inner lines in a ring that has a shape. c(t) are the nearest points of the
-/// surface; of an inner line that crosses no other one they are spread over it as evenly as the
-/// line is long (nearest points crowd where a line bulges away from the surface). Images run on
-/// over the seam, beyond [0, U]; a line begins in [0, U). A closed line that runs around the ring
-/// ends one period from where it begins: its curve and its image are open curves then, whose ends
-/// meet on the ring. Throws InputError as embed_on_surface() does, for a hole around the ring, and for an
-/// inner line that is to be fitted. O(triangles · lines).
+/// Embeds holes and inner lines in an annulus whose surface is known. The pcurves c(t) pass through
+/// the closest points on the surface. Closest points cluster where a line bulges away from the
+/// surface. So if an inner line crosses no other one, they are redistributed in proportion to the
+/// line's arc length.
+///
+/// Pcurves continue across the seam, beyond [0, U]; each begins in [0, U). A closed line that runs
+/// around the annulus ends one period away from its start. Its curve and its pcurve are then open
+/// curves whose ends meet on the annulus.
+///
+/// Throws InputError as embed_on_surface() does; also for a hole that runs around the annulus and
+/// for an inner line with MeshAlignment::EdgeAligned. Cost: O(triangles · lines).
 void embed_on_annulus(const Surface& surface, const std::vector<Outline>& holes,
                       const std::vector<SmoothSegment>& inner, const DomainInput& task,
                       RegionGeometry& geometry);
 
 
-// Inside of rings: a rim with its lines.
+// Boundary circles with their lines.
 
-/// Returns the part of x in [0, 1).
+/// Fractional part of x, in [0, 1).
 inline double fractional_part(double x) {
   x -= std::floor(x);
   return x < 1 ? x : 0;
 }
 
-/// A closed curve that has its seam at another of its points.
+/// A closed curve whose seam (start and end point) is moved to another of its points.
 class RotatedSeamCurve final : public InputCurve {
  public:
   RotatedSeamCurve(std::shared_ptr<const InputCurve> whole, double seam)
@@ -88,23 +98,26 @@ class RotatedSeamCurve final : public InputCurve {
   double seam_, before_, period_;
 };
 
-/// A rim and where its lines lie on it, in the direction of u.
+/// A boundary circle and the positions of its lines along it, in the direction of u.
 struct BoundaryCircle {
   Outline outline;
+  /// Arc length of each line, in the direction of the circle.
   std::vector<ArcLength> arcs;
+  /// Length of the circle, model units.
   double length = 0;
   struct Span {
-    double from, length_fraction;  // of the rim's length; from in [0, 1)
-    HermiteCurve fitted;           // along the rim
+    double from, length_fraction;  // fractions of the circle's length; from in [0, 1)
+    HermiteCurve fitted;           // C1 cubic curve, oriented along the circle
   };
-  std::vector<Span> spans;  // of each line
+  std::vector<Span> spans;  // one per line
 
   explicit BoundaryCircle(Outline loop) : outline(std::move(loop)) {
     for (const auto& p : outline.segments) {
       arcs.emplace_back(p.segment.curve);
       length += arcs.back().total();
     }
-    // Slopes of given curves go on from one to the next over their own parameters.
+    // Prescribed curves: the parametrisation continues from one curve to the next, so fractions are
+    // of parameter intervals, not of length.
     std::vector<double> before = {0};
     for (size_t i = 0; i < arcs.size(); ++i)
       before.push_back(before.back() + (prescribed() ? prescribed(i).end() - prescribed(i).start()
@@ -117,15 +130,18 @@ struct BoundaryCircle {
       spans.push_back({from, length_fraction(before[i + 1]) - from, {}});
     }
   }
+  /// True if the lines have prescribed curves (all or none have).
   bool prescribed() const { return outline.segments[0].segment.prescribed != nullptr; }
   const HermiteCurve& prescribed(size_t i) const {
     return outline.segments[i].segment.prescribed->curve;
   }
   bool is_single_line() const { return spans.size() == 1; }
 
+  /// Position and unit tangent.
   struct Point {
     Vec3 x, tangent;
   };
+  /// Point at a fraction of the circle's length; periodic.
   Point point(double fraction) const {
     double s = fractional_part(fraction) * length;
     size_t i = 0;
@@ -135,7 +151,7 @@ struct BoundaryCircle {
     return {curve.evaluate(t), curve.evaluate(t, 1).normalized()};
   }
 
-  // Returns a rim of one line with its seam at another place.
+  // The circle with its seam at another fraction of its length. It must consist of one line.
   BoundaryCircle with_seam_at(double fraction) const {
     Outline cut = outline;
     auto& piece = cut.segments[0];

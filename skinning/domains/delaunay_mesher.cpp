@@ -35,11 +35,12 @@ using Triangulation =
 using Criteria = CGAL::Delaunay_mesh_size_criteria_2<Triangulation>;
 using Point = Triangulation::Point;
 
-constexpr long kProgressInterval = 1024;  // rounds between two questions whether to go on
-// Longest edge, of the target: meshes come out with a mean of about three quarters of it.
+constexpr long kProgressInterval = 1024;  // refinement steps between two polls for cancellation
+// Longest edge over the target length. Meshes come out with a mean edge of about three quarters of
+// the longest.
 constexpr double kMaxEdgeRatio = 1.3;
 
-// Along the Z-shaped curve, so that neighbours lie near each other in memory.
+// Orders points along a Z-order (Morton) curve, so that neighbours are close in memory.
 std::vector<int> spatial_order(const std::vector<Point>& points) {
   double low_x = 0, low_y = 0, extent = 0;
   if (!points.empty()) low_x = points[0].x(), low_y = points[0].y();
@@ -64,16 +65,18 @@ std::vector<int> spatial_order(const std::vector<Point>& points) {
   return order;
 }
 
-// Sine of the smallest angle, about: 4 √3 area over the sum of squared sides, 1 when equilateral.
+// Shape quality, approximately the sine of the smallest angle: 4 √3 area over the sum of squared
+// sides, 1 for an equilateral triangle.
 double quality(const Vec2& a, const Vec2& b, const Vec2& c) {
   const Vec2 ab = b - a, ac = c - a, bc = c - b;
   const double area2 = ab.x() * ac.y() - ab.y() * ac.x();
   return 2 * std::sqrt(3.0) * area2 / (ab.squaredNorm() + ac.squaredNorm() + bc.squaredNorm());
 }
 
-// Moves free vertices to the centre of area of their triangles, one after the other, where the
-// worst of these triangles becomes better or stays good (0.8). CGAL's own optimizers add up in the
-// order of addresses, so that their last bits change from run to run.
+// Laplacian-type smoothing: moves each free vertex in turn to the area centroid of its triangles. A
+// move is accepted if the worst of these triangles improves or stays good (0.8). CGAL's own
+// optimizers are not used: they sum in the order of addresses, so that the last bits change from
+// run to run.
 void smooth(std::vector<Vec2>& vertices, const std::vector<ParametricMesh::Triangle>& triangles,
             const std::vector<char>& fixed, int sweeps, const Progress& progress) {
   std::vector<std::vector<int>> around(vertices.size());
@@ -108,8 +111,8 @@ void smooth(std::vector<Vec2>& vertices, const std::vector<ParametricMesh::Trian
   }
 }
 
-// A point inside of a simple polygon: the middle of the largest gap between its segments, along
-// lines between neighbouring heights of its points.
+// A point inside a simple polygon. On horizontal lines midway between consecutive heights of its
+// points, it is the middle of the widest interval inside.
 Point inside_of(const std::vector<Vec2>& points, const std::vector<std::array<int, 2>>& polygon) {
   std::vector<double> heights;
   for (const auto& segment : polygon) heights.push_back(points[segment[0]].y());
@@ -136,7 +139,7 @@ Point inside_of(const std::vector<Vec2>& points, const std::vector<std::array<in
   return best;
 }
 
-// Everything that can be reached from a face without crossing a segment leaves the domain.
+// Marks as outside every face that can be reached from `start` without crossing a segment.
 void exclude(Triangulation& triangulation, Triangulation::Face_handle start) {
   std::vector<Triangulation::Face_handle> stack{start};
   start->set_in_domain(false);
@@ -152,10 +155,11 @@ void exclude(Triangulation& triangulation, Triangulation::Face_handle start) {
   }
 }
 
-// Ruppert's refinement with segments that stay: triangles whose circumcircle is too large for the
-// target or for their shortest edge get its centre as a vertex, unless the centre is not visible
-// from them or comes too near to a segment. The largest are the first. Every new vertex keeps a
-// distance of √2 times the shortest edge that gave rise to it, so that this ends.
+// Ruppert's Delaunay refinement [Ruppert1995], but without splitting segments. Triangles whose
+// circumcircle is too large for the target length or for their shortest edge get its centre as a
+// new vertex. The centre is skipped if it is not visible from the triangle or encroaches on a
+// segment. The largest circumcircles come first. Every new vertex keeps a distance of √2 times the
+// shortest edge that caused it, so that the refinement terminates.
 class Refinement {
  public:
   Refinement(Triangulation& triangulation, const PlanarMeshInput& task, double min_sine_squared)
@@ -180,7 +184,7 @@ class Refinement {
   using FaceHandle = Triangulation::Face_handle;
   struct BadTriangle {
     double radius2;
-    long number;  // the order of equals
+    long number;  // insertion order, breaks ties
     FaceHandle face;
     std::array<Triangulation::Vertex_handle, 3> corners;
     bool operator<(const BadTriangle& other) const {
@@ -188,7 +192,7 @@ class Refinement {
     }
   };
 
-  // Puts a triangle into the queue where it is bad.
+  // Adds a triangle to the queue if it is bad.
   void enqueue_if_bad(FaceHandle face) {
     const auto triangle = triangulation_.triangle(face);
     double shortest2 = std::numeric_limits<double>::infinity(), product = 1;
@@ -203,18 +207,20 @@ class Refinement {
       const Point centre = CGAL::centroid(triangle);
       edge = std::min(edge, task_.size_field->at({centre.x(), centre.y()}));
     }
-    const double largest = kMaxEdgeRatio * edge / std::sqrt(3.0);  // of an equilateral triangle
+    // Circumradius of an equilateral triangle.
+    const double largest = kMaxEdgeRatio * edge / std::sqrt(3.0);
     if (radius2 > largest * largest || shortest2 < 4 * min_sine_squared_ * radius2)
       queue_.push({radius2, number_++, face, {face->vertex(0), face->vertex(1), face->vertex(2)}});
   }
 
-  // Whether the triangle is still as it was when it was found.
+  // True if the triangle has not changed since it was queued.
   bool still_exists(const BadTriangle& bad) const {
     return bad.face->vertex(0) == bad.corners[0] && bad.face->vertex(1) == bad.corners[1] &&
            bad.face->vertex(2) == bad.corners[2];
   }
 
-  // The face with the centre in it; false outside of the domain, at a vertex and on a segment.
+  // Finds the face that contains the centre. Returns false if the centre is outside of the domain,
+  // at a vertex, or on a segment.
   bool find(const Point& centre, FaceHandle from, FaceHandle& there) const {
     Triangulation::Locate_type type;
     int at;
@@ -224,7 +230,8 @@ class Refinement {
              (type == Triangulation::EDGE && triangulation_.is_constrained({there, at})));
   }
 
-  // Whether the centre is visible from its triangle and not too near to a segment.
+  // True if the centre is visible from its triangle and encroaches on no segment (lies in no
+  // segment's diametral circle).
   bool fits(const Point& centre, FaceHandle face, FaceHandle there) const {
     std::vector<FaceHandle> zone;
     std::vector<Triangulation::Edge> around;
@@ -267,7 +274,7 @@ void refine_between(Triangulation& triangulation, const std::vector<Point>& hole
 
 using VertexHandle = Triangulation::Vertex_handle;
 
-// Adds the task's points and segments; returns the points.
+// Inserts the points and segments of the input; returns the vertices of its points.
 std::vector<VertexHandle> insert(const PlanarMeshInput& task, Triangulation& triangulation) {
   std::vector<VertexHandle> handle;
   for (const Vec2& p : task.points) handle.push_back(triangulation.insert(Point(p.x(), p.y())));
@@ -284,14 +291,14 @@ std::vector<VertexHandle> insert(const PlanarMeshInput& task, Triangulation& tri
   return handle;
 }
 
-// Ruppert's refinement with segments that are split.
+// Ruppert's Delaunay refinement, which may split segments.
 void refine_everywhere(Triangulation& triangulation, const std::vector<Point>& hole_seeds,
                        const PlanarMeshInput& task, double min_sine_squared) {
   CGAL::Delaunay_mesher_2<Triangulation, Criteria> mesher(
       triangulation, Criteria(min_sine_squared, kMaxEdgeRatio * task.edge_length));
   if (!hole_seeds.empty()) mesher.set_seeds(hole_seeds.begin(), hole_seeds.end());
-  // Next to angles of a few degrees the refinement may never end.
-  constexpr double many = 20;  // times what an even mesh of the box has
+  // Next to angles of a few degrees, Ruppert's refinement may not terminate.
+  constexpr double many = 20;  // multiple of the vertices of a uniform mesh of the bounding box
   const double most =
       many * (bounding_box(task.points).sizes().prod() / (task.edge_length * task.edge_length) +
               static_cast<double>(task.points.size()) + 1000);
@@ -307,10 +314,10 @@ void refine_everywhere(Triangulation& triangulation, const std::vector<Point>& h
   }
 }
 
-// Vertices and triangles of the domain, vertices on segments fixed, the others smoothed.
+// Extracts the vertices and triangles of the domain; smooths all vertices that are not on segments.
 ParametricMesh smoothed_mesh(const Triangulation& triangulation,
                              const std::vector<VertexHandle>& handle, const PlanarMeshInput& task) {
-  // The task's points keep their numbers; the others follow along a space-filling curve.
+  // The input points keep their numbers; the others follow along a space-filling curve.
   std::map<VertexHandle, int> index;
   std::vector<Vec2> vertices = task.points;
   for (size_t i = 0; i < handle.size(); ++i) index[handle[i]] = static_cast<int>(i);

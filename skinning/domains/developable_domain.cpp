@@ -1,4 +1,4 @@
-// Unfolds outlines that have no polygon and do not project simply.
+// Developable domains: unfolds outlines that have neither a polygon nor a simple projection.
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
@@ -17,27 +17,29 @@ namespace batten {
 namespace {
 
 using std::numbers::pi;
-constexpr int kSamplesPerSegment = 4;  // samples of each segment of the image
+constexpr int kSamplesPerSegment = 4;  // per segment of the pcurve
 constexpr int kMaxSegments = 44;       // of the whole outline: 176 samples
 
-// One line of the outline, cut into segments of its image.
+// One line of the outline and the nodes that divide its pcurve into segments.
 struct LoopSide {
   HermiteCurve curve;
-  std::vector<double> nodes;  // parameters
+  std::vector<double> nodes;  // parameters of the nodes, ascending
 };
 
-// A point of the outline, in space over its size.
+// A sampled point of the outline; x relative to its start, over its size.
 struct Sample {
   size_t side;
   double t;
   Vec3 x;
 };
 
-// How much an image must bend, and how long it is: segments share that evenly.
+// Cumulative monitor function of a curve, from its change of direction and its length. The segments
+// of the pcurve equidistribute it. `t`: parameters of the values.
 std::vector<double> monitor_function(const HermiteCurve& curve, double around,
                                      std::vector<double>& t) {
-  constexpr int samples = 24;  // a segment of the curve
-  constexpr double angle_per_segment = pi / 9, length_per_segment = 1.0 / 14;  // of the way around
+  constexpr int samples = 24;  // per segment of the curve
+  // Length as a fraction of the perimeter.
+  constexpr double angle_per_segment = pi / 9, length_per_segment = 1.0 / 14;
   std::vector<double> sum{0};
   t = {curve.start()};
   Vec3 before = curve.evaluate({0, 0.0}, 1).normalized();
@@ -101,15 +103,16 @@ std::vector<Sample> samples_of(const std::vector<LoopSide>& sides, double size) 
   return samples;
 }
 
-// The triangles laid flat one after the other, each at its edge with one that lies already.
+// Unfolds the triangles into the plane one after the other, each at an edge that it shares with one
+// already unfolded.
 std::vector<Vec2> unfold(const std::vector<Vec3>& x, const HoleTriangulation& triangulation) {
-  std::map<std::pair<int, int>, size_t> beside;  // triangle to the left of an edge
+  std::map<std::pair<int, int>, size_t> beside;  // the triangle to the left of a directed edge
   for (size_t t = 0; t < triangulation.triangles.size(); ++t)
     for (int i = 0; i < 3; ++i)
       beside[{triangulation.triangles[t][i], triangulation.triangles[t][(i + 1) % 3]}] = t;
   std::vector<Vec2> p(x.size(), Vec2::Zero());
   std::vector<char> laid(triangulation.triangles.size(), 0);
-  // c to the left of the edge from a to b.
+  // Unfolds vertex c to the left of the edge from a to b.
   const auto lay = [&](int a, int b, int c) {
     const Vec3 ab = x[b] - x[a], ac = x[c] - x[a];
     const double length = ab.norm();
@@ -139,10 +142,10 @@ std::vector<Vec2> unfold(const std::vector<Vec3>& x, const HoleTriangulation& tr
 
 struct FlattenedSamples {
   std::vector<Vec2> p;
-  std::vector<TriangulationCorner> corners;  // of the filling, in space
+  std::vector<TriangulationCorner> corners;  // of the triangulation, in space
 };
 
-// The samples laid flat: unfolded, or relaxed where that overlaps.
+// The samples in the plane: unfolded, or a relaxed polygon if the unfolding overlaps itself.
 FlattenedSamples flatten_samples(const std::vector<Sample>& samples) {
   std::vector<Vec3> x;
   for (const Sample& s : samples) x.push_back(s.x);
@@ -152,7 +155,7 @@ FlattenedSamples flatten_samples(const std::vector<Sample>& samples) {
   std::vector<Vec2> p = unfold(x, *triangulation);
   const std::vector<TriangulationCorner> corner_data = triangulation_corners(x, *triangulation);
   if (is_simple_and_ccw(p)) return {p, corner_data};
-  // Fewer corners, between which points follow.
+  // The polygon has fewer corners than samples; the samples between them are interpolated.
   constexpr size_t max_corners = 90;
   const size_t n = x.size(), stride = (n + max_corners - 1) / max_corners;
   std::vector<size_t> kept;
@@ -163,7 +166,7 @@ FlattenedSamples flatten_samples(const std::vector<Sample>& samples) {
     double length = 0;
     for (size_t i = kept[k]; i < to; ++i) length += (x[(i + 1) % n] - x[i]).norm();
     lengths.push_back(length);
-    // The turning around the point, half way to its neighbours.
+    // Total turning angle around the corner, half the way to its neighbours.
     const size_t half = stride / 2;
     double turning_angle = 0;
     for (size_t j = 0; j < stride; ++j)
@@ -189,9 +192,9 @@ Mat2 rotation(double angle) {
   return r;
 }
 
-// The C1 curve of least squares through the flat samples: at each node a position and one slope, of
-// unit size where the image runs as fast as the curve. At a corner the slope behind it is the one
-// before, turned.
+// Least-squares fit of C1 pcurves to the samples in the plane. Each node has a position and one
+// slope, which has length 1 if the pcurve is as fast as the curve. At a corner the outgoing slope
+// is the incoming one, rotated by the turning angle.
 class PcurveFit {
  public:
   PcurveFit(const std::vector<LoopSide>& sides, const std::vector<double>& turning_angle_at_start,
@@ -229,14 +232,15 @@ class PcurveFit {
     const auto above = std::upper_bound(nodes.begin(), nodes.end(), s.t) - nodes.begin();
     return std::min(static_cast<size_t>(above) - 1, nodes.size() - 2);
   }
-  // Of one sample: its share of the way around.
+  // Weight of one sample: proportional to the arc length of its segment.
   double weight(size_t side, size_t segment) const {
     const std::vector<double>& nodes = sides_[side].nodes;
     return (nodes[segment + 1] - nodes[segment]) *
            sides_[side].curve.evaluate(0.5 * (nodes[segment] + nodes[segment + 1]), 1).norm();
   }
   int node(size_t side, size_t k) const { return (first_[side] + static_cast<int>(k)) % count_; }
-  // dc/dt at a node by the node's slope: the curve's speed, and its turn for what leaves a corner.
+  // Map from a node's slope to dc/dt: scaled by the curve's speed, and rotated by the turning angle
+  // if it leaves a corner.
   Mat2 slope_map(size_t side, size_t k, bool leaving) const {
     const HermiteCurve& curve = sides_[side].curve;
     const double t = sides_[side].nodes[k];
@@ -265,13 +269,13 @@ class PcurveFit {
     }
   }
 
-  // Second derivatives go on from one segment to the next, nearly: the unfolded points lie now a
-  // bit to the left, now a bit to the right, as the triangles do.
+  // Penalty on jumps of the second derivative between segments, because the unfolded points
+  // oscillate slightly to the left and right, as the triangles do.
   void penalize_curvature_jump(size_t side, size_t before, size_t after, MatX& H) const {
     constexpr double weight_of_jump = 0.3;
     const std::vector<double>& nodes = sides_[side].nodes;
     const double h1 = nodes[before + 1] - nodes[before], h2 = nodes[after + 1] - nodes[after];
-    // c'' h² of a cubic at its end: 6 p0 - 6 p1 + 2 h d0 + 4 h d1, at its start: the mirror image.
+    // c'' h² of a cubic is 6 p0 - 6 p1 + 2 h d0 + 4 h d1 at its end; mirrored at its start.
     const double h = 0.5 * (h1 + h2), a = h * h / (h1 * h1), b = h * h / (h2 * h2);
     const Mat2 I = Mat2::Identity();
     Eigen::Matrix<double, 2, 12> jump;
@@ -312,7 +316,7 @@ class PcurveFit {
   const std::vector<LoopSide>& sides_;
   const std::vector<double>& turning_angles_;
   double size_;
-  std::vector<int> first_;  // node of each side
+  std::vector<int> first_;  // first node of each side
   int count_ = 0;
 };
 
@@ -343,7 +347,7 @@ RegionGeometry make_developable_geometry(const Outline& loop, const DomainInput&
   const FlattenedSamples flat = flatten_samples(samples);
   std::vector<Vec2> p = flat.p;
 
-  // u along the first line, the middle in the origin.
+  // u along the first line, the mean of the samples at the origin.
   const size_t first_end =
       static_cast<size_t>(kSamplesPerSegment) * (sides.size() == 1 ? 1 : sides[0].nodes.size() - 1);
   const Vec2 u = (p[first_end % p.size()] - p[0]).normalized();
@@ -351,7 +355,8 @@ RegionGeometry make_developable_geometry(const Outline& loop, const DomainInput&
       std::accumulate(p.begin(), p.end(), Vec2(Vec2::Zero())) / static_cast<double>(p.size());
   for (Vec2& x : p) x = Vec2(u.dot(x - middle), cross(u, Vec2(x - middle)));
 
-  // Corners are as wide as between the lines; to which side they turn, the filling knows.
+  // Corner angles are those between the lines in space; the triangulation decides to which side
+  // they turn.
   std::vector<double> turning_angle(sides.size(), 0);
   size_t sample = 0;
   for (size_t s = 0; s < sides.size(); ++s) {

@@ -1,4 +1,4 @@
-// Embeds holes and inner lines on a surface that is there already.
+// Embeds holes and inner lines on an existing surface.
 
 #include <Eigen/Cholesky>
 #include <algorithm>
@@ -15,10 +15,11 @@
 namespace batten {
 namespace {
 
-// The same way in the plane, travelled as fast as the curve is long: nearest points crowd where the
-// curve bulges away from the surface, and the surface between two such lines would sag.
+// Reparametrises a pcurve along its path in (u, v) in proportion to the arc length of the curve.
+// Closest points cluster where the curve bulges away from the surface, and the surface between two
+// such lines would sag.
 HermiteCurve match_arc_length(const HermiteCurve& curve, const HermiteCurve& pcurve) {
-  constexpr int samples = 32;  // a segment
+  constexpr int samples = 32;  // per segment
   std::vector<double> t{pcurve.start()}, path_length{0}, length{0};
   for (int s = 0; s < curve.segment_count(); ++s)
     for (int k = 0; k < samples; ++k) {
@@ -31,7 +32,8 @@ HermiteCurve match_arc_length(const HermiteCurve& curve, const HermiteCurve& pcu
   const double scale = path_length.back() / length.back();
   Points dofs(pcurve.dofs().rows(), 3);
   for (int i = 0; i < pcurve.node_count(); ++i) {
-    // Where the way has the share that the node has of the curve.
+    // The parameter at which the path in (u, v) has the same fraction of length as the curve at
+    // node i.
     const double target = scale * length[samples * i];
     const auto above = std::upper_bound(path_length.begin(), path_length.end(), target);
     const auto k = static_cast<size_t>(std::clamp<long>(above - path_length.begin(), 1,
@@ -53,7 +55,7 @@ HermiteCurve match_arc_length(const HermiteCurve& curve, const HermiteCurve& pcu
   return {pcurve.mesh(), dofs};
 }
 
-// The same curve with nodes at most an element apart.
+// The same curve with nodes at most one element apart.
 HermiteCurve with_close_nodes(const HermiteCurve& curve, double edge_length) {
   std::vector<double> between;
   const auto& u = curve.parameters();
@@ -70,7 +72,7 @@ class Embedder {
   Embedder(const Surface& surface, const DomainInput& task, RegionGeometry& geometry)
       : surface_(surface), projector_(surface), task_(task), geometry_(geometry) {}
 
-  /// Clockwise in the domain.
+  /// Adds a hole, clockwise in the domain.
   void hole(const Outline& hole) {
     for (const auto& piece : hole.segments)
       if (piece.segment.mesh_alignment == CharacterLine::MeshAlignment::EdgeAligned)
@@ -85,7 +87,7 @@ class Embedder {
     geometry_.boundary.push_back(std::move(segments));
   }
 
-  /// `evenly`: as fast as the curve is long.
+  /// Adds a line. `evenly`: its pcurve is proportional to the curve's arc length.
   void line(EmbeddedLine line, bool evenly) {
     const HermiteCurve nodes = with_close_nodes(line.fitted, task_.edge_length);
     line.pcurve = nearest(line, nodes);
@@ -94,7 +96,8 @@ class Embedder {
   }
 
  private:
-  // The boundary pieces of a loop, and the area that its image encloses.
+  // Adds the lines of a loop. Returns its boundary segments, and the signed area that its pcurves
+  // enclose.
   std::pair<std::vector<BoundarySegment>, double> loop(const Outline& hole) {
     const size_t first = geometry_.embedded.size();
     DomainLoops::Loop pcurves;
@@ -104,7 +107,7 @@ class Embedder {
       line(std::move(piece), false);
       pcurves.push_back(geometry_.embedded.back().pcurve);
     }
-    // Each piece begins where the one before it ends, to the last bit.
+    // Each pcurve begins exactly (bitwise) where the one before it ends.
     for (size_t k = 0; k < pcurves.size() && pcurves.size() > 1; ++k) {
       EmbeddedLine& piece = geometry_.embedded[first + k];
       const HermiteCurve& before =
@@ -118,7 +121,8 @@ class Embedder {
     return {std::move(segments), area};
   }
 
-  // The nearest points of the surface at the nodes; slopes by the surface's gradient.
+  // Pcurve through the closest points of the surface at the nodes. Its slopes follow from the
+  // surface's first derivatives by least squares.
   HermiteCurve nearest(const EmbeddedLine& line, const HermiteCurve& nodes) const {
     Points dofs(nodes.dofs().rows(), 3);
     const double span = nodes.end() - nodes.start();
@@ -154,7 +158,7 @@ class Embedder {
   RegionGeometry& geometry_;
 };
 
-// Of the lines to be embedded: whether each crosses no other inner line.
+// One flag per line to be embedded: 1 if it crosses no other inner line.
 std::vector<char> crosses_no_other(const std::vector<SmoothSegment>& inner,
                                    const RegionGeometry& geometry, double distance) {
   std::vector<BoxedCurve> others;
@@ -176,7 +180,7 @@ std::vector<char> crosses_no_other(const std::vector<SmoothSegment>& inner,
 void embed_on_surface(const Surface& surface, const std::vector<Outline>& holes,
                       const std::vector<SmoothSegment>& inner, const DomainInput& task,
                       RegionGeometry& geometry) {
-  // Where lines cross, nearest points keep them together.
+  // Lines that cross others keep the plain closest points, so that they meet in the domain too.
   const std::vector<char> evenly = crosses_no_other(inner, geometry, 10 * task.gap_tolerance);
   Embedder embedder(surface, task, geometry);
   for (const Outline& hole : holes) embedder.hole(hole);
@@ -185,11 +189,11 @@ void embed_on_surface(const Surface& surface, const std::vector<Outline>& holes,
 }
 
 
-// Lines of an embedding as curves.
+// Curves fitted to lines that are embedded.
 
 namespace {
 
-// Of lines in an embedding: fit and gap share the tolerance.
+// Fraction of the tolerance for fitting an embedded line; the rest is for the gap of the surface.
 constexpr double kFitToleranceFraction = 0.25;
 
 FitOptions fit_options(const DomainInput& task, bool closed) {

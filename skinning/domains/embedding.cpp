@@ -13,14 +13,14 @@
 namespace batten {
 namespace {
 
-// Triangles are halved where embedded lines need smaller ones.
+// Local refinement under embedded lines.
 
-constexpr int kGapSamples = 20;  // between points
+constexpr int kGapSamples = 20;  // per interval between collocation points
 
-// No triangle becomes smaller.
+// Lower limit of triangle sizes in the domain.
 double smallest_size(const DomainInput& task) { return task.edge_length / task.size / 64; }
 
-// Whether the mesh may be halved at the marks: most of them make two triangles of one.
+// True if the mesh may be bisected at the marks; most marked triangles become two.
 bool may_bisect(const RegionGeometry& geometry, const std::vector<char>& marked,
                 const DomainInput& task) {
   const auto more = std::count(marked.begin(), marked.end(), 1);
@@ -38,10 +38,11 @@ void warn_of_coarse_mesh(RegionGeometry& geometry, const DomainInput& task) {
     geometry.warnings.push_back(warning);
 }
 
-// Visits samples between the points of a line, interval by interval: `visit(interval, t)`.
+// Samples a line interval by interval, between collocation points, and calls `visit(interval, t)`.
 template <class Visit>
 void between_points(const EmbeddedLine& line, const Visit& visit) {
-  // Curve nodes and sixteenths too: points may have been left out beside another line.
+  // Nodes and sixteenths of the curve also end intervals, because collocation points may have been
+  // left out next to another line.
   std::vector<double> t = line.points;
   t.insert(t.end(), line.pcurve.parameters().begin(), line.pcurve.parameters().end());
   const double start = line.pcurve.start(), span = line.pcurve.end() - start;
@@ -60,7 +61,7 @@ bool is_embedded(const std::vector<BoundarySegment>& loop) {
   });
 }
 
-// The boundary's images; pieces that are runs bound the mesh already when their whole loop is.
+// Boundary loops that trim the mesh. A loop of edge-aligned lines only bounds the mesh already.
 DomainLoops trimming_loops(const RegionGeometry& geometry) {
   std::vector<DomainLoops::Loop> loops;
   for (const auto& segments : geometry.boundary) {
@@ -75,7 +76,7 @@ DomainLoops trimming_loops(const RegionGeometry& geometry) {
                                            : DomainLoops::Background::Inside);
 }
 
-// The region must be to the left of every boundary line and not to its right.
+// Throws unless the region is to the left of every embedded boundary line, and not to its right.
 void require_simple(const RegionGeometry& geometry, const DomainLoops& loops) {
   constexpr double aside = 1e-7;
   constexpr int samples = 8;
@@ -114,8 +115,8 @@ double distance_to_aligned_line(const ParametricMesh& mesh, const EdgeAlignedLin
 void place_points(RegionGeometry& geometry, const DomainInput& task,
                   const TriangleLocator& locator) {
   const auto always = find_junctions(geometry, task);
-  // Two rows at nearly one place would fight: the line that comes first keeps its point.
-  // A line comes near itself around a tiny hole, or where junctions crowd.
+  // Two constraints at nearly the same point are ill-conditioned: the line that comes first keeps
+  // its point. A line comes near itself around a tiny hole, or where junctions crowd.
   constexpr double too_near = 0.25, too_near_itself = 0.2, too_near_aligned = 0.05;
   std::vector<Vec2> taken;
   for (size_t i = 0; i < geometry.embedded.size(); ++i) {
@@ -143,8 +144,9 @@ void place_points(RegionGeometry& geometry, const DomainInput& task,
   }
 }
 
-// The runs on another mesh: `midpoint` of each edge that was halved, `number` of each vertex that
-// stayed (-1: it did not); empty when none was, or all did.
+// Transfers edge-aligned lines to another mesh. `midpoint`: new vertex on each bisected edge, or
+// empty if none was bisected. `number`: new number of each vertex, -1 if it was dropped, or empty
+// if none was.
 void update_aligned_lines(RegionGeometry& geometry, const ParametricMesh& mesh,
                           const std::vector<int>& midpoint, const std::vector<int>& number) {
   for (EdgeAlignedLine& aligned_line : geometry.edge_aligned) {
@@ -176,7 +178,7 @@ void update_aligned_lines(RegionGeometry& geometry, const ParametricMesh& mesh,
   }
 }
 
-// Drops what lies outside of the embedded boundary.
+// Drops the triangles outside of the embedded boundary.
 void cut(RegionGeometry& geometry) {
   const DomainLoops loops = trimming_loops(geometry);
   if (loops.segments().empty()) return;
@@ -185,7 +187,8 @@ void cut(RegionGeometry& geometry) {
   std::vector<int> kept;
   for (int t = 0; t < geometry.mesh->triangle_count(); ++t)
     if (whole.side(t) != Trim::Side::Outside) kept.push_back(t);
-  // Of holes alone it is not known: a mesh that was cut before has lost what lies in them.
+  // Checked only for an embedded outline. With holes alone the expected area is unknown, because a
+  // mesh that was trimmed before has lost the triangles inside of them.
   const bool bounded = loops.background() == DomainLoops::Background::Outside;
   const double expected = loops.area();
   if (bounded && !(std::abs(whole.area() - expected) <= 1e-7 * expected))
@@ -210,7 +213,7 @@ void require_inner_lines_inside(const RegionGeometry& geometry, const DomainInpu
       for (int k = 0; k <= samples; ++k) {
         const CurveMesh::SegmentPoint where{s, static_cast<double>(k) / samples};
         const Vec2 c = drop_z(line.pcurve.evaluate(where));
-        // Ends on the boundary may lie a hair outside.
+        // Ends on the boundary may lie slightly outside.
         if (std::min((c - ends[0]).norm(), (c - ends[1]).norm()) <= slack) continue;
         const Location on = locator.locate(c);
         const bool inside =
@@ -254,7 +257,7 @@ void refine_by_curvature(RegionGeometry& geometry, const DomainInput& task) {
   }
 }
 
-// Of a line that only trims, `fitted` is the surface's own once it has a shape.
+// If a line only trims the surface, `fitted` is a curve on the surface once the region has a shape.
 double line_gap(const Surface& surface, const EmbeddedLine& line) {
   const TriangleLocator locator(surface.mesh());
   double largest = 0;
@@ -286,7 +289,7 @@ bool refine_at_gaps(RegionGeometry& geometry, const Surface& surface, double tar
   }
   if (!missed) return false;
 
-  // Two halvings halve the size, and the gap falls to about an eighth.
+  // Two bisections halve the size; the gap falls to about an eighth.
   bool any = false;
   constexpr int most = 6;
   for (int pass = 0; pass < most; ++pass) {

@@ -32,7 +32,8 @@ void check(const std::vector<Vec3>& loop) {
 
 void measure(const std::vector<Vec3>& loop, HoleTriangulation& triangulation) {
   std::vector<Vec3> normals;
-  std::map<std::pair<int, int>, size_t> across;  // triangle by its edge, lower vertex first
+  // First triangle at each edge, keyed by the edge's vertices, lower first.
+  std::map<std::pair<int, int>, size_t> across;
   for (size_t t = 0; t < triangulation.triangles.size(); ++t) {
     const auto& [a, b, c] = triangulation.triangles[t];
     const Vec3 twice = (loop[b] - loop[a]).cross(loop[c] - loop[a]);
@@ -73,7 +74,7 @@ std::optional<HoleTriangulation> triangulate_hole(const std::vector<Vec3>& loop)
 
   HoleTriangulation triangulation;
   for (const Triangle& t : found) triangulation.triangles.push_back(t.corners);
-  // All run along the loop, or all against it.
+  // The triangles run either all along the loop or all against it.
   const int last = isize(loop) - 1;
   bool against = false;
   for (const auto& t : triangulation.triangles)
@@ -100,10 +101,10 @@ std::optional<HoleTriangulation> triangulate_hole(const std::vector<Vec3>& loop)
 
 namespace {
 
-// The best triangle on a chord, on the side of the points between its ends.
+// Best triangulation of the sub-polygon that a chord cuts off: the points between its ends.
 struct BestTriangulation {
-  double cost = 0;  // of all triangles on that side
-  int apex = -1;    // none: the chord is a side of the loop
+  double cost = 0;  // of all triangles of the sub-polygon
+  int apex = -1;  // third vertex of the triangle on the chord; -1: the chord is a side of the loop
   Vec3 normal = Vec3::Zero();
   double area = 0;
 };

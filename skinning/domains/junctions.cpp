@@ -1,4 +1,5 @@
-// Where embedded lines meet each other and the runs.
+// Intersections of embedded lines with each other, with edge-aligned lines and with hole
+// boundaries.
 
 #include <algorithm>
 #include <cmath>
@@ -29,7 +30,7 @@ struct Chord {
   }
 };
 
-// A segment of a curve as chords, and their box.
+// One segment of a curve as chords, with their bounding box.
 struct SegmentChords {
   Box2 box;
   std::vector<Chord> chords;
@@ -57,12 +58,12 @@ std::vector<SegmentChords> chords_of_segments(const HermiteCurve& c) {
   return rows;
 }
 
-// Where the images of two lines cross, by their parameters.
+// An intersection of two pcurves: the parameters on both.
 struct PcurveIntersection {
   double s, t;
 };
 
-// Newton's method from where two chords cross, or nearly so.
+// Newton's method, started at the (near) intersection of two chords.
 std::optional<PcurveIntersection> intersection_near(const HermiteCurve& a, const Chord& x,
                                                     const HermiteCurve& b, const Chord& y) {
   const Vec2 d = x.q - x.p, e = y.q - y.p, r = y.p - x.p;
@@ -104,7 +105,7 @@ std::vector<PcurveIntersection> pcurve_intersections(const HermiteCurve& a, cons
   return found;
 }
 
-// The same on a mesh that may be periodic: a line also meets the other's images.
+// Intersections on a mesh that may be periodic: also with the periodic copies of the other pcurve.
 std::vector<PcurveIntersection> pcurve_intersections(const ParametricMesh& mesh,
                                                      const HermiteCurve& a, const HermiteCurve& b) {
   if (mesh.period() == 0) return pcurve_intersections(a, b);
@@ -149,10 +150,10 @@ class Junctions {
   }
 
  private:
-  // Inner lines look at boundary lines, and at inner lines before them.
+  // Inner lines are tested against boundary lines and against earlier inner lines.
   bool is_tested_against(size_t i, size_t j) const { return j != i && (bounds_[j] || j < i); }
 
-  // An end that lies on another line moves onto it.
+  // Moves an end that lies near another line onto that line.
   void move_end(size_t i, bool last) {
     const HermiteCurve& fitted = geometry_.embedded[i].fitted;
     const Vec3 end = fitted.position(last ? fitted.node_count() - 1 : 0);
@@ -231,7 +232,7 @@ std::vector<std::vector<double>> find_junctions(RegionGeometry& geometry, const 
 namespace {
 
 struct PieceSample {
-  int piece;  // of the rim; 0 on a line
+  int piece;  // of the hole boundary; 0 for samples of an inner line
   double t;
   Vec3 p;
 };
@@ -251,7 +252,7 @@ std::vector<PieceSample> samples_of(const InputCurve& curve, int piece) {
   return samples;
 }
 
-// A hole's rim, closed, seen along its mean normal.
+// A closed hole boundary, projected along its mean normal.
 class HoleBoundary {
  public:
   explicit HoleBoundary(const Outline& loop) : loop_(loop) {
@@ -285,7 +286,7 @@ class HoleBoundary {
     return loop_.segments[static_cast<size_t>(piece)].segment.name;
   }
   Vec2 seen(const Vec3& p) const { return {x_.dot(p - centre_), y_.dot(p - centre_)}; }
-  /// Other sheets of a surface may lie behind a hole.
+  /// False for points of other parts of the surface that lie in front of the hole or behind it.
   bool is_near(const Vec3& p) const { return std::abs(normal_.dot(p - centre_)) <= radius_; }
   const Eigen::AlignedBox2d& box() const { return box_; }
 
@@ -311,7 +312,8 @@ class HoleBoundary {
   double radius_ = 0;
 };
 
-// Where two curves are nearest, from t and s on: Gauss-Newton steps, inside of the intervals.
+// Minimises the distance of two curves from the start values t and s by Gauss-Newton steps, clamped
+// to the parameter intervals.
 void to_nearest(const InputCurve& a, double& t, const InputCurve& b, double& s) {
   constexpr int steps = 20;
   for (int k = 0; k < steps; ++k) {
@@ -325,7 +327,7 @@ void to_nearest(const InputCurve& a, double& t, const InputCurve& b, double& s) 
   }
 }
 
-// Where a line crosses a rim, parameters of the line.
+// Appends to `cuts` the parameters at which a line crosses a hole boundary.
 void add_crossings(const SmoothSegment& line, const std::vector<PieceSample>& samples,
                    const HoleBoundary& boundary, double gap_tolerance, std::vector<double>& cuts) {
   for (size_t i = 0; i + 1 < samples.size(); ++i) {
@@ -359,7 +361,7 @@ void add_crossings(const SmoothSegment& line, const std::vector<PieceSample>& sa
   }
 }
 
-// The parts of a line that are in no hole, from and to.
+// Parameter intervals of a line that lie in no hole.
 std::vector<std::pair<double, double>> parts_outside(const SmoothSegment& line,
                                                      const std::vector<HoleBoundary>& boundaries,
                                                      double gap_tolerance) {
@@ -374,12 +376,12 @@ std::vector<std::pair<double, double>> parts_outside(const SmoothSegment& line,
     const double a = cuts[i], b = cuts[i + 1];
     const auto p = [&](double f) { return curve.evaluate(a + f * (b - a)); };
     const double length = (p(0.5) - p(0)).norm() + (p(1) - p(0.5)).norm();
-    if (cuts.size() > 2 && length <= gap_tolerance) continue;  // both ends are at one rim
+    if (cuts.size() > 2 && length <= gap_tolerance) continue;  // both ends are at one hole boundary
     const bool inside =
         std::any_of(boundaries.begin(), boundaries.end(),
                     [&](const HoleBoundary& boundary) { return boundary.contains(p(0.5)); });
     if (inside) continue;
-    // A line that touches a rim is not cut there.
+    // A line that only touches a hole boundary is not split there.
     if (!kept.empty() && (curve.evaluate(kept.back().second) - p(0)).norm() <= gap_tolerance)
       kept.back().second = b;
     else

@@ -16,7 +16,7 @@ ParametricMesh fan_mesh(const PlanarMeshInput& task, int refinements) {
   if (!task.inner.empty() || !task.holes.empty())
     throw InputError("the fan mesher takes no inner lines and no holes: use mesher = \"delaunay\"");
   std::vector<Vec2> vertices = task.points;
-  // Centre of area.
+  // Centroid of the area.
   Vec2 centre = Vec2::Zero();
   double area = 0;
   for (const auto& [a, b] : task.outline) {
@@ -59,7 +59,7 @@ double bytes_for_triangles(double triangles) {
 
 namespace {
 
-// `bytes`: of so many triangles.
+// `bytes`: memory as a function of the number of triangles.
 template <class Bytes>
 void require_affordable(const std::string& means, double triangles, double edge_length,
                         const Bytes& bytes) {

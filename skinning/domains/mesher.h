@@ -1,4 +1,4 @@
-// Triangle meshes of a polygonal domain, behind one interface.
+// Triangle mesh generators for polygonal domains, with a size field, and limits on mesh size.
 #pragma once
 
 #include <memory>
@@ -11,15 +11,17 @@
 
 namespace batten {
 
-// How long the edges of elements may be at each place of a domain.
+// Spatially varying edge length.
 
-/// Longest edges of elements over a domain, in its units: linear between the vertices of a background
-/// mesh, and outside of it as at its nearest point.
+/// Longest allowed element edge as a function over the domain, in domain units. It is linear
+/// between the vertices of a background mesh. Outside of that mesh it has the value of the nearest
+/// point.
 class SizeField {
  public:
-  /// One length, > 0, for each vertex of the background mesh.
+  /// `lengths`: one length, > 0, for each vertex of the background mesh.
   SizeField(std::shared_ptr<const ParametricMesh> mesh, std::vector<double> lengths);
 
+  /// Longest allowed edge at a point of the domain.
   double at(const Vec2& uv) const;
   double at_vertex(int vertex) const { return lengths_[vertex]; }
 
@@ -30,62 +32,67 @@ class SizeField {
 };
 
 
-/// What is to be meshed: points that must become vertices, and segments between them that must
-/// become rows of edges. The segments of the outline form one closed counter-clockwise polygon,
-/// those of each hole another one, in either direction. Segments may share end points and touch
-/// nowhere else.
+/// Input of a mesh generator: points that must become vertices, and segments between them that must
+/// become chains of edges. The segments of the outline form one closed counter-clockwise polygon.
+/// Those of each hole form another polygon, in either direction. Segments may share end points and
+/// touch nowhere else.
 struct PlanarMeshInput {
   std::vector<Vec2> points;
   std::vector<std::array<int, 2>> outline, inner;
   double edge_length = 0;  ///< target length of edges
   std::vector<std::vector<std::array<int, 2>>> holes{};
-  /// Segments stay whole: each is one edge of the mesh. Where they are short, triangles grow from
-  /// them to the target; angles are kept only where no segment is in the way.
+  /// Segments are not split: each becomes one edge of the mesh. Next to short segments, triangles
+  /// grow gradually to the target length. The minimum angle may be violated next to segments.
   bool keep_segments = false;
-  /// Shorter edges than the target, where segments are kept; null: none.
+  /// Lengths below the target, used only with `keep_segments`; null: none.
   std::shared_ptr<const SizeField> size_field{};
-  Progress progress{};  ///< asked whether to go on, every thousand vertices
+  Progress progress{};  ///< cancellation is polled every thousand vertices
 };
 
-/// Makes a constrained Delaunay triangulation, refined to the target length with angles above 20.7
-/// degrees where the input allows (CGAL's Mesh_2), then smoothed. The result's first vertices are
-/// the task's points in their order; vertices and triangles that follow are in spatial order.
-/// Segments may be split further, unless the task keeps them. Throws InputError: no CGAL, segments
-/// that cross; CancelledError.
+/// Computes a constrained Delaunay triangulation, refined to the target length, and smooths it.
+/// Angles are above 20.7 degrees where the input allows (CGAL Mesh_2).
+///
+/// The first vertices of the result are the input points in their order. Further vertices, and the
+/// triangles, are in the order of a space-filling curve. Segments may be split further unless
+/// `keep_segments` is set. Throws InputError if the build has no CGAL or segments cross, and
+/// CancelledError.
 ParametricMesh delaunay_mesh(const PlanarMeshInput& task);
-/// Returns whether this build has CGAL.
+/// True if this build has CGAL.
 bool have_delaunay_mesher();
 
-/// Makes a fan of triangles from the centre of the outline's polygon to its sides and cuts every
-/// triangle in four, `refinements` times; segments of the outline are cut evenly. Throws InputError
-/// when the polygon is not star-shaped about its centre, or there are inner segments or holes.
+/// Builds a fan of triangles from the centroid of the outline polygon to its sides and splits every
+/// triangle into four, `refinements` times. Segments of the outline are thus split evenly. Throws
+/// InputError if the polygon is not star-shaped about its centroid, or if there are inner segments
+/// or holes.
 ParametricMesh fan_mesh(const PlanarMeshInput& task, int refinements);
 
 
-// Whether a mesh can be afforded, and a tolerance reached.
+// Limits on mesh size and tolerance.
 
-/// Bytes that skinning takes at its highest for a mesh of so many triangles: mostly its factor,
-/// which grows as n log n.
+/// Estimated peak memory in bytes for skinning a mesh of this many triangles. Most of it is the
+/// matrix factorization, which grows as n log n.
 double bytes_for_triangles(double triangles);
 
-/// Throws InputError for a mesh that is too large: of more than two million triangles, or for which
-/// there is not enough memory (available_memory). The message says how much it would take, and which
-/// edge_length needs half of what there is. `what`: "a region", "a ring"; `edge_length`, `size` in model
-/// units.
+/// Throws InputError for a mesh that is too large: more than two million triangles, or more than
+/// fit into the available memory (available_memory()). The message gives the memory required, and
+/// an edge_length that would need half of the available memory. `what`: "a region", "a ring", for
+/// the message. `edge_length`, `size`: model units.
 void require_mesh_size(double triangles, double edge_length, double size, const std::string& what);
 
-/// The same for all regions of a model together: at least 2 kB a triangle. What the factor of
-/// regions in one shape takes is asked for when it is planned (SparseCholesky).
+/// The same check for all regions of a model together, with at least 2 kB per triangle. The memory
+/// of the joint factorization is checked later, when it is planned (SparseCholesky).
 void require_model_size(double triangles, double edge_length, double size);
 
+/// Largest number of triangles of a region.
 inline constexpr double kMaxTriangles = 2e6;
 
-/// Returns how many triangles a region may have after those under its embedded lines were halved:
-/// 50,000, or ten times those of its size and edge length, (size/edge)².
+/// Largest number of triangles of a region after refinement under its embedded lines: 50,000, or
+/// ten times the number that follows from its size and edge length, (size/edge_length)²; at most
+/// kMaxTriangles.
 double max_refined_triangles(double edge_length, double size);
 
-/// Throws InputError for a tolerance of lines below 1e-9 of the size: shapes are not computed more
-/// exactly.
+/// Throws InputError for a line tolerance below 1e-9 of the size: shapes are not computed more
+/// accurately than that.
 void require_tolerance(double tolerance, double size);
 
 }  // namespace batten

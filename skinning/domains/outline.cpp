@@ -26,7 +26,7 @@ void require_not_on_one_line(const std::vector<SmoothSegment>& segments, double 
     throw InputError("all outline lines lie on one straight line: they enclose no surface");
 }
 
-// Unit directions just before and just after the start of a piece.
+// Unit tangents just before and just after the start of a segment.
 std::pair<Vec3, Vec3> directions_at(const Outline& outline, size_t piece) {
   const size_t n = outline.segments.size();
   const InputCurve &in = *outline.segments[(piece + n - 1) % n].segment.curve,
@@ -39,14 +39,14 @@ double turning_angle_at(const Outline& outline, size_t piece) {
   return std::atan2(a.cross(b).norm(), a.dot(b));
 }
 
-// The partner of each end where every stretch ends where the next one in the list begins, all
-// around; else all -1. Two stretches may have two such orders, one stretch has one.
+// The partner of each end if each segment of the list, all around, ends where the next one begins;
+// otherwise all -1. Two segments may have two such orders, a single one has one.
 std::vector<int> partners_in_listed_order(const std::vector<Vec3>& point, double gap_tolerance) {
   const int n = isize(point) / 2;
   const auto meet = [&](int a, int b) { return (point[a] - point[b]).norm() <= gap_tolerance; };
   for (const int first : {0, 1}) {
     std::vector<int> partner(point.size(), -1);
-    int entry = first;  // the end at which the loop enters stretch i
+    int entry = first;  // the end at which the loop enters segment i
     bool whole = true;
     for (int i = 0; i < n && whole; ++i) {
       const int exit = entry ^ 1, next = (i + 1) % n;
@@ -65,7 +65,8 @@ std::vector<int> partners_in_listed_order(const std::vector<Vec3>& point, double
   return std::vector<int>(point.size(), -1);
 }
 
-// Whether the given curve that ends where a piece begins has the same slope as that one.
+// True if the prescribed curve that ends at the start of a segment has the same slope there as the
+// segment's own prescribed curve.
 bool continues_smoothly(const Outline& outline, size_t piece) {
   const size_t n = outline.segments.size();
   const auto &before = outline.segments[(piece + n - 1) % n], &after = outline.segments[piece];
@@ -85,7 +86,7 @@ void require_all_or_none_prescribed(const std::vector<SmoothSegment>& segments) 
                        "' around one region only one has a given curve: all have, or none");
 }
 
-// Joins stretches at their ends: end 2i is the start of stretch i, 2i+1 its end.
+// Joins segments at their ends. End 2i is the start of segment i, end 2i + 1 its end.
 class LoopBuilder {
  public:
   LoopBuilder(const std::vector<SmoothSegment>& segments, double size, double gap_tolerance)
@@ -112,7 +113,7 @@ class LoopBuilder {
     }
   }
 
-  // The end that meets each end.
+  // For each end, the end that it is joined to.
   std::vector<int> partners() const {
     std::vector<int> partner = segments_[0].prescribed
                                    ? partners_in_listed_order(point_, gap_tolerance_)
@@ -121,7 +122,7 @@ class LoopBuilder {
     return partner;
   }
 
-  // The loop that begins at an end.
+  // Builds the loop that begins at an end.
   Outline loop(int begin, const std::vector<int>& partner, std::vector<char>& used) const {
     Outline outline;
     outline.size = size_;
@@ -184,7 +185,7 @@ class LoopBuilder {
 
   const std::vector<SmoothSegment>& segments_;
   double size_, gap_tolerance_;
-  std::vector<Vec3> point_;  // of each end
+  std::vector<Vec3> point_;  // position of each end
 };
 
 }  // namespace
@@ -196,7 +197,7 @@ std::vector<Outline> make_loops(const std::vector<SmoothSegment>& segments, doub
   require_not_on_one_line(segments, size);
   require_all_or_none_prescribed(segments);
   const LoopBuilder builder(segments, size, gap_tolerance);
-  // A crossing explains a broken loop better than the break does.
+  // Crossings are tested first: a crossing explains a broken loop better than the gap does.
   builder.require_no_crossings();
   const std::vector<int> partner = builder.partners();
 
@@ -269,7 +270,7 @@ Outline reversed(const Outline& outline) {
     piece.segment.curve = reversed(piece.segment.curve);
     back.segments.push_back(std::move(piece));
   }
-  // Piece i began where piece n-1-i now ends.
+  // Segment i began where segment n-1-i now ends.
   for (const int c : outline.corners)
     back.corners.push_back(static_cast<int>((n - static_cast<size_t>(c)) % n));
   std::sort(back.corners.begin(), back.corners.end());
@@ -278,7 +279,7 @@ Outline reversed(const Outline& outline) {
 
 namespace {
 
-// How far a curve may lie from the chords of its polyline.
+// Estimate of how far a curve may lie from a chord of its polyline.
 double sag(const Vec3& a0, const Vec3& a1) { return 0.1 * (a1 - a0).norm(); }
 
 double segment_distance(const Vec3& a0, const Vec3& a1, const Vec3& b0, const Vec3& b1) {
@@ -295,8 +296,8 @@ double segment_distance(const Vec3& a0, const Vec3& a1, const Vec3& b0, const Ve
   return (Vec3(a0 + s * da) - Vec3(b0 + t * db)).norm();
 }
 
-// Two polylines of different curves come near each other at these segments: the curves' own
-// distance there, by Gauss-Newton on both parameters.
+// Distance of two curves near the given chords of their polylines, and the midpoint of the two
+// nearest points. Gauss-Newton iteration in both parameters.
 std::pair<double, Vec3> curve_distance(const InputCurve& a, int i, const InputCurve& b, int j) {
   const double step_a = (a.end() - a.start()) / kCurveChords,
                step_b = (b.end() - b.start()) / kCurveChords;
@@ -404,11 +405,11 @@ Vec3 area_vector(const Outline& outline) {
   return area;
 }
 
-// Points of the loop, as many of each piece.
+// Sampled points of a loop, the same number on each segment.
 struct LoopPoints {
-  std::vector<Vec3> x;  // over the size
-  int each;             // of a piece
-  double height;        // of all points above the loop's plane
+  std::vector<Vec3> x;  // relative to the start of the loop, over its size
+  int each;             // number per segment
+  double height;        // extent of all points along the loop's normal
 };
 
 LoopPoints sample_loop(const Outline& outline, const Vec3& normal) {
@@ -429,9 +430,10 @@ LoopPoints sample_loop(const Outline& outline, const Vec3& normal) {
   return points;
 }
 
-// Whether the loop turns to the left at its corners: seen from its side where it is nearly plane and
-// the corner not upright on that plane, as where a wing's edge meets the nose of a section; else as a
-// filling has it (a strip around a cylinder faces all ways).
+// Tests whether the loop turns left at each of its corners. It is decided in projection along the
+// loop's normal if the loop is nearly planar, and the corner is not nearly perpendicular to its
+// plane, as it is at the nose of a wing section. Otherwise it is decided on a triangulation,
+// because, for example, a strip around a cylinder faces all directions.
 std::vector<char> left_at_corners(const Outline& outline) {
   const Vec3 normal = loop_normal(outline);
   const LoopPoints points = sample_loop(outline, normal);

@@ -1,4 +1,4 @@
-// Outlines with corners: lines on the sides of a polygon.
+// Polygonal domains: outlines with corners, whose lines lie on the sides of a polygon.
 
 #include <cmath>
 #include <numbers>
@@ -20,48 +20,49 @@
 
 namespace batten {
 
-// Inside of polygons: the straight lines of the domain on which their lines lie, before and after
-// the mesh.
+// Straight segments of the domain, on which lines are edge-aligned, before and after meshing.
 
-/// A stretch and its straight image in the domain, from `from` to `to`. Fractions run from 0 to 1
-/// with the parameter of the fitted curve.
+/// A smooth segment and its straight pcurve in the domain, between the points `from` and `to`.
+/// Fractions run from 0 to 1 with the parameter of the fitted curve.
 struct AlignedSegment {
   CharacterLine line;
   bool flipped = false;
   HermiteCurve fitted;
   Vec2 from, to;
-  std::vector<double> nodes;  ///< fractions that must be mesh vertices, 0 and 1 included
-  std::vector<int> points;    ///< of a given curve: its vertices in the mesh, by `nodes`
+  std::vector<double> nodes;  ///< fractions that must be mesh vertices, with 0 and 1
+  std::vector<int> points;    ///< of a prescribed curve: its mesh vertices, parallel to `nodes`
   bool prescribed() const { return line.prescribed != nullptr; }
   double fraction(double u) const { return (u - fitted.start()) / (fitted.end() - fitted.start()); }
   Vec2 at(double fraction) const { return from + fraction * (to - from); }
 };
 
-/// The polygon and the strips that lie on it, in the region's own scale.
+/// The polygon and the aligned segments on it, scaled to a region of size 1.
 struct PolygonDomain {
-  DomainInput task;  ///< its mesher is one that the build has
+  DomainInput task;  ///< the mesher in its options is available in this build
   Outline outline;
   std::vector<double> line_angles;  ///< at the corners, in space, radians
   std::vector<Vec2> polygon;
   std::vector<AlignedSegment>
-      aligned_segments;  ///< pieces of the outline in loop order, then inner lines
-  std::vector<SmoothSegment> aligned_inner;  ///< inner lines that are strips
-  /// All outline lines have given curves.
+      aligned_segments;  ///< segments of the outline in loop order, then inner lines
+  std::vector<SmoothSegment> aligned_inner;  ///< inner lines that are aligned segments
+  /// True if the outline lines have prescribed curves (all or none have).
   bool prescribed() const { return outline.segments[0].segment.prescribed != nullptr; }
 };
 
-/// Returns the C1 cubic curve of a stretch between two joints. `alone`: it is a whole side.
+/// Fits the C1 cubic curve of a segment between two loop vertices. `alone`: the segment is a whole
+/// side, so that piecewise cubic input may be used unchanged (reuse_cubic_input()).
 HermiteCurve fit_aligned_segment(const PolygonDomain& domain, const SmoothSegment& s,
                                  const LoopVertex& start, const LoopVertex& end, bool alone);
 
-/// Makes an inner line a straight run across the polygon. Returns "", or why it cannot be one.
+/// Adds an inner line as a straight chain of edges across the polygon. Returns "" on success, or
+/// the reason why it is impossible.
 std::string add_inner_segment(PolygonDomain& domain, const SmoothSegment& s);
 
-/// Makes the mesh, with all strips on element edges. Throws InputError: too many triangles; what
-/// the mesher refuses.
+/// Builds the mesh, with all aligned segments on element edges. Throws InputError for too many
+/// triangles, and as the mesher does.
 ParametricMesh mesh_polygon(PolygonDomain& domain);
 
-/// Returns the edges and vertices of that mesh on a strip.
+/// Finds the edges and vertices of that mesh on an aligned segment.
 EdgeAlignedLine edge_aligned_line_on(const ParametricMesh& mesh,
                                      const AlignedSegment& aligned_segment);
 
@@ -96,7 +97,7 @@ void require_enclosed_area(const PolygonDomain& domain, const std::vector<double
         "much more than its corners turn");
 }
 
-// u runs along the side of the first line, from the middle of the corners.
+// Rotates u to the side of the first line; the mean of the corners becomes the origin.
 void align_u_with_first_line(PolygonDomain& domain) {
   const size_t sides = domain.polygon.size();
   size_t first = 0;
@@ -112,11 +113,12 @@ void align_u_with_first_line(PolygonDomain& domain) {
   }
 }
 
-// From the lengths of the sides and the angles between them, unless it is given.
+// Computes the polygon from the lengths of the sides and the angles between them, unless it is
+// prescribed.
 void choose_polygon(PolygonDomain& domain, const std::vector<Vec2>* prescribed) {
   const Outline& loop = domain.outline;
   domain.line_angles = corner_angles(loop, domain.task.options.convex);
-  // The polygon is fitted to rounded numbers of the region scaled to size 1.
+  // Rounded numbers of the region scaled to size 1, so that the unit of the input does not matter.
   std::vector<double> lengths, angles;
   std::vector<Vec3> corners;
   const Vec3 origin = loop.segments[loop.corners[0]].start;
@@ -136,7 +138,8 @@ std::pair<Vec2, Vec2> ends_of_side(const PolygonDomain& domain, size_t c) {
   return {domain.polygon[c], domain.polygon[(c + 1) % domain.polygon.size()]};
 }
 
-// Given curves share a side by their parameters, so that the speed along it goes on.
+// Prescribed curves divide a side in proportion to their parameter intervals, so that the
+// parametric speed is continuous along the side.
 void place_prescribed(PolygonDomain& domain, size_t c) {
   const std::vector<size_t> segments = domain.outline.side(c);
   const auto [a, b] = ends_of_side(domain, c);
@@ -163,7 +166,7 @@ HermiteCurve with_scaled_parameter(const HermiteCurve& curve, double factor) {
   return {CurveMesh(u), curve.dofs()};
 }
 
-// Fits the lines of a side, and shares it by their lengths.
+// Fits the lines of a side, which divide it in proportion to their lengths.
 void place_fitted(PolygonDomain& domain, size_t c) {
   const Outline& loop = domain.outline;
   const std::vector<size_t> segments = loop.side(c);
@@ -180,8 +183,8 @@ void place_fitted(PolygonDomain& domain, size_t c) {
     aligned_segment.fitted = fit_aligned_segment(
         domain, piece.segment, loop_vertex_at(loop, p),
         loop_vertex_at(loop, (p + 1) % loop.segments.size()), segments.size() == 1);
-    // The piece's share of the side is rounded, and its parameter stretched by the same hair,
-    // so that speed stays continuous where pieces meet.
+    // The segment's fraction of the side is rounded. Its parameter is scaled by the same factor, so
+    // that the speed stays continuous where segments meet.
     before += piece.length;
     const double next = p == segments.back() ? 1 : round_to_grid(before / length);
     aligned_segment.fitted = with_scaled_parameter(
@@ -199,7 +202,7 @@ PolygonDomain make_polygon_domain(const Outline& loop, const DomainInput& task,
   domain.task = task;
   domain.outline = loop;
   SkinOptions& options = domain.task.options;
-  // Decided first: the fan needs lines that are cut evenly.
+  // Chosen before curves are fitted: the fan needs lines that are split by bisection only.
   if (options.mesher == SkinOptions::Mesher::Delaunay && !have_delaunay_mesher()) {
     warnings.push_back("this build has no CGAL: the fan mesher is used instead");
     options.mesher = SkinOptions::Mesher::Fan;
@@ -234,7 +237,8 @@ HermiteCurve fit_aligned_segment(const PolygonDomain& domain, const SmoothSegmen
                                  const LoopVertex& start, const LoopVertex& end, bool alone) {
   const bool evenly_cut = domain.task.options.mesher == SkinOptions::Mesher::Fan;
   if (alone) {
-    constexpr double shortest_edge = 0.3;  // of the target: shorter pieces would crowd the mesh
+    // Fraction of the target: shorter segments would crowd the mesh.
+    constexpr double shortest_edge = 0.3;
     const auto exact =
         reuse_cubic_input(s, shortest_edge * domain.task.edge_length, start.position, end.position);
     if (exact && (exact->segment_count() == 1 || !evenly_cut)) return *exact;
@@ -276,7 +280,7 @@ RegionGeometry make_polygon_geometry(const Outline& loop, const std::vector<Smoo
 }
 
 
-// Inner lines as straight runs across a polygon.
+// Inner lines as straight chains of edges across a polygon.
 
 namespace {
 
@@ -288,7 +292,8 @@ bool segments_cross(const Vec2& a, const Vec2& b, const Vec2& c, const Vec2& d) 
   return s > margin && s < 1 - margin && t > margin && t < 1 - margin;
 }
 
-// Where an inner line's end meets the outline: a node of a piece, new unless one is near.
+// The point where an inner line ends on the outline. It becomes a node of that segment; an existing
+// node is reused if one is near.
 struct Junction {
   size_t aligned_segment;
   double fraction;
@@ -338,7 +343,7 @@ std::optional<Junction> junction(const PolygonDomain& domain, int end, const Vec
   for (const double u : aligned_segment.fitted.parameters())
     if (std::abs(u / aligned_segment.fitted.end() - fraction) < snap)
       fraction = u / aligned_segment.fitted.end();
-  // The same number that the outline's own node gets.
+  // The same rounded number as for the outline's own node.
   return Junction{
       found, fraction, aligned_segment.at(round_to_grid(fraction)),
       aligned_segment.fitted.evaluate(round_to_grid(fraction) * aligned_segment.fitted.end())};
@@ -407,11 +412,11 @@ std::string add_inner_segment(PolygonDomain& domain, const SmoothSegment& s) {
 }
 
 
-// The mesh of a polygon, and the runs of element edges on its strips.
+// The mesh of a polygon, and the chains of element edges on its aligned segments.
 
 namespace {
 
-// Exactly the given vertices, in the strip's direction.
+// Sets the nodes to exactly the prescribed vertices, in the direction of the aligned segment.
 void fix_nodes(AlignedSegment& aligned_segment) {
   const HermiteCurve& curve = aligned_segment.line.prescribed->curve;
   const double span = curve.end() - curve.start();
@@ -430,7 +435,7 @@ ParametricMesh delaunay(PolygonDomain& domain) {
   task.keep_segments = domain.prescribed();
   task.size_field = domain.task.options.size_field;
   task.progress = domain.task.progress;
-  // Points that strips share (corners, joints, junctions) are one point.
+  // Points that aligned segments share (corners, loop vertices, junctions) are merged.
   std::map<std::pair<long long, long long>, int> known;
   const auto add = [&](const Vec2& p) {
     constexpr double cell = 1e11;
@@ -538,7 +543,8 @@ ParametricMesh mesh_polygon(PolygonDomain& domain) {
   double area = 0;
   for (size_t i = 0, n = domain.polygon.size(); i < n; ++i)
     area += 0.5 * cross(domain.polygon[i], domain.polygon[(i + 1) % n]);
-  // Equilateral triangles of that edge, or the fan's.
+  // Expected number of triangles: equilateral ones with the target edge length, or those of the
+  // fan.
   const bool counted = domain.task.options.mesher == SkinOptions::Mesher::Fan &&
                        domain.task.options.fan_refinements >= 0;
   const double expected =
@@ -575,7 +581,7 @@ EdgeAlignedLine edge_aligned_line_on(const ParametricMesh& mesh,
     find_edges(mesh, aligned_line);
     return aligned_line;
   }
-  // Vertices on the strip, by their fraction along it.
+  // Mesh vertices on the aligned segment, sorted by their fraction along it.
   const Vec2 d = aligned_segment.to - aligned_segment.from;
   const double length = d.norm();
   std::vector<std::pair<double, int>> on_segment;

@@ -11,7 +11,7 @@
 namespace batten {
 namespace {
 
-// The plane of the outline: (u, v) of points and of directions, scaled and rounded.
+// The plane of the outline, with scaled and rounded (u, v) coordinates of points and directions.
 struct ProjectionPlane {
   Vec3 middle, e1, e2;
   double size;
@@ -53,7 +53,7 @@ struct ProjectionPlane {
   }
 };
 
-// Where the line is so steep against the plane that its image hardly moves.
+// Throws if the line is so steep against the plane that its pcurve is nearly stationary.
 void require_flat_enough(const EmbeddedLine& line, double size) {
   constexpr double least = 0.1;
   constexpr int samples = 16;
@@ -99,7 +99,7 @@ RegionGeometry make_projected_geometry(const Outline& loop, const std::vector<Ou
   };
   add_loop(loop);
   for (const Outline& hole : holes) {
-    // Clockwise in the plane.
+    // Holes must be clockwise in the plane.
     std::vector<EmbeddedLine> lines = fit_loop_lines(hole, task);
     DomainLoops::Loop pcurves;
     for (const EmbeddedLine& line : lines) pcurves.push_back(plane.pcurve(line.fitted));

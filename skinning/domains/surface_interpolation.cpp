@@ -52,7 +52,7 @@ Vec3 at(const Section& section, double s) {
          f * section[static_cast<size_t>((i + 1) % kSamples)];
 }
 
-// A rim at equal steps of u.
+// A boundary circle sampled at equal steps of u.
 Section circle_samples(const RegionGeometry& ring, size_t loop) {
   const ParametricMesh& mesh = *ring.mesh;
   Section section(kSamples, Vec3::Zero());
@@ -82,7 +82,7 @@ Section even_points(const SmoothSegment& line) {
   return section;
 }
 
-// A section from the phase and in the direction in which it is nearest to the one before.
+// A section resampled from the start point and in the direction that make it nearest to `before`.
 Section matched(const Section& section, const Section& before) {
   double least = std::numeric_limits<double>::infinity();
   int phase = 0, direction = 1;
@@ -96,7 +96,7 @@ Section matched(const Section& section, const Section& before) {
         sum += (section[place(p + d * k)] - before[static_cast<size_t>(k)]).squaredNorm();
       if (sum < least) least = sum, phase = p, direction = d;
     }
-  // Between samples: the shift that is best to second order.
+  // Shift between samples, from one Gauss-Newton step.
   double slope = 0, bend = 0;
   for (int k = 0; k < kSamples; ++k) {
     const Vec3 tangent = 0.5 * (section[place(phase + direction * k + 1)] -

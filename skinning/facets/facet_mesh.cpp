@@ -17,43 +17,43 @@
 
 namespace batten {
 
-// Inside of facets: a Delaunay mesh of a region in (u, v) that follows its lines.
+// Delaunay mesh of a region in (u, v) that follows its lines.
 
-/// The part of a line between two neighbouring stops; it is one edge of the mesh.
+/// The part of a line between two adjacent subdivision points, which becomes one edge of the mesh.
 struct ConstrainedEdge {
   int line;
   double t0, t1;
   int a, b;
   bool curved;
-  Vec2 from = Vec2::Zero(), to = Vec2::Zero();  ///< the line's points at t0, t1
+  Vec2 from = Vec2::Zero(), to = Vec2::Zero();  ///< the line's points at t0 and t1
 };
 
-/// The mesh, and where the lines lie in it.
+/// The mesh, and the edges of the lines in it.
 struct FacetMesh {
   std::shared_ptr<const ParametricMesh> mesh;
   std::vector<FacetLine> lines;
   std::vector<ConstrainedEdge> constrained_edges;
-  std::vector<int> constrained_edge_of;         ///< of each edge; -1: none
-  std::vector<std::vector<int>> edges_of_line;  ///< pieces of each line that are kept, in order
+  std::vector<int> constrained_edge_of;         ///< constrained edge of each mesh edge; -1: none
+  /// Constrained edges of each line that lie in the region, in order.
+  std::vector<std::vector<int>> edges_of_line;
 
-  /// Returns the image p(L) of a point of the mesh (facets.h), in (u, v).
+  /// The image p(L) in (u, v) of a point of the mesh, with curved edges (formula in facets.h).
   Vec2 map_point(const Location& where) const;
 };
 
-/// Meshes a region whose boundary is stated. `edge_length` 0 means that of mean_edge(). Edges on
-/// lines are halved until no triangle at a curved one comes near to folding. Throws as
-/// quadratic_elements().
+/// Meshes a region that has a boundary. `edge_length` 0: that of mean_edge(). Edges on lines are
+/// bisected until no triangle at a curved edge nearly folds. Throws as quadratic_elements().
 FacetMesh facet_mesh(const SkinnedRegion& region, double edge_length,
                      const SubdivisionRequest& requested);
 
 namespace {
 
-/// Whether a triangle at a curved edge is far enough from folding: the corners of its six-node
-/// triangle, and a lattice of its image.
+/// True if a triangle at a curved edge is far from folding. It tests the Jacobian at the corners of
+/// its six-node triangle, and the orientation of a lattice of its image.
 bool is_unfolded(const FacetMesh& m, int t) {
-  constexpr double least = 0.2;  // of the straight triangle
+  constexpr double least = 0.2;  // fraction of the straight triangle's area
   const TriangleShape shape = m.mesh->shape(t);
-  Vec2 middle[3];  // of the edge opposite each corner
+  Vec2 middle[3];  // midpoint of the edge opposite to each corner
   for (int i = 0; i < 3; ++i) middle[i] = m.map_point({t, (Vec3::Ones() - Vec3::Unit(i)) / 2});
   for (int i = 0; i < 3; ++i) {
     const int j = (i + 1) % 3, k = (i + 2) % 3;
@@ -76,7 +76,7 @@ bool is_unfolded(const FacetMesh& m, int t) {
   return true;
 }
 
-/// Whether two segments without a common end meet.
+/// True if two segments without a common end intersect or touch.
 bool meet(const Vec2& a, const Vec2& b, const Vec2& c, const Vec2& d) {
   const Vec2 low = a.cwiseMin(b), high = a.cwiseMax(b);
   if ((c.cwiseMax(d) - low).minCoeff() < 0 || (high - c.cwiseMin(d)).minCoeff() < 0) return false;
@@ -85,7 +85,7 @@ bool meet(const Vec2& a, const Vec2& b, const Vec2& c, const Vec2& d) {
   return ca * cb <= 0 && ac * ad <= 0;
 }
 
-/// Meshes between the stops, and adds some where that does not come out well.
+/// Meshes between the subdivision points; adds points and repeats if triangles fold or edges cross.
 class FacetMesher {
  public:
   FacetMesher(const SkinnedRegion& region, double edge_length, const SubdivisionRequest& requested)
@@ -98,7 +98,8 @@ class FacetMesher {
     FacetMesh result;
     result.lines = s_.lines();
     constexpr int rounds = 12;
-    const int untangling = requested_ ? 2 * rounds : rounds;  // into a cusp step by step
+    // More rounds, because cusps are resolved step by step.
+    const int untangling = requested_ ? 2 * rounds : rounds;
     for (int round = 0;; ++round) {
       list_constrained_edges();
       if (untangle(round < untangling)) continue;
@@ -114,7 +115,7 @@ class FacetMesher {
         if (!curved.empty() && !is_unfolded(result, t)) folded.insert(curved.begin(), curved.end());
       }
       if (folded.empty()) return result;
-      // In a cusp no halving helps: its last edges stay straight.
+      // In a cusp bisection does not help: its last edges become straight.
       if (round >= rounds || !may_split_)
         for (const int p : folded) straight_.insert(key(constrained_edges_[p]));
       else
@@ -143,7 +144,7 @@ class FacetMesher {
       }
   }
 
-  /// Of a ring the holes alone: between the rims is inside.
+  /// True if p is inside the region. In an annulus only the holes are tested.
   bool inside(const Vec2& p) {
     const Trim* trim = region_.surface.trim().get();
     if (trim) return trim->loops().contains(region_.surface.mesh().wrapped(p));
@@ -157,12 +158,13 @@ class FacetMesher {
     s_.add(static_cast<size_t>(piece.line), 0.5 * (piece.t0 + piece.t1));
   }
 
-  /// Where a piece is cut so that it comes clear of another one: in its middle, or where neighbours
-  /// ask for stops beside an end of the other. Into a cusp, lines have to go by even steps.
+  /// The parameter at which a constrained edge is split to separate it from another one. It is the
+  /// middle or, if the neighbours prescribe points, the point next to an end of the other edge. In
+  /// a cusp, subdivision must proceed in equal steps on both lines.
   double split_beside(const ConstrainedEdge& piece, const ConstrainedEdge& other) const {
     const double middle = 0.5 * (piece.t0 + piece.t1);
     if (!requested_) return middle;
-    constexpr double within = 0.4;  // of the piece, from its middle
+    constexpr double within = 0.4;  // fraction of the edge, from its middle
     double best = middle, least = within * (piece.t1 - piece.t0);
     for (const Vec2& end : {other.from, other.to}) {
       const double t = s_.lines()[piece.line].closest(s_.near(end, piece.from)).u;
@@ -173,7 +175,8 @@ class FacetMesher {
     return best;
   }
 
-  /// Whether two pieces meet but in one common end. Those that share both ends lie on each other.
+  /// True if two constrained edges meet other than in one common end. Edges that share both ends
+  /// coincide.
   bool tangled(const ConstrainedEdge& a, const ConstrainedEdge& b) const {
     const int shared = (a.a == b.a) + (a.a == b.b) + (a.b == b.a) + (a.b == b.b);
     if (shared > 0) return shared > 1;
@@ -181,8 +184,8 @@ class FacetMesher {
     return meet(a.from, a.to, b.from + move, b.to + move);
   }
 
-  /// Pieces in the order in which a sweep along u (axis 0) or v comes upon them, and how many of the
-  /// others each has beside it.
+  /// Constrained edges sorted for a sweep along u (axis 0) or v (axis 1), and the number of later
+  /// edges that overlap each one in that direction.
   struct Sweep {
     std::vector<int> order, beside;
     long pairs = 0;
@@ -207,10 +210,10 @@ class FacetMesher {
     return result;
   }
 
-  /// All pairs that are tangled, the lower number first.
+  /// All tangled pairs, sorted, the lower index first.
   std::vector<std::pair<int, int>> tangled_pairs() const {
     Sweep best = sweep(1);
-    // On a ring, pieces are known in u up to images.
+    // In an annulus u is only known up to the period, so the sweep is along v.
     if (!s_.has_seam())
       if (Sweep other = sweep(0); other.pairs < best.pairs) best = std::move(other);
     std::vector<std::pair<int, int>> pairs;
@@ -223,7 +226,7 @@ class FacetMesher {
     return pairs;
   }
 
-  /// Cuts the curved pieces whose chords meet. Returns whether there were any.
+  /// Splits the curved edges whose chords meet. Returns true if there were any.
   bool untangle(bool may_split) {
     std::map<int, double> cuts;
     for (const auto& [p, q] : tangled_pairs()) {
@@ -239,7 +242,7 @@ class FacetMesher {
     return !cuts.empty();
   }
 
-  /// Meshes between the pieces and finds their edges.
+  /// Meshes between the constrained edges and finds their mesh edges.
   void triangulate(FacetMesh& result) const {
     PlanarMeshInput task;
     task.edge_length = s_.size();
@@ -258,9 +261,10 @@ class FacetMesher {
     find_edges(result);
   }
 
-  /// Numbers the points that pieces end in, left and right of the seam, and lists the seam's right
-  /// image. Nodes of dropped pieces only are left out. Each piece is moved between the two images
-  /// of the seam, so that a node on the seam has two places, on the left image and on the right.
+  /// Numbers the end points of constrained edges, left and right of the seam, and lists the edges
+  /// of the seam's right copy. Nodes used only by dropped edges are left out. Each edge is shifted
+  /// between the two copies of the seam, so that a node on the seam has two positions, one per
+  /// copy.
   std::vector<std::array<int, 2>> number_points(std::vector<ConstrainedEdge>& constrained_edges,
                                                 PlanarMeshInput& task,
                                                 std::vector<std::array<int, 2>>& seams) const {
@@ -295,7 +299,7 @@ class FacetMesher {
     return number;
   }
 
-  /// Shares the pieces out: those of the outline, of holes, and inner ones.
+  /// Distributes the constrained edges to the outline, the holes and the inner segments.
   void sort_by_loop(const std::vector<ConstrainedEdge>& constrained_edges,
                     PlanarMeshInput& task) const {
     std::vector<int> loop_of(s_.lines().size(), -1);
@@ -314,7 +318,7 @@ class FacetMesher {
     }
   }
 
-  /// Finds the mesh's edge of every piece.
+  /// Finds the mesh edge of every constrained edge.
   void find_edges(FacetMesh& result) const {
     result.constrained_edge_of.assign(result.mesh->edge_count(), -1);
     result.edges_of_line.assign(s_.lines().size(), {});
@@ -329,7 +333,7 @@ class FacetMesher {
     }
   }
 
-  /// The two images of the seam become one.
+  /// Merges the two copies of the seam.
   void close(FacetMesh& result, const std::vector<std::array<int, 2>>& number) const {
     const ParametricMesh& open = *result.mesh;
     std::vector<int> becomes(static_cast<size_t>(open.vertex_count()), -1);
@@ -397,7 +401,7 @@ bool has_own_mesh(const SkinnedRegion& region) {
   return region.surface.trim() || !region.embedded.empty();
 }
 
-/// Whether an edge has to end on a run where the elements have no vertex.
+/// True if a point is requested on an edge-aligned line where the element mesh has no vertex.
 bool requests_more(const SkinnedRegion& region, const SubdivisionRequest& requested) {
   for (size_t r = 0; r < std::min(requested.at.size(), region.edge_aligned.size()); ++r) {
     const std::vector<double>& has = region.edge_aligned[r].parameters;
@@ -409,8 +413,8 @@ bool requests_more(const SkinnedRegion& region, const SubdivisionRequest& reques
   return false;
 }
 
-/// Display points, those on each edge from its lower end to its higher one, and lines as chains of
-/// directed edges.
+/// Points of an n-fold subdivided mesh, the points on each edge from its lower to its higher
+/// vertex, and lines as chains of directed edges.
 struct SampledMesh {
   Tessellation tessellation;
   std::vector<Vec2> uv;
@@ -438,7 +442,8 @@ SampledMesh sample_mesh(const SkinnedRegion& region, int n, double edge_length,
   result.tessellation = tessellate(mesh, n);
   auto& points = result.tessellation.points;
   for (const auto& e : mesh.edges()) result.edge_points.push_back({e.low});
-  // After the vertices come the points inside edges, from the lower end, and inside triangles.
+  // Vertices are followed by the points inside edges, from the lower end, and those inside
+  // triangles.
   for (size_t p = static_cast<size_t>(mesh.vertex_count()); p < points.size(); ++p)
     for (int i = 0; i < 3; ++i)
       if (points[p].L[i] == 0)
@@ -512,7 +517,7 @@ QuadraticElements quadratic_elements(const SkinnedRegion& region, double edge_le
   for (int t = 0; t < mesh.triangle_count(); ++t) {
     const auto &v = mesh.triangles()[t], &e = mesh.edges_of(t);
     result.triangles.push_back({v[0], v[1], v[2], middle(e[2]), middle(e[0]), middle(e[1])});
-    // Of four facets, the one without a corner is the middle one.
+    // Of the four facets of a triangle, the central one has no corner of the triangle.
     for (int f = 4 * t; f < 4 * t + 4; ++f) {
       const auto& corners = halves.tessellation.facets[f];
       if (*std::min_element(corners.begin(), corners.end()) >= mesh.vertex_count())

@@ -49,7 +49,7 @@ LineSubdivision::LineSubdivision(const SkinnedRegion& region, double edge_length
   on_boundary_.assign(lines_.size(), 0);
   for (const auto& loop : region.boundary)
     for (const BoundarySegment& piece : loop) {
-      constexpr int min_loop_edges = 8;  // of a loop
+      constexpr int min_loop_edges = 8;  // per loop
       on_boundary_[line_of(piece)] = 1;
       min_edges_[line_of(piece)] = (min_loop_edges + isize(loop) - 1) / isize(loop);
     }
@@ -114,7 +114,7 @@ void LineSubdivision::cut_open() {
   std::vector<Sample> samples;
   for (size_t l = region_.edge_aligned.size(); l < lines_.size(); ++l) {
     const HermiteCurve& pcurve = lines_[l].embedded()->pcurve;
-    constexpr int cuts = 16;  // of a segment
+    constexpr int cuts = 16;  // per segment
     for (int s = 0; s < pcurve.segment_count(); ++s)
       for (int k = 0; k <= cuts; ++k) {
         const CurveMesh::SegmentPoint where{s, static_cast<double>(k) / cuts};
@@ -135,7 +135,7 @@ void LineSubdivision::cut_open() {
       const double fraction = (sample.c.y() - from.y()) / (to.y() - from.y());
       const double beside =
           std::abs(std::remainder(sample.c.x() - from.x() - fraction * (to - from).x(), period()));
-      // Lines beside it count less and less.
+      // The weight of lines next to the seam decreases with their distance.
       const double u_range = 0.5 * size_;
       if (beside < u_range)
         along = std::max(along, (sample.boundary ? 2 : 1) * (1 - beside / u_range) *
@@ -167,7 +167,7 @@ void LineSubdivision::add_fixed_points() {
       if (added) new_node(mesh.vertices()[v]);
       fix(r, region_.edge_aligned[r].parameters[k], found->second);
     }
-  // Ends and corners; those of the boundary first, so that inner lines come to it.
+  // Ends and corners. The boundary comes first, so that inner lines snap to it.
   for (const bool boundary : {true, false})
     for (size_t l = region_.edge_aligned.size(); l < lines_.size(); ++l) {
       if (static_cast<bool>(on_boundary_[l]) != boundary) continue;
@@ -200,8 +200,9 @@ void LineSubdivision::find_crossings() {
   for (size_t l = 0; l < lines_.size(); ++l)
     for (size_t m = l + 1; m < lines_.size(); ++m) {
       if (on_boundary_[l] && on_boundary_[m]) continue;
-      if (!lines_[l].embedded() && !lines_[m].embedded()) continue;  // share mesh vertices
-      // Against each image of the second line that comes near.
+      // Both edge-aligned: they share mesh vertices.
+      if (!lines_[l].embedded() && !lines_[m].embedded()) continue;
+      // Tested against each periodic copy of the second line in range.
       double first = 0, last = 0;
       if (has_seam()) {
         const auto a = lines_[l].u_range(), b = lines_[m].u_range();
@@ -269,7 +270,7 @@ void LineSubdivision::subdivide() {
   if (has_seam()) subdivide_seam();
 }
 
-// A fixed stop takes the place of one that is near; ends and corners are fixed themselves.
+// A fixed point replaces a computed one near it; ends and corners are fixed points themselves.
 void LineSubdivision::subdivide_embedded(size_t l) {
   std::vector<SubdivisionPoint> all;
   for (const double t : subdivide_line(*lines_[l].embedded(), edge_length_, min_edges_[l]))
@@ -292,7 +293,7 @@ void LineSubdivision::subdivide_embedded(size_t l) {
     if (point.node < 0) point.node = new_node(lines_[l].at(point.t));
 }
 
-// What is asked for beside the fixed stops.
+// Adds the requested points to the fixed ones.
 void LineSubdivision::subdivide_as_requested(size_t l) {
   const double same = kParameterTolerance * (lines_[l].end() - lines_[l].start());
   const std::vector<SubdivisionPoint> fixed = subdivisions_[l];
@@ -393,7 +394,8 @@ std::vector<double> breaks(const EmbeddedLine& line) {
 
 namespace {
 
-/// By how much a curve turns between two parameters inside of which it is smooth, radians.
+/// Total change of direction of a curve between two parameters, radians. The curve is smooth in
+/// between.
 double turning_angle(const HermiteCurve& curve, double t0, double t1) {
   constexpr int samples = 4;
   double sum = 0;
@@ -411,7 +413,7 @@ double turning_angle(const HermiteCurve& curve, double t0, double t1) {
 
 std::vector<double> subdivide_line(const EmbeddedLine& line, double edge_length, int min_edges) {
   const HermiteCurve& curve = line.fitted;
-  constexpr int samples = 16;  // of each segment
+  constexpr int samples = 16;  // per segment
   std::vector<double> t{curve.start()}, arc{0};
   for (int s = 0; s < curve.segment_count(); ++s)
     for (int k = 1; k <= samples; ++k) {

@@ -13,13 +13,13 @@
 namespace batten {
 namespace {
 
-/// One region's side of a line.
+/// One region's copy of a line.
 struct Side {
-  size_t region, line;  ///< line: of the region, runs first
+  size_t region, line;  ///< index in the region, edge-aligned lines first
   bool aligned_line;
   const HermiteCurve* curve;
-  double start, end;     ///< parameters
-  bool against = false;  ///< the direction of the line's first side
+  double start, end;     ///< parameter range
+  bool against = false;  ///< runs against the line's first side
 
   double fraction(double t) const {
     const double f = (t - start) / (end - start);
@@ -35,7 +35,7 @@ struct Side {
 struct SharedLine {
   std::string name;
   std::vector<Side> sides;
-  std::vector<double> fractions = {};  ///< where edges end; of lines with several sides
+  std::vector<double> fractions = {};  ///< where edges end; only for lines with several sides
 
   bool shared() const { return sides.size() > 1; }
   size_t nearest(double f) const {
@@ -48,7 +48,7 @@ struct SharedLine {
     if (!fractions.empty() && std::abs(fractions[nearest(f)] - f) <= kParameterTolerance) return;
     fractions.insert(std::upper_bound(fractions.begin(), fractions.end(), f), f);
   }
-  /// Whether an edge of a side ends at neighbouring fractions.
+  /// True if an edge of a side spans exactly two adjacent fractions.
   bool has_edge(const Side& side, const std::array<double, 2>& t) const {
     const size_t a = nearest(side.fraction(t[0])), b = nearest(side.fraction(t[1]));
     return a + 1 == b || b + 1 == a;
@@ -96,9 +96,9 @@ class ModelMesher {
     }
   }
 
-  // Which sides run against the first one, and whether they are one curve at all.
+  // Finds the sides that run against the first one. Throws if they are not the same curve.
   void compare_sides(SharedLine& line) const {
-    constexpr double most = 1e-2;  // of the smaller region
+    constexpr double most = 1e-2;  // of the smaller region's size
     const Side& first = line.sides[0];
     for (Side& side : line.sides) {
       double apart[2] = {0, 0};
@@ -119,7 +119,7 @@ class ModelMesher {
     }
   }
 
-  // Regions are meshed until edges on shared lines are the same on all sides.
+  // Meshes regions repeatedly until edges on shared lines agree on all sides.
   void conform_regions() {
     for (SharedLine& line : lines_)
       if (line.shared())
@@ -182,14 +182,15 @@ class ModelMesher {
     return all;
   }
 
-  // The nodes of a region on its surface.
+  // Computes the positions of a region's nodes on its surface.
   void place_nodes(size_t r) {
     QuadraticElements& facets = result_.regions[r];
-    if (facets.is_element_mesh)  // the last element at a node says where it is
+    if (facets.is_element_mesh)  // each node gets its location in the last element around it
       for (size_t t = 0; t < facets.triangles.size(); ++t)
         for (int i = 0; i < 3; ++i) {
           const auto& n = facets.triangles[t];
-          const int here = static_cast<int>(t), middle = n[3 + (i + 1) % 3];  // opposite corner i
+          // Opposite to corner i.
+          const int here = static_cast<int>(t), middle = n[3 + (i + 1) % 3];
           facets.nodes[n[i]] = {here, Vec3::Unit(i)};
           facets.nodes[middle] = {here, (Vec3::Ones() - Vec3::Unit(i)) / 2};
         }
@@ -212,7 +213,7 @@ class ModelMesher {
     std::vector<End> ends;
     for (const SharedLine& line : lines_) {
       std::map<std::pair<size_t, bool>, size_t>
-          known;  // by fraction, of an end or the middle after
+          known;  // keyed by the index of a fraction; true: the midpoint after it
       const auto join = [&](size_t k, bool middle, size_t id) {
         if (!line.shared()) return;
         unite(known.try_emplace({k, middle}, id).first->second, id);
@@ -302,14 +303,15 @@ class ModelMesher {
   const std::vector<const SkinnedRegion*>& regions_;
   double edge_length_;
   std::vector<SharedLine> lines_;
-  std::vector<std::vector<size_t>> line_of_;  // of each region's lines the one in lines_
+  // For each region and each of its lines, the index in lines_.
+  std::vector<std::vector<size_t>> line_of_;
   ModelElements result_;
-  // Of all regions' nodes, region after region.
-  std::vector<size_t> first_;  // of each region
+  // Node data of all regions, region after region.
+  std::vector<size_t> first_;  // first node of each region
   std::vector<Vec3> on_surface_;
   std::vector<std::optional<Vec3>> on_curve_;
   std::vector<char> on_aligned_line_;
-  std::optional<DisjointSets> merged_;  // nodes that become one
+  std::optional<DisjointSets> merged_;  // nodes that are merged
 };
 
 }  // namespace

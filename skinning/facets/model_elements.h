@@ -1,20 +1,19 @@
-// Makes conforming quadratic elements of a whole model: regions that share lines share the nodes on
-// them.
+// Conforming quadratic elements of a whole model: regions that share a line share its nodes.
 //
-// Two regions share a line where one line (run or embedded) of each has the same name; it is then
-// the same curve in space, whatever way round and over whatever parameters each of them has it. A
-// place on it is known by its fraction f of the parameter from start to end,
+// Two regions share a line if one line of each (edge-aligned or embedded) has the same name. It is
+// then the same curve in space, whatever its direction and parametrisation in each region. A point
+// on it is identified by its fraction f of the parameter range,
 //
-//      f = (t - t0) / (t1 - t0)  of the side that is listed first,  along or against it on others.
+//      f = (t - t0) / (t1 - t0)   along the first region's curve; others may run against it.
 //
-// Edges on a line end at the same fractions in all regions beside it: at the vertices of those that
-// have it as a run; where nobody has, as the first region divides it. Where a region needs more
-// ends (lines that meet there, triangles that would fold) the others get them too: regions are made
-// again until none asks for more. Middles of edges are at the middle of their parameters and so are
-// the same as well.
+// Edges on a line end at the same fractions in all adjacent regions. These are the vertices of the
+// regions in which it is edge-aligned or, if there are none, the subdivision of the first region.
+// If a region needs more points (lines that meet there, triangles that would fold), the others get
+// them too: regions are meshed again until none needs more. Edge midpoints are at the middle of the
+// parameter interval, and therefore shared as well.
 //
-// Nodes are not searched for by distance, but for one case: lines meet at their ends, and ends that
-// are nearer to each other than 1e-6 of the model's size are one node.
+// Nodes are not merged by distance, with one exception: ends of lines that are closer than 1e-6 of
+// the model's size become one node.
 #pragma once
 
 #include <array>
@@ -25,32 +24,33 @@
 
 namespace batten {
 
-/// The elements of all regions, whose nodes get common numbers.
+/// The elements of all regions, with common node numbers.
 struct ModelElements {
-  /// The elements of each region, with node numbers of its own.
+  /// The elements of each region, with the region's own node numbers.
   std::vector<QuadraticElements> regions;
-  /// For each region and each of its nodes the number in the model; numbers begin at 0, in the
-  /// order in which nodes first come.
+  /// For each region and each of its nodes: the node number in the model, from 0, in the order of
+  /// first occurrence.
   std::vector<std::vector<int>> node;
-  /// Place of each node of the model, on the surface. For a node of several regions it is that of
-  /// the first one that has it on a run, which is exactly on the line; where all regions have the
-  /// line embedded, it is the point of the first region's curve.
+  /// Position of each node of the model, on the surface. A node of several regions has the position
+  /// of the first region in which its line is edge-aligned, which is exactly on the line. If the
+  /// line is embedded in all regions, it is the point of the first region's curve.
   std::vector<Vec3> positions;
   struct Line {
     std::string name;
-    /// Nodes of the model on each edge, which is here once: first end, second end, middle.
+    /// Node numbers of each edge, listed once: first end, second end, midpoint.
     std::vector<std::array<int, 3>> edges;
   };
-  std::vector<Line> lines;  ///< each name once, as they first come
+  std::vector<Line> lines;  ///< one per name, in the order of first occurrence
 };
 
-/// Makes them. Target lengths are as in quadratic_elements(), for each region by itself. A model of
-/// one region has that region's own facets and their numbers. As fast as quadratic_elements() where
-/// all shared lines are runs; otherwise regions with embedded lines are meshed about twice.
+/// Computes the elements of a model. Target lengths are as in quadratic_elements(), per region. A
+/// model of one region has that region's own elements and numbers. It is as fast as
+/// quadratic_elements() if all shared lines are edge-aligned; otherwise regions with embedded lines
+/// are meshed about twice.
 ///
-/// Throws InputError: no region; lines of one name that are not the same curve (apart by more than
-/// 1e-2 of the smaller region); neighbours whose facets do not settle; and what quadratic_elements()
-/// throws.
+/// Throws InputError for an empty list; lines of one name that are not the same curve (farther
+/// apart than 1e-2 of the smaller region's size); neighbours for which no common subdivision is
+/// found; and as quadratic_elements() does.
 ModelElements model_elements(const std::vector<const SkinnedRegion*>& regions,
                              double edge_length = 0);
 

@@ -25,10 +25,10 @@
 
 namespace batten {
 
-// Lines that only trim a surface: where they are, it says.
+// Lines that only trim: their curve in space follows from the surface.
 
-/// The curve x(c(t)) of a surface over an image c(t) in (u, v). `pcurve` gets the nodes that the
-/// curve needs to be within `tolerance` of it (4,096 at most). Cost: O(nodes).
+/// Computes the curve x(c(t)) of a surface over a pcurve c(t) in (u, v). `pcurve` gets the nodes
+/// that the curve needs to be within `tolerance` of it (at most 4,096). Cost: O(nodes).
 HermiteCurve curve_on_surface(const Surface& surface, HermiteCurve& pcurve, double tolerance);
 
 namespace {
@@ -65,11 +65,11 @@ double diagonal_of(const std::vector<CharacterLine>& lines) {
   return size;
 }
 
-// The lines of a region, cut at corners and joined into loops.
+// The lines of a region, split at corners and joined into loops.
 struct JoinedLines {
   std::vector<Outline> loops, holes;
   std::vector<SmoothSegment> inner;
-  std::string to_embed;  // an outline line that has to be embedded
+  std::string to_embed;  // name of an outline line that must be embedded, or empty
 };
 
 JoinedLines cut_and_join(const std::vector<CharacterLine>& lines, const DomainInput& task) {
@@ -94,7 +94,8 @@ JoinedLines cut_and_join(const std::vector<CharacterLine>& lines, const DomainIn
   return joined;
 }
 
-// Whether two lines leave a corner in one direction, or go on in one: no polygon has such a corner.
+// True if a loop has a corner with an angle of almost 0 or 360 degrees: no polygon has such a
+// corner.
 bool has_cusp(const Outline& loop) {
   constexpr double min_sine = 2e-3;
   return std::any_of(loop.corners.begin(), loop.corners.end(), [&](int c) {
@@ -103,7 +104,7 @@ bool has_cusp(const Outline& loop) {
   });
 }
 
-// The domain of a loop whose lines are embedded.
+// Domain type for a loop whose lines are embedded.
 Domain embedding_domain(const Outline& loop, const DomainInput& task) {
   return has_simple_projection(loop, task) ? Domain::Projected : Domain::Developable;
 }
@@ -117,7 +118,7 @@ Domain automatic_domain(const JoinedLines& joined, const DomainInput& task) {
   return polygon ? Domain::Polygon : embedding_domain(loops[0], task);
 }
 
-// What the user asked for, or the best for these loops.
+// The user's choice or, with Domain::Auto, the most suitable type for these loops.
 Domain chosen_domain(const JoinedLines& joined, const DomainInput& task) {
   const std::vector<Outline>& loops = joined.loops;
   const Domain domain =
@@ -144,7 +145,8 @@ Vec3 first_point(const RegionGeometry& geometry) {
   return first.evaluate(first.start());
 }
 
-// The surface of least bending, solved about the first line's start.
+// The surface of minimum bending energy through the lines, solved relative to the first line's
+// start.
 Surface min_bending_surface(const RegionGeometry& geometry, TriangleElement element) {
   const Vec3 origin = first_point(geometry);
   const SurfaceAssembler assembler(*geometry.mesh, element, geometry.trim);
@@ -158,9 +160,10 @@ Surface min_bending_surface(const RegionGeometry& geometry, TriangleElement elem
           geometry.trim};
 }
 
-// Whether the polygon had to give up so much of its sides' lengths or of its corners' angles that
-// the surface may turn over. A corner divides the Jacobian by the ratio of its sines, there only: a
-// large one is no fold. A small one is: the polygon is straight where lines turn, or turns back.
+// True if side lengths or corner angles of the polygon differ so much from those of the lines that
+// the surface may be inverted. A corner divides the Jacobian by the ratio of its sines, but only
+// locally, so a large ratio is no inversion. A small one is: the polygon is straight where lines
+// turn, or turns the other way.
 bool is_distorted(const Outline& loop, const RegionGeometry& geometry) {
   constexpr double degree = std::numbers::pi / 180, least = 1 / 2.1, most = 4,
                    max_length_ratio = 1.5;
@@ -179,13 +182,13 @@ bool is_distorted(const Outline& loop, const RegionGeometry& geometry) {
   return longest > max_length_ratio * shortest;
 }
 
-// Whether the surface of the outline alone turns over somewhere, or nearly so.
+// True if the surface of the outline alone is inverted somewhere, or nearly so.
 bool is_inverted(const RegionGeometry& geometry, TriangleElement element) {
   constexpr double least = 0.05;
   return !(measure(min_bending_surface(geometry, element)).min_jacobian_ratio >= least);
 }
 
-// Moves the polygon's corners until the surface is as little strained as straight sides allow.
+// Moves the polygon's corners until the surface has as little strain as straight sides allow.
 void minimize_distortion(const JoinedLines& joined, const DomainInput& task,
                          RegionGeometry& geometry, std::vector<SmoothSegment>& others) {
   constexpr int max_rounds = 3;
@@ -201,8 +204,8 @@ void minimize_distortion(const JoinedLines& joined, const DomainInput& task,
   }
 }
 
-// The polygon, its mesh and lines; nothing where another domain suits the outline better and the
-// user asked for none.
+// Builds the polygonal domain with its mesh and lines. Returns nullopt if another domain type suits
+// the outline better and the user did not choose one.
 std::optional<RegionGeometry> polygon_mesh(const JoinedLines& joined, const DomainInput& task,
                                            std::vector<SmoothSegment>& others) {
   const Outline& loop = joined.loops[0];
@@ -214,7 +217,7 @@ std::optional<RegionGeometry> polygon_mesh(const JoinedLines& joined, const Doma
     if (!automatic) throw;
     return std::nullopt;
   }
-  // Sides that bend much while corners hardly turn leave no room in a polygon.
+  // If sides bend strongly and corners hardly turn, the polygon has too little area.
   if (automatic && !task.options.convex && is_distorted(loop, geometry) &&
       is_inverted(geometry, task.options.element))
     return std::nullopt;
@@ -222,8 +225,8 @@ std::optional<RegionGeometry> polygon_mesh(const JoinedLines& joined, const Doma
   return geometry;
 }
 
-// The outline on its domain, and the mesh; a plane takes all lines. `others`: inner lines that are
-// not fitted. Where no polygon is good enough the domain becomes another one.
+// Builds domain and mesh for the outline; a projected domain takes all lines. `others`: inner lines
+// that are not edge-aligned. If no polygon is good enough, `domain` is changed to another type.
 RegionGeometry fit_and_mesh(const JoinedLines& joined, const DomainInput& task, Domain& domain,
                             std::vector<SmoothSegment>& others) {
   const Outline& loop = joined.loops[0];
@@ -237,7 +240,7 @@ RegionGeometry fit_and_mesh(const JoinedLines& joined, const DomainInput& task, 
   return make_projected_geometry(loop, joined.holes, joined.inner, task);
 }
 
-// Holes and inner lines, on the surface that the outline alone makes.
+// Embeds holes and inner lines on the surface that the outline alone defines.
 void embed(const JoinedLines& joined, const std::vector<SmoothSegment>& others,
            const DomainInput& task, Domain domain, RegionGeometry& geometry) {
   if (domain == Domain::Projected || (joined.holes.empty() && others.empty())) return;
@@ -252,12 +255,12 @@ void embed(const JoinedLines& joined, const std::vector<SmoothSegment>& others,
   embed_lines(surface, joined.holes, others, task, geometry);
 }
 
-// Which outlines run against the curve that was given for them.
+// Finds the outline lines that run against their prescribed curves.
 void mark_opposite_directions(RegionGeometry& geometry) {
   for (EmbeddedLine& line : geometry.embedded) {
     if (!line.line.prescribed) continue;
     const HermiteCurve& prescribed = line.line.prescribed->curve;
-    constexpr double f = 0.25;  // ends may be one point
+    constexpr double f = 0.25;  // not 0: ends may coincide
     const auto at = [](const HermiteCurve& c, double s) {
       return c.evaluate(c.start() + s * (c.end() - c.start()));
     };
@@ -267,7 +270,7 @@ void mark_opposite_directions(RegionGeometry& geometry) {
   }
 }
 
-// Cuts the mesh, places the points of embedded lines, and halves triangles under their gaps.
+// Trims the mesh, chooses collocation points, and bisects triangles under large gaps.
 void cut_and_refine(RegionGeometry& geometry, const DomainInput& task, const Progress& progress) {
   if (geometry.embedded.empty()) return;
   mark_opposite_directions(geometry);
@@ -297,10 +300,10 @@ RegionLayout::RegionLayout(std::string name, const std::vector<CharacterLine>& l
   DomainInput task = this->task();
   task.progress = progress;
 
-  // 1. Cut and join.
+  // 1. Split and join.
   const JoinedLines joined = cut_and_join(lines, task);
   progress.update("fitting lines", 0.5);
-  // 2. Choose a domain.
+  // 2. Choose a domain type.
   options_.domain = chosen_domain(joined, task);
   const bool has_no_polygon = options.minimize_distortion && options_.domain != Domain::Polygon;
   progress.update("meshing", 0);
@@ -309,7 +312,7 @@ RegionLayout::RegionLayout(std::string name, const std::vector<CharacterLine>& l
   geometry_ = fit_and_mesh(joined, task, options_.domain, others);
   // 4. Embed.
   embed(joined, others, task, options_.domain, geometry_);
-  // 5. Cut and refine.
+  // 5. Trim and refine.
   cut_and_refine(geometry_, task, progress);
   progress.update("meshing", 1);
   if (has_no_polygon)
@@ -375,11 +378,11 @@ SkinnedRegion RegionLayout::region(Points dofs) const {
 }
 
 
-// Edits of a layout: made on a copy of its parts, which takes their place when nothing was thrown.
+// Edits are made on a copy of the geometry, which replaces the original only if nothing was thrown.
 
 namespace {
 
-// "rib" itself, or "rib.1", "rib.2", … which a line is cut into at its corners.
+// True for "rib.1", "rib.2", …: the segments into which line "rib" is split at its corners.
 bool is_piece_of(const std::string& name, const std::string& line) {
   if (name.size() < line.size() + 2 || name.compare(0, line.size(), line) != 0) return false;
   return name[line.size()] == '.' &&
@@ -387,7 +390,7 @@ bool is_piece_of(const std::string& name, const std::string& line) {
                      [](unsigned char c) { return std::isdigit(c); });
 }
 
-// Of a run or an embedded line, or null.
+// The curve of an edge-aligned or embedded line, or null.
 template <class Geometry>
 auto find_line(Geometry& geometry, const std::string& name)
     -> decltype(&geometry.edge_aligned[0].fitted) {

@@ -1,4 +1,4 @@
-// Makes the domain and the mesh of one region from its character lines.
+// Builds the domain, the mesh and the constraints of one region from its character lines.
 #pragma once
 
 #include <string>
@@ -12,40 +12,43 @@ namespace batten {
 
 struct DomainInput;  // skinning/domains/domain_input.h
 
-/// A region before it has a shape: its domain, its mesh, and how each line lies on it. It is made
-/// in these steps:
+/// A region without a shape: its domain, its mesh, and the representation of each character line.
+/// It is built in these steps:
 ///
-/// 1. lines are cut at their corners (into "name.1", "name.2", …), outline lines joined at their
-///    ends into loops, hole lines too;
-/// 2. a domain is chosen:
-///      polygon  one loop with three corners or more: bends at the line's corners only, sides as
-///               long and corners as wide as the lines make them; every outline line is a straight
-///               run of element edges, fitted exactly. Inner lines are straight runs across where
-///               they can be;
-///      plane    other outlines: their projection; all lines are embedded, the mesh is cut;
-///      ring     two smooth loops: a strip that is periodic in u, both rims fitted;
-///      sheet    a loop without a polygon that does not project simply either: its developable
-///               filling, unfolded like a strip of paper; all lines are embedded;
-///    scaled so that the region's size is 1: (u, v) has no unit;
-/// 3. the outline becomes C1 cubic Hermite curves (exact where the input is piecewise cubic) on
-///    that domain, which is meshed;
-/// 4. holes, and inner lines that cannot be fitted (closed, bent, ending inside, crossing), are
-///    embedded: on a plane where they are seen, on other domains where the surface that the outline
-///    alone makes is nearest to them;
-/// 5. the mesh is cut along embedded boundaries. Embedded lines are held at points; the gap between
-///    these is measured, and triangles there are halved until it is below tolerance/2 for the shape
-///    of least bending.
-/// The domain runs counter-clockwise along the outline in the direction of its first line, so that
-/// line's direction decides to which side the surface's normal points. u runs along that line's
-/// side of the polygon, around the ring, or along the projected x axis (y where the plane is at
-/// right angles to x); directional alpha and beta refer to it.
-/// Source: straight-run rule and embedded lines, docs/theory/domains.md.
+/// 1. Lines are split at their corners (into "name.1", "name.2", …). Outline lines, and hole
+///    lines, are joined at their ends into loops.
+/// 2. A domain type is chosen:
+///      polygon      one loop with three or more corners. Its sides and corner angles approximate
+///                   the lengths and angles of the lines. Every outline line is edge-aligned: a
+///                   straight chain of element edges. Inner lines are edge-aligned across the
+///                   polygon where possible;
+///      projected    other outlines: their planar projection. All lines are embedded and the mesh
+///                   is trimmed;
+///      annulus      two smooth loops: a strip that is periodic in u. Both circles are
+///                   edge-aligned;
+///      developable  a loop that has neither a polygon nor a simple projection: an unfolded
+///                   developable surface through it. All lines are embedded.
+///    The domain is scaled so that the region's size is 1: (u, v) has no unit.
+/// 3. The outline is fitted by C1 cubic Hermite curves (exact for piecewise cubic input), and the
+///    domain is meshed.
+/// 4. Holes, and inner lines that cannot be edge-aligned (closed, bent, ending inside, crossing),
+///    are embedded: by projection in a projected domain, otherwise at the closest points of the
+///    surface that the outline alone defines.
+/// 5. The mesh is trimmed along embedded boundaries. Embedded lines are imposed at collocation
+///    points. The gap between these is measured, and triangles there are bisected until it is below
+///    tolerance/2 for the shape of minimum bending energy.
+///
+/// The domain runs counter-clockwise along the outline in the direction of its first line, which
+/// therefore determines the side of the surface's normal. u runs along that line's side of the
+/// polygon, around the annulus, or along the projected x axis (y if the plane is perpendicular to
+/// x). Directional alpha and beta refer to u. Theory: docs/theory/domains.md.
 class RegionLayout {
  public:
-  /// Throws InputError, in words for the user, for what it refuses: an open loop, lines that cross
-  /// or touch, a loop that crosses itself, all lines on one line, holes outside of the outline or
-  /// in each other, inner lines that leave the region or cross at different heights, a domain that
-  /// does not suit the outline. NoSolutionError: a cut whose area does not add up.
+  /// Throws InputError, with a message for the user, for invalid input: an open loop; lines that
+  /// cross or touch; a loop that crosses itself; all lines on one straight line; holes outside of
+  /// the outline or inside each other; inner lines that leave the region, or cross in the domain
+  /// but not in space; a domain type that does not suit the outline. Throws NoSolutionError for a
+  /// trimmed mesh whose area does not match the outline.
   RegionLayout(std::string name, const std::vector<CharacterLine>& lines,
                const SkinOptions& options, const Progress& progress = {});
 
@@ -56,63 +59,65 @@ class RegionLayout {
   const std::vector<EdgeAlignedLine>& edge_aligned() const { return geometry_.edge_aligned; }
   const std::vector<EmbeddedLine>& embedded() const { return geometry_.embedded; }
   double size() const { return size_; }
-  /// Returns the largest distance that a line may have from its curve, model units.
+  /// Largest allowed distance between a line and its curve, model units.
   double tolerance() const { return tolerance_; }
   const std::vector<std::string>& warnings() const { return geometry_.warnings; }
   const std::vector<DomainCorner>& corners() const { return geometry_.corners; }
-  /// Returns the boundary loops as in SkinnedRegion::boundary.
+  /// Boundary loops as in SkinnedRegion::boundary.
   const std::vector<std::vector<BoundarySegment>>& boundary() const { return geometry_.boundary; }
-  /// Returns the angle, degrees, above which the outline turns a corner.
+  /// Change of direction above which the outline has a corner, degrees.
   double corner_angle() const { return options_.corner_angle; }
   SkinOptions::Domain domain() const { return options_.domain; }
   bool convex() const { return options_.convex; }         ///< SkinOptions::convex
   bool uses_rest_shape() const { return options_.rest; }  ///< SkinOptions::rest
-  /// Returns the start of the first line.
+  /// Start of the first line, model units.
   Vec3 origin() const;
 
-  /// Returns the rows that hold every line, fitted ones exactly, embedded ones at their points.
-  /// They are uncoupled and have the names of the lines.
+  /// Builds the constraint equations of every line, exact for edge-aligned lines, at collocation
+  /// points for embedded ones. They do not couple x, y and z, and they carry the names of the
+  /// lines.
   ConstraintSet line_constraints() const;
-  /// Returns the rows that hold only the positions of the corners. They are uncoupled and named
-  /// "corner 1", "corner 2", … Throws InputError for a domain without corners.
+  /// Builds the constraint equations of the corner positions only. They do not couple x, y and z
+  /// and are named "corner 1", "corner 2", … Throws InputError for a domain without corners.
   ConstraintSet corner_constraints() const;
-  /// Returns the region in the shape with these dofs.
+  /// Builds the region from a shape (its dofs, absolute coordinates).
   SkinnedRegion region(Points dofs) const;
 
-  /// Halves triangles where a shape's embedded lines miss their curves by more than `target`
-  /// between points. Returns false when there is nothing to halve; otherwise the layout has another
-  /// mesh, and dofs and constraints made before do not fit it any more.
+  /// Bisects triangles under embedded lines whose gap to `shape`, between collocation points,
+  /// exceeds `target` (model units). Returns false if nothing is bisected. Otherwise the layout has
+  /// another mesh, and existing dofs and constraints are invalid.
   bool refine(const Surface& shape, double target);
 
-  // Edits. Each throws before it has changed anything: the layout is then as it was. After
-  // refine() and, where points of other lines moved, after add_inner_line() and remove_inner_line(), dofs and
-  // constraints made before do not fit any more.
+  // Edits. If one throws, the layout is unchanged. Existing dofs and constraints are invalid after
+  // refine(), and after add_inner_line() or remove_inner_line() if collocation points of other
+  // lines moved.
 
-  /// Halves the marked triangles, one mark for each, and so many others that the mesh stays
-  /// conforming (bisected()); cuts it and places the points of embedded lines again. Runs stay
-  /// runs. Returns false when nothing is marked. Throws InputError on a wrong count, and what the
-  /// constructor throws when lines do not fit together any more.
+  /// Bisects the marked triangles (one mark per triangle) and others as needed for conformity
+  /// (bisected()). Then it trims the mesh and chooses collocation points again. Edge-aligned lines
+  /// stay edge-aligned. Returns false if nothing is marked. Throws InputError for a wrong number of
+  /// marks, and what the constructor throws if lines do not fit together any more.
   bool refine(const std::vector<char>& marked);
 
-  /// Whether a run or an embedded line has this name ("name.1", … where a line was cut at corners).
+  /// True if an edge-aligned or embedded line has this name ("name.1", … after splitting at
+  /// corners).
   bool has_line(const std::string& name) const;
-  /// Returns the fitted curve of a line. Throws InputError, with the nearest name, when there is
-  /// none.
+  /// The fitted curve of a line. Throws InputError, suggesting the closest name, if there is none.
   const HermiteCurve& line(const std::string& name) const;
-  /// Gives a line another shape over the same CurveMesh; `line.curve` becomes the same curve. The
-  /// rows of line_constraints() keep their coefficients, their values change. Whether it still
-  /// meets its neighbours is not checked here: constraints that contradict each other are found
-  /// when they are reduced. Throws InputError: no such line, another mesh, numbers that are not
-  /// finite.
+  /// Replaces the curve of a line by another one over the same CurveMesh; `line.curve` becomes the
+  /// same curve. Coefficients of line_constraints() stay, their values change. It is not checked
+  /// that the line still meets its neighbours: contradictory constraints are detected when they are
+  /// reduced. Throws InputError for an unknown line, a different CurveMesh, or non-finite values.
   void set_line(const std::string& name, HermiteCurve curve);
 
-  /// Embeds an inner line where `shape`, a surface on this layout's mesh, is nearest to it; fitted
-  /// within tolerance(), cut at its corners into "name.1", … The mesh stays as it is: refine(shape,
-  /// target) then halves where gaps are wide. Throws InputError: a name that is taken, a role other
-  /// than Inner, Treatment::EdgeAligned, a ring, a shape on another mesh, a line that leaves the region,
-  /// is far away, or crosses others at different heights.
+  /// Embeds an inner line at the closest points of `shape`, a surface on this layout's mesh. The
+  /// line is fitted within tolerance() and split at its corners into "name.1", … The mesh is
+  /// unchanged: call refine(shape, target) to bisect triangles with large gaps.
+  ///
+  /// Throws InputError for a name that exists, a role other than Inner, MeshAlignment::EdgeAligned,
+  /// or a shape on another mesh. Also for a line that leaves the region, is far away, or crosses
+  /// others in the domain but not in space.
   void add_inner_line(const CharacterLine& line, const Surface& shape);
-  /// Takes an embedded inner line out again. Throws InputError for other lines, or none.
+  /// Removes an embedded inner line. Throws InputError for other lines, and if there is none.
   void remove_inner_line(const std::string& name);
 
  private:

@@ -11,7 +11,7 @@
 namespace batten {
 namespace {
 
-// One part of a curve, forwards or backwards.
+// A part of a curve, in either direction.
 class Subcurve final : public InputCurve {
  public:
   Subcurve(std::shared_ptr<const InputCurve> whole, double from, double to, bool backwards)
@@ -20,7 +20,7 @@ class Subcurve final : public InputCurve {
   double end() const override { return backwards_ ? -from_ : to_; }
   Vec3 evaluate(double t, int order) const override {
     if (!backwards_) {
-      // At its end the part's own side answers, not the piece behind a corner.
+      // At its end, derivatives are those just before it, not those behind a corner.
       if (order > 0 && t >= to_) t = to_ - 1e-12 * (to_ - from_);
       return whole_->evaluate(t, order);
     }
@@ -47,7 +47,7 @@ class Subcurve final : public InputCurve {
   bool backwards_;
 };
 
-// Derivative just before and just after a break.
+// Derivatives just before and just after a break.
 std::pair<Vec3, Vec3> one_sided(const InputCurve& curve, double t) {
   const double e = 1e-9 * (curve.end() - curve.start());
   return {curve.evaluate(t - e, 1), curve.evaluate(t + e, 1)};
@@ -148,7 +148,7 @@ std::vector<SmoothSegment> split_at_corners(const CharacterLine& line, double co
 
 std::optional<HermiteCurve> reuse_cubic_input(const SmoothSegment& segment, double shortest,
                                               const Vec3& start, const Vec3& end) {
-  constexpr double no_corner = 180, same_end = 1e-8;  // of a line's length
+  constexpr double no_corner = 180, same_end = 1e-8;  // relative to the line's length
   const auto exact = exact_curve(*segment.curve, no_corner);
   if (!exact || exact->closed()) return std::nullopt;
   const int last = exact->node_count() - 1;

@@ -1,4 +1,4 @@
-// Lines that carry the design of a surface.
+// Character lines: the user's curves that define a surface, and their smooth segments.
 #pragma once
 
 #include <memory>
@@ -10,83 +10,86 @@
 
 namespace batten {
 
-/// A C1 cubic curve that is used for a line as it is, so that the regions on both sides carry the
-/// same one: it is not fitted again, and their meshes have vertices on it at the same places.
+/// A C1 cubic curve that represents a line without any further fitting, shared by the regions on
+/// both sides. Their meshes have vertices at the same points of it.
 struct PrescribedCurve {
-  HermiteCurve curve;  ///< over the direction of the line; its parameter runs evenly
-  /// Parameters of the mesh's vertices on it, for a region that has it fitted: ascending, from
-  /// start to end, with the nodes of the curve among them.
+  HermiteCurve curve;  ///< in the direction of the line, with an almost uniform parametrisation
+  /// Parameters of the mesh vertices on it, for a region in which it is edge-aligned. Ascending,
+  /// from start to end; they include the nodes of the curve.
   std::vector<double> vertices;
 };
 
-/// A line, as the user gives it.
+/// A character line: a curve that the surface must contain, as given by the user.
 struct CharacterLine {
   enum class Role {
-    Outline,  ///< part of the loop around the region, or of one of the two loops of a ring
+    Outline,  ///< part of the loop around the region, or of one of the two loops of an annulus
     Hole,     ///< part of a loop around a hole
-    Inner     ///< runs across the region, or inside of it
+    Inner     ///< inside the region, or from side to side
   };
-  /// How the surface carries the line (docs/theory/domains.md).
+  /// How the mesh represents the line (docs/theory/domains.md).
   enum class MeshAlignment {
-    Auto,         ///< fitted where the domain can have it as a straight run, otherwise embedded
-    EdgeAligned,  ///< on a straight run of element edges: the surface is exactly on the line
-    Embedded      ///< across the elements: held at points, the gap between them is measured
+    Auto,  ///< edge-aligned if the domain permits a straight chain of edges, otherwise embedded
+    EdgeAligned,  ///< conforming: a straight chain of element edges, exactly on the line
+    Embedded      ///< immersed: imposed at collocation points; the gap between them is measured
   };
   std::string name;
   std::shared_ptr<const InputCurve> curve;
   Role role = Role::Outline;
   MeshAlignment mesh_alignment = MeshAlignment::Auto;
-  /// The given curve of an outline or hole line, or null. Either all lines of a loop have one or
-  /// none has. Two of them that meet make a corner unless their slopes are the same vector.
+  /// The prescribed curve of an outline or hole line, or null. In a loop either all lines have one
+  /// or none. Two prescribed curves meet in a corner unless their slopes are the same vector.
   std::shared_ptr<const PrescribedCurve> prescribed = {};
-  /// False, of a hole line: it trims the surface and does not hold it. Its place on the surface is
-  /// nearest to where it was drawn; where that is in space, the surface says.
+  /// For a hole line: false if the line only trims the surface and does not constrain it. Then the
+  /// trim follows the points of the surface closest to the given line.
   bool constrains_surface = true;
 };
 
 
-// Cuts input lines into the stretches that become C1 cubic curves.
+// Splits input lines into the smooth segments that become C1 cubic curves.
 
-/// A stretch is a part of an input curve that has no corners inside, in one direction or the other.
+/// A part of an input curve without interior corners, in either direction.
 struct SmoothSegment {
-  std::string name;  ///< the line's, with ".1", ".2", … when the line was cut at corners
+  /// The line's name, followed by ".1", ".2", … if the line was split at corners.
+  std::string name;
   CharacterLine::Role role;
-  /// The stretch, in its own direction; the given curve, of a line that has one.
+  /// The segment in its own direction; the prescribed curve, if the line has one.
   std::shared_ptr<const InputCurve> curve;
   CharacterLine::MeshAlignment mesh_alignment = CharacterLine::MeshAlignment::Auto;
   std::shared_ptr<const PrescribedCurve> prescribed = {};  ///< in the direction of the line
-  std::shared_ptr<const InputCurve> input = {};  ///< with `prescribed`: the line's own curve
+  std::shared_ptr<const InputCurve> input = {};  ///< with `prescribed`: the user's curve
   bool constrains_surface = true;
 
-  /// Returns the stretch as a line in the user's direction. `flipped`: `curve` runs against it.
+  /// Converts the segment to a line in the user's direction. `flipped`: `curve` runs against it.
   CharacterLine line(bool flipped) const;
-  /// Returns the given curve in the direction of `curve`.
+  /// The prescribed curve in the direction of `curve`. `flipped`: `curve` runs against the user's
+  /// line.
   HermiteCurve prescribed_along(bool flipped) const;
 };
 
-/// Cuts lines at their corners; those with a given curve stay whole. Throws InputError: a curve of
-/// zero length, or not finite; a given curve with corners, or whose vertices do not ascend from its
-/// start to its end with its nodes among them.
+/// Splits a line at its corners; a line with a prescribed curve stays whole. `corner_angle`:
+/// degrees. Throws InputError for a curve of zero length or with non-finite points. Also for a
+/// prescribed curve with interior corners, or whose vertices do not ascend from start to end or do
+/// not include its nodes.
 std::vector<SmoothSegment> split_at_corners(const CharacterLine& line, double corner_angle);
 
-/// Returns a curve from one parameter to a later one.
+/// The part of a curve between two parameters, from < to.
 std::shared_ptr<const InputCurve> subcurve(std::shared_ptr<const InputCurve> curve, double from,
                                            double to);
-/// Returns the curve run backwards.
+/// The curve in the opposite direction.
 std::shared_ptr<const InputCurve> reversed(std::shared_ptr<const InputCurve> curve);
 
-/// Returns a curve that ends where and as it starts as a closed one, without an end.
+/// Converts a curve whose end coincides with its start, in position and slope, to a closed one.
 HermiteCurve as_closed_curve(const HermiteCurve& curve);
 
-/// Returns the input itself when it is piecewise cubic (exact_curve) and open, of even enough speed
-/// (fastest/slowest ≤ 3), with no segment shorter than `shortest` unless it is the only one, and
-/// ends within 1e-8 of its length from `start` and `end`, to which they are moved. Nothing
-/// otherwise.
+/// Uses piecewise cubic input unchanged if possible (exact_curve()). Conditions: it is open; its
+/// speed is even (fastest/slowest ≤ 3); no segment is shorter than `shortest`, unless it is the
+/// only one; and its ends are within 1e-8 of its length from `start` and `end`, to which they are
+/// then moved. Returns nullopt otherwise.
 std::optional<HermiteCurve> reuse_cubic_input(const SmoothSegment& segment, double shortest,
                                               const Vec3& start, const Vec3& end);
 
-/// The smallest distances of points from one curve, by samples, which are taken once, and Newton's
-/// method. It keeps a reference to the curve.
+/// Distances of points from one curve, by sampling (once) and Newton's method. Keeps a reference to
+/// the curve.
 class CurveDistance {
  public:
   explicit CurveDistance(const InputCurve& curve);

@@ -15,9 +15,10 @@
 namespace batten {
 namespace {
 
-constexpr double kFlat = 1e-4;           // of the size: such a boundary has nothing to sweep
-constexpr double kMismatchFloor = 1e-6;  // squared mismatch: what curves through points leave
-constexpr double kMinWeight = 1e-3;      // of the largest weight: less is not worth its evaluation
+constexpr double kFlat = 1e-4;           // of the size: a boundary this flat counts as planar
+// Of the squared mismatch: the level left by curves through points.
+constexpr double kMismatchFloor = 1e-6;
+constexpr double kMinWeight = 1e-3;      // of the largest weight: sweeps below it are skipped
 constexpr double kRadians = std::numbers::pi / 180;
 constexpr int kGrid = 8;         // samples of the map along each parameter
 constexpr double kBeyond = 0.1;  // how far (s, t) may leave [0, 1]
@@ -37,7 +38,7 @@ bool is_plane(const std::vector<Vec3>& points, double tolerance) {
   });
 }
 
-// The name of a curve without the number that it got where it was cut: "rib" of "rib.3".
+// The name of a line without the number of its segment: "rib" for "rib.3".
 std::string without_piece_number(const std::string& name) {
   const size_t dot = name.find_last_of('.');
   const bool number = dot != std::string::npos && dot > 0 && dot + 1 < name.size() &&
@@ -45,14 +46,14 @@ std::string without_piece_number(const std::string& name) {
   return number ? name.substr(0, dot) : name;
 }
 
-// The outline of a region in its direction, cut into sides where it turns by more than the angle. Where
-// that makes more than four, corners inside of one curve, as those of a polyline, do not count. An angle
-// above the default says which turns of the points of one curve are smooth, nothing about corners
-// between curves.
+// Splits the outline of a region, in its direction, into sides at corners. If that gives more than
+// four, corners inside of one line, such as those of a polyline, are ignored. A corner angle above
+// the default is capped at it: it tells which kinks of one line's points are smooth, not which
+// corners between lines are.
 std::vector<BoundarySide> sides_of(const RegionLayout& region) {
   struct Piece {
     HermiteCurve curve, pcurve;
-    Vec3 first, last;  // directions
+    Vec3 first, last;  // tangents at the ends
     std::string name;
   };
   std::vector<Piece> pieces;
@@ -73,7 +74,7 @@ std::vector<BoundarySide> sides_of(const RegionLayout& region) {
   }
   const size_t n = pieces.size();
   const double corner = std::min(region.corner_angle(), SkinOptions{}.corner_angle);
-  std::vector<size_t> starts;  // pieces behind a corner
+  std::vector<size_t> starts;  // curves that begin at a corner
   for (size_t i = 0; i < n; ++i)
     if (degrees_between(pieces[(i + n - 1) % n].last, pieces[i].first) > corner)
       starts.push_back(i);
@@ -174,9 +175,9 @@ void BoundarySweep::sample(Patch& patch) const {
     }
 }
 
-// The affine map from space that all images of the sides are, if there is one.
+// The affine map from space of which all sides' pcurves are images, if there is one.
 std::optional<BoundarySweep::Projection> BoundarySweep::projection_of_sides() const {
-  constexpr int kSamples = 16;  // of a side
+  constexpr int kSamples = 16;  // per side
   const long n = kSamples * isize(sides_);
   MatX x(n, 3), uv(n, 2);
   for (long i = 0; i < n; ++i) {
@@ -199,7 +200,7 @@ std::optional<BoundarySweep::Projection> BoundarySweep::projection_of_sides() co
   return found;
 }
 
-// Whether the sweeps turn away from the plane of the map by less than 70 degrees, all over.
+// True if the sweeps are inclined by less than 70 degrees to the plane of the map everywhere.
 bool BoundarySweep::is_graph() const {
   constexpr double kSteepest = 0.34;
   const double scale =
@@ -212,7 +213,7 @@ bool BoundarySweep::is_graph() const {
         const Jet x = jet(patch, here);
         const double shadow = here.jacobian.determinant();
         const double area = scale * x.by_u.cross(x.by_v).norm();
-        // Patches of a triangle run around it alike.
+        // The patches of a triangle have the same orientation.
         if (sign == 0) sign = shadow > 0 ? 1 : -1;
         if (!(sign * shadow > kSteepest * area)) return false;
       }
@@ -226,7 +227,7 @@ void BoundarySweep::use_projection() {
   for (Patch& patch : patches_) sample(patch);
 }
 
-// Sets the weights of all sweeps; patches without any are dropped. False where none is left.
+// Sets the weights of all sweeps and drops patches without any. Returns false if none is left.
 bool BoundarySweep::compute_weights() {
   double most = 0;
   const auto raw = [](const std::optional<Sweep>& sweep) {
@@ -254,7 +255,7 @@ bool BoundarySweep::compute_weights() {
   return !patches_.empty();
 }
 
-// The Coons patch of the images, or the projection of the sweeps, and all that is known at its place.
+// Evaluates the map at (s, t): the Coons patch of the pcurves, or the projection of the sweeps.
 BoundarySweep::PatchPoint BoundarySweep::evaluate_map(const Patch& patch, const Vec2& st) const {
   const double s = st[0], t = st[1];
   PatchPoint q{st, {}, {}, edges(patch, st)};
@@ -276,13 +277,13 @@ BoundarySweep::PatchPoint BoundarySweep::evaluate_map(const Patch& patch, const 
   return q;
 }
 
-// A sample of the map near uv.
+// A start value for inverting the map: the sample nearest to uv.
 Vec2 BoundarySweep::start(const Patch& patch, const Vec2& uv) const {
   size_t nearest = 0;
   for (size_t i = 1; i < patch.uv.size(); ++i)
     if ((patch.uv[i] - uv).squaredNorm() < (patch.uv[nearest] - uv).squaredNorm()) nearest = i;
   Vec2 st = patch.at[nearest];
-  // Where an edge is a corner the samples on it are one place: those beside it know the way.
+  // On an edge that is a corner all samples coincide: those next to it provide the direction.
   const bool at_left = patch.left.side < 0 && st[0] == 0,
              at_right = patch.right.side < 0 && st[0] == 1;
   if (at_left || at_right) {
@@ -303,7 +304,8 @@ BoundarySweep::PatchPoint BoundarySweep::invert_map(const Patch& patch, const Ve
   return invert_map(patch, uv, start(patch, uv));
 }
 
-// The place of the square whose image is uv, or the nearest one that Newton's method finds.
+// Inverts the map by damped Newton iterations: the (s, t) whose image is uv or, failing that,
+// closest to it.
 BoundarySweep::PatchPoint BoundarySweep::invert_map(const Patch& patch, const Vec2& uv,
                                                     const Vec2& from) const {
   const Vec2 low(patch.left.side < 0 ? 1e-9 : -kBeyond, -kBeyond),
@@ -330,7 +332,7 @@ BoundarySweep::PatchPoint BoundarySweep::invert_map(const Patch& patch, const Ve
 
 double BoundarySweep::Fan::warped(double t) const {
   const Vec3 direction = (1 - t) * bottom + t * top;
-  // Beyond the sides too, so that the surface goes on smoothly there.
+  // Defined beyond the sides too, so that the surface continues smoothly there.
   return std::atan2(bottom.cross(direction).dot(bottom.cross(top).normalized()),
                     bottom.dot(direction)) /
          angle;
@@ -343,7 +345,7 @@ double BoundarySweep::Fan::length_scale(double t) const {
 Vec2 BoundarySweep::warped(const Patch& patch, const Vec2& st) {
   const double s = st[0], t = st[1];
   Vec2 warped = st;
-  // Cubics of s with slope 1 at the corner and 0 at the other end, where they and it vanish.
+  // Cubics of s with slope 1 at the corner and 0 at the other end; they vanish at both.
   if (patch.fan_left) {
     warped[0] += (patch.fan_left->length_scale(t) - 1) * s * (1 - s) * (1 - s);
     warped[1] += (patch.fan_left->warped(t) - t) * (1 - s) * (1 - s);
@@ -395,7 +397,7 @@ BoundarySweep::Jet BoundarySweep::jet(const Patch& patch, const Vec2& st, const 
   return {sum.x / weight, sum.by_u / weight, sum.by_v / weight};
 }
 
-// The slopes of one sweep by (u, v).
+// Position and gradient of one patch's sweeps with respect to (u, v).
 FirstOrderJet BoundarySweep::slopes_at(const Patch& patch, const PatchPoint& evaluate_map) const {
   const Jet j = jet(patch, evaluate_map);
   Eigen::Matrix<double, 3, 2> by_st;
@@ -403,8 +405,9 @@ FirstOrderJet BoundarySweep::slopes_at(const Patch& patch, const PatchPoint& eva
   return {j.x, by_st * evaluate_map.jacobian.inverse()};
 }
 
-// The point of one sweep nearest to the mean of all, from (s, t) on, and its slopes: with J the sweep's
-// own slopes, those of the foot follow from Jᵀ (mean - x) = 0,
+// The point of one patch's sweeps closest to the mean of all, starting from (s, t), and its
+// gradient. With J the sweep's own derivatives, the gradient of the foot point follows from Jᵀ
+// (mean - x) = 0:
 //
 //     (Jᵀ J - (mean - x)ᵀ x_ij) st_uv = Jᵀ mean_uv,   x_uv = J st_uv.
 FirstOrderJet BoundarySweep::projected(const Patch& patch, Vec2 st,
@@ -443,7 +446,7 @@ FirstOrderJet BoundarySweep::projected(const Patch& patch, Vec2 st,
   return {j.x, J * (A.inverse() * (J.transpose() * mean.gradient))};
 }
 
-// At a corner both sides fix the tangent plane and the gradient.
+// At a corner the two sides determine the tangent plane and the gradient.
 std::optional<FirstOrderJet> BoundarySweep::at_corner(const Vec2& uv) const {
   constexpr double kSamePoint = 1e-9;
   for (size_t k = 0; k < sides_.size(); ++k) {
@@ -464,7 +467,7 @@ std::optional<FirstOrderJet> BoundarySweep::at_corner(const Vec2& uv) const {
 FirstOrderJet BoundarySweep::at(const Vec2& uv) const {
   if (const auto corner = at_corner(uv)) return *corner;
   if (patches_.size() > 1) {
-    // Beyond the boundary the surface goes on straight.
+    // Beyond the boundary the surface is continued linearly.
     constexpr double kInside = 1e-9;
     if (const Vec2 near = invert_map(patches_.front(), uv).uv;
         (uv - near).norm() > kInside * extent_) {
@@ -478,7 +481,7 @@ FirstOrderJet BoundarySweep::at(const Vec2& uv) const {
   const PatchPoint evaluate_map = invert_map(patch, uv);
   constexpr double kOutside = 1e-9, kAtCorner = 1e-3;
   if ((uv - evaluate_map.uv).norm() > kOutside * extent_)
-    // Beyond a corner that is a rail, too, where (s, t) end.
+    // Also beyond a corner that is a degenerate rail, where (s, t) end.
     for (const bool right : {false, true}) {
       const Edge& edge = right ? patch.right : patch.left;
       const double from = right ? 1 - evaluate_map.st[0] : evaluate_map.st[0];
@@ -526,7 +529,7 @@ std::optional<Points> BoundarySweep::dofs() const {
 }
 
 
-// Gauss-Legendre, three points: exact for the speed of quintics.
+// Three-point Gauss-Legendre quadrature: exact if the speed is a polynomial up to degree five.
 double BoundarySide::Part::length_to(double t) const {
   static const double offset = std::sqrt(0.6);
   const double half = 0.5 * t;
@@ -535,7 +538,7 @@ double BoundarySide::Part::length_to(double t) const {
 }
 
 void BoundarySide::add(HermiteCurve curve, HermiteCurve pcurve) {
-  constexpr int kParts = 4;  // of a segment: lengths are then good to 1e-9 on quarter circles
+  constexpr int kParts = 4;  // per segment; lengths are then accurate to 1e-9 on quarter circles
   const auto& at = curve.parameters();
   double length = this->length();
   for (size_t i = 0; i + 1 < at.size(); ++i)
@@ -545,7 +548,7 @@ void BoundarySide::add(HermiteCurve curve, HermiteCurve pcurve) {
       part.piece = isize(pcurves_);
       part.from = at[i] + k * step;
       part.to = k + 1 == kParts ? at[i + 1] : part.from + step;
-      // The cubic through four of its places.
+      // The cubic through four points of the part.
       Vec3 x[4];
       for (int n = 0; n < 4; ++n)
         x[n] = curve.evaluate(n < 3 ? part.from + (part.to - part.from) * n / 3 : part.to);
@@ -571,7 +574,8 @@ BoundarySide::Point BoundarySide::on(double length) const {
   const Part& part = parts_[k];
   const double before = k == 0 ? 0 : lengths_[k - 1], inside = lengths_[k] - before;
   const double wanted = std::clamp(length - before, 0.0, inside);
-  // Hermite's cubic of t(s) is good to the fourth power of the part's turn; Newton's steps mend it.
+  // The cubic Hermite interpolant of t(s) has an error of fourth order in the part's change of
+  // direction; Newton steps correct it.
   const double s = inside > 0 ? wanted / inside : 0;
   double t = s * (1 + (1 - s) * ((1 - s) * (part.rates[0] - 1) - s * (part.rates[1] - 1)));
   t = std::clamp(t, 0.0, 1.0);
@@ -580,13 +584,14 @@ BoundarySide::Point BoundarySide::on(double length) const {
     if (!(speed > 0)) break;
     const double step = (wanted - part.length_to(t)) / speed;
     t = std::clamp(t + step, 0.0, 1.0);
-    if (std::abs(step) < 1e-7) break;  // of which the next one would be the square
+    if (std::abs(step) < 1e-7) break;  // the next step would be of the order of its square
   }
   const double range = part.to - part.from;
   const Vec3 slope = part.slope(t);
   const double speed = slope.norm(), rate = speed > 0 ? this->length() / speed : 0;
   const HermiteCurve& pcurve = pcurves_[static_cast<size_t>(part.piece)];
-  // A node belongs to the segment that begins there: at its end a part asks just before it.
+  // Derivatives at the end of a part are evaluated just before it, because a node belongs to the
+  // segment that begins there.
   const double u = part.from + t * range, inner = std::min(u, part.to - 1e-9 * range);
   return {part.position(t), slope * rate, drop_z(pcurve.evaluate(u)),
           drop_z(pcurve.evaluate(inner, 1)) * (rate * range)};
@@ -619,7 +624,7 @@ RestShapeError rest_shape_error(const RegionLayout& region, double tolerance,
   if (!sweep) return {};
   const ParametricMesh& mesh = *region.mesh();
   Points edge_midpoints;
-  // Turned over where elements are too large for it, or for good.
+  // It may be inverted, where the elements are too large for it, or even in the limit.
   const Surface surface(region.mesh(), region.element(),
                         interpolate_surface(
                             mesh, [&](const Vec2& uv) { return sweep->at(uv); }, &edge_midpoints));
@@ -642,7 +647,7 @@ RestShapeError rest_shape_error(const RegionLayout& region, double tolerance,
     for (const int beside : edge.triangle) {
       if (beside < 0) continue;
       for (const int v : mesh.triangles()[beside]) {
-        // Edges may be longer than asked for.
+        // Edges may be longer than requested.
         const double asked = before ? before->at(mesh.vertices()[v]) : longest;
         lengths[v] = std::min(lengths[v], shorter * std::min(asked, length_of(mesh, edge)));
       }

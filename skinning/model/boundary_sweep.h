@@ -1,4 +1,4 @@
-// The surface that the sides of a region mean: sweeps between opposite sides, blended. Internal.
+// Rest shape of a region from its boundary curves: blended sweeps between opposite sides.
 #pragma once
 
 #include <array>
@@ -14,23 +14,23 @@
 
 namespace batten {
 
-// A side of a region: boundary curves from one corner to the next, by arc length. Internal.
+// A side of a region: boundary curves from one corner to the next, parametrised by arc length.
 
-/// A chain of curves and of their images in (u, v), as a function of the fraction f of its arc
-/// length, 0 at its start and 1 at its end.
+/// A chain of curves with their pcurves in (u, v), as a function of the fraction f of its arc
+/// length, from 0 at its start to 1 at its end.
 class BoundarySide {
  public:
   struct Point {
-    Vec3 x, x_f;    ///< position and its derivative by f, model units
-    Vec2 uv, uv_f;  ///< image and its derivative by f
+    Vec3 x, x_f;    ///< position, and its derivative with respect to f; model units
+    Vec2 uv, uv_f;  ///< pcurve, and its derivative with respect to f
   };
 
-  /// Adds a curve behind those added before. `pcurve` is over the parameters of `curve`, z = 0.
+  /// Appends a curve. `pcurve` has the parameters of `curve`, z = 0.
   void add(HermiteCurve curve, HermiteCurve pcurve);
 
   double length() const { return lengths_.empty() ? 0 : lengths_.back(); }  ///< model units
-  /// The point at a fraction of the length; beyond the ends the side goes on straight.
-  /// O(log segments).
+  /// Point at a fraction f of the length. Beyond [0, 1] the side continues straight. O(log
+  /// segments).
   Point at(double f) const;
 
  private:
@@ -39,7 +39,7 @@ class BoundarySide {
   // A part of a segment. Arc length is tabulated at its ends.
   struct Part {
     int piece;
-    double from, to;  // parameters of the piece's curve
+    double from, to;  // parameters of the curve
     Vec3 c[4];        // x = c0 + c1 t + c2 t² + c3 t³, t from 0 to 1
     double rates[2];  // dt/ds at both ends, times the length of the part
 
@@ -47,44 +47,49 @@ class BoundarySide {
     Vec3 slope(double t) const { return c[1] + t * (2 * c[2] + 3 * t * c[3]); }
     double length_to(double t) const;
   };
-  std::vector<HermiteCurve> pcurves_;  // of the pieces
+  std::vector<HermiteCurve> pcurves_;  // one per curve
   std::vector<Part> parts_;
   std::vector<double> lengths_;  // arc length at the end of each part
 };
 
 
-/// Sweeps between the sides of a region with two, three or four corners, over its flat domain. Sides
-/// that go on within the corner angle are one side.
+/// Blended sweeps between the sides of a region with two, three or four corners, over its flat
+/// domain. Sides that meet within the corner angle count as one side.
 ///
-///     four sides   both pairs are swept; the results are blended
-///     three sides  one rail is a corner: three sweeps, blended
-///     two sides    both rails are corners: one sweep
+///     four sides   both pairs are swept, and the results are blended
+///     three sides  one rail degenerates to a corner: three sweeps, blended
+///     two sides    both rails degenerate to corners: one sweep
 ///
-/// Weights are 1 / (ρ² + 1e-6), ρ the mismatch of the pair (sweep.h): the pair whose ends are alike
-/// wins, continuously. Each sweep has its own parameters (s, t); the map from these to (u, v) is the
-/// bilinearly blended Coons patch of the sides' images, so that the surface has every boundary curve
-/// with the parameters that the curve has there. Where (u, v) are a projection to a plane, above
-/// which the sweeps are a graph, the map is that projection of the sweeps. Around a corner that is a
-/// rail the sweep's lines of equal t fan out; with the Coons patch, (s, t) are bent so that the fan is
-/// linear in (u, v), and the surface C1, there. The three sweeps of a triangle move differently along
-/// nearly the same surface: their weighted mean is projected onto each, and the projections are
-/// averaged.
+/// Weights are 1 / (ρ² + 1e-6), where ρ is the mismatch of the pair (sweep.h): the pair with more
+/// similar ends dominates, and the weights are continuous.
+///
+/// Each sweep has its own parameters (s, t). The map from these to (u, v) is the bilinearly blended
+/// Coons patch of the sides' pcurves, so that the surface contains every boundary curve with its
+/// own parametrisation. If (u, v) are a projection to a plane, over which the sweeps are a graph,
+/// the map is that projection of the sweeps.
+///
+/// Around a corner that is a degenerate rail, the sweep's lines of constant t fan out. With the
+/// Coons patch, (s, t) are reparametrised so that the fan is linear in (u, v), and the surface is
+/// C1 there. The three sweeps of a triangle have different parametrisations of nearly the same
+/// surface. Their weighted mean is therefore projected onto each, and the projections are averaged.
 class BoundarySweep {
  public:
-  /// None where the region has another number of sides, where its boundary lies in a plane within
-  /// 1e-4 of the size, or where no pair can be swept. `region` must outlive it.
+  /// Builds the sweeps. Returns nullopt if the region has another number of sides, if its boundary
+  /// is planar within 1e-4 of the size, or if no pair can be swept. `region` must outlive the
+  /// result.
   static std::optional<BoundarySweep> of(const RegionLayout& region);
 
-  /// Whether the region has five sides or more, which do not lie in a plane: no side has an opposite one.
+  /// True if the region has five or more sides that are not coplanar: no side has an opposite one.
   static bool has_many_sides(const RegionLayout& region);
 
-  /// Value and gradient at a place of the domain, also a little outside of the boundary.
+  /// Position and gradient at a point of the domain; points slightly outside are allowed.
   FirstOrderJet at(const Vec2& uv) const;
-  /// Dofs on the region's mesh; none where the surface would turn over in the domain.
+  /// Interpolating dofs on the region's mesh; nullopt if the surface would be inverted in the
+  /// domain.
   std::optional<Points> dofs() const;
 
  private:
-  // An edge of the square of (s, t): a side, forwards or backwards, or a corner.
+  // An edge of the square of (s, t): a side, forwards or backwards, or a corner (side -1).
   struct Edge {
     int side = -1;
     bool backwards = false;
@@ -92,16 +97,17 @@ class BoundarySweep {
     Vec2 uv = Vec2::Zero();
   };
   struct Edges {
-    BoundarySide::Point bottom, top, left, right;  // at s, s, t, t
+    BoundarySide::Point bottom, top, left, right;  // bottom and top at s, left and right at t
   };
-  // The curves that leave a corner which is a rail: derivatives of bottom and top by s, away from it.
+  // The curves that leave a corner that is a degenerate rail: derivatives of bottom and top with
+  // respect to s, directed away from it.
   struct Fan {
     Vec3 bottom, top;
     double angle;
-    double warped(double t) const;        // t, for which the directions are linear
-    double length_scale(double t) const;  // of lengths, for which they are
+    double warped(double t) const;        // reparametrised t for which directions are linear
+    double length_scale(double t) const;  // factor of s for which lengths are linear
   };
-  // Sides laid around the square, and what is swept there.
+  // Sides around the square, and the sweeps between them.
   struct Patch {
     Edge bottom, top, left, right;
     std::optional<Fan> fan_left, fan_right;
@@ -111,11 +117,11 @@ class BoundarySweep {
   };
   struct PatchPoint {
     Vec2 st, uv;
-    Mat2 jacobian;  // of uv by (s, t)
+    Mat2 jacobian;  // derivative of uv with respect to (s, t)
     Edges edges;
   };
-  using Jet = Sweep::Jet;  // by_u: by s, by_v: by t
-  // uv = linear x + offset, as a projection to a plane has it.
+  using Jet = Sweep::Jet;  // by_u: derivative by s; by_v: by t
+  // uv = linear x + offset, a projection to a plane.
   struct Projection {
     Eigen::Matrix<double, 2, 3> linear;
     Vec2 offset;
@@ -133,7 +139,7 @@ class BoundarySweep {
   PatchPoint invert_map(const Patch& patch, const Vec2& uv) const;
   PatchPoint invert_map(const Patch& patch, const Vec2& uv, const Vec2& from) const;
   Vec2 start(const Patch& patch, const Vec2& uv) const;
-  // Parameters of the sweeps at (s, t), and their derivatives.
+  // Parameters of the sweeps at (s, t).
   static Vec2 warped(const Patch& patch, const Vec2& st);
   Vec2 parameters(const Patch& patch, const Vec2& st) const;
   static Jet jet(const Patch& patch, const Vec2& st, const Edges& edges);
@@ -148,24 +154,26 @@ class BoundarySweep {
   std::vector<BoundarySide> sides_;
   std::vector<Patch> patches_;
   std::optional<Projection>
-      projection_;     // the map from (s, t) to (u, v), instead of the Coons patch
-  double extent_ = 1;  // of the domain
+      projection_;     // the map from (s, t) to (u, v), if it is no Coons patch
+  double extent_ = 1;  // diagonal of the domain
 };
 
 
-// Element sizes that resolve a region's rest shape. Internal.
+// Element sizes that resolve a region's rest shape.
 
-/// How far the elements of a region are from its rest shape.
+/// Interpolation error of a region's rest shape on its mesh.
 struct RestShapeError {
-  double largest = 0;  ///< model units; 0 where the rest shape is no sweep
-  /// Longest edges that resolve it, as far as is known; null where `largest` is within the tolerance.
+  double largest = 0;  ///< model units; 0 if the rest shape is no sweep
+  /// Longest edges that resolve the rest shape, as estimated; null if `largest` is within the
+  /// tolerance.
   std::shared_ptr<const SizeField> size_field;
 };
 
-/// Compares the interpolated rest shape with the sweep itself in the middle of each edge, where the
-/// error of a cubic is largest. Where it is above the tolerance (model units) edges of length h are to
-/// become h (tolerance / 2 error)^(1/4), at least h / 2; elsewhere they may be as long as `before` says,
-/// the sizes that the region was meshed with. One rest_dofs().
+/// Compares the interpolated rest shape with the sweep itself at the midpoint of each edge, where
+/// the error of a cubic is largest. Where it exceeds `tolerance` (model units), edges of length h
+/// shall become h (0.1 tolerance / error)^(1/4), limited to 0.5 h … 0.7 h. Elsewhere they may be as
+/// long as before. `before`: size field with which the region was meshed, or null. Cost: one
+/// rest_dofs().
 RestShapeError rest_shape_error(const RegionLayout& region, double tolerance,
                                 const SizeField* before = nullptr);
 

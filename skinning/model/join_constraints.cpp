@@ -16,15 +16,15 @@
 namespace batten {
 namespace {
 
-// What was tied before.
+// Vertices that are tied already, to avoid redundant constraints.
 struct TiedVertices {
-  std::set<std::pair<int, int>> pairs;  // of vertices; with -1: of one whose y is set
-  std::map<int, int> lower;             // vertices of one node that hang together
+  std::set<std::pair<int, int>> pairs;  // pairs of vertices; with -1: a single one whose y is set
+  std::map<int, int> lower;  // union-find: parent of each vertex, for vertices of one node
   int first(int v) const {
     for (auto it = lower.find(v); it != lower.end(); it = lower.find(v)) v = it->second;
     return v;
   }
-  // False when they hung together already.
+  // Returns false if they are connected already.
   bool connect(int a, int b) {
     const auto [low, high] = std::minmax({first(a), first(b)});
     if (low == high) return false;
@@ -33,7 +33,7 @@ struct TiedVertices {
   }
 };
 
-// (1) at the vertices and in the middles of the edges of two runs.
+// Condition (1) at the vertices and edge midpoints of two edge-aligned lines.
 class AlignedTies {
  public:
   AlignedTies(const JoinPlan& plan, const std::string& name, const JoinEdge& a, const JoinEdge& b,
@@ -116,8 +116,8 @@ void tie_aligned(const JoinPlan& plan, const std::string& name, JoinEdgeFactory&
   }
 }
 
-// Rows on the average under each hat over fractions of a line. `add(f, weight, interval, share of
-// it, row)`.
+// Adds constraints on the average over each hat along a line. `add(f, weight, interval, fraction of
+// it, constraint)` appends the entries of one Gauss point.
 template <class Add>
 void add_hat_averages(const std::vector<double>& at, bool closed,
                       const std::array<bool, 2>& with_ends, const std::string& name, const Add& add,
@@ -135,8 +135,8 @@ void add_hat_averages(const std::vector<double>& at, bool closed,
   }
 }
 
-// Adds factor · (y_A + γ y_B - δ x_t) at a fraction of an embedded line, the share s of the
-// interval i.
+// Appends factor · (y_A + γ y_B - δ x_t) at a fraction f of an embedded line, which is the fraction
+// s of interval i.
 void add_condition(const JoinPlan& plan, const JoinEdge& a, const JoinEdge& b, double f,
                    double factor, size_t i, double s, ConstraintEntries& constraint) {
   const bool along_b = a.embedded() && !b.embedded();
@@ -146,7 +146,8 @@ void add_condition(const JoinPlan& plan, const JoinEdge& a, const JoinEdge& b, d
   b.add_at(f, factor * gamma, along_b ? -factor * delta : 0, 0, constraint);
 }
 
-// visit(f, weight, interval, share of it) at Gauss points of the parts of all intervals.
+// Calls visit(f, weight, interval, fraction of it) at the Gauss points of all intervals, each split
+// into `parts`.
 template <class Visit>
 void over_intervals(const JoinPlan& plan, const SegmentRule& gauss, int parts, const Visit& visit) {
   for (size_t i = 0; i + 1 < plan.at.size(); ++i)
@@ -179,7 +180,7 @@ void tie_hats(const JoinPlan& plan, const std::string& name, const JoinEdge& a, 
   }
 }
 
-// The curvature of a surface with normal n in the direction at right angles to `tangent`; NaN where
+// Normal curvature of a surface with normal n in the direction perpendicular to `tangent`; NaN if
 // the surface is singular.
 double curvature_across(const SurfaceJet& jet, const Vec3& n, const Vec3& tangent) {
   const Vec3 across = n.cross(tangent).normalized();
@@ -193,7 +194,7 @@ double curvature_across(const SurfaceJet& jet, const Vec3& n, const Vec3& tangen
 
 JoinQuality measure_join(const std::vector<const SkinnedRegion*>& regions,
                          const JoinLine& join_line, const std::array<bool, 2>& open, int samples) {
-  // Of these two regions only: a model measures thousands of joins.
+  // Built for these two regions only, because a model measures thousands of joins.
   const std::vector<const SkinnedRegion*> two{regions[join_line.sides[0].region],
                                               regions[join_line.sides[1].region]};
   JoinEdgeFactory sides(two);
@@ -216,8 +217,8 @@ JoinQuality measure_join(const std::vector<const SkinnedRegion*>& regions,
     for (int j = 0; j <= samples; ++j) {
       const double f = lerp(at[k], at[k + 1], static_cast<double>(j) / samples);
       const SurfaceJet a = jet(0, f), b = jet(1, f);
-      // Seen along the line, one side is to its left and the other to its right: their normals
-      // agree where they point to the same side of the surface.
+      // Seen along the line, one side is to its left and the other to its right. Their normals
+      // agree if they point to the same side of the surface.
       const Vec3 na = join_line.sides[0].left ? a.normal() : Vec3(-a.normal());
       const Vec3 nb = join_line.sides[1].left ? Vec3(-b.normal()) : b.normal();
       const double deg = na.isZero() || nb.isZero() ? std::numeric_limits<double>::quiet_NaN()
@@ -235,7 +236,8 @@ JoinQuality measure_join(const std::vector<const SkinnedRegion*>& regions,
       }
       if (k == 0 && j == 0) quality.end_deg[0] = deg;
       if (k + 1 == edges && j == samples) quality.end_deg[1] = deg;
-      // Signed, seen along the line from the side of the normals: outwards of the left region.
+      // Signed angle, with the sign seen along the line from the side of the normals: outwards of
+      // the left region.
       const Vec3 outwards = (join_line.sides[0].left ? 1 : -1) * side[0].slope(f).cross(na);
       const double signed_angle = std::copysign(deg * std::numbers::pi / 180, nb.dot(outwards));
       if (j > 0) {
@@ -278,7 +280,7 @@ SparseMatrix join_stiffness(const std::vector<const RegionLayout*>& regions,
                             const std::vector<DofOffsets>& numbers,
                             const std::vector<JoinPlan>& plans, double size, int dofs) {
   constexpr double kPenalty = 1000;
-  constexpr int parts = 4;  // of an interval: elements end anywhere
+  constexpr int parts = 4;  // per interval, because element boundaries are anywhere
   const SegmentRule gauss = gauss_legendre(6);
   JoinEdgeFactory sides(regions, numbers);
   std::vector<const JoinPlan*> embedded;

@@ -1,5 +1,5 @@
-// One side of a join line: where the line runs in (u, v), and which dofs make the slopes there.
-// Internal.
+// One side of a join line: its path in (u, v), and the dofs that determine the derivatives along
+// and across it.
 #pragma once
 
 #include <algorithm>
@@ -17,7 +17,8 @@ namespace batten {
 
 using ConstraintEntries = std::vector<ConstraintSet::Entry>;
 
-// The line as one region has it. f is a fraction of the line; y and t are those of join.h.
+// A join line as represented in one region. f is a fraction of the line in [0, 1]; y and t are
+// those of join.h.
 class JoinEdge {
  public:
   JoinEdge(const ParametricMesh& mesh, TriangleElement kind, const EdgeAlignedLine* aligned_line,
@@ -48,7 +49,7 @@ class JoinEdge {
   }
   bool embedded() const { return !aligned_line_; }
   const EdgeAlignedLine& aligned_line() const { return *aligned_line_; }
-  double span() const { return t_; }  // of t over the whole line
+  double span() const { return t_; }  // range of t over the whole line
   int count() const { return isize(aligned_line_->vertices); }
   int vertex(int k) const { return aligned_line_->vertices[k]; }
   int end_vertex(int end) const { return vertex(end ? count() - 1 : 0); }
@@ -57,7 +58,7 @@ class JoinEdge {
                          : line_->fitted.closed();
   }
   double fraction(int k) const { return (aligned_line_->parameters[k] - start_) / span_; }
-  // Returns the fractions of vertices or points, ascending.
+  // Fractions of its vertices or collocation points, ascending.
   std::vector<double> stations() const {
     std::vector<double> f;
     for (const double p : aligned_line_ ? aligned_line_->parameters : line_->points) {
@@ -65,11 +66,11 @@ class JoinEdge {
       f.push_back(reversed_ ? 1 - along : along);
     }
     std::sort(f.begin(), f.end());
-    // A line much shorter than its elements has no point of its own.
+    // A line much shorter than its elements has no collocation points.
     if (f.size() < 2) f = {0, 1};
     return f;
   }
-  // Returns dX/dt.
+  // dX/dt.
   Vec3 slope(double f) const {
     return (aligned_line_ ? aligned_line_->fitted : line_->fitted).evaluate(parameter(f), 1) *
            per_t();
@@ -79,7 +80,7 @@ class JoinEdge {
     const int v = 3 * vertex(k);
     return sigma_ * (inward_.x() * q.row(v + 1) + inward_.y() * q.row(v + 2)).transpose();
   }
-  // These add factor · y, factor · dx/dt, factor · x at the k-th vertex.
+  // These append factor · y, factor · dx/dt, factor · x at the k-th vertex to `entries`.
   void add_across(int k, double factor, ConstraintEntries& entries) const {
     add_gradient(vertex(k), factor * sigma_ * inward_, entries);
   }
@@ -90,7 +91,8 @@ class JoinEdge {
   void add_position(int k, double factor, ConstraintEntries& entries) const {
     entries.push_back({dof_offsets_(3 * vertex(k)), factor});
   }
-  // These add factor · y, factor · dx/dt in the middle of the k-th edge, where x is a cubic of t.
+  // These append factor · y, factor · dx/dt at the midpoint of the k-th edge, where x is a cubic in
+  // t.
   void add_across_middle(int k, double factor, ConstraintEntries& entries) const {
     const int e = aligned_line_->edges[k];
     entries.push_back({dof_offsets_(DofMap(*mesh_).edge(e)),
@@ -104,11 +106,11 @@ class JoinEdge {
     add_along(k + 1, -0.25 * factor, entries);
   }
 
-  // Returns the place of a fraction of an embedded line in (u, v).
+  // Point in (u, v) at a fraction of an embedded line.
   Vec2 pcurve(double f) const {
     return drop_z(line_->pcurve.evaluate(line_->pcurve.mesh().wrapped(parameter(f))));
   }
-  // Returns the place of a fraction in the mesh.
+  // Location in the mesh at a fraction of the line.
   Location where(double f) const {
     const double p = parameter(f);
     if (line_) {
@@ -127,7 +129,7 @@ class JoinEdge {
     found.L[first] = 1 - found.L[3 - i - first];
     return found;
   }
-  // Return the directions of (u, v) with y = grad x · across_uv(f), dx/dt = grad x · along_uv(f).
+  // Directions in (u, v) with y = grad x · across_uv(f) and dx/dt = grad x · along_uv(f).
   Vec2 across_uv(double f) const {
     if (aligned_line_) return sigma_ * inward_;
     return inward(along_uv(f));
@@ -146,7 +148,7 @@ class JoinEdge {
       y += (d.x() * N(m, kU) + d.y() * N(m, kV)) * q.row(dofs[m]).transpose();
     return y;
   }
-  // Adds across · y + along · dx/dt + position · x at a fraction of the line.
+  // Appends across · y + along · dx/dt + position · x at a fraction of the line.
   void add_at(double f, double across, double along, double position,
               ConstraintEntries& entries) const {
     const Location at = where(f);
@@ -181,7 +183,7 @@ class JoinEdge {
   DofOffsets dof_offsets_;
 };
 
-// Makes the sides of join lines, with one locator for each region that needs one.
+// Creates the sides of join lines, with one locator per region that needs one.
 class JoinEdgeFactory {
  public:
   explicit JoinEdgeFactory(const std::vector<const RegionLayout*>& regions) {
@@ -226,17 +228,18 @@ class JoinEdgeFactory {
   std::vector<Item> items_;
 };
 
-// A Gauss point of a hat over fractions of a line, with the hat's weight there: `share` of the
-// interval between two of them.
+// A Gauss point of a hat function over fractions of a line, with the hat's weight. `fraction`:
+// position within `interval`, in [0, 1].
 struct HatQuadraturePoint {
   double f, weight;
   size_t interval;
   double fraction;
 };
-// The hats over the fractions `at`; those of the first and the last one where wanted.
+// Hat functions over the fractions `at`. `with_ends`: include those of the first and the last
+// fraction.
 std::vector<std::vector<HatQuadraturePoint>> hats(const std::vector<double>& at, bool closed,
                                                   const std::array<bool, 2>& with_ends);
-// The fractions over whose hats two sides, of which one is embedded, are tied on the average.
+// Fractions over whose hats two sides, at least one of them embedded, are tied on the average.
 std::vector<double> tie_stations(const JoinEdge& a, const JoinEdge& b);
 
 inline double lerp(double a, double b, double f) { return a + f * (b - a); }

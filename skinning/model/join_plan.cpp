@@ -11,7 +11,8 @@
 namespace batten {
 namespace {
 
-// Vertices of a region at which lines of two directions meet: x_u and x_v are given there.
+// Flags vertices of a region at which lines of two directions meet, so that they determine x_u and
+// x_v.
 std::vector<char> corner_vertices(const RegionLayout& layout) {
   const ParametricMesh& mesh = *layout.mesh();
   std::vector<char> corner(static_cast<size_t>(mesh.vertex_count()), 0);
@@ -30,7 +31,7 @@ std::vector<char> corner_vertices(const RegionLayout& layout) {
 }  // namespace
 
 bool JoinPlan::constant() const {
-  constexpr double same = 1e-7;  // below 1e-5 degrees
+  constexpr double same = 1e-7;  // corresponds to less than 1e-5 degrees
   return at.empty() && !ends[0].open && !ends[1].open && gluing_correction.is_zero() &&
          std::abs(ends[0].gamma - ends[1].gamma) < same &&
          std::abs(ends[0].delta - ends[1].delta) < same;
@@ -38,7 +39,7 @@ bool JoinPlan::constant() const {
 
 namespace {
 
-// γ and δ that change two shapes least, and the angle between their planes.
+// The γ and δ that change two shapes least, and the angle between their tangent planes.
 struct GluingFunctions {
   double gamma, delta, plane_angle_deg;
   GluingFunctions(const Vec3& slope, const Vec3& a, const Vec3& b) {
@@ -48,7 +49,7 @@ struct GluingFunctions {
     delta = (a + gamma * b).dot(slope) / s2;
     plane_angle_deg = degrees_between(across_a, -across_b);
   }
-  // "" or why the join line has to be given up.
+  // "", or the reason why the join has to be rejected.
   std::string rejection_reason(const std::string& where) const {
     constexpr double kMaxGamma = 50, kMaxApart = 90;
     if (gamma > 1 / kMaxGamma && gamma < kMaxGamma && std::isfinite(delta) &&
@@ -59,7 +60,7 @@ struct GluingFunctions {
   }
 };
 
-// Beside its ends a line gets narrower hats: there the surfaces turn most.
+// Refines the hats next to the ends of a line, where the surfaces turn most.
 void halve_ends(std::vector<double>& at) {
   const double first = (at[0] + at[1]) / 2, last = (at[at.size() - 2] + at.back()) / 2;
   if (at.size() > 2) at.insert(at.end() - 1, last);
@@ -80,22 +81,22 @@ void plan_embedded(JoinPlan& plan, const JoinEdge& a, const JoinEdge& b, const P
     const GluingFunctions gluing(a.slope(f), a.across_at(qa, f), b.across_at(qb, f));
     plan.gamma.push_back(gluing.gamma);
     plan.delta.push_back(gluing.delta);
-    // Ends lie at corners, where an embedded line holds slopes only roughly.
+    // Ends lie at corners, where an embedded line constrains slopes only approximately.
     const bool end = f == plan.at.front() || f == plan.at.back();
     if (!end && !plan.rejected()) plan.rejection_reason = gluing.rejection_reason("everywhere");
   }
 }
 
-// What another line of its region does where an embedded side ends.
+// How another line of the region continues at the end of an embedded side.
 struct LineContinuation {
-  bool straight = false;  // one goes on there as the side does
-  std::optional<Vec3> y;  // of the side, where one leaves at an angle
+  bool straight = false;  // another line continues straight
+  std::optional<Vec3> y;  // y of the side, if another line leaves at an angle
 };
 LineContinuation continuation_at(const RegionLayout& region, const JoinEdge& side, double end) {
-  constexpr double kSamePoint = 1e-7, kStraightSine = 0.05;  // of the size
+  constexpr double kSamePoint = 1e-7, kStraightSine = 0.05;  // kSamePoint: distance in (u, v)
   const Vec2 at = side.pcurve(end), tangent = side.along_uv(end);
   LineContinuation found;
-  // A line that begins here, or ends here: its slopes there in (u, v) and in space.
+  // Examines a line that begins or ends here, with its derivatives in (u, v) and in space.
   const auto examine = [&](const Vec2& point, Vec2 uv, Vec3 x, bool begins) {
     if ((point - at).norm() > kSamePoint) return;
     const double sine_of_angle = cross(uv, tangent) / (uv.norm() * tangent.norm());
@@ -128,7 +129,7 @@ LineContinuation continuation_at(const RegionLayout& region, const JoinEdge& sid
   return found;
 }
 
-// What join lines are planned from, and the steps that plan them.
+// Plans join lines from given shapes, in several passes.
 class JoinPlanner {
  public:
   JoinPlanner(const std::vector<const RegionLayout*>& regions, const std::vector<Points>& shapes,
@@ -141,7 +142,8 @@ class JoinPlanner {
       corner_.push_back(region ? corner_vertices(*region) : std::vector<char>());
   }
 
-  // A join line without its ends: embedded lines whole, of runs whether they fit.
+  // Creates the plan without its ends: complete for embedded lines; for edge-aligned ones a check
+  // of vertices.
   JoinPlan begin(const JoinLine& join_line) {
     JoinPlan plan;
     plan.join_line = join_line;
@@ -157,7 +159,7 @@ class JoinPlanner {
     return plan;
   }
 
-  // Collects what the neighbours want of y at vertices where it is free.
+  // Collects the neighbours that determine y at vertices where it is free.
   void collect_neighbours(const JoinPlan& plan) {
     for (int s = 0; s < 2; ++s) {
       const JoinSide &mine = plan.join_line.sides[s], &other = plan.join_line.sides[1 - s];
@@ -170,7 +172,7 @@ class JoinPlanner {
     }
   }
 
-  // γ and δ at an end of a join line of two runs.
+  // Computes γ and δ at an end of a join of two edge-aligned lines.
   void plan_end(JoinPlan& plan, int end) {
     JoinEnd& at_end = plan.ends[end];
     std::array<Vec3, 2> y;
@@ -187,13 +189,13 @@ class JoinPlanner {
     plan.rejection_reason = gluing.rejection_reason(end ? "at its end" : "at its start");
   }
 
-  // How γ and δ of two runs differ between their ends from the linear run, as the shapes have it.
+  // Fits the deviation of γ and δ from linear interpolation between their ends to the shapes.
   void plan_gluing_correction(JoinPlan& plan) {
     const JoinEdge a = sides_(plan.join_line.sides[0]), b = sides_(plan.join_line.sides[1]);
     if (a.closed() || plan.ends[0].undetermined || plan.ends[1].undetermined) return;
-    // Shapes that meet at larger angles say nothing about how the joined ones will run, degrees.
+    // Shapes that meet at larger angles (degrees) do not predict the joined ones.
     constexpr double kTangent = 2, kNotTangent = 6;
-    constexpr double kMost = 1;  // of a correction of log γ or δ
+    constexpr double kMost = 1;  // limit of a correction of log γ or δ
     constexpr double kNone = 1e-6;
     double mean_angle_deg = 0;
     Mat2 normal = Mat2::Zero();
@@ -220,12 +222,13 @@ class JoinPlanner {
     plan.gluing_correction = {{c(0, 0), c(1, 0)}, {c(0, 1), c(1, 1)}};
   }
 
-  // What is imposed at an end of an embedded line.
+  // Chooses the condition at an end of an embedded line.
   void plan_embedded_end(JoinPlan& plan, int end) {
     const std::array<JoinSide, 2>& sides = plan.join_line.sides;
     const auto e = static_cast<size_t>(end);
     bool straight = true, known = true;
-    std::optional<std::pair<int, int>> free;  // region and vertex of a run whose y follows
+    // Region and vertex of an edge-aligned side whose y is free.
+    std::optional<std::pair<int, int>> free;
     Vec3 y[2];
     JoinEnd set;
     for (size_t s = 0; s < 2; ++s) {
@@ -256,7 +259,7 @@ class JoinPlanner {
     (end ? plan.gamma.back() : plan.gamma.front()) = gluing.gamma;
     (end ? plan.delta.back() : plan.delta.front()) = gluing.delta;
     if (!follows) return;
-    // The run's y becomes what (1) makes of the other side's.
+    // The free y is set to what (1) requires for the other side's y.
     const bool first = !sides[0].embedded;
     determined_[*free] = first ? Vec3(gluing.delta * slope - gluing.gamma * y[1])
                                : Vec3((gluing.delta * slope - y[0]) / gluing.gamma);
@@ -269,8 +272,8 @@ class JoinPlanner {
     return edge.across(q, end ? edge.count() - 1 : 0);
   }
 
-  // y of side s at an end: as its shape has it or, where it is free, as the neighbours want it on
-  // the average. False where it is free and nobody wants anything.
+  // Finds y of side s at an end: that of its shape or, if y is free there, the mean required by its
+  // neighbours. Returns false if it is free and has no neighbours.
   bool find_across(const JoinSide& j, int end, int s, Vec3& y, JoinEnd& at_end) {
     const JoinEdge side = sides_(j);
     const int v = side.end_vertex(end);
@@ -291,8 +294,10 @@ class JoinPlanner {
   double max_plane_angle_deg_;
   JoinEdgeFactory sides_;
   std::vector<std::vector<char>> corner_;
-  std::map<std::pair<int, int>, std::vector<JoinEnd::Neighbour>> neighbours_;  // of region, vertex
-  std::map<std::pair<int, int>, Vec3> determined_;  // y of runs that follow an embedded side's
+  // By region and vertex.
+  std::map<std::pair<int, int>, std::vector<JoinEnd::Neighbour>> neighbours_;
+  // Y of edge-aligned sides, determined by the embedded side.
+  std::map<std::pair<int, int>, Vec3> determined_;
 };
 
 }  // namespace

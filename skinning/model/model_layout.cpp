@@ -170,7 +170,7 @@ const JoinPlan* ModelLayout::join_plan(const std::string& line) const {
   return nullptr;
 }
 
-// -- rows and numbers -----------------------------------------------------------------------------
+// -- constraints and numbering ----------------------------------------------------------------
 
 std::vector<const RegionLayout*> ModelLayout::layouts() const {
   std::vector<const RegionLayout*> all;
@@ -321,7 +321,7 @@ Points ModelLayout::nearest(const Points& wanted) const {
   return minimize_difference(SurfaceStiffness::isotropic(0, 1), wanted);
 }
 
-// The shape with the lines for which the energy of (x - wanted) is least.
+// The shape through the lines for which the energy of (x - wanted) is minimal.
 Points ModelLayout::minimize_difference(const SurfaceStiffness& material,
                                         const Points& wanted) const {
   const SurfaceAssembler assembler(*mesh_, element(), trim_);
@@ -334,7 +334,7 @@ Points ModelLayout::minimize_difference(const SurfaceStiffness& material,
   const VecX ones = position_dofs();
   const Points about_origin = ones * origin().transpose();
   const Points F = K.selfadjointView<Eigen::Lower>() * Points(wanted - about_origin);
-  // The joins hold whatever is wanted: they are no part of the load.
+  // The join penalty applies to the shape itself, so it is added after the load is computed.
   const double beta = (material.beta[0] + material.beta[2]) / 2;
   K += beta * join_stiffness();
   const ConstrainedSolver solver(line_constraints().translated(ones, origin()), std::move(K),
@@ -343,14 +343,14 @@ Points ModelLayout::minimize_difference(const SurfaceStiffness& material,
 }
 
 
-// Edits of a model's layout: made on copies of the regions, which take their places when nothing
-// was thrown.
+// Edits are made on copies of the regions, which replace the originals only if nothing was thrown.
 
 namespace {
 
 using Marks = std::vector<std::vector<char>>;
 
-// Marks the triangles at edges of one run that another run of the same line has halved.
+// Marks the triangles at edges of an edge-aligned line that another region has bisected on the same
+// line.
 void mark_longer_edges(const RegionLayout& mine, const EdgeAlignedLine& aligned_line,
                        const EdgeAlignedLine& other, std::vector<char>& marks) {
   constexpr double kSameTolerance = 1e-9;
@@ -378,7 +378,7 @@ bool ModelLayout::refine(const std::vector<char>& marked) {
   for (int r = 0; r < region_count(); ++r)
     marks.emplace_back(marked.begin() + first_triangle(r), marked.begin() + first_triangle(r + 1));
   bool any = false;
-  // Halves of halves: each round brings the sides of a line nearer to each other.
+  // Repeated: each round brings the subdivisions of the sides closer to each other.
   constexpr int kMaxRounds = 60;
   for (int round = 0;; ++round) {
     bool halved = false;

@@ -1,4 +1,4 @@
-// A whole model before it has a shape: regions, the lines that they share, how they join there.
+// Layout of a model without a shape: its regions, their shared lines, and the joins along these.
 #pragma once
 
 #include <memory>
@@ -12,60 +12,66 @@
 
 namespace batten {
 
-/// A region that has a line: on a run, or embedded.
+/// A region's representation of a line: edge-aligned or embedded.
 struct LineSide {
   int region = 0;
   bool embedded = false;
-  int index = 0;  ///< index into RegionLayout::runs() or ::embedded()
+  int index = 0;  ///< index into RegionLayout::edge_aligned() or ::embedded()
 };
 
-/// A line, once, however many regions have it. All of its sides carry one curve in space.
+/// A character line of the model, listed once for all regions that have it. All sides have the same
+/// curve in space.
 struct ModelLine {
   std::string name;
-  std::vector<LineSide> sides;  ///< runs first, each kind by region
+  /// edge-aligned ones first, then embedded ones; each kind sorted by region.
+  std::vector<LineSide> sides;
 };
 
-/// A place is a region and a point of its domain.
+/// A point of the model: a region and a point of its domain.
 struct ModelPoint {
   int region = 0;
-  Vec2 uv = Vec2::Zero();  ///< parameters of that region
+  Vec2 uv = Vec2::Zero();  ///< parameters in that region's domain
 };
 
-/// What a model of several regions has in common.
+/// Data common to all regions of a model.
 struct ModelMetadata {
   std::string name;
   double size = 1;       ///< S: length scale of the model, model units
-  double tolerance = 0;  ///< tolerance of lines, model units
+  double tolerance = 0;  ///< largest allowed distance between lines and their curves, model units
+  /// Point relative to which dofs are solved for, model units.
   Vec3 origin = Vec3::Zero();
-  /// Tangent planes at a node that differ by more are no plane: smooth joins end as creases there.
+  /// If the tangent planes at a node differ by more than this angle (degrees), smooth joins end as
+  /// creases there.
   double max_plane_angle_deg = 0.1;
-  /// Regions rest in the shape that their boundary curves mean (rest_shape.h); else they bend from
-  /// nothing.
+  /// Regions have a rest shape, which their boundary curves suggest (model_shapes.h). If false,
+  /// bending energy is that of the shape itself (rest shape zero).
   bool rest = true;
 };
 
-/// Regions that share lines, as one system of unknowns. A single region is a model with one region
-/// and has its mesh, numbers and rows.
+/// Regions that share lines, as one system of unknowns. A single region is a model with one region;
+/// it keeps its mesh, numbering and constraints.
 ///
-/// The model has one mesh: those of the regions side by side (ParametricMesh::side_by_side), each
-/// in its own (u, v), so that everything that works triangle by triangle (stiffness, loads,
-/// display) sees one surface. The dofs of one coordinate are 3 for each vertex, region after
-/// region, then 1 for each edge, region after region.
+/// The model has one mesh: the concatenated meshes of the regions (ParametricMesh::concatenated()),
+/// each in its own (u, v). So everything that is done per triangle (stiffness, loads, display)
+/// handles one surface. The dofs of one coordinate are 3 per vertex, region after region, then 1
+/// per edge, region after region.
 ///
 /// Each region, of size s_r, is scaled to 1. The model's energy is that of the model scaled to size
-/// 1, U = u s_r/S. So in its own (u, v) a region's bending counts (S/s_r)² times, its stretching
-/// once, an area of its domain (s_r/S)² times. See domain_scale(), scale_to_regions().
+/// 1, by U = u s_r/S. In its own (u, v), a region's bending stiffness therefore has the factor
+/// (S/s_r)², its stretching stiffness the factor 1, and an area of its domain the factor (s_r/S)².
+/// See domain_scale() and scale_to_regions().
 ///
-/// Lines are held as each region holds them. Smooth joins are rows on the dofs of both sides
-/// (join.h); other lines with several regions are creases: the regions share the line.
+/// Each region constrains its own copy of a line. Smooth joins are constraints on the dofs of both
+/// sides (join.h). Other lines with several regions are creases (G0): the regions share the line
+/// only.
 ///
-/// Layouts of regions are shared between copies; an edit replaces those it touches.
+/// Copies share the regions' layouts; an edit replaces the layouts that it changes.
 class ModelLayout {
  public:
-  /// Makes a model with one region.
+  /// Constructs a model of one region.
   ModelLayout(RegionLayout region);  // NOLINT: a region is a model
-  /// Makes a model of regions; join lines name them by their index. Throws InputError: no region,
-  /// different elements.
+  /// Constructs a model of several regions; join lines refer to them by index. Throws InputError if
+  /// there is no region, or if their elements differ.
   ModelLayout(ModelMetadata metadata, std::vector<std::shared_ptr<const RegionLayout>> regions,
               std::vector<JoinPlan> join_lines);
 
@@ -73,15 +79,15 @@ class ModelLayout {
   bool has_rest() const { return metadata_.rest; }
   double size() const { return metadata_.size; }
   double tolerance() const { return metadata_.tolerance; }
-  /// The point relative to which dofs are best solved for.
+  /// Point relative to which dofs are solved for, to reduce round-off; model units.
   const Vec3& origin() const { return metadata_.origin; }
   int region_count() const { return isize(regions_); }
   const RegionLayout& region(int r) const { return *regions_[r]; }
   const std::vector<std::shared_ptr<const RegionLayout>>& regions() const { return regions_; }
   const ModelMetadata& metadata() const { return metadata_; }
-  /// Returns the index of a region. Throws InputError, with the nearest name, when there is none.
+  /// Index of a region. Throws InputError, suggesting the closest name, if there is none.
   int region_named(const std::string& name) const;
-  /// Warnings of all regions; of several regions they begin "region 'NAME': …".
+  /// Warnings of all regions; if there are several, each begins with "region 'NAME': ".
   std::vector<std::string> warnings() const;
 
   const std::shared_ptr<const ParametricMesh>& mesh() const { return mesh_; }
@@ -91,85 +97,93 @@ class ModelLayout {
   // -- lines --------------------------------------------------------------------------------------
   const std::vector<ModelLine>& lines() const { return lines_; }
   bool has_line(const std::string& name) const;
-  /// Returns the line of this name. Throws InputError, with the nearest name, when there is none.
+  /// The line of this name. Throws InputError, suggesting the closest name, if there is none.
   const ModelLine& model_line(const std::string& name) const;
-  /// Returns the curve X(t) of a line, as its first side has it. Throws as above.
+  /// The curve X(t) of a line, as represented in its first side. Throws as model_line().
   const HermiteCurve& line(const std::string& name) const;
-  /// Return the curve X(t) as a side has it, and its image c(t), over the same parameters.
+  /// The curve X(t) as represented in a side; pcurve(): its c(t), with the same parameters.
   const HermiteCurve& curve(const LineSide& side) const;
+  /// The pcurve c(t) of a side, with the parameter of curve().
   HermiteCurve pcurve(const LineSide& side) const;
-  /// Returns whether a side runs against the first side of the line.
+  /// True if the curve of a side runs against that of the first side of the line.
   bool against(const ModelLine& line, const LineSide& side) const;
-  /// Returns each line that regions share, smooth or a crease, as its first side and each further
-  /// one. Which of them lies to the left is not told.
+  /// Each line that regions share, smooth or crease: one entry for its first side with each further
+  /// one. Which side lies to the left is not determined here: JoinSide::left is only a placeholder.
   std::vector<JoinLine> shared_lines() const;
   const std::vector<JoinPlan>& join_plans() const { return join_plans_; }
-  /// Returns the plan of the line's smooth join, or null.
+  /// The plan of the line's smooth join, or null.
   const JoinPlan* join_plan(const std::string& line) const;
 
-  // -- rows and numbers ---------------------------------------------------------------------------
-  /// Returns the rows that hold every line in every region, with the names of the lines, and those
-  /// of smooth joins, "smooth line NAME". All are uncoupled.
+  // -- constraints and numbering -----------------------------------------------------------------
+  /// Builds the constraints of every line in every region, with the names of the lines, and those
+  /// of smooth joins, "smooth line NAME". None couples x, y and z.
   ConstraintSet line_constraints() const;
-  /// Returns the rows that hold only the corners of all regions, "corner 1" (of several regions
-  /// "REGION corner 1"), those that keep regions together along lines that they share, "joined line
+  /// Builds the constraints of the corners only, without lines. They are "corner 1" (with several
+  /// regions "REGION corner 1"), those that keep regions together along shared lines, "joined line
   /// NAME", and those of smooth joins. Throws InputError for a model without corners.
   ConstraintSet corner_constraints() const;
-  /// Returns join_stiffness() of all embedded join lines, for isotropic β = 1 on the model scaled
-  /// to size 1. It belongs to every stiffness of bending; times β.
+  /// join_stiffness() of all embedded join lines, for isotropic β = 1 on the model scaled to size
+  /// 1. Add it, multiplied by β, to every bending stiffness.
   SparseMatrix join_stiffness() const;
-  /// Returns a vector with 1 at position dofs and 0 elsewhere.
+  /// A vector with 1 at position dofs and 0 elsewhere.
   VecX position_dofs() const;
-  /// Returns a fill-reducing order of all dofs; empty where joins tie regions together: a better
-  /// order is then found from the matrix.
+  /// A fill-reducing ordering of all dofs. Empty if joins couple regions: then a better ordering is
+  /// computed from the matrix.
   std::vector<int> dof_order() const;
-  /// The factor (s_r/S)² of each triangle; empty when it is 1 everywhere.
+  /// The factor (s_r/S)² of each triangle; empty if it is 1 everywhere.
   const VecX& domain_scale() const { return domain_scale_; }
-  /// Turns materials on the model scaled to size 1 (one for all, or one for each triangle) into
-  /// materials in the regions' own (u, v), one for each triangle; when all factors are 1 they are
-  /// returned as they are.
+  /// Converts materials of the model scaled to size 1 (one for all, or one per triangle) to
+  /// materials in the regions' own (u, v), one per triangle. If all factors are 1, they are
+  /// returned unchanged.
   std::vector<SurfaceStiffness> scale_to_regions(std::vector<SurfaceStiffness> materials) const;
-  /// Return the numbers of a region's dofs, and of its first triangle, in the model.
+  /// Offsets from a region's dof numbers to the model's; first_triangle(): the model's number of
+  /// its triangle 0.
   const DofOffsets& dof_offsets(int r) const { return dof_offsets_[r]; }
   int first_triangle(int r) const { return first_triangle_[r]; }
-  /// Returns a vector over all dofs with these values of one region at its dofs, 0 elsewhere.
+  /// Extends a vector of one region's dofs to all dofs of the model, with zeros elsewhere.
   VecX spread(int r, const VecX& own) const;
-  int region_of(int triangle) const;  ///< region of a triangle of the model
+  int region_of(int triangle) const;  ///< index of the region that contains a triangle of the model
+  /// Converts a location in a region's mesh to one in the model's mesh.
   Location to_model_location(int r, Location where) const;
 
   // -- shapes -------------------------------------------------------------------------------------
+  /// Extracts the dofs of one region from those of the model.
   Points region_dofs(int r, const Points& all) const;
+  /// Combines the dofs of all regions to those of the model.
   Points all_dofs(const std::vector<Points>& of_regions) const;
-  /// Returns all regions as one surface, for jets. Its (u, v) have no meaning: each region has its
-  /// own.
+  /// All regions as one surface, for evaluation by location. Its (u, v) are ambiguous, because each
+  /// region has its own.
   Surface surface(Points all) const;
+  /// Builds one region from a shape of the model (absolute dofs).
   SkinnedRegion skinned(int r, const Points& all) const;
-  /// Returns the shape of least energy that has the lines, in absolute coordinates. `rest`: the
-  /// shape without energy, absolute dofs, 0 in regions that have none; no rows: none has. Costs one
-  /// factor. Throws ConflictError, NoSolutionError.
+  /// Computes the shape of minimum energy through the lines, in absolute coordinates. `rest`: the
+  /// shape of zero energy, absolute dofs, 0 in regions without one; no rows: no region has one.
+  /// Cost: one factorization. Throws ConflictError, NoSolutionError.
   Points minimize_energy(const SurfaceStiffness& material, const Points& rest = {}) const;
-  /// Returns the shape that has the lines and is nearest to another one, absolute dofs: the bending
-  /// energy of the difference is least. Costs one factor. Throws as minimize_energy().
+  /// Computes the shape through the lines that is closest to `wanted`, in absolute dofs: the
+  /// bending energy of the difference is minimal. Cost: one factorization. Throws as
+  /// minimize_energy().
   Points nearest(const Points& wanted) const;
 
-  // -- edits: each throws before it has changed anything ---------------------------------------
-  /// Halves marked triangles and so many others that the mesh stays conforming, in each region and
-  /// along the runs that they share. Returns false when nothing is marked. Where lines with a
-  /// smooth join are embedded, plan_joins() has to follow.
+  // -- edits: if one throws, the layout is unchanged --------------------------------------------
+  /// Bisects the marked triangles, and others as needed for conformity, within each region and
+  /// along edge-aligned lines that regions share. Returns false if nothing is marked. If lines with
+  /// a smooth join are embedded, call plan_joins() afterwards.
   bool refine(const std::vector<char>& marked);
-  /// Gives a line another shape over the same CurveMesh, in all regions that have it.
+  /// Replaces the curve of a line by another one over the same CurveMesh, in all regions that have
+  /// it.
   void set_line(const std::string& name, const HermiteCurve& curve);
-  /// Adds an inner line in the region that is nearest to it: RegionLayout::add_inner_line().
+  /// Adds an inner line to the region closest to it (RegionLayout::add_inner_line()).
   void add_inner_line(const CharacterLine& line, const Points& shape);
   void remove_inner_line(const std::string& name);  ///< RegionLayout::remove_inner_line()
   /// Plans γ and δ of all smooth joins again, from a shape on this layout. Joins that turn out to
-  /// be impossible are given up (JoinPlan::rejection_reason). O(join lines).
+  /// be impossible are rejected (JoinPlan::rejection_reason). O(join lines).
   void plan_joins(const Points& shape);
-  /// Makes a crease of the line's smooth join, for a reason in words.
+  /// Turns the line's smooth join into a crease; `why` is the message for the user.
   void reject_join(const std::string& line, const std::string& why);
-  /// Returns by how much γ and δ at the ends of smooth joins would change, relatively, if they were
-  /// planned from this shape; infinite where an end would open or close, or a join is impossible.
-  /// plan_joins() is due when this is not small.
+  /// Largest relative change of γ and δ at the ends of smooth joins if they were planned from this
+  /// shape. Infinite if an end would open or close, or if a join is impossible. Call plan_joins()
+  /// if it is not small.
   double gluing_change(const Points& shape) const;
 
  private:
@@ -182,22 +196,22 @@ class ModelLayout {
   ModelMetadata metadata_;
   std::vector<std::shared_ptr<const RegionLayout>> regions_;
   std::vector<JoinPlan> join_plans_;
-  // Made from these by assign_dof_offsets():
+  // Derived from these by assign_dof_offsets():
   std::shared_ptr<const ParametricMesh> mesh_;
   std::shared_ptr<const Trim> trim_;
   std::vector<DofOffsets> dof_offsets_;
-  std::vector<int> first_triangle_;  // and behind the last
+  std::vector<int> first_triangle_;  // the last entry is the total
   VecX domain_scale_;
   std::vector<ModelLine> lines_;
 };
 
 
-// The factors of loads and materials on a model scaled to size 1.
+// Scale factors of loads and materials for a model scaled to size 1.
 
-/// A model of size S is solved on its domain divided by S. In relative units alpha, beta and loads
-/// are pure numbers there while dofs keep their length, so that forces get a factor S. In absolute
-/// units forces stay as they are and areas of the domain get a factor S². (Between the regions of a
-/// model: ModelLayout::domain_scale().)
+/// Scale factors between a model of size S and its domain divided by S, on which it is solved. In
+/// relative units alpha, beta and loads are pure numbers there, while dofs keep their length, so
+/// that forces get a factor S. In absolute units forces are unchanged and areas of the domain get a
+/// factor S². (For factors between the regions of a model see ModelLayout::domain_scale().)
 class ModelScale {
  public:
   ModelScale(LoadUnits units, double size)
@@ -206,14 +220,15 @@ class ModelScale {
   SurfaceStiffness material(const SurfaceStiffness& m) const {
     return scaled_to_unit_domain(m, units_, size_);
   }
-  /// Returns the factor of a force.
+  /// Factor of a force.
   double force() const { return relative_ ? size_ : 1; }
-  /// Return the factors of a force per area of the domain, and per area of the surface itself.
+  /// Factors of a force per area of the domain and, with per_area(), per area of the surface
+  /// itself.
   double per_domain_area() const { return relative_ ? size_ : size_ * size_; }
   double per_area() const { return relative_ ? 1 / size_ : 1; }
-  /// Returns the factor of mass and damping per area of the domain.
+  /// Factor of mass and damping per area of the domain.
   double inertia() const { return relative_ ? 1 : size_ * size_; }
-  /// Return the factors from forces and energies of the solved problem to those that are reported.
+  /// Factors from forces and energies of the scaled problem to reported ones.
   double reaction_factor() const { return relative_ ? 1 / size_ : 1; }
   double energy_factor() const { return relative_ ? 1 / (size_ * size_) : 1; }
 

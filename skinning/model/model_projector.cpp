@@ -17,7 +17,7 @@ ModelProjector::ModelProjector(const ModelLayout& layout, const Points& dofs)
       Box3 box;
       for (const int v : corners)
         box.extend(region.surface.dofs().row(region.surface.dof_map().vertex(v)).transpose());
-      // Between its corners a triangle may bulge beyond their box.
+      // A curved triangle may extend beyond the bounding box of its corners.
       constexpr double kBulge = 0.5;
       const Vec3 margin = Vec3::Constant(kBulge * box.diagonal().norm());
       region.box.extend(box.min() - margin);

@@ -1,4 +1,4 @@
-// Finds the nearest places of a whole model for many points in space.
+// Closest-point queries on all regions of a model.
 #pragma once
 
 #include <memory>
@@ -11,25 +11,26 @@
 
 namespace batten {
 
-/// It has one SurfaceProjector for each region, made when it is needed; regions that are too far
-/// away to matter are passed over by their boxes. It keeps copies of the regions' surfaces, and may be
-/// asked from several threads.
+/// Finds closest points on a model, for many queries. It has one SurfaceProjector per region, built
+/// on first use. Bounding boxes exclude regions that are too far away. It keeps copies of the
+/// regions' surfaces, and its queries are thread-safe.
 class ModelProjector {
  public:
-  /// `dofs` are those of a shape on the layout.
+  /// `dofs`: a shape on the layout, absolute coordinates.
   ModelProjector(const ModelLayout& layout, const Points& dofs);
 
+  /// Result of a closest-point query; `distance` in model units.
   struct Nearest {
     ModelPoint at;
-    Location where;  ///< place in the mesh of its region
+    Location where;  ///< location in the mesh of its region
     double distance = 0;
-    bool inside = true;  ///< the place lies inside of the region's trim
+    bool inside = true;  ///< true if the point is inside the region's trim
   };
-  /// Returns the nearest place on the meshes of all regions, whether it lies inside of their trims
-  /// or not. A place inside of a region's trim goes before all that lie outside.
+  /// Finds the closest point on the meshes of all regions, inside or outside of their trims. A
+  /// point inside of a trim takes precedence over all points outside.
   Nearest nearest(const Vec3& p) const;
-  /// Returns the nearest place inside of a trim. Where the nearest one lies outside,
-  /// Surface::closest_point() looks again, which takes longer.
+  /// Finds the closest point inside of the trims. If the closest one of all is outside, it falls
+  /// back on Surface::closest_point(), which is slower.
   Nearest nearest_inside(const Vec3& p) const;
   const Surface& surface(int region) const { return regions_[region].surface; }
 

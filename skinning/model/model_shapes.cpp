@@ -47,7 +47,7 @@ Points rest_dofs(const ModelLayout& layout, const std::vector<const Points*>& of
 
 namespace {
 
-constexpr int kSamples = 24;  // of a boundary curve
+constexpr int kSamples = 24;  // per boundary curve
 
 std::vector<Vec3> samples(const HermiteCurve& curve) {
   std::vector<Vec3> points;
@@ -56,7 +56,7 @@ std::vector<Vec3> samples(const HermiteCurve& curve) {
   return points;
 }
 
-// Largest distance from the chord; of a closed curve the least from its centre.
+// Largest distance from the chord; for a closed curve the smallest distance from its centre.
 double depth_of(const HermiteCurve& curve) {
   const std::vector<Vec3> points = samples(curve);
   if (curve.closed()) {
@@ -120,8 +120,8 @@ std::optional<RestShapeDeviation> rest_shape_deviation(const RegionLayout& layou
 
 namespace {
 
-// Whether a line is a section, or a part of one: "root.2" of the line "root" that was cut at its
-// corners. Takes the sections that it finds out of `missing`.
+// True if a line is a section, or part of one: "root.2" is part of the line "root" that was split
+// at its corners. Removes the sections that it finds from `missing`.
 bool is_section(const std::string& name, const std::vector<std::string>& sections,
                 std::set<std::string>& missing) {
   const auto it = std::find_if(sections.begin(), sections.end(), [&](const std::string& s) {
@@ -150,7 +150,7 @@ int side_of_sections(const RegionLayout& region, const std::vector<std::string>&
   return side;
 }
 
-// Marks triangles whose dofs miss the surface through the sections inside by more than this.
+// Marks triangles in which `dofs` miss the loft by more than `most`, at sampled interior points.
 void mark_misses(const RegionLayout& region, const SectionSurface& through, const Points& dofs,
                  double most, char* marks) {
   const Surface surface(region.mesh(), region.element(), dofs, region.trim());
@@ -165,8 +165,8 @@ void mark_misses(const RegionLayout& region, const SectionSurface& through, cons
   });
 }
 
-// The dofs to come near to: of the surfaces through the sections, 0 in other regions. Marks
-// triangles if there is something to mark.
+// Target dofs: those of the lofts, 0 in other regions. `marks`, unless null, receives marks of
+// triangles that miss their loft.
 Points wanted_dofs(const ModelLayout& layout, const std::vector<std::string>& sections, double most,
                    std::vector<char>* marks) {
   std::set<std::string> missing(sections.begin(), sections.end());
@@ -215,13 +215,14 @@ LoftedModel loft_model(std::shared_ptr<const ModelLayout> layout,
 
 namespace {
 
-// A line that leaves an end of a join line: its unit tangent there, its curvature vector and chord.
+// A line that begins at an end of a join line: its unit tangent there, its curvature vector and
+// chord length.
 struct CrossingLine {
   Vec3 direction, curvature;
   double length;
 };
 
-// The slopes of a run at its start or end, away from there.
+// Tangent and curvature of an edge-aligned line at its start or end, directed away from it.
 CrossingLine crossing_line(const EdgeAlignedLine& aligned_line, bool at_end) {
   const double p = at_end ? aligned_line.parameters.back() : aligned_line.parameters.front();
   const Vec3 d1 = (at_end ? -1 : 1) * aligned_line.fitted.evaluate(p, 1),
@@ -232,7 +233,7 @@ CrossingLine crossing_line(const EdgeAlignedLine& aligned_line, bool at_end) {
   return {direction, (d2 - d2.dot(direction) * direction) / d1.squaredNorm(), chord.norm()};
 }
 
-// All lines of a side's region that leave an end of it, but for itself.
+// All lines of a side's region that begin at an end of it, except the side itself.
 std::vector<CrossingLine> crossing_lines(const ModelLayout& layout, const JoinSide& side,
                                          bool at_end) {
   const auto& edge_aligned = layout.region(side.region).edge_aligned();
@@ -269,7 +270,7 @@ bool is_curvature_continuous(const ModelLayout& layout, const JoinPlan& plan) {
         const double first = a.curvature.dot(normal.normalized()),
                      second = b.curvature.dot(normal.normalized());
         most += std::max(std::abs(first), std::abs(second));
-        // Over the shorter line they turn by nearly the same.
+        // Nearly equal total turning over the shorter line counts as no jump.
         if (std::abs(first - second) * std::min(a.length, b.length) < kMinTurningAngle) continue;
         jump += std::abs(first - second);
       }
@@ -307,7 +308,7 @@ std::vector<JoinPoint> curvature_join_points(const ModelLayout& layout) {
 
 namespace {
 
-// Sides of the outlines that are no smooth join, in the vertices of the model.
+// Edge-aligned outline and hole lines that are no smooth joins, as vertices of the model.
 std::vector<std::vector<int>> boundary_sides(const ModelLayout& layout) {
   std::vector<std::vector<int>> sides;
   for (const ModelLine& line : layout.lines()) {
@@ -335,7 +336,7 @@ MinimumVariationSurface fair_shape(const ModelLayout& layout, const Points& star
     const RegionLayout& region = layout.region(r);
     corners = corners || !region.corners().empty();
     rings = rings || is_annulus(region);
-    // The rims of a can's lids are embedded, and say nothing about its side.
+    // The boundary circles of a can's lids are embedded outlines, and do not matter for its side.
     for (const EmbeddedLine& line : region.embedded())
       inner_lines = inner_lines || line.line.role != CharacterLine::Role::Outline;
   }
@@ -344,7 +345,7 @@ MinimumVariationSurface fair_shape(const ModelLayout& layout, const Points& star
   else if (!inner_lines)
     options.gauss = 100;
   options.joins = curvature_join_points(layout);
-  // Near the origin, where coordinates keep their digits.
+  // Near the origin, to reduce round-off of coordinates.
   const VecX ones = layout.position_dofs();
   const Points origin = ones * layout.origin().transpose();
   if (rings && options.starts.empty()) options.starts = {start, loft_shape(layout, {})};

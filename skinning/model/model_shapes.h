@@ -1,4 +1,4 @@
-// The shape that the boundary curves of each region mean, from which all else bends the surface.
+// Shapes of a whole model: rest shapes, lofts, and fair (minimum-variation) shapes.
 #pragma once
 
 #include <vector>
@@ -13,107 +13,121 @@
 
 namespace batten {
 
-/// Dofs of the rest shapes of all regions, 0 in regions that have none; no rows where none has, or
-/// where ModelMetadata::rest or SkinOptions::rest is off. Absolute coordinates.
+/// Computes the dofs of the rest shapes of all regions, in absolute coordinates. A rest shape is
+/// the surface that a region's boundary curves suggest; a region with SkinOptions::rest = false has
+/// none. Regions without one have zeros. The result has no rows if no region has one, or if
+/// ModelMetadata::rest is false.
 ///
 ///     two, three or four sides   sweeps with transported sections (docs/theory/sweeps.md)
-///     ring                       the loft through its rims and its closed inner curves
-///     others                     none: five sides and more, a closed outline, a boundary in a plane
+///     annulus                    the loft through its boundary circles and its closed inner curves
+///     others                     none: five or more sides, a closed outline, a planar boundary
 ///
-/// As the rest shape of ModelLayout::minimize_energy() it costs no energy: the surface is the rest shape
-/// plus the displacement of least energy that inner curves, smooth joins and loads ask for.
+/// As the rest shape of ModelLayout::minimize_energy() it has zero energy. The solution is the rest
+/// shape plus the displacement of minimum energy that inner curves, smooth joins and loads require.
 /// O(vertices + edges) of these regions.
 Points rest_dofs(const ModelLayout& layout);
 
-/// The same where the rest shapes of the regions, one for each, are known.
+/// Assembles the model's dofs from known rest shapes, one per region (no rows: none).
 Points rest_dofs(const ModelLayout& layout, const std::vector<const Points*>& of_regions);
 
-/// The same of one region, in its own numbers; no rows: it has none.
+/// Computes the rest shape of one region, with its own dof numbers; no rows if it has none.
 Points rest_dofs(const RegionLayout& region);
 
-/// Whether the region has five sides or more, not all in a plane. None of them is opposite to another,
-/// so that there is nothing to sweep; among surfaces that all boundary curves allow, the one whose
-/// curvature changes least (fair_model.h) is nearest to what is meant: docs/fairness.md has the table.
+/// True if the region has five or more sides that are not coplanar. No side is opposite to another
+/// one, so there is nothing to sweep. The minimum-variation surface (fair_shape()) is then the best
+/// choice among surfaces through the boundary curves: see the table in docs/fairness.md.
 bool has_many_sides(const RegionLayout& region);
 
 
-// How far a surface is from the blend of its boundary curves.
+// Deviation of a surface from the rest shape of its boundary curves.
 
-/// Largest distance of a region from its rest shape (rest_shape.h), and what it is compared with.
+/// Largest distance of a region from its rest shape (rest_dofs()), with lengths for comparison.
 struct RestShapeDeviation {
-  double distance = 0;  ///< between the two at vertices of the mesh, model units
+  double distance = 0;  ///< maximum over the vertices of the mesh, model units
   Vec3 at = Vec3::Zero();
-  /// Distance between the sides: the shorter side of the rectangle with the rest shape's area and perimeter.
+  /// Distance between the sides: the shorter side of the rectangle with the rest shape's area and
+  /// perimeter.
   double across = 0;
-  /// Depth of the sections: of the boundary curves that bend, the least distance by which one leaves its
-  /// chord (a closed one: its centre). 0 where none bends by more than 1e-2 of the size.
+  /// Depth of the sections, model units. For each boundary curve it is the largest distance from
+  /// its chord or, if it is closed, the smallest distance from its centre. The depth is the minimum
+  /// over the curves whose value exceeds 1e-2 of the size; 0 if there is none.
   double depth = 0;
 
-  /// Above a tenth of the distance between the sides, or half of the depth, a surface is another one
-  /// than its boundary curves mean: a film, or sections that get thinner in between.
+  /// True if the surface differs from what its boundary curves suggest: by more than a tenth of the
+  /// distance between the sides, or half of the depth. Examples are soap films, and sections that
+  /// shrink in between.
   bool is_large() const { return distance > 0.1 * across || (depth > 0 && distance > 0.5 * depth); }
 };
 
-/// Nothing where the region has no rest shape. Costs one rest_dofs().
+/// Measures the deviation; nullopt if the region has no rest shape. Cost: one rest_dofs().
 std::optional<RestShapeDeviation> rest_shape_deviation(const RegionLayout& layout,
                                                        const SkinnedRegion& made);
 
 
-// Shapes that run straight, or as splines, across sections: lofts.
+// Lofts: shapes that are splines, or straight, across sections.
 
-/// The shape nearest (ModelLayout::nearest()) to one that runs through sections as a spline: on each
-/// line across them the cubic through their points, with ends that are not flat; straight between
-/// two (section_surface.h). Sections are, of a ring, its rims; of a region with four corners the
-/// side that one of `sections` is part of and the opposite side; and inner lines that run along
-/// them. Other regions bend least. Every line is held as always. Dofs are in absolute coordinates.
+/// Computes the loft through sections: the shape closest (ModelLayout::nearest()) to one that is a
+/// spline across them. On each line across the sections it is the not-a-knot cubic through their
+/// points, straight between two sections (section_surface.h).
 ///
-/// Throws InputError: no ring and no sections, a section that is no line of the model, or no side of
-/// a region with four corners. ConflictError, NoSolutionError. Cost: one factor of one coordinate.
+/// Sections of an annulus are its boundary circles. Those of a region with four corners are the
+/// side that one of `sections` is part of, and the opposite side. Inner lines that run along them
+/// are sections too. Other regions get the shape of minimum bending. All lines are constrained as
+/// usual. Dofs are in absolute coordinates.
+///
+/// Throws InputError if there are neither annuli nor sections, or if a section is not a line of the
+/// model or not a side of a region with four corners; ConflictError, NoSolutionError. Cost: one
+/// factorization for one coordinate.
 Points loft_shape(const ModelLayout& layout, const std::vector<std::string>& sections);
 
+/// Result of loft_model(): the refined layout, and the absolute dofs of the loft on it.
 struct LoftedModel {
   std::shared_ptr<const ModelLayout> layout;
   Points dofs;
 };
 
-/// loft_shape() on a mesh that is fine enough for it: triangles in which the surface through the
-/// sections is missed by more than `most`, model units, are halved, in at most four rounds (between
-/// the noses of two sections the mesh of their lines would be too coarse). Smooth joins are planned
-/// again then.
+/// Computes loft_shape() on a mesh that resolves it. Triangles in which the surface misses the loft
+/// by more than `most` (model units) are bisected, in at most four rounds. For example, the mesh of
+/// the lines is too coarse between the noses of two wing sections. Smooth joins are then planned
+/// again.
 LoftedModel loft_model(std::shared_ptr<const ModelLayout> layout,
                        const std::vector<std::string>& sections, double most);
 
 
-// Smooth joins across which the curvature goes on.
+// Curvature-continuous (G2) joins.
 
-/// Whether fairing lets the curvature go on across a smooth join: what JoinLine::curvature says or,
-/// where it says nothing, what the lines do that cross it at its ends. Two lines that go on into
-/// each other there, one on each side, have normal curvatures κ_A and κ_B, and the surfaces must
-/// have the same ones. It goes on unless, over the ends at which there are such lines,
+/// Determines whether fairing makes the curvature continuous across a smooth join.
+/// JoinLine::curvature decides if it is set. Otherwise the lines that cross the join line at its
+/// ends decide. Two lines that continue each other there, one on each side, have normal curvatures
+/// κ_A and κ_B, which the surfaces must share. The curvature is continuous unless, summed over the
+/// ends with such lines,
 ///
 ///     Σ |κ_A - κ_B| > ½ Σ max(|κ_A|, |κ_B|),
 ///
-/// as where a cap meets a cylinder. Without such lines it goes on. False for a plan that is given
-/// up.
+/// as where a cap meets a cylinder. Without such lines it is continuous. False for a rejected plan.
 bool is_curvature_continuous(const ModelLayout& layout, const JoinPlan& plan);
 
-/// The points, two for each edge or hat, of all joins across which the curvature goes on, and of
-/// those on embedded lines. On these the jump of the tangent plane counts too, since the rows of
-/// such a join leave it open between its hats; elsewhere the rows hold it.
+/// Samples all curvature-continuous joins, and all joins on embedded lines, at two Gauss points per
+/// edge or hat. On embedded lines the jump of the tangent plane is penalised too, because the
+/// constraints of such a join leave it open between its hats. On other lines the constraints
+/// enforce it.
 std::vector<JoinPoint> curvature_join_points(const ModelLayout& layout);
 
 
-// Fair shapes of models: curvature that changes as little as their lines allow.
+// Fair shapes of models: minimum-variation surfaces [MoretonSequin1992] under the constraints of
+// the lines.
 
-/// Fairs a shape of a model under these rows (those of its lines, and any others), downhill from
-/// `start`: minimize_curvature_variation() with the sides of all regions and the weight of Gauss curvature that
-/// suits them (large on rings between two rims alone: they become cylinders and cones where they
-/// can). A model with rings starts from loft_shape() too (if `options` has no other starts), which does not pinch long ones. Smooth
-/// joins stay smooth, and curvature goes on across those that is_curvature_continuous() names. Dofs are
-/// in absolute coordinates.
+/// Computes the minimum-variation surface of a model under the given constraints, by descent from
+/// `start`. It calls minimize_curvature_variation() with the sides of all regions, and a suitable
+/// weight of Gaussian curvature. The weight is 100 if no region has corners or inner lines: annuli
+/// then become cylinders and cones if possible.
 ///
-/// Of `options`, gauss, sides and joins are chosen here. `constraints` as of
-/// ModelLayout::line_constraints(). Throws as minimize_curvature_variation().
+/// A model with annuli also starts from loft_shape(), which avoids pinched long tubes, unless
+/// `options` has other starts. Smooth joins stay smooth, and the curvature is continuous across
+/// those for which is_curvature_continuous() is true. Dofs are in absolute coordinates.
+///
+/// `options`: gauss, sides and joins are overwritten here. `constraints`: those of
+/// ModelLayout::line_constraints(), and any others. Throws as minimize_curvature_variation().
 MinimumVariationSurface fair_shape(const ModelLayout& layout, const Points& start,
                                    const ConstraintSet& constraints,
                                    MinimumVariationOptions options = {},

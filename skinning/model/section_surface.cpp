@@ -85,7 +85,7 @@ double SectionSurface::s_of(const Piece& piece, double parameter) const {
 
 void SectionSurface::add(HermiteCurve curve, HermiteCurve pcurve) {
   Piece piece{std::move(curve), std::move(pcurve), {}, {}};
-  constexpr int kSamples = 8;  // of a segment
+  constexpr int kSamples = 8;  // per segment
   const auto& nodes = piece.curve.parameters();
   for (size_t i = 0; i + 1 < nodes.size(); ++i)
     for (int k = 0; k < kSamples; ++k)
@@ -93,7 +93,7 @@ void SectionSurface::add(HermiteCurve curve, HermiteCurve pcurve) {
   piece.at.push_back(piece.curve.end());
   double low = std::numeric_limits<double>::infinity(), high = -low;
   for (double& at : piece.at) {
-    // A closed image begins again at its end.
+    // A closed pcurve ends where it begins, one period of s further.
     const bool last = &at == &piece.at.back();
     double s = s_of(piece, at);
     if (last && piece.curve.closed() && !piece.s.empty())
@@ -114,7 +114,7 @@ std::optional<double> SectionSurface::parameter_at(const Piece& piece, double s)
       const double wanted = s + around;
       constexpr double kNear = 1e-9;
       if (a == b || wanted < std::min(a, b) - kNear || wanted > std::max(a, b) + kNear) continue;
-      // Images are straight or nearly so in between.
+      // In between, pcurves are straight or nearly so.
       double f = std::clamp((wanted - a) / (b - a), 0.0, 1.0);
       const double step = piece.at[i + 1] - piece.at[i];
       for (int round = 0; round < 4 && f > 0 && f < 1; ++round) {
@@ -145,7 +145,7 @@ Vec3 SectionSurface::evaluate_at(const Vec2& st_point, Vec3* by_t) const {
                   [&](const auto& a, const auto& b) { return b.first - a.first < kSameTolerance; }),
       points.end());
   const int count = isize(points);
-  if (count < 2) {  // sections that do not reach here
+  if (count < 2) {  // the sections do not extend to this s
     if (by_t) by_t->setZero();
     return points.empty() ? Vec3(Vec3::Zero()) : points[0].second;
   }
@@ -161,7 +161,7 @@ Vec3 SectionSurface::evaluate_at(const Vec2& st_point, Vec3* by_t) const {
     if (by_t) by_t->setZero();
     return points[0].second;
   }
-  // The spline's own parameter is the chord length; it runs smoothly and forwards over t.
+  // The spline's own parameter is the chord length, a smooth and monotonic function of t.
   Points speed = not_a_knot_slopes(t, run);
   for (int i = 0; i < count; ++i) {
     double most = std::numeric_limits<double>::infinity();

@@ -1,4 +1,4 @@
-// The surface that runs through sections of one region, before any line is held. Internal.
+// Surface through the sections of one region (loft), before any lines are imposed.
 #pragma once
 
 #include <optional>
@@ -8,35 +8,40 @@
 
 namespace batten {
 
+/// True if the region's domain is an annulus (its mesh is periodic in u).
 bool is_annulus(const RegionLayout& region);
 
-/// The side, 0 to 3, of a region with four corners on which a run of its outline lies. Side k runs
-/// from corner k to the next.
+/// The side (0 to 3) of a region with four corners on which an edge-aligned line of its outline
+/// lies. Side k runs from corner k to the next one.
 int domain_side(const RegionLayout& region, const EdgeAlignedLine& aligned_line);
 
-/// (s, t) in [0, 1]² run over the domain, s along the sections, t from one to the next: the bilinear
-/// map of a domain with four corners; of a ring s goes once around, t from rim to rim. On each line
-/// of equal s the surface is the cubic spline through the sections' points there, over its chord
-/// lengths, with ends that are not flat (open_spline.h): straight between two. Chord lengths run
-/// smoothly over t.
+/// A loft through the sections of one region. Its parameters (s, t) in [0, 1]² cover the domain, s
+/// along the sections and t from one section to the next. With four corners (s, t) is the bilinear
+/// map of the domain; in an annulus s goes around once and t from circle to circle.
+///
+/// On each line of constant s the surface is the cubic spline through the sections' points, with
+/// chord-length parametrisation and not-a-knot ends (not_a_knot_slopes()). Between two sections it
+/// is straight. The chord length is a smooth function of t.
 class SectionSurface {
  public:
-  /// Sections are `side` and the opposite side (of a ring: its rims, whatever `side`), and inner
-  /// lines that run along s rather than along t. `region` must outlive it.
+  /// The sections are `side` (0 to 3) and the opposite side; in an annulus the boundary circles,
+  /// whatever `side` is. Inner lines that run along s rather than along t are further sections.
+  /// `region` must outlive the object.
   SectionSurface(const RegionLayout& region, int side);
 
+  /// Position of the loft at a point of the domain.
   Vec3 at(const Vec2& uv) const { return evaluate_at(inside(st(uv)), nullptr); }
-  /// Values and slopes at the dofs of the region's mesh. Slopes along s are differences, good to
-  /// about 1e-9.
+  /// Positions and derivatives at the dofs of the region's mesh. Derivatives along s are finite
+  /// differences, accurate to about 1e-9.
   Points dofs() const;
 
  private:
-  // A place of the surface and its derivatives by s and t.
+  // A point of the surface and its derivatives with respect to s and t.
   struct Slopes {
     Vec3 x, by_s, by_t;
   };
-  // A piece of a section: its curve, its image in (u, v) over the same parameters, and where these
-  // are along s.
+  // A part of a section: its curve, its pcurve with the same parameters, and sampled parameters
+  // `at` with their values of s.
   struct Piece {
     HermiteCurve curve, pcurve;
     std::vector<double> at, s;
@@ -53,7 +58,7 @@ class SectionSurface {
 
   const RegionLayout& region_;
   bool annulus_, across_;  // across_: s is the second parameter of the bilinear map
-  Vec2 corners_[4];        // of a ring: of one period
+  Vec2 corners_[4];        // of an annulus: those of one period
   std::vector<Piece> pieces_;
 };
 

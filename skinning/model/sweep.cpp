@@ -9,9 +9,10 @@
 namespace batten {
 namespace {
 
-constexpr int kSteps = 96;          // of the rails: a full turn is 4 degrees a step
+constexpr int kSteps = 96;          // along the rails: 4 degrees per step for a full turn
 constexpr int kSamples = 48;        // of the sections, for twist and mismatch
-constexpr double kMinChord = 1e-3;  // of the longest chord: below, rails meet and there is no frame
+// Of the longest chord: below it the rails meet and the frame is undefined.
+constexpr double kMinChord = 1e-3;
 
 Mat3 rotation(const Vec3& axis, double angle) {
   return Eigen::AngleAxisd(angle, axis).toRotationMatrix();
@@ -71,7 +72,7 @@ Sweep::Sweep(const Curve& c0, const Curve& c1, const Curve& r0, const Curve& r1)
   }
   const double alike = std::hypot(cosine, sine);
   const double turn = alike > 1e-24 ? std::atan2(sine, cosine) : 0;
-  // Below the first of these, a share of the other section's bulge, a section is straight.
+  // Fractions of the other section's bulge: below the first one a section counts as straight.
   constexpr double kStraight = 0.05, kBulged = 0.25, kQuarter = std::numbers::pi / 2;
   constexpr double kMaxTwist = 130 * std::numbers::pi / 180;
   const double twist = turn * smooth_step(std::abs(turn), std::numbers::pi, kMaxTwist) *
@@ -108,7 +109,7 @@ Sweep::Jet Sweep::at(double v, const PointAndSlope& c0, const PointAndSlope& c1,
   const Vec3& first = chords_.front();
   const Mat3 turn = transport(v, e) * rotation(first, v * twist_);
   const Weights w = across(v);
-  // The sections' points, or slopes, interpolated.
+  // Interpolates points, or derivatives, of the two sections.
   const auto between_sections = [&](const Vec3& a, const Vec3& b, double along_a, double along_b,
                                     double across_a, double across_b) {
     return Vec3(across_a * a + across_b * b +
@@ -119,7 +120,7 @@ Sweep::Jet Sweep::at(double v, const PointAndSlope& c0, const PointAndSlope& c1,
   const Vec3 a0_u = c0.slope / length0_, a1_u = to_first_ * c1.slope / length1_;
   const Vec3 local = turn * between_sections(a0, a1, 1 - v, v, w.first, w.last);
   const Vec3 local_v = turn * between_sections(a0, a1, -1, 1, w.first_v, w.last_v);
-  // P' = (e × e') × P, and the twist turns about e.
+  // P' = (e × e') × P, and the twist is a rotation about e.
   const Vec3 spin = e.cross(e_v) + twist_ * e;
   Jet jet;
   jet.x = r0.x + length * local;

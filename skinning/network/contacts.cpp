@@ -13,7 +13,7 @@
 namespace batten::detail {
 namespace {
 
-// Something is a near miss up to this many tolerances, and this share of the size.
+// Near misses: at most this many tolerances apart, and at most this fraction of the network size.
 constexpr double kNearMiss = 5, kNearMissOfSize = 0.04;
 
 class ContactSearch {
@@ -57,7 +57,8 @@ class ContactSearch {
     return std::max(tolerance_, std::min(kNearMiss * tolerance_, kNearMissOfSize * size_));
   }
 
-  // Of one strand: far enough along it, and bent back enough, to be two places.
+  // For points of one curve: true if they are far enough apart along it, and the curve bends back
+  // enough, to count as two points.
   bool apart(const Contact& c) const {
     if (c.a != c.b) return true;
     const double along = sampled_curves_[c.a].between(c.sa, c.sb);
@@ -69,7 +70,7 @@ class ContactSearch {
     c.sb = sampled_curves_[c.b].arc_length->length_at(c.tb);
   }
 
-  // Drawings by hand have up to 35 for a chord.
+  // Upper bound on nearby pairs of chords. Sketches have up to 35 pairs per chord.
   size_t most_pairs() const {
     size_t chords = 0;
     for (const SampledCurve& sampled_curve : sampled_curves_) chords += sampled_curve.sag.size();
@@ -127,7 +128,7 @@ class ContactSearch {
                           t) <= reach() + a.sag[p.segment] + b.sag[q.segment];
   }
 
-  // Of the ends of strands with all that is near.
+  // Contacts between the ends of curves and all nearby chords.
   std::vector<Contact> at_ends() const {
     std::vector<Contact> all;
     for (int k = 0; k < isize(sampled_curves_); ++k)
@@ -165,7 +166,7 @@ class ContactSearch {
     return all;
   }
 
-  // Whether the strands stay within `limit` of each other between two contacts.
+  // True if the curves stay within `limit` of each other between two contacts.
   bool linked(const Contact& p, const Contact& q, double limit) const {
     if (p.distance > limit || q.distance > limit) return false;
     const double along_a = std::abs(q.sa - p.sa), along_b = std::abs(q.sb - p.sb);
@@ -183,11 +184,12 @@ class ContactSearch {
     return true;
   }
 
-  // Numbers of the intervals to which contacts of one pair belong; -1: farther than the limit.
+  // Groups the contacts of one pair of curves into intervals of proximity. Returns the index of
+  // each contact's interval; -1: the contact's distance exceeds the limit.
   std::vector<int> intervals(const std::vector<Contact>& contacts, double limit) const {
     const int n = isize(contacts);
     DisjointSets groups(n);
-    constexpr int kLookAhead = 12;  // contacts of one place come from up to nine pairs of chords
+    constexpr int kLookAhead = 12;  // up to nine pairs of chords yield the same contact
     for (int i = 0; i < n; ++i)
       for (int j = i + 1; j < std::min(n, i + kLookAhead); ++j)
         if (groups.find(i) != groups.find(j) && linked(contacts[i], contacts[j], limit))
@@ -214,7 +216,7 @@ class ContactSearch {
     for (int i = 0; i < n; ++i) {
       if (wide[i] != i || joined[i]) continue;
       const Contact* best = nullptr;
-      const auto rank = [&](const Contact& c) {  // ends first, then the nearest
+      const auto rank = [&](const Contact& c) {  // contacts at ends first, then by distance
         return std::tuple(c.ea < 0 && c.eb < 0, std::llround(c.distance / tolerance_ * 1e6));
       };
       for (int j = i; j < n; ++j)
@@ -224,7 +226,7 @@ class ContactSearch {
     return result;
   }
 
-  // What an interval of nearness comes to.
+  // Reduces an interval of proximity to the contacts listed at find_contacts().
   void add_interval(const std::vector<Contact>& members, std::vector<Contact>& out) const {
     const size_t before = out.size();
     for (const Contact& c : members) {
@@ -263,7 +265,8 @@ class ContactSearch {
     return a.cross(b).norm() <= kParallelSine * a.norm() * b.norm();
   }
 
-  // Ends that meet ends go before ends on lines, then the nearer.
+  // Order of preference: contacts between two ends, then between an end and a curve, then by
+  // distance.
   bool better(const Contact& p, const Contact& q) const {
     const auto rank = [&](const Contact& c) {
       return std::tuple(-((c.ea >= 0) + (c.eb >= 0)), std::llround(c.distance / tolerance_ * 1e6));
@@ -286,11 +289,12 @@ class ContactSearch {
                               std::max(first.tb, last.tb));
       mean += (b.point(t) - x).norm() / kSamples;
     }
-    constexpr double kCoinciding = 0.05;  // of the tolerance; half a touching parabola has 0.1
+    constexpr double kCoinciding = 0.05;  // of the tolerance; half of a tangent parabola has 0.1
     return mean <= kCoinciding * tolerance_;
   }
 
-  // The last place, from a contact on along a, where b is within half of the tolerance.
+  // Walks along a from a contact (`way` = ±1) to the last point at which b is within half the
+  // tolerance.
   Contact departure(const Contact& from, int way) const {
     const SampledCurve &a = sampled_curves_[from.a], &b = sampled_curves_[from.b];
     const double limit = std::max(0.5 * tolerance_, from.distance);
@@ -328,7 +332,7 @@ class ContactSearch {
     return inside;
   }
 
-  // In the middle of those that are as near as the nearest.
+  // The closest contact; if several are equally close, the one in the middle of them.
   Contact nearest_of(const std::vector<Contact>& members) const {
     double least = members[0].distance;
     for (const Contact& c : members) least = std::min(least, c.distance);
@@ -365,7 +369,8 @@ Contacts find_contacts(const std::vector<SampledCurve>& sampled_curves, double t
 std::vector<double> end_gaps(const std::vector<SampledCurve>& sampled_curves, double reach,
                              const std::vector<Contact>& contacts) {
   const ChordTree tree(sampled_curves);
-  std::vector<std::vector<std::pair<double, double>>> met(sampled_curves.size());  // where, how far
+  // Arc length, distance.
+  std::vector<std::vector<std::pair<double, double>>> met(sampled_curves.size());
   for (const Contact& c : contacts) {
     met[c.a].emplace_back(c.sa, c.distance);
     met[c.b].emplace_back(c.sb, c.distance);
@@ -407,7 +412,7 @@ AabbTree tree_of(const std::vector<SampledCurve>& sampled_curves,
   return AabbTree(std::move(boxes));
 }
 
-// The parameter of a strand's point nearest to p on and around one of its chords.
+// Parameter of the point closest to p on the curve near one of its chords.
 double closest_parameter_near(const SampledCurve& sampled_curve, int segment, const Vec3& p) {
   const Vec3 chord = sampled_curve.x[segment + 1] - sampled_curve.x[segment];
   const double along = std::clamp(

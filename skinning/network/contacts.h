@@ -1,4 +1,4 @@
-// Where lines come near each other.
+// Finds where sampled curves touch, cross or pass within a tolerance of each other (or themselves).
 #pragma once
 
 #include <vector>
@@ -12,50 +12,56 @@
 
 namespace batten::detail {
 
-/// A place of strand a and one of strand b, near each other.
+/// A pair of nearby points: one on sampled curve `a`, one on sampled curve `b`.
 struct Contact {
   int a = 0, b = 0;
-  double ta = 0, tb = 0;  ///< parameters
-  double sa = 0, sb = 0;  ///< arc lengths
+  double ta = 0, tb = 0;  ///< curve parameters on a and b
+  double sa = 0, sb = 0;  ///< arc lengths from the starts of a and b, model units
   double distance = 0;
-  int ea = -1, eb = -1;  ///< 0, 1: the start, the end of that strand
+  int ea = -1, eb = -1;  ///< 0 or 1: the point is the start or the end of its curve; -1: neither
 };
 
+/// Result of find_contacts().
 struct Contacts {
-  std::vector<Contact> joined;  ///< within the tolerance
-  /// Within five tolerances, but not above 4 % of the size, where the two strands are not joined
-  /// nearby.
+  std::vector<Contact> joined;  ///< closer than the tolerance
+  /// Pairs within 5 tolerances (at most 4 % of the network size, at least one tolerance) whose
+  /// curves are not joined nearby. They are reported, not joined.
   std::vector<Contact> near_misses;
 };
 
-/// All contacts, in canonical order. Strands that are near each other along an interval have
+/// Finds all contacts between sampled curves, in canonical order (by the curves, then by arc
+/// length).
 ///
-///     at the ends of strands that lie in it    one contact each
-///     at the interval's own ends               one each, where they run along each other: when it
-///                                              is longer than two curves that only touch could
-///                                              make it (3 √(tolerance · size)), or they coincide
-///     otherwise                                one, where they are nearest
+/// Two curves that stay close along an interval get the following contacts:
 ///
-/// Boxes around chords in a tree, Gauss-Newton on both curves from every near pair of chords: about
-/// O(n log n) for n chords.
+///     at curve ends inside the interval   one contact each
+///     at the interval's own ends          one contact each, if the curves overlap: the interval is
+///                                         longer than two merely tangent curves could make it,
+///                                         3 √(tolerance · size), or the curves coincide
+///     otherwise                           one contact, at the closest point
 ///
-/// Throws InputError where more than 100 pairs of chords for each chord (and 100,000) are near: lines
-/// that are drawn over each other again and again.
+/// Method: an AABB tree over the chords, then Gauss-Newton on both curve parameters from every pair
+/// of nearby chords. Cost: about O(n log n) for n chords.
+///
+/// `tolerance`: gap tolerance; `size`: diagonal of the bounding box of the network; both in model
+/// units. Throws InputError if more than 100 pairs per chord (plus 100,000) are close to each
+/// other, that is, if curves are drawn over each other many times.
 Contacts find_contacts(const std::vector<SampledCurve>& sampled_curves, double tolerance,
                        double size);
 
-/// How far the ends of open lines are from the nearest other line, of each end that is no corner
-/// within its line; infinite above `reach`. Ends that run out beyond a contact, by less than
-/// `reach`, are as far from the other line as that contact is. O(n log n) for n chords while few are
-/// within reach.
+/// Computes the distance of each free curve end to the nearest other input curve.
+///
+/// One value per end of an open sampled curve; ends that are a corner inside their input curve are
+/// skipped. The value is infinite if nothing lies within `reach` (model units). An end that
+/// overshoots one of the `contacts` by less than `reach` gets at most the distance of that contact.
+/// Cost: O(n log n) for n chords if few of them lie within reach.
 std::vector<double> end_gaps(const std::vector<SampledCurve>& sampled_curves, double reach,
                              const std::vector<Contact>& contacts = {});
 
 
-// Inside of find_contacts: the chords of all strands in a tree of boxes.
+// Implementation details of find_contacts(): an AABB tree over the chords of all sampled curves.
 
-// A tree of boxes over the chords of all lines.
-
+/// Axis-aligned bounding box; empty (inverted) by default.
 struct Aabb {
   Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity());
   Vec3 high = Vec3::Constant(-std::numeric_limits<double>::infinity());
@@ -64,14 +70,17 @@ struct Aabb {
     low = low.cwiseMin(other.low);
     high = high.cwiseMax(other.high);
   }
+  /// True if the gap between the boxes is at most `reach` along every axis.
   bool near(const Aabb& other, double reach) const {
     return ((low - other.high).array() <= reach).all() &&
            ((other.low - high).array() <= reach).all();
   }
 };
 
-/// Halved at the median along the longest side, four boxes a leaf. Which pairs are found does not
-/// depend on the order of the boxes, the order in which they are found does.
+/// AABB tree: boxes are split at the median along the longest side, down to at most four per leaf.
+///
+/// The set of pairs that is found does not depend on the order of the boxes; the order of the calls
+/// does.
 class AabbTree {
  public:
   explicit AabbTree(std::vector<Aabb> boxes) : boxes_(std::move(boxes)), order_(boxes_.size()) {
@@ -79,12 +88,13 @@ class AabbTree {
     if (!order_.empty()) build(0, isize(order_));
   }
 
-  /// Calls found(i, j), i < j, for boxes not farther apart than `reach` along any axis.
+  /// Calls found(i, j), i < j, for every pair of boxes with a gap of at most `reach` along each
+  /// axis.
   template <class Found>
   void for_each_near_pair(double reach, const Found& found) const {
     if (!nodes_.empty()) pairs(0, 0, reach, found);
   }
-  /// Calls found(i) for boxes near the given one.
+  /// Calls found(i) for every stored box with a gap of at most `reach` to `box` along each axis.
   template <class Found>
   void for_each_near_box(const Aabb& box, double reach, const Found& found) const {
     if (!nodes_.empty()) for_each_near_box(0, box, reach, found);
@@ -161,30 +171,34 @@ class AabbTree {
 };
 
 
+/// Chord `segment` of a sampled curve: the line from its sample point x[segment] to x[segment + 1].
 struct Chord {
   int sampled_curve, segment;
 };
 
-/// A point of a strand near a given one.
+/// A point of a sampled curve that is close to a query point.
 struct NearPoint {
   int sampled_curve;
-  double t;  ///< parameter
+  double t;  ///< curve parameter
   double distance;
 };
 
-/// The strands must outlive it.
+/// AABB tree over the chords of sampled curves. It keeps a reference: the curves must outlive it.
 class ChordTree {
  public:
   explicit ChordTree(const std::vector<SampledCurve>& sampled_curves);
 
   const Chord& chord(int i) const { return chords_[i]; }
-  /// Calls found(i, j), i < j, for chords whose boxes are not farther apart than `reach`.
+  /// Calls found(i, j), i < j, for chords whose boxes have a gap of at most `reach` along each
+  /// axis.
   template <class Found>
   void for_each_near_pair(double reach, const Found& found) const {
     tree_.for_each_near_pair(reach, found);
   }
-  /// The place nearest to p on and around each chord that may come within `reach`, by chord: a
-  /// strand is there as often as it has such chords.
+  /// Computes the point closest to p on the curve near each chord that may come within `reach`.
+  ///
+  /// One result per chord, in the order of the chords: a curve occurs once for each of its nearby
+  /// chords. The distance may exceed `reach`.
   std::vector<NearPoint> near_points(const Vec3& p, double reach) const;
 
  private:

@@ -14,13 +14,13 @@
 
 namespace batten::detail {
 
-// The curves of arcs: from node to node exactly, at even speed, with common tangents.
+// Curves of edges: interpolate the nodes exactly, with constant speed and common tangents.
 
-/// The data that the curve of an arc is made from.
+/// Input of make_edge_curve().
 struct EdgeCurveInput {
   std::shared_ptr<const TrimmedCurve> input;
-  Vec3 start, end;                  ///< positions of the nodes
-  Vec3 start_tangent, end_tangent;  ///< unit, along the arc
+  Vec3 start, end;                  ///< node positions
+  Vec3 start_tangent, end_tangent;  ///< unit tangents in the direction of the edge
 };
 
 struct EdgeCurve {
@@ -28,11 +28,14 @@ struct EdgeCurve {
   double length = 0, deviation = 0;
 };
 
-/// The input is displaced by what its ends lie off their nodes, fading from end to end with
-/// 1 - 3σ² + 2σ³ of the arc length, and turned to the tangents by τ s (1 - s/R)² near an end, with
-/// R so short that it moves no point by more than a half of `tolerance`. Then it is interpolated at
-/// its nodes, position and unit tangent at even arc length; intervals are halved until the curve is
-/// within `fit`. O(segments).
+/// Makes the curve of an edge from its input curve.
+///
+/// The input is displaced by the offsets between its ends and the nodes, faded out with 1 - 3σ² +
+/// 2σ³ (σ: fraction of the arc length). It is then rotated to the end tangents by adding τ s (1 -
+/// s/R)² near each end (τ: change of the unit tangent, s: arc length from the end). R is chosen so
+/// that no point moves by more than half of `tolerance`. The result is interpolated by a Hermite
+/// curve (position and unit tangent, uniform in arc length); intervals are halved until the curve
+/// is within `fit`. Cost: O(segments).
 EdgeCurve make_edge_curve(const EdgeCurveInput& plan, double size, double tolerance, double fit);
 
 }  // namespace batten::detail
@@ -42,7 +45,8 @@ namespace {
 
 using namespace detail;
 
-// Node numbers in canonical order; nodes without an arc get none.
+// Renumbers the nodes in canonical order and removes nodes without edges. Returns the new number of
+// each old node; -1: removed.
 std::vector<int> canonical_nodes(const SampledCurves& sampled_curves, NetworkTopology& net) {
   std::vector<char> used(net.nodes.size(), 0);
   for (const CurveInterval& c : net.intervals)
@@ -66,7 +70,7 @@ struct EdgeDraft {
   const CurveInterval* interval;
   std::shared_ptr<const TrimmedCurve> input;
   double length;
-  bool flipped;  // runs against its strand
+  bool flipped;  // runs against its sampled curve
   std::array<int, 2> nodes;
   std::array<long long, 3> middle;
 };
@@ -85,7 +89,8 @@ EdgeDraft make_edge_draft(const SampledCurves& sampled_curves, const CurveInterv
     if (s > sampled_curve.length) s -= sampled_curve.length;
     return sampled_curve.point(sampled_curve.arc_length->parameter(s));
   };
-  // From the node that comes first; a closed one by places as far from either end.
+  // Direction: from the node with the lower number. A closed edge is oriented by comparing points
+  // equally far from either end.
   bool flipped = interval.nodes[0] > interval.nodes[1];
   if (interval.nodes[0] == interval.nodes[1])
     for (const double f : {0.25, 0.125, 0.375, 1.0 / 3, 0.05, 0.2, 0.45})
@@ -104,22 +109,22 @@ EdgeDraft make_edge_draft(const SampledCurves& sampled_curves, const CurveInterv
   return draft;
 }
 
-// Away from the node.
+// Unit tangent that points away from the node.
 Vec3 outward_tangent(const EdgeDraft& draft, bool end) {
   const TrimmedCurve& c = *draft.input;
   return end ? Vec3(-tangent(c, c.end(), -1)) : tangent(c, c.start(), 1);
 }
 
-// Which ends go on in which: pieces of one strand first, then the straightest.
+// Pairs the edge ends that continue each other: segments of one curve first, then the straightest.
 void find_partners(const std::vector<EdgeDraft>& drafts, const std::vector<NetworkNode>& nodes,
                    const SampledCurves& sampled_curves, double tangent_angle,
                    std::vector<NetworkEdge>& edges) {
   struct Pair {
-    int different_curve;  // 0: of one strand, where that was cut
+    int different_curve;  // 0: both are segments of one sampled curve, split here; 1: otherwise
     long long angle_deg;
     EdgeEnd p, q;
   };
-  const auto position_along = [&](const EdgeEnd& e) {  // along its strand
+  const auto position_along = [&](const EdgeEnd& e) {  // position along the sampled curve
     const CurveInterval& c = *drafts[e.edge].interval;
     const bool last = e.end != drafts[e.edge].flipped;
     const double length = sampled_curves.sampled_curves[c.sampled_curve].length;
@@ -157,7 +162,7 @@ void find_partners(const std::vector<EdgeDraft>& drafts, const std::vector<Netwo
   }
 }
 
-// Unit tangents along the arcs at both ends; partners have one.
+// Unit tangents at both ends of each edge, in its direction. Continuing ends get a common tangent.
 std::vector<std::array<Vec3, 2>> end_tangents(const std::vector<EdgeDraft>& drafts,
                                               const std::vector<NetworkEdge>& edges) {
   std::vector<std::array<Vec3, 2>> along(edges.size());
@@ -170,7 +175,7 @@ std::vector<std::array<Vec3, 2>> end_tangents(const std::vector<EdgeDraft>& draf
       if (q.edge < 0 || std::tuple(q.edge, q.end) < std::tuple(i, end)) continue;
       const Vec3 p_away = outward_tangent(drafts[i], end),
                  q_away = outward_tangent(drafts[q.edge], q.end);
-      const Vec3 common = (p_away - q_away).normalized();  // away from the node, of p
+      const Vec3 common = (p_away - q_away).normalized();  // points away from the node along p
       along[i][end] = (end ? -1 : 1) * common;
       along[q.edge][q.end] = (q.end ? 1 : -1) * common;
     }
@@ -223,21 +228,23 @@ void require_options(const NetworkOptions& options) {
     check(name, value, value >= 0 && value <= 180, "degrees from 0 to 180");
 }
 
-// The share of gaps that are within a tolerance; 1 where there is no end.
+// Fraction of the gaps that are within a tolerance; 1 if there are no gaps.
 double fraction_within(const std::vector<double>& gaps, double tolerance) {
   const auto within =
       std::count_if(gaps.begin(), gaps.end(), [&](double gap) { return gap <= tolerance; });
   return gaps.empty() ? 1 : static_cast<double>(within) / static_cast<double>(gaps.size());
 }
 
-// The tolerance that the hand behind these gaps needs; `usual` where they tell none.
+// Derives the gap tolerance from the gaps at curve ends (see NetworkOptions::tolerance); `usual` if
+// fewer than half of the gaps are below `largest`.
 double tolerance_from_gaps(std::vector<double> gaps, double usual, double largest) {
   if (fraction_within(gaps, largest) < 0.5) return usual;
   std::sort(gaps.begin(), gaps.end());
   const size_t meeting =
       static_cast<size_t>(std::upper_bound(gaps.begin(), gaps.end(), largest) - gaps.begin());
   const double most = gaps[(4 * meeting + 4) / 5 - 1], all = gaps[meeting - 1];
-  constexpr double kAlike = 2, kMargin = 1.4;  // a node takes the ends of a circle, not of a pair
+  // A node joins ends that lie in a circle, not only a pair.
+  constexpr double kAlike = 2, kMargin = 1.4;
   return std::clamp(kMargin * (all <= kAlike * most ? all : most), usual, largest);
 }
 
@@ -245,8 +252,8 @@ struct JoinTolerance {
   double tolerance, joined_fraction = 1;
 };
 
-// The tolerance that was asked for or, without one, the usual one; where that joins less than half
-// of the places at which lines end or cross, the one that the gaps of their ends ask for.
+// Gap tolerance: the option if it is set, otherwise the usual one. If the usual one joins less than
+// half of the points at which curves end or cross, the tolerance is derived from the end gaps.
 JoinTolerance find_join_tolerance(const std::vector<SampledCurve>& sampled_curves,
                                   const NetworkOptions& options, double size) {
   if (options.tolerance > 0.1 * size)
@@ -257,8 +264,9 @@ JoinTolerance find_join_tolerance(const std::vector<SampledCurve>& sampled_curve
   std::vector<double> gaps = end_gaps(sampled_curves, largest);
   double fraction = fraction_within(gaps, usual);
   if (fraction >= 0.5) return {usual, fraction};
-  // Lines that cross and run out a little have met: no hand's gap is what follows. Lines that cross
-  // far more often than they end were laid to cross, and their gaps there tell of no hand either.
+  // Curves that cross and overshoot a little are joined; the overshoot is not a drawing gap. If
+  // curves cross far more often than they end, the crossings are intended, and the gaps of their
+  // ends do not measure drawing accuracy either.
   const std::vector<Contact> met = find_contacts(sampled_curves, usual, size).joined;
   gaps = end_gaps(sampled_curves, largest, met);
   const auto crossing =
@@ -270,11 +278,11 @@ JoinTolerance find_join_tolerance(const std::vector<SampledCurve>& sampled_curve
 }
 
 double fit_of(const NetworkOptions& options, double size) {
-  constexpr double kDefaultFit = 1e-4;  // of the size
+  constexpr double kDefaultFit = 1e-4;  // of the network size
   return options.fit_tolerance > 0 ? options.fit_tolerance : kDefaultFit * size;
 }
 
-// Drafts of all arcs in canonical order.
+// Drafts of all edges in canonical order.
 std::vector<EdgeDraft> draft_edges(const SampledCurves& sampled_curves,
                                    const std::vector<CurveInterval>& intervals,
                                    const std::vector<CharacterLine>& lines) {
@@ -291,7 +299,7 @@ std::vector<EdgeDraft> draft_edges(const SampledCurves& sampled_curves,
   return drafts;
 }
 
-// Arcs without their curves, names and partners; their ends are added to the nodes.
+// Makes edges without curves, names and continuations, and adds their ends to the nodes.
 std::vector<NetworkEdge> make_edges(const std::vector<EdgeDraft>& drafts,
                                     const SampledCurves& sampled_curves,
                                     std::vector<NetworkNode>& nodes) {
@@ -308,8 +316,8 @@ std::vector<NetworkEdge> make_edges(const std::vector<EdgeDraft>& drafts,
   return edges;
 }
 
-// Names arcs along their lines; returns the arcs of each line, at the end those of other lines that
-// it shares.
+// Names the edges along their input curves. Returns the edges of each input curve, followed by the
+// edges of other curves that coincide with it.
 std::vector<std::vector<int>> name_edges(const std::vector<EdgeDraft>& drafts,
                                          const std::vector<CharacterLine>& lines,
                                          std::vector<NetworkEdge>& edges) {
@@ -329,7 +337,7 @@ std::vector<std::vector<int>> name_edges(const std::vector<EdgeDraft>& drafts,
   return edges_of_line;
 }
 
-// Makes the curves of arcs, in parallel.
+// Makes the curves of all edges, in parallel.
 void make_edge_curves(const std::vector<EdgeDraft>& drafts, const std::vector<NetworkNode>& nodes,
                       double size, double tolerance, double fit, std::vector<NetworkEdge>& edges) {
   const auto along = end_tangents(drafts, edges);
@@ -406,7 +414,7 @@ namespace {
 
 constexpr double kGrid = 1 << 30;  // parameters are multiples of 1/kGrid
 
-/// The input, drawn to its nodes and turned to their tangents.
+/// The input curve, displaced to its nodes and rotated to their tangents.
 class DisplacedCurve final : public InputCurve {
  public:
   DisplacedCurve(const EdgeCurveInput& plan, double tolerance)
@@ -416,14 +424,14 @@ class DisplacedCurve final : public InputCurve {
     tangent_change_ = {plan.start_tangent - tangent(*input_, a, 1),
                        plan.end_tangent - tangent(*input_, b, -1)};
     for (int e = 0; e < 2; ++e) {
-      // s (1 - s/R)² is 4/27 R at most.
+      // The maximum of s (1 - s/R)² is 4/27 R.
       const double most = 0.5 * tolerance * 27 / 4, amount = tangent_change_[e].norm();
       reach_[e] = amount * length_ > most ? most / amount : length_;
     }
   }
   bool changes(double size) const {
     const double moved = std::max(shift_[0].norm(), shift_[1].norm());
-    // Directions are looked up a little beside the ends, and differ that much on any curve.
+    // Tangents are evaluated slightly inside the ends, so they differ by about 1e-7 on any curve.
     return moved > 1e-13 * size ||
            std::max(tangent_change_[0].norm(), tangent_change_[1].norm()) > 1e-7;
   }
@@ -437,7 +445,7 @@ class DisplacedCurve final : public InputCurve {
       return input_->evaluate(t, 0) + (1 - h) * shift_[0] + h * shift_[1] +
              tangent_correction(s, reach_[0], 0) * tangent_change_[0] -
              tangent_correction(length_ - s, reach_[1], 0) * tangent_change_[1];
-    const Vec3 along = input_->evaluate(t, 1);  // derivatives of higher order are not asked for
+    const Vec3 along = input_->evaluate(t, 1);  // higher derivatives are not used
     return along +
            along.norm() * (dh * (shift_[1] - shift_[0]) +
                            tangent_correction(s, reach_[0], 1) * tangent_change_[0] +
@@ -490,11 +498,12 @@ class Interpolation {
 
  private:
   struct Node {
-    double fraction;  // of the length
+    double fraction;  // of the arc length
     Vec3 x, tangent;
   };
 
-  // In the middle of both sides where the direction jumps, so that it is the same backwards.
+  // Unit tangent. At a tangent discontinuity, the mean of both sides, so that the result does not
+  // depend on the direction of travel.
   Vec3 tangent_at(double t) const {
     const double range = curve_->end() - curve_->start();
     const auto near = std::lower_bound(breaks_.begin(), breaks_.end(), t - 1e-8 * range);
@@ -523,7 +532,7 @@ class Interpolation {
       off = std::max(off, (p - curve_->evaluate(t, 0)).norm());
       from_input = std::max(from_input, (p - plan_.input->evaluate(t, 0)).norm());
     }
-    constexpr double kSafetyFactor = 0.9;  // a peak may lie between the points that were looked at
+    constexpr double kSafetyFactor = 0.9;  // the largest error may lie between the sampled points
     if (off <= kSafetyFactor * fit_ || depth >= deepest_) {
       nodes_.push_back(b);
       const double at_end =

@@ -1,4 +1,4 @@
-// Character lines as one network: arcs between nodes.
+// Builds a network of edges and nodes from unordered input curves (character lines).
 #pragma once
 
 #include <string>
@@ -10,62 +10,74 @@
 
 namespace batten {
 
+/// Tolerances and angles for CurveNetwork.
 struct NetworkOptions {
-  /// Ends and lines that come nearer than this meet, model units. 0: 1e-3 of the size; where less
-  /// than half of the lines' ends and crossings then meet another line, as in drawings by hand, what
-  /// the ends' gaps to the nearest other line ask for (an end that runs out beyond a crossing by less than
-  /// 2e-2 of the size meets what it crosses). Of the gaps up to 2e-2 of the size (half of all ends
-  /// at least must have one) it is 1.4 times the largest, where that is at most twice the one that
-  /// four fifths do not exceed, and 1.4 times the latter otherwise; never above 2e-2 of the size.
+  /// Gap tolerance, model units: ends and curves closer than this are joined. 0: automatic, that is
+  /// 1e-3 of the network size, or more for imprecise input such as sketches.
+  ///
+  /// It is raised if fewer than half of the curve ends and crossings are joined within 1e-3 of the
+  /// size. It is then derived from the gaps between ends and the nearest other curve. Only gaps up
+  /// to 2e-2 of the size count, and at least half of all ends must have one. An end that overshoots
+  /// a crossing by less than 2e-2 of the size counts as joined to the curve that it crosses. The
+  /// tolerance becomes 1.4 times the largest gap if that is at most twice the 80th percentile of
+  /// the gaps, otherwise 1.4 times that percentile. It never exceeds 2e-2 of the size.
   double tolerance = 0;
-  /// Largest distance between a line and the curves of its arcs where nothing had to be repaired,
-  /// model units. 0: 1e-4 of the size.
+  /// Largest distance between an input curve and the curves of its edges if nothing had to be
+  /// repaired, model units. 0: 1e-4 of the network size.
   double fit_tolerance = 0;
-  /// A line is cut where it turns by more, degrees.
+  /// Corner angle in degrees, 0 to 180: a curve is split where its tangent turns by more.
   double corner_angle = 20;
-  /// Two arcs that meet at a node and go on in one direction within this angle get one tangent
-  /// there, degrees; those of one line do in any case (it is C1). Each end has one partner at most,
-  /// the straightest.
+  /// Two edges that continue each other at a node within this angle get a common tangent there,
+  /// degrees, 0 to 180. Edges of one smooth curve always do. Each edge end has at most one
+  /// continuation, the straightest.
   double tangent_angle = 20;
 };
 
-/// Lines joined where their ends meet each other or the middle of other lines, and cut where they
-/// cross.
+/// A network of smooth edges between nodes, made from unordered input curves: curves are joined
+/// where their ends meet other ends or the interior of other curves, and split where they cross.
 ///
-/// The result depends on the lines as curves only (arcs are ordered and directed by where they lie;
-/// names move with their lines): shuffled lines make the same bits, lines given backwards the same
-/// nodes and arcs to rounding. Nodes and arcs are in that canonical order. A closed smooth line
-/// that meets nothing has one node, where it lies farthest along a fixed direction.
+/// Canonical result: it depends only on the geometry of the curves. Edges and nodes are ordered and
+/// edges are oriented by their position; names follow their curves. Shuffled input gives
+/// bit-identical networks; reversed curves give the same network up to rounding. A closed smooth
+/// curve without any contact gets one node, at its farthest point along a fixed direction.
 ///
-/// Repairs move a curve by no more than the tolerance: ends are drawn to their common node (the
-/// mean of ends; a line's own point where an end meets its middle or a corner), fading out along
-/// the arc; turning to a common tangent moves it by half a tolerance more at most. A node takes no
-/// more ends than lie within the tolerance of it, the nearest first; what is left over is a near
-/// miss. Lines touch, rather than overlap, where they run along each other for less than
-/// 3 √(tolerance · size), unless they coincide.
-/// What is repaired and what is only listed: NetworkDiagnostic.
+/// Repairs: a curve is displaced by at most the tolerance. Ends are moved to their common node, and
+/// the displacement fades out along the edge. The node lies at the mean of the joined ends, or on
+/// the curve if an end meets the interior or a corner of it. Rotation to a common tangent adds a
+/// displacement of at most half a tolerance. A node joins only ends within the tolerance of it,
+/// nearest first; the others are reported as near misses. Curves that stay close to each other over
+/// less than 3 √(tolerance · size) are tangent, not overlapping, unless they coincide.
+/// NetworkDiagnostic lists what is repaired and what is only reported.
 class CurveNetwork {
  public:
-  /// Throws InputError: no line, two lines of one name, a line without curve or length, numbers
-  /// that are not finite, a tolerance below 0, lines that are drawn over each other again and again.
-  /// Cost: about O(n log n) for n lines of bounded length.
+  /// Builds the network.
+  ///
+  /// Throws InputError for: no curves; duplicate names; a curve without geometry or of zero length;
+  /// points that are not finite; a tolerance below 0 or above a tenth of the network size; angles
+  /// outside 0 to 180 degrees; curves drawn over each other many times; no curve longer than the
+  /// tolerance. Cost: about O(n log n) for n curves of bounded length.
   explicit CurveNetwork(const std::vector<CharacterLine>& lines, const NetworkOptions& options = {},
                         const Progress& progress = {});
 
-  const std::vector<CharacterLine>& lines() const { return lines_; }  ///< the lines as given
+  /// The input curves, unchanged.
+  const std::vector<CharacterLine>& lines() const { return lines_; }
   const std::vector<NetworkEdge>& edges() const { return edges_; }
   const std::vector<NetworkNode>& nodes() const { return nodes_; }
   const std::vector<NetworkDiagnostic>& diagnostics() const { return diagnostics_; }
-  /// Diagonal of the box around all lines, model units.
+  /// Diagonal of the bounding box of all curves, model units.
   double size() const { return size_; }
+  /// Gap tolerance that was used, model units: the option, or the automatic value.
   double tolerance() const { return tolerance_; }
-  /// Share of the lines' ends that meet another line within 1e-3 of the size; with the places at
-  /// which lines cross where less than half of the ends do; 1 where a tolerance was asked for. Below 0.5, a larger tolerance() was looked for (NetworkOptions).
+  /// Fraction of the curve ends within 1e-3 of the size of another curve, 0 to 1.
+  ///
+  /// If that is below 0.5, crossings of curves are counted as joined ends. 1 if a tolerance was
+  /// given in the options. If the result is below 0.5, the automatic tolerance() may be larger than
+  /// 1e-3 of the size (see NetworkOptions::tolerance).
   double joined_fraction() const { return joined_fraction_; }
-  /// Indices of the arcs that have a name, their own or that of their line, along the line.
-  /// Throws InputError, with the nearest name, when there is none.
+  /// Indices of the edges with this name, or of all edges of the curve with this name, in order
+  /// along that curve. Throws InputError if there is none, with the most similar name.
   std::vector<int> edges_of(const std::string& name) const;
-  /// Unit tangent of an arc at an end, away from the node.
+  /// Unit tangent of an edge at one of its ends, pointing away from the node.
   Vec3 direction(const EdgeEnd& end) const;
 
  private:

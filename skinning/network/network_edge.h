@@ -1,4 +1,4 @@
-// Arcs, nodes and findings of a network of lines.
+// Edges, nodes and diagnostics of a curve network.
 #pragma once
 
 #include <array>
@@ -11,57 +11,61 @@
 
 namespace batten {
 
-/// One end of an arc.
+/// One end of a network edge.
 struct EdgeEnd {
   int edge = -1;
-  bool end = false;  ///< the arc's end, otherwise its start
+  bool end = false;  ///< true: the end of the edge; false: its start
   bool operator==(const EdgeEnd&) const = default;
 };
 
-/// A piece of a character line between two nodes.
+/// A network edge: the smooth part of an input curve between two nodes.
 struct NetworkEdge {
-  std::string name;  ///< name of its line; "name.1", "name.2", … along a line that was cut
-  int line = 0;      ///< index into the lines as they were given
-  /// Runs against the line as it was given: arcs have a direction of their own, that of the
-  /// network.
+  std::string name;  ///< name of the input curve; "name.1", "name.2", … if the curve was split
+  int line = 0;      ///< index into CurveNetwork::lines()
+  /// True if the edge runs against its input curve. The network orients edges canonically.
   bool reversed = false;
-  /// X(t), C1, from nodes[0] to nodes[1] exactly. t runs from 0 to arc length / size of the
-  /// network, rounded to 2⁻³⁰ and at even speed, |X'| ≈ size: the same numbers in mm and in m. At
-  /// an end that goes on (`on`), X' is the same vector on both sides to the last bit, up to sign.
+  /// Geometry X(t), C1, from the position of nodes[0] to that of nodes[1] exactly.
+  ///
+  /// The parameter t runs from 0 to (arc length / network size), rounded to a multiple of 2⁻³⁰, at
+  /// constant speed |X'| ≈ size. The values of t therefore do not depend on the length unit. At an
+  /// end with a `continuation`, X' is bit-identical on both sides, up to sign.
   HermiteCurve curve;
-  /// The piece of the user's line that the arc is, in the arc's direction.
+  /// The part of the input curve that this edge represents, in the direction of the edge.
   std::shared_ptr<const InputCurve> input;
-  std::array<int, 2> nodes{};  ///< nodes at its start and end; equal: closed
+  std::array<int, 2> nodes{};  ///< nodes at the start and end; equal for a closed edge
   std::array<EdgeEnd, 2>
-      continuation{};    ///< the arc end that goes on at its start, end; arc -1: none
-  double length = 0;     ///< model units
-  double deviation = 0;  ///< largest distance of `curve` from `input`, model units
+      continuation{};    ///< the edge ends that continue it at its start and end; edge = -1: none
+  double length = 0;     ///< arc length, model units
+  double deviation = 0;  ///< largest distance between `curve` and `input`, model units
 };
 
+/// A node of the network: a common end point of edges.
 struct NetworkNode {
   Vec3 position;
-  std::vector<EdgeEnd> ends;  ///< arc ends that meet here; of a closed arc both
+  /// Edge ends at this node; a closed edge contributes both of its ends.
+  std::vector<EdgeEnd> ends;
 };
 
-/// Something about the network that the user should know. Positions in model units.
+/// Something about the network that the user should know: a repair, or a possible defect. Positions
+/// and distances are in model units.
 struct NetworkDiagnostic {
   enum class Kind {
-    EndsJoined,    ///< ends that lay apart are one node now
-    EndOnLine,     ///< T-junction: an end that met the middle of a line, which was cut there
-    Crossing,      ///< two lines that crossed, cut there
-    SelfCrossing,  ///< a line that crossed itself, cut there
-    Duplicate,     ///< a line that runs along another one from end to end, left out
-    Overlap,       ///< lines that run along each other in part; shared pieces are kept once
-    NearMiss,      ///< an end, or a crossing, that lies apart by 1 to 5 tolerances: not joined
-    Dangling,      ///< an end that meets nothing
-    Short,         ///< a line or piece shorter than the tolerance, left out
-    Disconnected   ///< a part of the network without connection to the rest
+    EndsJoined,    ///< ends with a gap between them, merged into one node
+    EndOnLine,     ///< T-junction: an end met the interior of a curve, which was split there
+    Crossing,      ///< two curves crossed and were split there
+    SelfCrossing,  ///< a curve crossed itself and was split there
+    Duplicate,     ///< a curve that coincides with another one over its whole length; removed
+    Overlap,       ///< curves that coincide over a part; the common part is kept once
+    NearMiss,      ///< an end or a crossing with a gap of 1 to 5 tolerances; not joined
+    Dangling,      ///< a dangling end: it meets no other curve
+    Short,  ///< a curve or segment shorter than the tolerance; removed unless it connects two nodes
+    Disconnected   ///< a connected component apart from the largest one
   };
   Kind kind;
-  std::vector<std::string> lines;  ///< names, as given
+  std::vector<std::string> lines;  ///< names of the input curves involved
   Vec3 where = Vec3::Zero();
-  double distance = 0;    ///< how far apart they were
-  bool repaired = false;  ///< otherwise only listed
+  double distance = 0;    ///< size of the gap (or length, for Short)
+  bool repaired = false;  ///< true: repaired; false: only reported
   std::string text;       ///< a sentence for the user
 };
 

@@ -42,7 +42,7 @@ class NodeBuilder {
   }
 
  private:
-  // --- marks and links
+  // --- candidates and merging
 
   int add_interior_candidate(int sampled_curve, double s) {
     set_.candidates.push_back({sampled_curve, s, -1,
@@ -53,7 +53,7 @@ class NodeBuilder {
   }
 
   void add_merge_candidate(int p, int q, double distance, bool contact) {
-    // In steps, so that rounding does not decide between equal distances.
+    // Ranks are rounded distances, so that rounding errors do not decide between equal distances.
     merge_candidates_.push_back({std::min(p, q), std::max(p, q),
                                  std::llround(distance / tolerance_ * (1 << 20)), distance,
                                  contact});
@@ -75,7 +75,7 @@ class NodeBuilder {
       const int q = c.eb >= 0 ? set_.ends[c.b][c.eb] : add_interior_candidate(c.b, c.sb);
       if (p != q) add_merge_candidate(p, q, c.distance, true);
     }
-    // Places of one strand that lie within the tolerance along it.
+    // Candidates of one curve that lie within the tolerance along it.
     along_.resize(sampled_curves_.size());
     for (int m = 0; m < isize(set_.candidates); ++m)
       along_[set_.candidates[m].sampled_curve].push_back(m);
@@ -110,7 +110,7 @@ class NodeBuilder {
     }
     const Vec3 mean =
         owns > 0 ? Vec3(own / owns) : Vec3(any / static_cast<double>(candidates.size()));
-    // Places that agree keep their bits.
+    // If the points agree, the first one is kept bit by bit.
     const Vec3& first = set_.candidates[candidates[0]].point;
     return (mean - first).norm() <= 1e-14 * (all_.size + first.norm()) ? first : mean;
   }
@@ -137,7 +137,7 @@ class NodeBuilder {
       set_.members[gone].clear();
     }
     set_.node_of.assign(n, -1);
-    std::vector<std::vector<int>> members;  // of each node
+    std::vector<std::vector<int>> members;  // by node
     for (int m = 0; m < n; ++m)
       if (!set_.members[m].empty()) {
         set_.node_of[m] = isize(members);
@@ -148,9 +148,9 @@ class NodeBuilder {
     set_.members = std::move(members);
   }
 
-  // --- pieces
+  // --- segments
 
-  // Marks of a strand that follow each other and are of one node become one place.
+  // Merges consecutive candidates of a curve that belong to the same node into one split point.
   void collapse() {
     set_.split_points.resize(sampled_curves_.size());
     for (int k = 0; k < isize(sampled_curves_); ++k) {
@@ -175,7 +175,7 @@ class NodeBuilder {
     }
   }
 
-  // A place inside of a line at which nothing else came to be joined.
+  // True for interior points with which nothing was merged.
   bool is_isolated(const std::vector<int>& group) {
     return std::none_of(group.begin(), group.end(),
                         [&](int m) { return set_.candidates[m].end >= 0; }) &&
@@ -263,7 +263,7 @@ class NodeBuilder {
     return sampled_curve.point(sampled_curve.arc_length->parameter(s));
   }
 
-  // Whether all of `c` lies near `other`, both having the same nodes.
+  // True if all of `c` lies near `other`; both have the same nodes.
   bool runs_along(const CurveInterval& c, const CurveInterval& other, bool back) const {
     const SampledCurve& sampled_curve = sampled_curves_[other.sampled_curve];
     constexpr int kSamples = 16;
@@ -307,8 +307,9 @@ class NodeBuilder {
   void remove_duplicates() {
     std::map<std::pair<int, int>, std::vector<size_t>> between;
     std::vector<char> gone(result_.intervals.size(), 0);
-    std::map<int, int> pieces, lost;                // of a line
-    std::map<std::pair<int, int>, size_t> overlap;  // lines, left out and kept: first such piece
+    std::map<int, int> pieces, lost;                // by input curve
+    // (removed, kept) input curves: first such segment.
+    std::map<std::pair<int, int>, size_t> overlap;
     for (const CurveInterval& c : result_.intervals)
       ++pieces[sampled_curves_[c.sampled_curve].line];
     for (size_t i = 0; i < result_.intervals.size(); ++i) {
@@ -352,7 +353,7 @@ class NodeBuilder {
     result_.intervals = std::move(intervals);
   }
 
-  // Where what met a line was left out, the line is whole again.
+  // Rejoins the two parts of a curve at a node whose other segments were removed.
   void rejoin() {
     const std::vector<int> degree = result_.degrees();
     std::vector<CurveInterval> intervals;
@@ -377,7 +378,7 @@ class NodeBuilder {
   NodeDiagnostics diagnostics_;
 
   NodeCandidates set_;
-  std::vector<std::vector<int>> along_;  // marks of a strand, along it
+  std::vector<std::vector<int>> along_;  // candidates of each sampled curve, in order along it
   std::vector<MergeCandidate> merge_candidates_;
   NetworkTopology result_;
 };
@@ -425,7 +426,7 @@ void NodeDiagnostics::add(Kind kind, std::vector<std::string> names, const Vec3&
   diagnostics_.push_back({kind, std::move(names), where, distance, repaired, text});
 }
 
-// Names of strands without repetition, in canonical order.
+// Names of the input curves of some sampled curves, without repetition, in canonical order.
 std::vector<std::string> NodeDiagnostics::names_of(const std::vector<int>& sampled_curves) const {
   std::vector<std::string> names;
   for (const int k : sampled_curves)
@@ -446,10 +447,10 @@ void NodeDiagnostics::report_nodes(const NodeCandidates& candidates,
 void NodeDiagnostics::report_node(const NodeCandidates& all, const std::vector<int>& members,
                                   const Vec3& p, bool left_out) {
   const std::vector<NodeCandidate>& candidates = all.candidates;
-  std::vector<int> end_marks, passes, at_end, passing;  // marks, then strands
+  std::vector<int> end_marks, passes, at_end, passing;  // candidates, candidates, curves, curves
   for (const int k : members) {
     if (!candidates[k].own || candidates[k].end >= 0) end_marks.push_back(k);
-    // Several marks of one pass count once.
+    // Several candidates of one passage count once.
     if (candidates[k].end < 0 && std::none_of(passes.begin(), passes.end(), [&](int o) {
           return candidates[o].sampled_curve == candidates[k].sampled_curve &&
                  all.is_same_passage(all_, o, k, tolerance_);
@@ -465,7 +466,7 @@ void NodeDiagnostics::report_node(const NodeCandidates& all, const std::vector<i
     add(Kind::EndsJoined, names_of(at_end), p, gap, true,
         "ends of " + listed(names_of(at_end)) + " lay " + format_number(gap) + " apart at " +
             format_point(p) + ": joined");
-  // A strand that ends here does not pass through beside it.
+  // A curve that ends here does not also pass through.
   for (const int k : passes)
     if (std::none_of(end_marks.begin(), end_marks.end(), [&](int e) {
           return candidates[e].sampled_curve == candidates[k].sampled_curve &&
@@ -502,7 +503,7 @@ void NodeDiagnostics::report_dangling_ends(const NetworkTopology& result,
       }
 }
 
-// Whether two strands have a common node near the places of a contact.
+// True if two curves have a common node near the points of a contact.
 bool NodeDiagnostics::meet_nearby(const NodeCandidates& candidates, const Contact& c) const {
   const double near = 10 * tolerance_;
   for (const NodeCandidates::SplitPoint& p : candidates.split_points[c.a]) {
@@ -535,7 +536,7 @@ void NodeDiagnostics::report_near_miss(const Contact& c, bool rejected) {
 
 void NodeDiagnostics::report_near_misses(const NodeCandidates& candidates,
                                          const Contacts& contacts) {
-  // A node where several ends meet misses another node once, and a line once.
+  // A node at which several ends meet reports another node once, and each curve once.
   std::set<std::tuple<bool, int, int>> reported;
   const auto miss = [&](const Contact& c, bool rejected) {
     if (meet_nearby(candidates, c)) return;

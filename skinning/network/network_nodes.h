@@ -1,4 +1,4 @@
-// Which places of lines are one node, and the pieces between nodes.
+// Merges contacts and curve ends into network nodes and splits the sampled curves at them.
 #pragma once
 
 #include <vector>
@@ -11,74 +11,78 @@
 
 namespace batten::detail {
 
-// Pieces of strands between nodes. Internal.
+// Curve segments between nodes.
 
-/// A piece of a strand between two nodes.
+/// A segment of a sampled curve between two nodes.
 struct CurveInterval {
   int sampled_curve = 0;
-  double s0 = 0, s1 = 0;  ///< arc lengths; s1 above the strand's length: across its seam
+  /// Arc lengths of its ends; s1 above the curve's length: crosses the seam.
+  double s0 = 0, s1 = 0;
   std::array<int, 2> nodes{};
-  std::vector<int> shared;  ///< lines that ran along it, whose piece was left out
+  std::vector<int> shared;  ///< input curves that coincide with this segment and were removed
 };
 
+/// Nodes and the curve segments between them.
 struct NetworkTopology {
-  std::vector<Vec3> nodes;               ///< positions
-  std::vector<CurveInterval> intervals;  ///< by strand, along it
+  std::vector<Vec3> nodes;               ///< node positions, model units
+  std::vector<CurveInterval> intervals;  ///< ordered by sampled curve, then along it
 
-  /// Number of ends of cuts at each node.
+  /// Number of segment ends at each node (valence).
   std::vector<int> degrees() const;
 };
 
 
-/// Ends, contacts and corners become nodes, the nearest first: two nodes become one where all
-/// places then lie within the tolerance of the new one, which is the mean of the places inside of
-/// lines and at their corners where there are any, of ends otherwise. What is repaired, left out
-/// and found is added to `diagnostics`.
+/// Merges curve ends, contacts and corners into nodes, and splits the curves there.
+///
+/// Candidates are merged in order of increasing distance. Two nodes are merged only if all their
+/// points then lie within `tolerance` of the merged node. Its position is the mean of the points in
+/// the interior and at the corners of curves if there are any, otherwise the mean of the ends.
+/// Repairs, removed segments and defects are appended to `diagnostics`.
 NetworkTopology make_nodes(const SampledCurves& sampled_curves, const Contacts& contacts,
                            double tolerance, const std::vector<CharacterLine>& lines,
                            std::vector<NetworkDiagnostic>& diagnostics);
 
 
-// Inside of make_nodes: what came together at nodes, and what the user is told of it.
+// Implementation details of make_nodes().
 
-/// A place of a strand that may become part of a node.
+/// A point of a sampled curve that may become part of a node.
 struct NodeCandidate {
   int sampled_curve = 0;
-  double s = 0;  ///< arc length
-  int end = -1;  ///< 0, 1: of the strand; -1: inside of it
+  double s = 0;  ///< arc length from the start of the curve, model units
+  int end = -1;  ///< 0 or 1: start or end of the curve; -1: interior point
   Vec3 point;
-  bool own = false;  ///< inside of its line, or a corner of it: the line passes through
+  bool own = false;  ///< the input curve passes through: an interior point or a corner of it
 };
 
-/// Two marks that are near enough to become one node.
+/// Two node candidates that are close enough to be merged.
 struct MergeCandidate {
   int p, q;
-  long long rank;  ///< distance in steps; links are taken in this order
+  long long rank;  ///< distance, rounded to 2⁻²⁰ tolerances; candidates are merged in this order
   double distance;
   bool contact;
 };
 
-/// All marks, and the nodes that they became.
+/// All node candidates and the nodes into which they were merged.
 struct NodeCandidates {
   std::vector<NodeCandidate> candidates;
-  std::vector<std::array<int, 2>> ends;   ///< marks of each strand's ends; -1: a closed strand
-  std::vector<int> node_of;               ///< node of each mark
-  std::vector<std::vector<int>> members;  ///< marks of each node, ascending
-  std::vector<MergeCandidate> rejected;   ///< contacts that did not fit into one node
-  /// Where each strand is cut: arc lengths, ascending, and nodes.
+  std::vector<std::array<int, 2>> ends;  ///< candidates at the ends of each curve; -1: closed curve
+  std::vector<int> node_of;               ///< node of each candidate
+  std::vector<std::vector<int>> members;  ///< candidates of each node, ascending
+  std::vector<MergeCandidate> rejected;  ///< contacts that could not be merged within the tolerance
+  /// Positions at which each sampled curve is split: arc length (ascending) and node.
   struct SplitPoint {
     double s;
     int node;
   };
   std::vector<std::vector<SplitPoint>> split_points;
 
-  /// Largest distance of these marks from p.
+  /// Largest distance of the given candidates from p.
   double radius(const std::vector<int>& some, const Vec3& p) const;
-  /// Whether two marks of one strand belong to one pass of it through one node.
+  /// True if two candidates of one curve belong to the same passage of it through one node.
   bool is_same_passage(const SampledCurves& all, int p, int q, double tolerance) const;
 };
 
-/// Adds findings in sentences.
+/// Formats diagnostics as sentences for the user and collects them.
 class NodeDiagnostics {
  public:
   using Kind = NetworkDiagnostic::Kind;
@@ -91,16 +95,16 @@ class NodeDiagnostics {
         lines_(lines),
         diagnostics_(diagnostics) {}
 
-  /// Name of the line that the strand is a part of.
+  /// Name of the input curve to which a sampled curve belongs.
   const std::string& name_of(int sampled_curve) const {
     return lines_[sampled_curves_[sampled_curve].line].name;
   }
   void add(Kind kind, std::vector<std::string> names, const Vec3& where, double distance,
            bool repaired, const std::string& text);
 
-  /// Ends that were joined, lines that were cut, ends that meet nothing.
+  /// Reports merged ends, split curves and dangling ends.
   void report_nodes(const NodeCandidates& candidates, const NetworkTopology& result);
-  /// Places that come near each other without a common node.
+  /// Reports points that come close to each other without a common node.
   void report_near_misses(const NodeCandidates& candidates, const Contacts& contacts);
 
  private:

@@ -14,7 +14,8 @@
 namespace batten::detail {
 namespace {
 
-// Orthonormal, and in no relation to the axes and planes that people draw along.
+// Orthonormal directions that are generic: unrelated to the axes and planes along which people
+// draw.
 const Mat3& directions() {
   static const Mat3 rows = [] {
     const Vec3 a = Vec3(0.537701, 0.810133, 0.233619).normalized();
@@ -26,7 +27,7 @@ const Mat3& directions() {
   return rows;
 }
 
-// What rounding may do to points of a line.
+// Bound on the rounding error of points of a curve.
 double rounding_error(const ArcLength& arc_length, const Vec3& p) {
   return 1e-9 * arc_length.total() + 64 * std::numeric_limits<double>::epsilon() * p.norm();
 }
@@ -51,7 +52,7 @@ void require_curve(const CharacterLine& line) {
     throw InputError("line '" + line.name + "' has zero length");
 }
 
-// Whether the canonical direction is the other one.
+// True if the canonical direction is opposite to that of the curve.
 bool runs_backwards(const InputCurve& curve, const ArcLength& arc_length) {
   const double eps = rounding_error(arc_length, curve.evaluate(curve.start()));
   for (const double f : {0.0, 0.25, 0.125, 0.375, 1.0 / 3, 0.05, 0.2, 0.45}) {
@@ -62,7 +63,7 @@ bool runs_backwards(const InputCurve& curve, const ArcLength& arc_length) {
   return false;
 }
 
-// Where a closed curve lies farthest along the first direction.
+// Parameter at which a closed curve lies farthest along the first generic direction.
 double canonical_seam(const InputCurve& curve) {
   const Vec3 w = directions().row(0);
   std::vector<double> t;
@@ -90,7 +91,7 @@ double canonical_seam(const InputCurve& curve) {
   }
   double seam = 0.5 * (low + high);
   if (seam < curve.start()) seam += period;
-  // On the seam that was given already, but for rounding.
+  // Snaps to the existing seam if the difference is only rounding.
   if (std::min(seam - curve.start(), curve.end() - seam) < 1e-9 * period) seam = curve.start();
   return seam;
 }
@@ -142,7 +143,7 @@ std::vector<SampledCurve> cut_line(const CharacterLine& line, int index, double 
   return sampled_curves;
 }
 
-// A place on a strand: its parameter, its arc length from the start, its point.
+// A sample of a curve: parameter, arc length from the start, and point.
 struct CurveSample {
   double t, s;
   Vec3 x;
@@ -152,7 +153,7 @@ CurveSample sample_at(const SampledCurve& sampled_curve, double t) {
   return {t, sampled_curve.arc_length->length_at(t), sampled_curve.point(t)};
 }
 
-// Adds places behind a up to b, so dense that chords tell where the curve is.
+// Appends samples after a up to b, dense enough for the chords to approximate the curve.
 void trace(SampledCurve& sampled_curve, const CurveSample& a, const CurveSample& b, int depth) {
   const Vec3 chord = b.x - a.x;
   const double length = chord.norm();
@@ -163,7 +164,7 @@ void trace(SampledCurve& sampled_curve, const CurveSample& a, const CurveSample&
         length > 0 ? std::clamp((p - a.x).dot(chord) / (length * length), 0.0, 1.0) : 0;
     sag = std::max(sag, (p - a.x - along * chord).norm());
   }
-  constexpr double kMaxSagRatio = 0.05;  // of the chord
+  constexpr double kMaxSagRatio = 0.05;  // of the chord length
   constexpr double kMaxLengthRatio =
       1.1;  // times the chord: a longer curve leaves it between the samples
   constexpr int kDeepest = 12;
@@ -197,7 +198,7 @@ void trace(SampledCurve& sampled_curve) {
   }
 }
 
-// Moves lines that agree in every point with another one to that one's equals.
+// Moves input curves that equal another one in every point to its list of duplicates.
 void unite_equal(const std::vector<CharacterLine>& lines,
                  std::vector<std::vector<SampledCurve>>& of_line, SampledCurves& all) {
   std::map<std::vector<double>, std::vector<int>> alike;
@@ -255,7 +256,7 @@ std::vector<double> TrimmedCurve::breaks() const {
 
 std::shared_ptr<const TrimmedCurve> TrimmedCurve::part(double a, double b, bool back) const {
   double from = backwards_ ? -b : a, to = backwards_ ? -a : b;
-  // Backwards across the seam: below the curve's start. Around once more, then all is above it.
+  // A reversed part across the seam starts below the curve's start: shift by one period.
   const double period = whole_->end() - whole_->start();
   if (from < whole_->start()) from += period, to += period;
   if (from >= whole_->end()) from -= period, to -= period;
@@ -276,7 +277,7 @@ double SampledCurve::closest_parameter(const Vec3& p, double t, double low, doub
     if (distance < nearest) {
       nearest = distance;
       best = t;
-    } else if (k > 0) {  // too far: back, half of the way
+    } else if (k > 0) {  // farther than the best point: halve the step
       if (std::abs(t - best) <= 1e-8 * (curve->end() - curve->start())) break;
       t = 0.5 * (t + best);
       continue;
@@ -287,7 +288,8 @@ double SampledCurve::closest_parameter(const Vec3& p, double t, double low, doub
     if (std::abs(next - t) <= 1e-15 * (curve->end() - curve->start())) break;
     t = next;
   }
-  // Distances near the least one differ by rounding only, their slope still says where it is.
+  // Close to the minimum, distances differ only by rounding, but the derivative still locates it:
+  // Newton.
   t = best;
   for (int k = 0; k < 3; ++k) {
     const Vec3 d = point(t) - p, d1 = curve->evaluate(t, 1);
@@ -307,7 +309,7 @@ Vec3 tangent(const InputCurve& curve, double t, int side) {
   const double other = side > 0 ? std::min(t + 1e-4 * range, curve.end())
                                 : std::max(t - 1e-4 * range, curve.start());
   const Vec3 chord = side * (curve.evaluate(other) - curve.evaluate(t));
-  // A derivative that vanishes at t says nothing 1e-9 from it either.
+  // If the derivative vanishes at t, it is also unreliable 1e-9 away from it.
   if (d.norm() * std::abs(other - t) > 1e-3 * chord.norm() && d.norm() > 0) return d.normalized();
   return chord.norm() > 0 ? Vec3(chord.normalized()) : Vec3(Vec3::UnitX());
 }
@@ -348,7 +350,7 @@ SampledCurves make_sampled_curves(const std::vector<CharacterLine>& lines, doubl
   struct Entry {
     std::array<long long, 3> start, end, middle;
     const std::string* name;
-    int number;  // along its line
+    int number;  // index along its input curve
     SampledCurve* sampled_curve;
   };
   std::vector<Entry> entries;
@@ -382,8 +384,8 @@ SampledCurves make_sampled_curves(const std::vector<CharacterLine>& lines, doubl
 
 namespace {
 
-// Newton's steps at the end: distances near the least one differ by rounding only, while their
-// slopes still say where it is. Not where the curves run along each other.
+// Final Newton steps: close to the minimum, distances differ only by rounding, but the derivatives
+// still locate it. Skipped if the curves run parallel.
 void polish(const SampledCurve& a, const std::array<double, 2>& range_a, double& ta,
             const SampledCurve& b, const std::array<double, 2>& range_b, double& tb) {
   for (int step = 0; step < 3; ++step) {

@@ -1,4 +1,4 @@
-// Levenberg-Marquardt over the corners of a polygon.
+// Levenberg-Marquardt fits over the corners of a polygon.
 
 #include "batten/skinning/region/polygon_fit.h"
 
@@ -19,7 +19,7 @@ namespace {
 using std::numbers::pi;
 constexpr double kLengthWeight = 1, kAngleWeight = 0.7, kPenaltyWeight = 0.7,
                  kDistanceWeight = 0.25;
-constexpr size_t kMaxDistanceCorners = 24;  // with more corners, lengths and angles say enough
+constexpr size_t kMaxDistanceCorners = 24;  // with more corners, lengths and angles suffice
 
 using Polygon = std::vector<Vec2>;
 
@@ -27,13 +27,13 @@ struct Value {
   double value, slope;
 };
 
-// By how much the Jacobian at a corner, sin(line angle) / sin(domain angle), is below 1/2 or above
-// 2, in logarithms; it goes on in a straight line where the corner turns the other way.
+// Penalty on the Jacobian at a corner, sin(line angle) / sin(domain angle): the logarithm of how
+// far it is below 1/2 or above 2. It is continued linearly if the corner inverts.
 Value jacobian_penalty(double angle, double line_angle) {
   constexpr double least = 0.05;
   const double wanted = std::sin(line_angle), sine = std::sin(angle), cosine = std::cos(angle);
   if (std::abs(wanted) < 1e-9) return {0, 0};
-  const double ratio = sine / wanted;  // below 0: the other way
+  const double ratio = sine / wanted;  // below 0: inverted
   if (ratio > 2) return {std::log(ratio / 2), cosine / sine};
   if (ratio < least)
     return {std::log(0.5 / least) + (least - ratio) / least, -cosine / (wanted * least)};
@@ -43,8 +43,8 @@ Value jacobian_penalty(double angle, double line_angle) {
 
 class PolygonFit {
  public:
-  /// Without corners in space there are no penalties and no distances, and all angles have one
-  /// weight.
+  /// Without `corners` (in space) there are no penalties and no distances, and all angles have
+  /// equal weight.
   PolygonFit(const std::vector<double>& lengths, const std::vector<double>& angles,
              const std::vector<Vec3>* corners)
       : penalized_(corners != nullptr),
@@ -52,8 +52,8 @@ class PolygonFit {
         lengths_(lengths),
         angles_(angles),
         perimeter_(std::accumulate(lengths.begin(), lengths.end(), 0.0)) {
-    // At a corner the Jacobian changes by cot φ per radian: where a corner is nearly straight, or
-    // sharp, its angle must be kept the better.
+    // At a corner the Jacobian changes by cot φ per radian, so the angles of nearly straight and of
+    // sharp corners get larger weights.
     for (const double angle : angles) {
       constexpr double min_sine = 1e-3;
       const double cotangent = std::cos(angle) / std::max(std::abs(std::sin(angle)), min_sine);
@@ -67,7 +67,7 @@ class PolygonFit {
       }
   }
 
-  /// Moves a simple polygon to a minimum of the sum of squares, which is returned.
+  /// Minimises the sum of squares, starting from a simple polygon; returns that sum.
   double minimize(Polygon& p) {
     double cost = sum(p, true);
     double damping = 1e-3;
@@ -77,7 +77,7 @@ class PolygonFit {
       const VecX move = -H.ldlt().solve(g_);
       Polygon q = p;
       for (size_t i = 0; i < n_; ++i) q[i] += move.segment<2>(2 * static_cast<long>(i));
-      // A step that folds the polygon is refused.
+      // A step that makes the polygon self-intersect is rejected.
       const double next = is_simple_and_ccw(q) ? sum(q, false) : cost;
       if (next < cost) {
         const bool converged = move.norm() < 1e-10 * perimeter_;
@@ -98,14 +98,14 @@ class PolygonFit {
     double in_space;
   };
 
-  // The sum of squared residuals; `derivatives`: JᵀJ and Jᵀr too.
+  // Sum of squared residuals; with `derivatives` also JᵀJ and Jᵀr.
   double sum(const Polygon& p, bool derivatives) {
     double total = 0;
     if (derivatives) {
       H_.setZero(2 * static_cast<long>(n_), 2 * static_cast<long>(n_));
       g_.setZero(2 * static_cast<long>(n_));
     }
-    // A residual and its gradients with respect to a few corners.
+    // Adds a residual and its gradients with respect to a few corners.
     const auto add = [&](double r, const auto& corners, const auto& gradients) {
       total += r * r;
       if (!derivatives) return;
@@ -142,7 +142,8 @@ class PolygonFit {
         by_angle(kPenaltyWeight * wall.value, kPenaltyWeight * wall.slope);
     }
     for (const Pair& pair : pairs_) {
-      // A surface between two corners is longer than the straight line, never shorter.
+      // The path on a surface between two corners is never shorter than the straight line: only
+      // shorter distances are penalised.
       const Vec2 d = p[pair.j] - p[pair.i];
       const double length = std::max(d.norm(), 1e-6 * perimeter_);
       if (length >= pair.in_space) continue;
@@ -162,7 +163,7 @@ class PolygonFit {
   VecX g_;
 };
 
-// Corners on a circle, as far apart along it as the sides are long.
+// Corners on a circle, spaced in proportion to the side lengths.
 Polygon circle(const std::vector<double>& lengths) {
   Polygon p;
   const double around = std::accumulate(lengths.begin(), lengths.end(), 0.0);
@@ -186,7 +187,7 @@ bool is_simple_and_ccw(const std::vector<Vec2>& p) {
     for (size_t j = i + 1; j < n; ++j) {
       if (j == i + 1 || (i == 0 && j + 1 == n)) continue;
       const Vec2 &a = p[i], &b = p[(i + 1) % n], &c = p[j], &d = p[(j + 1) % n];
-      // Apart, though they may lie on one line.
+      // Disjoint boxes: such sides do not meet, though they may lie on one straight line.
       if ((a.cwiseMax(b).array() < c.cwiseMin(d).array()).any() ||
           (c.cwiseMax(d).array() < a.cwiseMin(b).array()).any())
         continue;
@@ -230,11 +231,11 @@ std::vector<Vec2> relax_polygon(const std::vector<double>& lengths,
 
 namespace {
 
-// Of a point inside, or on a side.
+// Mean value coordinates [Floater2003] of a point inside the polygon or on a side.
 VecX mean_value_coordinates(const std::vector<Vec2>& polygon, const Vec2& p, double tolerance) {
   const size_t n = polygon.size();
   VecX w = VecX::Zero(static_cast<long>(n));
-  std::vector<double> half(n);  // tangents of half the angles of the sides
+  std::vector<double> half(n);  // tangents of half the angles of the sides, seen from p
   double rotation_angle = 0;
   for (size_t i = 0; i < n; ++i) {
     const Vec2 a = polygon[i] - p, b = polygon[(i + 1) % n] - p, side = b - a;
@@ -249,14 +250,14 @@ VecX mean_value_coordinates(const std::vector<Vec2>& polygon, const Vec2& p, dou
     half[i] = std::tan(0.5 * angle);
     rotation_angle += angle;
   }
-  if (!(rotation_angle > 1))  // once around: 2π, outside: 0
+  if (!(rotation_angle > 1))  // inside: 2π, outside: 0
     throw InputError("the mesh is not inside of the polygon that is to be flattened");
   for (size_t i = 0; i < n; ++i)
     w[static_cast<long>(i)] = (half[(i + n - 1) % n] + half[i]) / (polygon[i] - p).norm();
   return w / w.sum();
 }
 
-// ½ log M of a symmetric positive matrix, as a vector with the same norm.
+// ½ log M of a symmetric positive definite matrix, as a vector with the same norm.
 Vec3 half_log(const Mat2& M) {
   const double mean = 0.5 * M.trace(), d = 0.5 * (M(0, 0) - M(1, 1)), s = M(0, 1);
   const double r = std::hypot(d, s);
@@ -267,12 +268,12 @@ Vec3 half_log(const Mat2& M) {
   return std::sqrt(2.0) * Vec3(sum, scale * d, scale * s);
 }
 
-// The surface's triangles, and how their domain moves with the corners.
+// The surface's triangles, and the deformation of their domain as a function of the corners.
 class DomainMap {
  public:
   explicit DomainMap(const Surface& surface) {
     const ParametricMesh& mesh = surface.mesh();
-    // Of a trimmed surface, triangles whose centroids are outside do not count.
+    // Of a trimmed surface, triangles whose centroids lie outside are excluded.
     for (int t = 0; t < mesh.triangle_count(); ++t) {
       const Vec3 centroid = Vec3::Constant(1.0 / 3);
       if (surface.trim() && surface.trim()->side(t) != Trim::Side::Inside &&
@@ -304,7 +305,7 @@ class DomainMap {
     }
   }
 
-  // How each triangle of the domain changes with corners q: ∂(new place)/∂(u, v).
+  // Deformation gradient of each triangle of the domain for corners q: ∂(new uv)/∂(u, v).
   std::vector<Mat2> domain_gradients(const Eigen::Matrix2Xd& q) const {
     std::vector<Mat2> D(metric_.size(), Mat2::Zero());
     for (size_t c = 0; c < weight_gradients_.size(); ++c)
@@ -314,7 +315,7 @@ class DomainMap {
     return D;
   }
 
-  // Metrics over the changed domain, and areas there. False: it folds.
+  // Metrics and areas over the deformed domain. Returns false if it is inverted somewhere.
   bool moved(const std::vector<Mat2>& D, std::vector<Mat2>& metric,
              std::vector<double>& area) const {
     metric.resize(metric_.size());
@@ -329,7 +330,8 @@ class DomainMap {
     return true;
   }
 
-  // Strains about their mean scale, times the root of the surface's area. False: the domain folds.
+  // Strains about their mean scale, weighted by the root of the surface area. Returns false if the
+  // domain is inverted somewhere.
   bool residual(const std::vector<Mat2>& D, VecX& r) const {
     std::vector<Mat2> metric;
     std::vector<double> area;
@@ -351,7 +353,7 @@ class DomainMap {
   }
 
   // ∂(residual)/∂(corners), columns by corner and axis. A triangle's strain depends on the four
-  // numbers of its own D, which are linear in the corners.
+  // entries of its own D, which are linear in the corners.
   MatX residual_jacobian(const std::vector<Mat2>& D) const {
     const long corners = static_cast<long>(weight_gradients_.size());
     MatX J(3 * static_cast<long>(D.size()), 2 * corners);
@@ -380,7 +382,7 @@ class DomainMap {
   const std::vector<double>& area() const { return area_; }
 
  private:
-  // ∂(strain)/∂D, columns D(0, 0), D(1, 0), D(0, 1), D(1, 1); by differences.
+  // ∂(strain)/∂D, columns D(0, 0), D(1, 0), D(0, 1), D(1, 1); by central differences.
   Eigen::Matrix<double, 3, 4> strain_jacobian(size_t triangle, const Mat2& D) const {
     const auto strain = [&](const Mat2& change) {
       const Mat2 inverse = change.inverse();
@@ -399,7 +401,7 @@ class DomainMap {
 
   std::vector<Mat2> metric_;
   std::vector<double> area_, weight_;               // in the domain; on the surface
-  std::vector<Eigen::Matrix2Xd> weight_gradients_;  // of each corner's weight, by triangle
+  std::vector<Eigen::Matrix2Xd> weight_gradients_;  // gradient of each corner's weight, by triangle
 };
 
 Distortion distortion_of(const std::vector<Mat2>& metric, const std::vector<double>& area) {
@@ -409,7 +411,7 @@ Distortion distortion_of(const std::vector<Mat2>& metric, const std::vector<doub
   for (size_t t = 0; t < metric.size(); ++t) {
     const double jacobian = std::sqrt(std::max(0.0, metric[t].determinant()));
     domain += area[t];
-    if (!(jacobian > 0)) {  // a line or a point on the surface: no area, no weight
+    if (!(jacobian > 0)) {  // degenerate to a line or a point on the surface: no area, no weight
       d.max_shear = std::numeric_limits<double>::infinity();
       least = 0;
       continue;
@@ -431,7 +433,7 @@ Distortion distortion_of(const std::vector<Mat2>& metric, const std::vector<doub
   return d;
 }
 
-// A polygon scaled, turned and moved onto the given one.
+// Scales, rotates and translates polygon `q` to fit polygon `given` (Procrustes).
 std::vector<Vec2> fit_similarity(const Eigen::Matrix2Xd& given, const Eigen::Matrix2Xd& q) {
   const auto around = [](const Eigen::Matrix2Xd& p) {
     double sum = 0;
@@ -469,7 +471,8 @@ LeastDistortedPolygon find_least_distorted_polygon(const Surface& surface,
   for (long i = 0; i < n; ++i) q.col(i) = polygon[i];
   const Eigen::Matrix2Xd given = q;
 
-  // Levenberg-Marquardt. The domain may turn, move and grow freely: damping holds it.
+  // Levenberg-Marquardt. Rotation, translation and scale of the domain are free: damping controls
+  // them.
   std::vector<Mat2> D = domain_map.domain_gradients(q);
   VecX r;
   if (!domain_map.residual(D, r)) return {polygon, distortion(surface), distortion(surface)};
@@ -484,7 +487,7 @@ LeastDistortedPolygon find_least_distorted_polygon(const Surface& surface,
     std::vector<Mat2> changed = domain_map.domain_gradients(next);
     VecX there;
     if (domain_map.residual(changed, there) && there.squaredNorm() < r.squaredNorm()) {
-      constexpr double little = 1e-6;  // of the squares of the strain
+      constexpr double little = 1e-6;  // of the sum of squared strains
       const bool converged =
           move.norm() < small || r.squaredNorm() - there.squaredNorm() < little * r.squaredNorm();
       q = next;

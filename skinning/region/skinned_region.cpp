@@ -53,12 +53,12 @@ DomainLoops boundary_loops(const SkinnedRegion& region) {
 
 namespace {
 
-// A number that is none counts as the largest.
+// Updates a maximum; NaN counts as the largest value and is kept.
 void update_max(double& largest, double value) {
   if (!(value <= largest) && !std::isnan(largest)) largest = value;
 }
 
-// The surface's own edge along a run, as a curve over the run's parameters.
+// The surface's own edge along an edge-aligned line, as a curve with that line's parameter.
 HermiteCurve surface_edge(const Surface& surface, const EdgeAlignedLine& aligned_line) {
   const auto n = static_cast<long>(aligned_line.vertices.size());
   const ParametricMesh& mesh = surface.mesh();
@@ -74,7 +74,7 @@ HermiteCurve surface_edge(const Surface& surface, const EdgeAlignedLine& aligned
   return {aligned_line.parameters, x, d};
 }
 
-// A point of an edge, in one of its triangles.
+// A point of an edge, as a location in one of its two triangles.
 Location on_edge(const ParametricMesh& mesh, int edge, int side, double fraction_from_low) {
   const auto& e = mesh.edges()[edge];
   const int t = e.triangle[side], i = e.local[side];
@@ -85,7 +85,8 @@ Location on_edge(const ParametricMesh& mesh, int edge, int side, double fraction
   return where;
 }
 
-// x_u × x_v at points that are the same in every triangle: one small product a triangle.
+// x_u × x_v at the same barycentric points in every triangle: one small matrix product per
+// triangle.
 class AreaVectors {
  public:
   AreaVectors(const Surface& surface, const std::vector<Vec3>& L)
@@ -94,7 +95,7 @@ class AreaVectors {
       slopes_.middleCols<2>(2 * static_cast<long>(i)) =
           reference_functions(surface.kind(), L[i]).middleCols<2>(1);
   }
-  /// At all points of triangle t.
+  /// Area vectors at all points of triangle t.
   const std::vector<Vec3>& at(int t) {
     const TriangleShape shape = surface_.mesh().shape(t);
     const Eigen::Matrix<double, 12, 3> q =
@@ -114,10 +115,11 @@ class AreaVectors {
   std::vector<Vec3> areas_;
 };
 
-// How many places are looked at along an element edge.
+// Number of samples along an element edge.
 constexpr int kEdgeSamples = 6;
 
-// The surface against the fitted line and the input, and the input against the surface.
+// Distances from the surface to the fitted line and to the input, and from the input to the
+// surface.
 void measure_aligned_line(const SkinnedRegion& region, const EdgeAlignedLine& aligned_line,
                           SkinQuality& q) {
   const Surface& surface = region.surface;
@@ -144,8 +146,8 @@ void measure_aligned_line(const SkinnedRegion& region, const EdgeAlignedLine& al
   }
 }
 
-// Both ways: the surface along the line against the input, and the input against a fine polyline's
-// feet on it.
+// Symmetric distance: from the surface along the line to the input, and from the input to the
+// surface's own curve.
 void measure_embedded(const Surface& surface, const TriangleLocator& locator,
                       const EmbeddedLine& line, SkinQuality& q) {
   update_max(q.max_line_gap, line_gap(surface, line));
@@ -164,8 +166,8 @@ void measure_embedded(const Surface& surface, const TriangleLocator& locator,
   const HermiteCurve& fitted = line.fitted;
   for (int k = 0; k <= count; ++k) {
     const Vec3 p = input.evaluate(input.start() + (input.end() - input.start()) * k / count);
-    // The surface's own curve is within the gap of the fitted one: its nearest point is looked
-    // for around the foot there.
+    // The surface's own curve is within the gap of the fitted one, so its closest point is searched
+    // for around the foot point on the fitted curve.
     const auto foot_point = fitted.closest_point(p);
     const double search_radius = 0.5 * (fitted.end() - fitted.start()) / count;
     const auto apart = [&](double u) { return (on_surface(u) - p).norm(); };
@@ -175,8 +177,8 @@ void measure_embedded(const Surface& surface, const TriangleLocator& locator,
   }
 }
 
-// Normals across edges, Jacobians inside and at vertices: from area vectors at three points of each
-// edge, those of the rule inside, the vertices.
+// Normal jumps across edges, and Jacobians inside triangles and at vertices. All are computed from
+// area vectors at three points per edge, at the quadrature points, and at the vertices.
 class ElementMeasures {
  public:
   explicit ElementMeasures(const Surface& surface)
@@ -235,7 +237,7 @@ class ElementMeasures {
     }
   }
 
-  // Oriented Jacobians: against the mean normal of their triangle.
+  // Signed Jacobians, relative to the mean normal of their triangle.
   void add_jacobians(int t, const std::vector<Vec3>& found) {
     const bool cut = trim_ && trim_->side(t) == Trim::Side::Cut;
     areas_.clear();
@@ -245,7 +247,7 @@ class ElementMeasures {
       for (long p = 0; p < rule.weights.size(); ++p) {
         const Vec3 area = surface_.area_vector({t, rule.L.row(p).transpose()});
         mean += rule.weights[p] * area;
-        // Points of a cone that counts negative lie outside.
+        // Points with negative weights (from the quadrature of cut cells) lie outside.
         if (rule.weights[p] > 0) areas_.push_back(area);
       }
     } else {
@@ -270,10 +272,10 @@ class ElementMeasures {
   const ParametricMesh& mesh_;
   const Trim* trim_;
   const TriangleRule rule_ = split_triangle_rule(2);
-  std::vector<std::array<Vec3, 3>> first_side_;  // of each edge
+  std::vector<std::array<Vec3, 3>> first_side_;  // by edge
   std::vector<double> jacobians_, at_vertex_;
   std::vector<char> vertex_inside_;
-  std::vector<Vec3> areas_;  // of the triangle at hand
+  std::vector<Vec3> areas_;  // of the current triangle
 };
 
 }  // namespace
@@ -283,7 +285,8 @@ void mark_gaps(const SkinnedRegion& region, double target, char* marks) {
   const TriangleLocator locator(surface.mesh());
   constexpr int samples = 20;
   for (const EmbeddedLine& line : region.embedded) {
-    // The ends too: points may have been left out there, and a closed line comes around.
+    // Ends are included: collocation points may have been left out there, or the line may be
+    // closed.
     std::vector<double> ends = line.points;
     ends.insert(ends.begin(), line.pcurve.start());
     ends.push_back(line.pcurve.end());

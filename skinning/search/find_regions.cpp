@@ -15,10 +15,10 @@
 namespace batten {
 namespace {
 
-/// What the user's words ask for, as loops.
+/// User specifications, resolved to loops of edges.
 struct ResolvedSpecs {
   FixedRegions fixed_regions;
-  std::vector<NetworkRegion> regions;  ///< those asked for, in the order of the words
+  std::vector<NetworkRegion> regions;  ///< requested regions, in the order of the specifications
 };
 
 std::string quoted(const std::vector<std::string>& names) {
@@ -65,7 +65,8 @@ class SpecResolver {
                      (near.empty() ? "" : "; '" + near + "' is meant?"));
   }
 
-  // One closed trail through all arcs (Hierholzer), each as often as it is named.
+  // Chains the named edges into one closed trail (Hierholzer's algorithm). An edge occurs as often
+  // as it is named.
   EdgeLoop chained(const std::vector<std::string>& names) const {
     if (names.empty()) throw InputError(context_ + ": a loop has no lines");
     std::vector<int> all;
@@ -74,7 +75,7 @@ class SpecResolver {
       all.insert(all.end(), some.begin(), some.end());
     }
     std::sort(all.begin(), all.end());
-    std::map<int, std::vector<int>> at;  // places in `all`, at each node
+    std::map<int, std::vector<int>> at;  // for each node, the indices into `all` of its edges
     for (int i = 0; i < isize(all); ++i)
       for (const int node : graph_.edges[all[i]].nodes) at[node].push_back(i);
     for (const auto& [node, incidences] : at)
@@ -167,17 +168,19 @@ class SpecResolver {
   std::string context_;
 };
 
-/// Finds the arcs of each name and chains them into loops. Throws InputError: a name that is not
-/// there (with the nearest one), arcs that do not close one loop, a ring without two rims, an inner
-/// line that is also a border, one loop said twice or to be both a surface and none, more regions
-/// on an arc than `max_faces_per_edge`.
+/// Looks up the edges of each name and chains them into loops.
+///
+/// Throws InputError for: an unknown name (with the most similar one), edges that do not form one
+/// closed loop, an annulus without two loops, an inner edge that is also a boundary, a loop that is
+/// requested twice or both requested and excluded, and more regions on an edge than
+/// `max_faces_per_edge`.
 ResolvedSpecs resolve_specs(const RegionGraph& graph, const RegionSearchOptions& options) {
   return SpecResolver(graph, options).resolve();
 }
 
 class Finder {
  public:
-  // `exact`: the graph with the curves' own tangents; null: there is none.
+  // `exact`: the graph with exact end tangents; null if there is none.
   Finder(const RegionGraph& graph, const RegionGraph* exact, const RegionSearchOptions& options,
          const Progress& progress)
       : graph_(graph), exact_(exact ? *exact : graph), progress_(progress) {
@@ -188,7 +191,7 @@ class Finder {
     ResolvedSpecs resolved = resolve_specs(graph_, options);
     fixed_regions_ = std::move(resolved.fixed_regions);
     found_.regions = std::move(resolved.regions);
-    // A line that is said to lie inside of a surface is no border.
+    // An edge that the user specifies as an inner edge is no boundary.
     for (const NetworkRegion& region : found_.regions)
       for (const int edge : region.inner) graph_.core[edge] = exact_.core[edge] = false;
   }
@@ -225,7 +228,7 @@ class Finder {
   }
 
  private:
-  // Two loops and nothing else.
+  // Merges two loops into an annulus if there is nothing else in the network.
   bool annulus() {
     auto& regions = found_.regions;
     if (graph_.component_count != 2 || regions.size() != 2 || regions[0].requested ||
@@ -252,7 +255,8 @@ class Finder {
     return true;
   }
 
-  // Loops that are apart on the surface of another region are neither holes nor patches unasked.
+  // Disconnected loops on the surface of another region become neither holes nor patches by
+  // default.
   void islands() {
     std::vector<char> gone(found_.regions.size(), 0);
     for (const auto& [region, on] : find_islands(graph_, found_.regions)) {
@@ -289,14 +293,14 @@ class Finder {
     found_.regions.resize(kept);
   }
 
-  // What stands on a plane face, or goes through it, has its rim there.
+  // A part that stands on a planar face, or passes through it, makes a hole there.
   void holes() {
     for (PlanarHole& hole :
          find_planar_holes(graph_, found_.regions, unused_and_free_edges().second))
       found_.regions[hole.on].loops.push_back(std::move(hole.loop));
   }
 
-  // The arcs without a region, and those with one.
+  // Edges without a region, and edges with one.
   std::pair<std::vector<int>, std::vector<int>> unused_and_free_edges() const {
     std::vector<int> uses(graph_.edges.size(), 0), unused_edges, free_edges;
     for (const NetworkRegion& region : found_.regions) {

@@ -1,4 +1,4 @@
-// Finds which loops of arcs bound surfaces.
+// Finds the closed loops of a curve network that bound surfaces.
 #pragma once
 
 #include "batten/core/progress.h"
@@ -6,47 +6,59 @@
 
 namespace batten {
 
-/// Finds the loops that bound surfaces, on a network of any genus, open or closed, not planar.
+/// Finds the loops that bound surfaces in a curve network of any genus, open or closed, planar or
+/// not.
 ///
-/// After Zhuang, Zou, Carr, Ju, "A general and efficient method for finding cycles in 3D curve
-/// networks" (2013), in our own way: what is chosen is loops, not orders of arcs at nodes, so that
-/// rims, walls, dangling arcs and nodes where surfaces only touch need no exceptions.
+/// The method is based on [Zhuang2013], "A general and efficient method for finding cycles in 3D
+/// curve networks". It differs in one point: we select loops, not cyclic orders of edges at nodes.
+/// Free edges, internal walls, dangling edges and nodes at which surfaces only touch then need no
+/// special cases.
 ///
-/// 1. Loops are traced from every corner (two arcs at a node). The plane of the two arcs gives the
-///    surface's normal there; it is carried along arcs without turning, and at each node the arcs
-///    to go on by are tried in the order of inside angle, twist and arcs jumped over
-///    (region_loops.h). Dangling arcs are left out.
-/// 2. A loop costs Σ inside angles / π (a plane n-gon: n - 2), its twist, its distance from a
-///    plane, arcs that it jumps over, nodes that it passes twice. It is given 1.25 for each side of
-///    an arc that it covers. Two loops on one arc pay 0.53 (φ / 90°)², with φ the angle by which
-///    they turn against each other: 0 where one continues the other, 180° where it lies on it.
-/// 3. The set of loops with the largest sum, with at most `max_faces_per_edge` loops on an arc, is chosen.
-///    It is proved best by a dual bound and by branch and bound, unless that is cut short
-///    (region_selection.h; `optimal`).
+/// 1. Tracing. Loops are traced from every corner, a pair of edges at a node. The plane of the two
+/// edges gives the surface normal there. It is parallel-transported along the edges. At each node
+/// the continuations are tried in the order of interior angle, twist and number of skipped edges
+/// (region_loops.h). Dangling edges are ignored.
 ///
-/// 4. Where that leaves rims, a closed model is looked for: with 0.6 more for each side, among the
-///    chosen loops and those that do not run like rims (mean inside angle up to 120 degrees). So a
-///    propeller gets its skins rather than its ribs. Where the choice leaves arcs bare (the sharp
-///    edge of a thin wedge, whose faces turn against each other by 170 degrees and more), a closed
-///    model that takes all arcs is looked for, of loops with the inside angles of plane ones, in
-///    which no edge costs more than one of 90 degrees.
+/// 2. Costs. The cost of a loop is Σ interior angles / π (n - 2 for a planar n-gon), plus terms for
+/// twist, non-planarity, skipped edges and nodes visited twice. Its gain is 1.25 per edge use minus
+/// the cost. Two loops on a common edge cost 0.53 (φ / 90°)². φ is their fold angle: 0° if one
+/// continues the other, 180° if one lies on the other.
 ///
-/// So a plane grid gets its cells and not its outline, a wire box six faces, a torus no disc in its
-/// hole. A smooth or long rim of an open shell stays open, because its inside angles are near 180
-/// degrees; it is listed as a choice. So is everything that another set of loops would have
-/// otherwise for less than 15 % of what the arcs concerned are worth. Two loops and nothing else
-/// are a ring when they are like rims. A loop apart from all others that lies on a region (within
-/// 2 % of its size) is left bare and listed as a choice. Bare arcs that hang into a region and lie
-/// near its plain filling (within 10 % of its size) are its inner lines. A closed chain of arcs with
-/// one region each, in a plane region, is a hole of that: something stands there, or goes through.
+/// 3. Selection. The set of loops with the largest total gain is selected, with at most
+/// `max_faces_per_edge` loops per edge. A dual bound and branch and bound prove that it is optimal,
+/// unless the search is cut short (loop_selection.h; `optimal`).
 ///
-/// The user's words come first: the surfaces that they ask for take their room on the arcs, those
-/// that they refuse are never chosen. The rest depends on the network alone; ties go by the order
-/// of arcs. Cost: about 0.1 s for 200 arcs of a usual network; seconds where dozens of arcs join
-/// the same two nodes.
+/// 4. Closed models. If free edges remain, a closed model is searched with an extra gain of 0.6 per
+/// edge use. Candidates are the selected loops and those with a mean interior angle of up to 120°,
+/// which are unlikely to be free boundaries. A propeller thus gets its blade surfaces, not its
+/// ribs. If edges remain unused, a closed model that uses all edges is searched. This covers the
+/// sharp edge of a thin wedge, whose faces are folded by 170° or more. That search uses loops with
+/// the interior angles of planar ones, and no fold costs more than one of 90°.
 ///
-/// Throws InputError, in words for the user: names that are not there, words whose arcs do not
-/// close a loop or that contradict each other.
+/// Examples: a planar grid gets its cells, not its outline; a wire box gets six faces; a torus gets
+/// no disc in its hole.
+///
+/// Ambiguity. A smooth or long boundary of an open shell stays open, because its interior angles
+/// are near 180°; it is listed in `ambiguous_regions`. So is every decision that another set of
+/// loops would change for less than 15 % of the gain per edge use (1.25) of the loops concerned.
+///
+/// Special cases:
+/// - Two loops and nothing else form an annulus if they look like the two boundary circles of
+///   one.
+/// - A loop that is disconnected from all others but lies on a region (within 2 % of its size)
+///   gets no surface, and is listed as ambiguous.
+/// - Unused edges that extend from the boundary into a region, close to its hole-filling
+///   triangulation (within 10 % of its size), become its inner edges.
+/// - A closed chain of free edges inside a planar region, and in its plane, becomes a hole of
+///   that region: another part stands there or passes through.
+///
+/// User specifications take precedence: requested surfaces occupy their edges first, excluded loops
+/// are never selected. Otherwise the result depends only on the network; ties are broken by the
+/// order of the edges. Cost: about 0.1 s for 200 edges of a typical network; seconds if dozens of
+/// edges connect the same two nodes.
+///
+/// Throws InputError if a name does not exist, if the specified edges do not form a closed loop, or
+/// if specifications contradict each other. The message is written for the user.
 FoundRegions find_regions(const CurveNetwork& network, const RegionSearchOptions& options = {},
                           const Progress& progress = {});
 

@@ -10,9 +10,9 @@
 
 namespace batten {
 
-// Inside of select_loops(): makes a choice better item by item.
+// Local search for select_loops(): improves a selection item by item.
 
-/// Local search over choices: chosen[i] says whether item i is taken. Keeps a reference to the
+/// Local search over selections. chosen[i] is 1 if item i is selected. Keeps a reference to the
 /// problem.
 class LocalSearch {
  public:
@@ -20,22 +20,22 @@ class LocalSearch {
 
   explicit LocalSearch(const LoopSelectionProblem& problem);
 
-  std::vector<signed char> fixed;  ///< of each item: 1 taken, 0 left out, -1 open
+  std::vector<signed char> fixed;  ///< for each item: 1 selected, 0 excluded, -1 free
 
-  /// Returns the value of a choice, the sum that Selection maximises.
+  /// Objective value of a selection (see LoopSelectionProblem).
   double value(const std::vector<char>& chosen) const;
-  /// Takes the items that add most, one after another, of equal ones the first; `never` is not
-  /// taken. O(n log n) for n items of bounded neighbourhoods.
+  /// Greedily adds the items with the largest advantage, ties by index. `never` is not added. Cost:
+  /// O(n log n) for n items with bounded neighbourhoods.
   void fill(std::vector<char>& chosen, const std::vector<int>& from, int never = -1) const;
-  /// Forces an item in or out and chooses the items around it, neighbourhood(item), anew. Returns the change
-  /// of the value, or minus infinity when fixed items leave no room for the item.
+  /// Forces an item in or out and re-selects the items of its neighbourhood(). Returns the change
+  /// of the objective value; minus infinity if fixed items leave no capacity for the item.
   double forced(std::vector<char>& chosen, int item, bool in,
                 const std::vector<int>& neighbourhood) const;
-  /// Forces single items in or out as long as that makes the choice better.
+  /// Forces single items in or out as long as the objective increases.
   void improve(std::vector<char>& chosen) const;
-  /// Returns the other items that share an arc with this one, ascending.
+  /// Items that share an edge with this one, ascending.
   const std::vector<int>& neighbours(int item) const { return neighbours_[item]; }
-  /// Returns these and their neighbours too, with the item: ascending.
+  /// The item, its neighbours and their neighbours, ascending.
   std::vector<int> neighbourhood(int item) const;
 
  private:
@@ -48,17 +48,17 @@ class LocalSearch {
   void find_neighbours();
 
   const LoopSelectionProblem& problem_;
-  std::vector<std::vector<Use>> uses_;                     // of each arc
-  std::vector<std::vector<std::pair<int, double>>> near_;  // items that have a price with each item
+  std::vector<std::vector<Use>> uses_;                     // by edge
+  std::vector<std::vector<std::pair<int, double>>> near_;  // for each item: (other item, pair cost)
   std::vector<std::vector<int>> neighbours_;
 };
 
 namespace {
 
-// An item on one arc.
+// The use of one edge by an item.
 struct ItemOnEdge {
   int item, uses;
-  double gain;  // its part of the item's gain
+  double gain;  // part of the item's gain that is assigned to this edge
 };
 
 class Solver {
@@ -88,7 +88,7 @@ class Solver {
     }
   }
 
-  // The best set of one arc, with one share taken or left out by force (-1: none).
+  // Value of the best set on one edge, with one slot forced in (`taken`) or out (`left`); -1: none.
   double best(int edge, int taken, int left, std::vector<int>* set = nullptr) {
     const auto& edge_items = edge_items_[edge];
     stack_.clear();
@@ -114,7 +114,7 @@ class Solver {
     const size_t forced = stack_.size();
     found_ = stack_;
     double top = value;
-    // The largest first: then most others cannot make a better set, whatever joins them.
+    // The largest gain first: then most other items can be pruned, whatever is combined with them.
     const auto less = [&](int a, int b) { return edge_items[a].gain < edge_items[b].gain; };
     const auto largest = std::max_element(candidates_.begin(), candidates_.end(), less);
     double most = 0;
@@ -142,8 +142,8 @@ class Solver {
     return top;
   }
 
-  // Shares each item's gain so that its advantage is the same on all its arcs. Never raises the
-  // bound.
+  // Redistributes the gain of each item so that its advantage is equal on all its edges (dual
+  // coordinate ascent). Never increases the bound.
   void distribute_gains(int sweeps) {
     double before = HUGE_VAL;
     for (int sweep = 0; sweep < sweeps; ++sweep) {
@@ -173,13 +173,13 @@ class Solver {
     return sum;
   }
 
-  // The best sets of all arcs, kept while items are fixed and set free.
+  // Best sets of all edges, updated incrementally while items are fixed and freed.
   struct BestSets {
     std::vector<double> value;
     std::vector<std::vector<int>> set;  // items
-    std::vector<int> votes;             // arcs that want each item
-    double sum = 0;                     // of those values that are finite
-    int impossible = 0;                 // arcs with more fixed uses than room
+    std::vector<int> votes;             // number of edges whose best set contains the item
+    double sum = 0;                     // of the finite values
+    int impossible = 0;                 // edges with more fixed uses than capacity
 
     double top() const { return impossible > 0 ? -HUGE_VAL : sum; }
     void count(double of_edge, int times) {
@@ -210,7 +210,7 @@ class Solver {
     return best_sets;
   }
 
-  // Branch and bound over the items that are free.
+  // Branch and bound over the free items.
   void search(BestSets& best_sets, const std::vector<int>& items, std::vector<char>& lead,
               double& lead_value) {
     if (work_left_ < 0) {
@@ -240,7 +240,7 @@ class Solver {
     for (const int a : problem_.items[undecided].edges) update(best_sets, a);
   }
 
-  // Settles the items that no choice better than `value` can have the other way.
+  // Fixes items whose opposite state cannot occur in any selection better than `value`.
   void fix_decided(double value) {
     const double gap = bound() - value + 1e-7;
     for (size_t i = 0; i < problem_.items.size(); ++i) {
@@ -258,7 +258,7 @@ class Solver {
     }
   }
 
-  // Free items that share arcs with each other.
+  // Connected clusters of free items that share edges.
   std::vector<std::vector<int>> clusters() const {
     std::vector<std::vector<int>> all;
     std::vector<char> seen(problem_.items.size(), 0);
@@ -331,9 +331,9 @@ class Solver {
   }
 
   const LoopSelectionProblem& problem_;
-  std::vector<std::vector<ItemOnEdge>> edge_items_;  // of each arc
-  std::vector<std::vector<double>> costs_;           // of each arc, m × m
-  std::vector<int> slot_, first_slot_;               // where an item stands on each of its arcs
+  std::vector<std::vector<ItemOnEdge>> edge_items_;  // by edge
+  std::vector<std::vector<double>> costs_;           // pair costs by edge, m × m
+  std::vector<int> slot_, first_slot_;               // slot of each item on each of its edges
   LocalSearch local_;
   std::vector<signed char>& fixed_;
   std::vector<int> stack_, candidates_, found_;
@@ -436,7 +436,8 @@ std::vector<int> LocalSearch::neighbourhood(int item) const {
 }
 
 void LocalSearch::fill(std::vector<char>& chosen, const std::vector<int>& from, int never) const {
-  // What an item adds, in ties, and the item; an advantage only falls while others are taken.
+  // Priority: advantage in units of the tie tolerance, then index. An advantage only decreases
+  // while other items are added.
   using Bid = std::pair<long long, int>;
   std::vector<Bid> heap;
   const auto bid = [&](int i) -> Bid {
@@ -460,7 +461,6 @@ void LocalSearch::fill(std::vector<char>& chosen, const std::vector<int>& from, 
   }
 }
 
-// Forces an item in or out and mends what is around it. Returns what that changes the value by.
 double LocalSearch::forced(std::vector<char>& chosen, int item, bool in,
                            const std::vector<int>& neighbourhood) const {
   const std::vector<int>& neighbours = neighbours_[item];
@@ -480,7 +480,7 @@ double LocalSearch::forced(std::vector<char>& chosen, int item, bool in,
   const double before = local();
   chosen[item] = in;
   if (in) {
-    // Items that are in the way are taken out, that of least advantage first.
+    // Remove items that conflict, the one with the smallest advantage first.
     for (;;) {
       int worst = -1;
       double least = HUGE_VAL;

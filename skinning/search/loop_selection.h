@@ -1,58 +1,64 @@
-// Chooses which of many loops are taken together: each arc has room for so many, and pairs on one
-// arc have a price.
+// Selects the best compatible subset of candidate loops (a set-packing problem with pairwise
+// costs).
 #pragma once
 
 #include <vector>
 
 namespace batten {
 
-// The problem of choosing loops: each has a gain, takes room on arcs, and pays for pairs on one
-// arc.
+// The selection problem.
 
-/// Choose a set of items, each of which takes room on some arcs:
+/// Selection problem: select a subset of items (loops), each of which uses some edges:
 ///
-///   maximise Σ gain(i) - Σ pair_cost(i, j, a)   over chosen items i, and pairs that meet on an arc a
-///   with at most room[a] uses on each arc.
+///     maximise Σ gain(i) - Σ pair_cost(i, j, a)  over selected items i, pairs (i, j) on edge a
+///     subject to at most capacity[a] uses of each edge a.
 struct LoopSelectionProblem {
+  /// A candidate loop.
   struct Item {
     double gain = 0;
-    std::vector<int> edges;  ///< distinct
-    std::vector<int> uses;   ///< how often it is used on each of these
+    std::vector<int> edges;  ///< edges used, distinct
+    std::vector<int> uses;   ///< number of uses of each of these edges
   };
+  /// The cost of selecting items a and b together, because both use an edge.
   struct Pair {
-    int edge, a, b;    ///< a < b
-    double pair_cost;  ///< 0 or more
+    int edge, a, b;    ///< a < b: items
+    double pair_cost;  ///< ≥ 0
   };
   std::vector<Item> items;
   std::vector<Pair> pairs;
-  std::vector<int> capacity;  ///< uses that each arc has room for
+  std::vector<int> capacity;  ///< largest number of uses of each edge
 };
 
 
-/// A choice, and what is known of it.
+/// A solution of a LoopSelectionProblem, with an upper bound on the optimum.
 struct LoopSelection {
+  /// For each item: 1 if it is selected, otherwise 0.
   std::vector<char> chosen;
-  double value = 0;  ///< value of what was chosen
-  double bound = 0;  ///< no choice has more
+  double value = 0;  ///< objective value of the selection
+  double bound = 0;  ///< upper bound on the objective value of every selection
+  /// True if `value` is proved to be the maximum.
   bool optimal = false;
 };
 
-/// Chooses a set of items of large value, the largest where `optimal`. The gains are shared out
-/// among arcs so that the best sets of single arcs agree on as many items as possible (dual
-/// coordinate ascent: each item's advantage is made the same on all its arcs); the sum of the
-/// values of these sets bounds every choice from above. Where all agree the choice is proved to be
-/// the best one. Otherwise branch and bound goes on over the items in doubt, each cluster by
-/// itself, from what local search found, until the best sets of `max_work` arcs have been computed
-/// again. Ties go to the item that comes first. It is deterministic and uses one thread.
+/// Selects items of large total value; the optimum if `optimal` is set in the result.
+///
+/// Dual coordinate ascent distributes the gain of each item over its edges, so that the best sets
+/// of the single edges agree on as many items as possible: an item gets the same advantage on all
+/// its edges. The sum of the values of these sets is an upper bound. If all sets agree, the
+/// selection is optimal. Otherwise branch and bound runs over the undecided items, separately for
+/// each cluster, starting from the result of a local search. It stops after `max_work`
+/// re-computations of single-edge sets. Ties go to the first item. Deterministic and
+/// single-threaded.
 LoopSelection select_loops(const LoopSelectionProblem& problem, long max_work = 50000);
 
-/// What changes when one item is forced the other way.
+/// The effect of forcing one item to the opposite of its selected state.
 struct Alternative {
-  double loss = 0;  ///< of value, at most: only the neighbourhood of the item was rearranged
-  std::vector<int> out, in;  ///< items that left, and that came instead
+  /// Decrease of the objective; an upper bound, as only neighbours are re-selected.
+  double loss = 0;
+  std::vector<int> out, in;  ///< items deselected, and items selected instead
 };
-/// Returns for each item what it costs to have it the other way than in `selected`. The loss is
-/// infinite where items that are fixed leave no room for it.
+/// Computes the alternative for each item: its state in `selected` is flipped. The loss is infinite
+/// if no capacity is left for the item.
 std::vector<Alternative> find_alternatives(const LoopSelectionProblem& problem,
                                            const LoopSelection& selected);
 

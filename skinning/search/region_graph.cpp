@@ -21,7 +21,7 @@ Vec3 any_across(const Vec3& t) {
   return t.cross(Vec3::Unit(least)).normalized();
 }
 
-// The frame of the next point: two reflections, each of which keeps lengths and angles.
+// Transports u to the next point by double reflection; reflections preserve lengths and angles.
 Vec3 transported(const Vec3& u, const Vec3& p, const Vec3& q, const Vec3& t, const Vec3& t_next) {
   const auto reflected = [](const Vec3& x, const Vec3& axis) -> Vec3 {
     const double c = axis.squaredNorm();
@@ -33,7 +33,7 @@ Vec3 transported(const Vec3& u, const Vec3& p, const Vec3& q, const Vec3& t, con
   return (next - next.dot(t_next) * t_next).normalized();
 }
 
-// Fills in tangents and frames from the points; `ends`: the directions there, where they are known.
+// Computes tangents and frames from the points. `ends`: the end tangents, if they are known.
 void make_frames(GraphEdge& edge, const std::optional<std::pair<Vec3, Vec3>>& ends = {}) {
   const auto& x = edge.points;
   const double scale = (x.front() - x[kPieces / 2]).norm() + (x.back() - x[kPieces / 2]).norm();
@@ -45,7 +45,7 @@ void make_frames(GraphEdge& edge, const std::optional<std::pair<Vec3, Vec3>>& en
   };
   for (int k = 0; k <= kPieces; ++k)
     edge.tangents[k] = direction(std::max(k - 1, 0), std::min(k + 1, kPieces));
-  // At the ends the tangent of the parabola through three points, unless the line turns too fast.
+  // End tangents: from the parabola through three points, unless the edge turns too much there.
   const auto at_end = [&](Vec3& tangent, const Vec3& p, const Vec3& q, const Vec3& r, int sign) {
     const Vec3 parabola = sign * (4 * (q - p) - (r - p));
     if (parabola.norm() > 1e-12 * scale && parabola.normalized().dot(tangent) > 0.5)
@@ -149,7 +149,7 @@ void RegionGraph::connect() {
   find_components();
 }
 
-// Dangling arcs come off, from their free ends inwards.
+// Removes dangling edges repeatedly, from their free ends inwards.
 void RegionGraph::find_core() {
   core.assign(edges.size(), true);
   for (size_t a = 0; a < edges.size(); ++a) core[a] = edges[a].role == CharacterLine::Role::Outline;
@@ -171,14 +171,15 @@ void RegionGraph::find_core() {
   }
 }
 
-// Parts and bridges: a depth-first walk; an arc is a bridge when nothing below it reaches above it.
+// Components and bridges by depth-first search: an edge is a bridge if no back edge from below it
+// reaches above it.
 void RegionGraph::find_components() {
   component.assign(edges.size(), -1);
   bridge.assign(edges.size(), false);
   std::vector<int> order(nodes.size(), -1), low(nodes.size());
   int clock = 0;
   struct Visit {
-    int node, by;  // arc that led here
+    int node, by;  // edge by which the node was reached
     size_t next = 0;
   };
   for (int first = 0; first < isize(edges); ++first) {
@@ -265,7 +266,7 @@ EdgeLoop canonical(const EdgeLoop& loop) {
 namespace {
 
 using std::numbers::pi;
-constexpr double kPlaneTolerance = 3e-4;  // of the network's size
+constexpr double kPlaneTolerance = 3e-4;  // of the network size
 
 struct Plane {
   Vec3 at, normal;
@@ -276,7 +277,7 @@ struct Plane {
   }
 };
 
-// The arc of the plane that turns most to the inside, after `use`.
+// The edge in the plane that turns most to the inside after `use`.
 std::optional<OrientedEdge> next_in(const Plane& plane, const RegionGraph& graph,
                                     const OrientedEdge& use) {
   const Vec3 in = graph.arriving(use), inwards = plane.normal.cross(in);

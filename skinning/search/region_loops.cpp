@@ -18,12 +18,12 @@ namespace batten {
 namespace {
 
 using std::numbers::pi;
-constexpr double kCostPerEdge = 0.05;    // of each further arc: shorter loops come first
-constexpr double kMaxExcessCost = 1.25;  // ways that are worse by more are given up
+constexpr double kCostPerEdge = 0.05;    // of each further edge: shorter loops come first
+constexpr double kMaxExcessCost = 1.25;  // paths with a larger excess cost are dropped
 constexpr int kLoopsPerCorner = 3, kMaxLoopEdges = 200, kMaxPartialLoops = 600,
               kMaxVisitsPerEdge = 3;
 
-// A set of arcs that may answer yes for one that is not in it.
+// A set of edges as a one-hash Bloom filter: may report edges that are not in it.
 class EdgeFilter {
  public:
   void add(int edge) { bits_.set(bit(edge)); }
@@ -34,20 +34,20 @@ class EdgeFilter {
   std::bitset<256> bits_;
 };
 
-// One arc of a way, linked to the one before.
+// A partial loop, stored as its last edge and a link to the one before.
 struct PartialLoop {
   double cost;
   OrientedEdge use;
-  Vec3 normal;  // at the end of the arc
+  Vec3 normal;  // surface normal at the end of the edge
   int before, length;
-  EdgeFilter edges;  // of the whole way
+  EdgeFilter edges;  // all edges of the partial loop
 };
 
-// A turn from one arc into the next at a node.
+// A continuation from one edge into the next at a node.
 struct Continuation {
   OrientedEdge next;
   double price;
-  Vec3 normal;  // at the start of the next arc
+  Vec3 normal;  // surface normal at the start of the next edge
 };
 
 bool straight_on(const RegionGraph& graph, const OrientedEdge& in, const OrientedEdge& out) {
@@ -55,8 +55,8 @@ bool straight_on(const RegionGraph& graph, const OrientedEdge& in, const Oriente
   return a.cross(b).norm() <= kMinCornerSine && a.dot(b) > 0;
 }
 
-// Uses of arcs that may lie on a loop without any corner. A use that nothing goes straight on from,
-// or into, lies on none; that is taken away again and again. By 2 · arc + reversed. O(arcs).
+// Finds the edge uses that may lie on a loop without any corner. Uses that no other use continues
+// straight into or from are removed repeatedly. Result by 2 · edge + reversed. O(edges).
 std::vector<char> without_corner(const RegionGraph& graph) {
   const size_t count = 2 * graph.edges.size();
   const auto number = [](const OrientedEdge& use) { return 2 * use.edge + use.reversed; };
@@ -94,16 +94,16 @@ class Tracer {
   Tracer(const RegionGraph& graph, const LoopCosts& costs, const std::vector<char>& smooth)
       : graph_(graph), costs_(costs), smooth_(smooth) {}
 
-  // Loops around the corner from `in` to `out`, with the surface on the side of both.
+  // Traces loops around the corner from `in` to `out`, with the surface between the two.
   void trace(const OrientedEdge& in, const OrientedEdge& out, std::vector<EdgeLoop>& loops) {
     const Vec3 a = graph_.arriving(in), b = graph_.leaving(out);
     const Vec3 axis = a.cross(b);
     if (axis.norm() > kMinCornerSine) return follow(in, out, axis.normalized(), loops);
-    // A loop with a corner is found from there.
+    // Loops that have a corner are traced from that corner.
     if (a.dot(b) > 0 && !smooth_[2 * in.edge + in.reversed] &&
         !smooth_[2 * out.edge + out.reversed])
       return;
-    // Straight on: the side to which both arcs turn, and the other.
+    // No corner: try the side to which both edges turn, and the other one.
     const GraphEdge &before = graph_.edges[in.edge], &after = graph_.edges[out.edge];
     const Vec3& node = graph_.nodes[graph_.node_before(out)];
     constexpr int kMiddlePoint = GraphEdge::kPieces / 2;
@@ -141,7 +141,7 @@ class Tracer {
       const int w = open.top().second;
       open.pop();
       const PartialLoop partial = partials_[w];
-      // The first loop may have any number of sides.
+      // The first loop may have any number of edges.
       if (partial.cost > (found ? kMaxExcessCost : kMaxExcessCost + kCostPerEdge * partial.length))
         break;
       if (isize(partials_) > (found ? kMaxPartialLoops : 5 * kMaxPartialLoops)) {
@@ -160,7 +160,7 @@ class Tracer {
         if (passed(w, turn.next)) continue;
         double cost = partial.cost + turn.price - continuations_.front().price + kCostPerEdge;
         if (turn.next == in) {
-          // Home: what is missing between the normal that comes along and that of the start.
+          // The path closes: add the twist between the transported normal and that of the start.
           const Vec3 end = graph_.edges[in.edge].parallel_transported(in.reversed, turn.normal);
           const double twist = std::atan2(end.cross(normal).norm(), end.dot(normal));
           cost += costs_.twist * twist * twist / (pi * pi / 4);
@@ -171,7 +171,7 @@ class Tracer {
     }
   }
 
-  // All ways on from the end of one, cheapest first.
+  // Lists all continuations from the end of a partial loop, cheapest first.
   void list_continuations(const PartialLoop& partial) {
     const Vec3 in = graph_.arriving(partial.use), back = -in;
     const Vec3 inwards = partial.normal.cross(in);
@@ -187,7 +187,7 @@ class Tracer {
       Vec3 normal = partial.normal;
       if (sine > kMinCornerSine) {
         normal = axis / sine;
-        // Nearly upright to the surface so far: a corner turns inwards rather than outwards.
+        // The normal is about perpendicular to the surface so far: take the corner as convex.
         if (normal.dot(partial.normal) < -0.15) {
           normal = -normal;
           angle = 2 * pi - angle;
@@ -205,7 +205,7 @@ class Tracer {
           {{e.edge, e.end}, angle / pi + costs_.twist * twist * twist / (pi * pi / 4), normal});
       angles_.push_back({angle, std::abs(out.dot(partial.normal))});
     }
-    // Arcs that lie in the surface between.
+    // Add the cost of skipped edges: those that lie in the surface between.
     for (size_t i = 0; i < continuations_.size(); ++i)
       for (size_t j = 0; j < continuations_.size(); ++j)
         if (angles_[j].second < 0.5 && angles_[j].first > 0.15 &&
@@ -216,7 +216,8 @@ class Tracer {
         [](const Continuation& a, const Continuation& b) { return a.price < b.price; });
   }
 
-  // Whether a way has gone that arc in that direction, or back along one that is no bridge.
+  // True if the path has used the edge in the same direction, or in the opposite one if it is no
+  // bridge.
   bool passed(int w, const OrientedEdge& use) const {
     if (!partials_[w].edges.may_have(use.edge)) return false;
     for (; w >= 0; w = partials_[w].before) {
@@ -239,7 +240,8 @@ class Tracer {
   const std::vector<char>& smooth_;  // without_corner()
   std::vector<PartialLoop> partials_;
   std::vector<Continuation> continuations_;
-  std::vector<std::pair<double, double>> angles_;  // in the surface, out of it (sine)
+  // Interior angle; sine of the angle to the surface.
+  std::vector<std::pair<double, double>> angles_;
   std::map<int, int> taken_;
   bool complete_ = true;
 };
@@ -258,7 +260,7 @@ bool before(const EdgeLoop& a, const EdgeLoop& b) {
 
 TracedLoops trace_loops(const RegionGraph& graph, const LoopCosts& costs,
                         const Progress& progress) {
-  constexpr int kNodes = 16;  // at a time
+  constexpr int kNodes = 16;  // nodes per task
   const int count = isize(graph.nodes), parts = (count + kNodes - 1) / kNodes;
   std::vector<std::vector<EdgeLoop>> found(parts);
   std::vector<char> complete(parts, 1);
@@ -292,7 +294,7 @@ TracedLoops trace_loops(const RegionGraph& graph, const LoopCosts& costs,
     for (int i = part * kAtATime; i < std::min((part + 1) * kAtATime, total); ++i)
       traced.loops[i] = measure_loop(graph, loops[i], costs);
   });
-  // The same arcs in another order are the same lines: the cheaper one stays.
+  // Loops with the same edges in another order bound the same surface: keep the cheaper one.
   std::vector<LoopCandidate> once;
   for (LoopCandidate& c : traced.loops) {
     if (!once.empty() && edges_of(once.back().loop) == edges_of(c.loop)) {
@@ -307,7 +309,7 @@ TracedLoops trace_loops(const RegionGraph& graph, const LoopCosts& costs,
 }
 
 
-// What a loop costs, and where its surface lies.
+// Costs of loops, and the directions of their surfaces.
 
 namespace {
 
@@ -315,18 +317,18 @@ using std::numbers::pi;
 
 double wrapped(double angle) { return std::remainder(angle, 2 * pi); }
 
-// A loop with its normal at both ends of each use, by the angle in the arc's frame.
+// Surface normals along a loop, at both ends of each use, as angles in the edge's frame.
 struct Normals {
   const RegionGraph& graph;
   const EdgeLoop& loop;
   int n = isize(loop);
   struct Corner {
-    Vec3 axis;        // of the turn from the arc before to the arc after
+    Vec3 axis;        // of the rotation from the edge before to the edge after
     double sine = 0;  // of the angle between them
     double inside = pi;
-    bool has_plane = false;  // has a plane
+    bool has_plane = false;  // the edges define a plane
   };
-  std::vector<Corner> corners;                  // before use i
+  std::vector<Corner> corners;                  // corner before use i
   std::vector<std::array<double, 2>> angles{};  // normal at the start and end of travel
   double twist_squares = 0, turning = 0;
 
@@ -358,14 +360,15 @@ struct Normals {
     return edge(i).angle(at_end != loop[i].reversed, across);
   }
 
-  // Around the loop from corner to corner; the twist that is found is spread over the way.
+  // Transports the normal around the loop from corner to corner; the twist is distributed over the
+  // edges.
   void propagate(int first) {
     Vec3 now = corners[first].axis;
     int from = first;  // use after the last corner with a plane
     for (int k = 0; k < n; ++k) {
       const int i = (first + k) % n, next = (i + 1) % n;
       if (k > 0 && !corners[i].has_plane) {
-        // Through a straight corner by the least rotation.
+        // Through a straight corner by the smallest rotation.
         const Vec3 in = graph.arriving(loop[(i + n - 1) % n]), out = graph.leaving(loop[i]);
         now = Eigen::Quaterniond::FromTwoVectors(in, out) * now;
       }
@@ -373,7 +376,7 @@ struct Normals {
       now = normal(i, true);
       if (!corners[next].has_plane) continue;
       Vec3 target = corners[next].axis;
-      // A corner that turns inwards has its axis against the normal. The first one is fixed.
+      // A concave corner has its axis opposite to the normal. The first corner is the reference.
       if (next != first && target.dot(now) < 0) target = -target;
       const int sign = loop[i].reversed ? -1 : 1;
       const double twist = sign * wrapped(angle_of(i, true, target) - angles[i][1]);
@@ -411,7 +414,7 @@ struct Normals {
     }
   }
 
-  // Directions into the surface: a quarter turn from the normal, to the left of travel.
+  // Directions into the surface: the normal, rotated by 90°, to the left of travel.
   std::array<double, 2> side(int i) const {
     const double quarter = loop[i].reversed ? pi / 2 : -pi / 2;
     return {angles[i][0] + quarter, angles[i][1] + quarter};
@@ -437,7 +440,7 @@ struct Normals {
   }
 };
 
-// Whether an arc end at the node before use i leaves into the surface between use i - 1 and use i.
+// True if an edge end at the node before use i leaves into the surface between uses i - 1 and i.
 bool leaves_into(const Normals& around, int i, const EdgeEnd& e) {
   const OrientedEdge &before = around.loop[(i + around.n - 1) % around.n], &after = around.loop[i];
   if (e == EdgeEnd{before.edge, !before.reversed} || e == EdgeEnd{after.edge, after.reversed})
@@ -476,7 +479,7 @@ LoopCandidate measure_loop(const RegionGraph& graph, const EdgeLoop& given,
   for (int i = 0; i < around.n; ++i) {
     inside += around.corners[i].inside;
     length += around.edge(i).length;
-    // Both ways along a bridge, and its nodes again, is as it must be.
+    // Passing a bridge in both directions, and its nodes twice, is unavoidable and not counted.
     if (edges[c.loop[i].edge]++ > 0) c.revisits += graph.bridge[c.loop[i].edge] ? -2 : 1;
     c.revisits += nodes[graph.node_before(c.loop[i])]++ > 0;
     auto side = around.side(i);

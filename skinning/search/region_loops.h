@@ -1,73 +1,78 @@
-// Traces loops that could bound a surface, and computes what each costs.
+// Traces candidate loops of a curve network and computes their costs.
 #pragma once
 
 #include "batten/skinning/search/region_graph.h"
 
 namespace batten {
 
-/// Prices of loops, in units of half a turn: a plane n-gon costs n - 2.
+/// Cost coefficients of loops. Unit: an interior angle of 180°; a planar n-gon costs n - 2.
 struct LoopCosts {
-  double covered = 1.25;  ///< what a loop is given for each side of an arc that it takes
-  /// What a side that is covered is worth more in the search for a closed model.
+  double covered = 1.25;  ///< gain of a loop per edge use
+  /// Additional gain per edge use in the search for a closed model.
   double closed = 0.6;
-  /// For each arc with two loops that turn against each other by 90 degrees; it grows with the
-  /// square of the angle, and is divided by max_faces_per_edge - 1 where more than two may meet.
+  /// Cost of two loops that meet at an edge with a fold angle of 90°. It grows with the square of
+  /// the angle and is divided by max_faces_per_edge - 1 if that is more than 1.
   double fold = 0.53;
-  /// What a loop costs less for each place where a straight arc goes on in a curved one, in the
-  /// outline of a plane face (fillet_ends): a fillet is one corner, not two sides.
+  /// Discount per fillet end in the outline of a planar face: a point at which a straight edge
+  /// continues smoothly in a curved one (see fillet_ends()). A fillet counts as one corner, not as
+  /// two sides.
   double fillet_end = 0.28;
-  double twist = 0.5;  ///< times the square of the twist between corner planes, in quarter turns
+  double twist = 0.5;  ///< times the squared twist between corner planes, in units of 90°
   double nonplanarity = 1.0;  ///< times the square of LoopCandidate::nonplanarity
-  double jump = 0.3;          ///< for each arc that leaves a node of the loop into its surface
-  double revisits = 1.5;      ///< for each node that it passes twice, but for bridges
+  double jump = 0.3;          ///< per edge that leaves a node of the loop into its surface
+  double revisits = 1.5;      ///< per node visited twice, except at bridges
 };
 
-/// A loop, and how a surface would lie at it by its corners.
+/// A candidate loop, with its cost and the directions into its surface.
 struct LoopCandidate {
-  EdgeLoop loop;    ///< canonical
-  double cost = 0;  ///< Σ of inside angles / π + prices of twist, bend, jumps, repeats
-  /// For each use of an arc the direction into the surface, as an angle in the arc's frame, at the
-  /// arc's own start and end.
+  EdgeLoop loop;    ///< in canonical order, see canonical()
+  /// Σ interior angles / π + costs of twist, non-planarity, skipped edges, revisits.
+  double cost = 0;
+  /// For each edge use, the direction into the surface at the start and end of the edge (not of the
+  /// travel), as an angle in the edge's frame (GraphEdge), radians.
   std::vector<std::array<double, 2>> side;
-  double nonplanarity = 0;  ///< rms distance from the plane of least squares over (length / 2π)
-  double inside_deg = 0;    ///< mean of the inside angles
-  int revisits = 0;         ///< nodes and arcs that are passed twice, but for bridges
+  double nonplanarity = 0;  ///< RMS distance from the least-squares plane, over (length / 2π)
+  double inside_deg = 0;    ///< mean interior angle, degrees
+  int revisits = 0;         ///< nodes and edges visited more than once, except at bridges
+  /// Gain of selecting this loop alone.
   double gain(const LoopCosts& costs) const {
     return costs.covered * static_cast<double>(loop.size()) - cost;
   }
 };
 
-/// Measures a closed loop. Corner planes (of the arcs before and after a corner) give the surface's
-/// normal where arcs meet at 15 to 165 degrees; between such corners the normal is carried along
-/// without turning about the line, and what is missing at the next corner is its twist, spread over
-/// the length. Without such a corner the area vector of the loop gives the normal. The surface is
-/// on the side to which the loop turns in all. The outline of a plane face with fillets costs what
-/// its arcs turn too, as a polygon does: n - 2 for n arcs, less `fillet_end`s. O(arcs).
+/// Measures a closed loop: surface normals, interior angles, twist, non-planarity and cost.
+///
+/// The plane of the two edges at a corner gives the surface normal if they meet at 15° to 165°.
+/// Between such corners the normal is parallel-transported. Its difference at the next corner is
+/// the twist, which is distributed over the length. If there is no such corner, the area vector of
+/// the loop gives the normal. The surface lies on the side towards which the loop turns in total.
+/// In the outline of a planar face with fillets, the turning of the curved edges is included, as
+/// for a polygon: n - 2 for n edges, minus `fillet_end` per fillet end. Cost: O(edges).
 LoopCandidate measure_loop(const RegionGraph& graph, const EdgeLoop& loop, const LoopCosts& costs);
 
-/// Returns by how many degrees two surfaces that share an arc (use i of a, j of b) turn against
-/// each other, as the root mean square along it: 0 when one continues the other, 180 when one lies
-/// on the other.
+/// Fold angle in degrees between two surfaces at a common edge (use i of a, use j of b): 0 if one
+/// continues the other, 180 if one lies on the other. Root mean square along the edge.
 double fold_deg(const LoopCandidate& a, size_t i, const LoopCandidate& b, size_t j);
 
-/// Returns whether an arc that leaves a node of the loop goes into its surface: within 30 degrees
-/// of the corner's plane, between the arcs of the corner.
+/// True if an edge that leaves a node of the loop goes into its surface: within 30° of the corner
+/// plane, and between the two edges of the corner.
 bool leaves_into(const RegionGraph& graph, const LoopCandidate& loop, const EdgeEnd& end);
 
-/// The loops that were traced.
+/// Result of trace_loops().
 struct TracedLoops {
-  std::vector<LoopCandidate> loops;  ///< loops in canonical order, each once
-  bool complete = true;              ///< false: the work limit was met
+  std::vector<LoopCandidate> loops;  ///< distinct loops in canonical order
+  bool complete = true;              ///< false: the work limit was reached
 };
 
-/// Traces loops from each corner of the network.
+/// Traces loops from each corner of the network (best-first search).
 ///
-/// From each pair of arcs at a node the surface between them is followed: its normal is carried
-/// along the arc, and at the next node arcs are tried in the order in which a ray meets them that
-/// turns in the surface from the arc behind. A way on costs as much as it is worse than the best
-/// one at its node (angle turned, twist, arcs jumped over), and the cheapest closed ways are kept:
-/// the first is the face that a plane graph would have there, the others are near to it. The work
-/// at each corner is bounded. Loops in the plane of the pair come first (loop_in_plane).
+/// For each pair of edges at a node, the surface between them is followed. Its normal is
+/// parallel-transported along the edge. At the next node the continuations are ordered by cost:
+/// interior angle (swept within the surface from the incoming edge), twist and skipped edges. A
+/// step costs the difference to the best continuation at its node, and the cheapest closed paths
+/// are kept. The first of them is the face that a planar graph would have there; the others are
+/// close to it. The work per corner is bounded. Loops in the plane of the pair are added first
+/// (loop_in_plane()).
 TracedLoops trace_loops(const RegionGraph& graph, const LoopCosts& costs, const Progress& progress);
 
 }  // namespace batten

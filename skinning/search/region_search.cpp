@@ -12,7 +12,7 @@ namespace {
 
 double square(double x) { return x * x; }
 
-// The uses of each arc by some loops.
+// The use of an edge by a loop.
 struct Use {
   int loop;
   size_t position;
@@ -26,14 +26,14 @@ std::vector<std::vector<Use>> uses_by_edge(const std::vector<LoopCandidate>& loo
   return all;
 }
 
-// What the user asked for, measured.
+// Measured loops of the requested surfaces.
 struct RequestedLoops {
   std::vector<LoopCandidate> loops;
-  std::vector<std::vector<int>> fixed_edges;  // of loops that are no items, ascending
-  std::vector<std::vector<Use>> uses;         // of `loops`, by arc
+  std::vector<std::vector<int>> fixed_edges;  // edges of loops that must not become items, sorted
+  std::vector<std::vector<Use>> uses;         // of `loops`, by edge
 };
 
-// What was asked for takes its room first; its neighbours pay for the fold.
+// Requested surfaces occupy their edges first; their neighbours pay the fold costs.
 RequestedLoops fix_requested(const RegionGraph& graph, const FixedRegions& fixed_regions,
                              const LoopCosts& costs, std::vector<int>& capacity) {
   RequestedLoops requested{{}, fixed_regions.excluded, {}};
@@ -42,7 +42,7 @@ RequestedLoops fix_requested(const RegionGraph& graph, const FixedRegions& fixed
       requested.loops.push_back(measure_loop(graph, loops[k], costs));
       requested.fixed_edges.push_back(edges_of(loops[k]));
       for (const OrientedEdge& use : loops[k]) --capacity[use.edge];
-      // The surface lies outside of a hole.
+      // The surface lies outside a hole.
       if (k > 0)
         for (auto& side : requested.loops.back().side)
           for (double& angle : side) angle += EIGEN_PI;
@@ -53,7 +53,7 @@ RequestedLoops fix_requested(const RegionGraph& graph, const FixedRegions& fixed
   return requested;
 }
 
-// The item of a loop; `gain` is that of the loop alone.
+// Makes the item of a loop; `gain` is that of the loop alone.
 LoopSelectionProblem::Item make_item(const LoopCandidate& c, double gain,
                                      const RequestedLoops& requested, double fold_cost) {
   LoopSelectionProblem::Item item;
@@ -78,7 +78,7 @@ bool has_capacity(const LoopSelectionProblem::Item& item, const std::vector<int>
   return true;
 }
 
-// Makes items of the loops that gain by themselves and have room.
+// Makes items of the loops with a positive gain for which there is capacity.
 void add_items(const RegionGraph& graph, const RequestedLoops& requested, const LoopCosts& costs,
                double fold_cost, std::vector<LoopCandidate>& traced, RegionSearchResult& search) {
   std::vector<int> loops_in_component(static_cast<size_t>(graph.component_count), 0);
@@ -88,7 +88,7 @@ void add_items(const RegionGraph& graph, const RequestedLoops& requested, const 
                            edges_of(c.loop)))
       continue;
     double gain = c.gain(costs);
-    // The only loop of a part of the network bounds a surface, whatever it costs.
+    // If a component has only one loop, it bounds a surface at any cost.
     constexpr double kSomeGain = 0.1;
     if (loops_in_component[graph.component[c.loop[0].edge]] == 1) gain = std::max(gain, kSomeGain);
     LoopSelectionProblem::Item item = make_item(c, gain, requested, fold_cost);
@@ -98,7 +98,7 @@ void add_items(const RegionGraph& graph, const RequestedLoops& requested, const 
   }
 }
 
-// Prices of two loops on one arc.
+// Adds the fold costs of pairs of loops on a common edge.
 void add_pairs(const RegionGraph& graph, double fold_cost, RegionSearchResult& search) {
   const auto uses = uses_by_edge(search.loops, graph.edges.size());
   for (size_t a = 0; a < uses.size(); ++a)
@@ -118,18 +118,19 @@ bool was_chosen(const RegionSearchResult& open, const LoopCandidate& loop) {
   });
 }
 
-constexpr double kFreeEdgeAngle = 120;  // degrees, the mean inside angle
+// Mean interior angle in degrees; larger: looks like a free boundary.
+constexpr double kFreeEdgeAngle = 120;
 
-// The loops that were traced in a graph, and the problem of choosing among them.
+// Traces the loops of a graph and sets up the selection problem.
 RegionSearchResult make_problem(const RegionGraph& graph, const FixedRegions& fixed_regions,
                                 const LoopCosts& costs, const Progress& progress) {
   RegionSearchResult search;
-  // 1. Trace loops. Each comes with its own cost.
+  // 1. Trace loops; each comes with its own cost.
   TracedLoops traced = trace_loops(graph, costs, progress);
   search.complete = traced.complete;
   progress.update("regions: choice", 0);
 
-  // 2. What loops are worth: their gains, and the prices of pairs on one arc.
+  // 2. Gains of loops, and costs of pairs on a common edge.
   const double fold_cost = costs.fold / std::max(1, fixed_regions.max_faces_per_edge - 1);
   search.problem.capacity.assign(graph.edges.size(), fixed_regions.max_faces_per_edge);
   const RequestedLoops requested =
@@ -139,7 +140,7 @@ RegionSearchResult make_problem(const RegionGraph& graph, const FixedRegions& fi
   return search;
 }
 
-// Uses of each arc that are still free.
+// Remaining capacity of each edge.
 std::vector<int> edges_with_free_side(const RegionSearchResult& search) {
   std::vector<int> left = search.problem.capacity;
   for (size_t i = 0; i < search.loops.size(); ++i)
@@ -153,7 +154,7 @@ bool has_free_edges(const RegionSearchResult& search) {
   return std::any_of(left.begin(), left.end(), [](int sides) { return sides == 1; });
 }
 
-// Whether an arc that does not dangle is left without a loop.
+// True if an edge that does not dangle is left without a loop.
 bool has_unused_edges(const RegionSearchResult& search, const std::vector<bool>& core) {
   const std::vector<int> left = edges_with_free_side(search);
   for (size_t a = 0; a < left.size(); ++a)
@@ -162,8 +163,8 @@ bool has_unused_edges(const RegionSearchResult& search, const std::vector<bool>&
   return false;
 }
 
-// Whether every arc that does not dangle has a loop, and loops for a free side that do not run like
-// rims.
+// True if every edge that does not dangle has a loop, and each of its free sides a candidate loop
+// that does not look like a free boundary.
 bool may_close(const RegionSearchResult& search, const std::vector<bool>& core) {
   constexpr size_t kMaxEdges = 2000;
   std::vector<int> left = search.problem.capacity;
@@ -185,7 +186,7 @@ bool may_close(const RegionSearchResult& search, const std::vector<bool>& core) 
 RegionSearchResult search_regions(const RegionGraph& graph, const FixedRegions& fixed_regions,
                                   const LoopCosts& costs, const Progress& progress) {
   RegionSearchResult search = make_problem(graph, fixed_regions, costs, progress);
-  // 3. Choose.
+  // 3. Select.
   search.selected = select_loops(search.problem);
   progress.update("regions: choice", 1);
   return search;
@@ -199,8 +200,8 @@ std::optional<RegionSearchResult> search_sharp_model(const RegionSearchResult& o
   if (fixed_regions.max_faces_per_edge != 2 || !has_unused_edges(open, exact.core))
     return std::nullopt;
   RegionSearchResult search = make_problem(exact, fixed_regions, costs, progress);
-  // Loops with the inside angles of plane ones, (n - 2) π in all, are worth more; others were chosen
-  // before.
+  // Loops with the interior angles of planar ones, (n - 2) π in total, gain more. Other loops are
+  // excluded unless they were selected before.
   constexpr double kNearPlane = 0.5, kMaxCost = 2;
   for (size_t i = 0; i < search.loops.size(); ++i) {
     const LoopCandidate& loop = search.loops[i];
@@ -212,7 +213,7 @@ std::optional<RegionSearchResult> search_sharp_model(const RegionSearchResult& o
     else if (!was_chosen(open, loop))
       gain = -1;
   }
-  // An edge of 2 degrees costs no more than one of 90; surfaces that lie on each other do.
+  // A fold of 2° costs no more than one of 90°, unless the surfaces lie on each other.
   constexpr double kLiesOn = 179.5;
   const double most = costs.fold * square(kLiesOn / 90);
   for (auto& pair : search.problem.pairs)
@@ -310,7 +311,7 @@ std::vector<AmbiguousRegion> find_ambiguous_regions(const RegionGraph& graph,
       sum += costs.covered * static_cast<double>(search.loops[i].loop.size());
     return sum;
   };
-  // Alternatives by the loops that they stand against; of a loop without rival, by itself.
+  // Group the alternatives by the loops that they replace; those that replace none stay separate.
   struct Rival {
     double margin;
     std::vector<int> in;
@@ -347,11 +348,11 @@ std::vector<AmbiguousRegion> find_ambiguous_regions(const RegionGraph& graph,
 
 namespace {
 
-// What a surface in a rim would have to do with the regions beside it.
+// Folds between a surface that would cap a boundary loop and the adjacent regions.
 struct CapFolds {
   double fold = 0;    // mean, degrees
-  double price = 0;   // of all folds
-  bool same = false;  // a region has these arcs already
+  double price = 0;   // total cost of all folds
+  bool same = false;  // a region with these edges exists already
 };
 
 CapFolds measure_folds(const RegionGraph& graph, const LoopCandidate& cap,
@@ -399,7 +400,7 @@ std::vector<AmbiguousRegion> closable_free_edges(const RegionGraph& graph,
     ambiguous.alternatives = {{cap.loop}};
     ambiguous.margins = {std::max(0.0, folds.price - cap.gain(costs)) /
                          (costs.covered * static_cast<double>(cap.loop.size()))};
-    // Items that were left out are among the near choices, or far from them.
+    // Candidates of the selection with a small margin are listed by find_ambiguous_regions().
     const bool item = std::any_of(search.loops.begin(), search.loops.end(),
                                   [&](const LoopCandidate& c) { return c.loop == cap.loop; });
     if (item && ambiguous.margins[0] <= 0.15) continue;

@@ -1,4 +1,4 @@
-// Chooses the loops that are taken as surfaces from all that were traced.
+// Selects the loops that become surfaces, and finds ambiguous selections and open boundaries.
 #pragma once
 
 #include <optional>
@@ -9,63 +9,74 @@
 
 namespace batten {
 
-/// What the user's words decide before the search.
+/// User specifications, resolved to loops of edges. They constrain the search.
 struct FixedRegions {
   std::vector<std::vector<EdgeLoop>>
-      requested;                           ///< the loops of each surface that the user asked for
-  std::vector<std::vector<int>> excluded;  ///< arcs of loops that are no surface, ascending
+      requested;                           ///< loops of each requested surface
+  /// Sorted edges of each loop that must not become a surface.
+  std::vector<std::vector<int>> excluded;
   int max_faces_per_edge = 2;              ///< RegionSearchOptions::max_faces_per_edge
 };
 
-/// What was traced and chosen.
+/// Candidate loops, the selection problem and its solution.
 struct RegionSearchResult {
-  std::vector<LoopCandidate> loops;  ///< those that gain by themselves, in canonical order
-  LoopSelectionProblem problem;      ///< an item for each of `loops`
+  std::vector<LoopCandidate> loops;  ///< candidates with a positive gain, in canonical order
+  LoopSelectionProblem problem;      ///< one item per candidate in `loops`
+  /// Solution of `problem`: the selected candidates.
   LoopSelection selected;
-  bool complete = true;  ///< all loops were traced; false: the work limit was met
+  bool complete = true;  ///< false: tracing reached its work limit, loops may be missing
 };
 
-/// Traces loops, makes the problem of choosing among them, and solves it.
+/// Traces loops, sets up the selection problem and solves it.
 RegionSearchResult search_regions(const RegionGraph& graph, const FixedRegions& fixed_regions,
                                   const LoopCosts& costs, const Progress& progress);
 
-/// Searches for a closed model where the search has left rims: a loop is worth more for every side
-/// that it covers (LoopCosts::closed), and loops that run like rims (mean inside angle above 120
-/// degrees), which were not chosen, stay out. `exact`: the same graph with the curves' own tangents.
-/// Returns nothing where rims are left, or would be by the loops that `open` knows.
+/// Searches for a closed model if the search `open` has left free edges.
+///
+/// Each edge use gains more (LoopCosts::closed). Loops that look like free boundaries (mean
+/// interior angle above 120°) are excluded unless they were selected before. `exact`: the same
+/// graph with exact end tangents of the curves. Returns nothing if free edges remain, if the
+/// candidates of `open` cannot cover all sides of the edges, if there are more than 2000 edges, or
+/// if max_faces_per_edge is not 2.
 std::optional<RegionSearchResult> search_closed_model(const RegionSearchResult& open,
                                                       const RegionGraph& exact,
                                                       const FixedRegions& fixed_regions,
                                                       const LoopCosts& costs,
                                                       const Progress& progress);
 
-/// Searches for a closed model that takes all arcs where the choice has left some bare, as the sharp
-/// edges of thin wedges and wings: an edge of any angle costs no more than one of 90 degrees there,
-/// unless its surfaces lie on each other, and loops that were not chosen have to have the inside
-/// angles of plane ones. Returns nothing where rims or bare arcs are left.
+/// Searches for a closed model that uses all edges if the search `open` has left some unused, such
+/// as the sharp edges of thin wedges and wings.
+///
+/// No fold costs more than one of 90°, unless the two surfaces lie on each other. Loops that were
+/// not selected before must have the interior angles of planar ones. Returns nothing if free or
+/// unused edges remain, if `open` has no unused edges, or if max_faces_per_edge is not 2.
 std::optional<RegionSearchResult> search_sharp_model(const RegionSearchResult& open,
                                                      const RegionGraph& exact,
                                                      const FixedRegions& fixed_regions,
                                                      const LoopCosts& costs,
                                                      const Progress& progress);
 
-/// Does the same as find_regions() of a network, on a graph.
+/// Finds regions on a graph instead of a curve network; otherwise as find_regions(CurveNetwork).
 FoundRegions find_regions(const RegionGraph& graph, const RegionSearchOptions& options = {},
                           const Progress& progress = {});
 
 
-// Finds choices that could as well have been made otherwise.
+// Ambiguous selections.
 
-/// Returns the choices with alternatives that cost at most `most` more, relative to what the sides
-/// of the arcs of their loops are worth. They are sorted by the chosen loops, the alternatives of
-/// each (at most five) by what they cost.
+/// Finds the selected loops that could be replaced at little extra cost.
+///
+/// `most`: largest loss of gain, relative to the gain per edge use (LoopCosts::covered) of the
+/// loops concerned. Results are sorted by the selected loops, and the alternatives of each (at most
+/// five) by loss.
 std::vector<AmbiguousRegion> find_ambiguous_regions(const RegionGraph& graph,
                                                     const RegionSearchResult& search,
                                                     const LoopCosts& costs, double most = 0.15);
 
-/// Returns a choice for each closed chain of arcs with one region (`free_edges`) that a surface could
-/// close, unless that surface would lie on its neighbours (a fold above 150 degrees), the user has
-/// refused it, or it is among the near choices.
+/// Lists each closed chain of free edges (`free_edges`: edges with one region) that a surface could
+/// close.
+///
+/// Skipped are chains whose surface would lie on its neighbours (mean fold angle above 150°),
+/// chains that the user has excluded, and those that find_ambiguous_regions() lists already.
 std::vector<AmbiguousRegion> closable_free_edges(const RegionGraph& graph,
                                                  const RegionSearchResult& search,
                                                  const std::vector<NetworkRegion>& regions,
@@ -73,10 +84,10 @@ std::vector<AmbiguousRegion> closable_free_edges(const RegionGraph& graph,
                                                  const std::vector<std::vector<int>>& excluded,
                                                  const LoopCosts& costs);
 
-/// Fills in the arcs and the place of a choice from its loops.
+/// Sets `edges` and `where` of an ambiguous region from its loops.
 void locate_ambiguous_region(const RegionGraph& graph, AmbiguousRegion& ambiguous);
-/// Returns "['a', 'b'], ['c', 'd']" for loops of the arcs a, b and c, d; of a loop of more than six
-/// arcs only the first three names and the count.
+/// Formats loops for messages: "['a', 'b'], ['c', 'd']" for loops with the edges a, b and c, d. For
+/// a loop of more than six edges: the first three names and the count.
 std::string loops_as_text(const RegionGraph& graph, const std::vector<EdgeLoop>& loops);
 
 }  // namespace batten

@@ -15,7 +15,7 @@
 namespace batten {
 namespace {
 
-// Ericson, Real-Time Collision Detection, 5.1.5.
+// Closest point of a triangle (Ericson, Real-Time Collision Detection, 5.1.5).
 Vec3 nearest(const Vec3& p, const std::array<Vec3, 3>& triangle) {
   const auto& [a, b, c] = triangle;
   const Vec3 ab = b - a, ac = c - a, ap = p - a, bp = p - b, cp = p - c;
@@ -91,7 +91,8 @@ void find_inner_lines(const RegionGraph& graph, const LoopCosts& costs,
     for (const EdgeLoop& loop : region.loops)
       for (const OrientedEdge& use : loop) unused_edges[use.edge] = 0;
   }
-  std::vector<std::set<int>> at(graph.nodes.size());  // regions with a loop or inner line there
+  // Regions with an outer loop or inner edge there.
+  std::vector<std::set<int>> at(graph.nodes.size());
   std::vector<LoopCandidate> outlines;
   for (size_t r = 0; r < regions.size(); ++r) {
     outlines.push_back(measure_loop(graph, regions[r].loops[0], costs));
@@ -216,7 +217,7 @@ std::vector<Island> find_islands(const RegionGraph& graph,
 }
 
 std::vector<EdgeLoop> closed_chains(const RegionGraph& graph, const std::vector<int>& edges) {
-  std::map<int, std::vector<OrientedEdge>> leaving;  // at each node, in both directions
+  std::map<int, std::vector<OrientedEdge>> leaving;  // for each node, in both directions
   for (const int a : edges)
     for (const bool reversed : {false, true})
       leaving[graph.edges[a].nodes[reversed]].push_back({a, reversed});

@@ -23,7 +23,7 @@ struct Box {
       : low(c[0].cwiseMin(c[1]).cwiseMin(c[2])),
         high(c[0].cwiseMax(c[1]).cwiseMax(c[2])),
         sum(c[0] + c[1] + c[2]) {}
-  // A sum is finite only where all are: minima and maxima may lose a NaN.
+  // The sum is finite only if all corners are; minima and maxima may drop a NaN.
   bool is_finite() const { return sum.allFinite(); }
   bool meets(const Box& other) const {
     return (low.array() <= other.high.array()).all() && (other.low.array() <= high.array()).all();
@@ -36,7 +36,7 @@ double distance_to_segment(const Vec3& p, const Vec3& a, const Vec3& b) {
   return (a + s * d - p).norm();
 }
 
-// Points at which edges of `x` pierce the inside of `y`, added to `found`.
+// Appends to `found` the points at which edges of `x` pierce the interior of `y`.
 void pierce(const Corners& x, const Corners& y, std::vector<Vec3>& found) {
   const Vec3 e1 = y[1] - y[0], e2 = y[2] - y[0], n = e1.cross(e2);
   const double n2 = n.squaredNorm();
@@ -53,7 +53,7 @@ void pierce(const Corners& x, const Corners& y, std::vector<Vec3>& found) {
   }
 }
 
-// Overlap of two facets in one plane: a corner of one inside of the other, or edges that cross.
+// Overlap of two coplanar facets: a corner of one inside the other, or edges that cross.
 void overlap(const Corners& x, const Corners& y, std::vector<Vec3>& found) {
   const Vec3 n = (y[1] - y[0]).cross(y[2] - y[0]), m = (x[1] - x[0]).cross(x[2] - x[0]);
   const double size = std::max(
@@ -72,7 +72,7 @@ void overlap(const Corners& x, const Corners& y, std::vector<Vec3>& found) {
       if (!(cross(t[(i + 1) % 3] - t[i], p - t[i]) > kMargin * size * size)) return false;
     return true;
   };
-  // Shrunk by a hair, so that edges along each other are no overlap.
+  // With a small margin, so that collinear edges do not count as overlap.
   const auto middle = [](const std::array<Vec2, 3>& t) { return Vec2((t[0] + t[1] + t[2]) / 3); };
   const auto put = [&](const Vec2& p) { found.push_back(y[0] + p.x() * e + p.y() * f); };
   const Vec2 ma = middle(a), mb = middle(b);
@@ -100,7 +100,7 @@ bool have_common_point(const Facet& a, const Facet& b) {
   return false;
 }
 
-// Points in which two facets pass through each other, put into `found`.
+// Stores in `found` the points at which two facets intersect.
 void cross_pair(const Corners& a, const Corners& b, std::vector<Vec3>& found) {
   found.clear();
   pierce(a, b, found);
@@ -110,10 +110,10 @@ void cross_pair(const Corners& a, const Corners& b, std::vector<Vec3>& found) {
 
 using Cell = std::array<int, 3>;
 
-// Cubes of one size over all facets, in slabs across the longest side.
+// Uniform grid of cubes over all facets, divided into slabs across the longest side.
 struct Grid {
   Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity());
-  double side = 0;  // 0: no facet has an extent
+  double side = 0;  // cell size; 0: no facet has an extent
   int axis = 0, slabs = 1, cells_of_slab = 1;
 
   explicit Grid(const std::vector<Vec3>& points, const std::vector<Facet>& facets) {
@@ -128,7 +128,7 @@ struct Grid {
       largest = std::max(largest, (box.high - box.low).maxCoeff());
     }
     if (!(extent > 0)) return;
-    constexpr double kMaxCells = 16;  // a side of the largest facet's box
+    constexpr double kMaxCells = 16;  // per side of the largest facet's bounding box
     side = std::max(1.5 * extent / static_cast<double>(facets.size()), largest / kMaxCells);
     (high - low).maxCoeff(&axis);
     constexpr int kFacetsOfSlab = 4096;
@@ -149,7 +149,7 @@ struct Grid {
   }
 };
 
-// Two facets that pass through each other, and where.
+// Two intersecting facets and their common points.
 struct IntersectingPair {
   int a, b;
   std::vector<Vec3> found;
@@ -179,7 +179,7 @@ class Search {
  private:
   struct Entry {
     std::uint64_t cell;
-    int slot;  // in the slab
+    int slot;  // index within the slab
     bool operator<(const Entry& o) const { return std::tie(cell, slot) < std::tie(o.cell, o.slot); }
   };
 
@@ -187,7 +187,7 @@ class Search {
     return {points_[facets_[f][0]], points_[facets_[f][1]], points_[facets_[f][2]]};
   }
 
-  // Counts first, then writes: facets of each slab, ascending.
+  // Two passes: counts, then fills in the facets of each slab, in ascending order.
   void put_in_slabs() {
     first_.assign(static_cast<size_t>(grid_.slabs) + 1, 0);
     const auto each = [&](const auto& put) {
@@ -223,7 +223,7 @@ class Search {
     std::vector<IntersectingPair> all;
     std::vector<Vec3> found;
     const auto test = [&](std::uint64_t cell, int i, int j) {
-      // A pair is looked at in one cell: where both boxes begin.
+      // Each pair is tested in one cell only: the lower corner of the intersection of both boxes.
       if (!boxes[i].meets(boxes[j]) ||
           Grid::key(grid_.at(boxes[i].low.cwiseMax(boxes[j].low))) != cell)
         return;
@@ -243,11 +243,11 @@ class Search {
   const std::vector<Vec3>& points_;
   const std::vector<Facet>&facets_, &joined_;
   Grid grid_;
-  std::vector<size_t> first_;  // place of each slab's first facet
+  std::vector<size_t> first_;  // offset of each slab in of_slab_
   std::vector<int> of_slab_;
 };
 
-// Free edges of each facet, and the points at their ends.
+// Boundary sides of each facet, and the points at their ends.
 struct FreeEdges {
   const std::vector<Vec3>& points;
   const std::vector<Facet>&facets, &joined;
@@ -267,7 +267,7 @@ struct FreeEdges {
     }
   }
 
-  // Whether a point lies within `near` of a free edge of the facet, or of the end of one.
+  // True if a point lies within `near` of a boundary side of the facet, or of a boundary point.
   bool close_to(int f, const Vec3& p, double near) const {
     for (int i = 0; i < 3; ++i) {
       const Vec3 &a = points[facets[f][i]], &b = points[facets[f][(i + 1) % 3]];
@@ -282,7 +282,7 @@ struct FreeEdges {
 
 std::vector<std::pair<int, int>> boundary_sides(const std::vector<Facet>& facets,
                                                 const std::vector<int>& surface_of) {
-  std::vector<std::array<int, 5>> sides;  // points, surface, facet, which side
+  std::vector<std::array<int, 5>> sides;  // point indices, surface, facet, side
   for (int f = 0; f < isize(facets); ++f)
     for (int i = 0; i < 3; ++i) {
       const auto [v, w] = std::minmax(facets[f][i], facets[f][(i + 1) % 3]);

@@ -17,24 +17,24 @@ namespace {
 using ShapeKind = FittedPrimitive::Kind;
 
 constexpr double kMinNormalSpreadDeg =
-    3;  ///< of the normals: less is a nearly flat patch, which fits any large radius
+    3;  ///< spread of the normals; a flatter patch fits any large radius
 constexpr double kMinTorusNormalSpreadDeg =
-    30;  ///< a patch of 10 degrees with two curvatures is a torus to 4e-5 of its size
+    30;  ///< a patch of 10° with two curvatures is a torus within 4e-5 of its size
 constexpr double kMinRelief =
-    20;  ///< deviation from the plane over that from the primitive: radius to about 5 %
+    20;  ///< deviation from the plane over that from the primitive; radius to about 5 %
 constexpr double kMaxNormalDeg =
-    1;  ///< root mean square angle between the normals of surface and primitive
+    1;  ///< RMS angle between the normals of surface and primitive
 constexpr double kMaxRadius =
-    1e4;  ///< of the patch's size; beyond it rounding and sag are of one order
+    1e4;  ///< of the patch size; beyond it, sag and rounding errors are similar
 constexpr double kBetterFitRatio =
     5;  ///< ratio of deviations at which a less simple primitive is preferred
-constexpr double kRounding = 1e-6;    ///< of the patch's size: below it deviations are not compared
+constexpr double kRounding = 1e-6;    ///< of the patch size; smaller deviations are not compared
 constexpr size_t kFitSamples = 2000;  ///< fits take every k-th sample only; deviations take all
 
-/// Samples in a unit of their own: the centroid is the origin, the root mean square distance from it 1.
+/// Samples in normalised coordinates: the centroid is the origin, the RMS distance from it is 1.
 struct PrimitiveSamples {
-  std::vector<Vec3> p, n;      // all positions; normals, zero where the surface has none
-  std::vector<size_t> fitted;  // those that have a normal, thinned out
+  std::vector<Vec3> p, n;      // positions; normals, zero if undefined
+  std::vector<size_t> fitted;  // samples with a normal, thinned out
   Vec3 mean_normal = Vec3::Zero();
 
   /// Σ over the fitted samples.
@@ -46,7 +46,7 @@ struct PrimitiveSamples {
   double count() const { return static_cast<double>(fitted.size()); }
 };
 
-/// Angle of the cone around the mean normal that holds all normals but a percent, degrees, doubled.
+/// Opening angle in degrees of the cone about the mean normal that contains 99 % of the normals.
 double normal_spread_deg(const PrimitiveSamples& s) {
   if (!(s.mean_normal.norm() > 1e-6)) return 180;
   const Vec3 mean = s.mean_normal.normalized();
@@ -57,15 +57,15 @@ double normal_spread_deg(const PrimitiveSamples& s) {
   return 2 * std::acos(std::clamp(*most, -1.0, 1.0)) * 180 / std::numbers::pi;
 }
 
-/// Two directions at right angles to a unit vector and to each other.
+/// Two unit vectors perpendicular to a unit vector and to each other.
 std::array<Vec3, 2> across(const Vec3& axis) {
   const Vec3 e = axis.unitOrthogonal();
   return {e, axis.cross(e)};
 }
 
-/// A point against the axis of a primitive.
+/// Cylindrical coordinates of a point about the axis of a primitive.
 struct AxisPoint {
-  Vec3 out;       // unit vector from the axis
+  Vec3 out;       // radial unit vector
   double rho, h;  // distance from the axis, height along it
 };
 AxisPoint from_axis(const FittedPrimitive& s, const Vec3& p) {
@@ -78,13 +78,13 @@ AxisPoint from_axis(const FittedPrimitive& s, const Vec3& p) {
 
 using Parameters =
     Eigen::Matrix<double, 8,
-                  1>;  // centre, turn of the axis about across(), radius, major radius, angle
+                  1>;  // centre, rotation of the axis about across(), radius, major radius, angle
 
-/// Signed distance of p and its derivatives.
+/// Signed distance of p and its derivatives with respect to the parameters.
 double distance_and_slopes(const FittedPrimitive& s, const Vec3& p, Parameters& slopes) {
   slopes.setZero();
   Vec3 n = s.axis;
-  double by_rotation = 0, distance = 0;  // derivative by a turn of the axis towards `out`
+  double by_rotation = 0, distance = 0;  // derivative by a rotation of the axis towards `out`
   const AxisPoint at = from_axis(s, p);
   switch (s.kind) {
     case ShapeKind::Cylinder:
@@ -154,7 +154,7 @@ bool sensible(const FittedPrimitive& s) {
   return s.radius > 0;
 }
 
-/// Levenberg-Marquardt steps of the sum of squared distances.
+/// Minimises the sum of squared distances by Levenberg–Marquardt.
 void minimise(FittedPrimitive& s, const PrimitiveSamples& samples) {
   constexpr int kMaxSteps = 30;
   double lambda = 1e-6, error = sum_of_squares(s, samples);
@@ -169,7 +169,8 @@ void minimise(FittedPrimitive& s, const PrimitiveSamples& samples) {
     A.triangularView<Eigen::StrictlyUpper>() = A.transpose();
     bool better = false;
     for (int tries = 0; tries < 6 && !better; ++tries, lambda *= 10) {
-      // Parameters that the kind has not, and shifts along its axis, have no slope: they stay.
+      // Parameters that a kind does not have, and shifts along the axis, have zero derivatives and
+      // stay constant.
       Eigen::Matrix<double, 8, 8> damped = A;
       damped.diagonal() += lambda * A.diagonal();
       damped.diagonal().array() += 1e-12 * samples.count();
@@ -187,7 +188,7 @@ void minimise(FittedPrimitive& s, const PrimitiveSamples& samples) {
   }
 }
 
-/// R and c of least Σ |p - R n - c|², of rows of any dimension.
+/// R and c that minimise Σ |p - R n - c|², in any dimension.
 template <class Vector>
 std::pair<double, Vector> circle_from_normals(const std::vector<Vector>& p,
                                               const std::vector<Vector>& n) {
@@ -271,7 +272,8 @@ FittedPrimitive cone_of(const PrimitiveSamples& s) {
   return shape;
 }
 
-// The axis that all normal lines meet: for lines (n, m = p × n) and the axis (a, b), n·b + m·a = 0; |a| = 1.
+// Axis that meets all normal lines: with lines (n, m = p × n) and the axis (a, b), n·b + m·a = 0
+// and |a| = 1.
 FittedPrimitive torus_of(const PrimitiveSamples& s) {
   FittedPrimitive shape;
   shape.kind = ShapeKind::Torus;
@@ -304,7 +306,7 @@ double shortest_decimal(double length, double error) {
   if (!(error > 0)) return length;
   const double step = std::pow(10, std::floor(std::log10(2 * error)));
   for (const double coarse : {10 * step, 5 * step, 2 * step, step}) {
-    // Multiples of negative powers of ten are quotients: 20.3, not 203 · 0.1.
+    // Use quotients for negative powers of ten: 20.3, not 203 · 0.1.
     const double inverse = std::round(1 / coarse);
     const double rounded = coarse < 1 && inverse > 0 ? std::round(length * inverse) / inverse
                                                      : std::round(length / coarse) * coarse;
@@ -322,8 +324,8 @@ double largest_distance(const FittedPrimitive& s, const PrimitiveSamples& sample
   return most;
 }
 
-/// Root mean square angle between the normals of samples and primitive, of 98 % of them (a surface may be singular
-/// in a corner).
+/// RMS angle in degrees between the normals of samples and primitive, over the best 98 % (a surface
+/// may be singular in a corner).
 double normal_deg(const FittedPrimitive& s, const PrimitiveSamples& samples) {
   std::vector<double> squares;
   for (const size_t i : samples.fitted) {
@@ -360,7 +362,8 @@ FittedPrimitive simplest_primitive(const PrimitiveSamples& samples, double toler
   shapes.push_back(fitted(cone_of(samples)));
   if (normal_spread >= kMinTorusNormalSpreadDeg) shapes.push_back(fitted(torus_of(samples)));
   std::erase_if(shapes, [](const FittedPrimitive& shape) { return shape.kind == ShapeKind::Free; });
-  // A narrow band of a cone is within the tolerance of a sphere, too, but much nearer to its own cone.
+  // A narrow band of a cone also fits a sphere within the tolerance, but fits its own cone much
+  // better.
   FittedPrimitive best;
   for (const FittedPrimitive& shape : shapes)
     if (best.kind == ShapeKind::Free ||
@@ -369,8 +372,8 @@ FittedPrimitive simplest_primitive(const PrimitiveSamples& samples, double toler
   return best;
 }
 
-/// Radii are known to within the deviation: of the numbers in that interval the one with the fewest decimals is taken, as a
-/// designer states it, if the surface is within the tolerance of that primitive too. (A cone's radius is that of its end.)
+/// Rounds radii as a designer would specify them: to the fewest decimals within the deviation, if
+/// the surface then is still within the tolerance. (The radius of a cone is that of its end.)
 void round_radii(FittedPrimitive& s, const Points& positions, double tolerance) {
   if (s.kind == ShapeKind::Plane || s.kind == ShapeKind::Cone) return;
   FittedPrimitive rounded = s;
@@ -384,8 +387,8 @@ void round_radii(FittedPrimitive& s, const Points& positions, double tolerance) 
   if (rounded.deviation <= tolerance) s = rounded;
 }
 
-/// Axes point to where their largest component is positive, so that equal surfaces have equal axes; those of cones
-/// have a direction of their own, as have planes.
+/// Directs the axis so that its largest component is positive: equal surfaces get equal axes. Axes
+/// of cones and planes already have a direction.
 void canonicalize_axis(FittedPrimitive& s) {
   if (s.kind == ShapeKind::Plane || s.kind == ShapeKind::Cone) return;
   long largest = 0;
@@ -467,7 +470,7 @@ FittedPrimitive fit_primitive(const Points& positions, const Points& normals, do
   }) / samples.count();
   FittedPrimitive shape = simplest_primitive(samples, tolerance / size);
   if (shape.kind == ShapeKind::Free) return {};
-  // The point of the axis that is next to the surface.
+  // The point of the axis that is closest to the centroid of the surface.
   if (shape.kind == ShapeKind::Cylinder) shape.origin -= shape.origin.dot(shape.axis) * shape.axis;
   if (shape.kind == ShapeKind::Cone)
     for (const Vec3& p : samples.p) shape.radius = std::max(shape.radius, from_axis(shape, p).rho);
@@ -492,7 +495,7 @@ FittedPrimitive fit_primitive(const SkinnedRegion& region, double tolerance) {
   std::vector<Vec3> x, n;
   const auto add = [&](const Location& where) {
     const SurfaceJet jet = surface.jet(where);
-    // Where the surface comes to a point its normals mean nothing.
+    // Normals are undefined at a singular point.
     const bool regular = jet.area_vector().norm() > 1e-3 * jet.x_u.norm() * jet.x_v.norm();
     x.push_back(jet.x);
     n.push_back(regular ? jet.normal() : Vec3(Vec3::Zero()));
@@ -506,7 +509,7 @@ FittedPrimitive fit_primitive(const SkinnedRegion& region, double tolerance) {
     for (const Vec3& L : points)
       if (side == Trim::Side::Inside || trim->loops().contains(mesh.shape(t).point(L))) add({t, L});
   }
-  // Vertices reach the boundary.
+  // Add vertices, because they reach the boundary.
   std::vector<char> done(static_cast<size_t>(mesh.vertex_count()), 0);
   for (int t = 0; t < mesh.triangle_count(); ++t)
     for (int k = 0; k < 3; ++k) {

@@ -1,16 +1,16 @@
-// Measures whether a finished surface is a plane, cylinder, sphere, cone or torus.
+// Recognises whether a finished surface is a plane, cylinder, sphere, cone or torus.
 #pragma once
 
 #include "batten/skinning/region/skinned_region.h"
 
 namespace batten {
 
-/// The simplest primitive that a surface is within a tolerance, and its frame in space.
+/// The simplest primitive that approximates a surface within a tolerance, with its position.
 ///
 ///     primitive   origin                  axis                        lengths and angle
-///     plane       a point of it           the surface's mean normal
+///     plane       a point of the plane    mean normal of the surface
 ///     cylinder    a point of the axis     along the axis              radius
-///     sphere      its centre              (any)                       radius
+///     sphere      its centre              (arbitrary)                 radius
 ///     cone        its apex                from the apex to the surface radius, half_angle
 ///     torus       its centre              normal to the major circle  major_radius, radius
 struct FittedPrimitive {
@@ -18,40 +18,45 @@ struct FittedPrimitive {
   Kind kind = Kind::Free;
   Vec3 origin = Vec3::Zero();  ///< model units
   Vec3 axis = Vec3::UnitZ();   ///< unit vector
-  double radius = 0;  ///< of a torus that of its tube, of a cone the surface's largest; model units
+  double radius = 0;  ///< torus: of the tube; cone: the largest one of the surface; model units
   double major_radius = 0;  ///< of a torus; model units
   double half_angle = 0;    ///< of a cone, radians in (0, π/2)
   double deviation = 0;     ///< largest distance of the samples from the primitive; model units
 
-  /// Signed distance of a point, positive on the outer side (of a plane: on the side of its axis). Model units.
+  /// Signed distance of a point in model units, positive outside (plane: on the side of its axis).
   double distance(const Vec3& p) const;
-  /// Unit normal at the primitive's point nearest to p, pointing to the outer side.
+  /// Outward unit normal at the point of the primitive closest to p.
   Vec3 normal(const Vec3& p) const;
 };
 
-/// The word for a kind: "plane", "cylinder", "sphere", "cone", "torus"; "" for Kind::Free.
+/// Name of a kind: "plane", "cylinder", "sphere", "cone", "torus"; "" for Kind::Free.
 const char* primitive_name(FittedPrimitive::Kind kind);
 
-/// Fits primitives to sampled positions and normals inside the trim, and takes the first one, in the order plane,
-/// cylinder or sphere, cone, torus, whose largest deviation is at most `tolerance` (model units, > 0); a later one if
-/// its deviation is less than a fifth.
+/// Fits primitives to positions and normals sampled inside the trim, and selects the simplest one.
 ///
-/// Initial values come from the normals: the axis of a cylinder is the direction with the least Σ (n·a)², that of a
-/// cone the one with the least variance of n·a, centre and radius are linear least squares of
-/// p - R n, a cone's apex is where the tangent planes meet, a torus's axis is the line that all normal lines meet:
-/// the linear complex nearest to them (Pottmann & Wallner, Computational Line Geometry, 2001). Levenberg-Marquardt steps then minimise the sum of squared distances.
+/// The order is plane, cylinder or sphere, cone, torus. The first one whose largest deviation is at
+/// most `tolerance` (model units, > 0) is selected, or a later one if its deviation is less than a
+/// fifth of that.
 ///
-/// A primitive also has to be determined by the patch: its normals turn by at least 3 degrees (a torus: 30), and the
-/// patch is off its plane by at least 20 times of what it is off the primitive. Otherwise Kind::Free. The result does
-/// not depend on the unit, nor on a rigid motion, but for rounding. Radii are known to within the deviation: they get as
-/// few decimals as that allows. O(samples): four a triangle, and the vertices.
+/// Initial values come from the normals n at points p. The axis a of a cylinder minimises Σ (n·a)²,
+/// that of a cone the variance of n·a. Centre and radius R are linear least squares of p - R n. The
+/// apex of a cone is the intersection of the tangent planes. The axis of a torus meets all normal
+/// lines: it is the linear complex closest to them [PottmannWallner2001]. Levenberg–Marquardt then
+/// minimises the sum of squared distances.
+///
+/// The patch also has to determine the primitive: its normals vary by at least 3° (torus: 30°), and
+/// its deviation from a plane is at least 20 times that from the primitive. Otherwise the result is
+/// Kind::Free. The result is invariant to units and rigid motions, up to rounding. Radii are known
+/// to within the deviation, and are rounded to as few decimals as that permits. Cost: O(samples),
+/// that is four per triangle, and the vertices.
 FittedPrimitive fit_primitive(const SkinnedRegion& region, double tolerance);
 
-/// Same for positions and unit normals (zero: none there), one row each.
+/// The same for positions and unit normals, one row each; zero normal: unknown.
 FittedPrimitive fit_primitive(const Points& positions, const Points& normals, double tolerance);
 
-/// The tolerance of reports: 1e-4 of the model's size, but at most 5e-4 of the region's, so that small regions of large
-/// models are not taken for primitives that they only resemble. Model units.
+/// Tolerance used in reports, model units: 1e-4 of the model size, but at most 5e-4 of the region's
+/// size. The second bound prevents small regions of large models from being recognised as
+/// primitives that they only resemble.
 double primitive_tolerance(const SkinnedRegion& region, double model_size);
 
 }  // namespace batten

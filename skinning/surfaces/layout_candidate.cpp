@@ -20,12 +20,12 @@ namespace {
 using Domain = SkinOptions::Domain;
 constexpr double kMinJacobianRatio = 0.05, kMaxAreaRatio = 2;
 
-// One way to lay a region out.
+// A way to lay out a region.
 struct LayoutVariant {
   std::string description;
   Domain domain;
   bool minimize_distortion = false;
-  double edge = 1;  // times the edge length that was asked for
+  double edge = 1;  // factor of the requested edge length
   bool convex = false;
   bool rest = true;
 };
@@ -43,11 +43,11 @@ std::vector<LayoutVariant> variants_after(const RegionRequest& request, Domain f
 struct ScoredCandidate {
   LayoutCandidate candidate;
   int defect_score = 0;
-  std::string why;  // the worst of it, for the user
+  std::string why;  // the most serious defect, for the user
 };
 
-// Whether a closer look is worth its time: elements that are sheared flat or turned against their
-// neighbours, an area that is too large.
+// Fast check whether the full search for defects is needed: strongly sheared elements, elements
+// inverted against their neighbours, or a too large area.
 bool suspicious(const SkinnedRegion& region, double filling_area) {
   const Surface& surface = region.surface;
   const ParametricMesh& mesh = surface.mesh();
@@ -69,13 +69,13 @@ bool suspicious(const SkinnedRegion& region, double filling_area) {
   }
   if (sizes.empty() || !std::isfinite(area)) return true;
   std::nth_element(sizes.begin(), sizes.begin() + isize(sizes) / 2, sizes.end());
-  constexpr double kLow = 0.15, kLarge = 1.8;  // above what is a flaw
+  constexpr double kLow = 0.15, kLarge = 1.8;  // stricter than the limits of a defect
   if (!(least > kLow * sizes[sizes.size() / 2])) return true;
   if (filling_area > 0 && area > kLarge * filling_area) return true;
   return std::any_of(mesh.edges().begin(), mesh.edges().end(), [&](const auto& edge) {
     if (edge.triangle[1] < 0) return false;
     const Vec3 &a = middle[edge.triangle[0]], &b = middle[edge.triangle[1]];
-    return a.dot(b) < 0.5 * a.norm() * b.norm();  // by more than 60 degrees
+    return a.dot(b) < 0.5 * a.norm() * b.norm();  // angle above 60 degrees
   });
 }
 
@@ -87,7 +87,8 @@ std::pair<int, const char*> defect_score_of(SurfaceDefect::Kind kind) {
   return {1, "it sags"};
 }
 
-// What is wrong with a region by itself. The first shape of one that will be drawn to a face says nothing.
+// Scores the defects of a region on its own. Skipped for convex polygon layouts: their initial
+// shape is not final.
 void score(ScoredCandidate& made, double filling_area) {
   const RegionLayout& layout = *made.candidate.layout;
   if (made.candidate.strategy.skin.convex && layout.domain() == Domain::Polygon) return;
@@ -96,7 +97,7 @@ void score(ScoredCandidate& made, double filling_area) {
   SkinQuality quality = measure(region.surface);
   for (const EmbeddedLine& line : region.embedded)
     quality.max_line_gap = std::max(quality.max_line_gap, line_gap(region.surface, line));
-  constexpr double kFarOff = 20;  // plain fillings: this is no surface in these lines any more
+  constexpr double kFarOff = 20;  // times the hole filling: the surface is unrelated to its lines
   if (!std::isfinite(quality.area) || (filling_area > 0 && quality.area > kFarOff * filling_area))
     throw NoSolutionError("the surface runs far away from its lines");
   const auto add = [&](int defect_score, const std::string& why) {
@@ -120,7 +121,7 @@ RegionLayout layout_of(const RegionRequest& request, const LayoutStrategy& strat
 LayoutCandidate laid_out(const RegionRequest& request, const SkinOptions& skin, bool inner,
                          const ModelMetadata& metadata, const SurfaceStiffness& material) {
   RegionLayout layout = layout_of(request, {skin, inner});
-  // Its mesh suits the shape that bends least from nothing: embedded lines may ask for more.
+  // The mesh suits the shape of minimum bending without a rest shape; embedded lines may need more.
   constexpr int kMaxRounds = 8;
   double gap = std::numeric_limits<double>::infinity();
   for (int round = 0;; ++round) {
@@ -165,8 +166,8 @@ class CandidateSearch {
   }
 
  private:
-  // With the sweep between its sides and, since that may be what is wrong, without; but not where the
-  // surface is only large.
+  // Tries a layout with its rest shape and, if the defects may be due to that, without. An area
+  // that is merely too large is no reason.
   bool attempt_both(LayoutVariant strategy, bool inner) {
     if (attempt(strategy, inner)) return true;
     constexpr int kSeriousDefect = 2;
@@ -178,7 +179,7 @@ class CandidateSearch {
     return attempt(strategy, inner);
   }
 
-  // Whether there is nothing wrong with it.
+  // Tries one layout. Returns true if it has no defects.
   bool attempt(const LayoutVariant& strategy, bool inner) {
     if (best_ && spent_ > request_.max_triangles && !strategy.description.empty()) return false;
     ++count_;
@@ -233,9 +234,9 @@ class CandidateSearch {
   const RegionRequest& request_;
   const ModelMetadata& metadata_;
   const SurfaceStiffness& material_;
-  static constexpr int kTrianglesALine = 60;  // of a region that failed, about
+  static constexpr int kTrianglesALine = 60;  // approximate cost of a failed attempt
   int count_ = 0, spent_ = 0;
-  bool last_has_rest_shape_ = false;  // of the last attempt: whether it had a rest shape
+  bool last_has_rest_shape_ = false;  // whether the last attempt had a rest shape
   int last_defect_score_ = 0;
   std::optional<ScoredCandidate> best_;
   std::string best_variant_, first_why_;
@@ -282,7 +283,7 @@ std::optional<LayoutCandidate> try_other_domain(const RegionRequest& request, Do
       return std::move(made.candidate);
     } catch (const CancelledError&) {
       throw;
-    } catch (const std::runtime_error&) {  // the next one, then
+    } catch (const std::runtime_error&) {  // try the next one
     }
   }
   return std::nullopt;
@@ -296,7 +297,7 @@ std::optional<LayoutCandidate> retry_layout(const RegionRequest& request,
                        strategy.inner ? 0 : 1, ""};
   try {
     score(made, request.filling_area);
-  } catch (const NoSolutionError&) {  // it ran far away
+  } catch (const NoSolutionError&) {  // the surface runs far away from its lines
     return std::nullopt;
   }
   if (made.defect_score > strategy.defect_score) return std::nullopt;

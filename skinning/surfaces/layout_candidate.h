@@ -1,11 +1,11 @@
-// Lays out one region of a network in one way after the other, until its surface has no flaw.
+// Selects the parameter domain and mesh of one region by trying several candidates.
 //
-// What its lines ask for is tried first. Where that fails, turns over, folds, passes through itself
-// or sags, the same lines are tried on the other domains, on a finer mesh, and then without inner
-// lines; each that turns over, folds or passes through itself without the rest shape, too. The trial
-// with the least of these evils stays:
+// The default layout for the region's lines is tried first. If its surface fails, is inverted,
+// folds, intersects itself or sags, other candidates follow: the other domains, a finer mesh, and
+// finally without inner lines. Each that is inverted, folds or intersects itself is also tried
+// without the rest shape. The candidate with the lowest defect score is taken:
 //
-//     evil = 4 [turns over] + 2 [folds] + 2 [passes through itself] + 1 [area > 2 plain fillings]
+//    score = 4 [inverted] + 2 [folds] + 2 [intersects itself] + 1 [area > 2 × hole filling]
 //            + 1 [Jacobian < 0.05 of the median] + 1 [misses its lines] + 1 [without inner lines]
 #pragma once
 
@@ -18,62 +18,69 @@
 
 namespace batten {
 
-/// The region as it is asked for.
+/// The region to lay out.
 struct RegionRequest {
   std::string name;
-  std::vector<CharacterLine> lines;  ///< the inner ones last
-  int inner = 0;                     ///< how many of them are inner lines
-  SkinOptions skin;                  ///< `domain`: the first to be tried
-  double filling_area = 0;           ///< of a plain filling; 0: unknown
-  int max_triangles = 8'000;         ///< of all trials but the first, about
-  Progress progress{};               ///< asked whether to go on, by several threads at once
+  std::vector<CharacterLine> lines;  ///< all lines, inner ones last
+  int inner = 0;                     ///< number of inner lines
+  SkinOptions skin;                  ///< `domain`: the first one to try
+  double filling_area = 0;           ///< area of the hole-filling triangulation; 0: unknown
+  int max_triangles = 8'000;         ///< approximate budget for all candidates but the first
+  Progress progress{};               ///< for cancellation; called by several threads at once
 };
 
-/// How a region was laid out.
+/// Options with which a region was laid out.
 struct LayoutStrategy {
   SkinOptions skin;
-  bool inner = true;     ///< whether with its inner lines
-  int defect_score = 0;  ///< of the trial
+  bool inner = true;     ///< laid out with its inner lines
+  int defect_score = 0;  ///< defect score of the candidate, 0: none
 };
 
-/// A region that could be laid out, in the shape that its own lines make.
+/// The layout of a region and its initial shape, which depends only on the region's own lines.
 struct LayoutCandidate {
   std::shared_ptr<const RegionLayout> layout;
-  Points rest;  ///< what its boundary means (rest_shape.h); no rows: nothing
+  Points rest;  ///< dofs of the rest shape (rest_shape.h); no rows: none
+  /// Dofs of the initial shape.
   Points shape;
   LayoutStrategy strategy;
-  std::vector<std::string> warnings;  ///< what was tried before, and why it did not serve
+  /// Which candidates were tried before, and why they were not taken.
+  std::vector<std::string> warnings;
 };
 
-/// Returns the first trial without a flaw, or else the one with the least evil; of equals the
-/// first. At most twenty trials, and none but the usual ones once these made max_triangles and one of
-/// them could be made; each as long as a RegionLayout, one solve and find_defects(); one where the
-/// first is well. Throws what the first trial threw when all fail.
+/// Selects the best layout: the first candidate without defects, otherwise the one with the lowest
+/// defect score (ties: first).
+///
+/// Cost: at most twenty candidates, but only the default one if it has no defects. No further
+/// candidates are tried once they have used up `max_triangles` and one of them succeeded. Each
+/// costs a RegionLayout, one solve and find_defects(). If all candidates fail, throws the exception
+/// of the first one.
 LayoutCandidate best_layout(const RegionRequest& request, const ModelMetadata& metadata,
                             const SurfaceStiffness& material);
 
-/// Lays the region out in a way that was taken before, without a shape. Throws what RegionLayout throws.
+/// Lays out a region with known options, without computing a shape. Throws as RegionLayout does.
 std::shared_ptr<const RegionLayout> lay_out(const RegionRequest& request,
                                             const LayoutStrategy& strategy);
 
-/// Lays the region out once more, its lines cut at other places, in the way that was taken before.
-/// Returns nothing where that has come to more evil than it had. Throws what RegionLayout and the
-/// solve throw.
+/// Lays out a region again with known options, after its edges got other vertices. Returns nothing
+/// if the defect score increased. Throws as RegionLayout and the solver do.
 std::optional<LayoutCandidate> retry_layout(const RegionRequest& request,
                                             const LayoutStrategy& strategy,
                                             const ModelMetadata& metadata,
                                             const SurfaceStiffness& material);
 
-/// Lays a region out whose shape is spoiled where it goes on in its neighbours: on a plane, or as a
-/// sheet, where it was a polygon; as a sheet, where it was on a plane. Returns the first of these
-/// that has no flaw by itself, or nothing; nothing for a domain that was asked for.
+/// Tries other domains for a region that is inverted or sags when it is solved together with its
+/// neighbours.
+///
+/// Tries a projected, then a developable domain if it had a polygonal one, and a developable one if
+/// it had a projected one. Returns the first candidate without defects of its own; nothing if there
+/// is none, or if the user has specified the domain. `was`: present domain.
 std::optional<LayoutCandidate> try_other_domain(const RegionRequest& request,
                                                 SkinOptions::Domain was,
                                                 const ModelMetadata& metadata,
                                                 const SurfaceStiffness& material);
 
-/// Whether the Jacobian of a finished region falls below 0.05 of the median, or its area is more
-/// than twice that of a plain filling (0: unknown). O(triangles).
+/// True if the Jacobian of a finished region falls below 0.05 of the median, or if its area is more
+/// than twice `filling_area` (hole-filling triangulation; 0: unknown). Cost: O(triangles).
 bool is_inverted_or_sagging(const SkinnedRegion& region, double filling_area);
 
 }  // namespace batten

@@ -60,7 +60,7 @@ struct ModelRegions {
   }
 };
 
-// The angle at each join that a region carries embedded; 0 at all others.
+// Largest inner angle at each join on an embedded line, degrees; 0 for all other joins.
 std::vector<double> angles(const JoinedModel& model) {
   const ModelRegions regions(model);
   const auto& plans = model.layout->join_plans();
@@ -96,10 +96,10 @@ class Refiner {
     return now_[j] > max_deg_allowed_ && now_[j] < kImprovementRatio * before_[j];
   }
 
-  // Halves along the joins whose angles fall, and makes creases of bad ones that fall no more.
-  // Whether there was anything to halve, and the finer mesh has a shape.
+  // Halves triangles along the joins whose angles decrease; bad joins that no longer improve become
+  // creases. Returns false if there is nothing to halve, or if the finer mesh has no shape.
   bool halve() {
-    constexpr int kMaxRefinedTriangles = 20'000;  // a round of more takes seconds
+    constexpr int kMaxRefinedTriangles = 20'000;  // a round with more takes seconds
     if (model_.layout->mesh()->triangle_count() > kMaxRefinedTriangles) return false;
     std::vector<char> marks(model_.layout->mesh()->triangle_count(), 0);
     bool any = false;
@@ -121,13 +121,13 @@ class Refiner {
     return true;
   }
 
-  // Makes creases of joins that stay bad. Whether there is any.
+  // Turns joins that stay bad into creases. Returns true if there are any.
   bool make_creases() {
     ModelLayout fewer = *model_.layout;
     return reject(fewer, [](size_t) { return true; }) && solve(fewer, model_.dofs);
   }
 
-  // Where only the edge beside an end of a line keeps an angle, that end is a crease.
+  // If only the mesh edge next to an end of a line exceeds the angle, that end becomes a crease.
   void open_ends() {
     if (std::none_of(now_.begin(), now_.end(), [&](double deg) { return deg > max_deg_allowed_; }))
       return;
@@ -141,7 +141,8 @@ class Refiner {
                                                           model_.layout->regions(), plans);
   }
 
-  // Opens as few ends as leave less than the limit between them. Whether there are any.
+  // Makes as few ends creases as are needed to keep the limit in between. Returns true if there are
+  // any.
   bool open_end(JoinPlan& plan, double degrees, const ModelRegions& regions) const {
     if (plan.closed) return false;
     constexpr double kMaxOpen = 1.0 / 3;  // of the line
@@ -183,7 +184,7 @@ class Refiner {
     return any;
   }
 
-  // Whether facets can be made of the regions whose meshes are new.
+  // True if the regions with new meshes can be tessellated.
   bool has_facets(const ModelLayout& finer, const Points& shape) const {
     std::vector<char> none(static_cast<size_t>(finer.region_count()), 0);
     parallel_for(finer.region_count(), [&](int r) {
@@ -193,8 +194,8 @@ class Refiner {
     return std::find(none.begin(), none.end(), 1) == none.end();
   }
 
-  // Takes another layout and a shape on it. Joins are planned from the shape, and regions solved,
-  // in the groups in which anything is new. Not where that is too much for a mesh.
+  // Adopts a layout with an initial shape: plans joins from the shape and solves, in the groups
+  // with changes. Returns false if a mesh cannot be solved.
   bool solve(const ModelLayout& layout, const Points& shape) {
     std::vector<JoinPlan> plans = layout.join_plans();
     std::vector<Points> shapes;
@@ -227,7 +228,7 @@ class Refiner {
       before.push_back(shapes[r]);
     }
     own.plan_joins(own.all_dofs(before));
-    // A shape in which the regions beside a join do not go on into each other any more was no success.
+    // It is a failure if regions next to a join no longer continue each other in the shape.
     for (size_t j = 0; j < group.joins.size(); ++j)
       if (own.join_plans()[j].rejected() && !group.plans[j].rejected())
         throw NoSolutionError(own.join_plans()[j].rejection_reason);
@@ -237,7 +238,7 @@ class Refiner {
       plans[group.joins[j]] = renumbered(own.join_plans()[j], to_model_location);
   }
 
-  // Regions that have another mesh than in the present model, or whose group has a join less.
+  // Regions whose mesh differs from that of the current model, or whose group has lost a join.
   std::vector<char> new_regions(const ModelLayout& layout) const {
     std::vector<char> is_new;
     for (int r = 0; r < layout.region_count(); ++r)
@@ -253,7 +254,7 @@ class Refiner {
   JoinedModel model_;
   const SurfaceStiffness& material_;
   const double max_deg_allowed_;
-  std::vector<double> now_, before_;  // degrees at each join plan; on the mesh before
+  std::vector<double> now_, before_;  // degrees per join plan, on the present and the previous mesh
 };
 
 }  // namespace
@@ -265,7 +266,8 @@ JoinedModel refine_embedded_joins(JoinedModel model, const SurfaceStiffness& mat
 
 namespace {
 
-// Calls `use` with each region that the rows of a join act on, which it may change.
+// Calls `use` with the index of each region on which the constraints of a join act; it may change
+// it.
 template <class Plan, class Use>
 void for_regions(Plan& plan, const Use& use) {
   for (auto& side : plan.join_line.sides) use(side.region);
@@ -326,7 +328,7 @@ std::vector<RegionGroup> join_groups(
     if (!plan.rejected())
       for_regions(plan, [&](int r) { groups.unite(plan.join_line.sides[0].region, r); });
   std::map<int, RegionGroup> by_lowest;
-  std::map<int, int> number;  // of each region in its group
+  std::map<int, int> number;  // index of each region within its group
   for (int r = 0; r < isize(layouts); ++r) {
     if (!layouts[r]) continue;
     RegionGroup& group = by_lowest[groups.find(r)];
@@ -347,8 +349,8 @@ std::vector<RegionGroup> join_groups(
 
 namespace {
 
-// Whether the lines of a region fix its tangent plane at an end of one of its arcs: the line before
-// or behind it turns a corner there.
+// True if the lines of a region fix its tangent plane at an end of a network edge: the previous or
+// next edge of the loop forms a corner there.
 bool is_plane_fixed(const CurveNetwork& network, const NetworkRegion& plan, int edge, bool end) {
   constexpr double kCorner = 15;  // degrees
   for (const EdgeLoop& loop : plan.loops)
@@ -364,17 +366,17 @@ bool is_plane_fixed(const CurveNetwork& network, const NetworkRegion& plan, int 
   return false;
 }
 
-// Surfaces that bend from nothing are flatter than those that go on beyond their lines, and meet at more
-// between nodes; at nodes, where lines fix their planes, they meet as they will in the end. Rest shapes
-// meet as they are meant to along all of the line, and may have no tangent plane at an end, as cones
-// at their apex.
+// Estimates the angle at a join. Surfaces without rest shape are flatter than those that continue
+// beyond their lines, so they meet at larger angles between nodes. At nodes, lines fix their planes
+// and the angle is final. Rest shapes have the intended angle along the whole line, but may have no
+// tangent plane at an end, as at the apex of a cone.
 double estimate(const CurveNetwork& network, const RegionMaker& maker,
                 const std::vector<ModelRegion>& regions, const ModelJoin& join,
                 const JoinLine& join_line) {
   const JoinQuality angle = angle_of(regions, join_line);
   const auto rest_shapes = [&](int r) { return maker.rest_shapes()[r].rows() > 0; };
   if (std::all_of(join.regions.begin(), join.regions.end(), rest_shapes)) return angle.mean_deg;
-  constexpr double kOfEnd = 0.4;  // where it is known
+  constexpr double kOfEnd = 0.4;  // weight of an end at which the angle is known
   double sum = 0, known_weight = 0;
   for (const bool end : {false, true}) {
     const bool known = std::all_of(join.regions.begin(), join.regions.end(), [&](int r) {
@@ -387,8 +389,8 @@ double estimate(const CurveNetwork& network, const RegionMaker& maker,
   return sum + (1 - known_weight) * angle.mean_deg;
 }
 
-// One angle for each chain of arcs that go on into each other along one region: half of a
-// straight side cannot be a crease when the other half is smooth.
+// Averages the estimates over each chain of edges that continue each other along one region. Half
+// of a straight side cannot be a crease if the other half is smooth.
 std::vector<double> estimate_chains(const CurveNetwork& network, const RegionMaker& maker,
                                     const std::vector<ModelRegion>& regions,
                                     const JoinClassification& classification) {
@@ -430,7 +432,7 @@ std::vector<double> estimate_chains(const CurveNetwork& network, const RegionMak
 
 using Kind = JoinSpec::Kind;
 
-// By arc.
+// User specifications by network edge.
 std::map<int, Kind> specs_of(const CurveNetwork& network, const ModelOptions& options) {
   std::map<int, Kind> specs;
   for (const JoinSpec& spec : options.joins) {
@@ -443,7 +445,7 @@ std::map<int, Kind> specs_of(const CurveNetwork& network, const ModelOptions& op
   return specs;
 }
 
-// The join of one arc, and a join line where its two regions can have one.
+// Adds the join of one network edge, and a join line if its two regions can be joined.
 void add_join(int edge, const std::string& name, const RegionMaker& maker, const Kind* spec,
               JoinClassification& classification) {
   const std::vector<EdgeUse>& uses = maker.sides(edge);

@@ -1,4 +1,4 @@
-// Smooth joins on embedded lines: meshes that are fine enough for them.
+// Smooth (G1) joins between regions: classification of edges, groups of joined regions, refinement.
 #pragma once
 
 #include <memory>
@@ -13,68 +13,79 @@
 
 namespace batten {
 
-/// Marks the triangles that a side of a join line runs through, or along.
+/// Marks the triangles along a side of a join line: those next to or crossed by it. `marks`: one
+/// entry per triangle of the model.
 void mark_along(const ModelLayout& layout, const JoinSide& side, std::vector<char>& marks);
 
-/// Carries a shape over to a finer layout of the same regions.
+/// Interpolates a shape onto a finer layout of the same regions. Returns the dofs on `finer`.
 Points interpolate_onto(const ModelLayout& layout, const Points& dofs, const ModelLayout& finer);
 
+/// A model layout with a shape on it.
 struct JoinedModel {
   std::shared_ptr<const ModelLayout> layout;
   Points dofs;
 };
 
-/// The angle at joins on embedded lines falls with the size of their triangles. This halves those
-/// along lines whose angle is above `max_deg_allowed`, plans joins anew from the shape, and solves for least
-/// bending, as long as the angles fall; at most three times, and no more above 20,000 triangles.
-/// Joins that stay above half a degree become creases (JoinPlan::rejection_reason). Where a join stays above
-/// `max_deg_allowed` in the edge beside an end only, that end becomes one (JoinEnd::creased): elements that a line
-/// cuts beside a corner of their region cannot follow both. Groups of regions in which nothing
-/// changes (join_groups()) keep their shape and plans.
+/// Refines the mesh along smooth joins on embedded lines until the angle between the normals is
+/// small.
+///
+/// The angle at such a join decreases with the size of its triangles. Each round halves the
+/// triangles along lines above `max_deg_allowed` (degrees), plans the joins anew from the shape and
+/// minimises the bending energy. Rounds continue while the angles decrease, at most three times,
+/// and not above 20,000 triangles. Joins that stay above 0.5° become creases
+/// (JoinPlan::rejection_reason). If a join exceeds `max_deg_allowed` only in the mesh edge next to
+/// an end, that end becomes a crease (JoinEnd::creased): elements that are cut by a line near a
+/// corner of their region cannot follow both. Groups of regions without any change (join_groups())
+/// keep their shape and plans.
 JoinedModel refine_embedded_joins(JoinedModel model, const SurfaceStiffness& material,
                                   double max_deg_allowed, const Progress& progress = {});
 
 
-// Regions that smooth joins connect, and that are solved together.
+// Groups of regions that are connected by smooth joins and solved together.
 
-/// Some regions of a model, as a model of their own.
+/// A group of regions of a model, as a model of its own.
 struct RegionGroup {
-  std::vector<int> regions;  ///< their numbers in the model, ascending
+  std::vector<int> regions;  ///< region indices in the model, ascending
   std::vector<std::shared_ptr<const RegionLayout>> layouts;
-  std::vector<size_t> joins;    ///< which plans of the model connect them
-  std::vector<JoinPlan> plans;  ///< these, with the numbers that the regions have in the group
+  std::vector<size_t> joins;    ///< indices of the model's join plans within the group
+  std::vector<JoinPlan> plans;  ///< these plans, with region indices relative to the group
 };
 
-/// The groups of regions that plans connect that are not given up, by their lowest region. A region
-/// by itself is a group without plans; regions that are null are in none. O(plans log regions).
+/// Partitions the regions into groups connected by join plans that are not rejected, ordered by
+/// their lowest region. A region without joins is a group of its own. Null regions belong to no
+/// group. Cost: O(plans log regions).
 std::vector<RegionGroup> join_groups(
     const std::vector<std::shared_ptr<const RegionLayout>>& layouts,
     const std::vector<JoinPlan>& plans);
 
-/// Whether both have the same layouts and plans, so that one shape serves both.
+/// True if both groups have the same layouts and plans, so that a solution of one is valid for the
+/// other.
 bool is_same_problem(const RegionGroup& a, const RegionGroup& b);
 
-/// The plan with other numbers for its regions: `number` has the new one of each.
+/// Copy of a plan with new region indices; `number` maps old to new indices.
 JoinPlan renumbered(JoinPlan plan, const std::map<int, int>& number);
 
 
-// Inside of skin_network(): chooses which lines become creases and which are to be smooth.
+// Classification of network edges into creases and smooth joins, for skin_network().
 
-/// What was chosen.
+/// Result of classify_joins().
 struct JoinClassification {
-  std::vector<ModelJoin> joins;      ///< a join for every arc that has a region, by arc
-  std::vector<JoinLine> join_lines;  ///< what is to be smooth; regions as the model counts them
-  std::vector<int> join_of;          ///< index into `joins` of each join line
+  std::vector<ModelJoin> joins;  ///< one per network edge that has a region, in the order of edges
+  std::vector<JoinLine> join_lines;  ///< smooth joins; region indices of the model
+  std::vector<int> join_of;          ///< for each join line, its index in `joins`
 };
 
-/// Chooses for every arc: by the user's words, or else by the angle at which the first shapes of
-/// the two regions meet (ModelJoin::initial_deg). Throws InputError for words that fit no line.
+/// Decides for every edge whether it is a crease or a smooth join.
+///
+/// User specifications take precedence. Otherwise the angle at which the initial shapes of the two
+/// regions meet is compared with ModelOptions::crease_angle_deg (see ModelJoin::initial_deg).
+/// Throws InputError if a specification names no existing edge.
 JoinClassification classify_joins(const CurveNetwork& network, const RegionMaker& maker,
                                   const ModelOptions& options,
                                   const std::vector<ModelRegion>& regions);
 
-/// Returns the angle between the present shapes of the two regions of a join line. `open`: ends
-/// that are creases.
+/// Measures the angle between the current shapes of the two regions along a join line. `open`: ends
+/// of the line that are creases.
 JoinQuality angle_of(const std::vector<ModelRegion>& regions, JoinLine join_line,
                      const std::array<bool, 2>& open = {});
 

@@ -13,12 +13,12 @@
 namespace batten {
 namespace {
 
-constexpr std::array<int, 3> kAxes{2, 0, 1};  // up first
+constexpr std::array<int, 3> kAxes{2, 0, 1};  // z first
 
-// One surface without its creases. Within an element the normal is linear between the corners, so
-// that what bends inside of a large element counts as well:
+// Integrals over one surface without its creases. The normal is interpolated linearly between the
+// corners of an element, so that bending inside large elements is included:
 //
-//      ∫ div n dA = Σ over edges of  ½ (n_a + n_b) · (x_b - x_a) × N,     N: normal of the flat facet.
+//     ∫ div n dA = Σ over edges of  ½ (n_a + n_b) · (x_b - x_a) × N,     N: facet normal.
 SideIntegrals of_region(const SkinnedRegion& region) {
   const Surface& surface = region.surface;
   const Trim* trim = surface.trim().get();
@@ -36,7 +36,7 @@ SideIntegrals of_region(const SkinnedRegion& region) {
     const Vec3 flat = area.normalized();
     for (Vec3& normal : n) {
       const double length = normal.norm();
-      // Where two sides meet in one tangent the surface has no normal of its own.
+      // The normal is undefined where two sides meet in one tangent: use the facet normal.
       normal = length > 0 && std::isfinite(length) && normal.dot(flat) > 0 ? Vec3(normal / length)
                                                                            : flat;
     }
@@ -49,7 +49,7 @@ SideIntegrals of_region(const SkinnedRegion& region) {
   return sum;
 }
 
-// Half of the angle between the normals along the lines that two regions share.
+// Half of the integral of the angle between the normals along shared lines.
 double of_creases(const std::vector<const SkinnedRegion*>& regions) {
   std::map<std::string, std::vector<JoinSide>> sides;
   for (int r = 0; r < isize(regions); ++r)
@@ -66,7 +66,7 @@ double of_creases(const std::vector<const SkinnedRegion*>& regions) {
     if (two.size() == 2 && two[0].left != two[1].left) lines.push_back({name, {two[0], two[1]}});
   std::vector<double> turns(lines.size(), 0);
   parallel_for(isize(lines), [&](int l) {
-    constexpr int kSamples = 2;  // of an edge
+    constexpr int kSamples = 2;  // per edge
     turns[l] = measure_join(regions, lines[l], {}, kSamples).convexity;
   });
   double sum = 0;
@@ -100,7 +100,8 @@ Eigen::Matrix3d SideIntegrals::central_moments() const {
 }
 
 NormalSide normal_side(const SideIntegrals& integrals, bool closed) {
-  // Relative to √A, A and A^1.5. What lies below has no side that drawing it again would keep.
+  // Relative to √A, A and A^1.5. Smaller values would not be stable if the surface were drawn
+  // again.
   constexpr double kMinCurvature = 1e-2, kMinVector = 0.05, kMinMoment = 1e-3;
   NormalSide side;
   if (!(integrals.area > 0)) return side;

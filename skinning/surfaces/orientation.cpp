@@ -20,13 +20,13 @@ EdgeLoop reversed_loop(const EdgeLoop& loop) {
   return back;
 }
 
-// Points of each arc in polyline().
+// Number of points per edge in polyline().
 int points_per_edge(const EdgeLoop& loop) {
   constexpr int kMaxPoints = 96;
   return std::clamp(kMaxPoints / isize(loop), 2, 12);
 }
 
-// Points along a loop, as many of each arc.
+// Points along a loop, with equally many per edge.
 std::vector<Vec3> polyline(const CurveNetwork& network, const EdgeLoop& loop) {
   const int per_edge = points_per_edge(loop);
   std::vector<Vec3> points;
@@ -40,7 +40,7 @@ std::vector<Vec3> polyline(const CurveNetwork& network, const EdgeLoop& loop) {
   return points;
 }
 
-// `count` points around a loop, evenly by arc length.
+// `count` points around a loop, uniform in arc length.
 std::vector<Vec3> even_points(const CurveNetwork& network, const EdgeLoop& loop, int count) {
   double length = 0, begin = 0;
   for (const OrientedEdge& use : loop) length += network.edges()[use.edge].length;
@@ -50,7 +50,7 @@ std::vector<Vec3> even_points(const CurveNetwork& network, const EdgeLoop& loop,
     for (;;) {
       const double along = length * static_cast<double>(points.size()) / count - begin;
       if (along >= edge.length || isize(points) == count) break;
-      // Arcs run at even speed.
+      // Edges are parametrised at constant speed.
       const double f = std::max(0.0, along) / edge.length;
       points.push_back(edge.curve.evaluate(edge.curve.end() * (use.reversed ? 1 - f : f)));
     }
@@ -59,10 +59,11 @@ std::vector<Vec3> even_points(const CurveNetwork& network, const EdgeLoop& loop,
   return points;
 }
 
-// The strip between two rims: points of the second one beside those of the first, least apart.
+// The strip between two boundary circles: points of the second one next to those of the first, with
+// minimum distance.
 struct Strip {
   std::vector<Vec3> first, second;
-  bool along = true;  ///< the second rim runs as the first one does
+  bool along = true;  ///< the second circle has the same direction as the first
 };
 Strip strip_between(const CurveNetwork& network, const EdgeLoop& a, const EdgeLoop& b) {
   constexpr int count = 64;
@@ -85,8 +86,8 @@ Strip strip_between(const CurveNetwork& network, const EdgeLoop& a, const EdgeLo
   return strip;
 }
 
-// Loops of one region so that they run around it: rims against each other, holes against the
-// outline.
+// Orients the loops of one region to run around it: boundary circles against each other, holes
+// against the outer loop.
 void orient_loops(const CurveNetwork& network, NetworkRegion& region) {
   const auto vector = [&](const EdgeLoop& loop) {
     const std::vector<Vec3> points = polyline(network, loop);
@@ -103,12 +104,12 @@ void orient_loops(const CurveNetwork& network, NetworkRegion& region) {
   }
 }
 
-// What one region looks like from far: by plain fillings.
+// Rough geometry of a region, from hole-filling triangulations.
 struct FillingSketch {
   double area = 0, size = 0;
   SideIntegrals sides;
-  // Normals of the facets along the arcs of its loops: one for each interval between points, in the
-  // direction of the loop.
+  // Facet normals along the edges of its loops: one per interval between points, in the direction
+  // of the loop.
   std::map<int, std::pair<OrientedEdge, std::vector<Vec3>>> beside;
 };
 
@@ -116,8 +117,8 @@ double dihedral_angle(const Vec3& n, const Vec3& m, const Vec3& outwards) {
   return std::copysign(std::atan2(n.cross(m).norm(), n.dot(m)), m.dot(outwards));
 }
 
-// Adds triangles and the angles between them. Returns the normal beside each edge between one point
-// and the next one.
+// Adds triangles and the angles between them. Returns the normal next to each side from one point
+// to the next.
 std::vector<Vec3> add_triangles(const std::vector<Vec3>& points,
                                 const std::vector<std::array<int, 3>>& triangles,
                                 SideIntegrals& sides) {
@@ -155,7 +156,7 @@ FillingSketch sketch_of(const CurveNetwork& network, const NetworkRegion& region
     std::vector<std::array<int, 3>> triangles;
     if (fill) triangles = fill->triangles;
     for (int i = 1; !fill && i + 1 < isize(points); ++i) triangles.push_back({0, i, i + 1});
-    // A hole runs the other way around: what fills it is taken away.
+    // A hole runs in the opposite direction, so its filling is subtracted.
     const auto beside = add_triangles(points, triangles, sketch.sides);
     if (l > 0) sketch.sides.area -= 2 * (fill ? fill->area : 0);
     if (fill) sketch.area += l == 0 ? fill->area : -fill->area;
@@ -183,22 +184,22 @@ FillingSketch sketch_of(const CurveNetwork& network, const NetworkRegion& region
   return sketch;
 }
 
-// The regions that hang together with one, and which of them have to be turned over.
+// Traverses connected regions, and finds which of them have to be reversed.
 class ShellTraversal {
  public:
   ShellTraversal(const std::vector<NetworkRegion>& regions,
                  const std::vector<std::vector<EdgeUse>>& sides)
       : flipped(regions.size(), 0), regions_(regions), sides_(sides), seen_(regions.size(), 0) {}
 
-  std::vector<char> flipped;  // whether each region has to be turned over
+  std::vector<char> flipped;  // by region: true if it has to be reversed
 
   bool seen(int region) const { return seen_[region] != 0; }
 
-  // The shell of a region, and its sheets.
+  // The shell of a region, and its patches.
   ModelShell from(int seed, std::vector<OrientedPatch>& patches) {
     ModelShell shell;
     shell.closed = true;
-    std::vector<int> beyond{seed};  // other sheets, where arcs have more than two uses
+    std::vector<int> beyond{seed};  // regions of other patches, across non-manifold edges
     for (size_t k = 0; k < beyond.size(); ++k) {
       if (seen(beyond[k])) continue;
       OrientedPatch patch;
@@ -223,7 +224,7 @@ class ShellTraversal {
     patch.regions.push_back(region);
   }
 
-  // What lies across an arc of region r.
+  // Crosses a network edge of region r to the regions on the other side.
   void cross(ModelShell& shell, OrientedPatch& patch, std::vector<int>& beyond, int r,
              const OrientedEdge& use) {
     const auto& sides = sides_[use.edge];
@@ -256,12 +257,13 @@ class ShellTraversal {
   std::vector<char> seen_;
 };
 
-// What is known of a sheet by the sketches of its regions, with the creases between them.
+// Integrals over a patch from the rough geometry of its regions, including the creases between
+// them.
 SideIntegrals rough_integrals(const CurveNetwork& network, const OrientedPatch& patch,
                               const std::vector<FillingSketch>& sketches,
                               const std::vector<char>& flipped) {
   SideIntegrals sum;
-  std::map<int, int> first;  // of each arc: the region that was met first
+  std::map<int, int> first;  // for each edge, the region that was met first
   for (const int r : patch.regions) {
     sum.add(sketches[r].sides, flipped[r] != 0);
     for (const auto& [edge, mine] : sketches[r].beside) {
@@ -282,7 +284,7 @@ SideIntegrals rough_integrals(const CurveNetwork& network, const OrientedPatch& 
                            curve.evaluate(curve.end() * k / kSamples);
         const Vec3 n = normal(mine, flipped[r] != 0, f),
                    m = normal(theirs, flipped[at->second] != 0, f);
-        // Mine lies to the left of the arc where its loop runs along it.
+        // The region `mine` lies to the left of the edge if its loop runs along the edge.
         const double left = mine.first.reversed == (flipped[r] != 0) ? 1 : -1;
         sum.curvature += 0.5 * along.norm() * dihedral_angle(n, m, left * along.cross(n));
       }
@@ -291,7 +293,7 @@ SideIntegrals rough_integrals(const CurveNetwork& network, const OrientedPatch& 
   return sum;
 }
 
-// The side of every loop on its arcs.
+// Uses of each network edge by the loops of all regions.
 std::vector<std::vector<EdgeUse>> sides_of(const std::vector<NetworkRegion>& regions,
                                            size_t edges) {
   std::vector<std::vector<EdgeUse>> sides(edges);

@@ -1,4 +1,4 @@
-// Inside of skin_network(): decides which way the normals of a network's regions point.
+// Orients the regions of a network consistently, and groups them into shells.
 #pragma once
 
 #include <vector>
@@ -7,38 +7,43 @@
 
 namespace batten {
 
-/// One use of an arc by a region. `reversed`: the region's loop runs against the arc.
+/// The use of a network edge by a region. `reversed`: the region's loop runs against the edge.
 struct EdgeUse {
   int region = 0;
   bool reversed = false;
 };
 
-/// Regions whose normals hang together: each arc between two of them has no third.
+/// Regions with a common orientation: a connected set, across edges with exactly two regions.
 struct OrientedPatch {
   std::vector<int> regions;
-  bool closed = true;      ///< every arc has two uses
-  bool orientable = true;  ///< the normals agree across all of them
+  bool closed = true;      ///< every edge has two uses
+  bool orientable = true;  ///< consistent normals exist across all its edges
 };
 
-/// What was found while the regions were turned.
+/// Result of orient().
 struct Orientation {
-  std::vector<ModelShell> shells;           ///< without area and volume
-  std::vector<OrientedPatch> patches;       ///< the parts of shells that branch; else the shells
-  std::vector<std::vector<EdgeUse>> sides;  ///< uses of each arc, regions ascending
-  std::vector<double> filling_areas;        ///< area of the loops' plain filling; 0: unknown
-  std::vector<double> sizes;                ///< diagonal of the box of each region's loops
+  std::vector<ModelShell> shells;  ///< connected components of regions; area and volume are not set
+  /// Manifold parts of non-manifold shells; otherwise the shells.
+  std::vector<OrientedPatch> patches;
+  /// For each edge, its uses by regions, in ascending order of regions.
+  std::vector<std::vector<EdgeUse>> sides;
+  /// Area of the hole-filling triangulation per region; 0: unknown.
+  std::vector<double> filling_areas;
+  std::vector<double> sizes;  ///< bounding-box diagonal of each region's loops, model units
 };
 
-/// Turns the loops of each region so that they run around it (holes against the outline, the rims
-/// of a ring against each other), and the regions so that normals agree across every arc with two
-/// regions: each such arc is then used once in either direction. To which side the normals of a
-/// sheet point is a guess by plain fillings of the loops after the rule of normal_side.h, for which
-/// the finished surfaces have the last word (RegionMaker::orient_normals()). A sheet that is
-/// one-sided keeps its loops where they are in conflict. Cost: one plain filling of each loop, on
-/// all threads.
+/// Orients the loops and regions of a network.
+///
+/// The loops of each region are oriented to run around it: holes against the outer loop, the two
+/// boundary circles of an annulus against each other. Regions are then oriented so that normals
+/// agree across every edge with two regions; each such edge is used once in either direction. The
+/// side to which the normals of a patch point is estimated from hole-filling triangulations of the
+/// loops, by the rules of normal_side.h. The finished surfaces decide finally
+/// (RegionMaker::orient_normals()). A non-orientable patch keeps its loops at conflicting edges.
+/// Cost: one hole-filling triangulation per loop; parallel.
 Orientation orient(const CurveNetwork& network, std::vector<NetworkRegion>& regions);
 
-/// Turns a region over: its loops, and its uses of arcs.
+/// Reverses the orientation of a region: its loops and its edge uses.
 void flip_region(int region, NetworkRegion& plan, Orientation& orientation);
 
 }  // namespace batten

@@ -15,9 +15,9 @@
 namespace batten {
 namespace {
 
-constexpr int kMaxModelTriangles = 100'000;  // triangles, about
+constexpr int kMaxModelTriangles = 100'000;  // approximate
 
-// Elements across a small region: of many regions each has fewer.
+// Minimum number of elements across a small region; fewer if there are many regions.
 double min_edges_across(size_t regions) {
   return std::clamp(std::sqrt(kMaxModelTriangles / static_cast<double>(regions)), 6.0, 12.0);
 }
@@ -55,14 +55,14 @@ bool open_slit(const CurveNetwork& network, NetworkRegion& plan, size_t l) {
   return false;
 }
 
-// A loop that goes along an arc and comes back on it: the arc lies inside then, and what is left
-// are two loops, the longer of which is the outline.
+// Resolves slits: if a loop passes an edge in both directions, the edge becomes an inner edge. The
+// two remaining loops become the outline (the longer one) and a hole.
 void open_slits(const CurveNetwork& network, NetworkRegion& plan) {
   if (plan.annulus) return;
   for (size_t l = 0; l < plan.loops.size(); ++l)
     while (open_slit(network, plan, l)) {
     }
-  // A tube that was cut open along a line: two smooth loops and the cut between them.
+  // A tube that was cut open along a line: two smooth loops, and the cut between them.
   plan.annulus = plan.loops.size() == 2 && !plan.inner.empty() &&
                  is_smooth(network, plan.loops[0]) && is_smooth(network, plan.loops[1]);
 }
@@ -82,7 +82,7 @@ RegionMaker::RegionMaker(const CurveNetwork& network, const FoundRegions& found,
     model_.regions[r].filling_area = orientation_.filling_areas[r];
   }
   const double edges_per_size =
-      plans.size() == 1 ? 20 : 40;  // a region by itself has no neighbours to meet
+      plans.size() == 1 ? 20 : 40;  // a single region has no joins to resolve
   edge_ = options.skin.edge_length > 0 ? options.skin.edge_length : network.size() / edges_per_size;
   tolerance_ = options.skin.tolerance > 0 ? options.skin.tolerance : 1e-4 * network.size();
   require_tolerance(tolerance_, network.size());
@@ -103,7 +103,7 @@ double RegionMaker::element_edge(int region) const {
 }
 
 void RegionMaker::require_memory_for_all() const {
-  if (model_.regions.size() == 1) return;  // a region knows its own need better
+  if (model_.regions.size() == 1) return;  // the estimate of the region itself is more accurate
   double triangles = 0;
   for (int r = 0; r < isize(model_.regions); ++r)
     triangles += orientation_.filling_areas[r] / (0.433 * std::pow(element_edge(r), 2));
@@ -115,7 +115,7 @@ double RegionMaker::edge_of(int region) const {
   return own > 0 ? own : edge_;
 }
 
-// Where meshes have their vertices on each arc.
+// Distributes the mesh vertices on each network edge.
 void RegionMaker::distribute_vertices() {
   prescribed_.resize(network_.edges().size());
   for (size_t a = 0; a < network_.edges().size(); ++a) {
@@ -148,21 +148,22 @@ void RegionMaker::distribute_vertices() {
   }
 }
 
-// Meshes resolve what the sides of their regions mean: a nose is as curved in the middle of its span as at
-// the ribs, where vertices are dense. Sizes are found on layouts without a shape; at the end those that
-// changed get one.
+// Refines regions until their meshes resolve the rest shapes that follow from their sides. The nose
+// of a wing, for example, is as curved at mid-span as at the ribs, where vertices are dense. Sizes
+// are found on layouts without a shape; the changed ones are solved afterwards.
 std::set<int> RegionMaker::refine_for_rest_shapes(std::set<int> examine) {
   std::set<int> beside;
   if (!options_.rest || options_.skin.edge_length > 0) return beside;
   constexpr int kMaxRounds = 8;
-  constexpr double kToleranceFraction = 0.4;  // of the tolerance: fitted curves take some, too
-  // Waves of curves that were drawn by hand are not worth their elements, noses of wings are.
+  constexpr double kToleranceFraction = 0.4;  // of the tolerance: fitted curves use up some of it, too
+  // Waves of hand-drawn curves do not justify more elements; noses of wings do.
   constexpr double kMinError = 10;  // of the tolerance
-  // Triangles that come to all of these regions. Drawings of many regions are not to be much slower.
+  // Triangles added to all of these regions together, bounded so that drawings with many regions
+  // stay fast.
   const int more = std::min(10'000, 40'000 / isize(model_.regions));
   int each = more;
   std::vector<std::shared_ptr<const RegionLayout>> now(model_.regions.size());
-  std::vector<int> before(now.size(), 0);  // triangles
+  std::vector<int> before(now.size(), 0);  // number of triangles
   std::vector<int> in_vain(now.size(), 0);
   std::vector<double> least_error(now.size(), std::numeric_limits<double>::infinity());
   for (const int r : examine) sizes_[r].reset();
@@ -180,7 +181,7 @@ std::set<int> RegionMaker::refine_for_rest_shapes(std::set<int> examine) {
       const RestShapeError error =
           rest_shape_error(*layout, kToleranceFraction * tolerance_, sizes_[r].get());
       if (round == 0 && !(error.largest > kMinError * tolerance_)) return;
-      // Where shorter edges do not help twice, the shape itself has a corner.
+      // If shorter edges do not help twice, the shape itself has a corner.
       constexpr double kWorthwhileRatio = 0.8;
       in_vain[r] = error.largest <= kWorthwhileRatio * least_error[r] ? 0 : in_vain[r] + 1;
       if (in_vain[r] == (error.largest <= tolerance_ ? 1 : 2)) return;
@@ -204,7 +205,7 @@ std::set<int> RegionMaker::refine_for_rest_shapes(std::set<int> examine) {
   return beside;
 }
 
-// Null where it cannot be laid out as its lines ask for.
+// The default layout of a region without a shape; null if it fails.
 std::shared_ptr<const RegionLayout> RegionMaker::plain_layout(int r) const {
   const RegionRequest request = request_of(static_cast<size_t>(r));
   try {
@@ -216,7 +217,8 @@ std::shared_ptr<const RegionLayout> RegionMaker::plain_layout(int r) const {
   }
 }
 
-// Gives the arcs of a region vertices as dense as its elements are to be. Regions beside these.
+// Distributes vertices on the edges of a region according to its target sizes. Returns the adjacent
+// regions.
 std::set<int> RegionMaker::divide_sides(const RegionLayout& layout, const SizeField& sizes) {
   std::set<int> beside;
   for (const EdgeAlignedLine& aligned_line : layout.edge_aligned()) {
@@ -227,7 +229,7 @@ std::set<int> RegionMaker::divide_sides(const RegionLayout& layout, const SizeFi
     if (edge == edges.end() || !aligned_line.line.prescribed) continue;
     const auto a = static_cast<size_t>(edge - edges.begin());
     const double per_length = edge->curve.end() / edge->length;
-    const PrescribedCurve& prescribed = *prescribed_[a];  // may have more vertices than the run has
+    const PrescribedCurve& prescribed = *prescribed_[a];  // may have more vertices than the line
     auto finer = std::make_shared<PrescribedCurve>(PrescribedCurve{prescribed.curve, {}});
     const auto& of_run = aligned_line.line.prescribed->vertices;
     for (size_t i = 0;; ++i) {
@@ -281,7 +283,7 @@ void RegionMaker::lay_out(const std::vector<int>& which, double from, double to)
     } catch (const CancelledError&) {
       throw;
     } catch (const std::runtime_error& e) {
-      // Made once more for its joins only: then it stays as it was.
+      // Laid out again for its joins only: keep the previous layout.
       if (layouts_[r]) return;
       region.rejection_reason = e.what();
       if (dynamic_cast<const NoSolutionError*>(&e) || dynamic_cast<const MeshError*>(&e))
@@ -303,14 +305,14 @@ void RegionMaker::orient_normals() {
     if (made.empty() || normal_side(side_integrals(made), closed).agrees) continue;
     for (const int r : patch.regions) {
       flip_region(r, model_.regions[r].plan, orientation_);
-      // It is not to stay as it was.
+      // Do not keep the previous layout if it fails.
       layouts_[r] = nullptr;
       model_.regions[r].skinned.reset();
       turned.push_back(r);
     }
   }
   if (turned.empty()) return;
-  // The domains are others now.
+  // Orientation changes the domains.
   for (const int r : refine_for_rest_shapes({turned.begin(), turned.end()}))
     if (std::find(turned.begin(), turned.end(), r) == turned.end()) turned.push_back(r);
   for (const int r : turned) {
@@ -319,7 +321,7 @@ void RegionMaker::orient_normals() {
     strategies_[r]->skin.size_field = sizes_[r];
   }
   lay_out(turned, 0.4, 0.4);
-  // What could be laid out before is tried in other ways.
+  // If a layout that worked before fails now, try the other candidates.
   std::erase_if(turned, [&](int r) { return layouts_[r] || !strategies_[r]; });
   for (const int r : turned) strategies_[r].reset();
   if (!turned.empty()) lay_out(turned, 0.4, 0.4);
@@ -334,7 +336,7 @@ RegionRequest RegionMaker::request_of(size_t r) const {
   skin.domain = plan.annulus ? SkinOptions::Domain::Annulus : plan.skin.domain;
   skin.convex = plan.skin.convex;
   skin.reverse_orientation = plan.loops[0][0].reversed;
-  // Triangles that trials may take: of large regions and of large models fewer are made.
+  // Triangle budget of the candidates; smaller for models with many regions.
   constexpr int kMinTrialTriangles = 1'000, kMaxTrialTriangles = 8'000;
   const int budget = std::clamp(kMaxModelTriangles / isize(model_.regions), kMinTrialTriangles,
                                 kMaxTrialTriangles);
@@ -369,7 +371,7 @@ void RegionMaker::lay_out_one(size_t r) {
 
 bool RegionMaker::lay_out_alternative(int region) {
   const auto r = static_cast<size_t>(region);
-  if (strategies_[r]->skin.convex) return false;  // how it turns there means nothing
+  if (strategies_[r]->skin.convex) return false;  // its inversion in this shape is meaningless
   auto candidate =
       try_other_domain(request_of(r), layouts_[r]->domain(), metadata(), options_.material);
   if (!candidate) return false;

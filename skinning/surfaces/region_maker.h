@@ -1,4 +1,4 @@
-// Inside of skin_network(): lays out and solves each region of a network by itself.
+// Lays out and solves each region of a network on its own; the first stage of skin_network().
 #pragma once
 
 #include <memory>
@@ -15,49 +15,52 @@
 
 namespace batten {
 
-/// Makes the layouts and first shapes of all regions of a network.
+/// Makes the layouts and initial shapes of all regions of a network.
 class RegionMaker {
  public:
-  /// Orients the regions, and fills in shells and plans of the model. It keeps references to all
+  /// Orients the regions and sets the shells and plans of `model`. Keeps references to all
   /// arguments.
   RegionMaker(const CurveNetwork& network, const FoundRegions& found, const ModelOptions& options,
               const Progress& progress, SurfaceModel& model);
 
-  /// Lays out these regions and solves each by itself, on all threads. ModelRegion::rejection_reason says
-  /// why one could not be skinned; one that could be before stays as it was then. `from`, `to`:
-  /// range of the progress that is reported.
+  /// Lays out the given regions and solves each on its own, in parallel.
+  ///
+  /// ModelRegion::rejection_reason explains why a region could not be skinned. If a region was laid
+  /// out before and now fails, it keeps its previous layout. `from`, `to`: range of the reported
+  /// progress, 0 to 1.
   void lay_out(const std::vector<int>& which, double from, double to);
-  /// Turns over the sheets whose first shapes show that their normals point to the wrong side
-  /// (normal_side.h), and lays these out again.
+  /// Reverses the patches whose initial shapes show that their normals point to the wrong side
+  /// (normal_side.h), and lays them out again.
   void orient_normals();
-  /// Chooses shorter edges for these regions where their elements would not follow the rest shape
-  /// within the tolerance (rest_shape_error.h), for the next lay_out(). Nothing where an edge length is stated.
-  /// Returns the regions beside arcs that got more vertices.
+  /// Shortens the target edge lengths of regions whose elements do not resolve the rest shape
+  /// within the tolerance (rest_shape_error.h), for the next lay_out(). Does nothing if the user
+  /// has specified an edge length. Returns the regions next to edges that got more vertices.
   std::set<int> refine_for_rest_shapes(std::set<int> regions);
-  /// Lays out a region in another way (try_other_domain()). Whether there was one.
+  /// Lays out a region on another domain (try_other_domain()). Returns false if there is none.
   bool lay_out_alternative(int region);
-  /// Lays a region out once more without its rest shape. Whether it had one.
+  /// Lays out a region again without its rest shape. Returns false if it had none.
   bool lay_out_without_rest_shape(int region);
-  /// Leaves a region out after all, for a reason in words.
+  /// Excludes a region afterwards; `why` becomes its rejection reason.
   void exclude(int region, const std::string& why);
-  /// Puts a mesh vertex between any two on this arc, for the next lay_out().
+  /// Bisects the vertex spacing of a network edge, for the next lay_out().
   void halve(int edge);
 
   ModelMetadata metadata() const;
-  /// The layout of each region; null: it could not be skinned.
+  /// Layout of each region; null: it could not be skinned.
   const std::vector<std::shared_ptr<const RegionLayout>>& layouts() const { return layouts_; }
-  /// Returns the dofs of the shape that each region's own lines make.
+  /// Dofs of the initial shape of each region, which depends only on its own lines.
   const std::vector<Points>& initial_shapes() const { return initial_shapes_; }
-  /// Returns the dofs of the rest shape of each region; no rows: it has none.
+  /// Dofs of the rest shape of each region; no rows: none.
   const std::vector<Points>& rest_shapes() const { return rest_shapes_; }
-  /// Returns the uses of an arc by regions.
+  /// Uses of a network edge by regions.
   const std::vector<EdgeUse>& sides(int edge) const { return orientation_.sides[edge]; }
-  /// Returns the side by which the region of a use has that arc in its present shape.
+  /// Side of the edge in the current shape of the region that uses it; empty if the region does not
+  /// have the edge on its boundary.
   std::optional<JoinSide> side_of(const EdgeUse& use, int edge) const;
 
  private:
-  double edge_of(int region) const;       // as stated
-  double element_edge(int region) const;  // and shorter in small regions
+  double edge_of(int region) const;       // target edge length as specified
+  double element_edge(int region) const;  // the same, shorter in small regions
   std::shared_ptr<const RegionLayout> plain_layout(int region) const;
   std::set<int> divide_sides(const RegionLayout& layout, const SizeField& sizes);
   void require_memory_for_all() const;
@@ -75,11 +78,12 @@ class RegionMaker {
   Vec3 origin_ = Vec3::Zero();
   Orientation orientation_;
   std::vector<std::shared_ptr<const PrescribedCurve>>
-      prescribed_;                                         // by arc: the curve and its vertices
-  std::vector<std::optional<LayoutStrategy>> strategies_;  // how each region was laid out
+      prescribed_;  // curve and vertices of each network edge
+  // Options with which each region was laid out.
+  std::vector<std::optional<LayoutStrategy>> strategies_;
   std::vector<std::shared_ptr<const RegionLayout>> layouts_;
   std::vector<Points> initial_shapes_, rest_shapes_;
-  std::vector<std::shared_ptr<const SizeField>> sizes_;  // of each region; null: as usual
+  std::vector<std::shared_ptr<const SizeField>> sizes_;  // for each region; null: default sizes
 };
 
 }  // namespace batten

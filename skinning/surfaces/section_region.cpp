@@ -14,17 +14,17 @@
 namespace batten {
 namespace {
 
-constexpr double kSectionCorner = 20;    // degrees, of a closed section where it begins
-constexpr double kMaxLateralOffset = 1;  // of the larger radius: else sections lie side by side
+constexpr double kSectionCorner = 20;    // degrees, at the seam of a closed section
+constexpr double kMaxLateralOffset = 1;  // of the larger radius; above, sections lie side by side
 
-// What is compared of two sections.
+// Data by which sections are compared.
 struct Section {
   Vec3 middle = Vec3::Zero();  // mean of its points
-  Vec3 direction;              // of an open one: from its start to its end
+  Vec3 direction;              // from start to end (open sections)
   std::vector<Vec3> points;
 };
 
-// The single arc of each line; empty where a line is cut or meets another one.
+// The only network edge of each curve; empty if a curve is split or meets another one.
 std::vector<int> isolated_edges(const CurveNetwork& network) {
   std::vector<int> edge_of(network.lines().size(), -1), ends(network.nodes().size(), 0);
   for (int a = 0; a < isize(network.edges()); ++a) {
@@ -53,7 +53,8 @@ Section section_of(const NetworkEdge& edge) {
   return section;
 }
 
-// From the two nearest sections on, each time the nearest one to either end.
+// Orders the sections: starts with the two closest ones and appends the nearest section at either
+// end.
 std::vector<int> chain(const std::vector<Section>& sections) {
   const int n = isize(sections);
   const auto distance = [&](int a, int b) {
@@ -79,12 +80,12 @@ std::vector<int> chain(const std::vector<Section>& sections) {
     else
       row.push_back(best);
   }
-  // From the line that was given first on, of the two at the ends.
+  // Start at the end whose curve comes first in the input.
   if (row.front() > row.back()) std::reverse(row.begin(), row.end());
   return {row.begin(), row.end()};
 }
 
-// Normal of the plane of a closed section, and the mean distance of its points from their middle.
+// Plane normal of a closed section, and the mean distance of its points from their mean.
 std::pair<Vec3, double> plane_of(const Section& section) {
   Vec3 normal = Vec3::Zero();
   double radius = 0;
@@ -97,7 +98,7 @@ std::pair<Vec3, double> plane_of(const Section& section) {
 }
 
 bool closed_face(const Section& one, const Section& two) {
-  constexpr double kMinSpacing = 0.05;  // of the smaller radius: nearer planes are one
+  constexpr double kMinSpacing = 0.05;  // of the smaller radius; closer planes count as one
   constexpr double kMaxAngleDeg = 60;   // degrees between the planes
   const auto [normal, radius] = plane_of(one);
   auto [other, other_radius] = plane_of(two);
@@ -111,7 +112,7 @@ bool closed_face(const Section& one, const Section& two) {
 
 bool open_face(const Section& one, const Section& two) {
   constexpr double kMaxAngleDeg = 45;                     // degrees
-  constexpr double kMaxShift = 0.5, kMaxLengthRatio = 5;  // of lengths
+  constexpr double kMaxShift = 0.5, kMaxLengthRatio = 5;  // relative to the lengths
   const double a = one.direction.norm(), b = two.direction.norm();
   if (!(a > 0 && b > 0) || std::max(a, b) > kMaxLengthRatio * std::min(a, b)) return false;
   const double angle_deg = degrees_between(one.direction, two.direction);

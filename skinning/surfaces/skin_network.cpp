@@ -25,10 +25,11 @@
 
 namespace batten {
 
-// Measures a model that has a shape. Internal.
+// Measurement of a model that has a shape.
 
-/// Fills in qualities and areas of the regions, angles of the joins, volumes of the shells, and
-/// flaws, of a model that has layout and shape. Joins that its layout gave up become creases.
+/// Computes the quality and area of the regions, the angles of the joins, the volumes of the
+/// shells, and the defects of a model with layout and shape. Joins that its layout has rejected
+/// become creases.
 void measure(SurfaceModel& model, const Progress& progress);
 
 namespace {
@@ -45,13 +46,13 @@ class ModelMaker {
   SurfaceModel make() {
     std::vector<int> all(model_.regions.size());
     std::iota(all.begin(), all.end(), 0);
-    // 1. Orient: when regions_ was made.
-    // 2. Lay out and solve each region. Their shapes say to which side normals are to point.
+    // 1. Orient: done by the constructor of regions_.
+    // 2. Lay out and solve each region. The shapes then decide the side of the normals.
     regions_.refine_for_rest_shapes({all.begin(), all.end()});
     regions_.lay_out(all, 0, 0.4);
     regions_.orient_normals();
     progress_.update("joining", 0);
-    // 3. Choose creases and smooth joins.
+    // 3. Classify edges as creases or smooth joins.
     JoinClassification classification =
         classify_joins(network_, regions_, options_, model_.regions);
     model_.joins = std::move(classification.joins);
@@ -66,8 +67,8 @@ class ModelMaker {
  private:
   ModelJoin& join_of(size_t join_line) { return model_.joins[join_of_[join_line]]; }
 
-  // Solves the groups of regions that smooth joins connect, and halves along joins that are still
-  // above the tolerance. Begins again where a join proves worse than a crease.
+  // Solves the groups of regions that smooth joins connect, and halves edges along joins above the
+  // tolerance. Starts again if a join turns out to be worse than a crease.
   void join() {
     std::vector<JoinPlan> plans;
     constexpr int kMaxRounds = 3;
@@ -108,10 +109,10 @@ class ModelMaker {
     return plans;
   }
 
-  // What a round leaves to do.
+  // Remaining work after a round.
   struct Round {
-    std::set<int> halved, again;  // arcs, and the regions beside them
-    bool rejected_any = false;    // a join was given up
+    std::set<int> halved, again;  // edges to halve, and the regions next to them
+    bool rejected_any = false;    // a join was rejected
   };
 
   Round examine(const std::vector<JoinPlan>& plans, bool may_halve) {
@@ -130,8 +131,8 @@ class ModelMaker {
       join.max_inside_deg = angle.max_inside_deg;
       if (angle.max_inside_deg <= options_.join_tolerance_deg) continue;
       if (!plans[s].at.empty()) {
-        // Vertices on an embedded line are not those of its region's mesh: halving would not help.
-        constexpr double kBetterACrease = 2;  // finer meshes do not help that any more
+        // Vertices on an embedded line do not belong to its region's mesh: halving would not help.
+        constexpr double kBetterACrease = 2;  // degrees; finer meshes cannot repair more
         if (angle.max_inside_deg <= kBetterACrease) continue;
         reject_embedded(join.edge, angle.max_inside_deg);
         left.rejected_any = true;
@@ -148,7 +149,7 @@ class ModelMaker {
                       format_number(degrees) + " degrees";
   }
 
-  // Another layout of a region may carry a line in another way.
+  // A new layout of a region may carry a line differently (embedded or edge-aligned).
   void find_sides_again() {
     for (size_t s = 0; s < join_lines_.size(); ++s) {
       const int edge = join_of(s).edge;
@@ -158,13 +159,13 @@ class ModelMaker {
     }
   }
 
-  // Fills in what became of the joins; smooth lines that end where there is no tangent plane are
-  // listed by node.
+  // Stores the final state of the joins. Nodes at which smooth lines end without a common tangent
+  // plane give a warning.
   void report_joins(const std::vector<JoinPlan>& plans) {
     struct NoPlane {
       std::vector<std::string> lines;
       double apart = 0;        // degrees
-      bool requested = false;  // whether one of them was to be smooth
+      bool requested = false;  // the user specified that one of them is smooth
     };
     std::map<int, NoPlane> without_plane;
     for (size_t s = 0; s < plans.size(); ++s) {
@@ -193,7 +194,7 @@ class ModelMaker {
       }
     }
     for (const auto& [node, found] : without_plane) {
-      // The curves make a point there, as the apex of a cone.
+      // The curves form a cone-like point there.
       if (!found.requested && found.apart > options_.crease_angle_deg) continue;
       std::string names;
       for (const std::string& name : found.lines) names += (names.empty() ? "" : ", ") + name;
@@ -204,8 +205,8 @@ class ModelMaker {
     }
   }
 
-  // Plans the join lines that are not given up and solves each group; where that fails, gives up
-  // some and begins again.
+  // Plans the join lines that are not rejected and solves each group. If that fails, rejects some
+  // of them and starts again.
   std::vector<JoinPlan> solve_groups(std::vector<Points>& dofs) {
     for (;;) {
       dofs = regions_.initial_shapes();
@@ -238,10 +239,10 @@ class ModelMaker {
     return plans;
   }
 
-  // Whether the join lines of this group go together; otherwise some of them are given up.
+  // Solves one group. If that fails, rejects some of its joins and returns false.
   bool solve_group(const RegionGroup& group, const std::vector<JoinPlan>& plans,
                    std::vector<Points>& dofs) {
-    if (group.plans.empty()) return true;  // a region by itself: its first shape
+    if (group.plans.empty()) return true;  // a region without joins: its initial shape
     auto& [before, shapes] = solved_[group.regions.front()];
     if (!is_same_problem(before, group)) {
       const ModelLayout layout(regions_.metadata(), group.layouts, group.plans);
@@ -264,7 +265,7 @@ class ModelMaker {
     return true;
   }
 
-  // The join lines of a group on embedded lines, or, where there are none of these, all.
+  // Rejects the joins of a group on embedded lines or, if there are none, all of its joins.
   void reject(const std::vector<JoinPlan>& plans, const RegionGroup& group,
               const std::string& why) {
     const bool embedded = std::any_of(group.joins.begin(), group.joins.end(),
@@ -273,7 +274,8 @@ class ModelMaker {
       if (plans[s].at.empty() != embedded) rejected_[join_of(s).edge] = why;
   }
 
-  // Regions of which no facets can be made would take every file with them. Whether there is any.
+  // Excludes regions that cannot be tessellated, because they would invalidate all output files.
+  // Returns true if there are any.
   bool exclude_broken() {
     bool any = false;
     std::vector<std::string> why(model_.regions.size());
@@ -295,8 +297,9 @@ class ModelMaker {
     return any;
   }
 
-  // Regions that are well by themselves and turn over, or sag, in one shape with their neighbours
-  // are laid out in another way; where there is none their joins are given up. Whether there is any.
+  // Repairs regions that are valid on their own, but inverted or sagging when solved with their
+  // neighbours: they are laid out in another way, or else their joins are rejected. Returns true if
+  // there are any.
   bool repair_spoiled(const std::vector<JoinPlan>& plans) {
     std::vector<char> spoiled(model_.regions.size(), 0);
     parallel_for(isize(model_.regions), [&](int r) {
@@ -333,7 +336,7 @@ class ModelMaker {
         model_.regions[r].skinned = layout->region(dofs[r]);
   }
 
-  // Makes the model's layout and shape, on which joins on embedded lines may be given up.
+  // Makes the layout and shape of the model. Joins on embedded lines may be rejected meanwhile.
   void finish(std::vector<JoinPlan>& plans) {
     std::map<int, int> number;
     std::vector<std::shared_ptr<const RegionLayout>> made;
@@ -357,7 +360,8 @@ class ModelMaker {
                                                 options_.join_tolerance_deg, progress_);
     model_.layout = std::move(refined.layout);
     model_.dofs = std::move(refined.dofs);
-    const auto& of_layout = model_.layout->join_plans();  // of those that were not given up before
+    // Of the joins that were not rejected before.
+    const auto& of_layout = model_.layout->join_plans();
     size_t next = 0;
     for (size_t s = 0; s < plans.size(); ++s) {
       if (plans[s].rejected()) continue;
@@ -377,14 +381,14 @@ class ModelMaker {
   const Progress& progress_;
   SurfaceModel model_;
   RegionMaker regions_;
-  std::vector<Points> dofs_;                                       // of the regions
-  std::vector<std::shared_ptr<const ParametricMesh>> tessellated_;  // of each region: has some
-  // Groups that were solved and their shapes, by their first region, to be taken again where nothing
-  // has changed.
+  std::vector<Points> dofs_;                                       // by region
+  // By region: last mesh that was tessellated.
+  std::vector<std::shared_ptr<const ParametricMesh>> tessellated_;
+  // Solved groups and their shapes, by their first region; reused if nothing has changed.
   std::map<int, std::pair<RegionGroup, std::vector<Points>>> solved_;
   std::vector<JoinLine> join_lines_;
-  std::vector<int> join_of_;             // index into model_.joins of each join line
-  std::map<int, std::string> rejected_;  // arcs whose join line proved worse than a crease, and why
+  std::vector<int> join_of_;             // for each join line, its index in model_.joins
+  std::map<int, std::string> rejected_;  // rejected joins by network edge, with the reason
 };
 
 }  // namespace
@@ -457,7 +461,7 @@ class ModelFairing {
         spoiled = others_kept || (good_ && !(misfit() < good_misfit_));
       } catch (const CancelledError&) {
         throw;
-      } catch (const Error&) {  // of a step, or of facets that cannot be made any more
+      } catch (const Error&) {  // from a step, or from tessellation
         spoiled = good_ || keep_all_defective();
         if (!spoiled) throw;
       }
@@ -486,7 +490,7 @@ class ModelFairing {
     reshape(model_, layout_, dofs, std::move(regions));
   }
 
-  // Whether any of its regions was not kept before.
+  // Fixes the regions of a defect. Returns true if one of them was not fixed before.
   bool keep(const SurfaceDefect& defect, const std::string& why) {
     bool any = false;
     for (const int r : defect.regions) {
@@ -498,7 +502,7 @@ class ModelFairing {
     return any;
   }
 
-  // Curvature may be too large there for any step.
+  // Fixes all regions with defects: their curvature may be too large for any step.
   bool keep_all_defective() {
     if (tried_flawed_) return false;
     tried_flawed_ = true;
@@ -516,7 +520,7 @@ class ModelFairing {
     return any;
   }
 
-  // Marks the triangles along smooth joins that are above the tolerance.
+  // Marks the triangles along smooth joins above the tolerance.
   void mark_joins(std::vector<char>& marks) const {
     for (const ModelJoin& join : model_.joins) {
       const JoinPlan* plan = layout_->join_plan(join.line);
@@ -532,13 +536,13 @@ class ModelFairing {
                           return unchanged_regions.region == region;
                         });
   }
-  // Whether a region beside the join is faired.
+  // True if a region next to the join is faired.
   bool moves(const JoinPlan& plan) const {
     const auto& sides = plan.join_line.sides;
     return moves(sides[0].region) || moves(sides[1].region);
   }
 
-  // How far the shape is from its lines and joins, beyond and over what is allowed, in all.
+  // Sum of the relative amounts by which joins and line gaps exceed their tolerances.
   double misfit() const {
     double sum = 0;
     for (const ModelJoin& join : model_.joins)
@@ -550,13 +554,13 @@ class ModelFairing {
     return sum;
   }
 
-  // Remembers this shape and goes over to a finer layout. False where there is nothing to halve.
+  // Stores the current result and refines. Returns false if there is nothing to refine.
   bool continue_fairing() {
     good_ = {faired_, start_};
     good_misfit_ = misfit();
     return refine();
   }
-  // Finer meshes spoiled it: back to the shape before. True for another try, with gaps as they are.
+  // Undoes a refinement that made the result worse. Returns true to try again without closing gaps.
   bool undo_refinement() {
     layout_ = good_->first.layout;
     faired_ = good_->first;
@@ -567,7 +571,7 @@ class ModelFairing {
     return refine();
   }
 
-  // Goes over to a finer layout where the shape left its lines or joins. False when it did not.
+  // Refines the layout where joins or line gaps exceed their tolerances. Returns false if none do.
   bool refine() {
     std::vector<char> marks(layout_->mesh()->triangle_count(), 0);
     mark_joins(marks);
@@ -598,11 +602,12 @@ class ModelFairing {
   std::shared_ptr<const ModelLayout> layout_;
   Points start_;
   double max_join_angle_deg_;
-  std::vector<char> only_;  // by region: those to be faired
+  std::vector<char> only_;  // by region: true if it is to be faired
   FairingResult faired_;
   std::set<DefectKey> had_;
   bool tried_flawed_ = false, close_gaps_ = true;
-  std::optional<std::pair<FairingResult, Points>> good_;  // and the start on its mesh
+  // Last good result, with the start on its mesh.
+  std::optional<std::pair<FairingResult, Points>> good_;
   double good_misfit_ = 0;
 };
 
@@ -636,7 +641,8 @@ void take_quality(ModelJoin& join, const JoinQuality& quality) {
 }
 
 void measure_joins(SurfaceModel& model, const std::vector<const SkinnedRegion*>& made) {
-  std::map<std::string, const JoinPlan*> plans;  // by line; of two the one that is not given up
+  // By line name; of two plans, the one that is not rejected.
+  std::map<std::string, const JoinPlan*> plans;
   for (const JoinPlan& plan : model.layout->join_plans()) {
     const JoinPlan*& of_line = plans[plan.join_line.name];
     if (!of_line || of_line->rejected()) of_line = &plan;
@@ -673,7 +679,8 @@ void measure_joins(SurfaceModel& model, const std::vector<const SkinnedRegion*>&
       model.max_join_deg = std::max(model.max_join_deg, join.max_inside_deg);
 }
 
-// Area and volume of a shell; the volume of one that is closed with all its regions.
+// Area, volume and normal side of a shell; the volume only if it is closed and all its regions are
+// skinned.
 void measure_shell(const SurfaceModel& model, ModelShell& shell) {
   shell.area = shell.volume = 0;
   for (const int r : shell.regions) {
@@ -695,7 +702,7 @@ void measure_shell(const SurfaceModel& model, ModelShell& shell) {
   for (const double volume : under) shell.volume += volume;
 }
 
-// Whether two regions meet at a line that the user asked to be a crease: a knife's edge may be.
+// True if two regions meet at a crease that the user specified: it may be a knife edge.
 bool has_requested_crease(const SurfaceModel& model, const std::vector<int>& regions) {
   return std::any_of(model.joins.begin(), model.joins.end(), [&](const ModelJoin& join) {
     return join.requested && join.kind == ModelJoin::Kind::Crease &&

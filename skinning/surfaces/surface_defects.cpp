@@ -26,22 +26,23 @@ double degrees_between_normals(const Vec3& a, const Vec3& b) {
   return kDegrees * std::atan2(a.cross(b).norm(), a.dot(b));
 }
 
-// The edge of a facet that no other one has: from its corner `side` to the next one.
+// A boundary side of a facet: from its corner `side` to the next one.
 struct ShellBoundaryEdge {
   int facet, side;
-  std::array<Vec3, 3> normals;  // of the surface at its start, middle and end; zero: unknown
+  std::array<Vec3, 3> normals;  // surface normals at its start, middle and end; zero: unknown
 };
 
 // The facets of one region, in model units.
 struct Shell {
   std::vector<Vec3> points;
   std::vector<std::array<int, 3>> facets;
-  std::vector<Vec3> normals;  // unit; zero of a facet without area
+  std::vector<Vec3> normals;  // unit; zero for a facet without area
   std::vector<ShellBoundaryEdge> boundary;
-  double edge = 0;  // mean length
+  double edge = 0;  // mean edge length
 };
 
-// Normals along an edge of a facet, where both its ends are known in the facet's element.
+// Surface normals along a side of a facet, if both ends can be located in the facet's element; else
+// zero.
 std::array<Vec3, 3> normals_along(const Surface& surface, const Tessellation& t, int facet,
                                   int side) {
   const int element = t.facet_triangle[facet];
@@ -89,7 +90,7 @@ Shell shell_of(const SkinnedRegion& region) {
 void look_at_jacobian(const Regions& regions, int r, const SkinQuality& quality,
                       std::vector<SurfaceDefect>& defects) {
   if (quality.min_jacobian_ratio > 0) return;
-  // Where: the smallest Jacobian against the mean of its triangle.
+  // Position: the smallest Jacobian, with a sign relative to the mean of its triangle.
   const Surface& surface = regions[r]->surface;
   const Trim* trim = surface.trim().get();
   double least = std::numeric_limits<double>::infinity();
@@ -132,13 +133,13 @@ void look_at_area(const Regions& regions, int r, const Shell& shell, double area
                          " times the area of a plain filling of its lines"});
 }
 
-// An edge of facets, by points that are numbered in all regions together.
+// A pair of point indices, numbered over all regions.
 using EdgeKey = std::pair<int, int>;
 
 void look_at_inner_folds(const Regions& regions, int r, const Shell& shell,
                          std::vector<SurfaceDefect>& defects) {
   std::map<EdgeKey, int> across;
-  constexpr double most = 120;  // inner lines with corners may ask for a ridge of 90
+  constexpr double most = 120;  // degrees; inner lines with corners may require a ridge of 90°
   double worst = most;
   Vec3 location = Vec3::Zero();
   for (size_t f = 0; f < shell.facets.size(); ++f)
@@ -162,8 +163,9 @@ void look_at_inner_folds(const Regions& regions, int r, const Shell& shell,
                            " degrees inside, near " + format_point(location)});
 }
 
-// Points of different regions that lie within `near` of each other, or of one that does, as one
-// number; those of one region only where they are the same but for rounding.
+// Assigns a common index to points of different regions that lie within `near` of each other,
+// directly or through a third point. Points of one region are merged only if they are equal up to
+// rounding.
 std::vector<int> welded(const std::vector<Vec3>& points, const std::vector<int>& region,
                         double near, double rounding) {
   std::map<std::array<long long, 3>, std::vector<int>> cells;
@@ -190,29 +192,29 @@ std::vector<int> welded(const std::vector<Vec3>& points, const std::vector<int>&
   return number;
 }
 
-// All facets with points on shared lines welded.
+// All facets, with points on shared lines merged.
 struct FacetSoup {
   std::vector<Vec3> points;
-  std::vector<std::array<int, 3>> facets;  // welded
-  std::vector<std::array<int, 3>> own;     // the same as they lie
-  std::vector<int> region, facet;          // of each facet
+  std::vector<std::array<int, 3>> facets;  // merged point indices
+  std::vector<std::array<int, 3>> own;     // original point indices
+  std::vector<int> region, facet;          // for each facet: region, and facet index in it
   struct BoundaryEdge {
-    EdgeKey by;  // points
+    EdgeKey by;  // point indices
     size_t facet;
-    std::array<Vec3, 3> normals;  // at the first point, in the middle, at the second; or zero
+    std::array<Vec3, 3> normals;  // at the first point, the middle, the second point; or zero
     bool operator<(const BoundaryEdge& o) const {
       return std::tie(by, facet) < std::tie(o.by, o.facet);
     }
   };
-  std::vector<BoundaryEdge> boundary;  // edges of one facet in their region
+  std::vector<BoundaryEdge> boundary;  // boundary sides within their region
   double near = 0;
 };
 
 FacetSoup soup_of(const Regions& regions, const std::vector<SkinQuality>& qualities,
              const std::vector<Shell>& shells) {
   FacetSoup soup;
-  std::vector<Vec3> boundary;    // points on the edges of one facet
-  std::vector<int> at_boundary;  // their numbers
+  std::vector<Vec3> boundary;    // points on boundary sides
+  std::vector<int> at_boundary;  // their indices
   std::vector<int> of_boundary;  // their regions
   double size = 0, gap = 0, edge = std::numeric_limits<double>::infinity();
   for (size_t r = 0; r < shells.size(); ++r) {
@@ -259,13 +261,13 @@ FacetSoup soup_of(const Regions& regions, const std::vector<SkinQuality>& qualit
   return soup;
 }
 
-constexpr double kSharp = 30;  // degrees: a wedge that has to be asked for by the curves
+constexpr double kSharp = 30;  // degrees; sharper wedges must be required by the curves
 
-// An edge along which two regions meet, by points of the soup.
+// A mesh edge along which two regions meet; a and b are points of the soup.
 struct MetEdge {
   int a, b;
   std::array<int, 2> region;
-  // Into each region, at right angles to the edge: at a, in the middle, at b. Unit vectors.
+  // Unit vectors into each region, perpendicular to the edge: at a, in the middle, at b.
   std::array<std::array<Vec3, 3>, 2> into;
   double length;
 
@@ -273,10 +275,10 @@ struct MetEdge {
     return degrees_between_normals(into[0][at], into[1][at]);  // degrees
   }
 };
-using Meetings = std::map<EdgeKey, std::vector<MetEdge>>;  // by regions
+using Meetings = std::map<EdgeKey, std::vector<MetEdge>>;  // by pair of regions
 
-// Into the surface of a facet, at right angles to its edge: in its tangent plane, or where that is
-// not known in the facet.
+// Directions into the surface of a facet, perpendicular to its edge: in the tangent plane, or in
+// the facet if the tangent plane is unknown.
 std::array<Vec3, 3> into_surface(const FacetSoup& soup, const FacetSoup::BoundaryEdge& boundary) {
   const auto [a, b] = boundary.by;
   const Vec3 along = (soup.points[b] - soup.points[a]).normalized();
@@ -315,8 +317,8 @@ Meetings meetings_of(const std::vector<Shell>& shells, const FacetSoup& soup) {
   return meetings;
 }
 
-// The wedges that curves ask for along the lines of two regions: at an end of such a line each
-// region has another curve, and both span its tangent plane.
+// Wedge angles that the curves require along common lines of two regions. At an end of such a line
+// each region has another curve, and the two curves span its tangent plane.
 class ExpectedWedges {
  public:
   explicit ExpectedWedges(const FacetSoup& soup) : soup_(soup) {
@@ -328,9 +330,9 @@ class ExpectedWedges {
 
   static constexpr double kUnknown = -1;
 
-  // For each edge where two regions meet: the wedge in degrees, linear between the ends of the
-  // line. An end at which the curves fix no planes (a line may also end because points of the two
-  // regions differ) has the wedge of the nearest one where they do; kUnknown when there is none.
+  // Required wedge in degrees at each edge at which two regions meet, linear between the ends of
+  // the line. If the curves fix no planes at an end (a line may also end because points of the two
+  // regions differ), the nearest end at which they do is used. kUnknown if there is none.
   std::vector<double> of(const std::vector<MetEdge>& edges) const {
     std::map<int, std::vector<size_t>> at;  // edges at each point
     for (size_t i = 0; i < edges.size(); ++i)
@@ -340,7 +342,7 @@ class ExpectedWedges {
       return here.size() != 2 ||
              degrees_between_normals(along(edges[here[0]], v), -along(edges[here[1]], v)) > kCorner;
     };
-    std::vector<std::pair<Vec3, double>> known;  // ends
+    std::vector<std::pair<Vec3, double>> known;  // ends with a known wedge
     for (const auto& [v, around] : at)
       if (is_end(v))
         for (const size_t e : around)
@@ -378,7 +380,7 @@ class ExpectedWedges {
   }
 
  private:
-  static constexpr double kCorner = 30;  // degrees, of a line in chords
+  static constexpr double kCorner = 30;  // degrees between chords of a line
 
   Vec3 along(const MetEdge& edge, int from) const {
     const int to = edge.a == from ? edge.b : edge.a;
@@ -395,14 +397,14 @@ class ExpectedWedges {
     }
   }
 
-  // The wedge between the tangent planes of both regions at the end `v` of a line, where both fix
-  // theirs.
+  // Wedge between the tangent planes of both regions at the end `v` of a line, if both are fixed by
+  // curves; otherwise kUnknown.
   double wedge_at(const MetEdge& edge, int v) const {
     return fixes_plane(edge, 0, v) && fixes_plane(edge, 1, v) ? edge.wedge(v == edge.a ? 0 : 2)
                                                               : kUnknown;
   }
 
-  // Whether a region has another curve at the end of a line, that does not go on from it.
+  // True if a region has another curve at the end of a line that does not continue the line.
   bool fixes_plane(const MetEdge& edge, int side, int v) const {
     constexpr double corner = 15;  // degrees
     const auto found = boundary_.find({edge.region[side], v});
@@ -415,15 +417,16 @@ class ExpectedWedges {
   }
 
   const FacetSoup& soup_;
-  std::map<std::pair<int, int>, std::vector<int>> boundary_;  // by region and point: its neighbours
+  // By region and point: adjacent points on the boundary.
+  std::map<std::pair<int, int>, std::vector<int>> boundary_;
 };
 
-// Where regions meet along a line: the wedge between them, against what the curves ask for.
+// Compares the wedges between regions that meet along a line with those that the curves require.
 void look_at_joins(const Regions& regions, const FacetSoup& soup, const Meetings& meetings,
                    std::vector<SurfaceDefect>& defects) {
-  constexpr double fraction = 0.5;            // of what is asked for
-  constexpr double kLiesOn = 0.05;            // degrees: then they lie on each other
-  constexpr double kMinLengthFraction = 0.1;  // of the way along which they meet
+  constexpr double fraction = 0.5;            // of the required wedge
+  constexpr double kLiesOn = 0.05;            // degrees; below, the regions lie on each other
+  constexpr double kMinLengthFraction = 0.1;  // of the common length
   const ExpectedWedges wedges(soup);
   for (const auto& [pair, edges] : meetings) {
     if (std::none_of(edges.begin(), edges.end(),
@@ -461,8 +464,8 @@ void look_at_joins(const Regions& regions, const FacetSoup& soup, const Meetings
   }
 }
 
-// Facets lie beside the surface that they stand for, and those of two regions at a sharp edge may
-// pass through each other where the surfaces do not.
+// Facets deviate from the surfaces that they approximate, so facets of two regions at a sharp edge
+// may intersect although the surfaces do not.
 class SharpEdgeFilter {
  public:
   SharpEdgeFilter(const std::vector<Shell>& shells, const FacetSoup& soup, const Meetings& meetings)
@@ -473,11 +476,11 @@ class SharpEdgeFilter {
     if (!lines_.empty()) measure_sag(shells);
   }
 
-  // Whether two facets cross by no more than they lie off their surfaces, near a sharp edge.
+  // True if an intersection near a sharp edge is no deeper than the deviation of the two facets.
   bool explains(const FacetIntersection& c) const {
     const auto found = lines_.find(std::minmax(soup_.region[c.a], soup_.region[c.b]));
     if (found == lines_.end()) return false;
-    constexpr double near = 2;  // sizes of a facet
+    constexpr double near = 2;  // times the facet size
     const double reach = near * std::max(size_of(c.a), size_of(c.b));
     return std::any_of(found->second.begin(), found->second.end(),
                        [&](const MetEdge* e) {
@@ -494,7 +497,7 @@ class SharpEdgeFilter {
                      (corner(f, 2) - corner(f, 0)).norm()});
   }
 
-  // How far facet a reaches through the plane of b.
+  // Depth by which facet a penetrates the plane of b.
   double depth(int a, int b) const {
     const Vec3 n = (corner(b, 1) - corner(b, 0)).cross(corner(b, 2) - corner(b, 0)).normalized();
     double above = 0, below = 0;
@@ -506,9 +509,9 @@ class SharpEdgeFilter {
     return std::min(above, below);
   }
 
-  // A facet of size h whose normal differs by θ from those of its neighbours is off by h θ / 8.
+  // A facet of size h whose normal differs by θ from that of its neighbours deviates by h θ / 8.
   void measure_sag(const std::vector<Shell>& shells) {
-    std::map<std::pair<EdgeKey, int>, size_t> across;  // by points and region
+    std::map<std::pair<EdgeKey, int>, size_t> across;  // by point indices and region
     for (size_t f = 0; f < soup_.own.size(); ++f)
       for (int k = 0; k < 3; ++k) {
         const EdgeKey e = std::minmax(soup_.own[f][k], soup_.own[f][(k + 1) % 3]);
@@ -525,15 +528,15 @@ class SharpEdgeFilter {
   }
 
   const FacetSoup& soup_;
-  std::map<EdgeKey, std::vector<const MetEdge*>> lines_;  // sharp ones, by regions
-  std::vector<double> sag_;                               // of each facet
+  std::map<EdgeKey, std::vector<const MetEdge*>> lines_;  // sharp edges, by pair of regions
+  std::vector<double> sag_;  // deviation of each facet from its surface
 };
 
 void look_at_crossings(const Regions& regions, const std::vector<Shell>& shells, const FacetSoup& soup,
                        const Meetings& meetings, std::vector<SurfaceDefect>& defects) {
   double edge = 0;
   for (const Shell& shell : shells) edge = std::max(edge, shell.edge);
-  // Beside lines that both regions only nearly keep, facets may dip through each other.
+  // Near lines that both regions meet only approximately, facets may intersect.
   constexpr double fraction = 0.1;
   const auto crossings = facet_intersections(soup.points, soup.own, soup.facets, soup.region,
                                              std::max(soup.near, fraction * edge));

@@ -1,4 +1,4 @@
-// One model from a network: all regions skinned, joined along their lines, measured.
+// The surface model of a network: skinned regions, joins, shells, defects and measurements.
 #pragma once
 
 #include <array>
@@ -14,121 +14,128 @@
 
 namespace batten {
 
-/// The user's word about a line: names are those of arcs, or of lines.
+/// User specification of the continuity across a line. Names are those of edges, or of input
+/// curves.
 struct JoinSpec {
   enum class Kind {
+    /// G0 continuity: the surfaces share the line only.
     Crease,
-    Smooth,     ///< curvature goes on or not, as the lines say: is_curvature_continuous()
-    Tangent,    ///< smooth, and curvature may jump
-    Curvature,  ///< smooth, and fairing lets curvature go on
+    Smooth,     ///< G1; G2 if is_curvature_continuous() finds that the lines allow it
+    Tangent,    ///< G1: curvature may jump
+    Curvature,  ///< G1, and G2 after fairing
   };
   std::string line;
   Kind kind = Kind::Crease;
-  std::string where;  ///< for messages
+  std::string where;  ///< prefix for messages
 };
 
-/// How a model is made of a network.
+/// Options for skin_network().
 struct ModelOptions {
   std::string name = "model";
-  /// Element, edge_length (0: 1/40 of the network's size, 1/20 where there is one region), alpha and
-  /// beta as in RegionLayout; its tolerance is that of embedded lines (0: 1e-4 of the network's size).
+  /// Options of RegionLayout: element, edge_length (0: 1/40 of the network size, 1/20 if there is
+  /// only one region), alpha, beta. Its `tolerance` is that of embedded lines (0: 1e-4 of the
+  /// network size).
   SkinOptions skin;
   SurfaceStiffness material{};
   std::vector<JoinSpec> joins;
-  /// Lines without a word are smooth where the surfaces that the lines alone make meet at less than
-  /// this (ModelJoin::initial_deg); degrees.
+  /// Crease angle in degrees: lines without a specification are smooth if the initial surfaces meet
+  /// at less than this (ModelJoin::initial_deg).
   double crease_angle_deg = 25;
-  /// Edges along smooth joins are halved until the angle between the normals is below this;
-  /// degrees.
+  /// Tolerance of smooth joins in degrees: mesh edges along them are halved until the angle between
+  /// the normals is below this.
   double join_tolerance_deg = 0.1;
-  int max_join_rounds = 3;  ///< of such halving
-  bool rest = true;         ///< ModelMetadata::rest
+  int max_join_rounds = 3;  ///< largest number of such refinement rounds
+  bool rest = true;         ///< use rest shapes (ModelMetadata::rest)
 };
 
-/// A line and the regions that meet along it.
+/// A network edge and the regions that meet at it.
 struct ModelJoin {
   enum class Kind {
-    FreeEdge,    ///< one region
-    Crease,      ///< two that share the line
-    Smooth,      ///< two that share the line and their tangent planes along it
-    NonManifold  ///< three or more
+    FreeEdge,    ///< free (boundary) edge: one region
+    Crease,      ///< G0: two regions share the edge
+    Smooth,      ///< G1: two regions share the edge and their tangent planes along it
+    NonManifold  ///< three or more regions
   };
+  /// Index of the network edge.
   int edge = 0;
-  std::string line;  ///< the arc's name
-  /// Indices into SurfaceModel::regions; a region that meets itself is there twice.
+  std::string line;  ///< name of the edge
+  /// Indices into SurfaceModel::regions. A region that meets itself at the edge is listed twice.
   std::vector<int> regions;
   Kind kind = Kind::FreeEdge;
-  bool requested = false;  ///< the user's word
-  std::string why;         ///< why it is a crease although it was to be smooth, or ""
-  /// A smooth join is a crease at its start, end: no tangent plane, or JoinEnd::creased.
+  bool requested = false;  ///< specified by the user
+  std::string why;         ///< why it is a crease although smooth was intended, or ""
+  /// For each end: a smooth join that ends as a crease, because there is no tangent plane, or by
+  /// JoinEnd::creased.
   std::array<bool, 2> open{};
-  /// Angle between the normals of the first shapes, those of each region's lines alone: 0.4 of that
-  /// at either end where lines fix both planes, the rest of the mean along the line; averaged over
-  /// lines that go on straight.
+  /// Angle between the normals of the initial shapes (those of each region's lines alone), degrees.
+  /// Weighted mean: 0.4 for each end at which the lines fix both tangent planes, the rest for the
+  /// mean along the line. Averaged over edges that continue each other smoothly.
   double initial_deg = 0;
-  /// Largest angle between the normals of the result, sampled between nodes too; and the same
-  /// without the edges at ends that are creases.
+  /// Largest angle between the normals of the result, degrees, sampled between nodes too; and the
+  /// same without the mesh edges at ends that are creases.
   double max_deg = 0, max_inside_deg = 0;
-  bool curvature = false;  ///< of a smooth one: fairing lets curvature go on across it
-  /// As in JoinQuality, of creases and smooth joins: model units, 1/length.
+  bool curvature = false;  ///< smooth join across which fairing makes the curvature continuous (G2)
+  /// See JoinQuality; for creases and smooth joins. Gap in model units, curvatures in 1/length.
   double max_gap = 0, median_curvature_jump = 0, max_curvature_jump = 0;
-  /// Both domains unfold into one plane along it: the surface is C1 across it to rounding, as
-  /// inside of a region.
+  /// Both domains unfold into one plane across the edge: the surface is C1 there up to rounding, as
+  /// inside a region.
   bool one_domain = false;
 };
 
-/// What is wrong with a surface that was made.
+/// A defect of a finished surface.
 struct SurfaceDefect {
   enum class Kind {
-    Jacobian,  ///< x_u × x_v vanishes, or turns over against its surroundings
-    Fold,      ///< turns by more than 120 degrees inside, or doubles back on a neighbour
-    Crossing,  ///< it passes through itself or another region
-    Area       ///< more than twice that of a plain hole filling
+    Jacobian,  ///< |x_u × x_v| vanishes, or the surface is locally inverted
+    Fold,      ///< folded by more than 120° inside a region, or back onto a neighbour
+    Crossing,  ///< intersects itself or another region
+    Area       ///< more than twice the area of the hole-filling triangulation
   };
   Kind kind;
+  /// Indices of the regions involved.
   std::vector<int> regions;
   Vec3 where = Vec3::Zero();
-  double value = 0;  ///< ratio (Jacobian, Area), degrees (Fold), number of facets (Crossing)
+  double value = 0;  ///< ratio (Jacobian, Area), degrees (Fold), number of facet pairs (Crossing)
   std::string text;  ///< a sentence for the user
 };
 
-/// A region of the network, and the surface that it got.
+/// A region of the network and its surface.
 struct ModelRegion {
-  NetworkRegion plan;  ///< loops run counter-clockwise seen from the side of the normal
+  NetworkRegion plan;  ///< loops are counter-clockwise as seen from the normal side
+  /// The surface; empty if the region could not be skinned.
   std::optional<SkinnedRegion> skinned;
   int layout_index =
-      -1;  ///< index into the regions of SurfaceModel::layout, of one that is skinned
+      -1;  ///< index into the regions of SurfaceModel::layout; -1: not skinned
   std::string rejection_reason;  ///< why it could not be skinned, or ""
   SkinQuality quality;
-  FittedPrimitive shape;    ///< what the finished surface is, within primitive_tolerance()
-  double filling_area = 0;  ///< area of the plain filling of its loops; 0 when there is none
+  FittedPrimitive shape;    ///< primitive that fits the surface within primitive_tolerance()
+  double filling_area = 0;  ///< area of the hole-filling triangulation of its loops; 0: none
   std::vector<std::string> warnings;
 };
 
-/// Regions that are connected along arcs.
+/// A connected component of regions.
 struct ModelShell {
   std::vector<int> regions;
-  bool closed = false;     ///< every arc has two of them
-  bool orientable = true;  ///< normals agree across every arc
+  bool closed = false;     ///< every edge has two regions
+  bool orientable = true;  ///< normals agree across every edge
   double area = 0;         ///< model units²
-  double volume = 0;       ///< enclosed, model units³; 0 unless closed and orientable
-  NormalSide normals;      ///< where its normals point; of an orientable one
+  double volume = 0;       ///< enclosed volume, model units³; 0 unless closed and orientable
+  NormalSide normals;      ///< direction of the normals, if orientable
 };
 
-/// What a network became, in one shape, and what that shape is worth.
+/// The surface model of a network in one shape, with its measured quality.
 struct SurfaceModel {
-  /// The layout of the regions that are skinned; null when none is.
+  /// Layout of the skinned regions; null if there are none.
   std::shared_ptr<const ModelLayout> layout;
-  Points dofs;                       ///< the shape: dofs on the layout
-  std::vector<ModelRegion> regions;  ///< all regions, in the order of the plan
-  std::vector<ModelJoin> joins;      ///< a join for every arc that has a region, by arc
+  Points dofs;                       ///< dofs of the shape on `layout`
+  std::vector<ModelRegion> regions;  ///< all regions, in the order of FoundRegions
+  std::vector<ModelJoin> joins;  ///< one per network edge that has a region, in the order of edges
   std::vector<ModelShell> shells;
   std::vector<SurfaceDefect> defects;
   std::vector<std::string> warnings;
   double area = 0;
-  double max_join_deg = 0;  ///< largest max_inside_deg of the smooth joins
+  double max_join_deg = 0;  ///< largest max_inside_deg of all smooth joins, degrees
 
-  std::vector<const SkinnedRegion*> skinned() const;  ///< of those regions that are skinned
+  std::vector<const SkinnedRegion*> skinned() const;  ///< the regions that are skinned, in order
 };
 
 }  // namespace batten

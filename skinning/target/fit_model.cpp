@@ -18,27 +18,29 @@
 
 namespace batten {
 
-// Which part of a target each region belongs to. Internal.
+// Assignment of the parts of a target to regions.
 
-/// For each region the part on which its lines lie, all points of them within `near`; null where there is none.
-/// Where there are several, one that no other region has, then the one that is nearest. O(regions · parts),
-/// most of them by one nearest point.
+/// Finds for each region the part on which its lines lie, with all their points within `near`; null
+/// if there is none. Among several, parts that no other region uses come first, then the closest.
+/// O(regions · parts), mostly decided by a single closest-point query.
 std::vector<const TargetSurface*> target_parts_of_regions(
     const ModelLayout& layout, const std::vector<std::shared_ptr<const TargetSurface>>& parts,
     double near);
 
-/// For each region with a part of its own the part's points over the region's domain, their rims on each other; none
-/// for rings, and where a rim of the part is farther than `near` from the region's. `dofs`: a shape that has the lines.
+/// For each region with a part of its own: the part's points over the region's domain, with
+/// matching boundaries. Empty for annular regions, and if the part's boundary is farther than
+/// `near` from the region's. `dofs`: a shape that satisfies the lines.
 std::vector<TargetSurface::Parametrization> parametrizations_of_regions(
     const ModelLayout& layout, const Points& dofs, const std::vector<const TargetSurface*>& parts,
     double near);
 
 namespace {
 
-// ε: from the first one by tens to the one that spreads parameters evenly, at last so little that it pulls nothing.
+// ε: from the initial value by tens down to one that keeps the parametrisation even; finally
+// negligible.
 constexpr double kInitialEpsilon = 100, kSmoothingEpsilon = 1e-3, kFinalEpsilon = 1e-5;
 
-// Numbers of the dofs that are positions, without derivatives.
+// Indices of the position dofs, without derivatives.
 std::vector<int> indices_of_positions(const ModelLayout& layout) {
   const VecX is_position = layout.position_dofs();
   std::vector<int> indices;
@@ -71,7 +73,7 @@ class ModelFitter {
       if (!part) part = &target_;
     sides_ = target_orientations(*fit_.layout, fit_.dofs, target_of_region_);
     on_first_mesh();
-    // The largest distance may stay for a while where others fall.
+    // Continues although the largest distance stagnates, because other distances may fall.
     constexpr int max_idle = 2;
     ModelFit best = fit_;
     double least = violation(), now = least;
@@ -93,8 +95,8 @@ class ModelFitter {
   }
 
  private:
-  /// Nearest points lead to what is near, and spread better where corners are sharp: maps are for regions that
-  /// their lines say little of.
+  /// Keeps parametrizations only for regions whose lines define the surface poorly. Closest points
+  /// suffice for near surfaces, and give a better distribution at sharp corners.
   void choose_parametrizations() {
     parametrizations_ =
         parametrizations_of_regions(*fit_.layout, fit_.dofs, target_of_region_, tolerance_);
@@ -108,7 +110,8 @@ class ModelFitter {
     }
   }
 
-  /// The first shape: the fairest one that is clearly within the tolerance, or the nearest one.
+  /// Computes the first shape: the smoothest one that is clearly within the tolerance, or the
+  /// nearest one.
   void on_first_mesh() {
     TargetFitIterations iterations(fit_.layout, target_of_region_, target_);
     const bool all = std::all_of(parametrizations_.begin(), parametrizations_.end(),
@@ -122,7 +125,7 @@ class ModelFitter {
     for (size_t r = 0; r < parametrizations_.size(); ++r)
       if (parametrizations_[r]) sides_[r] = sides[r];
     constexpr std::pair<double, int> fair[] = {
-        {1, 4}, {0.03, 4}, {kSmoothingEpsilon, 8}};  // ε, rounds
+        {1, 4}, {0.03, 4}, {kSmoothingEpsilon, 8}};  // ε, iterations
     for (const auto& [epsilon, most] : fair) {
       iterate(iterations, epsilon, most);
       if (clearly_near(iterations)) return finish(iterations);
@@ -143,7 +146,7 @@ class ModelFitter {
     finish(iterations);
   }
 
-  /// Without bending but where the surface would turn over.
+  /// Iterates with almost no bending, except for triangles that would be inverted.
   void iterate_with_least_bending(TargetFitIterations& iterations) {
     const Points even = fit_.dofs;
     iterate(iterations, kFinalEpsilon, options_.max_rounds);
@@ -160,13 +163,13 @@ class ModelFitter {
     fit_.after = measured(true);
   }
 
-  /// To the target and back, or there only, which is faster far away from it; the largest distance of each
-  /// triangle is kept.
+  /// Measures distances, from model to target only or in both directions. The first is faster far
+  /// away from the target. Records the largest distance of each triangle.
   TargetDistances measured(bool both) {
     progress_.update("measure the fit", 0);
     TargetDistances result = target_distances(*fit_.layout, fit_.dofs, target_, &largest_of_);
-    // What is much too far away one way needs no other one.
-    constexpr double near = 4;  // times the tolerance
+    // Far away, one direction is enough.
+    constexpr double near = 4;  // multiple of the tolerance
     if (both && result.there() <= near * tolerance_)
       result.back = distances_from_target(*fit_.layout, fit_.dofs, target_, &largest_of_);
     return result;
@@ -185,7 +188,8 @@ class ModelFitter {
     }
   }
 
-  /// Smooth joins hold the tangent planes that a shape had: they are planned again from the fitted one.
+  /// Smooth joins keep the tangent planes of the shape for which they were planned, so they are
+  /// planned again from the fitted shape.
   void replan_joins(TargetFitIterations& iterations) {
     constexpr int most = 4;
     for (int again = 0; again < most && !fit_.layout->join_plans().empty(); ++again) {
@@ -200,7 +204,8 @@ class ModelFitter {
     }
   }
 
-  /// Over what is promised: the distance, and the widest gap at an embedded line.
+  /// Largest violation relative to its tolerance: of the distance, and of the gap at embedded
+  /// lines.
   double violation() const {
     double gap = 0;
     for (int r = 0; r < fit_.layout->region_count(); ++r) {
@@ -212,7 +217,7 @@ class ModelFitter {
     return std::max(fit_.after.largest() / tolerance_, gap / fit_.layout->tolerance());
   }
 
-  /// What came out worse than the start is not kept.
+  /// Restores the start if the result is worse.
   void revert_to_start() {
     fit_.layout = start_layout_;
     fit_.dofs = start_;
@@ -220,12 +225,13 @@ class ModelFitter {
     fit_.after = measured(true);
   }
 
-  /// False where there is nothing to gain.
+  /// Refines the mesh and iterates. Returns false if there is nothing to gain.
   bool refine() {
     const ModelLayout& layout = *fit_.layout;
     std::vector<char> marks(layout.mesh()->triangle_count(), 0);
     int count = 0;
-    constexpr double margin = 0.5;  // of the tolerance: next time the largest distance is elsewhere
+    // Of the tolerance: the largest distance will be elsewhere next time.
+    constexpr double margin = 0.5;
     const std::vector<double> line_distance = line_distances();
     for (int r = 0; r < layout.region_count(); ++r)
       mark_gaps(layout.skinned(r, fit_.dofs), 0.5 * layout.tolerance(),
@@ -248,7 +254,7 @@ class ModelFitter {
     return true;
   }
 
-  /// How far the lines of each region are from the target.
+  /// Largest distance of each region's lines from the target.
   std::vector<double> line_distances() const {
     std::vector<double> line_distance(fit_.layout->region_count(), 0.0);
     const auto& lines = fit_.layout->lines();
@@ -265,7 +271,7 @@ class ModelFitter {
   const ModelFitOptions& options_;
   const Progress& progress_;
   double tolerance_ = 0;
-  double epsilon_ = kInitialEpsilon;  // the last one
+  double epsilon_ = kInitialEpsilon;  // current value
   std::shared_ptr<const ModelLayout> start_layout_;
   Points start_;
   ModelFit fit_;
@@ -284,7 +290,7 @@ ModelFit fit_model(std::shared_ptr<const ModelLayout> layout, const Points& star
 namespace {
 
 std::vector<std::vector<Vec3>> points_on_lines(const ModelLayout& layout) {
-  constexpr int samples = 4;  // of a segment
+  constexpr int samples = 4;  // per segment
   std::vector<std::vector<Vec3>> points(layout.region_count());
   for (const ModelLine& line : layout.lines()) {
     const HermiteCurve& curve = layout.curve(line.sides.front());
@@ -298,10 +304,10 @@ std::vector<std::vector<Vec3>> points_on_lines(const ModelLayout& layout) {
   return points;
 }
 
-/// The largest distance of points from a part; infinite as soon as one is farther away than `near`.
+/// Largest distance of points from a part; infinite as soon as one is farther away than `near`.
 double distance(const std::vector<Vec3>& points, const TargetSurface& part, double near) {
   double largest = 0;
-  // From both ends, since lines of neighbours often have their beginning in common.
+  // From both ends, because lines of neighbours often start at a common point.
   for (size_t i = 0; i < points.size(); ++i) {
     const Vec3& p = points[i % 2 == 0 ? i / 2 : points.size() - 1 - i / 2];
     const auto there = part.nearest(p, Vec3::Zero());
@@ -352,7 +358,7 @@ namespace {
 class BoundaryParametrization {
  public:
   explicit BoundaryParametrization(const SkinnedRegion& region) {
-    constexpr int samples = 8;  // of a segment
+    constexpr int samples = 8;  // per segment
     for (const auto& loop : region.boundary)
       for (const BoundarySegment& piece : loop) {
         const HermiteCurve pcurve = boundary_pcurve(region, piece),

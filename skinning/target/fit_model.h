@@ -1,4 +1,4 @@
-// Fits the shape of a model to a given surface; its lines are kept.
+// Fits the shape of a model to a target surface; its lines stay fixed.
 #pragma once
 
 #include <memory>
@@ -8,49 +8,61 @@
 
 namespace batten {
 
+/// Options of fit_model().
 struct ModelFitOptions {
-  double tolerance = 0;  ///< wanted distance, model units; 0: 1e-4 of the model's size
-  int max_rounds = 12;   ///< on one mesh, once its first shape is near
+  double tolerance = 0;  ///< accepted distance, model units; 0: 1e-4 of the model's size
+  int max_rounds = 12;   ///< fixed-point iterations per mesh at the smallest ε
+  /// Largest number of mesh refinements.
   int max_refinements = 5;
+  /// Largest number of triangles of the model after refinement.
   int max_triangles = 60'000;
-  /// Parts of the target: a region whose lines all lie on one of them is drawn to that part alone.
+  /// Parts of the target. A region whose lines all lie on one part is fitted to that part only.
   std::vector<std::shared_ptr<const TargetSurface>> parts = {};
 };
 
-/// A model at its target, and how near it came.
+/// A model fitted to its target, and its distances.
 struct ModelFit {
-  std::shared_ptr<const ModelLayout> layout;  ///< the one given, or a finer one
+  std::shared_ptr<const ModelLayout> layout;  ///< the given layout, or a refined one
+  /// Absolute dofs of the fitted shape on `layout`.
   Points dofs;
   int iterations = 0;
   int refinements = 0;
   TargetDistances before, after;
-  bool reached = false;  ///< whether after.largest() ≤ tolerance
+  bool reached = false;  ///< true if after.largest() ≤ tolerance
 };
 
-/// The shape that has the model's lines (rows C x = c, and those of smooth joins) and is nearest to the
-/// target. In each round springs reach from every point of the surface, along its normal n, to the plane
-/// that touches the target at the nearest point t with normal m, so that it may slide:
+/// Computes the shape that satisfies the constraints C x = c of the model's lines and smooth joins
+/// and is nearest to the target, by fixed-point iteration. In each iteration the surface is
+/// attracted along its normal n to the tangent plane of the target at the closest point t, with
+/// normal m. So it can slide along the target:
 ///
 ///     g = n ((t - x)·m) / (n·m)
-///     minimise ∫ |x' - x - g|² + ε h⁴ ∫ |∂²x'|²   under the rows,
+///     minimise ∫ |x' - x - g|² + ε h⁴ ∫ |∂²x'|²   subject to the constraints,
 ///
-/// h the size of a triangle on the model scaled to size 1. The second term spreads the parameters over the
-/// surface, so that it does not fold, and makes it fair: ε falls from 100 to 1, 0.03 and 1e-3, some rounds
-/// each, until the surface is within half the tolerance; where none of these is, it is 1e-5 at the end, which
-/// draws the shape aside by less than triangles miss it anyway. A region that has a part of its own begins with
-/// g = t(u, v) - x, t the part's points over its domain (TargetSurface::parametrize), if it is far away or its
-/// lines made no good domain: nearest points would not lead into what is deeper than wide. Triangles that look
-/// away from the target nevertheless, and those around them, keep a hundred times as much bending. The matrix,
-/// mass + ε h⁴ bending, stays the same while ε and rows do: one factor, many rounds, which Acceleration makes
-/// fewer. Beyond the target's rim springs have no pull. Where the target is still farther than the tolerance,
-/// either way, or an embedded line has a gap above its own, triangles there are halved, and those that turn by
-/// more than 75° within themselves; smooth joins are planned anew, and rounds go on, as long as that helps; not
-/// where lines themselves are that far away.
+/// where h is the size of a triangle on the model scaled to size 1. The bending term distributes
+/// the parametrisation over the surface, so that it does not fold, and smooths it. ε falls from 100
+/// to 1, 0.03 and 1e-3, with some iterations each, until the surface is within half the tolerance.
+/// If none of them suffices, ε ends at 1e-5, which displaces the shape by less than the
+/// discretisation error.
 ///
-/// `start`: absolute dofs on the layout that have its lines, near enough to the target that nearest points
-/// are the right ones. Throws InputError: a tolerance below 0, or a target without any point near;
-/// ConflictError, NoSolutionError, CancelledError. Costs a factor for each ε, halving and new plan of joins, and for
-/// each round and triangle 18 nearest points.
+/// A region with its own part of the target starts with g = t(u, v) - x if it is far away or its
+/// lines gave a poor domain. Here t(u, v) are the part's points over its domain
+/// (TargetSurface::parametrize()); closest points would fail in pockets that are deeper than wide.
+/// Triangles that nevertheless become inverted relative to the target, and those around them, get a
+/// hundred times the bending term. Beyond the boundary of the target there is no attraction.
+///
+/// The matrix, mass + ε h⁴ bending, is constant while ε and the constraints are: one factorization
+/// serves many iterations. Anderson acceleration [Anderson1965] reduces their number.
+///
+/// Triangles are bisected for one of three reasons: a distance in either direction exceeds the
+/// tolerance; an embedded line has a gap above its own tolerance; the normal varies by more than
+/// 75° within the triangle. Then smooth joins are planned anew and iterations continue, as long as
+/// that helps. Triangles are not refined where the lines themselves are that far from the target.
+///
+/// `start`: absolute dofs on the layout that satisfy its lines, close enough to the target for
+/// closest points to be meaningful. Throws InputError for a negative tolerance or a target without
+/// any point nearby; ConflictError, NoSolutionError, CancelledError. Cost: one factorization per ε,
+/// refinement and new plan of joins; 18 closest-point queries per iteration and triangle.
 ModelFit fit_model(std::shared_ptr<const ModelLayout> layout, const Points& start,
                    const TargetSurface& target, const ModelFitOptions& options = {},
                    const Progress& progress = {});

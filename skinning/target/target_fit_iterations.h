@@ -1,4 +1,4 @@
-// One mesh of a fit: its matrices, and rounds on it. Internal.
+// Matrices and fixed-point iterations of fit_model() on one mesh.
 #pragma once
 
 #include <algorithm>
@@ -15,7 +15,7 @@
 
 namespace batten {
 
-/// The rounds of fit_model() on one mesh.
+/// Runs the iterations of fit_model() on one mesh.
 class TargetFitIterations {
  public:
   TargetFitIterations(std::shared_ptr<const ModelLayout> layout,
@@ -23,7 +23,7 @@ class TargetFitIterations {
       : layout_(std::move(layout)),
         whole_(whole),
         targets_(std::move(targets)),
-        // What lies outside of a trim has no springs: bending alone shapes it.
+        // Outside of a trim there is no attraction, only the bending term.
         assembler_(*layout_->mesh(), layout_->element(), layout_->trim(), 1),
         scale_(layout_->domain_scale()),
         ones_(layout_->position_dofs()),
@@ -32,10 +32,10 @@ class TargetFitIterations {
     about_origin_ = ones_ * layout_->origin().transpose();
   }
 
-  /// The same mesh with other rows: factorize() has to follow.
+  /// Sets a layout with the same mesh and other constraints; call factorize() afterwards.
   void set_layout(std::shared_ptr<const ModelLayout> layout) { layout_ = std::move(layout); }
 
-  /// Other rows or another ε: a factor.
+  /// Factorizes the system for the current constraints and a value of ε.
   void factorize(double epsilon) {
     bending_ = assembler_.pattern();
     std::vector<SurfaceStiffness> materials;
@@ -55,8 +55,9 @@ class TargetFitIterations {
       solver_.emplace(rows, mass_ + bending_, layout_->dof_order());
   }
 
-  /// One round from absolute dofs; regions that have a map are drawn to its points. The largest move of any
-  /// vertex is noted.
+  /// Performs one iteration from absolute dofs; returns the new ones. Regions with a
+  /// parametrization are attracted to its points. Records the largest displacement of any vertex
+  /// (max_displacement()).
   Points step(const Points& dofs, const std::vector<double>& sides,
               const std::vector<TargetSurface::Parametrization>& parametrizations = {}) {
     const Surface surface = layout_->surface(dofs);
@@ -77,7 +78,8 @@ class TargetFitIterations {
       max_displacement_ = std::max(max_displacement_, (moved.row(3 * v) - own.row(3 * v)).norm());
     return moved + about_origin_;
   }
-  /// Triangles that turned over, and those around them, are held more firmly from the next factorize() on.
+  /// Multiplies the bending term of inverted triangles and of the two rings around them by 100,
+  /// from the next factorize() on. Returns false if no triangle is inverted.
   bool stiffen_inverted(const Points& dofs, const std::vector<double>& sides) {
     const auto& mesh = *layout_->mesh();
     const Surface surface = layout_->surface(dofs);
@@ -101,8 +103,9 @@ class TargetFitIterations {
   }
   double max_displacement() const { return max_displacement_; }
 
-  /// Marks triangles that turn by more than 75 degrees or so from their middle on: too large for what they shall
-  /// follow, and turned over by any measure of their own.
+  /// Marks triangles whose normal varies by more than about 75 degrees from its value at the
+  /// centroid: they are too large for the target's curvature, and would count as inverted by any
+  /// measure of their own.
   static void mark_strongly_curved(const ModelLayout& layout, const Points& dofs,
                                    std::vector<char>& marks) {
     const Surface surface = layout.surface(dofs);
@@ -114,9 +117,9 @@ class TargetFitIterations {
 
  private:
   double scale_of(int triangle) const { return scale_.size() > 0 ? scale_[triangle] : 1; }
-  /// Whether a triangle turns so far within itself that it is no surface by its own measure: it is too large.
+  /// True if the normal varies so much within a triangle that the triangle is too large.
   static bool is_strongly_curved(const Surface& surface, int t) {
-    constexpr double least = 0.25;  // of the area vector in the middle, along it
+    constexpr double least = 0.25;  // of the area vector at the centroid, along it
     const Vec3 middle = surface.area_vector({t, Vec3::Constant(1.0 / 3)});
     for (int corner = 0; corner < 3; ++corner)
       for (const Vec3& L :
@@ -125,8 +128,8 @@ class TargetFitIterations {
     return false;
   }
 
-  /// Whether a triangle looks away from the region's own part of the target somewhere; without a part, from its
-  /// own mean.
+  /// True if a triangle is inverted somewhere: relative to the region's own part of the target or,
+  /// without a part, relative to its own mean normal.
   bool is_inverted(const Surface& surface, int t, double side) const {
     constexpr double least = 0.05;  // of the mean area
     constexpr int n = 4;
@@ -149,8 +152,9 @@ class TargetFitIterations {
     });
   }
 
-  /// The nearest point whose normal is not against `along`, unless it is much farther than the nearest of
-  /// all: at the edges of thin walls that is on the other side.
+  /// The closest point whose normal is not opposite to `along`. Returns nullopt if it is more than
+  /// three times farther than the closest point of all, which at the edges of thin walls is on the
+  /// other side.
   static std::optional<TargetSurface::Nearest> same_side_as(const TargetSurface& target,
                                                             const Vec3& x, const Vec3& along) {
     const auto any = target.nearest(x, Vec3::Zero());
@@ -161,19 +165,20 @@ class TargetFitIterations {
     return there;
   }
 
-  /// g: along the surface's normal to the plane that touches the target.
+  /// The attraction g: along the surface's normal to the tangent plane of the target.
   Vec3 pull_to_tangent_plane(const SurfaceJet& jet, const TargetSurface& target,
                              double side) const {
     const Vec3 n = jet.normal();
-    // Among the points of a region's own part none is on another side.
+    // A region's own part of the target has no second side.
     const auto there = &target == &whole_ ? same_side_as(target, jet.x, side * n)
                                           : target.nearest(jet.x, Vec3::Zero());
     if (!there) return Vec3::Zero();
     const Vec3 offset = there->at - jet.x;
     const double along = n.dot(offset), length = offset.norm();
-    constexpr double sideways = 0.5;  // of the way
+    constexpr double sideways = 0.5;  // of the offset
     if (there->at_boundary && (offset - along * n).norm() > sideways * length) return Vec3::Zero();
-    // Where normals differ much the plane is no guide: straight towards the point.
+    // If the normals differ by more than 60 degrees, the tangent plane is useless: use the offset's
+    // normal component.
     constexpr double min_cosine = 0.5;
     const double cosine = n.dot(there->normal);
     if (std::abs(cosine) < min_cosine) return along * n;
@@ -182,10 +187,10 @@ class TargetFitIterations {
 
   std::shared_ptr<const ModelLayout> layout_;
   const TargetSurface& whole_;
-  std::vector<const TargetSurface*> targets_;  // of each region
+  std::vector<const TargetSurface*> targets_;  // by region
   SurfaceAssembler assembler_;
   VecX scale_, ones_;
-  std::vector<double> bending_factors_;  // of each triangle, times ε
+  std::vector<double> bending_factors_;  // by triangle; factors of ε
   Points about_origin_;
   SparseMatrix mass_, bending_;
   std::optional<ConstrainedSolver> solver_;

@@ -10,7 +10,7 @@
 namespace batten {
 namespace {
 
-/// Barycentric coordinates with denominator 4: corners, edges and the inside of a triangle.
+/// Barycentric coordinates with denominator 4: corners, edges and interior points of a triangle.
 TriangleRule fifteen_points() {
   TriangleRule rule;
   rule.L.resize(15, 3);
@@ -21,14 +21,14 @@ TriangleRule fifteen_points() {
   return rule;
 }
 
-/// Whether the way from a surface's point to another one leaves along the surface, as it does at rims.
+/// True if an offset from a surface's point is not normal to the surface, as at boundaries.
 bool leaves_sideways(const Vec3& offset, const Vec3& normal, double tolerance) {
-  constexpr double most = 0.1;  // of the way
+  constexpr double most = 0.1;  // of the offset
   const double length = offset.norm();
   return length > tolerance && (offset - normal.dot(offset) * normal).norm() > most * length;
 }
 
-/// Adds up distances in the order in which they are given.
+/// Accumulates distances in the given order.
 class DistanceSum {
  public:
   void add(double distance, const Vec3& at) {
@@ -81,7 +81,7 @@ class DistanceMeasurer {
   }
 
   void lines(TargetDistances& result) const {
-    constexpr int samples = 8;  // of a segment
+    constexpr int samples = 8;  // per segment
     for (const ModelLine& line : layout_.lines()) {
       const HermiteCurve& curve = layout_.curve(line.sides.front());
       const auto& breaks = curve.parameters();
@@ -157,10 +157,10 @@ Distances distances_from_target(const ModelLayout& layout, const Points& dofs,
       layout, dofs, std::vector<const TargetSurface*>(layout.region_count(), &target));
   const ModelProjector projector(layout, dofs);
   const double tolerance = 1e-12 * layout.size();
-  constexpr double alike = 0.5;  // of the normals, a cosine
+  constexpr double alike = 0.5;  // minimum cosine of the angle between the normals
   struct ClosestTriangle {
     double distance = 0;
-    int triangle = -1;  // of the layout's mesh; none: beyond
+    int triangle = -1;  // in the layout's mesh; -1: excluded
   };
   std::vector<ClosestTriangle> closest(samples.size());
   parallel_for_each<256>(isize(samples), [&](int i) {

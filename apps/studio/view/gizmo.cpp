@@ -17,9 +17,10 @@ constexpr int kBall = 6;
 constexpr int kRingPieces = 64;
 constexpr double kBallSize = 14;
 constexpr double kNear = 9;         // pixels
-constexpr double kShortArrow = 14;  // pixels: it points at the eye
-constexpr double kRing = 0.72;      // radius, of the reach
-constexpr double kFlatRing = 0.3;   // cosine to the eye below which a ring is a line
+constexpr double kShortArrow = 14;  // pixels: a shorter arrow points at the viewer
+constexpr double kRing = 0.72;      // radius, relative to the arrow length
+// Cosine to the view direction below which a ring looks like a line.
+constexpr double kFlatRing = 0.3;
 constexpr double kDegrees = 180 / std::numbers::pi;
 
 }  // namespace
@@ -129,7 +130,7 @@ bool Gizmo::press(const Vec2& pixel) {
   return part_ >= 0;
 }
 
-// A ring that is seen as a line turns by how far the hand goes along it.
+// Angle of a drag on a ring, degrees. A ring that is seen edge-on rotates by the distance along it.
 double Gizmo::angle_of(const Vec2& pixel) const {
   const double facing = axis().dot(to_eye());
   const Vec2 arm = pixel - at(start_);

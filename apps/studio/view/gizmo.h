@@ -1,4 +1,4 @@
-// Arrows and rings at a place, by which a hand moves and turns it.
+// Manipulator with arrows and rings, to move and rotate a point.
 #pragma once
 
 #include <array>
@@ -15,37 +15,37 @@ namespace batten::studio {
 
 struct Layer;
 
-/// Three arrows along x, y and z, a ball for the plane that faces the eye and, where it turns, three
-/// rings. Points of the window are the renderer's: pixels from the lower left corner.
+/// Manipulator: three arrows along x, y and z, a ball that moves in the view plane and, if rotation
+/// is enabled, three rings. Pixels are those of the renderer, with the origin at the lower left.
 class Gizmo {
  public:
   explicit Gizmo(vtkRenderer* renderer);
   ~Gizmo();
 
-  /// Shows it at a place; `arrow_length` is the length of its arrows.
+  /// Shows the manipulator at a point. `arrow_length` is in model units.
   void show(const Vec3& centre, double arrow_length, bool can_rotate);
   void hide();
   bool shown() const { return shown_; }
   const Vec3& centre() const { return centre_; }
   void set_palette(const Palette& palette);
 
-  /// Begins to move where the hand is on one of its parts; false where it is on none.
+  /// Starts a drag if the pixel is on one of the parts; otherwise returns false.
   bool press(const Vec2& pixel);
-  /// How far the hand has moved it since it was pressed: a shift, or a turn as a vector along its axis,
-  /// as long as its angle in degrees.
+  /// Motion since press(): a translation, or a rotation vector (axis times angle in degrees).
   struct Motion {
     Vec3 shift = Vec3::Zero(), rotation_vector = Vec3::Zero();
   };
+  /// Continues the drag and returns the motion so far.
   Motion move(const Vec2& pixel);
   void release();
   bool pressed() const { return part_ >= 0; }
-  /// A place of the window on an arrow (0 to 2) or a ring (3 to 5): for tests and tours.
+  /// A model point on an arrow (part 0 to 2) or a ring (3 to 5); for tests and tours.
   Vec3 point_on_part(int part) const;
 
  private:
   std::vector<Vec3> outline(int part) const;
   Vec3 axis() const;
-  Vec2 at(const Vec3& p) const;            // in the window
+  Vec2 at(const Vec3& p) const;            // position in the window
   Vec3 in_world(const Vec2& pixel) const;  // in the plane through the centre that faces the eye
   Vec3 to_eye() const;
   double angle_of(const Vec2& pixel) const;

@@ -1,4 +1,4 @@
-// One set of cells and the actor that draws them. Internal.
+// A VTK actor with its geometry: facets, polylines or points.
 #pragma once
 
 #include <vtkActor.h>
@@ -18,10 +18,10 @@
 
 namespace batten::studio {
 
-/// An order in front of everything.
+/// Polygon offset that draws a layer in front of everything else.
 inline constexpr double kInFront = -66000;
 
-/// Whether a line that is drawn is the one of a name, or a piece of it between nodes ("rim.2").
+/// True if a drawn line has this name or is a segment of it between nodes ("rim.2").
 inline bool is_segment_of(const std::string& line, const std::string& name) {
   if (name.empty() || !line.starts_with(name)) return false;
   const std::string rest = line.substr(name.size());
@@ -29,9 +29,12 @@ inline bool is_segment_of(const std::string& line, const std::string& name) {
                           rest.find_first_not_of("0123456789", 1) == rest.npos);
 }
 
+/// A set of VTK cells and the actor that draws them.
 struct Layer {
-  /// `order`: what is lower is drawn in front where both are at one place. `width` of lines, pixels; 0:
-  /// facets, which have light.
+  /// Adds an actor to the renderer.
+  ///
+  /// `order`: polygon offset; at equal depth, lower values are drawn in front. `width`: line width
+  /// in pixels; 0: facets, with lighting.
   Layer(vtkRenderer* renderer, double order, double width) {
     mapper->SetInputData(data);
     mapper->SetResolveCoincidentTopologyToPolygonOffset();
@@ -57,7 +60,7 @@ struct Layer {
     data->SetLines(cells);
     data->Modified();
   }
-  /// A line with a dot at each of its points, or dots alone.
+  /// Shows points as dots of `size` pixels, joined by a polyline if `joined`.
   void set_dots(const std::vector<Vec3>& points, bool joined, double size) {
     set_polylines(joined && points.size() > 1 ? std::vector<std::vector<Vec3>>{points}
                                               : std::vector<std::vector<Vec3>>{});

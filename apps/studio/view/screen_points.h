@@ -1,4 +1,4 @@
-// Points of the model in the window. Internal.
+// Conversions between model coordinates and pixels of the window.
 #pragma once
 
 #include <vtkRenderer.h>
@@ -10,7 +10,7 @@
 
 namespace batten::studio {
 
-/// The renderer's pixels, from the lower left corner, and the depth.
+/// Position of a model point in the renderer's pixels (origin at the lower left), and its depth.
 inline Vec3 to_display(vtkRenderer& renderer, const Vec3& p) {
   renderer.SetWorldPoint(p.x(), p.y(), p.z(), 1);
   renderer.WorldToDisplay();
@@ -18,9 +18,11 @@ inline Vec3 to_display(vtkRenderer& renderer, const Vec3& p) {
   renderer.GetDisplayPoint(window.data());
   return window;
 }
+/// The same without the depth.
 inline Vec2 to_screen(vtkRenderer& renderer, const Vec3& p) {
   return to_display(renderer, p).head<2>();
 }
+/// Inverse of to_display(): the model point at a pixel and depth.
 inline Vec3 to_world(vtkRenderer& renderer, const Vec3& window) {
   double world[4];
   renderer.SetDisplayPoint(window.data());
@@ -29,7 +31,7 @@ inline Vec3 to_world(vtkRenderer& renderer, const Vec3& window) {
   return Vec3(world[0], world[1], world[2]) / world[3];
 }
 
-/// The distance of a point from a piece of a line, and where along the piece it is nearest, 0 to 1.
+/// Distance of a point from a segment, and the parameter of the closest point on it, 0 to 1.
 inline std::pair<double, double> distance_to_segment(const Vec2& p, const Vec2& a, const Vec2& b) {
   const Vec2 along = b - a;
   const double length = along.squaredNorm();

@@ -98,7 +98,7 @@ void ShapeActors::refresh(std::shared_ptr<const StressView> stress) {
   shade();
 }
 
-// Where stresses are shown, loads bend the shape.
+// Positions of the display points: deformed by loads if stresses are shown, or by the mode shape.
 void ShapeActors::place_points() {
   copy_into(*points_, frame_points_);
   if (shading_ == Shading::Stress && stress_ && stress_->moved.size() == frame_points_.size()) {
@@ -117,7 +117,7 @@ void ShapeActors::place_points() {
   supports_->data->Modified();
 }
 
-// The mode that swings; null where none is shown.
+// The mode shape that is drawn; null if none is.
 const std::vector<float>* ShapeActors::mode_shape() const {
   if (shading_ != Shading::Modes || !stress_ || stress_->mode_shapes.empty()) return nullptr;
   const size_t mode = std::min(static_cast<size_t>(mode_), stress_->mode_shapes.size() - 1);
@@ -173,7 +173,7 @@ void ShapeActors::make_facets() {
   facets_->data->SetPolys(cells);
 }
 
-// Lines on the surface move with its points; without one they are drawn as they were read.
+// Curves on the surface follow its points; without a surface they are drawn as they were read.
 void ShapeActors::make_lines() {
   line_names_.clear();
   const bool on_surface = pattern_ && surface_;
@@ -196,7 +196,7 @@ void ShapeActors::make_lines() {
     lines_->set_polylines(lines);
   }
   lines_->data->Modified();
-  // Those beside the surface, and where its own lines came from.
+  // Curves beside the surface, and the input curves of the surface's own ones.
   std::vector<std::vector<Vec3>> guides;
   for (size_t i = 0; on_surface && i < polylines_.size(); ++i)
     guides.push_back(polylines_[i].points);
@@ -230,7 +230,7 @@ void ShapeActors::select(const std::string& name) {
   shade();
 }
 
-// Those of a region, or of a part of a mesh.
+// Highlights the facets of a region, or of a part of a mesh.
 void ShapeActors::select_facets() {
   selected_facets_.clear();
   if (!pattern_ || selected_name_.empty()) return;
@@ -305,13 +305,13 @@ void ShapeActors::set_clip_plane(vtkPlane* plane) {
 }
 
 
-// What is drawn beside the surface: points, combs, arrows, where loads act.
+// Overlays: points, combs, arrows, loads.
 
 namespace {
 
 constexpr double kDot = 9;  // pixels
 
-/// An arrow as three lines.
+/// An arrow as a polyline for the shaft and two for the tip.
 std::vector<std::vector<Vec3>> arrow(const Vec3& from, const Vec3& to) {
   const Vec3 along = to - from;
   if (along.norm() == 0) return {};
@@ -360,7 +360,7 @@ void ShapeActors::set_comb(const std::vector<Vec3>& curve) {
     length += a.norm();
   }
   std::vector<std::vector<Vec3>> lines;
-  // Against the curvature, so that the comb stands outside; a straight line has none.
+  // Opposite to the curvature vector, so that the comb lies outside; a straight curve has none.
   const double scale = largest * length > 1e-6 ? 0.15 * length / largest : 0;
   std::vector<Vec3> edge;
   for (size_t i = 1; scale > 0 && i + 1 < curve.size(); ++i) {
@@ -381,7 +381,7 @@ void ShapeActors::set_grid(const std::optional<std::pair<Vec3, Vec3>>& axes) {
   if (axes) {
     const auto [low, high] = box();
     const double reach = std::max(low.cwiseAbs().maxCoeff(), high.cwiseAbs().maxCoeff());
-    constexpr int cells = 10;  // from the origin on
+    constexpr int cells = 10;  // from the origin in each direction
     const double step = std::pow(10, std::ceil(std::log10(reach / cells)));
     for (int i = -cells; i <= cells; ++i)
       for (const auto& [a, b] : {*axes, std::pair(axes->second, axes->first)})
@@ -404,7 +404,7 @@ void ShapeActors::take_marks(const DocumentView& view) {
   find_marks();
 }
 
-// What acts and holds by the display points where it does, which are others with another mesh.
+// Finds the display points of loads and supports, which change with the mesh.
 void ShapeActors::find_marks() {
   using Kind = DocumentView::Mark::Kind;
   marked_.clear();
@@ -417,7 +417,7 @@ void ShapeActors::find_marks() {
   place_marks();
 }
 
-// Arrows end where loads and forces act; normals that are held stand on the surface.
+// Arrows end at the points of loads and forces; arrows of normal constraints start on the surface.
 void ShapeActors::place_marks() {
   using Kind = DocumentView::Mark::Kind;
   const double length = 0.07 * size_;
@@ -442,7 +442,7 @@ std::vector<Vec3> ShapeActors::mark_points() const {
   return places;
 }
 
-// Lines that hold the shell, drawn wide.
+// Draws the curves that support the shell with a larger width.
 void ShapeActors::show_supports() {
   const auto supports = [&](const std::string& line) {
     return std::any_of(supported_.begin(), supported_.end(),

@@ -1,4 +1,4 @@
-// Draws a document: its moving surface, its lines, and what the hand is about to do.
+// VTK actors that draw a document: surface, curves, loads, supports and interactive previews.
 #pragma once
 
 #include <vtkSmartPointer.h>
@@ -24,21 +24,21 @@ namespace batten::studio {
 
 struct Layer;
 
-/// What the colours of the surface say.
+/// Quantity that the surface colours show.
 enum class Shading {
   Shaded,
   Regions,
   Zebra,         ///< stripes of equal angle between the normal and a direction
-  Contours,      ///< bands of equal height
-  Displacement,  ///< distance from where the surface was when its mesh was made
-  Curvature,     ///< mean curvature, positive where the normal's side is hollow
-  Strain,        ///< largest strain since the mesh was made
-  Stress,        ///< equivalent stress, on the shape as the loads bend it
-  Modes          ///< how the shell swings: the chosen natural mode, where it moves most
+  Contours,      ///< bands of equal height (z)
+  Displacement,  ///< distance from the position at the time of meshing
+  Curvature,     ///< mean curvature, positive if the surface is concave on the normal's side
+  Strain,        ///< principal strain of largest magnitude since meshing
+  Stress,        ///< von Mises stress, on the deformed shape
+  Modes          ///< selected mode shape, by its displacement
 };
 
-/// The actors of one renderer. A frame costs one copy of its points and normals and, with a shading
-/// that needs it, one number for each point; facets and lines are made anew only where the mesh is.
+/// The actors of one renderer. A new frame costs one copy of its points and normals and, with some
+/// shadings, one scalar per point. Facets and lines are rebuilt only if the mesh changes.
 class ShapeActors {
  public:
   explicit ShapeActors(vtkRenderer* renderer);
@@ -49,51 +49,56 @@ class ShapeActors {
   void refresh(std::shared_ptr<const StressView> stress);
   void set_shading(Shading shading);
   void set_palette(const Palette& palette);
-  void set_mesh(bool shown);  ///< the edges of the facets
-  /// A name of a line, region or part of a mesh: it is drawn in the colour of what is chosen. "": none.
+  void set_mesh(bool shown);  ///< shows the mesh edges
+  /// Highlights the curve, region or part of a mesh with this name; "": none.
   void select(const std::string& name);
-  /// Facets whose points are all marked are drawn so until the next choice.
+  /// Highlights the facets whose points are all marked, until the next selection.
   void show_painted(const std::vector<char>& points);
-  /// The points within so far of a place of the surface without loads.
+  /// Display points whose position on the unloaded surface is within `radius` of `centre`.
   std::vector<int> unloaded_within(const Vec3& centre, double radius) const;
-  /// The points of a line that is being drawn; with one more where the hand is.
+  /// Shows the points of a curve that is being drawn, including one at the mouse position.
   void set_draft(const std::vector<Vec3>& points);
-  /// Dots of points that can be moved, one of them chosen (-1: none); `joined` by lines.
+  /// Shows editable points as dots; `selected`: the selected one (-1: none); `joined`: by a
+  /// polyline.
   void set_dots(const std::vector<Vec3>& points, int selected, bool joined);
-  /// A comb of the curvature along points of a curve; as high as a tenth of the size at most.
+  /// Shows a curvature comb along points of a curve, scaled so that its height is 0.15 of the curve
+  /// length.
   void set_comb(const std::vector<Vec3>& curve);
-  /// The way of something through a sequence's frames, in the place of a comb.
+  /// Shows a path through the frames of a sequence; replaces the comb.
   void set_path(const std::vector<Vec3>& way);
-  /// What lies before a plane is not drawn; null: everything is.
+  /// Hides everything in front of a plane; null: nothing is hidden.
   void set_clip_plane(vtkPlane* plane);
-  /// A grid through the origin along two axes, in round steps.
+  /// Shows a grid through the origin along two axes, with a spacing of a power of ten; empty: none.
   void set_grid(const std::optional<std::pair<Vec3, Vec3>>& axes);
-  /// The natural mode that is shown, counted from 0, and where in its swing it is, -1 to 1.
+  /// Selects the mode shape to draw, 0-based, and its phase, -1 to 1.
   void set_mode(int mode);
   void set_mode_phase(double swing);
   int mode() const { return mode_; }
   const StressView* stress() const { return stress_.get(); }
-  /// An arrow of a load that is being pushed.
+  /// Shows an arrow for a load that is being dragged; empty: none.
   void set_push(const std::optional<std::pair<Vec3, Vec3>>& from_to);
 
-  // What a point of the window shows; the renderer's coordinates, from the lower left corner.
+  // Picking: what is shown at a point of the window, in renderer coordinates (origin at the lower
+  // left).
   std::optional<Vec3> surface_at(double x, double y) const;
-  std::string line_at(double x, double y) const;    ///< "" where there is none near
-  std::string region_at(double x, double y) const;  ///< or the part of a mesh
+  std::string line_at(double x, double y) const;    ///< "": no curve is near
+  std::string region_at(double x, double y) const;  ///< or a part of a mesh
   std::vector<int> points_within(const Vec3& centre, double radius) const;
   int point_count() const;
-  /// Whether colours stand for numbers, and which one at a place.
+  /// True if the colours show a scalar field.
   bool has_scalar_field() const;
-  /// The table of the numbers' colours; null where they say none.
+  /// Lookup table of the scalar field; null: none is shown.
   vtkLookupTable* scale() const;
+  /// Value of the scalar field at a point of the surface.
   std::optional<double> value_at(const Vec3& p) const;
   Shading shading() const { return shading_; }
-  /// The number at the end of the colours, and the largest magnitude; both 0 where they say none.
+  /// Value at the end of the colour scale, and the largest magnitude; both 0 if there is no scale.
   std::array<double, 2> range() const { return range_; }
-  /// Number of the display point nearest to a place, and its position in the last frame.
+  /// Index of the display point closest to a point.
   int point_near(const Vec3& p) const;
+  /// Position of a display point in the last frame.
   Vec3 point(int number) const;
-  /// Where loads, forces, normals and point supports are drawn.
+  /// Positions at which loads, forces, normal constraints and point supports are drawn.
   std::vector<Vec3> mark_points() const;
   bool has_surface() const { return pattern_ != nullptr; }
   std::array<Vec3, 2> box() const;
@@ -117,14 +122,14 @@ class ShapeActors {
   void find_marks();
   void place_marks();
   void show_supports();
-  /// The drawn pieces of lines whose names are meant.
+  /// Cells of the lines whose names satisfy the predicate.
   vtkSmartPointer<vtkCellArray> cells_of_lines(
       const std::function<bool(const std::string&)>& has) const;
   bool mesh_is_drawn() const;
   void colour();
   struct NearLine {
     Vec2 pixel;
-    std::optional<Vec3> surface;  // that the hand is on
+    std::optional<Vec3> surface;  // point of the surface under the mouse
     double least;
     std::string name;
   };
@@ -137,20 +142,20 @@ class ShapeActors {
   vtkSmartPointer<vtkIntArray> facet_regions_, roles_;
   vtkRenderer* renderer_;
   std::shared_ptr<const DisplayTopology> pattern_;
-  std::vector<float> reference_;         // points when the mesh was made
-  std::vector<std::string> line_names_;  // of each cell of lines_
+  std::vector<float> reference_;         // points at the time of meshing
+  std::vector<std::string> line_names_;  // name of each cell of lines_
   std::vector<DocumentView::Polyline> polylines_;
   std::vector<std::string> regions_, shown_lines_;
   std::shared_ptr<const MeshView> mesh_;
   std::shared_ptr<const std::vector<float>> unloaded_;
-  std::vector<std::pair<int, DocumentView::Mark>> marked_;  // by the display points where they are
+  std::vector<std::pair<int, DocumentView::Mark>> marked_;  // with the index of their display point
   std::vector<DocumentView::Mark> stated_marks_;
   std::vector<Vec3> fixed_points_;
   std::vector<std::string> supported_;
   double size_ = 0, swing_ = 0;
   int mode_ = 0;
   std::vector<int> selected_facets_;
-  std::vector<float> frame_points_;  // before loads bend it
+  std::vector<float> frame_points_;  // before loads or modes displace it
   std::shared_ptr<const StressView> stress_;
   std::array<double, 2> range_{};
   vtkSmartPointer<vtkLookupTable> table_;

@@ -1,4 +1,4 @@
-// What a point of the window shows.
+// Picking: which objects are shown at a point of the window.
 #include <vtkCamera.h>
 #include <vtkCellPicker.h>
 #include <vtkFloatArray.h>
@@ -14,7 +14,7 @@ namespace batten::studio {
 namespace {
 
 constexpr double kNearLine = 7;   // pixels
-constexpr double kBehind = 0.01;  // of the size: what lies so far behind the surface is hidden
+constexpr double kBehind = 0.01;  // of the size: lines farther behind the surface are hidden
 
 }  // namespace
 
@@ -30,8 +30,8 @@ std::optional<Vec3> ShapeActors::surface_at(double x, double y) const {
   return p;
 }
 
-// The nearest line in the window, unless the surface hides it there; one on the surface rather than
-// one beside it.
+// Name of the nearest line in the window that the surface does not hide. Lines on the surface take
+// precedence over lines beside it.
 std::string ShapeActors::line_at(double x, double y) const {
   const std::optional<Vec3> surface = surface_at(x, y);
   NearLine near{{x, y}, surface, kNearLine, ""};
@@ -94,7 +94,7 @@ std::string ShapeActors::region_at(double x, double y) const {
   return region > 0 && region <= regions_.size() ? regions_[region - 1] : "";
 }
 
-// The smallest part that has all corners.
+// The smallest part of the mesh that contains all corners of a facet.
 std::string ShapeActors::part_of(int facet) const {
   const auto& corners = pattern_->facets[static_cast<size_t>(facet)];
   const MeshView::Part* best = nullptr;

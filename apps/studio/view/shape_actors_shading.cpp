@@ -1,4 +1,4 @@
-// What the colours of the surface say.
+// Shading of the surface: scalar fields and their colours.
 #include <vtkCellData.h>
 #include <vtkFloatArray.h>
 #include <vtkIntArray.h>
@@ -17,7 +17,7 @@
 namespace batten::studio {
 namespace {
 
-constexpr double kStripes = 28;  // of a zebra, over half a turn
+constexpr double kStripes = 28;  // zebra stripes over 180°
 constexpr int kBands = 24;
 
 Vec3 triple(const float* values, int number) {
@@ -25,7 +25,7 @@ Vec3 triple(const float* values, int number) {
   return {v[0], v[1], v[2]};
 }
 
-/// The value that so large a share of the magnitudes does not exceed.
+/// Quantile of the magnitudes of values.
 double quantile(std::vector<float> values, double fraction) {
   for (float& v : values) v = std::abs(v);
   const auto at =
@@ -85,12 +85,12 @@ void ShapeActors::shade_facets(vtkIntArray* values, vtkLookupTable* table) {
   mapper.SetScalarRange(table->GetTableRange());
 }
 
-// The words about a mesh come before its points.
+// The description of a mesh may arrive before its points.
 bool ShapeActors::mesh_is_drawn() const {
   return mesh_ && mesh_->roles.size() == static_cast<size_t>(points_->GetNumberOfTuples());
 }
 
-// Facets whose corners are all for the same thing have its colour; those of what is chosen another one.
+// Colours facets whose corners all have the same role; selected facets get a colour of their own.
 void ShapeActors::make_roles() {
   roles_->SetNumberOfTuples(0);
   if (!pattern_) return;
@@ -164,13 +164,13 @@ vtkSmartPointer<vtkLookupTable> ShapeActors::table_of(const float* value, size_t
       return stripes(*low, *high > *low ? *high : *low + 1, kBands, palette_.body, light);
     case Shading::Curvature:
     case Shading::Strain: {
-      // Ends and corners have values that would leave one colour for all the rest.
+      // Clip the scale: values at ends and corners would leave one colour for all the rest.
       const double limit = std::max(quantile(std::vector<float>(value, value + n), 0.98), 1e-30);
       range_[0] = limit;
       return two_sided(limit);
     }
     case Shading::Stress: {
-      // One place beside a point load would leave one colour for all the rest.
+      // Clip the scale: the values at a point load would leave one colour for all the rest.
       const double limit = std::max(quantile(std::vector<float>(value, value + n), 0.995), 1e-30);
       range_ = {limit, stress_->von_mises};
       return distances(limit);
@@ -180,8 +180,9 @@ vtkSmartPointer<vtkLookupTable> ShapeActors::table_of(const float* value, size_t
   }
 }
 
-// Of each facet the shape operator that its normals' changes along its edges fit best (Rusinkiewicz
-// 2004); of a point the mean of its facets, by their areas. Positive where the normal's side is hollow.
+// Mean curvature at the display points. Per facet, the shape operator is the least-squares fit to
+// the changes of the normals along its edges [Rusinkiewicz2004]. Point values are area-weighted
+// means over facets. Positive if the surface is concave on the normal's side.
 void ShapeActors::measure_curvature(float* value) const {
   const auto n = static_cast<size_t>(points_->GetNumberOfTuples());
   const float *x = points_->GetPointer(0), *normal = normals_->GetPointer(0);
@@ -192,7 +193,7 @@ void ShapeActors::measure_curvature(float* value) const {
     const double size = area.norm();
     if (!(size > 0)) continue;
     const Vec3 u = first.normalized(), v = area.cross(first).normalized();
-    Mat3 A = Mat3::Zero();  // of the operator's uu, uv and vv
+    Mat3 A = Mat3::Zero();  // of the components uu, uv and vv of the operator
     Vec3 b = Vec3::Zero();
     for (size_t k = 0; k < 3; ++k) {
       const Vec3 edge = triple(x, facet[(k + 1) % 3]) - triple(x, facet[k]);
@@ -215,7 +216,7 @@ void ShapeActors::measure_curvature(float* value) const {
     value[i] = static_cast<float>(weight[i] > 0 ? sum[i] / weight[i] : 0);
 }
 
-// The largest strain of the facets at a point since the mesh was made, with its sign.
+// Signed principal strain of largest magnitude since meshing, over the facets at each point.
 void ShapeActors::measure_strain(float* value) const {
   std::fill(value, value + points_->GetNumberOfTuples(), 0.0F);
   for (const auto& facet : pattern_->facets) {
@@ -226,7 +227,7 @@ void ShapeActors::measure_strain(float* value) const {
       return sides;
     };
     const auto before = frame_of(reference_.data()), after = frame_of(points_->GetPointer(0));
-    // The metric after, in a frame that is orthonormal before: (RᵀR = before's metric).
+    // The new metric in a frame that was orthonormal before (RᵀR = old metric).
     const Eigen::Matrix2d metric = before.transpose() * before;
     const Eigen::LLT<Eigen::Matrix2d> factor(metric);
     if (factor.info() != Eigen::Success) continue;

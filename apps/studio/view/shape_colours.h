@@ -1,4 +1,4 @@
-// The colours of the view.
+// Colours, lookup tables and legend of the 3-D view.
 #pragma once
 
 #include <vtkSmartPointer.h>
@@ -12,29 +12,29 @@ namespace batten::studio {
 
 using Rgb = std::array<double, 3>;
 
-/// Colours of everything, light or dark.
+/// Colours of the view, in a light and a dark theme.
 struct Palette {
   Rgb low, high, body, line, selected, draft, text;
   static Palette light();
   static Palette dark();
 };
 
-/// A table from `low` to `high` of `count` stripes in two colours.
+/// Lookup table with `count` stripes from `low` to `high`, alternating between two colours.
 vtkSmartPointer<vtkLookupTable> stripes(double low, double high, int count, const Rgb& a,
                                         const Rgb& b);
-/// Colours that neighbours tell apart: hues by the golden angle.
+/// Categorical colours that are easy to tell apart (hues at golden-angle steps).
 vtkSmartPointer<vtkLookupTable> region_colours(int count);
-/// The colours of facets by MeshView::Role, and behind them of what is chosen.
+/// Lookup table for facets by MeshView::Role; the entry kSelectedRole is for selected facets.
 inline constexpr int kSelectedRole = 4;
 vtkSmartPointer<vtkLookupTable> role_colours(const Palette& palette);
-/// A table from -limit to the limit: from blue over white to red.
+/// Diverging colours from -limit (blue) over white to limit (red).
 vtkSmartPointer<vtkLookupTable> two_sided(double limit);
-/// A table from 0 to the limit: from blue to red.
+/// Sequential colours from 0 (blue) to the limit (red).
 vtkSmartPointer<vtkLookupTable> distances(double limit);
 
 }  // namespace batten::studio
 
-// Words and a scale of colours over the view.
+// Legend: text and colour scale over the view.
 
 class vtkRenderer;
 class vtkScalarBarActor;
@@ -42,13 +42,14 @@ class vtkTextActor;
 
 namespace batten::studio {
 
+/// Draws a text and a colour scale over the view.
 class Legend {
  public:
   explicit Legend(vtkRenderer* renderer);
   ~Legend();
   void set_palette(const Palette& palette);
   void set_text(const std::string& overlay_text);
-  /// What the colours of a table stand for, with a title; null: no scale.
+  /// Shows the scale of a lookup table, with a title; null: no scale.
   void set_scale(vtkLookupTable* table, const std::string& title);
 
  private:

@@ -30,10 +30,10 @@
 namespace batten::studio {
 namespace {
 
-constexpr int kSamples = 4, kStillAfter = 150;  // ms
-const Vec3 kFromCorner(1, 1.6, -0.9);           // the way the eye looks at first
-constexpr int kModeFrameMs = 33;                // ms
-constexpr double kModePhaseStep = 0.13;         // radians of a swing
+constexpr int kSamples = 4, kStillAfter = 150;  // ms without changes before antialiasing
+const Vec3 kFromCorner(1, 1.6, -0.9);           // initial viewing direction
+constexpr int kModeFrameMs = 33;                // ms per frame of the animation
+constexpr double kModePhaseStep = 0.13;         // phase per frame, radians
 
 void add_light(vtkRenderer& renderer, double x, double y, double z, double intensity) {
   vtkNew<vtkLight> light;
@@ -82,7 +82,7 @@ ShapeView::ShapeView(QWidget* parent, Hooks hooks)
 
 ShapeView::~ShapeView() = default;
 
-// Mesa draws on the processor, where samples cost three times the picture.
+// Mesa renders in software, where multisampling would triple the time per picture.
 void ShapeView::initializeGL() {
   QVTKOpenGLNativeWidget::initializeGL();
   const auto* name = context()->functions()->glGetString(GL_RENDERER);
@@ -91,7 +91,7 @@ void ShapeView::initializeGL() {
   if (software_) window_->SetMultiSamples(0);
 }
 
-// What moves is drawn fast; what stands still gets smooth edges.
+// Draws without antialiasing during motion; a still picture is antialiased later.
 void ShapeView::redraw() {
   renderer_->ResetCameraClippingRange();
   legend_->set_scale(actors_->scale(), scale_title().toStdString());
@@ -126,7 +126,8 @@ void ShapeView::refresh(const DocumentWorker::Update& news) {
   if (!news.view && !news.frame && !news.stress) return;
   const bool anything = !is_empty();
   if (!anything) fitted_ = false;
-  if (other && !anything) look_along(kFromCorner, Vec3::UnitZ());  // the ground, to draw on
+  // Show the ground plane to draw on.
+  if (other && !anything) look_along(kFromCorner, Vec3::UnitZ());
   if (!fitted_ && anything && draft_.empty()) {
     fitted_ = true;
     fit();
@@ -157,7 +158,7 @@ void ShapeView::set_tool(Tool tool) {
   show_hint();
 }
 
-// What can be done next.
+// Shows in the status bar what the user can do next.
 void ShapeView::show_hint() {
   const bool mesh = view_ && view_->mesh;
   const bool empty = is_empty();
@@ -178,7 +179,7 @@ void ShapeView::set_plane(DrawPlane plane) {
   show_grid();
 }
 
-// The plane that lines are drawn on.
+// Shows the plane on which curves are drawn.
 void ShapeView::show_grid() {
   const Vec3 axes[] = {Vec3::UnitX(), Vec3::UnitY(), Vec3::UnitZ()};
   const int first = plane_ == DrawPlane::Yz ? 1 : 0, second = plane_ == DrawPlane::Xy ? 1 : 2;
@@ -238,7 +239,7 @@ void ShapeView::follow_section() {
   redraw();
 }
 
-// What the colours stand for, and how far beyond their end the largest is.
+// Title of the colour scale, including how far the maximum exceeds its end.
 QString ShapeView::scale_title() const {
   const Shading shading = actors_->shading();
   const auto [end, largest] = actors_->range();
@@ -260,7 +261,8 @@ void ShapeView::set_text(const QString& overlay_text) {
 
 void ShapeView::set_paint(const std::string& kind) {
   paint_kind_ = kind;
-  if (view_ && !painted_table().kind.empty()) select("");  // the next stroke makes one of this kind
+  // The next stroke then creates an object of this kind.
+  if (view_ && !painted_table().kind.empty()) select("");
 }
 
 void ShapeView::animate_mode(bool on) {

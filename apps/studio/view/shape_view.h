@@ -1,4 +1,4 @@
-// The 3-D view and what the mouse does in it.
+// The 3-D view of a document, and its mouse tools.
 #pragma once
 
 #include <QVTKOpenGLNativeWidget.h>
@@ -27,72 +27,77 @@ namespace batten::studio {
 class Gizmo;
 class Legend;
 
-/// What the left button does.
+/// Tools of the left mouse button.
 enum class Tool {
-  Select,  ///< a click chooses a line or region, a drag turns the view
-  Push,  ///< a press on the surface is a point load along the normal: the surface follows the hand
-  FixPoint,  ///< a click on the surface holds it there; arrows then move the place
-  Draw,      ///< clicks are points of a line; a double click or Enter ends it
-  Paint,  ///< a brush, with Shift one that takes away: nodes of a mesh, or where a load or weight acts
-  Lasso,   ///< the same with a line around them
-  Measure  ///< two clicks: how far it is from one to the other
+  Select,  ///< a click selects a curve or region, a drag orbits the view
+  /// A drag on the surface applies a point load along the normal: the surface follows the mouse.
+  Push,
+  FixPoint,  ///< a click on the surface adds a position constraint, which arrows then move
+  Draw,      ///< clicks add points of a curve; a double click or Enter ends it
+  /// A brush for nodes of a mesh, or for the area of a load or stiffness field; Shift erases.
+  Paint,
+  Lasso,   ///< the same with a closed curve around the nodes
+  Measure  ///< two clicks measure a distance
 };
 
-/// The plane that lines are drawn on, through the first point of the line or the origin.
+/// Plane on which curves are drawn, through the first point of the curve or the origin.
 enum class DrawPlane { Xy, Xz, Yz, View };
 
-/// Draws a document and turns the mouse into commands. Everything that it does to the document goes
+/// Draws a document and converts mouse and key events to commands. All changes of the document go
 /// through `Hooks::post`.
 class ShapeView : public QVTKOpenGLNativeWidget {
  public:
+  /// Callbacks to the main window.
   struct Hooks {
     std::function<void(DocumentCommand)> post;
     std::function<void(const Vec3&, std::function<void(const SurfacePoint&)>)> query_surface_point;
     std::function<void(const std::string& line, const std::string& region)> selected;
-    std::function<void(const QString&)> hint;  ///< what can be done next, for the status bar
+    /// Shows in the status bar what the user can do next.
+    std::function<void(const QString&)> hint;
   };
   ShapeView(QWidget* parent, Hooks hooks);
   ~ShapeView() override;
 
   void refresh(const DocumentWorker::Update& news);
   void set_tool(Tool tool);
-  void show_hint();  ///< what can be done next
+  void show_hint();  ///< shows what the user can do next
   Tool tool() const { return tool_; }
   void set_plane(DrawPlane plane);
   void set_shading(Shading shading);
   void set_dark(bool dark);
   void set_mesh(bool shown);
   void set_perspective(bool on);
-  /// What a brush makes where no load or weight is chosen: "pressure", "alpha" or "beta".
+  /// Kind of the object that the brush creates if no load or stiffness field is selected:
+  /// "pressure", "alpha" or "beta".
   void set_paint(const std::string& kind);
-  /// Lets the natural mode swing that is shown, or stand at its largest.
+  /// Animates the mode shape, or shows it at its largest amplitude.
   void animate_mode(bool on);
   void set_mode(int mode);
-  /// The curvature of the chosen line as a comb.
+  /// Shows the curvature comb of the selected curve.
   void set_combs(bool shown);
-  /// A plane that cuts away what is before it, with an arrow and a face to move it by.
+  /// Shows a section plane that hides everything in front of it, with handles to move it.
   void set_section(bool shown);
-  /// Words over the view.
+  /// Shows a text over the view.
   void set_text(const QString& overlay_text);
   const QString& overlay_text() const { return text_; }
-  /// The chosen point of the chosen line, counted from 0; -1: none.
+  /// Selected point of the selected curve, 0-based; -1: none.
   int selected_point() const { return selected_point_; }
-  /// The place of the surface that was clicked last; none before.
+  /// Point of the surface that was clicked last; empty: none.
   const std::optional<SurfacePoint>& clicked() const { return clicked_; }
-  /// Takes the chosen point out of its line; false where there is none.
+  /// Removes the selected point from its curve. Returns false if there is none.
   bool remove_point();
-  /// A line, region or part of a mesh.
+  /// Selects a curve, region or part of a mesh by name.
   void select(const std::string& name);
-  /// Shows all, from the direction in which the camera looks.
+  /// Zooms to fit; keeps the viewing direction.
   void fit();
   void look_along(const Vec3& direction, const Vec3& up);
   void finish_line();
-  /// Takes back what the hand has begun and not ended: a push, the last point of a line; false where
-  /// there is no such thing.
+  /// Cancels an unfinished action: a load being dragged, or the last point of a curve being drawn.
+  /// Returns false if there is none.
   bool undo_pending();
   void cancel_tool();
 
-  /// The point of the window, Qt's logical pixels, that shows a place: for tests and tours.
+  /// Pixel (Qt logical pixels) at which a model point is shown; for tests and tours.
   QPoint pixel_of(const Vec3& p) const;
   const ShapeActors& actors() const { return *actors_; }
   const Gizmo& gizmo() const { return *gizmo_; }
@@ -105,10 +110,10 @@ class ShapeView : public QVTKOpenGLNativeWidget {
   struct Push {
     std::string name;
     Vec3 unloaded, normal, start;
-    int point = -1;         // of the display
-    double value = 0;       // that the load has
-    double compliance = 0;  // of the point along the normal; 0: not known yet
-    double wanted = 0;      // displacement
+    int point = -1;         // index of the display point
+    double value = 0;       // current value of the load
+    double compliance = 0;  // displacement along the normal per unit of load; 0: unknown
+    double wanted = 0;      // displacement at the mouse position
     QPoint from;
     bool placed = false;
   };
@@ -143,9 +148,9 @@ class ShapeView : public QVTKOpenGLNativeWidget {
   void finish_stroke();
   void select_created();
   struct Stroke {
-    SceneTable table;  // that it is painted of; none: a new one
+    SceneTable table;  // load or stiffness field that is painted; empty: a new one
     bool erases = false, ended = false;
-    int asked = 0;  // of dabs
+    int asked = 0;  // number of brush dabs requested
     std::vector<BrushDab> dabs;
   };
   SceneTable painted_table() const;
@@ -191,30 +196,31 @@ class ShapeView : public QVTKOpenGLNativeWidget {
   std::shared_ptr<Push> push_;
   std::unique_ptr<Gizmo> gizmo_;
   std::unique_ptr<Legend> legend_;
-  DocumentView::Handle dragged_handle_;  // what the hand has moved the shown handle to
-  std::vector<char> painted_;            // of each display point
-  std::string painted_name_;             // of the selection that strokes add to
+  DocumentView::Handle dragged_handle_;  // current pose of the handle during a drag
+  std::vector<char> painted_;            // by display point
+  std::string painted_name_;             // selection to which strokes are added
   std::vector<QPoint> lasso_;
   std::shared_ptr<Stroke> stroke_;
   std::string paint_kind_ = "pressure";
   std::optional<SurfacePoint> clicked_;
   QTimer* swing_ = nullptr;
-  int mode_frame_ = 0;             // pictures since a mode began to swing
-  std::vector<Vec3> line_points_;  // that the scene states of the chosen line
+  int mode_frame_ = 0;             // frames since the animation started
+  std::vector<Vec3> line_points_;  // points of the selected curve, as defined in the scene
   LineKey line_key_ = LineKey::None;
   int selected_point_ = -1, moved_point_ = -1;
-  Vec3 point_before_ = Vec3::Zero();  // where the moved one was
-  bool detached_ = false;             // it moves without lines that meet there
-  bool awaits_move_ = false;          // the surface has not followed yet
+  Vec3 point_before_ = Vec3::Zero();  // position of the dragged point before
+  bool detached_ = false;             // curves that meet there do not move along
+  bool awaits_move_ = false;          // the surface has not followed the last move yet
   QElapsedTimer since_move_;
-  qint64 move_ms_ = 0;  // that the surface took to follow the last time
+  qint64 move_ms_ = 0;  // time that the surface needed to follow the last move
   bool combs_ = false;
   QString text_;
   std::string selected_, created_;
-  std::string defining_line_;  // the [[line]] that the chosen one is or is a piece of
+  // The [[line]] that defines the selected curve, or of which it is a segment.
+  std::string defining_line_;
   QPoint pressed_, brushed_;
   QTimer* idle_timer_ = nullptr;
-  bool software_ = false;  // OpenGL on the processor
+  bool software_ = false;  // OpenGL is emulated in software
   bool left_ = false, moved_ = false, fitted_ = false, brushing_ = false;
 };
 

@@ -1,4 +1,4 @@
-// What the mouse and keys do in the view.
+// Mouse and keyboard events of the 3-D view.
 #include <vtkCamera.h>
 #include <vtkCameraOrientationRepresentation.h>
 #include <vtkCameraOrientationWidget.h>
@@ -17,7 +17,7 @@
 namespace batten::studio {
 namespace {
 
-constexpr int kClick = 4;  // a press that moves by fewer pixels is a click
+constexpr int kClick = 4;  // pixels: a press with less motion is a click
 
 }  // namespace
 
@@ -57,7 +57,7 @@ bool ShapeView::event(QEvent* event) {
       break;
     case QEvent::KeyPress:
       if (key(static_cast<QKeyEvent*>(event)->key())) return true;
-      return QOpenGLWidget::event(event);  // letters mean other things to VTK
+      return QOpenGLWidget::event(event);  // letters are shortcuts in VTK
     case QEvent::KeyRelease:
       return QOpenGLWidget::event(event);
     default:
@@ -83,7 +83,7 @@ bool ShapeView::press(QMouseEvent* event) {
   return true;
 }
 
-// Whether the hand is on the axes in the corner, which turn the view.
+// True if the mouse is on the axes widget in the corner, which orbits the view.
 bool ShapeView::on_axes(const QPoint& at) const {
   const Vec3 p = display(at);
   auto* axes = vtkCameraOrientationRepresentation::SafeDownCast(cube_->GetRepresentation());
@@ -92,7 +92,8 @@ bool ShapeView::on_axes(const QPoint& at) const {
              static_cast<int>(vtkCameraOrientationRepresentation::InteractionStateType::Outside);
 }
 
-// Beside the surface a brush turns the view; a lasso begins anywhere.
+// Starts a brush stroke. Beside the surface a brush orbits the view instead; a lasso can start
+// anywhere.
 bool ShapeView::press_brush(QMouseEvent* event) {
   const Vec3 at = display(event->pos());
   if (!view_ || !view_->surface) return false;
@@ -135,7 +136,8 @@ bool ShapeView::move(QMouseEvent* event) {
     const Vec3 along = to_window(push_->start + push_->normal) - from;
     const Vec3 pixel = display(event->pos()) - display(push_->from);
     const Vec2 axis = along.head<2>();
-    // Towards the eye a normal is a point in the window: up then is out.
+    // A normal that points at the viewer is a single point in the window: moving up then means
+    // outwards.
     const double scale = renderer_->GetActiveCamera()->GetParallelScale() * 2 / height();
     constexpr double short_axis = 0.25;
     push_->wanted = axis.norm() * scale > short_axis
@@ -184,7 +186,7 @@ bool ShapeView::release(QMouseEvent* event) {
   return false;
 }
 
-// What the colour under the hand says.
+// Shows the value of the scalar field under the mouse.
 void ShapeView::show_value(const QPoint& at) {
   if (!actors_->has_scalar_field()) return;
   const Vec3 pixel = display(at);
@@ -233,7 +235,7 @@ bool ShapeView::undo_pending() {
     redraw();
     return true;
   }
-  return gizmo_->pressed() || moved_point_ >= 0;  // first the hand lets go
+  return gizmo_->pressed() || moved_point_ >= 0;  // release these first
 }
 
 }  // namespace batten::studio

@@ -1,4 +1,4 @@
-// What the hand does to a mesh: moving its handles, painting and encircling its nodes.
+// Mesh tools: moving handles, painting and encircling nodes.
 #include <vtkRenderer.h>
 
 #include <QLineF>
@@ -26,7 +26,7 @@ Eigen::AngleAxisd angle_axis(const Vec3& rotation_vector) {
           degrees > 0 ? Vec3(rotation_vector / degrees) : Vec3(Vec3::UnitZ())};
 }
 
-/// A turn after another one, as vectors along their axes; whole turns about one axis add up.
+/// Composes two rotation vectors (degrees); rotations about one axis add up, including full turns.
 Vec3 composed_rotation(const Vec3& first, const Vec3& then) {
   if (first.cross(then).norm() <= 1e-9 * first.norm() * then.norm()) return first + then;
   const Eigen::AngleAxisd both(angle_axis(then).toRotationMatrix() *
@@ -38,7 +38,7 @@ double to_step(double value, double step) {
   return std::stod(format_number(std::round(value / step) * step));
 }
 
-/// Whether a point is inside of a closed polygon.
+/// True if a point is inside a closed polygon.
 bool inside(const std::vector<Vec2>& polygon, const Vec2& p) {
   bool in = false;
   for (size_t i = 0, j = polygon.size() - 1; i < polygon.size(); j = i++) {
@@ -54,7 +54,7 @@ bool inside(const std::vector<Vec2>& polygon, const Vec2& p) {
 
 // -- handles ----------------------------------------------------------------------------------------
 
-// The chosen handle's, or the first of the last edit.
+// The handle of the selected object, or the first one that can be rotated.
 const DocumentView::Handle* ShapeView::shown_handle() const {
   if (!view_ || (tool_ != Tool::Select && tool_ != Tool::FixPoint)) return nullptr;
   const DocumentView::Handle* first = nullptr;
@@ -96,7 +96,7 @@ void ShapeView::drag_handle(const QPoint& at) {
   if (!start) return;
   const Vec3 shift = start->shift + motion.shift,
              rotation_vector = composed_rotation(start->rotation_vector, motion.rotation_vector);
-  if (view_->timeline) {  // its frames are made anew when the hand lets go
+  if (view_->timeline) {  // frames are computed only after the release
     for (int i = 0; i < 3; ++i) dragged_handle_.shift[i] = to_step(shift[i], step);
     for (int i = 0; i < 3; ++i)
       dragged_handle_.rotation_vector[i] = to_step(rotation_vector[i], 0.01);
@@ -124,7 +124,7 @@ void ShapeView::release_handle() {
 
 // -- painting ---------------------------------------------------------------------------------------
 
-// A painted selection that is chosen goes on, until it is said what it is for.
+// Starts painting. A painted selection that is selected is continued, unless it has got a role.
 void ShapeView::start_painting() {
   const auto count = static_cast<size_t>(actors_->point_count());
   const SceneText scene(view_->text);
@@ -158,7 +158,7 @@ void ShapeView::dab(const QPoint& at, bool erases) {
     painted_[static_cast<size_t>(i)] = erases ? 0 : 1;
 }
 
-// All nodes that the lasso encloses, those behind, too.
+// Marks or erases all nodes inside the lasso, including hidden ones.
 void ShapeView::close_lasso(bool erases) {
   std::vector<Vec2> polygon;
   for (const QPoint& at : lasso_) polygon.push_back(display(at).head<2>());
@@ -180,7 +180,7 @@ void ShapeView::draw_lasso(const QPoint& at) {
   redraw();
 }
 
-// What is painted is a selection of the scene; further strokes add to it.
+// Stores the painted nodes as a selection of the scene; further strokes add to it.
 void ShapeView::finish_stroke() {
   std::vector<long> labels;
   for (size_t i = 0; i < painted_.size(); ++i)
@@ -193,7 +193,7 @@ void ShapeView::finish_stroke() {
   created_ = painted_name_;
 }
 
-// What was painted, pinned or drawn is chosen as soon as the scene has it.
+// Selects what was painted, fixed or drawn, as soon as the scene contains it.
 void ShapeView::select_created() {
   for (const char* kind : {"select", "constraint", "load", "weight", "line"}) {
     if (created_.empty() || !view_->table({kind, created_})) continue;

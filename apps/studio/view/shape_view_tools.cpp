@@ -1,4 +1,4 @@
-// What the hand does to the document: pushing the surface, drawing lines.
+// Tools for shapes: pushing the surface, fixing points, drawing and editing curves, painting.
 
 #include <vtkCamera.h>
 #include <vtkRenderer.h>
@@ -37,7 +37,7 @@ void ShapeView::start_push(const QPoint& at) {
   });
 }
 
-// The load is there, at 0; one unit of it then shows how far the surface gives way.
+// Adds the load with value 0, then sets it to 1 to measure the compliance of the surface.
 void ShapeView::start_load(const SurfacePoint& surface_point) {
   Push& push = *push_;
   push.start = surface_point.present;
@@ -71,7 +71,7 @@ void ShapeView::follow_push() {
   hooks_.post({.kind = CommandKind::SetSlider, .key = push.name, .value = value});
 }
 
-// The load goes, and with it what it did.
+// Removes the load, and thus its effect.
 void ShapeView::cancel_push() {
   const bool placed = push_->placed;
   const std::string name = push_->name;
@@ -86,10 +86,10 @@ void ShapeView::end_push() {
   if (placed) hooks_.post({.kind = CommandKind::SolveToEquilibrium});
 }
 
-// The place of the surface is held where it is now, or its normal as it is.
+// Fixes a point of the surface at its present position, or its present normal.
 void ShapeView::fix_point(const QPoint& at, bool normal) {
   const Vec3 window = display(at);
-  for (const auto& handle : view_->handles)  // it is held there: the click means that place
+  for (const auto& handle : view_->handles)  // fixed already: select that constraint
     if (!normal && !handle.can_rotate &&
         (to_window(handle.centre) - window).head<2>().norm() < kSnap * devicePixelRatioF())
       return hooks_.selected("", handle.name);
@@ -133,13 +133,14 @@ std::optional<Vec3> ShapeView::snapped(const QPoint& at) const {
 Vec3 ShapeView::point_at(const QPoint& at) const {
   if (const auto end = snapped(at)) return *end;
   const Vec3 pixel = display(at);
-  if (view_ && view_->timeline) return rounded_to_pixel(on_plane(at, Vec3::Zero()));  // the ground
+  // Ground plane.
+  if (view_ && view_->timeline) return rounded_to_pixel(on_plane(at, Vec3::Zero()));
   if (const auto p = actors_->surface_at(pixel.x(), pixel.y())) return *p;
   return rounded_to_pixel(on_plane(at, draft_.empty() ? Vec3(Vec3::Zero()) : draft_.front()));
 }
 
-// In the plane that lines are drawn on, through a point; where that is seen from its edge, in the one
-// that faces the eye.
+// Intersects the view ray with the drawing plane through a point. If that plane is seen edge-on,
+// the view plane is used.
 Vec3 ShapeView::on_plane(const QPoint& at, const Vec3& through) const {
   const Vec3 pixel = display(at), near = from_window(pixel);
   const Vec3 along = (from_window(pixel + Vec3::UnitZ()) - near).normalized();
@@ -163,7 +164,7 @@ void ShapeView::draw_point(const QPoint& at) {
   hooks_.hint(text(kHintDrawing));
 }
 
-// The distance and how far it goes along x, y and z, in words over the view.
+// Shows the distance, and its components along x, y and z, over the view.
 void ShapeView::measure_point(const QPoint& at) {
   if (draft_.size() > 1) draft_.clear();
   draft_.push_back(point_at(at));
@@ -183,7 +184,7 @@ void ShapeView::finish_line() {
   actors_->set_draft({});
   redraw();
   if (points.size() < 2) return;
-  fitted_ = true;  // the view stays while a hand draws
+  fitted_ = true;  // keep the view while the user is drawing
   if (view_->timeline) return hooks_.post(path_edit(SceneText(view_->text), points));
   created_ = view_->free_name("line");
   hooks_.post(line_command(created_, points));
@@ -199,16 +200,17 @@ void ShapeView::cancel_tool() {
 }
 
 
-// What the hand does to a chosen line: its points are moved, added, taken away and faired.
+// Editing of the selected curve: moving, adding, removing and fairing points.
 
 namespace {
 
 constexpr double kGrab = 10;              // pixels
-constexpr qint64 kFollowsWithinMs = 400;  // ms: a surface that is made faster follows the hand
+// Ms: the surface follows a drag only if it is computed faster.
+constexpr qint64 kFollowsWithinMs = 400;
 
 }  // namespace
 
-// The points of the chosen line that the scene states, as dots; its curvature as a comb.
+// Shows the defining points of the selected curve as dots, and its curvature as a comb.
 void ShapeView::show_line() {
   if (moved_point_ >= 0) return;
   line_points_.clear();
@@ -234,7 +236,8 @@ void ShapeView::show_dots() {
   actors_->set_dots(line_points_, selected_point_, line_key_ == LineKey::Bezier);
 }
 
-// Where the shown handle goes in all frames, or the path that they follow, and where feet stand.
+// Shows the path of the current handle over all frames (or the path that the sequence follows), and
+// the foot contacts.
 void ShapeView::show_path() {
   actors_->set_dots(view_->timeline->footprints, -1, false);
   const auto* handle = shown_handle();
@@ -247,7 +250,7 @@ void ShapeView::set_combs(bool shown) {
   redraw();
 }
 
-// The stated point under the hand, or -1.
+// Index of the defining point under the mouse; -1: none.
 int ShapeView::point_under(const QPoint& at) const {
   const Vec3 pixel = display(at);
   double least = kGrab * devicePixelRatioF();
@@ -274,7 +277,7 @@ bool ShapeView::press_point(const QPoint& at, bool detached) {
   return true;
 }
 
-// In the plane that lines are drawn on, or on the end of another line.
+// Moves a point in the drawing plane, or snaps it to the end of another curve.
 void ShapeView::drag_point(const QPoint& at) {
   Vec3& p = line_points_[static_cast<size_t>(moved_point_)];
   const auto end = snapped(at);
@@ -290,12 +293,14 @@ void ShapeView::drag_point(const QPoint& at) {
   hooks_.post(move_point_command(point_before_, p));
 }
 
-// Whether the surface can follow a dragged point now: it has followed the last move, and fast enough.
+// True if the surface has followed the last move, and fast enough, so that it can follow the next
+// one.
 bool ShapeView::follows_point() const {
   return !detached_ && !awaits_move_ && view_->surface && move_ms_ < kFollowsWithinMs;
 }
 
-// Lines that meet at the point stay together, but with Shift. What came of a drag is one step.
+// Curves that meet at the point stay joined, unless Shift is pressed. The whole drag is one undo
+// step.
 void ShapeView::release_point() {
   const Vec3 now = line_points_[static_cast<size_t>(std::exchange(moved_point_, -1))];
   actors_->set_draft({});
@@ -308,7 +313,7 @@ void ShapeView::release_point() {
   hooks_.post({.kind = DocumentCommand::CommandKind::SolveToEquilibrium});
 }
 
-// A double click on the chosen line puts a point there.
+// Inserts a point in the selected curve, after a double click on it.
 bool ShapeView::add_point(const QPoint& at) {
   if (tool_ != Tool::Select || line_points_.size() < 2 || line_key_ != LineKey::Points)
     return false;
@@ -322,7 +327,7 @@ bool ShapeView::add_point(const QPoint& at) {
   for (size_t i = 0; i < curve.size(); ++i)
     if (distance(i) < distance(nearest)) nearest = i;
   if (distance(nearest) > 2 * kGrab) return false;
-  // Between the stated points that come before and after it along the curve.
+  // Insert it between the defining points before and after it along the curve.
   const auto place_of = [&](const Vec3& p, size_t from) {
     size_t best = from;
     for (size_t i = from; i < curve.size(); ++i)
@@ -352,7 +357,7 @@ bool ShapeView::remove_point() {
   return true;
 }
 
-// As fine as a pixel.
+// Rounds coordinates to about the size of a pixel.
 Vec3 ShapeView::rounded_to_pixel(const Vec3& p) const {
   const Vec3 at = to_window(p);
   const double pixel = (from_window(at + Vec3::UnitX()) - from_window(at)).norm();
@@ -361,7 +366,7 @@ Vec3 ShapeView::rounded_to_pixel(const Vec3& p) const {
 }
 
 
-// Painting where loads and weights act on a surface.
+// Painting the area of loads and stiffness fields on a surface.
 
 namespace {
 
@@ -370,7 +375,7 @@ constexpr const char* kPaintedKinds[] = {"load", "weight"};
 
 }  // namespace
 
-// The chosen load or weight, where a brush paints it.
+// The selected load or stiffness field, if its area is painted.
 SceneTable ShapeView::painted_table() const {
   const SceneText scene(view_->text);
   for (const char* kind : kPaintedKinds)
@@ -378,7 +383,7 @@ SceneTable ShapeView::painted_table() const {
   return {};
 }
 
-// What is painted of the chosen load or weight has the colour of what is chosen.
+// Highlights the painted area of the selected load or stiffness field.
 void ShapeView::show_painted_area() {
   if (!view_ || view_->mesh) return;
   const SceneTable table = painted_table();
@@ -402,8 +407,8 @@ void ShapeView::start_stroke(bool erases) {
     painted_.assign(static_cast<size_t>(actors_->point_count()), 0);
 }
 
-// Dabs lie half a radius apart; each asks where the surface is without loads, and the stroke ends when
-// all answers are there.
+// Adds brush dabs, half a radius apart. Each one requests its position on the unloaded surface; the
+// stroke is complete when all responses have arrived.
 void ShapeView::paint_area(const QPoint& at) {
   const double far = QLineF(brushed_, at).length();
   if (stroke_->asked > 0 && far < kBrushRadius / 2) return;

@@ -1,4 +1,4 @@
-// All texts of the window, ready to be translated.
+// All texts of the window, ready for translation.
 #pragma once
 
 #include <QCoreApplication>
@@ -9,10 +9,10 @@
 
 namespace batten::studio {
 
-/// A text in the user's language.
+/// Translates a text into the user's language.
 inline QString text(const char* english) { return QCoreApplication::translate("studio", english); }
 
-/// A name, or words of the kernel, as the window shows them.
+/// Converts a name or a message of the kernel for display; not translated.
 inline QString shown(const std::string& words) { return QString::fromStdString(words); }
 
 inline constexpr const char* kProgram = QT_TRANSLATE_NOOP("studio", "batten-studio");
@@ -127,7 +127,7 @@ inline constexpr const char* kShadings[] = {
     QT_TRANSLATE_NOOP("studio", "Moved by"), QT_TRANSLATE_NOOP("studio", "Curvature"),
     QT_TRANSLATE_NOOP("studio", "Stretch"),  QT_TRANSLATE_NOOP("studio", "Stress"),
     QT_TRANSLATE_NOOP("studio", "Vibration")};
-/// What a brush makes, and how a scene calls it.
+/// Kinds of objects that the brush can create: label, and type in the scene.
 inline constexpr std::pair<const char*, const char*> kPaints[] = {
     {QT_TRANSLATE_NOOP("studio", "Paint pressure"), "pressure"},
     {QT_TRANSLATE_NOOP("studio", "Paint bending (beta)"), "beta"},

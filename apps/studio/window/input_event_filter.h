@@ -1,4 +1,4 @@
-// Lists, numbers and sliders as a hand expects them in a panel that scrolls.
+// Input helpers for scrolling panels: combo boxes, spin boxes and sliders.
 #pragma once
 
 #include <QObject>
@@ -8,19 +8,19 @@ class QWidget;
 
 namespace batten::studio {
 
-/// Events that a list or a number leaves to others: the wheel scrolls on over it and does not change
-/// it, and undo and redo are the document's.
+/// Event filter for combo boxes and spin boxes. The mouse wheel scrolls the panel instead of
+/// changing the value, and undo and redo go to the document.
 class InputEventFilter : public QObject {
  public:
   using QObject::QObject;
-  /// Makes a list or a number quiet, for as long as this object lives.
+  /// Filters the events of a widget, as long as this object lives.
   void watch(QWidget* input);
 
  protected:
   bool eventFilter(QObject* input, QEvent* event) override;
 };
 
-/// A press beside the handle of a slider moves it there, and a drag goes on from there.
+/// Makes a slider jump to a press beside its handle, and continue with a drag from there.
 void jump_to_press(QSlider* slider);
 
 }  // namespace batten::studio

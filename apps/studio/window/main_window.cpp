@@ -22,9 +22,9 @@
 
 namespace batten::studio {
 
-// The light and the dark look of all widgets.
+// Light and dark theme of all widgets.
 
-/// Gives the program Qt's Fusion style in light or dark colours.
+/// Applies Qt's Fusion style in light or dark colours.
 inline void apply_theme(QApplication& application, bool dark) {
   application.setStyle("Fusion");
   QPalette palette;
@@ -65,8 +65,8 @@ QDockWidget* dock(QMainWindow* window, const char* title, QWidget* content,
 }  // namespace
 
 MainWindow::MainWindow(std::filesystem::path recovery) {
-  // News come from the worker's thread; the window looks at them when it gets to it, once for all
-  // that came meanwhile.
+  // The worker thread notifies the window, which processes all pending updates at once in its event
+  // loop.
   worker_ = std::make_unique<DocumentWorker>(
       [this] {
         if (!woken_.exchange(true))
@@ -87,7 +87,7 @@ MainWindow::MainWindow(std::filesystem::path recovery) {
 }
 
 MainWindow::~MainWindow() {
-  worker_.reset();  // before the widgets that its news go to
+  worker_.reset();  // before the widgets that its updates use
 }
 
 void MainWindow::make_panels() {
@@ -249,7 +249,8 @@ void MainWindow::post(DocumentCommand command) {
   worker_->post(std::move(command));
 }
 
-// -- what came of it --------------------------------------------------------------------------------
+// -- updates from the worker
+// -------------------------------------------------------------------------
 
 void MainWindow::take_update() {
   woken_ = false;
@@ -269,7 +270,7 @@ void MainWindow::take_update() {
     statusBar()->showMessage(
         text(what).arg(done.file.empty() ? shown(shown_->title) : shown(done.file.string())));
   }
-  // What was said of earlier steps is grey when another one is done.
+  // Messages of earlier steps are greyed out when another step is done.
   if (update.view && update.view->text != shown_->text)
     for (int i = 0; i < messages_->count(); ++i)
       if (messages_->item(i) != problem_) {
@@ -283,7 +284,7 @@ void MainWindow::take_update() {
                                                          : QStyle::SP_MessageBoxWarning));
     messages_->scrollToBottom();
   }
-  constexpr int soon = 300;  // ms: until then numbers stay
+  constexpr int soon = 300;  // ms: displayed values are kept until then
   const bool computing = update.frame && !update.stress && shown_->has_stress &&
                          shading_->currentIndex() == static_cast<int>(Shading::Stress) &&
                          !(stress_shown_.isValid() && stress_shown_.elapsed() < soon);
@@ -318,18 +319,19 @@ void MainWindow::take_update() {
   show_state(update);
 }
 
-// What a hand has set for the document before.
+// Resets the tool settings for a new document.
 void MainWindow::reset_tools() {
   plane_->setCurrentIndex(0);
   statusBar()->clearMessage();
 }
 
-// What keeps the lines from a surface stands there as long as it is so.
+// Shows why the curves make no surface, as long as this is the case.
 void MainWindow::show_problem() {
   delete problem_;
   problem_ = nullptr;
   if (shown_->problem.empty()) return;
-  // Ends that meet nothing are what a hand goes on with; all else is told as it is.
+  // Dangling ends are normal while the user is drawing: show a count. Other problems are shown in
+  // full.
   const QString problem = shown(shown_->problem);
   const int open = problem.count("meets nothing");
   problem_ = new QListWidgetItem(open > 0 ? text(kOpenEnds).arg(open) : problem, messages_);

@@ -1,4 +1,4 @@
-// The window of batten-studio.
+// The main window of batten-studio.
 #pragma once
 
 #include <QElapsedTimer>
@@ -30,22 +30,24 @@ class QPushButton;
 
 namespace batten::studio {
 
-/// Menus, panels and the view around one document, which lives on a worker's thread. Everything
-/// that is done is a DocumentCommand: posted, recorded, undone and replayed alike.
+/// Menus, panels and the 3-D view of one document, which lives on a worker thread. Every change is
+/// a DocumentCommand, so all changes can be posted, recorded, undone and replayed.
 class MainWindow : public QMainWindow {
  public:
-  /// `recovery`: the file that keeps changes until they are saved; empty: none.
+  /// `recovery`: file in which unsaved changes are kept until they are saved; empty: none.
   explicit MainWindow(std::filesystem::path recovery = {});
   ~MainWindow() override;
 
+  /// Opens a scene, mesh or curve file.
   void open(const std::filesystem::path& file);
-  /// Takes up changes that a window which was killed left in this file.
+  /// Restores changes that a killed window has left in this recovery file.
   void recover(const std::filesystem::path& file);
+  /// Sends a command to the document.
   void post(DocumentCommand command);
-  /// Opens the door and shows what can be done with it.
+  /// Opens the door-panel example and starts the guided tour.
   void start_tour();
 
-  // For tests and tours: what the hand can reach.
+  // Access for tests and tours to the widgets that the user can operate.
   ShapeView& view() { return *view_; }
   SliderPanel& sliders() { return *sliders_; }
   PropertyPanel& properties() { return *properties_; }
@@ -54,12 +56,12 @@ class MainWindow : public QMainWindow {
   QAction* action(const char* text) const;  ///< by its English text
   const DocumentView& document() const { return *shown_; }
   DocumentWorker& worker() { return *worker_; }
-  Tour* tour() { return tour_; }  ///< null: none
+  Tour* tour() { return tour_; }  ///< null: no tour is running
   QComboBox& shading() { return *shading_; }
   QComboBox& paint() { return *paint_; }
   QComboBox& modes() { return *modes_; }
   QStringList messages() const;
-  /// Works off events until the worker has nothing to do; false after so many seconds.
+  /// Processes events until the worker is idle. Returns false after `seconds`.
   bool wait(double seconds = 60);
 
  protected:
@@ -114,13 +116,14 @@ class MainWindow : public QMainWindow {
   QProgressBar* progress_ = nullptr;
   QPushButton* stop_ = nullptr;
   QComboBox *shading_ = nullptr, *plane_ = nullptr, *paint_ = nullptr, *modes_ = nullptr;
-  QAction *plane_bar_ = nullptr, *paint_bar_ = nullptr, *modes_bar_ = nullptr;  // their places
+  // Containers of these combo boxes.
+  QAction *plane_bar_ = nullptr, *paint_bar_ = nullptr, *modes_bar_ = nullptr;
   QAction* motion_ = nullptr;
   QPointer<Tour> tour_;
   InputEventFilter input_filter_;
   QElapsedTimer stress_shown_;
   bool busy_ = false;
-  bool touring_ = false;  // the open scene is the tour's door
+  bool touring_ = false;  // the tour's example is open
   std::atomic<bool> woken_ = false;
 };
 

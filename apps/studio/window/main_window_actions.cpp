@@ -1,4 +1,4 @@
-// The window's files: opened, saved, exported, and the guard of changes that are not saved.
+// Actions of the main window: opening, saving, exporting, and the check for unsaved changes.
 
 #include <QCloseEvent>
 #include <QDir>
@@ -26,7 +26,7 @@ namespace {
 
 using CommandKind = DocumentCommand::CommandKind;
 
-/// A menu's text as a title.
+/// The text of a menu entry as a title.
 QString title(const char* menu) { return text(menu).remove('&'); }
 
 }  // namespace
@@ -39,7 +39,7 @@ void MainWindow::ask_open() {
 }
 
 void MainWindow::save(bool as) {
-  // The door of the tour is everybody's: it is saved elsewhere.
+  // The example of the tour must not be overwritten: save it elsewhere.
   if (!as && !touring_ && shown_->title != "untitled") return post({.kind = CommandKind::Save});
   QString file = QFileDialog::getSaveFileName(this, title(kSaveAs), in_folder(stem() + ".toml"),
                                               text(kSavedFiles));
@@ -49,7 +49,7 @@ void MainWindow::save(bool as) {
   post({.kind = CommandKind::Save, .file = file.toStdString()});
 }
 
-// A name for what is written, without its ending.
+// Suggested name for output files, without extension.
 QString MainWindow::stem() const {
   const std::string& name = shown_->title == "untitled" && !shown_->regions.empty() && shown_->mesh
                                 ? shown_->regions.front()
@@ -91,7 +91,7 @@ void MainWindow::remove_selected() {
   ModelTree::Item item = tree_->current();
   if (item.kind == ModelTree::Item::Kind::Join)
     item.table = {"line", defining_line(SceneText(shown_->text), item.name)};
-  if (item.table.kind == "line" && item.table.name.empty()) return;  // of a file
+  if (item.table.kind == "line" && item.table.name.empty()) return;  // the curve comes from a file
   if (const auto part = properties_->selected_stress_part()) {
     for (DocumentCommand& edit : remove_stress_part(SceneText(shown_->text), *part))
       post(std::move(edit));
@@ -100,7 +100,7 @@ void MainWindow::remove_selected() {
   if (!item.table.kind.empty()) post({.kind = CommandKind::Remove, .table = item.table});
 }
 
-// A name in the folder of the last scene that was opened or saved; the home folder before.
+// A name in the folder of the scene that was opened or saved last, initially the home folder.
 QString MainWindow::in_folder(const QString& name) const {
   const QString last = QSettings().value("recent").toStringList().value(0);
   const QDir folder(touring_ || last.isEmpty() ? QDir::homePath() : QFileInfo(last).path());
@@ -154,7 +154,7 @@ void MainWindow::dropEvent(QDropEvent* event) {
 }
 
 
-// The tools of the window, and what it shows of stresses, vibrations and motions.
+// Tool bars, and the display of stresses, mode shapes and motion.
 
 namespace {
 
@@ -243,7 +243,7 @@ void MainWindow::set_shading_mode(Shading shading) {
   update_tour();
 }
 
-// Where stresses are to be shown and the scene asks for none.
+// Shows a hint if stresses are selected but the scene does not define [stress].
 void MainWindow::show_missing_stress() {
   const auto shading = static_cast<Shading>(shading_->currentIndex());
   if (shown_->has_stress || analysis_of(shading) == Analysis::None) return;
@@ -257,7 +257,7 @@ void MainWindow::select_mode(int mode) {
   view_->set_text(text(kModeLegend).arg(modes_->itemData(mode).toDouble(), 0, 'g', 4));
 }
 
-// The list of modes, with the chosen one kept.
+// Updates the list of modes and keeps the selection.
 void MainWindow::show_modes(const StressView& stress) {
   const int before = std::max(0, modes_->currentIndex());
   modes_->blockSignals(true);
@@ -307,7 +307,8 @@ void MainWindow::show_stress(const StressView& stress) {
   view_->set_text(overlay_text);
 }
 
-// Shapes are pushed, held and drawn, meshes are encircled.
+// Enables the tools that suit the document: surfaces can be pushed, fixed and drawn, meshes
+// encircled.
 void MainWindow::show_tools() {
   const bool mesh = shown_->mesh != nullptr, moves = motion_->isChecked();
   for (const char* what : {kPush, kFixPoint}) {

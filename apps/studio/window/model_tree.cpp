@@ -14,7 +14,7 @@ namespace {
 
 using Kind = ModelTree::Item::Kind;
 
-/// The value of a table's key without its quotes.
+/// The value of a key of a table, without quotes.
 std::string plain(const DocumentView::Table& table, const char* key) {
   for (const auto& [name, value] : table.values)
     if (name == key)
@@ -27,7 +27,7 @@ bool acts(const std::string& kind) {
          kind == "parameter";
 }
 
-/// Tables that a mesh has groups for.
+/// True for tables that have a group of their own if the document is a mesh.
 bool is_of_mesh(const std::string& kind) {
   constexpr const char* kinds[] = {"select", "cut",   "feature", "features", "guide",  "relation",
                                    "line",   "curve", "pull",    "edit",     "handle", "step"};
@@ -35,7 +35,7 @@ bool is_of_mesh(const std::string& kind) {
          std::end(kinds);
 }
 
-constexpr int kWidth = 280;  // also for two buttons beside each other below
+constexpr int kWidth = 280;  // fits two adjacent buttons in the panel below
 
 QString degrees(double value) { return QString::number(value, 'g', 2) + "°"; }
 
@@ -95,11 +95,11 @@ void ModelTree::refresh(const DocumentView& view) {
   restore_selection(other ? Item{} : before);
   verticalScrollBar()->setValue(other ? 0 : scrolled);
   filling_ = false;
-  // What a mesh is opened for most.
+  // Select the most frequently used entry of a mesh.
   if (other && view.mesh && !view.timeline) select(Kind::Parts, "");
 }
 
-// What was chosen before the tree was filled anew.
+// Restores the selection after the tree has been rebuilt.
 void ModelTree::restore_selection(const Item& before) {
   if (before.kind == Kind::Table || before.kind == Kind::StressPart) {
     for (QTreeWidgetItemIterator it(this); *it; ++it) {

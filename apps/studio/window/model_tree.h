@@ -1,4 +1,4 @@
-// What the document is made of, as a tree.
+// Tree of the objects in a document.
 #pragma once
 
 #include <QHash>
@@ -10,20 +10,23 @@
 
 namespace batten::studio {
 
-/// Of a shape its lines, surfaces, joins, close choices and what acts; of a mesh its openings,
-/// selections, what is kept and the edits; and the other tables of the scene.
+/// Tree of the objects in a document. For a shape: curves, surfaces, joins, alternative regions,
+/// loads and constraints. For a mesh: holes, selections, features and boundary conditions, edits.
+/// In addition, the other tables of the scene.
 class ModelTree : public QTreeWidget {
  public:
-  /// Something in the tree.
+  /// An entry of the tree.
   struct Item {
     enum class Kind { None, Line, Region, Join, Table, Alternative, StressPart, Part, Parts };
     Kind kind = Kind::None;
-    std::string name;  ///< of a line, region, join's line or part of a mesh
-    SceneTable table;  ///< where the scene says it; of a line or region it may have none
-    int number = -1;   ///< of a close choice, or of a part of [stress] among stress_parts()
+    std::string name;  ///< name of a curve, region, join's line or part of a mesh
+    SceneTable table;  ///< scene table that defines it; may be empty for curves and regions
+    /// Index of an alternative region, or of a part among stress_parts(); -1: none.
+    int number = -1;
   };
   ModelTree(QWidget* parent, std::function<void(const Item&)> on_selected);
 
+  /// Rebuilds the tree from a document; keeps the selection.
   void refresh(const DocumentView& view);
   void select_line(const std::string& line);
   void select_region(const std::string& region);  ///< or a part of a mesh, or a table
@@ -41,7 +44,7 @@ class ModelTree : public QTreeWidget {
   void fill_tables(const DocumentView& view);
   std::function<void(const Item&)> on_selected_;
   std::vector<Item> items_;
-  QHash<QString, bool> open_;  // groups by their titles
+  QHash<QString, bool> open_;  // expanded state of groups, by title
   int document_number_ = 0;
   bool filling_ = false;
 };

@@ -18,11 +18,11 @@
 
 namespace batten::studio {
 
-// The words that a key of a scene may have, for lists to choose from.
+// Values of enumerated keys in a scene, for combo boxes.
 
-/// The values, as TOML writes them, of a key that has a few: "true" and "false" where the value is one
-/// of these, the words that docs/scenes.md names else; none for all other keys. The value itself is
-/// always among them. `faired`: the scene's [skin] has fair = "variation", which knows more joins.
+/// Possible values of a key in TOML notation. Booleans: "true" and "false"; enumerated keys: the
+/// values in docs/scenes.md; empty for all other keys, or if the list does not contain `value`.
+/// `faired`: [skin] of the scene has fair = "variation", which supports more kinds of joins.
 QStringList enum_values(const SceneTable& table, const std::string& key, const std::string& value,
                         bool faired);
 
@@ -31,7 +31,7 @@ namespace {
 using CommandKind = DocumentCommand::CommandKind;
 using Kind = ModelTree::Item::Kind;
 
-/// What was typed as a value of TOML: words that are none are meant as a text.
+/// The input as a TOML value; input that is not valid TOML is quoted as a string.
 std::string as_value(const std::string& typed) {
   try {
     SceneText("key = " + typed);
@@ -58,7 +58,7 @@ PropertyPanel::PropertyPanel(QWidget* parent, std::function<void(DocumentCommand
   title_->setFont(bold);
   description_->setWordWrap(true);
   description_->setSizePolicy(QSizePolicy::Ignored,
-                              QSizePolicy::Preferred);  // long words keep no panel wide
+                              QSizePolicy::Preferred);  // long words must not widen the panel
   title_->setSizePolicy(QSizePolicy::Ignored, QSizePolicy::Preferred);
   new QGridLayout(buttons_);
   buttons_->layout()->setContentsMargins(0, 0, 0, 0);
@@ -75,12 +75,12 @@ PropertyPanel::PropertyPanel(QWidget* parent, std::function<void(DocumentCommand
   });
 }
 
-// The scene states what stands in a row; of a new one when both cells are filled.
+// Posts the value of a row to the scene; for a new row, once both cells are filled.
 void PropertyPanel::post_value(int row) {
   const std::string key = keys_->item(row, 0)->text().trimmed().toStdString();
   const std::string typed = keys_->item(row, 1)->text().trimmed().toStdString();
   if (key.empty() || key == text(kAddProperty).toStdString()) return;
-  if (typed.empty()) {  // what comes next is its value
+  if (typed.empty()) {  // let the user enter the value next
     keys_->setCurrentCell(row, 1);
     return keys_->editItem(keys_->item(row, 1));
   }
@@ -128,7 +128,7 @@ void PropertyPanel::fill_table() {
   filling_ = false;
 }
 
-// A key that has a few words gets a list of them. The last one is for a hand to type another one.
+// Adds a row. Enumerated keys get a combo box, whose last entry allows free input.
 void PropertyPanel::add_key(const std::string& key, const std::string& value) {
   const int row = keys_->rowCount();
   keys_->insertRow(row);
@@ -183,7 +183,7 @@ void PropertyPanel::fill_description() {
     const auto edits = [this, line = join.line](std::optional<std::string> kind) {
       return join_edits(SceneText(view_->text), line, kind);
     };
-    if (whole) continue;  // each piece by itself: a click on it chooses it
+    if (whole) continue;  // segments are edited one by one: a click selects one
     add_button(kCrease, [edits] { return edits("crease"); });
     add_button(kSmooth, [edits] { return edits("smooth"); });
     add_button(kAutomatic, [edits] { return edits({}); });
@@ -208,7 +208,7 @@ void PropertyPanel::fill_line() {
   add_button(kFairLocally, [this, fair, points] {
     const int point = selection_.point();
     if (point < 0) return std::vector<DocumentCommand>{};
-    // As far as the points beside it.
+    // Radius: up to the adjacent points.
     double radius = 0;
     const Vec3& p = points[static_cast<size_t>(point)];
     for (int i = std::max(0, point - 1); i <= point + 1 && i < static_cast<int>(points.size()); ++i)
@@ -233,7 +233,7 @@ void PropertyPanel::fill_stress() {
     const auto support = [&](const char* what, const char* kind) {
       add_button(what,
                  [this, name, kind] { return support_edits(SceneText(view_->text), name, kind); });
-      button(what)->setEnabled(now != kind);  // all stay in their places
+      button(what)->setEnabled(now != kind);  // disabled, not hidden: positions stay the same
     };
     support(kClampEdge, "clamped");
     support(kPinEdge, "pinned");
@@ -253,7 +253,7 @@ void PropertyPanel::fill_stress() {
     return stress_load_edits(SceneText(view_->text),
                              "{ pressure = 0.001, region = " + SceneText::word(name) + " }");
   });
-  // One unit of force against the normal, where the surface was clicked.
+  // A unit force against the normal, at the point of the surface that was clicked.
   add_button(kAddPointForce, [this]() -> std::vector<DocumentCommand> {
     const auto surface_point = selection_.surface_point();
     if (!surface_point) return {};
@@ -328,7 +328,8 @@ QPushButton* PropertyPanel::button(const char* what) const {
 namespace {
 
 struct KeyValues {
-  const char *kinds, *key, *values;  // apart by blanks; kinds "": the top of a scene, "*": any
+  // Separated by blanks; kinds "": top level of the scene, "*": any.
+  const char *kinds, *key, *values;
 };
 
 constexpr KeyValues kKeyValues[] = {

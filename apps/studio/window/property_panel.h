@@ -1,4 +1,4 @@
-// What is chosen: its keys in the scene, and what can be done with it.
+// Panel with the properties of the selected object.
 #pragma once
 
 #include <QWidget>
@@ -18,23 +18,24 @@ class QVBoxLayout;
 
 namespace batten::studio {
 
-/// The table of a chosen item, key by key as the scene has it, to be changed in place; buttons that
-/// make a line a crease or smooth, take the other way of a close choice, or say what a part of a mesh
-/// is for.
+/// Shows the scene table of the selected object, whose values can be edited in place. Buttons make
+/// an edge a crease or smooth, select an alternative region, or define the role of a part of a
+/// mesh.
 class PropertyPanel : public QWidget {
  public:
-  /// What the hand has chosen in the view.
+  /// Selection in the 3-D view.
   struct ViewSelection {
-    std::function<int()> point;  ///< of the chosen line, -1 for none
-    std::function<std::optional<SurfacePoint>()> surface_point;  ///< of the surface
+    std::function<int()> point;  ///< selected point of the selected curve; -1: none
+    std::function<std::optional<SurfacePoint>()> surface_point;  ///< clicked point of the surface
   };
   PropertyPanel(QWidget* parent, std::function<void(DocumentCommand)> post,
                 ViewSelection selection);
 
+  /// Shows the properties of an entry of the tree.
   void refresh(std::shared_ptr<const DocumentView> view, const ModelTree::Item& item);
   QPushButton* button(const char* text) const;  ///< by its English text; null: not shown
   QTableWidget& keys() { return *keys_; }
-  /// The support or load of [stress] that is chosen.
+  /// The selected support or load of [stress]; none if something else is selected.
   std::optional<StressPart> selected_stress_part() const;
 
  private:

@@ -21,7 +21,7 @@ bool same_rows(const DocumentView::Slider& a, const DocumentView::Slider& b) {
          a.driven == b.driven;
 }
 
-/// The value of a slider's step, with as many decimals as steps differ by.
+/// The value at a slider position, rounded to the decimals by which positions differ.
 double place_of(int step, double low, double high) {
   const double width = (high - low) / kSteps;
   const int decimals =
@@ -124,8 +124,8 @@ void SliderPanel::add_row(size_t i) {
                    });
 }
 
-// The range of the slider: that of the parameter. Where it is open, as far again as the value is from 0, or for a
-// coordinate a quarter of the surface's size around it.
+// Sets the range of the slider to that of the parameter. If a bound is open, the range is ± max(10,
+// 2 |value|) or, for coordinates, a quarter of the surface size on both sides of the value.
 void SliderPanel::extend_range(Row& row, double value) {
   constexpr double usual = 10;
   const std::string& name = row.of.name;

@@ -1,4 +1,4 @@
-// One slider for each parameter of the document.
+// Panel with one slider per parameter of the document.
 #pragma once
 
 #include <QScrollArea>
@@ -16,23 +16,24 @@ class QSlider;
 
 namespace batten::studio {
 
-/// A slider with its number for each parameter that a hand may move. While one is dragged it posts
-/// `set_slider`, when it is let go `settle`. Where a range is open, the slider's own grows when its end is
-/// reached.
+/// A slider with a number field for each parameter that the user can change. Dragging posts
+/// SetSlider commands; releasing posts SolveToEquilibrium. If a parameter has no bound, the
+/// slider's range grows when its end is reached.
 class SliderPanel : public QScrollArea {
  public:
   SliderPanel(QWidget* parent, std::function<void(DocumentCommand)> post);
 
+  /// Shows the parameters of a document.
   void refresh(const DocumentView& view);
-  /// Shows a value that something else moves in this moment; the next view has it, too.
+  /// Shows a value that is being changed elsewhere; the next document view contains it, too.
   void show_live_value(const std::string& parameter, double value);
-  QSlider* slider(const std::string& parameter) const;  ///< null: none of this name
+  QSlider* slider(const std::string& parameter) const;  ///< null: no such parameter
   QDoubleSpinBox* number(const std::string& parameter) const;
 
  private:
   struct Row {
     DocumentView::Slider of;
-    double low = 0, high = 0;  // of the slider
+    double low = 0, high = 0;  // range of the slider
     QSlider* slider = nullptr;
     QDoubleSpinBox* number = nullptr;
   };
@@ -43,8 +44,8 @@ class SliderPanel : public QScrollArea {
   std::function<void(DocumentCommand)> post_;
   std::vector<Row> rows_;
   InputEventFilter input_filter_;
-  double size_ = 0;             // of the surface
-  const char* none_ = nullptr;  // what is said where there are no sliders
+  double size_ = 0;             // size of the surface
+  const char* none_ = nullptr;  // text shown if there are no sliders
   bool showing_ = false;
 };
 

@@ -83,7 +83,7 @@ void TimelinePanel::request_frame(int frame) {
   show_(frame - 1);
 }
 
-// The nearest keyframe before or behind the frame that is shown.
+// Goes to the nearest keyframe before (-1) or after (+1) the displayed frame.
 void TimelinePanel::to_keyframe(int way) {
   const int now = slider_->value() - 1;
   int best = -1;

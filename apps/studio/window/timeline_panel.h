@@ -1,4 +1,4 @@
-// The frames of a sequence: shown, played, with their keyframes.
+// Panel for the frames of a sequence: scrubbing, playback and keyframes.
 #pragma once
 
 #include <QWidget>
@@ -14,20 +14,21 @@ class QTimer;
 
 namespace batten::studio {
 
-/// A slider over frames, a button that plays them, and buttons from keyframe to keyframe.
+/// A slider over the frames, a play button, and buttons for the previous and next keyframe.
 class TimelinePanel : public QWidget {
  public:
-  /// `show`: another frame is asked for, from 0.
+  /// `show`: called to request a frame, 0-based.
   TimelinePanel(QWidget* parent, std::function<void(int)> show);
 
+  /// Shows the timeline of a document.
   void refresh(const DocumentView& view);
-  /// Plays until it is called again; a frame waits until the one before is drawn.
+  /// Starts (on) or stops playback. A frame is requested only after the previous one is drawn.
   void play(bool on);
   bool is_playing() const;
-  /// What was asked for is drawn.
+  /// Must be called when the requested frame has been drawn.
   void frame_drawn();
 
-  // For tests and tours.
+  // Access for tests and tours.
   QSlider& slider() { return *slider_; }
   QPushButton& play_button() { return *play_; }
 

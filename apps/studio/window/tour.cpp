@@ -18,7 +18,7 @@ constexpr int kCardWidth = 330, kMargin = 14;
 
 }  // namespace
 
-/// Words, and whether the step is done since it began.
+/// A step: its text, and whether it is done, compared with the state at its start.
 struct Tour::Step {
   const char* description;
   bool (*done)(const Observation& now, const Observation& start);
@@ -64,7 +64,8 @@ Tour::Tour(QWidget* view)
   show();
 }
 
-// In the lower right corner: words and scales of the view are on the left, its axes above.
+// Moves the card to the lower right corner: texts and scales of the view are on the left, the axes
+// above.
 void Tour::reposition() {
   adjustSize();
   move(parentWidget()->width() - width() - kMargin, parentWidget()->height() - height() - kMargin);

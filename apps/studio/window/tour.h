@@ -1,4 +1,4 @@
-// A tour of the window on the door.
+// Guided tour of the window, on the door-panel example.
 #pragma once
 
 #include <QFrame>
@@ -10,20 +10,20 @@ class QPushButton;
 
 namespace batten::studio {
 
-/// A card over the view that says what to try next, and goes on when it was done. What was tried is seen
-/// in the document and the window; a button passes a step over.
+/// A card over the view that suggests the next step and continues when it is done. It detects this
+/// from the state of the document and the window; a button skips a step.
 class Tour : public QFrame {
  public:
   explicit Tour(QWidget* view);
 
-  /// What there is to be seen of what was tried.
+  /// State from which the tour detects what the user has done.
   struct Observation {
     double swell = 0;  ///< the door's parameter
-    int pushes = 0;    ///< point loads
+    int pushes = 0;    ///< number of point loads
     bool can_redo = false, line_selected = false;
     Shading shading = Shading::Shaded;
   };
-  /// Looks whether the step was done.
+  /// Continues with the next step if the current one is done.
   void observe(const Observation& observation);
   int step() const { return step_; }
   QPushButton& next() { return *next_; }
@@ -40,10 +40,10 @@ class Tour : public QFrame {
   QLabel* count_;
   QPushButton* next_;
   int step_ = -1;
-  Observation now_, start_;  // and as the step began
+  Observation now_, start_;  // current state, and state at the start of the step
 };
 
-/// The file of the door: beside an installed program, or in the source.
+/// Scene file of the example: next to an installed program, or in the source tree.
 QString tour_scene();
 
 }  // namespace batten::studio

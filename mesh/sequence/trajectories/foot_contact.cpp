@@ -12,7 +12,7 @@
 namespace batten {
 namespace {
 
-/// "frames 3-8".
+/// For messages: "frames 3-8", 1-based.
 std::string frames_of(const FootContact& f) {
   return "frames " + std::to_string(f.first + 1) + "-" + std::to_string(f.last + 1);
 }
@@ -21,7 +21,7 @@ Mat3 mean(const std::vector<Mat3>& rotations) {
   return mean_rotation(rotations, std::vector<double>(rotations.size(), 1.0));
 }
 
-/// From each frame the last one of an interval that still counts as one place.
+/// For each first frame, the last frame of an interval that still counts as one contact.
 std::vector<int> last_frames_of_contact(const Points& c, const FootContactOptions& options) {
   const int n = static_cast<int>(c.rows());
   std::vector<int> last(n);
@@ -206,7 +206,7 @@ Terrain::Terrain(TriangleMesh mesh, const Vec3& up) : mesh_(std::move(mesh)), up
   cells_ = std::clamp(static_cast<int>(std::sqrt(mesh_.triangle_count())), 1, 4096);
   low_ = box.min();
   step_ = box.sizes() / cells_;
-  // Counted, then written: the triangles of cell c are list_[start_[c]] … .
+  // First counted, then written: the triangles of cell c are list_[start_[c]] ….
   start_.assign(static_cast<size_t>(cells_) * cells_ + 1, 0);
   for (const bool counts : {true, false}) {
     for (int t = mesh_.triangle_count() - 1; t >= 0; --t) {
@@ -244,7 +244,8 @@ std::optional<Terrain::SurfacePoint> Terrain::surface_point(const Vec3& p) const
     Vec3 L(cross(corner[1], corner[2]), cross(corner[2], corner[0]), cross(corner[0], corner[1]));
     if (L.sum() == 0) continue;
     L /= L.sum();
-    if (!(L.minCoeff() >= -1e-12)) continue;  // so that no line falls between two triangles
+    if (!(L.minCoeff() >= -1e-12)) continue;  // tolerance, so that no line passes between two
+                                              // triangles
     Vec3 at = Vec3::Zero(), normal = Vec3::Zero();
     for (int j = 0; j < 3; ++j) {
       at += L[j] * mesh_.point(corners[j]);

@@ -11,9 +11,9 @@
 namespace batten {
 namespace {
 
-constexpr int kParts = 8;  // of each piece, for lengths
+constexpr int kParts = 8;  // subdivisions of each span for arc lengths
 
-// Gauss-Legendre on [0, 1], five points.
+// Gauss-Legendre quadrature on [0, 1] with five points.
 constexpr std::array<double, 5> kGaussPoints = {0.046910077030668004, 0.230765344947158454, 0.5,
                                                 0.769234655052841546, 0.953089922969331996};
 constexpr std::array<double, 5> kGaussWeights = {0.118463442528094544, 0.239314335249683234,
@@ -36,7 +36,7 @@ Points on_ground(const Points& points, const Vec3& up) {
   return points - (points * up) * up.transpose();
 }
 
-/// Lengths along the polyline, from 0.
+/// Cumulative chord lengths of a polyline, from 0.
 std::vector<double> chords(const Points& p) {
   std::vector<double> u = {0};
   for (int k = 1; k < p.rows(); ++k) u.push_back(u.back() + (p.row(k) - p.row(k - 1)).norm());
@@ -85,7 +85,7 @@ double GroundPath::length_to(double u) const {
 double GroundPath::parameter(double s) const {
   const auto next = std::upper_bound(lengths_.begin(), lengths_.end(), s);
   const auto i = std::clamp<long>(next - lengths_.begin() - 1, 0, isize(u_) - 2);
-  // Newton, halved where it would leave what is known to hold the parameter.
+  // Newton's method, with bisection if it would leave the bracket.
   double low = u_[i], high = u_[i + 1];
   double u = low + (high - low) * (s - lengths_[i]) / (lengths_[i + 1] - lengths_[i]);
   for (int iteration = 0; iteration < 60; ++iteration) {
@@ -105,7 +105,7 @@ Vec3 GroundPath::at(double s) const { return frame(s).translation; }
 RigidMotion GroundPath::frame(double s) const {
   const double u = parameter(std::clamp(s, 0.0, length())), range = u_.back() - u_.front();
   Vec3 along = curve_.slope(u);
-  if (!(along.norm() > 1e-9 * length() / range))  // a cusp: the way across it
+  if (!(along.norm() > 1e-9 * length() / range))  // a cusp: use the direction across it
     along = curve_.at(u + 1e-3 * range) - curve_.at(u - 1e-3 * range);
   Mat3 rotation;
   rotation.col(0) = (along - along.dot(up_) * up_).normalized();

@@ -1,4 +1,5 @@
-// The path of a sequence over the ground, and what takes its frames along another one.
+// Ground paths: the path of a sequence over the ground, and the motions that move its frames to
+// another path.
 #pragma once
 
 #include <vector>
@@ -8,61 +9,66 @@
 
 namespace batten {
 
-/// A C2 curve in the plane through the origin across `up`, by its length; beyond its ends it goes
-/// straight on. A value.
+/// A C2 curve in the ground plane (through the origin, perpendicular to `up`), parametrised by arc
+/// length s. It is extended by straight lines beyond its ends. Value semantics.
 class GroundPath {
  public:
-  /// Through points, projected to the ground: the cubic spline of least ∫ |x''|² over chord
-  /// lengths. Throws InputError: fewer than two points, two in a row in one place of the ground, a
-  /// coordinate that is not finite, no `up`.
+  /// Interpolates points, projected to the ground, by the cubic spline of least ∫ |x''|² over chord
+  /// length. Throws InputError: fewer than two points, consecutive points with the same projection,
+  /// a coordinate that is not finite, an `up` without direction.
   static GroundPath through(const std::vector<Vec3>& points, const Vec3& up = Vec3::UnitZ());
-  /// A curve that is in the plane already, and the unit vector across that.
+  /// Wraps a curve that already lies in the ground plane. `up`: unit normal of the plane.
   GroundPath(PiecewiseCubic curve, const Vec3& up);
 
   double length() const { return lengths_.back(); }
   const Vec3& up() const { return up_; }
+  /// Point at arc length s.
   Vec3 at(double s) const;
-  /// The local frame: turn has the columns tangent, up × tangent, up; shift is at(s). A Frenet
-  /// normal would not be defined on straights, and turn over at inflections.
+  /// Local frame at arc length s: the columns of `rotation` are tangent, up × tangent, up;
+  /// `translation` is at(s). A Frenet normal would be undefined on straight parts and flip at
+  /// inflections.
   RigidMotion frame(double s) const;
-  /// Length of the curve from its start to a parameter of it, to about 1e-10 of the whole; and
-  /// back.
+  /// Arc length from the start to curve parameter u, accurate to about 1e-10 of the total length.
   double length_to(double u) const;
+  /// Curve parameter at arc length s; the inverse of length_to().
   double parameter(double s) const;
 
  private:
   PiecewiseCubic curve_;
   Vec3 up_;
-  std::vector<double> u_, lengths_;  // at several places of each piece
+  std::vector<double> u_, lengths_;  // at several parameters of each span
 };
 
+/// Options of fit_path().
 struct PathOptions {
   Vec3 up = Vec3::UnitZ();
-  /// Even pieces of the fitted curve. Sway and bob that are shorter than two pieces are smoothed
-  /// away, so that they stay in the frames. 0: one for 30 frames, 1 to 12.
+  /// Number of uniform spans of the fitted curve. Sway and bob shorter than two spans are smoothed
+  /// away and so stay in the frames. 0: one span per 30 frames, between 1 and 12.
   int spans = 0;
 };
 
-/// A path and how far along it each frame is.
+/// A path and the arc length of each frame along it.
 struct FittedPath {
   GroundPath path;
   std::vector<double> lengths;
 };
 
-/// The path of the frames' centroids, projected to the ground: least squares by uniform cubic
-/// B-splines over the chord length, at even places of the polyline, so that frames that stand still
-/// do not count for more. Throws InputError: fewer than two frames, centroids in one place of the
-/// ground, fewer than 0 pieces, no `up`. O(frames + pieces). Source: Xu et al. 2007, section 6.
+/// Fits a path to the centroids of the frames, projected to the ground. It is a least-squares fit
+/// by uniform cubic B-splines over chord length, at evenly spaced points of the polyline, so that
+/// frames at rest do not get more weight. Throws InputError: fewer than two frames, all centroids
+/// at one ground position, a negative number of spans, an `up` without direction. O(frames +
+/// spans). Source: [Xu2007], section 6.
 FittedPath fit_path(const Points& centres, const PathOptions& options = {});
 
+/// How arc lengths s on the old path (length L) map to s' on the new path (length L').
 enum class PathLengths {
-  Absolute,   ///< s' = s: steps keep their length; past the end the way goes straight on
-  Normalised  ///< s' = s L'/L: the whole new path is gone along
+  Absolute,   ///< s' = s: steps keep their length; beyond the end the path continues straight
+  Normalised  ///< s' = s L'/L: the whole new path is covered
 };
 
-/// Of each frame the rigid motion from its local frame on the old path to that on the new one: what
-/// a frame was beside and above the old path, it is beside and above the new one. One straight path
-/// to another on the same line, from the same start, gives the identity to 1e-12. O(frames).
+/// Rigid motion of each frame from its local frame on the old path to that on the new path. Offsets
+/// beside and above the path are preserved. Two straight paths on the same line with the same start
+/// give the identity to 1e-12. O(frames).
 std::vector<RigidMotion> path_motions(const FittedPath& from, const GroundPath& to,
                                       PathLengths lengths = PathLengths::Absolute);
 

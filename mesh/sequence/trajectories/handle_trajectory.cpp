@@ -28,7 +28,7 @@ std::vector<double> times_of(const TrajectoryOptions& options, int frames) {
   return options.times;
 }
 
-/// x over all times from its values at knots, constant outside.
+/// x at all times from its values at the knots, constant outside.
 Points spread(const std::vector<double>& knots, const Points& values, Smoothness smoothness,
               const std::vector<double>& times) {
   const PiecewiseCubic smooth = PiecewiseCubic::through(knots, values, PiecewiseCubic::Ends::Flat);
@@ -64,9 +64,9 @@ Points edited_centres(const Points& centres, const std::vector<Mat3>& rotations,
   const std::vector<double> times = times_of(options, frames);
   const auto [from, to] = options.influence;
   KeyframeWeights::of_frames(times, keyframes, KeyframeExtrapolation::None,
-                             options.influence);  // checks
+                             options.influence);  // only for its checks
 
-  // h = g - c, so that without rotations it is zero to the last bit.
+  // h = g - c: without rotations it is exactly zero.
   Points h = Points::Zero(frames, 3);
   for (int k = 0; k + 1 < frames; ++k) {
     const Mat3 change = 0.5 * (rotations[k] + rotations[k + 1]) - Mat3::Identity();
@@ -114,7 +114,7 @@ Trajectory edited(const Trajectory& trajectory, const std::vector<HandleKeyframe
 
 namespace {
 
-/// fit_similarity() among the rotations about one direction.
+/// fit_similarity() restricted to rotations about one axis.
 Similarity fit_about(const Points& before, const Points& after, const Vec3& axis, bool scales) {
   const Eigen::RowVector3d from = before.colwise().mean(), to = after.colwise().mean();
   const Points x = before.rowwise() - from, y = after.rowwise() - to;
@@ -137,7 +137,8 @@ Similarity fit_about(const Points& before, const Points& after, const Vec3& axis
   return best;
 }
 
-/// R_base exp(Σ w_j log R_baseᵀR_j): logarithms of what is near, which no full turn is in between.
+/// R_base exp(Σ w_j log R_baseᵀR_j). Logarithms relative to a nearby rotation are free of full
+/// turns.
 Mat3 interpolate_rotation(const std::vector<Mat3>& rotations, const KeyframeWeights::Row& row,
                           int base) {
   Vec3 sum = Vec3::Zero();

@@ -1,4 +1,4 @@
-// Where a handle goes in all frames when keyframes say where it is in some.
+// Trajectories of handles after a keyframe edit, and resampling and alignment of trajectories.
 #pragma once
 
 #include <optional>
@@ -10,82 +10,87 @@
 
 namespace batten {
 
+/// Options of edited_centres() and edited().
 struct TrajectoryOptions {
   enum class Smoothness {
-    PiecewiseLinear,  ///< first differences (5): the change has a kink at keyframes
-    Smooth            ///< ∫ |x''|²: it has none
+    PiecewiseLinear,  ///< minimise first differences (5): the change has a kink at keyframes
+    Smooth            ///< minimise ∫ |x''|²: the change is smooth at keyframes
   };
   Smoothness smoothness = Smoothness::Smooth;
   InfluenceInterval influence;
-  KeyframeExtrapolation ends = KeyframeExtrapolation::None;  ///< of the rotations
-  std::vector<double> times;  ///< of the frames, ascending; none: their numbers
+  KeyframeExtrapolation ends = KeyframeExtrapolation::None;  ///< extrapolation of rotations
+  std::vector<double> times;  ///< times of the frames, ascending; empty: frame numbers
 };
 
-/// New centroids c' of a handle in all F frames, equal to given ones at keyframes, whose
-/// differences in time are those of c, turned:
+/// Centroids c' of a handle in all F frames after an edit. They interpolate the given centroids at
+/// keyframes, and their differences in time are those of the original centroids c, rotated:
 ///
 ///     min Σ_k Σ_{j=k±1} ‖ (c'_j - c'_k) - R_k (c_j - c_k) ‖²     (5)
 ///
-/// R_k: the change of rotation in frame k, of all frames. With g the sum of (R_k + R_{k+1})/2
-/// (c_{k+1} - c_k), the rest x = c' - g is what (5) makes as even as it can: straight over the
-/// frames between two keyframes, without a system to solve. Smooth: the spline of least ∫ |x''|²
-/// through keyframes, which begins and ends with slope zero. Outside of the keyframes x is
-/// constant; with an influence c' = c outside of that, and c' - c begins and ends there, with slope
-/// zero in the smooth case.
+/// R_k is the change of rotation in frame k, given for all frames. Let g be the cumulative sum of
+/// (R_k + R_{k+1})/2 (c_{k+1} - c_k). Then (5) distributes the remainder x = c' - g evenly: it is
+/// linear over the frames between two keyframes, so no system has to be solved. Smoothness::Smooth
+/// uses the spline of least ∫ |x''|² through the keyframes instead, with zero slope at both ends.
+/// Outside the keyframes x is constant. With an influence interval, c' = c outside it, and c' - c
+/// starts and ends at its ends, with zero slope for Smooth.
 ///
-/// Nothing changed gives c to the last bit; one rigid motion of all keyframes moves all of c by it;
-/// one keyframe that is shifted shifts the whole. With times differences count per time.
+/// If nothing changes, the result is c to the last bit. One rigid motion of all keyframes moves all
+/// of c by it, and shifting a single keyframe shifts the whole trajectory. With `times`,
+/// differences are taken per unit of time.
 ///
-/// Throws InputError: no keyframes, keyframes or times that do not ascend, frames that are not
-/// there, an influence that does not hold all keyframes, other numbers of rotations, centroids or
-/// times. O(F). Source: Xu et al. 2007, section 5.
+/// `keyframes`: 0-based frames, ascending. Throws InputError: no keyframes, keyframes or times that
+/// do not ascend, frames out of range, an influence interval that does not contain all keyframes,
+/// wrong numbers of rotations, centroids or times. O(F). Source: [Xu2007], section 5.
 Points edited_centres(const Points& centres, const std::vector<Mat3>& rotations,
                       const std::vector<int>& keyframes, const Points& centres_at_keyframes,
                       const TrajectoryOptions& options = {});
 
-/// What an edit does to a handle in one frame: p → motion(p).
+/// Rigid motion p → motion(p) that an edit prescribes for a handle in one frame (0-based).
 struct HandleKeyframe {
   int frame = 0;
   RigidMotion motion;
 };
 
-/// The trajectory of a handle after an edit: changes of rotation by `interpolated_rotations`, centroids
-/// by `edited_centres`. Keyframes ascend. Throws what these throw. O(F).
+/// Trajectory of a handle after an edit. Changes of rotation come from interpolated_rotations(),
+/// centroids from edited_centres(). Keyframes must ascend. Throws what these functions throw. O(F).
 Trajectory edited(const Trajectory& trajectory, const std::vector<HandleKeyframe>& keyframes,
                   const TrajectoryOptions& options = {});
 
 
-// One trajectory laid over another one, to mix sequences.
+// Resampling and alignment of trajectories, to combine sequences.
 
-/// How values between frames come about.
+/// Interpolation between frames.
 enum class Resampling {
   Linear,
-  Hermite  ///< `KeyframeWeights` with linear ends: no kinks, exact for parabolas inside
+  Hermite  ///< KeyframeWeights with linear ends: no kinks, exact for parabolas in the interior
 };
 
-/// The same motion in another number of frames, from the first frame to the last: frame k of n is
-/// at k (F - 1)/(n - 1) of F. Rotations by logarithms relative to the frame before: two frames turn
-/// by less than half a turn. As many frames as before come back to the last bit. Throws InputError:
-/// no frames, fewer than 1 asked for. O(F + n).
+/// Resamples a trajectory to `frames` frames, from its first frame to its last. Frame k of n is
+/// taken at k (F - 1)/(n - 1). Rotations are interpolated by logarithms relative to the previous
+/// frame, so consecutive frames must differ by less than half a turn. If the number of frames is
+/// unchanged, the result is bit-identical. Throws InputError: no frames, fewer than 1 requested.
+/// O(F + n).
 Trajectory resampled(const Trajectory& trajectory, int frames,
                      Resampling how = Resampling::Hermite);
 
+/// Options of alignment().
 struct AlignmentOptions {
-  /// Turns about this direction only: a walk stays upright. Otherwise about any.
+  /// Restricts the rotation to this axis, so that a walk stays upright; empty: any rotation.
   std::optional<Vec3> about;
+  /// Fits a scale as well; false: scale 1.
   bool scales = true;
   Resampling resampling = Resampling::Hermite;
 };
 
-/// The similarity x → s R x + t that brings the centres of `from` nearest to those of `to`, in the
-/// least-squares sense over the frames; `from` is resampled first where it has another number of
-/// frames. Centres on one line turn by the smallest rotation that fits; those that stand still are
-/// shifted only. Throws InputError: no frames, `about` that is no direction. O(frames).
+/// Least-squares similarity x → s R x + t that maps the centres of `from` to those of `to`, frame
+/// by frame. `from` is resampled first if its number of frames differs. Collinear centres get the
+/// smallest rotation that fits; coincident ones are only translated. Throws InputError: no frames,
+/// an `about` without direction. O(frames).
 Similarity alignment(const Trajectory& from, const Trajectory& to,
                      const AlignmentOptions& options = {});
 
-/// Centres s R c + t; turns R T Rᵀ, the same rotations seen from a frame of reference that is
-/// turned.
+/// Applies a similarity to a trajectory: centres s R c + t, rotations R T Rᵀ (the same rotations in
+/// a rotated reference frame).
 Trajectory aligned(const Trajectory& trajectory, const Similarity& similarity);
 
 }  // namespace batten

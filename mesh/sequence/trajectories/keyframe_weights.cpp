@@ -15,7 +15,7 @@
 namespace batten {
 namespace {
 
-/// A value over time; key: number of the keyframe, -1 where the value is 0.
+/// A knot in time. `key`: index of the keyframe, or -1 if the value is 0 (end of the influence).
 struct Knot {
   double time;
   int key;
@@ -62,7 +62,7 @@ void add_slope(const std::vector<Knot>& knots, int i, KeyframeExtrapolation ends
     if (ends == KeyframeExtrapolation::Linear && last > 0) secant(i == 0 ? 0 : last - 1, factor);
     return;
   }
-  // Of the parabola: the nearer neighbour counts more.
+  // Slope of the parabola through three knots: the nearer neighbour has the larger weight.
   const double left = knots[i].time - knots[i - 1].time, right = knots[i + 1].time - knots[i].time;
   secant(i - 1, factor * right / (left + right));
   secant(i, factor * left / (left + right));
@@ -88,7 +88,7 @@ Combination combination_at(const std::vector<Knot>& knots, KeyframeExtrapolation
   return sum;
 }
 
-/// Without zeros and without knots whose value is 0.
+/// Converts a combination to a row, without zero weights and knots with value 0.
 KeyframeWeights::Row row_of(const std::vector<Knot>& knots, const Combination& sum) {
   KeyframeWeights::Row row;
   for (int j = 0; j < 4 && sum.base + j < isize(knots); ++j) {
@@ -101,8 +101,8 @@ KeyframeWeights::Row row_of(const std::vector<Knot>& knots, const Combination& s
   return row;
 }
 
-/// Vertices and the neighbours that they are reached from, in each sheet from the vertex with the
-/// smallest logarithm on, which is not among them.
+/// Pairs (vertex, neighbour from which it is reached) in breadth-first order. Each patch starts at
+/// its vertex with the smallest logarithm, which is not in the list.
 std::vector<std::pair<int, int>> breadth_first(const MeshTopology& topology, const Points& logs) {
   std::vector<int> least(topology.component_count(), -1);
   for (int v = 0; v < topology.vertex_count(); ++v) {
@@ -213,7 +213,7 @@ std::vector<Points> unwrapped_logs(const std::vector<std::vector<Mat3>>& rotatio
 
 std::vector<Points> unwrapped_logs(const std::vector<std::vector<Mat3>>& rotations_at_keyframes,
                                    const MeshTopology& topology) {
-  // Every vertex by itself first: what is right for those that the others begin at.
+  // First follow every vertex independently: that is correct for the start vertices.
   std::vector<Points> logs = unwrapped_logs(rotations_at_keyframes);
   if (logs.empty()) return logs;
   if (logs.front().rows() != topology.vertex_count())
@@ -255,7 +255,7 @@ std::vector<Mat3> interpolated_rotations(const KeyframeWeights& weights,
 PiecewiseCubic PiecewiseCubic::through(std::vector<double> knots, const Points& values, Ends ends) {
   const int n = isize(knots);
   if (n < 2) return {std::move(knots), values, Points::Zero(n, 3)};
-  // Equal second derivatives from both sides; without curvature at natural ends.
+  // Conditions: continuous second derivatives; zero curvature at natural ends.
   BandCholesky A;
   A.reset(n, 1);
   Points slopes = Points::Zero(n, 3);
@@ -280,7 +280,8 @@ PiecewiseCubic PiecewiseCubic::through(std::vector<double> knots, const Points& 
 PiecewiseCubic PiecewiseCubic::fitted(const std::vector<double>& u, const Points& values,
                                       int spans) {
   const double first = u.front(), h = (u.back() - first) / spans;
-  // Fitted is what is left of the line between the ends: a straight line comes back to rounding.
+  // Fit the difference to the line between the ends, so that straight lines are reproduced to
+  // rounding.
   const Eigen::RowVector3d start = values.row(0),
                            rise = (values.row(values.rows() - 1) - start) / (u.back() - first);
   BandCholesky A;

@@ -1,11 +1,11 @@
-// Rotations of all frames from those of keyframes.
+// Interpolation of keyframes in time, especially of rotations, and C1 piecewise cubic curves.
 //
-// A rotation is interpolated by its logarithm (core/rotations.h), so that what a frame gets is
-// linear in the keyframes' logarithms:
+// Rotations are interpolated by their logarithms (core/geometry.h), so the result is linear in the
+// logarithms of the keyframes:
 //
 //     log R(t_k) = Σ_m w_km log R_m
 //
-// with at most four weights that depend on times only: the same ones serve every vertex of a mesh.
+// There are at most four weights per frame. They depend on times only, so all vertices share them.
 #pragma once
 
 #include <array>
@@ -19,46 +19,47 @@
 
 namespace batten {
 
-/// Frames at which an edit has died away: before and at `from`, at and after `to`. None: it goes on
-/// to that end of the sequence as it is at the nearest keyframe.
+/// Interval of influence of an edit: the edit is zero up to frame `from` and from frame `to` on
+/// (0-based). Empty: the edit of the nearest keyframe extends to that end of the sequence.
 struct InfluenceInterval {
   std::optional<int> from, to;
 };
 
-/// How an edit goes on outside of its keyframes.
+/// Extrapolation of an edit beyond its first and last keyframe.
 enum class KeyframeExtrapolation {
-  None,   ///< constant; the slope at the first and the last keyframe is zero
-  Linear  ///< straight on, with the slope between the two nearest keyframes
+  None,   ///< constant, with zero slope at the first and last keyframe
+  Linear  ///< linear, with the slope between the two nearest keyframes
 };
 
-/// Weights of cubic Hermite splines through values at keyframes, for each of some times.
+/// Weights of cubic Hermite interpolation of keyframe values, for a list of times.
 ///
 /// The slope at an inner keyframe is that of the parabola through it and its two neighbours
-/// (Catmull-Rom for uneven times), so that an edit reaches two keyframes far. An end of the
-/// influence is one more keyframe with the value 0 and the slope 0. Source: Xu et al. 2007, section
-/// 5; Barry, Goldman 1988 (the slopes).
+/// (non-uniform Catmull-Rom), so a keyframe affects two intervals on each side. An end of the
+/// influence interval acts as a keyframe with value 0 and slope 0. Sources: [Xu2007], section 5;
+/// [BarryGoldman1988] (slopes).
 class KeyframeWeights {
  public:
-  /// Σ_j weights[j] value[first + j], j < count.
+  /// Weights of one time: the interpolated value is Σ_j weights[j] value[first + j], j < count.
   struct Row {
     int first = 0, count = 0;
     std::array<double, 4> weights{};
   };
 
-  /// Throws InputError that names what is wrong: no keyframes, times that do not ascend, an end of
-  /// the influence that is not outside of the keyframes. O(times).
+  /// Computes the weights for all `times`. `from`, `to`: ends of the influence interval. Throws
+  /// InputError: no keyframes, times that do not ascend, an end of the influence interval that is
+  /// not outside the keyframes. O(times).
   KeyframeWeights(std::span<const double> times, std::span<const double> keyframe_times,
                   KeyframeExtrapolation ends = KeyframeExtrapolation::None,
                   std::optional<double> from = {}, std::optional<double> to = {});
-  /// The same with keyframes and influence as numbers of frames, ascending. Also throws InputError
-  /// on a keyframe or end that is no frame.
+  /// The same with keyframes and influence interval given as 0-based frames, ascending. Also throws
+  /// InputError for frames out of range.
   static KeyframeWeights of_frames(std::span<const double> times, std::span<const int> keyframes,
                                    KeyframeExtrapolation ends = KeyframeExtrapolation::None,
                                    const InfluenceInterval& influence = {});
 
   int frame_count() const { return isize(rows_); }
   int keyframe_count() const { return keyframes_; }
-  /// At a keyframe itself: one weight, 1.
+  /// Weights of a frame. At a keyframe it is a single weight of 1.
   const Row& row(int frame) const { return rows_[frame]; }
 
  private:
@@ -66,64 +67,69 @@ class KeyframeWeights {
   int keyframes_ = 0;
 };
 
-/// 0, 1, … as times.
+/// The times 0, 1, …, frames - 1.
 std::vector<double> frame_numbers(int frames);
 
-/// Of all logarithms h n + k π n of a rotation (k whole: the signs of its quaternion, and full
-/// turns) the one nearest to `previous`; of two, the one with the smaller k. A rotation by less
-/// than 1e-12 has no axis of its own and takes that of `previous`.
+/// Logarithm of a rotation that is nearest to `previous`. All logarithms are h n + k π n, where k
+/// is an integer (sign of the quaternion, and full turns); ties go to the smaller k. A rotation by
+/// less than 1e-12 has no axis of its own and takes that of `previous`.
 Vec3 nearest_log(const Mat3& rotation, const Vec3& previous);
 
-/// Logarithms of rotations in their order, each the nearest to the one before; the first to 0. F×3.
-/// Two in a row must be less than half a turn apart to be followed.
+/// Continuous logarithms of a sequence of rotations, F×3. The first one is nearest to 0, each
+/// further one nearest to its predecessor. Consecutive rotations must differ by less than half a
+/// turn.
 Points unwrapped_logs(std::span<const Mat3> rotations);
 
-/// Rotations of n vertices at K keyframes → K matrices n×3 of their logarithms, each vertex
-/// followed through the keyframes. Throws InputError on different numbers of vertices. O(n K).
+/// Continuous logarithms of n vertices over K keyframes, as K matrices n×3. Each vertex is followed
+/// independently. Throws InputError if the numbers of vertices differ. O(n K).
 std::vector<Points> unwrapped_logs(const std::vector<std::vector<Mat3>>& rotations_at_keyframes);
 
-/// The same where vertices far from each other turn by more than half a turn against each other, as
-/// in a twisted bar: in each sheet of the mesh the vertex that turns least at the first keyframe is
-/// followed through the keyframes, the others from neighbour to neighbour, breadth first. A whole
-/// sheet may be off by full turns: rotations do not tell. Vertices without triangles are followed
-/// by themselves. Also throws InputError on another number of rotations than vertices. O(n K).
+/// The same for meshes with large relative rotations (more than half a turn between distant
+/// vertices, as in a twisted bar). In each manifold patch the vertex with the smallest rotation at
+/// the first keyframe is followed through the keyframes. The others are followed from neighbour to
+/// neighbour in breadth-first order. A whole patch may be off by full turns, which rotations alone
+/// cannot determine. Vertices without triangles are followed independently. Also throws InputError
+/// if the number of rotations is not the number of vertices. O(n K).
 std::vector<Points> unwrapped_logs(const std::vector<std::vector<Mat3>>& rotations_at_keyframes,
                                    const MeshTopology& topology);
 
-/// result = Σ w_m logs_m: the logarithms at one frame, n×3. `result` keeps its memory when it has n
+/// Logarithms at one frame: result = Σ w_m logs_m, n×3. `result` is not reallocated if it has n
 /// rows. O(n).
 void interpolate_logs(const KeyframeWeights::Row& row, const std::vector<Points>& logs,
                       Points& result);
 
-/// Rotations at all frames from those at keyframes, which come back to the last bit. Throws
-/// InputError on another number of rotations than keyframes. O(frames + keyframes).
+/// Interpolates rotations to all frames. Rotations at keyframes are reproduced to the last bit.
+/// Throws InputError if the numbers of rotations and keyframes differ. O(frames + keyframes).
 std::vector<Mat3> interpolated_rotations(const KeyframeWeights& weights,
                                          std::span<const Mat3> rotations);
 
 
-// Curves of cubic pieces over increasing knots. Internal.
+// Piecewise cubic curves.
 
-/// A C1 curve by its values and slopes at knots; beyond its ends it goes straight on.
+/// A C1 piecewise cubic curve, given by values and slopes at ascending knots. It is extended
+/// linearly beyond its ends.
 class PiecewiseCubic {
  public:
   PiecewiseCubic() = default;
   PiecewiseCubic(std::vector<double> knots, Points values, Points slopes)
       : knots_(std::move(knots)), values_(std::move(values)), slopes_(std::move(slopes)) {}
 
-  /// How an interpolating curve ends.
+  /// End condition of an interpolating curve.
   enum class Ends {
-    Natural,  ///< without curvature
-    Flat      ///< with slope zero
+    Natural,  ///< zero curvature
+    Flat      ///< zero slope
   };
-  /// The curve through one value a knot of least ∫ |x''|² du, which is C2. O(knots).
+  /// The C2 curve of least ∫ |x''|² du through one value per knot (cubic spline). O(knots).
   static PiecewiseCubic through(std::vector<double> knots, const Points& values, Ends ends);
-  /// The C2 curve of `spans` even pieces over [u_first, u_last] that comes nearest to values at u
-  /// in the least-squares sense: uniform cubic B-splines. `u` ascends, at least once in every piece
-  /// and spans + 3 times in all, first < last. O(values + spans).
+  /// Least-squares fit by uniform cubic B-splines: the C2 curve with `spans` uniform spans over
+  /// [u_first, u_last] nearest to the values at u. `u` must ascend, with at least one entry per
+  /// span, at least spans + 3 entries, and first < last. O(values + spans).
   static PiecewiseCubic fitted(const std::vector<double>& u, const Points& values, int spans);
 
   const std::vector<double>& knots() const { return knots_; }
+  /// Value at u.
   Vec3 at(double u) const;
+  /// Derivative at u.
   Vec3 slope(double u) const;
 
  private:

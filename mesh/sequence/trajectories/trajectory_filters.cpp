@@ -17,7 +17,7 @@ Trajectory filtered_signal(const Trajectory& t, const SignalFilter& filter,
           options.rotations ? filter(t.rotations, options.padding) : t.rotations};
 }
 
-/// Of each frame how far it is filtered: 0 in footprints, 1 away from them.
+/// Weight of the filtered pose per frame: 0 during contacts, 1 away from them.
 std::vector<double> filter_weights(const std::vector<FootContact>& foot_contacts, int frames,
                                    int blend) {
   std::vector<double> weight(frames, 1.0);
@@ -30,7 +30,7 @@ std::vector<double> filter_weights(const std::vector<FootContact>& foot_contacts
   return weight;
 }
 
-/// `to` where the share is 1, `from` where it is 0.
+/// Blends `to` with `from`: weight 1 gives `to`, weight 0 gives `from`.
 void blend(const Trajectory& from, const std::vector<double>& weight, Trajectory& to) {
   for (int k = 0; k < from.frame_count(); ++k) {
     if (weight[k] == 1) continue;
@@ -43,7 +43,7 @@ void blend(const Trajectory& from, const std::vector<double>& weight, Trajectory
   }
 }
 
-/// Parents before their children.
+/// Indices with parents before their children.
 std::vector<int> order_of(const std::vector<FilteredHandle>& handles) {
   const int n = isize(handles);
   std::vector<int> order;
@@ -117,7 +117,8 @@ FilteredTrajectories filtered(const Trajectory& root, const std::vector<Filtered
 
 namespace {
 
-/// Sampled Gaussian from 1 on, whole sum with its middle 1.
+/// Sampled Gaussian for offsets 1, 2, …, normalised such that the sum over both sides and the
+/// centre is 1.
 std::vector<double> gaussian(double sigma) {
   if (!(sigma > 0 && sigma <= 1e5))
     throw InputError("filter: sigma is " + format_number(sigma) +
@@ -132,16 +133,16 @@ std::vector<double> gaussian(double sigma) {
   return g;
 }
 
-/// The signal with `more` values beyond each end, as `beyond` makes them from the value at the end
-/// and the one as far inside.
+/// Extends a signal by `more` values at each end. `beyond`: computes a value from the end value and
+/// the value equally far inside.
 template <class Value, class Beyond>
 std::vector<Value> extended(const std::vector<Value>& x, int more, const Beyond& beyond) {
   const int last = isize(x) - 1;
   std::vector<Value> all(x.size() + 2 * static_cast<size_t>(more), x.front());
   std::copy(x.begin(), x.end(), all.begin() + more);
   if (last == 0) return all;
-  // Outwards on both sides at once: what is farther inside than the signal is long is there
-  // already.
+  // Outwards on both sides at the same time: if the signal is short, the values needed farther
+  // inside are then already there.
   Value* const at = all.data() + more;
   for (int j = 1; j <= more; ++j) {
     at[-j] = beyond(at[0], at[j]);
