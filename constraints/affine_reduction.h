@@ -12,7 +12,7 @@
 namespace batten {
 
 /// Parametrisation x = D y + d0 of all solutions of the linear constraints C x = d, with free
-/// unknowns y. Minimising E = xᵀK x - 2 Fᵀx under the constraints becomes the smaller,
+/// unknowns y. Minimising E = ½ xᵀK x - Fᵀx under the constraints becomes the smaller,
 /// unconstrained problem
 ///
 ///     (Dᵀ K D) y = Dᵀ (F - K d0)
@@ -113,10 +113,7 @@ class AffineReduction {
 };
 
 /// Reaction forces r = K x - F that the constraints exert on the dofs, n×3; zero at unconstrained
-/// dofs. K is n×n, or 3n×3n over [x; y; z].
-///
-/// Scaling: E = xᵀKx - 2Fᵀx = 2 (½xᵀKx - Fᵀx), and r is the force that belongs to the expression in
-/// parentheses.
+/// dofs. K is n×n, or 3n×3n over [x; y; z]. r is the force that belongs to E = ½ xᵀKx - Fᵀx.
 Points reaction_forces(const SparseMatrix& K, const Points& x, const Points& F);
 
 /// Contribution of one named constraint to the reaction: Σ Lagrange multiplier · coefficients over

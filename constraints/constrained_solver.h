@@ -65,8 +65,8 @@ class ConstrainedSolver {
 /// It is unconditionally stable for ½ ≤ θ ≤ 1. θ = 1 (implicit Euler, first order) damps modes that
 /// the step cannot resolve, and reaches the static solution in one step as dt → ∞. θ = ½
 /// (trapezoidal rule, second order) preserves the energy balance exactly: per step, the energy
-/// changes by the work of F minus 2 μ dt v_θᵀ M v_θ. Energies here are E = xᵀKx + ρ vᵀMv, as
-/// everywhere in Batten; they are twice the physical ones.
+/// changes by the work of F minus μ dt v_θᵀ M v_θ. The energy is
+/// E = ½ xᵀKx + ½ ρ vᵀMv.
 ///
 /// One factorization serves as long as K, M, ρ, μ, dt, θ and the constraint coefficients are
 /// unchanged; a step is one pair of triangular solves. Reference: [Celniker1991], section 3
@@ -93,7 +93,7 @@ class ThetaIntegrator {
 
   const Points& positions() const { return x_; }
   const Points& velocities() const { return v_; }
-  /// Kinetic energy ρ vᵀMv, and potential energy xᵀKx - 2 Fᵀx. Their sum never increases under a
+  /// Kinetic energy ½ ρ vᵀMv, and potential energy ½ xᵀKx - Fᵀx. Their sum never increases under a
   /// constant F.
   double kinetic() const;
   double potential(const Points& F) const;

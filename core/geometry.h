@@ -34,24 +34,24 @@ auto bounding_box(const PointRange& points) {
 }
 
 
-// Rotations represented by logarithms of unit quaternions.
+// Rotations represented by rotation vectors.
 
-/// Logarithm q of the unit quaternion that rotates by `angle` (radians) about `axis`.
+/// Rotation vector r of the rotation by `angle` (radians) about `axis`: |r| is the full angle, r = 0
+/// the identity.
 ///
-/// Note the half angle: q has length angle/2 and represents the rotation by 2|q| about q/|q|; q = 0
-/// is the identity. The angle is not reduced: rotations by 350° and by -10° are the same rotation
-/// but have different logarithms. A field of logarithms can therefore wind several times.
-/// Reference: [Masuda2006], eq. 6 and 7.
+/// The angle is not reduced: rotations by 350° and by -10° are the same rotation but have different
+/// rotation vectors. A field of rotation vectors can therefore wind several times. The quaternion
+/// logarithms of [Masuda2006], eq. 6 and 7, are r/2.
 inline Vec3 to_rotation_vector(const Vec3& axis, double angle) {
   return axis.normalized() * angle;
 }
-/// Shortest logarithm of a rotation matrix R.
+/// Shortest rotation vector of a rotation matrix R.
 inline Vec3 to_rotation_vector(const Mat3& R) {
   const Eigen::AngleAxisd rotation(R);
   return to_rotation_vector(rotation.axis(), rotation.angle());
 }
 
-/// Rotates x by the quaternion logarithm q. Cost: one sine, one cosine and two cross products.
+/// Rotates x by a rotation vector. Cost: one sine, one cosine and two cross products.
 inline Vec3 rotated(const Vec3& rotation_vector, const Vec3& x) {
   const Vec3 q = rotation_vector / 2;
   const double half = q.norm();
@@ -62,7 +62,7 @@ inline Vec3 rotated(const Vec3& rotation_vector, const Vec3& x) {
   return x + 2 * (std::cos(half) * t + v.cross(t));
 }
 
-/// Rotation matrix R(q) of a quaternion logarithm q.
+/// Matrix of a rotation vector.
 inline Mat3 rotation_matrix(const Vec3& rotation_vector) {
   Mat3 R;
   for (int c = 0; c < 3; ++c) R.col(c) = rotated(rotation_vector, Vec3::Unit(c));

@@ -6,7 +6,7 @@
 //
 //   H = (1-3s²+2s³,  h(s-2s²+s³),  3s²-2s³,  h(s³-s²))
 //
-// The energy of one coordinate is E = ∫ (alpha w_u² + beta w_uu² - 2 f w) du = qᵀK q - 2 Fᵀq, so
+// The energy of one coordinate is E = ∫ ½ (alpha w_u² + beta w_uu²) - f w du = ½ qᵀK q - Fᵀq, so
 // that K q = F at the minimum. Reference: [Celniker1991], section 4 (including the printed
 // matrices).
 #pragma once

@@ -168,10 +168,10 @@ inline SurfaceStiffness scaled_to_unit_domain(const SurfaceStiffness& material, 
   return scaled;
 }
 
-/// Energy of a surface, split into its two terms.
+/// Elastic energy ½ qᵀK q of a surface, split into its two terms.
 struct SurfaceEnergy {
-  double stretching = 0;  ///< ∬ of the alpha terms, summed over x, y, z
-  double bending = 0;     ///< ∬ of the beta terms
+  double stretching = 0;  ///< ½ ∬ of the alpha terms, summed over x, y, z
+  double bending = 0;     ///< ½ ∬ of the beta terms
 };
 
 }  // namespace batten

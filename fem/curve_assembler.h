@@ -1,6 +1,6 @@
 // Assembles stiffness, mass and load of a deformable curve.
 //
-// The energy of one coordinate is E = ∫ (alpha w_u² + beta w_uu² - 2 f w) du = qᵀK q - 2 Fᵀq, so
+// The energy of one coordinate is E = ∫ ½ (alpha w_u² + beta w_uu²) - f w du = ½ qᵀK q - Fᵀq, so
 // the minimum satisfies K q = F. x, y and z share K. Matrices are symmetric and stored as their
 // LOWER triangle.
 #pragma once

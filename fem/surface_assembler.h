@@ -1,6 +1,6 @@
 // Assembles stiffness, mass and loads of a surface.
 //
-// The energy of one coordinate is E = qᵀK q - 2 Fᵀq, so the minimum satisfies K q = F. x, y and z
+// The energy of one coordinate is E = ½ qᵀK q - Fᵀq, so the minimum satisfies K q = F. x, y and z
 // share K; loads and dofs have one column per coordinate. Matrices are symmetric and stored as
 // their LOWER triangle.
 #pragma once

@@ -388,7 +388,7 @@ void bind_session_results(SessionClass& c) {
                 of, false, [](SculptingSession& session) { return session.energy(); });
             return energy.stretching + energy.bending;
           },
-          "Elastic energy qᵀK q, on the domain scaled to size 1.")
+          "Elastic energy ½ qᵀK q, on the domain scaled to size 1.")
       .def_property_readonly(
           "volume",
           [](const SessionObject& of) {

@@ -33,7 +33,7 @@ int run(const std::filesystem::path& out, int squares) {
   // 2. Dofs: x, x_u, x_v at each vertex and x_n at each edge, the same numbers for x, y and z.
   const DofMap dofs(*mesh);
 
-  // 3. K and F of the energy xᵀ K x - 2 Fᵀ x. The pressure is along z.
+  // 3. K and F of the energy ½ xᵀ K x - Fᵀ x. The pressure is along z.
   const SurfaceAssembler assembler(*mesh, TriangleElement::HCT);
   const SparseMatrix K = assembler.stiffness(SurfaceStiffness::isotropic(0, D));
   const Points F = assembler.load(Vec3(0, 0, q));

@@ -103,8 +103,7 @@ struct DeformProblem {
 /// Transformation of one handle: p = about + s R(rotation_vector) (p⁰ - about) + translation.
 struct HandleTransform {
   Vec3 about = Vec3::Zero();
-  Vec3 rotation_vector =
-      Vec3::Zero();  ///< quaternion logarithm, i.e. axis · angle/2 (core/geometry.h); not reduced
+  Vec3 rotation_vector = Vec3::Zero();  ///< axis · angle in radians (core/geometry.h); not reduced
                      ///< to less than a full turn
   Vec3 translation = Vec3::Zero();
   double scale = 1;  ///< scale s, above 0

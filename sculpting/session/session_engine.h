@@ -82,7 +82,7 @@ class SessionEngine {
   /// Distances of the points of each point cloud from two shapes in absolute coordinates.
   std::vector<PointCloudDistances> scan_distances(const SessionSystem& system, const Points& before,
                                             const Points& now) const;
-  /// xᵀKx - 2Fᵀx plus the energy of springs; in motion also ρ vᵀMv.
+  /// ½ xᵀKx - Fᵀx plus the energy of springs; in motion also ½ ρ vᵀMv.
   double total_energy(const SessionSystem& system, const std::vector<double>& values,
                       const ShapeState& shape, bool dynamics);
 

@@ -43,7 +43,7 @@ Vec3 vector(const nlohmann::json& v) {
   return {v[0].get<double>(), v[1].get<double>(), v[2].get<double>()};
 }
 
-// E = qᵀK q - 2 Fᵀq of some columns.
+// Twice the energy, qᵀK q - 2 Fᵀq, of some columns.
 double energy(const SparseMatrix& K, const MatX& q, const MatX& F) {
   const MatX Kq = K.selfadjointView<Eigen::Lower>() * q;
   return q.cwiseProduct(Kq - 2 * F).sum();

@@ -70,8 +70,8 @@ class KeyframeWeights {
 /// The times 0, 1, …, frames - 1.
 std::vector<double> frame_numbers(int frames);
 
-/// Logarithm of a rotation that is nearest to `previous`. All logarithms are h n + k π n, where k
-/// is an integer (sign of the quaternion, and full turns); ties go to the smaller k. A rotation by
+/// Logarithm (rotation vector) of a rotation that is nearest to `previous`. All logarithms are
+/// (φ + 2 π k) n with the axis n, the shortest angle φ and an integer k; ties go to the smaller k. A rotation by
 /// less than 1e-12 has no axis of its own and takes that of `previous`.
 Vec3 nearest_log(const Mat3& rotation, const Vec3& previous);
 
