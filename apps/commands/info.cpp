@@ -36,36 +36,36 @@
 
 namespace batten {
 
-// Describes the faces of CAD files, and draws how they meet.
+// Descriptions of CAD files, and pictures of the continuity of their faces.
 
-/// What a CAD file holds, and how its faces meet. `lines` gives the text about its lines, which is added where
-/// they are few or all that there is. Throws InputError.
+/// Describes the contents of a CAD file and the continuity of its faces. `lines` returns the text
+/// about its curves; it is added if there are few curves, or nothing else. Throws InputError.
 std::string cad_info(const std::filesystem::path& file, const std::string& unit,
                      const std::function<std::string()>& lines);
 
-/// Draws the edges of a CAD file with combs of the curvature across them, on both sides. Returns false
-/// for a file that has no faces. Throws InputError.
+/// Draws the edges of a CAD file with combs of the curvature across them, on both sides. Returns
+/// false if the file has no faces. Throws InputError.
 bool draw_face_edges(const std::filesystem::path& picture, const std::filesystem::path& file,
                      const std::string& unit);
 
 
-// Describes deforming meshes in a few lines of text.
+// Descriptions of mesh sequences.
 
-/// Whether a file holds many frames by its ending: .glb .gltf .pc2 .mdd .pvd .frd.
+/// True for extensions of mesh sequences: .glb .gltf .pc2 .mdd .pvd .frd.
 bool is_sequence_file(const std::filesystem::path& file);
 
-/// Frames, times, nodes, the box around all frames, parts, how far nodes move from frame to frame,
-/// jerks, and whether the last frame is the first one again. Throws InputError.
+/// Describes a sequence: frames, times, nodes, bounding box of all frames, components, node motion
+/// between frames, jerks, and whether the last frame equals the first. Throws InputError.
 std::string sequence_info(const SequenceSource& source, const std::string& unit);
 
-/// The same of a scene's sequence, its handles and features, and its steps.
+/// Describes the sequence of a scene, with its handles, features and steps.
 std::string sequence_info(const SequenceScene& scene);
 
 namespace {
 
 constexpr double kCorner = 20;  // degrees, as in a scene
 
-// "straight", or the normal of the plane that the curve lies in; "" where it does not.
+// "straight", or the normal of the plane that contains the curve; empty if the curve is not planar.
 std::string flatness(const InputCurve& curve) {
   std::vector<Vec3> points;
   const std::vector<double> breaks = curve.breaks();
@@ -74,7 +74,7 @@ std::string flatness(const InputCurve& curve) {
       points.push_back(curve.evaluate(breaks[i] + (breaks[i + 1] - breaks[i]) * k / 8));
   points.push_back(curve.evaluate(curve.end()));
   const PrincipalAxes spread = principal_axes(points);
-  constexpr double flat = 1e-12;  // of the spread, a square
+  constexpr double flat = 1e-12;  // relative to the squared spread
   if (spread.values[1] <= flat * spread.values[2]) return "  straight";
   if (spread.values[0] > flat * spread.values[2]) return "";
   Vec3 normal = spread.axes.col(0);
@@ -95,7 +95,7 @@ std::string lines_text(const std::vector<SourceLine>& lines, const std::string& 
   for (const auto& line : lines) width = std::max(width, line.name.size());
   for (const auto& line : lines) {
     text += "  " + line.name + std::string(width - line.name.size() + 2, ' ');
-    // A sketch may have strokes without length.
+    // Sketches may contain strokes without length.
     if (!sample_line(line, corner_angle).has_length()) {
       text += "no length  at " + format_point(line.points.front()) + "\n";
       continue;
@@ -106,7 +106,7 @@ std::string lines_text(const std::vector<SourceLine>& lines, const std::string& 
       curve = line.as_curve(corner_angle);
       if (!line.points.empty()) remark = "  " + describe(interpret_points(line, *curve));
     } catch (const InputError& e) {
-      // Strokes may have points that repeat each other: fairing takes them.
+      // Strokes may have repeated points, which fairing accepts.
       curve = curve_from_hermite(interpolating_spline(line.name, line.points));
       remark = "  no line of a surface: " + std::string(e.what());
     }
@@ -135,9 +135,9 @@ void draw_lines(const std::filesystem::path& picture, const std::vector<SourceLi
       const auto curve = line.as_curve(corner_angle);
       FitOptions options;
       options.tolerance = 1e-4 * ArcLength(curve).total();
-      options.corner_angle = 0.5;  // corners are breaks of the curve already
+      options.corner_angle = 0.5;  // corners are already breaks of the curve
       panel.curves.push_back(fit_curve(line.name, curve, options));
-    } catch (const InputError&) {  // the text says why
+    } catch (const InputError&) {  // reported in the text
       continue;
     }
     panel.points.insert(panel.points.end(), line.points.begin(), line.points.end());
@@ -157,7 +157,7 @@ std::string parameters_text(const std::vector<Parameter>& parameters) {
   return text;
 }
 
-// Pieces and regions by the names that [[region]] and [[join]] know.
+// Edges and regions by the names that [[region]] and [[join]] use.
 std::string network_text(const Scene& scene) {
   std::vector<CharacterLine> lines = read_lines(scene);
   add_mirrored(scene, lines);
@@ -266,7 +266,7 @@ void draw_lines(const std::filesystem::path& picture, const std::filesystem::pat
 
 namespace {
 
-// [["a", "b"], ["c"]]: loops as [[region]] knows them.
+// Formats loops as in [[region]]: [["a", "b"], ["c"]].
 std::string format_loops(const CurveNetwork& network, const std::vector<EdgeLoop>& loops) {
   std::string text = "[";
   for (size_t l = 0; l < loops.size(); ++l) {
@@ -278,7 +278,8 @@ std::string format_loops(const CurveNetwork& network, const std::vector<EdgeLoop
   return text + "]";
 }
 
-// The words that have these surfaces; without any, no surface in the others.
+// The TOML that creates these surfaces; if `with` is empty, the TOML that suppresses the chosen
+// ones.
 std::string format_alternative(const CurveNetwork& network, const AmbiguousRegion& ambiguous,
                                const std::vector<EdgeLoop>& with) {
   const std::vector<EdgeLoop>& loops = with.empty() ? ambiguous.chosen : with;
@@ -339,7 +340,7 @@ std::string draw_alternatives(const std::filesystem::path& folder, const Scene& 
 
 namespace {
 
-/// Lines and meshes share endings: a mesh has faces, a Nastran deck grid points.
+/// Lines and meshes share extensions: a mesh has faces, a Nastran deck has grid points.
 bool is_mesh_file(const std::filesystem::path& file) {
   const std::string ending = lower_extension(file);
   if (ending != ".obj" && ending != ".dat") return MeshFile::can_read(file);
@@ -416,7 +417,7 @@ std::string sequence_info(const SequenceScene& scene) {
 
 namespace {
 
-// "" for a file without faces.
+// Describes a STEP file; empty if it has no faces.
 std::string step_text(const std::filesystem::path& file, const std::string& unit) {
   const StepReport step = cad_plugin().check_step(file, unit_in_metres(unit), {});
   if (step.faces == 0) return "";

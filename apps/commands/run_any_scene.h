@@ -1,4 +1,4 @@
-// A scene of any kind, by what its file asks for.
+// Reads and runs a scene file of any kind.
 #pragma once
 
 #include <filesystem>
@@ -11,8 +11,8 @@
 
 namespace batten {
 
-/// Reads a scene file and calls use(scene) with it: a SequenceScene, a DeformScene, a FairScene (lines
-/// alone) or a Scene, which is not constant. Throws what reading throws.
+/// Reads a scene file and calls use(scene) with a mutable SequenceScene, DeformScene, FairScene
+/// (curves only) or Scene. Throws the exceptions of the reader.
 template <class Use>
 auto visit_scene(const std::filesystem::path& file, const Use& use) {
   if (is_sequence_scene(file)) {
@@ -31,7 +31,8 @@ auto visit_scene(const std::filesystem::path& file, const Use& use) {
   return use(scene);
 }
 
-/// Does everything that a scene asks for, into a folder: its report.
+/// Runs a scene: writes everything that it requests into the folder `out`. The result is the
+/// report.
 inline SequenceReport run_any_scene(const SequenceScene& scene, const std::filesystem::path& out,
                                     const Progress& progress) {
   return run_sequence(scene, out, {}, progress);

@@ -12,7 +12,7 @@ namespace {
 
 using Triangle = std::array<int, 3>;
 
-/// Corners, 3 t + k, of which some are one.
+/// Union-find over triangle corners, numbered 3 t + k. Each class gets one normal.
 class Corners {
  public:
   explicit Corners(size_t triangles) : parent_(3 * triangles) {
@@ -46,7 +46,7 @@ double angle_at(const Points& points, const Triangle& t, int k) {
   return std::atan2(a.cross(b).norm(), a.dot(b));
 }
 
-/// A side of a triangle, from corner k on.
+/// Edge of a triangle from corner k to corner k + 1, with its two nodes in ascending order.
 struct Side {
   int low, high, triangle, k;
 };
@@ -67,7 +67,7 @@ void join_smooth(const std::vector<Triangle>& triangles, const std::vector<Vec3>
     while (end < sides.size() && key(sides[end]) == key(sides[i])) ++end;
     if (end == i + 2) {
       const Side &a = sides[i], &b = sides[i + 1];
-      // Two triangles of one winding run along their edge against each other.
+      // Two consistently oriented triangles traverse their shared edge in opposite directions.
       if (triangles[a.triangle][a.k] != triangles[b.triangle][b.k] &&
           normals[a.triangle].dot(normals[b.triangle]) > cosine) {
         corners.join(3 * a.triangle + a.k, 3 * b.triangle + (b.k + 1) % 3);

@@ -1,4 +1,4 @@
-// Normals with which viewers shade triangles. Internal.
+// Corner normals for shading triangle meshes, broken at crease edges.
 #pragma once
 
 #include <array>
@@ -8,17 +8,21 @@
 
 namespace batten {
 
-/// Normals of the corners of triangles. Corners in one node have one normal where their triangles
-/// hang together by edges across which they turn by less than the crease's angle; so a normal
-/// belongs to one node.
+/// Shading normals per triangle corner. Corners at the same node share one normal if their
+/// triangles are connected through edges whose dihedral angle is below the crease angle. Each
+/// normal therefore belongs to exactly one node.
 struct CornerNormals {
   std::vector<Vec3> normals;           ///< unit vectors
-  std::vector<std::array<int, 3>> of;  ///< the normal of each corner of each triangle
-  std::vector<int> nodes;              ///< the node of each normal
+  std::vector<std::array<int, 3>> of;  ///< index into `normals`, per triangle and corner
+  std::vector<int> nodes;              ///< node of each normal
 };
 
-/// Means of the triangles' normals, weighted by the angle at the node. Edges with other than two
-/// triangles are creases. Where nothing has an area the normal is z. O(n log n).
+/// Computes corner normals as averages of the triangle normals, weighted by the corner angle.
+///
+/// An edge between two consistently oriented triangles is smooth if their normals differ by less
+/// than `crease_deg` (degrees). All other edges are creases, including those without exactly two
+/// triangles. If all triangles of a corner group have zero area, the normal is the z axis. Cost:
+/// O(n log n).
 CornerNormals corner_normals(const Points& points, const std::vector<std::array<int, 3>>& triangles,
                              double crease_deg = 30);
 

@@ -1,4 +1,4 @@
-// glTF 2.0 in one binary file: a mesh for each set, in metres, y up.
+// Writes a mesh as binary glTF 2.0 (GLB): one glTF mesh per set, in metres, y up.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -17,7 +17,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// glTF's y is our z. (0 - 0 has no sign.)
+/// Converts from z up to glTF's y up. `0 - y` avoids a negative zero.
 std::array<float, 3> turned(const Vec3& p) {
   return {static_cast<float>(p.x()), static_cast<float>(p.z()), static_cast<float>(0 - p.y())};
 }
@@ -49,7 +49,8 @@ class GlbMesh {
   }
 
  private:
-  /// A part as a mesh, and the node that shows it. The last part is without a set.
+  /// Adds the triangles of a set as a glTF mesh with its node. The last part holds the faces
+  /// without a set.
   void add(const std::vector<std::array<int, 3>>& triangles, size_t set) {
     const CornerNormals corners = corner_normals(mesh_.points, triangles);
     const auto vertices = isize(corners.normals);
@@ -91,7 +92,7 @@ class GlbMesh {
     root_["meshes"].push_back(mesh);
   }
 
-  /// An accessor with a view of its own onto what is appended next.
+  /// Adds an accessor, with its own buffer view, for the data that is appended next.
   size_t add_view(int target, int count, const char* type, int component) {
     const size_t bytes = 4 * static_cast<size_t>(count) * (type[0] == 'V' ? 3 : 1);
     root_["bufferViews"].push_back(
@@ -103,7 +104,8 @@ class GlbMesh {
     return root_["accessors"].size() - 1;
   }
 
-  /// A material of this colour. glTF wants linear shares, colours in files are sRGB.
+  /// Finds or adds a material of this colour. glTF expects linear components; colours in files are
+  /// sRGB.
   size_t material(const std::string& name, const std::array<int, 3>& colour) {
     Json& all = root_["materials"];
     for (size_t m = 0; m < all.size(); ++m)

@@ -1,4 +1,4 @@
-// The content of a mesh file, as its reader returns it. Not installed.
+// In-memory content of a mesh file, and the readers and writers of all mesh formats. Not installed.
 #pragma once
 
 #include <array>
@@ -16,42 +16,48 @@
 
 namespace batten {
 
-/// The numbers that a file gives its nodes or faces: from index to number, and back.
+/// Node or face numbers (labels) of a file: maps indices to labels and back.
 class Labels {
  public:
-  /// The numbers first, first + 1, …
+  /// Consecutive labels: first, first + 1, …, first + count − 1.
   static Labels counted_from(long first, int count);
-  /// Any numbers, each once. Where duplicate() returns something, find() has no meaning.
+  /// Arbitrary labels, expected to be unique. If duplicate() returns a value, find() is undefined.
   explicit Labels(std::vector<long> labels = {});
-  /// The two indices of the first number that is there twice, the smaller one first; none when each
-  /// number is there once.
+  /// The two indices of the first label that occurs twice, in ascending order; empty if all labels
+  /// are unique.
   std::optional<std::pair<int, int>> duplicate() const { return duplicate_; }
 
+  /// Number of labels.
   int count() const { return count_; }
+  /// The label of an index.
   long of(int index) const { return labels_.empty() ? first_ + index : labels_[index]; }
-  /// The index of a number; none when it is not there. O(1), or O(log n) for sparse numbers.
+  /// The index of a label; empty if there is no such label. Cost: O(1), or O(log n) for sparse
+  /// labels.
   std::optional<int> find(long label) const;
 
  private:
   long first_ = 0;
   int count_ = 0;
-  std::vector<long> labels_;                    // empty: first_, first_ + 1, …
-  std::vector<int> dense_;                      // index of label - first_; -1 for none
-  std::vector<std::pair<long, int>> by_label_;  // instead of dense_, for sparse numbers
+  std::vector<long> labels_;                    // empty: labels are consecutive, from first_
+  std::vector<int> dense_;                      // index of label − first_; -1: none
+  std::vector<std::pair<long, int>> by_label_;  // replaces dense_ if labels are sparse
   std::optional<std::pair<int, int>> duplicate_;
 };
 
-/// A mesh and what else its file holds. Each format derives from it what it writes back.
+/// A mesh and everything else that its file contains. Each format derives a class that stores what
+/// it needs to write the file back.
 struct MeshContent {
   virtual ~MeshContent() = default;
-  /// Writes the file with other coordinates, as MeshFile::write() says. The caller has checked that
-  /// `points` have the right number and are finite, and that the extension is one of `extensions`.
+  /// Writes the file with new coordinates, as specified by MeshFile::write(). The caller has
+  /// checked that `points` has one finite row per node and that the extension is in `extensions`.
   virtual MeshRounding write(const std::filesystem::path& path, const Points& points,
                              const MeshWriteOptions& options) const = 0;
-  /// Files that write() puts beside the file, as MeshFile::included_files() says.
+  /// Included files that write() stores beside the main file; see MeshFile::included_files().
   virtual std::vector<std::filesystem::path> included_files() const { return {}; }
 
+  /// Name of the format, for messages.
   std::string format;
+  /// Lower-case extensions of the format, with the dot.
   std::vector<std::string> extensions;
   ShellMesh shells;
   Labels node_labels, face_labels;
@@ -59,48 +65,52 @@ struct MeshContent {
   std::vector<NonShellElement> other_elements;
   std::vector<std::string> warnings;
   CageTags cage_tags;
-  std::string
-      cage_problem;  ///< why these are not all that the file says of its cage; "" for nothing
+  /// Reason why `cage_tags` does not represent all cage tags of the file, as "file:line:column: …";
+  /// empty if it does.
+  std::string cage_problem;
 };
 
+/// Signature of the readers: reads a file and returns its content. Throws InputError.
 using MeshContentReader = std::unique_ptr<MeshContent>(const std::filesystem::path&);
 MeshContentReader read_obj_mesh, read_off_mesh, read_ply_mesh, read_stl_mesh, read_vtk_mesh,
     read_nastran_deck, read_abaqus_deck, read_lsdyna_deck, read_radioss_deck;
 
-/// A mesh that write_mesh() was given, and has checked.
+/// Validated input of a mesh writer; see write_mesh().
 struct MeshOutput {
   const std::filesystem::path& path;
   const ShellMesh& mesh;
   const std::vector<MeshSet>& sets;
   double unit_in_metres = 0;
 };
-/// Each writes a mesh in one format, as write_mesh() says.
+/// Writers of the individual formats; see write_mesh().
 void write_off_mesh(const MeshOutput& output);
 void write_ply_mesh(const MeshOutput& output);
 void write_stl_mesh(const MeshOutput& output);
 void write_vtk_mesh(const MeshOutput& output);
 void write_glb_mesh(const MeshOutput& output);
 void write_3mf_mesh(const MeshOutput& output);
-/// Returns the file of materials where there is one.
+/// Writes an OBJ file. The result is the material file (.mtl), if one was written.
 std::vector<std::filesystem::path> write_obj_mesh(const MeshOutput& output);
-/// The set of each face, -1 for none; the last one where several have it. Throws InputError for a
-/// face out of range.
+/// The index of the set of each face; -1 if it is in none. If a face is in several sets, the last
+/// one wins. Throws InputError if a set contains a face index out of range.
 std::vector<int> set_of_faces(const ShellMesh& mesh, const std::vector<MeshSet>& sets);
 
-/// The nodes of a face, middle nodes too, in the order in which they lie around it.
+/// The nodes of a face in order around its outline, including mid-side nodes.
 std::vector<int> outline_of(const ShellMesh& mesh, int face);
-/// The triangles of a face for formats that have no other faces: a quad along its shorter diagonal,
-/// larger polygons as a fan; of second-order faces the corners are cut off at the middle nodes.
+/// Triangulates a face for formats that store triangles only. Quads are split along the shorter
+/// diagonal, larger polygons into a fan. Second-order faces get one triangle per corner, cut off at
+/// the mid-side nodes.
 std::vector<std::array<int, 3>> triangles_of(const ShellMesh& mesh, int face);
-/// The count of nodes that no face has.
+/// The number of nodes that no face uses.
 int unused_nodes(const ShellMesh& mesh);
 
 
-// Colours of mesh files. Internal.
+// Colours of mesh files.
 
-/// Red, green and blue, 0 to 255, of "#rrggbb"; none for "". Throws InputError for another text.
+/// Parses "#rrggbb" into red, green and blue (0 to 255); empty for "". Throws InputError for any
+/// other text.
 std::optional<std::array<int, 3>> mesh_colour(const std::string& hex);
-/// "#rrggbb" of such numbers.
+/// Formats red, green and blue (0 to 255) as "#rrggbb".
 std::string hex_of(const std::array<int, 3>& colour);
 
 }  // namespace batten

@@ -44,7 +44,7 @@ const std::map<std::string, MeshContentReader*>& readers() {
   return all;
 }
 
-/// A mesh without a file.
+/// Content of a mesh that was not read from a file; write() throws InputError.
 struct CountedMesh : MeshContent {
   MeshRounding write(const fs::path& path, const Points&, const MeshWriteOptions&) const override {
     throw InputError(path.string() + ": this mesh was not read from one file");
@@ -118,7 +118,7 @@ namespace {
 
 using MeshWriter = std::vector<fs::path>(const MeshOutput&);
 
-/// The writer of a format that is one file.
+/// Adapts the writer of a format without additional files.
 template <void (*write)(const MeshOutput&)>
 std::vector<fs::path> alone(const MeshOutput& output) {
   write(output);

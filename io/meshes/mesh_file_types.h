@@ -1,4 +1,4 @@
-// Sets of mesh files, options for writing these files, and what rounding cost.
+// Basic types of mesh files: sets, write options, and the rounding error of a written file.
 #pragma once
 
 #include <filesystem>
@@ -9,29 +9,30 @@
 
 namespace batten {
 
-/// A set of a mesh file. A node set has nodes only, a face set faces only, as ascending indices,
-/// each once. A node set and a face set may have the same name.
+/// A named set of nodes or of faces in a mesh file. One of the two lists is empty; the other holds
+/// ascending, unique indices. A node set and a face set may have the same name.
 struct MeshSet {
-  std::string name;   ///< its name; in LS-DYNA and Nastran its id
-  std::string title;  ///< its title; in LS-DYNA only
+  std::string name;   ///< name; in LS-DYNA and Nastran the id
+  std::string title;  ///< title (LS-DYNA only)
   std::vector<int> nodes, faces;
-  std::string colour = {};  ///< of the faces, "#rrggbb"; "" for none
+  std::string colour = {};  ///< colour of the faces, "#rrggbb"; empty: none
 };
 
-/// How a mesh file is written.
+/// Options for writing a mesh file.
 struct MeshWriteOptions {
-  /// In Nastran decks, small-field GRIDs (8 columns a number) that moved become large-field ones
-  /// (GRID*, 16 columns, two lines). Other formats are not changed by it.
+  /// Nastran only: moved small-field GRIDs (8 columns per number) are written as large-field GRIDs
+  /// (GRID*, 16 columns, two lines). Ignored by other formats.
   bool large_field_nodes = false;
-  /// The folder into which a program moves the files in the end; empty: they stay where they are
-  /// written. A deck of several files is not written where it would replace one that was read.
+  /// Final folder, for callers that write to a temporary folder and then move the files; empty:
+  /// files stay where they are written. A deck of several files is rejected if it would overwrite a
+  /// file that was read.
   std::filesystem::path destination_folder = {};
 };
 
-/// What rounding to the file's fields cost.
+/// Rounding error caused by the width of the file's number fields.
 struct MeshRounding {
-  double largest = 0;         ///< largest |written - given| of one coordinate, model units
-  long max_error_label = -1;  ///< number of that node; -1 when every coordinate was written exactly
+  double largest = 0;         ///< largest |written − given| of a coordinate, in model units
+  long max_error_label = -1;  ///< number (label) of that node; -1: all coordinates are exact
 };
 
 }  // namespace batten

@@ -34,7 +34,7 @@ std::string_view next_word(std::string_view& rest) {
 }
 
 bool parse_real(std::string_view field, double& value) {
-  // from_chars knows no leading plus.
+  // std::from_chars rejects a leading plus.
   if (field.size() > 1 && field[0] == '+' && field[1] != '-') field.remove_prefix(1);
   const char *first = field.data(), *last = first + field.size();
   const auto [end, error] = std::from_chars(first, last, value);
@@ -181,17 +181,17 @@ long MeshSourceText::integer(std::string_view field, const std::string& expected
 }
 
 
-// The characters that stand for a coordinate in a field of a file.
+// Formatting of coordinates in the fields of a file.
 
 namespace {
 
-/// Significant digits without zeros at the end, and the decimal exponent of the first one.
+/// Significant digits without trailing zeros, and the decimal exponent of the first digit.
 struct Decimal {
   std::string digits;
   int exponent;
 };
 
-/// As few digits as give the double back, `most` at most; |value| > 0.
+/// The fewest digits that reproduce the double, limited to `most` digits; |value| > 0.
 Decimal decimal(double value, int most) {
   char text[64];
   auto end =
@@ -211,7 +211,7 @@ Decimal decimal(double value, int most) {
   return split();
 }
 
-/// digits · 10^exponent / 10^power with its point.
+/// Formats digits · 10^exponent / 10^power with a decimal point.
 std::string plain(const Decimal& d, int power) {
   const int before = d.exponent - power + 1, count = isize(d.digits);
   if (before <= 0) return "." + std::string(static_cast<size_t>(-before), '0') + d.digits;
@@ -231,7 +231,7 @@ std::string fixed_real(double value, int width, bool nastran) {
   std::string best;
   double best_error = std::numeric_limits<double>::infinity();
   const auto attempt = [&](int power, const std::string& exponent) {
-    // The point takes one character, and so do zeros between it and the digits.
+    // The decimal point takes one character, and so does each zero between it and the digits.
     const int most = room - isize(exponent) - 1 + std::min(0, e - power + 1);
     if (most < 1) return;
     const std::string text = sign + plain(decimal(value, most), power) + exponent;
@@ -244,9 +244,10 @@ std::string fixed_real(double value, int width, bool nastran) {
     }
   };
   attempt(0, "");
-  // Between 0.1 and where the digits fill the field, an exponent can only cost digits.
+  // For values from 0.1 up to those whose digits fill the field, an exponent would only cost
+  // digits.
   if (!best.empty() && e >= -1 && e < room - 2) return best;
-  // Moving the point can shorten the exponent: 1.234+10 is 12.345+9, 1.234-10 is .12345-9.
+  // A shifted decimal point can shorten the exponent: 1.234+10 is 12.345+9, 1.234-10 is .12345-9.
   for (const int power : {e, e + 1, 9, 99, -9, -99}) {
     const std::string digits = std::to_string(power);
     attempt(power, nastran ? (power < 0 ? "" : "+") + digits : "e" + digits);
@@ -325,7 +326,7 @@ std::string aligned(const std::string& text, const Field& field, std::string_vie
   const auto width = static_cast<size_t>(width_of(field.kind));
   const bool left = !old.empty() && !is_blank(old.front());
   if (!left) return std::string(width - text.size(), ' ') + text;
-  // A field that ends with the line needs no blanks behind it, one with a tab in it needs all.
+  // A field at the end of a line needs no padding; one that contains a tab needs full padding.
   const bool tab = old.find('\t') != old.npos;
   const size_t to = field.open || tab ? width : std::min(width, old.size());
   return text + std::string(to > text.size() ? to - text.size() : 0, ' ');
@@ -350,12 +351,13 @@ std::string large_field_grid(std::string_view line, const std::array<std::string
 }
 
 
-// Files that include others.
+// Included files.
 
 namespace fs = std::filesystem;
 namespace {
 
-// Files that include others twice, which do the same, would be read without end.
+// Limits the total number of files: nested files that are each included several times grow
+// exponentially.
 constexpr size_t kMostFiles = 10000;
 constexpr int kDeepestInclude = 64;
 
@@ -369,13 +371,13 @@ fs::path true_path(const fs::path& file) {
   return error ? file.lexically_normal() : result;
 }
 
-/// From `folder` to a file in it or below; empty for one that lies elsewhere.
+/// Path of `file` relative to `folder`; empty if it is not inside that folder.
 fs::path inside(const fs::path& file, const fs::path& folder) {
   const fs::path way = true_path(file).lexically_relative(true_path(folder));
   return way.empty() || *way.begin() == ".." || *way.begin() == "." ? fs::path() : way;
 }
 
-/// Decks from elsewhere have the separators of elsewhere.
+/// Decks from other systems may use backslashes as separators.
 std::string with_slashes(std::string name) {
   std::replace(name.begin(), name.end(), '\\', '/');
   return name;
@@ -411,7 +413,7 @@ void MeshSourceText::include(const std::string& name, std::string_view where,
     }
   }
   if (found.empty()) found = here / with_slashes(name);
-  // Beside one another, names come out short: "parts/a.bdf" instead of "parts/../parts/a.bdf".
+  // Normalises the path: "parts/a.bdf" instead of "parts/../parts/a.bdf".
   found = found.lexically_normal();
   for (size_t at = line; at != std::string::npos; at = source_of(at).included_at)
     if (true_path(source_of(at).path) == true_path(found))

@@ -1,5 +1,5 @@
-// The text of a mesh file and of the files that it includes. Each is read in one piece and parsed
-// line by line; coordinates are replaced in it. Internal.
+// The text of a mesh file and of its included files: reading line by line, and formatting of
+// coordinate fields that are replaced in it.
 #pragma once
 
 #include <cstdint>
@@ -15,103 +15,109 @@
 
 namespace batten {
 
-/// The kind of field in which a file holds a coordinate.
+/// Type of the field that holds a coordinate in a file.
 enum class FieldKind : std::uint8_t {
   Free,         ///< as many characters as the double needs
   Nastran8,     ///< 8 fixed columns
   Nastran16,    ///< 16 fixed columns
-  NastranFree,  ///< 16 characters at most
-  Abaqus,       ///< 20 characters at most
+  NastranFree,  ///< at most 16 characters, between commas
+  Abaqus,       ///< at most 20 characters
   Dyna16,       ///< 16 fixed columns
   Dyna20,       ///< 20 fixed columns
-  DynaFree16,   ///< 16 characters at most
-  DynaFree20,   ///< 20 characters at most
-  Float32,      ///< binary, little end first
+  DynaFree16,   ///< at most 16 characters, between commas
+  DynaFree20,   ///< at most 20 characters, between commas
+  Float32,      ///< binary, little-endian
+  /// Binary, little-endian.
   Float64,
-  Float32Swapped,  ///< binary, big end first
+  Float32Swapped,  ///< binary, big-endian
+  /// Binary, big-endian.
   Float64Swapped,
 };
 
-/// The columns of a fixed field, or the most characters of a free one; 0: as many as it needs.
+/// Width of a fixed field in columns, or maximum length of a free one; 0: unlimited.
 int width_of(FieldKind kind);
 
-/// The place of one coordinate of a node in the file.
+/// Location of one coordinate of a node in the file.
 struct Field {
-  size_t begin = 0;          ///< offset in bytes
-  std::uint32_t length = 0;  ///< bytes
+  size_t begin = 0;          ///< byte offset in MeshSourceText
+  std::uint32_t length = 0;  ///< length in bytes
   FieldKind kind = FieldKind::Free;
-  /// The line ends before this field, or inside it while a later one is missing: it is written in
-  /// full width, or with a comma before it, together with the others of its node that are open.
+  /// True if the line ends before this field, or inside it while a later field is missing. An open
+  /// field is written in full width, or with a preceding comma, together with all other open fields
+  /// of its node.
   bool open = false;
-  std::uint16_t gap = 0;  ///< open: blanks, or commas in a free line, to write before it
+  std::uint16_t gap = 0;  ///< open fields: blanks (or commas in a free line) to insert before it
 };
 
+/// Converts ASCII letters to upper case.
 std::string upper(std::string_view text);
-/// Takes the next word away from the front of `rest` and returns it; empty at the end.
+/// Removes the next blank-separated word from the front of `rest`; empty at the end.
 std::string_view next_word(std::string_view& rest);
 
-/// Reads a number as Fortran does: with a decimal point or without, exponents 1.5E3, 1.5D3, 1.5+3.
-/// Returns false when the field is not a number or its value is out of a double's range.
+/// Parses a Fortran real: with or without a decimal point, with exponents such as 1.5E3, 1.5D3,
+/// 1.5+3. The result is false if the field is not a number or exceeds the range of a double.
 bool parse_real(std::string_view field, double& value);
-/// Reads a whole number. Returns false when the field is not one, or is out of range.
+/// Parses an integer. The result is false if the field is not an integer or is out of range.
 bool parse_integer(std::string_view field, long& value);
 
-/// The text of at most `width` characters, with a decimal point, whose number is nearest to
-/// `value`; the shortest of these. Exponents are written "+3" (Nastran) or "e3".
+/// Formats `value` in at most `width` characters, with a decimal point. Among all texts that fit,
+/// it picks the one nearest to `value`, and the shortest of these. Exponents are written "+3" if
+/// `nastran` is set, "e3" otherwise.
 std::string fixed_real(double value, int width, bool nastran);
 
-/// The text of a file, of the files that it includes, and a position in them from which lines are
-/// read. Offsets count through all texts, so that one number says file and place.
+/// The text of a file and its included files, with a read position. Byte offsets run through all
+/// texts, so a single number identifies the file and the location.
 class MeshSourceText {
  public:
+  /// One opened file.
   struct Source {
     std::filesystem::path path;
     std::string text;
     size_t base = 0;  ///< offset of its first byte
-    /// Offset of the line that includes it; npos for the file that was named first.
+    /// Offset of the line that includes it; npos for the main file.
     size_t included_at = std::string::npos;
-    /// Where a deck that is written has it, from the folder of the deck. Empty: it lies outside of
-    /// that folder or is named by a whole path; it is not written.
+    /// Path relative to the deck's folder, used when a deck is written. Empty if the file lies
+    /// outside that folder or is named by an absolute path; then it is not written.
     std::filesystem::path beside;
   };
 
-  /// Reads the file. Throws InputError: no file, a folder, an empty file and, unless it is
-  /// `binary`, UTF-16 text or zero bytes.
+  /// Reads the file. Throws InputError for a missing file, a folder or an empty file and, unless
+  /// `binary`, for UTF-16 text or zero bytes.
   explicit MeshSourceText(const std::filesystem::path& path, bool binary = false);
 
-  /// The file that was named first.
+  /// The text of the main file.
   const std::string& text() const { return sources_.front()->text; }
   const std::filesystem::path& path() const { return sources_.front()->path; }
-  /// All files in the order in which they were opened. A file that is included twice is here twice.
+  /// All files in the order in which they were opened. A file included twice appears twice.
   const std::vector<std::shared_ptr<const Source>>& sources() const { return sources_; }
 
-  /// Reads the next line, without its line end; after the last line of an included file that behind
-  /// the line which includes it. Returns false at the end of everything. A byte-order mark is
-  /// passed over.
+  /// Reads the next line, without its line end. At the end of an included file, reading continues
+  /// after the line that includes it. Returns false at the end of the main file. A byte-order mark
+  /// is skipped.
   bool next(std::string_view& line);
-  /// The same, but returns false at the end of the current file.
+  /// Like next(), but returns false at the end of the current file.
   bool next_in_file(std::string_view& line);
-  /// Offset, in bytes, of the line that next_in_file() reads.
+  /// Byte offset of the line that next_in_file() will read.
   size_t position() const { return current().base + at_; }
-  /// To a position in the current file.
+  /// Moves the read position to an offset in the current file.
   void seek(size_t position) { at_ = position - current().base; }
 
-  /// Goes on with the first line of another file, and after its last one behind the current line.
-  /// `name`, as it stands at `where`, is looked for from the folder of that file, from that of the
-  /// first file, then in `folders`. Throws InputError with the places of all including lines:
-  /// a file that cannot be read, one that includes itself.
+  /// Continues with the first line of another file; at its end, reading resumes after the current
+  /// line. `name`, found at `where`, is searched in the folder of the including file, then in that
+  /// of the main file, then in `folders`. Throws InputError, with the locations of all including
+  /// lines, if the file cannot be read or includes itself.
   void include(const std::string& name, std::string_view where,
                const std::vector<std::string>& folders = {});
-  /// Leaves the rest of an included file. Returns false in the file that was named first.
+  /// Skips the rest of an included file. Returns false in the main file.
   bool leave_file();
-  /// In how many including files the current one lies.
+  /// Nesting depth of the current file; 0 for the main file.
   int depth() const { return static_cast<int>(open_.size()); }
 
-  /// Offset of a part of a text, in bytes.
+  /// Byte offset of a view into one of the texts.
   size_t offset(std::string_view part) const;
-  /// `length` bytes from an offset.
+  /// The `length` bytes at an offset.
   std::string_view part(size_t offset, size_t length) const;
-  /// The index in sources() of the file in which an offset lies.
+  /// Index in sources() of the file that contains an offset.
   size_t source_index(size_t offset) const;
   const Source& source_of(size_t offset) const { return *sources_[source_index(offset)]; }
   /// Throws InputError: "file:line:column: message".
@@ -119,22 +125,24 @@ class MeshSourceText {
   [[noreturn]] void fail(std::string_view where, const std::string& message) const {
     fail(offset(where), message);
   }
-  /// Whether the last line has no line end: the file may be cut short, or was typed so.
+  /// True if the last line of the main file has no line end: the file may be truncated.
   bool ends_in_mid_line() const { return !text().empty() && text().back() != '\n'; }
+  /// Throws InputError for the end of the main file.
   [[noreturn]] void fail_at_end(const std::string& message) const {
     fail(sources_.front()->base + text().size(), message);
   }
-  /// "line 7", with the name of the file where `seen_from` lies in another one.
+  /// "line 7"; with the file name if `seen_from` lies in another file.
   std::string line_name(size_t offset, size_t seen_from) const;
 
-  /// Reads a finite number; an empty field is 0 with `blank_is_zero`. Throws InputError.
+  /// Parses a finite real; an empty field is 0 if `blank_is_zero`. Throws InputError otherwise.
   double real(std::string_view field, bool blank_is_zero = false) const;
-  /// Reads a whole number. Throws InputError, in which `expected` says what it should be.
+  /// Parses an integer. Throws InputError otherwise; `expected` describes the value for the
+  /// message.
   long integer(std::string_view field, const std::string& expected) const;
 
  private:
   struct Including {
-    size_t source, at;  // of the file that goes on, and where
+    size_t source, at;  // the including file and the position at which to resume
   };
   const Source& current() const { return *sources_[current_]; }
   void open(Source source, bool binary);
@@ -146,17 +154,19 @@ class MeshSourceText {
 };
 
 
-// The characters that stand for a coordinate in a field of a file. Internal.
+// Formatting of coordinates in the fields of a file.
 
-/// Whether fields of this kind fill columns.
+/// True if fields of this kind occupy fixed columns.
 bool is_fixed_width(FieldKind kind);
-/// Whether it is a field of a deck, whose width is bounded.
+/// True for fields of decks, whose width is limited.
 inline bool is_deck_field(FieldKind kind) { return width_of(kind) > 0; }
-/// The characters that stand for `value`, and what a reader will make of them; empty where none do.
+/// The characters that represent `value`; empty if it cannot be represented. `written` receives the
+/// number that a reader will parse.
 std::string format_field(double value, FieldKind kind, double& written);
-/// `text` where the old field has its own: at the left, or in the last column.
+/// Pads `text` like the old content `old` of the field: left-aligned, or right-aligned to the last
+/// column.
 std::string aligned(const std::string& text, const Field& field, std::string_view old);
-/// A small-field GRID as two large-field lines.
+/// Converts a small-field GRID line to two large-field lines with the given coordinates.
 std::string large_field_grid(std::string_view line, const std::array<std::string, 3>& coordinates,
                              const std::string& line_end);
 

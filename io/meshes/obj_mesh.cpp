@@ -1,4 +1,4 @@
-// Wavefront OBJ.
+// Reads and writes Wavefront OBJ files.
 
 #include <algorithm>
 #include <charconv>
@@ -21,14 +21,13 @@
 
 namespace batten {
 
-// `t NAME INTEGERS/REALS/TEXTS …`, as OpenSubdiv has them: integers, reals, then texts.
+// Tags of control cages, `t NAME INTEGERS/REALS/TEXTS …` as in OpenSubdiv: integers, reals, then
+// texts.
 
-// The tags of cages in OBJ files. Internal.
-
-/// Collects `t` records, and makes cage_tags and cage_problem of them once the mesh is read.
+/// Collects `t` records, and converts them to cage_tags or cage_problem once the mesh is read.
 class ObjTags {
  public:
-  /// The words behind the `t`, which stay where they are.
+  /// Adds the words after the `t`. They are views and must stay valid.
   void add(std::vector<std::string_view> words) {
     if (!words.empty()) records_.push_back(std::move(words));
   }
@@ -40,7 +39,7 @@ class ObjTags {
 
 namespace {
 
-/// One record, in its parts.
+/// One record, split into its parts.
 struct Tag {
   std::string_view name;
   std::vector<long> integers;
@@ -148,7 +147,8 @@ class TagReader {
            sharpness(words, tag.reals.size() == 1 ? tag.reals[0] : tag.reals[k])});
   }
 
-  /// 0: faces at rims are none; 1: rims and their corners are sharp, as ours are; 2: rims only.
+  /// Boundary interpolation rule. 0: boundary faces are removed; 1: boundary edges and corners are
+  /// sharp, as in catmull_clark(); 2: boundary edges only.
   void boundary(const std::vector<std::string_view>& words, const Tag& tag) const {
     const long value = tag.integers.size() == 1 ? tag.integers[0] : -1;
     const bool rims = std::any_of(faces_of_edge_.begin(), faces_of_edge_.end(),
@@ -175,18 +175,18 @@ void ObjTags::finish(TextMeshContent& mesh) const {
     TagReader reader(mesh);
     for (const auto& words : records_) reader.read(words);
   } catch (const InputError& problem) {
-    // Only a reader that takes the mesh for a cage needs them.
+    // Not an error here: only callers that use the mesh as a cage need the tags.
     mesh.cage_problem = problem.what();
   }
 }
 
 namespace {
 
-/// Words of a record, which goes on in the next line after a backslash.
+/// The words of a record; a backslash at the end of a line continues it on the next one.
 class Tokens {
  public:
   Tokens(MeshSourceText& file, std::string_view line) : file_(file), rest_(without_comment(line)) {}
-  /// Empty at the end of the record.
+  /// The next word; empty at the end of the record.
   std::string_view next() {
     for (;;) {
       std::string_view word = next_word(rest_);
@@ -208,7 +208,7 @@ class Tokens {
   std::string_view rest_;
 };
 
-/// Face sets by name, in the order of their first faces.
+/// Face sets by name, in the order of their first face.
 class NamedFaces {
  public:
   explicit NamedFaces(std::vector<MeshSet>& sets) : sets_(sets) {}
@@ -299,14 +299,14 @@ class ObjReader {
     nodes_.clear();
     const long count = static_cast<long>(mesh_.fields.size());
     for (auto word = words.next(); !word.empty(); word = words.next()) {
-      // vertex/texture/normal: the first number is meant.
+      // Of vertex/texture/normal only the vertex index is used.
       long index = 0;
       if (!parse_integer(word.substr(0, word.find('/')), index))
         file_.fail(word, "found " + quoted_excerpt(word) + ", expected a node number");
       const long node = index < 0 ? count + index : index - 1;
       if (index == 0 || node < 0) refuse(word, index);
       if (node >= std::numeric_limits<int>::max()) refuse(word, index);
-      // Nodes may follow later.
+      // Nodes may be defined after the faces that use them.
       if (index > highest_) {
         highest_ = index;
         highest_word_ = word;
@@ -323,8 +323,8 @@ class ObjReader {
     if (!material_.empty()) materials_.add(material_, number);
   }
 
-  /// The colours of the materials, where their file is there. What else is in it does not matter,
-  /// nor does damage.
+  /// Reads the material colours, if the material file exists. Everything else in that file is
+  /// ignored, and errors in it are not reported.
   void read_colours(const std::string& library) {
     const std::filesystem::path path = path_.parent_path() / library;
     std::error_code none;
@@ -372,7 +372,7 @@ class ObjReader {
   std::string_view highest_word_;
 };
 
-/// A group's name is one word; "default" is the group of faces in none.
+/// Group name of a set as a single word; "default" for faces without a set.
 std::string group_name(const std::vector<MeshSet>& sets, int set) {
   if (set < 0) return "default";
   std::string name = sets[static_cast<size_t>(set)].name;
@@ -400,8 +400,8 @@ void append_number(std::ostream& out, double value) {
   out << ' ' << std::string_view(text, static_cast<size_t>(end.ptr - text));
 }
 
-/// The colours of the sets, by the names of their materials; where there are any, also that of
-/// faces without.
+/// The colours of the sets by material name. If any set has a colour, "none" is added for faces
+/// without one.
 std::map<std::string, std::array<int, 3>> materials_of(const std::vector<MeshSet>& sets) {
   std::map<std::string, std::array<int, 3>> all;
   for (const MeshSet& set : sets)
@@ -430,7 +430,7 @@ std::vector<std::filesystem::path> write_obj_mesh(const MeshOutput& output) {
   std::optional<AtomicFile> beside;
   AtomicFile file(path);
   if (!materials.empty()) {
-    // Readers take a blank for the end of the name.
+    // Readers end a file name at a blank.
     std::string name = path.stem().string() + ".mtl";
     std::replace(name.begin(), name.end(), ' ', '_');
     beside.emplace(path.parent_path() / name);

@@ -1,4 +1,4 @@
-// Object File Format of Geomview.
+// Reads and writes Geomview's Object File Format (OFF).
 #include <algorithm>
 #include <charconv>
 #include <limits>
@@ -15,7 +15,7 @@ std::string_view without_comment(std::string_view line) {
   return trimmed(line.substr(0, line.find('#')));
 }
 
-/// The next line that is more than a comment.
+/// Reads the next line that contains data; false at the end.
 bool next_data(MeshSourceText& file, std::string_view& line) {
   while (file.next(line)) {
     line = without_comment(line);
@@ -24,7 +24,7 @@ bool next_data(MeshSourceText& file, std::string_view& line) {
   return false;
 }
 
-/// Checks the word that says which kind of OFF this is; false when the file has none.
+/// Checks the header keyword, which states the kind of OFF; false if the file has none.
 bool read_kind(const MeshSourceText& file, std::string_view word) {
   if (!word.ends_with("OFF")) return false;
   std::string_view rest = word.substr(0, word.size() - 3);
@@ -70,7 +70,7 @@ Counts read_counts(MeshSourceText& file) {
 void read(TextMeshContent& mesh) {
   MeshSourceText& file = mesh.file;
   const Counts counts = read_counts(file);
-  // Counts may be wrong, the size of the file is not.
+  // The stated counts may be wrong, so the file size bounds what is reserved.
   const auto nodes = static_cast<size_t>(counts.nodes);
   mesh.fields.reserve(std::min(nodes, file.text().size() / 6 + 1));
   std::vector<double> coordinates;

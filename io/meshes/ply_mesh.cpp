@@ -1,4 +1,4 @@
-// Stanford PLY, as text and binary: whatever properties there are, they stay.
+// Reads and writes Stanford PLY, text and binary. Unknown properties are preserved.
 #include <algorithm>
 #include <bit>
 #include <cmath>
@@ -26,7 +26,7 @@ size_t size_of(Scalar type) {
 struct Property {
   std::string name;
   Scalar type = Scalar::Int32;
-  std::optional<Scalar> count;  // of a list
+  std::optional<Scalar> count;  // type of the list length, for list properties
 };
 
 struct Element {
@@ -139,7 +139,7 @@ class PlyReader {
     return static_cast<double>(value);
   }
 
-  /// The next value and where it is.
+  /// Reads the next value and its location.
   double next(Scalar type, Field& field) {
     if (ascii_) {
       const std::string& text = file_.text();

@@ -1,4 +1,4 @@
-// STL, as text and binary. Corners at the same place are one node.
+// Reads and writes STL, text and binary. Corners with equal coordinates become one node.
 #include <array>
 #include <bit>
 #include <charconv>
@@ -34,19 +34,19 @@ size_t binary_count(const std::string& text) {
   return count;
 }
 
-/// Unit normal of a triangle, zero where it has no area.
+/// Unit normal of a triangle; zero if the triangle has no area.
 Vec3 normal_of(const Points& points, std::span<const int> face) {
   const Vec3 a = points.row(face[0]), b = points.row(face[1]), c = points.row(face[2]);
   const Vec3 area = (b - a).cross(c - a);
   return area.norm() > 0 ? area.normalized() : Vec3::Zero();
 }
 
-/// Numbers places in the order in which they come.
+/// Numbers positions in the order of their first occurrence; equal positions share a number.
 class Nodes {
  public:
   int operator()(const std::array<double, 3>& position) {
     std::array<double, 3> key;
-    for (size_t c = 0; c < 3; ++c) key[c] = position[c] + 0.0;  // -0 is 0
+    for (size_t c = 0; c < 3; ++c) key[c] = position[c] + 0.0;  // -0 becomes 0
     const auto [at, is_new] = index_.try_emplace(key, isize(index_));
     if (is_new) coordinates_.insert(coordinates_.end(), position.begin(), position.end());
     return at->second;
@@ -75,7 +75,7 @@ class StlMesh : public MeshContent {
  public:
   explicit StlMesh(MeshSourceText text) : file_(std::move(text)) {
     const std::string& bytes = file_.text();
-    // Some binary files start with "solid", too; their size gives them away.
+    // Some binary files also start with "solid"; their size identifies them.
     binary_ = bytes.size() >= kHeader && bytes.size() == kHeader + kRecord * binary_count(bytes);
     std::string_view first = std::string_view(bytes).substr(0, bytes.find('\n'));
     if (!binary_ && next_word(first) != "solid") {
@@ -124,8 +124,8 @@ class StlMesh : public MeshContent {
     shells.points = nodes.points();
   }
 
-  /// Calls `normal` with the part of a line that has a facet's normal, `corner` with each of three
-  /// coordinates.
+  /// Calls `normal` with the part of a line that holds a facet normal, and `corner` with the three
+  /// coordinates of each corner.
   template <class Solid, class Normal, class Corner>
   void walk(MeshSourceText& file, const Solid& solid, const Normal& normal,
             const Corner& corner) const {

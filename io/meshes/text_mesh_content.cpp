@@ -1,4 +1,4 @@
-// Coordinates put back into the text that they were read from.
+// Writes text mesh files back with new coordinates; converts between local and global coordinates.
 
 #include "batten/io/meshes/text_mesh_content.h"
 
@@ -19,12 +19,12 @@ namespace batten {
 namespace fs = std::filesystem;
 namespace {
 
-/// The text of one file with other coordinates.
+/// The text of one file with new coordinates.
 struct Output {
   const MeshSourceText::Source* source;
   std::string text;
-  size_t done = 0;  // end of what was taken over, in the source's text
-  int node = -1;    // one that changes
+  size_t done = 0;  // end of the source text copied so far
+  int node = -1;    // a node that changes; -1: none
 
   void replace(size_t begin, size_t end, const std::string& by) {
     begin -= source->base;
@@ -34,7 +34,7 @@ struct Output {
   }
 };
 
-/// The texts of a mesh file, and of the files that it includes, with other coordinates.
+/// The texts of a mesh file and its included files, with new coordinates.
 class Rewriting {
  public:
   Rewriting(const TextMeshContent& mesh, const Points& points, bool large_field_nodes)
@@ -46,7 +46,7 @@ class Rewriting {
     for (const auto& source : mesh.file.sources()) outputs_.push_back({source.get(), "", 0, -1});
   }
 
-  /// The coordinates of a node, by their order in the text.
+  /// Rewrites the coordinates of a node. Nodes are processed in the order of the text.
   void rewrite(int i) {
     const Node node = choose(i);
     measure(node);
@@ -67,16 +67,16 @@ class Rewriting {
   const MeshRounding& rounding() const { return rounding_; }
 
  private:
-  /// What is to be written of a node.
+  /// The new coordinates of a node.
   struct Node {
     int index;
     const std::array<Field, 3>& fields;
     bool wide = false;
-    Vec3 local_coordinates = Vec3::Zero();  // as a reader will have them
+    Vec3 local_coordinates = Vec3::Zero();  // as a reader will parse them
     std::array<std::string, 3> text{};
     std::array<bool, 3> changed{};
     bool changes() const { return changed[0] || changed[1] || changed[2]; }
-    /// Then all its open fields are written, together.
+    /// If true, all open fields of the node are written together.
     bool changes_open() const {
       bool any = false;
       for (size_t c = 0; c < 3; ++c) any |= changed[c] && fields[c].open;
@@ -112,7 +112,7 @@ class Rewriting {
       if (text.empty() || !std::isfinite(written))
         mesh_.file.fail(node.fields[c].begin, "the coordinate " + format_number(desired[c]) +
                                                   " does not fit into its field");
-      // What is there may be as near as the field allows.
+      // The text already in the file may be as near as the field allows.
       if (std::abs(old[c] - desired[c]) <= std::abs(written - desired[c])) continue;
       node.changed[c] = true;
       node.local_coordinates[c] = written;
@@ -121,7 +121,8 @@ class Rewriting {
     return node;
   }
 
-  /// A deck keeps its text where an edit leaves nothing but the rounding of its sums behind.
+  /// Changes below this bound are rounding noise of an edit; the text of a deck then stays
+  /// unchanged.
   double noise_of(FieldKind kind) const {
     constexpr double kNoise = 1e-13;
     return is_deck_field(kind) ? kNoise * size_ : 0;
@@ -154,7 +155,7 @@ class Rewriting {
     return mesh_.file.part(node.fields[c].begin, node.fields[c].length);
   }
 
-  /// The line of a node's first field, from its first to behind its last byte.
+  /// Begin and end offset of the line that contains a node's first field.
   std::pair<size_t, size_t> line_of(const Node& node) const {
     const MeshSourceText::Source& source = mesh_.file.source_of(node.fields[0].begin);
     const size_t at = node.fields[0].begin - source.base;
@@ -164,7 +165,7 @@ class Rewriting {
             source.base + std::min(source.text.find('\n', at), source.text.size())};
   }
 
-  /// Whether the node is a GRID in small fields without tabs.
+  /// True if the node is a small-field GRID without tabs.
   bool is_small_grid(const Node& node) const {
     const Field &x = node.fields[0], &z = node.fields[2];
     if (x.kind != FieldKind::Nastran8) return false;
@@ -183,7 +184,7 @@ class Rewriting {
   }
 
   void replace_fields(const Node& node, Output& output) {
-    // A file may have its y before its x.
+    // The y of a node may precede its x in the file.
     std::array<int, 3> order{0, 1, 2};
     std::stable_sort(order.begin(), order.end(),
                      [&](int a, int b) { return node.fields[a].begin < node.fields[b].begin; });
@@ -199,14 +200,14 @@ class Rewriting {
   const TextMeshContent& mesh_;
   const Points& points_;
   bool large_field_nodes_;
-  double size_;                     // largest coordinate
-  CoordinateFrameResolver frames_;  // as they will be read
+  double size_;                     // largest absolute coordinate
+  CoordinateFrameResolver frames_;  // based on the positions as they will be read back
   std::vector<Output> outputs_;
   MeshRounding rounding_;
 };
 
-/// Where each file is written: the first one to `path`, the others beside it; a file that was read
-/// twice once. Throws InputError for one that changes where it cannot be written.
+/// The path to which each file is written: the main file to `path`, included files beside it. A
+/// file included twice is written once. Throws InputError if a changed file cannot be written.
 std::map<fs::path, const Output*> targets_of(const TextMeshContent& mesh, const fs::path& path,
                                              const fs::path& destination_folder,
                                              const std::vector<Output>& outputs) {
@@ -311,7 +312,7 @@ constexpr double kDegree = std::numbers::pi / 180;
 constexpr double kEps = std::numeric_limits<double>::epsilon();
 constexpr int kDeepestSystem = 200;
 
-/// Cosine and sine, exact at the multiples of 90 degrees.
+/// Cosine and sine of an angle in degrees, exact at multiples of 90.
 std::array<double, 2> direction(double degrees) {
   int quarter = 0;
   const double rest = std::remquo(degrees, 90, &quarter) * kDegree;
@@ -334,7 +335,7 @@ double degrees_of(double y, double x, double near) {
   return angle + 360 * std::round((near - angle) / 360);
 }
 
-/// (r, polar, around) of local coordinates, where `polar` is measured from z.
+/// Spherical coordinates (r, polar, around) of a local position; `polar` is measured from z.
 Vec3 sphere(const Vec3& p, const Vec3& near) {
   const double flat = std::hypot(p.x(), p.y());
   const Vec3 direct(p.norm(), degrees_of(flat, p.z(), near[1]), degrees_of(p.y(), p.x(), near[2])),
@@ -367,7 +368,7 @@ Vec3 CoordinateFrame::local_coordinates(const Vec3& position, const Vec3& near) 
     case Kind::Rectangular:
       return p;
     case Kind::Cylindrical: {
-      // A radius below zero is read as one on the other side.
+      // A negative radius is read as a position on the opposite side.
       const double sign = near[0] < 0 ? -1 : 1;
       return {sign * std::hypot(p.x(), p.y()), degrees_of(sign * p.y(), sign * p.x(), near[1]),
               p.z()};

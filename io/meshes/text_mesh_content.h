@@ -1,4 +1,5 @@
-// A mesh file whose coordinates are replaced in its text. Internal.
+// Content of a mesh file whose coordinates are replaced in its text, and the local coordinate
+// systems of decks.
 #pragma once
 
 #include <array>
@@ -13,55 +14,62 @@
 
 namespace batten {
 
-// Coordinate systems in which decks give the places of nodes. Internal.
 
-/// One system: what three numbers of a node mean. Angles are in degrees.
+/// A local coordinate system: converts the three numbers of a node to a global position and back.
+/// Angles are in degrees.
 struct CoordinateFrame {
   enum class Kind {
     Rectangular,  ///< x, y, z
-    Cylindrical,  ///< radius, angle from x, z
+    Cylindrical,  ///< radius, angle from x about z, z
     Spherical,    ///< radius, angle from z, angle from x about z
-    Latitude      ///< radius, angle from x about z, angle from the plane xy
+    Latitude      ///< radius, angle from x about z, angle from the xy plane
   };
   Kind kind = Kind::Rectangular;
   Vec3 origin = Vec3::Zero();
-  Mat3 axes = Mat3::Identity();  ///< columns: x, y, z
+  Mat3 axes = Mat3::Identity();  ///< columns: unit vectors x, y, z
 
+  /// The global position of local coordinates.
   Vec3 position(const Vec3& local_coordinates) const;
-  /// The numbers of a place; of all that mean it, those nearest to `near`.
+  /// The local coordinates of a global position. If several are equivalent (angles plus 360°,
+  /// negative radius), those nearest to `near` are chosen.
   Vec3 local_coordinates(const Vec3& position, const Vec3& near) const;
-  /// By how much each of the numbers of a place can change by rounding in position() and local_coordinates(),
-  /// where the place itself is only known to `length`.
+  /// Bound on the change of each local coordinate through rounding in position() and
+  /// local_coordinates(), if the position itself is only known to within `length`.
   Vec3 rounding(const Vec3& position, double length) const;
 };
 
-/// How a system is defined: by three points (its origin, one on its z axis, one in its plane xz), or
-/// as it is.
+/// Definition of a coordinate system: by three points (origin, point on the z axis, point in the xz
+/// plane), or directly by a frame.
 struct CoordinateSystemDefinition {
   CoordinateFrame::Kind kind = CoordinateFrame::Kind::Rectangular;
+  /// Number of the system in the deck.
   long label = 0;
   size_t where = 0;                      ///< offset of its definition, for messages
-  std::string unsupported_name;          ///< the name of one that cannot be followed
-  int in = -1;                           ///< the system in which the points are given; -1: global
-  std::array<Vec3, 3> points{};          ///< their numbers in that system, or
-  std::array<int, 3> nodes{-1, -1, -1};  ///< the nodes that they are
-  std::optional<CoordinateFrame> given;  ///< instead of points
+  std::string unsupported_name;          ///< name of an unsupported type; else empty
+  int in = -1;                           ///< system in which the points are given; -1: global
+  std::array<Vec3, 3> points{};          ///< coordinates of the points in that system, or
+  std::array<int, 3> nodes{-1, -1, -1};  ///< the nodes at these points; -1: none
+  std::optional<CoordinateFrame> given;  ///< frame, used instead of points
 };
 
-/// The systems of a deck and the nodes in them.
+/// The coordinate systems of a deck, and the system of each node.
 struct NodeCoordinateSystems {
+  /// Definitions of the systems.
   std::vector<CoordinateSystemDefinition> plans;
-  std::vector<int> of_node;  ///< index of each node's system, -1: global; empty: all are
-  Points local_coordinates;  ///< as read, of all nodes
+  std::vector<int> of_node;  ///< index of each node's system, -1: global; empty: all global
+  Points local_coordinates;  ///< coordinates of all nodes as read
 
+  /// True if any node has a local system.
   bool any() const { return !of_node.empty(); }
+  /// Index of the system of a node; -1: global.
   int of(int node) const { return of_node.empty() ? -1 : of_node[node]; }
 };
 
-/// Frames of systems, each made once, from places of nodes.
+/// Computes the frames of coordinate systems on demand, each one once.
 class CoordinateFrameResolver {
  public:
-  /// `position`: the place of a node that defines a system; it may ask for other systems.
+  /// `position` gives the global position of a node that defines a system. It may recursively
+  /// request other systems.
   CoordinateFrameResolver(const NodeCoordinateSystems& systems, const MeshSourceText& file,
                           std::function<Vec3(int)> position)
       : systems_(systems),
@@ -69,8 +77,8 @@ class CoordinateFrameResolver {
         position_(std::move(position)),
         frames_(systems.plans.size()),
         state_(systems.plans.size()) {}
-  /// Throws InputError, with the place of its definition: a system that is defined by itself, three
-  /// points on a line, a kind that is not followed.
+  /// The frame of a system. Throws InputError with the location of the definition for circular
+  /// definitions, three collinear points or an unsupported type.
   const CoordinateFrame& of(int system);
 
  private:
@@ -80,30 +88,30 @@ class CoordinateFrameResolver {
   const MeshSourceText& file_;
   std::function<Vec3(int)> position_;
   std::vector<CoordinateFrame> frames_;
-  std::vector<char> state_;  // 1: on the way, 2: made
+  std::vector<char> state_;  // 1: in progress, 2: done
   int depth_ = 0;
 };
 
-
-/// The content of a mesh file in which coordinates are replaced field by field.
+/// Content of a mesh file in which coordinates are replaced field by field.
 struct TextMeshContent : MeshContent {
   explicit TextMeshContent(MeshSourceText file) : file(std::move(file)) {}
   MeshRounding write(const std::filesystem::path& path, const Points& points,
                      const MeshWriteOptions& options) const override;
   std::vector<std::filesystem::path> included_files() const override;
 
-  /// Adds a warning for each included file that is not written with the deck.
+  /// Adds a warning for each included file that is not written together with the deck.
   void warn_about_unwritten_includes();
 
   MeshSourceText file;
-  std::vector<std::array<Field, 3>> fields;  ///< the fields of each node's three numbers
-  NodeCoordinateSystems systems;             ///< what these numbers mean
-  /// Why a node must stay where it is, as "a coordinate that is the parameter <x>"; few have it.
+  std::vector<std::array<Field, 3>> fields;  ///< fields of the three coordinates of each node
+  NodeCoordinateSystems systems;             ///< coordinate systems of these coordinates
+  /// Nodes that must not move, each with the reason, such as "a coordinate that is the parameter
+  /// <x>". Usually few.
   std::vector<std::pair<int, std::string>> fixed_nodes;
 };
 
-/// Makes the places of a mesh's nodes of the numbers that are in shells.points, and keeps these.
-/// Throws as CoordinateFrameResolver does.
+/// Converts shells.points of a mesh from local to global coordinates, and stores `systems` and the
+/// local coordinates in it. Throws the exceptions of CoordinateFrameResolver.
 void nodes_to_global(TextMeshContent& mesh, NodeCoordinateSystems systems);
 
 }  // namespace batten

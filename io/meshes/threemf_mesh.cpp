@@ -1,4 +1,4 @@
-// 3MF, the format of printers: one object, whose triangles have materials.
+// Writes 3MF for 3D printing: one object whose triangles have materials.
 #include <Model/COM/NMR_DLLInterfaces.h>
 
 #include <cmath>
@@ -14,10 +14,10 @@
 namespace batten {
 namespace {
 
-/// lib3mf writes six decimals: less than a nanometre in this unit.
+/// lib3mf writes six decimals: in millimetres, an error below one nanometre.
 constexpr double kMillimetre = 1e-3;
 
-/// An object of lib3mf, released with this.
+/// Owning handle of a lib3mf object; releases it on destruction.
 class Owned {
  public:
   Owned() = default;
@@ -43,7 +43,7 @@ class ThreeMfFile {
     if (!output.sets.empty()) add_materials();
     Owned item;
     demand(NMR::lib3mf_model_addbuilditem(model_, object_, nullptr, item.address()), model_);
-    // The same mesh is to give the same bytes, so identifiers are made of it.
+    // Identifiers are hashes of the mesh, so the same mesh gives the same bytes.
     demand(NMR::lib3mf_object_setuuidutf8(object_, identifier(1).c_str()), object_);
     demand(NMR::lib3mf_builditem_setuuidutf8(item, identifier(2).c_str()), item);
     demand(NMR::lib3mf_model_setbuilduuidutf8(model_, identifier(3).c_str()), model_);
@@ -82,7 +82,7 @@ class ThreeMfFile {
     std::vector<NMR::MODELMESHTRIANGLE> triangles;
     for (int f = 0; f < mesh.face_count(); ++f)
       for (const auto& [a, b, c] : triangles_of(mesh, f)) {
-        if (a == b || b == c || c == a) continue;  // 3MF has no such triangles
+        if (a == b || b == c || c == a) continue;  // 3MF forbids degenerate triangles
         triangles.push_back(
             {{static_cast<DWORD>(a), static_cast<DWORD>(b), static_cast<DWORD>(c)}});
         faces_.push_back(f);
@@ -93,13 +93,13 @@ class ThreeMfFile {
            object_);
     BOOL closed = false;
     demand(NMR::lib3mf_meshobject_ismanifoldandoriented(object_, &closed), object_);
-    // A model is what has an inside.
+    // 3MF models must be closed; open meshes are written as surfaces.
     demand(NMR::lib3mf_object_settype(
                object_, closed ? NMR::MODELOBJECTTYPE_MODEL : NMR::MODELOBJECTTYPE_SURFACE),
            object_);
   }
 
-  /// A material for each set, and one for faces in none.
+  /// Adds one material per set, and one for faces without a set.
   void add_materials() {
     Owned group;
     demand(NMR::lib3mf_model_addbasematerialgroup(model_, group.address()), model_);
@@ -147,7 +147,7 @@ class ThreeMfFile {
   const MeshOutput& output_;
   AtomicFile file_;
   Owned model_, object_;
-  std::vector<int> faces_;  // of the triangles
+  std::vector<int> faces_;  // face of each triangle
   std::uint64_t hash_ = 14695981039346656037u;
 };
 

@@ -1,4 +1,5 @@
-// VTK's XML files of surfaces and of cells: the data set is kept and gets other points.
+// Reads and writes VTK's XML files (VTP, VTU). When writing back, the data set is kept and gets new
+// points.
 #include <vtkCellArray.h>
 #include <vtkCellData.h>
 #include <vtkCellType.h>
@@ -37,7 +38,7 @@ namespace batten {
 namespace fs = std::filesystem;
 namespace {
 
-/// Reads the file, or what a child made of it.
+/// Reads the file, or the bytes that a child process made of it.
 template <class Reader>
 vtkSmartPointer<vtkPointSet> read_from(const fs::path& path, const std::string* bytes) {
   const auto fail = [&](const std::string& reason) -> void {
@@ -88,7 +89,7 @@ vtkSmartPointer<vtkPointSet> read_with(const fs::path& path) {
   return read_from<Reader>(path, &bytes);
 }
 
-/// Cells as they are in the file, checked: VTK itself believes what it reads.
+/// Validated cells of the file; VTK itself does not check connectivity.
 class Cells {
  public:
   Cells(vtkCellArray* cells, vtkIdType points, const std::string& file) {
@@ -119,7 +120,7 @@ class Cells {
   std::vector<int> nodes_;
 };
 
-/// Nodes that a face of this type must have, 0: any number.
+/// Number of nodes of a face of this VTK type; 0: any number.
 struct FaceType {
   size_t nodes;
   bool second_order;
@@ -217,7 +218,7 @@ class VtkMesh : public MeshContent {
     cell_of_face_.push_back(label);
   }
 
-  /// Cells are numbered through: first vertices, then lines, polygons, strips.
+  /// Cell indices run through vertices, lines, polygons and strips, in this order.
   void read_surface(vtkPolyData& data) {
     const Cells verts(data.GetVerts(), data.GetNumberOfPoints(), file_),
         lines(data.GetLines(), data.GetNumberOfPoints(), file_),
@@ -272,7 +273,7 @@ class VtkMesh : public MeshContent {
 }  // namespace
 
 std::unique_ptr<MeshContent> read_vtk_mesh(const fs::path& path) {
-  MeshSourceText(path, true);  // is there, a file, not empty
+  MeshSourceText(path, true);  // checks that the file exists and is not empty
   return std::make_unique<VtkMesh>(path, lower_extension(path) == ".vtp");
 }
 

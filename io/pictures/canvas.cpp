@@ -27,7 +27,7 @@
 #include "batten/io/pictures/image.h"
 #include "batten/core/eigen.h"
 
-// VTK finds its drawing code by these.
+// Registers VTK's rendering back ends.
 VTK_MODULE_INIT(vtkRenderingOpenGL2)
 VTK_MODULE_INIT(vtkRenderingFreeType)
 
@@ -38,8 +38,8 @@ namespace {
 
 const Colour kTop(1, 1, 1), kBottom(0.80, 0.825, 0.855);
 
-/// Pictures are drawn so many times larger and averaged down, so that edges are smooth with any
-/// driver.
+/// Supersampling factor: pictures are rendered this many times larger and averaged down, which
+/// gives smooth edges with any driver.
 constexpr int kOversampling = 2;
 
 void add_light(vtkRenderer& renderer, double x, double y, double z, double intensity) {
@@ -51,7 +51,7 @@ void add_light(vtkRenderer& renderer, double x, double y, double z, double inten
   renderer.AddLight(light);
 }
 
-/// VTK's own font knows Latin letters only and passes over all others.
+/// VTK's built-in font has Latin letters only and silently drops all others.
 void set_font(vtkTextProperty& text, double pixels) {
   static const char* const file = "/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf";
   static const bool there = fs::exists(file);
@@ -68,7 +68,7 @@ void set_font(vtkTextProperty& text, double pixels) {
   text.ShadowOff();
 }
 
-/// Pixels of the picture.
+/// Width in pixels of the final picture.
 double text_width(vtkTextProperty& property, const std::string& text) {
   int box[4] = {0, 0, 0, 0};
   constexpr int dpi = 72;
@@ -76,13 +76,14 @@ double text_width(vtkTextProperty& property, const std::string& text) {
   return static_cast<double>(box[1] - box[0] + 1) / kOversampling;
 }
 
-/// Kept for the life of the process: making one costs more than drawing a picture.
+/// Kept for the lifetime of the process, because creating a window costs more than drawing a
+/// picture.
 vtkRenderWindow& window() {
   static const vtkSmartPointer<vtkRenderWindow> the_window = [] {
     auto made = vtkSmartPointer<vtkRenderWindow>::New();
     made->SetOffScreenRendering(1);
     made->SetMultiSamples(0);
-    // Of the X window nothing is seen: small, it needs no buffers beside those that are drawn into.
+    // The X window itself is invisible. A small one needs no buffers beside the offscreen ones.
     made->SetSize(16, 16);
     made->Start();
     return made;
@@ -90,7 +91,7 @@ vtkRenderWindow& window() {
   return *the_window;
 }
 
-/// Renderers that leave the window with this object, so that it can serve again.
+/// Renderers that are removed from the window on destruction, so that the window can be reused.
 class Viewports {
  public:
   explicit Viewports(vtkRenderWindow& canvas) : canvas_(canvas) {}
@@ -110,7 +111,7 @@ class Viewports {
   std::vector<vtkSmartPointer<vtkRenderer>> renderers_;
 };
 
-/// VTK's rows begin at the bottom.
+/// Averages the supersampled pixels. VTK's rows start at the bottom.
 Image averaged_down(const vtkUnsignedCharArray& pixels, int width, int height) {
   Image image{width, height, {}};
   image.rgb.reserve(size_t{3} * static_cast<size_t>(width) * height);
@@ -185,7 +186,7 @@ void add_text(vtkRenderer& renderer, std::string text, double x, double y, doubl
     set_font(property, std::max(0.65 * pixels, pixels * width / wide));
   std::string shown = text;
   while (text_width(property, shown) > width && !text.empty()) {
-    // Whole UTF-8 characters only.
+    // Remove whole UTF-8 characters only.
     while (text.size() > 1 && (static_cast<unsigned char>(text.back()) & 0xC0) == 0x80)
       text.pop_back();
     text.pop_back();
@@ -313,7 +314,7 @@ Image sheet_image(int count, int columns, bool captions_below, const PictureSize
   vtkNew<vtkUnsignedCharArray> pixels;
   {
     Viewports viewports(canvas);
-    viewports.add().SetBackground(1, 1, 1);  // behind all others
+    viewports.add().SetBackground(1, 1, 1);  // background of the whole sheet
     for (int i = 0; i < count; ++i) {
       const int row = i / columns, column = i % columns;
       vtkRenderer& renderer = viewports.add();
@@ -337,7 +338,7 @@ void draw_sheet(const fs::path& path, int count, int columns, bool captions_belo
                 const std::function<void(vtkRenderer&, int, double, double)>& draw) {
   check(size);
   require_display();
-  { const AtomicFile before_the_work(path); }  // can it be written?
+  { const AtomicFile before_the_work(path); }  // checks that the file can be written
   write_png(path, sheet_image(count, columns, captions_below, size, draw));
 }
 
@@ -370,13 +371,13 @@ ViewAxes::ViewAxes(const Vec3& towards_camera) : towards(towards_camera.normaliz
 ViewAxes best_view(const std::vector<Vec3>& points) {
   const PrincipalAxes plane = principal_axes(points);
   Vec3 normal = plane.axes.col(0);
-  // A straight line has no plane of its own: the usual view, as far as it allows.
+  // A straight line defines no plane: use the default view, made perpendicular to the line.
   if (plane.values[1] <= 1e-9 * plane.values[2]) {
     const Vec3 along = plane.axes.col(2), usual = ViewAxes(-30, 30).towards;
     normal = usual - usual.dot(along) * along;
     if (normal.norm() < 1e-6) normal = along.unitOrthogonal();
   }
-  // From above; a standing plane from the front (-y), one that faces sideways from the right.
+  // From above; from the front (-y) if the plane is steep, from the right if it faces sideways.
   const double side = std::abs(normal.z()) > std::sqrt(0.5) ? normal.z()
                       : std::abs(normal.y()) > 0.3          ? -normal.y()
                                                             : normal.x();

@@ -27,7 +27,8 @@ using namespace detail;
 const Colour kCurve(0.09, 0.20, 0.40), kTooth(0.86, 0.36, 0.22), kDot(0.45, 0.60, 0.72),
     kCircle(0.16, 0.52, 0.44);
 
-/// Lines in parallel projection are drawn in one plane, the paper, in layers one above the other.
+/// In parallel projection everything is drawn in one plane (the "paper"), in layers ordered by
+/// depth.
 enum Layer { kBand, kTeeth, kTips, kDots, kCurves, kCircles, kLegend };
 
 /// Lines, triangles or dots of one colour on one layer of the paper.
@@ -69,7 +70,7 @@ class Ink {
   vtkNew<vtkCellArray> lines_, faces_, dots_;
 };
 
-/// A curve ready to be drawn.
+/// A curve prepared for drawing: polyline and comb.
 struct Drawn {
   std::vector<Vec3> line;
   std::vector<CurvatureCombSample> teeth;
@@ -78,9 +79,9 @@ struct Drawn {
 struct Drawing {
   std::vector<std::vector<Drawn>> panels;
   ViewAxes axes{0, 0};
-  double size = 0;     // of everything on the paper
-  double scale = 0;    // tooth over curvature; 0: no curve bends
-  double longest = 0;  // tooth
+  double size = 0;     // diagonal of everything on the paper
+  double scale = 0;    // tooth length over curvature; 0: all curves are straight
+  double longest = 0;  // maximum tooth length
 
   Vec3 tip(const CurvatureCombSample& tooth) const {
     return tooth.point + std::min(longest, scale * tooth.curvature) * tooth.outward;
@@ -105,7 +106,7 @@ Drawn drawn(const HermiteCurve& curve, int teeth) {
   return result;
 }
 
-/// The value that so much of the whole weight does not exceed.
+/// Smallest value whose cumulative weight reaches the fraction `part` of the total weight.
 double percentile(std::vector<std::pair<double, double>> value_and_weight, double part) {
   std::sort(value_and_weight.begin(), value_and_weight.end());
   double whole = 0, sum = 0;
@@ -136,7 +137,7 @@ Drawing prepare(const CombPicture& picture) {
   drawing.size = diagonal(all);
   std::vector<std::pair<double, double>> curvatures, sizes;
   for (const Drawn& curve : drawing.panels[picture.scale_panel]) {
-    // Teeth count by the length that they stand for.
+    // Teeth are weighted by the curve length that they represent.
     for (size_t i = 0; i + 1 < curve.teeth.size(); ++i)
       curvatures.emplace_back(curve.teeth[i].curvature,
                               (curve.teeth[i + 1].point - curve.teeth[i].point).norm());
@@ -144,7 +145,8 @@ Drawing prepare(const CombPicture& picture) {
   }
   const double typical = percentile(curvatures, 0.95);
   if (typical * drawing.size > 1e-6) {
-    // In a sketch of many strokes the length of teeth follows the strokes' size, not the sketch's.
+    // In a sketch with many curves, the tooth length follows the size of the curves, not of the
+    // sketch.
     const double tooth = std::min(drawing.size / 8, percentile(sizes, 0.5) / 4);
     drawing.scale = tooth / typical;
     drawing.longest = 1.5 * tooth;
@@ -159,13 +161,13 @@ void add_band(vtkRenderer& renderer, const Ink& band) {
   renderer.AddActor(shade);
 }
 
-/// Lines of known length: curvature as a tooth, and the model's length.
+/// Draws the legend: bars of known length for curvature and for model length.
 void add_legend(vtkRenderer& renderer, const CombPicture& picture, const Drawing& drawing,
                 const Fit& view, const Viewport& viewport, double bottom) {
   const double text = std::max(10.0, 20 * viewport.unit), left = 28 * viewport.unit;
   const double room = viewport.width / 2 - left;
   const auto bar = [&](double x, double y, double length, const Colour& colour) {
-    // The paper's point under a pixel.
+    // The point of the paper at a pixel.
     const auto at = [&](double px, double py) {
       return Vec3(view.focus.x() + (px - viewport.width / 2) * view.pixel,
                   view.focus.y() + (py - viewport.height / 2) * view.pixel, 0);
@@ -210,7 +212,7 @@ class Panel {
     }
     for (const Vec3& p : panel.points) dots.dot(p);
     for (const auto& [centre, radius] : panel.spheres) circles.line(circle(centre, radius));
-    const double few = curves.size() > 8 ? 0.6 : 1;  // a sketch is drawn with a finer pen
+    const double few = curves.size() > 8 ? 0.6 : 1;  // sketches with many curves get thinner lines
     add_band(renderer_, band);
     add_thin_lines(renderer_, teeth.data(), kTooth, 0.8 * few * viewport_.unit, Vec3::Zero());
     add_thin_lines(renderer_, tips.data(), kTooth, 1.5 * few * viewport_.unit, Vec3::Zero());
@@ -222,8 +224,8 @@ class Panel {
  private:
   Ink ink(Layer layer) const { return {drawing_.axes, layer, depth_}; }
 
-  /// Two teeth in one place are the two sides of a corner or of a jump, a tooth that is cut has no
-  /// tip: nothing joins them.
+  /// Draws the comb of a curve. Two teeth at the same point are the two sides of a corner or a
+  /// curvature jump, and a cut tooth has no tip; the tip line is interrupted there.
   void comb(const std::vector<CurvatureCombSample>& all, Ink& band, Ink& teeth, Ink& tips) const {
     std::vector<Vec3> chain;
     Vec3 last = Vec3::Constant(1e300);
@@ -238,7 +240,7 @@ class Panel {
           band.quad(all[i - 1].point, all[i].point, tip, chain.back());
         chain.push_back(tip);
       }
-      // Nodes side by side give more teeth than there is room for.
+      // Closely spaced knots give more teeth than the picture can resolve.
       if ((all[i].point - last).norm() < 2.5 * view_.pixel && i + 1 < all.size()) continue;
       last = all[i].point;
       teeth.line({all[i].point, tip});
@@ -264,7 +266,7 @@ class Panel {
   double depth_;
 };
 
-/// Everything that has to be in view, on the paper.
+/// All points that must be in view, in paper coordinates.
 std::vector<Vec3> extent(const CombPicture& picture, const Drawing& drawing) {
   std::vector<Vec3> points;
   const auto add = [&](const Vec3& p) {
@@ -286,7 +288,7 @@ std::vector<Vec3> extent(const CombPicture& picture, const Drawing& drawing) {
   return points;
 }
 
-/// 1600 pixels wide, panels as high as what they show.
+/// Default size: 1600 pixels wide; the height of the panels follows their content.
 PictureSize natural_size(const std::vector<Vec3>& in_view, int count, int columns) {
   const Box3 box = bounding_box(in_view);
   const int rows = (count + columns - 1) / columns;
@@ -349,7 +351,7 @@ void draw_combs(const std::filesystem::path& path, const CombPicture& picture,
                const CombPanel& panel = picture.panels[index];
                const auto& curves = drawing.panels[index];
                const std::string title = title_of(panel, drawing, curves);
-               // A caption or not, all panels have the same room.
+               // All panels get the same drawing area, with or without a caption.
                const Viewport viewport = viewport_of(width, height, "x", below, 80);
                const Fit view = fit(in_view, paper, viewport, 1);
                renderer.SetBackground(0.985, 0.985, 0.98);
@@ -376,7 +378,7 @@ const std::array<EdgeStyle, 3> looks{
      {EdgeComb::Kind::Tangent, "tangent: curvature jumps", {0.13, 0.40, 0.75}},
      {EdgeComb::Kind::Curvature, "curvature goes on", {0.10, 0.55, 0.30}}}};
 
-/// Chains of points as VTK's data.
+/// Polylines as VTK data.
 class Chains {
  public:
   void add(const std::vector<Vec3>& chain) {
@@ -396,7 +398,7 @@ class Chains {
   vtkNew<vtkCellArray> cells_;
 };
 
-/// Length of a tooth over its curvature, and of the longest.
+/// Tooth length per unit of curvature, and the maximum length of a tooth.
 struct Scale {
   double of_curvature = 0, longest = 0;
 
@@ -408,7 +410,7 @@ struct Scale {
     if (curvatures.empty()) return;
     const auto most = curvatures.begin() + static_cast<long>(0.95 * (isize(curvatures) - 1));
     std::nth_element(curvatures.begin(), most, curvatures.end());
-    if (!(*most * size > 1e-6)) return;  // nothing bends
+    if (!(*most * size > 1e-6)) return;  // no face is curved
     of_curvature = size / 10 / *most;
     longest = 1.5 * size / 10;
   }
@@ -426,7 +428,7 @@ std::vector<Vec3> extent(const EdgePicture& picture) {
   return points;
 }
 
-/// Lines of words at the lower left, in the colours of what they count.
+/// Draws the legend at the lower left, in the colours of the edge kinds that it counts.
 void add_legend(vtkRenderer& renderer, const EdgePicture& picture, const Scale& scale,
                 const Viewport& viewport) {
   const double text = std::max(11.0, 22 * viewport.unit), left = 28 * viewport.unit;
@@ -462,7 +464,7 @@ void draw_edge_combs(const std::filesystem::path& path, const EdgePicture& pictu
     for (const auto& curvature_vectors : edge.curvature_vectors)
       for (size_t k = 0; k < curvature_vectors.size(); ++k)
         in_view.push_back(scale.tip(edge.line[k], curvature_vectors[k]));
-  const double few = picture.edges.size() > 500 ? 0.5 : 1;  // many edges are drawn with a finer pen
+  const double few = picture.edges.size() > 500 ? 0.5 : 1;  // many edges are drawn thinner
   draw_sheet(path, 1, 1, false, size, [&](vtkRenderer& renderer, int, double width, double height) {
     const Viewport viewport = viewport_of(width, height, picture.title, false, 80);
     const Fit view = fit(in_view, axes, viewport, 1);

@@ -1,4 +1,4 @@
-// Pictures of curves with their curvature combs.
+// Pictures of curvature combs: of curves, and of faces across their shared edges.
 #pragma once
 
 #include <filesystem>
@@ -15,65 +15,72 @@
 
 namespace batten {
 
-/// Curves in one panel. From each, teeth stand out towards the outside of the bend, as long as the
-/// curvature there times a scale; their tips are joined.
+/// Curves in one panel. The teeth of each comb point to the outside of the bend. Their length is
+/// the curvature times a scale, and a line joins their tips.
 struct CombPanel {
   std::string title;
   std::vector<HermiteCurve> curves;
-  std::vector<Vec3> points;  ///< points that are drawn as dots
-  /// Centre and radius of spheres, drawn as circles: where a brush works.
+  std::vector<Vec3> points;  ///< points drawn as dots
+  /// Centre and radius of spheres, drawn as circles: the areas of influence of a brush.
   std::vector<std::pair<Vec3, double>> spheres;
 };
 
-/// Panels side by side, with one scale of teeth, one view and one scale of length for all.
+/// Panels side by side with a common comb scale, view and length scale.
 struct CombPicture {
   std::vector<CombPanel> panels;
-  std::string unit;  ///< unit of lengths, for the legend
-  /// The panel whose curvature decides the scale of the teeth: the curvature that 95 % of its
-  /// length does not exceed is drawn as an eighth of the drawing's size, or a quarter of the median
-  /// size of its curves where that is less. Teeth longer than 1.5 times that are cut off, and the
-  /// panel's caption says how many.
+  std::string unit;  ///< length unit, for the legend
+  /// The panel that determines the comb scale. The curvature at the 95th percentile (by curve
+  /// length) is drawn with an eighth of the drawing's size, or a quarter of the median curve size
+  /// if that is smaller. Teeth longer than 1.5 times that are cut off; the panel's caption gives
+  /// their number.
   int scale_panel = 0;
-  /// Azimuth and elevation of the camera, in degrees as in PictureScene. Without them the camera
-  /// looks onto the plane that fits all curves best.
+  /// Azimuth and elevation of the camera, in degrees as in PictureScene. Empty: the camera looks
+  /// perpendicularly at the best-fit plane of all curves.
   std::optional<std::pair<double, double>> view;
-  int columns = 0;  ///< 0: up to three in a row
+  int columns = 0;  ///< panels per row; 0: automatic, up to three
 };
 
-/// Draws one PNG, which appears whole or not at all. Titles are captions below the panels; the
-/// first panel has the legend of the scale. Without a size the picture is 1600 pixels wide and as
-/// high as the drawing needs. To be called on the main thread; needs a display (require_display).
-/// About 1 s. Throws InputError: no display, no panel, a panel without a curve, a scale panel that
-/// does not exist, a view or size out of its range, a file that cannot be written.
+/// Draws the panels into one PNG, written atomically. Titles are captions below the panels; the
+/// first panel has the legend of the comb scale.
+///
+/// Without `size`, the picture is 1600 pixels wide and as high as the drawing needs. Call it on the
+/// main thread; it needs a display (require_display) and takes about 1 s. Throws InputError if
+/// there is no display, no panel, or a panel without a curve. Also throws it for an invalid scale
+/// panel, a view or size out of range, or a file that cannot be written.
 void draw_combs(const std::filesystem::path& path, const CombPicture& picture,
                 const std::optional<PictureSize>& size = {});
 
 
-// Pictures of how faces bend across their edges.
+// Curvature combs across the shared edges of faces.
 
-/// An edge between two faces: points along it, and at each of them the normal curvature across the
-/// edge times the unit normal, of both faces.
+/// An edge shared by two faces. At each point of `line`, and for each face: the normal curvature
+/// across the edge times the unit normal. Kind: crease (G0), tangent (G1) or curvature-continuous
+/// (G2).
 struct EdgeComb {
   enum class Kind { Crease, Tangent, Curvature } kind = Kind::Crease;
   std::vector<Vec3> line;
   std::array<std::vector<Vec3>, 2> curvature_vectors;
 };
 
+/// Input of draw_edge_combs().
 struct EdgePicture {
   std::string title, unit;
   std::vector<EdgeComb> edges;
-  std::vector<std::vector<Vec3>> free_edges;  ///< edges with one face
+  std::vector<std::vector<Vec3>> free_edges;  ///< free edges, which have one face
   /// Azimuth and elevation of the camera, in degrees as in PictureScene.
   std::pair<double, double> view{30, 25};
 };
 
-/// Draws one PNG, which appears whole or not at all. From each edge two combs stand out, away from
-/// the centres of curvature, one for either face: where curvature goes on they are one, where it
-/// jumps their tips are apart. Their colour tells creases, tangent edges and edges of one curvature
-/// apart; the legend counts them. The curvature that 95 % of the teeth do not exceed is a tenth of
-/// the model's size; longer teeth are cut at 1.5 times that. To be called on the main thread; needs
-/// a display (require_display). Throws InputError: no display, nothing to draw, a file that cannot be
-/// written.
+/// Draws the combs of all edges into one PNG, written atomically.
+///
+/// Each edge carries two combs, one per face, which point away from the centres of curvature. They
+/// coincide if the curvature is continuous, and their tips differ if it jumps. Colours distinguish
+/// creases (G0), tangent edges (G1) and curvature-continuous edges (G2); the legend counts them.
+/// The 95th percentile of curvature is drawn with a tenth of the model's size; longer teeth are cut
+/// at 1.5 times that.
+///
+/// Call it on the main thread; it needs a display (require_display). Throws InputError if there is
+/// no display or nothing to draw, or if the file cannot be written.
 void draw_edge_combs(const std::filesystem::path& path, const EdgePicture& picture,
                      const PictureSize& size = {1600, 1200});
 

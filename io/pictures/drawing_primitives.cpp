@@ -116,7 +116,7 @@ vtkSmartPointer<vtkPolyData> iso_lines(vtkPolyData& facets, const std::vector<do
   vtkNew<vtkContourFilter> filter;
   filter->SetInputData(surface);
   filter->ComputeScalarsOff();
-  // A flat surface has no contours, only rounding.
+  // The contours of a flat surface would show rounding errors only.
   const double size = std::max(std::abs(low), std::abs(high));
   if (high - low > 1e-12 * size)
     for (int i = 0; i < count; ++i) filter->SetValue(i, low + (i + 0.5) / count * (high - low));
@@ -178,7 +178,7 @@ struct Stop {
   Vec3 rgb;
 };
 
-// A table from 0 to the limit through these colours, blended as the eye sees them.
+// Colour table from 0 to the limit through these colours, interpolated in CIELAB.
 vtkSmartPointer<vtkLookupTable> table_of(const std::vector<Stop>& stops, double limit) {
   vtkNew<vtkColorTransferFunction> colours;
   colours->SetColorSpaceToLab();
@@ -220,7 +220,7 @@ vtkSmartPointer<vtkLookupTable> striped_colours(double low, double high, double 
   const int entries = static_cast<int>(std::clamp(128 * (high - low) / width, 256.0, 65536.0));
   table->SetNumberOfTableValues(entries);
   const Vec3 light(0.97, 0.97, 0.97), dark(0.10, 0.12, 0.16);
-  constexpr double soft = 0.08;  // of a stripe: how wide the change is
+  constexpr double soft = 0.08;  // width of the transition, as a fraction of a stripe
   for (int i = 0; i < entries; ++i) {
     const double place = (low + (i + 0.5) / entries * (high - low) - from) / width;
     const double nearest = std::round(place),

@@ -1,4 +1,4 @@
-// Lines and facets of surfaces that pictures draw, as VTK data. Internal.
+// Lines, facets and colour tables of pictures, as VTK data.
 #pragma once
 
 #include <vtkSmartPointer.h>
@@ -12,48 +12,49 @@ class vtkPolyData;
 
 namespace batten::detail {
 
-/// The lowest and the highest value.
+/// Lowest and highest value.
 using Range = std::pair<double, double>;
+/// The range of a list of values.
 Range range_of(const std::vector<double>& values);
 
-/// Sets the normals of points at which the surface is singular and has none: for the light, the
-/// facets around give one.
+/// Sets the normals of points at which the surface is singular, from the surrounding facets.
 void complete_normals(vtkPolyData& data, const std::vector<Vec3>& points);
-/// The part of `data` with these lines or facets; points and their data are shared.
+/// The subset of `data` with these lines or facets; points and point data are shared.
 vtkSmartPointer<vtkPolyData> extract_cells(vtkPolyData& data, vtkCellArray* lines,
                                            vtkCellArray* facets);
-/// The edges of all elements as polylines of so many pieces, as far as they are inside the trim.
+/// The edges of all elements inside the trim, as polylines with `tessellation` segments per edge.
 vtkSmartPointer<vtkPolyData> element_edges(const std::vector<const SkinnedRegion*>& regions,
                                            int tessellation);
-/// `count` lines of equal value, evenly spaced inside the range; `values`: one at each point.
+/// `count` contour lines, evenly spaced inside the range. `values`: one per point.
 vtkSmartPointer<vtkPolyData> iso_lines(vtkPolyData& facets, const std::vector<double>& values,
                                        const Range& range, int count);
-/// The curves as polylines, 12 pieces a segment.
+/// The curves as polylines, with 12 pieces per curve segment.
 vtkSmartPointer<vtkPolyData> polylines(const std::vector<HermiteCurve>& curves);
 
 }  // namespace batten::detail
 
-// Colour tables for fields, and the ranges of values that they cover. Internal.
+// Colour tables for fields, and the value ranges that they cover.
 
 class vtkDataArray;
 class vtkLookupTable;
 
 namespace batten::detail {
 
-/// A table from -limit to limit: blue below 0, grey at 0, red above.
+/// Colour table from −limit to limit: blue below 0, grey at 0, red above.
 vtkSmartPointer<vtkLookupTable> diverging_colours(double limit);
-/// A table from 0 to the limit: from light to dark blue.
+/// Colour table from 0 to the limit: light to dark blue.
 vtkSmartPointer<vtkLookupTable> sequential_colours(double limit);
-/// A table from 0 to the limit: from blue over green and yellow to red, lighter in the middle.
+/// Colour table from 0 to the limit: blue, green, yellow, red; lighter in the middle.
 vtkSmartPointer<vtkLookupTable> heat_colours(double limit);
-/// A table from `low` to `high` of light and dark stripes in turn. They change at from + k · width.
+/// Colour table from `low` to `high` with alternating light and dark stripes, which change at from
+/// + k · width.
 vtkSmartPointer<vtkLookupTable> striped_colours(double low, double high, double from, double width);
-/// The limit of a field's colours: the largest magnitude between the 2nd and the 98th percentile of
-/// its finite values, rounded_up(); 1 when that is 0. O(n log n).
+/// Limit of a field's colour scale: the largest magnitude between the 2nd and the 98th percentile
+/// of its finite values, rounded by rounded_up(); 1 if that is 0. Cost: O(n log n).
 double field_limit(vtkDataArray& values);
-/// The smallest number of two digits that is not below x > 0.
+/// The smallest number with two significant digits that is ≥ x; x > 0.
 double rounded_up(double x);
-/// The largest of 1, 2, 5 times a power of ten that is not above x > 0.
+/// The largest of 1, 2, 5 times a power of ten that is ≤ x; x > 0.
 double round_step(double x);
 
 }  // namespace batten::detail

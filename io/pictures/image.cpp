@@ -44,7 +44,7 @@ void write_png(const std::filesystem::path& path, const Image& image) {
 namespace {
 
 constexpr int kBits = 6, kCells = 1 << (3 * kBits), kMapSize = 256;
-/// The colour number of pixels that do not change: GIF packs long runs of one number well.
+/// Colour index of unchanged pixels: GIF compresses long runs of one index well.
 constexpr int kUnchanged = 255, kMostColours = kUnchanged;
 
 int cell_of(const unsigned char* rgb) {
@@ -52,7 +52,7 @@ int cell_of(const unsigned char* rgb) {
   return (rgb[0] >> drop) << (2 * kBits) | (rgb[1] >> drop) << kBits | rgb[2] >> drop;
 }
 
-/// All pixels of one cell of the colour cube.
+/// Pixel count and colour sum of one cell of the RGB cube.
 struct Cell {
   int cell = 0;
   double pixels = 0;
@@ -60,12 +60,12 @@ struct Cell {
   double mean(int channel) const { return sum[channel] / pixels; }
 };
 
-/// Cells that share one colour.
+/// A set of cells that share one palette colour.
 struct Box {
   std::vector<Cell> cells;
   std::array<double, 3> mean{};
   double spread = 0;  // Σ pixels |colour - mean|²
-  int widest = 0;     // channel with the largest share of it
+  int widest = 0;     // channel with the largest part of the spread
 
   void measure() {
     double pixels = 0;
@@ -106,7 +106,7 @@ struct Rectangle {
   int left = 0, top = 0, width = 0, height = 0;
 };
 
-/// The smallest rectangle with all pixels that differ; one pixel when none does.
+/// The smallest rectangle that contains all differing pixels; a single pixel if none differ.
 Rectangle changed(const std::vector<unsigned char>& before, const std::vector<unsigned char>& now,
                   int width, int height) {
   int left = width, right = -1, top = height, bottom = -1;
@@ -127,10 +127,10 @@ int hundredths(double seconds) {
   return static_cast<int>(std::clamp(std::round(100 * seconds), 2.0, 65535.0));
 }
 
-/// A GIF under way.
+/// Writes a GIF frame by frame.
 class GifWriter {
  public:
-  /// `path` is what messages call the file.
+  /// `path` is the name of the file in messages; `temporary` is the file that is written.
   GifWriter(const std::filesystem::path& path, const std::filesystem::path& temporary, int width,
             int height)
       : path_(path), width_(width), height_(height), now_(pixels()), row_(columns()) {
@@ -152,7 +152,7 @@ class GifWriter {
     expect(EGifPutScreenDesc(gif_.get(), width_, height_, 8, 0, map.get()));
   }
 
-  /// Players begin again at the end.
+  /// Makes players loop the animation forever.
   void repeat_forever() {
     const unsigned char forever[3] = {1, 0, 0};
     expect(EGifPutExtensionLeader(gif_.get(), APPLICATION_EXT_FUNC_CODE));
@@ -161,7 +161,7 @@ class GifWriter {
     expect(EGifPutExtensionTrailer(gif_.get()));
   }
 
-  /// Writes what a frame changes, which is all of the first one.
+  /// Writes the part of a frame that changed; the first frame is written completely.
   void write_frame(const Image& frame, const Palette& palette, double seconds) {
     for (size_t p = 0; p < now_.size(); ++p) {
       const unsigned char* rgb = &frame.rgb[3 * p];
@@ -222,7 +222,7 @@ class GifWriter {
 
   const std::filesystem::path& path_;
   int width_, height_;
-  std::vector<unsigned char> before_, now_, row_;  // colour numbers
+  std::vector<unsigned char> before_, now_, row_;  // palette indices
   std::unique_ptr<GifFileType, CloseGif> gif_;
 };
 
@@ -254,7 +254,7 @@ Palette::Palette(const std::vector<Image>& images) : index_(kCells, 0) {
     const auto from =
         std::stable_partition(worst->cells.begin(), worst->cells.end(),
                               [&](const Cell& c) { return c.mean(channel) < middle; });
-    // Rounding of the mean may leave one side empty: then the cells are one colour.
+    // Rounding of the mean may leave one side empty: then all cells have one colour.
     if (from == worst->cells.begin() || from == worst->cells.end()) {
       worst->spread = 0;
       continue;
@@ -296,7 +296,7 @@ void write_gif(const std::filesystem::path& path, const std::vector<Image>& fram
 
 
 void require_display() {
-  static std::string good;  // the server that was asked last
+  static std::string good;  // the server of the last successful check
   const std::string advice = "; run under xvfb-run -a, or where an X server is";
   const char* set = std::getenv("DISPLAY");
   const std::string name = set ? set : "";
@@ -307,7 +307,8 @@ void require_display() {
   const auto open = reinterpret_cast<void* (*)(const char*)>(dlsym(library, "XOpenDisplay"));
   const auto query = reinterpret_cast<int (*)(void*, const char*, int*, int*, int*)>(
       dlsym(library, "XQueryExtension"));
-  // The connection stays: servers start anew, and refuse others meanwhile, when the last one ends.
+  // Keep this connection open: a server restarts when its last client disconnects, and rejects
+  // others meanwhile.
   static void* display = nullptr;
   display = open && query ? open(nullptr) : nullptr;
   if (!display)

@@ -177,7 +177,7 @@ void draw(vtkRenderer& renderer, const MeshPicture& picture, double width, doubl
   set_camera(renderer, axes, view, width, height);
 }
 
-/// Calls sheet(count, columns, captions below, draw) for the pictures.
+/// Calls sheet(count, columns, captions_below, draw) for the pictures.
 template <class Sheet>
 Image with_sheet(const std::vector<MeshPicture>& pictures, int columns, const Sheet& sheet) {
   if (pictures.empty()) throw InputError("there is no picture to draw");

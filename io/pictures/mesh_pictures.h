@@ -1,4 +1,4 @@
-// Pictures of shell meshes, such as before and after a deformation, side by side.
+// Pictures of shell meshes, for example before and after a deformation, side by side.
 #pragma once
 
 #include <filesystem>
@@ -11,39 +11,43 @@
 
 namespace batten {
 
-/// One picture of a mesh. As in PictureScene, projection is parallel and z points upwards.
+/// One picture of a mesh. As in PictureScene, the projection is parallel and z points upwards.
 struct MeshPicture {
+  /// Role of a face, shown by its colour.
   enum class Part { Body, Feature, Handle, Fixed };
 
   const ShellMesh* shells = nullptr;
-  Points points;                        ///< places where its nodes are drawn, n×3
-  std::vector<Part> parts;              ///< part of each face, as its colour; empty: all Body
-  std::vector<std::vector<int>> lines;  ///< lists of nodes that are drawn as tubes
-  VecX field;                           ///< a number ≥ 0 for each node, as colours; empty: none
+  Points points;                        ///< positions of the nodes, n×3
+  std::vector<Part> parts;              ///< role of each face, shown by its colour; empty: all Body
+  std::vector<std::vector<int>> lines;  ///< lists of nodes, drawn as tubes
+  VecX field;                           ///< value ≥ 0 per node, shown as colour; empty: none
   std::string field_title;
-  double field_limit = 0;  ///< end of the field's scale; 0: its largest number, rounded up
+  double field_limit = 0;  ///< upper end of the field's scale; 0: its maximum, rounded up
   std::string title;
-  bool mesh = false;  ///< whether element edges are drawn
+  bool mesh = false;  ///< true: draw element edges
   double azimuth = -30, elevation = 30, zoom = 1;
   int up = 2;  ///< axis that points upwards, 0 (x) to 2 (z)
-  /// Further positions of the nodes that the view has to hold: with the same ones, several pictures
-  /// have the same scale and can be compared.
+  /// Further node positions that must be in view. Pictures with the same list have the same scale
+  /// and can be compared.
   std::vector<const Points*> also_in_view;
 };
 
-/// Parts of faces from those of nodes: that of all its nodes, Body where they differ.
+/// Converts parts per node to parts per face: the common part of the face's nodes, Body if they
+/// differ.
 std::vector<MeshPicture::Part> parts_of_faces(const ShellMesh& shells,
                                               const std::vector<MeshPicture::Part>& of_node);
 
-/// Draws the pictures into one PNG, row by row, with titles as captions below them (above a single
-/// one). Normals are smoothed where neighbouring faces differ by less than 30 degrees. The file
-/// appears whole or not at all. To be called on the main thread; needs a display (require_display).
-/// Throws InputError: no display, no picture, no column, a picture without faces or with lists of
-/// the wrong length, a value out of its range, a file that cannot be written.
+/// Draws the pictures into one PNG, row by row, written atomically. Titles are captions below the
+/// pictures (above, if there is only one). Normals are smoothed if neighbouring faces differ by
+/// less than 30 degrees.
+///
+/// Call it on the main thread; it needs a display (require_display). Throws InputError if there is
+/// no display, no picture or no column, or if a picture has no faces. Also throws it for lists of
+/// the wrong length, values out of range, or a file that cannot be written.
 void draw_meshes(const std::filesystem::path& path, const std::vector<MeshPicture>& pictures,
                  int columns, const PictureSize& size = {});
 
-/// The same in memory, for animations.
+/// Draws the same pictures to memory, for animations.
 Image mesh_image(const std::vector<MeshPicture>& pictures, int columns,
                  const PictureSize& size = {});
 

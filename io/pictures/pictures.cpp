@@ -35,13 +35,13 @@ namespace {
 
 using namespace detail;
 
-/// Facets along an element edge: enough for smooth outlines, few enough to be drawn fast.
+/// Facets per element edge: enough for smooth outlines, few enough for fast drawing.
 int facets_per_edge(const PictureScene& scene) {
   if (scene.tessellation > 0) return scene.tessellation;
   constexpr double facets = 40000;
   double triangles = 0;
   for (const auto* region : scene.regions) triangles += region->surface.mesh().triangle_count();
-  const int fewest = triangles > facets ? 1 : 2;  // elements of a few pixels are fine enough
+  const int fewest = triangles > facets ? 1 : 2;  // elements of a few pixels need no subdivision
   return std::clamp(static_cast<int>(std::sqrt(facets / triangles)), fewest, 24);
 }
 
@@ -92,7 +92,8 @@ void check(const PictureScene& scene) {
            "contour direction of length", scene.contour_direction.norm(), "a length above 0");
 }
 
-/// Angles between normals and a direction, radians, as active scalars; the table of their stripes.
+/// Adds the angles between normals and a direction (radians) as active scalars. The result is the
+/// table of their stripes.
 vtkSmartPointer<vtkLookupTable> add_zebra(vtkPolyData& facets, const Vec3& direction, int stripes) {
   vtkDataArray& normals = *facets.GetPointData()->GetNormals();
   vtkNew<vtkDoubleArray> angles;
@@ -109,13 +110,13 @@ vtkSmartPointer<vtkLookupTable> add_zebra(vtkPolyData& facets, const Vec3& direc
   std::sort(sorted.begin(), sorted.end());
   const size_t cut = sorted.size() / 50;
   const double from = sorted[cut], to = sorted[sorted.size() - 1 - cut];
-  // A flat surface has one colour.
+  // A flat surface gets a single colour.
   constexpr double flat = 1e-9;
   return striped_colours(sorted.front(), std::max(sorted.back(), sorted.front() + flat), from,
                          std::max(to - from, flat * stripes) / stripes);
 }
 
-/// A light colour for each facet, its region's; neighbours in the order of regions differ most.
+/// A light colour per facet, by region. Regions with adjacent indices get clearly different hues.
 vtkSmartPointer<vtkUnsignedCharArray> region_colours(vtkPolyData& data) {
   auto colours = vtkSmartPointer<vtkUnsignedCharArray>::New();
   colours->SetNumberOfComponents(3);
@@ -316,7 +317,7 @@ std::vector<Vec3> points_along(const Loop& loop) {
   return points;
 }
 
-/// The loop as one closed chain of points at even shares of its length.
+/// The loop as one closed polyline of points, evenly spaced by length.
 std::vector<Vec3> chain(const Loop& loop, int count) {
   std::vector<Vec3> points;
   for (size_t k = 0; k < loop.size(); ++k) {
@@ -346,7 +347,7 @@ std::vector<Vec3> chain(const Loop& loop, int count) {
   return even;
 }
 
-/// Triangles as VTK's data.
+/// Triangles as VTK data.
 class Sheet {
  public:
   void triangle(const Vec3& a, const Vec3& b, const Vec3& c) {
@@ -366,9 +367,9 @@ class Sheet {
   vtkNew<vtkCellArray> triangles_;
 };
 
-constexpr int kAround = 240;  // points of a loop
+constexpr int kAround = 240;  // points per loop
 
-/// A fan from the middle of the loop to its lines.
+/// A triangle fan from the centre of the loop to its curves.
 vtkSmartPointer<vtkPolyData> fan(const Loop& loop) {
   const std::vector<Vec3> rim = chain(loop, kAround);
   Vec3 middle = Vec3::Zero();
@@ -378,7 +379,7 @@ vtkSmartPointer<vtkPolyData> fan(const Loop& loop) {
   return sheet.data();
 }
 
-/// A band from loop to loop, turned so that it is as short as possible.
+/// A band between two loops, rotated and oriented so that it is as short as possible.
 vtkSmartPointer<vtkPolyData> band(const Loop& one, const Loop& other) {
   const std::vector<Vec3> a = chain(one, kAround);
   std::vector<Vec3> b = chain(other, kAround), best;
@@ -418,7 +419,7 @@ Colour sheet_colour(int index) {
   return rgb;
 }
 
-/// The points of the loops, and of a box around them half as large again.
+/// The points of the loops, and the corners of their bounding box scaled by 1.5.
 std::vector<Vec3> near(const std::vector<Vec3>& loops) {
   const Box3 box = bounding_box(loops);
   std::vector<Vec3> seen = loops;
@@ -427,9 +428,9 @@ std::vector<Vec3> near(const std::vector<Vec3>& loops) {
   return seen;
 }
 
-/// Looks at right angles onto loops that are nearly flat, from afar's direction onto others.
+/// The view perpendicular to nearly flat loops; the direction `afar` for others.
 ViewAxes near_axes(const std::vector<Vec3>& loops, const ViewAxes& afar) {
-  constexpr double flat = 0.05;  // of the largest spread, a square
+  constexpr double flat = 0.05;  // ratio of squared extents
   const Vec3 sizes = principal_axes(loops).values;
   return sizes[0] <= flat * sizes[2] ? best_view(loops) : afar;
 }

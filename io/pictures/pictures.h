@@ -1,4 +1,4 @@
-// Pictures of surfaces, drawn without a window on the screen.
+// Offscreen pictures of surfaces and curve networks.
 #pragma once
 
 #include <filesystem>
@@ -14,95 +14,104 @@
 
 namespace batten {
 
-/// What one picture shows, and from where. Projection is parallel, z points upwards, and the camera
-/// is moved so that everything fits.
+/// Content and view of one picture. The projection is parallel, z points upwards, and the camera is
+/// moved so that everything is in view.
 struct PictureScene {
+  /// Scalar field or colouring of the surface.
   enum class Field {
     None,     ///< one colour
     Mean,     ///< mean curvature, blue below 0, red above
-    Gauss,    ///< Gauss curvature, in the same colours
-    Regions,  ///< each region in a colour of its own
-    Value     ///< `value`, light at 0 and dark at the limit
+    Gauss,    ///< Gaussian curvature, in the same colours
+    Regions,  ///< each region in its own colour
+    Value     ///< `value`: light at 0, dark at the limit
   };
-  /// A quantity of the surface that is not below 0, and what its scale says.
+  /// A non-negative scalar field on the surface, with the title of its scale.
   struct Value {
     std::string title;
     std::function<double(int region, const Location& where)> at;
-    double limit = 0;  ///< of the colours; 0: from the values, 2 % of which may lie above
+    double limit = 0;  ///< upper end of the scale; 0: 98th percentile of the values
   };
 
   std::vector<const SkinnedRegion*> regions;
-  std::string title;          ///< UTF-8; made smaller, then shortened, when it is too wide
-  Field field = Field::None;  ///< its scale is symmetric about 0; 2 % at each end may lie outside
+  std::string title;          ///< UTF-8; scaled down, then truncated if too wide
+  Field field = Field::None;  ///< scalar field; its scale is symmetric about 0 and clips 2 % at
+                              ///< each end
   Value value;
-  int contours = 0;                        ///< number of lines of equal height, evenly spaced
-  Vec3 contour_direction = Vec3::UnitZ();  ///< direction in which heights are measured
-  int parameter_lines = 0;  ///< number of lines of equal u, and of equal v, evenly spaced
-  bool lines = true;        ///< whether character lines are drawn, as tubes
-  std::vector<HermiteCurve> extra_curves;  ///< further lines, on no region, in another colour
-  bool mesh = false;                       ///< whether element edges inside the trim are drawn
-  /// Number of stripes, light and dark in turn, of equal angle between the exact normal and
-  /// zebra_direction. They are spread over the range of that angle (without 2 % at each end). A
-  /// jump of the stripes is an edge, a kink in them a jump of curvature. Not together with a field.
+  int contours = 0;                        ///< number of contour lines of height, evenly spaced
+  Vec3 contour_direction = Vec3::UnitZ();  ///< direction of height
+  int parameter_lines = 0;  ///< number of lines of constant u, and of constant v
+  bool lines = true;        ///< true: draw character lines, as tubes
+  std::vector<HermiteCurve> extra_curves;  ///< further curves that belong to no region, in another
+                                           ///< colour
+  bool mesh = false;                       ///< true: draw the element edges inside the trim
+  /// Number of zebra stripes (reflection lines), alternately light and dark, at equal steps of the
+  /// angle between the exact normal and `zebra_direction`. They cover the range of that angle,
+  /// without 2 % at each end. A jump of the stripes shows a crease (G0), a kink a curvature jump
+  /// (G1). Cannot be combined with a field.
   int zebra = 0;
   Vec3 zebra_direction{1, 0.6, 0};
-  /// Place of the camera, in degrees. At azimuth 0 it looks along +y, at 90 along -x (it goes
-  /// counter-clockwise seen from above). Elevation is the angle above the horizon, -90 to 90.
+  /// Camera direction in degrees. At azimuth 0 the camera looks along +y, at 90 along −x (azimuth
+  /// is counter-clockwise seen from above). Elevation is the angle above the horizon, −90 to 90.
   double azimuth = -30, elevation = 30;
-  double zoom = 1;       ///< scale of the picture; at 1 all is in view
-  int tessellation = 0;  ///< facets along each element edge, to 64; 0: as many as look smooth
+  double zoom = 1;       ///< scale factor; 1: everything is in view
+  int tessellation = 0;  ///< facets per element edge, at most 64; 0: automatic
 
-  // share_view() sets these for the pictures of a series. Otherwise each picture has its own.
-  std::vector<Vec3> in_view;  ///< the camera fits these points instead of the regions
+  // Set by share_view() for the pictures of a series. By default, each picture determines its own.
+  std::vector<Vec3> in_view;  ///< points that the camera fits instead of the regions
   std::optional<std::pair<double, double>> contour_range;  ///< lowest and highest height
-  double field_limit = 0;  ///< limit of the colours of a field; 0: from its values
+  double field_limit = 0;  ///< limit of a field's colours; 0: from its values
 };
 
-/// Draws one PNG, which appears whole or not at all. To be called on the main thread. About 1 s
-/// with software OpenGL. Throws InputError: no display, no region, a value out of its range, a
-/// zebra beside a field, a file that cannot be written.
+/// Draws one PNG, written atomically. Call it on the main thread; it takes about 1 s with software
+/// OpenGL. Throws InputError if there is no display or no region, a value is out of range, a zebra
+/// is combined with a field, or the file cannot be written.
 void draw_picture(const std::filesystem::path& path, const PictureScene& scene,
                   const PictureSize& size = {});
 
-/// Draws the same picture in memory, for animations.
+/// Draws the same picture to memory, for animations.
 Image picture_image(const PictureScene& scene, const PictureSize& size = {});
 
-/// Gives all scenes the same camera (that of the first, moved so that everything of all of them
-/// fits), the same heights of contours and the same colours of fields, so that only the surface
-/// moves in the series. Replaces in_view, contour_range and field_limit. Throws InputError as
-/// draw_picture() does of scenes.
+/// Gives all scenes of a series the same camera, contour heights and colour scale, so that only the
+/// surface changes between pictures.
+///
+/// The camera has the direction of the first scene and is moved so that all scenes fit. Sets
+/// in_view, contour_range and field_limit. Throws InputError for invalid scenes, like
+/// draw_picture().
 void share_view(std::vector<PictureScene>& scenes);
 
 /// Draws several scenes into one PNG, row by row, with their titles as captions below them. `size`
-/// is that of the whole sheet. Throws InputError as draw_picture() does, and when there are no
-/// scenes or no columns.
+/// is the size of the whole sheet. Throws the exceptions of draw_picture(), and InputError if there
+/// are no scenes or no columns.
 void draw_contact_sheet(const std::filesystem::path& path, const std::vector<PictureScene>& scenes,
                         int columns, const PictureSize& size = {});
 
 
-// Pictures of a network's lines, with surfaces that could be made in loops of them.
+// Pictures of curve networks, with alternative sets of loops that could be filled by surfaces.
 
-/// One way to have surfaces: the loops that have one.
+/// One alternative: the loops that get a surface.
 struct LoopAlternative {
   std::string title;
-  /// The lines of each loop, one after the other, any way round.
+  /// The curves of each loop, in order; their directions are arbitrary.
   std::vector<std::vector<HermiteCurve>> loops;
-  bool one_surface = false;  ///< the loops bound one surface, a ring or a hole, not one each
+  bool one_surface = false;  ///< true: all loops bound one surface (annulus or hole); false: one
+                             ///< surface per loop
 };
 
-/// Panels side by side. The first shows all lines from afar, with all loops of all panels; then
-/// follows one panel for each way, from near; loops that are nearly flat are seen at right angles.
+/// Panels side by side. The first shows the whole network with all loops of all panels; one
+/// close-up per alternative follows. Nearly flat loops are viewed perpendicularly.
 struct LoopPicture {
-  std::vector<HermiteCurve> lines;  ///< all lines of the network
+  std::vector<HermiteCurve> lines;  ///< all curves of the network
   std::vector<LoopAlternative> alternatives;
-  double azimuth = -30, elevation = 30;  ///< of the first panel, degrees as in PictureScene
+  double azimuth = -30, elevation = 30;  ///< view of the first panel, degrees as in PictureScene
 };
 
-/// Draws one PNG, which appears whole or not at all: the loops' lines as tubes, a sheet in each
-/// loop in a colour of its own (a fan around its middle; a band between the two loops of one
-/// surface: no surfaces of Batten), other lines thin.
-/// To be called on the main thread. Throws InputError: no display, no way, ways without a loop, a
-/// file that cannot be written.
+/// Draws the panels into one PNG, written atomically. The curves of loops are tubes, other curves
+/// are thin.
+///
+/// Each loop is filled with a sheet in its own colour: a fan around its centre, or a band between
+/// the two loops of one surface. These sheets are illustrations, not surfaces computed by Batten.
+/// Call it on the main thread. Throws InputError if there is no display or no alternative, an
+/// alternative has no loop, or the file cannot be written.
 void draw_loops(const std::filesystem::path& path, const LoopPicture& picture);
 
 }  // namespace batten

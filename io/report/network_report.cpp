@@ -65,7 +65,7 @@ const char* word(NetworkDiagnostic::Kind kind) {
 
 namespace {
 
-/// The names of what is reported.
+/// Looks up the names of network and model entities.
 struct ReportNames {
   const CurveNetwork& network;
   const SurfaceModel& model;
@@ -125,8 +125,8 @@ NetworkReport::Choice describe_choice(const AmbiguousRegion& c, const ReportName
   return choice;
 }
 
-// The findings, but for lines that lie apart from the others and are joined to them by a region, as
-// the rims of a ring and holes are.
+// The diagnostics without those about detached lines that a region connects to the others, such as
+// the boundaries of an annulus and holes.
 std::vector<NetworkDiagnostic> remaining_diagnostics(const CurveNetwork& network,
                                                      const FoundRegions& found) {
   DisjointSets nodes(network.nodes().size());
@@ -137,7 +137,7 @@ std::vector<NetworkDiagnostic> remaining_diagnostics(const CurveNetwork& network
     for (const EdgeLoop& loop : region.loops) nodes.unite(own, first_node(loop.front().edge));
     for (const int edge : region.inner) nodes.unite(own, first_node(edge));
   }
-  std::map<int, int> sizes;  // arcs of each part
+  std::map<int, int> sizes;  // number of edges per component
   for (int a = 0; a < isize(network.edges()); ++a) ++sizes[nodes.find(first_node(a))];
   const auto largest = std::max_element(
       sizes.begin(), sizes.end(), [](const auto& p, const auto& q) { return p.second < q.second; });

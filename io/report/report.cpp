@@ -63,7 +63,7 @@ Json json_of(const NetworkReport::Join& j) {
   return json;
 }
 
-/// network, regions, joins, choices, shells, left_over, optimal.
+/// Writes the keys network, regions, joins, choices, shells, left_over, optimal.
 void add_network(Json& json, const NetworkReport& n) {
   Json diagnostics = Json::array();
   for (const NetworkDiagnostic& f : n.diagnostics)
@@ -168,7 +168,7 @@ Json json_of(const std::vector<Report::Line>& lines) {
   double max_deviation = 0;
   Json each = Json::array();
   for (const auto& line : lines) {
-    // NaN must win over numbers, so that the report shows it.
+    // Written so that NaN replaces any number and appears in the report.
     if (line.constrains_surface && !(line.deviation <= max_deviation))
       max_deviation = line.deviation;
     each.push_back({{"name", line.name},

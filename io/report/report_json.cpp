@@ -46,7 +46,7 @@ std::string report_text(Json json, const RunReport& report) {
   json["missed_promises"] = Json::array();
   for (const auto& m : report.failed_checks)
     json["missed_promises"].push_back({{"what", m.what}, {"detail", m.detail}});
-  // Names come from files of any encoding: what is not UTF-8 is replaced.
+  // Names come from files of any encoding: invalid UTF-8 is replaced.
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 

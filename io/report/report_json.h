@@ -1,4 +1,4 @@
-// Functions that write the common parts of all reports as JSON. Internal.
+// JSON output of the parts that all reports share.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -11,19 +11,23 @@ namespace batten {
 
 using Json = nlohmann::ordered_json;
 
-/// Replaces numbers that are not finite by the words "nan" and "inf", and returns their names.
+/// Replaces numbers that are not finite by the strings "nan" and "inf". The result lists their JSON
+/// paths.
 std::vector<FailedCheck> replace_non_finite_numbers(Json& json);
 
-/// The text of a report, with the promises it missed at its end.
+/// The text of a report, with its failed checks at the end.
 std::string report_text(Json json, const RunReport& report);
 
-/// The keys name and unit; timings_s, files and warnings.
+/// Writes the leading keys of a report: name, unit.
 Json report_header(const RunReport& report);
+/// Appends the closing keys of a report: timings_s, files, warnings.
 void add_report_footer(Json& json, const RunReport& report);
 
+/// A point as a JSON array [x, y, z].
 inline Json json_of(const Vec3& p) { return {p.x(), p.y(), p.z()}; }
-/// A list with the name and value of each parameter, and its range where it has one.
+/// A list with the name, value and (if finite) range of each parameter.
 Json json_of(const std::vector<Parameter>& parameters);
+/// Curve fairness measures as a JSON object.
 Json json_of(const Fairness& fairness);
 /// The section "curves" of a report.
 Json json_of(const std::vector<FairedLine>& curves);

@@ -1,4 +1,4 @@
-// What the reports of several commands have in common.
+// The parts that the reports of all commands have in common.
 #pragma once
 
 #include <optional>
@@ -12,13 +12,13 @@
 
 namespace batten {
 
-/// A promise that a result does not keep.
+/// A violated acceptance check of a result.
 struct FailedCheck {
-  std::string what;    ///< name of the number in the report: "surface.min_jacobian_ratio"
-  std::string detail;  ///< how it is broken: "is 0.01, promised at least 0.05"
+  std::string what;    ///< JSON path of the number: "surface.min_jacobian_ratio"
+  std::string detail;  ///< violation as text: "is 0.01, promised at least 0.05"
 };
 
-/// What every report says.
+/// Base of all reports.
 struct RunReport {
   std::string name, unit;
   std::vector<Parameter> parameters;
@@ -27,24 +27,25 @@ struct RunReport {
   std::vector<FailedCheck> failed_checks;
 };
 
-/// A faired line, measured on the curve that is written. Lengths are in model units.
+/// A faired curve, measured on the curve that is written. Lengths are in model units.
 struct FairedLine {
   std::string name;
-  int points = 0, segments = 0;  ///< points of the input (of CAD curves: samples); segments of the
-                                 ///< result
+  int points = 0, segments = 0;  ///< input points (for CAD curves: samples); segments of the result
   bool closed = false;
-  bool faired = false;  ///< false: no stage acted on it, or it cannot be faired
-  double size = 0;      ///< diagonal of the box around the points
-  Deviation deviation;  ///< deviation of the result from the input, less outliers
-  double wavelength = 0, effective_dofs = 0;  ///< FairCurve's, of the last stage of the whole line
-  double noise = 0;                           ///< FairCurve's, of the first stage of the whole line
-  std::vector<int> outliers;  ///< likewise: points of the input that were passed over
+  bool faired = false;  ///< false: no stage applied to it, or it cannot be faired
+  double size = 0;      ///< diagonal of the bounding box of the points
+  Deviation deviation;  ///< distance of the result from the input, without outliers
+  double wavelength = 0, effective_dofs = 0;  ///< from FairCurve, for the last stage of the whole
+                                              ///< curve
+  double noise = 0;                           ///< from FairCurve, for the first stage of the whole
+                                              ///< curve
+  std::vector<int> outliers;  ///< likewise: ignored input points
   int rounds = 0;
   bool converged = true;
-  double max_residual = 0;  ///< largest residual of the conditions, over the size
-  /// A deviation that a stage stated and did not keep: the stated one, and the one reached.
+  double max_residual = 0;  ///< largest residual of the conditions, relative to the size
+  /// Set if a stage exceeded its requested deviation: the requested and the reached value.
   std::optional<std::pair<double, double>> exceeded_deviation;
-  std::optional<Fairness> before, after;  ///< none for a line without length
+  std::optional<Fairness> before, after;  ///< empty for a curve without length
   double seconds = 0;
 };
 

@@ -1,4 +1,4 @@
-// report.json of an edited sequence: measured on the finished frames.
+// report.json of an edited mesh sequence, measured on the finished frames.
 #pragma once
 
 #include <string>
@@ -8,50 +8,56 @@
 
 namespace batten {
 
-/// What `batten sequence` did. Lengths are in model units, shares are over the size of the first
-/// frame, *_s in seconds. Frames count from 1.
+/// Results of `batten sequence`. Lengths are in model units, *_s in seconds; "relative" means
+/// divided by the size of the first frame. Frames are numbered from 1.
 struct SequenceReport : RunReport {
   std::string file;
   int frames_before = 0, frames = 0, nodes = 0, faces = 0;
   double size = 0;
-  int first = 1, last = 0;  ///< frames that this run made
-  int found = 0;            ///< of these, frames that an earlier run had left
+  int first = 1, last = 0;  ///< frames computed by this run
+  int found = 0;            ///< number of these that an earlier run had completed
 
+  /// Statistics of one step.
   struct Step {
     std::string name, kind;
-    int frames = 0;  ///< after it
+    int frames = 0;  ///< number of frames after the step
     int keyframes = 0;
-    int iterations = 0;             ///< most of any keyframe
-    int unconverged_keyframes = 0;  ///< keyframes whose rounds ended before their tolerance
-    double last_change = 0;         ///< largest of these, a share
+    int iterations = 0;             ///< maximum over the keyframes
+    int unconverged_keyframes = 0;  ///< keyframes that stopped before reaching the tolerance
+    double last_change = 0;         ///< largest of these, relative
     double seconds = 0;
   };
   std::vector<Step> steps;
 
+  /// A handle or a feature.
   struct Handle {
     std::string name;
     int vertices = 0;
-    double max_rigid_error = 0;  ///< largest in any frame, against its own rest in that frame; a
-                                 ///< share of its size. Sequences whose handles bend by themselves
-                                 ///< keep their bend
+    /// Largest deviation from a rigid-body motion over all frames, relative to the handle's size.
+    /// Compared with the handle's shape in the same input frame, so handles that deform in the
+    /// input keep that deformation.
+    double max_rigid_error = 0;
   };
   std::vector<Handle> handles, features;
 
+  /// A foot contact.
   struct Foot {
     std::string step, handle;
     int first = 0, last = 0;
-    double foot_skate_before = 0,
-           foot_skate = 0;  ///< largest distance of its centroid from its mean, a share
+    /// Foot skate: largest distance of the foot's centroid from its mean position, relative.
+    double foot_skate_before = 0, foot_skate = 0;
     double max_foot_skate = 1e-3;
   };
   std::vector<Foot> feet;
 
-  double second_difference_before = 0, second_difference = 0;  ///< largest, model units
-  long inverted_triangles_before = 0,
-       inverted_triangles = 0;  ///< triangles whose normal turns by more than 90°
-                                ///< against the mean of the neighbours, in all frames
+  double second_difference_before = 0, second_difference = 0;  ///< largest over all nodes and
+                                                               ///< frames, model units
+  /// Triangles whose normal deviates by more than 90° from the mean of their neighbours, over all
+  /// frames.
+  long inverted_triangles_before = 0, inverted_triangles = 0;
 };
 
+/// The report as JSON text.
 std::string to_json(const SequenceReport& report);
 
 }  // namespace batten

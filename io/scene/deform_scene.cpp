@@ -173,11 +173,11 @@ MeshPictureSpec mesh_picture(const TomlTable& t, UniqueNames& files) {
   return rule;
 }
 
-/// Reads how elements that are no shells go with the shells.
+/// Reads how non-shell elements follow the shells.
 void read_attached(const TomlTable& root, AttachmentOptions& options) {
   const std::vector<std::string> kinds = {
       "solids", "beams",  "bushes", "rigid",
-      "means",  "masses", "others"};  // as NonShellElement::Kind
+      "means",  "masses", "others"};  // in the order of NonShellElement::Kind
   for (const TomlTable& t : root.table("attached", kinds))
     for (size_t k = 0; k < kinds.size(); ++k) {
       const bool says_itself = kinds[k] == "rigid" || kinds[k] == "means";
@@ -211,7 +211,7 @@ RelationSpec read_relation(const TomlTable& t) {
   return rule;
 }
 
-/// Reads guides, lines, curves and pulls: what else the mesh keeps or follows.
+/// Reads guides, relations, lines, curves and position constraints.
 void read_guides_and_lines(const TomlTable& root, UniqueNames& taken, DeformScene& scene) {
   taken.read(root, "guide", {"name", "of", "plane", "line"}, scene.guides, read_guide);
   taken.read(root, "relation", {"name", "kind", "of", "plane"}, scene.relations, read_relation);
@@ -237,7 +237,7 @@ void read_edits(const TomlTable& root, bool required, DeformScene& scene) {
   if (scene.edits.empty() && required) root.fail("", "no edits", "at least one [[edit]]");
 }
 
-/// Reads what files are written: meshes, models of modes, pictures.
+/// Reads the output files: meshes, decks for natural frequencies, pictures.
 void read_outputs(const TomlTable& root, DeformScene& scene) {
   UniqueNames files("file name");
   const std::string ending = scene.mesh.extension().string();
@@ -256,7 +256,7 @@ void read_outputs(const TomlTable& root, DeformScene& scene) {
     scene.pictures.push_back(mesh_picture(t, files));
 }
 
-/// Reads the whole scene from its table.
+/// Reads the whole scene from its root table.
 DeformScene deform_scene(const toml::table& root_table, const std::filesystem::path& file,
                          bool edits_required) {
   const TomlTable root(file.string(), root_table, "the scene",
@@ -283,7 +283,7 @@ DeformScene deform_scene(const toml::table& root_table, const std::filesystem::p
   return scene;
 }
 
-/// The one list of what can be set.
+/// Enumerates all parameters: calls f for each one.
 template <class AnyScene, class Function>
 void for_each_edit_parameter(AnyScene& scene, const Function& f) {
   for (auto& curve : scene.curves)

@@ -1,5 +1,5 @@
-// A deform scene is one small TOML file that says what to hold, keep and move on a mesh
-// (docs/deform.md has every key). These functions read the scene only; the mesh has its own file.
+// Deform scenes: TOML files that define features, constraints and edits of a mesh (all keys:
+// docs/deform.md). These functions read the scene file only, not the mesh.
 #pragma once
 
 #include <filesystem>
@@ -19,95 +19,102 @@
 
 namespace batten {
 
-/// [[guide]]: a point that stays on a plane or on a line.
+/// [[guide]]: constrains a point to a plane or a line.
 struct GuideSpec {
   std::string name;
   SourceLocation location;
-  LocatedString
-      of;  ///< feature, selection or proposal; the point is the mean of its vertices, or of
-           ///< those of its loop
+  /// Feature, selection or proposal. The guided point is the mean of its vertices, or of the
+  /// vertices of its loop.
+  LocatedString of;
   PointConstraint::Kind kind = PointConstraint::Kind::OnPlane;
   Vec3 direction = Vec3::UnitZ();
-  std::optional<Vec3> through;  ///< a point of the plane or line; none: where the point is
+  std::optional<Vec3> through;  ///< a point of the plane or line; empty: the guided point itself
 };
 
-/// [[relation]]: what features keep between them.
+/// [[relation]]: a geometric relation between features that edits preserve.
 struct RelationSpec {
   enum class Kind {
-    Parallel,  ///< they turn alike
-    Coaxial,   ///< and their centres keep their places to each other, along the common axis
-    Distance,  ///< the vector between two centres keeps its length and turns with the first
-    Spacing,   ///< centres that follow each other at even steps keep doing so
-    Symmetric  ///< two centres stay mirror images about a plane
+    Parallel,  ///< the features rotate equally
+    Coaxial,   ///< parallel, and the centres keep their relative position along the common axis
+    Distance,  ///< the vector between two centres keeps its length and rotates with the first
+               ///< feature
+    Spacing,   ///< evenly spaced centres stay evenly spaced
+    Symmetric  ///< two centres stay mirror images with respect to a plane
   };
   std::string name;
   SourceLocation location;
   Kind kind = Kind::Parallel;
-  std::vector<LocatedString> of;               ///< features; '*' stands for any letters
-  std::optional<std::pair<Vec3, Vec3>> plane;  ///< Symmetric: normal, a point of it
+  std::vector<LocatedString> of;               ///< features; '*' is a wildcard
+  std::optional<std::pair<Vec3, Vec3>> plane;  ///< Symmetric: normal, and a point of the plane
 };
 
-/// [[line]]: a character line that keeps its shape, rigidly or in the soft sense.
+/// [[line]]: a character line of the mesh whose shape is preserved, rigidly or softly.
 struct LineSpec {
   std::string name;
   SourceLocation location;
-  std::vector<Vec3> through;  ///< points; the line goes through the vertices nearest to them, and
-                              ///< along creases between
-  std::vector<long> nodes;    ///< or the numbers of its nodes in the mesh file, in their order
+  std::vector<Vec3> through;  ///< points; the line passes through the nearest vertices, following
+                              ///< creases
+  std::vector<long> nodes;    ///< alternatively: node numbers in the mesh file, in order
   bool closed = false;
   bool rigid = false;
-  double width = 0;  ///< soft: it resists like a strip of the sheet of this width, model units;
-                     ///< 0: a tenth of the line's length
+  double width = 0;  ///< soft: width of the strip of sheet whose stiffness the line gets, model
+                     ///< units; 0: a tenth of the line's length
 };
 
-/// [[curve]]: a line of vertices that becomes a deformable curve: faired, shaped by its own loads,
-/// and then imposed on its vertices exactly.
+/// [[curve]]: a chain of vertices that becomes a deformable curve. It is faired, shaped by its own
+/// loads, and then imposed on its vertices exactly.
 struct CurveSpec {
   enum class Ends { Clamped, Pinned, Free };
-  LineSpec line;  ///< its name and vertices; rigid and width are not used
+  LineSpec line;  ///< name and vertices; `rigid` and `width` are ignored
   bool faired = true;
-  FairOptions fair;  ///< how it is faired
+  FairOptions fair;  ///< fairing options
   Ends ends = Ends::Clamped;
-  double alpha = 0, beta = 1;  ///< relative weights that resist the curve's loads
+  double alpha = 0, beta = 1;  ///< relative stretch and bending stiffness against the loads
   std::vector<CurveLoad> loads;
 };
 
-/// [[pull]]: a vertex that a row draws to a place, in the least-squares sense or exactly.
+/// [[pull]]: moves one vertex to a position, by a soft (least-squares) or hard constraint.
 struct PositionConstraintSpec {
   std::string name;
   SourceLocation location;
-  std::optional<long> node;  ///< number of the node in the mesh file
-  std::optional<Vec3> at;    ///< or the point that the vertex is nearest to
+  std::optional<long> node;  ///< node number in the mesh file
+  std::optional<Vec3> at;    ///< alternatively: the vertex nearest to this point
   Vec3 to = Vec3::Zero();
-  std::optional<double> weight;  ///< weight of a soft row; none: a hard row
+  std::optional<double> weight;  ///< weight of the soft constraint; empty: hard constraint
 };
 
-/// [[edit]]: what moves in one edit of the mesh, which starts from the result of the edit before.
+/// [[edit]]: one edit of the mesh. It starts from the result of the previous edit.
 struct EditSpec {
+  /// A handle and its prescribed motion: translation, rotation by `degrees` about `axis`, scale.
   struct MovedHandle {
     std::string name;
     SourceLocation location;
     std::vector<LocatedString> vertices;
     Vec3 translate = Vec3::Zero(), axis = Vec3::UnitZ();
     double degrees = 0, scale = 1;
-    std::optional<Vec3> about;  ///< centre of turn and scale; none: the mean of its vertices
+    std::optional<Vec3> about;  ///< centre of rotation and scaling; empty: mean of its vertices
   };
+  /// A feature with a prescribed scale factor.
   struct ScaledFeature {
     LocatedString feature;
     double factor = 1;
   };
+  /// A feature whose rotation is prescribed, by `degrees` about `axis`.
   struct RotatedFeature {
     LocatedString feature;
     Vec3 axis = Vec3::UnitZ();
     double degrees = 0;
   };
-  /// Where the sheet turns that no handle says how: what features and curvature turn with.
+  /// How rotations are determined where no handle prescribes them. Features and curvature rotate
+  /// accordingly.
   enum class RotationMode {
-    Estimated,  ///< features turn as the sheet does where they are, when it is deformed without them
-    Dual,       ///< the shape that dual Laplacian vectors find
-    Nonlinear,  ///< the shape that is as rigid as possible piece by piece: for large turns
-    Harmonic    ///< the turns of the handles, spread
+    Estimated,  ///< features rotate as the sheet at their location, deformed without them
+    Dual,       ///< from a preliminary shape computed with dual Laplacian vectors
+    Nonlinear,  ///< from a preliminary as-rigid-as-possible (ARAP) shape
+                ///< [SorkineAlexa2007]; for large rotations
+    Harmonic    ///< handle rotations, interpolated harmonically
   };
+  /// A guide whose plane or line is moved to pass through another point.
   struct MovedGuide {
     LocatedString guide;
     Vec3 through;
@@ -119,11 +126,13 @@ struct EditSpec {
   std::vector<ScaledFeature> scales;
   std::vector<RotatedFeature> rotated_features;
   RotationMode rotation_mode = RotationMode::Estimated;
-  bool keep_centres = true;  ///< features that are not scaled stay where they are without scales
+  bool keep_centres = true;  ///< unscaled features keep the position they would have without any
+                             ///< scaling
   std::vector<MovedGuide> guides;
 };
 
-/// [modes]: shell and material of the decks for natural frequencies, before and after.
+/// [modes]: shell properties for two decks that compute natural frequencies, before and after the
+/// edits.
 struct ModesSpec {
   double thickness = 0, young = 0, poisson = 0, density = 0;
   int count = 10;
@@ -142,7 +151,7 @@ struct MeshPictureSpec {
   PictureSize size;
 };
 
-/// A deform scene as data.
+/// Contents of a deform scene.
 struct DeformScene : SceneSelections {
   std::filesystem::path mesh;
   DeformProblem::Weighting weighting = DeformProblem::Weighting::Area;
@@ -154,30 +163,31 @@ struct DeformScene : SceneSelections {
   std::vector<CurveSpec> curves;
   std::vector<PositionConstraintSpec> position_constraints;
   std::vector<EditSpec> edits;
-  std::string mesh_out, vtp;       ///< file names; "" for none
-  bool large_field_nodes = false;  ///< MeshWriteOptions::large_field_nodes
+  std::string mesh_out, vtp;       ///< file names; empty: not written
+  bool large_field_nodes = false;  ///< see MeshWriteOptions::large_field_nodes
   std::optional<ModesSpec> modes;
   std::vector<MeshPictureSpec> pictures;
 
-  /// What can be set: EDIT.HANDLE.x, .y, .z, .degrees, .scale, EDIT.FEATURE.scale and CURVE.LOAD.
+  /// All parameters: EDIT.HANDLE.x, .y, .z, .degrees, .scale, EDIT.FEATURE.scale and CURVE.LOAD.
   std::vector<Parameter> parameters() const;
-  /// Sets one of these numbers, or EDIT.HANDLE.turn.x, .y, .z: the turn as a vector along its axis, as
-  /// long as its angle in degrees. Throws InputError, beginning with `where`: an unknown name (the
-  /// nearest is offered), a number that is not finite, a scale not above 0.
+  /// Sets a parameter, or a component EDIT.HANDLE.turn.x, .y, .z of the rotation vector (direction
+  /// of the axis, length: angle in degrees). Throws InputError, beginning with `where`, for an
+  /// unknown name (it suggests the nearest one), a number that is not finite, or a scale ≤ 0.
   void set(const std::string& parameter, double value, const std::string& where);
 };
 
-/// Whether a scene edits a mesh: it names a mesh or has an edit. Throws InputError when the file
+/// True if a scene edits a mesh: it names a mesh or has an edit. Throws InputError if the file
 /// cannot be read or is not TOML.
 bool is_deform_scene(const std::filesystem::path& file);
-/// Sets one coordinate of a turn as a vector along its axis, as long as its angle in degrees.
+/// Sets one component of a rotation vector (length: angle in degrees), given and stored as axis and
+/// angle.
 void set_rotation_component(int coordinate, double value, Vec3& axis, double& degrees);
 
 /// Reads a deform scene. Throws InputError: "FILE:LINE:COLUMN: found …, expected …; did you mean
 /// …?"
 DeformScene read_deform_scene(const std::filesystem::path& file);
-/// Reads the same from a text. Messages name `file`; paths in the scene are relative to its folder.
-/// A scene that is being made may have no edit yet.
+/// Parses a deform scene from text. `file` appears in messages, and paths are relative to its
+/// folder. `edits_required` = false accepts a scene under construction without edits.
 DeformScene parse_deform_scene(const std::string& text, const std::filesystem::path& file,
                                bool edits_required = true);
 

@@ -1,5 +1,4 @@
-// A fairing scene is one small TOML file with lines, how they are faired and what is written
-// (docs/fair.md has every key).
+// Fairing scenes: TOML files with curves, fairing stages and outputs (all keys: docs/fair.md).
 #pragma once
 
 #include <filesystem>
@@ -15,47 +14,51 @@ namespace batten {
 
 /// [[picture]] of a fairing scene: curvature combs.
 struct CombPictureSpec {
-  /// Combs: two panels, the lines as given and at the end. Stages: one more panel after each stage;
-  /// local stages that follow each other share one.
+  /// Combs: two panels, the curves as given and after all stages. Stages: one more panel after each
+  /// stage; consecutive local stages share one.
   enum class Show { Combs, Stages };
   std::string file, title;
   Show show = Show::Combs;
-  bool points = true;                             ///< whether the input points are drawn as dots
-  std::optional<std::pair<double, double>> view;  ///< azimuth, elevation; none: the best plane
-  std::optional<PictureSize> size;                ///< none: as high as the drawing needs
+  bool points = true;                             ///< true: draw the input points as dots
+  std::optional<std::pair<double, double>> view;  ///< azimuth, elevation in degrees; empty:
+                                                  ///< best-fit plane
+  std::optional<PictureSize> size;                ///< empty: as high as the drawing needs
 };
 
-/// A fairing scene as data.
+/// Contents of a fairing scene.
 struct FairScene {
-  std::filesystem::path file;  ///< empty for a scene made by a program
+  std::filesystem::path file;  ///< empty for a scene created in memory
   std::string name = "curves", unit = "mm";
   std::vector<SceneLine> lines;
   std::vector<FairStage> stages;
-  /// Tolerance, in model units, of the last step: the fair curve is replaced by the fewest C1
-  /// segments that stay so near to it. 0: it is kept.
+  /// Tolerance of the last step, model units: each fair curve is approximated by the fewest C1
+  /// segments within this distance. 0: the fair curve is kept.
   double segments = 0;
-  std::vector<std::string> outputs;  ///< file names; the ending says the kind (write_curves())
+  std::vector<std::string> outputs;  ///< file names; the extension selects the format
+                                     ///< (write_curves())
   std::vector<CombPictureSpec> pictures;
 
-  /// What can be set: STAGE.noise, STAGE.deviation and STAGE.wavelength, of the stages that state them.
+  /// All parameters: STAGE.noise, STAGE.deviation and STAGE.wavelength, of the stages that set
+  /// them.
   std::vector<Parameter> parameters() const;
-  /// Sets one of these numbers. Throws InputError, beginning with `where`: an unknown name (the
-  /// nearest is offered), a number not above 0.
+  /// Sets a parameter. Throws InputError, beginning with `where`, for an unknown name (it suggests
+  /// the nearest one) or a number ≤ 0.
   void set(const std::string& parameter, double value, const std::string& where);
-  /// The place as "FILE:LINE:COLUMN: ", with which messages begin.
+  /// The location as "FILE:LINE:COLUMN: ", the prefix of messages.
   std::string at(const SourceLocation& location) const {
     return format_location(file.string(), location);
   }
 };
 
-/// Whether a scene fairs curves and makes no surface: it has a [[fair]], but neither [skin] nor
-/// [network]. Throws InputError when the file cannot be read or is not TOML.
+/// True if a scene fairs curves without making a surface: it has [[fair]], but neither [skin] nor
+/// [network]. Throws InputError if the file cannot be read or is not TOML.
 bool is_fair_scene(const std::filesystem::path& file);
 
 /// Reads a fairing scene. Throws InputError: "FILE:LINE:COLUMN: found …, expected …; did you mean
 /// …?"
 FairScene read_fair_scene(const std::filesystem::path& file);
-/// Reads the same from a text. Messages name `file`; paths in the scene are relative to its folder.
+/// Parses a fairing scene from text. `file` appears in messages, and paths are relative to its
+/// folder.
 FairScene parse_fair_scene(const std::string& text, const std::filesystem::path& file);
 
 }  // namespace batten

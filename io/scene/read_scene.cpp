@@ -12,11 +12,11 @@
 
 namespace batten {
 
-// Reads what acts on a scene's surface: [[constraint]], [[load]], [[weight]], [[move]],
-// [[parameter]] and [motion]. Internal.
+// Reads everything that acts on a scene's surface: [[constraint]], [[load]], [[weight]], [[move]],
+// [[parameter]] and [motion].
 
-/// Reads all these tables into the scene, whose lines and [skin] have been read before. `folder`:
-/// where paths begin. Throws InputError.
+/// Reads all these tables into the scene. Lines and [skin] must have been read before. `folder`:
+/// base of relative paths. Throws InputError.
 void read_sculpting(const TomlTable& root, const std::filesystem::path& folder, Scene& scene);
 
 namespace {
@@ -25,7 +25,7 @@ LocatedString placed(const TomlTable& table, const std::string& key) {
   return {table.text(key), table.location(key)};
 }
 
-/// name, value (a number, or over time), min, max.
+/// Reads the keys name, value (a number, or a function of time), min and max.
 void read_named_value(const TomlTable& table, ScalarParameter& p) {
   p.name = table.text("name");
   p.min = table.number("min", -kInfinity);
@@ -57,7 +57,7 @@ void read_named_value(const TomlTable& table, ScalarParameter& p) {
   p.value = at_0.value(0);
 }
 
-/// Keys that a thing of its type does not know: each answered with what has it.
+/// Rejects keys that do not apply to this type, each with its own remedy.
 void refuse_for(const TomlTable& table, const std::string& what,
             std::initializer_list<std::pair<const char*, const char*>> keys) {
   for (const auto& [key, remedy] : keys)
@@ -101,7 +101,7 @@ SceneConstraint read_constraint(const TomlTable& table) {
   return c;
 }
 
-/// Reads pulls: the places that they draw, towards what, how long and how far.
+/// Reads attractor springs: their points, targets, lengths and ranges.
 void read_pulls(const TomlTable& table, const std::filesystem::path& folder, SceneLoad& load) {
   Load::AttractorSprings& pulls = load.pulls;
   pulls.at = table.points("at");
@@ -134,7 +134,7 @@ void read_pulls(const TomlTable& table, const std::filesystem::path& folder, Sce
   }
 }
 
-/// Reads the direction, of types that have one.
+/// Reads the direction, for load types that have one.
 void read_direction(const TomlTable& table, const std::string& what, SceneLoad& load) {
   using Type = SceneLoad::Type;
   if (load.type == Type::Pressure)
@@ -145,7 +145,7 @@ void read_direction(const TomlTable& table, const std::string& what, SceneLoad& 
     load.direction = table.direction("direction");
 }
 
-/// Refuses keys that only other types have.
+/// Rejects keys of other load types.
 void refuse_keys_of_other_types(const TomlTable& table, const std::string& what,
                                 SceneLoad::Type type) {
   using Type = SceneLoad::Type;
@@ -164,14 +164,15 @@ void refuse_keys_of_other_types(const TomlTable& table, const std::string& what,
                 {"near", "radius", "paint", "regions"});
 }
 
-/// Reads which points a scan has.
+/// Reads the points of a scan.
 void read_scan(const TomlTable& table, const std::filesystem::path& folder, SceneLoad& load) {
   load.file = folder / table.text("file");
   load.location = table.location("file");
   if (table.has("unit")) load.unit = read_unit(table, "unit");
 }
 
-/// Checks stiffnesses, now and over time, and keeps sliders from going below 0.
+/// Checks that stiffnesses are non-negative, also over time, and limits sliders to non-negative
+/// values.
 void check_stiffness(const TomlTable& table, SceneLoad& load) {
   const auto expect_stiffness = [&](double value) {
     if (value < 0) table.fail("value", format_number(value), "a stiffness, not below 0");
@@ -249,11 +250,11 @@ SceneMotion read_motion(const TomlTable& table) {
   return motion;
 }
 
-/// That there is such a line, as far as the scene itself can tell.
+/// Checks that a line exists, as far as the scene itself determines that.
 void check_line(const Scene& scene, const LocatedString& line) {
   std::vector<std::string> names;
   for (const SceneLine& source : scene.lines) {
-    if (source.name.empty()) return;  // [[lines]]: its file knows
+    if (source.name.empty()) return;  // [[lines]]: the names are in its file
     if (is_part_of(line.text, source.name)) return;
     names.push_back(source.name);
   }
@@ -278,7 +279,7 @@ void check_lines(const Scene& scene) {
   for (const auto& move : scene.moves) check(move.line);
 }
 
-/// That each rule drives something, once, and that no two go around in a circle.
+/// Checks that each rule drives an existing parameter, without duplicates and cycles.
 void check_rules(const Scene& scene) {
   std::vector<std::string> names;
   for (const ScalarParameter& p : scene.named_values()) names.push_back(p.name);
@@ -410,7 +411,7 @@ SkinOptions::Domain read_domain(const TomlTable& table) {
                        {"ring", Domain::Annulus}});
 }
 
-/// How a region of a network is to be made. Throws InputError for a ring by its domain.
+/// Reads the options of a region. Throws InputError if `domain` is used to request an annulus.
 RegionOptions read_region_options(const TomlTable& table) {
   if (table.has("domain") && (table.text("domain") == "ring" || table.boolean("ring", false)))
     table.fail(
@@ -454,8 +455,8 @@ RegionSpec read_region(const TomlTable& table, UniqueNames& names) {
   return word;
 }
 
-/// The keys of one table that say how surfaces are found and joined. `tolerance`, `angle`: the keys of the gap tolerance
-/// and of the crease angle.
+/// Reads the keys of one table that control how faces are found and joined. `tolerance`, `crease`:
+/// names of the keys of the gap tolerance and of the crease angle.
 void read_network_keys(const TomlTable& table, const char* tolerance, const char* crease,
                        SceneNetwork& network) {
   network.location = table.location();
@@ -477,7 +478,7 @@ void read_network_keys(const TomlTable& table, const char* tolerance, const char
     table.fail("most_at_line", std::to_string(network.max_faces_per_edge), "1 to 16");
 }
 
-/// What to write instead of the table [network] of older scenes.
+/// Text that replaces the deprecated table [network].
 std::string network_required_message(const Scene& scene, const TomlTable& table,
                                      const std::vector<std::string>& keys) {
   std::string moved;
@@ -495,8 +496,9 @@ std::string network_required_message(const Scene& scene, const TomlTable& table,
          (moved.empty() ? "" : ", and write " + moved + " in [skin]");
 }
 
-/// Reads how surfaces are found and joined: keys of [skin], [[region]] and [[join]]; the table [network] of older scenes
-/// is read, too, with a note that says what to write. Throws InputError for a mistake in the tables.
+/// Reads how faces are found and joined: keys of [skin], [[region]] and [[join]]. The deprecated
+/// table [network] is accepted, with a note on its replacement. Throws InputError for errors in the
+/// tables.
 void read_network(const TomlTable& root, Scene& scene) {
   SceneNetwork network;
   const std::vector<std::string> old = {"tolerance",    "straight_angle", "most_at_line",
@@ -606,7 +608,7 @@ SceneTarget read_target(const TomlTable& table, const std::filesystem::path& fol
   return target;
 }
 
-// What [skin] fair makes impossible or leaves without effect.
+// Rejects keys that contradict [skin] fair or have no effect with it.
 void check_fair_keys(const TomlTable& root, const SceneSkin& skin) {
   using Fair = SceneSkin::Fair;
   if (skin.is_faired() && skin.boundary == SceneSkin::FixedBoundary::Corners)
@@ -670,7 +672,7 @@ SceneSweep read_sweep(const TomlTable& table, const Scene& scene, UniqueNames& f
   sweep.values = table.list("values");
   sweep.columns = table.integer("columns", 1, 0);
   sweep.picture = scene_picture(table, files);
-  // The panels of a sheet share their lines.
+  // All panels of a sheet have the same lines.
   for_each_fair_parameter(scene.fairing, [&](const std::string& name, double) {
     if (name == sweep.parameter)
       table.fail("parameter", "'" + name + "', which changes the lines",
@@ -679,7 +681,8 @@ SceneSweep read_sweep(const TomlTable& table, const Scene& scene, UniqueNames& f
   double present = 0;
   for (const Parameter& p : scene.parameters())
     if (p.name == sweep.parameter) present = p.value;
-  Scene(scene).set(sweep.parameter, present, table.at("parameter"));  // is there such a one?
+  Scene(scene).set(sweep.parameter, present, table.at("parameter"));  // throws if the parameter
+                                                                      // does not exist
   for (const double value : sweep.values)
     Scene(scene).set(sweep.parameter, value, table.at("values"));
   return sweep;

@@ -1,5 +1,5 @@
-// Functions that read a scene from one small TOML file (docs/scenes.md has every key). Big data is
-// in files of its own, which these functions do not read.
+// Reads a surface scene from a TOML file (all keys: docs/scenes.md). Large data is in separate
+// files, which these functions do not read.
 #pragma once
 
 #include <filesystem>
@@ -11,8 +11,8 @@ namespace batten {
 
 /// Reads a scene. Throws InputError: "FILE:LINE:COLUMN: found …, expected …; did you mean …?"
 Scene read_scene(const std::filesystem::path& file);
-/// Reads the same from a text. Messages name `file`; paths in the scene are relative to its folder.
-/// `lines_required`: false where a scene is being made, which has no lines at first.
+/// Parses a scene from text. `file` appears in messages, and paths are relative to its folder.
+/// `lines_required` = false accepts a scene under construction without lines.
 Scene parse_scene(const std::string& text, const std::filesystem::path& file,
                   bool lines_required = true);
 

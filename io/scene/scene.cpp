@@ -10,7 +10,7 @@
 namespace batten {
 namespace {
 
-/// Calls f with a reference to each named value that has a table of its own.
+/// Calls f with a reference to each parameter that has a table of its own.
 template <class AnyScene, class Function>
 void for_each_named(AnyScene& scene, const Function& f) {
   for (auto& load : scene.loads) f(load);
@@ -19,7 +19,7 @@ void for_each_named(AnyScene& scene, const Function& f) {
   for (auto& slider : scene.sliders) f(slider);
 }
 
-/// The one list of what can be set: calls f(name, value, min, max) with a reference to each value.
+/// Enumerates all parameters: calls f(name, value, min, max) with a reference to each value.
 template <class AnyScene, class Function>
 void for_each_parameter(AnyScene& scene, const Function& f) {
   for_each_named(scene, [&](auto& p) { f(p.name, p.value, p.min, p.max); });
@@ -68,7 +68,7 @@ std::vector<ScalarParameter> Scene::named_values() const {
     p.max = max;
     list.push_back(p);
   });
-  size_t i = 0;  // named values come first, in the same order
+  size_t i = 0;  // parameters with their own table come first, in the same order
   for_each_named(*this, [&](const ScalarParameter& p) { list[i++].keyframes = p.keyframes; });
   for (const SceneRule& rule : rules)
     for (ScalarParameter& p : list) {
@@ -88,7 +88,7 @@ std::vector<Parameter> Scene::parameters() const {
   const std::vector<ScalarParameter> values = named_values();
   for (ScalarParameter p : values) {
     p.rule_terms.clear();
-    // What a rule drives needs no value of its own.
+    // The value of a driven parameter is not used, so it may be out of range.
     p.value = std::clamp(p.value, p.min, p.max);
     all.add(std::move(p));
   }

@@ -25,7 +25,7 @@ CharacterLine::MeshAlignment read_mesh_alignment(const TomlTable& table) {
                        {"embedded", MeshAlignment::Embedded}});
 }
 
-// corners = [3, 7], "none" or "all".
+// Reads corners = [3, 7], "none" or "all".
 std::optional<std::vector<int>> read_corners(const TomlTable& table, const SceneLine& line) {
   if (!table.has("corners")) return std::nullopt;
   if (line.points.empty() && line.file.empty())
@@ -50,7 +50,7 @@ std::optional<std::vector<int>> read_corners(const TomlTable& table, const Scene
   return corners;
 }
 
-// Reads what shape the line has; returns the key that says it.
+// Reads the shape of a line; the result is the key that defines it.
 std::string read_shape(const TomlTable& table, const std::filesystem::path& folder,
                        SceneLine& line) {
   std::vector<std::string> found;
@@ -159,7 +159,8 @@ Vec3 vector_or(const TomlTable& table, const std::string& key, const Vec3& fallb
   return table.has(key) ? table.vector(key) : fallback;
 }
 
-// centre, normal, x: the plane of a curve; without x the x of space, or its y seen along that.
+// Reads the plane of a curve: centre, normal, x. The default of x is the global x axis, or y if the
+// normal is parallel to x.
 CurvePlane read_plane(const TomlTable& table) {
   const Vec3 normal = vector_or(table, "normal", Vec3::UnitZ());
   const bool along_x = normal.cross(Vec3::UnitX()).norm() < 1e-6 * normal.norm();
@@ -228,7 +229,7 @@ std::shared_ptr<const InputCurve> spline(const TomlTable& table) {
   return nurbs_curve(t.integer("degree", 1, 3), t.points("poles"), list("weights"), list("knots"));
 }
 
-// What the kernel refuses gets the place of the word.
+// Adds the location of the key to exceptions of the kernel.
 template <class Make>
 auto placed_at(const TomlTable& table, const std::string& key, const Make& make) {
   try {

@@ -1,4 +1,4 @@
-// Reads [[line]] and [[lines]] of any kind of scene. Internal.
+// Reads [[line]] and [[lines]] of all kinds of scenes.
 #pragma once
 
 #include <filesystem>
@@ -12,29 +12,30 @@
 
 namespace batten {
 
-/// Keys that [[line]] and [[lines]] may have; `roles` as in read_scene_lines().
+/// Permitted keys of [[line]] and [[lines]]; `roles` as in read_scene_lines().
 std::vector<std::string> line_keys(bool roles);
 std::vector<std::string> lines_keys(bool roles);
 
-/// Reads all lines of a scene. `roles`: whether lines of this kind of scene have a role (outline,
-/// hole, inner) and a treatment. `folder`: where paths begin. Throws InputError, also when there is
-/// no line and one is required.
+/// Reads all lines of a scene. `roles`: true if lines of this kind of scene have a role (outline,
+/// hole, inner) and a mesh alignment. `folder`: base of relative paths. Throws InputError, also if
+/// there is no line although `required` is set.
 std::vector<SceneLine> read_scene_lines(const TomlTable& root, const std::filesystem::path& folder,
                                         bool roles, bool required = true);
 
 
-// Words for curves in scenes: arc, circle, ellipse, helix, rectangle, spline, and copies.
+// Shape keys of curves: arc, circle, ellipse, helix, rectangle, spline; and copies.
 
-/// The keys of a [[line]] that describe its shape, files and points among them; it has one of them.
+/// The keys that define the shape of a [[line]], including files and points; each line has exactly
+/// one.
 const std::vector<std::string>& shape_keys();
-/// The curve that one of the words arc, circle, ellipse, helix, rectangle, spline and bezier of
-/// this table describes. Throws InputError with its place.
+/// Reads the curve of a shape key of this table: arc, circle, ellipse, helix, rectangle, spline or
+/// bezier. Throws InputError with its location.
 std::shared_ptr<const InputCurve> read_curve(const TomlTable& table, const std::string& word);
 
-/// The keys that say where a copy lies: scale, turn, mirror, move.
+/// The keys that transform a copy: scale, turn, mirror, move.
 const std::vector<std::string>& placement_keys();
-/// Where the copy lies: scaled first, then turned, mirrored, moved. Throws InputError with the
-/// place; none of them given.
+/// Reads the transform of a copy: scaling first, then rotation, mirroring and translation. Throws
+/// InputError, with the location, also if none of them is given.
 AffineTransform read_placement(const TomlTable& table);
 
 }  // namespace batten

@@ -89,7 +89,7 @@ toml::table parse_toml(const std::string& text, const std::filesystem::path& fil
 
 namespace {
 
-/// A number with as few digits as it takes; other values as toml++ writes them.
+/// A number with the fewest digits that read back exactly; other values as toml++ writes them.
 template <class Value>
 std::string value_to_toml(const Value& value) {
   if constexpr (std::is_same_v<Value, toml::value<double>>)
@@ -217,7 +217,7 @@ std::vector<long> read_labels(const TomlTable& table, const std::string& key) {
   return labels;
 }
 
-/// Reads what features are proposed.
+/// Reads the options of feature detection.
 void read_proposals(const TomlTable& root, FeatureDetectionOptions& o) {
   for (const TomlTable& t : root.table(
            "proposals", {"crease_degrees", "rim_rings", "rim_width", "outer_loops", "nested"})) {
@@ -231,7 +231,7 @@ void read_proposals(const TomlTable& root, FeatureDetectionOptions& o) {
   }
 }
 
-/// Reads selections and cuts, which share their names.
+/// Reads selections and cuts, which share one namespace.
 void read_selections(const TomlTable& root, const std::filesystem::path& folder,
                      SceneSelections& scene) {
   UniqueNames selections("selection");
@@ -243,7 +243,7 @@ void read_selections(const TomlTable& root, const std::filesystem::path& folder,
                   scene.cuts, read_cut);
 }
 
-/// Reads form features: one by one, and many of a kind.
+/// Reads form features, single ones and several of one kind.
 std::vector<FeatureSpec> read_features(const TomlTable& root, UniqueNames& taken) {
   std::vector<FeatureSpec> features;
   for (const TomlTable& t : root.tables("feature", {"name", "vertices", "keep"})) {

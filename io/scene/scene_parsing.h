@@ -1,4 +1,4 @@
-// Functions that all readers of scenes share. Internal.
+// Functions shared by all scene readers.
 #pragma once
 
 #include <toml++/toml.h>
@@ -14,11 +14,12 @@
 
 namespace batten {
 
-/// The names of one kind of thing in a scene; `kind` is the word for it in messages.
+/// Checks that names are unique within one kind of object in a scene. `kind` is its name in
+/// messages.
 class UniqueNames {
  public:
   explicit UniqueNames(std::string kind) : kind_(std::move(kind)) {}
-  /// Adds the name that `key` of the table gives. Throws InputError when it was added before.
+  /// Adds the name given by `key` of the table. Throws InputError for a duplicate.
   void add(const TomlTable& table, const std::string& key, const std::string& name) {
     const auto [it, added] = lines_.emplace(name, table.location(key).line);
     if (!added)
@@ -27,8 +28,9 @@ class UniqueNames {
                      std::to_string(it->second) + ")",
                  "a " + kind_ + " of its own");
   }
+  /// True if the name was added before.
   bool has(const std::string& name) const { return lines_.count(name) > 0; }
-  /// Reads all tables of a kind into a list, each under a name of its own.
+  /// Reads all tables of a kind into a list, and checks that their names are unique.
   template <class Thing, class Read>
   void read(const TomlTable& root, const std::string& key, std::vector<std::string> keys,
             std::vector<Thing>& list, const Read& read_one) {
@@ -43,48 +45,52 @@ class UniqueNames {
   std::map<std::string, int> lines_;
 };
 
-/// A part of a scene in one line, as a person would write it: a table in braces, numbers with as few
-/// digits as it takes. The same for the same values, to the last digit.
+/// Formats a part of a scene on one line of TOML: tables as inline tables, numbers with the fewest
+/// digits that read back exactly. Equal values give equal text.
 std::string to_toml(const toml::node& part);
 
-/// Keys that [skin] and [output] may have.
+/// Permitted keys of [skin] and of [output].
 const std::vector<std::string>& skin_keys();
 const std::vector<std::string>& output_keys();
 
-/// Reads a length unit. Throws InputError, with the nearest unit, for another word.
+/// Reads a length unit. Throws InputError, with the nearest unit as a suggestion, for an unknown
+/// one.
 std::string read_unit(const TomlTable& table, const std::string& key);
 
-/// Reads the name of an output file and adds it to `files`. Throws InputError: a name with folders,
-/// an ending that is not in `endings`, a name that is in `files` already.
+/// Reads the name of an output file and adds it to `files`. Throws InputError for a name with
+/// folders, an extension that is not in `endings`, or a name that is already in `files`.
 std::string output_file(const TomlTable& table, const std::string& key, UniqueNames& files,
                         const std::vector<std::string>& endings);
 
-/// Reads the keys view = [azimuth, elevation] (degrees) and size = [width, height] (pixels) of a
-/// picture. Values without a key keep what they were. Throws InputError.
+/// Reads view = [azimuth, elevation] (degrees) and size = [width, height] (pixels) of a picture.
+/// Arguments without a key keep their values. Throws InputError.
 void read_view(const TomlTable& table, double& azimuth, double& elevation, PictureSize& size);
 
-/// A range in words: "from 0 to 10", "from 0 up", "up to 10". One of its ends is finite.
+/// A range as text: "from 0 to 10", "from 0 up", "up to 10". At least one end is finite.
 std::string format_range(double min, double max);
 
-/// Parses a TOML text; messages name `file`. Throws InputError: an empty text, a text that is not
-/// TOML, or nested too deeply (check_nesting_depth).
+/// Parses TOML text; `file` appears in messages, `expected` says what the text should be. Throws
+/// InputError if the text is empty, is not TOML, or is nested too deeply (check_nesting_depth).
 toml::table parse_toml(const std::string& text, const std::filesystem::path& file,
                        const std::string& expected);
 
 
-// Functions by which scenes read selections and features. Internal.
+// Reading of selections and features.
 
+/// Reads a string with its location in the file.
 LocatedString read_string(const TomlTable& table, const std::string& key);
-/// Whole numbers of nodes. Throws InputError for others.
+/// Converts a number to a node label. Throws InputError if it is not an integer.
 long read_label(const TomlTable& table, const std::string& key, double value);
+/// Reads a list of node labels. Throws InputError like read_label().
 std::vector<long> read_labels(const TomlTable& table, const std::string& key);
 
-/// [proposals]: what features are proposed.
+/// Reads [proposals]: options of the automatic feature detection.
 void read_proposals(const TomlTable& root, FeatureDetectionOptions& options);
-/// [[select]] and [[cut]], which share their names. Files are relative to `folder`.
+/// Reads [[select]] and [[cut]], which share one namespace. Files are relative to `folder`.
 void read_selections(const TomlTable& root, const std::filesystem::path& folder,
                      SceneSelections& scene);
-/// [[feature]] one by one, and [[features]], many of a kind. `taken`: names that are taken.
+/// Reads [[feature]] (a single feature) and [[features]] (several of one kind). `taken`: names
+/// already in use.
 std::vector<FeatureSpec> read_features(const TomlTable& root, UniqueNames& taken);
 
 }  // namespace batten

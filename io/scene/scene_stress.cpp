@@ -106,7 +106,7 @@ void read_material(const TomlTable& table, const std::string& unit, SceneStress&
   if (unit == "m") {
     stress.young = m.young;
     stress.density = m.density;
-  } else if (unit == "mm") {  // N and t
+  } else if (unit == "mm") {  // forces in N, masses in t
     stress.young = 1e-6 * m.young;
     stress.density = 1e-12 * m.density;
   } else {
@@ -115,7 +115,7 @@ void read_material(const TomlTable& table, const std::string& unit, SceneStress&
   }
 }
 
-// box = [[x, y, z], [x, y, z]]: two opposite corners, in any order.
+// Reads box = [[x, y, z], [x, y, z]]: two opposite corners, in any order.
 std::optional<Box3> read_box(const TomlTable& t) {
   if (!t.has("box")) return {};
   const std::vector<Vec3> corners = t.points("box");
@@ -126,7 +126,8 @@ std::optional<Box3> read_box(const TomlTable& t) {
   return box;
 }
 
-// {foundation = k, region = "…"}, or {spring = [kx, ky, kz]} with a line, a point, or a region.
+// Reads {foundation = k, region = "…"}, or {spring = [kx, ky, kz]} with a line, a point, or a
+// region.
 void read_elastic(const TomlTable& t, SceneStress::Support& support) {
   support.kind = SceneStress::Support::Kind::Elastic;
   for (const char* key : {"kind", "directions", "normal", "rotation", "displacement"})
@@ -266,7 +267,7 @@ SceneStress::Thickness read_thickness(const TomlTable& t) {
   return thickness;
 }
 
-// `pressure`, `pressures` and `gravity`: loads of the usual case, in short.
+// Reads the short forms `pressure`, `pressures` and `gravity`: loads of the default load case.
 void read_short_loads(const TomlTable& table, SceneStress& stress) {
   using Load = SceneStress::Load;
   const auto add = [&](Load::Type type, const SourceLocation& location) -> Load& {

@@ -16,7 +16,7 @@ bool is_header(const toml::node& node, const std::string& text, size_t at) {
   return node.is_table() && !node.as_table()->is_inline() && at < text.size() && text[at] == '[';
 }
 
-/// Throws InputError unless `key = value` says one thing and no more.
+/// Throws InputError unless `key = value` is exactly one TOML assignment.
 void require_one(const std::string& key, const std::string& value,
                  const std::filesystem::path& file) {
   const toml::table one = parse_toml(key + " = " + value, file, "a value");
@@ -25,19 +25,19 @@ void require_one(const std::string& key, const std::string& value,
                      ", expected one key and its value");
 }
 
-/// The length of a character of UTF-8 by its first byte.
+/// Length in bytes of a UTF-8 character, from its first byte.
 size_t bytes_of_character(unsigned char first) {
   return first < 0x80 ? 1 : first < 0xE0 ? 2 : first < 0xF0 ? 3 : 4;
 }
 
 }  // namespace
 
-/// A part of the text, in bytes.
+/// A byte range of the text.
 struct SceneText::Span {
   size_t from = 0, to = 0;
 };
 
-/// The text as toml++ reads it, and where things are in it.
+/// The parsed text with source positions.
 struct SceneText::Parsed {
   Parsed(const std::string& scene_text, const std::filesystem::path& file)
       : text(scene_text), root(parse_toml(text, file, "a scene")) {
@@ -60,8 +60,8 @@ struct SceneText::Parsed {
   struct Table {
     SceneTable name;
     const toml::table* node;
-    Span span;      // of its header, or of all of a table in braces
-    bool header{};  // [KIND] or [[KIND]]
+    Span span;      // of its header, or of a whole inline table
+    bool header{};  // true: [KIND] or [[KIND]]
   };
 
   static const toml::array* tables_in(const toml::node& node) {
@@ -69,8 +69,8 @@ struct SceneText::Parsed {
     return list && !list->empty() && list->is_homogeneous(toml::node_type::table) ? list : nullptr;
   }
 
-  /// Adds a table; `number` stands for the name of one without, "" where there is one of its kind.
-  /// Those of lists inside, [[edit.handle]], follow with its name before theirs.
+  /// Adds a table. `number` replaces a missing name; it is empty for tables that occur once. Nested
+  /// tables such as [[edit.handle]] follow, with `outer` as a prefix.
   void add(const std::string& kind, const std::string& number, const toml::node& node,
            const std::string& outer = "") {
     const toml::table& table = *node.as_table();
@@ -103,7 +103,7 @@ struct SceneText::Parsed {
     const size_t end = text.rfind('\n', at == 0 ? 0 : at - 1);
     return at == 0 || end == std::string::npos ? 0 : end + 1;
   }
-  /// Behind the end of the line.
+  /// Offset after the end of the line.
   size_t line_end(size_t at) const {
     const size_t end = text.find('\n', at);
     return end == std::string::npos ? text.size() : end + 1;
@@ -135,7 +135,7 @@ struct SceneText::Parsed {
     return is_header(*list.get(0), text, span_of(*list.get(0)).from);
   }
 
-  /// The last place that belongs to a table: behind its last value, and those of tables inside it.
+  /// End of a table's content: after its last value and those of nested tables.
   size_t content_end(const toml::table& table, size_t at) const {
     for (const auto& [key, node] : table) {
       at = std::max(at, span_of(node).to);
@@ -145,7 +145,7 @@ struct SceneText::Parsed {
     }
     return at;
   }
-  /// Behind the last value of the table's own; `at` when there is none.
+  /// Offset after the last value of the table itself; `at` if there is none.
   size_t own_end(const toml::table& table, size_t at) const {
     for (const auto& [key, node] : table) {
       const Span span = span_of(node);
@@ -156,7 +156,7 @@ struct SceneText::Parsed {
     }
     return at;
   }
-  /// A key and its value.
+  /// Spans of a key and of its value.
   std::optional<std::pair<Span, Span>> entry(const toml::table& table,
                                              const std::string& key) const {
     const auto found = table.find(key);
@@ -168,7 +168,7 @@ struct SceneText::Parsed {
 
   const std::string& text;
   toml::table root;
-  std::vector<size_t> lines;  // where they begin
+  std::vector<size_t> lines;  // offsets of the lines
   std::vector<Table> tables;
 };
 
@@ -296,7 +296,7 @@ void SceneText::erase(const SceneTable& table, const std::string& key) {
     const size_t comma = text_.find_last_not_of(" \t", from - 1);
     if (const size_t next = behind_blanks(to); text_[next] == ',')
       to = behind_blanks(next + 1);
-    else if (text_[comma] == ',')  // the last one
+    else if (text_[comma] == ',')  // last element
       from = comma;
     return splice(from, to, "");
   }
@@ -353,7 +353,7 @@ void SceneText::remove(const SceneTable& table) {
   while (to < text_.size() && text_.find_first_not_of(" \t\r", to) != std::string::npos &&
          text_[text_.find_first_not_of(" \t\r", to)] == '\n')
     to = parsed.line_end(to);
-  if (to == text_.size())  // the last one: no blank lines at the end
+  if (to == text_.size())  // last table: no blank lines at the end
     while (from > 0 && parsed.line_start(from - 1) == from - 1) --from;
   splice(from, to, "");
 }
@@ -376,15 +376,15 @@ void SceneText::set_rotation(const SceneTable& handle, const std::string& number
           "], degrees = " + word(degrees) + " }");
 }
 
-// A handle moves by a list and a table in braces, which may both be missing.
+// A handle's motion is stored in a list and an inline table; both may be missing.
 bool SceneText::set_of_handle(const std::string& handle, const std::string& number, double value) {
   for (const SceneTable& name : names_) {
-    const SceneTable table = name;                     // names_ changes with the text
-    const bool unnamed = table.name.starts_with('#');  // edit-1 is the name that it goes by
+    const SceneTable table = name;                     // a copy: names_ changes with the text
+    const bool unnamed = table.name.starts_with('#');  // an unnamed handle is called edit-1
     if (table.kind != "edit.handle" ||
         (unnamed ? "edit-" + table.name.substr(1) : table.name) != handle)
       continue;
-    // What a handle does without being told is not written.
+    // Default values are not written.
     if (number == "scale") {
       if (value != 1 || !this->value(table, number).empty()) set(table, number, word(value));
     } else if (number.size() == 1) {
@@ -463,7 +463,7 @@ std::string SceneText::toml_string_list(const std::vector<std::string>& texts) {
 namespace {
 
 constexpr const char* kActing[] = {"load", "weight", "move", "constraint", "parameter"};
-/// What is made of a shape, and does not change it.
+/// Tables that use the shape without changing it.
 constexpr const char* kMadeOf[] = {"motion", "picture", "sweep", "output",
                                    "stress", "compare", "name"};
 
@@ -495,7 +495,7 @@ SceneDependencies scene_dependencies(const SceneText& scene) {
   if (toml::table* skin = root["skin"].as_table()) {
     for (const char* key : {"alpha", "beta"}) erase_number(*skin, key);
     if (const auto boundary = (*skin)["hold"].value<std::string>())
-      parts.session_parts["skin hold"] = *boundary;  // a session's own
+      parts.session_parts["skin hold"] = *boundary;  // affects the session only
   }
   parts.model = to_toml(root);
   root.erase("skin");

@@ -1,4 +1,4 @@
-// The text of a scene file, changed as a person would change it.
+// Edits the text of a scene file in place, preserving its layout and comments.
 #pragma once
 
 #include <filesystem>
@@ -9,66 +9,68 @@
 
 namespace batten {
 
-/// Names one table of a scene. [skin] is {"skin", ""}; of [[load]] the one named "push" is {"load",
-/// "push"}; those without a name go by their number among their kind, {"join", "#2"} is the second.
-/// {} is the top of the file. A table in a list of another one, [[edit.handle]], has the names of
-/// both: {"edit.handle", "edit 1.right"}.
+/// Identifies one table of a scene. [skin] is {"skin", ""}; the [[load]] named "push" is {"load",
+/// "push"}. Unnamed tables are identified by their position: {"join", "#2"} is the second [[join]].
+/// {} is the top level of the file. A nested table such as [[edit.handle]] combines both names:
+/// {"edit.handle", "edit 1.right"}.
 struct SceneTable {
   std::string kind = {}, name = {};
   bool operator==(const SceneTable&) const = default;
 };
 
-/// A scene's text, and edits that touch what they change and nothing else: comments, order, blanks
-/// and line ends of all the rest stay.
+/// The text of a scene, with edits that change only the affected characters. Comments, order,
+/// blanks and line ends of everything else stay.
 ///
-/// Values are given as TOML writes them: `"text"`, `[0, 0, 1]`, `{ point = [1, 2, 3] }`. Whether a
-/// key suits its table is for parse_scene() to say. Each edit either happens or throws InputError
-/// ("FILE:LINE:COLUMN: …") and leaves the text as it was: a value that is not TOML, a table or key
-/// that is not there. Tables in braces, `load = [{ … }]`, can be changed too. O(bytes) each.
+/// Values are given as TOML: `"text"`, `[0, 0, 1]`, `{ point = [1, 2, 3] }`. parse_scene() checks
+/// whether a key is valid in its table. An edit that fails throws InputError ("FILE:LINE:COLUMN:
+/// …") and leaves the text unchanged; reasons are a value that is not TOML, or an unknown table or
+/// key. Inline tables, `load = [{ … }]`, can be edited too. Cost: O(bytes) per edit.
 class SceneText {
  public:
-  /// `file` is named in messages only. Throws InputError for a text that is not TOML.
+  /// `file` is used in messages only. Throws InputError if the text is not TOML.
   explicit SceneText(std::string text, std::filesystem::path file = {});
 
+  /// The current text.
   const std::string& text() const { return text_; }
-  /// The tables in the order of the file, and those of lists inside of others, [[edit.handle]].
+  /// The tables in file order, including nested ones such as [[edit.handle]].
   const std::vector<SceneTable>& tables() const { return names_; }
+  /// True if the table exists.
   bool has(const SceneTable& table) const;
-  /// A key and its value as it stands in the text.
+  /// A key and its value, as in the text.
   using Value = std::pair<std::string, std::string>;
-  /// The keys of a table as the file has them.
+  /// The keys and values of a table, in file order.
   std::vector<Value> values(const SceneTable& table) const;
-  /// Those of all tables, the top first.
+  /// The keys and values of all tables, top level first.
   std::vector<std::pair<SceneTable, std::vector<Value>>> all_values() const;
-  /// A value as it stands in the text; "" for a key that is not there.
+  /// A value as in the text; empty if the key does not exist.
   std::string value(const SceneTable& table, const std::string& key) const;
 
-  /// The texts of a list of texts, or of one text alone; none for other values.
+  /// The elements of a list of strings, or a single string; empty for other values.
   std::vector<std::string> words(const SceneTable& table, const std::string& key) const;
 
-  /// Replaces the value of a key, or adds the key behind the last of its table. A table of the form
-  /// [KIND] that is missing is added first.
+  /// Replaces the value of a key, or adds the key after the last one of its table. A missing table
+  /// [KIND] is created first.
   void set(const SceneTable& table, const std::string& key, const std::string& value);
-  /// Replaces one value of a list, counted from 0.
+  /// Replaces one element of a list; `item` is 0-based.
   void set_item(const SceneTable& table, const std::string& key, int item,
                 const std::string& value);
-  /// Removes a key with its value.
+  /// Removes a key and its value.
   void erase(const SceneTable& table, const std::string& key);
-  /// Adds a table [[KIND]] behind the last of its kind, or at the end, from the text of a table in
-  /// braces: `{ name = "push", type = "point", … }`; [[edit.handle]] belongs to the last [[edit]];
-  /// "[stress]" as a kind makes the one table [stress].
-  /// Returns the name it goes by.
+  /// Adds a table [[KIND]] after the last one of its kind, or at the end of the file. `table` is
+  /// its text as an inline table: `{ name = "push", type = "point", … }`. An [[edit.handle]] is
+  /// added to the last [[edit]]. The kind "[stress]", with brackets, creates the single table
+  /// [stress]. The result identifies the new table.
   SceneTable add(const std::string& kind, const std::string& table);
-  /// Removes a table and the comments right above it.
+  /// Removes a table and the comments directly above it.
   void remove(const SceneTable& table);
-  /// Writes the value of a parameter (Scene::parameters()) where the scene states it. A value over
-  /// time becomes a constant.
+  /// Writes the value of a parameter (Scene::parameters()) at its location in the scene. A
+  /// time-dependent value becomes constant.
   void set_parameter(const std::string& parameter, double value);
 
-  /// A number as the shortest text that reads back as the same number, and a text in quotes.
+  /// TOML text of a number (the shortest that reads back exactly) and of a string (quoted).
   static std::string word(double value);
   static std::string word(const std::string& text);
-  /// Values as a list, and texts as a list of texts.
+  /// TOML text of a list of values, and of a list of strings.
   static std::string list(const std::vector<std::string>& values);
   static std::string toml_string_list(const std::vector<std::string>& texts);
 
@@ -85,20 +87,21 @@ class SceneText {
 };
 
 
-// What in a scene's text decides what: whether an edit needs a new model, a new session, or values only.
+// Parts of a scene's text that determine whether an edit requires a new model, a new session, or
+// only new values.
 
-/// The parts of a scene's text that decide what is made of it, without comments and layout.
+/// The parts of a scene that determine its results, normalised without comments and layout.
 struct SceneDependencies {
-  /// Lines, network and skin: two texts with the same `model` have the same model.
+  /// Lines, network and skin: texts with equal `model` have the same model.
   std::string model;
-  /// The same without [skin].
+  /// Like `model`, but without [skin].
   std::string lines;
-  /// Each load, weight, move, constraint and [[parameter]] by "KIND NAME", without its value: two
-  /// texts with the same `session_parts` differ in values of live parameters at most.
+  /// Each load, weight, move, constraint and [[parameter]], by "KIND NAME" and without its value.
+  /// Texts with equal `session_parts` differ at most in the values of parameters.
   std::map<std::string, std::string> session_parts;
 };
 
-/// The parts of a scene. alpha and beta are values where they are numbers. O(bytes).
+/// Extracts these parts. alpha and beta count as values if they are numbers. Cost: O(bytes).
 SceneDependencies scene_dependencies(const SceneText& scene);
 
 }  // namespace batten

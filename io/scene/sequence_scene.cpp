@@ -199,7 +199,7 @@ SequenceOperation::Morph read_morph(const TomlTable& t, const std::filesystem::p
   return step;
 }
 
-/// Keys of each kind of step beside those of all.
+/// Keys of each kind of step, in addition to the common keys.
 const std::vector<std::pair<std::string, std::vector<std::string>>> kKinds{
     {"keyframes", {"keyframe"}},
     {"travel", {"cycles", "along", "speed", "feet"}},
@@ -209,7 +209,7 @@ const std::vector<std::pair<std::string, std::vector<std::string>>> kKinds{
     {"mix", {"source", "pair", "turns", "align"}},
     {"morph", {"target", "interval", "frames", "align", "landmark"}}};
 
-/// Keys of steps that hold handles.
+/// Keys of steps that solve for handle positions.
 const std::vector<std::string> kHoldingKeys{"fixed",     "weights",      "rounds", "tolerance",
                                             "start",     "trajectories", "ends",   "rounds_between",
                                             "influence", "softness",     "volume", "every"};
@@ -244,7 +244,7 @@ void read_step_options(const TomlTable& t, SequenceOperation& step) {
   step.keyframe_interval = t.integer("every", 1, 1);
 }
 
-/// What only steps that hold handles use is refused in others: it would do nothing.
+/// Rejects options that would have no effect in this kind of step.
 void refuse_options(const TomlTable& t, const std::string& kind, const SequenceOperation& step) {
   const auto* path = std::get_if<SequenceOperation::Path>(&step.what);
   const bool holds = !(kind == "travel" || kind == "morph" || (path && path->feet.empty()));
@@ -359,7 +359,7 @@ SequenceScene sequence_scene(const toml::table& root_table, const std::filesyste
       t.fail("frames", quoted_excerpt(scene.frames_out),
              "a name in the output folder, or one folder and a name: frames/walk_*.obj");
     try {
-      SequenceWriter::check_name(path);  // before the steps, which may take hours
+      SequenceWriter::check_name(path);  // checked before the steps, which may take hours
     } catch (const InputError& e) {
       throw InputError(scene.at(t.location("frames")) + e.what());
     }

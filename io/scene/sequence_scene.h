@@ -1,5 +1,5 @@
-// A sequence scene is one small TOML file that says how to edit a deforming mesh (docs/sequence.md
-// has every key). These functions read the scene only; the frames have files of their own.
+// Sequence scenes: TOML files that edit a deforming mesh (all keys: docs/sequence.md). These
+// functions read the scene file only, not the frames.
 #pragma once
 
 #include <array>
@@ -19,148 +19,163 @@
 
 namespace batten {
 
-/// Frames of a file: [sequence], and further sequences in steps.
+/// Frames from a file: [sequence], and further sequences used by steps.
 struct SequenceSource {
   std::filesystem::path path;
   SourceLocation location;
   SequenceOptions options;
 };
 
-/// [[handle]]: a part of the mesh that steps move; its name stands for its vertices.
+/// [[handle]]: a named part of the mesh that steps move.
 struct SequenceHandle {
   std::string name;
   SourceLocation location;
   std::vector<LocatedString> vertices;
-  LocatedString parent;  ///< another handle that it hangs on, for filters; "": the whole mesh
+  LocatedString parent;  ///< parent handle, for filters; empty: the whole mesh
 };
 
 /// A keyframe of a step: handles moved in one frame.
 struct KeyframeSpec {
-  int frame = 1;  ///< counted from 1, as all frames in scenes are
+  int frame = 1;  ///< 1-based, like all frame numbers in scenes
   SourceLocation location;
+  /// Motion of a handle: rotation by `degrees` about `axis`, then translation.
   struct Move {
     LocatedString handle;
     Vec3 translate = Vec3::Zero(), axis = Vec3::UnitZ();
     double degrees = 0;
-    std::optional<Vec3> about;  ///< centre of the turn; none: the handle's centroid in the frame
+    std::optional<Vec3> about;  ///< centre of rotation; empty: the handle's centroid in the frame
     bool free_rotation = false;
   };
   std::vector<Move> moves;
 };
 
-/// How feet that stay put are found.
+/// Options of foot contact detection.
 struct FootContactSearch {
   double max_spread = 0;  ///< model units; 0: a hundredth of the size
   int frames = 3;
 };
 
-/// One [[step]], which works on the result of the step before.
+/// One [[step]]; it operates on the result of the previous step.
 struct SequenceOperation {
   std::string name;
   SourceLocation location;
-  std::vector<LocatedString> fixed;  ///< nodes that stay where each frame has them
+  std::vector<LocatedString> fixed;  ///< nodes that keep their position in each frame
   SequenceEditOptions options;
   std::optional<double> penalty_weight;
   bool preserve_volume = false;
-  int keyframe_interval = 1;  ///< told frames: every so many one is a keyframe, the others follow
+  int keyframe_interval = 1;  ///< prescribed frames: every n-th frame is a keyframe, the others
+                              ///< follow
 
+  /// User-defined keyframes.
   struct Keyframes {
     std::vector<KeyframeSpec> keys;
   };
+  /// Root motion: the sequence is repeated as a cycle and moves along a direction.
   struct RootMotion {
     int cycles = 1;
     Vec3 along = Vec3::UnitX();
-    std::optional<double> speed;      ///< model units a frame; none: that of the foot that stands
-    std::vector<LocatedString> feet;  ///< for that
+    std::optional<double> speed;      ///< model units per frame; empty: the speed of the standing
+                                      ///< foot
+    std::vector<LocatedString> feet;  ///< feet that determine the speed
   };
+  /// Foot contacts: planted feet are kept in place, shifted, or put on a terrain.
   struct FootContacts {
     std::vector<LocatedString> feet;
     FootContactSearch search;
     Vec3 translation = Vec3::Zero();
-    std::filesystem::path terrain;  ///< a mesh; "": none
+    std::filesystem::path terrain;  ///< a mesh; empty: none
     SourceLocation terrain_location;
-    std::vector<LocatedString>
-        unrotated;                    ///< handles that go with the mean of the feet and do not turn
-    std::optional<double> clearance;  ///< none: as high above the ground as before
-    double ground = 0;                ///< height of the ground before, along up
+    /// Handles that follow the mean of the feet without rotating.
+    std::vector<LocatedString> unrotated;
+    std::optional<double> clearance;  ///< empty: the clearance above the ground is kept
+    double ground = 0;                ///< height of the original ground, along `up`
     bool rotations = false;
   };
+  /// Motion along a path on the ground.
   struct Path {
     std::vector<Vec3> through;
     int spans = 0;
     PathLengths lengths = PathLengths::Absolute;
     std::vector<LocatedString> feet;
-    std::vector<LocatedString> unrotated;  ///< handles that stay on their way, whatever the feet do
+    std::vector<LocatedString> unrotated;  ///< handles that stay on the path, independently of the
+                                           ///< feet
     FootContactSearch search;
   };
+  /// Low-pass, high-pass or cartoon filter of handle trajectories.
   struct Filter {
     enum class Kind { Low, High, Cartoon } kind = Kind::Cartoon;
     std::vector<LocatedString> handles;
-    double sigma = 2;  ///< frames
+    double sigma = 2;  ///< standard deviation of the Gaussian, in frames
     double amount = 1;
-    std::vector<LocatedString> feet;  ///< whose footprints stay as they are
+    std::vector<LocatedString> feet;  ///< feet whose contacts are preserved
     FootContactSearch search;
   };
+  /// Transfers motion from another sequence.
   struct Mix {
     SequenceSource source;
-    std::vector<SelectionSpec> selections;  ///< on the mesh of the source
+    std::vector<SelectionSpec> selections;  ///< selections on the mesh of the source
     struct Pair {
-      LocatedString handle;  ///< of this sequence
-      LocatedString from;    ///< a selection of the source; "": nodes of the same numbers
+      LocatedString handle;  ///< handle of this sequence
+      LocatedString from;    ///< a selection of the source; empty: nodes with the same numbers
     };
     std::vector<Pair> pairs;
-    bool rotations = true;  ///< rotations carried along; false: places only
-    /// How the source's trajectories are laid over those of the handles.
+    bool rotations = true;  ///< true: transfer rotations; false: positions only
+    /// How the source's trajectories are aligned with those of the handles.
     enum class Align {
-      All,   ///< by one similarity for all pairs, about up
-      Each,  ///< each pair by one of its own
-      Shift  ///< each pair by a shift alone: for handles that hardly move by themselves
+      All,   ///< one similarity about `up`, common to all pairs
+      Each,  ///< one similarity per pair
+      Shift  ///< one translation per pair: for handles with little motion of their own
     } align = Align::All;
   };
+  /// Morphs into another sequence.
   struct Morph {
     SequenceSource target;
-    MorphOptions options;  ///< intervals counted from 0; last -1: the last frame
+    MorphOptions options;  ///< 0-based intervals; last = -1: the last frame
     struct Landmark {
-      Vec3 from, to;  ///< places of the first frames of both intervals
+      Vec3 from, to;  ///< positions in the first frame of each interval
     };
-    std::vector<Landmark> landmarks;  ///< none: the meshes have the same faces
+    std::vector<Landmark> landmarks;  ///< empty: both meshes have the same faces
     TargetFitOptions fit;
   };
   std::variant<Keyframes, RootMotion, FootContacts, Path, Filter, Mix, Morph> what;
 };
 
-/// [[picture]]: some frames side by side, or all of them as an animation.
+/// [[picture]]: some frames side by side, or all frames as an animation.
 struct SequencePicture {
   std::string file, title;
   enum class Show { Before, After, Both } show = Show::Both;
-  int frames = 6;         ///< of a sheet; 0: all, of an animation
-  bool together = false;  ///< all of them in one picture, where they are
+  int frames = 6;         ///< frames of a sheet; 0: all, as an animation
+  bool together = false;  ///< true: all frames in one picture, at their positions
   bool mesh = false;
   double azimuth = -30, elevation = 20, zoom = 1;
-  double seconds = 0.05;  ///< a frame of an animation
+  double seconds = 0.05;  ///< duration of a frame in an animation
   PictureSize size;
 };
 
+/// Contents of a sequence scene.
 struct SequenceScene : SceneSelections {
   SequenceSource source;
   int up = 2;  ///< axis that points upwards, 0 (x) to 2 (z)
   std::vector<SequenceHandle> handles;
   std::vector<FeatureSpec> features;
   std::vector<SequenceOperation> steps;
-  std::string frames_out;         ///< path in the output folder, SequenceWriter's
-  double frames_per_second = 24;  ///< of a .glb whose frames have numbers instead of times
+  std::string frames_out;         ///< path in the output folder, as for SequenceWriter
+  double frames_per_second = 24;  ///< of .glb output, if frames have numbers instead of times
   std::vector<SequencePicture> pictures;
 
+  /// Unit vector of the axis `up`.
   Vec3 upwards() const { return Vec3::Unit(up); }
 };
 
-/// Whether a scene edits a sequence: it has [sequence]. Throws InputError when the file cannot be
+/// True if a scene edits a sequence: it has [sequence]. Throws InputError if the file cannot be
 /// read or is not TOML.
 bool is_sequence_scene(const std::filesystem::path& file);
 
 /// Reads a sequence scene. Throws InputError: "FILE:LINE:COLUMN: found …, expected …; did you mean
 /// …?"
 SequenceScene read_sequence_scene(const std::filesystem::path& file);
+/// Parses a sequence scene from text. `file` appears in messages, and paths are relative to its
+/// folder.
 SequenceScene parse_sequence_scene(const std::string& text, const std::filesystem::path& file);
 
 }  // namespace batten

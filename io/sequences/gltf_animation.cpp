@@ -125,7 +125,7 @@ void GltfAnimation::add_channel(const GltfDocument& document, const GltfDocument
   const std::string path = document.text(json["target"], "path", "");
   Channel channel;
   channel.node = document.index(json["target"], "node");
-  if (channel.node < 0) return;  // of an extension
+  if (channel.node < 0) return;  // defined by an extension
   document.item("nodes", channel.node);
   const long which = document.integer(json, "sampler", what);
   const auto& samplers = animation["samplers"];
@@ -155,13 +155,13 @@ void GltfAnimation::add_channel(const GltfDocument& document, const GltfDocument
   else if (path == "weights")
     channel.path = Path::Weights;
   else
-    return;  // of an extension
+    return;  // defined by an extension
   const int components = channel.path == Path::Rotation ? 4 : channel.path == Path::Weights ? 1 : 3;
   channel.values = document.accessor(document.integer(sampler, "output", what), components);
   const long rows =
       isize(channel.times) * (channel.interpolation == Interpolation::Cubic ? 3L : 1L);
   if (channel.path == Path::Weights) {
-    // Weights of all targets follow one another.
+    // The weights of all targets are stored consecutively per key.
     if (channel.values.rows() == 0 || channel.values.rows() % rows != 0)
       document.fail("found " + std::to_string(channel.values.rows()) + " weights for " +
                     std::to_string(channel.times.size()) + " keys in " + what);

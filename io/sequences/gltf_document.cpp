@@ -17,10 +17,11 @@ namespace {
 using Json = nlohmann::json;
 
 constexpr long kMostThings = 1000000000;
-/// Numbers of an accessor that has no data, or few: this many are zero at most.
+/// Maximum size of an accessor without data (or with sparse data only), whose other numbers are
+/// zero.
 constexpr long kMostZeros = 1L << 25;
 
-/// Bytes of a number of a component type; 0 for an unknown one.
+/// Size of a component type in bytes; 0 for an unknown type.
 size_t size_of_type(long type) {
   switch (type) {
     case 5120:
@@ -57,7 +58,7 @@ double load_number(const char* bytes, long type, bool normalized) {
   }
 }
 
-/// Numbers of an element of this type, 0 for an unknown one.
+/// Number of components of an element type; 0 for an unknown type.
 int components_of(const std::string& type) {
   return type == "SCALAR"                   ? 1
          : type == "VEC2"                   ? 2
@@ -74,7 +75,7 @@ int hex_digit(char c) {
   return at == digits.npos ? -1 : static_cast<int>(at);
 }
 
-/// With %20 as blanks and the like.
+/// Decodes percent-encoded characters such as %20.
 std::string decoded_uri(const std::string& uri) {
   std::string text;
   for (size_t i = 0; i < uri.size(); ++i) {
@@ -86,7 +87,7 @@ std::string decoded_uri(const std::string& uri) {
   return text;
 }
 
-/// None where the text is no base64.
+/// Decodes base64; empty if the text is invalid.
 std::optional<std::string> decoded_base64(std::string_view text) {
   static constexpr std::string_view letters =
       "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
@@ -110,7 +111,7 @@ std::optional<std::string> decoded_base64(std::string_view text) {
   return bytes;
 }
 
-/// Extensions that change colours and light only, or are read.
+/// Extensions that are supported, or affect only colours and lighting.
 bool harmless(const std::string& extension) {
   return extension.starts_with("KHR_materials_") || extension.starts_with("KHR_texture_") ||
          extension.starts_with("EXT_texture_") || extension == "KHR_lights_punctual" ||
@@ -219,7 +220,7 @@ const Json& GltfDocument::item(const char* kind, long index) const {
 long GltfDocument::integer(const Json& object, const char* key, long fallback) const {
   const auto found = object.find(key);
   if (found == object.end()) return fallback;
-  // Some programs write 3.0.
+  // Some programs write integers as 3.0.
   const double value = found->is_number() ? found->get<double>() : NAN;
   if (!(std::abs(value) < 1e15) || value != std::floor(value))
     fail("found " + quoted_excerpt(found->dump()) + " as " + key + ", expected a whole number");
@@ -355,7 +356,7 @@ MatX GltfDocument::accessor(long number, int components) const {
   if (count < 0 || offset < 0) fail("found a negative count or offset in " + what);
   const bool normalized = accessor.contains("normalized") && accessor["normalized"] == true;
   const int from = index(accessor, "bufferView");
-  // Before room is made for what the file does not have.
+  // Checked before memory is allocated for data that the file does not have.
   const size_t room = from < 0 ? kMostZeros * size_of_type(type) : view(from).size;
   if (static_cast<size_t>(count) > room / (size_of_type(type) * static_cast<size_t>(components)))
     fail(what + " has " + std::to_string(count) + " elements, more than there is room for in " +

@@ -1,4 +1,4 @@
-// The data of a glTF 2.0 file: its JSON, its buffers, and numbers read from them. Internal.
+// Reads glTF 2.0 files: the JSON, the buffers, and numbers from accessors.
 #pragma once
 
 #include <filesystem>
@@ -10,37 +10,42 @@
 
 namespace batten {
 
-/// A .gltf with its buffers (files beside it, data URIs) or a .glb. All functions throw InputError
-/// that names the file and what is wrong in it; none believes a number of the file.
+/// A .gltf file with its buffers (separate files or data URIs), or a .glb file. All functions throw
+/// InputError that names the file and the defect. Every count, offset and index of the file is
+/// validated.
 class GltfDocument {
  public:
   using Json = nlohmann::json;
 
-  /// Throws also for a required extension that changes geometry and is not known.
+  /// Also throws for an unknown required extension that changes geometry.
   explicit GltfDocument(const std::filesystem::path& path);
 
+  /// The JSON root object.
   const Json& root() const { return root_; }
-  /// How many things of a kind there are: "nodes".
+  /// Number of objects of a kind, such as "nodes".
   int count(const char* kind) const;
-  /// Thing `index` of a kind, an object.
+  /// Object `index` of a kind, such as "nodes".
   const Json& item(const char* kind, long index) const;
-  /// The member `key` of an object as a whole number; `fallback` where it is missing.
+  /// The member `key` of an object as an integer; `fallback` if it is missing.
   long integer(const Json& object, const char* key, long fallback) const;
-  /// The same, which has to be there. `what` is said in messages: "accessor 3".
+  /// Like integer() above, but the member is mandatory. `what` names the object in messages:
+  /// "accessor 3".
   long integer(const Json& object, const char* key, const std::string& what) const;
-  /// The member `key` as the number of a thing; -1 where it is missing.
+  /// The member `key` as an index; -1 if it is missing.
   int index(const Json& object, const char* key) const;
-  /// The member `key` as a list of as many numbers as `fallback` has, or `fallback` where it is
+  /// The member `key` as a list of numbers of the same length as `fallback`; `fallback` if it is
   /// missing.
   VecX numbers(const Json& object, const char* key, const VecX& fallback) const;
-  /// The member `key` as a list of indices; empty where it is missing.
+  /// The member `key` as a list of indices; empty if it is missing.
   std::vector<int> indices(const Json& object, const char* key) const;
+  /// The member `key` as a string; `fallback` if it is missing.
   std::string text(const Json& object, const char* key, const std::string& fallback) const;
 
-  /// The elements of an accessor, one in each row; numbers that are normalized as fractions.
-  /// `components`: of each element, as it is expected.
+  /// The elements of an accessor, one per row; normalized integers are converted to fractions.
+  /// `components`: expected number of components per element.
   MatX accessor(long index, int components) const;
 
+  /// Throws InputError that begins with the file name.
   [[noreturn]] void fail(const std::string& message) const;
 
  private:
@@ -53,7 +58,7 @@ class GltfDocument {
   std::string buffer_bytes(const Json& buffer, const std::string& what) const;
   void require_extensions() const;
   Slice view(long index) const;
-  /// Reads `count` elements behind each other in a view into rows of `into`.
+  /// Reads `count` consecutive elements of a view into the rows of `into`.
   void read_elements(const Slice& slice, size_t offset, long type, bool normalized,
                      Eigen::Ref<MatX> into, const std::string& what) const;
   void read_sparse(const Json& sparse, long type, bool normalized, MatX& into,
@@ -62,7 +67,7 @@ class GltfDocument {
   std::filesystem::path path_;
   Json root_;
   std::vector<std::string> buffers_;
-  std::string binary_;  // of a GLB
+  std::string binary_;  // binary chunk of a GLB
   bool has_binary_ = false;
 };
 

@@ -1,4 +1,4 @@
-// An animated glTF scene as frames.
+// Reads an animated glTF scene as a sequence of meshes.
 
 #include <algorithm>
 #include <cmath>
@@ -13,20 +13,22 @@
 
 namespace batten {
 
-// The triangles of a glTF scene, and where they are at one moment. Internal.
+// The triangles of a glTF scene, and their vertex positions at one time.
 
-/// All triangles of the nodes that are shown, one part for each mesh and node, side by side.
+/// All triangles of the shown nodes, with one part per mesh primitive and node.
 class GltfSurface {
  public:
-  /// Keeps references. Throws InputError: no triangles, other counts of data than of vertices, an
-  /// index or joint that is not there, geometry that only an extension can read.
+  /// Keeps references to the arguments. Throws InputError if there are no triangles, data counts
+  /// differ from the vertex count, an index or joint does not exist, or geometry requires an
+  /// unsupported extension.
   GltfSurface(const GltfDocument& document, const GltfNodes& nodes);
 
+  /// Number of vertices of all parts.
   int vertex_count() const { return vertex_count_; }
-  /// Three vertices each.
+  /// Vertex indices of the triangles.
   const std::vector<std::array<int, 3>>& triangles() const { return triangles_; }
-  /// The vertices with the nodes at one moment: morph targets, then skins (of which the node's own
-  /// place is no part, as glTF has it), or the node's place.
+  /// Vertex positions for node states at one time: morph targets, then the skin or the node's
+  /// transform. As specified by glTF, a skin ignores the transform of its own node.
   Points at(const std::vector<GltfNode>& moment) const;
 
  private:
@@ -34,7 +36,7 @@ class GltfSurface {
     int node = 0, skin = -1, first = 0;
     Points base;
     std::vector<long> targets;  // accessors
-    VecX weights;               // of targets, where the node has none
+    VecX weights;               // of the targets, if the node has none
     MatX joints, joint_weights;
   };
   struct Skin {
@@ -60,7 +62,7 @@ namespace {
 
 using Json = GltfDocument::Json;
 
-// Kinds of primitives.
+// Primitive modes of glTF.
 constexpr long kTriangles = 4, kStrip = 5, kFan = 6;
 
 const Json& member(const Json& object, const char* key) {
@@ -146,7 +148,7 @@ void GltfSurface::add_primitive(const Json& primitive, Part part, const std::str
   if (primitive.contains("targets"))
     for (const Json& target : primitive["targets"]) {
       const long accessor = document_.index(target, "POSITION");
-      // Read once to know that it can be.
+      // Read once to validate it.
       if (accessor >= 0) points_of(document_, accessor, part.base.rows(), what);
       part.targets.push_back(accessor);
     }
@@ -181,7 +183,7 @@ void GltfSurface::read_joints(const Json& attributes, Part& part, const std::str
   }
   const auto count = static_cast<double>(skins_[static_cast<size_t>(part.skin)].joints.size());
   for (Eigen::Index i = 0; i < part.joints.rows(); ++i) {
-    // Some programs leave out weights of vertices that hang on the first joint alone.
+    // Some programs omit the weights of vertices that are bound to the first joint only.
     const double sum = part.joint_weights.row(i).sum();
     if (!std::isfinite(sum)) document_.fail("found a weight that is not finite in " + what);
     if (sum > 0)
@@ -262,7 +264,7 @@ namespace {
 
 constexpr double kMostFrames = 1e6;
 
-/// Classes of vertices that lie at one place in all frames that were seen.
+/// Classes of vertices that coincide in all frames seen so far.
 class Seams {
  public:
   explicit Seams(const Points& first) {
@@ -273,7 +275,7 @@ class Seams {
     for (int v = 0; v < first.rows(); ++v) {
       leader_[v] = v;
       const Vec3 p = first.row(v).transpose();
-      // A neighbour within reach lies in one of the eight cells around the nearest corner.
+      // Any neighbour within reach lies in one of the eight cells at the nearest cell corner.
       for (int corner = 0; corner < 8 && leader_[v] == v; ++corner) {
         const auto [begin, end] = cells.equal_range(
             key(p + within_ * Vec3(corner & 1 ? 1 : -1, corner & 2 ? 1 : -1, corner & 4 ? 1 : -1)));
@@ -287,9 +289,9 @@ class Seams {
     }
   }
 
-  /// Parts vertices that lie apart in this frame.
+  /// Splits classes whose vertices lie apart in this frame.
   void see(const Points& frame) {
-    std::unordered_map<int, std::vector<int>> parted;  // new leaders by their old one
+    std::unordered_map<int, std::vector<int>> parted;  // new leaders by old leader
     for (int v = 0; v < frame.rows(); ++v) {
       const int leader = leader_[v];
       const auto near = [&](int other) {
@@ -306,7 +308,7 @@ class Seams {
   const std::vector<int>& leader() const { return leader_; }
 
  private:
-  /// Cells four times as wide as what is near.
+  /// Hash of a cell four times as wide as the merge distance.
   std::size_t key(const Vec3& p) const {
     std::size_t hash = 0;
     for (int c = 0; c < 3; ++c) {
@@ -326,7 +328,8 @@ std::vector<double> sample_times(const std::vector<double>& keys, double rate,
   if (rate == 0) return keys;
   if (!(rate > 0) || !std::isfinite(rate))
     document.fail("found " + format_number(rate) + " frames a second, expected a rate above 0");
-  // Times have single precision: a last frame that is missed by that is there.
+  // Times are stored in single precision: tolerate its rounding, so that the last frame is not
+  // lost.
   const double begin = keys.front(), end = keys.back(),
                count = std::floor((end - begin) * rate * (1 + 1e-6) + 1e-4) + 1;
   if (!(count <= kMostFrames))
@@ -359,7 +362,7 @@ MeshSequence read_gltf_sequence(const std::filesystem::path& path, const Sequenc
     return points;
   };
 
-  // Nodes of the sequence, in the order in which the file has them first.
+  // Nodes of the sequence, in the order of their first vertex in the file.
   std::vector<int> vertices, node_of(static_cast<size_t>(surface.vertex_count()));
   if (options.weld_seams) {
     Seams seams(frame(0));

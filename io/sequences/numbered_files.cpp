@@ -19,7 +19,7 @@ namespace {
 
 constexpr std::string_view kDigits = "0123456789";
 
-/// A file's name around the last number in its stem; none without a number.
+/// Splits a file name around the last number in its stem; empty if there is no number.
 std::optional<NumberedName> name_around(const fs::path& path) {
   const std::string stem = path.stem().string();
   const size_t last = stem.find_last_of(kDigits);
@@ -59,7 +59,8 @@ std::vector<NumberedFile> files_of(const NumberedName& name) {
   return files;
 }
 
-/// The one series of mesh files in a folder; single files count where there is nothing else.
+/// The only series of mesh files in a folder; single files are considered if there is no longer
+/// series.
 NumberedName series_in(const fs::path& folder) {
   std::map<std::string, std::vector<NumberedName>> series;
   for (const fs::path& file : files_in(folder))
@@ -171,7 +172,7 @@ void require_no_gaps(const std::vector<NumberedFile>& files, const std::string& 
 }
 
 
-// Numbered files, and ParaView's list of files.
+// Numbered files, and ParaView's list of files (.pvd).
 
 namespace fs = std::filesystem;
 namespace {
@@ -189,7 +190,7 @@ std::string listed_nodes(const MeshFile& mesh, int face) {
   return text;
 }
 
-/// Throws unless the faces are the same.
+/// Throws InputError if the faces differ.
 void require_same(const MeshFile& mesh, const fs::path& file, const MeshFile& first,
                   const fs::path& first_file) {
   const ShellMesh &a = mesh.shells(), &b = first.shells();
@@ -209,8 +210,8 @@ void require_same(const MeshFile& mesh, const fs::path& file, const MeshFile& fi
               std::to_string(first.node_label(i)));
 }
 
-/// The nodes of an STL file by the corners that they have in the first one: each reader of STL
-/// makes nodes of its own.
+/// Points of an STL file in the node order of the first file, found by triangle corners: the STL
+/// reader numbers nodes for each file separately.
 Points points_by_corners(const ShellMesh& mesh, const fs::path& file, const ShellMesh& first,
                          const fs::path& first_file) {
   if (mesh.face_count() != first.face_count())
@@ -250,7 +251,7 @@ struct TimedFile {
   double time = 0;
 };
 
-/// Faces and numbers of nodes are those of the first file, also where its frame is not read.
+/// Faces and node count come from the first file, even if its frame is not read.
 MeshSequence read_files(const std::vector<TimedFile>& files, const FrameRange& range,
                         const Progress& progress) {
   MeshSequence sequence;
@@ -273,7 +274,7 @@ MeshSequence read_files(const std::vector<TimedFile>& files, const FrameRange& r
   return sequence;
 }
 
-/// The value of an attribute in the text of a tag; empty without it.
+/// The value of an attribute in the text of an XML tag; empty if it is missing.
 std::string attribute(std::string_view tag, const std::string& name) {
   for (size_t at = tag.find(name); at != tag.npos; at = tag.find(name, at + 1)) {
     if (at == 0 || !(is_blank(tag[at - 1]) || tag[at - 1] == '\n')) continue;
@@ -295,7 +296,7 @@ std::string attribute(std::string_view tag, const std::string& name) {
   return {};
 }
 
-/// The text without <!-- comments -->.
+/// Removes XML comments.
 std::string without_comments(std::string text) {
   for (size_t at = text.find("<!--"); at != text.npos; at = text.find("<!--", at)) {
     const size_t end = text.find("-->", at);

@@ -20,8 +20,8 @@ namespace {
 
 constexpr std::string_view kMagic{"POINTCACHE2\0", 12};
 
-/// The file with the faces of a cache: the one with its stem, the first of the numbered files that
-/// begin with its stem, the only mesh of the folder.
+/// The file with the faces of a cache: the mesh with the same stem, else the first of the numbered
+/// files that begin with its stem, else the only mesh of the folder.
 fs::path mesh_beside(const fs::path& cache) {
   const std::string stem = cache.stem().string();
   std::vector<fs::path> meshes;
@@ -54,7 +54,7 @@ struct CacheHeader {
   std::uintmax_t first_byte = 0;
 };
 
-/// The first `count` bytes of a file, or fewer where it has no more.
+/// Reads the first `count` bytes of a file, or fewer if it is shorter.
 std::string head_of(std::ifstream& in, size_t count) {
   std::string bytes(count, '\0');
   in.read(bytes.data(), static_cast<std::streamsize>(count));

@@ -1,5 +1,5 @@
-// Point caches, PC2 and MDD: all positions of a mesh, frame after frame, in single precision.
-// Internal.
+// Writes point caches, PC2 and MDD: all positions of a mesh, frame after frame, in single
+// precision.
 //
 //   PC2  little-endian: "POINTCACHE2\0", int32 version = 1, int32 points, float start, float rate,
 //        int32 frames; then x y z of each point, frame after frame
@@ -15,24 +15,25 @@
 
 namespace batten {
 
+/// File formats of point caches.
 enum class PointCacheFormat { Pc2, Mdd };
 
-/// Writes a point cache frame by frame. Throws FileError as AtomicFile does.
+/// Writes a point cache frame by frame. Throws FileError like AtomicFile.
 class PointCacheWriter {
  public:
-  /// Throws InputError for times that are not evenly spaced in a PC2.
+  /// Throws InputError if the times of a PC2 are not evenly spaced.
   PointCacheWriter(const std::filesystem::path& path, PointCacheFormat format, int points,
                    const std::vector<double>& times);
-  /// Appends a frame. Throws InputError for a coordinate too large for single precision.
+  /// Appends a frame. Throws InputError if a coordinate exceeds single precision.
   void write(const Points& points);
-  /// Gives the file its name.
+  /// Completes the file and moves it to its final name.
   void finish();
 
  private:
   AtomicFile file_;
   PointCacheFormat format_;
   std::ofstream out_;
-  std::string bytes_;  // of one frame
+  std::string bytes_;  // buffer for one frame
 };
 
 }  // namespace batten

@@ -35,11 +35,11 @@ MeshSequence read_sequence(const std::filesystem::path& path, const SequenceOpti
 }
 
 
-// Results of CalculiX as frames: the skin of the model in each step.
+// CalculiX results as frames: the outer skin of the model in each step.
 
 namespace {
 
-/// The skin's faces, and which nodes of the model its nodes are.
+/// Faces of the skin, and the model node of each of its nodes.
 struct Skin {
   ShellMesh shells;
   std::vector<int> nodes;

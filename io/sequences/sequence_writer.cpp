@@ -26,17 +26,17 @@
 
 namespace batten {
 
-// Writes a deforming mesh as glTF 2.0 in one binary file. Internal.
+// Writes a deforming mesh as binary glTF 2.0 (GLB).
 
-/// One mesh: the first frame, and all others as morph targets. An animation of its weights shows each
-/// at its time; between them it blends. The JSON part comes first in the file and has the bounds of
-/// all frames in it, so room is left for it and it is written last.
+/// Writes one mesh: the first frame, and all other frames as morph targets, whose weights an
+/// animation blends between the times. The JSON chunk precedes the data but contains the bounds of
+/// all frames. Space for it is therefore reserved, and it is written last.
 class GlbWriter {
  public:
-  /// Throws InputError when the file would be larger than 4 GB, what AtomicFile throws.
+  /// Throws InputError if the file would exceed 4 GB, and the exceptions of AtomicFile.
   GlbWriter(const std::filesystem::path& path, std::vector<std::array<int, 3>> triangles,
             int points, std::vector<double> times);
-  /// Appends a frame. Throws InputError for a coordinate too large for single precision.
+  /// Appends a frame. Throws InputError if a coordinate exceeds single precision.
   void write(const Points& points);
   void finish();
 
@@ -53,7 +53,7 @@ class GlbWriter {
   std::vector<double> times_;
   std::ofstream out_;
   size_t json_room_ = 0, binary_size_ = 0;
-  Points first_;  // as single precision has it
+  Points first_;  // rounded to single precision
   std::vector<Bounds> bounds_;
 };
 
@@ -65,7 +65,7 @@ GlbWriter::GlbWriter(const std::filesystem::path& path, std::vector<std::array<i
       points_(points),
       times_(std::move(times)),
       out_(file_.temporary(), std::ios::binary) {
-  // The longest numbers that can be in it.
+  // Numbers with the longest possible text determine the reserved size.
   Bounds longest;
   longest.low.fill(-std::numeric_limits<float>::denorm_min());
   longest.high = longest.low;
@@ -200,7 +200,7 @@ namespace {
 
 constexpr double kLargestNumber = 999999;
 
-/// The numbers of the files: the times, or 1, 2, …
+/// The numbers of the files: the times if these are suitable integers, else 1, 2, …
 std::vector<long> numbers_of(const std::vector<double>& times) {
   const bool integer = std::ranges::all_of(times, [](double time) {
     return time >= 0 && time <= kLargestNumber && time == std::floor(time);
@@ -226,7 +226,7 @@ void require_times(const fs::path& path, const std::vector<double>& times) {
                        " of frame " + std::to_string(k + 1) + ", expected ascending ones");
 }
 
-/// Makes one folder; the one above it has to be there.
+/// Creates a folder; its parent must exist.
 void make_folder(const fs::path& folder) {
   std::error_code error;
   if (folder.empty() || fs::is_directory(folder, error)) return;
@@ -330,7 +330,7 @@ class SequenceWriter::Glb : public Output {
       : Output({}, std::move(times)),
         path_(path),
         writer_(path, triangles_of(mesh), mesh.node_count(), this->times) {
-    shells.points = mesh.points;  // their number is checked
+    shells.points = mesh.points;  // the point count is validated against these
   }
   fs::path file(int) const override { return path_; }
   void write(int, const Points& points) override { writer_.write(points); }

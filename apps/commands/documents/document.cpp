@@ -30,12 +30,12 @@ std::string new_scene(const std::string& unit) {
   return "unit = " + SceneText::word(unit) + "\n\n[skin]\n";
 }
 
-/// A file as a scene anywhere names it.
+/// A file as an absolute path in TOML, valid in a scene anywhere.
 std::string path_to_toml(const std::filesystem::path& file) {
   return SceneText::word(std::filesystem::absolute(file).string());
 }
 
-/// What a scene is about: a sequence, a mesh, lines.
+/// Kind of a scene: sequence, mesh, or lines.
 enum class ContentKind { Lines, Mesh, Sequence };
 ContentKind content_kind(const SceneText& text, const std::filesystem::path& file) {
   const toml::table root = parse_toml(text.text(), named_file(file), "a scene");
@@ -43,7 +43,7 @@ ContentKind content_kind(const SceneText& text, const std::filesystem::path& fil
   return root.contains("mesh") || root.contains("edit") ? ContentKind::Mesh : ContentKind::Lines;
 }
 
-/// A scene around a file of lines, a mesh or a sequence.
+/// A new scene for a curve file, a mesh or a sequence.
 SceneText scene_around(const std::filesystem::path& file) {
   if (file_kind(file) == FileKind::Mesh) {
     SceneText text("unit = \"mm\"\nmesh = " + path_to_toml(file) + "\n");
@@ -128,7 +128,7 @@ void Document::open(const std::filesystem::path& file, const Progress& progress)
   start(scene_around(file), {}, progress);
 }
 
-// A document of its own first, so that this one stays when the file is no scene.
+// Opens in a new document first, so that this one stays unchanged if the file is no scene.
 void Document::start(SceneText text, const std::filesystem::path& file, const Progress& progress) {
   Document other;
   other.file_ = file;
@@ -154,7 +154,7 @@ void Document::edit(const DocumentCommand& command, const Progress& progress) {
   if (fresh) new_load_ = added.name;
 }
 
-// Moves from one place that follow each other are one step: each begins from the text before the first.
+// Consecutive moves of a point form one undo step: each starts from the text before the first one.
 void Document::move(const std::string& from_to, const Progress& progress) {
   if (!changed_sliders_.empty()) {
     solve_to_equilibrium();
@@ -179,12 +179,13 @@ void Document::set_slider(const std::string& parameter, double value, const Prog
   content_->check(parameter, value);
   SceneText next = text_;
   next.set_parameter(parameter, value);
-  if (dragged_ == parameter) return rebuild(std::move(next), progress);  // one step with the last
+  if (dragged_ == parameter) return rebuild(std::move(next), progress);  // same undo step as the
+                                                                         // previous one
   change(std::move(next), progress);
   dragged_ = parameter;
 }
 
-// One step that can be undone.
+// Performs one undoable step.
 void Document::change(SceneText next, const Progress& progress) {
   std::string before = text_.text();
   rebuild(std::move(next), progress);
@@ -196,13 +197,13 @@ void Document::solve_to_equilibrium() {
   try {
     content_->solve_to_equilibrium();
   } catch (const Error&) {
-    commit_values();  // those of the last answer that had a shape
+    commit_values();  // those of the last solution
     throw;
   }
   commit_values();
 }
 
-// The text with the values that sliders have by now.
+// The text with the current values of the sliders.
 SceneText Document::text_with_values() const {
   SceneText text = text_;
   for (const std::string& name : changed_sliders_) text.set_parameter(name, content_->value(name));
@@ -212,7 +213,7 @@ SceneText Document::text_with_values() const {
 void Document::commit_values() {
   if (changed_sliders_.empty()) return new_load_.clear();
   SceneText next = text_with_values();
-  // A load that was added to be pushed: one step.
+  // Dragging a load that was just added belongs to the same undo step.
   const bool of_last_step = changed_sliders_.size() == 1 && changed_sliders_.contains(new_load_);
   changed_sliders_.clear();
   new_load_.clear();
@@ -247,7 +248,7 @@ void Document::rebuild(SceneText text, const Progress& progress) {
   text_ = std::move(text);
 }
 
-// The content there goes on, or is replaced where the text is of another kind.
+// The existing content, or a new one if the text is of another kind.
 std::shared_ptr<DocumentContent> Document::next_content(const SceneText& text,
                                                         const std::filesystem::path& file,
                                                         const Progress& progress) const {
@@ -282,20 +283,20 @@ DocumentView view_of(const Document& document) {
 }
 
 
-// What a document writes.
+// Files that a document writes.
 
 namespace {
 
-/// Begins the first line of a recovery file.
+/// Start of the first line of a recovery file.
 constexpr const char* kChangesOf = "# batten-studio: changes of ";
 
-/// Files that a scene names, by the tables that name them.
+/// Tables of a scene that refer to files.
 constexpr const char* kFileTables[] = {"line", "lines", "load", "target", "compare", "select"};
 
-/// What a path of a scene is changed by: its words without quotes; nothing: it stays.
+/// Replacement of a path of a scene, without quotes; empty: unchanged.
 using PathChange = std::function<std::string(const std::filesystem::path& file)>;
 
-/// The scene with the paths that it names changed.
+/// The scene with its paths changed.
 SceneText with_paths(SceneText text, const PathChange& change) {
   const auto move = [&](const SceneTable& table, const std::string& key) {
     const std::string value = text.value(table, key);
@@ -312,14 +313,14 @@ SceneText with_paths(SceneText text, const PathChange& change) {
   return text;
 }
 
-/// Whether a path goes up so far that nobody would write it.
+/// True if a relative path goes up so many levels that an absolute one is more readable.
 bool is_outside(const std::filesystem::path& relative) {
   constexpr auto most = 2;
   return std::count(relative.begin(), relative.end(), std::filesystem::path("..")) > most;
 }
 
-/// The scene with its paths, which are relative to `from`, relative to `to`; absolute where they would go
-/// far up and a person may read them.
+/// The scene with paths relative to `to` instead of `from`. If `for_people` is set, paths that
+/// would go far up become absolute.
 SceneText with_moved_paths(SceneText text, const std::filesystem::path& from,
                            const std::filesystem::path& to, bool for_people = true) {
   return with_paths(std::move(text), [&](const std::filesystem::path& file) -> std::string {
@@ -330,7 +331,7 @@ SceneText with_moved_paths(SceneText text, const std::filesystem::path& from,
   });
 }
 
-/// The scene with paths of files in its folder, or below, as a person writes them.
+/// The scene with relative paths for files in its folder or below.
 SceneText relative_to_folder(SceneText text, const std::filesystem::path& folder) {
   return with_paths(std::move(text), [&](const std::filesystem::path& file) -> std::string {
     const std::filesystem::path relative = file.lexically_relative(folder);
@@ -360,7 +361,8 @@ void Document::save(const std::filesystem::path& to) {
   content_->update_text(text_, file_);
 }
 
-// What the scene reads is not written over: opened again, the scene would change the result once more.
+// Files that the scene reads must not be overwritten: reopening the scene would apply its changes
+// again.
 void Document::require_inputs_preserved(const std::filesystem::path& written) const {
   std::error_code none;
   const std::filesystem::path folder = file_.empty() ? "" : folder_of(file_);
@@ -375,7 +377,7 @@ void Document::require_inputs_preserved(const std::filesystem::path& written) co
 std::string Document::recovery_text(const std::filesystem::path& folder) const {
   const bool named = !file_.empty();
   SceneText text = text_with_values();
-  // Paths come back as they were only if they stay relative.
+  // Relative paths are kept, so that recovery can restore the original paths.
   if (named)
     text =
         with_moved_paths(std::move(text), folder_of(file_), folder_of(folder / "changes"), false);

@@ -1,4 +1,4 @@
-// An open scene: its text, what it makes, and the history of edits. What a window or a script works on.
+// An open document: a scene's text, its results, and the edit history. Used by windows and scripts.
 #pragma once
 
 #include <filesystem>
@@ -19,17 +19,17 @@ class EditedSequence;
 class SculptingSession;
 class EditedShape;
 
-/// A scene that is worked on: lines and their skin, a mesh that is edited, or a
-/// deforming one. Its text is all there is
-/// to it: everything else is made from the text, again as far as an edit asks for it (edited_shape.h,
-/// edited_mesh.h).
+/// A scene under edit: curves and their surface, a mesh, or a mesh sequence. Its text is the only
+/// state; everything else is derived from the text, and recomputed as far as an edit requires
+/// (edited_shape.h, edited_mesh.h, edited_sequence.h).
 ///
-/// undo() and redo() put texts back, without limit. The same commands on the same files give the same
-/// bits.
+/// undo() and redo() restore texts, without limit. The same commands on the same files give
+/// bit-identical results.
 ///
-/// A command either happens or throws and leaves the document as it was: text that is no scene,
-/// constraints in conflict. Lines that make no surface (yet) are no error: content().problem() says
-/// what is missing. One thread at a time may call it.
+/// A command either succeeds, or throws and leaves the document unchanged: for text that is no
+/// scene, or conflicting constraints, say. Lines that do not form a surface (yet) are no error:
+/// content().problem() explains what is missing. Not thread-safe: only one thread at a time may
+/// call it.
 class Document {
  public:
   /// An empty scene in millimetres.
@@ -38,34 +38,38 @@ class Document {
   Document(Document&&) noexcept;
   Document& operator=(Document&&) noexcept;
 
-  /// Does a command. Throws InputError, ConflictError, NoSolutionError, CancelledError. After a
-  /// settle without solution the document has the last values that had one.
+  /// Executes a command. Throws InputError, ConflictError, NoSolutionError, CancelledError. If
+  /// `settle` finds no solution, the document returns to the last values that had one.
   void apply(const DocumentCommand& command, const Progress& progress = {});
 
+  /// The text of the scene.
   const SceneText& text() const { return text_; }
   const std::filesystem::path& file() const { return file_; }  ///< empty: never saved
-  /// Whether the text differs from the file, values of sliders that move included.
+  /// True if the text differs from the file, or sliders have moved since.
   bool changed() const { return text_.text() != saved_ || !changed_sliders_.empty(); }
+  /// True if undo() is possible.
   bool can_undo() const { return !undo_.empty() || !changed_sliders_.empty(); }
+  /// True if redo() is possible.
   bool can_redo() const { return !redo_.empty(); }
-  /// Whether the last answer was at rest.
+  /// True if the last solution is converged.
   bool is_at_rest() const { return at_rest_; }
-  /// The text as a file in `folder` would have it, below a line that names the document's file: what
-  /// `recover` reads.
+  /// The text as it would be in a file in `folder` (with adapted paths), preceded by a line with
+  /// the document's file name. The command `recover` reads it.
   std::string recovery_text(const std::filesystem::path& folder) const;
-  /// What came of `run` and `export`: misses and warnings, one a line.
+  /// Messages of the last `run` or `export`: failed checks and warnings, one per line.
   const std::string& run_messages() const { return run_messages_; }
 
+  /// The contents derived from the text.
   const DocumentContent& content() const { return *content_; }
   bool draw(Frame& frame) { return content_->draw(frame); }
   std::shared_ptr<const StressView> stress(Analysis what) { return content_->stress(what); }
-  /// Another frame of a sequence, counted from 0: of what is shown, not of the text.
+  /// Shows another frame (0-based) of a sequence. This changes the display, not the text.
   void show_frame(int frame) { content_->show_frame(frame); }
-  /// The content as what it is, or null.
+  /// The content by its type, or null.
   const EditedShape* shape() const;
   const EditedMesh* mesh() const;
   const EditedSequence* sequence() const;
-  /// The session of a shape, or null.
+  /// The sculpting session of a shape, or null.
   SculptingSession* session() const;
 
  private:
@@ -93,29 +97,30 @@ class Document {
   std::string saved_;
   std::shared_ptr<DocumentContent> content_;
   std::string run_messages_;
-  std::vector<std::string> undo_, redo_;   // texts
-  std::set<std::string> changed_sliders_;  // parameters that moved since the last settle
-  std::string dragged_;   // the parameter or point that the last step's edits were of
-  std::string new_load_;  // the load of the last step, which has no strength yet
+  std::vector<std::string> undo_, redo_;   // previous and undone texts
+  std::set<std::string> changed_sliders_;  // parameters changed since the last `settle`
+  std::string dragged_;   // the parameter or point edited by the last undo step
+  std::string new_load_;  // load added by the last undo step, still with value 0
   bool at_rest_ = true;
 };
 
-/// Looks at a document. O(facets' lines + tables · bytes).
+/// Creates the view of a document. Cost: O(display lines + tables · bytes).
 DocumentView view_of(const Document& document);
 
 
-// Does the work of `batten run-script`.
+// Implements `batten run-script`.
 
+/// Report of a script.
 struct ScriptReport : RunReport {
   int commands = 0;
-  std::string shape;  ///< what the document is in the end, rows of a summary
+  std::string shape;  ///< the final document, several lines of a summary
 };
 
-/// Does the commands of a script (document_command.h) on a document, one after the other. A shape
-/// that has no solution goes back to the last one that had, as in the window where the script was
-/// recorded, and is told in `warnings`; anything else that is refused ends the script. Misses of
-/// `run` and `export` are in `failed_checks`. Throws InputError, ConflictError, NoSolutionError that begin
-/// with the script's line, CancelledError.
+/// Executes the commands of a script (document_command.h) on a new document. A shape without a
+/// solution returns to the last one that had one, as in the window where the script was recorded,
+/// and adds a warning. Any other rejected command ends the script. Failed checks of `run` and
+/// `export` are in `failed_checks`. Throws InputError, ConflictError and NoSolutionError that begin
+/// with the script's line, and CancelledError.
 ScriptReport run_script(const std::filesystem::path& script, const Progress& progress = {});
 
 }  // namespace batten

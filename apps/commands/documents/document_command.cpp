@@ -14,8 +14,8 @@ namespace {
 
 using CommandKind = DocumentCommand::CommandKind;
 
-/// The words of a command, one letter each: k kind, n name, y key, v the rest of the line, p
-/// parameter, x number, u unit, f file, F file that may be missing.
+/// Arguments of a command, one letter each: k kind, n name, y key, v rest of the line, p parameter,
+/// x number, u unit, f file, F optional file.
 struct Form {
   CommandKind kind;
   const char* word;
@@ -60,14 +60,14 @@ const char* meaning(char word) {
   }
 }
 
-/// A word as a script has it: in quotes where it would not be one word else.
+/// A word of a script, quoted if necessary.
 std::string quoted(const std::string& word) {
   const bool plain = !word.empty() && word != "-" && word.find_first_of(" \t\"#\\") == word.npos;
   return plain ? word : SceneText::word(word);
 }
 std::string quoted_name(const std::string& name) { return name.empty() ? "-" : quoted(name); }
 
-/// Takes words from the front of a line.
+/// Extracts words from the front of a line.
 class Line {
  public:
   Line(const std::string& text, std::string where) : text_(text), where_(std::move(where)) {}

@@ -1,4 +1,4 @@
-// What can be done to a document, as data and as a line of a script.
+// Commands on a document, as data and as lines of a script.
 #pragma once
 
 #include <filesystem>
@@ -9,32 +9,33 @@
 
 namespace batten {
 
-/// One command on a Document. Scripts have one a line, words apart by blanks; a word with blanks is
-/// in quotes ("rib height"), a value or table of TOML goes on to the end of the line, `#` begins a
-/// comment:
+/// One command on a Document. A script has one command per line, with words separated by blanks.
+/// Words that contain blanks are quoted ("rib height"); a TOML value or table extends to the end of
+/// the line; `#` starts a comment:
 ///
-///     open FILE                    a scene, or a file of lines as a new network
-///     new UNIT                     an empty network
+///     open FILE                    opens a scene, or a curve file as a new network
+///     new UNIT                     creates an empty network
 ///     add KIND { name = "…", … }   adds a table [[KIND]]; KIND [stress]: the one table [stress]
-///     set KIND NAME KEY VALUE      a key of a table; `-` for no name, `- -` for the top
+///     set KIND NAME KEY VALUE      sets a key; `-` for no name, `- -` for the top level
 ///     erase KIND NAME KEY          removes a key
 ///     remove KIND NAME             removes a table
-///     move [[x, y, z], [x, y, z]]  a point from one place to another, of all lines that have it in
-///                                  their points, so that they stay together; moves from one place
-///                                  that follow each other are one step to undo, until a `solve_to_equilibrium`
-///     slide PARAMETER VALUE        moves a slider; the shape follows by `answer` or `solve_to_equilibrium`
-///     answer                       a quick answer, as in a drag
-///     settle                       the shape at rest; ends a drag, which is one step to undo, or a motion;
-///                                  a drag of a load that was added just before with value = 0 is
-///                                  one step with that
-///     step DT                      one step of so much time of a motion ([motion] of the scene)
+///     move [[x, y, z], [x, y, z]]  moves a point from one position to another, in all lines that
+///                                  contain it, so that they stay connected; consecutive moves of
+///                                  a point form one undo step, until a `settle`
+///     slide PARAMETER VALUE        moves a slider; the shape follows on `answer` or `settle`
+///     answer                       updates the shape quickly, as during a drag
+///     settle                       solves to equilibrium; ends a motion, or a drag (one undo
+///                                  step); dragging a load that was just added with value = 0
+///                                  belongs to the undo step of adding it
+///     step DT                      performs one time step of a motion ([motion] of the scene)
 ///     undo, redo
-///     save [FILE]                  the scene
-///     recover FILE                 changes that a killed window left (Document::recovery_text())
-///     run FOLDER                   makes everything that the scene asks for: `batten run`
-///     export FILE                  the present shape: .step, .iges, .vtp, .stl, .obj, .ply, .glb
+///     save [FILE]                  saves the scene
+///     recover FILE                 restores changes after a crash (Document::recovery_text())
+///     run FOLDER                   writes everything that the scene requests, like `batten run`
+///     export FILE                  writes the current shape: .step, .iges, .vtp, .stl, .obj, .ply,
+///                                  .glb
 ///
-/// Paths are relative to the script's folder.
+/// Paths are relative to the folder of the script.
 struct DocumentCommand {
   enum class CommandKind {
     Open,
@@ -56,30 +57,31 @@ struct DocumentCommand {
     Export
   };
   CommandKind kind = CommandKind::SolveToEquilibrium;
-  SceneTable table = {};            ///< Add (its kind), Set, Erase, Remove
-  std::string key = {};             ///< Set, Erase; Slide: the parameter; New: the unit
-  std::string text = {};            ///< Add: the table in braces; Set: the value; Move: both places
-  double value = 0;                 ///< Slide; Step: of time
+  SceneTable table = {};            ///< Add (kind only), Set, Erase, Remove
+  std::string key = {};             ///< Set, Erase; SetSlider: parameter; New: unit
+  std::string text = {};            ///< Add: inline table; Set: value; Move: both positions
+  double value = 0;                 ///< SetSlider; Step: time step
   std::filesystem::path file = {};  ///< Open, Recover, Save, Run, Export
 
-  /// Whether it changes the scene's text, and so can be undone.
+  /// True if it changes the scene's text, and thus can be undone.
   bool edits() const {
     return kind == CommandKind::Add || kind == CommandKind::Set || kind == CommandKind::Erase ||
            kind == CommandKind::Remove || kind == CommandKind::Move;
   }
 };
 
-/// The command as a line of a script, without the line's end. Numbers read back as they were.
+/// The command as a line of a script, without line end. Numbers read back exactly.
 std::string script_line(const DocumentCommand& command);
-/// Reads a line. `where` begins the messages. Throws InputError: an unknown word (the nearest is
-/// offered), words that are missing or too many, a number that is not finite.
+/// Parses a line. Messages begin with `where`. Throws InputError for an unknown command (with the
+/// nearest one as a suggestion), missing or extra words, or a number that is not finite.
 DocumentCommand parse_command(const std::string& line, const std::string& where);
 
+/// A command with its location.
 struct LocatedCommand {
   DocumentCommand command;
   std::string where;  ///< "FILE:LINE:1: "
 };
-/// Reads a script; empty lines and comments are left out. Throws InputError with the line.
+/// Reads a script, skipping empty lines and comments. Throws InputError with the line.
 std::vector<LocatedCommand> read_script(const std::filesystem::path& file);
 
 }  // namespace batten

@@ -1,4 +1,4 @@
-// What the text of a document makes: a shape on lines, or a mesh that is edited.
+// Interface to the contents of a document: a surface, a mesh, or a mesh sequence.
 #pragma once
 
 #include <filesystem>
@@ -11,73 +11,80 @@
 
 namespace batten {
 
-/// A place of a document's surface: the one nearest to a point of the present shape.
+/// A surface point of a document: the one nearest to a point of the current shape.
 struct SurfacePoint {
   std::string region;
+  /// Current position and normal.
   Vec3 present = Vec3::Zero(), normal = Vec3::Zero();
-  /// Where it lies without loads: what a scene says as `at`.
+  /// Its position on the unloaded surface: the value of `at` in a scene.
   Vec3 unloaded = Vec3::Zero();
 };
 
-/// What a Document has made of its text. Each function either does what it says or throws and leaves
-/// all as it was.
+/// Contents of a Document, derived from its text. Each function either succeeds, or throws and
+/// leaves everything unchanged.
 class DocumentContent {
  public:
   virtual ~DocumentContent() = default;
 
-  /// Makes what the text says, anew or as a change of what is there. `file` names it in messages;
-  /// paths in it are relative to its folder. What cannot be made is no error where nothing was there
-  /// before: then problem() says what is missing. Throws InputError, ConflictError, NoSolutionError,
-  /// CancelledError.
+  /// Derives the contents from the text, from scratch or by updating existing contents. `file`:
+  /// name for messages; paths are relative to its folder. If there were no contents before, a
+  /// failure is no error: problem() then explains it. Throws InputError, ConflictError,
+  /// NoSolutionError, CancelledError.
   virtual void rebuild(const SceneText& text, const std::filesystem::path& file,
                        const Progress& progress) = 0;
-  /// The text states by now what is there: values that moved, or a file that it was saved to.
+  /// Notifies that the text now matches the contents: it received changed values, or was saved to
+  /// `file`.
   virtual void update_text(const SceneText& text, const std::filesystem::path& file) = 0;
-  /// Why nothing could be made, in words; "" where something is there, or nothing to make it of.
+  /// Why there are no contents; empty if there are some, or nothing to derive them from.
   const std::string& problem() const { return problem_; }
 
-  /// Whether a parameter moves what is there, without a change of the text.
+  /// True if a parameter changes the contents without a change of the text.
   virtual bool moves(const std::string&) const { return false; }
-  /// Throws InputError when the scene has no such parameter, or not this value for it.
+  /// Throws InputError if the scene does not have this parameter, or does not permit this value.
   virtual void check(const std::string& parameter, double value) const = 0;
+  /// Sets a parameter; the shape follows on solve_preview() or solve_to_equilibrium().
   virtual void set(const std::string&, double) {}
+  /// Current value of a parameter.
   virtual double value(const std::string&) const { return 0; }
-  /// A quick answer to values that were set; whether it is at rest.
+  /// Quick update for changed values; true if the shape is converged.
   virtual bool solve_preview() { return true; }
-  /// The shape at rest; a motion ends. Throws: then it has the last values that had a shape.
+  /// Solves to equilibrium, and ends a motion. On an exception, the last values with a solution are
+  /// restored.
   virtual void solve_to_equilibrium() {}
-  /// One step of a motion from the present shape. One of another length than the last begins a new
-  /// motion, with the velocity 0. Throws InputError where nothing can move, and for no length.
+  /// Performs one time step of a motion from the current shape. A different step length starts a
+  /// new motion, with velocity 0. Throws InputError if nothing can move, or for an invalid length.
   virtual void step(double) {
     throw InputError("found nothing that can move, expected a surface on lines");
   }
+  /// True during a motion.
   virtual bool in_motion() const { return false; }
 
-  /// Shows another frame of a sequence, counted from 0.
+  /// Shows another frame of a sequence; 0-based.
   virtual void show_frame(int) {}
-  /// Fills a frame; false where there is nothing to draw.
+  /// Fills a frame for display; false if there is nothing to draw.
   virtual bool draw(Frame& frame) = 0;
-  /// Throws InputError where there is no surface.
+  /// The surface point nearest to a point. Throws InputError if there is no surface.
   virtual SurfacePoint nearest_point(const Vec3&) const {
     throw InputError("found no surface on lines, expected one to act on");
   }
-  /// Stresses or modes of the present shape; null where the scene asks for none. What cannot be
-  /// analysed is told in words.
+  /// Stresses or natural modes of the current shape; null if the scene requests none. If the
+  /// analysis fails, StressView::problem explains why.
   virtual std::shared_ptr<const StressView> stress(Analysis) { return nullptr; }
-  /// Adds to a view what is there, beside the text.
+  /// Adds the contents to a view, except the text.
   virtual void fill_view(DocumentView& view) const = 0;
-  /// A few rows for a summary.
+  /// Summary of a few lines.
   virtual std::string rows() const = 0;
 
-  /// Makes all files that the scene asks for, or writes the present shape; what was missed, one a line.
+  /// Writes all files that the scene requests. The result lists failed checks, one per line.
   virtual std::string run(const std::filesystem::path& folder, const Progress& progress) = 0;
+  /// Writes the current shape to a file. The result lists failed checks, one per line.
   virtual std::string export_shape(const std::filesystem::path& file, const Progress& progress) = 0;
 
  protected:
   std::string problem_;
 };
 
-/// The file of a scene in messages.
+/// Name of a scene's file for messages.
 std::filesystem::path named_file(const std::filesystem::path& file);
 
 }  // namespace batten

@@ -1,4 +1,4 @@
-// What a window shows of a document: plain data that any thread may read.
+// Snapshot of a document for display: plain data that any thread may read.
 #pragma once
 
 #include <array>
@@ -14,122 +14,129 @@
 
 namespace batten {
 
-/// A mesh that is edited: what a window shows of it beside its facets. Vertices are display points.
+/// Display data of an edited mesh, beside its facets. Its vertices are display points.
 struct MeshView {
-  /// What vertices are for.
+  /// How an edit uses a vertex.
   enum class Role { Free, Fixed, Handle, Feature };
-  /// Vertices that go by a name.
+  /// A named set of vertices.
   struct Part {
     enum class Kind { Proposal, Selection, Set };
     Kind kind = Kind::Proposal;
     std::string name;
-    std::string key = {};  ///< of a set: "set" or "property", the key of [[select]]
-    double diameter = 0;   ///< of a proposal: diameter of the circle of the same area
+    std::string key = {};  ///< sets: "set" or "property", the key of [[select]]
+    double diameter = 0;   ///< proposals: diameter of the circle of equal area
     std::vector<int> points;
   };
   std::vector<Part> parts;
-  std::vector<Role> roles;   ///< of each display point
-  std::vector<float> rest;   ///< of each display point, x, y, z: the mesh as it was read
-  std::vector<long> labels;  ///< the number in the mesh file of each display point's node
+  std::vector<Role> roles;   ///< per display point
+  std::vector<float> rest;   ///< x, y, z per display point: the undeformed mesh
+  std::vector<long> labels;  ///< node number in the mesh file, per display point
 };
 
-/// What is solved for of a shape with a [stress].
+/// Kind of analysis of a shape with [stress].
 enum class Analysis { None, Stress, Modes };
 
-/// Stresses of a shape, as its scene's [stress] has them: in the case whose stress is largest. Or how it
-/// swings.
+/// Stresses of a shape for the load case with the largest stress, or its natural modes.
 struct StressView {
-  std::string problem;  ///< why there are none, in words; ""
+  std::string problem;  ///< why there are no results; empty: there are
   std::string load_case;
-  double von_mises = 0, displacement = 0;       ///< the largest of all cases
-  double yield = 0;                             ///< 0: not said
-  double deformation_scale = 1;                 ///< of displacements that are drawn
-  std::vector<float> values;                    ///< equivalent stress at each display point
-  std::vector<float> moved;                     ///< displacement, x, y, z one after the other
-  std::vector<double> frequencies;              ///< of natural modes, slowest first
-  std::vector<std::vector<float>> mode_shapes;  ///< of each, as `moved`, the largest 1 long
+  double von_mises = 0, displacement = 0;       ///< maxima over all load cases
+  double yield = 0;                             ///< yield stress; 0: not given
+  double deformation_scale = 1;                 ///< magnification of drawn displacements
+  std::vector<float> values;                    ///< von Mises stress per display point
+  std::vector<float> moved;                     ///< displacements, x, y, z consecutively
+  std::vector<double> frequencies;              ///< natural frequencies, ascending
+  std::vector<std::vector<float>> mode_shapes;  ///< mode shapes, layout as `moved`, normalised to a
+                                                ///< maximum of 1
 };
 
-/// A document at one moment. Points of the surface are in frames (sculpting/session/frame.h).
+/// A document at one moment. Surface points are in frames (sculpting/session/frame.h).
 struct DocumentView {
-  std::string title;        ///< the file's name, "untitled" before the first save
-  std::string folder;       ///< the name of its folder; "" before the first save
-  int document_number = 0;  ///< changes where another document is opened
+  std::string title;        ///< file name; "untitled" before the first save
+  std::string folder;       ///< name of its folder; empty before the first save
+  int document_number = 0;  ///< changes when another document is opened
   std::string unit, text;
   bool changed = false, can_undo = false, can_redo = false;
-  std::string problem;  ///< why there is no surface, ""
+  std::string problem;  ///< why there is no surface; empty: there is
 
+  /// A table of the scene.
   struct Table {
     SceneTable name;
-    std::vector<std::pair<std::string, std::string>> values;  ///< keys and values as TOML
+    std::vector<std::pair<std::string, std::string>> values;  ///< keys and TOML values
   };
-  std::vector<Table> tables;  ///< as in the file, the top first
+  std::vector<Table> tables;  ///< tables in file order, top level first
 
+  /// A parameter that can be set interactively.
   struct Slider {
     std::string name;
-    std::string unit;                    ///< "": a pure number, or one in relative units
+    std::string unit;                    ///< empty: dimensionless, or in relative units
     double value = 0, min = 0, max = 0;  ///< the range may be infinite
-    bool driven = false;                 ///< by a [[parameter]]: it cannot be moved
+    bool driven = false;                 ///< driven by a [[parameter]], so it cannot be set
   };
   std::vector<Slider> sliders;
 
+  /// A line of the scene as a polyline.
   struct Polyline {
     std::string line;
     std::vector<Vec3> points;
   };
-  std::vector<Polyline> lines;  ///< the lines alone, as they are read and made fair
+  std::vector<Polyline> lines;  ///< the input lines, after fairing
 
-  // Of the surface, where there is one:
+  // Surface, if there is one:
   bool surface = false;
   int triangles = 0;
   double size = 0;
-  bool has_stress = false;               ///< the scene says [stress]
-  std::vector<std::string> regions;      ///< of DisplayTopology::first_facet
-  std::vector<std::string> shown_lines;  ///< of DisplayTopology::lines
-  std::optional<NetworkReport> network;  ///< of a network: joins, choices, shells
+  bool has_stress = false;               ///< the scene has [stress]
+  std::vector<std::string> regions;      ///< names for DisplayTopology::first_facet
+  std::vector<std::string> shown_lines;  ///< names for DisplayTopology::lines
+  std::optional<NetworkReport> network;  ///< report of a network: joins, choices, shells
   std::vector<DefectReport> defects;
 
-  // Of a mesh, and of a shape's constraints at points:
-  std::shared_ptr<const MeshView> mesh;  ///< the same object as long as it says the same
+  // Mesh, and point constraints of a shape:
+  std::shared_ptr<const MeshView> mesh;  ///< shared as long as its contents are unchanged
+  /// A handle, or a point constraint of a shape.
   struct Handle {
-    std::string name;            ///< EDIT.HANDLE: what its parameters begin with
-    Vec3 centre = Vec3::Zero();  ///< where its centre is now
-    Vec3 shift = Vec3::Zero(),
-         rotation_vector = Vec3::Zero();  ///< turn: along its axis, degrees long
-    bool moves = false;                   ///< it is of the last edit, or of a sequence
-    bool can_rotate = true;       ///< a constraint has no turn, and its shift is where it is
-    std::vector<Vec3> path = {};  ///< its centre in all frames of a sequence
+    std::string name;            ///< EDIT.HANDLE: prefix of its parameters
+    Vec3 centre = Vec3::Zero();  ///< current position of its centre
+    /// Translation, and rotation vector along the axis with the angle in degrees as its length.
+    Vec3 shift = Vec3::Zero(), rotation_vector = Vec3::Zero();
+    bool moves = false;                   ///< true: it belongs to the last edit, or to a sequence
+    bool can_rotate = true;       ///< false: a point constraint, whose shift is its current
+                                  ///< position
+    std::vector<Vec3> path = {};  ///< centre in all frames of a sequence
   };
   std::vector<Handle> handles;
 
-  /// A place of a shape where something acts or holds.
+  /// Location of a load, constraint or support on a shape.
   struct Mark {
     enum class Kind {
-      Load,    ///< a point load; `at` is on the surface without loads, `along` the way it pushes
-      Normal,  ///< a normal that is held, the same
-      Force,   ///< a force of [stress]; `at` is near the present surface
-      Support  ///< a point support of [stress]
+      Load,    ///< point load; `at`: on the unloaded surface; `along`: direction
+      Normal,  ///< normal constraint; `at`, `along` as for Load
+      Force,   ///< point force of [stress]; `at` is near the current surface
+      Support  ///< point support of [stress]
     };
     Kind kind = Kind::Load;
     Vec3 at = Vec3::Zero(), along = Vec3::Zero();
   };
   std::vector<Mark> marks;
-  std::vector<std::string> supported_lines;  ///< of [stress], as it names them
-  /// Each display point on the surface without loads, x, y, z; null until it is drawn.
+  std::vector<std::string> supported_lines;  ///< names of supported lines in [stress]
+  /// Display points on the unloaded surface (x, y, z); null until drawn.
   std::shared_ptr<const std::vector<float>> unloaded;
 
-  // Of a sequence:
+  // Sequence:
+  /// State of the timeline.
   struct Timeline {
-    int frames = 0, frame = 0;     ///< how many, and which is shown, from 0
-    std::vector<int> keyframes;    ///< of the last step, from 0
-    std::vector<Vec3> footprints;  ///< where feet that are planted stand
+    int frames = 0, frame = 0;     ///< number of frames, and the current frame, 0-based
+    std::vector<int> keyframes;    ///< keyframes of the last step, 0-based
+    std::vector<Vec3> footprints;  ///< positions of planted feet
   };
   std::optional<Timeline> timeline;
 
-  /// The smallest box around lines, low and high corner; both 0 where there are none.
+  /// Bounding box of the lines, lower and upper corner; both zero if there are no lines.
   std::array<Vec3, 2> box() const;
+  /// A table by name, or nullptr.
   const Table* table(const SceneTable& name) const;
-  /// A name with this beginning that no table has yet: "push 1", "push 2", …
+  /// The first unused name with this prefix: "push 1", "push 2", …
   std::string free_name(const std::string& beginning) const;
 };
 

@@ -12,7 +12,7 @@ namespace {
 
 using CommandKind = DocumentCommand::CommandKind;
 using Clock = std::chrono::steady_clock;
-constexpr double kStep = 0.02;  // of a motion, s
+constexpr double kStep = 0.02;  // time step of a motion, s
 
 }  // namespace
 
@@ -35,7 +35,7 @@ DocumentWorker::~DocumentWorker() {
 void DocumentWorker::post(DocumentCommand command) {
   {
     const std::lock_guard lock(mutex_);
-    // A slider that is let go: it swings on, but is seen and kept.
+    // A released slider does not stop the motion: it continues, and the value is kept.
     if (command.kind == CommandKind::SolveToEquilibrium && simulating_)
       command.kind = CommandKind::SolvePreview;
     if (command.kind == CommandKind::SetSlider)
@@ -45,7 +45,7 @@ void DocumentWorker::post(DocumentCommand command) {
         it->command.value = command.value;
         return;
       }
-    // A point that is dragged on: what waits is the newest place.
+    // A point that is still dragged: the waiting move takes the latest position.
     if (command.kind == CommandKind::Move && !tasks_.empty() &&
         is_move_from(tasks_.back(), command)) {
       tasks_.back().command.text = std::move(command.text);
@@ -97,7 +97,7 @@ void DocumentWorker::discard_changes() {
 
 void DocumentWorker::analyse(Analysis what) {
   if (analysis_.exchange(what) == what || what == Analysis::None) return;
-  post({.kind = CommandKind::SolvePreview});  // so that it is solved for
+  post({.kind = CommandKind::SolvePreview});  // triggers the analysis
 }
 
 void DocumentWorker::set_simulating(bool on) {
@@ -207,7 +207,7 @@ void DocumentWorker::work() {
     do_command(task.command);
     if (has_other_slider_move(task.command.key)) continue;
     preview_until_converged();
-    constexpr double keeps_up = 0.06;  // s
+    constexpr double keeps_up = 0.06;  // s; analyse during drags only below this duration
     std::shared_ptr<const StressView> stress;
     if (stress_s_ < keeps_up) stress = solved_stress();
     const double ms = 1e3 * seconds_since(start);
@@ -217,7 +217,7 @@ void DocumentWorker::work() {
   }
 }
 
-// A hand may move several parameters at once: the shape follows when all have moved.
+// Several parameters may change at once: update the shape after all of them.
 bool DocumentWorker::has_other_slider_move(const std::string& parameter) {
   changed_sliders_.insert(parameter);
   const std::lock_guard lock(mutex_);
@@ -229,7 +229,7 @@ bool DocumentWorker::has_other_slider_move(const std::string& parameter) {
   return false;
 }
 
-// A drag's answer, and more while nothing else waits and it has not converged.
+// Updates the shape during a drag, repeatedly until it converges or another task waits.
 void DocumentWorker::preview_until_converged() {
   constexpr int most = 20;
   const DocumentCommand answer{.kind = CommandKind::SolvePreview};
@@ -260,7 +260,7 @@ bool DocumentWorker::do_command(const DocumentCommand& command) {
     if (!document_.run_messages().empty()) report_message(command, document_.run_messages(), false);
   } catch (const NoSolutionError& e) {
     done = false;
-    report_message(command, e.what(), true);  // and it is recorded: the shape went back
+    report_message(command, e.what(), true);  // also recorded, because the shape was reset
   } catch (const std::bad_alloc&) {
     report_message(command, "not enough memory", true);
     return false;
@@ -276,7 +276,7 @@ bool DocumentWorker::do_command(const DocumentCommand& command) {
   if (command.kind == CommandKind::Open || command.kind == CommandKind::New ||
       command.kind == CommandKind::Recover) {
     update_ms_ = 0;
-    simulating_ = false;  // another document rests
+    simulating_ = false;  // a new document is not in motion
     ++document_number_;
   }
   return done;
@@ -288,7 +288,7 @@ void DocumentWorker::answer_query(const std::shared_ptr<PointQuery>& query) {
     const std::lock_guard lock(mutex_);
     callbacks_.push_back([query, nearest_point] { query->found(nearest_point); });
   } catch (const Error&) {
-    return;  // no surface there: nothing to find
+    return;  // there is no surface
   }
   wake_();
 }
@@ -307,7 +307,7 @@ void DocumentWorker::publish_frame() {
   }
 }
 
-// Null where none are asked for; without values where there are none: what was there goes.
+// Null if no analysis is requested; without values if it has no result, which removes the old one.
 std::shared_ptr<const StressView> DocumentWorker::solved_stress() {
   const Analysis what = analysis_;
   if (what == Analysis::None) return nullptr;
@@ -318,7 +318,7 @@ std::shared_ptr<const StressView> DocumentWorker::solved_stress() {
   return stress;
 }
 
-// With its stresses: news have both or none.
+// Publishes the view together with its stresses.
 void DocumentWorker::publish_view() {
   auto view = std::make_shared<DocumentView>(view_of(document_));
   view->document_number = document_number_;

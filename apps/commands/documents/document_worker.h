@@ -1,4 +1,4 @@
-// A document on a thread of its own, so that a window never waits for it.
+// Runs a document on its own thread, so that the window stays responsive.
 #pragma once
 
 #include <atomic>
@@ -17,60 +17,67 @@
 
 namespace batten {
 
-/// Does commands on a document in their order, on its own thread, and tells what came of them.
+/// Executes commands on a document in order, on its own thread, and reports the results.
 ///
-/// While a slider is dragged its moves come faster than answers: of those that wait for one
-/// parameter only the newest is done, and the shape follows each (`answer`), or all that move at
-/// once; so with a point that is dragged. After every command there is a new view with its stresses,
-/// and where the shape moved a new frame; during a drag of sliders, frames only. What was
-/// done is recorded as a script that gives the same bits again (run_script()).
+/// Slider moves during a drag arrive faster than solutions. Of the waiting moves of one parameter
+/// only the latest is executed, followed by a quick update (`answer`); several moving parameters
+/// share one update. The same applies to a dragged point.
 ///
-/// All calls are from one thread, the window's. `wake` is called from the worker's thread when there
-/// is something new; it must only pass that on. The last state is kept in `recovery` while there
-/// are changes, written whole or not at all, and removed when it is not needed any more.
+/// After each command there is a new view with its stresses, and a new frame if the shape changed;
+/// during slider drags, frames only. The executed commands are recorded as a script that reproduces
+/// the same bits (run_script()).
+///
+/// All functions must be called from one thread, that of the window. `wake` is called from the
+/// worker's thread when there is an update; it must only notify the window. While there are unsaved
+/// changes, the last state is kept in the file `recovery`, written atomically and removed when it
+/// is no longer needed.
 class DocumentWorker {
  public:
   explicit DocumentWorker(std::function<void()> wake, std::filesystem::path recovery = {});
-  /// Stops what is being done, and waits for that.
+  /// Cancels the current command and waits for its end.
   ~DocumentWorker();
   DocumentWorker(const DocumentWorker&) = delete;
   DocumentWorker& operator=(const DocumentWorker&) = delete;
 
+  /// Appends a command to the queue.
   void post(DocumentCommand command);
-  /// Asks for the place of the surface nearest to a point; `found` is called by take_update().
+  /// Queries the surface point nearest to a point; take_update() calls `found` with the result.
   void query_surface_point(const Vec3& near, std::function<void(const SurfacePoint&)> found);
-  /// Shows another frame of a sequence, counted from 0; of those that wait only the newest.
+  /// Shows another frame of a sequence (0-based); only the latest waiting request is executed.
   void show_frame(int frame);
-  /// The user does not want the changes: the recovery file goes, and there is none any more.
+  /// Discards unsaved changes: removes the recovery file, and writes none any more.
   void discard_changes();
-  /// What is solved for beside the shape: after each command, and in a drag as long as that keeps up
-  /// with the hand.
+  /// Selects the analysis performed beside the shape: after each command, and during drags as long
+  /// as it is fast enough.
   void analyse(Analysis what);
-  /// Lets the shape move, one second of its time in a second of the clock where steps keep up. Sliders
-  /// act on it; other commands end the motion first, and it begins anew from rest.
+  /// Starts or stops the dynamic simulation, in real time if the steps are fast enough. Sliders act
+  /// on it; any other command stops the motion first, after which it restarts from rest.
   void set_simulating(bool on);
-  /// Stops the command that is being done, and forgets those that wait.
+  /// Cancels the current command and discards the waiting ones.
   void cancel();
 
-  /// Something that was refused or missed, in words.
+  /// A rejected command or a failed check, as text.
   struct Message {
     std::string command, text;
-    bool rejected = true;  ///< false: done, but a promise was missed
+    bool rejected = true;  ///< false: executed, but a check failed
   };
+  /// Changes since the last take_update().
   struct Update {
-    std::shared_ptr<const DocumentView> view;  ///< null: as before
-    const Frame* frame = nullptr;  ///< null: as before; valid until the next take_update()
-    std::shared_ptr<const StressView> stress;  ///< null: as before; without values: none any more
+    std::shared_ptr<const DocumentView> view;  ///< null: unchanged
+    const Frame* frame = nullptr;  ///< null: unchanged; valid until the next take_update()
+    std::shared_ptr<const StressView> stress;  ///< null: unchanged; without values: no stresses any
+                                               ///< more
     std::vector<Message> messages;
-    std::vector<DocumentCommand> written;  ///< saves, exports and runs that were done
+    std::vector<DocumentCommand> written;  ///< completed saves, exports and runs
     bool busy = false;
-    std::string stage;  ///< of what is being done
+    std::string stage;  ///< stage of the current command
     double fraction = 0;
-    bool simulating = false;  ///< steps of a motion are done; they do not count as busy
-    double update_ms = 0;  ///< mean time of an answer and its frame in the last drag; 0: none yet
+    bool simulating = false;  ///< a motion is running; this does not count as busy
+    double update_ms = 0;  ///< mean time of an update with its frame in the last drag; 0: none yet
   };
+  /// Collects what is new since the last call.
   Update take_update();
-  /// What was done, one command a line.
+  /// The executed commands, one per line.
   std::vector<std::string> script() const;
 
  private:
@@ -81,7 +88,7 @@ class DocumentWorker {
   struct Task {
     DocumentCommand command;
     std::shared_ptr<PointQuery> query;  // instead of a command
-    int frame = -1;                     // to be shown, instead of a command
+    int frame = -1;                     // frame to show instead of a command; -1: none
   };
   static bool is_move_from(const Task& task, const DocumentCommand& move);
   void work();
@@ -100,8 +107,8 @@ class DocumentWorker {
 
   std::function<void()> wake_;
   std::filesystem::path recovery_;
-  Document document_;                      // of the worker's thread
-  std::set<std::string> changed_sliders_;  // since the last answer; of the worker's thread
+  Document document_;                      // used by the worker's thread only
+  std::set<std::string> changed_sliders_;  // since the last update; worker's thread only
   FrameExchange frames_;
   mutable std::mutex mutex_;
   std::condition_variable waiting_;
@@ -115,9 +122,9 @@ class DocumentWorker {
   std::string stage_, written_recovery_;
   double fraction_ = 0, update_ms_ = 0;
   bool busy_ = false, simulating_ = false;
-  int document_number_ = 0;  // documents so far
+  int document_number_ = 0;  // number of documents so far
   std::chrono::steady_clock::time_point next_step_;
-  double stress_s_ = 0;  // that the last stresses took; of the worker's thread
+  double stress_s_ = 0;  // duration of the last stress analysis; worker's thread only
   std::atomic<Analysis> analysis_ = Analysis::None;
   std::atomic<bool> cancelled_ = false, stopping_ = false, discarded_ = false;
   std::thread thread_;

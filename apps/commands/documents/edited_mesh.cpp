@@ -12,10 +12,10 @@
 namespace batten {
 namespace {
 
-/// What is made of a shape, and does not change it.
+/// Tables that use the shape without changing it.
 constexpr const char* kMadeOf[] = {"name", "output", "modes", "picture"};
 
-/// A scene's text without layout, numbers of handles, and what files are made.
+/// The text of a scene without layout, handle values, and output files.
 std::string extract_topology_text(const std::string& text) {
   toml::table root = parse_toml(text, {}, "edits of a mesh");
   for (const char* kind : kMadeOf) root.erase(kind);
@@ -30,7 +30,7 @@ std::string extract_topology_text(const std::string& text) {
   return to_toml(root);
 }
 
-/// The unit of a handle's number: a length, but for turns and scales.
+/// Unit of a handle's value: a length, except for rotations and scales.
 std::string unit_of_move(const std::string& parameter, const std::string& length) {
   if (parameter.find(".turn.") != std::string::npos || parameter.ends_with(".degrees")) return "°";
   return parameter.ends_with(".scale") ? "" : length;
@@ -38,7 +38,7 @@ std::string unit_of_move(const std::string& parameter, const std::string& length
 
 bool acts(const EditSpec& edit) { return !edit.handles.empty() || !edit.fixed.empty(); }
 
-/// Numbers of an edit, to see whether any changed.
+/// All values of an edit, to detect changes.
 std::vector<double> numbers_of(const EditSpec& edit) {
   std::vector<double> numbers;
   for (const auto& h : edit.handles) {
@@ -55,7 +55,7 @@ using Role = MeshView::Role;
 
 }  // namespace
 
-/// All that is made of one scene. Sessions refer to what stands above them.
+/// Everything derived from one scene. Members refer to preceding members.
 struct EditedMesh::State {
   State(const DeformScene& s, std::shared_ptr<const MeshSource> mesh)
       : scene(s),
@@ -65,7 +65,7 @@ struct EditedMesh::State {
 
   const TriangleMesh& mesh() const { return source->prepared.mesh; }
   const Points& shape() const { return edits.empty() ? mesh().points() : edits.back()->shape(); }
-  /// Makes the edits from the first that is not there on, and does them.
+  /// Creates and solves the edits that do not exist yet.
   void edit(const DeformScene& now, const Progress& progress) {
     size_t number = 0;
     for (const EditSpec& rule : now.edits) {
@@ -93,7 +93,7 @@ struct EditedMesh::State {
   std::vector<std::unique_ptr<EditSession>> edits;
   std::unique_ptr<const MeshDisplay> display;
   std::vector<std::string> line_names;
-  std::vector<std::vector<int>> points_of;  // of each node
+  std::vector<std::vector<int>> points_of;  // per node
   std::shared_ptr<const MeshView> view;
 };
 
@@ -143,8 +143,8 @@ void EditedMesh::make(const DeformScene& scene, const std::string& topology_text
   problem_ = problem;
 }
 
-// Sessions stay up to the first edit whose numbers changed; that one goes on, all behind it begin
-// from another shape.
+// Sessions before the first edit with changed values are kept. That edit's session is updated; all
+// later ones start from another shape.
 void EditedMesh::set_numbers(const DeformScene& scene) {
   auto& edits = made_->edits;
   std::vector<const EditSpec*> rules;
@@ -164,7 +164,7 @@ void EditedMesh::set_numbers(const DeformScene& scene) {
       edits[first]->set(*rules[first]);
       edits[first]->solve_to_equilibrium(none);
       made_->edit(scene, {});
-    } catch (const Error&) {  // as it was
+    } catch (const Error&) {  // restores the previous state
       DeformReport::Edit none;
       edits.resize(first + 1);
       edits[first]->set(before);
@@ -219,7 +219,7 @@ void EditedMesh::solve_to_equilibrium() {
   });
 }
 
-// Numbers without a shape go back to the last that had one.
+// If there is no solution for the new values, the last ones with a solution are restored.
 template <class Function>
 void EditedMesh::apply_numbers(const Function& go) {
   if (!made_ || made_->edits.empty()) return;
@@ -280,7 +280,7 @@ std::string EditedMesh::export_shape(const std::filesystem::path& file, const Pr
   return "";
 }
 
-// -- what a window shows ----------------------------------------------------------------------------
+// Display data.
 
 void EditedMesh::State::show() {
   std::vector<std::vector<int>> lines;
@@ -329,7 +329,7 @@ void EditedMesh::State::show_parts(MeshView& seen) {
       seen.parts.push_back(
           {Part::Kind::Selection, rule.name, "", 0, points(select.of({rule.name, rule.location}))});
     } catch (const InputError&) {
-      continue;  // the problem names it
+      continue;  // reported as the problem
     }
   for (const bool property : {false, true})
     for (const MeshSet& set : property ? source->file.properties() : source->file.sets()) {

@@ -1,4 +1,4 @@
-// A mesh that is edited.
+// Document contents of a deform scene: a mesh with its edits.
 #pragma once
 
 #include <memory>
@@ -12,14 +12,14 @@
 
 namespace batten {
 
-/// A mesh file, what a deform scene says of it, and its edits one after the other. The text is that of
-/// `batten deform`, and the shape at rest is what that would write; an edit that neither holds nor
-/// moves anything yet is passed over. A change of the text makes anew
+/// A mesh file with the edits of a deform scene, applied in order. The text is a scene of `batten
+/// deform`, and the converged shape equals its output. Edits that do not yet fix or move anything
+/// are skipped. A change of the text recomputes:
 ///
-///     numbers of the last edit's handles   nothing: two pairs of triangular solves in a drag
-///     numbers of an edit before            the edits behind it
-///     selections, features, edits          these, and all factors
-///     the mesh                             all
+///     values of the last edit's handles   nothing: two pairs of triangular solves per drag event
+///     values of an earlier edit           the edits after it
+///     selections, features, edits         these, and all factorizations
+///     the mesh                            everything
 class EditedMesh : public DocumentContent {
  public:
   EditedMesh();
@@ -39,8 +39,9 @@ class EditedMesh : public DocumentContent {
   std::string run(const std::filesystem::path& folder, const Progress& progress) override;
   std::string export_shape(const std::filesystem::path& file, const Progress& progress) override;
 
-  /// The shape that is there, all vertices; and the mesh as it was read.
+  /// The current shape, all vertices.
   const Points& shape() const;
+  /// The mesh as it was read.
   const MeshSource& source() const;
 
  private:
@@ -52,7 +53,7 @@ class EditedMesh : public DocumentContent {
   void apply_numbers(const Function& go);
 
   DeformScene scene_;
-  std::string topology_text_;  // of the scene, without numbers of handles and what files are made
+  std::string topology_text_;  // the scene without handle values and output files
   std::unique_ptr<State> made_;
 };
 

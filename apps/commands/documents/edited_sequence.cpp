@@ -16,7 +16,7 @@ using Part = MeshView::Part;
 
 }  // namespace
 
-/// What decides the frames that are read, the parts of the mesh, and each step.
+/// The parts of the text that determine the frames read, the mesh parts, and each step.
 struct EditedSequence::Sections {
   Sections() = default;
   explicit Sections(const std::string& text) {
@@ -53,12 +53,12 @@ struct EditedSequence::State {
   MeshFile file;
   VertexSelector select;
   SequenceParts parts;
-  /// What a step gave, and the feet that it planted.
+  /// Result of a step, with the feet that it planted.
   struct Done {
     std::shared_ptr<const PreparedSequence> frames;
     std::vector<SequenceReport::Foot> feet;
   };
-  std::vector<Done> after;  // each step
+  std::vector<Done> after;  // per step
   std::unique_ptr<const MeshDisplay> display;
   std::shared_ptr<const MeshView> view;
 };

@@ -1,4 +1,4 @@
-// A deforming mesh that is edited.
+// Document contents of a sequence scene: a mesh sequence with its steps.
 #pragma once
 
 #include <memory>
@@ -11,9 +11,9 @@
 
 namespace batten {
 
-/// Frames, and the steps of a sequence scene one after the other, all in memory: 24 bytes a node,
-/// frame and step. The text is that of `batten sequence`, and the frames are what that would write. A
-/// change of the text does the steps again from the first that it changes on.
+/// The frames of a sequence scene after each step, all in memory: 24 bytes per node, frame and
+/// step. The text is a scene of `batten sequence`, and the frames equal its output. A change of the
+/// text recomputes all steps from the first changed one.
 class EditedSequence : public DocumentContent {
  public:
   EditedSequence();
@@ -37,7 +37,7 @@ class EditedSequence : public DocumentContent {
   struct State;
   SequenceScene scene_;
   std::unique_ptr<State> made_;
-  int frame_ = 0;  // that is shown, from 0
+  int frame_ = 0;  // shown frame, 0-based
 };
 
 }  // namespace batten

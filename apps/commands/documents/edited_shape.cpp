@@ -15,7 +15,7 @@
 namespace batten {
 namespace {
 
-/// Models that are kept for undo.
+/// Number of models kept for undo.
 constexpr size_t kRecentModels = 4;
 
 std::vector<Vec3> points_of(const InputCurve& curve) {
@@ -26,7 +26,7 @@ std::vector<Vec3> points_of(const InputCurve& curve) {
   return points;
 }
 
-/// The unit of a parameter; "" for a pure number, and for loads and weights.
+/// Unit of a parameter; empty for dimensionless ones, and for loads and weights.
 std::string unit_of(const Scene& scene, const std::string& parameter) {
   const auto is = [&](const auto& thing) { return thing.name == parameter; };
   if (std::any_of(scene.moves.begin(), scene.moves.end(), is)) return scene.unit;
@@ -35,7 +35,7 @@ std::string unit_of(const Scene& scene, const std::string& parameter) {
   const std::string owner = parameter.substr(0, dot);
   for (const SceneConstraint& one : scene.constraints)
     if (one.name == owner) return one.type == SceneConstraint::Type::Point ? scene.unit : "";
-  return scene.unit;  // of a stage of [[fair]]
+  return scene.unit;  // stage of [[fair]]
 }
 
 }  // namespace
@@ -49,15 +49,15 @@ void EditedShape::rebuild(const SceneText& text, const std::filesystem::path& fi
   if (session_ && same_model) try {
       made = continue_session(scene, parts);
     } catch (const Error&) {
-      rebuild_session(scene_, parts_, true, progress);  // as it was
+      rebuild_session(scene_, parts_, true, progress);  // restores the previous state
       throw;
     }
-  // What [skin] asks for in vain is refused; lines may make no surface yet.
+  // Unsatisfiable values of [skin] are rejected, but lines need not form a surface yet.
   if (!made) rebuild_session(scene, parts, !session_ || parts.lines != parts_.lines, progress);
   scene_ = scene;
   parts_ = parts;
   stress_.reset();
-  pattern_.reset();  // until it is drawn
+  pattern_.reset();  // until drawn again
 }
 
 void EditedShape::update_text(const SceneText& text, const std::filesystem::path& file) {
@@ -75,7 +75,7 @@ bool EditedShape::continue_session(const Scene& scene, const SceneDependencies& 
     const auto found = parts_.session_parts.find(name);
     if (found == parts_.session_parts.end() || found->second != words) more.push_back(name);
   }
-  // One change alone: it happens or the session is as it was.
+  // A single change: it succeeds, or the session stays unchanged.
   if (less.size() + more.size() > 1) return false;
   if (!more.empty()) {
     for (const SceneLoad& load : scene.loads)
@@ -301,7 +301,7 @@ void EditedShape::fill_view(DocumentView& view) const {
   view.defects = defect_reports(made.model);
 }
 
-// Where a constraint holds the surface by now, or its direction.
+// Current position or direction that a constraint prescribes.
 Vec3 EditedShape::constraint_target(const SceneConstraint& one) const {
   Vec3 goal = one.goal;
   for (int i = 0; i < 3; ++i)
@@ -311,7 +311,7 @@ Vec3 EditedShape::constraint_target(const SceneConstraint& one) const {
   return goal;
 }
 
-// Where loads and forces act, normals are held, lines and points supported.
+// Marks of loads, forces, normal constraints and supports.
 void EditedShape::add_marks(DocumentView& view) const {
   using Mark = DocumentView::Mark;
   for (const SceneLoad& load : scene_.loads)
@@ -344,7 +344,7 @@ std::string EditedShape::rows() const {
 }
 
 
-// What a shape is written to.
+// Output of a shape.
 
 namespace {
 

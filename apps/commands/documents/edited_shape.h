@@ -1,4 +1,4 @@
-// A shape on character lines that is worked on.
+// Document contents of a surface scene: curves, their surface and a sculpting session.
 #pragma once
 
 #include <list>
@@ -15,20 +15,21 @@
 
 namespace batten {
 
-/// What the lines of a scene make, before anything acts on it.
+/// The model of a scene's lines, without loads and constraints.
 struct DocumentModel {
-  std::string of;  ///< SceneDependencies::model
+  std::string of;  ///< key: SceneDependencies::model
   std::vector<CharacterLine> lines;
   SculptModel model;
 };
 
-/// Lines, their skin and a session on it. A change of the text makes anew what it asks for:
+/// Curves, their surface and a session on it. A change of the text recomputes:
 ///
-///     a value                        the session goes on: a pair of triangular solves or a few
-///     a point load or pull more,     the session goes on
-///       a load or weight less
-///     other loads, constraints, …    a new session on the same model
-///     lines, joins, [skin]           a new model; those that were made lately are kept
+///     a value                         nothing: the session continues, with a few pairs of
+///                                     triangular solves
+///     a point load or pull added,     nothing: the session continues
+///       a load or weight removed
+///     other loads, constraints, …     the session, on the same model
+///     lines, joins, [skin]            the model; recent models are cached
 class EditedShape : public DocumentContent {
  public:
   void rebuild(const SceneText& text, const std::filesystem::path& file,
@@ -50,8 +51,9 @@ class EditedShape : public DocumentContent {
   std::string run(const std::filesystem::path& folder, const Progress& progress) override;
   std::string export_shape(const std::filesystem::path& file, const Progress& progress) override;
 
-  /// The lines, fair ones where [[fair]] asks for it; those of the text as far as they can be read.
+  /// The lines, after fairing by [[fair]]; those of the current text as far as they can be read.
   const std::vector<CharacterLine>& lines() const { return lines_; }
+  /// The sculpting session, or null.
   SculptingSession* session() const { return session_.get(); }
 
  private:
@@ -71,9 +73,9 @@ class EditedShape : public DocumentContent {
   std::unique_ptr<SculptingSession> session_;
   SessionReference start_;
   SolveReport solve_report_;
-  double dt_ = 0;                                       // of the steps of its motion
-  std::shared_ptr<const DisplayTopology> pattern_;      // that was drawn
-  std::shared_ptr<const std::vector<float>> unloaded_;  // its points without loads
+  double dt_ = 0;                                       // time step of the motion
+  std::shared_ptr<const DisplayTopology> pattern_;      // topology that was drawn
+  std::shared_ptr<const std::vector<float>> unloaded_;  // its points on the unloaded surface
   std::optional<StressEvaluator> stress_;
   std::list<std::shared_ptr<const DocumentModel>> recent_models_;
 };

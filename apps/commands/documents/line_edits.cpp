@@ -188,7 +188,7 @@ std::vector<DocumentCommand> mirror_edits(const DocumentView& view, const std::s
   std::vector<Vec3> points = defining_points(scene, line);
   const std::vector<Vec3> before = points;
   for (Vec3& p : points) p[axis] = p[axis] == 0 ? 0 : -p[axis];
-  if (points == before) return {};  // it lies in the plane
+  if (points == before) return {};  // the line lies in the plane
   return {line_command(view.free_name("line"), points, line_key(scene, line))};
 }
 
@@ -202,7 +202,7 @@ std::vector<DocumentCommand> join_edits(const SceneText& scene, const std::strin
                                         const std::optional<std::string>& kind) {
   std::vector<DocumentCommand> edits;
   bool said = false;
-  // From the last one, so that numbers of those before stay when one is removed.
+  // In reverse order, so that removing a table does not renumber those still to be visited.
   std::vector<SceneTable> tables = scene.tables();
   std::reverse(tables.begin(), tables.end());
   for (const SceneTable& table : tables) {

@@ -1,4 +1,4 @@
-// Edits of lines that a scene states by their points, as commands on its document.
+// Edit commands for curves, joins and regions of a scene.
 #pragma once
 
 #include <string>
@@ -11,62 +11,68 @@
 
 namespace batten {
 
-/// The [[line]] that a name of a line or of its piece between nodes ("rim.2") means; "" for none.
+/// Name of the [[line]] that defines a curve or a part of it between nodes ("rim.2"); empty: none.
 std::string defining_line(const SceneText& scene, const std::string& name);
 
-/// The points of a [[line]] as its scene states them, by the key that has them; none where it is stated
-/// otherwise (a file, a circle), for those cannot be moved one by one.
+/// The key that holds the points of a [[line]]. None: the line is defined otherwise (file, circle),
+/// so its points cannot be edited.
 enum class LineKey {
   None,
-  Points,  ///< the curve goes through all of them
-  Bezier,  ///< control points: the second and the third say the tangents at the ends
-  Arc      ///< start, a point between, end
+  Points,  ///< the curve interpolates all of them
+  Bezier,  ///< control points: the second and third define the end tangents
+  Arc      ///< start, intermediate point, end
 };
+/// The point key of a [[line]].
 LineKey line_key(const SceneText& scene, const std::string& line);
+/// The points of a [[line]] as given in its scene; empty for LineKey::None.
 std::vector<Vec3> defining_points(const SceneText& scene, const std::string& line);
-/// The points of a list as TOML writes it; none of anything else.
+/// Parses a TOML list of points; empty for anything else.
 std::vector<Vec3> parse_points(const std::string& value);
 
-/// A point as words, with no more digits than a hand can mean in a shape of this size: a millionth.
+/// A point as TOML text.
 std::string point_to_toml(const Vec3& p);
+/// Rounds a point to a millionth of the size: the precision of interactive input.
 Vec3 rounded_point(const Vec3& p, double size);
 
-/// A line through points, as a new one or in the place of its points.
+/// Commands that create a line through points, or replace the points of an existing line.
 DocumentCommand line_command(const std::string& name, const std::vector<Vec3>& points,
                              LineKey key = LineKey::Points);
 DocumentCommand points_edit(const std::string& line, const std::vector<Vec3>& points,
                             LineKey key = LineKey::Points);
-/// A straight line between two points with tangents that a hand can move; none of other lines.
+/// Converts a straight line between two points to a Bézier curve with editable tangents; empty for
+/// other lines.
 std::vector<DocumentCommand> tangent_edits(const SceneText& scene, const std::string& line);
-/// The scene after `set` of a key of a line: of what says its shape a line has one key, so that the one
-/// before goes.
+/// The scene after `set` of a key of a line. A line has only one shape key, so setting another one
+/// removes the previous key.
 SceneText with_single_shape_key(SceneText scene, const SceneTable& table, const std::string& key,
                                 const std::string& value);
-/// Moves a point of all lines that have it.
+/// Moves a point in all lines that contain it.
 DocumentCommand move_point_command(const Vec3& from, const Vec3& to);
-/// The scene after such a command's text. Throws InputError: not two places, no line that has the
-/// first.
+/// The scene after such a move; `from_to` is the command's text. Throws InputError unless there are
+/// two positions and a line contains the first one.
 SceneText with_moved_point(SceneText scene, const std::string& from_to);
-/// Two lines instead of one, which meet at one of its inner points (counted from 0).
+/// Splits a line in two at one of its inner points (0-based).
 std::vector<DocumentCommand> split_edits(const DocumentView& view, const std::string& line,
                                          int point);
-/// One line instead of two that share an end: the other line is taken into this one. None where no
-/// other stated line ends where this one does, or several do.
+/// Joins a line with the adjacent one, which is merged into it. Empty unless exactly one other
+/// editable line ends at the same point.
 std::vector<DocumentCommand> join_line_edits(const DocumentView& view, const std::string& line);
-/// A copy on the other side of a plane through the origin whose normal is an axis (0 to 2).
+/// Adds a copy, mirrored in the plane through the origin perpendicular to an axis (0 to 2).
 std::vector<DocumentCommand> mirror_edits(const DocumentView& view, const std::string& line,
                                           int axis);
 
 
-// Edits of a scene's words about lines and regions, as commands on its document.
+// Edits of joins and regions.
 
-/// What makes a line a crease or smooth ("crease", "smooth", "tangent", "curvature"), or, without a
-/// word, what the surfaces at it say: the words about it in any [[join]] are changed or taken out.
+/// Sets the continuity at a line: "crease", "smooth", "tangent" or "curvature". Empty `kind`:
+/// automatic, as the adjacent surfaces determine. Existing entries of the line in any [[join]] are
+/// changed or removed.
 std::vector<DocumentCommand> join_edits(const SceneText& scene, const std::string& line,
                                         const std::optional<std::string>& kind);
 
-/// What asks for one of the alternatives of a choice: a [[region]] for each loop that is not there yet,
-/// and no surface in loops that were chosen and are not among them.
+/// Selects an alternative of an ambiguous decision. Adds a [[region]] for each of its loops that
+/// does not exist yet, and suppresses surfaces in chosen loops that do not belong to the
+/// alternative.
 std::vector<DocumentCommand> alternative_edits(const NetworkReport::Choice& choice,
                                                int alternative);
 

@@ -11,7 +11,7 @@ namespace {
 using CommandKind = DocumentCommand::CommandKind;
 const SceneTable kStress{"stress", ""};
 
-/// Whether a list stands as a key of [stress], not in tables [[stress.KEY]] of its own.
+/// True if a list is a key of [stress] with inline tables, not tables [[stress.KEY]].
 bool in_braces(const SceneText& scene, const std::string& key) {
   if (!scene.has(kStress)) return false;
   const auto values = scene.values(kStress);
@@ -19,7 +19,7 @@ bool in_braces(const SceneText& scene, const std::string& key) {
                      [&](const auto& value) { return value.first == key; });
 }
 
-/// The tables of a list in braces; none when it has another form.
+/// The inline tables of a list; empty if it has another form.
 std::vector<toml::table> list_of(const SceneText& scene, const std::string& key) {
   std::vector<toml::table> tables;
   if (!in_braces(scene, key)) return tables;
@@ -31,7 +31,7 @@ std::vector<toml::table> list_of(const SceneText& scene, const std::string& key)
   return tables;
 }
 
-/// The same, each as words.
+/// The inline tables of a list, as text.
 std::vector<std::string> inline_tables(const SceneText& scene, const std::string& key) {
   std::vector<std::string> items;
   for (const toml::table& table : list_of(scene, key)) items.push_back(to_toml(table));
@@ -42,7 +42,7 @@ DocumentCommand list_edit(const std::string& key, const std::vector<std::string>
   return {.kind = CommandKind::Set, .table = kStress, .key = key, .text = SceneText::list(items)};
 }
 
-/// The tables of a list, with one of them replaced by words, or left out where there are none.
+/// The tables of a list, with one replaced by `words`, or removed if `words` is empty.
 std::vector<DocumentCommand> with_item(const SceneText& scene, const StressPart& part,
                                        const std::string& words) {
   std::vector<std::string> items = inline_tables(scene, part.list);
@@ -135,7 +135,7 @@ namespace {
 
 using CommandKind = DocumentCommand::CommandKind;
 
-/// One entry of a list of strokes: its place, its radius, and its words.
+/// An entry of a list of strokes: position, radius, and its text.
 struct Stroke {
   BrushDab dab;
   std::string words;

@@ -9,16 +9,17 @@
 
 namespace batten {
 
-/// Turns shapes of one mesh into frames. A vertex where the mesh has a crease stands for several
-/// display points, each with a normal of its own; that is decided once, on the mesh as it was read.
+/// Converts shapes of a mesh to frames. A vertex on a crease has several display points with
+/// separate normals. Creases are determined once, on the undeformed mesh.
 class MeshDisplay {
  public:
-  /// `lines`: chains of vertices that are drawn. O(triangles · log triangles).
+  /// `lines`: vertex chains to draw. Cost: O(triangles · log triangles).
   MeshDisplay(const TriangleMesh& mesh, const std::vector<std::vector<int>>& lines);
 
-  /// Fills a frame with a shape (n×3). O(triangles), allocates nothing once the frame has its size.
+  /// Fills a frame with a shape (n×3). Cost: O(triangles); no allocation once the frame has its
+  /// size.
   void draw(const Points& shape, Frame& frame) const;
-  const std::vector<int>& vertices() const { return vertices_; }  ///< of each display point
+  const std::vector<int>& vertices() const { return vertices_; }  ///< vertex of each display point
 
  private:
   std::shared_ptr<const DisplayTopology> pattern_;

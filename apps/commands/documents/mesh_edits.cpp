@@ -32,13 +32,13 @@ bool lists_part(const SceneText& scene, const char* key, const std::string& part
   return std::find(words.begin(), words.end(), part) != words.end();
 }
 
-/// The handle of the last edit that has this name.
+/// The handle with this name in the last edit.
 SceneTable handle_of(const SceneText& scene, const std::string& part) {
   const auto edit = last_edit(scene);
   return {"edit.handle", (edit ? edit->name : "") + "." + part};
 }
 
-/// Names that a list of features means, but for one.
+/// The names matched by a list of features, without `part`.
 std::vector<std::string> without(const std::vector<std::string>& words, const MeshView& mesh,
                                  const std::string& part) {
   std::vector<std::string> left;
@@ -181,7 +181,7 @@ std::string handle_move_to_toml(const std::string& handle, const Vec3& shift,
   return text + " }";
 }
 
-/// The list of moves of a keyframe with one in the place of the handle's.
+/// The list of moves of a keyframe, with the handle's move replaced or added.
 std::string with_move(const std::string& list, const std::string& handle, const std::string& move) {
   const toml::table root = parse_toml("list = " + list, {}, "moves of handles");
   std::string text;
@@ -194,7 +194,7 @@ std::string with_move(const std::string& list, const std::string& handle, const 
   return "[" + text + move + "]";
 }
 
-/// The last step, or the last of a kind ("\"path\"").
+/// The last step, or the last one of a kind ("\"path\"").
 SceneTable last_step(const SceneText& scene, const std::string& kind = "") {
   SceneTable step;
   for (const SceneTable& table : scene.tables())
@@ -202,7 +202,7 @@ SceneTable last_step(const SceneText& scene, const std::string& kind = "") {
   return step;
 }
 
-/// A name that no step has yet, as a word.
+/// An unused step name, as TOML text.
 std::string free_step(const SceneText& scene, const std::string& beginning) {
   int number = 1;
   while (scene.has({"step", beginning + std::to_string(number)})) ++number;
@@ -231,7 +231,7 @@ std::vector<DocumentCommand> keyframe_edits(const SceneText& scene, int frame,
                .key = "handle",
                .text = with_move(scene.value(table, "handle"), handle, move)}};
   for (const auto& [name, value] : scene.values(step))
-    if (name == "keyframe")  // a list in braces
+    if (name == "keyframe")  // an inline list
       return {{.kind = CommandKind::Set,
                .table = step,
                .key = name,

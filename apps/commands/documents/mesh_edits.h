@@ -1,4 +1,4 @@
-// Edits of a deform scene's words about parts of its mesh, as commands on its document.
+// Edit commands for deform scenes and sequence scenes.
 #pragma once
 
 #include <optional>
@@ -11,42 +11,41 @@
 
 namespace batten {
 
-/// What the vertices of a part are for. Interest: they are in the region of interest, and of all other
-/// vertices only handles move.
+/// Use of a part's vertices. Interest: region of interest, outside of which only handles move.
 enum class PartUse { Free, Fixed, Handle, Rigid, TranslationOnly, Interest };
 
-/// What the last edit of a scene takes a part for.
+/// Use of a part in the last edit of a scene.
 PartUse use_of(const SceneText& scene, const std::string& part);
 
-/// What makes the scene take a part for something else: the words that say what it is for now go. A
-/// list of features with '*' becomes the names that it means, without this one. A set of the mesh file
-/// becomes a selection first, and where there is no [[edit]] there is one then.
+/// Changes the use of a part, and removes its previous use. Wildcards in lists of features are
+/// expanded first. A set of the mesh file is made a selection first, and a missing [[edit]] is
+/// created.
 std::vector<DocumentCommand> use_edits(const SceneText& scene, const MeshView& mesh,
                                        const std::string& part, PartUse use);
 
-/// A selection of nodes by their numbers, or more nodes of one that is there.
+/// Creates a selection of nodes by number, or adds nodes to an existing one.
 DocumentCommand nodes_edit(const SceneText& scene, const std::string& name,
                            const std::vector<long>& labels);
-/// The numbers that a selection states.
+/// The node numbers listed in a selection.
 std::vector<long> nodes_of(const SceneText& scene, const std::string& name);
 
 
-// Edits of a sequence scene's keyframes, as commands on its document.
+// Edits of keyframes of a sequence scene.
 
-/// What makes a handle move in one frame (from 1), in the last step, by a shift and a turn (a vector along
-/// its axis, as long as its angle in degrees): a step of keyframes is added where the last one is of
-/// another kind, a keyframe where the step has none there.
+/// Sets the motion of a handle in one frame (1-based) of the last step: a translation, and a
+/// rotation vector whose length is the angle in degrees. A keyframe step is added if the last step
+/// has another kind, and a keyframe if the frame has none.
 std::vector<DocumentCommand> keyframe_edits(const SceneText& scene, int frame,
                                             const std::string& handle, const Vec3& shift,
                                             const Vec3& rotation_vector);
 
-/// What makes the whole sequence go along a curve through these points: a step of the kind `path`, or
-/// another curve for the last one of this kind.
+/// Makes the whole sequence follow a curve through these points, by a new `path` step or by
+/// changing the last step if it is one.
 DocumentCommand path_edit(const SceneText& scene, const std::vector<Vec3>& through);
-/// The points of the last path; none where there is none.
+/// The points of the last path; empty if there is none.
 std::vector<Vec3> path_of(const SceneText& scene);
 
-/// What makes a handle of a selection.
+/// Makes a selection a handle.
 std::vector<DocumentCommand> sequence_handle_edits(const SceneText& scene,
                                                    const std::string& selection);
 

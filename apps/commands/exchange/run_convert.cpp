@@ -26,7 +26,7 @@ bool has(const std::vector<std::string>& endings, const fs::path& file) {
 
 std::string name_of(const fs::path& file) { return file.filename().string(); }
 
-/// Metres of a unit; 0 for "".
+/// Length of a unit in metres; 0 for "".
 double metres(const std::string& unit) { return unit.empty() ? 0 : unit_in_metres(unit); }
 
 void row(ConvertReport& report, const std::string& label, const std::string& text) {
@@ -38,7 +38,7 @@ void report_failed_check(ConvertReport& report, const std::string& what,
   report.failed_checks.push_back({what, detail});
 }
 
-/// Adds files that were written beside the one that was asked for; returns what to say of them.
+/// Adds files that were written beside the requested one; the result is a text that lists them.
 std::string add_files(ConvertReport& report, const std::vector<fs::path>& beside) {
   std::string words;
   for (const fs::path& file : beside) {
@@ -48,7 +48,7 @@ std::string add_files(ConvertReport& report, const std::vector<fs::path>& beside
   return words;
 }
 
-/// The unit that all files of a kind are in; "" for other kinds.
+/// The unit that a format prescribes; empty if it prescribes none.
 std::string fixed_unit(const fs::path& file) {
   const std::string ending = lower_extension(file);
   return ending == ".glb" ? "m" : ending == ".3mf" ? "mm" : "";
@@ -80,7 +80,7 @@ std::string describe_chord(double deviation, double chord, double size, const st
          format_number(chord) + " " + unit + " (" + format_number(chord / size) + " of the size)";
 }
 
-/// Whether the file that was written is what was read; `ending`: of the former.
+/// Compares the written file with the input; `ending`: extension of the written file.
 void compare(ConvertReport& report, const CadConversion& c, const std::string& ending) {
   const CadContents &a = c.before, &b = c.after;
   const double scale = a.unit_in_metres / b.unit_in_metres;
@@ -100,7 +100,7 @@ void compare(ConvertReport& report, const CadConversion& c, const std::string& e
                           "is " + format_number(after) + ", promised " + format_number(before) +
                               " within " + format_number(most));
   };
-  // Readers move trims within their tolerances.
+  // Readers move trimming curves within their tolerances.
   const double loose = std::max(a.trim_uncertainty_area * scale * scale, b.trim_uncertainty_area);
   near("area", a.area * scale * scale, b.area, loose);
   near("volume", a.volume * std::pow(scale, 3), b.volume, loose * b.size);
@@ -162,7 +162,7 @@ void cad_to_mesh(const ConvertTask& task, ConvertReport& report) {
 
 // ---- meshes and lines -----------------------------------------------------------------------
 
-/// The factor from the unit of a file that states none to the one that is asked for.
+/// Conversion factor from the unit of an input that states none to the requested unit.
 double factor_of(const ConvertTask& task) {
   if (task.unit.empty() || task.unit == task.from_unit) return 1;
   if (task.from_unit.empty())
@@ -173,7 +173,8 @@ double factor_of(const ConvertTask& task) {
   return unit_in_metres(task.from_unit) / unit_in_metres(task.unit);
 }
 
-/// The unit of a mesh that goes to a kind of file that is in one unit always; 0 for other kinds.
+/// Unit in metres of a mesh that is written to a format with a prescribed unit; 0 for other
+/// formats.
 double declared_unit(const ConvertTask& task) {
   const std::string fixed = fixed_unit(task.to);
   if (fixed.empty()) return 0;
@@ -186,7 +187,7 @@ double declared_unit(const ConvertTask& task) {
   return unit_in_metres(task.from_unit);
 }
 
-/// The face sets of a file, where it has none its properties, one for each colour in them.
+/// The face sets of a file, or its properties if there are none; split by colour.
 std::vector<MeshSet> groups_of(const MeshFile& file) {
   std::vector<std::string> colours(static_cast<size_t>(file.shells().face_count()));
   for (const MeshSet& property : file.properties())
@@ -264,7 +265,7 @@ void convert_cad_file(const ConvertTask& task, ConvertReport& report, const Prog
   const bool lines = has(curve_file_extensions(), task.to), mesh = has(mesh_file_endings(), task.to);
   if (!lines && !mesh)
     refuse(task, "a CAD file", joined(joined(cad, mesh_file_endings()), curve_file_extensions()));
-  // Endings that lines and meshes share go by what is in the file.
+  // Extensions that lines and meshes share: the contents decide.
   if (mesh && !(lines && cad_plugin().read_cad_contents(task.from).faces == 0))
     return cad_to_mesh(task, report);
   lines_to_lines(task, report, progress);

@@ -1,4 +1,4 @@
-// Does the work of `batten convert`: a file into a file of another kind.
+// Implements `batten convert`: converts a file to another format.
 #pragma once
 
 #include <filesystem>
@@ -9,20 +9,23 @@
 
 namespace batten {
 
+/// Input of run_convert().
 struct ConvertTask {
   std::filesystem::path from, to;
-  std::string unit;       ///< of the file that is written; "": that of the file that is read
-  std::string from_unit;  ///< of a file that states none; "": not said
-  double chord =
-      0;  ///< of triangles from CAD faces, unit of the file that is written; 0: 1e-3 of the size
-  bool ap242 = false;  ///< STEP AP242 instead of AP214
+  std::string unit;       ///< unit of the output file; empty: that of the input
+  std::string from_unit;  ///< unit of an input file that states none; empty: unknown
+  /// Chord tolerance of triangles from CAD faces, in the unit of the output file; 0: 1e-3 of the
+  /// size.
+  double chord = 0;
+  bool ap242 = false;  ///< true: STEP AP242 instead of AP214
 };
 
+/// Report of a conversion.
 struct ConvertReport : RunReport {
-  std::string text;  ///< what was read and written, rows of a summary
+  std::string text;  ///< summary of input and output, several lines
 };
 
-/// Converts
+/// Converts a file. Supported conversions:
 ///
 ///   CAD (.step .stp .iges .igs .brep .brp)  to CAD and .glb: convert_cad(); to .stl .obj .ply .off
 ///                                           .vtp .vtu .3mf: tessellate_cad(); to .csv .curves: its
@@ -31,10 +34,10 @@ struct ConvertReport : RunReport {
 ///                                           `from_unit` to .glb .3mf, which are in one unit
 ///   lines                                   to what write_curves() writes
 ///
-/// report.missed has what the written file lacks of the one that was read: faces, area, closedness,
-/// names; and triangles that are farther from the faces than the chord, or have cracks between
-/// them. Throws InputError as the readers and writers do, and for pairs that cannot be: a mesh is
-/// not made into CAD faces.
+/// report.failed_checks lists what the output lacks compared with the input: faces, area,
+/// closedness, names. It also lists triangles farther from the faces than the chord tolerance, and
+/// cracks between them. Throws InputError like the readers and writers, and for unsupported pairs:
+/// a mesh cannot be converted to CAD faces.
 ConvertReport run_convert(const ConvertTask& task, const Progress& progress = {});
 
 }  // namespace batten

@@ -18,13 +18,14 @@
 namespace batten {
 namespace {
 
-/// What one stage does to one line.
+/// Effect of a stage on a line.
 struct LineStage {
   bool acts = false;
-  std::optional<std::vector<int>> corners;  ///< points that the stage names as corners
+  std::optional<std::vector<int>> corners;  ///< points that the stage declares corners
 };
 
-/// Does `work` for each line, in portions, between which this thread reports progress and can stop.
+/// Calls `work` for each line, in batches. Between batches this thread reports progress and can
+/// cancel.
 void for_each_line(size_t lines, const Progress& progress, const char* stage,
                    const std::function<void(size_t line)>& work) {
   constexpr size_t portion = 64;
@@ -51,7 +52,7 @@ class Fairing {
   }
 
   FairedResult faired(size_t index);
-  /// Throws InputError for a brush that met no line; to be called after all lines.
+  /// Throws InputError for a brush that affected no line; call it after all lines.
   void check_brushes() const {
     for (size_t s = 0; s < settings_.stages.size(); ++s)
       if (settings_.stages[s].brush && !hit_[s])
@@ -66,7 +67,7 @@ class Fairing {
                      "' found " + found + ", expected " + expected);
   }
 
-  /// Which lines a stage is about.
+  /// Determines the lines to which a stage applies.
   void select_lines(size_t s) {
     const FairStage& stage = settings_.stages[s];
     for (size_t i = 0; i < lines_.size(); ++i) line_stages_[i][s].acts = stage.lines.empty();
@@ -80,7 +81,7 @@ class Fairing {
     }
   }
 
-  /// The corner angle of the first stage of whole lines that acts on a line.
+  /// Corner angle of the first non-local stage that applies to a line.
   double angle_of(size_t i) const {
     for (size_t s = 0; s < settings_.stages.size(); ++s)
       if (line_stages_[i][s].acts && !settings_.stages[s].local())
@@ -88,7 +89,8 @@ class Fairing {
     return FairOptions{}.corner_angle;
   }
 
-  /// Of the lines that a stage acts on, the one with a point nearest to `p`, and that point.
+  /// Among the lines of a stage, the one with the point nearest to one of `places`, and the index
+  /// of that point.
   std::pair<size_t, size_t> nearest(size_t s, const std::vector<Vec3>& places) const {
     double best = std::numeric_limits<double>::infinity();
     std::pair<size_t, size_t> result{0, 0};
@@ -113,7 +115,7 @@ class Fairing {
     return result;
   }
 
-  /// Corners and stretches go to the lines that are nearest to them.
+  /// Assigns corners and segments to the nearest lines.
   void resolve_points(size_t s) {
     const FairStage& stage = settings_.stages[s];
     if (stage.corners) {
@@ -141,7 +143,7 @@ class Fairing {
     }
     double from = curve.closest_point(stage.segment->from).u;
     double to = curve.closest_point(stage.segment->to).u;
-    // Closed: the shorter way around.
+    // Closed curves: take the shorter arc.
     const double length = curve.end() - curve.start();
     const bool swap =
         curve.closed() ? std::fmod(to - from + length, length) > length / 2 : to < from;
@@ -151,25 +153,25 @@ class Fairing {
   }
 
   FairOptions options_of(size_t line, size_t s) const;
-  /// Options of the first stage of whole lines that acts on the line. The first state is made with
-  /// them.
+  /// Options of the first non-local stage that applies to the line. They also determine the initial
+  /// curve.
   FairOptions given_options(size_t line) const;
-  /// Why a line cannot be faired, or "".
+  /// Why a line cannot be faired; empty: it can.
   std::string rejection_reason(size_t line) const;
   CurvatureFairingResult least_curvature(size_t line, size_t s, const HermiteCurve& curve,
                                          const std::vector<Vec3>& points) const;
-  /// Does all stages of a line, from its first state on.
+  /// Applies all stages to a line, starting from its initial curve.
   void run_stages(size_t line, FairedResult& result);
 
   const std::vector<SourceLine>& lines_;
   const FairingSettings& settings_;
   std::vector<std::string> names_;
   std::vector<SampledLine> sampled_;
-  std::vector<std::vector<LineStage>> line_stages_;  // of each line, of each stage
+  std::vector<std::vector<LineStage>> line_stages_;  // per line and stage
   std::vector<std::atomic<bool>> hit_;
 };
 
-/// A curve with the same derivatives that hides that it is cubic, so that it is fitted, not kept.
+/// A curve that hides that it is a cubic spline, so that fit_curve() fits it instead of copying it.
 class HermiteInputCurve final : public InputCurve {
  public:
   explicit HermiteInputCurve(HermiteCurve curve) : curve_(curve_from_hermite(std::move(curve))) {}
@@ -192,7 +194,7 @@ HermiteCurve reduce_segments(const std::string& name, const HermiteCurve& curve,
   FitOptions options;
   options.tolerance = tolerance;
   options.closed = curve.closed();
-  // The curve has corners where its mesh says so, and turns smoothly elsewhere.
+  // Only breaks that the mesh marks as corners are corners.
   options.corner_angle = curve.mesh().corners().empty() ? 180 : 1;
   return fit_curve(name, std::make_shared<HermiteInputCurve>(curve), options);
 }
@@ -226,7 +228,7 @@ Deviation measured(const std::string& name, const HermiteCurve& curve, const Sam
   return d;
 }
 
-/// Parameters of the points on the curve through them, as even as their chords.
+/// Parameters of the points on the curve through them, proportional to chord length.
 std::vector<double> chord_parameters(const HermiteCurve& curve, const std::vector<Vec3>& points) {
   std::vector<double> u = {0};
   for (size_t i = 1; i < points.size(); ++i)

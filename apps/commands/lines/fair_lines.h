@@ -1,4 +1,4 @@
-// Takes lines through the stages of a fairing.
+// Applies fairing stages to curves.
 #pragma once
 
 #include <string>
@@ -11,43 +11,44 @@
 
 namespace batten {
 
-/// How lines are faired.
+/// Settings for fairing curves.
 struct FairingSettings {
   std::vector<FairStage> stages;
-  bool fix_ends = false;  ///< FairStage::fix_ends of stages that do not give it
+  bool fix_ends = false;  ///< default of FairStage::fix_ends
   double segments = 0;    ///< FairScene::segments
-  std::string file;       ///< the scene's file, for messages
+  std::string file;       ///< the scene file, for messages
 };
 
-/// One line and what the stages made of it.
+/// One line and its curve after each stage.
 struct FairedResult {
   FairedLine report;
   CharacterLine::Role role = CharacterLine::Role::Outline;
-  std::vector<Vec3> points;  ///< points of the input; of a CAD curve about 200 samples or more
-  /// The curve as given, then after each stage (the same curve again where a stage did not act).
-  /// Empty for a line without length.
+  std::vector<Vec3> points;  ///< input points; for CAD curves about 200 samples or more
+  /// The input curve, then the curve after each stage (unchanged if the stage did not apply). Empty
+  /// for a line without length.
   std::vector<HermiteCurve> states;
-  std::vector<double> parameters;  ///< parameters of the points on the last state
-  std::string warning;             ///< why it cannot be faired; "" for a line that can
+  std::vector<double> parameters;  ///< parameters of the points on the last curve
+  std::string warning;             ///< why it cannot be faired; empty: it can
 
   bool has_curve() const { return !states.empty(); }
+  /// The last curve under the name of the line; the points if there is no curve.
   NamedCurve named() const;
 };
 
-/// Fairs all lines, several at a time. The first stage of a whole line starts from its points,
-/// later ones from the curve at the points. Deviations are measured from the input at the end; of
-/// CAD curves at four times as many places as there are samples.
+/// Fairs all lines, in parallel. The first stage of a whole line starts from its points, later
+/// stages from the curve at these points. Final deviations are measured from the input; for CAD
+/// curves at four times as many points as there are samples.
 ///
-/// A line cannot be faired when it has one point, when its points are all the same, or when it has
-/// two and should be closed: its result has a warning, its own points and no curve. Throws
-/// InputError, with the place of a stage, when the stage's names or places meet no line, and what
-/// fairing throws; ConflictError; CancelledError.
+/// A line cannot be faired if it has a single point, all points coincide, or it is closed and has
+/// two points. Its result then has a warning and its points, but no curve. Throws InputError, with
+/// the location of a stage, if the stage's names or positions match no line; the exceptions of
+/// fairing; ConflictError; CancelledError.
 std::vector<FairedResult> fair_lines(const std::vector<SourceLine>& lines,
                                      const FairingSettings& settings, const Progress& progress);
 
-/// Five of the names, and how many more there are.
+/// Up to five names, and the number of further ones.
 std::string first_few(const std::vector<std::string>& names);
-/// Says which points were passed over as outliers; "" for none.
+/// Text that lists the points ignored as outliers; empty if there are none.
 std::string describe_outliers(const FairedLine& line);
 
 }  // namespace batten

@@ -29,7 +29,7 @@ std::string all_endings() {
          comma_separated(kDrawingEndings) + ", " + comma_separated(kSketchEndings);
 }
 
-/// Where messages about [[line]] and [[lines]] begin.
+/// Formats locations of [[line]] and [[lines]] for messages.
 struct SceneFile {
   std::string file, unit;
   std::string at(const SourceLocation& location) const { return format_location(file, location); }
@@ -150,7 +150,7 @@ SampledLine sample_line(const SourceLine& line, double corner_angle) {
 std::vector<double> nearest(const HermiteCurve& curve, const std::vector<Vec3>& points,
                             const std::vector<double>& given) {
   std::vector<double> guess = given, result;
-  // The last point of a closed list may be its first one again, at parameter 0.
+  // The last point of a closed list may repeat the first one, with parameter 0.
   for (size_t i = 1; i < guess.size() && curve.closed(); ++i)
     while (guess[i] < guess[i - 1] - (curve.end() - curve.start()) / 2)
       guess[i] += curve.end() - curve.start();
@@ -256,7 +256,7 @@ std::vector<SourceLine> read_source_file(const std::filesystem::path& file, cons
 
 namespace {
 
-// Gives copies their shapes; they may be copies of copies.
+// Resolves lines that are copies, including copies of copies.
 class Copies {
  public:
   Copies(const SceneFile& scene, std::vector<SourceLine>& lines,
@@ -366,7 +366,7 @@ LineInterpretation interpret_points(const SourceLine& line, const InputCurve& cu
   for (int i = interpretation.closed ? 0 : 1; i < last; ++i) {
     const double turning_angle =
         degrees_between(p[i] - p[i > 0 ? i - 1 : last - 1], p[i + 1] - p[i]);
-    // The seam of a closed line is a corner where its tangents say so.
+    // The seam of a closed line is a corner if its tangents differ there.
     const bool is_corner =
         i > 0 ? std::binary_search(corners.begin(), corners.end(), t[static_cast<size_t>(i)])
               : degrees_between(curve.evaluate(curve.end(), 1), curve.evaluate(curve.start(), 1)) >

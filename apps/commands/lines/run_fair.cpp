@@ -24,7 +24,7 @@ std::string from_to(int before, int after) {
   return std::to_string(before) + " -> " + std::to_string(after);
 }
 
-/// UTF-8 letters, not bytes.
+/// Number of UTF-8 characters.
 size_t width_of(const std::string& text) {
   return static_cast<size_t>(std::count_if(text.begin(), text.end(), [](char c) {
     return (static_cast<unsigned char>(c) & 0xC0) != 0x80;
@@ -69,7 +69,7 @@ Row total_of(const std::vector<FairedLine>& curves) {
   return row_of(sum);
 }
 
-/// The counts of extrema and inflections, as words for a caption.
+/// Numbers of curvature extrema and inflections, as text for a caption.
 std::string counts(const std::vector<HermiteCurve>& curves) {
   int extrema = 0, inflections = 0;
   for (const HermiteCurve& curve : curves) {
@@ -84,9 +84,9 @@ std::string counts(const std::vector<HermiteCurve>& curves) {
          said(inflections, "inflection", "inflections");
 }
 
-/// The panels of a [[picture]]. Combs shows the lines as given and at the end; Stages shows them as
-/// given, after each stage of whole lines, and after local stages that follow each other. Lines
-/// without length are dots. At least one result must have a curve.
+/// The panels of a [[picture]]. Combs: the curves as given and after all stages. Stages: the curves
+/// as given, after each non-local stage, and after each group of consecutive local stages. Lines
+/// without length are drawn as dots. At least one result must have a curve.
 CombPicture comb_panels(const std::vector<FairedResult>& results, const FairScene& scene,
                         const CombPictureSpec& rule) {
   CombPicture picture;
@@ -125,7 +125,7 @@ CombPicture comb_panels(const std::vector<FairedResult>& results, const FairScen
   return picture;
 }
 
-/// Lines to results and the report about them.
+/// Fairs the lines, and fills the report.
 std::vector<FairedResult> fair(const FairScene& scene, FairReport& report, Stopwatch& watch,
                                const Progress& progress) {
   report.name = scene.name;
@@ -147,8 +147,9 @@ std::vector<FairedResult> fair(const FairScene& scene, FairReport& report, Stopw
     const FairedLine& line = result.report;
     if (const std::string text = describe_outliers(line); !text.empty())
       report.warnings.push_back(text);
-    constexpr double more = 3;     // than noise may move them
-    constexpr double seen = 1e-6;  // of a line's size: less is not worth a word
+    constexpr double more = 3;     // warn above this multiple of the noise
+    constexpr double seen = 1e-6;  // relative to the line's size; smaller displacements are not
+                                   // reported
     if (settings.segments == 0 && line.noise > 0 &&
         line.deviation.rms > std::max(more * line.noise, seen * line.size))
       report.warnings.push_back(
@@ -233,7 +234,7 @@ FairReport run_fair(const FairScene& scene, const std::filesystem::path& folder,
 }
 
 FairReport run_fair(const FairScene& scene, const FairFiles& files, const Progress& progress) {
-  // Folders that are missing or not writable, found out before the work is done.
+  // Detects missing or read-only folders before the computation.
   for (const auto& path : {files.out, files.picture, files.report})
     if (!path.empty()) AtomicFile probe(path);
   FairReport report;

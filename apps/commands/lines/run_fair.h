@@ -1,4 +1,4 @@
-// Does the work of `batten fair`: fairs lines and writes them.
+// Implements `batten fair`: fairs curves and writes them.
 #pragma once
 
 #include <filesystem>
@@ -10,24 +10,24 @@
 
 namespace batten {
 
-/// Fairs the lines of a scene and writes all files and report.json into the folder, all of them or
-/// none. report.missed has pictures that cannot be drawn and conditions that do not hold;
-/// report.warnings has lines that cannot be faired, which are written as given. Throws InputError,
-/// ConflictError, CancelledError.
+/// Fairs the lines of a scene and writes all files and report.json into the folder, all or none.
+/// report.failed_checks lists pictures that cannot be drawn and violated conditions.
+/// report.warnings lists lines that cannot be faired, which are written unchanged. Throws
+/// InputError, ConflictError, CancelledError.
 FairReport run_fair(const FairScene& scene, const std::filesystem::path& folder,
                     const Progress& progress = {});
 
-/// Paths of the files of one run; "" for none.
+/// Paths of the files of one run; empty: not written.
 struct FairFiles {
   std::filesystem::path out, picture, report;
 };
-/// Does the same with each file at its own path; each appears whole or not at all. It does not use
-/// `scene.outputs` and `scene.pictures`.
+/// Like run_fair() above, with a separate path per file, each written atomically. `scene.outputs`
+/// and `scene.pictures` are ignored.
 FairReport run_fair(const FairScene& scene, const FairFiles& files, const Progress& progress = {});
 
-/// A table with one row for each line (the first twenty) and a total.
+/// A table with one row per line (the first twenty) and a total.
 std::string summary(const FairReport& report);
-/// The same table, with the time and the files at its end.
+/// The same table, followed by the time and the files.
 std::string summary(const FairReport& report, const std::filesystem::path& folder);
 
 }  // namespace batten

@@ -74,7 +74,7 @@ class SceneLines {
     }
   }
 
-  // Curves with a role, or a treatment, were prepared.
+  // True if no curve has a role or mesh alignment, which indicate a prepared file.
   bool only_outlines() const {
     return std::all_of(sources_.begin(), sources_.end(), [](const SourceLine& source) {
       return source.role == CharacterLine::Role::Outline &&
@@ -82,7 +82,7 @@ class SceneLines {
     });
   }
 
-  // Whether the ends of the lines meet no better than a hand draws.
+  // True if the gaps between ends are typical of hand-drawn lines.
   bool is_freehand() const {
     constexpr double prepared = 0.5;
     NetworkOptions options;
@@ -99,7 +99,7 @@ class SceneLines {
            most_left * line.after->extrema <= line.before->extrema;
   }
 
-  // Lines that were given by points, and their numbers.
+  // The lines given by points, and their indices.
   std::pair<std::vector<SourceLine>, std::vector<size_t>> drawn() const {
     std::pair<std::vector<SourceLine>, std::vector<size_t>> drawn;
     for (size_t i = 0; i < sources_.size(); ++i) {
@@ -122,7 +122,7 @@ class SceneLines {
     } catch (const CancelledError&) {
       throw;
     } catch (const Error&) {
-      return;  // nobody asked for fairing: the lines stay as given
+      return;  // fairing was not requested: keep the lines as given
     }
     std::vector<std::string> names;
     for (size_t k = 0; k < faired.size(); ++k) {
@@ -144,7 +144,7 @@ class SceneLines {
   const Scene& scene_;
   const Progress& progress_;
   std::vector<SourceLine> sources_;
-  std::vector<std::string> texts_;  // surprises, of each line
+  std::vector<std::string> texts_;  // reading notes, per line
   FairedLines result_;
 };
 
@@ -166,13 +166,13 @@ std::vector<Vec3> sampled(const InputCurve& curve) {
   return points;
 }
 
-// Names that the mirror images of words have: "rail.2" becomes "mirrored rail.2".
+// Names of the mirror images: "rail.2" becomes "mirrored rail.2".
 class MirrorImages {
  public:
   explicit MirrorImages(const std::vector<CharacterLine>& lines) {
     for (const CharacterLine& line : lines) names_.insert(line.name);
   }
-  // The same name for what lies in the plane.
+  // The name of the mirror image; unchanged for lines in the plane.
   std::string of(const std::string& name) const {
     const size_t dot = name.rfind('.');
     const bool has = names_.count(kMirrored + name) ||
@@ -195,7 +195,7 @@ void add_mirrored(const Scene& scene, std::vector<CharacterLine>& lines) {
     points.push_back(sampled(*line.curve));
     box.extend(bounding_box(points.back()));
   }
-  constexpr double near = 1e-3;  // of the size
+  constexpr double near = 1e-3;  // relative to the size
   const double tolerance =
       scene.network.tolerance > 0 ? scene.network.tolerance : near * box.diagonal().norm();
   const AffineTransform mirror = reflection_in(Vec3::Zero(), Vec3::Unit(axis));
@@ -225,7 +225,8 @@ std::vector<JoinSpec> mirrored_joins(const Scene& scene, const std::vector<Chara
   for (const JoinSpec& word : said)
     if (const std::string twin = images.of(word.line); twin != word.line)
       words.push_back({twin, word.kind, word.where});
-  words.insert(words.end(), said.begin(), said.end());  // the user has the last word
+  words.insert(words.end(), said.begin(), said.end());  // specifications of the user come last and
+                                                        // take precedence
   return words;
 }
 
@@ -241,7 +242,7 @@ std::vector<RegionSpec> mirrored_regions(const Scene& scene,
   };
   for (const RegionSpec& word : scene.network.regions) {
     RegionSpec twin = word;
-    bool whole = false;  // names lines of both halves
+    bool whole = false;  // contains lines of both halves
     for (std::string& name : twin.inner) name = images.of(name);
     for (auto& loop : twin.loops)
       for (std::string& name : loop) {

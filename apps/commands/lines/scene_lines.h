@@ -1,4 +1,4 @@
-// The lines that a scene's surface is made from.
+// The lines of a scene's surface: read, faired, and mirrored.
 #pragma once
 
 #include <string>
@@ -14,30 +14,32 @@ namespace batten {
 /// The lines of a scene's surface.
 struct FairedLines {
   std::vector<CharacterLine> lines;
-  std::vector<FairedLine> reports;         ///< reports on the lines that were faired
-  std::vector<std::string> reading_notes;  ///< what a person may not expect of how points were read
+  std::vector<FairedLine> reports;         ///< reports on the faired lines
+  std::vector<std::string> reading_notes;  ///< remarks on how point files were interpreted
 };
 
-/// Reads the lines that a scene's surface is made from. Lines that a [[fair]] names are faired,
-/// with ends held unless a stage says otherwise. Without any [[fair]], the lines of a network that
-/// tremble are faired likewise (SceneNetwork::fair_noisy_lines): lines of points whose curvature
-/// loses two thirds of its extrema so, four at least; in a drawing by hand, whose ends do not meet
-/// within the usual tolerance, any. All others are as given. Throws what read_lines() and
-/// fair_lines() throw, and InputError for a line without length.
+/// Reads the lines of a scene's surface. Lines named by a [[fair]] are faired, with fixed ends
+/// unless the stage overrides that.
+///
+/// Without any [[fair]], noisy lines of a network are faired in the same manner
+/// (SceneNetwork::fair_noisy_lines). A line of points is noisy if fairing removes two thirds of its
+/// curvature extrema, and at least four. In a hand-drawn network, whose ends do not meet within the
+/// default tolerance, every line is faired. All other lines are unchanged. Throws the exceptions of
+/// read_lines() and fair_lines(), and InputError for a line without length.
 FairedLines faired_lines(const Scene& scene, const Progress& progress);
 
 
-// Networks of which one half is drawn.
+// Networks of which only one half is given.
 
-/// Adds to the lines of half a model those of the other half: the mirror image in the plane through
-/// the origin at right angles to the scene's axis of symmetry (SceneNetwork::symmetry), with the
-/// name "mirrored NAME", of every line that does not lie in that plane within 1e-3 of the lines'
-/// size. Nothing without an axis. Throws InputError, with the place in the scene, for a line that
-/// crosses the plane.
+/// Adds the mirror images of all lines of a half model: in the plane through the origin
+/// perpendicular to the scene's symmetry axis (SceneNetwork::symmetry), named "mirrored NAME".
+/// Lines within 1e-3 of the lines' size of that plane are not mirrored. Does nothing without a
+/// symmetry axis. Throws InputError, with the location in the scene, for a line that crosses the
+/// plane.
 void add_mirrored(const Scene& scene, std::vector<CharacterLine>& lines);
 
-/// The scene's words about joins and regions, and the same about the mirror images: of every join
-/// whose line has one, of every region that is not its own.
+/// The scene's join and region specifications, extended by their mirror images: for every join
+/// whose line is mirrored, and every region that is not its own mirror image.
 std::vector<JoinSpec> mirrored_joins(const Scene& scene, const std::vector<CharacterLine>& lines);
 std::vector<RegionSpec> mirrored_regions(const Scene& scene,
                                          const std::vector<CharacterLine>& lines);

@@ -49,7 +49,7 @@ std::vector<Mat3> AttachedNodes::rotations(const Points& before, const Points& a
       known[v] = 1;
     }
   }
-  // Shells turn as the ring around the node does.
+  // Nodes of shells rotate like the ring of faces around them.
   for (const NonShellElement& e : file_.other_elements())
     for (const int node : e.nodes) {
       if (known[node] || !has_face_[node]) continue;
@@ -81,7 +81,7 @@ void AttachedNodes::measure_into(DeformReport& report, const Points& before,
   for (const auto& [name, elements] : count) report.attached.elements.emplace_back(name, elements);
   report.attached.connections = isize(connections_);
   for (const FormFeature& c : connections_) {
-    // Zero-length bushes have no size of their own.
+    // Zero-length bushes have no size.
     const Similarity fit = fit_similarity(before, after, c.vertices, 1);
     Box3 box;
     for (const int v : c.vertices) box.extend(before.row(v).transpose());

@@ -14,16 +14,16 @@
 
 namespace batten {
 
-// What features of a deform scene keep between them, as rows and shared turns.
+// Relations between features of a deform scene, as linear constraints and shared rotations.
 
-/// The point that stands for a feature: the mean of its loop where it is a proposed hole, otherwise of
-/// its vertices.
+/// The reference point of a feature: the mean of its loop for a proposed hole, otherwise of its
+/// vertices.
 VertexCombination centre_of(const FormFeature& feature, VertexSelector& select,
                             const TriangleMesh& mesh);
 
-/// Adds the rows, guides and shared turns of all [[relation]]s to what is kept. Throws InputError with
-/// the place: no such feature, too few, features that are not what the relation keeps (axes apart,
-/// uneven steps, no mirror images).
+/// Adds the constraints, guides and shared rotations of all [[relation]]s. Throws InputError, with
+/// the location, for unknown or too few features, and for features that do not satisfy the relation
+/// initially (different axes, uneven spacing, no mirror images).
 void gather_relations(const DeformScene& scene, VertexSelector& select, const TriangleMesh& mesh,
                       SharedConstraints& shared);
 
@@ -47,7 +47,7 @@ double chain_length(const TriangleMesh& mesh, const std::vector<int>& chain, boo
   return sum;
 }
 
-/// Gathers form features: one by one, and many of a kind.
+/// Collects form features, single ones and several of one kind.
 void gather_features(const DeformScene& scene, VertexSelector& select, SharedConstraints& shared) {
   const auto taken = [&](const std::string& name) {
     return std::any_of(shared.features.begin(), shared.features.end(),
@@ -68,7 +68,7 @@ void gather_features(const DeformScene& scene, VertexSelector& select, SharedCon
   }
 }
 
-/// Gathers guides: of proposals their loops, of features and selections all vertices.
+/// Collects guides: the loops of proposals, all vertices of features and selections.
 void gather_guides(const DeformScene& scene, VertexSelector& select, const TriangleMesh& mesh,
                    SharedConstraints& shared) {
   for (const GuideSpec& rule : scene.guides) {
@@ -86,7 +86,7 @@ void gather_guides(const DeformScene& scene, VertexSelector& select, const Trian
   }
 }
 
-/// Gathers lines, as chains or as rigid features.
+/// Collects lines, as chains or as rigid features.
 void gather_lines(const DeformScene& scene, VertexSelector& select, const TriangleMesh& mesh,
                   SharedConstraints& shared) {
   for (const LineSpec& rule : scene.lines) {
@@ -107,7 +107,7 @@ void gather_lines(const DeformScene& scene, VertexSelector& select, const Triang
   }
 }
 
-/// Gathers curves that shape themselves, each with the rows that hold the mesh to it.
+/// Collects deformable curves, each with the constraints that make the mesh follow it.
 void gather_curves(const DeformScene& scene, VertexSelector& select, const TriangleMesh& mesh,
                    SharedConstraints& shared) {
   for (const CurveSpec& rule : scene.curves) {
@@ -124,7 +124,7 @@ void gather_curves(const DeformScene& scene, VertexSelector& select, const Trian
   }
 }
 
-/// Gathers single vertices that are pulled somewhere.
+/// Collects position constraints of single vertices.
 void gather_soft_constraints(const DeformScene& scene, VertexSelector& select,
                              const TriangleMesh& mesh, SharedConstraints& shared) {
   for (const PositionConstraintSpec& rule : scene.position_constraints) {
@@ -134,7 +134,7 @@ void gather_soft_constraints(const DeformScene& scene, VertexSelector& select,
   }
 }
 
-/// Features that share a vertex become one.
+/// Adds a note for features that share a vertex; these are merged.
 void note_merged(SharedConstraints& shared, int vertices) {
   std::vector<int> owner(vertices, -1);
   std::set<std::pair<int, int>> pairs;
@@ -158,7 +158,7 @@ HandleTransform handle_move(const EditSpec::MovedHandle& h, const std::vector<in
   return move;
 }
 
-/// The scales of all features; turns are looked at, too: whether their features are there.
+/// The scales of all features. Also checks that the features of prescribed rotations exist.
 std::vector<double> feature_scales(const DeformScene& scene, const EditSpec& rule,
                                    const SharedConstraints& shared, size_t features) {
   std::vector<std::string> names;
@@ -210,14 +210,14 @@ MeshCurve shape_curve(const DeformScene& scene, const CurveSpec& rule, VertexSel
   std::vector<Vec3> points;
   for (const int v : result.vertices) points.push_back(mesh.point(v));
   FairOptions options = rule.fair;
-  options.reject_outliers = false;  // a mesh has no wrong digits
+  options.reject_outliers = false;  // vertices of a mesh are no outliers
   options.closed = rule.line.closed;
   options.fix_ends = !rule.line.closed;
   try {
     const HermiteCurve given = interpolating_spline(rule.line.name, points, options);
     if (!rule.faired) {
       options.smoothing = FairOptions::Smoothing::Wavelength;
-      options.wavelength = 1e-6 * given.length();  // the curve through the vertices
+      options.wavelength = 1e-6 * given.length();  // interpolates the vertices
     }
     const FairCurve fair = fair_points(rule.line.name, points, options);
     result.fairing = fair.deviation;
@@ -317,7 +317,7 @@ namespace {
 
 using Kind = RelationSpec::Kind;
 
-/// How far features may be from what a relation keeps, over the distance of their centres.
+/// Tolerance of relations in the initial shape, relative to the distance of the centres.
 constexpr double kNear = 1e-3;
 
 void add_to(VertexCombination& sum, const VertexCombination& point, double factor) {
@@ -373,7 +373,7 @@ class Relation {
     for (const int f : features_) centres_.push_back(shared_.centres[f]);
   }
 
-  /// Axes are known of holes.
+  /// Checks that holes have a common axis; only holes have a known axis.
   void expect_one_axis() const {
     for (size_t i = 1; i < features_.size(); ++i) {
       const DetectedFeature* hole = select_.proposal(name(0));

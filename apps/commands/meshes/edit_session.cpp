@@ -21,7 +21,7 @@ namespace {
 using Clock = std::chrono::steady_clock;
 constexpr double kConvergedDegrees = 0.05;  // degrees
 
-/// Coordinates that change by roundings only are as they were, so that their text stays.
+/// Restores coordinates that changed by rounding only, so that their text in the file stays.
 Points restore_unmoved(const Points& before, const Points& after) {
   const double rounding =
       16 * std::numeric_limits<double>::epsilon() * before.cwiseAbs().maxCoeff();
@@ -77,7 +77,7 @@ EditSession::EditSession(const DeformScene& scene, const EditSpec& rule,
   with_edit_context([&] { set_up(); });
 }
 
-// Without rows for the centres of features: they need a shape first.
+// Without constraints on feature centres: these need a solved shape first.
 void EditSession::set_up() {
   const auto start = Clock::now();
   deformer_ = std::make_unique<FormFeatureDeformer>(mesh_, task_.problem);
@@ -138,7 +138,7 @@ const Points& EditSession::solve_to_equilibrium(DeformReport::Edit& report) {
   return shape_;
 }
 
-// Features lean on the sheet beside them, which they bend themselves.
+// Iterates, because features rotate like the adjacent sheet, which they bend themselves.
 void EditSession::converge_rotations(std::optional<ShapeEstimate>& estimate,
                                      DeformReport::Edit& report) {
   estimate ? deformer_->deform(task_.edit, *estimate) : deformer_->deform(task_.edit);
@@ -164,7 +164,7 @@ bool moves(const HandleTransform& move) {
   return !move.rotation_vector.isZero(0) || !move.translation.isZero(0) || move.scale != 1;
 }
 
-/// Fixed vertices, and those outside of the region of interest.
+/// Fixed vertices, and those outside the region of interest.
 std::vector<int> fixed_vertices(const DeformProblem& problem, const TriangleMesh& mesh) {
   std::vector<int> fixed = problem.fixed;
   if (!problem.region) return fixed;
@@ -178,14 +178,14 @@ std::vector<int> fixed_vertices(const DeformProblem& problem, const TriangleMesh
   return fixed;
 }
 
-/// Vertices of the parts that something holds, or that `connecting` features hold to these: of the
-/// others the estimate knows nothing.
+/// Vertices of mesh components that are fixed or moved, directly or through `connecting` features.
+/// The estimate does not determine the others.
 std::vector<char> known_vertices(const std::vector<int>& fixed, const std::vector<Handle>& handles,
                                  const std::vector<FormFeature>& connecting,
                                  const TriangleMesh& mesh) {
   const MeshTopology& topology = mesh.topology();
   const std::vector<int> part = node_components(topology);
-  DisjointSets together(mesh.vertex_count());  // of parts
+  DisjointSets together(mesh.vertex_count());  // of components
   for (const FormFeature& f : connecting) {
     int first = -1;
     for (const int v : f.vertices) {
@@ -207,7 +207,7 @@ std::vector<char> known_vertices(const std::vector<int>& fixed, const std::vecto
   return known;
 }
 
-/// Features that turn as one, because they share vertices or are told to.
+/// Groups of features with a common rotation, because of shared vertices or a relation.
 std::vector<int> rotation_groups(const DeformProblem& problem, int vertices) {
   DisjointSets groups(problem.features.size());
   std::vector<int> owner(vertices, -1);
@@ -225,8 +225,8 @@ std::vector<int> rotation_groups(const DeformProblem& problem, int vertices) {
 
 }  // namespace
 
-/// How features turn in a shape: the mean of the rotations of faces, those of their own vertices or those
-/// beside them. Which faces these are is found once.
+/// Rotations of features in a shape: the mean rotation of faces, either of their own vertices or of
+/// the adjacent ones. The faces are determined once.
 class FeatureRotations {
  public:
   enum class Faces { Own, Adjacent };
@@ -266,7 +266,8 @@ class FeatureRotations {
   }
 
  private:
-  /// Triangles of a feature's vertices, and of the ring around it. O(feature): there may be many.
+  /// Triangles at the vertices of a feature, or in the rings around it. Cost: O(feature), because
+  /// there may be many features.
   std::vector<int> triangles_near(const std::vector<int>& own, Faces faces) const {
     const MeshTopology& topology = mesh_.topology();
     std::vector<int> vertices = own, triangles;
@@ -298,7 +299,8 @@ class FeatureRotations {
     }
   }
 
-  /// What is held turns as it is told, with all that turns as it does.
+  /// Determines prescribed rotations: those of handles and fixed vertices, and of everything
+  /// coupled to them.
   void find_prescribed(const DeformProblem& problem) {
     std::vector<int> handle(mesh_.vertex_count(), -1);
     std::vector<char> fixed(mesh_.vertex_count(), 0);
@@ -320,15 +322,15 @@ class FeatureRotations {
 
   const TriangleMesh& mesh_;
   std::vector<int> group_;
-  std::vector<std::vector<int>> triangles_;  // of each group
-  std::vector<std::vector<double>> areas_;   // of these
-  std::vector<std::pair<size_t, int>>
-      prescribed_;  // features, and the handle that turns them, -1: none
+  std::vector<std::vector<int>> triangles_;  // per group
+  std::vector<std::vector<double>> areas_;   // per triangle of these
+  /// Features with a prescribed rotation, and the handle that rotates them; -1: none.
+  std::vector<std::pair<size_t, int>> prescribed_;
 };
 
 namespace {
 
-/// The same edit without features, but for connections between parts.
+/// The same edit without features, except for connections between mesh components.
 DeformTask without_features(const DeformTask& task, const TriangleMesh& mesh) {
   DeformTask plain = task;
   const std::vector<int> part = node_components(mesh.topology());
@@ -402,7 +404,7 @@ std::optional<ShapeEstimate> FeatureRotationEstimator::estimate(const EditSpec& 
     edit.iterations = iterative_->report().iterations;
     edit.found = iterative_->report().converged;
   }
-  if (!own_ || own_estimated_ != finds)  // they know other vertices
+  if (!own_ || own_estimated_ != finds)  // the two estimates determine different vertices
     own_ = std::make_unique<FeatureRotations>(problem, mesh_, estimate.known,
                                               FeatureRotations::Faces::Own);
   own_estimated_ = finds;

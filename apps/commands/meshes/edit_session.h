@@ -1,4 +1,4 @@
-// One edit of a mesh, set up once and done as often as its numbers change.
+// One edit of a mesh, factored once and solved repeatedly for changing values.
 #pragma once
 
 #include <memory>
@@ -14,30 +14,31 @@
 
 namespace batten {
 
-// How the sheet turns in an edit that does not say it.
+// Estimation of rotations that an edit does not prescribe.
 
 class FeatureRotations;
 
-/// Finds how the sheet turns in one edit. What it factors on the way is kept, so that other numbers of the
-/// same edit cost solves alone: one and a mesh's length of work for turns that are found, rounds for the
-/// dual and the nonlinear estimate.
+/// Estimates how the sheet rotates in an edit. Factorizations are kept, so that other values of the
+/// same edit cost solves only. The estimate from the sheet costs one solve and O(n) work (n
+/// vertices), the dual and the nonlinear estimate cost some iterations.
 class FeatureRotationEstimator {
  public:
-  /// `prepared` and `mesh`, the prepared one in the shape before the edit, must stay.
+  /// Keeps references to `prepared` and to `mesh` (the prepared mesh before the edit).
   FeatureRotationEstimator(const PreparedMesh& prepared, const TriangleMesh& mesh);
   ~FeatureRotationEstimator();
 
-  /// An estimate of the deformed shape, with a turn for each feature: the user's, otherwise the mean of
-  /// its faces' rotations; features that share vertices or turn alike have one. None where the rule
-  /// asks for the harmonic field and turns no feature, or where no handle moves. The task's problem is
-  /// the same in each call. `edit` gets what it took.
+  /// Estimates the deformed shape, with a rotation per feature: the user's, else the mean rotation
+  /// of its faces. Features that share vertices, or are coupled by a relation, have a common
+  /// rotation. Empty if the rule uses the harmonic field and rotates no feature, or if no handle
+  /// moves. All calls must pass a task with the same problem. `edit` receives statistics.
   std::optional<ShapeEstimate> estimate(const EditSpec& rule, const DeformTask& task,
                                         DeformReport::Edit& edit);
 
-  /// Turns the first `count` features by the mean rotation of the two rings of faces beside them in
-  /// the shape `positions` that was found with the estimate's turns; those that are told how to turn,
-  /// have no faces beside them, or lie in parts that only connections hold (these would swing) stay.
-  /// Returns the largest change, degrees: it settles in a few rounds.
+  /// Updates the rotations of the first `count` features to the mean rotation of the two adjacent
+  /// rings of faces, in the shape `positions` computed with the current estimate. Unchanged are
+  /// features with a prescribed rotation, without adjacent faces, or in parts held by connections
+  /// only (which would oscillate). The result is the largest change in degrees; a few iterations
+  /// converge.
   double update_from_adjacent_faces(const EditSpec& rule, const DeformTask& task, size_t count,
                                     const Points& positions, ShapeEstimate& estimate);
 
@@ -47,46 +48,51 @@ class FeatureRotationEstimator {
   const TriangleMesh& mesh_;
   std::unique_ptr<FormFeatureDeformer> featureless_;  // the edit without features
   std::unique_ptr<IterativeDeformer> iterative_;
-  std::vector<char> known_;  // vertices that plain_ knows
+  std::vector<char> known_;  // vertices that featureless_ determines
   std::unique_ptr<FeatureRotations> own_, adjacent_;
   bool own_estimated_ = false;
 };
 
 
-/// One [[edit]] on the shape that the edit before left. Factors are made once; after that
+/// One [[edit]] of the shape that the previous edit left. It is factored once; after that:
 ///
-///     solve_preview()   a pair of triangular solves and a mesh's length of work: features turn as the sheet
-///                beside them did in the answer before. Answers to the same numbers settle in a few;
-///                `is_at_rest()` says when
-///     solve_to_equilibrium()   the rounds until that rests, and the correction of roundings: what `batten deform`
-///                gives
+///     solve_preview()          a pair of triangular solves and O(n) work: features rotate like the
+///                              adjacent sheet in the previous solution. Repeated calls with the
+///                              same values converge; see is_at_rest()
+///     solve_to_equilibrium()   iterates until the rotations converge, and corrects rounding; the
+///                              result of `batten deform`
 ///
-/// solve_to_equilibrium() gives the same bits whatever was answered before it. Messages of what is thrown name the
-/// edit and its place in the scene.
+/// solve_to_equilibrium() gives bit-identical results, whatever was solved before. Exceptions name
+/// the edit and its location in the scene.
 class EditSession {
  public:
-  /// The scene, what is kept and the mesh must stay. Throws InputError: a name that cannot be found, what no
-  /// deformer can take; NoSolutionError.
+  /// Keeps references to the scene, `shared` and the mesh. Throws InputError for unknown names or
+  /// an unsolvable problem, and NoSolutionError.
   EditSession(const DeformScene& scene, const EditSpec& rule, const SharedConstraints& shared,
               VertexSelector& select, const PreparedMesh& prepared, const Points& before);
 
-  /// The same edit with other numbers: shifts, turns and scales of handles, scales of features.
+  /// Changes the values of the edit: translations, rotations and scales of handles, scales of
+  /// features.
   void set(const EditSpec& rule);
+  /// The edit with its current values.
   const EditSpec& rule() const { return rule_; }
 
-  /// The shape in a drag. Throws as solve_to_equilibrium() does; the shape then stays.
+  /// The shape during a drag. Throws the exceptions of solve_to_equilibrium(); the shape is then
+  /// unchanged.
   const Points& solve_preview();
-  /// Whether features turned by less than 0.05 degrees in the last answer.
+  /// True if features rotated by less than 0.05 degrees in the last solution.
   bool is_at_rest() const { return at_rest_; }
-  /// The shape at rest: all vertices, with what hangs on them. `report` gets what it took. Throws
-  /// InputError, ConflictError, NoSolutionError; the shape then stays.
+  /// The converged shape: all vertices, including attached nodes. `report` receives statistics.
+  /// Throws InputError, ConflictError, NoSolutionError; the shape is then unchanged.
   const Points& solve_to_equilibrium(DeformReport::Edit& report);
 
+  /// The shape before the edit.
   const Points& before() const { return mesh_.points(); }
   /// The shape of the last solve_preview() or solve_to_equilibrium().
   const Points& shape() const { return shape_; }
+  /// The problem and the prescribed motion.
   const DeformTask& task() const { return task_; }
-  /// Parts of the mesh that nothing moves or holds, in sentences.
+  /// Sentences about parts of the mesh that nothing moves or fixes.
   std::vector<std::string> notes() const { return deformer_->notes(); }
 
  private:
@@ -104,10 +110,10 @@ class EditSession {
   FeatureRotationEstimator rotations_;
   DeformTask task_;
   std::unique_ptr<FormFeatureDeformer> deformer_;
-  bool centres_kept_ = false;  // rows of deformer_ hold the features' centres
+  bool centres_kept_ = false;  // deformer_ has constraints on the features' centres
   Points shape_;
   double set_up_s_ = 0;
-  std::optional<ShapeEstimate> live_;  // of the last answer
+  std::optional<ShapeEstimate> live_;  // of the last solution
   bool at_rest_ = true;
 };
 

@@ -51,7 +51,7 @@ std::string sets_text(const std::string& what, const std::vector<MeshFile::Set>&
   return text;
 }
 
-/// Parts with their boxes, and what elements that are no shells connect.
+/// Describes mesh components with their boxes, and the non-shell elements that connect them.
 std::string parts_text(const MeshFile& file, const TriangleMesh& mesh) {
   const std::vector<int> part = node_components(mesh.topology());
   const int count = part.empty() ? 0 : *std::max_element(part.begin(), part.end()) + 1;
@@ -68,7 +68,8 @@ std::string parts_text(const MeshFile& file, const TriangleMesh& mesh) {
   for (int p = 0; p < count && count > 1; ++p)
     text += "  part " + std::to_string(p + 1) + ": " + std::to_string(nodes[p]) + " nodes, node " +
             std::to_string(file.node_label(lowest[p])) + " …, " + describe_box(boxes[p]) + "\n";
-  // Nodes of no shell hang together by their elements, and on all parts that these reach.
+  // Non-shell nodes are grouped by their elements; each group reaches the components it is attached
+  // to.
   DisjointSets hanging(part.size());
   for (const NonShellElement& e : file.other_elements()) {
     int first = -1;
@@ -78,12 +79,12 @@ std::string parts_text(const MeshFile& file, const TriangleMesh& mesh) {
         first = v;
       }
   }
-  std::map<int, std::set<int>> reached;  // parts, by the lowest node of what hangs together
+  std::map<int, std::set<int>> reached;  // components, by the lowest node of a group
   for (const NonShellElement& e : file.other_elements())
     for (const int v : e.nodes)
       for (const int u : e.nodes)
         if (part[v] < 0 && part[u] >= 0) reached[hanging.find(v)].insert(part[u]);
-  std::map<std::set<int>, std::map<std::string, int>> between;  // parts, elements
+  std::map<std::set<int>, std::map<std::string, int>> between;  // components, elements
   for (const NonShellElement& e : file.other_elements()) {
     std::set<int> parts;
     for (const int v : e.nodes)

@@ -1,4 +1,4 @@
-// A mesh file that is ready to be edited.
+// Reads a mesh file for editing, and describes mesh files as text.
 #pragma once
 
 #include <filesystem>
@@ -10,23 +10,24 @@
 
 namespace batten {
 
-/// The file, and the mesh that mathematics stands on.
+/// A mesh file, and its prepared (clean, oriented) triangle mesh.
 struct MeshSource {
   MeshFile file;
   PreparedMesh prepared;
 };
 
-/// Reads and prepares a mesh. Throws InputError that begins with the file's name.
+/// Reads and prepares a mesh. Throws InputError that begins with the file name.
 MeshSource read_source(const std::filesystem::path& path);
 
-/// Places of the file's nodes: the mesh has more vertices where sheets meet.
+/// Positions of the file's nodes. The mesh may have more vertices than nodes: nodes on non-manifold
+/// edges are split per manifold patch.
 Points node_positions(const Points& vertices, const MeshFile& file);
 
 
-// Describes a mesh file in a few lines of text.
+// Text descriptions of mesh files.
 
-/// Describes a mesh file: counts, defects, the box around it, sets and properties, parts and what
-/// hangs on them, boundary loops and proposed features. `unit` is that of its lengths. Throws
+/// Describes a mesh file: counts, defects, bounding box, sets and properties, components with
+/// attached elements, boundary loops and proposed features. `unit`: unit of its lengths. Throws
 /// InputError.
 std::string mesh_info(const std::filesystem::path& path, const std::string& unit,
                       const FeatureDetectionOptions& proposals = {});

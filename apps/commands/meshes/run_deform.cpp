@@ -24,7 +24,8 @@ namespace batten {
 
 // Pictures of a deformed mesh.
 
-/// Draws the pictures of a scene. `states`: places of all vertices before the first edit and after each.
+/// Draws the pictures of a scene. `states`: positions of all vertices before the first edit and
+/// after each edit.
 void draw_deformed(DeformReport& report, const DeformScene& scene, const MeshFile& file,
                    const std::vector<Points>& states, const std::vector<DeformTask>& tasks,
                    const SharedConstraints& shared, const OutputFolder& out);
@@ -110,7 +111,7 @@ void write_modes(DeformReport& report, const DeformScene& scene, const MeshFile&
   }
 }
 
-/// The deformed mesh with what was done to it as data.
+/// Writes the deformed mesh with displacements and vertex roles as data.
 void write_result(const std::filesystem::path& path, const MeshFile& file, const Points& before,
                   const Points& after, const SharedConstraints& shared) {
   DeformedData data;
@@ -124,7 +125,7 @@ void write_result(const std::filesystem::path& path, const MeshFile& file, const
   write_deformed_vtp(path, shells, data);
 }
 
-/// One run of `batten deform`: the constructor reads, the other steps follow in their order.
+/// One run of `batten deform`: the constructor reads the input; the other steps follow in order.
 class DeformRun {
  public:
   DeformRun(const DeformScene& scene, const std::filesystem::path& folder, const Progress& progress)
@@ -139,7 +140,7 @@ class DeformRun {
         attached_(file_, original(), scene.following),
         shared_(gather_constraints()) {}
 
-  /// Does the edits one after the other.
+  /// Performs the edits in order.
   void edit() {
     states_.push_back(original().points());
     for (size_t k = 0; k < scene_.edits.size(); ++k) {
@@ -175,7 +176,7 @@ class DeformRun {
     watch_.lap("pictures");
   }
 
-  /// Writes report.json and lets all files appear.
+  /// Writes report.json and commits all files.
   DeformReport finish() {
     watch_.total();
     write_report(report_, failed_checks(report_), out_, progress_);
@@ -227,7 +228,7 @@ class DeformRun {
     for (const auto& note : session.notes()) report_.warnings.push_back(rule.name + ": " + note);
   }
 
-  /// The mesh in the format of its file.
+  /// Writes the mesh in the format of its file.
   void write_mesh() {
     const MeshWriteOptions options{scene_.large_field_nodes, out_.folder()};
     const Points places = node_positions(states_.back(), file_);
@@ -243,7 +244,7 @@ class DeformRun {
                                       : ""));
   }
 
-  // In the order in which the constructor makes them.
+  // In the order of construction.
   const DeformScene& scene_;
   const Progress& progress_;
   OutputFolder out_;
@@ -255,8 +256,8 @@ class DeformRun {
   VertexSelector select_;
   const AttachedNodes attached_;
   const SharedConstraints shared_;
-  std::vector<Points> states_;     // before the first edit, and after each
-  std::vector<DeformTask> tasks_;  // of each edit
+  std::vector<Points> states_;     // before the first edit, and after each edit
+  std::vector<DeformTask> tasks_;  // per edit
 };
 
 }  // namespace
@@ -336,7 +337,7 @@ void draw_deformed(DeformReport& report, const DeformScene& scene, const MeshFil
 }
 
 
-// What `batten deform` prints.
+// Summary printed by `batten deform`.
 
 std::string summary(const DeformReport& report, const std::filesystem::path& folder) {
   const std::string unit = " " + report.unit;

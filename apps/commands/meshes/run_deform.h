@@ -1,4 +1,4 @@
-// Does the work of `batten deform`: edits a mesh and keeps its form features.
+// Implements `batten deform`: morphs a mesh and preserves its form features.
 #pragma once
 
 #include <filesystem>
@@ -10,13 +10,13 @@
 
 namespace batten {
 
-/// Does the edits one after the other, measures the result and writes all files and report.json
-/// into the folder, all of them or none. A result that misses a promise is written, too;
-/// report.missed says so. Throws InputError, ConflictError, NoSolutionError, CancelledError.
+/// Performs the edits in order, measures the result and writes all files and report.json into the
+/// folder, all or none. A result that violates checks is written, too; report.failed_checks lists
+/// them. Throws InputError, ConflictError, NoSolutionError, CancelledError.
 DeformReport run_deform(const DeformScene& scene, const std::filesystem::path& folder,
                         const Progress& progress = {});
 
-/// The most important results in about a dozen lines, with the files at the end.
+/// A summary of the most important results in about a dozen lines, followed by the files.
 std::string summary(const DeformReport& report, const std::filesystem::path& folder);
 
 }  // namespace batten

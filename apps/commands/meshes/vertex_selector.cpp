@@ -29,7 +29,7 @@ const MeshFile::Set& set_named(const std::vector<MeshFile::Set>& sets, const Loc
                    did_you_mean(word.text, names));
 }
 
-/// Gathers the nodes of a set, and those of its faces.
+/// The nodes of a set, including those of its faces.
 std::vector<int> with_faces(const MeshFile& file, const MeshFile::Set& set) {
   std::vector<int> vertices = set.nodes;
   for (const int f : set.faces)
@@ -37,7 +37,7 @@ std::vector<int> with_faces(const MeshFile& file, const MeshFile::Set& set) {
   return vertices;
 }
 
-/// Reads a file of nodes' numbers and turns each into a vertex as soon as it is read.
+/// Reads a file of node numbers, and converts each to a vertex immediately.
 template <class VertexOfLabel>
 std::vector<int> vertices_of_file(const std::filesystem::path& file, const std::string& where,
                                   const VertexOfLabel& vertex_of_label) {
@@ -220,7 +220,7 @@ std::vector<int> VertexSelector::select(const SelectionSpec& rule) {
   if (!rule.property.text.empty())
     meet(with_faces(file_, set_named(file_.properties(), rule.property, "property", scene_)));
   if (!rule.any.empty()) meet(of(rule.any));
-  if (first) {  // no condition: everything
+  if (first) {  // no condition selects everything
     std::vector<int> all(mesh_.vertex_count());
     std::iota(all.begin(), all.end(), 0);
     meet(all);
@@ -266,7 +266,7 @@ std::vector<int> VertexSelector::path(const LineSpec& rule) {
   if (!rule.nodes.empty()) return stops;
   if (rule.closed) stops.push_back(stops.front());
   const MeshTopology& topology = mesh_.topology();
-  // An edge where the surface bends by an angle a counts as shorter by 1 + (a / 10 degrees)².
+  // The length of an edge with dihedral angle a is divided by 1 + (a / 10 degrees)².
   const auto& edges = topology.edges();
   const auto cost = [&](int v, int u) {
     const auto e = std::lower_bound(
@@ -280,7 +280,7 @@ std::vector<int> VertexSelector::path(const LineSpec& rule) {
   };
   std::vector<int> way = {stops.front()};
   for (size_t s = 0; s + 1 < stops.size(); ++s) {
-    // Dijkstra along edges, from the goal, so that the way can be read forwards.
+    // Dijkstra's algorithm from the goal, so that the path is obtained in forward order.
     const int from = stops[s], goal = stops[s + 1];
     std::vector<double> distance(mesh_.vertex_count(), INFINITY);
     std::vector<int> next(mesh_.vertex_count(), -1);
@@ -307,7 +307,7 @@ std::vector<int> VertexSelector::path(const LineSpec& rule) {
                        "' runs between parts of the mesh that are not connected");
     for (int v = from; v != goal; v = next[v]) way.push_back(next[v]);
   }
-  // Sheets that meet at a node have a vertex each there.
+  // Manifold patches that meet at a node have separate vertices there.
   for (int& v : way) v = topology.node_of(v);
   way.erase(std::unique(way.begin(), way.end()), way.end());
   if (rule.closed && way.size() > 1) way.pop_back();

@@ -1,4 +1,4 @@
-// Finds the vertices of a mesh that the names of a deform scene mean.
+// Evaluates the vertex selections of a scene.
 #pragma once
 
 #include <map>
@@ -11,30 +11,32 @@
 
 namespace batten {
 
-/// Finds selections, cuts and proposed features of one scene when they are asked for, on the mesh
-/// as it was read, and keeps them. Its functions throw InputError with the place of the word: an
-/// unknown name (the nearest is offered), a name that selects nothing, selections that need each
-/// other.
+/// Evaluates selections, cuts and proposed features of a scene on demand, on the undeformed mesh,
+/// and caches them. All functions throw InputError, with the location of the name, for an unknown
+/// name (with the nearest as a suggestion), an empty selection, or circular selections.
 class VertexSelector {
  public:
   VertexSelector(const SceneSelections& scene, const MeshFile& file, const TriangleMesh& mesh);
 
-  /// The vertices of a selection, cut or proposal by its name, ascending: nodes of the file.
+  /// Vertices of a selection, cut or proposal, as ascending node indices of the file.
   std::vector<int> of(const LocatedString& name);
-  /// The vertices of several names together, ascending; '*' stands for any letters.
+  /// Union of the vertices of several names, ascending; '*' is a wildcard.
   std::vector<int> of(const std::vector<LocatedString>& names);
-  /// The names that a word with '*' means, without those of selections that are being found now.
+  /// All names that match a wildcard, except selections that are being evaluated.
   std::vector<LocatedString> matching(const LocatedString& word);
-  /// The proposal of that name, or nullptr.
+  /// The proposal with this name, or nullptr.
   const DetectedFeature* proposal(const std::string& name);
+  /// All proposed features.
   const std::vector<DetectedFeature>& proposals();
+  /// The vertex of a node number. Throws InputError with `location` if there is none.
   int vertex_of_label(long label, const SourceLocation& location) const;
-  /// The vertices of a line in their order: the shortest way along edges through the vertices that
-  /// the rule gives, with creases counted as shorter than they are.
+  /// The vertices of a line, in order: the shortest path along edges through the vertices of the
+  /// rule. Creases have reduced length, so that the path follows them.
   std::vector<int> path(const LineSpec& rule);
 
  private:
-  // Vertices that meet all conditions of a rule; the next three find those of one condition.
+  // Vertices that meet all conditions of a rule; the following functions evaluate one condition
+  // each.
   std::vector<int> select(const SelectionSpec& rule);
   std::vector<int> loop_of(const SelectionSpec& rule) const;
   std::vector<int> part_of(const SelectionSpec& rule) const;
@@ -52,7 +54,7 @@ class VertexSelector {
   std::vector<std::string> in_progress_;
   std::vector<DetectedFeature> proposals_;
   bool proposed_ = false;
-  VecX saliency_;  // once asked for
+  VecX saliency_;  // computed on demand
 };
 
 }  // namespace batten

@@ -16,7 +16,7 @@ struct MpiProcesses::Plugin {
 
 namespace {
 
-// Processes of this run, as Open MPI and MPICH tell them.
+// Number of processes of this run, from the environment of Open MPI or MPICH.
 int process_count() {
   for (const char* name : {"OMPI_COMM_WORLD_SIZE", "PMI_SIZE"})
     if (const char* value = std::getenv(name)) return std::atoi(value);
@@ -38,7 +38,7 @@ class DistributedSolver : public LinearSolverBackend {
       throw NoSolutionError(failed);
   }
   void solve_in_place(Eigen::Ref<MatX> b) const override {
-    MatX columns = b;  // without gaps
+    MatX columns = b;  // contiguous
     if (const char* failed = calls_.solve(id_, columns.data(), static_cast<int>(columns.cols())))
       throw NoSolutionError(failed);
     b = columns;
@@ -58,7 +58,7 @@ std::unique_ptr<MpiProcesses> MpiProcesses::detect() {
     throw InputError("found " + std::to_string(process_count()) +
                      " processes, expected one: this batten was built without PETSc "
                      "(libpetsc-real-dev)");
-  // Open MPI's own parts look for its symbols among all.
+  // Open MPI's own plugins need its symbols to be global.
   const auto start = reinterpret_cast<decltype(&batten_distributed)>(
       load_plugin(file, "batten_distributed", true));
   auto plugin = std::make_unique<Plugin>();

@@ -1,4 +1,4 @@
-// Several processes of one run, under mpirun.
+// Distributed linear solves under mpirun.
 #pragma once
 
 #include <memory>
@@ -7,22 +7,24 @@
 
 namespace batten {
 
-/// The processes that mpirun started. Process 0 does everything but what it hands to all: the factors of
-/// its systems and solves with them, by PETSc. The module for that is loaded here, so that programs
-/// that do not need it do not carry it.
+/// The processes started by mpirun. Process 0 runs the program; the others take part in
+/// factorizations and solves, by PETSc. The PETSc plugin is loaded here, so that programs that do
+/// not use it do not depend on PETSc.
 class MpiProcesses {
  public:
-  /// The processes of this run; null where there is only this one. Throws InputError: the module was
-  /// not built (no PETSc), or does not start.
+  /// The processes of this run; null if there is only one. Throws InputError if the plugin was not
+  /// built (no PETSc) or cannot be started.
   static std::unique_ptr<MpiProcesses> detect();
-  /// Ends the other processes.
+  /// Terminates the other processes.
   ~MpiProcesses();
 
+  /// Number of processes.
   int size() const;
-  /// Whether this process only helps; serve() is then all that it does.
+  /// True for processes other than 0; they only call serve().
   bool is_worker() const;
+  /// Processes the requests of process 0 until it terminates.
   void serve();
-  /// Makes factors that all processes share. They must not outlive this object.
+  /// Factory of solvers distributed over all processes. The solvers must not outlive this object.
   BackendFactory factors();
 
  private:

@@ -1,4 +1,4 @@
-// Modules: parts of the program that are loaded when they are needed.
+// Plugins: shared libraries that are loaded on demand.
 #pragma once
 
 #include <filesystem>
@@ -6,16 +6,16 @@
 
 namespace batten {
 
-/// Where the module of this name lies: in an added folder, beside the program, as in a build, or in
-/// lib/batten, as installed; empty where it was not built.
+/// Path of the plugin with this name; empty if it was not built. It is searched in the added
+/// folders, beside the program (build tree), and in lib/batten (installation).
 std::filesystem::path find_plugin(const std::string& name);
 
-/// Adds a folder in which modules are looked for first: of a library that other programs load. Call it
-/// before the first module is looked for.
+/// Adds a folder that is searched first, for programs that embed Batten as a library. Call it
+/// before the first plugin is searched.
 void add_plugin_folder(const std::filesystem::path& folder);
 
-/// Loads a module and finds the function by which it is entered. `global`: all libraries that are loaded
-/// later see its symbols. Throws InputError with the linker's reason.
+/// Loads a plugin and finds its entry function. `global`: true makes its symbols visible to
+/// libraries loaded later. Throws InputError with the dynamic linker's message.
 void* load_plugin(const std::filesystem::path& file, const char* function, bool global = false);
 
 }  // namespace batten

@@ -18,8 +18,8 @@ namespace {
 
 const std::string kHidden = ".batten-";
 
-// An open folder with the system's lock on it, or -1: somebody else has it and `waits` is false, or
-// the file system knows no locks.
+// Opens a folder and locks it. Returns -1 if another process holds the lock and `waits` is false,
+// or if the file system does not support locks.
 int locked_folder(const fs::path& folder, bool waits) {
   const int file = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
   if (file < 0) return -1;
@@ -31,7 +31,7 @@ int locked_folder(const fs::path& folder, bool waits) {
   return file;
 }
 
-// Hidden folders of runs that were killed: nobody holds their locks.
+// Removes hidden folders of killed runs: nobody holds their locks.
 void remove_orphans(const fs::path& folder) {
   std::error_code error, ignored;
   for (fs::directory_iterator entry(folder, error), end; !error && entry != end;
@@ -56,7 +56,7 @@ OutputFolder::OutputFolder(fs::path folder) : folder_(std::move(folder)) {
   unfinished_.emplace_back(hidden_);
   make_output_folder(folder_);
   {
-    // One after the other, so that nobody takes a folder that is not locked yet for an orphan.
+    // Serialised, so that no run mistakes a folder that is not locked yet for an orphan.
     const int turn = locked_folder(folder_, true);
     remove_orphans(folder_);
     fs::create_directory(hidden_, error);
@@ -71,11 +71,12 @@ OutputFolder::~OutputFolder() {
   fs::remove_all(hidden_, ignored);
   if (lock_ >= 0) ::close(lock_);
   if (!committed_)
-    for (auto p = made_.rbegin(); p != made_.rend(); ++p) fs::remove(*p, ignored);  // if empty
+    // removes empty folders only
+    for (auto p = made_.rbegin(); p != made_.rend(); ++p) fs::remove(*p, ignored);
 }
 
 void OutputFolder::commit() {
-  // Files in folders, too, one by one: those of an earlier run may be there already.
+  // Files in subfolders are moved one by one, because a subfolder may exist from an earlier run.
   std::vector<fs::path> names;
   std::error_code unread;
   for (fs::recursive_directory_iterator entry(hidden_, unread), end; !unread && entry != end;
@@ -105,7 +106,7 @@ void OutputFolder::commit() {
 std::optional<double> parse_number(std::string_view text) {
   double value = 0;
   const char* const last = text.data() + text.size();
-  // from_chars knows no leading plus.
+  // std::from_chars rejects a leading plus.
   const bool plus = text.starts_with('+') && !text.starts_with("+-");
   const auto [end, error] = std::from_chars(text.data() + plus, last, value);
   if (error != std::errc() || end != last || !std::isfinite(value)) return {};
@@ -136,7 +137,7 @@ bool matches_wildcard(const std::string& pattern, const std::string& text) {
     } else if (p < pattern.size() && pattern[p] == text[t]) {
       ++p;
       ++t;
-    } else if (star != std::string::npos) {  // the last star takes one letter more
+    } else if (star != std::string::npos) {  // let the last star match one more character
       p = star + 1;
       t = ++resume;
     } else {

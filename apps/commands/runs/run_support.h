@@ -1,4 +1,4 @@
-// Functions that all commands share.
+// Functions shared by all commands: output folder, timing, settings, reports.
 #pragma once
 
 #include <chrono>
@@ -17,41 +17,44 @@
 
 namespace batten {
 
-/// The output folder of a run: all its files appear, or none. Files are written into a hidden folder
-/// inside it, and commit() moves them to their names. Without a commit the destructor, or
-/// remove_temporary_files(), removes them and the folders that the constructor made; files of earlier
-/// runs stay as they were. Runs into one folder may overlap: each moves all its files at once, and
-/// the last one stays. What a killed run left is removed by the next.
+/// Output folder of a run whose files appear all or none. Files are written into a hidden
+/// subfolder, and commit() moves them to their final names.
+///
+/// Without a commit, the destructor (or remove_temporary_files()) removes them, and the folders
+/// that the constructor created; files of earlier runs are unchanged. Runs into the same folder may
+/// overlap: each moves its files in one step, and the last one wins. Leftovers of a killed run are
+/// removed by the next run.
 class OutputFolder {
  public:
-  /// Makes the folder and those above it. Throws InputError when it cannot be written to.
+  /// Creates the folder and its parents. Throws InputError if it is not writable.
   explicit OutputFolder(std::filesystem::path folder);
   ~OutputFolder();
   OutputFolder(const OutputFolder&) = delete;
   OutputFolder& operator=(const OutputFolder&) = delete;
 
-  /// The path at which to write the file of this name before commit(). Folders may be made beside it:
-  /// what is in them comes into folders of the same names.
+  /// Path at which to write a file before commit(). Subfolders may be created beside it; their
+  /// contents are moved to subfolders of the same names.
   std::filesystem::path file(const std::string& name) const { return hidden_ / name; }
+  /// The output folder.
   const std::filesystem::path& folder() const { return folder_; }
-  /// Moves all files to their names. Call it once. Throws InputError, before anything is moved,
-  /// when a folder has the name of a file.
+  /// Moves all files to their final names. Call it once. Throws InputError, before anything is
+  /// moved, if a folder has the name of a file.
   void commit();
 
  private:
   std::filesystem::path folder_, hidden_;
-  int lock_ = -1;                             // of the hidden folder, as long as it is in use
-  std::vector<std::filesystem::path> made_;   // folders that were made, outermost first
-  std::list<TemporaryFileGuard> unfinished_;  // all of these
+  int lock_ = -1;                             // lock of the hidden folder while it is in use
+  std::vector<std::filesystem::path> made_;   // created folders, outermost first
+  std::list<TemporaryFileGuard> unfinished_;  // guards for all of these
   bool committed_ = false;
 };
 
-/// Seconds since a moment.
+/// Seconds since a time point.
 inline double seconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
-/// Measures the seconds of each stage of a run: lap() ends a stage, total() the run.
+/// Measures the duration of the stages of a run, in seconds: lap() ends a stage, total() the run.
 class Stopwatch {
  public:
   explicit Stopwatch(std::vector<std::pair<std::string, double>>& timings) : timings_(timings) {}
@@ -67,28 +70,27 @@ class Stopwatch {
   Clock::time_point start_ = Clock::now(), last_ = start_;
 };
 
-/// One "name=value" of the command line. Messages about it begin with `where`.
+/// One "name=value" argument of the command line. Messages about it begin with `where`.
 struct Setting {
   std::string name, where;
   double value;
 };
-/// The finite number that all of a text states, "0.5" in any locale; none where it states none.
+/// Parses a text as one finite number, independently of the locale ("0.5"); empty if it is none.
 std::optional<double> parse_number(std::string_view text);
-/// Parses words "name=value". Throws InputError: no '=', no name, a value that is not a finite
-/// number.
+/// Parses arguments "name=value". Throws InputError for a missing '=', a missing name, or a value
+/// that is not a finite number.
 std::vector<Setting> parse_settings(const std::vector<std::string>& settings);
-/// Sets parameters of any kind of scene from "name=value" words of the command line, in their order.
-/// Throws InputError.
+/// Sets parameters of any kind of scene from "name=value" arguments, in order. Throws InputError.
 template <class AnyScene>
 void apply_settings(AnyScene& scene, const std::vector<std::string>& settings) {
   for (const Setting& s : parse_settings(settings)) scene.set(s.name, s.value, s.where);
 }
 
-/// Whether pictures can be drawn. When there is no display, it returns false and adds `what` to
-/// report.missed: the result is kept.
+/// True if pictures can be drawn. Without a display it returns false and adds `what` to
+/// report.failed_checks; the result is kept.
 bool can_draw(RunReport& report, const std::string& what);
 
-/// Adds the broken promises to any kind of report, and writes it as JSON into the folder.
+/// Adds failed checks to any kind of report, and writes it as JSON into the folder.
 template <class AnyReport>
 void write_report(AnyReport& report, const std::vector<FailedCheck>& failed,
                   const OutputFolder& out, const Progress& progress,
@@ -99,16 +101,16 @@ void write_report(AnyReport& report, const std::vector<FailedCheck>& failed,
   progress.update("files", 1);
 }
 
-/// Whether a text fits a pattern, in which '*' stands for any letters. O(product of the lengths).
+/// True if a text matches a pattern with '*' as a wildcard. Cost: O(product of the lengths).
 bool matches_wildcard(const std::string& pattern, const std::string& text);
 
-/// A name of letters that every file system and every shell accepts.
+/// Converts a text to a file name that all file systems and shells accept.
 std::string safe_file_name(const std::string& text);
 
-/// A line of a summary: the label in 12 columns, and the text.
+/// A line of a summary: the label padded to 12 columns, and the text.
 std::string summary_line(const std::string& label, const std::string& text);
 
-/// The end of a summary of any kind of report: the time it took, and the files.
+/// The end of a summary of any kind of report: run time and files.
 std::string summary_footer(const RunReport& report, const std::filesystem::path& folder);
 
 }  // namespace batten

@@ -13,7 +13,7 @@ namespace batten {
 namespace fs = std::filesystem;
 namespace {
 
-/// A file's name with * for the last number in it.
+/// A file name with * in place of its last number.
 std::string without_number(const fs::path& file) {
   std::string name = file.filename().string();
   const size_t last = name.find_last_of("0123456789", name.rfind('.'));
@@ -58,7 +58,7 @@ FrameStore::FrameStore(const fs::path& folder, const fs::path& hidden, const std
     : first_(first), last_(last) {
   const std::string ending = lower_extension(name);
   numbered_ = ending != ".pc2" && ending != ".mdd" && ending != ".glb";
-  read_again_ = numbered_ && ending != ".stl";  // which has no nodes, only corners
+  read_again_ = numbered_ && ending != ".stl";  // STL stores corners only, no nodes
   whole_ = first == 0 && last + 1 == isize(times);
   const fs::path path = folder / name;
   if (!whole_ && (!numbered_ || ending == ".pvd"))
@@ -92,13 +92,13 @@ FrameStore::FrameStore(const fs::path& folder, const fs::path& hidden, const std
                        "overwritten: expected another folder or name");
   const fs::path of_frames = writer_->file(0).parent_path();
   const std::string like = without_number(writer_->file(0));
-  for (const std::string& file : left)  // there may be more of them than frames now
+  for (const std::string& file : left)  // an earlier run may have had more frames
     if (without_number(file) == like) fs::remove(of_frames / fs::path(file).filename());
   std::erase_if(left, [&](const std::string& file) { return without_number(file) == like; });
   write_file_atomically(stamp, [&](std::ostream& out) {
     out << fingerprint << "\n";
     for (int k = 0; k < isize(times); ++k) out << writer_->file(k).filename().string() << "\n";
-    for (const std::string& file : left) out << file << "\n";  // of other names
+    for (const std::string& file : left) out << file << "\n";  // files with other names
   });
 }
 

@@ -1,4 +1,4 @@
-// Frames of a run on the disk: those that are there, and those that are written.
+// Output frames of a sequence run on disk, with resumption of interrupted runs.
 #pragma once
 
 #include <cstdint>
@@ -11,15 +11,17 @@
 
 namespace batten {
 
-/// A number for what a run is made from, by which another run knows its frames as its own: 64-bit
-/// FNV-1a of all that is added.
+/// Hash of the inputs of a run (64-bit FNV-1a). A run with the same fingerprint can reuse its
+/// frames.
 class Fingerprint {
  public:
+  /// Adds bytes, a text, or all data of a sequence.
   void add(const void* bytes, size_t count);
   void add(const std::string& text) { add(text.data(), text.size()); }
   void add(const MeshSequence& sequence);
-  /// The bytes of a file; nothing where there is none.
+  /// Adds the bytes of a file; nothing if the file does not exist.
   void add_file(const std::filesystem::path& file);
+  /// The fingerprint as text.
   std::string text() const;
 
  private:
@@ -27,28 +29,31 @@ class Fingerprint {
 };
 
 /// Writes frames first … last of a sequence. Numbered files of a run with the same fingerprint are
-/// kept, those of another one are written anew.
+/// kept; those of another run are replaced.
 class FrameStore {
  public:
-  /// `folder` and `name`: where the frames appear. `hidden`: where single files are written
-  /// meanwhile. Numbered files of this name that a run with another fingerprint made are removed.
-  /// Throws InputError: what SequenceWriter throws; a part of the frames into a single file; numbered
-  /// files that no such run made, as the input itself.
+  /// `folder`, `name`: final location of the frames. `hidden`: folder for unfinished single files.
+  /// Numbered files of this name from a run with another fingerprint are deleted.
+  ///
+  /// Throws the exceptions of SequenceWriter. Also throws InputError for a partial range of frames
+  /// in a single file, and for numbered files that no run wrote, such as the input itself.
   FrameStore(const std::filesystem::path& folder, const std::filesystem::path& hidden,
              const std::string& name, const ShellMesh& shells, const std::vector<double>& times,
              int first, int last, const std::string& fingerprint);
 
+  /// True if the frame exists already.
   bool has(int frame) const;
-  /// A frame that is there.
+  /// Reads an existing frame.
   Points read(int frame) const;
+  /// Writes a frame (n×3); see SequenceWriter::write().
   void write(int frame, const Points& points);
-  /// Ends the files; their names in the folder, those that this run was to make.
+  /// Completes the files. The result lists their names in the folder, for the frames of this run.
   std::vector<std::string> finish();
 
  private:
   bool numbered_ = false, read_again_ = false, whole_ = true;
   int first_, last_;
-  std::filesystem::path root_;  // what names are relative to
+  std::filesystem::path root_;  // folder to which names are relative
   std::unique_ptr<SequenceWriter> writer_;
 };
 

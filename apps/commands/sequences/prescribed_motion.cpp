@@ -56,7 +56,7 @@ std::shared_ptr<SequenceEditor> editor_for(const SequenceOperation& step,
   constraints.penalty_weight = step.penalty_weight;
   constraints.preserve_volume = step.preserve_volume;
   SequenceEditOptions options = step.options;
-  // Where the sequence ends at a keyframe there is nothing to come back to.
+  // At an end of the sequence with a keyframe, the influence need not fade out.
   if (first_key == 0 && options.influence.from == 0) options.influence.from.reset();
   const int last = from.sequence.frame_count() - 1;
   if (last_key == last && options.influence.to == last) options.influence.to.reset();
@@ -101,7 +101,7 @@ StepResult apply_prescribed_motion(const SequenceOperation& step, const Prepared
   }
   editor->set_keyframes(std::move(keys), progress);
   if (!step.penalty_weight)
-    editor->set_motions(std::move(motions));  // they do not stray in between
+    editor->set_motions(std::move(motions));  // exact motion between keyframes
   StepResult result = result_of(from, editor);
   result.warnings.insert(result.warnings.end(), warnings.begin(), warnings.end());
   return result;

@@ -23,15 +23,15 @@ namespace batten {
 
 // Contact sheets and animations of sequences.
 
-/// Frames that pictures show, from 0: of the sequence before and after. A long sequence has only
-/// these in memory.
+/// Frames shown in pictures (0-based), of the sequence before and after. Of a long sequence only
+/// these are in memory.
 struct ShownFrames {
   std::vector<int> before, after;
 };
 ShownFrames shown_frames(const SequenceScene& scene, int before, int first, int last);
 
-/// Draws the pictures of a scene. `after`: positions of shown.after, in that order. Terrains of
-/// footprint steps are drawn beneath.
+/// Draws the pictures of a scene. `after`: positions of shown.after, in the same order. Terrains of
+/// footprint steps are drawn, too.
 void draw_sequence(SequenceReport& report, const SequenceScene& scene,
                    const PreparedSequence& before, const SequenceParts& parts,
                    const ShellMesh& shells, const ShownFrames& shown,
@@ -40,8 +40,8 @@ void draw_sequence(SequenceReport& report, const SequenceScene& scene,
 
 namespace {
 
-/// Whether each frame after a step comes from the one of its number. Of the others travel bends
-/// nothing, and a morph everything.
+/// True if each frame after a step corresponds to the input frame with the same number. Exceptions:
+/// root motion, which deforms nothing, and a morph, which deforms everything.
 bool keeps_frames(const SequenceOperation& step) {
   return !std::holds_alternative<SequenceOperation::RootMotion>(step.what) &&
          !std::holds_alternative<SequenceOperation::Morph>(step.what);
@@ -95,7 +95,8 @@ class SequenceRun {
       if (!rule.file.empty()) fingerprint_.add_file(rule.file);
   }
 
-  /// The frames of a source. They count for the fingerprint; errors name their place in the scene.
+  /// Reads the frames of a source, and adds them to the fingerprint. Exceptions contain the
+  /// location in the scene.
   MeshSequence read_frames(const SequenceSource& source) {
     try {
       MeshSequence frames = read_sequence(source.path, source.options, progress_);
@@ -113,7 +114,7 @@ class SequenceRun {
     watch_.lap("parts");
   }
 
-  /// A single file replaces what has its name.
+  /// Checks that a single output file does not overwrite the input.
   void require_input_preserved() const {
     std::filesystem::path out = out_.folder() / scene_.frames_out;
     const auto& source = scene_.source;
@@ -165,7 +166,7 @@ class SequenceRun {
     return run_step(scene_, rule, *current_, parts_, *select_, read, progress_);
   }
 
-  /// glTF wants seconds.
+  /// Times of the output; glTF requires seconds.
   std::vector<double> written_times() const {
     std::vector<double> times = last_.times;
     const bool numbered =
@@ -175,7 +176,7 @@ class SequenceRun {
     return times;
   }
 
-  /// Makes frames of the last step.
+  /// Computes frames of the last step.
   void make_frames(int first, int last, const std::function<void(int, const Points&)>& take) const {
     if (scene_.steps.empty())
       last_.frames(first, last, take, progress_);
@@ -290,7 +291,7 @@ std::string SequenceTask::name_of(const std::filesystem::path& file) const {
 
 namespace {
 
-/// So many frames of a range, evenly, with both ends; 0: all.
+/// Selects `count` evenly spaced frames of a range, including both ends; 0: all.
 std::vector<int> spread(int first, int last, int count) {
   std::vector<int> frames;
   const int all = last - first + 1;
@@ -302,12 +303,12 @@ std::vector<int> spread(int first, int last, int count) {
   return frames;
 }
 
-/// A mesh and what stands around it, as one mesh for pictures.
+/// A mesh and its surroundings, as one mesh for pictures.
 struct SceneGeometry {
   ShellMesh shells;
   std::vector<MeshPicture::Part> parts;
-  Points ground;      // further nodes
-  int own_faces = 0;  // those before the ground's
+  Points ground;      // additional nodes
+  int own_faces = 0;  // number of faces before those of the ground
 
   Points with_ground(const Points& frame) const {
     Points all(frame.rows() + ground.rows(), 3);
@@ -366,7 +367,7 @@ ShownFrames shown_frames(const SequenceScene& scene, int before, int first, int 
 
 namespace {
 
-/// What all pictures of one run are drawn from.
+/// Data of all pictures of a run.
 struct Drawing {
   const SequenceReport& report;
   const SequenceScene& scene;
@@ -396,7 +397,7 @@ MeshPicture picture_settings(const SequenceScene& scene, const SequencePicture& 
   return look;
 }
 
-/// One picture for each frame, all of one scale.
+/// One picture per frame, all at the same scale.
 std::vector<MeshPicture> one_by_one(const Drawing& d, const SequencePicture& rule, bool is_after,
                                     bool numbered) {
   std::vector<MeshPicture> pictures;
@@ -411,7 +412,7 @@ std::vector<MeshPicture> one_by_one(const Drawing& d, const SequencePicture& rul
   return pictures;
 }
 
-/// All frames in one picture. `shells`: where its mesh is kept.
+/// All frames in one picture. `shells`: storage for its mesh.
 MeshPicture all_together(const Drawing& d, const SequencePicture& rule, bool is_after,
                          ShellMesh& shells) {
   MeshPicture look = picture_settings(d.scene, rule);
@@ -429,7 +430,7 @@ MeshPicture all_together(const Drawing& d, const SequencePicture& rule, bool is_
       look.parts.push_back(d.geometry.parts[f]);
     }
   }
-  const int shift = nodes * (isize(places) - 1);  // of the ground, which is there once
+  const int shift = nodes * (isize(places) - 1);  // index offset of the ground, which occurs once
   for (int f = d.geometry.own_faces; f < d.geometry.shells.face_count(); ++f) {
     std::vector<int> face(d.geometry.shells.corners(f).begin(), d.geometry.shells.corners(f).end());
     for (int& v : face) v += shift;
@@ -515,7 +516,7 @@ void draw_sequence(SequenceReport& report, const SequenceScene& scene,
 
 namespace {
 
-/// Numbered frames by the first and the last of them.
+/// Abbreviates numbered frames by the first and the last one.
 std::vector<std::string> in_short(const std::vector<std::string>& files) {
   std::vector<std::string> text;
   const auto alike = [&](size_t a, size_t b) {

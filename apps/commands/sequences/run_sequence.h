@@ -1,4 +1,4 @@
-// Does the work of `batten sequence`: edits a deforming mesh.
+// Implements `batten sequence`: edits a mesh sequence.
 #pragma once
 
 #include <filesystem>
@@ -12,26 +12,27 @@
 
 namespace batten {
 
-// What a run of `batten sequence` is asked beside its scene.
-
+/// Options of a run, beside its scene.
 struct SequenceTask {
-  /// Frames that this run makes, counted from 1: so that several runs share the work. None: all.
+  /// Range of frames to compute (1-based, inclusive), so that several runs can share the work.
+  /// Empty: all frames.
   std::optional<std::pair<int, int>> frames;
 
-  /// The name of a file that each run of a part has for itself: "walk.png", or "walk_3-7.png".
+  /// Name of an output file that is separate for each partial run: "walk.png", or "walk_3-7.png".
   std::string name_of(const std::filesystem::path& file) const;
 };
 
 
-/// Does the steps one after the other and writes the frames, report.json and pictures into the
-/// folder. Frames in numbered files appear one by one, each whole; where a run of the same scene
-/// with the same input was stopped, the next one goes on behind the frames that are there. All other
-/// files appear at the end, all of them or none. Throws InputError (a range of frames with output in
-/// one file, too), ConflictError, NoSolutionError, CancelledError.
+/// Performs the steps in order, and writes the frames, report.json and pictures into the folder.
+///
+/// Numbered frame files appear one by one, each written atomically. A run that was interrupted
+/// resumes after its existing frames, if scene and input are unchanged. All other files appear at
+/// the end, all or none. Throws InputError (also for a range of frames with output to a single
+/// file), ConflictError, NoSolutionError, CancelledError.
 SequenceReport run_sequence(const SequenceScene& scene, const std::filesystem::path& folder,
                             const SequenceTask& task = {}, const Progress& progress = {});
 
-/// The most important results in about a dozen lines, with the files at the end.
+/// A summary of the most important results in about a dozen lines, followed by the files.
 std::string summary(const SequenceReport& report, const std::filesystem::path& folder);
 
 }  // namespace batten

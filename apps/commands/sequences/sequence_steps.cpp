@@ -17,7 +17,8 @@ namespace batten {
 
 namespace {
 
-/// Of what a closed mesh encloses; below 0 where its faces look inwards; 0 of an open one.
+/// Six times the enclosed volume of a closed mesh, negative if its faces point inwards; 0 for an
+/// open mesh.
 double six_times_volume(const TriangleMesh& mesh) {
   if (!mesh.topology().boundary_loops().empty()) return 0;
   const Eigen::RowVector3d middle = mesh.points().colwise().mean();
@@ -30,7 +31,7 @@ double six_times_volume(const TriangleMesh& mesh) {
   return sum;
 }
 
-/// All faces the other way round.
+/// The mesh with all faces reversed.
 ShellMesh inverted(const ShellMesh& shells) {
   ShellMesh result;
   result.points = shells.points;
@@ -42,7 +43,7 @@ ShellMesh inverted(const ShellMesh& shells) {
   return result;
 }
 
-/// One step; what all kinds of them need.
+/// Performs one step; holds the data that all kinds of steps need.
 class StepRunner {
  public:
   StepRunner(const SequenceScene& scene, const SequenceOperation& step,
@@ -167,7 +168,7 @@ class StepRunner {
       to.push_back(averaged(tracks.prints[f], motions));
     }
     PrescribedMotion prescribed = plant_feet(scene_, step_, tracks, there, to, sequence().times);
-    // The editor measures turns from its own first frame, which has turned with the path.
+    // The editor measures rotations from its own first frame, which has rotated with the path.
     for (auto& target_trajectory : prescribed.target_trajectory)
       for (Mat3& rotation : target_trajectory.rotations)
         rotation = rotation * motions.front().rotation.transpose();
@@ -214,14 +215,14 @@ class StepRunner {
     for (int k = 0; k < sequence().frame_count(); ++k)
       root.centres.row(k) = sequence().frames[k].colwise().mean();
     FilterOptions even_ends;
-    even_ends.padding = Padding::Odd;  // a walk does not slow down where the frames end
+    even_ends.padding = Padding::Odd;  // a walk does not slow down at the end of the frames
     const PrescribedMotion prescribed{
         numbers, filtered(root, handles, filter, even_ends).handles,
         keyframe_mask(sequence().frame_count(), step_.keyframe_interval, {})};
     StepResult result =
         apply_prescribed_motion(step_, from_, parts_, prescribed, fixed_, progress_);
     result.feet = foot_reports(scene_, step_, tracks, size_of(sequence()));
-    for (auto& foot : result.feet)  // they are where they were
+    for (auto& foot : result.feet)  // the existing foot skate is tolerated
       foot.max_foot_skate = std::max(foot.max_foot_skate, 1.001 * foot.foot_skate_before);
     result.warnings.insert(result.warnings.end(), warnings.begin(), warnings.end());
     return result;
@@ -298,7 +299,7 @@ class StepRunner {
         format_number(frames) + " frames of " + std::to_string(sequence().node_count()) + " nodes");
   }
 
-  /// The similarity that lays all these trajectories over those.
+  /// The similarity that maps the trajectories `from` to the trajectories `to`.
   Similarity fitted(const std::vector<Trajectory>& from, const std::vector<Trajectory>& to) const {
     const auto stacked = [](const std::vector<Trajectory>& all) {
       Trajectory one;
@@ -315,8 +316,8 @@ class StepRunner {
     return alignment(stacked(from), stacked(to), options);
   }
 
-  // Turns count from the first frame, in which the two handles need not stand alike: in the mean over
-  // the frames they do.
+  // Rotations are relative to the first frame, in which the two handles may be oriented
+  // differently; their mean orientation over all frames is aligned instead.
   static void align_rotations(Trajectory& target_trajectory, const Trajectory& own) {
     Mat3 sum = Mat3::Zero();
     for (size_t k = 0; k < own.rotations.size(); ++k)
@@ -325,7 +326,7 @@ class StepRunner {
     for (Mat3& rotation : target_trajectory.rotations) rotation = rotation * between;
   }
 
-  /// A sequence with other faces as one with ours.
+  /// Fits a sequence with other faces to the faces of ours.
   MeshSequence fit_to_source(const SequenceOperation::Morph& what, const MorphOptions& options,
                              const MeshSequence& target, std::vector<std::string>& warnings) const {
     const Points& ours = sequence().frames[options.source.first];

@@ -1,4 +1,4 @@
-// The steps of a sequence scene, one after the other.
+// The steps of a sequence scene.
 #pragma once
 
 #include <functional>
@@ -11,13 +11,14 @@
 
 namespace batten {
 
-/// What reads the frames of a source.
+/// Reads the frames of a source.
 using FrameReader = std::function<MeshSequence(const SequenceSource&)>;
-/// What finds vertices of names such as `fixed`, on the first frame.
+/// Finds the vertices of names such as `fixed`, on the first frame.
 using VertexFinder = std::function<std::vector<int>(const std::vector<LocatedString>&)>;
 
-/// Does one step up to the point where frames can be made. Keeps references to `from` and `scene`.
-/// Throws InputError with the step's place; what the classes of mesh/sequence throw.
+/// Prepares one step, so that its frames can be computed. Keeps references to `from` and `scene`.
+/// Throws InputError with the location of the step, and the exceptions of the classes in
+/// mesh/sequence.
 StepResult apply_step(const SequenceScene& scene, const SequenceOperation& step,
                       const PreparedSequence& from, const SequenceParts& parts,
                       const VertexFinder& vertices_of, const FrameReader& read,
@@ -26,29 +27,29 @@ StepResult apply_step(const SequenceScene& scene, const SequenceOperation& step,
 
 // The frames of a sequence scene before, between and after its steps.
 
-/// A sequence with the mathematics' view of its mesh; `notes` gets what was repaired for it. Throws
+/// A sequence with its prepared mesh. `notes` receives the repairs that were necessary. Throws
 /// InputError that begins with `where`.
 PreparedSequence prepared_sequence(MeshSequence sequence, const std::string& where,
                                    std::vector<std::string>& notes);
 
-/// The handles and features of a scene. Throws InputError with the place: a name that is not there, a
-/// handle without nodes.
+/// The handles and features of a scene. Throws InputError, with the location, for an unknown name
+/// or a handle without nodes.
 SequenceParts find_sequence_parts(const SequenceScene& scene, VertexSelector& select);
 
-/// A step's result that is the sequence itself.
+/// The result of a step that changes nothing.
 StepResult unchanged_result(std::shared_ptr<const PreparedSequence> sequence);
 
-/// apply_step(), whose errors name the step and its place.
+/// Like apply_step(), with the step's name and location added to exceptions.
 StepResult run_step(const SequenceScene& scene, const SequenceOperation& step,
                     const PreparedSequence& from, const SequenceParts& parts,
                     VertexSelector& select, const FrameReader& read, const Progress& progress);
 
-/// All frames of a step's result. `mesh`: of any of the frames.
+/// Computes all frames of a step's result. `mesh`: prepared mesh of any frame.
 std::shared_ptr<const PreparedSequence> collect_frames(const StepResult& result,
                                                        const TriangleMesh& mesh,
                                                        const Progress& progress);
 
-/// What `work` gives. Its errors name the step and its place.
+/// The result of `work`, with the step's name and location added to exceptions.
 template <class Work>
 auto with_step_context(const SequenceScene& scene, const SequenceOperation& step,
                        const Work& work) {

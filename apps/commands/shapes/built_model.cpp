@@ -29,7 +29,7 @@ double fit_tolerance(const Scene& scene, double size) {
 }
 
 double size_of(const std::vector<CharacterLine>& lines) {
-  constexpr int samples = 16;  // of a line
+  constexpr int samples = 16;  // per line
   std::vector<Vec3> points;
   for (const CharacterLine& line : lines)
     for (int i = 0; i <= samples; ++i)
@@ -38,7 +38,7 @@ double size_of(const std::vector<CharacterLine>& lines) {
   return bounding_box(points).diagonal().norm();
 }
 
-// The lines of a scene that is a stack of sections and nothing else, in their order; or none.
+// The lines of a scene that consists of sections only, in order; else empty.
 std::vector<CharacterLine> specified_sections(const Scene& scene,
                                               const std::vector<CharacterLine>& lines) {
   const auto& sections = scene.skin.sections;
@@ -47,13 +47,13 @@ std::vector<CharacterLine> specified_sections(const Scene& scene,
   for (const LocatedString& section : sections) {
     const auto it = std::find_if(lines.begin(), lines.end(),
                                  [&](const CharacterLine& l) { return l.name == section.text; });
-    if (it == lines.end()) return {};  // loft_shape() says which
+    if (it == lines.end()) return {};  // loft_shape() reports which one
     in_order.push_back(*it);
   }
   return in_order;
 }
 
-// Lays a region out, its normals on the side of normal_side.h.
+// Creates the layout of a region, with normals on the side defined in normal_side.h.
 RegionLayout make_layout(const Scene& scene, const std::vector<CharacterLine>& lines,
                          const std::vector<CharacterLine>& sections, const Progress& progress) {
   const auto layout = [&](const SkinOptions& options) {
@@ -61,7 +61,8 @@ RegionLayout make_layout(const Scene& scene, const std::vector<CharacterLine>& l
                             : section_region(scene.name, sections, options, progress);
   };
   SkinOptions options = scene.skin.options;
-  const double stated = std::exchange(options.edge_length, 0);  // the usual mesh tells the side
+  const double stated = std::exchange(options.edge_length, 0);  // the default mesh suffices for the
+                                                                // side
   const RegionLayout usual = layout(options);
   try {
     const ModelLayout model(usual);
@@ -73,13 +74,13 @@ RegionLayout make_layout(const Scene& scene, const std::vector<CharacterLine>& l
   } catch (const CancelledError&) {
     throw;
   } catch (const Error&) {
-    // What is wrong with the shape is said where it is made.
+    // Errors of the shape are reported when it is solved.
   }
   options.edge_length = stated;
   return stated > 0 || options.reverse_orientation ? layout(options) : usual;
 }
 
-// A region as a model.
+// Builds the model of a single region.
 BuiltModel one_region(const Scene& scene, const std::vector<CharacterLine>& lines,
                       const std::vector<CharacterLine>& sections, const Progress& progress) {
   BuiltModel made;
@@ -164,20 +165,20 @@ namespace {
 
 bool bounds(const CharacterLine& line) { return line.role == CharacterLine::Role::Outline; }
 
-// Whether the outlines alone bound one region, on which all curves with another role lie.
+// True if the outlines alone bound one region, on which all curves with another role lie.
 bool outlines_bound_one_region(const Scene& scene, const std::vector<CharacterLine>& lines,
                                const Progress& progress) {
   std::vector<CharacterLine> outlines;
   std::copy_if(lines.begin(), lines.end(), std::back_inserter(outlines), bounds);
   if (outlines.size() == lines.size() && scene.skin.boundary == SceneSkin::FixedBoundary::Lines)
     return false;
-  if (outlines.empty()) return true;  // whose error says what is missing
+  if (outlines.empty()) return true;  // the error of the single region explains what is missing
   const CurveNetwork network = network_of(scene, outlines, progress);
   const FoundRegions found = find_regions(network, {}, progress);
   return found.regions.empty() || (found.regions.size() == 1 && found.unused_edges.empty());
 }
 
-// Skins what was found in the network.
+// Skins the regions of the network.
 void skin(BuiltModel& made, const Scene& scene, const Progress& progress) {
   const std::vector<CharacterLine>& lines = made.network->lines();
   ModelOptions options;
@@ -193,8 +194,9 @@ void skin(BuiltModel& made, const Scene& scene, const Progress& progress) {
   made.fit_tolerance = fit_tolerance(scene, made.network->size());
 }
 
-// The surfaces between closed sections that have a corner: two in each bay, from rails through the
-// corners and through the noses. The sections themselves bound none.
+// Surfaces between closed sections with a corner. Each bay gets two of them, bounded by rails
+// through the corners and through the noses (opposite ends). The sections themselves bound no
+// surface.
 BuiltModel between_cornered(const Scene& scene, const std::vector<CharacterLine>& sections,
                             const Progress& progress) {
   std::vector<CharacterLine> lines = sections;
@@ -240,11 +242,11 @@ BuiltModel build_model(const Scene& scene, const std::vector<CharacterLine>& lin
     }
   progress.update("regions", 0);
   made.found.emplace(regions_of(scene, *made.network, progress));
-  // A surface by itself has the name of its scene.
+  // A single surface gets the name of its scene.
   std::vector<NetworkRegion>& regions = made.found->regions;
   if (regions.size() == 1 && !regions[0].requested) regions[0].name = scene.name;
   skin(made, scene, progress);
-  // Where there is nothing else to make, what went wrong is the answer.
+  // If there is only one region, its failure is the error of the scene.
   if (regions.size() == 1 && !made.model.layout)
     throw InputError(scene.at({}) + made.model.regions[0].rejection_reason);
   return made;
@@ -254,7 +256,7 @@ namespace {
 
 using Curves = std::map<std::string, HermiteCurve>;
 
-/// The curves of all lines of the regions, by their names.
+/// The curves of all lines of the regions, by name.
 Curves curves_of_regions(const BuiltModel& made) {
   Curves curves;
   for (const SkinnedRegion* region : made.model.skinned()) {
@@ -277,13 +279,13 @@ bool parallel(const Vec3& a, const Vec3& b) {
   return a.dot(b) > 0 && a.cross(b).norm() <= radians * a.norm() * b.norm();
 }
 
-/// Several curves, each of which begins where the one before ends, as one; C1 but for what their
-/// slopes differ by rounding.
+/// A sequence of curves, each of which begins at the end of the previous one, as one curve. It is
+/// C1 up to rounding of the slopes.
 class Chain {
  public:
   explicit Chain(const HermiteCurve& first) { add(first); }
 
-  /// Whether the curve goes on where the chain ends, in its direction.
+  /// True if the curve continues the chain at its end, in the same direction.
   bool continues(const HermiteCurve& next) const {
     return (start_of(next) - points_.back()).norm() <= merge_tolerance() &&
            parallel(slopes_.back(), next.slope_out(0));
@@ -299,7 +301,7 @@ class Chain {
     }
     if (!next.closed()) slopes_.back() = last_slope(next) / factor;
   }
-  /// One that comes back to its beginning in its direction is closed.
+  /// A chain that returns to its beginning in the same direction gives a closed curve.
   HermiteCurve curve() const {
     const bool closed = u_.size() > 2 &&
                         (points_.back() - points_.front()).norm() <= merge_tolerance() &&
@@ -322,11 +324,12 @@ class Chain {
   std::vector<Vec3> points_, slopes_;
 };
 
-/// An arc in the direction of its line, from a region where one has it.
+/// The curve of an edge in the direction of its line, taken from a region if it belongs to one.
 HermiteCurve edge_along_line(const NetworkEdge& edge, const Curves& of_regions) {
   const auto found = of_regions.find(edge.name);
   if (found == of_regions.end()) return edge.reversed ? edge.curve.backwards() : edge.curve;
-  // Regions have it in the direction of their loops; that of a closed one is nobody's.
+  // Regions store it in the direction of their loops. An edge that is a closed curve has no
+  // preferred direction.
   const HermiteCurve& own = found->second;
   const bool turned =
       (start_of(own) - start_of(edge.curve)).norm() > (start_of(own) - end_of(edge.curve)).norm();
@@ -348,12 +351,12 @@ std::vector<CubicSpline> line_curves(const BuiltModel& made) {
   for (int l = 0; l < isize(made.network->lines()); ++l) {
     const std::string& name = made.network->lines()[l].name;
     std::vector<Chain> chains;
-    std::vector<std::array<int, 2>> numbers;  // of the first and the last arc of each
+    std::vector<std::array<int, 2>> numbers;  // first and last edge number of each chain
     int number = 0;
     for (const int a : made.network->edges_of(name)) {
       const NetworkEdge& edge = made.network->edges()[a];
       ++number;
-      if (edge.line != l) continue;  // of another line, which has it
+      if (edge.line != l) continue;  // belongs to another line
       const HermiteCurve curve = edge_along_line(edge, of_regions);
       if (!chains.empty() && chains.back().continues(curve)) {
         chains.back().add(curve);

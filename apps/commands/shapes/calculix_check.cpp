@@ -18,7 +18,7 @@
 namespace batten {
 namespace {
 
-// Of a stress in space.
+// Von Mises equivalent of a 3D stress tensor.
 double equivalent(const Mat3& s) {
   const Mat3 deviator = s - s.trace() / 3 * Mat3::Identity();
   return std::sqrt(1.5 * deviator.squaredNorm());
@@ -31,7 +31,7 @@ void run_ccx(const std::filesystem::path& deck) {
   const pid_t child = fork();
   if (child == 0) {
 #if defined(__linux__)
-    prctl(PR_SET_PDEATHSIG, SIGKILL);  // it ends with a run that is stopped
+    prctl(PR_SET_PDEATHSIG, SIGKILL);  // ends together with a cancelled run
 #endif
     const int nothing = open("/dev/null", O_WRONLY);
     dup2(nothing, STDOUT_FILENO);
@@ -46,7 +46,7 @@ void run_ccx(const std::filesystem::path& deck) {
   if (WIFEXITED(status) && WEXITSTATUS(status) == 127)
     throw InputError("found no program '" + program +
                      "', expected CalculiX (calculix-ccx); CCX names another one");
-  // What ccx leaves beside its results.
+  // Files that ccx leaves beside its results.
   for (const char* ending : {".dat", ".sta", ".cvg", ".12d"})
     std::filesystem::remove(std::filesystem::path(deck).replace_extension(ending));
   std::filesystem::remove(deck.parent_path() / "spooles.out");

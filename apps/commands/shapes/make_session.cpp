@@ -14,13 +14,13 @@
 namespace batten {
 namespace {
 
-/// Elements of which each is one facet of a frame: they are smaller than what an eye sees.
+/// From this number of elements, one facet per element is enough for display.
 constexpr int kManyTriangles = 40'000;
 
-/// Places farther from the surface, over its size, are a mistake and no rounding.
+/// Points farther from the surface than this, relative to its size, are input errors.
 constexpr double kMaxRelativeDistance = 0.5;
 
-/// What the scene's words mean on one layout.
+/// Resolves the names and positions of a scene on a layout.
 class SceneOnLayout {
  public:
   SceneOnLayout(const Scene& scene, const ModelLayout& layout, const BuiltModel& made)
@@ -31,7 +31,7 @@ class SceneOnLayout {
   bool has(const std::string& name) const {
     return std::find(names_.begin(), names_.end(), name) != names_.end();
   }
-  /// The line, or the pieces into which corners and holes have cut it.
+  /// The line, or the segments into which corners and holes split it.
   std::vector<std::string> segments(const LocatedString& word) const {
     if (has(word.text)) return {word.text};
     std::vector<std::string> parts;
@@ -71,7 +71,8 @@ class SceneOnLayout {
   /// A line of the layout, or one from a file.
   HermiteCurve curve(const SceneLoad& load) const {
     if (has(load.curve.text)) return layout_.line(load.curve.text);
-    if (line_file_kind(load.file) == LineFileKind::None) line(load.curve);  // no file: a wrong name
+    if (line_file_kind(load.file) == LineFileKind::None) line(load.curve);  // not a file: reports
+                                                                            // an unknown line
     require_input_file(load.file, "a file of a line, or one of: " + comma_separated(names_),
                        scene_.at(load.location));
     const auto lines = read_source_file(load.file, load.unit, scene_.unit);
@@ -85,7 +86,7 @@ class SceneOnLayout {
     constexpr int samples = 64;
     for (int i = 1; i <= samples; ++i)
       box.extend(input->evaluate(input->start() + (input->end() - input->start()) * i / samples));
-    constexpr double usual = 1e-4;  // of its size, as lines of the surface
+    constexpr double usual = 1e-4;  // relative to its size, as for lines of the surface
     options.tolerance = scene_.skin.options.tolerance > 0 ? scene_.skin.options.tolerance
                                                           : usual * box.diagonal().norm();
     return fit_curve(lines.front().name, input, options);
@@ -131,7 +132,7 @@ class SceneOnLayout {
   std::vector<std::string> names_;
 };
 
-/// The scene's parameters, without rules: these come when all parameters are there.
+/// The parameters of the scene without rules, which are added once all parameters exist.
 std::map<std::string, ScalarParameter> values_of(const Scene& scene) {
   std::map<std::string, ScalarParameter> values;
   for (ScalarParameter p : scene.named_values()) {
@@ -163,7 +164,7 @@ class SessionBuilder {
 
   SculptingSession made() {
     using Type = SceneConstraint::Type;
-    // What refers to the surface as it is comes first.
+    // Constraints that preserve the current state come first.
     for (const auto& c : scene_.constraints)
       if (c.type == Type::LineNormal && c.keep_tangent_planes)
         add(c.location, Constraint{c.name, Constraint::LineNormal{on_layout_.line(c.line), {}}});
@@ -181,8 +182,8 @@ class SessionBuilder {
         add(c.location,
             Constraint{c.name, Constraint::LineNormal{on_layout_.line(c.line), c.goal}});
     }
-    // Loads act where the surface under the constraints alone is nearest; they take effect with the
-    // next answer only.
+    // Loads act at the nearest points of the surface under the constraints alone; they take effect
+    // with the next solution.
     if (!goals_.empty()) {
       for (const auto& [name, value] : goals_) session_.set(name, value);
       session_.solve_to_equilibrium();
@@ -216,7 +217,7 @@ class SessionBuilder {
     return options;
   }
 
-  /// The present position of the place that is nearest on the unloaded surface. Constraints added
+  /// Current position of the point that is nearest on the unloaded surface. Constraints added
   /// before have moved it.
   Vec3 now(const SceneConstraint& c) const {
     const auto was = unloaded_projector_.nearest_inside(c.at);
@@ -231,7 +232,7 @@ class SessionBuilder {
         .position(session_.layout().to_model_location(was.at.region, was.where));
   }
 
-  /// Puts the place in the scene before the message of what the session refuses.
+  /// Adds the location in the scene to exceptions of the session.
   template <class Thing>
   void add(const SourceLocation& location, const Thing& thing,
            const std::vector<ScalarParameter>& parameters = {}) {
@@ -242,8 +243,8 @@ class SessionBuilder {
     }
   }
 
-  /// The share of a piece over which it fades: as stated, or else so that it does not leave lines that
-  /// stay where they are.
+  /// Fraction of a segment over which its offset fades: as given, or else chosen so that the
+  /// segment stays attached to lines that do not move.
   double blend_length(const SceneLineOffset& move, const std::string& segment) const {
     if (move.fade) return *move.fade;
     const ModelLayout& layout = session_.layout();
@@ -264,14 +265,14 @@ class SessionBuilder {
                : 0;
   }
 
-  /// Adds a move at 0, or at the nearest value of its range, so that it moves nothing yet.
+  /// Adds a move with value 0, or the nearest value of its range, so that nothing moves yet.
   void add_move(const SceneLineOffset& move) {
     ScalarParameter p = values_.at(move.name);
     if (p.keyframes.empty()) {
       if (!driven(scene_, move.name)) moves_.emplace_back(move.name, p.value);
       p.value = std::clamp(0.0, p.min, p.max);
     }
-    // The pieces of a line that is cut move together: all follow the first.
+    // The segments of a split line move together: all follow the first one.
     std::string name = move.name;
     int number = 1;
     for (const std::string& segment : on_layout_.segments(move.line)) {
@@ -302,7 +303,7 @@ class SessionBuilder {
   SculptingSession session_;
   Points unloaded_, constrained_;
   ModelProjector unloaded_projector_;
-  // Set last, because what is added before refers to the surface without them.
+  // Set last, because the objects added before refer to the surface without them.
   std::vector<std::pair<std::string, double>> goals_, moves_;
 };
 
@@ -334,7 +335,7 @@ void add_load(SculptingSession& session, const Scene& scene, const BuiltModel& m
   const auto now = [&](const Vec3& at) {
     const ModelProjector::Nearest was = places.nearest_inside(at);
     if (!(was.distance <= kMaxRelativeDistance * layout.size()))
-      return at;  // which the session refuses
+      return at;  // rejected by the session
     return present.position(layout.to_model_location(was.at.region, was.where));
   };
   Load added = SceneOnLayout(scene, layout, made).load(load);

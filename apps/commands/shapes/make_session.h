@@ -1,4 +1,4 @@
-// Makes the sculpting session of a scene.
+// Creates the sculpting session of a scene.
 #pragma once
 
 #include <string>
@@ -8,36 +8,38 @@
 
 namespace batten {
 
-/// Dofs of the surfaces on which things of a scene were placed.
+/// Dofs of the reference surfaces on which a scene's constraints and loads are located.
 struct SessionReference {
-  Points unloaded;     ///< of what the lines alone make
-  Points constrained;  ///< under the constraints alone: on it lie the places of loads and weights
+  Points unloaded;     ///< shape of the lines alone
+  Points constrained;  ///< shape with constraints only; loads and weights are located on it
 };
 
-/// Makes a session with everything that the scene has act on the surface, and with all its
+/// Creates a session with all loads, constraints, weights and moves of the scene, and all
 /// parameters at the scene's values. Call solve_to_equilibrium() or start_motion() next.
 ///
-/// The unloaded surface is what the lines alone make. On it lie the nearest places of
-/// [[constraint]] in any order, the tangent planes that lines hold, and the normals that moves go
-/// along. Places of loads and weights are nearest on the surface under the constraints alone. The
-/// same scene and layout give the same session, so that operations recorded on one can be replayed
-/// on another.
+/// The unloaded surface is the shape of the lines alone. Constraints, tangent planes that lines
+/// preserve, and the normals that moves follow are located at its nearest points, independently of
+/// their order. Loads and weights are located at the nearest points of the surface under the
+/// constraints alone. The same scene and layout give the same session, so operations recorded on
+/// one can be replayed on the other.
 ///
-/// `layout`: the model's, or a finer one. `factor_reuse`, `rest`: as in SessionOptions. `start`, unless null,
-/// gets the dofs of these surfaces. Throws InputError with the place in the scene for a
-/// line or region that the layout does not have, and what SculptingSession throws.
+/// `layout`: that of the model, or a refinement. `factor_reuse`, `rest`: see SessionOptions.
+/// `start`: if not null, receives the dofs of the reference surfaces. Throws InputError, with the
+/// location in the scene, for a line or region that the layout does not have, and the exceptions of
+/// SculptingSession.
 SculptingSession make_session(const ModelLayout& layout, const Scene& scene, const BuiltModel& made,
                               FactorReuse factor_reuse, const Progress& progress = {},
                               SessionReference* start = nullptr, RestShapeFunction rest = {});
 
-/// Adds a load of the scene, of a point or of pulls, to a session that make_session() made of the
-/// other things, with its parameter: the same as if it had been there, but for rounding. `constrained`: as
-/// in SessionReference, on the session's layout. Throws as make_session().
+/// Adds a point load or attractor springs of the scene, with its parameter, to a session that
+/// make_session() created without it. The result equals a session created with it, up to rounding.
+/// `constrained`: see SessionReference, on the session's layout. Throws the exceptions of
+/// make_session().
 void add_load(SculptingSession& session, const Scene& scene, const BuiltModel& made,
               const SceneLoad& load, const Points& constrained);
 
-/// Whether a parameter of the scene is also one of its session. The others (directions of
-/// constraints, [[fair]]) have to be set in the scene before.
+/// True if a parameter of the scene is also a parameter of its session. All others (directions of
+/// constraints, [[fair]]) must be set in the scene before the session is created.
 bool is_session_parameter(const Scene& scene, const std::string& parameter);
 
 }  // namespace batten

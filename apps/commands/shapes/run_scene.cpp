@@ -25,7 +25,7 @@
 namespace batten {
 namespace {
 
-constexpr size_t kMost = 3;  // of a kind that are spelled out
+constexpr size_t kMost = 3;  // number of items listed per kind
 
 std::string some(const std::vector<std::string>& names, size_t most = 8) {
   std::string text;
@@ -34,7 +34,7 @@ std::string some(const std::vector<std::string>& names, size_t most = 8) {
   return text;
 }
 
-// The first few, one under the other; the label stands before the first.
+// The first few texts, one per line; the label precedes the first one.
 std::string listed_lines(const std::string& label, const std::vector<std::string>& texts) {
   std::string text;
   for (size_t i = 0; i < std::min(texts.size(), kMost); ++i)
@@ -78,7 +78,7 @@ std::string joins(const NetworkReport& n) {
   return text;
 }
 
-/// Says how many lines meet where, what was repaired and what was not.
+/// Summary of lines, joints and repairs.
 std::string line_summary(const NetworkReport& n, const std::string& unit) {
   std::string text =
       summary_line("lines", std::to_string(n.lines) + ", in " + format_count(n.edges, "piece") +
@@ -100,7 +100,7 @@ std::string line_summary(const NetworkReport& n, const std::string& unit) {
   return text;
 }
 
-/// Says which regions were found and skinned, with how many triangles.
+/// Summary of the regions found and skinned, with numbers of triangles.
 std::string region_summary(const NetworkReport& n, const Report::Surface& s) {
   size_t skinned = 0;
   std::vector<std::string> not_skinned;
@@ -115,7 +115,7 @@ std::string region_summary(const NetworkReport& n, const Report::Surface& s) {
   return text + listed_lines("not skinned", not_skinned);
 }
 
-/// Says which regions are planes, cylinders, …
+/// Summary of recognised primitives: planes, cylinders, …
 std::string shape_summary(const NetworkReport& n) {
   std::map<std::string, std::pair<int, std::set<std::string>>> shapes;  // count, radii
   for (const auto& r : n.regions)
@@ -138,7 +138,7 @@ std::string shape_summary(const NetworkReport& n) {
   return text.empty() ? "" : summary_line("shapes", text);
 }
 
-/// Says what the shells are.
+/// Summary of the shells.
 std::string shell_summary(const NetworkReport& n, const std::string& unit) {
   std::string text;
   for (const auto& shell : n.shells) {
@@ -155,14 +155,14 @@ std::string shell_summary(const NetworkReport& n, const std::string& unit) {
   return text;
 }
 
-/// Says what is wrong with the surface.
+/// Summary of surface defects.
 std::string defect_summary(const Report& report) {
   std::vector<std::string> texts;
   for (const auto& f : report.defects) texts.push_back(f.text);
   return listed_lines("wrong", texts);
 }
 
-/// Says how good the surface is.
+/// Summary of surface quality.
 std::string quality_summary(const Report::Surface& s, const std::string& unit) {
   return summary_line("quality", "Jacobian " + format_number(s.quality.min_jacobian_ratio) +
                                      " of its median, normal jump " +
@@ -171,7 +171,7 @@ std::string quality_summary(const Report::Surface& s, const std::string& unit) {
                                      format_number(s.quality.max_line_deviation) + unit);
 }
 
-/// Says what least variation or a loft did.
+/// Summary of minimum-variation fairing or of a loft.
 std::string fairing_summary(const Report::Surface& s, const std::string& unit) {
   if (s.fair == "loft") return summary_line("lofted", "along splines across the sections");
   if (!s.fairing) return "";
@@ -184,7 +184,7 @@ std::string fairing_summary(const Report::Surface& s, const std::string& unit) {
                                     format_number(s.fairing->max_move) + unit);
 }
 
-/// Says how near the shape came to [[target]].
+/// Summary of the distance to [[target]].
 std::string target_summary(const Report& report, const std::string& unit) {
   if (!report.target) return "";
   const auto& t = *report.target;
@@ -196,7 +196,7 @@ std::string target_summary(const Report& report, const std::string& unit) {
                           " of the size), tolerance " + format_number(t.tolerance) + unit);
 }
 
-/// Says how the faces of a STEP file meet.
+/// Summary of the continuity between the faces of a STEP file.
 std::string edges_of(const Report::Step& step) {
   const int smooth = step.tangent + step.curvature;
   if (smooth + step.creases == 0) return "";
@@ -208,7 +208,7 @@ std::string edges_of(const Report::Step& step) {
          (missed ? ", " + std::to_string(missed) + " missed" : "");
 }
 
-/// Says how many faces are planes, cylinders, …; "" where none is.
+/// Counts of planar, cylindrical, … faces; empty if there are none.
 std::string kinds_of(const Report::Step& step) {
   std::string text;
   for (const auto& [kind, count] : step.faces_by_kind)
@@ -218,7 +218,7 @@ std::string kinds_of(const Report::Step& step) {
   return text.empty() ? "" : " (" + text + ")";
 }
 
-/// Says what the STEP file holds.
+/// Summary of the STEP file.
 std::string step_summary(const Report::Step& step, const std::string& unit) {
   return summary_line("STEP", format_count(step.faces, "face") + kinds_of(step) + " in " +
                                   (step.solids ? format_count(step.solids, "solid")
@@ -228,7 +228,7 @@ std::string step_summary(const Report::Step& step, const std::string& unit) {
                                   format_number(step.max_gap) + unit + edges_of(step));
 }
 
-/// Says what else could be, and with which words.
+/// Summary of alternatives, with the TOML that selects them.
 std::string alternative_summary(const NetworkReport& n) {
   std::vector<std::string> ambiguous_regions;
   for (const auto& c : n.ambiguous_regions) ambiguous_regions.push_back(c.text);
@@ -326,7 +326,7 @@ Scene scene_of_lines(const std::vector<std::filesystem::path>& outline,
 
 namespace {
 
-// The shell of a shape, on smaller elements where an accuracy is asked for.
+// Analyses the shell of a shape, on a refined mesh if an accuracy is requested.
 void stress_into(RunContext& run, const Scene& scene, const BuiltModel& made,
                  const SolvedShape& shape, const StressTask& task, const Progress& progress) {
   RefinedShape accurate{shape, {}, true};
@@ -390,7 +390,7 @@ void view_scene(const Scene& scene, const PictureScene& look, const std::filesys
 
 namespace {
 
-// Lines that only trim, and how far from the surface they were drawn.
+// Summary of lines that only trim, with their distance from the surface.
 std::string trimming_summary(const Report& report, const std::string& unit) {
   std::string text;
   for (const auto& line : report.lines)
@@ -466,7 +466,8 @@ std::string summary(const Report& report, const std::filesystem::path& folder) {
 
 namespace {
 
-/// Patches without a border, or around which a line runs twice, are left to the search for regions.
+/// Region specification of a patch; empty for patches without a border, or with a line that occurs
+/// twice in it. The region search handles these.
 std::optional<RegionSpec> spec_of(const FeaturePatch& patch, const std::vector<SceneLine>& lines) {
   RegionSpec spec;
   std::set<int> used;
@@ -495,7 +496,7 @@ void add_mesh_lines(Scene& scene, const TriangleMesh& mesh) {
         feature.boundary ? "rim " + std::to_string(++rims) : "crease " + std::to_string(++creases);
     for (const int v : feature.vertices) line.points.push_back(mesh.point(v));
     if (feature.closed) line.points.push_back(line.points.front());
-    line.corners.emplace();  // they end where they have corners
+    line.corners.emplace();  // lines end at their corners
     if (!feature.boundary) scene.network.joins.push_back({line.name, JoinSpec::Kind::Crease, ""});
     scene.lines.push_back(std::move(line));
   }
@@ -510,13 +511,14 @@ void add_mesh_lines(Scene& scene, const TriangleMesh& mesh) {
 
 namespace {
 
-constexpr double kMeet = 1e-5;  // of the size: exact lines need no repair
+constexpr double kMeet = 1e-5;  // relative to the size: exact lines need no repair
 
-/// What each face of a CAD file encloses; a face around which a line runs twice is left to the search.
+/// Adds a region for each face of a CAD file, except faces with a line that occurs twice. The
+/// region search handles these.
 void add_cad_regions(Scene& scene, const std::filesystem::path& file) {
   const CadFaceTopology found = cad_plugin().read_cad_loops(file, unit_in_metres(scene.unit));
   scene.network.tolerance = std::max(kMeet * found.size, 1.1 * found.gap);
-  constexpr double smooth = 0.5;  // degrees: faces that meet by more are no one surface
+  constexpr double smooth = 0.5;  // degrees; faces with a larger angle belong to separate surfaces
   for (const CadSharedEdge& join : found.joins)
     if (join.angle_deg > smooth)
       scene.network.joins.push_back({join.line, JoinSpec::Kind::Crease, ""});
@@ -554,7 +556,7 @@ Scene scene_of_target(const std::filesystem::path& target,
       add_cad_regions(scene, target);
     }
   }
-  scene.network.fair_noisy_lines = false;  // the lines are the target's own
+  scene.network.fair_noisy_lines = false;  // the lines belong to the target
   scene.name = target.stem().string();
   scene.step = scene.name + ".step";
   scene.vtp = scene.name + ".vtp";

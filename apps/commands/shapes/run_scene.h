@@ -1,4 +1,4 @@
-// Does the work of `batten run`: makes everything that a scene asks for.
+// Implements `batten run`, `skin`, `stress` and `fit`: makes everything that a scene requests.
 #pragma once
 
 #include <filesystem>
@@ -13,48 +13,52 @@
 
 namespace batten {
 
-/// A scene made of files of curves alone, for `batten skin`. `inner`: files of curves that lie on a
-/// surface and bound none.
+/// Creates a scene from curve files alone, for `batten skin`. `inner`: files of curves that lie on
+/// a surface without bounding it.
 Scene scene_of_lines(const std::vector<std::filesystem::path>& outline,
                      const std::vector<std::filesystem::path>& inner, const std::string& unit);
 
-/// Makes the shape, measures it and writes all files and report.json into the folder, all of them
-/// or none. A result that misses a promise is written, too; report.missed says so. Throws
+/// Computes the shape, measures it and writes all files and report.json into the folder, all or
+/// none. A result that violates checks is written, too; report.failed_checks lists them. Throws
 /// InputError, ConflictError, NoSolutionError, CancelledError.
 Report run_scene(const Scene& scene, const std::filesystem::path& folder,
                  const Progress& progress = {});
 
-/// The same, and analyses the shape as the shell of [stress]: analyse(). Throws as run_scene(), and
-/// InputError for a scene without [stress].
+/// Options of run_stress().
 struct StressTask {
-  bool with_calculix = false;  ///< asks CalculiX, too (check_with_calculix())
-  ShellDeck::Element element = ShellDeck::Element::S6;  ///< of CalculiX
-  BackendFactory factors = {};                          ///< of its systems; empty: SparseCholesky
-  double accuracy = 0;  ///< share of displacements; 0: edge_length as it is. accurate_scene()
+  bool with_calculix = false;  ///< cross-check with CalculiX (check_with_calculix())
+  ShellDeck::Element element = ShellDeck::Element::S6;  ///< element type of the CalculiX deck
+  BackendFactory factors = {};                          ///< linear solver backend; empty:
+                                                        ///< SparseCholesky
+  double accuracy = 0;  ///< relative accuracy of displacements (refine_adaptively()); 0:
+                        ///< edge_length as given
 };
+/// Like run_scene(), and analyses the shape as the shell of [stress]: analyse(). Also throws
+/// InputError for a scene without [stress].
 Report run_stress(const Scene& scene, const std::filesystem::path& folder, const StressTask& task,
                   const Progress& progress = {});
 
-/// Draws one picture of the scene's shape, and writes no other file. Throws what run_scene()
-/// throws, and InputError when there is no display.
+/// Draws one picture of the scene's shape and writes no other file. Throws the exceptions of
+/// run_scene(), and InputError if there is no display.
 void view_scene(const Scene& scene, const PictureScene& look, const std::filesystem::path& file,
                 const Progress& progress = {});
 
-/// The most important results in about a dozen lines, with the files at the end.
+/// A summary of the most important results in about a dozen lines, followed by the files.
 std::string summary(const Report& report, const std::filesystem::path& folder);
-/// The same for a network: what was found, repaired, skinned and left over, and what to write into
-/// the scene to change that.
+/// Summary for a network: diagnostics, repairs, surfaces and unused edges, with the TOML that
+/// changes each decision.
 std::string network_summary(const Report& report, const std::filesystem::path& folder);
 
 
 // The scene of `batten fit`.
 
-/// Adds the lines of a mesh to a scene with a network as a person would draw them: its creases and rims, named
-/// "crease 1" …, "rim 1" …, and as regions "patch 1" … what they enclose. Throws InputError where there are none.
+/// Adds feature lines of a mesh to a network scene: its creases ("crease 1", …) and boundary edges
+/// ("rim 1", …), and the regions they enclose ("patch 1", …). Throws InputError if there are none.
 void add_mesh_lines(Scene& scene, const TriangleMesh& mesh);
 
-/// A network of lines whose shape is fitted to a surface: those of the files; where there are none, the edges
-/// of a CAD file or the lines of a mesh. STEP and VTP are written.
+/// Creates a network scene whose shape is fitted to a surface. Its lines come from `lines`; if that
+/// is empty, they are the edges of the CAD file or the feature lines of the mesh. STEP and VTP are
+/// written.
 Scene scene_of_target(const std::filesystem::path& target,
                       const std::vector<std::filesystem::path>& lines, const std::string& unit);
 

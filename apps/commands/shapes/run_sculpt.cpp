@@ -21,23 +21,23 @@
 
 namespace batten {
 
-// Writes a shape that changes with a parameter or with time as a series of files.
+// Output of a shape that changes with a parameter or with time, as a series of files.
 
 /// Collects the shapes of one series and writes their files.
 class ShapeSeries {
  public:
-  /// Files are called STEM_000.vtp, …, with digits for `most` shapes. Pictures look like the
-  /// scene's first [[picture]]; their captions are LABEL = value.
+  /// Files are called STEM_000.vtp, …, with enough digits for `most` shapes. Pictures use the
+  /// settings of the scene's first [[picture]]; their captions are LABEL = value.
   ShapeSeries(const Scene& scene, std::string stem, std::string label, const OutputFolder& out,
               int most);
 
-  /// Adds a shape and writes its .vtp at once. Throws InputError.
+  /// Adds a shape and writes its .vtp immediately. Throws InputError.
   void add(Report& report, double value, std::vector<SkinnedRegion> regions);
   int count() const { return isize(files_); }
 
-  /// Writes STEM.pvd, STEM.gif (of 120 shapes at most), and STEM.png with all shapes (48 at most)
-  /// or, with `each`, one .png for each shape. All pictures have the same camera and the same
-  /// heights of contours. Throws InputError, also when there is no display, after writing STEM.pvd.
+  /// Writes STEM.pvd, STEM.gif (at most 120 shapes), and STEM.png with all shapes (at most 48) or,
+  /// with `each`, one .png per shape. All pictures have the same camera and contour heights. Throws
+  /// InputError, also if there is no display; STEM.pvd is written before that.
   void finish(Report& report, bool each, const Progress& progress);
 
  private:
@@ -59,7 +59,7 @@ struct SweepTask {
   double at(int i) const { return from + (to - from) * i / std::max(1, count - 1); }
 };
 
-/// "name=from:to:count".
+/// Parses "name=from:to:count".
 SweepTask parse_sweep(const std::string& text) {
   SweepTask sweep;
   sweep.where = "--sweep " + text + ": ";
@@ -92,7 +92,7 @@ SweepTask parse_sweep(const std::string& text) {
   return sweep;
 }
 
-/// "jumps:ROUNDS".
+/// Parses "jumps:ROUNDS".
 int parse_rounds(const std::string& text) {
   if (text.empty()) return 0;
   const std::string word = text.starts_with("jumps:") ? text.substr(6) : "";
@@ -114,7 +114,7 @@ int parse_steps(const SculptTask& task) {
   const double steps = task.time / task.dt;
   constexpr double most = 1e6;
   if (steps > most) fail(format_number(steps) + " steps", "at most a million");
-  // The last step ends at the time, or is the first one after it.
+  // The last step ends at the given time, or is the first one after it.
   return std::max(1, static_cast<int>(std::ceil(steps * (1 - 1e-12))));
 }
 
@@ -139,7 +139,7 @@ Report::Shape current_shape(const SculptingSession& session) {
           session.enclosed_volume(), session.residual()};
 }
 
-/// One run: the session and what is known of it.
+/// One run: the session and its state.
 class SculptRun {
  public:
   SculptRun(const Scene& scene, const SculptTask& task, const std::filesystem::path& folder,
@@ -204,7 +204,7 @@ class SculptRun {
     }
   }
 
-  /// Before anything is computed: all values of all sweeps.
+  /// Checks all values of all sweeps before the computation.
   void check_sweeps() const {
     for (const SweepTask& sweep : sweeps_)
       for (const double value : {sweep.from, sweep.to}) {
@@ -276,7 +276,7 @@ class SculptRun {
     solve_to_equilibrium("back from the sweep of " + sweep.parameter);
   }
 
-  // The largest values of all load cases.
+  // Maxima over all load cases.
   std::optional<Report::Sculpting::Stress> current_stress() {
     if (!task_.stress) return std::nullopt;
     const StressEvaluator::MaxValues most = stress_.at(session_->layout(), session_->dofs());
@@ -309,12 +309,12 @@ class SculptRun {
     try {
       series.finish(report_, each, progress_);
     } catch (const InputError&) {
-      // Without a display a series has its shapes and no pictures.
+      // Without a display, a series has shapes but no pictures.
       if (can_draw(report_, "pictures of the series")) throw;
     }
   }
 
-  /// Dofs of what the lines alone make, on the mesh as it is now.
+  /// Dofs of the shape of the lines alone, on the current mesh.
   Points current_unloaded() const {
     if (start_.unloaded.rows() == session_->dofs().rows()) return start_.unloaded;
     const Points bent = min_bending_shape(session_->layout(), scene_, progress_);
@@ -363,7 +363,7 @@ std::string row_text(const std::vector<std::string>& cells) {
   return text + "\n";
 }
 
-/// Frames of a series stand together.
+/// Abbreviates the frames of a series.
 std::vector<std::string> few(const std::vector<std::string>& files) {
   const auto series = [](const std::string& file) -> std::string {
     const size_t dot = file.rfind('.'), line = file.rfind('_');
@@ -459,13 +459,13 @@ std::string sculpt_summary(const Report& report, const std::filesystem::path& fo
 
 namespace {
 
-/// A video of 800 pixels is wide enough to see a shape move, and small enough to send.
+/// 800 pixels are wide enough to see the motion, and small enough to send.
 constexpr int kAnimationWidth = 800;
 constexpr double kSeriesSeconds = 4, kLastSeconds = 1;
 
 constexpr int kMostAnimated = 120, kMostPanels = 48;
 
-/// At most so many of `count`, evenly, the last one among them.
+/// Selects at most `most` of `count` frames, evenly spaced, including the last one.
 bool is_chosen(int i, int count, int most) {
   const int stride = (count + most - 1) / most;
   return (count - 1 - i) % stride == 0;
@@ -479,7 +479,7 @@ PictureSize animation_size(const PictureSize& size) {
   return {scaled(size.width), scaled(size.height)};
 }
 
-/// About as wide as high for many panels, one row for up to three.
+/// A nearly square sheet for many panels, one row for up to three.
 int columns_for(int count) {
   return count <= 3 ? count : static_cast<int>(std::ceil(std::sqrt(static_cast<double>(count))));
 }

@@ -16,7 +16,7 @@
 namespace batten {
 namespace {
 
-/// As many rounds as make the chords of the limit's quads short enough, or as 200,000 quads allow.
+/// Subdivides until the chords of the limit quads are short enough, or there are 200,000 quads.
 ShellMesh limit_of(const MeshFile& file, double chord) {
   constexpr int max_rounds = 8;
   constexpr double most = 2e5;
@@ -25,7 +25,7 @@ ShellMesh limit_of(const MeshFile& file, double chord) {
   ShellMesh fine = catmull_clark(cage, {1, tags});
   for (int rounds = 2; rounds <= max_rounds && 4.0 * fine.face_count() <= most; ++rounds) {
     ShellMesh next = catmull_clark(cage, {rounds, tags});
-    // The middles of the faces were made one after the other, behind the nodes that were there.
+    // Face centres are appended in order after the existing nodes.
     double off = 0;
     for (int f = 0; f < fine.face_count(); ++f) {
       Vec3 middle = Vec3::Zero();
@@ -33,7 +33,7 @@ ShellMesh limit_of(const MeshFile& file, double chord) {
       off = std::max(off, (middle - next.points.row(fine.node_count() + f).transpose()).norm());
     }
     fine = std::move(next);
-    if (off < 4 * chord) break;  // a quarter of it is left
+    if (off < 4 * chord) break;  // one more round quarters it
   }
   return fine;
 }
@@ -102,7 +102,7 @@ class MeshTarget : public TargetSurface {
   }
 
   std::vector<Nearest> samples() const override {
-    constexpr double spacing = 0.01;  // of the size
+    constexpr double spacing = 0.01;  // relative to the size
     constexpr int most = 64;
     const TriangleMesh& flat = mesh_.mesh();
     const double step = spacing * flat.size();
@@ -129,7 +129,7 @@ class MeshTarget : public TargetSurface {
         return map->surface_point(place);
       };
     } catch (const InputError&) {
-      return {};  // closed, or in pieces
+      return {};  // closed, or not connected
     }
   }
 
@@ -137,9 +137,9 @@ class MeshTarget : public TargetSurface {
   PnTriangleMesh mesh_;
 };
 
-/// A triangle of a CAD face whose corners lie on a line: nothing is nearest to its inside.
+/// True for a degenerate triangle of a CAD face: no point is nearest to its interior.
 bool is_needle(const ShellMesh& mesh, int f) {
-  constexpr double least_height = 1e-9;  // of the longest edge
+  constexpr double least_height = 1e-9;  // relative to the longest edge
   const auto corners = mesh.face(f);
   const Vec3 a = mesh.points.row(corners[0]), u = mesh.points.row(corners[1]).transpose() - a,
              v = mesh.points.row(corners[2]).transpose() - a;
@@ -147,7 +147,7 @@ bool is_needle(const ShellMesh& mesh, int f) {
   return u.cross(v).norm() <= least_height * longest;
 }
 
-/// The normals of curved faces at the corners of the triangles that they became.
+/// Normals of curved facets at the corners of the prepared triangles.
 std::vector<PnTriangle::Corners> corner_normals(const TargetFaces& faces,
                                                 const PreparedMesh& prepared) {
   std::vector<PnTriangle::Corners> normals;
@@ -170,7 +170,7 @@ std::vector<PnTriangle::Corners> corner_normals(const TargetFaces& faces,
   return normals;
 }
 
-/// The parts of the target by their numbers: faces of CAD files, and patches of meshes, behind these.
+/// The parts of the target: CAD faces by index, followed by patches of meshes.
 std::map<int, std::vector<int>> parts_of(const TargetFaces& faces, const PreparedMesh& prepared) {
   std::map<int, std::vector<int>> parts;
   std::vector<int> number(prepared.mesh.triangle_count());
@@ -187,7 +187,7 @@ std::map<int, std::vector<int>> parts_of(const TargetFaces& faces, const Prepare
   return parts;
 }
 
-/// Some triangles as a mesh of their own.
+/// Some triangles as a separate mesh.
 PnTriangleMesh part_of(const PnTriangleMesh& whole, const std::vector<int>& triangles) {
   TargetFaces part;
   std::map<int, int> number;

@@ -1,4 +1,4 @@
-// The surfaces of [[target]].
+// Target surfaces of [[target]].
 #pragma once
 
 #include <memory>
@@ -13,38 +13,44 @@
 
 namespace batten {
 
-// Faces of files as a surface to fit to.
+// Facets of target files.
 
-/// Faces of all targets.
+/// Facets of all targets.
 struct TargetFaces {
   ShellMesh shells;
-  std::vector<std::optional<PnTriangle::Corners>> normals;  ///< of triangles that bulge
-  std::vector<int> part;  ///< number of each one's CAD face; -1: of a mesh
+  std::vector<std::optional<PnTriangle::Corners>> normals;  ///< corner normals of curved (PN)
+                                                            ///< triangles
+  std::vector<int> part;  ///< index of the CAD face of each triangle; -1: from a mesh
+  /// Next free CAD face index.
   int next_part = 0;
 
   TargetFaces() { shells.points.resize(0, 3); }
-  /// `corners`: normals of triangles that bulge, or none; `faces`: the CAD face of each one, or none.
+  /// Appends facets, multiplied by `scale`. `corners`: normals of curved triangles, or empty;
+  /// `faces`: CAD face of each facet, or empty.
   void append(const ShellMesh& more, double scale,
               const std::vector<PnTriangle::Corners>& corners = {},
               const std::vector<int>& faces = {});
 };
 
-/// A target, and its parts where it has several: faces of CAD files, and what creases of meshes enclose
+/// A target, and its parts if there are several: CAD faces, and mesh patches enclosed by creases
 /// (feature_lines()).
 struct TargetParts {
   std::shared_ptr<const TargetSurface> whole;
   std::vector<std::shared_ptr<const TargetSurface>> parts;
 };
 
-/// Samples are not farther apart than 1/100 of the size. Throws InputError as prepare().
+/// Creates the target with a sample spacing of at most 1/100 of the size. Throws InputError like
+/// prepare().
 TargetParts target_parts(const TargetFaces& faces);
 
 
-/// The smallest of the tolerances that a scene states, 1e-4 of the model's size for those that state none.
+/// The smallest tolerance of the scene's targets; a target without one has 1e-4 of the model's
+/// size.
 double target_tolerance(const Scene& scene, double size);
 
-/// All targets of a scene as one surface, in the scene's unit: meshes as they are, faces of CAD files as
-/// curved triangles within a quarter of the tolerance. Throws InputError that begins with the place in the scene.
+/// Combines all targets of a scene into one surface in the scene's unit. Meshes are used unchanged;
+/// CAD faces become curved triangles within a quarter of the tolerance. Throws InputError that
+/// begins with the location in the scene.
 TargetParts target_of(const Scene& scene, double size, const Progress& progress = {});
 
 }  // namespace batten

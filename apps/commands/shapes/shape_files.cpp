@@ -51,7 +51,7 @@ BuiltModel model_of(RunContext& run, const Scene& scene, const Progress& progres
 
 namespace {
 
-// The root mean square is taken over the area of the surfaces.
+// The root mean square is weighted by surface area.
 void compare_into(Report& report, const Scene& scene,
                   const std::vector<const SkinnedRegion*>& regions, const Progress& progress) {
   const auto faces = cad_plugin().read_cad_surfaces(scene.compare, unit_in_metres(scene.unit));
@@ -95,9 +95,9 @@ void compare_into(Report& report, const Scene& scene,
 
 using Regions = std::vector<const SkinnedRegion*>;
 
-/// Writes a file by `write`, which is given a list of the numbers of all regions. Where it refuses
-/// regions of a network and does not say which, each is tried alone, on a copy of the report. Those that
-/// can be written are: report.failed_checks says what is not there.
+/// Writes a file by calling `write` with a list of region indices, at first all of them. If it
+/// rejects regions of a network without naming them, each one is tried separately, on a copy of the
+/// report. The valid regions are written; report.failed_checks lists the others.
 template <class Write>
 void write_valid_regions(Report& report, const OutputFolder& out, const std::string& file,
                          const Regions& regions, bool of_network, const Write& write) {
@@ -137,12 +137,12 @@ void write_valid_regions(Report& report, const OutputFolder& out, const std::str
         report.failed_checks.push_back(
             {file, "is without region '" + regions[r]->name + "': " + why});
     }
-    if (rest.size() == good.size()) rest.clear();  // none of them is to blame alone
+    if (rest.size() == good.size()) rest.clear();  // no single region is responsible
     if (rest.empty()) report.failed_checks.push_back({file, "is not written: " + of_all});
     good = std::move(rest);
   }
   if (good.empty()) {
-    std::filesystem::remove(out.file(file));  // that of a trial
+    std::filesystem::remove(out.file(file));  // left by a trial
     return;
   }
   report.files.push_back(file);
@@ -155,7 +155,7 @@ std::vector<Whole> picked(const std::vector<Whole>& all, const std::vector<int>&
   return some;
 }
 
-// No face can be fitted to a surface that turns over.
+// Inverted surfaces cannot be fitted with a face.
 Regions with_faces(Report& report, const SurfaceModel& model) {
   std::set<int> over;
   for (const SurfaceDefect& defect : model.defects)
@@ -212,7 +212,7 @@ StepReport face_step(Report& report, const Scene& scene, const StepFileOptions& 
   return step;
 }
 
-// Smooth joins whose faces meet at an angle in the file.
+// Warns of smooth joins whose faces meet at an angle in the file.
 void warn_of_joins(Report& report, const Scene& scene) {
   const Report::Step& step = *report.step;
   const Report::Step::Join* worst = nullptr;
@@ -300,7 +300,7 @@ void write_vtk_files(Report& report, const Scene& scene, const BuiltModel& made,
                      const SolvedShape& shape, const OutputFolder& out) {
   VtkOptions vtk;
   if (made.network) vtk.lines = vtk_lines(*made.network, made.model);
-  // Displacements are from what the lines alone make.
+  // Displacements are relative to the shape of the lines alone.
   std::vector<Surface> unloaded;
   if (report.is_sculpted || report.sculpting)
     for (int r = 0; r < shape.layout->region_count(); ++r)
@@ -338,7 +338,7 @@ void write_files(RunContext& run, const Scene& scene, const BuiltModel& made,
     run.watch.lap("vtk");
   }
   if (!scene.calculix.empty()) {
-    // A support or pressure on what is not there is the scene's mistake.
+    // Supports or loads on missing entities are errors of the scene.
     const std::vector<std::string> cases = scene.stress->cases();
     if (cases.size() > 1)
       throw InputError(scene.at({}) + "[stress]: found " + std::to_string(cases.size()) +
@@ -401,7 +401,7 @@ void draw_pictures(RunContext& run, const Scene& scene, const BuiltModel& made,
 
 namespace {
 
-/// A folder for a while.
+/// A temporary folder, removed on destruction.
 class TemporaryFolder {
  public:
   TemporaryFolder() {
@@ -426,7 +426,7 @@ void copy_whole(const std::filesystem::path& from, const std::filesystem::path& 
   file.commit();
 }
 
-/// The scene with one output only, and the name of that.
+/// Reduces the scene to a single output; the result is its file name.
 std::string require_single_output(Scene& scene, const std::string& ending) {
   scene.step = scene.vtp = scene.vtu = scene.calculix = "";
   scene.compare.clear();

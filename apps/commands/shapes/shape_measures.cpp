@@ -1,4 +1,4 @@
-// What a report says of a finished shape.
+// Measures a solved shape for its report, and checks its quality.
 
 #include <algorithm>
 #include <cmath>
@@ -22,7 +22,7 @@
 namespace batten {
 namespace {
 
-// These keep the extreme value; NaN wins over numbers, so that the report shows it.
+// Update an extreme value. NaN replaces any number, so that the report shows it.
 void update_max(double& most, double value) {
   if (!(value <= most) && !std::isnan(most)) most = value;
 }
@@ -30,7 +30,7 @@ void update_min(double& least, double value) {
   if (!(value >= least) && !std::isnan(least)) least = value;
 }
 
-/// Largest distance from samples of the user's line to the fitted curve.
+/// Largest distance from samples of the input line to the fitted curve.
 double deviation(const CharacterLine& line, const HermiteCurve& fitted) {
   const auto breaks = line.curve->breaks();
   const int samples = std::clamp<int>(2000 / isize(breaks), 4, 64);
@@ -44,7 +44,8 @@ double deviation(const CharacterLine& line, const HermiteCurve& fitted) {
   return largest;
 }
 
-/// Limits from analytic shapes and hulls (docs/theory/domains.md): good domains are far inside.
+/// Limits from analytic shapes and hulls (docs/theory/domains.md); good domains stay far below
+/// them.
 void warn_of_strain(Report& report) {
   const SkinQuality& q = report.surface.quality;
   constexpr double most_shear = 5, most_strain = 0.7, least_jacobian = 0.1;
@@ -89,14 +90,15 @@ void measure_region_lines(Report& report, const SkinnedRegion& region) {
                             line_gap(region.surface, e), e.line.constrains_surface});
 }
 
-// Of an arc that several regions have: it counts as embedded where one of them has it so.
+// Measures edges. An edge shared by several regions counts as embedded if it is embedded in any of
+// them.
 void measure_edges(Report& report, const BuiltModel& made, const Scene& scene) {
   struct Embedding {
     int points = 0;
     double gap = 0;
   };
   std::map<std::string, Embedding> embedded;
-  std::map<std::string, double> moved;  // lengths of lines that a move has displaced
+  std::map<std::string, double> moved;  // lengths of displaced lines
   for (const SkinnedRegion* region : made.model.skinned()) {
     for (const EmbeddedLine& e : region->embedded) {
       Embedding& of = embedded[e.line.name];
@@ -149,7 +151,7 @@ void measure_network(Report& report, const BuiltModel& made, const Scene& scene)
         "the search for regions was cut short: others may cost less; say yours by [[region]]");
 }
 
-// What shells say of their normals, most said first, with the number of those that say so.
+// Orientation of the shells as text, most frequent first, with counts.
 std::string describe_normals(const std::vector<ModelShell>& shells) {
   std::vector<std::pair<std::string, int>> said;
   for (const ModelShell& shell : shells) {
@@ -172,7 +174,7 @@ std::string describe_normals(const std::vector<ModelShell>& shells) {
   return all;
 }
 
-// Where normals point, and how far what acts has moved the surface.
+// Orientation of the normals, and displacement of the surface by loads and constraints.
 void measure_sides(Report::Surface& s, const BuiltModel& made, const SolvedShape& shape) {
   SideIntegrals all;
   for (const SkinnedRegion& region : shape.regions) all.add(side_integrals({&region}));
@@ -196,7 +198,7 @@ void add_distances(const Distances& more, Report::Target& to) {
   }
 }
 
-// How near the fitted shape is to its target.
+// Distance of the fitted shape from its target.
 void measure_target(Report& report, const ModelFit& fit, const Scene& scene) {
   Report::Target before, t;
   for (const Distances& region : fit.before.regions) add_distances(region, before);
@@ -235,8 +237,9 @@ void measure_target(Report& report, const ModelFit& fit, const Scene& scene) {
   report.target = std::move(t);
 }
 
-// A surface may leave what its boundary curves mean because it was told to bend or to vary least, or
-// where smooth edges pull it. What inner curves, loads and targets ask for is no departure.
+// Warns if a surface departs from the shape that its boundary curves suggest, because it minimises
+// bending or variation, or because smooth joins pull it. Inner curves, loads and targets are no
+// such reason.
 void warn_of_departures(Report& report, const SolvedShape& shape, const Scene& scene) {
   if (!shape.layout || scene.is_sculpted() || !scene.targets.empty() || shape.fairing.lofted ||
       scene.skin.boundary != SceneSkin::FixedBoundary::Lines)
@@ -261,7 +264,7 @@ void warn_of_departures(Report& report, const SolvedShape& shape, const Scene& s
     const RestShapeDeviation& d = *found[r];
     const double thickness = scene.stress ? scene.stress->thickness : 0;
     const bool thick = thickness > 0 && d.distance > thickness;
-    // Smooth edges are there to pull at thin sections.
+    // Smooth joins are meant to pull thin sections.
     const bool large = free ? d.is_large() : d.distance > 0.1 * d.across;
     if (!large && !thick) continue;
     const bool sections = free && d.depth > 0 && d.distance > 0.5 * d.depth;
@@ -339,8 +342,8 @@ void measure_into(RunContext& run, BuiltModel& made, const SolvedShape& shape, c
 
 namespace {
 
-// What loads and moves may add to the angle across a smooth join, which is driven under its
-// tolerance at rest.
+// Amount by which loads and moves may increase the angle of a smooth join, which is reduced below
+// its tolerance in the unloaded shape.
 constexpr double kSculptedJoinDeg = 0.05;
 
 class AcceptanceChecks {
@@ -411,7 +414,7 @@ std::vector<FailedCheck> failed_checks(const Report& report, double tolerance) {
   AcceptanceChecks checks(report);
   const auto& s = report.surface;
   const bool lines = s.boundary == "lines";
-  // Lines of a network may have been moved where they were joined.
+  // Network lines may have moved when they were joined.
   const double on_input = tolerance + (report.network ? report.network->tolerance : 0);
   for (const FailedCheck& m : failed_fairing_checks(report.curves))
     checks.failed_checks.push_back(m);

@@ -18,17 +18,18 @@
 namespace batten {
 namespace {
 
-/// Half of the tolerance is the lines' own deviation from their curves.
+/// Target gap relative to the tolerance; the rest is left to the deviation of lines from their
+/// curves.
 constexpr double kMaxGap = 0.7;
 constexpr int kMaxRounds = 8;
 
-/// Triangles that a sculpted shape may have after it was refined.
+/// Maximum number of triangles of a sculpted shape after refinement.
 int max_refined_triangles(const ModelLayout& layout) {
   constexpr int usual = 20'000, times = 4;
   return std::max(usual, times * layout.mesh()->triangle_count());
 }
 
-/// Degrees between the surface's normal at a place and a direction, either sign.
+/// Angle in degrees between the surface normal at a location and a direction, regardless of sign.
 double normal_deviation_degrees(const Surface& surface, const Location& where,
                                 const Vec3& direction) {
   const Vec3 n = surface.jet(where).normal();
@@ -43,8 +44,8 @@ double widest_gap(const std::vector<SkinnedRegion>& regions) {
   return gap;
 }
 
-// Halves at the gaps of a shape on the layout. False when there is nothing to halve, or the mesh
-// would have more than `most` triangles.
+// Bisects triangles at gaps. Returns false if there are none, or if the mesh would exceed `most`
+// triangles.
 bool halve_at_gaps(ModelLayout& layout, const std::vector<SkinnedRegion>& regions, int most) {
   std::vector<char> marks(static_cast<size_t>(layout.mesh()->triangle_count()), 0);
   for (size_t r = 0; r < regions.size(); ++r)
@@ -76,8 +77,7 @@ void set_dofs(SolvedShape& shape, const Points& dofs, const Scene& scene) {
     shape.regions[static_cast<size_t>(r)] = layout.skinned(r, dofs);
 }
 
-// Makes the shape fair where the scene asks for that: the whole shape, or where something acts what
-// a session bends.
+// Fairs the shape if the scene requests it: the whole shape, or the rest shape if loads act on it.
 void fair(SolvedShape& shape, const Scene& scene, const BuiltModel& made,
           const Progress& progress) {
   if (!requests_fair_shape(scene, made) || !shape.layout) return;
@@ -97,7 +97,7 @@ void fair(SolvedShape& shape, const Scene& scene, const BuiltModel& made,
   shape.fairing = std::move(*faired.fairing);
 }
 
-// The shape that a network was skinned with.
+// The shape of a network as it was skinned.
 SolvedShape initial_shape(const BuiltModel& made, const Scene& scene) {
   SolvedShape shape;
   shape.layout = made.model.layout;
@@ -133,7 +133,7 @@ SolvedShape shape_of(const SculptingSession& session, const Scene& scene, const 
   std::optional<ModelProjector> projector;
   for (const auto& c : scene.constraints) {
     if (c.type != SceneConstraint::Type::Normal) continue;
-    // Where make_session() put it: the mesh may be finer by now.
+    // At the same point as make_session(), although the mesh may be refined.
     if (!projector) projector.emplace(*shape.layout, unloaded);
     const ModelPoint at = projector->nearest_inside(c.at).at;
     const Surface& surface = shape.regions[at.region].surface;
@@ -145,7 +145,7 @@ SolvedShape shape_of(const SculptingSession& session, const Scene& scene, const 
 
 namespace {
 
-// The shape that a session settles in.
+// The equilibrium shape of a session.
 SolvedShape equilibrium_shape(const ModelLayout& layout, const Scene& scene, const BuiltModel& made,
                               const Progress& progress) {
   SessionReference start;
@@ -154,7 +154,7 @@ SolvedShape equilibrium_shape(const ModelLayout& layout, const Scene& scene, con
   return shape_of(session, scene, start.unloaded, report);
 }
 
-// The same where triangles are halved until gaps are closed.
+// The equilibrium shape, with bisection of triangles until the gaps are closed.
 SolvedShape refined_equilibrium_shape(const BuiltModel& made, const Scene& scene,
                                       const Progress& progress) {
   const bool lines_are_constrained = scene.skin.boundary == SceneSkin::FixedBoundary::Lines;
@@ -222,11 +222,11 @@ SculptModel sculpt_model(BuiltModel made, const Scene& scene, const Progress& pr
 
 void set_shape(BuiltModel& made, const SolvedShape& shape, const Progress& progress) {
   if (!shape.layout) return;
-  // A network at rest was measured when it was skinned.
+  // A network without loads was measured when it was skinned.
   if (made.network && shape.layout == made.model.layout && !shape.fairing.surface &&
       !shape.fairing.lofted && !shape.fairing.fit)
     return;
-  // A shape that was given may be larger than what its lines mean.
+  // The area of a fitted shape may exceed that of the hole filling.
   if (shape.fairing.fit)
     for (ModelRegion& region : made.model.regions) region.filling_area = 0;
   reshape(made.model, shape.layout, shape.dofs, shape.regions, progress);
@@ -260,7 +260,8 @@ FairShape lofted(const Scene& scene, const BuiltModel& made,
   return shape;
 }
 
-/// The first rest shape of a session is the fitted one; under other rows, what bends least from it.
+/// The rest shape of a session is the fitted shape at first; under other line constraints, the
+/// shape of least bending relative to it.
 FairShape fitted_shape(const Scene& scene, std::shared_ptr<const ModelLayout> layout,
                        const Points& bent, const Progress& progress) {
   FairShape shape;
@@ -287,7 +288,7 @@ MinimumVariationOptions variation_options(const Scene& scene) {
   return options;
 }
 
-/// Rest shapes of a session: the first is known.
+/// Rest shapes of a session; the first one is known.
 class FairRestShape {
  public:
   FairRestShape(Points first, MinimumVariationOptions options, std::vector<char> only,
@@ -316,7 +317,7 @@ class FairRestShape {
       done_->failure_reason.clear();
       return done_->surface->dofs;
     } catch (const NoSolutionError& e) {
-      // What bends least from the last one that could be made is nearer to it than nothing.
+      // The shape of least bending relative to the last solution is nearer to it than the flat one.
       done_->failure_reason = e.what();
       return task.near;
     }
@@ -325,12 +326,13 @@ class FairRestShape {
  private:
   Points first_;
   MinimumVariationOptions options_;
-  std::vector<char> only_;  // by region: those that are faired; empty: all
+  std::vector<char> only_;  // per region: true if it is faired; empty: all
   std::shared_ptr<FairingSummary> done_;
   bool first_used_ = false;
 };
 
-// Inner curves and holes say what least variation of the outline alone would say otherwise.
+// True if the region has no inner curves and holes. These define the shape themselves, and minimum
+// variation of the outline would contradict them.
 bool has_outline_only(const RegionLayout& region) {
   const auto inner = [](const EdgeAlignedLine& aligned_line) {
     return aligned_line.line.role != CharacterLine::Role::Outline;
@@ -339,7 +341,7 @@ bool has_outline_only(const RegionLayout& region) {
          std::none_of(region.edge_aligned().begin(), region.edge_aligned().end(), inner);
 }
 
-// Regions that vary least without being asked for, by region of the layout; none: no regions.
+// Regions that are faired without a request, as flags per region of the layout; empty: none.
 std::vector<char> automatically_faired_regions(const Scene& scene, const ModelLayout& layout) {
   const SceneSkin& skin = scene.skin;
   if (skin.fair != SceneSkin::Fair::Auto || skin.boundary != SceneSkin::FixedBoundary::Lines ||
@@ -356,7 +358,8 @@ std::vector<char> automatically_faired_regions(const Scene& scene, const ModelLa
   return only;
 }
 
-// Takes out the regions that fairing moved by more than a share of their size. Whether there are any.
+// Excludes regions that fairing moved by more than a fraction of their size. Returns true if there
+// are any.
 bool exclude_displaced_regions(const FairingResult& faired, const Points& start,
                                std::vector<char>& only) {
   constexpr double most = 0.15;

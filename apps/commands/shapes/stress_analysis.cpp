@@ -16,11 +16,11 @@
 namespace batten {
 namespace {
 
-/// One case or combination, and what the shell does under it.
+/// One load case or combination, with its solution.
 struct CaseResult {
   StressReport::Case report;
   Points load, displacement;
-  Location max_location;  // where it moves by most
+  Location max_location;  // location of the largest displacement
 };
 
 std::vector<CaseResult> solve_cases(const Scene& scene, const ShellModel& shell,
@@ -40,7 +40,7 @@ std::vector<CaseResult> solve_cases(const Scene& scene, const ShellModel& shell,
     for (const auto& [load_case, factor] : sum.parts)
       results.back().load += factor * loads.at(load_case.text);
   }
-  if (results.empty()) {  // supports that move are enough
+  if (results.empty()) {  // prescribed displacements only
     results.emplace_back();
     results.back().report.name = "supports";
     results.back().load = Points::Zero(shell.shape().rows(), 3);
@@ -65,7 +65,7 @@ void measure_balance(const ShellModel& shell, CaseResult& a) {
   c.energy = shell.energy(a.displacement);
 }
 
-// At vertices inside of the trim, and in cut triangles at points of the rule of their inside.
+// Visits vertices inside the trim and, in cut triangles, quadrature points of their inside.
 template <class Visit>
 void visit_sample_points(const Surface& surface, const Visit& visit) {
   const Trim* trim = surface.trim().get();
@@ -96,8 +96,9 @@ void measure_displacement(const ShellModel& shell, CaseResult& a) {
   });
 }
 
-// What is missing of the largest displacement, by the adjoint of it. Adds to `where`, which has an
-// entry for each triangle or none, the share that each has in that and in the error of the energy.
+// Estimates the error of the largest displacement with its adjoint solution. Adds to `where`
+// (empty, or one entry per triangle) the contribution of each triangle to this error and to the
+// energy error.
 void estimate_displacement_error(const ShellModel& shell, const ShellStresses& stresses,
                                  CaseResult& a, VecX& where) {
   StressReport::Case& c = a.report;
@@ -114,7 +115,7 @@ void estimate_displacement_error(const ShellModel& shell, const ShellStresses& s
   c.displacement_error = add(stresses.goal_error_per_triangle(ShellStresses(shell, adjoint)));
 }
 
-// √(twice the mean area of triangles) of a surface: the length of its edges.
+// Edge length √(twice the mean area of triangles).
 double edge_length(const ParametricMesh& mesh, const Surface& surface, int t) {
   const double area =
       mesh.shape(t).area * surface.jet({t, Vec3::Constant(1.0 / 3)}).area_vector().norm();
@@ -134,7 +135,7 @@ void measure_stress(const Scene& scene, const ShellModel& shell, const ShellDefi
   c.error = stresses.energy_norm_error();
   if (scene.stress->yield > 0 && c.stress > 0) c.safety = scene.stress->yield / c.stress;
   const Surface& surface = shell.assembler().surface();
-  constexpr double near = 3;  // edges
+  constexpr double near = 3;  // in edge lengths
   const double reach = near * edge_length(surface.mesh(), surface, peak.where.triangle);
   const auto look = [&](const Vec3& p) { c.near_singularity |= (p - peak.at).norm() < reach; };
   for (const SceneStress::Load& load : scene.stress->loads)
@@ -143,7 +144,7 @@ void measure_stress(const Scene& scene, const ShellModel& shell, const ShellDefi
     look(surface.position(support.position.where));
 }
 
-// How thin the shell is against its radii, and how fine its elements are.
+// Measures thickness relative to the radii of curvature, and element size.
 void measure_theory(const ShellModel& shell, StressReport& report) {
   const Surface& surface = shell.assembler().surface();
   const Trim* trim = surface.trim().get();
@@ -210,8 +211,7 @@ void find_modes(const Scene& scene, const ShellModel& shell, StressReport& repor
   files.write_mode_shapes("modes", modes.shapes, captions);
 }
 
-// Solves and measures all cases, one after the other. each(shell, answer, stresses) may add to what
-// is reported of a case.
+// Solves and evaluates all cases in order. each(shell, answer, stresses) may add results to a case.
 template <class Each>
 StressReport solved(const Scene& scene, const ShellModel& shell, const ShellDefinition& definition,
                     VecX& where, const Progress& progress, const Each& each) {
@@ -387,11 +387,12 @@ std::string stress_summary(const StressReport& report, const std::string& unit) 
 
 namespace {
 
-// A case with its goal: 1 at the place of its largest displacement, along it.
+// A case with its goal functional: the displacement at the location of its maximum, in its
+// direction.
 struct Goal {
   const StressReport::Case& of;
   Points F, u, G;
-  Points of_G, of_F;  // adjoints
+  Points of_G, of_F;  // adjoint solutions
 };
 
 double step_of(const Parameter& p) {
@@ -400,7 +401,7 @@ double step_of(const Parameter& p) {
   return fraction * (std::isfinite(range) && range > 0 ? range : std::max(std::abs(p.value), 1.0));
 }
 
-// The scene with a parameter moved, or none where it may not be.
+// The scene with a changed parameter; empty if the value is not permitted.
 std::optional<Scene> moved(const Scene& scene, const Parameter& p, double by) {
   try {
     Scene other = scene;
@@ -411,7 +412,8 @@ std::optional<Scene> moved(const Scene& scene, const Parameter& p, double by) {
   }
 }
 
-// The derivative of the shape's dofs, from both sides where the parameter may go there.
+// Derivative of the dofs of the shape, by central differences if the parameter permits both
+// directions.
 std::optional<Points> shape_change(const Scene& scene, const BuiltModel& made,
                                    const SolvedShape& shape, const Parameter& p,
                                    const Progress& progress) {
@@ -454,7 +456,7 @@ void compute_sensitivities(RunContext& run, const Scene& scene, const BuiltModel
     if (!change) continue;
     const double largest = change->cwiseAbs().maxCoeff();
     if (!(largest > 0)) continue;
-    // A step of the shape that is small against the model, and large against rounding.
+    // A step that is small compared with the model, and large compared with rounding.
     const double step = 1e-5 * shape.layout->size() / largest;
     const Points up = shape.dofs + step * *change, down = shape.dofs - step * *change;
     const auto up_loads = case_loads(scene, *shape.layout, up, definition),
@@ -467,7 +469,7 @@ void compute_sensitivities(RunContext& run, const Scene& scene, const BuiltModel
                 shell.goal_change(g.u, g.F, a, G, down_system, down_loads.at(g.of.name))) /
                (2 * step);
       };
-      // Of the work Fᵀu itself: its own load is the goal, and changes too.
+      // Of the work Fᵀu itself: its load is the goal, and varies too.
       const double work =
           derivative(g.of_F, g.F) +
           (up_loads.at(g.of.name) - down_loads.at(g.of.name)).cwiseProduct(g.u).sum() / (2 * step);
@@ -480,7 +482,7 @@ void compute_sensitivities(RunContext& run, const Scene& scene, const BuiltModel
 
 namespace {
 
-// Of the elements of a shape.
+// Mean edge length of a shape's elements.
 double mean_edge(const SolvedShape& shape) {
   double area = 0, triangles = 0;
   for (const SkinnedRegion& region : shape.regions) {
@@ -506,7 +508,7 @@ StressReport::Mesh mesh_of(const StressReport& report, double edge_length) {
   return mesh;
 }
 
-// The same surface on halved triangles.
+// The same surface with bisected triangles.
 SolvedShape halved(const SolvedShape& shape, const std::vector<int>& triangles) {
   std::vector<char> marks(static_cast<size_t>(shape.layout->mesh()->triangle_count()), 0);
   for (const int t : triangles) marks[t] = 1;
@@ -529,7 +531,7 @@ RefinedShape refine_adaptively(const Scene& scene, const SolvedShape& shape, dou
   RefinedShape result{shape, {}, false};
   if (!shape.layout) return result;
   constexpr int most = 20;
-  constexpr double fraction = 0.7;  // of the error, in the triangles that are halved
+  constexpr double fraction = 0.7;  // of the error, in the bisected triangles
   SolvedShape next = shape;
   for (int round = 0; round < most; ++round) {
     progress.update("mesh " + std::to_string(round + 1), 0);
@@ -542,7 +544,7 @@ RefinedShape refine_adaptively(const Scene& scene, const SolvedShape& shape, dou
       if (result.converged) break;
       next = halved(next, dorfler_marking(where, fraction));
     } catch (const InputError&) {
-      if (round == 0) throw;  // else it is what memory has room for
+      if (round == 0) throw;  // otherwise keep the largest mesh that fits into memory
       break;
     }
   }

@@ -1,4 +1,4 @@
-// Stresses of a finished shape: solved, measured, written, drawn.
+// Stress analysis of a solved shape: solution, results, sensitivities and adaptive refinement.
 #pragma once
 
 #include <optional>
@@ -13,44 +13,50 @@
 
 namespace batten {
 
-/// Analyses the shape as the shell of scene.stress: each load case and combination from one factor,
-/// and where the scene asks for them, buckling factors and natural frequencies. StressFiles writes
-/// and draws them. Fills report.stress and report.warnings; report.missed where reactions do not
-/// balance the loads. `factors`: of its systems; empty: SparseCholesky. Throws InputError with the place in the scene, ConflictError, NoSolutionError
-/// (what is not held, by its motion).
+/// Analyses the shape as the shell of scene.stress: all load cases and combinations with one
+/// factorization and, if requested, buckling factors and natural frequencies. StressFiles writes
+/// and draws the results.
+///
+/// Fills report.stress and report.warnings; adds a failed check if the reactions do not balance the
+/// loads. `factors`: linear solver backend; empty: SparseCholesky. Throws InputError with the
+/// location in the scene, ConflictError, and NoSolutionError that names an unconstrained motion.
 void analyse(RunContext& run, const Scene& scene, const SolvedShape& shape,
              const BackendFactory& factors, const Progress& progress);
 
-/// The numbers of the same analysis: no files, no buckling, no modes. `where` becomes the shares that
-/// triangles have in the errors, summed over cases: of the energy, and of the largest displacement.
+/// Like analyse(), but results only: no files, buckling or modes. `where` receives the contribution
+/// of each triangle to the error estimates of energy and largest displacement, summed over the
+/// cases.
 StressReport stresses_of(const Scene& scene, const SolvedShape& shape, VecX& where,
                          const BackendFactory& factors = {}, const Progress& progress = {});
 
-/// The largest values of all cases while a shape moves: what does not change is kept.
+/// Evaluates the maxima over all load cases while a shape changes; reuses everything that stays the
+/// same.
 class StressEvaluator {
  public:
   explicit StressEvaluator(const Scene& scene) : scene_(scene) {}
 
+  /// Maxima over all load cases.
   struct MaxValues {
     double displacement = 0, von_mises = 0;
   };
-  /// Throws as stresses_of().
+  /// Evaluates a shape. Throws the exceptions of stresses_of().
   MaxValues at(const ModelLayout& layout, const Points& dofs);
 
-  /// What the shell does at places of the mesh in the case whose stress is largest, as of the last at():
-  /// the larger equivalent stress of both sides, and the displacement (x, y, z one after the other).
+  /// Results at given locations for the load case with the largest stress, for the shape of the
+  /// last at(): the larger von Mises stress of the top and bottom surface, and the displacement (x,
+  /// y, z consecutively).
   struct Field {
     std::string load_case;
     std::vector<float> von_mises, displacement;
   };
   Field field(const std::vector<Location>& places) const;
 
-  /// How the shell swings at places of the mesh, slowest first, as of the last at(): `count` natural
-  /// modes at most. Throws as natural_modes().
+  /// Up to `count` natural modes at given locations, in ascending order of frequency, for the shape
+  /// of the last at(). Throws the exceptions of natural_modes().
   struct ModeShapes {
     std::vector<double> frequencies;
-    std::vector<std::vector<float>>
-        displacements;  ///< x, y, z one after the other, the largest 1 long
+    /// x, y, z consecutively; normalised to a maximum of 1.
+    std::vector<std::vector<float>> displacements;
   };
   ModeShapes mode_shapes(const std::vector<Location>& places, int count) const;
 
@@ -58,35 +64,38 @@ class StressEvaluator {
   const Scene& scene_;
   ShellDefinition definition_;
   std::optional<ShellModel> shell_;
-  std::string governing_case_;  // the case of these
+  std::string governing_case_;  // load case of these displacements
   Points displacement_;
 };
 
-/// The lines of a summary about it.
+/// The lines about the stress analysis in a summary.
 std::string stress_summary(const StressReport& report, const std::string& unit);
 
 
-// How stresses answer to the parameters of a scene.
+// Sensitivities of displacements to the parameters of a scene.
 
-/// For each parameter that changes the shape: the derivatives of the largest displacement (at its
-/// place, along its direction) and of the compliance (the work of the loads) of every case, into
-/// report.stress->sensitivities. One adjoint solve a case and, for each parameter, two shapes and
-/// two stiffnesses on the same mesh, no factor of the shell. Parameters of [[fair]], driven ones and
-/// those that can move to neither side are passed over.
+/// Computes derivatives with respect to each parameter that changes the shape, for every load case,
+/// and stores them in report.stress->sensitivities. The derivatives are those of the largest
+/// displacement (at its location, in its direction) and of the compliance (work of the loads).
+///
+/// Cost: one adjoint solve per case; per parameter two shapes and two stiffness matrices on the
+/// same mesh, without factorization. Parameters of [[fair]], driven parameters, and those at a
+/// bound in both directions are skipped.
 void compute_sensitivities(RunContext& run, const Scene& scene, const BuiltModel& made,
                            const SolvedShape& shape, const Progress& progress);
 
 
-// The mesh on which stresses are as exact as asked for.
+// Adaptive mesh refinement for a given accuracy of displacements.
 
-/// A finished shape on smaller elements: the same surface, on a mesh that is halved where the error
-/// estimate is large (dorfler_marking of what each triangle has in it), until displacements are exact to
-/// `accuracy` in all cases: the largest one, and the loads' work (error_estimate squared). Where that
-/// takes more than twenty rounds or more memory than there is, the last mesh that could be made:
-/// `converged` then says so. Throws as run_stress().
+/// A solved shape on smaller elements of the same surface. Triangles with large contributions to
+/// the error estimate are bisected (Dörfler marking [Dorfler1996]) until displacements have the
+/// relative accuracy `accuracy` in all cases: both the largest displacement and the work of the
+/// loads (error_estimate squared). The limit is twenty rounds, and the available memory; beyond
+/// that, the last feasible mesh is returned with `converged` = false. Throws the exceptions of
+/// run_stress().
 struct RefinedShape {
   SolvedShape shape;
-  std::vector<StressReport::Mesh> meshes;  ///< what each of them gave
+  std::vector<StressReport::Mesh> meshes;  ///< results on each mesh
   bool converged = false;
 };
 RefinedShape refine_adaptively(const Scene& scene, const SolvedShape& shape, double accuracy,

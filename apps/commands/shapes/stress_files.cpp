@@ -10,7 +10,7 @@
 namespace batten {
 namespace {
 
-// VTK's order of a symmetric tensor.
+// Components of a symmetric tensor in VTK's order.
 VecX in_order(const Mat3& s) {
   VecX six(6);
   six << s(0, 0), s(1, 1), s(2, 2), s(0, 1), s(1, 2), s(0, 2);
@@ -132,7 +132,7 @@ void StressFiles::write_mode_shapes(const std::string& kind, const std::vector<P
   run_.report.files.push_back(stress_stem(scene_, kind) + ".pvd");
 
   if (!can_draw(run_.report, stress_stem(scene_, kind) + ".png")) return;
-  constexpr double swing = 0.07;  // of the model
+  constexpr double swing = 0.07;  // amplitude, relative to the model size
   constexpr int frames = 16;
   const PictureSize small{640, 400};
   std::vector<std::vector<SkinnedRegion>> kept;

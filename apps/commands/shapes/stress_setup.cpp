@@ -56,7 +56,7 @@ void require_consistent_units(const Scene& scene) {
 
 namespace {
 
-// The area that a scene means, once for each part of a line that is in parts.
+// The areas of a scene's area: one per segment of a split line.
 std::vector<Area> areas_of(const Scene& scene, const ModelLayout& layout, const SceneArea& area) {
   Area common = area.area;
   for (const LocatedString& region : area.regions) {
@@ -76,7 +76,7 @@ std::vector<Area> areas_of(const Scene& scene, const ModelLayout& layout, const 
 ShellLocation place_of(const Scene& scene, const ModelLayout& layout, const Points& shape,
                        const Vec3& point, const SourceLocation& at) {
   const ShellLocation location = nearest_location(layout, shape, point);
-  constexpr double far = 0.05;  // of the model
+  constexpr double far = 0.05;  // relative to the model size
   if (location.distance > far * layout.size())
     throw InputError(scene.at(at) + "found a point " + format_number(location.distance) + " " +
                      scene.unit + " away from the surface, expected one on it or near it");
@@ -168,7 +168,7 @@ Points load_of(const Scene& scene, const ModelLayout& layout, const Points& shap
   return {};
 }
 
-// Thicknesses of regions, then those that fade from them, one after the other.
+// Applies the thicknesses of regions, then those of blended areas, in order.
 void set_thicknesses(const Scene& scene, const ModelLayout& layout, const Points& shape,
                      ShellDefinition& definition) {
   const auto& stated = scene.stress->thicknesses;

@@ -63,7 +63,7 @@ void AbaqusConnections::read_mpc(const Keyword& keyword, AbaqusLines& lines) {
   while (lines.next_data()) {
     const std::vector<std::string_view> values = comma_values(lines.line());
     const std::string type = upper(values[0]);
-    // The last node is the independent one.
+    // For these types, the last node is the independent one.
     const bool rigid = type == "BEAM" || type == "LINK" || type == "PIN" || type == "TIE";
     Connection& connection = add(rigid ? Kind::Rigid : Kind::Other, keyword);
     connection.where = lines.line();
@@ -83,7 +83,7 @@ void AbaqusConnections::read_equation(const Keyword& keyword, AbaqusLines& lines
     connection.where = where;
     for (long i = 0; i < terms;) {
       if (!lines.next_data()) file_.fail(where, "found an equation that ends before its last term");
-      // Four terms a line: node, freedom, factor.
+      // Up to four terms per line: node, degree of freedom, coefficient.
       const std::vector<std::string_view> values = comma_values(lines.line());
       for (size_t k = 0; k < values.size() && i < terms; k += 3) {
         if (values[k].empty()) continue;
@@ -113,13 +113,13 @@ void AbaqusConnections::read_surface(const Keyword& keyword, AbaqusLines& lines)
   }
 }
 
-/// Finds the nodes that words of a deck name.
+/// Resolves the names in a deck to node indices.
 class AbaqusConnections::Finder {
  public:
   Finder(const AbaqusConnections& all, const TextMeshContent& mesh, const Sets& sets)
       : all_(all), mesh_(mesh), sets_(sets) {}
 
-  /// False: not all of them are there.
+  /// Returns false if some of the nodes do not exist in the mesh.
   bool find(const Term& term) {
     weight_ = term.weight;
     switch (term.by) {
@@ -144,7 +144,7 @@ class AbaqusConnections::Finder {
     weights.push_back(weight_);
   }
 
-  /// "instance.5" and "instance.set" name what is in the only instance.
+  /// "instance.5" and "instance.set" refer to the single instance.
   static std::string_view local(std::string_view word) {
     const size_t dot = word.rfind('.');
     return dot == word.npos ? word : word.substr(dot + 1);
@@ -163,7 +163,7 @@ class AbaqusConnections::Finder {
     return true;
   }
 
-  /// All nodes of faces, or those of one of their edges: "E2".
+  /// Adds all nodes of faces, or those of one edge if `side` is "E1" to "E4".
   bool add_faces(std::string_view word, const std::string& side) {
     const std::string name = upper(local(word));
     if (const auto node = all_.coupling_nodes_.find(name); node != all_.coupling_nodes_.end()) {
@@ -175,7 +175,7 @@ class AbaqusConnections::Finder {
     std::optional<std::vector<int>> faces;
     if (parse_integer(local(word), label)) {
       const auto face = mesh_.face_labels.find(label);
-      faces = face ? std::vector<int>{*face} : std::vector<int>();  // none of a solid
+      faces = face ? std::vector<int>{*face} : std::vector<int>();  // a face of a solid has none
     } else {
       faces = sets_(name, true);
     }
@@ -225,7 +225,7 @@ void AbaqusConnections::finish(TextMeshContent& mesh, const Sets& sets, bool all
       continue;
     }
     NonShellElement element{connection.kind, connection.name, 0, first.nodes, {}};
-    // Of several independent nodes none leads.
+    // With several independent nodes, none is the leading one.
     if (first.nodes.size() != 1) element.kind = Kind::Other;
     for (size_t i = 0; i < rest.nodes.size(); ++i) {
       if (first.nodes.size() == 1 && rest.nodes[i] == first.nodes[0]) continue;

@@ -1,4 +1,4 @@
-// Connections of nodes in Abaqus and CalculiX input. Internal.
+// Rigid bodies, multi-point constraints, equations and couplings of Abaqus and CalculiX input.
 #pragma once
 
 #include <functional>
@@ -13,25 +13,28 @@
 
 namespace batten {
 
-/// Collects *RIGID BODY, *MPC, *EQUATION, *COUPLING with *KINEMATIC or *DISTRIBUTING, *KINEMATIC
-/// COUPLING, *DISTRIBUTING COUPLING; then finds their nodes.
+/// Reader for *RIGID BODY, *MPC, *EQUATION, *COUPLING with *KINEMATIC or *DISTRIBUTING, *KINEMATIC
+/// COUPLING and *DISTRIBUTING COUPLING. It collects the cards first, and resolves their nodes in
+/// finish().
 class AbaqusConnections {
  public:
   AbaqusConnections(MeshSourceText& file, DeckMeshBuilder& deck) : file_(file), deck_(deck) {}
 
-  /// Reads such a keyword with its data. Returns false for any other one.
+  /// Reads a supported keyword with its data lines. Returns false for all other keywords.
   bool read(const Keyword& keyword, AbaqusLines& lines);
-  /// The node of a coupling element, by the set that it is in.
+  /// Registers the node of a coupling element (DCOUP) under the element set that contains it.
   void add_coupling_node(std::string_view elset, long node);
 
-  /// Indices of nodes, or faces, of a set by its name in upper case; nothing for an unknown one.
+  /// Looks up the node (or face) indices of a set by its upper-case name; empty for an unknown set.
   using Sets = std::function<std::optional<std::vector<int>>(const std::string& name, bool faces)>;
-  /// Adds what was read to a finished mesh. With `all_here`, throws InputError for a node or a set
-  /// that is not there; otherwise it may be the assembly's, and the connection stays text.
+  /// Adds the connections to a finished mesh. With `all_here`, an unknown node or set throws
+  /// InputError. Without it, the node or set may belong to the assembly, and the connection stays
+  /// text.
   void finish(TextMeshContent& mesh, const Sets& sets, bool all_here) const;
 
  private:
-  enum class By { Nodes, Faces, Surface };  // what a word names: a node or set, a set of faces, …
+  enum class By { Nodes, Faces, Surface };  // what a word names: nodes or a node set, a face set, a
+                                            // surface
   struct Term {
     By by;
     std::string_view word;
@@ -62,7 +65,7 @@ class AbaqusConnections {
   std::vector<Connection> connections_;
   std::map<std::string, Surface> surfaces_;
   std::map<std::string, long> coupling_nodes_;
-  Keyword coupling_;  // the last *COUPLING
+  Keyword coupling_;  // the most recent *COUPLING
 };
 
 }  // namespace batten

@@ -1,5 +1,5 @@
-// Abaqus and CalculiX input: nodes, elements and connections of one part; everything else stays
-// text.
+// Reads Abaqus and CalculiX input: nodes, elements and connections of one part. Everything else
+// stays text.
 
 #include <algorithm>
 #include <set>
@@ -19,27 +19,28 @@
 
 namespace batten {
 
-// Where the nodes of an Abaqus part are: systems of coordinates and the part's instance. Internal.
+// Coordinate systems of nodes, and the transformation of the part's instance.
 
 class AbaqusCoordinates {
  public:
   explicit AbaqusCoordinates(MeshSourceText& file) : file_(file) {}
 
-  /// *SYSTEM: its lines of data say in which system *NODE gives coordinates from now on.
+  /// Reads *SYSTEM: its data lines define the system in which subsequent *NODE data is given.
   void read_system(const Keyword& keyword, AbaqusLines& lines);
-  /// *INSTANCE of the part: its lines of data move all nodes, then turn them about a line.
+  /// Reads *INSTANCE of the part: its data lines translate all nodes, then rotate them about an
+  /// axis.
   void read_instance(AbaqusLines& lines);
-  /// Whether the instance is somewhere else than the part.
+  /// True if the instance is translated or rotated.
   bool is_instance_transformed() const { return moves_; }
-  /// The index of the system of the nodes that follow, with the value of SYSTEM=; -1: global.
+  /// Index of the system of the following nodes, given the value of SYSTEM=; -1: global.
   int system_of(const Keyword& node_keyword);
-  /// Moves the nodes of a finished mesh to their places. `systems`: of each node, as system_of()
-  /// gave them.
+  /// Transforms the nodes of a finished mesh to global coordinates. `systems`: system of each node,
+  /// as returned by system_of().
   void transform_nodes(TextMeshContent& mesh, std::vector<int> systems) const;
 
-  /// *PARAMETER: numbers by name, which stand in "<name>".
+  /// Reads *PARAMETER: named numbers that "<name>" refers to.
   void read_parameters(AbaqusLines& lines);
-  /// The number that a coordinate stands for; `parameter` says whether it is one by name.
+  /// Parses a coordinate; sets `parameter` if it is given by a parameter name.
   double real(std::string_view value, bool& parameter) const;
 
  private:
@@ -55,7 +56,7 @@ class AbaqusCoordinates {
 
 namespace {
 
-/// The numbers of a line of data; those that are left out are 0.
+/// The numbers of a data line; omitted ones are 0.
 std::vector<double> reals(const MeshSourceText& file, std::string_view line) {
   std::vector<double> values;
   for (const std::string_view value : comma_values(line)) values.push_back(file.real(value, true));
@@ -76,7 +77,8 @@ void AbaqusCoordinates::read_system(const Keyword& keyword, AbaqusLines& lines) 
   local_ = true;
   const std::vector<double> first = reals(file_, lines.line());
   frame_.origin = three(first, 0);
-  // Without a point on its x axis it is only moved, without one in its plane xy turned about z.
+  // Without a point on the x axis the system is only translated; without a point in the xy plane it
+  // is rotated about z.
   if (first.size() <= 3) {
     lines.next_data();
     return;
@@ -158,7 +160,7 @@ void AbaqusCoordinates::read_parameters(AbaqusLines& lines) {
     else if (other != parameters_.end())
       parameters_[name] = other->second;
     else
-      parameters_.erase(name);  // an expression
+      parameters_.erase(name);  // an expression, which is not evaluated
   }
 }
 
@@ -175,16 +177,16 @@ double AbaqusCoordinates::real(std::string_view value, bool& parameter) const {
 }
 
 
-// Element types of Abaqus and CalculiX. Internal.
+// Element types of Abaqus and CalculiX.
 
-/// What an element of a type is. Corners and middle nodes of a face, or the nodes of another
-/// element; `count` is 0 for types that are not known.
+/// Properties of an element type: corner and mid-side nodes of a face, or the node count of another
+/// element. `count` is 0 for unknown types.
 struct AbaqusElement {
   bool face = false;
   int corners = 0, middle = 0;
   NonShellElement::Kind kind = NonShellElement::Kind::Other;
   int count = 0;
-  bool direction = false;  ///< a further node may say how a beam is turned
+  bool direction = false;  ///< a further node may define the orientation of a beam
 };
 AbaqusElement abaqus_element(const std::string& type);
 
@@ -199,8 +201,8 @@ struct Start {
   bool direction = false;
 };
 
-/// Types by how they begin; letters behind that say how they are integrated. The longer one of two
-/// that begin the same stands first.
+/// Element types by prefix; the remaining letters state the integration. Of two types with a common
+/// prefix, the longer one comes first.
 constexpr std::array kStarts{
     Start{"C3D10", Kind::Solid, 10},      Start{"C3D15", Kind::Solid, 15},
     Start{"C3D20", Kind::Solid, 20},      Start{"C3D27", Kind::Solid, 20},
@@ -254,7 +256,7 @@ AbaqusElement abaqus_element(const std::string& type) {
 
 namespace {
 
-/// A set as it is written: numbers and names of sets before it.
+/// A set as written in the deck: numbers, and names of previously defined sets.
 struct RawSet {
   std::string_view name;
   bool of_nodes;
@@ -288,7 +290,7 @@ class AbaqusReader {
                                                   "NMAP", "ELGEN", "ELCOPY"};
     if (generators.contains(name))
       file_.fail(keyword.line, "found *" + name + ", expected nodes and elements written out");
-    // In an assembly, nodes and sets are those of the assembly, or say of which instance they are.
+    // Inside an assembly, nodes and sets belong to the assembly, or name their instance.
     const bool here = !in_assembly_ || parts_ == 0;
     if (name == "PART") {
       if (++parts_ > 1) file_.fail(keyword.line, "found a second *PART, expected one flat part");
@@ -330,7 +332,7 @@ class AbaqusReader {
       const std::string_view label = line.free() ? line.value(0, 0, 0) : trimmed(data);
       const long number = file_.integer(label, "a node number");
       line.fields(file_, 1, 0, FieldKind::Abaqus, FieldKind::Abaqus, fields);
-      if (!line.free())  // nothing but the number
+      if (!line.free())  // only the node number
         for (int c = 0; c < 3; ++c)
           fields[c] = {file_.offset(data) + data.size(), 0, FieldKind::Abaqus, true, 1};
       std::array<double, 3> xyz{};
@@ -368,8 +370,8 @@ class AbaqusReader {
     }
   }
 
-  /// The number of an element and its nodes, `count` at least. A line goes on when it ends with a
-  /// comma, whatever blanks follow.
+  /// Reads the number of an element and at least `count` nodes. A line that ends with a comma,
+  /// trailing blanks ignored, continues on the next one.
   std::vector<std::string_view> record(const std::string& type, int count) {
     const std::string_view start = lines_.line();
     std::vector<std::string_view> values;
@@ -418,7 +420,7 @@ class AbaqusReader {
     if (name.empty()) file_.fail(keyword.line, "found a set without a name, expected one");
     RawSet& set = *new_set(name, of_nodes);
     if (of_nodes && keyword.has("ELSET")) {
-      // The nodes of a set of elements.
+      // The nodes of an element set.
       set.names.push_back({"E" + upper(keyword.value("ELSET")), keyword.line});
     }
     while (lines_.next_data()) {
@@ -435,7 +437,7 @@ class AbaqusReader {
       }
       for (std::string_view value : values) {
         long label = 0;
-        // "instance.5" and "instance.set" name what is in the only instance.
+        // "instance.5" and "instance.set" refer to the single instance.
         const size_t dot = value.rfind('.');
         const std::string_view last = dot == value.npos ? value : value.substr(dot + 1);
         if (parse_integer(last, label))
@@ -467,7 +469,7 @@ class AbaqusReader {
           members.insert(members.end(), found->second.begin(), found->second.end());
         }
       }
-      // Several blocks may add to one set.
+      // Several blocks may contribute to one set.
       const std::string key = (raw->of_nodes ? "N" : "E") + upper(raw->name);
       std::vector<int>& all = known[key];
       all.insert(all.end(), members.begin(), members.end());

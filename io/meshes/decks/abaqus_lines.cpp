@@ -17,7 +17,7 @@ std::vector<std::string_view> comma_values(std::string_view line) {
   }
 }
 
-/// The next line that is not a comment.
+/// Reads the next line that is not a comment, following *INCLUDE.
 bool AbaqusLines::next(std::string_view& line) {
   while (file_.next(line)) {
     if (line.starts_with("**")) continue;
@@ -32,7 +32,7 @@ bool AbaqusLines::next(std::string_view& line) {
 }
 
 bool AbaqusLines::next_data() {
-  // The keyword that ended the data stays.
+  // The keyword that ended the data lines is kept for next_keyword().
   if (line_.starts_with('*')) return false;
   while (next(line_)) {
     if (line_.starts_with('*')) return false;

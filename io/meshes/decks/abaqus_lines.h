@@ -1,4 +1,4 @@
-// Lines of Abaqus and CalculiX input, through included files. Internal.
+// Keyword and data lines of Abaqus and CalculiX input, including included files.
 #pragma once
 
 #include <map>
@@ -11,33 +11,35 @@
 
 namespace batten {
 
-/// A keyword line, which goes on in the next one after a comma.
+/// A keyword line. It continues on the next line if it ends with a comma.
 struct Keyword {
   std::string name;
   std::map<std::string, std::string_view> parameters;
   std::string_view line;
   bool has(const std::string& key) const { return parameters.contains(key); }
+  /// Value of a parameter; empty if it is missing or has no value.
   std::string_view value(const std::string& key) const {
     const auto found = parameters.find(key);
     return found == parameters.end() ? std::string_view() : found->second;
   }
 };
 
+/// The text without enclosing quotes.
 std::string_view unquoted(std::string_view text);
-/// Values between commas, without blanks and quotes around them.
+/// The values between commas, without surrounding blanks and quotes.
 std::vector<std::string_view> comma_values(std::string_view line);
 
-/// Reads keywords and their lines of data. *INCLUDE is followed wherever it stands.
+/// Reads keywords and their data lines. *INCLUDE is followed wherever it occurs.
 class AbaqusLines {
  public:
   explicit AbaqusLines(MeshSourceText& file) : file_(file) {}
 
-  /// The next keyword; lines before it are passed over. Nothing at the end.
+  /// The next keyword, skipping all lines before it; empty at the end of the input.
   std::optional<Keyword> next_keyword();
-  /// The next line of data of this keyword, which line() then is.
+  /// Advances line() to the next data line of the current keyword; false if there is none.
   bool next_data();
   std::string_view line() const { return line_; }
-  /// Goes on with the file that INPUT= names, if it does.
+  /// Continues with the file of INPUT=, if the keyword has that parameter.
   void follow_input(const Keyword& keyword);
 
  private:

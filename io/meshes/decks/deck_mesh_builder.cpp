@@ -114,7 +114,7 @@ void DeckMeshBuilder::join_shell(const Shell& shell, long label, const std::stri
   if (there == shell.corners) {
     for (int i = 0; i < shell.corners + shell.middle; ++i) face[count++] = index(nodes[i]);
   } else {
-    // Middle nodes of some edges only: a polygon, so that they move with their face.
+    // Only some edges have mid-side nodes: a polygon, so that these nodes move with their face.
     for (int i = 0; i < shell.corners; ++i) {
       face[count++] = index(nodes[i]);
       if (i < shell.middle && middle[i] != 0) face[count++] = index(middle[i]);
@@ -227,7 +227,7 @@ void DeckLine::fields(const MeshSourceText& file, int index, int column, FieldKi
     } else {
       field.open = true;
       if (i == 0) field.gap = static_cast<std::uint16_t>(begin - columns_);
-      // The one before ends with the line: it is filled up, so that this one finds its columns.
+      // The previous field ends with the line: pad it, so that this one starts in its column.
       if (i > 0 && begin - width < columns_ && begin > columns_) result[i - 1].open = true;
     }
   }

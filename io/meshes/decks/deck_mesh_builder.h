@@ -1,4 +1,4 @@
-// Collects the nodes, shells and sets of a deck, in any order. Internal.
+// Builds a mesh from the nodes, elements and sets of a deck, which may come in any order.
 #pragma once
 
 #include <array>
@@ -12,14 +12,14 @@
 
 namespace batten {
 
-/// Numbers in a deck that a set lists: first, first + step, … up to last. A single number is a
-/// range of one.
+/// A range of numbers in a deck: first, first + step, …, up to last. A single number is a range of
+/// length one.
 struct LabelRange {
   long first, last, step = 1;
 };
 
-/// An element that is no shell, or a connection, by the numbers of its nodes; 0 for one that is left
-/// out. `where`: a text in the file, for messages.
+/// A non-shell element or a connection, defined by its node numbers; 0 stands for an omitted node.
+/// `where` is a view into the file's text, for messages.
 struct DeckElement {
   NonShellElement::Kind kind = NonShellElement::Kind::Other;
   std::string name;
@@ -29,46 +29,47 @@ struct DeckElement {
   std::vector<double> weights;
 };
 
-/// Makes a mesh from the nodes and shells of a deck.
+/// Builds a mesh from the nodes and shells of a deck.
 class DeckMeshBuilder {
  public:
   explicit DeckMeshBuilder(TextMeshContent& mesh) : mesh_(mesh) {}
 
-  /// Adds a node. `where`: the text of its number in the file, for messages. `fields`: the places
-  /// of its coordinates. Throws InputError for a number below 1.
+  /// Adds a node. `where`: its number in the file's text, for messages; `fields`: locations of its
+  /// coordinates. Throws InputError for a number below 1.
   void add_node(long label, std::string_view where, const std::array<double, 3>& xyz,
                 const std::array<Field, 3>& fields);
-  /// Adds a shell with the name of its property, its corners and, in a face of second order, its
-  /// middle nodes; 0 stands for one that the deck leaves out. Throws InputError for a number below
-  /// 1.
+  /// Adds a shell with the name of its property, its corners and, for second-order faces, its
+  /// mid-side nodes; 0 stands for a mid-side node that the deck omits. Throws InputError for a
+  /// number below 1.
   void add_shell(long label, std::string_view where, const std::string& property,
                  std::span<const long> corners, std::span<const long> middle = {});
-  /// Adds an element that is no shell, and counts it.
+  /// Adds a non-shell element and counts it.
   void add_element(DeckElement element);
-  /// Numbers of points without a place, which elements may have as nodes.
+  /// Declares scalar points: numbers without a position that elements may use as nodes.
   void add_scalar_points(LabelRange range) { scalar_points_.push_back(range); }
-  /// Counts other elements by their name in the deck; `count` is 0 where they cannot be counted.
+  /// Counts elements that are not read, by their name in the deck; `count` is 0 if they cannot be
+  /// counted.
   void count_other_element(const std::string& name, long count = 1) {
     other_counts_[name] += count;
   }
 
-  /// Makes the mesh of what was added. Throws InputError: a number twice, a node that is missing
-  /// (`missing_hint` is put behind the message).
+  /// Builds the mesh. Throws InputError for a duplicate number or a missing node; `missing_hint` is
+  /// appended to the latter message.
   void finish(const std::string& missing_hint = {});
-  /// After finish(): the nodes, or faces, of the mesh with these numbers, as ascending indices.
-  /// Numbers that are not in the mesh are passed over.
+  /// Ascending indices of the nodes (or faces) with these numbers; call after finish(). Unknown
+  /// numbers are skipped.
   std::vector<int> nodes_of(const std::vector<LabelRange>& ranges) const;
   std::vector<int> faces_of(const std::vector<LabelRange>& ranges) const;
-  /// After finish(): adds what is beside the shells to the warnings: "12 CBAR, 3 RBE2; 2 nodes that
-  /// no shell uses".
+  /// Adds a warning about everything that is not a shell, such as "12 CBAR, 3 RBE2; 2 nodes that no
+  /// shell uses". Call after finish().
   void warn_about_other_elements();
-  /// Offset of a node's number in the file, in bytes.
+  /// Byte offset of a node's number in the file.
   size_t node_position(int node) const { return node_where_[node]; }
 
  private:
   struct Shell {
     size_t where, property;
-    size_t first;  // its first node in nodes_
+    size_t first;  // index in nodes_ of its first node
     std::uint8_t corners, middle;
   };
   void join_shell(const Shell& shell, long label, const std::string& missing_hint);
@@ -87,18 +88,19 @@ class DeckMeshBuilder {
   std::map<std::string, long> other_counts_;
 };
 
-/// One line of a deck: values between commas where it has a comma (a free line), otherwise columns
-/// of fixed width. A tab goes to the next multiple of 8 columns.
+/// One line of a deck. A line with a comma is free-format (values between commas), any other line
+/// has fixed columns. A tab advances to the next multiple of 8 columns.
 class DeckLine {
  public:
-  /// `data`: the line as a part of the file's text, without its comment.
+  /// `data`: the line as a view into the file's text, without its comment.
   explicit DeckLine(std::string_view data);
+  /// True if values are separated by commas.
   bool free() const { return free_; }
-  /// Value `index` of a free line, or the `width` columns from `column` of a fixed one, without
-  /// blanks around it; empty where the line ends before. Both count from 0.
+  /// Value `index` of a free line, or the `width` columns from `column` of a fixed line, without
+  /// surrounding blanks. Empty if the line ends earlier. Both arguments are 0-based.
   std::string_view value(int index, int column, int width) const;
-  /// Finds the fields of coordinates that follow one another from value `index` of a free line, or
-  /// from `column` of a fixed one.
+  /// Determines the fields of consecutive coordinates, starting at value `index` of a free line, or
+  /// at `column` of a fixed line.
   void fields(const MeshSourceText& file, int index, int column, FieldKind fixed_kind,
               FieldKind free_kind, std::span<Field> result) const;
 

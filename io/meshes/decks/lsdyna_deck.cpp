@@ -1,4 +1,4 @@
-// LS-DYNA keyword decks: nodes, elements and sets; everything else stays text.
+// Reads LS-DYNA keyword decks: nodes, elements and sets. Everything else stays text.
 
 #include <algorithm>
 #include <optional>
@@ -15,9 +15,9 @@
 
 namespace batten {
 
-// Keywords and cards of LS-DYNA decks, through included files. Internal.
+// Keywords and cards of LS-DYNA decks, including included files.
 
-/// Columns of numbers, coordinates, and the fields of all other cards.
+/// Field widths, in columns, of integers, coordinates, and the fields of all other cards.
 struct DynaWidths {
   int integer = 8, real = 16, card = 10;
   FieldKind kind = FieldKind::Dyna16, free_kind = FieldKind::DynaFree16;
@@ -30,25 +30,25 @@ struct DynaKeyword {
   std::string_view line;
 };
 
-/// Parts of "A_B_C" after `first`; nothing when the name does not start with it.
+/// The parts "A", "B", … of a keyword "first_A_B"; empty if `name` does not start with `first`.
 std::optional<std::set<std::string>> options_after(const std::string& name,
                                                    const std::string& first);
 
-/// Reads keywords and their cards. *INCLUDE is followed; *END in an included file ends it.
+/// Reads keywords and their cards. *INCLUDE is followed; *END in an included file ends that file.
 class DynaLines {
  public:
   explicit DynaLines(MeshSourceText& file) : file_(file) {}
 
-  /// The next keyword; cards before it are passed over. Nothing at the end.
+  /// The next keyword, skipping cards before it; empty at the end.
   std::optional<DynaKeyword> next_keyword();
-  /// The next card of this keyword, which line() then is.
+  /// Advances line() to the next card of the current keyword; false if there is none.
   bool next_card();
-  /// The same, passing over blank lines.
+  /// Like next_card(), but skips blank lines.
   bool next_record();
   std::string_view line() const { return line_; }
-  /// *END was found.
+  /// True if *END was found.
   bool ended() const { return ended_; }
-  /// *INCLUDE_… that are not followed.
+  /// Number of *INCLUDE_… keywords that were not followed.
   long skipped_includes() const { return skipped_includes_; }
 
  private:
@@ -64,7 +64,7 @@ class DynaLines {
 
   MeshSourceText& file_;
   DynaWidths widths_;
-  std::vector<DynaWidths> outer_;  // of including files
+  std::vector<DynaWidths> outer_;  // widths of the including files
   std::vector<std::string> folders_;
   std::string_view line_;
   bool ended_ = false;
@@ -99,7 +99,7 @@ void DynaLines::leave_file() {
   outer_.pop_back();
 }
 
-/// The next line that is not a comment; empty at the end.
+/// Reads the next line that is not a comment; `line` is empty at the end.
 bool DynaLines::next(std::string_view& line) {
   for (;;) {
     while (file_.next_in_file(line))
@@ -111,7 +111,7 @@ bool DynaLines::next(std::string_view& line) {
 }
 
 bool DynaLines::next_card() {
-  // The keyword that ended the cards stays.
+  // The keyword that ended the cards is kept for next_keyword().
   return !line_.starts_with('*') && next(line_) && !line_.starts_with('*');
 }
 
@@ -156,13 +156,13 @@ DynaKeyword DynaLines::read_keyword() {
 }
 
 void DynaLines::read_format(const DynaKeyword& keyword, std::string_view options) {
-  // LONG=S reads standard cards.
+  // LONG=S means standard cards.
   std::string text = upper(options);
   std::erase_if(text, is_blank);
   DynaWidths widths = widths_;
   if (text.find("I10=Y") != text.npos) widths = kI10;
   if (text.find("LONG=Y") != text.npos || text.find("LONG=K") != text.npos) widths = kLong;
-  // LS-DYNA goes by what *INCLUDE says, others by what the file itself says.
+  // LS-DYNA applies the format of *INCLUDE, other programs that of the included file.
   if (file_.depth() > 0 && widths != widths_)
     file_.fail(keyword.line, "found " + quoted_excerpt(keyword.line) +
                                  " in a file that is included in another format, expected both to "
@@ -170,7 +170,7 @@ void DynaLines::read_format(const DynaKeyword& keyword, std::string_view options
   widths_ = widths;
 }
 
-/// The cards of a keyword up to the next one, or to the end of the current file.
+/// The cards of a keyword, up to the next keyword or the end of the current file.
 std::vector<std::string_view> DynaLines::rest_of_block() {
   std::vector<std::string_view> cards;
   std::string_view line;
@@ -184,7 +184,7 @@ std::vector<std::string_view> DynaLines::rest_of_block() {
   return cards;
 }
 
-/// Names of files, of which a long one goes on in the next card after " +".
+/// File names; a long name continues on the next card after " +".
 std::vector<std::pair<std::string, std::string_view>> DynaLines::names(bool transformed,
                                                                        const DynaKeyword& keyword) {
   const std::vector<std::string_view> cards = rest_of_block();
@@ -204,13 +204,14 @@ std::vector<std::pair<std::string, std::string_view>> DynaLines::names(bool tran
   return found;
 }
 
-/// Offsets of numbers, factors of units and a transformation: all of them must change nothing.
+/// Checks that id offsets, unit factors and the transformation change nothing; throws InputError
+/// otherwise.
 void DynaLines::require_identity(std::span<const std::string_view> cards,
                                  const DynaKeyword& keyword) const {
   constexpr size_t kFactors = 2, kTransformation = 3;
   for (size_t i = 0; i < cards.size() && i <= kTransformation; ++i) {
     const DeckLine line(cards[i]);
-    // Behind the factors stands what is printed; prefixes and suffixes of names change no node.
+    // Fields after the factors control printing; name prefixes and suffixes do not affect nodes.
     const int count = i == 0 ? 7 : i == kFactors ? 4 : 1;
     for (int k = 0; k < count; ++k) {
       const std::string_view value = line.value(k, k * keyword.widths.card, keyword.widths.card);
@@ -238,7 +239,7 @@ bool DynaLines::include(const DynaKeyword& keyword) {
     return false;
   }
   const auto found = names(transformed, keyword);
-  // Each is read before those behind it: the last one waits longest.
+  // Included files are stacked, so the last one is pushed first.
   for (auto name = found.rbegin(); name != found.rend(); ++name) {
     file_.include(name->first, name->second, folders_);
     outer_.push_back(widths_);
@@ -248,19 +249,19 @@ bool DynaLines::include(const DynaKeyword& keyword) {
 }
 
 
-// Elements and connections of LS-DYNA decks that are no shells. Internal.
+// Non-shell elements and connections of LS-DYNA decks.
 
 /// Reads *ELEMENT_SOLID, _BEAM, _DISCRETE, _SEATBELT, _MASS, _INERTIA, _PLOTEL,
-/// *CONSTRAINED_NODAL_RIGID_BODY, _SPOTWELD, _RIVET, _INTERPOLATION. Of other elements, and those
-/// with options that are not known, it counts the blocks.
+/// *CONSTRAINED_NODAL_RIGID_BODY, _SPOTWELD, _RIVET, _INTERPOLATION. Other elements, and elements
+/// with unknown options, are only counted, by block.
 class DynaElements {
  public:
   DynaElements(MeshSourceText& file, DynaLines& lines, DeckMeshBuilder& deck)
       : file_(file), lines_(lines), deck_(deck) {}
 
-  /// Returns false for a keyword that is none of these.
+  /// Returns false for any other keyword.
   bool read(const DynaKeyword& keyword);
-  /// Adds bodies that are given by sets of nodes to a finished mesh. `set`: the nodes of a set.
+  /// Adds bodies defined by node sets to a finished mesh. `set` returns the nodes of a set.
   void finish(TextMeshContent& mesh,
               const std::function<std::optional<std::vector<int>>(long set)>& set) const;
 
@@ -287,7 +288,7 @@ namespace {
 
 using Kind = NonShellElement::Kind;
 
-/// The fields of one card, all of the same width.
+/// The fields of one card of uniform width.
 struct Card {
   Card(std::string_view line, int width) : line(line), width(width) {}
   std::string_view at(int i) const { return line.value(i, i * width, width); }
@@ -298,7 +299,7 @@ struct Card {
   int width;
 };
 
-/// Without repeated nodes: solids with fewer than 8 corners repeat some.
+/// Skips repeated nodes: solids with fewer than 8 corners repeat some.
 void add_once(std::vector<long>& nodes, long node) {
   if (node != 0 && std::find(nodes.begin(), nodes.end(), node) == nodes.end())
     nodes.push_back(node);
@@ -332,7 +333,7 @@ void DynaElements::skip(int cards) {
   }
 }
 
-/// Number, part, nodes: one card, and one for each option.
+/// Elements whose card holds number, part and nodes; each option adds one card.
 bool DynaElements::plain(const DynaKeyword& keyword, const std::string& name, Kind kind, int nodes,
                          const std::set<std::string>& one_more_card) {
   const auto options = options_after(keyword.name, name);
@@ -348,7 +349,7 @@ bool DynaElements::plain(const DynaKeyword& keyword, const std::string& name, Ki
   return true;
 }
 
-/// The nodes stand behind the part, or in cards of their own.
+/// Solids: the nodes follow the part on the same card, or are on separate cards.
 bool DynaElements::solids(const DynaKeyword& keyword) {
   const auto options = options_after(keyword.name, "ELEMENT_SOLID");
   if (!options || !only(*options, {"H20", "ORTHO"})) return false;
@@ -384,13 +385,13 @@ bool DynaElements::bodies(const DynaKeyword& keyword) {
     if (body.set == 0) body.set = body.label;
     deck_.count_other_element(body.name);
     bodies_.push_back(body);
-    // Options have cards of their own.
+    // Options add further cards.
     if (options->size() > (titled ? 1u : 0u)) break;
   }
   return true;
 }
 
-/// Elements whose card has a layout of its own, and joints of two nodes.
+/// Elements with a special card layout, and connections of two nodes.
 bool DynaElements::pairs(const DynaKeyword& keyword, const std::string& name) {
   auto options = options_after(keyword.name, name);
   const bool joint = name.starts_with("CONSTRAINED_");
@@ -425,7 +426,7 @@ bool DynaElements::interpolation(const DynaKeyword& keyword) {
   if (keyword.name != "CONSTRAINED_INTERPOLATION") return false;
   if (!lines_.next_record()) return true;
   const Card first(lines_.line(), keyword.widths.card);
-  if (first.number(file_, 4, "0 or 1") != 0) {  // nodes by sets
+  if (first.number(file_, 4, "0 or 1") != 0) {  // nodes given by sets
     deck_.count_other_element("*" + keyword.name);
     return true;
   }
@@ -548,7 +549,7 @@ class DynaReader {
     if (!middle) {
       deck_.add_shell(label, where, property, {n.data(), triangle ? 3u : 4u});
     } else if (triangle) {
-      // The fourth side has no length; its middle node, if there is one, is the third corner.
+      // The fourth side is degenerate; its mid-side node, if any, coincides with the third corner.
       const bool short_side = n[7] != 0 && (n[6] == n[2] || n[6] == 0);
       const std::array<long, 3> sides{n[4], n[5], short_side ? n[7] : n[6]};
       deck_.add_shell(label, where, property, {n.data(), 3}, sides);
@@ -566,7 +567,7 @@ class DynaReader {
       if (!lines_.next_card()) return;
       const std::string_view number = DeckLine(lines_.line()).value(0, 0, w);
       titles_[std::string(number)] = title;
-      // Options have cards of their own.
+      // Options add further cards.
       if (keyword.name != "PART") return;
     }
   }

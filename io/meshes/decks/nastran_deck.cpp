@@ -1,4 +1,4 @@
-// Nastran bulk data: GRIDs, elements and the systems of coordinates; everything else stays text.
+// Reads Nastran bulk data: GRIDs, elements and coordinate systems. Everything else stays text.
 
 #include <map>
 #include <set>
@@ -15,9 +15,10 @@
 
 namespace batten {
 
-// Cards of Nastran bulk data, through included files. Internal.
+// Cards of Nastran bulk data, including included files.
 
-/// One line of a card: its name, whether its fields are large, the values 1 to 8 (large: 1 to 4).
+/// One line of a card: its name, whether it is large-field, and its values 1 to 8 (large field: 1
+/// to 4).
 struct CardLine {
   explicit CardLine(std::string_view line);
   bool continues() const { return name.empty() || name[0] == '+' || name[0] == '*'; }
@@ -37,15 +38,15 @@ struct CardLine {
   bool large = false;
 };
 
-/// Reads the lines of a deck. INCLUDE, also inside of included files, is followed.
+/// Reads the lines of a deck. INCLUDE is followed, also inside included files.
 class NastranCards {
  public:
   explicit NastranCards(MeshSourceText& file) : file_(file) {}
-  /// The next line of the deck, whatever it is.
+  /// Reads the next line of the deck, of any kind.
   bool next(std::string_view& line);
-  /// The line that continues a card, if there is one; comments may stand between.
+  /// Reads the continuation line of a card, if there is one, skipping comments before it.
   bool next_line(std::optional<CardLine>& card);
-  /// All values of a card and of the lines that continue it, 8 for each line of small fields.
+  /// All values of a card and its continuation lines; 8 per small-field line.
   std::vector<std::string_view> values_of(const CardLine& card);
 
  private:
@@ -53,15 +54,15 @@ class NastranCards {
   MeshSourceText& file_;
 };
 
-/// Reads numbers of which "A THRU B" are many. Returns the first value that is something else, or
-/// nothing.
+/// Parses numbers, including ranges "A THRU B". The result is the first value that is neither, or
+/// empty.
 std::string_view read_ranges(std::span<const std::string_view> values,
                              std::vector<LabelRange>& ranges);
 
 
 CardLine::CardLine(std::string_view line) : data(line.substr(0, line.find('$'))), cells(data) {
   std::string_view first = cells.value(0, 0, 8);
-  // A name may run on past its columns: BEGIN BULK.
+  // The name may extend beyond its columns: BEGIN BULK.
   large = first.ends_with('*') || first.starts_with('*');
   if (first.ends_with('*') && first.size() > 1) first.remove_suffix(1);
   name = first;
@@ -73,7 +74,7 @@ bool NastranCards::next(std::string_view& line) {
   return false;
 }
 
-/// The name may run over several lines, in which blanks at both ends do not count.
+/// Follows INCLUDE. A file name may span several lines; blanks at both ends of each are ignored.
 bool NastranCards::follow(std::string_view line) {
   std::string_view rest = trimmed(line);
   if (rest.size() < 8 || upper(rest.substr(0, 7)) != "INCLUDE") return false;
@@ -141,18 +142,18 @@ std::string_view read_ranges(std::span<const std::string_view> values,
 }
 
 
-// Coordinate systems of Nastran decks. Internal.
+// Coordinate systems of Nastran decks.
 
-/// Collects CORD1R, CORD1C, CORD1S, CORD2R, CORD2C, CORD2S; then places the nodes that are given in
+/// Collects CORD1R, CORD1C, CORD1S, CORD2R, CORD2C and CORD2S, and transforms the nodes given in
 /// them.
 class NastranSystems {
  public:
   explicit NastranSystems(const MeshSourceText& file) : file_(file) {}
   /// Reads a card whose name begins with CORD.
   void read(const std::string& name, std::span<const std::string_view> values);
-  /// Moves the nodes of a finished mesh from the numbers in their systems to their places.
-  /// `systems`: the number of each node's system, 0 for the basic one. Throws InputError: a system
-  /// that is not there, and what nodes_to_global() throws.
+  /// Transforms the nodes of a finished mesh from local to global coordinates. `systems`: system
+  /// number of each node, 0 for the basic system. Throws InputError for an undefined system, and
+  /// the exceptions of nodes_to_global().
   void transform_nodes(TextMeshContent& mesh, const DeckMeshBuilder& deck,
                        const std::vector<long>& systems);
 
@@ -181,7 +182,7 @@ void NastranSystems::read(const std::string& name, std::span<const std::string_v
               : last == 'S' ? CoordinateFrame::Kind::Spherical
                             : CoordinateFrame::Kind::Rectangular;
   if (name == "CORD1R" || name == "CORD1C" || name == "CORD1S") {
-    // Two systems a card.
+    // Two systems per card.
     for (size_t first = 0; first < values.size() && !at(first).empty(); first += 4) {
       for (size_t k = 0; k < 3; ++k)
         definition.nodes[k] = file_.integer(
@@ -254,7 +255,7 @@ void NastranSystems::transform_nodes(TextMeshContent& mesh, const DeckMeshBuilde
                                             " in coordinate system " + std::to_string(systems[i]) +
                                             ", expected one that the deck defines");
   }
-  // Only what nodes use, and what that uses, has to be there.
+  // Only systems that nodes use, directly or indirectly, must be defined.
   std::vector<char> seen(definitions_.size());
   std::vector<int> open;
   const auto use = [&](int index) {
@@ -272,13 +273,14 @@ void NastranSystems::transform_nodes(TextMeshContent& mesh, const DeckMeshBuilde
 }
 
 
-// Elements and connections of Nastran decks that are no shells. Internal.
+// Non-shell elements and connections of Nastran decks.
 
-/// Whether cards of this name are elements or connections beside the shells.
+/// True for the names of non-shell elements and connections.
 bool is_non_shell_element(const std::string& name);
 
-/// Adds such a card to a deck. `values`: those of all its lines. Cards whose nodes are not read are
-/// counted only. Throws InputError, with its place: a node that is no number.
+/// Adds a non-shell element or connection. `values`: values of all lines of the card. Cards whose
+/// nodes are not read are only counted. Throws InputError, with the location, for an invalid node
+/// number.
 void add_non_shell_element(const std::string& name, std::span<const std::string_view> values,
                            const MeshSourceText& file, DeckMeshBuilder& deck);
 
@@ -286,9 +288,9 @@ namespace {
 
 using Kind = NonShellElement::Kind;
 
-/// Where the nodes of a card stand among its values, which count from its number: 0. `nodes` are in
-/// the order in which an element has them; at `direction` there may be a node, or the first of three
-/// components of a vector.
+/// Positions of the nodes among the values of a card; the element number is value 0. `nodes` follow
+/// the element's node order. Value `direction` may be an orientation node, or the first of three
+/// vector components; -1: none.
 struct CardLayout {
   Kind kind = Kind::Other;
   std::vector<int> nodes;
@@ -340,7 +342,8 @@ const std::map<std::string, CardLayout>& card_layouts() {
   return all;
 }
 
-/// Elements whose nodes are not read: scalar points, boundaries, planes, couplings by elements.
+/// Elements whose nodes are not read: those with scalar points, boundary elements, plane elements,
+/// couplings between elements.
 bool counted_only(const std::string& name) {
   static const std::set<std::string, std::less<>> names{
       "CCONEAX", "CDAMP3", "CDAMP4", "CELAS3",  "CELAS4",  "CHBDYG",  "CHBDYP",
@@ -402,7 +405,7 @@ class Card {
     if (d > 0 && at(d + 1).empty() && at(d + 2).empty() && is_integer(d)) add(d);
   }
 
-  /// RBAR says what is independent at A and B, RROD what is dependent.
+  /// For RBAR, the components independent at A and B are given; for RROD, the dependent ones.
   void rigid_bar(bool rod) {
     element_.kind = Kind::Rigid;
     const bool b_first = rod ? !at(3).empty() : at(3).empty() && !at(4).empty();
@@ -410,7 +413,7 @@ class Card {
     add(b_first ? 1 : 2);
   }
 
-  /// Pairs of a node and its components; those behind UM are dependent.
+  /// RBE1: pairs of a node and its components; those after UM are dependent.
   void rigid_body() {
     element_.kind = Kind::Rigid;
     bool node = true;
@@ -422,7 +425,7 @@ class Card {
     }
   }
 
-  /// At THRU, adds the nodes between the one before it and the one behind it.
+  /// At THRU, adds the nodes between the preceding and the following one.
   bool thru(int i) {
     if (upper(at(i)) != "THRU" || element_.nodes.empty()) return false;
     const long last = file_.integer(at(i + 1), "a node number");
@@ -436,13 +439,13 @@ class Card {
   void spider() {
     element_.kind = Kind::Rigid;
     add(1);
-    // A real number is the thermal expansion.
+    // A real number is the thermal expansion coefficient.
     for (int i = 3; i < count() && !is_real(at(i)); ++i)
       if (!thru(i)) add(i);
   }
 
-  /// A weight with its components begins a group of nodes. Weights of turns alone hold nothing in
-  /// its place.
+  /// RBE3: a weight with its components starts a group of nodes. Weights of rotations alone do not
+  /// constrain translations.
   void average() {
     element_.kind = Kind::Interpolation;
     if (at(2).empty()) file_.fail(at(0), "found an RBE3 without its reference node, expected one");
@@ -462,7 +465,7 @@ class Card {
     }
   }
 
-  /// Two terms a line: node, component, factor.
+  /// Two terms per line: node, component, coefficient.
   void equation() {
     for (int i = 0; i < count(); i += 8) {
       add(i + 1);
@@ -517,7 +520,7 @@ class NastranReader {
   }
 
  private:
-  /// Executive and case control end with BEGIN BULK, if they are there at all.
+  /// Skips the executive and case control sections, if present; they end with BEGIN BULK.
   void go_to_bulk() {
     const auto begins = [](std::string_view line) {
       const std::string first = upper(next_word(line)), second = upper(next_word(line));
@@ -566,7 +569,7 @@ class NastranReader {
                  "found " + quoted_excerpt(line) + ", expected one model without superelements");
     if (name.starts_with("BEGIN") && begun_)
       file_.fail(line, "found a second " + quoted_excerpt(line) + ", expected one model");
-    // That of an included file, in a deck that is nothing but included files.
+    // BEGIN BULK inside an included file, in a deck that consists of include lines only.
     if (name.starts_with("BEGIN")) begun_ = true;
     if (name.starts_with("="))
       file_.fail(line,
@@ -612,7 +615,7 @@ class NastranReader {
                                   std::to_string(corners));
       if (!value.empty()) nodes[i] = file_.integer(value, "a node number");
     }
-    // A property that is not given has the element's number.
+    // A missing property number defaults to the element number.
     deck_.add_shell(label, values[0], std::string(values[1].empty() ? values[0] : values[1]),
                     {nodes.data(), corners}, {nodes.data() + corners, middle});
   }
@@ -638,7 +641,7 @@ class NastranReader {
     if (!set.nodes.empty()) mesh_.sets.push_back(std::move(set));
   }
 
-  static constexpr long kDefault = -1;  // the system that GRDSET says
+  static constexpr long kDefault = -1;  // the system set by GRDSET
   TextMeshContent& mesh_;
   MeshSourceText& file_;
   NastranCards cards_;

@@ -1,4 +1,4 @@
-// OpenRadioss starter decks: nodes, elements and groups of nodes; everything else stays text.
+// Reads OpenRadioss starter decks: nodes, elements and node groups. Everything else stays text.
 #include <algorithm>
 #include <map>
 #include <set>
@@ -11,9 +11,10 @@ namespace {
 
 using Kind = NonShellElement::Kind;
 
-constexpr int kWidth = 10;  // of all fields but real numbers
+constexpr int kWidth = 10;  // field width in columns, except for real numbers
 
-/// Elements by their keyword: the nodes behind the number in its line, or in `more` further lines.
+/// Card layout of an element keyword: `nodes` after the number on its line, and `more` further
+/// lines of nodes.
 struct BlockLayout {
   Kind kind;
   int nodes, more = 0;
@@ -55,7 +56,7 @@ class RadiossReader {
     long label, node, group;
   };
 
-  /// The next line that is not a comment; those that include a file are followed.
+  /// Reads the next line that is not a comment, following include lines.
   bool next(std::string_view& line) {
     while (file_.next(line)) {
       if (line.starts_with("#include")) {
@@ -72,7 +73,8 @@ class RadiossReader {
       if (!next(line_)) return false;
     return true;
   }
-  /// The next line of data of this block; line_ is the one that ends them.
+  /// Advances line_ to the next data line of the current block; at the end of the block, line_ is
+  /// the keyword that ended it.
   bool next_data() {
     if (line_.starts_with('/')) return false;
     while (next(line_)) {
@@ -82,7 +84,7 @@ class RadiossReader {
     return false;
   }
 
-  /// "/SHELL/7" as SHELL, 7.
+  /// Splits "/SHELL/7" into SHELL and 7.
   static std::vector<std::string> words_of(std::string_view line) {
     std::vector<std::string> words;
     for (std::string_view rest = trimmed(line).substr(1);;) {
@@ -121,7 +123,7 @@ class RadiossReader {
     return field(i).empty() ? 0 : file_.integer(field(i), expected);
   }
 
-  /// Old versions have narrower fields.
+  /// Versions before 51 have narrower fields and are rejected.
   void begin() {
     std::string title;
     title_of(title);
@@ -132,7 +134,7 @@ class RadiossReader {
                                ", expected 51 or later, whose fields have 10 columns");
   }
 
-  /// A title may be empty.
+  /// Reads a title, which may be empty.
   void title_of(std::string& title) {
     if (!line_.starts_with('/') && next(line_) && !line_.starts_with('/')) title = trimmed(line_);
   }
@@ -169,7 +171,7 @@ class RadiossReader {
       DeckElement element{layout.kind, "/" + name, 0, field(0), {}, {}};
       element.label = file_.integer(field(0), "an element number");
       const auto add = [&](int i) {
-        // Solids of fewer corners repeat some.
+        // Solids with fewer corners repeat some nodes.
         const long node = number(i);
         auto& all = element.nodes;
         if (node != 0 && std::find(all.begin(), all.end(), node) == all.end()) all.push_back(node);
