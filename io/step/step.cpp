@@ -270,7 +270,7 @@ MeasuredShapes shapes_within(const StepPlan& plan, const StepFaceOptions& option
     // The file is measured between the samples used here.
     constexpr double most = 0.95;
     const double size = kInfinity;
-    found[k] = measure_shape(region,
+    found[k] = fit_primitive(region,
                              std::min(most * options.tolerance, primitive_tolerance(region, size)));
   });
   for (size_t k = 0; k < found.size(); ++k)
