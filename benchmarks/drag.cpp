@@ -85,7 +85,7 @@ DragTimes dragged(SculptingSession& session, int events, const std::function<voi
     SolveReport answer;
     const double a = cpu_seconds_of([&] {
       set(n);
-      answer = session.answer();
+      answer = session.solve_preview();
     });
     const double f = cpu_seconds_of([&] { session.frame(); });
     if (n < 0) continue;

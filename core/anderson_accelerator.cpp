@@ -32,8 +32,7 @@ void AndersonAccelerator::subtract_combination(const double* coefficients,
     for (long begin = 0; begin < from.rows(); begin += block) {
       const long size = std::min(from.rows() - begin, block);
       for (int k = 0; k < count_; ++k)
-        from.col(c).segment(begin, size) -=
-            coefficients[k] * dg_[slot(k)].col(c).segment(begin, size);
+        from.col(c).segment(begin, size) -= coefficients[k] * dg_[k].col(c).segment(begin, size);
     }
 }
 
@@ -43,32 +42,28 @@ void AndersonAccelerator::add_iterate(const Eigen::Ref<const Points>& x,
   for (int c = 0; c < 3; ++c)
     for (size_t i = 0; i < sample_.size(); ++i)
       f_(static_cast<long>(i), c) = g(sample_[i], c) - x(sample_[i], c);
-  double coefficients[kDepth];
-  const auto drop_oldest = [&] {
-    first_ = (first_ + 1) % kDepth;
-    --count_;
-  };
   if (has_last_) {
     if (count_ == kDepth) drop_oldest();
     for (;;) {
-      Points& df = df_[slot(count_)];
+      Points& df = df_[count_];
       df = f_ - last_f_;
       const double before = std::sqrt(dot(df, df));
+      double* coefficients = R_[count_].data();
       std::fill(coefficients, coefficients + kDepth, 0);
       for (int pass = 0; pass < 2; ++pass)  // the second pass makes them orthogonal to rounding
         for (int k = 0; k < count_; ++k) {
-          const double coefficient = dot(df_[slot(k)], df);
-          df -= coefficient * df_[slot(k)];
+          const double coefficient = dot(df_[k], df);
+          df -= coefficient * df_[k];
           coefficients[k] += coefficient;
         }
       const double length = std::sqrt(dot(df, df));
       if (length > independence_ * before) {
-        Points& dg = dg_[slot(count_)];
+        Points& dg = dg_[count_];
         dg = g - last_g_;
         subtract_combination(coefficients, dg);
         df /= length;
         dg /= length;
-        ++count_;
+        coefficients[count_++] = length;
         break;
       }
       if (count_ == 0) break;
@@ -80,9 +75,34 @@ void AndersonAccelerator::add_iterate(const Eigen::Ref<const Points>& x,
   has_last_ = true;
 }
 
+// Deletes the first column of ΔF = Q R, with Q in df_ and ΔG R⁻¹ in dg_: Givens rotations of adjacent
+// rows make the other columns of R triangular again, and turn the columns of Q and ΔG R⁻¹ likewise.
+void AndersonAccelerator::drop_oldest() {
+  for (int i = 0; i + 1 < count_; ++i) {
+    const auto& column = R_[i + 1];
+    const double r = std::hypot(column[i], column[i + 1]);
+    const double c = column[i] / r, s = column[i + 1] / r;
+    for (int j = i + 1; j < count_; ++j) {
+      const double a = R_[j][i], b = R_[j][i + 1];
+      R_[j][i] = c * a + s * b;
+      R_[j][i + 1] = c * b - s * a;
+    }
+    for (std::vector<Points>* columns : {&df_, &dg_}) {
+      Points &x = (*columns)[i], &y = (*columns)[i + 1];
+      for (long k = 0; k < x.size(); ++k) {
+        const double a = x.data()[k], b = y.data()[k];
+        x.data()[k] = c * a + s * b;
+        y.data()[k] = c * b - s * a;
+      }
+    }
+  }
+  --count_;
+  for (int j = 0; j < count_; ++j) R_[j] = R_[j + 1];
+}
+
 void AndersonAccelerator::extrapolate(Eigen::Ref<Points> g) const {
   double coefficients[kDepth];
-  for (int k = 0; k < count_; ++k) coefficients[k] = dot(df_[slot(k)], last_f_);
+  for (int k = 0; k < count_; ++k) coefficients[k] = dot(df_[k], last_f_);
   subtract_combination(coefficients, g);
 }
 

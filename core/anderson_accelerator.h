@@ -1,6 +1,7 @@
 // Anderson acceleration of fixed-point iterations.
 #pragma once
 
+#include <array>
 #include <vector>
 
 #include "batten/core/eigen.h"
@@ -61,14 +62,15 @@ class AndersonAccelerator {
 
  private:
   static constexpr int kDepth = 6;
-  size_t slot(int k) const { return static_cast<size_t>((first_ + k) % kDepth); }
+  void drop_oldest();
   void subtract_combination(const double* coefficients, Eigen::Ref<Points> from) const;
 
   double independence_;
   std::vector<int> sample_;
-  std::vector<Points> df_, dg_;  // the newest is at slot(count_ - 1)
+  std::vector<Points> df_, dg_;  // Q of ΔF = Q R, and ΔG R⁻¹; the oldest difference first
+  std::array<std::array<double, kDepth>, kDepth> R_{};  // by columns
   Points f_, last_f_, last_g_;
-  int first_ = 0, count_ = 0;
+  int count_ = 0;
   bool has_last_ = false;
 };
 

@@ -1,9 +1,10 @@
-// A curve that fairs itself: points from an unsteady hand become the line that was meant.
+// Automatic fairing: computes the smooth curve behind noisy points.
 //
-// 1. points along a known spiral, each off it by up to a third of a millimetre
-// 2. as given: the C2 curve through all of them
-// 3. fair: no number is given, the points say how much of them is noise
-// 4. both beside the spiral; files for CAD and ParaView, and a picture where there is a display
+// 1. points along a known spiral, each with an error of up to 0.3 mm
+// 2. as given: the C2 curve through all points
+// 3. fair: the smoothing spline, with the noise estimated by cross-validation
+// 4. comparison of both curves with the spiral; files for CAD and ParaView, and a picture if there
+//    is a display
 //
 // Usage: curve [OUTPUT FOLDER]
 #include <cmath>
@@ -29,7 +30,7 @@ double off_spiral(const HermiteCurve& curve, const std::vector<Vec3>& spiral) {
 }
 
 int run(const std::filesystem::path& out) {
-  // 1. Millimetres. The noise repeats on every machine.
+  // 1. Lengths are in millimetres. The noise is the same on every machine.
   std::mt19937 hand;
   std::vector<Vec3> spiral, points;
   for (int i = 0; i <= 160; ++i) {
@@ -40,13 +41,13 @@ int run(const std::filesystem::path& out) {
     points.push_back((r + noise) * radial);
   }
 
-  // 2.
+  // 2. The curve as given.
   const HermiteCurve given = interpolating_spline("spiral", points);
 
-  // 3. Conditions (points, directions, planes that must hold) would go into the options.
+  // 3. Constraints (points, directions, planes) could be set in the options.
   const FairCurve fair = fair_points("spiral", points);
 
-  // 4.
+  // 4. Comparison and output.
   const Fairness before = fairness(given), after = fairness(fair.curve);
   const double noise = off_spiral(given, spiral), left = off_spiral(fair.curve, spiral);
   std::filesystem::create_directories(out);

@@ -1,9 +1,9 @@
-// A deformer that keeps a hole: a plate is bent, and its hole stays the circle that it was.
+// Mesh morphing with a form feature: bends a plate while its hole keeps its exact shape.
 //
-// 1. mesh: a square plate with a round hole, rings of quads between hole and border
-// 2. problem: what is fixed, what the user moves, what keeps its shape; factored once
-// 3. edits: one for every event of the mouse, a pair of triangular solves each
-// 4. the hole before and after; a file, and a picture where there is a display
+// 1. mesh: a square plate with a round hole, with rings of quads between hole and border
+// 2. problem: fixed vertices, a handle, and a form feature; factored once
+// 3. edits: one per mouse event, with two triangular solves each
+// 4. the hole before and after; a file, and a picture if there is a display
 //
 // Usage: deformer [OUTPUT FOLDER]
 #include <algorithm>
@@ -30,7 +30,7 @@ using namespace batten;
 constexpr int around = 96, rings = 20;
 constexpr double radius = 30, half = 100;  // mm
 
-// 1. Node i + around·k is on ring k, from the hole (0) to the border.
+// 1. Node i + around·k lies on ring k; ring 0 is the hole, the last ring is the border.
 ShellMesh plate() {
   ShellMesh shells;
   shells.points.resize(around * (rings + 1), 3);
@@ -51,7 +51,7 @@ int run(const std::filesystem::path& out) {
   const ShellMesh shells = plate();
   const TriangleMesh mesh = prepare(shells).mesh;
 
-  // 2. The left border is fixed, the right one is a handle; two rings around the hole are rigid.
+  // 2. The left border is fixed, the right one is a handle. Two node rings at the hole are rigid.
   DeformProblem problem;
   problem.fixed = vertices_beyond_plane(mesh, {-half + 1e-6, 0, 0}, -Vec3::UnitX());
   problem.handles = {{"right", vertices_beyond_plane(mesh, {half - 1e-6, 0, 0}, Vec3::UnitX())}};
@@ -61,7 +61,7 @@ int run(const std::filesystem::path& out) {
   problem.features = {{"hole", feature}};
   FormFeatureDeformer deformer(mesh, problem);
 
-  // 3. The handle goes up and in, and turns about y.
+  // 3. The handle moves up and inwards, and rotates about y.
   DeformEdit edit;
   for (int step = 1; step <= 10; ++step) {
     const double turn = -80 * std::numbers::pi / 180 * step / 10;
@@ -70,7 +70,7 @@ int run(const std::filesystem::path& out) {
     deformer.deform(edit);
   }
 
-  // 4.
+  // 4. Measurement and output.
   const HoleMeasure before = measure_hole(mesh.points(), rim),
                     after = measure_hole(deformer.positions(), rim);
   ShellMesh bent = shells;

@@ -1,11 +1,11 @@
-// A ship's hull from a formula, by the kernel alone: the whole path in one main.
+// A ship's hull from a formula, with the kernel only: all steps from curves to files in one main.
 //
 // Wigley's hull:  y = B/2 (1 - (2x/L)²) (1 - (z/T)²),  -L/2 ≤ x ≤ L/2,  -T ≤ z ≤ 0
 //
-// 1. lines from the formula: keel, stems, deck edge, and waterlines from stern to bow
-// 2. layout: a flat domain, its mesh, every line on element edges
-// 3. the surface of least bending energy through all lines
-// 4. how far it is from the formula; STEP and VTK files, and a picture where there is a display
+// 1. curves from the formula: keel, stems, deck edge, and waterlines from stern to bow
+// 2. layout: a flat domain and its mesh, with every curve aligned with element edges
+// 3. the surface of least bending energy through all curves
+// 4. its distance from the formula; STEP and VTK files, and a picture if there is a display
 //
 // Usage: hull [OUTPUT FOLDER] [NUMBER OF WATERLINES]
 #include <cstdio>
@@ -29,8 +29,8 @@ double half_breadth(double x, double z) {
   return B / 2 * (1 - 4 * x * x / (L * L)) * (1 - z * z / (T * T));
 }
 
-// 1. Along x at height z, from one end to the other; or the straight stem at x, between keel and
-// deck.
+// 1. A curve along x at height z, from one end to the other. stem() is the straight stem at x,
+// between keel and deck.
 std::shared_ptr<const InputCurve> lengthwise(double z, bool forward) {
   return curve_from_formula(0, 1, [=](double t, int order) -> Vec3 {
     const double sign = forward ? 1 : -1, x = sign * L * (t - 0.5), dx = sign * L;
@@ -57,17 +57,17 @@ int run(const std::filesystem::path& out, int waterlines) {
     lines.push_back({"waterline " + std::to_string(i), lengthwise(-T * i / (waterlines + 1), true),
                      CharacterLine::Role::Inner});
 
-  // 2.
+  // 2. Layout.
   SkinOptions options;
   options.tolerance = 1e-4;
   options.edge_length = 0.2;
   const RegionLayout layout("wigley", lines, options);
 
-  // 3.
+  // 3. Solve.
   const SculptResult shape = sculpt(layout, {});
   const SkinnedRegion hull = layout.region(shape.dofs);
 
-  // 4.
+  // 4. Measurement and output.
   const SkinQuality quality = measure(hull);
   double worst = 0, squares = 0;
   const Tessellation points = tessellate(hull.surface.mesh(), 4);

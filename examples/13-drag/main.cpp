@@ -1,10 +1,10 @@
-// A surface under a drag, and a viewer beside it: the live session from C++.
+// An interactive sculpting session in C++, with a viewer in a second thread.
 //
-// 1. layout: a roof over four bowed edges, with a rib inside
-// 2. session: a pressure, a move that lifts the rib, a point that is held; one slider drives two of
-// them
-// 3. one thread drags and publishes frames, another takes the newest as a window would
-// 4. what it took; undo; files, and a picture where there is a display
+// 1. layout: a roof over four arched edges, with a rib inside
+// 2. session: a pressure, an offset that lifts the rib, a point constraint; one slider drives the
+//    first two
+// 3. one thread drags and publishes frames; another one reads the newest frame, as a window would
+// 4. timing; undo; files, and a picture if there is a display
 //
 // Usage: drag [OUTPUT FOLDER] [EDGE LENGTH]
 #include <atomic>
@@ -26,7 +26,7 @@ namespace {
 using namespace batten;
 using Clock = std::chrono::steady_clock;
 
-// 1. Metres. Counter-clockwise seen from above: the normal points upwards.
+// 1. Lengths are in metres. The outline is counter-clockwise seen from above: the normal points up.
 RegionLayout roof(double edge_length) {
   const Vec3 corner[] = {{0, 0, 0}, {6, 0, 0}, {6, 4, 0}, {0, 4, 0}};
   const double rise[] = {0.9, 0.4, 0.9, 0.4};
@@ -46,18 +46,18 @@ RegionLayout roof(double edge_length) {
 }
 
 int run(const std::filesystem::path& out, double edge_length) {
-  // 2. Values of 0 leave the roof as its lines make it.
+  // 2. With the value 0, load and offset do not change the shape.
   SculptingSession session(roof(edge_length), {});
   const SkinnedRegion before = session.region();
   session.add(Load{"swell", Load::Pressure{}}, {{.name = "swell", .min = -200, .max = 200}});
   session.add(LineOffset{"ridge", "rib", Vec3::UnitZ()}, {{.name = "ridge", .min = 0, .max = 1}});
-  // The place of the roof that is nearest to `at` stays at its goal: nail.x, nail.y, nail.z.
+  // Fixes the point of the roof nearest to `at` at its goal (parameters nail.x, nail.y, nail.z).
   session.add(Constraint{"nail", Constraint::Point{{1.5, 1, 0.8}, {1.5, 1, 0.9}}});
   session.add_parameter({.name = "fuller", .min = 0, .max = 1});
   session.set_rule("swell", {{"fuller", 120}}, 0);
   session.set_rule("ridge", {{"fuller", 0.35}}, 0);
 
-  // 3.
+  // 3. The viewer thread, then the drag.
   FrameExchange frames;
   std::atomic<bool> done{false};
   long seen = 0;
@@ -92,7 +92,7 @@ int run(const std::filesystem::path& out, double edge_length) {
   done = true;
   viewer.join();
 
-  // 4.
+  // 4. Results and output.
   const SkinnedRegion after = session.region();
   std::filesystem::create_directories(out);
   write_vtp(out / "roof.vtp", {&after});
@@ -114,7 +114,7 @@ int run(const std::filesystem::path& out, double edge_length) {
   std::printf("constraints held to %.1g of the size all the time; highest point %.3f m\n", worst,
               static_cast<double>(highest));
   const Points last = session.dofs();
-  session.undo();  // the whole drag at once
+  session.undo();  // reverts the whole drag
   const bool taken_back = session.parameters().value("fuller") == 0;
   session.redo();
   const bool same = taken_back && session.dofs() == last;

@@ -5,7 +5,7 @@
 """
 
 COLUMNS, ROWS, PITCH, HEIGHT, LEVELS = 100, 52, 5.0, 15.0, 3
-STROKES = {  # boxes in cells: first column, first row, columns, rows
+STROKES = {  # boxes in grid cells: first column, first row, number of columns, number of rows
     "H": [(0, 0, 6, 28), (14, 0, 6, 28), (0, 11, 20, 6)],
     "U": [(0, 0, 6, 28), (14, 0, 6, 28), (0, 0, 20, 6)],
     "T": [(7, 0, 6, 28), (0, 22, 20, 6)],
@@ -42,7 +42,7 @@ def main():
             faces.append([vertex(*c, level) for c in corners])
             if level == 0:
                 continue
-            # The walls of a letter, from its top down.
+            # The side walls of a letter.
             beside = [(i, j - 1), (i + 1, j), (i, j + 1), (i - 1, j)]
             for k in range(4):
                 if beside[k] in up:

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Writes arm.obj: the arm of an octopus, 300 mm long, with radii of 18 mm at its open root and 6 mm before its round tip, and
-fourteen suckers along its under side, rings with a hollow.
+"""Writes arm.obj, the arm of an octopus. It is 300 mm long, with a radius of 18 mm at its open root and 6 mm at its round tip.
+Along its underside it has fourteen suckers: rings with a hollow.
 
     python3 make_arm.py > arm.obj
 """
@@ -8,10 +8,10 @@ fourteen suckers along its under side, rings with a hollow.
 import math
 
 LENGTH, ROOT, TIP = 300.0, 18.0, 6.0
-BELOW, ABOVE = 24, 14  # quads around the arm on its under side and on its back
-HALF = math.radians(62)  # the under side: so far to both sides of straight down
-SUCKERS, FIRST, STEP, SIZE = 14, 20.0, 1.6, 0.43  # step and size over the arm's radius
-ACROSS, BETWEEN = 10, 4  # rings of quads on a sucker, and from one to the next
+BELOW, ABOVE = 24, 14  # number of quads around the underside and around the back
+HALF = math.radians(62)  # the underside extends by this angle to both sides of straight down
+SUCKERS, FIRST, STEP, SIZE = 14, 20.0, 1.6, 0.43  # count, first position (mm), spacing and size / radius of the arm
+ACROSS, BETWEEN = 10, 4  # rings of quads per sucker, and between two suckers
 
 
 def radius(x):
@@ -19,7 +19,7 @@ def radius(x):
 
 
 def suckers():
-    """Places along the arm and radii."""
+    """Positions of the suckers along the arm, and their radii."""
     found, x = [], FIRST
     for _ in range(SUCKERS):
         found.append((x, SIZE * radius(x)))
@@ -33,14 +33,14 @@ def smooth(t):
 
 
 def height(s):
-    """Of a sucker of radius 1 at the distance s from its middle: a ring around a hollow."""
+    """Height of a sucker of radius 1 at the distance s from its centre: a ring around a hollow."""
     if s >= 1:
         return 0.0
     return 0.36 * math.sin(math.pi / 2 * min(1.0, (1 - s) / 0.4)) - 0.34 * smooth((0.6 - s) / 0.5)
 
 
 def stations(cups):
-    """Where the rings of vertices are along the arm."""
+    """Positions of the rings of vertices along the arm."""
     places = [0.0, FIRST / 4, FIRST / 2 - 1]
     for k, (x, size) in enumerate(cups):
         half = 1.08 * size

@@ -1,13 +1,13 @@
 #!/usr/bin/env python3
-"""Writes head.obj: a head of 240 mm, a closed mesh of quads: a cube blown up to an egg, finer in front, and moved along its
-normals by smooth bumps: nose, eyes, mouth, brows, ears. It looks along -y.
+"""Writes head.obj, a head of 240 mm as a closed mesh of quads. The mesh is a cube inflated to an egg, finer in front. Smooth
+bumps along its normals form nose, eyes, mouth, brows and ears. The head faces -y.
 
     python3 make_head.py > head.obj
 """
 
 import math
 
-CELLS = 36  # to an edge of the cube
+CELLS = 36  # quads per edge of the cube
 
 
 def normalised(v):
@@ -16,12 +16,12 @@ def normalised(v):
 
 
 def direction(face, i, j):
-    """A direction on the unit sphere; the cube's face 0 looks along -y."""
+    """The direction of a grid point on the unit sphere. Face 0 of the cube faces -y."""
     a = math.tan(math.pi / 4 * (2 * i / CELLS - 1))
     b = math.tan(math.pi / 4 * (2 * j / CELLS - 1))
     v = [(a, -1, b), (1, a, b), (-a, 1, b), (-1, -a, b), (a, b, 1), (a, -b, -1)][face]
     x, y, z = normalised(v)
-    # Directions come closer to the face: the angle from -y shrinks.
+    # Concentrates the vertices at the face: reduces the angle from -y.
     angle = math.acos(max(-1.0, min(1.0, -y)))
     less = angle - 0.46 * math.sin(angle)
     across = math.hypot(x, z)
@@ -36,20 +36,20 @@ def bell(*t):
 
 
 def cap(s):
-    """A round cap over |s| < 1."""
+    """A round bump, nonzero for |s| < 1."""
     return (1 - s * s) ** 1.5 if s < 1 else 0.0
 
 
 def surface(d):
     x, y, z = d
-    # An egg, 160 x 190 x 240 mm, narrower at the chin.
+    # The egg: 160 x 190 x 240 mm, narrower at the chin.
     narrow = 1 - 0.16 * max(0.0, -z) ** 1.5
     p = (80 * x * narrow, 95 * y * (1 - 0.06 * max(0.0, -z)), 120 * z)
     n = normalised((p[0] / 80**2, p[1] / 95**2, p[2] / 120**2))
     px, pz, front = p[0], p[2], y < 0
     h = 0.0
     if front:
-        # The nose: a ridge that grows downwards, with a round end and wings.
+        # The nose: a ridge that becomes higher downwards, with a round end and nostrils.
         t = (18 - pz) / 46  # 0 at its root, 1 at its tip
         if -0.5 < t < 1.6:
             grow = 5 + 17 * max(0.0, min(1.0, t)) ** 1.3
@@ -57,12 +57,12 @@ def surface(d):
             h += grow * end * bell(px / (6.5 + 4.5 * max(0.0, min(1.0, t))))
         for side in (-1, 1):
             h += 6 * bell((px - 12 * side) / 5, (pz + 25) / 6)
-            # An eye: a hollow with a ball in it.
+            # An eye: a ball in a hollow.
             r = math.hypot((px - 36 * side) / 21, (pz - 18) / 14)
             h += -7 * bell(r / 1.1) + 13 * cap(math.hypot((px - 36 * side) / 17, (pz - 18) / 13))
             # A brow.
             h += 4 * bell((px - 36 * side) / 19, (pz - 41 + 0.006 * (px - 36 * side) ** 2) / 7)
-        # The mouth: two lips and what parts them.
+        # The mouth: two lips and the groove between them.
         curve = pz + 58 - 0.004 * px * px
         wide = bell((px / 27) ** 2)
         h += wide * (6 * bell((curve - 7) / 6) + 7 * bell((curve + 8) / 6.5) - 3 * bell(curve / 5))
@@ -70,7 +70,7 @@ def surface(d):
         for side in (-1, 1):
             h += 4 * bell((px - 42 * side) / 18, (pz + 16) / 18)  # cheeks
     q = [p[k] + h * n[k] for k in range(3)]
-    # Ears stand out sideways: a rim around a shell.
+    # The ears stand out sideways: a rim around a hollow.
     e = math.hypot((p[1] - 8) / 27, (pz - 2) / 38)
     if e < 1 and abs(x) > 0.5:
         ear = 24 * (1 - e**2.5) ** 2 - 17 * bell(e / 0.38)

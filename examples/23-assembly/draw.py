@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""Draws decks of this lesson above each other, with all that is no shell (needs python3-vtk9 and an X server).
+"""Draws several decks of this example one below the other, including all elements that are not shells. Needs python3-vtk9 and
+an X server.
 
     xvfb-run -a /usr/bin/python3 draw.py picture.png title deck.bdf [title deck.bdf ...]
 """
@@ -17,7 +18,7 @@ def number(text):
 
 
 def read(name):
-    """Nodes, and the cards' fields of eight columns; wide nodes have sixteen."""
+    """Reads the nodes and the fields of all cards: eight columns wide, or sixteen for wide-format nodes."""
     nodes, cards = {}, []
     lines = open(name).read().splitlines()
     for k, line in enumerate(lines):

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Writes assembly.bdf: a plate of 240 x 120 mm with a stiffener, an angle bolted on, a block under it, a motor and a sensor.
+"""Writes assembly.bdf: a plate of 240 x 120 mm with a stiffener, a bolted angle, a block underneath, a motor and a sensor.
 
     python3 make_deck.py > assembly.bdf
 """
@@ -20,7 +20,7 @@ def node(part, x, y, z):
 
 
 def write(name, *fields):
-    """A card in fields of eight columns, continued after every eight of them."""
+    """Writes a card in fields of eight columns, with a continuation line after every eight fields."""
     text = [f"{f:<8}" for f in map(str, fields)]
     lines = [text[k : k + 8] for k in range(0, len(text), 8)]
     for k, line in enumerate(lines):
@@ -35,7 +35,7 @@ def add(name, *fields):
 
 
 def shells(part, corner, across, up, columns, rows, prop, holes=()):
-    """A field of quads from a corner; around each hole the nodes of a square lie on a circle of radius 7."""
+    """Adds a grid of quads that starts at `corner`. Around each hole, eight nodes are moved onto a circle of radius 7."""
 
     def at(i, j):
         return node(part, *(corner[k] + PITCH * (i * across[k] + j * up[k]) for k in range(3)))

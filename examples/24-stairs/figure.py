@@ -1,5 +1,5 @@
-"""A small figure, 1.75 m: little cubes, their closed surface smoothed, on a skeleton that poses it. It looks along x, z is up.
-The lessons 24 to 27 use it."""
+"""A figure, 1.75 m tall: the smoothed boundary of a set of small cubes, posed by a skeleton. It faces x; z is up. Examples 24
+to 27 use it."""
 
 import math
 import struct
@@ -24,7 +24,7 @@ def cubes():
 
 
 def surface(inside):
-    """Faces between cubes and what is outside, seen from there counter-clockwise."""
+    """The boundary faces of the cubes, counter-clockwise seen from outside."""
     numbers, points, faces = {}, [], []
 
     def number(p):
@@ -54,7 +54,7 @@ def surface(inside):
 
 
 def smoothed(points, faces, passes=14):
-    """Corners rounded; every other pass goes back, so that limbs keep their width."""
+    """Smooths the corners. Every other pass has the opposite sign, so that limbs keep their width."""
     beside = [set() for _ in points]
     for f in faces:
         for k in range(4):
@@ -70,13 +70,13 @@ def smoothed(points, faces, passes=14):
 
 
 def figure():
-    """Places of the nodes, standing upright, and the faces."""
+    """Node positions of the upright figure, and the faces."""
     points, faces = surface(cubes())
     points = smoothed(points, faces)
-    low = 0.015  # soles are flat
+    low = 0.015  # height of the flat soles, m
     for p in points:
         p[2] = max(p[2], low) - low
-        if p[2] > 0.8:  # a chest
+        if p[2] > 0.8:  # widens the chest
             p[0] *= 1 + 0.5 * math.exp(-(((p[2] - 1.2) / 0.2) ** 2)) * (abs(p[1]) < 0.24)
     return points, faces
 
@@ -87,7 +87,7 @@ def ramp(t):
 
 
 def turned(p, centre, degrees):
-    """About the y axis; positive: what is below the centre goes forward."""
+    """Rotates p about an axis along y through the centre. A positive angle moves points below the centre forward."""
     a = math.radians(degrees)
     x, z = p[0] - centre[0], p[2] - centre[2]
     return [centre[0] + x * math.cos(a) - z * math.sin(a), p[1], centre[2] + x * math.sin(a) + z * math.cos(a)]
@@ -98,7 +98,7 @@ def mixed(p, q, w):
 
 
 def legs_for(hip, ankle):
-    """Degrees of thigh and shin that take a leg from the hip to the ankle, the knee in front."""
+    """Angles in degrees of thigh and shin for given hip and ankle positions, with the knee in front (inverse kinematics)."""
     x, z = ankle[0] - hip[0], hip[1] - ankle[1]
     thigh, shin = HIP - KNEE, KNEE - ANKLE
     reach = min(math.hypot(x, z), 0.9999 * (thigh + shin))
@@ -109,8 +109,8 @@ def legs_for(hip, ankle):
 
 
 def posed(points, pose):
-    """`pose`: "hip": (x, z) of the pelvis; "lean": of the trunk, degrees; for "left" and "right" "ankle": (x, z), "foot":
-    degrees that its toes point up, "arm", "elbow": degrees forward; "nod": of the head."""
+    """Node positions in a pose. Keys of `pose`, angles in degrees: "hip": (x, z) of the pelvis; "lean" of the trunk; "nod" of
+    the head; for "left" and "right": "ankle": (x, z), "foot": toes up, "arm" and "elbow": forward."""
     hip_x, hip_z = pose["hip"]
     up = hip_z - HIP
     placed = []
@@ -120,14 +120,14 @@ def posed(points, pose):
         q = mixed(body, turned(body, centre, -pose.get("nod", 0)), ramp((p[2] - NECK + 0.03) / 0.1))
         side = "left" if p[1] > 0 else "right"
         limb = pose[side]
-        if abs(p[1]) > 0.24 and p[2] > 0.6:  # an arm
+        if abs(p[1]) > 0.24 and p[2] > 0.6:  # the arm
             lean = pose.get("lean", 0)
             joint = turned([hip_x, 0, SHOULDER + up], (hip_x, 0, hip_z), -lean)
             straight = turned([p[0] + hip_x, p[1], p[2] + up], (hip_x, 0, hip_z), -lean)
             elbow = turned([hip_x, 0, ELBOW + up], (hip_x, 0, hip_z), -lean)
             bent = mixed(straight, turned(straight, elbow, limb["elbow"]), ramp((ELBOW + 0.07 - p[2]) / 0.14))
             q = mixed(body, turned(bent, joint, limb["arm"]), ramp((abs(p[1]) - 0.2) / 0.1))
-        elif p[2] < HIP + 0.06:  # a leg
+        elif p[2] < HIP + 0.06:  # the leg
             thigh, shin = legs_for((hip_x, hip_z), limb["ankle"])
             at_rest = [p[0] + hip_x, p[1], p[2] + up]
             upper = turned(at_rest, (hip_x, 0, hip_z), thigh)
@@ -151,7 +151,7 @@ def write_obj(file, points, faces):
 
 
 def write_cache(file, frames):
-    """A point cache: single precision, frames numbered from 0."""
+    """Writes a point cache (PC2): single precision, first frame number 0."""
     with open(file, "wb") as out:
         out.write(struct.pack("<12siiffi", b"POINTCACHE2\0", 1, len(frames[0]), 0, 1, len(frames)))
         for frame in frames:

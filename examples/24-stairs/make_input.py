@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Writes walker.obj and walker.pc2, a figure that walks on the spot, 25 frames from one step to the same step again, and
-stairs.obj, eight steps, to the folder that is named, or here.
+"""Writes walker.obj and walker.pc2, a figure that walks on the spot (one cycle in 25 frames, the last equals the first), and
+stairs.obj with eight steps. The output folder is the first argument; default: the current folder.
 
     python3 make_input.py
 """
@@ -11,25 +11,25 @@ import sys
 
 from figure import ANKLE, HIP, figure, posed, ramp, write_cache, write_obj
 
-FRAMES = 24  # of a cycle
-STRIDE = 0.8  # m, of a cycle: two steps
-STANDS = 0.6  # of the cycle, each foot
+FRAMES = 24  # per cycle
+STRIDE = 0.8  # m per cycle of two steps
+STANDS = 0.6  # fraction of the cycle in which each foot is planted
 
 
 def ankle(phase):
-    """Place and turn of an ankle; phase 0: the foot is set down."""
+    """Position and rotation of an ankle. The foot touches the ground at phase 0."""
     phase %= 1
     length = STRIDE * STANDS
-    if phase < STANDS:  # backwards at even speed
+    if phase < STANDS:  # backwards at constant speed
         return (length / 2 - STRIDE * phase, ANKLE), 0
     t = (phase - STANDS) / (1 - STANDS)
-    # The ground goes backwards: seen from it the foot starts and ends at rest.
+    # The ground moves backwards. Relative to it, the foot starts and ends at rest.
     x = length / 2 - STRIDE * phase + STRIDE * ramp(t)
     return (x, ANKLE + 0.19 * math.sin(math.pi * t) ** 1.5), 12 * math.sin(2 * math.pi * t)
 
 
 def pose(k):
-    at = k / FRAMES + 0.05  # frame 1: both feet stand
+    at = k / FRAMES + 0.05  # in frame 1 both feet are planted
     walk = {"hip": (0, HIP - 0.05 - 0.012 * math.cos(4 * math.pi * (at - 0.05))), "lean": 3, "nod": -3}
     for side, ahead in (("left", 0), ("right", 0.5)):
         place, foot = ankle(at + ahead)
@@ -39,7 +39,7 @@ def pose(k):
 
 
 def stairs():
-    """Level ground, eight steps of 0.4 m by 0.1 m, level ground; their fronts lean a little, so that each place has one height."""
+    """Level ground, eight steps of 0.4 m by 0.1 m, level ground. The risers lean a little, so that every height is unique."""
     profile = [(-0.6, 0.0)]
     for k in range(8):
         edge = 0.86 + 0.4 * k

@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""Writes hills.obj, gentle ground of 8 by 6 m, to the folder that is named, or here. Who walks on it is ../24-stairs/walker.pc2.
+"""Writes hills.obj, gently uneven ground of 8 by 6 m, for the figure in ../24-stairs/walker.pc2. The output folder is the first
+argument; default: the current folder.
 
     python3 make_input.py
 """

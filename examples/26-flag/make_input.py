@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
-"""Writes banner.obj and banner.pc2, a cloth of 1.6 by 0.9 m that hangs from its two upper corners in a light wind, 25 frames,
-to the folder that is named, or here. Whose hands carry it is ../24-stairs/walker.pc2.
+"""Writes banner.obj and banner.pc2: a cloth of 1.6 by 0.9 m that hangs from its two upper corners in a light wind, in 25
+frames. The figure that carries it is in ../24-stairs/walker.pc2. The output folder is the first argument; default: the
+current folder.
 
     python3 make_input.py
 """
@@ -15,10 +16,10 @@ WIDE, HIGH = 1.6, 0.9
 
 
 def place(i, j, k):
-    u, v = i / (ALONG - 1), j / (DOWN - 1)  # v: from the upper edge down
+    u, v = i / (ALONG - 1), j / (DOWN - 1)  # v: 0 at the upper edge, 1 at the lower edge
     t = 2 * math.pi * k / FRAMES
-    sag = 4 * u * (1 - u)  # of the upper edge between the corners
-    loose = 1 - (1 - v) ** 2 * (1 - sag)  # the corners stay
+    sag = 4 * u * (1 - u)  # sag of the upper edge between the corners
+    loose = 1 - (1 - v) ** 2 * (1 - sag)  # freedom to move: 0 at the fixed corners
     wind = 0.07 * loose * math.sin(2 * math.pi * (1.2 * u + 0.5 * v) - t) + 0.05 * v * math.cos(t)
     belly = 0.10 * loose * sag * (1 - v)
     return wind * min(1.0, 1.6 * (v + 0.35 * sag)) + belly, WIDE * (u - 0.5), -HIGH * v - 0.06 * sag * (1 - 0.4 * v)

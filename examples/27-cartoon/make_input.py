@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""Writes jumper.obj and jumper.pc2, the figure of lesson 24 that jumps up, 36 frames, to the folder that is named, or here.
+"""Writes jumper.obj and jumper.pc2: the figure of example 24 jumps, in 36 frames. The output folder is the first argument;
+default: the current folder.
 
     python3 make_input.py
 """
@@ -12,8 +13,8 @@ sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "24-stai
 from figure import ANKLE, figure, posed, ramp, write_cache, write_obj  # noqa: E402
 
 FRAMES = 36
-OFF, DOWN = 14, 22  # frames in which the feet leave the ground and are back
-LOW, STRAIGHT, STANDING, JUMP = 0.58, 0.82, 0.80, 0.35  # heights of the hips, and of the jump, m
+OFF, DOWN = 14, 22  # frames of take-off and landing
+LOW, STRAIGHT, STANDING, JUMP = 0.58, 0.82, 0.80, 0.35  # hip heights (crouch, straight legs, standing), jump height, m
 
 
 def keyed(k, keys):
@@ -24,7 +25,7 @@ def keyed(k, keys):
 
 
 def hips(k):
-    """Down, off with ever more speed, through the air, caught, up again."""
+    """Height of the hips: crouch, accelerate, fly, land, stand up again."""
     if k <= 11:
         return keyed(k, [(3, STANDING), (11, LOW)])
     if k <= OFF:
@@ -45,7 +46,7 @@ def pose(k):
     lean = keyed(k, [(3, 0), (11, 26), (15, -4), (21, 0), (26, 24), (33, 0)])
     arm = keyed(k, [(3, 0), (10, -45), (16, 80), (20, 60), (27, -15), (33, 0)])
     elbow = keyed(k, [(3, 8), (10, 15), (16, 30), (24, 35), (33, 8)])
-    # Hips go back where the trunk leans forward.
+    # The hips move back when the trunk leans forward.
     figure_now = {"hip": (-0.005 * lean, hips(k)), "lean": lean, "nod": -0.7 * lean}
     for side in ("left", "right"):
         figure_now[side] = {"ankle": (0, ANKLE + air(k)), "foot": -30 * min(1.0, 5 * air(k)), "arm": arm, "elbow": elbow}

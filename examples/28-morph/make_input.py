@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Writes a worm that winds and a fish that swims on the spot, 25 frames each, to the folder that is named, or here: worm.obj,
-worm.pc2 (rings of 16 quads), fish.obj, fish.pc2 (a cube blown up). The heads look along x.
+"""Writes a crawling worm and a fish that swims on the spot, 25 frames each: worm.obj and worm.pc2 (rings of 16 quads), fish.obj
+and fish.pc2 (an inflated cube). The heads face x. The output folder is the first argument; default: the current folder.
 
     python3 make_input.py
 """
@@ -10,7 +10,7 @@ import pathlib
 import struct
 import sys
 
-FRAMES = 24  # of a period
+FRAMES = 24  # per period
 
 
 def ramp(t):
@@ -19,14 +19,14 @@ def ramp(t):
 
 
 def worm_half(u):
-    """Half width and half height of the worm at u: 0 the head, 1 the tail. It becomes thin towards the tail."""
+    """Half width and half height of the worm at u, from 0 (head) to 1 (tail). The worm tapers towards the tail."""
     end = math.sqrt(max(0.0, 1 - (2 * u - 1) ** 8))
     thick = (0.085 - 0.035 * u) * end
     return thick, thick
 
 
 def fish_half(u):
-    """A high body, a thin root of the tail, a fin."""
+    """Half width and half height of the fish at u: a high body, a thin root of the tail, a fin."""
     end = math.sqrt(max(0.0, 1 - (2 * u - 1) ** 6))
     body = math.sin(math.pi * min(1.0, u / 0.86) ** 0.75) if u < 0.86 else 0.0
     fin = ramp((u - 0.78) / 0.16)
@@ -44,7 +44,7 @@ def fish_line(u, t):
 
 
 def placed(u, angle, half, line, t):
-    """The point at u of the line and at an angle around it, which turns with the line."""
+    """The surface point at u along the centre line and at `angle` around it. The cross-section rotates with the line."""
     width, height = half(u)
     y, _ = line(u, t)
     ahead, behind = line(max(0.0, u - 0.01), t)[0], line(min(1.0, u + 0.01), t)[0]
@@ -55,12 +55,12 @@ def placed(u, angle, half, line, t):
 
 
 def rings():
-    """u and angle of all nodes of a tube with two closed ends, and its faces."""
+    """(u, angle) of all nodes of a tube with two closed ends, and its faces."""
     count, around = 25, 16
     nodes = [(0.0, 0.0)]
     for k in range(count):
         u = (1 - math.cos(math.pi * (k + 1) / (count + 1))) / 2
-        u = 0.35 * u + 0.65 * (k + 1) / (count + 1)  # rings closer at the ends
+        u = 0.35 * u + 0.65 * (k + 1) / (count + 1)  # denser rings at the ends
         nodes += [(u, 2 * math.pi * i / around) for i in range(around)]
     nodes.append((1.0, 0.0))
     ring = lambda k, i: 1 + k * around + i % around  # noqa: E731
@@ -72,7 +72,7 @@ def rings():
 
 
 def cube(cells=10):
-    """The same of a cube blown up to a ball, stretched."""
+    """(u, angle) of all nodes of a cube inflated to a ball and stretched, and its faces."""
     numbers, nodes, faces = {}, [], []
 
     def node(face, i, j):

@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
-"""Writes plate.obj and plate.pc2: a plate of 240 by 160 mm with three round holes is pressed into a hat, 21 frames as a forming
-program gives them, to the folder that is named, or here. Lengths are kept: the flanges are drawn in.
+"""Writes plate.obj and plate.pc2: a plate of 240 by 160 mm with three round holes is pressed into a hat section, in 21 frames as
+in the output of a forming simulation. The plate does not stretch, so the flanges are drawn in. The output folder is the first
+argument; default: the current folder.
 
     python3 make_input.py
 """
@@ -11,9 +12,9 @@ import struct
 import sys
 
 FRAMES = 20
-BLOCK, CELLS, RINGS = 40.0, 6, 3  # the plate is made of blocks of 40 mm
-HOLES = {(0, 2): 9.0, (1, 1): 8.0, (3, 2): 12.0}  # block: radius; on a flange, on a wall, on top
-ANGLE, SHARP = 62.0, 16.0  # of the walls, degrees; length of a bend, mm
+BLOCK, CELLS, RINGS = 40.0, 6, 3  # the plate consists of blocks of 40 mm; cells per block side; rings around a hole
+HOLES = {(0, 2): 9.0, (1, 1): 8.0, (3, 2): 12.0}  # block: radius in mm; in a flange, in a wall, in the top
+ANGLE, SHARP = 62.0, 16.0  # wall angle, degrees; length of a bend, mm
 
 
 def plate():
@@ -37,7 +38,7 @@ def plate():
                         corners = ((i, j), (i + 1, j), (i + 1, j + 1), (i, j + 1))
                         faces.append([node(x0 + step * a, y0 + step * b) for a, b in corners])
                 continue
-            # From the block's border to the circle, ring by ring.
+            # Rings of nodes from the border of the block to the circle.
             border = [(step * i, 0.0) for i in range(CELLS)] + [(BLOCK, step * i) for i in range(CELLS)]
             border += [(BLOCK - step * i, BLOCK) for i in range(CELLS)] + [(0.0, BLOCK - step * i) for i in range(CELLS)]
 
@@ -60,8 +61,8 @@ def ramp(t):
 
 
 def profile(press):
-    """Where a point of the flat plate goes, by its distance from the middle: across and down, for a punch that is down by
-    `press`, 0 to 1. Bends at 32 and 78 mm."""
+    """Maps the distance of a point from the middle of the flat plate to its position in the cross-section: (across, up).
+    `press`: stroke of the punch, 0 to 1. The bends are at 32 and 78 mm."""
     angle = math.radians(ANGLE) * press
     steps, table = 1200, [(0.0, 0.0)]
     for k in range(steps):
@@ -69,7 +70,7 @@ def profile(press):
         slope = angle * (ramp((s - 32 + SHARP / 2) / SHARP) - ramp((s - 78 + SHARP / 2) / SHARP))
         x, z = table[-1]
         table.append((x + 120.0 / steps * math.cos(slope), z - 120.0 / steps * math.sin(slope)))
-    low = table[-1][1]  # flanges stay where they are, the middle goes up
+    low = table[-1][1]  # the flanges keep their height, and the middle moves up
     return lambda s: (table[round(s / 120.0 * steps)][0], table[round(s / 120.0 * steps)][1] - low)
 
 

@@ -1,10 +1,10 @@
-"""A glass that holds a third of a litre: lines from formulas, a session, a root, files.
+"""A glass that holds a third of a litre: curves from formulas, a session, a root search, output files.
 
-1. lines: foot and rim, two circles, as arrays of numpy
-2. surface: a ring between them, which bends least
-3. session: a pressure blows the glass up; its volume is asked for after each answer
-4. the pressure at which it holds 330 ml, by the secant rule
-5. files, and a picture where there is a display
+1. curves: foot and rim, two circles, as numpy arrays
+2. surface: the annular surface of least bending energy between them
+3. session: a pressure inflates the glass, and each update gives its volume
+4. the pressure at which the glass holds 330 ml, by the secant method
+5. output files, and a picture if there is a display
 
 Usage: glass.py [OUTPUT FOLDER]
 """
@@ -20,7 +20,7 @@ FOOT, RIM, HEIGHT, WANTED = 22.0, 34.0, 110.0, 330.0  # mm, mm, mm, ml
 
 
 def circle(radius, z, count=72):
-    """Points of a circle about the z axis, count+1×3: the last one is the first one again."""
+    """Points of a circle about the z axis, (count + 1) × 3. The last point equals the first."""
     turn = np.linspace(0, 2 * np.pi, count + 1)
     points = np.column_stack([radius * np.cos(turn), radius * np.sin(turn), np.full(count + 1, z)])
     points[-1] = points[0]
@@ -28,7 +28,7 @@ def circle(radius, z, count=72):
 
 
 def millilitres(session):
-    """The volume between foot and rim: ⅓ ∬ x·n over the wall and over the lid; that of the floor at z = 0 is 0."""
+    """Volume between foot and rim, ml: ⅓ ∬ x·n over the wall and a lid. The floor at z = 0 contributes nothing."""
     lid = HEIGHT * np.pi * RIM**2 / 3
     return (abs(session.volume) + lid) / 1000
 
@@ -36,11 +36,11 @@ def millilitres(session):
 def main(out):
     os.makedirs(out, exist_ok=True)
 
-    # 1. and 2.
+    # 1. and 2. Curves and surface.
     model = batten.skin({"foot": circle(FOOT, 0), "rim": circle(RIM, HEIGHT)}, name="glass")
     assert model.missed == [], model.missed
 
-    # 3. Outwards is along the normal, or against it.
+    # 3. Find whether the surface normal points outwards.
     session = batten.Session(model)
     outwards = 1 if (model.normals * model.points)[:, :2].sum() > 0 else -1
     session.add_pressure("blow")
@@ -50,7 +50,7 @@ def main(out):
         session.settle()
         return millilitres(session)
 
-    # 4. Like a balloon the glass has a limit: a pressure past it is an exception, and half of that step is made.
+    # 4. Like a balloon, the glass has a limit pressure. Beyond it, settle() raises an exception, and the step is halved.
     before = filled(0.0)
     p, f, q = 0.0, before - WANTED, 5.0
     steps = refused = 0
@@ -67,7 +67,7 @@ def main(out):
         p, f, q = q, g, q - g * (q - p) / (g - f)
     glass = session.model()
 
-    # 5.
+    # 5. Output.
     missed = glass.save(os.path.join(out, "glass.step"))
     points, triangles = glass.points, glass.triangles
     np.savez(os.path.join(out, "glass.npz"), points=points, triangles=triangles)
