@@ -1,5 +1,5 @@
 # Debian packages by CPack; scripts/package makes them. What is installed belongs to one component a package: program,
-# dev, studio, freecad, mpi, python; without a word it is dev (CMakeLists.txt).
+# dev, studio, freecad, mpi, python; by default dev (CMakeLists.txt).
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_NAME batten)
 set(CPACK_PACKAGE_VENDOR "Batten")
@@ -45,7 +45,7 @@ VTK and CalculiX files.
 This package holds the command line.")
   set(CPACK_DEBIAN_PROGRAM_PACKAGE_RECOMMENDS "xvfb, xauth")
   set(CPACK_DEBIAN_PROGRAM_PACKAGE_SUGGESTS "calculix-ccx, batten-studio")
-  # Man pages, by scripts/package; the completion of bash; lessons.
+  # Man pages, by scripts/package; the completion of bash; examples.
   file(MAKE_DIRECTORY ${PROJECT_BINARY_DIR}/man/program)
   install(DIRECTORY ${PROJECT_BINARY_DIR}/man/program/ DESTINATION ${CMAKE_INSTALL_DATADIR}/man/man1 COMPONENT program)
   install(FILES ${PROJECT_SOURCE_DIR}/cmake/packages/batten.bash RENAME batten COMPONENT program

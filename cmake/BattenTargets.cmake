@@ -1,4 +1,4 @@
-# batten_library(core SOURCES a.cpp … HEADERS a.h … LINKS batten::x …): one folder with its rooms, one
+# batten_library(core SOURCES a.cpp … HEADERS a.h … LINKS batten::x …): one folder with its sub-folders, one
 # library.
 add_library(batten_options INTERFACE)
 target_compile_features(batten_options INTERFACE cxx_std_20)
@@ -63,7 +63,7 @@ function(batten_library folder)
   endif()
   install(TARGETS batten_${name} EXPORT ${export} ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
   foreach(header ${ARG_HEADERS})
-    get_filename_component(room ${folder}/${header} DIRECTORY)
-    install(FILES ${header} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/batten/${room})
+    get_filename_component(subfolder ${folder}/${header} DIRECTORY)
+    install(FILES ${header} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/batten/${subfolder})
   endforeach()
 endfunction()

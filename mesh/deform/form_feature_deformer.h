@@ -90,7 +90,7 @@ class FormFeatureDeformer {
   double correct();
 
   const Points& positions() const;
-  /// Logarithms q_i (axis · angle/2) of the rotations of the last edit, n×3.
+  /// Rotation vectors of the field of the last edit, n×3.
   Points rotation_logs() const;
   /// Largest constraint violation of positions(), see the free function hard_residual(). It is
   /// measured with the problem as stated, not with the rows of the solver.

@@ -166,11 +166,11 @@ class SculptingSession {
   /// Elastic energy of the current shape on the domain scaled to size 1; in relative units over
   /// size².
   SurfaceEnergy energy() const;
-  /// Total energy under the current parameter values, in the units of energy(): elastic energy - 2
-  /// Fᵀx of the loads, plus the energy of springs and, in motion, kinetic energy.
+  /// Total energy under the current parameter values, in the units of energy(): elastic energy
+  /// minus Fᵀx of the loads, plus the energy of springs and, in motion, kinetic energy.
   ///
-  /// It never grows under constant loads that do not follow the surface. Pressure p contributes -2
-  /// p V (V: the enclosed volume), which is its potential if the boundary is fixed.
+  /// It never grows under constant loads that do not follow the surface. Pressure p contributes
+  /// -p V (V: the enclosed volume), which is its potential if the boundary is fixed.
   double total_energy() const;
   /// Reaction force of each line and constraint at equilibrium. Factors a matrix of the
   /// constraints.
