@@ -12,7 +12,7 @@ namespace {
 /// Two lines that cross at a node of a surface with the second form B: four ends, four corners. Their
 /// normals turn by `torsion` besides, which a surface of one curvature would not have.
 struct Crossing {
-  std::vector<JoinEnd> ends;
+  std::vector<TwistEnd> ends;
   std::vector<TwistCorner> corners;
 
   Crossing(double angle, const std::vector<double>& torsion) {
@@ -66,7 +66,7 @@ TEST_CASE(
 TEST_CASE("the sides of a join may have opposite normals") {
   Crossing crossing(1.2, {0.8, -0.3, 0.1, 0.5});
   const auto rates = matching_twists(crossing.ends, crossing.corners);
-  JoinEnd& turned = crossing.ends[1];
+  TwistEnd& turned = crossing.ends[1];
   turned.normal = -turned.normal;
   turned.slope = -turned.slope;
   for (TwistCorner& corner : crossing.corners)
