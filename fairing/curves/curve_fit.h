@@ -36,8 +36,8 @@ std::optional<HermiteCurve> exact_curve(const InputCurve& curve, double corner_a
 
 /// Fits a Hermite curve to an input curve within options.tolerance.
 ///
-/// Returns exact_curve() if it exists and no option forbids it: given ends, `bisection_only`,
-/// `fixed_parameters`, or a `closed` that differs. Otherwise it fits samples of the input, dense
+/// Returns exact_curve() if it exists, unless one of these options is set: prescribed end tangents,
+/// `bisection_only`, `fixed_parameters`, or a `closed` that differs from the input. Otherwise it fits samples of the input, dense
 /// enough that the tolerance also holds between them. Half of them are evenly spaced by arc length,
 /// half by the parameter of the input. u is roughly arc length; with options.fixed_parameters it is
 /// arc length within the tolerance. Throws InputError if the tolerance cannot be reached.

@@ -87,7 +87,7 @@ struct SceneLine {
   bool constrains_surface = true;                       ///< holes only; false: the curve only trims
                                                         ///< the surface
   std::vector<LocatedString> only, skip, inner, holes;  ///< names of curves of a [[lines]]
-  bool creases = false;  ///< CAD file: true: edges inside its faces are lines, too
+  bool creases = false;  ///< CAD files: true: creases inside faces are curves, too
 };
 
 /// [skin]: meshing options, material and boundary conditions of the surface.

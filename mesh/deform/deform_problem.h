@@ -115,9 +115,9 @@ struct HandleTransform {
 struct DeformEdit {
   std::vector<HandleTransform> handles;  ///< one per handle
   std::vector<double> feature_scales;    ///< s_f, one per feature, above 0; empty: all 1
-  std::vector<Vec3>
-      constraint_origins;     ///< a point of each plane or line (for vectors: the vector); empty:
-                              ///< the undeformed position of each constrained point
+  /// One point on the plane or line of each point constraint, and the vector of each constraint that
+  /// prescribes a vector. If empty, planes and lines pass through the undeformed constrained points.
+  std::vector<Vec3> constraint_origins;
   std::vector<Vec3> targets;  ///< right-hand side of each linear constraint; empty: as in the
                               ///< problem
 };

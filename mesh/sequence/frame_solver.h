@@ -58,8 +58,9 @@ class FrameSolver {
   /// shapes during a drag. Throws InputError before the first alternate() or reconstruct(). Returns
   /// true if the iteration has converged.
   bool iterate(int iterations);
-  /// Performs only the global step with given rotations, one per node, then `iterations`
-  /// iterations. Parts with free rotation start with the mean rotation of their nodes.
+  /// First performs a global step with the given rotations, one per node, without a local step; then
+  /// `iterations` full iterations. Parts with free rotation start with the mean rotation of their
+  /// nodes.
   void reconstruct(const Points& frame, const FrameTargets& targets,
                    const std::vector<Mat3>& rotations, int iterations = 0);
 

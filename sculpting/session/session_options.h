@@ -35,8 +35,8 @@ struct RestShapeInput {
 /// Computes the rest shape of a session: the reference configuration of zero elastic energy, from
 /// which loads, offsets and constraints bend the surface.
 ///
-/// It need not satisfy the constraints. An empty result means that there is none: the lines then
-/// bend the surface from nothing.
+/// It need not satisfy the constraints. An empty result means that there is no rest shape: the
+/// elastic energy is then that of the shape itself, as in thin-plate interpolation of the lines.
 using RestShapeFunction = std::function<Points(const RestShapeInput&)>;
 
 /// Options of a SculptingSession.

@@ -42,8 +42,8 @@ struct Outline {
 /// reversed. `gap_tolerance`: ends within this distance are joined, model units.
 ///
 /// Prescribed curves that are listed in the order of one loop are joined in that order, so that the
-/// loop may pass through a point twice. Two prescribed curves make a corner unless their slopes are
-/// the same vector (relative 1e-12). Other segments make a corner if the direction changes by more
+/// loop may pass through a point twice. Two prescribed curves (CharacterLine::prescribed_curve) make a
+/// corner unless their derivative vectors dX/du agree at the common end (relative 1e-12). Other segments make a corner if the direction changes by more
 /// than `corner_angle` (degrees).
 ///
 /// Throws InputError, with a message for the user: an open loop (with the gap), three lines at one

@@ -192,8 +192,9 @@ struct JoinQuality {
   /// same side of the line.
   double convexity = 0;
 };
-/// Measures a join at samples + 1 points per edge, ends included. `open`: the join is a crease at
-/// that end.
+/// Measures the gap and the angle between the two regions of a join at samples + 1 points per edge,
+/// ends included. `open`: for each end of the join, true if tangent continuity is not imposed there,
+/// so that the join ends as a crease.
 JoinQuality measure_join(const std::vector<const SkinnedRegion*>& regions,
                          const JoinLine& join_line, const std::array<bool, 2>& open = {},
                          int samples = 8);

@@ -99,11 +99,13 @@ class ModelLayout {
   bool has_line(const std::string& name) const;
   /// The line of this name. Throws InputError, suggesting the closest name, if there is none.
   const ModelLine& model_line(const std::string& name) const;
-  /// The curve X(t) of a line, as represented in its first side. Throws as model_line().
+  /// The curve X(t) of a line, as approximated on its first side. Throws as model_line().
   const HermiteCurve& line(const std::string& name) const;
-  /// The curve X(t) as represented in a side; pcurve(): its c(t), with the same parameters.
+  /// The curve X(t) of a line in space, as approximated on one side, that is in one of the regions
+  /// that meet there.
   const HermiteCurve& curve(const LineSide& side) const;
-  /// The pcurve c(t) of a side, with the parameter of curve().
+  /// The same curve in the parametric domain of that region, c(t) = (u, v), with the parameter t of
+  /// curve().
   HermiteCurve pcurve(const LineSide& side) const;
   /// True if the curve of a side runs against that of the first side of the line.
   bool against(const ModelLine& line, const LineSide& side) const;

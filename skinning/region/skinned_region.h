@@ -101,8 +101,8 @@ struct SkinOptions {
   /// The region has a rest shape, the surface that its boundary curves suggest (model_shapes.h), if
   /// there is one. If false, its bending energy is that of the shape itself (rest shape zero).
   bool rest = true;
-  /// Inner lines of an annulus are sections of it, ordered from the first boundary circle to the
-  /// last.
+  /// True: the region is an annulus, and each inner line is a closed cross-section of it. The lines
+  /// are ordered from one boundary circle to the other.
   bool sections = false;
   /// The outline runs against its first line, so that the normal points to the other side.
   bool reverse_orientation = false;

@@ -32,9 +32,9 @@ struct JoinSpec {
 /// Options for skin_network().
 struct ModelOptions {
   std::string name = "model";
-  /// Options of RegionLayout: element, edge_length (0: 1/40 of the network size, 1/20 if there is
-  /// only one region), alpha, beta. Its `tolerance` is that of embedded lines (0: 1e-4 of the
-  /// network size).
+  /// Options of RegionLayout. Only these fields are used: element; edge_length (0: 1/40 of the
+  /// network size, 1/20 if there is only one region); alpha and beta; tolerance, the largest distance
+  /// of the surface from embedded lines (0: 1e-4 of the network size).
   SkinOptions skin;
   SurfaceStiffness material{};
   std::vector<JoinSpec> joins;

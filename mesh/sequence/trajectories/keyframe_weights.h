@@ -80,8 +80,8 @@ Vec3 nearest_log(const Mat3& rotation, const Vec3& previous);
 /// turn.
 Points unwrapped_logs(std::span<const Mat3> rotations);
 
-/// Continuous logarithms of n vertices over K keyframes, as K matrices n×3. Each vertex is followed
-/// independently. Throws InputError if the numbers of vertices differ. O(n K).
+/// Rotation vectors of the rotations of n vertices at K keyframes, as K matrices n×3. Full turns are
+/// chosen for each vertex so that its vectors are continuous from keyframe to keyframe. Throws InputError if the numbers of vertices differ. O(n K).
 std::vector<Points> unwrapped_logs(const std::vector<std::vector<Mat3>>& rotations_at_keyframes);
 
 /// The same for meshes with large relative rotations (more than half a turn between distant
