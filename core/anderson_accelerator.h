@@ -31,7 +31,7 @@ class AndersonAccelerator {
  public:
   /// `independence`: smallest fraction of a new Δf, between 0 and 1, that must be linearly
   /// independent of the stored ones. Large values (0.3) suit differences kept from other right-hand
-  /// sides, because their errors would be amplified. Small values (1e-5) suit a single iteration.
+  /// sides, because their errors would be amplified. Values of 0.1 and below suit a single iteration.
   explicit AndersonAccelerator(double independence = 0.3) : independence_(independence) {}
 
   /// Allocates memory for iterates with `rows` rows and drops all differences. `sample`: rows at

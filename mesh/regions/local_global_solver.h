@@ -127,7 +127,7 @@ class LocalGlobalSolver {
 
   MatX rhs_, y_, load_, accelerated_;  // load_: right-hand side, then the solution
   MatX rotations_before_, rotations_;  // with links: G_ before and after an iteration
-  AndersonAccelerator accelerator_{1e-5};
+  AndersonAccelerator accelerator_{0.1};
   RowPoints now_, constrained_part_, residual_;   // A p, A d0, target of the free unknowns
   std::vector<Mat3> covariances_, G_, G_before_;  // per element Σ (A p) bᵀ; per cell
   std::vector<double> energy_parts_;              // partial energies, one per chunk

@@ -83,7 +83,7 @@ struct FrameSolverData {
   FrameTargets targets;
   RowPoints rest, now, offset, loads, gradient;  // per node
   MatX y, rhs, accelerated, volume_direction;    // per unknown
-  AndersonAccelerator accelerator{1e-5};
+  AndersonAccelerator accelerator{0.1};
   std::vector<Mat3> part_rotations, handle_rotations;
   std::vector<Mat3> rotations_before, part_rotations_before, handle_rotations_before;
   std::vector<Vec3> part_rest, part_position, handle_rest;

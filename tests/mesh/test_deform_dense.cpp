@@ -104,7 +104,7 @@ Points dense(const TriangleMesh& mesh, const DeformProblem& problem, const Defor
   }
   const auto turned = [&](int v, const Vec3& x) {
     const Vec3 q = logs->row(v).transpose();
-    const double angle = 2 * q.norm();
+    const double angle = q.norm();
     return angle > 0 ? Vec3(Eigen::AngleAxisd(angle, q.normalized()) * x) : x;
   };
 

@@ -120,7 +120,7 @@ TEST_CASE("without features the deformer solves the dense least-squares problem"
       const double w = weighting == DeformProblem::Weighting::Area ? std::sqrt(area[i]) : 1;
       A.row(i) = w / (2 * area[i]) * L.row(i);
       const Vec3 delta = (L.row(i) * mesh.points()).transpose() / (2 * area[i]);
-      const double angle = 2 * q.row(i).norm();
+      const double angle = q.row(i).norm();
       const Vec3 axis = angle > 0 ? Vec3(q.row(i).transpose().normalized()) : Vec3(Vec3::UnitX());
       b.row(i) = w * scale[i] * (Eigen::AngleAxisd(angle, axis) * delta).transpose();
     }

@@ -269,6 +269,7 @@ TEST_CASE("the rotations of a shape at rest give it back in one linear step") {
     solver.alternate(s.frame(), targets);
     const FrameShape at = solver.result();
     solver.reconstruct(s.frame(), targets, at.rotations);
+    INFO(s.name << " " << solver.report().iterations << " " << solver.report().converged);
     CHECK(distance(solver.result().positions, at.positions) < 3e-7 * s.mesh.size());
     // From another start it comes to the same shape.
     solver.alternate(s.frame(), targets, at.positions);

@@ -30,7 +30,7 @@ def run_program(*words):
     return done.returncode
 
 
-class Laws(unittest.TestCase):
+class PropertyTests(unittest.TestCase):
     """A test case with a folder of its own, and arrays that have to be the same bit by bit."""
 
     def setUp(self):

@@ -3,10 +3,10 @@
 import gc
 import unittest
 
-from laws import Laws, batten, grid, np, saddle
+from properties import PropertyTests, batten, grid, np, saddle
 
 
-class Refusals(Laws):
+class Refusals(PropertyTests):
     def refused(self, said, call, *arguments, error=batten.InputError, **named):
         with self.assertRaises(error) as raised:
             call(*arguments, **named)
@@ -103,7 +103,7 @@ class Refusals(Laws):
             batten.skin({})
 
 
-class Views(Laws):
+class Views(PropertyTests):
     def test_views_outlive_their_owner(self):
         model = batten.skin(saddle())
         session = batten.Session(model)

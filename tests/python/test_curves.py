@@ -2,7 +2,7 @@
 
 import unittest
 
-from laws import Laws, batten, np
+from properties import PropertyTests, batten, np
 
 
 def noisy_circle(noise=1e-3):
@@ -11,7 +11,7 @@ def noisy_circle(noise=1e-3):
     return points + np.random.default_rng(7).normal(0, noise, points.shape)
 
 
-class Curves(Laws):
+class Curves(PropertyTests):
     def test_a_noisy_half_circle_is_faired(self):
         fair = batten.fair(noisy_circle())
         self.assertLess(np.abs(np.linalg.norm(fair.points, axis=1) - 1).max(), 2e-3)

@@ -5,7 +5,7 @@ import os
 import subprocess
 import unittest
 
-from laws import Laws, batten, example, grid, np, run_program
+from properties import PropertyTests, batten, example, grid, np, run_program
 
 
 def plate():
@@ -32,7 +32,7 @@ def similarity_error(before, after):
     return np.abs(a @ turn - b).max() / np.ptp(before, axis=0).max()
 
 
-class Deformers(Laws):
+class Deformers(PropertyTests):
     def test_the_example_in_cpp_has_the_same_bits(self):
         program = os.environ.get("BATTEN_DEFORMER", "")
         if not os.path.exists(program):

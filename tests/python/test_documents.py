@@ -6,10 +6,10 @@ import subprocess
 import sys
 import unittest
 
-from laws import SOURCE, Laws
+from properties import SOURCE, PropertyTests
 
 
-class Documents(Laws):
+class Documents(PropertyTests):
     def blocks_run(self, document, least):
         with open(os.path.join(SOURCE, document)) as text:
             blocks = re.findall(r"^```python\n(.*?)^```", text.read(), re.MULTILINE | re.DOTALL)

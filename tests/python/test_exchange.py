@@ -7,10 +7,10 @@ import types
 import unittest
 import unittest.mock
 
-from laws import Laws, batten, example, grid, np, saddle
+from properties import PropertyTests, batten, example, grid, np, saddle
 
 
-class Exchange(Laws):
+class Exchange(PropertyTests):
     def test_a_model_is_written_by_its_ending(self):
         model = batten.load(example("05-door", "scene.toml"))
         for ending in ("step", "iges", "brep", "stl", "obj", "ply", "vtp", "vtu", "glb", "3mf", "inp"):
@@ -55,7 +55,7 @@ try:
 except ImportError:
     sys.exit(77)
 sys.path.insert(0, %r)
-from laws import saddle
+from properties import saddle
 model = batten.skin(saddle())
 data = model.to_vtk()
 assert data.GetNumberOfPoints() == len(model.points) and data.GetNumberOfCells() == len(model.triangles)

@@ -4,7 +4,7 @@ import json
 import os
 import unittest
 
-from laws import Laws, batten, example, np, run_program
+from properties import PropertyTests, batten, example, np, run_program
 
 
 def bytes_of(file):
@@ -12,7 +12,7 @@ def bytes_of(file):
         return read.read()
 
 
-class SameBits(Laws):
+class SameBits(PropertyTests):
     def scene_agrees(self, scene):
         self.assertIn(run_program("run", scene, "--out", self.folder), (0, 4))
         name = next(file for file in os.listdir(self.folder) if file.endswith(".vtp"))

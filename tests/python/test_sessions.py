@@ -9,7 +9,7 @@ import threading
 import time
 import unittest
 
-from laws import Laws, batten, example, np, resident_kb, saddle
+from properties import PropertyTests, batten, example, np, resident_kb, saddle
 
 
 def session_of(edge_length=None):
@@ -33,7 +33,7 @@ def drag(session, seed, answers=30):
     return frames
 
 
-class Sessions(Laws):
+class Sessions(PropertyTests):
     def test_undo_gives_the_same_bits(self):
         session = session_of()
         before, dofs = session.points.copy(), session.dofs
@@ -112,7 +112,7 @@ class Sessions(Laws):
             session_of().stress()
 
 
-class Threads(Laws):
+class Threads(PropertyTests):
     def test_two_sessions_at_once_give_the_same_bits(self):
         expected = [drag(session_of(), seed) for seed in (1, 2)]
         sessions = [session_of(), session_of()]
@@ -188,7 +188,7 @@ class Threads(Laws):
         self.assertEqual(failed, [])
 
 
-class Stopping(Laws):
+class Stopping(PropertyTests):
     def test_progress_is_told_and_may_stop(self):
         stages = []
         batten.skin(saddle(), progress=lambda stage, fraction: stages.append((stage, fraction)))
@@ -225,7 +225,7 @@ except KeyboardInterrupt:
         self.assertEqual((running.returncode, out), (7, "stopped\n"))
 
 
-class Memory(Laws):
+class Memory(PropertyTests):
     def test_dropped_sessions_leave_nothing(self):
         count = int(os.environ.get("BATTEN_SESSIONS", "300"))
         model = batten.skin(saddle(), edge_length=0.4)

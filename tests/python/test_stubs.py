@@ -5,7 +5,7 @@ import os
 import re
 import unittest
 
-from laws import Laws, batten
+from properties import PropertyTests, batten
 
 
 def arguments_of(function):
@@ -43,7 +43,7 @@ def members_of_stub(body):
     return found
 
 
-class Stubs(Laws):
+class Stubs(PropertyTests):
     def setUp(self):
         super().setUp()
         folder = os.path.dirname(batten.__file__)

@@ -9,7 +9,7 @@
 
 namespace batten_test {
 
-/// What nastran.py prints, see there; null, with a warning, where Python's numpy is missing.
+/// What nastran_check.py prints, see there; null, with a warning, where Python's numpy is missing.
 inline nlohmann::json deck_changes(const std::filesystem::path& before,
                                    const std::filesystem::path& after) {
   if (std::system("/usr/bin/python3 -c 'import numpy' > /dev/null 2>&1") != 0) {
@@ -17,7 +17,7 @@ inline nlohmann::json deck_changes(const std::filesystem::path& before,
     return {};
   }
   const std::string command = "/usr/bin/python3 '" BATTEN_SOURCE_DIR
-                              "/tests/independent/nastran.py' '" +
+                              "/tests/support/nastran_check.py' '" +
                               before.string() + "' '" + after.string() + "'";
   FILE* const pipe = popen(command.c_str(), "r");
   REQUIRE(pipe);

@@ -1,6 +1,6 @@
 // Skins three straight lines with the installed package: the flat triangle between them.
 #include <batten/sculpting/statics/static_sculpt.h>
-#include <batten/skinning/region/skin_quality.h>
+#include <batten/skinning/region/skinned_region.h>
 
 #include <cmath>
 #include <cstdio>

@@ -161,7 +161,8 @@ TEST_CASE("resistance in a direction is a part of the energy, in either units") 
                       second = energy(assembler, all, q);
   const SparseMatrix K = assembler.stiffness({Mat2::Zero(), along.beta, along.beta_mixed});
   CHECK(first.bending ==
-        Approx(q.cwiseProduct(Points(K.selfadjointView<Eigen::Lower>() * q)).sum()).epsilon(1e-10));
+        Approx(0.5 * q.cwiseProduct(Points(K.selfadjointView<Eigen::Lower>() * q)).sum())
+            .epsilon(1e-10));
   CHECK(sum.bending == Approx(first.bending + second.bending).epsilon(1e-10));
   CHECK(sum.stretching == Approx(first.stretching + second.stretching).epsilon(1e-10));
   const double size = 20;
