@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "batten/apps/commands/documents/document_command.h"
+#include "batten/core/eigen.h"
 
 namespace batten {
 
@@ -35,7 +36,6 @@ std::vector<DocumentCommand> stress_part_edits(const SceneText& scene, const Str
                                                const std::string& key, const std::string& value);
 /// Removes a support or load. Empty if it no longer exists.
 std::vector<DocumentCommand> remove_stress_part(const SceneText& scene, const StressPart& part);
-
 
 // Edits of painted areas of loads and weights.
 
