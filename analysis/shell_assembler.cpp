@@ -1,9 +1,9 @@
 #include "batten/analysis/shell_assembler.h"
 
 #include <Eigen/Cholesky>
+#include <Eigen/LU>
 #include <cmath>
 #include <optional>
-#include <Eigen/LU>
 
 #include "batten/core/errors.h"
 #include "batten/elements/c1_triangle.h"
@@ -231,7 +231,6 @@ ShellAssembler::Resultants ShellAssembler::resultants(const Points& q,
                                                       const Location& where) const {
   return resultants(where.triangle, where.L, strain(q, where));
 }
-
 
 ShellPoint::ShellPoint(const SurfaceJet& jet, const Vec3& along) {
   const Vec3 area = jet.area_vector();

@@ -5,10 +5,10 @@
 #include <vector>
 
 #include "batten/analysis/shell_section.h"
-#include "batten/fem/element_pattern.h"
-#include "batten/fem/surface.h"
 #include "batten/elements/c1_triangle.h"
 #include "batten/elements/reference_triangle.h"
+#include "batten/fem/element_pattern.h"
+#include "batten/fem/surface.h"
 
 namespace batten {
 
@@ -66,7 +66,6 @@ class ShellPoint {
   Mat3 voigt_;                               // (11, 22, 2·12) from (uu, uv, vv)
 };
 
-
 // Fast evaluation of one shell triangle at many points.
 
 /// Geometry, shape functions and displacements of one triangle at points whose reference functions
@@ -117,7 +116,6 @@ class ShellTriangle {
   Dofs shape_;
   Vec3 along_;
 };
-
 
 /// Kirchhoff-Love shell on a C1 surface. Displacements use the shape functions of the surface
 /// itself, U = Σ N_m q_m, so the design mesh is also the analysis mesh.

@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "batten/core/eigen.h"
-#include "batten/core/geometry.h"
 #include "batten/core/errors.h"
+#include "batten/core/geometry.h"
 
 namespace batten {
 
@@ -47,7 +47,6 @@ struct ShellSection {
 /// Throws InputError if the thickness is not positive everywhere, or Q is not symmetric positive
 /// definite.
 void require_section(const ShellSection& section);
-
 
 // Parts of a shell surface.
 

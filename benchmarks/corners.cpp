@@ -6,8 +6,8 @@
 #include <numbers>
 #include <random>
 
-#include "batten/core/geometry.h"
 #include "batten/core/containers.h"
+#include "batten/core/geometry.h"
 #include "batten/fairing/corners/corners.h"
 #include "bench.h"
 

@@ -3,11 +3,11 @@
 #include <memory>
 
 #include "batten/benchmarks/cgal_deform.h"
-#include "batten/mesh/rotation_fitting.h"
 #include "batten/mesh/prepared_mesh.h"
 #include "batten/mesh/regions/arap_deformer.h"
 #include "batten/mesh/regions/dual_laplacian_deformer.h"
 #include "batten/mesh/regions/feature_region_deformer.h"
+#include "batten/mesh/rotation_fitting.h"
 #include "batten/tests/support/mesh_models.h"
 #include "region_distortion.h"
 #if BATTEN_BENCH_IO

@@ -6,8 +6,8 @@
 #include <filesystem>
 
 #include "batten/fairing/curves/curve_through_points.h"
-#include "batten/skinning/surfaces/section_region.h"
 #include "batten/skinning/model/model_shapes.h"
+#include "batten/skinning/surfaces/section_region.h"
 #include "batten/tests/support/test_data.h"
 #include "bench.h"
 #include "occ_loft.h"

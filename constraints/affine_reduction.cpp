@@ -386,7 +386,6 @@ std::vector<NamedReaction> named_reactions(const ConstraintSet& set, const Point
   return result;
 }
 
-
 // Reduced matrix DᵀKD.
 
 namespace {

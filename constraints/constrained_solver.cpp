@@ -1,7 +1,7 @@
 #include "batten/constraints/constrained_solver.h"
 
-#include <utility>
 #include <cmath>
+#include <utility>
 
 #include "batten/core/errors.h"
 

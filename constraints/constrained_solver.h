@@ -53,7 +53,6 @@ class ConstrainedSolver {
   MatX fixed_part_;                               // -Dᵀ K d0
 };
 
-
 // Implicit time integration of a curve or surface under loads.
 
 /// Theta method for M (ρ ẍ + μ ẋ) + K x = F under linear constraints, x = D y + d0:

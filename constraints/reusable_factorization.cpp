@@ -2,9 +2,9 @@
 
 #include <algorithm>
 
-#include "batten/core/solvers/symbolic_analysis.h"
-#include "batten/core/errors.h"
 #include "batten/core/containers.h"
+#include "batten/core/errors.h"
+#include "batten/core/solvers/symbolic_analysis.h"
 
 namespace batten {
 namespace {

@@ -119,7 +119,7 @@ class SchurComplementConstraints {
   MatX redundant_coefficients_;  // redundant × independent
   SparseMatrix U_;
   MatX Z_;
-  MatX R_;       // of the independent constraints
+  MatX R_;  // of the independent constraints
   // R⁻¹ S R⁻ᵀ for the independent hard constraints, followed by the soft ones, unscaled.
   MatX S_;
   VecX roots_;   // √s_k

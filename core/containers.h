@@ -2,9 +2,9 @@
 #pragma once
 
 #include <algorithm>
-#include <vector>
 #include <cstddef>
 #include <numeric>
+#include <vector>
 
 namespace batten {
 
@@ -17,7 +17,6 @@ constexpr int isize(const Container& container) {
   return static_cast<int>(container.size());
 }
 
-
 // Sorted lists of integers.
 
 /// Sorts `values` in ascending order and removes duplicates.
@@ -26,7 +25,6 @@ inline std::vector<int> sorted_unique(std::vector<int> values) {
   values.erase(std::unique(values.begin(), values.end()), values.end());
   return values;
 }
-
 
 // Disjoint sets of integers.
 

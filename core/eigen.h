@@ -5,8 +5,8 @@
 #include <Eigen/Geometry>
 #include <Eigen/SparseCore>
 #include <limits>
-#include <vector>
 #include <span>
+#include <vector>
 
 namespace batten {
 
@@ -28,7 +28,6 @@ using Triplet = Eigen::Triplet<double, int>;
 
 /// Positive infinity.
 inline constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
 
 // Decompositions of small dense matrices. These wrap Eigen's decompositions, which are instantiated
 // in one source file only: in every file that used them directly they would add seconds of

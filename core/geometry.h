@@ -1,10 +1,10 @@
 // Elementary geometry: cross product, bounding boxes, rotations, formatting of points, and angles.
 #pragma once
 
-#include <type_traits>
 #include <cmath>
 #include <numbers>
 #include <string>
+#include <type_traits>
 
 #include "batten/core/eigen.h"
 #include "batten/core/errors.h"
@@ -16,7 +16,6 @@ inline double cross(const Vec2& a, const Vec2& b) { return a.x() * b.y() - a.y()
 
 /// Projects a point or direction onto the plane z = 0.
 inline Vec2 drop_z(const Vec3& p) { return {p.x(), p.y()}; }
-
 
 // Axis-aligned bounding boxes.
 
@@ -33,7 +32,6 @@ auto bounding_box(const PointRange& points) {
   return box;
 }
 
-
 // Rotations represented by rotation vectors.
 
 /// Rotation vector r of the rotation by `angle` (radians) about `axis`: |r| is the full angle, r = 0
@@ -42,9 +40,7 @@ auto bounding_box(const PointRange& points) {
 /// The angle is not reduced: rotations by 350° and by -10° are the same rotation but have different
 /// rotation vectors. A field of rotation vectors can therefore wind several times. The quaternion
 /// logarithms of [Masuda2006], eq. 6 and 7, are r/2.
-inline Vec3 to_rotation_vector(const Vec3& axis, double angle) {
-  return axis.normalized() * angle;
-}
+inline Vec3 to_rotation_vector(const Vec3& axis, double angle) { return axis.normalized() * angle; }
 /// Shortest rotation vector of a rotation matrix R.
 inline Vec3 to_rotation_vector(const Mat3& R) {
   const Eigen::AngleAxisd rotation(R);
@@ -68,7 +64,6 @@ inline Mat3 rotation_matrix(const Vec3& rotation_vector) {
   for (int c = 0; c < 3; ++c) R.col(c) = rotated(rotation_vector, Vec3::Unit(c));
   return R;
 }
-
 
 // Text of points in messages, and angles between vectors.
 

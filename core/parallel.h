@@ -1,8 +1,8 @@
 // Multithreading on one machine, with results that are bit-identical for any number of threads.
 #pragma once
 
-#include <functional>
 #include <algorithm>
+#include <functional>
 #include <thread>
 
 namespace batten {
@@ -23,7 +23,6 @@ void set_thread_count(int count);
 /// and sleep in between. Nested calls, calls concurrent with another one, and calls in a forked
 /// process run all parts in the calling thread.
 void parallel_for(int parts, const std::function<void(int part)>& work);
-
 
 // Parallel loops over many small items.
 
@@ -48,7 +47,6 @@ void parallel_for_each(int count, const Work& work) {
     for (int i = static_cast<int>(first); i < last; ++i) work(i);
   });
 }
-
 
 // Waiting for another thread that is about to finish.
 

@@ -1,14 +1,14 @@
 #include "batten/elements/reference_triangle.h"
 
-#include <cmath>
 #include <Eigen/LU>
 #include <array>
+#include <cmath>
 
-#include "batten/core/errors.h"
 #include "batten/core/containers.h"
+#include "batten/core/eigen.h"
+#include "batten/core/errors.h"
 #include "batten/core/simd.h"
 #include "batten/elements/bernstein_cubics.h"
-#include "batten/core/eigen.h"
 
 namespace batten {
 
@@ -308,7 +308,6 @@ void variable_stiffness(const TabulatedRule& points, const TriangleShape& shape,
   accumulate_and_map(n, points.rows.data(), C, DofTransformCoefficients(shape), K);
 }
 
-
 TriangleShape::TriangleShape(const Vec2& v1, const Vec2& v2, const Vec2& v3,
                              const std::array<double, 3>& signs)
     : vertex{v1, v2, v3}, edge_sign(signs) {
@@ -332,7 +331,6 @@ Vec3 TriangleShape::barycentric(const Vec2& p) const {
   }
   return L;
 }
-
 
 SurfaceStiffness SurfaceStiffness::directional(const Vec2& t, double alpha, double beta) {
   constexpr double unit = 1e-9;

@@ -2,12 +2,12 @@
 // Used by single elements and by assembly. See c1_triangle.h for the dofs.
 #pragma once
 
+#include <array>
 #include <functional>
 #include <vector>
-#include <array>
 
-#include "batten/elements/quadrature.h"
 #include "batten/core/eigen.h"
+#include "batten/elements/quadrature.h"
 
 namespace batten {
 
@@ -49,7 +49,6 @@ struct SurfaceStiffness {
   bool is_valid() const;
 };
 
-
 // Shape of a parametric triangle, and tabulated shape functions.
 
 /// The two C1 triangle elements: Hsieh-Clough-Tocher and the rational triangle of Celniker and
@@ -88,7 +87,6 @@ struct TriangleShape {
 /// Reference functions at one point. Row a contains N̂_a and its derivatives in the reduced
 /// variables (L1, L2), L3 = 1-L1-L2: columns N, ∂1, ∂2, ∂11, ∂12, ∂22.
 using ReferenceTabulation = Eigen::Matrix<double, 12, 6>;
-
 
 /// Reference functions and their derivatives up to order two at barycentric L.
 ReferenceTabulation reference_functions(TriangleElement kind, const Vec3& L);
@@ -144,7 +142,6 @@ void constant_stiffness(const ReferenceTensors& tensors, const TriangleShape& sh
 /// Computes the element stiffness K (144 doubles) for a material that varies with L, by quadrature.
 void variable_stiffness(const TabulatedRule& points, const TriangleShape& shape,
                         const std::function<SurfaceStiffness(const Vec3& L)>& material, double* K);
-
 
 // Energies and their units.
 

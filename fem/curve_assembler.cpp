@@ -1,7 +1,7 @@
 #include "batten/fem/curve_assembler.h"
 
-#include "batten/core/errors.h"
 #include "batten/core/containers.h"
+#include "batten/core/errors.h"
 
 namespace batten {
 namespace {

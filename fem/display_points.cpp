@@ -4,8 +4,8 @@
 #include <cmath>
 #include <functional>
 
-#include "batten/core/errors.h"
 #include "batten/core/containers.h"
+#include "batten/core/errors.h"
 #include "batten/core/parallel.h"
 #include "batten/core/simd.h"
 

@@ -4,8 +4,8 @@
 #include <functional>
 #include <vector>
 
-#include "batten/core/eigen.h"
 #include "batten/core/containers.h"
+#include "batten/core/eigen.h"
 
 namespace batten {
 

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "batten/core/containers.h"
 #include "batten/core/errors.h"
 #include "batten/core/geometry.h"
-#include "batten/core/containers.h"
 
 namespace batten {
 namespace {

@@ -4,8 +4,8 @@
 #include <array>
 #include <vector>
 
-#include "batten/core/eigen.h"
 #include "batten/core/containers.h"
+#include "batten/core/eigen.h"
 #include "batten/elements/c1_triangle.h"
 
 namespace batten {
@@ -119,7 +119,6 @@ class DofMap {
   int edge_start_, count_;
 };
 
-
 // Points on a mesh.
 
 /// A point of a surface mesh: triangle and barycentric coordinates.
@@ -127,7 +126,6 @@ struct Location {
   int triangle = 0;
   Vec3 L = Vec3::Constant(1.0 / 3);
 };
-
 
 // Fill-reducing elimination orders of the dofs of a surface.
 

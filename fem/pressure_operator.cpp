@@ -5,9 +5,9 @@
 #include <functional>
 #include <numeric>
 
-#include "batten/core/geometry.h"
-#include "batten/core/errors.h"
 #include "batten/core/containers.h"
+#include "batten/core/errors.h"
+#include "batten/core/geometry.h"
 #include "batten/core/parallel.h"
 #include "batten/core/simd.h"
 #include "batten/elements/reference_triangle.h"

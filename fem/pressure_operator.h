@@ -50,7 +50,7 @@ class PressureOperator {
   struct alignas(32) Batch {
     // Entries of P: gradient, altitude, slant (DofTransformCoefficients).
     double numbers[18 * kLanes];
-    int dof[12 * kLanes];         // local dofs of the part
+    int dof[12 * kLanes];  // local dofs of the part
     int triangle[kLanes];
     int count;
     int tensor;  // of a cut triangle, which is alone in its batch; -1: reference tensor

@@ -1,14 +1,14 @@
 #include "batten/fem/refinement.h"
 
-#include <array>
-#include <vector>
 #include <algorithm>
+#include <array>
 #include <utility>
+#include <vector>
 
+#include "batten/core/containers.h"
+#include "batten/core/errors.h"
 #include "batten/core/parallel.h"
 #include "batten/elements/reference_triangle.h"
-#include "batten/core/errors.h"
-#include "batten/core/containers.h"
 #include "batten/fem/triangle_locator.h"
 
 namespace batten {

@@ -6,8 +6,8 @@
 #include <numeric>
 #include <vector>
 
-#include "batten/fem/surface.h"
 #include "batten/fem/parametric_mesh.h"
+#include "batten/fem/surface.h"
 
 namespace batten {
 
@@ -26,7 +26,6 @@ namespace batten {
 /// Reference: [Verfurth1996], residual estimator for plates; only the dominant edge term is used.
 VecX residual_indicator(const Surface& surface);
 
-
 // Marking.
 
 /// Dörfler (bulk) marking: smallest set of indices whose values hold at least `fraction` of the
@@ -44,7 +43,6 @@ std::vector<int> dorfler_marking(const Values& values, double fraction) {
   order.resize(count);
   return order;
 }
-
 
 // Local refinement of a conforming mesh.
 
@@ -71,7 +69,6 @@ struct Submesh {
 };
 /// Extracts a mesh that consists of the given triangles only.
 Submesh extract_submesh(const ParametricMesh& mesh, const std::vector<int>& triangles);
-
 
 // Transfer of a surface to another mesh of the same domain.
 

@@ -6,8 +6,8 @@
 #include <cmath>
 #include <limits>
 
-#include "batten/core/errors.h"
 #include "batten/core/containers.h"
+#include "batten/core/errors.h"
 #include "batten/elements/reference_triangle.h"
 #include "batten/fem/curves/hermite_curve.h"
 #include "batten/fem/triangle_locator.h"

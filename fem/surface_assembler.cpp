@@ -1,15 +1,15 @@
 #include "batten/fem/surface_assembler.h"
 
 #include <algorithm>
-#include <optional>
 #include <cmath>
+#include <optional>
 
-#include "batten/core/errors.h"
 #include "batten/core/containers.h"
+#include "batten/core/errors.h"
+#include "batten/core/geometry.h"
 #include "batten/core/parallel.h"
 #include "batten/elements/reference_triangle.h"
 #include "batten/fem/surface.h"
-#include "batten/core/geometry.h"
 
 namespace batten {
 namespace {

@@ -9,11 +9,11 @@
 #include <memory>
 #include <vector>
 
+#include "batten/fem/curves/hermite_curve.h"
 #include "batten/fem/element_pattern.h"
 #include "batten/fem/parametric_mesh.h"
-#include "batten/fem/trim.h"
-#include "batten/fem/curves/hermite_curve.h"
 #include "batten/fem/triangle_locator.h"
+#include "batten/fem/trim.h"
 
 namespace batten {
 
@@ -94,7 +94,6 @@ class SurfaceAssembler {
   std::vector<TriangleShape> shapes_;
   ElementPattern pattern_;
 };
-
 
 // Line load on a surface.
 

@@ -61,7 +61,6 @@ Surface::ClosestPoint SurfaceProjector::nearest(const Vec3& p, const Location& s
   return {where, distance};
 }
 
-
 SurfaceEvaluator::SurfaceEvaluator(Surface surface)
     : surface_(std::move(surface)), locator_(surface_.mesh()) {
   if (surface_.kind() != TriangleElement::HCT) return;

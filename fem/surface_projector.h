@@ -32,7 +32,6 @@ class SurfaceProjector {
   std::vector<Location> where_;
 };
 
-
 // Fast evaluation of a fixed surface.
 
 /// Copy of a surface prepared for many evaluations. For HCT triangles it stores the Bézier

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <limits>
 
-#include "batten/core/geometry.h"
 #include "batten/core/containers.h"
+#include "batten/core/geometry.h"
 
 namespace batten {
 namespace {

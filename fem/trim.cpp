@@ -4,8 +4,8 @@
 #include <array>
 #include <map>
 
-#include "batten/core/geometry.h"
 #include "batten/core/containers.h"
+#include "batten/core/geometry.h"
 #include "batten/fem/triangle_locator.h"
 
 namespace batten {

@@ -11,7 +11,8 @@ Eigen::Matrix3Xd half_cotangents(const TriangleMesh& mesh) {
     const Vec3 e[3] = {mesh.point(v[2]) - mesh.point(v[1]), mesh.point(v[0]) - mesh.point(v[2]),
                        mesh.point(v[1]) - mesh.point(v[0])};
     const double double_area = e[0].cross(e[1]).norm();
-    for (int c = 0; c < 3; ++c) half(c, t) = -e[(c + 1) % 3].dot(e[(c + 2) % 3]) / (2 * double_area);
+    for (int c = 0; c < 3; ++c)
+      half(c, t) = -e[(c + 1) % 3].dot(e[(c + 2) % 3]) / (2 * double_area);
   }
   return half;
 }

@@ -7,8 +7,8 @@
 #include <numbers>
 #include <string>
 
-#include "batten/core/errors.h"
 #include "batten/core/containers.h"
+#include "batten/core/errors.h"
 
 namespace batten {
 namespace {

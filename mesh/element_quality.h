@@ -2,11 +2,11 @@
 // elements.
 #pragma once
 
-#include <vector>
 #include <span>
+#include <vector>
 
-#include "batten/mesh/shell_mesh.h"
 #include "batten/core/eigen.h"
+#include "batten/mesh/shell_mesh.h"
 
 namespace batten {
 
@@ -76,7 +76,6 @@ QualitySummary summarize(const ShellMesh& shells, const Points& points,
 /// Rigid motions never cause an entry. Throws InputError unless there is one point per node.
 /// O(faces · log faces).
 std::vector<int> inverted_faces(const ShellMesh& shells, const Points& before, const Points& after);
-
 
 // Solid elements inverted by a deformation.
 

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "batten/core/errors.h"
 #include "batten/constraints/constrained_solver.h"
+#include "batten/core/errors.h"
 #include "batten/mesh/differential_operators.h"
 
 namespace batten {
@@ -162,7 +162,6 @@ std::optional<PnTriangleMesh::ClosestPoint> PnTriangleMesh::nearest(
   }
   return best->found;
 }
-
 
 PnTriangle::PnTriangle(const Corners& points, const Corners& normals) {
   Vec3 edges = Vec3::Zero(), middle = Vec3::Zero();

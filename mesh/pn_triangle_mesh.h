@@ -2,13 +2,13 @@
 // mesh.
 #pragma once
 
-#include <optional>
-#include <vector>
 #include <array>
 #include <functional>
+#include <optional>
+#include <vector>
 
-#include "batten/mesh/triangle_mesh.h"
 #include "batten/core/eigen.h"
+#include "batten/mesh/triangle_mesh.h"
 
 namespace batten {
 
@@ -39,7 +39,6 @@ class PnTriangle {
   // 200, 012.
   std::array<Vec3, 10> b_;
 };
-
 
 /// A triangle mesh whose triangles are PN triangles defined by corner normals. Different normals of
 /// two triangles at a common corner represent a crease. Queries are thread-safe.
@@ -82,7 +81,6 @@ class PnTriangleMesh {
   std::vector<char> curved_;
   AabbTree search_;
 };
-
 
 // Parametrization over the plane.
 

@@ -1,15 +1,15 @@
 #include "batten/mesh/prepared_mesh.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 #include <set>
-#include <array>
 #include <vector>
 
-#include "batten/core/errors.h"
 #include "batten/core/containers.h"
 #include "batten/core/eigen.h"
+#include "batten/core/errors.h"
 
 namespace batten {
 
@@ -23,7 +23,7 @@ struct ManifoldPatches {
   std::vector<char> flipped;                  ///< per triangle: 1 if its orientation was reversed
   int count = 0;                              ///< number of patches
   int component_count = 0;  ///< number of connected components (parts that share no node)
-  int cut_edges = 0;  ///< edges along which non-orientable patches were cut open
+  int cut_edges = 0;        ///< edges along which non-orientable patches were cut open
   std::vector<std::array<int, 2>> non_manifold_edges;  ///< edges with three or more triangles
   std::vector<int> non_manifold_nodes;  ///< where patches touch, except at ends of such edges
 

@@ -2,10 +2,10 @@
 // of rotations, Procrustes fits.
 #pragma once
 
+#include <array>
 #include <optional>
 #include <span>
 #include <vector>
-#include <array>
 
 #include "batten/core/eigen.h"
 
@@ -53,7 +53,6 @@ Mat3 mean_rotation(std::span<const Mat3> rotations, std::span<const double> weig
 /// if most R_i are equal). Source: [Hartley2013], section 5.
 Mat3 median_rotation(std::span<const Mat3> rotations, std::span<const double> weights);
 
-
 // Nearest rotations of many matrices at once (SIMD).
 
 /// Eight matrices in structure-of-arrays layout: entry (r, c) of matrix `lane` is a[3 r + c][lane].
@@ -92,7 +91,6 @@ void nearest_rotations(const RotationBatch& M, RotationBatch& R);
 void rotations_of_triangles(std::span<const std::array<int, 3>> triangles,
                             std::span<const int> which, const Points& before, const Points& after,
                             std::span<Mat3> rotations);
-
 
 // Similarity fits (Procrustes).
 

@@ -1,10 +1,10 @@
 #include "batten/mesh/selection.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <queue>
 #include <string>
-#include <array>
 
 #include "batten/core/containers.h"
 #include "batten/core/errors.h"

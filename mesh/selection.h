@@ -78,7 +78,6 @@ std::vector<int> node_components(const MeshTopology& topology);
 /// InputError if no vertex has triangles. O(n).
 int nearest_vertex(const TriangleMesh& mesh, const Vec3& point);
 
-
 // Mesh saliency, and regions grown by it.
 
 /// Mesh saliency of every vertex: a measure of visual importance between 0 and 1 [Lee2005].

@@ -3,11 +3,11 @@
 #pragma once
 
 #include <span>
-#include <vector>
 #include <string>
+#include <vector>
 
-#include "batten/core/eigen.h"
 #include "batten/core/containers.h"
+#include "batten/core/eigen.h"
 
 namespace batten {
 
@@ -45,17 +45,16 @@ class ShellMesh {
   std::vector<char> second_order_;
 };
 
-
 // Elements other than shells.
 
 /// An element of a deck that is not a shell, or a connector, by its nodes. Nodes that the deck
 /// omits (a grounded end, a midside node) are omitted here too.
 struct NonShellElement {
   enum class Kind {
-    Solid,  ///< corners, then midside nodes, in the order of the deck
-    Beam,   ///< bars and beams: both ends, then the orientation node, if there is one
-    Bush,   ///< springs, dampers, gaps, fasteners: nodes as for Beam
-    Rigid,  ///< rigid body element (RBE2, say); the independent node comes first
+    Solid,          ///< corners, then midside nodes, in the order of the deck
+    Beam,           ///< bars and beams: both ends, then the orientation node, if there is one
+    Bush,           ///< springs, dampers, gaps, fasteners: nodes as for Beam
+    Rigid,          ///< rigid body element (RBE2, say); the independent node comes first
     Interpolation,  ///< interpolation (RBE3) element; the dependent reference node comes first
     Mass,           ///< point mass: one node
     Other           ///< any other element

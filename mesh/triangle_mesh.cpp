@@ -1,15 +1,15 @@
 #include "batten/mesh/triangle_mesh.h"
 
 #include <algorithm>
-#include <numeric>
-#include <string>
-#include <utility>
 #include <array>
 #include <cmath>
 #include <limits>
+#include <numeric>
+#include <string>
+#include <utility>
 
-#include "batten/core/errors.h"
 #include "batten/core/containers.h"
+#include "batten/core/errors.h"
 
 namespace batten {
 namespace {

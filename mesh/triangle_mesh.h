@@ -4,13 +4,13 @@
 
 #include <array>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
-#include <optional>
 
-#include "batten/core/geometry.h"
-#include "batten/core/eigen.h"
 #include "batten/core/containers.h"
+#include "batten/core/eigen.h"
+#include "batten/core/geometry.h"
 
 namespace batten {
 
@@ -142,7 +142,6 @@ class TriangleMesh {
   Points points_;
   std::shared_ptr<const MeshTopology> topology_;
 };
-
 
 // Closest points on a triangle mesh.
 

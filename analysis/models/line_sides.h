@@ -4,15 +4,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <vector>
 #include <string>
+#include <vector>
 
 #include "batten/analysis/shell_section.h"
+#include "batten/constraints/constraint_set.h"
 #include "batten/elements/c1_triangle.h"
 #include "batten/elements/quadrature.h"
 #include "batten/skinning/model/join_edge.h"
 #include "batten/skinning/model/model_layout.h"
-#include "batten/constraints/constraint_set.h"
 
 namespace batten {
 
@@ -111,7 +111,6 @@ struct SpringStiffness {
     rotation = displacement * t * t / 12;
   }
 };
-
 
 // Rotation of a shell about a curve, as a linear form of the dofs of one side.
 

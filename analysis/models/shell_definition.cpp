@@ -1,7 +1,7 @@
 #include "batten/analysis/models/shell_definition.h"
 
-#include <algorithm>
 #include <Eigen/Geometry>
+#include <algorithm>
 
 #include "batten/analysis/models/line_sides.h"
 #include "batten/analysis/models/part_quadrature.h"

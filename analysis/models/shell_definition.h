@@ -1,9 +1,9 @@
 // Definition of a shell model: sections, supports and hinges.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
-#include <optional>
 
 #include "batten/analysis/models/shell_loads.h"
 #include "batten/analysis/models/shell_ties.h"
@@ -21,14 +21,13 @@ struct ElasticSupport {
   ShellPart part;
   /// Along x, y, z: force per displacement, or this per length or area.
   Vec3 stiffness = Vec3::Zero();
-  double normal = 0;              ///< for an area: along its normal (elastic foundation)
+  double normal = 0;  ///< for an area: along its normal (elastic foundation)
 };
 
 /// Adds the springs of an elastic support to `springs`. Throws InputError if a curve or region does
 /// not exist, if a stiffness is negative or all are zero, or if the part is empty.
 void add_elastic_support(const ModelLayout& model, const Points& shape,
                          const ElasticSupport& support, ShellSprings& springs);
-
 
 // Rigid supports along curves, at points and on areas.
 
@@ -64,7 +63,6 @@ struct LineSupport {
 void add_support(const ModelLayout& model, const Points& shape,
                  const std::vector<ShellSection>& sections, const LineSupport& support,
                  ShellTies& ties);
-
 
 /// Support at one point of the surface: constrains the displacement in given directions.
 struct PointSupport {

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <map>
 
-#include "batten/core/errors.h"
 #include "batten/core/eigen.h"
+#include "batten/core/errors.h"
 
 namespace batten {
 namespace {

@@ -5,9 +5,9 @@
 #include <vector>
 
 #include "batten/analysis/models/shell_definition.h"
+#include "batten/analysis/models/shell_ties.h"
 #include "batten/analysis/shell_assembler.h"
 #include "batten/constraints/constrained_solver.h"
-#include "batten/analysis/models/shell_ties.h"
 
 namespace batten {
 
@@ -31,7 +31,6 @@ struct RigidBodyModes {
 /// models with more than 500 regions are treated as one body.
 RigidBodyModes find_rigid_body_modes(const ModelLayout& model, const Points& shape,
                                      const ShellTies& ties);
-
 
 /// Reaction of a support.
 struct SupportReaction {

@@ -11,7 +11,7 @@ namespace batten {
 struct ShellModes {
   VecX frequencies;            ///< in 1/time: Hz if the unit of time is the second
   std::vector<Points> shapes;  ///< mass-normalised mode shapes (n×3): Σ over x, y, z of qᵀ M q = 1
-  int rigid_body_count = 0;    ///< number of leading rigid-body modes (unsupported shell)
+  int rigid_body_count = 0;  ///< number of leading rigid-body modes (unsupported shell)
 };
 
 /// Computes the lowest `count` natural frequencies and modes, K q = (2π f)² M q, in addition to

@@ -97,7 +97,7 @@ class ShellStresses {
 
   const ShellModel& shell_;
   const Points& q_;
-  std::vector<std::vector<Sample>> samples_;            // of each triangle
+  std::vector<std::vector<Sample>> samples_;  // of each triangle
   // Empty if nothing around the vertex is inside.
   std::vector<std::optional<Polynomial>> at_vertices_;
   Peak peak_;

@@ -4,8 +4,8 @@
 #include <map>
 
 #include "batten/analysis/models/line_sides.h"
-#include "batten/core/errors.h"
 #include "batten/core/containers.h"
+#include "batten/core/errors.h"
 
 namespace batten {
 namespace {
@@ -86,7 +86,6 @@ ShellTies shell_ties(const ModelLayout& model, const Points& shape,
   }
   return ties;
 }
-
 
 void ShellSprings::add(const std::string& name, const Entries& entries, double stiffness,
                        double value) {

@@ -48,7 +48,6 @@ class ShellSprings {
   std::vector<Spring> springs_;
 };
 
-
 /// Exact constraints, and springs along embedded curves.
 struct ShellTies {
   ConstraintSet constraints;

@@ -33,11 +33,11 @@ class CommandOption {
   CommandOption count(int values) const;
   /// Shows the default value in the help.
   CommandOption show_default() const;
-  CommandOption hidden() const;                       ///< not listed in the help
+  CommandOption hidden() const;                    ///< not listed in the help
   CommandOption needs(CommandOption other) const;  ///< only allowed together with the other option
   /// Not allowed together with the other option.
   CommandOption excludes(CommandOption other) const;
-  CommandOption positive() const;                     ///< the value must be finite and above 0
+  CommandOption positive() const;  ///< the value must be finite and above 0
   /// The value must lie in [least, most].
   CommandOption in_range(int least, int most) const;
   CommandOption in_range(double least, double most) const;

@@ -1,34 +1,34 @@
 #include "batten/apps/cli/commands.h"
 
-#include <algorithm>
-#include <iostream>
 #include <semaphore.h>
 #include <unistd.h>
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
 #include <ctime>
+#include <iostream>
 #include <string>
 #include <thread>
 
-#include "batten/io/files/text.h"
-#include "batten/io/files/atomic_file.h"
-#include "batten/apps/commands/runs/mpi_processes.h"
-#include "batten/apps/commands/run_any_scene.h"
-#include "batten/apps/commands/runs/run_support.h"
-#include "batten/io/scene/read_scene.h"
-#include "batten/apps/commands/shapes/run_sculpt.h"
 #include "batten/apps/commands/documents/document.h"
-#include "batten/apps/commands/meshes/run_deform.h"
-#include "batten/apps/commands/sequences/run_sequence.h"
+#include "batten/apps/commands/exchange/run_convert.h"
+#include "batten/apps/commands/info.h"
 #include "batten/apps/commands/lines/run_fair.h"
+#include "batten/apps/commands/meshes/run_deform.h"
+#include "batten/apps/commands/run_any_scene.h"
+#include "batten/apps/commands/runs/mpi_processes.h"
+#include "batten/apps/commands/runs/run_support.h"
+#include "batten/apps/commands/sequences/run_sequence.h"
+#include "batten/apps/commands/shapes/run_scene.h"
+#include "batten/apps/commands/shapes/run_sculpt.h"
+#include "batten/io/files/atomic_file.h"
+#include "batten/io/files/text.h"
 #include "batten/io/files/toml_table.h"
 #include "batten/io/lines/curve_files.h"
-#include "batten/apps/commands/info.h"
-#include "batten/apps/commands/shapes/run_scene.h"
-#include "batten/apps/commands/exchange/run_convert.h"
+#include "batten/io/scene/read_scene.h"
 
 namespace batten {
 
@@ -146,7 +146,6 @@ void end_progress() {
   bar_is_drawn = false;
 }
 
-
 // `batten run` and `batten stress`.
 
 namespace {
@@ -224,7 +223,6 @@ Command add_stress(CommandLine& program, CommonOptions& common) {
   return {subcommand, [a, &common] { return stress(*a, common); }};
 }
 
-
 // `batten sculpt`.
 
 namespace {
@@ -279,7 +277,6 @@ Command add_sculpt(CommandLine& program, CommonOptions& common) {
           }};
 }
 
-
 // `batten run-script`.
 
 Command add_run_script(CommandLine& program, CommonOptions& common) {
@@ -297,7 +294,6 @@ Command add_run_script(CommandLine& program, CommonOptions& common) {
             return print_result(report, text, common);
           }};
 }
-
 
 // `batten deform` and `batten sequence`.
 
@@ -355,7 +351,6 @@ Command add_sequence(CommandLine& program, CommonOptions& common) {
             return print_result(report, summary(report, arguments->out), common);
           }};
 }
-
 
 // `batten fair`.
 
@@ -454,7 +449,6 @@ Command add_fair(CommandLine& program, CommonOptions& common) {
   add_common(subcommand, common);
   return {subcommand, [arguments, &common] { return fair(*arguments, common); }};
 }
-
 
 // `batten skin`, `batten info` and `batten view`, which take files of curves.
 
@@ -600,7 +594,6 @@ Command add_view(CommandLine& program, CommonOptions& common) {
   return {subcommand, [arguments, &common] { return view(*arguments, common); }};
 }
 
-
 // `batten convert`.
 
 Command add_convert(CommandLine& program, CommonOptions& common) {
@@ -632,7 +625,6 @@ Command add_convert(CommandLine& program, CommonOptions& common) {
             return print_result(report, report.text, common);
           }};
 }
-
 
 // `batten fit`.
 

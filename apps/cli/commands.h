@@ -5,8 +5,8 @@
 #include <string>
 
 #include "batten/apps/cli/command_line.h"
-#include "batten/io/report/run_report.h"
 #include "batten/core/progress.h"
+#include "batten/io/report/run_report.h"
 
 namespace batten {
 
@@ -71,7 +71,6 @@ void add_schema(const Subcommand& subcommand, bool& ap242);
 /// Prints the text of a result (unless quiet), its warnings and its failed checks. Returns
 /// kCheckFailed if a check failed, otherwise kDone.
 int print_result(const RunReport& report, const std::string& text, const CommonOptions& common);
-
 
 // Terminal: progress bar and interrupts.
 

@@ -2,11 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
-#include <string>
 #include <filesystem>
+#include <fstream>
 #include <functional>
+#include <string>
 
+#include "batten/apps/commands/exchange/cad_summary.h"
 #include "batten/apps/commands/lines/line_files.h"
 #include "batten/apps/commands/lines/scene_lines.h"
 #include "batten/apps/commands/meshes/mesh_source.h"
@@ -14,25 +15,24 @@
 #include "batten/core/eigen.h"
 #include "batten/core/errors.h"
 #include "batten/core/geometry.h"
-#include "batten/fairing/curves/input_curve.h"
 #include "batten/fairing/curves/curve_fit.h"
 #include "batten/fairing/curves/fair_curve.h"
+#include "batten/fairing/curves/input_curve.h"
+#include "batten/io/cad/cad_format.h"
 #include "batten/io/files/atomic_file.h"
 #include "batten/io/files/input_file.h"
+#include "batten/io/files/sandboxed_read.h"
 #include "batten/io/files/text.h"
 #include "batten/io/lines/cad_plugin.h"
+#include "batten/io/meshes/mesh_file.h"
 #include "batten/io/pictures/comb_pictures.h"
 #include "batten/io/pictures/image.h"
 #include "batten/io/pictures/pictures.h"
 #include "batten/io/scene/deform_scene.h"
 #include "batten/io/scene/fair_scene.h"
 #include "batten/io/scene/read_scene.h"
-#include "batten/io/meshes/mesh_file.h"
 #include "batten/io/scene/sequence_scene.h"
 #include "batten/mesh/prepared_mesh.h"
-#include "batten/apps/commands/exchange/cad_summary.h"
-#include "batten/io/cad/cad_format.h"
-#include "batten/io/files/sandboxed_read.h"
 
 namespace batten {
 
@@ -47,7 +47,6 @@ std::string cad_info(const std::filesystem::path& file, const std::string& unit,
 /// false if the file has no faces. Throws InputError.
 bool draw_face_edges(const std::filesystem::path& picture, const std::filesystem::path& file,
                      const std::string& unit);
-
 
 // Descriptions of mesh sequences.
 
@@ -367,7 +366,6 @@ FileKind file_kind(const std::filesystem::path& file) {
       return FileKind::Lines;
   }
 }
-
 
 bool is_sequence_file(const std::filesystem::path& file) {
   static const std::vector<std::string> endings{".glb", ".gltf", ".pc2", ".mdd", ".pvd", ".frd"};

@@ -32,7 +32,6 @@ void draw_lines(const std::filesystem::path& picture, const std::filesystem::pat
 /// network_of() and regions_of().
 std::string draw_alternatives(const std::filesystem::path& folder, const Scene& scene);
 
-
 // Detection of the kind of a file.
 
 /// Determines the kind of a file by its extension, or by its contents if curves and meshes share

@@ -1,24 +1,24 @@
 // Binds meshes, deformers and mesh edits.
 
+#include <fstream>
 #include <memory>
 #include <numbers>
-#include <fstream>
 #include <sstream>
 
+#include "batten/apps/commands/documents/edited_mesh.h"
 #include "batten/apps/commands/meshes/mesh_source.h"
 #include "batten/apps/python/arrays.h"
+#include "batten/apps/python/bindings.h"
 #include "batten/apps/python/kernel_call.h"
 #include "batten/apps/python/scenes.h"
 #include "batten/core/errors.h"
-#include "batten/io/files/text.h"
-#include "batten/mesh/features/feature_detection.h"
-#include "batten/apps/python/bindings.h"
 #include "batten/core/geometry.h"
-#include "batten/mesh/deform/form_feature_deformer.h"
-#include "batten/mesh/regions/feature_region_deformer.h"
-#include "batten/apps/commands/documents/edited_mesh.h"
 #include "batten/io/files/input_file.h"
+#include "batten/io/files/text.h"
 #include "batten/io/scene/deform_scene.h"
+#include "batten/mesh/deform/form_feature_deformer.h"
+#include "batten/mesh/features/feature_detection.h"
+#include "batten/mesh/regions/feature_region_deformer.h"
 
 namespace batten::python {
 
@@ -199,7 +199,6 @@ Returns the largest rounding of a coordinate, model units. Raises InputError, Fi
         "Lengths in "
         "the points' unit.");
 }
-
 
 // Deformers that preserve the shape of features.
 
@@ -449,7 +448,6 @@ Hard regions are rigid exactly; `soft` ones nearly, by `weight`. Raises InputErr
 
 `moves`: {handle: Move}, those of the estimate. One solve. Raises InputError, ConflictError.)");
 }
-
 
 // Interactive edits of a mesh, defined by a deform scene.
 

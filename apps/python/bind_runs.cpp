@@ -1,6 +1,6 @@
 // Binds complete runs of scenes, like the commands of the program, with the report as a dict.
-#include "batten/apps/commands/info.h"
 #include "batten/apps/commands/exchange/run_convert.h"
+#include "batten/apps/commands/info.h"
 #include "batten/apps/commands/run_any_scene.h"
 #include "batten/apps/python/kernel_call.h"
 #include "batten/apps/python/scenes.h"

@@ -1,20 +1,20 @@
 // Binds sculpting sessions: parameters in, points out.
 
+#include <atomic>
 #include <cmath>
 #include <memory>
 #include <string>
 #include <vector>
-#include <atomic>
 
-#include "batten/apps/python/arrays.h"
-#include "batten/apps/python/scenes.h"
-#include "batten/core/errors.h"
-#include "batten/io/scene/read_scene.h"
 #include "batten/apps/commands/shapes/make_session.h"
 #include "batten/apps/commands/shapes/solved_shape.h"
 #include "batten/apps/commands/shapes/stress_analysis.h"
+#include "batten/apps/python/arrays.h"
 #include "batten/apps/python/kernel_call.h"
 #include "batten/apps/python/model.h"
+#include "batten/apps/python/scenes.h"
+#include "batten/core/errors.h"
+#include "batten/io/scene/read_scene.h"
 
 namespace batten::python {
 
@@ -437,7 +437,6 @@ void bind_sessions(py::module_& m) {
   bind_session_edits(c);
   bind_session_results(c);
 }
-
 
 SharedSession::SharedSession(std::shared_ptr<const Model> of, const Progress& progress)
     : scene_(of->scene()), lines_(of->lines()) {

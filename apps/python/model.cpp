@@ -1,10 +1,10 @@
 #include "batten/apps/python/model.h"
 
 #include "batten/apps/commands/lines/scene_lines.h"
-#include "batten/apps/commands/shapes/shape_files.h"
 #include "batten/apps/commands/shapes/make_session.h"
-#include "batten/core/errors.h"
+#include "batten/apps/commands/shapes/shape_files.h"
 #include "batten/core/containers.h"
+#include "batten/core/errors.h"
 #include "batten/core/parallel.h"
 #include "batten/skinning/facets/facets.h"
 

@@ -6,8 +6,8 @@
 #include "batten/apps/python/bindings.h"
 #include "batten/core/errors.h"
 #include "batten/core/parallel.h"
-#include "batten/io/files/sandboxed_read.h"
 #include "batten/io/files/atomic_file.h"
+#include "batten/io/files/sandboxed_read.h"
 
 namespace batten::python {
 namespace {
@@ -43,7 +43,6 @@ PYBIND11_MODULE(_batten, m) {
   m.def("set_threads", &set_threads, py::arg("count"),
         "How many threads the kernel uses; 0: all cores. Results do not depend on it.");
 }
-
 
 // The kernel's errors as Python exceptions.
 

@@ -1,13 +1,13 @@
 #include "batten/constraints/shape/shape_constraints.h"
 
-#include <cmath>
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <cmath>
 #include <map>
 
 #include "batten/core/errors.h"
-#include "batten/elements/hermite_segment.h"
 #include "batten/core/geometry.h"
+#include "batten/elements/hermite_segment.h"
 #include "batten/elements/quadrature.h"
 
 namespace batten {

@@ -15,8 +15,8 @@
 // second derivative vanishes. Reference: [Celniker1991], section 6.
 #pragma once
 
-#include <string>
 #include <functional>
+#include <string>
 #include <vector>
 
 #include "batten/constraints/constraint_set.h"
@@ -56,7 +56,6 @@ class CurveConstraints {
   const CurveMesh& mesh_;
   ConstraintSet& set_;
 };
-
 
 // Constraints on surfaces, as linear equations in the dofs.
 //
@@ -130,7 +129,6 @@ class SurfaceConstraints {
   ConstraintSet& set_;
   DofMap dofs_;
 };
-
 
 // Constraints along curves that run across elements (embedded, non-conforming).
 //

@@ -1,11 +1,11 @@
 // Sparse Cholesky solver whose factor is computed once and used for many solves.
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
 #include <vector>
-#include <functional>
 
 #include "batten/core/eigen.h"
 #include "batten/core/solvers/symbolic_analysis.h"
@@ -114,7 +114,6 @@ class SparseCholesky {
 /// largest change of an entry of x, divided by the largest entry of x.
 double refine_least_squares(const SparseCholesky& normal, const SparseMatrix& A,
                             const Eigen::Ref<const MatX>& b, Eigen::Ref<MatX> x);
-
 
 // Interface for other linear solvers.
 

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "batten/core/eigen.h"
-#include "batten/core/solvers/symbolic_analysis.h"
 #include "batten/core/solvers/supernodal_solve.h"
+#include "batten/core/solvers/symbolic_analysis.h"
 
 namespace batten {
 

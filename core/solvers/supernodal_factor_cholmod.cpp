@@ -2,11 +2,11 @@
 
 #include <algorithm>
 
-#include "batten/core/solvers/symbolic_analysis.h"
 #include "batten/core/errors.h"
 #include "batten/core/memory.h"
 #include "batten/core/solvers/supernodal_factor.h"
 #include "batten/core/solvers/supernodal_factorization.h"
+#include "batten/core/solvers/symbolic_analysis.h"
 
 namespace batten {
 namespace {

@@ -4,10 +4,10 @@
 #include <limits>
 #include <utility>
 
-#include "batten/core/solvers/symbolic_analysis.h"
-#include "batten/core/errors.h"
 #include "batten/core/containers.h"
+#include "batten/core/errors.h"
 #include "batten/core/solvers/supernodal_factor.h"
+#include "batten/core/solvers/symbolic_analysis.h"
 
 namespace batten {
 namespace {

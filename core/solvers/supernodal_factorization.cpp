@@ -6,9 +6,9 @@
 #include <numeric>
 #include <utility>
 
-#include "batten/core/solvers/dense_kernels.h"
 #include "batten/core/containers.h"
 #include "batten/core/parallel.h"
+#include "batten/core/solvers/dense_kernels.h"
 #include "batten/core/solvers/supernodal_solve.h"
 
 namespace batten {

@@ -35,7 +35,6 @@ std::vector<FactorTask> plan_factorization(const SupernodalPattern& pattern,
                                            const std::vector<int>& parents,
                                            const std::vector<long>& flops);
 
-
 /// Numeric factorization P A Pᵀ = L Lᵀ for a known pattern. It is left-looking and proceeds
 /// supernode by supernode, from the leaves of the elimination tree to its roots:
 ///
@@ -97,8 +96,7 @@ class SupernodalFactorization {
 
   SupernodalPattern pattern_;
   // Entries of A that belong to each supernode, and their positions in its block.
-  std::vector<int> entry_starts_, entries_,
-      targets_;
+  std::vector<int> entry_starts_, entries_, targets_;
   std::vector<int> update_starts_;
   std::vector<Update> updates_;
   std::vector<FactorTask> tasks_;

@@ -6,11 +6,11 @@
 #include <functional>
 #include <numeric>
 
+#include "batten/core/containers.h"
 #include "batten/core/errors.h"
 #include "batten/core/parallel.h"
 #include "batten/core/simd.h"
 #include "batten/core/solvers/supernodal_sweeps.h"
-#include "batten/core/containers.h"
 
 namespace batten {
 namespace {

@@ -6,8 +6,8 @@
 #include <optional>
 #include <vector>
 
-#include "batten/core/eigen.h"
 #include "batten/core/containers.h"
+#include "batten/core/eigen.h"
 #include "batten/core/solvers/symbolic_analysis.h"
 
 namespace batten {
@@ -16,9 +16,9 @@ namespace batten {
 /// below them. It is stored by columns as one dense block: first its own columns (a lower triangle;
 /// entries above the diagonal are not read), then the rows below.
 struct SupernodalPattern {
-  int count = 0;                      // number of supernodes
-  const int* columns = nullptr;       // count+1: first column of each, then n
-  const int* row_starts = nullptr;    // count+1: first index in `rows` of each
+  int count = 0;                    // number of supernodes
+  const int* columns = nullptr;     // count+1: first column of each, then n
+  const int* row_starts = nullptr;  // count+1: first index in `rows` of each
   // Rows of each supernode, ascending; its own columns come first.
   const int* rows = nullptr;
   const int* value_starts = nullptr;  // count+1: offset of each block in the values
@@ -116,15 +116,14 @@ class SupernodalSolve {
   std::vector<int> children_;
   // Position of each boundary row in the parent chunk's section.
   std::vector<int> boundary_targets_;
-  std::vector<int> schedule_;          // chunks, the deepest first
-  bool splits_ = false;                // whether subtrees are worth several threads
+  std::vector<int> schedule_;  // chunks, the deepest first
+  bool splits_ = false;        // whether subtrees are worth several threads
   const double* values_ = nullptr;
   mutable std::unique_ptr<double[]> work_;  // one Row for each column and boundary row
   mutable int work_lanes_ = 0;
   // Unfinished chunks that each chunk waits for.
   mutable std::unique_ptr<std::atomic<int>[]> pending_;
 };
-
 
 // Partition of the elimination tree for several threads.
 

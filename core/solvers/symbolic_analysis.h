@@ -22,7 +22,6 @@ namespace batten {
 /// costs next to nothing and is as good. Without CHOLMOD only AMD is available.
 enum class FactorReuse { once, many };
 
-
 /// Fill-reducing elimination order of the nodes of a graph, first eliminated first.
 ///
 /// `graph`: lower triangle of the adjacency matrix including the diagonal; its values are ignored.
@@ -31,7 +30,6 @@ enum class FactorReuse { once, many };
 /// graphs get AMD, as do all if CHOLMOD or its METIS is missing. Throws NoSolutionError if memory
 /// runs out.
 std::vector<int> elimination_order(const SparseMatrix& graph, FactorReuse factor_reuse);
-
 
 // Partial triangular solves.
 

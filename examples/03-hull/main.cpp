@@ -13,8 +13,8 @@
 #include <exception>
 #include <filesystem>
 
-#include "batten/io/step/step.h"
 #include "batten/io/pictures/pictures.h"
+#include "batten/io/step/step.h"
 #include "batten/io/vtk/vtk_files.h"
 #include "batten/sculpting/statics/static_sculpt.h"
 #include "batten/skinning/region/skinned_region.h"

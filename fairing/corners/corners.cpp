@@ -1,18 +1,18 @@
 #include "batten/fairing/corners/corners.h"
 
+#include <Eigen/Cholesky>
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <numbers>
 #include <utility>
-#include <array>
-#include <Eigen/Cholesky>
-#include <limits>
 
-#include "batten/core/geometry.h"
 #include "batten/core/containers.h"
-#include "batten/fairing/corners/point_noise.h"
 #include "batten/core/eigen.h"
+#include "batten/core/geometry.h"
+#include "batten/fairing/corners/point_noise.h"
 
 namespace batten {
 

@@ -1,15 +1,15 @@
 #include "batten/fairing/corners/point_noise.h"
 
+#include <Eigen/LU>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
-#include <Eigen/LU>
-#include <array>
 #include <numbers>
 
 #include "batten/core/containers.h"
-#include "batten/core/geometry.h"
 #include "batten/core/eigen.h"
+#include "batten/core/geometry.h"
 
 namespace batten {
 namespace {

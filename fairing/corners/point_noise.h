@@ -1,5 +1,4 @@
 // Noise of sampled curves: its standard deviation, averages of neighbouring points, and outliers.
-// Internal.
 #pragma once
 
 #include <vector>
@@ -17,7 +16,6 @@ namespace batten {
 /// units; 0 for fewer than eleven points.
 double estimate_noise(const std::vector<Vec3>& points, bool closed,
                       const std::vector<int>& corners = {});
-
 
 // Averages of neighbouring points, for samples whose steps from point to point are mostly noise.
 
@@ -40,7 +38,6 @@ std::vector<Vec3> block_means(const std::vector<Vec3>& points, int each);
 /// Beyond the centres of the first and the last block it is extrapolated with the adjacent slope.
 /// `closed`: one more entry, the total length.
 std::vector<double> averaged_chord_length(const std::vector<Vec3>& points, int each, bool closed);
-
 
 // Outliers: points farther from their curve than its noise explains.
 

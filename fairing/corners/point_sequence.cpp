@@ -5,11 +5,11 @@
 #include <numbers>
 #include <utility>
 
-#include "batten/core/geometry.h"
-#include "batten/core/errors.h"
-#include "batten/fairing/corners/point_noise.h"
-#include "batten/fairing/corners/corners.h"
 #include "batten/core/containers.h"
+#include "batten/core/errors.h"
+#include "batten/core/geometry.h"
+#include "batten/fairing/corners/corners.h"
+#include "batten/fairing/corners/point_noise.h"
 
 namespace batten {
 

@@ -1,5 +1,5 @@
 // Cleaned-up input of curve fits and of fairing: distinct points in order, with chord lengths and
-// corners. Internal.
+// corners.
 #pragma once
 
 #include <optional>
@@ -78,7 +78,6 @@ double chord_excess(const Vec3& x, const Vec3& a, const Vec3& b, double sagitta)
 /// Measures the deviation of a curve from a sequence. t[i] is the curve parameter of point i.
 Deviation deviation_of(const HermiteCurve& curve, const PointSequence& sequence,
                        const std::vector<double>& t);
-
 
 // Node placement for fair_points().
 

@@ -4,9 +4,9 @@
 #include <cmath>
 #include <string>
 
-#include "batten/core/geometry.h"
-#include "batten/core/errors.h"
 #include "batten/core/containers.h"
+#include "batten/core/errors.h"
+#include "batten/core/geometry.h"
 #include "batten/elements/quadrature.h"
 #include "batten/fairing/curvature/curvature_minimizer.h"
 #include "batten/fem/curves/hermite_curve.h"
@@ -46,8 +46,8 @@ void check(const HermiteCurve& start, const std::vector<FixedCurvePoint>& fixed_
   for (const CurveSpring& spring : springs)
     if (!spring.point.allFinite() || !(spring.stiffness > 0) || !std::isfinite(spring.stiffness))
       throw InputError("a spring needs a finite point and a stiffness above 0");
-  const auto held =
-      std::count_if(fixed_points.begin(), fixed_points.end(), [](const auto& h) { return h.position; });
+  const auto held = std::count_if(fixed_points.begin(), fixed_points.end(),
+                                  [](const auto& h) { return h.position; });
   if (held < 2 && springs.size() < 2)
     throw InputError("a curve needs two held points or two springs, or it could move away");
 }

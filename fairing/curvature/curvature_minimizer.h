@@ -1,5 +1,4 @@
 // Smooth minimisation problem of curvature fairing, which Ceres solves, and its integrands.
-// Internal.
 #pragma once
 
 #include <vector>

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <vector>
 
-#include "batten/core/errors.h"
 #include "batten/core/containers.h"
+#include "batten/core/errors.h"
 #include "batten/elements/quadrature.h"
 #include "batten/fairing/curvature/curvature_minimizer.h"
 

@@ -56,7 +56,6 @@ class QuinticCurve {
   Points dofs_;
 };
 
-
 // Functionals of curvature fairing.
 
 /// Functional that a faired curve minimises. Both depend on the shape only, not on the

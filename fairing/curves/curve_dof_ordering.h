@@ -1,4 +1,4 @@
-// Small-bandwidth ordering of a curve's dofs, for banded Cholesky. Internal.
+// Small-bandwidth ordering of a curve's dofs, for banded Cholesky.
 #pragma once
 
 #include <algorithm>

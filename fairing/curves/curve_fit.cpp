@@ -5,12 +5,12 @@
 #include <limits>
 #include <utility>
 
-#include "batten/core/errors.h"
 #include "batten/core/containers.h"
-#include "batten/core/parallel.h"
-#include "batten/fairing/curves/curve_fit_problem.h"
-#include "batten/fairing/corners/point_sequence.h"
+#include "batten/core/errors.h"
 #include "batten/core/geometry.h"
+#include "batten/core/parallel.h"
+#include "batten/fairing/corners/point_sequence.h"
+#include "batten/fairing/curves/curve_fit_problem.h"
 #include "batten/fairing/curves/input_curve.h"
 
 namespace batten {
@@ -410,7 +410,6 @@ CurveFit fit_points(const std::string& name, const std::vector<Vec3>& points,
   fit.parameters = std::move(all);
   return fit;
 }
-
 
 // Fits of input curves: exact if they are piecewise cubic, otherwise by samples.
 

@@ -4,8 +4,8 @@
 #include <limits>
 
 #include "batten/core/errors.h"
-#include "batten/fairing/curves/curve_dof_ordering.h"
 #include "batten/fairing/corners/point_sequence.h"
+#include "batten/fairing/curves/curve_dof_ordering.h"
 
 namespace batten {
 

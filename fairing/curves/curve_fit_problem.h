@@ -1,4 +1,4 @@
-// Least-squares fit of a curve to points on one given mesh, with moving point parameters. Internal.
+// Least-squares fit of a curve to points on one given mesh, with moving point parameters.
 #pragma once
 
 #include <algorithm>
@@ -6,9 +6,9 @@
 #include <optional>
 #include <vector>
 
-#include "batten/core/solvers/band_cholesky.h"
-#include "batten/core/eigen.h"
 #include "batten/core/containers.h"
+#include "batten/core/eigen.h"
+#include "batten/core/solvers/band_cholesky.h"
 #include "batten/fem/curves/curve_mesh.h"
 
 namespace batten {

@@ -50,7 +50,6 @@ struct CurveFit {
   Deviation deviation;
 };
 
-
 /// A condition that a faired curve satisfies exactly.
 struct CurveCondition {
   enum class Type {
@@ -132,7 +131,7 @@ struct FairCurve {
   std::vector<double> parameters;  ///< parameter of the closest curve point for each point
   std::vector<int> outliers;       ///< indices of ignored points, ascending
   Deviation deviation;             ///< deviation of the points that are not outliers
-  double wavelength = 0;  ///< smoothing wavelength that was used; 0: no smoothing
+  double wavelength = 0;           ///< smoothing wavelength that was used; 0: no smoothing
   /// Estimated standard deviation of the points across their curve, model units; 0 for fewer than
   /// eleven points. See estimate_noise().
   double noise = 0;

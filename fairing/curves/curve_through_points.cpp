@@ -1,15 +1,15 @@
 #include "batten/fairing/curves/curve_through_points.h"
 
 #include <Eigen/Geometry>
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
-#include <optional>
 #include <limits>
-#include <Eigen/LU>
+#include <optional>
 
-#include "batten/core/geometry.h"
-#include "batten/core/errors.h"
 #include "batten/core/containers.h"
+#include "batten/core/errors.h"
+#include "batten/core/geometry.h"
 #include "batten/fairing/corners/corners.h"
 #include "batten/fairing/curves/fair_curve.h"
 
@@ -253,9 +253,9 @@ std::shared_ptr<const InputCurve> curve_through_points(
 
 namespace {
 
-constexpr double on_it = 5e-5;       // distance from a line or arc, as a fraction of the chord
-constexpr double same_way = 0.5;     // angle between directions that count as equal, degrees
-constexpr double kMaxTurn = 75;     // largest turning angle at a point of an arc, degrees
+constexpr double on_it = 5e-5;          // distance from a line or arc, as a fraction of the chord
+constexpr double same_way = 0.5;        // angle between directions that count as equal, degrees
+constexpr double kMaxTurn = 75;         // largest turning angle at a point of an arc, degrees
 constexpr double kMaxChordRatio = 2.5;  // largest ratio of adjacent chords, for arcs of few points
 
 struct Circle {
@@ -453,7 +453,6 @@ class LineArcSearch {
 std::vector<LineOrArc> find_lines_and_arcs(const std::vector<Vec3>& points) {
   return LineArcSearch(points).run();
 }
-
 
 Points not_a_knot_slopes(const std::vector<double>& u, const Points& x) {
   const long n = x.rows();

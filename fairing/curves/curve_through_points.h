@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "batten/fairing/curves/input_curve.h"
 #include "batten/core/eigen.h"
+#include "batten/fairing/curves/input_curve.h"
 
 namespace batten {
 
@@ -34,8 +34,7 @@ std::shared_ptr<const InputCurve> curve_through_points(
     const std::string& name, const std::vector<Vec3>& points, double corner_angle = 20,
     const std::optional<std::vector<int>>& corners = {});
 
-
-// Recognition of straight lines and circular arcs among ordered points. Internal.
+// Recognition of straight lines and circular arcs among ordered points.
 
 /// Points first … last of a sequence that lie on a straight line or on a circular arc, with the
 /// unit tangents at these points.
@@ -63,7 +62,6 @@ struct LineOrArc {
 ///   continue the arc tangentially. (Any four symmetric points are on a circle.)
 /// - No arc turns by more than 75 degrees at a point.
 std::vector<LineOrArc> find_lines_and_arcs(const std::vector<Vec3>& points);
-
 
 // Cubic splines without zero end curvature.
 

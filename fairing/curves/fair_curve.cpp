@@ -5,9 +5,9 @@
 #include <functional>
 #include <numbers>
 
-#include "batten/fairing/curves/smoothing_spline_solver.h"
 #include "batten/core/errors.h"
 #include "batten/fairing/curves/curve_dof_ordering.h"
+#include "batten/fairing/curves/smoothing_spline_solver.h"
 
 namespace batten {
 
@@ -46,7 +46,6 @@ HermiteCurve interpolating_spline(const std::string& name, const std::vector<Vec
   return {mesh,
           PenalisedLeastSquares(mesh, springs, energy, fixed_dofs).solve(1e-6 * sequence.length())};
 }
-
 
 // Local fairing: an interval, a brush.
 

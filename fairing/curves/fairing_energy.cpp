@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "batten/elements/hermite_segment.h"
-#include "batten/core/geometry.h"
 #include "batten/core/containers.h"
+#include "batten/core/geometry.h"
+#include "batten/elements/hermite_segment.h"
 
 namespace batten {
 

@@ -1,5 +1,5 @@
 // Fairing energy of curves (bending and variation of the second derivative), and the local
-// smoothing wavelength. Internal.
+// smoothing wavelength.
 #pragma once
 
 #include <array>

@@ -2,10 +2,10 @@
 // length.
 #pragma once
 
+#include <Eigen/Core>
 #include <functional>
 #include <memory>
 #include <vector>
-#include <Eigen/Core>
 
 #include "batten/fem/curves/hermite_curve.h"
 

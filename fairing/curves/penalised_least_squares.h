@@ -1,5 +1,4 @@
 // Penalised least squares on one curve mesh: springs to the data against the fairing energy.
-// Internal.
 #pragma once
 
 #include <functional>

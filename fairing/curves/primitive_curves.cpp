@@ -2,13 +2,13 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
-#include <array>
 
+#include "batten/core/containers.h"
 #include "batten/core/errors.h"
 #include "batten/core/geometry.h"
-#include "batten/core/containers.h"
 
 namespace batten {
 namespace {
@@ -220,7 +220,6 @@ std::shared_ptr<const InputCurve> transformed(std::shared_ptr<const InputCurve> 
                                               const AffineTransform& transform) {
   return std::make_shared<TransformedCurve>(std::move(curve), transform);
 }
-
 
 // NURBS curves.
 

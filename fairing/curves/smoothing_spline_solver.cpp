@@ -4,10 +4,10 @@
 #include <cmath>
 #include <limits>
 
-#include "batten/core/errors.h"
-#include "batten/fairing/corners/point_sequence.h"
-#include "batten/fairing/corners/point_noise.h"
 #include "batten/constraints/shape/shape_constraints.h"
+#include "batten/core/errors.h"
+#include "batten/fairing/corners/point_noise.h"
+#include "batten/fairing/corners/point_sequence.h"
 
 namespace batten {
 
@@ -217,7 +217,6 @@ FairCurve SmoothingSplineSolver::run() {
   return result;
 }
 
-
 // Largest distance of a point from the curve at its parameter, perpendicular to the tangent (at
 // corners: the full distance).
 double SmoothingSplineSolver::max_normal_distance(const Points& q) const {
@@ -297,7 +296,6 @@ double SmoothingSplineSolver::choose_wavelength(PenalisedLeastSquares& smoothing
   }
   return 0;
 }
-
 
 void SmoothingSplineSolver::reduce_conditions() {
   reduction_.reset();
@@ -447,7 +445,6 @@ void SmoothingSplineSolver::solve_at_wavelength(PenalisedLeastSquares& smoothing
     }
   }
 }
-
 
 using Type = CurveCondition::Type;
 

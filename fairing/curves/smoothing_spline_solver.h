@@ -1,5 +1,5 @@
 // Iterative solver of fair_points(): placement of nodes, springs, choice of wavelength, solve and
-// foot points, repeated until the parameters no longer move. Internal.
+// foot points, repeated until the parameters no longer move.
 #pragma once
 
 #include <functional>
@@ -10,11 +10,11 @@
 #include <vector>
 
 #include "batten/constraints/affine_reduction.h"
-#include "batten/fairing/curves/fairing_energy.h"
-#include "batten/fairing/curves/curve_options.h"
-#include "batten/fairing/curves/penalised_least_squares.h"
-#include "batten/fairing/corners/point_sequence.h"
 #include "batten/constraints/constraint_set.h"
+#include "batten/fairing/corners/point_sequence.h"
+#include "batten/fairing/curves/curve_options.h"
+#include "batten/fairing/curves/fairing_energy.h"
+#include "batten/fairing/curves/penalised_least_squares.h"
 
 namespace batten {
 
@@ -110,7 +110,6 @@ class SmoothingSplineSolver {
   std::optional<AffineReduction> reduction_;
   VecX positions_;  // per dof: 1 for positions, 0 for slopes
 };
-
 
 // Conditions of fairing as linear constraints.
 

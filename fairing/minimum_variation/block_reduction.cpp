@@ -175,7 +175,6 @@ MatX solve_augmented_lagrangian(const SparseCholesky& factor, const MatX& g, con
   return s;
 }
 
-
 void check_fairing_input(const Surface& start, const ConstraintSet& constraints) {
   const int n = start.dof_map().count();
   if (constraints.dof_count() != n)

@@ -1,9 +1,9 @@
 // Reduction of linear constraints on all three coordinates of a surface to free unknowns, [x; y; z]
-// = D y + d0; and constraints imposed by Lagrange multipliers. Internal.
+// = D y + d0; and constraints imposed by Lagrange multipliers.
 #pragma once
 
-#include <vector>
 #include <memory>
+#include <vector>
 
 #include "batten/constraints/constraint_set.h"
 #include "batten/core/eigen.h"
@@ -48,7 +48,6 @@ class BlockReduction {
   VecX d0_;
   std::vector<int> free_rows_;
 };
-
 
 // Constraints imposed by multipliers instead of elimination, because they involve many dofs.
 
@@ -103,7 +102,6 @@ VecX penalty_weights(const RowMatrix& B, const VecX& diagonal, double times);
 /// plain solve.
 MatX solve_augmented_lagrangian(const SparseCholesky& factor, const MatX& g, const RowMatrix& B,
                                 const VecX& weights, const MatX& residual = {});
-
 
 // Input checks shared by the fairing of surfaces.
 

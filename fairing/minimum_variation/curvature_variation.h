@@ -1,4 +1,4 @@
-// Pointwise curvature variation of a surface: residuals and their derivatives. Internal.
+// Pointwise curvature variation of a surface: residuals and their derivatives.
 #pragma once
 
 #include "batten/core/eigen.h"

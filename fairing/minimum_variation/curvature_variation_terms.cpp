@@ -6,8 +6,8 @@
 #include <limits>
 #include <numbers>
 
-#include "batten/core/errors.h"
 #include "batten/core/containers.h"
+#include "batten/core/errors.h"
 #include "batten/core/parallel.h"
 #include "batten/fairing/minimum_variation/variation_geometry.h"
 

@@ -1,5 +1,5 @@
 // Elementwise assembly of the minimum-variation functional: residuals of triangles, edges and
-// joins, with their Jacobians. Internal.
+// joins, with their Jacobians.
 //
 // Every triangle is evaluated in its own barycentric coordinates (L1, L2). The terms do not depend
 // on the parametrisation, so all triangles share the tables of basis functions.

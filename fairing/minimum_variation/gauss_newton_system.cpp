@@ -1,13 +1,13 @@
 #include "batten/fairing/minimum_variation/gauss_newton_system.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <atomic>
-#include <type_traits>
-#include <Eigen/Geometry>
 #include <cmath>
+#include <type_traits>
 
-#include "batten/core/simd.h"
 #include "batten/core/containers.h"
+#include "batten/core/simd.h"
 
 namespace batten {
 namespace {
@@ -322,12 +322,14 @@ NormalVariation::NormalVariation(const BlockReduction& reduction, const Surface&
     : reduction_(reduction), unknown_of_(reduction.dof_count(), -1) {
   const int n = reduction.dof_count();
   const NormalField field(start);
-  std::vector<Vec3> free_displacement(n, Vec3::Zero());  // displacement of each dof by a unit step along its
-                                            // free coordinates
+  std::vector<Vec3> free_displacement(
+      n, Vec3::Zero());  // displacement of each dof by a unit step along its
+                         // free coordinates
   for (int f = 0; f < reduction.free_count(); ++f) {
     const int row = reduction.free_rows()[f], dof = row % n;
     const double step = field.normal(dof)[row / n];
-    for (int c = 0; c < 3; ++c) free_displacement[dof][c] += reduction.D().coeff(c * n + dof, f) * step;
+    for (int c = 0; c < 3; ++c)
+      free_displacement[dof][c] += reduction.D().coeff(c * n + dof, f) * step;
   }
   for (int dof = 0; dof < n; ++dof)
     if (const double length = free_displacement[dof].norm();

@@ -1,5 +1,5 @@
 // Normal equations of one Gauss-Newton step of minimum-variation fairing, and steps restricted to
-// the surface normals. Internal.
+// the surface normals.
 #pragma once
 
 #include <vector>
@@ -55,7 +55,6 @@ class GaussNewtonSystem {
   VecX gradient_;
   std::vector<double> values_, slopes_;  // slopes_: gradient entries in the order of unknowns_
 };
-
 
 // Steps of a surface along its own normals: one unknown per dof instead of three.
 

@@ -5,12 +5,12 @@
 #include <cmath>
 #include <memory>
 
-#include "batten/core/solvers/symbolic_analysis.h"
 #include "batten/core/errors.h"
 #include "batten/core/solvers/sparse_cholesky.h"
+#include "batten/core/solvers/symbolic_analysis.h"
 #include "batten/fairing/minimum_variation/block_reduction.h"
-#include "batten/fairing/minimum_variation/gauss_newton_system.h"
 #include "batten/fairing/minimum_variation/curvature_variation_terms.h"
+#include "batten/fairing/minimum_variation/gauss_newton_system.h"
 
 namespace batten {
 namespace {
@@ -129,7 +129,8 @@ class Descent {
     const double factor = gain_ratio < 0.6 ? 1 : k > 0 ? 0.5 : gain_ratio < 0.9 ? 0.3 : 0.1;
     damping_ = std::max(least_damping, factor * damping_);
     if (parametrization_weight_ > 0)
-      parametrization_weight_ = std::max(kMinParametrizationWeight, factor * parametrization_weight_);
+      parametrization_weight_ =
+          std::max(kMinParametrizationWeight, factor * parametrization_weight_);
   }
 
   DampingWeights weights() const { return {damping_, damping_ + parametrization_weight_}; }

@@ -6,8 +6,8 @@
 #include <limits>
 #include <unsupported/Eigen/AutoDiff>
 
-#include "batten/core/errors.h"
 #include "batten/core/containers.h"
+#include "batten/core/errors.h"
 #include "batten/core/parallel.h"
 #include "batten/core/solvers/sparse_cholesky.h"
 #include "batten/fairing/minimum_variation/block_reduction.h"

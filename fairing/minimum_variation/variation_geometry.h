@@ -1,12 +1,12 @@
 // Geometry of the minimum-variation terms on one triangle in its (L1, L2): basis-function tables,
-// curvature jumps and twist of the normal. Internal.
+// curvature jumps and twist of the normal.
 #pragma once
 
 #include <array>
 
-#include "batten/fem/surface.h"
 #include "batten/elements/reference_triangle.h"
 #include "batten/fairing/minimum_variation/curvature_variation.h"
+#include "batten/fem/surface.h"
 
 namespace batten {
 
@@ -41,7 +41,6 @@ struct HctTables {
  private:
   HctTables();
 };
-
 
 using TriangleDofs = Eigen::Matrix<double, 12, 3>;
 using LocalJet = Eigen::Matrix<double, 3, 5>;  ///< X_1, X_2, X_11, X_12, X_22

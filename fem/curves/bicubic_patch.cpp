@@ -3,15 +3,15 @@
 #include <Eigen/QR>
 #include <Eigen/SparseCore>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <numbers>
-#include <array>
 #include <optional>
 #include <vector>
 
-#include "batten/core/parallel.h"
 #include "batten/core/errors.h"
+#include "batten/core/parallel.h"
 #include "batten/core/solvers/sparse_cholesky.h"
 
 namespace batten {
@@ -389,7 +389,6 @@ PatchFit fit_bicubic_patch(const PatchTarget& target, const PatchGoal& goal,
 
 namespace {
 
-using Vec4 = Eigen::Vector4d;
 using Mat4 = Eigen::Matrix4d;
 
 // ∫₀¹ of products of the derivatives on one interval.

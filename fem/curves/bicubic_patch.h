@@ -67,7 +67,6 @@ struct PatchTarget {
   std::function<std::vector<PatchTangent>(const BoundaryStep& longest)> tangents = {};
 };
 
-
 /// Result of fit_bicubic_patch().
 struct PatchFit {
   BicubicPatch patch;

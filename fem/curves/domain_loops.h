@@ -1,14 +1,14 @@
 // Regions of the (u, v) plane bounded by loops of cubic curves.
 #pragma once
 
-#include <vector>
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <vector>
 
+#include "batten/core/eigen.h"
 #include "batten/core/geometry.h"
 #include "batten/fem/curves/hermite_curve.h"
-#include "batten/core/eigen.h"
 
 namespace batten {
 
@@ -92,7 +92,6 @@ struct BernsteinCubic {
 /// The arcs of a curve in the plane z = 0, one per segment.
 class HermiteCurve;
 std::vector<PlanarCubic> planar_cubics(const HermiteCurve& curve);
-
 
 /// Region to the left of closed loops: an outer loop runs counter-clockwise, a hole clockwise.
 /// Loops must not intersect. Immutable.

@@ -6,9 +6,9 @@
 #include <limits>
 
 #include "batten/core/errors.h"
+#include "batten/core/geometry.h"
 #include "batten/elements/hermite_segment.h"
 #include "batten/elements/quadrature.h"
-#include "batten/core/geometry.h"
 
 namespace batten {
 namespace {

@@ -1,11 +1,11 @@
 // Piecewise cubic Hermite curve in space.
 #pragma once
 
-#include <vector>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <string>
+#include <vector>
 
 #include "batten/core/eigen.h"
 #include "batten/fem/curves/curve_mesh.h"
@@ -63,7 +63,6 @@ CurvePoint closest_on_curve(const Evaluate& evaluate, const std::vector<double>&
   return closest_on_curve(evaluate, u, at_u, p);
 }
 
-
 /// Piecewise cubic curve, given by a mesh and its dofs (CurveMesh, n×3): positions and derivatives
 /// dX/du at the nodes. It is C1 except at corners. u is in model units if the curve was fitted by
 /// arc length. A value type.
@@ -115,7 +114,6 @@ class HermiteCurve {
   CurveMesh mesh_;
   Points dofs_;
 };
-
 
 // Exact conversion of Hermite curves to B-splines.
 

@@ -3,8 +3,8 @@
 
 #include <vector>
 
-#include "batten/core/eigen.h"
 #include "batten/core/containers.h"
+#include "batten/core/eigen.h"
 
 namespace batten {
 

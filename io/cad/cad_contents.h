@@ -55,7 +55,6 @@ struct CadContents {
   double size = 0;    ///< diagonal of the bounding box
 };
 
-
 // Triangle mesh of the faces of a CAD file.
 
 /// The triangles of all faces with the same name and colour.

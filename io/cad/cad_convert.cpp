@@ -1,37 +1,37 @@
 #include "batten/io/cad/cad_convert.h"
 
+#include <BRepBndLib.hxx>
+#include <BRepGProp.hxx>
 #include <BRepTools.hxx>
+#include <BRep_Tool.hxx>
+#include <Bnd_Box.hxx>
+#include <GProp_GProps.hxx>
 #include <Message_ProgressRange.hxx>
 #include <RWGltf_CafWriter.hxx>
 #include <Standard_Failure.hxx>
 #include <TColStd_IndexedDataMapOfStringString.hxx>
-#include <algorithm>
-#include <sstream>
-#include <cmath>
-#include <cstring>
-#include <BRepBndLib.hxx>
-#include <BRepGProp.hxx>
-#include <BRep_Tool.hxx>
-#include <Bnd_Box.hxx>
-#include <GProp_GProps.hxx>
 #include <TopExp.hxx>
 #include <TopTools_IndexedMapOfShape.hxx>
 #include <TopoDS.hxx>
 #include <TopoDS_Edge.hxx>
+#include <algorithm>
+#include <cmath>
+#include <cstring>
 #include <nlohmann/json.hpp>
+#include <sstream>
 #include <string>
 
+#include "batten/core/containers.h"
 #include "batten/core/errors.h"
+#include "batten/io/cad/cad_contents.h"
+#include "batten/io/cad/cad_file.h"
 #include "batten/io/cad/cad_mesher.h"
+#include "batten/io/cad/cad_parts.h"
 #include "batten/io/cad/cad_writer.h"
 #include "batten/io/cad/occ_settings.h"
 #include "batten/io/files/atomic_file.h"
 #include "batten/io/files/sandboxed_read.h"
 #include "batten/io/files/text.h"
-#include "batten/core/containers.h"
-#include "batten/io/cad/cad_parts.h"
-#include "batten/io/cad/cad_contents.h"
-#include "batten/io/cad/cad_file.h"
 
 namespace batten {
 
@@ -41,7 +41,6 @@ namespace batten {
 /// finite.
 std::string to_bytes(const CadContents& contents);
 CadContents contents_from_bytes(const std::string& bytes);
-
 
 // Counts and measures the contents of a file.
 
@@ -326,7 +325,6 @@ CadFacets tessellate_cad(const std::filesystem::path& file, const CadFacetOption
   scale(facets, 1e-3 / facets.unit_in_metres);
   return facets;
 }
-
 
 CadContents read_cad_contents(const std::filesystem::path& file) {
   return contents_from_bytes(sandboxed_read(file, "OpenCASCADE", [&] {

@@ -21,10 +21,10 @@ struct CadConvertOptions {
 
 /// Result of a conversion: contents of the input, and of the output when it is read back.
 struct CadConversion {
-  CadContents before, after;       ///< `after` is empty for glTF
+  CadContents before, after;  ///< `after` is empty for glTF
   /// One sentence for each kind of data that the output format cannot store.
   std::vector<std::string> notes;
-  double unit_in_metres = 1e-3;    ///< of the output
+  double unit_in_metres = 1e-3;  ///< of the output
   /// glTF only, in the output unit; see CadFacets.
   double size = 0, chord = 0, deviation = 0;
   int triangles = 0, cracks = 0, unmeshed = 0;
@@ -47,7 +47,6 @@ struct CadConversion {
 CadConversion convert_cad(const std::filesystem::path& from, const std::filesystem::path& to,
                           const CadConvertOptions& options = {});
 
-
 // Meshes CAD files: conforming triangles within a chord tolerance of the faces.
 
 /// Options of tessellate_cad().
@@ -65,7 +64,6 @@ struct CadFacetOptions {
 /// `chord`. Throws InputError as read_cad_lines() does for files and entities, for a file without
 /// faces, and for a chord below 1e-7 of the model size or not a valid length.
 CadFacets tessellate_cad(const std::filesystem::path& file, const CadFacetOptions& options = {});
-
 
 // Reads a summary of a CAD file.
 

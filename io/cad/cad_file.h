@@ -1,4 +1,4 @@
-// Reads a STEP, IGES or BREP file into OpenCASCADE shapes with their attributes. Internal.
+// Reads a STEP, IGES or BREP file into OpenCASCADE shapes with their attributes.
 #pragma once
 
 #include <TDocStd_Document.hxx>
@@ -24,7 +24,7 @@ struct CadHeader {
   double unit_in_metres = 1e-3;  ///< length unit
   /// False if the file declares none and `unit_in_metres` is the usual default.
   bool unit_stated = false;
-  std::string note;              ///< remark on an unusual or missing unit; "" if there is none
+  std::string note;  ///< remark on an unusual or missing unit; "" if there is none
 };
 
 /// Reads schema and unit of a STEP file. If its parts have different units, the header has the unit
@@ -39,7 +39,6 @@ CadHeader iges_header(const IGESData_IGESModel& model);
 CadHeader brep_header();
 /// The header of a file of spline patches. The format has no unit; mm is assumed.
 CadHeader patches_header();
-
 
 /// The shapes of a file, in millimetres, with the labels of its edges.
 struct CadFile {

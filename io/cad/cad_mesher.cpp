@@ -6,29 +6,29 @@
 #include <BRep_Builder.hxx>
 #include <BRep_Tool.hxx>
 #include <Bnd_Box.hxx>
-#include <IMeshTools_Parameters.hxx>
-#include <TopoDS.hxx>
-#include <TopoDS_Compound.hxx>
-#include <algorithm>
-#include <cmath>
-#include <tuple>
+#include <GeomAdaptor_Surface.hxx>
 #include <Geom_Curve.hxx>
+#include <Geom_Surface.hxx>
+#include <IMeshTools_Parameters.hxx>
 #include <Poly_PolygonOnTriangulation.hxx>
 #include <Poly_Triangulation.hxx>
 #include <TopExp.hxx>
 #include <TopExp_Explorer.hxx>
 #include <TopTools_IndexedMapOfShape.hxx>
+#include <TopoDS.hxx>
+#include <TopoDS_Compound.hxx>
 #include <TopoDS_Vertex.hxx>
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <map>
-#include <unordered_map>
-#include <GeomAdaptor_Surface.hxx>
-#include <Geom_Surface.hxx>
 #include <optional>
+#include <tuple>
+#include <unordered_map>
 
+#include "batten/core/containers.h"
 #include "batten/io/cad/cad_parts.h"
 #include "batten/io/cad/continuity_report.h"
-#include "batten/core/containers.h"
 #include "batten/io/cad/occ_settings.h"
 
 namespace batten {

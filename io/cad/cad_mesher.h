@@ -1,15 +1,15 @@
-// Meshes the parts of a CAD document and measures the distance between mesh and model. Internal.
+// Meshes the parts of a CAD document and measures the distance between mesh and model.
 #pragma once
 
-#include <vector>
 #include <TopoDS_Edge.hxx>
 #include <TopoDS_Face.hxx>
 #include <TopoDS_Shape.hxx>
+#include <vector>
 
+#include "batten/core/eigen.h"
 #include "batten/io/cad/cad_contents.h"
 #include "batten/io/cad/cad_file.h"
 #include "batten/io/cad/cad_parts.h"
-#include "batten/core/eigen.h"
 #include "batten/mesh/pn_triangle_mesh.h"
 
 namespace batten {
@@ -56,7 +56,6 @@ double surface_deviation(const TopoDS_Face& face, const Poly_Triangulation& mesh
 /// The largest distance between the edge's curve and its chords, sampled at three points per chord.
 double chord_deviation(const TopoDS_Edge& edge, const Poly_PolygonOnTriangulation& chain,
                        const std::vector<Vec3>& at);
-
 
 // Merges the triangulations of faces into one mesh that shares the nodes on common edges.
 

@@ -1,6 +1,11 @@
 #include "batten/io/cad/cad_parts.h"
 
+#include <BRepBuilderAPI_Sewing.hxx>
+#include <BRepGProp.hxx>
+#include <BRep_Builder.hxx>
 #include <BRep_Tool.hxx>
+#include <GProp_GProps.hxx>
+#include <Geom_BSplineCurve.hxx>
 #include <NCollection_DataMap.hxx>
 #include <Quantity_Color.hxx>
 #include <TColStd_HSequenceOfExtendedString.hxx>
@@ -12,7 +17,10 @@
 #include <TopTools_IndexedMapOfShape.hxx>
 #include <TopTools_ShapeMapHasher.hxx>
 #include <TopoDS.hxx>
+#include <TopoDS_Compound.hxx>
+#include <TopoDS_Edge.hxx>
 #include <TopoDS_Iterator.hxx>
+#include <TopoDS_Vertex.hxx>
 #include <XCAFDoc_ColorTool.hxx>
 #include <XCAFDoc_DocumentTool.hxx>
 #include <XCAFDoc_LayerTool.hxx>
@@ -20,14 +28,6 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <BRep_Builder.hxx>
-#include <Geom_BSplineCurve.hxx>
-#include <TopoDS_Compound.hxx>
-#include <TopoDS_Edge.hxx>
-#include <TopoDS_Vertex.hxx>
-#include <BRepBuilderAPI_Sewing.hxx>
-#include <BRepGProp.hxx>
-#include <GProp_GProps.hxx>
 #include <vector>
 
 #include "batten/core/containers.h"
@@ -290,7 +290,6 @@ CadPart part_of_curves(const std::string& name, const std::vector<CubicSpline>& 
   part.shape = compound;
   return part;
 }
-
 
 TopTools_IndexedMapOfShape free_edges_of(const TopoDS_Shape& shape) {
   TopTools_IndexedMapOfShape edges, free_edges;

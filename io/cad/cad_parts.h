@@ -1,16 +1,16 @@
-// The placed parts of a CAD document, with names and colours of their faces, and sewing. Internal.
+// The placed parts of a CAD document, with names and colours of their faces, and sewing.
 #pragma once
 
 #include <TDocStd_Document.hxx>
+#include <TopTools_IndexedMapOfShape.hxx>
 #include <TopoDS_Edge.hxx>
 #include <TopoDS_Face.hxx>
 #include <TopoDS_Shape.hxx>
 #include <string>
 #include <vector>
-#include <TopTools_IndexedMapOfShape.hxx>
 
-#include "batten/io/cad/cad_contents.h"
 #include "batten/fem/curves/hermite_curve.h"
+#include "batten/io/cad/cad_contents.h"
 
 namespace batten {
 
@@ -58,14 +58,12 @@ CadTree tree_of(const Handle(TDocStd_Document) & document);
 Handle(TDocStd_Document)
     document_of(const std::vector<CadPart>& parts, double unit_in_metres = 1e-3);
 
-
 // Curves as a part of a CAD document.
 
 /// Creates a part of free edges: one for each spline, in the same order and with the same names. A
 /// closed spline gets one vertex. In STEP this becomes a product with a geometric curve set, which
 /// CAD programs show as wires.
 CadPart part_of_curves(const std::string& name, const std::vector<CubicSpline>& splines);
-
 
 // Free edges of CAD shapes, and sewing.
 

@@ -1,5 +1,6 @@
 #include "batten/io/cad/cad_writer.h"
 
+#include <APIHeaderSection_MakeHeader.hxx>
 #include <BRepBndLib.hxx>
 #include <BRepBuilderAPI_Transform.hxx>
 #include <BRepTools.hxx>
@@ -9,20 +10,10 @@
 #include <IGESData_GlobalSection.hxx>
 #include <IGESData_IGESEntity.hxx>
 #include <IGESData_IGESModel.hxx>
+#include <IGESData_IGESWriter.hxx>
+#include <IGESSelect_WorkLibrary.hxx>
+#include <Interface_FloatWriter.hxx>
 #include <STEPCAFControl_Writer.hxx>
-#include <TCollection_HAsciiString.hxx>
-#include <TDataStd_Name.hxx>
-#include <TopoDS_Iterator.hxx>
-#include <TransferBRep.hxx>
-#include <TransferBRep_ShapeMapper.hxx>
-#include <Transfer_FinderProcess.hxx>
-#include <XCAFDoc_DocumentTool.hxx>
-#include <XCAFDoc_ShapeTool.hxx>
-#include <algorithm>
-#include <cmath>
-#include <locale>
-#include <sstream>
-#include <APIHeaderSection_MakeHeader.hxx>
 #include <STEPControl_Writer.hxx>
 #include <StepBasic_Product.hxx>
 #include <StepData_Protocol.hxx>
@@ -31,11 +22,20 @@
 #include <StepGeom_TrimmedCurve.hxx>
 #include <StepShape_GeometricCurveSet.hxx>
 #include <StepShape_GeometricSetSelect.hxx>
+#include <TCollection_HAsciiString.hxx>
+#include <TDataStd_Name.hxx>
+#include <TopoDS_Iterator.hxx>
+#include <TransferBRep.hxx>
+#include <TransferBRep_ShapeMapper.hxx>
+#include <Transfer_FinderProcess.hxx>
+#include <XCAFDoc_DocumentTool.hxx>
+#include <XCAFDoc_ShapeTool.hxx>
 #include <XSControl_WorkSession.hxx>
+#include <algorithm>
 #include <array>
-#include <IGESData_IGESWriter.hxx>
-#include <IGESSelect_WorkLibrary.hxx>
-#include <Interface_FloatWriter.hxx>
+#include <cmath>
+#include <locale>
+#include <sstream>
 
 #include "batten/core/errors.h"
 #include "batten/io/cad/cad_parts.h"
@@ -231,7 +231,6 @@ CadFace face_of_region(const TopoDS_Face& face, const std::string& region, size_
                                          "#d2cd82", "#82c8c8", "#dca0c8", "#a0a0a0", "#b4825a"};
   return {face, region, regions > 1 ? colours[number % colours.size()] : ""};
 }
-
 
 bool print_iges(IGESControl_Writer& writer, std::ostream& out) {
   writer.ComputeModel();

@@ -1,11 +1,11 @@
-// Writes CAD documents to STEP, IGES and BREP. Internal.
+// Writes CAD documents to STEP, IGES and BREP.
 #pragma once
 
-#include <string>
+#include <IGESControl_Writer.hxx>
 #include <filesystem>
 #include <iosfwd>
-#include <IGESControl_Writer.hxx>
 #include <ostream>
+#include <string>
 
 #include "batten/io/cad/cad_file.h"
 #include "batten/io/cad/cad_parts.h"
@@ -77,7 +77,6 @@ void write_surfaces(const std::filesystem::path& path, const CadPart& part,
 /// region gets none.
 CadFace face_of_region(const TopoDS_Face& face, const std::string& region, size_t number,
                        size_t regions);
-
 
 // The text of IGES files.
 

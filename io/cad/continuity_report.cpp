@@ -2,8 +2,8 @@
 // can format reports without it.
 #include <algorithm>
 
-#include "batten/core/geometry.h"
 #include "batten/core/containers.h"
+#include "batten/core/geometry.h"
 #include "batten/io/cad/continuity_report.h"
 
 namespace batten {

@@ -2,9 +2,9 @@
 #pragma once
 
 #include <array>
-#include <vector>
 #include <filesystem>
 #include <string>
+#include <vector>
 
 #include "batten/core/eigen.h"
 
@@ -70,7 +70,6 @@ struct ContinuityReport {
   /// The largest angle over all edges that are not creases; 0 if there are none.
   double max_smooth_deg() const;
 };
-
 
 // Reads and measures a file.
 

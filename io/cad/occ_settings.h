@@ -2,12 +2,12 @@
 #pragma once
 
 #include <Message_SequenceOfPrinters.hxx>
+#include <TCollection_HAsciiString.hxx>
+#include <gp_Pnt.hxx>
 #include <mutex>
 #include <string>
 #include <utility>
 #include <vector>
-#include <TCollection_HAsciiString.hxx>
-#include <gp_Pnt.hxx>
 
 #include "batten/core/eigen.h"
 
@@ -54,7 +54,6 @@ class OccSettings {
   double unit_in_metres_ = 1e-3;
   Message_SequenceOfPrinters printers_;
 };
-
 
 // Converts points and strings to and from OpenCASCADE's types.
 

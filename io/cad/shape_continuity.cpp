@@ -20,14 +20,14 @@
 #include <numeric>
 #include <optional>
 
-#include "batten/core/geometry.h"
-#include "batten/core/errors.h"
 #include "batten/core/containers.h"
+#include "batten/core/errors.h"
+#include "batten/core/geometry.h"
 #include "batten/core/parallel.h"
 #include "batten/io/cad/cad_file.h"
 #include "batten/io/cad/cad_parts.h"
-#include "batten/io/cad/shape_continuity.h"
 #include "batten/io/cad/occ_settings.h"
+#include "batten/io/cad/shape_continuity.h"
 
 namespace batten {
 namespace {
@@ -49,7 +49,8 @@ struct EdgeJet {
 
 /// Evaluates the face at its closest point to `p`, with Newton steps that start on the pcurve.
 /// `along`: unit tangent of the edge.
-std::optional<EdgeJet> edge_jet(const Side& side, double parameter, const Vec3& p, const Vec3& along) {
+std::optional<EdgeJet> edge_jet(const Side& side, double parameter, const Vec3& p,
+                                const Vec3& along) {
   gp_Pnt2d uv = side.line->Value(parameter);
   gp_Pnt at;
   gp_Vec du, dv, duu, dvv, duv;

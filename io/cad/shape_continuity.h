@@ -1,4 +1,4 @@
-// Measures the continuity between the faces of an OpenCASCADE shape. Internal.
+// Measures the continuity between the faces of an OpenCASCADE shape.
 #pragma once
 
 #include <TopoDS_Shape.hxx>

@@ -21,7 +21,6 @@ struct StepFileOptions {
   std::vector<CubicSpline> lines = {};
 };
 
-
 /// Accuracy and size limits of fitted faces.
 struct StepFaceOptions {
   double tolerance = 0;  ///< largest distance from the surface, model units; above 0
@@ -32,7 +31,7 @@ struct StepFaceOptions {
   /// Write regions that are planes, cylinders, spheres, cones or tori within the tolerance as
   /// analytic faces.
   bool analytic = true;
-  int max_poles = 400;           ///< maximum number of poles in one direction, 16 or more
+  int max_poles = 400;  ///< maximum number of poles in one direction, 16 or more
   /// Maximum number of poles of a face, 256 or more; 60,000 are about 6 MB.
   int max_poles_total = 60'000;
   /// Maximum number of poles of a face per triangle of its surface; 6,000 poles are always allowed.

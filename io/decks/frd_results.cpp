@@ -6,8 +6,8 @@
 #include <map>
 #include <string>
 
-#include "batten/core/errors.h"
 #include "batten/core/containers.h"
+#include "batten/core/errors.h"
 #include "batten/io/files/input_file.h"
 #include "batten/io/files/toml_table.h"
 

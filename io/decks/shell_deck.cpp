@@ -5,20 +5,20 @@
 #include <cctype>
 #include <cmath>
 #include <cstdio>
+#include <functional>
 #include <map>
 #include <optional>
 #include <ostream>
 #include <set>
-#include <functional>
 #include <utility>
 #include <vector>
 
 #include "batten/core/errors.h"
+#include "batten/elements/quadrature.h"
+#include "batten/fem/triangle_locator.h"
 #include "batten/io/decks/ccx_deck.h"
 #include "batten/io/files/atomic_file.h"
 #include "batten/skinning/facets/model_elements.h"
-#include "batten/fem/triangle_locator.h"
-#include "batten/elements/quadrature.h"
 
 namespace batten {
 

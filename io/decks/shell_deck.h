@@ -2,14 +2,14 @@
 #pragma once
 
 #include <array>
+#include <filesystem>
 #include <functional>
 #include <optional>
 #include <string>
 #include <vector>
-#include <filesystem>
 
-#include "batten/core/geometry.h"
 #include "batten/core/eigen.h"
+#include "batten/core/geometry.h"
 #include "batten/skinning/region/skinned_region.h"
 
 namespace batten {
@@ -31,7 +31,7 @@ struct ShellDeck {
     };
     std::string line;  ///< name of a character line of the model; "": the support is on an area
     Kind kind = Kind::Pinned;
-    std::string region = {};  ///< region of an area support; "": all regions
+    std::string region = {};       ///< region of an area support; "": all regions
     std::optional<Box3> box = {};  ///< restricts the support to nodes in this box
     /// Constrained components x, y, z of the displacement.
     std::array<bool, 3> constrained = {true, true, true};
@@ -73,7 +73,6 @@ struct ShellDeck {
   std::vector<PointForce> point_forces;
   Vec3 gravity = Vec3::Zero();  ///< acceleration
 };
-
 
 // Writes skinned regions as shell elements.
 

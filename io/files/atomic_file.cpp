@@ -2,6 +2,7 @@
 
 #include <fcntl.h>
 #include <unistd.h>
+#include <algorithm>
 #include <atomic>
 #include <cerrno>
 #include <charconv>
@@ -9,7 +10,6 @@
 #include <cstring>
 #include <fstream>
 #include <locale>
-#include <algorithm>
 #include <mutex>
 #include <system_error>
 #include <vector>
@@ -126,7 +126,6 @@ void make_output_folder(const fs::path& path) {
   fs::remove(probe, error);
 }
 
-namespace fs = std::filesystem;
 namespace {
 
 struct Registry {

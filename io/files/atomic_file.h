@@ -43,7 +43,6 @@ void commit_files(const std::function<void()>& move);
 /// any file, because commit_files() no longer returns.
 void remove_temporary_files();
 
-
 /// Thrown if the system does not permit a file to be written: disk full, no permission. It is not
 /// specific to one surface: later files will fail for the same reason.
 class FileError : public InputError {

@@ -1,6 +1,5 @@
 #include "batten/io/files/glb_file.h"
 
-
 namespace batten {
 namespace {
 

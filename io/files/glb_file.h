@@ -1,9 +1,9 @@
-// Helpers for binary glTF (GLB) files. Internal.
+// Helpers for binary glTF (GLB) files.
 #pragma once
 
+#include <bit>
 #include <cstdint>
 #include <string>
-#include <bit>
 
 namespace batten {
 
@@ -28,7 +28,6 @@ enum GltfConstant {
 std::string glb_header(std::string json, size_t binary_size);
 /// The size of the result of glb_header() for a JSON text of this size.
 size_t glb_header_size(size_t json_size);
-
 
 // Conversion of numbers to and from bytes, in either byte order.
 

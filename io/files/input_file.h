@@ -27,7 +27,6 @@ std::uintmax_t input_file_size(const std::filesystem::path& file) noexcept;
 /// Maximum size of an input file: 2³¹ bytes. The data read from a file take several times its size.
 inline constexpr std::uintmax_t kMaxInputFileSize = std::uintmax_t{1} << 31;
 
-
 // Limits on the nesting depth of text formats.
 
 /// Maximum nesting depth of lists, tables and parts of a dotted key.

@@ -21,7 +21,6 @@ std::string lower_extension(const std::filesystem::path& path);
 /// "1 point", "2 points"; with an irregular plural in `many`: "3 tori".
 std::string format_count(long count, const std::string& noun, const std::string& many = "");
 
-
 // Units of length, as named in scenes and on the command line.
 
 /// The names of the supported length units: mm, cm, m, in, ft.

@@ -1,13 +1,10 @@
 #include "batten/io/lines/cad_edges.h"
 
-#include <BRepLib.hxx>
-#include <BRep_Tool.hxx>
-#include <TopoDS.hxx>
-#include <algorithm>
-#include <set>
 #include <BRepBndLib.hxx>
 #include <BRepBuilderAPI_Sewing.hxx>
+#include <BRepLib.hxx>
 #include <BRep_Builder.hxx>
+#include <BRep_Tool.hxx>
 #include <Bnd_Box.hxx>
 #include <Geom2d_Curve.hxx>
 #include <Geom_RectangularTrimmedSurface.hxx>
@@ -19,10 +16,13 @@
 #include <ShapeUpgrade_ShapeDivideContinuity.hxx>
 #include <TopExp.hxx>
 #include <TopExp_Explorer.hxx>
+#include <TopoDS.hxx>
 #include <TopoDS_Edge.hxx>
 #include <TopoDS_Face.hxx>
+#include <algorithm>
 #include <cmath>
 #include <functional>
+#include <set>
 #include <string>
 #include <vector>
 

@@ -1,4 +1,4 @@
-// Curves and names of the edges of CAD files, and shape healing. Internal.
+// Curves and names of the edges of CAD files, and shape healing.
 #pragma once
 
 #include <Geom_Curve.hxx>
@@ -17,7 +17,6 @@ Handle(Geom_Curve) curve_of(const TopoDS_Edge& edge, double& start, double& end)
 /// The names of the edges of a file, in file order, as documented at read_cad_lines(); "" for edges
 /// of length zero.
 std::vector<std::string> edge_names(const CadFile& cad);
-
 
 // Prepares CAD files for fitting a model to them.
 

@@ -10,11 +10,11 @@ namespace batten {
 /// The boundary loops of a face. The lines have the names that read_cad_lines() gives them with
 /// `creases`.
 struct CadFaceBoundary {
-  std::string name;                             ///< "face 1", "face 2" … in file order
+  std::string name;  ///< "face 1", "face 2" … in file order
   /// Names of the lines of each loop; the outer loop first.
   std::vector<std::vector<std::string>> loops;
-  std::vector<std::string> inner;               ///< seams: lines along which the face meets itself
-  bool convex = false;  ///< one loop without re-entrant corners (tolerance 0.1 rad)
+  std::vector<std::string> inner;  ///< seams: lines along which the face meets itself
+  bool convex = false;             ///< one loop without re-entrant corners (tolerance 0.1 rad)
   /// A tube with two boundary circles.
   bool annulus() const { return !inner.empty() && loops.size() == 2; }
 };

@@ -11,7 +11,15 @@
 #include <Geom_BezierCurve.hxx>
 #include <Geom_Line.hxx>
 #include <Geom_TrimmedCurve.hxx>
+#include <IGESBasic_Name.hxx>
+#include <IGESControl_Writer.hxx>
+#include <IGESData_IGESModel.hxx>
+#include <IGESGeom_BSplineCurve.hxx>
+#include <Standard_Failure.hxx>
 #include <TColStd_Array1OfReal.hxx>
+#include <TColStd_HArray1OfReal.hxx>
+#include <TColgp_HArray1OfXYZ.hxx>
+#include <TCollection_HAsciiString.hxx>
 #include <TopExp.hxx>
 #include <TopTools_IndexedMapOfShape.hxx>
 #include <TopoDS.hxx>
@@ -20,25 +28,17 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <IGESBasic_Name.hxx>
-#include <IGESControl_Writer.hxx>
-#include <IGESData_IGESModel.hxx>
-#include <IGESGeom_BSplineCurve.hxx>
-#include <Standard_Failure.hxx>
-#include <TColStd_HArray1OfReal.hxx>
-#include <TColgp_HArray1OfXYZ.hxx>
-#include <TCollection_HAsciiString.hxx>
 
-#include "batten/core/geometry.h"
-#include "batten/core/errors.h"
-#include "batten/io/cad/occ_settings.h"
-#include "batten/io/lines/cad_edges.h"
 #include "batten/core/containers.h"
+#include "batten/core/errors.h"
+#include "batten/core/geometry.h"
 #include "batten/fem/curves/hermite_curve.h"
 #include "batten/io/cad/cad_parts.h"
 #include "batten/io/cad/cad_writer.h"
+#include "batten/io/cad/occ_settings.h"
 #include "batten/io/files/atomic_file.h"
 #include "batten/io/files/text.h"
+#include "batten/io/lines/cad_edges.h"
 
 namespace batten {
 namespace {

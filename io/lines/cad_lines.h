@@ -5,8 +5,8 @@
 #include <memory>
 #include <vector>
 
-#include "batten/skinning/lines/character_line.h"
 #include "batten/io/lines/named_lines.h"
+#include "batten/skinning/lines/character_line.h"
 
 namespace batten {
 
@@ -55,7 +55,6 @@ double distance(const std::vector<CadSurface>& faces, const Vec3& p, size_t& fir
 /// read_cad_lines() does for files and entities.
 std::vector<CadSurface> read_cad_surfaces(const std::filesystem::path& file,
                                           double model_unit_in_metres);
-
 
 // Writes curves to STEP and IGES files.
 

@@ -1,14 +1,14 @@
 // Function table of everything that programs use of OpenCASCADE. It is either linked in, or in a
-// plug-in module that a program loads at the first call. Internal.
+// plug-in module that a program loads at the first call.
 #pragma once
 
 #include "batten/core/parallel.h"
 #include "batten/io/cad/cad_convert.h"
 #include "batten/io/cad/continuity_report.h"
-#include "batten/io/step/step.h"
 #include "batten/io/files/sandboxed_read.h"
 #include "batten/io/lines/cad_face_topology.h"
 #include "batten/io/lines/cad_lines.h"
+#include "batten/io/step/step.h"
 
 namespace batten {
 

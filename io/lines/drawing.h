@@ -1,10 +1,10 @@
 // Reads the lines of DXF and SVG drawings.
 #pragma once
 
+#include <filesystem>
 #include <memory>
 #include <string>
 #include <vector>
-#include <filesystem>
 
 #include "batten/fairing/curves/input_curve.h"
 
@@ -23,7 +23,6 @@ struct Drawing {
   double unit_in_metres = 0;       ///< 0: unknown, the file declares no unit
   std::vector<std::string> notes;  ///< descriptions of skipped entities
 };
-
 
 // Reads DXF and SVG drawings.
 

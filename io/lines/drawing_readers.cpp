@@ -2,10 +2,10 @@
 
 #include <algorithm>
 
-#include "batten/io/lines/drawing.h"
 #include "batten/core/errors.h"
 #include "batten/io/files/input_file.h"
 #include "batten/io/files/text.h"
+#include "batten/io/lines/drawing.h"
 #include "batten/io/lines/named_lines.h"
 
 namespace batten {
@@ -27,7 +27,6 @@ void SkippedEntities::report_to(Drawing& drawing) const {
     text += (text.empty() ? "" : ", ") + std::to_string(count) + " " + kind;
   if (!text.empty()) drawing.notes.push_back("passed over: " + text);
 }
-
 
 Drawing read_drawing(const std::filesystem::path& path) {
   const std::string ending = lower_extension(path);

@@ -6,12 +6,12 @@
 #include <numbers>
 #include <sstream>
 
-#include "batten/core/errors.h"
 #include "batten/core/containers.h"
+#include "batten/core/errors.h"
 #include "batten/io/files/input_file.h"
 #include "batten/io/lines/drawing_readers.h"
-#include "batten/io/lines/text_rows.h"
 #include "batten/io/lines/named_lines.h"
+#include "batten/io/lines/text_rows.h"
 
 namespace batten {
 namespace {

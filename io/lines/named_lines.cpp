@@ -1,13 +1,13 @@
 #include "batten/io/lines/named_lines.h"
 
-#include <map>
-#include <set>
 #include <algorithm>
 #include <array>
+#include <map>
+#include <set>
 #include <utility>
 
-#include "batten/core/geometry.h"
 #include "batten/core/containers.h"
+#include "batten/core/geometry.h"
 
 namespace batten {
 
@@ -24,7 +24,6 @@ std::vector<Vec3> NamedCurve::written_points() const {
   }
   return on_curve;
 }
-
 
 void make_names_unique(const std::vector<std::string*>& names, const std::string& other) {
   std::map<std::string, int> count, used;

@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "batten/fem/curves/hermite_curve.h"
 #include "batten/core/eigen.h"
+#include "batten/fem/curves/hermite_curve.h"
 
 namespace batten {
 
@@ -13,17 +13,16 @@ namespace batten {
 /// single point).
 struct NamedCurve {
   std::string name;
-  HermiteCurve curve;              ///< has no segments if there is no curve
+  HermiteCurve curve;  ///< has no segments if there is no curve
   /// Parameters u of the points written to .curves, .csv and .obj files.
   std::vector<double> parameters;
-  std::vector<Vec3> points;        ///< only for a line without a curve
+  std::vector<Vec3> points;  ///< only for a line without a curve
 
   bool has_curve() const { return curve.segment_count() > 0; }
   /// The points of the curve at `parameters`, without consecutive coincident points (readers expect
   /// distinct points). Without a curve: `points`.
   std::vector<Vec3> written_points() const;
 };
-
 
 // Polylines as they are in a file.
 
@@ -37,7 +36,6 @@ struct NamedPoints {
   std::string format_note = {};
 };
 
-
 // Options for writing curves to CAD files.
 
 /// Header data of STEP and IGES files of curves. Other formats ignore it.
@@ -46,13 +44,11 @@ struct CurveFileOptions {
   bool ap242 = false;            ///< STEP only: AP242 instead of AP214
 };
 
-
 // Names of lines.
 
 /// Replaces empty names by `other`, and appends _1, _2, … to names that occur several times, in
 /// order.
 void make_names_unique(const std::vector<std::string*>& names, const std::string& other);
-
 
 // Chaining of segments.
 

@@ -1,19 +1,19 @@
 #include "batten/io/lines/point_lines.h"
 
 #include <algorithm>
+#include <cctype>
 #include <charconv>
 #include <cmath>
+#include <optional>
 #include <string_view>
 #include <utility>
-#include <cctype>
-#include <optional>
 #include <vector>
 
+#include "batten/core/containers.h"
 #include "batten/core/errors.h"
 #include "batten/io/files/toml_table.h"
 #include "batten/io/lines/named_lines.h"
 #include "batten/io/lines/text_rows.h"
-#include "batten/core/containers.h"
 
 namespace batten {
 

@@ -18,8 +18,8 @@
 #include "batten/io/files/input_file.h"
 #include "batten/io/files/toml_table.h"
 #include "batten/io/lines/drawing_readers.h"
-#include "batten/io/lines/text_rows.h"
 #include "batten/io/lines/named_lines.h"
+#include "batten/io/lines/text_rows.h"
 
 namespace batten {
 namespace {

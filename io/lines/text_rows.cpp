@@ -1,14 +1,14 @@
 #include "batten/io/lines/text_rows.h"
 
 #include <algorithm>
+#include <cctype>
 #include <charconv>
 #include <cmath>
-#include <cctype>
 
+#include "batten/core/containers.h"
 #include "batten/core/errors.h"
 #include "batten/io/files/input_file.h"
 #include "batten/io/files/toml_table.h"
-#include "batten/core/containers.h"
 
 namespace batten {
 namespace fs = std::filesystem;

@@ -2,13 +2,13 @@
 // tables.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
-#include <array>
-#include <optional>
 
 #include "batten/io/files/text.h"
 #include "batten/io/lines/named_lines.h"
@@ -48,7 +48,6 @@ void split_fields(std::string_view row, std::vector<std::string_view>& fields);
 void split_at(std::string_view row, char separator, std::vector<std::string_view>& fields);
 /// True if the field begins like a number, or is "nan" or "inf".
 bool starts_like_number(std::string_view field);
-
 
 // Headings of tables: titles, column names, offset tables, airfoils.
 

@@ -5,8 +5,8 @@
 #include <nlohmann/json.hpp>
 #include <ostream>
 
-#include "batten/core/errors.h"
 #include "batten/core/containers.h"
+#include "batten/core/errors.h"
 #include "batten/io/files/atomic_file.h"
 #include "batten/io/files/glb_file.h"
 #include "batten/io/meshes/corner_normals.h"

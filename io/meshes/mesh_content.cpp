@@ -4,8 +4,8 @@
 #include <cctype>
 #include <cstdio>
 
-#include "batten/core/errors.h"
 #include "batten/core/containers.h"
+#include "batten/core/errors.h"
 
 namespace batten {
 
@@ -102,7 +102,6 @@ std::vector<int> set_of_faces(const ShellMesh& mesh, const std::vector<MeshSet>&
     }
   return result;
 }
-
 
 std::optional<std::array<int, 3>> mesh_colour(const std::string& hex) {
   if (hex.empty()) return std::nullopt;

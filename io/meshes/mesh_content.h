@@ -104,7 +104,6 @@ std::vector<std::array<int, 3>> triangles_of(const ShellMesh& mesh, int face);
 /// The number of nodes that no face uses.
 int unused_nodes(const ShellMesh& mesh);
 
-
 // Colours of mesh files.
 
 /// Parses "#rrggbb" into red, green and blue (0 to 255); empty for "". Throws InputError for any

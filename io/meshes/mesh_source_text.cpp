@@ -1,18 +1,18 @@
 #include "batten/io/meshes/mesh_source_text.h"
 
 #include <algorithm>
+#include <bit>
 #include <cctype>
 #include <charconv>
 #include <cmath>
+#include <cstdlib>
 #include <cstring>
 #include <functional>
-#include <bit>
-#include <cstdlib>
 #include <limits>
 
+#include "batten/core/containers.h"
 #include "batten/core/errors.h"
 #include "batten/io/files/input_file.h"
-#include "batten/core/containers.h"
 
 namespace batten {
 namespace fs = std::filesystem;
@@ -179,7 +179,6 @@ long MeshSourceText::integer(std::string_view field, const std::string& expected
          "found " + (field.empty() ? "nothing" : quoted_excerpt(field)) + ", expected " + expected);
   return value;
 }
-
 
 // Formatting of coordinates in the fields of a file.
 
@@ -350,10 +349,8 @@ std::string large_field_grid(std::string_view line, const std::array<std::string
          line_end + second;
 }
 
-
 // Included files.
 
-namespace fs = std::filesystem;
 namespace {
 
 // Limits the total number of files: nested files that are each included several times grow

@@ -2,13 +2,13 @@
 // coordinate fields that are replaced in it.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <string>
 #include <string_view>
 #include <vector>
-#include <array>
 
 #include "batten/io/files/text.h"
 #include "batten/io/files/toml_table.h"
@@ -152,7 +152,6 @@ class MeshSourceText {
   std::vector<Including> open_;
   size_t current_ = 0, at_ = 0;
 };
-
 
 // Formatting of coordinates in the fields of a file.
 

@@ -8,13 +8,13 @@
 #include <map>
 #include <optional>
 #include <ostream>
-#include <unordered_map>
 #include <string>
 #include <string_view>
+#include <unordered_map>
 #include <vector>
 
-#include "batten/core/errors.h"
 #include "batten/core/containers.h"
+#include "batten/core/errors.h"
 #include "batten/io/files/atomic_file.h"
 #include "batten/io/meshes/mesh_content.h"
 #include "batten/io/meshes/text_mesh_content.h"

@@ -7,8 +7,8 @@
 #include <optional>
 #include <ostream>
 
-#include "batten/core/errors.h"
 #include "batten/core/containers.h"
+#include "batten/core/errors.h"
 #include "batten/io/files/atomic_file.h"
 #include "batten/io/meshes/mesh_content.h"
 #include "batten/io/meshes/text_mesh_content.h"

@@ -4,14 +4,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
+#include <numbers>
 #include <ostream>
 #include <set>
-#include <limits>
-#include <numbers>
 
-#include "batten/core/errors.h"
 #include "batten/core/containers.h"
+#include "batten/core/errors.h"
 #include "batten/io/files/atomic_file.h"
 #include "batten/io/meshes/mesh_source_text.h"
 

@@ -3,17 +3,16 @@
 #pragma once
 
 #include <array>
-#include <vector>
 #include <functional>
 #include <optional>
 #include <string>
+#include <vector>
 
+#include "batten/core/eigen.h"
 #include "batten/io/meshes/mesh_content.h"
 #include "batten/io/meshes/mesh_source_text.h"
-#include "batten/core/eigen.h"
 
 namespace batten {
-
 
 /// A local coordinate system: converts the three numbers of a node to a global position and back.
 /// Angles are in degrees.

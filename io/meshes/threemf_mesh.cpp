@@ -6,8 +6,8 @@
 #include <cstdio>
 #include <string>
 
-#include "batten/core/errors.h"
 #include "batten/core/containers.h"
+#include "batten/core/errors.h"
 #include "batten/io/files/atomic_file.h"
 #include "batten/io/meshes/mesh_content.h"
 

@@ -26,13 +26,13 @@
 #include <new>
 #include <optional>
 
-#include "batten/core/errors.h"
 #include "batten/core/containers.h"
+#include "batten/core/errors.h"
 #include "batten/io/files/sandboxed_read.h"
 #include "batten/io/meshes/mesh_content.h"
 #include "batten/io/meshes/mesh_source_text.h"
-#include "batten/io/vtk/vtk_message_capture.h"
 #include "batten/io/vtk/vtk_files.h"
+#include "batten/io/vtk/vtk_message_capture.h"
 
 namespace batten {
 namespace fs = std::filesystem;

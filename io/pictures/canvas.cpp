@@ -17,15 +17,15 @@
 #include <vtkTextRenderer.h>
 #include <vtkTubeFilter.h>
 #include <vtkUnsignedCharArray.h>
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <Eigen/Geometry>
 #include <numbers>
 
+#include "batten/core/eigen.h"
 #include "batten/core/errors.h"
 #include "batten/io/files/atomic_file.h"
 #include "batten/io/pictures/image.h"
-#include "batten/core/eigen.h"
 
 // Registers VTK's rendering back ends.
 VTK_MODULE_INIT(vtkRenderingOpenGL2)

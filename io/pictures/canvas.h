@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "batten/io/pictures/image.h"
 #include "batten/core/eigen.h"
+#include "batten/io/pictures/image.h"
 
 namespace batten::detail {
 

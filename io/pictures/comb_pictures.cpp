@@ -12,9 +12,9 @@
 #include <cmath>
 #include <numbers>
 
-#include "batten/core/geometry.h"
-#include "batten/core/errors.h"
 #include "batten/core/containers.h"
+#include "batten/core/errors.h"
+#include "batten/core/geometry.h"
 #include "batten/fairing/curves/fairness.h"
 #include "batten/io/pictures/canvas.h"
 #include "batten/io/pictures/drawing_primitives.h"

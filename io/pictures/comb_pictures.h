@@ -1,17 +1,17 @@
 // Pictures of curvature combs: of curves, and of faces across their shared edges.
 #pragma once
 
+#include <array>
 #include <filesystem>
 #include <optional>
 #include <string>
 #include <utility>
 #include <vector>
-#include <array>
 
+#include "batten/core/eigen.h"
 #include "batten/fem/curves/hermite_curve.h"
 #include "batten/io/pictures/image.h"
 #include "batten/io/pictures/pictures.h"
-#include "batten/core/eigen.h"
 
 namespace batten {
 
@@ -49,7 +49,6 @@ struct CombPicture {
 /// panel, a view or size out of range, or a file that cannot be written.
 void draw_combs(const std::filesystem::path& path, const CombPicture& picture,
                 const std::optional<PictureSize>& size = {});
-
 
 // Curvature combs across the shared edges of faces.
 

@@ -1,8 +1,11 @@
 #include "batten/io/pictures/drawing_primitives.h"
 
 #include <vtkCellArray.h>
+#include <vtkColorTransferFunction.h>
 #include <vtkContourFilter.h>
+#include <vtkDataArray.h>
 #include <vtkDoubleArray.h>
+#include <vtkLookupTable.h>
 #include <vtkNew.h>
 #include <vtkPointData.h>
 #include <vtkPoints.h>
@@ -10,9 +13,6 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <vtkColorTransferFunction.h>
-#include <vtkDataArray.h>
-#include <vtkLookupTable.h>
 #include <vector>
 
 #include "batten/core/eigen.h"
@@ -141,7 +141,6 @@ vtkSmartPointer<vtkPolyData> polylines(const std::vector<HermiteCurve>& curves) 
   result->SetLines(cells);
   return result;
 }
-
 
 double rounded_up(double x) {
   const double power = std::pow(10, std::floor(std::log10(x)) - 1);

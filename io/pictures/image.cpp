@@ -1,17 +1,17 @@
 #include "batten/io/pictures/image.h"
 
+#include <dlfcn.h>
+#include <gif_lib.h>
 #include <vtkErrorCode.h>
 #include <vtkImageData.h>
 #include <vtkNew.h>
 #include <vtkPNGWriter.h>
 #include <algorithm>
-#include <string>
-#include <gif_lib.h>
 #include <array>
 #include <cmath>
-#include <memory>
-#include <dlfcn.h>
 #include <cstdlib>
+#include <memory>
+#include <string>
 
 #include "batten/core/errors.h"
 #include "batten/io/files/atomic_file.h"
@@ -293,7 +293,6 @@ void write_gif(const std::filesystem::path& path, const std::vector<Image>& fram
   gif.close();
   file.commit();
 }
-
 
 void require_display() {
   static std::string good;  // the server of the last successful check

@@ -23,7 +23,6 @@ struct PictureSize {
 /// not 3 · width · height, or the file cannot be written.
 void write_png(const std::filesystem::path& path, const Image& image);
 
-
 // Animations are written as GIF files, which browsers and mail programs can play.
 
 /// Colour palette of up to 255 colours shared by several images. Each palette colour is the mean
@@ -57,7 +56,6 @@ class Palette {
 /// 65535 pixels, a time is not positive, or the file cannot be written.
 void write_gif(const std::filesystem::path& path, const std::vector<Image>& frames, double seconds,
                double last_seconds);
-
 
 // The X server used for drawing.
 

@@ -18,8 +18,8 @@
 #include <array>
 #include <cmath>
 
-#include "batten/core/errors.h"
 #include "batten/core/containers.h"
+#include "batten/core/errors.h"
 #include "batten/io/pictures/canvas.h"
 #include "batten/io/pictures/drawing_primitives.h"
 #include "batten/io/vtk/vtk_files.h"

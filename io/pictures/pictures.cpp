@@ -10,6 +10,7 @@
 #include <vtkMath.h>
 #include <vtkNew.h>
 #include <vtkPointData.h>
+#include <vtkPoints.h>
 #include <vtkPolyData.h>
 #include <vtkProperty.h>
 #include <vtkRenderer.h>
@@ -18,16 +19,15 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <vtkPoints.h>
 #include <limits>
 
-#include "batten/core/errors.h"
 #include "batten/core/containers.h"
+#include "batten/core/eigen.h"
+#include "batten/core/errors.h"
+#include "batten/core/geometry.h"
 #include "batten/io/pictures/canvas.h"
 #include "batten/io/pictures/drawing_primitives.h"
 #include "batten/io/vtk/vtk_files.h"
-#include "batten/core/geometry.h"
-#include "batten/core/eigen.h"
 
 namespace batten {
 namespace fs = std::filesystem;

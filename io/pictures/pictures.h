@@ -8,9 +8,9 @@
 #include <utility>
 #include <vector>
 
+#include "batten/fem/curves/hermite_curve.h"
 #include "batten/io/pictures/image.h"
 #include "batten/skinning/region/skinned_region.h"
-#include "batten/fem/curves/hermite_curve.h"
 
 namespace batten {
 
@@ -39,8 +39,8 @@ struct PictureScene {
   Value value;
   int contours = 0;                        ///< number of contour lines of height, evenly spaced
   Vec3 contour_direction = Vec3::UnitZ();  ///< direction of height
-  int parameter_lines = 0;  ///< number of lines of constant u, and of constant v
-  bool lines = true;        ///< true: draw character lines, as tubes
+  int parameter_lines = 0;                 ///< number of lines of constant u, and of constant v
+  bool lines = true;                       ///< true: draw character lines, as tubes
   std::vector<HermiteCurve> extra_curves;  ///< further curves that belong to no region, in another
                                            ///< colour
   bool mesh = false;                       ///< true: draw the element edges inside the trim
@@ -84,7 +84,6 @@ void share_view(std::vector<PictureScene>& scenes);
 /// are no scenes or no columns.
 void draw_contact_sheet(const std::filesystem::path& path, const std::vector<PictureScene>& scenes,
                         int columns, const PictureSize& size = {});
-
 
 // Pictures of curve networks, with alternative sets of loops that could be filled by surfaces.
 

@@ -1,7 +1,7 @@
 #include "batten/io/report/report.h"
 
-#include "batten/io/report/report_json.h"
 #include "batten/core/errors.h"
+#include "batten/io/report/report_json.h"
 
 namespace batten {
 namespace {

@@ -8,11 +8,11 @@
 #include <string>
 #include <vector>
 
+#include "batten/core/eigen.h"
 #include "batten/io/report/network_report.h"
 #include "batten/io/report/run_report.h"
 #include "batten/sculpting/session/session_results.h"
 #include "batten/skinning/region/skinned_region.h"
-#include "batten/core/eigen.h"
 
 namespace batten {
 
@@ -90,7 +90,6 @@ struct StressReport {
   std::vector<Sensitivity> sensitivities;
   std::vector<double> frequencies;  ///< natural frequencies, 1/time; rigid-body modes first, as 0
 };
-
 
 /// Results of `batten run`, `skin` and `sculpt`. Lengths are in model units, angles in degrees;
 /// *_residual is relative to the region's size.
@@ -274,7 +273,6 @@ std::vector<FailedCheck> non_finite_numbers(const Report& report);
 /// The report as JSON text. Numbers that are not finite, which JSON cannot represent, become the
 /// strings "nan" and "inf". Append non_finite_numbers() to `failed_checks` before calling it.
 std::string to_json(const Report& report);
-
 
 // report.json of faired curves, measured on the curves that are written.
 

@@ -39,7 +39,7 @@ struct FairedLine {
                                               ///< curve
   double noise = 0;                           ///< from FairCurve, for the first stage of the whole
                                               ///< curve
-  std::vector<int> outliers;  ///< likewise: ignored input points
+  std::vector<int> outliers;                  ///< likewise: ignored input points
   int rounds = 0;
   bool converged = true;
   double max_residual = 0;  ///< largest residual of the conditions, relative to the size

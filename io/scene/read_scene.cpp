@@ -1,14 +1,14 @@
 #include "batten/io/scene/read_scene.h"
 
-#include <utility>
 #include <algorithm>
-#include <initializer_list>
 #include <filesystem>
+#include <initializer_list>
+#include <utility>
 
 #include "batten/io/files/input_file.h"
+#include "batten/io/scene/scene.h"
 #include "batten/io/scene/scene_lines.h"
 #include "batten/io/scene/scene_parsing.h"
-#include "batten/io/scene/scene.h"
 
 namespace batten {
 
@@ -59,7 +59,7 @@ void read_named_value(const TomlTable& table, ScalarParameter& p) {
 
 /// Rejects keys that do not apply to this type, each with its own remedy.
 void refuse_for(const TomlTable& table, const std::string& what,
-            std::initializer_list<std::pair<const char*, const char*>> keys) {
+                std::initializer_list<std::pair<const char*, const char*>> keys) {
   for (const auto& [key, remedy] : keys)
     if (table.has(key)) table.fail(key, "'" + std::string(key) + "' for " + what, remedy);
 }
@@ -79,7 +79,8 @@ SceneConstraint read_constraint(const TomlTable& table) {
   if (!point) refuse_for(table, what, {{"to", only_point}, {"range", only_point}});
   if (point || along_line)
     refuse_for(table, what, {{"direction", "it only where type = \"normal\" or \"tangent\""}});
-  if (c.type != Type::Tangent) refuse_for(table, what, {{"along", "it only where type = \"tangent\""}});
+  if (c.type != Type::Tangent)
+    refuse_for(table, what, {{"along", "it only where type = \"tangent\""}});
   if (along_line) {
     refuse_for(table, what, {{"at", "'line': it acts all along that"}});
     c.line = placed(table, "line");

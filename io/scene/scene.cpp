@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "batten/core/eigen.h"
-#include "batten/io/scene/scene_parsing.h"
 #include "batten/core/errors.h"
+#include "batten/io/scene/scene_parsing.h"
 
 namespace batten {
 namespace {

@@ -8,6 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "batten/fairing/curvature/curvature_fairing.h"
+#include "batten/fairing/curves/fair_curve.h"
 #include "batten/fairing/curves/primitive_curves.h"
 #include "batten/io/files/toml_table.h"
 #include "batten/io/pictures/image.h"
@@ -15,8 +17,6 @@
 #include "batten/io/scene/scene_stress.h"
 #include "batten/sculpting/loads/parameters.h"
 #include "batten/skinning/surfaces/surface_model.h"
-#include "batten/fairing/curvature/curvature_fairing.h"
-#include "batten/fairing/curves/fair_curve.h"
 
 namespace batten {
 
@@ -67,7 +67,6 @@ void for_each_fair_parameter(Stages& stages, const Function& f) {
       f(stage.name + ".wavelength", stage.options.wavelength);
   }
 }
-
 
 /// One line from [[line]], or all curves of a file from [[lines]].
 struct SceneLine {

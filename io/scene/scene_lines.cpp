@@ -3,10 +3,10 @@
 #include <cmath>
 #include <numbers>
 
-#include "batten/core/geometry.h"
 #include "batten/core/containers.h"
-#include "batten/io/scene/scene_parsing.h"
 #include "batten/core/errors.h"
+#include "batten/core/geometry.h"
+#include "batten/io/scene/scene_parsing.h"
 
 namespace batten {
 namespace {

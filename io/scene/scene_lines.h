@@ -2,13 +2,13 @@
 #pragma once
 
 #include <filesystem>
-#include <vector>
 #include <memory>
 #include <string>
+#include <vector>
 
-#include "batten/io/scene/scene.h"
 #include "batten/fairing/curves/primitive_curves.h"
 #include "batten/io/files/toml_table.h"
+#include "batten/io/scene/scene.h"
 
 namespace batten {
 
@@ -21,7 +21,6 @@ std::vector<std::string> lines_keys(bool roles);
 /// there is no line although `required` is set.
 std::vector<SceneLine> read_scene_lines(const TomlTable& root, const std::filesystem::path& folder,
                                         bool roles, bool required = true);
-
 
 // Shape keys of curves: arc, circle, ellipse, helix, rectangle, spline; and copies.
 

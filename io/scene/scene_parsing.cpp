@@ -8,8 +8,8 @@
 #include <sstream>
 
 #include "batten/core/errors.h"
-#include "batten/io/files/text.h"
 #include "batten/io/files/input_file.h"
+#include "batten/io/files/text.h"
 
 namespace batten {
 

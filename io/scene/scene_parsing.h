@@ -74,7 +74,6 @@ std::string format_range(double min, double max);
 toml::table parse_toml(const std::string& text, const std::filesystem::path& file,
                        const std::string& expected);
 
-
 // Reading of selections and features.
 
 /// Reads a string with its location in the file.

@@ -9,8 +9,8 @@
 
 #include "batten/io/files/toml_table.h"
 #include "batten/mesh/deform/deform_problem.h"
-#include "batten/mesh/features/minimum_cut.h"
 #include "batten/mesh/features/feature_detection.h"
+#include "batten/mesh/features/minimum_cut.h"
 
 namespace batten {
 

@@ -345,7 +345,6 @@ SceneStress read_stress(const TomlTable& table, const std::string& unit) {
   return stress;
 }
 
-
 SceneArea read_area(const TomlTable& table) {
   SceneArea area;
   if (table.has("near") && table.has("paint"))

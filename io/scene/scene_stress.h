@@ -25,7 +25,6 @@ struct SceneArea {
 /// Reads `near` and `radius`, `paint`, `regions`. Throws InputError with the location.
 SceneArea read_area(const TomlTable& table);
 
-
 /// A material of the built-in table, in SI units; other unit systems are derived from them.
 struct NamedMaterial {
   const char* name;

@@ -2,10 +2,10 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
 #include <string>
 #include <utility>
 #include <vector>
-#include <map>
 
 namespace batten {
 
@@ -85,7 +85,6 @@ class SceneText {
   std::string text_;
   std::vector<SceneTable> names_;
 };
-
 
 // Parts of a scene's text that determine whether an edit requires a new model, a new session, or
 // only new values.

@@ -13,9 +13,9 @@
 #include "batten/io/scene/scene_selections.h"
 #include "batten/io/sequences/sequence_files.h"
 #include "batten/mesh/sequence/morph.h"
+#include "batten/mesh/sequence/sequence_editor.h"
 #include "batten/mesh/sequence/trajectories/foot_contact.h"
 #include "batten/mesh/sequence/trajectories/ground_path.h"
-#include "batten/mesh/sequence/sequence_editor.h"
 
 namespace batten {
 

@@ -4,8 +4,8 @@
 #include <charconv>
 #include <cmath>
 
-#include "batten/core/errors.h"
 #include "batten/core/containers.h"
+#include "batten/core/errors.h"
 #include "batten/io/files/toml_table.h"
 
 namespace batten {

@@ -5,8 +5,8 @@
 #include <limits>
 #include <optional>
 
-#include "batten/core/errors.h"
 #include "batten/core/containers.h"
+#include "batten/core/errors.h"
 #include "batten/io/files/glb_file.h"
 #include "batten/io/files/input_file.h"
 #include "batten/io/files/toml_table.h"

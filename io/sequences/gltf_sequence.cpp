@@ -1,12 +1,12 @@
 // Reads an animated glTF scene as a sequence of meshes.
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <unordered_map>
-#include <array>
 
-#include "batten/core/errors.h"
 #include "batten/core/containers.h"
+#include "batten/core/errors.h"
 #include "batten/io/sequences/gltf_animation.h"
 #include "batten/io/sequences/sequence_files.h"
 #include "batten/mesh/shell_mesh.h"

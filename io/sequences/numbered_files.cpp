@@ -5,12 +5,12 @@
 #include <map>
 #include <numeric>
 
-#include "batten/core/errors.h"
 #include "batten/core/containers.h"
+#include "batten/core/errors.h"
+#include "batten/io/files/input_file.h"
 #include "batten/io/files/text.h"
 #include "batten/io/files/toml_table.h"
 #include "batten/io/meshes/mesh_file.h"
-#include "batten/io/files/input_file.h"
 #include "batten/io/sequences/sequence_files.h"
 
 namespace batten {
@@ -171,10 +171,8 @@ void require_no_gaps(const std::vector<NumberedFile>& files, const std::string& 
                    (stride > 1 ? " in steps of " + std::to_string(stride) : std::string()));
 }
 
-
 // Numbered files, and ParaView's list of files (.pvd).
 
-namespace fs = std::filesystem;
 namespace {
 
 [[noreturn]] void differs(const fs::path& file, const std::string& found, const fs::path& first,

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <optional>
 
-#include "batten/core/errors.h"
 #include "batten/core/containers.h"
+#include "batten/core/errors.h"
 #include "batten/io/files/glb_file.h"
 #include "batten/io/files/input_file.h"
 #include "batten/io/files/text.h"

@@ -2,10 +2,10 @@
 
 #include <map>
 
-#include "batten/core/errors.h"
-#include "batten/io/files/text.h"
 #include "batten/core/containers.h"
+#include "batten/core/errors.h"
 #include "batten/io/decks/frd_results.h"
+#include "batten/io/files/text.h"
 
 namespace batten {
 
@@ -33,7 +33,6 @@ MeshSequence read_sequence(const std::filesystem::path& path, const SequenceOpti
   sequence.shells.points = sequence.frames.front();
   return sequence;
 }
-
 
 // CalculiX results as frames: the outer skin of the model in each step.
 

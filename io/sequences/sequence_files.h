@@ -31,7 +31,6 @@ struct SequenceOptions {
   bool weld_seams = true;
 };
 
-
 /// Reads a deforming mesh from `path`, which may be:
 ///
 ///   walk_*.obj, walk_%04d.obj    numbered files of any format of MeshFile, in the order of
@@ -63,7 +62,6 @@ struct SequenceOptions {
 /// one file.
 MeshSequence read_sequence(const std::filesystem::path& path, const SequenceOptions& options = {},
                            const Progress& progress = {});
-
 
 // The readers of sequences, one per kind of file.
 

@@ -1,28 +1,28 @@
 #include "batten/io/sequences/sequence_writer.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <limits>
+#include <nlohmann/json.hpp>
 #include <optional>
 #include <set>
 #include <stdexcept>
-#include <limits>
-#include <nlohmann/json.hpp>
-#include <array>
-#include <filesystem>
-#include <fstream>
 #include <vector>
 
-#include "batten/core/errors.h"
 #include "batten/core/containers.h"
+#include "batten/core/eigen.h"
+#include "batten/core/errors.h"
 #include "batten/io/files/atomic_file.h"
+#include "batten/io/files/glb_file.h"
 #include "batten/io/files/text.h"
 #include "batten/io/meshes/mesh_content.h"
 #include "batten/io/meshes/mesh_file.h"
 #include "batten/io/sequences/numbered_files.h"
 #include "batten/io/sequences/point_cache.h"
 #include "batten/io/vtk/vtk_files.h"
-#include "batten/io/files/glb_file.h"
-#include "batten/core/eigen.h"
 
 namespace batten {
 
@@ -56,7 +56,6 @@ class GlbWriter {
   Points first_;  // rounded to single precision
   std::vector<Bounds> bounds_;
 };
-
 
 GlbWriter::GlbWriter(const std::filesystem::path& path, std::vector<std::array<int, 3>> triangles,
                      int points, std::vector<double> times)

@@ -1,20 +1,20 @@
 // JSON serialisation of the entities in a session log: loads, stiffness fields, constraints, line
-// offsets, lines, parameters. Internal.
+// offsets, lines, parameters.
 #pragma once
 
-#include <string>
-#include <vector>
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
 
+#include "batten/core/containers.h"
+#include "batten/core/eigen.h"
+#include "batten/core/errors.h"
+#include "batten/io/files/toml_table.h"
 #include "batten/sculpting/loads/loads.h"
 #include "batten/sculpting/loads/parameters.h"
 #include "batten/skinning/lines/character_line.h"
-#include "batten/core/eigen.h"
-#include "batten/core/errors.h"
-#include "batten/core/containers.h"
-#include "batten/io/files/toml_table.h"
 
 namespace batten {
 

@@ -1,22 +1,22 @@
 #include "batten/io/step/analytic_face.h"
 
 #include <Eigen/Geometry>
-#include <algorithm>
-#include <cmath>
-#include <numbers>
 #include <Geom_BSplineCurve.hxx>
 #include <Geom_ConicalSurface.hxx>
 #include <Geom_CylindricalSurface.hxx>
 #include <Geom_Plane.hxx>
 #include <Geom_SphericalSurface.hxx>
 #include <Geom_ToroidalSurface.hxx>
+#include <algorithm>
+#include <cmath>
 #include <gp_Ax3.hxx>
+#include <numbers>
 #include <vector>
 
-#include "batten/core/geometry.h"
-#include "batten/fem/trim.h"
 #include "batten/core/containers.h"
+#include "batten/core/geometry.h"
 #include "batten/fem/curves/hermite_curve.h"
+#include "batten/fem/trim.h"
 #include "batten/io/cad/occ_settings.h"
 
 namespace batten {
@@ -416,7 +416,6 @@ AnalyticFaces analytic_faces(StepPlan& plan, MeasuredShapes& shapes) {
 
 namespace {
 
-using ShapeKind = FittedPrimitive::Kind;
 
 double nearest_period(double angle, double near) {
   constexpr double whole = 2 * std::numbers::pi;

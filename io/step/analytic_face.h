@@ -1,13 +1,13 @@
 // Regions as faces on analytic surfaces (plane, cylinder, sphere, cone, torus): surface parameters,
-// pcurves, seams and poles. Internal.
+// pcurves, seams and poles.
 #pragma once
 
-#include <map>
-#include <optional>
-#include <vector>
 #include <Geom2d_BSplineCurve.hxx>
 #include <Geom_Curve.hxx>
 #include <Geom_Surface.hxx>
+#include <map>
+#include <optional>
+#include <vector>
 
 #include "batten/io/step/face_boundary.h"
 #include "batten/skinning/surfaces/fitted_primitive.h"
@@ -58,12 +58,11 @@ class AnalyticSurface {
 /// Recognises the primitive of an OpenCASCADE surface; Kind::Free for any other surface.
 FittedPrimitive shape_of(const Handle(Geom_Surface) & surface);
 
-
 /// A region as a face on a plane, cylinder, sphere, cone or torus.
 struct AnalyticFace {
   /// How the boundary loops wind around the surface.
   enum class Closing {
-    None,  ///< no loop winds around: each returns to its start parameters
+    None,     ///< no loop winds around: each returns to its start parameters
     AroundU,  ///< two loops wind once around in u, in opposite directions; the seam has constant u
     AroundV,  ///< the same in v, around the tube of a torus
     Pole      ///< one loop winds around the north pole of a sphere, which lies inside the face

@@ -9,8 +9,8 @@
 #include <cmath>
 #include <numeric>
 
-#include "batten/core/errors.h"
 #include "batten/core/containers.h"
+#include "batten/core/errors.h"
 #include "batten/io/cad/occ_settings.h"
 
 namespace batten {

@@ -1,10 +1,10 @@
-// Converts HCT regions to CAD faces that represent their surfaces exactly. Internal.
+// Converts HCT regions to CAD faces that represent their surfaces exactly.
 #pragma once
 
 #include <TopoDS_Face.hxx>
-#include <vector>
 #include <map>
 #include <string>
+#include <vector>
 
 #include "batten/io/step/face_maker.h"
 #include "batten/io/step/step_plan.h"
@@ -23,7 +23,6 @@ using RegionFaces = std::vector<std::vector<TopoDS_Face>>;
 ///
 /// Call cut_at_vertices() first. Throws InputError for an edge of length zero.
 RegionFaces exact_faces(const StepPlan& plan, double size, SharedEdges* shared);
-
 
 // Numbering of the vertices and edges that exact faces share.
 

@@ -1,4 +1,4 @@
-// The boundary of a region, split into the segments that become edges of a CAD face. Internal.
+// The boundary of a region, split into the segments that become edges of a CAD face.
 #pragma once
 
 #include <optional>
@@ -13,12 +13,12 @@ namespace batten {
 
 /// A smooth segment of the boundary, oriented along its loop.
 struct FaceBoundarySegment {
-  HermiteCurve curve, pcurve;   ///< in space and in (u, v), over the same parameter range
-  std::string line;             ///< name of its line
-  bool reversed = false;        ///< true if the loop traverses the line backwards
+  HermiteCurve curve, pcurve;  ///< in space and in (u, v), over the same parameter range
+  std::string line;            ///< name of its line
+  bool reversed = false;       ///< true if the loop traverses the line backwards
   /// Parameter on the line = shift + scale · parameter on the segment.
   double shift = 0, scale = 1;
-  bool shared = false;          ///< true if the line has more than one adjacent side
+  bool shared = false;  ///< true if the line has more than one adjacent side
   /// Corrections to add to the surface's unit normal to get the common target normal of both
   /// adjacent faces, at evenly spaced parameters. nullopt where the surfaces meet at an angle.
   /// Empty until find_tangent_joins() sets them.

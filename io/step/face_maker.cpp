@@ -2,6 +2,7 @@
 
 #include <Approx_CurveOnSurface.hxx>
 #include <BRep_Tool.hxx>
+#include <Eigen/Geometry>
 #include <Geom2dAdaptor_Curve.hxx>
 #include <Geom2d_BSplineCurve.hxx>
 #include <GeomAdaptor_Surface.hxx>
@@ -13,10 +14,9 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <Eigen/Geometry>
 
-#include "batten/core/errors.h"
 #include "batten/core/containers.h"
+#include "batten/core/errors.h"
 #include "batten/fem/curves/hermite_curve.h"
 #include "batten/fem/curves/spline_axis.h"
 #include "batten/io/cad/occ_settings.h"
@@ -567,7 +567,6 @@ TopoDS_Edge FaceMaker::analytic_seam(const TopoDS_Vertex& a, const TopoDS_Vertex
   finish(edge, a, b, first, last);
   return edge;
 }
-
 
 // The fit of a FaceMaker: its target, its tangent planes along joins, and the effort spent on them.
 

@@ -1,4 +1,4 @@
-// Makes a trimmed B-spline face, or an analytic face, of OpenCASCADE from a region. Internal.
+// Makes a trimmed B-spline face, or an analytic face, of OpenCASCADE from a region.
 #pragma once
 
 #include <BRep_Builder.hxx>
@@ -18,10 +18,10 @@
 #include "batten/core/geometry.h"
 #include "batten/fem/curves/bicubic_patch.h"
 #include "batten/fem/surface_projector.h"
-#include "batten/io/step/analytic_face.h"
 #include "batten/io/cad/cad_parts.h"
-#include "batten/io/step/face_boundary.h"
 #include "batten/io/cad/step_options.h"
+#include "batten/io/step/analytic_face.h"
+#include "batten/io/step/face_boundary.h"
 
 namespace batten {
 

@@ -15,8 +15,8 @@
 #include <cmath>
 #include <optional>
 
-#include "batten/io/step/step_check.h"
 #include "batten/io/cad/occ_settings.h"
+#include "batten/io/step/step_check.h"
 
 namespace batten {
 namespace {
@@ -341,7 +341,8 @@ std::vector<double> correctable_angles(const std::vector<FaceNormals>& faces, do
         if (!beside.normals[side]) continue;
         const double other = beside.angle_from_target(1 - side, k);
         // If the other side is also off, count this side's error twice.
-        const double mine = other > join_deg ? 2 * beside.angle_from_target(side, k) : angles->of_faces;
+        const double mine =
+            other > join_deg ? 2 * beside.angle_from_target(side, k) : angles->of_faces;
         double& most = largest[beside.faces[side]];
         if (mine > join_deg) most = std::max(most, mine);
       }
@@ -363,7 +364,6 @@ std::vector<double> angles_from_target(const std::vector<FaceNormals>& faces, do
     }
   return largest;
 }
-
 
 std::vector<Vec2> points_of_region(const FaceMaker& made) {
   const ParametricMesh& mesh = made.region().surface.mesh();

@@ -1,18 +1,18 @@
-// Measures the faces of a STEP file that was read back against their regions. Internal.
+// Measures the faces of a STEP file that was read back against their regions.
 #pragma once
 
 #include <TopoDS_Face.hxx>
-#include <map>
-#include <vector>
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <utility>
+#include <vector>
 
+#include "batten/core/parallel.h"
 #include "batten/io/step/face_maker.h"
 #include "batten/io/step/step_report.h"
 #include "batten/io/step/tangent_joins.h"
-#include "batten/core/parallel.h"
 
 namespace batten {
 
@@ -55,7 +55,6 @@ std::vector<double> correctable_angles(const std::vector<FaceNormals>& faces, do
 /// degrees. Points where the surfaces meet by more than `join_deg` are skipped. This is the error
 /// of the face alone, whatever the other face does.
 std::vector<double> angles_from_target(const std::vector<FaceNormals>& faces, double join_deg);
-
 
 // Sample points at which a region and its fitted face are compared.
 

@@ -12,15 +12,15 @@
 #include <cmath>
 #include <numeric>
 
-#include "batten/core/errors.h"
 #include "batten/core/containers.h"
+#include "batten/core/errors.h"
 #include "batten/core/parallel.h"
-#include "batten/io/cad/shape_continuity.h"
-#include "batten/io/step/face_measure.h"
 #include "batten/io/cad/occ_settings.h"
+#include "batten/io/cad/shape_continuity.h"
+#include "batten/io/files/input_file.h"
+#include "batten/io/step/face_measure.h"
 #include "batten/io/step/step_check.h"
 #include "batten/io/step/step_report.h"
-#include "batten/io/files/input_file.h"
 
 namespace batten {
 namespace {

@@ -1,4 +1,4 @@
-// Fits faces to regions, and measures them on the STEP file that is read back. Internal.
+// Fits faces to regions, and measures them on the STEP file that is read back.
 #pragma once
 
 #include <filesystem>

@@ -2,23 +2,23 @@
 
 #include <BRepCheck_Analyzer.hxx>
 #include <BRep_Builder.hxx>
-#include <Standard_Failure.hxx>
 #include <Eigen/Geometry>
+#include <Standard_Failure.hxx>
 #include <algorithm>
 #include <cmath>
 #include <set>
 
-#include "batten/core/geometry.h"
+#include "batten/core/containers.h"
 #include "batten/core/errors.h"
-#include "batten/io/step/step_check.h"
+#include "batten/core/geometry.h"
+#include "batten/core/parallel.h"
+#include "batten/io/cad/cad_writer.h"
+#include "batten/io/cad/occ_settings.h"
+#include "batten/io/files/atomic_file.h"
 #include "batten/io/step/exact_faces.h"
 #include "batten/io/step/fitted_faces.h"
-#include "batten/io/cad/occ_settings.h"
+#include "batten/io/step/step_check.h"
 #include "batten/io/step/step_plan.h"
-#include "batten/io/cad/cad_writer.h"
-#include "batten/io/files/atomic_file.h"
-#include "batten/core/containers.h"
-#include "batten/core/parallel.h"
 #include "batten/io/step/step_report.h"
 
 namespace batten {

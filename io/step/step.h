@@ -77,7 +77,6 @@ StepReport write_step(const std::filesystem::path& file,
 StepReport check_step(const std::filesystem::path& file, double model_unit_in_metres,
                       const std::vector<const SkinnedRegion*>& regions = {});
 
-
 // Writes regions as small STEP files: one trimmed bicubic B-spline face per region.
 //
 // Each face is a least-squares fit of x(u, v) over the bounding rectangle of the region's boundary

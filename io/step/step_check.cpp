@@ -4,10 +4,15 @@
 #include <BRepGProp.hxx>
 #include <BRepTools.hxx>
 #include <BRepTopAdaptor_FClass2d.hxx>
+#include <BRep_CurveOnSurface.hxx>
+#include <BRep_GCurve.hxx>
+#include <BRep_TEdge.hxx>
 #include <BRep_Tool.hxx>
 #include <Bnd_Box.hxx>
 #include <Eigen/Geometry>
 #include <GProp_GProps.hxx>
+#include <Geom2d_BSplineCurve.hxx>
+#include <Geom_BSplineSurface.hxx>
 #include <STEPControl_Reader.hxx>
 #include <Standard_Failure.hxx>
 #include <TopExp.hxx>
@@ -17,24 +22,19 @@
 #include <TopoDS.hxx>
 #include <TopoDS_Edge.hxx>
 #include <TopoDS_Vertex.hxx>
+#include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <BRep_CurveOnSurface.hxx>
-#include <BRep_GCurve.hxx>
-#include <BRep_TEdge.hxx>
-#include <Geom2d_BSplineCurve.hxx>
-#include <Geom_BSplineSurface.hxx>
-#include <algorithm>
 #include <utility>
 #include <vector>
 
-#include "batten/core/errors.h"
 #include "batten/core/containers.h"
-#include "batten/io/cad/shape_continuity.h"
-#include "batten/io/cad/occ_settings.h"
-#include "batten/io/cad/cad_writer.h"
-#include "batten/io/files/input_file.h"
+#include "batten/core/errors.h"
 #include "batten/core/parallel.h"
+#include "batten/io/cad/cad_writer.h"
+#include "batten/io/cad/occ_settings.h"
+#include "batten/io/cad/shape_continuity.h"
+#include "batten/io/files/input_file.h"
 
 namespace batten {
 namespace {

@@ -1,11 +1,11 @@
-// Measures STEP files that are read back. Internal.
+// Measures STEP files that are read back.
 #pragma once
 
+#include <Geom_BSplineCurve.hxx>
 #include <TopoDS_Face.hxx>
 #include <TopoDS_Shape.hxx>
 #include <filesystem>
 #include <vector>
-#include <Geom_BSplineCurve.hxx>
 
 #include "batten/io/step/step_report.h"
 #include "batten/skinning/region/skinned_region.h"
@@ -31,7 +31,6 @@ StepReport measured_file(const std::filesystem::path& path,
 /// The largest distance between sample points inside the face and the closest of the regions'
 /// surfaces. O(triangles) per point.
 double nearest_deviation(const TopoDS_Face& face, const std::vector<const SkinnedRegion*>& regions);
-
 
 // Reparametrisation of edges, so that readers detect the distance between an edge and its faces.
 

@@ -9,9 +9,9 @@
 #include <numeric>
 #include <set>
 
-#include "batten/core/geometry.h"
-#include "batten/core/errors.h"
 #include "batten/core/containers.h"
+#include "batten/core/errors.h"
+#include "batten/core/geometry.h"
 #include "batten/fem/surface_assembler.h"
 
 namespace batten {

@@ -1,5 +1,4 @@
 // Plans what the regions of a STEP file share: lines, the points where lines end, and shells.
-// Internal.
 #pragma once
 
 #include <TopoDS_Shape.hxx>

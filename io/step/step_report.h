@@ -6,11 +6,11 @@
 #include <filesystem>
 #include <optional>
 #include <string>
-#include <vector>
 #include <utility>
+#include <vector>
 
-#include "batten/io/cad/continuity_report.h"
 #include "batten/core/errors.h"
+#include "batten/io/cad/continuity_report.h"
 #include "batten/skinning/region/skinned_region.h"
 
 namespace batten {
@@ -101,7 +101,6 @@ struct StepReport {
   std::vector<StepJoin> joins;  ///< smooth joins with a fitted face on at least one side
   double max_join_deg = 0;      ///< largest `angle_deg` of the joins
 };
-
 
 // Errors of the writers of STEP files.
 

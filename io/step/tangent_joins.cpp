@@ -1,13 +1,13 @@
 #include "batten/io/step/tangent_joins.h"
 
 #include <Eigen/Dense>
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <map>
 #include <numbers>
 #include <optional>
 #include <utility>
-#include <Eigen/Geometry>
 
 #include "batten/core/containers.h"
 #include "batten/core/errors.h"
@@ -102,7 +102,8 @@ struct Corner {
   Vec3 sum = Vec3::Zero();
   std::vector<std::pair<Join*, int>> ends;
 };
-using EndPointId = std::pair<std::string, int>;  // a cut of a line, or "" and a point index of the plan
+using EndPointId =
+    std::pair<std::string, int>;  // a cut of a line, or "" and a point index of the plan
 
 EndPointId end_point_of(const StepPlan& plan, const LineSegmentId& piece, bool end) {
   const StepLine& line = plan.lines.at(piece.first);

@@ -1,15 +1,15 @@
 // Finds the lines along which adjacent surfaces are tangent, and the common normals that their
-// faces must have. Internal.
+// faces must have.
 #pragma once
 
+#include <array>
 #include <functional>
 #include <string>
 #include <utility>
 #include <vector>
-#include <array>
 
-#include "batten/io/step/face_boundary.h"
 #include "batten/core/eigen.h"
+#include "batten/io/step/face_boundary.h"
 
 namespace batten {
 
@@ -37,7 +37,6 @@ void find_tangent_joins(const StepPlan& plan, const std::vector<TangentSide>& si
 /// The angle between two planes given by their normals, degrees in [0, 90]; the signs of the
 /// normals do not matter.
 double angle_between_planes(const Vec3& a, const Vec3& b);
-
 
 // Twist compatibility of faces at the vertices where smooth joins meet.
 

@@ -18,12 +18,12 @@
 #include <vtkXMLUnstructuredGridWriter.h>
 #include <algorithm>
 #include <array>
+#include <charconv>
 #include <cmath>
 #include <map>
-#include <charconv>
 
-#include "batten/core/errors.h"
 #include "batten/core/containers.h"
+#include "batten/core/errors.h"
 #include "batten/core/parallel.h"
 #include "batten/io/files/atomic_file.h"
 #include "batten/io/vtk/vtk_message_capture.h"
@@ -381,7 +381,6 @@ void write_pvd(const std::filesystem::path& path, const std::vector<SeriesFile>&
     out << "  </Collection>\n</VTKFile>\n";
   });
 }
-
 
 vtkSmartPointer<vtkPolyData> shell_poly_data(const ShellMesh& shells, const Points& points) {
   vtkNew<vtkPoints> nodes;

@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
+#include "batten/mesh/shell_mesh.h"
 #include "batten/skinning/region/skinned_region.h"
 #include "batten/skinning/surfaces/surface_model.h"
-#include "batten/mesh/shell_mesh.h"
 
 template <class T>
 class vtkSmartPointer;
@@ -102,7 +102,6 @@ namespace batten {
 /// Writes `data` with the given writer: binary appended, compressed, atomically. Throws InputError
 /// if the file cannot be written.
 void write_vtk_xml(vtkXMLWriter& writer, vtkDataObject* data, const std::filesystem::path& path);
-
 
 // Time series of VTK files.
 

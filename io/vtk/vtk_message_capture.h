@@ -1,4 +1,4 @@
-// Captures VTK's messages and sets the C locale while VTK reads or writes. Internal.
+// Captures VTK's messages and sets the C locale while VTK reads or writes.
 #pragma once
 
 #include <vtkLogger.h>

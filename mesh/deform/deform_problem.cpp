@@ -3,8 +3,8 @@
 #include <cmath>
 #include <set>
 
-#include "batten/core/errors.h"
 #include "batten/core/containers.h"
+#include "batten/core/errors.h"
 #include "batten/core/geometry.h"
 
 namespace batten {

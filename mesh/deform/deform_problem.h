@@ -81,7 +81,7 @@ struct LinearConstraint {
 /// for it. All indices are vertices, unless stated otherwise.
 struct DeformProblem {
   enum class Weighting {
-    Area,  ///< rows times √A_i: AᵀA is the bilaplacian ¼ L_c M⁻¹ L_c, mesh-independent
+    Area,    ///< rows times √A_i: AᵀA is the bilaplacian ¼ L_c M⁻¹ L_c, mesh-independent
     Uniform  ///< unweighted rows, as in the paper
   };
 
@@ -104,7 +104,7 @@ struct DeformProblem {
 struct HandleTransform {
   Vec3 about = Vec3::Zero();
   Vec3 rotation_vector = Vec3::Zero();  ///< axis · angle in radians (core/geometry.h); not reduced
-                     ///< to less than a full turn
+                                        ///< to less than a full turn
   Vec3 translation = Vec3::Zero();
   double scale = 1;  ///< scale s, above 0
   /// Position of a handle vertex that is at p in the undeformed mesh.

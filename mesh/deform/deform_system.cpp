@@ -7,8 +7,8 @@
 
 #include "batten/core/containers.h"
 #include "batten/core/errors.h"
-#include "batten/mesh/differential_operators.h"
 #include "batten/core/parallel.h"
+#include "batten/mesh/differential_operators.h"
 
 namespace batten {
 namespace {
@@ -412,7 +412,6 @@ SparseMatrix laplacian_of(const DeformSystem& system, const TriangleMesh& mesh) 
   L.finalize();
   return L;
 }
-
 
 RowMatrix reduced_matrix(const RowMatrix& A, const AffineReduction& reduction) {
   const RowMatrix D = reduction.D();

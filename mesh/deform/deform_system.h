@@ -5,9 +5,9 @@
 #include <utility>
 #include <vector>
 
+#include "batten/constraints/affine_reduction.h"
 #include "batten/constraints/constraint_set.h"
 #include "batten/mesh/deform/deform_problem.h"
-#include "batten/constraints/affine_reduction.h"
 
 namespace batten {
 
@@ -92,7 +92,6 @@ struct DeformSystem {
 
 /// K_q: the cotangent Laplacian of the dofs, lower triangle.
 SparseMatrix laplacian_of(const DeformSystem& system, const TriangleMesh& mesh);
-
 
 // Normal equations of the reduced least-squares problem.
 

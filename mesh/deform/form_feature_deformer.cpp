@@ -1,20 +1,20 @@
 #include "batten/mesh/deform/form_feature_deformer.h"
 
-#include <cmath>
 #include <algorithm>
+#include <cmath>
 #include <numbers>
 #include <utility>
 #include <vector>
 
-#include "batten/core/errors.h"
-#include "batten/core/containers.h"
-#include "batten/core/parallel.h"
-#include "batten/mesh/deform/deform_system.h"
-#include "batten/core/geometry.h"
-#include "batten/mesh/rotation_fitting.h"
 #include "batten/constraints/affine_reduction.h"
 #include "batten/constraints/schur_complement_constraints.h"
+#include "batten/core/containers.h"
+#include "batten/core/errors.h"
+#include "batten/core/geometry.h"
+#include "batten/core/parallel.h"
 #include "batten/core/solvers/sparse_cholesky.h"
+#include "batten/mesh/deform/deform_system.h"
+#include "batten/mesh/rotation_fitting.h"
 
 namespace batten {
 
@@ -59,7 +59,6 @@ class RotationField {
   SparseMatrix reduced_;
   SparseCholesky free_factor_;
 };
-
 
 struct FormFeatureData {
   FormFeatureData(const TriangleMesh& mesh, DeformProblem problem);
@@ -376,7 +375,6 @@ FormFeatureDeformer::ProblemMatrices FormFeatureDeformer::problem_matrices(const
   return s;
 }
 
-
 // Right-hand sides of an edit: targets of rows, handles, features and point constraints.
 
 namespace {
@@ -424,8 +422,9 @@ void FormFeatureData::set_targets(const DeformEdit& edit, const ShapeEstimate* e
       Vec3 target = system.base.row(i).transpose();
       int scaled_by = system.scaled_by[i];
       if (estimate && estimated_target(*estimate, i, target)) {
-        if (scaled_by >= isize(problem.features)) scaled_by = -1;  // the estimate already contains
-                                                                   // the scale of handles
+        if (scaled_by >= isize(problem.features))
+          scaled_by = -1;  // the estimate already contains
+                           // the scale of handles
       } else {
         if (system.linear_constraint_of_row[i] >= 0) target = unrotated_target(edit, i);
         const int rotates_with = system.rotates_with[i];
@@ -532,7 +531,6 @@ void FormFeatureData::set_point_constraints(const DeformEdit& edit) {
   throw ConflictError({{{problem.point_constraints[constraint_of_equation[row]].name}, missed}});
 }
 
-
 RotationField::RotationField(const DeformSystem& system, long handles)
     : reduction_(system.rotations, AffineReduction::RhsMode::Deferred),
       handle_rotations_(MatX::Zero(handles, 3)),
@@ -638,7 +636,6 @@ void RotationField::prescribe(const DeformSystem& system, const TriangleMesh& me
     if (free_index_[c] >= 0) change.row(c) = load.row(free_index_[c]);
   logs += D * change;
 }
-
 
 // Constraint violation, evaluated independently of the deformer's own rows.
 

@@ -2,13 +2,13 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
-#include <optional>
 
 #include "batten/constraints/constraint_set.h"
-#include "batten/mesh/deform/deform_problem.h"
 #include "batten/core/eigen.h"
+#include "batten/mesh/deform/deform_problem.h"
 
 namespace batten {
 
@@ -29,7 +29,6 @@ struct ShapeEstimate {
   /// these rotations.
   std::vector<std::optional<Mat3>> feature_rotations;
 };
-
 
 struct FormFeatureData;
 

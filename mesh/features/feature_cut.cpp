@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <string>
 
-#include "batten/core/errors.h"
 #include "batten/core/containers.h"
+#include "batten/core/errors.h"
 #include "batten/mesh/features/minimum_cut.h"
 #include "batten/mesh/selection.h"
 

@@ -26,7 +26,6 @@ struct BorderChain {
 std::vector<BorderChain> border_chains(const MeshTopology& topology,
                                        const std::vector<char>& inside);
 
-
 /// Result of a minimum cut: the feature side and the edges of the cut.
 struct FeatureCut {
   std::vector<int> triangles;       ///< triangles of the feature, ascending
@@ -59,7 +58,6 @@ struct FeatureCut {
 /// [BoykovKolmogorov2004], from Boost.Graph (flow).
 FeatureCut cut_feature(const TriangleMesh& mesh, const std::vector<int>& band,
                        const CutOptions& options = {});
-
 
 // Separating a form feature by two strokes, one on it and one beside it.
 

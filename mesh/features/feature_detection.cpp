@@ -7,11 +7,11 @@
 #include <set>
 #include <string>
 
-#include "batten/core/errors.h"
 #include "batten/core/containers.h"
+#include "batten/core/eigen.h"
+#include "batten/core/errors.h"
 #include "batten/mesh/features/feature_cut.h"
 #include "batten/mesh/selection.h"
-#include "batten/core/eigen.h"
 
 namespace batten {
 namespace {

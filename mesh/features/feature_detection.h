@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "batten/mesh/triangle_mesh.h"
 #include "batten/core/eigen.h"
+#include "batten/mesh/triangle_mesh.h"
 
 namespace batten {
 
@@ -48,7 +48,6 @@ struct HoleMeasure {
 /// a coordinate that is not finite. O(loop).
 HoleMeasure measure_hole(const Points& points, const std::vector<int>& loop,
                          double circular_tolerance = 0.02);
-
 
 /// Options of detect_features().
 struct FeatureDetectionOptions {

@@ -5,8 +5,8 @@
 #include <map>
 #include <numbers>
 
-#include "batten/core/errors.h"
 #include "batten/core/containers.h"
+#include "batten/core/errors.h"
 
 namespace batten {
 namespace {

@@ -19,7 +19,6 @@ struct CutOptions {
   int feature_vertex = -1;
 };
 
-
 /// An undirected edge of the dual graph; a and b are its nodes.
 struct DualEdge {
   int a, b;

@@ -26,7 +26,8 @@ void add_gradients(const TriangleMesh& mesh, ArapEnergy& rows) {
     if (!(double_area > 0))
       throw InputError("triangle " + std::to_string(t) + " has no area, expected some");
     const Vec3 n = across / double_area, first = (b - a).normalized(), second = n.cross(first);
-    const Vec3 slope[3] = {n.cross(c - b) / double_area, n.cross(a - c) / double_area, n.cross(b - a) / double_area};
+    const Vec3 slope[3] = {n.cross(c - b) / double_area, n.cross(a - c) / double_area,
+                           n.cross(b - a) / double_area};
     const double weight = std::sqrt(double_area / 2);
     for (int k = 0; k < 2; ++k) {
       const long r = 2L * t + k;

@@ -1,12 +1,12 @@
 #include "batten/mesh/regions/dual_laplacian_deformer.h"
 
-#include <cmath>
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <vector>
 
-#include "batten/core/errors.h"
 #include "batten/core/eigen.h"
+#include "batten/core/errors.h"
 #include "batten/mesh/regions/local_global_solver.h"
 
 namespace batten {

@@ -7,15 +7,15 @@
 #include <span>
 #include <vector>
 
+#include "batten/constraints/affine_reduction.h"
 #include "batten/core/containers.h"
 #include "batten/core/errors.h"
-#include "batten/core/parallel.h"
 #include "batten/core/geometry.h"
+#include "batten/core/parallel.h"
+#include "batten/core/solvers/sparse_cholesky.h"
+#include "batten/mesh/deform/deform_system.h"
 #include "batten/mesh/rotation_fitting.h"
 #include "batten/mesh/selection.h"
-#include "batten/mesh/deform/deform_system.h"
-#include "batten/constraints/affine_reduction.h"
-#include "batten/core/solvers/sparse_cholesky.h"
 
 namespace batten {
 
@@ -455,7 +455,6 @@ void FeatureRegionSystem::solve_positions(const DeformEdit& edit, Points& result
       result.row(v) = points_.row(v);
   }
 }
-
 
 std::vector<std::vector<int>> components_of_mask(const TriangleMesh& mesh,
                                                  const std::vector<char>& mask) {

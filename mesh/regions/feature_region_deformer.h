@@ -2,10 +2,10 @@
 #pragma once
 
 #include <memory>
-#include <span>
-#include <vector>
 #include <optional>
+#include <span>
 #include <string>
+#include <vector>
 
 #include "batten/mesh/deform/deform_problem.h"
 #include "batten/mesh/triangle_mesh.h"
@@ -50,7 +50,6 @@ std::vector<std::vector<int>> components_of_mask(const TriangleMesh& mesh,
 /// The triangles of a region, ascending. Throws InputError, naming the region: indices out of
 /// range, or no triangles.
 std::vector<int> faces_of(const TriangleMesh& mesh, const FeatureRegion& region);
-
 
 /// Deformation that keeps feature regions rigid [Hu2012]. An estimate V' of the deformed mesh, from
 /// any deformer, determines the rotation of each region. The mesh is then solved for again with

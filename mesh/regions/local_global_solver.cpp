@@ -6,8 +6,8 @@
 
 #include "batten/core/containers.h"
 #include "batten/core/errors.h"
-#include "batten/core/parallel.h"
 #include "batten/core/geometry.h"
+#include "batten/core/parallel.h"
 #include "batten/mesh/deform/deform_system.h"
 #include "batten/mesh/rotation_fitting.h"
 
@@ -395,12 +395,14 @@ const Points& LocalGlobalSolver::deform(std::span<const HandleTransform> moves, 
     report_.energies.push_back(iterate(report_.energies.empty()
                                            ? std::numeric_limits<double>::infinity()
                                            : report_.energies.back()));
-    if (++report_.iterations == 1) accelerator_.reset();  // the initial rotations are not those of
-                                                          // a previous iteration
+    if (++report_.iterations == 1)
+      accelerator_.reset();  // the initial rotations are not those of
+                             // a previous iteration
     report_.converged = report_.last_change < tolerance;
   }
-  if (!rows_.links.empty()) G_ = G_before_;  // the rotations that belong to the positions, not the
-                                             // accelerated ones
+  if (!rows_.links.empty())
+    G_ = G_before_;  // the rotations that belong to the positions, not the
+                     // accelerated ones
   result_ = p_.rowwise() + origin_.transpose();
   // Constrained vertices are exactly at their prescribed positions, to the last bit.
   for (size_t k = 0; k < constrained_vertex_.size(); ++k) {

@@ -26,10 +26,10 @@ struct ArapEnergy {
   RowMatrix A;                       ///< rows × vertices
   RowPoints base;                    ///< b, the rows applied to the rest shape
   std::vector<int> row_start = {0};  ///< rows of element e: row_start[e] … row_start[e+1] - 1
-  int cells_of_element = 1;  ///< m
-  std::vector<int> cells;  ///< cells of each element, cells_of_element each
-  RowMatrix mean;          ///< cells × vertices: averages the initial rotations of the vertices for
-                           ///< each cell
+  int cells_of_element = 1;          ///< m
+  std::vector<int> cells;            ///< cells of each element, cells_of_element each
+  RowMatrix mean;  ///< cells × vertices: averages the initial rotations of the vertices for
+                   ///< each cell
   /// Penalty λ_ij on the difference of the rotations of two cells.
   struct Link {
     int a, b;

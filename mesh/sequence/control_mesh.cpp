@@ -5,9 +5,9 @@
 #include <numbers>
 #include <numeric>
 
+#include "batten/core/containers.h"
 #include "batten/core/errors.h"
 #include "batten/core/parallel.h"
-#include "batten/core/containers.h"
 #include "batten/mesh/rotation_fitting.h"
 
 namespace batten {
@@ -41,8 +41,9 @@ bool add_triangle(const Eigen::Matrix<double, Eigen::Dynamic, 3>& u, const VecX&
         2 * std::sin(half) * std::sin(half - angle[i]) / (sine[(i + 1) % 3] * sine[(i + 2) % 3]) -
         1;
     s[i] = side * std::sqrt(std::max(0.0, 1 - c[i] * c[i]));
-    if (!(std::abs(s[i]) > 1e-9)) return false;  // in the plane of the triangle but outside it: no
-                                                 // contribution
+    if (!(std::abs(s[i]) > 1e-9))
+      return false;  // in the plane of the triangle but outside it: no
+                     // contribution
   }
   for (int i = 0; i < 3; ++i) {
     const int j = (i + 1) % 3, k = (i + 2) % 3;

@@ -1,21 +1,21 @@
 #include "batten/mesh/sequence/frame_solver.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
-#include <array>
 #include <vector>
 
-#include "batten/core/errors.h"
-#include "batten/mesh/rotation_fitting.h"
-#include "batten/mesh/sequence/local_global_steps.h"
-#include "batten/mesh/sequence/frame_unknowns.h"
-#include "batten/mesh/differential_operators.h"
 #include "batten/constraints/schur_complement_constraints.h"
-#include "batten/core/solvers/sparse_cholesky.h"
 #include "batten/core/anderson_accelerator.h"
+#include "batten/core/errors.h"
+#include "batten/core/solvers/sparse_cholesky.h"
+#include "batten/mesh/differential_operators.h"
 #include "batten/mesh/regions/iterative_deformer.h"
+#include "batten/mesh/rotation_fitting.h"
 #include "batten/mesh/sequence/frame_constraints.h"
+#include "batten/mesh/sequence/frame_unknowns.h"
+#include "batten/mesh/sequence/local_global_steps.h"
 
 namespace batten {
 
@@ -93,7 +93,6 @@ struct FrameSolverData {
   FrameShape shape;
   IterationReport report;
 };
-
 
 void FrameSolverData::begin(const Points& frame, const FrameTargets& given) {
   if (frame.rows() != graph.nodes || !frame.allFinite())
@@ -344,7 +343,6 @@ void FrameSolverData::couple_point_constraints() {
   point_equation_rhs.setZero(constraint_origins.constraint_count());
 }
 
-
 bool FrameSolverData::rotates_freely(size_t part) const {
   const auto& p = unknowns.parts[part];
   return p.handle >= 0 ? targets.handles[p.handle].free_rotation : p.may_rotate;
@@ -531,8 +529,9 @@ void FrameSolverData::iterations(int most) {
     report.energies.push_back(iterate(report.energies.empty()
                                           ? std::numeric_limits<double>::infinity()
                                           : report.energies.back()));
-    if (++report.iterations == 1) accelerator.reset();  // the initial rotations are not those of a
-                                                        // previous iteration
+    if (++report.iterations == 1)
+      accelerator.reset();  // the initial rotations are not those of a
+                            // previous iteration
     report.converged = report.last_change < options.tolerance;
   }
 }

@@ -3,8 +3,8 @@
 #include <algorithm>
 
 #include "batten/core/containers.h"
-#include "batten/core/parallel.h"
 #include "batten/core/geometry.h"
+#include "batten/core/parallel.h"
 #include "batten/mesh/rotation_fitting.h"
 
 namespace batten {
@@ -153,7 +153,6 @@ SparseMatrix frame_matrix(const NodeGraph& graph, const FrameUnknowns& u, double
   K.setFromTriplets(entries.begin(), entries.end());
   return K;
 }
-
 
 Vec3 centre_of(const std::vector<int>& nodes, const RowPoints& p) {
   Vec3 sum = Vec3::Zero();

@@ -4,9 +4,9 @@
 #include <string>
 #include <vector>
 
+#include "batten/mesh/deform/deform_system.h"
 #include "batten/mesh/sequence/frame_constraints.h"
 #include "batten/mesh/sequence/local_global_steps.h"
-#include "batten/mesh/deform/deform_system.h"
 
 namespace batten {
 
@@ -49,7 +49,6 @@ FrameUnknowns frame_unknowns(const NodeGraph& graph, const FrameConstraints& con
 /// Each edge counts once; s is `penalty_weight`, h runs over the penalised nodes.
 SparseMatrix frame_matrix(const NodeGraph& graph, const FrameUnknowns& unknowns,
                           double penalty_weight);
-
 
 // Rotations of handles, for the full and the subspace solver.
 

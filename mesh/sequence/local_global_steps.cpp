@@ -1,7 +1,7 @@
 #include "batten/mesh/sequence/local_global_steps.h"
 
-#include <cmath>
 #include <algorithm>
+#include <cmath>
 
 #include "batten/core/parallel.h"
 #include "batten/core/simd.h"
@@ -116,7 +116,6 @@ void global_step_rhs(const NodeGraph& graph, const RowPoints& rest,
                           loads.data());
   });
 }
-
 
 NodeGraph node_graph(const MeshTopology& topology, const std::vector<double>& weights) {
   NodeGraph graph;

@@ -1,9 +1,9 @@
 // Local step and global right-hand side of the ARAP iteration over the one-rings of all nodes.
 #pragma once
 
-#include <vector>
-#include <span>
 #include <array>
+#include <span>
+#include <vector>
 
 #include "batten/core/eigen.h"
 #include "batten/mesh/deform/deform_system.h"
@@ -39,7 +39,6 @@ NodeGraph node_graph(const MeshTopology& topology, const std::vector<double>& we
 /// Entries of the lower triangle of Σ w_ij (x_i - x_j)² over the nodes, each edge once.
 std::vector<Triplet> laplacian_entries(const NodeGraph& graph);
 
-
 /// Local step: fits R_i for all nodes except those with `is_prescribed` set (empty: none), by
 ///
 ///     M_i = Σ_j w_ij (v_j - v_i)(p_j - p_i)ᵀ,   R_i = nearest_rotation(M_i)
@@ -58,7 +57,6 @@ double local_step(const NodeGraph& graph, const RowPoints& rest, const RowPoints
 ///     Σ_j w_ij [½ (R_i + R_j) - 1] (p_i - p_j)
 void global_step_rhs(const NodeGraph& graph, const RowPoints& rest,
                      const std::vector<Mat3>& rotations, RowPoints& loads);
-
 
 // Volume enclosed by a closed surface.
 

@@ -1,7 +1,7 @@
 #include "batten/mesh/sequence/mesh_sequence.h"
 
-#include <cmath>
 #include <algorithm>
+#include <cmath>
 
 #include "batten/core/errors.h"
 #include "batten/mesh/sequence/trajectories/rigid_motion.h"

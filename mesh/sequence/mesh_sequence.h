@@ -31,7 +31,6 @@ double size_of(const MeshSequence& sequence);
 /// and last frame). Peaks reveal jerks caused by an edit.
 std::vector<double> second_differences(const std::vector<Points>& frames);
 
-
 // Conversion of in-place walks to walks over the ground.
 
 /// Speed that makes an in-place walk move forward without foot skate. For each pair of frames the

@@ -6,13 +6,13 @@
 
 #include "batten/core/containers.h"
 #include "batten/core/errors.h"
-#include "batten/core/parallel.h"
 #include "batten/core/geometry.h"
+#include "batten/core/parallel.h"
 #include "batten/core/solvers/sparse_cholesky.h"
-#include "batten/mesh/sequence/trajectories/keyframe_weights.h"
-#include "batten/mesh/sequence/local_global_steps.h"
-#include "batten/mesh/triangle_mesh.h"
 #include "batten/mesh/rotation_fitting.h"
+#include "batten/mesh/sequence/local_global_steps.h"
+#include "batten/mesh/sequence/trajectories/keyframe_weights.h"
+#include "batten/mesh/triangle_mesh.h"
 
 namespace batten {
 

@@ -74,7 +74,6 @@ MeshSequence morph(const MeshSequence& source, const MeshSequence& target, const
 /// Best rotation about `up` and horizontal translation that take q to p; heights are not changed.
 RigidMotion ground_alignment(const Points& q, const Points& p, const Vec3& up);
 
-
 // Non-rigid registration: a mesh takes the shape of another one with different triangles.
 
 /// A pair of corresponding points for fit_to_target().
@@ -88,9 +87,8 @@ struct TargetFitOptions {
   int stages = 8;      ///< number of stages; each relaxes the shape and increases the weight of the
                        ///< target
   int iterations = 6;  ///< iterations per stage
-  double initial_weight =
-      0.01;  ///< μ in the first stage, relative to the mean weight at a node
-  double final_weight = 10;  ///< μ in the last stage
+  double initial_weight = 0.01;  ///< μ in the first stage, relative to the mean weight at a node
+  double final_weight = 10;      ///< μ in the last stage
 };
 
 /// Result of fit_to_target().

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "batten/core/errors.h"
-#include "batten/core/parallel.h"
 #include "batten/core/geometry.h"
+#include "batten/core/parallel.h"
 #include "batten/mesh/rotation_fitting.h"
 #include "batten/mesh/sequence/frame_solver.h"
 

@@ -8,9 +8,9 @@
 
 #include "batten/core/progress.h"
 #include "batten/mesh/sequence/frame_solver.h"
-#include "batten/mesh/sequence/trajectories/handle_trajectory.h"
 #include "batten/mesh/sequence/mesh_sequence.h"
 #include "batten/mesh/sequence/subspace_solver.h"
+#include "batten/mesh/sequence/trajectories/handle_trajectory.h"
 
 namespace batten {
 

@@ -11,7 +11,7 @@ namespace batten {
 
 /// Options of SubspaceSolver.
 struct SubspaceOptions {
-  int iterations = 8;  ///< ARAP iterations of a solve, at least 1
+  int iterations = 8;           ///< ARAP iterations of a solve, at least 1
   double penalty_weight = 100;  ///< λ of handles and fixed nodes, relative to the mean weight at a
                                 ///< node
 };
@@ -48,7 +48,6 @@ class SubspaceSolver {
   struct Data;
   std::unique_ptr<Data> data_;
 };
-
 
 // Interactive editing of one frame: a preview at once, refinement on demand.
 

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <limits>
 
-#include "batten/core/geometry.h"
 #include "batten/core/errors.h"
+#include "batten/core/geometry.h"
 #include "batten/core/parallel.h"
 #include "batten/elements/reference_triangle.h"
 

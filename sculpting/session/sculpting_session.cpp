@@ -3,9 +3,9 @@
 #include <cmath>
 #include <set>
 
+#include "batten/core/containers.h"
 #include "batten/core/errors.h"
 #include "batten/sculpting/session/session_data.h"
-#include "batten/core/containers.h"
 #include "batten/skinning/facets/facets.h"
 
 namespace batten {
@@ -287,7 +287,6 @@ double SculptingSession::enclosed_volume() const {
 
 size_t SculptingSession::history_bytes() const { return data_->bytes(); }
 
-
 using detail::SessionSystem;
 
 namespace {
@@ -337,7 +336,7 @@ void SessionData::restore_state(detail::SessionState state) {
 }
 
 bool SessionData::move_in_history(std::deque<detail::SessionState>& from,
-                                             std::deque<detail::SessionState>& to) {
+                                  std::deque<detail::SessionState>& to) {
   if (from.empty()) return false;
   to.push_back(snapshot());
   detail::SessionState state = std::move(from.back());
@@ -351,7 +350,6 @@ void SessionData::record_operation(const Operation& op) {
   if (record.size() == record.capacity()) record.reserve(record.size() + detail::kRecordPage);
   record.push_back(op);
 }
-
 
 SkinnedRegion SessionData::skinned_region(int r) {
   SkinnedRegion region = layout().skinned(r, absolute(now.shape.x));

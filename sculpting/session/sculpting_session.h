@@ -7,9 +7,9 @@
 
 #include "batten/core/progress.h"
 #include "batten/elements/reference_triangle.h"
-#include "batten/sculpting/session/session_results.h"
 #include "batten/sculpting/session/operation.h"
 #include "batten/sculpting/session/session_options.h"
+#include "batten/sculpting/session/session_results.h"
 #include "batten/skinning/model/model_layout.h"
 
 namespace batten {

@@ -6,8 +6,8 @@
 
 #include "batten/core/errors.h"
 #include "batten/core/geometry.h"
-#include "batten/skinning/facets/facets.h"
 #include "batten/fem/refinement.h"
+#include "batten/skinning/facets/facets.h"
 
 namespace batten {
 
@@ -79,10 +79,9 @@ void SessionData::require_free_name(const std::string& name) {
     throw InputError("two things have the name '" + name + "'");
 }
 
-void SessionData::add_parameters(const std::string& name,
-                                            std::vector<ScalarParameter> given,
-                                            const std::vector<std::string>& wanted,
-                                            const std::vector<double>& start) {
+void SessionData::add_parameters(const std::string& name, std::vector<ScalarParameter> given,
+                                 const std::vector<std::string>& wanted,
+                                 const std::vector<double>& start) {
   for (const ScalarParameter& g : given)
     if (std::find(wanted.begin(), wanted.end(), g.name) == wanted.end())
       throw InputError("'" + name + "' has no parameter '" + g.name + "'");
@@ -107,7 +106,7 @@ void SessionData::add(const Load& load, const std::vector<ScalarParameter>& para
 }
 
 void SessionData::add(const StiffnessField& weight,
-                                 const std::vector<ScalarParameter>& parameters) {
+                      const std::vector<ScalarParameter>& parameters) {
   require_free_name(weight.name);
   SessionDefinition def = system().def;
   def.weights.push_back(std::make_shared<const detail::AttachedStiffnessField>(
@@ -118,7 +117,7 @@ void SessionData::add(const StiffnessField& weight,
 }
 
 void SessionData::add(const Constraint& constraint,
-                                 const std::vector<ScalarParameter>& parameters) {
+                      const std::vector<ScalarParameter>& parameters) {
   require_free_name(constraint.name);
   SessionDefinition def = system().def;
   def.constraints.push_back(std::make_shared<const detail::AttachedConstraint>(
@@ -135,8 +134,7 @@ void SessionData::add(const Constraint& constraint,
   solve_constrained();
 }
 
-void SessionData::add(const LineOffset& move,
-                                 const std::vector<ScalarParameter>& parameters) {
+void SessionData::add(const LineOffset& move, const std::vector<ScalarParameter>& parameters) {
   require_free_name(move.name);
   SessionDefinition def = system().def;
   def.moves.push_back(
@@ -146,8 +144,7 @@ void SessionData::add(const LineOffset& move,
   solve_constrained();
 }
 
-void SessionData::add(const CharacterLine& line,
-                                 const std::vector<ScalarParameter>& parameters) {
+void SessionData::add(const CharacterLine& line, const std::vector<ScalarParameter>& parameters) {
   if (!parameters.empty()) throw InputError("line '" + line.name + "' has no parameters");
   require_free_name(line.name);
   require_lines("added");
@@ -268,7 +265,6 @@ void SessionData::edit(const Operation::Edit& edit) {
   }
 }
 
-
 using detail::SessionDefinition;
 using detail::ShapeState;
 
@@ -294,8 +290,7 @@ SurfaceTransfer SessionData::transferred(const ModelLayout& layout, const Points
 }
 
 // Transfers the shapes to which loads, stiffness fields and constraints refer.
-void SessionData::transfer_reference_shapes(const ModelLayout& layout,
-                                                       SessionDefinition& def) {
+void SessionData::transfer_reference_shapes(const ModelLayout& layout, SessionDefinition& def) {
   std::vector<std::pair<detail::SharedPoints, detail::SharedPoints>> moved;
   const auto along = [&](detail::SharedPoints& on) {
     if (!on) return;
@@ -395,7 +390,6 @@ HermiteCurve SessionData::line(const std::string& name) {
   return curve;
 }
 
-
 namespace {
 
 // Selects the triangles to be refined.
@@ -482,7 +476,6 @@ RefinementReport SessionData::refine(const Refinement& refinement) {
   return report;
 }
 
-
 using detail::SessionDefinition;
 
 void SessionData::mark_converged() {
@@ -515,8 +508,7 @@ void SessionData::restore_converged() {
 
 // Load stepping from the last converged values to `goal`. Steps are halved if the solve does not
 // converge.
-detail::SessionEngine::SolveStatus SessionData::step_loads(
-    const std::vector<double>& goal) {
+detail::SessionEngine::SolveStatus SessionData::step_loads(const std::vector<double>& goal) {
   const std::vector<double> start = now.converged_values;
   Points reached_x = now.converged_x;
   double reached = 0, step = 0.5;
@@ -691,7 +683,6 @@ SolveReport SessionData::step() {
   return answer;
 }
 
-
 namespace {
 
 bool same_rows(const ConstraintSet& a, const ConstraintSet& b) {
@@ -712,8 +703,7 @@ bool same_rows(const ConstraintSet& a, const ConstraintSet& b) {
 
 // Shape under the constraints that bends least from a rest shape, without loads. Absolute
 // coordinates.
-Points SessionData::deformed_from(
-    std::shared_ptr<const detail::RestConfiguration> rest) {
+Points SessionData::deformed_from(std::shared_ptr<const detail::RestConfiguration> rest) {
   std::vector<double> unloaded = values;
   for (const int p : system().load_parameter) unloaded[p] = 0;
   engine.set_rest_shape(system(), std::move(rest));

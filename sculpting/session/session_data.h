@@ -1,4 +1,4 @@
-// Implementation of a sculpting session: its state, history and operations. Internal.
+// Implementation of a sculpting session: its state, history and operations.
 #pragma once
 
 #include <deque>
@@ -8,9 +8,9 @@
 
 #include "batten/core/progress.h"
 #include "batten/fem/refinement.h"
-#include "batten/sculpting/session/session_results.h"
 #include "batten/sculpting/session/operation.h"
 #include "batten/sculpting/session/session_engine.h"
+#include "batten/sculpting/session/session_results.h"
 
 namespace batten {
 namespace detail {

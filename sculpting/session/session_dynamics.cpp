@@ -2,9 +2,9 @@
 #include <cmath>
 #include <optional>
 
-#include "batten/sculpting/session/session_engine.h"
 #include "batten/constraints/affine_reduction.h"
 #include "batten/core/containers.h"
+#include "batten/sculpting/session/session_engine.h"
 #include "batten/skinning/model/model_projector.h"
 
 namespace batten::detail {
@@ -170,7 +170,6 @@ void SessionEngine::project(SessionSystem& system, const std::vector<double>& va
   correct(shape.v, true);
 }
 
-
 double SessionEngine::residual(const SessionSystem& system, const std::vector<double>& values,
                                const Points& x) {
   line_rhs(system, values, rate_);
@@ -234,8 +233,8 @@ std::vector<Reaction> SessionEngine::reactions(const SessionSystem& system,
 }
 
 std::vector<PointCloudDistances> SessionEngine::scan_distances(const SessionSystem& system,
-                                                         const Points& before,
-                                                         const Points& now) const {
+                                                               const Points& before,
+                                                               const Points& now) const {
   std::vector<PointCloudDistances> all;
   std::optional<ModelProjector> on_before, on_now;
   for (size_t l = 0; l < system.loads.size(); ++l) {

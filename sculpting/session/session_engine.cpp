@@ -1,8 +1,8 @@
 #include "batten/sculpting/session/session_engine.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <algorithm>
 
 #include "batten/core/errors.h"
 #include "batten/skinning/model/model_projector.h"
@@ -68,7 +68,6 @@ void SessionEngine::reset_acceleration() {
   anchored_ = false;
 }
 
-
 namespace {
 
 std::vector<SurfaceStiffness> materials(const SessionSystem& system,
@@ -110,13 +109,14 @@ std::vector<SurfaceStiffness> materials(const SessionSystem& system,
 // Point-cloud springs act on the matrix: they add Σ k N Nᵀ to it and Σ k N p to the right-hand
 // side.
 void SessionEngine::add_point_clouds(SessionSystem& system, const std::vector<double>& values,
-                              SparseMatrix& K) {
+                                     SparseMatrix& K) {
   const MeshData& parts = *system.parts;
   system.point_cloud_load.resize(0, 3);
   for (size_t l = 0; l < system.loads.size(); ++l) {
     const auto* scan = std::get_if<Load::PointCloudSprings>(&system.def.loads[l]->load.kind);
     if (!scan || system.scan_foot_points[l].empty()) continue;
-    if (system.point_cloud_load.rows() == 0) system.point_cloud_load = Points::Zero(system.dofs(), 3);
+    if (system.point_cloud_load.rows() == 0)
+      system.point_cloud_load = Points::Zero(system.dofs(), 3);
     const double value = values[system.load_parameter[l]];
     if (!(value >= 0))
       throw InputError("load '" + system.def.loads[l]->load.name + "' has springs of stiffness " +
@@ -129,7 +129,8 @@ void SessionEngine::add_point_clouds(SessionSystem& system, const std::vector<do
           C1Triangle(parts.kind, parts.mesh->shape(where.triangle)).evaluate(where.L).col(kW);
       const auto dof = parts.assembler.dofs().triangle(*parts.mesh, where.triangle);
       for (int a = 0; a < 12; ++a) {
-        system.point_cloud_load.row(dof[a]) += k * N[a] * (scan->points[i] - system.origin()).transpose();
+        system.point_cloud_load.row(dof[a]) +=
+            k * N[a] * (scan->points[i] - system.origin()).transpose();
         for (int b = 0; b < 12; ++b)
           if (dof[a] >= dof[b]) K.coeffRef(dof[a], dof[b]) += k * N[a] * N[b];
       }
@@ -273,7 +274,6 @@ SurfaceEnergy SessionEngine::elastic_energy(const SessionSystem& system,
   };
   return {part(false), part(true)};
 }
-
 
 void SessionEngine::line_rhs(const SessionSystem& system, const std::vector<double>& values,
                              MatX& rhs) const {
@@ -436,7 +436,6 @@ double SessionEngine::spring_energy(const SessionSystem& system,
          rest * falloff * std::sqrt(std::numbers::pi) *
              (std::erf(r / falloff) - std::erf(rest / falloff));
 }
-
 
 namespace {
 

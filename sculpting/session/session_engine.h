@@ -1,12 +1,12 @@
 // Numerical engine of a sculpting session: solves, time steps and measurements. It owns only
-// working storage. Internal.
+// working storage.
 #pragma once
 
 #include <vector>
 
 #include "batten/core/anderson_accelerator.h"
-#include "batten/sculpting/session/session_system.h"
 #include "batten/fem/trim.h"
+#include "batten/sculpting/session/session_system.h"
 
 namespace batten::detail {
 
@@ -81,7 +81,7 @@ class SessionEngine {
                                   const Points& x);
   /// Distances of the points of each point cloud from two shapes in absolute coordinates.
   std::vector<PointCloudDistances> scan_distances(const SessionSystem& system, const Points& before,
-                                            const Points& now) const;
+                                                  const Points& now) const;
   /// ½ xᵀKx - Fᵀx plus the energy of springs; in motion also ½ ρ vᵀMv.
   double total_energy(const SessionSystem& system, const std::vector<double>& values,
                       const ShapeState& shape, bool dynamics);

@@ -5,8 +5,8 @@
 #include <functional>
 
 #include "batten/constraints/constraint_set.h"
-#include "batten/core/solvers/symbolic_analysis.h"
 #include "batten/core/progress.h"
+#include "batten/core/solvers/symbolic_analysis.h"
 #include "batten/elements/reference_triangle.h"
 #include "batten/skinning/model/model_layout.h"
 

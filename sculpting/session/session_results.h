@@ -2,10 +2,10 @@
 // viewer's thread.
 #pragma once
 
-#include <string>
 #include <array>
 #include <atomic>
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "batten/core/eigen.h"
@@ -28,7 +28,6 @@ struct PointCloudDistances {
   double before_max = 0, before_rms = 0;  ///< distances from the comparison shape
   double max = 0, rms = 0;
 };
-
 
 // Display points of a moving surface, and their transfer to a viewer's thread.
 

@@ -4,13 +4,13 @@
 #include <cmath>
 #include <map>
 
-#include "batten/fem/parametric_mesh.h"
 #include "batten/constraints/shape/shape_constraints.h"
+#include "batten/core/containers.h"
 #include "batten/core/errors.h"
+#include "batten/core/geometry.h"
+#include "batten/fem/parametric_mesh.h"
 #include "batten/fem/surface_assembler.h"
 #include "batten/sculpting/loads/area_weights.h"
-#include "batten/core/containers.h"
-#include "batten/core/geometry.h"
 
 namespace batten::detail {
 
@@ -275,7 +275,6 @@ size_t bytes_of(const SessionSystem& system, std::set<const void*>& seen) {
                                        system.rest_load.size());
 }
 
-
 namespace {
 
 int position_of(const std::vector<std::string>& names, const std::string& name) {
@@ -381,7 +380,6 @@ AssembledStiffnessField assembled(const AttachedStiffnessField& placed,
     b.directions = triangle_directions(std::get<std::string>(*w.along), system.layout());
   return b;
 }
-
 
 const std::string& AuxiliaryConstraints::name_of(int row) const {
   for (const Block& block : blocks)

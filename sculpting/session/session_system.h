@@ -1,6 +1,5 @@
 // Assembled systems of a sculpting session: loads and constraints attached to the surface, and the
 // matrices made from them. Everything is shared and, apart from working storage, immutable.
-// Internal.
 #pragma once
 
 #include <memory>
@@ -39,7 +38,7 @@ struct MeshData {
   SurfaceAssembler assembler;
   std::vector<std::unique_ptr<TriangleLocator>> locators;  ///< one locator per region
   std::vector<int> first_triangle;  ///< index of the first triangle of each region
-  VecX domain_scale;                                       ///< ModelLayout::domain_scale
+  VecX domain_scale;                ///< ModelLayout::domain_scale
   DofVertices vertices;
   VecX ones;  ///< per dof: 1 for positions, 0 for derivatives
  private:
@@ -183,9 +182,9 @@ struct SessionSystem {
   Motion motion;                      ///< motion for which `dynamics` was computed
   std::vector<std::vector<ModelPoint>> scan_foot_points;  ///< foot points of each load's point
                                                           ///< cloud; empty for other loads
-  std::vector<std::vector<char>> scan_used;  ///< per point of a point cloud: 1 if it pulls
-  Points point_cloud_load;                               ///< Σ k N p of the point clouds at matrix_values
-  MatX point_cloud_reduced;                              ///< reduced load Dᵀ point_cloud_load
+  std::vector<std::vector<char>> scan_used;       ///< per point of a point cloud: 1 if it pulls
+  Points point_cloud_load;                        ///< Σ k N p of the point clouds at matrix_values
+  MatX point_cloud_reduced;                       ///< reduced load Dᵀ point_cloud_load
   std::shared_ptr<const RestConfiguration> rest;  ///< current rest shape; null: not computed
   Points rest_load;                               ///< load K x_rest; no rows: no rest shape
   MatX rest_reduced;                              ///< reduced load Dᵀ rest_load

@@ -1,16 +1,16 @@
 #include "batten/skinning/domains/annulus_domain.h"
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <optional>
-#include <Eigen/Cholesky>
 
+#include "batten/core/containers.h"
 #include "batten/core/errors.h"
 #include "batten/core/geometry.h"
-#include "batten/core/containers.h"
-#include "batten/skinning/domains/mesher.h"
 #include "batten/fem/surface_projector.h"
+#include "batten/skinning/domains/mesher.h"
 #include "batten/skinning/domains/outline.h"
 
 namespace batten {
@@ -376,7 +376,6 @@ bool circles_have_same_direction(const std::vector<Vec3>& a, const std::vector<V
 RegionGeometry make_annulus_geometry(const Outline& a, const Outline& b, const DomainInput& task) {
   return AnnulusBuilder(a, b, task).build();
 }
-
 
 // Inner lines of annular domains: pcurves that continue across the seam.
 

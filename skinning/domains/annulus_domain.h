@@ -60,7 +60,6 @@ void embed_on_annulus(const Surface& surface, const std::vector<Outline>& holes,
                       const std::vector<SmoothSegment>& inner, const DomainInput& task,
                       RegionGeometry& geometry);
 
-
 // Boundary circles with their lines.
 
 /// Fractional part of x, in [0, 1).

@@ -1,6 +1,6 @@
-#include "batten/core/geometry.h"
-#include "batten/core/errors.h"
 #include "batten/core/containers.h"
+#include "batten/core/errors.h"
+#include "batten/core/geometry.h"
 #include "batten/core/op_counter.h"
 #include "batten/skinning/domains/mesher.h"
 

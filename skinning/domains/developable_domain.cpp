@@ -6,9 +6,9 @@
 #include <numbers>
 #include <numeric>
 
+#include "batten/core/containers.h"
 #include "batten/core/errors.h"
 #include "batten/core/geometry.h"
-#include "batten/core/containers.h"
 #include "batten/skinning/domains/domain_input.h"
 #include "batten/skinning/domains/hole_triangulation.h"
 #include "batten/skinning/region/polygon_fit.h"

@@ -144,7 +144,6 @@ void refine_by_curvature(RegionGeometry& geometry, const DomainInput& task);
 bool refine_at_gaps(RegionGeometry& geometry, const Surface& surface, double target,
                     const DomainInput& task);
 
-
 // Splits inner lines at the boundaries of holes.
 
 /// Splits inner lines at the boundaries of holes and drops the parts inside of holes. If several

@@ -5,12 +5,12 @@
 #include <cmath>
 #include <optional>
 
+#include "batten/core/containers.h"
 #include "batten/core/errors.h"
 #include "batten/core/geometry.h"
-#include "batten/core/containers.h"
 #include "batten/fem/surface_projector.h"
-#include "batten/skinning/domains/outline.h"
 #include "batten/skinning/domains/domain_input.h"
+#include "batten/skinning/domains/outline.h"
 
 namespace batten {
 namespace {
@@ -187,7 +187,6 @@ void embed_on_surface(const Surface& surface, const std::vector<Outline>& holes,
   for (size_t i = 0; i < inner.size(); ++i)
     embedder.line(fit_inner_line(inner[i], task), evenly[i]);
 }
-
 
 // Curves fitted to lines that are embedded.
 

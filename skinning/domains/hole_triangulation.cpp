@@ -4,9 +4,9 @@
 #include <cmath>
 #include <map>
 
-#include "batten/core/geometry.h"
-#include "batten/core/errors.h"
 #include "batten/core/containers.h"
+#include "batten/core/errors.h"
+#include "batten/core/geometry.h"
 #include "batten/core/op_counter.h"
 
 #if BATTEN_HAVE_CGAL

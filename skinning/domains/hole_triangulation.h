@@ -15,10 +15,10 @@ namespace batten {
 struct HoleTriangulation {
   /// Indices into the loop.
   std::vector<std::array<int, 3>> triangles;
-  double area = 0;                  ///< of all triangles, model units²
+  double area = 0;  ///< of all triangles, model units²
   /// ½ Σ of the triangles' cross products: along the loop's normal.
   Vec3 area_vector = Vec3::Zero();
-  double max_dihedral_deg = 0;      ///< largest angle between normals of adjacent triangles
+  double max_dihedral_deg = 0;  ///< largest angle between normals of adjacent triangles
 };
 
 /// Computes the triangulation of a closed polyline (first point not repeated) that minimises the

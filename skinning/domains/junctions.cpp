@@ -5,10 +5,10 @@
 #include <cmath>
 #include <optional>
 
-#include "batten/core/geometry.h"
-#include "batten/core/errors.h"
-#include "batten/skinning/domains/domain_input.h"
 #include "batten/core/containers.h"
+#include "batten/core/errors.h"
+#include "batten/core/geometry.h"
+#include "batten/skinning/domains/domain_input.h"
 
 namespace batten {
 namespace {

@@ -1,13 +1,13 @@
 #include "batten/skinning/domains/mesher.h"
 
-#include <utility>
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
-#include "batten/core/errors.h"
 #include "batten/core/containers.h"
-#include "batten/core/op_counter.h"
+#include "batten/core/errors.h"
 #include "batten/core/memory.h"
+#include "batten/core/op_counter.h"
 
 namespace batten {
 
@@ -40,7 +40,6 @@ ParametricMesh fan_mesh(const PlanarMeshInput& task, int refinements) {
   return mesh;
 }
 
-
 SizeField::SizeField(std::shared_ptr<const ParametricMesh> mesh, std::vector<double> lengths)
     : mesh_(std::move(mesh)), locator_(*mesh_), lengths_(std::move(lengths)) {}
 
@@ -51,7 +50,6 @@ double SizeField::at(const Vec2& uv) const {
   for (int k = 0; k < 3; ++k) length += where.L[k] * lengths_[corners[k]];
   return length;
 }
-
 
 double bytes_for_triangles(double triangles) {
   return 70e6 + 500 * triangles * std::log2(std::max(triangles, 2.0));

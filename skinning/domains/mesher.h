@@ -2,8 +2,8 @@
 #pragma once
 
 #include <memory>
-#include <vector>
 #include <string>
+#include <vector>
 
 #include "batten/core/progress.h"
 #include "batten/fem/parametric_mesh.h"
@@ -30,7 +30,6 @@ class SizeField {
   TriangleLocator locator_;
   std::vector<double> lengths_;
 };
-
 
 /// Input of a mesh generator: points that must become vertices, and segments between them that must
 /// become chains of edges. The segments of the outline form one closed counter-clockwise polygon.
@@ -65,7 +64,6 @@ bool have_delaunay_mesher();
 /// InputError if the polygon is not star-shaped about its centroid, or if there are inner segments
 /// or holes.
 ParametricMesh fan_mesh(const PlanarMeshInput& task, int refinements);
-
 
 // Limits on mesh size and tolerance.
 

@@ -6,10 +6,10 @@
 #include <numbers>
 #include <optional>
 
+#include "batten/core/containers.h"
 #include "batten/core/eigen.h"
 #include "batten/core/errors.h"
 #include "batten/core/geometry.h"
-#include "batten/core/containers.h"
 #include "batten/skinning/domains/hole_triangulation.h"
 
 namespace batten {

@@ -2,14 +2,14 @@
 // tests.
 #pragma once
 
-#include <string>
-#include <vector>
 #include <array>
 #include <limits>
+#include <string>
+#include <vector>
 
 #include "batten/core/eigen.h"
-#include "batten/skinning/lines/character_line.h"
 #include "batten/fairing/curves/input_curve.h"
+#include "batten/skinning/lines/character_line.h"
 
 namespace batten {
 
@@ -70,7 +70,6 @@ void warn_about_rounded_kinks(const Outline& outline, double corner_angle,
 /// The loop in the opposite direction.
 Outline reversed(const Outline& outline);
 
-
 // Tests whether input curves cross or touch.
 
 /// Number of chords of a sampled curve.
@@ -114,7 +113,6 @@ class BoxedCurve {
   std::array<Box, kCurveChords / kChordsInBox> parts_;
   Box all_;
 };
-
 
 // Enclosed area of a loop, and its interior angles.
 

@@ -1,22 +1,22 @@
 // Polygonal domains: outlines with corners, whose lines lie on the sides of a polygon.
 
-#include <cmath>
-#include <numbers>
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <limits>
-#include <optional>
 #include <map>
+#include <numbers>
+#include <optional>
 #include <string>
 #include <vector>
 
-#include "batten/core/geometry.h"
-#include "batten/skinning/domains/outline.h"
-#include "batten/skinning/domains/mesher.h"
-#include "batten/skinning/region/polygon_fit.h"
-#include "batten/core/errors.h"
 #include "batten/core/containers.h"
+#include "batten/core/errors.h"
+#include "batten/core/geometry.h"
 #include "batten/skinning/domains/domain_input.h"
+#include "batten/skinning/domains/mesher.h"
+#include "batten/skinning/domains/outline.h"
+#include "batten/skinning/region/polygon_fit.h"
 
 namespace batten {
 
@@ -279,7 +279,6 @@ RegionGeometry make_polygon_geometry(const Outline& loop, const std::vector<Smoo
   return geometry;
 }
 
-
 // Inner lines as straight chains of edges across a polygon.
 
 namespace {
@@ -410,7 +409,6 @@ std::string add_inner_segment(PolygonDomain& domain, const SmoothSegment& s) {
   domain.aligned_segments.push_back(std::move(aligned_segment));
   return "";
 }
-
 
 // The mesh of a polygon, and the chains of element edges on its aligned segments.
 

@@ -1,11 +1,11 @@
 #include <cmath>
 
+#include "batten/core/containers.h"
 #include "batten/core/errors.h"
 #include "batten/core/geometry.h"
-#include "batten/core/containers.h"
 #include "batten/skinning/domains/domain_input.h"
-#include "batten/skinning/domains/outline.h"
 #include "batten/skinning/domains/mesher.h"
+#include "batten/skinning/domains/outline.h"
 #include "batten/skinning/region/polygon_fit.h"
 
 namespace batten {
@@ -146,8 +146,7 @@ bool has_simple_projection(const Outline& loop, const DomainInput& task) {
   }
   for (const int c : loop.corners) {
     const LoopVertex vertex = loop_vertex_at(loop, static_cast<size_t>(c));
-    const Vec2 in = flat(vertex.incoming).normalized(),
-               out = flat(vertex.outgoing).normalized();
+    const Vec2 in = flat(vertex.incoming).normalized(), out = flat(vertex.outgoing).normalized();
     const double in_space = vertex.incoming.cross(vertex.outgoing).norm(),
                  in_plane = std::abs(cross(in, out));
     if (in_space < least * in_plane || in_plane < least * in_space) return false;

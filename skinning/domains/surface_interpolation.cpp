@@ -4,11 +4,11 @@
 #include <cmath>
 #include <limits>
 
-#include "batten/core/parallel.h"
 #include "batten/core/containers.h"
 #include "batten/core/geometry.h"
-#include "batten/fairing/curves/input_curve.h"
+#include "batten/core/parallel.h"
 #include "batten/fairing/curves/curve_through_points.h"
+#include "batten/fairing/curves/input_curve.h"
 #include "batten/skinning/domains/annulus_domain.h"
 
 namespace batten {

@@ -22,7 +22,6 @@ Points interpolate_surface(const ParametricMesh& mesh,
                            const std::function<FirstOrderJet(const Vec2& uv)>& surface,
                            Points* edge_midpoints = nullptr);
 
-
 // Annular surfaces through sections, on which the inner sections are embedded.
 
 /// Builds a surface on the mesh of an annulus, through its boundary circles and the closed curves

@@ -1,19 +1,19 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <memory>
 #include <numeric>
 #include <optional>
 #include <set>
-#include <memory>
 #include <vector>
 
-#include "batten/core/errors.h"
 #include "batten/core/containers.h"
+#include "batten/core/errors.h"
 #include "batten/core/geometry.h"
-#include "batten/skinning/domains/mesher.h"
-#include "batten/skinning/facets/line_subdivision.h"
-#include "batten/skinning/facets/facets.h"
 #include "batten/fem/triangle_locator.h"
+#include "batten/skinning/domains/mesher.h"
+#include "batten/skinning/facets/facets.h"
+#include "batten/skinning/facets/line_subdivision.h"
 
 namespace batten {
 
@@ -33,7 +33,7 @@ struct FacetMesh {
   std::shared_ptr<const ParametricMesh> mesh;
   std::vector<FacetLine> lines;
   std::vector<ConstrainedEdge> constrained_edges;
-  std::vector<int> constrained_edge_of;         ///< constrained edge of each mesh edge; -1: none
+  std::vector<int> constrained_edge_of;  ///< constrained edge of each mesh edge; -1: none
   /// Constrained edges of each line that lie in the region, in order.
   std::vector<std::vector<int>> edges_of_line;
 

@@ -1,15 +1,15 @@
 #include "batten/skinning/facets/line_subdivision.h"
 
+#include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <map>
-#include <Eigen/Geometry>
 #include <numbers>
 
-#include "batten/core/geometry.h"
 #include "batten/core/errors.h"
+#include "batten/core/geometry.h"
 
 namespace batten {
 namespace {
@@ -316,7 +316,6 @@ void LineSubdivision::subdivide_seam() {
   }
   subdivisions_[seam()] = std::move(all);
 }
-
 
 FacetLine::FacetLine(const ParametricMesh& mesh, const EdgeAlignedLine& aligned_line)
     : name_(aligned_line.line.name), parameters_(aligned_line.parameters) {

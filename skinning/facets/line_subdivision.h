@@ -6,12 +6,12 @@
 #pragma once
 
 #include <string>
-#include <vector>
 #include <utility>
+#include <vector>
 
 #include "batten/core/containers.h"
-#include "batten/skinning/facets/facets.h"
 #include "batten/fem/curves/domain_loops.h"
+#include "batten/skinning/facets/facets.h"
 #include "batten/skinning/region/skinned_region.h"
 
 namespace batten {
@@ -64,7 +64,6 @@ std::vector<double> breaks(const EmbeddedLine& line);
 /// In each interval its direction changes by at most 36 degrees. Parameters depend on the line's
 /// curve in space only.
 std::vector<double> subdivide_line(const EmbeddedLine& line, double edge_length, int min_edges);
-
 
 /// A point on a line where edges end.
 struct SubdivisionPoint {

@@ -6,9 +6,9 @@
 #include <optional>
 #include <set>
 
-#include "batten/core/geometry.h"
 #include "batten/core/containers.h"
 #include "batten/core/errors.h"
+#include "batten/core/geometry.h"
 
 namespace batten {
 namespace {

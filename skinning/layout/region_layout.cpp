@@ -1,27 +1,27 @@
 #include "batten/skinning/layout/region_layout.h"
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <limits>
 #include <numbers>
 #include <optional>
-#include <cctype>
 
 #include "batten/constraints/constrained_solver.h"
 #include "batten/constraints/shape/shape_constraints.h"
-#include "batten/core/geometry.h"
+#include "batten/core/containers.h"
 #include "batten/core/errors.h"
+#include "batten/core/geometry.h"
 #include "batten/fem/parametric_mesh.h"
+#include "batten/fem/surface.h"
 #include "batten/fem/surface_assembler.h"
 #include "batten/fem/triangle_locator.h"
 #include "batten/skinning/domains/annulus_domain.h"
-#include "batten/skinning/domains/surface_interpolation.h"
 #include "batten/skinning/domains/domain_input.h"
 #include "batten/skinning/domains/mesher.h"
+#include "batten/skinning/domains/surface_interpolation.h"
 #include "batten/skinning/region/polygon_fit.h"
 #include "batten/skinning/region/skinned_region.h"
-#include "batten/core/containers.h"
-#include "batten/fem/surface.h"
 
 namespace batten {
 
@@ -376,7 +376,6 @@ SkinnedRegion RegionLayout::region(Points dofs) const {
       line.fitted = curve_on_surface(region.surface, line.pcurve, 0.1 * tolerance_);
   return region;
 }
-
 
 // Edits are made on a copy of the geometry, which replaces the original only if nothing was thrown.
 

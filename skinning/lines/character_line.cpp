@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <limits>
 
+#include "batten/core/containers.h"
 #include "batten/core/errors.h"
 #include "batten/core/geometry.h"
-#include "batten/core/containers.h"
 #include "batten/elements/quadrature.h"
 
 namespace batten {

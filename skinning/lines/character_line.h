@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "batten/fairing/curves/input_curve.h"
 #include "batten/fairing/curves/curve_fit.h"
+#include "batten/fairing/curves/input_curve.h"
 
 namespace batten {
 
@@ -44,7 +44,6 @@ struct CharacterLine {
   bool constrains_surface = true;
 };
 
-
 // Splits input lines into the smooth segments that become C1 cubic curves.
 
 /// A part of an input curve without interior corners, in either direction.
@@ -56,7 +55,7 @@ struct SmoothSegment {
   std::shared_ptr<const InputCurve> curve;
   CharacterLine::MeshAlignment mesh_alignment = CharacterLine::MeshAlignment::Auto;
   std::shared_ptr<const PrescribedCurve> prescribed = {};  ///< in the direction of the line
-  std::shared_ptr<const InputCurve> input = {};  ///< with `prescribed`: the user's curve
+  std::shared_ptr<const InputCurve> input = {};            ///< with `prescribed`: the user's curve
   bool constrains_surface = true;
 
   /// Converts the segment to a line in the user's direction. `flipped`: `curve` runs against it.

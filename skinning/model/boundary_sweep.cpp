@@ -8,17 +8,17 @@
 #include <numbers>
 #include <string>
 
+#include "batten/core/containers.h"
 #include "batten/core/eigen.h"
 #include "batten/core/geometry.h"
-#include "batten/core/containers.h"
 
 namespace batten {
 namespace {
 
-constexpr double kFlat = 1e-4;           // of the size: a boundary this flat counts as planar
+constexpr double kFlat = 1e-4;  // of the size: a boundary this flat counts as planar
 // Of the squared mismatch: the level left by curves through points.
 constexpr double kMismatchFloor = 1e-6;
-constexpr double kMinWeight = 1e-3;      // of the largest weight: sweeps below it are skipped
+constexpr double kMinWeight = 1e-3;  // of the largest weight: sweeps below it are skipped
 constexpr double kRadians = std::numbers::pi / 180;
 constexpr int kGrid = 8;         // samples of the map along each parameter
 constexpr double kBeyond = 0.1;  // how far (s, t) may leave [0, 1]
@@ -373,9 +373,11 @@ BoundarySweep::Jet BoundarySweep::jet(const Patch& patch, const PatchPoint& eval
   const Jet j = jet(patch, st, edges(patch, st));
   constexpr double h = 1e-5;
   const Vec2 by_s =
-      (warped(patch, evaluate_map.st + Vec2(h, 0)) - warped(patch, evaluate_map.st - Vec2(h, 0))) / (2 * h);
+      (warped(patch, evaluate_map.st + Vec2(h, 0)) - warped(patch, evaluate_map.st - Vec2(h, 0))) /
+      (2 * h);
   const Vec2 by_t =
-      (warped(patch, evaluate_map.st + Vec2(0, h)) - warped(patch, evaluate_map.st - Vec2(0, h))) / (2 * h);
+      (warped(patch, evaluate_map.st + Vec2(0, h)) - warped(patch, evaluate_map.st - Vec2(0, h))) /
+      (2 * h);
   return {j.x, by_s[0] * j.by_u + by_s[1] * j.by_v, by_t[0] * j.by_u + by_t[1] * j.by_v};
 }
 
@@ -528,7 +530,6 @@ std::optional<Points> BoundarySweep::dofs() const {
   return q;
 }
 
-
 // Three-point Gauss-Legendre quadrature: exact if the speed is a polynomial up to degree five.
 double BoundarySide::Part::length_to(double t) const {
   static const double offset = std::sqrt(0.6);
@@ -606,7 +607,6 @@ BoundarySide::Point BoundarySide::at(double f) const {
   }
   return point;
 }
-
 
 namespace {
 

@@ -2,15 +2,15 @@
 #pragma once
 
 #include <array>
+#include <memory>
 #include <optional>
 #include <vector>
-#include <memory>
 
-#include "batten/skinning/layout/region_layout.h"
-#include "batten/skinning/model/sweep.h"
-#include "batten/skinning/domains/surface_interpolation.h"
 #include "batten/fem/curves/hermite_curve.h"
 #include "batten/skinning/domains/mesher.h"
+#include "batten/skinning/domains/surface_interpolation.h"
+#include "batten/skinning/layout/region_layout.h"
+#include "batten/skinning/model/sweep.h"
 
 namespace batten {
 
@@ -51,7 +51,6 @@ class BoundarySide {
   std::vector<Part> parts_;
   std::vector<double> lengths_;  // arc length at the end of each part
 };
-
 
 /// Blended sweeps between the sides of a region with two, three or four corners, over its flat
 /// domain. Sides that meet within the corner angle count as one side.
@@ -153,11 +152,9 @@ class BoundarySweep {
   const RegionLayout* region_;
   std::vector<BoundarySide> sides_;
   std::vector<Patch> patches_;
-  std::optional<Projection>
-      projection_;     // the map from (s, t) to (u, v), if it is no Coons patch
-  double extent_ = 1;  // diagonal of the domain
+  std::optional<Projection> projection_;  // the map from (s, t) to (u, v), if it is no Coons patch
+  double extent_ = 1;                     // diagonal of the domain
 };
-
 
 // Element sizes that resolve a region's rest shape.
 

@@ -120,8 +120,7 @@ struct JoinPlan {
   enum class EndCondition { None, Hat, Point };
   std::array<EndCondition, 2> end_conditions{};
   /// Message that explains why the line cannot be joined at all; empty: it is joined.
-  std::string
-      rejection_reason;
+  std::string rejection_reason;
   bool rejected() const { return !rejection_reason.empty(); }
   bool constant() const;  ///< true if edge-aligned, γ and δ constant, and no end open
 };
@@ -198,7 +197,6 @@ struct JoinQuality {
 JoinQuality measure_join(const std::vector<const SkinnedRegion*>& regions,
                          const JoinLine& join_line, const std::array<bool, 2>& open = {},
                          int samples = 8);
-
 
 // Lookup of a line on the boundary of a finished region.
 

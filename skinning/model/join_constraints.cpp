@@ -7,8 +7,8 @@
 
 #include <Eigen/LU>
 
-#include "batten/core/geometry.h"
 #include "batten/core/containers.h"
+#include "batten/core/geometry.h"
 #include "batten/core/parallel.h"
 #include "batten/elements/quadrature.h"
 #include "batten/skinning/model/join_edge.h"

@@ -5,8 +5,8 @@
 
 #include "batten/core/errors.h"
 #include "batten/core/geometry.h"
-#include "batten/skinning/model/join_edge.h"
 #include "batten/skinning/model/join.h"
+#include "batten/skinning/model/join_edge.h"
 
 namespace batten {
 namespace {
@@ -322,7 +322,6 @@ std::vector<JoinPlan> plan_joins(const std::vector<const RegionLayout*>& regions
     if (of_aligned(plan)) planner.plan_gluing_correction(plan);
   return plans;
 }
-
 
 std::optional<JoinSide> side_of(const SkinnedRegion& made, int region, const std::string& name) {
   for (const auto& loop : made.boundary)

@@ -1,18 +1,18 @@
 #include "batten/skinning/model/model_layout.h"
 
 #include <algorithm>
-#include <map>
 #include <cmath>
 #include <limits>
+#include <map>
 
 #include "batten/constraints/constrained_solver.h"
+#include "batten/core/containers.h"
 #include "batten/core/errors.h"
 #include "batten/core/geometry.h"
 #include "batten/fem/parametric_mesh.h"
-#include "batten/fem/surface_assembler.h"
-#include "batten/core/containers.h"
-#include "batten/fem/surface_projector.h"
 #include "batten/fem/refinement.h"
+#include "batten/fem/surface_assembler.h"
+#include "batten/fem/surface_projector.h"
 
 namespace batten {
 
@@ -341,7 +341,6 @@ Points ModelLayout::minimize_difference(const SurfaceStiffness& material,
                                  dof_order());
   return solver.solve(wanted.isZero(0) ? Points(Points::Zero(ones.size(), 3)) : F) + about_origin;
 }
-
 
 // Edits are made on copies of the regions, which replace the originals only if nothing was thrown.
 

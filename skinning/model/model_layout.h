@@ -207,7 +207,6 @@ class ModelLayout {
   std::vector<ModelLine> lines_;
 };
 
-
 // Scale factors of loads and materials for a model scaled to size 1.
 
 /// Scale factors between a model of size S and its domain divided by S, on which it is solved. In

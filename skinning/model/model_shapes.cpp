@@ -1,18 +1,18 @@
 #include "batten/skinning/model/model_shapes.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <set>
-#include <Eigen/Geometry>
 
-#include "batten/core/parallel.h"
-#include "batten/skinning/model/boundary_sweep.h"
-#include "batten/skinning/model/section_surface.h"
 #include "batten/core/errors.h"
 #include "batten/core/geometry.h"
+#include "batten/core/parallel.h"
 #include "batten/elements/quadrature.h"
+#include "batten/skinning/model/boundary_sweep.h"
 #include "batten/skinning/model/join_edge.h"
+#include "batten/skinning/model/section_surface.h"
 
 namespace batten {
 

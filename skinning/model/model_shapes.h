@@ -1,15 +1,15 @@
 // Shapes of a whole model: rest shapes, lofts, and fair (minimum-variation) shapes.
 #pragma once
 
-#include <vector>
-#include <optional>
 #include <memory>
+#include <optional>
 #include <string>
+#include <vector>
 
-#include "batten/skinning/model/model_layout.h"
-#include "batten/skinning/layout/region_layout.h"
-#include "batten/fairing/minimum_variation/minimum_variation_surface.h"
 #include "batten/core/progress.h"
+#include "batten/fairing/minimum_variation/minimum_variation_surface.h"
+#include "batten/skinning/layout/region_layout.h"
+#include "batten/skinning/model/model_layout.h"
 
 namespace batten {
 
@@ -38,7 +38,6 @@ Points rest_dofs(const RegionLayout& region);
 /// choice among surfaces through the boundary curves: see the table in docs/fairness.md.
 bool has_many_sides(const RegionLayout& region);
 
-
 // Deviation of a surface from the rest shape of its boundary curves.
 
 /// Largest distance of a region from its rest shape (rest_dofs()), with lengths for comparison.
@@ -62,7 +61,6 @@ struct RestShapeDeviation {
 /// Measures the deviation; nullopt if the region has no rest shape. Cost: one rest_dofs().
 std::optional<RestShapeDeviation> rest_shape_deviation(const RegionLayout& layout,
                                                        const SkinnedRegion& made);
-
 
 // Lofts: shapes that are splines, or straight, across sections.
 
@@ -93,7 +91,6 @@ struct LoftedModel {
 LoftedModel loft_model(std::shared_ptr<const ModelLayout> layout,
                        const std::vector<std::string>& sections, double most);
 
-
 // Curvature-continuous (G2) joins.
 
 /// Determines whether fairing makes the curvature continuous across a smooth join.
@@ -112,7 +109,6 @@ bool is_curvature_continuous(const ModelLayout& layout, const JoinPlan& plan);
 /// constraints of such a join leave it open between its hats. On other lines the constraints
 /// enforce it.
 std::vector<JoinPoint> curvature_join_points(const ModelLayout& layout);
-
 
 // Fair shapes of models: minimum-variation surfaces [MoretonSequin1992] under the constraints of
 // the lines.

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <limits>
 
-#include "batten/core/geometry.h"
 #include "batten/core/containers.h"
+#include "batten/core/geometry.h"
 #include "batten/fairing/curves/curve_through_points.h"
 #include "batten/skinning/domains/surface_interpolation.h"
 

@@ -9,8 +9,8 @@
 namespace batten {
 namespace {
 
-constexpr int kSteps = 96;          // along the rails: 4 degrees per step for a full turn
-constexpr int kSamples = 48;        // of the sections, for twist and mismatch
+constexpr int kSteps = 96;    // along the rails: 4 degrees per step for a full turn
+constexpr int kSamples = 48;  // of the sections, for twist and mismatch
 // Of the longest chord: below it the rails meet and the frame is undefined.
 constexpr double kMinChord = 1e-3;
 

@@ -72,8 +72,8 @@ class Sweep {
   std::vector<Mat3> transported_;  // P at these steps
   Vec3 origin0_ = Vec3::Zero(), origin1_ = Vec3::Zero();
   double length0_ = 1, length1_ = 1, mismatch_ = 0;
-  double slerp_angle_ = 0, twist_ = 0;    // θ, ψ
-  Mat3 to_first_ = Mat3::Identity();  // Rot(e(0), -ψ) P(1)ᵀ
+  double slerp_angle_ = 0, twist_ = 0;  // θ, ψ
+  Mat3 to_first_ = Mat3::Identity();    // Rot(e(0), -ψ) P(1)ᵀ
 };
 
 }  // namespace batten

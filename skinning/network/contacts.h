@@ -1,14 +1,14 @@
 // Finds where sampled curves touch, cross or pass within a tolerance of each other (or themselves).
 #pragma once
 
-#include <vector>
 #include <algorithm>
 #include <limits>
 #include <numeric>
+#include <vector>
 
-#include "batten/skinning/network/sampled_curve.h"
-#include "batten/core/eigen.h"
 #include "batten/core/containers.h"
+#include "batten/core/eigen.h"
+#include "batten/skinning/network/sampled_curve.h"
 
 namespace batten::detail {
 
@@ -57,7 +57,6 @@ Contacts find_contacts(const std::vector<SampledCurve>& sampled_curves, double t
 /// Cost: O(n log n) for n chords if few of them lie within reach.
 std::vector<double> end_gaps(const std::vector<SampledCurve>& sampled_curves, double reach,
                              const std::vector<Contact>& contacts = {});
-
 
 // Implementation details of find_contacts(): an AABB tree over the chords of all sampled curves.
 
@@ -169,7 +168,6 @@ class AabbTree {
   std::vector<int> order_;
   std::vector<Node> nodes_;
 };
-
 
 /// Chord `segment` of a sampled curve: the line from its sample point x[segment] to x[segment + 1].
 struct Chord {

@@ -9,8 +9,8 @@
 #include "batten/core/errors.h"
 #include "batten/core/geometry.h"
 #include "batten/core/parallel.h"
-#include "batten/skinning/network/network_nodes.h"
 #include "batten/skinning/network/network_edge.h"
+#include "batten/skinning/network/network_nodes.h"
 
 namespace batten::detail {
 

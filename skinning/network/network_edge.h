@@ -59,7 +59,7 @@ struct NetworkDiagnostic {
     NearMiss,      ///< an end or a crossing with a gap of 1 to 5 tolerances; not joined
     Dangling,      ///< a dangling end: it meets no other curve
     Short,  ///< a curve or segment shorter than the tolerance; removed unless it connects two nodes
-    Disconnected   ///< a connected component apart from the largest one
+    Disconnected  ///< a connected component apart from the largest one
   };
   Kind kind;
   std::vector<std::string> lines;  ///< names of the input curves involved

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <set>
 #include <tuple>
 #include <utility>
-#include <set>
 
 #include "batten/core/containers.h"
 #include "batten/core/geometry.h"
@@ -307,7 +307,7 @@ class NodeBuilder {
   void remove_duplicates() {
     std::map<std::pair<int, int>, std::vector<size_t>> between;
     std::vector<char> gone(result_.intervals.size(), 0);
-    std::map<int, int> pieces, lost;                // by input curve
+    std::map<int, int> pieces, lost;  // by input curve
     // (removed, kept) input curves: first such segment.
     std::map<std::pair<int, int>, size_t> overlap;
     for (const CurveInterval& c : result_.intervals)

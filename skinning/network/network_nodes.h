@@ -1,13 +1,13 @@
 // Merges contacts and curve ends into network nodes and splits the sampled curves at them.
 #pragma once
 
-#include <vector>
 #include <array>
 #include <string>
+#include <vector>
 
+#include "batten/core/eigen.h"
 #include "batten/skinning/network/contacts.h"
 #include "batten/skinning/network/network_edge.h"
-#include "batten/core/eigen.h"
 
 namespace batten::detail {
 
@@ -31,7 +31,6 @@ struct NetworkTopology {
   std::vector<int> degrees() const;
 };
 
-
 /// Merges curve ends, contacts and corners into nodes, and splits the curves there.
 ///
 /// Candidates are merged in order of increasing distance. Two nodes are merged only if all their
@@ -41,7 +40,6 @@ struct NetworkTopology {
 NetworkTopology make_nodes(const SampledCurves& sampled_curves, const Contacts& contacts,
                            double tolerance, const std::vector<CharacterLine>& lines,
                            std::vector<NetworkDiagnostic>& diagnostics);
-
 
 // Implementation details of make_nodes().
 
@@ -66,7 +64,7 @@ struct MergeCandidate {
 struct NodeCandidates {
   std::vector<NodeCandidate> candidates;
   std::vector<std::array<int, 2>> ends;  ///< candidates at the ends of each curve; -1: closed curve
-  std::vector<int> node_of;               ///< node of each candidate
+  std::vector<int> node_of;              ///< node of each candidate
   std::vector<std::vector<int>> members;  ///< candidates of each node, ascending
   std::vector<MergeCandidate> rejected;  ///< contacts that could not be merged within the tolerance
   /// Positions at which each sampled curve is split: arc length (ascending) and node.

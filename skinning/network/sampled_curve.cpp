@@ -7,8 +7,8 @@
 #include <set>
 #include <tuple>
 
-#include "batten/core/geometry.h"
 #include "batten/core/errors.h"
+#include "batten/core/geometry.h"
 #include "batten/core/parallel.h"
 
 namespace batten::detail {
@@ -283,7 +283,8 @@ double SampledCurve::closest_parameter(const Vec3& p, double t, double low, doub
       continue;
     }
     if (!(speed_squared > 0)) break;
-    const double slope = std::max(speed_squared + d.dot(curve->evaluate(t, 2)), 0.25 * speed_squared);
+    const double slope =
+        std::max(speed_squared + d.dot(curve->evaluate(t, 2)), 0.25 * speed_squared);
     const double next = std::clamp(t - g / slope, low, high);
     if (std::abs(next - t) <= 1e-15 * (curve->end() - curve->start())) break;
     t = next;

@@ -102,7 +102,6 @@ std::array<long long, 3> sort_key(const Vec3& p, const Vec3& origin, double size
 /// CurveNetwork).
 SampledCurves make_sampled_curves(const std::vector<CharacterLine>& lines, double corner_angle);
 
-
 // Implementation details of find_contacts(): distance between two curves and the closest points.
 
 /// Distance between the segments a0 a1 and b0 b1. On return, s and t in [0, 1] are the positions of

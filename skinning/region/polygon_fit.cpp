@@ -10,8 +10,8 @@
 #include <numbers>
 #include <numeric>
 
-#include "batten/core/geometry.h"
 #include "batten/core/errors.h"
+#include "batten/core/geometry.h"
 
 namespace batten {
 namespace {

@@ -44,7 +44,6 @@ std::vector<Vec2> relax_polygon(const std::vector<double>& lengths,
 /// O(n²).
 bool is_simple_and_ccw(const std::vector<Vec2>& polygon);
 
-
 // Improves the domain of an existing surface: the polygon of least distortion.
 
 /// Distortion of a surface relative to its domain, up to a uniform scale. σ1 ≥ σ2: the singular

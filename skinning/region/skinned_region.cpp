@@ -4,9 +4,9 @@
 #include <array>
 #include <cmath>
 
+#include "batten/core/containers.h"
 #include "batten/core/errors.h"
 #include "batten/core/geometry.h"
-#include "batten/core/containers.h"
 #include "batten/elements/reference_triangle.h"
 #include "batten/fem/triangle_locator.h"
 #include "batten/skinning/lines/character_line.h"

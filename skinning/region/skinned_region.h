@@ -1,14 +1,14 @@
 // A skinned region (one C1 surface with its lines), its options, and quality measures.
 #pragma once
 
+#include <memory>
 #include <string>
 #include <vector>
-#include <memory>
 
+#include "batten/elements/c1_triangle.h"
 #include "batten/fem/curves/hermite_curve.h"
 #include "batten/fem/surface.h"
 #include "batten/skinning/lines/character_line.h"
-#include "batten/elements/c1_triangle.h"
 
 namespace batten {
 
@@ -66,7 +66,6 @@ HermiteCurve boundary_curve(const SkinnedRegion& region, const BoundarySegment& 
 /// The boundary as loops in the (u, v) plane. Not for annular domains.
 DomainLoops boundary_loops(const SkinnedRegion& region);
 
-
 // Options for skinning a region.
 
 class SizeField;  // skinning/domains/mesher.h
@@ -119,7 +118,6 @@ struct SkinOptions {
   std::shared_ptr<const SizeField> size_field{};
 };
 
-
 // Geometry of a region: everything except its shape.
 
 /// A corner of the domain's outline: its position, its interior angle in the domain and the angle
@@ -139,7 +137,6 @@ struct RegionGeometry {
   std::vector<DomainCorner> corners;  ///< counter-clockwise
   std::vector<std::string> warnings;
 };
-
 
 // Quality measures of a finished surface.
 

@@ -6,9 +6,9 @@
 #include <tuple>
 #include <utility>
 
+#include "batten/core/containers.h"
 #include "batten/core/errors.h"
 #include "batten/core/geometry.h"
-#include "batten/core/containers.h"
 #include "batten/skinning/search/region_search.h"
 #include "batten/skinning/search/region_surfaces.h"
 

@@ -29,7 +29,6 @@ struct LoopSelectionProblem {
   std::vector<int> capacity;  ///< largest number of uses of each edge
 };
 
-
 /// A solution of a LoopSelectionProblem, with an upper bound on the optimum.
 struct LoopSelection {
   /// For each item: 1 if it is selected, otherwise 0.

@@ -2,9 +2,9 @@
 #pragma once
 
 #include <array>
+#include <optional>
 #include <string>
 #include <vector>
-#include <optional>
 
 #include "batten/skinning/search/regions.h"
 
@@ -94,7 +94,6 @@ struct RegionGraph {
 EdgeLoop canonical(const EdgeLoop& loop);
 /// Edges of a loop, ascending.
 std::vector<int> edges_of(const EdgeLoop& loop);
-
 
 // Planar loops.
 

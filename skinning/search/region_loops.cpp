@@ -10,9 +10,9 @@
 #include <utility>
 
 #include "batten/core/containers.h"
+#include "batten/core/eigen.h"
 #include "batten/core/parallel.h"
 #include "batten/skinning/search/region_graph.h"
-#include "batten/core/eigen.h"
 
 namespace batten {
 namespace {
@@ -307,7 +307,6 @@ TracedLoops trace_loops(const RegionGraph& graph, const LoopCosts& costs,
   progress.update("regions: loops", 1);
   return traced;
 }
-
 
 // Costs of loops, and the directions of their surfaces.
 

@@ -17,7 +17,7 @@ struct LoopCosts {
   /// continues smoothly in a curved one (see fillet_ends()). A fillet counts as one corner, not as
   /// two sides.
   double fillet_end = 0.28;
-  double twist = 0.5;  ///< times the squared twist between corner planes, in units of 90°
+  double twist = 0.5;         ///< times the squared twist between corner planes, in units of 90°
   double nonplanarity = 1.0;  ///< times the square of LoopCandidate::nonplanarity
   double jump = 0.3;          ///< per edge that leaves a node of the loop into its surface
   double revisits = 1.5;      ///< per node visited twice, except at bridges
@@ -25,7 +25,7 @@ struct LoopCosts {
 
 /// A candidate loop, with its cost and the directions into its surface.
 struct LoopCandidate {
-  EdgeLoop loop;    ///< in canonical order, see canonical()
+  EdgeLoop loop;  ///< in canonical order, see canonical()
   /// Σ interior angles / π + costs of twist, non-planarity, skipped edges, revisits.
   double cost = 0;
   /// For each edge use, the direction into the surface at the start and end of the edge (not of the

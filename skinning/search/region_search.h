@@ -11,11 +11,10 @@ namespace batten {
 
 /// User specifications, resolved to loops of edges. They constrain the search.
 struct FixedRegions {
-  std::vector<std::vector<EdgeLoop>>
-      requested;                           ///< loops of each requested surface
+  std::vector<std::vector<EdgeLoop>> requested;  ///< loops of each requested surface
   /// Sorted edges of each loop that must not become a surface.
   std::vector<std::vector<int>> excluded;
-  int max_faces_per_edge = 2;              ///< RegionSearchOptions::max_faces_per_edge
+  int max_faces_per_edge = 2;  ///< RegionSearchOptions::max_faces_per_edge
 };
 
 /// Candidate loops, the selection problem and its solution.
@@ -59,7 +58,6 @@ std::optional<RegionSearchResult> search_sharp_model(const RegionSearchResult& o
 /// Finds regions on a graph instead of a curve network; otherwise as find_regions(CurveNetwork).
 FoundRegions find_regions(const RegionGraph& graph, const RegionSearchOptions& options = {},
                           const Progress& progress = {});
-
 
 // Ambiguous selections.
 

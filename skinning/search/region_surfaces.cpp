@@ -6,9 +6,9 @@
 #include <memory>
 #include <set>
 
+#include "batten/core/containers.h"
 #include "batten/core/errors.h"
 #include "batten/core/geometry.h"
-#include "batten/core/containers.h"
 #include "batten/skinning/domains/hole_triangulation.h"
 #include "batten/skinning/search/region_graph.h"
 

@@ -48,7 +48,7 @@ struct RegionSpec {
     NoSurface  ///< make no surface in these loops
   };
   Kind kind = Kind::Surface;
-  std::string name;                             ///< name of the region
+  std::string name;  ///< name of the region
   /// Curve names of each loop, in any order and direction.
   std::vector<std::vector<std::string>> loops;
   bool annulus = false;  ///< the two loops are the boundary circles of an annulus
@@ -71,7 +71,7 @@ struct AmbiguousRegion {
   Vec3 where = Vec3::Zero();
   std::vector<std::string> edges;  ///< names of the edges concerned
   std::string text;  ///< sentences for the user, including how to select the alternative
-  std::vector<EdgeLoop> chosen;  ///< loops that got a surface
+  std::vector<EdgeLoop> chosen;                     ///< loops that got a surface
   std::vector<std::vector<EdgeLoop>> alternatives;  ///< sets of loops to take instead, best first
   /// True if the loops of each set bound one surface (an annulus, or a face with a hole); false:
   /// each loop bounds a surface of its own.

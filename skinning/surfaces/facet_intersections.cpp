@@ -8,8 +8,8 @@
 #include <tuple>
 
 #include "batten/core/containers.h"
-#include "batten/core/parallel.h"
 #include "batten/core/geometry.h"
+#include "batten/core/parallel.h"
 
 namespace batten {
 namespace {

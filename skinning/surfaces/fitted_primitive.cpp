@@ -22,8 +22,7 @@ constexpr double kMinTorusNormalSpreadDeg =
     30;  ///< a patch of 10° with two curvatures is a torus within 4e-5 of its size
 constexpr double kMinRelief =
     20;  ///< deviation from the plane over that from the primitive; radius to about 5 %
-constexpr double kMaxNormalDeg =
-    1;  ///< RMS angle between the normals of surface and primitive
+constexpr double kMaxNormalDeg = 1;  ///< RMS angle between the normals of surface and primitive
 constexpr double kMaxRadius =
     1e4;  ///< of the patch size; beyond it, sag and rounding errors are similar
 constexpr double kBetterFitRatio =

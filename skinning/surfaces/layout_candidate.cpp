@@ -7,9 +7,9 @@
 #include <optional>
 #include <utility>
 
+#include "batten/core/containers.h"
 #include "batten/core/errors.h"
 #include "batten/core/geometry.h"
-#include "batten/core/containers.h"
 #include "batten/skinning/model/model_shapes.h"
 #include "batten/skinning/region/skinned_region.h"
 #include "batten/skinning/surfaces/surface_defects.h"

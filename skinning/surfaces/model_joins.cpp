@@ -2,20 +2,20 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <limits>
 #include <map>
-#include <tuple>
-#include <cmath>
 #include <string>
+#include <tuple>
 
-#include "batten/core/errors.h"
 #include "batten/core/containers.h"
+#include "batten/core/errors.h"
+#include "batten/core/geometry.h"
 #include "batten/core/parallel.h"
 #include "batten/fem/refinement.h"
 #include "batten/fem/triangle_locator.h"
 #include "batten/skinning/facets/facets.h"
 #include "batten/skinning/model/model_shapes.h"
-#include "batten/core/geometry.h"
 
 namespace batten {
 

@@ -1,10 +1,10 @@
 // Smooth (G1) joins between regions: classification of edges, groups of joined regions, refinement.
 #pragma once
 
+#include <array>
+#include <map>
 #include <memory>
 #include <vector>
-#include <map>
-#include <array>
 
 #include "batten/core/progress.h"
 #include "batten/elements/reference_triangle.h"
@@ -40,7 +40,6 @@ struct JoinedModel {
 JoinedModel refine_embedded_joins(JoinedModel model, const SurfaceStiffness& material,
                                   double max_deg_allowed, const Progress& progress = {});
 
-
 // Groups of regions that are connected by smooth joins and solved together.
 
 /// A group of regions of a model, as a model of its own.
@@ -64,7 +63,6 @@ bool is_same_problem(const RegionGroup& a, const RegionGroup& b);
 
 /// Copy of a plan with new region indices; `number` maps old to new indices.
 JoinPlan renumbered(JoinPlan plan, const std::map<int, int>& number);
-
 
 // Classification of network edges into creases and smooth joins, for skin_network().
 

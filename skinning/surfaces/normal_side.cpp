@@ -4,8 +4,8 @@
 #include <cmath>
 #include <map>
 
-#include "batten/core/geometry.h"
 #include "batten/core/containers.h"
+#include "batten/core/geometry.h"
 #include "batten/core/parallel.h"
 #include "batten/skinning/model/join.h"
 #include "batten/skinning/region/skinned_region.h"

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <map>
 
-#include "batten/core/geometry.h"
 #include "batten/core/containers.h"
+#include "batten/core/geometry.h"
 #include "batten/core/parallel.h"
 #include "batten/skinning/domains/annulus_domain.h"
 #include "batten/skinning/domains/hole_triangulation.h"

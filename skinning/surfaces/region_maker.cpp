@@ -4,9 +4,9 @@
 #include <cmath>
 #include <limits>
 
+#include "batten/core/containers.h"
 #include "batten/core/errors.h"
 #include "batten/core/geometry.h"
-#include "batten/core/containers.h"
 #include "batten/core/parallel.h"
 #include "batten/skinning/domains/mesher.h"
 #include "batten/skinning/model/boundary_sweep.h"
@@ -155,7 +155,8 @@ std::set<int> RegionMaker::refine_for_rest_shapes(std::set<int> examine) {
   std::set<int> beside;
   if (!options_.rest || options_.skin.edge_length > 0) return beside;
   constexpr int kMaxRounds = 8;
-  constexpr double kToleranceFraction = 0.4;  // of the tolerance: fitted curves use up some of it, too
+  constexpr double kToleranceFraction =
+      0.4;  // of the tolerance: fitted curves use up some of it, too
   // Waves of hand-drawn curves do not justify more elements; noses of wings do.
   constexpr double kMinError = 10;  // of the tolerance
   // Triangles added to all of these regions together, bounded so that drawings with many regions

@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "batten/skinning/domains/mesher.h"
-#include "batten/skinning/surfaces/layout_candidate.h"
 #include "batten/skinning/model/join.h"
+#include "batten/skinning/surfaces/layout_candidate.h"
 #include "batten/skinning/surfaces/orientation.h"
 #include "batten/skinning/surfaces/surface_model.h"
 

@@ -6,9 +6,9 @@
 #include <limits>
 #include <utility>
 
-#include "batten/core/geometry.h"
 #include "batten/core/containers.h"
 #include "batten/core/errors.h"
+#include "batten/core/geometry.h"
 #include "batten/fairing/curves/curve_through_points.h"
 
 namespace batten {

@@ -1,12 +1,12 @@
 // Lofts: detects curves that are sections of one shape, and makes regions from sections alone.
 #pragma once
 
-#include <vector>
 #include <string>
+#include <vector>
 
-#include "batten/skinning/network/curve_network.h"
 #include "batten/core/progress.h"
 #include "batten/skinning/layout/region_layout.h"
+#include "batten/skinning/network/curve_network.h"
 
 namespace batten {
 
@@ -23,7 +23,6 @@ namespace batten {
 /// for two closed smooth curves, which are the boundary circles of an annulus (find_regions()).
 /// Cost: O(n²) for n curves.
 std::vector<CharacterLine> ordered_sections(const CurveNetwork& network);
-
 
 // Regions made from sections alone, as in hulls, wings and bottles.
 

@@ -1,26 +1,26 @@
 #include "batten/skinning/surfaces/skin_network.h"
 
 #include <algorithm>
+#include <array>
 #include <map>
 #include <numeric>
-#include <set>
 #include <optional>
-#include <utility>
-#include <array>
+#include <set>
 #include <string>
+#include <utility>
 
+#include "batten/core/containers.h"
 #include "batten/core/errors.h"
 #include "batten/core/geometry.h"
-#include "batten/core/containers.h"
 #include "batten/core/parallel.h"
+#include "batten/core/progress.h"
+#include "batten/fem/surface_assembler.h"
 #include "batten/skinning/facets/facets.h"
-#include "batten/skinning/surfaces/model_joins.h"
 #include "batten/skinning/model/model_shapes.h"
 #include "batten/skinning/surfaces/layout_candidate.h"
+#include "batten/skinning/surfaces/model_joins.h"
 #include "batten/skinning/surfaces/region_maker.h"
-#include "batten/fem/surface_assembler.h"
 #include "batten/skinning/surfaces/surface_defects.h"
-#include "batten/core/progress.h"
 #include "batten/skinning/surfaces/surface_model.h"
 
 namespace batten {
@@ -381,7 +381,7 @@ class ModelMaker {
   const Progress& progress_;
   SurfaceModel model_;
   RegionMaker regions_;
-  std::vector<Points> dofs_;                                       // by region
+  std::vector<Points> dofs_;  // by region
   // By region: last mesh that was tessellated.
   std::vector<std::shared_ptr<const ParametricMesh>> tessellated_;
   // Solved groups and their shapes, by their first region; reused if nothing has changed.

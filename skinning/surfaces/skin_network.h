@@ -2,12 +2,12 @@
 #pragma once
 
 #include <memory>
-#include <vector>
 #include <string>
+#include <vector>
 
 #include "batten/core/progress.h"
-#include "batten/skinning/surfaces/surface_model.h"
 #include "batten/skinning/model/model_shapes.h"
+#include "batten/skinning/surfaces/surface_model.h"
 
 namespace batten {
 
@@ -35,7 +35,6 @@ SurfaceModel skin_network(const CurveNetwork& network, const FoundRegions& found
 /// `made`: its regions, in order. Joins that the layout has rejected meanwhile become creases.
 void reshape(SurfaceModel& model, std::shared_ptr<const ModelLayout> layout, Points dofs,
              std::vector<SkinnedRegion> made, const Progress& progress = {});
-
 
 // Fairing of a model without introducing defects.
 

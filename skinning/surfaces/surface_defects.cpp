@@ -7,9 +7,9 @@
 #include <optional>
 #include <tuple>
 
+#include "batten/core/containers.h"
 #include "batten/core/errors.h"
 #include "batten/core/geometry.h"
-#include "batten/core/containers.h"
 #include "batten/core/parallel.h"
 #include "batten/skinning/facets/facets.h"
 #include "batten/skinning/surfaces/surface_defects.h"
@@ -211,7 +211,7 @@ struct FacetSoup {
 };
 
 FacetSoup soup_of(const Regions& regions, const std::vector<SkinQuality>& qualities,
-             const std::vector<Shell>& shells) {
+                  const std::vector<Shell>& shells) {
   FacetSoup soup;
   std::vector<Vec3> boundary;    // points on boundary sides
   std::vector<int> at_boundary;  // their indices
@@ -532,8 +532,9 @@ class SharpEdgeFilter {
   std::vector<double> sag_;  // deviation of each facet from its surface
 };
 
-void look_at_crossings(const Regions& regions, const std::vector<Shell>& shells, const FacetSoup& soup,
-                       const Meetings& meetings, std::vector<SurfaceDefect>& defects) {
+void look_at_crossings(const Regions& regions, const std::vector<Shell>& shells,
+                       const FacetSoup& soup, const Meetings& meetings,
+                       std::vector<SurfaceDefect>& defects) {
   double edge = 0;
   for (const Shell& shell : shells) edge = std::max(edge, shell.edge);
   // Near lines that both regions meet only approximately, facets may intersect.

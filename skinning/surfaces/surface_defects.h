@@ -1,12 +1,12 @@
 // Finds defects of surfaces: inverted, folded, intersecting or far too large regions.
 #pragma once
 
-#include <vector>
 #include <array>
 #include <utility>
+#include <vector>
 
-#include "batten/skinning/surfaces/surface_model.h"
 #include "batten/core/eigen.h"
+#include "batten/skinning/surfaces/surface_model.h"
 
 namespace batten {
 
@@ -38,7 +38,6 @@ namespace batten {
 std::vector<SurfaceDefect> find_defects(const std::vector<const SkinnedRegion*>& regions,
                                         const std::vector<SkinQuality>& qualities,
                                         const std::vector<double>& filling_areas);
-
 
 // Intersections of facets.
 

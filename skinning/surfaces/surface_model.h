@@ -103,8 +103,7 @@ struct ModelRegion {
   NetworkRegion plan;  ///< loops are counter-clockwise as seen from the normal side
   /// The surface; empty if the region could not be skinned.
   std::optional<SkinnedRegion> skinned;
-  int layout_index =
-      -1;  ///< index into the regions of SurfaceModel::layout; -1: not skinned
+  int layout_index = -1;  ///< index into the regions of SurfaceModel::layout; -1: not skinned
   std::string rejection_reason;  ///< why it could not be skinned, or ""
   SkinQuality quality;
   FittedPrimitive shape;    ///< primitive that fits the surface within primitive_tolerance()

@@ -1,19 +1,19 @@
 #include "batten/skinning/target/fit_model.h"
 
 #include <algorithm>
-#include <string>
 #include <limits>
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "batten/core/anderson_accelerator.h"
+#include "batten/core/containers.h"
 #include "batten/core/errors.h"
+#include "batten/core/parallel.h"
+#include "batten/skinning/model/model_layout.h"
 #include "batten/skinning/region/skinned_region.h"
 #include "batten/skinning/surfaces/model_joins.h"
 #include "batten/skinning/target/target_fit_iterations.h"
-#include "batten/core/containers.h"
-#include "batten/core/parallel.h"
-#include "batten/skinning/model/model_layout.h"
 #include "batten/skinning/target/target_surface.h"
 
 namespace batten {

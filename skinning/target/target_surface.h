@@ -3,8 +3,8 @@
 
 #include <functional>
 #include <optional>
-#include <vector>
 #include <string>
+#include <vector>
 
 #include "batten/core/eigen.h"
 #include "batten/skinning/model/model_layout.h"
@@ -18,7 +18,7 @@ class TargetSurface {
   /// Result of a closest-point query.
   struct Nearest {
     Vec3 at = Vec3::Zero(), normal = Vec3::UnitZ();  ///< the normal has unit length
-    bool at_boundary = false;  ///< true on the boundary of the target
+    bool at_boundary = false;                        ///< true on the boundary of the target
   };
   virtual ~TargetSurface() = default;
   /// Finds the point closest to `p` among those whose normal n satisfies n·along > 0, or among all
@@ -36,7 +36,6 @@ class TargetSurface {
     return {};
   }
 };
-
 
 // Distances between a model and its target, in both directions.
 

@@ -2,11 +2,11 @@
 #include <chrono>
 #include <thread>
 
+#include "batten/apps/commands/documents/document.h"
 #include "batten/apps/commands/documents/document_worker.h"
 #include "batten/apps/commands/documents/edited_mesh.h"
 #include "batten/apps/commands/documents/edited_shape.h"
 #include "batten/apps/commands/documents/line_edits.h"
-#include "batten/apps/commands/documents/document.h"
 #include "batten/apps/commands/documents/load_edits.h"
 #include "batten/apps/commands/shapes/run_scene.h"
 #include "batten/io/scene/read_scene.h"

@@ -7,9 +7,9 @@
 #include <map>
 #include <sstream>
 
-#include "batten/io/step/step.h"
 #include "batten/io/lines/cad_lines.h"
 #include "batten/io/lines/point_lines.h"
+#include "batten/io/step/step.h"
 #include "batten/tests/support/catch.h"
 #include "batten/tests/support/test_data.h"
 

@@ -4,8 +4,8 @@
 
 #include "batten/constraints/constrained_solver.h"
 #include "batten/constraints/shape/shape_constraints.h"
-#include "batten/core/solvers/band_cholesky.h"
 #include "batten/core/errors.h"
+#include "batten/core/solvers/band_cholesky.h"
 #include "batten/elements/quadrature.h"
 #include "batten/fem/curve_assembler.h"
 #include "batten/fem/curves/hermite_curve.h"

@@ -3,10 +3,10 @@
 
 #include "batten/core/geometry.h"
 #include "batten/mesh/deform/form_feature_deformer.h"
-#include "batten/mesh/rotation_fitting.h"
 #include "batten/mesh/element_quality.h"
 #include "batten/mesh/features/feature_detection.h"
 #include "batten/mesh/prepared_mesh.h"
+#include "batten/mesh/rotation_fitting.h"
 #include "batten/tests/support/catch.h"
 #include "batten/tests/support/kkt_deformation.h"
 #include "batten/tests/support/mesh_models.h"

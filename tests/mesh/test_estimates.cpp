@@ -3,8 +3,8 @@
 #include <numbers>
 
 #include "batten/core/errors.h"
-#include "batten/core/op_counter.h"
 #include "batten/core/geometry.h"
+#include "batten/core/op_counter.h"
 #include "batten/mesh/deform/form_feature_deformer.h"
 #include "batten/mesh/differential_operators.h"
 #include "batten/mesh/regions/arap_deformer.h"

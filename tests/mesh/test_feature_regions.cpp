@@ -3,15 +3,15 @@
 #include <numbers>
 
 #include "batten/core/errors.h"
-#include "batten/core/op_counter.h"
 #include "batten/core/geometry.h"
+#include "batten/core/op_counter.h"
 #include "batten/mesh/deform/form_feature_deformer.h"
-#include "batten/mesh/rotation_fitting.h"
 #include "batten/mesh/differential_operators.h"
 #include "batten/mesh/features/feature_cut.h"
 #include "batten/mesh/regions/arap_deformer.h"
 #include "batten/mesh/regions/dual_laplacian_deformer.h"
 #include "batten/mesh/regions/feature_region_deformer.h"
+#include "batten/mesh/rotation_fitting.h"
 #include "batten/mesh/selection.h"
 #include "batten/tests/support/catch.h"
 #include "batten/tests/support/dense_algebra.h"

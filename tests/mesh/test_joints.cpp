@@ -4,9 +4,9 @@
 
 #include "batten/core/geometry.h"
 #include "batten/mesh/deform/form_feature_deformer.h"
-#include "batten/mesh/rotation_fitting.h"
 #include "batten/mesh/features/feature_detection.h"
 #include "batten/mesh/prepared_mesh.h"
+#include "batten/mesh/rotation_fitting.h"
 #include "batten/mesh/selection.h"
 #include "batten/tests/support/catch.h"
 

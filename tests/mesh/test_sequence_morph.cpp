@@ -1,7 +1,7 @@
 // Shapes that turn into others: blends, morphs, fits to other meshes; walks over the ground.
-#include "batten/mesh/triangle_mesh.h"
-#include "batten/mesh/sequence/morph.h"
 #include "batten/mesh/sequence/mesh_sequence.h"
+#include "batten/mesh/sequence/morph.h"
+#include "batten/mesh/triangle_mesh.h"
 #include "batten/tests/support/catch.h"
 #include "batten/tests/support/error_message.h"
 #include "batten/tests/support/reference_frame_solver.h"

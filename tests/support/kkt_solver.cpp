@@ -2,8 +2,8 @@
 
 #include <Eigen/SparseLU>
 
-#include "batten/core/errors.h"
 #include "batten/core/containers.h"
+#include "batten/core/errors.h"
 
 namespace batten {
 

@@ -11,10 +11,10 @@
 #include "batten/apps/commands/documents/line_edits.h"
 #include "batten/apps/commands/info.h"
 #include "batten/apps/commands/lines/line_files.h"
+#include "batten/apps/commands/runs/run_support.h"
+#include "batten/io/files/atomic_file.h"
 #include "batten/io/files/input_file.h"
 #include "batten/io/scene/scene_parsing.h"
-#include "batten/io/files/atomic_file.h"
-#include "batten/apps/commands/runs/run_support.h"
 
 namespace batten {
 
@@ -179,8 +179,9 @@ void Document::set_slider(const std::string& parameter, double value, const Prog
   content_->check(parameter, value);
   SceneText next = text_;
   next.set_parameter(parameter, value);
-  if (dragged_ == parameter) return rebuild(std::move(next), progress);  // same undo step as the
-                                                                         // previous one
+  if (dragged_ == parameter)
+    return rebuild(std::move(next), progress);  // same undo step as the
+                                                // previous one
   change(std::move(next), progress);
   dragged_ = parameter;
 }
@@ -281,7 +282,6 @@ DocumentView view_of(const Document& document) {
   document.content().fill_view(view);
   return view;
 }
-
 
 // Files that a document writes.
 

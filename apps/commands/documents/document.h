@@ -99,14 +99,13 @@ class Document {
   std::string run_messages_;
   std::vector<std::string> undo_, redo_;   // previous and undone texts
   std::set<std::string> changed_sliders_;  // parameters changed since the last `settle`
-  std::string dragged_;   // the parameter or point edited by the last undo step
-  std::string new_load_;  // load added by the last undo step, still with value 0
+  std::string dragged_;                    // the parameter or point edited by the last undo step
+  std::string new_load_;                   // load added by the last undo step, still with value 0
   bool at_rest_ = true;
 };
 
 /// Creates the view of a document. Cost: O(display lines + tables · bytes).
 DocumentView view_of(const Document& document);
-
 
 // Implements `batten run-script`.
 

@@ -100,7 +100,7 @@ struct DocumentView {
     Vec3 centre = Vec3::Zero();  ///< current position of its centre
     /// Translation, and rotation vector along the axis with the angle in degrees as its length.
     Vec3 shift = Vec3::Zero(), rotation_vector = Vec3::Zero();
-    bool moves = false;                   ///< true: it belongs to the last edit, or to a sequence
+    bool moves = false;           ///< true: it belongs to the last edit, or to a sequence
     bool can_rotate = true;       ///< false: a point constraint, whose shift is its current
                                   ///< position
     std::vector<Vec3> path = {};  ///< centre in all frames of a sequence

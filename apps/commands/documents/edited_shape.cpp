@@ -5,12 +5,12 @@
 #include "batten/apps/commands/lines/scene_lines.h"
 #include "batten/apps/commands/runs/run_support.h"
 #include "batten/apps/commands/shapes/run_scene.h"
+#include "batten/apps/commands/shapes/shape_files.h"
 #include "batten/apps/commands/shapes/stress_files.h"
+#include "batten/core/errors.h"
 #include "batten/io/files/text.h"
 #include "batten/io/scene/read_scene.h"
 #include "batten/skinning/model/model_projector.h"
-#include "batten/apps/commands/shapes/shape_files.h"
-#include "batten/core/errors.h"
 
 namespace batten {
 namespace {
@@ -342,7 +342,6 @@ std::string EditedShape::rows() const {
     text += summary_line("", p.name + " = " + format_number(session_->parameters().value(p.name)));
   return text;
 }
-
 
 // Output of a shape.
 

@@ -194,7 +194,6 @@ std::vector<DocumentCommand> mirror_edits(const DocumentView& view, const std::s
 
 namespace {
 
-using CommandKind = DocumentCommand::CommandKind;
 
 }  // namespace
 

@@ -1,9 +1,9 @@
 // Edit commands for curves, joins and regions of a scene.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
-#include <optional>
 
 #include "batten/apps/commands/documents/document_command.h"
 #include "batten/apps/commands/documents/document_view.h"
@@ -60,7 +60,6 @@ std::vector<DocumentCommand> join_line_edits(const DocumentView& view, const std
 /// Adds a copy, mirrored in the plane through the origin perpendicular to an axis (0 to 2).
 std::vector<DocumentCommand> mirror_edits(const DocumentView& view, const std::string& line,
                                           int axis);
-
 
 // Edits of joins and regions.
 

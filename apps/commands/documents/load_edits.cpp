@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
-#include "batten/io/scene/scene_parsing.h"
 #include "batten/apps/commands/documents/line_edits.h"
+#include "batten/io/scene/scene_parsing.h"
 
 namespace batten {
 namespace {
@@ -133,7 +133,6 @@ std::vector<DocumentCommand> remove_stress_part(const SceneText& scene, const St
 
 namespace {
 
-using CommandKind = DocumentCommand::CommandKind;
 
 /// An entry of a list of strokes: position, radius, and its text.
 struct Stroke {

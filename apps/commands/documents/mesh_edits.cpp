@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <sstream>
 
+#include "batten/apps/commands/documents/line_edits.h"
 #include "batten/apps/commands/runs/run_support.h"
 #include "batten/core/geometry.h"
-#include "batten/apps/commands/documents/line_edits.h"
 #include "batten/io/scene/scene_parsing.h"
 
 namespace batten {
@@ -169,7 +169,6 @@ std::vector<long> nodes_of(const SceneText& scene, const std::string& name) {
 
 namespace {
 
-using CommandKind = DocumentCommand::CommandKind;
 
 std::string handle_move_to_toml(const std::string& handle, const Vec3& shift,
                                 const Vec3& rotation_vector) {

@@ -29,7 +29,6 @@ DocumentCommand nodes_edit(const SceneText& scene, const std::string& name,
 /// The node numbers listed in a selection.
 std::vector<long> nodes_of(const SceneText& scene, const std::string& name);
 
-
 // Edits of keyframes of a sequence scene.
 
 /// Sets the motion of a handle in one frame (1-based) of the last step: a translation, and a

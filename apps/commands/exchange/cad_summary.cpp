@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
-#include "batten/core/geometry.h"
 #include "batten/core/containers.h"
+#include "batten/core/geometry.h"
 #include "batten/io/files/text.h"
 
 namespace batten {

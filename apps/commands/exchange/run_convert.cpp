@@ -7,8 +7,8 @@
 #include "batten/apps/commands/info.h"
 #include "batten/apps/commands/lines/fair_lines.h"
 #include "batten/apps/commands/runs/run_support.h"
-#include "batten/core/geometry.h"
 #include "batten/core/containers.h"
+#include "batten/core/geometry.h"
 #include "batten/io/cad/cad_format.h"
 #include "batten/io/files/input_file.h"
 #include "batten/io/files/text.h"
@@ -262,7 +262,8 @@ std::vector<std::string> joined(std::vector<std::string> a, const std::vector<st
 void convert_cad_file(const ConvertTask& task, ConvertReport& report, const Progress& progress) {
   const auto cad = joined(cad_extensions(), {".glb"});
   if (has(cad, task.to)) return cad_to_cad(task, report);
-  const bool lines = has(curve_file_extensions(), task.to), mesh = has(mesh_file_endings(), task.to);
+  const bool lines = has(curve_file_extensions(), task.to),
+             mesh = has(mesh_file_endings(), task.to);
   if (!lines && !mesh)
     refuse(task, "a CAD file", joined(joined(cad, mesh_file_endings()), curve_file_extensions()));
   // Extensions that lines and meshes share: the contents decide.

@@ -10,8 +10,8 @@
 
 #include "batten/apps/commands/lines/line_files.h"
 #include "batten/apps/commands/runs/run_support.h"
-#include "batten/core/geometry.h"
 #include "batten/core/containers.h"
+#include "batten/core/geometry.h"
 #include "batten/core/parallel.h"
 #include "batten/fairing/corners/point_sequence.h"
 

@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <map>
 
-#include "batten/core/geometry.h"
 #include "batten/core/containers.h"
-#include "batten/fairing/curves/input_curve.h"
+#include "batten/core/geometry.h"
 #include "batten/fairing/curves/curve_through_points.h"
+#include "batten/fairing/curves/input_curve.h"
 #include "batten/fairing/curves/primitive_curves.h"
 #include "batten/io/cad/cad_format.h"
 #include "batten/io/files/input_file.h"
@@ -191,11 +191,11 @@ LineFileKind line_file_kind(const std::filesystem::path& file) {
   const auto has = [&](const std::vector<std::string>& endings) {
     return std::find(endings.begin(), endings.end(), ending) != endings.end();
   };
-  return has(kPointEndings)     ? LineFileKind::Points
-         : has(cad_extensions())   ? LineFileKind::Cad
-         : has(kDrawingEndings) ? LineFileKind::Drawing
-         : has(kSketchEndings)  ? LineFileKind::Sketch
-                                : LineFileKind::None;
+  return has(kPointEndings)      ? LineFileKind::Points
+         : has(cad_extensions()) ? LineFileKind::Cad
+         : has(kDrawingEndings)  ? LineFileKind::Drawing
+         : has(kSketchEndings)   ? LineFileKind::Sketch
+                                 : LineFileKind::None;
 }
 
 std::shared_ptr<const InputCurve> SourceLine::as_curve(double corner_angle) const {

@@ -83,7 +83,6 @@ std::vector<double> closest_parameters_in_order(const HermiteCurve& curve,
                                                 const std::vector<Vec3>& points,
                                                 const std::vector<double>& guess);
 
-
 // Interpretation of point lists: corners, closedness.
 
 /// How a line given by points was interpreted.

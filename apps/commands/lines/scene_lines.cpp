@@ -5,11 +5,11 @@
 
 #include "batten/apps/commands/lines/fair_lines.h"
 #include "batten/apps/commands/lines/line_files.h"
+#include "batten/core/containers.h"
 #include "batten/core/errors.h"
 #include "batten/core/geometry.h"
-#include "batten/core/containers.h"
-#include "batten/skinning/network/curve_network.h"
 #include "batten/fairing/curves/primitive_curves.h"
+#include "batten/skinning/network/curve_network.h"
 
 namespace batten {
 namespace {

@@ -28,7 +28,6 @@ struct FairedLines {
 /// read_lines() and fair_lines(), and InputError for a line without length.
 FairedLines faired_lines(const Scene& scene, const Progress& progress);
 
-
 // Networks of which only one half is given.
 
 /// Adds the mirror images of all lines of a half model: in the plane through the origin

@@ -1,16 +1,16 @@
 #include "batten/apps/commands/meshes/deform_task.h"
 
 #include <algorithm>
+#include <cmath>
 #include <numbers>
 #include <set>
-#include <cmath>
 
+#include "batten/apps/commands/meshes/vertex_selector.h"
 #include "batten/apps/commands/runs/run_support.h"
 #include "batten/constraints/shape/shape_constraints.h"
 #include "batten/core/containers.h"
 #include "batten/core/geometry.h"
 #include "batten/mesh/selection.h"
-#include "batten/apps/commands/meshes/vertex_selector.h"
 
 namespace batten {
 

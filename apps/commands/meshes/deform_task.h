@@ -1,12 +1,12 @@
 // Translates a deform scene to deformation problems.
 #pragma once
 
-#include <vector>
 #include <optional>
 #include <string>
+#include <vector>
 
-#include "batten/apps/commands/meshes/vertex_selector.h"
 #include "batten/apps/commands/meshes/attached_nodes.h"
+#include "batten/apps/commands/meshes/vertex_selector.h"
 #include "batten/fairing/curves/curve_fit.h"
 #include "batten/fairing/curves/fairness.h"
 #include "batten/mesh/deform/deform_problem.h"
@@ -42,7 +42,6 @@ struct SharedConstraints {
   std::vector<std::vector<int>> lines;  // vertices of chains and curves, for pictures; closed
                                         // chains repeat the first vertex
 };
-
 
 /// Fairs the curve of a [[curve]] and applies its loads. Throws InputError with the location in the
 /// scene.

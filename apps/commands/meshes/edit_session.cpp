@@ -8,8 +8,8 @@
 
 #include "batten/apps/commands/runs/run_support.h"
 #include "batten/core/containers.h"
-#include "batten/core/parallel.h"
 #include "batten/core/geometry.h"
+#include "batten/core/parallel.h"
 #include "batten/mesh/regions/arap_deformer.h"
 #include "batten/mesh/regions/dual_laplacian_deformer.h"
 #include "batten/mesh/rotation_fitting.h"

@@ -53,7 +53,6 @@ class FeatureRotationEstimator {
   bool own_estimated_ = false;
 };
 
-
 /// One [[edit]] of the shape that the previous edit left. It is factored once; after that:
 ///
 ///     solve_preview()          a pair of triangular solves and O(n) work: features rotate like the

@@ -4,8 +4,8 @@
 #include <map>
 #include <set>
 
-#include "batten/core/errors.h"
 #include "batten/core/containers.h"
+#include "batten/core/errors.h"
 #include "batten/io/meshes/mesh_file.h"
 #include "batten/mesh/element_quality.h"
 #include "batten/mesh/features/feature_detection.h"

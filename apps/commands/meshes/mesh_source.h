@@ -5,8 +5,8 @@
 #include <string>
 
 #include "batten/io/meshes/mesh_file.h"
-#include "batten/mesh/prepared_mesh.h"
 #include "batten/mesh/features/feature_detection.h"
+#include "batten/mesh/prepared_mesh.h"
 
 namespace batten {
 
@@ -22,7 +22,6 @@ MeshSource read_source(const std::filesystem::path& path);
 /// Positions of the file's nodes. The mesh may have more vertices than nodes: nodes on non-manifold
 /// edges are split per manifold patch.
 Points node_positions(const Points& vertices, const MeshFile& file);
-
 
 // Text descriptions of mesh files.
 

@@ -8,17 +8,17 @@
 #include <utility>
 #include <vector>
 
+#include "batten/apps/commands/meshes/deform_task.h"
 #include "batten/apps/commands/meshes/edit_session.h"
 #include "batten/apps/commands/meshes/mesh_source.h"
 #include "batten/apps/commands/runs/run_support.h"
-#include "batten/core/geometry.h"
 #include "batten/core/containers.h"
+#include "batten/core/geometry.h"
 #include "batten/io/decks/modal_deck.h"
+#include "batten/io/pictures/mesh_pictures.h"
+#include "batten/io/report/deform_report.h"
 #include "batten/io/vtk/vtk_files.h"
 #include "batten/mesh/rotation_fitting.h"
-#include "batten/apps/commands/meshes/deform_task.h"
-#include "batten/io/report/deform_report.h"
-#include "batten/io/pictures/mesh_pictures.h"
 
 namespace batten {
 
@@ -335,7 +335,6 @@ void draw_deformed(DeformReport& report, const DeformScene& scene, const MeshFil
     report.files.push_back(rule.file);
   }
 }
-
 
 // Summary printed by `batten deform`.
 

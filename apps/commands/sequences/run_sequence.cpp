@@ -7,17 +7,17 @@
 #include <vector>
 
 #include "batten/apps/commands/runs/run_support.h"
-#include "batten/apps/commands/sequences/sequence_parts.h"
 #include "batten/apps/commands/sequences/frame_store.h"
+#include "batten/apps/commands/sequences/sequence_parts.h"
 #include "batten/apps/commands/sequences/sequence_steps.h"
+#include "batten/core/containers.h"
 #include "batten/core/errors.h"
+#include "batten/core/geometry.h"
 #include "batten/io/files/input_file.h"
 #include "batten/io/files/text.h"
-#include "batten/core/containers.h"
 #include "batten/io/meshes/mesh_file.h"
 #include "batten/io/pictures/image.h"
 #include "batten/io/pictures/mesh_pictures.h"
-#include "batten/core/geometry.h"
 
 namespace batten {
 
@@ -279,7 +279,6 @@ SequenceReport run_sequence(const SequenceScene& scene, const std::filesystem::p
                             const SequenceTask& task, const Progress& progress) {
   return SequenceRun(scene, folder, task, progress)();
 }
-
 
 std::string SequenceTask::name_of(const std::filesystem::path& file) const {
   if (!frames) return file.string();

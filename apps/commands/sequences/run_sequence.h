@@ -22,7 +22,6 @@ struct SequenceTask {
   std::string name_of(const std::filesystem::path& file) const;
 };
 
-
 /// Performs the steps in order, and writes the frames, report.json and pictures into the folder.
 ///
 /// Numbered frame files appear one by one, each written atomically. A run that was interrupted

@@ -1,10 +1,10 @@
 // Input, output and measurements of the steps of a sequence scene.
 #pragma once
 
+#include <deque>
 #include <functional>
 #include <string>
 #include <vector>
-#include <deque>
 
 #include "batten/core/progress.h"
 #include "batten/io/report/sequence_report.h"
@@ -43,7 +43,6 @@ struct StepResult {
   std::vector<std::string> warnings;
   SequenceReport::Step report;
 };
-
 
 // Measurements of the output frames.
 

@@ -5,9 +5,9 @@
 
 #include "batten/apps/commands/meshes/vertex_selector.h"
 #include "batten/apps/commands/sequences/prescribed_motion.h"
+#include "batten/core/containers.h"
 #include "batten/core/errors.h"
 #include "batten/core/memory.h"
-#include "batten/core/containers.h"
 #include "batten/mesh/rotation_fitting.h"
 #include "batten/mesh/sequence/mesh_sequence.h"
 #include "batten/mesh/sequence/trajectories/handle_trajectory.h"
@@ -406,7 +406,6 @@ StepResult apply_step(const SequenceScene& scene, const SequenceOperation& step,
   result.report.frames = isize(result.times);
   return result;
 }
-
 
 PreparedSequence prepared_sequence(MeshSequence sequence, const std::string& where,
                                    std::vector<std::string>& notes) {

@@ -2,12 +2,12 @@
 #pragma once
 
 #include <functional>
-#include <vector>
 #include <memory>
 #include <string>
+#include <vector>
 
-#include "batten/apps/commands/sequences/sequence_parts.h"
 #include "batten/apps/commands/meshes/vertex_selector.h"
+#include "batten/apps/commands/sequences/sequence_parts.h"
 
 namespace batten {
 
@@ -23,7 +23,6 @@ StepResult apply_step(const SequenceScene& scene, const SequenceOperation& step,
                       const PreparedSequence& from, const SequenceParts& parts,
                       const VertexFinder& vertices_of, const FrameReader& read,
                       const Progress& progress);
-
 
 // The frames of a sequence scene before, between and after its steps.
 

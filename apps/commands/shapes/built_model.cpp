@@ -1,23 +1,23 @@
 #include "batten/apps/commands/shapes/built_model.h"
 
 #include <algorithm>
-#include <iterator>
-#include <utility>
 #include <array>
 #include <cmath>
+#include <iterator>
 #include <map>
 #include <string>
+#include <utility>
 
 #include "batten/apps/commands/lines/scene_lines.h"
 #include "batten/apps/commands/shapes/scene_target.h"
-#include "batten/core/geometry.h"
+#include "batten/core/containers.h"
 #include "batten/core/errors.h"
-#include "batten/skinning/surfaces/section_region.h"
+#include "batten/core/geometry.h"
 #include "batten/skinning/model/model_shapes.h"
 #include "batten/skinning/search/find_regions.h"
 #include "batten/skinning/surfaces/normal_side.h"
+#include "batten/skinning/surfaces/section_region.h"
 #include "batten/skinning/surfaces/skin_network.h"
-#include "batten/core/containers.h"
 
 namespace batten {
 namespace {

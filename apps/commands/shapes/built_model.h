@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
+#include "batten/fem/curves/hermite_curve.h"
 #include "batten/io/scene/scene.h"
 #include "batten/skinning/surfaces/surface_model.h"
-#include "batten/fem/curves/hermite_curve.h"
 
 namespace batten {
 
@@ -47,7 +47,6 @@ bool specifies_single_region(const Scene& scene);
 /// exceptions of network_of() and regions_of(), NoSolutionError, ConflictError and CancelledError.
 BuiltModel build_model(const Scene& scene, const std::vector<CharacterLine>& lines,
                        const Progress& progress = {});
-
 
 // The character lines of a solved shape, as curves for CAD export.
 

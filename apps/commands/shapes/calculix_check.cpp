@@ -11,8 +11,8 @@
 #include <cmath>
 #include <cstdlib>
 
-#include "batten/apps/commands/shapes/stress_setup.h"
 #include "batten/apps/commands/shapes/stress_files.h"
+#include "batten/apps/commands/shapes/stress_setup.h"
 #include "batten/io/decks/frd_results.h"
 
 namespace batten {

@@ -71,8 +71,9 @@ class SceneOnLayout {
   /// A line of the layout, or one from a file.
   HermiteCurve curve(const SceneLoad& load) const {
     if (has(load.curve.text)) return layout_.line(load.curve.text);
-    if (line_file_kind(load.file) == LineFileKind::None) line(load.curve);  // not a file: reports
-                                                                            // an unknown line
+    if (line_file_kind(load.file) == LineFileKind::None)
+      line(load.curve);  // not a file: reports
+                         // an unknown line
     require_input_file(load.file, "a file of a line, or one of: " + comma_separated(names_),
                        scene_.at(load.location));
     const auto lines = read_source_file(load.file, load.unit, scene_.unit);

@@ -4,21 +4,21 @@
 #include <cmath>
 #include <cstdio>
 #include <map>
-#include <set>
 #include <optional>
+#include <set>
 
 #include "batten/apps/commands/lines/scene_lines.h"
 #include "batten/apps/commands/runs/run_support.h"
-#include "batten/apps/commands/shapes/stress_analysis.h"
 #include "batten/apps/commands/shapes/calculix_check.h"
 #include "batten/apps/commands/shapes/shape_files.h"
+#include "batten/apps/commands/shapes/stress_analysis.h"
+#include "batten/core/containers.h"
 #include "batten/core/errors.h"
 #include "batten/core/geometry.h"
-#include "batten/core/containers.h"
 #include "batten/io/files/text.h"
-#include "batten/io/pictures/image.h"
 #include "batten/io/lines/cad_plugin.h"
 #include "batten/io/meshes/mesh_file.h"
+#include "batten/io/pictures/image.h"
 #include "batten/mesh/features/feature_lines.h"
 #include "batten/mesh/prepared_mesh.h"
 
@@ -462,7 +462,6 @@ std::string summary(const Report& report, const std::filesystem::path& folder) {
                                          " from " + report.comparison->file);
   return text + summary_footer(report, folder);
 }
-
 
 namespace {
 

@@ -49,7 +49,6 @@ std::string summary(const Report& report, const std::filesystem::path& folder);
 /// changes each decision.
 std::string network_summary(const Report& report, const std::filesystem::path& folder);
 
-
 // The scene of `batten fit`.
 
 /// Adds feature lines of a mesh to a network scene: its creases ("crease 1", …) and boundary edges

@@ -7,16 +7,16 @@
 #include <string>
 #include <vector>
 
+#include "batten/apps/commands/runs/run_support.h"
 #include "batten/apps/commands/shapes/make_session.h"
 #include "batten/apps/commands/shapes/shape_files.h"
+#include "batten/apps/commands/shapes/solved_shape.h"
 #include "batten/apps/commands/shapes/stress_analysis.h"
 #include "batten/core/containers.h"
 #include "batten/io/files/atomic_file.h"
-#include "batten/io/sessions/session_log.h"
-#include "batten/apps/commands/runs/run_support.h"
-#include "batten/io/report/report.h"
-#include "batten/apps/commands/shapes/solved_shape.h"
 #include "batten/io/pictures/image.h"
+#include "batten/io/report/report.h"
+#include "batten/io/sessions/session_log.h"
 #include "batten/io/vtk/vtk_files.h"
 
 namespace batten {

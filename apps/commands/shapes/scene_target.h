@@ -43,7 +43,6 @@ struct TargetParts {
 /// prepare().
 TargetParts target_parts(const TargetFaces& faces);
 
-
 /// The smallest tolerance of the scene's targets; a target without one has 1e-4 of the model's
 /// size.
 double target_tolerance(const Scene& scene, double size);

@@ -2,23 +2,23 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <limits>
 #include <numeric>
 #include <set>
-#include <cstdlib>
 
+#include "batten/apps/commands/exchange/run_convert.h"
 #include "batten/apps/commands/lines/scene_lines.h"
 #include "batten/apps/commands/shapes/built_model.h"
 #include "batten/apps/commands/shapes/stress_setup.h"
-#include "batten/core/geometry.h"
-#include "batten/core/errors.h"
 #include "batten/core/containers.h"
+#include "batten/core/errors.h"
+#include "batten/core/geometry.h"
 #include "batten/io/decks/shell_deck.h"
+#include "batten/io/files/atomic_file.h"
 #include "batten/io/files/text.h"
 #include "batten/io/lines/cad_plugin.h"
 #include "batten/io/vtk/vtk_files.h"
-#include "batten/apps/commands/exchange/run_convert.h"
-#include "batten/io/files/atomic_file.h"
 
 namespace batten {
 

@@ -5,8 +5,8 @@
 
 #include "batten/apps/commands/runs/run_support.h"
 #include "batten/apps/commands/shapes/solved_shape.h"
-#include "batten/io/report/report.h"
 #include "batten/core/progress.h"
+#include "batten/io/report/report.h"
 
 namespace batten {
 
@@ -50,7 +50,6 @@ void write_step_file(RunContext& run, const Scene& scene, const BuiltModel& made
 PictureScene shape_picture(const PictureScene& look, const BuiltModel& made,
                            const SolvedShape& shape);
 
-
 // Export of a solved shape to a single file.
 
 /// Measures a shape and writes it to one file; the extension selects the format:
@@ -65,7 +64,6 @@ PictureScene shape_picture(const PictureScene& look, const BuiltModel& made,
 /// without [stress], and the exceptions of run_scene().
 Report export_shape(const Scene& scene, const BuiltModel& made, const SolvedShape& shape,
                     const std::filesystem::path& file, const Progress& progress = {});
-
 
 // Acceptance checks of a result.
 

@@ -7,17 +7,17 @@
 
 #include "batten/apps/commands/shapes/scene_target.h"
 #include "batten/apps/commands/shapes/shape_files.h"
+#include "batten/core/containers.h"
 #include "batten/core/errors.h"
 #include "batten/core/geometry.h"
-#include "batten/core/containers.h"
 #include "batten/core/parallel.h"
 #include "batten/fairing/curves/input_curve.h"
 #include "batten/fem/surface.h"
+#include "batten/io/cad/step_options.h"
 #include "batten/io/files/text.h"
+#include "batten/io/report/report.h"
 #include "batten/skinning/lines/character_line.h"
 #include "batten/skinning/model/model_shapes.h"
-#include "batten/io/cad/step_options.h"
-#include "batten/io/report/report.h"
 
 namespace batten {
 namespace {

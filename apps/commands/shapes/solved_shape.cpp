@@ -4,16 +4,16 @@
 #include <optional>
 
 #include "batten/apps/commands/shapes/make_session.h"
-#include "batten/core/errors.h"
-#include "batten/core/geometry.h"
-#include "batten/fem/surface_assembler.h"
-#include "batten/skinning/model/model_projector.h"
-#include "batten/skinning/surfaces/skin_network.h"
 #include "batten/apps/commands/shapes/scene_target.h"
 #include "batten/core/containers.h"
+#include "batten/core/errors.h"
+#include "batten/core/geometry.h"
 #include "batten/core/parallel.h"
+#include "batten/fem/surface_assembler.h"
 #include "batten/sculpting/statics/static_sculpt.h"
+#include "batten/skinning/model/model_projector.h"
 #include "batten/skinning/model/model_shapes.h"
+#include "batten/skinning/surfaces/skin_network.h"
 
 namespace batten {
 namespace {
@@ -420,7 +420,6 @@ FairShape minimum_variation_shape(const Scene& scene, const BuiltModel& made,
   shape.rest = FairRestShape(shape.dofs, options, std::move(only), shape.fairing);
   return shape;
 }
-
 
 bool is_loft(const Scene& scene, const BuiltModel& made) {
   return scene.skin.fair == SceneSkin::Fair::Loft ||

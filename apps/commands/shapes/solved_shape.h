@@ -2,12 +2,12 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
-#include <optional>
 
-#include "batten/sculpting/session/sculpting_session.h"
 #include "batten/apps/commands/shapes/built_model.h"
+#include "batten/sculpting/session/sculpting_session.h"
 #include "batten/sculpting/session/session_options.h"
 #include "batten/skinning/surfaces/skin_network.h"
 #include "batten/skinning/target/fit_model.h"
@@ -20,10 +20,10 @@ namespace batten {
 struct FairingSummary {
   /// Set if the shape is a minimum-variation surface.
   std::optional<MinimumVariationSurface> surface;
-  bool requested = true;  ///< false: chosen automatically for regions with five or more sides
-  int regions = 0;        ///< number of faired regions
-  bool lofted = false;    ///< true: the scene requested a loft
-  std::optional<ModelFit> fit;                     ///< set if the scene has a [[target]]
+  bool requested = true;        ///< false: chosen automatically for regions with five or more sides
+  int regions = 0;              ///< number of faired regions
+  bool lofted = false;          ///< true: the scene requested a loft
+  std::optional<ModelFit> fit;  ///< set if the scene has a [[target]]
   std::vector<UnchangedRegion> unchanged_regions;  ///< regions that were not faired
   std::string failure_reason;  ///< if not empty: why fairing failed; the shape is then the one of
                                ///< minimum bending
@@ -59,7 +59,6 @@ FairShape compute_fair_shape(const Scene& scene, const BuiltModel& made,
 /// Dofs of the minimum-bending shape of a scene's lines and material on a layout.
 Points min_bending_shape(const ModelLayout& layout, const Scene& scene,
                          const Progress& progress = {});
-
 
 /// Pointers to regions, as writers and pictures take them.
 std::vector<const SkinnedRegion*> pointers(const std::vector<SkinnedRegion>& regions);

@@ -9,8 +9,8 @@
 #include "batten/analysis/models/shell_stresses.h"
 #include "batten/apps/commands/shapes/stress_files.h"
 #include "batten/apps/commands/shapes/stress_setup.h"
-#include "batten/fem/refinement.h"
 #include "batten/core/errors.h"
+#include "batten/fem/refinement.h"
 #include "batten/skinning/surfaces/model_joins.h"
 
 namespace batten {

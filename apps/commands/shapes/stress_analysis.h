@@ -71,7 +71,6 @@ class StressEvaluator {
 /// The lines about the stress analysis in a summary.
 std::string stress_summary(const StressReport& report, const std::string& unit);
 
-
 // Sensitivities of displacements to the parameters of a scene.
 
 /// Computes derivatives with respect to each parameter that changes the shape, for every load case,
@@ -83,7 +82,6 @@ std::string stress_summary(const StressReport& report, const std::string& unit);
 /// bound in both directions are skipped.
 void compute_sensitivities(RunContext& run, const Scene& scene, const BuiltModel& made,
                            const SolvedShape& shape, const Progress& progress);
-
 
 // Adaptive mesh refinement for a given accuracy of displacements.
 

@@ -33,7 +33,6 @@ ShellDefinition shell_definition(const Scene& scene, const ModelLayout& layout,
 std::map<std::string, Points> case_loads(const Scene& scene, const ModelLayout& layout,
                                          const Points& shape, const ShellDefinition& definition);
 
-
 // [stress] as a CalculiX deck.
 
 /// The shell of a scene under one load case. Throws InputError, with the location in the scene, for

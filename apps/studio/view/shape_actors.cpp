@@ -304,7 +304,6 @@ void ShapeActors::set_clip_plane(vtkPlane* plane) {
   }
 }
 
-
 // Overlays: points, combs, arrows, loads.
 
 namespace {

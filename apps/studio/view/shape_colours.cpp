@@ -3,12 +3,12 @@
 #include <vtkLookupTable.h>
 #include <vtkMath.h>
 #include <vtkNew.h>
-#include <algorithm>
-#include <cmath>
 #include <vtkRenderer.h>
 #include <vtkScalarBarActor.h>
 #include <vtkTextActor.h>
 #include <vtkTextProperty.h>
+#include <algorithm>
+#include <cmath>
 
 namespace batten::studio {
 
@@ -83,7 +83,6 @@ vtkSmartPointer<vtkLookupTable> two_sided(double limit) {
   }
   return table.Get();
 }
-
 
 Legend::Legend(vtkRenderer* renderer) {
   constexpr int words_size = 15, numbers_size = 13;

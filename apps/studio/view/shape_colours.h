@@ -1,9 +1,9 @@
 // Colours, lookup tables and legend of the 3-D view.
 #pragma once
 
+#include <vtkNew.h>
 #include <vtkSmartPointer.h>
 #include <array>
-#include <vtkNew.h>
 #include <string>
 
 class vtkLookupTable;

@@ -23,8 +23,8 @@
 #include <utility>
 
 #include "batten/apps/studio/view/gizmo.h"
-#include "batten/apps/studio/view/shape_colours.h"
 #include "batten/apps/studio/view/screen_points.h"
+#include "batten/apps/studio/view/shape_colours.h"
 #include "batten/apps/studio/view/strings.h"
 
 namespace batten::studio {

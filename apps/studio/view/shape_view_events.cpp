@@ -9,8 +9,8 @@
 #include <cmath>
 
 #include "batten/apps/studio/view/gizmo.h"
-#include "batten/apps/studio/view/shape_colours.h"
 #include "batten/apps/studio/view/screen_points.h"
+#include "batten/apps/studio/view/shape_colours.h"
 #include "batten/apps/studio/view/shape_view.h"
 #include "batten/apps/studio/view/strings.h"
 

@@ -2,10 +2,10 @@
 
 #include <vtkCamera.h>
 #include <vtkRenderer.h>
+#include <QLineF>
 #include <algorithm>
 #include <cmath>
 #include <utility>
-#include <QLineF>
 
 #include "batten/apps/commands/documents/line_edits.h"
 #include "batten/apps/commands/documents/mesh_edits.h"
@@ -199,12 +199,11 @@ void ShapeView::cancel_tool() {
   redraw();
 }
 
-
 // Editing of the selected curve: moving, adding, removing and fairing points.
 
 namespace {
 
-constexpr double kGrab = 10;              // pixels
+constexpr double kGrab = 10;  // pixels
 // Ms: the surface follows a drag only if it is computed faster.
 constexpr qint64 kFollowsWithinMs = 400;
 
@@ -364,7 +363,6 @@ Vec3 ShapeView::rounded_to_pixel(const Vec3& p) const {
   constexpr double digits = 1e5;
   return rounded_point(p, digits * pixel);
 }
-
 
 // Painting the area of loads and stiffness fields on a surface.
 

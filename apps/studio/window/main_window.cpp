@@ -10,12 +10,12 @@
 #include <QMenuBar>
 #include <QMessageBox>
 #include <QMimeData>
+#include <QPalette>
 #include <QProgressBar>
 #include <QPushButton>
 #include <QSettings>
 #include <QStatusBar>
 #include <cmath>
-#include <QPalette>
 
 #include "batten/apps/studio/view/strings.h"
 #include "batten/io/files/text.h"

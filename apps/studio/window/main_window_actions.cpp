@@ -1,6 +1,9 @@
 // Actions of the main window: opening, saving, exporting, and the check for unsaved changes.
 
+#include <QAction>
+#include <QActionGroup>
 #include <QCloseEvent>
+#include <QComboBox>
 #include <QDir>
 #include <QFile>
 #include <QFileDialog>
@@ -10,9 +13,6 @@
 #include <QMessageBox>
 #include <QMimeData>
 #include <QSettings>
-#include <QAction>
-#include <QActionGroup>
-#include <QComboBox>
 #include <QStatusBar>
 #include <QToolBar>
 #include <algorithm>
@@ -152,7 +152,6 @@ void MainWindow::dropEvent(QDropEvent* event) {
   const QString file = event->mimeData()->urls().value(0).toLocalFile();
   if (!file.isEmpty() && may_close()) open(file.toStdString());
 }
-
 
 // Tool bars, and the display of stresses, mode shapes and motion.
 

@@ -5,10 +5,10 @@
 #include <QHeaderView>
 #include <QLabel>
 #include <QPushButton>
+#include <QStringList>
 #include <QTableWidget>
 #include <QVBoxLayout>
 #include <algorithm>
-#include <QStringList>
 #include <string>
 
 #include "batten/apps/commands/documents/line_edits.h"

@@ -33,8 +33,12 @@ class AbaqusConnections {
   void finish(TextMeshContent& mesh, const Sets& sets, bool all_here) const;
 
  private:
-  enum class By { Nodes, Faces, Surface };  // what a word names: nodes or a node set, a face set, a
-                                            // surface
+  enum class By {
+    Nodes,
+    Faces,
+    Surface
+  };  // what a word names: nodes or a node set, a face set, a
+      // surface
   struct Term {
     By by;
     std::string_view word;

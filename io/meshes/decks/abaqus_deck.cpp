@@ -1,21 +1,21 @@
 // Reads Abaqus and CalculiX input: nodes, elements and connections of one part. Everything else
 // stays text.
 
+#include <Eigen/Geometry>
 #include <algorithm>
-#include <set>
 #include <array>
 #include <map>
-#include <string_view>
-#include <string>
-#include <Eigen/Geometry>
 #include <numbers>
+#include <set>
+#include <string>
+#include <string_view>
 
+#include "batten/core/containers.h"
 #include "batten/core/errors.h"
 #include "batten/io/meshes/decks/abaqus_connections.h"
 #include "batten/io/meshes/decks/abaqus_lines.h"
 #include "batten/io/meshes/decks/deck_mesh_builder.h"
 #include "batten/io/meshes/mesh_file_types.h"
-#include "batten/core/containers.h"
 
 namespace batten {
 
@@ -175,7 +175,6 @@ double AbaqusCoordinates::real(std::string_view value, bool& parameter) const {
                           "that is given as a number");
   return found->second;
 }
-
 
 // Element types of Abaqus and CalculiX.
 

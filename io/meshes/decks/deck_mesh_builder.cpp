@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <limits>
 
-#include "batten/core/errors.h"
 #include "batten/core/containers.h"
+#include "batten/core/errors.h"
 
 namespace batten {
 

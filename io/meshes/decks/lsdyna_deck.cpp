@@ -1,13 +1,13 @@
 // Reads LS-DYNA keyword decks: nodes, elements and sets. Everything else stays text.
 
 #include <algorithm>
+#include <functional>
 #include <optional>
 #include <set>
-#include <functional>
-#include <string>
-#include <vector>
 #include <span>
+#include <string>
 #include <string_view>
+#include <vector>
 
 #include "batten/core/errors.h"
 #include "batten/io/meshes/decks/deck_mesh_builder.h"
@@ -247,7 +247,6 @@ bool DynaLines::include(const DynaKeyword& keyword) {
   }
   return true;
 }
-
 
 // Non-shell elements and connections of LS-DYNA decks.
 

@@ -1,17 +1,17 @@
 // Reads Nastran bulk data: GRIDs, elements and coordinate systems. Everything else stays text.
 
+#include <algorithm>
 #include <map>
+#include <optional>
 #include <set>
 #include <span>
 #include <string>
 #include <string_view>
-#include <algorithm>
 #include <vector>
-#include <optional>
 
+#include "batten/core/containers.h"
 #include "batten/core/errors.h"
 #include "batten/io/meshes/decks/deck_mesh_builder.h"
-#include "batten/core/containers.h"
 
 namespace batten {
 
@@ -58,7 +58,6 @@ class NastranCards {
 /// empty.
 std::string_view read_ranges(std::span<const std::string_view> values,
                              std::vector<LabelRange>& ranges);
-
 
 CardLine::CardLine(std::string_view line) : data(line.substr(0, line.find('$'))), cells(data) {
   std::string_view first = cells.value(0, 0, 8);
@@ -141,7 +140,6 @@ std::string_view read_ranges(std::span<const std::string_view> values,
   return {};
 }
 
-
 // Coordinate systems of Nastran decks.
 
 /// Collects CORD1R, CORD1C, CORD1S, CORD2R, CORD2C and CORD2S, and transforms the nodes given in
@@ -171,7 +169,6 @@ class NastranSystems {
   std::vector<Definition> definitions_;
   Labels labels_;
 };
-
 
 void NastranSystems::read(const std::string& name, std::span<const std::string_view> values) {
   const auto at = [&](size_t i) { return i < values.size() ? values[i] : std::string_view(); };
@@ -271,7 +268,6 @@ void NastranSystems::transform_nodes(TextMeshContent& mesh, const DeckMeshBuilde
   }
   nodes_to_global(mesh, std::move(all));
 }
-
 
 // Non-shell elements and connections of Nastran decks.
 

@@ -5,8 +5,8 @@
 #include <map>
 #include <numeric>
 
-#include "batten/core/errors.h"
 #include "batten/core/containers.h"
+#include "batten/core/errors.h"
 #include "batten/mesh/rotation_fitting.h"
 
 namespace batten {
@@ -244,8 +244,9 @@ std::optional<Terrain::SurfacePoint> Terrain::surface_point(const Vec3& p) const
     Vec3 L(cross(corner[1], corner[2]), cross(corner[2], corner[0]), cross(corner[0], corner[1]));
     if (L.sum() == 0) continue;
     L /= L.sum();
-    if (!(L.minCoeff() >= -1e-12)) continue;  // tolerance, so that no line passes between two
-                                              // triangles
+    if (!(L.minCoeff() >= -1e-12))
+      continue;  // tolerance, so that no line passes between two
+                 // triangles
     Vec3 at = Vec3::Zero(), normal = Vec3::Zero();
     for (int j = 0; j < 3; ++j) {
       at += L[j] * mesh_.point(corners[j]);

@@ -3,9 +3,9 @@
 #pragma once
 
 #include <limits>
+#include <optional>
 #include <string>
 #include <vector>
-#include <optional>
 
 #include "batten/mesh/sequence/trajectories/handle_trajectory.h"
 #include "batten/mesh/triangle_mesh.h"
@@ -42,7 +42,6 @@ class Terrain {
   int cells_ = 1;                  // number of cells along each axis
   std::vector<int> start_, list_;  // triangles of each cell
 };
-
 
 /// A foot contact: frames `first` … `last` (0-based), in which a handle has one position and
 /// rotation.

@@ -1,14 +1,14 @@
 #include "batten/mesh/sequence/trajectories/handle_trajectory.h"
 
 #include <algorithm>
-#include <string>
 #include <cmath>
 #include <numeric>
+#include <string>
 
-#include "batten/core/errors.h"
 #include "batten/core/containers.h"
-#include "batten/mesh/sequence/trajectories/keyframe_weights.h"
+#include "batten/core/errors.h"
 #include "batten/core/geometry.h"
+#include "batten/mesh/sequence/trajectories/keyframe_weights.h"
 
 namespace batten {
 namespace {

@@ -4,9 +4,9 @@
 #include <optional>
 #include <vector>
 
+#include "batten/mesh/rotation_fitting.h"
 #include "batten/mesh/sequence/trajectories/keyframe_weights.h"
 #include "batten/mesh/sequence/trajectories/rigid_motion.h"
-#include "batten/mesh/rotation_fitting.h"
 
 namespace batten {
 
@@ -55,7 +55,6 @@ struct HandleKeyframe {
 /// centroids from edited_centres(). Keyframes must ascend. Throws what these functions throw. O(F).
 Trajectory edited(const Trajectory& trajectory, const std::vector<HandleKeyframe>& keyframes,
                   const TrajectoryOptions& options = {});
-
 
 // Resampling and alignment of trajectories, to combine sequences.
 

@@ -1,16 +1,16 @@
 #include "batten/mesh/sequence/trajectories/keyframe_weights.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
-#include <string>
-#include <array>
 #include <stdexcept>
+#include <string>
 
+#include "batten/core/containers.h"
 #include "batten/core/errors.h"
 #include "batten/core/geometry.h"
 #include "batten/core/solvers/band_cholesky.h"
-#include "batten/core/containers.h"
 
 namespace batten {
 namespace {
@@ -250,7 +250,6 @@ std::vector<Mat3> interpolated_rotations(const KeyframeWeights& weights,
   }
   return result;
 }
-
 
 PiecewiseCubic PiecewiseCubic::through(std::vector<double> knots, const Points& values, Ends ends) {
   const int n = isize(knots);

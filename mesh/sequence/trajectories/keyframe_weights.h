@@ -13,8 +13,8 @@
 #include <span>
 #include <vector>
 
-#include "batten/core/eigen.h"
 #include "batten/core/containers.h"
+#include "batten/core/eigen.h"
 #include "batten/mesh/triangle_mesh.h"
 
 namespace batten {
@@ -102,7 +102,6 @@ void interpolate_logs(const KeyframeWeights::Row& row, const std::vector<Points>
 /// Throws InputError if the numbers of rotations and keyframes differ. O(frames + keyframes).
 std::vector<Mat3> interpolated_rotations(const KeyframeWeights& weights,
                                          std::span<const Mat3> rotations);
-
 
 // Piecewise cubic curves.
 

@@ -2,8 +2,8 @@
 
 #include <string>
 
-#include "batten/core/errors.h"
 #include "batten/core/containers.h"
+#include "batten/core/errors.h"
 #include "batten/mesh/rotation_fitting.h"
 
 namespace batten {

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "batten/core/errors.h"
 #include "batten/core/containers.h"
+#include "batten/core/errors.h"
 #include "batten/core/geometry.h"
 #include "batten/mesh/sequence/trajectories/keyframe_weights.h"
 

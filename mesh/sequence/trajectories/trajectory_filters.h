@@ -4,9 +4,9 @@
 #include <string>
 #include <vector>
 
+#include "batten/core/eigen.h"
 #include "batten/mesh/sequence/trajectories/foot_contact.h"
 #include "batten/mesh/sequence/trajectories/rigid_motion.h"
-#include "batten/core/eigen.h"
 
 namespace batten {
 
@@ -59,7 +59,6 @@ class SignalFilter {
   double sum_;
   std::vector<double> taps_;
 };
-
 
 /// Expresses a trajectory relative to its parent: centres Rᵀ (c - c_parent), rotations Rᵀ R_child,
 /// with R the rotation of the parent. Throws InputError if the numbers of frames differ.

@@ -8,8 +8,8 @@
 #include <map>
 #include <numbers>
 
-#include "batten/io/step/step_check.h"
 #include "batten/io/step/step.h"
+#include "batten/io/step/step_check.h"
 #include "batten/tests/io/cad/bop_faults.h"
 #include "batten/tests/io/cad/step_models.h"
 #include "batten/tests/support/catch.h"

@@ -4,8 +4,8 @@
 
 #include "batten/core/errors.h"
 #include "batten/io/cad/cad_convert.h"
-#include "batten/io/step/step.h"
 #include "batten/io/lines/cad_lines.h"
+#include "batten/io/step/step.h"
 #include "batten/tests/io/cad/step_models.h"
 #include "batten/tests/support/catch.h"
 #include "batten/tests/support/test_data.h"

@@ -1,7 +1,7 @@
 // Pictures show what the scene says: everything inside the frame, the right colours, or a plain
 // sentence where there is no display.
-#include "batten/io/pictures/image.h"
 #include "batten/io/pictures/comb_pictures.h"
+#include "batten/io/pictures/image.h"
 #include "batten/io/pictures/pictures.h"
 
 #include <vtkImageData.h>

@@ -3,8 +3,8 @@
 
 #include "batten/core/errors.h"
 #include "batten/fairing/curves/curve_through_points.h"
-#include "batten/skinning/region/polygon_fit.h"
 #include "batten/skinning/lines/character_line.h"
+#include "batten/skinning/region/polygon_fit.h"
 #include "batten/tests/support/catch.h"
 #include "batten/tests/support/sample_lines.h"
 

@@ -6,9 +6,9 @@
 #include <numbers>
 
 #include "batten/fairing/curves/curve_through_points.h"
-#include "batten/skinning/surfaces/model_joins.h"
 #include "batten/skinning/model/model_shapes.h"
 #include "batten/skinning/region/skinned_region.h"
+#include "batten/skinning/surfaces/model_joins.h"
 #include "batten/tests/support/catch.h"
 #include "batten/tests/support/test_model_builder.h"
 
