@@ -44,15 +44,16 @@ ShellAssembler::ShellAssembler(Surface surface, std::vector<ShellSection> sectio
       outside_(outside),
       pattern_(3 * surface_.dof_map().count(), 36, stacked_dofs(surface_)) {
   if (sections_.size() != 1 && isize(sections_) != surface_.mesh().triangle_count())
-    throw InputError(std::to_string(sections_.size()) + " sections for " +
-                     std::to_string(surface_.mesh().triangle_count()) + " triangles");
+    throw InputError("found " + std::to_string(sections_.size()) + " shell sections for " +
+                     std::to_string(surface_.mesh().triangle_count()) +
+                     " triangles, expected one, or one for each");
   for (const ShellSection& section : sections_) require_section(section);
 }
 
 void ShellAssembler::update_shape(Surface surface) {
   if (surface.dof_map().count() != surface_.dof_map().count() ||
       surface.mesh().triangles() != surface_.mesh().triangles())
-    throw InputError("a shell can only move on the mesh that it was made on");
+    throw InputError("the new shape of a shell must have the same mesh");
   surface_ = std::move(surface);
 }
 
@@ -216,8 +217,8 @@ Eigen::Matrix<double, 12, 3> ShellAssembler::dofs_on(const Points& q, int t) con
 
 ShellStrain ShellAssembler::strain(const Points& q, const Location& where) const {
   if (q.rows() != surface_.dof_map().count())
-    throw InputError("a displacement of " + std::to_string(q.rows()) + " dofs on a shell of " +
-                     std::to_string(surface_.dof_map().count()));
+    throw InputError("found displacements of " + std::to_string(q.rows()) + " dofs, expected " +
+                     std::to_string(surface_.dof_map().count()) + " of the shell");
   const C1Triangle triangle(surface_.kind(), surface_.mesh().shape(where.triangle));
   return point(where).strain(triangle.jet(where.L, dofs_on(q, where.triangle)));
 }

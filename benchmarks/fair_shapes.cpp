@@ -407,7 +407,7 @@ void compare_random(Checks& checks) {
       }
     });
     if (!why.empty()) {
-      ++failed[why.substr(0, why.find(" at unknown"))];
+      ++failed[why.substr(0, why.find(" (pivot"))];
       continue;
     }
     ++faired;

@@ -23,18 +23,18 @@ constexpr int events = 201, warm = 20;
 std::string scene_text(double edge_length) {
   return text(R"(unit = "m"
 
-[skin]
+[mesh]
 edge_length = %g
-[[line]]
+[[curve]]
 name = "front"
 points = [[0, 0, 0], [0.5, 0, 0.2], [1, 0, 0]]
-[[line]]
+[[curve]]
 name = "right"
 points = [[1, 0, 0], [1, 0.5, 0.1], [1, 1, 0]]
-[[line]]
+[[curve]]
 name = "back"
 points = [[1, 1, 0], [0.5, 1, 0.2], [0, 1, 0]]
-[[line]]
+[[curve]]
 name = "left"
 points = [[0, 1, 0], [0, 0.5, 0.1], [0, 0, 0]]
 [[constraint]]

@@ -17,7 +17,7 @@ for k in range(-warm, events):
     session["pin.x"] = 0.43 + 1e-4 * a
     session["pin.y"] = 0.57 + 1e-4 * b
     session["pin.z"] = 0.12 + 1e-3 * c
-    session.answer()
+    session.update()
     points = session.points
     if k >= 0:
         times.append(time.process_time() - start)

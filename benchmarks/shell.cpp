@@ -55,31 +55,31 @@ Case scordelis() {
   Case c{"Scordelis-Lo roof", "", {6, 3, 2, 1.5, 1, 0.7}, {&roof}, "", 0, "", {1, 0}, 1};
   c.scene = R"(name = "roof"
 unit = "m"
-[[line]]
+[[curve]]
 name = "crown"
 points = [[0, 25, 0], [0, 25, 25]]
-[[line]]
+[[curve]]
 name = "wall"
 arc = { centre = [0, 0, 25], radius = 25, angles = [90, 50] }
-[[line]]
+[[curve]]
 name = "free"
 points = [[16.0696902421635, 19.1511110779744, 0], [16.0696902421635, 19.1511110779744, 25]]
-[[line]]
+[[curve]]
 name = "middle"
 arc = { centre = [0, 0, 0], radius = 25, angles = [90, 50] }
 
-[skin]
+[mesh]
 edge_length = EDGE
 [stress]
 thickness = 0.25
 young = 4.32e8
 poisson = 0
 supports = [
-  { line = "crown", kind = "symmetric", normal = [1, 0, 0] },
-  { line = "middle", kind = "symmetric", normal = [0, 0, 1] },
-  { line = "wall", kind = "held", directions = [[1, 0, 0], [0, 1, 0]] },
+  { curve = "crown", type = "symmetric", normal = [1, 0, 0] },
+  { curve = "middle", type = "symmetric", normal = [0, 0, 1] },
+  { curve = "wall", type = "prescribed", directions = [[1, 0, 0], [0, 1, 0]] },
 ]
-loads = [{ area_force = [0, -90, 0] }]
+loads = [{ traction = [0, -90, 0] }]
 )";
   c.deck = "4.32e8,0\n*DENSITY\n360\n*SHELL SECTION,ELSET=ALL,MATERIAL=M\n0.25\n";
   c.gravity = "1.,0.,-1.,0.";
@@ -90,7 +90,7 @@ Case folded() {
   Case c{"folded plate", "", {0.5, 0.25, 0.12, 0.08, 0.05, 0.03}, {&wall, &shelf}, "", 1, "",
          {0.5, 1},       2};
   const auto line = [](const std::string& name, const std::string& points) {
-    return "[[line]]\nname = \"" + name + "\"\npoints = " + points + "\n";
+    return "[[curve]]\nname = \"" + name + "\"\npoints = " + points + "\n";
   };
   c.scene =
       "name = \"plate\"\nunit = \"m\"\n" + line("foot", "[[0, 0, 0], [0, 0.5, 0]]") +
@@ -98,10 +98,10 @@ Case folded() {
       line("knee", "[[0, 0, 0.6], [0, 0.5, 0.6]]") + line("a", "[[0, 0, 0.6], [0.8, 0, 0.6]]") +
       line("b", "[[0, 0.5, 0.6], [0.8, 0.5, 0.6]]") +
       line("tip", "[[0.8, 0, 0.6], [0.8, 0.5, 0.6]]") +
-      "\n[[region]]\nname = \"shelf\"\nloops = [[\"knee\", \"a\", \"tip\", \"b\"]]\n"
-      "[skin]\nedge_length = EDGE\n[stress]\nthickness = 0.02\nyoung = 1e9\npoisson = 0.3\n"
-      "supports = [{ line = \"foot\" }]\n"
-      "loads = [{ area_force = [0, 0, -100], region = \"shelf\" }]\n";
+      "\n[[face]]\nname = \"shelf\"\nloops = [[\"knee\", \"a\", \"tip\", \"b\"]]\n"
+      "[mesh]\nedge_length = EDGE\n[stress]\nthickness = 0.02\nyoung = 1e9\npoisson = 0.3\n"
+      "supports = [{ curve = \"foot\" }]\n"
+      "loads = [{ traction = [0, 0, -100], face = \"shelf\" }]\n";
   c.deck = "1e9,0.3\n*DENSITY\n5000\n*SHELL SECTION,ELSET=ALL,MATERIAL=M\n0.02\n";
   c.gravity = "1.,0.,0.,-1.";
   return c;

@@ -1,7 +1,7 @@
-// A drag in the window: the time of an answer beside that of a bare session, and the time to draw it.
+// A drag in the window: time of an update, compared with that of a session alone, and time to draw it.
 //
-// The window's view is drawn with whatever OpenGL there is (in tests and here: Mesa on the processor). All times are
-// on the clock: the answer is on the worker's thread, drawing on this one.
+// The view is drawn with the available OpenGL (in tests and here: Mesa on the processor). All times are wall times:
+// updates are computed on the worker thread, drawing is on the main thread.
 #include <QVTKOpenGLNativeWidget.h>
 #include <vtkRenderWindow.h>
 #include <QApplication>
@@ -31,13 +31,13 @@ constexpr int kMoves = 40;
 
 std::filesystem::path panel(const std::filesystem::path& folder, double edge) {
   const auto file = folder / "panel.toml";
-  std::ofstream(file) << "unit = \"mm\"\n[[line]]\nname = \"rim\"\npoints = [[0,0,0], [400,0,0], "
-                         "[400,300,0], [0,300,0], [0,0,0]]\n[skin]\nedge_length = "
+  std::ofstream(file) << "unit = \"mm\"\n[[curve]]\nname = \"rim\"\npoints = [[0,0,0], [400,0,0], "
+                         "[400,300,0], [0,300,0], [0,0,0]]\n[mesh]\nedge_length = "
                       << edge << "\n[[load]]\nname = \"swell\"\ntype = \"pressure\"\nvalue = 1\n";
   return file;
 }
 
-/// The panel of `deform` as an OBJ file, with a scene that lifts its patch.
+/// The panel of the benchmark `deform` as an OBJ file, with a scene that lifts its patch.
 std::filesystem::path mesh_panel(const std::filesystem::path& folder, int vertices) {
   const batten_test::MeshModel model = batten_test::holed_panel(vertices);
   write_mesh(folder / "panel.obj", model.shells);
@@ -53,11 +53,11 @@ std::filesystem::path mesh_panel(const std::filesystem::path& folder, int vertic
                       << nodes(model.handle)
                       << "[[features]]\nof = [\"hole-*\"]\n[[edit]]\nname = \"lift\"\nfixed = "
                          "\"strips\"\n[[edit.handle]]\nname = \"patch\"\ntranslate = [0, 0, 30]\n"
-                         "rotate = { axis = [1, 2, 0.5], degrees = 20 }\n";
+                         "rotate = { axis = [1, 2, 0.5], angle = 20 }\n";
   return file;
 }
 
-/// What is moved, and to where.
+/// A parameter, and its values during the drag.
 struct Slider {
   std::string name;
   double at(int move) const { return middle + size * std::sin(0.3 * move); }
@@ -67,13 +67,13 @@ const Slider kInflate{"swell"}, kLift{"lift.patch.z", 40, 15};
 
 struct Times {
   int triangles = 0;
-  double update_ms = 0;  // the same on the worker, from its post to its frame
+  double update_ms = 0;  // on the worker thread, from the command to the frame
   double draw_ms = 0;    // taking the frame and drawing it
-  long most_behind = 0;  // answers between the newest and the one that is drawn, when it is taken
-  double frames = 0;     // pictures a second while a hand drags as fast as it can
+  long most_behind = 0;  // largest number of updates newer than the drawn one
+  double frames = 0;     // frames per second during a continuous drag
 };
 
-// An edit as `deform` measures it: all positions, no frame.
+// Time of an edit, ms, as the benchmark `deform` measures it: all positions, no frame.
 double headless_edits(const std::filesystem::path& file) {
   const DeformScene scene = read_deform_scene(file);
   const MeshSource source = read_source(scene.mesh);
@@ -92,7 +92,7 @@ double headless_edits(const std::filesystem::path& file) {
   return 1e3 * bench::median(times);
 }
 
-// The bare session, as `drag` measures it.
+// Time of an update of a session alone, ms, as the benchmark `drag` measures it.
 double headless_updates(const std::filesystem::path& file) {
   Document document;
   document.apply({.kind = DocumentCommand::CommandKind::Open, .file = file});
@@ -131,10 +131,10 @@ class Drag {
   }
 
   void one_by_one() {
-    std::vector<double> answers, draws;
+    std::vector<double> updates, draws;
     for (int i = 0; i < kMoves; ++i) {
       DocumentWorker::Update update;
-      answers.push_back(bench::wall_seconds_of([&] {
+      updates.push_back(bench::wall_seconds_of([&] {
         worker_.post({.kind = DocumentCommand::CommandKind::SetSlider,
                       .key = slider_.name,
                       .value = slider_.at(i)});
@@ -144,15 +144,15 @@ class Drag {
       draws.push_back(draw(update));
       while (worker_.take_update().busy) std::this_thread::sleep_for(std::chrono::milliseconds(1));
     }
-    times.update_ms = 1e3 * bench::median(answers);
+    times.update_ms = 1e3 * bench::median(updates);
     times.draw_ms = 1e3 * bench::median(draws);
   }
 
-  // A hand that never waits: each turn posts a move and draws what there is.
+  // A drag that never waits: each iteration posts a move and draws the newest frame.
   void at_once() {
     QElapsedTimer clock;
     clock.start();
-    int pictures = 0;
+    int frames = 0;
     long drawn = 0;
     for (int i = 0; clock.elapsed() < 3000; ++i) {
       worker_.post({.kind = DocumentCommand::CommandKind::SetSlider,
@@ -160,7 +160,7 @@ class Drag {
                     .value = slider_.at(i)});
       const auto update = worker_.take_update();
       if (!update.frame) continue;
-      // Frames that were made meanwhile and are passed over are not behind: the newest is drawn.
+      // Frames computed meanwhile and skipped do not count: the newest one is drawn.
       const auto newer = worker_.take_update();
       if (newer.frame) {
         times.most_behind = std::max(times.most_behind, newer.frame->number - update.frame->number);
@@ -168,10 +168,10 @@ class Drag {
       } else {
         draw(update);
       }
-      ++pictures;
+      ++frames;
       drawn = std::max(drawn, times.most_behind);
     }
-    times.frames = 1e3 * pictures / static_cast<double>(clock.elapsed());
+    times.frames = 1e3 * frames / static_cast<double>(clock.elapsed());
   }
 
   Times times;
@@ -197,19 +197,19 @@ int main(int argc, char** argv) {
   const auto folder = std::filesystem::temp_directory_path() / "batten_bench_studio";
   std::filesystem::create_directories(folder);
   bench::Table table;
-  table.add({"", "triangles", "bare answer ms", "answer ms", "draw ms", "pictures/s", "behind"});
+  table.add({"", "triangles", "session ms", "update ms", "draw ms", "frames/s", "behind"});
   bench::Checks checks;
-  const auto measure = [&](const std::string& name, double bare, const std::filesystem::path& file,
-                           const Slider& slider) {
+  const auto measure = [&](const std::string& name, double session_ms,
+                           const std::filesystem::path& file, const Slider& slider) {
     Drag drag(file, slider);
     drag.one_by_one();
     drag.at_once();
     const Times& t = drag.times;
-    table.add({name, std::to_string(t.triangles), bench::text("%.2f", bare),
+    table.add({name, std::to_string(t.triangles), bench::text("%.2f", session_ms),
                bench::text("%.2f", t.update_ms), bench::text("%.2f", t.draw_ms),
                bench::text("%.1f", t.frames), std::to_string(t.most_behind)});
-    checks.at_most("answer over bare, " + name, t.update_ms / bare, 1.1);
-    checks.at_most("answers behind, " + name, static_cast<double>(t.most_behind), 1);
+    checks.at_most("update over session, " + name, t.update_ms / session_ms, 1.1);
+    checks.at_most("updates behind, " + name, static_cast<double>(t.most_behind), 1);
   };
   for (const auto& [name, edge] :
        {std::pair("5k", 7.44), std::pair("20k", 3.72), std::pair("100k", 1.665)}) {

@@ -3,7 +3,10 @@ set(batten_cmake_dir ${CMAKE_INSTALL_LIBDIR}/cmake/batten)
 
 install(EXPORT batten-kernel NAMESPACE batten:: FILE batten-kernel.cmake DESTINATION ${batten_cmake_dir})
 if(BATTEN_WITH_IO)
-  install(EXPORT batten-io NAMESPACE batten:: FILE batten-io.cmake DESTINATION ${batten_cmake_dir})
+  foreach(library io cad drawings)
+    install(EXPORT batten-${library} NAMESPACE batten:: FILE batten-${library}.cmake
+            DESTINATION ${batten_cmake_dir})
+  endforeach()
 endif()
 configure_package_config_file(${CMAKE_CURRENT_LIST_DIR}/batten-config.cmake.in
                               ${PROJECT_BINARY_DIR}/batten-config.cmake

@@ -1,5 +1,5 @@
-# batten_library(core SOURCES a.cpp … HEADERS a.h … LINKS batten::x …): one folder with its sub-folders, one
-# library.
+# batten_library(core SOURCES a.cpp … HEADERS a.h … LINKS batten::x …): the sources of one folder with
+# its sub-folders as one static library batten::core; NAME gives it another name.
 add_library(batten_options INTERFACE)
 target_compile_features(batten_options INTERFACE cxx_std_20)
 target_compile_options(batten_options INTERFACE -Wall -Wextra -Wpedantic -Wshadow=local)
@@ -28,25 +28,43 @@ if(BATTEN_FUZZ)
   target_compile_options(batten_options INTERFACE -fsanitize=fuzzer-no-link)
 endif()
 
-# What nearly every source parses: half of the time of a build without it. The dev and sanitize presets do without
-# (CMAKE_DISABLE_PRECOMPILE_HEADERS), so that a source which forgets an include shows.
-set(batten_common_headers <Eigen/Core> <Eigen/Geometry> <Eigen/LU> <Eigen/SparseCore> <algorithm> <array> <cmath>
-    <filesystem> <functional> <map> <memory> <numbers> <optional> <set> <string> <vector>)
+# Headers that nearly every source parses: half of the time of a build without them. The dev and sanitize presets do
+# without (CMAKE_DISABLE_PRECOMPILE_HEADERS), so that a source which forgets an include shows. The kernel is compiled
+# for speed (-O3), files and programs for a short build (-O1): the two need precompiled headers of their own.
+set(batten_kernel_headers <Eigen/Core> <Eigen/Geometry> <Eigen/LU> <Eigen/SparseCore> <algorithm> <array> <cmath>
+    <filesystem> <functional> <map> <memory> <numbers> <optional> <set> <sstream> <string> <unordered_map> <variant>
+    <vector>)
+set(batten_program_headers ${batten_kernel_headers} <toml++/toml.h> <nlohmann/json.hpp>
+    "${PROJECT_SOURCE_DIR}/io/scene/scene.h" "${PROJECT_SOURCE_DIR}/io/report/report.h"
+    "${PROJECT_SOURCE_DIR}/skinning/model/model_layout.h" "${PROJECT_SOURCE_DIR}/mesh/triangle_mesh.h")
 
 set_property(GLOBAL PROPERTY batten_folders "")
 
-# batten_precompile(target): the common headers once for all libraries, which are compiled with the same options.
+# batten_precompile(target): the headers of the kernel, once for all libraries of it.
 function(batten_precompile target)
   if(TARGET batten_core AND NOT target STREQUAL "batten_core")
     target_precompile_headers(${target} REUSE_FROM batten_core)
   else()
-    target_precompile_headers(${target} PRIVATE ${batten_common_headers})
+    target_precompile_headers(${target} PRIVATE ${batten_kernel_headers})
+  endif()
+endfunction()
+
+# batten_compile_fast(target): a library of files or of a program, which is compiled with -O1.
+function(batten_compile_fast target)
+  target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:-O1>)
+  if(TARGET batten_io AND NOT target STREQUAL "batten_io")
+    target_precompile_headers(${target} REUSE_FROM batten_io)
+  else()
+    target_precompile_headers(${target} PRIVATE ${batten_program_headers})
   endif()
 endfunction()
 
 function(batten_library folder)
-  cmake_parse_arguments(ARG "" "" "SOURCES;HEADERS;LINKS;PRIVATE_LINKS" ${ARGN})
+  cmake_parse_arguments(ARG "" "NAME" "SOURCES;HEADERS;LINKS;PRIVATE_LINKS" ${ARGN})
   string(REPLACE "/" "_" name ${folder})
+  if(ARG_NAME)
+    set(name ${ARG_NAME})
+  endif()
   add_library(batten_${name} STATIC ${ARG_SOURCES} ${ARG_HEADERS})
   add_library(batten::${name} ALIAS batten_${name})
   set_target_properties(batten_${name} PROPERTIES EXPORT_NAME ${name})
@@ -55,15 +73,27 @@ function(batten_library folder)
   target_link_libraries(batten_${name} PUBLIC ${ARG_LINKS}
                         PRIVATE $<BUILD_INTERFACE:batten_options> ${ARG_PRIVATE_LINKS})
   target_compile_features(batten_${name} PUBLIC cxx_std_20)  # headers have std::span
-  batten_precompile(batten_${name})
   if(folder STREQUAL "io")
-    set(export batten-io)
+    batten_compile_fast(batten_${name})
   else()
-    set(export batten-kernel)
+    batten_precompile(batten_${name})
+  endif()
+  set(export batten-kernel)
+  if(folder STREQUAL "io")
+    set(export batten-${name})
   endif()
   install(TARGETS batten_${name} EXPORT ${export} ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
   foreach(header ${ARG_HEADERS})
     get_filename_component(subfolder ${folder}/${header} DIRECTORY)
     install(FILES ${header} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/batten/${subfolder})
   endforeach()
+endfunction()
+
+# batten_library_group(kernel batten::core …): one name for several libraries, as users link them.
+function(batten_library_group name)
+  add_library(batten_${name} INTERFACE)
+  add_library(batten::${name} ALIAS batten_${name})
+  set_target_properties(batten_${name} PROPERTIES EXPORT_NAME ${name})
+  target_link_libraries(batten_${name} INTERFACE ${ARGN})
+  install(TARGETS batten_${name} EXPORT batten-kernel)
 endfunction()

@@ -1,4 +1,4 @@
-# Libraries that read drawings: dxflib and lib2geom. The target batten_drawings has their headers.
+# Libraries that read drawings: dxflib and lib2geom. The target batten_drawing_libraries has their headers.
 find_path(DXFLIB_INCLUDE_DIR dl_dxf.h PATH_SUFFIXES dxflib)
 find_library(DXFLIB_LIBRARY dxflib)
 file(GLOB versioned_2geom LIST_DIRECTORIES true /usr/include/2geom-*)
@@ -8,7 +8,7 @@ include(FindPackageHandleStandardArgs)
 find_package_handle_standard_args(Drawings REQUIRED_VARS DXFLIB_LIBRARY DXFLIB_INCLUDE_DIR LIB2GEOM_LIBRARY
                                   LIB2GEOM_INCLUDE_DIR)
 mark_as_advanced(DXFLIB_INCLUDE_DIR DXFLIB_LIBRARY LIB2GEOM_INCLUDE_DIR LIB2GEOM_LIBRARY)
-if(Drawings_FOUND AND NOT TARGET batten_drawings)
-  add_library(batten_drawings INTERFACE)
-  target_include_directories(batten_drawings SYSTEM INTERFACE ${DXFLIB_INCLUDE_DIR} ${LIB2GEOM_INCLUDE_DIR})
+if(Drawings_FOUND AND NOT TARGET batten_drawing_libraries)
+  add_library(batten_drawing_libraries INTERFACE)
+  target_include_directories(batten_drawing_libraries SYSTEM INTERFACE ${DXFLIB_INCLUDE_DIR} ${LIB2GEOM_INCLUDE_DIR})
 endif()

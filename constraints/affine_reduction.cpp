@@ -254,7 +254,7 @@ std::vector<int> AffineReduction::redundant() const {
 
 void AffineReduction::set_values(const ConstraintSet& same_rows) {
   if (same_rows.coupled() != coupled_ || same_rows.dof_count() != dof_count_)
-    throw InputError("values of other constraints than those that were reduced");
+    throw InputError("found the values of other constraints, expected those of the reduction");
   set_rhs(right_hand_sides(same_rows));
 }
 
@@ -459,9 +459,10 @@ void require_room(const Columns& made, long column, long n) {
   const double entries = static_cast<double>(made.rows.size()) * static_cast<double>(n) /
                          static_cast<double>(made.sizes.size());
   const double left = 1 - static_cast<double>(column) / static_cast<double>(n);
-  require_memory(entries * (left * as_column + later),
-                 "a system whose unknowns long lines tie together (" + format_number(entries) +
-                     " entries; a larger edge_length makes fewer)");
+  require_memory(
+      entries * (left * as_column + later),
+      "the matrix of " + format_number(entries) +
+          " entries (long curves couple many unknowns; a larger edge_length reduces it)");
 }
 
 // Lower triangle of A + GᵀT + TᵀG, where A is a lower triangle too. Computed column by column, on
@@ -514,8 +515,8 @@ SparseMatrix with_products(const SparseMatrix& A, const RowMatrix& G, const RowM
 SparseMatrix AffineReduction::reduce(const SparseMatrix& K) const {
   const bool stacked = coupled_ && K.rows() == 3L * dof_count_;
   if (K.rows() != dof_count_ && !stacked)
-    throw InputError("a matrix of " + std::to_string(K.rows()) + " unknowns under constraints on " +
-                     std::to_string(dof_count_) + " dofs a coordinate");
+    throw InputError("found a matrix of " + std::to_string(K.rows()) + " unknowns, expected " +
+                     std::to_string(dof_count_) + ", the dofs per coordinate");
   if (selection_ && stacked == coupled_) return submatrix(K, free_dofs_);
   // With free dofs f and constrained dofs p = G f: DᵀKD = K_ff + GᵀT + TᵀG, T = K_pf + ½ K_pp G.
   const int columns = static_cast<int>(D_.rows()), free = free_count();
@@ -553,6 +554,10 @@ SparseMatrix AffineReduction::reduce(const SparseMatrix& K) const {
   K_of.setFromTriplets(of.begin(), of.end());
   K_oo.setFromTriplets(oo.begin(), oo.end());
   return with_products(K_ff, G, K_of + RowMatrix(0.5 * K_oo * G));
+}
+
+MatX AffineReduction::particular_solution(const MatX& rhs) const {
+  return rhs_to_particular_ * rhs;
 }
 
 }  // namespace batten

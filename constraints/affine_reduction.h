@@ -74,7 +74,7 @@ class AffineReduction {
   void check(const MatX& rhs) const;
   /// d0 for the given right-hand sides, with as many columns as `rhs`. Contradictions are not
   /// detected.
-  MatX particular_solution(const MatX& rhs) const { return rhs_to_particular_ * rhs; }
+  MatX particular_solution(const MatX& rhs) const;
   /// The matrix that maps right-hand sides to d0.
   const SparseMatrix& rhs_to_particular() const { return rhs_to_particular_; }
 

@@ -69,7 +69,7 @@ Points ConstrainedSolver::solve(const Points& F) const {
 Points ConstrainedSolver::solve_refined(const Points& F) const {
   Points q = solve(F);
   if (K_.rows() != q.size())
-    throw InputError("solve_refined() needs a K over the stacked dofs, 3n by 3n");
+    throw InputError("solve_refined() needs a stiffness matrix of the stacked dofs, 3n by 3n");
   using Long = long double;
   const Eigen::Map<const VecX> x(q.data(), q.size()), f(F.data(), F.size());
   Eigen::Matrix<Long, Eigen::Dynamic, 1> residual = f.cast<Long>();
@@ -104,17 +104,17 @@ ThetaIntegrator::ThetaIntegrator(const ConstraintSet& constraints, SparseMatrix 
   const auto& o = options_;
   for (const SparseMatrix* A : {&K_, &M_})
     if (A->rows() != constraints.dof_count() || A->cols() != constraints.dof_count())
-      throw InputError("a matrix of " + std::to_string(A->rows()) + " × " +
-                       std::to_string(A->cols()) + " for " +
-                       std::to_string(constraints.dof_count()) + " dofs");
+      throw InputError("found a matrix of " + std::to_string(A->rows()) + " × " +
+                       std::to_string(A->cols()) + ", expected " +
+                       std::to_string(constraints.dof_count()) + " rows and columns");
   if (!(o.density >= 0) || !(o.damping >= 0) || !(o.density + o.damping > 0) ||
       !std::isfinite(o.density + o.damping))
-    throw InputError("density " + format_number(o.density) + " and damping " +
-                     format_number(o.damping) + ": expected both 0 or more, and not both 0");
+    throw InputError("found density " + format_number(o.density) + " and damping " +
+                     format_number(o.damping) + ", expected 0 or more, and not both 0");
   if (!(o.dt > 0) || !std::isfinite(o.dt))
-    throw InputError("a time step of " + format_number(o.dt) + ": expected one above 0");
+    throw InputError("found the time step " + format_number(o.dt) + ", expected a number above 0");
   if (!(o.theta >= 0.5) || !(o.theta <= 1))
-    throw InputError("theta = " + format_number(o.theta) + ": expected 0.5 to 1");
+    throw InputError("found theta = " + format_number(o.theta) + ", expected 0.5 to 1");
   const double inertia = o.density / (o.theta * o.dt) + o.damping;
   const SparseMatrix A = inertia * M_ + (o.theta * o.dt) * K_;
   const SparseMatrix reduced = reduction_.reduce(A);
@@ -126,9 +126,9 @@ ThetaIntegrator::ThetaIntegrator(const ConstraintSet& constraints, SparseMatrix 
 
 void ThetaIntegrator::start(Points x, Points v) {
   if (x.rows() != K_.rows() || v.rows() != K_.rows())
-    throw InputError("a motion of " + std::to_string(K_.rows()) + " dofs started with " +
-                     std::to_string(x.rows()) + " positions and " + std::to_string(v.rows()) +
-                     " velocities");
+    throw InputError("found " + std::to_string(x.rows()) + " positions and " +
+                     std::to_string(v.rows()) + " velocities, expected " +
+                     std::to_string(K_.rows()) + ", one for each dof");
   x_ = std::move(x);
   v_ = std::move(v);
 }

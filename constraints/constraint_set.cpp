@@ -34,7 +34,7 @@ void ConstraintSet::add(const std::string& name, std::vector<Entry> entries, con
     check_dof(name, e.dof, dof_count_);
     finite = finite && std::isfinite(e.coefficient);
   }
-  if (!finite) throw InputError("constraint '" + name + "' has a number that is not finite");
+  if (!finite) throw InputError("constraint '" + name + "': a value is not finite");
   constraints_.push_back({name_index(name), std::move(entries), value});
 }
 
@@ -45,7 +45,7 @@ void ConstraintSet::add_coupled(const std::string& name, std::vector<CoupledEntr
     check_dof(name, e.dof, dof_count_);
     finite = finite && e.coefficient.allFinite();
   }
-  if (!finite) throw InputError("constraint '" + name + "' has a number that is not finite");
+  if (!finite) throw InputError("constraint '" + name + "': a value is not finite");
   coupled_constraints_.push_back({name_index(name), std::move(entries), value});
 }
 

@@ -66,8 +66,9 @@ std::vector<int> vertex_ordering(const AffineReduction& reduction, const SparseM
                                  const DofVertices& vertices, FactorReuse factor_reuse) {
   const std::vector<int>& free_dofs = reduction.free_dofs();
   if (reduction.coupled() || static_cast<long>(vertices.size()) != reduction.D().rows())
-    throw InputError("vertices of " + std::to_string(vertices.size()) + " dofs for " +
-                     std::to_string(reduction.D().rows()));
+    throw InputError("found the vertices of " + std::to_string(vertices.size()) +
+                     " dofs, expected " + std::to_string(reduction.D().rows()) +
+                     ", and constraints that do not couple x, y and z");
   const Nodes nodes = nodes_of(free_dofs, vertices);
   const std::vector<int> order = elimination_order(graph_of(reduced, nodes), factor_reuse);
   std::vector<int> position(order.size());
@@ -90,10 +91,11 @@ std::vector<int> vertex_ordering(const AffineReduction& reduction, const SparseM
 
 void ReusableFactorization::check(const SparseMatrix& S) const {
   if (reduction_->coupled())
-    throw InputError("rows that mix x, y and z do not belong into the reduction of a live system");
+    throw InputError("reusable factorization: constraint equations must not couple x, y and z");
   if (S.rows() != D().rows() || S.cols() != S.rows())
-    throw InputError("a matrix of " + std::to_string(S.rows()) + " × " + std::to_string(S.cols()) +
-                     " for " + std::to_string(D().rows()) + " dofs");
+    throw InputError("found a matrix of " + std::to_string(S.rows()) + " × " +
+                     std::to_string(S.cols()) + ", expected " + std::to_string(D().rows()) +
+                     " rows and columns");
 }
 
 ReusableFactorization::ReusableFactorization(std::shared_ptr<const AffineReduction> reduction,
@@ -148,7 +150,7 @@ SparseMatrix ReusableFactorization::columns_of_constrained(const SparseMatrix& S
 
 void ReusableFactorization::set_matrix(SparseMatrix S) {
   if (S.nonZeros() != S_.nonZeros() || S.rows() != S_.rows())
-    throw InputError("a live system is given a matrix of another pattern");
+    throw InputError("reusable factorization: the new matrix has a different sparsity pattern");
   try {
     factorize(S, reduction_->reduce(S), nullptr);
   } catch (...) {

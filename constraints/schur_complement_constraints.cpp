@@ -69,7 +69,7 @@ std::vector<VecX> SchurComplementConstraints::orthogonalise(double dependent) {
   qr.setPivotThreshold(dependent);
   qr.compute(hard_constraint_matrix(hard));
   if (qr.info() != Eigen::Success)
-    throw NoSolutionError("the rows of guided points cannot be reduced");
+    throw NoSolutionError("the equations of the point constraints cannot be factorized");
   // SparseQR permutes columns: independent ones first, then the remaining ones.
   Eigen::RowVectorXi order(static_cast<long>(hard.size()));
   for (size_t k = 0; k < hard.size(); ++k) order[static_cast<long>(k)] = hard[k];
@@ -95,8 +95,9 @@ std::vector<VecX> SchurComplementConstraints::orthogonalise(double dependent) {
 void SchurComplementConstraints::solve_points(const SparseCholesky& factor,
                                               const SchurComplementConstraints* previous,
                                               const std::vector<int>& reused_columns) {
-  require_memory(8.0 * static_cast<double>(U_.rows()) * static_cast<double>(U_.cols()),
-                 "holding a shape at " + std::to_string(points()) + " places beside its lines");
+  require_memory(
+      8.0 * static_cast<double>(U_.rows()) * static_cast<double>(U_.cols()),
+      "constraining the surface at " + std::to_string(points()) + " points beside its curves");
   Z_.resize(U_.rows(), U_.cols());
   std::vector<long> unknown;
   for (long k = 0; k < U_.cols(); ++k)
@@ -156,12 +157,12 @@ void SchurComplementConstraints::express_redundant(
 void SchurComplementConstraints::set_stiffness(const VecX& stiffness) {
   const auto soft = static_cast<long>(soft_.size());
   if (stiffness.size() != soft)
-    throw InputError(std::to_string(stiffness.size()) + " stiffnesses for " + std::to_string(soft) +
-                     " springs");
+    throw InputError("found " + std::to_string(stiffness.size()) + " stiffnesses for " +
+                     std::to_string(soft) + " springs, expected one for each");
   for (long k = 0; k < soft; ++k) {
     if (!(stiffness[k] >= 0) || !std::isfinite(stiffness[k]))
-      throw InputError("a spring of stiffness " + format_number(stiffness[k]) +
-                       ": it must not be below 0");
+      throw InputError("found the spring stiffness " + format_number(stiffness[k]) +
+                       ", expected 0 or more");
     roots_[k] = std::sqrt(stiffness[k]);
   }
   if (S_.size() == 0) return;
@@ -171,7 +172,7 @@ void SchurComplementConstraints::set_stiffness(const VecX& stiffness) {
   scaled_.diagonal().tail(soft).array() += 1;
   schur_.compute(scaled_);
   if (schur_.info() != Eigen::Success)
-    throw NoSolutionError("the rows of guided points are nearly dependent");
+    throw NoSolutionError("the equations of the point constraints are nearly linearly dependent");
 }
 
 std::pair<double, int> SchurComplementConstraints::contradiction(const VecX& g) const {

@@ -1,6 +1,8 @@
 #include "batten/core/eigen.h"
 
+#include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
+#include <Eigen/LU>
 #include <Eigen/QR>
 #include <Eigen/SVD>
 
@@ -38,6 +40,12 @@ SymmetricEigen3 symmetric_eigen(const Mat3& A) {
 MatX least_squares(const MatX& A, const MatX& b) {
   return A.completeOrthogonalDecomposition().solve(b);
 }
+
+MatX solve_symmetric(const MatX& A, const MatX& b) { return A.ldlt().solve(b); }
+
+Vec2 solve_symmetric(const Mat2& A, const Vec2& b) { return A.ldlt().solve(b); }
+
+MatX solve_square(const MatX& A, const MatX& b) { return A.partialPivLu().solve(b); }
 
 PrincipalAxes principal_axes(std::span<const Vec3> points) {
   PrincipalAxes result;

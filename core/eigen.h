@@ -72,6 +72,15 @@ SymmetricEigen3 symmetric_eigen(const Mat3& A);
 /// m×n matrix A.
 MatX least_squares(const MatX& A, const MatX& b);
 
+/// Solution of A x = b for a symmetric matrix A, for each column of b: LDLᵀ factorization with
+/// diagonal pivoting. Only the lower triangle of A is read. Cost: O(n³).
+MatX solve_symmetric(const MatX& A, const MatX& b);
+Vec2 solve_symmetric(const Mat2& A, const Vec2& b);  ///< allocates no memory
+
+/// Solution of A x = b for a regular square matrix A, for each column of b: LU factorization with
+/// partial pivoting. Cost: O(n³).
+MatX solve_square(const MatX& A, const MatX& b);
+
 /// Principal axes of a point set: the eigenvalues (ascending) and eigenvectors of the scatter
 /// matrix Σ (p - mean)(p - mean)ᵀ. The first axis is the normal of the best-fit plane, the last one
 /// the direction of the best-fit line.

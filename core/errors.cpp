@@ -13,7 +13,8 @@ std::string describe(const std::vector<ConflictError::Conflict>& conflicts) {
     text += "\n  ";
     for (size_t i = 0; i < c.names.size(); ++i)
       text += (i == 0 ? "'" : i + 1 == c.names.size() ? "' and '" : "', '") + c.names[i];
-    text += "' miss each other by " + format_number(c.amount) + c.unit;
+    text += c.names.size() > 1 ? "' differ by " : "' is violated by ";
+    text += format_number(c.amount) + c.unit;
   }
   return text;
 }

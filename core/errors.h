@@ -39,8 +39,8 @@ class ConflictError : public Error {
   struct Conflict {
     std::vector<std::string> names;
     double amount = 0;
-    /// Text appended to the amount, with its leading space, for example " degrees of turn". Empty:
-    /// the amount has the unit of the right-hand side.
+    /// Text appended to the amount, with its leading space, for example " degrees of rotation".
+    /// Empty: the amount has the unit of the right-hand side.
     std::string unit = {};
   };
   /// `where`: text that precedes the message.

@@ -42,10 +42,7 @@ auto bounding_box(const PointRange& points) {
 /// logarithms of [Masuda2006], eq. 6 and 7, are r/2.
 inline Vec3 to_rotation_vector(const Vec3& axis, double angle) { return axis.normalized() * angle; }
 /// Shortest rotation vector of a rotation matrix R.
-inline Vec3 to_rotation_vector(const Mat3& R) {
-  const Eigen::AngleAxisd rotation(R);
-  return to_rotation_vector(rotation.axis(), rotation.angle());
-}
+Vec3 to_rotation_vector(const Mat3& R);
 
 /// Rotates x by a rotation vector. Cost: one sine, one cosine and two cross products.
 inline Vec3 rotated(const Vec3& rotation_vector, const Vec3& x) {
@@ -69,11 +66,7 @@ inline Mat3 rotation_matrix(const Vec3& rotation_vector) {
 
 /// Formats a point as "(x, y, z)". Components that are only rounding errors compared with the
 /// largest coordinate (below 1e-14 of it) are written as 0.
-inline std::string format_point(const Vec3& p) {
-  const double rounding = 1e-14 * p.cwiseAbs().maxCoeff();
-  const auto word = [&](double x) { return format_number(std::abs(x) <= rounding ? 0.0 : x); };
-  return "(" + word(p.x()) + ", " + word(p.y()) + ", " + word(p.z()) + ")";
-}
+std::string format_point(const Vec3& p);
 
 /// Angle between two vectors of any length, in degrees in [0, 180]. Accurate to rounding also near
 /// 0 and 180.

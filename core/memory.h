@@ -16,7 +16,7 @@ void set_memory_limit(double bytes);
 /// respected too. Infinite if the system reports nothing.
 double available_memory();
 
-/// Throws InputError "WHAT needs 14 GB of memory, and 6 GB are there" if `bytes` exceeds
+/// Throws InputError "WHAT needs 14 GB of memory, but only 6 GB are available" if `bytes` exceeds
 /// available_memory().
 void require_memory(double bytes, const std::string& what);
 

@@ -4,8 +4,8 @@ namespace batten {
 
 std::string ScopedOpCount::text() const {
   constexpr std::array<const char*, kOpCounterCount> words = {
-      "analyses",       "factorizations", "solves",     "assembled elements",
-      "triangulations", "plain fillings", "allocations"};
+      "analyses",       "factorizations",      "solves",     "assembled elements",
+      "triangulations", "hole triangulations", "allocations"};
   std::string text;
   for (size_t k = 0; k < words.size(); ++k)
     text += (k ? ", " : "") + std::to_string(of(static_cast<OpCounter>(k))) + " " + words[k];

@@ -95,7 +95,7 @@ const TriangleRule& C1Triangle::default_quadrature(TriangleElement kind) {
 Eigen::Matrix<double, 10, 3> C1Triangle::bezier(int sub,
                                                 const Eigen::Matrix<double, 12, 3>& q) const {
   if (kind_ != TriangleElement::HCT)
-    throw InputError("Bezier ordinates exist for HCT triangles only: Z12 is rational");
+    throw InputError("Bezier ordinates exist for HCT triangles only: Z12 triangles are rational");
   return hct_ordinates(sub) * pull_back(q);
 }
 

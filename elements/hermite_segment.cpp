@@ -21,7 +21,8 @@ Matrix reversed(const Matrix& K) {
 
 HermiteSegment::HermiteSegment(double h) : h_(h) {
   if (!(h > 0))
-    throw InputError("a Hermite segment of length " + format_number(h) + ": it must be > 0");
+    throw InputError("found a Hermite segment of length " + format_number(h) +
+                     ", expected a length above 0");
 }
 
 HermiteSegment::Vector HermiteSegment::evaluate(double s, int order) const {

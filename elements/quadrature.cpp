@@ -51,7 +51,9 @@ TriangleRule from_orbits(std::initializer_list<Orbit> orbits) {
 }  // namespace
 
 SegmentRule gauss_legendre(int n) {
-  if (n < 1) throw InputError("a Gauss rule needs at least one point, not " + std::to_string(n));
+  if (n < 1)
+    throw InputError("found a Gauss rule with " + std::to_string(n) +
+                     " points, expected 1 or more");
   SegmentRule rule{VecX(n), VecX(n)};
   for (int i = 0; i < n; ++i) {
     double x = -std::cos(std::numbers::pi * (i + 0.75) / (n + 0.5));
@@ -108,8 +110,8 @@ TriangleRule symmetric_triangle_rule(int degree) {
                           {0.032458497623198080, 0.050547228317030975, 0.050547228317030975},
                           {0.027230314174434994, 0.008394777409957605, 0.263112829634638113}});
     default:
-      throw InputError("no symmetric triangle rule of degree " + std::to_string(degree) +
-                       " (0 to 8 exist here; six_duffy goes further)");
+      throw InputError("found a symmetric triangle rule of degree " + std::to_string(degree) +
+                       ", expected 0 to 8; use six_duffy for higher degrees");
   }
 }
 

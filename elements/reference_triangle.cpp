@@ -318,9 +318,9 @@ TriangleShape::TriangleShape(const Vec2& v1, const Vec2& v2, const Vec2& v3,
   }
   area = 0.5 * (c[2] * b[1] - c[1] * b[2]);
   if (!(area > 0) || !std::isfinite(area))
-    throw MeshError("a parametric triangle of area " + format_number(area) + " at (" +
+    throw MeshError("found a parametric triangle of area " + format_number(area) + " at (" +
                     format_number(v1.x()) + ", " + format_number(v1.y()) +
-                    "): vertices must run counter-clockwise and not lie on one line");
+                    "), expected counter-clockwise vertices that are not collinear");
 }
 
 Vec3 TriangleShape::barycentric(const Vec2& p) const {
@@ -335,9 +335,9 @@ Vec3 TriangleShape::barycentric(const Vec2& p) const {
 SurfaceStiffness SurfaceStiffness::directional(const Vec2& t, double alpha, double beta) {
   constexpr double unit = 1e-9;
   if (!(std::abs(t.norm() - 1) <= unit))
-    throw InputError("a direction (" + format_number(t.x()) + ", " + format_number(t.y()) +
-                     ") of length " + format_number(t.norm()) +
-                     ": resistance wants a direction of length 1");
+    throw InputError("directional stiffness: found the direction (" + format_number(t.x()) + ", " +
+                     format_number(t.y()) + ") of length " + format_number(t.norm()) +
+                     ", expected length 1");
   // w_tt = a w_uu + 2 b w_uv + c w_vv.
   const double a = t.x() * t.x(), b = t.x() * t.y(), c = t.y() * t.y();
   return {alpha * t * t.transpose(), beta * Vec3(a * a, 2 * b * b, c * c),

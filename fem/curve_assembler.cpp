@@ -16,8 +16,9 @@ std::vector<int> all_dofs(const CurveMesh& mesh) {
 template <class Value>
 void check_count(const std::vector<Value>& values, const CurveMesh& mesh) {
   if (values.size() != 1 && isize(values) != mesh.segment_count())
-    throw InputError(std::to_string(values.size()) + " coefficients for " +
-                     std::to_string(mesh.segment_count()) + " curve segments");
+    throw InputError("found " + std::to_string(values.size()) + " coefficients for " +
+                     std::to_string(mesh.segment_count()) +
+                     " curve segments, expected one, or one for each");
 }
 
 template <class Value>
@@ -63,8 +64,9 @@ SparseMatrix CurveAssembler::mass(const std::vector<double>& weight) const {
 
 Points CurveAssembler::load(const Points& f) const {
   if (f.rows() != mesh_.segment_count() + 1)
-    throw InputError(std::to_string(f.rows()) + " load values for " +
-                     std::to_string(mesh_.segment_count() + 1) + " curve parameters");
+    throw InputError("found " + std::to_string(f.rows()) + " load values for " +
+                     std::to_string(mesh_.segment_count() + 1) +
+                     " curve parameters, expected one for each");
   Points F = Points::Zero(mesh_.dof_count(), 3);
   for (int s = 0; s < mesh_.segment_count(); ++s) {
     const HermiteSegment segment(mesh_.length(s));

@@ -21,13 +21,14 @@ void require_inside(const Location& where, int place, int triangles) {
     throw InputError("display point " + std::to_string(place) + ": " + why);
   };
   if (where.triangle < 0 || where.triangle >= triangles)
-    refuse("triangle " + std::to_string(where.triangle) + " of " + std::to_string(triangles));
+    refuse("found triangle " + std::to_string(where.triangle) + ", expected 0 to " +
+           std::to_string(triangles - 1));
   constexpr double rounding = 1e-9;
   if (!where.L.allFinite() || where.L.minCoeff() < -rounding ||
       std::abs(where.L.sum() - 1) > rounding)
-    refuse("barycentric coordinates " + format_number(where.L[0]) + ", " +
+    refuse("found barycentric coordinates " + format_number(where.L[0]) + ", " +
            format_number(where.L[1]) + ", " + format_number(where.L[2]) +
-           " are not those of a point of its triangle");
+           ", expected a point inside of its triangle");
 }
 
 using Vector = double __attribute__((vector_size(32)));  // x, y, z, 0
@@ -129,8 +130,8 @@ DisplayPoints::DisplayPoints(const ParametricMesh& mesh, TriangleElement kind,
 void DisplayPoints::evaluate(const Points& x, const Vec3& shift, float* points,
                              float* normals) const {
   if (x.rows() != dof_count_)
-    throw InputError("display points of a mesh with " + std::to_string(dof_count_) +
-                     " dofs were asked for with " + std::to_string(x.rows()));
+    throw InputError("display points: found " + std::to_string(x.rows()) + " dofs, expected " +
+                     std::to_string(dof_count_) + " of the mesh");
   const auto interleave = [&](int part) {
     const int to = std::min(dof_count_, (part + 1) * chunk);
     for (int i = part * chunk; i < to; ++i) rows_[i] = {{x(i, 0), x(i, 1), x(i, 2), 0}};

@@ -163,7 +163,8 @@ void ElementPattern::assemble(const std::function<void(int, double*)>& element,
                               SparseMatrix& matrix) const {
   if (matrix.rows() + 1 != static_cast<long>(column_.size()) ||
       matrix.nonZeros() != static_cast<long>(row_.size()))
-    throw InputError("the matrix to assemble into does not have the pattern of these elements");
+    throw InputError(
+        "the matrix to assemble into does not have the sparsity pattern of these elements");
   count(OpCounter::AssembledElement, element_count());
   double* values = matrix.valuePtr();
   std::fill_n(values, row_.size(), 0.0);

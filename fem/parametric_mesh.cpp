@@ -21,8 +21,8 @@ ParametricMesh::ParametricMesh(std::vector<Vec2> vertices, std::vector<Triangle>
                                double period)
     : vertices_(std::move(vertices)), triangles_(std::move(triangles)), period_(period) {
   if (!(period >= 0) || !std::isfinite(period))
-    throw MeshError("the period of a parametric mesh is " + format_number(period) +
-                    "; expected a positive number, or 0 for none");
+    throw MeshError("found a parametric mesh with the period " + format_number(period) +
+                    ", expected a positive number, or 0 for none");
   const int n = vertex_count();
   for (int v = 0; v < n; ++v)
     if (!vertices_[v].allFinite())
@@ -32,7 +32,7 @@ ParametricMesh::ParametricMesh(std::vector<Vec2> vertices, std::vector<Triangle>
       if (!(vertices_[v].x() >= 0 && vertices_[v].x() < period_))
         throw MeshError("parametric vertex " + std::to_string(v) +
                         " has u = " + format_number(vertices_[v].x()) +
-                        ", outside of one period, 0 to " + format_number(period_));
+                        ", expected a value in one period, 0 to " + format_number(period_));
   if (triangles_.empty()) throw MeshError("a parametric mesh needs at least one triangle");
   edges_from_.resize(n);
   triangle_edges_.resize(triangles_.size());
@@ -41,8 +41,8 @@ ParametricMesh::ParametricMesh(std::vector<Vec2> vertices, std::vector<Triangle>
     const Triangle& tri = triangles_[t];
     for (const int v : tri) {
       if (v < 0 || v >= n)
-        throw MeshError("triangle " + std::to_string(t) + " names vertex " + std::to_string(v) +
-                        " of " + std::to_string(n));
+        throw MeshError("triangle " + std::to_string(t) + " uses vertex " + std::to_string(v) +
+                        ", expected 0 to " + std::to_string(n - 1));
       used[v] = 1;
     }
     for (int i = 0; i < 3; ++i) {
@@ -58,7 +58,7 @@ ParametricMesh::ParametricMesh(std::vector<Vec2> vertices, std::vector<Triangle>
         if (period_ > 0 && std::abs(edge_vector(e).x()) > (1 - margin) * period_ / 3)
           throw MeshError("edge " + std::to_string(low) + "-" + std::to_string(high) + " spans " +
                           format_number(std::abs(edge_vector(e).x())) +
-                          " in u, a third of the period or more: a periodic mesh needs at least "
+                          " in u, a third of the period or more; a periodic mesh needs at least "
                           "four columns");
       } else {
         Edge& edge = edges_[e];
@@ -67,14 +67,15 @@ ParametricMesh::ParametricMesh(std::vector<Vec2> vertices, std::vector<Triangle>
         edge.triangle[1] = t;
         edge.local[1] = i;
         if (edge_sign(edge.triangle[0], edge.local[0]) == edge_sign(t, i))
-          throw MeshError("the triangles at edge " + name + " are wound in opposite directions");
+          throw MeshError("the triangles at edge " + name + " have opposite orientations");
       }
       triangle_edges_[t][i] = e;
     }
     shape(t);  // throws unless counter-clockwise
   }
   for (int v = 0; v < n; ++v)
-    if (!used[v]) throw MeshError("parametric vertex " + std::to_string(v) + " has no triangle");
+    if (!used[v])
+      throw MeshError("parametric vertex " + std::to_string(v) + " belongs to no triangle");
 }
 
 ParametricMesh ParametricMesh::concatenated(const std::vector<const ParametricMesh*>& meshes) {
@@ -165,7 +166,7 @@ Vec2 ParametricMesh::edge_normal(int e) const {
 double ParametricMesh::edge_length(int e) const { return edge_vector(e).norm(); }
 
 ParametricMesh ParametricMesh::unit_square(int n) {
-  if (n < 1) throw InputError("a square mesh needs at least one square a side");
+  if (n < 1) throw InputError("a square mesh needs at least one square per side");
   std::vector<Vec2> vertices;
   std::vector<Triangle> triangles;
   for (int j = 0; j <= n; ++j)

@@ -233,11 +233,11 @@ void PressureOperator::build_dof_lists() {
 
 void PressureOperator::check(const Points& x, const VecX& weights) const {
   if (x.rows() != dofs_)
-    throw InputError("a surface with " + std::to_string(x.rows()) + " dofs on a mesh with " +
-                     std::to_string(dofs_));
+    throw InputError("found " + std::to_string(x.rows()) + " dofs of a surface, expected " +
+                     std::to_string(dofs_) + " of its mesh");
   if (weights.size() != 0 && weights.size() != triangles_)
-    throw InputError(std::to_string(weights.size()) + " weights for " + std::to_string(triangles_) +
-                     " triangles");
+    throw InputError("found " + std::to_string(weights.size()) + " pressure factors for " +
+                     std::to_string(triangles_) + " triangles, expected one for each");
 }
 
 void PressureOperator::part_forces(const Part& part, const Points& x, const VecX& weights) const {
@@ -272,7 +272,7 @@ void PressureOperator::forces(const Points& x, const VecX& weights) const {
 
 void PressureOperator::add(const Points& x, const VecX& weights, double value, Points& F) const {
   if (F.rows() != dofs_)
-    throw InputError("a load with " + std::to_string(F.rows()) + " dofs on a mesh with " +
+    throw InputError("found a load vector of " + std::to_string(F.rows()) + " dofs, expected " +
                      std::to_string(dofs_));
   forces(x, weights);
   parallel_for_each<4096>(dofs_, [&](int d) {

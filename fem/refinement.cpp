@@ -164,8 +164,8 @@ std::vector<ParametricMesh::Triangle> halves_of(const ParametricMesh& mesh,
 
 Bisection bisected(const ParametricMesh& mesh, const std::vector<char>& marked) {
   if (isize(marked) != mesh.triangle_count())
-    throw InputError(std::to_string(marked.size()) + " marks for " +
-                     std::to_string(mesh.triangle_count()) + " triangles");
+    throw InputError("found " + std::to_string(marked.size()) + " refinement marks for " +
+                     std::to_string(mesh.triangle_count()) + " triangles, expected one for each");
   std::vector<int> longest(mesh.triangle_count());
   std::vector<char> split(mesh.edge_count(), 0);
   for (int t = 0; t < mesh.triangle_count(); ++t) longest[t] = longest_edge(mesh, t);

@@ -53,8 +53,8 @@ Surface::Surface(std::shared_ptr<const ParametricMesh> mesh, TriangleElement kin
       dofs_(std::move(dofs)),
       trim_(std::move(trim)) {
   if (dofs_.rows() != dof_map_.count())
-    throw InputError("a surface with " + std::to_string(dofs_.rows()) + " dofs on a mesh with " +
-                     std::to_string(dof_map_.count()));
+    throw InputError("found " + std::to_string(dofs_.rows()) + " dofs of a surface, expected " +
+                     std::to_string(dof_map_.count()) + " of its mesh");
 }
 
 Eigen::Matrix<double, 12, 3> Surface::triangle_dofs(int t) const {
@@ -175,7 +175,7 @@ SparseMatrix evaluation_operator(const ParametricMesh& mesh, TriangleElement kin
 }
 
 Tessellation tessellate(const ParametricMesh& mesh, int n) {
-  if (n < 1) throw InputError("a tessellation needs at least one facet a triangle");
+  if (n < 1) throw InputError("a tessellation needs at least one facet per triangle");
   Tessellation result;
   result.points.resize(mesh.vertex_count());
   std::vector<int> edge_start(mesh.edge_count(), -1);  // n-1 points per edge, from the lower end

@@ -77,8 +77,8 @@ void SurfaceAssembler::stiffness(const SurfaceStiffness& material, SparseMatrix&
 void SurfaceAssembler::stiffness(const std::vector<SurfaceStiffness>& materials,
                                  SparseMatrix& K) const {
   if (isize(materials) != mesh_.triangle_count())
-    throw InputError(std::to_string(materials.size()) + " materials for " +
-                     std::to_string(mesh_.triangle_count()) + " triangles");
+    throw InputError("found " + std::to_string(materials.size()) + " stiffnesses for " +
+                     std::to_string(mesh_.triangle_count()) + " triangles, expected one for each");
   const ReferenceTensors& tensors = reference_tensors(kind_);
   pattern_.assemble(
       [&](int t, double* element) {
@@ -152,8 +152,8 @@ Points SurfaceAssembler::load(const Vec3& f) const {
 
 void SurfaceAssembler::check_weights(const VecX& triangle_weights) const {
   if (triangle_weights.size() != mesh_.triangle_count())
-    throw InputError(std::to_string(triangle_weights.size()) + " weights for " +
-                     std::to_string(mesh_.triangle_count()) + " triangles");
+    throw InputError("found " + std::to_string(triangle_weights.size()) + " factors for " +
+                     std::to_string(mesh_.triangle_count()) + " triangles, expected one for each");
 }
 
 VecX SurfaceAssembler::load(const VecX& triangle_weights) const {
@@ -210,8 +210,8 @@ SurfaceAssembler::ElementLoad SurfaceAssembler::reference_dofs(int t, const Poin
 VecX SurfaceAssembler::area_load(const Surface& surface) const {
   const Points& q = surface.dofs();
   if (q.rows() != dofs_.count())
-    throw InputError("a surface with " + std::to_string(q.rows()) + " dofs on a mesh with " +
-                     std::to_string(dofs_.count()));
+    throw InputError("found " + std::to_string(q.rows()) + " dofs of a surface, expected " +
+                     std::to_string(dofs_.count()) + " of its mesh");
   const TabulatedRule& whole = pressure_functions(kind_);
   return gather([&](int t, ElementLoad& reference) {
            std::optional<TabulatedRule> part;
@@ -248,8 +248,8 @@ Points SurfaceAssembler::pressure_load(const Points& q) const {
 
 Points SurfaceAssembler::point_load(const Location& where, const Vec3& force) const {
   if (where.triangle < 0 || where.triangle >= mesh_.triangle_count())
-    throw InputError("a point load on triangle " + std::to_string(where.triangle) + " of " +
-                     std::to_string(mesh_.triangle_count()));
+    throw InputError("found a point load on triangle " + std::to_string(where.triangle) +
+                     ", expected 0 to " + std::to_string(mesh_.triangle_count() - 1));
   Points F = Points::Zero(dofs_.count(), 3);
   const Vec12 N = C1Triangle(kind_, shapes_[where.triangle]).evaluate(where.L).col(kW);
   const auto dof = dofs_.triangle(mesh_, where.triangle);
@@ -340,9 +340,10 @@ std::vector<double> merged_parameters(const HermiteCurve& pcurve, const HermiteC
 VecX line_load(const ParametricMesh& mesh, TriangleElement kind, const TriangleLocator& locator,
                const HermiteCurve& pcurve, const HermiteCurve& curve) {
   if (pcurve.start() != curve.start() || pcurve.end() != curve.end())
-    throw InputError("a line over [" + format_number(curve.start()) + ", " +
-                     format_number(curve.end()) + "] with an image over [" +
-                     format_number(pcurve.start()) + ", " + format_number(pcurve.end()) + "]");
+    throw InputError("line load: found a curve over [" + format_number(curve.start()) + ", " +
+                     format_number(curve.end()) + "] with a parameter curve over [" +
+                     format_number(pcurve.start()) + ", " + format_number(pcurve.end()) +
+                     "], expected equal intervals");
   const std::vector<double> cuts =
       ElementCrossings(mesh, kind, locator, pcurve).cut(merged_parameters(pcurve, curve));
 

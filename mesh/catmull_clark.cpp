@@ -218,12 +218,12 @@ class Cage {
       const auto found = number_.find(key(a, b));
       if (found == number_.end())
         throw InputError("the crease from node " + std::to_string(a + 1) + " to " +
-                         std::to_string(b + 1) + " is no edge of the cage");
+                         std::to_string(b + 1) + " is not an edge of the cage");
       edges_[found->second].sharp = sharpness_of(sharp);
     }
     for (const auto& [node, sharp] : tags.corners) {
       if (node < 0 || node >= points_.rows())
-        throw InputError("the corner " + std::to_string(node + 1) + " is no node of the cage");
+        throw InputError("the corner " + std::to_string(node + 1) + " is not a node of the cage");
       corners_[node] = sharpness_of(sharp);
     }
     for (Edge& edge : edges_)
@@ -325,16 +325,17 @@ void check_sharpness(double sharpness) {
 void check(const ShellMesh& cage, const CatmullClarkOptions& options) {
   constexpr double most = 4e6;
   if (options.levels < 1)
-    throw InputError(std::to_string(options.levels) + " rounds of subdivision, expected 1 or more");
+    throw InputError("found " + std::to_string(options.levels) +
+                     " levels of subdivision, expected 1 or more");
   for (const CageCrease& crease : options.tags.creases) check_sharpness(crease.sharpness);
   for (const CageCorner& corner : options.tags.corners) check_sharpness(corner.sharpness);
   double quads = 0;
   for (int f = 0; f < cage.face_count(); ++f) quads += static_cast<double>(cage.corners(f).size());
   for (int k = 1; k < options.levels && quads <= most; ++k) quads *= 4;
   if (quads > most)
-    throw InputError(std::to_string(options.levels) + " rounds of subdivision of " +
+    throw InputError("found " + std::to_string(options.levels) + " levels of subdivision of " +
                      std::to_string(cage.face_count()) +
-                     " faces are more than 4,000,000 quads, expected fewer rounds");
+                     " faces, expected fewer: they make more than 4,000,000 quads");
 }
 
 }  // namespace

@@ -163,8 +163,8 @@ ElementQuality measure(const ShellMesh& shells, const Points& points, int face,
 
 void check_size(const ShellMesh& shells, const Points& points) {
   if (points.rows() != shells.node_count())
-    throw InputError("element quality: " + std::to_string(points.rows()) + " points for " +
-                     std::to_string(shells.node_count()) + " nodes");
+    throw InputError("element quality: found " + std::to_string(points.rows()) + " points for " +
+                     std::to_string(shells.node_count()) + " nodes, expected one for each");
 }
 
 // Accumulates one measure over all faces; `sign`: +1 if large values are bad, -1 if small ones are.

@@ -39,8 +39,8 @@ PnTriangleMesh::PnTriangleMesh(TriangleMesh mesh, std::vector<PnTriangle::Corner
     : mesh_(std::move(mesh)), normals_(std::move(normals)), search_(mesh_) {
   if (normals_.empty()) return;
   if (isize(normals_) != mesh_.triangle_count())
-    throw InputError("normals of " + std::to_string(normals_.size()) + " triangles, expected " +
-                     std::to_string(mesh_.triangle_count()));
+    throw InputError("found normals of " + std::to_string(normals_.size()) +
+                     " triangles, expected " + std::to_string(mesh_.triangle_count()));
   constexpr double straight = 1e-12;
   for (int t = 0; t < mesh_.triangle_count(); ++t) {
     const Vec3 flat = mesh_.area_vector(t).normalized();
@@ -219,19 +219,20 @@ TriangleMesh laid_flat(const TriangleMesh& mesh,
                        const std::function<Vec2(const Vec3&)>& boundary_parameter) {
   const MeshTopology& topology = mesh.topology();
   if (topology.component_count() != 1)
-    throw InputError("a surface of " + std::to_string(topology.component_count()) +
-                     " sheets, expected one to lay flat");
+    throw InputError("flattening: found a surface of " +
+                     std::to_string(topology.component_count()) +
+                     " unconnected parts, expected one");
   ConstraintSet parameters(mesh.vertex_count());
   for (int v = 0; v < mesh.vertex_count(); ++v) {
     if (topology.on_boundary(v)) {
       const Vec2 parameter = boundary_parameter(mesh.point(v));
-      parameters.fix("rim", v, {parameter.x(), parameter.y(), 0});
+      parameters.fix("boundary", v, {parameter.x(), parameter.y(), 0});
     } else if (topology.neighbours(v).empty()) {
-      parameters.fix("apart", v, Vec3::Zero());
+      parameters.fix("not connected", v, Vec3::Zero());
     }
   }
   if (parameters.constraints().empty())
-    throw InputError("a closed surface, expected a rim to lay it flat");
+    throw InputError("flattening: found a closed surface, expected one with free edges");
   return mesh.with_points(solve_constrained(parameters, positive_laplacian(mesh),
                                             Points::Zero(mesh.vertex_count(), 3)));
 }

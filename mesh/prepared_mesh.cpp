@@ -192,8 +192,8 @@ void check_nodes(const ShellMesh& shells, MeshDiagnosis& found) {
   for (int f = 0; f < shells.face_count(); ++f)
     for (const int v : shells.face(f)) {
       if (v < 0 || v >= n)
-        throw InputError("face " + std::to_string(f) + " names node " + std::to_string(v) + " of " +
-                         std::to_string(n));
+        throw InputError("face " + std::to_string(f) + ": found node " + std::to_string(v) +
+                         ", expected 0 to " + std::to_string(n - 1));
       used[v] = 1;
     }
   found.unused_nodes = static_cast<int>(std::count(used.begin(), used.end(), 0));
@@ -317,7 +317,7 @@ PreparedMesh prepare(const ShellMesh& shells, const std::function<std::string(in
                      " has a coordinate that is not finite");
   if (analysis.face_of.empty())
     throw InputError("all " + counted(shells.face_count(), "face") +
-                     " have fewer than three different corners");
+                     " have fewer than three distinct corners");
   if (d.zero_area_triangles > 0) {
     auto t =
         *std::find_if(analysis.manifold_patches.triangles.begin(),
@@ -334,23 +334,25 @@ PreparedMesh prepare(const ShellMesh& shells, const std::function<std::string(in
   const auto add_note = [&](int count, const std::string& noun, const std::string& what) {
     if (count > 0) notes.push_back(counted(count, noun) + " " + what);
   };
-  add_note(d.collapsed_faces, "face", "with fewer than three different corners left out");
-  add_note(d.duplicate_faces, "face", "with the nodes of another face left out");
-  add_note(d.flipped_faces, "face", "turned to run as the neighbours do (in the computation only)");
-  add_note(d.unused_nodes, "node", "of no face");
-  add_note(d.coincident_nodes, "node", "at the place of another one: the surface is open there");
+  add_note(d.collapsed_faces, "face", "with fewer than three distinct corners (ignored)");
+  add_note(d.duplicate_faces, "face", "with the same nodes as another face (ignored)");
+  add_note(d.flipped_faces, "face",
+           "with reversed orientation (corrected in the computation only)");
+  add_note(d.unused_nodes, "node", "without a face");
+  add_note(d.coincident_nodes, "node",
+           "at the position of another node: the surface is open there");
   if (d.components > 1) notes.push_back("the mesh has " + std::to_string(d.components) + " parts");
   if (d.non_manifold_edge_count > 0)
     notes.push_back(counted(d.non_manifold_edge_count, "edge") +
-                    " of three faces or more (the first between nodes " +
+                    " with three or more faces (the first between nodes " +
                     name(d.non_manifold_edges[0][0]) + " and " + name(d.non_manifold_edges[0][1]) +
-                    "): sheets end there, joined");
+                    "): the parts of the surface stay connected there");
   if (d.non_manifold_node_count > 0)
     notes.push_back(counted(d.non_manifold_node_count, "node") +
-                    " where sheets touch (the first is node " + name(d.non_manifold_nodes[0]) +
-                    "): joined there");
+                    " where parts of the surface touch (the first is node " +
+                    name(d.non_manifold_nodes[0]) + "): they stay connected there");
   if (!d.orientable)
-    notes.push_back("a sheet with one side only (as a Möbius strip) is cut open along " +
+    notes.push_back("the surface is not orientable (as a Möbius strip): it is cut along " +
                     counted(analysis.manifold_patches.cut_edges, "edge") + " in the computation");
   TriangleMesh mesh(shells.points, std::move(analysis.manifold_patches.triangles),
                     std::move(analysis.manifold_patches.duplicate_vertex_nodes));

@@ -96,8 +96,8 @@ Mat3 rotation_of_face(std::span<const int> corners, const Points& before, const 
 
 Mat3 mean_rotation(std::span<const Mat3> rotations, std::span<const double> weights) {
   if (rotations.size() != weights.size())
-    throw InputError(std::to_string(weights.size()) + " weights of " +
-                     std::to_string(rotations.size()) + " rotations, expected one each");
+    throw InputError("found " + std::to_string(weights.size()) + " weights for " +
+                     std::to_string(rotations.size()) + " rotations, expected one for each");
   Mat3 sum = Mat3::Zero();
   for (size_t i = 0; i < rotations.size(); ++i) sum += weights[i] * rotations[i];
   return nearest_rotation(sum);

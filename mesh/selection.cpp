@@ -19,8 +19,8 @@ std::vector<char> flags(int count, const std::vector<int>& numbers, const char* 
   std::vector<char> result(count, 0);
   for (const int i : numbers) {
     if (i < 0 || i >= count)
-      throw InputError(std::string(what) + " " + std::to_string(i) + " does not exist: there are " +
-                       std::to_string(count));
+      throw InputError(std::string("found ") + what + " " + std::to_string(i) + ", expected 0 to " +
+                       std::to_string(count - 1));
     result[i] = 1;
   }
   return result;
@@ -154,7 +154,7 @@ Selection vertices_beyond_plane(const TriangleMesh& mesh, const Vec3& origin, co
                                 double max_height) {
   const double length = normal.norm();
   if (!(length > 0) || !std::isfinite(length))
-    throw InputError("the normal of a plane has no direction");
+    throw InputError("the normal of the plane has length 0 or is not finite");
   const Vec3 n = normal / length;
   return vertices_where(mesh, [&](const Vec3& p) {
     const double height = n.dot(p - origin);
@@ -164,7 +164,7 @@ Selection vertices_beyond_plane(const TriangleMesh& mesh, const Vec3& origin, co
 
 VecX geodesic_distances(const TriangleMesh& mesh, const std::vector<int>& sources,
                         double farthest) {
-  if (sources.empty()) throw InputError("distances along the surface need at least one source");
+  if (sources.empty()) throw InputError("geodesic distances need at least one source, found none");
   return FastMarching(mesh, sources, farthest).take();
 }
 
@@ -263,7 +263,7 @@ int nearest_vertex(const TriangleMesh& mesh, const Vec3& point) {
       nearest = v;
     }
   }
-  if (nearest < 0) throw InputError("no vertex is near the point: the mesh has no triangles");
+  if (nearest < 0) throw InputError("no vertex is close to the point: the mesh has no triangles");
   return nearest;
 }
 
@@ -391,11 +391,11 @@ VecX mesh_saliency(const TriangleMesh& mesh) {
 std::vector<int> grown_region(const TriangleMesh& mesh, const VecX& saliency, int picked,
                               double threshold) {
   if (saliency.size() != mesh.vertex_count())
-    throw InputError("there are " + std::to_string(saliency.size()) + " saliencies, expected " +
+    throw InputError("found " + std::to_string(saliency.size()) + " saliency values, expected " +
                      std::to_string(mesh.vertex_count()));
   if (picked < 0 || picked >= mesh.vertex_count())
-    throw InputError("picked vertex " + std::to_string(picked) + " of " +
-                     std::to_string(mesh.vertex_count()));
+    throw InputError("found the picked vertex " + std::to_string(picked) + ", expected 0 to " +
+                     std::to_string(mesh.vertex_count() - 1));
   if (!(saliency[picked] >= threshold))
     throw InputError("the picked vertex " + std::to_string(picked) + " has saliency " +
                      format_number(saliency[picked]) + ", expected the threshold " +

@@ -25,14 +25,14 @@ MeshTopology::MeshTopology(int node_count, std::vector<std::array<int, 3>> trian
       duplicate_vertex_nodes_(std::move(duplicate_vertex_nodes)) {
   for (const int node : duplicate_vertex_nodes_)
     if (node < 0 || node >= node_count)
-      throw InputError("a vertex stands for node " + named(node) + " of " +
-                       std::to_string(node_count));
+      throw InputError("found a vertex of node " + named(node) + ", but there are " +
+                       std::to_string(node_count) + " nodes");
   for (size_t t = 0; t < triangles_.size(); ++t) {
     const auto& [a, b, c] = triangles_[t];
     for (const int v : {a, b, c})
       if (v < 0 || v >= vertex_count_)
-        throw InputError("triangle " + std::to_string(t) + " names vertex " + named(v) + " of " +
-                         std::to_string(vertex_count_));
+        throw InputError("triangle " + std::to_string(t) + " uses vertex " + named(v) +
+                         ", but there are " + std::to_string(vertex_count_) + " vertices");
     if (a == b || b == c || c == a)
       throw InputError("triangle " + std::to_string(t) + " has vertex " +
                        named(node_of(a == b || a == c ? a : b)) + " twice");
@@ -80,7 +80,7 @@ void MeshTopology::find_edges() {
                          " triangles, expected one or two");
       if (end - i == 2 && sides[i].forward == sides[i + 1].forward)
         throw InputError("the two triangles at " + where +
-                         " run the same way, expected opposite ways");
+                         " have opposite orientations, expected equal ones");
       Edge edge{sides[i].low, sides[i].high, -1, -1};
       for (; i < end; ++i) {
         (sides[i].forward ? edge.left : edge.right) = sides[i].triangle;
@@ -147,8 +147,7 @@ void MeshTopology::find_fans() {
     } while (t >= 0 && t != first);
     if (seen != own.size())
       throw InputError("vertex " + named(node_of(v)) +
-                       " joins parts of the mesh that share no edge there, expected one fan of "
-                       "triangles around every vertex");
+                       " is non-manifold, expected one fan of triangles around every vertex");
   }
 }
 

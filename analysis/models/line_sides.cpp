@@ -41,14 +41,14 @@ void LineRotation::add(const ConstraintEntries& across, const ConstraintEntries&
   const double a = y.dot(tau.cross(n)), b = y.dot(tau);
   constexpr double singular = 1e-9;
   if (!n.allFinite() || !(std::abs(a) > singular * y.norm()))
-    throw InputError("the surface has no normal along a line of the shell");
+    throw InputError("the surface is singular along a curve of the shell: it has no normal there");
   for (const auto& e : across) row.push_back({e.dof, -factor * e.coefficient / a * n});
   for (const auto& e : along) row.push_back({e.dof, factor * e.coefficient * b / (speed * a) * n});
 }
 
 std::vector<Vec3> unit_directions(const std::string& support, const std::vector<Vec3>& directions) {
   if (directions.empty())
-    throw InputError("support '" + support + "' holds nothing: expected directions");
+    throw InputError("support '" + support + "' constrains nothing: expected directions");
   std::vector<Vec3> units;
   for (const Vec3& direction : directions) {
     if (!direction.allFinite() || direction.isZero(0))

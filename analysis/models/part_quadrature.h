@@ -103,8 +103,8 @@ void for_each_part_point(const ModelLayout& model, const Surface& surface, const
                          const TabulatedRule& whole, int degree, const Visit& visit) {
   for (const int r : part.regions)
     if (r < 0 || r >= model.region_count())
-      throw InputError("found region " + std::to_string(r) + " of " +
-                       std::to_string(model.region_count()));
+      throw InputError("found face index " + std::to_string(r) + ", expected 0 to " +
+                       std::to_string(model.region_count() - 1));
   const Trim* trim = surface.trim().get();
   for (int t = 0; t < surface.mesh().triangle_count(); ++t) {
     if (!part.regions.empty() && std::find(part.regions.begin(), part.regions.end(),

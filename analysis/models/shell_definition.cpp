@@ -34,7 +34,7 @@ void add_area_support(const ModelLayout& model, const Points& shape,
       springs.add(support.name, along(unit, position), k.displacement / k.edge * at.area.norm(),
                   unit.dot(support.displacement));
   });
-  if (!any) throw InputError("support '" + support.name + "' holds nothing of the surface");
+  if (!any) throw InputError("support '" + support.name + "' contains no part of the surface");
 }
 
 }  // namespace
@@ -44,12 +44,14 @@ std::vector<ShellSection> triangle_sections(const ModelLayout& model,
   const auto& sections = definition.sections;
   const VecX& thickness_offset = definition.nodal_thickness_offset;
   if (sections.size() != 1 && isize(sections) != model.region_count())
-    throw InputError(std::to_string(sections.size()) + " sections for " +
-                     std::to_string(model.region_count()) + " regions, expected one, or one each");
+    throw InputError("found " + std::to_string(sections.size()) + " shell sections for " +
+                     std::to_string(model.region_count()) +
+                     " faces, expected one, or one for each");
   for (const ShellSection& section : sections) require_section(section);
   if (thickness_offset.size() > 0 && thickness_offset.size() != model.mesh()->vertex_count())
-    throw InputError(std::to_string(thickness_offset.size()) + " thicknesses for " +
-                     std::to_string(model.mesh()->vertex_count()) + " vertices");
+    throw InputError("found " + std::to_string(thickness_offset.size()) + " thicknesses for " +
+                     std::to_string(model.mesh()->vertex_count()) +
+                     " vertices, expected one for each");
   if (sections.size() == 1 && thickness_offset.size() == 0) return sections;
   std::vector<ShellSection> all;
   for (int t = 0; t < model.mesh()->triangle_count(); ++t) {
@@ -138,7 +140,7 @@ void constrain_by_springs(const JoinEdge& side, const Points& shape, const LineS
     springs.add(support.name, row, k.rotation * dl, 0);
   });
   if (!any)
-    throw InputError("support '" + support.name + "' has a box that holds nothing of the line");
+    throw InputError("support '" + support.name + "': its box contains no part of the curve");
 }
 
 const std::vector<Vec3> kAll = {Vec3::UnitX(), Vec3::UnitY(), Vec3::UnitZ()};
@@ -162,7 +164,7 @@ void add_support(const ModelLayout& model, const Points& shape,
                  ShellTies& ties) {
   if (support.directions.empty() && !support.rotation)
     throw InputError("support '" + support.name +
-                     "' holds nothing: expected directions or the rotation");
+                     "' constrains nothing: expected directions, the rotation, or both");
   const std::vector<Vec3> directions = support.directions.empty()
                                            ? std::vector<Vec3>{}
                                            : unit_directions(support.name, support.directions);
@@ -207,7 +209,8 @@ void add_on_area(const ModelLayout& model, const Points& shape, const ElasticSup
     if (at.area.norm() > 0)
       add_at(support, at.entries(), at.area.norm(), at.area.normalized(), springs);
   });
-  if (!any) throw InputError("elastic support '" + support.name + "' holds nothing of the surface");
+  if (!any)
+    throw InputError("elastic support '" + support.name + "' contains no part of the surface");
 }
 
 }  // namespace
@@ -217,7 +220,7 @@ void add_elastic_support(const ModelLayout& model, const Points& shape,
   const std::string who = "elastic support '" + support.name + "': ";
   if (!support.stiffness.allFinite() || support.stiffness.minCoeff() < 0 ||
       !(support.normal >= 0) || !(support.stiffness.sum() + support.normal > 0))
-    throw InputError(who + "found no stiffness above 0");
+    throw InputError(who + "found no stiffness above 0, expected at least one");
   if (support.position) {
     add_at(support, shape_functions_at(model, support.position->where), 1, Vec3::Zero(), springs);
   } else if (!support.line.empty()) {
@@ -231,7 +234,7 @@ void add_elastic_support(const ModelLayout& model, const Points& shape,
       side.add_at(f, 0, 0, 1, position);
       add_at(support, position, dl, Vec3::Zero(), springs);
     });
-    if (!any) throw InputError(who + "has a box that holds nothing of the line");
+    if (!any) throw InputError(who + "its box contains no part of the curve");
   } else {
     add_on_area(model, shape, support, springs);
   }

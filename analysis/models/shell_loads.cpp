@@ -25,8 +25,9 @@ const TabulatedRule& load_rule(TriangleElement kind) {
     return "[" + format_number(p.x()) + ", " + format_number(p.y()) + ", " + format_number(p.z()) +
            "]";
   };
-  throw EmptyPartError("found nothing in the box from " + corner(box.min()) + " to " +
-                       corner(box.max()) + ", expected a box that holds a part of it");
+  throw EmptyPartError("found no part of the surface or curve in the box from " +
+                       corner(box.min()) + " to " + corner(box.max()) +
+                       ", expected a box that contains a part of it");
 }
 
 // Sums force(point) over a part, weighted with the shape functions.

@@ -18,7 +18,7 @@ ShellTies checked_ties(const ModelLayout& layout, const Points& shape,
   ShellTies ties = shell_ties(layout, shape, definition);
   motions = find_rigid_body_modes(layout, shape, ties);
   if (motions.unconstrained.empty() || free == ShellModel::RigidBodyHandling::Shifted) return ties;
-  std::string text = "the shell is not held: ";
+  std::string text = "the supports do not constrain the shell: ";
   for (const std::string& motion : motions.unconstrained)
     text += (&motion == &motions.unconstrained[0] ? "" : "; ") + motion;
   throw NoSolutionError(text);
@@ -69,8 +69,8 @@ ShellModel::ShellModel(ModelLayout layout, Points shape, const ShellDefinition& 
 
 void ShellModel::update_shape(Points shape) {
   if (shape.rows() != shape_.rows())
-    throw InputError("a shape of " + std::to_string(shape.rows()) + " dofs on a shell of " +
-                     std::to_string(shape_.rows()));
+    throw InputError("found a shape of " + std::to_string(shape.rows()) + " dofs, expected " +
+                     std::to_string(shape_.rows()) + " of the shell");
   shape_ = std::move(shape);
   ties_ = checked_ties(layout_, shape_, definition_, rigid_body_handling_, rigid_body_modes_);
   assembler_.update_shape(layout_.surface(shape_));
@@ -84,8 +84,8 @@ SparseMatrix ShellModel::stiffness() {
 
 Points ShellModel::solve(const Points& F) const {
   if (F.rows() != shape_.rows())
-    throw InputError("a load of " + std::to_string(F.rows()) + " dofs on a shell of " +
-                     std::to_string(shape_.rows()));
+    throw InputError("found a load vector of " + std::to_string(F.rows()) + " dofs, expected " +
+                     std::to_string(shape_.rows()) + " of the shell");
   return solver_.solve_refined(ties_.springs.empty() ? F : F + ties_.springs.load());
 }
 
@@ -249,11 +249,11 @@ std::string describe(const Motion& motion, const Vec3& centre, double size) {
   constexpr double none = 1e-6;
   const Vec3 t = motion.head<3>(), rotation_vector = motion.tail<3>() / size;
   if (rotation_vector.norm() * size <= none * t.norm())
-    return "can slide along " + format_vector(pointing_up(t));
+    return "can translate along " + format_vector(pointing_up(t));
   const Vec3 axis = pointing_up(rotation_vector);
   Vec3 through = centre + rotation_vector.cross(t) / rotation_vector.squaredNorm();
   through -= axis.dot(through - centre) * axis;
-  return "can turn about the axis along " + format_vector(axis) + " through " +
+  return "can rotate about the axis along " + format_vector(axis) + " through " +
          format_vector(through);
 }
 
@@ -279,7 +279,7 @@ std::vector<std::string> describe_motions(const ModelLayout& model, const RigidB
   const MatX all = uniform_motions(bodies.count());
   for (int c = 0; c < 3 && space.cols() > 0; ++c)
     if (holds(all.col(c))) {
-      found.push_back("all of it can slide along " + format_vector(Vec3::Unit(c)));
+      found.push_back("the whole model can translate along " + format_vector(Vec3::Unit(c)));
       space = without(space, all.col(c));
     }
   // Other motions of all bodies together: the intersection of the two spaces.
@@ -287,7 +287,7 @@ std::vector<std::string> describe_motions(const ModelLayout& model, const RigidB
     const VecX shared = thin_svd(space.transpose() * all).V.col(0);
     const VecX v = all * shared;
     if (!holds(v)) break;
-    found.push_back("all of it " + describe(shared, bodies.centre(), bodies.size()));
+    found.push_back("the whole model " + describe(shared, bodies.centre(), bodies.size()));
     space = without(space, v);
   }
   for (long k = 0; k < space.cols(); ++k) {
@@ -296,7 +296,7 @@ std::vector<std::string> describe_motions(const ModelLayout& model, const RigidB
       if (space.col(k).segment<6>(6 * b).norm() > space.col(k).segment<6>(6 * most).norm())
         most = b;
     const std::string who =
-        bodies.count() > 1 ? "region '" + model.region(most).name() + "' " : "all of it ";
+        bodies.count() > 1 ? "face '" + model.region(most).name() + "' " : "the whole model ";
     found.push_back(who +
                     describe(space.col(k).segment<6>(6 * most), bodies.centre(), bodies.size()));
   }

@@ -14,8 +14,8 @@ namespace batten {
 // Rigid-body modes and mechanisms.
 
 /// Unsupported and nearly unsupported rigid-body modes and mechanisms, in which each region stays
-/// rigid. They are described as text: "all of it can slide along [0, 0, 1]", "region 'lid' can turn
-/// about the axis along … through …".
+/// rigid. They are described as text: "the whole model can translate along [0, 0, 1]", "face 'lid'
+/// can rotate about the axis along … through …".
 struct RigidBodyModes {
   /// Motions that nothing resists: the resistance of constraints and springs is less than 1e-5 of
   /// that to other motions.

@@ -65,7 +65,7 @@ std::optional<EigenPairs> largest_eigenpairs(const ConstrainedSolver& solver, co
                                              int count, Spectra::SortRule which) {
   const int n = solver.reduction().free_count();
   if (count < 1 || 2 * count >= n)
-    throw InputError("found " + std::to_string(count) + " modes of " + std::to_string(n) +
+    throw InputError("found " + std::to_string(count) + " modes for " + std::to_string(n) +
                      " unknowns, expected 1 or more, and fewer than half of the unknowns");
   ReducedProduct product(solver.reduction(), A);
   ReducedStiffness stiffness(solver);
@@ -91,7 +91,7 @@ std::optional<EigenPairs> largest_eigenpairs(const ConstrainedSolver& solver, co
 
 [[noreturn]] void throw_not_converged(int count) {
   throw NoSolutionError("the iteration for " + std::to_string(count) +
-                        " modes did not end: ask for a few more");
+                        " modes did not converge; compute a few more modes");
 }
 
 }  // namespace

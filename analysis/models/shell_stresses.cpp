@@ -1,6 +1,5 @@
 #include "batten/analysis/models/shell_stresses.h"
 
-#include <Eigen/Cholesky>
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
@@ -140,7 +139,7 @@ void ShellStresses::fit() {
     // single triangle) become small.
     constexpr double lean = 1e-6;
     A.diagonal().tail<5>().array() += lean * A(0, 0);
-    polynomial.coefficients = A.ldlt().solve(b);
+    polynomial.coefficients = solve_symmetric(MatX(A), MatX(b));
   });
 }
 

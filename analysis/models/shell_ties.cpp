@@ -54,13 +54,13 @@ ShellTies shell_ties(const ModelLayout& model, const Points& shape,
                      const std::vector<std::string>& hinges) {
   for (const std::string& hinge : hinges)
     if (model.model_line(hinge).sides.size() < 2)
-      throw InputError("the hinge '" + hinge + "' is a rim: it has one region, expected two");
+      throw InputError("hinge '" + hinge + "' is a free edge with one face, expected two faces");
   const int count = static_cast<int>(shape.rows());
   ShellTies ties{ConstraintSet(count, ConstraintSet::Kind::Coupled), ShellSprings(count)};
   LineSides sides(model);
   const Surface surface = model.surface(shape);
   for (const JoinLine& line : model.shared_lines()) {
-    const std::string name = "joined line " + line.name;
+    const std::string name = "joined curve " + line.name;
     const bool hinge = std::find(hinges.begin(), hinges.end(), line.name) != hinges.end();
     const JoinEdge a = sides(line.sides[0]), b = sides(line.sides[1]);
     if (!a.embedded() && !b.embedded()) {

@@ -55,8 +55,8 @@ struct ShellTies {
 };
 
 /// Creates the ties between regions that share a curve, so that they deform as one shell;
-/// constraints are named "joined line NAME". Positions and derivatives along the curve are equal on
-/// both sides, and so is the rotation ω about it,
+/// constraints are named "joined curve NAME". Positions and derivatives along the curve are equal
+/// on both sides, and so is the rotation ω about it,
 ///
 ///     ω = -(n · U_y - b/|x_t| n · U_t)/a,     y = a (τ × n) + b τ,  τ = x_t/|x_t|,
 ///

@@ -11,7 +11,7 @@ const CadPlugin& cad_plugin() {
     const std::string name = "batten_cad.so";
     const auto file = find_plugin(name);
     if (file.empty())
-      throw InputError(name + ": not found beside the program or in " BATTEN_LIBDIR
+      throw InputError(name + ": not found next to the program or in " BATTEN_LIBDIR
                               "/batten, expected for CAD files");
     const CadPlugin& plugin =
         *reinterpret_cast<const CadPlugin* (*)()>(load_plugin(file, "batten_cad"))();

@@ -2,6 +2,7 @@
 
 #include <CLI/CLI.hpp>
 #include <cmath>
+#include <iostream>
 
 namespace batten {
 namespace {
@@ -16,14 +17,40 @@ const CLI::Validator kPositive(
     },
     "POSITIVE");
 
+/// An option of an earlier version, and what replaces it.
+struct RenamedOption {
+  const char* subcommand;
+  const char* old_name;
+  const char* expected;
+};
+constexpr RenamedOption kRenamedOptions[] = {
+    {"fair", "--hold-ends", "--fix-ends"},
+    {"fair", "--minimum", "--minimize bending or --minimize variation"},
+    {"info", "--choices", "--alternatives"},
+    {"fit", "--lines", "--curves"},
+    {"fit", "--tolerance", "--fit-tolerance"},
+    {"fit", "--step-lines", "--step-curves"},
+    {"skin", "--tolerance", "--fit-tolerance"},
+    {"skin", "--step-lines", "--step-curves"},
+    {"skin", "--network", "none: faces are always detected"},
+    {"view", "--network", "none: faces are always detected"}};
+
+/// A message that names the replacement if the command line contains a renamed option; else empty.
+std::string renamed_option_message(int argc, char** argv) {
+  for (int i = 2; i < argc; ++i) {
+    const std::string argument(argv[i]);
+    const std::string name = argument.substr(0, argument.find('='));
+    for (const RenamedOption& renamed : kRenamedOptions)
+      if (renamed.subcommand == std::string(argv[1]) && name == renamed.old_name)
+        return "found the old option " + name + ", expected " + renamed.expected;
+  }
+  return "";
+}
+
 }  // namespace
 
 CommandOption CommandOption::required() const { return CommandOption(option_->required()); }
 
-CommandOption CommandOption::hidden() const {
-  option_->group("");
-  return *this;
-}
 CommandOption CommandOption::allow_repeated() const {
   return CommandOption(option_->take_all()->allow_extra_args(false));
 }
@@ -145,6 +172,11 @@ CommandLine::ParseResult CommandLine::parse(int argc, char** argv) {
   try {
     app_->parse(argc, argv);
   } catch (const CLI::ParseError& e) {
+    const bool help = e.get_exit_code() == 0;
+    if (const std::string message = renamed_option_message(argc, argv); !help && !message.empty()) {
+      std::cerr << app_->get_name() << ": " << message << "\n";
+      return ParseResult::Invalid;
+    }
     return app_->exit(e) == 0 ? ParseResult::HelpShown : ParseResult::Invalid;
   }
   return ParseResult::Command;

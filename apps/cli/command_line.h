@@ -33,7 +33,7 @@ class CommandOption {
   CommandOption count(int values) const;
   /// Shows the default value in the help.
   CommandOption show_default() const;
-  CommandOption hidden() const;                    ///< not listed in the help
+
   CommandOption needs(CommandOption other) const;  ///< only allowed together with the other option
   /// Not allowed together with the other option.
   CommandOption excludes(CommandOption other) const;

@@ -33,28 +33,30 @@
 namespace batten {
 
 void add_common(const Subcommand& subcommand, CommonOptions& common) {
-  subcommand.option("--threads", common.threads, "Threads to use; the number of cores unless given")
+  subcommand.option("--threads", common.threads, "Number of threads (default: number of cores)")
       .in_range(1, 1024);
   subcommand
       .option("--memory", common.memory,
-              "GB that may be used; what is there unless given. More is refused beforehand")
+              "Memory limit in GB (default: available memory); jobs that would exceed it are "
+              "rejected at the start")
       .positive();
-  subcommand.flag("--quiet", common.quiet, "Print errors only");
+  subcommand.flag("--quiet", common.quiet, "Print warnings, failed checks and errors only");
 }
 
 void add_unit(const Subcommand& subcommand, std::string& unit) {
-  subcommand.option("--unit", unit, "Unit of lengths").one_of(length_units()).show_default();
+  subcommand.option("--unit", unit, "Length unit").one_of(length_units()).show_default();
 }
 
 void add_schema(const Subcommand& subcommand, bool& ap242) {
   subcommand.enum_option(
       "--schema", {"ap214", "ap242"},
-      [&ap242](const std::string& word) { ap242 = word == "ap242"; }, "Of STEP: ap214 or ap242");
+      [&ap242](const std::string& word) { ap242 = word == "ap242"; },
+      "Schema of STEP files: ap214 (default) or ap242");
 }
 
 void add_step_options(const Subcommand& subcommand, StepFileArguments& step) {
-  subcommand.flag("--step-lines", step.lines,
-                  "The STEP file holds the lines too, as curves in a product 'lines'");
+  subcommand.flag("--step-curves", step.lines,
+                  "Also write the input curves to the STEP file, in a product 'curves'");
   add_schema(subcommand, step.ap242);
 }
 
@@ -66,11 +68,10 @@ int print_result(const RunReport& report, const std::string& text, const CommonO
     for (size_t i = 0; i < std::min(items.size(), most); ++i)
       std::cerr << label << ": " << text_of(items[i]) << "\n";
     if (items.size() > most)
-      std::cerr << label << ": and " << items.size() - most << " more (the report has all)\n";
+      std::cerr << label << ": " << items.size() - most << " more, see the report\n";
   };
   list("warning", report.warnings, [](const auto& w) { return w; });
-  list("promise missed", report.failed_checks,
-       [](const auto& m) { return m.what + " " + m.detail; });
+  list("check failed", report.failed_checks, [](const auto& m) { return m.what + " " + m.detail; });
   return report.failed_checks.empty() ? kDone : kCheckFailed;
 }
 
@@ -160,8 +161,9 @@ Subcommand add_scene(CommandLine& program, const char* name, const char* what, S
                      CommonOptions& common) {
   const Subcommand subcommand = program.command(name, what);
   subcommand.option("scene", a.file, "Scene (.toml)").required();
-  subcommand.option("--out", a.out, "Folder for all files, report.json too").required();
-  subcommand.option("--set", a.settings, "Set a parameter of the scene: name=value")
+  subcommand.option("--out", a.out, "Output folder for all files, including report.json")
+      .required();
+  subcommand.option("--set", a.settings, "Set a parameter of the scene: NAME=VALUE")
       .allow_repeated();
   add_common(subcommand, common);
   return subcommand;
@@ -197,28 +199,30 @@ int stress(const SceneArguments& a, const CommonOptions& common) {
 Command add_run(CommandLine& program, CommonOptions& common) {
   const auto a = std::make_shared<SceneArguments>();
   const Subcommand subcommand =
-      add_scene(program, "run", "Do everything a scene asks for", *a, common);
+      add_scene(program, "run", "Compute a scene and write all its outputs", *a, common);
   return {subcommand, [a, &common] { return run(*a, common); }};
 }
 
 Command add_stress(CommandLine& program, CommonOptions& common) {
   const auto a = std::make_shared<SceneArguments>();
-  const Subcommand subcommand =
-      add_scene(program, "stress",
-                "The same, and the stresses of the shape as the shell of [stress]", *a, common);
+  const Subcommand subcommand = add_scene(
+      program, "stress", "Run a scene, then analyse the surface as a thin shell (needs [stress])",
+      *a, common);
   const CommandOption with_ccx =
       subcommand.flag("--with-ccx", a->stress.with_calculix,
-                      "Run CalculiX on the same shell, and print what it finds");
+                      "Cross-check: analyse the same shell with CalculiX and print its results");
   using Element = ShellDeck::Element;
   subcommand
       .indexed_enum_option(
           "--ccx-elements",
           {{"S6", int(Element::S6)}, {"S3", int(Element::S3)}, {"S8R", int(Element::S8R)}},
-          [a](int element) { a->stress.element = Element(element); }, "Its elements: S6, S3 or S8R")
+          [a](int element) { a->stress.element = Element(element); },
+          "Element type for CalculiX: S6, S3 or S8R")
       .needs(with_ccx);
   subcommand
       .option("--accuracy", a->stress.accuracy,
-              "Make elements smaller until displacements are this exact: 0.01 is a percent")
+              "Refine the mesh until the estimated relative error of the displacements is below "
+              "this value (0.01: 1 %)")
       .positive();
   return {subcommand, [a, &common] { return stress(*a, common); }};
 }
@@ -238,33 +242,37 @@ Command add_sculpt(CommandLine& program, CommonOptions& common) {
   const auto arguments = std::make_shared<SculptArguments>();
   SculptArguments& a = *arguments;
   const Subcommand subcommand = program.command(
-      "sculpt", "Settle, sweep, move and refine a scene's surface under live loads");
+      "sculpt", "Solve a scene's surface under its loads; parameter sweeps, dynamics, refinement");
   subcommand.option("scene", a.file, "Scene (.toml)").required();
-  subcommand.option("--out", a.out, "Folder for all files, report.json too").required();
-  subcommand.option("--set", a.task.settings, "Set a parameter: name=value").allow_repeated();
+  subcommand.option("--out", a.out, "Output folder for all files, including report.json")
+      .required();
+  subcommand.option("--set", a.task.settings, "Set a parameter: NAME=VALUE").allow_repeated();
   const CommandOption sweep =
       subcommand
           .option("--sweep", a.task.sweeps,
-                  "Settle at so many values, each from the one before: name=from:to:count")
+                  "Solve at COUNT values (2 to 1000) of a parameter, each starting from the "
+                  "previous solution: NAME=FROM:TO:COUNT")
           .allow_repeated();
   const CommandOption time = subcommand.option(
-      "--time", a.task.time, "Motion from the settled shape, until this time; needs --dt");
-  const CommandOption dt = subcommand.option("--dt", a.task.dt, "Step of the motion; needs --time");
+      "--time", a.task.time, "Simulate the motion from the converged shape until this time");
+  const CommandOption dt = subcommand.option("--dt", a.task.dt, "Time step of the motion");
   time.positive().needs(dt);
   dt.positive().needs(time);
-  subcommand.option("--frames", a.task.frames, "Most frames of a motion")
+  subcommand.option("--frames", a.task.frames, "Maximum number of output frames of a motion")
       .in_range(1, 1000)
       .show_default();
   const CommandOption refinement =
       subcommand.option("--refine", a.task.refinement,
-                        "Halve triangles where curvature jumps, so many rounds: jumps:ROUNDS");
+                        "Bisect elements at curvature jumps, in 1 to 20 iterations: "
+                        "jumps:ITERATIONS");
   subcommand
       .flag("--stress", a.task.stress,
-            "Largest displacement and stress of the shell of [stress], at each value of a sweep")
+            "Compute the maximum displacement and stress of the shell of [stress] at each value "
+            "of a sweep")
       .needs(sweep);
   const CommandOption record =
-      subcommand.option("--record", a.task.record, "Write everything that was done to this file");
-  subcommand.option("--replay", a.task.replay, "Do what such a file says")
+      subcommand.option("--record", a.task.record, "Write all operations to this log file");
+  subcommand.option("--replay", a.task.replay, "Replay a file written by --record")
       .excludes(sweep)
       .excludes(time)
       .excludes(refinement)
@@ -281,9 +289,9 @@ Command add_sculpt(CommandLine& program, CommonOptions& common) {
 
 Command add_run_script(CommandLine& program, CommonOptions& common) {
   const auto file = std::make_shared<std::string>();
-  const Subcommand subcommand = program.command(
-      "run-script", "Do again what was done to a scene in batten-studio, command by command");
-  subcommand.option("script", *file, "Script: open, add, set, slide, settle, undo, save, export, …")
+  const Subcommand subcommand =
+      program.command("run-script", "Run a script of editing commands, as saved by batten-studio");
+  subcommand.option("script", *file, "Script: open, add, set, slide, solve, undo, save, export, …")
       .required();
   add_common(subcommand, common);
   return {subcommand, [file, &common] {
@@ -311,10 +319,11 @@ Command add_deform(CommandLine& program, CommonOptions& common) {
   const auto arguments = std::make_shared<EditArguments>();
   EditArguments& a = *arguments;
   const Subcommand subcommand =
-      program.command("deform", "Edit a mesh; its form features keep their shape exactly");
-  subcommand.option("edits", a.file, "Edits of a mesh (.toml)").required();
-  subcommand.option("--out", a.out, "Folder for all files, report.json too").required();
-  subcommand.option("--set", a.settings, "Set a parameter of the edits: name=value")
+      program.command("deform", "Morph a mesh; its form features keep their shape exactly");
+  subcommand.option("scene", a.file, "Deform scene (.toml)").required();
+  subcommand.option("--out", a.out, "Output folder for all files, including report.json")
+      .required();
+  subcommand.option("--set", a.settings, "Set a parameter of the scene: NAME=VALUE")
       .allow_repeated();
   add_common(subcommand, common);
   return {subcommand, [arguments, &common] {
@@ -329,9 +338,10 @@ Command add_sequence(CommandLine& program, CommonOptions& common) {
   const auto arguments = std::make_shared<EditArguments>();
   EditArguments& a = *arguments;
   const Subcommand subcommand = program.command(
-      "sequence", "Edit a deforming mesh: keyframes, footprints, paths; mix, filter, morph");
-  subcommand.option("edits", a.file, "Edits of a sequence (.toml)").required();
-  subcommand.option("--out", a.out, "Folder for all files, report.json too").required();
+      "sequence", "Edit a mesh sequence: keyframes, foot plants, paths; mix, filter, morph");
+  subcommand.option("scene", a.file, "Sequence scene (.toml)").required();
+  subcommand.option("--out", a.out, "Output folder for all files, including report.json")
+      .required();
   subcommand.parsed_option(
       "--frames",
       [arguments](const std::string& text) {
@@ -339,11 +349,12 @@ Command add_sequence(CommandLine& program, CommonOptions& common) {
         const auto first = parse_number(text.substr(0, colon)),
                    last = colon == std::string::npos ? first : parse_number(text.substr(colon + 1));
         if (!first || !last || !(*first >= 1) || !(*last >= *first) || *last > 1e9)
-          return "found " + text + ", expected FIRST:LAST";
+          return "found " + text + ", expected FIRST:LAST, with FIRST from 1 and LAST not below it";
         arguments->sequence.frames = {static_cast<int>(*first), static_cast<int>(*last)};
         return std::string();
       },
-      "Make these frames only, FIRST:LAST from 1: runs of a job array share the work");
+      "Compute only these frames, FIRST:LAST, counted from 1 (to split the work over a job "
+      "array)");
   add_common(subcommand, common);
   return {subcommand, [arguments, &common] {
             const auto report = run_sequence(read_sequence_scene(arguments->file), arguments->out,
@@ -357,7 +368,7 @@ Command add_sequence(CommandLine& program, CommonOptions& common) {
 namespace {
 
 struct FairArguments {
-  std::string file, out, minimum, unit = "mm", picture, report;
+  std::string file, out, minimize, unit = "mm", picture, report;
   std::vector<std::string> only;
   double noise = 0, deviation = 0, wavelength = 0, corner_angle = FairOptions{}.corner_angle,
          segments = 0;
@@ -385,8 +396,8 @@ int fair(const FairArguments& a, const CommonOptions& common) {
   options.deviation = a.deviation;
   options.wavelength = a.wavelength;
   options.corner_angle = a.corner_angle;
-  if (!a.minimum.empty())
-    stage.minimum = a.minimum == "energy" ? CurveFunctional::Energy : CurveFunctional::Variation;
+  if (!a.minimize.empty())
+    stage.minimum = a.minimize == "bending" ? CurveFunctional::Energy : CurveFunctional::Variation;
   if (a.closed || a.open) options.closed = a.closed;
   stage.fix_ends = a.fix_ends;
   scene.stages.push_back(stage);
@@ -400,51 +411,58 @@ int fair(const FairArguments& a, const CommonOptions& common) {
 Command add_fair(CommandLine& program, CommonOptions& common) {
   const auto arguments = std::make_shared<FairArguments>();
   FairArguments& a = *arguments;
-  const Subcommand subcommand =
-      program.command("fair", "Fair drawn or measured lines; the ending of OUT says the kind");
+  const Subcommand subcommand = program.command("fair", "Fair (smooth) drawn or measured curves");
   subcommand
-      .option("lines", a.file, "Lines: .curves .csv .txt .xyz .dat .obj .iges .step .dxf .svg")
+      .option("curves", a.file, "Curves: .curves .csv .txt .xyz .dat .obj .iges .step .dxf .svg")
       .required();
-  subcommand.option("--out", a.out, "File to write: " + comma_separated(curve_file_extensions()))
+  subcommand
+      .option("--out", a.out,
+              "Output file; its extension selects the format: " +
+                  comma_separated(curve_file_extensions()))
       .required();
   const CommandOption noise =
       subcommand.option("--noise", a.noise,
-                        "The fairest curve that the points are off by this, root mean "
-                        "square: where the noise is known");
+                        "Known noise level: the fairest curve whose RMS distance from the points "
+                        "is this length");
   const CommandOption deviation = subcommand.option(
-      "--deviation", a.deviation, "The fairest curve not farther than this from any point");
+      "--deviation", a.deviation, "Maximum distance of the fair curve from any point");
   const CommandOption wavelength = subcommand.option(
-      "--wavelength", a.wavelength, "Smooth what is shorter than this (default: found by itself)");
+      "--wavelength", a.wavelength,
+      "Smooth waves shorter than this length (default: estimated by cross-validation)");
   noise.positive().excludes(deviation).excludes(wavelength);
   deviation.positive().excludes(wavelength);
   wavelength.positive();
   subcommand
-      .option("--minimum", a.minimum,
-              "Instead: the curve through all points (a few) of least curvature, or of least "
-              "change of it")
-      .one_of({"energy", "variation"})
+      .option("--minimize", a.minimize,
+              "Interpolate all points (a few) by the curve of minimum bending energy, or of "
+              "minimum curvature variation, instead of smoothing")
+      .one_of({"bending", "variation"})
       .excludes(noise)
       .excludes(deviation)
       .excludes(wavelength);
   subcommand
       .option("--corner-angle", a.corner_angle,
-              "A corner is where a line turns by more than this, degrees (180: none)")
+              "Corner angle in degrees: a curve has a corner where it turns by more (180: no "
+              "corners)")
       .in_range(1e-3, 180.0)
       .show_default();
-  subcommand.flag("--hold-ends", a.fix_ends, "First and last points stay where they are");
+  subcommand.flag("--fix-ends", a.fix_ends, "Keep the first and last point of each curve fixed");
   const CommandOption closed =
-      subcommand.flag("--closed", a.closed, "All lines come back to their start");
-  subcommand.flag("--open", a.open, "No line does").excludes(closed);
+      subcommand.flag("--closed", a.closed, "Treat all curves as closed (default: detected)");
+  subcommand.flag("--open", a.open, "Treat all curves as open (default: detected)")
+      .excludes(closed);
   subcommand.flag("--keep-outliers", a.keep_outliers,
-                  "Points that lie off a noisy line are not passed over");
+                  "Do not reject points that lie off a noisy curve");
   subcommand
       .option("--segments", a.segments,
-              "In the end: as few segments as stay this near to the fair curve")
+              "Finally approximate the fair curve by as few segments as possible within this "
+              "distance")
       .positive();
-  subcommand.option("--only", a.only, "A line to take, by its name (may be repeated)")
+  subcommand.option("--only", a.only, "Name of a curve to fair (may be repeated; default: all)")
       .allow_repeated();
-  subcommand.option("--picture", a.picture, "Curvature combs before and after (.png)");
-  subcommand.option("--report", a.report, "All numbers (.json)");
+  subcommand.option("--picture", a.picture,
+                    "Picture to write (.png): curvature combs before and after");
+  subcommand.option("--report", a.report, "Report to write (.json)");
   add_unit(subcommand, a.unit);
   add_common(subcommand, common);
   return {subcommand, [arguments, &common] { return fair(*arguments, common); }};
@@ -460,16 +478,14 @@ struct LineArguments {
   std::vector<double> angles;
   double edge_length = 0, tolerance = 0, gap_tolerance = 0, pressure = 0;
   int contours = 0;
-  bool network = false, exact_step = false;
+  bool exact_step = false;
   StepFileArguments step;
 };
 
 Scene lines_scene(const LineArguments& a) {
   Scene scene =
       scene_of_lines({a.files.begin(), a.files.end()}, {a.inner.begin(), a.inner.end()}, a.unit);
-  if (a.network)
-    scene.notes.push_back(
-        "--network is not needed any more, since what curves bound is always found: leave it out");
+
   scene.skin.options.edge_length = a.edge_length;
   scene.skin.options.tolerance = a.tolerance;
   scene.network.tolerance = a.gap_tolerance;
@@ -512,7 +528,7 @@ int view(LineArguments a, const CommonOptions& common) {
   look.title = scene.name;
   look.field = a.show == "shaded"           ? Field::None
                : a.show == "mean_curvature" ? Field::Mean
-               : a.show == "regions"        ? Field::Regions
+               : a.show == "faces"          ? Field::Regions
                                             : Field::Gauss;
   look.contours = a.contours;
   if (!a.angles.empty()) {
@@ -531,27 +547,38 @@ Command add_skin(CommandLine& program, CommonOptions& common) {
   const auto arguments = std::make_shared<LineArguments>();
   LineArguments& a = *arguments;
   const Subcommand subcommand =
-      program.command("skin", "From files of curves straight to surfaces: STEP, VTK, report");
+      program.command("skin", "Fit smooth surfaces through curves: STEP, VTK, report");
   subcommand
-      .option("lines", a.files,
+      .option("curves", a.files,
               "Curves: .csv .txt .xyz .dat .obj .curves .iges .step .dxf .svg .json")
       .required();
-  subcommand.option("--inner", a.inner, "A file of curves that lie on a surface and bound none")
+  subcommand
+      .option("--inner", a.inner,
+              "File of inner curves, which lie on a face but do not bound one (may be repeated)")
       .allow_repeated();
-  subcommand.flag("--network", a.network, "").hidden();
-  subcommand.option("--out", a.out, "Folder for all files").required();
+  subcommand.option("--out", a.out, "Output folder for all files, including report.json")
+      .required();
   add_unit(subcommand, a.unit);
-  subcommand.option("--edge-length", a.edge_length, "Target length of element edges").positive();
-  subcommand.option("--tolerance", a.tolerance, "Largest distance of fitted lines").positive();
+  subcommand
+      .option("--edge-length", a.edge_length,
+              "Target edge length of the elements (default: 1/20 of the size of a single face, "
+              "1/40 of that of a model)")
+      .positive();
+  subcommand
+      .option("--fit-tolerance", a.tolerance,
+              "Maximum distance of the surface from the input curves (default: 1e-4 of the size)")
+      .positive();
   subcommand
       .option("--gap-tolerance", a.gap_tolerance,
-              "Distance within which curves meet; found unless given")
+              "Gaps between curves up to this length are closed (default: detected)")
       .positive();
-  subcommand.option("--compare", a.compare, "CAD file: measure the distance from its faces");
+  subcommand.option("--compare", a.compare,
+                    "CAD file to compare with: measure the distance from its faces");
   subcommand.flag("--exact-step", a.exact_step,
-                  "STEP to rounding, three faces a triangle, instead of one face a region");
+                  "Write the exact surface to STEP: three STEP faces per element instead of one "
+                  "fitted STEP face per face");
   add_step_options(subcommand, a.step);
-  subcommand.option("--pressure", a.pressure, "Pressure along the normal, relative units");
+  subcommand.option("--pressure", a.pressure, "Pressure along the normal, in relative units");
   add_common(subcommand, common);
   return {subcommand, [arguments, &common] {
             const auto report =
@@ -564,12 +591,14 @@ Command add_info(CommandLine& program) {
   const auto arguments = std::make_shared<LineArguments>();
   LineArguments& a = *arguments;
   const Subcommand subcommand = program.command(
-      "info", "What is in a scene, a file of lines, a mesh, a deforming mesh, a STEP file");
-  subcommand.option("file", a.file, "The file").required();
-  subcommand.option("--picture", a.picture, "Draw its lines with their curvature, to a .png");
+      "info", "Show the contents of a scene, a curve file, a mesh, a mesh sequence or a CAD file");
+  subcommand.option("file", a.file, "File to read").required();
+  subcommand.option("--picture", a.picture,
+                    "Picture to write (.png): the curves with their curvature combs");
   subcommand.option(
-      "--choices", a.alternatives,
-      "Draw surfaces that could as well be others, into this folder, and say what to write");
+      "--alternatives", a.alternatives,
+      "Curve networks: draw every ambiguous face and its alternatives into this folder, and print "
+      "the TOML that selects them");
   add_unit(subcommand, a.unit);
   return {subcommand, [arguments] { return info(*arguments); }};
 }
@@ -578,17 +607,17 @@ Command add_view(CommandLine& program, CommonOptions& common) {
   const auto arguments = std::make_shared<LineArguments>();
   LineArguments& a = *arguments;
   const Subcommand subcommand =
-      program.command("view", "A picture of a scene's or a line file's surface");
-  subcommand.option("file", a.file, "Scene (.toml) or file of lines").required();
-  subcommand.option("--screenshot", a.screenshot, "The picture to write (.png)").required();
-  subcommand.option("--set", a.settings, "Set a parameter of the scene: name=value")
+      program.command("view", "Draw a picture of the surface of a scene or of a curve file");
+  subcommand.option("file", a.file, "Scene (.toml) or curve file").required();
+  subcommand.option("--screenshot", a.screenshot, "Picture to write (.png)").required();
+  subcommand.option("--set", a.settings, "Set a parameter of the scene: NAME=VALUE")
       .allow_repeated();
   subcommand.option("--show", a.show, "What to show")
-      .one_of({"shaded", "mean_curvature", "gauss_curvature", "regions"})
+      .one_of({"shaded", "mean_curvature", "gauss_curvature", "faces"})
       .show_default();
-  subcommand.flag("--network", a.network, "").hidden();
-  subcommand.option("--contours", a.contours, "Number of contour lines").in_range(0, 1000);
-  subcommand.option("--view", a.angles, "Azimuth and elevation, degrees").count(2);
+  subcommand.option("--contours", a.contours, "Number of contour lines (default: 0)")
+      .in_range(0, 1000);
+  subcommand.option("--view", a.angles, "Azimuth and elevation of the view, in degrees").count(2);
   add_unit(subcommand, a.unit);
   add_common(subcommand, common);
   return {subcommand, [arguments, &common] { return view(*arguments, common); }};
@@ -599,25 +628,26 @@ Command add_view(CommandLine& program, CommonOptions& common) {
 Command add_convert(CommandLine& program, CommonOptions& common) {
   const auto task = std::make_shared<ConvertTask>();
   const Subcommand subcommand = program.command(
-      "convert",
-      "A file of another kind: CAD to CAD or to triangles, meshes to meshes, lines to lines");
+      "convert", "Convert a file: CAD to CAD or to triangles, mesh to mesh, curves to curves");
   const auto unit = [&](const char* name, std::string& value, const char* what) {
     subcommand.option(name, value, what).with_alias("inch", "in").one_of(length_units());
   };
-  subcommand.option("from", task->from, "STEP, IGES, BREP, a mesh, lines").required();
+  subcommand.option("from", task->from, "File to read: STEP, IGES, BREP, a mesh or curves")
+      .required();
   subcommand
       .option("to", task->to,
-              "Its ending says the kind: .step .iges .brep .glb .3mf .stl .obj .ply .off .vtp .vtu "
-              ".csv .curves")
+              "File to write; its extension selects the format: .step .iges .brep .glb .3mf .stl "
+              ".obj .ply .off .vtp .vtu .csv .curves")
       .required();
-  unit("--unit", task->unit, "Unit of the file that is written: it is scaled, and declares it");
+  unit("--unit", task->unit,
+       "Length unit of the written file; the geometry is scaled accordingly (default: as read)");
   unit("--from-unit", task->from_unit,
-       "Unit of a mesh or of points, which state none; .glb and .3mf need it");
+       "Length unit of a mesh or of points, whose files state none (required for .glb and .3mf)");
   add_schema(subcommand, task->ap242);
   subcommand
       .option("--chord", task->chord,
-              "Triangles of CAD faces: their largest distance from the faces; a thousandth of "
-              "the size unless given")
+              "Triangulation of CAD faces: maximum distance of the triangles from the faces "
+              "(default: 0.001 of the size)")
       .positive();
   add_common(subcommand, common);
   return {subcommand, [task, &common] {
@@ -655,27 +685,31 @@ Command add_fit(CommandLine& program, CommonOptions& common) {
   const auto arguments = std::make_shared<FitArguments>();
   FitArguments& a = *arguments;
   const Subcommand subcommand = program.command(
-      "fit",
-      "Skin the lines of a given surface again, so that it can be sculpted: STEP, VTK, report");
+      "fit", "Fit a sculptable smooth surface to a CAD model or a mesh: STEP, VTK, report");
   subcommand
-      .option("target", a.target, "The surface: .step .iges .brep, or a mesh (.stl .obj .ply …)")
+      .option("target", a.target, "Target surface: .step .iges .brep, or a mesh (.stl .obj .ply …)")
       .required();
   subcommand
-      .option("--lines", a.lines,
-              "Lines to keep; unless given, the edges of the CAD file, or the creases "
-              "and rims of the mesh")
+      .option("--curves", a.lines,
+              "Curve file with the curves to keep (may be repeated; default: the edges of the CAD "
+              "model, or the creases and free edges of the mesh)")
       .allow_repeated();
-  subcommand.option("--out", a.out, "Folder for all files").required();
+  subcommand.option("--out", a.out, "Output folder for all files, including report.json")
+      .required();
   add_unit(subcommand, a.unit);
   subcommand
-      .option("--tolerance", a.tolerance, "Largest distance from the surface; 1e-4 of the size")
+      .option("--fit-tolerance", a.tolerance,
+              "Maximum distance from the target surface (default: 1e-4 of the size)")
       .positive();
   subcommand.flag("--cage", a.cage,
-                  "The mesh is a cage of polygons: fit to its Catmull-Clark limit surface");
-  subcommand.option("--edge-length", a.edge_length, "Target length of element edges at the start")
+                  "The mesh is a control cage: fit its Catmull-Clark limit surface");
+  subcommand
+      .option("--edge-length", a.edge_length,
+              "Initial target edge length of the elements (default: 1/40 of the size)")
       .positive();
   subcommand
-      .option("--gap-tolerance", a.meet, "Distance within which curves meet; found unless given")
+      .option("--gap-tolerance", a.meet,
+              "Gaps between curves up to this length are closed (default: detected)")
       .positive();
   add_step_options(subcommand, a.step);
   add_common(subcommand, common);

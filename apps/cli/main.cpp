@@ -23,31 +23,31 @@ const char* const kVersion = "batten " BATTEN_VERSION
                              "\nmeshes: fan only (built without CGAL)"
 #endif
 #ifdef BATTEN_HAVE_CERES
-                             "\ncurves of least curvature: Ceres";
+                             "\nminimum-energy curves: Ceres";
 #else
-                             "\ncurves of least curvature: none (built without Ceres)";
+                             "\nminimum-energy curves: none (built without Ceres)";
 #endif
 
 const char* const kExamples = R"(
 Examples:
-  batten skin outline.csv --out result          lines to a surface: STEP, VTK, report
-  batten skin sketch.json --unit m --out result    curves to all surfaces between them
-  batten run hood.toml --out result             everything a scene asks for
+  batten skin outline.csv --out result          smooth surface through curves: STEP, VTK, report
+  batten skin sketch.json --unit m --out result all surfaces of a curve network
+  batten run hood.toml --out result             all outputs of a scene
   batten run hood.toml --out result --set crown=4
-  batten stress hood.toml --out result          and its stresses, without remeshing
+  batten stress hood.toml --out result          the same, and a stress analysis on the same mesh
   batten sculpt bowl.toml --out result --sweep swell=0:250:9
-  batten fair sketch.csv --out fair.step        drawn lines, as smooth as they were meant
-  batten deform edit.toml --out result          a mesh moved, its holes and beads exactly kept
-  batten sequence edit.toml --out result        a deforming mesh: paths, footprints, keyframes
-  batten convert part.step part.iges --unit in  CAD to CAD: names and colours survive
-  batten convert part.step part.stl --chord 0.1 CAD to triangles without cracks
-  batten info hood.toml                         its lines and its parameters
-  batten info panel.bdf                         a mesh: its holes and creases, what is wrong
-  batten view hood.toml --screenshot hood.png   a picture (needs a display, or xvfb-run)
+  batten fair sketch.csv --out fair.step        fair drawn curves
+  batten deform edit.toml --out result          morph a mesh; holes and beads keep their shape
+  batten sequence edit.toml --out result        edit a mesh sequence: paths, foot plants, keyframes
+  batten convert part.step part.iges --unit in  CAD to CAD, with names and colours
+  batten convert part.step part.stl --chord 0.1 CAD to a watertight triangle mesh
+  batten info hood.toml                         curves and parameters of a scene
+  batten info panel.bdf                         holes, creases and quality of a mesh
+  batten view hood.toml --screenshot hood.png   picture (needs a display, or xvfb-run)
 
 Exit codes:
-  0 done   1 bad input   2 constraints in conflict   3 no solution
-  4 done, but a promise was missed (which, by how much: see the report)   130 cancelled
+  0 done   1 invalid input   2 contradictory constraints   3 no solution
+  4 done, but a check failed (which one and by how much: see the report)   130 cancelled
 )";
 
 /// Parses the command line and runs the subcommand. Returns the exit code.
@@ -96,7 +96,7 @@ int main(int argc, char** argv) {
     message = "not enough memory";
   } catch (const std::exception& e) {
     code = kNoSolution;
-    message = std::string("unexpected: ") + e.what();
+    message = std::string("unexpected error: ") + e.what();
   }
   // The error may only be due to a file removed after the interrupt.
   if (interrupted() && !message.empty()) {

@@ -57,7 +57,7 @@ bool is_sequence_file(const std::filesystem::path& file);
 /// between frames, jerks, and whether the last frame equals the first. Throws InputError.
 std::string sequence_info(const SequenceSource& source, const std::string& unit);
 
-/// Describes the sequence of a scene, with its handles, features and steps.
+/// Describes the sequence of a scene, with its handles, features and operations.
 std::string sequence_info(const SequenceScene& scene);
 
 namespace {
@@ -88,7 +88,7 @@ std::string flatness(const InputCurve& curve) {
 
 std::string lines_text(const std::vector<SourceLine>& lines, const std::string& unit,
                        double corner_angle) {
-  std::string text = std::to_string(lines.size()) + (lines.size() == 1 ? " line" : " lines") +
+  std::string text = std::to_string(lines.size()) + (lines.size() == 1 ? " curve" : " curves") +
                      ", lengths in " + unit + "\n";
   size_t width = 0;
   for (const auto& line : lines) width = std::max(width, line.name.size());
@@ -96,7 +96,7 @@ std::string lines_text(const std::vector<SourceLine>& lines, const std::string& 
     text += "  " + line.name + std::string(width - line.name.size() + 2, ' ');
     // Sketches may contain strokes without length.
     if (!sample_line(line, corner_angle).has_length()) {
-      text += "no length  at " + format_point(line.points.front()) + "\n";
+      text += "zero length  at " + format_point(line.points.front()) + "\n";
       continue;
     }
     std::shared_ptr<const InputCurve> curve;
@@ -107,7 +107,7 @@ std::string lines_text(const std::vector<SourceLine>& lines, const std::string& 
     } catch (const InputError& e) {
       // Strokes may have repeated points, which fairing accepts.
       curve = curve_from_hermite(interpolating_spline(line.name, line.points));
-      remark = "  no line of a surface: " + std::string(e.what());
+      remark = "  not usable for surfaces: " + std::string(e.what());
     }
     text += "length " + format_number(ArcLength(curve).total()) + "  from " +
             format_point(curve->evaluate(curve->start())) + " to " +
@@ -127,7 +127,7 @@ void draw_lines(const std::filesystem::path& picture, const std::vector<SourceLi
   sheet.unit = unit;
   sheet.panels.resize(1);
   CombPanel& panel = sheet.panels[0];
-  panel.title = std::to_string(lines.size()) + (lines.size() == 1 ? " line" : " lines");
+  panel.title = std::to_string(lines.size()) + (lines.size() == 1 ? " curve" : " curves");
   for (const SourceLine& line : lines) {
     if (!sample_line(line, corner_angle).has_length()) continue;
     try {
@@ -156,7 +156,7 @@ std::string parameters_text(const std::vector<Parameter>& parameters) {
   return text;
 }
 
-// Edges and regions by the names that [[region]] and [[join]] use.
+// Edges and faces by the names that [[face]] and [[join]] use.
 std::string network_text(const Scene& scene) {
   std::vector<CharacterLine> lines = read_lines(scene);
   add_mirrored(scene, lines);
@@ -165,20 +165,21 @@ std::string network_text(const Scene& scene) {
     return format_point(network.nodes()[edge.nodes[end]].position);
   };
   std::string text = "network: " + std::to_string(network.edges().size()) +
-                     (network.edges().size() == 1 ? " piece" : " pieces") + " between " +
+                     (network.edges().size() == 1 ? " edge" : " edges") + " between " +
                      std::to_string(network.nodes().size()) +
-                     (network.nodes().size() == 1 ? " place" : " places") + " (lines meet within " +
+                     (network.nodes().size() == 1 ? " node" : " nodes") + " (gap tolerance " +
                      format_number(network.tolerance()) + " " + scene.unit + ")\n";
   for (const NetworkEdge& edge : network.edges())
     text += "  " + edge.name + "  length " + format_number(edge.length) + "  from " +
             place(edge, 0) + " to " + place(edge, 1) + "\n";
-  for (const NetworkDiagnostic& finding : network.diagnostics())
-    text += std::string(finding.repaired ? "  repaired: " : "  not joined: ") + finding.text + "\n";
+  for (const NetworkDiagnostic& diagnostic : network.diagnostics())
+    text += std::string(diagnostic.repaired ? "  repaired: " : "  not joined: ") + diagnostic.text +
+            "\n";
   const FoundRegions found = regions_of(scene, network);
-  text += std::to_string(found.regions.size()) +
-          (found.regions.size() == 1 ? " region\n" : " regions\n");
+  text +=
+      std::to_string(found.regions.size()) + (found.regions.size() == 1 ? " face\n" : " faces\n");
   for (const NetworkRegion& region : found.regions) {
-    text += "  " + region.name + (region.annulus ? "  ring  " : "  ");
+    text += "  " + region.name + (region.annulus ? "  annulus  " : "  ");
     for (size_t l = 0; l < region.loops.size(); ++l) {
       text += l ? ", [" : "[";
       for (size_t i = 0; i < region.loops[l].size(); ++i)
@@ -190,7 +191,7 @@ std::string network_text(const Scene& scene) {
     text += "\n";
   }
   for (const AmbiguousRegion& ambiguous : found.ambiguous_regions)
-    text += "  could be: " + ambiguous.text + "\n";
+    text += "  ambiguous: " + ambiguous.text + "\n";
   return text;
 }
 
@@ -203,20 +204,20 @@ std::string scene_text(const Scene& scene) {
 }
 
 std::string fairing_text(const FairScene& scene) {
-  return "fairing '" + scene.name + "', unit " + scene.unit + "\n" +
+  return "fair scene '" + scene.name + "', unit " + scene.unit + "\n" +
          lines_text(read_sources(scene.lines, scene.file, scene.unit), scene.unit, kCorner) +
          parameters_text(scene.parameters());
 }
 
 std::string edits_text(const DeformScene& scene) {
-  return "edits '" + scene.name + "', unit " + scene.unit + "\n" +
+  return "deform scene '" + scene.name + "', unit " + scene.unit + "\n" +
          mesh_info(scene.mesh, scene.unit, scene.proposals) + parameters_text(scene.parameters());
 }
 
 }  // namespace
 
 std::string file_info(const std::filesystem::path& file, const std::string& unit) {
-  require_input_file(file, "a scene, a mesh or a file of lines");
+  require_input_file(file, "a scene, a mesh or a curve file");
   switch (file_kind(file)) {
     case FileKind::Scene:
       return is_sequence_scene(file) ? sequence_info(read_sequence_scene(file))
@@ -236,18 +237,19 @@ std::string file_info(const std::filesystem::path& file, const std::string& unit
     case FileKind::None:
       break;
   }
-  throw InputError(file.string() + ": found the ending '" + file.extension().string() +
-                   "', expected a scene (.toml), lines (.csv, .txt, .xyz, .dat, .obj, .curves, "
-                   ".iges, .step, .brep, .dxf, .svg, .json) or a "
+  throw InputError(file.string() + ": found the extension '" + file.extension().string() +
+                   "', expected a scene (.toml), curves (.csv, .txt, .xyz, .dat, .obj, .curves, "
+                   ".iges, .step, .brep, .dxf, .svg, .json), a "
                    "mesh (.obj, .off, .ply, .stl, .vtp, .vtu, .bdf, .nas, .dat, .inp, .k, .key, "
-                   ".dyn, .rad) or a deforming one (.glb, .gltf, .pc2, .mdd, .pvd, .frd)");
+                   ".dyn, .rad) or a mesh sequence (.glb, .gltf, .pc2, .mdd, .pvd, .frd)");
 }
 
 void draw_lines(const std::filesystem::path& picture, const std::filesystem::path& file,
                 const std::string& unit) {
   if (file.extension() == ".toml") {
     if (is_deform_scene(file) || is_sequence_scene(file))
-      throw InputError(file.string() + ": found edits of a mesh, expected lines to draw");
+      throw InputError(file.string() +
+                       ": found a scene without curves to draw, expected a surface or fair scene");
     if (is_fair_scene(file)) {
       const FairScene scene = read_fair_scene(file);
       return draw_lines(picture, read_sources(scene.lines, scene.file, scene.unit), scene.unit,
@@ -258,14 +260,15 @@ void draw_lines(const std::filesystem::path& picture, const std::filesystem::pat
                       scene.skin.options.corner_angle);
   }
   if (line_file_kind(file) == LineFileKind::None)
-    throw InputError(file.string() + ": found no scene or file of lines, expected one to draw");
+    throw InputError(file.string() +
+                     ": found a file without curves to draw, expected a scene or a curve file");
   if (draw_face_edges(picture, file, unit)) return;
   draw_lines(picture, read_source_file(file, unit, unit), unit, kCorner);
 }
 
 namespace {
 
-// Formats loops as in [[region]]: [["a", "b"], ["c"]].
+// Formats loops as in [[face]]: [["a", "b"], ["c"]].
 std::string format_loops(const CurveNetwork& network, const std::vector<EdgeLoop>& loops) {
   std::string text = "[";
   for (size_t l = 0; l < loops.size(); ++l) {
@@ -287,7 +290,7 @@ std::string format_alternative(const CurveNetwork& network, const AmbiguousRegio
   if (ambiguous.one_surface) surfaces = {loops};
   std::string text;
   for (const auto& surface : surfaces)
-    text += "    [[region]]\n    loops = " + format_loops(network, surface) + "\n" +
+    text += "    [[face]]\n    loops = " + format_loops(network, surface) + "\n" +
             (with.empty() ? "    surface = false\n" : "");
   return text;
 }
@@ -311,24 +314,24 @@ std::string draw_alternatives(const std::filesystem::path& folder, const Scene& 
   add_mirrored(scene, lines);
   const CurveNetwork network = network_of(scene, lines);
   const FoundRegions found = regions_of(scene, network);
-  if (found.ambiguous_regions.empty()) return "no choice is close\n";
+  if (found.ambiguous_regions.empty()) return "no ambiguous faces\n";
   make_output_folder(folder);
   LoopPicture picture;
   for (const NetworkEdge& edge : network.edges()) picture.lines.push_back(edge.curve);
   std::string text;
   for (size_t k = 0; k < found.ambiguous_regions.size(); ++k) {
     const AmbiguousRegion& ambiguous = found.ambiguous_regions[k];
-    const std::string file = "choice_" + std::to_string(k + 1) + ".png";
+    const std::string file = "alternatives_" + std::to_string(k + 1) + ".png";
     text += file + ": " + ambiguous.text + "\n";
     picture.alternatives = {panel_of(network,
-                                     ambiguous.chosen.empty() ? "as it is: no surface" : "as it is",
+                                     ambiguous.chosen.empty() ? "current: no surface" : "current",
                                      ambiguous.chosen, ambiguous.one_surface)};
     for (size_t a = 0; a < ambiguous.alternatives.size(); ++a) {
       const auto& other = ambiguous.alternatives[a];
       const long percent = std::lround(100 * ambiguous.margins[a]);
       const std::string title =
-          std::string(other.empty() ? "or no surface" : "or so") +
-          (percent > 0 ? ", costs " + std::to_string(percent) + " % more" : "");
+          std::string(other.empty() ? "alternative: no surface" : "alternative") +
+          (percent > 0 ? ", score " + std::to_string(percent) + " % higher" : "");
       picture.alternatives.push_back(panel_of(network, title, other, ambiguous.one_surface));
       text += "  " + title + ":\n" + format_alternative(network, ambiguous, other);
     }
@@ -339,7 +342,7 @@ std::string draw_alternatives(const std::filesystem::path& folder, const Scene& 
 
 namespace {
 
-/// Lines and meshes share extensions: a mesh has faces, a Nastran deck has grid points.
+/// Curves and meshes share extensions: a mesh has faces, a Nastran deck has grid points.
 bool is_mesh_file(const std::filesystem::path& file) {
   const std::string ending = lower_extension(file);
   if (ending != ".obj" && ending != ".dat") return MeshFile::can_read(file);
@@ -390,17 +393,18 @@ std::string sequence_info(const SequenceSource& source, const std::string& unit)
       format_number(s.times.back()) + ", " + std::to_string(s.node_count()) + " nodes, " +
       std::to_string(s.shells.face_count()) + " faces in " + std::to_string(mesh.components) +
       (mesh.components == 1 ? " part" : " parts") + ", lengths in " + unit + "\n";
-  text += "  all frames from " + format_point(low) + " to " + format_point(high) + "\n";
+  text += "  bounding box of all frames: from " + format_point(low) + " to " + format_point(high) +
+          "\n";
   if (s.frame_count() > 1)
-    text += "  nodes move by up to " + format_number(step) +
-            " from frame to frame, second difference " +
+    text += "  largest node displacement " + format_number(step) +
+            " between frames, largest second difference " +
             format_number(*std::max_element(jerks.begin(), jerks.end())) +
-            (apart < 1e-6 * size ? "; the last frame is the first one again" : "") + "\n";
+            (apart < 1e-6 * size ? "; the last frame equals the first one" : "") + "\n";
   return text;
 }
 
 std::string sequence_info(const SequenceScene& scene) {
-  std::string text = "edits '" + scene.name + "' of a sequence, unit " + scene.unit + "\n" +
+  std::string text = "sequence scene '" + scene.name + "', unit " + scene.unit + "\n" +
                      sequence_info(scene.source, scene.unit);
   const auto list = [&](const std::string& what, const auto& things) {
     if (things.empty()) return;
@@ -409,7 +413,7 @@ std::string sequence_info(const SequenceScene& scene) {
     text += "\n";
   };
   list("handles", scene.handles);
-  list("steps", scene.steps);
+  list("operations", scene.steps);
   return text;
 }
 

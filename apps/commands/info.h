@@ -9,8 +9,8 @@
 namespace batten {
 
 /// Describes a file in a few lines of text:
-/// - a scene (.toml): its lines and parameters;
-/// - points, CAD curves, drawings or sketches: the lines with lengths, ends, planes, and how they
+/// - a scene (.toml): its curves and parameters;
+/// - points, CAD curves, drawings or sketches: the curves with lengths, ends, planes, and how they
 ///   were interpreted;
 /// - a CAD file: unit, products, names, colours and layers, and the continuity of its edges; for
 ///   STEP also its validity;
@@ -19,14 +19,14 @@ namespace batten {
 /// `unit`: length unit of the text and of point files; a scene has its own. Throws InputError.
 std::string file_info(const std::filesystem::path& file, const std::string& unit);
 
-/// Draws the lines of a scene or file as they were read, with points and curvature combs, to a PNG.
+/// Draws the curves of a scene or file as they were read, with points and curvature combs, to a PNG.
 /// For a CAD file with faces it draws their edges (draw_face_edges). Throws InputError if there are
-/// no lines or no display.
+/// no curves or no display.
 void draw_lines(const std::filesystem::path& picture, const std::filesystem::path& file,
                 const std::string& unit);
 
-/// Finds the regions of a network scene, and draws every ambiguous decision with its alternatives
-/// into `folder`: choice_1.png, choice_2.png, … Each picture shows the location, the current
+/// Finds the faces of a network scene, and draws every ambiguous face with its alternatives
+/// into `folder`: alternatives_1.png, alternatives_2.png, … Each picture shows the location, the current
 /// surfaces, and all alternatives. The result describes each decision, with the TOML that selects
 /// each alternative. Throws InputError if there is no network or no display, and the exceptions of
 /// network_of() and regions_of().

@@ -1,1 +1,1 @@
-"""Batten for FreeCAD: what a FreeCAD without a window needs of it is in the package batten_freecad."""
+"""Batten for FreeCAD. The package batten_freecad also works without a window."""

@@ -4,7 +4,7 @@ import FreeCADGui
 
 class BattenWorkbench(FreeCADGui.Workbench):
     MenuText = "Batten"
-    ToolTip = "Continuous surfaces from lines: skinned, pushed, checked"
+    ToolTip = "Smooth surfaces through curves: fit, load, check continuity"
 
     def __init__(self):
         from batten_freecad import icons

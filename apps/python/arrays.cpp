@@ -19,7 +19,7 @@ py::array array_from(py::handle given, const std::string& what, const std::strin
                      const std::string& expected) {
   const py::array array = py::array::ensure(given);
   if (!array)
-    throw InputError(what + ": found no array (rows of different lengths?), expected " + expected);
+    throw InputError(what + ": found rows of different lengths or no array, expected " + expected);
   if (kinds.find(array.dtype().kind()) == std::string::npos)
     throw InputError(what + ": found values of type '" +
                      std::string(py::str(array.dtype().attr("name"))) + "', expected " + expected);
@@ -65,7 +65,7 @@ py::array list_view(std::vector<Number> numbers) {
 }  // namespace
 
 Points points_from(py::handle given, const std::string& what) {
-  const std::string expected = "n×3 numbers, one point a row";
+  const std::string expected = "n×3 numbers, one point per row";
   const py::array_t<double> array = doubles_from(given, what, expected);
   if (array.ndim() != 2 || array.shape(1) != 3)
     throw InputError(what + ": found " + format_shape(array) + ", expected " + expected);
@@ -117,7 +117,7 @@ std::vector<int> indices_from(py::handle given, const std::string& what, int cou
 }
 
 std::vector<std::array<int, 3>> triangles_from(py::handle given, const std::string& what) {
-  const std::string expected = "m×3 whole numbers, the corners of a triangle a row";
+  const std::string expected = "m×3 whole numbers, one triangle per row";
   const py::array_t<long long> array = integers_from(given, what, expected);
   if (array.ndim() != 2 || array.shape(1) != 3)
     throw InputError(what + ": found " + format_shape(array) + ", expected " + expected);

@@ -97,17 +97,17 @@ NamedCurve named_curve(const std::string& name, const py::handle& given) {
     line.curve = fair.curve;
     line.parameters = fair.parameters;
   } else {
-    const std::vector<Vec3> points = rows_of(points_from(given, "line '" + name + "'"));
+    const std::vector<Vec3> points = rows_of(points_from(given, "curve '" + name + "'"));
     line.curve = interpolating_spline(name, points);
     line.parameters = line.curve.parameters();
   }
   return line;
 }
 
-py::list save_lines(const py::object& path, const py::dict& lines, const std::string& unit) {
+py::list save_curves(const py::object& path, const py::dict& given, const std::string& unit) {
   const std::string file = path_from(path);
   std::vector<NamedCurve> curves;
-  for (const auto& [name, given] : lines) curves.push_back(named_curve(py::str(name), given));
+  for (const auto& [name, one] : given) curves.push_back(named_curve(py::str(name), one));
   CurveFileOptions options;
   options.unit_in_metres = unit_in_metres(unit);
   const std::vector<std::string> left_out =
@@ -116,8 +116,7 @@ py::list save_lines(const py::object& path, const py::dict& lines, const std::st
 }
 
 void bind_curve_class(py::module_& m) {
-  py::class_<HermiteCurve>(m, "Curve",
-                           "A C1 curve of cubics over a parameter u. It does not change.")
+  py::class_<HermiteCurve>(m, "Curve", "A C1 piecewise cubic curve with parameter u. Immutable.")
       .def_property_readonly("start", &HermiteCurve::start, "First parameter.")
       .def_property_readonly("end", &HermiteCurve::end, "Last parameter.")
       .def_property_readonly("closed", &HermiteCurve::closed)
@@ -134,7 +133,8 @@ void bind_curve_class(py::module_& m) {
             return array_of(evaluated(curve, numbers_from(u, "u"), order));
           },
           "u"_a, py::kw_only(), "order"_a = 0,
-          "Positions (order 0) or derivatives of order 1 to 3 by u at n parameters, n×3.")
+          "Positions (order 0) or derivatives of order 1 to 3 with respect to u at n parameters, "
+          "n×3.")
       .def(
           "curvature",
           [](const HermiteCurve& curve, const py::object& u) {
@@ -143,30 +143,32 @@ void bind_curve_class(py::module_& m) {
             return array_of(std::move(values));
           },
           "u"_a, "Curvature at n parameters, 1/length.")
-      .def("sample", &sample, "count"_a = 97, "Points evenly in u, count×3, model units.")
-      .def("fairness", &fairness_of,
-           R"(Measures: length, bending ∫κ²ds (1/length), variation ∫(dκ/ds)²ds (1/length³),
-largest_curvature, largest_jump (1/length), and the counts extrema and inflections.)");
+      .def("sample", &sample, "count"_a = 97, "Points uniform in u, count×3, model units.")
+      .def(
+          "fairness", &fairness_of,
+          R"(Fairness measures: length, bending ∫κ²ds (1/length), variation ∫(dκ/ds)²ds (1/length³),
+largest_curvature, largest_jump (curvature jump, 1/length), and the numbers of curvature extrema and
+inflections.)");
 }
 
 }  // namespace
 
 void bind_curves(py::module_& m) {
   bind_curve_class(m);
-  py::class_<FairCurve>(m, "FairCurve", "A fair curve, and what was found out about its points.")
+  py::class_<FairCurve>(m, "FairCurve", "A fair curve and its statistics.")
       .def_readonly("curve", &FairCurve::curve, "The Curve.")
       .def_property_readonly(
           "points",
           [](const FairCurve& fair) { return array_of(evaluated(fair.curve, fair.parameters, 0)); },
-          "The places of the curve nearest to the given points, n×3, model units.")
+          "The curve points nearest to the given points, n×3, model units.")
       .def_property_readonly(
           "parameters",
           [](const FairCurve& fair) { return array_of(std::vector<double>(fair.parameters)); },
-          "Parameters of these places, n float64.")
+          "Parameters of these curve points, n float64.")
       .def_property_readonly(
           "outliers",
           [](const FairCurve& fair) { return array_of(std::vector<int>(fair.outliers)); },
-          "Numbers of points that were passed over, int32.")
+          "Indices of the points that were rejected as outliers, int32.")
       .def_property_readonly(
           "deviation", [](const FairCurve& fair) { return fair.deviation.max; },
           "Largest distance of the other points from the curve, model units.")
@@ -174,29 +176,33 @@ void bind_curves(py::module_& m) {
           "rms", [](const FairCurve& fair) { return fair.deviation.rms; },
           "Root mean square of these distances, model units.")
       .def_readonly("wavelength", &FairCurve::wavelength,
-                    "The wave that keeps half of its height, model units; 0: nothing was smoothed.")
-      .def_readonly("noise", &FairCurve::noise, "Estimated noise across the line, model units.")
-      .def_readonly("settled", &FairCurve::converged, "Whether parameters stood still.");
+                    "Wavelength whose amplitude is halved, model units; 0: no smoothing.")
+      .def_readonly("noise", &FairCurve::noise,
+                    "Estimated noise perpendicular to the curve, model units.")
+      .def_readonly("converged", &FairCurve::converged, "Whether the parameters converged.");
   m.def("fair", &fair, "points"_a, py::kw_only(), "noise"_a = py::none(),
         "deviation"_a = py::none(), "wavelength"_a = py::none(), "closed"_a = py::none(),
-        "corners"_a = py::none(), "corner_angle"_a = 50.0, "hold_ends"_a = false,
-        "drop_outliers"_a = true, "name"_a = "curve",
-        R"(The fair curve of points n×3 in their order: springs at the points against bending.
+        "corners"_a = py::none(), "corner_angle"_a = 50.0, "fix_ends"_a = false,
+        "reject_outliers"_a = true, "name"_a = "curve",
+        R"(The smoothing spline of points n×3 in their order.
 
-The balance is found by itself (cross-validation), or stated by one of `noise` (root mean square),
-`deviation` (largest distance) and `wavelength`, model units. `corners`: numbers of points, or None:
-those that turn by more than `corner_angle` degrees. Raises InputError, NoSolutionError.
-Source: min Σ|X(u_i) - p_i|² + ρ∫(1-b)(ra)⁶|X_uuu|² + b(ra)⁴|X_uu|² du (docs/theory/curves.md).)");
+The amount of smoothing is determined by cross-validation, or by one of `noise` (RMS distance),
+`deviation` (maximum distance) and `wavelength`, model units. `corners`: indices of points, or None:
+those where the polyline turns by more than `corner_angle` degrees. `fix_ends`: interpolate the end
+points. Raises InputError, NoSolutionError.
+Reference: min Σ|X(u_i) - p_i|² + ρ∫(1-b)(ra)⁶|X_uuu|² + b(ra)⁴|X_uu|² du (docs/theory/curves.md).)");
   m.def(
-      "write_lines", &save_lines, "path"_a, "lines"_a, py::kw_only(), "unit"_a = "mm",
-      R"(Writes {name: points n×3, Curve or FairCurve} by the file's ending: .csv .obj .curves .vtp .step .iges.
+      "write_curves", &save_curves, "path"_a, "curves"_a, py::kw_only(), "unit"_a = "mm",
+      R"(Writes {name: points n×3, Curve or FairCurve}; the extension selects the format: .csv .obj .curves .vtp .step .iges.
 
-Points get the curve through them, C2 between corners. Returns sentences about lines that were left out. Raises InputError, FileError.)");
-  m.def("fit", &fitted, "points"_a, "tolerance"_a, py::kw_only(), "closed"_a = py::none(),
-        "corners"_a = py::none(), "corner_angle"_a = 50.0, "name"_a = "curve",
-        R"(The Curve of few cubics within `tolerance` (model units) of points n×3 in their order.
+Points are interpolated by a curve that is C2 between corners. Returns sentences about curves that
+were not written. Raises InputError, FileError.)");
+  m.def(
+      "fit", &fitted, "points"_a, "tolerance"_a, py::kw_only(), "closed"_a = py::none(),
+      "corners"_a = py::none(), "corner_angle"_a = 50.0, "name"_a = "curve",
+      R"(Approximates points n×3 in their order by a Curve of few cubics within `tolerance` (model units).
 
-Raises InputError. Source: least squares with parameters of the nearest points (docs/theory/curves.md).)");
+Raises InputError. Reference: least squares with parameters of the nearest points (docs/theory/curves.md).)");
 }
 
 }  // namespace batten::python

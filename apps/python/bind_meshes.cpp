@@ -78,14 +78,14 @@ py::dict sets_of(const MeshObject& mesh) {
   return sets;
 }
 
-py::list rims_of(const MeshObject& mesh) {
+py::list boundary_loops_of(const MeshObject& mesh) {
   const MeshTopology& topology = mesh.source.prepared.mesh.topology();
-  py::list rims;
+  py::list loops;
   for (std::vector<int> loop : topology.boundary_loops()) {
     for (int& vertex : loop) vertex = topology.node_of(vertex);
-    rims.append(array_of(std::move(loop)));
+    loops.append(array_of(std::move(loop)));
   }
-  return rims;
+  return loops;
 }
 
 void save_mesh(const MeshObject& mesh, const py::object& path, const py::object& given,
@@ -120,10 +120,10 @@ std::string mesh_repr(const MeshObject& mesh) {
          std::to_string(shells.face_count()) + " faces>";
 }
 
-py::dict hole_dict(const py::object& points, const py::object& loop) {
+py::dict hole_dict(const py::object& points, const py::object& given) {
   const Points p = points_from(points, "points");
-  const std::vector<int> rim = indices_from(loop, "rim", static_cast<int>(p.rows()));
-  const HoleMeasure hole = measure_hole(p, rim);
+  const std::vector<int> loop = indices_from(given, "loop", static_cast<int>(p.rows()));
+  const HoleMeasure hole = measure_hole(p, loop);
   const auto triple = [](const Vec3& v) { return py::make_tuple(v.x(), v.y(), v.z()); };
   return py::dict("centre"_a = triple(hole.centre), "axis"_a = triple(hole.axis),
                   "radius"_a = hole.radius, "roundness"_a = hole.roundness,
@@ -154,50 +154,53 @@ std::shared_ptr<MeshObject> mesh_of_arrays(const py::object& points, const py::o
 std::shared_ptr<const MeshObject> mesh_from(const py::object& given, const py::object& triangles) {
   if (py::isinstance<MeshObject>(given)) {
     if (!triangles.is_none())
-      throw InputError("triangles: found some beside a Mesh, expected None");
+      throw InputError("triangles: found triangles together with a Mesh, expected None");
     return given.cast<MeshPtr>();
   }
   if (triangles.is_none())
-    throw InputError("mesh: found points without triangles, expected a Mesh, or both");
+    throw InputError(
+        "mesh: found points without triangles, expected a Mesh, or points and triangles");
   return mesh_of_arrays(given, triangles);
 }
 
 void bind_meshes(py::module_& m) {
-  py::class_<MeshObject, MeshPtr>(m, "Mesh", "A mesh of a file or of arrays. It does not change.")
+  py::class_<MeshObject, MeshPtr>(m, "Mesh", "A mesh from a file or from arrays. Immutable.")
       .def(py::init(&mesh_of_arrays), "points"_a, "triangles"_a,
-           "A mesh of points n×3 and triangles m×3, from 0. Raises InputError, MeshError.")
-      .def_property_readonly("points", &mesh_points, "Places of the nodes, n×3 float64. A view.")
+           "A mesh of points n×3 and triangles m×3 (indices from 0). Raises InputError, "
+           "MeshError.")
+      .def_property_readonly("points", &mesh_points, "Node positions, n×3 float64. A view.")
       .def_property_readonly("triangles", &mesh_triangles,
-                             "Corners of the triangles that faces are cut into, m×3 int32.")
+                             "Node indices of the triangles into which faces are split, m×3 int32.")
       .def_property_readonly("triangle_faces", &triangle_faces,
-                             "The face that each triangle is a part of, m int32. A view.")
+                             "Index of the face that contains each triangle, m int32. A view.")
       .def_property_readonly("sets", &sets_of, "Sets of the file, {name: {nodes, faces}}.")
-      .def_property_readonly("rims", &rims_of,
-                             "Loops of boundary nodes: the outline and the holes.")
+      .def_property_readonly("boundary_loops", &boundary_loops_of,
+                             "Closed loops of boundary nodes: the outline and the holes.")
       .def_property_readonly(
           "format", [](const MeshObject& mesh) { return mesh.source.file.format(); },
           "The file's format.")
       .def_property_readonly(
           "notes", [](const MeshObject& mesh) { return py::cast(mesh.source.prepared.notes); },
-          "What was repaired or noticed, in sentences.")
+          "Repairs and remarks, as sentences.")
       .def(
           "save", &save_mesh, "path"_a, "points"_a = py::none(), py::kw_only(), "unit"_a = "",
-          R"(Writes a mesh file by its ending: .obj .off .ply .stl .vtp .vtu, and with `unit` .glb .3mf.
+          R"(Writes a mesh file; the extension selects the format: .obj .off .ply .stl .vtp .vtu, and with `unit` .glb .3mf.
 
-`points`: other places of the nodes, n×3. Raises InputError, FileError.)")
+`points`: other node positions, n×3. Raises InputError, FileError.)")
       .def("save_as_read", &save_as_read, "path"_a, "points"_a, py::kw_only(),
-           "wide_nodes"_a = false,
-           R"(Writes the file that was read with other coordinates n×3, all else in it unchanged.
+           "large_field"_a = false,
+           R"(Writes the input file with new node positions n×3 and everything else unchanged.
 
-Returns the largest rounding of a coordinate, model units. Raises InputError, FileError.)")
+`large_field`: write the moved nodes of Nastran decks in large-field format. Returns the largest rounding
+error of a coordinate, model units. Raises InputError, FileError.)")
       .def("__repr__", &mesh_repr);
-  m.def("read_mesh", &read_mesh, "path"_a,
-        "A mesh file: OBJ, OFF, PLY, STL, VTP, VTU, Nastran, Abaqus, LS-DYNA, Radioss. Raises "
-        "InputError.");
-  m.def("measure_hole", &hole_dict, "points"_a, "rim"_a,
-        "The circle nearest to a closed loop of points: centre, axis, radius, roundness, flatness. "
-        "Lengths in "
-        "the points' unit.");
+  m.def(
+      "read_mesh", &read_mesh, "path"_a,
+      "Reads a mesh file: OBJ, OFF, PLY, STL, VTP, VTU, Nastran, Abaqus, LS-DYNA, Radioss. Raises "
+      "InputError.");
+  m.def("measure_hole", &hole_dict, "points"_a, "loop"_a,
+        "The best-fit circle of a closed loop of points (indices): centre, axis, radius, "
+        "roundness, flatness. Lengths in the unit of the points.");
 }
 
 // Deformers that preserve the shape of features.
@@ -212,13 +215,13 @@ struct MoveObject {
   bool about_mean = true;
 };
 
-MoveObject new_move(const py::object& translation, const py::object& axis, double degrees,
+MoveObject new_move(const py::object& translation, const py::object& axis, double angle,
                     double scale, const py::object& about) {
   MoveObject result;
-  result.move.translation = vector_from(translation, "shift");
+  result.move.translation = vector_from(translation, "translate");
   const Vec3 along = vector_from(axis, "axis");
   if (along.norm() == 0) throw InputError("axis: found length 0, expected a direction");
-  result.move.rotation_vector = to_rotation_vector(along, degrees * std::numbers::pi / 180);
+  result.move.rotation_vector = to_rotation_vector(along, angle * std::numbers::pi / 180);
   result.move.scale = scale;
   result.about_mean = about.is_none();
   if (!result.about_mean) result.move.about = vector_from(about, "about");
@@ -289,7 +292,7 @@ Points nodes_of(const Points& vertices, const MeshObject& mesh) {
 
 DeformerPtr new_deformer(const py::object& given, const py::object& triangles,
                          const py::object& fixed, const py::dict& handles, const py::dict& features,
-                         const py::dict& upright, const py::object& region) {
+                         const py::dict& keep_orientation, const py::object& region) {
   auto result = std::make_shared<DeformerObject>();
   result->mesh = mesh_from(given, triangles);
   const TriangleMesh& mesh = result->mesh->source.prepared.mesh;
@@ -298,11 +301,11 @@ DeformerPtr new_deformer(const py::object& given, const py::object& triangles,
   problem.fixed = indices_from(fixed, "fixed", count);
   problem.handles = named_from<Handle>(handles, "handle", count);
   problem.features = named_from<FormFeature>(features, "feature", count);
-  for (FormFeature& feature : named_from<FormFeature>(upright, "feature", count)) {
+  for (FormFeature& feature : named_from<FormFeature>(keep_orientation, "feature", count)) {
     feature.kind = FormFeature::Kind::TranslationOnly;
     problem.features.push_back(feature);
   }
-  if (!region.is_none()) problem.region = indices_from(region, "region", count);
+  if (!region.is_none()) problem.region = indices_from(region, "region_of_interest", count);
   problem = expand_to_nodes(std::move(problem), mesh.topology());
   result->problem = problem;
   result->deformer = KernelCall()(
@@ -383,28 +386,28 @@ py::array keep_regions(RegionsObject& of, const py::object& estimate, const py::
 void bind_deformer(py::module_& m) {
   py::class_<DeformerObject, DeformerPtr>(
       m, "Deformer",
-      R"(Deforms a mesh whose form features keep their shape exactly; factored once.
+      R"(Morphs a mesh whose form features keep their shape exactly; factorized once.
 
-min ½|A p - b|² under C p = d: mean-curvature vectors are kept while they turn with a smooth field of
-rotations; fixed vertices, handles and features hold exactly.
-Source: Masuda, Yoshioka, Furukawa 2006 (docs/theory/deformers.md).)")
+min ½|A p - b|² subject to C p = d: mean-curvature vectors are preserved up to a smooth field of
+rotations; fixed vertices, handles and features are exact constraints.
+Reference: Masuda, Yoshioka, Furukawa 2006 (docs/theory/deformers.md).)")
       .def(
           py::init(&new_deformer), "mesh"_a, "triangles"_a = py::none(), py::kw_only(),
           "fixed"_a = py::tuple(), "handles"_a = py::dict(), "features"_a = py::dict(),
-          "keep_direction"_a = py::dict(), "region"_a = py::none(),
-          R"(`mesh`: a Mesh, or points n×3 with `triangles` m×3. Vertices are numbers from 0 or masks of n.
+          "keep_orientation"_a = py::dict(), "region_of_interest"_a = py::none(),
+          R"(`mesh`: a Mesh, or points n×3 with `triangles` m×3. Vertices are indices from 0 or masks of n.
 
-`handles`, `features` (turn with the sheet), `keep_direction` (features that do not turn): {name:
-vertices}. `region`: vertices that may move (None: all). Raises InputError, NoSolutionError.)")
+`handles`, `features` (rotate with the sheet), `keep_orientation` (features without rotation): {name:
+vertices}. `region_of_interest`: vertices that may move (None: all). Raises InputError, NoSolutionError.)")
       .def("deform", &deform, "moves"_a, py::kw_only(), "scales"_a = py::dict(),
            "correct"_a = false,
-           R"(Places of all vertices after an edit of the mesh as it was given, n×3 float64.
+           R"(Positions of all vertices after an edit of the original mesh, n×3 float64.
 
-`moves`: {handle: Move}; `scales`: {feature: factor}. A pair of triangular solves; `correct`: once
-more, against roundings. Raises InputError, ConflictError; positions then stay.)")
+`moves`: {handle: Move}; `scales`: {feature: factor}. Costs a pair of triangular solves; `correct`: one
+more, to reduce rounding errors. Raises InputError, ConflictError; positions are then unchanged.)")
       .def_property_readonly(
           "positions", &positions_of,
-          "Places of the last deform(), n×3: a view, which the next one overwrites.")
+          "Positions of the last deform(), n×3: a view, which the next call overwrites.")
       .def_property_readonly(
           "residual",
           [](const DeformerPtr& of) {
@@ -412,41 +415,42 @@ more, against roundings. Raises InputError, ConflictError; positions then stay.)
               return of->serialize([&] { return of->deformer->hard_residual(); });
             });
           },
-          "Largest violation of what is held, over the size.")
+          "Largest violation of the exact constraints, relative to the size.")
       .def_property_readonly(
           "unknowns", [](const DeformerPtr& of) { return of->deformer->counts().unknowns; },
-          "Unknowns of one coordinate, after the constraints.")
+          "Number of unknowns per coordinate, after elimination of the constraints.")
       .def_property_readonly(
           "notes", [](const DeformerPtr& of) { return py::cast(of->deformer->notes()); },
-          "Parts of the mesh that nothing moves or holds, in sentences.");
+          "Remarks about parts of the mesh without handles or fixed vertices, as sentences.");
 }
 
 }  // namespace
 
 void bind_deformers(py::module_& m) {
-  py::class_<MoveObject>(m, "Move", "How a handle moves: p = about + s R (p⁰ - about) + shift.")
-      .def(py::init(&new_move), py::kw_only(), "shift"_a = py::make_tuple(0., 0., 0.),
-           "axis"_a = py::make_tuple(0., 0., 1.), "degrees"_a = 0.0, "scale"_a = 1.0,
+  py::class_<MoveObject>(m, "Move", "Motion of a handle: p = about + s R (p⁰ - about) + translate.")
+      .def(py::init(&new_move), py::kw_only(), "translate"_a = py::make_tuple(0., 0., 0.),
+           "axis"_a = py::make_tuple(0., 0., 1.), "angle"_a = 0.0, "scale"_a = 1.0,
            "about"_a = py::none(),
-           "`shift`, `about` in model units (None: the mean of the handle's vertices); a turn by "
-           "`degrees` about "
-           "`axis`; `scale` above 0.");
+           "`translate` and `about` in model units (about = None: the mean of the handle's "
+           "vertices); rotation by `angle` degrees about `axis`; `scale` above 0.");
   bind_deformer(m);
-  py::class_<RegionsObject>(m, "FeatureRegions",
-                            R"(Keeps regions of a mesh in the result of any deformer; factored once.
+  py::class_<RegionsObject>(
+      m, "FeatureRegions",
+      R"(Preserves regions of a mesh in the result of any deformer; factorized once.
 
-Source: Hu, Song, Cao 2012, Mesh editing with feature region preservation (docs/theory/deformers.md).)")
+Reference: Hu, Song, Cao 2012, Mesh editing with feature region preservation (docs/theory/deformers.md).)")
       .def(
           py::init(&new_regions), "mesh"_a, "triangles"_a = py::none(), py::kw_only(), "regions"_a,
           "fixed"_a = py::tuple(), "handles"_a = py::dict(), "soft"_a = false, "weight"_a = 2e7,
-          R"(`regions`: {name: triangles}, numbers or masks of m; `fixed`, `handles`: as of a Deformer.
+          R"(`regions`: {name: triangles}, indices or masks of m; `fixed`, `handles`: as for a Deformer.
 
-Hard regions are rigid exactly; `soft` ones nearly, by `weight`. Raises InputError, NoSolutionError.)")
+Regions are exactly rigid, or with `soft` approximately, by a penalty `weight`. Raises InputError,
+NoSolutionError.)")
       .def(
           "deform", &keep_regions, "estimate"_a, "moves"_a,
-          R"(Places of all vertices, n×3: regions turned as `estimate` (n×3) has turned them, and rigid.
+          R"(Positions of all vertices, n×3: rigid regions, with the rotations that they have in `estimate` (n×3).
 
-`moves`: {handle: Move}, those of the estimate. One solve. Raises InputError, ConflictError.)");
+`moves`: {handle: Move}, those of the estimate. Costs one solve. Raises InputError, ConflictError.)");
 }
 
 // Interactive edits of a mesh, defined by a deform scene.
@@ -466,7 +470,7 @@ struct MeshEditObject {
 };
 
 std::string full_text(const std::string& file) {
-  require_input_file(file, "an edit of a mesh", "");
+  require_input_file(file, "a deform scene", "");
   std::ifstream in(file, std::ios::binary);
   std::ostringstream text;
   text << in.rdbuf();
@@ -492,7 +496,7 @@ void set_number(MeshEditObject& of, const std::string& name, double value) {
     of.serialize([&] {
       of.edited.check(name, value);
       if (!of.edited.moves(name))
-        throw InputError("found '" + name + "', expected a number of the last edit's handles");
+        throw InputError("found '" + name + "', expected a parameter of a handle of the last edit");
       of.edited.set(name, value);
     });
   });
@@ -514,41 +518,42 @@ py::dict numbers_of(MeshEditObject& of) {
 void bind_edits(py::module_& m) {
   py::class_<MeshEditObject>(
       m, "MeshEdit",
-      R"(The edits of a deform scene, live: numbers of the last edit's handles go on changing.
+      R"(Interactive edits of a deform scene: the parameters of the last edit's handles can be changed.
 
-Features, guides and rows are those of the scene; factors are made once. What settle() gives is what
-`batten deform` writes (docs/deform.md).)")
+Features and constraints are those of the scene; factorized once. The result of solve() is the same as
+the output of `batten deform` (docs/deform.md).)")
       .def(py::init(&new_mesh_edit), "path"_a, py::kw_only(), "progress"_a = py::none(),
-           "Reads a deform scene and does its edits. Raises InputError, ConflictError, "
+           "Reads a deform scene and applies its edits. Raises InputError, ConflictError, "
            "NoSolutionError.")
       .def_property_readonly("parameters", &numbers_of,
-                             "Numbers of all edits, {\"EDIT.HANDLE.x\": value, …}.")
+                             "Parameters of all edits, {\"EDIT.HANDLE.x\": value, …}.")
       .def("__setitem__", &set_number, "name"_a, "value"_a)
       .def("__getitem__", &number_of, "name"_a)
       .def(
-          "answer",
+          "update",
           [](MeshEditObject& of) {
             return KernelCall()([&](const Progress&) {
               return of.serialize([&] { return of.edited.solve_preview(); });
             });
           },
-          "The shape for a drag, a pair of triangular solves; True when features rest. Raises as "
-          "settle().")
+          "Updates the shape quickly, as during a drag: a pair of triangular solves; True if it "
+          "has "
+          "converged. Raises the exceptions of solve().")
       .def(
-          "settle",
+          "solve",
           [](MeshEditObject& of) {
             KernelCall()(
                 [&](const Progress&) { of.serialize([&] { of.edited.solve_to_equilibrium(); }); });
           },
-          "The shape at rest. Raises ConflictError, NoSolutionError; shape and numbers then go "
-          "back.")
+          "Solves to convergence. Raises ConflictError, NoSolutionError; shape and parameters are "
+          "then restored.")
       .def_property_readonly(
           "points",
           [](MeshEditObject& of) {
             return array_of(KernelCall()(
                 [&](const Progress&) { return of.serialize([&] { return of.nodes(); }); }));
           },
-          "Places of the nodes, n×3 float64, an array of its own.")
+          "Node positions, n×3 float64; a new array.")
       .def_readonly("mesh", &MeshEditObject::mesh, "The Mesh as it was read.");
 }
 

@@ -42,7 +42,7 @@ py::array triangles_of(const Model& model) {
                    static_cast<py::ssize_t>(facets->triangles.size()), 3);
 }
 
-py::array triangle_regions_of(const Model& model) {
+py::array triangle_faces_of(const Model& model) {
   const auto facets = facets_of(model);
   return array_view(facets, facets->regions.data(),
                     {static_cast<py::ssize_t>(facets->regions.size())}, {sizeof(int)});
@@ -54,19 +54,19 @@ py::dict parameters_of(const Model& model) {
   return values;
 }
 
-py::list region_names(const Model& model) {
+py::list face_names(const Model& model) {
   py::list names;
   for (const SkinnedRegion& region : model.shape().regions) names.append(region.name);
   return names;
 }
 
-py::list line_names(const Model& model) {
+py::list curve_names(const Model& model) {
   py::list names;
   for (const CharacterLine& line : model.lines()) names.append(line.name);
   return names;
 }
 
-py::array line_points(const Model& model, const std::string& name, int count) {
+py::array curve_points(const Model& model, const std::string& name, int count) {
   std::vector<std::string> names;
   for (const CharacterLine& line : model.lines()) {
     names.push_back(line.name);
@@ -81,7 +81,7 @@ py::array line_points(const Model& model, const std::string& name, int count) {
     return array_of(std::move(points));
   }
   const std::string near = closest_match(name, names);
-  throw InputError("found the line name '" + name + "', expected one of the model's" +
+  throw InputError("found the curve name '" + name + "', expected a curve of the model" +
                    (near.empty() ? "" : "; did you mean '" + near + "'?"));
 }
 
@@ -114,8 +114,8 @@ PictureScene::Field field_from(const std::string& word) {
   if (word == "none") return PictureScene::Field::None;
   if (word == "mean") return PictureScene::Field::Mean;
   if (word == "gauss") return PictureScene::Field::Gauss;
-  if (word == "regions") return PictureScene::Field::Regions;
-  throw InputError("field: found '" + word + "', expected none, mean, gauss or regions");
+  if (word == "faces") return PictureScene::Field::Regions;
+  throw InputError("field: found '" + word + "', expected none, mean, gauss or faces");
 }
 
 void picture(const Model& model, const py::object& path, int width, int height, double azimuth,
@@ -141,11 +141,11 @@ std::string model_repr(const Model& model) {
   for (const SkinnedRegion& region : model.shape().regions)
     triangles += static_cast<size_t>(region.surface.mesh().triangle_count());
   return "<batten.Model '" + model.scene().name +
-         "': " + std::to_string(model.shape().regions.size()) + " regions, " +
+         "': " + std::to_string(model.shape().regions.size()) + " faces, " +
          std::to_string(triangles) + " elements, in " + model.scene().unit + ">";
 }
 
-py::dict lines_of_file(const py::object& path, const std::string& unit, double corner_angle) {
+py::dict curves_of_file(const py::object& path, const std::string& unit, double corner_angle) {
   const std::string file = path_from(path);
   const auto lines = KernelCall()([&](const Progress&) {
     std::vector<std::pair<std::string, std::vector<Vec3>>> read;
@@ -167,25 +167,26 @@ py::dict lines_of_file(const py::object& path, const std::string& unit, double c
 void bind_making(py::module_& m) {
   m.def(
       "skin",
-      [](const py::dict& lines, const py::object& tolerance, const py::object& edge_length,
+      [](const py::dict& curves, const py::object& fit_tolerance, const py::object& edge_length,
          const py::object& corner_angle, const py::iterable& inner, const py::iterable& holes,
          const py::iterable& smooth, const py::iterable& crease, const std::string& name,
-         const std::string& unit, const std::string& words, const py::object& progress) {
-        return made(scene_of_arrays(lines, {name, unit, words, tolerance, edge_length, corner_angle,
-                                            inner, holes, smooth, crease}),
+         const std::string& unit, const std::string& settings, const py::object& progress) {
+        return made(scene_of_arrays(curves, {name, unit, settings, fit_tolerance, edge_length,
+                                             corner_angle, inner, holes, smooth, crease}),
                     progress);
       },
-      "lines"_a, py::kw_only(), "tolerance"_a = py::none(), "edge_length"_a = py::none(),
+      "curves"_a, py::kw_only(), "fit_tolerance"_a = py::none(), "edge_length"_a = py::none(),
       "corner_angle"_a = py::none(), "inner"_a = py::tuple(), "holes"_a = py::tuple(),
       "smooth"_a = py::tuple(), "crease"_a = py::tuple(), "name"_a = "surface", "unit"_a = "mm",
-      "words"_a = "", "progress"_a = py::none(),
-      R"(The surface that curves bound: {name: points n×3, or a Curve}.
+      "settings"_a = "", "progress"_a = py::none(),
+      R"(Fits surfaces through curves, {name: points n×3, or a Curve}, and finds the faces they bound.
 
-What they bound is found; curves in `inner` lie on a face, those in `holes` trim one. `tolerance`, `edge_length`: in model units (1e-4 and 1/20 of the size).
-`corner_angle`: degrees. `smooth`, `crease`: names of lines along which regions join so. `words`:
-text of a scene without lines and unit, for all else (docs/scenes.md). `progress(stage, fraction)`: what it
-raises stops the computation. Raises InputError, ConflictError, NoSolutionError.
-Source: Celniker, Gossard 1991: K q = F under the rows of the lines (docs/theory/domains.md).)");
+Curves in `inner` lie on a face, those in `holes` trim one. `fit_tolerance`, `edge_length`: model
+units (defaults: 1e-4 and 1/20 of the size). `corner_angle`: degrees. `smooth`, `crease`: names of
+curves along which faces meet smoothly, or with a crease (G0). `settings`: text of a scene without
+curves and unit, for everything else (docs/scenes.md). `progress(stage, fraction)`: an exception that
+it raises stops the computation. Raises InputError, ConflictError, NoSolutionError.
+Reference: Celniker, Gossard 1991: K q = F with the curves as constraints (docs/theory/domains.md).)");
   m.def(
       "load",
       [](const py::object& path, const py::object& values, const py::object& progress) {
@@ -194,9 +195,9 @@ Source: Celniker, Gossard 1991: K q = F under the rows of the lines (docs/theory
         return made(scene, progress);
       },
       "path"_a, py::kw_only(), "values"_a = py::none(), "progress"_a = py::none(),
-      R"(The model of a scene file (.toml), or of a file of curves.
+      R"(The model of a scene file (.toml), or of a curve file.
 
-`values`: parameters {name: value} that stand for those of the scene. Raises InputError,
+`values`: parameters {name: value} that replace those of the scene. Raises InputError,
 "FILE:LINE:COLUMN: found …, expected …", ConflictError, NoSolutionError.)");
   m.def(
       "parse",
@@ -207,45 +208,48 @@ Source: Celniker, Gossard 1991: K q = F under the rows of the lines (docs/theory
         return made(scene, progress);
       },
       "text"_a, py::kw_only(), "folder"_a = ".", "values"_a = py::none(), "progress"_a = py::none(),
-      "The model of a scene's text; paths in it are relative to `folder`. Raises as load().");
+      "The model of a scene given as text; paths in it are relative to `folder`. Raises the "
+      "exceptions of load().");
   m.def(
-      "read_lines", &lines_of_file, "path"_a, py::kw_only(), "unit"_a = "", "corner_angle"_a = 20.0,
-      R"(The lines of a file: {name: points n×3}. Tables of points, CAD curves, drawings, sketches.
+      "read_curves", &curves_of_file, "path"_a, py::kw_only(), "unit"_a = "",
+      "corner_angle"_a = 20.0,
+      R"(The curves of a file, {name: points n×3}: tables of points, CAD curves, drawings, sketches.
 
-Points are as they stand in the file; curves are sampled evenly by arc length between their corners,
-which turn by more than `corner_angle` degrees. `unit`: of a file that states none.)");
+Points are those of the file; CAD curves are sampled uniformly by arc length between their corners,
+where they turn by more than `corner_angle` degrees. `unit`: length unit of a file that states none.)");
 }
 
 }  // namespace
 
 void bind_models(py::module_& m) {
-  py::class_<Model, std::shared_ptr<Model>>(
-      m, "Model", "Lines and the surface that they make. It does not change.")
+  py::class_<Model, std::shared_ptr<Model>>(m, "Model",
+                                            "Curves and the surface through them. Immutable.")
       .def_property_readonly("name", [](const Model& model) { return model.scene().name; })
       .def_property_readonly(
-          "unit", [](const Model& model) { return model.scene().unit; }, "Unit of lengths.")
-      .def_property_readonly("regions", &region_names, "Names of the regions that have a surface.")
-      .def_property_readonly("lines", &line_names, "Names of the lines.")
+          "unit", [](const Model& model) { return model.scene().unit; }, "Length unit.")
+      .def_property_readonly("faces", &face_names, "Names of the faces that have a surface.")
+      .def_property_readonly("curves", &curve_names, "Names of the curves.")
       .def_property_readonly(
-          "tolerance", [](const Model& model) { return model.made()->fit_tolerance; },
-          "Largest distance of fitted lines from the given ones, model units.")
+          "fit_tolerance", [](const Model& model) { return model.made()->fit_tolerance; },
+          "Maximum distance of the fitted curves from the input curves, model units.")
       .def_property_readonly("parameters", &parameters_of,
                              "Values of the scene's parameters, {name: value}.")
       .def_property_readonly("points", &points_of,
-                             "Points of the surface's facets, n×3 float64, model units. A view.")
+                             "Points of the surface's triangles, n×3 float64, model units. A view.")
       .def_property_readonly("normals", &normals_of,
                              "Exact unit normals x_u × x_v at the points, n×3 float64. A view.")
-      .def_property_readonly("triangles", &triangles_of,
-                             "Corners of the facets, m×3 int32, counter-clockwise. A view.")
-      .def_property_readonly("triangle_regions", &triangle_regions_of,
-                             "Number of each facet's region in `regions`, m int32. A view.")
-      .def("line", &line_points, "name"_a, "count"_a = 97,
-           "Points along a line, evenly in its parameter, count×3, model units.")
-      .def_property_readonly("report", &report_of,
-                             "Everything that was measured, as in report.json (docs/scenes.md).")
       .def_property_readonly(
-          "missed", &failed_checks_of,
-          "The promises that the shape does not keep, in words; [] when all hold.")
+          "triangles", &triangles_of,
+          "Point indices of the triangles, m×3 int32, counter-clockwise. A view.")
+      .def_property_readonly("triangle_faces", &triangle_faces_of,
+                             "Index into `faces` of each triangle, m int32. A view.")
+      .def("curve", &curve_points, "name"_a, "count"_a = 97,
+           "Points along a curve, uniform in its parameter, count×3, model units.")
+      .def_property_readonly("report", &report_of,
+                             "All measured values, as in report.json (docs/scenes.md).")
+      .def_property_readonly(
+          "failed_checks", &failed_checks_of,
+          "The failed checks, as sentences with the amount; [] if all checks passed.")
       .def(
           "with_values",
           [](const Model& model, const py::dict& values, const py::object& progress) {
@@ -254,19 +258,22 @@ void bind_models(py::module_& m) {
                 [&](const Progress& hook) { return model.with_values(numbers, hook); });
           },
           "values"_a, py::kw_only(), "progress"_a = py::none(),
-          "The shape of the same lines under other values of parameters. Raises as load().")
-      .def("save", &save, "path"_a, py::kw_only(), "progress"_a = py::none(),
-           R"(Writes the surface by the file's ending; the file appears whole or not at all.
+          "The shape of the same curves for other parameter values. Raises the exceptions of "
+          "load().")
+      .def(
+          "save", &save, "path"_a, py::kw_only(), "progress"_a = py::none(),
+          R"(Writes the surface to a file; the extension selects the format. The file is complete or absent.
 
-.step .iges .brep .glb .stl .obj .ply .off .3mf .vtp .vtu .inp. Returns the promises that it misses, in words.
-Raises InputError for another ending, FileError where the system refuses.)")
-      .def("picture", &picture, "path"_a, py::kw_only(), "width"_a = 1600, "height"_a = 1000,
-           "azimuth"_a = -30.0, "elevation"_a = 30.0, "field"_a = "none", "contours"_a = 0,
-           "zebra"_a = 0, "mesh"_a = false, "title"_a = "",
-           R"(Draws a PNG. Needs an X server (xvfb-run); on the main thread.
+.step .iges .brep .glb .stl .obj .ply .off .3mf .vtp .vtu .inp. Returns the failed checks, as sentences.
+Raises InputError for another extension, FileError if the file cannot be written.)")
+      .def(
+          "picture", &picture, "path"_a, py::kw_only(), "width"_a = 1600, "height"_a = 1000,
+          "azimuth"_a = -30.0, "elevation"_a = 30.0, "field"_a = "none", "contours"_a = 0,
+          "zebra"_a = 0, "mesh"_a = false, "title"_a = "",
+          R"(Draws the surface to a PNG file. Needs an X server (xvfb-run); call it on the main thread.
 
-`width`, `height`: pixels. `azimuth`, `elevation`: degrees. `field`: none, mean, gauss, regions.
-`contours`, `zebra`: numbers of lines of equal height, of stripes of equal angle.)")
+`width`, `height`: pixels. `azimuth`, `elevation`: degrees. `field`: none, mean, gauss, faces.
+`contours`: number of height contours. `zebra`: number of zebra stripes.)")
       .def("__repr__", &model_repr);
   bind_making(m);
 }

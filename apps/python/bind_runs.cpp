@@ -19,7 +19,7 @@ py::object report_of(AnyScene& scene, const py::object& out, const py::object& v
   if constexpr (requires { scene.set("", 0.0, ""); })
     set_values(scene, values);
   else if (!values_from(values).empty())
-    throw InputError("values: found some, expected none: this scene has no parameters");
+    throw InputError("values: found parameter values, expected none: this scene has no parameters");
   const std::string folder = path_from(out);
   return json_object(KernelCall(progress)(
       [&](const Progress& hook) { return to_json(run_any_scene(scene, folder, hook)); }));
@@ -79,27 +79,29 @@ py::list run_conversion(const py::object& from, const py::object& to, double cho
 void bind_runs(py::module_& m) {
   m.def("run", &run_scene_file, "path"_a, "out"_a, py::kw_only(), "values"_a = py::none(),
         "progress"_a = py::none(),
-        "What `batten run` does: all files that a scene asks for, into a folder. Returns the "
-        "report. Raises as load().");
+        "Same as `batten run`: writes all outputs of a scene into a folder. Returns the report. "
+        "Raises the exceptions of load().");
   m.def(
       "stress", &run_shell, "path"_a, "out"_a, py::kw_only(), "values"_a = py::none(),
       "accuracy"_a = 0.0, "progress"_a = py::none(),
-      R"(What `batten stress` does: run(), and the shape as the shell of [stress]. Returns the report.
+      R"(Same as `batten stress`: run(), and a stress analysis of the shell of [stress]. Returns the report.
 
-`accuracy`: share of the largest displacement that elements are halved for; 0: as they are.)");
+`accuracy`: relative error of the displacements below which the mesh is refined; 0: no refinement.)");
   m.def(
       "deform", &run_mesh, "path"_a, "out"_a, py::kw_only(), "values"_a = py::none(),
       "progress"_a = py::none(),
-      "What `batten deform` does: the edits of a scene, files into a folder. Returns the report.");
+      "Same as `batten deform`: applies the edits of a deform scene and writes its outputs into a "
+      "folder. Returns the report.");
   m.def("sequence", &run_frames, "path"_a, "out"_a, py::kw_only(), "progress"_a = py::none(),
-        "What `batten sequence` does: edits of a deforming mesh, files into a folder. Returns the "
-        "report.");
+        "Same as `batten sequence`: applies the operations of a sequence scene and writes its "
+        "outputs into a folder. Returns the report.");
   m.def(
       "convert", &run_conversion, "source"_a, "target"_a, py::kw_only(), "chord"_a = 0.0,
       "unit"_a = "", "from_unit"_a = "", "progress"_a = py::none(),
-      R"(What `batten convert` does: CAD files, meshes and lines into each other, by their endings.
+      R"(Same as `batten convert`: converts CAD files, meshes and curves; extensions select the formats.
 
-`chord`: of triangles from faces, in the target's unit; 0: 1e-3 of the size. Returns promises missed.)");
+`chord`: maximum distance of triangles from CAD faces, in the target's unit; 0: 1e-3 of the size.
+Returns the failed checks, as sentences.)");
 }
 
 }  // namespace batten::python

@@ -46,23 +46,22 @@ py::list sequence_faces(const MeshSequence& sequence) {
 
 void bind_sequences(py::module_& m) {
   py::class_<MeshSequence, SequencePtr>(
-      m, "Sequence", "A deforming mesh: frames of one connectivity. It does not change.")
+      m, "Sequence", "A mesh sequence: frames with the same connectivity. Immutable.")
       .def("__len__", &MeshSequence::frame_count)
       .def("__getitem__", &frame_points, "index"_a,
-           "Places of the nodes in a frame, n×3 float64. A view.")
+           "Node positions of a frame (from 0), n×3 float64. A view.")
       .def_property_readonly(
           "times",
           [](const MeshSequence& sequence) {
             return array_of(std::vector<double>(sequence.times));
           },
-          "Times of the frames: seconds, or their numbers.")
-      .def_property_readonly("faces", &sequence_faces,
-                             "The corners of each face, tuples of nodes.");
+          "Times of the frames: seconds, or frame numbers.")
+      .def_property_readonly("faces", &sequence_faces, "Node indices of each face, as tuples.");
   m.def("read_sequence", &frames_of_file, "path"_a, py::kw_only(), "first"_a = 1, "last"_a = 0,
         "progress"_a = py::none(),
-        R"(A deforming mesh: numbered files, .pvd, .pc2, .mdd, .gltf, .glb, .frd.
+        R"(Reads a mesh sequence: numbered files, .pvd, .pc2, .mdd, .gltf, .glb, .frd.
 
-`first`, `last`: frames to read, from 1; 0: to the end. Raises InputError.)");
+`first`, `last`: frames to read, counted from 1; `last` = 0: to the end. Raises InputError.)");
 }
 
 }  // namespace batten::python

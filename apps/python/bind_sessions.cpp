@@ -162,9 +162,9 @@ std::vector<ScalarParameter> range_of(const std::string& name, double value, dou
 }
 
 void add_pressure(const SessionObject& of, const std::string& name, double value, double low,
-                  double high, const std::vector<std::string>& regions) {
+                  double high, const std::vector<std::string>& faces) {
   Load::Pressure pressure;
-  pressure.area.regions = regions;
+  pressure.area.regions = faces;
   call_without_gil(of, true, [&](SculptingSession& session) {
     session.add(Load{name, pressure}, range_of(name, value, low, high));
   });
@@ -178,28 +178,28 @@ void add_force(const SessionObject& of, const std::string& name, const py::objec
   });
 }
 
-void hold_point(const SessionObject& of, const std::string& name, const py::object& at,
-                const py::object& goal) {
-  const Vec3 place = vector_from(at, "at");
+void add_point_constraint(const SessionObject& of, const std::string& name, const py::object& at,
+                          const py::object& target) {
+  const Vec3 point = vector_from(at, "at");
   const Constraint constraint{
-      name, Constraint::Point{place, goal.is_none() ? place : vector_from(goal, "goal")}};
+      name, Constraint::Point{point, target.is_none() ? point : vector_from(target, "target")}};
   call_without_gil(of, true, [&](SculptingSession& session) { session.add(constraint); });
 }
 
-void hold_normal(const SessionObject& of, const std::string& name, const py::object& at,
-                 const py::object& normal) {
+void add_normal_constraint(const SessionObject& of, const std::string& name, const py::object& at,
+                           const py::object& normal) {
   const Constraint constraint{
       name, Constraint::Normal{vector_from(at, "at"), vector_from(normal, "normal")}};
   call_without_gil(of, true, [&](SculptingSession& session) { session.add(constraint); });
 }
 
-void move_line(const SessionObject& of, const std::string& name, const std::string& line,
-               const py::object& direction, double fade, double value, double low, double high) {
-  LineOffset move{name, line};
-  if (!direction.is_none()) move.direction = vector_from(direction, "direction");
-  move.fade = fade;
+void add_offset(const SessionObject& of, const std::string& name, const std::string& curve,
+                const py::object& direction, double fade, double value, double low, double high) {
+  LineOffset offset{name, curve};
+  if (!direction.is_none()) offset.direction = vector_from(direction, "direction");
+  offset.fade = fade;
   call_without_gil(of, true, [&](SculptingSession& session) {
-    session.add(move, range_of(name, value, low, high));
+    session.add(offset, range_of(name, value, low, high));
   });
 }
 
@@ -235,7 +235,7 @@ py::dict session_stress(const SessionObject& of) {
 
 void require_solver_options(int max_iterations, double tolerance) {
   if (max_iterations < 1)
-    throw InputError("most_iterations: found " + std::to_string(max_iterations) +
+    throw InputError("max_iterations: found " + std::to_string(max_iterations) +
                      ", expected 1 or more");
   if (!(tolerance > 0 && std::isfinite(tolerance)))
     throw InputError("tolerance: found " + format_number(tolerance) +
@@ -251,9 +251,8 @@ void bind_session_solves(SessionClass& c) {
          call_without_gil(of, true, [&](SculptingSession& session) { session.set(name, value); });
        },
        "name"_a, "value"_a,
-       "Sets a parameter; it acts from the next answer() or settle() on. Raises InputError: "
-       "unknown, "
-       "out of range, not finite, driven by others.")
+       "Sets a parameter; it takes effect in the next update() or solve(). Raises InputError if "
+       "it is unknown, out of range, not finite, or driven by others.")
       .def(
           "__setitem__",
           [](const SessionObject& of, const std::string& name, double value) {
@@ -270,27 +269,27 @@ void bind_session_solves(SessionClass& c) {
           },
           "name"_a)
       .def(
-          "answer",
+          "update",
           [](const SessionObject& of, int max_iterations, double tolerance) {
             require_solver_options(max_iterations, tolerance);
             return KernelCall()([&](const Progress& hook) {
               return of.shared->solve_preview(max_iterations, tolerance, hook);
             });
           },
-          "most_iterations"_a = 4, "tolerance"_a = 1e-5,
-          R"(The shape at rest for a drag: to `tolerance` (of the size) or that many iterations.
+          "max_iterations"_a = 4, "tolerance"_a = 1e-5,
+          R"(Updates the shape quickly, as during a drag: up to `max_iterations` iterations, or until the
+change is below `tolerance` (of the size).
 
-One or a few pairs of triangular solves; where it has not converged the next call goes on.
-Raises NoSolutionError past a load's limit; parameters and shape are then the last good ones.)")
+Costs one or a few pairs of triangular solves; the next call continues if it has not converged.
+Raises NoSolutionError for a load beyond its limit; parameters and shape are then the last valid ones.)")
       .def(
-          "settle",
+          "solve",
           [](const SessionObject& of, const py::object& progress) {
             return KernelCall(progress)(
                 [&](const Progress& hook) { return of.shared->solve_to_equilibrium(hook); });
           },
           py::kw_only(), "progress"_a = py::none(),
-          "The shape at rest, to rounding; `progress` is told where fairness is a part of it. "
-          "Raises "
+          "Solves to equilibrium, to rounding; `progress` is called if the shape is faired. Raises "
           "NoSolutionError, ConflictError.")
       .def(
           "undo",
@@ -298,37 +297,40 @@ Raises NoSolutionError past a load's limit; parameters and shape are then the la
             return call_without_gil(of, true,
                                     [](SculptingSession& session) { return session.undo(); });
           },
-          "Takes back an edit, or a drag since the last settle(). False: nothing to undo.")
+          "Undoes an edit, or a drag since the last solve(). False: nothing to undo.")
       .def(
           "redo",
           [](const SessionObject& of) {
             return call_without_gil(of, true,
                                     [](SculptingSession& session) { return session.redo(); });
           },
-          "Does again what undo() took back. False: nothing to redo.");
+          "Redoes what undo() has undone. False: nothing to redo.");
 }
 
 void bind_session_edits(SessionClass& c) {
   constexpr double inf = std::numeric_limits<double>::infinity();
   c.def("add_pressure", &add_pressure, "name"_a, py::kw_only(), "value"_a = 0.0, "min"_a = -inf,
-        "max"_a = inf, "regions"_a = std::vector<std::string>(),
-        "Adds a pressure along the normal, F = p ∬ N (x_u × x_v) du dv; its value is a parameter "
-        "of its name.")
+        "max"_a = inf, "faces"_a = std::vector<std::string>(),
+        "Adds a pressure along the normal, F = p ∬ N (x_u × x_v) du dv, on the named faces (empty: "
+        "all); its value is the parameter of this name.")
       .def("add_force", &add_force, "name"_a, py::kw_only(), "at"_a, "direction"_a, "value"_a = 0.0,
            "min"_a = -inf, "max"_a = inf,
-           "Adds the force value · direction at the place of the surface nearest to `at`.")
-      .def("hold_point", &hold_point, "name"_a, py::kw_only(), "at"_a, "goal"_a = py::none(),
-           "Holds the place of the surface nearest to `at` at `goal` (None: `at`): the parameters "
-           "name.x, .y, "
-           ".z. Raises ConflictError where others hold it elsewhere.")
-      .def("hold_normal", &hold_normal, "name"_a, py::kw_only(), "at"_a, "normal"_a,
-           "Holds the normal at the place nearest to `at` parallel to `normal`. Raises "
-           "ConflictError.")
-      .def("move_line", &move_line, "name"_a, "line"_a, py::kw_only(), "direction"_a = py::none(),
-           "fade"_a = 0.0, "value"_a = 0.0, "min"_a = -inf, "max"_a = inf,
-           "Lets a parameter move a line by value · direction (None: along the normal), model "
-           "units; `fade`: "
-           "share of its length at either end over which the move begins.")
+           "Adds the force value · direction at the surface point nearest to `at`.")
+      .def("add_point_constraint", &add_point_constraint, "name"_a, py::kw_only(), "at"_a,
+           "target"_a = py::none(),
+           "Constrains the surface point nearest to `at` to the position `target` (None: `at`), "
+           "with the parameters name.x, name.y and name.z. Raises ConflictError if other "
+           "constraints contradict.")
+      .def("add_normal_constraint", &add_normal_constraint, "name"_a, py::kw_only(), "at"_a,
+           "normal"_a,
+           "Constrains the surface normal at the point nearest to `at` to the direction `normal`. "
+           "Raises ConflictError.")
+      .def("add_offset", &add_offset, "name"_a, "curve"_a, py::kw_only(),
+           "direction"_a = py::none(), "fade"_a = 0.0, "value"_a = 0.0, "min"_a = -inf,
+           "max"_a = inf,
+           "Adds a parameter that offsets a curve by value · direction (None: along the normal), "
+           "model units. `fade`: fraction of its length at either end over which the offset grows "
+           "from zero.")
       .def(
           "add_parameter",
           [](const SessionObject& of, const std::string& name, double value, double low,
@@ -338,49 +340,49 @@ void bind_session_edits(SessionClass& c) {
             });
           },
           "name"_a, py::kw_only(), "value"_a = 0.0, "min"_a = -inf, "max"_a = inf,
-          "Adds a parameter that others can follow: drive().")
+          "Adds a parameter that can drive others: drive().")
       .def("drive", &set_rule, "parameter"_a, "follows"_a, py::kw_only(), "offset"_a = 0.0,
-           "Makes a parameter follow others: offset + Σ factor · value of {name: factor}.")
+           "Drives a parameter by others: offset + Σ factor · value, with {name: factor}.")
       .def(
           "remove",
           [](const SessionObject& of, const std::string& name) {
             call_without_gil(of, true, [&](SculptingSession& session) { session.remove(name); });
           },
-          "name"_a, "Removes a load, constraint or move.")
+          "name"_a, "Removes a load, constraint or offset.")
       .def_property_readonly(
-          "acting",
+          "names",
           [](const SessionObject& of) {
             return py::cast(call_without_gil(
                 of, false, [](SculptingSession& session) { return session.names(); }));
           },
-          "Names of what remove() knows.");
+          "Names of the loads, constraints and offsets, for remove().");
 }
 
 void bind_session_results(SessionClass& c) {
-  c.def_property_readonly("parameters", &session_parameters, "Present values, {name: value}.")
+  c.def_property_readonly("parameters", &session_parameters, "Current values, {name: value}.")
       .def_property_readonly(
           "points", [](const SessionObject& of) { return frame_view(of, &Frame::points); },
-          "Points of the present shape, n×3 float32, model units. A view, which stays as it is.")
+          "Points of the current shape, n×3 float32, model units. A view of a snapshot.")
       .def_property_readonly(
           "normals", [](const SessionObject& of) { return frame_view(of, &Frame::normals); },
-          "Exact unit normals at the points, n×3 float32. A view, which stays as it is.")
+          "Exact unit normals at the points, n×3 float32. A view of a snapshot.")
       .def_property_readonly(
           "triangles", &session_triangles,
-          "Corners of the facets, m×3 int32: the same array until the mesh changes.")
+          "Point indices of the triangles, m×3 int32: the same array until the mesh changes.")
       .def_property_readonly(
           "dofs",
           [](const SessionObject& of) {
             return array_of(call_without_gil(
                 of, false, [](SculptingSession& session) { return session.dofs(); }));
           },
-          "The unknowns of the present shape, n×3 float64 (docs/theory/elements.md).")
+          "The degrees of freedom of the current shape, n×3 float64 (docs/theory/elements.md).")
       .def_property_readonly(
           "residual",
           [](const SessionObject& of) {
             return call_without_gil(of, false,
                                     [](SculptingSession& session) { return session.residual(); });
           },
-          "Largest residual of all constraints, over the size.")
+          "Largest residual of all constraints, relative to the size.")
       .def_property_readonly(
           "energy",
           [](const SessionObject& of) {
@@ -397,11 +399,11 @@ void bind_session_results(SessionClass& c) {
           },
           "⅓ ∬ x·(x_u × x_v), model units³.")
       .def("reactions", &session_reactions,
-           "Forces with which lines and constraints hold the surface, {name: (x, y, z)}.")
+           "Reaction forces of curves and constraints, {name: (x, y, z)}.")
       .def("stress", &session_stress,
-           R"(Stresses of the scene's [stress] on the present shape.
+           R"(Stresses of the current shape as the shell of [stress] in the scene.
 
-A dict: case (the worst one), largest_von_mises, largest_displacement, and at the points von_mises
+A dict: case (the governing one), largest_von_mises, largest_displacement, and at the points von_mises
 (n float32) and displacement (n×3 float32). Raises InputError without [stress].
 Source: Kirchhoff-Love shells on the same elements (docs/stress.md).)")
       .def(
@@ -411,28 +413,29 @@ Source: Kirchhoff-Love shells on the same elements (docs/stress.md).)")
               return std::const_pointer_cast<Model>(of.shared->model(hook));
             });
           },
-          "The present shape as a Model, which stays as it is.");
+          "The current shape as an immutable Model.");
 }
 
 }  // namespace
 
 void bind_sessions(py::module_& m) {
-  py::class_<SolveReport>(m, "Answer", "How an answer was reached.")
+  py::class_<SolveReport>(m, "SolveReport", "Convergence of update() or solve().")
       .def_readonly("converged", &SolveReport::converged)
       .def_readonly("iterations", &SolveReport::iterations, "Pairs of triangular solves.")
-      .def_readonly("change", &SolveReport::change, "Change of the last iteration, over the size.")
-      .def_readonly("factored", &SolveReport::factored, "Whether a new factor was needed.");
+      .def_readonly("change", &SolveReport::change,
+                    "Change in the last iteration, relative to the size.")
+      .def_readonly("factored", &SolveReport::factored, "Whether a new factorization was needed.");
   SessionClass c(m, "Session",
-                 R"(A model and all that acts on it, live. Threads take turns on one session.
+                 R"(Interactive sculpting: a model with its loads and constraints. Thread-safe.
 
     session = batten.Session(model)
     session["swell"] = 120
-    session.answer()
+    session.update()
     show(session.points, session.triangles))");
   c.def(py::init(&new_session), "source"_a, py::kw_only(), "values"_a = py::none(),
         "progress"_a = py::none(),
-        "A session of a Model, or of a scene's file. `values`: parameters {name: value}. Raises as "
-        "load().");
+        "A session of a Model, or of a scene file. `values`: parameters {name: value}. Raises the "
+        "exceptions of load().");
   bind_session_solves(c);
   bind_session_edits(c);
   bind_session_results(c);
@@ -513,7 +516,7 @@ std::shared_ptr<const Model> SharedSession::model(const Progress& progress) {
 SharedSession::Stress SharedSession::stress(const Progress& progress) {
   if (!scene_.stress)
     throw InputError(scene_.name +
-                     ": found no [stress], expected thickness, material and supports");
+                     ": found no [stress], expected one with thickness, material and supports");
   return with_session(false, progress, [&](SculptingSession& session) {
     const auto shown = current_frame();
     if (!stress_) stress_.emplace(scene_);

@@ -8,7 +8,9 @@ KernelCall::KernelCall(py::object progress) : callback_(std::move(progress)) {
   progress_.cancelled = [this] { return is_interrupted(); };
   if (callback_.is_none()) return;
   if (!PyCallable_Check(callback_.ptr()))
-    throw InputError("progress: found no function, expected progress(stage, fraction)");
+    throw InputError(
+        "progress: found an object that is not callable, expected a function progress(stage, "
+        "fraction)");
   progress_.report = [this](std::string_view stage, double fraction) {
     const py::gil_scoped_acquire lock;
     if (python_error_) throw CancelledError();

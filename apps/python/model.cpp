@@ -60,7 +60,7 @@ Model::Model(Scene scene, std::vector<CharacterLine> lines, std::shared_ptr<cons
       shape_(std::move(shape)) {}
 
 std::shared_ptr<const Model> Model::of_scene(const Scene& scene, const Progress& progress) {
-  progress.update("lines", 0);
+  progress.update("curves", 0);
   std::vector<CharacterLine> lines = faired_lines(scene, progress).lines;
   auto made = std::make_shared<BuiltModel>(build_model(scene, lines, progress));
   SolvedShape shape = solve_refined_shape(*made, scene, progress);
@@ -95,7 +95,7 @@ const Report& Model::report(const Progress& progress) const {
 
 void require_surface(const Model& model) {
   if (model.shape().regions.empty())
-    throw InputError(model.scene().name + ": found no surface, expected one");
+    throw InputError(model.scene().name + ": found no surface, expected curves that bound a face");
 }
 
 }  // namespace batten::python

@@ -41,7 +41,7 @@ PYBIND11_MODULE(_batten, m) {
   bind_runs(m);
   m.def("_find_modules", &find_plugins, py::arg("package"));
   m.def("set_threads", &set_threads, py::arg("count"),
-        "How many threads the kernel uses; 0: all cores. Results do not depend on it.");
+        "Sets the number of threads of the kernel; 0: all cores. Results do not depend on it.");
 }
 
 // The kernel's errors as Python exceptions.
@@ -102,22 +102,22 @@ void translate(std::exception_ptr thrown) {
 void bind_errors(py::module_& m) {
   const auto type = [](PyObject* of) { return py::reinterpret_borrow<py::object>(of); };
   error_types.error =
-      new_error(m, "Error", "Base of all that Batten raises on purpose.", type(PyExc_Exception));
+      new_error(m, "Error", "Base class of the exceptions of Batten.", type(PyExc_Exception));
   const py::object error = type(error_types.error);
   error_types.input = new_error(
       m, "InputError",
-      "The input is wrong: what was found, where, and what was expected. Also a ValueError.",
+      "Invalid input: the location, what was found and what is expected. Also a ValueError.",
       py::make_tuple(error, type(PyExc_ValueError)));
   const py::object input = type(error_types.input);
   error_types.mesh =
-      new_error(m, "MeshError", "A mesh that cannot be; lines that leave no room.", input);
-  error_types.file = new_error(m, "FileError", "The system does not let a file be written.", input);
+      new_error(m, "MeshError", "An invalid mesh, or curves that cannot be meshed.", input);
+  error_types.file = new_error(m, "FileError", "A file cannot be written.", input);
   error_types.conflict = new_error(
       m, "ConflictError",
-      "Constraints contradict each other. `conflicts`: a list of ((name, …), amount), by how much.",
+      "Contradictory constraints. `conflicts`: a list of ((name, …), amount of the contradiction).",
       error);
   error_types.no_solution =
-      new_error(m, "NoSolutionError", "A singular system, or a load past its limit.", error);
+      new_error(m, "NoSolutionError", "A singular system, or a load beyond its limit.", error);
   error_types.cancelled = new_error(m, "CancelledError", "The computation was stopped.", error);
   py::register_exception_translator(translate);
 }

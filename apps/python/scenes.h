@@ -12,14 +12,15 @@ namespace batten::python {
 
 /// Arguments of a scene whose curves are given as arrays.
 struct SkinArguments {
-  std::string name, unit, words;
-  py::object tolerance, edge_length, corner_angle;  ///< numbers above 0, or None
-  py::iterable inner, holes, smooth, crease;        ///< curve names
+  std::string name, unit, settings;
+  py::object fit_tolerance, edge_length, corner_angle;  ///< numbers above 0, or None
+  py::iterable inner, holes, smooth, crease;            ///< curve names
 };
 
-/// Creates a scene from a dict of curves by name, each an n×3 array of points or a Curve. `words`:
-/// further settings; its text is TOML with everything but curves and the unit. Throws InputError.
-Scene scene_of_arrays(const py::dict& lines, const SkinArguments& words);
+/// Creates a scene from a dict of curves by name, each an n×3 array of points or a Curve.
+/// `arguments`: further settings; its text is TOML with everything but curves and the unit. Throws
+/// InputError.
+Scene scene_of_arrays(const py::dict& curves, const SkinArguments& arguments);
 
 /// Reads a scene file, or makes a scene of the curves in a curve file.
 Scene scene_of_file(const std::string& file);

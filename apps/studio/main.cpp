@@ -58,9 +58,10 @@ QString name_in(const QString& left) {
 int main(int argc, char** argv) {
   if (argc > 1 && std::string(argv[1]) == "--help") {
     std::cout
-        << "The window in which shapes are made\nUsage: batten-studio [FILE]\n\nFILE is a scene, a "
-           "file of lines, a mesh or a deforming one; without it there is an empty scene, the "
-           "first time a tour.\n";
+        << "Graphical editor for surfaces, meshes and mesh sequences\nUsage: batten-studio "
+           "[FILE]\n\n"
+           "FILE is a scene, a file of curves, a mesh or a mesh sequence. Without FILE, the window "
+           "opens an empty scene, or a guided tour at the first start.\n";
     return 0;
   }
   try {

@@ -16,7 +16,8 @@ namespace {
 Vec3 unit(const std::string& name, const Vec3& v) {
   const double length = v.norm();
   if (!(length > 0) || !std::isfinite(length))
-    throw InputError("constraint '" + name + "': a direction of length " + format_number(length));
+    throw InputError("constraint '" + name + "': found a direction of length " +
+                     format_number(length) + ", expected a length above 0");
   return v / length;
 }
 
@@ -25,8 +26,8 @@ Vec3 unit(const std::string& name, const Vec3& v) {
 CurveConstraints::CurveConstraints(const CurveMesh& mesh, ConstraintSet& set)
     : mesh_(mesh), set_(set) {
   if (set.dof_count() != mesh.dof_count())
-    throw InputError("a constraint set of " + std::to_string(set.dof_count()) +
-                     " dofs for a curve of " + std::to_string(mesh.dof_count()));
+    throw InputError("found a constraint set of " + std::to_string(set.dof_count()) +
+                     " dofs, expected " + std::to_string(mesh.dof_count()) + " of the curve");
 }
 
 void CurveConstraints::uncoupled(const std::string& name, double u, int order, const Vec3& value) {
@@ -122,7 +123,7 @@ namespace {
 Vec3 unit(const std::string& name, const char* what, const Vec3& v) {
   const double length = v.norm();
   if (!(length > 0) || !std::isfinite(length))
-    throw InputError("constraint '" + name + "': the " + what + " has no direction");
+    throw InputError("constraint '" + name + "': the " + what + " is zero or not finite");
   return v / length;
 }
 
@@ -132,8 +133,8 @@ SurfaceConstraints::SurfaceConstraints(const ParametricMesh& mesh, TriangleEleme
                                        ConstraintSet& set)
     : mesh_(mesh), kind_(kind), set_(set), dofs_(mesh) {
   if (set.dof_count() != dofs_.count())
-    throw InputError("constraints on " + std::to_string(set.dof_count()) +
-                     " dofs for a mesh with " + std::to_string(dofs_.count()));
+    throw InputError("found a constraint set of " + std::to_string(set.dof_count()) +
+                     " dofs, expected " + std::to_string(dofs_.count()) + " of the mesh");
 }
 
 void SurfaceConstraints::point(const std::string& name, int vertex, const Vec3& position) {
@@ -153,7 +154,8 @@ void SurfaceConstraints::point(const std::string& name, const Location& where,
 void SurfaceConstraints::tangent(const std::string& name, int vertex, const Vec2& s,
                                  const Vec3& tau) {
   const Vec3 direction = unit(name, "tangent", tau);
-  if (!(s.norm() > 0)) throw InputError("constraint '" + name + "': no parametric direction");
+  if (!(s.norm() > 0))
+    throw InputError("constraint '" + name + "': the parametric direction has length 0");
   const Vec2 p = s.normalized();
   const Vec3 r1 = direction.unitOrthogonal(), r2 = direction.cross(r1);
   for (const Vec3& r : {r1, r2})
@@ -181,7 +183,8 @@ void SurfaceConstraints::add_slope_constraint(const std::string& name, const Loc
 void SurfaceConstraints::tangent(const std::string& name, const Location& where, const Vec2& s,
                                  const Vec3& tau) {
   const Vec3 direction = unit(name, "tangent", tau);
-  if (!(s.norm() > 0)) throw InputError("constraint '" + name + "': no parametric direction");
+  if (!(s.norm() > 0))
+    throw InputError("constraint '" + name + "': the parametric direction has length 0");
   const Vec3 r1 = direction.unitOrthogonal(), r2 = direction.cross(r1);
   for (const Vec3& r : {r1, r2}) add_slope_constraint(name, where, s.normalized(), r);
 }
@@ -196,8 +199,9 @@ void SurfaceConstraints::curve(const std::string& name, const std::vector<int>& 
                                const std::vector<double>& parameters, const HermiteCurve& curve,
                                const Vec2& direction) {
   if (vertices.size() != parameters.size() || vertices.size() < 2)
-    throw InputError("constraint '" + name + "': " + std::to_string(vertices.size()) +
-                     " vertices and " + std::to_string(parameters.size()) + " parameters");
+    throw InputError("constraint '" + name + "': found " + std::to_string(vertices.size()) +
+                     " vertices and " + std::to_string(parameters.size()) +
+                     " parameters, expected equal numbers, 2 or more");
   const Vec2 t = direction.normalized();
   const double run = mesh_.chain_vector(vertices).dot(t);
   const double speed = (parameters.back() - parameters.front()) / run;
@@ -330,8 +334,8 @@ EmbeddedLineConstraints::EmbeddedLineConstraints(const ParametricMesh& mesh, Tri
                                                  const TriangleLocator& locator, ConstraintSet& set)
     : mesh_(mesh), kind_(kind), locator_(locator), set_(set), dofs_(mesh) {
   if (set.dof_count() != dofs_.count())
-    throw InputError("constraints on " + std::to_string(set.dof_count()) +
-                     " dofs for a mesh with " + std::to_string(dofs_.count()));
+    throw InputError("found a constraint set of " + std::to_string(set.dof_count()) +
+                     " dofs, expected " + std::to_string(dofs_.count()) + " of the mesh");
 }
 
 Location EmbeddedLineConstraints::on_mesh(const std::string& name, const Vec2& uv) const {

@@ -141,8 +141,7 @@ const char* factorize(int id, int n, const int* outer, const int* inner, const d
   release(system);
   system.first = shares(n);
   if (factor(system, n, scatter_rows(system.first, outer, inner, values))) return nullptr;
-  failure =
-      "PETSc found no factor of the system: some motion costs no energy, or memory is too small";
+  failure = "PETSc could not factorize the system: a motion is not constrained, or memory ran out";
   return failure.c_str();
 }
 
@@ -191,7 +190,8 @@ void serve() {
 
 const char* batten_distributed(BattenDistributed* module) {
   PetscOptionsSetValue(nullptr, "-no_signal_handler", "");
-  if (PetscInitialize(nullptr, nullptr, nullptr, nullptr) != 0) return "PETSc does not start";
+  if (PetscInitialize(nullptr, nullptr, nullptr, nullptr) != 0)
+    return "PETSc cannot be initialized";
   MPI_Comm_rank(PETSC_COMM_WORLD, &rank);
   MPI_Comm_size(PETSC_COMM_WORLD, &size);
   *module = {rank, size, &serve, &factorize, &solve, &forget_id, &end};

@@ -34,8 +34,8 @@ struct SparseCholesky::Data {
 
   void analyze(const SparseMatrix& A, const std::vector<int>& order, FactorReuse factor_reuse) {
     if (A.rows() != A.cols())
-      throw InputError("Cholesky factor of a " + std::to_string(A.rows()) + " by " +
-                       std::to_string(A.cols()) + " matrix: it must be square");
+      throw InputError("Cholesky factorization: found a " + std::to_string(A.rows()) + " by " +
+                       std::to_string(A.cols()) + " matrix, expected a square one");
     n = -1;
     factored = false;
     solve = {};  // invalid until there is a new factor
@@ -45,10 +45,10 @@ struct SparseCholesky::Data {
     pattern = pattern_hash(A);
   }
   void require_solvable(const Eigen::Ref<const MatX>& b) const {
-    if (!factored) throw NoSolutionError("solve without a factor: factorize first");
+    if (!factored) throw NoSolutionError("solve() without a factor: call factorize() first");
     if (b.rows() != n)
-      throw InputError("right-hand sides of " + std::to_string(b.rows()) + " rows for " +
-                       std::to_string(n) + " unknowns");
+      throw InputError("found right-hand sides with " + std::to_string(b.rows()) +
+                       " rows, expected " + std::to_string(n) + ", one for each unknown");
   }
 };
 
@@ -65,12 +65,13 @@ void SparseCholesky::analyze(const SparseMatrix& A, const std::vector<int>& orde
   if (!order.empty()) {
     std::vector<char> named(A.rows(), 0);
     if (static_cast<long>(order.size()) != A.rows())
-      throw InputError("an order of " + std::to_string(order.size()) + " unknowns for " +
-                       std::to_string(A.rows()));
+      throw InputError("found an elimination order of " + std::to_string(order.size()) +
+                       " unknowns, expected " + std::to_string(A.rows()));
     for (const int unknown : order)
       if (unknown < 0 || unknown >= A.rows() || std::exchange(named[unknown], 1))
-        throw InputError("an order that names unknown " + std::to_string(unknown) +
-                         (unknown < 0 || unknown >= A.rows() ? ", which is not there" : " twice"));
+        throw InputError(
+            "elimination order: unknown " + std::to_string(unknown) +
+            (unknown < 0 || unknown >= A.rows() ? " does not exist" : " occurs twice"));
   }
   data_->analyze(A, order, FactorReuse::once);
 }
@@ -85,7 +86,7 @@ bool SparseCholesky::factorize(const SparseMatrix& A) {
   if (!has_pattern_of(A))
     throw InputError("factorize: the matrix (" + std::to_string(A.rows()) + " by " +
                      std::to_string(A.cols()) + ", " + std::to_string(A.nonZeros()) +
-                     " entries) has not the pattern that was analysed: analyze it first");
+                     " entries) does not have the analysed sparsity pattern: call analyze() first");
   d.message.clear();
   d.factored = d.n == 0;
   if (d.factored) return true;
@@ -112,7 +113,8 @@ MatX SparseCholesky::solve(const Eigen::Ref<const MatX>& b) const {
 
 SolveSubset SparseCholesky::subset(const std::optional<std::vector<int>>& nonzero,
                                    const std::optional<std::vector<int>>& wanted) const {
-  if (!data_->factored) throw NoSolutionError("part of a solve without a factor: factorize first");
+  if (!data_->factored)
+    throw NoSolutionError("solve subset without a factor: call factorize() first");
   return data_->solve.subset(nonzero, wanted);
 }
 
@@ -123,7 +125,8 @@ void SparseCholesky::solve_in_place(const SolveSubset& subset, Eigen::Ref<MatX> 
 }
 
 std::vector<int> SparseCholesky::order() const {
-  if (!data_->factored) throw NoSolutionError("the order of a factor that is not there");
+  if (!data_->factored)
+    throw NoSolutionError("elimination order without a factor: call factorize() first");
   if (data_->n == 0) return {};
   return {data_->factor.order(), data_->factor.order() + data_->n};
 }
@@ -137,10 +140,10 @@ const char* SparseCholesky::backend() { return SupernodalFactor::backend(); }
 double refine_least_squares(const SparseCholesky& normal, const SparseMatrix& A,
                             const Eigen::Ref<const MatX>& b, Eigen::Ref<MatX> x) {
   if (A.rows() != b.rows() || A.cols() != x.rows() || b.cols() != x.cols())
-    throw InputError("least-squares correction: A is " + std::to_string(A.rows()) + " by " +
-                     std::to_string(A.cols()) + ", b " + std::to_string(b.rows()) + " by " +
-                     std::to_string(b.cols()) + ", x " + std::to_string(x.rows()) + " by " +
-                     std::to_string(x.cols()));
+    throw InputError("least-squares refinement: sizes do not match: A is " +
+                     std::to_string(A.rows()) + " by " + std::to_string(A.cols()) + ", b " +
+                     std::to_string(b.rows()) + " by " + std::to_string(b.cols()) + ", x " +
+                     std::to_string(x.rows()) + " by " + std::to_string(x.cols()));
   if (x.size() == 0) return 0;
   MatX change = A.transpose() * (b - A * x);
   normal.solve_in_place(change);

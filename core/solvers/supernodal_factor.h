@@ -44,8 +44,8 @@ class SupernodalFactor {
 
 /// Error message for a pivot that is not positive; `unknown`: index of the unknown.
 inline std::string not_positive_definite(long unknown) {
-  return "the matrix is not positive definite at unknown " + std::to_string(unknown) +
-         ": some motion costs no energy (are enough points held, and beta > 0?)";
+  return "the matrix is not positive definite (pivot of unknown " + std::to_string(unknown) +
+         "): a motion is not constrained; fix more points, or use beta > 0";
 }
 
 /// Relative pivot threshold: a pivot below this fraction of its diagonal entry is rounding error.

@@ -66,8 +66,9 @@ struct SupernodalFactor::Data {
   }
   std::string failure() const {
     const char* why = common.status == CHOLMOD_OUT_OF_MEMORY ? "out of memory"
-                      : common.status == CHOLMOD_TOO_LARGE   ? "the matrix is too large"
-                                                             : "the order or the matrix is invalid";
+                      : common.status == CHOLMOD_TOO_LARGE
+                          ? "the matrix is too large"
+                          : "the ordering or the matrix is invalid";
     return std::string("the symbolic factorization failed: ") + why;
   }
 };
@@ -105,7 +106,7 @@ void SupernodalFactor::analyze(const SparseMatrix& A, const std::vector<int>& or
   constexpr size_t large = size_t{1} << 24;
   if (data_->factor->xsize > large)
     require_memory(8.0 * static_cast<double>(data_->factor->xsize),
-                   "a factor of " + std::to_string(A.rows()) + " unknowns");
+                   "the Cholesky factor of " + std::to_string(A.rows()) + " unknowns");
   data_->numbers = SupernodalFactorization(pattern(), this->order(), A);
 }
 
@@ -152,7 +153,7 @@ std::vector<int> elimination_order(const SparseMatrix& graph, FactorReuse factor
   }
   cholmod_free_factor(&factor, &common);
   cholmod_finish(&common);
-  if (order.empty()) throw NoSolutionError("an order of the unknowns: out of memory");
+  if (order.empty()) throw NoSolutionError("out of memory while ordering the unknowns");
   return order;
 }
 

@@ -309,7 +309,7 @@ void SupernodalSolve::solve(Eigen::Ref<MatX> x) const { solve_subset(nullptr, x)
 
 void SupernodalSolve::solve(const SolveSubset& subset, Eigen::Ref<MatX> x) const {
   if (subset.analysis != analysis_)
-    throw InputError("part of a solve: it was made for another analysis");
+    throw InputError("solve subset: it belongs to another symbolic analysis");
   solve_subset(&subset, x);
 }
 
@@ -322,8 +322,8 @@ SolveSubset SupernodalSolve::subset(const std::optional<std::vector<int>>& nonze
     std::vector<char> given(n_, 0);
     for (const int unknown : *unknowns) {
       if (unknown < 0 || unknown >= n_)
-        throw InputError("part of a solve: there is no unknown " + std::to_string(unknown) +
-                         ", the matrix has " + std::to_string(n_));
+        throw InputError("solve subset: found unknown " + std::to_string(unknown) +
+                         ", expected 0 to " + std::to_string(n_ - 1));
       given[unknown] = 1;
     }
     for (int s = 0; s < supernodes; ++s) {

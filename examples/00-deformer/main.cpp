@@ -88,7 +88,7 @@ int run(const std::filesystem::path& out) {
     result.parts = flat.parts;
     draw_meshes(out / "deformer.png", {flat, result}, 2, {1500, 560});
   }
-  std::printf("%d unknowns; the hole turned by %.1f degrees\n", deformer.counts().unknowns,
+  std::printf("%d unknowns; the hole rotated by %.1f degrees\n", deformer.counts().unknowns,
               180 / std::numbers::pi * std::acos(std::clamp(before.axis.dot(after.axis), -1., 1.)));
   std::printf("radius     %.12f mm before, %.12f mm after\n", before.radius, after.radius);
   std::printf("roundness  %.1g mm, flatness %.1g mm after\n", after.roundness, after.flatness);

@@ -88,14 +88,14 @@ int run(const std::filesystem::path& out, int waterlines) {
     picture.contour_direction = Vec3::UnitY();
     picture.azimuth = 228;
     picture.elevation = 24;
-    picture.title = "Wigley's hull: lines of equal half-breadth";
+    picture.title = "Wigley's hull: contours of equal half-breadth";
     draw_picture(out / "hull.png", picture);
   }
 
-  std::printf("%d triangles, %d dofs a coordinate\n", hull.surface.mesh().triangle_count(),
+  std::printf("%d triangles, %d dofs per coordinate\n", hull.surface.mesh().triangle_count(),
               hull.surface.dof_map().count());
-  std::printf("surface to fitted lines   %.2g of the size\n", quality.max_line_residual);
-  std::printf("surface to input lines    %.2g m (tolerance %.2g m)\n", quality.max_line_deviation,
+  std::printf("surface to fitted curves  %.2g of the size\n", quality.max_line_residual);
+  std::printf("surface to input curves   %.2g m (tolerance %.2g m)\n", quality.max_line_deviation,
               options.tolerance);
   std::printf("surface to the formula    max %.3g m, rms %.3g m, with %d waterlines\n", worst,
               std::sqrt(squares / static_cast<double>(points.points.size())), waterlines);

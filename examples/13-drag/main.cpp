@@ -74,12 +74,12 @@ int run(const std::filesystem::path& out, double edge_length) {
   });
   const int fuller = session.parameters().index("fuller"),
             up = session.parameters().index("nail.z");
-  constexpr int answers = 300;
+  constexpr int updates = 300;
   int iterations = 0;
   double worst = 0;
   const auto start = Clock::now();
-  for (int i = 0; i <= answers; ++i) {
-    const double t = static_cast<double>(i) / answers;
+  for (int i = 0; i <= updates; ++i) {
+    const double t = static_cast<double>(i) / updates;
     session.set(fuller, 0.5 - 0.5 * std::cos(3 * std::numbers::pi * t));
     session.set(up, 0.9 + 0.3 * std::sin(2 * std::numbers::pi * t));
     iterations += session.solve_preview().iterations;
@@ -103,23 +103,23 @@ int run(const std::filesystem::path& out, double edge_length) {
     picture.elevation = 28;
     PictureScene second = picture;
     picture.regions = {&before};
-    picture.title = "as its lines make it";
+    picture.title = "from the curves alone";
     second.regions = {&after};
-    second.title = "fuller = 1, the nail where it is held";
+    second.title = "fuller = 1, with the point constraint";
     draw_contact_sheet(out / "roof.png", {picture, second}, 2, {1500, 560});
   }
-  std::printf("%d triangles: %.0f answers a second, %.1f solves each; the viewer took %ld frames\n",
-              after.surface.mesh().triangle_count(), answers / seconds,
-              static_cast<double>(iterations) / answers, seen);
-  std::printf("constraints held to %.1g of the size all the time; highest point %.3f m\n", worst,
+  std::printf("%d triangles: %.0f updates per second, %.1f solves each; the viewer read %ld frames\n",
+              after.surface.mesh().triangle_count(), updates / seconds,
+              static_cast<double>(iterations) / updates, seen);
+  std::printf("constraint residual at most %.1g of the size; highest point %.3f m\n", worst,
               static_cast<double>(highest));
   const Points last = session.dofs();
   session.undo();  // reverts the whole drag
   const bool taken_back = session.parameters().value("fuller") == 0;
   session.redo();
   const bool same = taken_back && session.dofs() == last;
-  std::printf("undo takes the drag back, redo brings it again: %s\n",
-              same ? "the same bits" : "NOT the same");
+  std::printf("undo and redo of the drag: %s\n",
+              same ? "bit-identical" : "NOT identical");
   std::printf("roof.vtp in %s\n", out.c_str());
   return worst <= 1e-10 && same ? 0 : 4;
 }

@@ -1,7 +1,7 @@
 """A glass that holds a third of a litre: curves from formulas, a session, a root search, output files.
 
 1. curves: foot and rim, two circles, as numpy arrays
-2. surface: the annular surface of least bending energy between them
+2. surface: the annular surface of minimum bending energy between them
 3. session: a pressure inflates the glass, and each update gives its volume
 4. the pressure at which the glass holds 330 ml, by the secant method
 5. output files, and a picture if there is a display
@@ -21,8 +21,8 @@ FOOT, RIM, HEIGHT, WANTED = 22.0, 34.0, 110.0, 330.0  # mm, mm, mm, ml
 
 def circle(radius, z, count=72):
     """Points of a circle about the z axis, (count + 1) × 3. The last point equals the first."""
-    turn = np.linspace(0, 2 * np.pi, count + 1)
-    points = np.column_stack([radius * np.cos(turn), radius * np.sin(turn), np.full(count + 1, z)])
+    angle = np.linspace(0, 2 * np.pi, count + 1)
+    points = np.column_stack([radius * np.cos(angle), radius * np.sin(angle), np.full(count + 1, z)])
     points[-1] = points[0]
     return points
 
@@ -38,7 +38,7 @@ def main(out):
 
     # 1. and 2. Curves and surface.
     model = batten.skin({"foot": circle(FOOT, 0), "rim": circle(RIM, HEIGHT)}, name="glass")
-    assert model.missed == [], model.missed
+    assert model.failed_checks == [], model.failed_checks
 
     # 3. Find whether the surface normal points outwards.
     session = batten.Session(model)
@@ -47,10 +47,10 @@ def main(out):
 
     def filled(pressure):
         session["blow"] = outwards * pressure
-        session.settle()
+        session.solve()
         return millilitres(session)
 
-    # 4. Like a balloon, the glass has a limit pressure. Beyond it, settle() raises an exception, and the step is halved.
+    # 4. Like a balloon, the glass has a limit pressure. Beyond it, solve() raises an exception, and the step is halved.
     before = filled(0.0)
     p, f, q = 0.0, before - WANTED, 5.0
     steps = refused = 0
@@ -68,17 +68,17 @@ def main(out):
     glass = session.model()
 
     # 5. Output.
-    missed = glass.save(os.path.join(out, "glass.step"))
+    failed = glass.save(os.path.join(out, "glass.step"))
     points, triangles = glass.points, glass.triangles
     np.savez(os.path.join(out, "glass.npz"), points=points, triangles=triangles)
     if os.environ.get("DISPLAY"):
         glass.picture(os.path.join(out, "glass.png"), width=900, height=900, azimuth=-25, elevation=12, contours=14,
                       title=f"{millilitres(session):.0f} ml")
-    print(f"{before:.3f} ml as its lines make it; {millilitres(session):.9f} ml at a pressure of {q:.6f}, "
-          f"{steps} steps, {refused} of them too far")
+    print(f"{before:.3f} ml without pressure; {millilitres(session):.9f} ml at a pressure of {q:.6f}, "
+          f"{steps} steps, {refused} beyond the limit")
     print(f"{len(points)} points, {len(triangles)} triangles; widest at {2 * np.hypot(*points[:, :2].T).max():.2f} mm")
     print("files in", out)
-    return 0 if not missed and abs(millilitres(session) - WANTED) < 1e-6 else 4
+    return 0 if not failed and abs(millilitres(session) - WANTED) < 1e-6 else 4
 
 
 if __name__ == "__main__":

@@ -1,6 +1,5 @@
 #include "batten/fairing/corners/corners.h"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -422,10 +421,9 @@ const CornerLikelihoodTest::Shape& CornerLikelihoodTest::shape(int count, int co
     }
   }
   // At most six columns over [-1, 1]: the normal equations keep enough digits.
-  s.inverse = MatX(s.values.transpose().lazyProduct(s.values))
-                  .ldlt()
-                  .solve(s.values.transpose())
-                  .transpose();
+  s.inverse =
+      solve_symmetric(MatX(s.values.transpose().lazyProduct(s.values)), MatX(s.values.transpose()))
+          .transpose();
   return s;
 }
 

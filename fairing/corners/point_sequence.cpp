@@ -15,7 +15,7 @@ namespace batten {
 
 void check_tolerance(const std::string& name, double tolerance) {
   if (!(tolerance > 0) || !std::isfinite(tolerance))
-    throw InputError("line '" + name + "': found the tolerance " + format_number(tolerance) +
+    throw InputError("curve '" + name + "': found the tolerance " + format_number(tolerance) +
                      ", expected a length above 0");
 }
 
@@ -24,19 +24,19 @@ PointSequence::PointSequence(const std::string& name, const std::vector<Vec3>& g
                              const std::optional<std::vector<int>>& given_corners,
                              std::optional<bool> is_closed, Outliers outliers,
                              const NoiseLevel& known) {
-  const std::string line = "line '" + name + "'";
+  const std::string line = "curve '" + name + "'";
   for (size_t i = 0; i < given.size(); ++i)
     if (!given[i].allFinite() || given[i].cwiseAbs().maxCoeff() > 1e100)
       throw InputError(line + ", point " + std::to_string(i + 1) +
                        ": a coordinate is not a finite number below 1e100");
   if (given.size() < 2)
     throw InputError(line + " has " + std::to_string(given.size()) + " point" +
-                     (given.size() == 1 ? "" : "s") + ": it needs two or more");
+                     (given.size() == 1 ? "" : "s") + ", expected two or more");
   if (!(corner_angle > 0) || corner_angle > 180)
     throw InputError(line + ": found the corner angle " + format_number(corner_angle) +
-                     ", expected one above 0, up to 180 degrees");
+                     ", expected degrees above 0, up to 180");
   size = bounding_box(given).diagonal().norm();
-  if (!(size > 0)) throw InputError(line + " has zero length: all points are the same");
+  if (!(size > 0)) throw InputError(line + " has zero length: all points coincide");
   // Points closer than parameters can be distinguished count as one.
   double path_length = 0;
   for (size_t i = 1; i < given.size(); ++i) path_length += (given[i] - given[i - 1]).norm();
@@ -55,7 +55,7 @@ PointSequence::PointSequence(const std::string& name, const std::vector<Vec3>& g
   }
   if (closed && count() < 3)
     throw InputError(line + " is closed and has " + std::to_string(count()) +
-                     " different points: it needs three or more");
+                     " distinct points, expected three or more");
   if (outliers == Outliers::Drop) reject_outliers(given_corners);
   chord = {0};
   for (int i = 1; i < count(); ++i)
@@ -65,8 +65,8 @@ PointSequence::PointSequence(const std::string& name, const std::vector<Vec3>& g
   if (given_corners) {
     for (const int c : *given_corners) {
       if (c < 0 || c >= isize(given))
-        throw InputError(line + ": corner at point " + std::to_string(c + 1) + " of " +
-                         std::to_string(given.size()));
+        throw InputError(line + ": found a corner at point " + std::to_string(c + 1) +
+                         ", expected 1 to " + std::to_string(given.size()));
       corners.push_back(index[c]);
     }
     std::sort(corners.begin(), corners.end());

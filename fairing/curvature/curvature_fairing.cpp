@@ -24,32 +24,32 @@ constexpr double kAlong = 0.3;
 void check(const CurvatureFairingOptions& o) {
   const auto require = [](bool good, const char* name, double found, const char* expected) {
     if (!good)
-      throw InputError(std::string(name) + " is " + format_number(found) + ", expected " +
-                       expected);
+      throw InputError(std::string("curvature fairing: found ") + name + " = " +
+                       format_number(found) + ", expected " + expected);
   };
   require(o.tolerance > 0 && std::isfinite(o.tolerance), "tolerance", o.tolerance,
           "a length above 0");
   require(o.segments > 0, "segments", o.segments, "1 or more");
   require(o.length_weight >= 0 && std::isfinite(o.length_weight), "length_weight", o.length_weight,
           "0 or more");
-  require(o.parametrization_weight > 0 && std::isfinite(o.parametrization_weight), "evenness",
-          o.parametrization_weight, "a number above 0");
-  require(o.max_rounds > 0, "most_rounds", o.max_rounds, "1 or more");
-  require(o.max_iterations > 0, "most_iterations", o.max_iterations, "1 or more");
+  require(o.parametrization_weight > 0 && std::isfinite(o.parametrization_weight),
+          "parametrization_weight", o.parametrization_weight, "a number above 0");
+  require(o.max_rounds > 0, "max_rounds", o.max_rounds, "1 or more");
+  require(o.max_iterations > 0, "max_iterations", o.max_iterations, "1 or more");
 }
 
 void check(const HermiteCurve& start, const std::vector<FixedCurvePoint>& fixed_points,
            const std::vector<CurveSpring>& springs) {
-  if (start.node_count() < 2) throw InputError("a curve to be faired has no nodes");
+  if (start.node_count() < 2) throw InputError("the curve to be faired has no nodes");
   if (!start.mesh().corners().empty())
-    throw InputError("a curve with corners cannot be faired in one: cut it at its corners");
+    throw InputError("a curve with corners cannot be faired as a whole: split it at its corners");
   for (const CurveSpring& spring : springs)
     if (!spring.point.allFinite() || !(spring.stiffness > 0) || !std::isfinite(spring.stiffness))
       throw InputError("a spring needs a finite point and a stiffness above 0");
   const auto held = std::count_if(fixed_points.begin(), fixed_points.end(),
                                   [](const auto& h) { return h.position; });
   if (held < 2 && springs.size() < 2)
-    throw InputError("a curve needs two held points or two springs, or it could move away");
+    throw InputError("curvature fairing needs two fixed points or two springs, found fewer");
 }
 
 // Bounding box of a curve: its centre becomes the origin and its diagonal 1.
@@ -81,10 +81,11 @@ Nodes place_nodes(const HermiteCurve& start, const std::vector<FixedCurvePoint>&
   std::vector<double> cuts = {start.start(), start.end()};
   for (const FixedCurvePoint& hold : fixed_points) {
     if (!(hold.u >= start.start() && hold.u <= start.end()))
-      throw InputError("a curve is held at u = " + format_number(hold.u) + ", outside its " +
+      throw InputError("found a fixed point at u = " + format_number(hold.u) + ", expected " +
                        format_number(start.start()) + " to " + format_number(start.end()));
     if (start.closed() && hold.u == start.end())
-      throw InputError("the end of a closed curve is its start: hold it there");
+      throw InputError(
+          "found a fixed point at the end of a closed curve, expected it at its start");
     cuts.push_back(hold.u);
   }
   std::sort(cuts.begin(), cuts.end());
@@ -92,11 +93,11 @@ Nodes place_nodes(const HermiteCurve& start, const std::vector<FixedCurvePoint>&
   const double shortest = 1e-9 * (start.end() - start.start());
   for (size_t i = 0; i + 1 < cuts.size(); ++i)
     if (cuts[i + 1] - cuts[i] < shortest)
-      throw InputError("a curve is held twice near u = " + format_number(cuts[i]));
+      throw InputError("found two fixed points near u = " + format_number(cuts[i]));
   const int spans = isize(cuts) - 1, least = std::max(spans, start.closed() ? 2 : 1);
   if (segments < least)
-    throw InputError(std::to_string(segments) + " segments, expected at least " +
-                     std::to_string(least) + ": one between held points");
+    throw InputError("found " + std::to_string(segments) + " segments, expected at least " +
+                     std::to_string(least) + ", one between adjacent fixed points");
 
   // Adds one segment at a time to the span whose segments are longest.
   std::vector<int> count(spans, 1);
@@ -284,8 +285,7 @@ class CurvatureFairing {
     QuinticCurve& curve = problem_.curve;
     curve = QuinticCurve(curve.parameters(), minimum.dofs, curve.closed());
     if (!(total_length(curve) < out_of_bounds * start_length))
-      throw NoSolutionError(
-          "the curve grows without bound: larger curves bend less (give it a length_weight)");
+      throw NoSolutionError("the curve grows without bound; use a length_weight above 0");
   }
 
   // Transforms to model units, restores fixed positions bit for bit, and approximates by cubics.
@@ -394,10 +394,10 @@ CurvatureFairingResult minimum_curvature_curve(const std::vector<CurveThroughPoi
     const std::string name = "point " + std::to_string(i + 1);
     const auto& tangent = points[i].tangent;
     if (!at(i).allFinite() || (tangent && !tangent->allFinite()))
-      throw InputError(name + " has a number that is not finite");
+      throw InputError(name + " has a value that is not finite");
     if (tangent && !(tangent->norm() > 0)) throw InputError(name + " has a tangent of length zero");
     if ((i > 0 || closed) && at(i) == at(i - 1))
-      throw InputError(name + " equals the one before it");
+      throw InputError(name + " coincides with the point before it");
   }
 
   std::vector<Vec3> t(n);

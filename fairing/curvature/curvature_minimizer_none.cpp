@@ -7,7 +7,8 @@ bool have_curvature_fairing() { return false; }
 
 CurvatureMinimizationResult minimize(const CurvatureMinimization&) {
   throw InputError(
-      "Batten was built without Ceres: curves of least curvature need it (BATTEN_WITH_CERES)");
+      "minimum-energy and minimum-variation curves need Ceres: build Batten with "
+      "BATTEN_WITH_CERES");
 }
 
 }  // namespace batten

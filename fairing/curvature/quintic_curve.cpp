@@ -48,15 +48,16 @@ int pieces_needed(const QuinticCurve& curve, int segment, double tolerance) {
     const double guess = pieces * std::pow(error / tolerance, 0.25);
     pieces = std::max(pieces + 1, static_cast<int>(std::min(0.9 * guess, most + 1.0)));
   }
-  throw InputError("more than " + std::to_string(most) + " cubics for one segment: the tolerance " +
-                   format_number(tolerance) + " is too small");
+  throw InputError("the tolerance " + format_number(tolerance) + " is too small: a segment needs " +
+                   "more than " + std::to_string(most) + " cubics");
 }
 
 }  // namespace
 
 Eigen::Matrix<double, 6, 1> quintic_functions(double h, double s, int order) {
   if (!(h > 0))
-    throw InputError("a quintic segment of length " + format_number(h) + ": it must be > 0");
+    throw InputError("found a quintic segment of length " + format_number(h) +
+                     ", expected a length above 0");
   if (order < 0 || order > 3)
     throw InputError("a quintic segment has derivatives of order 0 to 3, not " +
                      std::to_string(order));
@@ -77,8 +78,8 @@ Eigen::Matrix<double, 6, 1> quintic_functions(double h, double s, int order) {
 QuinticCurve::QuinticCurve(std::vector<double> parameters, Points dofs, bool closed)
     : mesh_(std::move(parameters), closed), dofs_(std::move(dofs)) {
   if (dofs_.rows() != 3 * node_count())
-    throw InputError(std::to_string(dofs_.rows()) + " dofs for a quintic curve with " +
-                     std::to_string(node_count()) + " nodes");
+    throw InputError("found " + std::to_string(dofs_.rows()) + " dofs of a quintic curve with " +
+                     std::to_string(node_count()) + " nodes, expected three for each");
   if (!dofs_.allFinite()) throw InputError("a curve node is not finite");
 }
 
@@ -99,7 +100,8 @@ double QuinticCurve::arc_length(int segment) const {
 
 HermiteCurve QuinticCurve::cubics(double tolerance) const {
   if (!(tolerance > 0))
-    throw InputError("a tolerance of " + format_number(tolerance) + ": expected > 0");
+    throw InputError("found the tolerance " + format_number(tolerance) +
+                     ", expected a length above 0");
   std::vector<double> u = {parameters().front()};
   std::vector<Vec3> rows;
   for (int i = 0; i < segment_count(); ++i) {

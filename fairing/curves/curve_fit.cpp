@@ -377,10 +377,10 @@ CurveFit fit_point_sequence(const std::string& name, PointSequence row, const Fi
       continue;
     }
     if (isize(u) - 1 > options.max_segments)
-      throw InputError("line '" + name + "' is not within " + format_number(options.tolerance) +
-                       " of a smooth curve of " + std::to_string(u.size() - 1) +
-                       " segments (off by " + format_number(fit.worst()) +
-                       "): is there a corner, or is the tolerance too small?");
+      throw InputError("curve '" + name + "' cannot be fitted within the tolerance " +
+                       format_number(options.tolerance) + ": with " + std::to_string(u.size() - 1) +
+                       " segments the deviation is " + format_number(fit.worst()) +
+                       "; add a corner, or increase the tolerance");
     const std::vector<int> at_corners = corner_nodes(u, corners);
     fit.set_mesh(std::move(u), at_corners);
   }
@@ -401,10 +401,10 @@ CurveFit fit_points(const std::string& name, const std::vector<Vec3>& points,
   const PointSequence row(name, points, options.corner_angle, options.corners, options.closed);
   CurveFit fit = fit_point_sequence(name, row, options);
   if (options.bisection_only && fit.deviation.max > options.tolerance)
-    throw InputError("line '" + name + "' is not within " + format_number(options.tolerance) +
-                     " of a curve with halved segments (off by " +
-                     format_number(fit.deviation.max) +
-                     "): is there a corner, or is the tolerance too small?");
+    throw InputError(
+        "curve '" + name + "' cannot be fitted within the tolerance " +
+        format_number(options.tolerance) + ": with bisected segments the deviation is " +
+        format_number(fit.deviation.max) + "; add a corner, or increase the tolerance");
   std::vector<double> all;
   for (const int i : row.index) all.push_back(fit.parameters[i]);
   fit.parameters = std::move(all);
@@ -585,9 +585,9 @@ HermiteCurve fit_curve(const std::string& name, std::shared_ptr<const InputCurve
     constexpr double sure = 0.9;  // a maximum may lie between the checked points
     if (off <= sure * options.tolerance) return fit.curve;
     if (2 * per_line > most_samples)
-      throw InputError("line '" + name + "' is not within " + format_number(options.tolerance) +
-                       " of a smooth curve (off by " + format_number(off) +
-                       "): is there a corner, or is the tolerance too small?");
+      throw InputError("curve '" + name + "' cannot be fitted within the tolerance " +
+                       format_number(options.tolerance) + ": the deviation is " +
+                       format_number(off) + "; add a corner, or increase the tolerance");
   }
 }
 

@@ -111,7 +111,8 @@ void CurveFitProblem::solve() {
       A_.fix(band.banded_index(mesh.slope_out(node)), *it->slope_out, rhs_);
     ++it;
   }
-  if (!A_.factorize()) throw NoSolutionError("the fit of a curve is singular");
+  if (!A_.factorize())
+    throw NoSolutionError("a curve cannot be fitted: its system of equations is singular");
   A_.solve(rhs_);
   dofs.resize(mesh.dof_count(), 3);
   for (int d = 0; d < mesh.dof_count(); ++d) dofs.row(d) = rhs_.row(band.banded_index(d));

@@ -1,7 +1,6 @@
 #include "batten/fairing/curves/curve_through_points.h"
 
 #include <Eigen/Geometry>
-#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -209,8 +208,8 @@ std::vector<int> corners_among(const std::string& name, const std::vector<Vec3>&
   std::vector<int> all;
   for (const int c : *corners) {
     if (c < 0 || c > last)
-      throw InputError("line '" + name + "': corner at point " + std::to_string(c + 1) + " of " +
-                       std::to_string(last + 1));
+      throw InputError("curve '" + name + "': found a corner at point " + std::to_string(c + 1) +
+                       ", expected 1 to " + std::to_string(last + 1));
     if (is_closed || (c > 0 && c < last)) all.push_back(c == last ? 0 : c);
   }
   std::sort(all.begin(), all.end());
@@ -225,19 +224,19 @@ std::shared_ptr<const InputCurve> curve_through_points(
     const std::optional<std::vector<int>>& corners) {
   const auto n = static_cast<long>(points.size());
   if (n < 2)
-    throw InputError("line '" + name + "' has " + std::to_string(n) + " point" +
-                     (n == 1 ? "" : "s") + ": it needs two or more");
+    throw InputError("curve '" + name + "' has " + std::to_string(n) + " point" +
+                     (n == 1 ? "" : "s") + ", expected two or more");
   for (long i = 0; i < n; ++i)
     if (!points[i].allFinite())
-      throw InputError("line '" + name + "', point " + std::to_string(i + 1) +
+      throw InputError("curve '" + name + "', point " + std::to_string(i + 1) +
                        ": a coordinate is not a finite number");
   const double size = bounding_box(points).diagonal().norm();
-  if (!(size > 0)) throw InputError("line '" + name + "' has zero length: all points are the same");
+  if (!(size > 0)) throw InputError("curve '" + name + "' has zero length: all points coincide");
   for (long i = 0; i + 1 < n; ++i)
     if ((points[i + 1] - points[i]).norm() < 1e-9 * size)
-      throw InputError("line '" + name + "', points " + std::to_string(i + 1) + " and " +
+      throw InputError("curve '" + name + "', points " + std::to_string(i + 1) + " and " +
                        std::to_string(i + 2) + " are duplicates at " + format_point(points[i]) +
-                       (n == 2 ? ": the line has zero length" : ""));
+                       (n == 2 ? ": the curve has zero length" : ""));
   const bool is_closed = n > 3 && (points.front() - points.back()).norm() < 1e-9 * size;
   std::vector<int> found = corners_among(name, points, is_closed, corner_angle, corners);
   // If the seam is a corner, the curve is treated as an open one that ends where it starts.
@@ -483,7 +482,7 @@ Points not_a_knot_slopes(const std::vector<double>& u, const Points& x) {
     add_third(0, 1, -1);
     add_third(n - 1, n - 3, -1);
   }
-  return A.partialPivLu().solve(b);
+  return solve_square(A, b);
 }
 
 }  // namespace batten

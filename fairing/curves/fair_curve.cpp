@@ -134,7 +134,9 @@ void fair_run(const HermiteCurve& curve, const Run& run,
     kept.push_back(mesh.slope_in(mesh.node_count() - 1));
   for (const int d : kept)
     A.fix(band.banded_index(d), curve.dofs().row(outer[d]).transpose(), right);
-  if (!A.factorize()) throw NoSolutionError("a stretch of a curve cannot be faired");
+  if (!A.factorize())
+    throw NoSolutionError(
+        "a segment of a curve cannot be faired: its system is not positive definite");
   A.solve(right);
   for (int d = 0; d < mesh.dof_count(); ++d)
     if (std::find(kept.begin(), kept.end(), d) == kept.end())
@@ -186,11 +188,11 @@ HermiteCurve fair_interval(const HermiteCurve& curve, double from, double to, do
   double extent = to - from;
   if (curve.closed() && extent < 0) extent += whole;
   if (!(extent > 0) || !std::isfinite(from) || !std::isfinite(to))
-    throw InputError("local fairing: found a stretch from " + format_number(from) + " to " +
+    throw InputError("local fairing: found a segment from " + format_number(from) + " to " +
                      format_number(to) +
                      ", expected two parameters of the curve, the second above the first");
   if (!curve.closed() && (from >= curve.end() || to <= curve.start()))
-    throw InputError("local fairing: found a stretch from " + format_number(from) + " to " +
+    throw InputError("local fairing: found a segment from " + format_number(from) + " to " +
                      format_number(to) + " of a curve from " + format_number(curve.start()) +
                      " to " + format_number(curve.end()));
   std::vector<char> touched(curve.segment_count(), 0);
@@ -216,7 +218,7 @@ HermiteCurve fair_brush(const HermiteCurve& curve, const Vec3& centre, double ra
                      ", expected a length above 0");
   const CurvePoint nearest = curve.closest_point(centre);
   if (!(nearest.distance < radius))
-    throw InputError("local fairing: the curve does not meet the brush; it is " +
+    throw InputError("local fairing: the curve lies outside of the brush; it is " +
                      format_number(nearest.distance) + " away from its centre, and the radius is " +
                      format_number(radius));
   const auto strength = [&](double u) {

@@ -77,7 +77,7 @@ std::shared_ptr<const InputCurve> curve_from_hermite(HermiteCurve curve) {
 
 std::shared_ptr<const InputCurve> curve_from_formula(double start, double end,
                                                      std::function<Vec3(double, int)> formula) {
-  if (!(end > start)) throw InputError("a formula curve needs start < end");
+  if (!(end > start)) throw InputError("a curve defined by a formula needs start < end");
   return std::make_shared<FormulaCurve>(start, end, std::move(formula));
 }
 

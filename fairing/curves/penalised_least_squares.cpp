@@ -127,7 +127,8 @@ bool PenalisedLeastSquares::try_solve(double wavelength, Points& q) {
 Points PenalisedLeastSquares::solve(double wavelength) {
   Points q;
   if (!try_solve(wavelength, q))
-    throw NoSolutionError("a curve cannot be faired: its system is not positive definite");
+    throw NoSolutionError(
+        "a curve cannot be faired: its system of equations is not positive definite");
   return q;
 }
 

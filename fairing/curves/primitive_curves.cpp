@@ -18,7 +18,7 @@ using std::numbers::pi;
 void require_positive(const char* what, double value) {
   if (!(value > 0) || !std::isfinite(value))
     throw InputError(std::string("found the ") + what + " " + format_number(value) +
-                     ", expected one above 0");
+                     ", expected a number above 0");
 }
 
 class CompositeCurve final : public InputCurve {
@@ -106,7 +106,7 @@ CurvePlane curve_plane(const Vec3& centre, const Vec3& normal, const Vec3& along
   if (!(normal.norm() > 0)) throw InputError("found a normal of length zero, expected a direction");
   const Vec3 n = normal.normalized(), part = along - along.dot(n) * n;
   if (!(part.norm() > 1e-9 * along.norm()))
-    throw InputError("found the direction of x along the normal, expected another one");
+    throw InputError("found an x direction parallel to the normal, expected a different direction");
   const Vec3 x = part.normalized();
   return {centre, x, n.cross(x)};
 }
@@ -119,8 +119,7 @@ std::shared_ptr<const InputCurve> ellipse_arc(const CurvePlane& plane, double a,
   if (!(std::abs(sweep) > 0) || std::abs(sweep) > 2 * pi * (1 + 1e-12))
     throw InputError("found an arc from " + format_number(from * 180 / pi) + " to " +
                      format_number(to * 180 / pi) +
-                     " degrees, expected two angles that are not equal and "
-                     "at most 360 apart");
+                     " degrees, expected two different angles that are at most 360 apart");
   if (a == b) return circle_arc(plane, a, from, to);
   const double r = std::max(a, b), sign = sweep > 0 ? 1 : -1;
   return curve_from_formula(0, std::abs(sweep) * r, [=](double u, int order) -> Vec3 {
@@ -134,8 +133,8 @@ std::shared_ptr<const InputCurve> ellipse_arc(const CurvePlane& plane, double a,
 std::shared_ptr<const InputCurve> arc_through(const Vec3& a, const Vec3& b, const Vec3& c) {
   const Vec3 ab = b - a, ac = c - a, normal = ab.cross(ac);
   if (!(normal.norm() > 1e-9 * ab.norm() * ac.norm()))
-    throw InputError("found three points on a line, " + format_point(a) + ", " + format_point(b) +
-                     " and " + format_point(c) + ", expected three of an arc");
+    throw InputError("found three collinear points, " + format_point(a) + ", " + format_point(b) +
+                     " and " + format_point(c) + ", expected three points of an arc");
   const Vec3 centre =
       a + (normal.cross(ab) * ac.squaredNorm() + ac.cross(normal) * ab.squaredNorm()) /
               (2 * normal.squaredNorm());
@@ -195,8 +194,14 @@ std::shared_ptr<const InputCurve> rectangle(const CurvePlane& plane, double widt
 
 std::shared_ptr<const InputCurve> concatenated(
     std::vector<std::shared_ptr<const InputCurve>> curves) {
-  if (curves.empty()) throw InputError("found no piece of a line, expected one or more");
+  if (curves.empty()) throw InputError("found no curve to concatenate, expected one or more");
   return std::make_shared<CompositeCurve>(std::move(curves));
+}
+
+Vec3 AffineTransform::operator()(const Vec3& x) const { return A * x + b; }
+
+AffineTransform AffineTransform::then(const AffineTransform& next) const {
+  return {next.A * A, next.A * b + next.b};
 }
 
 AffineTransform reflection_in(const Vec3& point, const Vec3& normal) {
@@ -303,16 +308,16 @@ void check_knots(int degree, int poles, const std::vector<double>& knots) {
                      ", expected " + std::to_string(poles + degree + 1));
   for (size_t i = 0; i + 1 < knots.size(); ++i)
     if (!(knots[i] <= knots[i + 1]))
-      throw InputError("found the knot " + format_number(knots[i + 1]) + " behind " +
-                       format_number(knots[i]) + ", expected knots that do not descend");
+      throw InputError("found the knot " + format_number(knots[i + 1]) + " after " +
+                       format_number(knots[i]) + ", expected knots that do not decrease");
   // An inner knot of multiplicity `degree` still leaves the curve connected.
   const double first = knots[degree], last = knots[knots.size() - 1 - degree];
   for (size_t i = 0; i + degree < knots.size(); ++i)
     if (knots[i] == knots[i + degree] && knots[i] > first && knots[i] < last)
       throw InputError("found the knot " + format_number(knots[i]) + " more than " +
                        std::to_string(degree) +
-                       " times, expected at most that: the curve is torn there");
-  if (!(last > first)) throw InputError("found knots without a span, expected ones that ascend");
+                       " times, which would disconnect the curve; expected at most the degree");
+  if (!(last > first)) throw InputError("found equal knots only, expected knots that increase");
 }
 
 }  // namespace

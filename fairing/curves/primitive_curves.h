@@ -64,11 +64,9 @@ std::shared_ptr<const InputCurve> concatenated(
 struct AffineTransform {
   Mat3 A = Mat3::Identity();
   Vec3 b = Vec3::Zero();
-  Vec3 operator()(const Vec3& x) const { return A * x + b; }
+  Vec3 operator()(const Vec3& x) const;
   /// Composition: this map first, then `next`.
-  AffineTransform then(const AffineTransform& next) const {
-    return {next.A * A, next.A * b + next.b};
-  }
+  AffineTransform then(const AffineTransform& next) const;
 };
 /// Mirror image, rotation and scaling as affine maps. They throw InputError if the normal or the
 /// axis has length zero. `factor` must be above 0.

@@ -42,8 +42,8 @@ void SmoothingSplineSolver::centre(const CurveCondition& plane) {
                           (sequence_.chord[i + 1] - sequence_.chord[i]) * a / (a - b));
   }
   if (sequence_.closed && crossings.size() < 2)
-    throw InputError("line '" + name_ + "', condition '" + plane.name +
-                     "': the closed line does not cross the plane of symmetry");
+    throw InputError("curve '" + name_ + "', condition '" + plane.name +
+                     "': the closed curve does not intersect the plane of symmetry");
   const double first = sequence_.closed ? crossings.front() : 0;
   double middle = 0.5 * length_, distance = std::numeric_limits<double>::infinity();
   for (const double c : crossings) {
@@ -402,7 +402,8 @@ double SmoothingSplineSolver::project_points(bool first) {
     u_[i] = s;
   }
   if (!(arc.total() > 1e-6 * sequence_.size))
-    throw NoSolutionError("line '" + name_ + "' shrinks to a point when faired");
+    throw NoSolutionError("curve '" + name_ +
+                          "' shrinks to a point when it is faired; smooth it less");
   // If the smoothing is stated, a closed curve that shrinks would shrink faster and faster if the
   // parameter shrank with it. The parameter range therefore stays the length of the points or, if
   // that is mostly noise, of the first curve.
@@ -453,7 +454,7 @@ double signed_distance(const CurveCondition& plane, const Vec3& p) {
 }
 
 void check(const std::string& name, const FairOptions& options, bool closed) {
-  const std::string line = "line '" + name + "': ";
+  const std::string line = "curve '" + name + "': ";
   const auto positive = [&](double value, const char* what) {
     if (!(value > 0) || !std::isfinite(value))
       throw InputError(line + "found the " + what + " " + format_number(value) +
@@ -469,15 +470,14 @@ void check(const std::string& name, const FairOptions& options, bool closed) {
                      ", expected 0 or more");
   if (options.max_rounds < 1)
     throw InputError(line + "found " + std::to_string(options.max_rounds) +
-                     " rounds, expected one or more");
+                     " iterations, expected one or more");
   for (const auto& c : options.conditions) {
     if (!c.at.allFinite() || !c.direction.allFinite() ||
         (c.type != Type::Point && !(c.direction.norm() > 0)))
       throw InputError(line + "condition '" + c.name +
-                       "' has a number that is not finite, or a direction of length 0");
+                       "': a value is not finite, or the direction has length 0");
     if (closed && c.type == Type::ZeroEndCurvature)
-      throw InputError(line + "condition '" + c.name +
-                       "' is for the ends of an open line, found a closed one");
+      throw InputError(line + "condition '" + c.name + "' needs an open curve, found a closed one");
   }
 }
 

@@ -178,8 +178,8 @@ MatX solve_augmented_lagrangian(const SparseCholesky& factor, const MatX& g, con
 void check_fairing_input(const Surface& start, const ConstraintSet& constraints) {
   const int n = start.dof_map().count();
   if (constraints.dof_count() != n)
-    throw InputError("constraints on " + std::to_string(constraints.dof_count()) +
-                     " dofs for a surface with " + std::to_string(n));
+    throw InputError("found constraints on " + std::to_string(constraints.dof_count()) +
+                     " dofs, expected " + std::to_string(n) + " of the surface");
   if (!start.dofs().allFinite()) throw InputError("a dof of the surface is not finite");
   if (!(start.area() > 0)) throw InputError("a surface of area zero cannot be faired");
 }

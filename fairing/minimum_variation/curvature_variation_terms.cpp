@@ -58,7 +58,7 @@ void CurvatureVariationTerms::set_frames(const Surface& surface) {
     area += areas[t];
   }
   if (!std::isfinite(sum))
-    throw InputError("the surface to be faired has a point without a normal");
+    throw InputError("the surface to be faired is singular: it has no normal at some point");
   // Principal curvatures that differ by less than a hundredth of the mean curvature count as equal.
   const double floor = 1e-4 * sum / area;
   for (size_t p = 0; p < frames_.size(); ++p) {
@@ -79,7 +79,7 @@ void CurvatureVariationTerms::add_side(const Surface& start, const std::vector<i
   double length = 0, turn = 0;
   for (size_t i = 0; i + 1 < vertices.size(); ++i) {
     const int e = mesh.edge_between(vertices[i], vertices[i + 1]);
-    if (e < 0) throw InputError("a side of the outline is not a chain of edges");
+    if (e < 0) throw InputError("a side of the outline is not a chain of mesh edges");
     edges.push_back(e);
     const int t = mesh.edges()[e].triangle[0], local = mesh.edges()[e].local[0];
     const Vec2 direction = edge_direction(local);

@@ -142,7 +142,7 @@ class Descent {
     for (int k = 0; k < most_tries; ++k) {
       value_ = equations.assemble(terms_, surface_, weights(), T_);
       if (!std::isfinite(value_))
-        throw InputError("the surface to be faired has no normal somewhere");
+        throw InputError("the surface to be faired is singular: it has no normal at some point");
       ++result.factorizations;
       if (!cholesky.factorize(equations.matrix())) {
         if (k + 1 == most_tries) throw NoSolutionError(cholesky.message());
@@ -208,9 +208,10 @@ MinimumVariationSurface minimize_curvature_variation(const Surface& start,
                                                      const MinimumVariationOptions& options,
                                                      const Progress& progress) {
   if (start.kind() != TriangleElement::HCT)
-    throw InputError("found Z12 triangles, expected HCT: their third derivatives are needed");
+    throw InputError(
+        "found Z12 elements, expected element = \"hct\": fairing needs third derivatives");
   if (!(options.strength > 0 && options.strength <= 1) || !(options.largest_move > 0))
-    throw InputError("expected a strength above 0, at most 1, and a largest move above 0");
+    throw InputError("expected fair_strength above 0, at most 1, and max_displacement above 0");
   check_fairing_input(start, constraints);
   const BlockReduction reduction = reduction_of(start, constraints, options);
   const AugmentedLagrangianConstraints multiplier_constraints(

@@ -179,7 +179,7 @@ class LevenbergMarquardt {
     cholesky_.analyze(bending_, FactorReuse::many);
     if (!cholesky_.factorize(bending_)) throw NoSolutionError(cholesky_.message());
     if (!std::isfinite(total(integrate(surface_, surface_, root_, false))))
-      throw InputError("the surface to be faired has a point without a normal");
+      throw InputError("the surface to be faired is singular: it has no normal at some point");
   }
 
   const Surface& surface() const { return surface_; }
@@ -247,7 +247,8 @@ SurfaceCurvatureResult fair_curvature(const Surface& start, const ConstraintSet&
                                       const SurfaceCurvatureOptions& options) {
   if (!(options.parametrization_weight > 0) || !(options.tolerance > 0) || options.max_rounds < 1 ||
       options.max_iterations < 1)
-    throw InputError("evenness, tolerance, most_rounds and most_iterations must be above 0");
+    throw InputError(
+        "parametrization_weight, tolerance, max_rounds and max_iterations must be above 0");
   check_fairing_input(start, constraints);
 
   // Relative to a point of the surface, so that coordinates keep their digits.

@@ -1,6 +1,5 @@
 #include "batten/fem/curves/bicubic_patch.h"
 
-#include <Eigen/QR>
 #include <Eigen/SparseCore>
 #include <algorithm>
 #include <array>
@@ -106,8 +105,7 @@ void pass_through_fixed(BicubicPatch& patch, const PatchTarget& target) {
   N.setFromTriplets(entries.begin(), entries.end());
   // Curves with common ends produce the same point twice, so the matrix may be singular.
   const Eigen::MatrixXd square = (N * N.transpose()).eval().toDense();
-  patch.poles += N.transpose() *
-                 Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd>(square).solve(residual);
+  patch.poles += N.transpose() * least_squares(square, residual);
 }
 
 // Errors of each cell.
@@ -680,7 +678,7 @@ BicubicPatch fit_to_samples(const SplineAxis& u, const SplineAxis& v, const Cell
   const double bending_weight = unit > 0 ? misfit * misfit / unit : 1;
   for (double bending = std::clamp(bending_weight, 1e-10, 1e-6); bending < 1; bending *= 100)
     if (auto patch = PatchEquations(u, v, samples, bending, goal).solve()) return *patch;
-  throw NoSolutionError("a B-spline surface cannot be fitted: numbers that are not finite?");
+  throw NoSolutionError("no B-spline surface can be fitted: check that all samples are finite");
 }
 
 }  // namespace batten

@@ -24,8 +24,9 @@ CurveMesh::CurveMesh(std::vector<double> parameters, bool closed, std::vector<in
   const int first = closed_ ? 0 : 1, last = closed_ ? node_count() - 1 : node_count() - 2;
   for (const int c : corners_)
     if (c < first || c > last)
-      throw InputError("corner " + std::to_string(c) + " of a curve: expected a node from " +
-                       std::to_string(first) + " to " + std::to_string(last));
+      throw InputError("found a corner at node " + std::to_string(c) +
+                       " of a curve, expected a node from " + std::to_string(first) + " to " +
+                       std::to_string(last));
 }
 
 std::array<int, 4> CurveMesh::segment_dofs(int segment) const {

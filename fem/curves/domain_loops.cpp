@@ -24,7 +24,7 @@ DomainLoops::DomainLoops(std::vector<Loop> loops, Background background)
     : background_(background), loops_(std::move(loops)) {
   std::vector<size_t> first;
   for (const Loop& loop : loops_) {
-    if (loop.empty()) throw InputError("a loop of the domain without curves");
+    if (loop.empty()) throw InputError("a loop of the domain has no curves");
     first.push_back(segments_.size());
     for (const HermiteCurve& curve : loop) {
       if (!curve.dofs().col(2).isZero(0))

@@ -18,9 +18,9 @@ Points interleaved(const std::vector<double>& parameters, const Points& position
   const auto n = static_cast<long>(parameters.size());
   if (n < 2) throw InputError("a curve needs at least two nodes");
   if (positions.rows() != n || derivatives.rows() != n)
-    throw InputError("a curve with " + std::to_string(n) + " parameters, " +
+    throw InputError("found a curve with " + std::to_string(n) + " parameters, " +
                      std::to_string(positions.rows()) + " positions and " +
-                     std::to_string(derivatives.rows()) + " derivatives");
+                     std::to_string(derivatives.rows()) + " derivatives, expected equal numbers");
   Points dofs(2 * n, 3);
   for (long i = 0; i < n; ++i) {
     dofs.row(2 * i) = positions.row(i);
@@ -34,7 +34,7 @@ Points interleaved(const std::vector<double>& parameters, const Points& position
 HermiteCurve::HermiteCurve(CurveMesh mesh, Points dofs)
     : mesh_(std::move(mesh)), dofs_(std::move(dofs)) {
   if (dofs_.rows() != mesh_.dof_count())
-    throw InputError(std::to_string(dofs_.rows()) + " dofs for a curve that has " +
+    throw InputError("found " + std::to_string(dofs_.rows()) + " dofs of a curve, expected " +
                      std::to_string(mesh_.dof_count()));
   if (!dofs_.allFinite()) throw InputError("a curve node is not finite");
 }

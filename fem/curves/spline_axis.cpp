@@ -44,9 +44,11 @@ Mat4 powers_on(const std::vector<double>& t, size_t k) {
 SplineAxis::SplineAxis(std::vector<double> knots, bool periodic)
     : knots_(std::move(knots)), periodic_(periodic) {
   const int n = intervals();
-  if (n < (periodic ? 4 : 1)) throw InputError("a B-spline with too few intervals");
+  if (n < (periodic ? 4 : 1))
+    throw InputError("found a B-spline with " + std::to_string(n) + " intervals, expected " +
+                     (periodic ? "4" : "1") + " or more");
   for (int k = 0; k < n; ++k)
-    if (!(length(k) > 0)) throw InputError("a B-spline whose knots do not increase");
+    if (!(length(k) > 0)) throw InputError("the knots of a B-spline must increase");
   std::vector<double> all;
   const double period = knots_.back() - knots_.front();
   for (int k = 3; k >= 1; --k) all.push_back(periodic ? knots_[n - k] - period : knots_[0]);

@@ -70,7 +70,7 @@ std::string read_sandboxed(const fs::path& from, const Work& work) {
           return std::to_string(contents.size()) + "\n" + contents + work(cad);
         } catch (const Standard_Failure& failure) {
           throw InputError(from.string() +
-                           ": OpenCASCADE cannot convert it: " + failure.GetMessageString());
+                           ": OpenCASCADE cannot convert this file: " + failure.GetMessageString());
         }
       },
       20);
@@ -90,18 +90,19 @@ void add_iges_notes(CadConversion& c) {
   int edges = 0;
   for (const CadAttribute& use : c.before.names) edges += use.edges;
   if (edges > 0)
-    c.notes.push_back("IGES has no names of edges between faces: " + std::to_string(edges) +
+    c.notes.push_back("IGES cannot store names of edges between faces: " + std::to_string(edges) +
                       " are lost");
   if (std::any_of(c.before.products.begin(), c.before.products.end(),
                   [](const CadProduct& product) { return product.assembly; }))
-    c.notes.push_back("IGES has no assemblies: parts are solids at their places, by their names");
+    c.notes.push_back(
+        "IGES has no assemblies: parts are written as named solids at their positions");
 }
 
 CadConversion to_cad(const fs::path& from, const fs::path& to, const CadConvertOptions& options) {
   CadWriteOptions how{cad_format(to), options.ap242, 1e-3, to.stem().string()};
   if (how.format == CadFormat::Patches)
     throw InputError(to.string() +
-                     ": sets of patches are only read, expected .step, .iges, .brep "
+                     ": found a patch file, which can only be read, expected .step, .iges, .brep "
                      "or .glb");
   std::string bytes = read_sandboxed(from, [&](const CadFile& cad) {
     how.unit_in_metres = unit_of(options, to, cad.header.unit_in_metres);
@@ -119,7 +120,7 @@ CadConversion to_cad(const fs::path& from, const fs::path& to, const CadConvertO
     if (!result.before.names.empty() || !result.before.colours.empty() ||
         result.before.products.size() > 1 || !result.before.layers.empty())
       result.notes.push_back(
-          "BREP holds shapes only: names, colours, layers and products are lost");
+          "BREP stores shapes only: names, colours, layers and products are lost");
     // BREP is read back as millimetres, whatever the unit of its numbers.
     result.after.unit_in_metres = result.unit_in_metres;
     result.after.notes.clear();
@@ -149,7 +150,7 @@ CadConversion to_glb(const fs::path& from, const fs::path& to, const CadConvertO
                    options.chord * unit_of(options, to, cad.header.unit_in_metres) / 1e-3);
     if (facets.mesh.face_count() == 0)
       throw InputError(from.string() + ": found " + cad.found +
-                       " and no face, expected some to mesh");
+                       " and no face, expected at least one face");
     write_glb(cad, joined, file.temporary());
     std::ostringstream out;
     out.precision(17);
@@ -292,7 +293,7 @@ CadFacets tessellate_file(const std::filesystem::path& file, const CadFile& cad,
   for (const CadPart& part : joined.parts) faces += isize(part.faces);
   if (faces == 0)
     throw InputError(file.string() + ": found " + cad.found +
-                     " and no face, expected some to mesh");
+                     " and no face, expected at least one face");
   if (chord != 0 && !(chord >= 1e-7 * joined.size))
     throw InputError(
         file.string() + ": found a chord of " + format_number(chord) +
@@ -316,7 +317,7 @@ CadFacets tessellate_cad(const std::filesystem::path& file, const CadFacetOption
           return to_bytes(tessellate_file(file, cad, options.chord * unit / 1e-3, options.curved));
         } catch (const Standard_Failure& failure) {
           throw InputError(file.string() +
-                           ": OpenCASCADE cannot mesh it: " + failure.GetMessageString());
+                           ": OpenCASCADE cannot mesh this file: " + failure.GetMessageString());
         }
       },
       20));
@@ -334,7 +335,7 @@ CadContents read_cad_contents(const std::filesystem::path& file) {
       return to_bytes(contents_of(cad));
     } catch (const Standard_Failure& failure) {
       throw InputError(file.string() +
-                       ": OpenCASCADE cannot measure it: " + failure.GetMessageString());
+                       ": OpenCASCADE cannot measure this file: " + failure.GetMessageString());
     }
   }));
 }

@@ -162,7 +162,7 @@ void refuse_without_roots(XSControl_Reader& reader, const std::filesystem::path&
   cad.found = std::to_string(reader.Model()->NbEntities()) + " entities";
   if (reader.NbRootsForTransfer() == 0)
     throw InputError(file.string() + ": found " + cad.found +
-                     " and no shape among them; expected curves or surfaces");
+                     " and no shape; expected curves or surfaces");
 }
 
 /// Converts an IGES file root by root, so that an error message can name the entity that failed.
@@ -408,10 +408,10 @@ CadHeader step_header(const StepData_StepModel& model) {
     if (!header.unit_stated)
       header.unit_in_metres = metres;
     else if (std::abs(metres - header.unit_in_metres) > 1e-9 * metres)
-      header.note = "its parts have several units of length: all are converted";
+      header.note = "the file has parts in different length units, which are converted";
     header.unit_stated = true;
   }
-  if (!header.unit_stated) header.note = "it states no unit of length: taken as mm";
+  if (!header.unit_stated) header.note = "the file states no length unit: assumed mm";
   return header;
 }
 
@@ -423,21 +423,21 @@ CadHeader iges_header(const IGESData_IGESModel& model) {
   const double millimetres = global.UnitValue();
   header.unit_stated = millimetres > 0 && std::isfinite(millimetres);
   header.unit_in_metres = header.unit_stated ? 1e-3 * millimetres : 0.0254;
-  if (!header.unit_stated) header.note = "it states no unit of length: taken as inches";
+  if (!header.unit_stated) header.note = "the file states no length unit: assumed inches";
   return header;
 }
 
 CadHeader brep_header() {
   CadHeader header;
   header.format = CadFormat::Brep;
-  header.note = "BREP has no unit of length: taken as mm";
+  header.note = "BREP files have no length unit: assumed mm";
   return header;
 }
 
 CadHeader patches_header() {
   CadHeader header;
   header.format = CadFormat::Patches;
-  header.note = "sets of patches have no unit of length: taken as mm";
+  header.note = "patch files have no length unit: assumed mm";
   return header;
 }
 

@@ -54,7 +54,7 @@ void check_iges(const std::filesystem::path& file, const std::vector<std::string
              (lines[i].size() > 72 ? "found '" + std::string(1, letter) + "' in column 73"
                                    : "the line ends before column 73") +
                  "; expected the letter of an IGES section (S, G, D, P, T in this order): the file "
-                 "is cut short or not IGES");
+                 "is truncated or not IGES");
     if (found != section || i == 0) first[found] = i;
     section = found;
     if (field(lines[i], 73, 7) != static_cast<long>(++count[found]))

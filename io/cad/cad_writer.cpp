@@ -66,7 +66,7 @@ std::string step_of(const Handle(TDocStd_Document) & document, const CadWriteOpt
   name_products(document, options.name);
   STEPCAFControl_Writer writer;
   if (!writer.Transfer(document, STEPControl_AsIs))
-    throw Error("OpenCASCADE cannot turn the shapes into STEP");
+    throw Error("OpenCASCADE cannot convert the shapes to STEP");
   std::ostringstream out;
   write_step_text(writer.ChangeWriter(), {options.name, "", "shapes"}, out);
   return out.str();
@@ -94,7 +94,7 @@ std::string iges_of(const Handle(TDocStd_Document) & document, const TopoDS_Shap
   occ.set("write.iges.brep.mode", 1);
   IGESCAFControl_Writer writer;
   writer.SetNameMode(false);  // it would write the names of products only
-  if (!writer.Transfer(document)) throw Error("OpenCASCADE cannot turn the shapes into IGES");
+  if (!writer.Transfer(document)) throw Error("OpenCASCADE cannot convert the shapes to IGES");
   for (const CadPart& part : tree_of(document).parts) {
     name_iges(writer, part.shape, part.name);
     for (const CadBody& body : part.bodies) name_iges(writer, body.shape, body.name);
@@ -201,7 +201,7 @@ void write_parts(const std::filesystem::path& path, const std::vector<CadPart>& 
   occ.set("write.precision.val", properties.tolerance);
   STEPCAFControl_Writer writer;
   if (!writer.Transfer(document_of(parts, occ.unit_in_metres()), STEPControl_AsIs))
-    throw Error(path.string() + ": OpenCASCADE cannot turn the shapes into STEP");
+    throw Error(path.string() + ": OpenCASCADE cannot convert the shapes to STEP");
   // OpenCASCADE appends a process-wide product counter to the names; restore them.
   const auto& model = *writer.ChangeWriter().Model();
   size_t next = 0;
@@ -220,7 +220,7 @@ void write_parts(const std::filesystem::path& path, const std::vector<CadPart>& 
 void write_surfaces(const std::filesystem::path& path, const CadPart& part,
                     const StepFileOptions& options, double tolerance, OccSettings& occ) {
   std::vector<CadPart> parts = {part};
-  if (!options.lines.empty()) parts.push_back(part_of_curves("lines", options.lines));
+  if (!options.lines.empty()) parts.push_back(part_of_curves("curves", options.lines));
   write_parts(path, parts, {{options.name, options.author, "surfaces"}, options.ap242, tolerance},
               occ);
 }

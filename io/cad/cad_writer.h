@@ -68,7 +68,7 @@ struct StepFileProperties {
 void write_parts(const std::filesystem::path& path, const std::vector<CadPart>& parts,
                  const StepFileProperties& properties, OccSettings& occ);
 
-/// Writes a part with faces and, if `options` has any, the lines as a separate product "lines".
+/// Writes a part with faces and, if `options` has any, the lines as a separate product "curves".
 /// Otherwise as write_parts().
 void write_surfaces(const std::filesystem::path& path, const CadPart& part,
                     const StepFileOptions& options, double tolerance, OccSettings& occ);

@@ -48,13 +48,13 @@ std::string continuity_text(const ContinuityReport& r, const ContinuityOptions& 
            " and " + std::to_string(edge.faces[1]) + ", near " + format_point(edge.at) + ")";
   };
   std::string text =
-      "  " + many(r.edges, "edge") + ": " + many(r.free_edges, "rim") + ", " +
+      "  " + many(r.edges, "edge") + ": " + many(r.free_edges, "free edge") + ", " +
       many(r.count(Kind::Crease), "crease") + ", " + std::to_string(r.count(Kind::Tangent)) +
-      " tangent (G1), " + std::to_string(r.count(Kind::Curvature)) + " of one curvature (G2)" +
+      " tangent (G1), " + std::to_string(r.count(Kind::Curvature)) + " curvature-continuous (G2)" +
       (r.non_manifold_edges
            ? ", " + std::to_string(r.non_manifold_edges) + " with three faces or more"
            : "") +
-      (r.unmeasured ? ", " + std::to_string(r.unmeasured) + " not to be measured" : "") + "\n";
+      (r.unmeasured ? ", " + std::to_string(r.unmeasured) + " not measurable" : "") + "\n";
   const EdgeContinuity* gap = nullptr;
   for (const auto& edge : r.inner)
     if (!gap || edge.gap > gap->gap) gap = &edge;
@@ -75,7 +75,7 @@ std::string continuity_text(const ContinuityReport& r, const ContinuityOptions& 
     if (edge.kind == Kind::Tangent && (!jump || edge.relative_jump > jump->relative_jump))
       jump = &edge;
   if (jump)
-    text += "  largest jump of curvature across a tangent edge " +
+    text += "  largest curvature jump across a tangent edge " +
             format_number(jump->curvature_jump) + " / " + unit + where(*jump) + "\n";
   if (!r.slivers.empty())
     text += "  " + many(isize(r.slivers), "sliver") + ": face " + std::to_string(r.slivers[0]) +

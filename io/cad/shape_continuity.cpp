@@ -251,9 +251,11 @@ ContinuityReport measure_continuity(const std::filesystem::path& file, double mo
                                     const ContinuityOptions& options) {
   if (!(model_unit_in_metres > 0) || !(options.angle_deg > 0) || !(options.curvature > 0) ||
       !(options.sewing >= 0 && options.sewing < 0.1))
-    throw InputError(file.string() + ": a unit, an angle or a share that is not above 0");
+    throw InputError(file.string() +
+                     ": found a unit, angle or relative tolerance that is not above 0");
   const CadFile cad = read_cad(file);
-  if (cad.faces.Extent() == 0) throw InputError(file.string() + ": found no faces, expected some");
+  if (cad.faces.Extent() == 0)
+    throw InputError(file.string() + ": found no faces, expected at least one");
   const OccSettings occ;  // only now: read_cad() may have forked a child process
   try {
     const double size = box_of(cad.edges).diagonal().norm();

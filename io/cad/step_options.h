@@ -15,7 +15,7 @@ struct StepFileOptions {
   std::string name = "surface";  ///< product name
   std::string author = "";
   bool ap242 = false;  ///< AP242 instead of AP214
-  /// Named curves to write in addition to the faces, in a separate product "lines". CAD programs
+  /// Named curves to write in addition to the faces, in a separate product "curves". CAD programs
   /// show them as wires that can be hidden. The faces do not depend on them. Programs that mesh the
   /// whole file mesh these curves too, without common nodes with the faces. Empty: no such product.
   std::vector<CubicSpline> lines = {};

@@ -66,7 +66,8 @@ class FrdParser {
     if (block_ != Block::None)
       throw InputError(at() + "found the end of the file, expected the end of a block (-3)");
     if (!any)
-      throw InputError(path_.string() + ": found no displacements, expected those of a step");
+      throw InputError(path_.string() +
+                       ": found no displacements, expected the displacements of a step");
   }
 
  protected:
@@ -170,8 +171,7 @@ class FrdStepsParser : public FrdParser {
   }
   void element(int label, int type) override { mesh.elements.push_back({label, type, {}}); }
   void element_node(int label) override {
-    if (mesh.elements.empty())
-      throw InputError(at() + "found nodes before the element that has them");
+    if (mesh.elements.empty()) throw InputError(at() + "found element nodes before their element");
     mesh.elements.back().nodes.push_back(index_of(label));
   }
   void displacement(int label, const Vec3& u) override {

@@ -15,7 +15,7 @@ namespace fs = std::filesystem;
 namespace {
 
 void expect(bool good, const std::string& found, const std::string& expected) {
-  if (!good) throw InputError("deck for frequencies: found " + found + ", expected " + expected);
+  if (!good) throw InputError("modal deck: found " + found + ", expected " + expected);
 }
 
 void check(const ShellMesh& mesh, const ModalDeck& modes) {
@@ -27,7 +27,7 @@ void check(const ShellMesh& mesh, const ModalDeck& modes) {
   above_zero("density", modes.density);
   expect(modes.poisson > -1 && modes.poisson < 0.5,
          "Poisson's ratio " + format_number(modes.poisson), "a number between -1 and 0.5");
-  expect(modes.count > 0, std::to_string(modes.count) + " frequencies asked for", "1 or more");
+  expect(modes.count > 0, std::to_string(modes.count) + " requested frequencies", "1 or more");
   const auto in_range = [&](int node) { return node >= 0 && node < mesh.node_count(); };
   const std::string range = "nodes from 0 to " + std::to_string(mesh.node_count() - 1);
   for (const int node : modes.clamped)
@@ -40,7 +40,7 @@ void check(const ShellMesh& mesh, const ModalDeck& modes) {
     for (const int node : mesh.face(f)) {
       expect(in_range(node), "node " + std::to_string(node) + " in " + name, range);
       expect(mesh.points.row(node).allFinite(),
-             "a coordinate of node " + std::to_string(node) + " that is not a number",
+             "a coordinate of node " + std::to_string(node) + " that is not finite",
              "finite coordinates");
     }
   }

@@ -309,10 +309,10 @@ std::string not_among(const std::string& found, const std::vector<std::string>& 
 }
 
 void check(const Regions& regions, const ShellDeck& deck) {
-  if (regions.empty()) throw InputError("stress deck: found no region, expected one or more");
+  if (regions.empty()) throw InputError("stress deck: found no face, expected at least one");
   const bool one = regions.size() == 1;
-  const std::string who = one ? "stress deck of region '" + regions[0]->name + "': "
-                              : "stress deck of " + std::to_string(regions.size()) + " regions: ";
+  const std::string who = one ? "stress deck of face '" + regions[0]->name + "': "
+                              : "stress deck of " + std::to_string(regions.size()) + " faces: ";
   const auto expect = [&](bool good, const std::string& what, double found,
                           const std::string& expected) {
     if (!good)
@@ -325,8 +325,8 @@ void check(const Regions& regions, const ShellDeck& deck) {
   expect(deck.poisson > -1 && deck.poisson < 0.5, "Poisson's ratio", deck.poisson,
          "a number between -1 and 0.5");
   expect(std::isfinite(deck.density) && deck.density >= 0, "density", deck.density,
-         "0 or a number above it");
-  expect(deck.gravity.isZero(0) || deck.density > 0, "gravity but density", deck.density,
+         "a number of at least 0");
+  expect(deck.gravity.isZero(0) || deck.density > 0, "gravity and a density of", deck.density,
          "a density above 0");
   expect(std::isfinite(deck.pressure), "pressure", deck.pressure, "a finite number");
   for (const auto& t : deck.thicknesses)
@@ -337,22 +337,21 @@ void check(const Regions& regions, const ShellDeck& deck) {
     finite = finite && f.at.allFinite() && f.force.allFinite();
   for (const auto& p : deck.pressures) finite = finite && std::isfinite(p.pressure);
   if (!finite) throw InputError(who + "found a load that is not finite");
-  if (deck.supports.empty())
-    throw InputError(who + "found no support, expected at least one line that is held");
+  if (deck.supports.empty()) throw InputError(who + "found no support, expected at least one");
   const auto expect_line = [&](const std::string& line, const std::string& what) {
     const std::vector<std::string> lines = line_names(regions);
     if (std::find(lines.begin(), lines.end(), line) == lines.end())
-      throw InputError(who + "found a " + what + " on the line '" + line + "', which " +
-                       (one ? "the region does not have; " : "no region has; ") +
-                       not_among(line, lines, one ? "its lines are: " : "their lines are: "));
+      throw InputError(who + "found a " + what + " on the curve '" + line + "', which " +
+                       (one ? "the face does not have; " : "no face has; ") +
+                       not_among(line, lines, one ? "its curves are: " : "their curves are: "));
   };
   const auto expect_region = [&](const std::string& region, const std::string& what) {
     std::vector<std::string> names;
     for (const SkinnedRegion* r : regions) names.push_back(r->name);
     if (std::find(names.begin(), names.end(), region) == names.end())
-      throw InputError(who + "found a " + what + " on the region '" + region +
+      throw InputError(who + "found a " + what + " on the face '" + region +
                        "', which the model does not have; " +
-                       not_among(region, names, "its regions are: "));
+                       not_among(region, names, "its faces are: "));
   };
   for (const auto& support : deck.supports) {
     if (!support.line.empty()) expect_line(support.line, "support");
@@ -415,7 +414,7 @@ std::vector<int> supported_nodes(const Regions& regions, const ModelElements& mo
       for (const auto& element : elements.by_region[r])
         for (const int node : element) add(node);
   if (nodes.empty())
-    throw InputError("stress deck: found a support that holds no node, expected a larger box");
+    throw InputError("stress deck: found a support without nodes, expected a larger box");
   return {nodes.begin(), nodes.end()};
 }
 

@@ -63,10 +63,10 @@ int create(const fs::path& path) {
 }  // namespace
 
 AtomicFile::AtomicFile(fs::path path) : path_(std::move(path)) {
-  if (!path_.has_filename()) fail(path_, "found a folder's name, expected a file's");
+  if (!path_.has_filename()) fail(path_, "found the name of a folder, expected a file name");
   std::error_code error;
   const fs::file_status found = fs::status(path_, error);
-  if (fs::is_directory(found)) fail(path_, "a folder has this name");
+  if (fs::is_directory(found)) fail(path_, "found a folder of this name");
   if (fs::exists(found) && !fs::is_regular_file(found)) fail(path_, "it is not a regular file");
   // Renaming to the name of a symbolic link would replace the link, not its target.
   fs::path target = fs::exists(found) ? fs::canonical(path_, error) : path_;
@@ -115,7 +115,7 @@ void make_output_folder(const fs::path& path) {
   if (path.empty()) refuse("its name is empty");
   std::error_code error;
   const fs::file_status found = fs::status(path, error);
-  if (fs::exists(found) && !fs::is_directory(found)) refuse("a file has this name");
+  if (fs::exists(found) && !fs::is_directory(found)) refuse("found a file of this name");
   if (!fs::exists(found)) {
     fs::create_directories(path, error);
     std::error_code ignored;

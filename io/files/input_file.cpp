@@ -28,10 +28,10 @@ const char* reason_of(int error) {
     case ENOTDIR:
       return "found no such file";
     case ELOOP:
-      return "found links that lead in a circle";
+      return "found a cycle of symbolic links";
     case EACCES:
     case EPERM:
-      return "this file may not be read";
+      return "found no permission to read this file";
     default:
       return std::strerror(error);
   }
@@ -52,8 +52,8 @@ class OpenFile {
     size_ = static_cast<std::uintmax_t>(found.st_size);
     if (size_ > kMaxInputFileSize) {
       ::close(file_);
-      fail("found " + std::to_string(size_ >> 20) + " MB, more than the " +
-           std::to_string(kMaxInputFileSize >> 20) + " MB that are read");
+      fail("found " + std::to_string(size_ >> 20) + " MB, more than the limit of " +
+           std::to_string(kMaxInputFileSize >> 20) + " MB");
     }
   }
   ~OpenFile() { ::close(file_); }

@@ -145,39 +145,42 @@ std::string sandboxed_read(const std::filesystem::path& file, const std::string&
   const Limits limits = limits_for(file, times);
   int ends[2];
   if (::pipe2(ends, O_CLOEXEC) != 0)
-    throw Error(std::string("no pipe for a child process: ") + std::strerror(errno));
+    throw Error(std::string("cannot create a pipe for a child process: ") + std::strerror(errno));
   const pid_t parent = ::getpid(), child = ::fork();
   if (child == 0) run_child(ends[1], parent, limits, read);
   const int fork_error = errno;
   ::close(ends[1]);
   std::string all = child > 0 ? read_all(ends[0]) : std::string();
   ::close(ends[0]);
-  if (child < 0) throw Error(std::string("no child process: ") + std::strerror(fork_error));
+  if (child < 0)
+    throw Error(std::string("cannot create a child process: ") + std::strerror(fork_error));
   const int status = ending_of(child);
   if (WIFSIGNALED(status)) {
     const int number = WTERMSIG(status);
     if (number == SIGINT || number == SIGTERM || number == SIGHUP) throw CancelledError();
     if (number == SIGXCPU || number == SIGALRM || number == SIGKILL)
-      fail("had not read this file after " +
+      fail("did not finish reading this file within " +
            std::to_string(number == SIGALRM ? limits.by_the_clock() : limits.seconds) +
            " s: it is damaged, or too large");
-    fail(std::string("breaks down over this file (") + ::strsignal(number) + "): it is damaged");
+    fail(std::string("crashes while reading this file (") + ::strsignal(number) +
+         "): it is damaged");
   }
-  if (all.empty()) fail("ends while it reads this file: it is damaged");
+  if (all.empty()) fail("terminates while reading this file: it is damaged");
   const auto outcome = static_cast<Outcome>(all[0]);
   all.erase(0, 1);
   switch (outcome) {
     case Outcome::Bytes:
-      if (!WIFEXITED(status) || WEXITSTATUS(status) != 0) fail("could not pass on what it read");
+      if (!WIFEXITED(status) || WEXITSTATUS(status) != 0)
+        fail("could not return the contents of this file");
       return all;
     case Outcome::Refused:
       throw InputError(all);
     case Outcome::NoMemory:
-      fail("asks for more than " + std::to_string(limits.bytes >> 20) +
+      fail("requires more than " + std::to_string(limits.bytes >> 20) +
            " MB for this file: it is damaged, or too large");
       break;
     case Outcome::Failed:
-      fail("fails to read this file: " + all);
+      fail("cannot read this file: " + all);
   }
   return {};
 }

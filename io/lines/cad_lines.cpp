@@ -332,7 +332,8 @@ double CadSurface::distance_lower_bound(const Vec3& p) const {
 }
 
 double distance(const std::vector<CadSurface>& faces, const Vec3& p, size_t& first) {
-  if (faces.empty()) throw InputError("found no faces to measure distances from");
+  if (faces.empty())
+    throw InputError("found no faces to measure distances from, expected at least one");
   first = std::min(first, faces.size() - 1);
   double best = faces[first].distance(p);
   const size_t asked = first;
@@ -397,7 +398,7 @@ void write_iges_curves(const fs::path& path, const std::vector<CubicSpline>& spl
     name->Init(1, occ_string(spline.name));
     curve->AddProperty(name);
     if (!writer.AddEntity(name) || !writer.AddEntity(curve))
-      throw Error(path.string() + ": OpenCASCADE cannot turn the curves into IGES");
+      throw Error(path.string() + ": OpenCASCADE cannot convert the curves to IGES");
   }
   IGESData_GlobalSection header = writer.Model()->GlobalSection();
   header.SetMaxCoord(largest);

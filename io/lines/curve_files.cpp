@@ -159,30 +159,30 @@ class PolylineTable {
 
 void check(const fs::path& path, const NamedCurve& line) {
   const auto refuse = [&](const std::string& what) {
-    throw InputError(path.string() + ": cannot write the line '" + line.name + "': " + what);
+    throw InputError(path.string() + ": cannot write the curve '" + line.name + "': " + what);
   };
   const auto finite = [](const Vec3& p) { return p.allFinite(); };
   if (!std::all_of(line.points.begin(), line.points.end(), finite))
     refuse("found a point that is not finite");
-  if (!line.has_curve() && line.points.empty()) refuse("found no points, expected some");
+  if (!line.has_curve() && line.points.empty()) refuse("found no points, expected at least one");
   for (const double u : line.parameters)
     if (!std::isfinite(u))
       refuse("found the parameter " + format_number(u) + ", expected a finite one");
 }
 
-/// Removes the lines that the format cannot store, and returns a sentence for each.
+/// Removes the curves that the format cannot store, and returns a sentence for each.
 std::vector<std::string> leave_out(const fs::path& path, std::vector<NamedCurve>& lines,
                                    const std::function<bool(const NamedCurve&)>& fits,
                                    const std::string& expected) {
   std::vector<std::string> notes;
   std::erase_if(lines, [&](const NamedCurve& line) {
     if (fits(line)) return false;
-    notes.push_back(path.filename().string() + ": '" + line.name + "' is left out: this kind of " +
-                    "file holds " + expected);
+    notes.push_back(path.filename().string() + ": '" + line.name + "' is not written: files of " +
+                    "this type contain " + expected);
     return true;
   });
   if (lines.empty())
-    throw InputError(path.string() + ": found no line to write, expected " + expected);
+    throw InputError(path.string() + ": found no curve to write, expected " + expected);
   return notes;
 }
 
@@ -200,7 +200,7 @@ std::vector<std::string> write_curves(const fs::path& path, const std::vector<Na
   const auto& endings = curve_file_extensions();
   if (std::find(endings.begin(), endings.end(), ending) == endings.end())
     throw InputError(path.string() + ": found " +
-                     (ending.empty() ? "no ending" : "the ending '" + ending + "'") +
+                     (ending.empty() ? "no extension" : "the extension '" + ending + "'") +
                      ", expected " + expected_one_of(ending, endings));
   for (const NamedCurve& line : curves) check(path, line);
   std::vector<NamedCurve> lines = curves;
@@ -218,9 +218,9 @@ std::vector<std::string> write_curves(const fs::path& path, const std::vector<Na
     return cad ? line.has_curve() : line.written_points().size() >= least;
   };
   const auto notes = leave_out(path, lines, fits,
-                               cad          ? "curves of some length"
-                               : least == 2 ? "lines of two points or more"
-                                            : "lines with points");
+                               cad          ? "curves of positive length"
+                               : least == 2 ? "curves with two or more points"
+                                            : "curves with points");
   if (cad)
     cad_plugin().write_cad_curves(path, lines, options);
   else

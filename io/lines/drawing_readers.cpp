@@ -25,13 +25,14 @@ void SkippedEntities::report_to(Drawing& drawing) const {
   std::string text;
   for (const auto& [kind, count] : count_)
     text += (text.empty() ? "" : ", ") + std::to_string(count) + " " + kind;
-  if (!text.empty()) drawing.notes.push_back("passed over: " + text);
+  if (!text.empty()) drawing.notes.push_back("skipped: " + text);
 }
 
 Drawing read_drawing(const std::filesystem::path& path) {
   const std::string ending = lower_extension(path);
   if (ending != ".dxf" && ending != ".svg")
-    throw InputError(path.string() + ": found the ending '" + ending + "', expected .dxf or .svg");
+    throw InputError(path.string() + ": found the extension '" + ending +
+                     "', expected .dxf or .svg");
   require_input_file(path, "a drawing");
   Drawing drawing = ending == ".dxf" ? read_dxf(path) : read_svg(path);
   const auto finite = [](const Vec3& p) { return p.allFinite() && p.norm() < 1e100; };
@@ -42,12 +43,12 @@ Drawing read_drawing(const std::filesystem::path& path) {
   });
   without_length -= drawing.lines.size();
   if (without_length > 0)
-    drawing.notes.push_back("passed over: " + std::to_string(without_length) +
-                            " lines without length");
+    drawing.notes.push_back("skipped: " + std::to_string(without_length) +
+                            " curves of zero length");
   if (drawing.lines.empty()) {
     std::string notes;
     for (const std::string& note : drawing.notes) notes += " (" + note + ")";
-    throw InputError(path.string() + ": found no line" + notes + ", expected some");
+    throw InputError(path.string() + ": found no curve" + notes + ", expected at least one");
   }
   std::vector<std::string*> names;
   for (DrawnLine& line : drawing.lines) {
@@ -55,8 +56,8 @@ Drawing read_drawing(const std::filesystem::path& path) {
                                        finite(line.curve->evaluate(line.curve->end()))
                                  : std::all_of(line.points.begin(), line.points.end(), finite);
     if (!good)
-      throw InputError(path.string() + ": found numbers in '" + line.name +
-                       "' that are not finite or too large, expected places");
+      throw InputError(path.string() + ": found coordinates in '" + line.name +
+                       "' that are not finite or too large, expected numbers below 1e100");
     names.push_back(&line.name);
   }
   make_names_unique(names, path.stem().string());

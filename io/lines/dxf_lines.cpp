@@ -97,7 +97,7 @@ class Collector : public DL_CreationAdapter {
   void addEllipse(const DL_EllipseData& e) override {
     finish();
     const Vec3 major(e.mx, e.my, e.mz);
-    if (!(major.norm() > 0) || !(e.ratio > 0)) return passed_over.add("ELLIPSE without size");
+    if (!(major.norm() > 0) || !(e.ratio > 0)) return passed_over.add("ELLIPSE of zero size");
     const Vec3 x = major.normalized();
     const CurvePlane plane{Vec3(e.cx, e.cy, e.cz), x, own_plane().normal().cross(x)};
     const double full = 2 * std::numbers::pi;
@@ -146,7 +146,7 @@ class Collector : public DL_CreationAdapter {
           Vec3(i.sx, i.sy, i.sz).asDiagonal();
     p.b = placement_in(own_plane())(Vec3(i.ipx, i.ipy, i.ipz));
     block_->inserts.push_back({i.name, layer(), p});
-    if (i.cols > 1 || i.rows > 1) passed_over.add("INSERT in rows and columns, but for the first");
+    if (i.cols > 1 || i.rows > 1) passed_over.add("INSERT in rows and columns, except the first");
   }
 
   void addText(const DL_TextData&) override { passed("TEXT"); }
@@ -246,13 +246,14 @@ constexpr size_t kMostLines = 1000000;
 void collect(const Collector& all, const Block& block, const AffineTransform& transform,
              const std::string& layer, int depth, std::vector<DrawnLine>& lines) {
   constexpr int deepest = 16;
-  if (depth > deepest) throw InputError("found blocks that insert each other, expected none");
+  if (depth > deepest)
+    throw InputError("found blocks that contain each other, expected nested blocks");
   for (const DrawnLine& line : block.lines) {
     lines.push_back(depth > 0 ? transformed(line, transform) : line);
     if (lines.back().name.empty()) lines.back().name = layer;
   }
   if (lines.size() > kMostLines)
-    throw InputError("found more than " + std::to_string(kMostLines) + " lines, expected fewer");
+    throw InputError("found more than " + std::to_string(kMostLines) + " curves, expected fewer");
   for (const Insert& insert : block.inserts) {
     const auto found = all.blocks.find(insert.block);
     if (found == all.blocks.end()) continue;
@@ -283,7 +284,7 @@ std::string text_of(const std::filesystem::path& path) {
     throw InputError(path.string() + ": found no section, expected a DXF file");
   if (last == text.npos || last < 3 || text.substr(last - 2, 3) != "EOF")
     throw InputError(path.string() +
-                     ": found the end of the file in the middle, expected EOF: it is cut off");
+                     ": found the end of the file, expected EOF: the file is truncated");
   return text;
 }
 

@@ -128,9 +128,9 @@ std::vector<NamedPoints> chain_segments(std::vector<NamedPoints> lines) {
   const size_t before = lines.size();
   std::vector<NamedPoints> chained = SegmentChainer(std::move(lines)).run();
   if (chained.size() < before)
-    chained.front().format_note = std::to_string(before) + " records of the file as " +
+    chained.front().format_note = std::to_string(before) + " records of the file joined to " +
                                   std::to_string(chained.size()) +
-                                  (chained.size() == 1 ? " line" : " lines");
+                                  (chained.size() == 1 ? " curve" : " curves");
   return chained;
 }
 

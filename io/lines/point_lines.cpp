@@ -95,7 +95,7 @@ std::vector<NamedPoints> read_obj(TextRows& rows, double scale) {
         result.points.push_back(vertices[vertex]);
       }
       if (result.points.size() < 2)
-        rows.fail(end_of_row(), "found a line of " +
+        rows.fail(end_of_row(), "found a curve with " +
                                     format_count(static_cast<long>(result.points.size()), "point") +
                                     ", expected 2 or more");
       lines.push_back(std::move(result));
@@ -104,7 +104,7 @@ std::vector<NamedPoints> read_obj(TextRows& rows, double scale) {
   if (!vertices.empty() && lines.empty())
     throw InputError(rows.path().string() + ": found " +
                      format_count(static_cast<long>(vertices.size()), "vertex record") +
-                     " but no line, expected records 'l 1 2 3 …'");
+                     " but no curve, expected records 'l 1 2 3 …'");
   return chain_segments(std::move(lines));
 }
 
@@ -114,7 +114,7 @@ long announced_points(const TextRows& rows, std::string_view row) {
   split_fields(row, words);
   if (words[0] != "v")
     rows.fail(words[0].data(), "found " + quoted_excerpt(words[0]) +
-                                   ", expected 'v N' before the N points of a line");
+                                   ", expected 'v N' before the N points of a curve");
   if (words.size() != 2)
     rows.fail(words[0].data(), "found " +
                                    format_count(static_cast<long>(words.size()) - 1, "word") +
@@ -134,8 +134,8 @@ std::vector<NamedPoints> read_curves(TextRows& rows, double scale) {
   const auto announced = [&] {
     const auto& line = lines.back();
     return format_count(static_cast<long>(line.points.size()), "point") + ", expected " +
-           std::to_string(missing + static_cast<long>(line.points.size())) + " as line " +
-           std::to_string(line.first_line) + " says";
+           std::to_string(missing + static_cast<long>(line.points.size())) + " as stated in line " +
+           std::to_string(line.first_line);
   };
   while (rows.next()) {
     const std::string_view row = without_comment(rows.row());
@@ -146,7 +146,7 @@ std::vector<NamedPoints> read_curves(TextRows& rows, double scale) {
       continue;
     }
     split_fields(row, fields);
-    if (fields[0] == "v") rows.fail(row.data(), "found the next line after " + announced());
+    if (fields[0] == "v") rows.fail(row.data(), "found the next curve after " + announced());
     if (fields.size() != 3)
       rows.fail(row.data(), "found " + format_count(static_cast<long>(fields.size()), "number") +
                                 ", expected 3 (x y z)");
@@ -178,7 +178,8 @@ std::vector<NamedPoints> read_point_lines(const fs::path& path, double scale) {
   std::vector<NamedPoints> lines = obj      ? read_obj(rows, scale)
                                    : curves ? read_curves(rows, scale)
                                             : read_point_table(rows, scale);
-  if (lines.empty()) throw InputError(path.string() + ":1:1: found no points, expected some");
+  if (lines.empty())
+    throw InputError(path.string() + ":1:1: found no points, expected at least one");
   std::vector<std::string*> names;
   for (NamedPoints& line : lines) names.push_back(&line.name);
   make_names_unique(names, path.stem().string());
@@ -186,7 +187,8 @@ std::vector<NamedPoints> read_point_lines(const fs::path& path, double scale) {
     for (const Vec3& p : line.points)
       if (!p.allFinite())
         throw InputError(path.string() + ":" + std::to_string(line.first_line) +
-                         ":1: numbers of this line are too large for the unit");
+                         ":1: found coordinates that are too large after conversion of the unit, "
+                         "expected smaller numbers");
   return lines;
 }
 
@@ -304,7 +306,7 @@ class PointTable {
       how_ = "columns named by the header";
     } else if (columns_.count == 4 && is_count(fields_[0])) {
       columns_.number = static_cast<long>(value(fields_[0])) - 1;
-      how_ = "the first column counts the points";
+      how_ = "the first column is a point number";
     } else if (columns_.count != 2 && columns_.count != 3) {
       const bool commas = row.find(';') != row.npos && row.find(',') != row.npos;
       rows_.fail(row.data(),
@@ -335,11 +337,10 @@ class PointTable {
       if (fields_.size() == 4 && value(fields_[0]) != static_cast<double>(next)) {
         // Each line may restart the count of its points.
         if (!new_line_ || !is_count(fields_[0]))
-          rows_.fail(
-              row.data(),
-              "found " + quoted_excerpt(fields_[0]) + " in the first of 4 columns, expected " +
-                  std::to_string(next) +
-                  " as it counts the points, or a header row that names the columns x, y, z");
+          rows_.fail(row.data(),
+                     "found " + quoted_excerpt(fields_[0]) +
+                         " in the first of 4 columns, expected " + std::to_string(next) +
+                         " as point number, or a header row that names the columns x, y, z");
         columns_.number = static_cast<long>(value(fields_[0]));
       }
     }
@@ -378,7 +379,7 @@ class PointTable {
 
   double value(std::string_view field) {
     static const std::string expected = "a number",
-                             headed = "a number (a header row has words only)";
+                             headed = "a number (a header row contains names only)";
     const std::string& what = lines_.empty() && heading_.empty() ? headed : expected;
     const size_t comma = columns_.decimal_commas ? field.find(',') : field.npos;
     if (comma == field.npos) return rows_.number_in(field, what);
@@ -405,7 +406,7 @@ class PointTable {
     for (const NamedPoints& line : lines_)
       if (line.points.size() < 2)
         throw InputError(rows_.path().string() + ":" + std::to_string(line.first_line) +
-                         ":1: found a line of " + format_count(isize(line.points), "point") +
+                         ":1: found a curve with " + format_count(isize(line.points), "point") +
                          ", expected 2 or more");
   }
 

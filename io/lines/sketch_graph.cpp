@@ -53,7 +53,7 @@ class Reader {
       // 2: …".
       const std::string what = e.what();
       const size_t close = what.find("] ");
-      fail("", "found no JSON: " + (close == what.npos ? what : what.substr(close + 2)));
+      fail("", "found invalid JSON: " + (close == what.npos ? what : what.substr(close + 2)));
     }
   }
 
@@ -64,25 +64,26 @@ class Reader {
     for (const Json& stroke : list(json_, "strokes", "the file")) {
       const long id = id_of(stroke, "a stroke");
       const std::string what = "stroke " + std::to_string(id);
-      if (!seen.emplace(id, true).second) fail(what, "found it twice, expected ids to differ");
+      if (!seen.emplace(id, true).second) fail(what, "found its id twice, expected unique ids");
       std::vector<Bezier> pieces;
       for (const Json& segment : list(stroke, "segments", what)) {
         if (!segment.is_number_integer())
-          fail(what, "found " + shown(segment) + ", expected ids of segments");
+          fail(what, "found " + shown(segment) + ", expected segment ids");
         const auto found = segments_.find(segment.get<long>());
         if (found == segments_.end())
-          fail(what, "found segment " + shown(segment) + ", which is not in the file");
+          fail(what, "found segment " + shown(segment) +
+                         ", which is not in the file, expected the id of a segment");
         for (const Bezier& piece : found->second) {
           if (!pieces.empty() && (pieces.back()[3] - piece[0]).norm() > 1e-6 * size_)
-            fail(what, "found that segment " + shown(segment) + " begins at " +
+            fail(what, "found segment " + shown(segment) + " starting at " +
                            format_point(piece[0]) + ", expected " + format_point(pieces.back()[3]) +
-                           ", where the piece before ends");
+                           ", the end of the previous segment");
           if (length_of(piece) > 1e-12 * size_) pieces.push_back(piece);
         }
       }
       if (!pieces.empty()) lines.push_back({what, std::make_shared<PolyBezier>(std::move(pieces))});
     }
-    if (lines.empty()) fail("", "found no stroke, expected one or more");
+    if (lines.empty()) fail("", "found no stroke, expected at least one");
     return lines;
   }
 
@@ -134,7 +135,7 @@ class Reader {
       for (const Json& piece : list(segment, "ctrl_pts", what)) {
         if (!piece.is_array() || (piece.size() != 2 && piece.size() != 4))
           fail(what, "found " + shown(piece) +
-                         ", expected a piece of 4 control points, or of 2 when it is straight");
+                         ", expected 4 control points, or 2 for a straight segment");
         const Vec3 a = point(piece.front(), what), b = point(piece.back(), what);
         if (piece.size() == 2)
           pieces.push_back({a, (2 * a + b) / 3, (a + 2 * b) / 3, b});
@@ -143,7 +144,7 @@ class Reader {
         box.extend(bounding_box(pieces.back()));
       }
       if (!segments_.emplace(id, std::move(pieces)).second)
-        fail(what, "found it twice, expected ids to differ");
+        fail(what, "found its id twice, expected unique ids");
     }
     size_ = segments_.empty() ? 0 : box.diagonal().norm();
   }

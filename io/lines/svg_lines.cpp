@@ -114,7 +114,8 @@ AffineTransform transform_name(vtkXMLDataElement* element, const std::string& wo
   } else if (word == "skewY" && count == 1) {
     put(1, std::tan(angle()), 0, 1, 0, 0);
   } else {
-    fail(element, "transform", "words such as matrix(a b c d e f), translate(x y), rotate(angle)");
+    fail(element, "transform",
+         "transforms such as matrix(a b c d e f), translate(x y), rotate(angle)");
   }
   return p;
 }
@@ -127,7 +128,7 @@ AffineTransform transform_of(vtkXMLDataElement* element) {
     if (i == text.npos) return all;
     const size_t open = text.find('(', i), close = text.find(')', i);
     if (open == text.npos || close == text.npos || close < open)
-      fail(element, "transform", "words with numbers in brackets");
+      fail(element, "transform", "transforms with numbers in parentheses");
     const std::string word(trimmed(std::string_view(text).substr(i, open - i)));
     // The last transform in the list is applied first.
     all =
@@ -148,7 +149,7 @@ std::shared_ptr<const InputCurve> piece_of(const Geom::Curve& curve) {
   }
   const auto* bezier = dynamic_cast<const Geom::BezierCurve*>(&curve);
   if (!bezier || bezier->order() > 3)
-    throw InputError("found a piece of a path that is no line, Bézier curve or arc");
+    throw InputError("found a path segment of another type, expected a line, Bézier curve or arc");
   const auto p = [&](unsigned i) { return in_plane(bezier->controlPoint(i)); };
   if (bezier->order() == 1) return straight_segment(p(0), p(1));
   if (bezier->order() == 3) return bezier_curve(p(0), p(1), p(2), p(3));
@@ -218,7 +219,7 @@ class SvgReader {
     } else if (kind == "circle" || kind == "ellipse") {
       const bool circle = kind == "circle";
       const double a = coordinate(e, circle ? "r" : "rx"), b = coordinate(e, circle ? "r" : "ry");
-      if (!(a > 0 && b > 0)) return passed_over_.add(kind + " without size");
+      if (!(a > 0 && b > 0)) return passed_over_.add(kind + " of zero size");
       const CurvePlane plane{at("cx", "cy"), Vec3::UnitX(), Vec3::UnitY()};
       add({name, {}, ellipse_arc(plane, a, b, 0, kTwoPi)}, here);
     } else if (kind == "rect") {
@@ -263,7 +264,7 @@ class SvgReader {
         line.points.push_back(in_plane(curve->finalPoint()));
       }
       if (pieces.empty()) {
-        passed_over_.add("path without length");
+        passed_over_.add("path of zero length");
         continue;
       }
       if (!straight_only) {

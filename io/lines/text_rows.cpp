@@ -244,7 +244,7 @@ std::vector<NamedPoints> OffsetTable::read(TextRows& rows, double scale) const {
     if (!rows_are_waterlines_) stations.push_back({along, {}});
     for (size_t i = 1; i < columns; ++i) {
       if (fields[i].empty() || fields[i] == "-") continue;
-      const double breadth = rows.number_in(fields[i], "a half breadth, or none");
+      const double breadth = rows.number_in(fields[i], "a half-breadth or an empty field");
       if (rows_are_waterlines_)
         add(stations[i - 1].second, Vec3(heights_[i - 1], breadth, along));
       else
@@ -255,7 +255,7 @@ std::vector<NamedPoints> OffsetTable::read(TextRows& rows, double scale) const {
   for (auto& [along, line] : stations) {
     if (line.points.size() < 2) continue;
     line.name = "station " + format_number(along);
-    if (lines.empty()) line.format_note = "of an offset table";
+    if (lines.empty()) line.format_note = "from an offset table";
     lines.push_back(std::move(line));
   }
   return lines;

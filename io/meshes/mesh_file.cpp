@@ -47,7 +47,7 @@ const std::map<std::string, MeshContentReader*>& readers() {
 /// Content of a mesh that was not read from a file; write() throws InputError.
 struct CountedMesh : MeshContent {
   MeshRounding write(const fs::path& path, const Points&, const MeshWriteOptions&) const override {
-    throw InputError(path.string() + ": this mesh was not read from one file");
+    throw InputError(path.string() + ": found a mesh that was not read from a single file");
   }
 };
 
@@ -69,7 +69,7 @@ MeshFile MeshFile::read(const fs::path& path) {
   if (content->shells.face_count() == 0)
     throw InputError(path.string() + ": found " +
                      format_count(content->shells.node_count(), "node") +
-                     " but no faces, expected some");
+                     " but no faces, expected at least one");
   return MeshFile(std::move(content));
 }
 
@@ -166,7 +166,7 @@ std::vector<fs::path> write_mesh(const fs::path& path, const ShellMesh& mesh,
   }
   const std::string ending = lower_extension(path);
   if ((ending == ".glb" || ending == ".3mf") && !(unit_in_metres > 0))
-    refuse("found no unit of length, expected one: files of this kind state it");
+    refuse("found no length unit, expected one: files of this type state it");
   return write({path, mesh, sets, unit_in_metres});
 }
 

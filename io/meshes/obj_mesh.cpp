@@ -69,7 +69,7 @@ class TagReader {
       boundary(words, tag);
     } else if (tag.name == "creasemethod" || tag.name == "smoothtriangles") {
       if (tag.texts.size() != 1 || (tag.texts[0] != "normal" && tag.texts[0] != "catmark"))
-        fail(words, "found " + all(words) + ", expected the usual way, 'normal' or 'catmark'");
+        fail(words, "found " + all(words) + ", expected the default, 'normal' or 'catmark'");
     } else if (!tag.name.starts_with("facevarying")) {
       fail(words, "found the tag '" + std::string(tag.name) +
                       "', expected crease, corner or interpolateboundary");
@@ -101,7 +101,7 @@ class TagReader {
     }
     if (counts[0] + counts[1] + counts[2] != static_cast<long>(words.size()) - 2)
       file_.fail(words[1], "found " + std::to_string(words.size() - 2) + " words behind '" +
-                               std::string(words[1]) + "', expected as many as it says");
+                               std::string(words[1]) + "', expected as many as stated");
     Tag tag{words[0], {}, {}, {}};
     for (size_t k = 2; k < words.size(); ++k) {
       const auto at = static_cast<long>(k) - 2;
@@ -157,7 +157,8 @@ class TagReader {
                                      [](const auto& faces) { return faces.second == 1; });
     if (value == 1 || (value == 0 && !rims) || (value == 2 && !corners)) return;
     fail(words, "found " + all(words) +
-                    ", expected 't interpolateboundary 1/0/0 1': rims of a cage and their corners "
+                    ", expected 't interpolateboundary 1/0/0 1': boundary edges of a cage and "
+                    "their corners "
                     "are sharp");
   }
 
@@ -270,14 +271,14 @@ class ObjReader {
     tags_.finish(mesh_);
     if (normals_ > 0)
       mesh_.warnings.push_back(format_count(normals_, "normal") +
-                               " (vn) of the file stay as they are");
+                               " (vn) of the file remain unchanged");
     if (others_ > 0)
       mesh_.warnings.push_back(format_count(others_, "line, point or curve record") +
                                " of the file are kept as text");
     if (const int unused = unused_nodes(mesh_.shells))
       mesh_.warnings.push_back(format_count(unused, "node") + " without a face");
     if (file_.ends_in_mid_line())
-      mesh_.warnings.push_back("the file ends in mid-line: it may be cut short");
+      mesh_.warnings.push_back("the last line has no line end: the file may be truncated");
   }
 
  private:

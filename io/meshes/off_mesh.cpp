@@ -110,7 +110,7 @@ void read(TextMeshContent& mesh) {
       const std::string_view word = next_word(rest);
       if (word.empty())
         file.fail(line, "found a face of " + format_count(i, "node") + ", expected " +
-                            std::to_string(corners) + " as it says");
+                            std::to_string(corners) + " as stated");
       const long node = file.integer(word, "a node number");
       if (node < 0 || node >= counts.nodes)
         file.fail(word, "found node number " + quoted_excerpt(word) + ", expected 0 to " +
@@ -140,7 +140,7 @@ std::unique_ptr<MeshContent> read_off_mesh(const std::filesystem::path& path) {
   read(*mesh);
   if (kind.ends_with("NOFF"))
     mesh->warnings.push_back(format_count(mesh->shells.node_count(), "normal") +
-                             " of the file stay as they are");
+                             " of the file remain unchanged");
   return mesh;
 }
 

@@ -53,7 +53,7 @@ class PlyReader {
         polygons(element);
       } else {
         mesh_.warnings.push_back(format_count(element.count, "element") + " '" + element.name +
-                                 "' of the file stay as they are");
+                                 "' of the file remain unchanged");
         for (long i = 0; i < element.count; ++i)
           for (const Property& property : element.properties) skip(property);
       }
@@ -123,7 +123,7 @@ class PlyReader {
         {"float64", Scalar::Float64}};
     for (const auto& [known, type] : names)
       if (known == name) return type;
-    file_.fail(name, "found " + quoted_excerpt(name) + ", expected a type as float or uchar");
+    file_.fail(name, "found " + quoted_excerpt(name) + ", expected a type such as float or uchar");
   }
 
   size_t at() const { return file_.position(); }
@@ -236,7 +236,7 @@ class PlyReader {
             coordinates.data(), element.count, 3);
     if (normals)
       mesh_.warnings.push_back(format_count(element.count, "normal") +
-                               " (nx, ny, nz) of the file stay as they are");
+                               " (nx, ny, nz) of the file remain unchanged");
   }
 
   void polygons(const Element& element) {

@@ -218,14 +218,15 @@ std::map<fs::path, const Output*> targets_of(const TextMeshContent& mesh, const 
       if (output.node >= 0)
         throw InputError(output.source->path.string() + ": node " +
                          std::to_string(mesh.node_labels.of(output.node)) +
-                         " moves, but the file lies outside of the deck's folder or is included by "
-                         "a whole path: expected it in the folder, included by a relative name");
+                         " moves, but its file lies outside of the deck's folder or is included by "
+                         "an absolute path, expected a relative path in the folder");
       continue;
     }
     const fs::path target = main ? path : path.parent_path() / output.source->beside;
     const auto there = targets.find(target);
     if (there != targets.end() && there->second->source->path != output.source->path)
-      throw InputError(target.string() + ": found the name of an included file, expected another");
+      throw InputError(target.string() +
+                       ": found the name of an included file, expected another name");
     if (there == targets.end() || output.node >= 0) targets[target] = &output;
   }
   if (outputs.size() == 1) return targets;
@@ -280,9 +281,10 @@ void TextMeshContent::warn_about_unwritten_includes() {
     if (!source->beside.empty() || std::find(said.begin(), said.end(), source->path) != said.end())
       continue;
     said.push_back(source->path);
-    warnings.push_back(source->path.string() +
-                       " lies outside of the deck's folder or is included by a whole path: it is "
-                       "not written, and a deck that is written looks for it under the same name");
+    warnings.push_back(
+        source->path.string() +
+        " lies outside of the deck's folder or is included by an absolute path: it is "
+        "not written, and the written deck refers to it by the same name");
   }
 }
 
@@ -302,7 +304,7 @@ void nodes_to_global(TextMeshContent& mesh, NodeCoordinateSystems systems) {
     if (all.of(i) >= 0) points.row(i) = position(i).transpose();
     if (!points.row(i).allFinite())
       mesh.file.fail(mesh.fields[static_cast<size_t>(i)][0].begin,
-                     "found a node whose place is not finite");
+                     "found a node whose position is not finite");
   }
 }
 

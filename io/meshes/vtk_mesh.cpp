@@ -51,14 +51,14 @@ vtkSmartPointer<vtkPointSet> read_from(const fs::path& path, const std::string* 
       reader->ReadFromInputStringOn();
       reader->SetInputString(*bytes);
     } else {
-      if (!reader->CanReadFile(path.c_str())) fail("it is no VTK XML file of this kind");
+      if (!reader->CanReadFile(path.c_str())) fail("it is not a VTK XML file of this type");
       reader->SetFileName(path.c_str());
     }
     reader->Update();
   } catch (const InputError&) {
     throw;
   } catch (const std::bad_alloc&) {
-    fail("there is not enough memory for what it says it has");
+    fail("there is not enough memory for the size it states");
   } catch (const std::exception& error) {
     fail(error.what());
   }
@@ -235,7 +235,7 @@ class VtkMesh : public MeshContent {
     const Cells cells(data.GetCells(), data.GetNumberOfPoints(), file_);
     vtkUnsignedCharArray* const types = data.GetCellTypesArray();
     if (cells.count() > 0 && (!types || types->GetNumberOfTuples() != cells.count()))
-      throw InputError(file_ + ": found another number of cell types than of cells");
+      throw InputError(file_ + ": found different numbers of cells and cell types");
     for (int i = 0; i < cells.count(); ++i) add(cells, i, i, types->GetValue(i));
   }
 
@@ -247,9 +247,9 @@ class VtkMesh : public MeshContent {
       const char* const name = vtkCellTypes::GetClassNameFromTypeId(type);
       text += (text.empty() ? "" : ", ") + std::to_string(count) + " " + (name ? name : "unknown");
     }
-    if (!text.empty()) text += " cells are carried along; ";
+    if (!text.empty()) text += " cells move with their nodes; ";
     warnings.push_back(text + format_count(unused, "node") +
-                       " that no shell uses stay where they are");
+                       " not used by a shell remain unchanged");
   }
 
   void drop_normals(vtkDataSetAttributes& attributes, const std::string& what) {
@@ -259,7 +259,7 @@ class VtkMesh : public MeshContent {
           attributes.GetArrayName(i) ? attributes.GetArrayName(i) : std::string();
       if (array != attributes.GetNormals() && upper(name) != "NORMALS") continue;
       warnings.push_back("the " + what + " normals '" + name +
-                         "' are not written: they would be those of the old shape");
+                         "' are not written, because the shape has changed");
       attributes.RemoveArray(i);
     }
   }

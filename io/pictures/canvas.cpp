@@ -309,7 +309,7 @@ Image sheet_image(int count, int columns, bool captions_below, const PictureSize
   const double width = cell_width - 2 * gap, height = cell_height - 2 * gap;
   if (width < 32 || height < 32)
     throw InputError("found " + std::to_string(count) +
-                     " pictures on one sheet, expected room for 32 pixels each way");
+                     " pictures on one sheet, expected at least 32 x 32 pixels for each");
   canvas.SetSize(size.width * kOversampling, size.height * kOversampling);
   vtkNew<vtkUnsignedCharArray> pixels;
   {

@@ -311,14 +311,15 @@ std::string title_of(const CombPanel& panel, const Drawing& drawing,
   const std::string how_many = cut == all    ? "all"
                                : part < 0.01 ? "under 1 % of"
                                              : format_number(std::floor(100 * part)) + " % of";
-  return panel.title + (panel.title.empty() ? "" : "  ") + "(" + how_many + " teeth cut)";
+  return panel.title + (panel.title.empty() ? "" : "  ") + "(" + how_many + " comb lines clipped)";
 }
 
 void check(const CombPicture& picture) {
-  if (picture.panels.empty()) throw InputError("there is no panel to draw");
+  if (picture.panels.empty()) throw InputError("found no panel to draw, expected at least one");
   for (const CombPanel& panel : picture.panels) {
     if (panel.curves.empty())
-      throw InputError("panel '" + panel.title + "': there is no curve to draw");
+      throw InputError("panel '" + panel.title +
+                       "': found no curve to draw, expected at least one");
     for (const HermiteCurve& curve : panel.curves)
       if (curve.segment_count() < 1)
         throw InputError("panel '" + panel.title + "': found a curve without segments");
@@ -374,9 +375,9 @@ struct EdgeStyle {
   Colour colour;
 };
 const std::array<EdgeStyle, 3> looks{
-    {{EdgeComb::Kind::Crease, "creases", {0.80, 0.20, 0.14}},
-     {EdgeComb::Kind::Tangent, "tangent: curvature jumps", {0.13, 0.40, 0.75}},
-     {EdgeComb::Kind::Curvature, "curvature goes on", {0.10, 0.55, 0.30}}}};
+    {{EdgeComb::Kind::Crease, "creases (G0)", {0.80, 0.20, 0.14}},
+     {EdgeComb::Kind::Tangent, "tangent (G1)", {0.13, 0.40, 0.75}},
+     {EdgeComb::Kind::Curvature, "curvature-continuous (G2)", {0.10, 0.55, 0.30}}}};
 
 /// Polylines as VTK data.
 class Chains {
@@ -441,11 +442,11 @@ void add_legend(vtkRenderer& renderer, const EdgePicture& picture, const Scale& 
              colours[&look - looks.data()] + ")";
   }
   if (!picture.free_edges.empty())
-    words += ",  " + std::to_string(picture.free_edges.size()) + " rims (grey)";
+    words += ",  " + std::to_string(picture.free_edges.size()) + " free edges (grey)";
   add_text(renderer, words, left, 2.2 * text, text, viewport.width - 2 * left, false);
   if (scale.of_curvature > 0)
     add_text(renderer,
-             "longest teeth: curvature " + format_number(scale.longest / scale.of_curvature) +
+             "longest comb lines: curvature " + format_number(scale.longest / scale.of_curvature) +
                  " / " + picture.unit + " or more",
              left, 0.8 * text, text, viewport.width - 2 * left, false);
 }
@@ -455,7 +456,8 @@ void add_legend(vtkRenderer& renderer, const EdgePicture& picture, const Scale& 
 void draw_edge_combs(const std::filesystem::path& path, const EdgePicture& picture,
                      const PictureSize& size) {
   const std::vector<Vec3> points = extent(picture);
-  if (points.empty()) throw InputError(path.string() + ": found no edges, expected some to draw");
+  if (points.empty())
+    throw InputError(path.string() + ": found no edges to draw, expected at least one");
   const double extent_of_all = bounding_box(points).diagonal().norm();
   const Scale scale(picture, extent_of_all);
   const ViewAxes axes(picture.view.first, picture.view.second);

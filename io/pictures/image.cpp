@@ -296,10 +296,10 @@ void write_gif(const std::filesystem::path& path, const std::vector<Image>& fram
 
 void require_display() {
   static std::string good;  // the server of the last successful check
-  const std::string advice = "; run under xvfb-run -a, or where an X server is";
+  const std::string advice = "; run it under xvfb-run -a, or with an X server";
   const char* set = std::getenv("DISPLAY");
   const std::string name = set ? set : "";
-  if (name.empty()) throw InputError("no display: VTK draws only with an X server" + advice);
+  if (name.empty()) throw InputError("no display: VTK requires an X server" + advice);
   if (name == good) return;
   void* library = dlopen("libX11.so.6", RTLD_NOW | RTLD_LOCAL);
   if (!library) throw InputError("no display: libX11.so.6 is missing" + advice);

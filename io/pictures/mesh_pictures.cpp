@@ -46,7 +46,7 @@ Colour colour_of(MeshPicture::Part part) {
 void check(const MeshPicture& picture) {
   const std::string who = "picture '" + picture.title + "': ";
   if (!picture.shells || picture.shells->face_count() == 0)
-    throw InputError(who + "there is no mesh to draw");
+    throw InputError(who + "found no mesh to draw, expected one with faces");
   const auto count = [&](const std::string& what, long found, long expected) {
     if (found != expected)
       throw InputError(who + "found " + std::to_string(found) + " " + what + ", expected " +
@@ -56,8 +56,8 @@ void check(const MeshPicture& picture) {
   if (!picture.parts.empty())
     count("parts", static_cast<long>(picture.parts.size()), picture.shells->face_count());
   if (picture.field.size() > 0)
-    count("numbers of a field", picture.field.size(), picture.shells->node_count());
-  if (!picture.points.allFinite()) throw InputError(who + "a point is not finite");
+    count("field values", picture.field.size(), picture.shells->node_count());
+  if (!picture.points.allFinite()) throw InputError(who + "found a point that is not finite");
   if (!(picture.zoom > 0) || !std::isfinite(picture.zoom))
     throw InputError(who + "found zoom " + format_number(picture.zoom) +
                      ", expected a number above 0");
@@ -180,7 +180,7 @@ void draw(vtkRenderer& renderer, const MeshPicture& picture, double width, doubl
 /// Calls sheet(count, columns, captions_below, draw) for the pictures.
 template <class Sheet>
 Image with_sheet(const std::vector<MeshPicture>& pictures, int columns, const Sheet& sheet) {
-  if (pictures.empty()) throw InputError("there is no picture to draw");
+  if (pictures.empty()) throw InputError("found no picture to draw, expected at least one");
   if (columns < 1)
     throw InputError("found " + std::to_string(columns) + " columns, expected 1 or more");
   for (const auto& picture : pictures) check(picture);

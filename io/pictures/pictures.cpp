@@ -71,11 +71,11 @@ void check(const PictureScene& scene) {
       throw InputError(who + "found " + what + " " + format_number(found) + ", expected " +
                        expected);
   };
-  if (scene.regions.empty()) throw InputError(who + "there is no region to draw");
+  if (scene.regions.empty()) throw InputError(who + "found no face to draw, expected at least one");
   expect(scene.tessellation >= 0 && scene.tessellation <= 64, "tessellation", scene.tessellation,
          "0 to 64");
   expect(scene.contours >= 0 && scene.contours <= 1000, "contours", scene.contours, "0 to 1000");
-  expect(scene.parameter_lines >= 0 && scene.parameter_lines <= 1000, "parameter lines",
+  expect(scene.parameter_lines >= 0 && scene.parameter_lines <= 1000, "isocurves",
          scene.parameter_lines, "0 to 1000");
   expect(scene.zoom > 0 && std::isfinite(scene.zoom), "zoom", scene.zoom, "a number above 0");
   expect(std::abs(scene.elevation) <= 90, "elevation", scene.elevation, "-90 to 90 degrees");
@@ -85,7 +85,7 @@ void check(const PictureScene& scene) {
     expect(scene.zebra_direction.allFinite() && scene.zebra_direction.norm() > 0,
            "zebra direction of length", scene.zebra_direction.norm(), "a length above 0");
     if (scene.field != PictureScene::Field::None)
-      throw InputError(who + "found a zebra and a field, expected one of them");
+      throw InputError(who + "found both zebra stripes and a field, expected one of them");
   }
   if (scene.contours > 0)
     expect(scene.contour_direction.allFinite() && scene.contour_direction.norm() > 0,
@@ -460,8 +460,8 @@ void draw(vtkRenderer& renderer, const LoopPicture& picture, const LoopAlternati
 
 void draw_loops(const std::filesystem::path& path, const LoopPicture& picture) {
   if (picture.alternatives.empty())
-    throw InputError(path.string() + ": found no way to have surfaces");
-  LoopAlternative everywhere{"where", {}, picture.alternatives.front().one_surface};
+    throw InputError(path.string() + ": found no alternatives to draw, expected at least one");
+  LoopAlternative everywhere{"location", {}, picture.alternatives.front().one_surface};
   std::vector<Vec3> all, of_loops;
   for (const HermiteCurve& line : picture.lines)
     for (const Vec3& p : points_along({line})) all.push_back(p);
@@ -470,7 +470,9 @@ void draw_loops(const std::filesystem::path& path, const LoopPicture& picture) {
       everywhere.loops.push_back(loop);
       for (const Vec3& p : points_along(loop)) of_loops.push_back(p);
     }
-  if (of_loops.empty()) throw InputError(path.string() + ": found ways without a loop of lines");
+  if (of_loops.empty())
+    throw InputError(path.string() +
+                     ": found alternatives without loops of curves, expected at least one loop");
   const ViewAxes afar(picture.azimuth, picture.elevation), close = near_axes(of_loops, afar);
   const std::vector<Vec3> nearby = near(of_loops);
   const int panels = 1 + isize(picture.alternatives), columns = std::min(panels, 3);

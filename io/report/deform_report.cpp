@@ -18,7 +18,8 @@ Json hole_json(const HoleMeasure& m) {
 }
 
 Json measure_json(const MeasureSummary& m) {
-  return {{"worst", m.worst}, {"face", m.worst_face}, {"mean", m.mean}, {"beyond", m.violations}};
+  return {
+      {"worst", m.worst}, {"face", m.worst_face}, {"mean", m.mean}, {"violations", m.violations}};
 }
 
 Json quality_json(const QualitySummary& q) {
@@ -35,17 +36,17 @@ Json edits_json(const std::vector<DeformReport::Edit>& edits) {
     json.push_back({{"name", e.name},
                     {"moving_nodes", e.moving},
                     {"unknowns", e.unknowns},
-                    {"soft_rows", e.soft_equations},
-                    {"hard_rows", e.hard_constraints},
-                    {"feature_rows", e.feature_constraints},
-                    {"dropped_rows", e.redundant_count},
-                    {"guide_rows", e.point_equations},
+                    {"soft_constraints", e.soft_equations},
+                    {"hard_constraints", e.hard_constraints},
+                    {"feature_constraints", e.feature_constraints},
+                    {"redundant_constraints", e.redundant_count},
+                    {"point_constraints", e.point_equations},
                     {"largest_displacement", e.largest_displacement},
                     {"hard_residual", e.hard_residual},
                     {"last_correction", e.last_correction},
-                    {"rounds", e.iterations},
-                    {"found", e.found},
-                    {"set_up_s", e.setup_s},
+                    {"iterations", e.iterations},
+                    {"converged", e.found},
+                    {"setup_s", e.setup_s},
                     {"edit_s", e.edit_s}});
   return json;
 }
@@ -58,7 +59,7 @@ Json curves_json(const std::vector<DeformReport::Curve>& curves) {
                     {"segments", c.segments},
                     {"fairing", {{"max", c.fairing.max}, {"rms", c.fairing.rms}}},
                     {"wavelength", c.wavelength},
-                    {"largest_shift", c.largest_shift},
+                    {"largest_displacement", c.largest_shift},
                     {"max_residual", c.max_residual},
                     {"before", json_of(c.before)},
                     {"after", json_of(c.after)}});
@@ -77,7 +78,7 @@ Json contents(const DeformReport& r) {
   for (const auto& e : r.edits)
     if (!std::isnan(residual) && !(e.hard_residual <= residual)) residual = e.hard_residual;
   json["edits"] = edits_json(r.edits);
-  json["hard"] = {{"max_residual", residual}};
+  json["hard_constraints"] = {{"max_residual", residual}};
   json["features"] = Json::array();
   for (const auto& f : r.features)
     json["features"].push_back({{"name", f.name},
@@ -85,8 +86,8 @@ Json contents(const DeformReport& r) {
                                 {"size", f.size},
                                 {"max_rigid_error", f.max_rigid_error},
                                 {"scale", f.scale},
-                                {"turned_deg", f.rotation_deg},
-                                {"moved", f.moved}});
+                                {"rotation_deg", f.rotation_deg},
+                                {"displacement", f.moved}});
   json["curves"] = curves_json(r.curves);
   json["holes"] = Json::array();
   for (const auto& h : r.holes)
@@ -98,8 +99,8 @@ Json contents(const DeformReport& r) {
   json["attached"] = {{"elements", Json::object()},
                       {"connections", r.attached.connections},
                       {"max_rigid_error", r.attached.max_rigid_error},
-                      {"least_rigid", r.attached.worst_connection},
-                      {"followed_nodes", r.attached.moved_with_shells},
+                      {"worst_connection", r.attached.worst_connection},
+                      {"moved_with_shells", r.attached.moved_with_shells},
                       {"inverted_solids", r.attached.inverted_solids}};
   for (const auto& [name, count] : r.attached.elements) json["attached"]["elements"][name] = count;
   json["quality"] = {{"before", quality_json(r.before)},
@@ -121,7 +122,7 @@ std::vector<FailedCheck> failed_checks(const DeformReport& report) {
   const auto at_most = [&](const std::string& what, double value, double limit) {
     if (value > limit)
       failed_checks.push_back(
-          {what, "is " + format_number(value) + ", promised at most " + format_number(limit)});
+          {what, "is " + format_number(value) + ", expected at most " + format_number(limit)});
   };
   const auto limit = [&](double size) {
     const double rounding = 16 * std::numeric_limits<double>::epsilon() * report.largest_coordinate;
@@ -140,11 +141,11 @@ std::vector<FailedCheck> failed_checks(const DeformReport& report) {
   if (const auto& solids = report.attached.inverted_solids; !solids.empty())
     failed_checks.push_back(
         {"attached.inverted_solids", std::to_string(solids.size()) + " solids, the first is " +
-                                         std::to_string(solids[0]) + ", promised none"});
+                                         std::to_string(solids[0]) + ", expected none"});
   if (!report.inverted.empty())
     failed_checks.push_back(
         {"quality.inverted", std::to_string(report.inverted.size()) + " faces, the first is " +
-                                 std::to_string(report.inverted[0]) + ", promised none"});
+                                 std::to_string(report.inverted[0]) + ", expected none"});
   return failed_checks;
 }
 

@@ -11,26 +11,26 @@ namespace {
 
 const char* word(ModelJoin::Kind kind) {
   using Kind = ModelJoin::Kind;
-  return kind == Kind::FreeEdge ? "rim"
-         : kind == Kind::Crease ? "crease"
+  return kind == Kind::FreeEdge ? "free edge"
+         : kind == Kind::Crease ? "G0"
          : kind == Kind::Smooth ? "smooth"
-                                : "branching";
+                                : "non-manifold";
 }
 
 const char* word(SurfaceDefect::Kind kind) {
   using Kind = SurfaceDefect::Kind;
   return kind == Kind::Jacobian   ? "jacobian"
          : kind == Kind::Fold     ? "fold"
-         : kind == Kind::Crossing ? "crossing"
+         : kind == Kind::Crossing ? "self-intersection"
                                   : "area";
 }
 
 const char* word(SkinOptions::Domain domain) {
   using Domain = SkinOptions::Domain;
   return domain == Domain::Polygon       ? "polygon"
-         : domain == Domain::Projected   ? "plane"
-         : domain == Domain::Developable ? "sheet"
-         : domain == Domain::Annulus     ? "ring"
+         : domain == Domain::Projected   ? "projected"
+         : domain == Domain::Developable ? "developable"
+         : domain == Domain::Annulus     ? "annulus"
                                          : "auto";
 }
 
@@ -42,11 +42,11 @@ const char* word(NetworkDiagnostic::Kind kind) {
     case Kind::EndsJoined:
       return "ends joined";
     case Kind::EndOnLine:
-      return "end on line";
+      return "end on curve";
     case Kind::Crossing:
-      return "crossing";
+      return "intersection";
     case Kind::SelfCrossing:
-      return "self-crossing";
+      return "self-intersection";
     case Kind::Duplicate:
       return "duplicate";
     case Kind::Overlap:
@@ -56,9 +56,9 @@ const char* word(NetworkDiagnostic::Kind kind) {
     case Kind::Dangling:
       return "dangling end";
     case Kind::Short:
-      return "short line";
+      return "short curve";
     case Kind::Disconnected:
-      return "apart";
+      return "disconnected";
   }
   return "";
 }

@@ -25,7 +25,7 @@ struct NetworkReport {
     bool skinned = false;
     int triangles = 0, dofs = 0;  ///< these, size, domain and quality are set if skinned is true
     double size = 0;
-    std::string domain;  ///< "polygon", "plane", "sheet", "ring"
+    std::string domain;  ///< "polygon", "projected", "developable", "annulus"
     /// Recognised primitive (FittedPrimitive): "plane", "cylinder", …; empty: none.
     std::string shape;
     double radius = 0, major_radius = 0;  ///< its radii; 0: it has none
@@ -41,7 +41,7 @@ struct NetworkReport {
   struct Join {
     std::string line;
     std::vector<std::string> regions;
-    std::string kind;  ///< "rim", "crease", "smooth", "branching"
+    std::string kind;  ///< "free edge", "G0", "smooth", "non-manifold"
     bool requested = false, one_domain = false;
     std::array<bool, 2> open{};  ///< this and the following members: see ModelJoin
     double initial_deg = 0, max_deg = 0, max_inside_deg = 0;
@@ -86,7 +86,7 @@ NetworkReport network_report(const CurveNetwork& network, const FoundRegions& fo
 
 /// A SurfaceDefect with the names of its regions.
 struct DefectReport {
-  std::string kind;  ///< "jacobian", "fold", "crossing", "area"
+  std::string kind;  ///< "jacobian", "fold", "self-intersection", "area"
   std::vector<std::string> regions;
   Vec3 where = Vec3::Zero();
   double value = 0;

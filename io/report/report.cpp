@@ -10,9 +10,9 @@ using batten::json_of;
 
 Json json_of(const SkinQuality& q) {
   return {{"area", q.area},
-          {"max_line_residual", q.max_line_residual},
-          {"max_line_gap", q.max_line_gap},
-          {"max_line_deviation", q.max_line_deviation},
+          {"max_curve_residual", q.max_line_residual},
+          {"max_curve_gap", q.max_line_gap},
+          {"max_curve_deviation", q.max_line_deviation},
           {"max_normal_jump_deg", q.max_normal_jump_deg},
           {"min_jacobian_ratio", q.min_jacobian_ratio},
           {"max_shear", q.max_shear},
@@ -21,10 +21,10 @@ Json json_of(const SkinQuality& q) {
 }
 
 Json json_of(const NetworkReport::Region& r) {
-  Json json = {{"name", r.name},       {"loops", r.loops},
-               {"inner", r.inner},     {"ring", r.annulus},
-               {"asked", r.requested}, {"cost", r.cost},
-               {"skinned", r.skinned}, {"plain_area", r.filling_area}};
+  Json json = {{"name", r.name},           {"loops", r.loops},
+               {"inner", r.inner},         {"annulus", r.annulus},
+               {"requested", r.requested}, {"cost", r.cost},
+               {"skinned", r.skinned},     {"hole_filling_area", r.filling_area}};
   if (r.skinned) {
     json.update({{"triangles", r.triangles}, {"dofs", r.dofs}, {"size", r.size}});
     json["domain"] = r.domain;
@@ -37,17 +37,18 @@ Json json_of(const NetworkReport::Region& r) {
     if (r.half_angle_deg > 0) json["half_angle_deg"] = r.half_angle_deg;
     json.update(json_of(r.quality));
   } else {
-    json["why_not"] = r.rejection_reason;
+    json["rejection_reason"] = r.rejection_reason;
   }
-  json["flaws"] = r.defects;
+  json["defects"] = r.defects;
   json["warnings"] = r.warnings;
   return json;
 }
 
 Json json_of(const NetworkReport::Join& j) {
-  Json json = {{"line", j.line}, {"regions", j.regions}, {"kind", j.kind}, {"asked", j.requested}};
+  Json json = {
+      {"edge", j.line}, {"faces", j.regions}, {"continuity", j.kind}, {"requested", j.requested}};
   if (j.regions.size() == 2) {
-    json["first_deg"] = j.initial_deg;
+    json["initial_deg"] = j.initial_deg;
     json["max_deg"] = j.max_deg;
     json["max_inside_deg"] = j.max_inside_deg;
     json["max_gap"] = j.max_gap;
@@ -55,43 +56,46 @@ Json json_of(const NetworkReport::Join& j) {
   if (j.kind == "smooth") {
     json["one_domain"] = j.one_domain;
     json["open_ends"] = j.open;
-    json["curvature"] = j.curvature;
+    json["curvature_continuous"] = j.curvature;
     json["median_curvature_jump"] = j.median_curvature_jump;
     json["max_curvature_jump"] = j.max_curvature_jump;
   }
-  if (!j.why.empty()) json["why"] = j.why;
+  if (!j.why.empty()) json["reason"] = j.why;
   return json;
 }
 
-/// Writes the keys network, regions, joins, choices, shells, left_over, optimal.
+/// Writes the keys network, faces, joins, ambiguous_faces, shells, left_over, optimal.
 void add_network(Json& json, const NetworkReport& n) {
   Json diagnostics = Json::array();
   for (const NetworkDiagnostic& f : n.diagnostics)
     diagnostics.push_back({{"kind", word(f.kind)},
-                           {"lines", f.lines},
-                           {"where", json_of(f.where)},
+                           {"curves", f.lines},
+                           {"at", json_of(f.where)},
                            {"distance", f.distance},
                            {"repaired", f.repaired},
                            {"text", f.text}});
-  json["network"] = {{"lines", n.lines},         {"arcs", n.edges},
-                     {"nodes", n.nodes},         {"size", n.size},
-                     {"tolerance", n.tolerance}, {"usual_share", n.joined_fraction},
-                     {"findings", diagnostics}};
+  json["network"] = {{"curves", n.lines},
+                     {"edges", n.edges},
+                     {"nodes", n.nodes},
+                     {"size", n.size},
+                     {"gap_tolerance", n.tolerance},
+                     {"joined_fraction", n.joined_fraction},
+                     {"diagnostics", diagnostics}};
   const auto list = [&](const char* key, const auto& items, const auto& one) {
     json[key] = Json::array();
     for (const auto& item : items) json[key].push_back(one(item));
   };
-  list("regions", n.regions, [](const NetworkReport::Region& r) { return json_of(r); });
+  list("faces", n.regions, [](const NetworkReport::Region& r) { return json_of(r); });
   list("joins", n.joins, [](const NetworkReport::Join& j) { return json_of(j); });
-  list("choices", n.ambiguous_regions, [](const NetworkReport::Choice& c) {
-    return Json{{"text", c.text},     {"where", json_of(c.where)},      {"lines", c.lines},
+  list("ambiguous_faces", n.ambiguous_regions, [](const NetworkReport::Choice& c) {
+    return Json{{"text", c.text},     {"at", json_of(c.where)},         {"edges", c.lines},
                 {"chosen", c.chosen}, {"alternatives", c.alternatives}, {"margins", c.margins}};
   });
   list("shells", n.shells, [](const NetworkReport::Shell& s) {
-    return Json{{"regions", s.regions}, {"closed", s.closed}, {"orientable", s.orientable},
-                {"area", s.area},       {"volume", s.volume}, {"normals", s.normals}};
+    return Json{{"faces", s.regions}, {"closed", s.closed}, {"orientable", s.orientable},
+                {"area", s.area},     {"volume", s.volume}, {"normals", s.normals}};
   });
-  json["left_over"] = {{"rims", n.free_edges}, {"bare", n.unused_edges}};
+  json["left_over"] = {{"free_edges", n.free_edges}, {"unused_edges", n.unused_edges}};
   json["optimal"] = n.optimal;
 }
 
@@ -99,8 +103,8 @@ Json json_of(const std::vector<DefectReport>& defects) {
   Json json = Json::array();
   for (const DefectReport& f : defects)
     json.push_back({{"kind", f.kind},
-                    {"regions", f.regions},
-                    {"where", json_of(f.where)},
+                    {"faces", f.regions},
+                    {"at", json_of(f.where)},
                     {"value", f.value},
                     {"text", f.text}});
   return json;
@@ -121,9 +125,9 @@ Json json_of(const Report::Shape& s) {
 
 Json json_of(const Report::Sculpting& s) {
   Json json = json_of(s.shape);
-  json["answers"] = Json::array();
+  json["updates"] = Json::array();
   for (const auto& a : s.solves)
-    json["answers"].push_back({{"what", a.what},
+    json["updates"].push_back({{"operation", a.what},
                                {"iterations", a.iterations},
                                {"change", a.change},
                                {"factored", a.factored}});
@@ -132,8 +136,8 @@ Json json_of(const Report::Sculpting& s) {
                                    {"triangles", r.triangles},
                                    {"max_displacement", r.max_displacement},
                                    {"energy_before", r.energy_before},
-                                   {"energy_carried", r.energy_transferred},
-                                   {"energy_settled", r.energy_at_equilibrium}});
+                                   {"energy_transferred", r.energy_transferred},
+                                   {"energy_at_equilibrium", r.energy_at_equilibrium}});
   for (const auto& sweep : s.sweeps) {
     Json rows = Json::array();
     for (const auto& row : sweep.rows) {
@@ -173,14 +177,14 @@ Json json_of(const std::vector<Report::Line>& lines) {
       max_deviation = line.deviation;
     each.push_back({{"name", line.name},
                     {"role", word(line.role)},
-                    {"treatment", line.embedded ? "embedded" : "fitted"},
+                    {"alignment", line.embedded ? "embedded" : "aligned"},
                     {"length", line.length},
                     {"deviation", line.deviation},
                     {"nodes", line.nodes}});
     if (line.embedded) {
       each.back()["points"] = line.points;
       each.back()["gap"] = line.gap;
-      each.back()["holds"] = line.constrains_surface;
+      each.back()["trim_only"] = !line.constrains_surface;
     }
   }
   return {{"count", lines.size()}, {"max_deviation", max_deviation}, {"each", each}};
@@ -188,18 +192,18 @@ Json json_of(const std::vector<Report::Line>& lines) {
 
 Json json_of(const Report::Surface& s) {
   const SkinQuality& q = s.quality;
-  Json json = {{"regions", s.regions},
+  Json json = {{"faces", s.regions},
                {"triangles", s.triangles},
                {"dofs", s.dofs},
                {"element", s.element},
-               {"hold", s.boundary},
+               {"boundary", s.boundary},
                {"fair", s.fair},
                {"size", s.size},
                {"area", q.area},
                {"bending_energy", s.bending_energy},
-               {"max_line_residual", q.max_line_residual},
-               {"max_line_gap", q.max_line_gap},
-               {"max_line_deviation", q.max_line_deviation},
+               {"max_curve_residual", q.max_line_residual},
+               {"max_curve_gap", q.max_line_gap},
+               {"max_curve_deviation", q.max_line_deviation},
                {"max_constraint_residual", s.max_constraint_residual},
                {"max_normal_constraint_deg", s.max_normal_constraint_deg},
                {"max_normal_jump_deg", q.max_normal_jump_deg},
@@ -212,24 +216,24 @@ Json json_of(const Report::Surface& s) {
                {"last_change", s.last_change},
                {"normals", s.normals},
                {"mean_normal", {s.mean_normal.x(), s.mean_normal.y(), s.mean_normal.z()}},
-               {"moved", s.moved}};
+               {"max_displacement", s.moved}};
   if (s.fairing)
     json["fairing"] = {{"functional", s.fairing->functional},
                        {"start_functional", s.fairing->start_functional},
-                       {"max_move", s.fairing->max_move},
+                       {"max_displacement", s.fairing->max_move},
                        {"iterations", s.fairing->iterations},
                        {"factorizations", s.fairing->factorizations},
                        {"converged", s.fairing->converged},
-                       {"share", s.fairing->step_fraction},
-                       {"kept", s.fairing->unchanged_regions},
-                       {"asked", s.fairing->requested},
-                       {"regions", s.fairing->regions}};
+                       {"step_fraction", s.fairing->step_fraction},
+                       {"unchanged_faces", s.fairing->unchanged_regions},
+                       {"requested", s.fairing->requested},
+                       {"faces", s.fairing->regions}};
   return json;
 }
 
 Json json_of(const Report::Target& t) {
   Json json = {{"files", t.files},
-               {"tolerance", t.tolerance},
+               {"fit_tolerance", t.tolerance},
                {"reached", t.reached},
                {"before", {{"rms", t.before_rms}, {"max", t.before_max}}},
                {"to_target",
@@ -237,26 +241,26 @@ Json json_of(const Report::Target& t) {
                  {"max", t.max},
                  {"at", {t.where.x(), t.where.y(), t.where.z()}},
                  {"points", t.points},
-                 {"beyond", t.excluded}}},
+                 {"excluded", t.excluded}}},
                {"from_target",
                 {{"rms", t.back_rms},
                  {"max", t.back_max},
                  {"points", t.back_points},
-                 {"beyond", t.back_excluded}}},
-               {"rounds", t.iterations},
-               {"halvings", t.refinements},
-               {"off_lines", Json::array()},
-               {"regions", Json::object()}};
+                 {"excluded", t.back_excluded}}},
+               {"iterations", t.iterations},
+               {"refinements", t.refinements},
+               {"distant_curves", Json::array()},
+               {"faces", Json::object()}};
   for (const auto& line : t.line_distances)
-    json["off_lines"].push_back({{"line", line.name}, {"distance", line.distance}});
-  for (const auto& [name, largest] : t.regions) json["regions"][name] = largest;
+    json["distant_curves"].push_back({{"curve", line.name}, {"distance", line.distance}});
+  for (const auto& [name, largest] : t.regions) json["faces"][name] = largest;
   return json;
 }
 
 Json json_of(const Report::Step& s, bool of_network) {
   Json json = {{"file", s.file},       {"form", s.form},
                {"bytes", s.bytes},     {"faces", s.faces},
-               {"lines", s.lines},     {"max_deviation", s.max_deviation},
+               {"curves", s.lines},    {"max_deviation", s.max_deviation},
                {"max_gap", s.max_gap}, {"max_normal_jump_deg", s.max_normal_jump_deg},
                {"valid", s.valid}};
   if (s.form == "face") {
@@ -264,18 +268,18 @@ Json json_of(const Report::Step& s, bool of_network) {
     json["poles"] = {s.poles_u, s.poles_v};
     json["faces_by_kind"] = s.faces_by_kind;
   }
-  json["edges"] = {{"creases", s.creases},
-                   {"tangent", s.tangent},
-                   {"curvature", s.curvature},
+  json["edges"] = {{"G0", s.creases},
+                   {"G1", s.tangent},
+                   {"G2", s.curvature},
                    {"max_smooth_deg", s.max_smooth_deg}};
   if (!s.joins.empty()) json["max_join_deg"] = s.max_join_deg;
   for (const auto& j : s.joins) {
-    json["joins"].push_back({{"line", j.line},
-                             {"regions", j.regions},
+    json["joins"].push_back({{"edge", j.line},
+                             {"faces", j.regions},
                              {"angle_deg", j.angle_deg},
                              {"surface_deg", j.surface_deg},
-                             {"missed", j.exceeds_tolerance}});
-    if (!j.why.empty()) json["joins"].back()["why"] = j.why;
+                             {"exceeds_tolerance", j.exceeds_tolerance}});
+    if (!j.why.empty()) json["joins"].back()["reason"] = j.why;
   }
   if (of_network)
     json.update({{"shells", s.shells},
@@ -297,7 +301,7 @@ Json json_of(const Report::Comparison& c) {
 Json json_of(const PointCloudDistances& s) {
   return {{"name", s.name},
           {"points", s.points},
-          {"left_out", s.left_out},
+          {"excluded", s.left_out},
           {"before_max", s.before_max},
           {"before_rms", s.before_rms},
           {"max", s.max},
@@ -311,25 +315,25 @@ Json json_of(const StressReport::Case& c) {
                {"max_displacement", c.displacement},
                {"displacement", json_of(c.displacement_vector)},
                {"displacement_at", json_of(c.max_displacement_at)},
-               {"displacement_region", c.max_displacement_region},
+               {"displacement_face", c.max_displacement_region},
                {"max_von_mises", c.stress},
                {"stress_at", json_of(c.max_stress_at)},
-               {"stress_region", c.max_stress_region},
+               {"stress_face", c.max_stress_region},
                {"stress_side", c.side},
                {"stress_spread", c.spread},
-               {"stress_at_a_point", c.near_singularity},
+               {"near_singularity", c.near_singularity},
                {"strain_energy", c.energy},
                {"error_estimate", c.error},
                {"max_displacement_error", c.displacement_error},
-               {"balance", c.equilibrium_residual}};
-  if (c.safety > 0) json["safety"] = c.safety;
+               {"equilibrium_residual", c.equilibrium_residual}};
+  if (c.safety > 0) json["safety_factor"] = c.safety;
   if (c.buckling_requested) json["buckling_factors"] = c.buckling;
   if (c.calculix)
     json["calculix"] = {{"elements", c.calculix->elements},
                         {"max_displacement", c.calculix->displacement},
                         {"max_von_mises", c.calculix->stress},
-                        {"displacement_there", c.calculix->displacement_there},
-                        {"von_mises_there", c.calculix->stress_there}};
+                        {"displacement_at_same_point", c.calculix->displacement_there},
+                        {"von_mises_at_same_point", c.calculix->stress_there}};
   json["reactions"] = Json::array();
   for (const auto& r : c.reactions)
     json["reactions"].push_back(
@@ -340,7 +344,7 @@ Json json_of(const StressReport::Case& c) {
 Json json_of(const StressReport& s) {
   Json json = {{"unknowns", s.unknowns},
                {"thickness_over_radius", s.thickness_over_radius},
-               {"edge_over_bend", s.edge_over_boundary_layer}};
+               {"edge_over_boundary_layer", s.edge_over_boundary_layer}};
   if (!s.material.empty()) json["material"] = s.material;
   if (s.yield > 0) json["yield"] = s.yield;
   json["cases"] = Json::array();
@@ -362,16 +366,16 @@ Json json_of(const StressReport& s) {
 
 Json contents(const Report& r) {
   Json json = report_header(r);
-  json["lines"] = json_of(r.lines);
-  if (!r.curves.empty()) json["curves"] = json_of(r.curves);
-  if (!r.reading_notes.empty()) json["lines_read"] = r.reading_notes;
+  json["curves"] = json_of(r.lines);
+  if (!r.curves.empty()) json["faired_curves"] = json_of(r.curves);
+  if (!r.reading_notes.empty()) json["curves_read"] = r.reading_notes;
   json["surface"] = json_of(r.surface);
-  json["flaws"] = json_of(r.defects);
+  json["defects"] = json_of(r.defects);
   if (r.network) add_network(json, *r.network);
   if (r.step) json["step"] = json_of(*r.step, r.network.has_value());
   if (r.comparison) json["comparison"] = json_of(*r.comparison);
   if (r.target) json["target"] = json_of(*r.target);
-  for (const auto& scan : r.scans) json["scans"].push_back(json_of(scan));
+  for (const auto& scan : r.scans) json["point_clouds"].push_back(json_of(scan));
   if (r.sculpting) json["sculpting"] = json_of(*r.sculpting);
   if (r.stress) json["stress"] = json_of(*r.stress);
   json["parameters"] = json_of(r.parameters);
@@ -395,7 +399,7 @@ namespace {
 
 Json contents(const FairReport& r) {
   Json json = report_header(r);
-  json["curves"] = json_of(r.curves);
+  json["faired_curves"] = json_of(r.curves);
   json["parameters"] = json_of(r.parameters);
   add_report_footer(json, r);
   return json;
@@ -429,9 +433,9 @@ Json json_of(const std::vector<FairedLine>& curves) {
          {"noise", c.noise},
          {"outliers", outliers},
          {"wavelength", c.wavelength},
-         {"freedom", c.effective_dofs},
-         {"rounds", c.rounds},
-         {"settled", c.converged},
+         {"effective_dofs", c.effective_dofs},
+         {"iterations", c.rounds},
+         {"converged", c.converged},
          {"max_residual", c.max_residual},
          {"before", c.before ? json_of(*c.before) : Json()},
          {"after", c.after ? json_of(*c.after) : Json()},
@@ -445,14 +449,13 @@ std::vector<FailedCheck> failed_fairing_checks(const std::vector<FairedLine>& cu
   for (const FairedLine& c : curves) {
     if (c.exceeded_deviation)
       failed_checks.push_back(
-          {"curves." + c.name + ".deviation",
+          {"faired_curves." + c.name + ".deviation",
            "is " + format_number(c.exceeded_deviation->second) +
-               " after the stage that states at most " +
-               format_number(c.exceeded_deviation->first) +
-               ": is there a corner that is not one, or a condition against it?"});
+               " after its stage, expected at most " + format_number(c.exceeded_deviation->first) +
+               ": check for a false corner, or for a condition that prevents it"});
     if (c.max_residual > 1e-12)
-      failed_checks.push_back({"curves." + c.name + ".max_residual",
-                               "is " + format_number(c.max_residual) + ", promised at most 1e-12"});
+      failed_checks.push_back({"faired_curves." + c.name + ".max_residual",
+                               "is " + format_number(c.max_residual) + ", expected at most 1e-12"});
   }
   return failed_checks;
 }

@@ -221,7 +221,7 @@ struct Report : RunReport {
   struct Sculpting {
     Shape shape;  ///< the final shape
     struct Step {
-      std::string what;  ///< the operation: "settle", "replay", …
+      std::string what;  ///< the operation: "solve", "replay", …
       int iterations = 0;
       double change = 0;
       bool factored = false;

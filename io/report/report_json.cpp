@@ -43,9 +43,9 @@ void add_report_footer(Json& json, const RunReport& report) {
 
 std::string report_text(Json json, const RunReport& report) {
   replace_non_finite_numbers(json);
-  json["missed_promises"] = Json::array();
+  json["failed_checks"] = Json::array();
   for (const auto& m : report.failed_checks)
-    json["missed_promises"].push_back({{"what", m.what}, {"detail", m.detail}});
+    json["failed_checks"].push_back({{"check", m.what}, {"detail", m.detail}});
   // Names come from files of any encoding: invalid UTF-8 is replaced.
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }

@@ -29,7 +29,7 @@ inline Json json_of(const Vec3& p) { return {p.x(), p.y(), p.z()}; }
 Json json_of(const std::vector<Parameter>& parameters);
 /// Curve fairness measures as a JSON object.
 Json json_of(const Fairness& fairness);
-/// The section "curves" of a report.
+/// The section "faired_curves" of a report.
 Json json_of(const std::vector<FairedLine>& curves);
 
 }  // namespace batten

@@ -15,7 +15,7 @@ namespace batten {
 /// A violated acceptance check of a result.
 struct FailedCheck {
   std::string what;    ///< JSON path of the number: "surface.min_jacobian_ratio"
-  std::string detail;  ///< violation as text: "is 0.01, promised at least 0.05"
+  std::string detail;  ///< violation as text: "is 0.01, expected at least 0.05"
 };
 
 /// Base of all reports.

@@ -9,11 +9,11 @@ Json steps_json(const std::vector<SequenceReport::Step>& steps) {
   Json json = Json::array();
   for (const auto& s : steps)
     json.push_back({{"name", s.name},
-                    {"kind", s.kind},
+                    {"type", s.kind},
                     {"frames", s.frames},
                     {"keyframes", s.keyframes},
-                    {"rounds", s.iterations},
-                    {"not_at_rest", s.unconverged_keyframes},
+                    {"iterations", s.iterations},
+                    {"unconverged_keyframes", s.unconverged_keyframes},
                     {"last_change", s.last_change},
                     {"seconds", s.seconds}});
   return json;
@@ -30,11 +30,11 @@ Json parts_json(const std::vector<SequenceReport::Handle>& parts) {
 Json foot_contacts_json(const std::vector<SequenceReport::Foot>& feet) {
   Json json = Json::array();
   for (const auto& f : feet)
-    json.push_back({{"step", f.step},
+    json.push_back({{"operation", f.step},
                     {"handle", f.handle},
                     {"frames", {f.first, f.last}},
-                    {"slip_before", f.foot_skate_before},
-                    {"slip", f.foot_skate}});
+                    {"foot_skate_before", f.foot_skate_before},
+                    {"foot_skate", f.foot_skate}});
   return json;
 }
 
@@ -43,17 +43,17 @@ Json foot_contacts_json(const std::vector<SequenceReport::Foot>& feet) {
 std::string to_json(const SequenceReport& report) {
   Json json = report_header(report);
   json["sequence"] = {{"file", report.file},     {"frames_before", report.frames_before},
-                      {"frames", report.frames}, {"made", {report.first, report.last}},
-                      {"found", report.found},   {"nodes", report.nodes},
+                      {"frames", report.frames}, {"computed", {report.first, report.last}},
+                      {"reused", report.found},  {"nodes", report.nodes},
                       {"faces", report.faces},   {"size", report.size}};
-  json["steps"] = steps_json(report.steps);
+  json["operations"] = steps_json(report.steps);
   json["handles"] = parts_json(report.handles);
   json["features"] = parts_json(report.features);
-  json["footprints"] = foot_contacts_json(report.feet);
+  json["foot_plants"] = foot_contacts_json(report.feet);
   json["smoothness"] = {{"second_difference_before", report.second_difference_before},
                         {"second_difference", report.second_difference}};
-  json["turned_over"] = {{"before", report.inverted_triangles_before},
-                         {"after", report.inverted_triangles}};
+  json["inverted_triangles"] = {{"before", report.inverted_triangles_before},
+                                {"after", report.inverted_triangles}};
   add_report_footer(json, report);
   return report_text(std::move(json), report);
 }

@@ -4,6 +4,7 @@
 
 #include "batten/core/errors.h"
 #include "batten/io/files/input_file.h"
+#include "batten/io/scene/renamed_keys.h"
 #include "batten/io/scene/scene_parsing.h"
 
 namespace batten {
@@ -14,16 +15,16 @@ GuideSpec read_guide(const TomlTable& t) {
   rule.name = t.text("name");
   rule.location = t.location();
   rule.of = read_string(t, "of");
-  if (t.has("plane") + t.has("line") != 1)
-    t.fail("", "a guide without plane or line", "one of plane = {…}, line = {…}");
-  for (const TomlTable& p : t.table("plane", {"normal", "through"})) {
+  if (t.has("plane") + t.has("axis") != 1)
+    t.fail("", "a constraint without a plane or an axis", "one of plane = {…}, axis = {…}");
+  for (const TomlTable& p : t.table("plane", {"normal", "origin"})) {
     rule.direction = p.direction("normal");
-    if (p.has("through")) rule.through = p.vector("through");
+    if (p.has("origin")) rule.through = p.vector("origin");
   }
-  for (const TomlTable& l : t.table("line", {"direction", "through"})) {
+  for (const TomlTable& l : t.table("axis", {"direction", "origin"})) {
     rule.kind = PointConstraint::Kind::OnLine;
     rule.direction = l.direction("direction");
-    if (l.has("through")) rule.through = l.vector("through");
+    if (l.has("origin")) rule.through = l.vector("origin");
   }
   return rule;
 }
@@ -35,7 +36,7 @@ LineSpec read_line(const TomlTable& t) {
   if (t.has("through")) rule.through = t.points("through");
   rule.nodes = read_labels(t, "nodes");
   if (rule.through.empty() == rule.nodes.empty())
-    t.fail("", "a line without a way", "one of through = [[x, y, z], …], nodes = […]");
+    t.fail("", "neither points nor nodes", "one of through = [[x, y, z], …], nodes = […]");
   rule.closed = t.boolean("closed", false);
   rule.rigid = t.choice("keep", false, {{"shape", false}, {"rigid", true}});
   rule.width = t.positive("width", 0);
@@ -68,7 +69,7 @@ CurveSpec read_curve(const TomlTable& t) {
   rule.line = read_line(t);
   rule.faired = t.boolean("faired", true);
   if (t.has("deviation") + t.has("wavelength") + !rule.faired > 1)
-    t.fail("", "several ways to fair", "one of deviation, wavelength, faired = false");
+    t.fail("", "more than one fairing option", "one of deviation, wavelength, faired = false");
   using Smoothing = FairOptions::Smoothing;
   if (t.has("deviation")) {
     rule.fair.smoothing = Smoothing::Deviation;
@@ -80,7 +81,7 @@ CurveSpec read_curve(const TomlTable& t) {
   rule.fair.corner_angle = t.positive("corner_angle", rule.fair.corner_angle);
   rule.ends = t.choice("ends", CurveSpec::Ends::Clamped,
                        {{"clamped", CurveSpec::Ends::Clamped},
-                        {"held", CurveSpec::Ends::Pinned},
+                        {"pinned", CurveSpec::Ends::Pinned},
                         {"free", CurveSpec::Ends::Free}});
   rule.alpha = t.number("alpha", 0);
   if (!(rule.alpha >= 0)) t.fail("alpha", format_number(rule.alpha), "0 or more");
@@ -95,7 +96,8 @@ PositionConstraintSpec read_position_constraint(const TomlTable& t) {
   rule.location = t.location();
   if (t.has("node")) rule.node = read_label(t, "node", t.number("node"));
   if (t.has("at")) rule.at = t.vector("at");
-  if (t.has("node") == t.has("at")) t.fail("", "a pull without one vertex", "one of node, at");
+  if (t.has("node") == t.has("at"))
+    t.fail("", "a position constraint without one vertex", "one of node, at");
   rule.to = t.vector("to");
   if (t.has("weight")) rule.weight = t.positive("weight");
   return rule;
@@ -106,7 +108,7 @@ EditSpec read_edit(const TomlTable& t, size_t index) {
   rule.name = t.text("name", "edit-" + std::to_string(index + 1));
   rule.location = t.location();
   rule.fixed = t.names("fixed");
-  rule.region = t.names("region");
+  rule.region = t.names("region_of_interest");
   UniqueNames handles("handle");
   for (const TomlTable& h :
        t.tables("handle", {"name", "vertices", "translate", "rotate", "scale", "about"})) {
@@ -117,9 +119,9 @@ EditSpec read_edit(const TomlTable& t, size_t index) {
     handle.vertices = h.names("vertices");
     if (handle.vertices.empty()) handle.vertices = {{handle.name, h.location("name")}};
     if (h.has("translate")) handle.translate = h.vector("translate");
-    for (const TomlTable& r : h.table("rotate", {"axis", "degrees"})) {
+    for (const TomlTable& r : h.table("rotate", {"axis", "angle"})) {
       handle.axis = r.direction("axis");
-      handle.degrees = r.number("degrees");
+      handle.degrees = r.number("angle");
     }
     handle.scale = h.positive("scale", 1);
     if (h.has("about")) handle.about = h.vector("about");
@@ -127,16 +129,16 @@ EditSpec read_edit(const TomlTable& t, size_t index) {
   }
   for (const TomlTable& s : t.tables("scale", {"feature", "factor"}))
     rule.scales.push_back({read_string(s, "feature"), s.positive("factor")});
-  for (const TomlTable& s : t.tables("turn_feature", {"feature", "axis", "degrees"}))
+  for (const TomlTable& s : t.tables("rotate_feature", {"feature", "axis", "angle"}))
     rule.rotated_features.push_back(
-        {read_string(s, "feature"), s.direction("axis"), s.number("degrees")});
-  rule.rotation_mode = t.choice("turn", EditSpec::RotationMode::Estimated,
-                                {{"found", EditSpec::RotationMode::Estimated},
+        {read_string(s, "feature"), s.direction("axis"), s.number("angle")});
+  rule.rotation_mode = t.choice("rotation_mode", EditSpec::RotationMode::Estimated,
+                                {{"estimated", EditSpec::RotationMode::Estimated},
                                  {"dual", EditSpec::RotationMode::Dual},
                                  {"nonlinear", EditSpec::RotationMode::Nonlinear},
                                  {"harmonic", EditSpec::RotationMode::Harmonic}});
-  for (const TomlTable& g : t.tables("guide", {"name", "through"}))
-    rule.guides.push_back({read_string(g, "name"), g.vector("through")});
+  for (const TomlTable& g : t.tables("constraint", {"name", "origin"}))
+    rule.guides.push_back({read_string(g, "name"), g.vector("origin")});
   rule.keep_centres = t.choice("centres", true, {{"kept", true}, {"free", false}});
   return rule;
 }
@@ -176,11 +178,11 @@ MeshPictureSpec mesh_picture(const TomlTable& t, UniqueNames& files) {
 /// Reads how non-shell elements follow the shells.
 void read_attached(const TomlTable& root, AttachmentOptions& options) {
   const std::vector<std::string> kinds = {
-      "solids", "beams",  "bushes", "rigid",
-      "means",  "masses", "others"};  // in the order of NonShellElement::Kind
+      "solids",       "beams",  "bushes", "rigid",
+      "distributing", "masses", "others"};  // in the order of NonShellElement::Kind
   for (const TomlTable& t : root.table("attached", kinds))
     for (size_t k = 0; k < kinds.size(); ++k) {
-      const bool says_itself = kinds[k] == "rigid" || kinds[k] == "means";
+      const bool says_itself = kinds[k] == "rigid" || kinds[k] == "distributing";
       AttachmentRule& slot = options.rule_of_kind[k];
       if (!t.has(kinds[k])) continue;
       slot = says_itself ? t.choice<AttachmentRule>(kinds[k], {{"follow", AttachmentRule::Rigid},
@@ -196,7 +198,7 @@ RelationSpec read_relation(const TomlTable& t) {
   RelationSpec rule;
   rule.name = t.text("name");
   rule.location = t.location();
-  rule.kind = t.choice<Kind>("kind", {{"parallel", Kind::Parallel},
+  rule.kind = t.choice<Kind>("type", {{"parallel", Kind::Parallel},
                                       {"coaxial", Kind::Coaxial},
                                       {"distance", Kind::Distance},
                                       {"spacing", Kind::Spacing},
@@ -205,17 +207,17 @@ RelationSpec read_relation(const TomlTable& t) {
   if (rule.of.empty()) t.fail("of", "no names", "a list of features");
   if (t.has("plane") != (rule.kind == Kind::Symmetric))
     t.fail("plane", t.has("plane") ? "a plane" : "no plane",
-           "a plane { normal, through } with kind = \"symmetric\", and only there");
-  for (const TomlTable& p : t.table("plane", {"normal", "through"}))
-    rule.plane = {p.direction("normal"), p.vector("through")};
+           "plane = { normal, origin } with type = \"symmetric\", and only with it");
+  for (const TomlTable& p : t.table("plane", {"normal", "origin"}))
+    rule.plane = {p.direction("normal"), p.vector("origin")};
   return rule;
 }
 
 /// Reads guides, relations, lines, curves and position constraints.
 void read_guides_and_lines(const TomlTable& root, UniqueNames& taken, DeformScene& scene) {
-  taken.read(root, "guide", {"name", "of", "plane", "line"}, scene.guides, read_guide);
-  taken.read(root, "relation", {"name", "kind", "of", "plane"}, scene.relations, read_relation);
-  taken.read(root, "line", {"name", "through", "nodes", "closed", "keep", "width"}, scene.lines,
+  taken.read(root, "constraint", {"name", "of", "plane", "axis"}, scene.guides, read_guide);
+  taken.read(root, "relation", {"name", "type", "of", "plane"}, scene.relations, read_relation);
+  taken.read(root, "chain", {"name", "through", "nodes", "closed", "keep", "width"}, scene.lines,
              read_line);
   for (const TomlTable& t : root.tables(
            "curve", {"name", "through", "nodes", "closed", "faired", "deviation", "wavelength",
@@ -223,17 +225,17 @@ void read_guides_and_lines(const TomlTable& root, UniqueNames& taken, DeformScen
     scene.curves.push_back(read_curve(t));
     taken.add(t, "name", scene.curves.back().line.name);
   }
-  taken.read(root, "pull", {"name", "node", "at", "to", "weight"}, scene.position_constraints,
-             read_position_constraint);
+  taken.read(root, "position_constraint", {"name", "node", "at", "to", "weight"},
+             scene.position_constraints, read_position_constraint);
 }
 
 /// Reads the edits.
 void read_edits(const TomlTable& root, bool required, DeformScene& scene) {
   UniqueNames edits("edit");
-  edits.read(
-      root, "edit",
-      {"name", "fixed", "region", "handle", "scale", "guide", "centres", "turn", "turn_feature"},
-      scene.edits, [&](const TomlTable& t) { return read_edit(t, scene.edits.size()); });
+  edits.read(root, "edit",
+             {"name", "fixed", "region_of_interest", "handle", "scale", "constraint", "centres",
+              "rotation_mode", "rotate_feature"},
+             scene.edits, [&](const TomlTable& t) { return read_edit(t, scene.edits.size()); });
   if (scene.edits.empty() && required) root.fail("", "no edits", "at least one [[edit]]");
 }
 
@@ -242,10 +244,10 @@ void read_outputs(const TomlTable& root, DeformScene& scene) {
   UniqueNames files("file name");
   const std::string ending = scene.mesh.extension().string();
   scene.mesh_out = scene.mesh.stem().string() + "-deformed" + ending;
-  for (const TomlTable& t : root.table("output", {"mesh", "vtp", "wide_nodes"})) {
+  for (const TomlTable& t : root.table("output", {"mesh", "vtp", "large_field"})) {
     if (t.has("mesh")) scene.mesh_out = output_file(t, "mesh", files, {ending});
     if (t.has("vtp")) scene.vtp = output_file(t, "vtp", files, {".vtp"});
-    scene.large_field_nodes = t.boolean("wide_nodes", false);
+    scene.large_field_nodes = t.boolean("large_field", false);
   }
   if (!files.has(scene.mesh_out)) files.add(root, "mesh", scene.mesh_out);
   for (const TomlTable& t : root.table("modes", {"thickness", "young", "poisson", "density",
@@ -259,10 +261,11 @@ void read_outputs(const TomlTable& root, DeformScene& scene) {
 /// Reads the whole scene from its root table.
 DeformScene deform_scene(const toml::table& root_table, const std::filesystem::path& file,
                          bool edits_required) {
+  refuse_renamed_keys(root_table, SceneKind::Deform, file.string());
   const TomlTable root(file.string(), root_table, "the scene",
                        {"name", "unit", "mesh", "weighting", "proposals", "attached", "select",
-                        "cut", "feature", "features", "guide", "relation", "line", "curve", "pull",
-                        "edit", "output", "modes", "picture"});
+                        "cut", "feature", "features", "constraint", "relation", "chain", "curve",
+                        "position_constraint", "edit", "output", "modes", "picture"});
   const std::filesystem::path folder = file.parent_path();
   DeformScene scene;
   scene.file = file;
@@ -294,7 +297,7 @@ void for_each_edit_parameter(AnyScene& scene, const Function& f) {
     for (auto& handle : edit.handles) {
       const std::string name = edit.name + "." + handle.name + ".";
       for (int i = 0; i < 3; ++i) f(name + "xyz"[i], handle.translate[i], false);
-      f(name + "degrees", handle.degrees, false);
+      f(name + "angle", handle.degrees, false);
       f(name + "scale", handle.scale, true);
     }
     for (auto& scaled : edit.scales)
@@ -302,13 +305,13 @@ void for_each_edit_parameter(AnyScene& scene, const Function& f) {
   }
 }
 
-/// Sets EDIT.HANDLE.turn.x, .y or .z; false for other names.
+/// Sets EDIT.HANDLE.rotation.x, .y or .z; false for other names.
 bool set_handle_rotation(DeformScene& scene, const std::string& parameter, double value,
                          const std::string& where) {
   for (auto& edit : scene.edits)
     for (auto& handle : edit.handles)
       for (int i = 0; i < 3; ++i) {
-        if (parameter != edit.name + "." + handle.name + ".turn." + "xyz"[i]) continue;
+        if (parameter != edit.name + "." + handle.name + ".rotation." + "xyz"[i]) continue;
         if (!std::isfinite(value))
           throw InputError(where + "found " + format_number(value) + " for '" + parameter +
                            "', expected a finite number");
@@ -355,7 +358,7 @@ void DeformScene::set(const std::string& parameter, double value, const std::str
 bool is_deform_scene(const std::filesystem::path& file) {
   const toml::table root =
       parse_toml(read_input_file(file, "a scene (.toml)"), file, "a scene or edits of a mesh");
-  return root.contains("mesh") || root.contains("edit");
+  return root["mesh"].is_string() || root.contains("edit");
 }
 
 DeformScene parse_deform_scene(const std::string& text, const std::filesystem::path& file,

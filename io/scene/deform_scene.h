@@ -19,7 +19,7 @@
 
 namespace batten {
 
-/// [[guide]]: constrains a point to a plane or a line.
+/// [[constraint]]: constrains a point to a plane or a line.
 struct GuideSpec {
   std::string name;
   SourceLocation location;
@@ -48,7 +48,7 @@ struct RelationSpec {
   std::optional<std::pair<Vec3, Vec3>> plane;  ///< Symmetric: normal, and a point of the plane
 };
 
-/// [[line]]: a character line of the mesh whose shape is preserved, rigidly or softly.
+/// [[chain]]: a character line of the mesh whose shape is preserved, rigidly or softly.
 struct LineSpec {
   std::string name;
   SourceLocation location;
@@ -73,7 +73,7 @@ struct CurveSpec {
   std::vector<CurveLoad> loads;
 };
 
-/// [[pull]]: moves one vertex to a position, by a soft (least-squares) or hard constraint.
+/// [[position_constraint]]: moves one vertex to a position, by a soft (least-squares) or hard constraint.
 struct PositionConstraintSpec {
   std::string name;
   SourceLocation location;

@@ -4,6 +4,7 @@
 
 #include "batten/core/errors.h"
 #include "batten/io/files/input_file.h"
+#include "batten/io/scene/renamed_keys.h"
 #include "batten/io/scene/scene_lines.h"
 #include "batten/io/scene/scene_parsing.h"
 
@@ -26,8 +27,10 @@ CombPictureSpec comb_picture(const TomlTable& t, UniqueNames& files) {
 }
 
 FairScene fair_scene(const toml::table& root_table, const std::filesystem::path& file) {
-  const TomlTable root(file.string(), root_table, "the scene",
-                       {"name", "unit", "segments", "line", "lines", "fair", "output", "picture"});
+  refuse_renamed_keys(root_table, SceneKind::Surface, file.string());
+  const TomlTable root(
+      file.string(), root_table, "the scene",
+      {"name", "unit", "segments", "curve", "curves", "fair", "output", "picture"});
   FairScene scene;
   scene.file = file;
   scene.name = root.text("name", file.stem().string());
@@ -82,13 +85,13 @@ void FairScene::set(const std::string& parameter, double value, const std::strin
 
 bool is_fair_scene(const std::filesystem::path& file) {
   const toml::table root = parse_toml(read_input_file(file, "a scene (.toml)"), file, "a scene");
-  for (const char* key : {"skin", "region", "join", "network"})
+  for (const char* key : {"skin", "mesh", "face", "join"})
     if (root.contains(key)) return false;
   return root.contains("fair");
 }
 
 FairScene parse_fair_scene(const std::string& text, const std::filesystem::path& file) {
-  return fair_scene(parse_toml(text, file, "a fairing scene (unit, [[line]], [[fair]] …)"), file);
+  return fair_scene(parse_toml(text, file, "a fairing scene (unit, [[curve]], [[fair]] …)"), file);
 }
 
 FairScene read_fair_scene(const std::filesystem::path& file) {

@@ -51,7 +51,7 @@ struct FairScene {
 };
 
 /// True if a scene fairs curves without making a surface: it has [[fair]], but neither [skin] nor
-/// [network]. Throws InputError if the file cannot be read or is not TOML.
+/// [mesh]. Throws InputError if the file cannot be read or is not TOML.
 bool is_fair_scene(const std::filesystem::path& file);
 
 /// Reads a fairing scene. Throws InputError: "FILE:LINE:COLUMN: found …, expected …; did you mean

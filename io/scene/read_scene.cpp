@@ -6,16 +6,17 @@
 #include <utility>
 
 #include "batten/io/files/input_file.h"
+#include "batten/io/scene/renamed_keys.h"
 #include "batten/io/scene/scene.h"
 #include "batten/io/scene/scene_lines.h"
 #include "batten/io/scene/scene_parsing.h"
 
 namespace batten {
 
-// Reads everything that acts on a scene's surface: [[constraint]], [[load]], [[weight]], [[move]],
+// Reads everything that acts on a scene's surface: [[constraint]], [[load]], [[stiffness]], [[offset]],
 // [[parameter]] and [motion].
 
-/// Reads all these tables into the scene. Lines and [skin] must have been read before. `folder`:
+/// Reads all these tables into the scene. The curves and [skin] must have been read before. `folder`:
 /// base of relative paths. Throws InputError.
 void read_sculpting(const TomlTable& root, const std::filesystem::path& folder, Scene& scene);
 
@@ -72,31 +73,32 @@ SceneConstraint read_constraint(const TomlTable& table) {
   c.type = table.choice<Type>("type", {{"point", Type::Point},
                                        {"normal", Type::Normal},
                                        {"tangent", Type::Tangent},
-                                       {"line_normal", Type::LineNormal}});
+                                       {"curve_normal", Type::LineNormal}});
   const std::string what = "the constraint '" + c.name + "'";
   const bool point = c.type == Type::Point, along_line = c.type == Type::LineNormal;
-  const char* only_point = "it only where type = \"point\"";
+  const char* only_point = "it only with type = \"point\"";
   if (!point) refuse_for(table, what, {{"to", only_point}, {"range", only_point}});
   if (point || along_line)
-    refuse_for(table, what, {{"direction", "it only where type = \"normal\" or \"tangent\""}});
+    refuse_for(table, what, {{"direction", "it only with type = \"normal\" or \"tangent\""}});
   if (c.type != Type::Tangent)
-    refuse_for(table, what, {{"along", "it only where type = \"tangent\""}});
+    refuse_for(table, what, {{"parametric_direction", "it only with type = \"tangent\""}});
   if (along_line) {
-    refuse_for(table, what, {{"at", "'line': it acts all along that"}});
-    c.line = placed(table, "line");
+    refuse_for(table, what, {{"at", "'curve': the constraint acts along the whole curve"}});
+    c.line = placed(table, "curve");
     c.keep_tangent_planes = !table.has("normal");
     if (!c.keep_tangent_planes) c.goal = c.middle = table.direction("normal");
     return c;
   }
-  const char* only_line = "it only where type = \"line_normal\"";
-  refuse_for(table, what, {{"line", only_line}, {"normal", only_line}});
+  const char* only_line = "it only with type = \"curve_normal\"";
+  refuse_for(table, what, {{"curve", only_line}, {"normal", only_line}});
   c.at = table.vector("at");
   c.goal = point ? table.vector("to") : table.direction("direction");
   c.middle = c.goal;
   if (table.has("range")) c.range = table.positive("range");
   if (c.type == Type::Tangent) {
-    c.along = table.numbers("along", "su, sv");
-    if (c.along.norm() == 0) table.fail("along", "[0, 0]", "a direction [su, sv]");
+    c.along = table.numbers("parametric_direction", "su, sv");
+    if (c.along.norm() == 0)
+      table.fail("parametric_direction", "[0, 0]", "a direction [su, sv] in the parametric domain");
     c.along.normalize();
   }
   return c;
@@ -106,18 +108,17 @@ SceneConstraint read_constraint(const TomlTable& table) {
 void read_pulls(const TomlTable& table, const std::filesystem::path& folder, SceneLoad& load) {
   Load::AttractorSprings& pulls = load.pulls;
   pulls.at = table.points("at");
-  if (pulls.at.empty()) table.fail("at", "an empty list", "one place or more");
+  if (pulls.at.empty()) table.fail("at", "an empty list", "at least one point");
   const int targets = table.has("to") + table.has("curve") + table.has("plane");
   if (targets != 1)
     table.fail(
-        "at",
-        targets == 0 ? "pulls without anything that draws them" : "pulls with more than one target",
+        "at", targets == 0 ? "attractors without a target" : "attractors with more than one target",
         "one of: to, curve, plane");
   if (table.has("to")) {
     const auto to = table.points("to");
     if (to.size() != pulls.at.size())
       table.fail("to", std::to_string(to.size()) + " points",
-                 std::to_string(pulls.at.size()) + ", one for each place of 'at'");
+                 std::to_string(pulls.at.size()) + ", one for each point of 'at'");
     pulls.target = Load::AttractorSprings::TargetPoints{to};
   }
   if (table.has("curve")) {
@@ -125,8 +126,8 @@ void read_pulls(const TomlTable& table, const std::filesystem::path& folder, Sce
     load.file = folder / load.curve.text;
     load.location = load.curve.location;
   }
-  for (const TomlTable& t : table.table("plane", {"through", "normal"}))
-    pulls.target = Load::AttractorSprings::Plane{t.vector("through"), t.direction("normal")};
+  for (const TomlTable& t : table.table("plane", {"origin", "normal"}))
+    pulls.target = Load::AttractorSprings::Plane{t.vector("origin"), t.direction("normal")};
   for (const auto& [key, slot] :
        {std::pair<const char*, double*>{"rest_length", &pulls.rest_length},
         {"falloff", &pulls.falloff}}) {
@@ -141,7 +142,7 @@ void read_direction(const TomlTable& table, const std::string& what, SceneLoad& 
   if (load.type == Type::Pressure)
     refuse_for(table, what, {{"direction", "none: pressure acts along the surface's normal"}});
   else if (load.type == Type::PointCloudSprings || load.type == Type::AttractorSprings)
-    refuse_for(table, what, {{"direction", "none: it draws the surface towards its points"}});
+    refuse_for(table, what, {{"direction", "none: the springs act towards their targets"}});
   else
     load.direction = table.direction("direction");
 }
@@ -153,16 +154,16 @@ void refuse_keys_of_other_types(const TomlTable& table, const std::string& what,
   const auto refuse_unless = [&](std::initializer_list<Type> types, const std::string& words,
                                  std::initializer_list<const char*> keys) {
     if (std::find(types.begin(), types.end(), type) != types.end()) return;
-    const std::string expected = "it only where type = " + words;
+    const std::string expected = "it only with type = " + words;
     for (const char* key : keys) refuse_for(table, what, {{key, expected.c_str()}});
   };
-  refuse_unless({Type::PointCloudSprings}, "\"scan\"", {"file", "unit"});
-  refuse_unless({Type::AttractorSprings}, "\"pulls\"",
-                {"to", "curve", "plane", "rest_length", "falloff"});
-  refuse_unless({Type::Line}, "\"line\"", {"line"});
-  refuse_unless({Type::Point, Type::AttractorSprings}, "\"point\" or \"pulls\"", {"at"});
+  refuse_unless({Type::PointCloudSprings}, "\"point_cloud\"", {"file", "unit"});
+  refuse_unless({Type::AttractorSprings}, "\"attractors\"",
+                {"to", "plane", "rest_length", "falloff"});
+  refuse_unless({Type::Line, Type::AttractorSprings}, "\"line\" or \"attractors\"", {"curve"});
+  refuse_unless({Type::Point, Type::AttractorSprings}, "\"point\" or \"attractors\"", {"at"});
   refuse_unless({Type::Pressure, Type::Uniform}, "\"pressure\" or \"uniform\"",
-                {"near", "radius", "paint", "regions"});
+                {"near", "radius", "paint", "faces"});
 }
 
 /// Reads the points of a scan.
@@ -194,14 +195,14 @@ SceneLoad read_load(const TomlTable& table, const std::filesystem::path& folder)
                                           {"gravity", Type::Gravity},
                                           {"point", Type::Point},
                                           {"line", Type::Line},
-                                          {"scan", Type::PointCloudSprings},
-                                          {"pulls", Type::AttractorSprings}});
+                                          {"point_cloud", Type::PointCloudSprings},
+                                          {"attractors", Type::AttractorSprings}});
   const std::string what = "the load '" + load.name + "'";
   read_direction(table, what, load);
   refuse_keys_of_other_types(table, what, load.type);
   if (load.type == Type::Pressure || load.type == Type::Uniform) load.area = read_area(table);
   if (load.type == Type::Point) load.at = table.vector("at");
-  if (load.type == Type::Line) load.line = placed(table, "line");
+  if (load.type == Type::Line) load.line = placed(table, "curve");
   if (load.type == Type::PointCloudSprings) read_scan(table, folder, load);
   if (load.type == Type::AttractorSprings) read_pulls(table, folder, load);
   if (load.type == Type::PointCloudSprings || load.type == Type::AttractorSprings)
@@ -214,13 +215,19 @@ SceneStiffnessField read_weight(const TomlTable& table) {
   SceneStiffnessField weight;
   read_named_value(table, weight);
   weight.name_location = table.location("name");
-  weight.kind = table.choice<Kind>("kind", {{"alpha", Kind::Stretching}, {"beta", Kind::Bending}});
+  weight.kind = table.choice<Kind>("type", {{"alpha", Kind::Stretching}, {"beta", Kind::Bending}});
   weight.area = read_area(table);
-  if (table.has("along") && table.is_array("along")) {
-    const Vec2 along = table.numbers("along", "u, v");
-    if (along.norm() == 0) table.fail("along", "[0, 0]", "a direction [u, v], or a line's name");
+  if (table.has("parametric_direction") && table.has("along"))
+    table.fail("along", "both 'along' and 'parametric_direction'", "one of them");
+  if (table.has("parametric_direction")) {
+    const Vec2 along = table.numbers("parametric_direction", "u, v");
+    if (along.norm() == 0)
+      table.fail("parametric_direction", "[0, 0]", "a direction [u, v] in the parametric domain");
     weight.along = Vec2(along.normalized());
   } else if (table.has("along")) {
+    if (table.is_array("along"))
+      table.fail("along", "a list for 'along'",
+                 "the name of a curve, or parametric_direction = [u, v]");
     weight.along = placed(table, "along");
   }
   return weight;
@@ -230,11 +237,11 @@ SceneLineOffset read_move(const TomlTable& table) {
   SceneLineOffset move;
   read_named_value(table, move);
   move.name_location = table.location("name");
-  move.line = placed(table, "line");
+  move.line = placed(table, "curve");
   if (table.has("direction")) move.direction = table.direction("direction");
   if (table.has("fade")) move.fade = table.number("fade", 0);
   if (move.fade && !(*move.fade >= 0 && *move.fade <= 0.5))
-    table.fail("fade", format_number(*move.fade), "a share of the line's length from 0 to 0.5");
+    table.fail("fade", format_number(*move.fade), "a fraction of the curve's length, 0 to 0.5");
   return move;
 }
 
@@ -255,11 +262,11 @@ SceneMotion read_motion(const TomlTable& table) {
 void check_line(const Scene& scene, const LocatedString& line) {
   std::vector<std::string> names;
   for (const SceneLine& source : scene.lines) {
-    if (source.name.empty()) return;  // [[lines]]: the names are in its file
+    if (source.name.empty()) return;  // [[curves]]: the names are in its file
     if (is_part_of(line.text, source.name)) return;
     names.push_back(source.name);
   }
-  throw InputError(scene.at(line.location) + "found the line '" + line.text + "', expected " +
+  throw InputError(scene.at(line.location) + "found the curve '" + line.text + "', expected " +
                    expected_one_of(line.text, names));
 }
 
@@ -293,12 +300,13 @@ void check_rules(const Scene& scene) {
       fail("'" + rule.driven + "' to drive", expected_one_of(rule.driven, names));
     for_each_fair_parameter(scene.fairing, [&](const std::string& name, double) {
       if (name == rule.driven)
-        fail("'" + name + "' to drive, which changes the lines",
-             "a parameter of loads, weights, moves, constraints or [skin]");
+        fail("'" + name + "' to drive, which changes the curves",
+             "a parameter of loads, stiffness fields, offsets, constraints or [skin]");
     });
     const auto expect_number = [&](const ScalarParameter& p) {
       if (p.name == rule.driven && !p.keyframes.empty())
-        fail("'" + rule.driven + "' to drive, whose value is one over time", "a number there");
+        fail("'" + rule.driven + "' to drive, whose value is a function of time",
+             "a number as its value");
     };
     for (const auto& p : scene.loads) expect_number(p);
     for (const auto& p : scene.weights) expect_number(p);
@@ -335,25 +343,27 @@ void read_sculpting(const TomlTable& root, const std::filesystem::path& folder, 
         t.fail("name", "the " + kind + " name '" + std::string(taken) + "'",
                "another one: that is a parameter of [skin]");
   };
-  names.read(root, "constraint",
-             {"name", "type", "at", "to", "range", "direction", "along", "line", "normal"},
-             scene.constraints, read_constraint);
+  names.read(
+      root, "constraint",
+      {"name", "type", "at", "to", "range", "direction", "parametric_direction", "curve", "normal"},
+      scene.constraints, read_constraint);
   for (const TomlTable& t :
-       root.tables("load", {"name", "type", "value", "min", "max", "direction", "at", "line",
-                            "near", "radius", "paint", "regions", "file", "unit", "to", "curve",
-                            "plane", "rest_length", "falloff"})) {
+       root.tables("load", {"name", "type", "value", "min", "max", "direction", "at", "near",
+                            "radius", "paint", "faces", "file", "unit", "to", "curve", "plane",
+                            "rest_length", "falloff"})) {
     scene.loads.push_back(read_load(t, folder));
     add_name(t, "load", scene.loads.back().name);
   }
-  for (const TomlTable& t : root.tables("weight", {"name", "kind", "value", "min", "max", "near",
-                                                   "radius", "paint", "regions", "along"})) {
+  for (const TomlTable& t :
+       root.tables("stiffness", {"name", "type", "value", "min", "max", "near", "radius", "paint",
+                                 "faces", "parametric_direction", "along"})) {
     scene.weights.push_back(read_weight(t));
-    add_name(t, "weight", scene.weights.back().name);
+    add_name(t, "stiffness field", scene.weights.back().name);
   }
   for (const TomlTable& t :
-       root.tables("move", {"name", "line", "value", "min", "max", "direction", "fade"})) {
+       root.tables("offset", {"name", "curve", "value", "min", "max", "direction", "fade"})) {
     scene.moves.push_back(read_move(t));
-    add_name(t, "move", scene.moves.back().name);
+    add_name(t, "offset", scene.moves.back().name);
   }
   for (const TomlTable& t : root.tables("parameter", {"name", "value", "min", "max", "drives"})) {
     ScalarParameter& slider = scene.sliders.emplace_back();
@@ -381,22 +391,26 @@ void refuse(const TomlTable& table, const std::string& what, const Refusals& ref
 }
 
 void check_compatible_keys(const TomlTable& root) {
-  for (const TomlTable& t : root.table("skin", skin_keys())) {
-    constexpr const char* each =
-        "none: each of several regions has the domain that suits it, or its [[region]]'s";
-    refuse(t, "beside [[region]] or [[join]]",
-           {{"domain", each}, {"settle", each}, {"mesher", each}, {"refine", "edge_length"}});
+  constexpr const char* each =
+      "none: each face has the domain that suits it, or the one of its [[face]]";
+  for (const TomlTable& t : root.table("mesh", mesh_keys()))
+    refuse(t, "beside [[face]] or [[join]]",
+           {{"domain", each},
+            {"minimize_distortion", each},
+            {"mesher", each},
+            {"refine", "edge_length"}});
+  for (const TomlTable& t : root.table("skin", skin_keys()))
     for (const char* key : {"alpha", "beta"})
       if (t.has(key) && t.is_array(key))
-        t.fail(key, "three numbers beside [[region]] or [[join]]",
-               "one number: regions have no direction of u in common (a [[weight]] with along = "
-               "\"LINE\" resists along a line)");
-  }
+        t.fail(key, "three numbers beside [[face]] or [[join]]",
+               "one number: faces have no common direction of u (a [[stiffness]] with along = "
+               "\"CURVE\" acts along a curve)");
 }
 
 std::vector<std::string> loop_of(const TomlTable& table, const std::vector<LocatedString>& words) {
   if (words.empty())
-    table.fail("loops", "a loop without lines", "names of lines: loops = [[\"a\", \"b\", \"c\"]]");
+    table.fail("loops", "a loop without curves",
+               "names of curves: loops = [[\"a\", \"b\", \"c\"]]");
   std::vector<std::string> names;
   for (const LocatedString& word : words) names.push_back(word.text);
   return names;
@@ -407,18 +421,18 @@ SkinOptions::Domain read_domain(const TomlTable& table) {
   return table.choice("domain", Domain::Auto,
                       {{"auto", Domain::Auto},
                        {"polygon", Domain::Polygon},
-                       {"plane", Domain::Projected},
-                       {"sheet", Domain::Developable},
-                       {"ring", Domain::Annulus}});
+                       {"projected", Domain::Projected},
+                       {"developable", Domain::Developable},
+                       {"annulus", Domain::Annulus}});
 }
 
 /// Reads the options of a region. Throws InputError if `domain` is used to request an annulus.
 RegionOptions read_region_options(const TomlTable& table) {
-  if (table.has("domain") && (table.text("domain") == "ring" || table.boolean("ring", false)))
-    table.fail(
-        "domain",
-        "the domain '" + table.text("domain") + "'" + (table.has("ring") ? " of a ring" : ""),
-        "ring = true alone");
+  if (table.has("domain") && (table.text("domain") == "annulus" || table.boolean("annulus", false)))
+    table.fail("domain",
+               "the domain '" + table.text("domain") + "'" +
+                   (table.has("annulus") ? " with annulus = true" : ""),
+               "annulus = true and no domain");
   return {read_domain(table), table.positive("edge_length", 0)};
 }
 
@@ -430,150 +444,122 @@ RegionSpec read_region(const TomlTable& table, UniqueNames& names) {
   for (const auto& loop : table.string_lists("loops")) word.loops.push_back(loop_of(table, loop));
   if (word.loops.empty())
     table.fail("loops", "no loop", "one or more: loops = [[\"a\", \"b\", \"c\"]]");
-  word.annulus = table.boolean("ring", false);
+  word.annulus = table.boolean("annulus", false);
   word.skin = read_region_options(table);
   for (const LocatedString& inner : table.words("inner")) word.inner.push_back(inner.text);
   if (word.kind == RegionSpec::Kind::NoSurface) {
-    refuse(table, "of a loop without surface",
-           {{"name", "none: what is not there has no name"},
-            {"ring", "none"},
-            {"domain", "none: there is nothing to make"},
-            {"edge_length", "none: there is nothing to make"},
-            {"inner", "none: nothing lies on it"}});
+    refuse(table, "with surface = false",
+           {{"name", "none: there is no face"},
+            {"annulus", "none: there is no face"},
+            {"domain", "none: there is no face"},
+            {"edge_length", "none: there is no face"},
+            {"inner", "none: there is no face"}});
     if (word.loops.size() > 1)
       table.fail("loops", std::to_string(word.loops.size()) + " loops beside surface = false",
-                 "one; a [[region]] for each");
+                 "one; write a [[face]] for each");
     return word;
   }
   if (table.has("name")) {
     word.name = table.text("name");
-    if (word.name.empty()) table.fail("name", "an empty name", "one with letters");
+    if (word.name.empty()) table.fail("name", "an empty name", "at least one character");
     names.add(table, "name", word.name);
   }
   if (word.annulus && word.loops.size() != 2)
-    table.fail("ring", "ring = true with " + std::to_string(word.loops.size()) + " loops",
-               "2, its rims");
+    table.fail("annulus", "annulus = true with " + std::to_string(word.loops.size()) + " loops",
+               "2, its boundary curves");
   return word;
 }
 
-/// Reads the keys of one table that control how faces are found and joined. `tolerance`, `crease`:
-/// names of the keys of the gap tolerance and of the crease angle.
-void read_network_keys(const TomlTable& table, const char* tolerance, const char* crease,
-                       SceneNetwork& network) {
+/// Reads the keys of [skin] that control how faces are found and joined.
+void read_network_keys(const TomlTable& table, SceneNetwork& network) {
   network.location = table.location();
-  network.tolerance = table.positive(tolerance, network.tolerance);
+  network.tolerance = table.positive("gap_tolerance", network.tolerance);
   const auto angle = [&](const std::string& key, double& degrees, double most) {
     degrees = table.has(key) ? table.number(key) : degrees;
     if (!(degrees >= 0 && degrees <= most))
       table.fail(key, format_number(degrees), "0 to " + format_number(most) + " degrees");
   };
-  angle("straight_angle", network.tangent_angle, 45);
-  angle(crease, network.crease_angle, 180);
-  network.join_tolerance = table.positive("join_tolerance", network.join_tolerance);
-  if (table.has("trembling"))
-    network.fair_noisy_lines = table.choice<bool>("trembling", {{"fair", true}, {"keep", false}});
+  angle("tangent_angle", network.tangent_angle, 45);
+  angle("crease_angle", network.crease_angle, 180);
+  network.join_tolerance = table.positive("angle_tolerance", network.join_tolerance);
+  if (table.has("noisy_curves"))
+    network.fair_noisy_lines =
+        table.choice<bool>("noisy_curves", {{"fair", true}, {"keep", false}});
   if (table.has("symmetry"))
     network.symmetry = table.choice<int>("symmetry", {{"x", 0}, {"y", 1}, {"z", 2}});
-  network.max_faces_per_edge = table.integer("most_at_line", 1, network.max_faces_per_edge);
+  network.max_faces_per_edge = table.integer("max_faces_per_edge", 1, network.max_faces_per_edge);
   if (network.max_faces_per_edge > 16)
-    table.fail("most_at_line", std::to_string(network.max_faces_per_edge), "1 to 16");
+    table.fail("max_faces_per_edge", std::to_string(network.max_faces_per_edge), "1 to 16");
 }
 
-/// Text that replaces the deprecated table [network].
-std::string network_required_message(const Scene& scene, const TomlTable& table,
-                                     const std::vector<std::string>& keys) {
-  std::string moved;
-  for (const std::string& key : keys) {
-    if (!table.has(key)) continue;
-    const std::string now = key == "tolerance"      ? "gap_tolerance"
-                            : key == "smooth_below" ? "crease_angle"
-                                                    : key;
-    moved +=
-        (moved.empty() ? "" : ", ") + (now == key ? "'" + key + "'" : "'" + key + "' as " + now);
-  }
-  return scene.at(table.location()) +
-         "[network] is not needed any more, since every scene finds what its curves bound: delete "
-         "it" +
-         (moved.empty() ? "" : ", and write " + moved + " in [skin]");
-}
-
-/// Reads how faces are found and joined: keys of [skin], [[region]] and [[join]]. The deprecated
-/// table [network] is accepted, with a note on its replacement. Throws InputError for errors in the
-/// tables.
+/// Reads how faces are found and joined: keys of [skin], [[face]] and [[join]]. Throws InputError
+/// for errors in the tables.
 void read_network(const TomlTable& root, Scene& scene) {
   SceneNetwork network;
-  const std::vector<std::string> old = {"tolerance",    "straight_angle", "most_at_line",
-                                        "smooth_below", "join_tolerance", "trembling",
-                                        "symmetry"};
-  for (const TomlTable& table : root.table("network", old)) {
-    read_network_keys(table, "tolerance", "smooth_below", network);
-    scene.notes.push_back(network_required_message(scene, table, old));
-  }
-  for (const TomlTable& table : root.table("skin", skin_keys()))
-    read_network_keys(table, "gap_tolerance", "crease_angle", network);
-  if (root.has("region") || root.has("join")) check_compatible_keys(root);
-  UniqueNames names("region name");
+  for (const TomlTable& table : root.table("skin", skin_keys())) read_network_keys(table, network);
+  if (root.has("face") || root.has("join")) check_compatible_keys(root);
+  UniqueNames names("face name");
   for (const TomlTable& t : root.tables(
-           "region", {"name", "loops", "inner", "ring", "surface", "domain", "edge_length"}))
+           "face", {"name", "loops", "inner", "annulus", "surface", "domain", "edge_length"}))
     network.regions.push_back(read_region(t, names));
-  for (const TomlTable& t : root.tables("join", {"lines", "kind"})) {
-    const auto kind = t.choice<JoinSpec::Kind>("kind", {{"crease", JoinSpec::Kind::Crease},
-                                                        {"smooth", JoinSpec::Kind::Smooth},
-                                                        {"tangent", JoinSpec::Kind::Tangent},
-                                                        {"curvature", JoinSpec::Kind::Curvature}});
-    const auto lines = t.words("lines");
-    if (lines.empty()) t.fail("lines", "no lines", "names: lines = [\"a\", \"b\"]");
+  for (const TomlTable& t : root.tables("join", {"curves", "continuity"})) {
+    const auto kind = t.choice<JoinSpec::Kind>("continuity", {{"G0", JoinSpec::Kind::Crease},
+                                                              {"G1", JoinSpec::Kind::Tangent},
+                                                              {"G2", JoinSpec::Kind::Curvature},
+                                                              {"smooth", JoinSpec::Kind::Smooth}});
+    const auto lines = t.words("curves");
+    if (lines.empty()) t.fail("curves", "no curves", "names: curves = [\"a\", \"b\"]");
     for (const LocatedString& line : lines)
       network.joins.push_back({line.text, kind, scene.at(line.location)});
   }
   scene.network = std::move(network);
 }
 
-void read_skin(const TomlTable& table, SceneSkin& skin) {
+void read_mesh(const TomlTable& table, SkinOptions& options) {
   using Mesher = SkinOptions::Mesher;
+  options.element = table.choice("element", TriangleElement::HCT,
+                                 {{"hct", TriangleElement::HCT}, {"z12", TriangleElement::Z12}});
+  options.mesher = table.choice("mesher", Mesher::Delaunay,
+                                {{"delaunay", Mesher::Delaunay}, {"fan", Mesher::Fan}});
+  options.domain = read_domain(table);
+  options.minimize_distortion = table.boolean("minimize_distortion", false);
+  options.edge_length = table.positive("edge_length", 0);
+  if (!table.has("refine")) return;
+  if (options.mesher != Mesher::Fan)
+    table.fail("refine", "'refine' with the Delaunay mesher",
+               "it only with mesher = \"fan\"; edge_length sets the size of Delaunay elements");
+  if (table.has("edge_length"))
+    table.fail("refine", "both 'refine' and 'edge_length'", "one of them");
+  options.fan_refinements = table.integer("refine", 0, 0);
+  if (options.fan_refinements > 10)
+    table.fail("refine", std::to_string(options.fan_refinements), "0 to 10");
+}
+
+void read_skin(const TomlTable& table, SceneSkin& skin) {
   using FixedBoundary = SceneSkin::FixedBoundary;
-  skin.options.element =
-      table.choice("element", TriangleElement::HCT,
-                   {{"hct", TriangleElement::HCT}, {"z12", TriangleElement::Z12}});
-  skin.options.mesher = table.choice("mesher", Mesher::Delaunay,
-                                     {{"delaunay", Mesher::Delaunay}, {"fan", Mesher::Fan}});
-  skin.options.domain = read_domain(table);
-  skin.options.minimize_distortion = table.boolean("settle", false);
-  skin.options.edge_length = table.positive("edge_length", 0);
-  if (table.has("refine")) {
-    if (skin.options.mesher != Mesher::Fan)
-      table.fail("refine", "'refine' with the Delaunay mesher",
-                 "it only with mesher = \"fan\" (edge_length says how fine a mesh is)");
-    if (table.has("edge_length"))
-      table.fail("refine", "both 'refine' and 'edge_length'", "one of them");
-    skin.options.fan_refinements = table.integer("refine", 0, 0);
-    if (skin.options.fan_refinements > 10)
-      table.fail("refine", std::to_string(skin.options.fan_refinements), "0 to 10");
-  }
-  skin.units = table.choice("units", LoadUnits::Relative,
+  skin.units = table.choice("load_units", LoadUnits::Relative,
                             {{"relative", LoadUnits::Relative}, {"absolute", LoadUnits::Absolute}});
   skin.boundary =
-      table.choice("hold", FixedBoundary::Lines,
-                   {{"lines", FixedBoundary::Lines}, {"corners", FixedBoundary::Corners}});
+      table.choice("boundary", FixedBoundary::Lines,
+                   {{"curves", FixedBoundary::Lines}, {"corners", FixedBoundary::Corners}});
   skin.fair = table.choice("fair", SceneSkin::Fair::Auto,
                            {{"auto", SceneSkin::Fair::Auto},
                             {"bending", SceneSkin::Fair::Bending},
                             {"variation", SceneSkin::Fair::Variation},
                             {"loft", SceneSkin::Fair::Loft}});
-  for (const char* key : {"strength", "largest_move"})
+  for (const char* key : {"fair_strength", "max_displacement"})
     if (table.has(key) && skin.fair != SceneSkin::Fair::Variation)
-      table.fail(key, std::string("'") + key + "' without variation",
+      table.fail(key, std::string("'") + key + "' without fair = \"variation\"",
                  "it only with fair = \"variation\"");
-  skin.strength = table.positive("strength", 1);
-  if (skin.strength > 1) table.fail("strength", format_number(skin.strength), "above 0, at most 1");
-  skin.max_displacement = table.positive("largest_move", 0);
+  skin.strength = table.positive("fair_strength", 1);
+  if (skin.strength > 1)
+    table.fail("fair_strength", format_number(skin.strength), "above 0, at most 1");
+  skin.max_displacement = table.positive("max_displacement", 0);
   if (table.has("sections")) {
     if (skin.fair != SceneSkin::Fair::Loft)
-      table.fail("sections", "sections without a loft", "them only with fair = \"loft\"");
+      table.fail("sections", "'sections' without a loft", "it only with fair = \"loft\"");
     skin.sections = table.names("sections");
   }
-  if (skin.fair == SceneSkin::Fair::Variation && skin.options.element != TriangleElement::HCT)
-    table.fail("fair", "\"variation\" with element \"z12\"", "element = \"hct\"");
   if (table.has("alpha")) {
     skin.isotropic_alpha = !table.is_array("alpha");
     if (skin.isotropic_alpha) {
@@ -591,7 +577,7 @@ void read_skin(const TomlTable& table, SceneSkin& skin) {
   const std::string expected = material_requirement(skin.material);
   if (!expected.empty()) {
     const std::string key = expected.starts_with("beta") || !table.has("alpha") ? "beta" : "alpha";
-    table.fail(key, "a material without a stable shape", expected);
+    table.fail(key, "stiffnesses without a unique surface", expected);
   }
 }
 
@@ -602,10 +588,10 @@ SceneTarget read_target(const TomlTable& table, const std::filesystem::path& fol
   target.file = folder / table.text("file");
   if (table.has("unit")) target.unit = read_unit(table, "unit");
   target.cage = table.choice("cage", false, {{"catmull-clark", true}, {"none", false}});
-  target.tolerance = table.positive("tolerance", 0);
+  target.tolerance = table.positive("fit_tolerance", 0);
   if (skin.is_faired() || skin.boundary != SceneSkin::FixedBoundary::Lines)
-    table.fail("file", "a target beside [skin] fair or hold = \"corners\"",
-               "one of them: the shape is that of the target within its lines");
+    table.fail("file", "a target beside 'fair' or boundary = \"corners\" in [skin]",
+               "one of them: the target defines the shape between the curves");
   return target;
 }
 
@@ -614,13 +600,13 @@ void check_fair_keys(const TomlTable& root, const SceneSkin& skin) {
   using Fair = SceneSkin::Fair;
   if (skin.is_faired() && skin.boundary == SceneSkin::FixedBoundary::Corners)
     for (const TomlTable& t : root.table("skin", skin_keys()))
-      t.fail("fair", "\"" + skin.fair_name() + "\" with hold = \"corners\"",
-             "hold = \"lines\": a fair shape is that of its lines");
+      t.fail("fair", "\"" + skin.fair_name() + "\" with boundary = \"corners\"",
+             "boundary = \"curves\": its curves define a fair shape");
   if (skin.fair == Fair::Variation) return;
-  for (const TomlTable& t : root.tables("join", {"lines", "kind"}))
-    if (const std::string kind = t.text("kind"); kind == "tangent" || kind == "curvature")
-      t.fail("kind", "\"" + kind + "\" where nothing is faired",
-             "\"smooth\" or \"crease\", or fair = \"variation\" in [skin]");
+  for (const TomlTable& t : root.tables("join", {"curves", "continuity"}))
+    if (t.text("continuity") == "G2")
+      t.fail("continuity", "\"G2\" for a surface that is not faired",
+             "\"G0\" or \"G1\", or fair = \"variation\" in [skin]");
 }
 
 const std::vector<std::string> kPictureKeys = {"file",
@@ -630,8 +616,8 @@ const std::vector<std::string> kPictureKeys = {"file",
                                                "contour_direction",
                                                "zebra",
                                                "zebra_direction",
-                                               "parameter_lines",
-                                               "lines",
+                                               "isocurves",
+                                               "curves",
                                                "mesh",
                                                "view",
                                                "size"};
@@ -646,9 +632,9 @@ ScenePicture scene_picture(const TomlTable& table, UniqueNames& files) {
                             {{"shaded", Field::None},
                              {"mean_curvature", Field::Mean},
                              {"gauss_curvature", Field::Gauss},
-                             {"regions", Field::Regions}});
+                             {"faces", Field::Regions}});
   look.contours = table.integer("contours", 0, 0);
-  look.parameter_lines = table.integer("parameter_lines", 0, 0);
+  look.parameter_lines = table.integer("isocurves", 0, 0);
   if (table.has("contour_direction")) {
     if (look.contours == 0)
       table.fail("contour_direction", "'contour_direction' without 'contours'", "both");
@@ -661,7 +647,7 @@ ScenePicture scene_picture(const TomlTable& table, UniqueNames& files) {
     if (look.zebra == 0) table.fail("zebra_direction", "'zebra_direction' without 'zebra'", "both");
     look.zebra_direction = table.direction("zebra_direction");
   }
-  look.lines = table.boolean("lines", true);
+  look.lines = table.boolean("curves", true);
   look.mesh = table.boolean("mesh", false);
   read_view(table, look.azimuth, look.elevation, picture.size);
   return picture;
@@ -676,7 +662,7 @@ SceneSweep read_sweep(const TomlTable& table, const Scene& scene, UniqueNames& f
   // All panels of a sheet have the same lines.
   for_each_fair_parameter(scene.fairing, [&](const std::string& name, double) {
     if (name == sweep.parameter)
-      table.fail("parameter", "'" + name + "', which changes the lines",
+      table.fail("parameter", "'" + name + "', which changes the curves",
                  "a parameter of loads, constraints or [skin]");
   });
   double present = 0;
@@ -691,17 +677,19 @@ SceneSweep read_sweep(const TomlTable& table, const Scene& scene, UniqueNames& f
 
 Scene scene_of(const toml::table& root_table, const std::filesystem::path& file,
                bool lines_required) {
-  const TomlTable root(file.string(), root_table, "the scene",
-                       {"name",       "unit",    "tolerance", "corner_angle", "line",      "lines",
-                        "fair",       "network", "region",    "join",         "skin",      "target",
-                        "constraint", "load",    "weight",    "move",         "parameter", "motion",
-                        "stress",     "output",  "compare",   "picture",      "sweep"});
+  refuse_renamed_keys(root_table, SceneKind::Surface, file.string());
+  const TomlTable root(
+      file.string(), root_table, "the scene",
+      {"name",       "unit",   "fit_tolerance", "corner_angle", "curve",     "curves",
+       "fair",       "face",   "join",          "skin",         "mesh",      "target",
+       "constraint", "load",   "stiffness",     "offset",       "parameter", "motion",
+       "stress",     "output", "compare",       "picture",      "sweep"});
   const std::filesystem::path folder = file.parent_path();
   Scene scene;
   scene.file = file;
   scene.name = root.text("name", file.stem().string());
   scene.unit = read_unit(root, "unit");
-  scene.skin.options.tolerance = root.positive("tolerance", 0);
+  scene.skin.options.tolerance = root.positive("fit_tolerance", 0);
   scene.skin.options.corner_angle = root.positive("corner_angle", 20);
   if (scene.skin.options.corner_angle >= 180)
     root.fail("corner_angle", format_number(scene.skin.options.corner_angle),
@@ -711,9 +699,18 @@ Scene scene_of(const toml::table& root_table, const std::filesystem::path& file,
   scene.lines = read_scene_lines(root, folder, true, lines_required);
   scene.fairing = read_fair_stages(root);
 
+  for (const TomlTable& t : root.table("mesh", mesh_keys())) read_mesh(t, scene.skin.options);
   for (const TomlTable& t : root.table("skin", skin_keys())) read_skin(t, scene.skin);
+  if (scene.skin.fair == SceneSkin::Fair::Variation &&
+      scene.skin.options.element != TriangleElement::HCT)
+    throw InputError(scene.at(root.location("mesh")) +
+                     "found fair = \"variation\" with element \"z12\", expected element = \"hct\"");
+  // Only fairing distinguishes a smooth join from one of tangent planes alone.
+  if (scene.skin.fair != SceneSkin::Fair::Variation)
+    for (JoinSpec& join : scene.network.joins)
+      if (join.kind == JoinSpec::Kind::Tangent) join.kind = JoinSpec::Kind::Smooth;
 
-  for (const TomlTable& t : root.tables("target", {"file", "unit", "cage", "tolerance"}))
+  for (const TomlTable& t : root.tables("target", {"file", "unit", "cage", "fit_tolerance"}))
     scene.targets.push_back(read_target(t, folder, scene.skin));
 
   read_sculpting(root, folder, scene);
@@ -732,9 +729,9 @@ Scene scene_of(const toml::table& root_table, const std::filesystem::path& file,
         t.choice("step_form", Form::Auto,
                  {{"auto", Form::Auto}, {"face", Form::Face}, {"exact", Form::Exact}});
     scene.step_tolerance = t.positive("step_tolerance", 0);
-    scene.step_lines = t.boolean("step_lines", false);
+    scene.step_lines = t.boolean("step_curves", false);
     scene.step_ap242 = t.choice("step_schema", false, {{"ap214", false}, {"ap242", true}});
-    for (const char* key : {"step_form", "step_tolerance", "step_lines", "step_schema"})
+    for (const char* key : {"step_form", "step_tolerance", "step_curves", "step_schema"})
       if (t.has(key) && scene.step.empty())
         t.fail(key, "'" + std::string(key) + "' without 'step'", "both");
     if (t.has("vtu")) scene.vtu = output_file(t, "vtu", files, {".vtu"});
@@ -755,7 +752,7 @@ Scene scene_of(const toml::table& root_table, const std::filesystem::path& file,
 }  // namespace
 
 Scene parse_scene(const std::string& text, const std::filesystem::path& file, bool lines_required) {
-  return scene_of(parse_toml(text, file, "a scene (unit, [[line]] …)"), file, lines_required);
+  return scene_of(parse_toml(text, file, "a scene (unit, [[curve]] …)"), file, lines_required);
 }
 
 Scene read_scene(const std::filesystem::path& file) {

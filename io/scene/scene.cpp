@@ -186,7 +186,7 @@ CurveCondition read_condition(const TomlTable& t) {
   if (has_place)
     c.at = t.vector("at");
   else
-    none("at", "none: end_curvature is about both ends of the curve");
+    none("at", "none: end_curvature applies to both ends of the curve");
   if (has_direction)
     c.direction = t.direction("direction");
   else
@@ -218,17 +218,17 @@ void read_balance(const TomlTable& t, FairOptions& options) {
 }
 
 void read_local(const TomlTable& t, FairStage& stage) {
-  if (t.has("brush") && t.has("stretch"))
-    t.fail("stretch", "both 'brush' and 'stretch'", "one of them");
-  const std::string kind = t.has("brush") ? "brush" : "stretch";
-  for (const char* key : {"noise", "deviation", "corner_angle", "corners", "closed", "hold_ends",
-                          "alpha", "condition", "minimum", "outliers"})
+  if (t.has("brush") && t.has("segment"))
+    t.fail("segment", "both 'brush' and 'segment'", "one of them");
+  const std::string kind = t.has("brush") ? "brush" : "segment";
+  for (const char* key : {"noise", "deviation", "corner_angle", "corners", "closed", "fix_ends",
+                          "alpha", "condition", "minimize", "outliers"})
     if (t.has(key))
       t.fail(key, "'" + std::string(key) + "' beside '" + kind + "'",
-             "it only in a stage of whole lines: local stages have a 'wavelength'");
+             "it only in a stage without 'brush' and 'segment'; these have a 'wavelength'");
   for (const TomlTable& b : t.table("brush", {"at", "radius"}))
     stage.brush = {b.vector("at"), b.positive("radius")};
-  for (const TomlTable& s : t.table("stretch", {"from", "to"}))
+  for (const TomlTable& s : t.table("segment", {"from", "to"}))
     stage.segment = {s.vector("from"), s.vector("to")};
   stage.options.smoothing = FairOptions::Smoothing::Wavelength;
   stage.options.wavelength = t.positive("wavelength");
@@ -238,22 +238,22 @@ FairStage read_stage(const TomlTable& t, size_t index) {
   FairStage stage;
   stage.name = t.text("name", "fair-" + std::to_string(index + 1));
   stage.location = t.location();
-  stage.lines = t.names("lines");
-  if (t.has("brush") || t.has("stretch")) {
+  stage.lines = t.names("curves");
+  if (t.has("brush") || t.has("segment")) {
     read_local(t, stage);
     return stage;
   }
   FairOptions& o = stage.options;
   read_balance(t, o);
-  if (t.has("minimum")) {
-    for (const char* key : {"noise", "deviation", "wavelength", "corners", "hold_ends", "alpha",
+  if (t.has("minimize")) {
+    for (const char* key : {"noise", "deviation", "wavelength", "corners", "fix_ends", "alpha",
                             "condition", "outliers"})
       if (t.has(key))
-        t.fail(key, "'" + std::string(key) + "' beside 'minimum'",
+        t.fail(key, "'" + std::string(key) + "' beside 'minimize'",
                "none: the curve goes through all points");
     stage.minimum = t.choice<CurveFunctional>(
-        "minimum",
-        {{"energy", CurveFunctional::Energy}, {"variation", CurveFunctional::Variation}});
+        "minimize",
+        {{"bending", CurveFunctional::Energy}, {"variation", CurveFunctional::Variation}});
   }
   o.corner_angle = t.positive("corner_angle", o.corner_angle);
   if (o.corner_angle > 180)
@@ -261,7 +261,7 @@ FairStage read_stage(const TomlTable& t, size_t index) {
   if (t.has("corners")) stage.corners = t.points("corners");
   if (t.has("closed")) o.closed = t.boolean("closed", false);
   o.reject_outliers = t.choice<bool>("outliers", true, {{"drop", true}, {"keep", false}});
-  if (t.has("hold_ends")) stage.fix_ends = t.boolean("hold_ends", false);
+  if (t.has("fix_ends")) stage.fix_ends = t.boolean("fix_ends", false);
   o.alpha = t.number("alpha", 0);
   if (o.alpha < 0) t.fail("alpha", format_number(o.alpha), "0 or more");
   UniqueNames conditions("condition");
@@ -277,8 +277,8 @@ std::vector<FairStage> read_fair_stages(const TomlTable& root) {
   UniqueNames names("stage");
   names.read(
       root, "fair",
-      {"name", "lines", "noise", "deviation", "wavelength", "outliers", "corner_angle", "corners",
-       "closed", "hold_ends", "alpha", "condition", "minimum", "brush", "stretch"},
+      {"name", "curves", "noise", "deviation", "wavelength", "outliers", "corner_angle", "corners",
+       "closed", "fix_ends", "alpha", "condition", "minimize", "brush", "segment"},
       stages, [&](const TomlTable& t) { return read_stage(t, stages.size()); });
   return stages;
 }

@@ -68,9 +68,9 @@ void for_each_fair_parameter(Stages& stages, const Function& f) {
   }
 }
 
-/// One line from [[line]], or all curves of a file from [[lines]].
+/// One line from [[curve]], or all curves of a file from [[curves]].
 struct SceneLine {
-  std::string name;  ///< name of a [[line]]; empty: a [[lines]], whose curves have their own names
+  std::string name;  ///< name of a [[curve]]; empty: a [[curves]], whose curves have their own names
   SourceLocation location;
   std::filesystem::path file;  ///< resolved path; empty: the scene has the points
   std::string unit;            ///< length unit of the file; empty: the scene's or the file's own
@@ -85,7 +85,7 @@ struct SceneLine {
   CharacterLine::MeshAlignment mesh_alignment = CharacterLine::MeshAlignment::Auto;
   bool constrains_surface = true;                       ///< holes only; false: the curve only trims
                                                         ///< the surface
-  std::vector<LocatedString> only, skip, inner, holes;  ///< names of curves of a [[lines]]
+  std::vector<LocatedString> only, skip, inner, holes;  ///< names of curves of a [[curves]]
   bool creases = false;  ///< CAD files: true: creases inside faces are curves, too
 };
 
@@ -169,7 +169,7 @@ struct SceneLoad : ScalarParameter {
   LocatedString curve;             ///< AttractorSprings: name of a line, or of a file
 };
 
-/// [[weight]]: a stiffness field that is added to alpha or beta.
+/// [[stiffness]]: a stiffness field that is added to alpha or beta.
 struct SceneStiffnessField : ScalarParameter {
   SourceLocation name_location;  ///< location of its name in the file
   StiffnessField::Kind kind = StiffnessField::Kind::Bending;
@@ -178,7 +178,7 @@ struct SceneStiffnessField : ScalarParameter {
   std::optional<std::variant<Vec2, LocatedString>> along;
 };
 
-/// [[move]]: displaces a line by a parameter.
+/// [[offset]]: displaces a line by a parameter.
 struct SceneLineOffset : ScalarParameter {
   SourceLocation name_location;  ///< location of its name in the file
   LocatedString line;
@@ -217,7 +217,7 @@ struct SceneSweep {
   ScenePicture picture;  ///< the sheet; each panel's title is look.title and the value
 };
 
-/// How the faces between the curves of a scene are found and joined: keys of [skin], [[region]] and
+/// How the faces between the curves of a scene are found and joined: keys of [skin], [[face]] and
 /// [[join]].
 struct SceneNetwork {
   SourceLocation location;  ///< location of [skin]

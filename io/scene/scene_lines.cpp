@@ -19,9 +19,9 @@ CharacterLine::Role read_role(const TomlTable& table) {
 
 CharacterLine::MeshAlignment read_mesh_alignment(const TomlTable& table) {
   using MeshAlignment = CharacterLine::MeshAlignment;
-  return table.choice("treatment", MeshAlignment::Auto,
+  return table.choice("alignment", MeshAlignment::Auto,
                       {{"auto", MeshAlignment::Auto},
-                       {"fitted", MeshAlignment::EdgeAligned},
+                       {"aligned", MeshAlignment::EdgeAligned},
                        {"embedded", MeshAlignment::Embedded}});
 }
 
@@ -29,7 +29,8 @@ CharacterLine::MeshAlignment read_mesh_alignment(const TomlTable& table) {
 std::optional<std::vector<int>> read_corners(const TomlTable& table, const SceneLine& line) {
   if (!table.has("corners")) return std::nullopt;
   if (line.points.empty() && line.file.empty())
-    table.fail("corners", "corners of a curve", "them only of points");
+    table.fail("corners", "corners for a curve that is not given by points",
+               "'corners' only with 'points' or 'file'");
   std::vector<int> corners;
   if (!table.is_array("corners")) {
     const bool all = table.choice("corners", true, {{"all", true}, {"none", false}});
@@ -58,13 +59,13 @@ std::string read_shape(const TomlTable& table, const std::filesystem::path& fold
     if (table.has(word)) found.push_back(word);
   if (found.size() != 1)
     table.fail("name",
-               found.empty() ? "the line '" + line.name + "' without its shape"
-                             : "more than one shape for the line '" + line.name + "'",
+               found.empty() ? "no shape for the curve '" + line.name + "'"
+                             : "more than one shape for the curve '" + line.name + "'",
                "one of: " + comma_separated(shape_keys()));
   const std::string key = found.front();
   if (table.has("unit") && key != "file")
     table.fail("unit", "a unit beside '" + key + "'",
-               "it only beside 'file': the scene is in the scene's unit");
+               "'unit' only with 'file': all other lengths are in the unit of the scene");
   if (key == "file") {
     line.file = folder / table.text("file");
     if (table.has("unit")) line.unit = read_unit(table, "unit");
@@ -88,14 +89,15 @@ SceneLine read_line(const TomlTable& table, const std::filesystem::path& folder,
   if (roles) {
     line.role = read_role(table);
     line.mesh_alignment = read_mesh_alignment(table);
-    line.constrains_surface = table.boolean("hold", true);
+    line.constrains_surface = !table.boolean("trim_only", false);
     if (!line.constrains_surface && line.role != CharacterLine::Role::Hole)
-      table.fail("hold", "hold = false of a line that is no hole", "role = \"hole\" beside it");
+      table.fail("trim_only", "trim_only = true for a curve that is not a hole",
+                 "role = \"hole\" with it");
   }
   line.location = table.location(read_shape(table, folder, line));
   for (const std::string& key : placement_keys())
     if (table.has(key) && line.copy.empty())
-      table.fail(key, "'" + key + "' without 'copy'", "both: copy = \"the line's name\"");
+      table.fail(key, "'" + key + "' without 'copy'", "both: copy = \"name of a curve\"");
   line.corners = read_corners(table, line);
   return line;
 }
@@ -114,9 +116,10 @@ SceneLine read_lines(const TomlTable& table, const std::filesystem::path& folder
   if (roles) {
     line.inner = table.words("inner");
     line.holes = table.words("holes");
-    line.constrains_surface = table.boolean("hold", true);
+    line.constrains_surface = !table.boolean("trim_only", false);
     if (!line.constrains_surface && line.holes.empty() && line.role != CharacterLine::Role::Hole)
-      table.fail("hold", "hold = false without holes", "'holes', or role = \"hole\", beside it");
+      table.fail("trim_only", "trim_only = true without holes",
+                 "'holes', or role = \"hole\", with it");
   }
   if (!line.only.empty() && !line.skip.empty())
     table.fail("skip", "both 'only' and 'skip'", "one of them");
@@ -129,25 +132,25 @@ std::vector<std::string> line_keys(bool roles) {
   std::vector<std::string> keys = {"name", "unit", "corners"};
   keys.insert(keys.end(), shape_keys().begin(), shape_keys().end());
   keys.insert(keys.end(), placement_keys().begin(), placement_keys().end());
-  if (roles) keys.insert(keys.end(), {"role", "treatment", "hold"});
+  if (roles) keys.insert(keys.end(), {"role", "alignment", "trim_only"});
   return keys;
 }
 
 std::vector<std::string> lines_keys(bool roles) {
   std::vector<std::string> keys = {"file", "unit", "only", "skip"};
-  if (roles) keys.insert(keys.end(), {"role", "treatment", "inner", "holes", "hold"});
+  if (roles) keys.insert(keys.end(), {"role", "alignment", "inner", "holes", "trim_only"});
   return keys;
 }
 
 std::vector<SceneLine> read_scene_lines(const TomlTable& root, const std::filesystem::path& folder,
                                         bool roles, bool required) {
   std::vector<SceneLine> lines;
-  UniqueNames names("line name");
-  names.read(root, "line", line_keys(roles), lines,
+  UniqueNames names("curve name");
+  names.read(root, "curve", line_keys(roles), lines,
              [&](const TomlTable& t) { return read_line(t, folder, roles); });
-  for (const TomlTable& t : root.tables("lines", lines_keys(roles)))
+  for (const TomlTable& t : root.tables("curves", lines_keys(roles)))
     lines.push_back(read_lines(t, folder, roles));
-  if (required && lines.empty()) root.fail("", "no lines", "[[line]] or [[lines]]");
+  if (required && lines.empty()) root.fail("", "no curves", "[[curve]] or [[curves]]");
   return lines;
 }
 
@@ -263,7 +266,7 @@ std::shared_ptr<const InputCurve> read_curve(const TomlTable& table, const std::
 }
 
 const std::vector<std::string>& placement_keys() {
-  static const std::vector<std::string> words = {"scale", "turn", "mirror", "move"};
+  static const std::vector<std::string> words = {"scale", "rotate", "mirror", "translate"};
   return words;
 }
 
@@ -275,20 +278,20 @@ AffineTransform read_placement(const TomlTable& table) {
     any = true;
     transform = transform.then(placed_at(table, key, next));
   };
-  const auto point = [](const TomlTable& t) { return vector_or(t, "point", Vec3::Zero()); };
+  const auto about = [](const TomlTable& t) { return vector_or(t, "about", Vec3::Zero()); };
   then("scale", [&] {
-    const TomlTable t = table.table("scale", {"factor", "point"}).front();
-    return scaling_about(point(t), t.number("factor"));
+    const TomlTable t = table.table("scale", {"factor", "about"}).front();
+    return scaling_about(about(t), t.number("factor"));
   });
-  then("turn", [&] {
-    const TomlTable t = table.table("turn", {"axis", "angle", "point"}).front();
-    return rotation_about(point(t), t.vector("axis"), radians(t.number("angle")));
+  then("rotate", [&] {
+    const TomlTable t = table.table("rotate", {"axis", "angle", "about"}).front();
+    return rotation_about(about(t), t.vector("axis"), radians(t.number("angle")));
   });
   then("mirror", [&] {
-    const TomlTable t = table.table("mirror", {"normal", "point"}).front();
-    return reflection_in(point(t), t.vector("normal"));
+    const TomlTable t = table.table("mirror", {"normal", "origin"}).front();
+    return reflection_in(vector_or(t, "origin", Vec3::Zero()), t.vector("normal"));
   });
-  then("move", [&] { return AffineTransform{Mat3::Identity(), table.vector("move")}; });
+  then("translate", [&] { return AffineTransform{Mat3::Identity(), table.vector("translate")}; });
   if (!any)
     table.fail("copy", "a copy in the same place",
                "one or more of: " + comma_separated(placement_keys()));

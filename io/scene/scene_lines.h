@@ -1,4 +1,4 @@
-// Reads [[line]] and [[lines]] of all kinds of scenes.
+// Reads [[curve]] and [[curves]] of all kinds of scenes.
 #pragma once
 
 #include <filesystem>
@@ -12,7 +12,7 @@
 
 namespace batten {
 
-/// Permitted keys of [[line]] and [[lines]]; `roles` as in read_scene_lines().
+/// Permitted keys of [[curve]] and [[curves]]; `roles` as in read_scene_lines().
 std::vector<std::string> line_keys(bool roles);
 std::vector<std::string> lines_keys(bool roles);
 
@@ -24,7 +24,7 @@ std::vector<SceneLine> read_scene_lines(const TomlTable& root, const std::filesy
 
 // Shape keys of curves: arc, circle, ellipse, helix, rectangle, spline; and copies.
 
-/// The keys that define the shape of a [[line]], including files and points; each line has exactly
+/// The keys that define the shape of a [[curve]], including files and points; each line has exactly
 /// one.
 const std::vector<std::string>& shape_keys();
 /// Reads the curve of a shape key of this table: arc, circle, ellipse, helix, rectangle, spline or

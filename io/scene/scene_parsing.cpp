@@ -15,16 +15,21 @@ namespace batten {
 
 const std::vector<std::string>& skin_keys() {
   static const std::vector<std::string> keys = {
-      "element",        "domain",       "settle",         "mesher",       "edge_length",
-      "refine",         "alpha",        "beta",           "units",        "hold",
-      "fair",           "sections",     "strength",       "largest_move", "gap_tolerance",
-      "straight_angle", "crease_angle", "join_tolerance", "most_at_line", "trembling",
-      "symmetry"};
+      "alpha",         "beta",          "load_units",        "boundary",
+      "fair",          "sections",      "fair_strength",     "max_displacement",
+      "gap_tolerance", "tangent_angle", "crease_angle",      "angle_tolerance",
+      "symmetry",      "noisy_curves",  "max_faces_per_edge"};
+  return keys;
+}
+const std::vector<std::string>& mesh_keys() {
+  static const std::vector<std::string> keys = {
+      "element", "domain", "mesher", "minimize_distortion", "edge_length", "refine"};
   return keys;
 }
 const std::vector<std::string>& output_keys() {
-  static const std::vector<std::string> keys = {
-      "step", "step_form", "step_tolerance", "step_lines", "step_schema", "vtu", "vtp", "calculix"};
+  static const std::vector<std::string> keys = {"step",        "step_form",   "step_tolerance",
+                                                "step_curves", "step_schema", "vtu",
+                                                "vtp",         "calculix"};
   return keys;
 }
 
@@ -142,8 +147,8 @@ SelectionSpec read_select(const TomlTable& t, const std::filesystem::path& folde
   }
   for (const TomlTable& s : t.table("sphere", {"centre", "radius"}))
     rule.sphere = {s.vector("centre"), s.positive("radius")};
-  for (const TomlTable& p : t.table("plane", {"through", "normal", "within"}))
-    rule.plane = {p.vector("through"), p.direction("normal"), p.positive("within", kInfinity)};
+  for (const TomlTable& p : t.table("plane", {"origin", "normal", "within"}))
+    rule.plane = {p.vector("origin"), p.direction("normal"), p.positive("within", kInfinity)};
   if (t.has("loop")) rule.loop = t.integer("loop", 1, 1);
   if (t.has("part")) rule.part = t.integer("part", 1, 1);
   for (const TomlTable& g : t.table("salient", {"node", "point", "threshold"})) {
@@ -195,7 +200,7 @@ CutSpec read_cut(const TomlTable& t) {
 FormFeature::Kind read_kind(const TomlTable& t) {
   return t.choice(
       "keep", FormFeature::Kind::Free,
-      {{"shape", FormFeature::Kind::Free}, {"direction", FormFeature::Kind::TranslationOnly}});
+      {{"shape", FormFeature::Kind::Free}, {"orientation", FormFeature::Kind::TranslationOnly}});
 }
 
 }  // namespace
@@ -219,13 +224,13 @@ std::vector<long> read_labels(const TomlTable& table, const std::string& key) {
 
 /// Reads the options of feature detection.
 void read_proposals(const TomlTable& root, FeatureDetectionOptions& o) {
-  for (const TomlTable& t : root.table(
-           "proposals", {"crease_degrees", "rim_rings", "rim_width", "outer_loops", "nested"})) {
-    o.crease_degrees = t.positive("crease_degrees", o.crease_degrees);
+  for (const TomlTable& t : root.table("proposals", {"crease_angle", "flange_rings", "flange_width",
+                                                     "outer_loops", "nested"})) {
+    o.crease_degrees = t.positive("crease_angle", o.crease_degrees);
     if (o.crease_degrees >= 180)
-      t.fail("crease_degrees", format_number(o.crease_degrees), "less than 180 degrees");
-    o.flange_rings = t.integer("rim_rings", 1, o.flange_rings);
-    o.flange_width = t.positive("rim_width", o.flange_width);
+      t.fail("crease_angle", format_number(o.crease_degrees), "less than 180 degrees");
+    o.flange_rings = t.integer("flange_rings", 1, o.flange_rings);
+    o.flange_width = t.positive("flange_width", o.flange_width);
     o.outer_loops = t.boolean("outer_loops", o.outer_loops);
     o.nested = t.boolean("nested", o.nested);
   }

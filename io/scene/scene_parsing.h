@@ -49,8 +49,9 @@ class UniqueNames {
 /// digits that read back exactly. Equal values give equal text.
 std::string to_toml(const toml::node& part);
 
-/// Permitted keys of [skin] and of [output].
+/// Permitted keys of [skin], [mesh] and [output].
 const std::vector<std::string>& skin_keys();
+const std::vector<std::string>& mesh_keys();
 const std::vector<std::string>& output_keys();
 
 /// Reads a length unit. Throws InputError, with the nearest unit as a suggestion, for an unknown

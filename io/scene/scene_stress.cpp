@@ -37,7 +37,7 @@ std::string SceneStress::Support::description() const {
                            : kind == Kind::Pinned    ? "pinned "
                            : kind == Kind::Symmetric ? "symmetric "
                            : kind == Kind::Elastic   ? "elastic "
-                                                     : "held ";
+                                                     : "prescribed ";
   if (!point) {
     const std::string where = line.text.empty() ? region.text : line.text;
     if (!box) return what + (where.empty() ? "all" : where);
@@ -58,9 +58,13 @@ std::vector<std::string> SceneStress::cases() const {
 
 const std::vector<std::string>& stress_keys() {
   static const std::vector<std::string> keys = {
-      "thickness", "thicknesses", "material", "young",    "poisson",      "density", "yield",
-      "pressure",  "pressures",   "gravity",  "supports", "hinges",       "loads",   "combinations",
-      "modes",     "buckling",    "shear",    "along",    "sensitivities"};
+      "thickness",    "thicknesses",   "material",
+      "young",        "poisson",       "density",
+      "yield",        "pressure",      "pressures",
+      "gravity",      "supports",      "hinges",
+      "loads",        "combinations",  "modes",
+      "buckling",     "shear_modulus", "material_direction",
+      "sensitivities"};
   return keys;
 }
 
@@ -76,11 +80,11 @@ void read_material(const TomlTable& table, const std::string& unit, SceneStress&
         table.fail("young", "a modulus that is not above 0", "both above 0");
       stress.young = moduli[0];
       stress.young_across = moduli[1];
-      stress.shear = table.positive("shear");
-      stress.along = table.direction("along");
+      stress.shear = table.positive("shear_modulus");
+      stress.along = table.direction("material_direction");
     } else {
       stress.young = table.positive("young");
-      for (const char* key : {"shear", "along"})
+      for (const char* key : {"shear_modulus", "material_direction"})
         if (table.has(key))
           table.fail(key, "'" + std::string(key) + "' of an isotropic material",
                      "young = [along, across] with it");
@@ -91,7 +95,7 @@ void read_material(const TomlTable& table, const std::string& unit, SceneStress&
     stress.density = table.positive("density", 0);
     return;
   }
-  for (const char* key : {"young", "poisson", "density", "shear", "along"})
+  for (const char* key : {"young", "poisson", "density", "shear_modulus", "material_direction"})
     if (table.has(key))
       table.fail(key, "'" + std::string(key) + "' beside 'material'", "one of the two");
   stress.material = table.text("material");
@@ -126,32 +130,35 @@ std::optional<Box3> read_box(const TomlTable& t) {
   return box;
 }
 
-// Reads {foundation = k, region = "…"}, or {spring = [kx, ky, kz]} with a line, a point, or a
-// region.
+// Reads {foundation = k, face = "…"}, or {spring = [kx, ky, kz]} with a curve, a point, or a
+// face.
 void read_elastic(const TomlTable& t, SceneStress::Support& support) {
   support.kind = SceneStress::Support::Kind::Elastic;
-  for (const char* key : {"kind", "directions", "normal", "rotation", "displacement"})
-    if (t.has(key)) t.fail(key, "'" + std::string(key) + "' of springs", "springs without it");
+  for (const char* key : {"type", "directions", "normal", "rotation", "displacement"})
+    if (t.has(key))
+      t.fail(key, "'" + std::string(key) + "' with 'spring' or 'foundation'", "one of them");
   if (t.has("foundation") == t.has("spring"))
-    t.fail("spring", "a foundation and a spring", "one of them");
+    t.fail("spring", "both 'foundation' and 'spring'", "one of them");
   if (t.has("foundation")) {
-    if (t.has("line") || t.has("point"))
-      t.fail("foundation", "a foundation of a line or a point", "a region, or none for all");
+    if (t.has("curve") || t.has("point"))
+      t.fail("foundation", "'foundation' with a curve or a point",
+             "a face, or neither for the whole surface");
     support.foundation = t.positive("foundation");
   } else {
     support.springs = t.vector("spring");
     if (support.springs.minCoeff() < 0 || support.springs.isZero(0))
-      t.fail("spring", "a stiffness below 0, or none", "three numbers from 0 on, one above it");
+      t.fail("spring", "a negative stiffness, or three zeros",
+             "three numbers, 0 or more, at least one above 0");
   }
 }
 
 void read_place(const TomlTable& t, SceneStress::Support& support) {
-  if (t.has("line") + t.has("point") + t.has("region") > 1 || (t.has("point") && t.has("box")))
-    t.fail(t.has("point") ? "point" : "line", "several places",
-           "one of line, point and region; a box with a line or a region, or alone");
-  if (t.has("line")) support.line = {t.text("line"), t.location("line")};
+  if (t.has("curve") + t.has("point") + t.has("face") > 1 || (t.has("point") && t.has("box")))
+    t.fail(t.has("point") ? "point" : "curve", "more than one location",
+           "one of curve, point and face; a box with a curve or a face, or alone");
+  if (t.has("curve")) support.line = {t.text("curve"), t.location("curve")};
   if (t.has("point")) support.point = t.vector("point");
-  if (t.has("region")) support.region = {t.text("region"), t.location("region")};
+  if (t.has("face")) support.region = {t.text("face"), t.location("face")};
   support.box = read_box(t);
 }
 
@@ -164,36 +171,41 @@ SceneStress::Support read_support(const TomlTable& t) {
     read_elastic(t, support);
     return support;
   }
-  if (!t.has("line") && !t.has("point") && !t.has("region") && !t.has("box"))
-    t.fail("line", "a support on nothing",
-           "one of line = \"…\", point = [x, y, z], region = \"…\", box = [[x, y, z], [x, y, z]]");
+  if (!t.has("curve") && !t.has("point") && !t.has("face") && !t.has("box"))
+    t.fail("curve", "a support without a location",
+           "one of curve = \"…\", point = [x, y, z], face = \"…\", box = [[x, y, z], [x, y, z]]");
   const bool directions = t.has("directions");
-  support.kind = t.choice("kind",
+  support.kind = t.choice("type",
                           directions      ? Kind::Prescribed
                           : support.point ? Kind::Pinned
                                           : Kind::Clamped,
                           {{"clamped", Kind::Clamped},
                            {"pinned", Kind::Pinned},
                            {"symmetric", Kind::Symmetric},
-                           {"held", Kind::Prescribed}});
+                           {"prescribed", Kind::Prescribed}});
   if ((support.point && support.kind == Kind::Clamped) ||
       (support.line.text.empty() && support.kind == Kind::Symmetric))
-    t.fail("kind", "\"" + t.text("kind") + "\" without a line", "\"pinned\" or \"held\"");
+    t.fail("type", "\"" + t.text("type") + "\" without a curve", "\"pinned\" or \"prescribed\"");
   if (directions != (support.kind == Kind::Prescribed))
-    t.fail("directions", directions ? "directions of another support" : "a held support without",
-           "kind = \"held\" and directions = [[x, y, z], …]");
+    t.fail("directions",
+           directions ? "'directions' with another type of support"
+                      : "a prescribed support without 'directions'",
+           "type = \"prescribed\" and directions = [[x, y, z], …]");
   if (t.has("normal") != (support.kind == Kind::Symmetric))
-    t.fail("normal", t.has("normal") ? "the normal of no plane" : "a plane without its normal",
-           "kind = \"symmetric\" and normal = [x, y, z]");
+    t.fail("normal",
+           t.has("normal") ? "'normal' with another type of support"
+                           : "a symmetry support without 'normal'",
+           "type = \"symmetric\" and normal = [x, y, z]");
   if (directions) support.directions = t.points("directions");
   if (t.has("normal")) support.directions = {t.direction("normal")};
   for (const Vec3& d : support.directions)
-    if (d.isZero(0)) t.fail("directions", "a direction of length zero", "another");
+    if (d.isZero(0)) t.fail("directions", "a direction of length zero", "a nonzero vector");
   support.rotation =
       t.boolean("rotation", support.kind == Kind::Clamped || support.kind == Kind::Symmetric);
   if (t.has("rotation") && support.line.text.empty())
-    t.fail("rotation", "a rotation without a line",
-           "a line: a point has no direction, and an area that is held does not turn");
+    t.fail("rotation", "'rotation' without a curve",
+           "'rotation' only with 'curve': a point has no edge direction, and a fixed area cannot "
+           "rotate");
   if (t.has("displacement")) support.displacement = t.vector("displacement");
   return support;
 }
@@ -204,37 +216,37 @@ SceneStress::Load read_load(const TomlTable& t) {
   load.location = t.location();
   load.load_case = t.text("case", kDefaultLoadCase);
   const std::vector<std::string> kinds = {"pressure", "force",       "moment",
-                                          "gravity",  "hydrostatic", "area_force"};
+                                          "gravity",  "hydrostatic", "traction"};
   std::vector<std::string> stated;
   for (const std::string& kind : kinds)
     if (t.has(kind)) stated.push_back(kind);
   if (stated.size() != 1)
     t.fail(stated.empty() ? "case" : stated[1],
-           stated.empty() ? "a load without a value" : "two loads in one",
+           stated.empty() ? "a load without a value" : "two types of load in one entry",
            "one of: " + comma_separated(kinds));
   const std::string& kind = stated[0];
   const auto needs = [&](const char* key, bool needed, const std::string& what) {
     if (t.has(key) != needed)
       t.fail(t.has(key) ? key : kind,
              t.has(key) ? "'" + std::string(key) + "' beside '" + kind + "'"
-                        : "'" + kind + "' without a place",
+                        : "'" + kind + "' without a location",
              what);
   };
   const bool at_line = kind == "moment" || (kind == "force" && !t.has("point"));
   const bool at_point = kind == "force" && t.has("point");
-  needs("line", at_line,
-        kind == "moment"  ? "moment = M, line = \"…\""
-        : kind == "force" ? "force = [x, y, z] with point = [x, y, z], or with line = \"…\""
-                          : "no line");
+  needs("curve", at_line,
+        kind == "moment"  ? "moment = M, curve = \"…\""
+        : kind == "force" ? "force = [x, y, z] with point = [x, y, z], or with curve = \"…\""
+                          : "no curve");
   needs("point", at_point, "force = [x, y, z], point = [x, y, z]");
   needs("level", kind == "hydrostatic", "hydrostatic = WEIGHT, level = Z");
-  if (t.has("region") && (at_line || at_point || kind == "gravity"))
-    t.fail("region", "'region' beside '" + kind + "'", "no region");
+  if (t.has("face") && (at_line || at_point || kind == "gravity"))
+    t.fail("face", "'face' beside '" + kind + "'", "no face");
   if (t.has("box") && (at_point || kind == "gravity"))
     t.fail("box", "'box' beside '" + kind + "'", "no box");
   load.box = read_box(t);
-  if (t.has("region")) load.region = {t.text("region"), t.location("region")};
-  if (at_line) load.line = {t.text("line"), t.location("line")};
+  if (t.has("face")) load.region = {t.text("face"), t.location("face")};
+  if (at_line) load.line = {t.text("curve"), t.location("curve")};
   if (at_point) load.point = t.vector("point");
   if (kind == "pressure" || kind == "moment" || kind == "hydrostatic") {
     load.type = kind == "pressure" ? Type::Pressure
@@ -243,10 +255,10 @@ SceneStress::Load read_load(const TomlTable& t) {
     load.value = t.number(kind);
     load.level = t.number("level", 0);
   } else {
-    load.type = kind == "gravity"      ? Type::Gravity
-                : kind == "area_force" ? Type::AreaForce
-                : at_point             ? Type::Point
-                                       : Type::LineForce;
+    load.type = kind == "gravity"    ? Type::Gravity
+                : kind == "traction" ? Type::AreaForce
+                : at_point           ? Type::Point
+                                     : Type::LineForce;
     load.vector = t.vector(kind);
   }
   return load;
@@ -255,13 +267,13 @@ SceneStress::Load read_load(const TomlTable& t) {
 SceneStress::Thickness read_thickness(const TomlTable& t) {
   SceneStress::Thickness thickness;
   thickness.thickness = t.positive("thickness");
-  if (t.has("region")) {
-    thickness.region = {t.text("region"), t.location("region")};
-    for (const char* key : {"near", "paint", "regions"})
-      if (t.has(key)) t.fail(key, "'" + std::string(key) + "' beside 'region'", "one of the two");
+  if (t.has("face")) {
+    thickness.region = {t.text("face"), t.location("face")};
+    for (const char* key : {"near", "paint", "faces"})
+      if (t.has(key)) t.fail(key, "'" + std::string(key) + "' beside 'face'", "one of the two");
   } else if (!t.has("near") && !t.has("paint")) {
-    t.fail("thickness", "a thickness without its place",
-           "one of: region = \"…\"; near = \"…\", radius = R; paint = [{at = […], radius = R}]");
+    t.fail("thickness", "a thickness without a location",
+           "one of: face = \"…\"; near = \"…\", radius = R; paint = [{at = […], radius = R}]");
   }
   thickness.area = read_area(t);
   return thickness;
@@ -279,9 +291,9 @@ void read_short_loads(const TomlTable& table, SceneStress& stress) {
   };
   if (table.has("pressure"))
     add(Load::Type::Pressure, table.location("pressure")).value = table.number("pressure");
-  for (const TomlTable& t : table.tables("pressures", {"region", "pressure"})) {
+  for (const TomlTable& t : table.tables("pressures", {"face", "pressure"})) {
     Load& load = add(Load::Type::Pressure, t.location());
-    load.region = {t.text("region"), t.location("region")};
+    load.region = {t.text("face"), t.location("face")};
     load.value = t.number("pressure");
   }
   if (table.has("gravity"))
@@ -319,23 +331,23 @@ SceneStress read_stress(const TomlTable& table, const std::string& unit) {
   stress.thickness = table.positive("thickness");
   stress.yield = table.positive("yield", 0);
   for (const TomlTable& t :
-       table.tables("thicknesses", {"region", "thickness", "near", "radius", "paint", "regions"}))
+       table.tables("thicknesses", {"face", "thickness", "near", "radius", "paint", "faces"}))
     stress.thicknesses.push_back(read_thickness(t));
   read_short_loads(table, stress);
   for (const TomlTable& t :
        table.tables("loads", {"case", "pressure", "force", "moment", "gravity", "hydrostatic",
-                              "area_force", "region", "line", "point", "level", "box"}))
+                              "traction", "face", "curve", "point", "level", "box"}))
     stress.loads.push_back(read_load(t));
   for (const SceneStress::Load& load : stress.loads)
     if (load.type == SceneStress::Load::Type::Gravity && stress.density == 0)
       table.fail(table.has("gravity") ? "gravity" : "loads", "gravity without 'density'", "both");
   read_combinations(table, stress);
   for (const TomlTable& t :
-       table.tables("supports", {"line", "point", "kind", "directions", "normal", "rotation",
-                                 "displacement", "foundation", "spring", "region", "box"}))
+       table.tables("supports", {"curve", "point", "type", "directions", "normal", "rotation",
+                                 "displacement", "foundation", "spring", "face", "box"}))
     stress.supports.push_back(read_support(t));
   if (stress.supports.empty())
-    table.fail("supports", "no supports", "one or more: supports = [{line = \"…\"}]");
+    table.fail("supports", "no supports", "one or more: supports = [{curve = \"…\"}]");
   stress.hinges = table.names("hinges");
   stress.modes = table.integer("modes", 1, 0);
   if (stress.modes > 0 && stress.density == 0)
@@ -363,10 +375,10 @@ SceneArea read_area(const TomlTable& table) {
       table.fail("paint", "no strokes", "one or more: paint = [{at = […], radius = …}]");
     area.area.where = painted;
   }
-  if (table.has("regions")) {
-    area.regions = table.words("regions");
+  if (table.has("faces")) {
+    area.regions = table.words("faces");
     if (area.regions.empty())
-      table.fail("regions", "no regions", "names: regions = [\"a\", \"b\"]; all without the key");
+      table.fail("faces", "no faces", "names: faces = [\"a\", \"b\"]; without the key, all faces");
   }
   return area;
 }

@@ -364,16 +364,16 @@ void SceneText::set_rotation(const SceneTable& handle, const std::string& number
   Vec3 axis = Vec3::UnitZ();
   for (int i = 0; i < 3; ++i)
     axis[i] = stated["rotate"]["axis"][static_cast<size_t>(i)].value_or(axis[i]);
-  double degrees = stated["rotate"]["degrees"].value_or(0.0);
+  double degrees = stated["rotate"]["angle"].value_or(0.0);
   axis.normalize();
-  if (number == "degrees")
+  if (number == "angle")
     degrees = value;
   else
     set_rotation_component(number.back() - 'x', value, axis, degrees);
   if (rotate.empty() && degrees == 0) return;
   set(handle, "rotate",
       "{ axis = [" + word(axis.x()) + ", " + word(axis.y()) + ", " + word(axis.z()) +
-          "], degrees = " + word(degrees) + " }");
+          "], angle = " + word(degrees) + " }");
 }
 
 // A handle's motion is stored in a list and an inline table; both may be missing.
@@ -402,12 +402,12 @@ bool SceneText::set_of_handle(const std::string& handle, const std::string& numb
 
 void SceneText::set_parameter(const std::string& parameter, double value) {
   for (const SceneTable& table : names_)
-    if (table.name == parameter && (table.kind == "load" || table.kind == "weight" ||
-                                    table.kind == "move" || table.kind == "parameter"))
+    if (table.name == parameter && (table.kind == "load" || table.kind == "stiffness" ||
+                                    table.kind == "offset" || table.kind == "parameter"))
       return set(table, "value", word(value));
   const size_t dot = parameter.rfind('.');
-  const size_t turn = parameter.rfind(".turn.");
-  const size_t last_word = turn == std::string::npos ? dot : turn;
+  const size_t rotation = parameter.rfind(".rotation.");
+  const size_t last_word = rotation == std::string::npos ? dot : rotation;
   if (dot != std::string::npos &&
       set_of_handle(parameter.substr(0, last_word), parameter.substr(last_word + 1), value))
     return;
@@ -462,7 +462,7 @@ std::string SceneText::toml_string_list(const std::vector<std::string>& texts) {
 
 namespace {
 
-constexpr const char* kActing[] = {"load", "weight", "move", "constraint", "parameter"};
+constexpr const char* kActing[] = {"load", "stiffness", "offset", "constraint", "parameter"};
 /// Tables that use the shape without changing it.
 constexpr const char* kMadeOf[] = {"motion", "picture", "sweep", "output",
                                    "stress", "compare", "name"};
@@ -494,11 +494,11 @@ SceneDependencies scene_dependencies(const SceneText& scene) {
   for (const char* kind : kMadeOf) root.erase(kind);
   if (toml::table* skin = root["skin"].as_table()) {
     for (const char* key : {"alpha", "beta"}) erase_number(*skin, key);
-    if (const auto boundary = (*skin)["hold"].value<std::string>())
-      parts.session_parts["skin hold"] = *boundary;  // affects the session only
+    if (const auto boundary = (*skin)["boundary"].value<std::string>())
+      parts.session_parts["skin boundary"] = *boundary;  // affects the session only
   }
   parts.model = to_toml(root);
-  root.erase("skin");
+  for (const char* kind : {"skin", "mesh"}) root.erase(kind);
   parts.lines = to_toml(root);
   return parts;
 }

@@ -91,11 +91,11 @@ class SceneText {
 
 /// The parts of a scene that determine its results, normalised without comments and layout.
 struct SceneDependencies {
-  /// Lines, network and skin: texts with equal `model` have the same model.
+  /// Curves, faces, [skin] and [mesh]: texts with equal `model` have the same model.
   std::string model;
-  /// Like `model`, but without [skin].
+  /// Like `model`, but without [skin] and [mesh].
   std::string lines;
-  /// Each load, weight, move, constraint and [[parameter]], by "KIND NAME" and without its value.
+  /// Each load, stiffness field, offset, constraint and [[parameter]], by "KIND NAME" and without its value.
   /// Texts with equal `session_parts` differ at most in the values of parameters.
   std::map<std::string, std::string> session_parts;
 };

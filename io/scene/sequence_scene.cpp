@@ -2,6 +2,7 @@
 
 #include "batten/core/errors.h"
 #include "batten/io/files/input_file.h"
+#include "batten/io/scene/renamed_keys.h"
 #include "batten/io/scene/scene_parsing.h"
 #include "batten/io/sequences/sequence_writer.h"
 
@@ -57,18 +58,20 @@ KeyframeSpec read_keyframe(const TomlTable& t) {
   KeyframeSpec rule;
   rule.frame = t.integer("frame", 1, 1);
   rule.location = t.location();
-  for (const TomlTable& h : t.tables("handle", {"name", "translate", "rotate", "about", "turn"})) {
+  for (const TomlTable& h :
+       t.tables("handle", {"name", "translate", "rotate", "about", "rotation"})) {
     KeyframeSpec::Move move;
     move.handle = read_string(h, "name");
     if (h.has("translate")) move.translate = h.vector("translate");
-    for (const TomlTable& r : h.table("rotate", {"axis", "degrees"})) {
+    for (const TomlTable& r : h.table("rotate", {"axis", "angle"})) {
       move.axis = r.direction("axis");
-      move.degrees = r.number("degrees");
+      move.degrees = r.number("angle");
     }
     if (h.has("about")) move.about = h.vector("about");
-    move.free_rotation = h.choice("turn", false, {{"told", false}, {"free", true}});
+    move.free_rotation = h.choice("rotation", false, {{"prescribed", false}, {"free", true}});
     if (move.free_rotation && h.has("rotate"))
-      h.fail("rotate", "a rotation of a handle that turns freely", "turn = \"told\" or no rotate");
+      h.fail("rotate", "'rotate' for a handle whose rotation is free",
+             "rotation = \"prescribed\", or no 'rotate'");
     for (const auto& other : rule.moves)
       if (other.handle.text == move.handle.text)
         h.fail("name", "the handle " + quoted_excerpt(move.handle.text) + " twice in a keyframe",
@@ -81,9 +84,9 @@ KeyframeSpec read_keyframe(const TomlTable& t) {
 
 FootContactSearch read_search(const TomlTable& t) {
   FootContactSearch search;
-  for (const TomlTable& s : t.table("found", {"within", "frames"})) {
-    search.max_spread = s.positive("within", search.max_spread);
-    search.frames = s.integer("frames", 1, search.frames);
+  for (const TomlTable& s : t.table("contact_detection", {"distance", "min_frames"})) {
+    search.max_spread = s.positive("distance", search.max_spread);
+    search.frames = s.integer("min_frames", 1, search.frames);
   }
   return search;
 }
@@ -91,11 +94,11 @@ FootContactSearch read_search(const TomlTable& t) {
 SequenceOperation::RootMotion read_root_motion(const TomlTable& t) {
   SequenceOperation::RootMotion step;
   step.cycles = t.integer("cycles", 1, 1);
-  step.along = t.direction("along");
+  step.along = t.direction("direction");
   if (t.has("speed")) step.speed = t.number("speed");
   step.feet = t.names("feet");
   if (step.speed.has_value() != step.feet.empty())
-    t.fail("", "a walk whose speed is told twice or not at all", "one of speed, feet");
+    t.fail("", "the speed given twice or not at all", "one of speed, feet");
   return step;
 }
 
@@ -104,15 +107,15 @@ SequenceOperation::FootContacts read_foot_contacts(const TomlTable& t,
   SequenceOperation::FootContacts step;
   step.feet = t.names("feet");
   if (step.feet.empty()) t.fail("feet", "no names", "handles that stand on the ground");
-  step.unrotated = t.names("upright");
+  step.unrotated = t.names("unrotated");
   step.search = read_search(t);
-  if (t.has("shift")) step.translation = t.vector("shift");
-  for (const TomlTable& g : t.table("terrain", {"file", "clearance", "ground", "turns"})) {
+  if (t.has("translate")) step.translation = t.vector("translate");
+  for (const TomlTable& g : t.table("terrain", {"file", "clearance", "ground", "rotate"})) {
     step.terrain = folder / g.text("file");
     step.terrain_location = g.location("file");
     if (g.has("clearance")) step.clearance = g.number("clearance");
     step.ground = g.number("ground", 0);
-    step.rotations = g.boolean("turns", false);
+    step.rotations = g.boolean("rotate", false);
   }
   return step;
 }
@@ -122,15 +125,15 @@ SequenceOperation::Path read_path(const TomlTable& t) {
   step.through = t.points("through");
   if (step.through.size() < 2)
     t.fail("through", std::to_string(step.through.size()) + " points", "two or more");
-  step.spans = t.integer("spans", 0, 0);
+  step.spans = t.integer("segments", 0, 0);
   step.lengths =
       t.choice("lengths", PathLengths::Absolute,
                {{"absolute", PathLengths::Absolute}, {"normalised", PathLengths::Normalised}});
   step.feet = t.names("feet");
-  step.unrotated = t.names("upright");
+  step.unrotated = t.names("unrotated");
   if (step.feet.empty() && !step.unrotated.empty())
-    t.fail("upright", "handles without feet",
-           "feet = […] too: without these all goes along as it is");
+    t.fail("unrotated", "'unrotated' without 'feet'",
+           "both: without feet the whole mesh follows the path rigidly");
   step.search = read_search(t);
   return step;
 }
@@ -164,10 +167,10 @@ SequenceOperation::Mix read_mix(const TomlTable& t, const std::filesystem::path&
                                                         ? read_string(p, "from")
                                                         : LocatedString{"", p.location()}});
   if (step.pairs.empty()) t.fail("pair", "no pairs", "pair = [{ handle = …, from = … }]");
-  step.rotations = t.boolean("turns", true);
+  step.rotations = t.boolean("rotations", true);
   using Align = SequenceOperation::Mix::Align;
   step.align = t.choice("align", Align::All,
-                        {{"all", Align::All}, {"each", Align::Each}, {"shift", Align::Shift}});
+                        {{"all", Align::All}, {"each", Align::Each}, {"translate", Align::Shift}});
   return step;
 }
 
@@ -189,8 +192,8 @@ SequenceOperation::Morph read_morph(const TomlTable& t, const std::filesystem::p
   for (const TomlTable& a : t.table("align", {"translate", "rotate"})) {
     RigidMotion motion;
     if (a.has("translate")) motion.translation = a.vector("translate");
-    for (const TomlTable& r : a.table("rotate", {"axis", "degrees"}))
-      motion.rotation = Eigen::AngleAxisd(r.number("degrees") * EIGEN_PI / 180, r.direction("axis"))
+    for (const TomlTable& r : a.table("rotate", {"axis", "angle"}))
+      motion.rotation = Eigen::AngleAxisd(r.number("angle") * EIGEN_PI / 180, r.direction("axis"))
                             .toRotationMatrix();
     step.options.alignment = motion;
   }
@@ -202,17 +205,18 @@ SequenceOperation::Morph read_morph(const TomlTable& t, const std::filesystem::p
 /// Keys of each kind of step, in addition to the common keys.
 const std::vector<std::pair<std::string, std::vector<std::string>>> kKinds{
     {"keyframes", {"keyframe"}},
-    {"travel", {"cycles", "along", "speed", "feet"}},
-    {"footprints", {"feet", "found", "upright", "shift", "terrain"}},
-    {"path", {"through", "spans", "lengths", "feet", "found", "upright"}},
-    {"filter", {"filter", "handles", "sigma", "amount", "feet", "found"}},
-    {"mix", {"source", "pair", "turns", "align"}},
+    {"root_motion", {"cycles", "direction", "speed", "feet"}},
+    {"foot_plants", {"feet", "contact_detection", "unrotated", "translate", "terrain"}},
+    {"path", {"through", "segments", "lengths", "feet", "contact_detection", "unrotated"}},
+    {"filter", {"filter", "handles", "sigma", "amount", "feet", "contact_detection"}},
+    {"mix", {"source", "pair", "rotations", "align"}},
     {"morph", {"target", "interval", "frames", "align", "landmark"}}};
 
 /// Keys of steps that solve for handle positions.
-const std::vector<std::string> kHoldingKeys{"fixed",     "weights",      "rounds", "tolerance",
-                                            "start",     "trajectories", "ends",   "rounds_between",
-                                            "influence", "softness",     "volume", "every"};
+const std::vector<std::string> kHoldingKeys{
+    "fixed",     "weights",      "iterations",      "tolerance",
+    "start",     "trajectories", "extrapolation",   "iterations_between",
+    "influence", "penalty",      "preserve_volume", "keyframe_interval"};
 
 void read_step_options(const TomlTable& t, SequenceOperation& step) {
   SequenceEditOptions& o = step.options;
@@ -220,7 +224,7 @@ void read_step_options(const TomlTable& t, SequenceOperation& step) {
   using Weights = FrameOptions::Weights;
   o.frames.weights = t.choice("weights", Weights::Uniform,
                               {{"uniform", Weights::Uniform}, {"cotangent", Weights::Cotangent}});
-  o.frames.max_iterations = t.integer("rounds", 1, o.frames.max_iterations);
+  o.frames.max_iterations = t.integer("iterations", 1, o.frames.max_iterations);
   o.frames.tolerance = t.positive("tolerance", o.frames.tolerance);
   using Start = SequenceEditOptions::Start;
   o.start = t.choice("start", Start::Handles,
@@ -230,50 +234,50 @@ void read_step_options(const TomlTable& t, SequenceOperation& step) {
   using Smoothness = TrajectoryOptions::Smoothness;
   o.trajectories =
       t.choice("trajectories", Smoothness::Smooth,
-               {{"smooth", Smoothness::Smooth}, {"paper", Smoothness::PiecewiseLinear}});
+               {{"smooth", Smoothness::Smooth}, {"piecewise_linear", Smoothness::PiecewiseLinear}});
   o.ends =
-      t.choice("ends", KeyframeExtrapolation::None,
+      t.choice("extrapolation", KeyframeExtrapolation::None,
                {{"none", KeyframeExtrapolation::None}, {"linear", KeyframeExtrapolation::Linear}});
-  o.iterations_between = t.integer("rounds_between", 0, 0);
+  o.iterations_between = t.integer("iterations_between", 0, 0);
   if (t.has("influence")) {
     const auto [from, to] = frame_range(t, "influence");
     o.influence = {from - 1, to - 1};
   }
-  if (t.has("softness")) step.penalty_weight = t.positive("softness");
-  step.preserve_volume = t.boolean("volume", false);
-  step.keyframe_interval = t.integer("every", 1, 1);
+  if (t.has("penalty")) step.penalty_weight = t.positive("penalty");
+  step.preserve_volume = t.boolean("preserve_volume", false);
+  step.keyframe_interval = t.integer("keyframe_interval", 1, 1);
 }
 
 /// Rejects options that would have no effect in this kind of step.
 void refuse_options(const TomlTable& t, const std::string& kind, const SequenceOperation& step) {
   const auto* path = std::get_if<SequenceOperation::Path>(&step.what);
-  const bool holds = !(kind == "travel" || kind == "morph" || (path && path->feet.empty()));
+  const bool holds = !(kind == "root_motion" || kind == "morph" || (path && path->feet.empty()));
   for (const auto& key : kHoldingKeys)
     if (t.has(key) && !holds)
       t.fail(key,
-             "key '" + key + "' in a step that holds no handles" +
-                 (path ? ": a path without feet" : " ('" + kind + "')"),
-             "it in steps that do");
-  if (t.has("every") && kind == "keyframes")
-    t.fail("every", "key 'every' in a step of the kind 'keyframes'",
-           "it where all frames say where handles are");
+             "key '" + key + "' in an operation without handles" +
+                 (path ? " (a path without 'feet')" : " ('" + kind + "')"),
+             "it only in operations that move handles");
+  if (t.has("keyframe_interval") && kind == "keyframes")
+    t.fail("keyframe_interval", "key 'keyframe_interval' in an operation of type 'keyframes'",
+           "it only in operations that prescribe handles in all frames");
 }
 
 SequenceOperation read_step(const std::string& kind, const TomlTable& t,
                             const std::filesystem::path& folder, size_t index) {
   SequenceOperation step;
-  step.name = t.text("name", "step-" + std::to_string(index + 1));
+  step.name = t.text("name", "operation-" + std::to_string(index + 1));
   step.location = t.location();
   read_step_options(t, step);
   if (kind == "keyframes") {
     SequenceOperation::Keyframes what;
     for (const TomlTable& k : t.tables("keyframe", {"frame", "handle"}))
       what.keys.push_back(read_keyframe(k));
-    if (what.keys.empty()) t.fail("", "no keyframes", "[[step.keyframe]]");
+    if (what.keys.empty()) t.fail("", "no keyframes", "[[operation.keyframe]]");
     step.what = std::move(what);
-  } else if (kind == "travel") {
+  } else if (kind == "root_motion") {
     step.what = read_root_motion(t);
-  } else if (kind == "footprints") {
+  } else if (kind == "foot_plants") {
     step.what = read_foot_contacts(t, folder);
   } else if (kind == "path") {
     step.what = read_path(t);
@@ -289,23 +293,23 @@ SequenceOperation read_step(const std::string& kind, const TomlTable& t,
 }
 
 void read_steps(const TomlTable& root, const std::filesystem::path& folder, SequenceScene& scene) {
-  const std::vector<std::string> common = with({"name", "kind"}, kHoldingKeys);
+  const std::vector<std::string> common = with({"name", "type"}, kHoldingKeys);
   std::vector<std::string> all = common, names;
   for (const auto& [kind, keys] : kKinds) {
     names.push_back(kind);
     for (const auto& key : keys)
       if (std::find(all.begin(), all.end(), key) == all.end()) all.push_back(key);
   }
-  UniqueNames steps("step");
-  for (const TomlTable& t : root.tables("step", all)) {
-    const std::string kind = t.text("kind");
+  UniqueNames steps("operation");
+  for (const TomlTable& t : root.tables("operation", all)) {
+    const std::string kind = t.text("type");
     const auto known = std::find(names.begin(), names.end(), kind);
-    if (known == names.end()) t.fail("kind", quoted_excerpt(kind), expected_one_of(kind, names));
+    if (known == names.end()) t.fail("type", quoted_excerpt(kind), expected_one_of(kind, names));
     const auto& own = kKinds[known - names.begin()].second;
     for (const auto& key : all)
       if (t.has(key) && std::find(common.begin(), common.end(), key) == common.end() &&
           std::find(own.begin(), own.end(), key) == own.end())
-        t.fail(key, "key '" + key + "' in a step of the kind '" + kind + "'",
+        t.fail(key, "key '" + key + "' in an operation of type '" + kind + "'",
                "one of: " + comma_separated(with(common, own)));
     scene.steps.push_back(read_step(kind, t, folder, scene.steps.size()));
     steps.add(t, "name", scene.steps.back().name);
@@ -332,9 +336,10 @@ SequencePicture sequence_picture(const TomlTable& t, UniqueNames& files) {
 }
 
 SequenceScene sequence_scene(const toml::table& root_table, const std::filesystem::path& file) {
+  refuse_renamed_keys(root_table, SceneKind::Sequence, file.string());
   const TomlTable root(file.string(), root_table, "the scene",
                        {"name", "unit", "sequence", "up", "proposals", "select", "cut", "handle",
-                        "feature", "features", "step", "output", "picture"});
+                        "feature", "features", "operation", "output", "picture"});
   const std::filesystem::path folder = file.parent_path();
   SequenceScene scene;
   scene.file = file;
@@ -381,7 +386,7 @@ bool is_sequence_scene(const std::filesystem::path& file) {
 }
 
 SequenceScene parse_sequence_scene(const std::string& text, const std::filesystem::path& file) {
-  return sequence_scene(parse_toml(text, file, "edits of a sequence ([sequence], [[step]] …)"),
+  return sequence_scene(parse_toml(text, file, "edits of a sequence ([sequence], [[operation]] …)"),
                         file);
 }
 

@@ -55,7 +55,7 @@ struct FootContactSearch {
   int frames = 3;
 };
 
-/// One [[step]]; it operates on the result of the previous step.
+/// One [[operation]]; it operates on the result of the previous step.
 struct SequenceOperation {
   std::string name;
   SourceLocation location;

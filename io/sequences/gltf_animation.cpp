@@ -59,7 +59,7 @@ GltfNodes::GltfNodes(const GltfDocument& document) {
     if (nodes[n].parent < 0) order.push_back(n);
   for (size_t i = 0; i < order.size(); ++i)
     order.insert(order.end(), children[order[i]].begin(), children[order[i]].end());
-  if (isize(order) < count) document.fail("found nodes that are their own ancestors");
+  if (isize(order) < count) document.fail("found a cycle of nodes, expected a tree");
 }
 
 std::vector<int> GltfNodes::shown(const GltfDocument& document) const {

@@ -152,7 +152,7 @@ void GltfDocument::read_glb(const std::string& bytes) {
     if (length > bytes.size() - at - 8)
       fail(size + std::to_string(at + 8 + length) + " for a part of " + std::to_string(length));
     if (at == 12) {
-      if (kind != kJsonChunk) fail("found another part of the GLB first, expected its JSON");
+      if (kind != kJsonChunk) fail("found another chunk of the GLB first, expected its JSON chunk");
       const std::string_view json = std::string_view(bytes).substr(at + 8, length);
       check_nesting_depth(json, path_.string());
       root_ = Json::parse(json, nullptr, false);
@@ -170,7 +170,7 @@ void GltfDocument::require_extensions() const {
     if (!extension.is_string() || !harmless(extension.get<std::string>()))
       fail("this scene needs the extension " +
            (extension.is_string() ? extension.get<std::string>() : "?") +
-           ", which is not read: export it without");
+           ", which is not supported: export it without");
 }
 
 void GltfDocument::read_buffers() {
@@ -213,7 +213,8 @@ const Json& GltfDocument::item(const char* kind, long index) const {
     fail("found the number " + std::to_string(index) + " for one of " +
          std::to_string(count(kind)) + " " + kind);
   const Json& found = root_[kind][static_cast<size_t>(index)];
-  if (!found.is_object()) fail(std::string("found something else in ") + kind + ", expected {…}");
+  if (!found.is_object())
+    fail(std::string("found another kind of value in ") + kind + ", expected {…}");
   return found;
 }
 

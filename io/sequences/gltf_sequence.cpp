@@ -91,7 +91,7 @@ GltfSurface::GltfSurface(const GltfDocument& document, const GltfNodes& nodes)
   skins_.resize(static_cast<size_t>(document.count("skins")));
   for (const int node : nodes.shown(document))
     if (nodes.nodes[node].mesh >= 0) add(node);
-  if (triangles_.empty()) document.fail("found no triangles in the scene, expected some");
+  if (triangles_.empty()) document.fail("found no triangles in the scene, expected at least one");
 }
 
 const GltfSurface::Skin& GltfSurface::skin(int index) {
@@ -132,7 +132,7 @@ void GltfSurface::add(int node) {
 }
 
 void GltfSurface::add_primitive(const Json& primitive, Part part, const std::string& what) {
-  if (!primitive.is_object()) document_.fail("found something else as " + what);
+  if (!primitive.is_object()) document_.fail("found another kind of value as " + what);
   const long mode = document_.integer(primitive, "mode", kTriangles);
   if (mode < kTriangles || mode > kFan) return;  // points and lines
   const Json& attributes = member(primitive, "attributes");
@@ -142,7 +142,7 @@ void GltfSurface::add_primitive(const Json& primitive, Part part, const std::str
     if (name == "KHR_draco_mesh_compression" &&
         (position < 0 || !document_.item("accessors", position).contains("bufferView")))
       document_.fail(what + " is compressed with " + name +
-                     ", which is not read: export it without");
+                     ", which is not supported: export it without");
   if (position < 0) document_.fail("found no POSITION in " + what);
   part.base = points_of(document_, position, -1, what);
   if (primitive.contains("targets"))
@@ -327,7 +327,7 @@ std::vector<double> sample_times(const std::vector<double>& keys, double rate,
                                  const GltfDocument& document) {
   if (rate == 0) return keys;
   if (!(rate > 0) || !std::isfinite(rate))
-    document.fail("found " + format_number(rate) + " frames a second, expected a rate above 0");
+    document.fail("found " + format_number(rate) + " frames per second, expected a rate above 0");
   // Times are stored in single precision: tolerate its rounding, so that the last frame is not
   // lost.
   const double begin = keys.front(), end = keys.back(),

@@ -75,7 +75,7 @@ NumberedName series_in(const fs::path& folder) {
   if (found.size() == 1) return series.at((folder / found.front()).string()).front();
   if (found.empty())
     throw InputError(folder.string() +
-                     ": found no numbered mesh files in this folder, expected some");
+                     ": found no numbered mesh files in this folder, expected at least one");
   throw InputError(folder.string() + ": found " + std::to_string(found.size()) +
                    " series of files, " + comma_separated(found) + "; name one of them");
 }
@@ -122,7 +122,8 @@ std::optional<NumberedName> pattern_of(const fs::path& path) {
     ++end;
   }
   result.suffix = name.substr(end);
-  if (result.suffix.find_first_of("*%") != std::string::npos) refuse("several places for a number");
+  if (result.suffix.find_first_of("*%") != std::string::npos)
+    refuse("several patterns for a number");
   return result;
 }
 
@@ -133,9 +134,10 @@ std::vector<NumberedFile> numbered_files(const fs::path& path, std::string& name
     series = series_in(path);
   } else if (fs::exists(path, ignored) || !(series = pattern_of(path))) {
     if (!MeshFile::can_read(path))
-      throw InputError(path.string() +
-                       ": expected a folder, a pattern as walk_*.obj, a mesh file, .pvd, .pc2, "
-                       ".mdd, .gltf, .glb or .frd");
+      throw InputError(
+          path.string() +
+          ": expected a folder, a pattern such as walk_*.obj, a mesh file, .pvd, .pc2, "
+          ".mdd, .gltf, .glb or .frd");
     series = name_around(path);
     if (!series || !fs::exists(path, ignored)) {
       name = path.string();
@@ -230,8 +232,8 @@ Points points_by_corners(const ShellMesh& mesh, const fs::path& file, const Shel
       const double apart = (points.row(node) - position).norm();
       if (apart > kWeldTolerance * size)
         throw InputError(file.string() + ": node " + std::to_string(node) + " of the first file (" +
-                         first_file.filename().string() + ") lies at two places, " +
-                         format_number(apart) + " apart: at a corner of triangle " +
+                         first_file.filename().string() + ") has two positions, " +
+                         format_number(apart) + " apart: as a corner of triangle " +
                          std::to_string(found[node]) + " and of triangle " + std::to_string(f));
     }
   return points;
@@ -326,7 +328,7 @@ std::vector<TimedFile> files_of_pvd(const fs::path& path) {
     if (!files.empty() && !(value > files.back().time))
       throw InputError(name + ": found the timestep " + format_number(value) + " in " + which +
                        " after " + format_number(files.back().time) +
-                       ", expected ascending ones: of one part, one file a time");
+                       ", expected ascending timesteps with one file each");
     files.push_back({path.parent_path() / file, value});
   }
   return files;

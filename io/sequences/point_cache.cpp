@@ -44,7 +44,7 @@ fs::path mesh_beside(const fs::path& cache) {
   if (first) return first->path;
   if (meshes.size() == 1) return meshes.front();
   throw InputError(cache.string() + ": found " + format_count(isize(meshes), "mesh file") +
-                   " beside this point cache and none named " + stem +
+                   " next to this point cache and none named " + stem +
                    ", expected a mesh with its faces");
 }
 
@@ -68,7 +68,7 @@ void require_size(const fs::path& path, const CacheHeader& header, std::uintmax_
                                                 static_cast<std::uintmax_t>(header.frames) * 12;
   if (header.points < 1 || header.frames < 1)
     throw InputError(path.string() + ": found " + std::to_string(header.frames) + " frames of " +
-                     std::to_string(header.points) + " points, expected some");
+                     std::to_string(header.points) + " points, expected at least one of each");
   if (size != expected || static_cast<std::uintmax_t>(header.points) > size ||
       static_cast<std::uintmax_t>(header.frames) > size)
     throw InputError(path.string() + ": found " + std::to_string(size) + " bytes, expected " +
@@ -187,7 +187,7 @@ PointCacheWriter::PointCacheWriter(const fs::path& path, PointCacheFormat format
       if (std::abs(times[k] - (times.front() + static_cast<double>(k) * rate)) > 1e-3 * rate)
         throw InputError(path.string() + ": found the time " + format_number(times[k]) +
                          " of frame " + std::to_string(k + 1) +
-                         ", expected evenly spaced times, as PC2 has no others (MDD has)");
+                         ", expected uniform times (PC2; MDD stores any times)");
     bytes_ = kMagic;
     append_uint32(bytes_, 1);
     append_uint32(bytes_, static_cast<std::uint32_t>(points));

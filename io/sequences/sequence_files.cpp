@@ -52,7 +52,7 @@ Skin skin_of(const FrdMesh& mesh, const std::string& name) {
     throw InputError(name + ": " + error.what());
   }
   if (faces.empty())
-    throw InputError(name + ": found no solids or shells with faces, expected some");
+    throw InputError(name + ": found no solids or shells with faces, expected at least one");
   std::vector<int> number(mesh.labels.size(), -1);
   for (const FrdFace& face : faces)
     for (const int node : face.nodes) number[node] = 0;

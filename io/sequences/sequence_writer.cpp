@@ -218,7 +218,7 @@ std::vector<std::array<int, 3>> triangles_of(const ShellMesh& shells) {
 }
 
 void require_times(const fs::path& path, const std::vector<double>& times) {
-  if (times.empty()) throw InputError(path.string() + ": found no frames, expected some");
+  if (times.empty()) throw InputError(path.string() + ": found no frames, expected at least one");
   for (size_t k = 0; k < times.size(); ++k)
     if (!std::isfinite(times[k]) || (k > 0 && !(times[k] > times[k - 1])))
       throw InputError(path.string() + ": found the time " + format_number(times[k]) +
@@ -230,7 +230,7 @@ void make_folder(const fs::path& folder) {
   std::error_code error;
   if (folder.empty() || fs::is_directory(folder, error)) return;
   fs::create_directory(folder, error);
-  if (error) throw FileError(folder.string() + ": cannot make this folder: " + error.message());
+  if (error) throw FileError(folder.string() + ": cannot create this folder: " + error.message());
 }
 
 }  // namespace
@@ -350,13 +350,14 @@ void SequenceWriter::check_name(const fs::path& path) {
       throw InputError(path.string() + ": found numbered files '" + extension +
                        "', expected .obj, .off, .ply, .stl, .vtp or .vtu");
   } else if (numbered.contains(extension)) {
-    throw InputError(path.string() +
-                     ": found one file for all frames, expected a place for their numbers, as " +
-                     path.stem().string() + "_*" + extension);
+    throw InputError(
+        path.string() +
+        ": found one file for all frames, expected a pattern for their numbers, such as " +
+        path.stem().string() + "_*" + extension);
   } else if (!single.contains(extension)) {
     throw InputError(
         path.string() + ": found the extension '" + path.extension().string() +
-        "', expected numbered files as walk_*.obj, a folder, .pvd, .pc2, .mdd or .glb");
+        "', expected numbered files such as walk_*.obj, a folder, .pvd, .pc2, .mdd or .glb");
   }
 }
 

@@ -78,9 +78,9 @@ void parameter_on_line(FaceBoundarySegment& whole, const StepPlan& common,
                        const std::string& region) {
   const auto found = common.lines.find(whole.line);
   if (found == common.lines.end())
-    throw InputError("region '" + region +
-                     "': found a boundary line without a name, expected one where regions have "
-                     "lines in common");
+    throw InputError("face '" + region +
+                     "': found a boundary curve without a name, expected a name for curves that "
+                     "faces share");
   const HermiteCurve& line = *found->second.curve;
   whole.reversed = direction_along(whole.curve, line, common.distance) < 0;
   // A region that fitted the line itself has another parametrisation.
@@ -100,7 +100,7 @@ FaceLoop loop_of(const SkinnedRegion& region, const std::vector<BoundarySegment>
     if (!(std::abs(whole.curve.start() - whole.pcurve.start()) +
               std::abs(whole.curve.end() - whole.pcurve.end()) <=
           1e-9 * (whole.curve.end() - whole.curve.start())))
-      throw InputError("region '" + region.name + "': a boundary curve runs from " +
+      throw InputError("face '" + region.name + "': a boundary curve runs from " +
                        format_number(whole.curve.start()) + " to " +
                        format_number(whole.curve.end()) + ", its image in (u, v) from " +
                        format_number(whole.pcurve.start()) + " to " +
@@ -199,10 +199,10 @@ FaceBoundary::FaceBoundary(const SkinnedRegion& region, const StepPlan* common,
                            AnnulusBoundary boundary_cut)
     : period(region.surface.mesh().period()) {
   if (region.boundary.empty() || (period > 0 && region.boundary.size() < 2))
-    throw InputError("region '" + region.name + "': no boundary loops; expected an outline");
+    throw InputError("face '" + region.name + "': found no boundary loops; expected an outline");
   for (const auto& pieces : region.boundary) {
     if (pieces.empty())
-      throw InputError("region '" + region.name + "': a boundary loop without lines");
+      throw InputError("face '" + region.name + "': found a boundary loop without curves");
     loops.push_back(loop_of(region, pieces, common));
   }
   std::vector<FaceLoop> whole = loops;
@@ -254,9 +254,9 @@ void FaceBoundary::unroll(const std::string& name) {
   };
   if (winding(loops[1]) > 0) std::swap(loops[0], loops[1]);
   if (std::abs(winding(loops[0]) - 1) + std::abs(winding(loops[1]) + 1) > 1e-6)
-    throw InputError("region '" + name + "': the two rims of a ring run " +
+    throw InputError("face '" + name + "': the two boundary loops of an annular face wind " +
                      format_number(winding(loops[0])) + " and " + format_number(winding(loops[1])) +
-                     " times around it; expected once each, with the ring to their left");
+                     " times around it; expected once each, with the face to their left");
   constexpr int tries = 64;
   for (int k = 0; k < tries; ++k) {
     seam = start + period * k / tries;
@@ -280,8 +280,9 @@ void FaceBoundary::unroll(const std::string& name) {
     loops = std::move(moved);
     return;
   }
-  throw InputError("region '" + name +
-                   "': no straight seam from rim to rim of the ring is free of holes");
+  throw InputError(
+      "face '" + name +
+      "': found holes on every straight seam of an annular face; expected a seam without holes");
 }
 
 void cut_lines(StepPlan& plan, const std::vector<const SkinnedRegion*>& regions,

@@ -96,7 +96,8 @@ Handle(Geom_BSplineCurve)
                               first, last, tolerance);
   constexpr int max_segments = 10'000, degree = 8;
   found.Perform(max_segments, degree, GeomAbs_C1, true);
-  if (!found.HasResult()) throw Error("STEP: OpenCASCADE finds no curve along a face's rim");
+  if (!found.HasResult())
+    throw Error("STEP: OpenCASCADE finds no curve along the boundary of a face");
   const Handle(Geom_BSplineCurve) curve = found.Curve3d();
   curve->Translate(gp_Pnt(), location);
   return curve;
@@ -524,7 +525,8 @@ TopoDS_Edge FaceMaker::analytic_seam(const TopoDS_Vertex& a, const TopoDS_Vertex
   Handle(Geom_Curve) line = around_u ? surface_->UIso(from.x()) : surface_->VIso(from.y());
   const double low = around_u ? from.y() : from.x();
   if (!(to > low))
-    throw Error("region '" + region_.name + "': the rims of its face are in the wrong order");
+    throw Error("face '" + region_.name +
+                "': the boundary loops of its STEP face are in the wrong order");
   const Vec3 p = from_occ(BRep_Tool::Pnt(a)), q = from_occ(BRep_Tool::Pnt(b));
   const Vec3 off_p = p - from_occ(line->Value(low)), off_q = q - from_occ(line->Value(to));
   double first = low, last = to, tolerance = std::max(off_p.norm(), off_q.norm());

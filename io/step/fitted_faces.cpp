@@ -177,8 +177,8 @@ void check_options(const std::filesystem::path& path, const StepFaceOptions& opt
                      format_number(options.join_deg) + " degrees; expected one above 0");
   if (options.max_poles < 16 || options.max_poles_total < 256)
     throw InputError(path.string() + ": found a limit of " + std::to_string(options.max_poles) +
-                     " poles in a direction and " + std::to_string(options.max_poles_total) +
-                     " in all; expected 16 and 256 or more");
+                     " poles per direction and " + std::to_string(options.max_poles_total) +
+                     " in total; expected 16 and 256 or more");
 }
 
 FittedFaces fitted_faces(const std::vector<const SkinnedRegion*>& regions, const StepPlan& plan,

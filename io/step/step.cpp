@@ -24,7 +24,8 @@
 namespace batten {
 namespace {
 
-constexpr const char* kFace = "expected step_form = \"face\", which makes one face of each region";
+constexpr const char* kFace =
+    "expected step_form = \"face\", which writes one fitted STEP face per face";
 
 bool is_cut(const SkinnedRegion& region) { return region.surface.trim() != nullptr; }
 
@@ -63,17 +64,17 @@ void check_exact(const std::vector<const SkinnedRegion*>& regions, bool z12_as_h
   }
   if (!regions.empty() && std::all_of(regions.begin(), regions.end(),
                                       [](const SkinnedRegion* r) { return is_cut(*r); }))
-    throw InputError("STEP: found regions that embedded lines cut, " + cut +
-                     ", and no other: cut triangles have no exact STEP form; " + kFace);
+    throw InputError("STEP: found only faces that are trimmed by embedded curves, " + cut +
+                     ", whose trimmed triangles have no exact STEP form; " + kFace);
   for (const SkinnedRegion* region : regions) {
     if (is_cut(*region)) continue;
     for (const EmbeddedLine& embedded : region->embedded)
       if (const auto aligned_line = edge_aligned.find(embedded.line.name);
           aligned_line != edge_aligned.end() && !embedded.line.name.empty())
-        throw InputError("STEP: found the line '" + embedded.line.name + "' of region '" +
-                         aligned_line->second + "' embedded in region '" + region->name +
-                         "': element edges do not follow it there, so that the two have no edges "
-                         "in common; " +
+        throw InputError("STEP: found the curve '" + embedded.line.name + "' of face '" +
+                         aligned_line->second + "' embedded in face '" + region->name +
+                         "': element edges do not follow it there, so that the two faces share no "
+                         "edges; " +
                          kFace);
   }
 }
@@ -159,7 +160,7 @@ std::string step_size_warning(const std::vector<const SkinnedRegion*>& regions) 
   if (triangles <= max_triangles) return "";
   return "the exact STEP file has " + std::to_string(3 * triangles) + " faces and about " +
          std::to_string(std::lround(3 * triangles * bytes_per_face / 1e6)) +
-         " MB: fewer, larger elements make a smaller one";
+         " MB; larger elements reduce its size";
 }
 
 StepReport write_step(const std::filesystem::path& path,

@@ -31,10 +31,10 @@ class Planner {
  public:
   Planner(const std::vector<const SkinnedRegion*>& regions, double unit_in_metres)
       : regions_(regions) {
-    if (regions.empty()) throw InputError("STEP: no region to write");
+    if (regions.empty()) throw InputError("STEP: found no face to write, expected at least one");
     for (const SkinnedRegion* region : regions) {
       if (!region->surface.dofs().allFinite())
-        throw InputError("STEP: region '" + region->name + "' has dofs that are not finite");
+        throw InputError("STEP: face '" + region->name + "' has coordinates that are not finite");
       for (const EdgeAlignedLine& aligned_line : region->edge_aligned)
         extend_box(aligned_line.fitted);
       for (const EmbeddedLine& line : region->embedded) extend_box(line.fitted);
@@ -68,7 +68,7 @@ class Planner {
     if (size * unit_in_metres > most_metres)
       throw InputError("STEP: found a surface of size " + format_number(size) +
                        ", expected at most " + format_number(most_metres / unit_in_metres) +
-                       " (20 km; is the unit right?)");
+                       " (20 km; check the length unit)");
   }
 
   void extend_box(const HermiteCurve& curve) {
@@ -109,9 +109,9 @@ class Planner {
     plan_.joined = true;
     if (const int orientation = direction_along(curve, *it->second.curve, plan_.distance))
       return orientation;
-    throw InputError("STEP: regions '" + regions_[sides_[name].front().region]->name + "' and '" +
-                     regions_[r]->name + "' have a line '" + name +
-                     "' each; expected the same curve, or two names");
+    throw InputError("STEP: faces '" + regions_[sides_[name].front().region]->name + "' and '" +
+                     regions_[r]->name + "' have different curves named '" + name +
+                     "'; expected one curve, or two names");
   }
 
   void find_end_points() {
@@ -153,9 +153,9 @@ class Planner {
     if (branching || one_sided) {
       if (group.size() > 1)
         plan_.warnings.push_back(
-            std::string("regions that hang together ") +
-            (branching ? "meet three and more at a line" : "have no outside in common") +
-            ": they are a shell each, with edges of its own");
+            std::string("connected faces ") +
+            (branching ? "with more than two faces at an edge" : "without a common orientation") +
+            " are written as separate shells without shared edges");
       for (size_t k = 0; k < group.size(); ++k)
         plan_.shells.push_back({{start + static_cast<int>(k)}});
       return;

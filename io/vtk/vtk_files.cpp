@@ -34,17 +34,17 @@ namespace fs = std::filesystem;
 namespace {
 
 void check(const std::vector<const SkinnedRegion*>& regions, const VtkOptions& options) {
-  if (regions.empty()) throw InputError("there is no region to write");
+  if (regions.empty()) throw InputError("found no face to write, expected at least one");
   if (options.references.empty()) return;
   if (options.references.size() != regions.size())
     throw InputError("found " + std::to_string(options.references.size()) +
                      " reference surfaces, expected one for each of the " +
-                     std::to_string(regions.size()) + " regions");
+                     std::to_string(regions.size()) + " faces");
   for (size_t r = 0; r < regions.size(); ++r) {
     const ParametricMesh &a = regions[r]->surface.mesh(), &b = options.references[r]->mesh();
     if (a.vertices() != b.vertices() || a.triangles() != b.triangles())
-      throw InputError("region '" + regions[r]->name +
-                       "': the surface that displacements are measured from has another mesh");
+      throw InputError("face '" + regions[r]->name +
+                       "': found a reference surface with another mesh, expected the same mesh");
   }
 }
 
@@ -361,7 +361,7 @@ std::string escaped(const std::string& text) {
 }  // namespace
 
 void write_pvd(const std::filesystem::path& path, const std::vector<SeriesFile>& files) {
-  if (files.empty()) throw InputError(path.string() + ": found no files, expected a series");
+  if (files.empty()) throw InputError(path.string() + ": found no files, expected at least one");
   for (size_t i = 0; i < files.size(); ++i) {
     if (!std::isfinite(files[i].value))
       throw InputError(path.string() + ": found the value " + format_number(files[i].value) +

@@ -34,13 +34,13 @@ class LaplaceSolver {
   void solve_in_place(MatX& b, const MatX& guess) const {
     if (factored_) return factor_.solve_in_place(b);
     const MatX x = gradients_.solveWithGuess(b, guess);
-    if (gradients_.info() != Eigen::Success) fail("the iteration did not settle");
+    if (gradients_.info() != Eigen::Success) fail("the iteration did not converge");
     b = x;
   }
 
  private:
   [[noreturn]] static void fail(const std::string& why) {
-    throw NoSolutionError("what hangs on the shells: " + why);
+    throw NoSolutionError("elements attached to the shells: " + why);
   }
   const SparseMatrix& K_;
   SparseCholesky factor_;

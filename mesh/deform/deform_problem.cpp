@@ -16,8 +16,8 @@ void check_vertices(const std::string& what, const std::vector<int>& vertices, i
     throw InputError(what + " has no vertices, expected at least one");
   for (const int v : vertices)
     if (v < 0 || v >= count)
-      throw InputError(what + " names vertex " + std::to_string(v) + " of " +
-                       std::to_string(count));
+      throw InputError(what + ": found vertex " + std::to_string(v) + ", expected 0 to " +
+                       std::to_string(count - 1));
 }
 
 void check_combination(const std::string& what, const VertexCombination& c, int count) {
@@ -68,9 +68,9 @@ void check(const DeformProblem& problem, int count) {
   std::set<std::pair<std::string, std::string>> names;  // a feature and a handle may have the same
                                                         // name
   const auto check_name = [&](const std::string& kind, const std::string& name) {
-    if (name.empty()) throw InputError("found a " + kind + " without name");
+    if (name.empty()) throw InputError("found a " + kind + " without a name");
     if (!names.insert({kind, name}).second)
-      throw InputError("the " + kind + " '" + name + "' is there twice, expected different names");
+      throw InputError("found two " + kind + "s named '" + name + "', expected unique names");
   };
   check_vertices("the fixed region", problem.fixed, count, true);
   if (problem.region) check_vertices("the region of interest", *problem.region, count);
@@ -83,20 +83,21 @@ void check(const DeformProblem& problem, int count) {
     check_vertices("feature '" + f.name + "'", f.vertices, count);
   }
   for (const auto& g : problem.point_constraints) {
-    check_name("guided point", g.name);
-    check_combination("guided point '" + g.name + "'", g.point, count);
+    check_name("point constraint", g.name);
+    check_combination("point constraint '" + g.name + "'", g.point, count);
     const double sum = g.point.sum();
     if (!(std::abs(sum - 1) < 1e-9 || std::abs(sum) < 1e-9))
-      throw InputError("the coefficients of guided point '" + g.name + "' sum to " +
+      throw InputError("the coefficients of point constraint '" + g.name + "' sum to " +
                        format_number(sum) + ", expected 1, or 0 for a vector");
     if (!g.direction.allFinite() || !(g.direction.norm() > 0))
-      throw InputError("guided point '" + g.name + "' has no direction");
+      throw InputError("the direction of point constraint '" + g.name +
+                       "' has length 0 or is not finite");
   }
   for (const auto& group : problem.shared_rotations)
     for (const int f : group)
       if (f < 0 || f >= isize(problem.features))
-        throw InputError("features that turn alike name feature " + std::to_string(f) + " of " +
-                         std::to_string(problem.features.size()));
+        throw InputError("shared rotations: found feature " + std::to_string(f) +
+                         ", expected 0 to " + std::to_string(problem.features.size() - 1));
   for (const auto& c : problem.chains) {
     check_name("chain", c.name);
     check_vertices("chain '" + c.name + "'", c.vertices, count);
@@ -108,17 +109,18 @@ void check(const DeformProblem& problem, int count) {
                        ", expected a width above 0");
   }
   for (const auto& r : problem.rows) {
-    check_name("row", r.name);
-    check_combination("row '" + r.name + "'", r.combination, count);
-    if (r.rotates_with != -1) check_vertices("row '" + r.name + "'", {r.rotates_with}, count);
+    check_name("linear constraint", r.name);
+    check_combination("linear constraint '" + r.name + "'", r.combination, count);
+    if (r.rotates_with != -1)
+      check_vertices("linear constraint '" + r.name + "'", {r.rotates_with}, count);
     if (!(r.target.array().abs() < 1e100).all())
-      throw InputError("row '" + r.name + "' has a target that is not finite");
+      throw InputError("linear constraint '" + r.name + "' has a target that is not finite");
     if (r.weight && !(*r.weight > 0 && std::isfinite(*r.weight)))
-      throw InputError("row '" + r.name + "' has weight " + format_number(*r.weight) +
-                       ", expected a weight above 0, or none for a hard row");
+      throw InputError("linear constraint '" + r.name + "' has weight " + format_number(*r.weight) +
+                       ", expected a weight above 0, or none for a hard constraint");
   }
   if (problem.fixed.empty() && problem.handles.empty() && !problem.region)
-    throw InputError("nothing is fixed and there is no handle, expected one of them");
+    throw InputError("found no fixed nodes and no handles, expected one of them");
 }
 
 void check(const DeformProblem& problem, const DeformEdit& edit) {
@@ -129,18 +131,20 @@ void check(const DeformProblem& problem, const DeformEdit& edit) {
   };
   // The squares of larger numbers would overflow.
   const auto is_usable = [](const Vec3& v) { return (v.array().abs() < 1e100).all(); };
-  count("moves of handles", edit.handles.size(), problem.handles.size());
+  count("transformations of handles", edit.handles.size(), problem.handles.size());
   if (!edit.feature_scales.empty())
     count("scales of features", edit.feature_scales.size(), problem.features.size());
   if (!edit.constraint_origins.empty())
-    count("guides", edit.constraint_origins.size(), problem.point_constraints.size());
+    count("origins of point constraints", edit.constraint_origins.size(),
+          problem.point_constraints.size());
   if (!edit.targets.empty()) count("targets", edit.targets.size(), problem.rows.size());
   for (size_t h = 0; h < edit.handles.size(); ++h) {
     const HandleTransform& m = edit.handles[h];
     if (!is_usable(m.about) || !is_usable(m.rotation_vector) || !is_usable(m.translation) ||
         !(m.scale < 1e100) || !(m.scale > 0))
-      throw InputError("the move of handle '" + problem.handles[h].name +
-                       "' has a number that is not finite, above 1e100, or a scale not above 0");
+      throw InputError("the transformation of handle '" + problem.handles[h].name +
+                       "' has a value that is not finite or above 1e100, or a scale that is not "
+                       "above 0");
   }
   for (size_t f = 0; f < edit.feature_scales.size(); ++f)
     if (!(edit.feature_scales[f] > 0) || !(edit.feature_scales[f] < 1e100))
@@ -148,10 +152,12 @@ void check(const DeformProblem& problem, const DeformEdit& edit) {
                        format_number(edit.feature_scales[f]) + ", expected a number above 0");
   for (size_t k = 0; k < edit.constraint_origins.size(); ++k)
     if (!is_usable(edit.constraint_origins[k]))
-      throw InputError("the guide of '" + problem.point_constraints[k].name + "' is not finite");
+      throw InputError("the origin of point constraint '" + problem.point_constraints[k].name +
+                       "' is not finite");
   for (size_t k = 0; k < edit.targets.size(); ++k)
     if (!is_usable(edit.targets[k]))
-      throw InputError("the target of row '" + problem.rows[k].name + "' is not finite");
+      throw InputError("the target of linear constraint '" + problem.rows[k].name +
+                       "' is not finite");
 }
 
 }  // namespace batten

@@ -155,7 +155,7 @@ void DeformSystem::find_constrained(const MeshTopology& topology, const DeformPr
   }
   if (const auto left = std::count(unconnected.begin(), unconnected.end(), 1); left > 0)
     notes.push_back(std::to_string(left) + (left == 1 ? " part" : " parts") +
-                    " of the mesh with nothing fixed and no handle stay where they are");
+                    " of the mesh without fixed nodes and handles (not moved)");
 }
 
 void DeformSystem::number_dofs(const MeshTopology& topology, const DeformProblem& problem) {
@@ -309,7 +309,7 @@ void DeformSystem::add_chain(const CharacterChain& chain, DeformProblem::Weighti
     const size_t before = (k + n - 1) % n, after = (k + 1) % n;
     const double l0 = (at(k) - at(before)).norm(), l1 = (at(after) - at(k)).norm();
     if (!(l0 > 0 && l1 > 0))
-      throw InputError("chain '" + chain.name + "' has neighbours at one place, around vertex " +
+      throw InputError("chain '" + chain.name + "' has coincident neighbours at vertex " +
                        std::to_string(v[k]));
     const double a = (l0 + l1) / 2;
     const double w = weighting == DeformProblem::Weighting::Area ? std::sqrt(chain.width / a)
@@ -334,8 +334,9 @@ void DeformSystem::add_hard_rows(const MeshTopology& topology, const DeformProbl
     if (dof[v] >= 0) fix_vertex("fixed", v, Value::Kind::Fixed, -1);
   for (const int v : vertex)
     if (constrained_by[v] == kOutside || constrained_by[v] == kUnconnected)
-      fix_vertex(constrained_by[v] == kOutside ? "outside the region" : "a part that nothing holds",
-                 v, Value::Kind::Fixed, -1);
+      fix_vertex(
+          constrained_by[v] == kOutside ? "outside the region of interest" : "unconstrained part",
+          v, Value::Kind::Fixed, -1);
   for (size_t h = 0; h < problem.handles.size(); ++h)
     for (const int v : sorted_unique(problem.handles[h].vertices))
       if (dof[v] >= 0)
@@ -372,9 +373,9 @@ void DeformSystem::add_hard_rows(const MeshTopology& topology, const DeformProbl
     if (constrained_by[v] == kFree && feature_of_[v] < 0) {
       const std::vector<ConstraintSet::Entry> one_place{{dof[v], 1.0},
                                                         {dof[topology.node_of(v)], -1.0}};
-      positions.add("sheets at a joint", one_place, Vec3::Zero());
+      positions.add("non-manifold edge", one_place, Vec3::Zero());
       values.push_back({Value::Kind::CoincidentVertices, -1, -1, -1});
-      rotations.add("sheets at a joint", one_place, Vec3::Zero());
+      rotations.add("non-manifold edge", one_place, Vec3::Zero());
       rotated_by.push_back(-1);
     }
   for (size_t r = 0; r < problem.rows.size(); ++r) {

@@ -296,7 +296,7 @@ const Points& FormFeatureData::solve(const DeformEdit& edit) {
     coupling.apply(y, g);
   }
   if (!y.allFinite() || !positions.d0().allFinite())
-    throw NoSolutionError("the edit leads to positions that are not finite");
+    throw NoSolutionError("the edit results in positions that are not finite");
   expand(edit);
   last_valid_q.swap(q);
   last = edit;
@@ -306,7 +306,7 @@ const Points& FormFeatureData::solve(const DeformEdit& edit) {
 
 double FormFeatureDeformer::correct() {
   FormFeatureData& d = *data_;
-  if (!d.can_correct) throw InputError("there is no edit to correct, expected deform() before");
+  if (!d.can_correct) throw InputError("correct() without an edit: call deform() first");
   if (d.positions.free_count() == 0 || d.size == 0) return 0;
   // Residual b - A x, computed with the accuracy of the original rows.
   d.start_residual();
@@ -453,7 +453,7 @@ void FormFeatureData::check_estimate(const ShapeEstimate& e) const {
   if (!e.known.empty())
     fits("known vertices", e.known.size(), static_cast<size_t>(mesh.vertex_count()));
   if (!e.feature_rotations.empty())
-    fits("turns of features", e.feature_rotations.size(), problem.features.size());
+    fits("rotations of features", e.feature_rotations.size(), problem.features.size());
   if (!e.positions.allFinite()) throw InputError("the estimate has a position that is not finite");
 }
 
@@ -548,8 +548,7 @@ void RotationField::solve_weights(const DeformSystem& system, const TriangleMesh
   const SparseMatrix reduced = reduction_.reduce(L);
   SparseCholesky factor;
   factor.analyze(reduced);
-  if (!factor.factorize(reduced))
-    throw NoSolutionError("the field of rotations: " + factor.message());
+  if (!factor.factorize(reduced)) throw NoSolutionError("the rotation field: " + factor.message());
   MatX load = reduction_.D().transpose() * MatX(L.selfadjointView<Eigen::Lower>() * -weights_);
   factor.solve_in_place(load);
   weights_.noalias() += reduction_.D() * load;
@@ -568,7 +567,7 @@ void RotationField::evaluate(const DeformSystem& system, const DeformEdit& edit,
       std::vector<ConflictError::Conflict> conflicts = e.conflicts();
       for (auto& c : conflicts) {
         c.amount *= 180 / std::numbers::pi;
-        c.unit = " degrees of turn";
+        c.unit = " degrees of rotation";
       }
       throw ConflictError(std::move(conflicts));
     }
@@ -604,7 +603,7 @@ void RotationField::factorize_free(const DeformSystem& system, const TriangleMes
     rest.setFromTriplets(entries.begin(), entries.end());
     free_factor_.analyze(rest);
     if (!free_factor_.factorize(rest))
-      throw NoSolutionError("the field of rotations: " + free_factor_.message());
+      throw NoSolutionError("the rotation field: " + free_factor_.message());
   }
   prescribed_ = std::move(prescribed);
 }

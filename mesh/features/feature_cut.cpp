@@ -44,14 +44,13 @@ class FeatureCutter {
 
  private:
   void mark_band(const std::vector<int>& band) {
-    if (band.empty()) throw InputError("the band has no triangles");
+    if (band.empty()) throw InputError("the band has no triangles, expected one or more");
     band_number_.assign(topology_.triangle_count(), -1);
     part_.assign(topology_.triangle_count(), -1);
     for (const int t : band) {
       if (t < 0 || t >= topology_.triangle_count())
-        throw InputError("triangle " + std::to_string(t) +
-                         " of the band does not exist: there are " +
-                         std::to_string(topology_.triangle_count()));
+        throw InputError("found triangle " + std::to_string(t) + " of the band, expected 0 to " +
+                         std::to_string(topology_.triangle_count() - 1));
       part_[t] = kBandPart;
     }
     for (int t = 0; t < topology_.triangle_count(); ++t)
@@ -63,9 +62,8 @@ class FeatureCutter {
     for (const int t : band_)
       if (component_of(t) != component_)
         throw InputError(
-            "the band lies in several parts of the mesh that are not connected, "
-            "expected one: triangles " +
-            std::to_string(band_.front()) + " and " + std::to_string(t));
+            "triangles " + std::to_string(band_.front()) + " and " + std::to_string(t) +
+            " of the band lie in parts of the mesh that are not connected, expected one part");
   }
 
   int component_of(int triangle) const {
@@ -95,8 +93,10 @@ class FeatureCutter {
       }
     }
     if (sizes.size() == 2) return;
-    if (sizes.empty()) throw InputError("the band covers everything, expected 2 parts beside it");
-    std::string what = "the band leaves " + std::to_string(sizes.size());
+    if (sizes.empty())
+      throw InputError(
+          "the band covers the whole part of the mesh, expected it to separate 2 parts");
+    std::string what = "the band separates " + std::to_string(sizes.size());
     what += sizes.size() == 1 ? " part" : " parts";
     constexpr size_t named = 8;
     for (size_t i = 0; i < std::min(sizes.size(), named); ++i) {
@@ -117,14 +117,15 @@ class FeatureCutter {
   int part_with(int vertex) const {
     const std::string name = "vertex " + std::to_string(vertex);
     if (vertex >= topology_.vertex_count())
-      throw InputError(name + " of the feature does not exist: there are " +
-                       std::to_string(topology_.vertex_count()));
+      throw InputError("found " + name + " of the feature, expected 0 to " +
+                       std::to_string(topology_.vertex_count() - 1));
     bool found[3] = {};
     for (const int t : topology_.triangles_of(vertex))
       if (part_[t] > 0) found[part_[t]] = true;
     if (found[1] == found[2])
       throw InputError(
-          name + (found[1] ? " lies on both sides of the band" : " lies on no side of the band") +
+          name +
+          (found[1] ? " lies on both sides of the band" : " lies on neither side of the band") +
           ", expected on the feature's side");
     return found[1] ? 1 : 2;
   }
@@ -175,10 +176,10 @@ void check_stroke(const TriangleMesh& mesh, const std::string& name,
   if (stroke.empty()) throw InputError(name + " has no vertices, expected at least one");
   for (const int v : stroke) {
     if (v < 0 || v >= mesh.vertex_count())
-      throw InputError(name + " names vertex " + std::to_string(v) + " of " +
-                       std::to_string(mesh.vertex_count()));
+      throw InputError(name + ": found vertex " + std::to_string(v) + ", expected 0 to " +
+                       std::to_string(mesh.vertex_count() - 1));
     if (mesh.topology().component()[v] < 0)
-      throw InputError(name + " names vertex " + std::to_string(v) + ", which has no triangles");
+      throw InputError(name + ": vertex " + std::to_string(v) + " belongs to no triangle");
   }
 }
 
@@ -192,7 +193,7 @@ std::vector<int> marked(const TriangleMesh& mesh, const std::vector<int>& inside
       if (component[v] != component[inside[0]])
         throw InputError("vertices " + std::to_string(inside[0]) + " and " + std::to_string(v) +
                          " of the strokes lie in parts of the mesh that are not connected, "
-                         "expected one");
+                         "expected one part");
   std::vector<int> in = inside;
   std::sort(in.begin(), in.end());
   for (const int v : outside)

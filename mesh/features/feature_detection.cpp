@@ -60,7 +60,7 @@ class FeatureDetector {
   FeatureDetector(const TriangleMesh& mesh, const FeatureDetectionOptions& options)
       : mesh_(mesh), topology_(mesh.topology()), options_(options) {
     if (!(options.crease_degrees > 0 && options.crease_degrees < 180))
-      throw InputError("crease angle " + format_number(options.crease_degrees) +
+      throw InputError("found a crease angle of " + format_number(options.crease_degrees) +
                        " degrees, expected more than 0 and less than 180");
     find_creases();
     find_outer_loops();
@@ -359,8 +359,8 @@ HoleMeasure measure_hole(const Points& points, const std::vector<int>& loop,
   Points p(n, 3);
   for (int i = 0; i < n; ++i) {
     if (loop[i] < 0 || loop[i] >= points.rows())
-      throw InputError("vertex " + std::to_string(loop[i]) +
-                       " of a hole does not exist: there are " + std::to_string(points.rows()));
+      throw InputError("found vertex " + std::to_string(loop[i]) + " of a hole, expected 0 to " +
+                       std::to_string(points.rows() - 1));
     p.row(i) = points.row(loop[i]);
   }
   if (!p.allFinite()) throw InputError("a hole has a coordinate that is not finite");

@@ -13,8 +13,8 @@ namespace {
 
 void check_angle(double degrees, const char* what) {
   if (!(degrees > 0) || !(degrees < 180))
-    throw InputError(std::string(what) + " of " + std::to_string(degrees) +
-                     ", expected degrees between 0 and 180");
+    throw InputError(std::string("found ") + what + " of " + format_number(degrees) +
+                     " degrees, expected more than 0 and less than 180");
 }
 
 double cosine(double degrees) { return std::cos(degrees * std::numbers::pi / 180); }

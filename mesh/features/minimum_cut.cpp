@@ -92,7 +92,7 @@ std::vector<double> cut_capacities(const TriangleMesh& mesh, const std::vector<i
 void check(const CutOptions& options) {
   for (const double eta : {options.concave, options.convex})
     if (!(eta >= 0) || !std::isfinite(eta))
-      throw InputError("weight " + format_number(eta) + " of a bend, expected 0 or more");
+      throw InputError("found the bend weight " + format_number(eta) + ", expected 0 or more");
 }
 
 }  // namespace batten

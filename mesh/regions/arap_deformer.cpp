@@ -24,7 +24,8 @@ void add_gradients(const TriangleMesh& mesh, ArapEnergy& rows) {
     const Vec3 across = (b - a).cross(c - a);
     const double double_area = across.norm();
     if (!(double_area > 0))
-      throw InputError("triangle " + std::to_string(t) + " has no area, expected some");
+      throw InputError("triangle " + std::to_string(t) +
+                       " has no area, expected triangles with an area");
     const Vec3 n = across / double_area, first = (b - a).normalized(), second = n.cross(first);
     const Vec3 slope[3] = {n.cross(c - b) / double_area, n.cross(a - c) / double_area,
                            n.cross(b - a) / double_area};
@@ -64,8 +65,8 @@ const ArapOptions& checked(const ArapOptions& options) {
   if (options.max_iterations < 1 || !(options.tolerance >= 0) || !(options.smoothing >= 0) ||
       !std::isfinite(options.smoothing))
     throw InputError(
-        "options of the nonlinear deformer: " + std::to_string(options.max_iterations) +
-        " rounds, tolerance " + format_number(options.tolerance) + ", smoothing " +
+        "ARAP deformer: found max_iterations = " + std::to_string(options.max_iterations) +
+        ", tolerance = " + format_number(options.tolerance) + ", smoothing = " +
         format_number(options.smoothing) + ", expected 1 or more, 0 or more, 0 or more");
   return options;
 }
@@ -79,10 +80,9 @@ struct ArapDeformer::Data {
 
 ArapDeformer::ArapDeformer(const TriangleMesh& mesh, std::vector<int> fixed,
                            std::vector<Handle> handles, const ArapOptions& options)
-    : data_(new Data{
-          checked(options),
-          LocalGlobalSolver(mesh, handle_problem(std::move(fixed), std::move(handles)),
-                            rows_of(mesh, options.smoothing), "the nonlinear deformer")}) {}
+    : data_(new Data{checked(options),
+                     LocalGlobalSolver(mesh, handle_problem(std::move(fixed), std::move(handles)),
+                                       rows_of(mesh, options.smoothing), "ARAP deformer")}) {}
 ArapDeformer::~ArapDeformer() = default;
 ArapDeformer::ArapDeformer(ArapDeformer&&) noexcept = default;
 ArapDeformer& ArapDeformer::operator=(ArapDeformer&&) noexcept = default;

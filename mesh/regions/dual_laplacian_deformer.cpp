@@ -44,10 +44,11 @@ const DualLaplacianOptions& checked(const DualLaplacianOptions& options) {
   if (options.max_iterations < 1 || !(options.tolerance >= 0) || !(options.membrane > 0) ||
       !std::isfinite(options.membrane) || !(options.checkerboard_penalty >= 0) ||
       !std::isfinite(options.checkerboard_penalty))
-    throw InputError("options of the dual Laplacian: " + std::to_string(options.max_iterations) +
-                     " rounds, tolerance " + format_number(options.tolerance) + ", membrane " +
-                     format_number(options.membrane) + ", primal " +
-                     format_number(options.checkerboard_penalty) +
+    throw InputError("dual Laplacian deformer: found max_iterations = " +
+                     std::to_string(options.max_iterations) +
+                     ", tolerance = " + format_number(options.tolerance) +
+                     ", membrane = " + format_number(options.membrane) +
+                     ", checkerboard_penalty = " + format_number(options.checkerboard_penalty) +
                      ", expected 1 or more, 0 or more, above 0, 0 or more");
   return options;
 }
@@ -74,7 +75,7 @@ DualLaplacianDeformer::DualLaplacianDeformer(const TriangleMesh& mesh,
           LocalGlobalSolver(mesh, handle_problem(std::move(fixed), std::move(handles)),
                             dual_laplacian_energy(mesh, faces.empty() ? faces_of(mesh) : faces,
                                                   row_options(options)),
-                            "the dual Laplacian")}) {}
+                            "dual Laplacian deformer")}) {}
 DualLaplacianDeformer::~DualLaplacianDeformer() = default;
 DualLaplacianDeformer::DualLaplacianDeformer(DualLaplacianDeformer&&) noexcept = default;
 DualLaplacianDeformer& DualLaplacianDeformer::operator=(DualLaplacianDeformer&&) noexcept = default;
@@ -110,9 +111,10 @@ void check_faces(const Faces& faces, int vertex_count) {
     for (size_t k = 0; k < corners.size(); ++k) {
       const std::string corner = "vertex " + std::to_string(corners[k]);
       if (corners[k] < 0 || corners[k] >= vertex_count)
-        throw InputError(name + " names " + corner + " of " + std::to_string(vertex_count));
+        throw InputError(name + " uses " + corner + ", expected 0 to " +
+                         std::to_string(vertex_count - 1));
       if (k > 0 && corners[k] == corners[k - 1])
-        throw InputError(name + " has " + corner + " twice, expected different corners");
+        throw InputError(name + " has " + corner + " twice, expected distinct corners");
     }
   }
 }
@@ -354,8 +356,9 @@ Faces face_adjacency(const Faces& faces, int vertex_count) {
     const Side &a = sides[i], &b = sides[i + 1];
     if (a.edge != b.edge) continue;
     if (i + 2 < sides.size() && sides[i + 2].edge == a.edge)
-      throw InputError("the edge of vertices " + std::to_string(a.edge[0]) + " and " +
-                       std::to_string(a.edge[1]) + " has more than two faces, expected two");
+      throw InputError("the edge between vertices " + std::to_string(a.edge[0]) + " and " +
+                       std::to_string(a.edge[1]) +
+                       " has more than two faces, expected at most two");
     across[a.face][a.number] = b.face;
     across[b.face][b.number] = a.face;
   }

@@ -84,12 +84,13 @@ using Lists = std::vector<std::vector<int>>;
 
 void check_rotation(const std::string& name, const Mat3& R) {
   if (!((R.transpose() * R - Mat3::Identity()).norm() < 1e-9) || !(R.determinant() > 0))
-    throw InputError("the rotation of region '" + name + "' is none, expected RᵀR = 1, det R = 1");
+    throw InputError("the rotation of feature region '" + name +
+                     "' is not a rotation matrix, expected RᵀR = 1, det R = 1");
 }
 
 void check_scale(const std::string& name, double scale) {
   if (!(scale > 0) || !(scale < 1e100))
-    throw InputError("the scale of region '" + name + "' is " + format_number(scale) +
+    throw InputError("the scale of feature region '" + name + "' is " + format_number(scale) +
                      ", expected a number above 0");
 }
 
@@ -97,9 +98,10 @@ std::vector<std::string> checked_names(const std::vector<FeatureRegion>& regions
   std::set<std::string> names;
   std::vector<std::string> list;
   for (const auto& region : regions) {
-    if (region.name.empty()) throw InputError("found a region without name");
+    if (region.name.empty()) throw InputError("found a feature region without a name");
     if (!names.insert(region.name).second)
-      throw InputError("the region '" + region.name + "' is there twice, expected different names");
+      throw InputError("found two feature regions named '" + region.name +
+                       "', expected unique names");
     if (region.rotation) check_rotation(region.name, *region.rotation);
     check_scale(region.name, region.scale);
     list.push_back(region.name);
@@ -389,7 +391,7 @@ void FeatureRegionSystem::factorize() {
   if (positions_.free_count() > 0) {
     const SparseMatrix N = normal_matrix(B_, reduced);
     factor_.analyze(N);
-    if (!factor_.factorize(N)) throw NoSolutionError("the feature regions: " + factor_.message());
+    if (!factor_.factorize(N)) throw NoSolutionError("feature regions: " + factor_.message());
   }
   rhs_ = MatX::Zero(static_cast<long>(system_.values.size()), 3);
   load_ = MatX::Zero(positions_.free_count(), 3);
@@ -442,7 +444,7 @@ void FeatureRegionSystem::solve_positions(const DeformEdit& edit, Points& result
     }
   });
   if (B_.cols() > 0) factor_.solve_in_place(load_);
-  if (!load_.allFinite()) throw NoSolutionError("the feature regions: positions are not finite");
+  if (!load_.allFinite()) throw NoSolutionError("feature regions: positions are not finite");
   x_.noalias() = positions_.D() * load_;
   x_ += d0;
   for (long v = 0; v < points_.rows(); ++v) {
@@ -481,12 +483,12 @@ std::vector<std::vector<int>> components_of_mask(const TriangleMesh& mesh,
 }
 
 std::vector<int> faces_of(const TriangleMesh& mesh, const FeatureRegion& region) {
-  const std::string name = "region '" + region.name + "'";
+  const std::string name = "feature region '" + region.name + "'";
   const auto in_range = [&](const std::vector<int>& numbers, const char* what, int count) {
     for (const int i : numbers)
       if (i < 0 || i >= count)
-        throw InputError(name + " names " + what + " " + std::to_string(i) + " of " +
-                         std::to_string(count));
+        throw InputError(name + ": found " + what + " " + std::to_string(i) + ", expected 0 to " +
+                         std::to_string(count - 1));
   };
   in_range(region.faces, "triangle", mesh.triangle_count());
   if (region.faces.empty()) in_range(region.vertices, "vertex", mesh.vertex_count());

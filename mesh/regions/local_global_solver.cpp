@@ -69,12 +69,12 @@ LocalGlobalSolver::Constraints LocalGlobalSolver::collect_constraints(const Mesh
   std::vector<int> unconnected;
   for (int v = 0; v < n; ++v)
     if (!is_anchored[parts.find(v)]) unconnected.push_back(v);
-  add("a part that nothing holds", unconnected, -1);
+  add("unconstrained part", unconnected, -1);
   std::vector<char> is_constrained(n, 0);
   for (const int v : constraints.vertex) is_constrained[v] = 1;
   for (int v = topology.node_count(); v < n; ++v)
     if (!is_constrained[v])
-      constraints.rows.add("sheets at a joint", {{v, 1.0}, {topology.node_of(v), -1.0}},
+      constraints.rows.add("non-manifold edge", {{v, 1.0}, {topology.node_of(v), -1.0}},
                            Vec3::Zero());
   return constraints;
 }
@@ -383,7 +383,7 @@ const Points& LocalGlobalSolver::deform(std::span<const HandleTransform> moves, 
   edit_.handles.assign(moves.begin(), moves.end());
   check(problem_, edit_);
   if (guess && (guess->rows() != points_.rows() || !guess->allFinite()))
-    throw InputError(error_prefix_ + ": the first guess has " + std::to_string(guess->rows()) +
+    throw InputError(error_prefix_ + ": the initial guess has " + std::to_string(guess->rows()) +
                      " points, expected " + std::to_string(points_.rows()) + " finite ones");
   set_constraint_rhs();
   start(guess);

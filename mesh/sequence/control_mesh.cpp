@@ -56,7 +56,7 @@ bool add_triangle(const Eigen::Matrix<double, Eigen::Dynamic, 3>& u, const VecX&
 
 MatX mean_value_coordinates(const TriangleMesh& control, const Points& points) {
   if (!control.topology().boundary_loops().empty() || control.triangle_count() == 0)
-    throw InputError("a control mesh has to be closed");
+    throw InputError("the control mesh has free edges, expected a closed mesh");
   const int m = control.vertex_count();
   const double size = control.size();
   MatX W(points.rows(), m);
@@ -86,7 +86,7 @@ ControlMeshTransfer::ControlMeshTransfer(const TriangleMesh& mesh, const Points&
     : mesh_(mesh), links_(control.rows()) {
   const auto n = static_cast<int>(W.rows());
   if (W.cols() != control.rows() || n > mesh.vertex_count() || near < 1)
-    throw InputError("coordinates of another control mesh");
+    throw InputError("the mean value coordinates belong to a different control mesh");
   std::vector<int> order(n);
   for (int d = 0; d < W.cols(); ++d) {
     std::iota(order.begin(), order.end(), 0);
@@ -103,7 +103,7 @@ ControlMeshTransfer::ControlMeshTransfer(const TriangleMesh& mesh, const Points&
 
 Points ControlMeshTransfer::at(const Points& frame) const {
   if (frame.rows() != mesh_.topology().node_count())
-    throw InputError("a frame of " + std::to_string(frame.rows()) + " nodes, expected " +
+    throw InputError("found a frame of " + std::to_string(frame.rows()) + " nodes, expected " +
                      std::to_string(mesh_.topology().node_count()));
   std::vector<Mat3> rotations(frame.rows());
   for (const int v : nodes_) {

@@ -42,10 +42,10 @@ TriangleMesh as_mesh(const Surface& wrap) {
 TriangleMesh control_mesh(const TriangleMesh& mesh, const ControlMeshOptions& options) {
   if (options.vertices < 20 || options.vertices > 2000 ||
       !(options.distance >= 0.001 && options.distance <= 0.5))
-    throw InputError("a control mesh of " + std::to_string(options.vertices) + " vertices at " +
-                     std::to_string(options.distance) +
+    throw InputError("control mesh: found " + std::to_string(options.vertices) +
+                     " vertices and a distance of " + std::to_string(options.distance) +
                      " of the size, expected 20 to 2000 and 0.001 to 0.5");
-  if (mesh.triangle_count() == 0) throw InputError("a control mesh around no triangles");
+  if (mesh.triangle_count() == 0) throw InputError("control mesh: the mesh has no triangles");
   std::vector<Kernel::Point_3> points;
   for (int v = 0; v < mesh.vertex_count(); ++v) {
     const Vec3 p = mesh.point(v);
@@ -66,7 +66,8 @@ TriangleMesh control_mesh(const TriangleMesh& mesh, const ControlMeshOptions& op
     alpha *= std::clamp(std::sqrt(ratio), 0.6, 2.0);
   }
   throw NoSolutionError("no closed mesh of about " + std::to_string(options.vertices) +
-                        " vertices was found around the mesh: ask for more, or farther away");
+                        " vertices was found around the mesh; use more vertices or a larger "
+                        "distance");
 }
 
 }  // namespace batten

@@ -4,7 +4,7 @@
 namespace batten {
 
 TriangleMesh control_mesh(const TriangleMesh&, const ControlMeshOptions&) {
-  throw InputError("a control mesh is made by CGAL, which this build is without: give one");
+  throw InputError("Batten was built without CGAL and cannot create a control mesh; provide one");
 }
 
 }  // namespace batten

@@ -96,20 +96,20 @@ struct FrameSolverData {
 
 void FrameSolverData::begin(const Points& frame, const FrameTargets& given) {
   if (frame.rows() != graph.nodes || !frame.allFinite())
-    throw InputError("a frame of " + std::to_string(frame.rows()) + " nodes, expected " +
+    throw InputError("found a frame of " + std::to_string(frame.rows()) + " nodes, expected " +
                      std::to_string(graph.nodes) + " with finite coordinates");
   if (given.handles.size() != constraints.handles.size())
-    throw InputError(std::to_string(given.handles.size()) + " places of handles, expected " +
-                     std::to_string(constraints.handles.size()));
+    throw InputError("found poses of " + std::to_string(given.handles.size()) +
+                     " handles, expected " + std::to_string(constraints.handles.size()));
   if (!given.constraint_origins.empty() &&
       given.constraint_origins.size() != constraints.point_constraints.size())
-    throw InputError(std::to_string(given.constraint_origins.size()) +
-                     " points of guides, expected " +
+    throw InputError("found " + std::to_string(given.constraint_origins.size()) +
+                     " origins of point constraints, expected " +
                      std::to_string(constraints.point_constraints.size()));
   for (const auto& pose : given.handles)
     if (!pose.motion.rotation.allFinite() ||
         !(pose.motion.translation.cwiseAbs().maxCoeff() < 1e100))
-      throw InputError("a place of a handle is not finite, or above 1e100");
+      throw InputError("the pose of a handle is not finite, or above 1e100");
   rest = frame;
   targets = given;
   for (const auto& s : unknowns.shared) {
@@ -160,8 +160,8 @@ void FrameSolverData::init_part_rotations() {
 
 void FrameSolverData::start_from(const Points& start) {
   if (start.rows() != graph.nodes || !start.allFinite())
-    throw InputError("the start has " + std::to_string(start.rows()) + " points, expected " +
-                     std::to_string(graph.nodes) + " finite ones");
+    throw InputError("the initial guess has " + std::to_string(start.rows()) +
+                     " points, expected " + std::to_string(graph.nodes) + " finite ones");
   const RowPoints at = start;
   std::fill(shape.rotations.begin(), shape.rotations.end(), Mat3::Identity());
   local_step(graph, rest, at, {}, shape.rotations, chunk_sums);
@@ -196,7 +196,8 @@ void FrameSolver::alternate(const Points& frame, const FrameTargets& targets, co
 }
 
 bool FrameSolver::iterate(int iterations) {
-  if (!data_->begun) throw InputError("a frame that was not begun cannot go on");
+  if (!data_->begun)
+    throw InputError("iterate() without a frame: call alternate() or reconstruct() first");
   data_->iterations(data_->report.iterations + iterations);
   data_->finish();
   return data_->report.converged;
@@ -205,7 +206,7 @@ bool FrameSolver::iterate(int iterations) {
 void FrameSolver::reconstruct(const Points& frame, const FrameTargets& targets,
                               const std::vector<Mat3>& rotations, int iterations) {
   if (isize(rotations) != data_->graph.nodes)
-    throw InputError(std::to_string(rotations.size()) + " rotations, expected " +
+    throw InputError("found " + std::to_string(rotations.size()) + " rotations, expected " +
                      std::to_string(data_->graph.nodes));
   data_->begin(frame, targets);
   data_->shape.rotations = rotations;
@@ -249,7 +250,7 @@ void check_constraints(const FrameConstraints& constraints, int nodes) {
   check(problem, nodes);
   if (constraints.penalty_weight &&
       !(*constraints.penalty_weight > 0 && std::isfinite(*constraints.penalty_weight)))
-    throw InputError("softness " + std::to_string(*constraints.penalty_weight) +
+    throw InputError("found penalty = " + std::to_string(*constraints.penalty_weight) +
                      ", expected a number above 0");
 }
 
@@ -283,7 +284,8 @@ FrameSolverData::FrameSolverData(const TriangleMesh& mesh, FrameConstraints give
 void FrameSolverData::set_triangles(const TriangleMesh& mesh) {
   const MeshTopology& topology = mesh.topology();
   if (!topology.boundary_loops().empty() || !topology.non_manifold_loops().empty())
-    throw InputError("the volume cannot be kept: the surface is not closed");
+    throw InputError(
+        "preserve_volume needs a closed surface, found one with free or non-manifold edges");
   for (auto t : topology.triangles()) {
     for (int& v : t) v = topology.node_of(v);
     triangles.push_back(t);
@@ -294,7 +296,7 @@ void FrameSolverData::factorize() {
   if (unknowns.count == 0) return;
   const SparseMatrix K = frame_matrix(graph, unknowns, half_penalty_weight());
   factor.analyze(K, FactorReuse::once);
-  if (!factor.factorize(K)) throw NoSolutionError("frames: " + factor.message());
+  if (!factor.factorize(K)) throw NoSolutionError("deformation of frames: " + factor.message());
 }
 
 void FrameSolverData::compute_handle_weights() {
@@ -471,7 +473,7 @@ void FrameSolverData::global_step() {
     constraint_origins.apply(rhs, point_equation_rhs);
   }
   if (constraints.preserve_volume) restore_volume();
-  if (!rhs.allFinite()) throw NoSolutionError("frames: positions are not finite");
+  if (!rhs.allFinite()) throw NoSolutionError("deformation of frames: positions are not finite");
   report.last_change =
       size > 0 && unknowns.count > 0 ? (rhs - y).rowwise().norm().maxCoeff() / size : 0;
 }

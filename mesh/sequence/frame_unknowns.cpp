@@ -114,7 +114,7 @@ FrameUnknowns frame_unknowns(const NodeGraph& graph, const FrameConstraints& con
     for (const int v : u.parts[p].nodes) u.part_of_node[v] = p;
   if (unconnected > 0)
     u.notes.push_back(std::to_string(unconnected) +
-                      " nodes hang on nothing that is held; they stay");
+                      " nodes are not connected to a fixed node or handle; they do not move");
 
   u.unknown_of_node.assign(graph.nodes, -1);
   for (int v = 0; v < graph.nodes; ++v)

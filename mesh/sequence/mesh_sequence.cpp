@@ -9,25 +9,25 @@
 namespace batten {
 
 void check(const MeshSequence& sequence, const std::string& name) {
-  if (sequence.frames.empty()) throw InputError(name + ": no frames");
+  if (sequence.frames.empty()) throw InputError(name + ": found no frames, expected one or more");
   const auto frame = [&](size_t k) { return name + ": frame " + std::to_string(k + 1); };
   for (size_t k = 0; k < sequence.frames.size(); ++k) {
     const Points& p = sequence.frames[k];
     if (p.rows() != sequence.node_count())
       throw InputError(frame(k) + " has " + std::to_string(p.rows()) + " nodes, expected " +
-                       std::to_string(sequence.node_count()) + " as in the first");
+                       std::to_string(sequence.node_count()) + " as in the first frame");
     for (long v = 0; v < p.rows(); ++v)
       if (!p.row(v).allFinite() || !(p.row(v).cwiseAbs().maxCoeff() < 1e100))
         throw InputError(frame(k) + ": node " + std::to_string(v + 1) +
                          " has a coordinate that is not finite, or above 1e100");
   }
   if (sequence.times.size() != sequence.frames.size())
-    throw InputError(name + ": " + std::to_string(sequence.times.size()) + " times for " +
-                     std::to_string(sequence.frames.size()) + " frames");
+    throw InputError(name + ": found " + std::to_string(sequence.times.size()) + " times for " +
+                     std::to_string(sequence.frames.size()) + " frames, expected one for each");
   for (size_t k = 0; k < sequence.times.size(); ++k)
     if (!std::isfinite(sequence.times[k]) ||
         (k > 0 && !(sequence.times[k] > sequence.times[k - 1])))
-      throw InputError(frame(k) + " has a time that is not after the one before");
+      throw InputError(frame(k) + " has a time that is not after that of the frame before");
 }
 
 double size_of(const MeshSequence& sequence) {
@@ -46,8 +46,9 @@ std::vector<double> second_differences(const std::vector<Points>& frames) {
 
 double stance_speed(const std::vector<Points>& frames, const std::vector<std::vector<int>>& feet,
                     const Vec3& direction, const Vec3& up) {
-  if (frames.size() < 2) throw InputError("a walk of fewer than two frames");
-  if (feet.empty()) throw InputError("a walk without feet has no speed of its own");
+  if (frames.size() < 2)
+    throw InputError("root motion: found fewer than two frames, expected two or more");
+  if (feet.empty()) throw InputError("root motion: without feet, the speed must be given");
   std::vector<double> backwards;
   for (size_t k = 0; k + 1 < frames.size(); ++k) {
     double lowest = std::numeric_limits<double>::infinity(), step = 0;
@@ -67,8 +68,10 @@ double stance_speed(const std::vector<Points>& frames, const std::vector<std::ve
 MeshSequence with_root_motion(const MeshSequence& sequence, int cycles, const Vec3& direction,
                               double speed) {
   const int count = sequence.frame_count();
-  if (cycles < 1) throw InputError("fewer than one cycle");
-  if (count < 2) throw InputError("a walk of fewer than two frames");
+  if (cycles < 1)
+    throw InputError("root motion: found " + std::to_string(cycles) +
+                     " cycles, expected 1 or more");
+  if (count < 2) throw InputError("root motion: found fewer than two frames, expected two or more");
   const double apart =
       (sequence.frames.back() - sequence.frames.front()).rowwise().norm().maxCoeff();
   const int cycle = apart < 1e-6 * size_of(sequence) ? count - 1 : count;

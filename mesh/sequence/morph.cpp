@@ -64,7 +64,7 @@ struct ShapeBlend::Data {
   const Points& blend(const Points& p, const Points& q, double alpha) {
     const int n = graph.nodes;
     if (p.rows() != n || q.rows() != n)
-      throw InputError("shapes of " + std::to_string(p.rows()) + " and " +
+      throw InputError("found shapes of " + std::to_string(p.rows()) + " and " +
                        std::to_string(q.rows()) + " nodes, expected " + std::to_string(n));
     P = p, Q = q;
     local_step(graph, P, Q, {}, rotations, sums);
@@ -165,14 +165,14 @@ void check(const MorphInterval& interval, const MeshSequence& sequence, const ch
       interval.last >= sequence.frame_count())
     throw InputError(std::string("the interval of the ") + which + " is frames " +
                      std::to_string(interval.first + 1) + " to " +
-                     std::to_string(interval.last + 1) + ", expected two of 1 to " +
+                     std::to_string(interval.last + 1) + ", expected two frames of 1 to " +
                      std::to_string(sequence.frame_count()));
 }
 
 MeshSequence morph(const MeshSequence& source, const MeshSequence& target, const TriangleMesh& mesh,
                    const MorphOptions& options, const Progress& progress) {
   if (!same_faces(source.shells, target.shells))
-    throw InputError("source and target of a morph have other faces: " +
+    throw InputError("source and target of a morph have different faces: " +
                      std::to_string(source.shells.face_count()) + " and " +
                      std::to_string(target.shells.face_count()) + "; fit one to the other first");
   check(options.source, source, "source");
@@ -236,14 +236,16 @@ class NonRigidRegistration {
 
   void check_landmarks() const {
     if (landmarks_.size() < 3)
-      throw InputError(std::to_string(landmarks_.size()) + " landmarks, expected three or more");
+      throw InputError("found " + std::to_string(landmarks_.size()) +
+                       " landmarks, expected three or more");
     for (const auto& l : landmarks_) {
       if (l.node < 0 || l.node >= graph_.nodes)
-        throw InputError("a landmark at node " + std::to_string(l.node) + ", which is not there");
-      if (!l.at.allFinite()) throw InputError("a landmark that is not finite");
+        throw InputError("found a landmark at node " + std::to_string(l.node) + ", expected 0 to " +
+                         std::to_string(graph_.nodes - 1));
+      if (!l.at.allFinite()) throw InputError("a landmark is not finite");
     }
     if (mesh_.triangle_count() == 0 || target_.triangle_count() == 0)
-      throw InputError("a fit needs triangles on both sides");
+      throw InputError("fit to a target: the mesh or the target has no triangles");
   }
 
   void start_with_landmarks() {
@@ -362,7 +364,9 @@ TargetFit fit_to_target(const TriangleMesh& mesh, const TriangleMesh& target,
                         const Progress& progress) {
   if (options.stages < 1 || options.iterations < 1 || !(options.initial_weight > 0) ||
       !(options.final_weight >= options.initial_weight))
-    throw InputError("a fit needs stages, rounds and weights that ascend from above 0");
+    throw InputError(
+        "fit to a target: expected stages, iterations and weights above 0, with final_weight >= "
+        "initial_weight");
   NonRigidRegistration fit(mesh, target, landmarks);
   fit.check_landmarks();
   fit.start_with_landmarks();
@@ -379,10 +383,10 @@ MeshSequence transfer_target_motion(const ShellMesh& shells, const Points& fitte
                                     const MeshSequence& target, const TriangleMesh& target_mesh,
                                     int frame) {
   if (frame < 0 || frame >= target.frame_count() || fitted.rows() != shells.node_count())
-    throw InputError("a fit at " + std::to_string(frame + 1) + " of " +
-                     std::to_string(target.frame_count()) + " frames, with " +
-                     std::to_string(fitted.rows()) + " of " + std::to_string(shells.node_count()) +
-                     " nodes");
+    throw InputError("found a fit to frame " + std::to_string(frame + 1) + " with " +
+                     std::to_string(fitted.rows()) + " nodes, expected a frame of 1 to " +
+                     std::to_string(target.frame_count()) + " and " +
+                     std::to_string(shells.node_count()) + " nodes");
   const MeshTopology& topology = target_mesh.topology();
   const auto at_frame = [&](const Points& nodes) {
     Points all(topology.vertex_count(), 3);

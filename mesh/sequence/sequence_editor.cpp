@@ -87,17 +87,18 @@ struct SequenceEditor::Data {
     for (size_t k = 0; k < keyframes.size(); ++k) {
       const auto& key = keyframes[k];
       if (key.frame < 0 || key.frame > last)
-        throw InputError("a keyframe at " + frame_name(key.frame) + ", and the sequence has " +
-                         std::to_string(last + 1) + " frames");
+        throw InputError("found a keyframe at " + frame_name(key.frame) + ", expected 1 to " +
+                         std::to_string(last + 1));
       if (k > 0 && keyframes[k - 1].frame == key.frame)
-        throw InputError(frame_name(key.frame) + " is a keyframe twice");
+        throw InputError("found two keyframes at " + frame_name(key.frame) + ", expected one");
       if (key.handles.size() != constraints.handles.size())
-        throw InputError("the keyframe at " + frame_name(key.frame) + " tells " +
+        throw InputError("the keyframe at " + frame_name(key.frame) + " prescribes " +
                          std::to_string(key.handles.size()) + " handles, expected " +
                          std::to_string(constraints.handles.size()));
       if (std::none_of(key.handles.begin(), key.handles.end(),
                        [](const auto& pose) { return pose.has_value(); }))
-        throw InputError("the keyframe at " + frame_name(key.frame) + " tells no handle");
+        throw InputError("the keyframe at " + frame_name(key.frame) +
+                         " prescribes no handle, expected one or more");
     }
   }
 
@@ -289,12 +290,12 @@ void SequenceEditor::set_keyframes(std::vector<SequenceKeyframe> keyframes,
 void SequenceEditor::set_motions(std::vector<std::vector<RigidMotion>> motions) {
   Data& d = *data_;
   if (motions.size() != d.motions.size())
-    throw InputError("motions of " + std::to_string(motions.size()) + " handles, expected " +
+    throw InputError("found motions of " + std::to_string(motions.size()) + " handles, expected " +
                      std::to_string(d.motions.size()));
   for (const auto& of_handle : motions)
     if (isize(of_handle) != d.sequence->frame_count())
-      throw InputError("motions in " + std::to_string(of_handle.size()) + " frames, expected " +
-                       std::to_string(d.sequence->frame_count()));
+      throw InputError("found motions in " + std::to_string(of_handle.size()) +
+                       " frames, expected " + std::to_string(d.sequence->frame_count()));
   d.motions = std::move(motions);
   for (size_t h = 0; h < d.motions.size(); ++h)
     for (int k = 0; k < d.sequence->frame_count(); ++k) {
@@ -309,8 +310,9 @@ void SequenceEditor::frames(int first, int last,
                             const Progress& progress) const {
   const Data& d = *data_;
   if (first < 0 || last >= d.sequence->frame_count() || first > last)
-    throw InputError("frames " + std::to_string(first + 1) + " to " + std::to_string(last + 1) +
-                     ", and the sequence has " + std::to_string(d.sequence->frame_count()));
+    throw InputError("found frames " + std::to_string(first + 1) + " to " +
+                     std::to_string(last + 1) + ", expected frames of 1 to " +
+                     std::to_string(d.sequence->frame_count()));
   std::vector<Points> batch(kBatchSize);
   for (int from = first; from <= last; from += kBatchSize) {
     progress.update("frames", static_cast<double>(from - first) / (last - first + 1));

@@ -19,11 +19,11 @@ struct SubspaceSolver::Data {
         graph(node_graph(mesh.topology())) {
     if (options.iterations < 1 ||
         !(options.penalty_weight > 0 && std::isfinite(options.penalty_weight)))
-      throw InputError("a subspace solution needs a round or more and a softness above 0");
+      throw InputError("the subspace solver needs one or more iterations and a penalty above 0");
     if (constraints.fixed.empty() && constraints.handles.empty())
-      throw InputError("nothing is held and there is no handle");
+      throw InputError("found no fixed nodes and no handles, expected one of them");
     if (!control.topology().boundary_loops().empty())
-      throw InputError("a control mesh has to be closed");
+      throw InputError("the control mesh has free edges, expected a closed mesh");
     lambda = options.penalty_weight * 2 * static_cast<double>(graph.edges.size()) / graph.nodes;
     d = control.points();
   }
@@ -38,7 +38,7 @@ struct SubspaceSolver::Data {
 
   void set_frame(const Points& frame, const Points& control_points) {
     if (frame.rows() != graph.nodes || control_points.rows() != control.vertex_count())
-      throw InputError("a frame or a control mesh of another size");
+      throw InputError("the frame or the control mesh has a different size than before");
     rest = frame;
     W = mean_value_coordinates(control.with_points(control_points), frame);
     // Assembling Wᵀ K W as Σ w (W_a - W_b)ᵀ (W_a - W_b) would cost m² per edge; K W first costs m
@@ -54,7 +54,7 @@ struct SubspaceSolver::Data {
     A.diagonal().array() += 1e-10 * A.trace() / static_cast<double>(A.rows());
     factor.compute(A);
     if (factor.info() != Eigen::Success)
-      throw NoSolutionError("the control mesh has vertices that no node sees");
+      throw NoSolutionError("the control mesh has vertices that do not influence any node");
     d0 = control_points;
     MatX indicator = MatX::Zero(graph.nodes, isize(constraints.handles));
     for_each_penalized([&](int v, int h) {
@@ -65,8 +65,9 @@ struct SubspaceSolver::Data {
 
   const Points& solve(const FrameTargets& targets) {
     if (targets.handles.size() != constraints.handles.size() || W.rows() == 0)
-      throw InputError(std::to_string(targets.handles.size()) + " places of handles, expected " +
-                       std::to_string(constraints.handles.size()) + " and a frame");
+      throw InputError("found poses of " + std::to_string(targets.handles.size()) +
+                       " handles, expected " + std::to_string(constraints.handles.size()) +
+                       " and a frame");
     start(targets);
     RowPoints loads(graph.nodes, 3);
     for (int iteration = 0; iteration < options.iterations; ++iteration) {
@@ -178,7 +179,8 @@ void FrameSession::set_frame(const Points& frame) {
 }
 
 const Points& FrameSession::solve_preview(const FrameTargets& targets) {
-  if (data_->frame.rows() == 0) throw InputError("an answer needs a frame");
+  if (data_->frame.rows() == 0)
+    throw InputError("solve_preview() without a frame: set a frame first");
   data_->shown = data_->subspace.solve(targets);
   data_->targets = targets;
   data_->answered = true;
@@ -188,7 +190,7 @@ const Points& FrameSession::solve_preview(const FrameTargets& targets) {
 
 bool FrameSession::refine(int iterations) {
   Data& d = *data_;
-  if (!d.answered) throw InputError("nothing to refine: ask for an answer first");
+  if (!d.answered) throw InputError("refine() without a preview: call solve_preview() first");
   bool rests = false;
   if (!d.refined) {
     d.solver.alternate(d.frame, d.targets, d.shown);

@@ -24,11 +24,10 @@ bool finite(const CurveLoad& load) {
 }
 
 void check_value(const CurveLoad& load) {
-  if (!finite(load))
-    throw InputError("load '" + load.name + "' of a curve has a number that is not finite");
+  if (!finite(load)) throw InputError("load '" + load.name + "' of a curve: a value is not finite");
   if (std::holds_alternative<CurveLoad::Spring>(load.kind) && load.value < 0)
-    throw InputError("spring '" + load.name + "' has the stiffness " + format_number(load.value) +
-                     ": expected 0 or more");
+    throw InputError("spring '" + load.name + "': found the stiffness " +
+                     format_number(load.value) + ", expected 0 or more");
 }
 
 // Adds the lower triangle of weight H Hᵀ at one parameter.
@@ -53,8 +52,8 @@ DeformableCurve::DeformableCurve(HermiteCurve shape, ConstraintSet constraints,
       assembler_(shape_.mesh()) {
   const CurveMesh& mesh = shape_.mesh();
   if (constraints_.dof_count() != mesh.dof_count())
-    throw InputError("a constraint set of " + std::to_string(constraints_.dof_count()) +
-                     " dofs for a curve of " + std::to_string(mesh.dof_count()));
+    throw InputError("found a constraint set of " + std::to_string(constraints_.dof_count()) +
+                     " dofs, expected " + std::to_string(mesh.dof_count()) + " of the curve");
   for (size_t i = 0; i < loads_.size(); ++i) {
     check_value(loads_[i]);
     for (size_t j = 0; j < i; ++j)
@@ -110,9 +109,8 @@ void DeformableCurve::set(const std::string& name, double value) {
 void DeformableCurve::set_spring_target(const std::string& name, const Vec3& to) {
   CurveLoad& found = load(name);
   auto* spring = std::get_if<CurveLoad::Spring>(&found.kind);
-  if (!spring) throw InputError("load '" + name + "' is no spring");
-  if (!to.allFinite())
-    throw InputError("spring '" + name + "' pulled to a place that is not finite");
+  if (!spring) throw InputError("load '" + name + "' is not a spring");
+  if (!to.allFinite()) throw InputError("spring '" + name + "': the target point is not finite");
   spring->to = to;
 }
 
@@ -177,14 +175,14 @@ void DeformableCurve::start_motion(double dt, double theta) {
 }
 
 HermiteCurve DeformableCurve::step() {
-  if (!steps_) throw InputError("a step of a curve that was not set in motion");
+  if (!steps_) throw InputError("step() of a curve without a simulation: start the motion first");
   if (stiffness_changed_) restart();
   current_ = steps_->step(rhs());
   return made(current_);
 }
 
 double DeformableCurve::energy() {
-  if (!steps_) throw InputError("the energy of a curve that was not set in motion");
+  if (!steps_) throw InputError("energy() of a curve without a simulation: start the motion first");
   if (stiffness_changed_) restart();
   return steps_->kinetic() + steps_->potential(rhs());
 }

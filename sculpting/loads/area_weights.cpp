@@ -82,7 +82,8 @@ class DistanceToPolyline {
 
 void require_radius(double radius, const std::string& what) {
   if (!(radius > 0) || !std::isfinite(radius))
-    throw InputError(what + ": a radius of " + format_number(radius) + ", expected above 0");
+    throw InputError(what + ": found the radius " + format_number(radius) +
+                     ", expected a length above 0");
 }
 
 // Mean over every triangle of the 7 values weights(points of the triangle).
@@ -104,20 +105,20 @@ VecX triangle_means(const Surface& reference, const Weights& weights) {
 
 VecX near_line(const Area::NearLine& area, const ModelLayout& layout, const Surface& reference) {
   const HermiteCurve& line = layout.line(area.line);
-  require_radius(area.radius, "the area near line '" + area.line + "'");
+  require_radius(area.radius, "the area near curve '" + area.line + "'");
   constexpr double precise = 1e-3;
   const DistanceToPolyline chain(polyline_of(line, precise * area.radius), area.radius);
   return triangle_means(reference, [&](const TrianglePoints& x) { return chain.weights(x); });
 }
 
 VecX painted(const Area::Painted& area, const Surface& reference) {
-  if (area.strokes.empty()) throw InputError("a painted area without strokes");
+  if (area.strokes.empty()) throw InputError("a painted area has no strokes, expected one or more");
   for (size_t s = 0; s < area.strokes.size(); ++s) {
     const auto& stroke = area.strokes[s];
     const std::string what = "stroke " + std::to_string(s + 1) + " of a painted area";
     require_radius(stroke.radius, what);
     if (!stroke.at.allFinite() || !std::isfinite(stroke.strength))
-      throw InputError(what + ": place and strength must be finite numbers");
+      throw InputError(what + ": its point and strength must be finite");
   }
   return triangle_means(reference, [&](const TrianglePoints& x) {
     Eigen::Matrix<double, kPoints, 1> w = Eigen::Matrix<double, kPoints, 1>::Zero();
@@ -135,10 +136,10 @@ VecX painted(const Area::Painted& area, const Surface& reference) {
 VecX triangle_weights(const Area& area, const ModelLayout& layout, const Surface& reference) {
   if (reference.mesh().triangle_count() != layout.mesh()->triangle_count() ||
       reference.mesh().vertex_count() != layout.mesh()->vertex_count())
-    throw InputError("an area's reference shape has " +
-                     std::to_string(reference.mesh().triangle_count()) +
-                     " triangles, and the region '" + layout.name() + "' has " +
-                     std::to_string(layout.mesh()->triangle_count()));
+    throw InputError("found a reference shape of " +
+                     std::to_string(reference.mesh().triangle_count()) + " triangles, expected " +
+                     std::to_string(layout.mesh()->triangle_count()) + " of model '" +
+                     layout.name() + "'");
   const auto anywhere = [&]() -> VecX {
     if (const auto* near = std::get_if<Area::NearLine>(&area.where))
       return near_line(*near, layout, reference);

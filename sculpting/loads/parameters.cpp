@@ -11,8 +11,8 @@ namespace {
 std::string range_of(const ScalarParameter& p) {
   const bool low = std::isfinite(p.min), high = std::isfinite(p.max);
   if (low && high) return "a number from " + format_number(p.min) + " to " + format_number(p.max);
-  if (low) return "a number from " + format_number(p.min) + " up";
-  if (high) return "a number up to " + format_number(p.max);
+  if (low) return "a number of " + format_number(p.min) + " or more";
+  if (high) return "a number of " + format_number(p.max) + " or less";
   return "a number";
 }
 
@@ -27,18 +27,18 @@ void check(const ScalarParameter& p) {
   if (p.name.empty()) throw InputError("found a parameter without a name, expected a name");
   if (std::isnan(p.min) || std::isnan(p.max) || p.min > p.max)
     throw InputError(who + "found the range from " + format_number(p.min) + " to " +
-                     format_number(p.max) + ", expected one that is not empty");
+                     format_number(p.max) + ", expected a minimum below the maximum");
   if (!p.keyframes.empty() && !p.rule_terms.empty())
-    throw InputError(who + "found moments and parameters that it follows, expected one of them");
+    throw InputError(who + "found keyframes and a rule, expected only one of them");
   for (size_t i = 0; i < p.keyframes.size(); ++i) {
     const auto& keyframe = p.keyframes[i];
     if (!std::isfinite(keyframe.time))
-      throw InputError(who + "found a moment at " + format_number(keyframe.time) +
-                       ", expected a time");
+      throw InputError(who + "found a keyframe at time " + format_number(keyframe.time) +
+                       ", expected a finite time");
     if (i > 0 && !(keyframe.time > p.keyframes[i - 1].time))
-      throw InputError(who + "found a moment at " + format_number(keyframe.time) +
+      throw InputError(who + "found a keyframe at time " + format_number(keyframe.time) +
                        " after one at " + format_number(p.keyframes[i - 1].time) +
-                       ", expected moments that ascend");
+                       ", expected increasing times");
     expect_in_range(p, keyframe.value);
   }
   if (p.keyframes.empty() && p.rule_terms.empty()) expect_in_range(p, p.value);
@@ -61,7 +61,7 @@ void Parameters::add(ScalarParameter parameter) {
   check(parameter);
   if (has(parameter.name))
     throw InputError("parameter '" + parameter.name +
-                     "': found the name again, expected one that is not taken");
+                     "': the name is already used; choose a different one");
   check(parameter.name, parameter.rule_terms, parameter.offset);
   for (const auto& term : parameter.rule_terms) index(term.of);
   const int i = count();
@@ -79,8 +79,8 @@ void Parameters::remove(const std::string& name) {
   for (const ScalarParameter& p : all_)
     for (const auto& term : p.rule_terms)
       if (term.of == name)
-        throw InputError("parameter '" + name + "': found '" + p.name +
-                         "' following it, expected none that does");
+        throw InputError("parameter '" + name + "' cannot be removed: the rule of '" + p.name +
+                         "' depends on it");
   all_.erase(all_.begin() + gone);
   current_.erase(current_.begin() + gone);
   user_set_.erase(user_set_.begin() + gone);
@@ -102,9 +102,9 @@ void Parameters::set_rule(const std::string& name, std::vector<ScalarParameter::
       way.push_back(term.of);
       if (term.of == name) {
         std::string circle;
-        for (const auto& word : way) circle += (circle.empty() ? "'" : " follows '") + word + "'";
-        throw InputError("parameter '" + name + "': found a circle, " + circle +
-                         ", expected rules that end");
+        for (const auto& word : way)
+          circle += (circle.empty() ? "'" : " depends on '") + word + "'";
+        throw InputError("parameter '" + name + "': found a circular dependency: " + circle);
       }
       self(self, all_[index(term.of)].rule_terms);
       way.pop_back();
@@ -143,8 +143,8 @@ void Parameters::set(int index, double value) {
     std::string leaders;
     for (const auto& term : p.rule_terms)
       leaders += (leaders.empty() ? "'" : ", '") + term.of + "'";
-    throw InputError("parameter '" + p.name + "': found a value for it, but it follows " + leaders +
-                     "; expected one for those");
+    throw InputError("parameter '" + p.name + "' cannot be set: its rule depends on " + leaders +
+                     "; set those instead");
   }
   expect_in_range(p, value);
   p.value = current_[index] = value;

@@ -19,7 +19,8 @@ SculptingSession::SculptingSession(ModelLayout layout, const SessionOptions& opt
   SessionData& d = *data_;
   d.options = options;
   if (!(options.tolerance > 0) || options.max_iterations < 1 || options.facets_per_edge < 1)
-    throw InputError("a session needs a tolerance above 0, and 1 or more iterations and facets");
+    throw InputError(
+        "a session needs a tolerance above 0, and 1 or more iterations and facets per edge");
   Parameters& p = d.now.parameters;
   const auto material = [&](const std::string& name, bool one, double uu, double uv, double vv) {
     const double least = name == "alpha" ? -kInfinity : 0;
@@ -107,7 +108,8 @@ SolveReport SculptingSession::solve_preview(int max_iterations, double tolerance
   SessionData& d = *data_;
   d.record_operation({.kind = Kind::SolvePreview, .index = max_iterations, .value = tolerance});
   if (d.now.in_motion)
-    throw InputError("an answer of a surface in motion: step() goes on, stop_motion() ends it");
+    throw InputError(
+        "no preview during a simulation: call step() to continue or stop_motion() to end it");
   return d.solve_preview(max_iterations, tolerance);
 }
 
@@ -148,14 +150,16 @@ void SculptingSession::apply(const Operation& op) {
   switch (op.kind) {
     case Kind::Set:
       if (op.index < 0 || op.index >= d.now.parameters.count())
-        throw InputError("there is no parameter " + std::to_string(op.index));
+        throw InputError("found parameter number " + std::to_string(op.index) + ", expected 0 to " +
+                         std::to_string(d.now.parameters.count() - 1));
       d.record_operation(op);
       d.change_values([&] { d.now.parameters.set(op.index, op.value); });
       return;
     case Kind::Time:
       d.record_operation(op);
-      if (d.now.in_motion) throw InputError("the time of a motion goes on by its steps");
-      if (!std::isfinite(op.value)) throw InputError("a time that is not finite");
+      if (d.now.in_motion)
+        throw InputError("the time cannot be set during a simulation: it advances with each step");
+      if (!std::isfinite(op.value)) throw InputError("the time is not finite");
       d.change_values([&] { d.now.parameters.set_time(op.value); });
       return;
     case Kind::SolveToEquilibrium:
@@ -183,7 +187,7 @@ void SculptingSession::apply(const Operation& op) {
     case Kind::Edit:
       break;
   }
-  if (!op.edit) throw InputError("an operation without its edit");
+  if (!op.edit) throw InputError("an operation of kind Edit has no edit");
   if (const auto* refinement = std::get_if<Refinement>(op.edit.get())) {
     refine(*refinement);
     return;

@@ -12,12 +12,12 @@ namespace batten::detail {
 namespace {
 
 void require_finite(const std::string& name, bool finite) {
-  if (!finite) throw InputError("'" + name + "' has a number that is not finite");
+  if (!finite) throw InputError("'" + name + "': a value is not finite");
 }
 
 void require_direction(const std::string& name, const Vec3& direction) {
   require_finite(name, direction.allFinite());
-  if (!(direction.norm() > 0)) throw InputError("'" + name + "' has a direction of no length");
+  if (!(direction.norm() > 0)) throw InputError("'" + name + "': the direction has length 0");
 }
 
 // Throws unless the normal is perpendicular to the line, as for any surface through it.
@@ -36,11 +36,11 @@ void require_normal_to_line(const std::string& name, const Vec3& normal, const s
     where = curve.evaluate(t);
   }
   if (worst > most)
-    throw InputError("'" + name + "' asks for one normal along '" + line +
-                     "', which leaves the planes with that normal by up to " +
-                     format_number(worst) + " degrees, near " + format_point(where) +
-                     ": no surface through the line has it. Expected a normal at right angles to "
-                     "all of the line, or none (the tangent planes then stay as they are)");
+    throw InputError("'" + name + "' prescribes a normal that is not perpendicular to curve '" +
+                     line + "': it deviates by " + format_number(worst) + " degrees near " +
+                     format_point(where) +
+                     "; use a normal that is perpendicular to the whole curve, or none to keep "
+                     "the current tangent planes");
 }
 
 // Closest location of the surface to a point in space.
@@ -51,9 +51,9 @@ ModelPoint foot_point(const std::string& name, const Vec3& at, const ModelProjec
   constexpr double far = 0.5;  // fraction of the size; a larger distance is no rounding but an
                                // input error
   if (!(closest.distance <= far * size))
-    throw InputError("'" + name + "': the surface is " + format_number(closest.distance) +
-                     " away from where it should act (the region's size is " + format_number(size) +
-                     ")");
+    throw InputError("'" + name + "': its point is " + format_number(closest.distance) +
+                     " away from the surface, expected at most half of the model size " +
+                     format_number(size));
   return closest.at;
 }
 
@@ -105,25 +105,27 @@ AttachedLoad attach(const Load& load, const SessionDefinition& def, const Surfac
     require_direction(name, line->direction);
     def.layout->model_line(line->line);
   } else if (const auto* s = std::get_if<Load::AttractorSprings>(&load.kind)) {
-    if (s->at.empty()) throw InputError("'" + name + "' has no springs: 'at' is empty");
+    if (s->at.empty())
+      throw InputError("'" + name + "' has no springs: 'at' is empty, expected one point or more");
     if (!(s->rest_length >= 0) || !(s->falloff >= 0) || !std::isfinite(s->rest_length + s->falloff))
-      throw InputError("'" + name + "' has a rest length of " + format_number(s->rest_length) +
-                       " and a falloff of " + format_number(s->falloff) + ": expected 0 or more");
+      throw InputError("'" + name + "': found the rest length " + format_number(s->rest_length) +
+                       " and the falloff " + format_number(s->falloff) + ", expected 0 or more");
     for (const Vec3& at : s->at) put(at);
     if (const auto* points = std::get_if<Load::AttractorSprings::TargetPoints>(&s->target)) {
       if (points->to.size() != s->at.size())
-        throw InputError("'" + name + "' has " + std::to_string(s->at.size()) + " springs and " +
-                         std::to_string(points->to.size()) + " places to pull them to");
+        throw InputError("'" + name + "': found " + std::to_string(s->at.size()) + " springs and " +
+                         std::to_string(points->to.size()) +
+                         " target points, expected equal numbers");
       for (const Vec3& to : points->to) require_finite(name, to.allFinite());
     } else if (const auto* plane = std::get_if<Load::AttractorSprings::Plane>(&s->target)) {
       require_finite(name, plane->through.allFinite());
       require_direction(name, plane->normal);
     } else if (std::get<Load::AttractorSprings::Curve>(s->target).curve.segment_count() < 1) {
-      throw InputError("'" + name + "' has springs to a curve without segments");
+      throw InputError("'" + name + "': the target curve of its springs has no segments");
     }
   } else {
     const auto& points = std::get<Load::PointCloudSprings>(load.kind).points;
-    if (points.empty()) throw InputError("'" + name + "' has no points");
+    if (points.empty()) throw InputError("'" + name + "': the point cloud has no points");
     for (const Vec3& at : points) require_finite(name, at.allFinite());
   }
   return placed;
@@ -135,7 +137,7 @@ AttachedStiffnessField attach(const StiffnessField& weight, const SessionDefinit
   if (weight.along) {
     if (const auto* uv = std::get_if<Vec2>(&*weight.along)) {
       if (!uv->allFinite() || !(uv->norm() > 0))
-        throw InputError("'" + weight.name + "' acts along a direction of no length");
+        throw InputError("'" + weight.name + "': the parametric direction has length 0");
     } else {
       def.layout->model_line(std::get<std::string>(*weight.along));
     }
@@ -158,7 +160,7 @@ AttachedConstraint attach(const Constraint& c, const SessionDefinition& def,
   } else if (const auto* tangent = std::get_if<Constraint::Tangent>(&c.kind)) {
     require_direction(c.name, tangent->tau);
     if (!tangent->along.allFinite() || !(tangent->along.norm() > 0))
-      throw InputError("'" + c.name + "' has no direction in (u, v)");
+      throw InputError("'" + c.name + "': the parametric direction has length 0");
     placed.foot_point =
         foot_point(c.name, tangent->at, ModelProjector(*def.layout, surface.dofs()), size);
   } else {
@@ -209,21 +211,23 @@ class NormalsAlong {
 
 void check(const LineOffset& move, const SessionDefinition& def) {
   if (def.fix_corners_only)
-    throw InputError("'" + move.name + "': lines are not held here, only corners are");
+    throw InputError(
+        "'" + move.name +
+        "': curves cannot be offset, because boundary = \"corners\" fixes the corners only");
   if (move.direction) require_direction(move.name, *move.direction);
   if (!(move.fade >= 0 && move.fade <= 0.5))
-    throw InputError("'" + move.name + "' fades over " + format_number(move.fade) +
-                     " of its line: expected 0 to 0.5 of its length at either end");
+    throw InputError("'" + move.name + "': found fade = " + format_number(move.fade) +
+                     ", expected 0 to 0.5, the fraction of the curve's length at either end");
   const ModelLayout& layout = *def.layout;
   const ModelLine& line = layout.model_line(move.line);
   const HermiteCurve& fitted = layout.curve(line.sides.front());
   if (move.fade > 0 && fitted.closed())
-    throw InputError("'" + move.name + "': line '" + move.line +
-                     "' is closed and has no ends to fade to");
+    throw InputError("'" + move.name + "': found fade = " + format_number(move.fade) +
+                     " for the closed curve '" + move.line + "', expected 0: it has no ends");
   if (!move.direction && line.sides.size() > 1 && !layout.join_plan(move.line))
     throw InputError("'" + move.name + "': " + std::to_string(line.sides.size()) +
-                     " regions meet at the crease '" + move.line +
-                     "', which has no normal to move along: expected a direction");
+                     " faces meet at the crease '" + move.line +
+                     "', which has no unique normal; add a direction");
 }
 
 // Profile of an offset at a parameter of a line, and its derivative.

@@ -71,12 +71,12 @@ void SessionData::keep_shape() {
 }
 
 void SessionData::require_free_name(const std::string& name) {
-  if (name.empty()) throw InputError("something that acts on the surface has no name");
+  if (name.empty()) throw InputError("a load, stiffness field, constraint or offset has no name");
   const SessionDefinition& d = system().def;
   if (detail::index_of(d.loads, name) >= 0 || detail::index_of(d.weights, name) >= 0 ||
       detail::index_of(d.constraints, name) >= 0 || detail::index_of(d.moves, name) >= 0 ||
       layout().has_line(name))
-    throw InputError("two things have the name '" + name + "'");
+    throw InputError("the name '" + name + "' is already used; choose a different one");
 }
 
 void SessionData::add_parameters(const std::string& name, std::vector<ScalarParameter> given,
@@ -145,7 +145,7 @@ void SessionData::add(const LineOffset& move, const std::vector<ScalarParameter>
 }
 
 void SessionData::add(const CharacterLine& line, const std::vector<ScalarParameter>& parameters) {
-  if (!parameters.empty()) throw InputError("line '" + line.name + "' has no parameters");
+  if (!parameters.empty()) throw InputError("curve '" + line.name + "' cannot have parameters");
   require_free_name(line.name);
   require_lines("added");
   ModelLayout layout = this->layout();
@@ -162,7 +162,7 @@ void SessionData::change(const Constraint& constraint) {
   auto& placed = def.constraints[at];
   if (placed->constraint.kind.index() != constraint.kind.index())
     throw InputError("constraint '" + constraint.name +
-                     "' changes its place or direction, not its kind: remove it first");
+                     "' cannot change its type: remove it and add a new one");
   placed = std::make_shared<const detail::AttachedConstraint>(
       detail::attach(constraint, def, surface()));
   if (const auto* point = std::get_if<Constraint::Point>(&constraint.kind))
@@ -215,8 +215,7 @@ void SessionData::remove(const std::string& name) {
     return;
   }
   if (!layout().has_line(name))
-    throw InputError("there is nothing with the name '" + name + "' to remove" +
-                     name_suggestion(name));
+    throw InputError("nothing named '" + name + "' can be removed" + name_suggestion(name));
   require_unused(name);
   ModelLayout layout = this->layout();
   layout.remove_inner_line(name);
@@ -225,13 +224,13 @@ void SessionData::remove(const std::string& name) {
 
 void SessionData::start_motion(const Motion& m) {
   if (!(m.dt > 0) || !std::isfinite(m.dt))
-    throw InputError("a time step of " + format_number(m.dt) + ": expected one above 0");
+    throw InputError("found the time step " + format_number(m.dt) + ", expected a number above 0");
   if (!(m.density >= 0) || !(m.damping >= 0) || !(m.density + m.damping > 0) ||
       !std::isfinite(m.density + m.damping))
-    throw InputError("density " + format_number(m.density) + " and damping " +
-                     format_number(m.damping) + ": expected both 0 or more, and not both 0");
+    throw InputError("found density " + format_number(m.density) + " and damping " +
+                     format_number(m.damping) + ", expected 0 or more, and not both 0");
   if (!(m.theta >= 0.5) || !(m.theta <= 1))
-    throw InputError("theta = " + format_number(m.theta) + ": expected 0.5 to 1");
+    throw InputError("found theta = " + format_number(m.theta) + ", expected 0.5 to 1");
   now.motion = m;
   now.in_motion = true;
   now.shape.v.setZero();
@@ -270,7 +269,8 @@ using detail::ShapeState;
 
 void SessionData::require_lines(const char* what) {
   if (system().def.fix_corners_only)
-    throw InputError(std::string("lines cannot be ") + what + " here: only the corners are held");
+    throw InputError(std::string("curves cannot be ") + what +
+                     " here: with boundary = \"corners\" only the corners are fixed");
 }
 
 // Transfers dofs from the current layout to the meshes of another one.
@@ -344,7 +344,7 @@ SurfaceTransfer SessionData::change_layout(ModelLayout layout) {
 
 void SessionData::require_unused(const std::string& line) {
   const auto refuse = [&](const std::string& user) {
-    throw InputError("line '" + line + "' cannot be removed: '" + user + "' refers to it");
+    throw InputError("curve '" + line + "' cannot be removed: '" + user + "' uses it");
   };
   const auto near = [&](const Area& area) {
     const auto* at = std::get_if<Area::NearLine>(&area.where);
@@ -412,10 +412,11 @@ std::vector<char> marks(const Refinement& refinement, const ModelLayout& layout,
     if (longest(t) > 2 * smallest) marked[t] = 1;
   };
   if (const auto* brush = std::get_if<Refinement::Brush>(&refinement.where)) {
-    if (brush->strokes.empty()) throw InputError("a refinement by brush without strokes");
+    if (brush->strokes.empty())
+      throw InputError("the refinement brush has no strokes, expected one or more");
     for (const auto& stroke : brush->strokes) {
       if (!stroke.at.allFinite() || !(stroke.radius > 0) || !std::isfinite(stroke.radius))
-        throw InputError("a refinement stroke needs a place and a radius above 0");
+        throw InputError("a refinement stroke needs a finite point and a radius above 0");
       for (int t = 0; t < mesh.triangle_count(); ++t) {
         double nearest = std::numeric_limits<double>::infinity();
         for (const Vec3& L : {Vec3(1, 0, 0), Vec3(0, 1, 0), Vec3(0, 0, 1), Vec3(.5, .5, 0),
@@ -428,8 +429,8 @@ std::vector<char> marks(const Refinement& refinement, const ModelLayout& layout,
   }
   const double fraction = std::get<Refinement::JumpIndicator>(refinement.where).fraction;
   if (!(fraction > 0 && fraction <= 1))
-    throw InputError("a refinement of the share " + format_number(fraction) +
-                     " of the jumps: expected above 0, at most 1");
+    throw InputError("refinement: found the fraction " + format_number(fraction) +
+                     " of the curvature jumps, expected a number above 0, at most 1");
   for (const int t : dorfler_marking(jumps, fraction)) mark(t);
   return marked;
 }
@@ -441,8 +442,8 @@ RefinementReport SessionData::refine(const Refinement& refinement) {
   report.triangles_before = layout().mesh()->triangle_count();
   Refinement wanted = refinement;
   if (!(wanted.smallest >= 0) || !std::isfinite(wanted.smallest))
-    throw InputError("a smallest edge of " + format_number(wanted.smallest) +
-                     ": expected 0 or more");
+    throw InputError("refinement: found the smallest edge length " +
+                     format_number(wanted.smallest) + ", expected 0 or more");
   if (wanted.smallest == 0) wanted.smallest = size() / 2000;
   const Surface surface = this->surface();
   std::vector<double> jumps;
@@ -464,7 +465,7 @@ RefinementReport SessionData::refine(const Refinement& refinement) {
   ModelLayout layout = this->layout();
   if (!layout.refine(marked)) return report;
   if (layout.mesh()->triangle_count() > wanted.max_triangles)
-    throw InputError("the refinement would make " +
+    throw InputError("the refinement would create " +
                      std::to_string(layout.mesh()->triangle_count()) + " triangles, more than " +
                      std::to_string(wanted.max_triangles));
   report.triangles = layout.mesh()->triangle_count();
@@ -545,13 +546,13 @@ detail::SessionEngine::SolveStatus SessionData::step_loads(const std::vector<dou
                format_number(goal[p]) + " (" +
                format_number(start[p] + reached * (goal[p] - start[p])) + " was reached)";
   if (moved.empty())
-    throw NoSolutionError("the shape does not settle within " +
+    throw NoSolutionError("the solution does not converge within " +
                           std::to_string(options.max_iterations) +
-                          " iterations (more alpha or beta, or less pressure)");
-  throw NoSolutionError("past the limit at " + moved + ": " + format_number(100 * reached) +
-                        " % of the way the shape settles, beyond that it does not within " +
+                          " iterations; increase alpha or beta, or reduce the loads");
+  throw NoSolutionError("load limit exceeded at " + moved + ": the solution converges up to " +
+                        format_number(100 * reached) + " % of the change, but not beyond within " +
                         std::to_string(options.max_iterations) +
-                        " iterations (more alpha or beta, or less pressure)");
+                        " iterations; increase alpha or beta, or reduce the loads");
 }
 
 bool SessionData::has_point_clouds() {
@@ -606,9 +607,9 @@ SolveReport SessionData::solve_once(bool anew) {
         const bool can_go_back = now.converged_values.size() == values.size();
         if (!can_go_back) {
           now.shape.x = from;
-          throw NoSolutionError("the shape does not settle within " +
+          throw NoSolutionError("the solution does not converge within " +
                                 std::to_string(options.max_iterations) +
-                                " iterations (more alpha or beta, or less pressure)");
+                                " iterations; increase alpha or beta, or reduce the loads");
         }
         const std::vector<double> goal = values;
         run = step_loads(goal);
@@ -642,7 +643,7 @@ SolveReport SessionData::solve_preview(int most, double tolerance) {
     answer.superposed = run.superposed;
     answer.change_is_estimated = run.change_is_estimated;
     if (run.diverged)
-      throw NoSolutionError("the surface runs off under these values: past the limit");
+      throw NoSolutionError("load limit exceeded: the solution diverges with these values");
     now.shape_values = values;
     version += run.change != 0;
     if (run.converged) mark_converged();
@@ -655,7 +656,7 @@ SolveReport SessionData::solve_preview(int most, double tolerance) {
 }
 
 SolveReport SessionData::step() {
-  if (!now.in_motion) throw InputError("a step of a surface that was not set in motion");
+  if (!now.in_motion) throw InputError("step() without a simulation: start the motion first");
   SolveReport answer;
   // Starts from the values for which the shape was computed.
   before = now.shape_values;
@@ -668,8 +669,8 @@ SolveReport SessionData::step() {
     engine.step(system(), before, values, now.shape);
     if (!now.shape.x.allFinite() ||
         now.shape.x.cwiseAbs().maxCoeff() > 1e6 * (size() + now.converged_x.cwiseAbs().maxCoeff()))
-      throw NoSolutionError("the surface runs off at time " + format_number(now.parameters.time()) +
-                            ": past the limit of its loads");
+      throw NoSolutionError("load limit exceeded: the solution diverges at time " +
+                            format_number(now.parameters.time()));
   } catch (const Error&) {
     now.shape.v.setZero();
     now.parameters.restore(before, time);
@@ -730,9 +731,8 @@ void SessionData::update_rest_shape(bool anew) {
   Points dofs = options.rest({layout(), absolute_rows, bent, near, progress});
   if (dofs.rows() > 0) {
     if (dofs.rows() != system().dofs() || !dofs.allFinite())
-      throw InputError("a rest shape of " + std::to_string(dofs.rows()) +
-                       " dofs, or one that is not finite: expected " +
-                       std::to_string(system().dofs()));
+      throw InputError("found a rest shape of " + std::to_string(dofs.rows()) + " dofs, expected " +
+                       std::to_string(system().dofs()) + " finite dofs");
     dofs -= ones * origin.transpose();
   }
   Points first = last && last->first.rows() > 0 ? last->first : dofs;

@@ -98,7 +98,7 @@ std::vector<SurfaceStiffness> materials(const SessionSystem& system,
   }
   for (SurfaceStiffness& m : all) {
     if (!m.is_valid())
-      throw InputError("alpha must be positive semi-definite and beta not negative, everywhere");
+      throw InputError("alpha must be positive semi-definite and beta 0 or more, at every point");
     m = system.def.scale().material(m);
   }
   return system.layout().scale_to_regions(std::move(all));
@@ -119,8 +119,9 @@ void SessionEngine::add_point_clouds(SessionSystem& system, const std::vector<do
       system.point_cloud_load = Points::Zero(system.dofs(), 3);
     const double value = values[system.load_parameter[l]];
     if (!(value >= 0))
-      throw InputError("load '" + system.def.loads[l]->load.name + "' has springs of stiffness " +
-                       format_number(value) + ": it must not be below 0");
+      throw InputError("load '" + system.def.loads[l]->load.name +
+                       "': found the spring stiffness " + format_number(value) +
+                       ", expected 0 or more");
     const double k = value / static_cast<double>(scan->points.size());
     for (size_t i = 0; i < scan->points.size(); ++i) {
       if (!system.scan_used[l][i]) continue;
@@ -332,7 +333,7 @@ void SessionEngine::throw_conflict(const SessionSystem& system, const std::vecto
   const ConstraintSet all = all_rows(system, values);
   const AuxiliaryConstraints& auxiliary = *system.auxiliary;
   const AffineReduction check(all, AffineReduction::RhsMode::Given, kRedundantTolerance);
-  throw ConflictError({{{auxiliary.name_of(row), "the lines or constraints beside it"},
+  throw ConflictError({{{auxiliary.name_of(row), "the adjacent curves or constraints"},
                         system.coupling->contradiction(g_).first}});
 }
 
@@ -407,8 +408,8 @@ void SessionEngine::set_spring_targets(SessionSystem& system, const std::vector<
     const SchurComplementConstraints::Constraint& row = rows.rows[r];
     const double value = values[rows.sources[r].parameter];
     if (!(value >= 0))
-      throw InputError("springs '" + rows.name_of(soft[k]) + "' have the stiffness " +
-                       format_number(value) + ": it must not be below 0");
+      throw InputError("load '" + rows.name_of(soft[k]) + "': found the spring stiffness " +
+                       format_number(value) + ", expected 0 or more");
     const Vec3 p = ax_.row(row.point).transpose() + system.origin();
     const SpringTarget to = spring_target(system, rows.sources[r], value, p);
     wanted_stiffness_[static_cast<long>(k)] = to.stiffness;

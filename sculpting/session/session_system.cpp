@@ -322,7 +322,8 @@ MatX line_curve_rhs(const SessionSystem& system, const std::string& name,
       rhs.row(static_cast<long>(r)) = own[next++];
     }
   if (next != own.size())
-    throw InputError("the rows of line '" + name + "' do not fit the layout's");
+    throw InputError("the constraint equations of curve '" + name +
+                     "' do not match those of the layout");
   return rhs;
 }
 

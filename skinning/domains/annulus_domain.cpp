@@ -56,11 +56,10 @@ class AnnulusBuilder {
     if (circle.corners.empty()) return;
     const auto& piece = circle.segments[circle.corners[0]];
     throw InputError(
-        "the rims of a ring must be smooth, and one turns by more than " +
-        format_number(task_.options.corner_angle) + " degrees where line '" + piece.segment.name +
-        "' begins, " + format_point(piece.start) +
-        ". With a corner_angle above that turn it is rounded; or lines from rim to rim "
-        "cut the ring into regions with corners");
+        "the boundaries of an annular face must be smooth, found a corner of more than " +
+        format_number(task_.options.corner_angle) + " degrees at the start of curve '" +
+        piece.segment.name + "', " + format_point(piece.start) +
+        "; increase corner_angle, or divide the face with curves between its boundaries");
   }
 
   // Chooses the direction and the start point of circle B relative to circle A.
@@ -111,7 +110,7 @@ class AnnulusBuilder {
     U_ = round_to_grid(0.5 * (circles_[0].length + circles_[1].length) / task_.size);
     V_ = round_to_grid(distance / task_.size);
     if (!(V_ > 1e-6 * U_))
-      throw InputError("the rims of a ring, with lines '" +
+      throw InputError("the boundaries of an annular face, with curves '" +
                        circles_[0].outline.segments[0].segment.name + "' and '" +
                        circles_[1].outline.segments[0].segment.name + "', coincide");
     if (circles_[1].is_single_line() && !circles_[1].prescribed()) {
@@ -197,7 +196,7 @@ class AnnulusBuilder {
     const double h = std::min({task_.edge_length / task_.size, 2 * V_, U_ / 8}) / U_;
     const double expected =
         2 * U_ * V_ * task_.size * task_.size / (task_.edge_length * task_.edge_length);
-    require_mesh_size(std::max(expected, 2 / h), task_.edge_length, task_.size, "a ring");
+    require_mesh_size(std::max(expected, 2 / h), task_.edge_length, task_.size, "an annular face");
     return h;
   }
 
@@ -574,9 +573,9 @@ void embed_hole(const Outline& hole, const Surface& surface, const SurfaceProjec
     }
   }
   if (!(high - low < 0.9 * mesh.period()))
-    throw InputError("the hole with line '" + hole.segments[0].segment.name +
-                     "' runs around the ring: two rings would be left (a line that bounds a ring "
-                     "has role = \"outline\")");
+    throw InputError("the hole with curve '" + hole.segments[0].segment.name +
+                     "' runs around the annular face and would divide it; boundaries of annular "
+                     "faces have role = \"outline\"");
   const double u_shift = round_to_grid(0.5 * (mesh.period() - low - high));
   std::vector<Vec2> vertices = mesh.vertices();
   for (Vec2& p : vertices) p = mesh.wrapped({p.x() + u_shift, p.y()});
@@ -602,8 +601,9 @@ void embed_on_annulus(const Surface& surface, const std::vector<Outline>& holes,
                       RegionGeometry& geometry) {
   for (const SmoothSegment& line : inner)
     if (line.mesh_alignment == CharacterLine::MeshAlignment::EdgeAligned)
-      throw InputError("line '" + line.name +
-                       "' cannot be fitted: inner lines of rings are embedded");
+      throw InputError("curve '" + line.name +
+                       "' has alignment = \"aligned\", but inner curves of annular faces are "
+                       "always embedded");
   const SurfaceProjector projector(surface);
   for (const Outline& hole : holes) embed_hole(hole, surface, projector, task, geometry);
   const size_t before = geometry.embedded.size();

@@ -286,7 +286,7 @@ std::vector<VertexHandle> insert(const PlanarMeshInput& task, Triangulation& tri
     constrain(task.inner);
     for (const auto& hole : task.holes) constrain(hole);
   } catch (const Triangulation::Intersection_of_constraints_exception&) {
-    throw InputError("lines cross where they share no point");
+    throw InputError("curves intersect in the parameter domain where they have no common point");
   }
   return handle;
 }
@@ -308,9 +308,8 @@ void refine_everywhere(Triangulation& triangulation, const std::vector<Point>& h
     mesher.step_by_step_refine_mesh();
     if (static_cast<double>(triangulation.number_of_vertices()) > most)
       throw InputError(
-          "the flat domain cannot be meshed with edges of " + format_number(task.edge_length) +
-          " (of its size): its outline or its lines come so near to each other, or meet at such "
-          "small angles, that triangles become ever smaller");
+          "the parameter domain cannot be meshed with edges of " + format_number(task.edge_length) +
+          " of its size: its curves are too close to each other, or meet at too small angles");
   }
 }
 
@@ -372,8 +371,7 @@ bool have_delaunay_mesher() { return false; }
 
 ParametricMesh delaunay_mesh(const PlanarMeshInput&) {
   throw InputError(
-      "this build of Batten has no Delaunay mesher (it was built without CGAL): use "
-      "mesher = \"fan\"");
+      "Batten was built without CGAL and has no Delaunay mesher; use mesher = \"fan\"");
 }
 
 #endif

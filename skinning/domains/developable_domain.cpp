@@ -1,5 +1,4 @@
 // Developable domains: unfolds outlines that have neither a polygon nor a simple projection.
-#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -151,7 +150,7 @@ FlattenedSamples flatten_samples(const std::vector<Sample>& samples) {
   for (const Sample& s : samples) x.push_back(s.x);
   const auto triangulation = developable_triangulation(x);
   if (!triangulation)
-    throw InputError("all outline lines lie on one straight line: they enclose no surface");
+    throw InputError("all outline curves lie on one straight line and enclose no area");
   std::vector<Vec2> p = unfold(x, *triangulation);
   const std::vector<TriangulationCorner> corner_data = triangulation_corners(x, *triangulation);
   if (is_simple_and_ccw(p)) return {p, corner_data};
@@ -220,7 +219,7 @@ class PcurveFit {
       for (size_t k = 1; k < last; ++k) penalize_curvature_jump(s, k - 1, k, H);
       if (sides_[s].curve.closed()) penalize_curvature_jump(s, last - 1, 0, H);
     }
-    const VecX q = H.ldlt().solve(g);
+    const VecX q = solve_symmetric(H, g);
     std::vector<HermiteCurve> pcurves;
     for (size_t s = 0; s < sides_.size(); ++s) pcurves.push_back(pcurve(s, q));
     return pcurves;
@@ -340,8 +339,9 @@ RegionGeometry make_developable_geometry(const Outline& loop, const DomainInput&
   geometry.embedded = fit_loop_lines(loop, task);
   for (const EmbeddedLine& line : geometry.embedded)
     if (line.line.mesh_alignment == CharacterLine::MeshAlignment::EdgeAligned)
-      throw InputError("line '" + line.line.name +
-                       "' cannot be fitted: the domain is a sheet, where lines are embedded");
+      throw InputError("curve '" + line.line.name +
+                       "' has alignment = \"aligned\", but curves of a developable domain are "
+                       "always embedded");
   const std::vector<LoopSide> sides = sides_of(geometry.embedded);
   const std::vector<Sample> samples = samples_of(sides, task.size);
   const FlattenedSamples flat = flatten_samples(samples);
@@ -372,9 +372,9 @@ RegionGeometry make_developable_geometry(const Outline& loop, const DomainInput&
   const std::vector<HermiteCurve> pcurves =
       PcurveFit(sides, turning_angle, task.size).fit(samples, p);
   if (!simple(pcurves))
-    throw InputError("the outline with line '" + geometry.embedded[0].line.name +
-                     "' cannot be laid flat without crossing itself: it is too twisted for one "
-                     "surface; cut it by a line across");
+    throw InputError("the outline with curve '" + geometry.embedded[0].line.name +
+                     "' intersects itself when it is flattened; divide the face with another "
+                     "curve");
 
   geometry.boundary.resize(1);
   for (size_t s = 0; s < sides.size(); ++s) {

@@ -1,6 +1,5 @@
 // Embeds holes and inner lines on an existing surface.
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <optional>
@@ -76,8 +75,9 @@ class Embedder {
   void hole(const Outline& hole) {
     for (const auto& piece : hole.segments)
       if (piece.segment.mesh_alignment == CharacterLine::MeshAlignment::EdgeAligned)
-        throw InputError("line '" + piece.segment.name +
-                         "' cannot be fitted: lines around holes are embedded");
+        throw InputError("curve '" + piece.segment.name +
+                         "' has alignment = \"aligned\", but curves around holes are always "
+                         "embedded");
     const size_t first = geometry_.embedded.size();
     auto [segments, area] = loop(hole);
     if (area > 0) {
@@ -134,15 +134,16 @@ class Embedder {
       before = closest;
       constexpr double far = 0.5;
       if (closest.distance > far * task_.size)
-        throw InputError("line '" + line.line.name + "' is " + format_number(closest.distance) +
-                         " away from the surface that the outline makes (the region's size is " +
-                         format_number(task_.size) + ")");
+        throw InputError("curve '" + line.line.name + "' is " + format_number(closest.distance) +
+                         " away from the face inside of the outline, expected at most half of "
+                         "its size " +
+                         format_number(task_.size));
       const SurfaceJet jet = surface_.jet(closest.where);
       const Vec2 uv = surface_.mesh().shape(closest.where.triangle).point(closest.where.L);
       Eigen::Matrix<double, 3, 2> J;
       J << jet.x_u, jet.x_v;
       const auto pull = [&](const Vec3& slope) -> Vec3 {
-        const Vec2 d = (J.transpose() * J).ldlt().solve(J.transpose() * slope);
+        const Vec2 d = solve_symmetric(Mat2(J.transpose() * J), Vec2(J.transpose() * slope));
         return round_slope_to_grid({d.x(), d.y(), 0}, span);
       };
       dofs.row(nodes.mesh().position_dof(i)) << round_to_grid(uv.x()), round_to_grid(uv.y()), 0;

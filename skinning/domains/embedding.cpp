@@ -29,10 +29,11 @@ bool may_bisect(const RegionGeometry& geometry, const std::vector<char>& marked,
 }
 
 void warn_of_coarse_mesh(RegionGeometry& geometry, const DomainInput& task) {
-  const std::string warning = "triangles under lines are halved no more once there are " +
-                              format_number(max_refined_triangles(task.edge_length, task.size)) +
-                              ": lines may be missed by more than " +
-                              format_number(task.tolerance) + " (the tolerance)";
+  const std::string warning =
+      "the mesh was not refined beyond " +
+      format_number(max_refined_triangles(task.edge_length, task.size)) +
+      " triangles: the surface may miss embedded curves by more than the tolerance " +
+      format_number(task.tolerance);
   if (std::find(geometry.warnings.begin(), geometry.warnings.end(), warning) ==
       geometry.warnings.end())
     geometry.warnings.push_back(warning);
@@ -93,12 +94,11 @@ void require_simple(const RegionGeometry& geometry, const DomainLoops& loops) {
                      right = c - aside * Vec2(-d.y(), d.x());
           if (loops.contains(left) && !loops.contains(right)) continue;
           throw InputError(
-              "line '" + line.line.name + "' does not bound the region near " +
+              "curve '" + line.line.name + "' does not bound the face near " +
               format_point(line.fitted.evaluate(line.pcurve.mesh().parameters()[s] +
                                                 where.s * line.pcurve.mesh().length(s))) +
-              ": in the flat domain the outline or a hole crosses or touches itself "
-              "or another one, or a hole lies outside of the outline or in another "
-              "hole");
+              ": in the parameter domain, the outline or a hole intersects or touches itself "
+              "or another one, or a hole lies outside of the outline or in another hole");
         }
     }
 }
@@ -163,8 +163,8 @@ void update_aligned_lines(RegionGeometry& geometry, const ParametricMesh& mesh,
     for (int& v : vertices) {
       if (!number.empty()) v = number[v];
       if (v < 0)
-        throw InputError("a hole reaches beyond line '" + aligned_line.line.name +
-                         "': it must lie inside of the region");
+        throw InputError("a hole extends beyond curve '" + aligned_line.line.name +
+                         "', expected it inside of the face");
     }
     aligned_line.vertices = vertices;
     aligned_line.parameters = parameters;
@@ -172,8 +172,8 @@ void update_aligned_lines(RegionGeometry& geometry, const ParametricMesh& mesh,
     for (size_t k = 0; k + 1 < vertices.size(); ++k) {
       aligned_line.edges.push_back(mesh.edge_between(vertices[k], vertices[k + 1]));
       if (aligned_line.edges.back() < 0)
-        throw InputError("a hole crosses line '" + aligned_line.line.name +
-                         "': it must lie inside of the region");
+        throw InputError("a hole intersects curve '" + aligned_line.line.name +
+                         "', expected it inside of the face");
     }
   }
 }
@@ -192,9 +192,9 @@ void cut(RegionGeometry& geometry) {
   const bool bounded = loops.background() == DomainLoops::Background::Outside;
   const double expected = loops.area();
   if (bounded && !(std::abs(whole.area() - expected) <= 1e-7 * expected))
-    throw NoSolutionError("the cut triangles hold an area of " + format_number(whole.area()) +
-                          " and the " + "outline encloses " + format_number(expected) +
-                          ": the outline leaves the mesh, or runs along an element edge");
+    throw NoSolutionError("found the area " + format_number(whole.area()) +
+                          " of the trimmed mesh, expected the area " + format_number(expected) +
+                          " of the outline: it leaves the mesh, or runs along an element edge");
   Submesh part = extract_submesh(*geometry.mesh, kept);
   update_aligned_lines(geometry, part.mesh, {}, part.vertex);
   geometry.mesh = std::make_shared<ParametricMesh>(std::move(part.mesh));
@@ -222,7 +222,7 @@ void require_inner_lines_inside(const RegionGeometry& geometry, const DomainInpu
             (!geometry.trim || geometry.trim->loops().contains(geometry.mesh->wrapped(c)));
         if (!inside)
           throw InputError(
-              "inner line '" + line.line.name + "' leaves the region near " +
+              "inner curve '" + line.line.name + "' leaves the face near " +
               format_point(line.fitted.evaluate(line.pcurve.parameters()[s] +
                                                 where.s * line.pcurve.mesh().length(s))));
       }

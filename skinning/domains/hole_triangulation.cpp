@@ -21,13 +21,13 @@ constexpr size_t kMaxPoints = 400;
 
 void check(const std::vector<Vec3>& loop) {
   if (loop.size() < 3)
-    throw InputError("a plain filling needs a loop of three points or more, and there are " +
-                     std::to_string(loop.size()));
+    throw InputError("hole triangulation: found a loop of " + std::to_string(loop.size()) +
+                     " points, expected three or more");
   if (loop.size() > kMaxPoints)
-    throw InputError("a plain filling takes loops of at most " + std::to_string(kMaxPoints) +
-                     " points, and there are " + std::to_string(loop.size()));
+    throw InputError("hole triangulation: found a loop of " + std::to_string(loop.size()) +
+                     " points, expected at most " + std::to_string(kMaxPoints));
   for (const Vec3& p : loop)
-    if (!p.allFinite()) throw InputError("a loop to be filled has a point that is not finite");
+    if (!p.allFinite()) throw InputError("hole triangulation: a point is not finite");
 }
 
 void measure(const std::vector<Vec3>& loop, HoleTriangulation& triangulation) {

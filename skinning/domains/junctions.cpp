@@ -211,10 +211,10 @@ class Junctions {
                     const Vec3& q) const {
     const double away = (p - q).norm();
     if (away > task_.tolerance)
-      throw InputError("lines '" + other + "' and '" + line.line.name +
-                       "' cross in the flat domain near " + format_point(p) + ", but are " +
-                       format_number(away) + " apart there (tolerance " +
-                       format_number(task_.tolerance) + "): a surface cannot be on both");
+      throw InputError("curves '" + other + "' and '" + line.line.name +
+                       "' intersect in the parameter domain near " + format_point(p) +
+                       ", but are " + format_number(away) + " apart in space, expected at most " +
+                       format_number(task_.tolerance));
   }
 
   RegionGeometry& geometry_;
@@ -320,7 +320,7 @@ void to_nearest(const InputCurve& a, double& t, const InputCurve& b, double& s) 
     const Vec3 da = a.evaluate(t, 1), db = b.evaluate(s, 1), gap = b.evaluate(s) - a.evaluate(t);
     Eigen::Matrix2d m;
     m << da.dot(da), -da.dot(db), -da.dot(db), db.dot(db);
-    const Vec2 step = m.ldlt().solve(Vec2(da.dot(gap), -db.dot(gap)));
+    const Vec2 step = solve_symmetric(m, Vec2(da.dot(gap), -db.dot(gap)));
     if (!step.allFinite()) return;
     t = std::clamp(t + step[0], a.start(), a.end());
     s = std::clamp(s + step[1], b.start(), b.end());
@@ -351,11 +351,11 @@ void add_crossings(const SmoothSegment& line, const std::vector<PieceSample>& sa
       const Vec3 p = line.curve->evaluate(t);
       const double gap = (side.evaluate(s) - p).norm();
       if (gap > gap_tolerance)
-        throw InputError("inner line '" + line.name + "' passes the hole's line '" +
-                         boundary.name(from.piece) + "' at a distance of " + format_number(gap) +
-                         " near " + format_point(p) + "; expected that they meet within " +
+        throw InputError("inner curve '" + line.name + "' passes curve '" +
+                         boundary.name(from.piece) + "' of a hole at a distance of " +
+                         format_number(gap) + " near " + format_point(p) + ", expected at most " +
                          format_number(gap_tolerance) +
-                         " (the tolerance): move one onto the other, or end the inner line there");
+                         "; let them meet, or end the inner curve there");
       cuts.push_back(t);
     }
   }
@@ -406,8 +406,8 @@ std::vector<SmoothSegment> split_at_holes(const std::vector<SmoothSegment>& inne
     }
     const auto kept = parts_outside(line, boundaries, task.gap_tolerance);
     if (kept.empty())
-      throw InputError("inner line '" + line.name +
-                       "' lies in a hole from end to end: expected one on the surface");
+      throw InputError("inner curve '" + line.name +
+                       "' lies completely in a hole, expected it on the face");
     const bool whole = kept.size() == 1 && kept[0].first == line.curve->start() &&
                        kept[0].second == line.curve->end();
     for (size_t k = 0; k < kept.size(); ++k) {

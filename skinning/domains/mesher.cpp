@@ -14,7 +14,8 @@ namespace batten {
 ParametricMesh fan_mesh(const PlanarMeshInput& task, int refinements) {
   count(OpCounter::Triangulation);
   if (!task.inner.empty() || !task.holes.empty())
-    throw InputError("the fan mesher takes no inner lines and no holes: use mesher = \"delaunay\"");
+    throw InputError(
+        "the fan mesher does not support inner curves and holes; use mesher = \"delaunay\"");
   std::vector<Vec2> vertices = task.points;
   // Centroid of the area.
   Vec2 centre = Vec2::Zero();
@@ -31,7 +32,7 @@ ParametricMesh fan_mesh(const PlanarMeshInput& task, int refinements) {
     const Vec2 p = vertices[a] - vertices[middle], q = vertices[b] - vertices[middle];
     if (!(p.x() * q.y() - p.y() * q.x() > 0))
       throw InputError(
-          "the fan mesher needs a domain whose sides are all seen from its centre: use "
+          "the fan mesher needs a domain that is star-shaped about its centre; use "
           "mesher = \"delaunay\"");
     triangles.push_back({middle, a, b});
   }
@@ -65,8 +66,8 @@ void require_affordable(const std::string& means, double triangles, double edge_
   if (!(needed > left)) return;
   double affordable = triangles;
   while (affordable > 16 && bytes(affordable) > 0.5 * left) affordable /= 1.2;
-  throw InputError(means + ", which need " + format_bytes(needed) + " of memory, and " +
-                   format_bytes(std::max(left, 0.0)) + " are there; edge_length = " +
+  throw InputError(means + ", which need " + format_bytes(needed) + " of memory, but only " +
+                   format_bytes(std::max(left, 0.0)) + " are available; edge_length = " +
                    format_number(edge_length * std::sqrt(triangles / affordable)) + " needs " +
                    format_bytes(bytes(affordable)));
 }
@@ -74,7 +75,7 @@ void require_affordable(const std::string& means, double triangles, double edge_
 std::string mesh_description(double edge_length, const std::string& what, double size,
                              double triangles) {
   return "edge_length = " + format_number(edge_length) + " on " + what + " of size " +
-         format_number(size) + " means about " + format_number(triangles) + " triangles";
+         format_number(size) + " creates about " + format_number(triangles) + " triangles";
 }
 
 }  // namespace
@@ -82,13 +83,13 @@ std::string mesh_description(double edge_length, const std::string& what, double
 void require_mesh_size(double triangles, double edge_length, double size, const std::string& what) {
   const std::string means = mesh_description(edge_length, what, size, triangles);
   if (!(triangles <= kMaxTriangles))
-    throw InputError(means + "; at most " + format_number(kMaxTriangles) +
-                     " are allowed (is the unit right?)");
+    throw InputError(means + ", expected at most " + format_number(kMaxTriangles) +
+                     "; check the unit");
   require_affordable(means, triangles, edge_length, bytes_for_triangles);
 }
 
 void require_model_size(double triangles, double edge_length, double size) {
-  require_affordable(mesh_description(edge_length, "all regions of a network", size, triangles),
+  require_affordable(mesh_description(edge_length, "all faces of a network", size, triangles),
                      triangles, edge_length, [](double n) { return 70e6 + 2000 * n; });
 }
 
@@ -100,9 +101,9 @@ double max_refined_triangles(double edge_length, double size) {
 void require_tolerance(double tolerance, double size) {
   constexpr double min_fraction = 1e-9;
   if (tolerance >= min_fraction * size) return;
-  throw InputError("tolerance = " + format_number(tolerance) + " is too small for a size of " +
-                   format_number(size) + ": expected " + format_number(min_fraction * size) +
-                   " or more, to which shapes are computed (is the unit right?)");
+  throw InputError("found fit_tolerance = " + format_number(tolerance) + " for a size of " +
+                   format_number(size) + ", expected " + format_number(min_fraction * size) +
+                   " or more; check the unit");
 }
 
 }  // namespace batten

@@ -73,8 +73,8 @@ double bytes_for_triangles(double triangles);
 
 /// Throws InputError for a mesh that is too large: more than two million triangles, or more than
 /// fit into the available memory (available_memory()). The message gives the memory required, and
-/// an edge_length that would need half of the available memory. `what`: "a region", "a ring", for
-/// the message. `edge_length`, `size`: model units.
+/// an edge_length that would need half of the available memory. `what`: "a face", "an annular face",
+/// for the message. `edge_length`, `size`: model units.
 void require_mesh_size(double triangles, double edge_length, double size, const std::string& what);
 
 /// The same check for all regions of a model together, with at least 2 kB per triangle. The memory

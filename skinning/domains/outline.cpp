@@ -23,7 +23,7 @@ void require_not_on_one_line(const std::vector<SmoothSegment>& segments, double 
     for (const Vec3& p : polyline(*s.curve)) points.push_back(p);
   const double across = principal_axes(points).values[1] / static_cast<double>(points.size());
   if (std::sqrt(std::max(0.0, across)) < 1e-7 * size)
-    throw InputError("all outline lines lie on one straight line: they enclose no surface");
+    throw InputError("all outline curves lie on one straight line and enclose no area");
 }
 
 // Unit tangents just before and just after the start of a segment.
@@ -82,8 +82,8 @@ bool continues_smoothly(const Outline& outline, size_t piece) {
 void require_all_or_none_prescribed(const std::vector<SmoothSegment>& segments) {
   for (const SmoothSegment& s : segments)
     if (static_cast<bool>(s.prescribed) != static_cast<bool>(segments[0].prescribed))
-      throw InputError("of lines '" + segments[0].name + "' and '" + s.name +
-                       "' around one region only one has a given curve: all have, or none");
+      throw InputError("found curves '" + segments[0].name + "' and '" + s.name +
+                       "' around one face, of which only one is prescribed, expected all or none");
 }
 
 // Joins segments at their ends. End 2i is the start of segment i, end 2i + 1 its end.
@@ -103,13 +103,14 @@ class LoopBuilder {
     for (const SmoothSegment& s : segments_) boxed.emplace_back(*s.curve);
     for (size_t i = 0; i < segments_.size(); ++i) {
       if (const auto c = boxed[i].self_crossing(near); c.found)
-        throw InputError("line '" + segments_[i].name + "' crosses itself near " +
+        throw InputError("curve '" + segments_[i].name + "' intersects itself near " +
                          format_point(c.where));
       for (size_t j = i + 1; j < segments_.size(); ++j)
         if (const auto c = boxed[i].crossing(boxed[j], near, common_ends(i, j), 0.02 * size_);
             c.found)
-          throw InputError("the outline crosses itself: lines '" + segments_[i].name + "' and '" +
-                           segments_[j].name + "' cross or touch near " + format_point(c.where));
+          throw InputError("the outline intersects itself: curves '" + segments_[i].name +
+                           "' and '" + segments_[j].name + "' intersect or touch near " +
+                           format_point(c.where));
     }
   }
 
@@ -134,7 +135,7 @@ class LoopBuilder {
       Outline::OrientedSegment piece{s, flipped, 0, 0.5 * (point_[end] + point_[partner[end]])};
       if (flipped) piece.segment.curve = reversed(s.curve);
       piece.length = ArcLength(piece.segment.curve).total();
-      if (piece.length < 1e-9 * size_) throw InputError("line '" + s.name + "' has zero length");
+      if (piece.length < 1e-9 * size_) throw InputError("curve '" + s.name + "' has zero length");
       outline.segments.push_back(std::move(piece));
       end = partner[end ^ 1];
     } while (end != begin);
@@ -168,18 +169,18 @@ class LoopBuilder {
       }
     }
     if (near.empty())
-      throw InputError("the outline is open at " + name_of(end) + ", " + format_point(point_[end]) +
-                       ": " +
-                       (nearest < 0 ? "there is no other line"
-                                    : "the nearest end, " + name_of(nearest) + ", is " +
-                                          format_number(nearest_gap) + " away (ends meet within " +
-                                          format_number(gap_tolerance_) + ")"));
+      throw InputError(
+          "the outline is open at " + name_of(end) + ", " + format_point(point_[end]) + ": " +
+          (nearest < 0
+               ? "there is no other curve"
+               : "the nearest end, " + name_of(nearest) + ", is " + format_number(nearest_gap) +
+                     " away (ends are joined within " + format_number(gap_tolerance_) + ")"));
     if (near.size() > 1)
-      throw InputError("more than two outline lines end at " + format_point(point_[end]) + ": " +
+      throw InputError("more than two outline curves end at " + format_point(point_[end]) + ": " +
                        name_of(end) + ", " + name_of(near[0]) + ", " + name_of(near[1]) +
-                       " (ends within " + format_number(gap_tolerance_) +
-                       " of each other count as one: is the tolerance too large? Give inner lines "
-                       "role = \"inner\"; branching outlines are not supported)");
+                       "; use role = \"inner\" for inner curves, or reduce fit_tolerance (ends "
+                       "are joined within " +
+                       format_number(gap_tolerance_) + ")");
     return near[0];
   }
 
@@ -193,7 +194,7 @@ class LoopBuilder {
 std::vector<Outline> make_loops(const std::vector<SmoothSegment>& segments, double size,
                                 double gap_tolerance, double corner_angle,
                                 bool reverse_orientation) {
-  if (segments.empty()) throw InputError("a region needs outline lines, and there are none");
+  if (segments.empty()) throw InputError("found no outline curves of a face, expected one or more");
   require_not_on_one_line(segments, size);
   require_all_or_none_prescribed(segments);
   const LoopBuilder builder(segments, size, gap_tolerance);
@@ -252,10 +253,10 @@ void warn_about_rounded_kinks(const Outline& outline, double corner_angle,
     const double turning_angle = turning_angle_at(outline, p) * 180 / pi;
     constexpr double noticeable = 1;
     if (turning_angle > noticeable)
-      warnings.push_back("lines '" + outline.segments[(p + n - 1) % n].segment.name + "' and '" +
+      warnings.push_back("curves '" + outline.segments[(p + n - 1) % n].segment.name + "' and '" +
                          outline.segments[p].segment.name + "' meet at a kink of " +
-                         format_number(turning_angle) + " degrees, below corner_angle = " +
-                         format_number(corner_angle) + ": it is rounded within the tolerance");
+                         format_number(turning_angle) + " degrees, which is below corner_angle = " +
+                         format_number(corner_angle) + " and is rounded within the tolerance");
   }
 }
 
@@ -472,7 +473,8 @@ Vec3 loop_normal(const Outline& outline) {
   const Vec3 area = area_vector(outline);
   const double length = area.norm();
   if (!encloses_area(outline))
-    throw InputError("the outline encloses no area seen from any side: it folds back on itself");
+    throw InputError(
+        "the outline encloses no area in any direction of view: it folds back on itself");
   return area / length;
 }
 

@@ -72,14 +72,15 @@ void require_corners(const Outline& loop, double corner_angle) {
   const size_t sides = loop.corners.size();
   if (sides < 3)
     throw InputError("the outline has " + std::to_string(sides) +
-                     " corner(s) that turn by more than " + format_number(corner_angle) +
-                     " degrees, and a polygon needs three or more");
+                     (sides == 1 ? " corner" : " corners") +
+                     " above corner_angle = " + format_number(corner_angle) +
+                     " degrees, expected three or more for domain = \"polygon\"");
   constexpr size_t max_corners = 100;
   if (sides > max_corners)
-    throw InputError("the outline turns by more than " + format_number(corner_angle) +
-                     " degrees at " + std::to_string(sides) + " places, and a region has at most " +
-                     std::to_string(max_corners) +
-                     " corners: are the points noisy? (raise corner_angle, or smooth the line)");
+    throw InputError("the outline has " + std::to_string(sides) +
+                     " corners above corner_angle = " + format_number(corner_angle) +
+                     " degrees, expected at most " + std::to_string(max_corners) +
+                     "; increase corner_angle, or fair the curve if its points are noisy");
 }
 
 void require_enclosed_area(const PolygonDomain& domain, const std::vector<double>& lengths) {
@@ -93,8 +94,8 @@ void require_enclosed_area(const PolygonDomain& domain, const std::vector<double
   if (area < least * around * around ||
       (domain.task.options.domain == SkinOptions::Domain::Auto && area < min_fraction * seen))
     throw NoPolygonError(
-        "the polygon with these sides and corners has no room inside: the outline's sides bend "
-        "much more than its corners turn");
+        "the polygon with these side lengths and angles encloses too little area: the sides of "
+        "the outline bend much more than its corners");
 }
 
 // Rotates u to the side of the first line; the mean of the corners becomes the origin.
@@ -204,7 +205,7 @@ PolygonDomain make_polygon_domain(const Outline& loop, const DomainInput& task,
   SkinOptions& options = domain.task.options;
   // Chosen before curves are fitted: the fan needs lines that are split by bisection only.
   if (options.mesher == SkinOptions::Mesher::Delaunay && !have_delaunay_mesher()) {
-    warnings.push_back("this build has no CGAL: the fan mesher is used instead");
+    warnings.push_back("Batten was built without CGAL: the fan mesher is used");
     options.mesher = SkinOptions::Mesher::Fan;
   }
   require_corners(loop, options.corner_angle);
@@ -264,8 +265,8 @@ RegionGeometry make_polygon_geometry(const Outline& loop, const std::vector<Smoo
     std::string reason;
     if (s.mesh_alignment != MeshAlignment::Embedded) reason = add_inner_segment(domain, s);
     if (s.mesh_alignment == MeshAlignment::EdgeAligned && !reason.empty())
-      throw InputError("inner line '" + s.name + "' cannot be fitted: " + reason +
-                       "; with treatment = \"embedded\" it may");
+      throw InputError("inner curve '" + s.name + "' cannot be mesh-aligned: " + reason +
+                       "; use alignment = \"embedded\"");
     if (s.mesh_alignment == MeshAlignment::Embedded || !reason.empty()) others.push_back(s);
   }
   geometry.mesh = std::make_shared<ParametricMesh>(mesh_polygon(domain));
@@ -311,8 +312,8 @@ std::optional<Junction> on_vertex(const PolygonDomain& domain, size_t piece, dou
     if ((position - p).norm() <= domain.task.gap_tolerance)
       return Junction{piece, there, aligned_segment.at(there), position};
   }
-  reason = "it ends between two vertices of line '" + aligned_segment.line.name + "', at " +
-           format_number(fraction) + " of it";
+  reason = "it ends between two vertices of curve '" + aligned_segment.line.name + "', at " +
+           format_number(fraction) + " of its length";
   return std::nullopt;
 }
 
@@ -331,8 +332,8 @@ std::optional<Junction> junction(const PolygonDomain& domain, int end, const Vec
   const AlignedSegment& aligned_segment = domain.aligned_segments[found];
   if (nearest > domain.task.gap_tolerance) {
     reason = std::string("its ") + (end ? "end " : "start ") + format_point(p) + " is " +
-             format_number(nearest) + " away from line '" + aligned_segment.line.name +
-             "' (ends meet within " + format_number(domain.task.gap_tolerance) + ")";
+             format_number(nearest) + " away from curve '" + aligned_segment.line.name +
+             "', expected at most " + format_number(domain.task.gap_tolerance);
     return std::nullopt;
   }
   if (aligned_segment.prescribed()) return on_vertex(domain, found, fraction, p, reason);
@@ -353,15 +354,15 @@ std::string rejection_reason(const PolygonDomain& domain, const SmoothSegment& s
   const InputCurve& curve = *s.curve;
   const std::vector<Vec3> ends = {curve.evaluate(curve.start()), curve.evaluate(curve.end())};
   const BoxedCurve boxed(curve);
-  if (boxed.self_crossing(1e-7 * domain.task.size).found) return "it crosses itself";
+  if (boxed.self_crossing(1e-7 * domain.task.size).found) return "it intersects itself";
   for (const SmoothSegment& other : domain.aligned_inner)
     if (const auto c = boxed.crossing(BoxedCurve(*other.curve), 1e-7 * domain.task.size, ends,
                                       0.02 * domain.task.size);
         c.found)
-      return "it crosses line '" + other.name + "' near " + format_point(c.where);
+      return "it intersects curve '" + other.name + "' near " + format_point(c.where);
   for (const AlignedSegment& other : domain.aligned_segments)
     if (segments_cross(aligned_segment.from, aligned_segment.to, other.from, other.to))
-      return "it would cross line '" + other.line.name + "' in the flat domain";
+      return "it would intersect curve '" + other.line.name + "' in the parameter domain";
   const Vec2 middle = 0.5 * (aligned_segment.from + aligned_segment.to);
   bool inside = false;
   for (size_t i = 0, n = domain.polygon.size(); i < n; ++i) {
@@ -370,7 +371,7 @@ std::string rejection_reason(const PolygonDomain& domain, const SmoothSegment& s
         middle.x() < a.x() + (middle.y() - a.y()) / (b.y() - a.y()) * (b.x() - a.x()))
       inside = !inside;
   }
-  if (!inside) return "it would run along or outside the outline of the flat domain";
+  if (!inside) return "it would run along or outside of the outline of the parameter domain";
   return "";
 }
 
@@ -392,7 +393,7 @@ std::string add_inner_segment(PolygonDomain& domain, const SmoothSegment& s) {
     const size_t n = domain.outline.segments.size();
     if ((j.fraction <= 0 && domain.outline.is_corner(j.aligned_segment)) ||
         (j.fraction >= 1 && domain.outline.is_corner((j.aligned_segment + 1) % n)))
-      return "it ends at a corner, where the two sides fix the surface's slopes already";
+      return "it ends at a corner, where the two sides already fix the tangent plane";
     (e ? aligned_segment.to : aligned_segment.from) = junctions[e]->uv;
     on_outline[e] = junctions[e]->position;
   }
@@ -455,8 +456,7 @@ ParametricMesh delaunay(PolygonDomain& domain) {
       for (size_t k = 1; k < s.nodes.size(); ++k) {
         const int next = add(k + 1 == s.nodes.size() ? s.to : s.at(s.nodes[k]));
         if (next == last || (k > 1 && next == s.points.front()))
-          throw InputError("line '" + s.line.name +
-                           "' is given with vertices that lie on each other, near " +
+          throw InputError("prescribed curve '" + s.line.name + "' has coincident vertices near " +
                            format_point(s.fitted.evaluate(s.fitted.start())));
         segments.push_back({last, next});
         s.points.push_back(last = next);
@@ -489,7 +489,8 @@ bool cut_evenly(const AlignedSegment& s, int refinements) {
 
 ParametricMesh fan(const PolygonDomain& domain) {
   if (domain.prescribed())
-    throw InputError("the fan mesher takes no given curves: use mesher = \"delaunay\"");
+    throw InputError(
+        "the fan mesher does not support prescribed curves; use mesher = \"delaunay\"");
   PlanarMeshInput task;
   task.points = domain.polygon;
   const int n = isize(domain.polygon);
@@ -499,11 +500,11 @@ ParametricMesh fan(const PolygonDomain& domain) {
     longest = std::max(longest, (domain.polygon[(i + 1) % n] - domain.polygon[i]).norm());
   }
   if (!domain.aligned_inner.empty())
-    throw InputError("the fan mesher takes no inner lines: use mesher = \"delaunay\"");
+    throw InputError("the fan mesher does not support inner curves; use mesher = \"delaunay\"");
   if (domain.outline.segments.size() != domain.polygon.size())
-    throw InputError("the fan mesher needs one line for each side between corners, and there are " +
-                     std::to_string(domain.outline.segments.size()) + " lines for " +
-                     std::to_string(n) + " sides: use mesher = \"delaunay\"");
+    throw InputError("the fan mesher needs one curve for each side between corners, found " +
+                     std::to_string(domain.outline.segments.size()) + " curves for " +
+                     std::to_string(n) + " sides; use mesher = \"delaunay\"");
   int refinements = domain.task.options.fan_refinements;
   if (refinements < 0) {
     refinements = 0;
@@ -516,10 +517,9 @@ ParametricMesh fan(const PolygonDomain& domain) {
   }
   for (const AlignedSegment& s : domain.aligned_segments)
     if (!cut_evenly(s, refinements))
-      throw InputError("line '" + s.line.name + "' needs nodes that a fan refined " +
-                       std::to_string(refinements) +
-                       " times does not have: raise the tolerance or the refinements, or use "
-                       "mesher = \"delaunay\"");
+      throw InputError("the fan mesher has no nodes for curve '" + s.line.name +
+                       "' with refine = " + std::to_string(refinements) +
+                       "; increase refine or fit_tolerance, or use mesher = \"delaunay\"");
   return fan_mesh(task, refinements);
 }
 
@@ -527,8 +527,8 @@ void find_edges(const ParametricMesh& mesh, EdgeAlignedLine& aligned_line) {
   for (size_t i = 0; i + 1 < aligned_line.vertices.size(); ++i) {
     const int e = mesh.edge_between(aligned_line.vertices[i], aligned_line.vertices[i + 1]);
     if (e < 0)
-      throw NoSolutionError("the mesher left line '" + aligned_line.line.name +
-                            "' without an edge at (" +
+      throw NoSolutionError("the mesher created no edge along curve '" + aligned_line.line.name +
+                            "' at (" +
                             format_number(mesh.vertices()[aligned_line.vertices[i]].x()) + ", " +
                             format_number(mesh.vertices()[aligned_line.vertices[i]].y()) + ")");
     aligned_line.edges.push_back(e);
@@ -551,10 +551,10 @@ ParametricMesh mesh_polygon(PolygonDomain& domain) {
               : area * domain.task.size * domain.task.size /
                     (std::sqrt(3.0) / 4 * domain.task.edge_length * domain.task.edge_length);
   if (counted && expected > kMaxTriangles)
-    throw InputError("a fan refined " + std::to_string(domain.task.options.fan_refinements) +
-                     " times has " + format_number(expected) + " triangles; at most " +
-                     format_number(kMaxTriangles) + " are allowed");
-  require_mesh_size(expected, domain.task.edge_length, domain.task.size, "a region");
+    throw InputError("refine = " + std::to_string(domain.task.options.fan_refinements) +
+                     " creates " + format_number(expected) + " triangles, expected at most " +
+                     format_number(kMaxTriangles));
+  require_mesh_size(expected, domain.task.edge_length, domain.task.size, "a face");
   for (AlignedSegment& s : domain.aligned_segments) {
     if (s.prescribed()) {
       fix_nodes(s);

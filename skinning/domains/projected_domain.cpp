@@ -63,12 +63,12 @@ void require_flat_enough(const EmbeddedLine& line, double size) {
       const double in_space = line.fitted.evaluate(at_sample, 1).norm(),
                    in_plane = size * line.pcurve.evaluate(at_sample, 1).norm();
       if (!(in_plane >= least * in_space))
-        throw InputError("line '" + line.line.name +
-                         "' is nearly at right angles to the plane of "
-                         "the outline near " +
+        throw InputError("curve '" + line.line.name +
+                         "' cannot be projected: it is nearly perpendicular to the plane of the "
+                         "outline near " +
                          format_point(line.fitted.evaluate(at_sample)) +
-                         ": it has no image there (a polygon or a ring might suit: give the "
-                         "outline corners, or two loops)");
+                         "; use domain = \"polygon\" (needs corners) or \"annulus\" (needs two "
+                         "loops)");
     }
 }
 
@@ -83,8 +83,9 @@ RegionGeometry make_projected_geometry(const Outline& loop, const std::vector<Ou
 
   const auto add = [&](EmbeddedLine line) {
     if (line.line.mesh_alignment == CharacterLine::MeshAlignment::EdgeAligned)
-      throw InputError("line '" + line.line.name +
-                       "' cannot be fitted: the domain is a plane, where lines are embedded");
+      throw InputError("curve '" + line.line.name +
+                       "' has alignment = \"aligned\", but curves of a projected domain are "
+                       "always embedded");
     line.pcurve = plane.pcurve(line.fitted);
     require_flat_enough(line, task.size);
     geometry.embedded.push_back(std::move(line));
@@ -159,7 +160,7 @@ std::shared_ptr<const ParametricMesh> make_grid_mesh(const DomainLoops& outside,
   const double h = round_to_grid(task.edge_length / task.size);
   const Vec2 extent = outside.high() - outside.low();
   const double expected = 2 * extent.x() * extent.y() / (h * h);
-  require_mesh_size(expected, task.edge_length, task.size, "a region");
+  require_mesh_size(expected, task.edge_length, task.size, "a face");
   const int columns = static_cast<int>(std::ceil(extent.x() / h)) + 2,
             rows = static_cast<int>(std::ceil(extent.y() / h)) + 2;
   const Vec2 origin =

@@ -121,7 +121,7 @@ class FacetMesher {
       else
         for (const int p : folded) split(p);
       if (round > 2 * rounds)
-        throw InputError(s_.message_prefix() + "its facets fold where lines touch");
+        throw InputError(s_.message_prefix() + "its facets are folded where curves touch");
     }
   }
 
@@ -232,9 +232,8 @@ class FacetMesher {
     for (const auto& [p, q] : tangled_pairs()) {
       const ConstrainedEdge &a = constrained_edges_[p], &b = constrained_edges_[q];
       if (!may_split || !(a.curved || b.curved))
-        throw InputError(s_.message_prefix() + "the lines '" + s_.lines()[a.line].name() +
-                         "' and '" + s_.lines()[b.line].name() +
-                         "' cross where they share no point");
+        throw InputError(s_.message_prefix() + "curves '" + s_.lines()[a.line].name() + "' and '" +
+                         s_.lines()[b.line].name() + "' intersect where they have no common point");
       if (a.curved) cuts.try_emplace(p, split_beside(a, b));
       if (b.curved) cuts.try_emplace(q, split_beside(b, a));
     }
@@ -326,8 +325,8 @@ class FacetMesher {
       const ConstrainedEdge& piece = result.constrained_edges[p];
       const int e = result.mesh->edge_between(piece.a, piece.b);
       if (e < 0)
-        throw InputError(s_.message_prefix() + "the line '" + s_.lines()[piece.line].name() +
-                         "' touches another one where they share no point");
+        throw InputError(s_.message_prefix() + "curve '" + s_.lines()[piece.line].name() +
+                         "' touches another one where they have no common point");
       result.constrained_edge_of[e] = static_cast<int>(p);
       result.edges_of_line[piece.line].push_back(static_cast<int>(p));
     }

@@ -40,7 +40,7 @@ LineSubdivision::LineSubdivision(const SkinnedRegion& region, double edge_length
     : region_(region), requested_(requested) {
   const ParametricMesh& mesh = region.surface.mesh();
   if (region.boundary.empty() || region.boundary[0].empty())
-    throw InputError(message_prefix() + "found embedded lines, but no boundary");
+    throw InputError(message_prefix() + "found embedded curves, but no boundary");
   for (const EdgeAlignedLine& aligned_line : region.edge_aligned)
     lines_.emplace_back(mesh, aligned_line);
   for (const EmbeddedLine& line : region.embedded) lines_.emplace_back(line);
@@ -150,7 +150,7 @@ void LineSubdivision::cut_open() {
   }
   if (least >= 10)
     throw InputError(message_prefix() +
-                     "no straight seam from rim to rim of the ring is free of holes");
+                     "every straight seam between the two boundaries of the annulus meets a hole");
   lines_.emplace_back("seam", best[0], best[1]);
   subdivisions_.emplace_back();
   min_edges_.push_back(1);

@@ -87,8 +87,8 @@ class LineSubdivision {
   LineSubdivision(const SkinnedRegion& region, double edge_length,
                   const SubdivisionRequest& requested);
 
-  /// The prefix "facets of region 'NAME': " of messages.
-  std::string message_prefix() const { return "facets of region '" + region_.name + "': "; }
+  /// The prefix "tessellation of face 'NAME': " of messages.
+  std::string message_prefix() const { return "tessellation of face '" + region_.name + "': "; }
   /// The lines of the region: edge-aligned, then embedded, then the seam of an annulus.
   const std::vector<FacetLine>& lines() const { return lines_; }
   /// Subdivision points of a line, ascending.

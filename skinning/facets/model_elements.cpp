@@ -59,7 +59,8 @@ class ModelMesher {
  public:
   ModelMesher(const std::vector<const SkinnedRegion*>& regions, double edge_length)
       : regions_(regions), edge_length_(edge_length) {
-    if (regions.empty()) throw InputError("facets of a model: found no region");
+    if (regions.empty())
+      throw InputError("tessellation of a model: found no face, expected one or more");
     list_lines();
     for (SharedLine& line : lines_)
       if (line.shared()) compare_sides(line);
@@ -113,9 +114,9 @@ class ModelMesher {
       const double gap = apart[side.against];
       const SkinnedRegion &a = *regions_[first.region], &b = *regions_[side.region];
       if (!(gap <= most * std::min(a.size, b.size)))
-        throw InputError("facets of a model: the line '" + line.name + "' of region '" + a.name +
-                         "' and that of region '" + b.name + "' are " + format_number(gap) +
-                         " apart, expected one curve: names of lines are unique within a model");
+        throw InputError("tessellation of a model: curves '" + line.name + "' of faces '" + a.name +
+                         "' and '" + b.name + "' are " + format_number(gap) +
+                         " apart, expected one curve: names of curves are unique within a model");
     }
   }
 
@@ -134,8 +135,8 @@ class ModelMesher {
       for (size_t r = 0; r < regions_.size(); ++r) {
         if (made[r] && conforms(r)) continue;
         if (round >= rounds)
-          throw InputError("facets of a model: region '" + regions_[r]->name +
-                           "' and its neighbours find no common edges on their lines");
+          throw InputError("tessellation of a model: face '" + regions_[r]->name +
+                           "' and its neighbours have no matching element edges on their curves");
         result_.regions[r] =
             quadratic_elements(*regions_[r], edge_length_, request_for(r, round < halving_rounds));
         made[r] = 1;
@@ -280,9 +281,9 @@ class ModelMesher {
         std::set<int> nodes;
         for (const int n : triangle) nodes.insert(result_.node[r][n]);
         if (nodes.size() < triangle.size())
-          throw InputError("facets of region '" + regions_[r]->name +
-                           "': found lines whose ends are nearer than 1e-6 of the model's size, "
-                           "expected room for an element between them");
+          throw InputError("tessellation of face '" + regions_[r]->name +
+                           "': found curve ends closer than 1e-6 of the model's size, expected "
+                           "space for an element between them");
       }
   }
 

@@ -39,19 +39,19 @@ void require_names(const std::vector<CharacterLine>& lines, const std::string& r
   for (size_t i = 0; i < lines.size(); ++i)
     for (size_t j = 0; j < i; ++j)
       if (lines[i].name == lines[j].name)
-        throw InputError("two lines have the name '" + lines[i].name + "'");
-  if (lines.empty()) throw InputError("region '" + region + "' has no lines");
+        throw InputError("two curves have the name '" + lines[i].name + "'");
+  if (lines.empty()) throw InputError("face '" + region + "' has no curves");
 }
 
 double diagonal_of(const std::vector<CharacterLine>& lines) {
   Box3 box;
   constexpr int samples = 256;
   for (const auto& line : lines) {
-    if (!line.curve) throw InputError("line '" + line.name + "' has no curve");
+    if (!line.curve) throw InputError("curve '" + line.name + "' has no geometry");
     const InputCurve& input = *line.curve;
     const HermiteCurve* prescribed = line.prescribed ? &line.prescribed->curve : nullptr;
     if (prescribed && prescribed->segment_count() < 1)
-      throw InputError("the given curve of line '" + line.name + "' is empty");
+      throw InputError("prescribed curve '" + line.name + "' is empty");
     const double a = prescribed ? prescribed->start() : input.start(),
                  b = prescribed ? prescribed->end() : input.end();
     for (int i = 0; i <= samples; ++i) {
@@ -60,8 +60,8 @@ double diagonal_of(const std::vector<CharacterLine>& lines) {
     }
   }
   const double size = box.diagonal().norm();
-  if (!std::isfinite(size)) throw InputError("a line has a point that is not finite");
-  if (!(size > 0)) throw InputError("all lines are one point: they have zero length");
+  if (!std::isfinite(size)) throw InputError("a curve has a point that is not finite");
+  if (!(size > 0)) throw InputError("all curves have zero length: they are one point");
   return size;
 }
 
@@ -124,18 +124,19 @@ Domain chosen_domain(const JoinedLines& joined, const DomainInput& task) {
   const Domain domain =
       task.options.domain == Domain::Auto ? automatic_domain(joined, task) : task.options.domain;
   if (!joined.to_embed.empty() && domain != Domain::Projected && domain != Domain::Developable)
-    throw InputError("line '" + joined.to_embed +
-                     "' cannot be embedded: outlines of polygons and rings are fitted (a plane "
-                     "embeds them)");
+    throw InputError("curve '" + joined.to_embed +
+                     "' has alignment = \"embedded\", but outlines of polygonal and annular "
+                     "domains are always aligned; use domain = \"projected\"");
   if (loops.size() > 1 && domain != Domain::Annulus)
-    throw InputError("the outline lines form " + std::to_string(loops.size()) + " loops, with '" +
+    throw InputError("the outline curves form " + std::to_string(loops.size()) + " loops, with '" +
                      loops[0].segments[0].segment.name + "' and '" +
                      loops[1].segments[0].segment.name +
-                     "' in different ones: lines around a hole have role = \"hole\" (two smooth "
-                     "loops without holes are a ring)");
+                     "' in different ones; use role = \"hole\" for curves around a hole (two "
+                     "smooth loops without holes bound an annular face)");
   if (loops.size() != 2 && domain == Domain::Annulus)
-    throw InputError("a ring needs two loops of outline lines, and there are " +
-                     std::to_string(loops.size()));
+    throw InputError("found " + std::to_string(loops.size()) +
+                     (loops.size() == 1 ? " loop" : " loops") +
+                     " of outline curves, expected two for domain = \"annulus\"");
   return domain;
 }
 
@@ -291,7 +292,7 @@ RegionLayout::RegionLayout(std::string name, const std::vector<CharacterLine>& l
                            const SkinOptions& options, const Progress& progress)
     : name_(std::move(name)), options_(options) {
   require_names(lines, name_);
-  progress.update("fitting lines", 0);
+  progress.update("fitting curves", 0);
   size_ = diagonal_of(lines);
   tolerance_ = options.tolerance > 0 ? options.tolerance : 1e-4 * size_;
   require_tolerance(tolerance_, size_);
@@ -302,7 +303,7 @@ RegionLayout::RegionLayout(std::string name, const std::vector<CharacterLine>& l
 
   // 1. Split and join.
   const JoinedLines joined = cut_and_join(lines, task);
-  progress.update("fitting lines", 0.5);
+  progress.update("fitting curves", 0.5);
   // 2. Choose a domain type.
   options_.domain = chosen_domain(joined, task);
   const bool has_no_polygon = options.minimize_distortion && options_.domain != Domain::Polygon;
@@ -317,7 +318,7 @@ RegionLayout::RegionLayout(std::string name, const std::vector<CharacterLine>& l
   progress.update("meshing", 1);
   if (has_no_polygon)
     geometry_.warnings.insert(geometry_.warnings.begin(),
-                              "settle moves the corners of polygons: this domain has none to move");
+                              "minimize_distortion has no effect: this domain is not a polygon");
 }
 
 DomainInput RegionLayout::task() const {
@@ -337,7 +338,7 @@ ConstraintSet RegionLayout::line_constraints() const {
 ConstraintSet RegionLayout::corner_constraints() const {
   const ParametricMesh& mesh = *geometry_.mesh;
   if (geometry_.corners.empty())
-    throw InputError("region '" + name_ + "' has no corners that could hold it");
+    throw InputError("face '" + name_ + "' has no corners; boundary = \"corners\" needs some");
   ConstraintSet set(DofMap(mesh).count());
   SurfaceConstraints shape(mesh, options_.element, set);
   const TriangleLocator locator(mesh);
@@ -411,8 +412,8 @@ void erase_embedded(RegionGeometry& geometry, size_t index) {
 [[noreturn]] void no_such_line(const std::string& region, const std::string& name,
                                const std::vector<std::string>& names) {
   const std::string near = closest_match(name, names);
-  throw InputError("region '" + region + "' has no line '" + name + "'" +
-                   (near.empty() ? "" : ": did you mean '" + near + "'?"));
+  throw InputError("face '" + region + "' has no curve '" + name + "'" +
+                   (near.empty() ? "" : "; did you mean '" + near + "'?"));
 }
 
 }  // namespace
@@ -437,8 +438,9 @@ const HermiteCurve& RegionLayout::line(const std::string& name) const {
 
 bool RegionLayout::refine(const std::vector<char>& marked) {
   if (isize(marked) != mesh()->triangle_count())
-    throw InputError(std::to_string(marked.size()) + " marks for " +
-                     std::to_string(mesh()->triangle_count()) + " triangles");
+    throw InputError("found " + std::to_string(marked.size()) + " refinement marks for " +
+                     std::to_string(mesh()->triangle_count()) +
+                     " triangles, expected one for each");
   if (std::none_of(marked.begin(), marked.end(), [](char m) { return m != 0; })) return false;
   RegionGeometry geometry = geometry_;
   bisect_marked(geometry, marked);
@@ -452,11 +454,11 @@ void RegionLayout::set_line(const std::string& name, HermiteCurve curve) {
   if (prescribed.parameters() != old.parameters() || prescribed.closed() != old.closed() ||
       prescribed.corners() != old.corners())
     throw InputError(
-        "line '" + name + "' has " + std::to_string(old.segment_count()) + " segments over [" +
-        format_number(old.start()) + ", " + format_number(old.end()) +
-        "]: its new shape must have the same nodes, parameters and corners, and has " +
-        std::to_string(prescribed.segment_count()) + " segments over [" +
-        format_number(prescribed.start()) + ", " + format_number(prescribed.end()) + "]");
+        "curve '" + name + "': found " + std::to_string(prescribed.segment_count()) +
+        " segments over [" + format_number(prescribed.start()) + ", " +
+        format_number(prescribed.end()) +
+        "], expected the same nodes and corners as before: " + std::to_string(old.segment_count()) +
+        " segments over [" + format_number(old.start()) + ", " + format_number(old.end()) + "]");
   auto input = curve_from_hermite(curve);
   const auto set = [&](auto& entry) {
     if (entry.line.name != name) return;
@@ -470,22 +472,20 @@ void RegionLayout::set_line(const std::string& name, HermiteCurve curve) {
 
 void RegionLayout::add_inner_line(const CharacterLine& line, const Surface& shape) {
   if (line.role != CharacterLine::Role::Inner)
-    throw InputError("line '" + line.name +
-                     "' is not an inner line: outlines and holes are there "
-                     "from the beginning");
+    throw InputError("curve '" + line.name +
+                     "' is not an inner curve: outlines and holes cannot be added later");
   if (line.mesh_alignment == CharacterLine::MeshAlignment::EdgeAligned)
-    throw InputError("line '" + line.name +
-                     "' cannot be fitted: lines that are added later are embedded");
+    throw InputError("curve '" + line.name +
+                     "' has alignment = \"aligned\", but curves that are added later are always "
+                     "embedded");
   if (&shape.mesh() != geometry_.mesh.get())
-    throw InputError("line '" + line.name +
-                     "': the shape that it is put on has another mesh than "
-                     "region '" +
+    throw InputError("curve '" + line.name + "': its surface does not have the mesh of face '" +
                      name_ + "'");
   const std::vector<SmoothSegment> segments = split_at_corners(line, options_.corner_angle);
   for (const std::string& other : line_names())
     for (const SmoothSegment& segment : segments)
       if (other == segment.name || other == line.name || is_piece_of(other, line.name))
-        throw InputError("two lines have the name '" + other + "'");
+        throw InputError("two curves have the name '" + other + "'");
   RegionGeometry geometry = geometry_;
   if (geometry.mesh->period() > 0)
     embed_on_annulus(shape, {}, segments, task(), geometry);
@@ -507,8 +507,8 @@ void RegionLayout::remove_inner_line(const std::string& name) {
     found = true;
   }
   if (!found && whole)
-    throw InputError("line '" + name +
-                     "' cannot be taken out: it bounds the region, or the mesh runs along it");
+    throw InputError("curve '" + name +
+                     "' cannot be removed: it bounds the face, or the mesh is aligned with it");
   if (!found) no_such_line(name_, name, line_names());
   if (!geometry.embedded.empty()) trim_and_collocate(geometry, task());
   geometry_ = std::move(geometry);

@@ -75,21 +75,20 @@ namespace {
 void check(const CharacterLine& line) {
   const HermiteCurve& curve = line.prescribed->curve;
   const std::vector<double>& at = line.prescribed->vertices;
-  const std::string name = "the given curve of line '" + line.name + "'";
+  const std::string name = "prescribed curve '" + line.name + "'";
   if (curve.segment_count() < 1) throw InputError(name + " is empty");
-  if (!curve.mesh().corners().empty()) throw InputError(name + " has corners inside");
+  if (!curve.mesh().corners().empty()) throw InputError(name + " has corners in its interior");
   if (at.size() < 2 || at.front() != curve.start() || at.back() != curve.end())
     throw InputError(name + " has " + std::to_string(at.size()) +
-                     " vertices, which do not reach from its start, " +
-                     format_number(curve.start()) + ", to its end, " + format_number(curve.end()));
+                     " vertices, expected vertices from its start " + format_number(curve.start()) +
+                     " to its end " + format_number(curve.end()));
   for (size_t i = 0; i + 1 < at.size(); ++i)
     if (!(at[i] < at[i + 1]))
-      throw InputError(name + " has vertices that do not ascend: " + format_number(at[i]) + ", " +
+      throw InputError(name + " has vertices that do not increase: " + format_number(at[i]) + ", " +
                        format_number(at[i + 1]));
   for (const double u : curve.parameters())
     if (!std::binary_search(at.begin(), at.end(), u))
-      throw InputError(name + " has a node at " + format_number(u) +
-                       " that is none of its vertices");
+      throw InputError(name + " has a node at " + format_number(u) + " that is not a vertex");
 }
 
 }  // namespace
@@ -105,7 +104,7 @@ std::shared_ptr<const InputCurve> reversed(std::shared_ptr<const InputCurve> cur
 }
 
 std::vector<SmoothSegment> split_at_corners(const CharacterLine& line, double corner_angle) {
-  if (!line.curve) throw InputError("line '" + line.name + "' has no curve");
+  if (!line.curve) throw InputError("curve '" + line.name + "' has no geometry");
   if (line.prescribed) check(line);
   const auto whole = line.prescribed ? curve_from_hermite(line.prescribed->curve) : line.curve;
   const InputCurve& curve = *whole;
@@ -114,11 +113,12 @@ std::vector<SmoothSegment> split_at_corners(const CharacterLine& line, double co
   Vec3 before = curve.evaluate(curve.start());
   for (int i = 0; i <= samples; ++i) {
     const Vec3 p = curve.evaluate(curve.start() + (curve.end() - curve.start()) * i / samples);
-    if (!p.allFinite()) throw InputError("line '" + line.name + "' has a point that is not finite");
+    if (!p.allFinite())
+      throw InputError("curve '" + line.name + "' has a point that is not finite");
     length += (p - before).norm();
     before = p;
   }
-  if (!(length > 0)) throw InputError("line '" + line.name + "' has zero length");
+  if (!(length > 0)) throw InputError("curve '" + line.name + "' has zero length");
   if (line.prescribed)
     return {{line.name, line.role, whole, line.mesh_alignment, line.prescribed, line.curve}};
 

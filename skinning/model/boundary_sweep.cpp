@@ -1,7 +1,6 @@
 #include "batten/skinning/model/boundary_sweep.h"
 
 #include <Eigen/LU>
-#include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -188,10 +187,14 @@ std::optional<BoundarySweep::Projection> BoundarySweep::projection_of_sides() co
   }
   const Eigen::RowVector3d middle = x.colwise().mean();
   x.rowwise() -= middle;
-  Eigen::JacobiSVD<MatX> svd(x, Eigen::ComputeThinU | Eigen::ComputeThinV);
-  svd.setThreshold(1e-6);
+  // Least squares of minimum norm: the normal of a plane boundary has no image.
+  const Svd svd = thin_svd(x);
+  MatX solution = MatX::Zero(3, 2);
+  for (int k = 0; k < 3; ++k)
+    if (svd.values[k] > 1e-6 * svd.values[0])
+      solution += svd.V.col(k) * (svd.U.col(k).transpose() * uv) / svd.values[k];
   Projection found;
-  found.linear = svd.solve(uv).transpose();
+  found.linear = solution.transpose();
   const Vec2 mean = uv.colwise().mean();
   found.offset = mean - found.linear * middle.transpose();
   constexpr double kSameTolerance = 1e-7;

@@ -147,7 +147,7 @@ struct DofOffsets {
   int operator()(int dof) const { return dof + (dof < vertex_dofs ? vertices : edges); }
 };
 
-/// Adds the G1 constraints (1) of all joins that are not rejected, named "smooth line NAME". Lines
+/// Adds the G1 constraints (1) of all joins that are not rejected, named "smooth curve NAME". Lines
 /// that are constrained satisfy (1) at nodes automatically. `free`: nothing constrains the lines,
 /// so (1) is imposed at nodes too, except for the last join line around a node, which is implied by
 /// the others.
@@ -166,8 +166,8 @@ SparseMatrix join_stiffness(const std::vector<const RegionLayout*>& regions,
                             const std::vector<DofOffsets>& dof_offsets,
                             const std::vector<JoinPlan>& plans, double size, int dofs);
 
-/// Adds constraints named "joined line NAME" that keep adjacent regions together along a line that
-/// is not constrained itself. For two edge-aligned lines, positions and slopes along the line agree
+/// Adds constraints named "joined curve NAME" that keep adjacent regions together along a line
+/// that is not constrained itself. For two edge-aligned lines, positions and slopes along the line agree
 /// at vertices. If a region has the line embedded, positions agree on the average over each hat.
 void add_line_ties(const std::vector<const RegionLayout*>& regions,
                    const std::vector<DofOffsets>& dof_offsets, const JoinLine& line,

@@ -268,7 +268,7 @@ void add_join_constraints(const std::vector<const RegionLayout*>& regions,
   TiedVertices tied;
   for (const JoinPlan& plan : plans) {
     if (plan.rejected()) continue;
-    const std::string name = "smooth line " + plan.join_line.name;
+    const std::string name = "smooth curve " + plan.join_line.name;
     if (plan.at.empty())
       tie_aligned(plan, name, sides, free, tied, set);
     else
@@ -352,7 +352,7 @@ void add_line_ties(const std::vector<const RegionLayout*>& regions,
                    ConstraintSet& set) {
   JoinEdgeFactory sides(regions, numbers);
   const JoinEdge a = sides(line.sides[0]), b = sides(line.sides[1]);
-  const std::string name = "joined line " + line.name;
+  const std::string name = "joined curve " + line.name;
   if (!a.embedded() && !b.embedded()) {
     for (int k = 0; k < a.count(); ++k) {
       ConstraintEntries position, slope;

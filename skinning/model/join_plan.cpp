@@ -55,8 +55,8 @@ struct GluingFunctions {
     if (gamma > 1 / kMaxGamma && gamma < kMaxGamma && std::isfinite(delta) &&
         plane_angle_deg <= kMaxApart)
       return "";
-    return "the surfaces beside it do not go on into each other " + where +
-           ": their planes differ by " + format_number(plane_angle_deg) + " degrees";
+    return "the tangent planes of the adjacent faces differ by " + format_number(plane_angle_deg) +
+           " degrees " + where;
   }
 };
 
@@ -74,7 +74,7 @@ void plan_embedded(JoinPlan& plan, const JoinEdge& a, const JoinEdge& b, const P
   if (a.embedded() && b.embedded() && b.stations().size() < plan.at.size()) plan.at = b.stations();
   plan.closed = a.closed();
   if (plan.at.size() < 4)
-    plan.rejection_reason = "it is shorter than the elements that it is embedded in";
+    plan.rejection_reason = "it is shorter than the elements in which it is embedded";
   if (plan.closed && plan.at.back() < 1) plan.at.push_back(1);
   if (!plan.closed) halve_ends(plan.at);
   for (const double f : plan.at) {
@@ -83,7 +83,7 @@ void plan_embedded(JoinPlan& plan, const JoinEdge& a, const JoinEdge& b, const P
     plan.delta.push_back(gluing.delta);
     // Ends lie at corners, where an embedded line constrains slopes only approximately.
     const bool end = f == plan.at.front() || f == plan.at.back();
-    if (!end && !plan.rejected()) plan.rejection_reason = gluing.rejection_reason("everywhere");
+    if (!end && !plan.rejected()) plan.rejection_reason = gluing.rejection_reason("along it");
   }
 }
 
@@ -154,7 +154,7 @@ class JoinPlanner {
       bool same = a.count() == b.count() && a.closed() == b.closed();
       for (int k = 0; same && k < a.count(); ++k)
         same = std::abs(a.fraction(k) - b.fraction(k)) < 1e-9;
-      if (!same) plan.rejection_reason = "the regions beside it have different vertices on it";
+      if (!same) plan.rejection_reason = "the adjacent faces have different mesh vertices along it";
     }
     return plan;
   }

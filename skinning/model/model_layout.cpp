@@ -28,10 +28,11 @@ ModelLayout::ModelLayout(ModelMetadata metadata,
     : metadata_(std::move(metadata)),
       regions_(std::move(regions)),
       join_plans_(std::move(join_lines)) {
-  if (regions_.empty()) throw InputError("model '" + metadata_.name + "' has no regions");
+  if (regions_.empty()) throw InputError("model '" + metadata_.name + "' has no faces");
   for (const auto& region : regions_)
     if (region->element() != element())
-      throw InputError("model '" + metadata_.name + "' has regions of different elements");
+      throw InputError("all faces of model '" + metadata_.name +
+                       "' must have the same type of element");
   assign_dof_offsets();
 }
 
@@ -96,7 +97,7 @@ namespace {
                           const std::vector<std::string>& names) {
   const std::string near = closest_match(name, names);
   throw InputError(who + " has no " + what + " '" + name + "'" +
-                   (near.empty() ? "" : ": did you mean '" + near + "'?"));
+                   (near.empty() ? "" : "; did you mean '" + near + "'?"));
 }
 
 }  // namespace
@@ -107,7 +108,7 @@ int ModelLayout::region_named(const std::string& name) const {
     if (region(r).name() == name) return r;
     names.push_back(region(r).name());
   }
-  no_such("model '" + this->name() + "'", "region", name, names);
+  no_such("model '" + this->name() + "'", "face", name, names);
 }
 
 std::vector<std::string> ModelLayout::warnings() const {
@@ -115,7 +116,7 @@ std::vector<std::string> ModelLayout::warnings() const {
   std::vector<std::string> all;
   for (const auto& region : regions_)
     for (const std::string& warning : region->warnings())
-      all.push_back("region '" + region->name() + "': " + warning);
+      all.push_back("face '" + region->name() + "': " + warning);
   return all;
 }
 
@@ -132,7 +133,7 @@ const ModelLine& ModelLayout::model_line(const std::string& name) const {
     if (line.name == name) return line;
     names.push_back(line.name);
   }
-  no_such((region_count() == 1 ? "region '" : "model '") + this->name() + "'", "line", name, names);
+  no_such((region_count() == 1 ? "face '" : "model '") + this->name() + "'", "curve", name, names);
 }
 
 const HermiteCurve& ModelLayout::line(const std::string& name) const {
@@ -205,7 +206,7 @@ ConstraintSet ModelLayout::corner_constraints() const {
   if (region_count() == 1) return region(0).corner_constraints();
   ConstraintSet all = gather(&RegionLayout::corner_constraints, true);
   if (all.constraints().empty())
-    throw InputError("model '" + name() + "' has no corners that could hold it");
+    throw InputError("model '" + name() + "' has no corners; boundary = \"corners\" needs some");
   for (const JoinLine& line : shared_lines()) add_line_ties(layouts(), dof_offsets_, line, all);
   add_join_constraints(layouts(), dof_offsets_, join_plans_, true, all);
   return all;
@@ -370,8 +371,8 @@ void mark_longer_edges(const RegionLayout& mine, const EdgeAlignedLine& aligned_
 
 bool ModelLayout::refine(const std::vector<char>& marked) {
   if (isize(marked) != mesh_->triangle_count())
-    throw InputError(std::to_string(marked.size()) + " marks for " +
-                     std::to_string(mesh_->triangle_count()) + " triangles");
+    throw InputError("found " + std::to_string(marked.size()) + " refinement marks for " +
+                     std::to_string(mesh_->triangle_count()) + " triangles, expected one for each");
   ModelLayout finer = *this;
   Marks marks;
   for (int r = 0; r < region_count(); ++r)
@@ -391,7 +392,7 @@ bool ModelLayout::refine(const std::vector<char>& marked) {
     any = any || halved;
     if (!halved) break;
     if (round == kMaxRounds)
-      throw InputError("the regions of model '" + name() + "' cannot be refined alike");
+      throw InputError("the faces of model '" + name() + "' cannot be refined to matching edges");
     for (int r = 0; r < region_count(); ++r)
       marks[r].assign(static_cast<size_t>(finer.region(r).mesh()->triangle_count()), 0);
     for (const ModelLine& line : lines_)
@@ -421,7 +422,7 @@ void ModelLayout::set_line(const std::string& name, const HermiteCurve& curve) {
 }
 
 void ModelLayout::add_inner_line(const CharacterLine& line, const Points& shape) {
-  if (has_line(line.name)) throw InputError("two lines have the name '" + line.name + "'");
+  if (has_line(line.name)) throw InputError("two curves have the name '" + line.name + "'");
   int nearest = 0;
   double least = std::numeric_limits<double>::infinity();
   for (int r = 0; r < region_count() && region_count() > 1 && line.curve; ++r) {
@@ -447,7 +448,7 @@ void ModelLayout::add_inner_line(const CharacterLine& line, const Points& shape)
 
 void ModelLayout::remove_inner_line(const std::string& name) {
   if (region_count() > 1 && model_line(name).sides.size() > 1)
-    throw InputError("line '" + name + "' cannot be taken out: it bounds regions");
+    throw InputError("curve '" + name + "' cannot be removed: it bounds faces");
   const int r = region_count() == 1 ? 0 : model_line(name).sides.front().region;
   RegionLayout copy = region(r);
   copy.remove_inner_line(name);

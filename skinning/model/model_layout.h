@@ -87,7 +87,7 @@ class ModelLayout {
   const ModelMetadata& metadata() const { return metadata_; }
   /// Index of a region. Throws InputError, suggesting the closest name, if there is none.
   int region_named(const std::string& name) const;
-  /// Warnings of all regions; if there are several, each begins with "region 'NAME': ".
+  /// Warnings of all regions; if there are several, each begins with "face 'NAME': ".
   std::vector<std::string> warnings() const;
 
   const std::shared_ptr<const ParametricMesh>& mesh() const { return mesh_; }
@@ -118,10 +118,10 @@ class ModelLayout {
 
   // -- constraints and numbering -----------------------------------------------------------------
   /// Builds the constraints of every line in every region, with the names of the lines, and those
-  /// of smooth joins, "smooth line NAME". None couples x, y and z.
+  /// of smooth joins, "smooth curve NAME". None couples x, y and z.
   ConstraintSet line_constraints() const;
   /// Builds the constraints of the corners only, without lines. They are "corner 1" (with several
-  /// regions "REGION corner 1"), those that keep regions together along shared lines, "joined line
+  /// regions "REGION corner 1"), those that keep regions together along shared lines, "joined curve
   /// NAME", and those of smooth joins. Throws InputError for a model without corners.
   ConstraintSet corner_constraints() const;
   /// join_stiffness() of all embedded join lines, for isotropic β = 1 on the model scaled to size

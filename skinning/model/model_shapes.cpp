@@ -142,9 +142,9 @@ int side_of_sections(const RegionLayout& region, const std::vector<std::string>&
       continue;
     const int found = domain_side(region, aligned_line);
     if (side >= 0 && found % 2 != side % 2)
-      throw InputError("the sections of region '" + region.name() +
-                       "' are sides that meet, expected opposite sides: '" +
-                       aligned_line.line.name + "'");
+      throw InputError("found section '" + aligned_line.line.name +
+                       "' on a side adjacent to the other sections of face '" + region.name() +
+                       "', expected opposite sides");
     side = found;
   }
   return side;
@@ -183,12 +183,12 @@ Points wanted_dofs(const ModelLayout& layout, const std::vector<std::string>& se
     if (marks) mark_misses(region, through, own, most, marks->data() + layout.first_triangle(r));
   }
   if (!missing.empty())
-    throw InputError("the section '" + *missing.begin() +
-                     "' is no side of a region with four corners and no line in one");
+    throw InputError("section '" + *missing.begin() +
+                     "' is neither a side of a face with four corners nor a curve inside one");
   if (!lofted)
     throw InputError(
-        "found nothing to loft, expected a ring, or sections: lines that are sides of "
-        "a region with four corners (region '" +
+        "found nothing to loft, expected an annular face, or 'sections' that are sides of a face "
+        "with four corners (face '" +
         layout.region(0).name() + "' has " + std::to_string(layout.region(0).corners().size()) +
         ")");
   return wanted;

@@ -83,9 +83,9 @@ class ContactSearch {
     tree_.for_each_near_pair(reach(), [&](int i, int j) {
       if (worth_looking(i, j)) pairs.emplace_back(i, j);
       if (pairs.size() > most)
-        throw InputError("network: found lines that lie within " + format_number(reach()) +
-                         " of each other, or of themselves, again and again, expected lines that "
-                         "meet in places (is a line drawn many times over?)");
+        throw InputError("network: found too many segments of curves that are closer than " +
+                         format_number(reach()) +
+                         " to each other; check for curves that are drawn several times");
     });
     std::sort(pairs.begin(), pairs.end());
     constexpr size_t kChunk = 256;

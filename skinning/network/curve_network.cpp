@@ -202,15 +202,15 @@ void report_disconnected_parts(const std::vector<NetworkEdge>& edges,
           std::find(names.begin(), names.end(), name) == names.end())
         names.push_back(name);
     const Vec3& p = nodes[part].position;
-    std::string text = names.size() == 1 ? "line '" : "lines '";
+    std::string text = names.size() == 1 ? "curve '" : "curves '";
     constexpr size_t most = 4;
     for (size_t i = 0; i < std::min(most, names.size()); ++i)
       text += (i > 0 ? "', '" : "") + names[i];
-    text += names.size() > most ? "', … (" + std::to_string(names.size()) + " lines)" : "'";
+    text += names.size() > most ? "', … (" + std::to_string(names.size()) + " curves)" : "'";
     diagnostics.push_back({NetworkDiagnostic::Kind::Disconnected, names, p, 0, false,
                            text + " near " + format_point(p) +
-                               (names.size() == 1 ? " has" : " have") +
-                               " no connection to the rest of the network"});
+                               (names.size() == 1 ? " is" : " are") +
+                               " not connected to the rest of the network"});
   }
 }
 
@@ -220,12 +220,12 @@ void require_options(const NetworkOptions& options) {
       throw InputError(std::string("network: found ") + name + " = " + format_number(value) +
                        ", expected " + expected);
   };
-  for (const auto& [name, value] : {std::pair("tolerance", options.tolerance),
+  for (const auto& [name, value] : {std::pair("gap_tolerance", options.tolerance),
                                     std::pair("fit_tolerance", options.fit_tolerance)})
-    check(name, value, std::isfinite(value) && value >= 0, "0 (a default) or more");
+    check(name, value, std::isfinite(value) && value >= 0, "0 (automatic) or more");
   for (const auto& [name, value] : {std::pair("corner_angle", options.corner_angle),
-                                    std::pair("straight_angle", options.tangent_angle)})
-    check(name, value, value >= 0 && value <= 180, "degrees from 0 to 180");
+                                    std::pair("tangent_angle", options.tangent_angle)})
+    check(name, value, value >= 0 && value <= 180, "0 to 180 degrees");
 }
 
 // Fraction of the gaps that are within a tolerance; 1 if there are no gaps.
@@ -257,8 +257,8 @@ struct JoinTolerance {
 JoinTolerance find_join_tolerance(const std::vector<SampledCurve>& sampled_curves,
                                   const NetworkOptions& options, double size) {
   if (options.tolerance > 0.1 * size)
-    throw InputError("network: found tolerance = " + format_number(options.tolerance) +
-                     ", expected at most a tenth of the network's size, " + format_number(size));
+    throw InputError("network: found gap_tolerance = " + format_number(options.tolerance) +
+                     ", expected at most a tenth of the network's size " + format_number(size));
   if (options.tolerance > 0) return {options.tolerance};
   const double usual = 1e-3 * size, largest = 2e-2 * size;
   std::vector<double> gaps = end_gaps(sampled_curves, largest);
@@ -369,7 +369,7 @@ CurveNetwork::CurveNetwork(const std::vector<CharacterLine>& lines, const Networ
   progress.update("network", 0.5);
   NetworkTopology net = make_nodes(sampled_curves, contacts, tolerance_, lines_, diagnostics_);
   if (net.intervals.empty())
-    throw InputError("the network has no line longer than its tolerance, " +
+    throw InputError("no curve of the network is longer than the gap tolerance " +
                      format_number(tolerance_));
   canonical_nodes(sampled_curves, net);
   for (const Vec3& p : net.nodes) nodes_.push_back({p, {}});
@@ -397,8 +397,8 @@ std::vector<int> CurveNetwork::edges_of(const std::string& name) const {
   }
   for (const auto& line : lines_) names.push_back(line.name);
   const std::string meant = closest_match(name, names);
-  throw InputError("the network has no line '" + name + "'" +
-                   (meant.empty() ? "" : ": is '" + meant + "' meant?"));
+  throw InputError("the network has no curve '" + name + "'" +
+                   (meant.empty() ? "" : "; did you mean '" + meant + "'?"));
 }
 
 Vec3 CurveNetwork::direction(const EdgeEnd& end) const {

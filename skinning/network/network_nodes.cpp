@@ -221,9 +221,9 @@ class NodeBuilder {
       if (split_points.size() < 2)
         diagnostics_.add(Kind::Short, {diagnostics_.name_of(k)}, sampled_curve.x.front(),
                          sampled_curve.length, true,
-                         "line '" + diagnostics_.name_of(k) + "' is " +
+                         "curve '" + diagnostics_.name_of(k) + "' was removed: its length " +
                              format_number(sampled_curve.length) +
-                             " long, less than the tolerance: left out");
+                             " is less than the gap tolerance");
     }
   }
 
@@ -240,10 +240,11 @@ class NodeBuilder {
         }
         again = true;
         const Vec3 where = result_.nodes[c.nodes[degree[c.nodes[0]] == 1 ? 0 : 1]];
-        diagnostics_.add(
-            Kind::Short, {diagnostics_.name_of(c.sampled_curve)}, where, c.s1 - c.s0, true,
-            "a loose piece of '" + diagnostics_.name_of(c.sampled_curve) + "', " +
-                format_number(c.s1 - c.s0) + " long, at " + format_point(where) + ": left out");
+        diagnostics_.add(Kind::Short, {diagnostics_.name_of(c.sampled_curve)}, where, c.s1 - c.s0,
+                         true,
+                         "a dangling segment of curve '" + diagnostics_.name_of(c.sampled_curve) +
+                             "' of length " + format_number(c.s1 - c.s0) + " at " +
+                             format_point(where) + " was removed");
       }
       result_.intervals = std::move(kept);
     }
@@ -251,7 +252,7 @@ class NodeBuilder {
       if (c.s1 - c.s0 <= tolerance_)
         diagnostics_.add(Kind::Short, {diagnostics_.name_of(c.sampled_curve)},
                          result_.nodes[c.nodes[0]], c.s1 - c.s0, false,
-                         "a piece of '" + diagnostics_.name_of(c.sampled_curve) +
+                         "a segment of curve '" + diagnostics_.name_of(c.sampled_curve) +
                              "' between two nodes at " + format_point(result_.nodes[c.nodes[0]]) +
                              " is only " + format_number(c.s1 - c.s0) + " long");
   }
@@ -299,7 +300,8 @@ class NodeBuilder {
       for (const int equal : all_.duplicates[sampled_curve.line]) {
         const std::string &a = lines_[equal].name, &b = lines_[sampled_curve.line].name;
         diagnostics_.add(Kind::Duplicate, {a, b}, sampled_curve.x[sampled_curve.x.size() / 2], 0,
-                         true, "line '" + a + "' is equal to line '" + b + "': left out");
+                         true,
+                         "curve '" + a + "' was removed: it is identical to curve '" + b + "'");
       }
     }
   }
@@ -337,15 +339,15 @@ class NodeBuilder {
       const std::string &a = lines_[out].name, &b = lines_[kept].name;
       if (out != kept && lost[out] == pieces[out])
         diagnostics_.add(Kind::Duplicate, {a, b}, where, 0, true,
-                         "line '" + a + "' runs along line '" + b + "' from end to end: left out");
+                         "curve '" + a + "' was removed: it coincides with curve '" + b + "'");
       else if (out != kept)
         diagnostics_.add(Kind::Overlap, {a, b}, where, 0, true,
-                         "lines '" + a + "' and '" + b + "' run along each other near " +
-                             format_point(where) + ": what they share is kept once");
+                         "curves '" + a + "' and '" + b + "' overlap near " + format_point(where) +
+                             ": the common segment was kept once");
       else
-        diagnostics_.add(
-            Kind::Overlap, {a}, where, 0, true,
-            "line '" + a + "' runs along itself near " + format_point(where) + ": kept once");
+        diagnostics_.add(Kind::Overlap, {a}, where, 0, true,
+                         "curve '" + a + "' overlaps itself near " + format_point(where) +
+                             ": the common segment was kept once");
     }
     std::vector<CurveInterval> intervals;
     for (size_t i = 0; i < gone.size(); ++i)
@@ -464,8 +466,8 @@ void NodeDiagnostics::report_node(const NodeCandidates& all, const std::vector<i
   for (const int k : end_marks) at_end.push_back(candidates[k].sampled_curve);
   if (at_end.size() > 1 && gap > 1e-9 * all_.size)
     add(Kind::EndsJoined, names_of(at_end), p, gap, true,
-        "ends of " + listed(names_of(at_end)) + " lay " + format_number(gap) + " apart at " +
-            format_point(p) + ": joined");
+        "ends of " + listed(names_of(at_end)) + " at " + format_point(p) +
+            " were joined across a gap of " + format_number(gap));
   // A curve that ends here does not also pass through.
   for (const int k : passes)
     if (std::none_of(end_marks.begin(), end_marks.end(), [&](int e) {
@@ -479,15 +481,16 @@ void NodeDiagnostics::report_node(const NodeCandidates& all, const std::vector<i
     std::vector<int> both = at_end;
     both.insert(both.end(), passing.begin(), passing.end());
     add(Kind::EndOnLine, names_of(both), p, far, true,
-        (at_end.size() > 1 ? "ends of " : "an end of ") + listed(names_of(at_end)) + " meet" +
-            (at_end.size() > 1 ? "" : "s") + " the middle of " + listed(names_of(passing)) +
-            " at " + format_point(p) + ": cut there");
+        (at_end.size() > 1 ? "ends of " : "an end of ") + listed(names_of(at_end)) +
+            (at_end.size() > 1 ? " lie" : " lies") + " in the interior of " +
+            listed(names_of(passing)) + " at " + format_point(p) + ": split there");
   } else if (passing.size() > 1) {
     const auto names = names_of(passing);
     const bool self = names.size() == 1;
     add(self ? Kind::SelfCrossing : Kind::Crossing, names, p, 2 * far, true,
-        (self ? "line " + listed(names) + " crosses itself" : "lines " + listed(names) + " cross") +
-            " at " + format_point(p) + ": cut there");
+        (self ? "curve " + listed(names) + " intersects itself"
+              : "curves " + listed(names) + " intersect") +
+            " at " + format_point(p) + ": split there");
   }
 }
 
@@ -498,8 +501,8 @@ void NodeDiagnostics::report_dangling_ends(const NetworkTopology& result,
       if (degrees[c.nodes[e]] == 1) {
         const Vec3 p = result.nodes[c.nodes[e]];
         add(Kind::Dangling, {name_of(c.sampled_curve)}, p, 0, false,
-            "an end of '" + name_of(c.sampled_curve) + "' at " + format_point(p) +
-                " meets nothing");
+            "an end of curve '" + name_of(c.sampled_curve) + "' at " + format_point(p) +
+                " is not connected to any other curve");
       }
 }
 
@@ -522,16 +525,17 @@ void NodeDiagnostics::report_near_miss(const Contact& c, bool rejected) {
   const Vec3 where = 0.5 * (sampled_curves_[c.a].point(c.ta) + sampled_curves_[c.b].point(c.tb));
   const auto names = names_of({c.a, c.b});
   const std::string what =
-      names.size() == 1        ? "line " + listed(names) + " comes back to itself"
-      : c.ea >= 0 && c.eb >= 0 ? "ends of " + listed(names) + " come near each other"
-      : c.ea >= 0 || c.eb >= 0 ? "an end of '" + name_of(c.ea >= 0 ? c.a : c.b) + "' comes near '" +
-                                     name_of(c.ea >= 0 ? c.b : c.a) + "'"
-                               : "lines " + listed(names) + " pass near each other";
+      names.size() == 1        ? "curve " + listed(names) + " comes close to itself"
+      : c.ea >= 0 && c.eb >= 0 ? "ends of " + listed(names) + " are close to each other"
+      : c.ea >= 0 || c.eb >= 0 ? "an end of '" + name_of(c.ea >= 0 ? c.a : c.b) +
+                                     "' is close to '" + name_of(c.ea >= 0 ? c.b : c.a) + "'"
+                               : "curves " + listed(names) + " pass close to each other";
   add(Kind::NearMiss, names, where, c.distance, false,
       what + " at " + format_point(where) + ", " + format_number(c.distance) + " apart" +
-          (rejected ? ": what lies there does not fit into one node within the tolerance of " +
+          (rejected ? ": not joined, the points there do not fit into one node within the gap "
+                      "tolerance " +
                           format_number(tolerance_)
-                    : ": not joined, the tolerance is " + format_number(tolerance_)));
+                    : ": not joined, the gap tolerance is " + format_number(tolerance_)));
 }
 
 void NodeDiagnostics::report_near_misses(const NodeCandidates& candidates,

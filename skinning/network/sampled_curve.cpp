@@ -33,11 +33,11 @@ double rounding_error(const ArcLength& arc_length, const Vec3& p) {
 }
 
 void require_curve(const CharacterLine& line) {
-  if (!line.curve) throw InputError("line '" + line.name + "' has no curve");
+  if (!line.curve) throw InputError("curve '" + line.name + "' has no geometry");
   const InputCurve& curve = *line.curve;
   const std::vector<double> breaks = curve.breaks();
   if (breaks.size() < 2 || !(breaks.back() > breaks.front()))
-    throw InputError("line '" + line.name + "' has zero length");
+    throw InputError("curve '" + line.name + "' has zero length");
   const Vec3 first = curve.evaluate(breaks.front());
   double far = 0;
   for (size_t i = 0; i + 1 < breaks.size(); ++i)
@@ -45,11 +45,11 @@ void require_curve(const CharacterLine& line) {
       const double t = f < 1 ? breaks[i] + f * (breaks[i + 1] - breaks[i]) : breaks[i + 1];
       const Vec3 p = curve.evaluate(t), d = curve.evaluate(t, 1);
       if (!p.allFinite() || !d.allFinite() || !(p.norm() < 1e100))
-        throw InputError("line '" + line.name + "' has a point that is not finite");
+        throw InputError("curve '" + line.name + "' has a point that is not finite");
       far = std::max(far, (p - first).norm());
     }
   if (!(far > 16 * std::numeric_limits<double>::epsilon() * first.norm()))
-    throw InputError("line '" + line.name + "' has zero length");
+    throw InputError("curve '" + line.name + "' has zero length");
 }
 
 // True if the canonical direction is opposite to that of the curve.
@@ -100,7 +100,7 @@ std::vector<SampledCurve> cut_line(const CharacterLine& line, int index, double 
   require_curve(line);
   const auto given_arc_length = ArcLength(line.curve);
   if (!(given_arc_length.total() > 0) || !std::isfinite(given_arc_length.total()))
-    throw InputError("line '" + line.name + "' has zero length");
+    throw InputError("curve '" + line.name + "' has zero length");
   const auto whole =
       std::make_shared<TrimmedCurve>(line.curve, line.curve->start(), line.curve->end(),
                                      runs_backwards(*line.curve, given_arc_length));
@@ -329,11 +329,11 @@ std::array<long long, 3> sort_key(const Vec3& p, const Vec3& origin, double size
 }
 
 SampledCurves make_sampled_curves(const std::vector<CharacterLine>& lines, double corner_angle) {
-  if (lines.empty()) throw InputError("a network needs lines, and there are none");
+  if (lines.empty()) throw InputError("found no curves, expected one or more");
   std::set<std::string> names;
   for (const auto& line : lines)
     if (!names.insert(line.name).second)
-      throw InputError("two lines of the network have the name '" + line.name + "'");
+      throw InputError("two curves of the network have the name '" + line.name + "'");
 
   std::vector<std::vector<SampledCurve>> of_line(lines.size());
   parallel_for(isize(lines), [&](int i) {

@@ -2,7 +2,7 @@
 
 #include "batten/skinning/region/polygon_fit.h"
 
-#include <Eigen/Dense>
+#include <Eigen/LU>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -74,7 +74,7 @@ class PolygonFit {
     for (int step = 0; step < 200 && damping < 1e8; ++step) {
       MatX H = H_;
       H.diagonal().array() += damping * H_.diagonal().maxCoeff();
-      const VecX move = -H.ldlt().solve(g_);
+      const VecX move = -solve_symmetric(H, g_);
       Polygon q = p;
       for (size_t i = 0; i < n_; ++i) q[i] += move.segment<2>(2 * static_cast<long>(i));
       // A step that makes the polygon self-intersect is rejected.
@@ -217,7 +217,7 @@ std::vector<Vec2> fit_polygon(const std::vector<double>& lengths, const std::vec
   if (best.empty())
     throw NoPolygonError(
         "no simple polygon has these side lengths and angles: the outline is too "
-        "twisted for one flat domain");
+        "twisted for one polygonal domain");
   return best;
 }
 
@@ -251,7 +251,7 @@ VecX mean_value_coordinates(const std::vector<Vec2>& polygon, const Vec2& p, dou
     rotation_angle += angle;
   }
   if (!(rotation_angle > 1))  // inside: 2π, outside: 0
-    throw InputError("the mesh is not inside of the polygon that is to be flattened");
+    throw InputError("the mesh is not inside of its polygon");
   for (size_t i = 0; i < n; ++i)
     w[static_cast<long>(i)] = (half[(i + n - 1) % n] + half[i]) / (polygon[i] - p).norm();
   return w / w.sum();
@@ -462,8 +462,8 @@ Distortion distortion(const Surface& surface) {
 LeastDistortedPolygon find_least_distorted_polygon(const Surface& surface,
                                                    const std::vector<Vec2>& polygon) {
   if (polygon.size() < 3)
-    throw InputError("a polygon with " + std::to_string(polygon.size()) +
-                     " corners is none: expected three or more");
+    throw InputError("found a polygon with " + std::to_string(polygon.size()) +
+                     " corners, expected three or more");
   const long n = static_cast<long>(polygon.size());
   DomainMap domain_map(surface);
   domain_map.set_polygon(surface.mesh(), polygon);
@@ -482,7 +482,7 @@ LeastDistortedPolygon find_least_distorted_polygon(const Surface& surface,
     const MatX J = domain_map.residual_jacobian(D);
     MatX H = J.transpose() * J;
     H.diagonal().array() += damping * H.diagonal().maxCoeff();
-    const VecX move = -H.ldlt().solve(J.transpose() * r);
+    const VecX move = -solve_symmetric(H, J.transpose() * r);
     const Eigen::Matrix2Xd next = q + Eigen::Map<const Eigen::Matrix2Xd>(move.data(), 2, n);
     std::vector<Mat2> changed = domain_map.domain_gradients(next);
     VecX there;

@@ -34,17 +34,18 @@ class SpecResolver {
 
   ResolvedSpecs resolve() {
     if (options_.max_faces_per_edge < 1)
-      throw InputError("most_at_line is " + std::to_string(options_.max_faces_per_edge) +
-                       "; at least one region must be let at an arc");
+      throw InputError("found max_faces_per_edge = " + std::to_string(options_.max_faces_per_edge) +
+                       ", expected 1 or more");
     for (const RegionSpec& spec : options_.specs) {
-      context_ = spec.where + (spec.name.empty() ? "a surface" : "surface '" + spec.name + "'");
-      if (spec.kind == RegionSpec::Kind::NoSurface) context_ = spec.where + "no surface";
-      if (spec.loops.empty()) throw InputError(context_ + ": no lines are named");
+      context_ = spec.where + (spec.name.empty() ? "requested face" : "face '" + spec.name + "'");
+      if (spec.kind == RegionSpec::Kind::NoSurface) context_ = spec.where + "excluded face";
+      if (spec.loops.empty())
+        throw InputError(context_ + ": it names no curves, expected one loop or more");
       (spec.kind == RegionSpec::Kind::Surface ? surface(spec) : excluded(spec));
     }
     for (const auto& edges : resolved_.fixed_regions.excluded)
       if (const auto it = specified_.find(edges); it != specified_.end())
-        throw InputError(it->second + ": the same loop is also said to be no surface");
+        throw InputError(it->second + ": the same loop is also excluded by surface = false");
     limit();
     auto& excluded = resolved_.fixed_regions.excluded;
     std::sort(excluded.begin(), excluded.end());
@@ -61,14 +62,14 @@ class SpecResolver {
       names.push_back(edge.line);
     }
     const std::string near = closest_match(name, names);
-    throw InputError(context_ + ": there is no line '" + name + "' in the network" +
-                     (near.empty() ? "" : "; '" + near + "' is meant?"));
+    throw InputError(context_ + ": the network has no curve '" + name + "'" +
+                     (near.empty() ? "" : "; did you mean '" + near + "'?"));
   }
 
   // Chains the named edges into one closed trail (Hierholzer's algorithm). An edge occurs as often
   // as it is named.
   EdgeLoop chained(const std::vector<std::string>& names) const {
-    if (names.empty()) throw InputError(context_ + ": a loop has no lines");
+    if (names.empty()) throw InputError(context_ + ": a loop names no curves");
     std::vector<int> all;
     for (const std::string& name : names) {
       const std::vector<int> some = edges(name);
@@ -80,8 +81,8 @@ class SpecResolver {
       for (const int node : graph_.edges[all[i]].nodes) at[node].push_back(i);
     for (const auto& [node, incidences] : at)
       if (incidences.size() % 2)
-        throw InputError(context_ + ": lines " + quoted(names) + " do not close a loop: '" +
-                         graph_.edges[all[incidences.back()]].name + "' is loose at " +
+        throw InputError(context_ + ": curves " + quoted(names) + " do not form a closed loop: '" +
+                         graph_.edges[all[incidences.back()]].name + "' has a free end at " +
                          format_point(graph_.nodes[node]));
     std::vector<char> used(all.size(), 0);
     std::map<int, size_t> next;
@@ -107,15 +108,15 @@ class SpecResolver {
       path.push_back({edge.nodes[!reversed], {all[incidences[k]], reversed}});
     }
     if (loop.size() != all.size())
-      throw InputError(context_ + ": lines " + quoted(names) + " make more than one loop");
+      throw InputError(context_ + ": curves " + quoted(names) + " form more than one loop");
     std::reverse(loop.begin(), loop.end());
     return canonical(loop);
   }
 
   void surface(const RegionSpec& spec) {
     if (spec.annulus && spec.loops.size() != 2)
-      throw InputError(context_ + ": a ring has two rims, and there are " +
-                       std::to_string(spec.loops.size()) + " loops");
+      throw InputError(context_ + ": found " + std::to_string(spec.loops.size()) +
+                       " loops, expected two for an annulus");
     NetworkRegion region;
     region.name = spec.name;
     region.annulus = spec.annulus;
@@ -128,17 +129,17 @@ class SpecResolver {
     for (const std::string& name : spec.inner)
       for (const int edge : edges(name)) {
         if (std::find(border.begin(), border.end(), edge) != border.end())
-          throw InputError(context_ + ": '" + name + "' is an inner line and a border");
+          throw InputError(context_ + ": '" + name + "' is both an inner curve and a boundary");
         region.inner.push_back(edge);
       }
     std::sort(region.inner.begin(), region.inner.end());
     region.inner.erase(std::unique(region.inner.begin(), region.inner.end()), region.inner.end());
     std::sort(border.begin(), border.end());
     if (!specified_.try_emplace(border, context_).second)
-      throw InputError(context_ + ": the same loop is asked for twice");
+      throw InputError(context_ + ": the same loop is requested twice");
     for (const NetworkRegion& other : resolved_.regions)
       if (!region.name.empty() && other.name == region.name)
-        throw InputError(context_ + ": another surface has this name");
+        throw InputError(context_ + ": another face has this name");
     resolved_.fixed_regions.requested.push_back(region.loops);
     resolved_.regions.push_back(std::move(region));
   }
@@ -155,10 +156,10 @@ class SpecResolver {
       for (const EdgeLoop& loop : region.loops)
         for (const OrientedEdge& use : loop)
           if (++uses[use.edge] > options_.max_faces_per_edge)
-            throw InputError(options_.specs.front().where + "surfaces that are asked for: " +
-                             std::to_string(uses[use.edge]) + " of them meet at '" +
-                             graph_.edges[use.edge].name + "', and most_at_line is " +
-                             std::to_string(options_.max_faces_per_edge));
+            throw InputError(options_.specs.front().where + "requested faces: " +
+                             std::to_string(uses[use.edge]) + " of them share '" +
+                             graph_.edges[use.edge].name + "', expected at most " +
+                             std::to_string(options_.max_faces_per_edge) + " (max_faces_per_edge)");
   }
 
   const RegionGraph& graph_;
@@ -187,7 +188,7 @@ class Finder {
     for (const GraphEdge& edge : graph_.edges)
       for (const Vec3& p : edge.points)
         if (!p.allFinite())
-          throw InputError("line '" + edge.name + "' has points that are not finite");
+          throw InputError("curve '" + edge.name + "' has points that are not finite");
     ResolvedSpecs resolved = resolve_specs(graph_, options);
     fixed_regions_ = std::move(resolved.fixed_regions);
     found_.regions = std::move(resolved.regions);
@@ -250,7 +251,8 @@ class Finder {
     ambiguous.margins = {0, 0};
     locate_ambiguous_region(graph_, ambiguous);
     ambiguous.text = "the two loops " + loops_as_text(graph_, {a, b}) +
-                     " are taken for the rims of a ring; for two discs ask for a surface with each";
+                     " became the boundaries of one annular face; for two separate faces, add a "
+                     "[[face]] with each loop";
     found_.ambiguous_regions = {ambiguous};
     return true;
   }
@@ -270,10 +272,10 @@ class Finder {
       ambiguous.margins = {0, 0};
       locate_ambiguous_region(graph_, ambiguous);
       ambiguous.text =
-          "the loop " + loops_as_text(graph_, {loop}) + " lies on the surface in " +
+          "the loop " + loops_as_text(graph_, {loop}) + " lies inside of the face with the loop " +
           loops_as_text(graph_, {outline}) +
-          ", apart from its border, and was left bare; for a hole ask for a surface with "
-          "both loops, for a patch for a surface with this one";
+          " and was not used; for a hole, add a [[face]] with both loops; for a separate face, "
+          "add a [[face]] with this loop";
       found_.ambiguous_regions.push_back(std::move(ambiguous));
     }
     const auto is_gone = [&](const EdgeLoop& loop) {
@@ -319,7 +321,7 @@ class Finder {
     int number = 0;
     for (NetworkRegion& region : found_.regions)
       while (region.name.empty()) {
-        const std::string name = "region " + std::to_string(++number);
+        const std::string name = "face " + std::to_string(++number);
         if (!taken.count(name)) region.name = name;
       }
   }

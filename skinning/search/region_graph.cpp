@@ -120,7 +120,7 @@ RegionGraph::RegionGraph(std::vector<Vec3> positions, std::vector<std::array<int
     for (size_t i = 1; i < line.size(); ++i)
       along.push_back(along.back() + (line[i] - line[i - 1]).norm());
     if (line.size() < 2 || !std::isfinite(along.back()) || along.back() <= 0)
-      throw InputError("arc '" + names[a] + "' needs two finite points or more that lie apart");
+      throw InputError("edge '" + names[a] + "' needs two or more distinct finite points");
     GraphEdge edge;
     edge.name = edge.line = names[a];
     edge.nodes = edge_nodes[a];

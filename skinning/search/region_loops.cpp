@@ -264,7 +264,7 @@ TracedLoops trace_loops(const RegionGraph& graph, const LoopCosts& costs,
   const int count = isize(graph.nodes), parts = (count + kNodes - 1) / kNodes;
   std::vector<std::vector<EdgeLoop>> found(parts);
   std::vector<char> complete(parts, 1);
-  progress.update("regions: loops", 0);
+  progress.update("faces: loops", 0);
   const std::vector<char> smooth = without_corner(graph);
   parallel_for(parts, [&](int part) {
     Tracer tracer(graph, costs, smooth);
@@ -278,7 +278,7 @@ TracedLoops trace_loops(const RegionGraph& graph, const LoopCosts& costs,
     for (EdgeLoop& loop : found[part]) loop = canonical(loop);
     complete[part] = tracer.complete();
   });
-  progress.update("regions: loops", 0.5);
+  progress.update("faces: loops", 0.5);
 
   std::vector<EdgeLoop> loops;
   for (auto& some : found) loops.insert(loops.end(), some.begin(), some.end());
@@ -304,7 +304,7 @@ TracedLoops trace_loops(const RegionGraph& graph, const LoopCosts& costs,
     }
   }
   traced.loops = std::move(once);
-  progress.update("regions: loops", 1);
+  progress.update("faces: loops", 1);
   return traced;
 }
 

@@ -128,7 +128,7 @@ RegionSearchResult make_problem(const RegionGraph& graph, const FixedRegions& fi
   // 1. Trace loops; each comes with its own cost.
   TracedLoops traced = trace_loops(graph, costs, progress);
   search.complete = traced.complete;
-  progress.update("regions: choice", 0);
+  progress.update("faces: selection", 0);
 
   // 2. Gains of loops, and costs of pairs on a common edge.
   const double fold_cost = costs.fold / std::max(1, fixed_regions.max_faces_per_edge - 1);
@@ -188,7 +188,7 @@ RegionSearchResult search_regions(const RegionGraph& graph, const FixedRegions& 
   RegionSearchResult search = make_problem(graph, fixed_regions, costs, progress);
   // 3. Select.
   search.selected = select_loops(search.problem);
-  progress.update("regions: choice", 1);
+  progress.update("faces: selection", 1);
   return search;
 }
 
@@ -219,7 +219,7 @@ std::optional<RegionSearchResult> search_sharp_model(const RegionSearchResult& o
   for (auto& pair : search.problem.pairs)
     if (pair.pair_cost < most) pair.pair_cost = std::min(pair.pair_cost, costs.fold);
   search.selected = select_loops(search.problem);
-  progress.update("regions: choice", 1);
+  progress.update("faces: selection", 1);
   if (has_free_edges(search) || has_unused_edges(search, exact.core)) return std::nullopt;
   return search;
 }
@@ -240,7 +240,7 @@ std::optional<RegionSearchResult> search_closed_model(const RegionSearchResult& 
                                         : -std::abs(search.problem.items[i].gain) - 1;
   }
   search.selected = select_loops(search.problem);
-  progress.update("regions: choice", 1);
+  progress.update("faces: selection", 1);
   if (has_free_edges(search)) return std::nullopt;
   return search;
 }
@@ -255,17 +255,17 @@ std::string percent(double margin) {
 
 void write_text(const RegionGraph& graph, AmbiguousRegion& ambiguous) {
   const std::vector<EdgeLoop>& other = ambiguous.alternatives.front();
-  const std::string cost = " costs " + percent(ambiguous.margins.front()) + " more";
+  const std::string cost = " (cost +" + percent(ambiguous.margins.front()) + ")";
   if (ambiguous.chosen.empty())
-    ambiguous.text = "no surface was made in " + loops_as_text(graph, other) + "; to have it" +
-                     cost + ": ask for a surface with these lines";
+    ambiguous.text = "no face was created in " + loops_as_text(graph, other) + "; to create it" +
+                     cost + ", add a [[face]] with these curves";
   else if (other.empty())
-    ambiguous.text = "a surface was made in " + loops_as_text(graph, ambiguous.chosen) +
-                     "; to leave it open" + cost + ": say that there is no surface in this loop";
+    ambiguous.text = "a face was created in " + loops_as_text(graph, ambiguous.chosen) +
+                     "; to leave it open" + cost + ", add a [[face]] with surface = false";
   else
-    ambiguous.text = "surfaces were made in " + loops_as_text(graph, ambiguous.chosen) +
-                     "; to have them in " + loops_as_text(graph, other) + " instead" + cost +
-                     ": ask for surfaces with these lines";
+    ambiguous.text = "faces were created in " + loops_as_text(graph, ambiguous.chosen) +
+                     "; to create them in " + loops_as_text(graph, other) + " instead" + cost +
+                     ", add a [[face]] for each of these loops";
 }
 
 }  // namespace
@@ -278,7 +278,7 @@ std::string loops_as_text(const RegionGraph& graph, const std::vector<EdgeLoop>&
     const bool some = loop.size() > kMaxNamed;
     for (size_t i = 0; i < (some ? kNamedOfMany : loop.size()); ++i)
       all += (i ? ", '" : "'") + graph.edges[loop[i].edge].name + "'";
-    if (some) all += ", … " + std::to_string(loop.size()) + " lines";
+    if (some) all += ", … " + std::to_string(loop.size()) + " curves";
     all += "]";
   }
   return all;
@@ -405,9 +405,9 @@ std::vector<AmbiguousRegion> closable_free_edges(const RegionGraph& graph,
                                   [&](const LoopCandidate& c) { return c.loop == cap.loop; });
     if (item && ambiguous.margins[0] <= 0.15) continue;
     locate_ambiguous_region(graph, ambiguous);
-    ambiguous.text = "the rim of " + std::to_string(cap.loop.size()) + " lines " +
+    ambiguous.text = "the " + std::to_string(cap.loop.size()) + " free edges " +
                      loops_as_text(graph, ambiguous.alternatives[0]) +
-                     " was left open; to close it, ask for a surface with these lines";
+                     " were left open; to close them, add a [[face]] with these curves";
     ambiguous_regions.push_back(std::move(ambiguous));
   }
   return ambiguous_regions;

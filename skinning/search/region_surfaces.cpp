@@ -161,8 +161,8 @@ void assign_stated_inner_lines(const RegionGraph& graph, std::vector<NetworkRegi
     if (best < 0 && regions.size() == 1) return 0;
     if (best < 0)
       throw InputError("curve '" + line +
-                       "' lies on none of the surfaces between the curves, expected it on one "
-                       "(its role says so)");
+                       "' has role = \"inner\" or \"hole\", expected it on a face, but it lies on "
+                       "none");
     return best;
   };
   std::vector<int> hole_edges;
@@ -180,7 +180,7 @@ void assign_stated_inner_lines(const RegionGraph& graph, std::vector<NetworkRegi
   for (const int a : hole_edges)
     if (!placed[a])
       throw InputError("curve '" + graph.edges[a].line +
-                       "' is said to bound a hole, expected holes to be closed");
+                       "' has role = \"hole\", expected curves that form a closed loop");
   for (NetworkRegion& region : regions) std::sort(region.inner.begin(), region.inner.end());
 }
 

@@ -28,7 +28,7 @@ struct RegionOptions {
 
 /// A region of the network that gets one surface: its boundary loops and the edges inside it.
 struct NetworkRegion {
-  std::string name;  ///< name given by the user, or "region 1", "region 2", …
+  std::string name;  ///< name given by the user, or "face 1", "face 2", …
   /// Boundary loops: the outer boundary, then holes; for an annulus its two boundary circles. An
   /// edge may occur twice in a loop (a slit with the surface on both sides).
   std::vector<EdgeLoop> loops;

@@ -1,6 +1,5 @@
 #include "batten/skinning/surfaces/fitted_primitive.h"
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
@@ -173,7 +172,7 @@ void minimise(FittedPrimitive& s, const PrimitiveSamples& samples) {
       Eigen::Matrix<double, 8, 8> damped = A;
       damped.diagonal() += lambda * A.diagonal();
       damped.diagonal().array() += 1e-12 * samples.count();
-      const FittedPrimitive next = stepped(s, damped.ldlt().solve(-b));
+      const FittedPrimitive next = stepped(s, solve_symmetric(MatX(damped), MatX(-b)));
       const double found = sum_of_squares(next, samples);
       if (!(found < error)) continue;
       better = true;
@@ -212,9 +211,7 @@ Mat3 normal_moments(const PrimitiveSamples& s, const Vec3& about) {
   });
 }
 
-Vec3 least_direction(const Mat3& A) {
-  return Eigen::SelfAdjointEigenSolver<Mat3>(A).eigenvectors().col(0);
-}
+Vec3 least_direction(const Mat3& A) { return symmetric_eigen(A).vectors.col(0); }
 
 FittedPrimitive plane_of(const PrimitiveSamples& s) {
   FittedPrimitive shape;
@@ -263,8 +260,7 @@ FittedPrimitive cone_of(const PrimitiveSamples& s) {
   shape.axis = least_direction(normal_moments(s, s.mean_normal));
   const Vec3 b =
       s.sum(Vec3(Vec3::Zero()), [](const Vec3& p, const Vec3& n) -> Vec3 { return n.dot(p) * n; });
-  shape.origin =
-      Eigen::CompleteOrthogonalDecomposition<Mat3>(normal_moments(s, Vec3::Zero())).solve(b);
+  shape.origin = least_squares(normal_moments(s, Vec3::Zero()), b);
   if (shape.origin.dot(shape.axis) > 0)
     shape.axis = -shape.axis;  // the centroid of the samples is 0
   shape.half_angle = std::asin(std::min(std::abs(s.mean_normal.dot(shape.axis)), 1.0));
@@ -283,7 +279,7 @@ FittedPrimitive torus_of(const PrimitiveSamples& s) {
     nm += n * m.transpose();
     mm += m * m.transpose();
   }
-  const Mat3 solved = Eigen::CompleteOrthogonalDecomposition<Mat3>(nn).solve(nm);
+  const Mat3 solved = least_squares(nn, nm);
   const Vec3 a = least_direction(mm - nm.transpose() * solved);
   shape.axis = a;
   shape.origin = a.cross(Vec3(-solved * a));

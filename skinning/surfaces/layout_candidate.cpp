@@ -31,11 +31,13 @@ struct LayoutVariant {
 };
 
 std::vector<LayoutVariant> variants_after(const RegionRequest& request, Domain first) {
-  const LayoutVariant finer{"with edges half as long", request.skin.domain, false, 0.5};
+  const LayoutVariant finer{"with half the edge length", request.skin.domain, false, 0.5};
   if (request.skin.domain != Domain::Auto) return {finer};
-  std::vector<LayoutVariant> variants{{"as a settled polygon", Domain::Polygon, true}};
-  if (first != Domain::Projected) variants.push_back({"on a plane", Domain::Projected});
-  if (first != Domain::Developable) variants.push_back({"as a sheet", Domain::Developable});
+  std::vector<LayoutVariant> variants{
+      {"on a polygon with minimum distortion", Domain::Polygon, true}};
+  if (first != Domain::Projected) variants.push_back({"on a projected domain", Domain::Projected});
+  if (first != Domain::Developable)
+    variants.push_back({"on a developable domain", Domain::Developable});
   variants.push_back(finer);
   return variants;
 }
@@ -81,10 +83,10 @@ bool suspicious(const SkinnedRegion& region, double filling_area) {
 
 std::pair<int, const char*> defect_score_of(SurfaceDefect::Kind kind) {
   using Kind = SurfaceDefect::Kind;
-  if (kind == Kind::Jacobian) return {4, "it turns over"};
-  if (kind == Kind::Fold) return {2, "it folds"};
-  if (kind == Kind::Crossing) return {2, "it passes through itself"};
-  return {1, "it sags"};
+  if (kind == Kind::Jacobian) return {4, "it is inverted"};
+  if (kind == Kind::Fold) return {2, "it is folded"};
+  if (kind == Kind::Crossing) return {2, "it intersects itself"};
+  return {1, "its area is too large"};
 }
 
 // Scores the defects of a region on its own. Skipped for convex polygon layouts: their initial
@@ -99,7 +101,7 @@ void score(ScoredCandidate& made, double filling_area) {
     quality.max_line_gap = std::max(quality.max_line_gap, line_gap(region.surface, line));
   constexpr double kFarOff = 20;  // times the hole filling: the surface is unrelated to its lines
   if (!std::isfinite(quality.area) || (filling_area > 0 && quality.area > kFarOff * filling_area))
-    throw NoSolutionError("the surface runs far away from its lines");
+    throw NoSolutionError("the surface deviates far from its curves");
   const auto add = [&](int defect_score, const std::string& why) {
     made.defect_score += defect_score;
     if (made.why.empty()) made.why = why;
@@ -108,8 +110,8 @@ void score(ScoredCandidate& made, double filling_area) {
     const auto [defect_score, why] = defect_score_of(defect.kind);
     add(defect_score, why);
   }
-  if (quality.min_jacobian_ratio < kMinJacobianRatio) add(1, "it nearly turns over");
-  if (quality.max_line_gap > layout.tolerance()) add(1, "it misses its lines");
+  if (quality.min_jacobian_ratio < kMinJacobianRatio) add(1, "it is nearly inverted");
+  if (quality.max_line_gap > layout.tolerance()) add(1, "it deviates from its curves");
 }
 
 RegionLayout layout_of(const RegionRequest& request, const LayoutStrategy& strategy) {
@@ -154,8 +156,7 @@ class CandidateSearch {
       const Domain first = best_ && best_->candidate.strategy.inner == inner
                                ? best_->candidate.layout->domain()
                                : Domain::Auto;
-      const LayoutVariant convex{"with corners as its face has them", request_.skin.domain, false,
-                                 1, true};
+      const LayoutVariant convex{"on a convex polygon", request_.skin.domain, false, 1, true};
       if (request_.skin.convex && first != Domain::Polygon && attempt(convex, inner))
         return taken();
       for (const LayoutVariant& strategy : variants_after(request_, first))
@@ -174,8 +175,8 @@ class CandidateSearch {
     if (!last_has_rest_shape_ || last_defect_score_ < kSeriousDefect) return false;
     strategy.rest = false;
     strategy.description = strategy.description.empty()
-                               ? "by least bending from nothing"
-                               : strategy.description + ", by least bending from nothing";
+                               ? "without reference configuration"
+                               : strategy.description + " without reference configuration";
     return attempt(strategy, inner);
   }
 
@@ -221,13 +222,13 @@ class CandidateSearch {
     candidate.strategy.defect_score = best_->defect_score;
     const int left = candidate.strategy.inner ? 0 : 1;
     if (!candidate.strategy.inner)
-      candidate.warnings.push_back("its inner lines are left out: " + first_why_);
+      candidate.warnings.push_back("its inner curves are ignored: " + first_why_);
     if (best_->defect_score > left)
       candidate.warnings.push_back(std::to_string(count_) +
-                                   " ways to make it were tried, and in the best " + best_->why);
+                                   " layouts were tried; the best has a defect: " + best_->why);
     else if (candidate.strategy.inner && !best_variant_.empty())
-      candidate.warnings.push_back("it is made " + best_variant_ +
-                                   ", since the usual way failed: " + first_why_);
+      candidate.warnings.push_back("it is laid out " + best_variant_ +
+                                   ", because the default layout failed: " + first_why_);
     return candidate;
   }
 
@@ -277,9 +278,9 @@ std::optional<LayoutCandidate> try_other_domain(const RegionRequest& request, Do
       score(made, request.filling_area);
       if (made.defect_score > 0) continue;
       made.candidate.warnings.push_back(
-          std::string("it is made ") + (next == Domain::Projected ? "on a plane" : "as a sheet") +
-          ": in the usual way it would turn over or sag where it goes on "
-          "smoothly in its neighbours");
+          std::string("it is laid out on a ") +
+          (next == Domain::Projected ? "projected" : "developable") +
+          " domain: with the default layout it would be inverted or bulge at smooth edges");
       return std::move(made.candidate);
     } catch (const CancelledError&) {
       throw;
@@ -297,7 +298,7 @@ std::optional<LayoutCandidate> retry_layout(const RegionRequest& request,
                        strategy.inner ? 0 : 1, ""};
   try {
     score(made, request.filling_area);
-  } catch (const NoSolutionError&) {  // the surface runs far away from its lines
+  } catch (const NoSolutionError&) {  // the surface deviates far from its curves
     return std::nullopt;
   }
   if (made.defect_score > strategy.defect_score) return std::nullopt;

@@ -177,7 +177,7 @@ class Refiner {
     for (size_t j = 0; j < now_.size(); ++j) {
       if (now_[j] <= kBetterACrease || !is_hopeless(j)) continue;
       layout.reject_join(model_.layout->join_plans()[j].join_line.name,
-                         "a region carries it embedded, and would leave an angle of " +
+                         "it is embedded in one of its faces, which would leave an angle of " +
                              format_number(now_[j]) + " degrees");
       any = true;
     }
@@ -459,7 +459,9 @@ void add_join(int edge, const std::string& name, const RegionMaker& maker, const
                                  : ModelJoin::Kind::NonManifold;
   join.requested = spec != nullptr;
   const bool smooth = spec && *spec != Kind::Crease;
-  if (smooth && uses.size() != 2) join.why = std::to_string(uses.size()) + " region(s) meet there";
+  if (smooth && uses.size() != 2)
+    join.why = "it belongs to " + std::to_string(uses.size()) +
+               (uses.size() == 1 ? " face" : " faces") + ", expected two";
   if (uses.size() == 2) {
     const auto one = maker.side_of(uses[0], edge), two = maker.side_of(uses[1], edge);
     if (one && two) {
@@ -468,8 +470,8 @@ void add_join(int edge, const std::string& name, const RegionMaker& maker, const
       classification.join_of.push_back(isize(classification.joins));
     } else if (smooth) {
       join.why = !maker.layouts()[uses[0].region] || !maker.layouts()[uses[1].region]
-                     ? "one of its regions could not be skinned"
-                     : "one of its regions does not have it on its boundary";
+                     ? "one of its faces could not be skinned"
+                     : "it is not on the boundary of one of its faces";
     }
   }
   classification.joins.push_back(std::move(join));

@@ -133,7 +133,7 @@ std::string NormalSide::text() const {
   if (rule == Rule::Volume) return agrees ? "outwards" : "inwards";
   if (rule == Rule::Curvature) return agrees ? "to the convex side" : "to the concave side";
   constexpr double kClear = 0.95;
-  if (rule != Rule::Axis) return "to one of two sides that are alike";
+  if (rule != Rule::Axis) return "to one of two equivalent sides";
   const Vec3 n = mean.normalized();
   for (int i = 0; i < 3; ++i)
     if (std::abs(n[i]) > kClear)

@@ -127,11 +127,10 @@ void RegionMaker::distribute_vertices() {
     }
     spacing = std::min(spacing, 0.5 * edge.length);
     if (const double count = edge.length / spacing; !(count <= kMaxTriangles))
-      throw InputError("elements of " + format_number(spacing) + " on line '" + edge.name +
-                       "' of length " + format_number(edge.length) + " mean " +
-                       format_number(count) + " of their edges; at most " +
-                       format_number(kMaxTriangles) +
-                       " are allowed (is a point wrong, or the unit?)");
+      throw InputError("the edge length " + format_number(spacing) + " on curve '" + edge.name +
+                       "' of length " + format_number(edge.length) + " creates " +
+                       format_number(count) + " element edges, expected at most " +
+                       format_number(kMaxTriangles) + "; check the points and the unit");
     auto prescribed = std::make_shared<PrescribedCurve>();
     prescribed->curve = edge.curve;
     const auto& nodes = edge.curve.parameters();
@@ -274,7 +273,7 @@ std::vector<CharacterLine> RegionMaker::lines_of(const NetworkRegion& plan) cons
 }
 
 void RegionMaker::lay_out(const std::vector<int>& which, double from, double to) {
-  progress_.update("skinning regions", from);
+  progress_.update("skinning faces", from);
   parallel_for(isize(which), [&](int i) {
     const auto r = static_cast<size_t>(which[i]);
     ModelRegion& region = model_.regions[r];
@@ -289,10 +288,10 @@ void RegionMaker::lay_out(const std::vector<int>& which, double from, double to)
       region.rejection_reason = e.what();
       if (dynamic_cast<const NoSolutionError*>(&e) || dynamic_cast<const MeshError*>(&e))
         region.rejection_reason =
-            "its lines leave too little room for elements (" + region.rejection_reason + ")";
+            "its curves leave too little space for elements (" + region.rejection_reason + ")";
     }
   });
-  progress_.update("skinning regions", to);
+  progress_.update("skinning faces", to);
 }
 
 void RegionMaker::orient_normals() {
@@ -387,8 +386,8 @@ bool RegionMaker::lay_out_without_rest_shape(int region) {
   strategies_[r]->skin.rest = false;
   lay_out({region}, 0.5, 0.5);
   model_.regions[r].warnings.push_back(
-      "it bends from nothing: the sweep between its sides would turn over or sag where it goes on "
-      "smoothly in its neighbours");
+      "it has no reference configuration: the sweep between its sides would be inverted or bulge "
+      "at smooth edges");
   return true;
 }
 

@@ -182,24 +182,23 @@ CharacterLine rail(const std::string& name, const std::vector<Vec3>& points) {
 
 std::vector<CharacterLine> section_lines(std::vector<CharacterLine> sections) {
   if (sections.size() < 2)
-    throw InputError("found " + std::to_string(sections.size()) +
-                     " section, expected two or more, or rails beside it");
+    throw InputError("found " + std::to_string(sections.size()) + " section, expected two or more");
   const bool closed = is_closed(sections.front());
   std::vector<Vec3> starts, ends;
   for (CharacterLine& section : sections) {
     const bool outer = &section == &sections.front() || &section == &sections.back();
     section.role = outer ? CharacterLine::Role::Outline : CharacterLine::Role::Inner;
     if (is_closed(section) != closed)
-      throw InputError("the section '" + section.name + "' is " + (closed ? "open" : "closed") +
-                       ", '" + sections.front().name + "' is " + (closed ? "closed" : "open") +
-                       ": expected all alike");
+      throw InputError("section '" + section.name + "' is " + (closed ? "open" : "closed") +
+                       " and section '" + sections.front().name + "' is " +
+                       (closed ? "closed" : "open") + ", expected all open or all closed");
     auto [start, end] = ends_of(section);
     if (!starts.empty() && (start - starts.back()).norm() + (end - ends.back()).norm() >
                                (end - starts.back()).norm() + (start - ends.back()).norm())
       std::swap(start, end);
     if (!closed && !starts.empty() && (start == starts.back() || end == ends.back()))
-      throw InputError("the section '" + section.name + "' ends where the one before it does, " +
-                       "expected a place of its own: no rail can run there");
+      throw InputError("section '" + section.name + "' shares an end with the section before it, " +
+                       "expected distinct ends, so that rails can connect them");
     starts.push_back(start);
     ends.push_back(end);
   }

@@ -145,7 +145,7 @@ class ModelMaker {
   }
 
   void reject_embedded(int edge, double degrees) {
-    rejected_[edge] = "a region carries it embedded, and would leave an angle of " +
+    rejected_[edge] = "it is embedded in one of its faces, which would leave an angle of " +
                       format_number(degrees) + " degrees";
   }
 
@@ -180,10 +180,10 @@ class ModelMaker {
         if (!end.open) continue;
         const NetworkEdge& edge = network_.edges()[join.edge];
         if (end.creased) {
-          model_.warnings.push_back("line '" + edge.name + "' ends as a crease at " +
+          model_.warnings.push_back("edge '" + edge.name + "' ends as a crease at " +
                                     format_point(network_.nodes()[edge.nodes[e]].position) +
-                                    ": a region carries it embedded, and its edge there keeps an "
-                                    "angle of " +
+                                    ": it is embedded in one of its faces, which leaves an angle "
+                                    "of " +
                                     format_number(end.plane_angle_deg) + " degrees");
           continue;
         }
@@ -199,9 +199,9 @@ class ModelMaker {
       std::string names;
       for (const std::string& name : found.lines) names += (names.empty() ? "" : ", ") + name;
       model_.warnings.push_back(
-          "no tangent plane at " + format_point(network_.nodes()[node].position) +
-          ": the lines that meet there leave one by up to " + format_number(found.apart) +
-          " degrees, so that these end as creases: " + names);
+          "no common tangent plane at " + format_point(network_.nodes()[node].position) +
+          ": curves that meet there deviate from it by up to " + format_number(found.apart) +
+          " degrees; these edges end as creases: " + names);
     }
   }
 
@@ -291,7 +291,7 @@ class ModelMaker {
       for (size_t s = 0; s < join_lines_.size(); ++s)
         for (const JoinSide& side : join_lines_[s].sides)
           if (side.region == static_cast<int>(r))
-            rejected_[join_of(s).edge] = "one of its regions could not be skinned";
+            rejected_[join_of(s).edge] = "one of its faces could not be skinned";
       any = true;
     }
     return any;
@@ -322,8 +322,8 @@ class ModelMaker {
       if (plans[s].rejected()) continue;
       for (const JoinSide& side : join_lines_[s].sides) {
         if (!spoiled[side.region]) continue;
-        rejected_[join_of(s).edge] = "region '" + model_.regions[side.region].plan.name +
-                                     "' would turn over or sag where it goes on smoothly";
+        rejected_[join_of(s).edge] =
+            "face '" + model_.regions[side.region].plan.name + "' would be inverted or bulge";
         any = true;
       }
     }
@@ -440,7 +440,7 @@ class ModelFairing {
     for (const SurfaceDefect& defect : model_.defects) {
       had_.insert(key_of(defect));
       if (defect.kind == SurfaceDefect::Kind::Jacobian)
-        keep(defect, "its bending shape turns over");
+        keep(defect, "its minimum-bending shape is inverted");
     }
   }
 
@@ -449,7 +449,7 @@ class ModelFairing {
       options.frozen = frozen();
       if (std::find(options.frozen.begin(), options.frozen.end(), 0) == options.frozen.end())
         throw NoSolutionError(faired_.unchanged_regions.empty()
-                                  ? "no region is to be faired"
+                                  ? "no face is to be faired"
                                   : faired_.unchanged_regions.front().why);
       if (std::find(options.frozen.begin(), options.frozen.end(), 1) == options.frozen.end())
         options.frozen.clear();
@@ -508,7 +508,7 @@ class ModelFairing {
     tried_flawed_ = true;
     bool any = false;
     for (const SurfaceDefect& defect : model_.defects)
-      any = keep(defect, "its bending shape is wrong: " + defect.text) || any;
+      any = keep(defect, "its minimum-bending shape has a defect: " + defect.text) || any;
     return any;
   }
 
@@ -516,7 +516,7 @@ class ModelFairing {
     bool any = false;
     for (const SurfaceDefect& defect : model_.defects)
       if (!had_.count(key_of(defect)))
-        any = keep(defect, "it would come out wrong: " + defect.text) || any;
+        any = keep(defect, "fairing would cause a defect: " + defect.text) || any;
     return any;
   }
 

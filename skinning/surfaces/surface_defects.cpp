@@ -113,9 +113,9 @@ void look_at_jacobian(const Regions& regions, int r, const SkinQuality& quality,
                      {r},
                      location,
                      quality.min_jacobian_ratio,
-                     "region " + name_of(regions, r) + " turns over near " +
-                         format_point(location) + ": its smallest Jacobian is " +
-                         format_number(quality.min_jacobian_ratio) + " of the median"});
+                     "face " + name_of(regions, r) + " is inverted near " + format_point(location) +
+                         ": its smallest Jacobian is " + format_number(quality.min_jacobian_ratio) +
+                         " times the median"});
 }
 
 void look_at_area(const Regions& regions, int r, const Shell& shell, double area,
@@ -128,9 +128,9 @@ void look_at_area(const Regions& regions, int r, const Shell& shell, double area
                      {r},
                      middle,
                      area / filling_area,
-                     "region " + name_of(regions, r) + " has " +
+                     "face " + name_of(regions, r) + " bulges: it has " +
                          format_number(area / filling_area) +
-                         " times the area of a plain filling of its lines"});
+                         " times the area of a triangulation of its boundary"});
 }
 
 // A pair of point indices, numbered over all regions.
@@ -159,8 +159,8 @@ void look_at_inner_folds(const Regions& regions, int r, const Shell& shell,
                        {r},
                        location,
                        worst,
-                       "region " + name_of(regions, r) + " folds by " + format_number(worst) +
-                           " degrees inside, near " + format_point(location)});
+                       "face " + name_of(regions, r) + " is folded by " + format_number(worst) +
+                           " degrees near " + format_point(location)});
 }
 
 // Assigns a common index to points of different regions that lie within `near` of each other,
@@ -450,12 +450,12 @@ void look_at_joins(const Regions& regions, const FacetSoup& soup, const Meetings
       where = 0.5 * (soup.points[e.a] + soup.points[e.b]);
     }
     if (sharp <= kMinLengthFraction * length) continue;
-    std::string text = "region " + name_of(regions, pair.second) + " doubles back on region " +
+    std::string text = "face " + name_of(regions, pair.second) + " is folded onto face " +
                        name_of(regions, pair.first) + ": they meet at " + format_number(least) +
                        " degrees near " + format_point(where);
     if (wanted > kLiesOn)
-      text += ", where the curves at the ends of their line ask for " +
-              format_number(std::round(wanted));
+      text += ", expected " + format_number(std::round(wanted)) +
+              " from the curves at the ends of their edge";
     defects.push_back({SurfaceDefect::Kind::Fold,
                        {pair.first, pair.second},
                        where,
@@ -559,10 +559,9 @@ void look_at_crossings(const Regions& regions, const std::vector<Shell>& shells,
         {SurfaceDefect::Kind::Crossing,
          itself ? std::vector<int>{pair.first} : std::vector<int>{pair.first, pair.second}, c.where,
          static_cast<double>(c.count),
-         "region " + name_of(regions, pair.first) + " passes through " +
-             (itself ? std::string("itself") : "region " + name_of(regions, pair.second)) +
-             " near " + format_point(c.where) + " (" + std::to_string(c.count) +
-             " pairs of facets)"});
+         "face " + name_of(regions, pair.first) + " intersects " +
+             (itself ? std::string("itself") : "face " + name_of(regions, pair.second)) + " near " +
+             format_point(c.where) + " (" + std::to_string(c.count) + " pairs of facets)"});
   }
 }
 
@@ -572,9 +571,9 @@ std::vector<SurfaceDefect> find_defects(const std::vector<const SkinnedRegion*>&
                                         const std::vector<SkinQuality>& qualities,
                                         const std::vector<double>& filling_areas) {
   if (qualities.size() != regions.size() || filling_areas.size() != regions.size())
-    throw InputError(std::to_string(qualities.size()) + " qualities and " +
+    throw InputError("found " + std::to_string(qualities.size()) + " qualities and " +
                      std::to_string(filling_areas.size()) + " areas for " +
-                     std::to_string(regions.size()) + " regions");
+                     std::to_string(regions.size()) + " faces, expected one of each per face");
   std::vector<Shell> shells(regions.size());
   parallel_for(isize(regions), [&](int r) {
     const auto i = static_cast<size_t>(r);

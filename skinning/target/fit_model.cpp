@@ -55,7 +55,7 @@ class ModelFitter {
               const TargetSurface& target, const ModelFitOptions& options, const Progress& progress)
       : target_(target), options_(options), progress_(progress) {
     if (!(options.tolerance >= 0))
-      throw InputError("tolerance of the target " + std::to_string(options.tolerance) +
+      throw InputError("target: found fit_tolerance = " + format_number(options.tolerance) +
                        ", expected 0 or more");
     fit_.layout = start_layout_ = std::move(layout);
     fit_.dofs = start_ = start;
@@ -66,7 +66,7 @@ class ModelFitter {
     fit_.before = measured(false);
     int points = 0;
     for (const Distances& region : fit_.before.regions) points += region.points;
-    if (points == 0) throw InputError("no point of the target is near to the surface");
+    if (points == 0) throw InputError("no point of the target is close to the surface");
     target_of_region_ = target_parts_of_regions(*fit_.layout, options_.parts, tolerance_);
     choose_parametrizations();
     for (auto& part : target_of_region_)
@@ -166,7 +166,7 @@ class ModelFitter {
   /// Measures distances, from model to target only or in both directions. The first is faster far
   /// away from the target. Records the largest distance of each triangle.
   TargetDistances measured(bool both) {
-    progress_.update("measure the fit", 0);
+    progress_.update("measuring the fit", 0);
     TargetDistances result = target_distances(*fit_.layout, fit_.dofs, target_, &largest_of_);
     // Far away, one direction is enough.
     constexpr double near = 4;  // multiple of the tolerance
@@ -180,7 +180,7 @@ class ModelFitter {
     AndersonAccelerator accelerator(1e-5);
     accelerator.resize(fit_.dofs.rows(), indices_of_positions(*fit_.layout));
     for (int step = 0; step < max_rounds; ++step) {
-      progress_.update("fit to the target", double(step) / max_rounds);
+      progress_.update("fitting to the target", double(step) / max_rounds);
       const Points x = iterations.step(fit_.dofs, sides_);
       if (!accelerator.accelerate(fit_.dofs, x, fit_.dofs)) fit_.dofs = x;
       ++fit_.iterations;

@@ -99,20 +99,20 @@ TEST_CASE("loads have the resultants that their words say") {
 TEST_CASE("what nothing holds is named by its motion") {
   const Arm arm;
   using Support = LineSupport;
-  const std::string not_held = "the shell is not held: ";
+  const std::string not_held = "the supports do not constrain the shell: ";
   CHECK(arm.rejection_reason({Support::clamped("foot")}).empty());
-  CHECK_THAT(arm.rejection_reason({}), Contains("all of it can slide along [1, 0, 0]") &&
-                                           Contains("[0, 0, 1]") && Contains("turn about"));
-  CHECK_THAT(
-      arm.rejection_reason({Support::pinned("foot")}),
-      StartsWith(not_held + "all of it can turn about the axis along [0, 1, 0] through [0,") &&
-          EndsWith(", 0]"));
+  CHECK_THAT(arm.rejection_reason({}), Contains("the whole model can translate along [1, 0, 0]") &&
+                                           Contains("[0, 0, 1]") && Contains("rotate about"));
+  CHECK_THAT(arm.rejection_reason({Support::pinned("foot")}),
+             StartsWith(not_held +
+                        "the whole model can rotate about the axis along [0, 1, 0] through [0,") &&
+                 EndsWith(", 0]"));
   CHECK_THAT(arm.rejection_reason({Support::clamped("foot")}, {"knee"}),
-             StartsWith(not_held + "region 'region 2' can turn about the axis along [0, 1, 0]") &&
+             StartsWith(not_held + "face 'region 2' can rotate about the axis along [0, 1, 0]") &&
                  EndsWith(", 0.6]"));
   CHECK(arm.rejection_reason(
             {{"wall", "foot", {Vec3::UnitX(), Vec3::UnitZ()}, Vec3::Zero(), true}}) ==
-        not_held + "all of it can slide along [0, 1, 0]");
+        not_held + "the whole model can translate along [0, 1, 0]");
   CHECK(arm.rejection_reason({Support::pinned("foot"), Support::pinned("tip")}, {"knee"}).empty());
 }
 

@@ -64,9 +64,9 @@ TEST_CASE("loads in a box are those of its part of the surface, or of a line") {
         Approx(3 * 0.25).epsilon(0.02));
   const Box3 away(Vec3(3, 3, 3), Vec3(4, 4, 4));
   CHECK_THROWS_WITH(surface_traction(strip.layout, strip.shape, weight_down, {{}, away}),
-                    Contains("nothing in the box from [3, 3, 3] to [4, 4, 4]"));
+                    Contains("in the box from [3, 3, 3] to [4, 4, 4]"));
   CHECK_THROWS_WITH(line_force(strip.layout, strip.shape, "tip", {0, 0, 1}, away),
-                    Contains("nothing in the box"));
+                    Contains("in the box"));
 }
 
 TEST_CASE("a part that is held is a clamp for the rest, and is moved as told") {
@@ -94,7 +94,7 @@ TEST_CASE("a part that is held is a clamp for the rest, and is moved as told") {
   CHECK(strip.moved(lifted.solve(none), {Strip::L, 0.25, 0}).z() == Approx(0.05).epsilon(1e-6));
   definition.areas[0].part.box = between(3, 4);
   CHECK_THROWS_WITH(ShellModel(strip.layout, strip.shape, definition),
-                    Contains("'jaw' holds nothing"));
+                    Contains("'jaw' contains no part"));
 }
 
 TEST_CASE("half of a line is held as all of it is") {

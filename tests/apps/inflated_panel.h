@@ -7,11 +7,11 @@ namespace batten_test {
 
 inline const std::string kInflatedPanel = R"(# A panel that swells.
 unit = "mm"
-[[line]]
+[[curve]]
 name = "rim"
 points = [[0,0,0], [400,0,0], [400,300,0], [0,300,0], [0,0,0]]
 
-[skin]
+[mesh]
 edge_length = 40
 
 [[load]]

@@ -12,10 +12,10 @@ const fs::path kSeeds = fs::path(BATTEN_SOURCE_DIR) / "tests/fuzz/seeds";
 
 const char* const kSquare =
     "unit = \"mm\"\nname = \"square\"\n"
-    "[[line]]\nname = \"a\"\npoints = [[0,0,0],[100,0,0]]\n"
-    "[[line]]\nname = \"b\"\npoints = [[100,0,0],[100,100,0]]\n"
-    "[[line]]\nname = \"c\"\npoints = [[100,100,0],[0,100,0]]\n"
-    "[[line]]\nname = \"d\"\npoints = [[0,100,0],[0,0,0]]\n"
+    "[[curve]]\nname = \"a\"\npoints = [[0,0,0],[100,0,0]]\n"
+    "[[curve]]\nname = \"b\"\npoints = [[100,0,0],[100,100,0]]\n"
+    "[[curve]]\nname = \"c\"\npoints = [[100,100,0],[0,100,0]]\n"
+    "[[curve]]\nname = \"d\"\npoints = [[0,100,0],[0,0,0]]\n"
     "[output]\nstep = \"s.step\"\n";
 
 bool contains_text(const std::string& text, const std::string& part) {
@@ -50,7 +50,7 @@ TEST_CASE("what a scene writes is told by info and converted with its names", "[
   contains_text(contents(c / "t.stp"), "ADVANCED_FACE('square'");
   const CliResult iges = c.run({"convert", "t.stp", "t.igs", "--unit", "mm"});
   CHECK(iges.code == 0);
-  contains_text(iges.err, "IGES has no names of edges between faces: 4 are lost");
+  contains_text(iges.err, "IGES cannot store names of edges between faces: 4 are lost");
   contains_text(c.run({"info", "t.igs"}).out, "name 'square': 1 face");
   // A scene in metres is one in the file too.
   std::string metres = kSquare;
@@ -98,7 +98,7 @@ TEST_CASE("meshes are converted into each other, with their groups", "[cli][conv
     const CliResult r = c.run({"convert", last, next});
     INFO(r.err);
     CHECK(r.code == 0);
-    contains_text(r.out, "coordinates as they were");
+    contains_text(r.out, "coordinates unchanged");
     const auto mesh = batten::MeshFile::read(c / next);
     CHECK(mesh.shells().face_count() == 4);
     CHECK(mesh.shells().node_count() == 4);
@@ -131,8 +131,8 @@ TEST_CASE("meshes become GLB and 3MF in their units, with colours on the way", "
   // The colours of faces of a CAD file are those of its triangles; two files are made of OBJ.
   c.file("two.toml",
          "unit = \"mm\"\nname = \"two\"\n\n"
-         "[[line]]\nname = \"a\"\npoints = [[0,0,0],[10,0,0],[10,10,0],[0,10,0],[0,0,0]]\n"
-         "[[line]]\nname = \"b\"\npoints = [[0,0,0],[10,10,0]]\n[output]\nstep = \"s.step\"\n");
+         "[[curve]]\nname = \"a\"\npoints = [[0,0,0],[10,0,0],[10,10,0],[0,10,0],[0,0,0]]\n"
+         "[[curve]]\nname = \"b\"\npoints = [[0,0,0],[10,10,0]]\n[output]\nstep = \"s.step\"\n");
   REQUIRE(c.run({"run", "two.toml", "--out", "two"}).code == 0);
   contains_text(c.run({"convert", "two/s.step", "s.obj"}).out, ", colours in s.mtl");
   contains_text(contents(c / "s.mtl"), "newmtl 8cb4d9\n");
@@ -177,19 +177,19 @@ TEST_CASE("what convert does not do, it says", "[cli][convert]") {
     CHECK(r.code == 1);
     contains_text(r.err, part);
   };
-  refused({"t.obj", "old.step"}, "expected `batten fit`");
+  refused({"t.obj", "old.step"}, "use `batten fit`");
   CHECK(contents(c / "old.step") == "old");
-  refused({"t.obj", "t.obj"}, "is the file that is read");
+  refused({"t.obj", "t.obj"}, "found the input file as output file");
   refused({"t.obj", "t.inp"}, "expected one of: .3mf, .glb, .obj");
-  refused({"t.obj", "t.glb"}, "expected --from-unit, the unit of these numbers");
+  refused({"t.obj", "t.glb"}, "expected --from-unit, the unit of the coordinates");
   refused({"t.obj", "t.3mf", "--from-unit", "in", "--unit", "in"}, ".3mf is in mm");
-  refused({"t.obj", "t.stl", "--unit", "m"}, "expected --from-unit beside --unit m");
-  refused({"l.csv", "l.stl"}, "for lines, expected one of: .curves");
+  refused({"t.obj", "t.stl", "--unit", "m"}, "found --unit m for a file that states no length unit");
+  refused({"l.csv", "l.stl"}, "for curves, expected one of: .curves");
   refused({"s.toml", "s.step"}, "expected a CAD file");
   refused({"none.step", "s.iges"}, "no such file");
   refused({(kSeeds / "cad/square.step").string(), "s.pdf"}, "for a CAD file, expected one of");
   refused({(kSeeds / "cad/square.step").string(), "s.iges", "--from-unit", "m"},
-          "CAD files say their unit themselves");
+          "CAD files state their unit");
   refused({"t.obj", "s.stl", "--schema", "ap203"}, "ap203");
   CHECK_FALSE(fs::exists(c / "t.inp"));
 }

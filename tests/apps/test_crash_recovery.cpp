@@ -16,11 +16,11 @@ namespace {
 
 const std::string kDome = R"(# Whatever happens, this line is here.
 unit = "mm"
-[[line]]
+[[curve]]
 name = "rim"
 points = [[0,0,0], [400,0,0], [400,300,0], [0,300,0], [0,0,0]]
 
-[skin]
+[mesh]
 edge_length = 60
 
 [[load]]

@@ -272,14 +272,14 @@ fixed = ["ends"]
   const auto& sill = j["curves"][0];
   CHECK(sill["max_residual"].get<double>() < 1e-12);
   CHECK(sill["fairing"]["max"].get<double>() <= 1.0);
-  CHECK(sill["largest_shift"].get<double>() > 20);
+  CHECK(sill["largest_displacement"].get<double>() > 20);
   CHECK(sill["after"]["bending"].get<double>() < 0.1 * sill["before"]["bending"].get<double>());
   CHECK(sill["after"]["extrema"].get<int>() < 20);
   REQUIRE(j["features"].size() == 2);
   for (const auto& f : j["features"]) {
     CHECK(f["max_rigid_error"].get<double>() < 1e-12);
-    CHECK(f["moved"].get<double>() > 1);
+    CHECK(f["displacement"].get<double>() > 1);
   }
   CHECK(j["quality"]["inverted"].empty());
-  CHECK(j["hard"]["max_residual"].get<double>() < 1e-12);
+  CHECK(j["hard_constraints"]["max_residual"].get<double>() < 1e-12);
 }

@@ -66,7 +66,7 @@ TEST_CASE("what is painted acts there, and is taken away where the brush erases"
   CHECK_FALSE(document.text().has(bulge));
   // A stiffness is painted alike; what acts near a line is not.
   document.apply(new_paint("stiff", "beta", left));
-  CHECK(is_painted(document.text(), {"weight", "stiff"}));
+  CHECK(is_painted(document.text(), {"stiffness", "stiff"}));
   document.apply(
       {.kind = CommandKind::Add,
        .table = {"load", ""},
@@ -79,16 +79,16 @@ TEST_CASE("tangents of a straight line are moved by hand, and the line stays one
   const CliCase folder("document_tangents");
   folder.file("s.toml", R"(unit = "mm"
 
-[[line]]
+[[curve]]
 name = "front"
 points = [[0, 0, 0], [90, 0, 0]]
-[[line]]
+[[curve]]
 name = "back"
 points = [[0, 60, 0], [90, 60, 0]]
-[[line]]
+[[curve]]
 name = "left"
 points = [[0, 0, 0], [0, 60, 0]]
-[[line]]
+[[curve]]
 name = "right"
 points = [[90, 0, 0], [90, 60, 0]]
 [skin]
@@ -97,7 +97,7 @@ points = [[90, 0, 0], [90, 60, 0]]
   document.apply({.kind = CommandKind::Open, .file = folder / "s.toml"});
   apply_all(document, tangent_edits(document.text(), "front"));
   CHECK(line_key(document.text(), "front") == LineKey::Bezier);
-  CHECK(document.text().value({"line", "front"}, "points").empty());
+  CHECK(document.text().value({"curve", "front"}, "points").empty());
   CHECK(defining_points(document.text(), "front")[1] == Vec3(30, 0, 0));
   CHECK(height_at(document, {45, 1, 0}) == Approx(0).margin(1e-9));
   document.apply(move_point_command({30, 0, 0}, {30, 0, 40}));
@@ -180,9 +180,9 @@ TEST_CASE("a worker lets the shape move until it is told to rest", "[document]")
   worker.set_simulating(false);
   REQUIRE(wait_for([](const auto& news) { return !news.busy && news.view && !news.simulating; }));
   const std::vector<std::string> script = worker.script();
-  CHECK(script.back() == "settle");
+  CHECK(script.back() == "solve");
   CHECK(std::count(script.begin(), script.end(), "step 0.02") >= 8);
-  CHECK(std::count(script.begin(), script.end(), "settle") == 1);
+  CHECK(std::count(script.begin(), script.end(), "solve") == 1);
   worker.discard_changes();
 }
 
@@ -269,13 +269,13 @@ TEST_CASE("a skin that is asked for in vain is refused, and the surface stays", 
   const Points shape = document.session()->dofs();
   CHECK_THROWS_AS(
       document.apply(
-          {.kind = CommandKind::Set, .table = {"skin", ""}, .key = "edge_length", .text = "0.001"}),
+          {.kind = CommandKind::Set, .table = {"mesh", ""}, .key = "edge_length", .text = "0.001"}),
       InputError);
   CHECK(document.text().text() == before);
   REQUIRE(document.session());
   CHECK((document.session()->dofs() - shape).isZero(0));
   document.apply(
-      {.kind = CommandKind::Set, .table = {"skin", ""}, .key = "edge_length", .text = "50"});
+      {.kind = CommandKind::Set, .table = {"mesh", ""}, .key = "edge_length", .text = "50"});
   CHECK(document.session()->dofs().rows() != shape.rows());
 }
 
@@ -299,8 +299,8 @@ thickness = 2
 young = 210000
 poisson = 0.3
 density = 7.85e-9
-supports = [{ line = "rim.1", kind = "pinned" }, { line = "rim.2", kind = "pinned" },
-            { line = "rim.3", kind = "pinned" }, { line = "rim.4", kind = "pinned" }]
+supports = [{ curve = "rim.1", type = "pinned" }, { curve = "rim.2", type = "pinned" },
+            { curve = "rim.3", type = "pinned" }, { curve = "rim.4", type = "pinned" }]
 )");
   apply_all(document, {{.kind = CommandKind::SetSlider, .key = "crown", .value = 0},
                        {.kind = CommandKind::SolveToEquilibrium}});

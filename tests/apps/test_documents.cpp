@@ -77,7 +77,7 @@ TEST_CASE("undo goes back to the text and the shape, and redo forth", "[document
   step({slide("crown", 5), slide("crown", 7), {.kind = CommandKind::SolveToEquilibrium}});
   step({add("load", kPush)});
   step({slide("push", -20), {.kind = CommandKind::SolveToEquilibrium}});
-  step({{.kind = CommandKind::Set, .table = {"skin", ""}, .key = "edge_length", .text = "60"}});
+  step({{.kind = CommandKind::Set, .table = {"mesh", ""}, .key = "edge_length", .text = "60"}});
   step({slide("beta", 2), {.kind = CommandKind::SolveToEquilibrium}});
   step({{.kind = CommandKind::Remove, .table = {"load", "crown"}}});
   for (size_t i = texts.size() - 1; i-- > 0;) {
@@ -152,14 +152,14 @@ TEST_CASE("lines become a surface as soon as they close, and say what is missing
   for (int i = 0; i < 4; ++i) {
     CHECK(document.session() == nullptr);
     document.apply(
-        add("line", "{ name = \"side " + std::to_string(i) + "\", points = " + sides[i] + " }"));
+        add("curve", "{ name = \"side " + std::to_string(i) + "\", points = " + sides[i] + " }"));
     CHECK(document.shape()->lines().size() == static_cast<size_t>(i + 1));
     CHECK(document.content().problem().empty() == (i == 3));
   }
   REQUIRE(document.session());
   document.apply({.kind = CommandKind::Undo});
   CHECK(document.session() == nullptr);
-  CHECK(document.content().problem().find("meets nothing") != std::string::npos);
+  CHECK(document.content().problem().find("is not connected to any other curve") != std::string::npos);
   document.apply({.kind = CommandKind::Redo});
   CHECK(document.session() != nullptr);
 }
@@ -168,7 +168,7 @@ TEST_CASE("changes of a killed window are taken up from any folder", "[document]
   const CliCase folder("document_recovery");
   folder.file("line.csv", "0,0,0\n400,0,0\n400,300,0\n0,300,0\n0,0,0\n");
   Document document =
-      opened(folder, "unit = \"mm\"\n[[line]]\nname = \"rim\"\nfile = \"line.csv\"\n");
+      opened(folder, "unit = \"mm\"\n[[curve]]\nname = \"rim\"\nfile = \"line.csv\"\n");
   document.apply(add("load", kPush));
   folder.file("a/folder/far/below/changes.toml",
               document.recovery_text(folder / "a/folder/far/below"));
@@ -179,7 +179,7 @@ TEST_CASE("changes of a killed window are taken up from any folder", "[document]
   CHECK(again.changed());
   CHECK(apart(again.session()->dofs(), document.session()->dofs()) < 1e-9);
   Document untitled;
-  untitled.apply(add("line", "{ name = \"a\", points = [[0, 0, 0], [1, 0, 0]] }"));
+  untitled.apply(add("curve", "{ name = \"a\", points = [[0, 0, 0], [1, 0, 0]] }"));
   folder.file("a/folder/far/below/changes.toml",
               untitled.recovery_text(folder / "a/folder/far/below"));
   again.apply({.kind = CommandKind::Recover, .file = folder / "a/folder/far/below/changes.toml"});
@@ -196,7 +196,7 @@ TEST_CASE("a command and its line of a script say the same", "[document]") {
       add("load", kPush),
       {.kind = CommandKind::Set,
        .table = {"join", "#2"},
-       .key = "lines",
+       .key = "curves",
        .text = "[\"a b\", \"c\"]"},
       {.kind = CommandKind::Set, .table = {}, .key = "name", .text = "\"x # y\""},
       {.kind = CommandKind::Erase, .table = {"skin", ""}, .key = "alpha"},
@@ -221,6 +221,8 @@ TEST_CASE("a command and its line of a script say the same", "[document]") {
     INFO(wrong);
     CHECK_THROWS_AS(parse_command(wrong, "x:1:1: "), InputError);
   }
+  CHECK_THROWS_WITH(parse_command("settle", "x:1:1: "),
+                    "x:1:1: found the old command 'settle', expected 'solve'");
 }
 
 TEST_CASE("a script gives the same bits each time, and says where it stopped", "[document]") {
@@ -228,7 +230,7 @@ TEST_CASE("a script gives the same bits each time, and says where it stopped", "
   folder.file("s.toml", kInflatedPanel);
   folder.file("a.batten",
               "# as recorded\nopen s.toml\nslide crown 2\nanswer\nslide crown "
-              "9\nanswer\nsettle\n\nadd load " +
+              "9\nanswer\nsolve\n\nadd load " +
                   kPush + "\nundo\nredo\nexport one.vtp\n");
   const CliResult one = folder.run({"run-script", "a.batten"});
   CHECK(one.code == 0);
@@ -246,8 +248,8 @@ TEST_CASE("a script gives the same bits each time, and says where it stopped", "
 
 TEST_CASE("words about a line's join are changed where they stand", "[document]") {
   const SceneText scene(
-      "unit = \"mm\"\n\n[[join]]\nlines = [\"a\", \"b\"]\nkind = "
-      "\"crease\"\n[[join]]\nlines = [\"c\"]\nkind = \"smooth\"\n");
+      "unit = \"mm\"\n\n[[join]]\ncurves = [\"a\", \"b\"]\ncontinuity = "
+      "\"G0\"\n[[join]]\ncurves = [\"c\"]\ncontinuity = \"smooth\"\n");
   const auto after = [&](const char* line, const std::optional<std::string>& kind) {
     SceneText text = scene;
     for (const DocumentCommand& edit : join_edits(scene, line, kind)) {
@@ -257,13 +259,13 @@ TEST_CASE("words about a line's join are changed where they stand", "[document]"
     }
     return text;
   };
-  CHECK(join_edits(scene, "a", "crease").empty());
+  CHECK(join_edits(scene, "a", "G0").empty());
   CHECK(join_edits(scene, "d", {}).empty());
-  CHECK(after("a", "smooth").words({"join", "#1"}, "lines") == std::vector<std::string>{"b"});
-  CHECK(after("a", "smooth").words({"join", "#3"}, "kind") == std::vector<std::string>{"smooth"});
-  CHECK(after("c", "tangent").words({"join", "#2"}, "kind") == std::vector<std::string>{"tangent"});
+  CHECK(after("a", "smooth").words({"join", "#1"}, "curves") == std::vector<std::string>{"b"});
+  CHECK(after("a", "smooth").words({"join", "#3"}, "continuity") == std::vector<std::string>{"smooth"});
+  CHECK(after("c", "G1").words({"join", "#2"}, "continuity") == std::vector<std::string>{"G1"});
   CHECK_FALSE(after("c", {}).has({"join", "#2"}));
-  CHECK(after("d", "crease").words({"join", "#3"}, "lines") == std::vector<std::string>{"d"});
+  CHECK(after("d", "G0").words({"join", "#3"}, "curves") == std::vector<std::string>{"d"});
 }
 
 TEST_CASE("a worker passes over slides that are old, and stops when asked", "[document]") {
@@ -297,7 +299,7 @@ TEST_CASE("a worker passes over slides that are old, and stops when asked", "[do
   CHECK(contents(folder / "changes.toml").find("value = 8") != std::string::npos);
 
   // 60,000 elements take some seconds.
-  worker.post({.kind = CommandKind::Set, .table = {"skin", ""}, .key = "edge_length", .text = "2"});
+  worker.post({.kind = CommandKind::Set, .table = {"mesh", ""}, .key = "edge_length", .text = "2"});
   std::this_thread::sleep_for(std::chrono::milliseconds(300));
   worker.cancel();
   const auto [after, told] = until_idle();
@@ -313,8 +315,8 @@ TEST_CASE("supports and loads of a shell are changed and taken away one by one",
   SceneText scene(kInflatedPanel + R"([stress]
 thickness = 1
 material = "steel"
-supports = [{ line = "rim" }, { point = [0, 0, 0], kind = "pinned" }]
-loads = [{ pressure = 0.001, region = "rim" }, { point = [1, 2, 0], force = [0, 0, -3] }]
+supports = [{ curve = "rim" }, { point = [0, 0, 0], type = "pinned" }]
+loads = [{ pressure = 0.001, face = "rim" }, { point = [1, 2, 0], force = [0, 0, -3] }]
 )");
   const auto parts = stress_parts(scene);
   REQUIRE(parts.size() == 4);
@@ -329,7 +331,7 @@ loads = [{ pressure = 0.001, region = "rim" }, { point = [1, 2, 0], force = [0, 
     scene.set(edits[0].table, edits[0].key, edits[0].text);
   };
   apply(stress_part_edits(scene, parts[3], "force", "[0, 0, -5]"));
-  apply(stress_part_edits(scene, parts[1], "kind", "\"clamped\""));
+  apply(stress_part_edits(scene, parts[1], "type", "\"clamped\""));
   apply(remove_stress_part(scene, parts[0]));
   const auto after = stress_parts(scene);
   REQUIRE(after.size() == 3);

@@ -66,9 +66,9 @@ TEST_CASE("a drawn file becomes a fair one of any kind, with as many points") {
     INFO(ending << "\n" << r.err);
     REQUIRE(r.code == 0);
     CHECK(r.err.empty());
-    CHECK_THAT(r.out, Contains("two_1") && Contains("two_2") && Contains("2 lines"));
+    CHECK_THAT(r.out, Contains("two_1") && Contains("two_2") && Contains("2 curves"));
     CHECK(fs::file_size(c / ("fair" + ending)) > 1000);
-    const auto curves = json(c, "r.json")["curves"];
+    const auto curves = json(c, "r.json")["faired_curves"];
     REQUIRE(curves.size() == 2);
     for (const auto& curve : curves) {
       INFO(curve.dump(1));
@@ -107,7 +107,7 @@ TEST_CASE("a fair curve does as its options say") {
     const CliResult r = c.run(words);
     INFO(r.err);
     REQUIRE(r.code == 0);
-    return json(c, "r.json")["curves"][0];
+    return json(c, "r.json")["faired_curves"][0];
   };
   for (const double limit : {0.6, 1.0, 3.0}) {
     const auto curve = run({"--deviation", batten::format_number(limit)});
@@ -121,7 +121,7 @@ TEST_CASE("a fair curve does as its options say") {
   // Ends: free ones move, held ones do not.
   run({"--wavelength", "40"});
   CHECK((read_point_lines(c / "o.csv")[0].points.front() - given.front()).norm() > 1e-3);
-  run({"--wavelength", "40", "--hold-ends"});
+  run({"--wavelength", "40", "--fix-ends"});
   CHECK((read_point_lines(c / "o.csv")[0].points.front() - given.front()).norm() < 1e-9);
   CHECK((read_point_lines(c / "o.csv")[0].points.back() - given.back()).norm() < 1e-9);
   CHECK(run({"--closed"})["closed"].get<bool>());
@@ -146,7 +146,7 @@ TEST_CASE("a drawn line keeps within any deviation that is stated, also far belo
     const CliResult r = c.run({"fair", swan, "--deviation", batten::format_number(limit), "--out",
                                "o.csv", "--report", "r.json"});
     CHECK(r.code == 0);
-    const auto curve = json(c, "r.json")["curves"][0];
+    const auto curve = json(c, "r.json")["faired_curves"][0];
     CHECK(curve["deviation"]["max"].get<double>() <= limit);
     CHECK(curve["after"]["length"].get<double>() < 1.2 * curve["before"]["length"].get<double>());
   }
@@ -159,27 +159,27 @@ TEST_CASE("strokes without length are named and passed through, the sketch is fa
          "v 5\n0 0 9\n0 0 9\n10 2 9\n20 -2 9\n30 0 9\n");
   const CliResult r = c.run({"fair", "s.curves", "--out", "o.curves", "--report", "r.json"});
   CHECK(r.code == 0);
-  CHECK_THAT(r.err, Contains("warning: line 's_2' has one point") &&
-                        Contains("warning: line 's_3' has all its points in one place"));
+  CHECK_THAT(r.err, Contains("warning: curve 's_2' has only one point") &&
+                        Contains("warning: curve 's_3' has zero length"));
   const auto lines = read_point_lines(c / "o.curves");
   REQUIRE(lines.size() == 4);
   CHECK(lines[1].points == std::vector<Vec3>{{1, 2, 3}});
   CHECK(lines[2].points == std::vector<Vec3>(3, Vec3(4, 5, 6)));
   CHECK(lines[3].points.size() == 4);  // the first two lie in one place
-  CHECK_FALSE(json(c, "r.json")["curves"][1]["faired"].get<bool>());
+  CHECK_FALSE(json(c, "r.json")["faired_curves"][1]["faired"].get<bool>());
   const CliResult text = c.run({"fair", "s.curves", "--out", "o.csv"});
   CHECK(text.code == 0);
-  CHECK_THAT(text.err, Contains("o.csv: 's_2' is left out"));
+  CHECK_THAT(text.err, Contains("o.csv: 's_2' is not written"));
   const CliResult cad = c.run({"fair", "s.curves", "--out", "o.step"});
   CHECK(cad.code == 0);
-  CHECK_THAT(cad.err, Contains("'s_2' is left out") && Contains("'s_3' is left out"));
+  CHECK_THAT(cad.err, Contains("'s_2' is not written") && Contains("'s_3' is not written"));
   CHECK(batten::read_cad_lines(c / "o.step", 1e-3).size() == 2);
   c.file("t.curves", "v 2\n0 0 0\n1 0 0\nv 4\n0 0 0\n9 1 0\n9 9 0\n0 9 1\n");
   const CliResult loops = c.run({"fair", "t.curves", "--out", "t.obj", "--closed"});
   CHECK(loops.code == 0);
   CHECK_THAT(loops.err, Contains("'t_1' has too few points for a closed curve"));
   CHECK(read_point_lines(c / "t.obj").size() == 2);
-  CHECK_THAT(c.run({"info", "s.curves"}).out, Contains("no length  at (1, 2, 3)"));
+  CHECK_THAT(c.run({"info", "s.curves"}).out, Contains("zero length  at (1, 2, 3)"));
 }
 
 TEST_CASE("curves of CAD files are faired by their shape and keep their names") {
@@ -205,7 +205,7 @@ TEST_CASE("curves of CAD files are faired by their shape and keep their names") 
     INFO(r.err);
     REQUIRE(r.code == 0);
     CHECK(names("b" + ending) == "wave frame.1 frame.2 frame.3 ");
-    const auto curves = json(c, "r.json")["curves"];
+    const auto curves = json(c, "r.json")["faired_curves"];
     for (const auto& curve : curves) {
       CHECK(curve["points"].get<int>() > 190);
       CHECK(curve["deviation"]["max"].get<double>() < 0.051);
@@ -256,16 +256,16 @@ TEST_CASE("fairing gives the same bits on one thread and on two") {
   const CliResult r = c.run({"fair", "w.csv", "--out", "b.csv", "--threads", "2"});
   CHECK(r.code == 0);
   CHECK(contents(c / "a.csv") == contents(c / "b.csv"));
-  CHECK_THAT(r.out, Contains("... 10 more") && Contains("30 lines"));
+  CHECK_THAT(r.out, Contains("... 10 more") && Contains("30 curves"));
 }
 
 namespace {
 
 const std::string kScene = R"(unit = "mm"
-[[line]]
+[[curve]]
 name = "wave"
 file = "w.csv"
-[[line]]
+[[curve]]
 name = "rail"
 points = [[0,0,40],[50,2,40],[100,-2,40],[150,1,40],[200,0,40]]
 )";
@@ -275,7 +275,7 @@ points = [[0,0,40],[50,2,40],[100,-2,40],[150,1,40],[200,0,40]]
 TEST_CASE("stages of a scene follow each other, local ones leave the rest alone") {
   const CliCase c("fair_scene");
   c.file("w.csv", wave(0.5));
-  const std::string fair = "[[fair]]\nname = \"all\"\nlines = \"wave\"\nwavelength = 25\n";
+  const std::string fair = "[[fair]]\nname = \"all\"\ncurves = \"wave\"\nwavelength = 25\n";
   const std::string out = "[output]\ncsv = \"o.csv\"\nvtp = \"o.vtp\"\nstep = \"o.stp\"\n";
   c.file("a.toml", kScene + fair + out);
   c.file("b.toml", kScene + fair +
@@ -301,12 +301,12 @@ TEST_CASE("stages of a scene follow each other, local ones leave the rest alone"
   CHECK(same > 50);
   CHECK(other > 5);
   // No stage is about the rail: it is as it was given.
-  const auto rail = report(c, "a")["curves"][1];
+  const auto rail = report(c, "a")["faired_curves"][1];
   CHECK(rail["name"] == "rail");
   CHECK_FALSE(rail["faired"].get<bool>());
   CHECK(rail["deviation"]["max"].get<double>() < 1e-12);
   CHECK(c.run({"run", "a.toml", "--out", "s", "--set", "all.wavelength=50"}).code == 0);
-  CHECK(report(c, "s")["curves"][0]["wavelength"].get<double>() == 50);
+  CHECK(report(c, "s")["faired_curves"][0]["wavelength"].get<double>() == 50);
   CHECK(report(c, "s")["parameters"][0]["name"] == "all.wavelength");
   CHECK_THAT(c.run({"info", "b.toml"}).out, Contains("all.wavelength = 25") &&
                                                 Contains("spot.wavelength = 60") &&
@@ -316,7 +316,7 @@ TEST_CASE("stages of a scene follow each other, local ones leave the rest alone"
 TEST_CASE("conditions of a scene hold, contradictions are named") {
   const CliCase c("fair_conditions");
   c.file("w.csv", wave(0.5));
-  const std::string fair = kScene + "[[fair]]\nlines = [\"wa*\"]\nwavelength = 30\n";
+  const std::string fair = kScene + "[[fair]]\ncurves = [\"wa*\"]\nwavelength = 30\n";
   const std::string flat =
       "[[fair.condition]]\nname = \"flat\"\ntype = \"plane\"\nat = [0,0,0]\ndirection = [0,0,1]\n";
   c.file("s.toml", fair + flat +
@@ -325,7 +325,7 @@ TEST_CASE("conditions of a scene hold, contradictions are named") {
   const CliResult r = c.run({"run", "s.toml", "--out", "o"});
   INFO(r.err);
   REQUIRE(r.code == 0);
-  const auto curve = report(c, "o")["curves"][0];
+  const auto curve = report(c, "o")["faired_curves"][0];
   CHECK(curve["max_residual"].get<double>() <= 1e-12);
   for (const Vec3& p : read_point_lines(c / "o/o.csv")[0].points) CHECK(std::abs(p.z()) < 1e-9);
   c.fails(
@@ -343,7 +343,7 @@ TEST_CASE("mistakes in fairing scenes are answered with their place") {
   fails(fair + "wavelenght = 3\n", {"s.toml:9:1:", "'wavelenght'", "did you mean 'wavelength'?"});
   fails(fair + "wavelength = 0\n", {"s.toml:9:14:", "above 0"});
   fails(fair + "wavelength = 1\ndeviation = 1\n", {"s.toml:9:14:", "both 'deviation'"});
-  fails(fair + "lines = \"wabe\"\n", {"s.toml:9:9:", "'wabe'", "did you mean 'wave'?"});
+  fails(fair + "curves = \"wabe\"\n", {"s.toml:9:10:", "'wabe'", "did you mean 'wave'?"});
   fails(fair + "brush = { at = [0,0,0], radius = 3 }\n", {"s.toml:8:1:", "no 'wavelength'"});
   fails(fair + "brush = { at = [0,0,0], radius = 3 }\nwavelength = 3\nalpha = 1\n",
         {"s.toml:11:9:", "'alpha' beside 'brush'"});
@@ -365,7 +365,7 @@ TEST_CASE("mistakes in fairing scenes are answered with their place") {
           {"'a.wavelenght'", "did you mean 'a.wavelength'?"}, {"--set", "a.wavelenght=4"});
   c.fails(kScene + fair + "name = \"a\"\nwavelength = 3\n", 1, {"--set", "above 0"},
           {"--set", "a.wavelength=-4"});
-  c.fails("unit = \"mm\"\n[[fair]]\n", 1, {"no lines"});
+  c.fails("unit = \"mm\"\n[[fair]]\n", 1, {"no curves"});
 }
 
 TEST_CASE("lines are faired before a surface is made of them") {
@@ -384,33 +384,33 @@ TEST_CASE("lines are faired before a surface is made of them") {
     }
     const std::string name = "side" + std::to_string(k);
     c.file(name + ".csv", text);
-    lines += "[[line]]\nname = \"" + name + "\"\nfile = \"" + name + ".csv\"\n";
+    lines += "[[curve]]\nname = \"" + name + "\"\nfile = \"" + name + ".csv\"\n";
   }
   const std::string skin =
-      "[skin]\nmesher = \"fan\"\nedge_length = 20\n[output]\nstep = \"s.step\"\n";
+      "[mesh]\nmesher = \"fan\"\nedge_length = 20\n[output]\nstep = \"s.step\"\n";
   const std::string fair = "[[fair]]\nname = \"sides\"\nwavelength = 80\ncorner_angle = 180\n";
   c.file("fair.toml", lines + fair + skin);
   const CliResult r = c.run({"run", "fair.toml", "--out", "fair"});
   INFO(r.err);
   REQUIRE(r.code == 0);
   const auto done = report(c, "fair");
-  CHECK(done["curves"].size() == 4);
-  for (const auto& curve : done["curves"]) {
+  CHECK(done["faired_curves"].size() == 4);
+  for (const auto& curve : done["faired_curves"]) {
     CHECK(curve["deviation"]["max"].get<double>() < 1.5);
     CHECK(curve["after"]["extrema"].get<int>() < curve["before"]["extrema"].get<int>());
   }
-  CHECK(done["surface"]["max_line_residual"].get<double>() <= 1e-10);
+  CHECK(done["surface"]["max_curve_residual"].get<double>() <= 1e-10);
   // The corners are where they were drawn.
   std::vector<Vec3> ends;
   for (const auto& line : batten::read_cad_lines(c / "fair/s.step", 1e-3))
     ends.push_back(line.curve->evaluate(line.curve->start()));
   for (const Vec3& corner : corners) CHECK(distance(ends, corner) < 1e-7);
   CHECK(c.run({"run", "fair.toml", "--out", "more", "--set", "sides.wavelength=200"}).code == 0);
-  CHECK(report(c, "more")["curves"][0]["wavelength"].get<double>() == 200);
+  CHECK(report(c, "more")["faired_curves"][0]["wavelength"].get<double>() == 200);
   c.file("sweep.toml", lines + fair + skin +
                            "[[sweep]]\nfile = \"s.png\"\nparameter = \"sides.wavelength\"\n"
                            "values = [1, 2]\n");
   const CliResult sweep = c.run({"run", "sweep.toml", "--out", "sweep"});
   CHECK(sweep.code == 1);
-  CHECK_THAT(sweep.err, Contains("changes the lines"));
+  CHECK_THAT(sweep.err, Contains("changes the curves"));
 }

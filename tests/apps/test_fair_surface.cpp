@@ -10,7 +10,7 @@ using namespace batten_test;
 namespace {
 
 std::string line_through(const std::string& name, const std::string& points) {
-  return "[[line]]\nname = \"" + name + "\"\npoints = [" + points + "]\n";
+  return "[[curve]]\nname = \"" + name + "\"\npoints = [" + points + "]\n";
 }
 
 /// A half circle of radius 50 in the plane of this y.
@@ -25,10 +25,10 @@ std::string arc(const std::string& name, double y, bool reversed) {
   return line_through(name, points);
 }
 
-std::string half_cylinder(const std::string& skin) {
+std::string half_cylinder(const std::string& skin, const std::string& mesh = "") {
   return "unit = \"mm\"\nname = \"half cylinder\"\n" + arc("front", 0, false) +
          line_through("left", "[-50,0,0], [-50,120,0]") + arc("back", 120, true) +
-         line_through("right", "[50,120,0], [50,0,0]") + "[skin]\nedge_length = 10\n" + skin;
+         line_through("right", "[50,120,0], [50,0,0]") + "[mesh]\nedge_length = 10\n" + mesh + "[skin]\n" + skin;
 }
 
 }  // namespace
@@ -55,19 +55,18 @@ TEST_CASE("a half cylinder comes back from its four lines", "[cli][fair]") {
   CHECK(surface["area"].get<double>() == Approx(area).epsilon(0.003));
   CHECK(surface["fairing"]["converged"] == true);
   CHECK(surface["fairing"]["functional"] < surface["fairing"]["start_functional"]);
-  CHECK(surface["fairing"]["max_move"].get<double>() > 0);
-  CHECK(surface["max_line_residual"].get<double>() < 1e-10);
+  CHECK(surface["fairing"]["max_displacement"].get<double>() > 0);
+  CHECK(surface["max_curve_residual"].get<double>() < 1e-10);
 }
 
 TEST_CASE("what a fair shape cannot have beside it is refused with its place", "[cli][fair]") {
   const CliCase c("fair_refused");
   const std::string fair = "fair = \"variation\"\n";
-  c.fails(half_cylinder(fair + "hold = \"corners\"\n"), 1, {"s.toml:", "hold = \"lines\""});
-  c.fails(half_cylinder(fair + "element = \"z12\"\n"), 1, {"s.toml:", "element = \"hct\""});
+  c.fails(half_cylinder(fair + "boundary = \"corners\"\n"), 1, {"s.toml:", "boundary = \"curves\""});
+  c.fails(half_cylinder(fair, "element = \"z12\"\n"), 1, {"s.toml:", "element = \"hct\""});
   c.fails(half_cylinder("fair = \"variaton\"\n"), 1, {"did you mean 'variation'"});
-  for (const std::string kind : {"curvature", "tangent"})
-    c.fails(half_cylinder("") + "\n[[join]]\nlines = [\"front\"]\nkind = \"" + kind + "\"\n", 1,
-            {"s.toml:", "\"" + kind + "\" where nothing is faired", "variation"});
+  c.fails(half_cylinder("") + "\n[[join]]\ncurves = [\"front\"]\ncontinuity = \"G2\"\n", 1,
+          {"s.toml:", "\"G2\" for a surface that is not faired", "variation"});
 }
 
 TEST_CASE("loads bend a fair shape, and a live session comes back to it", "[cli][fair]") {
@@ -116,14 +115,14 @@ TEST_CASE("a loft runs straight between sections, and names what is no section",
   const auto surface = batten_test::report(c, "out")["surface"];
   CHECK(surface["fair"] == "loft");
   CHECK(surface["area"].get<double>() == Approx(area).epsilon(0.002));
-  CHECK(surface["max_line_residual"].get<double>() < 1e-10);
+  CHECK(surface["max_curve_residual"].get<double>() < 1e-10);
 
   c.file("s.toml", half_cylinder("fair = \"loft\"\nsections = [\"bakc\"]\n"));
   const CliResult wrong = c.run({"run", "s.toml", "--out", "wrong"});
   CHECK(wrong.code == 1);
   CHECK(wrong.err.find("s.toml:") != std::string::npos);
-  CHECK(wrong.err.find("'bakc' is no side") != std::string::npos);
-  c.file("s.toml", half_cylinder("strength = 0.5\n"));
+  CHECK(wrong.err.find("'bakc' is neither a side") != std::string::npos);
+  c.file("s.toml", half_cylinder("fair_strength = 0.5\n"));
   CHECK(c.run({"run", "s.toml", "--out", "wrong"}).err.find("only with fair = \"variation\"") !=
         std::string::npos);
   c.file("s.toml", half_cylinder("sections = [\"back\"]\n"));
@@ -153,13 +152,13 @@ TEST_CASE("a surface of one region that passes through itself says so", "[cli][f
   };
   c.file("s.toml", "unit = \"mm\"\nname = \"alpha\"\n" + loop("front", 0, false) +
                        side("right", 1.5, false) + loop("back", 40, true) +
-                       side("left", -1.5, true) + "[skin]\nedge_length = 8\n");
+                       side("left", -1.5, true) + "[mesh]\nedge_length = 8\n");
   const CliResult r = c.run({"run", "s.toml", "--out", "out"});
   CHECK(r.code == 4);
-  CHECK(r.out.find("passes through itself") != std::string::npos);
-  const auto defects = batten_test::report(c, "out")["flaws"];
+  CHECK(r.out.find("intersects itself") != std::string::npos);
+  const auto defects = batten_test::report(c, "out")["defects"];
   REQUIRE(defects.size() == 1);
-  CHECK(defects[0]["kind"] == "crossing");
+  CHECK(defects[0]["kind"] == "self-intersection");
 }
 
 TEST_CASE("sections alone make a surface: their rails are found", "[cli][fair]") {
@@ -185,9 +184,9 @@ TEST_CASE("sections alone make a surface: their rails are found", "[cli][fair]")
   INFO(r.err);
   REQUIRE(r.code == 0);
   const auto report = batten_test::report(c, "out");
-  CHECK(report["lines"]["count"] == 5);
-  CHECK(report["surface"]["max_line_residual"].get<double>() < 1e-10);
-  CHECK(report["flaws"].empty());
+  CHECK(report["curves"]["count"] == 5);
+  CHECK(report["surface"]["max_curve_residual"].get<double>() < 1e-10);
+  CHECK(report["defects"].empty());
   // Between the areas of the flat floor and of the highest arch all along.
   CHECK(report["surface"]["area"].get<double>() > 13000);
   CHECK(report["surface"]["area"].get<double>() < 17000);
@@ -198,6 +197,6 @@ TEST_CASE("sections alone make a surface: their rails are found", "[cli][fair]")
     return wrong.err;
   };
   CHECK(error("[\"a\", \"b\"]").find("'sections' names 2 of 3 lines") != std::string::npos);
-  CHECK(error("[\"b\", \"b\", \"a\"]").find("no rail can run there") != std::string::npos);
+  CHECK(error("[\"b\", \"b\", \"a\"]").find("so that rails can connect them") != std::string::npos);
   CHECK(error("[\"a\", \"b\", \"d\"]").find("s.toml:") != std::string::npos);
 }

@@ -35,8 +35,8 @@ std::string scene(const std::string& source = "", const std::string& step = "",
          "\n[[select]]\nname = \"pole\"\nbox = [[-1, -9, -1], [0.5, 9, 9]]\n"
          "[[select]]\nname = \"end\"\nbox = [[7.5, -9, -1], [9, 9, 9]]\n"
          "[[handle]]\nname = \"end\"\n[[handle]]\nname = \"pole\"\n"
-         "[[step]]\nkind = \"keyframes\"\nfixed = [\"pole\"]\n" +
-         step + "\n[[step.keyframe]]\nframe = 3\nhandle = [" + move + "]\n[output]\nframes = \"" +
+         "[[operation]]\ntype = \"keyframes\"\nfixed = [\"pole\"]\n" +
+         step + "\n[[operation.keyframe]]\nframe = 3\nhandle = [" + move + "]\n[output]\nframes = \"" +
          out + "\"\n";
 }
 
@@ -75,16 +75,16 @@ TEST_CASE("frames are made again when the numbered files of a source change", "[
   const std::string mix =
       "unit = \"m\"\n[sequence]\nfile = \"flag\"\n"
       "[[select]]\nname = \"end\"\nbox = [[7.5, -9, -1], [9, 9, 9]]\n[[handle]]\nname = \"end\"\n"
-      "[[step]]\nkind = \"mix\"\nalign = \"shift\"\npair = [{ handle = \"end\" }]\n"
-      "[step.source]\nfile = \"other\"\n";
+      "[[operation]]\ntype = \"mix\"\nalign = \"translate\"\npair = [{ handle = \"end\" }]\n"
+      "[operation.source]\nfile = \"other\"\n";
   make_flag(c, "other", 5, 0.1);
   REQUIRE(edit(c, mix).code == 0);
   const std::string first = contents(c / "out/frames/frame_0002.obj");
   REQUIRE(edit(c, mix).code == 0);
-  CHECK(report(c, "out")["sequence"]["found"] == 5);
+  CHECK(report(c, "out")["sequence"]["reused"] == 5);
   make_flag(c, "other", 5, 0.4);
   REQUIRE(edit(c, mix).code == 0);
-  CHECK(report(c, "out")["sequence"]["found"] == 0);
+  CHECK(report(c, "out")["sequence"]["reused"] == 0);
   CHECK(contents(c / "out/frames/frame_0002.obj") != first);
 }
 
@@ -99,7 +99,7 @@ TEST_CASE("frames that are there are measured like those that are made", "[seque
     fs::remove(c / (ending + "/f_0003." + ending));
     REQUIRE(edit(c, text, {}, ending).code == 0);
     const auto again = report(c, ending);
-    CHECK(again["turned_over"] == made["turned_over"]);
+    CHECK(again["inverted_triangles"] == made["inverted_triangles"]);
     CHECK(again["smoothness"]["second_difference"].get<double>() ==
           Approx(made["smoothness"]["second_difference"].get<double>()));
     CHECK(files_in(c / ending) == 6);
@@ -137,14 +137,14 @@ TEST_CASE("endings of single files count in capitals, too", "[sequence]") {
   CHECK(back.times.back() == Approx(4.0 / 24));
   const CliResult r = edit(c, scene("", "", "f.PC2"), {"--frames", "1:2"}, "part");
   CHECK(r.code == 1);
-  CHECK_THAT(r.err, Contains("as numbered files only"));
+  CHECK_THAT(r.err, Contains("expected numbered files"));
 }
 
 TEST_CASE("names that no frames can be written to are refused before the steps", "[sequence]") {
   const CliCase c("sequence_names");
   make_flag(c, "flag", 3);
   c.fails(scene("", "", "f.gltf"), 1, {"s.toml:", "the extension '.gltf'"}, {}, "sequence");
-  c.fails(scene("", "", "f.obj"), 1, {"s.toml:", "a place for their numbers, as f_*.obj"}, {},
+  c.fails(scene("", "", "f.obj"), 1, {"s.toml:", "a pattern for their numbers, such as f_*.obj"}, {},
           "sequence");
   c.fails(scene("", "", "f_*.glb"), 1, {"s.toml:", "numbered files '.glb'"}, {}, "sequence");
 }
@@ -155,19 +155,19 @@ TEST_CASE("keys that would do nothing are refused", "[sequence]") {
   const auto refused = [&](const std::string& text, const std::string& why) {
     c.fails(text, 1, {"s.toml:", why}, {}, "sequence");
   };
-  const auto more = [](const std::string& step) { return scene() + "[[step]]\n" + step + "\n"; };
-  refused(scene("", "every = 5"), "key 'every' in a step of the kind 'keyframes'");
-  refused(more("kind = \"travel\"\nalong = [1, 0, 0]\nspeed = 1\nvolume = true"),
-          "holds no handles");
-  refused(more("kind = \"travel\"\nalong = [1, 0, 0]\nspeed = 1\nfixed = [\"pole\"]"),
-          "holds no handles");
-  refused(more("kind = \"path\"\nthrough = [[0, 0, 0], [1, 0, 0]]\nrounds = 9"),
-          "a path without feet");
+  const auto more = [](const std::string& step) { return scene() + "[[operation]]\n" + step + "\n"; };
+  refused(scene("", "keyframe_interval = 5"), "key 'keyframe_interval' in an operation of type 'keyframes'");
+  refused(more("type = \"root_motion\"\ndirection = [1, 0, 0]\nspeed = 1\npreserve_volume = true"),
+          "an operation without handles");
+  refused(more("type = \"root_motion\"\ndirection = [1, 0, 0]\nspeed = 1\nfixed = [\"pole\"]"),
+          "an operation without handles");
+  refused(more("type = \"path\"\nthrough = [[0, 0, 0], [1, 0, 0]]\niterations = 9"),
+          "a path without 'feet'");
   refused(scene("", "", "f_*.obj", "{ name = \"end\", translate = [0, 1, 0] }, { name = \"end\" }"),
           "the handle 'end' twice in a keyframe");
   refused(scene("", "", "f_*.obj",
-                "{ name = \"end\", turn = \"free\", rotate = { axis = [0, 0, 1], degrees = 9 } }"),
-          "a handle that turns freely");
+                "{ name = \"end\", rotation = \"free\", rotate = { axis = [0, 0, 1], angle = 9 } }"),
+          "'rotate' for a handle whose rotation is free");
 }
 
 TEST_CASE("a handle whose nodes are fixed cannot be told to move", "[sequence]") {
@@ -177,7 +177,7 @@ TEST_CASE("a handle whose nodes are fixed cannot be told to move", "[sequence]")
   const CliResult r =
       edit(c, scene("", "", "f_*.obj", end + "{ name = \"pole\", translate = [1, 0, 0] }"));
   CHECK(r.code == 1);
-  CHECK_THAT(r.err, Contains("'pole' is told to move, and all its nodes are in fixed"));
+  CHECK_THAT(r.err, Contains("'pole' has a prescribed motion, but all its nodes are in fixed"));
   CHECK(edit(c, scene("", "", "f_*.obj", end + "{ name = \"pole\" }")).code == 0);
   std::string wide = scene();
   wide.replace(wide.find("[7.5,"), 5, "[-1,");  // the whole flag, its pole too
@@ -189,10 +189,10 @@ TEST_CASE("a sequence on the spot has no path, and that is said", "[sequence]") 
   const CliCase c("sequence_spot");
   make_flag(c, "flag", 4);
   const std::string path =
-      "unit = \"m\"\n[sequence]\nfile = \"flag\"\n[[step]]\nkind = \"path\"\n"
+      "unit = \"m\"\n[sequence]\nfile = \"flag\"\n[[operation]]\ntype = \"path\"\n"
       "through = [[0, 0, 0], [10, 0, 0]]\n";
   REQUIRE(edit(c, path).code == 0);
-  CHECK_THAT(report(c, "out")["warnings"].dump(), Contains("what moves on the spot has no path"));
+  CHECK_THAT(report(c, "out")["warnings"].dump(), Contains("of its start and has no path"));
 }
 
 TEST_CASE("glTF is read at its keys with 0 frames a second", "[sequence]") {
@@ -218,13 +218,13 @@ TEST_CASE("a morph is no bend of features, and every other step is", "[sequence]
       "[[select]]\nname = \"end\"\nbox = [[7.5, -9, -1], [9, 9, 9]]\n[[handle]]\nname = \"end\"\n"
       "[[select]]\nname = \"spot\"\nbox = [[2.5, -9, 0.5], [4.5, 9, 2.5]]\n"
       "[[feature]]\nname = \"spot\"\n"
-      "[[step]]\nkind = \"morph\"\ntarget = { file = \"other\" }\n";
+      "[[operation]]\ntype = \"morph\"\ntarget = { file = \"other\" }\n";
   REQUIRE(edit(c, morph).code == 0);
   // What bends a handle shows, also in a step that others follow.
   const std::string bend =
-      "[[step]]\nkind = \"keyframes\"\n[[step.keyframe]]\nframe = 2\n"
+      "[[operation]]\ntype = \"keyframes\"\n[[operation.keyframe]]\nframe = 2\n"
       "handle = [{ name = \"end\", translate = [0, 3, 0] }]\n"
-      "[[step]]\nkind = \"travel\"\nalong = [1, 0, 0]\nspeed = 1\ncycles = 2\n";
+      "[[operation]]\ntype = \"root_motion\"\ndirection = [1, 0, 0]\nspeed = 1\ncycles = 2\n";
   REQUIRE(edit(c, morph + bend).code == 0);
   const auto j = report(c, "out");
   CHECK(j["sequence"]["frames"] == 10);
@@ -235,8 +235,8 @@ TEST_CASE("a morph is no bend of features, and every other step is", "[sequence]
 TEST_CASE("steps that would need more memory than there is are refused", "[sequence]") {
   const CliCase c("sequence_memory");
   make_flag(c, "flag", 4);
-  c.fails(scene() + "[[step]]\nkind = \"travel\"\nalong = [1, 0, 0]\nspeed = 1\ncycles = 1000000\n",
-          1, {"the step 'step-2'", "of memory"}, {"--memory", "1"}, "sequence");
+  c.fails(scene() + "[[operation]]\ntype = \"root_motion\"\ndirection = [1, 0, 0]\nspeed = 1\ncycles = 1000000\n",
+          1, {"the operation 'operation-2'", "of memory"}, {"--memory", "1"}, "sequence");
 }
 
 TEST_CASE("feet do not slip between keyframes that are far apart", "[sequence]") {
@@ -245,13 +245,13 @@ TEST_CASE("feet do not slip between keyframes that are far apart", "[sequence]")
     fs::copy(fs::path(BATTEN_SOURCE_DIR "/examples/24-stairs") / name, c / name);
   std::string text = contents(fs::path(BATTEN_SOURCE_DIR "/examples/24-stairs/stairs.toml"));
   text = text.substr(0, text.find("[[picture]]"));
-  text.replace(text.find("rounds = 200"), 12, "every = 4");
+  text.replace(text.find("iterations = 200"), 16, "keyframe_interval = 4");
   const CliResult r = edit(c, text);
   INFO(r.err);
   REQUIRE(r.code == 0);
   const auto j = report(c, "out");
-  CHECK(j["steps"][1]["keyframes"].get<int>() < 60);
-  for (const auto& f : j["footprints"]) CHECK(f["slip"].get<double>() < 1e-9);
+  CHECK(j["operations"][1]["keyframes"].get<int>() < 60);
+  for (const auto& f : j["foot_plants"]) CHECK(f["foot_skate"].get<double>() < 1e-9);
 }
 
 TEST_CASE("the input is not overwritten", "[sequence]") {
@@ -260,7 +260,7 @@ TEST_CASE("the input is not overwritten", "[sequence]") {
   const std::string before = contents(c / "flag/flag_3.obj");
   CliResult r = edit(c, scene("", "", "flag/flag_%d.obj"), {}, ".");
   CHECK(r.code == 1);
-  CHECK_THAT(r.err, Contains("flag_1.obj: found a file that no run"));
+  CHECK_THAT(r.err, Contains("flag_1.obj: found a file that was not written by batten sequence"));
   CHECK(contents(c / "flag/flag_3.obj") == before);
   REQUIRE(edit(c, scene("", "", "f.pc2")).code == 0);
   const std::string cache = contents(c / "out/f.pc2");

@@ -46,20 +46,20 @@ std::string block(int n, double hill, double unit = 1) {
 TEST_CASE("a mesh's creases and patches become a model at the mesh", "[fit]") {
   const CliCase c("fit_mesh");
   c.file("block.obj", block(24, 3));
-  const CliResult r = c.run({"fit", "block.obj", "--out", "out", "--tolerance", "0.03"});
+  const CliResult r = c.run({"fit", "block.obj", "--out", "out", "--fit-tolerance", "0.03"});
   INFO(r.out << r.err);
   REQUIRE(r.code == 0);
   const auto j = report(c, "out");
-  CHECK(j["regions"].size() == 6);
+  CHECK(j["faces"].size() == 6);
   const auto& target = j["target"];
   CHECK(target["reached"].get<bool>());
   CHECK(target["before"]["max"].get<double>() > 1);
   CHECK(target["to_target"]["max"].get<double>() <= 0.03);
   CHECK(target["from_target"]["max"].get<double>() <= 0.03);
-  CHECK(target["off_lines"].empty());
+  CHECK(target["distant_curves"].empty());
   CHECK(j["step"]["faces"].get<int>() == 6);
   // Back through STEP: the edges of its faces, fitted to its faces.
-  const CliResult again = c.run({"fit", "out/block.step", "--out", "again", "--tolerance", "0.03"});
+  const CliResult again = c.run({"fit", "out/block.step", "--out", "again", "--fit-tolerance", "0.03"});
   INFO(again.out << again.err);
   CHECK(again.code == 0);
   CHECK(report(c, "again")["target"]["from_target"]["max"].get<double>() <= 0.03);
@@ -69,11 +69,11 @@ TEST_CASE("what acts bends the fitted shape, in any unit", "[fit]") {
   const CliCase c("fit_scene");
   c.file("block.obj", block(16, 3, 1e-3));
   const std::string lines =
-      "unit = \"mm\"\n[[line]]\nname = \"a\"\npoints = [[0,0,20],[40,0,20]]\n"
-      "[[line]]\nname = \"b\"\npoints = [[40,0,20],[40,30,20]]\n"
-      "[[line]]\nname = \"c\"\npoints = [[40,30,20],[0,30,20]]\n"
-      "[[line]]\nname = \"d\"\npoints = [[0,30,20],[0,0,20]]\n";
-  const std::string target = "[[target]]\nfile = \"block.obj\"\nunit = \"m\"\ntolerance = 0.1\n";
+      "unit = \"mm\"\n[[curve]]\nname = \"a\"\npoints = [[0,0,20],[40,0,20]]\n"
+      "[[curve]]\nname = \"b\"\npoints = [[40,0,20],[40,30,20]]\n"
+      "[[curve]]\nname = \"c\"\npoints = [[40,30,20],[0,30,20]]\n"
+      "[[curve]]\nname = \"d\"\npoints = [[0,30,20],[0,0,20]]\n";
+  const std::string target = "[[target]]\nfile = \"block.obj\"\nunit = \"m\"\nfit_tolerance = 0.1\n";
   const auto moved = [&](const std::string& more) {
     c.file("s.toml", lines + target + more);
     const CliResult r = c.run({"run", "s.toml", "--out", "out"});
@@ -82,7 +82,7 @@ TEST_CASE("what acts bends the fitted shape, in any unit", "[fit]") {
     CHECK(r.code == 0);
     const auto j = report(c, "out");
     CHECK(j["target"]["to_target"]["max"].get<double>() <= 0.1);
-    return j["surface"]["moved"].get<double>();
+    return j["surface"]["max_displacement"].get<double>();
   };
   CHECK(moved("") == Approx(0).margin(0.2));
   CHECK(moved("[[load]]\nname = \"p\"\ntype = \"pressure\"\nvalue = 50\n") > 0.3);
@@ -96,7 +96,7 @@ TEST_CASE("a cage is fitted by its limit", "[fit]") {
   c.file("rim.csv",
          "x,y,z\n0,0,0\n20,0,0\n\n20,0,0\n20,20,0\n\n20,20,0\n0,20,0\n\n0,20,0\n0,0,0\n");
   const CliResult r = c.run(
-      {"fit", "cage.obj", "--cage", "--lines", "rim.csv", "--out", "out", "--tolerance", "0.01"});
+      {"fit", "cage.obj", "--cage", "--curves", "rim.csv", "--out", "out", "--fit-tolerance", "0.01"});
   INFO(r.out << r.err);
   CHECK(r.code == 0);
   CHECK(report(c, "out")["target"]["before"]["max"].get<double>() > 1);
@@ -117,8 +117,8 @@ TEST_CASE("creases of a cage are in its limit, and a tag that is not known is na
          "x,y,z\n0,0,0\n10,0,6\n\n10,0,6\n20,0,0\n\n20,0,0\n20,20,0\n\n20,20,0\n10,20,6\n\n"
          "10,20,6\n0,20,0\n\n0,20,0\n0,0,0\n\n10,0,6\n10,20,6\n");
   const auto fit = [&](const std::string& cage) {
-    return c.run({"fit", cage, "--cage", "--lines", "lines.csv", "--out", cage + ".out",
-                  "--tolerance", "0.01"});
+    return c.run({"fit", cage, "--cage", "--curves", "lines.csv", "--out", cage + ".out",
+                  "--fit-tolerance", "0.01"});
   };
   const CliResult sharp = fit("sharp.obj");
   INFO(sharp.out << sharp.err);
@@ -134,7 +134,7 @@ TEST_CASE("creases of a cage are in its limit, and a tag that is not known is na
 TEST_CASE("targets that cannot be are refused with their place", "[fit]") {
   const CliCase c("fit_errors");
   const std::string lines =
-      "unit = \"mm\"\n[[line]]\nname = \"a\"\npoints = [[0,0,0],[4,0,0],[4,3,0],[0,3,0],[0,0,0]]\n";
+      "unit = \"mm\"\n[[curve]]\nname = \"a\"\npoints = [[0,0,0],[4,0,0],[4,3,0],[0,3,0],[0,0,0]]\n";
   c.file("flat.obj", "v 0 0 0\nv 4 0 0\nv 4 3 0\nf 1 2 3\n");
   c.file("empty.obj", "v 0 0 0\n");
   const auto refused = [&](const std::string& target, const std::vector<std::string>& words) {
@@ -142,7 +142,7 @@ TEST_CASE("targets that cannot be are refused with their place", "[fit]") {
   };
   refused("file = \"none.stl\"\n", {"none.stl"});
   refused("file = \"empty.obj\"\n", {"s.toml:6:8: ", "empty.obj"});
-  refused("file = \"flat.obj\"\ntolerance = -1\n", {"tolerance"});
+  refused("file = \"flat.obj\"\nfit_tolerance = -1\n", {"'fit_tolerance'"});
   refused("file = \"flat.obj\"\nunit = \"parsec\"\n", {"parsec"});
   refused("file = \"flat.obj\"\ncage = \"loop\"\n", {"catmull-clark"});
   refused("file = \"flat.obj\"\n[skin]\nfair = \"variation\"\n", {"target"});

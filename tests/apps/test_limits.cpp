@@ -11,16 +11,16 @@ using namespace batten_test;
 
 namespace {
 
-std::string square(const std::string& skin) {
-  return "unit = \"mm\"\n[[line]]\nname = \"a\"\npoints = [[0,0,0],[100,0,0]]\n"
-         "[[line]]\nname = \"b\"\npoints = [[100,0,0],[100,100,0]]\n"
-         "[[line]]\nname = \"c\"\npoints = [[100,100,0],[0,100,0]]\n"
-         "[[line]]\nname = \"d\"\npoints = [[0,100,0],[0,0,0]]\n[skin]\n" +
-         skin + "\n[output]\nvtp = \"s.vtp\"\n";
+std::string square(const std::string& mesh) {
+  return "unit = \"mm\"\n[[curve]]\nname = \"a\"\npoints = [[0,0,0],[100,0,0]]\n"
+         "[[curve]]\nname = \"b\"\npoints = [[100,0,0],[100,100,0]]\n"
+         "[[curve]]\nname = \"c\"\npoints = [[100,100,0],[0,100,0]]\n"
+         "[[curve]]\nname = \"d\"\npoints = [[0,100,0],[0,0,0]]\n[mesh]\n" +
+         mesh + "\n[output]\nvtp = \"s.vtp\"\n";
 }
 
 std::string with_tolerance(const std::string& tolerance, std::string scene) {
-  return scene.insert(scene.find("[[line]]"), "tolerance = " + tolerance + "\n");
+  return scene.insert(scene.find("[[curve]]"), "fit_tolerance = " + tolerance + "\n");
 }
 
 std::string nested(int levels) {
@@ -33,16 +33,16 @@ std::string nested(int levels) {
 TEST_CASE("meshes that memory cannot hold are refused beforehand, with what fits") {
   const CliCase c("limits_memory");
   c.fails(square("edge_length = 0.3"), 1,
-          {"edge_length = 0.3 on a region of size", "triangles, which need", "GB of memory, and",
-           "are there; edge_length = ", " needs "},
+          {"edge_length = 0.3 on a face of size", "triangles, which need", "GB of memory, but only",
+           "are available; edge_length = ", " needs "},
           {"--memory", "0.5"});
-  c.fails(square("edge_length = 0.05"), 1, {"triangles; at most 2e+06 are allowed"});
+  c.fails(square("edge_length = 0.05"), 1, {"triangles, expected at most 2e+06"});
   // What the message names does fit.
   c.file("s.toml", square("edge_length = 0.3"));
   const std::string message = c.run({"run", "s.toml", "--out", "out", "--memory", "0.5"}).err;
-  const size_t at = message.find("are there; edge_length = ");
+  const size_t at = message.find("are available; edge_length = ");
   REQUIRE(at != std::string::npos);
-  const std::string edge = message.substr(at + 25, message.find(' ', at + 25) - at - 25);
+  const std::string edge = message.substr(at + 29, message.find(' ', at + 29) - at - 29);
   c.file("s.toml", square("edge_length = " + edge));
   CHECK(c.run({"run", "s.toml", "--out", "out", "--memory", "0.5"}).code == 0);
 }
@@ -53,8 +53,8 @@ TEST_CASE("all regions of a network together are asked for their memory") {
   const CliResult r =
       c.run({"skin", box.string(), "--edge-length", "0.004", "--memory", "1", "--out", "out"});
   CHECK(r.code == 1);
-  CHECK(r.err.find("edge_length = 0.004 on all regions of a network of size") != std::string::npos);
-  CHECK(r.err.find("GB of memory, and") != std::string::npos);
+  CHECK(r.err.find("edge_length = 0.004 on all faces of a network of size") != std::string::npos);
+  CHECK(r.err.find("GB of memory, but only") != std::string::npos);
   CHECK_FALSE(fs::exists(c / "out"));
 }
 
@@ -108,13 +108,13 @@ TEST_CASE("the tolerance of lines is at least 1e-9 of the size") {
   CHECK(c.run({"run", "in.toml", "--out", "in"}).code == 0);
   c.fails(
       with_tolerance("1.414e-7", square("")), 1,
-      {"tolerance = 1.414e-07 is too small for a size of 141.421: expected 1.41421e-07 or more"});
+      {"fit_tolerance = 1.414e-07 for a size of 141.421, expected 1.41421e-07 or more"});
   const fs::path box = fs::path(BATTEN_SOURCE_DIR) / "tests/fuzz/seeds/networks/box.csv";
   c.file("n.toml",
-         "unit = \"m\"\ntolerance = 1e-9\n\n[[lines]]\nfile = \"" + box.string() + "\"\n");
+         "unit = \"m\"\nfit_tolerance = 1e-9\n\n[[curves]]\nfile = \"" + box.string() + "\"\n");
   const CliResult r = c.run({"run", "n.toml", "--out", "net"});
   CHECK(r.code == 1);
-  CHECK(r.err.find("tolerance = 1e-09 is too small for a size of 2.44949") != std::string::npos);
+  CHECK(r.err.find("fit_tolerance = 1e-09 for a size of 2.44949") != std::string::npos);
 }
 
 TEST_CASE("a line of a network has two million element edges at most") {
@@ -127,8 +127,8 @@ TEST_CASE("a line of a network has two million element edges at most") {
   };
   const CliResult far = run("3e5");
   CHECK(far.code == 1);
-  CHECK(far.err.find("elements of 0.1 on line") != std::string::npos);
-  CHECK(far.err.find("of their edges; at most 2e+06 are allowed") != std::string::npos);
+  CHECK(far.err.find("the edge length 0.1 on curve") != std::string::npos);
+  CHECK(far.err.find("element edges, expected at most 2e+06") != std::string::npos);
 }
 
 TEST_CASE("triangles under lines are halved until there are 50,000, and what is missed is said") {
@@ -139,7 +139,7 @@ TEST_CASE("triangles under lines are halved until there are 50,000, and what is 
       return "[" + std::to_string(50 + r * x) + "," + std::to_string(50 + r * y) + "," +
              std::to_string(z) + "]";
     };
-    scene += "[[line]]\nname = \"ring " + std::to_string(r) + "\"\nrole = \"inner\"\npoints = [" +
+    scene += "[[curve]]\nname = \"ring " + std::to_string(r) + "\"\nrole = \"inner\"\npoints = [" +
              at(1, 0, 0) + "," + at(0, 1, 4) + "," + at(-1, 0, 0) + "," + at(0, -1, 4) + "," +
              at(1, 0, 0) + "]\n";
   }
@@ -147,9 +147,9 @@ TEST_CASE("triangles under lines are halved until there are 50,000, and what is 
   const CliResult r = c.run({"run", "s.toml", "--out", "out"});
   INFO(r.out << r.err);
   CHECK(r.code == 4);
-  CHECK(r.err.find("halved no more once there are 50000: lines may be missed by more than 2e-07") !=
-        std::string::npos);
-  CHECK(r.err.find("promise missed: surface.max_line_gap is ") != std::string::npos);
+  CHECK(r.err.find("not refined beyond 50000 triangles: the surface may miss embedded curves by "
+                   "more than the tolerance 2e-07") != std::string::npos);
+  CHECK(r.err.find("check failed: surface.max_curve_gap is ") != std::string::npos);
 }
 
 TEST_CASE("STEP files hold surfaces up to 20 km") {
@@ -187,7 +187,7 @@ TEST_CASE("pipes, devices and links in a circle are no files") {
   fs::create_directory(c / "folder.csv");
   const std::vector<std::pair<std::string, std::string>> all = {
       {"pipe", "found a pipe"},
-      {"a", "found links that lead in a circle"},
+      {"a", "found a cycle of symbolic links"},
       {"zero", "found a device"},
       {"folder", "found a folder"}};
   for (const auto& [name, expected] : all)

@@ -21,17 +21,17 @@ std::string arc_points(int count, double y, bool backwards) {
 }
 
 std::string half_cylinder(const std::string& front, const std::string& back) {
-  return "unit = \"mm\"\n[[line]]\nname = \"front\"\n" + front +
-         "[[line]]\nname = \"left\"\npoints = [[-50,0,0], [-50,120,0]]\n"
-         "[[line]]\nname = \"back\"\n" +
+  return "unit = \"mm\"\n[[curve]]\nname = \"front\"\n" + front +
+         "[[curve]]\nname = \"left\"\npoints = [[-50,0,0], [-50,120,0]]\n"
+         "[[curve]]\nname = \"back\"\n" +
          back +
-         "[[line]]\nname = \"right\"\npoints = [[50,120,0], [50,0,0]]\n"
-         "[skin]\nedge_length = 10\nfair = \"variation\"\n";
+         "[[curve]]\nname = \"right\"\npoints = [[50,120,0], [50,0,0]]\n"
+         "[mesh]\nedge_length = 10\n[skin]\nfair = \"variation\"\n";
 }
 
 }  // namespace
 
-TEST_CASE("arcs of five, nine and seventeen points are one half cylinder", "[cli][lines]") {
+TEST_CASE("arcs of five, nine and seventeen points are one half cylinder", "[cli][curves]") {
   const double area = pi * 50 * 120;
   for (const int count : {5, 9, 17}) {
     INFO(count);
@@ -41,21 +41,21 @@ TEST_CASE("arcs of five, nine and seventeen points are one half cylinder", "[cli
     INFO(r.err);
     REQUIRE(r.code == 0);
     const auto report = batten_test::report(c, "out");
-    CHECK(report["lines"]["count"] == 4);
+    CHECK(report["curves"]["count"] == 4);
     CHECK(report["surface"]["area"].get<double>() == Approx(area).epsilon(3e-4));
-    CHECK(report["surface"]["max_line_deviation"].get<double>() < 0.02);
-    CHECK((r.out.find("5 points that turn by up to 45 degrees, taken as smooth") !=
+    CHECK(report["surface"]["max_curve_deviation"].get<double>() < 0.02);
+    CHECK((r.out.find("5 points, where the curve turns by up to 45 degrees, interpreted as smooth") !=
            std::string::npos) == (count == 5));
     fs::remove_all(c / "out");
   }
 }
 
-TEST_CASE("words for curves make the same half cylinder, and copies of its arc", "[cli][lines]") {
+TEST_CASE("words for curves make the same half cylinder, and copies of its arc", "[cli][curves]") {
   const CliCase c("curve_words");
   for (const std::string& back :
        {std::string("arc = [[50,120,0], [0,120,50], [-50,120,0]]\n"),
-        std::string("copy = \"front\"\nmove = [0,120,0]\n"),
-        std::string("copy = \"front\"\nmirror = {normal = [0,1,0], point = [0,60,0]}\n"),
+        std::string("copy = \"front\"\ntranslate = [0,120,0]\n"),
+        std::string("copy = \"front\"\nmirror = {normal = [0,1,0], origin = [0,60,0]}\n"),
         std::string("ellipse = {centre = [0,120,0], radii = [50,50], normal = [0,1,0], angles = "
                     "[0,-180]}\n")}) {
     INFO(back);
@@ -71,12 +71,12 @@ TEST_CASE("words for curves make the same half cylinder, and copies of its arc",
   }
 }
 
-TEST_CASE("a lid with a circular hole, a rectangle with round corners", "[cli][lines]") {
+TEST_CASE("a lid with a circular hole, a rectangle with round corners", "[cli][curves]") {
   const CliCase c("lid");
   const std::string hole =
-      "[[line]]\nname = \"hole\"\nrole = \"hole\"\ncircle = {centre = [10,5,0], radius = 12}\n";
+      "[[curve]]\nname = \"hole\"\nrole = \"hole\"\ncircle = {centre = [10,5,0], radius = 12}\n";
   c.file("s.toml",
-         "unit = \"mm\"\n[[line]]\nname = \"rim\"\nrectangle = {centre = [0,0,0], size = [100,60], "
+         "unit = \"mm\"\n[[curve]]\nname = \"rim\"\nrectangle = {centre = [0,0,0], size = [100,60], "
          "radius = 8}\n" +
              hole);
   const CliResult r = c.run({"run", "s.toml", "--out", "out"});
@@ -86,14 +86,14 @@ TEST_CASE("a lid with a circular hole, a rectangle with round corners", "[cli][l
   CHECK(report(c, "out")["surface"]["area"].get<double>() == Approx(area).epsilon(3e-4));
 }
 
-TEST_CASE("corners are stated by the numbers of points", "[cli][lines]") {
+TEST_CASE("corners are stated by the numbers of points", "[cli][curves]") {
   const CliCase c("stated");
   const std::string rest =
-      "[[line]]\nname = \"b\"\npoints = [[40,0,0],[40,30,0]]\n"
-      "[[line]]\nname = \"c\"\npoints = [[40,30,0],[0,30,0]]\n"
-      "[[line]]\nname = \"d\"\npoints = [[0,30,0],[0,0,0]]\n";
+      "[[curve]]\nname = \"b\"\npoints = [[40,0,0],[40,30,0]]\n"
+      "[[curve]]\nname = \"c\"\npoints = [[40,30,0],[0,30,0]]\n"
+      "[[curve]]\nname = \"d\"\npoints = [[0,30,0],[0,0,0]]\n";
   const std::string keel =
-      "unit = \"mm\"\n[[line]]\nname = \"keel\"\npoints = "
+      "unit = \"mm\"\n[[curve]]\nname = \"keel\"\npoints = "
       "[[0,0,0],[10,-1,0],[20,-2,0],[30,-1,0],[40,0,0]]\n";
   for (const auto& [corners, lines] : {std::pair("", 4),
                                        {"corners = [3]\n", 5},
@@ -104,19 +104,19 @@ TEST_CASE("corners are stated by the numbers of points", "[cli][lines]") {
     const CliResult r = c.run({"run", "s.toml", "--out", "out"});
     INFO(r.err);
     REQUIRE(r.code == 0);
-    CHECK(report(c, "out")["lines"]["count"] == lines);
+    CHECK(report(c, "out")["curves"]["count"] == lines);
     fs::remove_all(c / "out");
   }
   c.fails(keel + "corners = [6]\n" + rest, 1, {"s.toml:5:", "found 6", "1 to 5"});
   c.fails(keel + "corners = \"som\"\n" + rest, 1, {"found the word 'som'", "all, none"});
 }
 
-TEST_CASE("words that describe no curve are refused with their place", "[cli][lines]") {
+TEST_CASE("words that describe no curve are refused with their place", "[cli][curves]") {
   const CliCase c("wrong_words");
   const auto refused = [&](const std::string& shape, const std::vector<std::string>& parts) {
     std::vector<std::string> all = {"s.toml:4:"};
     all.insert(all.end(), parts.begin(), parts.end());
-    c.fails("unit = \"mm\"\n[[line]]\nname = \"a\"\n" + shape + "\n", 1, all);
+    c.fails("unit = \"mm\"\n[[curve]]\nname = \"a\"\n" + shape + "\n", 1, all);
   };
   refused("arc = [[0,0,0],[1,0,0],[2,0,0]]", {"on a line"});
   refused("arc = [[0,0,0],[1,0,0]]", {"2 points", "3, its start"});
@@ -125,7 +125,7 @@ TEST_CASE("words that describe no curve are refused with their place", "[cli][li
   refused("rectangle = {centre = [0,0,0], size = [10,4], radius = 3}", {"0 to 2"});
   refused("spline = {poles = [[0,0,0],[1,0,0]]}", {"2 poles for degree 3"});
   refused("copy = \"b\"", {"in the same place", "mirror"});
-  refused("copy = \"b\"\nmove = [1,0,0]", {"a copy of 'b'"});
-  refused("copy = \"a\"\nmove = [1,0,0]", {"copy of itself"});
-  refused("move = [1,0,0]\ncircle = {centre = [0,0,0], radius = 1}", {"without 'copy'"});
+  refused("copy = \"b\"\ntranslate = [1,0,0]", {"a copy of 'b'"});
+  refused("copy = \"a\"\ntranslate = [1,0,0]", {"copy of itself"});
+  refused("translate = [1,0,0]\ncircle = {centre = [0,0,0], radius = 1}", {"without 'copy'"});
 }

@@ -64,13 +64,13 @@ TEST_CASE("a mesh that is edited live is what batten deform makes of its scene",
     act(document, {slid("edit 1.right.z", lift), {.kind = CommandKind::SolvePreview}});
     CHECK(document.mesh()->shape().col(2).maxCoeff() > rest.col(2).maxCoeff());
   }
-  act(document, {slid("edit 1.right.turn.y", -30),
-                 slid("edit 1.right.turn.x", 4),
+  act(document, {slid("edit 1.right.rotation.y", -30),
+                 slid("edit 1.right.rotation.x", 4),
                  {.kind = CommandKind::SolvePreview},
                  {.kind = CommandKind::SolveToEquilibrium}});
   const std::string text = document.text().text();
   CHECK(text.find("translate = [0, 0, 40]") != std::string::npos);
-  CHECK(text.find("degrees = 30.26") != std::string::npos);
+  CHECK(text.find("angle = 30.26") != std::string::npos);
   const std::string deck = exported(document, folder);
   CHECK(deck == deformed(document, folder));
   CHECK(deck != contents(kPanel / "panel.bdf"));
@@ -118,11 +118,11 @@ TEST_CASE("numbers of a handle have the units that they are moved in", "[documen
   act(document, {{.kind = CommandKind::Set,
                   .table = {"edit.handle", "edit 1.right"},
                   .key = "rotate",
-                  .text = "{ axis = [0, 1, 0], degrees = 5 }"}});
+                  .text = "{ axis = [0, 1, 0], angle = 5 }"}});
   for (const auto& slider : view_of(document).sliders) {
     INFO(slider.name);
     const bool turns =
-        slider.name.ends_with(".degrees") || slider.name.find(".turn.") != std::string::npos;
+        slider.name.ends_with(".angle") || slider.name.find(".rotation.") != std::string::npos;
     CHECK(slider.unit == (turns ? "°" : slider.name.ends_with(".scale") ? "" : "mm"));
   }
 }
@@ -201,7 +201,7 @@ TEST_CASE("parts of a mesh are made features, handles, fixed, and let go again",
     CHECK(std::count(roles.begin(), roles.end(), role) > 100);
   use("hole-3", PartUse::Interest);
   use("hole-4", PartUse::Interest);
-  CHECK(document.text().words({"edit", "edit 1"}, "region") ==
+  CHECK(document.text().words({"edit", "edit 1"}, "region_of_interest") ==
         std::vector<std::string>{"hole-3", "hole-4"});
   for (int hole = 1; hole <= 6; ++hole) use("hole-" + std::to_string(hole), PartUse::Free);
   CHECK(document.text().text() == opened);
@@ -233,15 +233,15 @@ add select { name = "right", box = [[599, -1, -100], [601, 401, 100]] }
 set edit "edit 1" fixed ["left"]
 add edit.handle { name = "right" }
 slide "edit 1.right.z" 12
-slide "edit 1.right.turn.y" -10
+slide "edit 1.right.rotation.y" -10
 answer
-settle
+solve
 export shape.bdf
 )";
   run_script(folder / "s.batten");
   Document document = panel();
   act(document, {slid("edit 1.right.z", 12),
-                 slid("edit 1.right.turn.y", -10),
+                 slid("edit 1.right.rotation.y", -10),
                  {.kind = CommandKind::SolvePreview},
                  {.kind = CommandKind::SolveToEquilibrium}});
   const std::string from_script = contents(folder / "shape.bdf");

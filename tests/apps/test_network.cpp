@@ -1,4 +1,4 @@
-// Networks as users meet them: batten run and batten skin --network, from lines to a report.
+// Networks as users meet them: batten run and batten skin, from curves to a report.
 #include <array>
 #include <cmath>
 #include <map>
@@ -16,7 +16,7 @@ std::string text(const Point& p) {
   return "[" + std::to_string(p.x) + "," + std::to_string(p.y) + "," + std::to_string(p.z) + "]";
 }
 
-/// The edges of a box of 40 × 30 × 20 as [[line]]s: e1 … e12.
+/// The edges of a box of 40 × 30 × 20 as [[curve]]s: e1 … e12.
 std::string box() {
   std::string scene;
   int count = 0;
@@ -28,14 +28,14 @@ std::string box() {
       };
       Point p = point(a), q = point(a | bit);
       if (a % 3 == 0) std::swap(p, q);
-      scene += "[[line]]\nname = \"e" + std::to_string(++count) + "\"\npoints = [" + text(p) +
+      scene += "[[curve]]\nname = \"e" + std::to_string(++count) + "\"\npoints = [" + text(p) +
                ", " + text(q) + "]\n";
     }
   return scene;
 }
 
 const std::string kNetworkHead = "unit = \"mm\"\n\n";
-const std::string kCoarse = "[skin]\nedge_length = 8\n";
+const std::string kCoarse = "[mesh]\nedge_length = 8\n";
 
 }  // namespace
 
@@ -50,35 +50,35 @@ TEST_CASE("run makes all surfaces of a network, as one solid", "[cli][network]")
   CHECK(r.out.find("closed") != std::string::npos);
   CHECK(r.out.find("1 solid, valid") != std::string::npos);
   const auto j = report(c, "out");
-  CHECK(j["network"]["lines"] == 12);
-  CHECK(j["network"]["arcs"] == 12);
+  CHECK(j["network"]["curves"] == 12);
+  CHECK(j["network"]["edges"] == 12);
   CHECK(j["network"]["nodes"] == 8);
-  CHECK(j["regions"].size() == 6);
+  CHECK(j["faces"].size() == 6);
   double area = 0;
-  for (const auto& region : j["regions"]) {
+  for (const auto& region : j["faces"]) {
     CHECK(region["skinned"] == true);
     CHECK(region["loops"][0].size() == 4);
-    CHECK(region["plain_area"].get<double>() == Approx(region["area"].get<double>()));
+    CHECK(region["hole_filling_area"].get<double>() == Approx(region["area"].get<double>()));
     CHECK(region["min_jacobian_ratio"].get<double>() > 0.9);
     area += region["area"].get<double>();
   }
   CHECK(area == Approx(5200.0));
   CHECK(j["surface"]["area"].get<double>() == Approx(area));
-  CHECK(j["surface"]["regions"] == 6);
+  CHECK(j["surface"]["faces"] == 6);
   CHECK(j["surface"]["bending_energy"].get<double>() == Approx(0.0).margin(1e-6));
   REQUIRE(j["shells"].size() == 1);
   CHECK(j["shells"][0]["closed"] == true);
   CHECK(j["shells"][0]["volume"].get<double>() == Approx(24000.0));
   CHECK(j["joins"].size() == 12);
   for (const auto& join : j["joins"]) {
-    CHECK(join["kind"] == "crease");
+    CHECK(join["continuity"] == "G0");
     CHECK(join["max_deg"].get<double>() == Approx(90.0).margin(1e-6));
   }
   CHECK(j["step"]["solids"] == 1);
   CHECK(j["step"]["volume"].get<double>() == Approx(24000.0));
-  CHECK(j["left_over"]["rims"].empty());
-  CHECK(j["left_over"]["bare"].empty());
-  CHECK(j["missed_promises"].empty());
+  CHECK(j["left_over"]["free_edges"].empty());
+  CHECK(j["left_over"]["unused_edges"].empty());
+  CHECK(j["failed_checks"].empty());
 }
 
 TEST_CASE("the user's words about regions and joins are followed", "[cli][network]") {
@@ -88,42 +88,42 @@ TEST_CASE("the user's words about regions and joins are followed", "[cli][networ
   const CliResult info = c.run({"info", "s.toml"});
   INFO(info.out << info.err);
   REQUIRE(info.code == 0);
-  CHECK(info.out.find("12 pieces between 8 places") != std::string::npos);
-  CHECK(info.out.find("6 regions") != std::string::npos);
+  CHECK(info.out.find("12 edges between 8 nodes") != std::string::npos);
+  CHECK(info.out.find("6 faces") != std::string::npos);
 
   c.file("open.toml", kNetworkHead + box() + kCoarse +
-                          "[[region]]\nloops = [[\"e1\", \"e2\", \"e4\", \"e6\"]]\nsurface = "
+                          "[[face]]\nloops = [[\"e1\", \"e2\", \"e4\", \"e6\"]]\nsurface = "
                           "false\n");
   const CliResult r = c.run({"run", "open.toml", "--out", "out"});
   INFO(r.out << r.err);
   REQUIRE(r.code == 0);
   const auto j = report(c, "out");
-  CHECK(j["regions"].size() == 5);
-  CHECK(j["left_over"]["rims"].size() == 4);
+  CHECK(j["faces"].size() == 5);
+  CHECK(j["left_over"]["free_edges"].size() == 4);
   CHECK(j["shells"][0]["closed"] == false);
 }
 
 TEST_CASE("a region has its own domain and its own edges", "[cli][network]") {
   const CliCase c("network_region_skin");
   // A square of 20, and another on one of its sides that rises by 5.
-  const std::string line = "[[line]]\nname = ";
+  const std::string line = "[[curve]]\nname = ";
   const std::string strip = line +
                             "\"a\"\npoints = [[0,0,0],[20,0,0],[20,20,0],[0,20,0],[0,0,0]]\n" +
                             line + "\"b\"\npoints = [[20,0,0],[40,0,5],[40,20,5],[20,20,0]]\n";
   const auto words = [](const std::string& more) {
-    return "[[region]]\nname = \"fine\"\nloops = [[\"a\"]]\n" + more;
+    return "[[face]]\nname = \"fine\"\nloops = [[\"a\"]]\n" + more;
   };
   c.file("usual.toml", kNetworkHead + strip + words("") + kCoarse);
   c.file("fine.toml", kNetworkHead + strip + words("edge_length = 1\n") + kCoarse);
-  c.file("plane.toml", kNetworkHead + strip + words("domain = \"plane\"\n") + kCoarse);
-  c.file("ring.toml", kNetworkHead + strip + words("domain = \"ring\"\n") + kCoarse);
+  c.file("plane.toml", kNetworkHead + strip + words("domain = \"projected\"\n") + kCoarse);
+  c.file("ring.toml", kNetworkHead + strip + words("domain = \"annulus\"\n") + kCoarse);
   const auto of = [&](const std::string& name) {
     const CliResult r = c.run({"run", name + ".toml", "--out", name});
     INFO(r.out << r.err);
     REQUIRE(r.code == 0);
     std::map<std::string, nlohmann::json> regions;
     const auto j = report(c, name);
-    for (const auto& region : j["regions"])
+    for (const auto& region : j["faces"])
       regions[region["name"] == "fine" ? "fine" : "other"] = region;
     REQUIRE(regions.size() == 2);
     return regions;
@@ -135,12 +135,12 @@ TEST_CASE("a region has its own domain and its own edges", "[cli][network]") {
   CHECK(triangles(fine["fine"]) > 2 * triangles(usual["fine"]));
   CHECK(triangles(fine["other"]) < 1.5 * triangles(usual["other"]));
   CHECK(usual["fine"]["domain"] == "polygon");
-  CHECK(plane["fine"]["domain"] == "plane");
+  CHECK(plane["fine"]["domain"] == "projected");
   CHECK(plane["other"]["domain"] == "polygon");
   CHECK(plane["fine"]["area"].get<double>() == Approx(400.0).epsilon(0.01));
   const CliResult ring = c.run({"run", "ring.toml", "--out", "ring"});
   CHECK(ring.code == 1);
-  CHECK(ring.err.find("expected ring = true alone") != std::string::npos);
+  CHECK(ring.err.find("expected annulus = true and no domain") != std::string::npos);
 }
 
 TEST_CASE("what cannot be kept is named, with exit code 4", "[cli][network]") {
@@ -148,16 +148,16 @@ TEST_CASE("what cannot be kept is named, with exit code 4", "[cli][network]") {
   // Two planes at a right angle that should be smooth: corners of a box have no tangent plane along
   // them, which the ends say; what was asked for is not reached all along.
   c.file("s.toml",
-         kNetworkHead + box() + kCoarse + "[[join]]\nlines = [\"e1\"]\nkind = \"smooth\"\n");
+         kNetworkHead + box() + kCoarse + "[[join]]\ncurves = [\"e1\"]\ncontinuity = \"smooth\"\n");
   const CliResult r = c.run({"run", "s.toml", "--out", "out"});
   INFO(r.out << r.err);
   const auto j = report(c, "out");
   bool said = false;
   for (const auto& join : j["joins"])
-    if (join["line"] == "e1") {
-      CHECK(join["asked"] == true);
-      said = join["kind"] != "smooth"
-                 ? !join["why"].get<std::string>().empty()
+    if (join["edge"] == "e1") {
+      CHECK(join["requested"] == true);
+      said = join["continuity"] != "smooth"
+                 ? !join["reason"].get<std::string>().empty()
                  : join["open_ends"][0] == true && join["open_ends"][1] == true;
     }
   CHECK(said);
@@ -171,23 +171,23 @@ TEST_CASE("resistance along a line acts in all regions that have it", "[cli][net
     std::string scene = "unit = \"mm\"\n\n";
     for (int i = 0; i < 3; ++i) {
       const std::string y = std::to_string(100 * i);
-      scene += "[[line]]\nname = \"arch " + std::to_string(i) + "\"\narc = [[0," + y + ",0],[" +
+      scene += "[[curve]]\nname = \"arch " + std::to_string(i) + "\"\narc = [[0," + y + ",0],[" +
                (i == 1 ? top : "50") + "," + y + ",20],[100," + y + ",0]]\n";
     }
     for (const char* x : {"0", "100"})
-      scene += "[[line]]\nname = \"side " + std::string(x) + "\"\npoints = [[" + x + ",0,0],[" + x +
+      scene += "[[curve]]\nname = \"side " + std::string(x) + "\"\npoints = [[" + x + ",0,0],[" + x +
                ",100,0],[" + x + ",200,0]]\n";
     c.file("s.toml", scene +
-                         "[skin]\nedge_length = 20\n[[weight]]\nname = \"w\"\nkind = "
+                         "[mesh]\nedge_length = 20\n[[stiffness]]\nname = \"w\"\ntype = "
                          "\"beta\"\nalong = \"arch 1\"\nvalue = " +
                          value + "\n");
     const CliResult r = c.run({"run", "s.toml", "--out", "out"});
     INFO(r.err);
     REQUIRE(r.code == 0);
     const auto report = nlohmann::json::parse(contents(c / "out/report.json"));
-    REQUIRE(report["regions"].size() == 2);
-    return std::array{report["regions"][0]["area"].get<double>(),
-                      report["regions"][1]["area"].get<double>()};
+    REQUIRE(report["faces"].size() == 2);
+    return std::array{report["faces"][0]["area"].get<double>(),
+                      report["faces"][1]["area"].get<double>()};
   };
   const auto even = areas("0", "58"), along = areas("50", "58");
   for (const size_t r : {0, 1}) CHECK(std::abs(along[r] / even[r] - 1) > 1e-4);
@@ -201,7 +201,7 @@ TEST_CASE("half a model is enough where it is symmetric", "[cli][network]") {
   // A house with its ridge in the plane y = 0: half of the walls, one slope of the roof.
   const std::string head = "unit = \"mm\"\n[skin]\nsymmetry = \"y\"\n[output]\nstep = \"h.step\"\n";
   const auto line = [](const std::string& name, const std::string& points) {
-    return "[[line]]\nname = \"" + name + "\"\npoints = [" + points + "]\n";
+    return "[[curve]]\nname = \"" + name + "\"\npoints = [" + points + "]\n";
   };
   std::string lines = line("ridge", "[0,0,50],[100,0,50]");
   for (const std::string x : {"0", "100"}) {
@@ -211,47 +211,47 @@ TEST_CASE("half a model is enough where it is symmetric", "[cli][network]") {
   }
   lines += line("wall", "[0,30,0],[100,30,0]") + line("eaves", "[0,30,30],[100,30,30]");
   c.file("h.toml", head + lines +
-                       "[[region]]\nname = \"roof\"\nloops = [[\"ridge\", \"slope 0\", "
+                       "[[face]]\nname = \"roof\"\nloops = [[\"ridge\", \"slope 0\", "
                        "\"eaves\", \"slope 100\"]]\n"
-                       "[[join]]\nlines = [\"eaves\"]\nkind = \"crease\"\n");
+                       "[[join]]\ncurves = [\"eaves\"]\ncontinuity = \"G0\"\n");
   const CliResult r = c.run({"run", "h.toml", "--out", "out"});
   INFO(r.err);
   REQUIRE(r.code == 0);
   const auto report = nlohmann::json::parse(contents(c / "out/report.json"));
   // Two walls, two slopes, two gables, the floor: whole where they cross the plane.
-  CHECK(report["regions"].size() == 7);
+  CHECK(report["faces"].size() == 7);
   CHECK(report["step"]["solids"] == 1);
   CHECK(report["step"]["volume"].get<double>() ==
         Approx(100 * (60 * 30 + 60 * 20 / 2)).epsilon(1e-6));
   int roofs = 0, asked = 0;
-  for (const auto& region : report["regions"])
+  for (const auto& region : report["faces"])
     roofs += region["name"] == "roof" || region["name"] == "mirrored roof";
-  for (const auto& join : report["joins"]) asked += join["asked"].get<bool>();
+  for (const auto& join : report["joins"]) asked += join["requested"].get<bool>();
   CHECK(roofs == 2);
   CHECK(asked == 2);
   const CliCase wrong("symmetry_wrong");
   wrong.fails(head + line("a", "[0,-20,0],[0,30,0]"), 1,
-              {"s.toml:2:1:", "'a' crosses the plane of symmetry", "(0, -20, 0)"});
+              {"s.toml:2:1:", "'a', which crosses the plane of symmetry", "(0, -20, 0)"});
   wrong.fails("unit = \"mm\"\n[skin]\nsymmetry = \"w\"\n" + lines, 1,
               {"s.toml:3:12:", "one of: x, y, z"});
 }
 
 TEST_CASE("mistakes in a network's words are answered with their place", "[cli][network]") {
   const CliCase c("network_mistakes");
-  c.fails(kNetworkHead + box() + "[[join]]\nlines = [\"e13\"]\nkind = \"smooth\"\n", 1,
-          {"s.toml:40:10:", "e13", "e3", "meant"});
-  c.fails(kNetworkHead + box() + "[[region]]\nloops = [[\"e1\", \"e2\", \"nothing\"]]\n", 1,
+  c.fails(kNetworkHead + box() + "[[join]]\ncurves = [\"e13\"]\ncontinuity = \"smooth\"\n", 1,
+          {"s.toml:40:11:", "e13", "e3", "did you mean"});
+  c.fails(kNetworkHead + box() + "[[face]]\nloops = [[\"e1\", \"e2\", \"nothing\"]]\n", 1,
           {"s.toml:40:9:", "nothing"});
-  c.fails(kNetworkHead + box() + "[[region]]\nloops = [[\"e1\", \"e2\"]]\n", 1, {"s.toml:40:9:"});
+  c.fails(kNetworkHead + box() + "[[face]]\nloops = [[\"e1\", \"e2\"]]\n", 1, {"s.toml:40:9:"});
   c.fails(kNetworkHead +
-              "[[line]]\nname = \"a\"\npoints = [[0,0,0], [1,0,0]]\n"
-              "[[line]]\nname = \"b\"\npoints = [[1,0,0], [1,1,0]]\n",
-          1, {"s.toml: found", "no loop of lines", "one or more"});
+              "[[curve]]\nname = \"a\"\npoints = [[0,0,0], [1,0,0]]\n"
+              "[[curve]]\nname = \"b\"\npoints = [[1,0,0], [1,1,0]]\n",
+          1, {"s.toml: found", "found no closed loop of curves"});
   const std::string pressed = "[[load]]\nname = \"p\"\ntype = \"pressure\"\nvalue = 1\n";
-  c.fails(kNetworkHead + box() + pressed + "regions = [\"bottom\"]\n", 1,
-          {"s.toml:43:12:", "'bottom'", "expected one of", "region 1"});
-  c.fails(kNetworkHead + box() + "[[move]]\nname = \"m\"\nline = \"e99\"\nvalue = 1\n", 1,
-          {"s.toml:41:8:", "'e99'", "e9"});
+  c.fails(kNetworkHead + box() + pressed + "faces = [\"bottom\"]\n", 1,
+          {"s.toml:43:10:", "'bottom'", "expected one of", "face 1"});
+  c.fails(kNetworkHead + box() + "[[offset]]\nname = \"m\"\ncurve = \"e99\"\nvalue = 1\n", 1,
+          {"s.toml:41:9:", "'e99'", "e9"});
 }
 
 TEST_CASE("sculpt works on a network as on one region: sweep, motion, record and replay",
@@ -270,7 +270,7 @@ TEST_CASE("sculpt works on a network as on one region: sweep, motion, record and
   CHECK(rows[2]["volume"].get<double>() > 1.0001 * rows[0]["volume"].get<double>());
   CHECK(j["sculpting"]["motion"]["rows"].size() == 3);
   CHECK(j["sculpting"]["residual"].get<double>() <= 1e-10);
-  CHECK(j["surface"]["regions"] == 6);
+  CHECK(j["surface"]["faces"] == 6);
   const CliResult again = c.run({"sculpt", "s.toml", "--out", "again", "--replay", "log.jsonl"});
   INFO(again.out << again.err);
   REQUIRE((again.code == 0 || again.code == 4));
@@ -279,19 +279,19 @@ TEST_CASE("sculpt works on a network as on one region: sweep, motion, record and
 
 TEST_CASE("the rims of a ring are not told to lie apart, other lines are", "[cli][network]") {
   const CliCase c("network_apart");
-  const std::string line = "[[line]]\nname = ";
+  const std::string line = "[[curve]]\nname = ";
   c.file("s.toml", kNetworkHead + kCoarse + line +
                        "\"low\"\ncircle = { centre = [0,0,0], radius = 10 }\n" + line +
                        "\"high\"\ncircle = { centre = [0,0,15], radius = 10 }\n" + line +
                        "\"far\"\npoints = [[40,0,0],[40,10,0]]\n" +
-                       "[[region]]\nname = \"wall\"\nloops = [[\"low\"], [\"high\"]]\n"
-                       "ring = true\n");
+                       "[[face]]\nname = \"wall\"\nloops = [[\"low\"], [\"high\"]]\n"
+                       "annulus = true\n");
   const CliResult r = c.run({"run", "s.toml", "--out", "out"});
   INFO(r.out << r.err);
   std::vector<std::string> apart;
   const auto j = report(c, "out");
-  for (const auto& f : j["network"]["findings"])
-    if (f["kind"] == "apart") apart.push_back(f["lines"][0]);
+  for (const auto& f : j["network"]["diagnostics"])
+    if (f["kind"] == "disconnected") apart.push_back(f["curves"][0]);
   CHECK(apart == std::vector<std::string>{"far"});
 }
 
@@ -305,16 +305,16 @@ TEST_CASE("lines of a network that tremble are faired unless they are to be kept
     side += (i ? ", [" : "[") + std::to_string(i) + ", " +
             std::to_string(-8 * std::sin(i * 3.14159265358979 / 40) + shake) + ", 0]";
   }
-  const std::string line = "[[line]]\nname = ";
+  const std::string line = "[[curve]]\nname = ";
   const std::string lines = line + "\"side\"\npoints = [" + side + "]\n" + line +
                             "\"rest\"\npoints = [[40,0,0],[40,40,0],[0,40,0],[0,0,0]]\n";
   c.file("fair.toml", kNetworkHead + lines + kCoarse);
-  c.file("keep.toml", kNetworkHead + lines + kCoarse + "trembling = \"keep\"\n");
+  c.file("keep.toml", kNetworkHead + lines + kCoarse + "[skin]\nnoisy_curves = \"keep\"\n");
   const CliResult fair = c.run({"run", "fair.toml", "--out", "fair"});
   INFO(fair.out << fair.err);
   REQUIRE(fair.code == 0);
-  CHECK(fair.out.find("side trembles and was faired") != std::string::npos);
-  const auto curves = report(c, "fair")["curves"];
+  CHECK(fair.out.find("side is noisy and was faired") != std::string::npos);
+  const auto curves = report(c, "fair")["faired_curves"];
   REQUIRE(curves.size() == 1);
   CHECK(curves[0]["name"] == "side");
   CHECK(curves[0]["before"]["extrema"].get<int>() >= 10);
@@ -322,10 +322,10 @@ TEST_CASE("lines of a network that tremble are faired unless they are to be kept
   CHECK(curves[0]["deviation"]["max"].get<double>() < 0.3);
   const CliResult keep = c.run({"run", "keep.toml", "--out", "keep"});
   CHECK(keep.out.find("faired") == std::string::npos);
-  CHECK(!report(c, "keep").contains("curves"));
+  CHECK(!report(c, "keep").contains("faired_curves"));
 }
 
-TEST_CASE("skin --network takes curves from files, in any order", "[cli][network]") {
+TEST_CASE("skin takes curves from files, in any order", "[cli][network]") {
   const CliCase c("network_files");
   const std::string square =
       "0,0,0\n10,0,0\n\n10,10,0\n0,10,0\n\n0,0,0\n0,10,0\n\n10,10,0\n10,0,0\n";
@@ -335,7 +335,7 @@ TEST_CASE("skin --network takes curves from files, in any order", "[cli][network
   REQUIRE(r.code == 0);
   const auto j = report(c, "out");
   CHECK(j["unit"] == "m");
-  CHECK(j["regions"].size() == 1);
+  CHECK(j["faces"].size() == 1);
   CHECK(j["surface"]["area"].get<double>() == Approx(100.0));
   CHECK(fs::exists(c / "out/square.step"));
   const CliResult twice = c.run({"skin", "square.csv", "--inner", "x.csv", "--out", "o"});
@@ -345,25 +345,25 @@ TEST_CASE("skin --network takes curves from files, in any order", "[cli][network
 TEST_CASE("lines leave as whole curves although others cut them", "[cli][network]") {
   const CliCase c("network_lines");
   // A wave across a square, cut by a straight line in its middle, and a line with a corner.
-  std::string wave = "[[line]]\nname = \"wave\"\npoints = [";
+  std::string wave = "[[curve]]\nname = \"wave\"\npoints = [";
   for (int i = 0; i <= 40; ++i)
     wave += std::string(i ? "," : "") + "[" + std::to_string(i) + ",20," +
             std::to_string(4 * std::sin(i * std::acos(-1.0) / 40)) + "]";
   c.file("s.toml",
          kNetworkHead +
-             "[[line]]\nname = \"rim\"\npoints = [[0,0,0],[40,0,0],[40,40,0],[0,40,0],[0,0,0]]\n" +
-             wave + "]\n[[line]]\nname = \"spar\"\npoints = [[20,0,0],[20,20,4],[20,40,0]]\n" +
+             "[[curve]]\nname = \"rim\"\npoints = [[0,0,0],[40,0,0],[40,40,0],[0,40,0],[0,0,0]]\n" +
+             wave + "]\n[[curve]]\nname = \"spar\"\npoints = [[20,0,0],[20,20,4],[20,40,0]]\n" +
              "corners = \"none\"\n" + kCoarse +
-             "[output]\nstep = \"s.step\"\nstep_lines = true\nstep_schema = \"ap242\"\n");
+             "[output]\nstep = \"s.step\"\nstep_curves = true\nstep_schema = \"ap242\"\n");
   const CliResult r = c.run({"run", "s.toml", "--out", "first"});
   INFO(r.out << r.err);
   REQUIRE(r.code == 0);
   CHECK(report(c, "first")["step"]["faces"] == 4);
-  CHECK(report(c, "first")["step"]["lines"] == 6);
+  CHECK(report(c, "first")["step"]["curves"] == 6);
   const std::string info = c.run({"info", "first/s.step"}).out;
   INFO(info);
   for (const char* part :
-       {"STEP AP242, in mm: 2 products", "part 's', 4 faces", "part 'lines', 6 curves"})
+       {"STEP AP242, in mm: 2 products", "part 's', 4 faces", "part 'curves', 6 curves"})
     CHECK(info.find(part) != std::string::npos);
   REQUIRE(c.run({"convert", "first/s.step", "names.csv"}).code == 0);
   const std::string names = contents(c / "names.csv");
@@ -371,13 +371,13 @@ TEST_CASE("lines leave as whole curves although others cut them", "[cli][network
     CHECK(names.find(name) != std::string::npos);
   // The faces of such a file are skinned and fitted again as those of others.
   const CliResult again =
-      c.run({"fit", "first/s.step", "--out", "again", "--tolerance", "0.02", "--step-lines"});
+      c.run({"fit", "first/s.step", "--out", "again", "--fit-tolerance", "0.02", "--step-curves"});
   INFO(again.out << again.err);
   CHECK(again.code == 0);
   CHECK(report(c, "again")["step"]["faces"] == 4);
-  CHECK(report(c, "again")["step"]["lines"].get<int>() > 0);
-  c.fails(kNetworkHead + box() + "[output]\nstep_lines = true\n", 1,
-          {"'step_lines' without 'step'"});
+  CHECK(report(c, "again")["step"]["curves"].get<int>() > 0);
+  c.fails(kNetworkHead + box() + "[output]\nstep_curves = true\n", 1,
+          {"'step_curves' without 'step'"});
 }
 
 namespace {
@@ -411,12 +411,12 @@ TEST_CASE("a region with five sides varies least unasked, and the summary says s
   INFO(r.out << r.err);
   REQUIRE(r.code == 0);
   CHECK(r.out.find("1 sphere (radius 50") != std::string::npos);
-  CHECK(r.out.find("1 region with five sides or more") != std::string::npos);
+  CHECK(r.out.find("1 face with five or more sides") != std::string::npos);
   const auto fairing = report(c, "out")["surface"]["fairing"];
-  CHECK(fairing["asked"] == false);
-  CHECK(fairing["regions"] == 1);
+  CHECK(fairing["requested"] == false);
+  CHECK(fairing["faces"] == 1);
   // Asked for bending, it bends; four sides need no fairing.
-  c.file("s.toml", "unit = \"mm\"\n[[lines]]\nfile = \"curves.csv\"\n[skin]\nfair = \"bending\"\n");
+  c.file("s.toml", "unit = \"mm\"\n[[curves]]\nfile = \"curves.csv\"\n[skin]\nfair = \"bending\"\n");
   const CliResult bent = c.run({"run", "s.toml", "--out", "bent"});
   CHECK(bent.code == 0);
   CHECK(bent.out.find("sphere") == std::string::npos);
@@ -429,14 +429,14 @@ TEST_CASE("normals of a stated region do not hang on its first line either", "[c
   // An arched roof whose treatment of the rib makes it one stated region.
   const auto scene = [](bool turned) {
     const std::string front =
-        "[[line]]\nname = \"front\"\npoints = [[0,0,0],[1,0,0.6],[2,0,0.8],[3,0,0.6],[4,0,0]]\n";
+        "[[curve]]\nname = \"front\"\npoints = [[0,0,0],[1,0,0.6],[2,0,0.8],[3,0,0.6],[4,0,0]]\n";
     const std::string back =
-        "[[line]]\nname = \"back\"\npoints = [[4,6,0],[3,6,0.6],[2,6,0.8],[1,6,0.6],[0,6,0]]\n";
+        "[[curve]]\nname = \"back\"\npoints = [[4,6,0],[3,6,0.6],[2,6,0.8],[1,6,0.6],[0,6,0]]\n";
     const std::string sides =
-        "[[line]]\nname = \"left\"\npoints = [[0,0,0],[0,6,0]]\n"
-        "[[line]]\nname = \"right\"\npoints = [[4,0,0],[4,6,0]]\n";
+        "[[curve]]\nname = \"left\"\npoints = [[0,0,0],[0,6,0]]\n"
+        "[[curve]]\nname = \"right\"\npoints = [[4,0,0],[4,6,0]]\n";
     const std::string rib =
-        "[[line]]\nname = \"rib\"\nrole = \"inner\"\ntreatment = \"embedded\"\n"
+        "[[curve]]\nname = \"rib\"\nrole = \"inner\"\nalignment = \"embedded\"\n"
         "points = [[0,3,0],[1,3,0.6],[2,3,0.8],[3,3,0.6],[4,3,0]]\n";
     return "unit = \"m\"\n" + (turned ? back + sides + front : front + sides + back) + rib;
   };
@@ -461,14 +461,14 @@ TEST_CASE("a surface that leaves the blend of its curves is named, the default d
              std::to_string(20 * std::sin(turn)) + "," + std::to_string(z) + "\n";
     }
   c.file("c.csv", csv);
-  const std::string head = "unit = \"mm\"\n[[lines]]\nfile = \"c.csv\"\n";
+  const std::string head = "unit = \"mm\"\n[[curves]]\nfile = \"c.csv\"\n";
   c.file("auto.toml", head);
   c.file("bent.toml", head + "[skin]\nfair = \"bending\"\n");
   const CliResult plain = c.run({"run", "auto.toml", "--out", "out"});
   CHECK(plain.code == 0);
-  CHECK((plain.out + plain.err).find("leaves the blend") == std::string::npos);
+  CHECK((plain.out + plain.err).find("deviates from the blend") == std::string::npos);
   const CliResult bent = c.run({"run", "bent.toml", "--out", "bent"});
   INFO(bent.out << bent.err);
-  CHECK((bent.out + bent.err).find("leaves the blend of its boundary curves") != std::string::npos);
+  CHECK((bent.out + bent.err).find("deviates from the blend of its boundary curves") != std::string::npos);
   CHECK((bent.out + bent.err).find("depth of its sections") != std::string::npos);
 }

@@ -9,7 +9,7 @@ using namespace batten_test;
 namespace {
 
 std::string line(const std::string& name, const std::string& points) {
-  return "[[line]]\nname = \"" + name + "\"\npoints = [" + points + "]\n";
+  return "[[curve]]\nname = \"" + name + "\"\npoints = [" + points + "]\n";
 }
 
 /// A square of four lines, 100 wide; the fan needs no CGAL.
@@ -17,7 +17,7 @@ const std::string kSquare =
     "unit = \"mm\"\nname = \"my square\"\n" + line("south", "[0,0,0], [100,0,0]") +
     line("east", "[100,0,0], [100,100,0]") + line("north", "[100,100,0], [0,100,0]") +
     line("west", "[0,100,0], [0,0,0]") +
-    "[skin]\nmesher = \"fan\"\nedge_length = 30\nalpha = 1\nbeta = 0.01\n";
+    "[mesh]\nmesher = \"fan\"\nedge_length = 30\n[skin]\nalpha = 1\nbeta = 0.01\n";
 const std::string kSwell =
     "[[load]]\nname = \"swell\"\ntype = \"pressure\"\nvalue = 0.4\nmin = 0\nmax = 1000\n";
 const std::string kOutput = "[output]\nvtp = \"s.vtp\"\nstep = \"s.step\"\n";
@@ -43,7 +43,7 @@ for data in tree.parse(sys.argv[1]).getroot().iter('DataSet'):
 
 /// Without a display the pictures are the one promise that is missed.
 bool only_pictures_failed(const nlohmann::json& report) {
-  for (const auto& missed : report["missed_promises"])
+  for (const auto& missed : report["failed_checks"])
     if (missed["detail"].get<std::string>().find("not drawn") == std::string::npos) return false;
   return true;
 }
@@ -61,7 +61,7 @@ TEST_CASE("sculpt settles and writes what run writes", "[cli][sculpt]") {
   CHECK(r.out.find("energy") != std::string::npos);
   REQUIRE(c.run({"run", "s.toml", "--out", "static"}).code == 0);
   const auto live = report(c, "live"), still = report(c, "static");
-  CHECK(live["missed_promises"].empty());
+  CHECK(live["failed_checks"].empty());
   CHECK(live["surface"]["dofs"] == still["surface"]["dofs"]);
   for (const char* key : {"area", "bending_energy"})
     CHECK(live["surface"][key].get<double>() ==
@@ -70,7 +70,7 @@ TEST_CASE("sculpt settles and writes what run writes", "[cli][sculpt]") {
   CHECK(s["area"].get<double>() == Approx(live["surface"]["area"].get<double>()).epsilon(1e-3));
   CHECK(s["volume"].get<double>() > 0);
   CHECK(s["residual"].get<double>() < 1e-10);
-  CHECK(s["answers"][0]["what"] == "settle");
+  CHECK(s["updates"][0]["operation"] == "solve");
 }
 
 TEST_CASE("a session finds places where run finds them, and the same shape", "[cli][sculpt]") {
@@ -114,16 +114,16 @@ type = "uniform"
 value = 0
 direction = [0, 0, 1]
 paint = [{ at = [50, 50, 0], radius = 40 }]
-[[weight]]
+[[stiffness]]
 name = "stiff"
-kind = "beta"
+type = "beta"
 value = 0.1
 near = "south"
 radius = 30
-along = [1, 0]
-[[move]]
+parametric_direction = [1, 0]
+[[offset]]
 name = "shift"
-line = "north"
+curve = "north"
 value = 0
 direction = [0, 0, 1]
 [[parameter]]
@@ -164,17 +164,18 @@ TEST_CASE("a moved embedded line is kept within the tolerance, by small triangle
             std::to_string(70 + 12 * std::sin(a)) + ", 0]";
   }
   std::string scene = "corner_angle = 60\n" + kSquare;
-  const std::string skin = "[skin]\nmesher = \"fan\"\nedge_length = 30\nalpha = 1\nbeta = 0.01\n";
+  const std::string skin =
+      "[mesh]\nmesher = \"fan\"\nedge_length = 30\n[skin]\nalpha = 1\nbeta = 0.01\n";
   scene.replace(scene.find(skin), skin.size(),
-                line("ring", ring) + "role = \"inner\"\n[skin]\nedge_length = 12\n");
-  c.file("s.toml", scene + "[[move]]\nname = \"lift\"\nline = \"ring\"\nvalue = 5\n");
+                line("ring", ring) + "role = \"inner\"\n[mesh]\nedge_length = 12\n");
+  c.file("s.toml", scene + "[[offset]]\nname = \"lift\"\ncurve = \"ring\"\nvalue = 5\n");
   for (const char* command : {"run", "sculpt"}) {
     const CliResult r = c.run({command, "s.toml", "--out", command});
     INFO(r.err);
     CHECK(r.code == 0);
   }
   const auto json = report(c, "run");
-  for (const auto& each : json["lines"]["each"])
+  for (const auto& each : json["curves"]["each"])
     if (each.contains("gap")) CHECK(each["gap"].get<double>() <= 0.01414);
   CHECK(json["surface"]["area"].get<double>() > 10050);
   CHECK(json["surface"]["triangles"].get<int>() < 2000);
@@ -329,25 +330,25 @@ TEST_CASE("sculpt answers wrong words before it works", "[cli][sculpt]") {
                          const std::vector<std::string>& parts) {
     c.fails(scene, 1, parts, more, "sculpt");
   };
-  fails({"--sweep", "swell"}, {"--sweep swell: found no name, expected name=from:to:count"});
-  fails({"--sweep", "swell=1:2"}, {"found 2 numbers, expected name=from:to:count"});
+  fails({"--sweep", "swell"}, {"--sweep swell: found no name, expected NAME=FROM:TO:COUNT"});
+  fails({"--sweep", "swell=1:2"}, {"found 2 numbers, expected NAME=FROM:TO:COUNT"});
   fails({"--sweep", "swell=1:x:3"}, {"found 'x' for a number"});
   fails({"--sweep", "swell=1:2:1"}, {"found 1 values, expected a whole number from 2"});
-  fails({"--sweep", "swell=1:1:3"}, {"found 1 twice"});
+  fails({"--sweep", "swell=1:1:3"}, {"found an empty range, 1 at both ends"});
   fails({"--sweep", "swel=0:1:3"}, {"--sweep swel=0:1:3: ", "did you mean 'swell'?"});
   fails({"--sweep", "swell=0:2000:3"}, {"found 2000", "from 0 to 1000"});
   fails({"--set", "swell=-1"}, {"--set swell=-1: ", "found -1"});
   fails({"--set", "swell"}, {"found no '='"});
-  fails({"--refine", "jump:2"}, {"--refine jump:2: expected jumps:ROUNDS"});
-  fails({"--refine", "jumps:0"}, {"expected jumps:ROUNDS"});
+  fails({"--refine", "jump:2"}, {"--refine: found jump:2, expected jumps:ITERATIONS"});
+  fails({"--refine", "jumps:0"}, {"expected jumps:ITERATIONS"});
   fails({"--time", "1"}, {"--dt"});
   fails({"--time", "1", "--dt", "0"}, {"--dt"});
-  fails({"--time", "1", "--dt", "1e-9"}, {"found 1e+09 steps, expected at most a million"});
+  fails({"--time", "1", "--dt", "1e-9"}, {"found 1e+09 time steps, expected at most a million"});
   fails({"--replay", "none.jsonl"}, {"none.jsonl: found no such file"});
   fails({"--replay", "none.jsonl", "--record", "a"}, {"--record"});
   fails({"--record", "none/log.jsonl"}, {"none/log.jsonl"});
   c.fails(kSquare +
-              "[[load]]\nname = \"l\"\ntype = \"pulls\"\nvalue = 1\nat = [[0,0,0]]\n"
+              "[[load]]\nname = \"l\"\ntype = \"attractors\"\nvalue = 1\nat = [[0,0,0]]\n"
               "curve = \"rail\"\n",
-          1, {"s.toml:", "found the line 'rail', expected one of: south, east"}, {}, "sculpt");
+          1, {"s.toml:", "found the curve 'rail', expected one of: south, east"}, {}, "sculpt");
 }

@@ -64,7 +64,7 @@ TEST_CASE("keyframes of a sequence are added, changed and undone", "[document]")
   bare.apply({.kind = CommandKind::Open, .file = kForming.parent_path() / "plate.pc2"});
   bare.apply({.kind = CommandKind::Add,
               .table = {"select", ""},
-              .text = "{ name = \"edge\", plane = { through = [7, 0, 0], normal = [-1, 0, 0] } }"});
+              .text = "{ name = \"edge\", plane = { origin = [7, 0, 0], normal = [-1, 0, 0] } }"});
   act_all(bare, sequence_handle_edits(bare.text(), "edge"));
   for (const int frame : {4, 12, 12})
     act_all(bare, keyframe_edits(bare.text(), frame, "edge", {0, 0, 1.0 * frame}, {0, 10, 0}));
@@ -85,7 +85,7 @@ TEST_CASE("a sequence that cannot be edited so stays as it was", "[document]") {
   const std::string text = document.text().text();
   const MeshSequence frames = document.sequence()->frames();
   CHECK_THROWS_AS(document.apply({.kind = CommandKind::Set,
-                                  .table = {"step", "wider"},
+                                  .table = {"operation", "wider"},
                                   .key = "fixed",
                                   .text = "\"nowhere\""}),
                   InputError);
@@ -103,8 +103,8 @@ TEST_CASE("a path that is drawn is followed, and drawn anew", "[document]") {
   through.back() += Vec3(0.5, 0.3, 0);
   document.apply(path_edit(document.text(), through));
   CHECK(path_of(document.text()) == through);
-  CHECK(document.text().has({"step", "bend"}));
-  document.apply({.kind = CommandKind::Remove, .table = {"step", "bend"}});
+  CHECK(document.text().has({"operation", "bend"}));
+  document.apply({.kind = CommandKind::Remove, .table = {"operation", "bend"}});
   CHECK(path_of(document.text()).empty());
   CHECK(path_edit(document.text(), through).kind == CommandKind::Add);
 }

@@ -48,8 +48,8 @@ class SequenceExample {
     INFO(r.err);
     REQUIRE(r.code == 0);
     const auto j = report(case_, out, more.empty() ? "report.json" : "report_49-52.json");
-    CHECK(j["missed_promises"].empty());
-    for (const auto& f : j["footprints"]) CHECK(f["slip"].get<double>() <= 1e-3);
+    CHECK(j["failed_checks"].empty());
+    for (const auto& f : j["foot_plants"]) CHECK(f["foot_skate"].get<double>() <= 1e-3);
     for (const auto& f : j["features"]) CHECK(f["max_rigid_error"].get<double>() <= 1e-10);
     return j;
   }
@@ -122,7 +122,7 @@ TEST_CASE("a walker climbs stairs without sliding", "[sequence]") {
   const auto j = example.run("stairs");
   CHECK(smooth(j));
   CHECK(j["sequence"]["frames"] == 121);
-  CHECK(j["footprints"].size() == 12);
+  CHECK(j["foot_plants"].size() == 12);
   const MeshSequence s = example.sequence("out/frames/climb_*.obj");
   CHECK(s.frames.front().col(2).minCoeff() == Approx(0).margin(0.005));
   CHECK(s.frames.back().col(2).minCoeff() == Approx(0.8).margin(0.01));
@@ -142,7 +142,7 @@ TEST_CASE("a walker takes a bend and goes over hills", "[sequence]") {
   const auto j = example.run("path");
   CHECK(smooth(j));
   CHECK(j["sequence"]["frames"] == 193);
-  CHECK(j["footprints"].size() == 18);
+  CHECK(j["foot_plants"].size() == 18);
   const MeshSequence s = example.sequence("out/frames/hills_*.obj");
   const Vec3 way = (s.frames.back() - s.frames.front()).colwise().mean();
   CHECK(way.y() > 2.5);
@@ -152,17 +152,17 @@ TEST_CASE("a walker takes a bend and goes over hills", "[sequence]") {
 TEST_CASE("corners of a banner go where hands go", "[sequence]") {
   SequenceExample example("26-flag");
   const auto j = example.run("flag");
-  CHECK(j["turned_over"]["after"] == 0);
+  CHECK(j["inverted_triangles"]["after"] == 0);
   // Frames that are there are of the same hands, or are made again.
-  CHECK(example.run("flag")["sequence"]["found"] == 25);
+  CHECK(example.run("flag")["sequence"]["reused"] == 25);
   const fs::path walker_file = example.file("24-stairs/walker.pc2");
   const std::string walking = contents(walker_file);
   std::string still_walking = walking;
   std::fill(still_walking.end() - 400, still_walking.end(), '\0');
   write(walker_file, still_walking);
-  CHECK(example.run("flag")["sequence"]["found"] == 0);
+  CHECK(example.run("flag")["sequence"]["reused"] == 0);
   write(walker_file, walking);
-  CHECK(example.run("flag")["sequence"]["found"] == 0);
+  CHECK(example.run("flag")["sequence"]["reused"] == 0);
   const MeshSequence banner = example.sequence("out/frames/banner_*.obj"),
                      still = example.sequence("26-flag/banner.pc2"),
                      walker = example.sequence("24-stairs/walker.pc2");
@@ -185,7 +185,7 @@ TEST_CASE("a jump is announced and overdone, feet stay where they stand", "[sequ
   SequenceExample example("27-cartoon");
   const auto j = example.run("cartoon");
   CHECK(smooth(j));
-  CHECK(j["footprints"].size() == 4);
+  CHECK(j["foot_plants"].size() == 4);
   const MeshSequence before = example.sequence("27-cartoon/jumper.pc2"),
                      after = example.sequence("out/frames/jump_*.obj");
   const auto highest = [](const MeshSequence& s) {
@@ -197,13 +197,13 @@ TEST_CASE("a jump is announced and overdone, feet stay where they stand", "[sequ
   CHECK(highest(after).second > highest(before).second + 0.02);
   CHECK_THAT(
       example.error_message("cartoon", {"\"left foot\", \"right foot\"]", "\"right foot\"]"}),
-      Contains("found the foot 'left foot', expected one of the step's handles"));
+      Contains("found the foot 'left foot', expected one of the operation's handles"));
 }
 
 TEST_CASE("a worm becomes a fish, both exactly where the morph ends", "[sequence]") {
   SequenceExample example("28-morph");
   const auto j = example.run("morph");
-  CHECK(j["turned_over"]["after"] == 0);
+  CHECK(j["inverted_triangles"]["after"] == 0);
   const MeshSequence worm = example.sequence("28-morph/worm.pc2"),
                      fish = example.sequence("28-morph/fish.pc2"),
                      after = example.sequence("out/frames/fish_*.obj");
@@ -239,7 +239,7 @@ TEST_CASE("a worm becomes a fish, both exactly where the morph ends", "[sequence
   for (int k = 0; k < 25; ++k)
     CHECK((turned.frames[k] - after.frames[k]).cwiseAbs().maxCoeff() < 1e-6);
   CHECK_THAT(example.error_message("morph", {"interval = [7, 19] }", "interval = [27, 29] }"}),
-             Contains("the interval of the target is frames 27 to 29, expected two of 1 to 25"));
+             Contains("the interval of the target is frames 27 to 29, expected two frames of 1 to 25"));
 }
 
 TEST_CASE("a flange becomes wider while a plate is pressed, holes keep their shape", "[sequence]") {
@@ -247,7 +247,7 @@ TEST_CASE("a flange becomes wider while a plate is pressed, holes keep their sha
   const auto j = example.run("forming");
   CHECK(smooth(j));
   CHECK(j["features"].size() == 3);
-  CHECK(j["turned_over"]["after"] == 0);
+  CHECK(j["inverted_triangles"]["after"] == 0);
   const MeshSequence before = example.sequence("29-forming/plate.pc2"),
                      after = example.sequence("out/frames/forming_*.vtp");
   REQUIRE(after.frame_count() == before.frame_count());

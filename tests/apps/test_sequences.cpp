@@ -51,14 +51,14 @@ const std::string kSequenceHead =
     "[[handle]]\nname = \"front\"\nvertices = \"b\"\n"
     "[[handle]]\nname = \"back\"\nvertices = \"a\"\n";
 const std::string kKeyframes =
-    "[[step]]\nkind = \"keyframes\"\n[[step.keyframe]]\nframe = 9\n"
-    "handle = [{ name = \"front\", translate = [0, 0, 0.3], rotate = { axis = [0,1,0], degrees = "
+    "[[operation]]\ntype = \"keyframes\"\n[[operation.keyframe]]\nframe = 9\n"
+    "handle = [{ name = \"front\", translate = [0, 0, 0.3], rotate = { axis = [0,1,0], angle = "
     "20 "
     "} },\n          { name = \"back\" }]\n";
 
 void put_walk(const CliCase& c) { write_frames(c / "in/walk_*.obj", walk_on_the_spot()); }
 
-std::string with_step(const std::string& step) { return kSequenceHead + "[[step]]\n" + step; }
+std::string with_step(const std::string& step) { return kSequenceHead + "[[operation]]\n" + step; }
 
 /// A run that is done, with its report.
 /// Each part of the frames has a report of its own.
@@ -93,8 +93,8 @@ std::map<std::string, std::string> contents_in(const fs::path& folder) {
 TEST_CASE("every kind of step goes over a walk", "[sequence]") {
   const CliCase c("sequence_kinds");
   put_walk(c);
-  const std::string feet = "feet = [\"front\", \"back\"]\n", found = "found = { within = 0.02 }\n";
-  const std::string travel = "kind = \"travel\"\ncycles = 2\nalong = [1,0,0]\n" + feet;
+  const std::string feet = "feet = [\"front\", \"back\"]\n", found = "contact_detection = { distance = 0.02 }\n";
+  const std::string travel = "type = \"root_motion\"\ncycles = 2\ndirection = [1,0,0]\n" + feet;
   nlohmann::json j = done(c, with_step(travel));
   CHECK(j["sequence"]["frames"].get<int>() == 33);
   const MeshSequence far = read_sequence(c / "out/frames");
@@ -102,31 +102,31 @@ TEST_CASE("every kind of step goes over a walk", "[sequence]") {
   const MeshSequence before = walk_on_the_spot();
   CHECK(distance(far.frames[20],
                  (before.frames[4].rowwise() + Eigen::RowVector3d(1.25, 0, 0)).eval()) < 1e-12);
-  const std::string then = travel + "[[step]]\n";
+  const std::string then = travel + "[[operation]]\n";
   std::string terrain = "v -20 -20 0\nv 40 -20 6\nv 40 20 6\nv -20 20 0\nf 1 2 3\nf 1 3 4\n";
   c.file("hill.obj", terrain);
-  j = done(c, with_step(then + "kind = \"footprints\"\n" + feet + found +
+  j = done(c, with_step(then + "type = \"foot_plants\"\n" + feet + found +
                         "terrain = { file = \"hill.obj\" }\n"));
-  REQUIRE(j["footprints"].size() >= 4);
-  for (const auto& foot : j["footprints"]) CHECK(foot["slip"].get<double>() < 1e-12);
-  j = done(c, with_step(then + "kind = \"path\"\nthrough = [[0,0,0],[1,0.3,0],[2,1.2,0]]\n" + feet +
+  REQUIRE(j["foot_plants"].size() >= 4);
+  for (const auto& foot : j["foot_plants"]) CHECK(foot["foot_skate"].get<double>() < 1e-12);
+  j = done(c, with_step(then + "type = \"path\"\nthrough = [[0,0,0],[1,0.3,0],[2,1.2,0]]\n" + feet +
                         found));
-  for (const auto& foot : j["footprints"]) CHECK(foot["slip"].get<double>() < 1e-12);
+  for (const auto& foot : j["foot_plants"]) CHECK(foot["foot_skate"].get<double>() < 1e-12);
   j = done(c, with_step(then +
-                        "kind = \"filter\"\nfilter = \"low\"\nhandles = [\"front\", \"back\"]\n"));
-  CHECK(j["steps"].size() == 2);
+                        "type = \"filter\"\nfilter = \"low\"\nhandles = [\"front\", \"back\"]\n"));
+  CHECK(j["operations"].size() == 2);
   j = done(
-      c, with_step("kind = \"mix\"\nsource = { file = \"in/walk_*.obj\", select = [{ name = \"x\", "
+      c, with_step("type = \"mix\"\nsource = { file = \"in/walk_*.obj\", select = [{ name = \"x\", "
                    "box = [[0.74,-1,-1],[0.76,1,1]] }] }\npair = [{ handle = \"back\", from = "
                    "\"x\" }]\n"));
   // A handle that is told to move as it does changes nothing.
   CHECK(distance(read_sequence(c / "out/frames").frames[5], before.frames[5]) < 1e-9);
   j = done(c,
-           with_step("kind = \"morph\"\ntarget = { file = \"in/walk_*.obj\", interval = [3, 10] }\n"
+           with_step("type = \"morph\"\ntarget = { file = \"in/walk_*.obj\", interval = [3, 10] }\n"
                      "interval = [5, 12]\n"));
   CHECK(j["sequence"]["frames"].get<int>() == 4 + 8 + 7);
   j = done(c, kSequenceHead + kKeyframes);
-  CHECK(j["steps"][0]["keyframes"].get<int>() == 1);
+  CHECK(j["operations"][0]["keyframes"].get<int>() == 1);
 }
 
 TEST_CASE("an upright trunk stays on the path, and on a slope goes with the mean of the feet",
@@ -134,11 +134,11 @@ TEST_CASE("an upright trunk stays on the path, and on a slope goes with the mean
   const CliCase c("sequence_upright");
   put_walk(c);
   c.file("hill.obj", "v -20 -20 0\nv 40 -20 6\nv 40 20 6\nv -20 20 0\nf 1 2 3\nf 1 3 4\n");
-  const std::string feet = "feet = [\"front\", \"back\"]\n", found = "found = { within = 0.02 }\n";
+  const std::string feet = "feet = [\"front\", \"back\"]\n", found = "contact_detection = { distance = 0.02 }\n";
   const std::string head =
       "[[handle]]\nname = \"trunk\"\nvertices = \"t\"\n[[select]]\nname = \"t\"\nbox = "
-      "[[0.49,-1,-1],[0.51,1,1]]\n[[step]]\nkind = \"travel\"\nalong = [1,0,0]\n" +
-      feet + "[[step]]\n";
+      "[[0.49,-1,-1],[0.51,1,1]]\n[[operation]]\ntype = \"root_motion\"\ndirection = [1,0,0]\n" +
+      feet + "[[operation]]\n";
   const std::vector<int> trunk = nodes_where(
       walk_on_the_spot().frames[0], [](const Vec3& p) { return std::abs(p.x() - 0.5) < 0.011; });
   REQUIRE(!trunk.empty());
@@ -146,16 +146,16 @@ TEST_CASE("an upright trunk stays on the path, and on a slope goes with the mean
     done(c, kSequenceHead + head + step);
     return read_sequence(c / "out/frames").frames;
   };
-  const std::string bend = "kind = \"path\"\nthrough = [[0,0,0],[1,0.3,0],[2,1.2,0]]\n";
+  const std::string bend = "type = \"path\"\nthrough = [[0,0,0],[1,0.3,0],[2,1.2,0]]\n";
   const auto along = trajectory_of(frames(bend), trunk),
-             held = trajectory_of(frames(bend + feet + found + "upright = \"trunk\"\n"), trunk);
+             held = trajectory_of(frames(bend + feet + found + "unrotated = \"trunk\"\n"), trunk);
   CHECK(distance(along.centres, held.centres) < 1e-12);
-  const auto flat = frames("kind = \"footprints\"\n" + feet + found),
-             hill = frames("kind = \"footprints\"\n" + feet + found +
-                           "upright = \"trunk\"\nterrain = { file = \"hill.obj\" }\n");
+  const auto flat = frames("type = \"foot_plants\"\n" + feet + found),
+             hill = frames("type = \"foot_plants\"\n" + feet + found +
+                           "unrotated = \"trunk\"\nterrain = { file = \"hill.obj\" }\n");
   const auto before = trajectory_of(flat, trunk), after = trajectory_of(hill, trunk);
   const auto told = trajectory_of(
-      frames("kind = \"footprints\"\n" + feet + found + "upright = \"trunk\"\n"), trunk);
+      frames("type = \"foot_plants\"\n" + feet + found + "unrotated = \"trunk\"\n"), trunk);
   for (int k = 0; k < after.frame_count(); ++k) {
     CHECK((after.rotations[k] - told.rotations[k]).norm() <
           1e-9);                                            // as on the level: it does not lean
@@ -170,21 +170,21 @@ TEST_CASE("sequences that cannot be are refused by file and place, and leave not
   const auto refused = [&](const std::string& scene, const std::vector<std::string>& parts) {
     c.fails(scene, 1, parts, {}, "sequence");
   };
-  const std::string frame = kKeyframes.substr(kKeyframes.find("[[step.keyframe]]"));
-  refused(kSequenceHead + "[[step]]\nkind = \"keyframe\"\n",
+  const std::string frame = kKeyframes.substr(kKeyframes.find("[[operation.keyframe]]"));
+  refused(kSequenceHead + "[[operation]]\ntype = \"keyframe\"\n",
           {"s.toml:17:8: found 'keyframe'", "keyframes"});
-  refused(with_step("kind = \"keyframes\"\nsigma = 2\n" + frame),
-          {"s.toml:18:", "key 'sigma' in a step of the kind 'keyframes'"});
-  refused(with_step("kind = \"travel\"\nalong = [1,0,0]\nspeed = 1\nfeet = \"front\"\n"),
-          {"s.toml:16:", "told twice or not at all", "one of speed, feet"});
-  refused(with_step("kind = \"keyframes\"\n[[step.keyframe]]\nframe = 18\nhandle = [{ name = "
+  refused(with_step("type = \"keyframes\"\nsigma = 2\n" + frame),
+          {"s.toml:18:", "key 'sigma' in an operation of type 'keyframes'"});
+  refused(with_step("type = \"root_motion\"\ndirection = [1,0,0]\nspeed = 1\nfeet = \"front\"\n"),
+          {"s.toml:16:", "the speed given twice or not at all", "one of speed, feet"});
+  refused(with_step("type = \"keyframes\"\n[[operation.keyframe]]\nframe = 18\nhandle = [{ name = "
                     "\"front\" }]\n"),
           {"s.toml:18:", "found frame 18, expected one of 1 to 17"});
-  refused(with_step("kind = \"keyframes\"\n[[step.keyframe]]\nframe = 3\nhandle = [{ name = "
+  refused(with_step("type = \"keyframes\"\n[[operation.keyframe]]\nframe = 3\nhandle = [{ name = "
                     "\"frond\" }]\n"),
           {"s.toml:20:", "found the handle 'frond'", "front"});
-  refused(with_step("kind = \"keyframes\"\ninfluence = [4, 8]\n" + frame),
-          {"s.toml:16:", "step-1"});
+  refused(with_step("type = \"keyframes\"\ninfluence = [4, 8]\n" + frame),
+          {"s.toml:16:", "operation-1"});
   refused(kSequenceHead +
               "[[select]]\nname = \"none\"\nbox = [[9,9,9],[10,10,10]]\n[[handle]]\nname = "
               "\"hand\"\nvertices = \"none\"\n" +
@@ -213,7 +213,7 @@ TEST_CASE("sequences that cannot be are refused by file and place, and leave not
     c.file("s.toml", kSequenceHead + kKeyframes + "[output]\nframes = \"" + file + "\"\n");
     const CliResult r = c.run({"sequence", "s.toml", "--out", "out", "--frames", "1:4"});
     CHECK(r.code == 1);
-    CHECK(r.err.find("numbered files only") != std::string::npos);
+    CHECK(r.err.find("expected numbered files") != std::string::npos);
     CHECK_FALSE(fs::exists(c / ("out/" + file)));
   }
 }
@@ -227,24 +227,24 @@ TEST_CASE("parts of the frames are the whole's, and a run goes on where it was s
   const auto whole = contents_in(c / "whole/frames");
   for (const std::string part : {"1:5", "6:6", "7:17"}) {
     const auto j = done(c, scene, "parts", {"--frames", part});
-    CHECK(j["sequence"]["found"].get<int>() == 0);
+    CHECK(j["sequence"]["reused"].get<int>() == 0);
   }
   CHECK(contents_in(c / "parts/frames") == whole);
   // Some are there, others not.
   fs::remove(c / "parts/frames/frame_0003.obj");
   fs::remove(c / "parts/frames/frame_0009.obj");
-  CHECK(done(c, scene, "parts")["sequence"]["found"].get<int>() == 15);
+  CHECK(done(c, scene, "parts")["sequence"]["reused"].get<int>() == 15);
   CHECK(contents_in(c / "parts/frames") == whole);
   // Another scene, other input: all anew.
   std::string other = scene;
   other.replace(other.find("0.3]"), 3, "0.2");
-  CHECK(done(c, other, "parts")["sequence"]["found"].get<int>() == 0);
+  CHECK(done(c, other, "parts")["sequence"]["reused"].get<int>() == 0);
   CHECK(contents_in(c / "parts/frames") != whole);
   MeshSequence moved_walk = walk_on_the_spot();
   for (Points& p : moved_walk.frames) p(7, 2) += 1e-3;
   fs::remove_all(c / "in");
   write_frames(c / "in/walk_*.obj", moved_walk);
-  CHECK(done(c, other, "parts")["sequence"]["found"].get<int>() == 0);
+  CHECK(done(c, other, "parts")["sequence"]["reused"].get<int>() == 0);
 }
 
 TEST_CASE("frames are written as folders, caches, scenes and lists", "[sequence]") {
@@ -284,7 +284,7 @@ TEST_CASE("the fox walks over a hill and along a path, and starts to run", "[seq
       "[[select]]\nname = \"other\"\nbox = [[-10,-1,-18],[-4,3,-10]]\n"
       "[[select]]\nname = \"fore\"\nbox = [[-9,-1,3],[-5,3,6]]\n"
       "[[handle]]\nname = \"hind\"\n[[handle]]\nname = \"other\"\n[[handle]]\nname = \"fore\"\n"
-      "[[step]]\nname = \"far\"\nkind = \"travel\"\ncycles = 2\nalong = [0,0,1]\nfeet = [\"hind\", "
+      "[[operation]]\nname = \"far\"\ntype = \"root_motion\"\ncycles = 2\ndirection = [0,0,1]\nfeet = [\"hind\", "
       "\"other\", \"fore\"]\n";
   std::string hill;
   for (int j = 0; j <= 20; ++j)
@@ -298,39 +298,39 @@ TEST_CASE("the fox walks over a hill and along a path, and starts to run", "[seq
               std::to_string(a + 42) + " " + std::to_string(a + 41) + "\n";
     }
   c.file("hill.obj", hill);
-  const std::string feet = "feet = [\"hind\", \"other\", \"fore\"]\nfound = { within = 4 }\n";
+  const std::string feet = "feet = [\"hind\", \"other\", \"fore\"]\ncontact_detection = { distance = 4 }\n";
   const auto looked_at = [&](const nlohmann::json& j, const std::string& what) {
     const double before = j["smoothness"]["second_difference_before"].get<double>(),
                  after = j["smoothness"]["second_difference"].get<double>();
-    INFO(what << ": feet " << j["footprints"].size() << ", second difference " << before << " -> "
+    INFO(what << ": feet " << j["foot_plants"].size() << ", second difference " << before << " -> "
               << after);
-    CHECK(j["footprints"].size() >= 3);
-    for (const auto& foot : j["footprints"]) CHECK(foot["slip"].get<double>() <= 1e-12);
+    CHECK(j["foot_plants"].size() >= 3);
+    for (const auto& foot : j["foot_plants"]) CHECK(foot["foot_skate"].get<double>() <= 1e-12);
     CHECK(after <= 1.5 * before);
   };
   looked_at(done(c, head +
-                        "[[step]]\nname = \"hill\"\nkind = \"footprints\"\nterrain = { file = "
+                        "[[operation]]\nname = \"hill\"\ntype = \"foot_plants\"\nterrain = { file = "
                         "\"hill.obj\" }\n" +
                         feet),
             "hill");
   looked_at(
       done(c, head +
-                  "[[step]]\nname = \"along\"\nkind = \"path\"\nthrough = [[0,0,0],[20,0,100],"
+                  "[[operation]]\nname = \"along\"\ntype = \"path\"\nthrough = [[0,0,0],[20,0,100],"
                   "[80,0,200],[180,0,260]]\n" +
                   feet),
       "path");
   const std::string run = (fox / "run/fox_run_000.obj").string();
-  const auto j = done(c, head + "[[step]]\nname = \"run\"\nkind = \"morph\"\ntarget = { file = \"" +
+  const auto j = done(c, head + "[[operation]]\nname = \"run\"\ntype = \"morph\"\ntarget = { file = \"" +
                              run + "\", interval = [1, 12] }\ninterval = [30, 40]\n");
   CHECK(j["sequence"]["frames"].get<int>() > 40);
-  CHECK(j["turned_over"]["after"].get<int>() <= 3 * j["turned_over"]["before"].get<int>() + 20);
+  CHECK(j["inverted_triangles"]["after"].get<int>() <= 3 * j["inverted_triangles"]["before"].get<int>() + 20);
   // The head of the running fox on the walking one.
   const std::string box = "box = [[-25,30,40],[25,90,80]]";
   const auto mixed = done(
       c, "unit = \"cm\"\nup = \"y\"\n[sequence]\nfile = \"" +
              (fox / "walk/fox_walk_000.obj").string() +
              "\"\nframes = [1, 24]\n[[select]]\nname = \"head\"\n" + box +
-             "\n[[handle]]\nname = \"head\"\n[[step]]\nname = \"mixed\"\nkind = \"mix\"\nevery "
+             "\n[[handle]]\nname = \"head\"\n[[operation]]\nname = \"mixed\"\ntype = \"mix\"\nkeyframe_interval "
              "= 2\nsource = { file = \"" +
              run + "\", select = [{ name = \"there\", " + box +
              " }] }\npair = [{ handle = \"head\", from = \"there\" }]\n");

@@ -198,8 +198,9 @@ TEST_CASE("a factor that memory cannot hold is refused before its numbers") {
   } afterwards;
   SparseCholesky cholesky;
   set_memory_limit(1e8);
-  CHECK_THROWS_WITH(cholesky.analyze(A, order),
-                    Catch::Matchers::Contains("a factor of 6000 unknowns needs 288 MB of memory"));
+  CHECK_THROWS_WITH(
+      cholesky.analyze(A, order),
+      Catch::Matchers::Contains("the Cholesky factor of 6000 unknowns needs 288 MB of memory"));
   cholesky.analyze(A);  // the other way round it stays as sparse as A
   REQUIRE(cholesky.factorize(A));
   set_memory_limit(0);

@@ -374,7 +374,7 @@ TEST_CASE("what curvature fairing refuses") {
   }
   bad = good;
   bad.parametrization_weight = 0;
-  CHECK_THAT(said(circle, true, bad), Contains("evenness"));
+  CHECK_THAT(said(circle, true, bad), Contains("parametrization_weight"));
 
   const HermiteCurve line({0, 1, 2}, (Points(3, 3) << 0, 0, 0, 1, 0, 0, 2, 1, 0).finished(),
                           Points::Ones(3, 3));
@@ -382,9 +382,9 @@ TEST_CASE("what curvature fairing refuses") {
                           const std::vector<CurveSpring>& springs) {
     return error_message([&] { fair_curvature(curve, holds, springs, good); });
   };
-  CHECK_THAT(unfair(line, {{0}}, {}), Contains("two held points or two springs"));
+  CHECK_THAT(unfair(line, {{0}}, {}), Contains("two fixed points or two springs"));
   CHECK_THAT(unfair(line, {{0}, {3}}, {}), Contains("outside"));
-  CHECK_THAT(unfair(line, {{0}, {1}, {1 + 1e-12}}, {}), Contains("held twice"));
+  CHECK_THAT(unfair(line, {{0}, {1}, {1 + 1e-12}}, {}), Contains("two fixed points"));
   CHECK_THAT(unfair(line, {{0}, {2}}, {{Vec3(0, 0, 0), 0}}), Contains("stiffness above 0"));
   const HermiteCurve bent(CurveMesh({0, 1, 2}, false, {1}), Points::Random(7, 3));
   CHECK_THAT(unfair(bent, {{0}, {2}}, {}), Contains("corners"));

@@ -237,7 +237,7 @@ TEST_CASE("what cannot be fitted is refused by name, what is odd is fitted") {
   CHECK_THAT(error_message([&] {
                fit_points("rim", {{0, 0, 0}, {1, 0, 0}}, corner);
              }),
-             Contains("corner at point 8 of 2"));
+             Contains("corner at point 8, expected 1 to 2"));
   corner.corners.reset();
   corner.corner_angle = 0;
   CHECK_THAT(error_message([&] {
@@ -318,7 +318,7 @@ TEST_CASE("halved fits end, within the tolerance or refused") {
     if (refused.empty())
       CHECK(deviation <= options.tolerance);
     else
-      CHECK_THAT(refused, Contains("corner, or is the tolerance too small"));
+      CHECK_THAT(refused, Contains("add a corner, or increase the tolerance"));
   };
   Random random(4);
   auto noisy = points_of(33, helix);

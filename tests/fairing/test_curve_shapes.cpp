@@ -103,16 +103,17 @@ TEST_CASE("copies are where they are put") {
 
 TEST_CASE("what describes no curve is refused with what was found") {
   const CurvePlane plane;
-  CHECK_THROWS_WITH(arc_through({0, 0, 0}, {1, 0, 0}, {2, 0, 0}), Contains("on a line"));
+  CHECK_THROWS_WITH(arc_through({0, 0, 0}, {1, 0, 0}, {2, 0, 0}), Contains("collinear"));
   CHECK_THROWS_WITH(ellipse_arc(plane, -1, 1, 0, 1), Contains("found the radius -1"));
   CHECK_THROWS_WITH(ellipse_arc(plane, 1, 1, 0, 7), Contains("360 apart"));
   CHECK_THROWS_WITH(helix(plane, 1, 1, 0), Contains("number of turns"));
   CHECK_THROWS_WITH(rectangle(plane, 10, 4, 3), Contains("expected 0 to 2"));
-  CHECK_THROWS_WITH(curve_plane({0, 0, 0}, {0, 0, 1}, {0, 0, 2}), Contains("along the normal"));
+  CHECK_THROWS_WITH(curve_plane({0, 0, 0}, {0, 0, 1}, {0, 0, 2}),
+                    Contains("parallel to the normal"));
   CHECK_THROWS_WITH(nurbs_curve(3, {{0, 0, 0}, {1, 0, 0}}, {}, {}), Contains("expected 4 or more"));
   const std::vector<Vec3> p = {{0, 0, 0}, {1, 1, 0}, {2, 0, 0}};
   CHECK_THROWS_WITH(nurbs_curve(2, p, {1, 1}, {}), Contains("one for each"));
   CHECK_THROWS_WITH(nurbs_curve(2, p, {1, 0, 1}, {}), Contains("weights above 0"));
   CHECK_THROWS_WITH(nurbs_curve(2, p, {}, {0, 0, 0, 1, 1}), Contains("expected 6"));
-  CHECK_THROWS_WITH(nurbs_curve(2, p, {}, {0, 0, 1, 0, 1, 1}), Contains("do not descend"));
+  CHECK_THROWS_WITH(nurbs_curve(2, p, {}, {0, 0, 1, 0, 1, 1}), Contains("do not decrease"));
 }

@@ -644,10 +644,13 @@ TEST_CASE("what cannot be faired is refused by name") {
              }),
              Contains("'rib' has 1 point"));
   const HermiteCurve curve = interpolating_spline("rib", points);
-  CHECK_THAT(error_message([&] { fair_brush(curve, {0, 9, 0}, 1, 1); }), Contains("does not meet"));
+  CHECK_THAT(error_message([&] {
+               fair_brush(curve, {0, 9, 0}, 1, 1);
+             }),
+             Contains("lies outside of the brush"));
   CHECK_THAT(error_message([&] { fair_brush(curve, {0, 0, 0}, -1, 1); }), Contains("radius"));
   CHECK_THAT(error_message([&] { fair_brush(curve, {0, 0, 0}, 1, 0); }), Contains("wavelength"));
-  CHECK_THAT(error_message([&] { fair_interval(curve, 2, 1, 1); }), Contains("stretch"));
+  CHECK_THAT(error_message([&] { fair_interval(curve, 2, 1, 1); }), Contains("segment"));
 }
 
 TEST_CASE("odd point lists are faired: two points, a line, there and back, repeats, a crowd") {

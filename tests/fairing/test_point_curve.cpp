@@ -140,5 +140,5 @@ TEST_CASE("corners may be stated") {
   CHECK(round->corners().empty());
   CHECK(jumps(*round).first < 1e-6);
   CHECK_THROWS_WITH(curve_through_points("ring", square, 20, std::vector<int>{9}),
-                    Contains("corner at point 10 of 5"));
+                    Contains("corner at point 10, expected 1 to 5"));
 }

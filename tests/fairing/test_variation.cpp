@@ -422,7 +422,7 @@ TEST_CASE("what cannot be faired says so") {
              Contains("constraints on 3 dofs"));
   const Surface z12(s.shared_mesh(), TriangleElement::Z12, s.dofs());
   CHECK_THAT(error_message([&] { minimize_curvature_variation(z12, rows); }),
-             Contains("expected HCT"));
+             Contains("expected element = \"hct\""));
   Points broken = s.dofs();
   broken(0, 0) = std::nan("");
   CHECK_THAT(error_message([&] {

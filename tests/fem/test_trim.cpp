@@ -319,7 +319,7 @@ TEST_CASE("corners of one closed curve, and pieces that meet nearly, close the l
 }
 
 TEST_CASE("loops that are none are refused") {
-  CHECK(error_message([] { DomainLoops({Loop{}}); }).find("without curves") != std::string::npos);
+  CHECK(error_message([] { DomainLoops({Loop{}}); }).find("has no curves") != std::string::npos);
   Loop open = box({0, 0}, {1, 1});
   open.pop_back();
   CHECK(error_message([&] { DomainLoops({open}); }).find("open at (0, 1)") != std::string::npos);

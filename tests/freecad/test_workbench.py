@@ -65,8 +65,8 @@ class Workbench(unittest.TestCase):
         self.document.recompute()
         self.assertGreater(abs(height() - rest), 1)
         obj.Pressure = 0
-        obj.PushAt = [V(100, 70, rest)]
-        obj.PushBy = [V(0, 0, 20)]
+        obj.LoadPoints = [V(100, 70, rest)]
+        obj.LoadForces = [V(0, 0, 20)]
         self.document.recompute()
         self.assertGreater(height(), rest + 1)
         self.assertLess(obj.Shape.distToShape(Part.Vertex(V(100, 0, 60)))[0], 0.03)
@@ -171,7 +171,7 @@ class Workbench(unittest.TestCase):
                 lines.append((line, ("",)))
             obj = skin.make(self.document, lines, "Skin_" + name.replace("-", "_"))
             print(f"{name}: {len(lines)} strokes, {len(obj.Shape.Faces)} faces, valid {obj.Shape.isValid()}, "
-                  f"{len(obj.Words)} words", flush=True)
+                  f"{len(obj.Messages)} messages", flush=True)
             self.assertGreater(len(obj.Shape.Faces), 3)
             self.assertTrue(all(face.isValid() for face in obj.Shape.Faces))
 

@@ -221,11 +221,11 @@ def finite(value):
 
 
 def not_named(report):
-    """A region that turns over, of which no flaw tells."""
-    said = {name for flaw in report["flaws"] for name in flaw["regions"]}
-    for region in report.get("regions", []):
-        if region["skinned"] and not region["min_jacobian_ratio"] > 0 and region["name"] not in said:
-            return region["name"]
+    """An inverted face that no defect names."""
+    said = {name for defect in report["defects"] for name in defect["faces"]}
+    for face in report.get("faces", []):
+        if face["skinned"] and not face["min_jacobian_ratio"] > 0 and face["name"] not in said:
+            return face["name"]
     return ""
 
 
@@ -340,7 +340,7 @@ class Target:
             code, text, seconds, megabytes = server.run(words, folder)
             names = {path.parts[0] for path in files}
             what = wrong(code, text, seconds, megabytes, folder, names)
-            if self.name == "sketches" and code == 1 and "found no loop" not in text:
+            if self.name == "sketches" and code == 1 and "found no closed loop" not in text:
                 what = what or "no model"
             if what:
                 kept = self.keep / f"{self.name}-{k}"

@@ -144,9 +144,9 @@ TEST_CASE("cages and options that cannot be are refused") {
   CHECK_THROWS_WITH(catmull_clark(cube(), {12}), Contains("4,000,000"));
   CatmullClarkOptions wrong;
   wrong.tags.creases = {{0, 7}};
-  CHECK_THROWS_WITH(catmull_clark(cube(), wrong), Contains("node 1 to 8 is no edge"));
+  CHECK_THROWS_WITH(catmull_clark(cube(), wrong), Contains("node 1 to 8 is not an edge"));
   wrong.tags = {{{0, 1, -2}}, {}};
   CHECK_THROWS_WITH(catmull_clark(cube(), wrong), Contains("sharpness of -2"));
   wrong.tags = {{}, {{8}}};
-  CHECK_THROWS_WITH(catmull_clark(cube(), wrong), Contains("corner 9 is no node"));
+  CHECK_THROWS_WITH(catmull_clark(cube(), wrong), Contains("corner 9 is not a node"));
 }

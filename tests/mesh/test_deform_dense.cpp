@@ -376,7 +376,7 @@ TEST_CASE("what is fixed stays, whoever else holds it") {
     FAIL("nor turn it");
   } catch (const ConflictError& e) {
     CHECK(e.conflicts()[0].amount == Approx(30));  // degrees
-    CHECK(std::string(e.what()).find("30 degrees of turn") != std::string::npos);
+    CHECK(std::string(e.what()).find("30 degrees of rotation") != std::string::npos);
   }
 }
 
@@ -539,10 +539,10 @@ TEST_CASE("edits and problems that cannot be are refused by name") {
           p.handles.clear();
           p.region = std::vector<int>{7, 12};
         }).empty());
-  has(why([](auto& p) { p.handles.push_back(p.handles[0]); }), "'h' is there twice");
-  has(why([](auto& p) { p.handles[0].name.clear(); }), "without name");
+  has(why([](auto& p) { p.handles.push_back(p.handles[0]); }), "two handles named 'h'");
+  has(why([](auto& p) { p.handles[0].name.clear(); }), "without a name");
   has(why([](auto& p) { p.handles[0].vertices.clear(); }), "handle 'h' has no vertices");
-  has(why([](auto& p) { p.features[0].vertices = {99}; }), "names vertex 99 of 25");
+  has(why([](auto& p) { p.features[0].vertices = {99}; }), "found vertex 99, expected 0 to 24");
   has(why([](auto& p) { p.point_constraints[0].point.entries[0].coefficient = 2; }), "sum to 2");
   has(why([](auto& p) { p.point_constraints[0].direction.setZero(); }), "no direction");
   has(why([](auto& p) { p.chains = {{"c", {1, 2, 1}, true, 1}}; }), "chain 'c'");
@@ -566,15 +566,16 @@ TEST_CASE("edits and problems that cannot be are refused by name") {
     change(edit);
     return error_message([&] { deformer.deform(edit); });
   };
-  has(refused([](auto& e) { e.handles.clear(); }), "0 moves of handles, expected 1");
+  has(refused([](auto& e) { e.handles.clear(); }), "0 transformations of handles, expected 1");
   has(refused([](auto& e) { e.handles[0].rotation_vector[0] = NAN; }), "handle 'h'");
   has(refused([](auto& e) { e.handles[0].rotation_vector[0] = 1e200; }), "handle 'h'");
-  has(refused([](auto& e) { e.handles[0].scale = 0; }), "scale not above 0");
-  has(refused([](auto& e) { e.handles[0].scale = -1; }), "scale not above 0");
+  has(refused([](auto& e) { e.handles[0].scale = 0; }), "scale that is not above 0");
+  has(refused([](auto& e) { e.handles[0].scale = -1; }), "scale that is not above 0");
   has(refused([](auto& e) { e.handles[0].scale = 1e300; }), "handle 'h'");
   has(refused([](auto& e) { e.feature_scales[0] = -1; }), "feature 'f'");
   has(refused([](auto& e) { e.feature_scales = {1, 2}; }), "2 scales");
-  has(refused([](auto& e) { e.constraint_origins[0][2] = INFINITY; }), "guide of 'g'");
+  has(refused([](auto& e) { e.constraint_origins[0][2] = INFINITY; }),
+      "origin of point constraint 'g'");
   has(refused([](auto& e) { e.targets[0][2] = NAN; }), "row 'r'");
 }
 

@@ -424,8 +424,8 @@ TEST_CASE("estimates: bad input is refused with what was found") {
     return error_message([&] { DualLaplacianDeformer(c.mesh, std::move(faces), c.left, handles); });
   };
   CHECK(dual({{0, 1}}) == "face 0 has 2 corners, expected three or more");
-  CHECK(dual({{0, 1, 6}, {0, 1, 99}}) == "face 1 names vertex 99 of 25");
-  CHECK(dual({{0, 1, 1}}) == "face 0 has vertex 1 twice, expected different corners");
+  CHECK(dual({{0, 1, 6}, {0, 1, 99}}) == "face 1 uses vertex 99, expected 0 to 24");
+  CHECK(dual({{0, 1, 1}}) == "face 0 has vertex 1 twice, expected distinct corners");
   CHECK(dual({{0, 1, 2}, {1, 0, 3}, {0, 1, 4}}) ==
         "the edge of vertices 0 and 1 has more than two faces, expected two");
   CHECK(error_message([&] { ArapDeformer(c.mesh, {}, {}); }) ==

@@ -432,18 +432,18 @@ TEST_CASE("feature regions: bad input is refused with what was found") {
     return error_message(
         [&] { FeatureRegionDeformer(panel.mesh, {region}, panel.fixed, panel.handles, options); });
   };
-  CHECK(refused({"", {}, {1}}) == "found a region without name");
-  CHECK(refused({"a", {}, {}}) == "region 'a' has no triangles, expected at least one");
-  CHECK(refused({"a", {}, {-1}}) == "region 'a' names vertex -1 of 121");
-  CHECK(refused({"a", {200}, {}}) == "region 'a' names triangle 200 of 200");
+  CHECK(refused({"", {}, {1}}) == "found a feature region without a name");
+  CHECK(refused({"a", {}, {}}) == "feature region 'a' has no triangles, expected at least one");
+  CHECK(refused({"a", {}, {-1}}) == "feature region 'a': found vertex -1, expected 0 to 120");
+  CHECK(refused({"a", {200}, {}}) == "feature region 'a': found triangle 200, expected 0 to 199");
   CHECK(refused({"a", {}, {1}}, 0) ==
         "the weight of feature regions is 0, expected a number above 0");
   FeatureRegion bad{"a", {}, {60}};
   bad.rotation = Mat3(-Mat3::Identity());
-  CHECK(refused(bad).find("the rotation of region 'a' is none") == 0);
+  CHECK(refused(bad).find("the rotation of feature region 'a' is not") == 0);
   bad.rotation.reset();
   bad.scale = -1;
-  CHECK(refused(bad) == "the scale of region 'a' is -1, expected a number above 0");
+  CHECK(refused(bad) == "the scale of feature region 'a' is -1, expected a number above 0");
   FeatureRegionDeformer deformer(panel.mesh, {{"a", {}, {60}}}, panel.fixed, panel.handles);
   CHECK(error_message([&] {
           deformer.deform(Points::Zero(4, 3), std::vector<HandleTransform>(1));
@@ -453,7 +453,7 @@ TEST_CASE("feature regions: bad input is refused with what was found") {
   CHECK(error_message([&] {
           FeatureRegionDeformer(panel.mesh, {{"a", {}, {60}}, {"a", {}, {61}}}, panel.fixed,
                                 panel.handles);
-        }) == "the region 'a' is there twice, expected different names");
+        }) == "found two feature regions named 'a', expected unique names");
 }
 
 TEST_CASE("components of a mask") {
@@ -546,7 +546,7 @@ TEST_CASE("strokes that cannot be separated are refused with the place") {
     return error_message([&] { stroke_cut(mesh, in, out); });
   };
   CHECK(refused({}, {3}) == "the stroke inside has no vertices, expected at least one");
-  CHECK(refused({3}, {98}) == "the stroke outside names vertex 98 of 98");
+  CHECK(refused({3}, {98}) == "the stroke outside: found vertex 98, expected 0 to 97");
   CHECK(refused({8, 16}, {24, 16}) ==
         "the strokes touch at vertex 16, expected triangles between them");
   CHECK(refused({8}, {9}).find("the strokes touch at triangle ") == 0);

@@ -492,16 +492,18 @@ TEST_CASE("bands that do not separate exactly two sides are refused with what wa
   };
   const auto x = [](const Vec3& at) { return at.x(); };
   CHECK(refused(mesh, {}) == "the band has no triangles");
-  CHECK(refused(mesh, {7, 200}) == "triangle 200 of the band does not exist: there are 200");
-  CHECK(refused(mesh, counted(200)) == "the band covers everything, expected 2 parts beside it");
-  CHECK(refused(mesh, {0, 1}) == "the band leaves 1 part of 198 triangles, expected 2");
+  CHECK(refused(mesh, {7, 200}) == "found triangle 200 of the band, expected 0 to 199");
+  CHECK(refused(mesh, counted(200)) ==
+        "the band covers the whole part of the mesh, expected it to separate 2 parts");
+  CHECK(refused(mesh, {0, 1}) == "the band separates 1 part of 198 triangles, expected 2");
   std::vector<int> strips = triangles_between(mesh, 0.2, 0.3, x);
   CHECK(refused(mesh, strips).empty());
   for (const int t : triangles_between(mesh, 0.6, 0.8, x)) strips.push_back(t);
-  CHECK(refused(mesh, strips) == "the band leaves 3 parts of 40, 60 and 40 triangles, expected 2");
+  CHECK(refused(mesh, strips) ==
+        "the band separates 3 parts of 40, 60 and 40 triangles, expected 2");
   const TriangleMesh two = disjoint_union(mesh, mesh);
   CHECK(refused(two, triangles_between(mesh, 0.2, 0.3, x)).empty());  // the other part is no side
-  CHECK(refused(two, triangles_between(two, 0.2, 0.3, x)).find("several parts of the mesh") !=
+  CHECK(refused(two, triangles_between(two, 0.2, 0.3, x)).find("lie in parts of the mesh") !=
         std::string::npos);
 
   const std::vector<int> band = triangles_between(mesh, 0.2, 0.5, x);

@@ -93,7 +93,7 @@ TEST_CASE("rings, borders and sets") {
   CHECK(vertices_of_triangles(topology, triangles) == ring);
   CHECK(error_message([&] {
           grown(topology, {3, 121}, 1);
-        }) == "vertex 121 does not exist: there are 121");
+        }) == "found vertex 121, expected 0 to 120");
   CHECK(error_message([&] { vertices_of_triangles(topology, {-1}); }) ==
         "triangle -1 does not exist: there are 200");
 }

@@ -265,9 +265,9 @@ TEST_CASE("an editor refuses keyframes that cannot be") {
   CHECK(refused({key}).empty());
   CHECK(refused({{8, key.handles}}).find("frame 9") != std::string::npos);
   CHECK(!refused({{-1, key.handles}}).empty());
-  CHECK(refused({key, key}).find("frame 5 is a keyframe twice") != std::string::npos);
+  CHECK(refused({key, key}).find("two keyframes at frame 5") != std::string::npos);
   CHECK(refused({{4, {HandlePose{}}}}).find("expected 2") != std::string::npos);
-  CHECK(refused({{4, {{}, {}}}}).find("tells no handle") != std::string::npos);
+  CHECK(refused({{4, {{}, {}}}}).find("prescribes no handle") != std::string::npos);
   CHECK(!refused({{1, key.handles}}).empty());
   // After a refusal the sequence is as it was given.
   CHECK(editor.frames() == m.sequence.frames);

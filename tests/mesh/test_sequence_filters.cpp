@@ -230,7 +230,7 @@ TEST_CASE("hierarchies that cannot be are refused by the handle's name") {
         }) == "arm: 9 frames, expected 10 as the root has");
   CHECK(told([](auto& h) {
           h[0].foot_contacts = {{3, 10, Vec3::Zero()}};
-        }) == "arm: the footprint of frames 4-11 is not in the frames 1-10");
+        }) == "arm: the foot plant in frames 4-11 is outside of frames 1-10");
 }
 
 TEST_CASE("similar trajectories are aligned, rotations with them") {

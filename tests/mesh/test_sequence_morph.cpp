@@ -168,7 +168,7 @@ TEST_CASE("a morph is the source, then the blend, then the target") {
   CHECK(refused(target, {3, 9}, {8, 8}).find("target") != std::string::npos);
   const TriangleMesh other = bar(10, 1, 3, 0.6);
   CHECK(refused(sequence_of(other, {other.points(), other.points()}), {3, 9}, {0, 1})
-            .find("other faces") != std::string::npos);
+            .find("different faces") != std::string::npos);
 }
 
 TEST_CASE("the nearest point of a mesh is the nearest of all its triangles") {

@@ -131,7 +131,7 @@ TEST_CASE("footprints that cannot be are refused by name and frames") {
         "apart");
   CHECK(told({{2, 6, a}, {6, 10, a}}) ==
         "left foot: the footprint of frames 7-11 is not in the frames 1-10");
-  CHECK(told({{6, 2, a}}) == "left foot: the footprint of frames 7-3 ends before it begins");
+  CHECK(told({{6, 2, a}}) == "left foot: the foot plant in frames 7-3 ends before it starts");
   CHECK(
       told({{2, 6, a}, {6, 9, a, rotation_matrix(Vec3(0, 0, 0.1))}}).find("different rotations") !=
       std::string::npos);
@@ -265,7 +265,7 @@ TEST_CASE("curves by their length: circles, ends that go straight on") {
   }
   CHECK(error_message([] {
           GroundPath::through({Vec3(1, 2, 3), Vec3(0, 0, 0), Vec3(0, 0, 1)});
-        }) == "path: points 2 and 3 are in one place of the ground");
+        }) == "path: points 2 and 3 coincide on the ground");
   CHECK(!error_message([] { GroundPath::through({Vec3(1, 2, 3)}); }).empty());
   CHECK(!error_message([] { fit_path(Points::Ones(9, 3)); }).empty());
 }

@@ -77,7 +77,7 @@ TEST_CASE("rigid motions compose, turn back, and are found again in trajectories
     CHECK((found[k](mesh.row(7).transpose()) - frames[k].row(7).transpose()).norm() < 1e-9);
   CHECK(error_message([&] {
           trajectory_of(frames, {3, 30});
-        }) == "trajectory of vertex 31, frame 1 has 30");
+        }) == "found vertex 31, but frame 1 has 30 vertices");
   const std::vector<RigidMotion> again = motions_between(t, moved(motions, t));
   for (int k = 0; k < 8; ++k) CHECK((again[k].rotation - motions[k].rotation).norm() < 1e-14);
   CHECK(!error_message([&] { trajectory_of(frames, {}); }).empty());
@@ -140,7 +140,7 @@ TEST_CASE("keyframes that cannot be are refused by name") {
   };
   CHECK(told({}) == "no keyframes");
   CHECK(told({3, 10}) == "keyframe 11 is not one of the frames 1-10");
-  CHECK(told({5, 5}) == "keyframe 6 comes after keyframe 6");
+  CHECK(told({5, 5}) == "found keyframe 6 after keyframe 6");
   CHECK(told({3, 5}, {3, 9}) ==
         "an influence from frame 4 on, where nothing changes yet, is not "
         "before the first keyframe, 4");

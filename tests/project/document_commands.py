@@ -5,7 +5,7 @@ usage: document_commands.py SOURCE PROGRAM SCRATCH [--words]     --words: nothin
 A command is an indented line of a document that begins with `batten` or `build/release/bin/batten`, perhaps behind `xvfb-run -a`. It is
 run in the source's folder, or, where its files are there, in the document's; what it writes goes to the scratch folder.
 Commands whose input is no file of the source (FILE, scan.stl) are not run: their options must be options that `--help` of the command
-names. Exit codes 0 and 4 (done, but a promise was missed) are good, others only where the line says so: `# exit code 2`.
+names. Exit codes 0 and 4 (done, but a check failed) are good, others only where the line says so: `# exit code 2`.
 """
 import re
 import shlex

@@ -17,7 +17,7 @@ class Refusals(PropertyTests):
     def line(self, points):
         return {"a": points, "b": [[1, 0, 0], [0, 1, 0]]}
 
-    def test_lines(self):
+    def test_curves_of_a_surface(self):
         for words, points in [
             ("found nan in row 1", [[0, 0, 0], [np.nan, 0, 0]]),
             ("found inf", [[0, 0, 0], [np.inf, 0, 0]]),
@@ -30,27 +30,27 @@ class Refusals(PropertyTests):
             ("rows of different lengths", [[0, 0, 0], [1, 1]]),
             ("found 1 points", [[0, 0, 0]]),
             ("found 0 points", np.zeros((0, 3))),
-            ("line 'a'", np.zeros((3, 3, 3))),
+            ("curve 'a'", np.zeros((3, 3, 3))),
         ]:
-            self.refused("line 'a'…" + words, batten.skin, self.line(points))
+            self.refused("curve 'a'…" + words, batten.skin, self.line(points))
 
-    def test_words_about_lines(self):
-        self.refused("lines: found none", batten.skin, {})
-        self.refused("expected one of lines; did you mean 'front'", batten.skin, saddle(), smooth=["frunt"])
-        self.refused("found one text", batten.skin, saddle(), smooth="front")
+    def test_arguments_of_skin(self):
+        self.refused("curves: found none", batten.skin, {})
+        self.refused("expected one of curves; did you mean 'front'", batten.skin, saddle(), smooth=["frunt"])
+        self.refused("found a single text", batten.skin, saddle(), smooth="front")
         self.refused("the name '1' twice", batten.skin, {1: [[0, 0, 0], [1, 0, 0]], "1": [[0, 0, 0], [1, 1, 0]]})
-        self.refused("tolerance: found -1", batten.skin, saddle(), tolerance=-1)
+        self.refused("fit_tolerance: found -1", batten.skin, saddle(), fit_tolerance=-1)
         self.refused("edge_length: found 'x'", batten.skin, saddle(), edge_length="x")
-        self.refused("found a [[line]]", batten.skin, saddle(), words='[[line]]\nname="x"\npoints=[[0,0,0],[1,0,0]]')
-        self.refused("skin():3:", batten.skin, saddle(), words='\n[[load]]\nnaem = "x"')
-        self.refused("progress: found no function", batten.skin, saddle(), progress=3)
+        self.refused("found a [[curve]]", batten.skin, saddle(), settings='[[curve]]\nname="x"\npoints=[[0,0,0],[1,0,0]]')
+        self.refused("skin():3:", batten.skin, saddle(), settings='\n[[load]]\nnaem = "x"')
+        self.refused("progress: found an object that is not callable", batten.skin, saddle(), progress=3)
 
     def test_files(self):
         self.refused("not_there", batten.load, "not_there.toml")
-        self.refused("expected the name of a file", batten.load, 3)
+        self.refused("expected a file name", batten.load, 3)
         self.refused("not_there", batten.read_mesh, "not_there.obj")
         model = batten.skin(saddle())
-        self.refused("ending", model.save, self.file("x.doc"))
+        self.refused("extension", model.save, self.file("x.doc"))
         self.refused("", model.save, "/not/there/x.vtp", error=batten.FileError)
         with open(self.file("broken.step"), "w") as file:
             file.write("ISO-10303-21;\nHEADER;garbage")
@@ -63,9 +63,9 @@ class Refusals(PropertyTests):
         for value in (np.nan, np.inf, 11):
             self.refused("swell", session.set, "swell", value)
         self.refused("swell", session.add_pressure, "swell")
-        self.refused("most_iterations: found 0", session.answer, 0)
-        self.refused("tolerance: found nan", session.answer, 4, np.nan)
-        self.refused("at: found", session.hold_point, "pin", at=[1, 2])
+        self.refused("max_iterations: found 0", session.update, 0)
+        self.refused("tolerance: found nan", session.update, 4, np.nan)
+        self.refused("at: found", session.add_point_constraint, "pin", at=[1, 2])
         self.refused("did you mean 'beta'", batten.skin(saddle()).with_values, {"betta": 1})
         self.refused("expected a number", batten.skin(saddle()).with_values, {"beta": "many"})
 
@@ -107,12 +107,12 @@ class Views(PropertyTests):
     def test_views_outlive_their_owner(self):
         model = batten.skin(saddle())
         session = batten.Session(model)
-        views = [model.points, model.normals, model.triangles, model.triangle_regions, session.points,
+        views = [model.points, model.normals, model.triangles, model.triangle_faces, session.points,
                  session.normals, session.triangles]
         mesh = batten.Mesh(*grid(10))
         views += [mesh.points, mesh.triangles, batten.fit(np.eye(3), 1e-3).sample()]
         deformer = batten.Deformer(mesh, fixed=[0], handles={"end": [120]})
-        deformer.deform({"end": batten.Move(shift=[0, 0, 1])})
+        deformer.deform({"end": batten.Move(translate=[0, 0, 1])})
         views += [deformer.positions]
         copies = [view.copy() for view in views]
         del model, session, mesh, deformer
@@ -139,7 +139,7 @@ class Views(PropertyTests):
         kept = []
         for value in range(12):
             session["swell"] = 5.0 * value
-            session.settle()
+            session.solve()
             kept.append((session.points, session.points.copy(), session.normals, session.normals.copy()))
         for points, points_copy, normals, normals_copy in kept:
             self.same_bits(points, points_copy)

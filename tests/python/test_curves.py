@@ -20,7 +20,7 @@ class Curves(PropertyTests):
         self.same_bits(fair.points, fair.curve.evaluate(fair.parameters))
 
     def test_a_stated_deviation_is_kept(self):
-        fair = batten.fair(noisy_circle(), deviation=5e-3, drop_outliers=False)
+        fair = batten.fair(noisy_circle(), deviation=5e-3, reject_outliers=False)
         self.assertLess(fair.deviation, 5.0001e-3)
 
     def test_an_outlier_is_passed_over(self):
@@ -42,21 +42,21 @@ class Curves(PropertyTests):
     def test_lines_are_written_and_read(self):
         fair = batten.fair(noisy_circle())
         lines = {"fair": fair, "fit": batten.fit(noisy_circle(0), 1e-5), "points": np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0.5]])}
-        self.assertEqual(batten.write_lines(self.file("lines.csv"), lines), [])
-        read = list(batten.read_lines(self.file("lines.csv")).values())
+        self.assertEqual(batten.write_curves(self.file("lines.csv"), lines), [])
+        read = list(batten.read_curves(self.file("lines.csv")).values())
         self.same_bits(np.ascontiguousarray(read[2]), lines["points"].astype(float))
         self.same_bits(np.ascontiguousarray(read[0]), np.ascontiguousarray(fair.points))
-        self.assertEqual(batten.write_lines(self.file("lines.step"), lines), [])
-        self.assertGreaterEqual(len(batten.read_lines(self.file("lines.step"))), 3)
+        self.assertEqual(batten.write_curves(self.file("lines.step"), lines), [])
+        self.assertGreaterEqual(len(batten.read_curves(self.file("lines.step"))), 3)
         with self.assertRaises(batten.InputError):
-            batten.write_lines(self.file("lines.doc"), lines)
+            batten.write_curves(self.file("lines.doc"), lines)
 
     def test_a_curve_is_a_line_of_a_surface(self):
         arc = batten.fit(noisy_circle(0), 1e-6)
         ends = arc.sample(2)
         model = batten.skin({"arc": arc, "chord": ends[::-1]})
-        self.assertEqual(model.missed, [])
-        rim = np.linalg.norm(model.line("arc") - arc.sample(), axis=1)
+        self.assertEqual(model.failed_checks, [])
+        rim = np.linalg.norm(model.curve("arc") - arc.sample(), axis=1)
         self.assertLess(rim.max(), 1e-12)
 
 

@@ -17,12 +17,12 @@ class Exchange(PropertyTests):
             file = self.file("door." + ending)
             self.assertEqual(model.save(file), [], ending)
             self.assertGreater(os.path.getsize(file), 1000, ending)
-        self.assertEqual(model.missed, [])
+        self.assertEqual(model.failed_checks, [])
         self.assertEqual(model.report["name"], "door")
         with self.assertRaisesRegex(batten.InputError, "stress"):
             batten.skin(saddle()).save(self.file("saddle.inp"))
         again = batten.load(self.file("door.step"))
-        self.assertGreater(len(again.regions), 0)
+        self.assertGreater(len(again.faces), 0)
 
     def test_runs_of_scenes(self):
         report = batten.run(example("02-hood", "scene.toml"), self.folder)
@@ -30,7 +30,7 @@ class Exchange(PropertyTests):
         self.assertEqual(batten.convert(example("30-refit", "scan.obj"), self.file("scan.stl")), [])
 
     def test_a_file_of_lines(self):
-        lines = batten.read_lines(example("30-refit", "rims.csv"))
+        lines = batten.read_curves(example("30-refit", "rims.csv"))
         self.assertTrue(all(points.shape[1] == 3 for points in lines.values()))
 
     def test_meshio(self):
@@ -93,7 +93,7 @@ assert model.save(sys.argv[1]) == []
                 model.picture(self.file("x.png"))
         else:
             self.assertEqual(png[:8], b"\x89PNG\r\n\x1a\n")
-        self.assertIn("1 regions", repr(model))
+        self.assertIn("1 faces", repr(model))
 
     def test_the_import_is_lean(self):
         code = "import sys, batten; print([m for m in ('meshio', 'vtkmodules', 'pyvista', 'json') if m in sys.modules])"

@@ -31,14 +31,14 @@ class SameBits(PropertyTests):
     def test_a_drag(self):
         scene = example("05-door", "scene.toml")
         with open(self.file("drag.txt"), "w") as script:
-            script.write(f"open {scene}\nslide swell 250\nanswer\nslide swell 180\nanswer\nsettle\n"
+            script.write(f"open {scene}\nslide swell 250\nanswer\nslide swell 180\nanswer\nsolve\n"
                          f"export {self.file('drag.vtp')}\n")
         self.assertIn(run_program("run-script", self.file("drag.txt")), (0, 4))
         session = batten.Session(scene)
         for value in (250, 180):
             session["swell"] = value
-            session.answer()
-        session.settle()
+            session.update()
+        session.solve()
         self.same_bits(session.model().points, batten.read_mesh(self.file("drag.vtp")).points)
         session.model().save(self.file("python.vtp"))
         self.assertEqual(bytes_of(self.file("python.vtp")), bytes_of(self.file("drag.vtp")))
@@ -84,7 +84,7 @@ class SameBits(PropertyTests):
     def test_lines_as_arrays_and_as_text(self):
         lines = {"a": [[0, 0, 0], [1, 0, 0.1]], "b": [[1, 0, 0.1], [1, 1, 0]], "c": [[1, 1, 0], [0, 0, 0]]}
         text = 'unit = "mm"\n\n' + "".join(
-            f'[[line]]\nname = "{name}"\npoints = {points}\n' for name, points in lines.items())
+            f'[[curve]]\nname = "{name}"\npoints = {points}\n' for name, points in lines.items())
         self.same_bits(batten.skin(lines).points, batten.parse(text).points)
 
     def test_values(self):

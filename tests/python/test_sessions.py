@@ -26,9 +26,9 @@ def drag(session, seed, answers=30):
     for value in np.random.default_rng(seed).uniform(-20, 20, answers):
         session["swell"] = value
         session["push"] = value / 10
-        session.answer()
+        session.update()
         frames.append(session.points.copy())
-    session.settle()
+    session.solve()
     frames.append(session.points.copy())
     return frames
 
@@ -38,7 +38,7 @@ class Sessions(PropertyTests):
         session = session_of()
         before, dofs = session.points.copy(), session.dofs
         session["swell"] = 20
-        session.settle()
+        session.solve()
         after = session.points.copy()
         self.assertGreater(np.abs(after - before).max(), 1e-3)
         self.assertTrue(session.undo())
@@ -59,23 +59,23 @@ class Sessions(PropertyTests):
 
     def test_constraints_in_conflict_are_named_and_change_nothing(self):
         session = session_of()
-        session.hold_point("pin", at=[0.5, 0.5, 0.2], goal=[0.5, 0.5, 0.4])
+        session.add_point_constraint("pin", at=[0.5, 0.5, 0.2], target=[0.5, 0.5, 0.4])
         before = session.points.copy()
         with self.assertRaises(batten.ConflictError) as raised:
-            session.hold_point("nail", at=[0.5, 0, 0.2], goal=[0.5, 0, 0.5])
+            session.add_point_constraint("nail", at=[0.5, 0, 0.2], target=[0.5, 0, 0.5])
         (names, amount), = raised.exception.conflicts[:1]
         self.assertIn("nail", names)
         self.assertGreater(abs(amount), 0.01)
         self.same_bits(session.points, before)
-        self.assertEqual(sorted(session.acting), ["pin", "push", "swell"])
+        self.assertEqual(sorted(session.names), ["pin", "push", "swell"])
         session.remove("pin")
         self.assertNotIn("pin.x", session.parameters)
 
     def test_a_held_point_is_where_it_should_be(self):
         session = session_of()
-        session.hold_point("pin", at=[0.5, 0.5, 0.2])
+        session.add_point_constraint("pin", at=[0.5, 0.5, 0.2])
         session["pin.z"] = 0.5
-        session.settle()
+        session.solve()
         self.assertLess(session.residual, 1e-12)
         self.assertLess(np.linalg.norm(session.points - [0.5, 0.5, 0.5], axis=1).min(), 0.05)
         self.assertGreater(session.reactions()["pin"][2], 0)
@@ -85,11 +85,11 @@ class Sessions(PropertyTests):
         session = batten.Session(batten.skin(lines))
         session.add_pressure("swell")
         session["swell"] = 30
-        session.settle()
+        session.solve()
         before = session.points.copy()
         session["swell"] = 1e9
         with self.assertRaises(batten.NoSolutionError):
-            session.settle()
+            session.solve()
         self.same_bits(session.points, before)
         self.assertEqual(session["swell"], 30)
 
@@ -98,7 +98,7 @@ class Sessions(PropertyTests):
         model = session.model()
         before = model.points.copy()
         session["swell"] = 20
-        session.settle()
+        session.solve()
         self.same_bits(model.points, before)
         self.assertGreater(np.abs(session.model().points - before).max(), 1e-3)
 
@@ -160,7 +160,7 @@ class Threads(PropertyTests):
         def settle_often():
             for value in range(10):
                 session["swell"] = value
-                session.settle()
+                session.solve()
         self.assertGreater(self.ticks_during(settle_often), 2)
         self.assertGreater(self.ticks_during(lambda: session.model().points), 0)
 
@@ -176,7 +176,7 @@ class Threads(PropertyTests):
         def work():
             try:
                 for _ in range(20):
-                    session.answer()
+                    session.update()
                     self.assertTrue(np.isfinite(session.points).all())
             except BaseException as error:  # noqa: BLE001
                 failed.append(error)
@@ -235,7 +235,7 @@ class Memory(PropertyTests):
                 session = batten.Session(model)
                 session.add_pressure("swell")
                 session["swell"] = 5
-                session.answer()
+                session.update()
                 self.assertGreater(len(session.points) + len(session.triangles), 0)
             gc.collect()
         use(max(50, count // 4))

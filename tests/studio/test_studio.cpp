@@ -1,4 +1,4 @@
-// The stories of the window: each ends in a state that is checked, and a picture.
+// Tests of the window. Each one operates it, checks the resulting state and takes a picture.
 #include <QAction>
 #include <QComboBox>
 #include <QDoubleSpinBox>
@@ -64,7 +64,7 @@ TEST_CASE("a loop that is drawn becomes a surface, is pushed, undone, exported a
   REQUIRE(window.sliders().slider("push 1"));
   hand.picture("drawn");
 
-  // The number beside the slider says the same as the scene.
+  // The number field next to the slider shows the value in the scene.
   window.sliders().number("push 1")->setValue(0);
   REQUIRE(window.wait());
   CHECK((hand.view().actors().point(point) - middle).norm() < 1e-3);
@@ -87,8 +87,9 @@ TEST_CASE("a loop that is drawn becomes a surface, is pushed, undone, exported a
   CHECK(window.messages().isEmpty());
 }
 
-TEST_CASE("a line of the mouse is clicked and becomes a crease, a region is pushed, all is saved",
-          "[studio]") {
+TEST_CASE(
+    "a curve of the mouse is clicked and becomes a crease, a face is pushed, the scene is saved",
+    "[studio]") {
   WindowCase hand;
   MainWindow& window = *hand.window;
   hand.open(kExamples / "09-mouse/scene.toml");
@@ -105,7 +106,7 @@ TEST_CASE("a line of the mouse is clicked and becomes a crease, a region is push
   REQUIRE_FALSE(spine.empty());
 
   hand.act(kIsometric);
-  // A point of the line that the eye sees.
+  // A visible point of the curve.
   std::vector<Vec3> points;
   const auto& shown = hand.document().shown_lines;
   for (const auto& line : hand.document().lines)
@@ -119,7 +120,7 @@ TEST_CASE("a line of the mouse is clicked and becomes a crease, a region is push
   REQUIRE(crease);
   QTest::mouseClick(crease, Qt::LeftButton);
   REQUIRE(window.wait(120));
-  CHECK(kind_of(spine) == "crease");
+  CHECK(kind_of(spine) == "G0");
   hand.picture("mouse_crease");
 
   hand.act(kPush);
@@ -135,7 +136,7 @@ TEST_CASE("a line of the mouse is clicked and becomes a crease, a region is push
   const std::string saved = contents_of(folder / "mouse.toml"),
                     before = contents_of(kExamples / "09-mouse/scene.toml");
   CHECK(saved == hand.document().text);
-  // All that was there still is, comments too.
+  // The text before the join is unchanged, including comments.
   CHECK(saved.starts_with(before.substr(0, before.find("[[join]]"))));
   CHECK(saved.find("# where the mouse has an edge") != std::string::npos);
   hand.act(kUndo);
@@ -145,14 +146,14 @@ TEST_CASE("a line of the mouse is clicked and becomes a crease, a region is push
   CHECK(hand.document().text == before);
 }
 
-TEST_CASE("what was done in the window gives the same bits as a script", "[studio]") {
+TEST_CASE("the script of a session gives bit-identical results", "[studio]") {
   const auto folder = scratch("studio_script");
   WindowCase hand;
   MainWindow& window = *hand.window;
   hand.open(kExamples / "05-door/scene.toml");
   QSlider* slider = window.sliders().slider("swell");
   REQUIRE(slider);
-  // A hand that goes to and fro faster than answers come.
+  // A drag to and fro, faster than updates are computed.
   slider->setSliderDown(true);
   for (int i = 0; i < 60; ++i) {
     slider->setValue(1000 + 15 * (i % 40));
@@ -180,7 +181,7 @@ TEST_CASE("what was done in the window gives the same bits as a script", "[studi
   CHECK(by_hand == contents_of(folder / "script.vtp"));
 }
 
-TEST_CASE("constraints in conflict are told, and the shape stays", "[studio]") {
+TEST_CASE("contradictory constraints are reported, and the shape is unchanged", "[studio]") {
   WindowCase hand;
   MainWindow& window = *hand.window;
   hand.open(kExamples / "05-door/scene.toml");
@@ -211,7 +212,7 @@ TEST_CASE("constraints in conflict are told, and the shape stays", "[studio]") {
   CHECK((middle_of(hand.view().actors()) - middle).norm() < 1e-3);
 }
 
-TEST_CASE("a double click ends a line and begins no other", "[studio]") {
+TEST_CASE("a double click ends a curve and starts no other", "[studio]") {
   WindowCase hand;
   hand.act(kTop);
   hand.act(kDraw);
@@ -222,7 +223,7 @@ TEST_CASE("a double click ends a line and begins no other", "[studio]") {
   QTest::mouseDClick(&hand.view(), Qt::LeftButton, {}, last);
   REQUIRE(hand.window->wait());
   REQUIRE(hand.document().lines.size() == 1);
-  const auto* line = hand.document().table({"line", "line 1"});
+  const auto* line = hand.document().table({"curve", "curve 1"});
   REQUIRE(line);
   const std::string points = line->values.back().second;
   CHECK(std::count(points.begin(), points.end(), '[') == 4);  // of the list, and three points
@@ -234,7 +235,7 @@ TEST_CASE("a double click ends a line and begins no other", "[studio]") {
 }
 
 TEST_CASE(
-    "points of a line are moved, added and taken away; it is split, joined, mirrored and faired",
+    "points of a curve are moved, added and removed; it is split, joined, mirrored and faired",
     "[studio]") {
   WindowCase hand;
   MainWindow& window = *hand.window;
@@ -247,14 +248,14 @@ TEST_CASE(
     hand.click(p);
   hand.click({80, 0, 0});
   hand.key(Qt::Key_Return);
-  REQUIRE(points("line 1").size() == 5);
+  REQUIRE(points("curve 1").size() == 5);
   hand.act(kSelect);
   window.action(kCombs)->setChecked(true);
-  window.tree().select_line("line 1");
+  window.tree().select_line("curve 1");
 
-  const std::vector<Vec3> drawn = points("line 1");
+  const std::vector<Vec3> drawn = points("curve 1");
   hand.drag(drawn[2], {0, -60});
-  const std::vector<Vec3> moved = points("line 1");
+  const std::vector<Vec3> moved = points("curve 1");
   CHECK(moved[2].y() > drawn[2].y() + 10);
   CHECK(moved[2].z() == drawn[2].z());
   for (const size_t i : {0U, 1U, 3U, 4U}) CHECK(moved[i] == drawn[i]);
@@ -262,40 +263,40 @@ TEST_CASE(
   hand.picture("line_points");
 
   hand.press(kSplit);
-  CHECK(points("line 1").size() == 3);
-  CHECK(points("line 2").size() == 3);
+  CHECK(points("curve 1").size() == 3);
+  CHECK(points("curve 2").size() == 3);
   hand.press(kJoinNext);
-  CHECK(points("line 1") == moved);
-  CHECK(points("line 2").empty());
+  CHECK(points("curve 1") == moved);
+  CHECK(points("curve 2").empty());
   hand.press(kMirrors[1]);
-  REQUIRE(points("line 2").size() == 5);
+  REQUIRE(points("curve 2").size() == 5);
   for (size_t i = 0; i < 5; ++i)
-    CHECK(points("line 2")[i] == Vec3(moved[i].x(), -moved[i].y(), moved[i].z()));
+    CHECK(points("curve 2")[i] == Vec3(moved[i].x(), -moved[i].y(), moved[i].z()));
 
-  // A double click between two points puts one there; Delete takes it out again.
+  // A double click between two points adds one there; Delete removes it again.
   Vec3 between = Vec3::Zero();
   for (const auto& line : hand.document().lines)
-    if (line.line == "line 1") between = line.points[10];
+    if (line.line == "curve 1") between = line.points[10];
   const QPoint at = hand.view().pixel_of(between);
   QTest::mouseClick(&hand.view(), Qt::LeftButton, {}, at);
-  CHECK(window.tree().current().name.starts_with("line 1"));
+  CHECK(window.tree().current().name.starts_with("curve 1"));
   QTest::mouseDClick(&hand.view(), Qt::LeftButton, {}, at);
   REQUIRE(window.wait());
-  REQUIRE(points("line 1").size() == 6);
-  CHECK((points("line 1")[1] - between).norm() < 3);
+  REQUIRE(points("curve 1").size() == 6);
+  CHECK((points("curve 1")[1] - between).norm() < 3);
   hand.act(kRemove);
-  CHECK(points("line 1") == moved);
+  CHECK(points("curve 1") == moved);
 
   hand.press(kFair);
   CHECK(hand.document().text.find("[[fair]]") != std::string::npos);
   hand.picture("line_faired");
-  CHECK(points("line 1") == moved);  // what is stated stays
+  CHECK(points("curve 1") == moved);  // the scene still defines these points
   CHECK(hand.document().lines.size() == 2);
-  while (points("line 1") != drawn && hand.document().can_undo) hand.act(kUndo);
-  CHECK(points("line 1") == drawn);
+  while (points("curve 1") != drawn && hand.document().can_undo) hand.act(kUndo);
+  CHECK(points("curve 1") == drawn);
 }
 
-TEST_CASE("the surface follows a point of a line while it is dragged", "[studio]") {
+TEST_CASE("the surface follows a point of a curve while it is dragged", "[studio]") {
   WindowCase hand;
   MainWindow& window = *hand.window;
   const std::vector<Vec3> corners = hand.draw_sides();
@@ -310,7 +311,7 @@ TEST_CASE("the surface follows a point of a line while it is dragged", "[studio]
     QTest::qWait(40);
   }
   REQUIRE(window.wait());
-  CHECK(hand.view().actors().box()[1].x() > 203);  // the hand has not let go
+  CHECK(hand.view().actors().box()[1].x() > 203);  // before the release
   REQUIRE(hand.document().surface);
   QTest::mouseRelease(&hand.view(), Qt::LeftButton, {}, at + QPoint(48, -24));
   REQUIRE(window.wait());
@@ -319,7 +320,7 @@ TEST_CASE("the surface follows a point of a line while it is dragged", "[studio]
   CHECK(defining_points(SceneText(hand.document().text), "side 2")[0] == moved[1]);
   hand.act(kUndo);
   CHECK(hand.document().text == before);
-  // A hand that lets go before the surface has followed: the next drag is followed again.
+  // A release before the surface has followed: the next drag is followed again.
   QTest::mousePress(&hand.view(), Qt::LeftButton, {}, at);
   hand.move(at + QPoint(6, -6));
   QTest::mouseRelease(&hand.view(), Qt::LeftButton, {}, at + QPoint(6, -6));
@@ -333,7 +334,8 @@ TEST_CASE("the surface follows a point of a line while it is dragged", "[studio]
   CHECK(window.messages().isEmpty());
 }
 
-TEST_CASE("a new scene is begun with a view of the ground, and its axes are no paper", "[studio]") {
+TEST_CASE("a new scene shows the ground plane, and clicks on the axes widget draw no points",
+          "[studio]") {
   WindowCase hand;
   MainWindow& window = *hand.window;
   hand.open(kExamples / "05-door/scene.toml");
@@ -351,7 +353,8 @@ TEST_CASE("a new scene is begun with a view of the ground, and its axes are no p
   CHECK_FALSE(window.document().changed);
 }
 
-TEST_CASE("the wheel passes over numbers, and undo in a number is the scene's", "[studio]") {
+TEST_CASE("the wheel does not change numbers, and undo in a number field undoes in the scene",
+          "[studio]") {
   WindowCase hand;
   MainWindow& window = *hand.window;
   hand.open(kExamples / "05-door/scene.toml");
@@ -378,22 +381,22 @@ TEST_CASE("the wheel passes over numbers, and undo in a number is the scene's", 
   CHECK_FALSE(hand.document().changed);
 }
 
-TEST_CASE("a key that the scene does not state yet is typed into the table", "[studio]") {
+TEST_CASE("a key that the scene does not have yet is added in the table", "[studio]") {
   WindowCase hand;
   MainWindow& window = *hand.window;
   hand.open(kExamples / "05-door/scene.toml");
-  const SceneTable skin{"skin", ""};
+  const SceneTable mesh{"mesh", ""};
   for (QTreeWidgetItemIterator it(&window.tree()); *it; ++it)
-    if ((*it)->text(0) == "skin") window.tree().setCurrentItem(*it);
+    if ((*it)->text(0) == "mesh") window.tree().setCurrentItem(*it);
   QTableWidget& keys = window.properties().keys();
   const int last = keys.rowCount() - 1;
   REQUIRE(last > 0);
   keys.item(last, 0)->setText("element");
   keys.item(last, 1)->setText("z12");
   REQUIRE(window.wait());
-  CHECK(SceneText(hand.document().text).value(skin, "element") == "\"z12\"");
+  CHECK(SceneText(hand.document().text).value(mesh, "element") == "\"z12\"");
   REQUIRE(keys.rowCount() == last + 2);
-  // A word that is none is refused with those that are near.
+  // An unknown key is rejected, with the nearest one as a suggestion.
   keys.item(last + 1, 0)->setText("edge_lenght");
   keys.item(last + 1, 1)->setText("20");
   REQUIRE(window.wait());
@@ -403,7 +406,7 @@ TEST_CASE("a key that the scene does not state yet is typed into the table", "[s
   CHECK_FALSE(hand.document().changed);
 }
 
-TEST_CASE("a distance is measured, and a plane cuts the shape open", "[studio]") {
+TEST_CASE("a distance is measured, and a section plane cuts the shape", "[studio]") {
   WindowCase hand;
   MainWindow& window = *hand.window;
   hand.open(kExamples / "14-car-body/scene.toml");
@@ -426,14 +429,14 @@ TEST_CASE("a distance is measured, and a plane cuts the shape open", "[studio]")
   hand.picture("curvature");
 }
 
-TEST_CASE("a place of the surface is held, and moved by its arrows", "[studio]") {
+TEST_CASE("a point of the surface is fixed, and moved by its arrows", "[studio]") {
   WindowCase hand;
   MainWindow& window = *hand.window;
   window.post(line_command("rim", {{0, 0, 0}, {200, 0, 0}, {200, 100, 0}, {0, 100, 0}, {0, 0, 0}}));
   REQUIRE(window.wait());
   hand.act(kFixPoint);
   hand.click({100, 50, 0});
-  CHECK(window.tree().current().name == "pin 1");
+  CHECK(window.tree().current().name == "point 1");
   REQUIRE(hand.view().gizmo().shown());
   const int point = hand.view().actors().point_near({100, 50, 0});
   const double before = hand.view().actors().point(point).z();
@@ -449,7 +452,7 @@ TEST_CASE("a place of the surface is held, and moved by its arrows", "[studio]")
   CHECK(std::abs(hand.view().actors().point(point).z() - before) < 1e-3);
 }
 
-TEST_CASE("what a hand has begun is taken back before what it has done", "[studio]") {
+TEST_CASE("undo cancels an unfinished action before it undoes finished ones", "[studio]") {
   WindowCase hand;
   MainWindow& window = *hand.window;
   window.post(line_command("rim", {{0, 0, 0}, {200, 0, 0}, {200, 100, 0}, {0, 100, 0}, {0, 0, 0}}));
@@ -459,7 +462,7 @@ TEST_CASE("what a hand has begun is taken back before what it has done", "[studi
   hand.act(kDraw);
   hand.click({20, 20, 0});
   hand.click({60, 40, 0});
-  hand.act(kUndo);  // a point of the line, not the rim
+  hand.act(kUndo);  // a point of the curve, not the outline
   hand.act(kUndo);
   CHECK(hand.document().text == before);
   hand.act(kUndo);
@@ -483,7 +486,7 @@ TEST_CASE("what a hand has begun is taken back before what it has done", "[studi
   CHECK(hand.document().text == before);
   CHECK(std::abs(hand.view().actors().point(point).z()) < 1e-3);
 
-  // A file without lines leaves all as it is.
+  // A file without curves changes nothing.
   const auto folder = scratch("studio_note");
   std::ofstream(folder / "note.txt") << "hello world\n";
   window.open(folder / "note.txt");
@@ -492,7 +495,7 @@ TEST_CASE("what a hand has begun is taken back before what it has done", "[studi
   CHECK(hand.document().text == before);
 }
 
-TEST_CASE("lines that meet at a point are moved together, with Shift one alone", "[studio]") {
+TEST_CASE("curves that meet at a point are moved together, with Shift one alone", "[studio]") {
   WindowCase hand;
   MainWindow& window = *hand.window;
   const std::vector<Vec3> corners = {{0, 0, 0}, {200, 0, 0}, {200, 100, 0}, {0, 100, 0}};
@@ -514,10 +517,10 @@ TEST_CASE("lines that meet at a point are moved together, with Shift one alone",
   hand.act(kUndo);
   CHECK(hand.document().text == before);
   CHECK(window.messages().isEmpty());
-  // Delete takes the line when it was chosen after the point.
+  // Delete removes the curve if it was selected after the point.
   window.tree().select_line("side 1");
   hand.act(kRemove);
   CHECK(hand.document().lines.size() == 3);
   REQUIRE(window.messages().size() == 1);
-  CHECK(window.messages().front().contains("2 ends"));
+  CHECK(window.messages().front().contains("2 open curve ends"));
 }

@@ -1,4 +1,4 @@
-// Stories of the window: what acts is painted, held and moved; shells swing; the tour.
+// Tests of the window: painted loads, constraints, simulation, mode shapes, the tour.
 #include <QAction>
 #include <QComboBox>
 #include <QDoubleSpinBox>
@@ -36,7 +36,7 @@ struct Rectangle : WindowCase {
 
 }  // namespace
 
-TEST_CASE("a pressure is painted, its slider lifts what was painted, the brush takes it away",
+TEST_CASE("a pressure is painted, its slider lifts the painted area, the brush erases it",
           "[studio]") {
   Rectangle hand;
   MainWindow& window = *hand.window;
@@ -57,7 +57,7 @@ TEST_CASE("a pressure is painted, its slider lifts what was painted, the brush t
   hand.act(kIsometric);
   hand.picture("brush");
   hand.act(kTop);
-  // The chosen load goes on to be painted, and the brush with Shift takes away.
+  // Further strokes extend the selected load, and the brush with Shift erases.
   hand.stroke({at(130, 50), at(150, 50)});
   REQUIRE(window.wait());
   const size_t more = painted_dabs(SceneText(hand.document().text), painted).size();
@@ -65,16 +65,17 @@ TEST_CASE("a pressure is painted, its slider lifts what was painted, the brush t
   hand.stroke({at(130, 50), at(150, 50)}, Qt::ShiftModifier);
   REQUIRE(window.wait());
   CHECK(painted_dabs(SceneText(hand.document().text), painted).size() < more);
-  // Another kind makes a table of its own.
+  // Another quantity creates a table of its own.
   window.paint().setCurrentIndex(1);
   hand.stroke({at(100, 20), at(110, 20)});
   REQUIRE(window.wait());
-  REQUIRE(hand.document().table({"weight", "painted 2"}));
-  CHECK(SceneText(hand.document().text).value({"weight", "painted 2"}, "kind") == "\"beta\"");
+  REQUIRE(hand.document().table({"stiffness", "painted 2"}));
+  CHECK(SceneText(hand.document().text).value({"stiffness", "painted 2"}, "type") == "\"beta\"");
   CHECK(window.messages().isEmpty());
 }
 
-TEST_CASE("the surface swings when it may move, and rests when it is told to", "[studio]") {
+TEST_CASE("a simulated surface oscillates, and is at rest when the simulation is stopped",
+          "[studio]") {
   Rectangle hand;
   MainWindow& window = *hand.window;
   window.tree().select_region(hand.document().regions.front());
@@ -82,7 +83,7 @@ TEST_CASE("the surface swings when it may move, and rests when it is told to", "
   const Vec3 middle(100, 50, 0);
   window.action(kSimulate)->trigger();
   CHECK_FALSE(window.action(kPush)->isEnabled());
-  window.sliders().slider("swell 1")->setValue(1500);
+  window.sliders().slider("pressure 1")->setValue(1500);
   double lowest = 1e9, highest = 0;
   constexpr int patience = 30'000;  // ms
   CHECK(QTest::qWaitFor(
@@ -98,7 +99,7 @@ TEST_CASE("the surface swings when it may move, and rests when it is told to", "
   REQUIRE(window.wait());
   CHECK(hand.height_at(middle) > 0.1);
   CHECK(window.action(kPush)->isEnabled());
-  // What was done gives the same shape once more.
+  // The script of the session gives the same shape.
   const auto folder = scratch("studio_motion");
   window.post({.kind = DocumentCommand::CommandKind::Export, .file = folder / "a.stl"});
   REQUIRE(window.wait());
@@ -116,7 +117,7 @@ TEST_CASE("the surface swings when it may move, and rests when it is told to", "
   }
 }
 
-TEST_CASE("a door swings in its natural modes, one after the other", "[studio]") {
+TEST_CASE("the mode shapes of a door are animated, one at a time", "[studio]") {
   WindowCase hand;
   MainWindow& window = *hand.window;
   hand.open(kExamples / "05-door/scene.toml");
@@ -137,13 +138,12 @@ TEST_CASE("a door swings in its natural modes, one after the other", "[studio]")
   CHECK(window.messages().isEmpty());
 }
 
-TEST_CASE("a normal is held by a click with Shift, and a force acts where it was clicked",
-          "[studio]") {
+TEST_CASE("a click with Shift fixes a normal, and a force acts at the clicked point", "[studio]") {
   Rectangle hand;
   MainWindow& window = *hand.window;
   window.tree().select_region(hand.document().regions.front());
   hand.press(kInflate);
-  window.sliders().number("swell 1")->setValue(60);
+  window.sliders().number("pressure 1")->setValue(60);
   REQUIRE(window.wait());
   hand.act(kFixPoint);
   QTest::mouseClick(&hand.view(), Qt::LeftButton, Qt::ShiftModifier,
@@ -151,14 +151,14 @@ TEST_CASE("a normal is held by a click with Shift, and a force acts where it was
   REQUIRE(window.wait());
   REQUIRE(hand.document().table({"constraint", "normal 1"}));
   hand.click(Vec3(140, 50, 0));
-  REQUIRE(hand.document().table({"constraint", "pin 1"}));
+  REQUIRE(hand.document().table({"constraint", "point 1"}));
   hand.act(kSelect);
   window.tree().select_line("rim");
   hand.press(kClampEdge);
   hand.click(Vec3(100, 30, 0));
   hand.press(kAddPointForce);
   CHECK(hand.document().text.find("force = ") != std::string::npos);
-  // With another mesh the force is where it was.
+  // After remeshing, the force is at the same point.
   const auto at_force = [&] {
     const auto places = hand.view().actors().mark_points();
     return std::any_of(places.begin(), places.end(),
@@ -166,28 +166,28 @@ TEST_CASE("a normal is held by a click with Shift, and a force acts where it was
   };
   CHECK(at_force());
   window.post({.kind = DocumentCommand::CommandKind::Set,
-               .table = {"skin", ""},
+               .table = {"mesh", ""},
                .key = "edge_length",
                .text = "9"});
   REQUIRE(window.wait());
   CHECK(at_force());
   hand.act(kUndo);
   CHECK(at_force());
-  // A click on a place that is held chooses it.
+  // A click on a fixed point selects it.
   hand.act(kFixPoint);
   const size_t held = hand.document().handles.size();
   hand.click(hand.document().handles.front().centre);
   CHECK(hand.document().handles.size() == held);
-  CHECK(window.tree().current().name == "pin 1");
+  CHECK(window.tree().current().name == "point 1");
   hand.act(kSelect);
-  // Words that a key may have are a list.
+  // Enumerated keys have a list of values.
   window.tree().select_region("normal 1");
   CHECK(window.messages().isEmpty());
   hand.act(kIsometric);
   hand.picture("held");
 }
 
-TEST_CASE("the tour of the door goes on as its steps are done", "[studio]") {
+TEST_CASE("the tour continues when its steps are done", "[studio]") {
   WindowCase hand;
   MainWindow& window = *hand.window;
   window.start_tour();
@@ -207,7 +207,7 @@ TEST_CASE("the tour of the door goes on as its steps are done", "[studio]") {
             {0, -40});
   CHECK(step() == 3);
   window.shading().setCurrentIndex(static_cast<int>(Shading::Zebra));
-  CHECK(step() == 4);  // at once: nothing has to be solved for
+  CHECK(step() == 4);  // immediately, without a solve
   window.shading().setCurrentIndex(static_cast<int>(Shading::Stress));
   REQUIRE(window.wait(60));
   CHECK(step() == 5);
@@ -220,7 +220,7 @@ TEST_CASE("the tour of the door goes on as its steps are done", "[studio]") {
   QTest::mouseClick(&window.tour()->next(), Qt::LeftButton);
   QTest::qWait(50);
   CHECK(step() == -1);
-  // The door of the tour is not written over: Save asks for a name.
+  // The example of the tour is not overwritten: Save asks for a name.
   QString asked;
   QTimer::singleShot(200, [&] {
     if (auto* dialog = qobject_cast<QFileDialog*>(QApplication::activeModalWidget())) {
@@ -233,7 +233,7 @@ TEST_CASE("the tour of the door goes on as its steps are done", "[studio]") {
   CHECK(hand.document().changed);
 }
 
-TEST_CASE("tangents of a line are pulled, and the surface follows", "[studio]") {
+TEST_CASE("the surface follows when the end tangents of a curve are dragged", "[studio]") {
   WindowCase hand;
   MainWindow& window = *hand.window;
   hand.draw_sides();
@@ -253,14 +253,14 @@ TEST_CASE("tangents of a line are pulled, and the surface follows", "[studio]") 
   hand.picture("tangents");
 }
 
-TEST_CASE("what moves is left in odd moments: undo, another file, save, other shadings",
+TEST_CASE("a running simulation is interrupted by undo, another file, save and other shadings",
           "[studio]") {
   WindowCase hand;
   MainWindow& window = *hand.window;
   const auto door = kExamples / "05-door/scene.toml";
   hand.open(door);
   QAction* motion = window.action(kSimulate);
-  // Undo and another command end a motion first; then it goes on, until it is told to rest.
+  // Undo and other commands interrupt a simulation, which then continues until it is stopped.
   window.sliders().number("swell")->setValue(60);
   REQUIRE(window.wait());
   const std::string before = hand.document().text;
@@ -274,7 +274,7 @@ TEST_CASE("what moves is left in odd moments: undo, another file, save, other sh
   motion->trigger();
   REQUIRE(window.wait());
   CHECK(hand.document().text == before);
-  // Another file while it moves.
+  // Another file is opened during the simulation.
   motion->trigger();
   QTest::qWait(100);
   window.open(kExamples / "11-panel/panel.bdf");
@@ -283,7 +283,7 @@ TEST_CASE("what moves is left in odd moments: undo, another file, save, other sh
   CHECK_FALSE(motion->isChecked());
   CHECK_FALSE(motion->isEnabled());
   CHECK(window.messages().isEmpty());
-  // Shadings that need a [stress] say so where there is none, and come with the next scene.
+  // Shadings that need [stress] show a hint without it, and appear with the next scene.
   window.shading().setCurrentIndex(static_cast<int>(Shading::Modes));
   REQUIRE(window.wait());
   CHECK_FALSE(hand.view().overlay_text().isEmpty());
@@ -294,18 +294,18 @@ TEST_CASE("what moves is left in odd moments: undo, another file, save, other sh
   REQUIRE(window.wait(60));
   window.shading().setCurrentIndex(static_cast<int>(Shading::Stress));
   REQUIRE(window.wait(60));
-  CHECK(hand.view().overlay_text().contains("N/mm²"));
-  // Nothing of it stays on a scene without [stress], of the same file name too.
+  CHECK(hand.view().overlay_text().contains("MPa"));
+  // They disappear for a scene without [stress], even with the same file name.
   hand.open(kExamples / "08-goblet/scene.toml");
   CHECK(hand.view().overlay_text() == text(kNoStress));
   CHECK(window.modes().count() == 0);
   const auto [low, high] = hand.view().actors().box();
   const QPoint left = hand.view().pixel_of(low), right = hand.view().pixel_of(high);
-  CHECK(std::abs(left.y() - right.y()) > hand.view().height() / 3);  // it is seen as a whole
+  CHECK(std::abs(left.y() - right.y()) > hand.view().height() / 3);  // zoomed to fit
   hand.open(door);
   window.sliders().number("swell")->setValue(30);
   REQUIRE(window.wait(60));
-  // Saved while it moves: the text of the shape at rest.
+  // Saved during the simulation: the text of the shape at rest.
   const auto folder = scratch("studio_odd");
   motion->trigger();
   QTest::qWait(100);

@@ -1,4 +1,4 @@
-// Stories of the window with meshes.
+// Tests of the window with meshes.
 #include <QAction>
 #include <QPushButton>
 
@@ -16,7 +16,7 @@ using namespace batten_test;
 
 namespace {
 
-/// Draws around a rectangle of the ground, as the window shows it from above.
+/// Draws a lasso around a rectangle of the ground plane, seen from above.
 void lasso(WindowCase& hand, const Vec3& low, const Vec3& high) {
   const auto pixel = [&](double x, double y) { return hand.view().pixel_of({x, y, 0}); };
   const std::vector<QPoint> corners = {pixel(low.x(), low.y()), pixel(high.x(), low.y()),
@@ -26,9 +26,8 @@ void lasso(WindowCase& hand, const Vec3& low, const Vec3& high) {
 
 }  // namespace
 
-TEST_CASE(
-    "openings of a deck keep their shape while its end is bent by hand, and the deck is saved",
-    "[studio]") {
+TEST_CASE("holes of a deck keep their shape while its end is moved, and the deck is exported",
+          "[studio]") {
   WindowCase hand;
   MainWindow& window = *hand.window;
   hand.open(kExamples / "11-panel/panel.bdf");
@@ -82,7 +81,7 @@ TEST_CASE(
     const HoleMeasure is = measure_hole(after.shells().points, loop);
     if (!was.circular) continue;
     ++round;
-    CHECK(std::abs(is.radius - was.radius) < 1e-4);  // what the deck's fields round
+    CHECK(std::abs(is.radius - was.radius) < 1e-4);  // rounding to the field width of the deck
     CHECK(is.flatness < 1e-4);
   }
   CHECK(round == 4);
@@ -93,7 +92,7 @@ TEST_CASE(
   CHECK(hand.document().problem.empty());
 }
 
-TEST_CASE("nodes are painted with a brush, and taken away with Shift", "[studio]") {
+TEST_CASE("nodes are painted with a brush, and erased with Shift", "[studio]") {
   WindowCase hand;
   MainWindow& window = *hand.window;
   hand.open(kExamples / "10-plate-with-holes/plate.obj");

@@ -1,4 +1,4 @@
-// A story of the window with a sequence.
+// Tests of the window with mesh sequences.
 #include <QAction>
 #include <QSlider>
 
@@ -11,7 +11,7 @@ using namespace batten;
 using namespace batten::studio;
 using namespace batten_test;
 
-TEST_CASE("a sequence is scrubbed, played, and bent in one frame by hand", "[studio]") {
+TEST_CASE("a sequence is scrubbed and played, and a handle is moved in one frame", "[studio]") {
   WindowCase hand;
   MainWindow& window = *hand.window;
   hand.open(kExamples / "29-forming/forming.toml");
@@ -23,7 +23,7 @@ TEST_CASE("a sequence is scrubbed, played, and bent in one frame by hand", "[stu
   window.timeline().slider().setValue(frames);
   REQUIRE(window.wait());
   CHECK(hand.document().timeline->frame == frames - 1);
-  CHECK(hand.view().actors().box()[1].z() - high.z() > 1);  // it is formed
+  CHECK(hand.view().actors().box()[1].z() - high.z() > 1);  // the sheet is formed
   window.timeline().play(true);
   const int before = window.timeline().slider().value();
   CHECK(QTest::qWaitFor([&] { return window.timeline().slider().value() != before; }, 30'000));
@@ -52,7 +52,7 @@ TEST_CASE("a walk follows a path that is drawn", "[studio]") {
   hand.open(kExamples / "25-path/path.toml");
   REQUIRE(hand.document().timeline);
   // Without hills, which are below the old path only.
-  window.post({.kind = DocumentCommand::CommandKind::Remove, .table = {"step", "hills"}});
+  window.post({.kind = DocumentCommand::CommandKind::Remove, .table = {"operation", "hills"}});
   REQUIRE(window.wait(120));
   hand.act(kTop);
   hand.act(kZoomToFit);
@@ -71,7 +71,7 @@ TEST_CASE("a walk follows a path that is drawn", "[studio]") {
   hand.act(kZoomToFit);
   window.timeline().slider().setValue(hand.document().timeline->frames);
   REQUIRE(window.wait());
-  CHECK(hand.view().actors().box()[0].y() < -1);  // the last frame has gone there
+  CHECK(hand.view().actors().box()[0].y() < -1);  // the last frame is at the end of the path
   hand.act(kZoomToFit);
   hand.picture("path");
 }

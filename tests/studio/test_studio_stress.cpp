@@ -1,4 +1,4 @@
-// Stories of the window with stresses.
+// Tests of the window with stresses.
 #include <QAction>
 #include <QComboBox>
 #include <QLabel>
@@ -15,7 +15,7 @@ using namespace batten;
 using namespace batten::studio;
 using namespace batten_test;
 
-TEST_CASE("stresses of the door are seen beside the slider that shapes it", "[studio]") {
+TEST_CASE("stresses of the door follow the slider that shapes it", "[studio]") {
   WindowCase hand;
   MainWindow& window = *hand.window;
   hand.open(kExamples / "18-lean/scene.toml");
@@ -26,7 +26,7 @@ TEST_CASE("stresses of the door are seen beside the slider that shapes it", "[st
   const auto largest = [&] { return hand.view().actors().range()[0]; };
   const double before = largest();
   CHECK(before > 0);
-  CHECK(hand.view().overlay_text().contains("N/mm²"));
+  CHECK(hand.view().overlay_text().contains("MPa"));
   hand.picture("stress");
   QSlider* slider = window.sliders().slider("swell");
   REQUIRE(slider);
@@ -38,7 +38,7 @@ TEST_CASE("stresses of the door are seen beside the slider that shapes it", "[st
   CHECK(window.messages().isEmpty());
 }
 
-TEST_CASE("a drawn surface is clamped, loaded and its stress is seen", "[studio]") {
+TEST_CASE("a drawn surface is clamped and loaded, and its stress is shown", "[studio]") {
   WindowCase hand;
   MainWindow& window = *hand.window;
   window.post(line_command("rim", {{0, 0, 0}, {200, 0, 0}, {200, 100, 0}, {0, 100, 0}, {0, 0, 0}}));
@@ -54,10 +54,10 @@ TEST_CASE("a drawn surface is clamped, loaded and its stress is seen", "[studio]
   hand.press(kAddPressure);
   REQUIRE(window.wait(60));
   INFO(window.messages().join("; ").toStdString() << hand.document().text);
-  CHECK(hand.view().overlay_text().contains("N/mm²"));
+  CHECK(hand.view().overlay_text().contains("MPa"));
   CHECK(hand.view().actors().range()[0] > 0);
   hand.picture("stress_drawn");
-  // Its support and its load stand in the model, each with its keys; Delete takes one away.
+  // The model tree lists its support and its load, each with its keys; Delete removes one.
   const auto row = [&](const char* detail) {
     for (QTreeWidgetItemIterator it(&window.tree()); *it; ++it)
       if ((*it)->text(1) == detail) return *it;
@@ -81,7 +81,7 @@ TEST_CASE("a drawn surface is clamped, loaded and its stress is seen", "[studio]
   window.tree().select_line("rim");
   hand.press(kPinEdge);
   CHECK(support_of(SceneText(hand.document().text), line) == "pinned");
-  hand.press(kRemoveSupport);  // then it would fly away
+  hand.press(kRemoveSupport);  // rejected: it would leave rigid-body modes
   CHECK(window.messages().join("").contains("supports"));
   CHECK(support_of(SceneText(hand.document().text), line) == "pinned");
 }

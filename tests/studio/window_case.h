@@ -1,4 +1,4 @@
-// The window as a hand meets it, with synthetic mouse and keys, under a virtual display.
+// Operates the window with synthetic mouse and keyboard events, under a virtual display.
 #pragma once
 
 #include <QVTKOpenGLNativeWidget.h>
@@ -33,7 +33,7 @@ inline QApplication& application() {
   static char name[] = "test_studio";
   static char* argv[] = {name, nullptr};
   static QApplication* const application = [] {
-    auto* made = new QApplication(argc, argv);  // stays: it must go before nothing else
+    auto* made = new QApplication(argc, argv);  // never deleted: must outlive everything else
     QApplication::setOrganizationName("batten");
     QApplication::setApplicationName("studio-test");
     return made;
@@ -41,7 +41,7 @@ inline QApplication& application() {
   return *application;
 }
 
-/// A window that is shown, and what a hand does in it.
+/// A visible window, and the actions of a user in it.
 class WindowCase {
  public:
   WindowCase() {
@@ -58,7 +58,7 @@ class WindowCase {
     window->open(file);
     REQUIRE(window->wait(300));
   }
-  /// Straight lines "side 1", "side 2", … from each corner to the next, round a rectangle on the ground.
+  /// Creates straight curves "side 1", "side 2", … along the sides of a rectangle on the ground.
   std::vector<batten::Vec3> draw_sides() {
     const std::vector<batten::Vec3> corners = {{0, 0, 0}, {200, 0, 0}, {200, 120, 0}, {0, 120, 0}};
     for (size_t i = 0; i < 4; ++i)
@@ -67,14 +67,14 @@ class WindowCase {
     REQUIRE(window->wait());
     return corners;
   }
-  /// Triggers a menu's or a tool's action by its text.
+  /// Triggers the action of a menu or tool, by its text.
   void act(const char* what) {
     QAction* action = window->action(what);
     REQUIRE(action);
     action->trigger();
     REQUIRE(window->wait());
   }
-  /// Presses a button of what is chosen, by its text.
+  /// Presses a button of the property panel, by its text.
   void press(const char* what) {
     REQUIRE(window->properties().button(what));
     QTest::mouseClick(window->properties().button(what), Qt::LeftButton);
@@ -86,7 +86,7 @@ class WindowCase {
     QTest::mouseClick(&view(), Qt::LeftButton, {}, at);
     REQUIRE(window->wait());
   }
-  /// Presses at a place, moves the hand by so many pixels in small steps, and lets go.
+  /// Presses at a point, moves the pointer by `by` pixels in small steps, and releases.
   void drag(const batten::Vec3& from, const QPoint& by, int steps = 12) {
     const QPoint at = view().pixel_of(from);
     QTest::mousePress(&view(), Qt::LeftButton, {}, at);
@@ -101,7 +101,7 @@ class WindowCase {
     QTest::mouseRelease(&view(), Qt::LeftButton, {}, at + by);
     REQUIRE(window->wait());
   }
-  /// Presses at the first of these points, goes along them, and lets go at the last.
+  /// Presses at the first of these points, moves along them, and releases at the last.
   void stroke(const std::vector<QPoint>& points, Qt::KeyboardModifiers keys = {}) {
     QTest::mousePress(&view(), Qt::LeftButton, keys, points.front());
     constexpr int steps = 8;
@@ -120,9 +120,9 @@ class WindowCase {
     QTest::keyClick(&view(), static_cast<Qt::Key>(key));
     REQUIRE(window->wait());
   }
-  /// Writes what is on the screen to studio-pictures in the build folder.
+  /// Writes a picture of the window to studio-pictures in the build folder.
   QImage picture(const std::string& name) {
-    QTest::qWait(300);  // what stands still gets smooth edges
+    QTest::qWait(300);  // a still picture is antialiased
     const QImage image = window->grab().toImage();
     const std::filesystem::path folder = BATTEN_BINARY_DIR "/studio-pictures";
     std::filesystem::create_directories(folder);

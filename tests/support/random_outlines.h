@@ -99,9 +99,9 @@ inline std::string error_kind(const Error& e) {
   const std::string text = e.what();
   if (dynamic_cast<const ConflictError*>(&e)) return "constraints contradict each other";
   if (dynamic_cast<const NoSolutionError*>(&e)) return "no solution: " + text.substr(0, 40);
-  for (const char* words : {"does not bound the region", "leaves the region", "cannot be on both",
-                            "has no image there", "cannot be meshed", "touch", "cross",
-                            "closed loop", "projects", "on one line", "twice", "beyond line"})
+  for (const char* words : {"does not bound the face", "leaves the face", "apart in space",
+                            "cannot be projected", "cannot be meshed", "touch", "intersect",
+                            "closed loop", "on one straight line", "twice", "beyond curve"})
     if (text.find(words) != std::string::npos) return words;
   return text;
 }

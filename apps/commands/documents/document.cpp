@@ -35,12 +35,14 @@ std::string path_to_toml(const std::filesystem::path& file) {
   return SceneText::word(std::filesystem::absolute(file).string());
 }
 
-/// Kind of a scene: sequence, mesh, or lines.
+/// Kind of a scene: sequence, mesh, or curves.
 enum class ContentKind { Lines, Mesh, Sequence };
 ContentKind content_kind(const SceneText& text, const std::filesystem::path& file) {
   const toml::table root = parse_toml(text.text(), named_file(file), "a scene");
   if (root.contains("sequence")) return ContentKind::Sequence;
-  return root.contains("mesh") || root.contains("edit") ? ContentKind::Mesh : ContentKind::Lines;
+  // [mesh], a table, belongs to surface scenes.
+  const bool mesh_file = root["mesh"].is_string();
+  return mesh_file || root.contains("edit") ? ContentKind::Mesh : ContentKind::Lines;
 }
 
 /// A new scene for a curve file, a mesh or a sequence.
@@ -52,9 +54,9 @@ SceneText scene_around(const std::filesystem::path& file) {
   }
   if (file_kind(file) == FileKind::Sequence)
     return SceneText("unit = \"m\"\n\n[sequence]\nfile = " + path_to_toml(file) + "\n");
-  require_input_file(file, "a file of lines");
+  require_input_file(file, "a curve file");
   SceneText text(new_scene("mm"));
-  text.add("lines", "{ file = " + path_to_toml(file) + " }");
+  text.add("curves", "{ file = " + path_to_toml(file) + " }");
   return text;
 }
 
@@ -123,7 +125,7 @@ void Document::open(const std::filesystem::path& file, const Progress& progress)
   const bool wrapped = kind == FileKind::Mesh || kind == FileKind::Sequence ||
                        line_file_kind(file) != LineFileKind::None;
   if (!wrapped)
-    return start(SceneText(read_input_file(file, "a scene, a mesh or a file of lines"), file), file,
+    return start(SceneText(read_input_file(file, "a scene, a mesh or a curve file"), file), file,
                  progress);
   start(scene_around(file), {}, progress);
 }
@@ -160,8 +162,8 @@ void Document::move(const std::string& from_to, const Progress& progress) {
     solve_to_equilibrium();
     dragged_.clear();
   }
-  const std::vector<Vec3> way = parse_points(from_to);
-  const std::string from = way.empty() ? from_to : point_to_toml(way.front());
+  const std::vector<Vec3> positions = parse_points(from_to);
+  const std::string from = positions.empty() ? from_to : point_to_toml(positions.front());
   const bool keeps_state = dragged_ == from && !undo_.empty();
   SceneText next =
       with_moved_point(keeps_state ? SceneText(undo_.back(), file_) : SceneText(text_), from_to);
@@ -291,7 +293,7 @@ namespace {
 constexpr const char* kChangesOf = "# batten-studio: changes of ";
 
 /// Tables of a scene that refer to files.
-constexpr const char* kFileTables[] = {"line", "lines", "load", "target", "compare", "select"};
+constexpr const char* kFileTables[] = {"curve", "curves", "load", "target", "compare", "select"};
 
 /// Replacement of a path of a scene, without quotes; empty: unchanged.
 using PathChange = std::function<std::string(const std::filesystem::path& file)>;
@@ -300,7 +302,7 @@ using PathChange = std::function<std::string(const std::filesystem::path& file)>
 SceneText with_paths(SceneText text, const PathChange& change) {
   const auto move = [&](const SceneTable& table, const std::string& key) {
     const std::string value = text.value(table, key);
-    if (value.size() < 2) return;
+    if (value.size() < 2 || (value.front() != '"' && value.front() != '\'')) return;
     const std::string changed = change(value.substr(1, value.size() - 2));
     if (!changed.empty()) text.set(table, key, SceneText::word(changed));
   };
@@ -349,7 +351,8 @@ std::filesystem::path folder_of(const std::filesystem::path& file) {
 void Document::save(const std::filesystem::path& to) {
   if (!changed_sliders_.empty()) solve_to_equilibrium();
   const std::filesystem::path& file = to.empty() ? file_ : to;
-  if (file.empty()) throw InputError("found no file to save to, expected its name");
+  if (file.empty())
+    throw InputError("found no file name for a scene that was never saved, expected save FILE");
   SceneText text = text_;
   if (!file_.empty() && folder_of(file) != folder_of(file_))
     text = with_moved_paths(std::move(text), folder_of(file_), folder_of(file));
@@ -369,7 +372,7 @@ void Document::require_inputs_preserved(const std::filesystem::path& written) co
   with_paths(text_, [&](const std::filesystem::path& file) -> std::string {
     if (std::filesystem::equivalent(folder / file, written, none))
       throw InputError("found " + written.string() +
-                       ", which this scene reads, expected another file to write");
+                       ", which this scene reads, expected another output file");
     return {};
   });
 }
@@ -385,10 +388,11 @@ std::string Document::recovery_text(const std::filesystem::path& folder) const {
 }
 
 void Document::recover(const std::filesystem::path& from, const Progress& progress) {
-  const std::string bytes = read_input_file(from, "changes of a scene");
+  const std::string bytes = read_input_file(from, "a recovery file");
   const size_t end = bytes.find('\n');
   if (!bytes.starts_with(kChangesOf) || end == std::string::npos)
-    throw InputError(from.string() + ": found no line '" + kChangesOf + "…', expected it first");
+    throw InputError(from.string() + ":1:1: found no recovery file, expected '" + kChangesOf +
+                     "…' in the first line");
   const size_t begin = std::string(kChangesOf).size();
   const std::filesystem::path file = bytes.substr(begin, end - begin);
   SceneText text(bytes.substr(end + 1), from);

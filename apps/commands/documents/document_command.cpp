@@ -31,7 +31,7 @@ constexpr Form kForms[] = {{CommandKind::Open, "open", "f"},
                            {CommandKind::Move, "move", "v"},
                            {CommandKind::SetSlider, "slide", "px"},
                            {CommandKind::SolvePreview, "answer", ""},
-                           {CommandKind::SolveToEquilibrium, "settle", ""},
+                           {CommandKind::SolveToEquilibrium, "solve", ""},
                            {CommandKind::Step, "step", "x"},
                            {CommandKind::Undo, "undo", ""},
                            {CommandKind::Redo, "redo", ""},
@@ -42,7 +42,7 @@ constexpr Form kForms[] = {{CommandKind::Open, "open", "f"},
 const char* meaning(char word) {
   switch (word) {
     case 'k':
-      return "a kind of table, as load";
+      return "a kind of table (such as load)";
     case 'n':
       return "a name, or - for none";
     case 'y':
@@ -101,7 +101,7 @@ class Line {
       if (text_[at_] == '\\' && at_ + 1 < text_.size()) ++at_;
       word += text_[at_];
     }
-    if (at_ >= text_.size()) fail("a word in quotes that does not end", "'\"' behind it");
+    if (at_ >= text_.size()) fail("a quoted text without closing quote", "'\"' after it");
     ++at_;
     return word;
   }
@@ -193,9 +193,10 @@ DocumentCommand parse_command(const std::string& text, const std::string& where)
         line.fail("'" + *kind + "' without " + meaning(*word), meaning(*word));
     }
     if (const auto more = line.next())
-      line.fail(quoted_excerpt(*more) + " behind '" + *kind + "'", "the end of the line");
+      line.fail(quoted_excerpt(*more) + " after '" + *kind + "'", "the end of the line");
     return command;
   }
+  if (*kind == "settle") line.fail("the old command 'settle'", "'solve'");
   line.fail("the command " + quoted_excerpt(*kind), expected_one_of(*kind, verbs));
 }
 

@@ -19,12 +19,12 @@ namespace batten {
 ///     set KIND NAME KEY VALUE      sets a key; `-` for no name, `- -` for the top level
 ///     erase KIND NAME KEY          removes a key
 ///     remove KIND NAME             removes a table
-///     move [[x, y, z], [x, y, z]]  moves a point from one position to another, in all lines that
+///     move [[x, y, z], [x, y, z]]  moves a point from one position to another, in all curves that
 ///                                  contain it, so that they stay connected; consecutive moves of
-///                                  a point form one undo step, until a `settle`
-///     slide PARAMETER VALUE        moves a slider; the shape follows on `answer` or `settle`
+///                                  a point form one undo step, until a `solve`
+///     slide PARAMETER VALUE        moves a slider; the shape follows on `answer` or `solve`
 ///     answer                       updates the shape quickly, as during a drag
-///     settle                       solves to equilibrium; ends a motion, or a drag (one undo
+///     solve                        solves to equilibrium; ends a motion, or a drag (one undo
 ///                                  step); dragging a load that was just added with value = 0
 ///                                  belongs to the undo step of adding it
 ///     step DT                      performs one time step of a motion ([motion] of the scene)

@@ -54,7 +54,7 @@ class DocumentContent {
   /// Performs one time step of a motion from the current shape. A different step length starts a
   /// new motion, with velocity 0. Throws InputError if nothing can move, or for an invalid length.
   virtual void step(double) {
-    throw InputError("found nothing that can move, expected a surface on lines");
+    throw InputError("found no surface for a motion, expected a scene with a surface");
   }
   /// True during a motion.
   virtual bool in_motion() const { return false; }
@@ -65,7 +65,7 @@ class DocumentContent {
   virtual bool draw(Frame& frame) = 0;
   /// The surface point nearest to a point. Throws InputError if there is no surface.
   virtual SurfacePoint nearest_point(const Vec3&) const {
-    throw InputError("found no surface on lines, expected one to act on");
+    throw InputError("found no surface, expected a scene with a surface");
   }
   /// Stresses or natural modes of the current shape; null if the scene requests none. If the
   /// analysis fails, StressView::problem explains why.

@@ -343,7 +343,7 @@ void DocumentWorker::write_recovery(const DocumentView& view) {
       write_file_atomically(recovery_, [&](std::ostream& out) { out << now; });
     written_recovery_ = now;
   } catch (const std::exception& e) {
-    report_message({}, std::string("the recovery file could not be written: ") + e.what(), true);
+    report_message({}, std::string("cannot write the recovery file: ") + e.what(), true);
   }
 }
 

@@ -17,7 +17,7 @@ constexpr const char* kMadeOf[] = {"name", "output", "modes", "picture"};
 
 /// The text of a scene without layout, handle values, and output files.
 std::string extract_topology_text(const std::string& text) {
-  toml::table root = parse_toml(text, {}, "edits of a mesh");
+  toml::table root = parse_toml(text, {}, "a deform scene");
   for (const char* kind : kMadeOf) root.erase(kind);
   if (toml::array* edits = root["edit"].as_array())
     for (toml::node& edit : *edits)
@@ -32,7 +32,8 @@ std::string extract_topology_text(const std::string& text) {
 
 /// Unit of a handle's value: a length, except for rotations and scales.
 std::string unit_of_move(const std::string& parameter, const std::string& length) {
-  if (parameter.find(".turn.") != std::string::npos || parameter.ends_with(".degrees")) return "°";
+  if (parameter.find(".rotation.") != std::string::npos || parameter.ends_with(".angle"))
+    return "°";
   return parameter.ends_with(".scale") ? "" : length;
 }
 
@@ -198,7 +199,7 @@ double EditedMesh::value(const std::string& parameter) const {
   for (const EditSpec& edit : scene_.edits)
     for (const auto& handle : edit.handles)
       for (int i = 0; i < 3; ++i)
-        if (parameter == edit.name + "." + handle.name + ".turn." + "xyz"[i])
+        if (parameter == edit.name + "." + handle.name + ".rotation." + "xyz"[i])
           return handle.degrees * handle.axis[i];
   throw InputError("found no parameter '" + parameter + "'");
 }
@@ -252,9 +253,10 @@ std::string EditedMesh::rows() const {
   return summary_line(
       "mesh", format_count(shells.node_count(), "node") + ", " +
                   format_count(shells.face_count(), "face") + ", " +
-                  format_count(made_->shared.features.size(), "feature") + ", moved by " +
+                  format_count(made_->shared.features.size(), "feature") +
+                  ", maximum displacement " +
                   format_number((shape() - made_->mesh().points()).rowwise().norm().maxCoeff()) +
-                  " " + scene_.unit + " at most");
+                  " " + scene_.unit);
 }
 
 std::string EditedMesh::run(const std::filesystem::path& folder, const Progress& progress) {
@@ -271,8 +273,8 @@ std::string EditedMesh::export_shape(const std::filesystem::path& file, const Pr
     const double rounding = read.write(file, places).largest;
     return rounding <= 1e-9 * made_->mesh().size()
                ? ""
-               : "the file's number fields round coordinates by up to " + format_number(rounding) +
-                     " " + scene_.unit + "\n";
+               : "the number fields of this deck round coordinates by up to " +
+                     format_number(rounding) + " " + scene_.unit + "\n";
   }
   ShellMesh shells = read.shells();
   shells.points = places;

@@ -20,11 +20,12 @@ using Part = MeshView::Part;
 struct EditedSequence::Sections {
   Sections() = default;
   explicit Sections(const std::string& text) {
-    toml::table root = parse_toml(text, {}, "edits of a sequence");
+    toml::table root = parse_toml(text, {}, "a sequence scene");
     if (const toml::node* frames = root.get("sequence")) source = to_toml(*frames);
-    if (const toml::array* list = root["step"].as_array())
+    if (const toml::array* list = root["operation"].as_array())
       for (const toml::node& step : *list) steps.push_back(to_toml(step));
-    for (const char* kind : {"sequence", "step", "output", "picture", "name"}) root.erase(kind);
+    for (const char* kind : {"sequence", "operation", "output", "picture", "name"})
+      root.erase(kind);
     parts = to_toml(root);
   }
   std::string source, parts;
@@ -161,7 +162,8 @@ void EditedSequence::update_text(const SceneText& text, const std::filesystem::p
 }
 
 void EditedSequence::check(const std::string& parameter, double) const {
-  throw InputError("found '" + parameter + "', and a sequence has no parameters");
+  throw InputError("found the parameter '" + parameter +
+                   "', expected none: a sequence scene has no parameters");
 }
 
 void EditedSequence::show_frame(int frame) {
@@ -215,10 +217,10 @@ void EditedSequence::fill_view(DocumentView& view) const {
 
 std::string EditedSequence::rows() const {
   if (!problem_.empty()) return summary_line("sequence", problem_);
-  return summary_line("sequence", format_count(frames().frame_count(), "frame") + ", " +
-                                      format_count(made_->input->sequence.node_count(), "node") +
-                                      ", " +
-                                      format_count(static_cast<long>(scene_.steps.size()), "step"));
+  return summary_line("sequence",
+                      format_count(frames().frame_count(), "frame") + ", " +
+                          format_count(made_->input->sequence.node_count(), "node") + ", " +
+                          format_count(static_cast<long>(scene_.steps.size()), "operation"));
 }
 
 std::string EditedSequence::run(const std::filesystem::path& folder, const Progress& progress) {

@@ -1,4 +1,4 @@
-// Document contents of a sequence scene: a mesh sequence with its steps.
+// Document contents of a sequence scene: a mesh sequence with its operations.
 #pragma once
 
 #include <memory>
@@ -11,9 +11,9 @@
 
 namespace batten {
 
-/// The frames of a sequence scene after each step, all in memory: 24 bytes per node, frame and
-/// step. The text is a scene of `batten sequence`, and the frames equal its output. A change of the
-/// text recomputes all steps from the first changed one.
+/// The frames of a sequence scene after each operation, all in memory: 24 bytes per node, frame and
+/// operation. The text is a scene of `batten sequence`, and the frames equal its output. A change
+/// of the text recomputes all operations from the first changed one.
 class EditedSequence : public DocumentContent {
  public:
   EditedSequence();
@@ -29,7 +29,7 @@ class EditedSequence : public DocumentContent {
   std::string run(const std::filesystem::path& folder, const Progress& progress) override;
   std::string export_shape(const std::filesystem::path& file, const Progress& progress) override;
 
-  /// The frames after the last step.
+  /// The frames after the last operation.
   const MeshSequence& frames() const;
 
  private:

@@ -26,7 +26,7 @@ std::vector<Vec3> points_of(const InputCurve& curve) {
   return points;
 }
 
-/// Unit of a parameter; empty for dimensionless ones, and for loads and weights.
+/// Unit of a parameter; empty for dimensionless ones, and for loads and stiffness fields.
 std::string unit_of(const Scene& scene, const std::string& parameter) {
   const auto is = [&](const auto& thing) { return thing.name == parameter; };
   if (std::any_of(scene.moves.begin(), scene.moves.end(), is)) return scene.unit;
@@ -90,7 +90,7 @@ bool EditedShape::continue_session(const Scene& scene, const SceneDependencies& 
   if (!less.empty()) {
     const size_t blank = less.front().find(' ');
     const std::string kind = less.front().substr(0, blank);
-    if (kind != "load" && kind != "weight") return false;
+    if (kind != "load" && kind != "stiffness") return false;
     session_->remove(less.front().substr(blank + 1));
   }
   apply_values(scene);
@@ -115,7 +115,7 @@ std::shared_ptr<const DocumentModel> EditedShape::model_for(const Scene& scene,
       lines_ = recent_models_.front()->lines;
       return recent_models_.front();
     }
-  progress.update("lines", 0);
+  progress.update("curves", 0);
   auto made = std::make_shared<DocumentModel>();
   made->of = of;
   made->lines = faired_lines(scene, progress).lines;
@@ -247,7 +247,7 @@ std::shared_ptr<const StressView> EditedShape::stress(Analysis what) {
 }
 
 SurfacePoint EditedShape::nearest_point(const Vec3& near) const {
-  if (!session_) throw InputError("found no surface, expected one to act on");
+  if (!session_) throw InputError("found no surface, expected a scene with a surface");
   const ModelLayout& layout = session_->layout();
   const ModelProjector present(layout, session_->dofs());
   const ModelProjector::Nearest found = present.nearest_inside(near);
@@ -332,10 +332,10 @@ void EditedShape::add_marks(DocumentView& view) const {
 
 std::string EditedShape::rows() const {
   if (!session_)
-    return summary_line("surface", "none: " + (problem_.empty() ? "no lines" : problem_));
+    return summary_line("surface", "none: " + (problem_.empty() ? "no curves" : problem_));
   const ModelLayout& layout = session_->layout();
   std::string text = summary_line(
-      "surface", format_count(layout.region_count(), "region") + ", " +
+      "surface", format_count(layout.region_count(), "face") + ", " +
                      format_count(layout.mesh()->triangle_count(), "element") + ", energy " +
                      format_number(session_->energy().stretching + session_->energy().bending));
   for (const ScalarParameter& p : session_->parameters().all())
@@ -360,7 +360,7 @@ std::string EditedShape::run(const std::filesystem::path& folder, const Progress
 }
 
 std::string EditedShape::export_shape(const std::filesystem::path& file, const Progress& progress) {
-  if (!session_) throw InputError("found no surface, expected one to export");
+  if (!session_) throw InputError("found no surface to export, expected a scene with a surface");
   const SolvedShape shape = shape_of(*session_, scene_, start_.unloaded, solve_report_);
   return failed_check_text(
       batten::export_shape(scene_, model_->model.made, shape, file, progress).failed_checks);

@@ -26,10 +26,11 @@ struct DocumentModel {
 ///
 ///     a value                         nothing: the session continues, with a few pairs of
 ///                                     triangular solves
-///     a point load or pull added,     nothing: the session continues
-///       a load or weight removed
+///     a point load or attractor       nothing: the session continues
+///       added, a load or stiffness
+///       field removed
 ///     other loads, constraints, …     the session, on the same model
-///     lines, joins, [skin]            the model; recent models are cached
+///     curves, joins, [skin], [mesh]   the model; recent models are cached
 class EditedShape : public DocumentContent {
  public:
   void rebuild(const SceneText& text, const std::filesystem::path& file,

@@ -49,7 +49,7 @@ const char* key_name(LineKey key) {
 }  // namespace
 
 LineKey line_key(const SceneText& scene, const std::string& line) {
-  const SceneTable table{"line", line};
+  const SceneTable table{"curve", line};
   if (!scene.has(table)) return LineKey::None;
   for (const auto& [key, word] : kLineKeys)
     if (!parse_points(scene.value(table, word)).empty()) return key;
@@ -60,7 +60,7 @@ SceneText with_single_shape_key(SceneText scene, const SceneTable& table, const 
                                 const std::string& value) {
   const auto& shapes = shape_keys();
   const bool shape = std::find(shapes.begin(), shapes.end(), key) != shapes.end();
-  if (table.kind == "line" && shape && scene.has(table))
+  if (table.kind == "curve" && shape && scene.has(table))
     for (const auto& [other, words] : scene.values(table))
       if (other != key && std::find(shapes.begin(), shapes.end(), other) != shapes.end())
         scene.erase(table, other);
@@ -80,9 +80,9 @@ std::vector<DocumentCommand> tangent_edits(const SceneText& scene, const std::st
 }
 
 std::string defining_line(const SceneText& scene, const std::string& name) {
-  if (scene.has({"line", name})) return name;
+  if (scene.has({"curve", name})) return name;
   const std::string whole = name.substr(0, std::min(name.size(), name.rfind('.')));
-  return scene.has({"line", whole}) ? whole : "";
+  return scene.has({"curve", whole}) ? whole : "";
 }
 
 DocumentCommand move_point_command(const Vec3& from, const Vec3& to) {
@@ -90,32 +90,34 @@ DocumentCommand move_point_command(const Vec3& from, const Vec3& to) {
 }
 
 SceneText with_moved_point(SceneText scene, const std::string& from_to) {
-  const std::vector<Vec3> way = parse_points(from_to);
-  if (way.size() != 2)
-    throw InputError("found '" + from_to + "', expected two places, [[x, y, z], [x, y, z]]");
+  const std::vector<Vec3> positions = parse_points(from_to);
+  if (positions.size() != 2)
+    throw InputError("found '" + from_to +
+                     "', expected the old and the new position, [[x, y, z], [x, y, z]]");
   bool any = false;
   const std::vector<SceneTable> tables = scene.tables();
   for (const SceneTable& table : tables) {
-    if (table.kind != "line") continue;
+    if (table.kind != "curve") continue;
     std::vector<Vec3> points = defining_points(scene, table.name);
     bool has = false;
     for (Vec3& p : points)
-      if (p == way[0]) {
-        p = way[1];
+      if (p == positions[0]) {
+        p = positions[1];
         has = true;
       }
     if (has) scene.set(table, key_name(line_key(scene, table.name)), list_of(points));
     any |= has;
   }
   if (!any)
-    throw InputError("found no line with the point " + point_to_toml(way[0]) + ", expected one");
+    throw InputError("found no curve with the point " + point_to_toml(positions[0]) +
+                     ", expected one");
   return scene;
 }
 
 std::vector<Vec3> defining_points(const SceneText& scene, const std::string& line) {
   const LineKey key = line_key(scene, line);
   return key == LineKey::None ? std::vector<Vec3>{}
-                              : parse_points(scene.value({"line", line}, key_name(key)));
+                              : parse_points(scene.value({"curve", line}, key_name(key)));
 }
 
 std::string point_to_toml(const Vec3& p) {
@@ -132,14 +134,14 @@ Vec3 rounded_point(const Vec3& p, double size) {
 DocumentCommand line_command(const std::string& name, const std::vector<Vec3>& points,
                              LineKey key) {
   return {.kind = CommandKind::Add,
-          .table = {"line", ""},
+          .table = {"curve", ""},
           .text = "{ name = " + SceneText::word(name) + ", " + key_name(key) + " = " +
                   list_of(points) + " }"};
 }
 
 DocumentCommand points_edit(const std::string& line, const std::vector<Vec3>& points, LineKey key) {
   return {.kind = CommandKind::Set,
-          .table = {"line", line},
+          .table = {"curve", line},
           .key = key_name(key),
           .text = list_of(points)};
 }
@@ -152,7 +154,7 @@ std::vector<DocumentCommand> split_edits(const DocumentView& view, const std::st
   if (point < 1 || point + 1 >= static_cast<int>(points.size())) return {};
   const auto at = points.begin() + point;
   return {points_edit(line, {points.begin(), at + 1}),
-          line_command(view.free_name("line"), {at, points.end()})};
+          line_command(view.free_name("curve"), {at, points.end()})};
 }
 
 std::vector<DocumentCommand> join_line_edits(const DocumentView& view, const std::string& line) {
@@ -162,7 +164,7 @@ std::vector<DocumentCommand> join_line_edits(const DocumentView& view, const std
   std::string partner;
   std::vector<Vec3> joined;
   for (const SceneTable& table : scene.tables()) {
-    if (table.kind != "line" || table.name == line) continue;
+    if (table.kind != "curve" || table.name == line) continue;
     if (line_key(scene, table.name) != LineKey::Points) continue;
     std::vector<Vec3> other = defining_points(scene, table.name);
     if (other.size() < 2) continue;
@@ -179,7 +181,7 @@ std::vector<DocumentCommand> join_line_edits(const DocumentView& view, const std
     std::reverse(points.begin(), points.end());
   }
   if (partner.empty()) return {};
-  return {{.kind = CommandKind::Remove, .table = {"line", partner}}, points_edit(line, joined)};
+  return {{.kind = CommandKind::Remove, .table = {"curve", partner}}, points_edit(line, joined)};
 }
 
 std::vector<DocumentCommand> mirror_edits(const DocumentView& view, const std::string& line,
@@ -189,16 +191,13 @@ std::vector<DocumentCommand> mirror_edits(const DocumentView& view, const std::s
   const std::vector<Vec3> before = points;
   for (Vec3& p : points) p[axis] = p[axis] == 0 ? 0 : -p[axis];
   if (points == before) return {};  // the line lies in the plane
-  return {line_command(view.free_name("line"), points, line_key(scene, line))};
+  return {line_command(view.free_name("curve"), points, line_key(scene, line))};
 }
 
-namespace {
-
-
-}  // namespace
+namespace {}  // namespace
 
 std::vector<DocumentCommand> join_edits(const SceneText& scene, const std::string& line,
-                                        const std::optional<std::string>& kind) {
+                                        const std::optional<std::string>& continuity) {
   std::vector<DocumentCommand> edits;
   bool said = false;
   // In reverse order, so that removing a table does not renumber those still to be visited.
@@ -206,17 +205,17 @@ std::vector<DocumentCommand> join_edits(const SceneText& scene, const std::strin
   std::reverse(tables.begin(), tables.end());
   for (const SceneTable& table : tables) {
     if (table.kind != "join") continue;
-    std::vector<std::string> lines = scene.words(table, "lines");
+    std::vector<std::string> lines = scene.words(table, "curves");
     const auto found = std::find(lines.begin(), lines.end(), line);
     if (found == lines.end()) continue;
-    const std::vector<std::string> kinds = scene.words(table, "kind");
-    if (kind && !kinds.empty() && kinds.front() == *kind && !said) {
+    const std::vector<std::string> stated = scene.words(table, "continuity");
+    if (continuity && !stated.empty() && stated.front() == *continuity && !said) {
       said = true;
-    } else if (lines.size() == 1 && kind && !said) {
+    } else if (lines.size() == 1 && continuity && !said) {
       edits.push_back({.kind = CommandKind::Set,
                        .table = table,
-                       .key = "kind",
-                       .text = SceneText::word(*kind)});
+                       .key = "continuity",
+                       .text = SceneText::word(*continuity)});
       said = true;
     } else if (lines.size() == 1) {
       edits.push_back({.kind = CommandKind::Remove, .table = table});
@@ -224,35 +223,35 @@ std::vector<DocumentCommand> join_edits(const SceneText& scene, const std::strin
       lines.erase(found);
       edits.push_back({.kind = CommandKind::Set,
                        .table = table,
-                       .key = "lines",
+                       .key = "curves",
                        .text = SceneText::toml_string_list(lines)});
     }
   }
-  if (kind && !said)
+  if (continuity && !said)
     edits.push_back({.kind = CommandKind::Add,
                      .table = {"join", ""},
-                     .text = "{ lines = " + SceneText::toml_string_list({line}) +
-                             ", kind = " + SceneText::word(*kind) + " }"});
+                     .text = "{ curves = " + SceneText::toml_string_list({line}) +
+                             ", continuity = " + SceneText::word(*continuity) + " }"});
   return edits;
 }
 
 std::vector<DocumentCommand> alternative_edits(const NetworkReport::Choice& choice,
                                                int alternative) {
   std::vector<DocumentCommand> edits;
-  const auto region = [&](const std::vector<NetworkReport::LoopNames>& loops, const char* more) {
+  const auto add_face = [&](const std::vector<NetworkReport::LoopNames>& loops, const char* more) {
     std::vector<std::string> lists;
     for (const auto& loop : loops) lists.push_back(SceneText::toml_string_list(loop));
     edits.push_back({.kind = CommandKind::Add,
-                     .table = {"region", ""},
+                     .table = {"face", ""},
                      .text = "{ loops = " + SceneText::list(lists) + more + " }"});
   };
   const auto& wanted = choice.alternatives.at(static_cast<size_t>(alternative));
   for (const auto& loop : choice.chosen)
     if (std::find(wanted.begin(), wanted.end(), loop) == wanted.end())
-      region({loop}, ", surface = false");
+      add_face({loop}, ", surface = false");
   for (const auto& loop : wanted)
     if (std::find(choice.chosen.begin(), choice.chosen.end(), loop) == choice.chosen.end())
-      region({loop}, "");
+      add_face({loop}, "");
   return edits;
 }
 

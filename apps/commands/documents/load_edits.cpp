@@ -56,21 +56,21 @@ std::vector<DocumentCommand> with_item(const SceneText& scene, const StressPart&
 }
 
 bool is_of(const toml::table& support, const std::string& line) {
-  return support["line"].value_or(std::string()) == line;
+  return support["curve"].value_or(std::string()) == line;
 }
 
 }  // namespace
 
 std::string support_of(const SceneText& scene, const std::string& line) {
   for (const toml::table& support : list_of(scene, "supports"))
-    if (is_of(support, line)) return support["kind"].value_or(std::string("clamped"));
+    if (is_of(support, line)) return support["type"].value_or(std::string("clamped"));
   return "";
 }
 
 std::vector<DocumentCommand> support_edits(const SceneText& scene, const std::string& line,
                                            const std::string& kind) {
   const std::string support =
-      "{ line = " + SceneText::word(line) + ", kind = " + SceneText::word(kind) + " }";
+      "{ curve = " + SceneText::word(line) + ", type = " + SceneText::word(kind) + " }";
   if (!scene.has(kStress)) {
     const bool metres = scene.value({}, "unit") == "\"m\"";
     return {{.kind = CommandKind::Add,
@@ -104,10 +104,10 @@ std::vector<StressPart> stress_parts(const SceneText& scene) {
       for (const auto& [key, node] : table) {
         const std::string name(key.str());
         part.values.emplace_back(name, to_toml(node));
-        if (name == "kind") part.kind = node.value_or(part.kind);
-        if (name == "line" || name == "region") part.of = node.value_or(std::string());
+        if (name == "type") part.kind = node.value_or(part.kind);
+        if (name == "curve" || name == "face") part.of = node.value_or(std::string());
         constexpr const char* acting[] = {"pressure", "force",       "moment",
-                                          "gravity",  "hydrostatic", "area_force"};
+                                          "gravity",  "hydrostatic", "traction"};
         if (!support && std::find(std::begin(acting), std::end(acting), name) != std::end(acting))
           part.kind = name;
       }
@@ -132,7 +132,6 @@ std::vector<DocumentCommand> remove_stress_part(const SceneText& scene, const St
 }
 
 namespace {
-
 
 /// An entry of a list of strokes: position, radius, and its text.
 struct Stroke {
@@ -167,7 +166,7 @@ std::string dab_to_toml(const BrushDab& dab) {
 bool is_painted(const SceneText& scene, const SceneTable& table) {
   if (!scene.has(table) || !scene.value(table, "near").empty()) return false;
   const std::string type = scene.value(table, "type");
-  return table.kind == "weight" ||
+  return table.kind == "stiffness" ||
          (table.kind == "load" && (type == "\"pressure\"" || type == "\"uniform\""));
 }
 
@@ -201,9 +200,9 @@ DocumentCommand new_paint(const std::string& name, const std::string& kind,
   for (const BrushDab& dab : dabs) words.push_back(dab_to_toml(dab));
   const bool load = kind == "pressure";
   return {.kind = CommandKind::Add,
-          .table = {load ? "load" : "weight", ""},
-          .text = "{ name = " + SceneText::word(name) + ", " + (load ? "type" : "kind") + " = " +
-                  SceneText::word(kind) + ", value = 0" + (load ? "" : ", min = 0") +
+          .table = {load ? "load" : "stiffness", ""},
+          .text = "{ name = " + SceneText::word(name) + ", type = " + SceneText::word(kind) +
+                  ", value = 0" + (load ? "" : ", min = 0") +
                   ", paint = " + SceneText::list(words) + " }"};
 }
 

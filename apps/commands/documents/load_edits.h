@@ -9,10 +9,10 @@
 
 namespace batten {
 
-/// Support of a line, "clamped" or "pinned"; empty: none.
+/// Support of a curve, "clamped" or "pinned"; empty: none.
 std::string support_of(const SceneText& scene, const std::string& line);
 
-/// Sets the support of a line, or removes it if `kind` is empty. A scene without [stress] gets one
+/// Sets the support of a curve, or removes it if `kind` is empty. A scene without [stress] gets one
 /// with steel of 1 mm thickness. The result is empty if the scene does not list its supports as
 /// inline tables.
 std::vector<DocumentCommand> support_edits(const SceneText& scene, const std::string& line,
@@ -26,7 +26,7 @@ struct StressPart {
   std::string list;                           ///< "supports" or "loads"
   int item = 0;                               ///< 0-based index in the list
   std::string kind;                           ///< "clamped", "pressure", "force", …
-  std::string of;                             ///< line or region that it refers to; empty: none
+  std::string of;                             ///< curve or face that it refers to; empty: none
   std::vector<SceneText::Value> values = {};  ///< keys and TOML values
 };
 /// All supports and loads of [stress].
@@ -37,15 +37,15 @@ std::vector<DocumentCommand> stress_part_edits(const SceneText& scene, const Str
 /// Removes a support or load. Empty if it no longer exists.
 std::vector<DocumentCommand> remove_stress_part(const SceneText& scene, const StressPart& part);
 
-// Edits of painted areas of loads and weights.
+// Edits of painted areas of loads and stiffness fields.
 
-/// One brush dab; the key `paint` of a load or weight is a list of these.
+/// One brush dab; the key `paint` of a load or stiffness field is a list of these.
 struct BrushDab {
   Vec3 at = Vec3::Zero();  ///< position on the unloaded surface
   double radius = 0;
 };
 
-/// True if a table can be painted: a pressure, uniform load or weight without `near`.
+/// True if a table can be painted: a pressure, uniform load or stiffness field without `near`.
 bool is_painted(const SceneText& scene, const SceneTable& table);
 
 /// The painted dabs of a table; empty if it acts everywhere.

@@ -72,7 +72,7 @@ void release_part(const SceneText& scene, const MeshView& mesh, const std::strin
   if (const SceneTable handle = handle_of(scene, part); scene.has(handle))
     edits.push_back({.kind = CommandKind::Remove, .table = handle});
   const auto edit = last_edit(scene);
-  for (const char* key : {"fixed", "region"}) {
+  for (const char* key : {"fixed", "region_of_interest"}) {
     std::vector<std::string> words = listed(scene, key);
     if (std::erase(words, part) == 0) continue;
     if (words.empty())
@@ -90,15 +90,15 @@ void release_part(const SceneText& scene, const MeshView& mesh, const std::strin
 PartUse use_of(const SceneText& scene, const std::string& part) {
   if (scene.has(handle_of(scene, part))) return PartUse::Handle;
   if (lists_part(scene, "fixed", part)) return PartUse::Fixed;
-  if (lists_part(scene, "region", part)) return PartUse::Interest;
+  if (lists_part(scene, "region_of_interest", part)) return PartUse::Interest;
   for (const SceneTable& table : scene.tables()) {
     const std::vector<std::string> of =
         table.kind == "features" ? scene.words(table, "of") : std::vector<std::string>{};
     const bool named = std::any_of(of.begin(), of.end(),
                                    [&](const auto& word) { return matches_wildcard(word, part); });
     if (named || table == SceneTable{"feature", part})
-      return scene.value(table, "keep") == "\"direction\"" ? PartUse::TranslationOnly
-                                                           : PartUse::Rigid;
+      return scene.value(table, "keep") == "\"orientation\"" ? PartUse::TranslationOnly
+                                                             : PartUse::Rigid;
   }
   return PartUse::Free;
 }
@@ -122,7 +122,7 @@ std::vector<DocumentCommand> use_edits(const SceneText& scene, const MeshView& m
     edits.push_back(
         {.kind = CommandKind::Add, .table = {"edit", ""}, .text = "{ name = \"edit 1\" }"});
   if (lists_it) {
-    const char* key = use == PartUse::Fixed ? "fixed" : "region";
+    const char* key = use == PartUse::Fixed ? "fixed" : "region_of_interest";
     std::vector<std::string> words = listed(scene, key);
     words.push_back(part);
     edits.push_back({.kind = CommandKind::Set,
@@ -134,7 +134,7 @@ std::vector<DocumentCommand> use_edits(const SceneText& scene, const MeshView& m
                      .table = {"edit.handle", ""},
                      .text = "{ name = " + name + " }"});
   } else {
-    const std::string keep = use == PartUse::TranslationOnly ? ", keep = \"direction\"" : "";
+    const std::string keep = use == PartUse::TranslationOnly ? ", keep = \"orientation\"" : "";
     edits.push_back({.kind = CommandKind::Add,
                      .table = {"feature", ""},
                      .text = "{ name = " + name + keep + " }"});
@@ -169,14 +169,13 @@ std::vector<long> nodes_of(const SceneText& scene, const std::string& name) {
 
 namespace {
 
-
 std::string handle_move_to_toml(const std::string& handle, const Vec3& shift,
                                 const Vec3& rotation_vector) {
   std::string text =
       "{ name = " + SceneText::word(handle) + ", translate = " + point_to_toml(shift);
   if (rotation_vector.norm() > 0)
     text += ", rotate = { axis = " + point_to_toml(rotation_vector.normalized()) +
-            ", degrees = " + SceneText::word(rotation_vector.norm()) + " }";
+            ", angle = " + SceneText::word(rotation_vector.norm()) + " }";
   return text + " }";
 }
 
@@ -193,18 +192,19 @@ std::string with_move(const std::string& list, const std::string& handle, const 
   return "[" + text + move + "]";
 }
 
-/// The last step, or the last one of a kind ("\"path\"").
-SceneTable last_step(const SceneText& scene, const std::string& kind = "") {
-  SceneTable step;
+/// The last operation, or the last one of a type ("\"path\"").
+SceneTable last_operation(const SceneText& scene, const std::string& type = "") {
+  SceneTable operation;
   for (const SceneTable& table : scene.tables())
-    if (table.kind == "step" && (kind.empty() || scene.value(table, "kind") == kind)) step = table;
-  return step;
+    if (table.kind == "operation" && (type.empty() || scene.value(table, "type") == type))
+      operation = table;
+  return operation;
 }
 
-/// An unused step name, as TOML text.
-std::string free_step(const SceneText& scene, const std::string& beginning) {
+/// An unused operation name, as TOML text.
+std::string free_operation(const SceneText& scene, const std::string& beginning) {
   int number = 1;
-  while (scene.has({"step", beginning + std::to_string(number)})) ++number;
+  while (scene.has({"operation", beginning + std::to_string(number)})) ++number;
   return SceneText::word(beginning + std::to_string(number));
 }
 
@@ -215,45 +215,48 @@ std::vector<DocumentCommand> keyframe_edits(const SceneText& scene, int frame,
                                             const Vec3& rotation_vector) {
   const std::string move = handle_move_to_toml(handle, shift, rotation_vector);
   const std::string key = "{ frame = " + std::to_string(frame) + ", handle = [" + move + "] }";
-  const SceneTable step = last_step(scene);
-  if (step.kind.empty() || scene.value(step, "kind") != "\"keyframes\"") {
+  const SceneTable operation = last_operation(scene);
+  if (operation.kind.empty() || scene.value(operation, "type") != "\"keyframes\"") {
     return {{.kind = CommandKind::Add,
-             .table = {"step", ""},
-             .text = "{ name = " + free_step(scene, "keys ") +
-                     ", kind = \"keyframes\", keyframe = [" + key + "] }"}};
+             .table = {"operation", ""},
+             .text = "{ name = " + free_operation(scene, "keys ") +
+                     ", type = \"keyframes\", keyframe = [" + key + "] }"}};
   }
   for (const SceneTable& table : scene.tables())
-    if (table.kind == "step.keyframe" && table.name.starts_with(step.name + ".") &&
+    if (table.kind == "operation.keyframe" && table.name.starts_with(operation.name + ".") &&
         scene.value(table, "frame") == std::to_string(frame))
       return {{.kind = CommandKind::Set,
                .table = table,
                .key = "handle",
                .text = with_move(scene.value(table, "handle"), handle, move)}};
-  for (const auto& [name, value] : scene.values(step))
+  for (const auto& [name, value] : scene.values(operation))
     if (name == "keyframe")  // an inline list
       return {{.kind = CommandKind::Set,
-               .table = step,
+               .table = operation,
                .key = name,
                .text = value.substr(0, value.rfind(']')) + ", " + key + "]"}};
-  return {{.kind = CommandKind::Add, .table = {"step.keyframe", ""}, .text = key}};
+  return {{.kind = CommandKind::Add, .table = {"operation.keyframe", ""}, .text = key}};
 }
 
 DocumentCommand path_edit(const SceneText& scene, const std::vector<Vec3>& through) {
   std::vector<std::string> points;
   for (const Vec3& p : through) points.push_back(point_to_toml(p));
-  const SceneTable step = last_step(scene, "\"path\"");
-  if (!step.kind.empty())
-    return {
-        .kind = CommandKind::Set, .table = step, .key = "through", .text = SceneText::list(points)};
+  const SceneTable operation = last_operation(scene, "\"path\"");
+  if (!operation.kind.empty())
+    return {.kind = CommandKind::Set,
+            .table = operation,
+            .key = "through",
+            .text = SceneText::list(points)};
   return {.kind = CommandKind::Add,
-          .table = {"step", ""},
-          .text = "{ name = " + free_step(scene, "path ") +
-                  ", kind = \"path\", through = " + SceneText::list(points) + " }"};
+          .table = {"operation", ""},
+          .text = "{ name = " + free_operation(scene, "path ") +
+                  ", type = \"path\", through = " + SceneText::list(points) + " }"};
 }
 
 std::vector<Vec3> path_of(const SceneText& scene) {
-  const SceneTable step = last_step(scene, "\"path\"");
-  return step.kind.empty() ? std::vector<Vec3>{} : parse_points(scene.value(step, "through"));
+  const SceneTable operation = last_operation(scene, "\"path\"");
+  return operation.kind.empty() ? std::vector<Vec3>{}
+                                : parse_points(scene.value(operation, "through"));
 }
 
 std::vector<DocumentCommand> sequence_handle_edits(const SceneText& scene,

@@ -31,15 +31,15 @@ std::vector<long> nodes_of(const SceneText& scene, const std::string& name);
 
 // Edits of keyframes of a sequence scene.
 
-/// Sets the motion of a handle in one frame (1-based) of the last step: a translation, and a
-/// rotation vector whose length is the angle in degrees. A keyframe step is added if the last step
-/// has another kind, and a keyframe if the frame has none.
+/// Sets the motion of a handle in one frame (1-based) of the last operation: a translation, and a
+/// rotation vector whose length is the angle in degrees. An operation of type "keyframes" is added if the last one
+/// has another type, and a keyframe if the frame has none.
 std::vector<DocumentCommand> keyframe_edits(const SceneText& scene, int frame,
                                             const std::string& handle, const Vec3& shift,
                                             const Vec3& rotation_vector);
 
-/// Makes the whole sequence follow a curve through these points, by a new `path` step or by
-/// changing the last step if it is one.
+/// Makes the whole sequence follow a curve through these points, by a new `path` operation or by
+/// changing the last operation if it is one.
 DocumentCommand path_edit(const SceneText& scene, const std::vector<Vec3>& through);
 /// The points of the last path; empty if there is none.
 std::vector<Vec3> path_of(const SceneText& scene);

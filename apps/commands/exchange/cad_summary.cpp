@@ -30,7 +30,7 @@ std::string product_row(const CadProduct& product) {
   }
   if (!product.translation.isZero()) text += ", at " + format_point(product.translation);
   if (product.rotation_deg > 1e-9)
-    text += ", turned by " + format_number(product.rotation_deg) + " degrees";
+    text += ", rotated by " + format_number(product.rotation_deg) + " degrees";
   if (!product.colour.empty()) text += ", " + product.colour;
   return text + "\n";
 }
@@ -56,7 +56,7 @@ std::string uses_text(const std::string& what, const std::vector<CadAttribute>& 
 }  // namespace
 
 std::string contents_line(const CadContents& c) {
-  std::string text = c.format + ", " + (c.unit_stated ? "in " : "taken as ") +
+  std::string text = c.format + ", " + (c.unit_stated ? "in " : "no unit, assumed ") +
                      format_unit(c.unit_in_metres) + ": " +
                      format_count(isize(c.products), "product");
   if (c.solids) text += ", " + format_count(c.solids, "solid");

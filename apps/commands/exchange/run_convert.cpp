@@ -65,14 +65,14 @@ void check_facets(ConvertReport& report, double chord, double deviation, int cra
   if (!(deviation <= chord))
     report_failed_check(
         report, "convert.chord",
-        "is " + format_number(deviation) + ", promised at most " + format_number(chord));
+        "is " + format_number(deviation) + ", expected at most " + format_number(chord));
   if (cracks)
     report_failed_check(
         report, "convert.cracks",
-        "are " + format_count(cracks, "edge") + " between triangles, promised none");
+        "are " + format_count(cracks, "edge") + " between triangles, expected none");
   if (unmeshed)
     report_failed_check(report, "convert.faces",
-                        format_count(unmeshed, "face") + " got no triangle");
+                        "include " + format_count(unmeshed, "face") + " without a triangle");
 }
 
 std::string describe_chord(double deviation, double chord, double size, const std::string& unit) {
@@ -87,7 +87,7 @@ void compare(ConvertReport& report, const CadConversion& c, const std::string& e
   const auto same = [&](const std::string& what, int before, int after) {
     if (before != after)
       report_failed_check(report, "convert." + what,
-                          "are " + std::to_string(after) + ", promised " + std::to_string(before));
+                          "are " + std::to_string(after) + ", expected " + std::to_string(before));
   };
   same("faces", a.faces, b.faces);
   same("solids", a.solids, b.solids);
@@ -97,7 +97,7 @@ void compare(ConvertReport& report, const CadConversion& c, const std::string& e
     const double most = 1e-6 * std::abs(before) + loose;
     if (!(std::abs(before - after) <= most))
       report_failed_check(report, "convert." + what,
-                          "is " + format_number(after) + ", promised " + format_number(before) +
+                          "is " + format_number(after) + ", expected " + format_number(before) +
                               " within " + format_number(most));
   };
   // Readers move trimming curves within their tolerances.
@@ -125,7 +125,7 @@ void cad_to_cad(const ConvertTask& task, ConvertReport& report) {
   if (ending == ".glb") {
     row(report, "written",
         name_of(task.to) + ": " + std::to_string(c.triangles) +
-            " triangles, in metres as glTF has it");
+            " triangles, in metres (the unit of glTF)");
     row(report, "", describe_chord(c.deviation, c.chord, c.size, unit));
     check_facets(report, c.chord, c.deviation, c.cracks, c.unmeshed);
     return;
@@ -133,8 +133,8 @@ void cad_to_cad(const ConvertTask& task, ConvertReport& report) {
   row(report, "written", name_of(task.to) + ": " + contents_line(c.after));
   const bool brep = ending.starts_with(".br");
   if (brep && unit != "mm")
-    report.warnings.push_back("BREP states no unit: its numbers are in " + unit +
-                              ", and programs take them for mm");
+    report.warnings.push_back("BREP files state no unit: coordinates are in " + unit +
+                              ", but other programs assume mm");
   compare(report, c, ending);
   for (const auto* notes : {&c.before.notes, &c.notes})
     report.warnings.insert(report.warnings.end(), notes->begin(), notes->end());
@@ -160,16 +160,14 @@ void cad_to_mesh(const ConvertTask& task, ConvertReport& report) {
   report.warnings = f.contents.notes;
 }
 
-// ---- meshes and lines -----------------------------------------------------------------------
+// ---- meshes and curves ----------------------------------------------------------------------
 
 /// Conversion factor from the unit of an input that states none to the requested unit.
 double factor_of(const ConvertTask& task) {
   if (task.unit.empty() || task.unit == task.from_unit) return 1;
   if (task.from_unit.empty())
-    throw InputError(task.from.string() +
-                     ": files of this kind state no unit of length, expected --from-unit beside "
-                     "--unit " +
-                     task.unit);
+    throw InputError(task.from.string() + ": found --unit " + task.unit +
+                     " for a file that states no length unit, expected --from-unit, too");
   return unit_in_metres(task.from_unit) / unit_in_metres(task.unit);
 }
 
@@ -182,8 +180,8 @@ double declared_unit(const ConvertTask& task) {
   if (!task.unit.empty() && task.unit != fixed)
     throw InputError(task.to.string() + ": found --unit " + task.unit + ", expected none: " + kind);
   if (task.from_unit.empty())
-    throw InputError(task.from.string() + ": files of this kind state no unit of length, and " +
-                     kind + ", expected --from-unit, the unit of these numbers");
+    throw InputError(task.from.string() + ": found a file that states no length unit, and " + kind +
+                     ", expected --from-unit, the unit of the coordinates");
   return unit_in_metres(task.from_unit);
 }
 
@@ -221,13 +219,13 @@ void mesh_to_mesh(const ConvertTask& task, ConvertReport& report) {
   const std::string to = stated > 0 ? fixed_unit(task.to) : task.unit;
   row(report, "written",
       name_of(task.to) + ": " + counts +
-          (to.empty() || to == task.from_unit ? ", coordinates as they were"
+          (to.empty() || to == task.from_unit ? ", coordinates unchanged"
                                               : ", " + task.from_unit + " to " + to) +
           beside);
   report.warnings = file.warnings();
   if (!file.other_elements().empty())
     report.warnings.push_back(format_count(isize(file.other_elements()), "element") +
-                              " beside shells are left out");
+                              " other than shells not written");
 }
 
 void lines_to_lines(const ConvertTask& task, ConvertReport& report, const Progress& progress) {
@@ -241,15 +239,15 @@ void lines_to_lines(const ConvertTask& task, ConvertReport& report, const Progre
   std::vector<NamedCurve> curves;
   for (const FairedResult& line : fair_lines(lines, {}, progress)) curves.push_back(line.named());
   report.warnings = write_curves(task.to, curves, {unit_in_metres(unit), task.ap242});
-  row(report, "read", name_of(task.from) + ": " + format_count(isize(lines), "line"));
+  row(report, "read", name_of(task.from) + ": " + format_count(isize(lines), "curve"));
   row(report, "written",
-      name_of(task.to) + ": " + format_count(isize(curves), "line") + ", in " + unit +
-          (cad || !task.from_unit.empty() ? "" : ", the unit of points that say none"));
+      name_of(task.to) + ": " + format_count(isize(curves), "curve") + ", in " + unit +
+          (cad || !task.from_unit.empty() ? "" : ", assumed because the file states no unit"));
 }
 
 [[noreturn]] void refuse(const ConvertTask& task, const std::string& what,
                          const std::vector<std::string>& endings, const std::string& more = "") {
-  throw InputError(task.to.string() + ": found the ending '" + task.to.extension().string() +
+  throw InputError(task.to.string() + ": found the extension '" + task.to.extension().string() +
                    "' for " + what + ", expected one of: " + comma_separated(endings) + more);
 }
 
@@ -275,9 +273,10 @@ void convert_cad_file(const ConvertTask& task, ConvertReport& report, const Prog
 }  // namespace
 
 ConvertReport run_convert(const ConvertTask& task, const Progress& progress) {
-  require_input_file(task.from, "a CAD file, a mesh or lines");
+  require_input_file(task.from, "a CAD file, a mesh or a curve file");
   if (fs::exists(task.to) && fs::equivalent(task.from, task.to))
-    throw InputError(task.to.string() + ": is the file that is read, expected another one");
+    throw InputError(task.to.string() +
+                     ": found the input file as output file, expected another file");
   ConvertReport report;
   report.name = name_of(task.from);
   report.files = {task.to.string()};
@@ -285,27 +284,26 @@ ConvertReport run_convert(const ConvertTask& task, const Progress& progress) {
     case FileKind::Cad:
       if (!task.from_unit.empty())
         throw InputError(task.from.string() + ": found --from-unit " + task.from_unit +
-                         ", expected none: CAD files say their unit themselves");
+                         ", expected none: CAD files state their unit");
       convert_cad_file(task, report, progress);
       break;
     case FileKind::Mesh:
       if (has(cad_extensions(), task.to))
         throw InputError(
             task.to.string() +
-            ": a mesh is not made into CAD faces by `convert`: each triangle would be a "
-            "face, which no CAD system has a use for; expected `batten fit`, which fits "
-            "smooth faces to it");
+            ": found a CAD format for a mesh, expected a mesh format; use `batten fit` to fit "
+            "smooth CAD faces to a mesh");
       if (!has(mesh_file_endings(), task.to)) refuse(task, "a mesh", mesh_file_endings());
       mesh_to_mesh(task, report);
       break;
     case FileKind::Lines:
-      if (!has(curve_file_extensions(), task.to)) refuse(task, "lines", curve_file_extensions());
+      if (!has(curve_file_extensions(), task.to)) refuse(task, "curves", curve_file_extensions());
       lines_to_lines(task, report, progress);
       break;
     default:
-      throw InputError(task.from.string() + ": found the ending '" +
+      throw InputError(task.from.string() + ": found the extension '" +
                        task.from.extension().string() + "', expected a CAD file (" +
-                       comma_separated(cad_extensions()) + "), a mesh or lines");
+                       comma_separated(cad_extensions()) + "), a mesh or a curve file");
   }
   return report;
 }

@@ -46,7 +46,7 @@ class Fairing {
     line_stages_.assign(lines.size(), std::vector<LineStage>(settings.stages.size()));
     for (size_t s = 0; s < settings.stages.size(); ++s) select_lines(s);
     sampled_.resize(lines.size());
-    for_each_line(lines.size(), progress, "reading lines",
+    for_each_line(lines.size(), progress, "reading curves",
                   [&](size_t i) { sampled_[i] = sample_line(lines[i], angle_of(i)); });
     for (size_t s = 0; s < settings.stages.size(); ++s) resolve_points(s);
   }
@@ -56,15 +56,16 @@ class Fairing {
   void check_brushes() const {
     for (size_t s = 0; s < settings_.stages.size(); ++s)
       if (settings_.stages[s].brush && !hit_[s])
-        fail(s, "a brush that meets none of its lines", "'at' and 'radius' of a sphere around one");
+        fail(s, "a brush that meets none of its curves",
+             "'at' and 'radius' of a sphere that contains a part of one");
   }
 
  private:
   [[noreturn]] void fail(size_t stage, const std::string& found,
                          const std::string& expected) const {
     const FairStage& s = settings_.stages[stage];
-    throw InputError(format_location(settings_.file, s.location) + "in the stage '" + s.name +
-                     "' found " + found + ", expected " + expected);
+    throw InputError(format_location(settings_.file, s.location) + "the [[fair]] stage '" + s.name +
+                     "': found " + found + ", expected " + expected);
   }
 
   /// Determines the lines to which a stage applies.
@@ -76,7 +77,7 @@ class Fairing {
       for (size_t i = 0; i < lines_.size(); ++i)
         if (matches_wildcard(word.text, names_[i])) any = line_stages_[i][s].acts = true;
       if (!any)
-        throw InputError(format_location(settings_.file, word.location) + "found the line name '" +
+        throw InputError(format_location(settings_.file, word.location) + "found the curve name '" +
                          word.text + "', expected " + expected_one_of(word.text, names_));
     }
   }
@@ -148,7 +149,7 @@ class Fairing {
     const bool swap =
         curve.closed() ? std::fmod(to - from + length, length) > length / 2 : to < from;
     if (swap) std::swap(from, to);
-    if (from == to) fail(s, "a stretch without length", "two places along the line");
+    if (from == to) fail(s, "a segment of zero length", "two different points of the curve");
     return fair_interval(curve, from, to, wavelength);
   }
 
@@ -251,8 +252,8 @@ FairOptions Fairing::options_of(size_t line, size_t s) const {
 
 std::string Fairing::rejection_reason(size_t line) const {
   const std::vector<Vec3>& points = sampled_[line].points;
-  if (points.size() == 1) return "one point";
-  if (!sampled_[line].has_length()) return "all its points in one place";
+  if (points.size() == 1) return "only one point";
+  if (!sampled_[line].has_length()) return "zero length";
   if (!given_options(line).closed.value_or(false)) return "";
   const PointSequence row(names_[line], points, 180, {}, false);
   const bool repeated = (row.points.back() - row.points.front()).norm() <= 1e-12 * row.size;
@@ -277,7 +278,7 @@ CurvatureFairingResult Fairing::least_curvature(size_t line, size_t s, const Her
   if (points.size() > most)
     fail(s, std::to_string(points.size()) + " points of '" + names_[line] + "'",
          "at most " + std::to_string(most) +
-             " for 'minimum': the curve passes through all of them, their noise too");
+             " for 'minimize', which interpolates all points including their noise");
   const PointSequence row(names_[line], points, 180, {}, curve.closed());
   std::vector<CurveThroughPoint> through;
   for (const Vec3& p : row.points) through.push_back({p});
@@ -349,7 +350,7 @@ FairedResult Fairing::faired(size_t index) {
   report.points = isize(line.points);
   const std::string why = rejection_reason(index);
   if (!why.empty()) {
-    result.warning = "line '" + report.name + "' has " + why + " and is passed through as it is";
+    result.warning = "curve '" + report.name + "' has " + why + " and is not faired";
     return result;
   }
   report.size = bounding_box(line.points).diagonal().norm();
@@ -389,9 +390,9 @@ std::string describe_outliers(const FairedLine& line) {
   for (const int i : line.outliers) numbers.push_back(std::to_string(i + 1));
   const bool one = numbers.size() == 1;
   return "'" + line.name + "': " + (one ? "point " : "points ") + first_few(numbers) +
-         (one ? " lies" : " lie") + " off the line farther than its noise explains and " +
-         (one ? "was" : "were") + " passed over (outliers = \"keep\" keeps " +
-         (one ? "it)" : "them)");
+         (one ? " lies" : " lie") + " off the curve by more than its noise and " +
+         (one ? "was ignored as an outlier" : "were ignored as outliers") +
+         " (outliers = \"keep\" keeps " + (one ? "it)" : "them)");
 }
 
 std::vector<FairedResult> fair_lines(const std::vector<SourceLine>& lines,

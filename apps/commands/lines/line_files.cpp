@@ -29,7 +29,7 @@ std::string all_endings() {
          comma_separated(kDrawingEndings) + ", " + comma_separated(kSketchEndings);
 }
 
-/// Formats locations of [[line]] and [[lines]] for messages.
+/// Formats locations of [[curve]] and [[curves]] for messages.
 struct SceneFile {
   std::string file, unit;
   std::string at(const SourceLocation& location) const { return format_location(file, location); }
@@ -37,9 +37,9 @@ struct SceneFile {
 
 std::vector<SourceLine> read_file(const SceneFile& scene, const SceneLine& source) {
   const std::string at = scene.at(source.location);
-  require_input_file(source.file, "a file of lines (" + all_endings() + ")", at);
+  require_input_file(source.file, "a curve file (" + all_endings() + ")", at);
   if (line_file_kind(source.file) == LineFileKind::None)
-    throw InputError(at + "found the ending '" + source.file.extension().string() + "' of '" +
+    throw InputError(at + "found the extension '" + source.file.extension().string() + "' of '" +
                      source.file.string() + "', expected one of: " + all_endings());
   if (line_file_kind(source.file) == LineFileKind::Sketch && !source.unit.empty() &&
       source.unit != scene.unit)
@@ -47,7 +47,7 @@ std::vector<SourceLine> read_file(const SceneFile& scene, const SceneLine& sourc
                      "', expected none: a sketch is in the scene's unit, " + scene.unit);
   if (line_file_kind(source.file) == LineFileKind::Cad && !source.unit.empty())
     throw InputError(at + "found a unit for '" + source.file.string() +
-                     "', expected none: files of this kind say their unit themselves");
+                     "', expected none: files of this type state their unit");
   return read_source_file(source.file, source.unit, scene.unit, source.creases);
 }
 
@@ -57,7 +57,7 @@ void check_names(const SceneFile& scene, const SceneLine& source,
   for (const auto& line : lines) names.push_back(line.name);
   for (const auto& word : words)
     if (std::find(names.begin(), names.end(), word.text) == names.end())
-      throw InputError(scene.at(word.location) + "found the line name '" + word.text +
+      throw InputError(scene.at(word.location) + "found the curve name '" + word.text +
                        "', expected one of those in '" + source.file.string() +
                        "': " + comma_separated(names) + did_you_mean(word.text, names));
 }
@@ -84,8 +84,8 @@ std::vector<SourceLine> lines_of(const SceneFile& scene, const SceneLine& source
   if (!source.name.empty()) {
     if (lines.size() != 1)
       throw InputError(scene.at(source.location) + "found " + std::to_string(lines.size()) +
-                       " lines in '" + source.file.string() + "', expected one for the line '" +
-                       source.name + "'; [[lines]] takes several");
+                       " curves in '" + source.file.string() + "', expected one for the curve '" +
+                       source.name + "'; use [[curves]] for several");
     lines.front().name = source.name;
     lines.front().corners = source.corners;
   }
@@ -224,7 +224,7 @@ std::vector<SourceLine> read_drawn(const std::filesystem::path& file, const std:
     lines[0].format_note += (lines[0].format_note.empty() ? "" : "; ") + note;
   if (stated == 0)
     lines[0].format_note +=
-        std::string(lines[0].format_note.empty() ? "" : "; ") + "no unit stated";
+        std::string(lines[0].format_note.empty() ? "" : "; ") + "the file states no length unit";
   return lines;
 }
 
@@ -282,8 +282,8 @@ class Copies {
     SourceLine& line = named(name, copy.location);
     if (line.curve || !line.points.empty()) return;
     if (depth > copies_.size())
-      throw InputError(scene_.at(copy.location) + "found that '" + name +
-                       "' is a copy of itself, expected a copy of another line");
+      throw InputError(scene_.at(copy.location) + "found the curve '" + name +
+                       "' as a copy of itself, expected a copy of another curve");
     const auto of = copies_.find(copy.copy);
     if (of != copies_.end()) shape(copy.copy, *of->second, depth + 1);
     const SourceLine& given = named(copy.copy, copy.location);
@@ -309,9 +309,9 @@ std::vector<SourceLine> read_sources(const std::vector<SceneLine>& lines,
     for (SourceLine& line : lines_of(scene, source)) {
       const auto [it, added] = places.emplace(line.name, source.location);
       if (!added)
-        throw InputError(scene.at(source.location) + "found the line name '" + line.name +
+        throw InputError(scene.at(source.location) + "found the curve name '" + line.name +
                          "' again (first in line " + std::to_string(it->second.line) +
-                         "), expected each name once");
+                         "), expected unique names");
       if (!source.copy.empty()) copies.emplace(line.name, &source);
       all.push_back(std::move(line));
     }
@@ -396,8 +396,8 @@ std::string reading_note(const SourceLine& line, const InputCurve& curve) {
   constexpr double large = 20, slight = 40;
   std::string text;
   if (interpretation.max_smooth_angle > large)
-    text = std::to_string(interpretation.points) + " points that turn by up to " +
-           format_number(interpretation.max_smooth_angle) + " degrees, taken as smooth";
+    text = std::to_string(interpretation.points) + " points, where the curve turns by up to " +
+           format_number(interpretation.max_smooth_angle) + " degrees, interpreted as smooth";
   std::vector<int> weak;
   for (size_t i = 0; i < interpretation.corners.size(); ++i)
     if (interpretation.corner_angles[i] < slight) weak.push_back(interpretation.corners[i]);

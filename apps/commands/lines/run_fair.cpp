@@ -49,7 +49,7 @@ Row row_of(const FairedLine& c) {
 
 Row total_of(const std::vector<FairedLine>& curves) {
   FairedLine sum;
-  sum.name = std::to_string(curves.size()) + " lines";
+  sum.name = std::to_string(curves.size()) + " curves";
   sum.before.emplace();
   sum.after.emplace();
   double squares = 0;
@@ -131,9 +131,9 @@ std::vector<FairedResult> fair(const FairScene& scene, FairReport& report, Stopw
   report.name = scene.name;
   report.unit = scene.unit;
   report.parameters = scene.parameters();
-  progress.update("lines", 0);
+  progress.update("curves", 0);
   const auto lines = read_sources(scene.lines, scene.file, scene.unit);
-  watch.lap("lines");
+  watch.lap("curves");
   FairingSettings settings;
   settings.stages = scene.stages;
   settings.segments = scene.segments;
@@ -154,11 +154,11 @@ std::vector<FairedResult> fair(const FairScene& scene, FairReport& report, Stopw
         line.deviation.rms > std::max(more * line.noise, seen * line.size))
       report.warnings.push_back(
           "'" + line.name + "' has moved by " + format_number(line.deviation.rms) +
-          " (root mean square), and its points' noise is about " + format_number(line.noise) + " " +
-          scene.unit + ": a shorter wavelength or a smaller deviation keeps more of it");
+          " (RMS), but the noise of its points is about " + format_number(line.noise) + " " +
+          scene.unit + ": a shorter wavelength or a smaller deviation preserves more of it");
   }
   if (!restless.empty())
-    report.warnings.push_back("parameters still moved in the last round: " + first_few(restless));
+    report.warnings.push_back("fairing did not converge: " + first_few(restless));
   watch.lap("fair");
   return results;
 }
@@ -176,7 +176,7 @@ void draw(const std::filesystem::path& path, const std::vector<FairedResult>& re
           const FairScene& scene, const CombPictureSpec& rule, FairReport& report,
           const std::string& name) {
   if (std::none_of(results.begin(), results.end(), [](const auto& r) { return r.has_curve(); })) {
-    report.failed_checks.push_back({name, "is not drawn: no line has a length"});
+    report.failed_checks.push_back({name, "is not drawn: no curve has a length"});
     return;
   }
   if (!can_draw(report, name)) return;
@@ -188,7 +188,7 @@ void draw(const std::filesystem::path& path, const std::vector<FairedResult>& re
 
 std::string summary(const FairReport& report) {
   constexpr size_t most = 20;
-  std::vector<Row> rows = {{"line", "points", "segments", "deviation", "rms", "extrema",
+  std::vector<Row> rows = {{"curve", "points", "segments", "deviation", "rms", "extrema",
                             "inflections", "wavelength", "ms"}};
   const size_t shown = std::min(most, report.curves.size());
   for (size_t i = 0; i < shown; ++i) rows.push_back(row_of(report.curves[i]));

@@ -63,7 +63,7 @@ class SceneLines {
     for (size_t i = 0; i < sources_.size(); ++i) {
       const FairedResult& result = results[i];
       if (!result.warning.empty())
-        throw InputError(sources_[i].at + result.warning + ", expected lines with a length");
+        throw InputError(sources_[i].at + result.warning + ", expected curves with a length");
       if (!result.report.faired) {
         add_unfaired(i);
         continue;
@@ -122,7 +122,7 @@ class SceneLines {
     } catch (const CancelledError&) {
       throw;
     } catch (const Error&) {
-      return;  // fairing was not requested: keep the lines as given
+      return;  // fairing was not requested: keep the curves as given
     }
     std::vector<std::string> names;
     for (size_t k = 0; k < faired.size(); ++k) {
@@ -137,8 +137,8 @@ class SceneLines {
 
   static std::string describe_faired(const std::vector<std::string>& names) {
     const bool one = names.size() == 1;
-    return first_few(names) + (one ? " trembles and was faired" : " tremble and were faired") +
-           " (trembling = \"keep\" in [skin] keeps " + (one ? "it" : "them") + " as given)";
+    return first_few(names) + (one ? " is noisy and was faired" : " are noisy and were faired") +
+           " (noisy_curves = \"keep\" in [skin] keeps " + (one ? "it" : "them") + " as given)";
   }
 
   const Scene& scene_;
@@ -205,10 +205,10 @@ void add_mirrored(const Scene& scene, std::vector<CharacterLine>& lines) {
         std::minmax_element(points[i].begin(), points[i].end(),
                             [axis](const Vec3& a, const Vec3& b) { return a[axis] < b[axis]; });
     if ((*low)[axis] < -tolerance && (*high)[axis] > tolerance)
-      throw InputError(scene.at(scene.network.location) + "line '" + lines[i].name +
-                       "' crosses the plane of symmetry, from " + format_point(*low) + " to " +
-                       format_point(*high) +
-                       "; expected lines on one side of it, which end there or lie in it");
+      throw InputError(scene.at(scene.network.location) + "found the curve '" + lines[i].name +
+                       "', which crosses the plane of symmetry from " + format_point(*low) +
+                       " to " + format_point(*high) +
+                       ", expected curves that lie on one side of the plane or in it");
     if ((*low)[axis] >= -tolerance && (*high)[axis] <= tolerance) continue;
     CharacterLine twin = lines[i];
     twin.name = kMirrored + twin.name;

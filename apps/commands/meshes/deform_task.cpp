@@ -62,13 +62,14 @@ void gather_features(const DeformScene& scene, VertexSelector& select, SharedCon
       for (const LocatedString& name : select.matching(word)) {
         if (taken(name.text))
           throw InputError(scene.at(word.location) + "found the feature '" + name.text +
-                           "' again, expected each once");
+                           "' again, expected each feature once");
         shared.features.push_back({name.text, select.of(name), rule.kind});
       }
   }
 }
 
-/// Collects guides: the loops of proposals, all vertices of features and selections.
+/// Collects constraints to planes and axes: of the loops of proposals, of all vertices of features
+/// and selections.
 void gather_guides(const DeformScene& scene, VertexSelector& select, const TriangleMesh& mesh,
                    SharedConstraints& shared) {
   for (const GuideSpec& rule : scene.guides) {
@@ -86,16 +87,16 @@ void gather_guides(const DeformScene& scene, VertexSelector& select, const Trian
   }
 }
 
-/// Collects lines, as chains or as rigid features.
+/// Collects chains of mesh edges, smooth or rigid.
 void gather_lines(const DeformScene& scene, VertexSelector& select, const TriangleMesh& mesh,
                   SharedConstraints& shared) {
   for (const LineSpec& rule : scene.lines) {
     const std::vector<int> chain = select.path(rule);
     const size_t different = std::set<int>(chain.begin(), chain.end()).size();
     if (different < 3 || (!rule.rigid && different < chain.size()))
-      throw InputError(scene.at(rule.location) + "the line '" + rule.name + "' has " +
-                       std::to_string(different) + " different vertices of " +
-                       std::to_string(chain.size()) + ", expected at least three, each once");
+      throw InputError(scene.at(rule.location) + "the chain '" + rule.name + "': found " +
+                       std::to_string(chain.size()) + " nodes, " + std::to_string(different) +
+                       " of them different, expected at least three, each once");
     shared.lines.push_back(chain);
     if (rule.closed) shared.lines.back().push_back(chain.front());
     if (rule.rigid) {
@@ -145,7 +146,7 @@ void note_merged(SharedConstraints& shared, int vertices) {
     }
   for (const auto& [a, b] : pairs)
     shared.notes.push_back("the features '" + shared.features[a].name + "' and '" +
-                           shared.features[b].name + "' share vertices and move as one");
+                           shared.features[b].name + "' share nodes and move as one rigid feature");
 }
 
 HandleTransform handle_move(const EditSpec::MovedHandle& h, const std::vector<int>& vertices,
@@ -176,11 +177,11 @@ std::vector<double> feature_scales(const DeformScene& scene, const EditSpec& rul
     for (size_t f = 0; f < names.size(); ++f)
       if (matches_wildcard(s.feature.text, names[f])) scales[f] = s.factor;
   }
-  for (const auto& t : rule.rotated_features) require(t.feature, "turn");
+  for (const auto& t : rule.rotated_features) require(t.feature, "rotation");
   return scales;
 }
 
-/// A point of the plane or line of each guide.
+/// A point of the plane or axis of each constraint.
 std::vector<Vec3> guide_points(const DeformScene& scene, const EditSpec& rule,
                                const SharedConstraints& shared, const TriangleMesh& mesh) {
   std::vector<std::string> names;
@@ -193,7 +194,7 @@ std::vector<Vec3> guide_points(const DeformScene& scene, const EditSpec& rule,
   for (const auto& g : rule.guides) {
     const auto it = std::find(names.begin(), names.end(), g.guide.text);
     if (it == names.end())
-      throw InputError(scene.at(g.guide.location) + "found a move of the guide '" + g.guide.text +
+      throw InputError(scene.at(g.guide.location) + "found the constraint '" + g.guide.text +
                        "', expected " + expected_one_of(g.guide.text, names));
     points[it - names.begin()] = g.through;
   }
@@ -381,9 +382,9 @@ class Relation {
       const Vec3 apart = at(i) - at(0);
       const double off = hole->measure.axis.cross(apart).norm();
       if (off > kNear * std::max(apart.norm(), hole->measure.radius))
-        fail("the centre of '" + name(i) + "' " + format_number(off) + " beside the axis of '" +
-                 name(0) + "'",
-             "one axis; kind = \"distance\" keeps centres apart");
+        fail("the centre of '" + name(i) + "' at a distance of " + format_number(off) +
+                 " from the axis of '" + name(0) + "'",
+             "centres on a common axis; type = \"distance\" keeps the centres at their distance");
     }
   }
 
@@ -408,9 +409,9 @@ class Relation {
     for (size_t i = 1; i + 1 < features_.size(); ++i) {
       const Vec3 before = at(i) - at(i - 1), after = at(i + 1) - at(i);
       if ((after - before).norm() > kNear * before.norm())
-        fail("steps of " + format_number(before.norm()) + " and " + format_number(after.norm()) +
-                 " around '" + name(i) + "'",
-             "even steps on a straight line, features in their order");
+        fail("spacings of " + format_number(before.norm()) + " and " + format_number(after.norm()) +
+                 " before and after '" + name(i) + "'",
+             "equal spacings on a straight line, with the features in their order");
       VertexCombination change = centres_[i + 1];
       add_to(change, centres_[i], -2);
       add_to(change, centres_[i - 1], 1);
@@ -423,7 +424,8 @@ class Relation {
     const double off = std::max(normal.cross(apart).norm(),
                                 std::abs(normal.dot((at(0) + at(1)) / 2 - rule_.plane->second)));
     if (off > kNear * apart.norm())
-      fail("centres that are " + format_number(off) + " from being mirror images", "mirror images");
+      fail("centres that deviate by " + format_number(off) + " from mirror images",
+           "centres that are mirror images in the plane");
     VertexCombination middle, vector = centres_[1];
     add_to(middle, centres_[0], 0.5);
     add_to(middle, centres_[1], 0.5);

@@ -96,7 +96,7 @@ std::string parts_text(const MeshFile& file, const TriangleMesh& mesh) {
   }
   for (const auto& [parts, elements] : between) {
     std::string where = parts.size() > 1 ? "between parts"
-                        : parts.empty()  ? "on no part"
+                        : parts.empty()  ? "not attached to a part"
                                          : "on part";
     for (const int p : parts) where += " " + std::to_string(p + 1);
     text += "  " + where + ":";
@@ -110,7 +110,7 @@ std::string parts_text(const MeshFile& file, const TriangleMesh& mesh) {
 std::string describe_hole(const HoleMeasure& m) {
   return "centre " + format_position(m.centre) +
          (m.circular ? ", radius " + format_number(m.radius)
-                     : ", no circle, perimeter " + format_number(m.perimeter) +
+                     : ", not circular, perimeter " + format_number(m.perimeter) +
                            ", equivalent radius " + format_number(m.equivalent_radius));
 }
 

@@ -223,8 +223,8 @@ class DeformRun {
     tasks_.push_back(session.task());
     report_.edits.push_back(report);
     if (!report.found)
-      report_.warnings.push_back(rule.name + ": how the sheet turns did not settle in " +
-                                 std::to_string(report.iterations) + " rounds");
+      report_.warnings.push_back(rule.name + ": the estimated rotations did not converge in " +
+                                 std::to_string(report.iterations) + " iterations");
     for (const auto& note : session.notes()) report_.warnings.push_back(rule.name + ": " + note);
   }
 
@@ -236,12 +236,12 @@ class DeformRun {
     report_.files.push_back(scene_.mesh_out);
     for (const auto& beside : file_.included_files()) report_.files.push_back(beside.string());
     if (report_.rounding > 1e-9 * original().size())
-      report_.warnings.push_back(scene_.mesh_out +
-                                 ": the file's number fields round coordinates by up to " +
-                                 format_number(report_.rounding) + " " + scene_.unit +
-                                 (report_.format.starts_with("Nastran") && !scene_.large_field_nodes
-                                      ? "; wide_nodes = true writes the moved nodes in wide fields"
-                                      : ""));
+      report_.warnings.push_back(
+          scene_.mesh_out + ": the number fields of this deck round coordinates by up to " +
+          format_number(report_.rounding) + " " + scene_.unit +
+          (report_.format.starts_with("Nastran") && !scene_.large_field_nodes
+               ? "; large_field = true writes the moved nodes in large fields"
+               : ""));
   }
 
   // In the order of construction.
@@ -345,14 +345,14 @@ std::string summary(const DeformReport& report, const std::filesystem::path& fol
                                    std::to_string(report.faces) + " faces, " + report.format);
   for (const auto& e : report.edits)
     text += summary_line("edit", e.name + ": " + std::to_string(e.unknowns) +
-                                     " unknowns a coordinate, largest displacement " +
+                                     " unknowns per coordinate, largest displacement " +
                                      format_number(e.largest_displacement) + unit + ", set-up " +
                                      format_number(1000 * e.setup_s) + " ms, edit " +
                                      format_number(1000 * e.edit_s) + " ms");
   double residual = 0, rigid = 0;
   for (const auto& e : report.edits) residual = std::max(residual, e.hard_residual);
   for (const auto& f : report.features) rigid = std::max(rigid, f.max_rigid_error);
-  text += summary_line("held", "residual " + format_number(residual) + " of the size");
+  text += summary_line("constraints", "residual " + format_number(residual) + " of the size");
   if (!report.features.empty())
     text += summary_line("features", std::to_string(report.features.size()) + ", rigid to " +
                                          format_number(rigid) + " of their size");
@@ -360,17 +360,17 @@ std::string summary(const DeformReport& report, const std::filesystem::path& fol
     std::string words;
     for (const auto& [name, count] : a.elements)
       words += (words.empty() ? "" : ", ") + std::to_string(count) + " " + name;
-    text += summary_line("attached", words + "; " + std::to_string(a.connections) +
-                                         " connections rigid to " +
-                                         format_number(a.max_rigid_error) + unit + ", " +
-                                         std::to_string(a.moved_with_shells) + " nodes followed");
+    text += summary_line("attached",
+                         words + "; " + std::to_string(a.connections) + " connections rigid to " +
+                             format_number(a.max_rigid_error) + unit + ", " +
+                             std::to_string(a.moved_with_shells) + " nodes moved with the shells");
   }
   for (const auto& c : report.curves)
     text += summary_line("curve", c.name + ": " + std::to_string(c.vertices) +
                                       " nodes, faired by " + format_number(c.fairing.max) + unit +
                                       ", curvature extrema " + std::to_string(c.before.extrema) +
-                                      " -> " + std::to_string(c.after.extrema) + ", moved by " +
-                                      format_number(c.largest_shift) + unit + ", held to " +
+                                      " -> " + std::to_string(c.after.extrema) + ", displacement " +
+                                      format_number(c.largest_shift) + unit + ", residual " +
                                       format_number(c.max_residual));
   if (!report.holes.empty()) {
     int kept = 0, round = 0;
@@ -381,12 +381,13 @@ std::string summary(const DeformReport& report, const std::filesystem::path& fol
       round += h.before.circular;
       radius = std::max(radius, std::abs(h.after.radius - h.before.radius) / h.before.radius);
     }
-    text += summary_line(
-        "holes", std::to_string(report.holes.size()) + " loops, " + std::to_string(kept) +
-                     " in features" +
-                     (kept == 0 ? ""
-                                : " (" + std::to_string(round) + " round), radii changed by " +
-                                      format_number(radius) + " of themselves at most"));
+    text +=
+        summary_line("holes", std::to_string(report.holes.size()) + " loops, " +
+                                  std::to_string(kept) + " in features" +
+                                  (kept == 0 ? ""
+                                             : " (" + std::to_string(round) +
+                                                   " round), largest relative change of a radius " +
+                                                   format_number(radius)));
   }
   text += summary_line("quality", "aspect " + format_number(report.before.aspect.worst) + " -> " +
                                       format_number(report.after.aspect.worst) + ", warpage " +

@@ -25,7 +25,7 @@ const MeshFile::Set& set_named(const std::vector<MeshFile::Set>& sets, const Loc
   }
   throw InputError(scene.at(word.location) + "found the " + kind + " '" + word.text +
                    "', expected one of the mesh file: " +
-                   (names.empty() ? "it has none" : comma_separated(names)) +
+                   (names.empty() ? "(it has none)" : comma_separated(names)) +
                    did_you_mean(word.text, names));
 }
 
@@ -41,7 +41,7 @@ std::vector<int> with_faces(const MeshFile& file, const MeshFile::Set& set) {
 template <class VertexOfLabel>
 std::vector<int> vertices_of_file(const std::filesystem::path& file, const std::string& where,
                                   const VertexOfLabel& vertex_of_label) {
-  std::istringstream in(read_input_file(file, "numbers of nodes", where));
+  std::istringstream in(read_input_file(file, "node numbers", where));
   std::vector<int> vertices;
   std::string line;
   for (int row = 1; std::getline(in, line); ++row) {
@@ -54,7 +54,7 @@ std::vector<int> vertices_of_file(const std::filesystem::path& file, const std::
       const long label = std::strtol(word.c_str(), &end, 10);
       if (*end != '\0')
         throw InputError(file.string() + ":" + std::to_string(row) + ": found '" + word +
-                         "', expected numbers of nodes");
+                         "', expected node numbers");
       vertices.push_back(vertex_of_label(label));
     }
   }
@@ -95,8 +95,8 @@ std::vector<LocatedString> VertexSelector::matching(const LocatedString& word) {
         std::find(in_progress_.begin(), in_progress_.end(), name) == in_progress_.end())
       found.push_back({name, word.location});
   if (found.empty())
-    throw InputError(scene_.at(word.location) + "found '" + word.text +
-                     "' which no name matches, expected one of: " + comma_separated(names()));
+    throw InputError(scene_.at(word.location) + "found the pattern '" + word.text +
+                     "', which matches no name, expected one of: " + comma_separated(names()));
   return found;
 }
 
@@ -111,7 +111,7 @@ std::vector<int> VertexSelector::of(const LocatedString& name) {
   if (const auto it = found_.find(name.text); it != found_.end()) return it->second;
   if (std::find(in_progress_.begin(), in_progress_.end(), name.text) != in_progress_.end())
     throw InputError(scene_.at(name.location) + "found the selection '" + name.text +
-                     "' within itself, expected others");
+                     "' in its own definition, expected other selections");
   in_progress_.push_back(name.text);
   std::vector<int> vertices;
   bool known = false;
@@ -130,12 +130,12 @@ std::vector<int> VertexSelector::of(const LocatedString& name) {
       vertices = p->vertices;
     else
       throw InputError(scene_.at(name.location) + "found the name '" + name.text +
-                       "', expected a selection or a proposed feature: " +
+                       "', expected a selection or a detected feature: " +
                        comma_separated(names()) + did_you_mean(name.text, names()));
   }
   if (vertices.empty())
-    throw InputError(scene_.at(name.location) + "the selection '" + name.text +
-                     "' has no vertex, expected at least one");
+    throw InputError(scene_.at(name.location) + "found the selection '" + name.text +
+                     "' without nodes, expected at least one node");
   in_progress_.pop_back();
   return found_[name.text] = mesh_.topology().nodes_of(std::move(vertices));
 }
@@ -144,7 +144,7 @@ int VertexSelector::vertex_of_label(long label, const SourceLocation& location) 
   const auto node = file_.node_of_label(label);
   if (!node)
     throw InputError(scene_.at(location) + "found node " + std::to_string(label) +
-                     ", which the mesh does not have");
+                     ", which the mesh does not have, expected a node number of the mesh file");
   return *node;
 }
 
@@ -303,8 +303,8 @@ std::vector<int> VertexSelector::path(const LineSpec& rule) {
       for (const int u : topology.coincident_vertices(v)) offer(u, d);
     }
     if (!std::isfinite(distance[from]))
-      throw InputError(scene_.at(rule.location) + "the line '" + rule.name +
-                       "' runs between parts of the mesh that are not connected");
+      throw InputError(scene_.at(rule.location) + "found the chain '" + rule.name +
+                       "' between parts of the mesh that are not connected, expected one part");
     for (int v = from; v != goal; v = next[v]) way.push_back(next[v]);
   }
   // Manifold patches that meet at a node have separate vertices there.

@@ -56,7 +56,7 @@ std::unique_ptr<MpiProcesses> MpiProcesses::detect() {
   const std::filesystem::path file = find_plugin("batten_petsc.so");
   if (file.empty())
     throw InputError("found " + std::to_string(process_count()) +
-                     " processes, expected one: this batten was built without PETSc "
+                     " MPI processes, expected one: this program was built without PETSc "
                      "(libpetsc-real-dev)");
   // Open MPI's own plugins need its symbols to be global.
   const auto start = reinterpret_cast<decltype(&batten_distributed)>(

@@ -33,7 +33,7 @@ fs::path find_plugin(const std::string& name) {
 void* load_plugin(const fs::path& file, const char* function, bool global) {
   void* library = dlopen(file.c_str(), global ? RTLD_NOW | RTLD_GLOBAL : RTLD_LAZY | RTLD_LOCAL);
   void* entry = library ? dlsym(library, function) : nullptr;
-  if (!entry) throw InputError(file.string() + " cannot be loaded: " + dlerror());
+  if (!entry) throw InputError(file.string() + ": cannot load this plugin: " + dlerror());
   return entry;
 }
 

@@ -63,7 +63,7 @@ OutputFolder::OutputFolder(fs::path folder) : folder_(std::move(folder)) {
     if (!error) lock_ = locked_folder(hidden_, false);
     if (turn >= 0) ::close(turn);
   }
-  if (error) throw InputError(hidden_.string() + ": cannot make this folder: " + error.message());
+  if (error) throw InputError(hidden_.string() + ": cannot create this folder: " + error.message());
 }
 
 OutputFolder::~OutputFolder() {
@@ -86,7 +86,7 @@ void OutputFolder::commit() {
   for (const auto& name : names)
     if (fs::is_directory(folder_ / name, unread))
       throw FileError((folder_ / name).string() +
-                      ": cannot write this file: a folder has this name");
+                      ": cannot write this file: found a folder of this name");
   commit_files([&] {
     const int turn = locked_folder(folder_, true);
     std::string failure;
@@ -119,7 +119,7 @@ std::vector<Setting> parse_settings(const std::vector<std::string>& settings) {
     const std::string where = "--set " + setting + ": ";
     const size_t equals = setting.find('=');
     if (equals == std::string::npos || equals == 0)
-      throw InputError(where + "found no '=', expected name=value");
+      throw InputError(where + "found no '=', expected NAME=VALUE");
     const std::string text = setting.substr(equals + 1);
     const std::optional<double> value = parse_number(text);
     if (!value) throw InputError(where + "found '" + text + "', expected a number");

@@ -62,9 +62,9 @@ FrameStore::FrameStore(const fs::path& folder, const fs::path& hidden, const std
   whole_ = first == 0 && last + 1 == isize(times);
   const fs::path path = folder / name;
   if (!whole_ && (!numbered_ || ending == ".pvd"))
-    throw InputError(path.string() + ": frames " + std::to_string(first + 1) + " to " +
+    throw InputError(path.string() + ": found frames " + std::to_string(first + 1) + " to " +
                      std::to_string(last + 1) + " of " + std::to_string(times.size()) +
-                     " alone can be written as numbered files only, as frames/frame_*.obj");
+                     " for a single file, expected numbered files such as frames/frame_*.obj");
   root_ = folder;
   if (!numbered_) {
     root_ = hidden;
@@ -88,8 +88,8 @@ FrameStore::FrameStore(const fs::path& folder, const fs::path& hidden, const std
     if (fs::exists(writer_->file(k)) &&
         std::ranges::find(left, writer_->file(k).filename().string()) == left.end())
       throw InputError(writer_->file(k).string() +
-                       ": found a file that no run of batten sequence made, and it would be "
-                       "overwritten: expected another folder or name");
+                       ": found a file that was not written by batten sequence and would be "
+                       "overwritten, expected another folder or name");
   const fs::path of_frames = writer_->file(0).parent_path();
   const std::string like = without_number(writer_->file(0));
   for (const std::string& file : left)  // an earlier run may have had more frames

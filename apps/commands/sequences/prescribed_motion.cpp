@@ -25,10 +25,10 @@ std::vector<std::string> warn_of_fixed_handle_nodes(const SequenceParts& parts,
     const std::set<int> nodes(parts.handles[h].vertices.begin(), parts.handles[h].vertices.end());
     const auto count = std::ranges::count_if(nodes, [&](int v) { return stay.contains(v); });
     if (count == 0) continue;
-    const std::string name = "the handle '" + parts.handles[h].name + "' is told to move, and ";
-    if (count == isize(nodes)) throw InputError(name + "all its nodes are in fixed = […]");
-    warnings.push_back(name + std::to_string(count) + " of its " + std::to_string(nodes.size()) +
-                       " nodes are fixed: these stay");
+    const std::string name = "the handle '" + parts.handles[h].name + "' has a prescribed motion";
+    if (count == isize(nodes)) throw InputError(name + ", but all its nodes are in fixed = […]");
+    warnings.push_back(name + ", but " + std::to_string(count) + " of its " +
+                       std::to_string(nodes.size()) + " nodes are fixed and do not move");
   }
   return warnings;
 }
@@ -120,8 +120,9 @@ FootTracks find_feet(const SequenceScene& scene, const MeshSequence& before,
     tracks.before.push_back(trajectory_of(before.frames, parts.handles[h].vertices));
     tracks.prints.push_back(detect_foot_contacts(tracks.before.back(), options));
     if (tracks.prints.back().empty())
-      warnings.push_back("'" + foot.text + "' stands still nowhere: no " +
-                         std::to_string(options.frames) + " frames within " +
+      warnings.push_back("'" + foot.text + "' is never on the ground: no " +
+                         std::to_string(options.frames) +
+                         " consecutive frames with its centre within " +
                          format_number(options.max_spread) + " " + scene.unit);
   }
   return tracks;
@@ -170,8 +171,8 @@ PrescribedMotion plant_feet(const SequenceScene& scene, const SequenceOperation&
   }
   if (prescribed.handles.empty())
     throw InputError(scene.at(step.location) +
-                     "no foot stands still anywhere: found = { within = …, "
-                     "frames = … } says what counts");
+                     "found no foot on the ground in any frame, expected a larger distance or "
+                     "fewer min_frames in contact_detection = { distance = …, min_frames = … }");
   prescribed.prescribed =
       keyframe_mask(static_cast<int>(times.size()), step.keyframe_interval, needed);
   return prescribed;
@@ -184,8 +185,8 @@ void add_upright_handles(const SequenceScene& scene, const PreparedSequence& fro
     const int h = parts.handle(scene, name);
     if (std::find(prescribed.handles.begin(), prescribed.handles.end(), h) !=
         prescribed.handles.end())
-      throw InputError(scene.at(name.location) + "found '" + name.text +
-                       "' as a foot too, expected another handle");
+      throw InputError(scene.at(name.location) + "found the foot '" + name.text +
+                       "' in 'unrotated', expected another handle");
     Trajectory target_trajectory = trajectory_of(from.sequence.frames, parts.handles[h].vertices);
     target_trajectory.centres += shifts;
     prescribed.handles.push_back(h);

@@ -79,7 +79,7 @@ class SequenceRun {
     report_.faces = s.shells.face_count();
     report_.size = size_of(s);
     fingerprint_.add("batten " BATTEN_VERSION "\n" +
-                     read_input_file(scene_.file, "edits of a sequence (.toml)"));
+                     read_input_file(scene_.file, "a sequence scene (.toml)"));
     add_files(scene_.selections);
     for (const auto& step : scene_.steps) {
       if (const auto* feet = std::get_if<SequenceOperation::FootContacts>(&step.what))
@@ -147,18 +147,19 @@ class SequenceRun {
       for (const auto& foot : last_.feet)
         if (foot.foot_skate_before > 0.05)
           report_.warnings.push_back(
-              last_.report.name + ": '" + foot.handle + "' counts as standing in frames " +
+              last_.report.name + ": the foot '" + foot.handle + "' is planted in frames " +
               std::to_string(foot.first) + " to " + std::to_string(foot.last) +
-              ", in which it moves by " + format_number(foot.foot_skate_before) +
-              " of the size: is found = { within = … } too large?");
+              ", but moves there by " + format_number(foot.foot_skate_before) +
+              " of the size: use a smaller distance in contact_detection = { distance = … }");
       if (last_.report.unconverged_keyframes > 0)
         report_.warnings.push_back(
             last_.report.name + ": " + std::to_string(last_.report.unconverged_keyframes) + " of " +
-            std::to_string(last_.report.keyframes) + " keyframes were not at rest after " +
-            std::to_string(last_.report.iterations) + " rounds: nodes still moved by " +
-            format_number(last_.report.last_change) + " of the size; rounds = … gives them more");
+            std::to_string(last_.report.keyframes) + " keyframes did not converge in " +
+            std::to_string(last_.report.iterations) + " iterations: the last change was " +
+            format_number(last_.report.last_change) +
+            " of the size; allow more with iterations = …");
     }
-    watch_.lap("steps");
+    watch_.lap("operations");
   }
 
   StepResult step(const SequenceOperation& rule) {
@@ -189,8 +190,8 @@ class SequenceRun {
     const int count = isize(last_.times);
     const auto [first, last] = task_.frames.value_or(std::pair(1, count));
     if (first < 1 || last < first || last > count)
-      throw InputError("--frames " + std::to_string(first) + ":" + std::to_string(last) +
-                       ", and there are frames 1 to " + std::to_string(count));
+      throw InputError("found --frames " + std::to_string(first) + ":" + std::to_string(last) +
+                       ", expected frames from 1 to " + std::to_string(count));
     report_.frames = count;
     report_.first = first;
     report_.last = last;
@@ -237,16 +238,16 @@ class SequenceRun {
     std::vector<FailedCheck> failed_checks;
     for (const auto& f : report_.features)
       if (!(f.max_rigid_error <= 1e-10))
-        failed_checks.push_back({"features." + f.name, "is bent by " +
+        failed_checks.push_back({"features." + f.name, "is deformed by " +
                                                            format_number(f.max_rigid_error) +
-                                                           " of its size, promised at most 1e-10"});
+                                                           " of its size, expected at most 1e-10"});
     for (const auto& f : report_.feet)
       if (!(f.foot_skate <= f.max_foot_skate))
-        failed_checks.push_back(
-            {"footprints." + f.handle, "slips by " + format_number(f.foot_skate) +
-                                           " of the size in frames " + std::to_string(f.first) +
-                                           " to " + std::to_string(f.last) + ", promised at most " +
-                                           format_number(f.max_foot_skate)});
+        failed_checks.push_back({"foot_plants." + f.handle,
+                                 "slips by " + format_number(f.foot_skate) +
+                                     " of the size in frames " + std::to_string(f.first) + " to " +
+                                     std::to_string(f.last) + ", expected at most " +
+                                     format_number(f.max_foot_skate)});
     return failed_checks;
   }
 
@@ -545,35 +546,35 @@ std::string summary(const SequenceReport& report, const std::filesystem::path& f
                                        std::to_string(report.nodes) + " nodes, " +
                                        std::to_string(report.faces) + " faces");
   for (const auto& s : report.steps)
-    text += summary_line("step", s.name + " (" + s.kind + "): " + std::to_string(s.frames) +
-                                     " frames, " + format_count(s.keyframes, "keyframe") + ", " +
-                                     format_number(s.seconds) + " s");
+    text += summary_line("operation", s.name + " (" + s.kind + "): " + std::to_string(s.frames) +
+                                          " frames, " + format_count(s.keyframes, "keyframe") +
+                                          ", " + format_number(s.seconds) + " s");
   text += summary_line(
       "frames",
       std::to_string(report.first) + " to " + std::to_string(report.last) + " of " +
           std::to_string(report.frames) +
-          (report.found > 0 ? ", " + std::to_string(report.found) + " of them were there" : ""));
+          (report.found > 0 ? ", " + std::to_string(report.found) + " of them from an earlier run"
+                            : ""));
   if (!report.feet.empty()) {
     double before = 0, after = 0;
     for (const auto& f : report.feet) {
       before = std::max(before, f.foot_skate_before);
       after = std::max(after, f.foot_skate);
     }
-    text += summary_line("footprints", std::to_string(report.feet.size()) + ", slip " +
-                                           format_number(before) + " -> " + format_number(after) +
-                                           " of the size");
+    text += summary_line("foot plants", std::to_string(report.feet.size()) + ", foot skate " +
+                                            format_number(before) + " -> " + format_number(after) +
+                                            " of the size");
   }
   double rigid = 0;
   for (const auto& f : report.features) rigid = std::max(rigid, f.max_rigid_error);
   if (!report.features.empty())
     text += summary_line("features", std::to_string(report.features.size()) + ", rigid to " +
                                          format_number(rigid) + " of their size");
-  text += summary_line("smoothness", "largest second difference " +
-                                         format_number(report.second_difference_before) + " -> " +
-                                         format_number(report.second_difference) + " " +
-                                         report.unit + ", triangles turned over " +
-                                         std::to_string(report.inverted_triangles_before) + " -> " +
-                                         std::to_string(report.inverted_triangles));
+  text += summary_line(
+      "smoothness", "largest second difference " + format_number(report.second_difference_before) +
+                        " -> " + format_number(report.second_difference) + " " + report.unit +
+                        ", inverted triangles " + std::to_string(report.inverted_triangles_before) +
+                        " -> " + std::to_string(report.inverted_triangles));
   RunReport shown = report;
   shown.files = in_short(report.files);
   return text + summary_footer(shown, folder);

@@ -14,9 +14,9 @@ int SequenceParts::handle(const SequenceScene& scene, const LocatedString& name)
     if (handles[h].name == name.text) return static_cast<int>(h);
     names.push_back(handles[h].name);
   }
-  throw InputError(
-      scene.at(name.location) + "found the handle '" + name.text + "', expected " +
-      (names.empty() ? "one of [[handle]]: there is none" : expected_one_of(name.text, names)));
+  throw InputError(scene.at(name.location) + "found the handle '" + name.text + "', expected " +
+                   (names.empty() ? "a [[handle]] of the scene, which has none"
+                                  : expected_one_of(name.text, names)));
 }
 
 namespace {

@@ -93,7 +93,8 @@ class StepRunner {
     }
     if (handles.size() == 1 && fixed_.empty())
       warnings.push_back(
-          "one handle is told and nothing is fixed: all that hangs on it just goes along");
+          "a single handle is prescribed and nothing is fixed, so that everything connected to it "
+          "moves rigidly with it");
     editor->set_keyframes(std::move(keys), progress_);
     StepResult result = result_of(from_, editor);
     result.warnings.insert(result.warnings.end(), warnings.begin(), warnings.end());
@@ -143,11 +144,11 @@ class StepRunner {
     Points centres(sequence().frame_count(), 3);
     for (int k = 0; k < sequence().frame_count(); ++k)
       centres.row(k) = sequence().frames[k].colwise().mean();
-    const double way = (centres.rowwise() - centres.row(0)).rowwise().norm().maxCoeff();
-    if (way < 0.1 * size_of(sequence()))
-      warnings.push_back("the mesh goes no farther than " + format_number(way) + " " + scene_.unit +
-                         " from where it starts: what moves on the spot has no path; a step of the "
-                         "kind 'travel' before this one gives it one");
+    const double distance = (centres.rowwise() - centres.row(0)).rowwise().norm().maxCoeff();
+    if (distance < 0.1 * size_of(sequence()))
+      warnings.push_back("the mesh stays within " + format_number(distance) + " " + scene_.unit +
+                         " of its start and has no path; add an operation of type \"root_motion\" "
+                         "before this one");
     const FittedPath old = fit_path(centres, {scene_.upwards(), what.spans});
     const auto motions =
         path_motions(old, GroundPath::through(what.through, scene_.upwards()), what.lengths);
@@ -194,7 +195,7 @@ class StepRunner {
     for (const auto& foot : what.feet)
       if (std::find(numbers.begin(), numbers.end(), parts_.handle(scene_, foot)) == numbers.end())
         throw InputError(scene_.at(foot.location) + "found the foot '" + foot.text +
-                         "', expected one of the step's handles");
+                         "', expected one of the operation's handles");
     const FootTracks tracks =
         find_feet(scene_, sequence(), parts_, what.feet, what.search, warnings);
     std::vector<FilteredHandle> handles;
@@ -243,9 +244,10 @@ class StepRunner {
       const int h = parts_.handle(scene_, pair.handle);
       const bool same = pair.from.text.empty();
       if (same && source.node_count() != sequence().node_count())
-        throw InputError(scene_.at(pair.from.location) + "found a source of " +
+        throw InputError(scene_.at(pair.from.location) + "found a source with " +
                          std::to_string(source.node_count()) + " nodes, expected from = … or " +
-                         std::to_string(sequence().node_count()) + " nodes as here");
+                         std::to_string(sequence().node_count()) +
+                         " nodes, as many as in this sequence");
       prescribed.handles.push_back(h);
       own.push_back(trajectory_of(sequence().frames, parts_.handles[h].vertices));
       other.push_back(resampled(
@@ -348,10 +350,10 @@ class StepRunner {
     }
     const TargetFit fit = fit_to_target(our_mesh, target_mesh, landmarks, what.fit, progress_);
     const double size = target_mesh.size();
-    warnings.push_back("fitted to the target: nodes " + format_number(fit.mean_distance / size) +
-                       " of its size from it in the mean, " +
-                       format_number(fit.largest_distance / size) + " at most; landmarks " +
-                       format_number(fit.landmark_distance / size) + "; triangles turned over " +
+    warnings.push_back("fitted to the target, distances relative to its size: mean " +
+                       format_number(fit.mean_distance / size) + ", max " +
+                       format_number(fit.largest_distance / size) + ", landmarks " +
+                       format_number(fit.landmark_distance / size) + "; inverted triangles " +
                        std::to_string(fit.inverted));
     return transfer_target_motion(sequence().shells, fit.positions, target, target_mesh,
                                   options.target.first);
@@ -399,8 +401,8 @@ StepResult apply_step(const SequenceScene& scene, const SequenceOperation& step,
                       const Progress& progress) {
   const StepRunner runner(scene, step, from, parts, vertices_of, read, progress);
   StepResult result = std::visit(runner, step.what);
-  static const char* const kinds[] = {"keyframes", "travel", "footprints", "path",
-                                      "filter",    "mix",    "morph"};
+  static const char* const kinds[] = {"keyframes", "root_motion", "foot_plants", "path",
+                                      "filter",    "mix",         "morph"};
   result.report.name = step.name;
   result.report.kind = kinds[step.what.index()];
   result.report.frames = isize(result.times);
@@ -423,7 +425,8 @@ SequenceParts find_sequence_parts(const SequenceScene& scene, VertexSelector& se
   for (const auto& h : scene.handles) {
     parts.handles.push_back({h.name, select.of(h.vertices)});
     if (parts.handles.back().vertices.empty())
-      throw InputError(scene.at(h.location) + "the handle '" + h.name + "' has no nodes");
+      throw InputError(scene.at(h.location) + "found the handle '" + h.name +
+                       "' without nodes, expected at least one node");
   }
   for (const auto& h : scene.handles)
     parts.parents.push_back(h.parent.text.empty() ? -1 : parts.handle(scene, h.parent));

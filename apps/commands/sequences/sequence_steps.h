@@ -52,7 +52,7 @@ std::shared_ptr<const PreparedSequence> collect_frames(const StepResult& result,
 template <class Work>
 auto with_step_context(const SequenceScene& scene, const SequenceOperation& step,
                        const Work& work) {
-  const std::string where = scene.at(step.location) + "the step '" + step.name + "': ";
+  const std::string where = scene.at(step.location) + "the operation '" + step.name + "': ";
   try {
     return work();
   } catch (const ConflictError& e) {

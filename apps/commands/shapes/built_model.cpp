@@ -94,7 +94,8 @@ BuiltModel one_region(const Scene& scene, const std::vector<CharacterLine>& line
       text += "; rails run through the ends of the sections in the order of 'sections'";
     else if (sections.empty() && named > 1)
       text += "; 'sections' names " + std::to_string(named) + " of " +
-              std::to_string(lines.size()) + " lines: if there is nothing but sections, name all";
+              std::to_string(lines.size()) +
+              " curves: a loft without boundary curves needs all of them as sections";
     throw InputError(scene.at({}) + text);
   }
   made.fit_tolerance = made.model.layout->tolerance();
@@ -128,14 +129,14 @@ FoundRegions regions_of(const Scene& scene, const CurveNetwork& network, const P
   options.max_faces_per_edge = scene.network.max_faces_per_edge;
   FoundRegions found = find_regions(network, options, progress);
   if (!found.regions.empty()) return found;
-  std::string text = scene.at(scene.network.location) + "found no loop of lines that bounds a " +
-                     "surface, expected one or more (lines meet within " +
+  std::string text = scene.at(scene.network.location) + "found no closed loop of curves that " +
+                     "bounds a face, expected at least one (gap tolerance " +
                      format_number(network.tolerance()) + " " + scene.unit + ")";
   int more = 0;
-  for (const NetworkDiagnostic& finding : network.diagnostics()) {
-    if (finding.repaired) continue;
+  for (const NetworkDiagnostic& diagnostic : network.diagnostics()) {
+    if (diagnostic.repaired) continue;
     constexpr int most = 5;
-    if (++more <= most) text += "; " + finding.text;
+    if (++more <= most) text += "; " + diagnostic.text;
   }
   throw InputError(text);
 }
@@ -240,7 +241,7 @@ BuiltModel build_model(const Scene& scene, const std::vector<CharacterLine>& lin
       for (const CharacterLine& section : row) made.sections.push_back(section.name);
       return made;
     }
-  progress.update("regions", 0);
+  progress.update("faces", 0);
   made.found.emplace(regions_of(scene, *made.network, progress));
   // A single surface gets the name of its scene.
   std::vector<NetworkRegion>& regions = made.found->regions;

@@ -45,7 +45,8 @@ void run_ccx(const std::filesystem::path& deck) {
     throw InputError("cannot start '" + program + "'");
   if (WIFEXITED(status) && WEXITSTATUS(status) == 127)
     throw InputError("found no program '" + program +
-                     "', expected CalculiX (calculix-ccx); CCX names another one");
+                     "', expected CalculiX (calculix-ccx) or its path in the environment variable "
+                     "CCX");
   // Files that ccx leaves beside its results.
   for (const char* ending : {".dat", ".sta", ".cvg", ".12d"})
     std::filesystem::remove(std::filesystem::path(deck).replace_extension(ending));

@@ -38,7 +38,7 @@ class SceneOnLayout {
     for (const auto& name : names_)
       if (is_part_of(name, word.text)) parts.push_back(name);
     if (parts.empty())
-      throw InputError(scene_.at(word.location) + "found the line '" + word.text +
+      throw InputError(scene_.at(word.location) + "found the curve '" + word.text +
                        "', expected one of: " + comma_separated(names_) +
                        did_you_mean(word.text, names_));
     return parts;
@@ -46,8 +46,8 @@ class SceneOnLayout {
   std::string line(const LocatedString& word) const {
     const std::vector<std::string> parts = segments(word);
     if (has(word.text)) return word.text;
-    throw InputError(scene_.at(word.location) + "found the line '" + word.text +
-                     "', which is in pieces, expected one of: " + comma_separated(parts));
+    throw InputError(scene_.at(word.location) + "found the curve '" + word.text +
+                     "', which is split into segments, expected one of: " + comma_separated(parts));
   }
 
   Area area(const SceneArea& area) const {
@@ -61,10 +61,10 @@ class SceneOnLayout {
     if (std::find(names.begin(), names.end(), word.text) != names.end()) return word.text;
     for (const ModelRegion& other : made_.model.regions)
       if (other.plan.name == word.text)
-        throw InputError(scene_.at(word.location) + "found the region '" + word.text +
-                         "', which could not be skinned (" + other.rejection_reason +
+        throw InputError(scene_.at(word.location) + "found the face '" + word.text +
+                         "', which has no surface (" + other.rejection_reason +
                          "), expected one of: " + comma_separated(names));
-    throw InputError(scene_.at(word.location) + "found the region '" + word.text + "', expected " +
+    throw InputError(scene_.at(word.location) + "found the face '" + word.text + "', expected " +
                      expected_one_of(word.text, names));
   }
 
@@ -74,12 +74,12 @@ class SceneOnLayout {
     if (line_file_kind(load.file) == LineFileKind::None)
       line(load.curve);  // not a file: reports
                          // an unknown line
-    require_input_file(load.file, "a file of a line, or one of: " + comma_separated(names_),
+    require_input_file(load.file, "a curve file, or one of the curves " + comma_separated(names_),
                        scene_.at(load.location));
     const auto lines = read_source_file(load.file, load.unit, scene_.unit);
     if (lines.size() != 1)
       throw InputError(scene_.at(load.location) + "found " + std::to_string(lines.size()) +
-                       " lines in '" + load.file.string() + "', expected one");
+                       " curves in '" + load.file.string() + "', expected one");
     FitOptions options;
     options.corner_angle = scene_.skin.options.corner_angle;
     const auto input = lines.front().as_curve(options.corner_angle);
@@ -224,9 +224,9 @@ class SessionBuilder {
     const auto was = unloaded_projector_.nearest_inside(c.at);
     const double size = session_.layout().size();
     if (!(was.distance <= kMaxRelativeDistance * size))
-      throw InputError(scene_.at(c.location) + "found the constraint '" + c.name + "' " +
-                       format_number(was.distance) +
-                       " away from the surface, expected a place on it (its size is " +
+      throw InputError(scene_.at(c.location) + "found the constraint '" + c.name +
+                       "' at a distance of " + format_number(was.distance) +
+                       " from the surface, expected a point on it (its size is " +
                        format_number(size) + ")");
     return session_.layout()
         .surface(session_.dofs())

@@ -40,8 +40,8 @@ std::string listed_lines(const std::string& label, const std::vector<std::string
   for (size_t i = 0; i < std::min(texts.size(), kMost); ++i)
     text += summary_line(i ? "" : label, texts[i]);
   if (texts.size() > kMost)
-    text += summary_line(
-        "", "and " + std::to_string(texts.size() - kMost) + " more (report.json has all)");
+    text +=
+        summary_line("", "and " + std::to_string(texts.size() - kMost) + " more (see report.json)");
   return text;
 }
 
@@ -56,7 +56,7 @@ std::string repairs(const NetworkReport& n) {
   std::string text;
   for (const auto& [kind, count] : counts)
     text += (text.empty() ? "" : ", ") + std::to_string(count) + " " + kind;
-  return text.empty() ? "" : text + "; farthest apart " + format_number(farthest);
+  return text.empty() ? "" : text + "; largest gap " + format_number(farthest);
 }
 
 std::string joins(const NetworkReport& n) {
@@ -69,27 +69,29 @@ std::string joins(const NetworkReport& n) {
     open += j.open[0] || j.open[1];
     angle = std::max(angle, j.max_inside_deg);
   }
-  std::string text = format_count(counts["crease"], "crease") + ", " +
+  std::string text = format_count(counts["G0"], "crease") + " (G0), " +
                      std::to_string(counts["smooth"]) + " smooth";
   if (counts["smooth"]) text += " within " + format_number(angle) + " degrees";
-  if (open) text += " (" + std::to_string(open) + " of them with an end that is a crease)";
-  text += ", " + format_count(counts["rim"], "rim");
-  if (counts["branching"]) text += ", " + std::to_string(counts["branching"]) + " branching";
+  if (open) text += " (" + std::to_string(open) + " of them with an end that is G0)";
+  text += ", " + format_count(counts["free edge"], "free edge");
+  if (counts["non-manifold"])
+    text += ", " + std::to_string(counts["non-manifold"]) + " non-manifold";
   return text;
 }
 
-/// Summary of lines, joints and repairs.
+/// Summary of curves, edges and repairs.
 std::string line_summary(const NetworkReport& n, const std::string& unit) {
-  std::string text =
-      summary_line("lines", std::to_string(n.lines) + ", in " + format_count(n.edges, "piece") +
-                                " between " + format_count(n.nodes, "place") +
-                                " where they meet within " + format_number(n.tolerance) + unit);
+  std::string text = summary_line("curves", std::to_string(n.lines) + ", split into " +
+                                                format_count(n.edges, "edge") + " at " +
+                                                format_count(n.nodes, "node") + ", gap tolerance " +
+                                                format_number(n.tolerance) + unit);
   if (constexpr double prepared = 0.5; n.joined_fraction < prepared) {
     const bool found = n.tolerance > 1.1e-3 * n.size;
     text += summary_line(
-        "by hand", "within 1e-3 of their size only " + format_number(100 * n.joined_fraction) +
-                       " % of their ends " + (found ? "would meet" : "meet") +
-                       " another line: state gap_tolerance (--gap-tolerance) to have another");
+        "gaps", "only " + format_number(100 * n.joined_fraction) + " % of the curve ends " +
+                    (found ? "would meet" : "meet") +
+                    " another curve within 1e-3 of the size; set gap_tolerance (--gap-tolerance) "
+                    "for another tolerance");
   }
   if (const std::string repaired = repairs(n); !repaired.empty())
     text += summary_line("repaired", repaired + unit);
@@ -109,9 +111,9 @@ std::string region_summary(const NetworkReport& n, const Report::Surface& s) {
     if (!r.skinned) not_skinned.push_back("'" + r.name + "': " + r.rejection_reason);
   }
   std::string text = summary_line(
-      "regions", std::to_string(n.regions.size()) + " found, " + std::to_string(skinned) +
-                     " skinned: " + std::to_string(s.triangles) + " triangles, " +
-                     std::to_string(s.dofs) + " unknowns a coordinate");
+      "faces", std::to_string(n.regions.size()) + " found, " + std::to_string(skinned) +
+                   " skinned: " + std::to_string(s.triangles) + " triangles, " +
+                   std::to_string(s.dofs) + " unknowns per coordinate");
   return text + listed_lines("not skinned", not_skinned);
 }
 
@@ -145,8 +147,8 @@ std::string shell_summary(const NetworkReport& n, const std::string& unit) {
     if (n.shells.size() > kMost && &shell >= &n.shells[kMost]) continue;
     text += summary_line(
         &shell == &n.shells.front() ? "shells" : "",
-        format_count(shell.regions.size(), "region") + ", " + (shell.closed ? "closed" : "open") +
-            (shell.orientable ? "" : ", one-sided or branching") + ", area " +
+        format_count(shell.regions.size(), "face") + ", " + (shell.closed ? "closed" : "open") +
+            (shell.orientable ? "" : ", non-orientable or non-manifold") + ", area " +
             format_number(shell.area) + unit + "²" +
             (shell.volume != 0 ? ", volume " + format_number(shell.volume) + unit + "³" : ""));
   }
@@ -159,7 +161,7 @@ std::string shell_summary(const NetworkReport& n, const std::string& unit) {
 std::string defect_summary(const Report& report) {
   std::vector<std::string> texts;
   for (const auto& f : report.defects) texts.push_back(f.text);
-  return listed_lines("wrong", texts);
+  return listed_lines("defects", texts);
 }
 
 /// Summary of surface quality.
@@ -167,7 +169,7 @@ std::string quality_summary(const Report::Surface& s, const std::string& unit) {
   return summary_line("quality", "Jacobian " + format_number(s.quality.min_jacobian_ratio) +
                                      " of its median, normal jump " +
                                      format_number(s.quality.max_normal_jump_deg) +
-                                     " degrees, surface to your lines " +
+                                     " degrees, surface to input curves " +
                                      format_number(s.quality.max_line_deviation) + unit);
 }
 
@@ -176,11 +178,11 @@ std::string fairing_summary(const Report::Surface& s, const std::string& unit) {
   if (s.fair == "loft") return summary_line("lofted", "along splines across the sections");
   if (!s.fairing) return "";
   const std::string what = s.fairing->requested ? ""
-                                                : format_count(s.fairing->regions, "region") +
-                                                      " with five sides or more: ";
-  return summary_line("faired", what + "change of curvature " +
+                                                : format_count(s.fairing->regions, "face") +
+                                                      " with five or more sides: ";
+  return summary_line("faired", what + "curvature variation " +
                                     format_number(s.fairing->start_functional) + " -> " +
-                                    format_number(s.fairing->functional) + ", moved by up to " +
+                                    format_number(s.fairing->functional) + ", displacement up to " +
                                     format_number(s.fairing->max_move) + unit);
 }
 
@@ -189,9 +191,9 @@ std::string target_summary(const Report& report, const std::string& unit) {
   if (!report.target) return "";
   const auto& t = *report.target;
   return summary_line("target",
-                      "rms " + format_number(t.before_rms) + " -> " + format_number(t.rms) + unit +
-                          ", largest " + format_number(t.max) + " there and " +
-                          format_number(t.back_max) + unit + " back (" +
+                      "RMS " + format_number(t.before_rms) + " -> " + format_number(t.rms) + unit +
+                          ", max " + format_number(t.max) + unit + " to the target and " +
+                          format_number(t.back_max) + unit + " from it (" +
                           format_number(std::max(t.max, t.back_max) / t.size) +
                           " of the size), tolerance " + format_number(t.tolerance) + unit);
 }
@@ -205,7 +207,7 @@ std::string edges_of(const Report::Step& step) {
   return "; " + format_count(step.creases, "crease") + ", " +
          format_count(smooth, "smooth edge", "smooth edges") +
          (smooth ? " within " + format_number(step.max_smooth_deg) + " degrees" : "") +
-         (missed ? ", " + std::to_string(missed) + " missed" : "");
+         (missed ? ", " + std::to_string(missed) + " above the tolerance" : "");
 }
 
 /// Counts of planar, cylindrical, … faces; empty if there are none.
@@ -232,13 +234,13 @@ std::string step_summary(const Report::Step& step, const std::string& unit) {
 std::string alternative_summary(const NetworkReport& n) {
   std::vector<std::string> ambiguous_regions;
   for (const auto& c : n.ambiguous_regions) ambiguous_regions.push_back(c.text);
-  std::string text = listed_lines("could be", ambiguous_regions);
+  std::string text = listed_lines("ambiguous", ambiguous_regions);
   text += summary_line("to change",
-                       "[[region]] loops = [[\"…\", \"…\"]], with surface = false for "
-                       "none there;");
+                       "[[face]] loops = [[\"…\", \"…\"]], with surface = false for "
+                       "no surface there;");
   text += summary_line("",
-                       "[[join]] lines = [\"…\"], kind = \"crease\" or \"smooth\" "
-                       "(batten info: the names)");
+                       "[[join]] curves = [\"…\"], continuity = \"G0\" or \"smooth\" "
+                       "(batten info lists the names)");
   return text;
 }
 
@@ -285,23 +287,23 @@ std::string network_summary(const Report& report, const std::filesystem::path& f
   text += shape_summary(n);
   const bool skinned =
       std::any_of(n.regions.begin(), n.regions.end(), [](const auto& r) { return r.skinned; });
-  if (skinned) text += summary_line("joins", joins(n));
+  if (skinned) text += summary_line("edges", joins(n));
   text += shell_summary(n, unit);
   if (skinned) text += summary_line("normals", "point " + s.normals);
   if (report.is_sculpted && s.moved > 0)
-    text += summary_line(
-        "moved", "by up to " + format_number(s.moved) + unit + " from the lines' own shape");
+    text += summary_line("displaced", "by up to " + format_number(s.moved) + unit +
+                                          " from the shape of the curves alone");
   text += defect_summary(report);
   if (!n.unused_edges.empty())
-    text += summary_line("left over", format_count(n.unused_edges.size(), "line") +
-                                          " without a surface: " + some(n.unused_edges));
+    text += summary_line("unused", format_count(n.unused_edges.size(), "edge") +
+                                       " without a face: " + some(n.unused_edges));
   if (skinned)
     text += fairing_summary(s, unit) + target_summary(report, unit) + quality_summary(s, unit);
   if (report.step) text += step_summary(*report.step, unit);
   if (report.stress) text += stress_summary(*report.stress, report.unit);
   if (report.comparison)
     text += summary_line("compared", "max " + format_number(report.comparison->max) + unit +
-                                         ", rms " + format_number(report.comparison->rms) + unit +
+                                         ", RMS " + format_number(report.comparison->rms) + unit +
                                          " from " + report.comparison->file);
   text += alternative_summary(n);
   return text + summary_footer(report, folder);
@@ -337,8 +339,8 @@ void stress_into(RunContext& run, const Scene& scene, const BuiltModel& made,
   run.report.stress->meshes = accurate.meshes;
   if (!accurate.converged)
     run.report.failed_checks.push_back(
-        {"stress.accuracy", "is " + format_number(accurate.meshes.back().error) + ", asked for " +
-                                format_number(task.accuracy)});
+        {"stress.accuracy", "is " + format_number(accurate.meshes.back().error) +
+                                ", expected at most " + format_number(task.accuracy)});
   if (scene.stress->sensitivities) compute_sensitivities(run, scene, made, shape, progress);
   if (task.with_calculix) check_with_calculix(run, scene, accurate.shape, task.element, progress);
 }
@@ -376,7 +378,8 @@ Report run_scene(const Scene& scene, const std::filesystem::path& folder,
 Report run_stress(const Scene& scene, const std::filesystem::path& folder, const StressTask& task,
                   const Progress& progress) {
   if (!scene.stress)
-    throw InputError(scene.at({}) + "found no [stress], expected thickness, material and supports");
+    throw InputError(scene.at({}) +
+                     "found no [stress], expected one with thickness, material and supports");
   return run_all(scene, folder, &task, progress);
 }
 
@@ -395,8 +398,9 @@ std::string trimming_summary(const Report& report, const std::string& unit) {
   std::string text;
   for (const auto& line : report.lines)
     if (!line.constrains_surface)
-      text += summary_line("trimmed", "by '" + line.name + "', drawn within " +
-                                          format_number(line.deviation) + unit + " of the surface");
+      text +=
+          summary_line("trimmed", "by '" + line.name + "', at most " +
+                                      format_number(line.deviation) + unit + " from the surface");
   return text;
 }
 
@@ -412,25 +416,25 @@ std::string summary(const Report& report, const std::filesystem::path& folder) {
     if (line.constrains_surface) deviation = std::max(deviation, line.deviation);
 
   std::string text = report.name + "\n" + listed_lines("read", report.reading_notes);
-  text += summary_line("lines", std::to_string(report.lines.size()) + ", fitted within " +
-                                    format_number(deviation) + unit);
+  text += summary_line("curves", std::to_string(report.lines.size()) + ", fitted within " +
+                                     format_number(deviation) + unit);
   text += summary_line("surface", std::to_string(s.triangles) + " triangles, " +
-                                      std::to_string(s.dofs) + " unknowns a coordinate, area " +
+                                      std::to_string(s.dofs) + " unknowns per coordinate, area " +
                                       format_number(q.area) + unit + "²");
-  text += s.boundary == "lines"
+  text += s.boundary == "curves"
               ? summary_line(
-                    "held lines",
+                    "constraints",
                     "residual " + format_number(q.max_line_residual) +
                         (q.max_line_gap > 0
-                             ? ", gap of embedded ones " + format_number(q.max_line_gap) + unit
+                             ? ", gap at embedded curves " + format_number(q.max_line_gap) + unit
                              : "") +
-                        ", surface to your lines " + format_number(q.max_line_deviation) + unit)
-              : summary_line("held",
+                        ", surface to input curves " + format_number(q.max_line_deviation) + unit)
+              : summary_line("constraints",
                              "corners only, residual " + format_number(s.max_constraint_residual));
   text += trimming_summary(report, unit);
   if (report.is_sculpted && s.moved > 0)
-    text += summary_line(
-        "moved", "by up to " + format_number(s.moved) + unit + " from the lines' own shape");
+    text += summary_line("displaced", "by up to " + format_number(s.moved) + unit +
+                                          " from the shape of the curves alone");
   text += fairing_summary(s, unit) + target_summary(report, unit) + defect_summary(report);
   text += summary_line("normals", "point " + s.normals);
   text += summary_line("quality", "Jacobian " + format_number(q.min_jacobian_ratio) +
@@ -451,14 +455,14 @@ std::string summary(const Report& report, const std::filesystem::path& folder) {
                   ", edges within " + format_number(step.max_gap) + unit + edges_of(step));
   }
   for (const auto& scan : report.scans)
-    text += summary_line("scan", std::to_string(scan.points - scan.left_out) + " of " +
-                                     std::to_string(scan.points) + " points of '" + scan.name +
-                                     "', rms " + format_number(scan.before_rms) + " -> " +
-                                     format_number(scan.rms) + unit);
+    text += summary_line("point cloud", std::to_string(scan.points - scan.left_out) + " of " +
+                                            std::to_string(scan.points) + " points of '" +
+                                            scan.name + "', RMS " + format_number(scan.before_rms) +
+                                            " -> " + format_number(scan.rms) + unit);
   if (report.stress) text += stress_summary(*report.stress, report.unit);
   if (report.comparison)
     text += summary_line("compared", "max " + format_number(report.comparison->max) + unit +
-                                         ", rms " + format_number(report.comparison->rms) + unit +
+                                         ", RMS " + format_number(report.comparison->rms) + unit +
                                          " from " + report.comparison->file);
   return text + summary_footer(report, folder);
 }
@@ -488,11 +492,11 @@ std::optional<RegionSpec> spec_of(const FeaturePatch& patch, const std::vector<S
 
 void add_mesh_lines(Scene& scene, const TriangleMesh& mesh) {
   const FeatureLines found = feature_lines(mesh);
-  int creases = 0, rims = 0;
+  int creases = 0, free_edges = 0;
   for (const FeatureLine& feature : found.lines) {
     SceneLine line;
-    line.name =
-        feature.boundary ? "rim " + std::to_string(++rims) : "crease " + std::to_string(++creases);
+    line.name = feature.boundary ? "free edge " + std::to_string(++free_edges)
+                                 : "crease " + std::to_string(++creases);
     for (const int v : feature.vertices) line.points.push_back(mesh.point(v));
     if (feature.closed) line.points.push_back(line.points.front());
     line.corners.emplace();  // lines end at their corners
@@ -500,7 +504,8 @@ void add_mesh_lines(Scene& scene, const TriangleMesh& mesh) {
     scene.lines.push_back(std::move(line));
   }
   if (found.lines.empty())
-    throw InputError("found no crease and no rim in the mesh, expected --lines with lines to keep");
+    throw InputError(
+        "found no crease and no free edge in the mesh, expected --curves with the curves to keep");
   for (int p = 0; p < isize(found.patches); ++p)
     if (auto spec = spec_of(found.patches[p], scene.lines)) {
       spec->name = "patch " + std::to_string(p + 1);

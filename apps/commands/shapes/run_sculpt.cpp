@@ -59,12 +59,12 @@ struct SweepTask {
   double at(int i) const { return from + (to - from) * i / std::max(1, count - 1); }
 };
 
-/// Parses "name=from:to:count".
+/// Parses "NAME=FROM:TO:COUNT".
 SweepTask parse_sweep(const std::string& text) {
   SweepTask sweep;
   sweep.where = "--sweep " + text + ": ";
   const auto fail = [&](const std::string& found) {
-    throw InputError(sweep.where + "found " + found + ", expected name=from:to:count");
+    throw InputError(sweep.where + "found " + found + ", expected NAME=FROM:TO:COUNT");
   };
   const size_t equals = text.find('=');
   if (equals == std::string::npos || equals == 0) fail("no name");
@@ -84,22 +84,23 @@ SweepTask parse_sweep(const std::string& text) {
     throw InputError(sweep.where + "found " + format_number(numbers[2]) +
                      " values, expected a whole number from 2 to 1000");
   if (numbers[0] == numbers[1])
-    throw InputError(sweep.where + "found " + format_number(numbers[0]) +
-                     " twice, expected a range to go through");
+    throw InputError(sweep.where + "found an empty range, " + format_number(numbers[0]) +
+                     " at both ends, expected two different values");
   sweep.from = numbers[0];
   sweep.to = numbers[1];
   sweep.count = static_cast<int>(numbers[2]);
   return sweep;
 }
 
-/// Parses "jumps:ROUNDS".
+/// Parses "jumps:ITERATIONS".
 int parse_rounds(const std::string& text) {
   if (text.empty()) return 0;
   const std::string word = text.starts_with("jumps:") ? text.substr(6) : "";
   char* end = nullptr;
   const long rounds = std::strtol(word.c_str(), &end, 10);
   if (word.empty() || *end != '\0' || rounds < 1 || rounds > 20)
-    throw InputError("--refine " + text + ": expected jumps:ROUNDS, 1 to 20 rounds");
+    throw InputError("--refine: found " + text +
+                     ", expected jumps:ITERATIONS with 1 to 20 iterations");
   return static_cast<int>(rounds);
 }
 
@@ -109,11 +110,11 @@ int parse_steps(const SculptTask& task) {
     throw InputError("--time, --dt: found " + found + ", expected " + expected);
   };
   if (!(task.time > 0) || !(task.dt > 0) || !std::isfinite(task.time) || !std::isfinite(task.dt))
-    fail("the time " + format_number(task.time) + " in steps of " + format_number(task.dt),
-         "both above 0");
+    fail("the time " + format_number(task.time) + " with the time step " + format_number(task.dt),
+         "two numbers above 0");
   const double steps = task.time / task.dt;
   constexpr double most = 1e6;
-  if (steps > most) fail(format_number(steps) + " steps", "at most a million");
+  if (steps > most) fail(format_number(steps) + " time steps", "at most a million");
   // The last step ends at the given time, or is the first one after it.
   return std::max(1, static_cast<int>(std::ceil(steps * (1 - 1e-12))));
 }
@@ -148,7 +149,8 @@ class SculptRun {
 
   Report done() {
     if (task_.stress && !scene_.stress)
-      throw InputError(scene_.at({}) + "found no [stress], expected thickness, material, supports");
+      throw InputError(scene_.at({}) +
+                       "found no [stress], expected one with thickness, material and supports");
     for (const std::string& text : task_.sweeps) sweeps_.push_back(parse_sweep(text));
     const int rounds = parse_rounds(task_.refinement), steps = parse_steps(task_);
     Stopwatch& watch = run_.watch;
@@ -174,7 +176,7 @@ class SculptRun {
     session_->record(!task_.record.empty());
     if (!task_.replay.empty()) replay(log);
     for (const Setting& s : settings) set(s.name, s.value, s.where);
-    if (task_.replay.empty() || !settings.empty()) solve_to_equilibrium("settle");
+    if (task_.replay.empty() || !settings.empty()) solve_to_equilibrium("solve");
     for (int round = 0; round < rounds; ++round) refine();
     watch.lap("sculpt");
     for (const SweepTask& sweep : sweeps_) {
@@ -210,8 +212,8 @@ class SculptRun {
       for (const double value : {sweep.from, sweep.to}) {
         if (!is_session_parameter(scene_, sweep.parameter))
           throw InputError(sweep.where + "found '" + sweep.parameter +
-                           "', which is not a parameter of the session, expected a load, weight, "
-                           "move, [[parameter]], goal of a point, or alpha or beta");
+                           "', which cannot vary in a sweep, expected a load, stiffness, offset, "
+                           "[[parameter]], coordinate of a point constraint, alpha or beta");
         try {
           Parameters(session_->parameters()).set(sweep.parameter, value);
         } catch (const InputError& e) {
@@ -234,8 +236,8 @@ class SculptRun {
     if (refused > 0)
       report_.warnings.push_back(
           std::to_string(refused) + " of " + std::to_string(log.size()) +
-          " operations of the log were refused: if they were not when it was "
-          "recorded, it was recorded with another scene");
+          " operations of the log were refused; if they were not refused when recorded, the log "
+          "belongs to another scene");
     report_.sculpting->solves.push_back({"replay", isize(log), 0, false});
   }
 
@@ -273,7 +275,7 @@ class SculptRun {
     report_.sculpting->sweeps.push_back(table);
     finish(series, false);
     session_->set(sweep.parameter, before);
-    solve_to_equilibrium("back from the sweep of " + sweep.parameter);
+    solve_to_equilibrium("solve after the sweep of " + sweep.parameter);
   }
 
   // Maxima over all load cases.
@@ -407,7 +409,7 @@ std::string sculpt_summary(const Report& report, const std::filesystem::path& fo
   std::string text = report.name + "\n";
   text +=
       summary_line("surface", std::to_string(s.triangles) + " triangles, " +
-                                  std::to_string(s.dofs) + " unknowns a coordinate, area " +
+                                  std::to_string(s.dofs) + " unknowns per coordinate, area " +
                                   format_number(sculpting.shape.area) + " " + report.unit + "²");
   text +=
       summary_line("energy", format_number(energy(sculpting.shape)) + " (bending " +
@@ -416,7 +418,7 @@ std::string sculpt_summary(const Report& report, const std::filesystem::path& fo
   text += summary_line("constraints", "residual " + format_number(sculpting.shape.residual));
   for (const auto& r : sculpting.refinements)
     text += summary_line("refined", std::to_string(r.triangles_before) + " -> " +
-                                        std::to_string(r.triangles) + " triangles, moved by " +
+                                        std::to_string(r.triangles) + " triangles, displacement " +
                                         format_number(r.max_displacement) +
                                         " of the size, energy " + format_number(r.energy_before) +
                                         " -> " + format_number(r.energy_at_equilibrium));
@@ -424,7 +426,7 @@ std::string sculpt_summary(const Report& report, const std::filesystem::path& fo
     std::vector<std::string> head = {sweep.parameter, "energy",     "area",
                                      "volume",        "iterations", "residual"};
     if (!sweep.rows.empty() && sweep.rows[0].stress)
-      head.insert(head.end(), {"moves", "von Mises"});
+      head.insert(head.end(), {"displacement", "von Mises"});
     text += row_text(head);
     for (const auto& row : sweep.rows) {
       std::vector<std::string> words = {

@@ -48,8 +48,8 @@ void append_target(TargetFaces& all, const Scene& scene, const SceneTarget& targ
     return;
   }
   if (!target.unit.empty())
-    throw InputError("'unit' of a CAD file, expected none: the file states it");
-  if (target.cage) throw InputError("a CAD file as a cage, expected a mesh of polygons");
+    throw InputError("found a 'unit' for a CAD file, expected none: CAD files state their unit");
+  if (target.cage) throw InputError("found a CAD file as control cage, expected a mesh");
   CadFacetOptions options;
   options.unit_in_metres = unit;
   options.chord = chord;
@@ -74,7 +74,7 @@ TargetParts target_of(const Scene& scene, double size, const Progress& progress)
   const double chord = fraction * target_tolerance(scene, size);
   TargetFaces all;
   for (const SceneTarget& target : scene.targets) {
-    progress.update("read the target", 0);
+    progress.update("reading the target", 0);
     try {
       append_target(all, scene, target, chord);
     } catch (const InputError& e) {

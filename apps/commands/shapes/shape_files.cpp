@@ -28,7 +28,7 @@ RunContext::RunContext(const Scene& scene, const std::filesystem::path& folder)
   report.unit = scene.unit;
   report.is_sculpted = scene.is_sculpted();
   report.surface.boundary =
-      scene.skin.boundary == SceneSkin::FixedBoundary::Corners ? "corners" : "lines";
+      scene.skin.boundary == SceneSkin::FixedBoundary::Corners ? "corners" : "curves";
   report.surface.fair = scene.skin.fair_name();
 }
 
@@ -38,11 +38,11 @@ void RunContext::finish(const Progress& progress) {
 }
 
 BuiltModel model_of(RunContext& run, const Scene& scene, const Progress& progress) {
-  progress.update("lines", 0);
+  progress.update("curves", 0);
   const FairedLines lines = faired_lines(scene, progress);
   run.report.curves = lines.reports;
   run.report.reading_notes = lines.reading_notes;
-  run.watch.lap("lines");
+  run.watch.lap("curves");
   BuiltModel made = build_model(scene, lines.lines, progress);
   run.tolerance = made.fit_tolerance;
   run.watch.lap("model");
@@ -56,7 +56,8 @@ void compare_into(Report& report, const Scene& scene,
                   const std::vector<const SkinnedRegion*>& regions, const Progress& progress) {
   const auto faces = cad_plugin().read_cad_surfaces(scene.compare, unit_in_metres(scene.unit));
   if (faces.empty())
-    throw InputError(scene.compare.string() + ": found no faces, expected some to compare with");
+    throw InputError(scene.compare.string() +
+                     ": found no faces to compare with, expected at least one");
   const TriangleRule whole = split_triangle_rule(2);
   Report::Comparison c;
   c.file = scene.compare.filename().string();
@@ -135,7 +136,7 @@ void write_valid_regions(Report& report, const OutputFolder& out, const std::str
         rest.push_back(r);
       else
         report.failed_checks.push_back(
-            {file, "is without region '" + regions[r]->name + "': " + why});
+            {file, "does not contain face '" + regions[r]->name + "': " + why});
     }
     if (rest.size() == good.size()) rest.clear();  // no single region is responsible
     if (rest.empty()) report.failed_checks.push_back({file, "is not written: " + of_all});
@@ -165,8 +166,8 @@ Regions with_faces(Report& report, const SurfaceModel& model) {
     const ModelRegion& region = model.regions[r];
     if (region.skinned && !over.count(r)) regions.push_back(&*region.skinned);
     if (region.skinned && over.count(r))
-      report.warnings.push_back("region '" + region.plan.name +
-                                "' is left out of the STEP file: its surface turns over");
+      report.warnings.push_back("the STEP file does not contain face '" + region.plan.name +
+                                "': its surface is inverted");
   }
   return regions;
 }
@@ -176,7 +177,8 @@ StepReport exact_step(Report& report, const Scene& scene, const StepFileOptions&
                       const std::filesystem::path& file) {
   const std::string warning = cad_plugin().step_size_warning(regions);
   if (!warning.empty())
-    report.warnings.push_back(warning + "; step_form = \"face\" makes one face of each region");
+    report.warnings.push_back(warning +
+                              "; step_form = \"face\" writes one STEP face for each face");
   StepOptions options;
   options.file = words;
   options.z12_as_hct = true;
@@ -184,11 +186,11 @@ StepReport exact_step(Report& report, const Scene& scene, const StepFileOptions&
       cad_plugin().write_step(file, regions, unit_in_metres(scene.unit), options);
   if (step.unmeasured > 0)
     report.failed_checks.push_back(
-        {"step", "has " + std::to_string(step.unmeasured) + " places that could not be measured"});
+        {"step", "has " + format_count(step.unmeasured, "point") + " that could not be measured"});
   if (regions.front()->surface.kind() == TriangleElement::Z12)
     report.warnings.push_back(scene.step +
-                              ": Z12 is rational and no STEP surface; written by HCT triangles "
-                              "that share its edges, largest distance " +
+                              ": STEP has no form for the rational Z12 triangles; written as HCT "
+                              "triangles with the same edges, max distance " +
                               format_number(step.max_deviation.value_or(std::nan(""))) + " " +
                               scene.unit);
   return step;
@@ -224,12 +226,12 @@ void warn_of_joins(Report& report, const Scene& scene) {
   }
   if (!worst) return;
   report.warnings.push_back(scene.step + ": " + std::to_string(missed) + " of " +
-                            format_count(isize(step.joins), "smooth join") +
-                            (missed == 1 ? " meets" : " meet") + " at more than " +
-                            format_number(StepFaceOptions{}.join_deg) + " degrees in the file, '" +
-                            worst->line + "' at " + format_number(worst->angle_deg) +
-                            " (report.json has all; step_form = \"exact\" has the surfaces' own " +
-                            format_number(worst->surface_deg) + ")");
+                            format_count(isize(step.joins), "smooth edge") +
+                            (missed == 1 ? " exceeds" : " exceed") + " the angle of " +
+                            format_number(StepFaceOptions{}.join_deg) +
+                            " degrees in the file, worst '" + worst->line + "' with " +
+                            format_number(worst->angle_deg) + " (step_form = \"exact\" keeps the " +
+                            format_number(worst->surface_deg) + " degrees of the surface)");
 }
 
 void write_step_into(Report& report, const Scene& scene, const BuiltModel& made,
@@ -239,8 +241,8 @@ void write_step_into(Report& report, const Scene& scene, const BuiltModel& made,
                                [](const SkinnedRegion* r) { return r->surface.trim(); });
   if (scene.step_form == Form::Exact && cut && !made.network)
     throw InputError(scene.at({}) +
-                     "found step_form = \"exact\" for a surface that embedded lines cut, expected "
-                     "\"face\": cut triangles have no exact form");
+                     "found step_form = \"exact\" for a surface that is trimmed by embedded "
+                     "curves, expected \"face\": trimmed triangles have no exact form");
   Report::Step& s = report.step.emplace(Report::Step{});
   s.form = scene.step_form == Form::Exact ? "exact" : "face";
   s.file = scene.step;
@@ -253,9 +255,10 @@ void write_step_into(Report& report, const Scene& scene, const BuiltModel& made,
   constexpr int few_triangles = 10'000;
   if (scene.step_form == Form::Auto && !cut && regions.size() == 1 && !step.reached &&
       regions.front()->surface.mesh().triangle_count() <= few_triangles) {
-    report.warnings.push_back("one face in '" + scene.step + "' would be " +
+    report.warnings.push_back("a single fitted face in '" + scene.step + "' would deviate by " +
                               format_number(step.max_deviation.value_or(std::nan(""))) + " " +
-                              scene.unit + " off the surface: it has three a triangle");
+                              scene.unit +
+                              " from the surface; written with three faces per triangle instead");
     s.form = "exact";
     s.tolerance = s.poles_u = s.poles_v = 0;
     s.faces_by_kind.clear();
@@ -265,9 +268,9 @@ void write_step_into(Report& report, const Scene& scene, const BuiltModel& made,
   s.bytes = step.bytes;
   s.lines = step.curves;
   if (step.curves != isize(words.lines))
-    report.failed_checks.push_back({"step.lines", "are " + std::to_string(step.curves) +
-                                                      ", promised " +
-                                                      std::to_string(words.lines.size())});
+    report.failed_checks.push_back(
+        {"step.curves",
+         "is " + std::to_string(step.curves) + ", expected " + std::to_string(words.lines.size())});
   s.max_deviation = step.max_deviation.value_or(std::nan(""));
   s.max_gap = step.max_gap;
   s.max_normal_jump_deg = s.form == "face" ? 0 : step.max_normal_jump_deg;
@@ -283,7 +286,7 @@ void write_step_into(Report& report, const Scene& scene, const BuiltModel& made,
   for (const StepJoin& join : step.joins) {
     const bool of_surfaces = join.reached && join.angle_deg > StepFaceOptions{}.join_deg;
     s.joins.push_back({join.line, join.regions, join.angle_deg, join.surface_deg, !join.reached,
-                       of_surfaces ? "its surfaces meet at up to " +
+                       of_surfaces ? "the surfaces meet at up to " +
                                          format_number(join.surface_deg) + " degrees there"
                                    : ""});
   }
@@ -343,7 +346,7 @@ void write_files(RunContext& run, const Scene& scene, const BuiltModel& made,
     if (cases.size() > 1)
       throw InputError(scene.at({}) + "[stress]: found " + std::to_string(cases.size()) +
                        " load cases, which '" + scene.calculix +
-                       "' cannot hold; `batten stress` can");
+                       "' cannot contain, expected one case; use `batten stress`");
     const ShellDeck deck =
         deck_of(scene, *made.model.layout, cases.empty() ? "" : cases[0], scene.calculix);
     const Regions regions = shape.all();
@@ -363,7 +366,7 @@ void write_step_file(RunContext& run, const Scene& scene, const BuiltModel& made
   const Regions regions = with_faces(run.report, made.model);
   if (regions.empty()) {
     run.report.failed_checks.push_back(
-        {scene.step, "is not written: no region has a surface that does not turn over"});
+        {scene.step, "is not written: the surface of every face is inverted"});
     return;
   }
   write_valid_regions(run.report, run.out, scene.step, regions, made.network.has_value(),
@@ -406,7 +409,7 @@ class TemporaryFolder {
  public:
   TemporaryFolder() {
     std::string name = (std::filesystem::temp_directory_path() / "batten_export_XXXXXX").string();
-    if (!mkdtemp(name.data())) throw FileError(name + ": cannot be made");
+    if (!mkdtemp(name.data())) throw FileError(name + ": cannot create this folder");
     path_ = name;
   }
   ~TemporaryFolder() {
@@ -450,7 +453,7 @@ Report export_shape(const Scene& of, const BuiltModel& made_before, const Solved
   if (!scene.calculix.empty() && !scene.stress)
     throw InputError(
         file.string() +
-        ": found no [stress] in the scene, expected the thickness and material of a deck");
+        ": found no [stress] in the scene, expected one with the thickness and material");
   RunContext run(scene, folder.path());
   run.report.parameters = scene.parameters();
   BuiltModel made = made_before;

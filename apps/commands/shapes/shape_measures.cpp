@@ -53,10 +53,10 @@ void warn_of_strain(Report& report) {
       q.min_jacobian_ratio >= least_jacobian)
     return;
   report.warnings.push_back(
-      "the flat domain is strained (shear " + format_number(q.max_shear) + ", strain " +
+      "the parametrization is distorted (shear " + format_number(q.max_shear) + ", strain " +
       format_number(q.rms_strain) + ", Jacobian " + format_number(q.min_jacobian_ratio) +
-      " of its median): the surface may be uneven there; another domain, settle = true, or inner "
-      "lines with treatment = \"embedded\" may suit it better");
+      " of its median), so that the surface may be uneven: try another domain, "
+      "minimize_distortion = true, or inner curves with alignment = \"embedded\"");
 }
 
 SkinQuality worst_of(const SurfaceModel& model) {
@@ -145,19 +145,20 @@ void measure_network(Report& report, const BuiltModel& made, const Scene& scene)
                          made.model.warnings.end());
   for (const ModelRegion& r : made.model.regions)
     for (const std::string& w : r.warnings)
-      report.warnings.push_back("region '" + r.plan.name + "': " + w);
+      report.warnings.push_back("face '" + r.plan.name + "': " + w);
   if (!made.found->optimal)
     report.warnings.push_back(
-        "the search for regions was cut short: others may cost less; say yours by [[region]]");
+        "the search for faces was stopped early and may have missed better ones: specify faces by "
+        "[[face]]");
 }
 
 // Orientation of the shells as text, most frequent first, with counts.
 std::string describe_normals(const std::vector<ModelShell>& shells) {
   std::vector<std::pair<std::string, int>> said;
   for (const ModelShell& shell : shells) {
-    const std::string text = shell.orientable
-                                 ? shell.normals.text()
-                                 : "to no side of a surface that branches or is one-sided";
+    const std::string text =
+        shell.orientable ? shell.normals.text()
+                         : "in no consistent direction (non-orientable or non-manifold surface)";
     const auto found = std::find_if(said.begin(), said.end(),
                                     [&](const auto& other) { return other.first == text; });
     if (found == said.end())
@@ -227,12 +228,13 @@ void measure_target(Report& report, const ModelFit& fit, const Scene& scene) {
   if (!t.reached) {
     std::string why;
     if (!t.line_distances.empty())
-      why = "; " + format_count(isize(t.line_distances), "line") +
-            " are farther from it themselves, '" + t.line_distances.front().name + "' by " +
+      why = "; " + format_count(isize(t.line_distances), "curve") +
+            (t.line_distances.size() == 1 ? " is" : " are") +
+            " farther from the target than that, '" + t.line_distances.front().name + "' by " +
             format_number(t.line_distances.front().distance);
     report.failed_checks.push_back(
-        {"target", "is off by " + format_number(std::max(t.max, t.back_max)) +
-                       ", promised at most " + format_number(t.tolerance) + why});
+        {"target", "is at a distance of " + format_number(std::max(t.max, t.back_max)) +
+                       " from the surface, expected at most " + format_number(t.tolerance) + why});
   }
   report.target = std::move(t);
 }
@@ -269,13 +271,14 @@ void warn_of_departures(Report& report, const SolvedShape& shape, const Scene& s
     if (!large && !thick) continue;
     const bool sections = free && d.depth > 0 && d.distance > 0.5 * d.depth;
     report.warnings.push_back(
-        "region '" + layout.region(r).name() + "' leaves the blend of its boundary curves by " +
-        format_number(d.distance) + " " + scene.unit + " at " + format_point(d.at) + ", which is " +
+        "face '" + layout.region(r).name() +
+        "' deviates from the blend of its boundary curves by " + format_number(d.distance) + " " +
+        scene.unit + " at " + format_point(d.at) + ", " +
         format_number(std::round(100 * d.distance / (sections ? d.depth : d.across))) +
         " % of the " + (sections ? "depth of its sections" : "distance between its sides") +
-        (thick ? " and more than its thickness: stresses are those of this shape; " : ": ") +
-        (free ? "fair = \"auto\" keeps it there"
-              : "smooth edges pull it there; [[join]] kind = \"crease\" leaves it"));
+        (thick ? " and more than its thickness, which changes the stresses; " : "; ") +
+        (free ? "fair = \"auto\" avoids this"
+              : "its smooth edges cause this, [[join]] continuity = \"G0\" avoids it"));
   }
 }
 
@@ -318,17 +321,19 @@ void measure_into(RunContext& run, BuiltModel& made, const SolvedShape& shape, c
     for (const UnchangedRegion& unchanged_regions : shape.fairing.unchanged_regions) {
       s.fairing->unchanged_regions.push_back(shape.layout->region(unchanged_regions.region).name());
       if (!shape.fairing.requested) continue;
-      report.warnings.push_back("region '" + s.fairing->unchanged_regions.back() +
-                                "' is not faired and bends least: " + unchanged_regions.why);
+      report.warnings.push_back("face '" + s.fairing->unchanged_regions.back() +
+                                "' is not faired and keeps the shape of minimum bending energy: " +
+                                unchanged_regions.why);
     }
     if (!shape.fairing.failure_reason.empty())
-      report.warnings.push_back("not faired, the surface bends least: " +
-                                shape.fairing.failure_reason);
+      report.warnings.push_back(
+          "the surface is not faired and keeps the shape of minimum bending energy: " +
+          shape.fairing.failure_reason);
     constexpr double far = 0.1;
     if (shape.fairing.requested && f.max_move > far * s.size)
       report.warnings.push_back("fairing moved the surface by " +
                                 format_number(f.max_move / s.size) +
-                                " of the size: its lines leave much of the shape open");
+                                " of the size: its curves hardly determine the shape");
   }
   warn_of_departures(report, shape, scene);
   if (shape.fairing.fit) measure_target(report, *shape.fairing.fit, scene);
@@ -336,7 +341,8 @@ void measure_into(RunContext& run, BuiltModel& made, const SolvedShape& shape, c
   report.reactions = shape.reactions;
   if (shape.joins_planned)
     report.warnings.push_back(
-        "lines that moved turn the tangents at their ends: smooth joins there were planned again");
+        "moved curves rotate the tangents at their ends, so that smooth edges there were set up "
+        "again");
   run.watch.lap("measure");
 }
 
@@ -352,28 +358,28 @@ class AcceptanceChecks {
   void require_at_most(const std::string& what, double value, double limit) {
     if (value > limit)
       failed_checks.push_back(
-          {what, "is " + format_number(value) + ", promised at most " + format_number(limit)});
+          {what, "is " + format_number(value) + ", expected at most " + format_number(limit)});
   }
   void surface(const std::string& at, const SkinQuality& q, bool lines, double on_line,
                double on_input) {
     if (lines) {
-      require_at_most(at + ".max_line_residual", q.max_line_residual, 1e-10);
-      require_at_most(at + ".max_line_gap", q.max_line_gap, on_line);
-      require_at_most(at + ".max_line_deviation", q.max_line_deviation, on_input);
+      require_at_most(at + ".max_curve_residual", q.max_line_residual, 1e-10);
+      require_at_most(at + ".max_curve_gap", q.max_line_gap, on_line);
+      require_at_most(at + ".max_curve_deviation", q.max_line_deviation, on_input);
     }
     require_at_most(at + ".max_normal_jump_deg", q.max_normal_jump_deg, 1e-3);
     if (q.min_jacobian_ratio < 0.05)
       failed_checks.push_back(
           {at + ".min_jacobian_ratio",
-           "is " + format_number(q.min_jacobian_ratio) + ", promised at least 0.05"});
+           "is " + format_number(q.min_jacobian_ratio) + ", expected at least 0.05"});
     require_at_most(at + ".singular_nodes", q.singular_nodes, 0);
   }
   void network(const NetworkReport& n, bool lines, bool sculpted, double on_input) {
     for (const auto& r : n.regions) {
       if (r.skinned)
-        surface("regions." + r.name, r.quality, lines, n.fit_tolerance, on_input);
+        surface("faces." + r.name, r.quality, lines, n.fit_tolerance, on_input);
       else
-        failed_checks.push_back({"regions." + r.name, "is not skinned: " + r.rejection_reason});
+        failed_checks.push_back({"faces." + r.name, "has no surface: " + r.rejection_reason});
     }
     for (const auto& j : n.joins) {
       const std::string at = "joins." + j.line;
@@ -381,19 +387,21 @@ class AcceptanceChecks {
         require_at_most(at + ".max_inside_deg", j.max_inside_deg,
                         n.join_tolerance_deg + (sculpted ? kSculptedJoinDeg : 0));
       if (j.kind != "smooth" && j.requested && !j.why.empty())
-        failed_checks.push_back({at, "was asked for as smooth and is a " + j.kind + ": " + j.why});
+        failed_checks.push_back(
+            {at, "is " + std::string(j.kind == "free edge" ? "a free edge" : j.kind) +
+                     ", expected a smooth edge: " + j.why});
     }
   }
   void defects(const std::vector<DefectReport>& defects) {
     for (const auto& defect : defects) {
       std::string where;
       for (const auto& region : defect.regions) where += (where.empty() ? "" : ", ") + region;
-      failed_checks.push_back({"flaws." + defect.kind + " in " + where, defect.text});
+      failed_checks.push_back({"defects." + defect.kind + " in " + where, defect.text});
     }
   }
   void step(const Report& report, bool lines, double on_line) {
     const auto& step = *report.step;
-    if (!step.valid) failed_checks.push_back({"step.valid", "is false, promised true"});
+    if (!step.valid) failed_checks.push_back({"step.valid", "is false, expected true"});
     const double size = report.surface.size;
     if (step.form == "face") {
       require_at_most("step.max_deviation", step.max_deviation, step.tolerance);
@@ -413,14 +421,14 @@ class AcceptanceChecks {
 std::vector<FailedCheck> failed_checks(const Report& report, double tolerance) {
   AcceptanceChecks checks(report);
   const auto& s = report.surface;
-  const bool lines = s.boundary == "lines";
+  const bool lines = s.boundary == "curves";
   // Network lines may have moved when they were joined.
   const double on_input = tolerance + (report.network ? report.network->tolerance : 0);
   for (const FailedCheck& m : failed_fairing_checks(report.curves))
     checks.failed_checks.push_back(m);
   for (const auto& line : report.lines)
     if (line.constrains_surface)
-      checks.require_at_most("lines." + line.name + ".deviation", line.deviation, on_input);
+      checks.require_at_most("curves." + line.name + ".deviation", line.deviation, on_input);
   checks.require_at_most("surface.max_constraint_residual", s.max_constraint_residual, 1e-10);
   checks.require_at_most("surface.max_normal_constraint_deg", s.max_normal_constraint_deg, 1e-6);
   if (report.network)
@@ -429,7 +437,7 @@ std::vector<FailedCheck> failed_checks(const Report& report, double tolerance) {
     checks.surface("surface", s.quality, lines, tolerance, on_input);
   checks.defects(report.defects);
   if (s.fairing && s.fairing->requested && !s.fairing->converged)
-    checks.failed_checks.push_back({"surface.fairing.converged", "is false, promised true"});
+    checks.failed_checks.push_back({"surface.fairing.converged", "is false, expected true"});
   if (report.step) checks.step(report, lines, tolerance);
   return checks.failed_checks;
 }

@@ -208,7 +208,9 @@ ModelLayout refine_for_lines(const BuiltModel& made, const Scene& scene, const P
 }
 
 SculptModel sculpt_model(BuiltModel made, const Scene& scene, const Progress& progress) {
-  if (!made.model.layout) throw InputError(scene.at({}) + "no region could be skinned");
+  if (!made.model.layout)
+    throw InputError(scene.at({}) +
+                     "found no face that could be given a surface, expected at least one");
   SculptModel model;
   model.layout = std::make_shared<const ModelLayout>(refine_for_lines(made, scene, progress));
   if (requests_fair_shape(scene, made)) {

@@ -163,23 +163,23 @@ void measure_theory(const ShellModel& shell, StressReport& report) {
 void warn(const StressReport& s, std::vector<std::string>& warnings) {
   constexpr double thin = 0.1, coarse = 1.5;
   if (s.thickness_over_radius > thin)
-    warnings.push_back("the shell is up to " + format_number(s.thickness_over_radius) +
-                       " of its radius thick: thin shell theory is meant for 0.1 and less");
+    warnings.push_back("the ratio of thickness to radius of curvature reaches " +
+                       format_number(s.thickness_over_radius) +
+                       ", but thin shell theory is only valid up to about 0.1");
   if (s.edge_over_boundary_layer > coarse)
     warnings.push_back(
-        "elements are up to " + format_number(s.edge_over_boundary_layer) +
-        " times √(radius × thickness) long, above 1.5 they may be too stiff: a smaller edge_length "
-        "shows how much");
+        "element edges are up to " + format_number(s.edge_over_boundary_layer) +
+        " times √(radius × thickness) long and may be too stiff above 1.5: compare with a smaller "
+        "edge_length");
   for (const std::string& motion : s.weakly_constrained_motions)
-    warnings.push_back("the supports hardly hold it: " + motion +
-                       ", which they resist by a lever of " +
-                       format_number(100 * s.smallest_lever) +
-                       " % of its size: the result hangs on exactly where they are");
+    warnings.push_back("the supports hardly prevent a rigid-body motion: " + motion +
+                       ", with a lever arm of " + format_number(100 * s.smallest_lever) +
+                       " % of the size, so that results depend strongly on their exact position");
   for (const auto& c : s.cases)
     if (c.near_singularity)
       warnings.push_back("case '" + c.name +
-                         "': the largest stress is beside a point load or a "
-                         "point support, where it has no limit as elements get smaller");
+                         "': the maximum stress is next to a point load or point support, a "
+                         "singularity where it grows without limit under mesh refinement");
 }
 
 std::string three_digits(double value) {
@@ -193,7 +193,7 @@ void find_buckling(const Scene& scene, const ShellModel& shell, CaseResult& a, S
   std::vector<std::string> captions;
   for (const double factor : found.factors) {
     a.report.buckling.push_back(factor);
-    captions.push_back(a.report.name + " buckles at " + three_digits(factor) + " times its load");
+    captions.push_back(a.report.name + ": buckling at " + three_digits(factor) + " times the load");
   }
   a.report.buckling_requested = true;
   if (!captions.empty())
@@ -323,8 +323,8 @@ void analyse(RunContext& run, const Scene& scene, const SolvedShape& shape,
         constexpr double balanced = 1e-8;
         if (!(a.report.equilibrium_residual <= balanced))
           run.report.failed_checks.push_back(
-              {"stress.balance of " + a.report.name,
-               "is " + format_number(a.report.equilibrium_residual) + ", promised at most 1e-8"});
+              {"stress.equilibrium_residual of " + a.report.name,
+               "is " + format_number(a.report.equilibrium_residual) + ", expected at most 1e-8"});
         if (scene.stress->buckling > 0) find_buckling(scene, shell, a, files);
       });
   if (scene.stress->modes > 0) find_modes(scene, shell, report, files);
@@ -348,37 +348,39 @@ std::string stress_summary(const StressReport& report, const std::string& unit) 
       summary_line("stress", std::to_string(report.unknowns) + " unknowns" +
                                  (report.material.empty() ? "" : ", " + report.material));
   for (const auto& m : report.meshes)
-    text += summary_line(
-        &m == &report.meshes[0] ? "meshes" : "",
-        "edges of " + three_digits(m.edge_length) + " " + unit + ": " + std::to_string(m.unknowns) +
-            " unknowns, moves by " + three_digits(m.displacement) + ", von Mises " +
-            three_digits(m.stress) + ", error " + three_digits(100 * m.error) + " %");
+    text +=
+        summary_line(&m == &report.meshes[0] ? "meshes" : "",
+                     "edge length " + three_digits(m.edge_length) + " " + unit + ": " +
+                         std::to_string(m.unknowns) + " unknowns, displacement " +
+                         three_digits(m.displacement) + ", von Mises " + three_digits(m.stress) +
+                         ", error " + three_digits(100 * m.error) + " %");
   for (const auto& c : report.cases) {
     std::string stress = "von Mises " + three_digits(c.stress) + " at " +
                          format_rounded_point(c.max_stress_at) + ", " + c.side + " of '" +
                          c.max_stress_region + "', ± " + three_digits(c.spread);
-    if (c.safety > 0) stress += "; yield / stress " + three_digits(c.safety);
+    if (c.safety > 0) stress += "; safety factor " + three_digits(c.safety);
     text += summary_line(c.combination ? "combination" : "case", "'" + c.name + "': " + stress);
     if (c.calculix)
-      text += summary_line("", "CalculiX, " + c.calculix->elements + ": moves by " +
+      text += summary_line("", "CalculiX, " + c.calculix->elements + ": displacement " +
                                    three_digits(c.calculix->displacement) + " " + unit +
-                                   ", there " + three_digits(c.calculix->displacement_there) +
-                                   "; von Mises " + three_digits(c.calculix->stress) + ", there " +
+                                   ", at the same point " +
+                                   three_digits(c.calculix->displacement_there) + "; von Mises " +
+                                   three_digits(c.calculix->stress) + ", at the same point " +
                                    three_digits(c.calculix->stress_there));
     if (c.buckling_requested)
       text += summary_line(
           "", c.buckling.empty() ? "does not buckle under this load"
                                  : "buckles at " + three_digits(c.buckling[0]) + " times its load");
-    text += summary_line("", "moves by " + three_digits(c.displacement) + " " + unit + " at " +
+    text += summary_line("", "displacement " + three_digits(c.displacement) + " " + unit + " at " +
                                  format_rounded_point(c.max_displacement_at) + ", ± " +
                                  three_digits(c.displacement_error) + "; error about " +
                                  three_digits(100 * c.error) + " % in energy norm");
   }
   for (const auto& d : report.sensitivities)
     text += summary_line(&d == &report.sensitivities[0] ? "sensitivity" : "",
-                         "by '" + d.parameter + "', case '" + d.load_case + "': moves by " +
-                             three_digits(d.displacement) + " " + unit +
-                             " more for each 1, the loads' work by " + three_digits(d.compliance));
+                         "to '" + d.parameter + "', case '" + d.load_case + "': displacement " +
+                             three_digits(d.displacement) + " " + unit + ", work of the loads " +
+                             three_digits(d.compliance) + ", per unit of the parameter");
   std::string hertz;
   for (const double f : report.frequencies) hertz += (hertz.empty() ? "" : ", ") + three_digits(f);
   if (!hertz.empty()) text += summary_line("frequencies", hertz + " Hz");

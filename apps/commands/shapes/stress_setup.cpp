@@ -17,7 +17,7 @@ std::vector<std::string> find_lines(const ModelLayout& layout, const Scene& scen
     if (is_part_of(l.name, line.text)) found.push_back(l.name);
   }
   if (found.empty())
-    throw InputError(scene.at(line.location) + "found the line '" + line.text + "', expected " +
+    throw InputError(scene.at(line.location) + "found the curve '" + line.text + "', expected " +
                      expected_one_of(line.text, all));
   return found;
 }
@@ -28,7 +28,7 @@ int find_region(const ModelLayout& layout, const Scene& scene, const LocatedStri
     if (r->name() == region.text) return isize(names);
     names.push_back(r->name());
   }
-  throw InputError(scene.at(region.location) + "found the region '" + region.text + "', expected " +
+  throw InputError(scene.at(region.location) + "found the face '" + region.text + "', expected " +
                    expected_one_of(region.text, names));
 }
 
@@ -78,8 +78,9 @@ ShellLocation place_of(const Scene& scene, const ModelLayout& layout, const Poin
   const ShellLocation location = nearest_location(layout, shape, point);
   constexpr double far = 0.05;  // relative to the model size
   if (location.distance > far * layout.size())
-    throw InputError(scene.at(at) + "found a point " + format_number(location.distance) + " " +
-                     scene.unit + " away from the surface, expected one on it or near it");
+    throw InputError(scene.at(at) + "found a point at a distance of " +
+                     format_number(location.distance) + " " + scene.unit +
+                     " from the surface, expected one on the surface");
   return location;
 }
 
@@ -220,7 +221,7 @@ ShellDefinition shell_definition(const Scene& scene, const ModelLayout& layout,
     for (const std::string& line : find_lines(layout, scene, hinge)) {
       if (layout.model_line(line).sides.size() < 2)
         throw InputError(scene.at(hinge.location) + "found the hinge '" + line +
-                         "', which is a rim, expected a line of two regions");
+                         "', which is a free edge, expected an edge of two faces");
       definition.hinges.push_back(line);
     }
   return definition;
@@ -259,7 +260,7 @@ class DeckOfScene {
     deck_.units = "lengths in " + scene_.unit;
     if (stress.young_across > 0) refuse({}, "an orthotropic material");
     for (const auto& of : stress.thicknesses) {
-      if (of.region.text.empty()) refuse({}, "a thickness that fades");
+      if (of.region.text.empty()) refuse({}, "a variable thickness");
       find_region(layout_, scene_, of.region);
       deck_.thicknesses.push_back({of.region.text, of.thickness});
     }
@@ -288,25 +289,25 @@ class DeckOfScene {
 
   [[noreturn]] void refuse(const SourceLocation& location, const std::string& what) const {
     throw InputError(scene_.at(location) + "found " + what + ", which '" + file_ +
-                     "' cannot hold; `batten stress` can");
+                     "' cannot contain; use `batten stress`");
   }
 
   void add(const Support& support) {
     using Kind = Support::Kind;
-    if (support.kind == Kind::Elastic) refuse(support.location, "springs");
-    if (support.kind == Kind::Symmetric) refuse(support.location, "a plane of symmetry");
-    if (support.point) refuse(support.location, "a support at a point");
+    if (support.kind == Kind::Elastic) refuse(support.location, "an elastic support");
+    if (support.kind == Kind::Symmetric) refuse(support.location, "a symmetry support");
+    if (support.point) refuse(support.location, "a point support");
     ShellDeck::Support to;
     to.kind = support.kind == Kind::Clamped && !support.line.text.empty()
                   ? ShellDeck::Support::Kind::Clamped
                   : ShellDeck::Support::Kind::Pinned;
     if (support.kind == Kind::Prescribed) {
-      if (support.rotation) refuse(support.location, "a rotation that is held alone");
+      if (support.rotation) refuse(support.location, "a support that prescribes a rotation only");
       to.constrained = {false, false, false};
       for (const Vec3& d : support.directions) {
         int c;
         if (d.cwiseAbs().maxCoeff(&c) < d.norm())
-          refuse(support.location, "a direction off the axes");
+          refuse(support.location, "a direction that is not a coordinate axis");
         to.constrained[c] = true;
       }
     }
@@ -361,7 +362,7 @@ class DeckOfScene {
           deck_.line_forces.push_back({name, v, load.box});
         return;
       case Load::Type::LineMoment:
-        refuse(load.location, "a moment along a line");
+        refuse(load.location, "a line moment");
     }
   }
 

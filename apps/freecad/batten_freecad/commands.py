@@ -5,8 +5,8 @@ import FreeCADGui
 from batten_freecad import continuity, fair, icons, scene, skin
 
 
-def chosen_lines():
-    """What is chosen, as links to lines: edges, or whole objects that have edges and no faces."""
+def selected_curves():
+    """The selection as links to curves: edges, or whole objects that have edges and no faces."""
     links = []
     for one in FreeCADGui.Selection.getSelectionEx():
         edges = tuple(s for s in one.SubElementNames if s.startswith("Edge"))
@@ -17,8 +17,8 @@ def chosen_lines():
     return links
 
 
-def with_words(what, act):
-    """Does something as one step to undo; what is refused is told in the report view."""
+def as_transaction(what, act):
+    """Performs an action as one undo step; errors are printed to the report view."""
     document = FreeCAD.ActiveDocument
     document.openTransaction(what)
     try:
@@ -32,8 +32,8 @@ def with_words(what, act):
 
 
 class Command:
-    def __init__(self, icon, words, tip, act, active):
-        self.resources = {"Pixmap": icons.path(icon), "MenuText": words, "ToolTip": tip}
+    def __init__(self, icon, label, tip, act, active):
+        self.resources = {"Pixmap": icons.path(icon), "MenuText": label, "ToolTip": tip}
         self.act, self.active = act, active
 
     def GetResources(self):
@@ -47,20 +47,20 @@ class Command:
 
 
 def make_skin():
-    links = chosen_lines()
-    obj = with_words("Skin", lambda document: skin.make(document, links))
+    links = selected_curves()
+    obj = as_transaction("Skin", lambda document: skin.make(document, links))
     if obj:
         FreeCADGui.ActiveDocument.setEdit(obj.Name)
 
 
 def make_fair():
-    for obj, edges in chosen_lines():
-        with_words("Fair curve", lambda document, o=obj, e=edges: fair.make(document, (o, (e[0],))))
+    for obj, edges in selected_curves():
+        as_transaction("Fair curve", lambda document, o=obj, e=edges: fair.make(document, (o, (e[0],))))
 
 
 def check():
     for one in FreeCADGui.Selection.getSelection():
-        continuity.tell(one)
+        continuity.print_rows(one)
 
 
 def has_faces():
@@ -68,11 +68,12 @@ def has_faces():
 
 
 COMMANDS = {
-    "Batten_Skin": Command("skin", "Skin", "Surfaces between the chosen edges or sketches", make_skin,
-                           lambda: bool(chosen_lines())),
-    "Batten_Fair": Command("fair", "Fair curve", "The fair curve that the chosen edge means", make_fair,
-                           lambda: bool(chosen_lines())),
-    "Batten_Check": Command("check", "Check continuity", "Gaps and angles along the edges that faces share", check, has_faces),
+    "Batten_Skin": Command("skin", "Skin", "Fit smooth surfaces between the selected edges or sketches", make_skin,
+                           lambda: bool(selected_curves())),
+    "Batten_Fair": Command("fair", "Fair curve", "Create a fair (smooth) curve from the selected edge", make_fair,
+                           lambda: bool(selected_curves())),
+    "Batten_Check": Command("check", "Check continuity", "Print the gap and the angle between the faces at each shared edge",
+                            check, has_faces),
 }
 
 

@@ -3,18 +3,18 @@ import math
 
 import FreeCAD
 
-SAMPLES = 15  # places along an edge
+SAMPLES = 15  # points along an edge
 
 
 def normal_at(face, point):
-    """The face's normal, oriented, at the place of it that is nearest to a point, and that place."""
+    """The oriented normal of a face at its point nearest to a given point, and that point."""
     u, v = face.Surface.parameter(point)
     return face.normalAt(u, v), face.Surface.value(u, v)
 
 
 def rows_of(shape):
-    """Of every edge that two faces share: (name, the largest distance between the faces there in mm, the largest angle
-    between their normals in degrees). Edges that bound one face only are left out."""
+    """For every edge that two faces share: (name, largest gap between the faces in mm, largest angle between their
+    normals in degrees). Free edges are omitted."""
     rows = []
     for number, edge in enumerate(shape.Edges, 1):
         faces = [f for f in shape.Faces if any(e.isSame(edge) for e in f.Edges)]
@@ -31,10 +31,10 @@ def rows_of(shape):
     return rows
 
 
-def tell(obj):
-    """Prints the rows of an object's shape, the worst first, and returns them."""
+def print_rows(obj):
+    """Prints the rows of an object's shape, in descending order of the angle, and returns them."""
     rows = sorted(rows_of(obj.Shape), key=lambda row: -row[2])
-    FreeCAD.Console.PrintMessage(f"{obj.Label}: {len(rows)} edges between two faces\n")
+    FreeCAD.Console.PrintMessage(f"{obj.Label}: {len(rows)} edges shared by two faces\n")
     for name, gap, angle in rows:
-        FreeCAD.Console.PrintMessage(f"  {name}: gap {gap:.3g} mm, normals differ by {angle:.3g}°\n")
+        FreeCAD.Console.PrintMessage(f"  {name}: gap {gap:.3g} mm, angle between normals {angle:.3g}°\n")
     return rows

@@ -1,4 +1,4 @@
-"""Pictures of the commands."""
+"""Icons of the commands."""
 from pathlib import Path
 
 FOLDER = Path(__file__).resolve().parent.parent / "icons"

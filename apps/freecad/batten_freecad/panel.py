@@ -1,4 +1,4 @@
-"""The task panel of a Skin: a slider for the pressure, pushes by clicks, creases and smooth edges by choice."""
+"""The task panel of a Skin: a slider for the pressure, point loads at clicked points, continuity of selected edges."""
 import FreeCAD
 import FreeCADGui
 from PySide import QtCore, QtGui
@@ -9,17 +9,17 @@ WAIT = 150   # ms until the surface follows a slider
 
 
 def picked():
-    """The place and the normal of the face that was clicked last; None where there is none."""
-    for chosen in FreeCADGui.Selection.getSelectionEx():
-        for sub, point in zip(chosen.SubObjects, chosen.PickedPoints):
+    """The clicked point of a face and the normal there; None if no face is selected."""
+    for selected in FreeCADGui.Selection.getSelectionEx():
+        for sub, point in zip(selected.SubObjects, selected.PickedPoints):
             if sub.ShapeType == "Face":
                 u, v = sub.Surface.parameter(point)
                 return point, sub.normalAt(u, v)
     return None
 
 
-def chosen_edges():
-    """The edges that are chosen, as links."""
+def selected_edges():
+    """The selected edges, as links."""
     return [(one.Object, tuple(s for s in one.SubElementNames if s.startswith("Edge")))
             for one in FreeCADGui.Selection.getSelectionEx()
             if any(s.startswith("Edge") for s in one.SubElementNames)]
@@ -39,25 +39,25 @@ class SkinPanel:
         self.timer.timeout.connect(self.recompute)
         self.range = max(100.0, 2 * abs(obj.Pressure))
         self.pressure = self.slider(column, "Pressure", obj.Pressure, self.set_pressure)
-        self.pushes = QtGui.QVBoxLayout()
-        column.addLayout(self.pushes)
-        for i in range(len(obj.PushAt)):
-            self.add_push_row(i)
-        self.button(column, "Push where the surface was clicked", self.add_push)
-        self.button(column, "Chosen edges are creases", lambda: self.join("Creases", "Smooth"))
-        self.button(column, "Chosen edges are smooth", lambda: self.join("Smooth", "Creases"))
-        self.words = QtGui.QLabel()
-        self.words.setWordWrap(True)
-        column.addWidget(self.words)
-        self.show_words()
+        self.loads = QtGui.QVBoxLayout()
+        column.addLayout(self.loads)
+        for i in range(len(obj.LoadPoints)):
+            self.add_load_row(i)
+        self.button(column, "Add point load at the clicked point", self.add_load)
+        self.button(column, "Selected edges: crease (G0)", lambda: self.join("Creases", "Smooth"))
+        self.button(column, "Selected edges: smooth (G1)", lambda: self.join("Smooth", "Creases"))
+        self.messages = QtGui.QLabel()
+        self.messages.setWordWrap(True)
+        column.addWidget(self.messages)
+        self.show_messages()
 
-    def button(self, column, words, act):
-        button = QtGui.QPushButton(words)
+    def button(self, column, label, act):
+        button = QtGui.QPushButton(label)
         button.clicked.connect(act)
         column.addWidget(button)
 
-    def slider(self, column, words, value, act):
-        """A slider with its number; both say the same."""
+    def slider(self, column, label, value, act):
+        """A slider with a spin box for the same value."""
         row = QtGui.QHBoxLayout()
         slider = QtGui.QSlider(QtCore.Qt.Horizontal)
         slider.setRange(-STEPS, STEPS)
@@ -69,7 +69,7 @@ class SkinPanel:
         slider.valueChanged.connect(lambda step: number.setValue(self.range * step / STEPS))
         number.valueChanged.connect(act)
         number.setMaximumWidth(NUMBER_WIDTH)
-        column.addWidget(QtGui.QLabel(words))
+        column.addWidget(QtGui.QLabel(label))
         row.addWidget(slider, 1)
         row.addWidget(number)
         column.addLayout(row)
@@ -80,33 +80,34 @@ class SkinPanel:
         self.obj.Pressure = value
         self.timer.start()
 
-    def add_push_row(self, i):
-        force = self.obj.PushBy[i]
-        way = FreeCAD.Vector(force).normalize() if force.Length > 0 else FreeCAD.Vector(0, 0, 1)
+    def add_load_row(self, i):
+        force = self.obj.LoadForces[i]
+        direction = FreeCAD.Vector(force).normalize() if force.Length > 0 else FreeCAD.Vector(0, 0, 1)
 
-        def set_force(value, i=i, way=way):
-            forces = list(self.obj.PushBy)
-            forces[i] = way * value
-            self.obj.PushBy = forces
+        def set_force(value, i=i, direction=direction):
+            forces = list(self.obj.LoadForces)
+            forces[i] = direction * value
+            self.obj.LoadForces = forces
             self.timer.start()
 
-        return self.slider(self.pushes, f"Push {i + 1}", force.Length, set_force)
+        return self.slider(self.loads, f"Point load {i + 1}", force.Length, set_force)
 
-    def add_push(self):
+    def add_load(self):
         found = picked()
         if not found:
-            self.words.setText("Click on the surface first, then push.")
+            self.messages.setText("Click on the surface first, then add the point load.")
             return
-        place, normal = found
-        self.obj.PushAt = list(self.obj.PushAt) + [place]
-        self.obj.PushBy = list(self.obj.PushBy) + [normal * 1e-9]  # keeps its way until the slider moves
-        self.add_push_row(len(self.obj.PushAt) - 1)
+        point, normal = found
+        self.obj.LoadPoints = list(self.obj.LoadPoints) + [point]
+        # The tiny force keeps the direction until the slider moves.
+        self.obj.LoadForces = list(self.obj.LoadForces) + [normal * 1e-9]
+        self.add_load_row(len(self.obj.LoadPoints) - 1)
 
     def join(self, into, out_of):
-        """Takes the chosen edges of the lines into one list of joins and out of the other."""
-        wanted = {(o.Name, s) for o, subs in chosen_edges() for s in subs}
+        """Adds the selected edges to one list of edges (Creases or Smooth), and removes them from the other."""
+        wanted = {(o.Name, s) for o, subs in selected_edges() for s in subs}
         if not wanted:
-            self.words.setText("Choose edges of the sketches first.")
+            self.messages.setText("Select edges of the sketches first.")
             return
         for name, inside in ((into, True), (out_of, False)):
             kept = [(o, s) for o, subs in getattr(self.obj, name) for s in subs if (o.Name, s) not in wanted]
@@ -116,11 +117,12 @@ class SkinPanel:
 
     def recompute(self):
         self.obj.Document.recompute()
-        self.show_words()
+        self.show_messages()
 
-    def show_words(self):
-        broken = "Invalid" in self.obj.State
-        self.words.setText("\n".join(self.obj.Words) if not broken else "This could not be made: see the report view.")
+    def show_messages(self):
+        failed = "Invalid" in self.obj.State
+        self.messages.setText("\n".join(self.obj.Messages) if not failed else
+                              "The surface could not be computed: see the report view.")
 
     def accept(self):
         if self.timer.isActive():

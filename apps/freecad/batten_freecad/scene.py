@@ -1,7 +1,7 @@
-"""Edges as a Batten scene, and what the program makes of it.
+"""Converts edges to a Batten scene, and runs the program on it.
 
-Lengths are millimetres, as in FreeCAD. Edges are written as B-splines by their poles, so that a line of the scene is the edge
-to the last digit. The program is `batten` of the PATH, or what the environment variable BATTEN_PROGRAM names.
+Lengths are in millimetres, as in FreeCAD. Edges are written as B-splines with their poles, so that the curves of the scene
+are exact. The program is `batten` of the PATH, or the one named by the environment variable BATTEN_PROGRAM.
 """
 import json
 import os
@@ -14,19 +14,19 @@ import Part
 
 
 class BattenError(RuntimeError):
-    """What the program refused, in its own words."""
+    """An error message of the program."""
 
 
 def program():
-    """The path of the program. Raises BattenError where there is none."""
+    """The path of the program. Raises BattenError if there is none."""
     found = os.environ.get("BATTEN_PROGRAM") or shutil.which("batten")
     if not found or not os.access(found, os.X_OK):
-        raise BattenError("the program 'batten' was not found: install the package batten, or set BATTEN_PROGRAM to it")
+        raise BattenError("found no program 'batten': install the package batten, or set BATTEN_PROGRAM to its path")
     return found
 
 
 def numbers(values):
-    """A list of numbers as TOML; every one reads back as it was."""
+    """A list of numbers as TOML text that reads back exactly."""
     return "[" + ", ".join(repr(float(v)) for v in values) + "]"
 
 
@@ -64,44 +64,47 @@ def table(heading, **keys):
     return "\n".join(lines) + "\n"
 
 
-def scene_of(edges, creases=(), smooth=(), pressure=0.0, pushes=(), edge_length=0.0, tolerance=0.0, join_tolerance=0.0):
-    """The text of a scene that skins what curves bound.
+def scene_of(edges, creases=(), smooth=(), pressure=0.0, loads=(), edge_length=0.0, gap_tolerance=0.0, angle_tolerance=0.0):
+    """The text of a scene with the faces that the curves bound.
 
-    edges        {name: Part.Edge}; names without dots
-    creases, smooth   names of edges where surfaces meet at an edge, or smoothly, whatever they would do by themselves
-    pressure     along the normals; a pure number on surfaces scaled to size 1
-    pushes       [(place, force)]: point loads; the force is a vector, its length a pure number
-    edge_length  of elements, mm; 0: a twentieth of the size
-    tolerance    distance within which lines meet, mm; 0: found from their gaps
+    edges            {name: Part.Edge}; names without dots
+    creases, smooth  names of edges whose faces meet with a crease (G0) or smoothly (G1), instead of automatically
+    pressure         along the normals; dimensionless, for surfaces scaled to size 1
+    loads            [(point, force)]: point loads; the force is a vector with dimensionless length
+    edge_length      target edge length of the elements, mm; 0: 1/20 of the size
+    gap_tolerance    largest gap between curves that is closed, mm; 0: determined from the gaps
+    angle_tolerance  angle between the faces at smooth edges, degrees; 0: default
     """
     parts = ['unit = "mm"\n']
-    parts += [table("line", name=text(name), spline=spline(edge)) for name, edge in edges.items()]
-    for kind, names in (("crease", creases), ("smooth", smooth)):
+    parts += [table("curve", name=text(name), spline=spline(edge)) for name, edge in edges.items()]
+    for continuity, names in (("G0", creases), ("smooth", smooth)):
         if names:
-            parts.append(table("join", lines=json.dumps(list(names)), kind=text(kind)))
-    keys = (("edge_length", edge_length), ("gap_tolerance", tolerance), ("join_tolerance", join_tolerance))
+            parts.append(table("join", curves=json.dumps(list(names)), continuity=text(continuity)))
+    keys = (("gap_tolerance", gap_tolerance), ("angle_tolerance", angle_tolerance))
     parts.append("[skin]\n" + "".join(f"{key} = {float(value)!r}\n" for key, value in keys if value > 0))
+    if edge_length > 0:
+        parts.append(f"[mesh]\nedge_length = {float(edge_length)!r}\n")
     if pressure:
         parts.append(table("load", name=text("pressure"), type=text("pressure"), value=repr(float(pressure))))
-    for i, (place, force) in enumerate(pushes, 1):
+    for i, (point, force) in enumerate(loads, 1):
         if force.Length > 0:
-            parts.append(table("load", name=text(f"push {i}"), type=text("point"), at=numbers(place),
+            parts.append(table("load", name=text(f"point load {i}"), type=text("point"), at=numbers(point),
                                direction=numbers(force), value=repr(force.Length)))
     parts.append('[output]\nstep = "model.step"\n')
     return "\n".join(parts)
 
 
 def call(arguments, folder):
-    """Runs the program in a folder; returns what it printed. Exit code 4 (done, but a promise was missed) is no error."""
+    """Runs the program in a folder; returns its output. Exit code 4 (done, but a check failed) is not an error."""
     done = subprocess.run([program(), *arguments], cwd=folder, capture_output=True, text=True, check=False)
     if done.returncode not in (0, 4):
-        words = done.stderr.strip().replace(str(folder) + os.sep, "")
-        raise BattenError(words.removeprefix("batten: ") or f"batten ended with the code {done.returncode}")
+        message = done.stderr.strip().replace(str(folder) + os.sep, "")
+        raise BattenError(message.removeprefix("batten: ") or f"batten ended with exit code {done.returncode}")
     return done.stdout
 
 
 def run(scene):
-    """Makes a scene: (shape, report). The shape has one face a region; the report is report.json as a dictionary."""
+    """Computes a scene: (shape, report). The shape has one face per face of the scene; the report is report.json as a dict."""
     with tempfile.TemporaryDirectory(prefix="batten-freecad-") as name:
         folder = Path(name)
         (folder / "scene.toml").write_text(scene, encoding="utf-8")
@@ -109,12 +112,12 @@ def run(scene):
         report = json.loads((folder / "out" / "report.json").read_text(encoding="utf-8"))
         step = folder / "out" / "model.step"
         if not step.exists():
-            raise BattenError("no surface: " + "; ".join(words_of(report)) if words_of(report) else "no surface")
+            reasons = "; ".join(messages_of(report))
+            raise BattenError("the scene has no surface" + (f": {reasons}" if reasons else ""))
         return Part.read(str(step)), report
 
 
-def words_of(report):
-    """What a report warns of and what it missed, one text each."""
-    missed = [f"{one['promise']} {one['found']}" if isinstance(one, dict) and "promise" in one else str(one)
-              for one in report.get("missed", [])]
-    return [str(one) for one in report.get("warnings", [])] + missed
+def messages_of(report):
+    """The warnings and failed checks of a report, as texts."""
+    failed = [f"{one['check']} {one['detail']}" for one in report.get("failed_checks", [])]
+    return [str(one) for one in report.get("warnings", [])] + failed

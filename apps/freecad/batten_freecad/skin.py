@@ -1,4 +1,4 @@
-"""The feature Skin: surfaces between edges of other objects, made again when one of them changes."""
+"""The feature Skin: surfaces between edges of other objects, updated when one of them changes."""
 import FreeCAD
 
 from batten_freecad import scene
@@ -6,7 +6,7 @@ from batten_freecad.stateless import Stateless
 
 
 def edges_of(links):
-    """{name: edge} of a list of links [(object, (sub-element, …)), …]; an object without sub-elements means all its edges."""
+    """{name: edge} of links [(object, (sub-element, …)), …]; an object without sub-elements stands for all its edges."""
     edges = {}
     for obj, subs in links:
         subs = [sub for sub in ([subs] if isinstance(subs, str) else subs) if sub]
@@ -18,52 +18,53 @@ def edges_of(links):
 
 
 class Skin(Stateless):
-    """Properties beside the shape:
+    """Properties in addition to the shape:
 
-    Lines       edges, in any order and direction; those that close loops get surfaces
-    Creases, Smooth   edges of Lines where surfaces meet so, whatever they would do by themselves
-    Pressure    along the normals; a pure number on surfaces scaled to size 1
-    PushAt, PushBy    places, and for each a force; its length is a pure number
-    EdgeLength  of elements; 0: a twentieth of the size
-    Tolerance   distance within which lines meet; 0: found from their gaps
-    Words       what the program warned of and what it missed
+    Curves           edges, in any order and direction; closed loops of them bound faces
+    Creases, Smooth  edges of Curves whose faces meet with a crease (G0) or smoothly (G1), instead of automatically
+    Pressure         along the normals; dimensionless, for surfaces scaled to size 1
+    LoadPoints, LoadForces  points, and the force at each, with dimensionless length
+    EdgeLength       target edge length of the elements; 0: 1/20 of the size
+    GapTolerance     largest gap between curves that is closed; 0: determined from the gaps
+    Messages         warnings and failed checks of the program
     """
 
     def __init__(self, obj):
         obj.Proxy = self
         add = obj.addProperty
-        add("App::PropertyLinkSubList", "Lines", "Batten", "Edges between which there are surfaces")
-        add("App::PropertyLinkSubList", "Creases", "Batten", "Edges where surfaces meet at an angle")
-        add("App::PropertyLinkSubList", "Smooth", "Batten", "Edges where surfaces meet smoothly")
-        add("App::PropertyFloat", "Pressure", "Batten", "Pressure along the normals, a pure number")
-        add("App::PropertyVectorList", "PushAt", "Batten", "Places of point loads")
-        add("App::PropertyVectorList", "PushBy", "Batten", "Their forces, pure numbers")
-        add("App::PropertyLength", "EdgeLength", "Batten", "Length of elements; 0: found")
-        add("App::PropertyLength", "Tolerance", "Batten", "Distance within which lines meet; 0: found")
-        add("App::PropertyStringList", "Words", "Result", "What was warned of and missed")
-        obj.setEditorMode("Words", 1)
+        add("App::PropertyLinkSubList", "Curves", "Batten", "Edges that bound the surfaces")
+        add("App::PropertyLinkSubList", "Creases", "Batten", "Edges with a crease (G0)")
+        add("App::PropertyLinkSubList", "Smooth", "Batten", "Edges with tangent continuity (G1)")
+        add("App::PropertyFloat", "Pressure", "Batten", "Pressure along the normals (dimensionless)")
+        add("App::PropertyVectorList", "LoadPoints", "Batten", "Points of the point loads")
+        add("App::PropertyVectorList", "LoadForces", "Batten", "Forces of the point loads (dimensionless)")
+        add("App::PropertyLength", "EdgeLength", "Batten", "Target edge length of the elements (0: automatic)")
+        add("App::PropertyLength", "GapTolerance", "Batten", "Largest gap between curves that is closed (0: automatic)")
+        add("App::PropertyStringList", "Messages", "Result", "Warnings and failed checks")
+        obj.setEditorMode("Messages", 1)
 
     def execute(self, obj):
-        edges = edges_of(obj.Lines)
+        edges = edges_of(obj.Curves)
         if not edges:
-            raise scene.BattenError("no edges: choose lines that close a loop")
-        if len(obj.PushAt) != len(obj.PushBy):
-            raise scene.BattenError(f"found {len(obj.PushAt)} places and {len(obj.PushBy)} forces, expected as many")
-        words = scene.scene_of(edges, [n for n in edges_of(obj.Creases) if n in edges],
-                               [n for n in edges_of(obj.Smooth) if n in edges], obj.Pressure,
-                               list(zip(obj.PushAt, obj.PushBy)), obj.EdgeLength.Value, obj.Tolerance.Value)
-        shape, report = scene.run(words)
+            raise scene.BattenError("found no edges, expected edges that form a closed loop")
+        if len(obj.LoadPoints) != len(obj.LoadForces):
+            raise scene.BattenError(f"found {len(obj.LoadPoints)} load points and {len(obj.LoadForces)} forces, "
+                                    "expected one force for each point")
+        toml = scene.scene_of(edges, [n for n in edges_of(obj.Creases) if n in edges],
+                              [n for n in edges_of(obj.Smooth) if n in edges], obj.Pressure,
+                              list(zip(obj.LoadPoints, obj.LoadForces)), obj.EdgeLength.Value, obj.GapTolerance.Value)
+        shape, report = scene.run(toml)
         obj.Shape = shape
-        obj.Words = scene.words_of(report)
-        for line in obj.Words:
-            FreeCAD.Console.PrintWarning(f"{obj.Label}: {line}\n")
+        obj.Messages = scene.messages_of(report)
+        for message in obj.Messages:
+            FreeCAD.Console.PrintWarning(f"{obj.Label}: {message}\n")
 
 
-def make(document, lines, name="Skin"):
-    """Adds a Skin over edges, [(object, (sub-element, …)), …], and makes it."""
+def make(document, curves, name="Skin"):
+    """Adds a Skin between edges, [(object, (sub-element, …)), …], and computes it."""
     obj = document.addObject("Part::FeaturePython", name)
     Skin(obj)
-    obj.Lines = lines
+    obj.Curves = curves
     if FreeCAD.GuiUp:
         from batten_freecad import view
 

@@ -1,8 +1,8 @@
-"""What FreeCAD keeps of a feature in a file."""
+"""Serialization of features in FreeCAD documents."""
 
 
 class Stateless:
-    """Nothing but its properties: FreeCAD keeps these by itself."""
+    """A feature without state of its own: FreeCAD saves its properties."""
 
     def dumps(self):
         return None
@@ -10,7 +10,7 @@ class Stateless:
     def loads(self, state):
         return None
 
-    __getstate__ = dumps  # FreeCAD 0.20 asks for these names
+    __getstate__ = dumps  # names that FreeCAD 0.20 requires
 
     def __setstate__(self, state):
         return None

@@ -1,4 +1,4 @@
-"""How a Skin looks in FreeCAD's window: its icon, and the panel that a double click opens."""
+"""View provider of a Skin: its icon, and the panel that a double click opens."""
 import FreeCADGui
 
 from batten_freecad import icons

@@ -1,12 +1,12 @@
-"""Batten: smooth surfaces from the lines that carry a design, and meshes whose features keep their shape.
+"""Batten: smooth surfaces through curves, and mesh morphing with exact form features.
 
     import batten, numpy as np
-    lines = {"front": [[0, 0, 0], [1, 0, 0]], "right": [[1, 0, 0], [1, 1, .3], ...], ...}
-    model = batten.skin(lines, tolerance=1e-4)
+    curves = {"front": [[0, 0, 0], [1, 0, 0]], "right": [[1, 0, 0], [1, 1, .3], ...], ...}
+    model = batten.skin(curves, fit_tolerance=1e-4)
     model.save("panel.step")
     session = batten.Session(model)
 
-Points are arrays n×3 in model units, triangles m×3 from 0. See docs/python.md.
+Points are arrays n×3 in model units, triangles are arrays m×3 of 0-based indices. See docs/python.md.
 """
 
 import os as _os
@@ -14,7 +14,6 @@ import os as _os
 from . import _batten
 from . import exchange as _exchange
 from ._batten import (
-    Answer,
     CancelledError,
     ConflictError,
     Curve,
@@ -32,6 +31,7 @@ from ._batten import (
     NoSolutionError,
     Sequence,
     Session,
+    SolveReport,
     __version__,
     convert,
     deform,
@@ -40,7 +40,7 @@ from ._batten import (
     load,
     measure_hole,
     parse,
-    read_lines,
+    read_curves,
     read_mesh,
     read_sequence,
     run,
@@ -48,14 +48,14 @@ from ._batten import (
     set_threads,
     skin,
     stress,
-    write_lines,
+    write_curves,
 )
 
 __all__ = [
-    "Answer", "CancelledError", "ConflictError", "Curve", "Deformer", "Error", "FairCurve", "FeatureRegions",
+    "CancelledError", "ConflictError", "Curve", "Deformer", "Error", "FairCurve", "FeatureRegions",
     "FileError", "InputError", "Mesh", "MeshEdit", "MeshError", "Model", "Move", "NoSolutionError", "Sequence", "Session",
-    "convert", "deform", "fair", "fit", "load", "measure_hole", "parse", "read_lines", "read_mesh",
-    "read_sequence", "run", "sequence", "set_threads", "skin", "stress", "write_lines",
+    "SolveReport", "convert", "deform", "fair", "fit", "load", "measure_hole", "parse", "read_curves", "read_mesh",
+    "read_sequence", "run", "sequence", "set_threads", "skin", "stress", "write_curves",
 ]
 
 _batten._find_modules(_os.path.dirname(_os.path.abspath(__file__)))

@@ -1,4 +1,4 @@
-"""Models, meshes and sessions for other packages, which are imported when they are asked for."""
+"""Converts models, meshes and sessions to objects of other packages, which are imported on demand."""
 
 import os
 
@@ -11,7 +11,7 @@ def to_meshio(self):
 
 
 def to_vtk(self):
-    """The triangles as a vtkPolyData, with its normals where they are known."""
+    """The triangles as a vtkPolyData, with normals if they are known."""
     import numpy
     from vtkmodules.util.numpy_support import numpy_to_vtk, numpy_to_vtkIdTypeArray
     from vtkmodules.vtkCommonCore import vtkPoints
@@ -51,7 +51,7 @@ def _point_data(shown):
 
 
 def model_png(self):
-    """The bytes of a picture, by which Jupyter shows a model; None without an X server."""
+    """The bytes of a PNG picture, which Jupyter displays; None without an X server."""
     if not os.environ.get("DISPLAY"):
         return None
     import tempfile
@@ -64,5 +64,5 @@ def model_png(self):
 
 
 def session_png(self):
-    """The present shape's picture, as of a model."""
+    """The bytes of a PNG picture of the current shape."""
     return self.model()._repr_png_()

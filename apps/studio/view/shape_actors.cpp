@@ -370,9 +370,9 @@ void ShapeActors::set_comb(const std::vector<Vec3>& curve) {
   comb_->set_polylines(lines);
 }
 
-void ShapeActors::set_path(const std::vector<Vec3>& way) {
-  comb_->set_polylines(way.size() > 1 ? std::vector<std::vector<Vec3>>{way}
-                                      : std::vector<std::vector<Vec3>>{});
+void ShapeActors::set_path(const std::vector<Vec3>& path) {
+  comb_->set_polylines(path.size() > 1 ? std::vector<std::vector<Vec3>>{path}
+                                       : std::vector<std::vector<Vec3>>{});
 }
 
 void ShapeActors::set_grid(const std::optional<std::pair<Vec3, Vec3>>& axes) {

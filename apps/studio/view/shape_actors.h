@@ -65,7 +65,7 @@ class ShapeActors {
   /// length.
   void set_comb(const std::vector<Vec3>& curve);
   /// Shows a path through the frames of a sequence; replaces the comb.
-  void set_path(const std::vector<Vec3>& way);
+  void set_path(const std::vector<Vec3>& path);
   /// Hides everything in front of a plane; null: nothing is hidden.
   void set_clip_plane(vtkPlane* plane);
   /// Shows a grid through the origin along two axes, with a spacing of a power of ten; empty: none.

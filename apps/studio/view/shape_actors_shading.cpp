@@ -197,13 +197,13 @@ void ShapeActors::measure_curvature(float* value) const {
     Vec3 b = Vec3::Zero();
     for (size_t k = 0; k < 3; ++k) {
       const Vec3 edge = triple(x, facet[(k + 1) % 3]) - triple(x, facet[k]);
-      const Vec3 turn = triple(normal, facet[(k + 1) % 3]) - triple(normal, facet[k]);
+      const Vec3 change = triple(normal, facet[(k + 1) % 3]) - triple(normal, facet[k]);
       const double eu = edge.dot(u), ev = edge.dot(v);
       const Vec3 rows[] = {{eu, ev, 0}, {0, eu, ev}};
-      const double right[] = {turn.dot(u), turn.dot(v)};
+      const double rhs[] = {change.dot(u), change.dot(v)};
       for (int i = 0; i < 2; ++i) {
         A += rows[i] * rows[i].transpose();
-        b += right[i] * rows[i];
+        b += rhs[i] * rows[i];
       }
     }
     const Vec3 shape = A.ldlt().solve(b);

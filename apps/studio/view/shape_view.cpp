@@ -239,17 +239,26 @@ void ShapeView::follow_section() {
   redraw();
 }
 
-// Title of the colour scale, including how far the maximum exceeds its end.
+// Title of the colour scale: the quantity and its unit, and the maximum if the scale is clipped.
 QString ShapeView::scale_title() const {
   const Shading shading = actors_->shading();
   const auto [end, largest] = actors_->range();
   const bool mesh = view_ && view_->mesh;
+  const QString length = view_ ? shown(view_->unit) : QString();
+  const auto with_unit = [](const char* quantity, const QString& unit) {
+    return text(quantity) + (unit.isEmpty() ? "" : " (" + unit + ")");
+  };
   QString title;
-  if (shading == Shading::Displacement || shading == Shading::Strain)
-    title = text(mesh ? kSinceRead : kSinceOpened);
+  if (shading == Shading::Displacement)
+    title = with_unit(mesh ? kDisplacementSinceRead : kDisplacementSinceOpened, length);
+  if (shading == Shading::Strain) title = text(mesh ? kStrainSinceRead : kStrainSinceOpened);
+  if (shading == Shading::Curvature)
+    title = with_unit(kCurvatureScale, length.isEmpty() ? length : "1/" + length);
+  if (shading == Shading::Stress && view_)
+    title = with_unit(kStressScale, stress_unit(view_->unit));
   if (shading == Shading::Stress || shading == Shading::Curvature || shading == Shading::Strain)
     if (largest > 1.02 * end)
-      title += (title.isEmpty() ? "" : "\n") + text(kLargest).arg(largest, 0, 'g', 3);
+      title += "\n" + text(kClipped).arg(largest, 0, 'g', 3).arg(end, 0, 'g', 3);
   return title;
 }
 

@@ -216,7 +216,7 @@ class ShapeView : public QVTKOpenGLNativeWidget {
   bool combs_ = false;
   QString text_;
   std::string selected_, created_;
-  // The [[line]] that defines the selected curve, or of which it is a segment.
+  // The [[curve]] that defines the selected curve, or of which it is a segment.
   std::string defining_line_;
   QPoint pressed_, brushed_;
   QTimer* idle_timer_ = nullptr;

@@ -107,7 +107,7 @@ void ShapeView::drag_handle(const QPoint& at) {
       set_slider(".", i, to_step(shift[i], step), dragged_handle_.shift[i]);
     if (!motion.rotation_vector.isZero(0) ||
         dragged_handle_.rotation_vector[i] != start->rotation_vector[i])
-      set_slider(".turn.", i, to_step(rotation_vector[i], 0.01),
+      set_slider(".rotation.", i, to_step(rotation_vector[i], 0.01),
                  dragged_handle_.rotation_vector[i]);
   }
   redraw();
@@ -195,10 +195,10 @@ void ShapeView::finish_stroke() {
 
 // Selects what was painted, fixed or drawn, as soon as the scene contains it.
 void ShapeView::select_created() {
-  for (const char* kind : {"select", "constraint", "load", "weight", "line"}) {
+  for (const char* kind : {"select", "constraint", "load", "stiffness", "curve"}) {
     if (created_.empty() || !view_->table({kind, created_})) continue;
     const std::string name = std::exchange(created_, "");
-    kind == std::string("line") ? hooks_.selected(name, "") : hooks_.selected("", name);
+    kind == std::string("curve") ? hooks_.selected(name, "") : hooks_.selected("", name);
   }
 }
 

@@ -96,7 +96,7 @@ void ShapeView::fix_point(const QPoint& at, bool normal) {
   const std::optional<Vec3> p = actors_->surface_at(window.x(), window.y());
   if (!p) return;
   hooks_.query_surface_point(*p, [this, normal](const SurfacePoint& surface_point) {
-    created_ = view_->free_name(normal ? "normal" : "pin");
+    created_ = view_->free_name(normal ? "normal" : "point");
     const double size = view_->size;
     const std::string what =
         normal ? "\"normal\", direction = " + point_to_toml(rounded_point(surface_point.normal, 1))
@@ -170,10 +170,10 @@ void ShapeView::measure_point(const QPoint& at) {
   draft_.push_back(point_at(at));
   actors_->set_draft(draft_);
   if (draft_.size() > 1) {
-    const Vec3 way = draft_[1] - draft_[0];
+    const Vec3 offset = draft_[1] - draft_[0];
     const auto digits = [](double x) { return QString::number(x, 'g', 6); };
-    set_text(text(kDistance).arg(digits(way.norm()), shown(view_->unit), digits(way.x()),
-                                 digits(way.y()), digits(way.z())));
+    set_text(text(kDistance).arg(digits(offset.norm()), shown(view_->unit), digits(offset.x()),
+                                 digits(offset.y()), digits(offset.z())));
   }
   redraw();
 }
@@ -186,7 +186,7 @@ void ShapeView::finish_line() {
   if (points.size() < 2) return;
   fitted_ = true;  // keep the view while the user is drawing
   if (view_->timeline) return hooks_.post(path_edit(SceneText(view_->text), points));
-  created_ = view_->free_name("line");
+  created_ = view_->free_name("curve");
   hooks_.post(line_command(created_, points));
   hooks_.hint(text(kHintDraw));
 }
@@ -327,16 +327,16 @@ bool ShapeView::add_point(const QPoint& at) {
     if (distance(i) < distance(nearest)) nearest = i;
   if (distance(nearest) > 2 * kGrab) return false;
   // Insert it between the defining points before and after it along the curve.
-  const auto place_of = [&](const Vec3& p, size_t from) {
+  const auto nearest_from = [&](const Vec3& p, size_t from) {
     size_t best = from;
     for (size_t i = from; i < curve.size(); ++i)
       if ((curve[i] - p).squaredNorm() < (curve[best] - p).squaredNorm()) best = i;
     return best;
   };
-  size_t before = 0, place = 0;
+  size_t before = 0, at_curve = 0;
   for (size_t i = 0; i + 1 < line_points_.size(); ++i) {
-    place = place_of(line_points_[i], place);
-    if (place <= nearest) before = i;
+    at_curve = nearest_from(line_points_[i], at_curve);
+    if (at_curve <= nearest) before = i;
   }
   selected_point_ = static_cast<int>(before) + 1;
   std::vector<Vec3> points = line_points_;
@@ -369,7 +369,7 @@ Vec3 ShapeView::rounded_to_pixel(const Vec3& p) const {
 namespace {
 
 constexpr double kBrushRadius = 22;  // pixels
-constexpr const char* kPaintedKinds[] = {"load", "weight"};
+constexpr const char* kPaintedKinds[] = {"load", "stiffness"};
 
 }  // namespace
 

@@ -114,11 +114,12 @@ void MainWindow::make_panels() {
   tree_ = new ModelTree(this, [this](const ModelTree::Item& item) {
     properties_->refresh(shown_, item);
     using Kind = ModelTree::Item::Kind;
-    const bool pin = item.table.kind == "constraint";
-    const bool acts = pin || item.table.kind == "load" || item.table.kind == "weight";
+    const std::string& kind = item.table.kind;
+    const bool acts =
+        kind == "load" || kind == "stiffness" || (kind == "constraint" && !shown_->mesh);
     const bool nothing = (item.kind == Kind::Table && !acts) || item.kind == Kind::Alternative;
     std::string name = nothing ? "" : item.name;
-    if (item.table.kind == "edit.handle") name = item.name.substr(item.name.rfind('.') + 1);
+    if (kind == "edit.handle") name = item.name.substr(item.name.rfind('.') + 1);
     view_->select(name);
   });
   properties_ = new PropertyPanel(
@@ -333,7 +334,7 @@ void MainWindow::show_problem() {
   // Dangling ends are normal while the user is drawing: show a count. Other problems are shown in
   // full.
   const QString problem = shown(shown_->problem);
-  const int open = problem.count("meets nothing");
+  const int open = problem.count("is not connected to any other curve");
   problem_ = new QListWidgetItem(open > 0 ? text(kOpenEnds).arg(open) : problem, messages_);
   problem_->setToolTip(problem);
   problem_->setIcon(style()->standardIcon(QStyle::SP_MessageBoxInformation));
@@ -349,7 +350,7 @@ void MainWindow::show_title() {
 
 void MainWindow::show_state(const DocumentWorker::Update& update) {
   state_->setText(shown_->surface
-                      ? shown(format_count(static_cast<long>(shown_->regions.size()), "surface") +
+                      ? shown(format_count(static_cast<long>(shown_->regions.size()), "face") +
                               ", " + format_count(shown_->triangles, "element"))
                       : text(kNoSurface));
   update_rate_->clear();

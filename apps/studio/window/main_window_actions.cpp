@@ -16,6 +16,7 @@
 #include <QStatusBar>
 #include <QToolBar>
 #include <algorithm>
+#include <utility>
 
 #include "batten/apps/commands/documents/line_edits.h"
 #include "batten/apps/studio/view/strings.h"
@@ -28,6 +29,18 @@ using CommandKind = DocumentCommand::CommandKind;
 
 /// The text of a menu entry as a title.
 QString title(const char* menu) { return text(menu).remove('&'); }
+
+/// File filter for the format of the input mesh.
+QString original_format(const QString& ending) {
+  constexpr std::pair<const char*, const char*> decks[] = {{"bdf nas dat", "Nastran deck"},
+                                                           {"inp", "Abaqus deck"},
+                                                           {"k key dyn", "LS-DYNA deck"},
+                                                           {"rad", "Radioss deck"}};
+  for (const auto& [endings, deck] : decks)
+    if (QString(endings).split(' ').contains(ending.toLower()))
+      return text(kOriginalFormat).arg(deck, "." + ending);
+  return text(kOriginalMesh).arg("." + ending);
+}
 
 }  // namespace
 
@@ -63,7 +76,7 @@ void MainWindow::ask_export() {
   if (shown_->mesh) {
     const QString ending = QFileInfo(shown(shown_->regions.front())).suffix();
     kinds = text(kMeshFiles);
-    if (!shown_->timeline) kinds = text(kOriginalFormat).arg("." + ending) + ";;" + kinds;
+    if (!shown_->timeline) kinds = original_format(ending) + ";;" + kinds;
   }
   QString file = QFileDialog::getSaveFileName(this, title(kExport), in_folder(stem() + "-out"),
                                               kinds, &filter);
@@ -90,14 +103,15 @@ void MainWindow::remove_selected() {
   if (view_->remove_point()) return;
   ModelTree::Item item = tree_->current();
   if (item.kind == ModelTree::Item::Kind::Join)
-    item.table = {"line", defining_line(SceneText(shown_->text), item.name)};
-  if (item.table.kind == "line" && item.table.name.empty()) return;  // the curve comes from a file
+    item.table = {"curve", defining_line(SceneText(shown_->text), item.name)};
+  if (item.table.kind == "curve" && item.table.name.empty()) return;  // the curve comes from a file
   if (const auto part = properties_->selected_stress_part()) {
     for (DocumentCommand& edit : remove_stress_part(SceneText(shown_->text), *part))
       post(std::move(edit));
     return;
   }
-  if (!item.table.kind.empty()) post({.kind = CommandKind::Remove, .table = item.table});
+  if (!item.table.kind.empty() && shown_->table(item.table))
+    post({.kind = CommandKind::Remove, .table = item.table});
 }
 
 // A name in the folder of the scene that was opened or saved last, initially the home folder.
@@ -157,7 +171,7 @@ void MainWindow::dropEvent(QDropEvent* event) {
 
 namespace {
 
-constexpr int kModeLetters = 12;
+constexpr int kModeLetters = 16;
 
 Analysis analysis_of(Shading shading) {
   return shading == Shading::Stress  ? Analysis::Stress
@@ -204,6 +218,7 @@ void MainWindow::make_tools() {
   QObject::connect(
       paint_, QOverload<int>::of(&QComboBox::currentIndexChanged), this,
       [this](int index) { view_->set_paint(kPaints[static_cast<size_t>(index)].second); });
+  paint_->setToolTip(text(kPaintTip));
   paint_bar_ = bar->addWidget(paint_);
   paint_bar_->setVisible(false);
   bar->addSeparator();
@@ -253,7 +268,8 @@ void MainWindow::show_missing_stress() {
 void MainWindow::select_mode(int mode) {
   if (mode < 0) return;
   view_->set_mode(mode);
-  view_->set_text(text(kModeLegend).arg(modes_->itemData(mode).toDouble(), 0, 'g', 4));
+  view_->set_text(
+      text(kModeLegend).arg(mode + 1).arg(modes_->itemData(mode).toDouble(), 0, 'g', 4));
 }
 
 // Updates the list of modes and keeps the selection.
@@ -296,11 +312,11 @@ void MainWindow::show_stress(const StressView& stress) {
   const auto digits = [](double value) { return QString::number(value, 'g', 3); };
   if (!stress.problem.empty()) return view_->set_text(shown(stress.problem));
   if (shading_->currentIndex() == static_cast<int>(Shading::Modes)) return show_modes(stress);
-  const QString unit = shown_->unit == "m" ? "Pa" : shown_->unit == "mm" ? "N/mm²" : "";
-  QString overlay_text = text(kStressLegend)
-                             .arg(digits(stress.von_mises), unit, shown(stress.load_case),
-                                  digits(stress.displacement), shown(shown_->unit))
-                             .arg(stress.deformation_scale);
+  QString overlay_text =
+      text(kStressLegend)
+          .arg(digits(stress.von_mises), stress_unit(shown_->unit), shown(stress.load_case),
+               digits(stress.displacement), shown(shown_->unit))
+          .arg(stress.deformation_scale);
   if (stress.yield > 0 && stress.von_mises > 0)
     overlay_text += text(kSafety).arg(digits(stress.yield / stress.von_mises));
   view_->set_text(overlay_text);

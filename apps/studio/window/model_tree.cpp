@@ -14,7 +14,7 @@ namespace {
 
 using Kind = ModelTree::Item::Kind;
 
-/// The value of a key of a table, without quotes.
+/// The value of a key of a table, without quotes; empty: the table does not have it.
 std::string plain(const DocumentView::Table& table, const char* key) {
   for (const auto& [name, value] : table.values)
     if (name == key)
@@ -23,19 +23,39 @@ std::string plain(const DocumentView::Table& table, const char* key) {
 }
 
 bool acts(const std::string& kind) {
-  return kind == "load" || kind == "weight" || kind == "constraint" || kind == "move" ||
+  return kind == "load" || kind == "stiffness" || kind == "constraint" || kind == "offset" ||
          kind == "parameter";
 }
 
 /// True for tables that have a group of their own if the document is a mesh.
 bool is_of_mesh(const std::string& kind) {
-  constexpr const char* kinds[] = {"select", "cut",   "feature", "features", "guide",  "relation",
-                                   "line",   "curve", "pull",    "edit",     "handle", "step"};
+  constexpr const char* kinds[] = {"select",   "cut",        "feature",
+                                   "features", "constraint", "relation",
+                                   "chain",    "curve",      "position_constraint",
+                                   "edit",     "handle",     "operation"};
   return std::find(std::begin(kinds), std::end(kinds), kind.substr(0, kind.find('.'))) !=
          std::end(kinds);
 }
 
 constexpr int kWidth = 280;  // fits two adjacent buttons in the panel below
+
+/// The domain of a face for display.
+std::string domain_label(const std::string& domain) {
+  return domain == "polygon" ? "n-sided" : domain == "annulus" ? "annular" : domain;
+}
+
+/// The kind of a table for display, such as "position constraint".
+QString kind_label(const std::string& kind) {
+  return shown(kind.substr(kind.find('.') + 1)).replace('_', ' ');
+}
+
+/// The type of a load, constraint or stiffness field for display.
+QString type_label(const DocumentView::Table& table) {
+  const std::string& kind = table.name.kind;
+  const std::string type = plain(table, "type");
+  if (kind == "stiffness") return text(type == "alpha" ? kMembrane : kBending);
+  return kind_label(type.empty() ? kind : type);
+}
 
 QString degrees(double value) { return QString::number(value, 'g', 2) + "°"; }
 
@@ -115,31 +135,32 @@ void ModelTree::restore_selection(const Item& before) {
 }
 
 void ModelTree::fill_shape(const DocumentView& view) {
-  auto* lines = group(kLines, static_cast<int>(view.lines.size()));
+  auto* lines = group(kCurves, static_cast<int>(view.lines.size()));
   for (const auto& line : view.lines) {
-    const SceneTable table{"line", line.line};
+    const SceneTable table{"curve", line.line};
     add(lines, shown(line.line), "",
         {Kind::Line, line.line, view.table(table) ? table : SceneTable{}});
   }
-  auto* surfaces = group(kRegions, static_cast<int>(view.regions.size()));
+  auto* surfaces = group(kFaces, static_cast<int>(view.regions.size()));
   if (view.network)
     for (const auto& region : view.network->regions) {
       QStringList wrong;
       if (!region.rejection_reason.empty()) wrong << shown(region.rejection_reason);
       for (const std::string& defect : region.defects) wrong << shown(defect);
-      const SceneTable table{"region", region.name};
-      add(surfaces, shown(region.name), shown(region.shape.empty() ? region.domain : region.shape),
+      const SceneTable table{"face", region.name};
+      add(surfaces, shown(region.name),
+          shown(region.shape.empty() ? domain_label(region.domain) : region.shape),
           {Kind::Region, region.name, view.table(table) ? table : SceneTable{}}, wrong.join("\n"));
     }
   else
     for (const std::string& region : view.regions)
       add(surfaces, shown(region), "", {Kind::Region, region, {}});
   if (view.network) {
-    auto* joins = group(kJoins, static_cast<int>(view.network->joins.size()));
+    auto* joins = group(kEdges, static_cast<int>(view.network->joins.size()));
     for (const auto& join : view.network->joins) {
       QString detail = shown(join.kind);
       if (join.kind == "smooth") detail += " " + degrees(join.max_inside_deg);
-      if (join.kind == "crease") detail += " " + degrees(join.max_deg);
+      if (join.kind == "G0") detail += " " + degrees(join.max_deg);
       add(joins, shown(join.line), detail, {Kind::Join, join.line, {}}, shown(join.why));
     }
     if (!view.network->ambiguous_regions.empty()) {
@@ -168,20 +189,22 @@ void ModelTree::fill_mesh(const DocumentView& view) {
     QString detail = *use       ? text(use)
                      : proposal ? "⌀ " + QString::number(part.diameter, 'g', 3)
                                 : QString();
-    add(proposal ? proposals : selections, shown(part.name), detail,
+    const bool set = part.kind == MeshView::Part::Kind::Set;
+    const QString name = shown(set ? part.key + " " + part.name : part.name);
+    add(proposal ? proposals : selections, name, detail,
         {Item::Kind::Part, part.name, view.table(table) ? table : SceneTable{}});
   }
   auto* kept = group(kFeaturesAndConstraints, 0);
-  auto* edits = group(view.timeline ? kSequenceSteps : kEdits, 0);
+  auto* edits = group(view.timeline ? kOperations : kEdits, 0);
   for (const auto& table : view.tables) {
     const std::string& kind = table.name.kind;
-    if (!is_of_mesh(kind) || kind == "select" || kind == "step.keyframe.handle") continue;
-    const bool edit = kind.starts_with("edit") || kind.starts_with("step");
+    if (!is_of_mesh(kind) || kind == "select" || kind == "operation.keyframe.handle") continue;
+    const bool edit = kind.starts_with("edit") || kind.starts_with("operation");
     QString name = shown(table.name.name);
     if (kind == "edit.handle") name = "    " + shown(plain(table, "name"));
-    if (kind == "step.keyframe") name = "    " + shown(plain(table, "frame"));
+    if (kind == "operation.keyframe") name = "    " + shown(plain(table, "frame"));
     if (kind == "features") name = shown(plain(table, "of"));
-    add(edit ? edits : kept, name, shown(kind.substr(kind.find('.') + 1)),
+    add(edit ? edits : kept, name, kind_label(kind),
         {Item::Kind::Table, table.name.name, table.name});
   }
   for (QTreeWidgetItem* one : {proposals, selections, kept, edits})
@@ -193,7 +216,7 @@ void ModelTree::fill_tables(const DocumentView& view) {
   auto* scene = group(kScene, 0);
   for (const auto& table : view.tables) {
     const std::string& kind = table.name.kind;
-    const bool shape = kind == "line" || (kind == "region" && !table.name.name.empty());
+    const bool shape = kind == "curve" || (kind == "face" && !table.name.name.empty());
     const bool part = kind == "stress.supports" || kind == "stress.loads";
     if (view.mesh ? is_of_mesh(kind) : shape || (kind.find('.') != std::string::npos && !part))
       continue;
@@ -201,15 +224,20 @@ void ModelTree::fill_tables(const DocumentView& view) {
     const QString name =
         kind.empty() ? shown(view.title) : shown(table.name.name.empty() ? kind : table.name.name);
     add(act ? acting : scene, name,
-        act ? shown(plain(table, "type").empty() ? kind : plain(table, "type"))
-            : shown(kind == table.name.name ? "" : kind),
+        act ? type_label(table) : shown(kind == table.name.name ? "" : kind),
         {Kind::Table, table.name.name, table.name});
+  }
+  // Options can be added to tables that do not exist yet.
+  for (const char* kind : {"skin", "mesh"}) {
+    const SceneTable options{kind, ""};
+    if (!view.mesh && view.surface && !view.table(options))
+      add(scene, kind, "", {Kind::Table, "", options});
   }
   int number = 0;
   if (acting)
     for (const StressPart& part : stress_parts(SceneText(view.text)))
-      add(acting, shown(part.of.empty() ? part.kind : part.of),
-          shown(part.of.empty() ? "stress" : part.kind),
+      add(acting, part.of.empty() ? kind_label(part.kind) : shown(part.of),
+          part.of.empty() ? "stress" : kind_label(part.kind),
           {Kind::StressPart, part.of, {"stress", ""}, number++});
   if (acting) acting->setText(1, QString::number(acting->childCount()));
   scene->setText(1, "");

@@ -10,7 +10,7 @@
 
 namespace batten::studio {
 
-/// Tree of the objects in a document. For a shape: curves, surfaces, joins, alternative regions,
+/// Tree of the objects in a document. For a shape: curves, faces, edges, alternative faces,
 /// loads and constraints. For a mesh: holes, selections, features and boundary conditions, edits.
 /// In addition, the other tables of the scene.
 class ModelTree : public QTreeWidget {
@@ -19,9 +19,9 @@ class ModelTree : public QTreeWidget {
   struct Item {
     enum class Kind { None, Line, Region, Join, Table, Alternative, StressPart, Part, Parts };
     Kind kind = Kind::None;
-    std::string name;  ///< name of a curve, region, join's line or part of a mesh
-    SceneTable table;  ///< scene table that defines it; may be empty for curves and regions
-    /// Index of an alternative region, or of a part among stress_parts(); -1: none.
+    std::string name;  ///< name of a curve, face, edge or part of a mesh
+    SceneTable table;  ///< scene table that defines it; may be empty for curves and faces
+    /// Index of an alternative face, or of a part among stress_parts(); -1: none.
     int number = -1;
   };
   ModelTree(QWidget* parent, std::function<void(const Item&)> on_selected);

@@ -22,7 +22,7 @@ namespace batten::studio {
 
 /// Possible values of a key in TOML notation. Booleans: "true" and "false"; enumerated keys: the
 /// values in docs/scenes.md; empty for all other keys, or if the list does not contain `value`.
-/// `faired`: [skin] of the scene has fair = "variation", which supports more kinds of joins.
+/// `faired`: [skin] of the scene has fair = "variation", which supports G2.
 QStringList enum_values(const SceneTable& table, const std::string& key, const std::string& value,
                         bool faired);
 
@@ -123,7 +123,7 @@ void PropertyPanel::fill_table() {
   const std::vector<SceneText::Value> none;
   for (const auto& [key, value] : part ? part->values : table ? table->values : none)
     add_key(key, value);
-  if (part || table) add_key(text(kAddProperty).toStdString(), "");
+  if (part || stated) add_key(text(kAddProperty).toStdString(), "");
   keys_->setVisible(keys_->rowCount() > 0);
   filling_ = false;
 }
@@ -174,17 +174,17 @@ void PropertyPanel::fill_description() {
   for (const auto& join : network.joins) {
     const bool line = item_.kind == Kind::Join || item_.kind == Kind::Line;
     const bool whole = item_.kind == Kind::Line && join.line.starts_with(item_.name + ".");
-    if (!line || (join.line != item_.name && !whole) || join.kind == "rim") continue;
-    entries << shown((whole ? join.line + ": " : "") + join.kind +
-                     (join.requested ? " (asked for)" : "") + ": the normals differ by up to " +
-                     format_number(join.kind == "crease" ? join.max_deg : join.max_inside_deg) +
-                     "°");
+    if (!line || (join.line != item_.name && !whole) || join.kind == "free edge") continue;
+    QString continuity = shown((whole ? join.line + ": " : "") + join.kind);
+    if (join.requested) continuity = text(kRequested).arg(continuity);
+    const double angle = join.kind == "G0" ? join.max_deg : join.max_inside_deg;
+    entries << text(kAngleOfNormals).arg(continuity, shown(format_number(angle)));
     if (!join.why.empty()) entries << shown(join.why);
-    const auto edits = [this, line = join.line](std::optional<std::string> kind) {
-      return join_edits(SceneText(view_->text), line, kind);
+    const auto edits = [this, line = join.line](std::optional<std::string> continuity) {
+      return join_edits(SceneText(view_->text), line, continuity);
     };
     if (whole) continue;  // segments are edited one by one: a click selects one
-    add_button(kCrease, [edits] { return edits("crease"); });
+    add_button(kCrease, [edits] { return edits("G0"); });
     add_button(kSmooth, [edits] { return edits("smooth"); });
     add_button(kAutomatic, [edits] { return edits({}); });
   }
@@ -199,7 +199,7 @@ void PropertyPanel::fill_line() {
     return std::vector<DocumentCommand>{
         {.kind = CommandKind::Add,
          .table = {"fair", ""},
-         .text = "{ name = " + SceneText::word(view_->free_name("fair")) + ", lines = [" +
+         .text = "{ name = " + SceneText::word(view_->free_name("fair")) + ", curves = [" +
                  SceneText::word(name) + "]" + more + " }"}};
   };
   add_button(kFair, [fair] { return fair(""); });
@@ -220,7 +220,9 @@ void PropertyPanel::fill_line() {
   if (!tangent_edits(SceneText(view_->text), name).empty())
     add_button(kEditTangents, [this, name] { return tangent_edits(SceneText(view_->text), name); });
   add_button(kSplit, [this, name] { return split_edits(*view_, name, selection_.point()); });
-  add_button(kJoinNext, [this, name] { return join_line_edits(*view_, name); });
+  add_button(kJoinNext, [this, name] {
+    return join_line_edits(*view_, name);
+  })->setToolTip(text(kJoinNextTip));
   for (int axis = 0; axis < 3; ++axis)
     add_button(kMirrors[axis], [this, name, axis] { return mirror_edits(*view_, name, axis); });
 }
@@ -237,6 +239,7 @@ void PropertyPanel::fill_stress() {
     };
     support(kClampEdge, "clamped");
     support(kPinEdge, "pinned");
+    button(kPinEdge)->setToolTip(text(kPinEdgeTip));
     support(kRemoveSupport, "");
   }
   if (item_.kind != Kind::Region) return;
@@ -244,14 +247,14 @@ void PropertyPanel::fill_stress() {
     return std::vector<DocumentCommand>{
         {.kind = CommandKind::Add,
          .table = {"load", ""},
-         .text = "{ name = " + SceneText::word(view_->free_name("swell")) +
-                 ", type = \"pressure\", regions = [" + SceneText::word(name) + "], value = 0 }"},
+         .text = "{ name = " + SceneText::word(view_->free_name("pressure")) +
+                 ", type = \"pressure\", faces = [" + SceneText::word(name) + "], value = 0 }"},
         {.kind = CommandKind::SolveToEquilibrium}};  // a step of its own
-  });
+  })->setToolTip(text(kInflateTip));
   if (!view_->has_stress) return;
   add_button(kAddPressure, [this, name] {
     return stress_load_edits(SceneText(view_->text),
-                             "{ pressure = 0.001, region = " + SceneText::word(name) + " }");
+                             "{ pressure = 0.001, face = " + SceneText::word(name) + " }");
   });
   // A unit force against the normal, at the point of the surface that was clicked.
   add_button(kAddPointForce, [this]() -> std::vector<DocumentCommand> {
@@ -309,8 +312,8 @@ void PropertyPanel::add_keep_all_button() {
   });
 }
 
-void PropertyPanel::add_button(const char* what,
-                               std::function<std::vector<DocumentCommand>()> edits) {
+QPushButton* PropertyPanel::add_button(const char* what,
+                                       std::function<std::vector<DocumentCommand>()> edits) {
   auto* button = new QPushButton(text(what));
   button->setObjectName(what);
   auto* grid = static_cast<QGridLayout*>(buttons_->layout());
@@ -319,6 +322,7 @@ void PropertyPanel::add_button(const char* what,
   QObject::connect(button, &QPushButton::clicked, this, [this, edits] {
     for (DocumentCommand& command : edits()) post_(std::move(command));
   });
+  return button;
 }
 
 QPushButton* PropertyPanel::button(const char* what) const {
@@ -334,19 +338,21 @@ struct KeyValues {
 
 constexpr KeyValues kKeyValues[] = {
     {"", "unit", "mm cm m in ft"},
-    {"line lines", "role", "outline hole inner"},
-    {"line lines", "treatment", "auto fitted embedded"},
-    {"region", "domain", "auto polygon plane sheet"},
-    {"join", "kind", "crease smooth"},
-    {"weight", "kind", "alpha beta"},
-    {"skin", "domain", "auto polygon plane sheet ring"},
-    {"skin", "mesher", "delaunay fan"},
-    {"skin", "units", "relative absolute"},
-    {"skin", "hold", "lines corners"},
+    {"curve curves", "role", "outline hole inner"},
+    {"curve curves", "alignment", "auto aligned embedded"},
+    {"face", "domain", "auto polygon projected developable"},
+    {"join", "continuity", "G0 G1 smooth"},
+    {"stiffness", "type", "alpha beta"},
+    {"mesh", "domain", "auto polygon projected developable annulus"},
+    {"mesh", "mesher", "delaunay fan"},
+    {"mesh", "element", "hct z12"},
+    {"skin", "load_units", "relative absolute"},
+    {"skin", "boundary", "curves corners"},
     {"skin", "fair", "auto bending variation loft"},
-    {"skin", "element", "hct z12"},
+    {"skin", "noisy_curves", "fair keep"},
     {"skin", "symmetry", "x y z"},
-    {"feature features", "keep", "shape direction"},
+    {"fair", "minimize", "bending variation"},
+    {"feature features", "keep", "shape orientation"},
     {"output", "step_form", "auto face exact"},
 };
 
@@ -360,7 +366,7 @@ QStringList enum_values(const SceneTable& table, const std::string& key, const s
     if (key != one.key || !kinds.contains(QString::fromStdString(table.kind))) continue;
     const bool more = faired && table.kind == "join";
     QStringList values;
-    for (const QString& word : (one.values + QString(more ? " tangent curvature" : "")).split(' '))
+    for (const QString& word : (one.values + QString(more ? " G2" : "")).split(' '))
       values << '"' + word + '"';
     const QString now = QString::fromStdString(value);
     return values.contains(now) ? values : QStringList{};

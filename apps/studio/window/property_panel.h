@@ -47,7 +47,7 @@ class PropertyPanel : public QWidget {
   void fill_line();
   void fill_stress();
   void add_keep_all_button();
-  void add_button(const char* what, std::function<std::vector<DocumentCommand>()> edits);
+  QPushButton* add_button(const char* what, std::function<std::vector<DocumentCommand>()> edits);
   std::function<void(DocumentCommand)> post_;
   ViewSelection selection_;
   std::shared_ptr<const DocumentView> view_;

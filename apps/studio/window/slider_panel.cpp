@@ -7,6 +7,7 @@
 #include <QVBoxLayout>
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "batten/apps/studio/view/strings.h"
 
@@ -21,8 +22,29 @@ bool same_rows(const DocumentView::Slider& a, const DocumentView::Slider& b) {
          a.driven == b.driven;
 }
 
+/// True if the scene has a single [[edit]], so that labels need not name it.
+bool has_one_edit(const DocumentView& view) {
+  return std::count_if(view.tables.begin(), view.tables.end(),
+                       [](const auto& table) { return table.name.kind == "edit"; }) == 1;
+}
+
+/// Label of a parameter: "edit 1.flange.angle" is "flange: rotation", "alpha_uu" is "Membrane
+/// stiffness α_uu". `one_edit`: the name of the edit is left out.
+QString label_of(const std::string& parameter, bool one_edit) {
+  const QString name = shown(parameter);
+  for (const auto& [key, label] : {std::pair("alpha", kMembrane), std::pair("beta", kBending)})
+    if (name == key || name.startsWith(QString(key) + "_"))
+      return text(label) + name.mid(QString(key).size());
+  const int dot = name.lastIndexOf('.');
+  if (dot < 0) return name;
+  const QString of = name.left(dot), what = name.mid(dot + 1);
+  return text(kParameterOf)
+      .arg(one_edit ? of.mid(of.indexOf('.') + 1) : of,
+           what == "angle" ? text(kRotationAngle) : what);
+}
+
 /// The value at a slider position, rounded to the decimals by which positions differ.
-double place_of(int step, double low, double high) {
+double value_at(int step, double low, double high) {
   const double width = (high - low) / kSteps;
   const int decimals =
       width > 0 ? std::max(0, -static_cast<int>(std::floor(std::log10(width)))) : 0;
@@ -46,8 +68,9 @@ void SliderPanel::refresh(const DocumentView& view) {
   const char* const none = view.timeline ? kNoSlidersOfSequence
                            : view.mesh   ? kNoSlidersOfMesh
                                          : kNoSliders;
-  if (!same || none_ != none) {
+  if (const bool one_edit = has_one_edit(view); !same || none_ != none || one_edit_ != one_edit) {
     none_ = none;
+    one_edit_ = one_edit;
     rows_.clear();
     size_ = view.size;
     for (const auto& slider : view.sliders) rows_.push_back({slider});
@@ -79,7 +102,7 @@ void SliderPanel::rebuild() {
 void SliderPanel::add_row(size_t i) {
   auto* column = static_cast<QVBoxLayout*>(widget()->layout());
   auto* controls = new QHBoxLayout;
-  auto* label = new QLabel(QString::fromStdString(rows_[i].of.name));
+  auto* label = new QLabel(label_of(rows_[i].of.name, one_edit_));
   auto* number = new QDoubleSpinBox;
   number->setDecimals(4);
   const QString unit = shown(rows_[i].of.unit);
@@ -93,7 +116,7 @@ void SliderPanel::add_row(size_t i) {
   jump_to_press(slider);
   slider->setRange(0, kSteps);
   slider->setEnabled(!rows_[i].of.driven);
-  slider->setObjectName("slider " + label->text());
+  slider->setObjectName("slider " + shown(rows_[i].of.name));
   controls->addWidget(slider, 1);
   controls->addWidget(number);
   column->addWidget(label);
@@ -105,7 +128,7 @@ void SliderPanel::add_row(size_t i) {
   QObject::connect(slider, &QSlider::valueChanged, this, [this, i, name](int step) {
     if (showing_) return;
     Row& row = rows_[i];
-    const double value = place_of(step, row.low, row.high);
+    const double value = value_at(step, row.low, row.high);
     post_({.kind = CommandKind::SetSlider, .key = name, .value = value});
     showing_ = true;
     row.number->setValue(value);

@@ -46,6 +46,7 @@ class SliderPanel : public QScrollArea {
   InputEventFilter input_filter_;
   double size_ = 0;             // size of the surface
   const char* none_ = nullptr;  // text shown if there are no sliders
+  bool one_edit_ = false;       // the scene has a single [[edit]]
   bool showing_ = false;
 };
 

@@ -27,6 +27,7 @@ TimelinePanel::TimelinePanel(QWidget* parent, std::function<void(int)> show)
   auto* row = new QHBoxLayout(this);
   auto* before = new QPushButton(text(kPreviousKey));
   auto* behind = new QPushButton(text(kNextKey));
+  number_->setPrefix(text(kFrameNumber));
   play_->setCheckable(true);
   play_->setShortcut(QKeySequence(Qt::Key_Space));
   for (QWidget* part :
@@ -54,6 +55,7 @@ void TimelinePanel::refresh(const DocumentView& view) {
   showing_ = true;
   slider_->setRange(1, view.timeline->frames);
   number_->setRange(1, view.timeline->frames);
+  number_->setSuffix(QString(" / %1").arg(view.timeline->frames));
   if (!frame_pending_ && !slider_->isSliderDown()) {
     slider_->setValue(view.timeline->frame + 1);
     number_->setValue(view.timeline->frame + 1);
@@ -84,11 +86,11 @@ void TimelinePanel::request_frame(int frame) {
 }
 
 // Goes to the nearest keyframe before (-1) or after (+1) the displayed frame.
-void TimelinePanel::to_keyframe(int way) {
+void TimelinePanel::to_keyframe(int direction) {
   const int now = slider_->value() - 1;
   int best = -1;
   for (const int key : keyframes_)
-    if ((key - now) * way > 0 && (best < 0 || (key - best) * way < 0)) best = key;
+    if ((key - now) * direction > 0 && (best < 0 || (key - best) * direction < 0)) best = key;
   if (best >= 0) request_frame(best + 1);
 }
 

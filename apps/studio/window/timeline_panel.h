@@ -34,7 +34,7 @@ class TimelinePanel : public QWidget {
 
  private:
   void request_frame(int frame);
-  void to_keyframe(int way);
+  void to_keyframe(int direction);
   std::function<void(int)> show_;
   QPushButton* play_;
   QSlider* slider_;

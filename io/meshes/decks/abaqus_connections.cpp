@@ -82,7 +82,8 @@ void AbaqusConnections::read_equation(const Keyword& keyword, AbaqusLines& lines
     Connection& connection = add(Kind::Other, keyword);
     connection.where = where;
     for (long i = 0; i < terms;) {
-      if (!lines.next_data()) file_.fail(where, "found an equation that ends before its last term");
+      if (!lines.next_data())
+        file_.fail(where, "found an equation with missing terms, expected as many as stated");
       // Up to four terms per line: node, degree of freedom, coefficient.
       const std::vector<std::string_view> values = comma_values(lines.line());
       for (size_t k = 0; k < values.size() && i < terms; k += 3) {
@@ -220,7 +221,7 @@ void AbaqusConnections::finish(TextMeshContent& mesh, const Sets& sets, bool all
     if (!first.find(connection.first) || !rest.find(connection.rest)) {
       if (all_here)
         file_.fail(connection.where, "found " + connection.name +
-                                         " with nodes that are not there, expected nodes and sets "
+                                         " with unknown nodes, expected nodes and sets "
                                          "of the deck");
       continue;
     }

@@ -104,7 +104,8 @@ void AbaqusCoordinates::read_instance(AbaqusLines& lines) {
   const std::vector<double> line = reals(file_, lines.line());
   const Vec3 a = three(line, 0), axis = three(line, 3) - a;
   if (line.size() < 7 || !(axis.norm() > 0))
-    file_.fail(lines.line(), "found a turn of an instance, expected two points and an angle");
+    file_.fail(lines.line(),
+               "found an invalid rotation of an instance, expected two points and an angle");
   rotation_ =
       Eigen::AngleAxisd(line[6] * std::numbers::pi / 180, axis.normalized()).toRotationMatrix();
   translation_ = rotation_ * (translation_ - a) + a;
@@ -171,8 +172,8 @@ double AbaqusCoordinates::real(std::string_view value, bool& parameter) const {
   const auto found = parameters_.find(name);
   if (found == parameters_.end())
     file_.fail(value, "found " + quoted_excerpt(value) +
-                          ", expected a number or a parameter before it "
-                          "that is given as a number");
+                          ", expected a number or a preceding parameter "
+                          "with a numeric value");
   return found->second;
 }
 
@@ -294,9 +295,7 @@ class AbaqusReader {
     if (name == "PART") {
       if (++parts_ > 1) file_.fail(keyword.line, "found a second *PART, expected one flat part");
     } else if (name == "INSTANCE") {
-      if (++instances_ > 1)
-        file_.fail(keyword.line,
-                   "found a second *INSTANCE, expected one: nodes would be in two places");
+      if (++instances_ > 1) file_.fail(keyword.line, "found a second *INSTANCE, expected one");
       coordinate_systems_.read_instance(lines_);
     } else if (name == "ASSEMBLY" || name == "END ASSEMBLY") {
       in_assembly_ = name == "ASSEMBLY";
@@ -506,9 +505,9 @@ class AbaqusReader {
     deck_.warn_about_other_elements();
     mesh_.warn_about_unwritten_includes();
     if (file_.ends_in_mid_line())
-      mesh_.warnings.push_back("the file ends in mid-line: it may be cut short");
+      mesh_.warnings.push_back("the last line has no line end: the file may be truncated");
     if (assembly_blocks_ > 0)
-      mesh_.warnings.push_back("nodes and elements of the assembly itself are not read");
+      mesh_.warnings.push_back("nodes and elements of the assembly level are not read");
   }
 
   TextMeshContent& mesh_;

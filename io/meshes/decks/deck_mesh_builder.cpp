@@ -165,7 +165,7 @@ void DeckMeshBuilder::warn_about_other_elements() {
   for (const auto& [name, count] : other_counts_)
     text += (text.empty() ? "" : ", ") + (count > 0 ? std::to_string(count) + " " : "") + name;
   if (unused > 0)
-    text += (text.empty() ? "" : "; ") + format_count(unused, "node") + " that no shell uses";
+    text += (text.empty() ? "" : "; ") + format_count(unused, "node") + " not used by a shell";
   if (!text.empty()) mesh_.warnings.push_back(text);
 }
 

@@ -222,7 +222,7 @@ void DynaLines::require_identity(std::span<const std::string_view> cards,
           (parse_real(value, number) && (number == 0 || (i == kFactors && number == 1)));
       if (!same)
         file_.fail(value, "found " + quoted_excerpt(value) + " of *" + keyword.name +
-                              ", expected a file that is included as it is");
+                              ", expected an untransformed include");
     }
   }
 }

@@ -569,7 +569,7 @@ class NastranReader {
     if (name.starts_with("BEGIN")) begun_ = true;
     if (name.starts_with("="))
       file_.fail(line,
-                 "found a repeated card " + quoted_excerpt(line) + ", expected it written out");
+                 "found a repeated card " + quoted_excerpt(line) + ", expected every card in full");
   }
 
   void grid(const CardLine& card) {

@@ -110,7 +110,7 @@ class RadiossReader {
     if (name == "RBE2") return body("/RBE2", words[1], 3);
     if (name == "TRANSFORM" || name.empty())
       file_.fail(keyword_, "found " + quoted_excerpt(keyword_) +
-                               ", expected one model with its nodes in their place");
+                               ", expected one model without transformed nodes");
     if (const auto layout = block_layouts().find(name); layout != block_layouts().end())
       return elements(name, layout->second);
     static const std::set<std::string> format_count{"BRIC20", "SHEL16", "QUAD",  "TRIA",

@@ -49,7 +49,8 @@ FootContact mean_contact(const Trajectory& t, int first, int last) {
 std::vector<int> lowest_vertices(const std::vector<Points>& frames,
                                  const std::vector<int>& vertices, const Vec3& up,
                                  double fraction) {
-  if (vertices.empty() || frames.empty()) throw InputError("lowest of no vertices");
+  if (vertices.empty() || frames.empty())
+    throw InputError("lowest vertices: found no vertices or no frames, expected one or more");
   std::vector<double> height(vertices.size(), 0);
   for (size_t k = 0; k < frames.size(); ++k)
     for (size_t i = 0; i < vertices.size(); ++i) {
@@ -74,7 +75,7 @@ std::vector<int> lowest_vertices(const std::vector<Points>& frames,
 std::vector<FootContact> detect_foot_contacts(const Trajectory& trajectory,
                                               const FootContactOptions& options) {
   if (!(options.max_spread > 0) || !(options.speed > 0) || options.frames < 1)
-    throw InputError("footprints: `within`, `speed` and `frames` must be above 0");
+    throw InputError("contact_detection: distance, speed and min_frames must be above 0");
   const std::vector<int> last = last_frames_of_contact(trajectory.centres, options);
   std::vector<FootContact> found;
   std::vector<std::pair<int, int>> open = {{0, trajectory.frame_count() - 1}};
@@ -108,7 +109,7 @@ FootContact projected(const FootContact& contact, const Terrain& terrain,
                       const ContactPose& contact_pose, const std::string& name) {
   const std::optional<Terrain::SurfacePoint> surface_point = terrain.surface_point(contact.at);
   if (!surface_point)
-    throw InputError(name + ": the footprint of " + frames_of(contact) +
+    throw InputError(name + ": the foot plant in " + frames_of(contact) +
                      " has no terrain above or below it");
   FootContact result = contact;
   const Vec3 direction = contact_pose.rotations ? surface_point->normal : terrain.up();
@@ -137,9 +138,9 @@ void check(const std::vector<FootContact>& foot_contacts, int frames, const std:
   double size = 0;
   for (const FootContact& f : foot_contacts) {
     if (f.last < f.first)
-      throw InputError(name + ": the footprint of " + frames_of(f) + " ends before it begins");
+      throw InputError(name + ": the foot plant in " + frames_of(f) + " ends before it starts");
     if (f.first < 0 || f.last >= frames)
-      throw InputError(name + ": the footprint of " + frames_of(f) + " is not in the frames 1-" +
+      throw InputError(name + ": the foot plant in " + frames_of(f) + " is outside of frames 1-" +
                        std::to_string(frames));
     size = std::max(size, f.at.cwiseAbs().maxCoeff());
   }
@@ -149,9 +150,9 @@ void check(const std::vector<FootContact>& foot_contacts, int frames, const std:
       if (a.last < b.first || b.last < a.first) continue;
       const double apart = (a.at - b.at).norm();
       const std::string overlap =
-          name + ": the footprints of " + frames_of(a) + " and " + frames_of(b) + " overlap ";
+          name + ": the foot plants in " + frames_of(a) + " and " + frames_of(b) + " overlap ";
       if (apart > 1e-9 * size)
-        throw InputError(overlap + "at places that are " + format_number(apart) + " apart");
+        throw InputError(overlap + "at positions that are " + format_number(apart) + " apart");
       if ((a.rotation - b.rotation).norm() > 1e-9)
         throw InputError(overlap + "with different rotations");
     }
@@ -162,14 +163,15 @@ std::vector<HandleKeyframe> keyframes_of(const std::vector<FootContact>& from,
                                          const std::string& name) {
   check(to, frames, name);
   if (from.size() != to.size())
-    throw InputError(name + ": " + std::to_string(to.size()) + " footprints after an edit, " +
-                     std::to_string(from.size()) + " before it");
+    throw InputError(name + ": found " + std::to_string(to.size()) +
+                     " foot plants after an edit, expected " + std::to_string(from.size()) +
+                     " as before it");
   std::map<int, RigidMotion> motions;
   for (size_t i = 0; i < to.size(); ++i) {
     const FootContact &a = from[i], &b = to[i];
     if (a.first != b.first || a.last != b.last)
-      throw InputError(name + ": a footprint of " + frames_of(a) + " became one of " +
-                       frames_of(b));
+      throw InputError(name + ": found a foot plant in " + frames_of(b) + ", expected it in " +
+                       frames_of(a) + " as before the edit");
     for (int k = b.first; k <= b.last; ++k)
       motions.emplace(k, RigidMotion::about(a.at, b.rotation * a.rotation.transpose(), b.at));
   }
@@ -181,7 +183,8 @@ std::vector<HandleKeyframe> keyframes_of(const std::vector<FootContact>& from,
 namespace {
 
 Vec3 unit_up(const Vec3& up) {
-  if (!(up.norm() > 0) || !up.allFinite()) throw InputError("terrain: up is no direction");
+  if (!(up.norm() > 0) || !up.allFinite())
+    throw InputError("terrain: the up direction has length 0 or is not finite");
   return up.normalized();
 }
 
@@ -202,7 +205,7 @@ Terrain::Terrain(TriangleMesh mesh, const Vec3& up) : mesh_(std::move(mesh)), up
       box.extend(to_plane(mesh_.point(v)));
     }
   }
-  if (!seen) throw InputError("terrain: no triangle is seen from above");
+  if (!seen) throw InputError("terrain: no triangle is visible from above");
   cells_ = std::clamp(static_cast<int>(std::sqrt(mesh_.triangle_count())), 1, 4096);
   low_ = box.min();
   step_ = box.sizes() / cells_;

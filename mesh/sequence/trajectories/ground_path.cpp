@@ -28,7 +28,8 @@ double length_between(const PiecewiseCubic& curve, double from, double to) {
 }
 
 Vec3 unit(const Vec3& up) {
-  if (!(up.norm() > 0) || !up.allFinite()) throw InputError("path: up is no direction");
+  if (!(up.norm() > 0) || !up.allFinite())
+    throw InputError("path: the up direction has length 0 or is not finite");
   return up.normalized();
 }
 
@@ -61,17 +62,17 @@ GroundPath::GroundPath(PiecewiseCubic curve, const Vec3& up)
 
 GroundPath GroundPath::through(const std::vector<Vec3>& points, const Vec3& up) {
   if (points.size() < 2)
-    throw InputError("path through " + std::to_string(points.size()) +
+    throw InputError("path: found " + std::to_string(points.size()) +
                      " points, expected 2 or more");
   Points p(isize(points), 3);
   for (int i = 0; i < isize(points); ++i) p.row(i) = points[i];
-  if (!p.allFinite()) throw InputError("path: a coordinate that is not finite");
+  if (!p.allFinite()) throw InputError("path: a coordinate is not finite");
   p = on_ground(p, unit(up));
   const std::vector<double> u = chords(p);
   for (size_t i = 1; i < u.size(); ++i)
     if (!(u[i] - u[i - 1] > 1e-12 * u.back()))
       throw InputError("path: points " + std::to_string(i) + " and " + std::to_string(i + 1) +
-                       " are in one place of the ground");
+                       " coincide on the ground");
   return {PiecewiseCubic::through(u, p, PiecewiseCubic::Ends::Natural), up};
 }
 
@@ -119,13 +120,15 @@ RigidMotion GroundPath::frame(double s) const {
 FittedPath fit_path(const Points& centres, const PathOptions& options) {
   const int frames = static_cast<int>(centres.rows());
   if (frames < 2)
-    throw InputError("path of " + std::to_string(frames) + " frames, expected 2 or more");
-  if (options.spans < 0) throw InputError("path of fewer than 0 pieces");
+    throw InputError("path: found " + std::to_string(frames) + " frames, expected 2 or more");
+  if (options.spans < 0)
+    throw InputError("path: found segments = " + std::to_string(options.spans) +
+                     ", expected 0 or more");
   const Vec3 up = unit(options.up);
   const Points p = on_ground(centres, up);
   const std::vector<double> u = chords(p);
   if (!(u.back() > 1e-12 * p.cwiseAbs().maxCoeff()))
-    throw InputError("path: all frames are in one place of the ground");
+    throw InputError("path: all frames are at the same point on the ground");
   const int spans = options.spans > 0 ? options.spans : std::clamp(frames / 30, 1, 12);
   const int samples = std::max(frames, 8 * spans);
   std::vector<double> even(samples + 1);

@@ -20,11 +20,12 @@ std::string counted(long count, const char* what) { return std::to_string(count)
 std::vector<double> times_of(const TrajectoryOptions& options, int frames) {
   if (options.times.empty()) return frame_numbers(frames);
   if (isize(options.times) != frames)
-    throw InputError(counted(isize(options.times), "times for ") + counted(frames, "frames"));
+    throw InputError("found " + counted(isize(options.times), "times for ") +
+                     counted(frames, "frames, expected one for each"));
   for (int k = 1; k < frames; ++k)
     if (!(options.times[k] > options.times[k - 1]))
       throw InputError("frame " + std::to_string(k + 1) +
-                       " has a time that is not after the one before");
+                       " has a time that is not after that of the frame before");
   return options.times;
 }
 
@@ -57,10 +58,11 @@ Points edited_centres(const Points& centres, const std::vector<Mat3>& rotations,
                       const TrajectoryOptions& options) {
   const int frames = static_cast<int>(centres.rows());
   if (isize(rotations) != frames)
-    throw InputError(counted(isize(rotations), "rotations for ") + counted(frames, "frames"));
+    throw InputError("found " + counted(isize(rotations), "rotations for ") +
+                     counted(frames, "frames, expected one for each"));
   if (centres_at_keyframes.rows() != isize(keyframes))
-    throw InputError(counted(centres_at_keyframes.rows(), "centroids for ") +
-                     counted(isize(keyframes), "keyframes"));
+    throw InputError("found " + counted(centres_at_keyframes.rows(), "centroids for ") +
+                     counted(isize(keyframes), "keyframes, expected one for each"));
   const std::vector<double> times = times_of(options, frames);
   const auto [from, to] = options.influence;
   KeyframeWeights::of_frames(times, keyframes, KeyframeExtrapolation::None,
@@ -158,8 +160,8 @@ bool is_stationary(const Points& p) {
 Trajectory resampled(const Trajectory& trajectory, int frames, Resampling how) {
   const int given = trajectory.frame_count();
   if (given < 1 || frames < 1)
-    throw InputError("a trajectory of " + std::to_string(given) + " frames in " +
-                     std::to_string(frames));
+    throw InputError("resampling from " + std::to_string(given) + " to " + std::to_string(frames) +
+                     " frames, expected one or more of both");
   if (frames == given) return trajectory;
   std::vector<double> times = frame_numbers(frames);
   for (double& t : times) t = frames > 1 ? t * (given - 1) / (frames - 1) : 0;
@@ -181,9 +183,9 @@ Trajectory resampled(const Trajectory& trajectory, int frames, Resampling how) {
 Similarity alignment(const Trajectory& from, const Trajectory& to,
                      const AlignmentOptions& options) {
   if (from.frame_count() < 1 || to.frame_count() < 1)
-    throw InputError("alignment of a trajectory without frames");
+    throw InputError("alignment: a trajectory has no frames");
   if (options.about && !(options.about->norm() > 0 && options.about->allFinite()))
-    throw InputError("alignment: `about` is no direction");
+    throw InputError("alignment: the axis `about` has length 0 or is not finite");
   const Points a = resampled(from, to.frame_count(), options.resampling).centres;
   if (is_stationary(a) || is_stationary(to.centres)) {
     Similarity translation;

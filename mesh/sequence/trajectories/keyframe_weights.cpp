@@ -23,17 +23,17 @@ struct Knot {
 
 std::vector<Knot> knots_of(std::span<const double> times, std::optional<double> from,
                            std::optional<double> to) {
-  if (times.empty()) throw InputError("no keyframes");
+  if (times.empty()) throw InputError("found no keyframes, expected one or more");
   for (size_t m = 0; m < times.size(); ++m)
     if (!std::isfinite(times[m]) || (m > 0 && !(times[m] > times[m - 1])))
       throw InputError("keyframe " + std::to_string(m + 1) + " of " + std::to_string(times.size()) +
-                       ": time " + format_number(times[m]) + " is not after the one before");
+                       ": time " + format_number(times[m]) + " is not after the keyframe before");
   if (from && !(*from < times.front()))
-    throw InputError("influence from " + format_number(*from) +
-                     " is not before the first keyframe, " + format_number(times.front()));
+    throw InputError("found the influence start at time " + format_number(*from) +
+                     ", expected it before the first keyframe, " + format_number(times.front()));
   if (to && !(*to > times.back()))
-    throw InputError("influence to " + format_number(*to) + " is not after the last keyframe, " +
-                     format_number(times.back()));
+    throw InputError("found the influence end at time " + format_number(*to) +
+                     ", expected it after the last keyframe, " + format_number(times.back()));
   std::vector<Knot> knots;
   if (from) knots.push_back({*from, -1});
   for (size_t m = 0; m < times.size(); ++m) knots.push_back({times[m], static_cast<int>(m)});
@@ -151,15 +151,15 @@ KeyframeWeights KeyframeWeights::of_frames(std::span<const double> times,
   for (const int k : keyframes) at.push_back(time(k, "keyframe"));
   for (size_t m = 1; m < keyframes.size(); ++m)
     if (keyframes[m] <= keyframes[m - 1])
-      throw InputError("keyframe " + std::to_string(keyframes[m] + 1) + " comes after keyframe " +
-                       std::to_string(keyframes[m - 1] + 1));
+      throw InputError("found keyframe " + std::to_string(keyframes[m] + 1) + " after keyframe " +
+                       std::to_string(keyframes[m - 1] + 1) + ", expected increasing frames");
   if (!keyframes.empty() && influence.from && *influence.from >= keyframes.front())
-    throw InputError("an influence from frame " + std::to_string(*influence.from + 1) +
-                     " on, where nothing changes yet, is not before the first keyframe, " +
+    throw InputError("found the influence start at frame " + std::to_string(*influence.from + 1) +
+                     ", expected it before the first keyframe, " +
                      std::to_string(keyframes.front() + 1));
   if (!keyframes.empty() && influence.to && *influence.to <= keyframes.back())
-    throw InputError("an influence to frame " + std::to_string(*influence.to + 1) +
-                     ", where nothing changes any more, is not after the last keyframe, " +
+    throw InputError("found the influence end at frame " + std::to_string(*influence.to + 1) +
+                     ", expected it after the last keyframe, " +
                      std::to_string(keyframes.back() + 1));
   const auto end = [&](std::optional<int> frame) {
     return frame ? std::optional<double>(time(*frame, "end of the influence")) : std::nullopt;
@@ -201,7 +201,8 @@ std::vector<Points> unwrapped_logs(const std::vector<std::vector<Mat3>>& rotatio
     if (rotations.size() != rotations_at_keyframes.front().size())
       throw InputError("keyframe " + std::to_string(logs.size() + 1) + " has " +
                        std::to_string(rotations.size()) + " rotations, expected " +
-                       std::to_string(rotations_at_keyframes.front().size()) + " as in the first");
+                       std::to_string(rotations_at_keyframes.front().size()) +
+                       " as in the first keyframe");
     Points of_keyframe(isize(rotations), 3);
     for (int v = 0; v < isize(rotations); ++v)
       of_keyframe.row(v) = nearest_log(
@@ -217,8 +218,8 @@ std::vector<Points> unwrapped_logs(const std::vector<std::vector<Mat3>>& rotatio
   std::vector<Points> logs = unwrapped_logs(rotations_at_keyframes);
   if (logs.empty()) return logs;
   if (logs.front().rows() != topology.vertex_count())
-    throw InputError(std::to_string(logs.front().rows()) + " rotations for " +
-                     std::to_string(topology.vertex_count()) + " vertices");
+    throw InputError("found " + std::to_string(logs.front().rows()) + " rotations for " +
+                     std::to_string(topology.vertex_count()) + " vertices, expected one for each");
   for (const auto& [vertex, from] : breadth_first(topology, logs.front()))
     for (size_t m = 0; m < logs.size(); ++m)
       logs[m].row(vertex) =
@@ -228,7 +229,7 @@ std::vector<Points> unwrapped_logs(const std::vector<std::vector<Mat3>>& rotatio
 
 void interpolate_logs(const KeyframeWeights::Row& row, const std::vector<Points>& logs,
                       Points& result) {
-  if (logs.empty()) throw InputError("no logarithms at keyframes");
+  if (logs.empty()) throw InputError("found no rotations at keyframes, expected one or more");
   result.resize(logs.front().rows(), 3);
   result.setZero();
   for (int j = 0; j < row.count; ++j) result += row.weights[j] * logs[row.first + j];
@@ -237,8 +238,9 @@ void interpolate_logs(const KeyframeWeights::Row& row, const std::vector<Points>
 std::vector<Mat3> interpolated_rotations(const KeyframeWeights& weights,
                                          std::span<const Mat3> rotations) {
   if (isize(rotations) != weights.keyframe_count())
-    throw InputError(std::to_string(rotations.size()) + " rotations for " +
-                     std::to_string(weights.keyframe_count()) + " keyframes");
+    throw InputError("found " + std::to_string(rotations.size()) + " rotations for " +
+                     std::to_string(weights.keyframe_count()) +
+                     " keyframes, expected one for each");
   const Points logs = unwrapped_logs(rotations);
   std::vector<Mat3> result;
   for (int k = 0; k < weights.frame_count(); ++k) {
@@ -271,7 +273,7 @@ PiecewiseCubic PiecewiseCubic::through(std::vector<double> knots, const Points& 
     A.fix(0, Vec3::Zero(), slopes);
     A.fix(n - 1, Vec3::Zero(), slopes);
   }
-  if (!A.factorize()) throw std::logic_error("knots of a curve that do not increase");
+  if (!A.factorize()) throw std::logic_error("the knots of a curve must increase");
   A.solve(slopes);
   return {std::move(knots), values, slopes};
 }
@@ -297,7 +299,7 @@ PiecewiseCubic PiecewiseCubic::fitted(const std::vector<double>& u, const Points
       poles.row(piece + i) += basis[i] * off;
     }
   }
-  if (!A.factorize()) throw std::logic_error("a curve fitted to too few values");
+  if (!A.factorize()) throw std::logic_error("too few values to fit a curve");
   A.solve(poles);
   std::vector<double> knots(spans + 1);
   Points at(spans + 1, 3), slopes(spans + 1, 3);

@@ -11,7 +11,7 @@ namespace {
 
 void need_frames(size_t found, int expected, const char* what) {
   if (found != static_cast<size_t>(expected))
-    throw InputError(std::to_string(found) + " " + what + " for a trajectory of " +
+    throw InputError("found " + std::to_string(found) + " " + what + " for a trajectory of " +
                      std::to_string(expected) + " frames");
 }
 
@@ -26,14 +26,15 @@ Vec3 centroid(const Points& p, const std::vector<int>& vertices) {
 }
 
 Trajectory trajectory_of(const std::vector<Points>& frames, const std::vector<int>& vertices) {
-  if (vertices.empty()) throw InputError("trajectory of no vertices");
+  if (vertices.empty()) throw InputError("trajectory: found no vertices, expected one or more");
   Trajectory result;
   result.centres.resize(isize(frames), 3);
   for (int k = 0; k < isize(frames); ++k) {
     for (const int v : vertices)
       if (v < 0 || v >= frames[k].rows())
-        throw InputError("trajectory of vertex " + std::to_string(v + 1) + ", frame " +
-                         std::to_string(k + 1) + " has " + std::to_string(frames[k].rows()));
+        throw InputError("trajectory: found vertex " + std::to_string(v + 1) + ", but frame " +
+                         std::to_string(k + 1) + " has " + std::to_string(frames[k].rows()) +
+                         " vertices");
     result.centres.row(k) = centroid(frames[k], vertices);
     result.rotations.push_back(k == 0 ? Mat3(Mat3::Identity())
                                       : fit_similarity(frames[0], frames[k], vertices, 1.0).R);
@@ -52,7 +53,7 @@ Trajectory moved(const std::vector<RigidMotion>& motions, const Trajectory& traj
 }
 
 std::vector<RigidMotion> motions_between(const Trajectory& from, const Trajectory& to) {
-  need_frames(to.rotations.size(), from.frame_count(), "frames of another");
+  need_frames(to.rotations.size(), from.frame_count(), "frames of another trajectory");
   std::vector<RigidMotion> motions;
   for (int k = 0; k < from.frame_count(); ++k)
     motions.push_back(RigidMotion::about(from.centres.row(k).transpose(),

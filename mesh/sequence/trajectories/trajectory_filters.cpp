@@ -50,8 +50,8 @@ std::vector<int> order_of(const std::vector<FilteredHandle>& handles) {
   std::vector<char> done(n, 0);
   for (int h = 0; h < n; ++h)
     if (handles[h].parent < -1 || handles[h].parent >= n)
-      throw InputError(handles[h].name + ": its parent is none of the " + std::to_string(n) +
-                       " handles");
+      throw InputError(handles[h].name + ": found parent " + std::to_string(handles[h].parent) +
+                       ", expected one of the " + std::to_string(n) + " handles");
   for (bool more = true; more;) {
     more = false;
     for (int h = 0; h < n; ++h) {
@@ -61,8 +61,7 @@ std::vector<int> order_of(const std::vector<FilteredHandle>& handles) {
     }
   }
   for (int h = 0; h < n; ++h)
-    if (!done[h])
-      throw InputError(handles[h].name + ": hangs on itself, or on handles in a circle");
+    if (!done[h]) throw InputError(handles[h].name + ": its parents form a cycle");
   return order;
 }
 
@@ -70,8 +69,9 @@ std::vector<int> order_of(const std::vector<FilteredHandle>& handles) {
 
 Trajectory relative(const Trajectory& child, const Trajectory& parent) {
   if (child.frame_count() != parent.frame_count())
-    throw InputError(std::to_string(child.frame_count()) + " frames relative to " +
-                     std::to_string(parent.frame_count()));
+    throw InputError("found a trajectory of " + std::to_string(child.frame_count()) +
+                     " frames, expected " + std::to_string(parent.frame_count()) +
+                     " as its parent has");
   Trajectory result = child;
   for (int k = 0; k < child.frame_count(); ++k) {
     result.centres.row(k) = (child.centres.row(k) - parent.centres.row(k)) * parent.rotations[k];
@@ -82,8 +82,9 @@ Trajectory relative(const Trajectory& child, const Trajectory& parent) {
 
 Trajectory composed(const Trajectory& relative, const Trajectory& parent) {
   if (relative.frame_count() != parent.frame_count())
-    throw InputError(std::to_string(relative.frame_count()) + " frames relative to " +
-                     std::to_string(parent.frame_count()));
+    throw InputError("found a trajectory of " + std::to_string(relative.frame_count()) +
+                     " frames, expected " + std::to_string(parent.frame_count()) +
+                     " as its parent has");
   Trajectory result = relative;
   for (int k = 0; k < relative.frame_count(); ++k) {
     result.centres.row(k) =
@@ -96,13 +97,15 @@ Trajectory composed(const Trajectory& relative, const Trajectory& parent) {
 FilteredTrajectories filtered(const Trajectory& root, const std::vector<FilteredHandle>& handles,
                               const SignalFilter& filter, const FilterOptions& options) {
   const int frames = root.frame_count();
-  if (options.blend < 0) throw InputError("filter: fewer than 0 frames of blend");
+  if (options.blend < 0)
+    throw InputError("filter: found blend = " + std::to_string(options.blend) +
+                     ", expected 0 or more frames");
   FilteredTrajectories result{filtered_signal(root, filter, options), {}};
   result.handles.resize(handles.size());
   for (const int h : order_of(handles)) {
     const FilteredHandle& handle = handles[h];
     if (handle.trajectory.frame_count() != frames)
-      throw InputError(handle.name + ": " + std::to_string(handle.trajectory.frame_count()) +
+      throw InputError(handle.name + ": found " + std::to_string(handle.trajectory.frame_count()) +
                        " frames, expected " + std::to_string(frames) + " as the root has");
     check(handle.foot_contacts, frames, handle.name);
     const bool at_root = handle.parent < 0;
@@ -121,8 +124,8 @@ namespace {
 /// centre is 1.
 std::vector<double> gaussian(double sigma) {
   if (!(sigma > 0 && sigma <= 1e5))
-    throw InputError("filter: sigma is " + format_number(sigma) +
-                     ", expected above 0, up to 1e5 frames");
+    throw InputError("filter: found sigma = " + format_number(sigma) +
+                     ", expected a number above 0, up to 1e5 frames");
   std::vector<double> g(static_cast<size_t>(std::ceil(7 * sigma)));
   double sum = 0;
   for (size_t j = g.size(); j-- > 0;) {

@@ -179,7 +179,7 @@ TEST_CASE("a STEP file without a unit is said to be in mm") {
   const CadContents c = read_cad_contents(folder / "b.step");
   CHECK_FALSE(c.unit_stated);
   REQUIRE(c.notes.size() == 1);
-  CHECK_THAT(c.notes[0], Contains("no unit of length: taken as mm"));
+  CHECK_THAT(c.notes[0], Contains("no length unit: assumed mm"));
 }
 
 TEST_CASE("BREP is read wherever STEP is, and loses names only") {

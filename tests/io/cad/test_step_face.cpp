@@ -706,7 +706,7 @@ TEST_CASE("What cannot be a face is refused and leaves an older file alone", "[s
     return error_message(
         [&] { write_step_faces(file, {&region}, unit, {.tolerance = tolerance}); });
   };
-  CHECK(error_message([&] { write_step_faces(file, {}, 1, {.tolerance = 1}); }).find("no region") !=
+  CHECK(error_message([&] { write_step_faces(file, {}, 1, {.tolerance = 1}); }).find("no face to write") !=
         std::string::npos);
   CHECK(error_of(good, 1, 0).find("tolerance of 0") != std::string::npos);
   CHECK(error_of(good, 1, std::nan("")).find("tolerance of") != std::string::npos);
@@ -716,7 +716,7 @@ TEST_CASE("What cannot be a face is refused and leaves an older file alone", "[s
   CHECK(error_of(good, 0.123, 1).find("model unit") != std::string::npos);
   SkinnedRegion bare = good;
   bare.boundary.clear();
-  CHECK(error_of(bare, 1, 1).find("'disc': no boundary") != std::string::npos);
+  CHECK(error_of(bare, 1, 1).find("'disc': found no boundary") != std::string::npos);
   SkinnedRegion wrong = good;
   Points dofs = good.surface.dofs();
   dofs(7, 1) = std::nan("");

@@ -67,7 +67,7 @@ TEST_CASE("a STEP file holds lines beside the same faces, in any schema and unit
   REQUIRE(c.products.size() == 2);
   CHECK(c.products[0].name.starts_with("box"));
   CHECK(c.products[0].curves == 0);
-  CHECK(c.products[1].name == "lines");
+  CHECK(c.products[1].name == "curves");
   CHECK(c.products[1].faces == 0);
   CHECK(c.products[1].curves == 12);
   // The curves are the splines that were given, by their names.

@@ -399,15 +399,15 @@ TEST_CASE("decks of models that make no sense are refused in words", "[io][calcu
   const auto answer = [&](const std::vector<const SkinnedRegion*>& which, const ShellDeck& deck) {
     return error_message([&] { write_calculix(path, which, deck); });
   };
-  CHECK_THAT(answer({}, good), Contains("no region"));
+  CHECK_THAT(answer({}, good), Contains("no face"));
   ShellDeck deck = good;
   deck.supports[0].line = "cute";
   CHECK_THAT(answer(regions, deck),
-             Contains("2 regions") && Contains("no region has") && Contains("did you mean 'cut'?"));
+             Contains("2 faces") && Contains("no face has") && Contains("did you mean 'cut'?"));
   deck = good;
-  deck.pressures = {{"region 11", 1}};
+  deck.pressures = {{"face 11", 1}};
   CHECK_THAT(answer(regions, deck),
-             Contains("'region 11'") && Contains("did you mean 'region 1'?"));
+             Contains("'face 11'") && Contains("did you mean 'face 1'?"));
   deck.pressures = {{regions[0]->name, std::nan("")}};
   CHECK_THAT(answer(regions, deck), Contains("not finite"));
   // Two lines of one name that are not one curve.

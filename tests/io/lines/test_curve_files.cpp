@@ -132,9 +132,9 @@ TEST_CASE("a line of one point stays where it can, and is named where it cannot"
   for (const char* file : {"a.csv", "a.obj", "a.step", "a.igs"}) {
     const auto notes = write_curves(folder / file, curves);
     REQUIRE(notes.size() == 1);
-    CHECK_THAT(notes[0], Contains("'dot' is left out") && Contains(file));
+    CHECK_THAT(notes[0], Contains("'dot' is not written") && Contains(file));
     CHECK_THAT(error_message([&] { write_curves(folder / file, {kDot}); }),
-               Contains("no line to write"));
+               Contains("no curve to write"));
   }
   CHECK(read_point_lines(folder / "a.csv").size() == curves.size() - 1);
 }
@@ -268,7 +268,7 @@ TEST_CASE("curve files are written whole or not at all", "[io][curves]") {
   const auto curves = many();
   CHECK_THAT(error_message([&] { write_curves(folder / "a.stp2", curves); }),
              Contains("'.stp2'") && Contains("did you mean '.stp'"));
-  CHECK_THAT(error_message([&] { write_curves(folder / "a", curves); }), Contains("no ending"));
+  CHECK_THAT(error_message([&] { write_curves(folder / "a", curves); }), Contains("no extension"));
   CHECK_THAT(error_message([&] { write_curves(folder / "a.step", curves, {0.123}); }),
              Contains("unit"));
   auto broken = curves;

@@ -77,7 +77,7 @@ TEST_CASE("DXF: lines, arcs and circles keep layer, place and unit", "[io][drawi
   CHECK(off_circle(d.lines[1], Vec3(1, 0, 5), 2) < 1e-7);
   CHECK(std::abs(length(d.lines[1]) - 2 * pi) < 1e-6);
   CHECK(std::abs(length(d.lines[2]) - 6 * pi) < 1e-6);
-  CHECK(d.notes == std::vector<std::string>{"passed over: 1 TEXT"});
+  CHECK(d.notes == std::vector<std::string>{"skipped: 1 TEXT"});
 }
 
 TEST_CASE("DXF: arcs of planes that look the other way are mirrored", "[io][drawings]") {
@@ -143,7 +143,7 @@ TEST_CASE("SVG: shapes stand upright in the page's unit", "[io][drawings]") {
   REQUIRE(d.lines[3].points.size() == 4);
   CHECK(near(d.lines[3].points[2], Vec3(4, 197, 0)));
   CHECK(d.lines[3].points.front() == d.lines[3].points.back());
-  CHECK(d.notes == std::vector<std::string>{"passed over: 1 text"});
+  CHECK(d.notes == std::vector<std::string>{"skipped: 1 text"});
 }
 
 TEST_CASE("SVG: paths keep their curves, straight ones are points", "[io][drawings]") {
@@ -167,7 +167,7 @@ TEST_CASE("drawings that are damaged or empty are named", "[io][drawings]") {
   CHECK_THAT(error_message(file_with("b.dxf", "0\nSECTION\n2\nENTITIES\n0\nLINE\n8\n0\n10\n1")),
              Contains("cut off"));
   CHECK_THAT(error_message(file_with("b.dxf", "0\nSECTION\n2\nENTITIES\n0\nENDSEC\n0\nEOF\n")),
-             Contains("found no line"));
+             Contains("found no curve"));
   CHECK_THAT(error_message(file_with("b.svg", "<svg><path d='M 0 0 L 1")), Contains("XML"));
   CHECK_THAT(error_message(file_with("b.svg", "<svg><path id='p' d='M 0 0 L one'/></svg>")),
              Contains("found d = 'M 0 0 L one' of a path with id 'p', expected path data"));
@@ -177,7 +177,7 @@ TEST_CASE("drawings that are damaged or empty are named", "[io][drawings]") {
              Contains("found x = 'inf' of a rect"));
   CHECK_THAT(error_message(
                  file_with("b.svg", "<svg><rect x='1e50' y='1e50' width='1' height='1'/></svg>")),
-             Contains("found no piece of a line"));
+             Contains("found no curve to concatenate"));
   CHECK_THAT(error_message(file_with("b.svg", "<svg><polyline points='1,2 nan,4'/></svg>")),
              Contains("pairs of numbers"));
   CHECK_THAT(

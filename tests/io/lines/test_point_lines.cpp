@@ -92,9 +92,9 @@ TEST_CASE("how a table was read is said where it is not obvious", "[io][points]"
   CHECK(said("1,2,3\n4,5,6\n").empty());
   CHECK(said("NACA 2412\n1 2\n4 5\n") == "title 'NACA 2412'");
   CHECK(said("1,5;2\n4;5\n") == "decimal commas");
-  CHECK(said("1 1 2 3\n2 4 5 6\n") == "the first column counts the points");
+  CHECK(said("1 1 2 3\n2 4 5 6\n") == "the first column is a point number");
   CHECK(said("999999999999999 1 2 3\n1000000000000000 4 5 6\n") ==
-        "the first column counts the points");
+        "the first column is a point number");
   CHECK_THROWS_AS(read_point_lines(file_with("a.csv", std::string(38, '5') + ",2,0,1\n1,2,3,4\n")),
                   InputError);
 }
@@ -141,7 +141,7 @@ TEST_CASE("offset tables give stations", "[io][points]") {
   CHECK(lines[0].points == std::vector<Vec3>{{20, 5, 5}, {20, 15, 10}});
   CHECK(lines[1].name == "station 4");
   CHECK(lines[1].points == std::vector<Vec3>{{40, 0, 0}, {40, 10, 5}, {40, 20, 10}});
-  CHECK(lines[0].format_note == "of an offset table");
+  CHECK(lines[0].format_note == "from an offset table");
 }
 
 TEST_CASE("all published airfoils are read", "[io][points]") {
@@ -213,7 +213,7 @@ TEST_CASE("OBJ segments are chained into the lines they are of", "[io][points]")
     for (size_t i = 1; i < lines[0].points.size(); ++i)
       length += (lines[0].points[i] - lines[0].points[i - 1]).norm();
     CHECK(length == Approx(2 * n * std::sin(std::numbers::pi / n)));
-    CHECK(lines[0].format_note == "28 records of the file as 5 lines");
+    CHECK(lines[0].format_note == "28 records of the file joined to 5 curves");
     for (int k = 1; k < 5; ++k) CHECK(lines[k].points.size() == 2);
   }
   SECTION("cut where a third line ends") {
@@ -252,9 +252,9 @@ TEST_CASE("drawn strokes: single and repeated points come through", "[io][points
 TEST_CASE("mistakes in drawn strokes are named with line and column", "[io][points]") {
   const std::string two = "v 2\n1 2 3\n4 5 6\n";
   CHECK(read_error("a.curves", "1 2 3\n") ==
-        "1:1: found '1', expected 'v N' before the N points of a line");
+        "1:1: found '1', expected 'v N' before the N points of a curve");
   CHECK(read_error("a.curves", two + "7 8 9\n") ==
-        "4:1: found '7', expected 'v N' before the N points of a line");
+        "4:1: found '7', expected 'v N' before the N points of a curve");
   CHECK(read_error("a.curves", "v\n") ==
         "1:1: found 0 words after 'v', expected the number of points");
   CHECK(read_error("a.curves", two + "v two\n") ==
@@ -264,13 +264,13 @@ TEST_CASE("mistakes in drawn strokes are named with line and column", "[io][poin
   CHECK(read_error("a.curves", "v 2.5\n") ==
         "1:3: found '2.5', expected a number of points from 1");
   CHECK(read_error("a.curves", two + "v 3\n1 2 3\n4 5 6\n") ==
-        "6:1: found the end of the file after 2 points, expected 3 as line 4 says");
+        "6:1: found the end of the file after 2 points, expected 3 as stated in line 4");
   CHECK(read_error("a.curves", "v 3\n1 2 3\n" + two) ==
-        "3:1: found the next line after 1 point, expected 3 as line 1 says");
+        "3:1: found the next curve after 1 point, expected 3 as stated in line 1");
   CHECK(read_error("a.curves", "v 1\n 1 2\n") == "2:2: found 2 numbers, expected 3 (x y z)");
   CHECK(read_error("a.curves", "v 1\n1 2 nan\n") == "2:5: found 'nan', expected a finite number");
   CHECK(read_error("a.curves", "v 1\n1 2 x\n") == "2:5: found 'x', expected a number");
-  CHECK(read_error("a.curves", "# nothing\n") == "1:1: found no points, expected some");
+  CHECK(read_error("a.curves", "# nothing\n") == "1:1: found no points, expected at least one");
 }
 
 TEST_CASE("published sketches are read whole", "[io][points]") {
@@ -299,11 +299,11 @@ TEST_CASE("published sketches are read whole", "[io][points]") {
 TEST_CASE("mistakes in tables are named with line and column", "[io][points]") {
   CHECK(read_error("a.csv", "") == "1:1: found an empty file, expected points");
   CHECK(read_error("a.csv", "\r\n \n") == "1:1: found an empty file, expected points");
-  CHECK(read_error("a.csv", "x,y,z\n# only words\n") == "1:1: found no points, expected some");
+  CHECK(read_error("a.csv", "x,y,z\n# only words\n") == "1:1: found no points, expected at least one");
   CHECK(read_error("a.csv", "1,2\n3,4\n5,six\n") == "3:3: found 'six', expected a number");
   CHECK(read_error("a.csv", "1,2\n3 ,  4x\n") == "2:6: found '4x', expected a number");
   CHECK(read_error("a.csv", "x y 3\n1 2 3\n") ==
-        "1:1: found 'x', expected a number (a header row has words only)");
+        "1:1: found 'x', expected a number (a header row contains names only)");
   CHECK(read_error("a.csv", "1,2,3\n4,5\n") == "2:1: found 2 columns, expected 3 as in line 1");
   CHECK(read_error("a.csv", "1\n2\n") == "2:1: found 1 column, expected 2 or 3 (x, y, z)");
   CHECK(
@@ -313,13 +313,13 @@ TEST_CASE("mistakes in tables are named with line and column", "[io][points]") {
       read_error("a.csv", "1,2,3,4,5\n") ==
       "1:1: found 5 columns, expected 2 or 3 (x, y, z), or a header row that names those columns");
   CHECK(read_error("a.csv", "1 2 3 4\n2 3 4 5\n4 4 5 6\n") ==
-        "3:1: found '4' in the first of 4 columns, expected 3 as it counts the points, or a header "
+        "3:1: found '4' in the first of 4 columns, expected 3 as point number, or a header "
         "row that names the columns x, y, z");
   CHECK(read_error("a.csv", "1,5;2,5;0\n2,5;1,x;0\n") == "2:5: found '1,x', expected a number");
   CHECK(read_error("a.csv", "l.0 0.5\n2 3\n") ==
-        "1:1: found 'l.0', expected a number (a header row has words only)");
+        "1:1: found 'l.0', expected a number (a header row contains names only)");
   CHECK(read_error("a.csv", "5,six\n1,2\n") ==
-        "1:3: found 'six', expected a number (a header row has words only)");
+        "1:3: found 'six', expected a number (a header row contains names only)");
   CHECK(read_error("a.csv", "1,2\n3,4\n\n5,six\n6,7\n") == "4:3: found 'six', expected a number");
   CHECK(read_error("a.csv", "x,y,w\n1,2,3\n4,5\n") ==
         "3:1: found 2 columns, expected 3 as in line 2");
@@ -333,9 +333,9 @@ TEST_CASE("mistakes in tables are named with line and column", "[io][points]") {
         "2:3: found '1e999', expected a number between 1e-307 and 1e308");
   CHECK(read_error("a.csv", "1,2\n3,+-4\n") == "2:3: found '+-4', expected a number");
   CHECK(read_error("a.csv", "1,2\n\n3,4\n\n5,6\n7,8\n") ==
-        "1:1: found a line of 1 point, expected 2 or more");
+        "1:1: found a curve with 1 point, expected 2 or more");
   CHECK(read_error("a.csv", "1,2\n3,4\n\n5,6\n") ==
-        "4:1: found a line of 1 point, expected 2 or more");
+        "4:1: found a curve with 1 point, expected 2 or more");
   CHECK(read_error("a.csv",
                    "\xFF\xFE"
                    "1,2\n") == "1:1: found UTF-16 text, expected UTF-8 or ASCII");
@@ -352,12 +352,12 @@ TEST_CASE("mistakes in OBJ files are named with line and column", "[io][points]"
   CHECK(read_error("a.obj", "l 1 2\n" + v) ==
         "1:3: found vertex number 1, expected vertices (v records) before it");
   CHECK(read_error("a.obj", v + "l 1 two\n") == "3:5: found 'two', expected a vertex number");
-  CHECK(read_error("a.obj", v + "l 1\n") == "3:4: found a line of 1 point, expected 2 or more");
-  CHECK(read_error("a.obj", v + "l 1 \\") == "3:6: found a line of 1 point, expected 2 or more");
+  CHECK(read_error("a.obj", v + "l 1\n") == "3:4: found a curve with 1 point, expected 2 or more");
+  CHECK(read_error("a.obj", v + "l 1 \\") == "3:6: found a curve with 1 point, expected 2 or more");
   CHECK(read_error("a.obj", "v 1 2\n") == "1:6: found 2 coordinates, expected 3 (v x y z)");
   CHECK(read_error("a.obj", "v 1 2 inf\n") == "1:7: found 'inf', expected a finite number");
   CHECK(read_error("a.obj", v) ==
-        " found 2 vertex records but no line, expected records 'l 1 2 3 …'");
+        " found 2 vertex records but no curve, expected records 'l 1 2 3 …'");
 }
 
 TEST_CASE("files that are not there or not point files are named", "[io][points]") {

@@ -76,9 +76,9 @@ TEST_CASE("What is wrong with a sketch graph is said with its file and place") {
         std::string::npos);
   CHECK(error_message_of(with("[1,0,0]", "[1,0,null]")).find("segment 7: ") != std::string::npos);
   CHECK(error_message_of(with("[1,0,0],", "")).find("4 control points") != std::string::npos);
-  CHECK(error_message_of(with("\"id\": 8", "\"id\": 7")).find("segment 7: found it twice") !=
+  CHECK(error_message_of(with("\"id\": 8", "\"id\": 7")).find("segment 7: found its id twice") !=
         std::string::npos);
-  CHECK(error_message_of(with("\"id\": 9", "\"id\": 5")).find("stroke 5: found it twice") !=
+  CHECK(error_message_of(with("\"id\": 9", "\"id\": 5")).find("stroke 5: found its id twice") !=
         std::string::npos);
   CHECK(error_message_of(with("\"id\": 8", "\"id\": \"8\"")).find("a segment: ") !=
         std::string::npos);
@@ -94,5 +94,5 @@ TEST_CASE("Rows that say CURVE begin and name lines of a point file") {
   CHECK(lines[1].points == std::vector<Vec3>{{0, 1, 0}, {1, 1, 0}, {2, 1, 5}});
   CHECK(error_message([] {
           read_point_lines(file_with("CURVE 0\nCURVE 1\n0 0 0\n1 0 0\n", "b.txt"));
-        }).find("b.txt:1:1: found a line of 0 points") != std::string::npos);
+        }).find("b.txt:1:1: found a curve with 0 points") != std::string::npos);
 }

@@ -76,8 +76,8 @@ TEST_CASE("tags that cannot be followed are named with file and line, and only o
       {"t corner 0/1/0 1", "a sharpness for each or for all"},
       {"t hole 1/0/0 1", "the tag 'hole'"},
       {"t creasemethod 0/0/1 chaikin", "chaikin"},
-      {"t interpolateboundary 1/0/0 2", "rims of a cage and their corners are sharp"},
-      {"t interpolateboundary 1/0/0 0", "rims of a cage and their corners are sharp"}};
+      {"t interpolateboundary 1/0/0 2", "boundary edges of a cage and their corners are sharp"},
+      {"t interpolateboundary 1/0/0 0", "boundary edges of a cage and their corners are sharp"}};
   for (const auto& [tag, why] : wrong) {
     INFO(tag);
     const MeshFile file = cage("t corner 1/1/0 0 1\n" + tag + "\n");

@@ -155,7 +155,7 @@ TEST_CASE("Abaqus: solids, beams, springs and masses by their nodes", "[io][deck
               "bush CONN3D2 17: 9"});
   CHECK(MeshFile::read(mesh_scratch() / "others.inp").warnings() ==
         Lines{"2 B31, 1 B32R, 1 CONN3D2, 1 MASS, 1 SPRING1, 1 SPRINGA, 1 T3D2, 1 UNKNOWN; 24 nodes "
-              "that no shell uses"});
+              "not used by a shell"});
 }
 
 TEST_CASE("Abaqus: connections by nodes, sets and surfaces", "[io][decks]") {
@@ -192,8 +192,8 @@ TEST_CASE("Abaqus: nodes of other elements that are not there are named with the
   CHECK(says("*ELEMENT,TYPE=C3D4\n7,1,2,3\n") ==
         "8:1: found 3 nodes of an element of type C3D4, expected 4");
   CHECK(says("*MPC\nBEAM,1,9\n") ==
-        "8:1: found *MPC with nodes that are not there, expected nodes and sets of the deck");
-  CHECK(says("*EQUATION\n3\n1,1,1.\n") == "8:1: found an equation that ends before its last term");
+        "8:1: found *MPC with unknown nodes, expected nodes and sets of the deck");
+  CHECK(says("*EQUATION\n3\n1,1,1.\n") == "8:1: found an equation with missing terms");
 }
 
 namespace {
@@ -328,7 +328,7 @@ TEST_CASE("Radioss: what is not one model in its place is named", "[io][decks]")
     return read_error("e.rad", "/NODE\n         1\n         2                 1.0\n" + text);
   };
   CHECK(says("/TRANSFORM/TRA/1\n") ==
-        "4:1: found '/TRANSFORM/TRA/1', expected one model with its nodes in their place");
+        "4:1: found '/TRANSFORM/TRA/1', expected one model without transformed nodes");
   CHECK_THAT(says("//SUBMODEL/1\n"), Contains("4:1: found '//SUBMODEL/1'"));
   CHECK(says("/BEGIN\nx\n        44\n") ==
         "6:9: found input of version 44, expected 51 or later, whose fields have 10 columns");

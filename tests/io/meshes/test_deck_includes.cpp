@@ -176,7 +176,7 @@ TEST_CASE("included files outside of the deck's folder stay where they are", "[i
   const MeshFile file = MeshFile::read(folder / "deck/main.bdf");
   CHECK(std::count_if(file.warnings().begin(), file.warnings().end(), [](const auto& warning) {
           return warning.find("shared/node") != warning.npos &&
-                 warning.find("looks for it under the same name") != warning.npos;
+                 warning.find("refers to it by the same name") != warning.npos;
         }) == 2);
   CHECK(file.included_files().empty());
   fs::create_directories(folder / "out");
@@ -187,7 +187,7 @@ TEST_CASE("included files outside of the deck's folder stay where they are", "[i
   CHECK(fs::exists(folder / "shared/node.bdf"));
   points(2, 2) = 0.5;
   CHECK_THROWS_WITH(file.write(folder / "out/second.bdf", points),
-                    Contains("shared/node.bdf: node 3 moves, but the file lies outside"));
+                    Contains("shared/node.bdf: node 3 moves, but its file lies outside"));
   CHECK_FALSE(fs::exists(folder / "out/second.bdf"));
   // A whole path leads to the file that was read, wherever the deck is written.
   std::ofstream(folder / "deck/whole.bdf")
@@ -232,8 +232,8 @@ TEST_CASE("LS-DYNA: *INCLUDE_TRANSFORM is followed where it changes nothing", "[
                  "         0\n       1.0       1.0       1.0         1         1\n         0\n"),
             "main.k") == "no mistake");
   CHECK(read_error_in(deck("       100\n"), "main.k") ==
-        "@/main.k:7:8: found '100' of *INCLUDE_TRANSFORM, expected a file that is included as it "
-        "is");
+        "@/main.k:7:8: found '100' of *INCLUDE_TRANSFORM, expected an untransformed "
+        "include");
   CHECK_THAT(read_error_in(deck("0\n0\n1.,1.,.001\n"), "main.k"), Contains("found '.001' of"));
   CHECK_THAT(read_error_in(deck("0\n0\n1.,1.,1.\n7\n"), "main.k"), Contains("found '7' of"));
 }

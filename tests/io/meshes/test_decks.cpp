@@ -212,7 +212,7 @@ TEST_CASE("Nastran: nodes and shells of all three field formats", "[io][decks]")
   CHECK(file.sets()[0].name == "4");
   CHECK(file.sets()[0].nodes.size() == 5);
   REQUIRE(file.warnings().size() == 1);
-  CHECK(file.warnings()[0] == "1 CBAR, 2 RBE2; 2 nodes that no shell uses");
+  CHECK(file.warnings()[0] == "1 CBAR, 2 RBE2; 2 nodes not used by a shell");
 }
 
 TEST_CASE("decks with unchanged nodes keep every byte", "[io][decks]") {
@@ -399,7 +399,7 @@ TEST_CASE("Nastran: mistakes are named with line and column", "[io][decks]") {
   const std::string grids =
       "GRID    1               0.      0.      0.\nGRID    2               1.      0.      0.\n"
       "GRID    3               0.      1.      0.\n";
-  CHECK(says(grids) == " found 3 nodes but no faces, expected some");
+  CHECK(says(grids) == " found 3 nodes but no faces, expected at least one");
   CHECK(says(grids + "CTRIA3  1       1       1       2       4\n") ==
         "4:9: found node 4 in element 1, expected the number of a node");
   CHECK(says(grids + "GRID,2,,0.,0.,0.\n") ==
@@ -427,7 +427,7 @@ TEST_CASE("Nastran: mistakes are named with line and column", "[io][decks]") {
   CHECK(says("GRID*   1\nGRID*   2\n") ==
         "1:1: found a GRID* without its second line, expected one");
   CHECK(says(grids + "=       *(1)\n") ==
-        "4:1: found a repeated card '=       *(1)', expected it written out");
+        "4:1: found a repeated card '=       *(1)', expected every card in full");
 }
 
 TEST_CASE("Abaqus: nodes, shells, sets and sections", "[io][decks]") {
@@ -520,11 +520,11 @@ TEST_CASE("Abaqus: mistakes are named with line and column", "[io][decks]") {
   CHECK(says(nodes + "*System\n0,0,0,1,0,0\n2,0,0\n") ==
         "5:1: found a *SYSTEM whose points lie on a line");
   CHECK(says("*NODE\n1,<a>,0,0\n") ==
-        "2:3: found '<a>', expected a number or a parameter before it that is given as a number");
+        "2:3: found '<a>', expected a number or a preceding parameter with a numeric value");
   CHECK(says("*PART,NAME=A\n*END PART\n*PART,NAME=B\n") ==
         "3:1: found a second *PART, expected one flat part");
   CHECK(says("*ASSEMBLY\n*INSTANCE,NAME=A,PART=B\n*END INSTANCE\n*INSTANCE,NAME=C,PART=B\n") ==
-        "4:1: found a second *INSTANCE, expected one: nodes would be in two places");
+        "4:1: found a second *INSTANCE, expected one");
   CHECK(says(nodes + "*ELEMENT,TYPE=S4\n1,1,2,3\n") ==
         "6:1: found 3 nodes of an element of type S4, expected 4");
   CHECK(says(nodes + "*ELEMENT,TYPE=S3\n1,1,2,5\n") ==
@@ -535,7 +535,7 @@ TEST_CASE("Abaqus: mistakes are named with line and column", "[io][decks]") {
   CHECK(says("*NODE\n1,0,zero,0\n") == "2:5: found 'zero', expected a number");
   CHECK(says(nodes + "3,1,1,1\n") == "5:1: found node 3 a second time, the first is in line 4");
   CHECK(says(nodes + "*ELEMENT,TYPE=C3D4\n1,1,2,3,1\n") ==
-        " found 3 nodes but no faces, expected some");
+        " found 3 nodes but no faces, expected at least one");
 }
 
 TEST_CASE("Abaqus: one part in its place, with an assembly", "[io][decks]") {
@@ -665,7 +665,7 @@ TEST_CASE("LS-DYNA: mistakes are named with line and column", "[io][decks]") {
   CHECK_THAT(says(nodes + "*ELEMENT_SHELL_COMPOSITE\n1,1,1,2,3,3\n"), Contains("6:1: found"));
   CHECK(says("*NODE\n       1       &x\n") == "2:16: found '&x', expected a number");
   CHECK(says(nodes + "*ELEMENT_SHELL\n1,1,1,2\n") == "7:1: found element 1 of fewer than 3 nodes");
-  CHECK(says("hello\n") == " found 0 nodes but no faces, expected some");
+  CHECK(says("hello\n") == " found 0 nodes but no faces, expected at least one");
 }
 
 TEST_CASE("damaged decks give an answer or an error", "[io][decks]") {

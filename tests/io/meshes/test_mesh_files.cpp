@@ -140,7 +140,7 @@ TEST_CASE("OBJ: nodes, faces, groups, materials", "[io][mesh]") {
   CHECK(file.properties()[0].faces == std::vector<int>{0, 1});
   REQUIRE(file.warnings().size() == 3);
   CHECK_THAT(file.warnings()[0], Contains("1 normal (vn)"));
-  CHECK_THAT(file.warnings()[2], Contains("ends in mid-line"));
+  CHECK_THAT(file.warnings()[2], Contains("no line end"));
 }
 
 TEST_CASE("unchanged nodes keep every byte of a text file", "[io][mesh]") {
@@ -219,7 +219,7 @@ TEST_CASE("OFF: headers and counts", "[io][mesh]") {
   CHECK(says("OFF\n1 1 0\n0 0 0\n3 0 0 1\n") == "4:7: found node number '1', expected 0 to 0");
   CHECK(says("OFF\n1 1 0\n0 0 0\n2 0 0\n") == "4:1: found a face of 2 nodes, expected 3 or more");
   CHECK(says("OFF\n1 1 0\n0 0 0\n4 0 0 0\n") ==
-        "4:1: found a face of 3 nodes, expected 4 as it says");
+        "4:1: found a face of 3 nodes, expected 4 as stated");
   CHECK(says("OFF\n") == "2:1: found the end of the file, expected the numbers of nodes and faces");
   CHECK(says("ply\n") == "1:1: found 'ply', expected 'OFF'");
 }
@@ -238,7 +238,7 @@ TEST_CASE("OBJ: mistakes are named with line and column", "[io][mesh]") {
   CHECK(says("v 0 0 nan\n") == "1:7: found 'nan', expected a finite number");
   CHECK(says("v 0 -inf 0\n") == "1:5: found '-inf', expected a finite number");
   CHECK(says("v 0 0 1e999\n") == "1:7: found '1e999', expected a number between 1e-307 and 1e308");
-  CHECK(says(v) == " found 3 nodes but no faces, expected some");
+  CHECK(says(v) == " found 3 nodes but no faces, expected at least one");
   CHECK(says("f 1 2 3\n") == "2:1: found no nodes, expected records 'v x y z'");
   // Nodes may follow the faces.
   CHECK(MeshFile::read(file_with("later.obj", "f 1 2 3\n" + v)).shells().face_count() == 1);
@@ -486,7 +486,7 @@ TEST_CASE("VTP and VTU: other cells and data stay, normals go", "[io][mesh]") {
     const auto face = file.shells().face(0);
     CHECK(std::vector<int>(face.begin(), face.end()) == std::vector<int>{0, 1, 2, 3});
     REQUIRE(file.warnings().size() == 2);
-    CHECK_THAT(file.warnings()[0], Contains("vtk") && Contains("cells are carried along"));
+    CHECK_THAT(file.warnings()[0], Contains("vtk") && Contains("cells move with their nodes"));
     CHECK_THAT(file.warnings()[1], Contains("point normals 'Normals' are not written"));
     const MeshFile again = MeshFile::read(check_round_trip(path, moved(file, 0.3, 1), 0));
     CHECK(again.warnings().size() == 1);

@@ -273,7 +273,7 @@ TEST_CASE("GLB and 3MF need a unit, and say so", "[written]") {
   const fs::path folder = scratch("written_units");
   for (const char* name : {"a.glb", "a.3mf"}) {
     CHECK_THAT(error_message([&] { write_mesh(folder / name, block()); }),
-               Contains("expected one: files of this kind state it"));
+               Contains("expected one: files of this type state it"));
     CHECK_FALSE(fs::exists(folder / name));
   }
   ShellMesh far = block();

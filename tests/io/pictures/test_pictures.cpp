@@ -123,7 +123,7 @@ TEST_CASE("pictures refuse values out of range", "[io][pictures]") {
   const fs::path path = batten_test::scratch("picture_errors") / "a.png";
   const SkinnedRegion dome = region(1);
   PictureScene scene;
-  CHECK_THAT(error_message([&] { draw_picture(path, scene); }), Contains("no region"));
+  CHECK_THAT(error_message([&] { draw_picture(path, scene); }), Contains("no face"));
   scene.regions = {&dome};
   scene.title = "Dome";
   scene.zoom = 0;
@@ -256,7 +256,7 @@ TEST_CASE("a zebra has as many stripes as asked for, where the normals say", "[i
   scene.zebra = 10;
   scene.zebra_direction = {1, 0, 0};
   scene.field = PictureScene::Field::Mean;
-  CHECK_THAT(error_message([&] { draw_picture(path, scene); }), Contains("zebra and a field"));
+  CHECK_THAT(error_message([&] { draw_picture(path, scene); }), Contains("zebra stripes and a field"));
   scene.field = PictureScene::Field::None;
   scene.zebra_direction.setZero();
   CHECK_THAT(error_message([&] { draw_picture(path, scene); }), Contains("zebra direction"));
@@ -321,7 +321,7 @@ TEST_CASE("ways to have surfaces show as sheets in their loops", "[io][pictures]
   const Vec3 a(0, 0, 0), b(4, 0, 0), c(4, 3, 0), d(0, 3, 0);
   LoopPicture picture;
   picture.lines = {side(a, b), side(c, b), side(c, d), side(a, d)};
-  picture.alternatives = {{"as it is", {picture.lines}}, {"or so", {}}};
+  picture.alternatives = {{"current", {picture.lines}}, {"alternative", {}}};
   const fs::path path = batten_test::scratch("loop_pictures") / "ways.png";
   draw_loops(path, picture);
   const Picture sheet(path);

@@ -10,7 +10,7 @@ using namespace batten_test;
 namespace {
 
 const std::string kLine = R"(unit = "mm"
-[[line]]
+[[curve]]
 name = "a"
 points = [[0,0,0], [1,0,0], [1,1,0], [0,0,0]]
 )";
@@ -33,32 +33,34 @@ TEST_CASE("a scene with a network is read as it is written", "[scene][network]")
   const Scene scene = parse_scene(kLine + R"(
 [skin]
 gap_tolerance = 0.5
-straight_angle = 8
-most_at_line = 3
+tangent_angle = 8
+max_faces_per_edge = 3
 crease_angle = 30
-join_tolerance = 0.05
-edge_length = 2
+angle_tolerance = 0.05
 alpha = 0.1
-[[region]]
+
+[mesh]
+edge_length = 2
+[[face]]
 name = "top"
 loops = [["a", "b"], ["c"]]
 inner = ["d"]
-[[region]]
+[[face]]
 loops = [["e"]]
 surface = false
-[[region]]
+[[face]]
 name = "tube"
 loops = [["a"], ["c"]]
-ring = true
+annulus = true
 [[join]]
-lines = ["a", "b"]
-kind = "smooth"
+curves = ["a", "b"]
+continuity = "smooth"
 [[join]]
-lines = ["c"]
-kind = "crease"
+curves = ["c"]
+continuity = "G0"
 [[picture]]
 file = "p.png"
-show = "regions"
+show = "faces"
 )",
                                   "s.toml");
   const SceneNetwork& n = scene.network;
@@ -72,13 +74,13 @@ show = "regions"
   CHECK(n.regions[0].loops == std::vector<std::vector<std::string>>{{"a", "b"}, {"c"}});
   CHECK(n.regions[0].inner == std::vector<std::string>{"d"});
   CHECK(n.regions[0].kind == RegionSpec::Kind::Surface);
-  CHECK(n.regions[0].where == "s.toml:16:9: ");
+  CHECK(n.regions[0].where == "s.toml:18:9: ");
   CHECK(n.regions[1].kind == RegionSpec::Kind::NoSurface);
   CHECK(n.regions[2].annulus);
   REQUIRE(n.joins.size() == 3);
   CHECK(n.joins[1].line == "b");
   CHECK(n.joins[1].kind == JoinSpec::Kind::Smooth);
-  CHECK(n.joins[1].where == "s.toml:26:15: ");
+  CHECK(n.joins[1].where == "s.toml:28:16: ");
   CHECK(n.joins[2].kind == JoinSpec::Kind::Crease);
   CHECK(scene.pictures[0].look.field == PictureScene::Field::Regions);
   CHECK(scene.skin.options.edge_length == 2);
@@ -93,35 +95,36 @@ TEST_CASE("a scene without words has the kernel's defaults", "[scene][network]")
   CHECK(scene.network.max_faces_per_edge == RegionSearchOptions{}.max_faces_per_edge);
 }
 
-TEST_CASE("the table of older scenes is answered with what to write", "[scene][network]") {
-  const Scene scene =
-      parse_scene(kLine + "[network]\ntolerance = 0.5\nsymmetry = \"x\"\n", "s.toml");
-  CHECK(scene.network.tolerance == 0.5);
-  CHECK(scene.network.symmetry == 0);
-  REQUIRE(scene.notes.size() == 1);
-  for (const char* part :
-       {"s.toml:5:1:", "delete it", "'tolerance' as gap_tolerance, 'symmetry' in [skin]"})
-    CHECK(scene.notes[0].find(part) != std::string::npos);
+TEST_CASE("G1 is what smooth is when nothing is faired, G2 needs fairing", "[scene][network]") {
+  const auto kind = [](const std::string& rest) {
+    return parse_scene(kLine + rest, "s.toml").network.joins.at(0).kind;
+  };
+  const std::string join = "[[join]]\ncurves = [\"a\"]\ncontinuity = ",
+                    fair = "[skin]\nfair = \"variation\"\n";
+  CHECK(kind(join + "\"G1\"\n") == JoinSpec::Kind::Smooth);
+  CHECK(kind(join + "\"G1\"\n" + fair) == JoinSpec::Kind::Tangent);
+  CHECK(kind(join + "\"G2\"\n" + fair) == JoinSpec::Kind::Curvature);
+  check_error(join + "\"G2\"\n", {"s.toml:7:14:", "\"G2\" for a surface that is not faired"});
 }
 
 TEST_CASE("what does not go with several regions is refused with the reason", "[scene][network]") {
-  const std::string n = "[[join]]\nlines = [\"a\"]\nkind = \"crease\"\n";
-  check_error(n + "[skin]\ndomain = \"ring\"\n",
-              {"s.toml:9:10:", "'domain' beside [[region]] or [[join]]", "each"});
-  check_error(n + "[skin]\nrefine = 2\n", {"'refine'", "edge_length"});
+  const std::string n = "[[join]]\ncurves = [\"a\"]\ncontinuity = \"G0\"\n";
+  check_error(n + "[mesh]\ndomain = \"annulus\"\n",
+              {"s.toml:9:10:", "'domain' beside [[face]] or [[join]]", "each"});
+  check_error(n + "[mesh]\nrefine = 2\n", {"'refine'", "edge_length"});
   check_error(n + "[skin]\nalpha = [1, 0, 1]\n", {"s.toml:9:9:", "three numbers", "one number"});
 }
 
 TEST_CASE("everything that acts on a surface acts on a network", "[scene][network]") {
   const Scene scene = parse_scene(kLine + R"(
 [skin]
-hold = "corners"
-units = "absolute"
+boundary = "corners"
+load_units = "absolute"
 [[load]]
 name = "l"
 type = "pressure"
 value = 1
-regions = ["top"]
+faces = ["top"]
 [[parameter]]
 name = "p"
 value = 1
@@ -132,8 +135,8 @@ values = [1]
 [stress]
 thickness = 1
 young = 1
-pressures = [{region = "top", pressure = 2}]
-supports = [{line = "a"}]
+pressures = [{face = "top", pressure = 2}]
+supports = [{curve = "a"}]
 [output]
 step = "a.step"
 step_form = "exact"
@@ -149,23 +152,23 @@ calculix = "a.inp"
 
 TEST_CASE("words about regions and joins are checked where they stand", "[scene][network]") {
   const std::string n = "\n";
-  check_error(n + "[[region]]\nname = \"r\"\n", {"loops"});
-  check_error(n + "[[region]]\nloops = []\n", {"s.toml:7:9:", "an empty list"});
-  check_error(n + "[[region]]\nloops = [\"a\"]\n", {"s.toml:7:10:", "list of lists of names"});
-  check_error(n + "[[region]]\nloops = [[\"a\"], []]\n", {"s.toml:7:17:", "an empty list"});
-  check_error(n + "[[region]]\nloops = [[\"a\"]]\nring = true\n",
-              {"s.toml:8:8:", "ring = true with 1 loops", "2"});
-  check_error(n + "[[region]]\nloops = [[\"a\"]]\nsurface = false\nname = \"x\"\n", {"'name'"});
-  check_error(n + "[[region]]\nloops = [[\"a\"], [\"b\"]]\nsurface = false\n", {"2 loops", "one"});
+  check_error(n + "[[face]]\nname = \"r\"\n", {"loops"});
+  check_error(n + "[[face]]\nloops = []\n", {"s.toml:7:9:", "an empty list"});
+  check_error(n + "[[face]]\nloops = [\"a\"]\n", {"s.toml:7:10:", "list of lists of names"});
+  check_error(n + "[[face]]\nloops = [[\"a\"], []]\n", {"s.toml:7:17:", "an empty list"});
+  check_error(n + "[[face]]\nloops = [[\"a\"]]\nannulus = true\n",
+              {"s.toml:8:11:", "annulus = true with 1 loops", "2"});
+  check_error(n + "[[face]]\nloops = [[\"a\"]]\nsurface = false\nname = \"x\"\n", {"'name'"});
+  check_error(n + "[[face]]\nloops = [[\"a\"], [\"b\"]]\nsurface = false\n", {"2 loops", "one"});
   check_error(
-      n + "[[region]]\nname=\"x\"\nloops=[[\"a\"]]\n[[region]]\nname=\"x\"\nloops=[[\"b\"]]\n",
-      {"s.toml:10:6:", "the region name 'x' again"});
-  check_error(n + "[[join]]\nlines = [\"a\"]\nkind = \"smoth\"\n",
-              {"s.toml:8:8:", "'smoth'", "did you mean 'smooth'?"});
-  check_error(n + "[[join]]\nkind = \"smooth\"\n", {"lines"});
+      n + "[[face]]\nname=\"x\"\nloops=[[\"a\"]]\n[[face]]\nname=\"x\"\nloops=[[\"b\"]]\n",
+      {"s.toml:10:6:", "the face name 'x' again"});
+  check_error(n + "[[join]]\ncurves = [\"a\"]\ncontinuity = \"smoth\"\n",
+              {"s.toml:8:14:", "'smoth'", "did you mean 'smooth'?"});
+  check_error(n + "[[join]]\ncontinuity = \"smooth\"\n", {"curves"});
   check_error("[skin]\ngap_tolerence = 1\n", {"s.toml:6:1:", "did you mean 'gap_tolerance'?"});
   check_error("[skin]\ngap_tolerance = -1\n", {"s.toml:6:17:"});
-  check_error("[skin]\nstraight_angle = 60\n", {"s.toml:6:18:", "0 to 45"});
-  check_error("[skin]\nmost_at_line = 0\n", {"s.toml:6:"});
-  check_error("[skin]\nmost_at_line = 99\n", {"1 to 16"});
+  check_error("[skin]\ntangent_angle = 60\n", {"s.toml:6:17:", "0 to 45"});
+  check_error("[skin]\nmax_faces_per_edge = 0\n", {"s.toml:6:"});
+  check_error("[skin]\nmax_faces_per_edge = 99\n", {"1 to 16"});
 }

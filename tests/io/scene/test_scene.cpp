@@ -14,7 +14,7 @@ using namespace batten;
 namespace {
 
 const std::string kSmall = R"(unit = "mm"
-[[line]]
+[[curve]]
 name = "rim"
 points = [[0,0,0], [1,0,0], [1,1,0], [0,0,0]]
 )";
@@ -43,28 +43,30 @@ TEST_CASE("a scene with everything in it is read as it is written", "[scene]") {
   const Scene s = parse_scene(R"(
 name = "hood"
 unit = "in"
-tolerance = 0.05
+fit_tolerance = 0.05
 corner_angle = 30
-[[line]]
+[[curve]]
 name = "cowl"
 file = "lines/cowl.csv"
 unit = "mm"
-[[line]]
+[[curve]]
 name = "curve"
 bezier = [[0,0,0],[1,0,0],[2,1,0],[3,3,3]]
 role = "inner"
-[[lines]]
+[[curves]]
 file = "hull.iges"
 only = ["edge1", "edge3"]
 inner = ["edge3"]
 [skin]
+alpha = 0.5
+beta = [1, 2, 3]
+load_units = "absolute"
+boundary = "corners"
+
+[mesh]
 element = "z12"
 mesher = "fan"
 refine = 0
-alpha = 0.5
-beta = [1, 2, 3]
-units = "absolute"
-hold = "corners"
 [[constraint]]
 name = "peak"
 type = "point"
@@ -91,7 +93,7 @@ direction = [0,0,-5]
 [stress]
 thickness = 0.8
 young = 210000
-supports = [ {line = "cowl"}, {line = "curve", kind = "pinned"} ]
+supports = [ {curve = "cowl"}, {curve = "curve", type = "pinned"} ]
 [output]
 step = "hood.step"
 calculix = "hood.inp"
@@ -217,21 +219,21 @@ TEST_CASE("a wrong scene is answered with place, finding and remedy", "[scene]")
   check_error("name = \"x\"\n", {"s.toml:1:1: found no 'unit' in the scene, expected 'unit'"});
   check_error("unit = \"mn\"\n",
               {"s.toml:1:8: found the unit 'mn'", "mm, cm, m, in, ft", "did you mean 'mm'?"});
-  check_error("unit = \"mm\"\n", {"found no lines, expected [[line]]"});
+  check_error("unit = \"mm\"\n", {"found no curves, expected [[curve]]"});
   check_error("unit = 3\n", {"s.toml:1:8: found 3 for 'unit', expected a text in quotes"});
-  check_error("tolerence = 1\n" + kSmall,
-              {"s.toml:1:1: found key 'tolerence' in the scene", "did you mean 'tolerance'?"});
-  check_error("tolerance = -1\n" + kSmall,
-              {"s.toml:1:13: found -1, expected a number above 0 for 'tolerance'"});
-  check_error("tolerance = nan\n" + kSmall, {"s.toml:1:13: found nan (not a number)"});
-  check_error("tolerance = \"fine\"\n" + kSmall, {"s.toml:1:13: found the text \"fine\""});
+  check_error("fit_tolerence = 1\n" + kSmall,
+              {"s.toml:1:1: found key 'fit_tolerence' in the scene", "did you mean 'fit_tolerance'?"});
+  check_error("fit_tolerance = -1\n" + kSmall,
+              {"s.toml:1:17: found -1, expected a number above 0 for 'fit_tolerance'"});
+  check_error("fit_tolerance = nan\n" + kSmall, {"s.toml:1:17: found nan (not a number)"});
+  check_error("fit_tolerance = \"fine\"\n" + kSmall, {"s.toml:1:17: found the text \"fine\""});
   check_error("corner_angle = 200\n" + kSmall, {"s.toml:1:16: found 200, expected less than 180"});
-  check_error("line = 3\n" + kSmall.substr(0, 12), {"s.toml:1:8: found 3 for 'line'", "[[line]]"});
+  check_error("curve = 3\n" + kSmall.substr(0, 12), {"s.toml:1:9: found 3 for 'curve'", "[[curve]]"});
 }
 
 TEST_CASE("wrong lines are answered", "[scene]") {
-  const std::string head = "unit = \"mm\"\n[[line]]\nname = \"a\"\n";
-  check_error(head, {"s.toml:3:8: found the line 'a' without its shape",
+  const std::string head = "unit = \"mm\"\n[[curve]]\nname = \"a\"\n";
+  check_error(head, {"s.toml:3:8: found no shape for the curve 'a'",
                      "expected one of: file, points, bezier"});
   check_error(head + "points = [[0,0,0]]\n", {"s.toml:4:10: found 1 points, expected 2"});
   check_error(head + "points = [[0,0,0],[1,2]]\n",
@@ -242,17 +244,17 @@ TEST_CASE("wrong lines are answered", "[scene]") {
   check_error(head + "points = [[0,0,0],[1,1,1]]\nfile = \"a.csv\"\n", {"more than one shape"});
   check_error(head + "file = \"a.csv\"\nrole = \"iner\"\n",
               {"s.toml:5:8: found the word 'iner' for 'role'", "did you mean 'inner'?"});
-  check_error(head + "points = [[0,0,0],[1,1,1]]\n[[line]]\nname = \"a\"\nfile = \"b.csv\"\n",
-              {"s.toml:6:8: found the line name 'a' again (first in line 3)"});
-  check_error("unit = \"mm\"\n[[lines]]\nfile = \"a.iges\"\nonly = [\"x\"]\nskip = [\"y\"]\n",
+  check_error(head + "points = [[0,0,0],[1,1,1]]\n[[curve]]\nname = \"a\"\nfile = \"b.csv\"\n",
+              {"s.toml:6:8: found the curve name 'a' again (first in line 3)"});
+  check_error("unit = \"mm\"\n[[curves]]\nfile = \"a.iges\"\nonly = [\"x\"]\nskip = [\"y\"]\n",
               {"s.toml:5:8: found both 'only' and 'skip'"});
 }
 
 TEST_CASE("wrong sections are answered", "[scene]") {
-  check_error(kSmall + "[skin]\nedge_lenght = 4\n",
-              {"s.toml:6:1: found key 'edge_lenght' in [skin]", "did you mean 'edge_length'?"});
-  check_error(kSmall + "[skin]\nelement = \"HCT\"\n", {"expected one of: hct, z12"});
-  check_error(kSmall + "[skin]\nrefine = 2\n", {"s.toml:6:10:", "only with mesher = \"fan\""});
+  check_error(kSmall + "[mesh]\nedge_lenght = 4\n",
+              {"s.toml:6:1: found key 'edge_lenght' in [mesh]", "did you mean 'edge_length'?"});
+  check_error(kSmall + "[mesh]\nelement = \"HCT\"\n", {"expected one of: hct, z12"});
+  check_error(kSmall + "[mesh]\nrefine = 2\n", {"s.toml:6:10:", "only with mesher = \"fan\""});
   check_error(kSmall + "[skin]\nbeta = [1,1]\n",
               {"found a list of 2 values, expected [b11, b12, b22]"});
   check_error(kSmall + "[skin]\nbeta = -1\n", {"s.toml:6:8:", "expected beta ≥ 0"});
@@ -271,7 +273,7 @@ TEST_CASE("wrong sections are answered", "[scene]") {
   check_error(kSmall +
                   "[[constraint]]\nname = \"c\"\ntype = \"point\"\nat = [0,0,0]\n"
                   "direction = [0,0,1]\nto = [0,0,0]\n",
-              {"'direction'", "it only where type = \"normal\" or \"tangent\""});
+              {"'direction'", "it only with type = \"normal\" or \"tangent\""});
   check_error(kSmall + "[output]\nstep = \"../a.step\"\n", {"a file name without folders"});
   check_error(kSmall + "[output]\nstep = \"a.stl\"\n", {"a file name that ends in .step, .stp"});
   check_error(kSmall + "[output]\nvtp = \"a.vtp\"\ncalculix = \"a.inp\"\n",
@@ -301,8 +303,8 @@ TEST_CASE("a report says when a number could not be computed", "[report]") {
   report.parameters.push_back({"p", 1, 0, std::numeric_limits<double>::infinity()});
   CHECK(non_finite_numbers(report).empty());
   auto json = nlohmann::json::parse(to_json(report));
-  CHECK(json["lines"]["max_deviation"] == 0.25);
-  CHECK(json["missed_promises"].empty());
+  CHECK(json["curves"]["max_deviation"] == 0.25);
+  CHECK(json["failed_checks"].empty());
   CHECK_FALSE(json.contains("step"));
   CHECK_FALSE(json["parameters"][0].contains("max"));
 
@@ -310,9 +312,9 @@ TEST_CASE("a report says when a number could not be computed", "[report]") {
   report.lines[0].deviation = std::nan("");
   std::vector<std::string> names;
   for (const auto& m : non_finite_numbers(report)) names.push_back(m.what);
-  CHECK(names == std::vector<std::string>{"lines.max_deviation", "lines.each.rim.deviation",
+  CHECK(names == std::vector<std::string>{"curves.max_deviation", "curves.each.rim.deviation",
                                           "surface.area"});
   json = nlohmann::json::parse(to_json(report));
   CHECK(json["surface"]["area"] == "nan");
-  CHECK(json["lines"]["max_deviation"] == "nan");
+  CHECK(json["curves"]["max_deviation"] == "nan");
 }

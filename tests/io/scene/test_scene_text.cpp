@@ -18,7 +18,7 @@ const std::string kScene = R"(# A panel with an ü.
 unit = "mm"   # as drawn
 name = "pänel"
 
-[[line]]
+[[curve]]
 name = "rim"
 points = [ # in any direction
   [0,0,0], [1,0,0],   # front
@@ -60,8 +60,8 @@ TEST_CASE("a value in a scene's text is replaced and nothing else", "[scene_text
   scene.set({}, "name", "\"x\"");
   CHECK(scene.text() == replaced(kScene, "\"pänel\"", "\"x\""));
   scene = SceneText(kScene);
-  scene.set({"line", "rim"}, "points", "[[0, 0, 0], [2, 0, 0]]");
-  CHECK(scene.value({"line", "rim"}, "points") == "[[0, 0, 0], [2, 0, 0]]");
+  scene.set({"curve", "rim"}, "points", "[[0, 0, 0], [2, 0, 0]]");
+  CHECK(scene.value({"curve", "rim"}, "points") == "[[0, 0, 0], [2, 0, 0]]");
   CHECK(scene.text().ends_with(kScene.substr(kScene.find("\n\n# The skin."))));
   scene = SceneText(kScene);
   scene.set_item({"constraint", "pin"}, "to", 2, "-4.5");
@@ -70,7 +70,7 @@ TEST_CASE("a value in a scene's text is replaced and nothing else", "[scene_text
 
 TEST_CASE("a key is added behind the last of its table, and taken out again", "[scene_text]") {
   const std::vector<SceneTable> tables = {
-      {}, {"skin", ""}, {"load", "swell"}, {"line", "rim"}, {"constraint", "pin"}};
+      {}, {"skin", ""}, {"load", "swell"}, {"curve", "rim"}, {"constraint", "pin"}};
   for (const SceneTable& table : tables) {
     SceneText scene(kScene);
     scene.set(table, "extra", "[1, 2]");
@@ -101,7 +101,7 @@ TEST_CASE("a table is added behind its kind, and removed with its comment", "[sc
   CHECK_FALSE(scene.has({"load", "swell"}));
   scene.remove({"constraint", "pin"});
   CHECK(scene.text().ends_with("beta = [1, 2, 3]\n"));
-  CHECK(scene.add("join", "{ lines = [\"rim\"], kind = \"crease\" }") == SceneTable{"join", "#1"});
+  CHECK(scene.add("join", "{ curves = [\"rim\"], continuity = \"G0\" }") == SceneTable{"join", "#1"});
 }
 
 TEST_CASE("a parameter's value reads back with the same bits", "[scene_text]") {
@@ -155,12 +155,12 @@ TEST_CASE("line ends, byte-order marks and missing last line ends are kept", "[s
   std::string windows;
   for (const char c : kScene) windows += c == '\n' ? std::string("\r\n") : std::string(1, c);
   SceneText scene("\xEF\xBB\xBF" + windows);
-  scene.set({"skin", ""}, "edge_length", "4");
+  scene.set({"skin", ""}, "gap_tolerance", "4");
   CHECK(std::count(scene.text().begin(), scene.text().end(), '\n') ==
         std::count(scene.text().begin(), scene.text().end(), '\r'));
   scene.set({}, "unit", "\"cm\"");
   CHECK(scene.text().starts_with("\xEF\xBB\xBF# A panel"));
-  scene.erase({"skin", ""}, "edge_length");
+  scene.erase({"skin", ""}, "gap_tolerance");
   scene.set({}, "unit", "\"mm\"");
   CHECK(scene.text() == "\xEF\xBB\xBF" + windows);
   SceneText open("unit = \"mm\"");
@@ -187,7 +187,7 @@ TEST_CASE("the parts of a scene tell values, what acts and the model apart", "[s
   CHECK(type.model == before.model);
   CHECK(type.session_parts != before.session_parts);
   const SceneDependencies line = changed([](SceneText& s) {
-    s.set_item({"line", "rim"}, "points", 0, "[0, 0, 5]");
+    s.set_item({"curve", "rim"}, "points", 0, "[0, 0, 5]");
   });
   CHECK(line.model != before.model);
   CHECK(line.session_parts == before.session_parts);
@@ -245,12 +245,12 @@ mesh = "b.obj"
         std::vector<SceneText::Value>{{"name", "\"first\""}, {"fixed", "\"left\""}});
   scene.set_parameter("first.right.y", 2.5);
   CHECK(scene.text() == replaced(edits, "[0, 0, 1]", "[0, 2.5, 1]"));
-  scene.set_parameter("first.right.turn.y", -30);
+  scene.set_parameter("first.right.rotation.y", -30);
   CHECK(scene.value({"edit.handle", "first.right"}, "rotate") ==
-        "{ axis = [0, -1, 0], degrees = 30 }");
-  scene.set_parameter("first.right.degrees", 12);
+        "{ axis = [0, -1, 0], angle = 30 }");
+  scene.set_parameter("first.right.angle", 12);
   CHECK(scene.value({"edit.handle", "first.right"}, "rotate") ==
-        "{ axis = [0, -1, 0], degrees = 12 }");
+        "{ axis = [0, -1, 0], angle = 12 }");
   // A new one belongs to the last edit, before what stands behind it.
   SceneText more(edits);
   CHECK(more.add("edit.handle", R"({ name = "nose" })") ==

@@ -12,10 +12,10 @@ namespace {
 
 // Ten lines; what a test adds begins in line 11.
 const std::string kLines = R"(unit = "mm"
-[[line]]
+[[curve]]
 name = "rim"
 points = [[0,0,0], [4,0,0], [4,3,0], [0,3,0], [0,0,0]]
-[[line]]
+[[curve]]
 name = "spine"
 points = [[1,1,0], [3,1,0]]
 role = "inner"
@@ -76,11 +76,11 @@ direction = [0, 0, -2]
 name = "along"
 type = "line"
 value = 1
-line = "spine"
+curve = "spine"
 direction = [0, 1, 0]
 [[load]]
 name = "pull"
-type = "pulls"
+type = "attractors"
 value = 3
 at = [[1, 1, 0], [2, 2, 0]]
 to = [[1, 1, 5], [2, 2, 5]]
@@ -88,19 +88,19 @@ rest_length = 0.25
 falloff = 4
 [[load]]
 name = "rail"
-type = "pulls"
+type = "attractors"
 value = 3
 at = [[1, 1, 0]]
 curve = "spine"
 [[load]]
 name = "floor"
-type = "pulls"
+type = "attractors"
 value = 3
 at = [[1, 1, 0]]
-plane = { through = [0, 0, -1], normal = [0, 0, 2] }
+plane = { origin = [0, 0, -1], normal = [0, 0, 2] }
 [[load]]
 name = "measured"
-type = "scan"
+type = "point_cloud"
 value = 3
 file = "points.csv"
 )");
@@ -143,46 +143,46 @@ TEST_CASE("a scene is sculpted when more than lines acts on it", "[scene][sculpt
   CHECK_FALSE(scene_with("").is_sculpted());
   CHECK(scene_with(load("pressure", "")).is_sculpted());
   CHECK(scene_with("[[parameter]]\nname = \"p\"\nvalue = 1\n").is_sculpted());
-  CHECK(scene_with("[[constraint]]\nname = \"c\"\ntype = \"line_normal\"\nline = \"spine\"\n")
+  CHECK(scene_with("[[constraint]]\nname = \"c\"\ntype = \"curve_normal\"\ncurve = \"spine\"\n")
             .is_sculpted());
 }
 
 TEST_CASE("weights, moves, line normals and motion are read as they are written",
           "[scene][sculpt]") {
   const Scene s = scene_with(R"(
-[[weight]]
+[[stiffness]]
 name = "stiff spine"
-kind = "beta"
+type = "beta"
 value = 40
 min = 0
 near = "spine"
 radius = 1
 along = "spine"
-[[weight]]
+[[stiffness]]
 name = "skin"
-kind = "alpha"
+type = "alpha"
 value = 1
-along = [3, 4]
-[[move]]
+parametric_direction = [3, 4]
+[[offset]]
 name = "rib"
-line = "spine"
+curve = "spine"
 value = 0
 min = -2
 max = 2
 direction = [0, 0, 5]
 fade = 0.25
-[[move]]
+[[offset]]
 name = "rim"
-line = "rim.1"
+curve = "rim.1"
 value = 0
 [[constraint]]
 name = "held"
-type = "line_normal"
-line = "spine"
+type = "curve_normal"
+curve = "spine"
 [[constraint]]
 name = "flat"
-type = "line_normal"
-line = "spine"
+type = "curve_normal"
+curve = "spine"
 normal = [0, 0, 3]
 [motion]
 density = 2
@@ -230,9 +230,9 @@ name = "swell"
 type = "pressure"
 value = 6
 max = 150
-[[move]]
+[[offset]]
 name = "rib"
-line = "spine"
+curve = "spine"
 value = 0
 )");
   CHECK(value_of(s, "swell") == 106);
@@ -265,11 +265,11 @@ TEST_CASE("a value over time is set to one that stands", "[scene][sculpt]") {
 
 TEST_CASE("mistakes in loads are answered with their place", "[scene][sculpt]") {
   check_refusal(load("pressur", ""),
-                {"s.toml:13:8: found the word 'pressur'", "gravity, point, line, scan, pulls",
+                {"s.toml:13:8: found the word 'pressur'", "gravity, point, line, point_cloud, attractors",
                  "did you mean 'pressure'?"});
   check_refusal(load("pressure", "neer = \"spine\""), {"s.toml:15:1: found key 'neer'", "'near'?"});
   check_refusal(load("pressure", "near = \"spien\"\nradius = 1"),
-                {"s.toml:15:8: found the line 'spien', expected one of: rim, spine",
+                {"s.toml:15:8: found the curve 'spien', expected one of: rim, spine",
                  "did you mean 'spine'?"});
   check_refusal(load("pressure", "near = \"spine\""), {"no 'radius'"});
   check_refusal(load("pressure", "radius = 1"), {"s.toml:15:10", "'radius' without 'near'"});
@@ -284,16 +284,16 @@ TEST_CASE("mistakes in loads are answered with their place", "[scene][sculpt]") 
   check_refusal(load("gravity", ""), {"found no 'direction'"});
   check_refusal(load("gravity", "direction = [0,0,1]\nnear = \"rim\"\nradius = 1"),
                 {"s.toml:16:8: found 'near' for the load 'l'", "\"pressure\" or \"uniform\""});
-  check_refusal(load("line", "direction = [0,0,1]"), {"found no 'line' in [[load]]"});
-  check_refusal(load("line", "direction = [0,0,1]\nline = \"rims\""),
-                {"s.toml:16:8: found the line 'rims'", "did you mean 'rim'?"});
-  check_refusal(load("pressure", "line = \"rim\""),
-                {"s.toml:15:8", "it only where type = \"line\""});
+  check_refusal(load("line", "direction = [0,0,1]"), {"found no 'curve' in [[load]]"});
+  check_refusal(load("line", "direction = [0,0,1]\ncurve = \"rims\""),
+                {"s.toml:16:9: found the curve 'rims'", "did you mean 'rim'?"});
+  check_refusal(load("pressure", "curve = \"rim\""),
+                {"s.toml:15:9", "it only with type = \"line\" or \"attractors\""});
   check_refusal(
       load("uniform", "direction = [0,0,1]\nat = [0,0,0]"),
-      {"s.toml:16:6: found 'at' for the load 'l', expected it only where type = \"point\" "
-       "or \"pulls\""});
-  check_refusal(load("pressure", "falloff = 1"), {"it only where type = \"pulls\""});
+      {"s.toml:16:6: found 'at' for the load 'l', expected it only with type = \"point\" "
+       "or \"attractors\""});
+  check_refusal(load("pressure", "falloff = 1"), {"it only with type = \"attractors\""});
   check_refusal("[[load]]\nname = \"l\"\ntype = \"pressure\"\nvalue = []\n",
                 {"s.toml:14:9: found an empty list, expected a number, or [[t, value], …]"});
   check_refusal("[[load]]\nname = \"l\"\ntype = \"pressure\"\nvalue = [1, 2]\n",
@@ -307,60 +307,60 @@ TEST_CASE("mistakes in loads are answered with their place", "[scene][sculpt]") 
 }
 
 TEST_CASE("mistakes in scans and pulls are answered with their place", "[scene][sculpt]") {
-  check_refusal(load("scan", ""), {"found no 'file' in [[load]]"});
-  check_refusal(load("pulls", "at = [[0,0,0]]"),
-                {"found pulls without anything that draws them", "one of: to, curve, plane"});
-  check_refusal(load("pulls", "at = [[0,0,0]]\nto = [[0,0,1]]\ncurve = \"rim\""),
-                {"found pulls with more than one target"});
-  check_refusal(load("pulls", "at = [[0,0,0], [1,0,0]]\nto = [[0,0,1]]"),
-                {"s.toml:16:6: found 1 points, expected 2, one for each place of 'at'"});
-  check_refusal(load("pulls", "at = [0,0,0]\nto = [[0,0,1]]"),
+  check_refusal(load("point_cloud", ""), {"found no 'file' in [[load]]"});
+  check_refusal(load("attractors", "at = [[0,0,0]]"),
+                {"found attractors without a target", "one of: to, curve, plane"});
+  check_refusal(load("attractors", "at = [[0,0,0]]\nto = [[0,0,1]]\ncurve = \"rim\""),
+                {"found attractors with more than one target"});
+  check_refusal(load("attractors", "at = [[0,0,0], [1,0,0]]\nto = [[0,0,1]]"),
+                {"s.toml:16:6: found 1 points, expected 2, one for each point of 'at'"});
+  check_refusal(load("attractors", "at = [0,0,0]\nto = [[0,0,1]]"),
                 {"s.toml:15:7: found 0, expected a list of points"});
-  check_refusal(load("pulls", "at = []\nto = []"), {"found an empty list, expected one place"});
-  check_refusal(load("pulls", "at = [[0,0,0]]\nplane = { through = [0,0,0], normal = [0,0,0] }"),
+  check_refusal(load("attractors", "at = []\nto = []"), {"found an empty list, expected at least one point"});
+  check_refusal(load("attractors", "at = [[0,0,0]]\nplane = { origin = [0,0,0], normal = [0,0,0] }"),
                 {"s.toml:16:", "found [0, 0, 0], expected a direction"});
-  check_refusal(load("pulls", "at = [[0,0,0]]\nto = [[0,0,1]]\nfalloff = -1"),
+  check_refusal(load("attractors", "at = [[0,0,0]]\nto = [[0,0,1]]\nfalloff = -1"),
                 {"s.toml:17:11: found -1, expected a length, not below 0"});
-  check_refusal(load("scan", "file = \"p.csv\"\nfalloff = 1"),
-                {"s.toml:16:11: found 'falloff' for the load 'l'", "only where type = \"pulls\""});
-  check_refusal(load("pulls", "file = \"p.csv\"\nat = [[0,0,0]]"),
-                {"found 'file' for the load 'l'", "only where type = \"scan\""});
-  check_refusal(load("springs", "file = \"p.csv\""), {"gravity, point, line, scan, pulls"});
-  check_refusal("[[load]]\nname = \"l\"\ntype = \"scan\"\nvalue = -1\nfile = \"p.csv\"\n",
+  check_refusal(load("point_cloud", "file = \"p.csv\"\nfalloff = 1"),
+                {"s.toml:16:11: found 'falloff' for the load 'l'", "only with type = \"attractors\""});
+  check_refusal(load("attractors", "file = \"p.csv\"\nat = [[0,0,0]]"),
+                {"found 'file' for the load 'l'", "only with type = \"point_cloud\""});
+  check_refusal(load("springs", "file = \"p.csv\""), {"gravity, point, line, point_cloud, attractors"});
+  check_refusal("[[load]]\nname = \"l\"\ntype = \"point_cloud\"\nvalue = -1\nfile = \"p.csv\"\n",
                 {"s.toml:14:9: found -1, expected a stiffness, not below 0"});
 }
 
 TEST_CASE("mistakes in weights, moves and motion are answered with their place",
           "[scene][sculpt]") {
-  const std::string weight = "[[weight]]\nname = \"w\"\nvalue = 1\n";
-  check_refusal(weight, {"found no 'kind' in [[weight]]"});
-  check_refusal(weight + "kind = \"gamma\"\n",
+  const std::string weight = "[[stiffness]]\nname = \"w\"\nvalue = 1\n";
+  check_refusal(weight, {"found no 'type' in [[stiffness]]"});
+  check_refusal(weight + "type = \"gamma\"\n",
                 {"s.toml:14:8: found the word 'gamma'", "expected one of: alpha, beta"});
-  check_refusal(weight + "kind = \"beta\"\nalong = \"spin\"\n",
-                {"s.toml:15:9: found the line 'spin'", "did you mean 'spine'?"});
-  check_refusal(weight + "kind = \"beta\"\nalong = [0, 0]\n", {"s.toml:15:9: found [0, 0]"});
-  check_refusal(weight + "kind = \"beta\"\nalong = [1, 0, 0]\n", {"[u, v] for 'along'"});
-  check_refusal("[[weight]]\nname = \"alpha\"\nkind = \"beta\"\nvalue = 1\n",
-                {"s.toml:12:8: found the weight name 'alpha'", "a parameter of [skin]"});
-  const std::string move = "[[move]]\nname = \"m\"\nvalue = 1\n";
-  check_refusal(move, {"found no 'line' in [[move]]"});
-  check_refusal(move + "line = \"ribb\"\n", {"s.toml:14:8: found the line 'ribb'"});
-  check_refusal(move + "line = \"spine\"\nfade = 0.6\n", {"s.toml:15:8: found 0.6", "0 to 0.5"});
-  check_refusal(move + "line = \"spine\"\ndirection = [0,0,0]\n", {"found [0, 0, 0]"});
-  check_refusal(move + move + "line = \"spine\"\n", {"found no 'line'"});
-  check_refusal(move + "line = \"spine\"\n" + move + "line = \"rim\"\n",
+  check_refusal(weight + "type = \"beta\"\nalong = \"spin\"\n",
+                {"s.toml:15:9: found the curve 'spin'", "did you mean 'spine'?"});
+  check_refusal(weight + "type = \"beta\"\nparametric_direction = [0, 0]\n", {"s.toml:15:24: found [0, 0]"});
+  check_refusal(weight + "type = \"beta\"\nparametric_direction = [1, 0, 0]\n", {"[u, v] for 'parametric_direction'"});
+  check_refusal("[[stiffness]]\nname = \"alpha\"\ntype = \"beta\"\nvalue = 1\n",
+                {"s.toml:12:8: found the stiffness field name 'alpha'", "a parameter of [skin]"});
+  const std::string move = "[[offset]]\nname = \"m\"\nvalue = 1\n";
+  check_refusal(move, {"found no 'curve' in [[offset]]"});
+  check_refusal(move + "curve = \"ribb\"\n", {"s.toml:14:9: found the curve 'ribb'"});
+  check_refusal(move + "curve = \"spine\"\nfade = 0.6\n", {"s.toml:15:8: found 0.6", "0 to 0.5"});
+  check_refusal(move + "curve = \"spine\"\ndirection = [0,0,0]\n", {"found [0, 0, 0]"});
+  check_refusal(move + move + "curve = \"spine\"\n", {"found no 'curve'"});
+  check_refusal(move + "curve = \"spine\"\n" + move + "curve = \"rim\"\n",
                 {"s.toml:16:8: found the name 'm' again (first in line 12)"});
   check_refusal("[motion]\ndensity = -1\n", {"s.toml:12:11: found -1"});
   check_refusal("[motion]\ntheta = 0.4\n", {"s.toml:12:9: found 0.4, expected a number from 0.5"});
   check_refusal("[motion]\ndampng = 1\n", {"found key 'dampng' in [motion]", "'damping'?"});
-  const std::string held = "[[constraint]]\nname = \"c\"\ntype = \"line_normal\"\n";
-  check_refusal(held, {"found no 'line' in [[constraint]]"});
-  check_refusal(held + "line = \"spine\"\nat = [0,0,0]\n", {"s.toml:15:6: found 'at'", "'line'"});
-  check_refusal(held + "line = \"sipne\"\n", {"s.toml:14:8: found the line 'sipne'"});
+  const std::string held = "[[constraint]]\nname = \"c\"\ntype = \"curve_normal\"\n";
+  check_refusal(held, {"found no 'curve' in [[constraint]]"});
+  check_refusal(held + "curve = \"spine\"\nat = [0,0,0]\n", {"s.toml:15:6: found 'at'", "'curve'"});
+  check_refusal(held + "curve = \"sipne\"\n", {"s.toml:14:9: found the curve 'sipne'"});
   check_refusal(
       "[[constraint]]\nname = \"c\"\ntype = \"point\"\nat = [0,0,0]\nto = [0,0,1]\n"
-      "line = \"rim\"\n",
-      {"s.toml:16:8", "it only where type = \"line_normal\""});
+      "curve = \"rim\"\n",
+      {"s.toml:16:9", "it only with type = \"curve_normal\""});
 }
 
 TEST_CASE("mistakes in rules are answered with their place", "[scene][sculpt]") {
@@ -372,11 +372,11 @@ TEST_CASE("mistakes in rules are answered with their place", "[scene][sculpt]") 
   check_refusal(slider + "drives = [{ name = \"beta\", factr = 1 }]\n",
                 {"s.toml:14:28: found key 'factr'", "did you mean 'factor'?"});
   check_refusal(slider + "drives = [{ name = \"p\", factor = 1 }]\n",
-                {"s.toml:14:20: parameter 'p': found a circle, 'p' follows 'p'"});
+                {"s.toml:14:20: parameter 'p': found a circular dependency: 'p' depends on 'p'"});
   check_refusal(slider +
                     "drives = [{ name = \"q\", factor = 1 }]\n[[parameter]]\nname = \"q\"\n"
                     "value = 1\ndrives = [{ name = \"p\", factor = 1 }]\n",
-                {"s.toml:18:20: parameter 'q': found a circle, 'q' follows 'p' follows 'q'"});
+                {"s.toml:18:20: parameter 'q': found a circular dependency: 'q' depends on 'p' depends on 'q'"});
   check_refusal(
       slider + "drives = [{ name = \"beta\", factor = 1 }, { name = \"beta\", factor = 2 }]\n",
       {"found 'beta' again"});
@@ -388,10 +388,10 @@ TEST_CASE("mistakes in rules are answered with their place", "[scene][sculpt]") 
   check_refusal(slider +
                     "drives = [{ name = \"l\", factor = 1 }]\n[[load]]\nname = \"l\"\n"
                     "type = \"pressure\"\nvalue = [[0, 1], [1, 2]]\n",
-                {"s.toml:14:20: found 'l' to drive, whose value is one over time"});
+                {"s.toml:14:20: found 'l' to drive, whose value is a function of time"});
   check_refusal(slider +
                     "drives = [{ name = \"fair-1.deviation\", factor = 1 }]\n[[fair]]\n"
-                    "lines = [\"spine\"]\ndeviation = 0.1\n",
-                {"which changes the lines"});
+                    "curves = [\"spine\"]\ndeviation = 0.1\n",
+                {"which changes the curves"});
   check_refusal("[[parameter]]\nname = \"p\"\n", {"found no 'value'"});
 }

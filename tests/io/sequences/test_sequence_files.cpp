@@ -140,7 +140,7 @@ TEST_CASE("STL corners that were one node stay one") {
   // A corner that is off by digits of its text.
   CHECK(second(stl_text({{a, b, c}, {c, b + Vec3(1e-6, 0, 0), d}})).empty());
   CHECK_THAT(second(stl_text({{a, b, c}, {c, b + Vec3(1e-5, 0, 0), d}})),
-             Contains("s2.stl: node 1 of the first file (s1.stl) lies at two places") &&
+             Contains("s2.stl: node 1 of the first file (s1.stl) has two positions") &&
                  Contains("of triangle 0 and of triangle 1"));
   CHECK_THAT(second(stl_text({{a, b, c}})), Contains("found 1 triangle, expected 2 as in s1.stl"));
 }
@@ -255,7 +255,7 @@ TEST_CASE("the mesh of a point cache is found beside it") {
   fs::rename(folder / "a.obj", folder / "mesh.obj");
   CHECK(read_sequence(folder / "a.pc2").frame_count() == 2);  // the only one
   put_bytes(folder / "small.obj", triangle(1));
-  CHECK_THAT(reading(folder / "a.pc2"), Contains("found 2 mesh files beside this point cache"));
+  CHECK_THAT(reading(folder / "a.pc2"), Contains("found 2 mesh files next to this point cache"));
   fs::rename(folder / "mesh.obj", folder / "a_03.obj");
   put_bytes(folder / "a_12.obj", triangle(1));
   CHECK(read_sequence(folder / "a.pc2").frame_count() == 2);  // the first numbered one

@@ -142,7 +142,7 @@ TEST_CASE("point caches are what their formats say") {
     CHECK(faces_of(back.shells) == faces_of(s.shells));
   }
   CHECK_THAT(error_message([&] { write_sequence(folder / "c.pc2", uneven); }),
-             Contains("found the time 1 of frame 2, expected evenly spaced times"));
+             Contains("found the time 1 of frame 2, expected uniform times"));
   CHECK(names_in(folder) == std::set<std::string>{"a.obj", "a.pc2", "b.mdd", "b.obj"});
 }
 
@@ -251,13 +251,13 @@ TEST_CASE("writers refuse what they cannot write") {
   const auto writing = [&](const std::string& name) {
     return error_message([&] { write_sequence(folder / name, s); });
   };
-  CHECK_THAT(writing("a.obj"), Contains("found one file for all frames, expected a place for their "
-                                        "numbers, as a_*.obj"));
+  CHECK_THAT(writing("a.obj"), Contains("found one file for all frames, expected a pattern for their "
+                                        "numbers, such as a_*.obj"));
   CHECK_THAT(writing("a.gltf"), Contains("found the extension '.gltf', expected"));
   CHECK_THAT(writing("a_*.bdf"), Contains("found numbered files '.bdf', expected .obj"));
-  CHECK_THAT(writing("a_*_*.obj"), Contains("found several places for a number"));
+  CHECK_THAT(writing("a_*_*.obj"), Contains("found several patterns for a number"));
   CHECK_THAT(writing("a_%s.obj"), Contains("expected one * or %04d"));
-  CHECK_THAT(writing("no/where/a_*.obj"), Contains("cannot make this folder"));
+  CHECK_THAT(writing("no/where/a_*.obj"), Contains("cannot create this folder"));
   const auto refused = [&](const std::string& name, auto change) {
     MeshSequence bad = s;
     change(bad);

@@ -310,7 +310,7 @@ TEST_CASE("VTK files refuse what does not fit, and leave nothing behind", "[io][
   const SkinnedRegion a = region("hood", 0.3);
   const Surface other(std::make_shared<const ParametricMesh>(ParametricMesh::unit_square(1)),
                       TriangleElement::HCT, Points::Zero(17, 3));
-  CHECK_THAT(error_message([&] { write_vtp(path, {}); }), Contains("no region"));
+  CHECK_THAT(error_message([&] { write_vtp(path, {}); }), Contains("no face"));
   CHECK_THAT(error_message([&] {
                write_vtp(path, {&a}, {{&other}, 4});
              }),
@@ -384,8 +384,8 @@ TEST_CASE("places where no file can be are named before the work", "[io][whole_f
   };
   CHECK_THAT(says(folder / "none" / "a.txt"), Contains("does not exist"));
   CHECK_THAT(says(folder / "file" / "a.txt"), Contains("is not a folder"));
-  CHECK_THAT(says(folder / "sub"), Contains("a folder has this name"));
-  CHECK_THAT(says(folder / "sub/"), Contains("expected a file's"));
+  CHECK_THAT(says(folder / "sub"), Contains("found a folder of this name"));
+  CHECK_THAT(says(folder / "sub/"), Contains("expected a file name"));
   CHECK_THAT(says("/dev/null"), Contains("not a regular file"));
   CHECK_THAT(says("/proc/none.txt"), Contains("/proc/none.txt: cannot write this file: "));
 
@@ -396,7 +396,7 @@ TEST_CASE("places where no file can be are named before the work", "[io][whole_f
   CHECK(fs::is_directory(folder / "a" / "b" / "c"));
   CHECK(fs::is_empty(folder / "a" / "b" / "c"));
   CHECK(make(folder / "a/").empty());
-  CHECK_THAT(make(folder / "file"), Contains("a file has this name"));
+  CHECK_THAT(make(folder / "file"), Contains("found a file of this name"));
   CHECK_THAT(make(folder / "file" / "out"), Contains("Not a directory"));
   CHECK_THAT(make("/proc/none"), Contains("/proc/none: cannot use this output folder: "));
   CHECK_THAT(make(""), Contains("name is empty"));

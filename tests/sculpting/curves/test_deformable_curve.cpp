@@ -275,7 +275,7 @@ TEST_CASE("curve loads that make no sense are refused by name") {
   CHECK_THAT(error_message([&] {
                curve.set_spring_target("wind", {0, 0, 0});
              }),
-             Contains("no spring"));
+             Contains("is not a spring"));
   CHECK_THAT(error_message([&] { curve.step(); }), Contains("motion"));
   auto twice = loads();
   twice.push_back(twice[0]);

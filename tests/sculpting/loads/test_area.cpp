@@ -179,10 +179,10 @@ TEST_CASE("what areas refuse is said in words") {
   };
   using Stroke = Area::Painted::Stroke;
   CHECK_THAT(said({Area::NearLine{"sde 2", 1}}), Contains("did you mean 'side"));
-  CHECK_THAT(said({Area::NearLine{"side 2", 0}}), Contains("radius of 0"));
+  CHECK_THAT(said({Area::NearLine{"side 2", 0}}), Contains("radius 0"));
   CHECK_THAT(said({Area::NearLine{"side 2", std::nan("")}}), Contains("radius"));
-  CHECK_THAT(said({Area::Painted{}}), Contains("without strokes"));
-  CHECK_THAT(said({Area::Painted{{Stroke{Vec3::Zero(), -1}}}}), Contains("radius of -1"));
+  CHECK_THAT(said({Area::Painted{}}), Contains("has no strokes"));
+  CHECK_THAT(said({Area::Painted{{Stroke{Vec3::Zero(), -1}}}}), Contains("radius -1"));
   CHECK_THAT(said({Area::Painted{{Stroke{Vec3::Constant(std::nan("")), 1}}}}), Contains("finite"));
   CHECK_THAT(said({Area::Painted{{Stroke{Vec3::Zero(), 1, std::nan("")}}}}), Contains("finite"));
   CHECK_THAT(error_message([&] { triangle_directions("sde 2", region.layout); }),

@@ -247,7 +247,7 @@ TEST_CASE(
   CHECK(bulge(0) > 1e-3);
   for (int r = 1; r < 4; ++r) CHECK(bulge(r) == Approx(bulge(0)).epsilon(1e-6));
   CHECK_THROWS_WITH(session.add(Load{"x", Load::Pressure{Area{Area::Everywhere{}, {"region 9"}}}}),
-                    Contains("no region 'region 9'") && Contains("did you mean"));
+                    Contains("no face 'region 9'") && Contains("did you mean"));
 }
 
 TEST_CASE("a shared crease moves with both regions, and along the normal it needs a direction") {

@@ -319,13 +319,13 @@ TEST_CASE("lines that a ring cannot have are named") {
     return RegionLayout("ring", lines, options_of(0.2, 1e-3));
   };
   CHECK_THROWS_WITH(with({helix("out", Role::Inner, 1, 0.5, 0, 2, 0.5)}),
-                    Contains("'out' leaves the region"));
+                    Contains("'out' leaves the face"));
   CHECK_THROWS_WITH(
       with({circle("a", Role::Inner, 0.9, 0.5), helix("b", Role::Inner, 1.05, 0.2, 5.5, 7.5, 0.3)}),
       Contains("'a' and 'b'") && Contains("apart"));
   CHECK_THROWS_WITH(with({{"fit", circle("fit", Role::Inner, 0.9, 0.5).curve, Role::Inner,
                            CharacterLine::MeshAlignment::EdgeAligned}}),
-                    Contains("'fit'") && Contains("fitted"));
+                    Contains("'fit' has alignment = \"aligned\""));
 }
 
 TEST_CASE("inner lines come to a ring later and go again") {
@@ -407,5 +407,5 @@ TEST_CASE("holes in a ring, one of them where u begins") {
   lines = rims;
   lines.push_back({"all around", circle("", Role::Hole, 1, 0.7).curve, Role::Hole});
   CHECK_THROWS_WITH(SculptedRegion(lines, edge, 1e-3),
-                    Contains("'all around' runs around the ring"));
+                    Contains("'all around' runs around the annular face"));
 }

@@ -297,7 +297,7 @@ TEST_CASE("a knot is refused in words") {
   knot.push_back(knot.front());
   const auto trefoil = curve_through_points("trefoil", knot);
   CHECK_THROWS_WITH(RegionLayout("r", {{"trefoil", trefoil}}, {}),
-                    Contains("trefoil") && Contains("laid flat"));
+                    Contains("trefoil") && Contains("flattened"));
   SkinOptions fitted;
   fitted.domain = Domain::Developable;
   auto lines = lune(90);

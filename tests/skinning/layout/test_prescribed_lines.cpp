@@ -280,16 +280,17 @@ TEST_CASE("what is wrong with given curves is said") {
     return std::string();
   };
   CHECK_THAT(refused([](PrescribedCurve& c) { c.vertices.clear(); }), Contains("'side 2'"));
-  CHECK_THAT(refused([](PrescribedCurve& c) { c.vertices.back() *= 2; }), Contains("reach"));
+  CHECK_THAT(refused([](PrescribedCurve& c) { c.vertices.back() *= 2; }),
+             Contains("expected vertices from its start"));
   CHECK_THAT(refused([](PrescribedCurve& c) { std::swap(c.vertices[1], c.vertices[2]); }),
-             Contains("ascend"));
+             Contains("do not increase"));
   CHECK_THAT(
       refused([](PrescribedCurve& c) { c.curve = c.curve.with_nodes({0.37 * c.curve.end()}); }),
       Contains("node"));
   CHECK_THAT(refused([](PrescribedCurve& c) { c.curve = HermiteCurve(); }), Contains("empty"));
   auto mixed = lines;
   mixed[2].prescribed = nullptr;
-  CHECK_THROWS_WITH(RegionLayout("r", mixed, with_edge(0.2)), Contains("only one has a given"));
+  CHECK_THROWS_WITH(RegionLayout("r", mixed, with_edge(0.2)), Contains("only one is prescribed"));
   SkinOptions fan = with_edge(0.2);
   fan.mesher = SkinOptions::Mesher::Fan;
   CHECK_THROWS_WITH(RegionLayout("r", lines, fan), Contains("delaunay"));

@@ -246,7 +246,7 @@ TEST_CASE("a line with corners comes and goes by its own name") {
   CHECK(layout.has_line("bent.1"));
   CHECK(layout.has_line("bent.2"));
   CHECK_THAT(error_message([&] { layout.add_inner_line(bent, surface_of(layout)); }),
-             Contains("two lines have the name 'bent.1'"));
+             Contains("two curves have the name 'bent.1'"));
   layout.remove_inner_line("bent");
   CHECK(same_rows(layout.line_constraints(), before, 1e-13, true));
 }
@@ -262,14 +262,14 @@ TEST_CASE("what edits refuse is said in words, and leaves the layout as it was")
   const auto add = [&](const CharacterLine& l) {
     return error_message([&] { layout.add_inner_line(l, shape); });
   };
-  CHECK_THAT(add(line({1.2, 1.2, 0.1}, {3, 1.2, 0.1})), Contains("leaves the region"));
-  CHECK_THAT(add(line({0.1, 0.7, 0.1}, {0.9, 0.7, 0.1})), Contains("leaves the region"));
+  CHECK_THAT(add(line({1.2, 1.2, 0.1}, {3, 1.2, 0.1})), Contains("leaves the face"));
+  CHECK_THAT(add(line({0.1, 0.7, 0.1}, {0.9, 0.7, 0.1})), Contains("leaves the face"));
   CHECK_THAT(add(line({1, 1, 9}, {1.2, 1, 9})), Contains("away from the surface"));
   CHECK_THAT(add(line({1.4, 0.4, 0.4}, {1.4, 1, 0.4})), Contains("cross"));
   CHECK_THAT(add({"hollow", line({1, 1, 0.1}, {1.2, 1, 0.1}).curve, Role::Inner}),
-             Contains("two lines have the name 'hollow'"));
+             Contains("two curves have the name 'hollow'"));
   CHECK_THAT(add({"new", line({1, 1, 0.1}, {1.2, 1, 0.1}).curve, Role::Outline}),
-             Contains("not an inner line"));
+             Contains("not an inner curve"));
   CHECK_THAT(add({"new", nullptr, Role::Inner}), Contains("has no curve"));
   const auto nowhere =
       curve_from_formula(0, 1, [](double t, int) { return Vec3(t, 0.2, std::sqrt(0.5 - t)); });
@@ -278,15 +278,15 @@ TEST_CASE("what edits refuse is said in words, and leaves the layout as it was")
   CHECK_THAT(error_message([&] {
                layout.add_inner_line(line({1, 1, 0.1}, {1.2, 1, 0.1}), surface_of(other));
              }),
-             Contains("another mesh"));
+             Contains("does not have the mesh"));
 
   CHECK_THAT(error_message([&] { layout.line("holow"); }), Contains("did you mean 'hollow'"));
   CHECK_THAT(error_message([&] { layout.remove_inner_line("holow"); }),
              Contains("did you mean 'hollow'"));
   CHECK_THAT(error_message([&] { layout.remove_inner_line("hole"); }),
-             Contains("cannot be taken out"));
+             Contains("cannot be removed"));
   CHECK_THAT(error_message([&] { layout.remove_inner_line("side 1"); }),
-             Contains("cannot be taken out"));
+             Contains("cannot be removed"));
   const HermiteCurve hollow = layout.line("hollow");
   CHECK_THAT(error_message([&] { layout.set_line("holow", hollow); }), Contains("did you mean"));
   CHECK_THAT(error_message([&] { layout.set_line("hollow", hollow.with_scaled_parameter(2)); }),

@@ -110,7 +110,7 @@ TEST_CASE("a ring through circles of a sphere is the sphere, also near its rims"
 TEST_CASE("sections that make no region say why") {
   CHECK_THROWS_WITH(section_lines({section(1, 0, false)}), Contains("expected two or more"));
   CHECK_THROWS_WITH(section_lines({section(1, 0, false), section(2, 0, true)}),
-                    Contains("'section 2' ends where the one before it does"));
+                    Contains("'section 2' shares an end with the section before it"));
   CharacterLine circle;
   circle.name = "circle";
   circle.curve = curve_from_formula(0, 2 * std::numbers::pi, [](double t, int order) -> Vec3 {
@@ -118,5 +118,5 @@ TEST_CASE("sections that make no region say why") {
     return {std::cos(at), std::sin(at), order == 0 ? 3.0 : 0.0};
   });
   CHECK_THROWS_WITH(section_lines({section(1, 0, false), circle}),
-                    Contains("'circle' is closed") && Contains("expected all alike"));
+                    Contains("'circle' is closed") && Contains("expected all open or all closed"));
 }

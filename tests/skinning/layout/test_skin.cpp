@@ -109,8 +109,9 @@ TEST_CASE(
        Role::Inner});
   CHECK(gap_of(crossing, 5) > 0);
   crossing.back().mesh_alignment = MeshAlignment::EdgeAligned;
-  CHECK_THROWS_WITH(RegionLayout("region", crossing, {}),
-                    Contains("'second' cannot be fitted") && Contains("crosses line 'rib'"));
+  CHECK_THROWS_WITH(
+      RegionLayout("region", crossing, {}),
+      Contains("'second' cannot be mesh-aligned") && Contains("intersects curve 'rib'"));
   auto embedded = lines;
   embedded.back().mesh_alignment = MeshAlignment::Embedded;
   gap_of(embedded, 4);
@@ -118,7 +119,7 @@ TEST_CASE(
   loose.push_back({"loose", curve_through_points("loose", {a, Vec3(0.7 * a + 0.3 * b)}),
                    Role::Inner, MeshAlignment::EdgeAligned});
   CHECK_THROWS_WITH(RegionLayout("region", loose, {}),
-                    Contains("'loose' cannot be fitted") && Contains("away from line"));
+                    Contains("'loose' cannot be mesh-aligned") && Contains("away from curve"));
   // The same place at two heights.
   auto bent = lines;
   bent.push_back({"bent", curve_through_points("bent", {a, Vec3(0.5 * (a + b) + Vec3(0, 0, 1)), b}),

@@ -95,10 +95,11 @@ TEST_CASE("lines that miss a hole's rim are named with place and distance", "[sk
   lines.push_back(circle("hole", {2, 1, 0.02}, 0.5));
   const auto make = [&] { RegionLayout("sheet", lines, coarse()); };
   CHECK_THAT(batten_test::error_message(make),
-             Catch::Contains("inner line 'middle' passes the hole's line 'hole' at a distance of "
+             Catch::Contains("inner curve 'middle' passes curve 'hole' of a hole at a distance of "
                              "0.02 near (1.5, 1, 0)"));
   lines[1] = line("middle", Role::Inner, {{1.8, 1, 0}, {2.2, 1, 0}});
-  CHECK_THAT(batten_test::error_message(make), Catch::Contains("'middle' lies in a hole"));
+  CHECK_THAT(batten_test::error_message(make),
+             Catch::Contains("'middle' lies completely in a hole"));
 }
 
 TEST_CASE("a hole that does not hold leaves the shape as it is without it", "[skinning][holes]") {

@@ -162,5 +162,5 @@ TEST_CASE("loops that are none are refused in words") {
         if (order == 0) return {std::sin(2 * t), std::sin(t), 0};
         return {2 * std::cos(2 * t), std::cos(t), 0};
       });
-  CHECK_THROWS_WITH(outline({{"eight", eight}}), Contains("'eight' crosses itself"));
+  CHECK_THROWS_WITH(outline({{"eight", eight}}), Contains("'eight' intersects itself"));
 }

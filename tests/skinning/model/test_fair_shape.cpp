@@ -165,9 +165,10 @@ TEST_CASE("a loft is ruled between two sections, and holds its lines") {
     worst = std::max(worst, std::abs(x.z() - height * (1 - s * s)));
   }
   CHECK(worst < 0.02);
-  CHECK_THROWS_WITH(loft_shape(model, {"bakc"}), Contains("'bakc' is no side of a region"));
+  CHECK_THROWS_WITH(loft_shape(model, {"bakc"}), Contains("'bakc' is neither a side of a face"));
   CHECK_THROWS_WITH(loft_shape(model, {}), Contains("nothing to loft"));
-  CHECK_THROWS_WITH(loft_shape(model, {"back", "left"}), Contains("sides that meet"));
+  CHECK_THROWS_WITH(loft_shape(model, {"back", "left"}),
+                    Contains("on a side adjacent to the other sections"));
 }
 
 TEST_CASE("joined octants are a sphere whose curvature goes on across the join") {

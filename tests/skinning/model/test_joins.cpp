@@ -270,7 +270,7 @@ TEST_CASE("regions that double back on each other are not joined") {
   p.region({"middle", "n1", "e1", "s1"});
   p.region({"-middle", "n2", "e2", "s2"});
   const auto plans = p.plan({p.join_line("middle", 0, 1)});
-  CHECK_THAT(plans[0].rejection_reason, Catch::Matchers::Contains("planes differ by 157"));
+  CHECK_THAT(plans[0].rejection_reason, Catch::Matchers::Contains("faces differ by 157"));
 }
 
 namespace {

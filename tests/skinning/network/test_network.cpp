@@ -523,7 +523,7 @@ TEST_CASE("Lines that run along others are kept once, and named") {
   std::vector<Vec3> fro;
   for (int i = 0; i < 4000; ++i) fro.emplace_back(i % 10 < 5 ? i % 5 : 5 - i % 5, 1e-7 * i, 0);
   CHECK_THROWS_WITH(CurveNetwork({through("fro", fro)}),
-                    Catch::Matchers::Contains("again and again"));
+                    Catch::Matchers::Contains("drawn several times"));
 
   // Two straight lines share the stretch from 1 to 2.
   const CurveNetwork part(

@@ -522,24 +522,24 @@ TEST_CASE("words that fit nothing are refused in words") {
   const Names floor{"x1", "x2", "y1", "y3"};
   refused({surface({{"x1", "x2", "y1", "yy3"}})},
           Contains("scene.toml:8:1: ") && Contains("'yy3'"));
-  refused({surface({{"x1", "x2", "y1"}}, "lid")}, Contains("'lid'") && Contains("loose at"));
-  refused({surface({})}, Contains("no lines"));
-  refused({surface({{}})}, Contains("no lines"));
+  refused({surface({{"x1", "x2", "y1"}}, "lid")}, Contains("'lid'") && Contains("free end at"));
+  refused({surface({})}, Contains("names no curves"));
+  refused({surface({{}})}, Contains("names no curves"));
   refused({surface({floor}), surface({floor})}, Contains("twice"));
-  refused({surface({floor}), no_surface(floor)}, Contains("no surface"));
-  refused({surface({floor})}, Contains("most_at_line"), 0);
+  refused({surface({floor}), no_surface(floor)}, Contains("surface = false"));
+  refused({surface({floor})}, Contains("max_faces_per_edge"), 0);
   const auto all_edges = [&](char axis) {
     Names names;
     for (int i = 1; i <= 4; ++i) names.push_back(std::string(1, axis) + std::to_string(i));
     return names;
   };
-  refused({surface({all_edges('x')})}, Contains("loose"));
+  refused({surface({all_edges('x')})}, Contains("free end"));
   RegionSpec annulus = surface({floor});
   annulus.annulus = true;
-  refused({annulus}, Contains("two rims"));
+  refused({annulus}, Contains("expected two for an annulus"));
   RegionSpec inner = surface({floor});
   inner.inner = {"x1"};
-  refused({inner}, Contains("inner line and a border"));
+  refused({inner}, Contains("inner curve and a boundary"));
 }
 
 TEST_CASE("regions do not depend on the order or direction of lines, nor on small moves") {

@@ -75,7 +75,7 @@ TEST_CASE("an inner line that leaves the region is left out, with its reason") {
   const LayoutCandidate candidate = best_layout(region_request(lines, 1), metadata(), {});
   CHECK_FALSE(candidate.layout->has_line("rib"));
   REQUIRE(candidate.warnings.size() == 1);
-  CHECK_THAT(candidate.warnings[0], Contains("inner lines are left out") && Contains("'rib'"));
+  CHECK_THAT(candidate.warnings[0], Contains("inner curves are ignored") && Contains("'rib'"));
 }
 
 TEST_CASE("what no way can make is refused as the first way refuses it") {
